@@ -1,0 +1,140 @@
+// relamp, the command line. Links no window and no GL. stdout carries the result only, stderr log and progress.
+#include <CLI/CLI.hpp>
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cstdio>
+#include <new>
+#include <nlohmann/json.hpp>
+
+#include "base/log.h"
+#include "commands.h"
+
+namespace {
+
+relamp::Progress* currentProgress = nullptr;
+std::atomic<int> caughtSignal{0};
+
+extern "C" void onSignal(int number) {
+    caughtSignal = number;
+    if (currentProgress) currentProgress->requestStop();
+}
+
+/// --progress auto|bar|json|none.
+void showProgress(relamp::Progress& progress, std::string mode) {
+    if (mode == "auto") mode = isatty(2) ? "bar" : "none";
+    if (mode == "bar")
+        progress.setListener([](const std::string& label, double share) { std::fprintf(stderr, "\r\033[K%s %3.0f %%", label.c_str(), share * 100); });
+    else if (mode == "json")
+        progress.setListener([](const std::string& label, double share) {
+            std::fprintf(stderr, "%s\n", nlohmann::json{{"stage", label}, {"share", share}}.dump().c_str());
+        });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    using namespace relamp;
+    CLI::App app{"relamp: relight a captured scene. It separates what the lights did from what the surfaces are."};
+    app.set_version_flag("--version", "relamp " RELAMP_VERSION);
+    app.require_subcommand(1);
+    std::string progressMode = "auto";
+    bool quiet = false;
+    app.add_option("--progress", progressMode, "Progress on stderr")->check(CLI::IsMember({"auto", "bar", "json", "none"}));
+    app.add_flag("--quiet", quiet, "No log lines");
+    app.fallthrough();
+
+    std::filesystem::path path;
+    bool json = false;
+    cli::SolveArguments solve;
+    cli::RenderArguments render;
+    cli::CompareArguments compare;
+
+    CLI::App* checkVerb = app.add_subcommand("check", "Import doctor: poses, coverage, exposure, clipped pixels, mesh defects");
+    checkVerb->add_option("capture", path, "Capture folder")->required();
+    checkVerb->add_flag("--json", json, "One JSON object");
+
+    CLI::App* solveVerb = app.add_subcommand("solve", "Separate distant light, emitters and reflectance");
+    solveVerb->add_option("capture", solve.capture, "Capture folder with transforms.json")->required();
+    solveVerb->add_option("-o,--output", solve.output, "Shot folder, NAME.relamp")->required();
+    solveVerb->add_option("--mode", solve.mode, "near-field, or distant-only: the baseline that knows no lamps")->capture_default_str();
+    solveVerb->add_option("--quality", solve.quality, "draft, standard or fine")->capture_default_str();
+    solveVerb->add_option("--time-budget", solve.timeBudget, "Seconds after which the best answer so far is kept")->check(CLI::NonNegativeNumber);
+    solveVerb->add_option("--gauge", solve.gauge, "What fixes the brightness scale: auto, white-patch=V,X,Y, emitter=ID:R,G,B, albedo=A")->capture_default_str();
+    solveVerb->add_option("--grid-side", solve.gridSide, "Side of the visibility grid (power of two)");
+    solveVerb->add_option("--threads", solve.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
+    solveVerb->add_option("--seed", solve.seed, "Seed of every random choice")->capture_default_str();
+    solveVerb->add_flag("--overwrite", solve.overwrite, "Replace an existing shot");
+
+    CLI::App* renderVerb = app.add_subcommand("render", "Relit frames");
+    renderVerb->add_option("shot", render.shot, "Shot folder")->required();
+    renderVerb->add_option("-o,--output", render.output, "Picture (EXR, or PNG/JPEG for a look); with several frames a name with #### or %04d")->required();
+    renderVerb->add_option("--edits", render.edits, "Edits document (JSON) in place of the shot's own look");
+    renderVerb->add_option("--env", render.environment, "A latitude-longitude file, none, or recovered");
+    renderVerb->add_option("--env-yaw", render.yaw, "Degrees about the vertical");
+    renderVerb->add_option("--camera", render.camera, "A view's number, a camera file, or all")->capture_default_str();
+    renderVerb->add_option("--frames", render.frames, "With --camera all: 1-3,5,7-20:2");
+    renderVerb->add_option("--size", render.size, "WxH in place of the camera's own");
+    renderVerb->add_option("--layers", render.layers, "all, or names: groups, albedo, normal, position, depth");
+    renderVerb->add_option("--samples", render.samples, "Samples a pixel")->check(CLI::PositiveNumber);
+    renderVerb->add_option("--threads", render.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
+    renderVerb->add_option("--seed", render.seed, "Seed of the sampling")->capture_default_str();
+    renderVerb->add_flag("--skip-existing", render.skipExisting, "Leave frames that exist");
+
+    CLI::App* compareVerb = app.add_subcommand("compare", "Near-field against distant-only: figures and pictures in one HTML page");
+    compareVerb->add_option("capture", compare.capture, "Capture folder")->required();
+    compareVerb->add_option("-o,--output", compare.output, "Folder for the page")->required();
+    compareVerb->add_option("--quality", compare.quality, "draft, standard or fine")->capture_default_str();
+    compareVerb->add_option("--threads", compare.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
+    compareVerb->add_option("--seed", compare.seed, "Seed of every random choice")->capture_default_str();
+
+    CLI::App* infoVerb = app.add_subcommand("info", "What is in a shot or a capture");
+    infoVerb->add_option("path", path, "Shot or capture folder")->required();
+    infoVerb->add_flag("--json", json, "One JSON object");
+
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    }
+
+    Progress progress;
+    currentProgress = &progress;
+    struct sigaction action {};
+    action.sa_handler = onSignal;
+    sigaction(SIGINT, &action, nullptr);
+    sigaction(SIGTERM, &action, nullptr);
+    const bool bar = progressMode == "bar" || (progressMode == "auto" && isatty(2));
+    if (!quiet)
+        setLogSink([bar](LogLevel level, const std::string& line) { std::fprintf(stderr, "%s%s%s\n", bar ? "\r\033[K" : "", level == LogLevel::warning ? "warning: " : "", line.c_str()); });
+    showProgress(progress, progressMode);
+
+    const auto fail = [&](int code, const char* what) {
+        std::fprintf(stderr, "%srelamp: %s\n", bar ? "\r\033[K" : "", what);
+        return code;
+    };
+    try {
+        int code = 0;
+        if (*checkVerb) code = cli::check(path, json, progress);
+        else if (*solveVerb) code = cli::solve(solve, progress);
+        else if (*renderVerb) code = cli::render(render, progress);
+        else if (*compareVerb) code = cli::compare(compare, progress);
+        else if (*infoVerb) code = cli::info(path, json, progress);
+        if (bar) std::fputs("\r\033[K", stderr);
+        return code;
+    } catch (const Cancelled&) {
+        return fail(128 + (caughtSignal ? caughtSignal.load() : SIGINT), "stopped");
+    } catch (const cli::UsageError& error) {
+        return fail(2, error.what());
+    } catch (const OutOfResources& error) {
+        return fail(6, error.what());
+    } catch (const Error& error) {
+        return fail(3, error.what());
+    } catch (const std::bad_alloc&) {
+        return fail(6, "out of memory");
+    } catch (const std::exception& error) {
+        return fail(1, error.what());
+    }
+}

@@ -1,0 +1,173 @@
+#include "commands.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cstdio>
+
+#include "base/atomic_file.h"
+#include "base/log.h"
+#include "base/parallel.h"
+#include "capture/check.h"
+#include "image/image_io.h"
+#include "pipeline/pipeline.h"
+#include "relight/frame.h"
+#include "report/compare.h"
+#include "shot/export_frame.h"
+#include "shot/shot_file.h"
+
+namespace relamp::cli {
+
+namespace {
+
+std::vector<float> numbersOf(const std::string& text, const std::string& option, size_t count) {
+    std::vector<float> values;
+    size_t at = 0;
+    while (at <= text.size()) {
+        const size_t comma = std::min(text.find(',', at), text.size());
+        const std::string part = text.substr(at, comma - at);
+        char* end = nullptr;
+        const float value = std::strtof(part.c_str(), &end);
+        if (part.empty() || *end || !std::isfinite(value)) throw UsageError(option + ": '" + part + "' is not a number");
+        values.push_back(value);
+        at = comma + 1;
+    }
+    if (values.size() != count) throw UsageError(fmt::format("{}: expected {} numbers, got {}", option, count, values.size()));
+    return values;
+}
+
+GaugeChoice gaugeOf(const std::string& text) {
+    GaugeChoice gauge;
+    if (text == "auto") return gauge;
+    const size_t equals = text.find('=');
+    const std::string kind = text.substr(0, equals), rest = equals == std::string::npos ? "" : text.substr(equals + 1);
+    if (kind == "white-patch") {
+        const auto v = numbersOf(rest, "--gauge white-patch", 3);
+        gauge.kind = GaugeChoice::Kind::whitePatch;
+        gauge.view = int(v[0]);
+        gauge.pixel = {v[1], v[2]};
+    } else if (kind == "emitter") {
+        const size_t colon = rest.find(':');
+        if (colon == std::string::npos) throw UsageError("--gauge emitter: expected emitter=ID:R,G,B");
+        const auto v = numbersOf(rest.substr(colon + 1), "--gauge emitter", 3);
+        gauge.kind = GaugeChoice::Kind::emitter;
+        gauge.emitter = rest.substr(0, colon);
+        gauge.radiance = {v[0], v[1], v[2]};
+    } else if (kind == "albedo") {
+        gauge.kind = GaugeChoice::Kind::albedo;
+        gauge.albedo = numbersOf(rest, "--gauge albedo", 1)[0];
+        if (!(gauge.albedo > 0)) throw UsageError("--gauge albedo: expected more than 0");
+    } else {
+        throw UsageError("--gauge " + text + ": unknown, expected auto, white-patch=V,X,Y, emitter=ID:R,G,B or albedo=A");
+    }
+    return gauge;
+}
+
+}  // namespace
+
+int check(const fs::path& capture, bool json, Progress& progress) {
+    const CaptureCheck result = checkCapture(loadCapture(capture, {}, progress), progress);
+    if (json) std::puts(toJson(result).dump(1).c_str());
+    else std::fputs(toText(result).c_str(), stdout);
+    return 0;
+}
+
+int solve(const SolveArguments& a, Progress& progress) {
+    const ThreadLimit limit(a.threads);
+    PipelineOptions options;
+    options.solve = solveOptionsFor(a.quality);
+    if (a.mode == "distant-only") options.solve.nearField = false;
+    else if (a.mode != "near-field") throw UsageError("--mode " + a.mode + ": unknown, expected near-field or distant-only");
+    if (a.gridSide) {
+        if (a.gridSide < 8 || a.gridSide > 256 || (a.gridSide & (a.gridSide - 1))) throw UsageError("--grid-side: expected a power of two from 8 to 256");
+        options.solve.visibilitySide = a.gridSide;
+    }
+    options.solve.gauge = gaugeOf(a.gauge);
+    options.solve.seed = a.seed;
+    if (fs::exists(a.output) && !a.overwrite) throw Error("{}: exists already, add --overwrite to replace it", a.output.string());
+    progress.setBudget(a.timeBudget);
+    PipelineResult r = runPipeline(a.capture, options, progress);
+    Shot shot;
+    shot.captureFolder = a.capture;
+    shot.estimate = std::move(r.estimate);
+    shot.quality = a.quality;
+    shot.seed = a.seed;
+    shot.resources = {progress.seconds(), peakMib(), a.threads > 0 ? a.threads : availableThreads()};
+    saveShot(shot, r.scene.mesh, a.output, a.overwrite);
+    logInfo("solved in {:.1f} s, {:.0f} MiB: {} emitter(s), {} distant unknowns", shot.resources.seconds, shot.resources.peakMib, shot.estimate.emitters.emitters.size(), shot.estimate.lighting.leaves.size());
+    return 0;
+}
+
+int render(const RenderArguments& a, Progress& progress) {
+    const ThreadLimit limit(a.threads);
+    const Shot shot = openShot(a.shot, false, progress);
+    Look look = a.edits.empty() ? shot.look : readLook(a.edits);
+    if (!a.environment.empty()) {
+        if (a.environment == "none") look.environment.source = EnvironmentLook::Source::none;
+        else if (a.environment == "recovered") look.environment.source = EnvironmentLook::Source::recovered;
+        else {
+            look.environment.source = EnvironmentLook::Source::file;
+            look.environment.file = a.environment;
+        }
+    }
+    look.environment.yawDegrees += a.yaw;
+    const std::vector<FrameJob> jobs = frameJobs(shot.capture, a.camera, a.frames, a.size, a.output);
+    const Scene scene = buildScene(shot.capture.mesh, progress);
+    const RelitScene relit = applyLook(scene, shot.estimate, look, progress);
+    FrameOptions options;
+    options.seed = a.seed;
+    if (a.samples > 0) options.samplesPerPixel = a.samples;
+    int failures = 0;
+    for (const FrameJob& job : jobs) {
+        if (a.skipExisting && fs::exists(job.file)) continue;
+        try {
+            const Frame frame = renderFrame(relit, job.camera, options, progress);
+            const double sumError = writeFrame(job.file, frame, relit, job.camera, a.layers);
+            logInfo("{}: written, light groups sum to the beauty within {:.2g}", job.file.string(), sumError);
+        } catch (const Error& error) {
+            if (jobs.size() == 1) throw;
+            logWarning("{}", error.what());
+            ++failures;
+        }
+    }
+    return failures ? 5 : 0;
+}
+
+int compare(const CompareArguments& a, Progress& progress) {
+    const ThreadLimit limit(a.threads);
+    CompareOptions options;
+    options.solve = solveOptionsFor(a.quality);
+    options.solve.seed = a.seed;
+    const fs::path page = writeComparison(a.capture, a.output, options, progress);
+    logInfo("{}: written", page.string());
+    return 0;
+}
+
+int info(const fs::path& path, bool json, Progress& progress) {
+    nlohmann::json result;
+    if (fs::exists(path / "shot.json")) {
+        result = nlohmann::json::parse(readBytes(path / "shot.json", size_t(256) << 20), nullptr, false);
+        if (!result.is_object() || !result.contains("emitters") || !result.contains("mode")) throw Error("{}: is not a shot's description", (path / "shot.json").string());
+        result.erase("look");
+    } else {
+        LoadOptions load;
+        load.images = false;
+        const Capture capture = loadCapture(path, load, progress);
+        result = {{"views", capture.views.size()}, {"vertices", capture.mesh.vertexCount()}, {"triangles", capture.mesh.triangles.size()}, {"notes", capture.notes}};
+    }
+    if (json) {
+        std::puts(result.dump(1).c_str());
+        return 0;
+    }
+    if (result.contains("views")) {
+        fmt::print("capture: {} views, {} vertices, {} triangles\n", result["views"].dump(), result["vertices"].dump(), result["triangles"].dump());
+        return 0;
+    }
+    fmt::print("shot ({}), solved in {:.1f} s\n", result["mode"].get<std::string>(), result["resources"]["seconds"].get<double>());
+    for (const auto& e : result["emitters"])
+        fmt::print("  {}  radiance {}  area {:.4g} m2  seen in {} views  identifiable {:.0f} %\n", e["id"].get<std::string>(), e["power"].dump(), e["area_m2"].get<double>(), e["views_seen"].dump(), 100 * e.value("identifiability", 0.0));
+    fmt::print("  environment: {} coefficients\n  gauge: {} ({})\n", result["environment"]["kept_coefficients"].dump(), result["gauge"]["kind"].get<std::string>(), result["gauge"]["evidence"].get<std::string>());
+    for (const auto& l : result["left_out"]) fmt::print("  left out: {} ({})\n", l["what"].get<std::string>(), l["why"].get<std::string>());
+    return 0;
+}
+
+}  // namespace relamp::cli

@@ -1,0 +1,51 @@
+// The verbs of the command line: each takes its parsed options and returns an exit code.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "base/progress.h"
+
+namespace relamp::cli {
+
+namespace fs = std::filesystem;
+
+/// Wrong options: exit code 2.
+class UsageError : public Error {
+public:
+    using Error::Error;
+};
+
+struct SolveArguments {
+    fs::path capture, output;
+    std::string mode = "near-field", quality = "standard", gauge = "auto";
+    double timeBudget = 0;
+    int gridSide = 0, threads = 0;
+    uint64_t seed = 1;
+    bool overwrite = false;
+};
+
+struct RenderArguments {
+    fs::path shot, output, edits;
+    std::string environment, camera = "0", frames, size, layers;
+    float yaw = 0;
+    int samples = 0, threads = 0;
+    uint64_t seed = 1;
+    bool skipExisting = false;
+};
+
+struct CompareArguments {
+    fs::path capture, output;
+    std::string quality = "standard";
+    int threads = 0;
+    uint64_t seed = 1;
+};
+
+int check(const fs::path& capture, bool json, Progress& progress);
+int solve(const SolveArguments& arguments, Progress& progress);
+int render(const RenderArguments& arguments, Progress& progress);
+int compare(const CompareArguments& arguments, Progress& progress);
+int info(const fs::path& path, bool json, Progress& progress);
+
+}  // namespace relamp::cli

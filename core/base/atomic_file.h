@@ -1,0 +1,20 @@
+// Files are written whole or not at all: a temporary file beside the target, fsync, rename.
+#pragma once
+#include <filesystem>
+#include <functional>
+#include <string>
+
+namespace relamp {
+
+/// Lets `write` fill a temporary file in the target's folder (same extension), then flushes it to disk and renames it
+/// over `target`. On any failure the target is as it was and the temporary file is gone. Throws Error naming the file;
+/// a full disk throws OutOfResources.
+void writeFileAtomically(const std::filesystem::path& target, const std::function<void(const std::filesystem::path&)>& write);
+
+/// The same for text or bytes in memory.
+void writeBytesAtomically(const std::filesystem::path& target, const std::string& bytes);
+
+/// Whole file as bytes; throws Error when it cannot be read or is larger than `maxBytes`.
+std::string readBytes(const std::filesystem::path& file, size_t maxBytes = size_t(1) << 32);
+
+}  // namespace relamp

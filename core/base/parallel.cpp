@@ -1,0 +1,35 @@
+#include "base/parallel.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+
+namespace relamp {
+
+struct ThreadLimit::Control {
+    explicit Control(int threads) : control(tbb::global_control::max_allowed_parallelism, size_t(threads)) {}
+    tbb::global_control control;
+};
+ThreadLimit::ThreadLimit(int threads) {
+    if (threads > 0) control_ = std::make_unique<Control>(threads);
+}
+ThreadLimit::~ThreadLimit() = default;
+
+int availableThreads() { return tbb::info::default_concurrency(); }
+
+void parallelBlocks(size_t count, size_t block, const std::function<void(size_t, size_t)>& body, Progress* progress) {
+    if (count == 0) return;
+    block = std::max<size_t>(block, 1);
+    const size_t blocks = (count + block - 1) / block;
+    // An exception must reach the caller as itself, and TBB's cancellation must not skip blocks silently.
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, blocks, 1), [&](const tbb::blocked_range<size_t>& range) {
+        for (size_t b = range.begin(); b != range.end(); ++b) {
+            const size_t begin = b * block, end = std::min(count, begin + block);
+            body(begin, end);
+            if (progress) progress->advance(end - begin);
+        }
+    }, tbb::simple_partitioner());
+}
+
+}  // namespace relamp

@@ -1,0 +1,307 @@
+#include "capture/check.h"
+
+#include <limits>
+
+#include "base/parallel.h"
+
+namespace relamp {
+namespace {
+
+/// Fewest vertices on which a statement about a view's exposure rests.
+constexpr size_t enoughVertices = 50;
+
+/// Distance along the view axis of the nearest surface, on a small picture.
+struct DepthPicture {
+    int width = 0, height = 0;
+    float pixelsPerCell = 1;  ///< pixels of the photograph along one edge of a cell
+    std::vector<float> depth;
+
+    float at(const Vec2& pixel) const {
+        const int x = int(pixel.x / pixelsPerCell), y = int(pixel.y / pixelsPerCell);
+        if (x < 0 || y < 0 || x >= width || y >= height) return std::numeric_limits<float>::infinity();
+        return depth[size_t(y) * width + x];
+    }
+};
+
+struct Projected {
+    Vec2 pixel{0};
+    float depth = -1;  ///< metres; negative where the vertex does not project
+};
+
+std::vector<Projected> projectVertices(const Camera& camera, const Mesh& mesh, const Progress& progress) {
+    std::vector<Projected> result(mesh.vertexCount());
+    for (size_t v = 0; v < result.size(); ++v) {
+        if (v % 4096 == 0) progress.check();
+        if (const auto pixel = camera.project(DVec3(mesh.positions[v])))
+            result[v] = {*pixel, float(camera.depthOf(DVec3(mesh.positions[v])))};
+    }
+    return result;
+}
+
+DepthPicture rasterise(const Camera& camera, const Mesh& mesh, const std::vector<Projected>& vertices, const Progress& progress) {
+    constexpr int longestSide = 320;
+    DepthPicture picture;
+    picture.pixelsPerCell = std::max(1.0f, float(std::max(camera.width, camera.height)) / longestSide);
+    picture.width = std::max(1, int(std::ceil(float(camera.width) / picture.pixelsPerCell)));
+    picture.height = std::max(1, int(std::ceil(float(camera.height) / picture.pixelsPerCell)));
+    picture.depth.assign(size_t(picture.width) * picture.height, std::numeric_limits<float>::infinity());
+    for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+        if (t % 4096 == 0) progress.check();
+        const Projected corner[3] = {vertices[mesh.triangles[t][0]], vertices[mesh.triangles[t][1]], vertices[mesh.triangles[t][2]]};
+        if (corner[0].depth <= 0 || corner[1].depth <= 0 || corner[2].depth <= 0) continue;
+        const Vec2 a = corner[0].pixel / picture.pixelsPerCell, b = corner[1].pixel / picture.pixelsPerCell,
+                   c = corner[2].pixel / picture.pixelsPerCell;
+        const Vec2 low = glm::min(a, glm::min(b, c)), high = glm::max(a, glm::max(b, c));
+        if (!(high.x >= 0 && high.y >= 0 && low.x < float(picture.width) && low.y < float(picture.height))) continue;
+        const int x0 = int(std::max(low.x, 0.0f)), x1 = int(std::min(high.x, float(picture.width - 1)));
+        const int y0 = int(std::max(low.y, 0.0f)), y1 = int(std::min(high.y, float(picture.height - 1)));
+        const float area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+        const auto put = [&](int x, int y, float depth) {
+            float& stored = picture.depth[size_t(y) * picture.width + x];
+            stored = std::min(stored, depth);
+        };
+        // Triangles smaller than a cell would slip between the centres.
+        if (x1 - x0 <= 1 && y1 - y0 <= 1) {
+            const Vec2 middle = (a + b + c) / 3.0f;
+            if (middle.x >= 0 && middle.y >= 0 && middle.x < float(picture.width) && middle.y < float(picture.height))
+                put(int(middle.x), int(middle.y), (corner[0].depth + corner[1].depth + corner[2].depth) / 3);
+        }
+        if (area == 0) continue;
+        for (int y = y0; y <= y1; ++y)
+            for (int x = x0; x <= x1; ++x) {
+                const Vec2 p(float(x) + 0.5f, float(y) + 0.5f);
+                const float wb = ((p.x - a.x) * (c.y - a.y) - (p.y - a.y) * (c.x - a.x)) / area;
+                const float wc = ((b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x)) / area;
+                if (wb < 0 || wc < 0 || wb + wc > 1) continue;
+                put(x, y, 1 / ((1 - wb - wc) / corner[0].depth + wb / corner[1].depth + wc / corner[2].depth));
+            }
+    }
+    return picture;
+}
+
+bool isInside(const Camera& camera, const Vec2& pixel) {
+    return pixel.x >= 0 && pixel.y >= 0 && pixel.x < float(camera.width) && pixel.y < float(camera.height);
+}
+
+/// The value below which a share of the values lies; 0 when there are none.
+float quantile(std::vector<float>& values, double share) {
+    if (values.empty()) return 0;
+    const auto place = values.begin() + std::ptrdiff_t(double(values.size() - 1) * share + 0.5);
+    std::nth_element(values.begin(), place, values.end());
+    return *place;
+}
+float median(std::vector<float>& values) { return quantile(values, 0.5); }
+
+void imageFigures(const View& view, ViewCheck& check) {
+    check.nan = view.imageReport.nan;
+    check.infinite = view.imageReport.infinite;
+    check.negative = view.imageReport.negative;
+    size_t usable = 0, clipped = 0;
+    double sum = 0;
+    for (size_t i = 0; i < view.image.pixels.size(); ++i) {
+        if (!view.image.usable.empty() && !view.image.usable[i]) continue;
+        ++usable;
+        sum += luminance(view.image.pixels[i]);
+        clipped += view.saturation > 0 && maxChannel(view.image.pixels[i]) >= view.saturation;
+    }
+    const double all = double(std::max<size_t>(1, view.image.pixels.size()));
+    check.maskedShare = view.image.pixels.empty() ? 0 : 1 - double(usable) / all;
+    check.clippedShare = double(clipped) / all;
+    check.meanRadiance = usable ? sum / double(usable) : 0;
+}
+
+/// What one view says of the mesh: which vertices it sees, and how bright some of them are.
+struct ViewSight {
+    std::vector<uint8_t> sees;      ///< per vertex
+    std::vector<float> brightness;  ///< log2 luminance per sampled vertex; NaN where it is not seen
+};
+
+ViewSight lookAt(const View& view, const Mesh& mesh, const std::vector<uint8_t>& referenced, size_t stride, ViewCheck& check,
+                 const Progress& progress) {
+    const std::vector<Projected> vertices = projectVertices(view.camera, mesh, progress);
+    const DepthPicture depth = rasterise(view.camera, mesh, vertices, progress);
+    size_t covered = 0, inside = 0;
+    for (const float d : depth.depth) covered += std::isfinite(d);
+    check.meshShare = double(covered) / double(depth.depth.size());
+    ViewSight sight;
+    sight.sees.assign(mesh.vertexCount(), 0);
+    sight.brightness.assign((mesh.vertexCount() + stride - 1) / stride, std::numeric_limits<float>::quiet_NaN());
+    const DVec3 eye = view.camera.position();
+    for (size_t v = 0; v < mesh.vertexCount(); ++v) {
+        const Projected& p = vertices[v];
+        if (p.depth <= 0 || !isInside(view.camera, p.pixel)) continue;
+        ++inside;
+        if (!referenced[v]) continue;
+        const Vec3 towardEye = Vec3(glm::normalize(eye - DVec3(mesh.positions[v])));
+        // Grazing vertices are judged by their neighbours' depth, so they are left out.
+        if (glm::dot(mesh.normals[v], towardEye) < 0.2f || p.depth > depth.at(p.pixel) * 1.02f) continue;
+        sight.sees[v] = 1;
+        if (v % stride || view.image.pixels.empty()) continue;
+        const int x = std::min(int(p.pixel.x), view.image.width - 1), y = std::min(int(p.pixel.y), view.image.height - 1);
+        const Rgb& colour = view.image.at(x, y);
+        const bool clipped = view.saturation > 0 && maxChannel(colour) >= view.saturation;
+        if (view.image.usableAt(x, y) && !clipped && luminance(colour) > 0) sight.brightness[v / stride] = std::log2(luminance(colour));
+    }
+    check.verticesInside = double(inside) / double(std::max<size_t>(1, mesh.vertexCount()));
+    return sight;
+}
+
+/// Median of the sorted values without the one at `leftOut`.
+float medianWithout(const std::vector<float>& sorted, size_t leftOut) {
+    const size_t count = sorted.size() - 1;
+    const auto value = [&](size_t i) { return sorted[i < leftOut ? i : i + 1]; };
+    return 0.5f * (value((count - 1) / 2) + value(count / 2));
+}
+
+/// Each view's brightness against the other views that see the same vertices: the median difference to the median of
+/// the others, refined a few times with the differences found so far taken out.
+void compareExposures(const std::vector<ViewSight>& sights, CaptureCheck& check) {
+    if (sights.empty()) return;
+    std::vector<float> stops(sights.size(), 0.0f);
+    std::vector<std::vector<float>> differences(sights.size());
+    std::vector<std::pair<float, size_t>> seen;
+    std::vector<float> sorted;
+    for (int round = 0; round < 6; ++round) {
+        for (auto& d : differences) d.clear();
+        for (size_t s = 0; s < sights[0].brightness.size(); ++s) {
+            seen.clear();
+            sorted.clear();
+            for (size_t i = 0; i < sights.size(); ++i)
+                if (!std::isnan(sights[i].brightness[s])) seen.emplace_back(sights[i].brightness[s] - stops[i], i);
+            if (seen.size() < 2) continue;
+            std::sort(seen.begin(), seen.end());
+            for (const auto& [value, view] : seen) sorted.push_back(value);
+            for (size_t k = 0; k < seen.size(); ++k) differences[seen[k].second].push_back(sorted[k] - medianWithout(sorted, k));
+        }
+        // Half steps, because two views that correct each other fully would swing.
+        for (size_t i = 0; i < sights.size(); ++i) {
+            check.views[i].comparedVertices = differences[i].size();
+            stops[i] += 0.5f * median(differences[i]);
+        }
+        std::vector<float> copy(stops);
+        const float middle = median(copy);
+        for (float& value : stops) value -= middle;
+    }
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (size_t i = 0; i < sights.size(); ++i) {
+        check.views[i].exposureStops = double(stops[i]);
+        check.views[i].exposureScatterStops = double(quantile(differences[i], 0.75) - quantile(differences[i], 0.25));
+        if (check.views[i].comparedVertices < enoughVertices) continue;
+        low = std::min(low, check.views[i].exposureStops);
+        high = std::max(high, check.views[i].exposureStops);
+    }
+    check.exposureSpreadStops = high > low ? high - low : 0;
+}
+
+std::string axisName(const Vec3& v) {
+    int axis = 0;
+    for (int c = 1; c < 3; ++c)
+        if (std::abs(v[c]) > std::abs(v[axis])) axis = c;
+    return std::string(v[axis] < 0 ? "-" : "") + "xyz"[axis];
+}
+
+void guessAxes(const Capture& capture, CaptureCheck& check) {
+    check.up = axisName(capture.up);
+    DVec3 cameraUp(0);
+    size_t ahead = 0, behind = 0;
+    const DVec3 middle = DVec3(0.5f * (check.meshMin + check.meshMax));
+    for (const View& view : capture.views) {
+        cameraUp += DVec3(view.camera.worldFromCamera[1]);
+        (view.camera.depthOf(middle) > 0 ? ahead : behind)++;
+    }
+    check.lookBackwards = behind > ahead;
+    if (check.lookBackwards) cameraUp = -cameraUp;  // OpenCV's axes have y down as well
+    const double length = glm::length(cameraUp);
+    if (!(length > 1e-9)) return;
+    check.upGuess = axisName(Vec3(cameraUp / length));
+    check.upAgreement = glm::dot(cameraUp / length, DVec3(capture.up));
+}
+
+std::string percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
+
+void warn(const Capture& capture, CaptureCheck& check) {
+    const auto say = [&](std::string sentence) { check.warnings.push_back(std::move(sentence)); };
+    if (check.lookBackwards)
+        say("The mesh lies behind most cameras: the matrices seem to use OpenCV axes (+Y down, +Z forward), OpenGL axes are expected.");
+    if (!check.upGuess.empty() && check.upGuess != check.up)
+        say(fmt::format("The cameras' up is nearest to {}, the file says {}: set \"up\" in transforms.json if the world stands on its side.",
+                        check.upGuess, check.up));
+    if (check.views.size() < 3) say(fmt::format("There are only {} views; light and reflectance are hard to tell apart.", check.views.size()));
+    for (const ViewCheck& v : check.views) {
+        if (v.meshShare < 0.02) say(fmt::format("{}: the mesh covers {} of the picture; pose, up or scale may be wrong.", v.name, percent(v.meshShare)));
+        if (v.maskedShare > 0.9) say(fmt::format("{}: {} of the pixels are left out.", v.name, percent(v.maskedShare)));
+        if (v.clippedShare > 0.01) say(fmt::format("{}: {} of the pixels are clipped; brackets would recover them.", v.name, percent(v.clippedShare)));
+        if (v.nan + v.infinite > 0) say(fmt::format("{}: {} pixels are NaN or infinite.", v.name, v.nan + v.infinite));
+        // Where the vertices disagree among themselves the surface is glossy, and nothing can be said.
+        if (v.comparedVertices >= enoughVertices && std::abs(v.exposureStops) > std::max(0.25, v.exposureScatterStops))
+            say(fmt::format("{}: is {:.2f} stops {} than the other views of the same surface; all views must share one exposure scale.", v.name,
+                            std::abs(v.exposureStops), v.exposureStops > 0 ? "brighter" : "darker"));
+        if (v.maskedShare < 1 && v.meanRadiance == 0 && !capture.views.empty() && !capture.views[0].image.pixels.empty())
+            say(fmt::format("{}: is black all over.", v.name));
+    }
+    if (check.seenTwiceShare < 0.3) say(fmt::format("Only {} of the vertices are seen by two views or more.", percent(check.seenTwiceShare)));
+    const MeshReport& m = check.mesh;
+    if (m.nanVertices) say(fmt::format("The mesh has {} vertices that are not finite; their faces were dropped.", m.nanVertices));
+    if (m.badIndexFaces) say(fmt::format("The mesh has {} faces that name vertices which do not exist; they were dropped.", m.badIndexFaces));
+    if (m.nonManifoldEdges) say(fmt::format("The mesh has {} edges of three or more faces.", m.nonManifoldEdges));
+    if (m.boundaryEdges) say(fmt::format("The mesh has holes or open rims ({} edges); light can leak in through holes.", m.boundaryEdges));
+    const float size = glm::length(check.meshMax - check.meshMin);
+    if (size > 1000 || size < 0.01f) say(fmt::format("The mesh is {:.3g} m across; lengths are taken to be metres.", size));
+}
+
+}  // namespace
+
+CaptureCheck checkCapture(const Capture& capture, Progress& progress) {
+    CaptureCheck check;
+    const Mesh& mesh = capture.mesh;
+    check.mesh = capture.meshReport;
+    check.notes = capture.notes;
+    std::vector<uint8_t> referenced(mesh.vertexCount(), 0);
+    Vec3 low(std::numeric_limits<float>::infinity()), high(-low);
+    for (const Triangle& t : mesh.triangles)
+        for (const uint32_t v : t) {
+            referenced[v] = 1;
+            low = glm::min(low, mesh.positions[v]);
+            high = glm::max(high, mesh.positions[v]);
+        }
+    if (!mesh.triangles.empty()) check.meshMin = low, check.meshMax = high;
+
+    constexpr size_t mostSamples = 20000;
+    const size_t stride = std::max<size_t>(1, mesh.vertexCount() / mostSamples);
+    check.views.resize(capture.views.size());
+    std::vector<ViewSight> sights(capture.views.size());
+    std::vector<uint32_t> viewsOf(mesh.vertexCount(), 0);
+    progress.begin("Checking views", capture.views.size());
+    parallelFor(
+        capture.views.size(), 1,
+        [&](size_t i) {
+            const View& view = capture.views[i];
+            ViewCheck& figures = check.views[i];
+            figures.name = view.name;
+            figures.width = view.camera.width;
+            figures.height = view.camera.height;
+            imageFigures(view, figures);
+            sights[i] = lookAt(view, mesh, referenced, stride, figures, progress);
+        },
+        &progress);
+    for (const ViewSight& sight : sights)
+        for (size_t v = 0; v < viewsOf.size(); ++v) viewsOf[v] += sight.sees[v];
+    size_t surface = 0, once = 0, twice = 0, sum = 0;
+    for (size_t v = 0; v < viewsOf.size(); ++v) {
+        if (!referenced[v]) continue;
+        ++surface;
+        once += viewsOf[v] >= 1;
+        twice += viewsOf[v] >= 2;
+        sum += viewsOf[v];
+    }
+    const double count = double(std::max<size_t>(1, surface));
+    check.seenShare = double(once) / count;
+    check.seenTwiceShare = double(twice) / count;
+    check.meanViewsPerVertex = double(sum) / count;
+    compareExposures(sights, check);
+    guessAxes(capture, check);
+    warn(capture, check);
+    return check;
+}
+
+}  // namespace relamp

@@ -1,0 +1,51 @@
+// The import doctor: figures about a capture that tell before a solve what is wrong with it. Projection and a small
+// depth picture only, no ray tracer, so it takes seconds.
+#pragma once
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "base/progress.h"
+#include "capture/capture.h"
+
+namespace relamp {
+
+/// Shares are of all pixels of the view unless said otherwise, in [0, 1].
+struct ViewCheck {
+    std::string name;
+    int width = 0, height = 0;            ///< pixels
+    double meshShare = 0;                 ///< pixels that see the mesh
+    double clippedShare = 0;              ///< usable pixels at or above the clip level
+    double maskedShare = 0;               ///< pixels left out: masks, alpha, NaN, Inf, negative
+    size_t nan = 0, infinite = 0, negative = 0;  ///< pixels
+    double meanRadiance = 0;              ///< mean luminance of the usable pixels, image units
+    double verticesInside = 0;            ///< share of the mesh's vertices that project into the picture
+    double exposureStops = 0;             ///< brightness against the other views of the same vertices, log2; 0: as they
+    double exposureScatterStops = 0;      ///< half the vertices lie within this span around it; large on glossy surfaces
+    size_t comparedVertices = 0;          ///< vertices that exposureStops rests on
+};
+
+struct CaptureCheck {
+    std::vector<ViewCheck> views;
+    MeshReport mesh;
+    Vec3 meshMin{0}, meshMax{0};          ///< metres, bounding box of the triangles
+    double seenShare = 0;                 ///< vertices seen by at least one view
+    double seenTwiceShare = 0;            ///< vertices seen by at least two views
+    double meanViewsPerVertex = 0;        ///< of all vertices of triangles
+    double exposureSpreadStops = 0;       ///< largest minus smallest exposureStops
+    std::string up;                       ///< axis the file says is up: "z", "-y", ...
+    std::string upGuess;                  ///< axis closest to the cameras' own up directions
+    double upAgreement = 0;               ///< cosine between the mean camera up and the file's up
+    bool lookBackwards = false;           ///< the mesh lies behind the cameras: axes are OpenCV's, not OpenGL's
+    std::vector<std::string> notes;       ///< from loading
+    std::vector<std::string> warnings;    ///< what should be looked at before a solve, one sentence each
+};
+
+/// Cost: a small picture is rasterised for each view, O(views x triangles). Throws Cancelled only.
+CaptureCheck checkCapture(const Capture& capture, Progress& progress);
+
+nlohmann::json toJson(const CaptureCheck& check);
+/// For people: a table of the views, the mesh, the warnings.
+std::string toText(const CaptureCheck& check);
+
+}  // namespace relamp

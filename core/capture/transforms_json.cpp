@@ -1,0 +1,338 @@
+#include "capture/transforms_json.h"
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "capture/load_capture.h"
+
+namespace relamp {
+namespace {
+
+using nlohmann::json;
+
+constexpr size_t maxFileBytes = size_t(64) << 20;
+constexpr size_t maxFrames = 100'000;
+constexpr size_t maxValues = 8'000'000;
+constexpr int maxDepth = 32;
+constexpr int maxSide = 1 << 17;
+
+/// Refuses depth and size before the parser asks for memory. One pass over the text; strings are stepped over.
+void checkSize(const std::string& text) {
+    size_t values = 1;
+    int depth = 0;
+    for (size_t i = 0; i < text.size(); ++i) {
+        switch (text[i]) {
+            case '"':
+                for (++i; i < text.size() && text[i] != '"'; ++i)
+                    if (text[i] == '\\') ++i;
+                break;
+            case '[':
+            case '{':
+                if (++depth > maxDepth) throw Error("is nested deeper than {} levels", maxDepth);
+                ++values;
+                break;
+            case ']':
+            case '}': --depth; break;
+            case ',': ++values; break;
+            default: break;
+        }
+    }
+    if (values > maxValues) throw Error("holds more than {} values", maxValues);
+}
+
+json parseLimited(const std::string& text) {
+    checkSize(text);
+    try {
+        return json::parse(text);
+    } catch (const json::exception& error) {
+        // The library's text begins with its own name and number in brackets.
+        std::string reason = error.what();
+        if (const size_t end = reason.find("] "); end != std::string::npos) reason.erase(0, end + 2);
+        if (reason.size() > 300) reason.resize(300);
+        throw Error("is not valid JSON ({})", reason);
+    }
+}
+
+const char* kindOf(const json& value) {
+    if (value.is_string()) return "text";
+    if (value.is_boolean()) return "true or false";
+    if (value.is_null()) return "null";
+    if (value.is_array()) return "a list";
+    if (value.is_object()) return "an object";
+    return "a number";
+}
+
+/// The keys of one frame over the global ones, read with checks.
+class Keys {
+public:
+    Keys(const json& global, const json* frame, std::string frameName)
+        : global_(global), frame_(frame), frameName_(std::move(frameName)) {}
+
+    const json* find(const char* key) const {
+        for (const json* place : {frame_, &global_})
+            if (place)
+                if (const auto it = place->find(key); it != place->end() && !it->is_null()) return &*it;
+        return nullptr;
+    }
+    bool has(const char* key) const { return find(key) != nullptr; }
+
+    /// A finite number; none when the key is absent.
+    std::optional<double> number(const char* key) const {
+        const json* value = find(key);
+        if (!value) return std::nullopt;
+        if (!value->is_number()) fail(key, fmt::format("is {}, expected a number", kindOf(*value)));
+        const double x = value->get<double>();
+        if (!std::isfinite(x)) fail(key, fmt::format("is {}, expected a finite number", x));
+        return x;
+    }
+    std::optional<double> positive(const char* key) const {
+        const auto x = number(key);
+        if (x && !(*x > 0)) fail(key, fmt::format("is {}, expected more than 0", *x));
+        if (x && *x > 1e9) fail(key, fmt::format("is {}, expected at most 1e9", *x));
+        return x;
+    }
+    std::optional<int> side(const char* key) const {
+        const auto x = positive(key);
+        if (!x) return std::nullopt;
+        if (*x != std::floor(*x) || *x > maxSide) fail(key, fmt::format("is {}, expected a whole number from 1 to {}", *x, maxSide));
+        return int(*x);
+    }
+    std::optional<double> angle(const char* key) const {
+        const auto x = positive(key);
+        if (x && !(*x < piD)) fail(key, fmt::format("is {}, expected radians less than pi", *x));
+        return x;
+    }
+    std::string text(const char* key) const {
+        const json* value = find(key);
+        if (!value) return "";
+        if (!value->is_string()) fail(key, fmt::format("is {}, expected text", kindOf(*value)));
+        return value->get<std::string>();
+    }
+    [[noreturn]] void fail(const char* key, const std::string& what) const {
+        // The message names the frame only when the frame, not the globals, holds or lacks the value.
+        const bool inFrame = frame_ && (frame_->contains(key) || !global_.contains(key));
+        throw Error("{}{} {}", inFrame ? frameName_ + ": " : std::string(), key, what);
+    }
+
+private:
+    const json& global_;
+    const json* frame_;
+    std::string frameName_;
+};
+
+LensModel readModel(const Keys& keys) {
+    if (keys.has("camera_model")) {
+        const std::string name = keys.text("camera_model");
+        const auto model = lensModelFromName(name);
+        if (!model) keys.fail("camera_model", fmt::format("is \"{}\", expected a COLMAP model such as PINHOLE, OPENCV or OPENCV_FISHEYE", name.substr(0, 80)));
+        return *model;
+    }
+    if (const json* fisheye = keys.find("is_fisheye"); fisheye && fisheye->is_boolean() && fisheye->get<bool>())
+        return LensModel::openCvFisheye;
+    for (const char* key : {"k1", "k2", "p1", "p2"})
+        if (keys.number(key).value_or(0) != 0) return LensModel::openCv;
+    return LensModel::pinhole;
+}
+
+/// Coefficient names in the order of Camera::distortion.
+std::vector<const char*> coefficientNames(LensModel model) {
+    switch (model) {
+        case LensModel::simplePinhole:
+        case LensModel::pinhole: return {};
+        case LensModel::simpleRadial:
+        case LensModel::simpleRadialFisheye: return {"k1"};
+        case LensModel::radial:
+        case LensModel::radialFisheye: return {"k1", "k2"};
+        case LensModel::openCv: return {"k1", "k2", "p1", "p2"};
+        case LensModel::openCvFisheye: return {"k1", "k2", "k3", "k4"};
+        case LensModel::fullOpenCv: return {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"};
+        case LensModel::thinPrismFisheye: return {"k1", "k2", "p1", "p2", "k3", "k4", "sx1", "sy1"};
+    }
+    return {};
+}
+
+void readIntrinsics(const Keys& keys, Camera& camera, const std::function<std::pair<int, int>()>& size, std::vector<std::string>& ignored) {
+    const auto w = keys.side("w"), h = keys.side("h");
+    if (w && h) {
+        camera.width = *w, camera.height = *h;
+    } else {
+        const auto [width, height] = size();
+        camera.width = w.value_or(width), camera.height = h.value_or(height);
+    }
+    const auto fromAngle = [](const std::optional<double>& angle, int pixels) -> std::optional<double> {
+        if (!angle) return std::nullopt;
+        return 0.5 * pixels / std::tan(0.5 * *angle);
+    };
+    auto focalX = keys.positive("fl_x"), focalY = keys.positive("fl_y");
+    if (!focalX) focalX = fromAngle(keys.angle("camera_angle_x"), camera.width);
+    if (!focalY) focalY = fromAngle(keys.angle("camera_angle_y"), camera.height);
+    if (!focalX) focalX = focalY;
+    if (!focalX) keys.fail("fl_x", "is missing, and camera_angle_x as well");
+    camera.focalX = *focalX;
+    camera.focalY = focalY.value_or(*focalX);
+    camera.centreX = keys.number("cx").value_or(0.5 * camera.width);
+    camera.centreY = keys.number("cy").value_or(0.5 * camera.height);
+
+    camera.model = readModel(keys);
+    if (camera.model == LensModel::openCv)
+        for (const char* key : {"k3", "k4", "k5", "k6"})
+            if (keys.number(key).value_or(0) != 0) camera.model = LensModel::fullOpenCv;
+    const auto names = coefficientNames(camera.model);
+    for (size_t i = 0; i < names.size(); ++i) camera.distortion[i] = keys.number(names[i]).value_or(0);
+    for (const char* key : {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"}) {
+        const bool used = std::any_of(names.begin(), names.end(), [&](const char* name) { return std::string_view(name) == key; });
+        if (!used && keys.number(key).value_or(0) != 0)
+            ignored.push_back(fmt::format("{} is ignored because {} has no such coefficient", key, lensModelName(camera.model)));
+    }
+}
+
+DMat4 readMatrix(const Keys& keys, bool& rescaled) {
+    constexpr const char* key = "transform_matrix";
+    const json* value = keys.find(key);
+    if (!value) keys.fail(key, "is missing");
+    if (!value->is_array() || (value->size() != 3 && value->size() != 4)) keys.fail(key, "is no 4 x 4 matrix (rows of numbers)");
+    DMat4 matrix(1.0);
+    for (size_t row = 0; row < value->size(); ++row) {
+        const json& line = (*value)[row];
+        if (!line.is_array() || line.size() != 4) keys.fail(key, fmt::format("row {} is no list of 4 numbers", row));
+        for (size_t column = 0; column < 4; ++column) {
+            if (!line[column].is_number()) keys.fail(key, fmt::format("row {} column {} is {}, expected a number", row, column, kindOf(line[column])));
+            const double x = line[column].get<double>();
+            if (!std::isfinite(x) || std::abs(x) > 1e12) keys.fail(key, fmt::format("row {} column {} is {}, expected a finite number", row, column, x));
+            matrix[int(column)][int(row)] = x;
+        }
+    }
+    for (int column = 0; column < 4; ++column)
+        if (std::abs(matrix[column][3] - (column == 3)) > 1e-6) keys.fail(key, "has a last row other than 0 0 0 1");
+    const glm::dmat3 rotation(matrix);
+    const double determinant = glm::determinant(rotation);
+    const double scale = std::cbrt(std::abs(determinant));
+    if (!(scale > 1e-9)) keys.fail(key, "is singular, expected a rotation and a translation");
+    if (determinant < 0) keys.fail(key, "mirrors the world, expected a rotation and a translation");
+    for (int a = 0; a < 3; ++a)
+        for (int b = a; b < 3; ++b) {
+            const double dot = glm::dot(rotation[a], rotation[b]) / (scale * scale);
+            if (std::abs(dot - (a == b)) > 1e-3) keys.fail(key, "is not rigid, expected a rotation and a translation");
+        }
+    rescaled = std::abs(scale - 1) > 1e-3;
+    // Gram and Schmidt: small errors of rounding go, a uniform scale goes.
+    const DVec3 x = glm::normalize(rotation[0]);
+    const DVec3 y = glm::normalize(rotation[1] - x * glm::dot(x, rotation[1]));
+    matrix[0] = glm::dvec4(x, 0);
+    matrix[1] = glm::dvec4(y, 0);
+    matrix[2] = glm::dvec4(glm::cross(x, y), 0);
+    return matrix;
+}
+
+std::vector<Exposure> readExposures(const Keys& frameKeys, const json& frame) {
+    std::vector<Exposure> exposures;
+    const auto it = frame.find("exposures");
+    if (it == frame.end() || it->is_null()) return exposures;
+    if (!it->is_array()) frameKeys.fail("exposures", fmt::format("is {}, expected a list", kindOf(*it)));
+    if (it->size() > 1000) frameKeys.fail("exposures", fmt::format("has {} entries, expected at most 1000", it->size()));
+    for (size_t i = 0; i < it->size(); ++i) {
+        const json& entry = (*it)[i];
+        if (!entry.is_object()) frameKeys.fail("exposures", fmt::format("entry {} is {}, expected an object", i, kindOf(entry)));
+        const auto failIn = [&](const char* key, const std::string& what) { frameKeys.fail("exposures", fmt::format("entry {}: {} {}", i, key, what)); };
+        const auto positive = [&](const char* key, bool required) -> double {
+            const auto value = entry.find(key);
+            if (value == entry.end() || value->is_null()) {
+                if (required) failIn(key, "is missing");
+                return 0;
+            }
+            if (!value->is_number()) failIn(key, fmt::format("is {}, expected a number", kindOf(*value)));
+            const double x = value->get<double>();
+            if (!std::isfinite(x) || x <= 0) failIn(key, fmt::format("is {}, expected more than 0", x));
+            return x;
+        };
+        Exposure exposure;
+        const auto path = entry.find("file_path");
+        if (path == entry.end() || !path->is_string() || path->get<std::string>().empty()) failIn("file_path", "is missing");
+        exposure.filePath = path->get<std::string>();
+        exposure.seconds = positive("exposure_time", true);
+        exposure.aperture = positive("aperture", false);
+        exposure.iso = positive("iso", false);
+        exposures.push_back(exposure);
+    }
+    return exposures;
+}
+
+Vec3 readUp(const json& root) {
+    const auto it = root.find("up");
+    if (it == root.end() || it->is_null()) return {0, 0, 1};
+    if (it->is_string()) {
+        const std::string name = it->get<std::string>();
+        const bool negative = !name.empty() && name[0] == '-';
+        const std::string axis = name.substr(!name.empty() && (negative || name[0] == '+') ? 1 : 0);
+        const float sign = negative ? -1.0f : 1.0f;
+        if (axis == "x" || axis == "X") return {sign, 0, 0};
+        if (axis == "y" || axis == "Y") return {0, sign, 0};
+        if (axis == "z" || axis == "Z") return {0, 0, sign};
+    }
+    throw Error("up is {}, expected \"x\", \"y\", \"z\", \"-x\", \"-y\" or \"-z\"", it->dump(-1, ' ', false, json::error_handler_t::replace).substr(0, 80));
+}
+
+}  // namespace
+
+Transforms parseTransforms(const std::string& text, const PictureSize& sizeOf) {
+    const json root = parseLimited(text);
+    if (!root.is_object()) throw Error("is {}, expected an object with frames", kindOf(root));
+    Transforms result;
+    result.up = readUp(root);
+    result.meshPath = Keys(root, nullptr, "").text("mesh_path");
+    const auto frames = root.find("frames");
+    if (frames == root.end()) throw Error("frames is missing");
+    if (!frames->is_array()) throw Error("frames is {}, expected a list", kindOf(*frames));
+    if (frames->empty()) throw Error("frames is empty, expected at least one");
+    if (frames->size() > maxFrames) throw Error("frames has {} entries, expected at most {}", frames->size(), maxFrames);
+    size_t rescaled = 0;
+    std::map<std::string, size_t> ignoredCounts;
+    for (size_t i = 0; i < frames->size(); ++i) {
+        const json& object = (*frames)[i];
+        const std::string name = fmt::format("frame {}", i);
+        if (!object.is_object()) throw Error("{}: is {}, expected an object", name, kindOf(object));
+        const Keys keys(root, &object, name);
+        Frame frame;
+        frame.filePath = Keys(object, nullptr, "").has("file_path") ? keys.text("file_path") : "";
+        frame.exposures = readExposures(keys, object);
+        if (frame.filePath.empty()) {
+            if (frame.exposures.empty()) throw Error("{}: file_path is missing", name);
+            throw Error("{}: file_path is missing: brackets are merged with `relamp merge-hdr` first", name);
+        }
+        std::vector<std::string> ignored;
+        readIntrinsics(keys, frame.camera, [&] { return withContext(name, [&] { return sizeOf(frame.filePath); }); }, ignored);
+        bool wasRescaled = false;
+        frame.camera.worldFromCamera = readMatrix(keys, wasRescaled);
+        rescaled += wasRescaled;
+        for (const std::string& sentence : ignored) ++ignoredCounts[sentence];
+        result.frames.push_back(std::move(frame));
+    }
+    if (rescaled) result.notes.push_back(fmt::format("{} of {} transform matrices held a uniform scale, which was taken out.", rescaled, frames->size()));
+    for (const auto& [sentence, count] : ignoredCounts) result.notes.push_back(fmt::format("{} (in {} frames).", sentence, count));
+    return result;
+}
+
+Transforms readTransforms(const std::filesystem::path& file, const PictureSize& sizeOf) {
+    const std::string text = readBytes(file, maxFileBytes);
+    return withContext(file.filename().string(), [&] { return parseTransforms(text, sizeOf); });
+}
+
+Camera readCameraFile(const std::filesystem::path& file) {
+    const std::string text = readBytes(file, maxFileBytes);
+    return withContext(file.filename().string(), [&] {
+        const json root = parseLimited(text);
+        if (!root.is_object()) throw Error("is {}, expected an object with the keys of transforms.json", kindOf(root));
+        const Keys keys(root, nullptr, "");
+        Camera camera;
+        std::vector<std::string> ignored;
+        readIntrinsics(keys, camera, [&]() -> std::pair<int, int> { keys.fail(keys.has("w") ? "h" : "w", "is missing"); }, ignored);
+        bool rescaled = false;
+        camera.worldFromCamera = readMatrix(keys, rescaled);
+        return camera;
+    });
+}
+
+}  // namespace relamp

@@ -1,0 +1,45 @@
+// transforms.json: cameras and file names of a capture (FORMAT.md). Parsing only: no picture or mesh is opened here,
+// but for the size of a picture whose `w` and `h` are not given.
+#pragma once
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "capture/camera.h"
+
+namespace relamp {
+
+/// One exposure of a bracket.
+struct Exposure {
+    std::string filePath;
+    double seconds = 0;                ///< exposure time, above 0
+    double aperture = 0, iso = 0;      ///< f-number and sensitivity; 0: not given
+};
+
+/// One frame as the file says it; the camera is complete.
+struct Frame {
+    std::string filePath;              ///< as written, relative to the capture folder; empty when only brackets are given
+    Camera camera;
+    std::vector<Exposure> exposures;
+};
+
+struct Transforms {
+    std::vector<Frame> frames;
+    std::string meshPath;              ///< as written; empty when the key is absent
+    Vec3 up{0, 0, 1};
+    std::vector<std::string> notes;    ///< what was set right or ignored, one sentence each
+};
+
+/// Width and height of the picture with this file_path.
+using PictureSize = std::function<std::pair<int, int>(const std::string& filePath)>;
+
+/// Parses the text of a transforms.json. `sizeOf` is asked where w and h are missing. Limits: nesting of 32, 100000
+/// frames, 8 million values. Throws Error naming frame and field, without the file's name.
+Transforms parseTransforms(const std::string& text, const PictureSize& sizeOf);
+
+/// The same for a file of at most 64 MiB; errors begin with its name.
+Transforms readTransforms(const std::filesystem::path& file, const PictureSize& sizeOf);
+
+}  // namespace relamp

@@ -1,0 +1,294 @@
+#include "clusters/emitter_clusters.h"
+
+#include <numeric>
+#include <queue>
+
+#include "base/log.h"
+
+namespace relamp {
+namespace {
+
+float medianOf(std::vector<float> v, double quantile = 0.5) {
+    if (v.empty()) return 0;
+    const size_t k = size_t(quantile * double(v.size() - 1));
+    std::nth_element(v.begin(), v.begin() + ptrdiff_t(k), v.end());
+    return v[k];
+}
+
+/// What the views agree on about a vertex.
+struct VertexRadiance {
+    Rgb radiance{0};
+    float spread = 0;   ///< relative difference between views; -1 with one view
+    float weight = 0;   ///< best look-up weight; 0: unseen
+};
+
+std::vector<VertexRadiance> summarise(const Scene& scene, const RadianceSamples& samples) {
+    std::vector<VertexRadiance> result(scene.mesh.vertexCount());
+    for (uint32_t v = 0; v < result.size(); ++v) {
+        VertexRadiance& r = result[v];
+        float best = 0;
+        for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) best = std::max(best, samples.samples[s].weight);
+        if (best < 0.05f) continue;
+        std::vector<float> channel[3];
+        for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
+            if (samples.samples[s].weight < 0.4f * best) continue;
+            for (int c = 0; c < 3; ++c) channel[c].push_back(samples.samples[s].radiance[c]);
+        }
+        for (int c = 0; c < 3; ++c) r.radiance[c] = medianOf(channel[c]);
+        r.weight = best;
+        r.spread = -1;
+        if (channel[0].size() > 1) {
+            const float scale = std::max(maxChannel(r.radiance), 1e-20f);
+            r.spread = 0;
+            for (int c = 0; c < 3; ++c) {
+                const auto [low, high] = std::minmax_element(channel[c].begin(), channel[c].end());
+                r.spread = std::max(r.spread, (*high - *low) / scale);
+            }
+        }
+    }
+    return result;
+}
+
+struct Patch {
+    std::vector<uint32_t> vertices;
+    Rgb radiance{0};
+    EmitterEvidence evidence;
+    std::string reject;
+};
+
+bool alike(const Rgb& a, const Rgb& b, float tolerance) { return glm::length(a - b) <= tolerance * std::max(glm::length(a), glm::length(b)); }
+
+/// Grows patches of like radiance from the brightest vertices down.
+std::vector<Patch> growPatches(const Scene& scene, const std::vector<VertexRadiance>& seen, float floor, float tolerance) {
+    std::vector<uint32_t> order;
+    for (uint32_t v = 0; v < seen.size(); ++v)
+        if (seen[v].weight > 0.1f && maxChannel(seen[v].radiance) > floor) order.push_back(v);
+    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+        const float x = maxChannel(seen[a].radiance), y = maxChannel(seen[b].radiance);
+        return x != y ? x > y : a < b;
+    });
+    std::vector<uint8_t> taken(seen.size(), 0);
+    std::vector<Patch> patches;
+    std::vector<uint32_t> stack;
+    for (uint32_t seed : order) {
+        if (taken[seed]) continue;
+        Patch patch;
+        Rgb sum(0);
+        stack.assign(1, seed);
+        taken[seed] = 1;
+        while (!stack.empty()) {
+            const uint32_t v = stack.back();
+            stack.pop_back();
+            patch.vertices.push_back(v);
+            sum += seen[v].radiance;
+            const Rgb mean = sum / float(patch.vertices.size());
+            for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e) {
+                const uint32_t u = scene.graph.to[e];
+                if (taken[u] || seen[u].weight <= 0 || !alike(seen[u].radiance, mean, tolerance)) continue;
+                taken[u] = 1;
+                stack.push_back(u);
+            }
+        }
+        if (patch.vertices.size() < 4) continue;
+        std::sort(patch.vertices.begin(), patch.vertices.end());
+        patches.push_back(std::move(patch));
+    }
+    return patches;
+}
+
+/// Patches of one radiance on one connected piece are one lamp seen in parts.
+void mergeLikePatches(const Scene& scene, std::vector<Patch>& patches, const std::vector<VertexRadiance>& seen) {
+    for (size_t i = 0; i < patches.size(); ++i)
+        for (size_t j = i + 1; j < patches.size();) {
+            Rgb a(0), b(0);
+            for (uint32_t v : patches[i].vertices) a += seen[v].radiance / float(patches[i].vertices.size());
+            for (uint32_t v : patches[j].vertices) b += seen[v].radiance / float(patches[j].vertices.size());
+            if (scene.piece[patches[i].vertices[0]] == scene.piece[patches[j].vertices[0]] && alike(a, b, 0.1f)) {
+                patches[i].vertices.insert(patches[i].vertices.end(), patches[j].vertices.begin(), patches[j].vertices.end());
+                std::sort(patches[i].vertices.begin(), patches[i].vertices.end());
+                patches.erase(patches.begin() + ptrdiff_t(j));
+            } else {
+                ++j;
+            }
+        }
+}
+
+void judge(const Scene& scene, const RadianceSamples& samples, const std::vector<VertexRadiance>& seen, const std::vector<int>& patchOf,
+           int self, float reference, Patch& patch) {
+    EmitterEvidence& e = patch.evidence;
+    std::vector<float> channel[3], spreads, inside, outside;
+    std::vector<uint8_t> views;
+    Vec3 centre(0);
+    size_t clipped = 0;
+    for (uint32_t v : patch.vertices) {
+        for (int c = 0; c < 3; ++c) channel[c].push_back(seen[v].radiance[c]);
+        if (seen[v].spread >= 0) spreads.push_back(seen[v].spread);
+        centre += scene.mesh.positions[v] / float(patch.vertices.size());
+        for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
+            const RadianceSample& sample = samples.samples[s];
+            if (views.size() <= sample.view) views.resize(sample.view + 1, 0);
+            views[sample.view] = 1;
+            ++e.samples;
+            clipped += sample.clipped;
+        }
+    }
+    for (int c = 0; c < 3; ++c) patch.radiance[c] = medianOf(channel[c]);
+    e.viewsSeen = int(std::accumulate(views.begin(), views.end(), 0));
+    e.clippedShare = e.samples ? float(clipped) / float(e.samples) : 0;
+    e.viewSpread = medianOf(spreads);
+    std::vector<float> off;
+    float radius = 0;
+    for (uint32_t v : patch.vertices) {
+        off.push_back(glm::length(seen[v].radiance - patch.radiance) / std::max(glm::length(patch.radiance), 1e-20f));
+        radius = std::max(radius, glm::length(scene.mesh.positions[v] - centre));
+    }
+    e.uniformity = 1.4826f * medianOf(off);
+    e.sceneContrast = maxChannel(patch.radiance) / std::max(reference, 1e-20f);
+    // The edge on the mesh, and the surfaces around in space.
+    std::vector<float> drop, around;
+    for (uint32_t v : patch.vertices)
+        for (uint32_t k = scene.graph.start[v]; k < scene.graph.start[v + 1]; ++k) {
+            const uint32_t u = scene.graph.to[k];
+            if (patchOf[u] != self && seen[u].weight > 0.1f) drop.push_back(maxChannel(seen[u].radiance) / std::max(maxChannel(seen[v].radiance), 1e-20f));
+        }
+    e.edgeDrop = drop.size() * 4 > patch.vertices.size() / 4 ? medianOf(drop) : 0;
+    const float reach = 2.5f * radius + 2 * scene.vertexSpacing[patch.vertices[0]];
+    for (uint32_t v = 0; v < seen.size(); ++v)
+        if (seen[v].weight > 0.1f && patchOf[v] != self && glm::length(scene.mesh.positions[v] - centre) < reach) around.push_back(maxChannel(seen[v].radiance));
+    e.localContrast = around.size() < 8 ? e.sceneContrast : maxChannel(patch.radiance) / std::max(medianOf(around), 1e-20f);
+}
+
+/// Lets a patch take the unseen and half-seen rest of its own body.
+void complete(const Scene& scene, const std::vector<VertexRadiance>& seen, EmitterCluster& cluster) {
+    std::vector<uint8_t> mine(seen.size(), 0);
+    for (uint32_t v : cluster.vertices) mine[v] = 1;
+    // A connected piece whose clearly seen vertices nearly all shine is a lamp as a whole.
+    std::vector<float> shining(scene.pieces, 0), clear(scene.pieces, 0);
+    for (uint32_t v = 0; v < seen.size(); ++v) {
+        if (seen[v].weight <= 0) continue;
+        clear[scene.piece[v]] += seen[v].weight;
+        if (mine[v]) shining[scene.piece[v]] += seen[v].weight;
+    }
+    for (uint32_t v = 0; v < seen.size(); ++v) {
+        const uint32_t p = scene.piece[v];
+        if (!mine[v] && shining[p] > 0.7f * clear[p]) mine[v] = 1;
+    }
+    // Elsewhere unseen neighbours of similar orientation join, a few rings far.
+    std::vector<uint32_t> ring = cluster.vertices;
+    for (int step = 0; step < 3; ++step) {
+        std::vector<uint32_t> next;
+        for (uint32_t v : ring)
+            for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e) {
+                const uint32_t u = scene.graph.to[e];
+                if (mine[u] || seen[u].weight > 0 || glm::dot(scene.mesh.normals[u], scene.mesh.normals[v]) < 0.5f) continue;
+                mine[u] = 1;
+                next.push_back(u);
+            }
+        ring.swap(next);
+    }
+    cluster.vertices.clear();
+    for (uint32_t v = 0; v < mine.size(); ++v)
+        if (mine[v]) cluster.vertices.push_back(v);
+}
+
+void measure(const Scene& scene, EmitterCluster& cluster) {
+    std::vector<uint8_t> mine(scene.mesh.vertexCount(), 0);
+    for (uint32_t v : cluster.vertices) mine[v] = 1;
+    cluster.triangles.clear();
+    double area = 0;
+    DVec3 centre(0), normal(0);
+    for (uint32_t t = 0; t < scene.mesh.triangles.size(); ++t) {
+        const Triangle& i = scene.mesh.triangles[t];
+        if (!mine[i[0]] || !mine[i[1]] || !mine[i[2]]) continue;
+        cluster.triangles.push_back(t);
+        const double a = scene.mesh.triangleArea(t);
+        area += a;
+        centre += a * DVec3(scene.mesh.positions[i[0]] + scene.mesh.positions[i[1]] + scene.mesh.positions[i[2]]) / 3.0;
+        normal += a * DVec3(scene.mesh.faceNormal(t));
+    }
+    cluster.area = float(area);
+    if (area > 0) {
+        cluster.centroid = Vec3(centre / area);
+        cluster.normal = glm::length(normal) > 0.1 * area ? Vec3(glm::normalize(normal)) : Vec3(0);
+    }
+}
+
+}  // namespace
+
+void indexEmitters(const Scene& scene, EmitterClusters& clusters) {
+    std::erase_if(clusters.emitters, [](const EmitterCluster& e) { return e.triangles.empty(); });
+    std::stable_sort(clusters.emitters.begin(), clusters.emitters.end(), [](const EmitterCluster& a, const EmitterCluster& b) {
+        return luminance(a.radiance) * a.area > luminance(b.radiance) * b.area;
+    });
+    clusters.emitterOfVertex.assign(scene.mesh.vertexCount(), -1);
+    clusters.emitterOfTriangle.assign(scene.mesh.triangles.size(), -1);
+    for (size_t i = 0; i < clusters.emitters.size(); ++i) {
+        EmitterCluster& e = clusters.emitters[i];
+        e.id = fmt::format("emitter-{}", i + 1);
+        for (uint32_t v : e.vertices) clusters.emitterOfVertex[v] = int(i);
+        for (uint32_t t : e.triangles) clusters.emitterOfTriangle[t] = int(i);
+    }
+}
+
+EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, const RadianceSamples& samples, const ClusterOptions& options, Progress& progress) {
+    progress.begin("Emitter clusters", 4);
+    const std::vector<VertexRadiance> seen = summarise(scene, samples);
+    std::vector<float> values;
+    for (const VertexRadiance& r : seen)
+        if (r.weight > 0.1f) values.push_back(maxChannel(r.radiance));
+    EmitterClusters result;
+    result.emitterOfVertex.assign(scene.mesh.vertexCount(), -1);
+    result.emitterOfTriangle.assign(scene.mesh.triangles.size(), -1);
+    if (values.empty()) return result;
+    progress.advance();
+
+    std::vector<Patch> patches = growPatches(scene, seen, options.minContrast * medianOf(values), options.tolerance);
+    mergeLikePatches(scene, patches, seen);
+    progress.advance();
+    std::vector<int> patchOf(seen.size(), -1);
+    for (size_t i = 0; i < patches.size(); ++i)
+        for (uint32_t v : patches[i].vertices) patchOf[v] = int(i);
+    // The scene's ordinary brightness: view-independent surfaces outside every strikingly bright patch.
+    const float median = medianOf(values);
+    std::vector<float> ordinary;
+    for (uint32_t v = 0; v < seen.size(); ++v)
+        if (seen[v].weight > 0.1f && seen[v].spread < 0.15f && (patchOf[v] < 0 || maxChannel(seen[v].radiance) < 6 * median)) ordinary.push_back(maxChannel(seen[v].radiance));
+    const float reference = ordinary.size() > 20 ? medianOf(ordinary, 0.95) : median;
+
+    for (size_t i = 0; i < patches.size(); ++i) {
+        Patch& patch = patches[i];
+        judge(scene, samples, seen, patchOf, int(i), reference, patch);
+        const EmitterEvidence& e = patch.evidence;
+        if (e.sceneContrast < options.minContrast && e.localContrast < options.minContrast) patch.reject = "no brighter than the surfaces around it";
+        else if (e.viewSpread > 0.12f) patch.reject = "changes with the view, as a reflection does";
+        else if (e.viewsSeen < 2 && e.uniformity > 0.03f) patch.reject = "seen in one view only and not uniform: could be a reflection";
+        else if (e.uniformity > 0.12f) patch.reject = "its radiance varies as shading does";
+        else if (e.edgeDrop > 0.8f) patch.reject = "fades out without an edge";
+        EmitterCluster cluster;
+        cluster.vertices = patch.vertices;
+        cluster.radiance = patch.radiance;
+        cluster.radianceSigma = std::max(0.002f, e.uniformity / std::sqrt(float(std::max<size_t>(1, patch.vertices.size()))));
+        cluster.evidence = e;
+        if (patch.reject.empty()) complete(scene, seen, cluster);
+        measure(scene, cluster);
+        if (patch.reject.empty() && cluster.triangles.empty()) patch.reject = "covers no whole triangle";
+        if (!patch.reject.empty()) {
+            if (e.sceneContrast > 1 || e.localContrast > 2) result.rejected.push_back({cluster.centroid, patch.radiance, e, patch.reject});
+            continue;
+        }
+        (e.sceneContrast >= options.certainContrast && e.uniformity < 0.06f ? result.emitters : result.candidates).push_back(std::move(cluster));
+    }
+    progress.advance();
+    (void)capture;
+    indexEmitters(scene, result);
+    for (const EmitterCluster& e : result.emitters)
+        logInfo("{}: radiance {:.4g} {:.4g} {:.4g}, {} vertices, scene contrast {:.1f}, local {:.1f}, uniform {:.3f}, view spread {:.3f}, edge {:.2f}", e.id,
+                e.radiance.x, e.radiance.y, e.radiance.z, e.vertices.size(), e.evidence.sceneContrast, e.evidence.localContrast, e.evidence.uniformity, e.evidence.viewSpread, e.evidence.edgeDrop);
+    for (const EmitterCluster& e : result.candidates)
+        logInfo("candidate: radiance {:.4g} {:.4g} {:.4g}, {} vertices, scene contrast {:.1f}, local {:.1f}, uniform {:.3f}, view spread {:.3f}, edge {:.2f}",
+                e.radiance.x, e.radiance.y, e.radiance.z, e.vertices.size(), e.evidence.sceneContrast, e.evidence.localContrast, e.evidence.uniformity, e.evidence.viewSpread, e.evidence.edgeDrop);
+    progress.advance();
+    return result;
+}
+
+}  // namespace relamp

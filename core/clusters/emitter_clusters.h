@@ -1,0 +1,68 @@
+// Room 4's product: the patches of surface that send light ([Put15] section 3.3), with the evidence for each.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "base/progress.h"
+#include "capture/capture.h"
+#include "radiance/samples.h"
+#include "scene/scene.h"
+
+namespace relamp {
+
+/// Why a patch is taken for a lamp.
+struct EmitterEvidence {
+    float sceneContrast = 0;   ///< its radiance over the 95th percentile of the other surfaces
+    float localContrast = 0;   ///< its radiance over the median of the surfaces around it
+    float uniformity = 0;      ///< relative spread (robust standard deviation) of its radiance over the patch
+    float viewSpread = 0;      ///< median relative difference of one vertex between views
+    float edgeDrop = 0;        ///< median radiance just outside over inside; 0 when it is an object of its own
+    float demandedAlbedo = 0;  ///< albedo needed to explain it by reflection, 0 until a light fit has tested it
+    int viewsSeen = 0;
+    size_t samples = 0;        ///< look-ups on it
+    float clippedShare = 0;    ///< share of them at the clip level
+};
+
+/// A patch of emitting triangles of one radiance.
+struct EmitterCluster {
+    std::string id;                    ///< "emitter-1", strongest power first
+    std::vector<uint32_t> vertices;    ///< sorted
+    std::vector<uint32_t> triangles;   ///< sorted
+    Rgb radiance{0};                   ///< seen directly, image units (median of unclipped look-ups)
+    float radianceSigma = 0;           ///< relative standard deviation of that
+    bool twoSided = false;             ///< its back was seen shining as well
+    Vec3 centroid{0};                  ///< metres, area-weighted
+    Vec3 normal{0};                    ///< area-weighted mean, unit; 0 for closed bodies
+    float area = 0;                    ///< square metres
+    EmitterEvidence evidence;
+};
+
+struct RejectedPatch {
+    Vec3 centroid{0};
+    Rgb radiance{0};
+    EmitterEvidence evidence;
+    std::string reason;                ///< for the report
+};
+
+struct EmitterClusters {
+    std::vector<EmitterCluster> emitters;      ///< accepted
+    std::vector<EmitterCluster> candidates;    ///< bright, uniform patches that only a light fit can decide
+    std::vector<RejectedPatch> rejected;
+    std::vector<int> emitterOfVertex;          ///< -1: none
+    std::vector<int> emitterOfTriangle;        ///< -1: none
+};
+
+struct ClusterOptions {
+    float tolerance = 0.15f;       ///< relative radiance step inside a patch
+    float certainContrast = 12;    ///< scene contrast above which no light fit is needed
+    float minContrast = 1.6f;      ///< scene or local contrast below which a patch is no candidate
+};
+
+/// High-radiance patches: view-independent, uniform, with a sharp edge. Specular highlights move with the view and fail;
+/// bright walls stay candidates until confirmEmitters has fitted the light.
+EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, const RadianceSamples& samples, const ClusterOptions& options, Progress& progress);
+
+/// Fills emitterOfVertex / emitterOfTriangle, sorts by power (strongest first) and names the emitters.
+void indexEmitters(const Scene& scene, EmitterClusters& clusters);
+
+}  // namespace relamp

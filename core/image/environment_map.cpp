@@ -1,0 +1,148 @@
+#include "image/environment_map.h"
+
+#include <limits>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "image/image_io.h"
+
+namespace relamp {
+namespace {
+
+/// Texel by column and row; wraps in longitude, stays at the poles.
+const Rgb& wrapped(const Image& image, int x, int y) {
+    x %= image.width;
+    if (x < 0) x += image.width;
+    return image.at(x, std::clamp(y, 0, image.height - 1));
+}
+
+/// Solid angle of a texel of row y: d phi x (sin of the upper edge - sin of the lower edge).
+double texelSolidAngle(const Image& image, int y) {
+    const double top = piD * (0.5 - double(y) / image.height), bottom = piD * (0.5 - double(y + 1) / image.height);
+    return 2 * piD / image.width * (std::sin(top) - std::sin(bottom));
+}
+
+}  // namespace
+
+Vec2 latLongFromDirection(const Vec3& direction) {
+    const float z = std::clamp(direction.z / glm::length(direction), -1.0f, 1.0f);
+    const float u = 0.5f - std::atan2(direction.y, direction.x) / (2 * pi);
+    return {u, 0.5f - std::asin(z) / pi};
+}
+
+Vec3 directionFromLatLong(const Vec2& uv) {
+    const float azimuth = (0.5f - uv.x) * 2 * pi, elevation = (0.5f - uv.y) * pi;
+    return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)};
+}
+
+Image readEnvironment(const std::filesystem::path& file) {
+    Image image = readImage(file);
+    if (std::abs(double(image.width) / image.height - 2) > 0.02)
+        throw Error("{}: is {} x {} pixels, expected a latitude-longitude picture twice as wide as high", file.string(), image.width,
+                    image.height);
+    image.usable.clear();  // alpha says nothing about a surrounding; what was not finite is 0 by now
+    return image;
+}
+
+Rgb environmentRadiance(const Image& latLong, const Vec3& direction) {
+    const Vec2 uv = latLongFromDirection(direction);
+    const float x = uv.x * float(latLong.width) - 0.5f, y = uv.y * float(latLong.height) - 0.5f;
+    const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
+    const float fx = x - float(x0), fy = y - float(y0);
+    const Rgb top = wrapped(latLong, x0, y0) * (1 - fx) + wrapped(latLong, x0 + 1, y0) * fx;
+    const Rgb bottom = wrapped(latLong, x0, y0 + 1) * (1 - fx) + wrapped(latLong, x0 + 1, y0 + 1) * fx;
+    return top * (1 - fy) + bottom * fy;
+}
+
+std::vector<Rgb> integrateOverCells(const Image& latLong, const DirectionGrid& grid) {
+    // A texel is split into pieces much smaller than a cell, at least 4 x 4. Pieces of a row have equal solid angle, so
+    // every texel gives away exactly its energy. The pieces that land in a cell do not add up to exactly its solid angle;
+    // the difference is taken to be of the cell's darkest radiance, so that a constant map stays constant in every cell
+    // while a bright spot keeps its energy.
+    const double cellEdge = std::sqrt(4 * piD / grid.cells()), texelEdge = piD / latLong.height;
+    const int split = std::clamp(int(std::ceil(16 * texelEdge / cellEdge)), 4, 256);
+    struct Sum {
+        std::vector<DVec3> energy;
+        std::vector<double> angle;
+        std::vector<Rgb> darkest;
+        Sum& operator+=(const Sum& other) {
+            if (energy.empty()) return *this = other;
+            if (other.energy.empty()) return *this;
+            for (size_t i = 0; i < energy.size(); ++i) {
+                energy[i] += other.energy[i];
+                angle[i] += other.angle[i];
+                darkest[i] = glm::min(darkest[i], other.darkest[i]);
+            }
+            return *this;
+        }
+    };
+    const size_t rowsAtOnce = std::max<size_t>(1, (size_t(latLong.height) + 31) / 32);
+    const Sum sum = parallelSum(size_t(latLong.height), rowsAtOnce, Sum{}, [&](size_t begin, size_t end) {
+        Sum part;
+        part.energy.assign(size_t(grid.cells()), DVec3(0));
+        part.angle.assign(size_t(grid.cells()), 0.0);
+        part.darkest.assign(size_t(grid.cells()), Rgb(std::numeric_limits<float>::infinity()));
+        std::vector<double> cosines(size_t(latLong.width) * size_t(split)), sines(cosines.size());
+        for (size_t i = 0; i < cosines.size(); ++i) {
+            const double azimuth = (0.5 - (double(i) + 0.5) / double(cosines.size())) * 2 * piD;
+            cosines[i] = std::cos(azimuth);
+            sines[i] = std::sin(azimuth);
+        }
+        for (size_t y = begin; y < end; ++y) {
+            const double piece = texelSolidAngle(latLong, int(y)) / (double(split) * split);
+            const double zTop = std::sin(piD * (0.5 - double(y) / latLong.height));
+            const double zBottom = std::sin(piD * (0.5 - double(y + 1) / latLong.height));
+            for (int s = 0; s < split; ++s) {
+                const double z = zTop + (zBottom - zTop) * (s + 0.5) / split;  // equal area: even steps in z
+                const double r = std::sqrt(std::max(0.0, 1 - z * z));
+                for (size_t i = 0; i < cosines.size(); ++i) {
+                    const size_t cell = size_t(grid.cellOf(Vec3(float(r * cosines[i]), float(r * sines[i]), float(z))));
+                    const Rgb& radiance = latLong.at(int(i / size_t(split)), int(y));
+                    part.energy[cell] += DVec3(radiance) * piece;
+                    part.angle[cell] += piece;
+                    part.darkest[cell] = glm::min(part.darkest[cell], radiance);
+                }
+            }
+        }
+        return part;
+    });
+    std::vector<Rgb> cells(size_t(grid.cells()));
+    const double cellAngle = 4 * piD / grid.cells();
+    for (size_t i = 0; i < cells.size(); ++i)
+        if (sum.angle[i] > 0)
+            cells[i] = Rgb((sum.energy[i] - DVec3(sum.darkest[i]) * (sum.angle[i] - cellAngle)) / cellAngle);
+    return cells;
+}
+
+Image latLongFromCells(const std::vector<Rgb>& cells, const DirectionGrid& grid, int width) {
+    Image image(width, width / 2);
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < width; ++x) {
+            Rgb sum(0);
+            for (const float dy : {0.25f, 0.75f})
+                for (const float dx : {0.25f, 0.75f}) {
+                    const Vec2 uv((float(x) + dx) / float(width), (float(y) + dy) / float(image.height));
+                    sum += cells[size_t(grid.cellOf(directionFromLatLong(uv)))];
+                }
+            image.at(x, y) = sum * 0.25f;
+        }
+    return image;
+}
+
+Image yawed(const Image& latLong, float degrees) {
+    // Turning the world counter-clockwise moves what stood at +X towards +Y, which lies to the left of the centre.
+    Image image(latLong.width, latLong.height);
+    double shift = std::fmod(double(degrees) / 360 * latLong.width, double(latLong.width));
+    if (!std::isfinite(shift)) shift = 0;
+    const double whole = std::floor(shift);
+    const float part = float(shift - whole);
+    const int columns = int(whole);
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+            image.at(x, y) = wrapped(latLong, x + columns, y) * (1 - part);
+            if (part > 0) image.at(x, y) += wrapped(latLong, x + columns + 1, y) * part;
+        }
+    return image;
+}
+
+}  // namespace relamp

@@ -1,0 +1,351 @@
+#include "image/image_io.h"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+
+#include <array>
+#include <cstring>
+#include <mutex>
+#include <optional>
+#include <sstream>
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "image/chromaticities.h"
+
+namespace relamp {
+namespace fs = std::filesystem;
+namespace {
+
+const OIIO::TypeDesc floatType(OIIO::TypeDesc::FLOAT);
+
+/// The library's own threads are off because callers already read several pictures at once.
+void setUpLibrary() {
+    static std::once_flag once;
+    std::call_once(once, [] {
+        OIIO::attribute("threads", 1);
+        OIIO::attribute("exr_threads", -1);
+    });
+}
+
+std::string lowerExtension(const fs::path& file) {
+    std::string extension = file.extension().string();
+    for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+    return extension;
+}
+
+std::string lower(std::string text) {
+    for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
+    return text;
+}
+
+std::unique_ptr<OIIO::ImageInput> openPicture(const fs::path& file) {
+    setUpLibrary();
+    std::error_code ignored;
+    if (!fs::exists(file, ignored)) throw Error("{}: does not exist", file.string());
+    if (!fs::is_regular_file(file, ignored)) throw Error("{}: is not a file", file.string());
+    OIIO::ImageSpec wanted;
+    wanted.attribute("oiio:UnassociatedAlpha", 1);        // alpha is a mask here, colours must not be scaled by it
+    wanted.attribute("raw:ColorSpace", "sRGB-linear");
+    auto input = OIIO::ImageInput::open(file.string(), &wanted);
+    if (!input) {
+        const std::string reason = OIIO::geterror();
+        throw Error("{}: is not a readable picture ({})", file.string(), reason.empty() ? "unknown format" : reason);
+    }
+    const OIIO::ImageSpec& spec = input->spec();
+    if (spec.width <= 0 || spec.height <= 0 || spec.nchannels <= 0) throw Error("{}: has no pixels", file.string());
+    if (spec.depth > 1) throw Error("{}: is a volume, expected a flat picture", file.string());
+    if (spec.deep) throw Error("{}: is a deep picture, expected a flat one", file.string());
+    return input;
+}
+
+/// The display window; a crop (data window) is put into it.
+std::pair<int, int> pictureSize(const OIIO::ImageSpec& spec) {
+    if (spec.full_width > 0 && spec.full_height > 0) return {spec.full_width, spec.full_height};
+    return {spec.width, spec.height};
+}
+
+struct ChannelChoice {
+    int r = 0, g = 0, b = 0, alpha = -1;
+};
+
+/// R, G, B by name; else the first three; one or two channels are grey.
+ChannelChoice chooseChannels(const OIIO::ImageSpec& spec, const fs::path& file) {
+    const auto find = [&](const char* name) {
+        for (int c = 0; c < spec.nchannels; ++c)
+            if (lower(spec.channel_name(c)) == name) return c;
+        return -1;
+    };
+    ChannelChoice choice;
+    choice.alpha = spec.alpha_channel >= 0 && spec.alpha_channel < spec.nchannels ? spec.alpha_channel : find("a");
+    if (find("ry") >= 0 && find("by") >= 0) throw Error("{}: stores luminance and chroma, expected R, G, B", file.string());
+    const int r = find("r"), g = find("g"), b = find("b");
+    if (r >= 0 && g >= 0 && b >= 0) {
+        choice.r = r, choice.g = g, choice.b = b;
+        return choice;
+    }
+    if (const int y = find("y"); y >= 0) {
+        choice.r = choice.g = choice.b = y;
+        return choice;
+    }
+    std::vector<int> colours;
+    for (int c = 0; c < spec.nchannels; ++c)
+        if (c != choice.alpha) colours.push_back(c);
+    if (colours.empty()) colours.push_back(0);
+    choice.r = colours[0];
+    choice.g = colours.size() >= 3 ? colours[1] : colours[0];
+    choice.b = colours.size() >= 3 ? colours[2] : colours[0];
+    return choice;
+}
+
+enum class Curve { linear, srgb, gamma, cineonLog };
+struct Transfer {
+    Curve curve = Curve::linear;
+    float gamma = 1;
+};
+
+/// What the file's header says about its transfer curve. The library's names for colour spaces changed between its
+/// versions 2 and 3, so they are recognised by their parts.
+Transfer transferOf(const OIIO::ImageSpec& spec, bool integer) {
+    if (!integer) return {};
+    const std::string space = lower(spec.get_string_attribute("oiio:ColorSpace"));
+    if (space == "linear" || space == "scene_linear" || space.rfind("lin_", 0) == 0 || space == "srgb-linear") return {};
+    if (space == "kodaklog") return {Curve::cineonLog};
+    const float gamma = spec.get_float_attribute("oiio:Gamma", 0.0f);
+    if (space.rfind("gamma", 0) == 0 && gamma > 0.1f && gamma < 10) {
+        if (std::abs(gamma - 1) < 1e-3f) return {};
+        return {Curve::gamma, gamma};
+    }
+    return {Curve::srgb};
+}
+
+float decode(const Transfer& transfer, float value) {
+    switch (transfer.curve) {
+        case Curve::linear: return value;
+        case Curve::srgb: return srgbDecode(value);
+        case Curve::gamma: return value <= 0 ? value : std::pow(value, transfer.gamma);
+        case Curve::cineonLog: {
+            // Kodak's film log: code 95 is black, code 685 is 90 % white.
+            constexpr float black = 0.010797752f;  // 10^((95 - 685) / 300)
+            return std::max(0.0f, (std::pow(10.0f, (1023 * value - 685) / 300) - black) / (1 - black));
+        }
+    }
+    return value;
+}
+
+/// Matrix to Rec.709 from the header's primaries; nothing when they are Rec.709 or not given.
+std::optional<Mat3> primariesMatrix(const OIIO::ImageSpec& spec) {
+    const auto* attribute = spec.find_attribute("chromaticities");
+    if (!attribute) return std::nullopt;
+    const OIIO::TypeDesc type = attribute->type();
+    if (type.basetype != OIIO::TypeDesc::FLOAT || type.numelements() * type.aggregate != 8) return std::nullopt;
+    Chromaticities c;
+    std::memcpy(c.data(), attribute->data(), sizeof c);
+    if (isRec709(c)) return std::nullopt;
+    return rec709From(c);
+}
+
+/// Counts and empties samples that are no radiance. Slightly negative ones come from lossy compression.
+void setRight(Image& image, ImageReport& report) {
+    const auto spoil = [&](size_t i) {
+        image.pixels[i] = Rgb(0);
+        if (image.usable.empty()) image.usable.assign(image.pixels.size(), 1);
+        image.usable[i] = 0;
+    };
+    for (size_t i = 0; i < image.pixels.size(); ++i) {
+        const Rgb& c = image.pixels[i];
+        if (std::isnan(c.x) || std::isnan(c.y) || std::isnan(c.z)) {
+            ++report.nan;
+            spoil(i);
+        } else if (!isFinite(c)) {
+            ++report.infinite;
+            spoil(i);
+        } else if (c.x < 0 || c.y < 0 || c.z < 0) {
+            ++report.negative;
+            spoil(i);
+        }
+    }
+}
+
+}  // namespace
+
+float srgbEncode(float linear) {
+    const float c = std::clamp(linear, 0.0f, 1.0f);
+    return c <= 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1 / 2.4f) - 0.055f;
+}
+
+float srgbDecode(float encoded) {
+    const float c = std::clamp(encoded, 0.0f, 1.0f);
+    return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
+}
+
+std::pair<int, int> readImageSize(const fs::path& file) { return pictureSize(openPicture(file)->spec()); }
+
+Image readImage(const fs::path& file, ImageReport* report, bool dataFile, size_t maxPixels) {
+    auto input = openPicture(file);
+    const OIIO::ImageSpec spec = input->spec();
+    const auto [width, height] = pictureSize(spec);
+    for (const size_t pixels : {size_t(width) * height, size_t(spec.width) * spec.height})
+        if (pixels > maxPixels) throw Error("{}: has {} pixels, expected at most {}", file.string(), pixels, maxPixels);
+
+    const ChannelChoice choice = chooseChannels(spec, file);
+    int first = std::min({choice.r, choice.g, choice.b}), last = std::max({choice.r, choice.g, choice.b});
+    if (choice.alpha >= 0) first = std::min(first, choice.alpha), last = std::max(last, choice.alpha);
+    if (last - first >= 8) first = std::min({choice.r, choice.g, choice.b}), last = std::max({choice.r, choice.g, choice.b});
+    const bool hasAlpha = choice.alpha >= first && choice.alpha <= last;
+    const size_t channels = size_t(last - first) + 1;
+    std::vector<float> samples(size_t(spec.width) * spec.height * channels);
+    if (!input->read_image(0, 0, first, last + 1, floatType, samples.data()))
+        throw Error("{}: cannot be read to its end ({})", file.string(), input->geterror());
+
+    ImageReport found;
+    found.integer = spec.format.basetype != OIIO::TypeDesc::FLOAT && spec.format.basetype != OIIO::TypeDesc::HALF &&
+                    spec.format.basetype != OIIO::TypeDesc::DOUBLE;
+    const Transfer transfer = dataFile ? Transfer{} : transferOf(spec, found.integer);
+    found.clipLevel = found.integer ? decode(transfer, 1.0f) : 0.0f;
+    const auto matrix = dataFile ? std::nullopt : primariesMatrix(spec);
+    // 8-bit curves are looked up because most photographs are 8-bit.
+    std::vector<float> table;
+    if (transfer.curve != Curve::linear && spec.format.basetype == OIIO::TypeDesc::UINT8)
+        for (int i = 0; i < 256; ++i) table.push_back(decode(transfer, float(i) / 255));
+    const auto linear = [&](float value) {
+        if (!table.empty()) return table[size_t(std::clamp(std::lround(value * 255), 0l, 255l))];
+        return decode(transfer, value);
+    };
+
+    Image image(width, height);
+    const int left = spec.x - spec.full_x, top = spec.y - spec.full_y;
+    const bool cropped = left > 0 || top > 0 || left + spec.width < width || top + spec.height < height;
+    if (cropped) image.usable.assign(image.pixels.size(), 0);
+    for (int y = 0; y < spec.height; ++y) {
+        const int toY = y + top;
+        if (toY < 0 || toY >= height) continue;
+        for (int x = 0; x < spec.width; ++x) {
+            const int toX = x + left;
+            if (toX < 0 || toX >= width) continue;
+            const float* sample = &samples[(size_t(y) * spec.width + x) * channels];
+            const size_t i = size_t(toY) * width + toX;
+            Rgb colour(linear(sample[choice.r - first]), linear(sample[choice.g - first]), linear(sample[choice.b - first]));
+            image.pixels[i] = matrix ? *matrix * colour : colour;
+            if (cropped) image.usable[i] = 1;
+            if (hasAlpha && sample[choice.alpha - first] < 0.5f) {
+                if (image.usable.empty()) image.usable.assign(image.pixels.size(), 1);
+                image.usable[i] = 0;
+                ++found.transparent;
+            }
+        }
+    }
+    setRight(image, found);
+    if (report) *report = found;
+    return image;
+}
+
+namespace {
+
+/// Header entries. Sixteen numbers for worldToCamera and worldToNDC become matrices, as EXR readers expect.
+void putHeader(OIIO::ImageSpec& spec, const std::map<std::string, std::string>& header) {
+    for (const auto& [name, value] : header) {
+        if (lower(name) == "worldtocamera" || lower(name) == "worldtondc") {
+            std::istringstream in(value);
+            std::array<float, 16> m{};
+            size_t read = 0;
+            while (read < 16 && in >> m[read]) ++read;
+            if (read == 16) {
+                const OIIO::TypeDesc matrix(OIIO::TypeDesc::FLOAT, OIIO::TypeDesc::MATRIX44);
+                spec.attribute(lower(name) == "worldtocamera" ? "worldtocamera" : "worldtoNDC", matrix, m.data());
+                continue;
+            }
+        }
+        spec.attribute(name, value);
+    }
+}
+
+void putExrDefaults(OIIO::ImageSpec& spec) {
+    spec.attribute("compression", "zip");
+    spec.attribute("DateTime", "");  // else the time of writing goes in, and equal pictures get unequal files
+    spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), rec709Chromaticities.data());
+}
+
+/// Encodes in memory and then writes the bytes, because a full disk is reported reliably only by our own writing.
+/// `fillRows(y, rows, out)` gives interleaved samples.
+template <class FillRows>
+void encode(const fs::path& file, const OIIO::ImageSpec& spec, FillRows&& fillRows) {
+    setUpLibrary();
+    auto output = OIIO::ImageOutput::create(file.string());
+    if (!output) throw Error("{}: cannot be written ({})", file.string(), OIIO::geterror());
+    if (!output->supports("ioproxy")) throw Error("{}: this format cannot be written", file.string());
+    OIIO::Filesystem::IOVecOutput memory;
+    output->set_ioproxy(&memory);
+    const auto check = [&](bool good) {
+        if (!good) throw Error("{}: cannot be encoded ({})", file.string(), output->geterror());
+    };
+    check(output->open(file.string(), spec));
+    constexpr int rowsAtOnce = 64;
+    std::vector<float> rows(size_t(std::min(rowsAtOnce, spec.height)) * spec.width * spec.nchannels);
+    for (int y = 0; y < spec.height; y += rowsAtOnce) {
+        const int end = std::min(y + rowsAtOnce, spec.height);
+        fillRows(y, end - y, rows.data());
+        check(output->write_scanlines(y, end, 0, floatType, rows.data()));
+    }
+    check(output->close());
+    const auto& bytes = memory.buffer();
+    writeBytesAtomically(file, std::string(bytes.begin(), bytes.end()));
+}
+
+constexpr float largestHalf = 65504.0f;
+
+}  // namespace
+
+void writeImage(const fs::path& file, const Image& image, const std::map<std::string, std::string>& header) {
+    if (image.width <= 0 || image.height <= 0 || image.pixels.size() != size_t(image.width) * image.height)
+        throw Error("{}: there are no pixels to write", file.string());
+    const std::string extension = lowerExtension(file);
+    const bool exr = extension == ".exr", hdr = extension == ".hdr";
+    const bool display = extension == ".png" || extension == ".jpg" || extension == ".jpeg";
+    if (!exr && !hdr && !display)
+        throw Error("{}: the ending \"{}\" is unknown, expected .exr, .hdr, .png, .jpg or .jpeg", file.string(), extension);
+    OIIO::TypeDesc type = floatType;
+    if (display) type = OIIO::TypeDesc(OIIO::TypeDesc::UINT8);
+    // Half floats end at 65504; a brighter sun keeps its energy in full floats.
+    if (exr && std::none_of(image.pixels.begin(), image.pixels.end(), [](const Rgb& c) { return maxChannel(c) > largestHalf; }))
+        type = OIIO::TypeDesc(OIIO::TypeDesc::HALF);
+    OIIO::ImageSpec spec(image.width, image.height, 3, type);
+    if (exr) putExrDefaults(spec);
+    if (display) spec.attribute("oiio:ColorSpace", "sRGB");
+    if (extension == ".jpg" || extension == ".jpeg") spec.attribute("CompressionQuality", 95);
+    putHeader(spec, header);
+    encode(file, spec, [&](int y, int rows, float* out) {
+        const Rgb* from = &image.pixels[size_t(y) * image.width];
+        for (size_t i = 0; i < size_t(rows) * image.width; ++i)
+            for (int c = 0; c < 3; ++c) out[i * 3 + size_t(c)] = display ? srgbEncode(from[i][c]) : from[i][c];
+    });
+}
+
+void writeChannels(const fs::path& file, int width, int height, const std::vector<Channel>& channels,
+                   const std::map<std::string, std::string>& header) {
+    if (width <= 0 || height <= 0 || channels.empty()) throw Error("{}: there are no pixels to write", file.string());
+    if (lowerExtension(file) != ".exr") throw Error("{}: layers are written as .exr only", file.string());
+    OIIO::ImageSpec spec(width, height, int(channels.size()), floatType);
+    spec.channelnames.clear();
+    for (size_t c = 0; c < channels.size(); ++c) {
+        const Channel& channel = channels[c];
+        if (channel.values.size() != size_t(width) * height)
+            throw Error("{}: channel {}: has {} values, expected {}", file.string(), channel.name, channel.values.size(),
+                        size_t(width) * height);
+        const bool fitsHalf = std::none_of(channel.values.begin(), channel.values.end(),
+                                           [](float v) { return std::isfinite(v) && std::abs(v) > largestHalf; });
+        spec.channelnames.push_back(channel.name);
+        spec.channelformats.emplace_back(channel.half && fitsHalf ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT);
+        if (channel.name == "A") spec.alpha_channel = int(c);
+    }
+    putExrDefaults(spec);
+    putHeader(spec, header);
+    encode(file, spec, [&](int y, int rows, float* out) {
+        for (size_t c = 0; c < channels.size(); ++c) {
+            const float* from = &channels[c].values[size_t(y) * width];
+            for (size_t i = 0; i < size_t(rows) * width; ++i) out[i * channels.size() + c] = from[i];
+        }
+    });
+}
+
+}  // namespace relamp

@@ -1,0 +1,40 @@
+// Pictures on disk. OpenImageIO is named only in image_io.cpp.
+#pragma once
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "image/image.h"
+
+namespace relamp {
+
+/// What was set right while reading.
+struct ImageReport {
+    size_t nan = 0, negative = 0, infinite = 0;  ///< pixels (all marked not usable and set to zero)
+    size_t transparent = 0;                      ///< pixels with alpha < 0.5 (not usable)
+    bool integer = false;                        ///< 8- or 16-bit file: sRGB was decoded unless told, 1.0 is clipped
+    float clipLevel = 0;                         ///< value at which the file clips, in linear units; 0 = none known
+};
+
+/// Reads EXR, HDR, TIFF, PNG, JPEG, DPX or camera raw to linear Rec.709. Integer files are decoded as sRGB, except with
+/// `dataFile` (masks). Grey is spread over three channels. Throws Error naming the file: missing, unreadable, no
+/// pixels, more than `maxPixels`.
+Image readImage(const std::filesystem::path& file, ImageReport* report = nullptr, bool dataFile = false,
+                size_t maxPixels = size_t(1) << 28);
+
+/// Width and height from the header alone. Throws Error as readImage.
+std::pair<int, int> readImageSize(const std::filesystem::path& file);
+
+/// Writes EXR (half, ZIP), HDR, or sRGB-encoded PNG/JPEG by extension, whole or not at all. Throws Error, OutOfResources.
+void writeImage(const std::filesystem::path& file, const Image& image, const std::map<std::string, std::string>& header = {});
+
+/// Writes a single-part EXR with the channels in the order given (ZIP). Same errors.
+void writeChannels(const std::filesystem::path& file, int width, int height, const std::vector<Channel>& channels,
+                   const std::map<std::string, std::string>& header = {});
+
+/// sRGB transfer curve (IEC 61966-2-1) and its inverse; both map [0,1] to [0,1].
+float srgbEncode(float linear);
+float srgbDecode(float encoded);
+
+}  // namespace relamp

@@ -1,0 +1,19 @@
+// The door of room 3: photographs and geometry become observations.
+#pragma once
+#include "base/progress.h"
+#include "capture/capture.h"
+#include "radiance/samples.h"
+#include "scene/scene.h"
+
+namespace relamp {
+
+struct GatherOptions {
+    float grazingCosine = 0.12f;  ///< looks at a steeper grazing angle are dropped
+};
+
+/// For each vertex and view: projected, tested for occlusion, looked up bilinearly among the pixels that see the same
+/// surface (METHOD 3). Pixels that see no geometry observe the environment. The noise level is estimated from pixel
+/// differences. Cost: one ray a pixel and one a vertex and view.
+RadianceSamples gatherRadiance(const Capture& capture, const Scene& scene, const GatherOptions& options, Progress& progress);
+
+}  // namespace relamp

@@ -1,0 +1,159 @@
+#include "relight/look.h"
+
+#include <nlohmann/json.hpp>
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+
+namespace relamp {
+namespace {
+using Json = nlohmann::json;
+
+float numberOf(const Json& value, const std::string& where) {
+    if (!value.is_number()) throw Error("{}: expected a number", where);
+    const double x = value.get<double>();
+    if (!std::isfinite(x) || std::abs(x) > 1e30) throw Error("{}: is {}, expected a finite number", where, x);
+    return float(x);
+}
+
+Rgb colourOf(const Json& value, const std::string& where) {
+    if (!value.is_array() || value.size() != 3) throw Error("{}: expected three numbers", where);
+    Rgb c;
+    for (int k = 0; k < 3; ++k) {
+        c[k] = numberOf(value[size_t(k)], fmt::format("{}[{}]", where, k));
+        if (c[k] < 0) throw Error("{}[{}]: is {}, expected 0 or more", where, k, c[k]);
+    }
+    return c;
+}
+
+Mat4 matrixOf(const Json& value, const std::string& where) {
+    if (!value.is_array() || value.size() != 4) throw Error("{}: expected four rows of four numbers", where);
+    Mat4 m(1);
+    for (int r = 0; r < 4; ++r) {
+        if (!value[size_t(r)].is_array() || value[size_t(r)].size() != 4) throw Error("{}[{}]: expected four numbers", where, r);
+        for (int c = 0; c < 4; ++c) m[c][r] = numberOf(value[size_t(r)][size_t(c)], fmt::format("{}[{}][{}]", where, r, c));
+    }
+    if (m[0][3] != 0 || m[1][3] != 0 || m[2][3] != 0 || m[3][3] != 1) throw Error("{}[3]: expected 0 0 0 1", where);
+    if (!(std::abs(glm::determinant(glm::dmat3(glm::mat3(m)))) > 1e-18)) throw Error("{}: is singular", where);
+    return m;
+}
+
+Json matrixToJson(const Mat4& m) {
+    Json rows = Json::array();
+    for (int r = 0; r < 4; ++r) rows.push_back({m[0][r], m[1][r], m[2][r], m[3][r]});
+    return rows;
+}
+
+const Json& listOf(const Json& document, const char* key) {
+    static const Json empty = Json::array();
+    const auto at = document.find(key);
+    if (at == document.end()) return empty;
+    if (!at->is_array()) throw Error("{}: expected a list", key);
+    return *at;
+}
+
+std::string textOf(const Json& object, const char* key, const std::string& where) {
+    const auto at = object.find(key);
+    if (at == object.end() || !at->is_string()) throw Error("{}.{}: expected a text", where, key);
+    return at->get<std::string>();
+}
+
+}  // namespace
+
+Look lookFromJson(const Json& document, const std::filesystem::path& folder) {
+    if (!document.is_object()) throw Error("expected an object");
+    if (const auto version = document.find("version"); version != document.end() && (!version->is_number_integer() || version->get<int>() != 1))
+        throw Error("version: is {}, expected 1", version->dump());
+    Look look;
+    if (const auto at = document.find("environment"); at != document.end()) {
+        if (!at->is_object()) throw Error("environment: expected an object");
+        const std::string source = at->value("source", "recovered");
+        if (source == "recovered") look.environment.source = EnvironmentLook::Source::recovered;
+        else if (source == "none") look.environment.source = EnvironmentLook::Source::none;
+        else if (source == "file") look.environment.source = EnvironmentLook::Source::file;
+        else throw Error("environment.source: is {}, expected recovered, none or file", source);
+        if (look.environment.source == EnvironmentLook::Source::file) look.environment.file = folder / textOf(*at, "file", "environment");
+        if (at->contains("yaw_degrees")) look.environment.yawDegrees = numberOf((*at)["yaw_degrees"], "environment.yaw_degrees");
+        if (at->contains("exposure_stops")) look.environment.exposureStops = numberOf((*at)["exposure_stops"], "environment.exposure_stops");
+        if (at->contains("tint")) look.environment.tint = colourOf((*at)["tint"], "environment.tint");
+    }
+    size_t i = 0;
+    for (const Json& e : listOf(document, "emitters")) {
+        const std::string where = fmt::format("emitters[{}]", i++);
+        if (!e.is_object()) throw Error("{}: expected an object", where);
+        EmitterLook emitter;
+        emitter.id = textOf(e, "id", where);
+        if (e.contains("enabled")) {
+            if (!e["enabled"].is_boolean()) throw Error("{}.enabled: expected true or false", where);
+            emitter.enabled = e["enabled"].get<bool>();
+        }
+        if (e.contains("matrix")) emitter.matrix = matrixOf(e["matrix"], where + ".matrix");
+        if (e.contains("power_scale")) emitter.powerScale = colourOf(e["power_scale"], where + ".power_scale");
+        look.emitters.push_back(emitter);
+    }
+    i = 0;
+    for (const Json& e : listOf(document, "added_emitters")) {
+        const std::string where = fmt::format("added_emitters[{}]", i++);
+        if (!e.is_object()) throw Error("{}: expected an object", where);
+        AddedEmitter emitter;
+        emitter.id = textOf(e, "id", where);
+        const std::string shape = textOf(e, "shape", where);
+        if (shape == "rectangle") emitter.shape = AddedEmitter::Shape::rectangle;
+        else if (shape == "disk") emitter.shape = AddedEmitter::Shape::disk;
+        else if (shape == "sphere") emitter.shape = AddedEmitter::Shape::sphere;
+        else throw Error("{}.shape: is {}, expected rectangle, disk or sphere", where, shape);
+        if (e.contains("matrix")) emitter.matrix = matrixOf(e["matrix"], where + ".matrix");
+        if (e.contains("size")) {
+            const Json& size = e["size"];
+            if (!size.is_array() || size.empty() || size.size() > 2) throw Error("{}.size: expected one or two numbers", where);
+            emitter.size = Vec2(numberOf(size[0], where + ".size[0]"));
+            if (size.size() == 2) emitter.size.y = numberOf(size[1], where + ".size[1]");
+            if (!(emitter.size.x > 0) || !(emitter.size.y > 0)) throw Error("{}.size: expected more than 0", where);
+        }
+        if (e.contains("radiance")) emitter.radiance = colourOf(e["radiance"], where + ".radiance");
+        look.added.push_back(emitter);
+    }
+    i = 0;
+    for (const Json& p : listOf(document, "parts")) {
+        const std::string where = fmt::format("parts[{}]", i++);
+        if (!p.is_object() || !p.contains("seed_vertex") || !p["seed_vertex"].is_number_unsigned()) throw Error("{}.seed_vertex: expected a vertex number", where);
+        PartLook part;
+        part.seedVertex = p["seed_vertex"].get<uint32_t>();
+        if (p.contains("matrix")) part.matrix = matrixOf(p["matrix"], where + ".matrix");
+        look.parts.push_back(part);
+    }
+    if (const auto at = document.find("materials"); at != document.end() && at->is_object()) look.neutralMaterials = at->value("neutral", false);
+    return look;
+}
+
+Look readLook(const std::filesystem::path& file) {
+    return withContext(file.string(), [&] {
+        const Json document = Json::parse(readBytes(file, 64 << 20), nullptr, false);
+        if (document.is_discarded()) throw Error("is not valid JSON");
+        return lookFromJson(document, file.parent_path());
+    });
+}
+
+Json lookToJson(const Look& look) {
+    Json document{{"version", 1}};
+    const char* sources[] = {"recovered", "none", "file"};
+    Json& environment = document["environment"];
+    environment["source"] = sources[int(look.environment.source)];
+    if (look.environment.source == EnvironmentLook::Source::file) environment["file"] = look.environment.file.string();
+    environment["yaw_degrees"] = look.environment.yawDegrees;
+    environment["exposure_stops"] = look.environment.exposureStops;
+    environment["tint"] = {look.environment.tint.x, look.environment.tint.y, look.environment.tint.z};
+    document["emitters"] = Json::array();
+    for (const EmitterLook& e : look.emitters)
+        document["emitters"].push_back({{"id", e.id}, {"enabled", e.enabled}, {"matrix", matrixToJson(e.matrix)}, {"power_scale", {e.powerScale.x, e.powerScale.y, e.powerScale.z}}});
+    document["added_emitters"] = Json::array();
+    const char* shapes[] = {"rectangle", "disk", "sphere"};
+    for (const AddedEmitter& e : look.added)
+        document["added_emitters"].push_back({{"id", e.id}, {"shape", shapes[int(e.shape)]}, {"matrix", matrixToJson(e.matrix)}, {"size", {e.size.x, e.size.y}}, {"radiance", {e.radiance.x, e.radiance.y, e.radiance.z}}});
+    document["parts"] = Json::array();
+    for (const PartLook& p : look.parts) document["parts"].push_back({{"seed_vertex", p.seedVertex}, {"matrix", matrixToJson(p.matrix)}});
+    document["materials"] = {{"neutral", look.neutralMaterials}};
+    return document;
+}
+
+}  // namespace relamp

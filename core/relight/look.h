@@ -1,0 +1,56 @@
+// What the artist has edited: emitters moved, scaled, recoloured, off or added; the environment replaced or turned. A small value.
+#pragma once
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/math.h"
+
+namespace relamp {
+
+struct EnvironmentLook {
+    enum class Source { recovered, none, file } source = Source::recovered;
+    std::filesystem::path file;     ///< latitude-longitude picture, when source is file
+    float yawDegrees = 0;           ///< about +Z, counter-clockwise from above
+    float exposureStops = 0;
+    Rgb tint{1};
+};
+
+struct EmitterLook {
+    std::string id;
+    bool enabled = true;
+    Mat4 matrix{1};                 ///< applied to the emitter's world positions
+    Rgb powerScale{1};              ///< multiplies its radiance; its power also changes with its area
+};
+
+struct AddedEmitter {
+    enum class Shape { rectangle, disk, sphere } shape = Shape::rectangle;
+    std::string id;
+    Mat4 matrix{1};                 ///< the shape lies about the origin, facing -Z
+    Vec2 size{1};                   ///< metres: width and height, or diameter
+    Rgb radiance{1};
+};
+
+/// The connected piece of mesh that holds the vertex moves too: a lamp's shade and stand.
+struct PartLook {
+    uint32_t seedVertex = 0;
+    Mat4 matrix{1};
+};
+
+struct Look {
+    EnvironmentLook environment;
+    std::vector<EmitterLook> emitters;  ///< those not named stay as recovered
+    std::vector<AddedEmitter> added;
+    std::vector<PartLook> parts;
+    bool neutralMaterials = false;      ///< every surface at its own brightness without colour
+};
+
+/// The edits document of INTERFACE section 3. Relative file names are taken from `folder`. Throws Error naming the field
+/// ("emitters[2].matrix: is singular").
+Look lookFromJson(const nlohmann::json& document, const std::filesystem::path& folder);
+Look readLook(const std::filesystem::path& file);
+nlohmann::json lookToJson(const Look& look);
+
+}  // namespace relamp

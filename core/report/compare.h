@@ -1,0 +1,19 @@
+// Near-field against distant-only, side by side: one HTML page with pictures and figures.
+#pragma once
+#include <filesystem>
+
+#include "base/progress.h"
+#include "solve/solve.h"
+
+namespace relamp {
+
+struct CompareOptions {
+    SolveOptions solve;
+    int maxViews = 3;    ///< views with pictures
+};
+
+/// Solves the capture in both modes, renders views, writes DIR/index.html (pictures embedded, nothing else needed) and both shots.
+/// Returns the page. Throws as runPipeline.
+std::filesystem::path writeComparison(const std::filesystem::path& capture, const std::filesystem::path& folder, const CompareOptions& options, Progress& progress);
+
+}  // namespace relamp

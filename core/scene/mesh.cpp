@@ -1,0 +1,80 @@
+#include "scene/mesh.h"
+
+#include <cstring>
+#include <unordered_map>
+
+#include "base/random.h"
+
+namespace relamp {
+
+VertexGraph buildVertexGraph(const Mesh& mesh) {
+    std::vector<std::pair<uint32_t, uint32_t>> edges;
+    edges.reserve(mesh.triangles.size() * 6 + mesh.vertexCount() / 4);
+    const auto join = [&](uint32_t a, uint32_t b) {
+        if (a == b) return;
+        edges.emplace_back(a, b);
+        edges.emplace_back(b, a);
+    };
+    for (const Triangle& t : mesh.triangles)
+        for (int k = 0; k < 3; ++k) join(t[k], t[(k + 1) % 3]);
+    // Seams: vertices at the very same place belong together.
+    std::unordered_map<uint64_t, uint32_t> firstAt;
+    firstAt.reserve(mesh.vertexCount());
+    for (uint32_t v = 0; v < mesh.vertexCount(); ++v) {
+        uint32_t bits[3];
+        std::memcpy(bits, &mesh.positions[v], sizeof bits);
+        const uint64_t key = mixBits(mixBits(mixBits(bits[0]) ^ bits[1]) ^ bits[2]);
+        const auto [place, isNew] = firstAt.emplace(key, v);
+        if (!isNew && mesh.positions[place->second] == mesh.positions[v]) join(v, place->second);
+    }
+    std::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    VertexGraph graph;
+    graph.start.assign(mesh.vertexCount() + 1, 0);
+    graph.to.resize(edges.size());
+    for (size_t i = 0; i < edges.size(); ++i) {
+        ++graph.start[edges[i].first + 1];
+        graph.to[i] = edges[i].second;
+    }
+    for (size_t v = 0; v < mesh.vertexCount(); ++v) graph.start[v + 1] += graph.start[v];
+    return graph;
+}
+
+std::vector<uint32_t> connectedPieces(const VertexGraph& graph, uint32_t* count) {
+    const size_t n = graph.start.size() - 1;
+    constexpr uint32_t none = ~0u;
+    std::vector<uint32_t> piece(n, none), stack;
+    uint32_t pieces = 0;
+    for (uint32_t seed = 0; seed < n; ++seed) {
+        if (piece[seed] != none) continue;
+        stack.assign(1, seed);
+        piece[seed] = pieces;
+        while (!stack.empty()) {
+            const uint32_t v = stack.back();
+            stack.pop_back();
+            for (uint32_t e = graph.start[v]; e < graph.start[v + 1]; ++e)
+                if (piece[graph.to[e]] == none) {
+                    piece[graph.to[e]] = pieces;
+                    stack.push_back(graph.to[e]);
+                }
+        }
+        ++pieces;
+    }
+    if (count) *count = pieces;
+    return piece;
+}
+
+std::vector<Vec3> vertexNormalsFromFaces(const Mesh& mesh) {
+    std::vector<Vec3> normals(mesh.vertexCount(), Vec3(0));
+    for (const Triangle& t : mesh.triangles) {
+        const Vec3 n = glm::cross(mesh.positions[t[1]] - mesh.positions[t[0]], mesh.positions[t[2]] - mesh.positions[t[0]]);
+        for (uint32_t v : t) normals[v] += n;
+    }
+    for (Vec3& n : normals) {
+        const float length = glm::length(n);
+        n = length > 0 ? n / length : Vec3(0, 0, 1);
+    }
+    return normals;
+}
+
+}  // namespace relamp

@@ -1,0 +1,59 @@
+// The scene's surface: an indexed triangle soup with per-vertex normals. No topology is required.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/math.h"
+
+namespace relamp {
+
+using Triangle = std::array<uint32_t, 3>;
+
+/// Vertices in the file's order (reflectance.ply keeps that order); unusable ones stay as unreferenced places.
+struct Mesh {
+    std::vector<Vec3> positions;     ///< metres, world
+    std::vector<Vec3> normals;       ///< unit, per vertex; (0,0,1) where a vertex has no face
+    std::vector<Triangle> triangles;
+    size_t vertexCount() const { return positions.size(); }
+    Vec3 faceNormal(size_t t) const {
+        const Triangle& i = triangles[t];
+        const Vec3 n = glm::cross(positions[i[1]] - positions[i[0]], positions[i[2]] - positions[i[0]]);
+        const float length = glm::length(n);
+        return length > 0 ? n / length : Vec3(0, 0, 1);
+    }
+    float triangleArea(size_t t) const {
+        const Triangle& i = triangles[t];
+        return 0.5f * glm::length(glm::cross(positions[i[1]] - positions[i[0]], positions[i[2]] - positions[i[0]]));
+    }
+};
+
+/// What the loader found and repaired.
+struct MeshReport {
+    size_t vertices = 0, triangles = 0;     ///< kept
+    size_t nanVertices = 0;                 ///< not finite: their faces are dropped
+    size_t badIndexFaces = 0;               ///< faces naming a vertex that does not exist: dropped
+    size_t degenerateFaces = 0;             ///< zero area or repeated corner: dropped
+    size_t duplicateFaces = 0;              ///< same three corners: dropped
+    size_t polygons = 0;                    ///< faces of more than three corners, cut into fans
+    size_t unreferencedVertices = 0;
+    size_t nonManifoldEdges = 0;            ///< edges of three or more faces: kept, counted
+    size_t boundaryEdges = 0;               ///< edges of one face: holes
+    bool normalsFromFile = false;
+};
+
+/// Vertices joined by an edge, in compressed rows: neighbours of v are `to[start[v]] ... to[start[v + 1] - 1]`, sorted.
+/// Vertices at the same position (seams) are joined as well.
+struct VertexGraph {
+    std::vector<uint32_t> start, to;
+};
+VertexGraph buildVertexGraph(const Mesh& mesh);
+
+/// Connected pieces of the mesh: piece of each vertex (0...), unreferenced vertices are pieces of their own.
+std::vector<uint32_t> connectedPieces(const VertexGraph& graph, uint32_t* count = nullptr);
+
+/// Area-weighted vertex normals from the faces.
+std::vector<Vec3> vertexNormalsFromFaces(const Mesh& mesh);
+
+}  // namespace relamp

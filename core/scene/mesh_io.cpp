@@ -1,0 +1,177 @@
+#include "scene/mesh_io.h"
+
+#include <cstring>
+
+#include <OpenMesh/Core/IO/MeshIO.hh>
+#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "scene/ply_reader.h"
+#include "scene/text_scanner.h"
+#include "scene/triangle_soup.h"
+
+namespace relamp {
+namespace fs = std::filesystem;
+namespace {
+
+std::string lowerExtension(const fs::path& file) {
+    std::string extension = file.extension().string();
+    for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+    return extension;
+}
+
+bool isOff(std::string_view bytes) {
+    TextScanner scanner(bytes.substr(0, 4096));
+    const std::string_view word = scanner.word('#');
+    return word.size() >= 3 && word.size() <= 8 && word.substr(word.size() - 3) == "OFF";
+}
+
+bool isBinaryOff(std::string_view bytes) {
+    TextScanner words(TextScanner(bytes.substr(0, 4096)).line());
+    words.word();
+    return words.word() == "BINARY";
+}
+
+/// OpenMesh asks for memory as its headers say, so they are held against the file's size before it sees them.
+void checkCountsForOpenMesh(std::string_view bytes) {
+    size_t at = 4;  // .om: two letters, the kind of mesh and a version
+    if (isOff(bytes)) {
+        TextScanner scanner(bytes);
+        scanner.line();
+        at = bytes.size() - scanner.remaining();
+    }
+    uint32_t counts[2];
+    if (bytes.size() < at + sizeof counts) throw Error("ends inside its header");
+    std::memcpy(counts, bytes.data() + at, sizeof counts);
+    for (const uint32_t count : counts)
+        if (count > bytes.size() / 3) throw Error("claims {} vertices and {} faces, more than the file holds", counts[0], counts[1]);
+}
+
+/// Formats our readers do not know: binary OFF and OpenMesh's own. Non-manifold faces are dropped by OpenMesh.
+TriangleSoup readWithOpenMesh(const fs::path& file, std::string_view bytes) {
+    checkCountsForOpenMesh(bytes);
+    OpenMesh::TriMesh_ArrayKernelT<> mesh;
+    OpenMesh::IO::Options options;
+    omerr().disable();
+    omlog().disable();
+    bool good = false;
+    try {
+        good = OpenMesh::IO::read_mesh(mesh, file.string(), options);
+    } catch (const std::exception&) {
+        good = false;
+    }
+    if (!good) throw Error("cannot be read as a mesh");
+    TriangleSoup soup;
+    soup.positions.reserve(mesh.n_vertices());
+    for (const auto v : mesh.vertices()) soup.positions.emplace_back(mesh.point(v)[0], mesh.point(v)[1], mesh.point(v)[2]);
+    for (const auto f : mesh.faces()) {
+        Triangle triangle{};
+        size_t corner = 0;
+        for (const auto v : mesh.fv_range(f))
+            if (corner < 3) triangle[corner++] = uint32_t(v.idx());
+        soup.triangles.push_back(triangle);
+    }
+    return soup;
+}
+
+/// Content decides where it can; endings only where it cannot.
+TriangleSoup readSoup(const fs::path& file, std::string_view bytes, const MeshLimits& limits) {
+    if (bytes.empty()) throw Error("is empty");
+    const std::string extension = lowerExtension(file);
+    if (bytes.substr(0, 3) == "ply" && bytes.size() > 3 && TextScanner::isSpace(bytes[3])) return readPly(bytes, limits);
+    if (isOff(bytes)) return isBinaryOff(bytes) ? readWithOpenMesh(file, bytes) : readOff(bytes, limits);
+    if (extension == ".obj") return readObj(bytes, limits);
+    if (extension == ".stl") return readStl(bytes, limits);
+    if (extension == ".ply") return readPly(bytes, limits);
+    if (extension == ".off") return readOff(bytes, limits);
+    if (extension == ".om") return readWithOpenMesh(file, bytes);
+    throw Error("is no mesh relamp reads, expected PLY, OBJ, STL or OFF");
+}
+
+std::string readMeshBytes(const fs::path& file) {
+    std::error_code ignored;
+    if (!fs::exists(file, ignored)) throw Error("{}: does not exist", file.string());
+    if (!fs::is_regular_file(file, ignored)) throw Error("{}: is not a file", file.string());
+    return readBytes(file, size_t(1) << 36);
+}
+
+}  // namespace
+
+Mesh readMesh(const fs::path& file, MeshReport* report, const MeshLimits& limits) {
+    const std::string bytes = readMeshBytes(file);
+    return withContext(file.string(), [&] {
+        MeshReport found;
+        Mesh mesh = repairSoup(readSoup(file, bytes, limits), found);
+        if (report) *report = found;
+        return mesh;
+    });
+}
+
+void writeVertexPly(const fs::path& file, const Mesh& mesh, const std::vector<VertexProperty>& properties) {
+    const size_t vertices = mesh.vertexCount();
+    std::string bytes = "ply\nformat binary_little_endian 1.0\n";
+    bytes += fmt::format("element vertex {}\n", vertices);
+    for (const char* name : {"x", "y", "z", "nx", "ny", "nz"}) bytes += fmt::format("property float {}\n", name);
+    for (const VertexProperty& property : properties) {
+        const bool oneWord = !property.name.empty() && property.name.find_first_of(" \t\r\n") == std::string::npos;
+        if (!oneWord) throw Error("{}: property \"{}\" is no name of one word", file.string(), property.name);
+        if (property.values.size() != vertices)
+            throw Error("{}: property {} has {} values for {} vertices", file.string(), property.name, property.values.size(), vertices);
+        bytes += fmt::format("property {} {}\n", property.asInt ? "int" : "float", property.name);
+    }
+    bytes += fmt::format("element face {}\nproperty list uchar int vertex_indices\nend_header\n", mesh.triangles.size());
+    bytes.reserve(bytes.size() + vertices * (24 + 4 * properties.size()) + mesh.triangles.size() * 13);
+    const auto put = [&](const auto& value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
+    const std::vector<Vec3> fromFaces = mesh.normals.size() == vertices ? std::vector<Vec3>() : vertexNormalsFromFaces(mesh);
+    const std::vector<Vec3>& normals = mesh.normals.size() == vertices ? mesh.normals : fromFaces;
+    for (size_t v = 0; v < vertices; ++v) {
+        put(mesh.positions[v]);
+        put(normals[v]);
+        for (const VertexProperty& property : properties) {
+            if (property.asInt) put(int32_t(std::lround(std::clamp(property.values[v], -2.1e9f, 2.1e9f))));
+            else put(property.values[v]);
+        }
+    }
+    for (const Triangle& t : mesh.triangles) {
+        bytes.push_back(3);
+        for (const uint32_t corner : t) put(int32_t(corner));
+    }
+    writeBytesAtomically(file, bytes);
+}
+
+std::vector<VertexProperty> readVertexPly(const fs::path& file) {
+    const std::string bytes = readMeshBytes(file);
+    return withContext(file.string(), [&] {
+        const PlyHeader header = readPlyHeader(bytes);
+        PlyCursor cursor(bytes, header);
+        for (const PlyElement& element : header.elements) {
+            if (element.name != "vertex") {
+                cursor.skip(element);
+                continue;
+            }
+            if (element.count > MeshLimits().maxVertices)
+                throw Error("element vertex has {} entries, expected at most {}", element.count, MeshLimits().maxVertices);
+            std::vector<VertexProperty> properties;
+            std::vector<size_t> place(element.properties.size());
+            for (size_t p = 0; p < element.properties.size(); ++p) {
+                const PlyProperty& from = element.properties[p];
+                place[p] = properties.size();
+                if (from.isList) continue;
+                properties.push_back({from.name, {}, from.type != PlyType::float32 && from.type != PlyType::float64});
+                properties.back().values.resize(element.count);
+            }
+            std::vector<double> ignored;
+            for (size_t v = 0; v < element.count; ++v)
+                for (size_t p = 0; p < element.properties.size(); ++p) {
+                    const PlyProperty& from = element.properties[p];
+                    if (from.isList) cursor.list(from, ignored);
+                    else properties[place[p]].values[v] = float(cursor.scalar(from.type));
+                }
+            return properties;
+        }
+        throw Error("has no element vertex");
+    });
+}
+
+}  // namespace relamp

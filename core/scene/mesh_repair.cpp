@@ -1,0 +1,154 @@
+// From the triangles of a file to a mesh that can be lit: faces that are no surface go, everything is counted.
+#include <numeric>
+
+#include "base/error.h"
+#include "scene/triangle_soup.h"
+
+namespace relamp {
+namespace {
+
+/// Coordinates beyond this are treated as not finite, because their squares leave the range of floats.
+constexpr float largestCoordinate = 1e15f;
+
+bool isUsable(const Vec3& p) {
+    return isFinite(p) && std::abs(p.x) < largestCoordinate && std::abs(p.y) < largestCoordinate && std::abs(p.z) < largestCoordinate;
+}
+
+Vec3 middleOf(const std::vector<Vec3>& positions) {
+    DVec3 low(std::numeric_limits<double>::infinity()), high(-low);
+    for (const Vec3& p : positions)
+        if (isUsable(p)) low = glm::min(low, DVec3(p)), high = glm::max(high, DVec3(p));
+    return low.x <= high.x ? Vec3(0.5 * (low + high)) : Vec3(0);
+}
+
+/// No area to the precision of a float: repeated corner, or three corners on a line.
+bool isDegenerate(const std::vector<Vec3>& positions, const Triangle& t) {
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return true;
+    const Vec3 a = positions[t[1]] - positions[t[0]], b = positions[t[2]] - positions[t[0]];
+    if (!(glm::length(glm::cross(a, b)) > 0)) return true;
+    const DVec3 da(a), db(b);
+    const double longest = std::max({glm::dot(da, da), glm::dot(db, db), glm::dot(da - db, da - db)});
+    return !(glm::length(glm::cross(da, db)) > 1e-9 * longest);
+}
+
+size_t dropDuplicates(std::vector<Triangle>& triangles) {
+    std::vector<Triangle> keys(triangles);
+    for (Triangle& key : keys) std::sort(key.begin(), key.end());
+    std::vector<uint32_t> order(triangles.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; });
+    std::vector<uint8_t> drop(triangles.size(), 0);
+    for (size_t i = 1; i < order.size(); ++i) drop[order[i]] = keys[order[i]] == keys[order[i - 1]];
+    size_t kept = 0;
+    for (size_t i = 0; i < triangles.size(); ++i)
+        if (!drop[i]) triangles[kept++] = triangles[i];
+    const size_t dropped = triangles.size() - kept;
+    triangles.resize(kept);
+    return dropped;
+}
+
+/// For each vertex the first one at the same position, so that seams of normals or texture are no holes.
+std::vector<uint32_t> weldedVertices(const std::vector<Vec3>& positions) {
+    std::vector<uint32_t> order(positions.size()), first(positions.size());
+    std::iota(order.begin(), order.end(), 0u);
+    const auto key = [&](uint32_t v) { return std::array<float, 3>{positions[v].x, positions[v].y, positions[v].z}; };
+    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+        const auto ka = key(a), kb = key(b);
+        return ka != kb ? ka < kb : a < b;
+    });
+    for (size_t i = 0; i < order.size(); ++i)
+        first[order[i]] = i > 0 && key(order[i]) == key(order[i - 1]) ? first[order[i - 1]] : order[i];
+    return first;
+}
+
+void countEdges(const Mesh& mesh, MeshReport& report) {
+    const std::vector<uint32_t> welded = weldedVertices(mesh.positions);
+    std::vector<uint64_t> edges;
+    edges.reserve(mesh.triangles.size() * 3);
+    for (const Triangle& t : mesh.triangles)
+        for (size_t k = 0; k < 3; ++k) {
+            const uint64_t a = welded[t[k]], b = welded[t[(k + 1) % 3]];
+            if (a != b) edges.push_back(std::min(a, b) << 32 | std::max(a, b));
+        }
+    std::sort(edges.begin(), edges.end());
+    for (size_t i = 0; i < edges.size();) {
+        size_t end = i;
+        while (end < edges.size() && edges[end] == edges[i]) ++end;
+        report.boundaryEdges += end - i == 1;
+        report.nonManifoldEdges += end - i >= 3;
+        i = end;
+    }
+}
+
+/// The file's normals where they are good, those of the faces elsewhere.
+void setNormals(Mesh& mesh, std::vector<Vec3>&& fromFile, const std::vector<uint8_t>& referenced, MeshReport& report) {
+    mesh.normals = vertexNormalsFromFaces(mesh);
+    if (fromFile.size() != mesh.vertexCount()) return;
+    size_t good = 0, wanted = 0;
+    for (size_t v = 0; v < fromFile.size(); ++v) {
+        if (!referenced[v]) continue;
+        ++wanted;
+        const float length = isFinite(fromFile[v]) ? glm::length(fromFile[v]) : 0.0f;
+        if (!(length > 1e-6f) || !std::isfinite(length)) continue;
+        mesh.normals[v] = fromFile[v] / length;
+        ++good;
+    }
+    report.normalsFromFile = 2 * good > wanted;
+}
+
+}  // namespace
+
+void TriangleSoup::addFace(const std::vector<int64_t>& corners, size_t vertices, const MeshLimits& limits) {
+    const bool inside = std::all_of(corners.begin(), corners.end(), [&](int64_t c) { return c >= 0 && size_t(c) < vertices; });
+    if (corners.size() < 3 || !inside) {
+        ++badIndexFaces;
+        return;
+    }
+    polygons += corners.size() > 3;
+    if (triangles.size() + corners.size() - 2 > limits.maxTriangles) throw Error("has more than {} triangles", limits.maxTriangles);
+    for (size_t c = 2; c < corners.size(); ++c)
+        triangles.push_back({uint32_t(corners[0]), uint32_t(corners[c - 1]), uint32_t(corners[c])});
+}
+
+Mesh repairSoup(TriangleSoup&& soup, MeshReport& report) {
+    report = {};
+    report.polygons = soup.polygons;
+    report.badIndexFaces = soup.badIndexFaces;
+    const size_t facesInFile = soup.triangles.size() + soup.badIndexFaces;
+    Mesh mesh;
+    mesh.positions = std::move(soup.positions);
+    std::vector<uint8_t> usable(mesh.vertexCount(), 1);
+    for (size_t v = 0; v < usable.size(); ++v) {
+        usable[v] = isUsable(mesh.positions[v]);
+        report.nanVertices += !usable[v];
+    }
+    size_t notFinite = 0;
+    for (const Triangle& t : soup.triangles) {
+        if (t[0] >= usable.size() || t[1] >= usable.size() || t[2] >= usable.size()) ++report.badIndexFaces;
+        else if (!usable[t[0]] || !usable[t[1]] || !usable[t[2]]) ++notFinite;
+        else if (isDegenerate(mesh.positions, t)) ++report.degenerateFaces;
+        else mesh.triangles.push_back(t);
+    }
+    report.duplicateFaces = dropDuplicates(mesh.triangles);
+    if (mesh.triangles.empty()) {
+        if (facesInFile == 0) throw Error("holds {} vertices and no faces, expected a surface of triangles", mesh.vertexCount());
+        throw Error("holds no usable triangle: of {} faces {} touch a vertex that is not finite, {} name a vertex that does not exist, {} have no area",
+                    facesInFile, notFinite, report.badIndexFaces, report.degenerateFaces);
+    }
+    if (report.nanVertices) {
+        const Vec3 middle = middleOf(mesh.positions);
+        for (size_t v = 0; v < usable.size(); ++v)
+            if (!usable[v]) mesh.positions[v] = middle;
+    }
+    std::vector<uint8_t> referenced(mesh.vertexCount(), 0);
+    for (const Triangle& t : mesh.triangles)
+        for (const uint32_t v : t) referenced[v] = 1;
+    for (const uint8_t r : referenced) report.unreferencedVertices += !r;
+    setNormals(mesh, std::move(soup.normals), referenced, report);
+    countEdges(mesh, report);
+    report.vertices = mesh.vertexCount();
+    report.triangles = mesh.triangles.size();
+    return mesh;
+}
+
+}  // namespace relamp

@@ -1,0 +1,49 @@
+#include "scene/scene.h"
+
+namespace relamp {
+
+Vec3 Scene::pointOf(const Hit& hit) const {
+    const Triangle& t = mesh.triangles[hit.triangle];
+    const float a = hit.barycentric.x, b = hit.barycentric.y;
+    return (1 - a - b) * mesh.positions[t[0]] + a * mesh.positions[t[1]] + b * mesh.positions[t[2]];
+}
+
+Vec3 Scene::normalOf(const Hit& hit) const {
+    const Triangle& t = mesh.triangles[hit.triangle];
+    const float a = hit.barycentric.x, b = hit.barycentric.y;
+    const Vec3 n = (1 - a - b) * mesh.normals[t[0]] + a * mesh.normals[t[1]] + b * mesh.normals[t[2]];
+    const float length = glm::length(n);
+    return length > 1e-6f ? n / length : mesh.faceNormal(hit.triangle);
+}
+
+Scene buildScene(Mesh mesh, Progress& progress) {
+    progress.begin("Scene", 3);
+    Scene scene;
+    scene.mesh = std::move(mesh);
+    const size_t n = scene.mesh.vertexCount();
+    scene.graph = buildVertexGraph(scene.mesh);
+    scene.piece = connectedPieces(scene.graph, &scene.pieces);
+    progress.advance();
+    scene.referenced.assign(n, 0);
+    Vec3 low(1e30f), high(-1e30f);
+    for (const Triangle& t : scene.mesh.triangles)
+        for (uint32_t v : t) {
+            scene.referenced[v] = 1;
+            low = glm::min(low, scene.mesh.positions[v]);
+            high = glm::max(high, scene.mesh.positions[v]);
+        }
+    scene.diagonal = scene.mesh.triangles.empty() ? 0 : glm::length(high - low);
+    scene.vertexSpacing.assign(n, 0);
+    for (uint32_t v = 0; v < n; ++v) {
+        const uint32_t begin = scene.graph.start[v], end = scene.graph.start[v + 1];
+        float sum = 0;
+        for (uint32_t e = begin; e < end; ++e) sum += glm::length(scene.mesh.positions[scene.graph.to[e]] - scene.mesh.positions[v]);
+        scene.vertexSpacing[v] = end > begin ? sum / float(end - begin) : 0.0f;
+    }
+    progress.advance();
+    scene.tracer = std::make_shared<const RayTracer>(scene.mesh);
+    progress.advance();
+    return scene;
+}
+
+}  // namespace relamp

@@ -1,0 +1,30 @@
+// Room 2's product: the mesh with what every later room asks of it (rays, neighbours, sizes).
+#pragma once
+#include <memory>
+
+#include "base/progress.h"
+#include "scene/mesh.h"
+#include "scene/ray_tracer.h"
+
+namespace relamp {
+
+struct Scene {
+    Mesh mesh;
+    VertexGraph graph;                     ///< vertices joined by an edge
+    std::vector<uint32_t> piece;           ///< connected piece of each vertex
+    uint32_t pieces = 0;
+    std::vector<float> vertexSpacing;      ///< metres: mean edge length at the vertex
+    std::vector<uint8_t> referenced;       ///< 1 where a triangle uses the vertex
+    float diagonal = 0;                    ///< metres: of the bounding box
+    std::shared_ptr<const RayTracer> tracer;
+
+    Vec3 facingNormal(uint32_t vertex) const { return mesh.normals[vertex]; }
+    /// Point and shading normal of a hit.
+    Vec3 pointOf(const Hit& hit) const;
+    Vec3 normalOf(const Hit& hit) const;
+};
+
+/// Mesh -> Scene. Cost O(n log n). Throws Error when the ray tracer cannot be built.
+Scene buildScene(Mesh mesh, Progress& progress);
+
+}  // namespace relamp

@@ -1,0 +1,37 @@
+// What the mesh readers give: triangles as the file has them, before anything is repaired.
+#pragma once
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "base/math.h"
+#include "scene/mesh.h"
+#include "scene/mesh_io.h"
+
+namespace relamp {
+
+/// Vertices and triangles in file order; corners that name no vertex and vertices that are not finite are still in.
+struct TriangleSoup {
+    static constexpr uint32_t noVertex = ~0u;  ///< a corner whose index lies outside the file's vertices
+    std::vector<Vec3> positions;
+    std::vector<Vec3> normals;   ///< as many as positions, or empty; not normalised, zero where the file gives none
+    std::vector<Triangle> triangles;
+    size_t polygons = 0;         ///< faces of more than three corners, cut into fans
+    size_t badIndexFaces = 0;    ///< faces with a corner outside the vertices, or fewer than three corners: dropped
+
+    /// Appends a face of any number of corners as a fan. Indices are checked against `vertices`.
+    void addFace(const std::vector<int64_t>& corners, size_t vertices, const MeshLimits& limits);
+};
+
+/// The readers take the whole file's bytes and throw Error without the file's name. Counts are held against the bytes
+/// that are there before memory is asked for.
+TriangleSoup readPly(std::string_view bytes, const MeshLimits& limits);
+TriangleSoup readObj(std::string_view bytes, const MeshLimits& limits);
+TriangleSoup readOff(std::string_view bytes, const MeshLimits& limits);
+TriangleSoup readStl(std::string_view bytes, const MeshLimits& limits);
+
+/// Drops faces that are no surface, fills in normals, counts what is left (see MeshReport). Vertices keep their order;
+/// those that are not finite are moved to the middle of the others. Throws Error when no triangle is left.
+Mesh repairSoup(TriangleSoup&& soup, MeshReport& report);
+
+}  // namespace relamp

@@ -1,0 +1,46 @@
+// The project folder NAME.relamp: open formats, written whole, opened even when a stage is missing.
+#pragma once
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "base/progress.h"
+#include "capture/capture.h"
+#include "relight/look.h"
+#include "scene/scene.h"
+#include "solve/estimate.h"
+
+namespace relamp {
+
+struct Resources {
+    double seconds = 0;
+    double peakMib = 0;
+    int threads = 0;
+};
+
+/// A shot in memory.
+struct Shot {
+    std::filesystem::path folder;
+    std::filesystem::path captureFolder;
+    Capture capture;              ///< cameras and mesh; photographs only when asked for
+    Estimate estimate;
+    Look look;
+    std::string quality = "standard";
+    uint64_t seed = 1;
+    Resources resources;
+};
+
+/// Peak resident memory of this process, MiB.
+double peakMib();
+
+/// The object `info --json` prints, and what shot.json holds beside the look and the capture's place.
+nlohmann::json shotInfo(const Shot& shot);
+
+/// Writes shot.json, environment.exr (float, 1024 x 512), reflectance.ply into a new folder beside the target and exchanges the two,
+/// so that the old shot stays whole until the new one is. Unknown keys of an existing shot.json are kept. Throws Error when the
+/// folder exists and `overwrite` is false; OutOfResources when the disk is full.
+void saveShot(const Shot& shot, const Mesh& mesh, const std::filesystem::path& folder, bool overwrite);
+
+/// Opens a shot. Throws Error naming file and field.
+Shot openShot(const std::filesystem::path& folder, bool withImages, Progress& progress);
+
+}  // namespace relamp

@@ -1,0 +1,283 @@
+#include "solve/albedo_free.h"
+
+#include "base/parallel.h"
+
+namespace relamp {
+
+using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using RowMap = Eigen::Map<const RowMajor>;
+
+Eigen::MatrixXd weightedGram(const InfluenceMatrix& influence, const std::function<void(size_t, float*)>& weighted, Progress& progress) {
+    const size_t n = influence.columns;
+    constexpr size_t block = 512;
+    const size_t blocks = (influence.rows + block - 1) / block;
+    if (influence.rows == 0) return Eigen::MatrixXd::Zero(Eigen::Index(n), Eigen::Index(n));
+    // A fixed number of partial sums, each over its own run of blocks: the same bits whatever the thread count.
+    constexpr size_t lanes = 8;
+    std::vector<Eigen::MatrixXd> partial(lanes);
+    parallelFor(lanes, 1, [&](size_t lane) {
+        partial[lane] = Eigen::MatrixXd::Zero(Eigen::Index(n), Eigen::Index(n));
+        RowMajor t{Eigen::Index(block), Eigen::Index(n)}, product{Eigen::Index(n), Eigen::Index(n)};
+        for (size_t b = lane; b < blocks; b += lanes) {
+            progress.check();
+            const size_t begin = b * block, count = std::min(block, influence.rows - begin);
+            for (size_t i = 0; i < count; ++i) weighted(begin + i, t.row(Eigen::Index(i)).data());
+            const RowMap rows(influence.row(begin), Eigen::Index(count), Eigen::Index(n));
+            product.noalias() = rows.transpose() * t.topRows(Eigen::Index(count));
+            partial[lane] += product.cast<double>();
+        }
+    });
+    Eigen::MatrixXd gram = partial[0];
+    for (size_t lane = 1; lane < lanes; ++lane) gram += partial[lane];
+    return 0.5 * (gram + gram.transpose());
+}
+
+namespace {
+
+/// For each observation its partners: (pair, other end).
+struct Adjacency {
+    std::vector<uint32_t> start, pair, other;
+};
+
+Adjacency adjacencyOf(size_t n, const std::vector<AlbedoPair>& pairs) {
+    Adjacency a;
+    a.start.assign(n + 1, 0);
+    for (const AlbedoPair& p : pairs) {
+        ++a.start[p.a + 1];
+        ++a.start[p.b + 1];
+    }
+    for (size_t i = 0; i < n; ++i) a.start[i + 1] += a.start[i];
+    a.pair.resize(2 * pairs.size());
+    a.other.resize(2 * pairs.size());
+    std::vector<uint32_t> fill(a.start.begin(), a.start.end() - 1);
+    for (uint32_t k = 0; k < pairs.size(); ++k) {
+        const AlbedoPair& p = pairs[k];
+        a.pair[fill[p.a]] = k;
+        a.other[fill[p.a]++] = p.b;
+        a.pair[fill[p.b]] = k;
+        a.other[fill[p.b]++] = p.a;
+    }
+    return a;
+}
+
+}  // namespace
+
+AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteObservations& matte, const std::vector<AlbedoPair>& pairs,
+                                 const LightAnchors& anchors, const ViewRows* viewRows, const AlbedoFreeOptions& options, Lighting& lighting,
+                                 Progress& progress, const std::function<void(int, double, double)>& each) {
+    AlbedoFreeReport report;
+    const size_t rows = influence.rows, leafCount = lighting.leaves.size(), emitterCount = anchors.emitterRadiance.size();
+    const Eigen::Index n = Eigen::Index(influence.columns);
+    const Adjacency adjacency = adjacencyOf(rows, pairs);
+    const RowMap b(influence.values.data(), Eigen::Index(rows), n);
+    const auto neighbours = lighting.leaves.neighbourPairs();
+
+    Eigen::VectorXd x[3];
+    Eigen::VectorXf lit[3];  // B x
+    for (int c = 0; c < 3; ++c) {
+        x[c].resize(n);
+        for (size_t i = 0; i < leafCount; ++i) x[c](Eigen::Index(i)) = lighting.leafRadiance[i][c];
+        for (size_t e = 0; e < emitterCount; ++e) x[c](Eigen::Index(leafCount + e)) = lighting.emitterRadiance[e][c];
+    }
+    std::vector<float> robust(pairs.size(), 1);
+    std::vector<Rgb> mixing(rows);
+    struct Term {
+        float weight, residual, a, b;  // residual and its derivative: b B_b - a B_a
+    };
+    std::vector<Term> terms(pairs.size());
+
+    // One pair in one channel at the irradiances la, lb: r = 2 (p - q) / (p + q) with p = y_a lit_b, q = y_b lit_a, which is the
+    // difference of log albedo where that is small and stays finite in the dark. Its variance: noise, mismatch, shadow edges.
+    const auto pairResidual = [&](const AlbedoPair& p, int c, float la, float lb, double& variance) {
+        const double ya = matte.radiance[p.a][c], yb = matte.radiance[p.b][c], pp = ya * lb, qq = yb * la, sum = std::max(pp + qq, 1e-30);
+        const double sa = matte.sigma[p.a][c] * double(lb), sb = matte.sigma[p.b][c] * double(la);
+        const double ma = options.mixing * mixing[p.a][c] * yb, mb = options.mixing * mixing[p.b][c] * ya;
+        variance = 4 * (sa * sa + sb * sb + ma * ma + mb * mb) / (sum * sum) + 2 * double(options.mismatch) * options.mismatch + 1e-12;
+        return 2 * (pp - qq) / sum;
+    };
+    const auto litBy = [&](const Eigen::VectorXd* light, Eigen::VectorXf* out) {
+        for (int c = 0; c < 3; ++c) {
+            out[c].resize(Eigen::Index(rows));
+            const Eigen::VectorXf xf = light[c].cast<float>();
+            parallelBlocks(rows, 1024, [&](size_t begin, size_t end) {
+                out[c].segment(Eigen::Index(begin), Eigen::Index(end - begin)).noalias() = b.middleRows(Eigen::Index(begin), Eigen::Index(end - begin)) * xf;
+            });
+        }
+    };
+    // The robust objective; fills `robust`, and rmse of predicting a vertex from its neighbour.
+    std::vector<float> viewWeight(viewRows ? viewRows->radiance.size() : 0);
+    const auto evaluate = [&](const Eigen::VectorXd* light, const Eigen::VectorXf* at, double scale, double* rmse) {
+        std::fill(mixing.begin(), mixing.end(), Rgb(0));
+        for (const AlbedoPair& p : pairs) {
+            if (p.weight != 1) continue;
+            for (int c = 0; c < 3; ++c) {
+                const float step = std::abs(at[c](p.a) - at[c](p.b));
+                mixing[p.a][c] = std::max(mixing[p.a][c], step);
+                mixing[p.b][c] = std::max(mixing[p.b][c], step);
+            }
+        }
+        constexpr size_t block = 4096;
+        struct Sums {
+            double objective = 0, squares = 0, counted = 0;
+            Sums& operator+=(const Sums& o) {
+                objective += o.objective;
+                squares += o.squares;
+                counted += o.counted;
+                return *this;
+            }
+        };
+        Sums sums = parallelSum(pairs.size(), block, Sums{}, [&](size_t begin, size_t end) {
+            Sums s;
+            for (size_t k = begin; k < end; ++k) {
+                const AlbedoPair& p = pairs[k];
+                double mean = 0;
+                for (int c = 0; c < 3; ++c) {
+                    double variance = 1;
+                    const double r = pairResidual(p, c, at[c](p.a), at[c](p.b), variance);
+                    mean += r * r / variance / 3;
+                    if (p.weight == 1) {
+                        s.squares += std::pow(std::clamp(r, -1.0, 1.0) * matte.radiance[p.a][c], 2);
+                        ++s.counted;
+                    }
+                }
+                robust[k] = float(1 / (1 + mean / (scale * scale)));
+                s.objective += p.weight * scale * scale * std::log1p(mean / (scale * scale));
+            }
+            return s;
+        });
+        for (size_t i = 0; i < viewWeight.size(); ++i) {
+            double mean = 0;
+            for (int c = 0; c < 3; ++c) {
+                const Eigen::Map<const Eigen::VectorXf> row(viewRows->influence[c].row(i), n);
+                const double r = double(row.dot(light[c].cast<float>())) - viewRows->radiance[i][c];
+                mean += r * r / 3;
+                sums.squares += r * r;
+                ++sums.counted;
+            }
+            const double s2 = double(viewRows->sigma[i]) * viewRows->sigma[i];
+            viewWeight[i] = float(1 / (s2 * (1 + mean / s2 / (scale * scale))));
+            sums.objective += scale * scale * std::log1p(mean / s2 / (scale * scale));
+        }
+        if (rmse) *rmse = std::sqrt(sums.squares / std::max(1.0, sums.counted));
+        return sums.objective;
+    };
+
+    progress.begin("Light from ratios", size_t(options.iterations));
+    double scale = options.robustScale, objective = 0;
+    for (int iteration = 0; iteration < options.iterations; ++iteration) {
+        scale = double(options.robustScale) * (options.anneal && iteration < 4 ? 5 - iteration : 1);
+        litBy(x, lit);
+        double rmse = 0;
+        objective = evaluate(x, lit, scale, &rmse);
+        report.objective = objective;
+        if (each) each(iteration, objective, rmse);
+
+        Eigen::VectorXd target[3];
+        for (int c = 0; c < 3; ++c) {
+            parallelFor(pairs.size(), 4096, [&](size_t k) {
+                const AlbedoPair& p = pairs[k];
+                const float la = lit[c](p.a), lb = lit[c](p.b);
+                double variance = 1;
+                const double r = pairResidual(p, c, la, lb, variance);
+                const double ya = matte.radiance[p.a][c], yb = matte.radiance[p.b][c], pp = ya * lb, qq = yb * la, sum = std::max(pp + qq, 1e-30);
+                terms[k] = {float(p.weight * robust[k] / variance), float(r), float(4 * pp * yb / (sum * sum)), float(4 * qq * ya / (sum * sum))};
+            });
+            const auto weighted = [&](size_t i, float* out) {
+                Eigen::Map<Eigen::RowVectorXf> row(out, n);
+                float diagonal = 0;
+                row.setZero();
+                for (uint32_t k = adjacency.start[i]; k < adjacency.start[i + 1]; ++k) {
+                    const uint32_t p = adjacency.pair[k], j = adjacency.other[k];
+                    const Term& t = terms[p];
+                    const float mine = pairs[p].a == i ? t.a : t.b;
+                    diagonal += t.weight * mine * mine;
+                    row -= (t.weight * t.a * t.b) * b.row(Eigen::Index(j));
+                }
+                row += diagonal * b.row(Eigen::Index(i));
+            };
+            Eigen::MatrixXd q = weightedGram(influence, weighted, progress);
+            Eigen::VectorXd gradient = Eigen::VectorXd::Zero(Eigen::Index(rows));
+            for (size_t k = 0; k < pairs.size(); ++k) {
+                const Term& t = terms[k];
+                gradient(pairs[k].b) += double(t.weight) * t.residual * t.b;
+                gradient(pairs[k].a) -= double(t.weight) * t.residual * t.a;
+            }
+            // The derivative of r along x itself is zero, so the moment needs no term of its own.
+            Eigen::VectorXd moment = -(b.transpose() * gradient.cast<float>()).cast<double>(), lower = Eigen::VectorXd::Zero(n);
+            if (viewRows) {
+                const InfluenceMatrix& rows3 = viewRows->influence[c];
+                q += weightedGram(rows3, [&](size_t i, float* out) {
+                    for (Eigen::Index k = 0; k < n; ++k) out[k] = viewWeight[i] * rows3.row(i)[k];
+                }, progress);
+                for (size_t i = 0; i < rows3.rows; ++i) {
+                    const Eigen::Map<const Eigen::VectorXf> row(rows3.row(i), n);
+                    moment += (viewWeight[i] * viewRows->radiance[i][c]) * row.cast<double>();
+                }
+            }
+            // Priors on the light: relative differences of neighbouring leaves; the leaves' mean sets the unit.
+            double mean = 0;
+            for (size_t i = 0; i < leafCount; ++i) mean += x[c](Eigen::Index(i)) * lighting.leaves[i].solidAngle() / (4 * piD);
+            const double unit = std::max(mean, 1e-9 * (1e-12 + x[c].maxCoeff()));
+            for (const auto& [i, j] : neighbours) {
+                const double middle = 0.5 * (x[c](i) + x[c](j));
+                const double w = options.smoothness / (unit * unit + middle * middle);
+                q(i, i) += w;
+                q(j, j) += w;
+                q(i, j) -= w;
+                q(j, i) -= w;
+            }
+            for (size_t i = 0; i < leafCount; ++i) {
+                const LeafAnchor& a = anchors.leaves[i];
+                if (a.coverage <= 0.05f) continue;
+                if (a.clipped) {
+                    continue;
+                }
+                const double value = a.radiance[c], w = options.backgroundWeight * a.coverage / (1.05 - a.coverage) / (value * value + 0.01 * unit * unit);
+                q(Eigen::Index(i), Eigen::Index(i)) += w;
+                moment(Eigen::Index(i)) += w * value;
+            }
+            for (size_t e = 0; e < emitterCount; ++e) {
+                const Eigen::Index i = Eigen::Index(leafCount + e);
+                const double value = anchors.emitterRadiance[e][c];
+                if (anchors.emitterClipped[e]) {
+                    lower(i) = value;
+                    continue;
+                }
+                // A near-equality: what is seen directly outweighs what thousands of rows with model error would rather have.
+                const double sigma = std::max(double(anchors.emitterSigma[e]) * value, 1e-4 * double(maxChannel(anchors.emitterRadiance[e])));
+                const double w = 1 / (sigma * sigma) + 1e3 * q(i, i);
+                q(i, i) += w;
+                moment(i) += w * value;
+            }
+            const QpResult solution = solveBoundedQp(q, moment, lower);
+            report.kktResidual = std::max(report.kktResidual, solution.kktResidual);
+            target[c] = solution.x.allFinite() ? solution.x : x[c];
+        }
+        // A step that makes things worse is halved: the objective never rises.
+        double change = 0;
+        bool accepted = false;
+        for (double step = 1; step > 0.05 && !accepted; step *= 0.5) {
+            Eigen::VectorXd trial[3];
+            Eigen::VectorXf trialLit[3];
+            for (int c = 0; c < 3; ++c) trial[c] = x[c] + step * (target[c] - x[c]);
+            litBy(trial, trialLit);
+            if (evaluate(trial, trialLit, scale, nullptr) > objective * (1 + 1e-6)) continue;
+            accepted = true;
+            for (int c = 0; c < 3; ++c) {
+                change = std::max(change, double((trialLit[c] - lit[c]).norm() / std::max(1e-30f, trialLit[c].norm())));
+                x[c] = trial[c];
+            }
+        }
+        report.iterations = iteration + 1;
+        progress.advance();
+        if (!accepted || (iteration >= 5 && change < 1e-3)) break;
+        if (progress.outOfTime()) break;
+    }
+    for (int c = 0; c < 3; ++c) {
+        for (size_t i = 0; i < leafCount; ++i) lighting.leafRadiance[i][c] = float(x[c](Eigen::Index(i)));
+        for (size_t e = 0; e < emitterCount; ++e) lighting.emitterRadiance[e][c] = float(x[c](Eigen::Index(leafCount + e)));
+    }
+    return report;
+}
+
+}  // namespace relamp

@@ -1,0 +1,51 @@
+// The albedo-free start (METHOD 11): light from ratios of radiance between vertices of probably equal albedo.
+#pragma once
+#include <functional>
+
+#include "base/progress.h"
+#include "solve/anchors.h"
+#include "solve/matte.h"
+#include "solve/pairs.h"
+#include "solve/qp.h"
+#include "transport/incident.h"
+
+namespace relamp {
+
+struct AlbedoFreeOptions {
+    int iterations = 12;
+    float mismatch = 0.015f;    ///< relative model error of a look-up (tau)
+    float mixing = 0.25f;       ///< share of the irradiance step to the next vertex that a look-up may be off by
+    float robustScale = 2.5f;   ///< Cauchy scale in standard deviations
+    bool anneal = true;         ///< start with a wide robust scale
+    float smoothness = 60;      ///< of relative differences between neighbouring leaves
+    float backgroundWeight = 300;
+};
+
+/// Looks at glossy surfaces of known reflectance, as ordinary rows: row_c . x = radiance_c.
+struct ViewRows {
+    InfluenceMatrix influence[3];  ///< per channel, the same number of rows
+    std::vector<Rgb> radiance;
+    std::vector<float> sigma;      ///< radiance
+};
+
+struct AlbedoFreeReport {
+    double objective = 0;
+    double kktResidual = 0;
+    int iterations = 0;
+};
+
+/// Solves for x = [L; P] per channel, x >= 0, by Gauss-Newton. For a pair the residual is 2 (p - q) / (p + q), p = y_i B_j x,
+/// q = y_j B_i x: albedo is gone, the scale of x is an exact null space left to the anchors alone, and unlit vertices stay finite
+/// where logs would not. (Minimising (p - q)^2 with fixed weights instead shrinks x: noise in y correlates with the rows.) Weights:
+/// the residual's variance under noise, model mismatch and shadow-edge mixing, and a Cauchy weight on the mean over channels.
+/// `lighting` is the start and the result. `each(iteration, objective, rmse)` is told of every
+/// iteration; rmse is that of predicting a vertex's radiance from its neighbour's. `viewRows` may be null.
+AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteObservations& matte, const std::vector<AlbedoPair>& pairs,
+                                 const LightAnchors& anchors, const ViewRows* viewRows, const AlbedoFreeOptions& options, Lighting& lighting,
+                                 Progress& progress, const std::function<void(int, double, double)>& each);
+
+/// B'W B in double from float rows in fixed blocks, for W given as a sparse symmetric operator by rows: result = sum over i of
+/// row_i' t_i with t = W B computed by `weighted(i, out)`.
+Eigen::MatrixXd weightedGram(const InfluenceMatrix& influence, const std::function<void(size_t, float*)>& weighted, Progress& progress);
+
+}  // namespace relamp

@@ -1,0 +1,36 @@
+#include "solve/anchors.h"
+
+namespace relamp {
+
+LightAnchors lightAnchors(const RadianceSamples& samples, const EmitterClusters& clusters, const LightLeaves& leaves) {
+    LightAnchors anchors;
+    anchors.leaves.resize(leaves.size());
+    std::vector<Rgb> sum(leaves.size(), Rgb(0));
+    std::vector<float> area(leaves.size(), 0);
+    const DirectionGrid& grid = samples.backgroundGrid;
+    // A cell counts when pixels cover it, not when one touches its corner: sub-cells of a fine leaf share their cell's mean.
+    for (int c = 0; c < grid.cells(); ++c) {
+        if (samples.backgroundPixels[size_t(c)] < 4) continue;
+        constexpr int parts = 4;
+        for (int k = 0; k < parts * parts; ++k) {
+            const size_t leaf = leaves.leafOf(grid.direction(c, Vec2(k % parts + 0.5f, k / parts + 0.5f) / float(parts)));
+            const float share = grid.cellSolidAngle() / (parts * parts);
+            sum[leaf] += share * samples.background[size_t(c)];
+            area[leaf] += share;
+            if (samples.backgroundClipped[size_t(c)]) anchors.leaves[leaf].clipped = true;
+        }
+    }
+    for (size_t i = 0; i < leaves.size(); ++i) {
+        if (area[i] <= 0) continue;
+        anchors.leaves[i].radiance = sum[i] / area[i];
+        anchors.leaves[i].coverage = std::min(1.0f, area[i] / leaves[i].solidAngle());
+    }
+    for (const EmitterCluster& e : clusters.emitters) {
+        anchors.emitterRadiance.push_back(e.radiance);
+        anchors.emitterSigma.push_back(std::max(e.radianceSigma, 3e-4f));
+        anchors.emitterClipped.push_back(e.evidence.clippedShare > 0.5f);
+    }
+    return anchors;
+}
+
+}  // namespace relamp

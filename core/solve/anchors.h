@@ -1,0 +1,25 @@
+// Light seen directly: unclipped pixels on an emitter are its radiance, background pixels are the environment. Near-equalities;
+// clipped ones are lower bounds (METHOD 3 and 6).
+#pragma once
+#include "clusters/emitter_clusters.h"
+#include "radiance/samples.h"
+#include "transport/lighting.h"
+
+namespace relamp {
+
+struct LeafAnchor {
+    Rgb radiance{0};
+    float coverage = 0;  ///< share of the leaf that background pixels cover, 0: unseen
+    bool clipped = false;
+};
+
+struct LightAnchors {
+    std::vector<LeafAnchor> leaves;
+    std::vector<Rgb> emitterRadiance;
+    std::vector<float> emitterSigma;     ///< relative
+    std::vector<uint8_t> emitterClipped; ///< 1: a lower bound
+};
+
+LightAnchors lightAnchors(const RadianceSamples& samples, const EmitterClusters& clusters, const LightLeaves& leaves);
+
+}  // namespace relamp

@@ -1,0 +1,64 @@
+// Room 6's product: what the solver found, with its history and how sure it is.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "brdf/basis.h"
+#include "clusters/emitter_clusters.h"
+#include "transport/lighting.h"
+
+namespace relamp {
+
+/// Non-negative weights of the basis lobes, per vertex and channel. Lobe 0 is Lambert: its weight is the diffuse albedo.
+struct Reflectance {
+    BrdfBasis basis;
+    std::vector<std::vector<Rgb>> weight;  ///< weight[k][vertex]
+    std::vector<uint8_t> observed;         ///< views that saw the vertex
+    std::vector<float> confidence;         ///< in [0, 1]: share of the vertex's albedo that comes from its own look-ups
+};
+
+/// One line of the timeline.
+struct TimelineEntry {
+    double seconds = 0;
+    std::string stage;
+    int iteration = 0;
+    double objective = 0;  ///< of the stage; never rises within a stage
+    double rmse = 0;       ///< of the model against the look-ups, radiance
+};
+
+struct LeftOut {
+    std::string what, why;
+};
+
+/// How the light/albedo scale was fixed, per channel in words.
+struct GaugeReport {
+    std::string kind;      ///< "emitter", "background", "white-patch", "albedo", "assumed"
+    std::string evidence;  ///< one sentence
+    Rgb scale{1};          ///< factor that was applied to the lighting by a --gauge option
+};
+
+struct StabilityReport {
+    double kktResidual = 0;       ///< worst of the lighting programs, relative
+    double conditionNumber = 0;   ///< of the column-scaled lighting Gram matrix
+    int effectiveRank = 0;        ///< its eigenvalues above 1e-6 of the largest
+    int unknowns = 0;
+    std::string reason;           ///< when a program did not converge
+};
+
+struct Estimate {
+    Lighting lighting;
+    Reflectance reflectance;
+    EmitterClusters emitters;              ///< final: candidates confirmed or rejected
+    std::vector<Rgb> environment;          ///< mean radiance of each cell of the square of side environmentSide
+    int environmentSide = 256;
+    std::vector<Rgb> emitterSigma;         ///< standard deviation of each emitter's radiance
+    std::vector<float> identifiability;    ///< per emitter: share of its effect that no distant light can imitate
+    std::vector<TimelineEntry> timeline;
+    std::vector<LeftOut> leftOut;
+    GaugeReport gauge;
+    StabilityReport stability;
+    std::string mode;                      ///< "near-field" or "distant-only"
+    bool cancelled = false;                ///< stopped early: the best answer so far
+};
+
+}  // namespace relamp

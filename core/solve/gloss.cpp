@@ -1,0 +1,167 @@
+#include "solve/gloss.h"
+
+#include "base/log.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "solve/qp.h"
+
+namespace relamp {
+
+std::vector<GlossyLook> glossyLooks(const Capture& capture, const Scene& scene, const RadianceSamples& samples, uint32_t piece, const GlossOptions& options) {
+    std::vector<uint32_t> vertices;
+    for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v)
+        if (scene.piece[v] == piece && samples.countOf(v) >= 2) vertices.push_back(v);
+    std::vector<GlossyLook> looks;
+    const double step = std::max(1.0, double(vertices.size()) / double(options.maxVertices));
+    for (double at = 0; at < double(vertices.size()); at += step) {
+        const uint32_t v = vertices[size_t(at)];
+        for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
+            const RadianceSample& r = samples.samples[s];
+            if (r.clipped || r.weight < 0.25f) continue;
+            GlossyLook look;
+            look.vertex = v;
+            look.view = r.view;
+            look.radiance = r.radiance;
+            const float y = (r.radiance.x + r.radiance.y + r.radiance.z) / 3;
+            look.sigma = std::sqrt(samples.sigma(y) * samples.sigma(y) / r.weight + 0.03f * 0.03f * y * y);
+            look.towardEye = glm::normalize(Vec3(capture.views[r.view].camera.position()) - scene.mesh.positions[v]);
+            looks.push_back(look);
+        }
+    }
+    return looks;
+}
+
+InfluenceMatrix glossyRows(const Scene& scene, const std::vector<EmitterSurface>& emitters, const std::vector<int>& emitterOfTriangle,
+                           const LightLeaves& leaves, const Lobe& lobe, const std::vector<GlossyLook>& looks, const LobeRowOptions& options, Progress& progress) {
+    InfluenceMatrix matrix;
+    matrix.rows = looks.size();
+    matrix.columns = leaves.size() + emitters.size();
+    matrix.values.assign(matrix.rows * matrix.columns, 0.0f);
+    progress.begin("Glossy influence", looks.size());
+    parallelFor(looks.size(), 16, [&](size_t i) {
+        glossyInfluence(scene, emitters, emitterOfTriangle, leaves, lobe, looks[i].vertex, looks[i].towardEye, options, matrix.row(i));
+    }, &progress);
+    return matrix;
+}
+
+namespace {
+
+/// Residual and weight of one lobe: per vertex the Lambert part is eliminated, held at zero where it would be negative.
+struct LobeFit {
+    Rgb weight{0};
+    double residual = 0;    // mean squared, in sigmas, robust
+    double zeroShare = 0;   // vertices without a Lambert part
+};
+
+LobeFit fitLobe(const std::vector<GlossyLook>& looks, const std::vector<Rgb>& response, bool withLambert) {
+    LobeFit fit;
+    std::vector<size_t> starts;  // looks are grouped by vertex
+    for (size_t i = 0; i < looks.size(); ++i)
+        if (i == 0 || looks[i].vertex != looks[i - 1].vertex) starts.push_back(i);
+    starts.push_back(looks.size());
+    std::vector<float> robust(looks.size(), 1);
+    std::vector<uint8_t> zero(starts.size() * 3, 0);
+    std::vector<Rgb> residual(looks.size());
+    size_t zeros = 0;
+    for (int round = 0; round < 8; ++round) {
+        for (int c = 0; c < 3; ++c) {
+            double rr = 0, ry = 0;
+            for (size_t g = 0; g + 1 < starts.size(); ++g) {
+                double meanR = 0, meanY = 0, weight = 0;
+                const bool centred = withLambert && !zero[g * 3 + size_t(c)];
+                for (size_t i = starts[g]; i < starts[g + 1]; ++i) {
+                    const double w = robust[i] / (double(looks[i].sigma) * looks[i].sigma);
+                    meanR += w * response[i][c];
+                    meanY += w * looks[i].radiance[c];
+                    weight += w;
+                }
+                meanR = centred ? meanR / weight : 0;
+                meanY = centred ? meanY / weight : 0;
+                for (size_t i = starts[g]; i < starts[g + 1]; ++i) {
+                    const double w = robust[i] / (double(looks[i].sigma) * looks[i].sigma);
+                    rr += w * (response[i][c] - meanR) * (response[i][c] - meanR);
+                    ry += w * (response[i][c] - meanR) * (looks[i].radiance[c] - meanY);
+                }
+            }
+            fit.weight[c] = rr > 0 ? float(std::max(0.0, ry / rr)) : 0.0f;
+        }
+        zeros = 0;
+        double sum = 0;
+        size_t count = 0;
+        for (size_t g = 0; g + 1 < starts.size(); ++g) {
+            for (int c = 0; c < 3; ++c) {
+                double mean = 0, weight = 0;
+                for (size_t i = starts[g]; i < starts[g + 1]; ++i) {
+                    const double w = robust[i] / (double(looks[i].sigma) * looks[i].sigma);
+                    mean += w * (looks[i].radiance[c] - fit.weight[c] * response[i][c]);
+                    weight += w;
+                }
+                mean /= weight;
+                zero[g * 3 + size_t(c)] = mean < 0;
+                zeros += mean < 0;
+                if (mean < 0 || !withLambert) mean = 0;
+                for (size_t i = starts[g]; i < starts[g + 1]; ++i) residual[i][c] = float(looks[i].radiance[c] - fit.weight[c] * response[i][c] - mean);
+            }
+            for (size_t i = starts[g]; i < starts[g + 1]; ++i) {
+                const double u = double(glm::dot(residual[i], residual[i])) / 3 / (double(looks[i].sigma) * looks[i].sigma);
+                robust[i] = float(1 / (1 + u / 16));
+                sum += 16 * std::log1p(u / 16);
+                ++count;
+            }
+        }
+        fit.residual = count ? sum / double(count) : 0;
+    }
+    fit.zeroShare = starts.size() > 1 ? double(zeros) / double(3 * (starts.size() - 1)) : 0;
+    return fit;
+}
+
+std::vector<Rgb> responses(const InfluenceMatrix& rows, const Lighting& lighting) {
+    std::vector<Rgb> result(rows.rows, Rgb(0));
+    const size_t leaves = lighting.leaves.size();
+    parallelFor(rows.rows, 64, [&](size_t i) {
+        const float* row = rows.row(i);
+        Rgb sum(0);
+        for (size_t k = 0; k < leaves; ++k) sum += row[k] * lighting.leafRadiance[k];
+        for (size_t e = 0; e < lighting.emitterRadiance.size(); ++e) sum += row[leaves + e] * lighting.emitterRadiance[e];
+        result[i] = sum;
+    });
+    return result;
+}
+
+}  // namespace
+
+PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const std::vector<EmitterSurface>& emitters,
+                    const std::vector<int>& emitterOfTriangle, const Lighting& lighting, const BrdfBasis& basis, uint32_t piece,
+                    const std::vector<Rgb>& lambertLit, const GlossOptions& options, Progress& progress) {
+    (void)lambertLit;
+    PieceGloss result;
+    result.piece = piece;
+    result.looks = glossyLooks(capture, scene, samples, piece, options);
+    if (result.looks.size() < 40) return result;
+    const std::vector<Rgb> nothing(result.looks.size(), Rgb(0));
+    const LobeFit without = fitLobe(result.looks, nothing, true);
+    result.residualMatte = float(without.residual);
+    result.residual = result.residualMatte;
+    double best = without.residual;
+    for (size_t k = 1; k < basis.lobes.size(); ++k) {
+        const InfluenceMatrix rows = glossyRows(scene, emitters, emitterOfTriangle, lighting.leaves, basis.lobes[k], result.looks, options.rows, progress);
+        const std::vector<Rgb> response = responses(rows, lighting);
+        const LobeFit both = fitLobe(result.looks, response, true), alone = fitLobe(result.looks, response, false);
+        logInfo("  piece {} {}: weight {:.3f} {:.3f} {:.3f}, residual {:.3f} (alone {:.3f}), no Lambert in {:.0f} %", piece, basis.lobes[k].name, both.weight.x, both.weight.y,
+                both.weight.z, both.residual, alone.residual, 100 * both.zeroShare);
+        // A lobe alone has one unknown a channel where lobe and Lambert have one a vertex: it wins unless clearly worse.
+        const bool metal = alone.residual < 1.6 * both.residual;
+        const LobeFit& fit = metal ? alone : both;
+        if (fit.residual < 0.9 * best) {
+            best = fit.residual;
+            result.lobe = int(k);
+            result.weight = glm::min(fit.weight, Rgb(4));
+            result.matte = !metal;
+            result.residual = float(fit.residual);
+        }
+    }
+    if (result.residual > 0.85f * result.residualMatte) result.lobe = -1;
+    return result;
+}
+
+}  // namespace relamp

@@ -1,0 +1,51 @@
+// Glossy surfaces: which lobes a piece of surface has, how strong they are, and the rows its look-ups add to the lighting program.
+#pragma once
+#include "base/progress.h"
+#include "brdf/basis.h"
+#include "capture/capture.h"
+#include "radiance/samples.h"
+#include "scene/scene.h"
+#include "solve/matte.h"
+#include "transport/incident.h"
+
+namespace relamp {
+
+/// A look at a vertex of a glossy piece.
+struct GlossyLook {
+    uint32_t vertex = 0, view = 0;
+    Rgb radiance{0};
+    float sigma = 0;   ///< standard deviation, radiance
+    Vec3 towardEye{0};
+};
+
+/// Lobes of one piece: the same weights all over it, beside a Lambert albedo per vertex.
+struct PieceGloss {
+    uint32_t piece = 0;
+    int lobe = -1;          ///< index into the basis, -1: none
+    Rgb weight{0};          ///< per channel
+    bool matte = true;      ///< false: no Lambert part (metal)
+    float residual = 0;     ///< relative RMS with the lobe
+    float residualMatte = 0;///< and without any
+    std::vector<GlossyLook> looks;  ///< the look-ups used, at most maxLooks
+};
+
+struct GlossOptions {
+    size_t maxVertices = 700;   ///< per piece, spread evenly
+    LobeRowOptions rows;
+    uint64_t seed = 1;
+};
+
+/// Evenly spread look-ups of a piece.
+std::vector<GlossyLook> glossyLooks(const Capture& capture, const Scene& scene, const RadianceSamples& samples, uint32_t piece, const GlossOptions& options);
+
+/// Fits each lobe of the basis to the piece under known light, with the Lambert part of every vertex eliminated, and keeps the best one
+/// where it explains the change between views. `lambertLit[v]` = irradiance / pi per mesh vertex. Cost: lobes x looks rows.
+PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const std::vector<EmitterSurface>& emitters,
+                    const std::vector<int>& emitterOfTriangle, const Lighting& lighting, const BrdfBasis& basis, uint32_t piece,
+                    const std::vector<Rgb>& lambertLit, const GlossOptions& options, Progress& progress);
+
+/// Rows of one lobe for the given looks.
+InfluenceMatrix glossyRows(const Scene& scene, const std::vector<EmitterSurface>& emitters, const std::vector<int>& emitterOfTriangle,
+                           const LightLeaves& leaves, const Lobe& lobe, const std::vector<GlossyLook>& looks, const LobeRowOptions& options, Progress& progress);
+
+}  // namespace relamp

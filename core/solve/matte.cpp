@@ -1,0 +1,102 @@
+#include "solve/matte.h"
+
+#include <numeric>
+
+#include "base/log.h"
+
+namespace relamp {
+namespace {
+constexpr float glazedSpread = 0.06f, metalSpread = 0.35f;
+
+float medianOf(std::vector<float>& v, double q = 0.5) {
+    if (v.empty()) return 0;
+    const size_t k = size_t(q * double(v.size() - 1));
+    std::nth_element(v.begin(), v.begin() + ptrdiff_t(k), v.end());
+    return v[k];
+}
+}  // namespace
+
+MatteObservations matteObservations(const Scene& scene, const RadianceSamples& samples, const std::vector<uint8_t>& skip) {
+    MatteObservations result;
+    const size_t n = scene.mesh.vertexCount();
+    // How much each piece's look changes with the view, beyond noise: the spread of the better look-ups.
+    std::vector<std::vector<float>> spreads(scene.pieces);
+    for (uint32_t v = 0; v < n; ++v) {
+        if (skip[v] || samples.countOf(v) < 2) continue;
+        float sum = 0, sum2 = 0, weight = 0;
+        int count = 0;
+        for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
+            const RadianceSample& r = samples.samples[s];
+            if (r.weight < 0.3f || r.clipped) continue;
+            const float y = luminance(r.radiance);
+            sum += r.weight * y;
+            sum2 += r.weight * y * y;
+            weight += r.weight;
+            ++count;
+        }
+        if (count < 2 || !(sum > 0)) continue;
+        const float mean = sum / weight, variance = std::max(0.0f, sum2 / weight - mean * mean) * float(count) / float(count - 1);
+        if (mean < 4 * samples.noiseFloor) continue;
+        const float noise = samples.sigma(mean) / mean;
+        spreads[scene.piece[v]].push_back(std::sqrt(std::max(0.0f, variance / (mean * mean) - noise * noise)));
+    }
+    result.viewSpread.assign(scene.pieces, 0);
+    result.pieceGlossy.assign(scene.pieces, 0);
+    for (uint32_t p = 0; p < scene.pieces; ++p) {
+        const float upper = medianOf(spreads[p], 0.75), middle = medianOf(spreads[p]);
+        result.viewSpread[p] = middle;
+        if (spreads[p].size() < 12) continue;
+        logInfo("  piece {}: {} vertices in two views, view spread median {:.3f}, upper quarter {:.3f}", p, spreads[p].size(), middle, upper);
+        result.pieceGlossy[p] = middle > metalSpread ? 2 : (upper > glazedSpread ? 1 : 0);
+    }
+    std::vector<std::pair<float, float>> order;
+    for (uint32_t v = 0; v < n; ++v) {
+        if (skip[v] || !scene.referenced[v]) continue;
+        const uint8_t glossy = result.pieceGlossy[scene.piece[v]];
+        float best = 0;
+        for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s)
+            if (!samples.samples[s].clipped) best = std::max(best, samples.samples[s].weight);
+        if (best < 0.1f) continue;
+        Rgb value(0), sigma(0);
+        for (int c = 0; c < 3; ++c) {
+            order.clear();
+            float total = 0;
+            for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
+                const RadianceSample& r = samples.samples[s];
+                if (r.clipped || r.weight < 0.2f * best) continue;
+                order.emplace_back(r.radiance[c], r.weight);
+                total += r.weight;
+            }
+            std::sort(order.begin(), order.end());
+            const auto quantile = [&](float q) {
+                float run = 0;
+                for (const auto& [y, w] : order) {
+                    run += w;
+                    if (run >= q * total) return y;
+                }
+                return order.back().first;
+            };
+            // Robust mean: look-ups near the median; a glossy surface only adds to its matte part, so it takes the lower ones.
+            const float centre = glossy ? quantile(0.25f) : quantile(0.5f);
+            const float reach = std::max(3 * samples.sigma(centre), 0.06f * centre);
+            float sum = 0, weight = 0, deviation = 0;
+            for (const auto& [y, w] : order)
+                if (std::abs(y - centre) <= reach) {
+                    sum += w * y;
+                    weight += w;
+                }
+            value[c] = weight > 0 ? sum / weight : centre;
+            for (const auto& [y, w] : order) deviation += w * std::min(std::abs(y - value[c]), reach);
+            deviation /= total;
+            const float noise = samples.sigma(value[c]);
+            sigma[c] = std::sqrt(noise * noise / std::max(1.0f, float(order.size())) * (1 / best) + 0.25f * deviation * deviation / float(order.size()) +
+                                 (glossy ? 0.05f * 0.05f * value[c] * value[c] : 0.0f));
+        }
+        result.vertices.push_back(v);
+        result.radiance.push_back(value);
+        result.sigma.push_back(sigma);
+    }
+    return result;
+}
+
+}  // namespace relamp

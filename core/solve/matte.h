@@ -1,0 +1,20 @@
+// What the views say of each vertex's matte radiance, and how much of it depends on the view.
+#pragma once
+#include "radiance/samples.h"
+#include "scene/scene.h"
+
+namespace relamp {
+
+/// One matte observation per usable vertex: lists of equal length.
+struct MatteObservations {
+    std::vector<uint32_t> vertices;   ///< ascending
+    std::vector<Rgb> radiance;        ///< robust mean over views (lower quantile where the surface is glossy)
+    std::vector<Rgb> sigma;           ///< its standard deviation
+    std::vector<float> viewSpread;    ///< per mesh piece: median relative spread between views, 0 with one view
+    std::vector<uint8_t> pieceGlossy; ///< per mesh piece: 0 matte, 1 glazed (matte under gloss), 2 no matte signal (metal)
+};
+
+/// `skip[v]` non-zero leaves vertex v out (emitters).
+MatteObservations matteObservations(const Scene& scene, const RadianceSamples& samples, const std::vector<uint8_t>& skip);
+
+}  // namespace relamp

@@ -1,0 +1,74 @@
+#include "solve/pairs.h"
+
+#include <unordered_map>
+
+#include "base/random.h"
+
+namespace relamp {
+
+std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations& matte, const PairOptions& options) {
+    constexpr uint32_t none = ~0u;
+    std::vector<uint32_t> place(scene.mesh.vertexCount(), none);
+    for (uint32_t i = 0; i < matte.vertices.size(); ++i)
+        if (matte.pieceGlossy[scene.piece[matte.vertices[i]]] < 2) place[matte.vertices[i]] = i;
+    std::vector<AlbedoPair> pairs;
+    const VertexGraph& graph = scene.graph;
+    for (uint32_t i = 0; i < matte.vertices.size(); ++i) {
+        const uint32_t v = matte.vertices[i];
+        if (place[v] == none) continue;
+        for (uint32_t e = graph.start[v]; e < graph.start[v + 1]; ++e) {
+            const uint32_t j = place[graph.to[e]];
+            if (j != none && i < j) pairs.push_back({i, j, 1});
+        }
+        uint64_t bits = mixBits(options.seed * 0x1000003 + v);
+        uint32_t at = v;
+        int step = 0;
+        for (const int length : {4, 12, 36}) {
+            for (; step < length; ++step) {
+                const uint32_t degree = graph.start[at + 1] - graph.start[at];
+                if (!degree) break;
+                bits = mixBits(bits);
+                at = graph.to[graph.start[at] + uint32_t(bits % degree)];
+            }
+            if (at != v && place[at] != none) pairs.push_back({i, place[at], length == 36 ? 0.5f : 0.7f});
+        }
+    }
+    // Corner pairs through a grid of buckets as wide as a few edges of the mesh.
+    double spacing = 0;
+    for (uint32_t v : matte.vertices) spacing += scene.vertexSpacing[v];
+    const float reach = matte.vertices.empty() ? 0 : float(5 * spacing / double(matte.vertices.size()));
+    if (!(reach > 0)) return pairs;
+    const auto keyOf = [&](const Vec3& p, int dx, int dy, int dz) {
+        const auto cell = [&](float x) { return int64_t(std::floor(x / reach)); };
+        return mixBits(mixBits(mixBits(uint64_t(cell(p.x) + dx)) ^ uint64_t(cell(p.y) + dy)) ^ uint64_t(cell(p.z) + dz));
+    };
+    std::unordered_map<uint64_t, std::vector<uint32_t>> buckets;
+    for (uint32_t i = 0; i < matte.vertices.size(); ++i)
+        if (place[matte.vertices[i]] != none) buckets[keyOf(scene.mesh.positions[matte.vertices[i]], 0, 0, 0)].push_back(i);
+    for (uint32_t i = 0; i < matte.vertices.size(); ++i) {
+        const uint32_t v = matte.vertices[i];
+        if (place[v] == none) continue;
+        const Vec3 p = scene.mesh.positions[v];
+        // The two nearest such partners.
+        std::pair<float, uint32_t> nearest[2] = {{reach * reach, none}, {reach * reach, none}};
+        for (int k = 0; k < 27; ++k) {
+            const auto bucket = buckets.find(keyOf(p, k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
+            if (bucket == buckets.end()) continue;
+            for (uint32_t j : bucket->second) {
+                const uint32_t u = matte.vertices[j];
+                if (scene.piece[u] != scene.piece[v] || glm::dot(scene.mesh.normals[u], scene.mesh.normals[v]) > options.cornerCosine) continue;
+                const Vec3 d = scene.mesh.positions[u] - p;
+                const float d2 = glm::dot(d, d);
+                if (d2 < nearest[1].first) {
+                    nearest[1] = {d2, j};
+                    if (nearest[1].first < nearest[0].first) std::swap(nearest[0], nearest[1]);
+                }
+            }
+        }
+        for (const auto& [distance, j] : nearest)
+            if (j != none) pairs.push_back({i, j, options.cornerWeight});
+    }
+    return pairs;
+}
+
+}  // namespace relamp

@@ -1,0 +1,23 @@
+// Pairs of vertices with probably equal albedo: what fixes the light without knowing any albedo (METHOD 11).
+#pragma once
+#include "scene/scene.h"
+#include "solve/matte.h"
+
+namespace relamp {
+
+struct AlbedoPair {
+    uint32_t a = 0, b = 0;  ///< positions in MatteObservations
+    float weight = 1;
+};
+
+struct PairOptions {
+    uint64_t seed = 1;
+    float cornerWeight = 0.3f;
+    float cornerCosine = 0.906f;  ///< normals more than 25 degrees apart
+};
+
+/// Mesh edges, the ends of short random walks on the mesh, and corner pairs (near in space, differently oriented: decisive where
+/// faces are planar). Vertices of metal pieces take no part.
+std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations& matte, const PairOptions& options);
+
+}  // namespace relamp

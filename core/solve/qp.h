@@ -1,0 +1,24 @@
+// The bounded quadratic program of equation (5): min x'Qx - 2 c'x subject to x >= lower.
+#pragma once
+#include <Eigen/Core>
+#include <string>
+
+namespace relamp {
+
+struct QpResult {
+    Eigen::VectorXd x;
+    double kktResidual = 0;  ///< largest violation of the optimality conditions, relative to the gradient's own scale
+    int iterations = 0;
+    bool converged = false;
+    std::string reason;      ///< why not, when it did not
+};
+
+/// Block principal pivoting (Portugal, Judice, Vicente 1994; Kim and Park 2011) on the column-scaled problem with a Cholesky
+/// factor in double; falls back to single exchanges (Murty) when blocks cycle. Q symmetric positive semi-definite; a relative
+/// ridge of 1e-12 makes it definite, so duplicated columns are fine. Cost a few n^3 / 3. Never throws for bad numbers: reports them.
+QpResult solveBoundedQp(const Eigen::MatrixXd& q, const Eigen::VectorXd& c, const Eigen::VectorXd& lower);
+
+/// Tiny non-negative least squares for reflectance weights: min |A x - b|^2, x >= 0, by its normal equations (n <= 32).
+Eigen::VectorXd solveSmallNnls(const Eigen::MatrixXd& gram, const Eigen::VectorXd& moment);
+
+}  // namespace relamp

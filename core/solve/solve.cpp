@@ -1,0 +1,48 @@
+#include "solve/solve.h"
+
+#include "base/log.h"
+#include "solve/albedo_free.h"
+#include "solve/solve_state.h"
+
+namespace relamp {
+
+SolveOptions solveOptionsFor(const std::string& quality) {
+    SolveOptions o;
+    if (quality == "draft") {
+        o.visibilitySide = 32;
+        o.startLevel = 3;
+        o.refineRounds = 2;
+        o.startIterations = 8;
+        o.refineIterations = 3;
+        o.glossRounds = 1;
+        o.maxLeaves = 200;
+    } else if (quality == "fine") {
+        o.maxLeaves = 900;
+        o.splitShare = 0.006f;
+        o.startIterations = 20;
+        o.refineIterations = 8;
+        o.glossRounds = 4;
+    } else if (quality != "standard") {
+        throw Error("--quality {}: unknown, expected draft, standard or fine", quality);
+    }
+    return o;
+}
+
+Estimate solveScene(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const EmitterClusters& clusters,
+                    const SolveOptions& options, Progress& progress) {
+    SolveState s(capture, scene, samples, options, progress);
+    s.takeClusters(clusters);
+    s.prepare();                       // matte observations, pairs, visibility, near field: D and N
+    if (s.hasMatte()) s.startFromRatios();
+    else s.startFromConstantReflectance();
+    if (s.confirmEmitters() && s.hasMatte()) s.startFromRatios();
+    for (int round = 0; round < options.refineRounds && s.refineLeaves(); ++round) s.improveLight(options.refineIterations);
+    s.solveReflectance();
+    for (int round = 0; round < options.glossRounds && s.hasGloss() && !s.stopped(); ++round) {
+        s.improveLight(options.refineIterations);
+        s.solveReflectance();
+    }
+    return s.finish();
+}
+
+}  // namespace relamp

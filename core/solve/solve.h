@@ -1,0 +1,48 @@
+// The door of room 6: observations and transport become an estimate of lighting and reflectance.
+#pragma once
+#include <array>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "base/progress.h"
+#include "capture/capture.h"
+#include "radiance/samples.h"
+#include "solve/albedo_step.h"
+#include "solve/estimate.h"
+
+namespace relamp {
+
+/// What the user knows about the light/albedo scale.
+struct GaugeChoice {
+    enum class Kind { automatic, whitePatch, emitter, albedo } kind = Kind::automatic;
+    int view = 0;
+    Vec2 pixel{0};             ///< white patch: where it is seen
+    float whiteAlbedo = 0.9f;
+    std::string emitter;       ///< emitter id
+    Rgb radiance{0};           ///< its known radiance
+    float albedo = 0.5f;       ///< mean albedo of the scene
+};
+
+struct SolveOptions {
+    bool nearField = true;     ///< false: the distant-only baseline of [Haber09], N left out, emitters are ordinary geometry
+    int startLevel = 4;        ///< quadtree level of the first lighting solve: side 16
+    int refineRounds = 4;      ///< splits of strong leaves, down to side 256
+    size_t maxLeaves = 480;
+    int visibilitySide = 64;
+    int startIterations = 12, refineIterations = 4, glossRounds = 2;
+    float splitShare = 0.012f; ///< a leaf that gives more than this share of the light is split
+    AlbedoPrior prior;         ///< the one place where priors on reflectance enter
+    GaugeChoice gauge;
+    uint64_t seed = 1;
+};
+/// "draft", "standard" or "fine". Throws Error for another name.
+SolveOptions solveOptionsFor(const std::string& quality);
+
+/// Separates distant light, emitters and reflectance. `clusters` are the candidates of room 4 (ignored when nearField is off).
+/// Runs out of time or is stopped: the best estimate so far, marked. Throws Error when no vertex was observed, Cancelled when
+/// stopped before there is anything to show. Memory: columns x vertices floats (4 B x 500 x 34k = 68 MiB on a 34k mesh).
+Estimate solveScene(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const EmitterClusters& clusters,
+                    const SolveOptions& options, Progress& progress);
+
+}  // namespace relamp

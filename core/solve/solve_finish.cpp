@@ -1,0 +1,203 @@
+// Reflectance under the light found, and the last steps of a solve: gauge, environment picture, how sure we are.
+#include <Eigen/Eigenvalues>
+
+#include "base/log.h"
+#include "base/parallel.h"
+#include "solve/solve_state.h"
+
+namespace relamp {
+
+void SolveState::solveReflectance() {
+    computeLit();
+    // Glossy pieces: which lobe, how strong.
+    std::vector<PieceGloss> found;
+    GlossOptions glossOptions;
+    glossOptions.seed = options_.seed;
+    std::vector<size_t> sizes(scene_.pieces, 0);
+    for (uint32_t v : matte_.vertices) ++sizes[scene_.piece[v]];
+    for (uint32_t p = 0; p < scene_.pieces; ++p) {
+        if (!matte_.pieceGlossy[p] || sizes[p] < 30) continue;
+        PieceGloss g = fitGloss(capture_, scene_, samples_, surfaces_, clusters_.emitterOfTriangle, lighting_, basis_, p, {}, glossOptions, progress_);
+        if (g.lobe < 0) continue;
+        logInfo("piece {}: {} weight {:.3f} {:.3f} {:.3f}{}, residual {:.2f} of {:.2f}", p, basis_.lobes[size_t(g.lobe)].name, g.weight.x, g.weight.y, g.weight.z,
+                g.matte ? " over Lambert" : "", g.residual, g.residualMatte);
+        found.push_back(std::move(g));
+    }
+    gloss_ = std::move(found);
+    albedo_ = solveAlbedo(scene_, matte_, lit_, litSigma_, options_.prior, progress_);
+    for (const PieceGloss& g : gloss_)
+        if (!g.matte)
+            for (size_t v = 0; v < scene_.mesh.vertexCount(); ++v)
+                if (scene_.piece[v] == g.piece) albedo_.albedo[v] = Rgb(0);
+    record("reflectance", int(timeline_.size()), 0, lookRmse());
+}
+
+double SolveState::lookRmse() const {
+    double sum = 0, count = 0;
+    for (size_t i = 0; i < matte_.vertices.size(); ++i) {
+        const uint32_t v = matte_.vertices[i];
+        if (matte_.pieceGlossy[scene_.piece[v]] >= 2) continue;
+        const Rgb d = albedo_.albedo[v] * lit_[i] - matte_.radiance[i];
+        sum += double(glm::dot(d, d)) / 3;
+        ++count;
+    }
+    return std::sqrt(sum / std::max(1.0, count));
+}
+
+void SolveState::assembleEnvironment(Estimate& estimate) const {
+    const DirectionGrid fine{estimate.environmentSide};
+    estimate.environment.resize(size_t(fine.cells()));
+    const DirectionGrid& seen = samples_.backgroundGrid;
+    const int step = estimate.environmentSide / seen.side;
+    for (int c = 0; c < fine.cells(); ++c) {
+        const size_t leaf = lighting_.leaves.leafOf(fine.direction(c));
+        const int coarse = (c / fine.side / step) * seen.side + (c % fine.side) / step;
+        const bool direct = samples_.backgroundPixels[size_t(coarse)] >= 4 && !samples_.backgroundClipped[size_t(coarse)];
+        estimate.environment[size_t(c)] = direct && anchors_.leaves[leaf].coverage > 0.05f ? samples_.background[size_t(coarse)] : lighting_.leafRadiance[leaf];
+    }
+}
+
+void SolveState::applyGauge(Estimate& estimate) {
+    GaugeReport& gauge = estimate.gauge;
+    Rgb scale(1);
+    float seenBackground = 0;
+    for (size_t i = 0; i < lighting_.leaves.size(); ++i) seenBackground += anchors_.leaves[i].coverage * lighting_.leaves[i].solidAngle();
+    const GaugeChoice& choice = options_.gauge;
+    bool unclipped = false;
+    for (uint8_t clipped : anchors_.emitterClipped) unclipped |= !clipped;
+    const auto meanAlbedo = [&] {
+        Rgb sum(0);
+        float n = 0;
+        for (uint32_t v : matte_.vertices) {
+            sum += albedo_.albedo[v];
+            ++n;
+        }
+        return sum / std::max(n, 1.0f);
+    };
+    if (choice.kind == GaugeChoice::Kind::whitePatch) {
+        if (choice.view < 0 || size_t(choice.view) >= capture_.views.size()) throw Error("--gauge white-patch: view {} does not exist, expected 0 to {}", choice.view, capture_.views.size() - 1);
+        const View& view = capture_.views[size_t(choice.view)];
+        const Hit hit = scene_.tracer->closest({Vec3(view.camera.position()), view.camera.rayDirection(choice.pixel), 0, 1e30f});
+        if (!hit) throw Error("--gauge white-patch: pixel {:.0f},{:.0f} of view {} sees no surface", choice.pixel.x, choice.pixel.y, choice.view);
+        const Triangle& t = scene_.mesh.triangles[hit.triangle];
+        const Rgb here = (albedo_.albedo[t[0]] + albedo_.albedo[t[1]] + albedo_.albedo[t[2]]) / 3.0f;
+        scale = here / choice.whiteAlbedo;
+        gauge.kind = "white-patch";
+        gauge.evidence = fmt::format("the surface at pixel {:.0f},{:.0f} of view {} was declared white", choice.pixel.x, choice.pixel.y, choice.view);
+    } else if (choice.kind == GaugeChoice::Kind::emitter) {
+        bool found = false;
+        for (size_t e = 0; e < clusters_.emitters.size(); ++e)
+            if (clusters_.emitters[e].id == choice.emitter) {
+                scale = choice.radiance / glm::max(lighting_.emitterRadiance[e], Rgb(1e-20f));
+                found = true;
+            }
+        if (!found) throw Error("--gauge emitter={}: no such emitter was found", choice.emitter);
+        gauge.kind = "emitter";
+        gauge.evidence = fmt::format("the radiance of {} was given", choice.emitter);
+    } else if (choice.kind == GaugeChoice::Kind::albedo) {
+        scale = meanAlbedo() / choice.albedo;
+        gauge.kind = "albedo";
+        gauge.evidence = "the mean albedo was given";
+    } else if (unclipped) {
+        gauge.kind = "emitter";
+        gauge.evidence = fmt::format("{} lamp(s) are seen directly and unclipped; their light varies over the scene", clusters_.emitters.size());
+    } else if (seenBackground > 0.02f * 4 * pi) {
+        gauge.kind = "background";
+        gauge.evidence = fmt::format("{:.0f} % of the distant light is seen directly", 100 * seenBackground / (4 * pi));
+    } else {
+        // Nothing ties light to albedo: brightest surfaces are taken for white, grey on average.
+        gauge.kind = "assumed";
+        gauge.evidence = "no light is seen directly: the brightest surfaces were taken for an albedo of 0.8";
+        std::vector<float> values;
+        for (uint32_t v : matte_.vertices) values.push_back(maxChannel(albedo_.albedo[v]));
+        std::nth_element(values.begin(), values.begin() + ptrdiff_t(values.size() * 95 / 100), values.end());
+        scale = Rgb(values[values.size() * 95 / 100] / 0.8f);
+    }
+    for (int c = 0; c < 3; ++c)
+        if (!(scale[c] > 0) || !std::isfinite(scale[c])) scale[c] = 1;
+    gauge.scale = scale;
+    for (Rgb& l : estimate.lighting.leafRadiance) l *= scale;
+    for (Rgb& l : estimate.lighting.emitterRadiance) l *= scale;
+    for (Rgb& l : estimate.environment) l *= scale;
+    for (auto& lobe : estimate.reflectance.weight)
+        for (Rgb& w : lobe) w /= scale;
+}
+
+void SolveState::assess(Estimate& estimate) {
+    // Gram of the lighting problem under the albedo found, on a spread of vertices.
+    const size_t n = influence_.columns, leaves = lighting_.leaves.size();
+    const InfluenceMatrix& rows = influence_;
+    const Eigen::MatrixXd gram = weightedGram(rows, [&](size_t i, float* out) {
+        const Rgb albedo = albedo_.albedo[matte_.vertices[i]], sigma = matte_.sigma[i] + 0.01f * matte_.radiance[i];
+        const float w = i % 4 == 0 ? albedo.y * albedo.y / std::max(sigma.y * sigma.y, 1e-20f) : 0.0f;
+        for (size_t k = 0; k < n; ++k) out[k] = w * rows.row(i)[k];
+    }, progress_);
+    Eigen::VectorXd scale(gram.rows());
+    for (Eigen::Index i = 0; i < gram.rows(); ++i) scale(i) = gram(i, i) > 0 ? 1 / std::sqrt(gram(i, i)) : 0;
+    const Eigen::MatrixXd scaled = scale.asDiagonal() * gram * scale.asDiagonal();
+    Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled, Eigen::EigenvaluesOnly);
+    estimate.stability = stability_;
+    estimate.stability.unknowns = int(n);
+    const double largest = std::max(eigen.eigenvalues().maxCoeff(), 1e-300);
+    double smallest = largest;
+    for (Eigen::Index i = 0; i < gram.rows(); ++i) {
+        const double value = eigen.eigenvalues()(i) / largest;
+        if (value > 1e-6) ++estimate.stability.effectiveRank;
+        if (value > 1e-14) smallest = std::min(smallest, value * largest);
+    }
+    estimate.stability.conditionNumber = largest / smallest;
+    const Eigen::Index m = Eigen::Index(leaves);
+    Eigen::MatrixXd distant = scaled.topLeftCorner(m, m);
+    distant.diagonal().array() += 1e-6;
+    const Eigen::LLT<Eigen::MatrixXd> factor(distant);
+    for (size_t e = 0; e < surfaces_.size(); ++e) {
+        const Eigen::VectorXd column = scaled.block(0, m + Eigen::Index(e), m, 1);
+        const double self = scaled(m + Eigen::Index(e), m + Eigen::Index(e));
+        const double imitated = self > 0 && factor.info() == Eigen::Success ? column.dot(factor.solve(column)) / self : 1;
+        estimate.identifiability.push_back(float(std::sqrt(std::clamp(1 - imitated, 0.0, 1.0))));
+        estimate.emitterSigma.push_back(lighting_.emitterRadiance[e] * (anchors_.emitterClipped[e] ? 0.5f : anchors_.emitterSigma[e]));
+    }
+}
+
+Estimate SolveState::finish() {
+    Estimate estimate;
+    estimate.mode = options_.nearField ? "near-field" : "distant-only";
+    estimate.lighting = lighting_;
+    estimate.emitters = clusters_;
+    estimate.cancelled = stopped();
+    assembleEnvironment(estimate);
+    Reflectance& r = estimate.reflectance;
+    const size_t n = scene_.mesh.vertexCount();
+    r.basis.lobes.push_back(basis_.lobes[0]);
+    r.weight.push_back(albedo_.albedo);
+    std::vector<int> slot(basis_.lobes.size(), -1);
+    slot[0] = 0;
+    for (const PieceGloss& g : gloss_) {
+        int& at = slot[size_t(g.lobe)];
+        if (at < 0) {
+            at = int(r.basis.lobes.size());
+            r.basis.lobes.push_back(basis_.lobes[size_t(g.lobe)]);
+            r.weight.emplace_back(n, Rgb(0));
+        }
+        for (size_t v = 0; v < n; ++v)
+            if (scene_.piece[v] == g.piece && clusters_.emitterOfVertex[v] < 0) r.weight[size_t(at)][v] = g.weight;
+    }
+    // Emitters only emit.
+    for (size_t v = 0; v < n; ++v)
+        if (clusters_.emitterOfVertex[v] >= 0) r.weight[0][v] = Rgb(0);
+    r.observed.assign(n, 0);
+    for (uint32_t v = 0; v < n; ++v) r.observed[v] = uint8_t(std::min<size_t>(255, samples_.countOf(v)));
+    r.confidence = albedo_.confidence;
+    assess(estimate);
+    applyGauge(estimate);
+    if (gloss_.empty()) estimate.leftOut.push_back({"glossy lobes", "no surface changes with the view beyond noise"});
+    if (clusters_.emitters.empty() && options_.nearField) estimate.leftOut.push_back({"near-field emitters", "no patch of the scene shines on its own"});
+    if (!options_.nearField) estimate.leftOut.push_back({"near-field emitters", "the distant-only baseline was asked for"});
+    estimate.leftOut.push_back({"interreflection", "direct light only in this version"});
+    if (lighting_.leaves.size() >= options_.maxLeaves) estimate.leftOut.push_back({"finer distant light", fmt::format("the limit of {} unknowns was reached", options_.maxLeaves)});
+    record("done", 0, 0, lookRmse());
+    estimate.timeline = timeline_;
+    return estimate;
+}
+
+}  // namespace relamp

@@ -1,0 +1,69 @@
+// The working state of one solve: what solveScene's steps share. Not a door.
+#pragma once
+#include "solve/albedo_free.h"
+#include "solve/gloss.h"
+#include "solve/solve.h"
+
+namespace relamp {
+
+class SolveState {
+public:
+    SolveState(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const SolveOptions& options, Progress& progress);
+
+    void takeClusters(const EmitterClusters& clusters);
+    void prepare();
+    /// True when enough of the surface has a matte signal for the albedo-free start.
+    bool hasMatte() const { return matteShare_ > 0.15; }
+    bool hasGloss() const { return !gloss_.empty(); }
+    bool stopped() const { return progress_.outOfTime(); }
+    /// METHOD 11.
+    void startFromRatios();
+    /// Where nothing is matte: one constant lobe, light first; the lobe that explains the looks best is kept.
+    void startFromConstantReflectance();
+    /// Re-fit test: a patch that needs an albedo above 1 under the light found is a lamp, others are surfaces. True when the set changed.
+    bool confirmEmitters();
+    /// Splits strong leaves; false when there is nothing left to split.
+    bool refineLeaves();
+    void improveLight(int iterations);
+    void solveReflectance();
+    Estimate finish();
+
+private:
+    const Capture& capture_;
+    const Scene& scene_;
+    const RadianceSamples& samples_;
+    const SolveOptions& options_;
+    Progress& progress_;
+
+    EmitterClusters clusters_;
+    std::vector<uint8_t> suspect_;           ///< per emitter: 1 = only a light fit can decide
+    std::vector<EmitterSurface> surfaces_;
+    MatteObservations matte_;
+    std::vector<AlbedoPair> pairs_;
+    double matteShare_ = 0;
+    Visibility visibility_;
+    NearField nearField_;
+    InfluenceMatrix influence_;              ///< of the matte observations: leaves, then emitters
+    LightAnchors anchors_;
+    Lighting lighting_;
+    BrdfBasis basis_ = builtInBasis();
+    std::vector<PieceGloss> gloss_;          ///< pieces with a lobe
+    std::vector<std::pair<uint32_t, double>> glossTried_;
+    AlbedoResult albedo_;
+    std::vector<Rgb> lit_, litSigma_;        ///< per matte observation
+    std::vector<TimelineEntry> timeline_;
+    StabilityReport stability_;
+
+    void rebuildNearField();
+    void uniformLight();
+    void runAlbedoFree(const std::string& stage, int iterations, const ViewRows* rows);
+    ViewRows viewRows(Progress& progress);
+    void computeLit();
+    double lookRmse() const;
+    void record(const std::string& stage, int iteration, double objective, double rmse);
+    void applyGauge(Estimate& estimate);
+    void assembleEnvironment(Estimate& estimate) const;
+    void assess(Estimate& estimate);
+};
+
+}  // namespace relamp

@@ -1,0 +1,39 @@
+// The one forward model, B = [D | N] (equation 6): what a vertex or a look at it takes from each leaf of the environment
+// and from each emitter, per lobe. The solver assembles its rows from these; frames evaluate the same lobes.
+#pragma once
+#include "brdf/basis.h"
+#include "transport/lighting.h"
+#include "transport/near_field.h"
+#include "transport/visibility.h"
+
+namespace relamp {
+
+/// Row-major matrix of floats.
+struct InfluenceMatrix {
+    size_t rows = 0, columns = 0;
+    std::vector<float> values;
+    float* row(size_t r) { return &values[r * columns]; }
+    const float* row(size_t r) const { return &values[r * columns]; }
+};
+
+/// Lambert rows (albedo 1) for the given vertices: columns are the leaves, then the emitters. Element (i, leaf) = integral over
+/// the leaf of V max(0, n.w) / pi. Leaves finer than the visibility grid are traced with `raysPerSide`^2 rays each.
+InfluenceMatrix lambertInfluence(const Scene& scene, const Visibility& visibility, const NearField& nearField, const LightLeaves& leaves,
+                                 const std::vector<uint32_t>& vertices, Progress& progress);
+
+/// Fills only the columns of `leafIndices` (after a split) of an influence matrix with room for them.
+void lambertInfluenceOfLeaves(const Scene& scene, const Visibility& visibility, const LightLeaves& leaves, const std::vector<uint32_t>& vertices,
+                              const std::vector<uint32_t>& leafIndices, InfluenceMatrix& matrix, Progress& progress);
+
+struct LobeRowOptions {
+    int lobeSamples = 64;     ///< directions drawn from the lobe
+    int emitterSamples = 32;  ///< directions drawn from each emitter
+    uint64_t seed = 1;
+};
+
+/// One row for a look at `vertex` from the unit direction `towardEye` through a GGX lobe: `row` holds leaves then emitters.
+/// Lobe and emitter samples are combined by multiple importance sampling (balance heuristic, Veach 1997).
+void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emitters, const std::vector<int>& emitterOfTriangle, const LightLeaves& leaves,
+                     const Lobe& lobe, uint32_t vertex, const Vec3& towardEye, const LobeRowOptions& options, float* row);
+
+}  // namespace relamp

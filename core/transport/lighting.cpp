@@ -1,0 +1,105 @@
+#include "transport/lighting.h"
+
+#include <set>
+
+#include "wavelet/haar.h"
+
+namespace relamp {
+
+namespace {
+constexpr int tableSide = 1 << LightLeaves::maxLevel;
+}
+
+LightLeaves LightLeaves::uniform(int level) {
+    LightLeaves result;
+    result.table_.assign(size_t(tableSide) * tableSide, 0);
+    const int side = 1 << level;
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x) {
+            result.leaves_.push_back({uint8_t(level), uint16_t(x), uint16_t(y)});
+            result.fillTable(uint32_t(result.leaves_.size() - 1));
+        }
+    return result;
+}
+
+void LightLeaves::fillTable(uint32_t i) {
+    const Leaf& leaf = leaves_[i];
+    const int width = tableSide >> leaf.level;
+    for (int y = leaf.y * width; y < (leaf.y + 1) * width; ++y)
+        for (int x = leaf.x * width; x < (leaf.x + 1) * width; ++x) table_[size_t(y) * tableSide + size_t(x)] = i;
+}
+
+void LightLeaves::split(size_t i) {
+    const Leaf parent = leaves_[i];
+    if (parent.level >= maxLevel) return;
+    for (int k = 0; k < 4; ++k) {
+        const Leaf child{uint8_t(parent.level + 1), uint16_t(2 * parent.x + k % 2), uint16_t(2 * parent.y + k / 2)};
+        if (k == 0) leaves_[i] = child;
+        else leaves_.push_back(child);
+        fillTable(uint32_t(k == 0 ? i : leaves_.size() - 1));
+    }
+}
+
+size_t LightLeaves::leafOf(const Vec3& direction) const {
+    const Vec2 p = sphereToSquare(direction) * float(tableSide);
+    return table_[size_t(std::min(int(p.y), tableSide - 1)) * tableSide + size_t(std::min(int(p.x), tableSide - 1))];
+}
+
+std::vector<std::pair<uint32_t, uint32_t>> LightLeaves::neighbourPairs() const {
+    std::set<std::pair<uint32_t, uint32_t>> pairs;
+    const auto join = [&](uint32_t a, uint32_t b) {
+        if (a != b) pairs.emplace(std::min(a, b), std::max(a, b));
+    };
+    const auto at = [&](int x, int y) { return table_[size_t(y) * tableSide + size_t(x)]; };
+    for (int y = 0; y < tableSide; ++y)
+        for (int x = 0; x < tableSide; ++x) {
+            if (x + 1 < tableSide) join(at(x, y), at(x + 1, y));
+            if (y + 1 < tableSide) join(at(x, y), at(x, y + 1));
+        }
+    // The square's edges fold onto themselves about their middles (octahedral map).
+    for (int t = 0; t < tableSide / 2; ++t) {
+        const int u = tableSide - 1 - t, last = tableSide - 1;
+        join(at(t, 0), at(u, 0));
+        join(at(t, last), at(u, last));
+        join(at(0, t), at(0, u));
+        join(at(last, t), at(last, u));
+    }
+    return {pairs.begin(), pairs.end()};
+}
+
+std::vector<uint32_t> LightLeaves::leafOfCells(const DirectionGrid& grid) const {
+    std::vector<uint32_t> result(size_t(grid.cells()));
+    const int step = tableSide / grid.side;
+    for (int c = 0; c < grid.cells(); ++c)
+        result[size_t(c)] = table_[size_t((c / grid.side) * step + step / 2) * tableSide + size_t((c % grid.side) * step + step / 2)];
+    return result;
+}
+
+std::array<SparseCoefs, 3> environmentCoefs(const Lighting& lighting, int side) {
+    const DirectionGrid grid{side};
+    std::array<SparseCoefs, 3> result;
+    std::vector<float> cells(size_t(grid.cells()));
+    for (int channel = 0; channel < 3; ++channel) {
+        std::fill(cells.begin(), cells.end(), 0.0f);
+        // Leaves finer than the grid are averaged into their cell.
+        for (size_t i = 0; i < lighting.leaves.size(); ++i) {
+            const Leaf& leaf = lighting.leaves[i];
+            const int leafSide = 1 << leaf.level;
+            const float value = lighting.leafRadiance[i][channel];
+            if (leafSide >= side) {
+                const int step = leafSide / side;
+                cells[size_t(leaf.y / step) * side + size_t(leaf.x / step)] += value / float(step * step);
+            } else {
+                const int width = side / leafSide;
+                for (int y = leaf.y * width; y < (leaf.y + 1) * width; ++y)
+                    for (int x = leaf.x * width; x < (leaf.x + 1) * width; ++x) cells[size_t(y) * side + size_t(x)] = value;
+            }
+        }
+        for (float& value : cells) value *= std::sqrt(grid.cellSolidAngle());
+        haarForward(cells, side);
+        result[size_t(channel)] = sparsify(cells);
+    }
+    return result;
+}
+
+}  // namespace relamp

@@ -1,0 +1,50 @@
+// The unknown of the lighting problem: distant radiance on the leaves of a quadtree over the direction square, and one
+// radiance per emitter. A tree-structured set of Haar coefficients spans the same functions, so these are the paper's
+// wavelet coefficients, and non-negativity is an exact bound per leaf (METHOD 2).
+#pragma once
+#include "base/math.h"
+#include "image/direction_grid.h"
+#include "wavelet/coefficients.h"
+
+namespace relamp {
+
+/// A square of the quadtree: side 2^level squares across, position (x, y).
+struct Leaf {
+    uint8_t level = 0;
+    uint16_t x = 0, y = 0;
+    float solidAngle() const { return 4 * pi / float(1u << (2 * level)); }
+    /// Direction of the point (u, v) in [0,1]^2 of the leaf.
+    Vec3 direction(const Vec2& inside) const { return squareToSphere((Vec2(x, y) + inside) / float(1u << level)); }
+};
+
+class LightLeaves {
+public:
+    static constexpr int maxLevel = 8;  ///< side 256, 0.8 degrees
+    /// All leaves at one level.
+    static LightLeaves uniform(int level);
+    /// Replaces leaf `i` by its four children (the first takes its index, the others come last). No-op at maxLevel.
+    void split(size_t i);
+    size_t size() const { return leaves_.size(); }
+    const Leaf& operator[](size_t i) const { return leaves_[i]; }
+    size_t leafOf(const Vec3& direction) const;
+    /// Leaves that touch leaf i along an edge of the square (sphere seams not joined across; see neighbours()).
+    std::vector<std::pair<uint32_t, uint32_t>> neighbourPairs() const;
+    /// Per cell of `grid` the leaf that holds its centre (grid at most as fine as maxLevel).
+    std::vector<uint32_t> leafOfCells(const DirectionGrid& grid) const;
+
+private:
+    std::vector<Leaf> leaves_;
+    std::vector<uint32_t> table_;  ///< side 256 cells -> leaf
+    void fillTable(uint32_t leaf);
+};
+
+struct Lighting {
+    LightLeaves leaves;
+    std::vector<Rgb> leafRadiance;
+    std::vector<Rgb> emitterRadiance;
+};
+
+/// Haar coefficients of the leaves' function on a grid of the given side, per channel.
+std::array<SparseCoefs, 3> environmentCoefs(const Lighting& lighting, int side);
+
+}  // namespace relamp

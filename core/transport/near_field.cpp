@@ -1,0 +1,187 @@
+#include "transport/near_field.h"
+
+#include "base/parallel.h"
+#include "base/random.h"
+#include "wavelet/haar.h"
+
+namespace relamp {
+
+EmitterSurface emitterSurface(const Mesh& mesh, const EmitterCluster& cluster, const Mat4& toWorld) {
+    EmitterSurface s;
+    s.twoSided = cluster.twoSided;
+    const auto moved = [&](uint32_t v) { return Vec3(toWorld * Vec4(mesh.positions[v], 1)); };
+    const bool mirrored = glm::determinant(Mat3(toWorld)) < 0;
+    float sum = 0;
+    DVec3 centre(0);
+    for (uint32_t t : cluster.triangles) {
+        std::array<Vec3, 3> c{moved(mesh.triangles[t][0]), moved(mesh.triangles[t][1]), moved(mesh.triangles[t][2])};
+        if (mirrored) std::swap(c[1], c[2]);
+        const Vec3 cross = glm::cross(c[1] - c[0], c[2] - c[0]);
+        const float twice = glm::length(cross);
+        if (!(twice > 0)) continue;
+        const Vec3 middle = (c[0] + c[1] + c[2]) / 3.0f;
+        float radius = 0;
+        for (const Vec3& p : c) radius = std::max(radius, glm::length(p - middle));
+        s.corners.push_back(c);
+        s.centres.push_back(middle);
+        s.normals.push_back(cross / twice);
+        s.areas.push_back(twice / 2);
+        s.radii.push_back(radius);
+        sum += twice / 2;
+        s.cumulativeArea.push_back(sum);
+        centre += double(twice / 2) * DVec3(middle);
+    }
+    if (sum > 0) s.centroid = Vec3(centre / double(sum));
+    for (size_t t = 0; t < s.centres.size(); ++t) s.radius = std::max(s.radius, glm::length(s.centres[t] - s.centroid) + s.radii[t]);
+    return s;
+}
+
+float triangleFormFactor(const Vec3& point, const Vec3& normal, const std::array<Vec3, 3>& corners, bool twoSided) {
+    const Vec3 faceNormal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
+    if (!twoSided && glm::dot(faceNormal, point - corners[0]) <= 0) return 0;
+    // Clip at the horizon: at most four corners remain.
+    Vec3 kept[4];
+    int count = 0;
+    for (int i = 0; i < 3; ++i) {
+        const Vec3 a = corners[size_t(i)] - point, b = corners[size_t((i + 1) % 3)] - point;
+        const float ha = glm::dot(a, normal), hb = glm::dot(b, normal);
+        if (ha >= 0) kept[count++] = a;
+        if ((ha > 0 && hb < 0) || (ha < 0 && hb > 0)) kept[count++] = a + (b - a) * (ha / (ha - hb));
+    }
+    if (count < 3) return 0;
+    for (int i = 0; i < count; ++i) {
+        const float length = glm::length(kept[i]);
+        if (!(length > 1e-20f)) return 0;  // the point is a corner of the emitter: no solid angle is defined, none is taken
+        kept[i] /= length;
+    }
+    float sum = 0;
+    for (int i = 0; i < count; ++i) {
+        const Vec3 a = kept[i], b = kept[(i + 1) % count];
+        const Vec3 cross = glm::cross(a, b);
+        const float sine = glm::length(cross);
+        if (sine < 1e-12f) continue;
+        sum += std::atan2(sine, glm::dot(a, b)) / sine * glm::dot(cross, normal);
+    }
+    return std::clamp(std::abs(sum) / (2 * pi), 0.0f, 1.0f);
+}
+
+namespace {
+
+/// Form factors to every triangle of the emitter: exact near, by its centre where it is small and far.
+float formFactors(const EmitterSurface& emitter, const Vec3& point, const Vec3& normal, std::vector<float>& out) {
+    const size_t n = emitter.centres.size();
+    out.resize(n);
+    float sum = 0;
+    for (size_t t = 0; t < n; ++t) {
+        const Vec3 to = emitter.centres[t] - point;
+        const float d2 = glm::dot(to, to), r = emitter.radii[t];
+        const float height = glm::dot(to, normal), facing = -glm::dot(to, emitter.normals[t]);
+        float f = 0;
+        if (height < -r || (!emitter.twoSided && facing <= 0)) {
+            f = 0;
+        } else if (d2 > 64 * r * r && height > r) {
+            f = height * std::abs(facing) * emitter.areas[t] / (pi * d2 * d2);
+        } else {
+            f = triangleFormFactor(point, normal, emitter.corners[t], emitter.twoSided);
+        }
+        out[t] = f;
+        sum += f;
+    }
+    return sum;
+}
+
+}  // namespace
+
+int samplesForSolidAngle(float steradians) { return steradians < 0.06f ? 16 : steradians < 1 ? 64 : 256; }
+
+float sampleEmitter(const Scene& scene, const EmitterSurface& emitter, const Vec3& point, const Vec3& normal, int count, uint64_t seed,
+                    std::vector<EmitterSample>& samples) {
+    samples.clear();
+    if (emitter.centres.empty() || glm::dot(emitter.centroid - point, normal) < -emitter.radius) return 0;
+    thread_local std::vector<float> factors;
+    const float total = std::min(1.0f, formFactors(emitter, point, normal, factors));
+    if (!(total > 0)) return 0;
+    float sum = 0;
+    for (float& f : factors) {
+        sum += f;
+        f = sum;
+    }
+    if (count <= 0) {
+        const float distance2 = std::max(glm::dot(emitter.centroid - point, emitter.centroid - point), 1e-20f);
+        count = samplesForSolidAngle(emitter.area() / distance2);
+    }
+    const Vec3 origin = rayOrigin(scene, point, normal);
+    const Vec2 shift = randomShift(seed, 0x51, 0x7f);
+    Ray rays[8];
+    int pending = 0;
+    const float back = 8 * scene.tracer->surfaceOffset();
+    const auto flush = [&] {
+        if (!pending) return;
+        const uint32_t blocked = scene.tracer->occluded8({rays, size_t(pending)});
+        for (int i = 0; i < pending; ++i) samples[samples.size() - size_t(pending) + size_t(i)].visible = blocked >> i & 1 ? 0.0f : 1.0f;
+        pending = 0;
+    };
+    const float first = unitFloat(mixBits(seed ^ 0x9d));
+    for (int i = 0; i < count; ++i) {
+        // Stratified over the triangles' shares, low-discrepancy inside each triangle.
+        const float pick = (float(i) + first) / float(count) * sum;
+        const size_t t = std::min(size_t(std::upper_bound(factors.begin(), factors.end(), pick) - factors.begin()), factors.size() - 1);
+        const Vec2 u = r2Point(uint32_t(i), shift);
+        const float root = std::sqrt(u.x);
+        const auto& c = emitter.corners[t];
+        Vec3 target = (1 - root) * c[0] + root * (1 - u.y) * c[1] + root * u.y * c[2];
+        if (glm::dot(target - point, normal) <= 0) target = emitter.centres[t];  // below the horizon: its part is clipped away
+        const Vec3 to = target - origin;
+        const float distance = glm::length(to);
+        EmitterSample s;
+        s.formFactor = total / float(count);
+        s.direction = distance > 0 ? to / distance : normal;
+        samples.push_back(s);
+        rays[pending++] = {origin, s.direction, 0, std::max(0.0f, distance * (1 - 1e-4f) - back)};
+        if (pending == 8) flush();
+    }
+    flush();
+    return total;
+}
+
+NearField computeNearField(const Scene& scene, const EmitterClusters& clusters, const NearFieldOptions& options, Progress& progress) {
+    NearField result;
+    result.emitters = clusters.emitters.size();
+    const size_t n = scene.mesh.vertexCount();
+    result.formFactor.assign(n * result.emitters, 0);
+    result.unshadowed.assign(n * result.emitters, 0);
+    std::vector<EmitterSurface> surfaces;
+    for (const EmitterCluster& e : clusters.emitters) surfaces.push_back(emitterSurface(scene.mesh, e));
+    progress.begin("Near-field maps", n);
+    parallelBlocks(n, 64, [&](size_t begin, size_t end) {
+        std::vector<EmitterSample> samples;
+        for (size_t v = begin; v < end; ++v) {
+            if (!scene.referenced[v]) continue;
+            for (size_t e = 0; e < surfaces.size(); ++e) {
+                const float total = sampleEmitter(scene, surfaces[e], scene.mesh.positions[v], scene.mesh.normals[v], 0, mixBits(options.seed) ^ (v * 31 + e), samples);
+                float seen = 0;
+                for (const EmitterSample& s : samples) seen += s.formFactor * s.visible;
+                result.formFactor[v * result.emitters + e] = seen;
+                result.unshadowed[v * result.emitters + e] = total;
+            }
+        }
+    }, &progress);
+    return result;
+}
+
+SparseCoefs nearFieldCoefs(const Scene& scene, const EmitterSurface& emitter, uint32_t vertex, const DirectionGrid& grid, int count, float energyShare) {
+    std::vector<float> cells(size_t(grid.cells()), 0.0f);
+    std::vector<EmitterSample> samples;
+    const Vec3 normal = scene.mesh.normals[vertex];
+    sampleEmitter(scene, emitter, scene.mesh.positions[vertex], normal, count, vertex, samples);
+    for (const EmitterSample& s : samples) {
+        const float cosine = glm::dot(s.direction, normal);
+        if (s.visible > 0 && cosine > 1e-4f) cells[size_t(grid.cellOf(s.direction))] += s.formFactor * pi / cosine / grid.cellSolidAngle();
+    }
+    const float scale = std::sqrt(grid.cellSolidAngle());
+    for (float& value : cells) value = std::min(value, 1.0f) * scale;
+    haarForward(cells, grid.side);
+    return sparsify(cells, energyShare);
+}
+
+}  // namespace relamp

@@ -1,0 +1,36 @@
+// Which distant directions each vertex sees: one bit a direction cell, lossless and smaller than its coefficients.
+#pragma once
+#include <span>
+
+#include "base/progress.h"
+#include "image/direction_grid.h"
+#include "scene/scene.h"
+#include "wavelet/coefficients.h"
+
+namespace relamp {
+
+/// V(v, w) = 1 where the ray from vertex v along w leaves the scene. Bits of vertex v: words
+/// bits[v * wordsPerVertex] ...; cells below the horizon of the shading normal are 0.
+struct Visibility {
+    DirectionGrid grid;
+    size_t wordsPerVertex = 0;
+    std::vector<uint64_t> bits;
+    bool sees(uint32_t vertex, int cell) const { return bits[vertex * wordsPerVertex + size_t(cell) / 64] >> (cell % 64) & 1; }
+};
+
+struct VisibilityOptions {
+    int gridSide = 64;  ///< one ray through each cell's centre; 64 halves the error at contact shadows against 32
+};
+
+/// Cost: gridSide^2 / 2 rays a vertex in packets of 8, 10-18 million rays a second a core. Needs gridSide^2 / 8 bytes a vertex.
+Visibility computeVisibility(const Scene& scene, const VisibilityOptions& options, Progress& progress);
+
+/// Where rays from a vertex start: stepped off the surface along its normal.
+Vec3 rayOrigin(const Scene& scene, const Vec3& position, const Vec3& normal);
+
+/// Haar coefficients of V x max(0, n.w): what a Lambert surface takes from the environment. `energyShare` as in sparsify.
+SparseCoefs visibilityCosineCoefs(const Scene& scene, const Visibility& visibility, uint32_t vertex, float energyShare);
+/// Haar coefficients of V alone.
+SparseCoefs visibilityCoefs(const Visibility& visibility, uint32_t vertex, float energyShare);
+
+}  // namespace relamp

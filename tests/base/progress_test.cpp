@@ -1,0 +1,100 @@
+#include "base/progress.h"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+#include <vector>
+
+namespace relamp {
+namespace {
+
+TEST(Progress, ShareCountsFromZeroToOneInEveryStage) {
+    Progress progress;
+    EXPECT_EQ(progress.share(), 0);
+    progress.begin("first", 4);
+    EXPECT_EQ(progress.label(), "first");
+    progress.advance();
+    EXPECT_EQ(progress.share(), 0.25);
+    progress.advance(3);
+    EXPECT_EQ(progress.share(), 1);
+    progress.begin("second", 10);
+    EXPECT_EQ(progress.label(), "second");
+    EXPECT_EQ(progress.share(), 0);
+}
+
+TEST(Progress, ShareNeverExceedsOneAndAnEmptyStageIsZero) {
+    Progress progress;
+    progress.begin("stage", 2);
+    progress.advance(5);
+    EXPECT_EQ(progress.share(), 1);
+    progress.begin("empty", 0);
+    EXPECT_EQ(progress.share(), 0);
+}
+
+TEST(Progress, StopMakesEveryCallThrowCancelled) {
+    Progress progress;
+    progress.begin("stage", 2);
+    EXPECT_NO_THROW(progress.check());
+    progress.requestStop();
+    EXPECT_TRUE(progress.stopRequested());
+    EXPECT_THROW(progress.check(), Cancelled);
+    EXPECT_THROW(progress.advance(), Cancelled);
+    EXPECT_THROW(progress.begin("next", 1), Cancelled);
+    EXPECT_EQ(progress.label(), "stage");
+}
+
+TEST(Progress, StopFromAnotherThreadEndsALoop) {
+    Progress progress;
+    progress.begin("endless", 1);
+    std::thread stopper([&] { progress.requestStop(); });
+    EXPECT_THROW(for (;;) progress.advance(), Cancelled);
+    stopper.join();
+}
+
+TEST(Progress, ListenerHearsTheStartOfEachStage) {
+    Progress progress;
+    std::vector<std::string> heard;
+    progress.setListener([&](const std::string& label, double share) {
+        heard.push_back(label);
+        EXPECT_GE(share, 0);
+        EXPECT_LE(share, 1);
+    });
+    progress.begin("one", 3);
+    progress.begin("two", 3);
+    EXPECT_EQ(heard, (std::vector<std::string>{"one", "two"}));
+}
+
+TEST(Progress, ListenerIsNotFloodedByManySmallSteps) {
+    Progress progress;
+    size_t told = 0;
+    progress.setListener([&](const std::string&, double) { ++told; });
+    progress.begin("stage", 100000);
+    for (int k = 0; k < 100000; ++k) progress.advance();
+    EXPECT_LE(double(told), 2 + progress.seconds() * 10);
+}
+
+TEST(Progress, BudgetIsUsedUpOnlyWhenSetAndPassed) {
+    Progress progress;
+    EXPECT_FALSE(progress.outOfTime());
+    progress.setBudget(3600);
+    EXPECT_FALSE(progress.outOfTime());
+    progress.setBudget(1e-6);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    EXPECT_TRUE(progress.outOfTime());
+    EXPECT_NO_THROW(progress.check());
+}
+
+TEST(Progress, CountsStepsOfManyThreads) {
+    Progress progress;
+    progress.begin("stage", 4000);
+    std::vector<std::thread> threads;
+    for (int t = 0; t < 4; ++t)
+        threads.emplace_back([&] {
+            for (int k = 0; k < 500; ++k) progress.advance();
+        });
+    for (std::thread& thread : threads) thread.join();
+    EXPECT_EQ(progress.share(), 0.5);
+}
+
+}  // namespace
+}  // namespace relamp

@@ -1,0 +1,175 @@
+#include "capture/load_capture.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "capture/check.h"
+#include "support/temporary_folder.h"
+
+namespace relamp {
+namespace {
+
+using nlohmann::json;
+
+/// Two views of 16 x 12 pixels straight down on a square of two metres.
+class LoadCapture : public testing::Test {
+protected:
+    void SetUp() override {
+        folder.write("mesh.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n");
+        std::filesystem::create_directories(folder / "images");
+        for (const char* name : {"images/a.exr", "images/b.exr"}) writeImage(folder / name, Image(16, 12, Rgb(0.5f)));
+        file = {{"w", 16}, {"h", 12}, {"fl_x", 12}, {"frames", json::array()}};
+        for (const char* name : {"images/a.exr", "images/b.exr"})
+            file["frames"].push_back({{"file_path", name}, {"transform_matrix", {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 2}, {0, 0, 0, 1}}}});
+    }
+    Capture load(const LoadOptions& options = {}) {
+        folder.write("transforms.json", file.dump());
+        Progress progress;
+        return loadCapture(folder.path(), options, progress);
+    }
+    std::string error() {
+        return test::messageOf([&] { load(); });
+    }
+    static bool anyHolds(const std::vector<std::string>& sentences, const std::string& text) {
+        return std::any_of(sentences.begin(), sentences.end(), [&](const std::string& s) { return s.find(text) != std::string::npos; });
+    }
+
+    test::TemporaryFolder folder;
+    json file;
+};
+
+TEST_F(LoadCapture, ReadsViewsMeshAndPictures) {
+    const Capture capture = load();
+    ASSERT_EQ(capture.views.size(), 2u);
+    EXPECT_EQ(capture.views[1].name, "images/b.exr");
+    EXPECT_EQ(capture.views[1].image.at(3, 3), Rgb(0.5f));
+    EXPECT_EQ(capture.views[1].saturation, 0);
+    EXPECT_EQ(capture.mesh.triangles.size(), 2u);
+    EXPECT_TRUE(capture.notes.empty());
+    EXPECT_TRUE(load({.images = false}).views[0].image.pixels.empty());
+}
+
+TEST_F(LoadCapture, NamesTheFrameWhoseImageIsMissing) {
+    file["frames"][1]["file_path"] = "images/c.exr";
+    EXPECT_EQ(error(), "transforms.json: frame 1: " + (folder / "images/c.exr").string() + ": does not exist");
+}
+
+TEST_F(LoadCapture, NamesTheFrameWhoseImageIsUnreadable) {
+    folder.write("images/b.exr", "no picture");
+    EXPECT_NE(error().find("transforms.json: frame 1: " + (folder / "images/b.exr").string() + ": is not a readable picture"), std::string::npos);
+}
+
+TEST_F(LoadCapture, NamesTheSizesWhenAnImageHasAnother) {
+    writeImage(folder / "images/b.exr", Image(12, 16));
+    EXPECT_EQ(error(), "transforms.json: frame 1: " + (folder / "images/b.exr").string() + ": is 12 x 16 pixels, w and h say 16 x 12");
+}
+
+TEST_F(LoadCapture, FindsPicturesWithoutEndingAndWithBackslashes) {
+    file["frames"][0]["file_path"] = "./images/a";
+    file["frames"][1]["file_path"] = "images\\b.exr";
+    file.erase("w");
+    file.erase("h");
+    EXPECT_EQ(load().views[1].camera.width, 16);
+}
+
+TEST_F(LoadCapture, BadPixelsAreCountedInTheNotes) {
+    Image image(16, 12, Rgb(1));
+    image.at(0, 0).x = std::numeric_limits<float>::quiet_NaN();
+    image.at(1, 0).y = std::numeric_limits<float>::infinity();
+    image.at(2, 0).z = -1;
+    writeImage(folder / "images/b.exr", image);
+    const Capture capture = load();
+    ASSERT_EQ(capture.notes.size(), 1u);
+    EXPECT_EQ(capture.notes[0], "images/b.exr: 1 NaN, 1 infinite and 1 negative pixels are left out.");
+    EXPECT_FALSE(capture.views[1].image.usableAt(0, 0));
+}
+
+TEST_F(LoadCapture, BlackAndClippedPicturesAreNotedAndNotRefused) {
+    writeImage(folder / "images/a.exr", Image(16, 12));
+    writeImage(folder / "images/b.png", Image(16, 12, Rgb(2)));
+    file["frames"][1]["file_path"] = "images/b.png";
+    const Capture capture = load();
+    EXPECT_TRUE(anyHolds(capture.notes, "images/a.exr: is black all over."));
+    EXPECT_TRUE(anyHolds(capture.notes, "images/b.png: is clipped all over."));
+    EXPECT_NEAR(capture.views[1].saturation, 0.99f, 1e-6);
+}
+
+TEST_F(LoadCapture, MasksOfEitherNameAreApplied) {
+    Image mask(16, 12, Rgb(1));
+    mask.at(4, 5) = Rgb(0);
+    std::filesystem::create_directories(folder / "masks");
+    writeImage(folder / "masks/a.exr.png", mask);
+    mask.at(6, 7) = Rgb(0);
+    writeImage(folder / "images/b_mask.png", mask);
+    const Capture capture = load();
+    EXPECT_FALSE(capture.views[0].image.usableAt(4, 5));
+    EXPECT_TRUE(capture.views[0].image.usableAt(6, 7));
+    EXPECT_FALSE(capture.views[1].image.usableAt(6, 7));
+    EXPECT_EQ(capture.views[0].image.at(4, 5), Rgb(0.5f));
+    EXPECT_TRUE(anyHolds(capture.notes, "images/b.exr: 2 pixels are masked."));
+    writeImage(folder / "masks/a.exr.png", Image(8, 6, Rgb(1)));
+    EXPECT_NE(error().find("a.exr.png: is 8 x 6 pixels, its picture is 16 x 12"), std::string::npos);
+}
+
+TEST_F(LoadCapture, MissingFilesAreNamed) {
+    Progress progress;
+    EXPECT_EQ(test::messageOf([&] { loadCapture(folder.path(), {}, progress); }), (folder / "transforms.json").string() + ": does not exist");
+    EXPECT_EQ(test::messageOf([&] { loadCapture(folder / "none", {}, progress); }), (folder / "none").string() + ": is not a folder");
+    file["mesh_path"] = "model.ply";
+    EXPECT_EQ(error(), "transforms.json: mesh_path names " + (folder / "model.ply").string() + ", which does not exist");
+    file.erase("mesh_path");
+    std::filesystem::remove(folder / "mesh.obj");
+    EXPECT_NE(error().find("mesh_path is missing"), std::string::npos);
+}
+
+TEST_F(LoadCapture, StopsWhenAsked) {
+    folder.write("transforms.json", file.dump());
+    Progress progress;
+    progress.requestStop();
+    EXPECT_THROW(loadCapture(folder.path(), {}, progress), Cancelled);
+}
+
+TEST_F(LoadCapture, TheDoctorFindsNothingWrongWithViewsThatAgree) {
+    Progress progress;
+    const CaptureCheck check = checkCapture(load(), progress);
+    ASSERT_EQ(check.views.size(), 2u);
+    // 12 pixels of focal length, 2 m away: the square of 2 m covers 12 x 12 of 16 x 12 pixels.
+    EXPECT_NEAR(check.views[0].meshShare, 0.75, 1e-6);
+    EXPECT_NEAR(check.views[0].meanRadiance, 0.5, 1e-6);
+    EXPECT_EQ(check.views[0].maskedShare, 0);
+    EXPECT_EQ(check.upGuess, "y");
+    EXPECT_FALSE(check.lookBackwards);
+    EXPECT_EQ(toJson(check)["views"][1]["name"], "images/b.exr");
+    EXPECT_NE(toText(check).find("images/a.exr"), std::string::npos);
+}
+
+TEST_F(LoadCapture, TheDoctorFindsTheViewOfAnotherExposure) {
+    std::string mesh;
+    for (int y = 0; y < 20; ++y)
+        for (int x = 0; x < 20; ++x) mesh += fmt::format("v {} {} 0\n", x / 10.0 - 0.95, y / 16.0 - 0.6);
+    for (int y = 1; y < 20; ++y)
+        for (int x = 1; x < 20; ++x) mesh += fmt::format("f {} {} {} {}\n", y * 20 + x - 20, y * 20 + x - 19, y * 20 + x + 1, y * 20 + x);
+    folder.write("mesh.obj", mesh);
+    file["frames"].push_back(file["frames"][0]);
+    writeImage(folder / "images/b.exr", Image(16, 12, Rgb(1.0f)));
+    Progress progress;
+    const CaptureCheck check = checkCapture(load(), progress);
+    EXPECT_NEAR(check.views[1].exposureStops, 1, 0.1);
+    EXPECT_NEAR(check.views[0].exposureStops, 0, 0.1);
+    EXPECT_TRUE(anyHolds(check.warnings, "images/b.exr: is"));
+    EXPECT_EQ(check.seenTwiceShare, 1);
+}
+
+TEST_F(LoadCapture, TheDoctorSeesCamerasWithOpenCvAxes) {
+    for (auto& frame : file["frames"]) frame["transform_matrix"] = {{1, 0, 0, 0}, {0, -1, 0, 0}, {0, 0, -1, 2}, {0, 0, 0, 1}};
+    Progress progress;
+    const CaptureCheck check = checkCapture(load(), progress);
+    EXPECT_TRUE(check.lookBackwards);
+    EXPECT_TRUE(anyHolds(check.warnings, "OpenCV"));
+}
+
+}  // namespace
+}  // namespace relamp

@@ -1,0 +1,183 @@
+// Holds every #include of core and app against the table of rooms: which room may know which, and which file may name a
+// library. RELAMP_SOURCE_DIR is the root of the source tree.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace {
+namespace fs = std::filesystem;
+using Names = std::set<std::string>;
+
+const Names coreRooms{"base",      "image", "wavelet", "brdf", "capture", "scene", "radiance", "clusters",
+                      "transport", "solve", "relight", "edit", "shot",    "report", "pipeline"};
+
+/// Ground floor and the rooms of the walk before `room`: what a room on the walk may include.
+Names upTo(const std::string& room) {
+    Names allowed{"base", "image", "wavelet", "brdf"};
+    for (const char* earlier : {"capture", "scene", "radiance", "clusters", "transport", "solve", "relight"}) {
+        if (room == earlier) break;
+        allowed.insert(earlier);
+    }
+    return allowed;
+}
+
+/// A room, and the rooms and single headers it may include beside its own.
+const std::map<std::string, Names>& table() {
+    static const std::map<std::string, Names> rooms{
+        {"base", {}},
+        {"image", {"base"}},
+        {"wavelet", {"base", "image"}},
+        {"brdf", {"base", "image", "wavelet"}},
+        {"capture", {"base", "image", "scene/mesh.h", "scene/mesh_io.h"}},
+        {"scene", {"base"}},
+        {"radiance", upTo("radiance")},
+        {"clusters", upTo("clusters")},
+        {"transport", upTo("transport")},
+        {"solve", upTo("solve")},
+        {"relight", upTo("relight")},
+        {"edit", {"base", "relight"}},
+        {"shot", coreRooms},
+        {"report", coreRooms},
+        {"pipeline", coreRooms},
+        {"app", {"ui", "pipeline", "shot", "report", "base"}},
+    };
+    return rooms;
+}
+
+/// A library by the start of its headers, and the one file (or folder, with a slash at the end) that may include it.
+struct Library {
+    const char* headers;
+    const char* home;  ///< empty: nowhere in core
+};
+const Library libraries[] = {
+    {"OpenImageIO/", "image/image_io.cpp"}, {"OpenMesh/", "scene/mesh_io.cpp"}, {"embree", "scene/ray_tracer.cpp"},
+    {"Eigen/", "solve/"},                   {"unsupported/Eigen/", "solve/"},   {"tbb/", "base/parallel.cpp"},
+    {"oneapi/tbb", "base/parallel.cpp"},    {"GL/", ""},                        {"GLES", ""},
+    {"GLFW/", ""},                          {"glad/", ""},                      {"epoxy/", ""},
+    {"imgui", ""},
+};
+
+struct Include {
+    std::string name;
+    bool angled = false;
+};
+
+/// What is wrong with `include` in `file` (relative to core; app files as "app/..."), if anything.
+std::optional<std::string> violation(const std::string& file, const Include& include) {
+    for (const Library& library : libraries) {
+        if (!include.name.starts_with(library.headers)) continue;
+        const std::string home = library.home;
+        const bool atHome = home.ends_with('/') ? file.starts_with(home) : file == home;
+        if (!home.empty() && atHome) return {};
+        return "only " + (home.empty() ? std::string("the window") : home) + " may include this library";
+    }
+    if (include.angled) return {};
+    const std::string room = file.substr(0, file.find('/'));
+    if (include.name.find('/') == std::string::npos)
+        return room == "app" ? std::nullopt : std::optional<std::string>("expected the form \"room/header.h\"");
+    const std::string other = include.name.substr(0, include.name.find('/'));
+    const auto row = table().find(room);
+    if (row == table().end()) return "the room " + room + " is not in the table";
+    if (other == room || row->second.contains(other) || row->second.contains(include.name)) return {};
+    return "the room " + room + " may not include " + other;
+}
+
+struct Source {
+    std::string name;               ///< relative to core, or app/...
+    std::vector<Include> includes;  ///< in the order of the file
+    bool pragmaOnce = false;
+};
+
+Source readSource(const std::string& name, const fs::path& path) {
+    static const std::regex includeLine(R"re(^\s*#\s*include\s*(["<])([^">]+)[">].*)re");
+    static const std::regex pragmaLine(R"(^\s*#\s*pragma\s+once\b.*)");
+    Source source{name, {}, false};
+    std::ifstream in(path);
+    std::smatch match;
+    for (std::string line; std::getline(in, line);) {
+        if (std::regex_match(line, match, includeLine)) source.includes.push_back({match[2], match[1] == "<"});
+        else if (std::regex_match(line, pragmaLine)) source.pragmaOnce = true;
+    }
+    return source;
+}
+
+std::vector<Source> sourcesIn(const std::string& folder, const std::string& prefix) {
+    std::vector<Source> sources;
+    const fs::path root = fs::path(RELAMP_SOURCE_DIR) / folder;
+    if (!fs::exists(root)) return sources;
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root)) {
+        const std::string extension = entry.path().extension().string();
+        if (extension == ".h" || extension == ".cpp")
+            sources.push_back(readSource(prefix + fs::relative(entry.path(), root).generic_string(), entry.path()));
+    }
+    return sources;
+}
+
+TEST(IncludeRules, EveryIncludeOfCoreAndAppKeepsToTheTableOfRooms) {
+    std::vector<Source> sources = sourcesIn("core", "");
+    ASSERT_GT(sources.size(), 20u) << "is " << RELAMP_SOURCE_DIR << " the source tree?";
+    for (Source& source : sourcesIn("app", "app/")) sources.push_back(std::move(source));
+    for (const Source& source : sources)
+        for (const Include& include : source.includes) {
+            const auto wrong = violation(source.name, include);
+            EXPECT_FALSE(wrong) << source.name << ": " << include.name << ": " << wrong.value_or("");
+        }
+}
+
+TEST(IncludeRules, EveryHeaderThatIsIncludedByRoomExists) {
+    const fs::path root = RELAMP_SOURCE_DIR;
+    for (const Source& source : sourcesIn("core", ""))
+        for (const Include& include : source.includes)
+            EXPECT_TRUE(include.angled || fs::exists(root / "core" / include.name)) << source.name << ": " << include.name;
+}
+
+TEST(IncludeRules, EveryHeaderHasPragmaOnce) {
+    for (const char* folder : {"core", "app"})
+        for (const Source& source : sourcesIn(folder, ""))
+            EXPECT_TRUE(source.pragmaOnce || !source.name.ends_with(".h")) << source.name;
+}
+
+TEST(IncludeRules, EverySourceWithAHeaderIncludesItFirstSoThatTheHeaderCompilesAlone) {
+    for (const Source& source : sourcesIn("core", "")) {
+        if (!source.name.ends_with(".cpp")) continue;
+        const std::string header = source.name.substr(0, source.name.size() - 4) + ".h";
+        if (!fs::exists(fs::path(RELAMP_SOURCE_DIR) / "core" / header)) continue;
+        ASSERT_FALSE(source.includes.empty()) << source.name;
+        EXPECT_EQ(source.includes.front().name, header) << source.name;
+    }
+}
+
+TEST(IncludeRules, TableRefusesWhatItShould) {
+    EXPECT_TRUE(violation("base/error.h", {"image/image.h"}));
+    EXPECT_TRUE(violation("scene/scene.cpp", {"capture/capture.h"}));
+    EXPECT_TRUE(violation("capture/capture.h", {"scene/scene.h"}));
+    EXPECT_TRUE(violation("radiance/gather.cpp", {"clusters/emitter_clusters.h"}));
+    EXPECT_TRUE(violation("transport/incident.cpp", {"solve/solve.h"}));
+    EXPECT_TRUE(violation("app/cli_main.cpp", {"solve/solve.h"}));
+    EXPECT_TRUE(violation("attic/old.cpp", {"base/error.h"}));
+    EXPECT_TRUE(violation("solve/solve.cpp", {"qp.h"}));
+    EXPECT_TRUE(violation("image/image.h", {"OpenImageIO/imageio.h", true}));
+    EXPECT_TRUE(violation("scene/scene.cpp", {"embree4/rtcore.h", true}));
+    EXPECT_TRUE(violation("relight/shade.cpp", {"Eigen/Dense", true}));
+    EXPECT_TRUE(violation("relight/shade.cpp", {"GL/gl.h", true}));
+    EXPECT_TRUE(violation("relight/shade.cpp", {"imgui.h"}));
+}
+
+TEST(IncludeRules, TableAllowsWhatItShould) {
+    EXPECT_FALSE(violation("base/parallel.cpp", {"tbb/parallel_for.h", true}));
+    EXPECT_FALSE(violation("capture/load_capture.h", {"scene/mesh_io.h"}));
+    EXPECT_FALSE(violation("relight/shade.cpp", {"solve/solve.h"}));
+    EXPECT_FALSE(violation("solve/qp.cpp", {"Eigen/Dense", true}));
+    EXPECT_FALSE(violation("solve/qp.cpp", {"vector", true}));
+    EXPECT_FALSE(violation("report/plan.cpp", {"pipeline/pipeline.h"}));
+    EXPECT_FALSE(violation("app/cli_main.cpp", {"arguments.h"}));
+}
+
+}  // namespace

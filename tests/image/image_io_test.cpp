@@ -1,0 +1,180 @@
+#include "image/image_io.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "base/error.h"
+#include "image/chromaticities.h"
+#include "support/temporary_folder.h"
+
+namespace relamp {
+namespace {
+
+Image ramp(int width, int height) {
+    Image image(width, height);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) image.at(x, y) = Rgb(float(x) / 4, float(y) / 8, 0.5f);
+    return image;
+}
+
+std::vector<float> plane(const Image& image, int channel) {
+    std::vector<float> values;
+    for (const Rgb& c : image.pixels) values.push_back(c[channel]);
+    return values;
+}
+
+TEST(ImageIo, ExrAndHdrComeBackTopRowFirst) {
+    test::TemporaryFolder folder;
+    const Image image = ramp(70, 150);
+    for (const char* name : {"a.exr", "a.hdr"}) {
+        writeImage(folder / name, image);
+        EXPECT_EQ(readImageSize(folder / name), std::pair(70, 150));
+        ImageReport report;
+        const Image back = readImage(folder / name, &report);
+        ASSERT_EQ(back.width, 70);
+        ASSERT_EQ(back.height, 150);
+        for (size_t i = 0; i < image.pixels.size(); ++i)
+            EXPECT_LT(glm::distance(back.pixels[i], image.pixels[i]), 0.01f * (0.1f + maxChannel(image.pixels[i]))) << name << i;
+        EXPECT_FALSE(report.integer);
+        EXPECT_EQ(report.clipLevel, 0);
+        EXPECT_TRUE(back.usable.empty());
+    }
+}
+
+TEST(ImageIo, SunsBeyondHalfFloatsKeepTheirRadiance) {
+    test::TemporaryFolder folder;
+    Image image(4, 2, Rgb(1));
+    image.at(2, 1) = Rgb(3e6f, 2e6f, 1e6f);
+    writeImage(folder / "sun.exr", image);
+    EXPECT_EQ(readImage(folder / "sun.exr").at(2, 1), Rgb(3e6f, 2e6f, 1e6f));
+    writeChannels(folder / "sun2.exr", 4, 2, {{"R", true, plane(image, 0)}, {"G", true, plane(image, 1)}, {"B", true, plane(image, 2)}});
+    EXPECT_EQ(readImage(folder / "sun2.exr").at(2, 1), Rgb(3e6f, 2e6f, 1e6f));
+}
+
+TEST(ImageIo, EightBitFilesAreSrgb) {
+    test::TemporaryFolder folder;
+    Image image(3, 1);
+    image.at(0, 0) = Rgb(0.2140411f);  // code 128 in sRGB is 0.2158605
+    image.at(1, 0) = Rgb(7, 1, 0);
+    writeImage(folder / "a.png", image);
+    ImageReport report;
+    const Image back = readImage(folder / "a.png", &report);
+    EXPECT_NEAR(back.at(0, 0).x, 0.2140411f, 2e-3);
+    EXPECT_EQ(back.at(1, 0), Rgb(1, 1, 0));
+    EXPECT_TRUE(report.integer);
+    EXPECT_FLOAT_EQ(report.clipLevel, 1);
+    const Image data = readImage(folder / "a.png", nullptr, true);
+    EXPECT_NEAR(data.at(0, 0).x, 0.5, 3e-3);
+    writeImage(folder / "a.jpg", Image(16, 16, Rgb(0.5f)));
+    EXPECT_NEAR(readImage(folder / "a.jpg").at(8, 8).y, 0.5, 5e-3);
+}
+
+TEST(ImageIo, SrgbCurveHasItsStandardValues) {
+    EXPECT_NEAR(srgbDecode(0.5f), 0.21404114f, 1e-6);
+    EXPECT_NEAR(srgbEncode(0.18f), 0.46135613f, 1e-6);
+    EXPECT_FLOAT_EQ(srgbDecode(0.04045f), 0.04045f / 12.92f);
+    EXPECT_EQ(srgbEncode(-1), 0);
+    EXPECT_FLOAT_EQ(srgbEncode(2), 1);
+    for (float x = 0; x <= 1; x += 0.01f) EXPECT_NEAR(srgbDecode(srgbEncode(x)), x, 1e-5);
+}
+
+TEST(ImageIo, PixelsThatAreNoRadianceAreCountedAndEmptied) {
+    test::TemporaryFolder folder;
+    constexpr float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
+    Image image(4, 2, Rgb(1));
+    image.at(0, 0) = Rgb(1, nan, 1);
+    image.at(1, 0) = Rgb(infinity, 1, 1);
+    image.at(2, 0) = Rgb(1, 1, -0.001f);
+    image.at(3, 1) = Rgb(-infinity, 0, 0);
+    writeImage(folder / "bad.exr", image);
+    ImageReport report;
+    const Image back = readImage(folder / "bad.exr", &report);
+    EXPECT_EQ(report.nan, 1u);
+    EXPECT_EQ(report.infinite, 2u);
+    EXPECT_EQ(report.negative, 1u);
+    EXPECT_EQ(back.at(0, 0), Rgb(0));
+    EXPECT_EQ(back.at(2, 0), Rgb(0));
+    EXPECT_FALSE(back.usableAt(0, 0));
+    EXPECT_FALSE(back.usableAt(1, 0));
+    EXPECT_FALSE(back.usableAt(2, 0));
+    EXPECT_FALSE(back.usableAt(3, 1));
+    EXPECT_TRUE(back.usableAt(0, 1));
+    EXPECT_EQ(back.at(0, 1), Rgb(1));
+}
+
+TEST(ImageIo, TransparentPixelsAreNotUsableAndKeepTheirColour) {
+    test::TemporaryFolder folder;
+    const std::vector<float> half(4, 0.25f);
+    writeChannels(folder / "a.exr", 2, 2, {{"R", true, half}, {"G", true, half}, {"B", true, half}, {"A", true, {1, 0, 0.75f, 0.25f}}});
+    ImageReport report;
+    const Image image = readImage(folder / "a.exr", &report);
+    EXPECT_EQ(report.transparent, 2u);
+    EXPECT_TRUE(image.usableAt(0, 0));
+    EXPECT_FALSE(image.usableAt(1, 0));
+    EXPECT_TRUE(image.usableAt(0, 1));
+    EXPECT_FALSE(image.usableAt(1, 1));
+    EXPECT_EQ(image.at(1, 0), Rgb(0.25f));
+}
+
+TEST(ImageIo, GreyIsSpreadOverThreeChannelsAndLayersArePassedOver) {
+    test::TemporaryFolder folder;
+    writeChannels(folder / "grey.exr", 2, 1, {{"Y", true, {0.5f, 2}}});
+    EXPECT_EQ(readImage(folder / "grey.exr").at(1, 0), Rgb(2));
+    writeChannels(folder / "layers.exr", 1, 1,
+                  {{"B", true, {3}}, {"Combined_world.B", true, {8}}, {"G", true, {2}}, {"R", true, {1}}, {"depth.Z", false, {9}}});
+    EXPECT_EQ(readImage(folder / "layers.exr").at(0, 0), Rgb(1, 2, 3));
+}
+
+TEST(ImageIo, UnreadableFilesAreNamed) {
+    test::TemporaryFolder folder;
+    const auto error = [&](const std::filesystem::path& file) { return test::messageOf([&] { readImage(file); }); };
+    EXPECT_EQ(error(folder / "none.exr"), (folder / "none.exr").string() + ": does not exist");
+    EXPECT_EQ(error(folder.path()), folder.path().string() + ": is not a file");
+    EXPECT_NE(error(folder.write("text.exr", "no picture")).find("text.exr: is not a readable picture"), std::string::npos);
+    EXPECT_NE(error(folder.write("empty.png", "")).find("empty.png: is not a readable picture"), std::string::npos);
+    EXPECT_THROW(readImageSize(folder / "text.exr"), Error);
+    writeImage(folder / "good.exr", ramp(64, 64));
+    const std::string bytes = test::TemporaryFolder::read(folder / "good.exr");
+    EXPECT_NE(error(folder.write("cut.exr", bytes.substr(0, bytes.size() / 2))).find("cut.exr: "), std::string::npos);
+    EXPECT_NE(test::messageOf([&] { readImage(folder / "good.exr", nullptr, false, 1000); }).find("has 4096 pixels, expected at most 1000"),
+              std::string::npos);
+}
+
+TEST(ImageIo, FailedWritesNameTheFileAndLeaveTheOldOne) {
+    test::TemporaryFolder folder;
+    const auto missing = folder / "no/such/folder/a.exr";
+    EXPECT_NE(test::messageOf([&] { writeImage(missing, ramp(4, 4)); }).find(missing.string()), std::string::npos);
+    EXPECT_NE(test::messageOf([&] { writeImage(folder / "a.bmp", ramp(4, 4)); }).find("expected .exr"), std::string::npos);
+    EXPECT_THROW(writeImage(folder / "a.exr", Image()), Error);
+    const auto old = folder.write("old.exr", "as it was");
+    EXPECT_THROW(writeChannels(old, 2, 2, {{"R", true, {1, 2, 3}}}), Error);
+    EXPECT_EQ(test::TemporaryFolder::read(old), "as it was");
+    // A folder in the target's place cannot be replaced by a file.
+    std::filesystem::create_directories(folder / "taken.exr/inside");
+    EXPECT_THROW(writeImage(folder / "taken.exr", ramp(4, 4)), Error);
+    EXPECT_TRUE(std::filesystem::exists(folder / "taken.exr/inside"));
+    EXPECT_EQ(folder.entries(), 2u);
+}
+
+TEST(ImageIo, SameImageGivesSameBytes) {
+    test::TemporaryFolder folder;
+    writeImage(folder / "a.exr", ramp(33, 70), {{"gauge", "auto"}});
+    writeImage(folder / "b.exr", ramp(33, 70), {{"gauge", "auto"}});
+    EXPECT_EQ(test::TemporaryFolder::read(folder / "a.exr"), test::TemporaryFolder::read(folder / "b.exr"));
+}
+
+TEST(Chromaticities, WhiteStaysWhiteAndAcesRedIsOutsideRec709) {
+    EXPECT_TRUE(isRec709(rec709Chromaticities));
+    const Chromaticities ap0{0.7347f, 0.2653f, 0.0f, 1.0f, 0.0001f, -0.077f, 0.32168f, 0.33767f};
+    const Mat3 matrix = rec709From(ap0);
+    EXPECT_LT(glm::distance(matrix * Vec3(1), Vec3(1)), 1e-3f);
+    // The published ACES2065-1 to linear sRGB matrix (Bradford).
+    EXPECT_NEAR(matrix[0].x, 2.52169f, 2e-3);
+    EXPECT_NEAR(matrix[1].x, -1.13413f, 2e-3);
+    EXPECT_NEAR(matrix[2].z, 1.16835f, 2e-3);
+    EXPECT_EQ(rec709From(Chromaticities{}), Mat3(1.0f));
+}
+
+}  // namespace
+}  // namespace relamp
