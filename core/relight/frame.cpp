@@ -2,6 +2,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "relight/light_sampler.h"
 
 namespace relamp {
 namespace {
@@ -20,14 +21,37 @@ struct Gather {
     std::vector<Rgb> byEmitter;
 };
 
+/// What all threads share.
+struct Lights {
+    const RelitScene& relit;
+    DistantSampler distant;
+    std::vector<EmitterSampler> emitters;
+    std::vector<size_t> lit;                       // emitters that shine
+    std::vector<uint32_t> triangleOnEmitter;       // mesh triangle -> index on its emitter's surface
+    explicit Lights(const RelitScene& scene) : relit(scene), distant(*scene.distant) {
+        for (size_t e = 0; e < relit.emitters.size(); ++e) {
+            emitters.emplace_back(relit.emitters[e].surface);
+            if (maxChannel(relit.emitters[e].radiance) > 0 && relit.emitters[e].surface.area() > 0) lit.push_back(e);
+        }
+        // Surfaces keep their triangles in mesh order, those without area left out.
+        std::vector<uint32_t> next(relit.emitters.size(), 0);
+        triangleOnEmitter.assign(relit.emitterOfTriangle.size(), 0);
+        for (size_t t = 0; t < relit.emitterOfTriangle.size(); ++t) {
+            const int e = relit.emitterOfTriangle[t];
+            if (e >= 0 && relit.scene.mesh.triangleArea(t) > 0) triangleOnEmitter[t] = std::min(next[size_t(e)]++, uint32_t(std::max<size_t>(1, relit.emitters[size_t(e)].surface.areas.size()) - 1));
+        }
+    }
+};
+
 class Shader {
 public:
-    Shader(const RelitScene& relit, const FrameOptions& options) : relit_(relit), options_(options) {
-        for (size_t e = 0; e < relit.emitters.size(); ++e)
-            if (maxChannel(relit.emitters[e].radiance) > 0 && relit.emitters[e].surface.area() > 0) lit_.push_back(e);
+    Shader(const Lights& lights, const FrameOptions& options)
+        : lights_(lights), relit_(lights.relit), options_(options), emitterProposal_(lights.relit.emitters.size()) {
+        // The fewer lamps, the more samples for each.
+        emitterSamples_ = std::clamp(options.emitterSamples * 4 / int(std::max<size_t>(1, lights.lit.size())), 2, options.emitterSamples);
     }
 
-    bool surfaceAt(const Hit& hit, const Vec3& direction, Surface& s) const {
+    void surfaceAt(const Hit& hit, const Vec3& direction, Surface& s) const {
         const Scene& scene = relit_.scene;
         s.towardEye = -direction;
         s.position = scene.pointOf(hit);
@@ -49,53 +73,42 @@ public:
             if (k == 0) s.albedo = value;
             else if (maxChannel(value) > 1e-4f && s.eye.z > 1e-3f) s.lobes.emplace_back(k, value);
         }
-        return true;
     }
 
-    /// Light of sample `index` of the pixel with the given shift.
-    void gather(const Surface& s, uint32_t index, uint64_t seed, Gather& out) const {
+    /// Light at position `index` of the pixel's samplesPerPixel; sample numbers are stratified over the whole pixel.
+    void gather(const Surface& s, uint32_t index, uint64_t seed, Gather& out) {
         const float offset = relit_.scene.tracer->surfaceOffset() * 4;
         const Vec3 origin = s.position + s.geometric * offset;
-        count_ = 0;
-        const DistantLight& distant = *relit_.distant;
-        const bool matte = maxChannel(s.albedo) > 0;
-        const int fromDistant = distant.black() ? 0 : options_.distantSamples;
-        const int fromCosine = matte ? options_.lobeSamples : 0;
-        // Towards the environment.
-        for (int i = 0; i < fromDistant; ++i) {
-            const Vec3 d = distant.sample(r2Point(index * uint32_t(fromDistant) + uint32_t(i), randomShift(seed, 1, 0)));
-            queue(s, origin, d, 1e30f, -1, out);
+        const bool anything = maxChannel(s.albedo) > 0 || !s.lobes.empty();
+        if (!anything) return;
+        distantCount_ = !relit_.distant->black() && lights_.distant.prepare(s.normal, proposal_) ? options_.distantSamples : 0;
+        const Vec2 shift = randomShift(seed, 1, 0);
+        const uint32_t total = uint32_t(options_.samplesPerPixel * options_.distantSamples);
+        for (int i = 0; i < distantCount_; ++i) {
+            const uint32_t n = permuted(index, uint32_t(i), total);
+            const Vec3 d = lights_.distant.sample(proposal_, {(float(n) + jitter(seed, n)) / float(total), r2Point(n, shift).y});
+            queue(s, origin, d, 1e30f, -1, 0, out);
         }
-        // Towards each emitter, by area.
-        for (size_t e : lit_) {
+        for (size_t e : lights_.lit) {
+            if (!lights_.emitters[e].prepare(s.position, s.normal, emitterProposal_[e])) continue;
             const EmitterSurface& surface = relit_.emitters[e].surface;
-            for (int i = 0; i < options_.emitterSamples; ++i) {
-                const uint32_t n = index * uint32_t(options_.emitterSamples) + uint32_t(i);
-                const Vec2 u = r2Point(n, randomShift(seed, 2, e));
-                const uint32_t total = uint32_t(options_.samplesPerPixel * options_.emitterSamples);
-                const float pick = (float(n) + unitFloat(mixBits(seed ^ (e * 977 + 5)))) / float(total);
-                const float area = (pick - std::floor(pick)) * surface.area();
-                const size_t t = std::min(size_t(std::upper_bound(surface.cumulativeArea.begin(), surface.cumulativeArea.end(), area) - surface.cumulativeArea.begin()), surface.areas.size() - 1);
-                const float root = std::sqrt(u.x);
-                const auto& c = surface.corners[t];
-                const Vec3 target = (1 - root) * c[0] + root * (1 - u.y) * c[1] + root * u.y * c[2];
+            const Vec2 turn = randomShift(seed, 2, e);
+            const uint32_t all = uint32_t(options_.samplesPerPixel * emitterSamples_);
+            for (int i = 0; i < emitterSamples_; ++i) {
+                const uint32_t n = permuted(index, uint32_t(i), all);
+                float density = 0;
+                size_t t = 0;
+                const Vec3 target = lights_.emitters[e].sample(emitterProposal_[e], {(float(n) + jitter(seed + e + 1, n)) / float(all), r2Point(n, turn).y}, density, t);
                 const Vec3 to = target - origin;
                 const float distance = glm::length(to);
                 if (!(distance > 2 * offset)) continue;
                 const Vec3 d = to / distance;
                 const float facing = -glm::dot(d, surface.normals[t]);
-                if (facing <= 1e-5f && !surface.twoSided) continue;
-                if (glm::dot(d, s.normal) <= 0) continue;
-                areaDensity_ = distance * distance / (std::max(std::abs(facing), 1e-5f) * surface.area());
-                queue(s, origin, d, distance * (1 - 1e-4f) - 2 * offset, int(e), out);
+                if ((facing <= 1e-5f && !surface.twoSided) || glm::dot(d, s.normal) <= 0) continue;
+                queue(s, origin, d, distance * (1 - 1e-4f) - 2 * offset, int(e), density * distance * distance / std::max(std::abs(facing), 1e-5f), out);
             }
         }
         flushShadow(s, out);
-        // From the reflectance itself.
-        for (int i = 0; i < fromCosine; ++i) {
-            const Vec3 local = cosineHemisphere(r2Point(index * uint32_t(fromCosine) + uint32_t(i), randomShift(seed, 3, 0)));
-            queueClosest(s, origin, s.frame * local, out);
-        }
         for (const auto& [k, w] : s.lobes)
             for (int i = 0; i < options_.lobeSamples; ++i) {
                 const Vec3 local = sampleGgx(s.eye, relit_.basis.lobes[k].alpha, r2Point(index * uint32_t(options_.lobeSamples) + uint32_t(i), randomShift(seed, 4, k)));
@@ -105,15 +118,21 @@ public:
     }
 
 private:
+    const Lights& lights_;
     const RelitScene& relit_;
     const FrameOptions& options_;
-    std::vector<size_t> lit_;
-    // A packet being filled; one shader a thread.
-    mutable Ray rays_[8];
-    mutable int emitter_[8];
-    mutable float areaOf_[8];
-    mutable int count_ = 0;
-    mutable float areaDensity_ = 0;
+    int emitterSamples_ = 1, distantCount_ = 0;
+    DistantSampler::Proposal proposal_;
+    std::vector<EmitterSampler::Proposal> emitterProposal_;
+    // A packet being filled.
+    Ray rays_[8];
+    int emitter_[8];
+    float density_[8];
+    int count_ = 0;
+
+    /// Number of sample i of position `index` among all of the pixel: positions take every samplesPerPixel-th one.
+    uint32_t permuted(uint32_t index, uint32_t i, uint32_t total) const { return (i * uint32_t(options_.samplesPerPixel) + index) % total; }
+    static float jitter(uint64_t seed, uint32_t n) { return unitFloat(mixBits(seed * 0x2545f491 + n)); }
 
     Rgb reflectanceTimesCosine(const Surface& s, const Vec3& light) const {
         if (light.z <= 0) return Rgb(0);
@@ -121,50 +140,47 @@ private:
         for (const auto& [k, w] : s.lobes) f += w * evaluateLobe(relit_.basis.lobes[k], light, s.eye);
         return f * light.z;
     }
-    /// Sum of count x density of the sampling of the reflectance.
-    float reflectanceDensity(const Surface& s, const Vec3& light) const {
-        float d = maxChannel(s.albedo) > 0 ? float(options_.lobeSamples) * std::max(0.0f, light.z) / pi : 0.0f;
+    /// Sum of count x density of the samples drawn from the lobes.
+    float lobeDensity(const Surface& s, const Vec3& light) const {
+        float d = 0;
         for (const auto& [k, w] : s.lobes) d += float(options_.lobeSamples) * ggxSampleDensity(light, s.eye, relit_.basis.lobes[k].alpha);
         return d;
     }
-    void queue(const Surface& s, const Vec3& origin, const Vec3& d, float far, int emitter, Gather& out) const {
-        if (glm::dot(d, s.geometric) <= 0 || far <= 0) return;
+    void queue(const Surface& s, const Vec3& origin, const Vec3& d, float far, int emitter, float density, Gather& out) {
+        if (glm::dot(d, s.geometric) <= 0 || glm::dot(d, s.normal) <= 0 || far <= 0) return;
         rays_[count_] = {origin, d, 0, far};
         emitter_[count_] = emitter;
-        areaOf_[count_++] = areaDensity_;
+        density_[count_++] = density;
         if (count_ == 8) flushShadow(s, out);
     }
-    void flushShadow(const Surface& s, Gather& out) const {
+    void flushShadow(const Surface& s, Gather& out) {
         if (!count_) return;
         const uint32_t blocked = relit_.scene.tracer->occluded8({rays_, size_t(count_)});
         for (int i = 0; i < count_; ++i) {
             if (blocked >> i & 1) continue;
             const Vec3 light = glm::transpose(s.frame) * rays_[i].direction;
             const Rgb f = reflectanceTimesCosine(s, light);
-            const float other = reflectanceDensity(s, light);
-            if (emitter_[i] < 0) {
-                out.world += f * relit_.distant->radiance(rays_[i].direction) / (float(options_.distantSamples) * relit_.distant->density(rays_[i].direction) + other);
-            } else {
-                const RelitEmitter& e = relit_.emitters[size_t(emitter_[i])];
-                out.byEmitter[size_t(emitter_[i])] += f * e.radiance / (float(options_.emitterSamples) * areaOf_[i] + other);
-            }
+            const float other = lobeDensity(s, light);
+            if (emitter_[i] < 0) out.world += f * relit_.distant->radiance(rays_[i].direction) / (float(distantCount_) * lights_.distant.density(proposal_, rays_[i].direction) + other);
+            else out.byEmitter[size_t(emitter_[i])] += f * relit_.emitters[size_t(emitter_[i])].radiance / (float(emitterSamples_) * density_[i] + other);
         }
         count_ = 0;
     }
-    void queueClosest(const Surface& s, const Vec3& origin, const Vec3& d, Gather& out) const {
+    void queueClosest(const Surface& s, const Vec3& origin, const Vec3& d, Gather& out) {
         if (glm::dot(d, s.geometric) <= 0) return;
         rays_[count_++] = {origin, d, 0, 1e30f};
         if (count_ == 8) flushClosest(s, out);
     }
-    void flushClosest(const Surface& s, Gather& out) const {
+    void flushClosest(const Surface& s, Gather& out) {
         if (!count_) return;
         Hit hits[8];
         relit_.scene.tracer->closest8({rays_, size_t(count_)}, {hits, size_t(count_)});
         for (int i = 0; i < count_; ++i) {
             const Vec3 light = glm::transpose(s.frame) * rays_[i].direction;
+            const float own = lobeDensity(s, light);
             if (!hits[i]) {
-                if (relit_.distant->black()) continue;
-                const float density = float(options_.distantSamples) * relit_.distant->density(rays_[i].direction) + reflectanceDensity(s, light);
+                if (!distantCount_) continue;
+                const float density = float(distantCount_) * lights_.distant.density(proposal_, rays_[i].direction) + own;
                 if (density > 0) out.world += reflectanceTimesCosine(s, light) * relit_.distant->radiance(rays_[i].direction) / density;
                 continue;
             }
@@ -173,9 +189,9 @@ private:
             const RelitEmitter& emitter = relit_.emitters[size_t(e)];
             const float facing = -glm::dot(relit_.scene.mesh.faceNormal(hits[i].triangle), rays_[i].direction);
             if (facing <= 1e-5f && !emitter.surface.twoSided) continue;
-            const float area = hits[i].distance * hits[i].distance / (std::max(std::abs(facing), 1e-5f) * emitter.surface.area());
-            const float density = float(options_.emitterSamples) * area + reflectanceDensity(s, light);
-            out.byEmitter[size_t(e)] += reflectanceTimesCosine(s, light) * emitter.radiance / density;
+            const float area = lights_.emitters[size_t(e)].areaDensity(emitterProposal_[size_t(e)], lights_.triangleOnEmitter[hits[i].triangle]);
+            const float density = float(emitterSamples_) * area * hits[i].distance * hits[i].distance / std::max(std::abs(facing), 1e-5f) + own;
+            if (density > 0) out.byEmitter[size_t(e)] += reflectanceTimesCosine(s, light) * emitter.radiance / density;
         }
         count_ = 0;
     }
@@ -198,9 +214,10 @@ Frame renderFrame(const RelitScene& relit, const Camera& camera, const FrameOpti
     frame.depth.assign(pixels, 1e30f);
     const Vec3 origin(camera.position());
     const float share = 1 / float(options.samplesPerPixel);
+    const Lights lights(relit);
     progress.begin("Frame", size_t(frame.height));
     parallelBlocks(size_t(frame.height), 2, [&](size_t begin, size_t end) {
-        const Shader shader(relit, options);
+        Shader shader(lights, options);
         Surface surface;
         Gather gather;
         for (size_t y = begin; y < end; ++y)

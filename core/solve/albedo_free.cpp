@@ -220,7 +220,9 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
             const double unit = std::max(mean, 1e-9 * (1e-12 + x[c].maxCoeff()));
             for (const auto& [i, j] : neighbours) {
                 const double middle = 0.5 * (x[c](i) + x[c](j));
-                const double w = options.smoothness / (unit * unit + middle * middle);
+                // A seen leaf must not pull its unseen neighbours to its own brightness: that would fix the scale by a prior.
+                const double seen = std::max(anchors.leaves[i].coverage, anchors.leaves[j].coverage);
+                const double w = options.smoothness * (1.02 - seen) / (unit * unit + middle * middle);
                 q(i, i) += w;
                 q(j, j) += w;
                 q(i, j) -= w;
@@ -232,7 +234,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
                 if (a.clipped) {
                     continue;
                 }
-                const double value = a.radiance[c], w = options.backgroundWeight * a.coverage / (1.05 - a.coverage) / (value * value + 0.01 * unit * unit);
+                const double value = a.radiance[c], spread = 0.02 + 0.7 * (1 - double(a.coverage)), w = options.backgroundWeight / (spread * spread) / (value * value + 0.01 * unit * unit);
                 q(Eigen::Index(i), Eigen::Index(i)) += w;
                 moment(Eigen::Index(i)) += w * value;
             }

@@ -60,8 +60,15 @@ void SolveState::assembleEnvironment(Estimate& estimate) const {
 void SolveState::applyGauge(Estimate& estimate) {
     GaugeReport& gauge = estimate.gauge;
     Rgb scale(1);
-    float seenBackground = 0;
-    for (size_t i = 0; i < lighting_.leaves.size(); ++i) seenBackground += anchors_.leaves[i].coverage * lighting_.leaves[i].solidAngle();
+    // How much of the light on the surfaces comes from where the background is seen: only that much ties the scale down.
+    double seenLight = 0, allLight = 0;
+    for (size_t r = 0; r < influence_.rows; r += 7)
+        for (size_t i = 0; i < lighting_.leaves.size(); ++i) {
+            const double light = double(influence_.row(r)[i]) * luminance(lighting_.leafRadiance[i]);
+            seenLight += light * anchors_.leaves[i].coverage;
+            allLight += light;
+        }
+    const double seenShare = allLight > 0 ? seenLight / allLight : 0;
     const GaugeChoice& choice = options_.gauge;
     bool unclipped = false;
     for (uint8_t clipped : anchors_.emitterClipped) unclipped |= !clipped;
@@ -101,17 +108,17 @@ void SolveState::applyGauge(Estimate& estimate) {
     } else if (unclipped) {
         gauge.kind = "emitter";
         gauge.evidence = fmt::format("{} lamp(s) are seen directly and unclipped; their light varies over the scene", clusters_.emitters.size());
-    } else if (seenBackground > 0.02f * 4 * pi) {
+    } else if (seenShare > 0.35) {
         gauge.kind = "background";
-        gauge.evidence = fmt::format("{:.0f} % of the distant light is seen directly", 100 * seenBackground / (4 * pi));
+        gauge.evidence = fmt::format("{:.0f} % of the light on the surfaces comes from background that is seen directly", 100 * seenShare);
     } else {
         // Nothing ties light to albedo: brightest surfaces are taken for white, grey on average.
         gauge.kind = "assumed";
-        gauge.evidence = "no light is seen directly: the brightest surfaces were taken for an albedo of 0.8";
+        gauge.evidence = fmt::format("only {:.0f} % of the light is seen directly: the brightest surfaces were taken for an albedo of 0.75; tell a white patch to be sure", 100 * seenShare);
         std::vector<float> values;
         for (uint32_t v : matte_.vertices) values.push_back(maxChannel(albedo_.albedo[v]));
         std::nth_element(values.begin(), values.begin() + ptrdiff_t(values.size() * 95 / 100), values.end());
-        scale = Rgb(values[values.size() * 95 / 100] / 0.8f);
+        scale = Rgb(values[values.size() * 95 / 100] / 0.75f);
     }
     for (int c = 0; c < 3; ++c)
         if (!(scale[c] > 0) || !std::isfinite(scale[c])) scale[c] = 1;
@@ -160,6 +167,12 @@ void SolveState::assess(Estimate& estimate) {
 }
 
 Estimate SolveState::finish() {
+    if (std::getenv("DBG")) {
+        for (size_t i = 0; i < lighting_.leaves.size(); ++i) {
+            const auto& a = anchors_.leaves[i];
+            if (a.coverage > 0) fmt::print(stderr, "leaf {} level {} cov {:.2f} anchor {:.3f} {:.3f} {:.3f} found {:.3f} {:.3f} {:.3f}\n", i, lighting_.leaves[i].level, a.coverage, a.radiance.x, a.radiance.y, a.radiance.z, lighting_.leafRadiance[i].x, lighting_.leafRadiance[i].y, lighting_.leafRadiance[i].z);
+        }
+    }
     Estimate estimate;
     estimate.mode = options_.nearField ? "near-field" : "distant-only";
     estimate.lighting = lighting_;
