@@ -59,8 +59,8 @@ int main(int argc, char** argv) {
     CLI::App* solveVerb = app.add_subcommand("solve", "Separate distant light, emitters and reflectance");
     solveVerb->add_option("capture", solve.capture, "Capture folder with transforms.json")->required();
     solveVerb->add_option("-o,--output", solve.output, "Shot folder, NAME.relamp")->required();
-    solveVerb->add_option("--mode", solve.mode, "near-field, or distant-only: the baseline that knows no lamps")->capture_default_str();
-    solveVerb->add_option("--quality", solve.quality, "draft, standard or fine")->capture_default_str();
+    solveVerb->add_option("--mode", solve.mode, "near-field, or distant-only: the baseline that knows no lamps")->check(CLI::IsMember({"near-field", "distant-only"}))->capture_default_str();
+    solveVerb->add_option("--quality", solve.quality, "draft, standard or fine")->check(CLI::IsMember({"draft", "standard", "fine"}))->capture_default_str();
     solveVerb->add_option("--time-budget", solve.timeBudget, "Seconds after which the best answer so far is kept")->check(CLI::NonNegativeNumber);
     solveVerb->add_option("--gauge", solve.gauge, "What fixes the brightness scale: auto, white-patch=V,X,Y, emitter=ID:R,G,B, albedo=A")->capture_default_str();
     solveVerb->add_option("--grid-side", solve.gridSide, "Side of the visibility grid (power of two)");
@@ -86,7 +86,7 @@ int main(int argc, char** argv) {
     CLI::App* compareVerb = app.add_subcommand("compare", "Near-field against distant-only: figures and pictures in one HTML page");
     compareVerb->add_option("capture", compare.capture, "Capture folder")->required();
     compareVerb->add_option("-o,--output", compare.output, "Folder for the page")->required();
-    compareVerb->add_option("--quality", compare.quality, "draft, standard or fine")->capture_default_str();
+    compareVerb->add_option("--quality", compare.quality, "draft, standard or fine")->check(CLI::IsMember({"draft", "standard", "fine"}))->capture_default_str();
     compareVerb->add_option("--threads", compare.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
     compareVerb->add_option("--seed", compare.seed, "Seed of every random choice")->capture_default_str();
 

@@ -110,7 +110,14 @@ int render(const RenderArguments& a, Progress& progress) {
         }
     }
     look.environment.yawDegrees += a.yaw;
-    const std::vector<FrameJob> jobs = frameJobs(shot.capture, a.camera, a.frames, a.size, a.output);
+    const std::vector<FrameJob> jobs = [&] {
+        try {
+            checkLayers(a.layers);
+            return frameJobs(shot.capture, a.camera, a.frames, a.size, a.output);
+        } catch (const BadOption& error) {
+            throw UsageError(error.what());
+        }
+    }();
     const Scene scene = buildScene(shot.capture.mesh, progress);
     const RelitScene relit = applyLook(scene, shot.estimate, look, progress);
     FrameOptions options;
@@ -142,9 +149,12 @@ int compare(const CompareArguments& a, Progress& progress) {
     return 0;
 }
 
-int info(const fs::path& path, bool json, Progress& progress) {
+namespace {
+
+int showInfo(const fs::path& path, bool json, Progress& progress) {
     nlohmann::json result;
-    if (fs::exists(path / "shot.json")) {
+    const bool isShot = fs::exists(path / "shot.json");
+    if (isShot) {
         result = nlohmann::json::parse(readBytes(path / "shot.json", size_t(256) << 20), nullptr, false);
         if (!result.is_object() || !result.contains("emitters") || !result.contains("mode")) throw Error("{}: is not a shot's description", (path / "shot.json").string());
         result.erase("look");
@@ -158,7 +168,7 @@ int info(const fs::path& path, bool json, Progress& progress) {
         std::puts(result.dump(1).c_str());
         return 0;
     }
-    if (result.contains("views")) {
+    if (!isShot) {
         fmt::print("capture: {} views, {} vertices, {} triangles\n", result["views"].dump(), result["vertices"].dump(), result["triangles"].dump());
         return 0;
     }
@@ -168,6 +178,16 @@ int info(const fs::path& path, bool json, Progress& progress) {
     fmt::print("  environment: {} coefficients\n  gauge: {} ({})\n", result["environment"]["kept_coefficients"].dump(), result["gauge"]["kind"].get<std::string>(), result["gauge"]["evidence"].get<std::string>());
     for (const auto& l : result["left_out"]) fmt::print("  left out: {} ({})\n", l["what"].get<std::string>(), l["why"].get<std::string>());
     return 0;
+}
+
+}  // namespace
+
+int info(const fs::path& path, bool json, Progress& progress) {
+    try {
+        return showInfo(path, json, progress);
+    } catch (const nlohmann::json::exception& error) {
+        throw Error("{}: a field is missing or has the wrong kind ({})", (path / "shot.json").string(), error.what());
+    }
 }
 
 }  // namespace relamp::cli

@@ -67,7 +67,7 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder) {
     Look look;
     if (const auto at = document.find("environment"); at != document.end()) {
         if (!at->is_object()) throw Error("environment: expected an object");
-        const std::string source = at->value("source", "recovered");
+        const std::string source = at->contains("source") ? textOf(*at, "source", "environment") : "recovered";
         if (source == "recovered") look.environment.source = EnvironmentLook::Source::recovered;
         else if (source == "none") look.environment.source = EnvironmentLook::Source::none;
         else if (source == "file") look.environment.source = EnvironmentLook::Source::file;
@@ -118,11 +118,19 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder) {
         const std::string where = fmt::format("parts[{}]", i++);
         if (!p.is_object() || !p.contains("seed_vertex") || !p["seed_vertex"].is_number_unsigned()) throw Error("{}.seed_vertex: expected a vertex number", where);
         PartLook part;
-        part.seedVertex = p["seed_vertex"].get<uint32_t>();
+        const uint64_t seed = p["seed_vertex"].get<uint64_t>();
+        if (seed > 0xffffffffu) throw Error("{}.seed_vertex: {} does not exist", where, seed);
+        part.seedVertex = uint32_t(seed);
         if (p.contains("matrix")) part.matrix = matrixOf(p["matrix"], where + ".matrix");
         look.parts.push_back(part);
     }
-    if (const auto at = document.find("materials"); at != document.end() && at->is_object()) look.neutralMaterials = at->value("neutral", false);
+    if (const auto at = document.find("materials"); at != document.end()) {
+        if (!at->is_object()) throw Error("materials: expected an object");
+        if (const auto neutral = at->find("neutral"); neutral != at->end()) {
+            if (!neutral->is_boolean()) throw Error("materials.neutral: expected true or false");
+            look.neutralMaterials = neutral->get<bool>();
+        }
+    }
     return look;
 }
 

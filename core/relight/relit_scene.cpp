@@ -23,16 +23,19 @@ Mesh shapeMesh(const AddedEmitter& added) {
         face(0, 2, 3);
     } else if (added.shape == AddedEmitter::Shape::disk) {
         constexpr uint32_t around = 32;
+        // Corners a little outside the circle, so that the polygon has the disc's area.
+        const float grow = std::sqrt((2 * pi / around) / std::sin(2 * pi / around));
         point(Vec3(0), Vec3(0, 0, -1));
-        for (uint32_t i = 0; i < around; ++i) point(Vec3(w * std::cos(2 * pi * float(i) / around), h * std::sin(2 * pi * float(i) / around), 0), Vec3(0, 0, -1));
+        for (uint32_t i = 0; i < around; ++i) point(grow * Vec3(w * std::cos(2 * pi * float(i) / around), h * std::sin(2 * pi * float(i) / around), 0), Vec3(0, 0, -1));
         for (uint32_t i = 0; i < around; ++i) face(0, 1 + (i + 1) % around, 1 + i);
     } else {
         constexpr uint32_t rings = 12, around = 24;
+        constexpr float grow = 1.00718f;  // so that the polyhedron has the sphere's area
         for (uint32_t r = 0; r <= rings; ++r)
             for (uint32_t i = 0; i < around; ++i) {
                 const float t = pi * float(r) / rings, p = 2 * pi * float(i) / around;
                 const Vec3 n(std::sin(t) * std::cos(p), std::sin(t) * std::sin(p), std::cos(t));
-                point(Vec3(n.x * w, n.y * h, n.z * w), n);
+                point(grow * Vec3(n.x * w, n.y * h, n.z * w), n);
             }
         for (uint32_t r = 0; r < rings; ++r)
             for (uint32_t i = 0; i < around; ++i) {
@@ -42,6 +45,44 @@ Mesh shapeMesh(const AddedEmitter& added) {
             }
     }
     return m;
+}
+
+/// Moves triangles. A vertex whose triangles move differently is doubled, so that nothing is stretched; one that stays keeps its number.
+void moveTriangles(const Scene& scene, const std::vector<Mat4>& movements, const std::vector<uint32_t>& ofPiece, const std::vector<uint32_t>& ofEmitter,
+                   const std::vector<int>& emitterOfTriangle, Mesh& mesh, std::vector<std::vector<Rgb>>& weight) {
+    constexpr uint32_t none = ~0u;
+    std::vector<uint32_t> movement(mesh.triangles.size(), 0), owner(scene.mesh.vertexCount(), none);
+    for (size_t t = 0; t < movement.size(); ++t) {
+        const int e = emitterOfTriangle[t];
+        movement[t] = e >= 0 ? ofEmitter[size_t(e)] : ofPiece[scene.piece[scene.mesh.triangles[t][0]]];
+        if (!movement[t])
+            for (uint32_t v : scene.mesh.triangles[t]) owner[v] = 0;
+    }
+    std::map<std::pair<uint32_t, uint32_t>, uint32_t> copyOf;
+    for (size_t t = 0; t < movement.size(); ++t) {
+        const uint32_t m = movement[t];
+        if (!m) continue;
+        const Mat4& matrix = movements[m];
+        for (uint32_t& v : mesh.triangles[t]) {
+            const auto [place, isNew] = copyOf.emplace(std::pair(v, m), v);
+            if (isNew) {
+                if (owner[v] == none) {
+                    owner[v] = m;
+                } else {
+                    place->second = uint32_t(mesh.positions.size());
+                    mesh.positions.push_back(scene.mesh.positions[v]);
+                    mesh.normals.push_back(scene.mesh.normals[v]);
+                    for (auto& lobe : weight) lobe.push_back(lobe[v]);
+                }
+                Vec3& normal = mesh.normals[place->second];
+                mesh.positions[place->second] = Vec3(matrix * Vec4(scene.mesh.positions[v], 1));
+                normal = glm::transpose(glm::inverse(Mat3(matrix))) * scene.mesh.normals[v];
+                if (const float length = glm::length(normal); length > 0) normal /= length;
+            }
+            v = place->second;
+        }
+        if (glm::determinant(Mat3(matrix)) < 0) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+    }
 }
 
 DirectionGrid gridFor(const Image& map) {
@@ -86,21 +127,20 @@ RelitScene applyLook(const Scene& scene, const Estimate& estimate, const Look& l
         matrix[at] = e.matrix;
         radiance[at] = e.enabled ? radiance[at] * e.powerScale : Rgb(0);
     }
-    Mesh mesh = scene.mesh;
-    bool moved = false;
-    const auto transformVertex = [&](uint32_t v, const Mat4& m) {
-        mesh.positions[v] = Vec3(m * Vec4(mesh.positions[v], 1));
-        const Vec3 n = glm::transpose(glm::inverse(Mat3(m))) * mesh.normals[v];
-        const float length = glm::length(n);
-        if (length > 0) mesh.normals[v] = n / length;
-    };
+    // Which movement each triangle takes: its emitter's own, else that of the parts on its piece of the mesh. 0: it stays.
+    std::vector<Mat4> movements{Mat4(1)};
+    std::vector<uint32_t> movementOfPiece(scene.pieces, 0), movementOfEmitter(clusters.size(), 0);
     for (const PartLook& part : look.parts) {
         if (part.seedVertex >= scene.mesh.vertexCount()) throw Error("parts: seed_vertex {} does not exist, the mesh has {} vertices", part.seedVertex, scene.mesh.vertexCount());
-        for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v)
-            // An emitter on that piece has a matrix of its own.
-            if (scene.piece[v] == scene.piece[part.seedVertex] && estimate.emitters.emitterOfVertex[v] < 0) transformVertex(v, part.matrix);
-        moved = true;
+        if (part.matrix == Mat4(1)) continue;
+        uint32_t& movement = movementOfPiece[scene.piece[part.seedVertex]];
+        if (!movement) {
+            movement = uint32_t(movements.size());
+            movements.push_back(Mat4(1));
+        }
+        movements[movement] = part.matrix * movements[movement];
     }
+    out.emitterOfTriangle = estimate.emitters.emitterOfTriangle;
     for (size_t e = 0; e < clusters.size(); ++e) {
         RelitEmitter emitter;
         emitter.id = clusters[e].id;
@@ -108,29 +148,12 @@ RelitScene applyLook(const Scene& scene, const Estimate& estimate, const Look& l
         emitter.surface = emitterSurface(scene.mesh, clusters[e], matrix[e]);
         out.emitters.push_back(std::move(emitter));
         if (matrix[e] == Mat4(1)) continue;
-        moved = true;
-        // Vertices shared with surfaces that stay are doubled, so that nothing is stretched.
-        std::vector<uint8_t> mine(mesh.triangles.size(), 0), shared(scene.mesh.vertexCount(), 0);
-        for (uint32_t t : clusters[e].triangles) mine[t] = 1;
-        for (size_t t = 0; t < scene.mesh.triangles.size(); ++t)
-            if (!mine[t])
-                for (uint32_t v : scene.mesh.triangles[t]) shared[v] = 1;
-        std::map<uint32_t, uint32_t> copyOf;
-        for (uint32_t t : clusters[e].triangles)
-            for (uint32_t& v : mesh.triangles[t]) {
-                const auto [place, isNew] = copyOf.emplace(v, shared[v] ? uint32_t(mesh.positions.size()) : v);
-                if (isNew) {
-                    if (shared[v]) {
-                        mesh.positions.push_back(mesh.positions[v]);
-                        mesh.normals.push_back(mesh.normals[v]);
-                        for (auto& lobe : out.weight) lobe.push_back(lobe[v]);
-                    }
-                    transformVertex(place->second, matrix[e]);
-                }
-                v = place->second;
-            }
+        movementOfEmitter[e] = uint32_t(movements.size());
+        movements.push_back(matrix[e]);
     }
-    out.emitterOfTriangle = estimate.emitters.emitterOfTriangle;
+    Mesh mesh = scene.mesh;
+    bool moved = movements.size() > 1;
+    if (moved) moveTriangles(scene, movements, movementOfPiece, movementOfEmitter, out.emitterOfTriangle, mesh, out.weight);
     for (const AddedEmitter& added : look.added) {
         const Mesh shape = shapeMesh(added);
         const uint32_t first = uint32_t(mesh.positions.size());

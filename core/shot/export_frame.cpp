@@ -11,30 +11,34 @@
 namespace relamp {
 namespace {
 
-/// FRAME.####.exr or FRAME.%04d.exr with a number put in; empty when the name has no place for one.
-std::string numbered(const std::string& name, int number) {
-    const size_t hash = name.find('#');
-    if (hash != std::string::npos) {
-        size_t end = hash;
-        while (end < name.size() && name[end] == '#') ++end;
-        return name.substr(0, hash) + fmt::format("{:0{}}", number, end - hash) + name.substr(end);
+/// FRAME.####.exr or FRAME.%04d.exr with a number put in; empty when the file name has no place for one.
+std::string numbered(const std::filesystem::path& path, int number) {
+    constexpr size_t widest = 32;
+    const std::string name = path.filename().string();
+    const auto put = [&](size_t begin, size_t end, size_t width) {
+        if (width > widest) throw BadOption("{}: a frame number of {} digits is too wide", path.string(), width);
+        return (path.parent_path() / (name.substr(0, begin) + fmt::format("{:0{}}", number, width) + name.substr(end))).string();
+    };
+    if (const size_t hash = name.find('#'); hash != std::string::npos) {
+        const size_t end = std::min(name.find_first_not_of('#', hash), name.size());
+        return put(hash, end, end - hash);
     }
-    const size_t percent = name.find('%');
-    if (percent != std::string::npos) {
-        size_t end = percent + 1;
-        while (end < name.size() && std::isdigit(static_cast<unsigned char>(name[end]))) ++end;
+    if (const size_t percent = name.find('%'); percent != std::string::npos) {
+        const size_t end = std::min(name.find_first_not_of("0123456789", percent + 1), name.size());
         if (end < name.size() && name[end] == 'd') {
             const std::string width = name.substr(percent + 1, end - percent - 1);
-            return name.substr(0, percent) + fmt::format("{:0{}}", number, width.empty() ? 1 : std::stoi(width)) + name.substr(end + 1);
+            return put(percent, end + 1, width.empty() ? 1 : width.size() > 4 ? widest + 1 : size_t(std::stoi(width)));
         }
     }
     return "";
 }
 
 int wholeNumber(const std::string& text, const std::string& where) {
-    if (text.empty() || text.size() > 8 || text.find_first_not_of("0123456789") != std::string::npos) throw Error("{}: '{}' is not a number", where, text);
+    if (text.empty() || text.size() > 8 || text.find_first_not_of("0123456789") != std::string::npos) throw BadOption("{}: '{}' is not a number", where, text);
     return std::stoi(text);
 }
+
+constexpr size_t maxFrames = 1'000'000;
 
 /// Nuke drops leading digits, other readers split at the first dot: letters, digits and underscores only.
 std::string channelSafe(const std::string& name) {
@@ -44,7 +48,23 @@ std::string channelSafe(const std::string& name) {
     return safe;
 }
 
+std::set<std::string> layersOf(const std::string& layers) {
+    static const std::set<std::string> known{"groups", "albedo", "normal", "position", "depth"};
+    if (layers == "all") return known;
+    std::set<std::string> wanted;
+    for (size_t at = 0; at < layers.size();) {
+        const size_t comma = std::min(layers.find(',', at), layers.size());
+        const std::string name = layers.substr(at, comma - at);
+        if (!known.count(name)) throw BadOption("--layers {}: unknown, expected groups, albedo, normal, position, depth or all", name);
+        wanted.insert(name);
+        at = comma + 1;
+    }
+    return wanted;
+}
+
 }  // namespace
+
+void checkLayers(const std::string& layers) { layersOf(layers); }
 
 std::vector<int> parseFrameRange(const std::string& text) {
     std::vector<int> numbers;
@@ -56,12 +76,13 @@ std::vector<int> parseFrameRange(const std::string& text) {
         if (const size_t colon = part.find(':'); colon != std::string::npos) {
             step = wholeNumber(part.substr(colon + 1), "--frames");
             part.resize(colon);
-            if (step < 1) throw Error("--frames: a step of 0 never ends");
+            if (step < 1) throw BadOption("--frames: a step of 0 never ends");
         }
         const size_t dash = part.find('-');
         const int first = wholeNumber(part.substr(0, dash), "--frames");
         const int last = dash == std::string::npos ? first : wholeNumber(part.substr(dash + 1), "--frames");
-        if (last < first) throw Error("--frames: {} runs backwards", part);
+        if (last < first) throw BadOption("--frames: {} runs backwards", part);
+        if (size_t(last - first) / size_t(step) + numbers.size() >= maxFrames) throw BadOption("--frames: {} asks for more than {} frames", text, maxFrames);
         for (int n = first; n <= last; n += step) numbers.push_back(n);
         at = comma + 1;
     }
@@ -71,6 +92,7 @@ std::vector<int> parseFrameRange(const std::string& text) {
 std::vector<FrameJob> frameJobs(const Capture& capture, const std::string& camera, const std::string& frames, const std::string& size,
                                 const std::filesystem::path& output) {
     std::vector<FrameJob> jobs;
+    if (!frames.empty() && camera != "all") throw BadOption("--frames {}: needs --camera all", frames);
     if (camera == "all") {
         std::vector<int> wanted;
         if (frames.empty())
@@ -81,25 +103,25 @@ std::vector<FrameJob> frameJobs(const Capture& capture, const std::string& camer
                 logWarning("frame {}: outside the shot's 1 to {}, skipped", n, capture.views.size());
                 continue;
             }
-            std::string name = numbered(output.string(), n);
+            std::string name = numbered(output, n);
             if (name.empty()) {
-                if (wanted.size() > 1) throw Error("{}: several frames need a name with #### or %04d", output.string());
+                if (wanted.size() > 1) throw BadOption("{}: several frames need a name with #### or %04d", output.string());
                 name = output.string();
             }
             jobs.push_back({capture.views[size_t(n - 1)].camera, name, n});
         }
     } else if (camera.find_first_not_of("0123456789") == std::string::npos && !camera.empty()) {
         const int n = wholeNumber(camera, "--camera");
-        if (size_t(n) >= capture.views.size()) throw Error("--camera {}: does not exist, expected 0 to {}, a camera file, or all", n, capture.views.size() - 1);
+        if (size_t(n) >= capture.views.size()) throw BadOption("--camera {}: does not exist, expected 0 to {}, a camera file, or all", n, capture.views.size() - 1);
         jobs.push_back({capture.views[size_t(n)].camera, output, n + 1});
     } else {
         jobs.push_back({readCameraFile(camera), output, 1});
     }
     if (!size.empty()) {
         const size_t x = size.find('x');
-        if (x == std::string::npos) throw Error("--size {}: expected WxH", size);
+        if (x == std::string::npos) throw BadOption("--size {}: expected WxH", size);
         const int w = wholeNumber(size.substr(0, x), "--size"), h = wholeNumber(size.substr(x + 1), "--size");
-        if (w < 1 || h < 1 || int64_t(w) * h > (int64_t(1) << 28)) throw Error("--size {}: expected 1 to 2^28 pixels", size);
+        if (w < 1 || h < 1 || int64_t(w) * h > (int64_t(1) << 28)) throw BadOption("--size {}: expected 1 to 2^28 pixels", size);
         for (FrameJob& job : jobs) {
             const double sx = double(w) / job.camera.width, sy = double(h) / job.camera.height;
             job.camera.focalX *= sx;
@@ -131,16 +153,7 @@ double writeFrame(const std::filesystem::path& file, const Frame& frame, const R
         writeImage(file, image);
         return worst;
     }
-    std::set<std::string> wanted;
-    static const std::set<std::string> known{"groups", "albedo", "normal", "position", "depth"};
-    if (layers == "all") wanted = known;
-    for (size_t at = 0; layers != "all" && at < layers.size();) {
-        const size_t comma = std::min(layers.find(',', at), layers.size());
-        const std::string name = layers.substr(at, comma - at);
-        if (!known.count(name)) throw Error("--layers {}: unknown, expected groups, albedo, normal, position, depth or all", name);
-        wanted.insert(name);
-        at = comma + 1;
-    }
+    const std::set<std::string> wanted = layersOf(layers);
     std::vector<Channel> channels;
     const auto add = [&](const std::string& prefix, const char* axes, const std::vector<Vec3>& values, bool half) {
         for (int c = 0; c < 3; ++c) {

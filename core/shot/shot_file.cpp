@@ -32,15 +32,87 @@ Json evidenceJson(const EmitterEvidence& e) {
 
 const char* kindName(Lobe::Kind kind) { return kind == Lobe::Kind::lambert ? "lambert" : kind == Lobe::Kind::ggx ? "ggx" : "ggx_dielectric"; }
 
-const Json& need(const Json& object, const char* key) {
+const Json& need(const Json& object, const char* key, const std::string& where) {
     const auto at = object.find(key);
-    if (at == object.end()) throw Error("{}: is missing", key);
+    if (at == object.end()) throw Error("{}{}: is missing", where, key);
     return *at;
 }
 
 Rgb colour(const Json& value, const std::string& where) {
     if (!value.is_array() || value.size() != 3 || !value[0].is_number() || !value[1].is_number() || !value[2].is_number()) throw Error("{}: expected three numbers", where);
-    return {value[0].get<float>(), value[1].get<float>(), value[2].get<float>()};
+    const Rgb c(value[0].get<float>(), value[1].get<float>(), value[2].get<float>());
+    if (!isFinite(c)) throw Error("{}: expected three finite numbers", where);
+    return c;
+}
+
+/// A field of T's kind; `fallback` when it is absent. `where` is put before the key in messages ("emitters[2].").
+template <class T>
+T field(const Json& object, const char* key, const T& fallback, const std::string& where = "") {
+    const auto at = object.find(key);
+    if (at == object.end() || at->is_null()) return fallback;
+    if constexpr (std::is_same_v<T, std::string>) {
+        if (!at->is_string()) throw Error("{}{}: expected a text", where, key);
+    } else if constexpr (std::is_same_v<T, bool>) {
+        if (!at->is_boolean()) throw Error("{}{}: expected true or false", where, key);
+    } else {
+        if (!at->is_number()) throw Error("{}{}: expected a number", where, key);
+        const double x = at->template get<double>();
+        if (!std::isfinite(x) || (std::is_integral_v<T> && (x < 0 || x > 1.8e19 || (sizeof(T) < 8 && x > 2147483647.0)))) throw Error("{}{}: is {}, which is out of range", where, key, x);
+    }
+    return at->template get<T>();
+}
+
+const Json& objectOf(const Json& document, const char* key) {
+    static const Json empty = Json::object();
+    const auto at = document.find(key);
+    if (at == document.end()) return empty;
+    if (!at->is_object()) throw Error("{}: expected an object", key);
+    return *at;
+}
+
+const Json& listOf(const Json& document, const char* key) {
+    static const Json empty = Json::array();
+    const auto at = document.find(key);
+    if (at == document.end()) return empty;
+    if (!at->is_array()) throw Error("{}: expected a list", key);
+    for (size_t i = 0; i < at->size(); ++i)
+        if (!(*at)[i].is_object()) throw Error("{}[{}]: expected an object", key, i);
+    return *at;
+}
+
+BrdfBasis basisOf(const Json& document) {
+    BrdfBasis basis;
+    need(document, "basis", "");
+    for (const Json& l : listOf(document, "basis")) {
+        const std::string where = fmt::format("basis[{}].", basis.lobes.size()), kind = field<std::string>(l, "kind", "lambert", where);
+        Lobe lobe;
+        if (kind == "lambert") lobe.kind = Lobe::Kind::lambert;
+        else if (kind == "ggx") lobe.kind = Lobe::Kind::ggx;
+        else if (kind == "ggx_dielectric") lobe.kind = Lobe::Kind::ggxDielectric;
+        else throw Error("{}kind: is {}, expected lambert, ggx or ggx_dielectric", where, kind);
+        lobe.alpha = field(l, "alpha", 1.0f, where);
+        if (!(lobe.alpha > 0)) throw Error("{}alpha: is {}, expected more than 0", where, lobe.alpha);
+        lobe.name = field(l, "name", kind, where);
+        basis.lobes.push_back(lobe);
+    }
+    if (basis.lobes.empty() || basis.lobes[0].kind != Lobe::Kind::lambert) throw Error("basis: expected lambert first");
+    return basis;
+}
+
+bool isOurs(const std::string& name) { return name == "shot.json" || name == "environment.exr" || name == "reflectance.ply" || name == "cache"; }
+
+/// Puts the new folder in the old one's place in one step; afterwards `fresh` is what was there before.
+void exchange(const fs::path& fresh, const fs::path& target) {
+    if (::renameat2(AT_FDCWD, fresh.c_str(), AT_FDCWD, target.c_str(), RENAME_EXCHANGE) == 0) return;
+    const fs::path aside = fresh.string() + ".old";
+    fs::rename(target, aside);
+    std::error_code failed;
+    fs::rename(fresh, target, failed);
+    if (failed) {
+        fs::rename(aside, target);
+        throw fs::filesystem_error("rename", target, failed);
+    }
+    fs::rename(aside, fresh);
 }
 
 }  // namespace
@@ -82,23 +154,27 @@ Json shotInfo(const Shot& shot) {
 
 void saveShot(const Shot& shot, const Mesh& mesh, const fs::path& folder, bool overwrite) {
     std::error_code failed;
-    const bool exists = fs::exists(folder, failed);
+    fs::path target = fs::absolute(folder).lexically_normal();
+    if (!target.has_filename()) target = target.parent_path();  // a slash at the end
+    const bool exists = fs::exists(target, failed);
     if (exists && !overwrite) throw Error("{}: exists already, add --overwrite to replace it", folder.string());
-    const fs::path parent = fs::absolute(folder).lexically_normal().parent_path();
-    const fs::path fresh = parent / fmt::format(".{}.{}", folder.filename().string(), ::getpid());
+    if (exists && (!fs::is_directory(target, failed) || (!fs::exists(target / "shot.json", failed) && !fs::is_empty(target, failed))))
+        throw Error("{}: is not a shot, so it is not overwritten", folder.string());
+    const fs::path fresh = target.parent_path() / fmt::format(".{}.{}", target.filename().string(), ::getpid());
     fs::create_directories(fresh, failed);
     if (failed) throw Error("{}: cannot be made ({})", folder.string(), failed.message());
     try {
         Json document = shotInfo(shot);
-        if (exists && fs::exists(folder / "shot.json")) {
-            const Json old = Json::parse(readBytes(folder / "shot.json"), nullptr, false);
+        if (exists && fs::exists(target / "shot.json")) {
+            const Json old = Json::parse(readBytes(target / "shot.json"), nullptr, false);
             if (old.is_object())
                 for (const auto& [key, value] : old.items())
                     if (!document.contains(key)) document[key] = value;
         }
-        const fs::path target = parent / folder.filename();
         document["capture"] = fs::proximate(fs::absolute(shot.captureFolder), target).string();
         document["look"] = lookToJson(shot.look);
+        if (shot.look.environment.source == EnvironmentLook::Source::file)
+            document["look"]["environment"]["file"] = fs::proximate(fs::absolute(shot.look.environment.file), target).string();
         document["seed"] = shot.seed;
         const DirectionGrid grid{shot.estimate.environmentSide};
         const Image map = latLongFromCells(shot.estimate.environment, grid, 1024);
@@ -127,21 +203,11 @@ void saveShot(const Shot& shot, const Mesh& mesh, const fs::path& folder, bool o
         properties.push_back({"confidence", r.confidence, false});
         writeVertexPly(fresh / "reflectance.ply", mesh, properties);
         writeBytesAtomically(fresh / "shot.json", document.dump(1) + "\n");
-        if (exists) {
-            // What relamp did not write stays.
-            for (const auto& entry : fs::directory_iterator(folder)) {
-                const std::string name = entry.path().filename().string();
-                if (name != "shot.json" && name != "environment.exr" && name != "reflectance.ply" && name != "cache") fs::rename(entry.path(), fresh / name, failed);
-            }
-            if (::renameat2(AT_FDCWD, fresh.c_str(), AT_FDCWD, fs::absolute(folder).c_str(), RENAME_EXCHANGE) != 0) {
-                fs::remove_all(folder, failed);
-                fs::rename(fresh, folder);
-            } else {
-                fs::remove_all(fresh, failed);
-            }
-        } else {
-            fs::rename(fresh, folder);
+        if (!exists) {
+            fs::rename(fresh, target);
+            return;
         }
+        exchange(fresh, target);
     } catch (const fs::filesystem_error& error) {
         fs::remove_all(fresh, failed);
         throw Error("{}: cannot be written ({})", folder.string(), error.code().message());
@@ -149,6 +215,17 @@ void saveShot(const Shot& shot, const Mesh& mesh, const fs::path& folder, bool o
         fs::remove_all(fresh, failed);
         throw;
     }
+    // `fresh` is now the old shot. What relamp did not write moves over; what cannot is left there rather than lost.
+    bool left = false;
+    for (fs::directory_iterator entry(fresh, failed), end; !failed && entry != end; entry.increment(failed)) {
+        const std::string name = entry->path().filename().string();
+        if (isOurs(name)) continue;
+        std::error_code kept;
+        fs::rename(entry->path(), target / name, kept);
+        left |= bool(kept);
+    }
+    if (left || failed) logWarning("{}: some files of the old shot are left in {}", target.string(), fresh.string());
+    else fs::remove_all(fresh, failed);
 }
 
 Shot openShot(const fs::path& folder, bool withImages, Progress& progress) {
@@ -161,39 +238,39 @@ Shot openShot(const fs::path& folder, bool withImages, Progress& progress) {
     Estimate& e = shot.estimate;
     Json emitters;
     withContext(file.string(), [&] {
-        try {
-            if (need(document, "version").get<int>() != 1) throw Error("version: is {}, expected 1", document["version"].dump());
-            shot.captureFolder = (fs::absolute(folder) / need(document, "capture").get<std::string>()).lexically_normal();
-            e.mode = document.value("mode", "near-field");
-            shot.quality = document.value("quality", "standard");
-            shot.seed = document.value("seed", uint64_t(1));
-            emitters = need(document, "emitters");
-            for (const Json& l : need(document, "basis")) {
-                Lobe lobe;
-                const std::string kind = l.value("kind", "lambert");
-                lobe.kind = kind == "ggx" ? Lobe::Kind::ggx : kind == "ggx_dielectric" ? Lobe::Kind::ggxDielectric : Lobe::Kind::lambert;
-                lobe.alpha = l.value("alpha", 1.0f);
-                lobe.name = l.value("name", kind);
-                e.reflectance.basis.lobes.push_back(lobe);
-            }
-            if (document.contains("look")) shot.look = lookFromJson(document["look"], folder);
-            for (const Json& t : document.value("timeline", Json::array()))
-                e.timeline.push_back({t.value("seconds", 0.0), t.value("stage", ""), t.value("iteration", 0), t.value("objective", 0.0), t.value("rmse", 0.0)});
-            for (const Json& l : document.value("left_out", Json::array())) e.leftOut.push_back({l.value("what", ""), l.value("why", "")});
-            const Json gauge = document.value("gauge", Json::object());
-            e.gauge = {gauge.value("kind", ""), gauge.value("evidence", ""), Rgb(1)};
-            const Json stability = document.value("stability", Json::object());
-            e.stability = {stability.value("kkt_residual", 0.0), stability.value("condition_number", 0.0), stability.value("effective_rank", 0), stability.value("unknowns", 0), stability.value("reason", "")};
-            const Json resources = document.value("resources", Json::object());
-            shot.resources = {resources.value("seconds", 0.0), resources.value("peak_mib", 0.0), resources.value("threads", 0)};
-            e.cancelled = document.value("stopped_early", false);
-        } catch (const Json::exception& error) {
-            throw Error("a field has the wrong kind ({})", error.what());
+        need(document, "version", "");
+        if (const int version = field(document, "version", 1); version != 1) throw Error("version: is {}, expected 1", version);
+        need(document, "capture", "");
+        shot.captureFolder = (fs::absolute(folder) / field<std::string>(document, "capture", "")).lexically_normal();
+        e.mode = field<std::string>(document, "mode", "near-field");
+        shot.quality = field<std::string>(document, "quality", "standard");
+        shot.seed = field(document, "seed", uint64_t(1));
+        need(document, "emitters", "");
+        emitters = listOf(document, "emitters");
+        e.reflectance.basis = basisOf(document);
+        if (document.contains("look")) withContext("look", [&] { shot.look = lookFromJson(document["look"], folder); });
+        size_t i = 0;
+        for (const Json& t : listOf(document, "timeline")) {
+            const std::string where = fmt::format("timeline[{}].", i++);
+            e.timeline.push_back({field(t, "seconds", 0.0, where), field<std::string>(t, "stage", "", where), field(t, "iteration", 0, where), field(t, "objective", 0.0, where), field(t, "rmse", 0.0, where)});
         }
+        i = 0;
+        for (const Json& l : listOf(document, "left_out")) {
+            const std::string where = fmt::format("left_out[{}].", i++);
+            e.leftOut.push_back({field<std::string>(l, "what", "", where), field<std::string>(l, "why", "", where)});
+        }
+        const Json& gauge = objectOf(document, "gauge");
+        e.gauge = {field<std::string>(gauge, "kind", "", "gauge."), field<std::string>(gauge, "evidence", "", "gauge."), gauge.contains("scale") ? colour(gauge["scale"], "gauge.scale") : Rgb(1)};
+        const Json& stability = objectOf(document, "stability");
+        e.stability = {field(stability, "kkt_residual", 0.0, "stability."), field(stability, "condition_number", 0.0, "stability."), field(stability, "effective_rank", 0, "stability."),
+                       field(stability, "unknowns", 0, "stability."), field<std::string>(stability, "reason", "", "stability.")};
+        const Json& resources = objectOf(document, "resources");
+        shot.resources = {field(resources, "seconds", 0.0, "resources."), field(resources, "peak_mib", 0.0, "resources."), field(resources, "threads", 0, "resources.")};
+        e.cancelled = field(document, "stopped_early", false);
     });
     LoadOptions load;
     load.images = withImages;
-    shot.capture = loadCapture(shot.captureFolder, load, progress);
+    withContext(file.string() + ": capture", [&] { shot.capture = loadCapture(shot.captureFolder, load, progress); });
     const size_t n = shot.capture.mesh.vertexCount();
     const DirectionGrid grid{e.environmentSide};
     e.environment = integrateOverCells(readEnvironment(folder / "environment.exr"), grid);
@@ -203,6 +280,8 @@ Shot openShot(const fs::path& folder, bool withImages, Progress& progress) {
         for (const VertexProperty& p : properties)
             if (p.name == name) {
                 if (p.values.size() != n) throw Error("{}: {} has {} values, the mesh has {} vertices", ply.string(), name, p.values.size(), n);
+                for (size_t v = 0; v < n; ++v)
+                    if (!std::isfinite(p.values[v])) throw Error("{}: {} of vertex {} is not a finite number", ply.string(), name, v);
                 return p.values;
             }
         throw Error("{}: property {} is missing", ply.string(), name);
@@ -213,14 +292,14 @@ Shot openShot(const fs::path& folder, bool withImages, Progress& progress) {
             const auto& values = property(fmt::format("weight_{}_{}", k, "rgb"[c]));
             for (size_t v = 0; v < n; ++v) e.reflectance.weight[k][v][c] = values[v];
         }
-    for (float o : property("observed")) e.reflectance.observed.push_back(uint8_t(o));
+    for (float o : property("observed")) e.reflectance.observed.push_back(uint8_t(std::clamp(o, 0.0f, 255.0f)));
     e.reflectance.confidence = property("confidence");
     const auto& emitter = property("emitter");
     EmitterClusters& clusters = e.emitters;
     clusters.emitters.resize(emitters.size());
     clusters.emitterOfVertex.assign(n, -1);
     for (size_t v = 0; v < n; ++v) {
-        const int i = int(emitter[v]);
+        const int i = int(std::clamp(emitter[v], -1.0f, 1e6f));
         if (i < 0 || size_t(i) >= emitters.size()) continue;
         clusters.emitterOfVertex[v] = i;
         clusters.emitters[size_t(i)].vertices.push_back(uint32_t(v));
@@ -235,18 +314,21 @@ Shot openShot(const fs::path& folder, bool withImages, Progress& progress) {
     }
     withContext(file.string(), [&] {
         for (size_t i = 0; i < emitters.size(); ++i) {
-            const std::string where = fmt::format("emitters[{}]", i);
+            const std::string where = fmt::format("emitters[{}].", i);
+            const Json& j = emitters[i];
             EmitterCluster& c = clusters.emitters[i];
-            c.id = emitters[i].value("id", fmt::format("emitter-{}", i + 1));
-            c.radiance = colour(need(emitters[i], "power"), where + ".power");
-            c.centroid = colour(need(emitters[i], "centroid"), where + ".centroid");
-            c.normal = emitters[i].contains("normal") ? colour(emitters[i]["normal"], where + ".normal") : Vec3(0);
-            c.area = emitters[i].value("area_m2", 0.0f);
-            c.twoSided = emitters[i].value("two_sided", false);
-            c.evidence.viewsSeen = emitters[i].value("views_seen", 0);
-            c.evidence.clippedShare = emitters[i].value("clipped_share", 0.0f);
-            if (emitters[i].contains("power_stddev")) e.emitterSigma.push_back(colour(emitters[i]["power_stddev"], where + ".power_stddev"));
-            e.identifiability.push_back(emitters[i].value("identifiability", 0.0f));
+            c.id = field(j, "id", fmt::format("emitter-{}", i + 1), where);
+            c.radiance = colour(need(j, "power", where), where + "power");
+            for (int k = 0; k < 3; ++k)
+                if (c.radiance[k] < 0) throw Error("{}power[{}]: is {}, expected 0 or more", where, k, c.radiance[k]);
+            c.centroid = colour(need(j, "centroid", where), where + "centroid");
+            c.normal = j.contains("normal") ? colour(j["normal"], where + "normal") : Vec3(0);
+            c.area = field(j, "area_m2", 0.0f, where);
+            c.twoSided = field(j, "two_sided", false, where);
+            c.evidence.viewsSeen = field(j, "views_seen", 0, where);
+            c.evidence.clippedShare = field(j, "clipped_share", 0.0f, where);
+            if (j.contains("power_stddev")) e.emitterSigma.push_back(colour(j["power_stddev"], where + "power_stddev"));
+            e.identifiability.push_back(field(j, "identifiability", 0.0f, where));
             e.lighting.emitterRadiance.push_back(c.radiance);
         }
     });

@@ -104,6 +104,30 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
             });
         }
     };
+    // The priors on one channel of the light: smoothness relative to its own brightness, and what is seen directly.
+    const auto meanLight = [&](const Eigen::VectorXd& light) {
+        double mean = 0;
+        for (size_t i = 0; i < leafCount; ++i) mean += light(Eigen::Index(i)) * lighting.leaves[i].solidAngle() / (4 * piD);
+        return std::max(mean, 1e-9 * (1e-12 + light.maxCoeff()));
+    };
+    const auto smoothnessOf = [&](uint32_t i, uint32_t j) {
+        // A seen leaf must not pull its unseen neighbours to its own brightness: that would fix the scale by a prior.
+        return options.smoothness * (1.02 - double(std::max(anchors.leaves[i].coverage, anchors.leaves[j].coverage)));
+    };
+    const auto backgroundOf = [&](const LeafAnchor& a, int c, double unit) {
+        const double spread = 0.02 + 0.7 * (1 - double(a.coverage)), value = a.radiance[c];
+        return a.coverage > 0.05f && !a.clipped ? options.backgroundWeight / (spread * spread) / (value * value + 0.01 * unit * unit) : 0.0;
+    };
+    const auto lightPrior = [&](const Eigen::VectorXd& light, int c) {
+        const double unit = meanLight(light);
+        double sum = 0;
+        for (const auto& [i, j] : neighbours) {
+            const double middle = 0.5 * (light(i) + light(j)), difference = light(i) - light(j);
+            sum += smoothnessOf(i, j) * difference * difference / (unit * unit + middle * middle);
+        }
+        for (size_t i = 0; i < leafCount; ++i) sum += backgroundOf(anchors.leaves[i], c, unit) * std::pow(light(Eigen::Index(i)) - double(anchors.leaves[i].radiance[c]), 2);
+        return sum / 3;  // the data term is a mean over channels
+    };
     // The robust objective; fills `robust`, and rmse of predicting a vertex from its neighbour.
     std::vector<float> viewWeight(viewRows ? viewRows->radiance.size() : 0);
     const auto evaluate = [&](const Eigen::VectorXd* light, const Eigen::VectorXf* at, double scale, double* rmse) {
@@ -158,6 +182,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
             viewWeight[i] = float(1 / (s2 * (1 + mean / s2 / (scale * scale))));
             sums.objective += scale * scale * std::log1p(mean / s2 / (scale * scale));
         }
+        for (int c = 0; c < 3; ++c) sums.objective += lightPrior(light[c], c);
         if (rmse) *rmse = std::sqrt(sums.squares / std::max(1.0, sums.counted));
         return sums.objective;
     };
@@ -165,7 +190,8 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
     progress.begin("Light from ratios", size_t(options.iterations));
     double scale = options.robustScale, objective = 0;
     for (int iteration = 0; iteration < options.iterations; ++iteration) {
-        scale = double(options.robustScale) * (options.anneal && iteration < 4 ? 5 - iteration : 1);
+        const bool annealing = options.anneal && iteration < 3;
+        scale = double(options.robustScale) * (annealing ? 4 - iteration : 1);
         litBy(x, lit);
         double rmse = 0;
         objective = evaluate(x, lit, scale, &rmse);
@@ -214,27 +240,31 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
                     moment += (viewWeight[i] * viewRows->radiance[i][c]) * row.cast<double>();
                 }
             }
-            // Priors on the light: relative differences of neighbouring leaves; the leaves' mean sets the unit.
-            double mean = 0;
-            for (size_t i = 0; i < leafCount; ++i) mean += x[c](Eigen::Index(i)) * lighting.leaves[i].solidAngle() / (4 * piD);
-            const double unit = std::max(mean, 1e-9 * (1e-12 + x[c].maxCoeff()));
+            // Prior on the light: relative differences r = (L_i - L_j) / d of neighbouring leaves, d^2 = mean^2 + middle^2. The derivative of d
+            // belongs to it: without it the prior would shrink the light, with it the scale of the light is free.
+            Eigen::VectorXd share = Eigen::VectorXd::Zero(n).head(Eigen::Index(leafCount));
+            for (size_t i = 0; i < leafCount; ++i) share(Eigen::Index(i)) = lighting.leaves[i].solidAngle() / (4 * piD);
+            const double unit = meanLight(x[c]);
+            Eigen::VectorXd along = Eigen::VectorXd::Zero(Eigen::Index(leafCount));
+            double square = 0;
             for (const auto& [i, j] : neighbours) {
-                const double middle = 0.5 * (x[c](i) + x[c](j));
-                // A seen leaf must not pull its unseen neighbours to its own brightness: that would fix the scale by a prior.
-                const double seen = std::max(anchors.leaves[i].coverage, anchors.leaves[j].coverage);
-                const double w = options.smoothness * (1.02 - seen) / (unit * unit + middle * middle);
-                q(i, i) += w;
-                q(j, j) += w;
-                q(i, j) -= w;
-                q(j, i) -= w;
+                const double middle = 0.5 * (x[c](i) + x[c](j)), d2 = unit * unit + middle * middle, d = std::sqrt(d2), r = (x[c](i) - x[c](j)) / d;
+                const double w = smoothnessOf(i, j);
+                const double ai = 1 / d - r * middle / (2 * d2), aj = -1 / d - r * middle / (2 * d2), beta = r * unit / d2;
+                q(i, i) += w * ai * ai;
+                q(j, j) += w * aj * aj;
+                q(i, j) += w * ai * aj;
+                q(j, i) += w * ai * aj;
+                along(i) += w * beta * ai;
+                along(j) += w * beta * aj;
+                square += w * beta * beta;
+                moment(i) -= w * r * ai;
+                moment(j) -= w * r * aj;
+                moment.head(Eigen::Index(leafCount)) += (w * r * beta) * share;
             }
+            q.topLeftCorner(Eigen::Index(leafCount), Eigen::Index(leafCount)) += square * share * share.transpose() - along * share.transpose() - share * along.transpose();
             for (size_t i = 0; i < leafCount; ++i) {
-                const LeafAnchor& a = anchors.leaves[i];
-                if (a.coverage <= 0.05f) continue;
-                if (a.clipped) {
-                    continue;
-                }
-                const double value = a.radiance[c], spread = 0.02 + 0.7 * (1 - double(a.coverage)), w = options.backgroundWeight / (spread * spread) / (value * value + 0.01 * unit * unit);
+                const double w = backgroundOf(anchors.leaves[i], c, unit), value = anchors.leaves[i].radiance[c];
                 q(Eigen::Index(i), Eigen::Index(i)) += w;
                 moment(Eigen::Index(i)) += w * value;
             }
@@ -272,7 +302,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
         }
         report.iterations = iteration + 1;
         progress.advance();
-        if (!accepted || (iteration >= 5 && change < 1e-3)) break;
+        if (!annealing && (!accepted || change < options.tolerance)) break;
         if (progress.outOfTime()) break;
     }
     for (int c = 0; c < 3; ++c) {

@@ -16,6 +16,7 @@ struct AlbedoFreeOptions {
     float mismatch = 0.015f;    ///< relative model error of a look-up (tau)
     float mixing = 0.25f;       ///< share of the irradiance step to the next vertex that a look-up may be off by
     float robustScale = 2.5f;   ///< Cauchy scale in standard deviations
+    float tolerance = 1e-3f;    ///< relative change of the irradiance that counts as none
     bool anneal = true;         ///< start with a wide robust scale
     float smoothness = 60;      ///< of relative differences between neighbouring leaves
     float backgroundWeight = 30;///< looks a directly seen leaf counts for, at its spread of 2 % (whole) to 72 % (hardly covered)

@@ -147,8 +147,6 @@ PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSa
         const InfluenceMatrix rows = glossyRows(scene, emitters, emitterOfTriangle, lighting.leaves, basis.lobes[k], result.looks, options.rows, progress);
         const std::vector<Rgb> response = responses(rows, lighting);
         const LobeFit both = fitLobe(result.looks, response, true), alone = fitLobe(result.looks, response, false);
-        logInfo("  piece {} {}: weight {:.3f} {:.3f} {:.3f}, residual {:.3f} (alone {:.3f}), no Lambert in {:.0f} %", piece, basis.lobes[k].name, both.weight.x, both.weight.y,
-                both.weight.z, both.residual, alone.residual, 100 * both.zeroShare);
         // A lobe alone has one unknown a channel where lobe and Lambert have one a vertex: it wins unless clearly worse.
         const bool metal = alone.residual < 1.6 * both.residual;
         const LobeFit& fit = metal ? alone : both;

@@ -2,8 +2,6 @@
 
 #include <numeric>
 
-#include "base/log.h"
-
 namespace relamp {
 namespace {
 constexpr float glazedSpread = 0.06f, metalSpread = 0.35f;
@@ -46,7 +44,6 @@ MatteObservations matteObservations(const Scene& scene, const RadianceSamples& s
         const float upper = medianOf(spreads[p], 0.75), middle = medianOf(spreads[p]);
         result.viewSpread[p] = middle;
         if (spreads[p].size() < 12) continue;
-        logInfo("  piece {}: {} vertices in two views, view spread median {:.3f}, upper quarter {:.3f}", p, spreads[p].size(), middle, upper);
         result.pieceGlossy[p] = middle > metalSpread ? 2 : (upper > glazedSpread ? 1 : 0);
     }
     std::vector<std::pair<float, float>> order;

@@ -30,7 +30,7 @@ struct SolveOptions {
     int refineRounds = 4;      ///< splits of strong leaves, down to side 256
     size_t maxLeaves = 480;
     int visibilitySide = 64;
-    int startIterations = 12, refineIterations = 4, glossRounds = 2;
+    int startIterations = 25, refineIterations = 6, glossRounds = 2;
     float splitShare = 0.012f; ///< a leaf that gives more than this share of the light is split
     AlbedoPrior prior;         ///< the one place where priors on reflectance enter
     GaugeChoice gauge;

@@ -167,12 +167,6 @@ void SolveState::assess(Estimate& estimate) {
 }
 
 Estimate SolveState::finish() {
-    if (std::getenv("DBG")) {
-        for (size_t i = 0; i < lighting_.leaves.size(); ++i) {
-            const auto& a = anchors_.leaves[i];
-            if (a.coverage > 0) fmt::print(stderr, "leaf {} level {} cov {:.2f} anchor {:.3f} {:.3f} {:.3f} found {:.3f} {:.3f} {:.3f}\n", i, lighting_.leaves[i].level, a.coverage, a.radiance.x, a.radiance.y, a.radiance.z, lighting_.leafRadiance[i].x, lighting_.leafRadiance[i].y, lighting_.leafRadiance[i].z);
-        }
-    }
     Estimate estimate;
     estimate.mode = options_.nearField ? "near-field" : "distant-only";
     estimate.lighting = lighting_;

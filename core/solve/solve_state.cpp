@@ -82,6 +82,7 @@ void SolveState::uniformLight() {
 void SolveState::runAlbedoFree(const std::string& stage, int iterations, const ViewRows* rows) {
     AlbedoFreeOptions o;
     o.iterations = iterations;
+    o.anneal = timeline_.empty();
     const AlbedoFreeReport report = solveAlbedoFree(influence_, matte_, pairs_, anchors_, rows, o, lighting_, progress_,
                                                     [&](int i, double objective, double rmse) { record(stage, i, objective, rmse); });
     stability_.kktResidual = std::max(stability_.kktResidual, report.kktResidual);

@@ -95,7 +95,8 @@ void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emit
             if (light.z <= 0) continue;
             const float areaDensity = light.z / (pi * totals[e]) * float(samples.size());
             const float lobeDensity = ggxSampleDensity(light, eye, lobe.alpha) * lobeCount;
-            row[leaves.size() + e] += evaluateLobe(lobe, light, eye) * light.z / (areaDensity + lobeDensity);
+            const float evenness = s.formFactor * float(samples.size()) / totals[e];  // 1 but for what a sample stands for more or less than its share
+            row[leaves.size() + e] += evenness * evaluateLobe(lobe, light, eye) * light.z / (areaDensity + lobeDensity);
         }
     }
     const Vec2 shift = randomShift(options.seed, vertex, 7);

@@ -67,27 +67,53 @@ float triangleFormFactor(const Vec3& point, const Vec3& normal, const std::array
 
 namespace {
 
-/// Form factors to every triangle of the emitter: exact near, by its centre where it is small and far.
-float formFactors(const EmitterSurface& emitter, const Vec3& point, const Vec3& normal, std::vector<float>& out) {
-    const size_t n = emitter.centres.size();
-    out.resize(n);
+/// What an emitter shows to a point: triangles, near ones cut up so that the form factor is spread evenly over each piece.
+struct Pieces {
+    std::vector<std::array<Vec3, 3>> corners;
+    std::vector<float> factors;
+    float add(const Vec3& point, const Vec3& normal, const std::array<Vec3, 3>& c, const Vec3& centre, float radius, bool twoSided, int depth) {
+        const Vec3 to = centre - point;
+        const float d2 = glm::dot(to, to);
+        if (depth < 6 && d2 < 16 * radius * radius) {
+            const Vec3 m[3] = {(c[0] + c[1]) / 2.0f, (c[1] + c[2]) / 2.0f, (c[2] + c[0]) / 2.0f};
+            float sum = 0;
+            for (const auto& part : {std::array{c[0], m[0], m[2]}, std::array{m[0], c[1], m[1]}, std::array{m[2], m[1], c[2]}, std::array{m[0], m[1], m[2]}})
+                sum += add(point, normal, part, (part[0] + part[1] + part[2]) / 3.0f, radius / 2, twoSided, depth + 1);
+            return sum;
+        }
+        const float f = triangleFormFactor(point, normal, c, twoSided);
+        if (f > 0) {
+            corners.push_back(c);
+            factors.push_back(f);
+        }
+        return f;
+    }
+};
+
+/// Form factors to every triangle of the emitter that shines at the point: exact near, by its centre where it is small and far (within 0.3 %).
+float formFactors(const EmitterSurface& emitter, const Vec3& point, const Vec3& normal, Pieces& out) {
+    out.corners.clear();
+    out.factors.clear();
     float sum = 0;
-    for (size_t t = 0; t < n; ++t) {
+    for (size_t t = 0; t < emitter.centres.size(); ++t) {
         const Vec3 to = emitter.centres[t] - point;
         const float d2 = glm::dot(to, to), r = emitter.radii[t];
         const float height = glm::dot(to, normal), facing = -glm::dot(to, emitter.normals[t]);
-        float f = 0;
-        if (height < -r || (!emitter.twoSided && facing <= 0)) {
-            f = 0;
-        } else if (d2 > 64 * r * r && height > r) {
-            f = height * std::abs(facing) * emitter.areas[t] / (pi * d2 * d2);
+        if (height < -r || (!emitter.twoSided && facing <= 0)) continue;
+        if (d2 > 200 * r * r && height > r) {
+            const float f = height * std::abs(facing) * emitter.areas[t] / (pi * d2 * d2);
+            out.corners.push_back(emitter.corners[t]);
+            out.factors.push_back(f);
+            sum += f;
         } else {
-            f = triangleFormFactor(point, normal, emitter.corners[t], emitter.twoSided);
+            sum += out.add(point, normal, emitter.corners[t], emitter.centres[t], r, emitter.twoSided, 0);
         }
-        out[t] = f;
-        sum += f;
     }
     return sum;
+}
+
+Vec3 highestCorner(const std::array<Vec3, 3>& c, const Vec3& point, const Vec3& normal) {
+    return *std::max_element(c.begin(), c.end(), [&](const Vec3& a, const Vec3& b) { return glm::dot(a - point, normal) < glm::dot(b - point, normal); });
 }
 
 }  // namespace
@@ -98,9 +124,10 @@ float sampleEmitter(const Scene& scene, const EmitterSurface& emitter, const Vec
                     std::vector<EmitterSample>& samples) {
     samples.clear();
     if (emitter.centres.empty() || glm::dot(emitter.centroid - point, normal) < -emitter.radius) return 0;
-    thread_local std::vector<float> factors;
-    const float total = std::min(1.0f, formFactors(emitter, point, normal, factors));
+    thread_local Pieces pieces;
+    const float total = std::min(1.0f, formFactors(emitter, point, normal, pieces));
     if (!(total > 0)) return 0;
+    std::vector<float>& factors = pieces.factors;
     float sum = 0;
     for (float& f : factors) {
         sum += f;
@@ -122,25 +149,33 @@ float sampleEmitter(const Scene& scene, const EmitterSurface& emitter, const Vec
         pending = 0;
     };
     const float first = unitFloat(mixBits(seed ^ 0x9d));
+    float weights = 0;
     for (int i = 0; i < count; ++i) {
-        // Stratified over the triangles' shares, low-discrepancy inside each triangle.
+        // Stratified over the pieces' shares, low-discrepancy inside each piece.
         const float pick = (float(i) + first) / float(count) * sum;
         const size_t t = std::min(size_t(std::upper_bound(factors.begin(), factors.end(), pick) - factors.begin()), factors.size() - 1);
         const Vec2 u = r2Point(uint32_t(i), shift);
         const float root = std::sqrt(u.x);
-        const auto& c = emitter.corners[t];
+        const auto& c = pieces.corners[t];
         Vec3 target = (1 - root) * c[0] + root * (1 - u.y) * c[1] + root * u.y * c[2];
-        if (glm::dot(target - point, normal) <= 0) target = emitter.centres[t];  // below the horizon: its part is clipped away
+        // Below the horizon: that part is clipped away, so a point above it stands for it.
+        for (int k = 0; k < 3 && glm::dot(target - point, normal) <= 0; ++k) target = (target + highestCorner(c, point, normal)) / 2.0f;
         const Vec3 to = target - origin;
         const float distance = glm::length(to);
         EmitterSample s;
-        s.formFactor = total / float(count);
+        // Points lie evenly over a piece's area, its form factor does not: cosines and distance at the point set that right.
+        const Vec3 straight = target - point, twiceArea = glm::cross(c[1] - c[0], c[2] - c[0]);
+        const float d2 = glm::dot(straight, straight), share = factors[t] - (t ? factors[t - 1] : 0.0f);
+        const float kernel = std::abs(glm::dot(twiceArea, straight)) * std::max(0.0f, glm::dot(straight, normal)) / (2 * pi * d2 * d2);
+        s.formFactor = d2 > 0 && share > 0 ? std::clamp(kernel / share, 0.25f, 4.0f) : 1.0f;
+        weights += s.formFactor;
         s.direction = distance > 0 ? to / distance : normal;
         samples.push_back(s);
         rays[pending++] = {origin, s.direction, 0, std::max(0.0f, distance * (1 - 1e-4f) - back)};
         if (pending == 8) flush();
     }
     flush();
+    for (EmitterSample& s : samples) s.formFactor *= total / weights;
     return total;
 }
 
