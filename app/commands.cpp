@@ -144,6 +144,7 @@ int compare(const CompareArguments& a, Progress& progress) {
     CompareOptions options;
     options.solve = solveOptionsFor(a.quality);
     options.solve.seed = a.seed;
+    options.quality = a.quality;
     const fs::path page = writeComparison(a.capture, a.output, options, progress);
     logInfo("{}: written", page.string());
     return 0;

@@ -136,6 +136,7 @@ void judge(const Scene& scene, const RadianceSamples& samples, const std::vector
     e.viewsSeen = int(std::accumulate(views.begin(), views.end(), 0));
     e.clippedShare = e.samples ? float(clipped) / float(e.samples) : 0;
     e.viewSpread = medianOf(spreads);
+    e.viewsAgree = spreads.size() * 4 >= patch.vertices.size();
     std::vector<float> off;
     float radius = 0;
     for (uint32_t v : patch.vertices) {
@@ -261,7 +262,7 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
         const EmitterEvidence& e = patch.evidence;
         if (e.sceneContrast < options.minContrast && e.localContrast < options.minContrast) patch.reject = "no brighter than the surfaces around it";
         else if (e.viewSpread > 0.12f) patch.reject = "changes with the view, as a reflection does";
-        else if (e.viewsSeen < 2 && e.uniformity > 0.03f) patch.reject = "seen in one view only and not uniform: could be a reflection";
+        else if (!e.viewsAgree && e.uniformity > 0.03f) patch.reject = "hardly seen from two sides and not uniform: could be a reflection";
         else if (e.uniformity > 0.12f) patch.reject = "its radiance varies as shading does";
         else if (e.edgeDrop > 0.8f) patch.reject = "fades out without an edge";
         EmitterCluster cluster;

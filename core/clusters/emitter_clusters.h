@@ -16,6 +16,7 @@ struct EmitterEvidence {
     float localContrast = 0;   ///< its radiance over the median of the surfaces around it
     float uniformity = 0;      ///< relative spread (robust standard deviation) of its radiance over the patch
     float viewSpread = 0;      ///< median relative difference of one vertex between views
+    bool viewsAgree = false;   ///< a quarter of its vertices or more were seen by two views, so that viewSpread means something
     float edgeDrop = 0;        ///< median radiance just outside over inside; 0 when it is an object of its own
     float demandedAlbedo = 0;  ///< albedo needed to explain it by reflection, 0 until a light fit has tested it
     int viewsSeen = 0;

@@ -116,16 +116,34 @@ std::vector<Rgb> integrateOverCells(const Image& latLong, const DirectionGrid& g
 
 Image latLongFromCells(const std::vector<Rgb>& cells, const DirectionGrid& grid, int width) {
     Image image(width, width / 2);
-    for (int y = 0; y < image.height; ++y)
-        for (int x = 0; x < width; ++x) {
-            Rgb sum(0);
-            for (const float dy : {0.25f, 0.75f})
-                for (const float dx : {0.25f, 0.75f}) {
-                    const Vec2 uv((float(x) + dx) / float(width), (float(y) + dy) / float(image.height));
-                    sum += cells[size_t(grid.cellOf(directionFromLatLong(uv)))];
-                }
-            image.at(x, y) = sum * 0.25f;
-        }
+    std::vector<Rgb> darkest(image.pixels.size()), brightest(image.pixels.size());
+    const auto mean = [&](int x, int y, int split, Rgb& low, Rgb& high) {
+        DVec3 sum(0);
+        low = Rgb(std::numeric_limits<float>::infinity());
+        high = Rgb(0);
+        for (int sy = 0; sy < split; ++sy)
+            for (int sx = 0; sx < split; ++sx) {
+                const Vec2 uv((float(x) + (float(sx) + 0.5f) / float(split)) / float(width), (float(y) + (float(sy) + 0.5f) / float(split)) / float(image.height));
+                const Rgb& value = cells[size_t(grid.cellOf(directionFromLatLong(uv)))];
+                sum += DVec3(value);
+                low = glm::min(low, value);
+                high = glm::max(high, value);
+            }
+        return Rgb(sum / double(split * split));
+    };
+    parallelFor(image.pixels.size(), 4096, [&](size_t i) { image.pixels[i] = mean(int(i) % width, int(i) / width, 2, darkest[i], brightest[i]); });
+    // The rim of a sun is cut finely, so that it keeps its energy; neighbours count, because two by two looks miss a corner.
+    parallelFor(image.pixels.size(), 4096, [&](size_t i) {
+        const int x = int(i) % width, y = int(i) / width;
+        Rgb low = darkest[i], high = brightest[i];
+        for (int dy = -1; dy <= 1; ++dy)
+            for (int dx = -1; dx <= 1; ++dx) {
+                const size_t k = size_t(std::clamp(y + dy, 0, image.height - 1)) * size_t(width) + size_t((x + dx + width) % width);
+                low = glm::min(low, darkest[k]);
+                high = glm::max(high, brightest[k]);
+            }
+        if (maxChannel(high - 2.0f * low) > 0) image.pixels[i] = mean(x, y, 16, low, high);
+    });
     return image;
 }
 

@@ -266,10 +266,10 @@ void putExrDefaults(OIIO::ImageSpec& spec) {
     spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), rec709Chromaticities.data());
 }
 
-/// Encodes in memory and then writes the bytes, because a full disk is reported reliably only by our own writing.
-/// `fillRows(y, rows, out)` gives interleaved samples.
+/// The file's bytes, encoded in memory, because a full disk is reported reliably only by our own writing. `file` gives the
+/// format by its ending and is named in errors. `fillRows(y, rows, out)` gives interleaved samples.
 template <class FillRows>
-void encode(const fs::path& file, const OIIO::ImageSpec& spec, FillRows&& fillRows) {
+std::string encode(const fs::path& file, const OIIO::ImageSpec& spec, FillRows&& fillRows) {
     setUpLibrary();
     auto output = OIIO::ImageOutput::create(file.string());
     if (!output) throw Error("{}: cannot be written ({})", file.string(), OIIO::geterror());
@@ -289,7 +289,21 @@ void encode(const fs::path& file, const OIIO::ImageSpec& spec, FillRows&& fillRo
     }
     check(output->close());
     const auto& bytes = memory.buffer();
-    writeBytesAtomically(file, std::string(bytes.begin(), bytes.end()));
+    return std::string(bytes.begin(), bytes.end());
+}
+
+/// Three channels of a picture, through the sRGB curve where the format is for display.
+std::string encodeColours(const fs::path& file, const OIIO::ImageSpec& spec, const Image& image, bool display) {
+    return encode(file, spec, [&](int y, int rows, float* out) {
+        const Rgb* from = &image.pixels[size_t(y) * image.width];
+        for (size_t i = 0; i < size_t(rows) * image.width; ++i)
+            for (int c = 0; c < 3; ++c) out[i * 3 + size_t(c)] = display ? srgbEncode(from[i][c]) : from[i][c];
+    });
+}
+
+void checkPixels(const fs::path& file, const Image& image) {
+    if (image.width <= 0 || image.height <= 0 || image.pixels.size() != size_t(image.width) * image.height)
+        throw Error("{}: there are no pixels to write", file.string());
 }
 
 constexpr float largestHalf = 65504.0f;
@@ -297,8 +311,7 @@ constexpr float largestHalf = 65504.0f;
 }  // namespace
 
 void writeImage(const fs::path& file, const Image& image, const std::map<std::string, std::string>& header) {
-    if (image.width <= 0 || image.height <= 0 || image.pixels.size() != size_t(image.width) * image.height)
-        throw Error("{}: there are no pixels to write", file.string());
+    checkPixels(file, image);
     const std::string extension = lowerExtension(file);
     const bool exr = extension == ".exr", hdr = extension == ".hdr";
     const bool display = extension == ".png" || extension == ".jpg" || extension == ".jpeg";
@@ -314,11 +327,15 @@ void writeImage(const fs::path& file, const Image& image, const std::map<std::st
     if (display) spec.attribute("oiio:ColorSpace", "sRGB");
     if (extension == ".jpg" || extension == ".jpeg") spec.attribute("CompressionQuality", 95);
     putHeader(spec, header);
-    encode(file, spec, [&](int y, int rows, float* out) {
-        const Rgb* from = &image.pixels[size_t(y) * image.width];
-        for (size_t i = 0; i < size_t(rows) * image.width; ++i)
-            for (int c = 0; c < 3; ++c) out[i * 3 + size_t(c)] = display ? srgbEncode(from[i][c]) : from[i][c];
-    });
+    writeBytesAtomically(file, encodeColours(file, spec, image, display));
+}
+
+std::string encodePng(const Image& image) {
+    const fs::path name = "picture.png";
+    checkPixels(name, image);
+    OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeDesc(OIIO::TypeDesc::UINT8));
+    spec.attribute("oiio:ColorSpace", "sRGB");
+    return encodeColours(name, spec, image, true);
 }
 
 void writeChannels(const fs::path& file, int width, int height, const std::vector<Channel>& channels,
@@ -340,12 +357,12 @@ void writeChannels(const fs::path& file, int width, int height, const std::vecto
     }
     putExrDefaults(spec);
     putHeader(spec, header);
-    encode(file, spec, [&](int y, int rows, float* out) {
+    writeBytesAtomically(file, encode(file, spec, [&](int y, int rows, float* out) {
         for (size_t c = 0; c < channels.size(); ++c) {
             const float* from = &channels[c].values[size_t(y) * width];
             for (size_t i = 0; i < size_t(rows) * width; ++i) out[i * channels.size() + c] = from[i];
         }
-    });
+    }));
 }
 
 }  // namespace relamp

@@ -29,6 +29,9 @@ std::pair<int, int> readImageSize(const std::filesystem::path& file);
 /// Writes EXR (half, ZIP), HDR, or sRGB-encoded PNG/JPEG by extension, whole or not at all. Throws Error, OutOfResources.
 void writeImage(const std::filesystem::path& file, const Image& image, const std::map<std::string, std::string>& header = {});
 
+/// An sRGB-encoded 8-bit PNG in memory, for pages that carry their pictures. Throws Error when there are no pixels.
+std::string encodePng(const Image& image);
+
 /// Writes a single-part EXR with the channels in the order given (ZIP). Same errors.
 void writeChannels(const std::filesystem::path& file, int width, int height, const std::vector<Channel>& channels,
                    const std::map<std::string, std::string>& header = {});

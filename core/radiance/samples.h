@@ -28,7 +28,7 @@ struct RadianceSamples {
     std::vector<RadianceSample> samples;
     std::vector<ViewGeometry> geometry;      ///< per view
     /// Distant light seen directly: mean radiance of background pixels per cell, and how many saw it (0: unseen).
-    DirectionGrid backgroundGrid{64};
+    DirectionGrid backgroundGrid{128};
     std::vector<Rgb> background;
     std::vector<uint32_t> backgroundPixels;
     std::vector<uint8_t> backgroundClipped;  ///< 1: a lower bound only

@@ -1,4 +1,52 @@
 #include "report/compare.h"
+
+#include "base/atomic_file.h"
+#include "base/log.h"
+#include "base/parallel.h"
+#include "pipeline/pipeline.h"
+#include "report/comparison.h"
+
 namespace relamp {
-std::filesystem::path writeComparison(const std::filesystem::path&, const std::filesystem::path& folder, const CompareOptions&, Progress&) { return folder; }
+
+std::filesystem::path writeComparison(const std::filesystem::path& captureFolder, const std::filesystem::path& folder, const CompareOptions& options,
+                                      Progress& progress) {
+    std::error_code failed;
+    std::filesystem::create_directories(folder, failed);
+    if (failed) throw Error("{}: cannot be made ({})", folder.string(), failed.message());
+
+    Comparison comparison;
+    PipelineResult result;
+    // Distant-only first, because memory is reported as the highest so far and it needs less.
+    for (size_t m : {size_t(1), size_t(0)}) {
+        result = {};
+        PipelineOptions pipeline;
+        pipeline.solve = options.solve;
+        pipeline.solve.nearField = m == 0;
+        const double start = progress.seconds();
+        result = runPipeline(captureFolder, pipeline, progress);
+
+        ComparedMode& mode = comparison.modes[m];
+        mode.name = m == 0 ? "near-field" : "distant-only";
+        Shot& shot = mode.shot;
+        shot.captureFolder = captureFolder;
+        shot.quality = options.quality;
+        shot.seed = options.solve.seed;
+        shot.estimate = std::move(result.estimate);
+        for (TimelineEntry& entry : shot.estimate.timeline) entry.seconds -= start;
+        shot.resources = {progress.seconds() - start, peakMib(), availableThreads()};
+        saveShot(shot, result.scene.mesh, folder / (mode.name + ".relamp"), true);
+        logInfo("{}: solved in {:.1f} s, {} emitter(s)", mode.name, shot.resources.seconds, shot.estimate.emitters.emitters.size());
+    }
+    comparison.capture = std::filesystem::absolute(captureFolder / ".").lexically_normal().parent_path().filename().string();
+    comparison.views = result.capture.views.size();
+    comparison.vertices = result.scene.mesh.vertexCount();
+    comparison.triangles = result.scene.mesh.triangles.size();
+    drawComparison(result.capture, result.scene, options.maxViews, comparison, progress);
+
+    const std::filesystem::path page = folder / "index.html";
+    writeBytesAtomically(page, comparisonPage(comparison));
+    for (const ComparedMode& mode : comparison.modes) logInfo("{}: photographs reproduced at {:.1f} dB", mode.name, mode.psnr);
+    return page;
 }
+
+}  // namespace relamp

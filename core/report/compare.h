@@ -1,6 +1,7 @@
 // Near-field against distant-only, side by side: one HTML page with pictures and figures.
 #pragma once
 #include <filesystem>
+#include <string>
 
 #include "base/progress.h"
 #include "solve/solve.h"
@@ -9,11 +10,12 @@ namespace relamp {
 
 struct CompareOptions {
     SolveOptions solve;
-    int maxViews = 3;    ///< views with pictures
+    std::string quality = "standard";  ///< what `solve` was made from, for the shots' description
+    int maxViews = 3;                  ///< views with pictures
 };
 
-/// Solves the capture in both modes, renders views, writes DIR/index.html (pictures embedded, nothing else needed) and both shots.
-/// Returns the page. Throws as runPipeline.
+/// Solves the capture in both modes, renders views, writes DIR/index.html (pictures embedded, nothing else needed) and both shots,
+/// DIR/near-field.relamp and DIR/distant-only.relamp (replaced when they exist). Returns the page. Throws as runPipeline and saveShot.
 std::filesystem::path writeComparison(const std::filesystem::path& capture, const std::filesystem::path& folder, const CompareOptions& options, Progress& progress);
 
 }  // namespace relamp

@@ -57,7 +57,7 @@ T field(const Json& object, const char* key, const T& fallback, const std::strin
     } else {
         if (!at->is_number()) throw Error("{}{}: expected a number", where, key);
         const double x = at->template get<double>();
-        if (!std::isfinite(x) || (std::is_integral_v<T> && (x < 0 || x > 1.8e19 || (sizeof(T) < 8 && x > 2147483647.0)))) throw Error("{}{}: is {}, which is out of range", where, key, x);
+        if (!std::isfinite(x) || (std::is_integral_v<T> && (x < 0 || x > 1.8e19 || (sizeof(T) < 8 && x > 2147483647.0)))) throw Error("{}{}: is {:g}, which is out of range", where, key, x);
     }
     return at->template get<T>();
 }
@@ -268,6 +268,28 @@ Shot openShot(const fs::path& folder, bool withImages, Progress& progress) {
         shot.resources = {field(resources, "seconds", 0.0, "resources."), field(resources, "peak_mib", 0.0, "resources."), field(resources, "threads", 0, "resources.")};
         e.cancelled = field(document, "stopped_early", false);
     });
+    EmitterClusters& clusters = e.emitters;
+    clusters.emitters.resize(emitters.size());
+    withContext(file.string(), [&] {
+        for (size_t i = 0; i < emitters.size(); ++i) {
+            const std::string where = fmt::format("emitters[{}].", i);
+            const Json& j = emitters[i];
+            EmitterCluster& c = clusters.emitters[i];
+            c.id = field(j, "id", fmt::format("emitter-{}", i + 1), where);
+            c.radiance = colour(need(j, "power", where), where + "power");
+            for (int k = 0; k < 3; ++k)
+                if (c.radiance[k] < 0) throw Error("{}power[{}]: is {}, expected 0 or more", where, k, c.radiance[k]);
+            c.centroid = colour(need(j, "centroid", where), where + "centroid");
+            c.normal = j.contains("normal") ? colour(j["normal"], where + "normal") : Vec3(0);
+            c.area = field(j, "area_m2", 0.0f, where);
+            c.twoSided = field(j, "two_sided", false, where);
+            c.evidence.viewsSeen = field(j, "views_seen", 0, where);
+            c.evidence.clippedShare = field(j, "clipped_share", 0.0f, where);
+            if (j.contains("power_stddev")) e.emitterSigma.push_back(colour(j["power_stddev"], where + "power_stddev"));
+            e.identifiability.push_back(field(j, "identifiability", 0.0f, where));
+            e.lighting.emitterRadiance.push_back(c.radiance);
+        }
+    });
     LoadOptions load;
     load.images = withImages;
     withContext(file.string() + ": capture", [&] { shot.capture = loadCapture(shot.captureFolder, load, progress); });
@@ -295,8 +317,6 @@ Shot openShot(const fs::path& folder, bool withImages, Progress& progress) {
     for (float o : property("observed")) e.reflectance.observed.push_back(uint8_t(std::clamp(o, 0.0f, 255.0f)));
     e.reflectance.confidence = property("confidence");
     const auto& emitter = property("emitter");
-    EmitterClusters& clusters = e.emitters;
-    clusters.emitters.resize(emitters.size());
     clusters.emitterOfVertex.assign(n, -1);
     for (size_t v = 0; v < n; ++v) {
         const int i = int(std::clamp(emitter[v], -1.0f, 1e6f));
@@ -312,26 +332,6 @@ Shot openShot(const fs::path& folder, bool withImages, Progress& progress) {
         clusters.emitterOfTriangle[t] = i;
         clusters.emitters[size_t(i)].triangles.push_back(t);
     }
-    withContext(file.string(), [&] {
-        for (size_t i = 0; i < emitters.size(); ++i) {
-            const std::string where = fmt::format("emitters[{}].", i);
-            const Json& j = emitters[i];
-            EmitterCluster& c = clusters.emitters[i];
-            c.id = field(j, "id", fmt::format("emitter-{}", i + 1), where);
-            c.radiance = colour(need(j, "power", where), where + "power");
-            for (int k = 0; k < 3; ++k)
-                if (c.radiance[k] < 0) throw Error("{}power[{}]: is {}, expected 0 or more", where, k, c.radiance[k]);
-            c.centroid = colour(need(j, "centroid", where), where + "centroid");
-            c.normal = j.contains("normal") ? colour(j["normal"], where + "normal") : Vec3(0);
-            c.area = field(j, "area_m2", 0.0f, where);
-            c.twoSided = field(j, "two_sided", false, where);
-            c.evidence.viewsSeen = field(j, "views_seen", 0, where);
-            c.evidence.clippedShare = field(j, "clipped_share", 0.0f, where);
-            if (j.contains("power_stddev")) e.emitterSigma.push_back(colour(j["power_stddev"], where + "power_stddev"));
-            e.identifiability.push_back(field(j, "identifiability", 0.0f, where));
-            e.lighting.emitterRadiance.push_back(c.radiance);
-        }
-    });
     return shot;
 }
 

@@ -221,7 +221,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
                 }
                 row += diagonal * b.row(Eigen::Index(i));
             };
-            Eigen::MatrixXd q = weightedGram(influence, weighted, progress);
+            Eigen::MatrixXd q = pairs.empty() ? Eigen::MatrixXd::Zero(n, n) : weightedGram(influence, weighted, progress);
             Eigen::VectorXd gradient = Eigen::VectorXd::Zero(Eigen::Index(rows));
             for (size_t k = 0; k < pairs.size(); ++k) {
                 const Term& t = terms[k];
@@ -281,7 +281,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
                 q(i, i) += w;
                 moment(i) += w * value;
             }
-            const QpResult solution = solveBoundedQp(q, moment, lower);
+            const QpResult solution = solveBoundedQp(q, moment, lower, iteration > 0 ? &x[c] : nullptr);
             report.kktResidual = std::max(report.kktResidual, solution.kktResidual);
             target[c] = solution.x.allFinite() ? solution.x : x[c];
         }

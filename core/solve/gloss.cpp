@@ -130,35 +130,46 @@ std::vector<Rgb> responses(const InfluenceMatrix& rows, const Lighting& lighting
 
 }  // namespace
 
+Lobe withRoughness(const Lobe& lobe, float factor) {
+    Lobe result = lobe;
+    const float roughness = std::clamp(std::sqrt(lobe.alpha) * factor, 0.06f, 0.9f);
+    result.alpha = roughness * roughness;
+    result.name = fmt::format("{} roughness {:.3f}", lobe.kind == Lobe::Kind::ggx ? "ggx" : "ggx dielectric", roughness);
+    return result;
+}
+
 PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const std::vector<EmitterSurface>& emitters,
                     const std::vector<int>& emitterOfTriangle, const Lighting& lighting, const BrdfBasis& basis, uint32_t piece,
-                    const std::vector<Rgb>& lambertLit, const GlossOptions& options, Progress& progress) {
-    (void)lambertLit;
+                    const GlossOptions& options, Progress& progress) {
     PieceGloss result;
     result.piece = piece;
     result.looks = glossyLooks(capture, scene, samples, piece, options);
     if (result.looks.size() < 40) return result;
-    const std::vector<Rgb> nothing(result.looks.size(), Rgb(0));
-    const LobeFit without = fitLobe(result.looks, nothing, true);
-    result.residualMatte = float(without.residual);
-    result.residual = result.residualMatte;
+    const LobeFit without = fitLobe(result.looks, std::vector<Rgb>(result.looks.size(), Rgb(0)), true);
+    result.residualMatte = result.residual = float(without.residual);
     double best = without.residual;
-    for (size_t k = 1; k < basis.lobes.size(); ++k) {
-        const InfluenceMatrix rows = glossyRows(scene, emitters, emitterOfTriangle, lighting.leaves, basis.lobes[k], result.looks, options.rows, progress);
+    const auto attempt = [&](const Lobe& lobe, double needed) {
+        const InfluenceMatrix rows = glossyRows(scene, emitters, emitterOfTriangle, lighting.leaves, lobe, result.looks, options.rows, progress);
         const std::vector<Rgb> response = responses(rows, lighting);
         const LobeFit both = fitLobe(result.looks, response, true), alone = fitLobe(result.looks, response, false);
         // A lobe alone has one unknown a channel where lobe and Lambert have one a vertex: it wins unless clearly worse.
         const bool metal = alone.residual < 1.6 * both.residual;
         const LobeFit& fit = metal ? alone : both;
-        if (fit.residual < 0.9 * best) {
-            best = fit.residual;
-            result.lobe = int(k);
-            result.weight = glm::min(fit.weight, Rgb(4));
-            result.matte = !metal;
-            result.residual = float(fit.residual);
-        }
+        if (fit.residual >= needed * best) return false;
+        best = fit.residual;
+        result.lobe = lobe;
+        result.weight = glm::min(fit.weight, Rgb(4));
+        result.matte = !metal;
+        result.residual = float(fit.residual);
+        return true;
+    };
+    for (size_t k = 1; k < basis.lobes.size(); ++k) attempt(basis.lobes[k], k == 1 ? 0.95 : 1.0);
+    if (!result.lobe || result.residual > 0.85f * result.residualMatte) {
+        result.lobe.reset();
+        return result;
     }
-    if (result.residual > 0.85f * result.residualMatte) result.lobe = -1;
+    for (float step : {1.16f, 1.07f})
+        if (!attempt(withRoughness(*result.lobe, step), 1.0)) attempt(withRoughness(*result.lobe, 1 / step), 1.0);
     return result;
 }
 

@@ -1,5 +1,7 @@
 // Glossy surfaces: which lobes a piece of surface has, how strong they are, and the rows its look-ups add to the lighting program.
 #pragma once
+#include <optional>
+
 #include "base/progress.h"
 #include "brdf/basis.h"
 #include "capture/capture.h"
@@ -21,10 +23,10 @@ struct GlossyLook {
 /// Lobes of one piece: the same weights all over it, beside a Lambert albedo per vertex.
 struct PieceGloss {
     uint32_t piece = 0;
-    int lobe = -1;          ///< index into the basis, -1: none
+    std::optional<Lobe> lobe; ///< none: the piece is matte
     Rgb weight{0};          ///< per channel
     bool matte = true;      ///< false: no Lambert part (metal)
-    float residual = 0;     ///< relative RMS with the lobe
+    float residual = 0;     ///< robust mean squared residual in standard deviations, with the lobe
     float residualMatte = 0;///< and without any
     std::vector<GlossyLook> looks;  ///< the look-ups used, at most maxLooks
 };
@@ -38,11 +40,14 @@ struct GlossOptions {
 /// Evenly spread look-ups of a piece.
 std::vector<GlossyLook> glossyLooks(const Capture& capture, const Scene& scene, const RadianceSamples& samples, uint32_t piece, const GlossOptions& options);
 
-/// Fits each lobe of the basis to the piece under known light, with the Lambert part of every vertex eliminated, and keeps the best one
-/// where it explains the change between views. `lambertLit[v]` = irradiance / pi per mesh vertex. Cost: lobes x looks rows.
+/// Fits each lobe of the basis to the piece under known light, with the Lambert part of every vertex eliminated, refines the
+/// roughness of the best one, and keeps it where it explains the change between views. Cost: about 18 lobes x looks rows.
 PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const std::vector<EmitterSurface>& emitters,
                     const std::vector<int>& emitterOfTriangle, const Lighting& lighting, const BrdfBasis& basis, uint32_t piece,
-                    const std::vector<Rgb>& lambertLit, const GlossOptions& options, Progress& progress);
+                    const GlossOptions& options, Progress& progress);
+
+/// The lobe with its roughness multiplied by `factor`, kept within 0.06 to 0.9, and named after it.
+Lobe withRoughness(const Lobe& lobe, float factor);
 
 /// Rows of one lobe for the given looks.
 InfluenceMatrix glossyRows(const Scene& scene, const std::vector<EmitterSurface>& emitters, const std::vector<int>& emitterOfTriangle,

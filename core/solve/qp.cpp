@@ -41,7 +41,7 @@ struct Pivoting {
 
 }  // namespace
 
-QpResult solveBoundedQp(const Eigen::MatrixXd& q, const Eigen::VectorXd& c, const Eigen::VectorXd& lower) {
+QpResult solveBoundedQp(const Eigen::MatrixXd& q, const Eigen::VectorXd& c, const Eigen::VectorXd& lower, const Eigen::VectorXd* guess) {
     const Eigen::Index n = q.rows();
     QpResult result;
     result.x = lower;
@@ -57,13 +57,13 @@ QpResult solveBoundedQp(const Eigen::MatrixXd& q, const Eigen::VectorXd& c, cons
     Eigen::VectorXd scale(n);
     for (Eigen::Index i = 0; i < n; ++i) scale(i) = q(i, i) > 0 ? 1 / std::sqrt(q(i, i)) : 0;
     Eigen::MatrixXd a = scale.asDiagonal() * q * scale.asDiagonal();
-    for (Eigen::Index i = 0; i < n; ++i) a(i, i) = (scale(i) > 0 ? 1.0 : 1.0) + 1e-12;
+    for (Eigen::Index i = 0; i < n; ++i) a(i, i) = 1 + 1e-12;
     const Eigen::VectorXd b = scale.asDiagonal() * (c - q * lower);
     const double magnitude = std::max(b.cwiseAbs().maxCoeff(), 1e-300);
     const double tolerance = 1e-12 * magnitude;
 
     Pivoting p{a, b, std::vector<char>(size_t(n), 0), Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n)};
-    for (Eigen::Index i = 0; i < n; ++i) p.free_[size_t(i)] = b(i) > 0 && scale(i) > 0;
+    for (Eigen::Index i = 0; i < n; ++i) p.free_[size_t(i)] = scale(i) > 0 && (guess ? (*guess)(i) > lower(i) : b(i) > 0);
     Eigen::Index best = n + 1;
     int patience = 3;
     for (result.iterations = 1; result.iterations <= 500; ++result.iterations) {

@@ -16,7 +16,8 @@ struct QpResult {
 /// Block principal pivoting (Portugal, Judice, Vicente 1994; Kim and Park 2011) on the column-scaled problem with a Cholesky
 /// factor in double; falls back to single exchanges (Murty) when blocks cycle. Q symmetric positive semi-definite; a relative
 /// ridge of 1e-12 makes it definite, so duplicated columns are fine. Cost a few n^3 / 3. Never throws for bad numbers: reports them.
-QpResult solveBoundedQp(const Eigen::MatrixXd& q, const Eigen::VectorXd& c, const Eigen::VectorXd& lower);
+/// `guess`, if not null, names the likely free variables (those above their bound) and saves pivots.
+QpResult solveBoundedQp(const Eigen::MatrixXd& q, const Eigen::VectorXd& c, const Eigen::VectorXd& lower, const Eigen::VectorXd* guess = nullptr);
 
 /// Tiny non-negative least squares for reflectance weights: min |A x - b|^2, x >= 0, by its normal equations (n <= 32).
 Eigen::VectorXd solveSmallNnls(const Eigen::MatrixXd& gram, const Eigen::VectorXd& moment);

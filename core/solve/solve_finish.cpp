@@ -13,13 +13,15 @@ void SolveState::solveReflectance() {
     std::vector<PieceGloss> found;
     GlossOptions glossOptions;
     glossOptions.seed = options_.seed;
+    glossOptions.rows = rowOptions();
+    if (!hasMatte()) glossOptions.maxVertices = 1500;
     std::vector<size_t> sizes(scene_.pieces, 0);
     for (uint32_t v : matte_.vertices) ++sizes[scene_.piece[v]];
     for (uint32_t p = 0; p < scene_.pieces; ++p) {
         if (!matte_.pieceGlossy[p] || sizes[p] < 30) continue;
-        PieceGloss g = fitGloss(capture_, scene_, samples_, surfaces_, clusters_.emitterOfTriangle, lighting_, basis_, p, {}, glossOptions, progress_);
-        if (g.lobe < 0) continue;
-        logInfo("piece {}: {} weight {:.3f} {:.3f} {:.3f}{}, residual {:.2f} of {:.2f}", p, basis_.lobes[size_t(g.lobe)].name, g.weight.x, g.weight.y, g.weight.z,
+        PieceGloss g = fitGloss(capture_, scene_, samples_, surfaces_, clusters_.emitterOfTriangle, lighting_, basis_, p, glossOptions, progress_);
+        if (!g.lobe) continue;
+        logInfo("piece {}: {} weight {:.3f} {:.3f} {:.3f}{}, residual {:.2f} of {:.2f}", p, g.lobe->name, g.weight.x, g.weight.y, g.weight.z,
                 g.matte ? " over Lambert" : "", g.residual, g.residualMatte);
         found.push_back(std::move(g));
     }
@@ -177,17 +179,17 @@ Estimate SolveState::finish() {
     const size_t n = scene_.mesh.vertexCount();
     r.basis.lobes.push_back(basis_.lobes[0]);
     r.weight.push_back(albedo_.albedo);
-    std::vector<int> slot(basis_.lobes.size(), -1);
-    slot[0] = 0;
     for (const PieceGloss& g : gloss_) {
-        int& at = slot[size_t(g.lobe)];
-        if (at < 0) {
-            at = int(r.basis.lobes.size());
-            r.basis.lobes.push_back(basis_.lobes[size_t(g.lobe)]);
+        // Pieces of nearly the same roughness share a lobe.
+        size_t at = 1;
+        const auto alike = [&](const Lobe& l) { return l.kind == g.lobe->kind && std::abs(std::log(l.alpha / g.lobe->alpha)) < 0.08f; };
+        while (at < r.basis.lobes.size() && !alike(r.basis.lobes[at])) ++at;
+        if (at == r.basis.lobes.size()) {
+            r.basis.lobes.push_back(*g.lobe);
             r.weight.emplace_back(n, Rgb(0));
         }
         for (size_t v = 0; v < n; ++v)
-            if (scene_.piece[v] == g.piece && clusters_.emitterOfVertex[v] < 0) r.weight[size_t(at)][v] = g.weight;
+            if (scene_.piece[v] == g.piece && clusters_.emitterOfVertex[v] < 0) r.weight[at][v] = g.weight;
     }
     // Emitters only emit.
     for (size_t v = 0; v < n; ++v)

@@ -2,6 +2,7 @@
 
 #include "base/log.h"
 #include "base/parallel.h"
+#include "solve/one_lobe.h"
 
 namespace relamp {
 
@@ -65,6 +66,7 @@ void SolveState::prepare() {
 void SolveState::uniformLight() {
     lighting_.leaves = LightLeaves::uniform(options_.startLevel);
     anchors_ = lightAnchors(samples_, clusters_, lighting_.leaves);
+    shapeLeaves();
     lighting_.emitterRadiance = anchors_.emitterRadiance;
     influence_ = lambertInfluence(scene_, visibility_, nearField_, lighting_.leaves, matte_.vertices, progress_);
     // A constant environment that would show the median radiance on an albedo of 0.3.
@@ -98,83 +100,42 @@ void SolveState::startFromConstantReflectance() {
     const uint32_t piece = uint32_t(std::max_element(looksOf.begin(), looksOf.end()) - looksOf.begin());
     GlossOptions options;
     options.seed = options_.seed;
-    options.maxVertices = 1500;
+    options.maxVertices = 1000;
+    options.rows = rowOptions();
     const std::vector<GlossyLook> looks = glossyLooks(capture_, scene_, samples_, piece, options);
     if (looks.size() < 40) {
         startFromRatios();
         return;
     }
-    const size_t leaves = lighting_.leaves.size();
     double best = 1e300;
     Lighting bestLighting = lighting_;
     PieceGloss chosen;
-    for (size_t k = 1; k < basis_.lobes.size(); ++k) {
-        if (basis_.lobes[k].kind != Lobe::Kind::ggx) continue;
-        const InfluenceMatrix rows = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves, basis_.lobes[k], looks, options.rows, progress_);
-        // y = w (D L + N P): unknowns are w L and w P, and P is known, so w follows.
-        Lighting trial = lighting_;
-        Rgb weight(1);
-        double residual = 0;
-        std::vector<Rgb> model(looks.size(), Rgb(0));
-        for (int c = 0; c < 3; ++c) {
-            std::vector<float> w(looks.size(), 1);
-            QpResult solution;
-            for (int round = 0; round < 3; ++round) {
-                const auto weightOf = [&](size_t i) { return w[i] / (looks[i].sigma * looks[i].sigma); };
-                Eigen::MatrixXd q = weightedGram(rows, [&](size_t i, float* out) {
-                    for (size_t j = 0; j < rows.columns; ++j) out[j] = weightOf(i) * rows.row(i)[j];
-                }, progress_);
-                Eigen::VectorXd moment = Eigen::VectorXd::Zero(Eigen::Index(rows.columns));
-                for (size_t i = 0; i < rows.rows; ++i)
-                    for (size_t j = 0; j < rows.columns; ++j) moment(Eigen::Index(j)) += double(weightOf(i)) * looks[i].radiance[c] * rows.row(i)[j];
-                const double ridge = 1e-5 * q.diagonal().maxCoeff();
-                for (const auto& [i, j] : lighting_.leaves.neighbourPairs()) {
-                    q(i, i) += ridge;
-                    q(j, j) += ridge;
-                    q(i, j) -= ridge;
-                    q(j, i) -= ridge;
-                }
-                solution = solveBoundedQp(q, moment, Eigen::VectorXd::Zero(moment.size()));
-                for (size_t i = 0; i < rows.rows; ++i) {
-                    double y = 0;
-                    for (size_t j = 0; j < rows.columns; ++j) y += double(rows.row(i)[j]) * solution.x(Eigen::Index(j));
-                    model[i][c] = float(y);
-                    const double r = (y - looks[i].radiance[c]) / looks[i].sigma;
-                    w[i] = float(1 / (1 + r * r / 9));
-                    if (round == 2) residual += 9 * std::log1p(r * r / 9);
-                }
-            }
-            // The weight: from the strongest lamp in this channel, else from the background.
-            double num = 0, den = 0;
-            for (size_t e = 0; e < surfaces_.size(); ++e) {
-                num += solution.x(Eigen::Index(leaves + e)) * double(anchors_.emitterRadiance[e][c]) * surfaces_[e].area();
-                den += double(anchors_.emitterRadiance[e][c]) * double(anchors_.emitterRadiance[e][c]) * surfaces_[e].area();
-            }
-            if (den <= 0 || num <= 0)
-                for (size_t i = 0; i < leaves; ++i) {
-                    if (anchors_.leaves[i].coverage < 0.5f) continue;
-                    num += solution.x(Eigen::Index(i)) * anchors_.leaves[i].radiance[c];
-                    den += double(anchors_.leaves[i].radiance[c]) * anchors_.leaves[i].radiance[c];
-                }
-            weight[c] = den > 0 && num > 0 ? float(num / den) : 0.7f;
-            for (size_t i = 0; i < leaves; ++i) trial.leafRadiance[i][c] = float(solution.x(Eigen::Index(i)) / weight[c]);
-        }
-        residual /= double(3 * looks.size());
-        record("light from one lobe", int(k), residual, 0);
-        logInfo("one lobe {}: residual {:.3f}, weight {:.3f} {:.3f} {:.3f}", basis_.lobes[k].name, residual, weight.x, weight.y, weight.z);
-        if (residual < best) {
-            best = residual;
-            bestLighting = trial;
-            chosen.piece = piece;
-            chosen.lobe = int(k);
-            chosen.weight = weight;
-            chosen.matte = false;
-            chosen.residual = float(residual);
-            chosen.looks = looks;
-        }
-    }
+    chosen.piece = piece;
+    chosen.matte = false;
+    chosen.looks = looks;
+    const auto attempt = [&](const Lobe& lobe) {
+        const InfluenceMatrix rows = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves, lobe, looks, options.rows, progress_);
+        const OneLobeFit fit = fitOneLobe(rows, looks, anchors_, lighting_, progress_);
+        stability_.kktResidual = std::max(stability_.kktResidual, fit.kktResidual);
+        if (fit.residual >= best) return false;
+        best = fit.residual;
+        bestLighting = fit.lighting;
+        chosen.lobe = lobe;
+        chosen.weight = fit.weight;
+        chosen.residual = float(fit.residual);
+        record("light and one lobe", int(timeline_.size()), best, 0);
+        return true;
+    };
+    for (size_t k = 1; k < basis_.lobes.size(); ++k)
+        if (basis_.lobes[k].kind == Lobe::Kind::ggx) attempt(basis_.lobes[k]);
     lighting_ = bestLighting;
     gloss_.assign(1, chosen);
+    logInfo("one lobe, {}: residual {:.2f}, weight {:.3f} {:.3f} {:.3f}", chosen.lobe->name, best, chosen.weight.x, chosen.weight.y, chosen.weight.z);
+    // A mirror-like surface shows the environment sharper than matte ones do: halve the leaves everywhere.
+    std::vector<uint32_t> all(lighting_.leaves.size());
+    for (uint32_t i = 0; i < all.size(); ++i) all[i] = i;
+    splitLeaves(all);
+    improveLight(options_.refineIterations);
 }
 
 bool SolveState::confirmEmitters() {
@@ -233,7 +194,8 @@ bool SolveState::confirmEmitters() {
 }
 
 bool SolveState::refineLeaves() {
-    if (stopped() || lighting_.leaves.size() >= options_.maxLeaves) return false;
+    const size_t limit = hasMatte() ? options_.maxLeaves : options_.maxLeaves + 3 * (size_t(1) << (2 * options_.startLevel));
+    if (stopped() || lighting_.leaves.size() >= limit) return false;
     Rgb total(0);
     for (size_t i = 0; i < lighting_.leaves.size(); ++i) total += lighting_.leafRadiance[i] * lighting_.leaves[i].solidAngle();
     std::vector<std::pair<float, uint32_t>> strong;
@@ -243,10 +205,17 @@ bool SolveState::refineLeaves() {
     }
     if (strong.empty()) return false;
     std::sort(strong.begin(), strong.end(), [](const auto& a, const auto& b) { return a.first != b.first ? a.first > b.first : a.second < b.second; });
+    std::vector<uint32_t> chosen;
+    for (const auto& [share, i] : strong)
+        if (lighting_.leaves.size() + 3 * (chosen.size() + 1) <= limit) chosen.push_back(i);
+    splitLeaves(chosen);
+    return !chosen.empty();
+}
+
+void SolveState::splitLeaves(const std::vector<uint32_t>& chosen) {
     const size_t before = lighting_.leaves.size();
     std::vector<uint32_t> changed;
-    for (const auto& [share, i] : strong) {
-        if (lighting_.leaves.size() + 3 > options_.maxLeaves) break;
+    for (uint32_t i : chosen) {
         const size_t first = lighting_.leaves.size();
         lighting_.leaves.split(i);
         changed.push_back(i);
@@ -266,13 +235,57 @@ bool SolveState::refineLeaves() {
     influence_ = std::move(wider);
     lambertInfluenceOfLeaves(scene_, visibility_, lighting_.leaves, matte_.vertices, changed, influence_, progress_);
     anchors_ = lightAnchors(samples_, clusters_, lighting_.leaves);
-    return true;
+    shapeLeaves();
+}
+
+void SolveState::shapeLeaves() {
+    // Inside a leaf that the background covers, its brightness is known in detail.
+    const DirectionGrid& grid = samples_.backgroundGrid;
+    leafShape_.assign(size_t(grid.cells()), 1.0f);
+    for (int cell = 0; cell < grid.cells(); ++cell) {
+        const size_t leaf = lighting_.leaves.leafOf(grid.direction(cell));
+        const LeafAnchor& a = anchors_.leaves[leaf];
+        if (a.coverage < 0.95f || a.clipped || samples_.backgroundPixels[size_t(cell)] < 4 || !(luminance(a.radiance) > 0)) continue;
+        leafShape_[size_t(cell)] = luminance(samples_.background[size_t(cell)]) / luminance(a.radiance);
+    }
+}
+
+LobeRowOptions SolveState::rowOptions() const {
+    LobeRowOptions options;
+    options.seed = options_.seed;
+    options.shape = leafShape_.empty() ? nullptr : &leafShape_;
+    options.shapeGrid = samples_.backgroundGrid;
+    return options;
 }
 
 void SolveState::improveLight(int iterations) {
     if (stopped()) return;
     if (gloss_.empty()) {
         runAlbedoFree("light from ratios", iterations, nullptr);
+        return;
+    }
+    if (!hasMatte() && gloss_.size() == 1 && !gloss_[0].matte) {
+        PieceGloss& g = gloss_[0];
+        Lighting bestLighting = lighting_;
+        double best = 1e300;
+        const Lobe start = *g.lobe;
+        // The roughness moves with the light: a blurred environment looks like a rough surface.
+        for (float factor : {1.0f, 1.08f, 1 / 1.08f}) {
+            const Lobe lobe = withRoughness(start, factor);
+            const InfluenceMatrix rows = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves, lobe, g.looks, rowOptions(), progress_);
+            const OneLobeFit fit = fitOneLobe(rows, g.looks, anchors_, lighting_, progress_);
+            stability_.kktResidual = std::max(stability_.kktResidual, fit.kktResidual);
+            if (fit.residual >= best) continue;
+            best = fit.residual;
+            bestLighting = fit.lighting;
+            g.lobe = lobe;
+            g.weight = fit.weight;
+            g.residual = float(best);
+        }
+        lighting_ = bestLighting;
+        record("light and one lobe", int(timeline_.size()), best, 0);
+        logInfo("one lobe, {}: residual {:.2f}, weight {:.3f} {:.3f} {:.3f}, {} unknowns, {:.1f} s", g.lobe->name, best, g.weight.x, g.weight.y, g.weight.z,
+                lighting_.leaves.size() + surfaces_.size(), progress_.seconds());
         return;
     }
     const ViewRows rows = viewRows(progress_);
@@ -291,8 +304,9 @@ ViewRows SolveState::viewRows(Progress& progress) {
     }
     size_t at = 0;
     GlossOptions options;
+    options.rows = rowOptions();
     for (const PieceGloss& g : gloss_) {
-        const InfluenceMatrix lobe = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves, basis_.lobes[size_t(g.lobe)], g.looks, options.rows, progress);
+        const InfluenceMatrix lobe = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves, *g.lobe, g.looks, options.rows, progress);
         std::vector<uint32_t> vertices;
         for (const GlossyLook& look : g.looks) vertices.push_back(look.vertex);
         InfluenceMatrix lambert;

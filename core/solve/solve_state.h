@@ -45,10 +45,10 @@ private:
     NearField nearField_;
     InfluenceMatrix influence_;              ///< of the matte observations: leaves, then emitters
     LightAnchors anchors_;
+    std::vector<float> leafShape_;           ///< per cell of the background grid: relative brightness inside its leaf
     Lighting lighting_;
     BrdfBasis basis_ = builtInBasis();
     std::vector<PieceGloss> gloss_;          ///< pieces with a lobe
-    std::vector<std::pair<uint32_t, double>> glossTried_;
     AlbedoResult albedo_;
     std::vector<Rgb> lit_, litSigma_;        ///< per matte observation
     std::vector<TimelineEntry> timeline_;
@@ -56,6 +56,9 @@ private:
 
     void rebuildNearField();
     void uniformLight();
+    void shapeLeaves();
+    LobeRowOptions rowOptions() const;
+    void splitLeaves(const std::vector<uint32_t>& leaves);
     void runAlbedoFree(const std::string& stage, int iterations, const ViewRows* rows);
     ViewRows viewRows(Progress& progress);
     void computeLit();

@@ -112,7 +112,8 @@ void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emit
             if (!(lobeDensity > 0)) continue;
             const float value = evaluateLobe(lobe, local[i], eye) * local[i].z;
             if (!hits[i]) {
-                row[leaves.leafOf(rays[i].direction)] += value / lobeDensity;
+                const float shape = options.shape ? (*options.shape)[size_t(options.shapeGrid.cellOf(rays[i].direction))] : 1.0f;
+                row[leaves.leafOf(rays[i].direction)] += shape * value / lobeDensity;
                 continue;
             }
             const int e = emitterOfTriangle.empty() ? -1 : emitterOfTriangle[hits[i].triangle];

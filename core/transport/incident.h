@@ -26,9 +26,12 @@ void lambertInfluenceOfLeaves(const Scene& scene, const Visibility& visibility, 
                               const std::vector<uint32_t>& leafIndices, InfluenceMatrix& matrix, Progress& progress);
 
 struct LobeRowOptions {
-    int lobeSamples = 64;     ///< directions drawn from the lobe
+    int lobeSamples = 128;    ///< directions drawn from the lobe
     int emitterSamples = 32;  ///< directions drawn from each emitter
     uint64_t seed = 1;
+    /// Optional: relative brightness inside a leaf where the background shows it (mean 1 over each leaf), per cell of `shapeGrid`.
+    const std::vector<float>* shape = nullptr;
+    DirectionGrid shapeGrid;
 };
 
 /// One row for a look at `vertex` from the unit direction `towardEye` through a GGX lobe: `row` holds leaves then emitters.

@@ -1,0 +1,178 @@
+#include <fmt/format.h>
+
+#include "image/image_io.h"
+#include "report/comparison.h"
+#include "report/html.h"
+#include "report/log_plot.h"
+
+namespace relamp {
+namespace {
+
+using Modes = std::array<ComparedMode, 2>;
+
+std::string heading(const std::string& title, const std::string& explanation) { return "<h2>" + htmlText(title) + "</h2>\n<p>" + htmlText(explanation) + "</p>\n"; }
+
+std::string grid(const char* columns, const std::string& figures) { return fmt::format("<div class=\"grid {}\">\n{}</div>\n", columns, figures); }
+
+std::string rgbText(const Rgb& c) { return fmt::format("{:.3g} {:.3g} {:.3g}", c.x, c.y, c.z); }
+
+/// Brightest channel full, so that a lamp's colour shows whatever its power.
+std::string swatch(const Rgb& c) {
+    const Rgb hue = c / std::max(maxChannel(c), 1e-12f);
+    return fmt::format("<span class=\"swatch\" style=\"background:rgb({:.0f},{:.0f},{:.0f})\"></span>", 255 * srgbEncode(hue.x), 255 * srgbEncode(hue.y), 255 * srgbEncode(hue.z));
+}
+
+std::string stops(float value) { return fmt::format("{:+.1f} stops", value); }
+
+std::string figureRow(const char* what, const char* about, const std::string& near, const std::string& distant) {
+    return fmt::format("<tr><td>{}<small>{}</small></td><td class=\"number\">{}</td><td class=\"number\">{}</td></tr>\n", what, about, htmlText(near), htmlText(distant));
+}
+
+std::string figuresTable(const Comparison& c) {
+    std::string rows;
+    const auto row = [&](const char* what, const char* about, auto&& value) { rows += figureRow(what, about, value(c.modes[0]), value(c.modes[1])); };
+    const auto estimate = [](const ComparedMode& m) -> const Estimate& { return m.shot.estimate; };
+    row("Likeness to the photographs", "PSNR of the model on the surfaces, as they appear on screen. A good likeness alone proves little: a wrong light can be painted into the surfaces.",
+        [](const ComparedMode& m) { return fmt::format("{:.1f} dB", m.psnr); });
+    row("Worst photograph", "The view that is reproduced least well.", [](const ComparedMode& m) { return fmt::format("{:.1f} dB, {}", m.worstPsnr, m.worstView); });
+    row("Colour in the surfaces", "Mean angle between the surfaces' own colour and grey. Less is better only where it was the light's colour.",
+        [](const ComparedMode& m) { return fmt::format("{:.1f}\u00b0", m.tintDegrees); });
+    row("Lamps found", "Patches of the mesh that send light of their own.", [&](const ComparedMode& m) { return fmt::format("{}", estimate(m).emitters.emitters.size()); });
+    row("Distant light", "Number of patches of sky or room whose light was told apart.", [&](const ComparedMode& m) { return fmt::format("{}", estimate(m).lighting.leaves.size()); });
+    row("Time", "Seconds from the photographs to the answer.", [](const ComparedMode& m) { return fmt::format("{:.1f} s", m.shot.resources.seconds); });
+    row("Memory", "The most this run had used by then.", [](const ComparedMode& m) { return fmt::format("{:.0f} MiB", m.shot.resources.peakMib); });
+    row("KKT residual", "How exactly the lighting equations were solved; 1e-6 and less is exact for all purposes.",
+        [&](const ComparedMode& m) { return fmt::format("{:.1e}", estimate(m).stability.kktResidual); });
+    row("Condition number", "How much the lighting equations magnify errors, and how many of the unknowns the photographs pin down.", [&](const ComparedMode& m) {
+        const StabilityReport& s = estimate(m).stability;
+        return fmt::format("{:.1e}, {} of {}", s.conditionNumber, s.effectiveRank, s.unknowns);
+    });
+    row("Brightness scale", "What decides between a bright lamp on dark surfaces and a dim lamp on bright ones.", [&](const ComparedMode& m) { return estimate(m).gauge.kind; });
+    return "<div class=\"wide\"><table><tr><th></th><th>Lamps in the scene</th><th>Distant light only</th></tr>\n" + rows + "</table></div>\n";
+}
+
+std::string viewSection(const ComparedView& view) {
+    const char* names[] = {"lamps in the scene", "distant light only"};
+    std::string figures = htmlPicture(view.photograph, "Photograph", "");
+    for (size_t m = 0; m < 2; ++m) {
+        if (m == 1) figures += "<div></div>\n";
+        figures += htmlPicture(view.model[m], fmt::format("Model, {}", names[m]), fmt::format("{:.1f} dB", view.psnr[m]));
+        figures += htmlPicture(view.difference[m], "Difference", "");
+        figures += htmlPicture(view.albedo[m], "Surfaces without light", "");
+    }
+    return "<h3>" + htmlText(view.name) + "</h3>\n" + grid("four", figures);
+}
+
+std::string evidenceText(const EmitterEvidence& e) {
+    std::string text = fmt::format("{:.3g} times as bright as the other surfaces", e.sceneContrast);
+    if (e.localContrast > 0) text += fmt::format(", {:.3g} times its surroundings", e.localContrast);
+    text += fmt::format("; even within {:.1f} %, changes by {:.1f} % from view to view", 100 * e.uniformity, 100 * e.viewSpread);
+    if (e.demandedAlbedo > 0) text += fmt::format("; a surface would have to reflect {:.3g} times what reaches it", e.demandedAlbedo);
+    return text;
+}
+
+std::string lampsTable(const Estimate& e) {
+    if (e.emitters.emitters.empty()) return "<p>No patch of the scene shines on its own: everything is lit from far away.</p>\n";
+    std::string rows;
+    for (size_t i = 0; i < e.emitters.emitters.size(); ++i) {
+        const EmitterCluster& lamp = e.emitters.emitters[i];
+        const Rgb& radiance = e.lighting.emitterRadiance[i];
+        const std::string sigma = i < e.emitterSigma.size() ? fmt::format("\u00b1 {}", rgbText(e.emitterSigma[i])) : "";
+        const std::string share = i < e.identifiability.size() ? fmt::format("{:.0f} %", 100 * e.identifiability[i]) : "";
+        const std::string clipped = lamp.evidence.clippedShare > 0 ? fmt::format("<small>{:.0f} % of the looks are clipped</small>", 100 * lamp.evidence.clippedShare) : "";
+        rows += fmt::format("<tr><td class=\"number\">{}{}</td><td class=\"number\">{}<small>{}</small></td><td class=\"number\">{:.3g} cm\u00b2</td><td class=\"number\">{}{}</td>"
+                            "<td class=\"number\">{}</td><td>{}<small>{}</small></td></tr>\n",
+                            swatch(radiance), htmlText(lamp.id), rgbText(radiance), sigma, lamp.area * 1e4, lamp.evidence.viewsSeen, clipped, share,
+                            htmlText(evidenceText(lamp.evidence)), fmt::format("{} look-ups", lamp.evidence.samples));
+    }
+    return "<div class=\"wide\"><table><tr><th>Lamp</th><th>Radiance R G B</th><th>Area</th><th>Views</th><th>Certain</th><th>Evidence</th></tr>\n" + rows + "</table></div>\n"
+           "<p>Certain: the share of the lamp's effect on the photographs that no distant light could imitate. Below 15 % its power is a guess.</p>\n";
+}
+
+std::string rejectedTable(const Estimate& e) {
+    if (e.emitters.rejected.empty()) return "";
+    constexpr size_t most = 20;
+    std::string rows;
+    for (size_t i = 0; i < std::min(most, e.emitters.rejected.size()); ++i) {
+        const RejectedPatch& patch = e.emitters.rejected[i];
+        rows += fmt::format("<tr><td class=\"number\">{:.2f} {:.2f} {:.2f} m</td><td class=\"number\">{}{}</td><td>{}</td></tr>\n", patch.centroid.x, patch.centroid.y,
+                            patch.centroid.z, swatch(patch.radiance), rgbText(patch.radiance), htmlText(patch.reason));
+    }
+    std::string more;
+    if (e.emitters.rejected.size() > most) more = fmt::format("<p>and {} more.</p>\n", e.emitters.rejected.size() - most);
+    return "<h3>Bright, but no lamps</h3>\n<div class=\"wide\"><table><tr><th>Where</th><th>Radiance R G B</th><th>Why it was not taken for a lamp</th></tr>\n" + rows +
+           "</table></div>\n" + more;
+}
+
+std::string leftOutTable(const Modes& modes) {
+    std::string rows;
+    for (const ComparedMode& mode : modes)
+        for (const LeftOut& l : mode.shot.estimate.leftOut)
+            rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td></tr>\n", htmlText(mode.name), htmlText(l.what), htmlText(l.why));
+    for (const ComparedMode& mode : modes) {
+        const Estimate& e = mode.shot.estimate;
+        if (!e.stability.reason.empty()) rows += fmt::format("<tr><td>{}</td><td>full convergence</td><td>{}</td></tr>\n", htmlText(mode.name), htmlText(e.stability.reason));
+        if (e.cancelled) rows += fmt::format("<tr><td>{}</td><td>the rest of the solve</td><td>stopped early: the best answer until then</td></tr>\n", htmlText(mode.name));
+    }
+    if (rows.empty()) return "";
+    return "<div class=\"wide\"><table><tr><th>Mode</th><th>Left out</th><th>Why</th></tr>\n" + rows + "</table></div>\n";
+}
+
+std::string plotOf(const Modes& modes) {
+    std::vector<PlotCurve> curves;
+    for (size_t m = 0; m < 2; ++m) {
+        PlotCurve curve{m == 0 ? "lamps in the scene" : "distant light only", m == 0 ? "#e8a24a" : "#6fa8dc", m == 1, {}};
+        for (const TimelineEntry& t : modes[m].shot.estimate.timeline)
+            curve.points.push_back({t.seconds, t.rmse, fmt::format("{}, step {}: {:.2f} s, error {:.3g}", t.stage, t.iteration, t.seconds, t.rmse)});
+        curves.push_back(std::move(curve));
+    }
+    return logPlotSvg(curves, "seconds since the photographs were opened", "error against the photographs (radiance)");
+}
+
+}  // namespace
+
+std::string comparisonPage(const Comparison& c) {
+    const Modes& modes = c.modes;
+    const auto pair = [&](auto&& picture, const char* near, const char* distant) {
+        return htmlPicture(picture(modes[0]), near, "") + htmlPicture(picture(modes[1]), distant, "");
+    };
+    const char *near = "Lamps in the scene", *distant = "Distant light only";
+    std::string body = "<h1>" + htmlText(c.capture) + ": two ways to explain the light</h1>\n";
+    body += fmt::format("<p>{} photographs, a mesh of {} vertices and {} triangles. The same photographs were explained twice: once with lamps that stand in the "
+                        "scene and light it from near (near-field), once as if all light came from far away (distant-only). What a lamp does and the second way "
+                        "cannot say ends up painted on the surfaces.</p>\n",
+                        c.views, c.vertices, c.triangles);
+    body += heading("Figures", fmt::format("Measured over {} of {} photographs.", c.measuredViews, c.views)) + figuresTable(c);
+    for (const ComparedMode& m : modes)
+        if (!m.shot.estimate.gauge.evidence.empty())
+            body += fmt::format("<p>Brightness scale, {}: {}</p>\n", htmlText(m.name), htmlText(m.shot.estimate.gauge.evidence));
+
+    body += heading("Correction colours",
+                    "The tint of the surfaces with their brightness taken away. Neutral grey needs no correction; a warm stain near a lamp is lamplight that was taken for paint.");
+    std::string tints;
+    for (const ComparedView& view : c.shown)
+        tints += htmlPicture(view.tint[0], near, view.name) + htmlPicture(view.tint[1], distant, view.name);
+    body += grid("two", tints);
+
+    body += heading("View by view",
+                    "The photograph, what each model makes of it, and where they part: grey is equal, brighter means the model is too bright there, darker too dark. "
+                    "Surfaces without light show each surface's own colour, on an absolute scale.");
+    for (const ComparedView& view : c.shown) body += viewSection(view);
+
+    body += heading("Lamps off", fmt::format("What the distant light alone does. Exposed {} against the first photograph, both alike. Distant-only has no lamp to switch off, "
+                                             "so all light stays.", stops(c.offStops)));
+    body += grid("two", pair([](const ComparedMode& m) -> const Image& { return m.emittersOff; }, near, distant));
+    body += heading("Under a white sky", "Lamps off, the same light from everywhere. Shadows of the old light that still show were taken for paint.");
+    body += grid("two", pair([](const ComparedMode& m) -> const Image& { return m.white; }, near, distant));
+    body += heading("Surroundings", fmt::format("The recovered distant light in all directions, straight up at the top. Exposed {} against the first photograph, both alike. "
+                                                "A bright spot that is not in the room is a lamp in disguise.", stops(c.environmentStops)));
+    body += grid("two", pair([](const ComparedMode& m) -> const Image& { return m.environment; }, near, distant));
+
+    body += heading("Lamps", "What shines in the scene, and why it is believed to.") + lampsTable(modes[0].shot.estimate) + rejectedTable(modes[0].shot.estimate);
+    body += heading("Error against run time", "How fast each way closes in on the photographs, from the first guess on. Both axes are logarithmic; rest on a point for its stage.") +
+            plotOf(modes);
+    body += heading("Left out", "What this scene did not need, and what this version does not do.") + leftOutTable(modes);
+    return htmlPage("relamp: " + c.capture, body);
+}
+
+}  // namespace relamp
