@@ -169,15 +169,18 @@ int showInfo(const fs::path& path, bool json, Progress& progress) {
         std::puts(result.dump(1).c_str());
         return 0;
     }
+    std::string text;  // whole before any of it is shown: a broken file prints nothing
     if (!isShot) {
-        fmt::print("capture: {} views, {} vertices, {} triangles\n", result["views"].dump(), result["vertices"].dump(), result["triangles"].dump());
+        text += fmt::format("capture: {} views, {} vertices, {} triangles\n", result["views"].dump(), result["vertices"].dump(), result["triangles"].dump());
+        std::fputs(text.c_str(), stdout);
         return 0;
     }
-    fmt::print("shot ({}), solved in {:.1f} s\n", result["mode"].get<std::string>(), result["resources"]["seconds"].get<double>());
+    text += fmt::format("shot ({}), solved in {:.1f} s\n", result["mode"].get<std::string>(), result["resources"]["seconds"].get<double>());
     for (const auto& e : result["emitters"])
-        fmt::print("  {}  radiance {}  area {:.4g} m2  seen in {} views  identifiable {:.0f} %\n", e["id"].get<std::string>(), e["power"].dump(), e["area_m2"].get<double>(), e["views_seen"].dump(), 100 * e.value("identifiability", 0.0));
-    fmt::print("  environment: {} coefficients\n  gauge: {} ({})\n", result["environment"]["kept_coefficients"].dump(), result["gauge"]["kind"].get<std::string>(), result["gauge"]["evidence"].get<std::string>());
-    for (const auto& l : result["left_out"]) fmt::print("  left out: {} ({})\n", l["what"].get<std::string>(), l["why"].get<std::string>());
+        text += fmt::format("  {}  radiance {}  area {:.4g} m2  seen in {} views  identifiable {:.0f} %\n", e["id"].get<std::string>(), e["power"].dump(), e["area_m2"].get<double>(), e["views_seen"].dump(), 100 * e.value("identifiability", 0.0));
+    text += fmt::format("  environment: {} coefficients\n  gauge: {} ({})\n", result["environment"]["kept_coefficients"].dump(), result["gauge"]["kind"].get<std::string>(), result["gauge"]["evidence"].get<std::string>());
+    for (const auto& l : result["left_out"]) text += fmt::format("  left out: {} ({})\n", l["what"].get<std::string>(), l["why"].get<std::string>());
+    std::fputs(text.c_str(), stdout);
     return 0;
 }
 

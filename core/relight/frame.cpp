@@ -82,12 +82,18 @@ public:
         const bool anything = maxChannel(s.albedo) > 0 || !s.lobes.empty();
         if (!anything) return;
         distantCount_ = !relit_.distant->black() && lights_.distant.prepare(s.normal, proposal_) ? options_.distantSamples : 0;
+        // A share from the cosine alone: where the bright part of the sky is hidden, the rest is not left to chance.
+        cosineCount_ = distantCount_ > 0 && maxChannel(s.albedo) > 0 ? std::max(1, options_.distantSamples / 4) : 0;
         const Vec2 shift = randomShift(seed, 1, 0);
         const uint32_t total = uint32_t(options_.samplesPerPixel * options_.distantSamples);
         for (int i = 0; i < distantCount_; ++i) {
             const uint32_t n = permuted(index, uint32_t(i), total);
             const Vec3 d = lights_.distant.sample(proposal_, {(float(n) + jitter(seed, n)) / float(total), r2Point(n, shift).y});
             queue(s, origin, d, 1e30f, -1, 0, out);
+        }
+        for (int i = 0; i < cosineCount_; ++i) {
+            const Vec3 local = cosineHemisphere(r2Point(index * uint32_t(cosineCount_) + uint32_t(i), randomShift(seed, 3, 0)));
+            queue(s, origin, s.frame * local, 1e30f, -1, 0, out);
         }
         for (size_t e : lights_.lit) {
             if (!lights_.emitters[e].prepare(s.position, s.normal, emitterProposal_[e])) continue;
@@ -121,7 +127,7 @@ private:
     const Lights& lights_;
     const RelitScene& relit_;
     const FrameOptions& options_;
-    int emitterSamples_ = 1, distantCount_ = 0;
+    int emitterSamples_ = 1, distantCount_ = 0, cosineCount_ = 0;
     DistantSampler::Proposal proposal_;
     std::vector<EmitterSampler::Proposal> emitterProposal_;
     // A packet being filled.
@@ -146,6 +152,10 @@ private:
         for (const auto& [k, w] : s.lobes) d += float(options_.lobeSamples) * ggxSampleDensity(light, s.eye, relit_.basis.lobes[k].alpha);
         return d;
     }
+    /// Sum of count x density of the samples drawn for the environment.
+    float distantDensity(const Vec3& direction, float cosine) const {
+        return float(distantCount_) * lights_.distant.density(proposal_, direction) + float(cosineCount_) * std::max(0.0f, cosine) / pi;
+    }
     void queue(const Surface& s, const Vec3& origin, const Vec3& d, float far, int emitter, float density, Gather& out) {
         if (glm::dot(d, s.geometric) <= 0 || glm::dot(d, s.normal) <= 0 || far <= 0) return;
         rays_[count_] = {origin, d, 0, far};
@@ -161,8 +171,11 @@ private:
             const Vec3 light = glm::transpose(s.frame) * rays_[i].direction;
             const Rgb f = reflectanceTimesCosine(s, light);
             const float other = lobeDensity(s, light);
-            if (emitter_[i] < 0) out.world += f * relit_.distant->radiance(rays_[i].direction) / (float(distantCount_) * lights_.distant.density(proposal_, rays_[i].direction) + other);
-            else out.byEmitter[size_t(emitter_[i])] += f * relit_.emitters[size_t(emitter_[i])].radiance / (float(emitterSamples_) * density_[i] + other);
+            const float own = emitter_[i] < 0 ? distantDensity(rays_[i].direction, light.z) : float(emitterSamples_) * density_[i];
+            // A direction on the rim of its cell may round into a black neighbour, which is never drawn and sends nothing.
+            if (!(own + other > 0)) continue;
+            if (emitter_[i] < 0) out.world += f * relit_.distant->radiance(rays_[i].direction) / (own + other);
+            else out.byEmitter[size_t(emitter_[i])] += f * relit_.emitters[size_t(emitter_[i])].radiance / (own + other);
         }
         count_ = 0;
     }
@@ -180,7 +193,7 @@ private:
             const float own = lobeDensity(s, light);
             if (!hits[i]) {
                 if (!distantCount_) continue;
-                const float density = float(distantCount_) * lights_.distant.density(proposal_, rays_[i].direction) + own;
+                const float density = distantDensity(rays_[i].direction, light.z) + own;
                 if (density > 0) out.world += reflectanceTimesCosine(s, light) * relit_.distant->radiance(rays_[i].direction) / density;
                 continue;
             }

@@ -41,14 +41,17 @@ DistantSampler::DistantSampler(const DistantLight& light) : light_(light) {
 }
 
 bool DistantSampler::prepare(const Vec3& normal, Proposal& p) const {
-    if (glm::dot(normal, p.normal) > 0.9962f && glm::dot(p.normal, p.normal) < 2) return p.total > 0;
+    if (glm::dot(normal, p.normal) > 0.9994f && glm::dot(p.normal, p.normal) < 2) return p.total > 0;
     const size_t n = energy_.size();
     p.normal = normal;
     p.weight.resize(n);
     p.cumulative.resize(n);
-    // A cell at the horizon still reaches above it: half its width, plus the 5 degrees the normal may be off.
-    const float margin = 0.09f + 1.0f / float(coarse_.side);
-    for (size_t i = 0; i < n; ++i) p.weight[i] = energy_[i] * std::max(0.0f, glm::dot(normal, direction_[i]) + margin);
+    // A cell across the horizon counts with the mean of its cosine above it; its half width, and the 2 degrees the normal may be off.
+    const float half = 1.8f / float(coarse_.side) + 0.035f;
+    for (size_t i = 0; i < n; ++i) {
+        const float c = glm::dot(normal, direction_[i]);
+        p.weight[i] = energy_[i] * (c >= half ? c : c <= -half ? 0.0f : (c + half) * (c + half) / (4 * half));
+    }
     float sum = 0;
     for (size_t i = 0; i < n; ++i) {
         sum += p.weight[i];

@@ -21,7 +21,7 @@ public:
         std::vector<float> weight;
         float total = 0;
     };
-    /// Prepares `proposal` for a normal; keeps it when the normal is the same within 5 degrees. False: no light can arrive.
+    /// Prepares `proposal` for a normal; keeps it when the normal is the same within 2 degrees. False: no light can arrive.
     bool prepare(const Vec3& normal, Proposal& proposal) const;
     Vec3 sample(const Proposal& proposal, const Vec2& u) const;
     /// Density per steradian of sample().

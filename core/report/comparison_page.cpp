@@ -22,6 +22,9 @@ std::string swatch(const Rgb& c) {
     return fmt::format("<span class=\"swatch\" style=\"background:rgb({:.0f},{:.0f},{:.0f})\"></span>", 255 * srgbEncode(hue.x), 255 * srgbEncode(hue.y), 255 * srgbEncode(hue.z));
 }
 
+/// Three digits, without exponents as long as people read numbers without them.
+std::string times(float value) { return std::abs(value) < 1e5f ? fmt::format("{:.{}f}", value, value < 10 ? 2 : value < 100 ? 1 : 0) : fmt::format("{:.0e}", value); }
+
 std::string stops(float value) { return fmt::format("{:+.1f} stops", value); }
 
 std::string figureRow(const char* what, const char* about, const std::string& near, const std::string& distant) {
@@ -64,10 +67,10 @@ std::string viewSection(const ComparedView& view) {
 }
 
 std::string evidenceText(const EmitterEvidence& e) {
-    std::string text = fmt::format("{:.3g} times as bright as the other surfaces", e.sceneContrast);
-    if (e.localContrast > 0) text += fmt::format(", {:.3g} times its surroundings", e.localContrast);
+    std::string text = fmt::format("{} times as bright as the other surfaces", times(e.sceneContrast));
+    if (e.localContrast > 0) text += fmt::format(", {} times its surroundings", times(e.localContrast));
     text += fmt::format("; even within {:.1f} %, changes by {:.1f} % from view to view", 100 * e.uniformity, 100 * e.viewSpread);
-    if (e.demandedAlbedo > 0) text += fmt::format("; a surface would have to reflect {:.3g} times what reaches it", e.demandedAlbedo);
+    if (e.demandedAlbedo > 0) text += fmt::format("; a surface would have to reflect {} times what reaches it", times(e.demandedAlbedo));
     return text;
 }
 
@@ -150,9 +153,9 @@ std::string comparisonPage(const Comparison& c) {
     body += heading("Correction colours",
                     "The tint of the surfaces with their brightness taken away. Neutral grey needs no correction; a warm stain near a lamp is lamplight that was taken for paint.");
     std::string tints;
-    for (const ComparedView& view : c.shown)
-        tints += htmlPicture(view.tint[0], near, view.name) + htmlPicture(view.tint[1], distant, view.name);
-    body += grid("two", tints);
+    for (size_t m = 0; m < 2; ++m)
+        for (const ComparedView& view : c.shown) tints += htmlPicture(view.tint[m], m == 0 ? near : distant, view.name);
+    body += grid(c.shown.size() == 3 ? "three" : c.shown.size() == 1 ? "one" : "two", tints);
 
     body += heading("View by view",
                     "The photograph, what each model makes of it, and where they part: grey is equal, brighter means the model is too bright there, darker too dark. "

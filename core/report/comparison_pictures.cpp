@@ -88,9 +88,7 @@ void measureViews(const Capture& capture, const std::array<RelitScene, 2>& relit
             pictures.model[m] = scaledBy(model, exposure);
             pictures.difference[m] = differenceOf(model, photograph, exposure);
             pictures.albedo[m] = over(frame.albedo, frame.alpha, frame.width, frame.height, pageGround);
-            Image albedo(frame.width, frame.height);
-            albedo.pixels = frame.albedo;
-            pictures.tint[m] = tintOf(albedo);
+            pictures.tint[m] = over(tintsOf(frame.albedo, frame.alpha), frame.alpha, frame.width, frame.height, pageGround);
         }
         if (show) comparison.shown.push_back(std::move(pictures));
     }

@@ -69,13 +69,13 @@ Image differenceOf(const Image& picture, const Image& reference, float exposure)
     return out;
 }
 
-Image tintOf(const Image& albedo) {
-    Image out = albedo;
-    for (Rgb& c : out.pixels) {
-        const float y = luminance(c);
-        c = y > 0.002f ? c * (0.3f / y) : Rgb(0.3f);
+std::vector<Rgb> tintsOf(const std::vector<Rgb>& albedo, const std::vector<float>& alpha) {
+    std::vector<Rgb> tints(albedo.size());
+    for (size_t i = 0; i < tints.size(); ++i) {
+        const float y = luminance(albedo[i]);
+        tints[i] = (y > 0.002f ? albedo[i] / y : Rgb(1)) * (0.3f * alpha[i]);
     }
-    return out;
+    return tints;
 }
 
 Image over(const std::vector<Rgb>& pixels, const std::vector<float>& alpha, int width, int height, const Rgb& ground) {
@@ -95,7 +95,7 @@ DisplayError displayError(const Image& picture, const Image& reference, const st
             const double step = srgbEncode(picture.pixels[i][c] * exposure) - srgbEncode(reference.pixels[i][c] * exposure);
             sum += step * step;
         }
-        error.squares += sum / 3;
+        error.squares += std::isfinite(sum) ? sum / 3 : 1;  // a pixel that is no number is as wrong as can be
         ++error.pixels;
     }
     return error;

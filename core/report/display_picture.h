@@ -22,9 +22,9 @@ Image scaledBy(Image image, float exposure);
 /// Signed difference in display values about middle grey: grey is equal, brighter is `picture` too bright, twice the contrast.
 Image differenceOf(const Image& picture, const Image& reference, float exposure);
 
-/// What is left of a colour when its brightness is divided out: luminance 0.3 everywhere, grey where there is no tint.
-/// Colours darker than 0.002 count as neutral, because their tint is noise.
-Image tintOf(const Image& albedo);
+/// What is left of surface colours when their brightness is divided out: luminance 0.3 where a surface is (times its coverage),
+/// grey where there is no tint. Colours darker than 0.002 count as neutral, because their tint is noise.
+std::vector<Rgb> tintsOf(const std::vector<Rgb>& albedo, const std::vector<float>& alpha);
 
 /// A picture over a flat colour by its coverage.
 Image over(const std::vector<Rgb>& pixels, const std::vector<float>& alpha, int width, int height, const Rgb& ground);

@@ -50,6 +50,8 @@ h3 { font-size: 15px; font-weight: 600; margin: 26px 0 8px; color: #e2e2e2; }
 p { margin: 4px 0 14px; max-width: 92ch; color: #b4b4b4; }
 .grid { display: grid; gap: 14px; align-items: start; }
 .two { grid-template-columns: repeat(2, minmax(0, 1fr)); }
+.one { grid-template-columns: minmax(0, 700px); }
+.three { grid-template-columns: repeat(3, minmax(0, 1fr)); }
 .four { grid-template-columns: repeat(4, minmax(0, 1fr)); }
 figure { margin: 0; }
 img { display: block; width: 100%; height: auto; background: #2a2a2a; border-radius: 3px; }
@@ -57,7 +59,7 @@ figcaption { margin-top: 5px; font-size: 13px; line-height: 1.4; color: #a6a6a6;
 figcaption b { color: #dedede; font-weight: 600; }
 table { border-collapse: collapse; margin: 8px 0; }
 th, td { text-align: left; vertical-align: top; padding: 6px 22px 6px 0; border-bottom: 1px solid #383838; }
-th { color: #e6e6e6; font-weight: 600; }
+th { white-space: nowrap; color: #e6e6e6; font-weight: 600; }
 td small { display: block; color: #979797; font-size: 12.5px; }
 td.number { font-variant-numeric: tabular-nums; white-space: nowrap; color: #ececec; }
 .swatch { display: inline-block; width: 14px; height: 14px; border-radius: 7px; vertical-align: -2px; margin-right: 7px; border: 1px solid #555; }

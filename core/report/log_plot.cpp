@@ -10,7 +10,7 @@
 namespace relamp {
 namespace {
 
-constexpr double width = 860, height = 380, left = 78, right = 24, top = 18, bottom = 52;
+constexpr double width = 860, height = 380, left = 78, right = 24, top = 36, bottom = 52;
 
 bool drawable(const PlotPoint& p) { return p.x > 0 && p.y > 0 && std::isfinite(p.x) && std::isfinite(p.y); }
 
@@ -65,7 +65,7 @@ std::string logPlotSvg(const std::vector<PlotCurve>& curves, const std::string& 
                            width - right, left - 8, y.at(value) + 4, value);
     svg += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n", (left + width - right) / 2, height - 12, htmlText(xLabel));
     svg += fmt::format("<text transform=\"translate(18 {}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n", (top + height - bottom) / 2, htmlText(yLabel));
-    double legend = top + 22;
+    double legend = left;  // names stand in a row above the field, where no curve can run through them
     for (const PlotCurve& curve : curves) {
         std::string path, dots;
         for (const PlotPoint& p : curve.points) {
@@ -76,9 +76,9 @@ std::string logPlotSvg(const std::vector<PlotCurve>& curves, const std::string& 
         if (path.empty()) continue;
         const char* dash = curve.dashed ? " stroke-dasharray=\"7 5\"" : "";
         svg += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.8\"{}/>\n{}", path, curve.colour, dash, dots);
-        svg += fmt::format("<path d=\"M{} {}h34\" stroke=\"{}\" stroke-width=\"1.8\"{}/><text x=\"{}\" y=\"{}\" text-anchor=\"end\" fill=\"#dcdcdc\">{}</text>\n",
-                           width - right - 46, legend - 4, curve.colour, dash, width - right - 54, legend, htmlText(curve.name));
-        legend += 20;
+        svg += fmt::format("<path d=\"M{} {}h34\" stroke=\"{}\" stroke-width=\"1.8\"{}/><text x=\"{}\" y=\"{}\" fill=\"#dcdcdc\">{}</text>\n", legend, top - 18,
+                           curve.colour, dash, legend + 42, top - 14, htmlText(curve.name));
+        legend += 80 + 7.2 * double(curve.name.size());
     }
     return svg + "</svg>\n";
 }

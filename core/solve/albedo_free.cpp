@@ -70,7 +70,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
     const Eigen::Index n = Eigen::Index(influence.columns);
     const Adjacency adjacency = adjacencyOf(rows, pairs);
     const RowMap b(influence.values.data(), Eigen::Index(rows), n);
-    const auto neighbours = lighting.leaves.neighbourPairs();
+    const LightPrior prior(lighting.leaves, anchors, options.light);
 
     Eigen::VectorXd x[3];
     Eigen::VectorXf lit[3];  // B x
@@ -103,30 +103,6 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
                 out[c].segment(Eigen::Index(begin), Eigen::Index(end - begin)).noalias() = b.middleRows(Eigen::Index(begin), Eigen::Index(end - begin)) * xf;
             });
         }
-    };
-    // The priors on one channel of the light: smoothness relative to its own brightness, and what is seen directly.
-    const auto meanLight = [&](const Eigen::VectorXd& light) {
-        double mean = 0;
-        for (size_t i = 0; i < leafCount; ++i) mean += light(Eigen::Index(i)) * lighting.leaves[i].solidAngle() / (4 * piD);
-        return std::max(mean, 1e-9 * (1e-12 + light.maxCoeff()));
-    };
-    const auto smoothnessOf = [&](uint32_t i, uint32_t j) {
-        // A seen leaf must not pull its unseen neighbours to its own brightness: that would fix the scale by a prior.
-        return options.smoothness * (1.02 - double(std::max(anchors.leaves[i].coverage, anchors.leaves[j].coverage)));
-    };
-    const auto backgroundOf = [&](const LeafAnchor& a, int c, double unit) {
-        const double spread = 0.02 + 0.7 * (1 - double(a.coverage)), value = a.radiance[c];
-        return a.coverage > 0.05f && !a.clipped ? options.backgroundWeight / (spread * spread) / (value * value + 0.01 * unit * unit) : 0.0;
-    };
-    const auto lightPrior = [&](const Eigen::VectorXd& light, int c) {
-        const double unit = meanLight(light);
-        double sum = 0;
-        for (const auto& [i, j] : neighbours) {
-            const double middle = 0.5 * (light(i) + light(j)), difference = light(i) - light(j);
-            sum += smoothnessOf(i, j) * difference * difference / (unit * unit + middle * middle);
-        }
-        for (size_t i = 0; i < leafCount; ++i) sum += backgroundOf(anchors.leaves[i], c, unit) * std::pow(light(Eigen::Index(i)) - double(anchors.leaves[i].radiance[c]), 2);
-        return sum / 3;  // the data term is a mean over channels
     };
     // The robust objective; fills `robust`, and rmse of predicting a vertex from its neighbour.
     std::vector<float> viewWeight(viewRows ? viewRows->radiance.size() : 0);
@@ -182,7 +158,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
             viewWeight[i] = float(1 / (s2 * (1 + mean / s2 / (scale * scale))));
             sums.objective += scale * scale * std::log1p(mean / s2 / (scale * scale));
         }
-        for (int c = 0; c < 3; ++c) sums.objective += lightPrior(light[c], c);
+        for (int c = 0; c < 3; ++c) sums.objective += prior.value(light[c], c) / 3;  // the data term is a mean over channels
         if (rmse) *rmse = std::sqrt(sums.squares / std::max(1.0, sums.counted));
         return sums.objective;
     };
@@ -240,47 +216,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
                     moment += (viewWeight[i] * viewRows->radiance[i][c]) * row.cast<double>();
                 }
             }
-            // Prior on the light: relative differences r = (L_i - L_j) / d of neighbouring leaves, d^2 = mean^2 + middle^2. The derivative of d
-            // belongs to it: without it the prior would shrink the light, with it the scale of the light is free.
-            Eigen::VectorXd share = Eigen::VectorXd::Zero(n).head(Eigen::Index(leafCount));
-            for (size_t i = 0; i < leafCount; ++i) share(Eigen::Index(i)) = lighting.leaves[i].solidAngle() / (4 * piD);
-            const double unit = meanLight(x[c]);
-            Eigen::VectorXd along = Eigen::VectorXd::Zero(Eigen::Index(leafCount));
-            double square = 0;
-            for (const auto& [i, j] : neighbours) {
-                const double middle = 0.5 * (x[c](i) + x[c](j)), d2 = unit * unit + middle * middle, d = std::sqrt(d2), r = (x[c](i) - x[c](j)) / d;
-                const double w = smoothnessOf(i, j);
-                const double ai = 1 / d - r * middle / (2 * d2), aj = -1 / d - r * middle / (2 * d2), beta = r * unit / d2;
-                q(i, i) += w * ai * ai;
-                q(j, j) += w * aj * aj;
-                q(i, j) += w * ai * aj;
-                q(j, i) += w * ai * aj;
-                along(i) += w * beta * ai;
-                along(j) += w * beta * aj;
-                square += w * beta * beta;
-                moment(i) -= w * r * ai;
-                moment(j) -= w * r * aj;
-                moment.head(Eigen::Index(leafCount)) += (w * r * beta) * share;
-            }
-            q.topLeftCorner(Eigen::Index(leafCount), Eigen::Index(leafCount)) += square * share * share.transpose() - along * share.transpose() - share * along.transpose();
-            for (size_t i = 0; i < leafCount; ++i) {
-                const double w = backgroundOf(anchors.leaves[i], c, unit), value = anchors.leaves[i].radiance[c];
-                q(Eigen::Index(i), Eigen::Index(i)) += w;
-                moment(Eigen::Index(i)) += w * value;
-            }
-            for (size_t e = 0; e < emitterCount; ++e) {
-                const Eigen::Index i = Eigen::Index(leafCount + e);
-                const double value = anchors.emitterRadiance[e][c];
-                if (anchors.emitterClipped[e]) {
-                    lower(i) = value;
-                    continue;
-                }
-                // A near-equality: what is seen directly outweighs what thousands of rows with model error would rather have.
-                const double sigma = std::max(double(anchors.emitterSigma[e]) * value, 1e-4 * double(maxChannel(anchors.emitterRadiance[e])));
-                const double w = 1 / (sigma * sigma) + 1e3 * q(i, i);
-                q(i, i) += w;
-                moment(i) += w * value;
-            }
+            prior.add(x[c], c, q, moment, lower);
             const QpResult solution = solveBoundedQp(q, moment, lower, iteration > 0 ? &x[c] : nullptr);
             report.kktResidual = std::max(report.kktResidual, solution.kktResidual);
             target[c] = solution.x.allFinite() ? solution.x : x[c];

@@ -4,6 +4,7 @@
 
 #include "base/progress.h"
 #include "solve/anchors.h"
+#include "solve/light_prior.h"
 #include "solve/matte.h"
 #include "solve/pairs.h"
 #include "solve/qp.h"
@@ -18,8 +19,7 @@ struct AlbedoFreeOptions {
     float robustScale = 2.5f;   ///< Cauchy scale in standard deviations
     float tolerance = 1e-3f;    ///< relative change of the irradiance that counts as none
     bool anneal = true;         ///< start with a wide robust scale
-    float smoothness = 60;      ///< of relative differences between neighbouring leaves
-    float backgroundWeight = 30;///< looks a directly seen leaf counts for, at its spread of 2 % (whole) to 72 % (hardly covered)
+    LightPriorOptions light;
 };
 
 /// Looks at glossy surfaces of known reflectance, as ordinary rows: row_c . x = radiance_c.

@@ -33,15 +33,25 @@ Estimate solveScene(const Capture& capture, const Scene& scene, const RadianceSa
     SolveState s(capture, scene, samples, options, progress);
     s.takeClusters(clusters);
     s.prepare();                       // matte observations, pairs, visibility, near field: D and N
-    if (s.hasMatte()) s.startFromRatios();
-    else s.startFromConstantReflectance();
-    if (s.confirmEmitters() && s.hasMatte()) s.startFromRatios();
-    for (int round = 0; round < options.refineRounds && s.refineLeaves(); ++round) s.improveLight(options.refineIterations);
+    if (!s.hasMatte()) {
+        s.startFromConstantReflectance();
+        s.confirmEmitters();
+    } else if (options.nearField) {
+        s.startFromRatios();           // METHOD 11
+        if (s.confirmEmitters()) s.startFromRatios();
+    } else {
+        s.startFromConstantAlbedo();   // the baseline's own way
+    }
+    for (int round = 0; round < options.refineRounds && s.refineLeaves(); ++round) {
+        if (options.nearField || !s.hasMatte()) s.improveLight(options.refineIterations);
+        else s.alternate();
+    }
     s.solveReflectance();
     for (int round = 0; round < options.glossRounds && s.hasGloss() && !s.stopped(); ++round) {
         s.improveLight(options.refineIterations);
         s.solveReflectance();
     }
+    for (int round = 0; round < options.turns && s.hasMatte() && !s.stopped(); ++round) s.alternate();
     return s.finish();
 }
 

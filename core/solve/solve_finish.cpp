@@ -3,6 +3,7 @@
 
 #include "base/log.h"
 #include "base/parallel.h"
+#include "solve/lighting_step.h"
 #include "solve/solve_state.h"
 
 namespace relamp {
@@ -32,6 +33,22 @@ void SolveState::solveReflectance() {
             for (size_t v = 0; v < scene_.mesh.vertexCount(); ++v)
                 if (scene_.piece[v] == g.piece) albedo_.albedo[v] = Rgb(0);
     record("reflectance", int(timeline_.size()), 0, lookRmse());
+}
+
+void SolveState::startFromConstantAlbedo() {
+    albedo_.albedo.assign(scene_.mesh.vertexCount(), Rgb(0.5f));
+    computeLit();
+    for (int round = 0; round < 3; ++round) alternate();
+}
+
+void SolveState::alternate() {
+    const LightPrior prior(lighting_.leaves, anchors_, {});
+    const LightingStepReport step = lightingStep(influence_, matte_, albedo_.albedo, litSigma_, prior, lighting_, progress_);
+    stability_.kktResidual = std::max(stability_.kktResidual, step.kktResidual);
+    computeLit();
+    albedo_ = solveAlbedo(scene_, matte_, lit_, litSigma_, options_.prior, progress_);
+    record("light and reflectance in turn", int(timeline_.size()), step.after, lookRmse());
+    logInfo("light and reflectance in turn: objective {:.4g} -> {:.4g}, rmse {:.3g}", step.before, step.after, step.rmse);
 }
 
 double SolveState::lookRmse() const {

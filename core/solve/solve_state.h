@@ -25,6 +25,10 @@ public:
     /// Splits strong leaves; false when there is nothing left to split.
     bool refineLeaves();
     void improveLight(int iterations);
+    /// One round of [Put15] 3.2: light given reflectance, reflectance given light.
+    void alternate();
+    /// [Haber09]'s way in: constant albedo, light first.
+    void startFromConstantAlbedo();
     void solveReflectance();
     Estimate finish();
 

@@ -1,0 +1,76 @@
+#include "solve/light_prior.h"
+
+namespace relamp {
+
+LightPrior::LightPrior(const LightLeaves& leaves, const LightAnchors& anchors, const LightPriorOptions& options)
+    : anchors_(anchors), options_(options), neighbours_(leaves.neighbourPairs()), share_(Eigen::Index(leaves.size())) {
+    for (size_t i = 0; i < leaves.size(); ++i) share_(Eigen::Index(i)) = double(leaves[i].solidAngle()) / (4 * piD);
+}
+
+double LightPrior::meanOf(const Eigen::VectorXd& x) const { return std::max(share_.dot(x.head(share_.size())), 1e-9 * (1e-12 + x.maxCoeff())); }
+
+double LightPrior::smoothness(uint32_t i, uint32_t j) const {
+    // A seen leaf must not pull its unseen neighbours to its own brightness: that would fix the scale by a prior.
+    return double(options_.smoothness) * (1.02 - double(std::max(anchors_.leaves[i].coverage, anchors_.leaves[j].coverage)));
+}
+
+double LightPrior::background(size_t leaf, int channel, double unit) const {
+    const LeafAnchor& a = anchors_.leaves[leaf];
+    if (a.coverage <= 0.05f || a.clipped) return 0;
+    const double spread = 0.02 + 0.7 * (1 - double(a.coverage)), value = a.radiance[channel];
+    return options_.backgroundWeight / (spread * spread) / (value * value + 0.01 * unit * unit + 1e-300);
+}
+
+double LightPrior::value(const Eigen::VectorXd& x, int channel) const {
+    const double unit = meanOf(x);
+    double sum = 0;
+    for (const auto& [i, j] : neighbours_) {
+        const double middle = 0.5 * (x(i) + x(j)), difference = x(i) - x(j);
+        sum += smoothness(i, j) * difference * difference / (unit * unit + middle * middle + 1e-300);
+    }
+    for (Eigen::Index i = 0; i < share_.size(); ++i) sum += background(size_t(i), channel, unit) * std::pow(x(i) - double(anchors_.leaves[size_t(i)].radiance[channel]), 2);
+    return sum;
+}
+
+void LightPrior::add(const Eigen::VectorXd& x, int channel, Eigen::MatrixXd& q, Eigen::VectorXd& moment, Eigen::VectorXd& lower) const {
+    const Eigen::Index leaves = share_.size();
+    const double unit = meanOf(x);
+    Eigen::VectorXd along = Eigen::VectorXd::Zero(leaves);
+    double square = 0, pull = 0;
+    for (const auto& [i, j] : neighbours_) {
+        const double middle = 0.5 * (x(i) + x(j)), d2 = unit * unit + middle * middle + 1e-300, d = std::sqrt(d2), r = (x(i) - x(j)) / d;
+        const double w = smoothness(i, j);
+        const double ai = 1 / d - r * middle / (2 * d2), aj = -1 / d - r * middle / (2 * d2), beta = r * unit / d2;
+        q(i, i) += w * ai * ai;
+        q(j, j) += w * aj * aj;
+        q(i, j) += w * ai * aj;
+        q(j, i) += w * ai * aj;
+        along(i) += w * beta * ai;
+        along(j) += w * beta * aj;
+        square += w * beta * beta;
+        moment(i) -= w * r * ai;
+        moment(j) -= w * r * aj;
+        pull += w * r * beta;
+    }
+    moment.head(leaves) += pull * share_;
+    q.topLeftCorner(leaves, leaves) += square * share_ * share_.transpose() - along * share_.transpose() - share_ * along.transpose();
+    for (Eigen::Index i = 0; i < leaves; ++i) {
+        const double w = background(size_t(i), channel, unit);
+        q(i, i) += w;
+        moment(i) += w * double(anchors_.leaves[size_t(i)].radiance[channel]);
+    }
+    for (size_t e = 0; e < anchors_.emitterRadiance.size(); ++e) {
+        const Eigen::Index i = leaves + Eigen::Index(e);
+        const double value = anchors_.emitterRadiance[e][channel];
+        if (anchors_.emitterClipped[e]) {
+            lower(i) = value;
+            continue;
+        }
+        const double sigma = std::max(double(anchors_.emitterSigma[e]) * value, 1e-4 * double(maxChannel(anchors_.emitterRadiance[e])));
+        const double w = 1 / (sigma * sigma) + options_.emitterWeight * q(i, i);
+        q(i, i) += w;
+        moment(i) += w * value;
+    }
+}
+
+}  // namespace relamp

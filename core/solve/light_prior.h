@@ -1,0 +1,38 @@
+// The one place where knowledge about the light enters: what is seen directly, and smoothness relative to its own brightness.
+#pragma once
+#include <Eigen/Core>
+#include <utility>
+#include <vector>
+
+#include "solve/anchors.h"
+
+namespace relamp {
+
+struct LightPriorOptions {
+    float smoothness = 60;        ///< weight of relative differences between neighbouring leaves
+    float backgroundWeight = 30;  ///< looks a directly seen leaf counts for, at its spread of 2 % (whole) to 72 % (hardly covered)
+    float emitterWeight = 1e3f;   ///< times the data's own weight on an emitter: what is seen directly outweighs model error
+};
+
+/// Priors on one channel of x = [L; P], shared by the albedo-free start and the lighting program.
+class LightPrior {
+public:
+    LightPrior(const LightLeaves& leaves, const LightAnchors& anchors, const LightPriorOptions& options);
+    /// Sum of the smoothness and background terms (the emitters' near-equalities hold by construction).
+    double value(const Eigen::VectorXd& x, int channel) const;
+    /// Adds the quadratic model of the priors about x: q, moment (minimise x'qx - 2 moment'x) and the lower bounds of clipped emitters.
+    /// The smoothness term is a Gauss-Newton model of r = (L_i - L_j) / d, d^2 = mean^2 + middle^2, with the derivative of d: a model without
+    /// it shrinks the light, with it the scale of the light is free.
+    void add(const Eigen::VectorXd& x, int channel, Eigen::MatrixXd& q, Eigen::VectorXd& moment, Eigen::VectorXd& lower) const;
+
+private:
+    const LightAnchors& anchors_;
+    LightPriorOptions options_;
+    std::vector<std::pair<uint32_t, uint32_t>> neighbours_;
+    Eigen::VectorXd share_;  ///< solid angle of each leaf over 4 pi
+    double meanOf(const Eigen::VectorXd& x) const;
+    double smoothness(uint32_t i, uint32_t j) const;
+    double background(size_t leaf, int channel, double unit) const;
+};
+
+}  // namespace relamp
