@@ -218,9 +218,7 @@ void measure(const Scene& scene, EmitterCluster& cluster) {
 
 void indexEmitters(const Scene& scene, EmitterClusters& clusters) {
     std::erase_if(clusters.emitters, [](const EmitterCluster& e) { return e.triangles.empty(); });
-    std::stable_sort(clusters.emitters.begin(), clusters.emitters.end(), [](const EmitterCluster& a, const EmitterCluster& b) {
-        return luminance(a.radiance) * a.area > luminance(b.radiance) * b.area;
-    });
+    std::stable_sort(clusters.emitters.begin(), clusters.emitters.end(), [](const EmitterCluster& a, const EmitterCluster& b) { return emitterPower(a) > emitterPower(b); });
     clusters.emitterOfVertex.assign(scene.mesh.vertexCount(), -1);
     clusters.emitterOfTriangle.assign(scene.mesh.triangles.size(), -1);
     for (size_t i = 0; i < clusters.emitters.size(); ++i) {

@@ -63,6 +63,9 @@ struct ClusterOptions {
 /// bright walls stay candidates until confirmEmitters has fitted the light.
 EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, const RadianceSamples& samples, const ClusterOptions& options, Progress& progress);
 
+/// Luminance of what the whole patch sends, up to a constant: the order of the list.
+inline float emitterPower(const EmitterCluster& e) { return luminance(e.radiance) * e.area; }
+
 /// Fills emitterOfVertex / emitterOfTriangle, sorts by power (strongest first) and names the emitters.
 void indexEmitters(const Scene& scene, EmitterClusters& clusters);
 

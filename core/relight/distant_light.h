@@ -1,4 +1,4 @@
-// The distant environment ready for sampling: piecewise constant on the equal-area square, drawn in proportion to luminance.
+// The distant environment of a frame: piecewise constant on the equal-area square.
 #pragma once
 #include <vector>
 
@@ -10,21 +10,17 @@ class DistantLight {
 public:
     /// `cells` = mean radiance of each cell of `grid`; black is allowed.
     DistantLight(DirectionGrid grid, std::vector<Rgb> cells);
-    bool black() const { return total_ <= 0; }
+    bool black() const { return black_; }
     Rgb radiance(const Vec3& direction) const { return cells_[size_t(grid_.cellOf(direction))]; }
-    /// A direction from a point of the unit square; its density per steradian is density(direction).
-    Vec3 sample(const Vec2& u) const;
-    float density(const Vec3& direction) const;
+    /// Interpolated between cell centres, for the background behind the scene: light is gathered from radiance().
+    Rgb smoothRadiance(const Vec3& direction) const;
     const DirectionGrid& grid() const { return grid_; }
     const std::vector<Rgb>& cells() const { return cells_; }
 
 private:
     DirectionGrid grid_;
     std::vector<Rgb> cells_;
-    std::vector<float> cumulative_;  ///< running sum of weights, along a curve that keeps neighbours together
-    std::vector<uint32_t> order_;    ///< cell of each place in it
-    std::vector<float> weight_;      ///< per cell
-    float total_ = 0;
+    bool black_ = true;
 };
 
 }  // namespace relamp

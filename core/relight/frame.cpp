@@ -244,7 +244,7 @@ Frame renderFrame(const RelitScene& relit, const Camera& camera, const FrameOpti
                     const Vec3 d = camera.rayDirection(Vec2(float(x), float(y)) + inside);
                     const Hit hit = relit.scene.tracer->closest({origin, d, 0, 1e30f});
                     if (!hit) {
-                        if (options.background) gather.world += relit.distant->radiance(d);
+                        if (options.background) gather.world += relit.distant->smoothRadiance(d);
                         continue;
                     }
                     frame.alpha[p] += share;

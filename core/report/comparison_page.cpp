@@ -151,7 +151,7 @@ std::string comparisonPage(const Comparison& c) {
             body += fmt::format("<p>Brightness scale, {}: {}</p>\n", htmlText(m.name), htmlText(m.shot.estimate.gauge.evidence));
 
     body += heading("Correction colours",
-                    "The tint of the surfaces with their brightness taken away. Neutral grey needs no correction; a warm stain near a lamp is lamplight that was taken for paint.");
+                    "The tint of the surfaces with their brightness taken away. Neutral grey needs no correction; a stain that follows the light is light that was taken for paint.");
     std::string tints;
     for (size_t m = 0; m < 2; ++m)
         for (const ComparedView& view : c.shown) tints += htmlPicture(view.tint[m], m == 0 ? near : distant, view.name);

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <memory>
 #include <set>
 
 #include "image/environment_map.h"

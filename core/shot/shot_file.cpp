@@ -9,6 +9,7 @@
 #include "base/log.h"
 #include "capture/load_capture.h"
 #include "image/environment_map.h"
+#include "image/image_io.h"
 #include "scene/mesh_io.h"
 
 namespace relamp {
@@ -186,6 +187,13 @@ void saveShot(const Shot& shot, const Mesh& mesh, const fs::path& folder, bool o
             for (const Rgb& p : map.pixels) channels[size_t(c)].values.push_back(p[c]);
         }
         writeChannels(fresh / "environment.exr", map.width, map.height, channels);
+        // The cells themselves, so that opening need not integrate the picture again.
+        fs::create_directories(fresh / "cache");
+        for (int c = 0; c < 3; ++c) {
+            channels[size_t(c)].values.clear();
+            for (const Rgb& p : shot.estimate.environment) channels[size_t(c)].values.push_back(p[c]);
+        }
+        writeChannels(fresh / "cache" / "environment_cells.exr", grid.side, grid.side, channels);
         const Reflectance& r = shot.estimate.reflectance;
         std::vector<VertexProperty> properties;
         const char* suffix[] = {"r", "g", "b"};
@@ -227,6 +235,26 @@ void saveShot(const Shot& shot, const Mesh& mesh, const fs::path& folder, bool o
     if (left || failed) logWarning("{}: some files of the old shot are left in {}", target.string(), fresh.string());
     else fs::remove_all(fresh, failed);
 }
+
+namespace {
+
+/// From the cache when it is whole and not older than environment.exr, which an artist may have painted over.
+std::vector<Rgb> environmentCells(const fs::path& folder, const DirectionGrid& grid) {
+    const fs::path picture = folder / "environment.exr", cache = folder / "cache" / "environment_cells.exr";
+    std::error_code failed, missing;
+    const auto made = fs::last_write_time(cache, missing), painted = fs::last_write_time(picture, failed);
+    if (!missing && !failed && made >= painted) {
+        try {
+            const Image cells = readImage(cache);
+            if (cells.width == grid.side && cells.height == grid.side) return cells.pixels;
+        } catch (const Error&) {
+            // A damaged cache is no loss.
+        }
+    }
+    return integrateOverCells(readEnvironment(picture), grid);
+}
+
+}  // namespace
 
 Shot openShot(const fs::path& folder, bool withImages, Progress& progress) {
     Shot shot;
@@ -295,7 +323,7 @@ Shot openShot(const fs::path& folder, bool withImages, Progress& progress) {
     withContext(file.string() + ": capture", [&] { shot.capture = loadCapture(shot.captureFolder, load, progress); });
     const size_t n = shot.capture.mesh.vertexCount();
     const DirectionGrid grid{e.environmentSide};
-    e.environment = integrateOverCells(readEnvironment(folder / "environment.exr"), grid);
+    e.environment = environmentCells(folder, grid);
     const fs::path ply = folder / "reflectance.ply";
     const std::vector<VertexProperty> properties = readVertexPly(ply);
     const auto property = [&](const std::string& name) -> const std::vector<float>& {

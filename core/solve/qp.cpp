@@ -101,8 +101,4 @@ QpResult solveBoundedQp(const Eigen::MatrixXd& q, const Eigen::VectorXd& c, cons
     return result;
 }
 
-Eigen::VectorXd solveSmallNnls(const Eigen::MatrixXd& gram, const Eigen::VectorXd& moment) {
-    return solveBoundedQp(gram, moment, Eigen::VectorXd::Zero(moment.size())).x;
-}
-
 }  // namespace relamp

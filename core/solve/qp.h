@@ -19,7 +19,4 @@ struct QpResult {
 /// `guess`, if not null, names the likely free variables (those above their bound) and saves pivots.
 QpResult solveBoundedQp(const Eigen::MatrixXd& q, const Eigen::VectorXd& c, const Eigen::VectorXd& lower, const Eigen::VectorXd* guess = nullptr);
 
-/// Tiny non-negative least squares for reflectance weights: min |A x - b|^2, x >= 0, by its normal equations (n <= 32).
-Eigen::VectorXd solveSmallNnls(const Eigen::MatrixXd& gram, const Eigen::VectorXd& moment);
-
 }  // namespace relamp

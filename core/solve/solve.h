@@ -31,7 +31,7 @@ struct SolveOptions {
     size_t maxLeaves = 480;
     int visibilitySide = 64;
     int startIterations = 25, refineIterations = 6, glossRounds = 2;
-    int turns = 0;             ///< final rounds of light and reflectance in turn
+    int turns = 1;             ///< final rounds of light and reflectance in turn
     float splitShare = 0.012f; ///< a leaf that gives more than this share of the light is split
     AlbedoPrior prior;         ///< the one place where priors on reflectance enter
     GaugeChoice gauge;

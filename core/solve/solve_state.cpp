@@ -20,21 +20,22 @@ void SolveState::takeClusters(const EmitterClusters& clusters) {
         clusters_.candidates.clear();
     }
     // Candidates take part as lamps until the light fit has judged them.
-    for (EmitterCluster& c : clusters_.emitters) c.evidence.demandedAlbedo = 0;
-    const size_t certain = clusters_.emitters.size();
-    std::vector<EmitterCluster> all = clusters_.emitters;
-    all.insert(all.end(), clusters_.candidates.begin(), clusters_.candidates.end());
+    struct Entry {
+        EmitterCluster cluster;
+        bool suspect;
+    };
+    std::vector<Entry> all;
+    for (EmitterCluster& c : clusters_.emitters) all.push_back({std::move(c), false});
+    for (EmitterCluster& c : clusters_.candidates) all.push_back({std::move(c), true});
+    std::stable_sort(all.begin(), all.end(), [](const Entry& a, const Entry& b) { return emitterPower(a.cluster) > emitterPower(b.cluster); });
+    clusters_.emitters.clear();
     clusters_.candidates.clear();
-    suspect_.assign(all.size(), 0);
-    for (size_t i = certain; i < all.size(); ++i) suspect_[i] = 1;
-    clusters_.emitters = all;
-    // Not indexEmitters: its sorting would lose track of the suspects.
-    clusters_.emitterOfVertex.assign(scene_.mesh.vertexCount(), -1);
-    clusters_.emitterOfTriangle.assign(scene_.mesh.triangles.size(), -1);
-    for (size_t i = 0; i < all.size(); ++i) {
-        for (uint32_t v : all[i].vertices) clusters_.emitterOfVertex[v] = int(i);
-        for (uint32_t t : all[i].triangles) clusters_.emitterOfTriangle[t] = int(i);
+    suspect_.clear();
+    for (Entry& e : all) {
+        clusters_.emitters.push_back(std::move(e.cluster));
+        suspect_.push_back(e.suspect);
     }
+    indexEmitters(scene_, clusters_);
 }
 
 void SolveState::rebuildNearField() {
@@ -140,12 +141,7 @@ void SolveState::startFromConstantReflectance() {
 
 bool SolveState::confirmEmitters() {
     if (clusters_.emitters.empty()) return false;
-    computeLit();
-    const InfluenceMatrix& unused = influence_;
-    (void)unused;
     std::vector<EmitterCluster> kept;
-    std::vector<uint8_t> keptSuspect;
-    bool changed = false;
     for (size_t e = 0; e < clusters_.emitters.size(); ++e) {
         EmitterCluster& cluster = clusters_.emitters[e];
         // Light that reaches the patch from everything but itself.
@@ -169,28 +165,21 @@ bool SolveState::confirmEmitters() {
         std::nth_element(demanded.begin(), demanded.begin() + ptrdiff_t(demanded.size() / 2), demanded.end());
         cluster.evidence.demandedAlbedo = std::min(demanded[demanded.size() / 2], 1e6f);
         logInfo("patch of radiance {:.3g} {:.3g} {:.3g}: reflection would need an albedo of {:.3g}", cluster.radiance.x, cluster.radiance.y, cluster.radiance.z, cluster.evidence.demandedAlbedo);
-        if (suspect_[e] && cluster.evidence.demandedAlbedo < 1.5f) {
-            changed = true;
+        if (suspect_[e] && cluster.evidence.demandedAlbedo < 1.5f)
             clusters_.rejected.push_back({cluster.centroid, cluster.radiance, cluster.evidence, "the other lights explain it as a reflecting surface"});
-            continue;
-        }
-        kept.push_back(cluster);
-        keptSuspect.push_back(0);
+        else
+            kept.push_back(cluster);
     }
-    const bool reordered = kept.size() != clusters_.emitters.size();
-    clusters_.emitters = kept;
-    suspect_ = keptSuspect;
+    const bool changed = kept.size() != clusters_.emitters.size();
+    clusters_.emitters = std::move(kept);
+    suspect_.assign(clusters_.emitters.size(), 0);
     indexEmitters(scene_, clusters_);
-    if (reordered || changed || true) {
-        // Order may have changed: radiances and columns follow it.
-        rebuildNearField();
-        const LightLeaves leaves = lighting_.leaves;
-        const std::vector<Rgb> radiance = lighting_.leafRadiance;
-        anchors_ = lightAnchors(samples_, clusters_, leaves);
-        lighting_.emitterRadiance = anchors_.emitterRadiance;
-        influence_ = lambertInfluence(scene_, visibility_, nearField_, leaves, matte_.vertices, progress_);
-    }
-    return changed;
+    if (!changed) return false;
+    rebuildNearField();
+    anchors_ = lightAnchors(samples_, clusters_, lighting_.leaves);
+    lighting_.emitterRadiance = anchors_.emitterRadiance;
+    influence_ = lambertInfluence(scene_, visibility_, nearField_, lighting_.leaves, matte_.vertices, progress_);
+    return true;
 }
 
 bool SolveState::refineLeaves() {

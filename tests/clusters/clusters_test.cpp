@@ -1,0 +1,152 @@
+#include "clusters/emitter_clusters.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "base/random.h"
+#include "support/shapes.h"
+
+namespace relamp {
+namespace {
+
+/// A floor of 40 x 40 quads with side 0.05 m.
+Scene floorScene() { return test::sceneOf(test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 40, 40)); }
+
+/// Looks at every vertex from `views` views; `radiance` tells what view i sees of vertex v.
+template <class Radiance>
+RadianceSamples looks(const Scene& scene, uint32_t views, Radiance&& radiance) {
+    RadianceSamples samples;
+    for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v) {
+        samples.start.push_back(uint32_t(samples.samples.size()));
+        for (uint32_t i = 0; i < views; ++i) samples.samples.push_back({i, radiance(v, i), 1, false});
+    }
+    samples.start.push_back(uint32_t(samples.samples.size()));
+    return samples;
+}
+
+EmitterClusters clusters(const Scene& scene, const RadianceSamples& samples) {
+    Progress progress;
+    return clusterEmitters(scene, Capture{}, samples, {}, progress);
+}
+
+/// Shaded floor: between 0.6 and 1.4 with a little noise that differs between views.
+Rgb shaded(const Scene& scene, uint32_t v, uint32_t view) {
+    const Vec3 p = scene.mesh.positions[v];
+    return Rgb((1 + 0.4f * std::sin(2 * p.x) * std::cos(1.5f * p.y)) * (1 + 0.02f * (unitFloat(mixBits(v * 31 + view)) - 0.5f)));
+}
+
+bool inSquare(const Vec3& p, float x, float y, float half) { return std::max(std::abs(p.x - x), std::abs(p.y - y)) < half + 1e-4f; }
+
+TEST(Clusters, FindNoEmitterWhereThereIsNone) {
+    const Scene scene = floorScene();
+    const EmitterClusters found = clusters(scene, looks(scene, 3, [&](uint32_t v, uint32_t i) { return shaded(scene, v, i); }));
+    EXPECT_EQ(found.emitters.size(), 0u);
+    EXPECT_EQ(found.candidates.size(), 0u);
+    for (const int e : found.emitterOfVertex) EXPECT_EQ(e, -1);
+    for (const int e : found.emitterOfTriangle) EXPECT_EQ(e, -1);
+}
+
+TEST(Clusters, FindAUniformBrightPatchWithItsVertices) {
+    const Scene scene = floorScene();
+    const Rgb lamp(60, 50, 40);
+    const EmitterClusters found = clusters(scene, looks(scene, 3, [&](uint32_t v, uint32_t i) { return inSquare(scene.mesh.positions[v], 0.3f, -0.2f, 0.15f) ? lamp * (1 + 0.01f * (unitFloat(mixBits(v + i * 7919)) - 0.5f)) : shaded(scene, v, i); }));
+    ASSERT_EQ(found.emitters.size(), 1u);
+    const EmitterCluster& e = found.emitters[0];
+    EXPECT_EQ(e.id, "emitter-1");
+    std::vector<uint32_t> expected;
+    for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v)
+        if (inSquare(scene.mesh.positions[v], 0.3f, -0.2f, 0.15f)) expected.push_back(v);
+    EXPECT_EQ(expected.size(), 49u);
+    EXPECT_EQ(e.vertices, expected);
+    EXPECT_EQ(e.triangles.size(), 72u);
+    EXPECT_NEAR(e.area, 0.09, 1e-4);
+    EXPECT_LT(glm::length(e.centroid - Vec3(0.3f, -0.2f, 0)), 1e-3f);
+    EXPECT_LT(glm::length(e.normal - Vec3(0, 0, 1)), 1e-4f);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(e.radiance[c], lamp[c], 0.01f * lamp[c]);
+    EXPECT_EQ(e.evidence.viewsSeen, 3);
+    EXPECT_GT(e.evidence.sceneContrast, 12);
+    EXPECT_LT(e.evidence.edgeDrop, 0.1f);
+    for (uint32_t v : expected) EXPECT_EQ(found.emitterOfVertex[v], 0);
+    EXPECT_EQ(size_t(std::count(found.emitterOfTriangle.begin(), found.emitterOfTriangle.end(), 0)), 72u);
+}
+
+TEST(Clusters, RejectAHighlightThatMovesWithTheView) {
+    const Scene scene = floorScene();
+    // A bright spot of 0.3 m that each view sees half a spot further.
+    const EmitterClusters found = clusters(scene, looks(scene, 4, [&](uint32_t v, uint32_t i) {
+        return inSquare(scene.mesh.positions[v], -0.2f + 0.15f * float(i), 0, 0.15f) ? Rgb(60) : shaded(scene, v, i);
+    }));
+    EXPECT_EQ(found.emitters.size(), 0u);
+    EXPECT_EQ(found.candidates.size(), 0u);
+}
+
+TEST(Clusters, RejectAGlowThatFadesOutWithoutAnEdge) {
+    const Scene scene = floorScene();
+    const EmitterClusters found = clusters(scene, looks(scene, 3, [&](uint32_t v, uint32_t i) {
+        const Vec3 p = scene.mesh.positions[v];
+        return shaded(scene, v, i) * (1 + 40 * std::exp(-12 * glm::dot(p, p)));
+    }));
+    EXPECT_EQ(found.emitters.size(), 0u);
+}
+
+TEST(Clusters, FindAPairOfOneToAThousandBoth) {
+    const Scene scene = floorScene();
+    const EmitterClusters found = clusters(scene, looks(scene, 3, [&](uint32_t v, uint32_t i) {
+        const Vec3 p = scene.mesh.positions[v];
+        return inSquare(p, 0.5f, 0.5f, 0.15f) ? Rgb(30000) : inSquare(p, -0.5f, -0.5f, 0.15f) ? Rgb(30) : shaded(scene, v, i);
+    }));
+    ASSERT_EQ(found.emitters.size() + found.candidates.size(), 2u);
+    ASSERT_EQ(found.emitters.size(), 2u);
+    EXPECT_EQ(found.emitters[0].radiance, Rgb(30000)) << "the strongest comes first";
+    EXPECT_EQ(found.emitters[1].radiance, Rgb(30));
+    EXPECT_EQ(found.emitters[1].id, "emitter-2");
+}
+
+TEST(Clusters, KeepAModeratelyBrightPatchAsACandidateForTheLightFit) {
+    const Scene scene = floorScene();
+    const EmitterClusters found = clusters(scene, looks(scene, 3, [&](uint32_t v, uint32_t i) { return inSquare(scene.mesh.positions[v], 0.3f, -0.2f, 0.15f) ? Rgb(5) : shaded(scene, v, i); }));
+    EXPECT_EQ(found.emitters.size(), 0u);
+    EXPECT_EQ(found.candidates.size(), 1u);
+}
+
+TEST(Clusters, TakeAWholeBulbWhenItsSeenSideShines) {
+    Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 30, 30);
+    const size_t floorVertices = mesh.vertexCount();
+    const std::vector<uint32_t> bulb = test::append(mesh, test::ball({0, 0, 0.5f}, 0.1f, 10, 14));
+    const Scene scene = test::sceneOf(mesh);
+    RadianceSamples samples;
+    for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v) {
+        samples.start.push_back(uint32_t(samples.samples.size()));
+        const bool onBulb = v >= floorVertices;
+        if (onBulb && scene.mesh.normals[v].x < 0.1f) continue;  // the far side was not seen
+        for (uint32_t i = 0; i < 2; ++i) samples.samples.push_back({i, onBulb ? Rgb(80, 70, 60) : shaded(scene, v, i), 1, false});
+    }
+    samples.start.push_back(uint32_t(samples.samples.size()));
+    const EmitterClusters found = clusters(scene, samples);
+    ASSERT_EQ(found.emitters.size(), 1u);
+    EXPECT_EQ(found.emitters[0].triangles, bulb);
+    EXPECT_LT(glm::length(found.emitters[0].centroid - Vec3(0, 0, 0.5f)), 0.005f);
+    EXPECT_EQ(found.emitters[0].normal, Vec3(0)) << "a closed body has no side";
+}
+
+TEST(Clusters, OfNothingSeenAreNone) {
+    const Scene scene = floorScene();
+    const EmitterClusters found = clusters(scene, looks(scene, 0, [](uint32_t, uint32_t) { return Rgb(1); }));
+    EXPECT_TRUE(found.emitters.empty() && found.candidates.empty());
+    EXPECT_EQ(found.emitterOfVertex.size(), scene.mesh.vertexCount());
+}
+
+TEST(Clusters, AreIndexedByPowerAndNamedInThatOrder) {
+    Mesh mesh = test::squareAbove(1, 0, 0, 1);
+    const std::vector<uint32_t> first{0, 1}, second = test::append(mesh, test::squareAbove(2, 5, 0, 1));
+    const Scene scene = test::sceneOf(mesh);
+    // 1 m2 of radiance 3 against 4 m2 of radiance 1.
+    const EmitterClusters found = test::emittersOf(scene, {first, second}, {Rgb(3), Rgb(1)});
+    EXPECT_EQ(found.emitters[0].radiance, Rgb(1));
+    EXPECT_EQ(found.emitters[0].id, "emitter-1");
+    EXPECT_EQ(found.emitterOfTriangle, (std::vector<int>{1, 1, 0, 0}));
+}
+
+}  // namespace
+}  // namespace relamp

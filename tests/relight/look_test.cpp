@@ -1,0 +1,143 @@
+#include "relight/look.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "support/temporary_folder.h"
+
+namespace relamp {
+namespace {
+
+using nlohmann::json;
+
+/// A document with every field.
+json whole() {
+    return json::parse(R"({"version": 1,
+        "environment": {"source": "file", "file": "studio.exr", "yaw_degrees": 30, "exposure_stops": -1, "tint": [1, 0.5, 0.25]},
+        "emitters": [{"id": "emitter-1", "enabled": false, "matrix": [[1, 0, 0, 2], [0, 1, 0, 3], [0, 0, 1, 4], [0, 0, 0, 1]], "power_scale": [2, 3, 4]}],
+        "added_emitters": [{"id": "new-1", "shape": "disk", "matrix": [[0, -1, 0, 0], [1, 0, 0, 0], [0, 0, 1, 5], [0, 0, 0, 1]], "size": [1, 2], "radiance": [5, 6, 7]}],
+        "parts": [{"seed_vertex": 1234, "matrix": [[1, 0, 0, 1], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]}],
+        "materials": {"neutral": true}})");
+}
+
+TEST(Look, ReadsEveryField) {
+    const Look look = lookFromJson(whole(), "/somewhere");
+    EXPECT_EQ(look.environment.source, EnvironmentLook::Source::file);
+    EXPECT_EQ(look.environment.file, "/somewhere/studio.exr");
+    EXPECT_EQ(look.environment.yawDegrees, 30);
+    EXPECT_EQ(look.environment.exposureStops, -1);
+    EXPECT_EQ(look.environment.tint, Rgb(1, 0.5f, 0.25f));
+    ASSERT_EQ(look.emitters.size(), 1u);
+    EXPECT_FALSE(look.emitters[0].enabled);
+    EXPECT_EQ(look.emitters[0].powerScale, Rgb(2, 3, 4));
+    // Row major: the translation is the last column.
+    EXPECT_EQ(Vec3(look.emitters[0].matrix * Vec4(0, 0, 0, 1)), Vec3(2, 3, 4));
+    ASSERT_EQ(look.added.size(), 1u);
+    EXPECT_EQ(look.added[0].shape, AddedEmitter::Shape::disk);
+    EXPECT_EQ(Vec3(look.added[0].matrix * Vec4(1, 0, 0, 1)), Vec3(0, 1, 5));
+    EXPECT_EQ(look.added[0].size, Vec2(1, 2));
+    EXPECT_EQ(look.added[0].radiance, Rgb(5, 6, 7));
+    ASSERT_EQ(look.parts.size(), 1u);
+    EXPECT_EQ(look.parts[0].seedVertex, 1234u);
+    EXPECT_TRUE(look.neutralMaterials);
+}
+
+TEST(Look, AnEmptyDocumentChangesNothing) {
+    const Look look = lookFromJson(json::object(), "");
+    EXPECT_EQ(look.environment.source, EnvironmentLook::Source::recovered);
+    EXPECT_EQ(look.environment.tint, Rgb(1));
+    EXPECT_TRUE(look.emitters.empty() && look.added.empty() && look.parts.empty());
+    EXPECT_FALSE(look.neutralMaterials);
+}
+
+TEST(Look, SurvivesARoundTrip) {
+    const Look look = lookFromJson(whole(), "/somewhere");
+    EXPECT_EQ(lookToJson(lookFromJson(lookToJson(look), "/somewhere")), lookToJson(look));
+    json withFile = whole();
+    withFile["environment"]["file"] = "/somewhere/studio.exr";
+    EXPECT_EQ(lookToJson(look), withFile);
+}
+
+TEST(Look, NamesTheFieldThatIsBad) {
+    const struct {
+        const char* pointer;
+        const char* value;
+        const char* message;
+    } cases[] = {
+        {"/version", "2", "version: is 2"},
+        {"/version", "\"1\"", "version: is \"1\""},
+        {"/environment", "[]", "environment: expected an object"},
+        {"/environment/source", "\"sun\"", "environment.source: is sun"},
+        {"/environment/source", "7", "environment.source: expected a text"},
+        {"/environment/file", "5", "environment.file: expected a text"},
+        {"/environment/yaw_degrees", "\"north\"", "environment.yaw_degrees: expected a number"},
+        {"/environment/yaw_degrees", "1e300", "environment.yaw_degrees: is 1e+300"},
+        {"/environment/exposure_stops", "null", "environment.exposure_stops: expected a number"},
+        {"/environment/tint", "[1, 2]", "environment.tint: expected three numbers"},
+        {"/environment/tint", "[1, 2, -3]", "environment.tint[2]: is -3"},
+        {"/emitters", "{}", "emitters: expected a list"},
+        {"/emitters/0", "5", "emitters[0]: expected an object"},
+        {"/emitters/0/id", "5", "emitters[0].id: expected a text"},
+        {"/emitters/0/enabled", "1", "emitters[0].enabled: expected true or false"},
+        {"/emitters/0/matrix", "[1, 2, 3, 4]", "emitters[0].matrix[0]: expected four numbers"},
+        {"/emitters/0/matrix", "[[1,0,0,0],[0,1,0,0],[0,0,1,0]]", "emitters[0].matrix: expected four rows"},
+        {"/emitters/0/matrix/1", "[0, \"x\", 0, 0]", "emitters[0].matrix[1][1]: expected a number"},
+        {"/emitters/0/matrix/1", "[1, 0, 0, 0]", "emitters[0].matrix: is singular"},
+        {"/emitters/0/matrix/3", "[0, 0, 1, 1]", "emitters[0].matrix[3]: expected 0 0 0 1"},
+        {"/emitters/0/power_scale", "3", "emitters[0].power_scale: expected three numbers"},
+        {"/added_emitters", "\"none\"", "added_emitters: expected a list"},
+        {"/added_emitters/0", "null", "added_emitters[0]: expected an object"},
+        {"/added_emitters/0/id", "null", "added_emitters[0].id: expected a text"},
+        {"/added_emitters/0/shape", "\"cone\"", "added_emitters[0].shape: is cone"},
+        {"/added_emitters/0/size", "[]", "added_emitters[0].size: expected one or two numbers"},
+        {"/added_emitters/0/size", "[1, 0]", "added_emitters[0].size: expected more than 0"},
+        {"/added_emitters/0/size", "[\"a\"]", "added_emitters[0].size[0]: expected a number"},
+        {"/added_emitters/0/radiance", "[1, 2, \"b\"]", "added_emitters[0].radiance[2]: expected a number"},
+        {"/added_emitters/0/matrix", "0", "added_emitters[0].matrix: expected four rows"},
+        {"/parts", "5", "parts: expected a list"},
+        {"/parts/0", "[]", "parts[0].seed_vertex: expected a vertex number"},
+        {"/parts/0/seed_vertex", "-1", "parts[0].seed_vertex: expected a vertex number"},
+        {"/parts/0/seed_vertex", "99999999999", "parts[0].seed_vertex: 99999999999 does not exist"},
+        {"/parts/0/matrix", "{}", "parts[0].matrix: expected four rows"},
+        {"/materials", "true", "materials: expected an object"},
+        {"/materials/neutral", "\"yes\"", "materials.neutral: expected true or false"},
+    };
+    for (const auto& c : cases) {
+        json document = whole();
+        document[json::json_pointer(c.pointer)] = json::parse(c.value);
+        std::string message;
+        try {
+            lookFromJson(document, "");
+        } catch (const Error& error) {
+            message = error.what();
+        } catch (const std::exception& error) {
+            message = std::string("not an Error: ") + error.what();
+        }
+        EXPECT_EQ(message.substr(0, std::strlen(c.message)), c.message) << c.pointer << " = " << c.value;
+    }
+    EXPECT_NE(test::messageOf([] { lookFromJson(json::array(), ""); }), "");
+}
+
+TEST(Look, MissingNeedsAreNamed) {
+    for (const auto& [remove, message] : {std::pair{"/environment/file", "environment.file: expected a text"}, std::pair{"/emitters/0/id", "emitters[0].id: expected a text"},
+                                          std::pair{"/added_emitters/0/shape", "added_emitters[0].shape: expected a text"}, std::pair{"/parts/0/seed_vertex", "parts[0].seed_vertex: expected a vertex number"}}) {
+        json document = whole();
+        const json::json_pointer pointer(remove);
+        document[pointer.parent_pointer()].erase(pointer.back());
+        EXPECT_EQ(test::messageOf([&] { lookFromJson(document, ""); }), message);
+    }
+}
+
+TEST(Look, FilesAreNamedInErrors) {
+    const test::TemporaryFolder folder;
+    const auto file = folder.write("edits.json", "{\"version\": 1,");
+    EXPECT_EQ(test::messageOf([&] { readLook(file); }), file.string() + ": is not valid JSON");
+    folder.write("edits.json", R"({"emitters": [{"id": 3}]})");
+    EXPECT_EQ(test::messageOf([&] { readLook(file); }), file.string() + ": emitters[0].id: expected a text");
+    EXPECT_NE(test::messageOf([&] { readLook(folder / "absent.json"); }).find("absent.json"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace relamp

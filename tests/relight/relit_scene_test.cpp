@@ -1,0 +1,207 @@
+#include "relight/relit_scene.h"
+
+#include <gtest/gtest.h>
+
+#include "image/environment_map.h"
+#include "image/image_io.h"
+#include "support/estimates.h"
+#include "support/temporary_folder.h"
+
+namespace relamp {
+namespace {
+
+using test::append;
+
+/// A sheet of 4 x 4 quads at z = 0 whose middle four quads are a lamp that shares its rim with the rest, and a floor below.
+struct World {
+    Scene scene;
+    EmitterClusters clusters;
+    Estimate estimate;
+    size_t sheetVertices = 0, floorVertices = 0;
+};
+
+World world() {
+    World w;
+    Mesh mesh = test::sheet({-2, -2, 0}, {0, 4, 0}, {4, 0, 0}, 4, 4);  // faces down
+    w.sheetVertices = mesh.vertexCount();
+    std::vector<uint32_t> lamp;
+    for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        const Vec3 c = (mesh.positions[mesh.triangles[t][0]] + mesh.positions[mesh.triangles[t][1]] + mesh.positions[mesh.triangles[t][2]]) / 3.0f;
+        if (std::abs(c.x) < 1 && std::abs(c.y) < 1) lamp.push_back(t);
+    }
+    append(mesh, test::sheet({-2, -2, -3}, {4, 0, 0}, {0, 4, 0}, 2, 2));
+    w.floorVertices = 9;
+    w.scene = test::sceneOf(mesh);
+    w.clusters = test::emittersOf(w.scene, {lamp}, {Rgb(10, 20, 30)});
+    w.estimate = test::matteEstimate(w.scene, Rgb(0.5f, 0.4f, 0.3f), Rgb(1), w.clusters);
+    return w;
+}
+
+TEST(ApplyLook, OfAnEmptyLookIsTheScene) {
+    const World w = world();
+    const RelitScene relit = test::relitOf(w.scene, w.estimate);
+    EXPECT_EQ(relit.scene.mesh.positions, w.scene.mesh.positions);
+    EXPECT_EQ(relit.scene.mesh.triangles, w.scene.mesh.triangles);
+    ASSERT_EQ(relit.emitters.size(), 1u);
+    EXPECT_EQ(relit.emitters[0].id, "emitter-1");
+    EXPECT_EQ(relit.emitters[0].radiance, Rgb(10, 20, 30));
+    EXPECT_NEAR(relit.emitters[0].surface.area(), 4, 1e-5);
+    EXPECT_EQ(relit.distant->cells(), w.estimate.environment);
+}
+
+TEST(ApplyLook, MovesAnEmitterAndDoublesTheVerticesItShares) {
+    const World w = world();
+    Look look;
+    look.emitters.push_back({"emitter-1", true, test::translation({0, 0, -1}), Rgb(2, 1, 0.5f)});
+    const RelitScene relit = test::relitOf(w.scene, w.estimate, look);
+    EXPECT_EQ(relit.emitters[0].radiance, Rgb(20, 20, 15));
+    EXPECT_LT(glm::length(relit.emitters[0].surface.centroid - Vec3(0, 0, -1)), 1e-5f);
+    // The lamp has 9 vertices: its middle is its own, the 8 of the rim are shared.
+    EXPECT_EQ(relit.scene.mesh.vertexCount(), w.scene.mesh.vertexCount() + 8);
+    EXPECT_EQ(relit.weight[0].size(), relit.scene.mesh.vertexCount());
+    EXPECT_EQ(relit.scene.mesh.triangles.size(), w.scene.mesh.triangles.size());
+    for (size_t t = 0; t < relit.scene.mesh.triangles.size(); ++t) {
+        const bool lamp = relit.emitterOfTriangle[t] == 0;
+        EXPECT_EQ(relit.emitterOfTriangle[t], w.clusters.emitterOfTriangle[t]);
+        EXPECT_NEAR(relit.scene.mesh.triangleArea(t), w.scene.mesh.triangleArea(t), 1e-5) << "triangle " << t << " was stretched";
+        for (int k = 0; k < 3; ++k) {
+            const Vec3 before = w.scene.mesh.positions[w.scene.mesh.triangles[t][size_t(k)]], now = relit.scene.mesh.positions[relit.scene.mesh.triangles[t][size_t(k)]];
+            EXPECT_LT(glm::length(now - before - Vec3(0, 0, lamp ? -1 : 0)), 1e-5f);
+        }
+    }
+    // The hole it leaves is open, and where it went it is hit.
+    EXPECT_NEAR(relit.scene.tracer->closest({Vec3(0.3f, 0.2f, 5), Vec3(0, 0, -1)}).distance, 6, 1e-4);
+    EXPECT_NEAR(relit.scene.tracer->closest({Vec3(1.5f, 0.2f, 5), Vec3(0, 0, -1)}).distance, 5, 1e-4);
+    EXPECT_EQ(w.scene.mesh.vertexCount(), 25u + 9u) << "the capture's scene is untouched";
+}
+
+TEST(ApplyLook, TakesTheEmitterAlongWithItsPartOnlyByItsOwnMatrix) {
+    const World w = world();
+    const Mat4 down = test::translation({0, 0, -1});
+    Look look;
+    look.parts.push_back({0, down});
+    {
+        // The sheet goes, the lamp stays: nothing between them is stretched.
+        const RelitScene relit = test::relitOf(w.scene, w.estimate, look);
+        for (size_t t = 0; t < relit.scene.mesh.triangles.size(); ++t) {
+            const bool moves = t < 32 && relit.emitterOfTriangle[t] < 0;
+            for (int k = 0; k < 3; ++k) {
+                const Vec3 before = w.scene.mesh.positions[w.scene.mesh.triangles[t][size_t(k)]], now = relit.scene.mesh.positions[relit.scene.mesh.triangles[t][size_t(k)]];
+                EXPECT_LT(glm::length(now - before - Vec3(0, 0, moves ? -1 : 0)), 1e-5f) << t;
+            }
+        }
+    }
+    // With both moved alike the whole piece goes as one.
+    look.emitters.push_back({"emitter-1", true, down, Rgb(1)});
+    const RelitScene relit = test::relitOf(w.scene, w.estimate, look);
+    for (size_t t = 0; t < relit.scene.mesh.triangles.size(); ++t)
+        for (int k = 0; k < 3; ++k) {
+            const Vec3 before = w.scene.mesh.positions[w.scene.mesh.triangles[t][size_t(k)]], now = relit.scene.mesh.positions[relit.scene.mesh.triangles[t][size_t(k)]];
+            EXPECT_LT(glm::length(now - before - Vec3(0, 0, t < 32 ? -1 : 0)), 1e-5f) << t;
+        }
+}
+
+TEST(ApplyLook, KeepsAMirroredEmitterFacingAsItsSurfaceDoes) {
+    const World w = world();
+    Look look;
+    Mat4 mirror(1);
+    mirror[0][0] = -1;
+    look.emitters.push_back({"emitter-1", true, mirror, Rgb(1)});
+    const RelitScene relit = test::relitOf(w.scene, w.estimate, look);
+    for (const Vec3& n : relit.emitters[0].surface.normals) EXPECT_LT(n.z, -0.99f);
+    for (size_t t = 0; t < relit.scene.mesh.triangles.size(); ++t)
+        if (relit.emitterOfTriangle[t] == 0) {
+            EXPECT_LT(relit.scene.mesh.faceNormal(t).z, -0.99f);
+        }
+}
+
+TEST(ApplyLook, SwitchesAnEmitterOffWithoutTakingItAway) {
+    const World w = world();
+    Look look;
+    look.emitters.push_back({"emitter-1", false, Mat4(1), Rgb(1)});
+    const RelitScene relit = test::relitOf(w.scene, w.estimate, look);
+    EXPECT_EQ(relit.emitters[0].radiance, Rgb(0));
+    EXPECT_EQ(relit.scene.mesh.triangles.size(), w.scene.mesh.triangles.size());
+}
+
+TEST(ApplyLook, AddsEmittersOfTheSizeAskedForThatFaceDown) {
+    const World w = world();
+    Look look;
+    look.added.push_back({AddedEmitter::Shape::rectangle, "r", test::translation({0, 0, 2}), Vec2(2, 3), Rgb(1)});
+    look.added.push_back({AddedEmitter::Shape::disk, "d", test::translation({3, 0, 2}), Vec2(2, 2), Rgb(2)});
+    look.added.push_back({AddedEmitter::Shape::sphere, "s", test::translation({6, 0, 2}), Vec2(2, 2), Rgb(3)});
+    const RelitScene relit = test::relitOf(w.scene, w.estimate, look);
+    ASSERT_EQ(relit.emitters.size(), 4u);
+    EXPECT_EQ(relit.emitters[1].id, "r");
+    EXPECT_NEAR(relit.emitters[1].surface.area(), 6, 1e-5);
+    EXPECT_NEAR(relit.emitters[2].surface.area(), piD, 1e-4) << "the polygon has the disc's area";
+    EXPECT_NEAR(relit.emitters[3].surface.area(), 4 * piD, 2e-3) << "the polyhedron has the sphere's area";
+    for (const size_t e : {1u, 2u})
+        for (const Vec3& n : relit.emitters[e].surface.normals) EXPECT_LT(n.z, -0.99f);
+    for (size_t t = 0; t < relit.emitters[3].surface.centres.size(); ++t)
+        EXPECT_GT(glm::dot(relit.emitters[3].surface.normals[t], relit.emitters[3].surface.centres[t] - Vec3(6, 0, 2)), 0.9f);
+    EXPECT_EQ(relit.emitterOfTriangle.size(), relit.scene.mesh.triangles.size());
+    EXPECT_EQ(relit.weight[0].size(), relit.scene.mesh.vertexCount());
+    EXPECT_EQ(relit.emitterOfTriangle.back(), 3);
+}
+
+TEST(ApplyLook, NeutralMaterialsKeepTheirBrightness) {
+    const World w = world();
+    Look look;
+    look.neutralMaterials = true;
+    const Rgb now = test::relitOf(w.scene, w.estimate, look).weight[0].back();
+    EXPECT_EQ(now.x, now.y);
+    EXPECT_EQ(now.x, now.z);
+    EXPECT_NEAR(now.x, luminance(Rgb(0.5f, 0.4f, 0.3f)), 1e-6);
+}
+
+TEST(ApplyLook, NamesWhatDoesNotExist) {
+    const World w = world();
+    Look unknown, outside, noFile;
+    unknown.emitters.push_back({"emitter-7", true, Mat4(1), Rgb(1)});
+    EXPECT_EQ(test::messageOf([&] { test::relitOf(w.scene, w.estimate, unknown); }), "emitters: there is no emitter named emitter-7");
+    outside.parts.push_back({34, Mat4(1)});
+    EXPECT_EQ(test::messageOf([&] { test::relitOf(w.scene, w.estimate, outside); }), "parts: seed_vertex 34 does not exist, the mesh has 34 vertices");
+    noFile.environment.source = EnvironmentLook::Source::file;
+    noFile.environment.file = "/nowhere/sky.exr";
+    EXPECT_NE(test::messageOf([&] { test::relitOf(w.scene, w.estimate, noFile); }).find("/nowhere/sky.exr"), std::string::npos);
+}
+
+TEST(ApplyLook, EnvironmentIsScaledTintedTurnedOrReplaced) {
+    const World w = world();
+    Look look;
+    look.environment.exposureStops = 2;
+    look.environment.tint = {1, 0.5f, 0};
+    EXPECT_EQ(test::relitOf(w.scene, w.estimate, look).distant->radiance({0, 0, 1}), Rgb(4, 2, 0));
+    look.environment.source = EnvironmentLook::Source::none;
+    EXPECT_TRUE(test::relitOf(w.scene, w.estimate, look).distant->black());
+
+    // A file with a bright patch towards +X; turned by 90 degrees it stands towards +Y.
+    const test::TemporaryFolder folder;
+    Image map(128, 64, Rgb(0.01f));
+    for (int y = 28; y < 36; ++y)
+        for (int x = 60; x < 68; ++x) map.at(x, y) = Rgb(50);
+    writeImage(folder / "sky.exr", map);
+    look = {};
+    look.environment.source = EnvironmentLook::Source::file;
+    look.environment.file = folder / "sky.exr";
+    EXPECT_GT(test::relitOf(w.scene, w.estimate, look).distant->radiance({1, 0, 0}).x, 40);
+    EXPECT_LT(test::relitOf(w.scene, w.estimate, look).distant->radiance({0, 1, 0}).x, 0.1f);
+    look.environment.yawDegrees = 90;
+    EXPECT_GT(test::relitOf(w.scene, w.estimate, look).distant->radiance({0, 1, 0}).x, 40);
+    EXPECT_LT(test::relitOf(w.scene, w.estimate, look).distant->radiance({1, 0, 0}).x, 0.1f);
+}
+
+TEST(DistantLight, IsSmoothBetweenCellCentresAndExactAtThem) {
+    const DirectionGrid grid{16};
+    std::vector<Rgb> cells(size_t(grid.cells()), Rgb(0.2f));
+    cells[37] = Rgb(90);
+    const DistantLight light(grid, cells);
+    EXPECT_NEAR(light.smoothRadiance(grid.direction(37)).x, 90, 0.1);
+    EXPECT_NEAR(light.smoothRadiance(grid.direction(37, Vec2(1.0f, 0.5f))).x, 45.1, 0.1);
+    EXPECT_TRUE(DistantLight(grid, std::vector<Rgb>(256, Rgb(0))).black());
+    EXPECT_FALSE(light.black());
+}
+
+}  // namespace
+}  // namespace relamp

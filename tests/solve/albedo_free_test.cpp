@@ -1,0 +1,109 @@
+#include "solve/albedo_free.h"
+
+#include <gtest/gtest.h>
+
+#include "base/parallel.h"
+
+#include "tests/solve/small_problem.h"
+
+namespace relamp {
+namespace {
+
+AlbedoFreeOptions manyIterations() {
+    AlbedoFreeOptions o;
+    o.iterations = 40;
+    o.tolerance = 1e-6f;
+    return o;
+}
+
+TEST(AlbedoFree, FindsTheAbsoluteLightFromRatiosAndOneLampOfKnownRadiance) {
+    const test::SmallProblem p = test::smallProblem();
+    Lighting found = p.start;
+    Progress progress;
+    solveAlbedoFree(p.influence, p.matte, p.pairs, p.anchors, nullptr, manyIterations(), found, progress, nullptr);
+    EXPECT_LT(test::litDifference(p, found, p.truth), 0.02);
+    EXPECT_NEAR(found.emitterRadiance[0].x, 20, 0.05);
+    EXPECT_NEAR(found.emitterRadiance[0].z, 4, 0.02);
+}
+
+TEST(AlbedoFree, EndsAtTheSameLightFromADarkAndABrightStart) {
+    const test::SmallProblem p = test::smallProblem(400, 0.02f);
+    Lighting dark = p.start, bright = p.start;
+    for (Rgb& l : dark.leafRadiance) l = Rgb(0.01f);
+    for (Rgb& l : bright.leafRadiance) l = Rgb(200);
+    Progress progress;
+    solveAlbedoFree(p.influence, p.matte, p.pairs, p.anchors, nullptr, manyIterations(), dark, progress, nullptr);
+    solveAlbedoFree(p.influence, p.matte, p.pairs, p.anchors, nullptr, manyIterations(), bright, progress, nullptr);
+    EXPECT_LT(test::litDifference(p, dark, bright), 0.01);
+}
+
+TEST(AlbedoFree, NeverLetsItsObjectiveRise) {
+    const test::SmallProblem p = test::smallProblem(300, 0.1f);
+    Lighting found = p.start;
+    AlbedoFreeOptions o = manyIterations();
+    o.anneal = false;
+    std::vector<double> objectives;
+    Progress progress;
+    solveAlbedoFree(p.influence, p.matte, p.pairs, p.anchors, nullptr, o, found, progress, [&](int, double objective, double) { objectives.push_back(objective); });
+    ASSERT_GT(objectives.size(), 3u);
+    for (size_t i = 1; i < objectives.size(); ++i) EXPECT_LE(objectives[i], objectives[i - 1] * (1 + 1e-5)) << i;
+    EXPECT_LT(objectives.back(), 0.5 * objectives.front());
+}
+
+TEST(AlbedoFree, ScalesExactlyWithThePhotographs) {
+    const test::SmallProblem p = test::smallProblem();
+    Progress progress;
+    Lighting plain = p.start;
+    solveAlbedoFree(p.influence, p.matte, p.pairs, p.anchors, nullptr, manyIterations(), plain, progress, nullptr);
+    for (const float s : {1e-6f, 1e6f}) {
+        test::SmallProblem q = p;
+        for (Rgb& y : q.matte.radiance) y *= s;
+        for (Rgb& y : q.matte.sigma) y *= s;
+        for (Rgb& e : q.anchors.emitterRadiance) e *= s;
+        Lighting found = p.start;
+        for (Rgb& l : found.leafRadiance) l *= s;
+        for (Rgb& l : found.emitterRadiance) l *= s;
+        solveAlbedoFree(q.influence, q.matte, q.pairs, q.anchors, nullptr, manyIterations(), found, progress, nullptr);
+        for (Rgb& l : found.leafRadiance) l /= s;
+        for (Rgb& l : found.emitterRadiance) l /= s;
+        EXPECT_LT(test::litDifference(p, found, plain), 1e-3) << s;
+    }
+}
+
+TEST(AlbedoFree, StaysFiniteWhereVerticesAreBlack) {
+    test::SmallProblem p = test::smallProblem();
+    for (size_t r = 0; r < 100; ++r) {
+        p.matte.radiance[r] = Rgb(0);
+        p.matte.sigma[r] = Rgb(1e-4f);
+    }
+    Lighting found = p.start;
+    Progress progress;
+    const AlbedoFreeReport report = solveAlbedoFree(p.influence, p.matte, p.pairs, p.anchors, nullptr, manyIterations(), found, progress, nullptr);
+    EXPECT_TRUE(std::isfinite(report.objective));
+    for (const Rgb& l : found.leafRadiance) EXPECT_TRUE(isFinite(l));
+}
+
+TEST(AlbedoFree, KeepsAClippedLampAtOrAboveWhatWasSeen) {
+    test::SmallProblem p = test::smallProblem();
+    p.anchors.emitterRadiance[0] = {8, 4, 1.6f};  // clipped: the truth is 20 10 4
+    p.anchors.emitterClipped[0] = 1;
+    Lighting found = p.start;
+    found.emitterRadiance = p.anchors.emitterRadiance;
+    Progress progress;
+    solveAlbedoFree(p.influence, p.matte, p.pairs, p.anchors, nullptr, manyIterations(), found, progress, nullptr);
+    for (int c = 0; c < 3; ++c) EXPECT_GE(found.emitterRadiance[0][c], p.anchors.emitterRadiance[0][c] * 0.999f);
+}
+
+TEST(AlbedoFree, GivesTheSameBitsOnOneAndFourThreads) {
+    const test::SmallProblem p = test::smallProblem(700, 0.05f);
+    std::vector<Lighting> found(2, p.start);
+    for (int k = 0; k < 2; ++k) {
+        const ThreadLimit limit(k ? 4 : 1);
+        Progress progress;
+        solveAlbedoFree(p.influence, p.matte, p.pairs, p.anchors, nullptr, {}, found[size_t(k)], progress, nullptr);
+    }
+    for (size_t i = 0; i < p.truth.leaves.size(); ++i) EXPECT_EQ(found[0].leafRadiance[i], found[1].leafRadiance[i]) << i;
+}
+
+}  // namespace
+}  // namespace relamp

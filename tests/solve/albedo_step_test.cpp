@@ -1,0 +1,98 @@
+#include "solve/albedo_step.h"
+
+#include <gtest/gtest.h>
+
+#include "solve/pairs.h"
+
+namespace relamp {
+namespace {
+
+/// A flat grid of side x side vertices.
+Scene flatScene(uint32_t side) {
+    Mesh mesh;
+    for (uint32_t y = 0; y < side; ++y)
+        for (uint32_t x = 0; x < side; ++x) {
+            mesh.positions.push_back(Vec3(float(x), float(y), 0) * 0.1f);
+            mesh.normals.push_back({0, 0, 1});
+        }
+    for (uint32_t y = 0; y + 1 < side; ++y)
+        for (uint32_t x = 0; x + 1 < side; ++x) {
+            const uint32_t v = y * side + x;
+            mesh.triangles.push_back({v, v + 1, v + side});
+            mesh.triangles.push_back({v + 1, v + side + 1, v + side});
+        }
+    Progress progress;
+    return buildScene(mesh, progress);
+}
+
+struct Setup {
+    Scene scene = flatScene(20);
+    MatteObservations matte;
+    std::vector<Rgb> lit, litSigma;
+    Setup() {
+        matte.pieceGlossy.assign(scene.pieces, 0);
+        matte.viewSpread.assign(scene.pieces, 0);
+    }
+    void see(uint32_t v, float albedo, float light) {
+        matte.vertices.push_back(v);
+        matte.radiance.push_back(Rgb(albedo * light));
+        matte.sigma.push_back(Rgb(0.01f * albedo * light + 1e-5f));
+        lit.push_back(Rgb(light));
+        litSigma.push_back(Rgb(0.005f * light));
+    }
+};
+
+TEST(AlbedoStep, KeepsATextureEdgeThatIsWellSeen) {
+    Setup s;
+    for (uint32_t v = 0; v < 400; ++v) s.see(v, v % 20 < 10 ? 0.8f : 0.1f, 2.0f);
+    Progress progress;
+    const AlbedoResult r = solveAlbedo(s.scene, s.matte, s.lit, s.litSigma, {}, progress);
+    EXPECT_NEAR(r.albedo[9].x, 0.8f, 0.03f);
+    EXPECT_NEAR(r.albedo[10].x, 0.1f, 0.005f);
+    EXPECT_GT(r.confidence[200], 0.5f);
+}
+
+TEST(AlbedoStep, FillsUnseenAndUnlitVerticesFromTheirNeighbours) {
+    Setup s;
+    for (uint32_t v = 0; v < 400; ++v) {
+        if (v % 20 > 14) continue;                              // never seen
+        if (v % 20 > 9) s.see(v, 0.0f, 0.0f);                   // seen, but no light falls on it
+        else s.see(v, 0.6f, 1.0f);
+    }
+    Progress progress;
+    const AlbedoResult r = solveAlbedo(s.scene, s.matte, s.lit, s.litSigma, {}, progress);
+    EXPECT_NEAR(r.albedo[12].x, 0.6f, 0.03f);
+    EXPECT_NEAR(r.albedo[19].x, 0.6f, 0.05f);
+    EXPECT_LT(r.confidence[19], 0.01f);
+}
+
+TEST(AlbedoStep, DoesNotPreferAScale) {
+    Setup s, t;
+    for (uint32_t v = 0; v < 400; ++v) {
+        const float albedo = 0.3f + 0.2f * float(v % 7) / 7;
+        s.see(v, albedo, 1.0f);
+        t.see(v, albedo, 1.0f);
+        t.lit.back() *= 4.0f;  // the same photographs under four times the light
+        t.litSigma.back() *= 4.0f;
+    }
+    Progress progress;
+    const AlbedoResult a = solveAlbedo(s.scene, s.matte, s.lit, s.litSigma, {}, progress), b = solveAlbedo(t.scene, t.matte, t.lit, t.litSigma, {}, progress);
+    for (uint32_t v = 0; v < 400; v += 13) EXPECT_NEAR(b.albedo[v].x * 4, a.albedo[v].x, 2e-3f * a.albedo[v].x) << v;
+}
+
+TEST(AlbedoPairs, JoinMeshNeighboursOfTheSamePieceOnly) {
+    Setup s;
+    for (uint32_t v = 0; v < 400; ++v) s.see(v, 0.5f, 1.0f);
+    const std::vector<AlbedoPair> pairs = albedoPairs(s.scene, s.matte, {});
+    size_t edges = 0;
+    for (const AlbedoPair& p : pairs) {
+        EXPECT_NE(p.a, p.b);
+        edges += p.weight == 1;
+    }
+    EXPECT_EQ(edges, 19u * 20u * 2u + 19u * 19u);  // rows, columns, diagonals
+    s.matte.pieceGlossy.assign(s.scene.pieces, 2);
+    EXPECT_TRUE(albedoPairs(s.scene, s.matte, {}).empty());
+}
+
+}  // namespace
+}  // namespace relamp

@@ -1,0 +1,72 @@
+#include "solve/light_prior.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/solve/small_problem.h"
+
+namespace relamp {
+namespace {
+
+Eigen::VectorXd unknowns(const Lighting& light, int c) {
+    Eigen::VectorXd x(Eigen::Index(light.leaves.size() + light.emitterRadiance.size()));
+    for (size_t i = 0; i < light.leaves.size(); ++i) x(Eigen::Index(i)) = light.leafRadiance[i][c];
+    for (size_t e = 0; e < light.emitterRadiance.size(); ++e) x(Eigen::Index(light.leaves.size() + e)) = light.emitterRadiance[e][c];
+    return x;
+}
+
+TEST(LightPrior, DoesNotCareForTheScaleOfUnseenLight) {
+    const test::SmallProblem p = test::smallProblem();
+    const LightPrior prior(p.truth.leaves, p.anchors, {});
+    const Eigen::VectorXd x = unknowns(p.truth, 0);
+    EXPECT_GT(prior.value(x, 0), 0);
+    EXPECT_NEAR(prior.value(1e-3 * x, 0), prior.value(x, 0), 1e-9 * prior.value(x, 0));
+    EXPECT_NEAR(prior.value(1e3 * x, 0), prior.value(x, 0), 1e-9 * prior.value(x, 0));
+}
+
+TEST(LightPrior, ItsQuadraticModelHasNoSlopeAlongTheLightItself) {
+    test::SmallProblem p = test::smallProblem();
+    const Eigen::Index n = Eigen::Index(p.truth.leaves.size());
+    p.anchors.emitterRadiance.clear();
+    const LightPrior prior(p.truth.leaves, p.anchors, {});
+    const Eigen::VectorXd x = unknowns(p.truth, 0).head(n);
+    Eigen::MatrixXd q = Eigen::MatrixXd::Zero(n, n);
+    Eigen::VectorXd moment = Eigen::VectorXd::Zero(n), lower = Eigen::VectorXd::Zero(n);
+    prior.add(x, 0, q, moment, lower);
+    EXPECT_NEAR(x.dot(q * x - moment), 0, 1e-6 * prior.value(x, 0));
+}
+
+TEST(LightPrior, ItsModelHasTheGradientOfItsValue) {
+    test::SmallProblem p = test::smallProblem();
+    const Eigen::Index n = Eigen::Index(p.truth.leaves.size());
+    p.anchors.emitterRadiance.clear();
+    for (size_t i = 0; i < 20; ++i) p.anchors.leaves[i] = {Rgb(0.7f), 0.9f, false};
+    LightPriorOptions options;
+    options.backgroundWeight = 0;  // its unit is held fixed in the model on purpose
+    const LightPrior prior(p.truth.leaves, p.anchors, options);
+    const Eigen::VectorXd x = unknowns(p.truth, 2).head(n);
+    Eigen::MatrixXd q = Eigen::MatrixXd::Zero(n, n);
+    Eigen::VectorXd moment = Eigen::VectorXd::Zero(n), lower = Eigen::VectorXd::Zero(n);
+    prior.add(x, 2, q, moment, lower);
+    const Eigen::VectorXd slope = 2 * (q * x - moment);
+    for (Eigen::Index i = 0; i < n; i += 5) {
+        Eigen::VectorXd up = x, down = x;
+        up(i) += 1e-5;
+        down(i) -= 1e-5;
+        EXPECT_NEAR((prior.value(up, 2) - prior.value(down, 2)) / 2e-5, slope(i), 1e-3 * slope.cwiseAbs().maxCoeff()) << i;
+    }
+}
+
+TEST(LightPrior, PullsASeenLeafToWhatWasSeen) {
+    test::SmallProblem p = test::smallProblem();
+    p.anchors.leaves[10] = {Rgb(5), 1.0f, false};
+    p.anchors.leaves[11] = {Rgb(5), 1.0f, true};  // clipped: says nothing here
+    const LightPrior prior(p.truth.leaves, p.anchors, {});
+    Eigen::VectorXd x = unknowns(p.truth, 0);
+    x(10) = 5;
+    const double right = prior.value(x, 0);
+    x(10) = 2;
+    EXPECT_GT(prior.value(x, 0), right + 1000);
+}
+
+}  // namespace
+}  // namespace relamp

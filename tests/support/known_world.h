@@ -1,0 +1,121 @@
+// Paints a small capture from lighting and reflectance that are known, by brute force: none of the code under test shades here.
+// A floor and a box and a ball on it, matte, under a square lamp and an analytic sky; direct light only.
+#pragma once
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+#include "base/parallel.h"
+#include "base/random.h"
+#include "image/image_io.h"
+#include "scene/mesh_io.h"
+#include "support/estimates.h"
+#include "support/temporary_folder.h"
+
+namespace relamp::test {
+
+struct KnownWorld {
+    Mesh mesh;
+    std::vector<uint32_t> lampTriangles;
+    Rgb lampRadiance{40, 34, 26};
+    Vec3 lampCentre{0.35f, 0.25f, 1.15f};
+    float lampSide = 0.3f;
+    std::vector<Rgb> albedo;       ///< per vertex
+    size_t floorVertices = 0;
+    int views = 0;
+
+    /// Distant radiance: bluish above, a broad warm glow to one side, dim below.
+    static Rgb sky(const Vec3& d) {
+        const float glow = std::exp(6 * (glm::dot(d, glm::normalize(Vec3(1, -0.6f, 0.5f))) - 1));
+        return Rgb(0.15f, 0.18f, 0.22f) + Rgb(0.25f, 0.32f, 0.45f) * std::max(0.0f, d.z) + Rgb(1.6f, 1.1f, 0.6f) * glow;
+    }
+    /// Albedo at a point: a slow pattern on the floor, plain colours on the things on it.
+    static Rgb albedoAt(const Vec3& p) {
+        if (p.z < 1e-3f) return Rgb(0.5f, 0.45f, 0.4f) + Rgb(0.2f, 0.15f, -0.1f) * std::sin(4 * p.x) * std::cos(3 * p.y + 1);
+        return p.x < 0 ? Rgb(0.55f, 0.3f, 0.25f) : Rgb(0.3f, 0.45f, 0.6f);
+    }
+};
+
+/// Irradiance of the bare sky on a surface of the given normal.
+inline Rgb skyIrradiance(const std::function<Rgb(const Vec3&)>& radiance, const Vec3& normal) {
+    const DirectionGrid grid{128};
+    DVec3 sum(0);
+    for (int c = 0; c < grid.cells(); ++c) {
+        const Vec3 d = grid.direction(c);
+        if (const float cosine = glm::dot(d, normal); cosine > 0) sum += DVec3(radiance(d) * cosine);
+    }
+    return Rgb(sum * double(grid.cellSolidAngle()));
+}
+
+/// Light that leaves a matte point: 8 x 8 points on the lamp, 16 x 16 directions of the sky, each with one ray.
+inline Rgb paintPoint(const KnownWorld& world, const RayTracer& tracer, const Vec3& position, const Vec3& normal, uint64_t seed, bool lamp) {
+    const Vec3 origin = position + normal * 1e-4f;
+    const Vec2 shift = randomShift(seed, 1, 2), lampShift = randomShift(seed, 3, 4);
+    const Mat3 frame = frameAround(normal);
+    DVec3 irradiance(0);
+    constexpr int side = 16, lampSide = 8;
+    for (int i = 0; i < side * side; ++i) {
+        const Vec2 u = (Vec2(float(i % side), float(i / side)) + shift) / float(side);
+        const Vec3 d = frame * cosineHemisphere(u);
+        if (!tracer.occluded({origin, d, 0, 1e30f})) irradiance += DVec3(KnownWorld::sky(d)) * (piD / (side * side));
+    }
+    for (int i = 0; lamp && i < lampSide * lampSide; ++i) {
+        const Vec2 u = (Vec2(float(i % lampSide), float(i / lampSide)) + lampShift) / float(lampSide) - 0.5f;
+        const Vec3 to = world.lampCentre + world.lampSide * Vec3(u.x, u.y, 0) - origin;
+        const float d2 = glm::dot(to, to);
+        const Vec3 d = to / std::sqrt(d2);
+        const float cosine = glm::dot(d, normal), facing = d.z;
+        if (cosine <= 0 || facing <= 0 || tracer.occluded({origin, d, 0, std::sqrt(d2) * 0.999f})) continue;
+        irradiance += DVec3(world.lampRadiance) * double(cosine * facing / d2 * world.lampSide * world.lampSide / (lampSide * lampSide));
+    }
+    return KnownWorld::albedoAt(position) * Rgb(irradiance) / pi;
+}
+
+/// Writes transforms.json, mesh.ply and the photographs (96 x 72, EXR) into `folder`; `lamp` false leaves the lamp dark and out.
+inline KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool lamp = true, int views = 10, int floorCuts = 24) {
+    KnownWorld world;
+    world.views = views;
+    world.mesh = sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, floorCuts, floorCuts);
+    world.floorVertices = world.mesh.vertexCount();
+    append(world.mesh, box({-0.55f, -0.35f, 0.002f}, {-0.2f, 0.05f, 0.4f}, 5));
+    append(world.mesh, ball({0.3f, -0.25f, 0.252f}, 0.25f, 14, 20));
+    if (lamp) world.lampTriangles = append(world.mesh, squareAbove(world.lampSide, world.lampCentre.x, world.lampCentre.y, world.lampCentre.z, 4));
+    for (const Vec3& p : world.mesh.positions) world.albedo.push_back(KnownWorld::albedoAt(p));
+    std::vector<uint8_t> shines(world.mesh.triangles.size(), 0);
+    for (uint32_t t : world.lampTriangles) shines[t] = 1;
+
+    const Scene scene = sceneOf(world.mesh);
+    std::filesystem::create_directories(folder / "images");
+    writeVertexPly(folder / "mesh.ply", world.mesh, {});
+    nlohmann::json file{{"w", 96}, {"h", 72}, {"fl_x", 95}, {"mesh_path", "mesh.ply"}, {"frames", nlohmann::json::array()}};
+    for (int i = 0; i < views; ++i) {
+        // High ones look down, low ones see the underside of the lamp and the sky.
+        const double a = 2 * piD * i / views + 0.3;
+        const bool low = i % 2;
+        const Camera camera = cameraAt({2.3 * std::cos(a), 2.3 * std::sin(a), low ? 0.45 : 1.9}, {0.05, 0, low ? 0.6 : 0.15}, 96, 72, 95);
+        Image image(96, 72);
+        parallelFor(size_t(96 * 72), 96, [&](size_t p) {
+            const Vec3 d = camera.rayDirection(Vec2(p % 96 + 0.5f, p / 96 + 0.5f));
+            const Hit hit = scene.tracer->closest({Vec3(camera.position()), d, 0, 1e30f});
+            if (!hit) {
+                image.pixels[p] = KnownWorld::sky(d);
+                return;
+            }
+            if (shines[hit.triangle]) {
+                image.pixels[p] = d.z > 0 ? world.lampRadiance : Rgb(0);
+                return;
+            }
+            const Vec3 normal = scene.normalOf(hit);
+            image.pixels[p] = glm::dot(normal, d) < 0 ? paintPoint(world, *scene.tracer, scene.pointOf(hit), normal, size_t(i) * 10000 + p, lamp) : Rgb(0);
+        });
+        const std::string name = fmt::format("images/{:02}.exr", i);
+        writeImage(folder / name, image);
+        nlohmann::json rows = nlohmann::json::array();
+        for (int r = 0; r < 4; ++r) rows.push_back({camera.worldFromCamera[0][r], camera.worldFromCamera[1][r], camera.worldFromCamera[2][r], camera.worldFromCamera[3][r]});
+        file["frames"].push_back({{"file_path", name}, {"transform_matrix", rows}});
+    }
+    std::ofstream(folder / "transforms.json") << file.dump(1);
+    return world;
+}
+
+}  // namespace relamp::test

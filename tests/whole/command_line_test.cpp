@@ -1,0 +1,268 @@
+// The real program, run as a user or a farm runs it.
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "support/known_world.h"
+#include "support/run_program.h"
+
+namespace relamp {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+test::ProgramResult relamp(std::vector<std::string> arguments, const std::string& interruptOn = "", int signalNumber = SIGINT) {
+    arguments.insert(arguments.begin(), RELAMP_BINARY);
+    return test::runProgram(arguments, interruptOn, signalNumber);
+}
+
+size_t linesOf(const std::string& text) { return size_t(std::count(text.begin(), text.end(), '\n')); }
+
+/// Bad input: exit code 3, nothing on stdout, and one sentence at the end of stderr that holds each of `words`.
+void expectBadInput(const test::ProgramResult& r, const std::vector<std::string>& words) {
+    EXPECT_EQ(r.exitCode, 3) << r.error;
+    EXPECT_EQ(r.out, "");
+    ASSERT_FALSE(r.error.empty());
+    const size_t begin = ("\n" + r.error).rfind("\nrelamp: ");
+    ASSERT_NE(begin, std::string::npos) << r.error;
+    const std::string last = r.error.substr(begin);
+    EXPECT_EQ(linesOf(last), 1u) << last;
+    for (const std::string& word : words) EXPECT_NE(last.find(word), std::string::npos) << "expected " << word << " in: " << last;
+}
+
+TEST(CommandLine, WrongUsageIsExitCodeTwoWithNothingOnStdout) {
+    const std::vector<std::vector<std::string>> wrong{{},
+                                                      {"dance"},
+                                                      {"solve"},
+                                                      {"solve", "capture"},
+                                                      {"check"},
+                                                      {"solve", "capture", "-o", "x.relamp", "--quality", "best"},
+                                                      {"solve", "capture", "-o", "x.relamp", "--mode", "both"},
+                                                      {"solve", "capture", "-o", "x.relamp", "--threads", "-2"},
+                                                      {"solve", "capture", "-o", "x.relamp", "--time-budget", "soon"},
+                                                      {"solve", "capture", "-o", "x.relamp", "--grid-side", "33"},
+                                                      {"solve", "capture", "-o", "x.relamp", "--gauge", "sunny"},
+                                                      {"solve", "capture", "-o", "x.relamp", "--gauge", "albedo=0"},
+                                                      {"solve", "capture", "-o", "x.relamp", "--gauge", "white-patch=1,2"},
+                                                      {"solve", "capture", "-o", "x.relamp", "--nonsense"},
+                                                      {"render", "shot", "-o", "f.exr", "--samples", "0"},
+                                                      {"info", "x", "--progress", "loud"}};
+    for (const auto& arguments : wrong) {
+        const test::ProgramResult r = relamp(arguments);
+        std::string line;
+        for (const std::string& a : arguments) line += a + " ";
+        EXPECT_EQ(r.exitCode, 2) << line << "\n" << r.error;
+        EXPECT_EQ(r.out, "") << line;
+        EXPECT_NE(r.error, "") << line;
+    }
+}
+
+TEST(CommandLine, HelpAndVersionAreResults) {
+    EXPECT_EQ(relamp({"--version"}).exitCode, 0);
+    EXPECT_EQ(relamp({"--version"}).out.substr(0, 7), "relamp ");
+    const test::ProgramResult help = relamp({"--help"});
+    EXPECT_EQ(help.exitCode, 0);
+    for (const char* verb : {"check", "solve", "render", "compare", "info"}) EXPECT_NE(help.out.find(verb), std::string::npos) << verb;
+    EXPECT_EQ(help.error, "");
+}
+
+TEST(CommandLine, WhatIsNotThereIsBadInput) {
+    const test::TemporaryFolder folder;
+    for (const char* verb : {"check", "info"}) expectBadInput(relamp({verb, folder / "absent"}), {(folder / "absent").string()});
+    expectBadInput(relamp({"solve", folder / "absent", "-o", folder / "x.relamp"}), {"absent"});
+    expectBadInput(relamp({"check", folder.path()}), {"transforms.json"});
+    expectBadInput(relamp({"render", folder / "absent.relamp", "-o", folder / "f.exr"}), {"absent.relamp"});
+    EXPECT_EQ(folder.entries(), 0u);
+}
+
+/// From a capture to frames, in one test because the shot is made once.
+TEST(CommandLine, SolvesRendersAndTellsWhatIsInAShot) {
+    const test::TemporaryFolder folder;
+    test::paintKnownWorld(folder / "capture", true, 6, 14);
+    const std::string capture = folder / "capture", shot = folder / "x.relamp";
+
+    const test::ProgramResult check = relamp({"check", capture, "--json"});
+    EXPECT_EQ(check.exitCode, 0) << check.error;
+    EXPECT_TRUE(json::parse(check.out, nullptr, false).is_object()) << check.out;
+
+    const test::ProgramResult solve = relamp({"solve", capture, "-o", shot, "--quality", "draft", "--threads", "2"});
+    ASSERT_EQ(solve.exitCode, 0) << solve.error;
+    EXPECT_EQ(solve.out, "") << "stdout carries results only";
+    EXPECT_EQ(solve.error.find('\033'), std::string::npos) << "no escapes when stderr is no terminal";
+    EXPECT_EQ(solve.error.find('\r'), std::string::npos);
+    expectBadInput(relamp({"solve", capture, "-o", shot, "--quality", "draft"}), {"--overwrite", shot});
+
+    const test::ProgramResult progress = relamp({"solve", capture, "-o", shot, "--overwrite", "--quality", "draft", "--quiet", "--progress", "json"});
+    EXPECT_EQ(progress.exitCode, 0);
+    size_t lines = 0;
+    std::istringstream stream(progress.error);
+    for (std::string line; std::getline(stream, line); ++lines) {
+        const json step = json::parse(line, nullptr, false);
+        EXPECT_TRUE(step.is_object() && step.contains("stage") && step.contains("share")) << line;
+    }
+    EXPECT_GT(lines, 5u);
+
+    const test::ProgramResult info = relamp({"info", shot, "--json"});
+    EXPECT_EQ(info.exitCode, 0);
+    const json found = json::parse(info.out, nullptr, false);
+    ASSERT_TRUE(found.is_object()) << info.out;
+    EXPECT_EQ(found["emitters"].size(), 1u);
+    for (const char* key : {"environment", "gauge", "basis", "left_out", "timeline", "stability", "resources"}) EXPECT_TRUE(found.contains(key)) << key;
+    EXPECT_EQ(relamp({"info", shot}).exitCode, 0);
+    EXPECT_EQ(json::parse(relamp({"info", capture, "--json"}).out)["views"], 6);
+
+    // Frames.
+    const std::string frames = folder / "frames.##.exr";
+    EXPECT_EQ(relamp({"render", shot, "-o", frames, "--camera", "all", "--frames", "2-3,9", "--samples", "1", "--size", "24x18"}).exitCode, 0);
+    EXPECT_TRUE(fs::exists(folder / "frames.02.exr") && fs::exists(folder / "frames.03.exr"));
+    EXPECT_FALSE(fs::exists(folder / "frames.09.exr") || fs::exists(folder / "frames.01.exr"));
+    EXPECT_EQ(readImageSize(folder / "frames.02.exr"), std::pair(24, 18));
+    // --skip-existing leaves what is there and fills in what is missing.
+    folder.write("frames.02.exr", "mine");
+    fs::remove(folder / "frames.03.exr");
+    EXPECT_EQ(relamp({"render", shot, "-o", frames, "--camera", "all", "--frames", "2-3", "--samples", "1", "--size", "24x18", "--skip-existing"}).exitCode, 0);
+    EXPECT_EQ(test::TemporaryFolder::read(folder / "frames.02.exr"), "mine");
+    EXPECT_TRUE(fs::exists(folder / "frames.03.exr"));
+    // Options that cannot be meant.
+    for (const std::vector<std::string>& extra : std::vector<std::vector<std::string>>{{"--camera", "all", "--frames", "1-3"}, {"--camera", "all", "--frames", "3-1"}, {"--camera", "99"}, {"--size", "12"}, {"--layers", "beauty"}, {"--frames", "1"}}) {
+        std::vector<std::string> arguments{"render", shot, "-o", folder / "one.exr", "--samples", "1"};
+        arguments.insert(arguments.end(), extra.begin(), extra.end());
+        const test::ProgramResult r = relamp(arguments);
+        EXPECT_EQ(r.exitCode, 2) << extra[0] << " " << extra[1] << ": " << r.error;
+        EXPECT_FALSE(fs::exists(folder / "one.exr"));
+    }
+    // Bad files name themselves.
+    folder.write("edits.json", R"({"emitters": [{"id": "emitter-9"}]})");
+    expectBadInput(relamp({"render", shot, "-o", folder / "one.exr", "--edits", folder / "edits.json"}), {"emitter-9"});
+    folder.write("edits.json", R"({"environment": {"tint": [1]}})");
+    expectBadInput(relamp({"render", shot, "-o", folder / "one.exr", "--edits", folder / "edits.json"}), {"edits.json", "environment.tint"});
+    expectBadInput(relamp({"render", shot, "-o", folder / "one.exr", "--env", folder / "absent.hdr"}), {"absent.hdr"});
+    expectBadInput(relamp({"render", shot, "-o", folder / "one.exr", "--camera", folder / "absent.json"}), {"absent.json"});
+    expectBadInput(relamp({"render", shot, "-o", folder / "nowhere/one.exr", "--samples", "1", "--size", "8x6"}), {"nowhere"});
+    json broken = json::parse(test::TemporaryFolder::read(folder / "x.relamp/shot.json"));
+    broken["emitters"][0]["power"] = "bright";
+    folder.write("x.relamp/shot.json", broken.dump());
+    expectBadInput(relamp({"render", shot, "-o", folder / "one.exr"}), {"shot.json", "emitters[0].power"});
+    broken.erase("gauge");
+    folder.write("x.relamp/shot.json", broken.dump());
+    expectBadInput(relamp({"info", shot}), {"shot.json"});
+    EXPECT_FALSE(fs::exists(folder / "one.exr"));
+}
+
+TEST(CommandLine, AnInterruptEndsASolveWithItsOwnCodeAndLeavesNothingBehind) {
+    const test::TemporaryFolder folder;
+    test::paintKnownWorld(folder / "capture", true, 4, 60);
+    for (const auto& [number, code] : {std::pair{SIGINT, 130}, std::pair{SIGTERM, 143}}) {
+        const test::ProgramResult r = relamp({"solve", folder / "capture", "-o", folder / "x.relamp", "--quality", "fine", "--progress", "json"}, "Visibility", number);
+        EXPECT_EQ(r.exitCode, code) << r.error;
+        EXPECT_EQ(r.out, "");
+        EXPECT_EQ(folder.entries(), 1u) << "the capture alone";
+    }
+}
+
+/// Captures that are broken in one way each.
+class BadCapture : public testing::Test {
+protected:
+    void SetUp() override {
+        test::paintKnownWorld(folder / "capture", true, 5, 12);
+        file = json::parse(test::TemporaryFolder::read(folder / "capture/transforms.json"));
+    }
+    test::ProgramResult solve() {
+        folder.write("capture/transforms.json", file.dump());
+        return relamp({"solve", folder / "capture", "-o", folder / "x.relamp", "--quality", "draft"});
+    }
+    void fillImages(const Rgb& value) {
+        for (int i = 0; i < 5; ++i) writeImage(folder / fmt::format("capture/images/{:02}.exr", i), Image(96, 72, value));
+    }
+    /// One sentence and exit code 3, or a finished shot that says what was wrong: never a crash, never silence.
+    void expectSentenceOrNote() {
+        const test::ProgramResult r = solve();
+        EXPECT_EQ(r.out, "");
+        if (r.exitCode == 0) {
+            EXPECT_TRUE(fs::exists(folder / "x.relamp/shot.json"));
+            EXPECT_NE(r.error, "");
+            // The shot can be read back.
+            EXPECT_EQ(relamp({"info", folder / "x.relamp", "--json"}).exitCode, 0);
+            EXPECT_EQ(relamp({"render", folder / "x.relamp", "-o", folder / "f.exr", "--samples", "1", "--size", "16x12"}).exitCode, 0);
+        } else {
+            expectBadInput(r, {});
+            EXPECT_FALSE(fs::exists(folder / "x.relamp"));
+        }
+    }
+    test::TemporaryFolder folder;
+    json file;
+};
+
+TEST_F(BadCapture, WithAMissingImage) {
+    fs::remove(folder / "capture/images/02.exr");
+    expectBadInput(solve(), {"transforms.json", "frame 2", "02.exr"});
+}
+
+TEST_F(BadCapture, WithAnImageOfAnotherSize) {
+    writeImage(folder / "capture/images/01.exr", Image(48, 36, Rgb(1)));
+    expectBadInput(solve(), {"frame 1", "01.exr", "48 x 36"});
+}
+
+TEST_F(BadCapture, WithASingularMatrix) {
+    file["frames"][3]["transform_matrix"][1] = {0, 0, 0, 0};
+    expectBadInput(solve(), {"transforms.json", "frame 3", "transform_matrix"});
+}
+
+TEST_F(BadCapture, WithZeroFocalLength) {
+    file["fl_x"] = 0;
+    expectBadInput(solve(), {"transforms.json", "fl_x is 0"});
+}
+
+TEST_F(BadCapture, WithNoTriangles) {
+    folder.write("capture/mesh.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n");
+    expectBadInput(solve(), {"mesh.ply"});
+}
+
+TEST_F(BadCapture, WithBrokenJson) {
+    folder.write("capture/transforms.json", "{\"w\": ");
+    expectBadInput(relamp({"solve", folder / "capture", "-o", folder / "x.relamp"}), {"transforms.json"});
+}
+
+TEST_F(BadCapture, WithNaNEverywhere) {
+    fillImages(Rgb(std::numeric_limits<float>::quiet_NaN()));
+    expectSentenceOrNote();
+}
+
+TEST_F(BadCapture, WithOneViewOfNaN) {
+    writeImage(folder / "capture/images/01.exr", Image(96, 72, Rgb(std::numeric_limits<float>::infinity())));
+    const test::ProgramResult r = solve();
+    EXPECT_EQ(r.exitCode, 0) << r.error;
+}
+
+TEST_F(BadCapture, ThatIsBlack) {
+    fillImages(Rgb(0));
+    expectSentenceOrNote();
+}
+
+TEST_F(BadCapture, ThatIsClippedAllOver) {
+    for (int i = 0; i < 5; ++i) {
+        writeImage(folder / fmt::format("capture/images/{:02}.png", i), Image(96, 72, Rgb(1)));
+        file["frames"][size_t(i)]["file_path"] = fmt::format("images/{:02}.png", i);
+    }
+    expectSentenceOrNote();
+}
+
+TEST_F(BadCapture, WithOneViewOnly) {
+    file["frames"] = {file["frames"][1]};
+    expectSentenceOrNote();
+}
+
+TEST_F(BadCapture, WhoseCamerasSeeNothing) {
+    // All stand far away and look away from the scene.
+    for (auto& frame : file["frames"]) frame["transform_matrix"] = {{1, 0, 0, 500}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
+    expectSentenceOrNote();
+}
+
+TEST_F(BadCapture, WithCamerasInsideTheGround) {
+    for (auto& frame : file["frames"]) frame["transform_matrix"] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, -0.5}, {0, 0, 0, 1}};
+    expectSentenceOrNote();
+}
+
+}  // namespace
+}  // namespace relamp

@@ -1,0 +1,171 @@
+// The whole pipeline on a world whose lighting and reflectance are known.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "pipeline/pipeline.h"
+#include "support/known_world.h"
+#include "support/stopping.h"
+
+namespace relamp {
+namespace {
+
+struct World {
+    test::TemporaryFolder folder;
+    test::KnownWorld truth;
+    explicit World(bool lamp = true) { truth = test::paintKnownWorld(folder.path(), lamp); }
+    PipelineResult solve(bool nearField = true, int threads = 0, double budget = 0) const {
+        const ThreadLimit limit(threads);
+        PipelineOptions options;
+        options.solve = solveOptionsFor("draft");
+        options.solve.nearField = nearField;
+        Progress progress;
+        progress.setBudget(budget);
+        return runPipeline(folder.path(), options, progress);
+    }
+};
+
+double relative(const Rgb& a, const Rgb& b) { return maxChannel(glm::abs(a - b)) / maxChannel(b); }
+
+/// Largest relative error of the irradiance of the distant light found, over a few orientations that surfaces of the scene have.
+double irradianceError(const Estimate& estimate) {
+    const DirectionGrid grid{estimate.environmentSide};
+    double worst = 0;
+    for (const Vec3& n : {Vec3(0, 0, 1), glm::normalize(Vec3(1, 0, 1)), glm::normalize(Vec3(-1, 0, 1)), glm::normalize(Vec3(0, 1, 1)), glm::normalize(Vec3(0, -1, 1))})
+        worst = std::max(worst, relative(test::skyIrradiance([&](const Vec3& d) { return estimate.environment[size_t(grid.cellOf(d))]; }, n), test::skyIrradiance(test::KnownWorld::sky, n)));
+    return worst;
+}
+
+/// Median and 90th percentile of the relative albedo error over the vertices that are well seen.
+std::pair<double, double> albedoErrors(const PipelineResult& r, const test::KnownWorld& truth) {
+    std::vector<double> off;
+    for (size_t v = 0; v < truth.albedo.size(); ++v)
+        if (r.estimate.reflectance.observed[v] >= 3 && r.estimate.emitters.emitterOfVertex[v] < 0) off.push_back(relative(r.estimate.reflectance.weight[0][v], truth.albedo[v]));
+    std::sort(off.begin(), off.end());
+    return {off[off.size() / 2], off[off.size() * 9 / 10]};
+}
+
+void expectFinite(const Estimate& e) {
+    for (const Rgb& l : e.lighting.leafRadiance) ASSERT_TRUE(isFinite(l) && std::min({l.x, l.y, l.z}) >= 0);
+    for (const Rgb& l : e.lighting.emitterRadiance) ASSERT_TRUE(isFinite(l) && std::min({l.x, l.y, l.z}) >= 0);
+    for (const Rgb& l : e.environment) ASSERT_TRUE(isFinite(l) && std::min({l.x, l.y, l.z}) >= 0);
+    for (const auto& lobe : e.reflectance.weight)
+        for (const Rgb& w : lobe) ASSERT_TRUE(isFinite(w) && std::min({w.x, w.y, w.z}) >= 0);
+}
+
+TEST(KnownWorld, ItsLampSkyAndAlbedoAreFound) {
+    const World world;
+    const PipelineResult r = world.solve();
+    expectFinite(r.estimate);
+    ASSERT_EQ(r.estimate.emitters.emitters.size(), 1u);
+    const EmitterCluster& lamp = r.estimate.emitters.emitters[0];
+    const Rgb radiance = r.estimate.lighting.emitterRadiance[0];
+    const auto [median, p90] = albedoErrors(r, world.truth);
+    const double irradiance = irradianceError(r.estimate);
+    std::printf("lamp radiance off by %.2f %%, sky irradiance %.1f %%, albedo %.1f %% (median) %.1f %% (90th percentile)\n", 100 * relative(radiance, world.truth.lampRadiance), 100 * irradiance, 100 * median, 100 * p90);
+    EXPECT_LT(relative(radiance, world.truth.lampRadiance), 0.01);
+    EXPECT_LT(glm::length(lamp.centroid - world.truth.lampCentre), 0.02f);
+    EXPECT_NEAR(lamp.area, world.truth.lampSide * world.truth.lampSide, 0.001);
+    EXPECT_EQ(lamp.triangles, world.truth.lampTriangles);
+    // Measured 6 %, 4 % and 8 % at draft quality.
+    EXPECT_LT(irradiance, 0.10);
+    EXPECT_LT(median, 0.07);
+    EXPECT_LT(p90, 0.15);
+    EXPECT_EQ(r.estimate.mode, "near-field");
+    EXPECT_FALSE(r.estimate.timeline.empty());
+    EXPECT_FALSE(r.estimate.cancelled);
+}
+
+TEST(KnownWorld, WithoutItsLampHasNoEmitter) {
+    const World world(false);
+    const PipelineResult r = world.solve();
+    expectFinite(r.estimate);
+    EXPECT_EQ(r.estimate.emitters.emitters.size(), 0u);
+    const auto [median, p90] = albedoErrors(r, world.truth);
+    const double irradiance = irradianceError(r.estimate);
+    std::printf("sky irradiance off by %.1f %%, albedo %.1f %% (median) %.1f %% (90th percentile)\n", 100 * irradiance, 100 * median, 100 * p90);
+    // Without a lamp only the sky that is seen ties light to albedo; measured 15 % and 18 % at draft quality.
+    EXPECT_LT(irradiance, 0.22);
+    EXPECT_LT(median, 0.25);
+}
+
+TEST(KnownWorld, SolvedDistantOnlyHasNoEmitterAndFitsWorse) {
+    const World world;
+    const PipelineResult distant = world.solve(false), near = world.solve();
+    expectFinite(distant.estimate);
+    EXPECT_EQ(distant.estimate.mode, "distant-only");
+    EXPECT_EQ(distant.estimate.emitters.emitters.size(), 0u);
+    EXPECT_GT(albedoErrors(distant, world.truth).first, 1.5 * albedoErrors(near, world.truth).first);
+}
+
+TEST(KnownWorld, HasTheSameBitsOnOneAndManyThreads) {
+    const World world;
+    const Estimate one = world.solve(true, 1).estimate, four = world.solve(true, 4).estimate;
+    EXPECT_EQ(one.environment, four.environment);
+    EXPECT_EQ(one.lighting.leafRadiance, four.lighting.leafRadiance);
+    EXPECT_EQ(one.lighting.emitterRadiance, four.lighting.emitterRadiance);
+    EXPECT_EQ(one.reflectance.weight, four.reflectance.weight);
+    EXPECT_EQ(one.reflectance.confidence, four.reflectance.confidence);
+    EXPECT_EQ(one.reflectance.observed, four.reflectance.observed);
+    EXPECT_EQ(one.emitters.emitterOfTriangle, four.emitters.emitterOfTriangle);
+    EXPECT_EQ(one.emitterSigma, four.emitterSigma);
+    EXPECT_EQ(one.identifiability, four.identifiability);
+    EXPECT_EQ(one.stability.conditionNumber, four.stability.conditionNumber);
+    ASSERT_EQ(one.timeline.size(), four.timeline.size());
+    for (size_t i = 0; i < one.timeline.size(); ++i) {
+        EXPECT_EQ(one.timeline[i].objective, four.timeline[i].objective) << i;
+        EXPECT_EQ(one.timeline[i].rmse, four.timeline[i].rmse) << i;
+    }
+}
+
+TEST(KnownWorld, StopsInEachStageWhenAsked) {
+    const World world;
+    PipelineOptions options;
+    options.solve = solveOptionsFor("draft");
+    // Every stage that a whole run announces.
+    std::vector<std::string> stages;
+    {
+        Progress progress;
+        progress.setListener([&](const std::string& label, double) {
+            if (std::find(stages.begin(), stages.end(), label) == stages.end()) stages.push_back(label);
+        });
+        runPipeline(world.folder.path(), options, progress);
+    }
+    ASSERT_GT(stages.size(), 6u);
+    for (const std::string& stage : stages) {
+        Progress progress;
+        std::chrono::steady_clock::time_point asked{};
+        progress.setListener([&](const std::string& label, double) {
+            if (label != stage || progress.stopRequested()) return;
+            asked = std::chrono::steady_clock::now();
+            progress.requestStop();
+        });
+        bool cancelled = false;
+        try {
+            runPipeline(world.folder.path(), options, progress);
+        } catch (const Cancelled&) {
+            cancelled = true;
+        }
+        EXPECT_TRUE(cancelled) << stage;
+        EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - asked).count(), test::stopBoundSeconds) << stage;
+    }
+}
+
+TEST(KnownWorld, StopsHalfWayWhenAskedFromAnotherThread) {
+    const World world;
+    PipelineOptions options;
+    options.solve = solveOptionsFor("draft");
+    test::expectStopsHalfWay([&](Progress& progress) { runPipeline(world.folder.path(), options, progress); }, "Visibility");
+}
+
+TEST(KnownWorld, KeepsTheBestAnswerSoFarWhenTheTimeIsUp) {
+    const World world;
+    const PipelineResult r = world.solve(true, 0, 1e-3);
+    expectFinite(r.estimate);
+    EXPECT_TRUE(r.estimate.cancelled);
+    EXPECT_EQ(r.estimate.reflectance.weight[0].size(), world.truth.albedo.size());
+    EXPECT_LT(r.estimate.timeline.size(), world.solve().estimate.timeline.size());
+}
+
+}  // namespace
+}  // namespace relamp
