@@ -7,7 +7,7 @@ LightPrior::LightPrior(const LightLeaves& leaves, const LightAnchors& anchors, c
     for (size_t i = 0; i < leaves.size(); ++i) share_(Eigen::Index(i)) = double(leaves[i].solidAngle()) / (4 * piD);
 }
 
-double LightPrior::meanOf(const Eigen::VectorXd& x) const { return std::max(share_.dot(x.head(share_.size())), 1e-9 * (1e-12 + x.maxCoeff())); }
+double LightPrior::meanOf(const Eigen::VectorXd& x) const { return std::max({share_.dot(x.head(share_.size())), double(options_.darkness), 1e-30}); }
 
 double LightPrior::smoothness(uint32_t i, uint32_t j) const {
     // A seen leaf must not pull its unseen neighbours to its own brightness: that would fix the scale by a prior.
@@ -37,10 +37,11 @@ void LightPrior::add(const Eigen::VectorXd& x, int channel, Eigen::MatrixXd& q, 
     const double unit = meanOf(x);
     Eigen::VectorXd along = Eigen::VectorXd::Zero(leaves);
     double square = 0, pull = 0;
+    const bool unitIsFree = share_.dot(x.head(leaves)) >= unit;  // at the floor the unit is a constant
     for (const auto& [i, j] : neighbours_) {
         const double middle = 0.5 * (x(i) + x(j)), d2 = unit * unit + middle * middle + 1e-300, d = std::sqrt(d2), r = (x(i) - x(j)) / d;
         const double w = smoothness(i, j);
-        const double ai = 1 / d - r * middle / (2 * d2), aj = -1 / d - r * middle / (2 * d2), beta = r * unit / d2;
+        const double ai = 1 / d - r * middle / (2 * d2), aj = -1 / d - r * middle / (2 * d2), beta = unitIsFree ? r * unit / d2 : 0.0;
         q(i, i) += w * ai * ai;
         q(j, j) += w * aj * aj;
         q(i, j) += w * ai * aj;

@@ -11,6 +11,7 @@ namespace relamp {
 struct LightPriorOptions {
     float smoothness = 60;        ///< weight of relative differences between neighbouring leaves
     float backgroundWeight = 30;  ///< looks a directly seen leaf counts for, at its spread of 2 % (whole) to 72 % (hardly covered)
+    float darkness = 0;           ///< radiance below which the mean of the distant light counts as black: relative terms end there
     float emitterWeight = 1e3f;   ///< times the data's own weight on an emitter: what is seen directly outweighs model error
 };
 

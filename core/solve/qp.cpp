@@ -59,18 +59,19 @@ QpResult solveBoundedQp(const Eigen::MatrixXd& q, const Eigen::VectorXd& c, cons
     Eigen::MatrixXd a = scale.asDiagonal() * q * scale.asDiagonal();
     for (Eigen::Index i = 0; i < n; ++i) a(i, i) = 1 + 1e-12;
     const Eigen::VectorXd b = scale.asDiagonal() * (c - q * lower);
-    const double magnitude = std::max(b.cwiseAbs().maxCoeff(), 1e-300);
-    const double tolerance = 1e-12 * magnitude;
+    const double tolerance = 1e-12 * std::max(b.cwiseAbs().maxCoeff(), 1e-300);
 
     Pivoting p{a, b, std::vector<char>(size_t(n), 0), Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n)};
     for (Eigen::Index i = 0; i < n; ++i) p.free_[size_t(i)] = scale(i) > 0 && (guess ? (*guess)(i) > lower(i) : b(i) > 0);
     Eigen::Index best = n + 1;
     int patience = 3;
+    double ridge = 1e-12;
     for (result.iterations = 1; result.iterations <= 500; ++result.iterations) {
         if (!p.solveOnFree()) {
             // Not definite to working precision: strengthen the ridge and go on.
-            a.diagonal().array() += 1e-10;
-            if (result.iterations > 450) break;
+            a.diagonal().array() += ridge;
+            ridge *= 10;
+            if (ridge > 1) break;
             continue;
         }
         std::vector<Eigen::Index> wrong;
@@ -90,12 +91,31 @@ QpResult solveBoundedQp(const Eigen::MatrixXd& q, const Eigen::VectorXd& c, cons
         }
         for (Eigen::Index i : wrong) p.free_[size_t(i)] ^= 1;
     }
-    if (!result.converged) result.reason = "pivoting did not settle";
+    if (!result.converged) result.reason = ridge > 1 ? "the normal equations are not positive definite" : "pivoting did not settle";
     p.x = p.x.cwiseMax(0.0);
-    p.gradient.noalias() = a * p.x - b;
-    for (Eigen::Index i = 0; i < n; ++i) {
-        const double violation = p.x(i) > 0 ? std::abs(p.gradient(i)) : std::max(0.0, -p.gradient(i));
-        result.kktResidual = std::max(result.kktResidual, scale(i) > 0 ? violation / magnitude : 0.0);
+    const auto kkt = [&] {
+        p.gradient.noalias() = a * p.x - b;
+        const double magnitude = std::max((a.cwiseAbs() * p.x + b.cwiseAbs()).maxCoeff(), 1e-300);
+        double worst = 0;
+        for (Eigen::Index i = 0; i < n; ++i)
+            if (scale(i) > 0) worst = std::max(worst, (p.x(i) > 0 ? std::abs(p.gradient(i)) : std::max(0.0, -p.gradient(i))) / magnitude);
+        return worst;
+    };
+    result.kktResidual = kkt();
+    // Where pivoting fails, coordinate descent goes on from what it left: slower, but it cannot cycle.
+    for (int sweep = 0; result.kktResidual > 1e-9 && sweep < 3000; ++sweep) {
+        for (Eigen::Index i = 0; i < n; ++i) {
+            if (!(scale(i) > 0)) continue;
+            const double before = p.x(i), after = std::max(0.0, before - p.gradient(i) / a(i, i));
+            if (after == before) continue;
+            p.x(i) = after;
+            p.gradient += (after - before) * a.col(i);
+        }
+        if (sweep % 50 == 49) result.kktResidual = kkt();
+    }
+    if (result.kktResidual < 1e-9) {
+        result.converged = true;
+        result.reason.clear();
     }
     result.x = lower + scale.asDiagonal() * p.x;
     return result;

@@ -42,7 +42,7 @@ void SolveState::startFromConstantAlbedo() {
 }
 
 void SolveState::alternate() {
-    const LightPrior prior(lighting_.leaves, anchors_, {});
+    const LightPrior prior(lighting_.leaves, anchors_, lightPrior_);
     const LightingStepReport step = lightingStep(influence_, matte_, albedo_.albedo, litSigma_, prior, lighting_, progress_);
     stability_.kktResidual = std::max(stability_.kktResidual, step.kktResidual);
     computeLit();
@@ -164,6 +164,7 @@ void SolveState::assess(Estimate& estimate) {
     Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled, Eigen::EigenvaluesOnly);
     estimate.stability = stability_;
     estimate.stability.unknowns = int(n);
+    if (stability_.kktResidual > 1e-6) estimate.stability.reason = fmt::format("a lighting program stopped at a relative KKT residual of {:.1e}", stability_.kktResidual);
     const double largest = std::max(eigen.eigenvalues().maxCoeff(), 1e-300);
     double smallest = largest;
     for (Eigen::Index i = 0; i < gram.rows(); ++i) {
@@ -219,6 +220,9 @@ Estimate SolveState::finish() {
     if (gloss_.empty()) estimate.leftOut.push_back({"glossy lobes", "no surface changes with the view beyond noise"});
     if (clusters_.emitters.empty() && options_.nearField) estimate.leftOut.push_back({"near-field emitters", "no patch of the scene shines on its own"});
     if (!options_.nearField) estimate.leftOut.push_back({"near-field emitters", "the distant-only baseline was asked for"});
+    Rgb distant(0);
+    for (size_t i = 0; i < lighting_.leaves.size(); ++i) distant += lighting_.leafRadiance[i] * lighting_.leaves[i].solidAngle() / (4 * pi);
+    if (maxChannel(distant) < lightPrior_.darkness) estimate.leftOut.push_back({"finer distant light", "the distant light is as good as black"});
     estimate.leftOut.push_back({"interreflection", "direct light only in this version"});
     if (lighting_.leaves.size() >= options_.maxLeaves) estimate.leftOut.push_back({"finer distant light", fmt::format("the limit of {} unknowns was reached", options_.maxLeaves)});
     record("done", 0, 0, lookRmse());

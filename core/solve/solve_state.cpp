@@ -50,6 +50,10 @@ void SolveState::rebuildNearField() {
     PairOptions pairOptions;
     pairOptions.seed = options_.seed;
     pairs_ = albedoPairs(scene_, matte_, pairOptions);
+    std::vector<float> brightness;
+    for (const Rgb& y : matte_.radiance) brightness.push_back(maxChannel(y));
+    std::sort(brightness.begin(), brightness.end());
+    lightPrior_.darkness = brightness.empty() ? 0.0f : 1e-3f * brightness[brightness.size() * 9 / 10];
     size_t usable = 0;
     for (uint32_t v : matte_.vertices) usable += matte_.pieceGlossy[scene_.piece[v]] < 2;
     matteShare_ = matte_.vertices.empty() ? 0 : double(usable) / double(matte_.vertices.size());
@@ -86,6 +90,7 @@ void SolveState::runAlbedoFree(const std::string& stage, int iterations, const V
     AlbedoFreeOptions o;
     o.iterations = iterations;
     o.anneal = timeline_.empty();
+    o.light = lightPrior_;
     const AlbedoFreeReport report = solveAlbedoFree(influence_, matte_, pairs_, anchors_, rows, o, lighting_, progress_,
                                                     [&](int i, double objective, double rmse) { record(stage, i, objective, rmse); });
     stability_.kktResidual = std::max(stability_.kktResidual, report.kktResidual);
@@ -187,6 +192,7 @@ bool SolveState::refineLeaves() {
     if (stopped() || lighting_.leaves.size() >= limit) return false;
     Rgb total(0);
     for (size_t i = 0; i < lighting_.leaves.size(); ++i) total += lighting_.leafRadiance[i] * lighting_.leaves[i].solidAngle();
+    if (maxChannel(total) / (4 * pi) < lightPrior_.darkness) return false;  // as good as black: nothing to sharpen
     std::vector<std::pair<float, uint32_t>> strong;
     for (uint32_t i = 0; i < lighting_.leaves.size(); ++i) {
         const Rgb share = lighting_.leafRadiance[i] * lighting_.leaves[i].solidAngle() / glm::max(total, Rgb(1e-30f));

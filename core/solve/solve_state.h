@@ -49,6 +49,7 @@ private:
     NearField nearField_;
     InfluenceMatrix influence_;              ///< of the matte observations: leaves, then emitters
     LightAnchors anchors_;
+    LightPriorOptions lightPrior_;
     std::vector<float> leafShape_;           ///< per cell of the background grid: relative brightness inside its leaf
     Lighting lighting_;
     BrdfBasis basis_ = builtInBasis();

@@ -25,11 +25,11 @@ Scene flatScene(uint32_t side) {
     return buildScene(mesh, progress);
 }
 
-struct Setup {
+struct Surface {
     Scene scene = flatScene(20);
     MatteObservations matte;
     std::vector<Rgb> lit, litSigma;
-    Setup() {
+    Surface() {
         matte.pieceGlossy.assign(scene.pieces, 0);
         matte.viewSpread.assign(scene.pieces, 0);
     }
@@ -43,7 +43,7 @@ struct Setup {
 };
 
 TEST(AlbedoStep, KeepsATextureEdgeThatIsWellSeen) {
-    Setup s;
+    Surface s;
     for (uint32_t v = 0; v < 400; ++v) s.see(v, v % 20 < 10 ? 0.8f : 0.1f, 2.0f);
     Progress progress;
     const AlbedoResult r = solveAlbedo(s.scene, s.matte, s.lit, s.litSigma, {}, progress);
@@ -53,7 +53,7 @@ TEST(AlbedoStep, KeepsATextureEdgeThatIsWellSeen) {
 }
 
 TEST(AlbedoStep, FillsUnseenAndUnlitVerticesFromTheirNeighbours) {
-    Setup s;
+    Surface s;
     for (uint32_t v = 0; v < 400; ++v) {
         if (v % 20 > 14) continue;                              // never seen
         if (v % 20 > 9) s.see(v, 0.0f, 0.0f);                   // seen, but no light falls on it
@@ -67,7 +67,7 @@ TEST(AlbedoStep, FillsUnseenAndUnlitVerticesFromTheirNeighbours) {
 }
 
 TEST(AlbedoStep, DoesNotPreferAScale) {
-    Setup s, t;
+    Surface s, t;
     for (uint32_t v = 0; v < 400; ++v) {
         const float albedo = 0.3f + 0.2f * float(v % 7) / 7;
         s.see(v, albedo, 1.0f);
@@ -81,7 +81,7 @@ TEST(AlbedoStep, DoesNotPreferAScale) {
 }
 
 TEST(AlbedoPairs, JoinMeshNeighboursOfTheSamePieceOnly) {
-    Setup s;
+    Surface s;
     for (uint32_t v = 0; v < 400; ++v) s.see(v, 0.5f, 1.0f);
     const std::vector<AlbedoPair> pairs = albedoPairs(s.scene, s.matte, {});
     size_t edges = 0;
