@@ -151,8 +151,6 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
                 const Eigen::Map<const Eigen::VectorXf> row(viewRows->influence[c].row(i), n);
                 const double r = double(row.dot(light[c].cast<float>())) - viewRows->radiance[i][c];
                 mean += r * r / 3;
-                sums.squares += r * r;
-                ++sums.counted;
             }
             const double s2 = double(viewRows->sigma[i]) * viewRows->sigma[i];
             viewWeight[i] = float(1 / (s2 * (1 + mean / s2 / (scale * scale))));
@@ -175,6 +173,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
         if (each) each(iteration, objective, rmse);
 
         Eigen::VectorXd target[3];
+        report.kktResidual = 0;
         for (int c = 0; c < 3; ++c) {
             parallelFor(pairs.size(), 4096, [&](size_t k) {
                 const AlbedoPair& p = pairs[k];

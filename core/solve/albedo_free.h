@@ -31,7 +31,7 @@ struct ViewRows {
 
 struct AlbedoFreeReport {
     double objective = 0;
-    double kktResidual = 0;
+    double kktResidual = 0;  ///< worst channel of the last program
     int iterations = 0;
 };
 

@@ -23,7 +23,7 @@ struct TimelineEntry {
     std::string stage;
     int iteration = 0;
     double objective = 0;  ///< of the stage; never rises within a stage
-    double rmse = 0;       ///< of the model against the look-ups, radiance
+    double rmse = 0;       ///< radiance: of the model against the look-ups; in ratio stages, of each vertex predicted from its neighbours
 };
 
 struct LeftOut {
@@ -38,7 +38,7 @@ struct GaugeReport {
 };
 
 struct StabilityReport {
-    double kktResidual = 0;       ///< worst of the lighting programs, relative
+    double kktResidual = 0;       ///< worst channel of the last lighting program, relative
     double conditionNumber = 0;   ///< of the column-scaled lighting Gram matrix
     int effectiveRank = 0;        ///< its eigenvalues above 1e-6 of the largest
     int unknowns = 0;

@@ -39,6 +39,7 @@ Estimate solveScene(const Capture& capture, const Scene& scene, const RadianceSa
     } else if (options.nearField) {
         s.startFromRatios();           // METHOD 11
         if (s.confirmEmitters()) s.startFromRatios();
+        s.leaveOutBlackEnvironment();
     } else {
         s.startFromConstantAlbedo();   // the baseline's own way
     }

@@ -42,9 +42,10 @@ void SolveState::startFromConstantAlbedo() {
 }
 
 void SolveState::alternate() {
+    if (environmentBlack_) return;
     const LightPrior prior(lighting_.leaves, anchors_, lightPrior_);
     const LightingStepReport step = lightingStep(influence_, matte_, albedo_.albedo, litSigma_, prior, lighting_, progress_);
-    stability_.kktResidual = std::max(stability_.kktResidual, step.kktResidual);
+    stability_.kktResidual = step.kktResidual;
     computeLit();
     albedo_ = solveAlbedo(scene_, matte_, lit_, litSigma_, options_.prior, progress_);
     record("light and reflectance in turn", int(timeline_.size()), step.after, lookRmse());
@@ -71,7 +72,7 @@ void SolveState::assembleEnvironment(Estimate& estimate) const {
     for (int c = 0; c < fine.cells(); ++c) {
         const size_t leaf = lighting_.leaves.leafOf(fine.direction(c));
         const int coarse = (c / fine.side / step) * seen.side + (c % fine.side) / step;
-        const bool direct = samples_.backgroundPixels[size_t(coarse)] >= 4 && !samples_.backgroundClipped[size_t(coarse)];
+        const bool direct = !environmentBlack_ && samples_.backgroundPixels[size_t(coarse)] >= 4 && !samples_.backgroundClipped[size_t(coarse)];
         estimate.environment[size_t(c)] = direct && anchors_.leaves[leaf].coverage > 0.05f ? samples_.background[size_t(coarse)] : lighting_.leafRadiance[leaf];
     }
 }
@@ -220,9 +221,7 @@ Estimate SolveState::finish() {
     if (gloss_.empty()) estimate.leftOut.push_back({"glossy lobes", "no surface changes with the view beyond noise"});
     if (clusters_.emitters.empty() && options_.nearField) estimate.leftOut.push_back({"near-field emitters", "no patch of the scene shines on its own"});
     if (!options_.nearField) estimate.leftOut.push_back({"near-field emitters", "the distant-only baseline was asked for"});
-    Rgb distant(0);
-    for (size_t i = 0; i < lighting_.leaves.size(); ++i) distant += lighting_.leafRadiance[i] * lighting_.leaves[i].solidAngle() / (4 * pi);
-    if (maxChannel(distant) < lightPrior_.darkness) estimate.leftOut.push_back({"finer distant light", "the distant light is as good as black"});
+    if (environmentBlack_) estimate.leftOut.push_back({"distant light", "it gives less than half a percent of the light on the surfaces"});
     estimate.leftOut.push_back({"interreflection", "direct light only in this version"});
     if (lighting_.leaves.size() >= options_.maxLeaves) estimate.leftOut.push_back({"finer distant light", fmt::format("the limit of {} unknowns was reached", options_.maxLeaves)});
     record("done", 0, 0, lookRmse());

@@ -93,7 +93,7 @@ void SolveState::runAlbedoFree(const std::string& stage, int iterations, const V
     o.light = lightPrior_;
     const AlbedoFreeReport report = solveAlbedoFree(influence_, matte_, pairs_, anchors_, rows, o, lighting_, progress_,
                                                     [&](int i, double objective, double rmse) { record(stage, i, objective, rmse); });
-    stability_.kktResidual = std::max(stability_.kktResidual, report.kktResidual);
+    stability_.kktResidual = report.kktResidual;
     logInfo("{}: {} iterations, objective {:.4g}, {} unknowns, {:.1f} s", stage, report.iterations, report.objective, lighting_.leaves.size() + surfaces_.size(), progress_.seconds());
 }
 
@@ -129,7 +129,6 @@ void SolveState::startFromConstantReflectance() {
         chosen.lobe = lobe;
         chosen.weight = fit.weight;
         chosen.residual = float(fit.residual);
-        record("light and one lobe", int(timeline_.size()), best, 0);
         return true;
     };
     for (size_t k = 1; k < basis_.lobes.size(); ++k)
@@ -187,12 +186,27 @@ bool SolveState::confirmEmitters() {
     return true;
 }
 
+void SolveState::leaveOutBlackEnvironment() {
+    if (surfaces_.empty()) return;
+    double distant = 0, all = 0;
+    for (size_t r = 0; r < influence_.rows; ++r)
+        for (size_t k = 0; k < influence_.columns; ++k) {
+            const bool leaf = k < lighting_.leaves.size();
+            const double light = double(influence_.row(r)[k]) * luminance(leaf ? lighting_.leafRadiance[k] : lighting_.emitterRadiance[k - lighting_.leaves.size()]);
+            all += light;
+            if (leaf) distant += light;
+        }
+    logInfo("distant light gives {:.2g} % of the light on the surfaces", all > 0 ? 100 * distant / all : 0.0);
+    if (!(distant < 0.005 * all)) return;
+    environmentBlack_ = true;
+    std::fill(lighting_.leafRadiance.begin(), lighting_.leafRadiance.end(), Rgb(0));
+}
+
 bool SolveState::refineLeaves() {
     const size_t limit = hasMatte() ? options_.maxLeaves : options_.maxLeaves + 3 * (size_t(1) << (2 * options_.startLevel));
-    if (stopped() || lighting_.leaves.size() >= limit) return false;
+    if (environmentBlack_ || stopped() || lighting_.leaves.size() >= limit) return false;
     Rgb total(0);
     for (size_t i = 0; i < lighting_.leaves.size(); ++i) total += lighting_.leafRadiance[i] * lighting_.leaves[i].solidAngle();
-    if (maxChannel(total) / (4 * pi) < lightPrior_.darkness) return false;  // as good as black: nothing to sharpen
     std::vector<std::pair<float, uint32_t>> strong;
     for (uint32_t i = 0; i < lighting_.leaves.size(); ++i) {
         const Rgb share = lighting_.leafRadiance[i] * lighting_.leaves[i].solidAngle() / glm::max(total, Rgb(1e-30f));
@@ -254,7 +268,7 @@ LobeRowOptions SolveState::rowOptions() const {
 }
 
 void SolveState::improveLight(int iterations) {
-    if (stopped()) return;
+    if (stopped() || environmentBlack_) return;
     if (gloss_.empty()) {
         runAlbedoFree("light from ratios", iterations, nullptr);
         return;

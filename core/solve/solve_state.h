@@ -22,6 +22,8 @@ public:
     void startFromConstantReflectance();
     /// Re-fit test: a patch that needs an albedo above 1 under the light found is a lamp, others are surfaces. True when the set changed.
     bool confirmEmitters();
+    /// Leaves the distant light out where it gives less than half a percent of what is seen: less than the photographs can tell.
+    void leaveOutBlackEnvironment();
     /// Splits strong leaves; false when there is nothing left to split.
     bool refineLeaves();
     void improveLight(int iterations);
@@ -45,6 +47,7 @@ private:
     MatteObservations matte_;
     std::vector<AlbedoPair> pairs_;
     double matteShare_ = 0;
+    bool environmentBlack_ = false;
     Visibility visibility_;
     NearField nearField_;
     InfluenceMatrix influence_;              ///< of the matte observations: leaves, then emitters

@@ -123,16 +123,17 @@ TEST_F(ShotFile, KeepsTheEnergyOfTheEnvironmentSunIncluded) {
         for (int y = 100; y < 100 + width; ++y)
             for (int x = 30; x < 30 + width; ++x) shot.estimate.environment[size_t(y) * 256 + size_t(x)] = Rgb(90000, 70000, 50000);
         save(true);
-        const Rgb before = energy(shot.estimate.environment), after = energy(open().estimate.environment);
+        const Rgb before = energy(shot.estimate.environment), after = (fs::remove_all(target / "cache"), energy(open().estimate.environment));
         for (int c = 0; c < 3; ++c) EXPECT_NEAR(after[c] / before[c], 1, bound) << "sun of " << width << " cells";
     }
 }
 
-TEST_F(ShotFile, IsThreeFilesInOpenFormats) {
+TEST_F(ShotFile, IsThreeFilesInOpenFormatsAndACache) {
     save();
     size_t entries = 0;
     for ([[maybe_unused]] const auto& entry : fs::directory_iterator(target)) ++entries;
-    EXPECT_EQ(entries, 3u);
+    EXPECT_EQ(entries, 4u);
+    EXPECT_TRUE(fs::is_directory(target / "cache"));
     EXPECT_EQ(document()["version"], 1);
     EXPECT_EQ(document()["capture"], "../capture") << "relative, so that both can be moved";
     EXPECT_EQ(readImageSize(target / "environment.exr"), std::pair(1024, 512));
@@ -168,6 +169,18 @@ TEST_F(ShotFile, KeepsTheLooksEnvironmentFileRelative) {
     EXPECT_EQ(fs::weakly_canonical(open().look.environment.file), fs::weakly_canonical(folder / "studio.exr"));
 }
 
+TEST_F(ShotFile, OpensTheSameWithADamagedCacheAndPrefersAPaintedEnvironment) {
+    save();
+    const Rgb whole = open().estimate.environment[100];
+    folder.write("out.relamp/cache/environment_cells.exr", "not a picture");
+    EXPECT_NEAR(open().estimate.environment[100].x, whole.x, 0.05f * whole.x + 1e-4f);
+    save(true);
+    Image painted(1024, 512, Rgb(7));
+    writeImage(target / "environment.exr", painted);
+    fs::last_write_time(target / "environment.exr", fs::file_time_type::clock::now() + std::chrono::seconds(5));
+    EXPECT_NEAR(open().estimate.environment[100].x, 7, 0.01f);
+}
+
 TEST_F(ShotFile, TakesAFolderNameWithASlashAtItsEnd) {
     target = (folder / "out.relamp").string() + "/";
     save();
@@ -189,7 +202,7 @@ TEST_F(ShotFile, RefusesToOverwriteUnlessToldAndKeepsUnknownKeysAndFiles) {
     EXPECT_EQ(document()["quality"], "fine");
     EXPECT_EQ(document()["studio"]["job"], 42);
     EXPECT_EQ(test::TemporaryFolder::read(target / "notes.txt"), "mine");
-    EXPECT_FALSE(fs::exists(target / "cache"));
+    EXPECT_FALSE(fs::exists(target / "cache/old.bin"));
     EXPECT_EQ(folder.entries(), 2u) << "nothing temporary is left beside it";
 }
 
