@@ -26,12 +26,18 @@ std::vector<VertexRadiance> summarise(const Scene& scene, const RadianceSamples&
     std::vector<VertexRadiance> result(scene.mesh.vertexCount());
     for (uint32_t v = 0; v < result.size(); ++v) {
         VertexRadiance& r = result[v];
-        float best = 0;
-        for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) best = std::max(best, samples.samples[s].weight);
+        // Clipped look-ups are lower bounds: they count only where there is nothing else.
+        float best = 0, bestOpen = 0;
+        for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
+            best = std::max(best, samples.samples[s].weight);
+            if (!samples.samples[s].clipped) bestOpen = std::max(bestOpen, samples.samples[s].weight);
+        }
+        const bool openOnly = bestOpen >= 0.05f;
+        if (openOnly) best = bestOpen;
         if (best < 0.05f) continue;
         std::vector<float> channel[3];
         for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
-            if (samples.samples[s].weight < 0.4f * best) continue;
+            if (samples.samples[s].weight < 0.4f * best || (openOnly && samples.samples[s].clipped)) continue;
             for (int c = 0; c < 3; ++c) channel[c].push_back(samples.samples[s].radiance[c]);
         }
         for (int c = 0; c < 3; ++c) r.radiance[c] = medianOf(channel[c]);
@@ -160,7 +166,8 @@ void judge(const Scene& scene, const RadianceSamples& samples, const std::vector
 }
 
 /// Lets a patch take the unseen and half-seen rest of its own body.
-void complete(const Scene& scene, const std::vector<VertexRadiance>& seen, EmitterCluster& cluster) {
+/// Vertices that belong to another patch stay there.
+void complete(const Scene& scene, const std::vector<VertexRadiance>& seen, const std::vector<uint8_t>& ofOthers, EmitterCluster& cluster) {
     std::vector<uint8_t> mine(seen.size(), 0);
     for (uint32_t v : cluster.vertices) mine[v] = 1;
     // A connected piece whose clearly seen vertices nearly all shine is a lamp as a whole.
@@ -172,7 +179,7 @@ void complete(const Scene& scene, const std::vector<VertexRadiance>& seen, Emitt
     }
     for (uint32_t v = 0; v < seen.size(); ++v) {
         const uint32_t p = scene.piece[v];
-        if (!mine[v] && shining[p] > 0.7f * clear[p]) mine[v] = 1;
+        if (!mine[v] && !ofOthers[v] && shining[p] > 0.7f * clear[p]) mine[v] = 1;
     }
     // Elsewhere unseen neighbours of similar orientation join, a few rings far.
     std::vector<uint32_t> ring = cluster.vertices;
@@ -181,7 +188,7 @@ void complete(const Scene& scene, const std::vector<VertexRadiance>& seen, Emitt
         for (uint32_t v : ring)
             for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e) {
                 const uint32_t u = scene.graph.to[e];
-                if (mine[u] || seen[u].weight > 0 || glm::dot(scene.mesh.normals[u], scene.mesh.normals[v]) < 0.5f) continue;
+                if (mine[u] || ofOthers[u] || seen[u].weight > 0 || glm::dot(scene.mesh.normals[u], scene.mesh.normals[v]) < 0.5f) continue;
                 mine[u] = 1;
                 next.push_back(u);
             }
@@ -254,6 +261,7 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
         if (seen[v].weight > 0.1f && seen[v].spread < 0.15f && (patchOf[v] < 0 || maxChannel(seen[v].radiance) < 6 * median)) ordinary.push_back(maxChannel(seen[v].radiance));
     const float reference = ordinary.size() > 20 ? medianOf(ordinary, 0.95) : median;
 
+    std::vector<uint8_t> taken(seen.size(), 0);  // by accepted patches
     for (size_t i = 0; i < patches.size(); ++i) {
         Patch& patch = patches[i];
         judge(scene, samples, seen, patchOf, int(i), reference, patch);
@@ -268,7 +276,10 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
         cluster.radiance = patch.radiance;
         cluster.radianceSigma = std::max(0.002f, e.uniformity / std::sqrt(float(std::max<size_t>(1, patch.vertices.size()))));
         cluster.evidence = e;
-        if (patch.reject.empty()) complete(scene, seen, cluster);
+        if (patch.reject.empty()) {
+            complete(scene, seen, taken, cluster);
+            for (uint32_t v : cluster.vertices) taken[v] = 1;
+        }
         measure(scene, cluster);
         if (patch.reject.empty() && cluster.triangles.empty()) patch.reject = "covers no whole triangle";
         if (!patch.reject.empty()) {

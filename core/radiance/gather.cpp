@@ -105,6 +105,7 @@ void estimateNoise(const Capture& capture, RadianceSamples& result) {
                 dark.push_back(mean);
             }
     }
+    result.noiseFloor = 1e-12f;
     if (relative.size() < 100) return;
     const auto quantile = [](std::vector<float>& v, double q) {
         std::nth_element(v.begin(), v.begin() + ptrdiff_t(q * double(v.size() - 1)), v.end());

@@ -81,6 +81,8 @@ public:
         const Vec3 origin = s.position + s.geometric * offset;
         const bool anything = maxChannel(s.albedo) > 0 || !s.lobes.empty();
         if (!anything) return;
+        // A metal has nothing but its lobes: the samples a matte part would want go there.
+        lobeCount_ = maxChannel(s.albedo) > 1e-3f ? options_.lobeSamples : 4 * options_.lobeSamples;
         distantCount_ = !relit_.distant->black() && lights_.distant.prepare(s.normal, proposal_) ? options_.distantSamples : 0;
         // A share from the cosine alone: where the bright part of the sky is hidden, the rest is not left to chance.
         cosineCount_ = distantCount_ > 0 && maxChannel(s.albedo) > 0 ? std::max(1, options_.distantSamples / 4) : 0;
@@ -116,8 +118,8 @@ public:
         }
         flushShadow(s, out);
         for (const auto& [k, w] : s.lobes)
-            for (int i = 0; i < options_.lobeSamples; ++i) {
-                const Vec3 local = sampleGgx(s.eye, relit_.basis.lobes[k].alpha, r2Point(index * uint32_t(options_.lobeSamples) + uint32_t(i), randomShift(seed, 4, k)));
+            for (int i = 0; i < lobeCount_; ++i) {
+                const Vec3 local = sampleGgx(s.eye, relit_.basis.lobes[k].alpha, r2Point(index * uint32_t(lobeCount_) + uint32_t(i), randomShift(seed, 4, k)));
                 if (local.z > 0) queueClosest(s, origin, s.frame * local, out);
             }
         flushClosest(s, out);
@@ -127,7 +129,7 @@ private:
     const Lights& lights_;
     const RelitScene& relit_;
     const FrameOptions& options_;
-    int emitterSamples_ = 1, distantCount_ = 0, cosineCount_ = 0;
+    int emitterSamples_ = 1, distantCount_ = 0, cosineCount_ = 0, lobeCount_ = 0;
     DistantSampler::Proposal proposal_;
     std::vector<EmitterSampler::Proposal> emitterProposal_;
     // A packet being filled.
@@ -149,7 +151,7 @@ private:
     /// Sum of count x density of the samples drawn from the lobes.
     float lobeDensity(const Surface& s, const Vec3& light) const {
         float d = 0;
-        for (const auto& [k, w] : s.lobes) d += float(options_.lobeSamples) * ggxSampleDensity(light, s.eye, relit_.basis.lobes[k].alpha);
+        for (const auto& [k, w] : s.lobes) d += float(lobeCount_) * ggxSampleDensity(light, s.eye, relit_.basis.lobes[k].alpha);
         return d;
     }
     /// Sum of count x density of the samples drawn for the environment.
@@ -235,6 +237,7 @@ Frame renderFrame(const RelitScene& relit, const Camera& camera, const FrameOpti
         Gather gather;
         for (size_t y = begin; y < end; ++y)
             for (int x = 0; x < frame.width; ++x) {
+                if (x % 64 == 0) progress.check();
                 const size_t p = y * size_t(frame.width) + size_t(x);
                 const uint64_t seed = mixBits(options.seed * 0x9e37 + p);
                 gather.world = Rgb(0);

@@ -9,7 +9,7 @@ namespace relamp {
 struct FrameOptions {
     int samplesPerPixel = 8;       ///< positions inside the pixel (one-pixel box filter)
     int distantSamples = 8;        ///< per position, towards the environment
-    int lobeSamples = 4;           ///< per position and glossy lobe
+    int lobeSamples = 4;           ///< per position and glossy lobe, four times as many on bare metal
     int emitterSamples = 6;        ///< per position and emitter, fewer (at least 2) when there are many emitters
     uint64_t seed = 1;
     bool background = true;        ///< show the environment where no surface is

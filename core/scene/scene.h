@@ -18,7 +18,6 @@ struct Scene {
     float diagonal = 0;                    ///< metres: of the bounding box
     std::shared_ptr<const RayTracer> tracer;
 
-    Vec3 facingNormal(uint32_t vertex) const { return mesh.normals[vertex]; }
     /// Point and shading normal of a hit.
     Vec3 pointOf(const Hit& hit) const;
     Vec3 normalOf(const Hit& hit) const;

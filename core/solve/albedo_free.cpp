@@ -79,6 +79,8 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
         for (size_t i = 0; i < leafCount; ++i) x[c](Eigen::Index(i)) = lighting.leafRadiance[i][c];
         for (size_t e = 0; e < emitterCount; ++e) x[c](Eigen::Index(leafCount + e)) = lighting.emitterRadiance[e][c];
     }
+    bool anchored = emitterCount > 0;
+    for (const LeafAnchor& a : anchors.leaves) anchored |= a.coverage > 0.05f && !a.clipped;
     std::vector<float> robust(pairs.size(), 1);
     std::vector<Rgb> mixing(rows);
     struct Term {
@@ -216,9 +218,17 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
                 }
             }
             prior.add(x[c], c, q, moment, lower);
+            if (!anchored) {
+                // Nothing ties the scale down, and black light explains every ratio: the mean stays where it is.
+                Eigen::VectorXd mean = Eigen::VectorXd::Zero(n);
+                for (size_t i = 0; i < leafCount; ++i) mean(Eigen::Index(i)) = double(lighting.leaves[i].solidAngle()) / (4 * piD);
+                const double hold = q.diagonal().maxCoeff() / mean.squaredNorm() + 1e-30;
+                moment += hold * mean.dot(x[c]) * mean;
+                q += hold * mean * mean.transpose();
+            }
             const QpResult solution = solveBoundedQp(q, moment, lower, iteration > 0 ? &x[c] : nullptr);
             report.kktResidual = std::max(report.kktResidual, solution.kktResidual);
-            target[c] = solution.x.allFinite() ? solution.x : x[c];
+            target[c] = solution.usable ? solution.x : x[c];
         }
         // A step that makes things worse is halved: the objective never rises.
         double change = 0;

@@ -22,7 +22,7 @@ struct TimelineEntry {
     double seconds = 0;
     std::string stage;
     int iteration = 0;
-    double objective = 0;  ///< of the stage; never rises within a stage
+    double objective = 0;  ///< of the stage's own program; never rises while its unknowns stay the same; 0 where the stage has none
     double rmse = 0;       ///< radiance: of the model against the look-ups; in ratio stages, of each vertex predicted from its neighbours
 };
 

@@ -163,7 +163,7 @@ PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSa
         result.residual = float(fit.residual);
         return true;
     };
-    for (size_t k = 1; k < basis.lobes.size(); ++k) attempt(basis.lobes[k], k == 1 ? 0.95 : 1.0);
+    for (size_t k = 1; k < basis.lobes.size(); ++k) attempt(basis.lobes[k], 1.0);
     if (!result.lobe || result.residual > 0.85f * result.residualMatte) {
         result.lobe.reset();
         return result;

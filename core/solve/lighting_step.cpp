@@ -47,7 +47,7 @@ LightingStepReport lightingStep(const InfluenceMatrix& influence, const MatteObs
         const QpResult solution = solveBoundedQp(q, moment, lower);
         report.kktResidual = std::max(report.kktResidual, solution.kktResidual);
         double reached = start;
-        if (solution.x.allFinite())
+        if (solution.usable)
             for (double step = 1; step > 0.05; step *= 0.5) {
                 const Eigen::VectorXd trial = x + step * (solution.x - x);
                 const Eigen::VectorXd trialResidual = residuals(trial);

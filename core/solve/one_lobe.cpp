@@ -1,5 +1,7 @@
 #include "solve/one_lobe.h"
 
+#include <limits>
+
 #include "solve/albedo_free.h"
 #include "solve/qp.h"
 
@@ -57,7 +59,10 @@ OneLobeFit fitOneLobe(const InfluenceMatrix& rows, const std::vector<GlossyLook>
             }
             const QpResult solution = solveBoundedQp(q, moment, Eigen::VectorXd::Zero(n + 1), round ? &x : nullptr);
             fit.kktResidual = std::max(fit.kktResidual, solution.kktResidual);
-            if (!solution.x.allFinite()) break;
+            if (!solution.usable) {
+                residual = std::numeric_limits<double>::infinity();
+                break;
+            }
             x = solution.x;
             residual = 0;
             for (size_t i = 0; i < rows.rows; ++i) {

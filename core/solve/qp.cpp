@@ -50,6 +50,7 @@ QpResult solveBoundedQp(const Eigen::MatrixXd& q, const Eigen::VectorXd& c, cons
         return result;
     }
     if (!q.allFinite() || !c.allFinite() || !lower.allFinite()) {
+        result.usable = false;
         result.reason = "the normal equations hold numbers that are not finite";
         return result;
     }

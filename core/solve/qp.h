@@ -10,6 +10,7 @@ struct QpResult {
     double kktResidual = 0;  ///< largest violation of the optimality conditions over the largest term they are made of, column-scaled
     int iterations = 0;
     bool converged = false;
+    bool usable = true;      ///< false: the input was not finite, x is only the bound
     std::string reason;      ///< why not, when it did not
 };
 

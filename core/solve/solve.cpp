@@ -19,7 +19,7 @@ SolveOptions solveOptionsFor(const std::string& quality) {
     } else if (quality == "fine") {
         o.maxLeaves = 900;
         o.splitShare = 0.006f;
-        o.startIterations = 20;
+        o.startIterations = 40;
         o.refineIterations = 8;
         o.glossRounds = 4;
     } else if (quality != "standard") {
@@ -30,6 +30,8 @@ SolveOptions solveOptionsFor(const std::string& quality) {
 
 Estimate solveScene(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const EmitterClusters& clusters,
                     const SolveOptions& options, Progress& progress) {
+    if (options.gauge.kind == GaugeChoice::Kind::whitePatch && (options.gauge.view < 0 || size_t(options.gauge.view) >= capture.views.size()))
+        throw Error("--gauge white-patch: view {} does not exist, expected 0 to {}", options.gauge.view, capture.views.size() - 1);
     SolveState s(capture, scene, samples, options, progress);
     s.takeClusters(clusters);
     s.prepare();                       // matte observations, pairs, visibility, near field: D and N
@@ -52,7 +54,7 @@ Estimate solveScene(const Capture& capture, const Scene& scene, const RadianceSa
         s.improveLight(options.refineIterations);
         s.solveReflectance();
     }
-    for (int round = 0; round < options.turns && s.hasMatte() && !s.stopped(); ++round) s.alternate();
+    for (int round = 0; round < options.turns && s.hasMatte() && !s.hasGloss() && !s.stopped(); ++round) s.alternate();
     return s.finish();
 }
 

@@ -41,8 +41,7 @@ struct SolveOptions {
 SolveOptions solveOptionsFor(const std::string& quality);
 
 /// Separates distant light, emitters and reflectance. `clusters` are the candidates of room 4 (ignored when nearField is off).
-/// Runs out of time or is stopped: the best estimate so far, marked. Throws Error when no vertex was observed, Cancelled when
-/// stopped before there is anything to show. Memory: columns x vertices floats (4 B x 500 x 34k = 68 MiB on a 34k mesh).
+/// Runs out of its time budget: the best estimate so far, marked. Throws Error when no vertex was observed, Cancelled when stopped. Memory: columns x vertices floats (4 B x 500 x 34k = 68 MiB on a 34k mesh).
 Estimate solveScene(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const EmitterClusters& clusters,
                     const SolveOptions& options, Progress& progress);
 

@@ -18,7 +18,7 @@ void SolveState::solveReflectance() {
     if (!hasMatte()) glossOptions.maxVertices = 1500;
     std::vector<size_t> sizes(scene_.pieces, 0);
     for (uint32_t v : matte_.vertices) ++sizes[scene_.piece[v]];
-    for (uint32_t p = 0; p < scene_.pieces; ++p) {
+    for (uint32_t p = 0; p < scene_.pieces && !stopped(); ++p) {
         if (!matte_.pieceGlossy[p] || sizes[p] < 30) continue;
         PieceGloss g = fitGloss(capture_, scene_, samples_, surfaces_, clusters_.emitterOfTriangle, lighting_, basis_, p, glossOptions, progress_);
         if (!g.lobe) continue;
@@ -27,12 +27,16 @@ void SolveState::solveReflectance() {
         found.push_back(std::move(g));
     }
     gloss_ = std::move(found);
+    updateAlbedo();
+    record("reflectance", int(timeline_.size()), 0, lookRmse());
+}
+
+void SolveState::updateAlbedo() {
     albedo_ = solveAlbedo(scene_, matte_, lit_, litSigma_, options_.prior, progress_);
     for (const PieceGloss& g : gloss_)
         if (!g.matte)
             for (size_t v = 0; v < scene_.mesh.vertexCount(); ++v)
                 if (scene_.piece[v] == g.piece) albedo_.albedo[v] = Rgb(0);
-    record("reflectance", int(timeline_.size()), 0, lookRmse());
 }
 
 void SolveState::startFromConstantAlbedo() {
@@ -47,7 +51,7 @@ void SolveState::alternate() {
     const LightingStepReport step = lightingStep(influence_, matte_, albedo_.albedo, litSigma_, prior, lighting_, progress_);
     stability_.kktResidual = step.kktResidual;
     computeLit();
-    albedo_ = solveAlbedo(scene_, matte_, lit_, litSigma_, options_.prior, progress_);
+    updateAlbedo();
     record("light and reflectance in turn", int(timeline_.size()), step.after, lookRmse());
     logInfo("light and reflectance in turn: objective {:.4g} -> {:.4g}, rmse {:.3g}", step.before, step.after, step.rmse);
 }
@@ -102,7 +106,6 @@ void SolveState::applyGauge(Estimate& estimate) {
         return sum / std::max(n, 1.0f);
     };
     if (choice.kind == GaugeChoice::Kind::whitePatch) {
-        if (choice.view < 0 || size_t(choice.view) >= capture_.views.size()) throw Error("--gauge white-patch: view {} does not exist, expected 0 to {}", choice.view, capture_.views.size() - 1);
         const View& view = capture_.views[size_t(choice.view)];
         const Hit hit = scene_.tracer->closest({Vec3(view.camera.position()), view.camera.rayDirection(choice.pixel), 0, 1e30f});
         if (!hit) throw Error("--gauge white-patch: pixel {:.0f},{:.0f} of view {} sees no surface", choice.pixel.x, choice.pixel.y, choice.view);
@@ -146,6 +149,7 @@ void SolveState::applyGauge(Estimate& estimate) {
     for (Rgb& l : estimate.lighting.leafRadiance) l *= scale;
     for (Rgb& l : estimate.lighting.emitterRadiance) l *= scale;
     for (Rgb& l : estimate.environment) l *= scale;
+    for (Rgb& sigma : estimate.emitterSigma) sigma *= scale;
     for (auto& lobe : estimate.reflectance.weight)
         for (Rgb& w : lobe) w /= scale;
 }

@@ -64,7 +64,8 @@ void SolveState::prepare() {
     visibilityOptions.gridSide = options_.visibilitySide;
     visibility_ = computeVisibility(scene_, visibilityOptions, progress_);
     rebuildNearField();
-    if (matte_.vertices.empty()) throw Error("no vertex of the mesh is seen by any photograph: check the cameras' poses and the mesh's scale with `relamp check`");
+    if (samples_.samples.empty()) throw Error("no vertex of the mesh is seen by any photograph: check the cameras' poses and the mesh's scale with `relamp check`");
+    if (matte_.vertices.empty()) throw Error("no vertex has a usable look-up: every pixel on the mesh is clipped, or all of the mesh was taken for lamps; `relamp check` tells which");
     uniformLight();
 }
 
@@ -123,7 +124,7 @@ void SolveState::startFromConstantReflectance() {
         const InfluenceMatrix rows = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves, lobe, looks, options.rows, progress_);
         const OneLobeFit fit = fitOneLobe(rows, looks, anchors_, lighting_, progress_);
         stability_.kktResidual = std::max(stability_.kktResidual, fit.kktResidual);
-        if (fit.residual >= best) return false;
+        if (!(fit.residual < best)) return false;
         best = fit.residual;
         bestLighting = fit.lighting;
         chosen.lobe = lobe;
@@ -132,7 +133,11 @@ void SolveState::startFromConstantReflectance() {
         return true;
     };
     for (size_t k = 1; k < basis_.lobes.size(); ++k)
-        if (basis_.lobes[k].kind == Lobe::Kind::ggx) attempt(basis_.lobes[k]);
+        if (basis_.lobes[k].kind == Lobe::Kind::ggx && !(chosen.lobe && stopped())) attempt(basis_.lobes[k]);
+    if (!chosen.lobe) {
+        startFromRatios();
+        return;
+    }
     lighting_ = bestLighting;
     gloss_.assign(1, chosen);
     logInfo("one lobe, {}: residual {:.2f}, weight {:.3f} {:.3f} {:.3f}", chosen.lobe->name, best, chosen.weight.x, chosen.weight.y, chosen.weight.z);
@@ -284,7 +289,7 @@ void SolveState::improveLight(int iterations) {
             const InfluenceMatrix rows = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves, lobe, g.looks, rowOptions(), progress_);
             const OneLobeFit fit = fitOneLobe(rows, g.looks, anchors_, lighting_, progress_);
             stability_.kktResidual = std::max(stability_.kktResidual, fit.kktResidual);
-            if (fit.residual >= best) continue;
+            if (!(fit.residual < best)) continue;
             best = fit.residual;
             bestLighting = fit.lighting;
             g.lobe = lobe;

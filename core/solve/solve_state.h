@@ -20,7 +20,8 @@ public:
     void startFromRatios();
     /// Where nothing is matte: one constant lobe, light first; the lobe that explains the looks best is kept.
     void startFromConstantReflectance();
-    /// Re-fit test: a patch that needs an albedo above 1 under the light found is a lamp, others are surfaces. True when the set changed.
+    /// Re-fit test: an uncertain patch that needs an albedo well above 1 (1.5) under the light found is a lamp, others are surfaces.
+    /// True when the set changed.
     bool confirmEmitters();
     /// Leaves the distant light out where it gives less than half a percent of what is seen: less than the photographs can tell.
     void leaveOutBlackEnvironment();
@@ -70,6 +71,8 @@ private:
     void runAlbedoFree(const std::string& stage, int iterations, const ViewRows* rows);
     ViewRows viewRows(Progress& progress);
     void computeLit();
+    /// Albedo of every vertex under the present light; metals have none.
+    void updateAlbedo();
     double lookRmse() const;
     void record(const std::string& stage, int iteration, double objective, double rmse);
     void applyGauge(Estimate& estimate);

@@ -27,7 +27,7 @@ public:
     size_t size() const { return leaves_.size(); }
     const Leaf& operator[](size_t i) const { return leaves_[i]; }
     size_t leafOf(const Vec3& direction) const;
-    /// Leaves that touch leaf i along an edge of the square (sphere seams not joined across; see neighbours()).
+    /// All pairs of leaves that touch along an edge, across the square's folded edges too.
     std::vector<std::pair<uint32_t, uint32_t>> neighbourPairs() const;
     /// Per cell of `grid` the leaf that holds its centre (grid at most as fine as maxLevel).
     std::vector<uint32_t> leafOfCells(const DirectionGrid& grid) const;

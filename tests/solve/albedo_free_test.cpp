@@ -94,6 +94,39 @@ TEST(AlbedoFree, KeepsAClippedLampAtOrAboveWhatWasSeen) {
     for (int c = 0; c < 3; ++c) EXPECT_GE(found.emitterRadiance[0][c], p.anchors.emitterRadiance[0][c] * 0.999f);
 }
 
+TEST(AlbedoFree, KeepsTheLightUpWhenNothingFixesItsScale) {
+    test::SmallProblem p = test::smallProblem();
+    // Distant light only, and none of it seen: right up to one scale a channel, never black.
+    const size_t leaves = p.truth.leaves.size();
+    InfluenceMatrix distant{p.influence.rows, leaves, {}};
+    for (size_t r = 0; r < p.influence.rows; ++r) distant.values.insert(distant.values.end(), p.influence.row(r), p.influence.row(r) + leaves);
+    p.influence = distant;
+    p.truth.emitterRadiance.clear();
+    p.start.emitterRadiance.clear();
+    p.anchors.emitterRadiance.clear();
+    p.anchors.emitterSigma.clear();
+    p.anchors.emitterClipped.clear();
+    for (size_t r = 0; r < p.influence.rows; ++r) {
+        Rgb y(0);
+        for (size_t i = 0; i < leaves; ++i) y += p.influence.row(r)[i] * p.truth.leafRadiance[i];
+        p.matte.radiance[r] = y * p.albedo[r];
+        p.matte.sigma[r] = 0.01f * p.matte.radiance[r];
+    }
+    Lighting found = p.start;
+    Progress progress;
+    solveAlbedoFree(p.influence, p.matte, p.pairs, p.anchors, nullptr, manyIterations(), found, progress, nullptr);
+    for (int c = 0; c < 3; ++c) {
+        double mean = 0, truth = 0;
+        for (size_t i = 0; i < leaves; ++i) {
+            mean += found.leafRadiance[i][c];
+            truth += p.truth.leafRadiance[i][c];
+        }
+        EXPECT_NEAR(mean / double(leaves), 3, 0.3) << "where it started";
+        for (Rgb& l : found.leafRadiance) l[c] *= float(truth / mean);
+    }
+    EXPECT_LT(test::litDifference(p, found, p.truth), 0.03);
+}
+
 TEST(AlbedoFree, GivesTheSameBitsOnOneAndFourThreads) {
     const test::SmallProblem p = test::smallProblem(700, 0.05f);
     std::vector<Lighting> found(2, p.start);
