@@ -158,11 +158,19 @@ void SolveState::assess(Estimate& estimate) {
     // Gram of the lighting problem under the albedo found, on a spread of vertices.
     const size_t n = influence_.columns, leaves = lighting_.leaves.size();
     const InfluenceMatrix& rows = influence_;
-    const Eigen::MatrixXd gram = weightedGram(rows, [&](size_t i, float* out) {
+    Eigen::MatrixXd gram = weightedGram(rows, [&](size_t i, float* out) {
         const Rgb albedo = albedo_.albedo[matte_.vertices[i]], sigma = matte_.sigma[i] + 0.01f * matte_.radiance[i];
         const float w = i % 4 == 0 ? albedo.y * albedo.y / std::max(sigma.y * sigma.y, 1e-20f) : 0.0f;
         for (size_t k = 0; k < n; ++k) out[k] = w * rows.row(i)[k];
     }, progress_);
+    if (hasGloss()) {
+        // Glossy looks tell directions apart that matte ones cannot.
+        const ViewRows glossy = viewRows(progress_);
+        gram += weightedGram(glossy.influence[1], [&](size_t i, float* out) {
+            const float w = 1 / std::max(glossy.sigma[i] * glossy.sigma[i], 1e-20f);
+            for (size_t k = 0; k < n; ++k) out[k] = w * glossy.influence[1].row(i)[k];
+        }, progress_);
+    }
     Eigen::VectorXd scale(gram.rows());
     for (Eigen::Index i = 0; i < gram.rows(); ++i) scale(i) = gram(i, i) > 0 ? 1 / std::sqrt(gram(i, i)) : 0;
     const Eigen::MatrixXd scaled = scale.asDiagonal() * gram * scale.asDiagonal();
