@@ -52,6 +52,10 @@ int main(int argc, char** argv) {
     cli::RenderArguments render;
     cli::CompareArguments compare;
 
+    std::string editPath;
+    CLI::App* editVerb = app.add_subcommand("edit", "Open the window (starts relamp-editor)");
+    editVerb->add_option("path", editPath, "Capture folder or saved shot");
+
     CLI::App* checkVerb = app.add_subcommand("check", "Import doctor: poses, coverage, exposure, clipped pixels, mesh defects");
     checkVerb->add_option("capture", path, "Capture folder")->required();
     checkVerb->add_flag("--json", json, "One JSON object");
@@ -117,7 +121,8 @@ int main(int argc, char** argv) {
     };
     try {
         int code = 0;
-        if (*checkVerb) code = cli::check(path, json, progress);
+        if (*editVerb) code = cli::edit(editPath);
+        else if (*checkVerb) code = cli::check(path, json, progress);
         else if (*solveVerb) code = cli::solve(solve, progress);
         else if (*renderVerb) code = cli::render(render, progress);
         else if (*compareVerb) code = cli::compare(compare, progress);

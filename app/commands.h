@@ -42,6 +42,8 @@ struct CompareArguments {
     uint64_t seed = 1;
 };
 
+/// Becomes relamp-editor, which lies beside this program or on the PATH. Throws Error when it is not installed.
+int edit(const std::string& path);
 int check(const fs::path& capture, bool json, Progress& progress);
 int solve(const SolveArguments& arguments, Progress& progress);
 int render(const RenderArguments& arguments, Progress& progress);

@@ -21,7 +21,27 @@ void Progress::advance(size_t steps) {
     if (now - last >= 100 && lastToldMs_.compare_exchange_strong(last, now)) tell();
 }
 
-double Progress::seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+double Progress::seconds() const {
+    const int64_t now = (Clock::now() - start_) / std::chrono::nanoseconds(1);
+    const int64_t pause = paused_ ? now - pausedSince_ : 0;
+    return double(now - pausedTotal_ - pause) * 1e-9;
+}
+
+void Progress::setPaused(bool paused) {
+    std::lock_guard lock(pauseMutex_);
+    if (paused == paused_) return;
+    const int64_t now = (Clock::now() - start_) / std::chrono::nanoseconds(1);
+    if (paused) pausedSince_ = now;
+    else pausedTotal_ += now - pausedSince_;
+    paused_ = paused;
+    resumed_.notify_all();
+}
+
+void Progress::waitWhilePaused() const {
+    std::unique_lock lock(pauseMutex_);
+    // A stop may come from a signal handler, which cannot notify: look for it now and then.
+    while (paused_ && !stop_) resumed_.wait_for(lock, std::chrono::milliseconds(50));
+}
 
 void Progress::setListener(Listener listener) {
     std::lock_guard lock(mutex_);

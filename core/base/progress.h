@@ -3,6 +3,7 @@
 #pragma once
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <functional>
 #include <mutex>
 #include <string>
@@ -21,14 +22,19 @@ public:
     void begin(const std::string& label, size_t count);
     /// Counts `steps` as done. Throws Cancelled when a stop was requested.
     void advance(size_t steps = 1);
-    /// Throws Cancelled when a stop was requested.
+    /// Throws Cancelled when a stop was requested; waits while paused.
     void check() const {
+        if (paused_.load(std::memory_order_relaxed)) waitWhilePaused();
         if (stop_.load(std::memory_order_relaxed)) throw Cancelled{};
     }
+    /// May be called from a signal handler. A paused job ends too, within 50 ms.
     void requestStop() { stop_.store(true, std::memory_order_relaxed); }
     bool stopRequested() const { return stop_.load(std::memory_order_relaxed); }
+    /// Holds every thread at its next check until resumed or stopped.
+    void setPaused(bool paused);
+    bool paused() const { return paused_.load(std::memory_order_relaxed); }
 
-    /// Seconds since construction.
+    /// Seconds since construction, pauses not counted.
     double seconds() const;
     /// A wall-clock budget; 0 is none. Iterative stages end early with their best answer when it is used up.
     void setBudget(double seconds) { budgetSeconds_ = seconds; }
@@ -41,14 +47,17 @@ public:
 private:
     using Clock = std::chrono::steady_clock;
     Clock::time_point start_ = Clock::now();
-    std::atomic<bool> stop_{false};
+    std::atomic<bool> stop_{false}, paused_{false};
+    std::atomic<int64_t> pausedSince_{0}, pausedTotal_{0};  // nanoseconds
     std::atomic<size_t> done_{0}, count_{0};
     std::atomic<int64_t> lastToldMs_{0};
     double budgetSeconds_ = 0;
-    mutable std::mutex mutex_;
+    mutable std::mutex mutex_, pauseMutex_;
+    mutable std::condition_variable resumed_;
     std::string label_;
     Listener listener_;
     void tell();
+    void waitWhilePaused() const;
 };
 
 }  // namespace relamp

@@ -29,10 +29,10 @@ SolveOptions solveOptionsFor(const std::string& quality) {
 }
 
 Estimate solveScene(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const EmitterClusters& clusters,
-                    const SolveOptions& options, Progress& progress) {
+                    const SolveOptions& options, Progress& progress, const SolveListener* listener) {
     if (options.gauge.kind == GaugeChoice::Kind::whitePatch && (options.gauge.view < 0 || size_t(options.gauge.view) >= capture.views.size()))
         throw Error("--gauge white-patch: view {} does not exist, expected 0 to {}", options.gauge.view, capture.views.size() - 1);
-    SolveState s(capture, scene, samples, options, progress);
+    SolveState s(capture, scene, samples, options, progress, listener);
     s.takeClusters(clusters);
     s.prepare();                       // matte observations, pairs, visibility, near field: D and N
     if (!s.hasMatte()) {
@@ -45,11 +45,14 @@ Estimate solveScene(const Capture& capture, const Scene& scene, const RadianceSa
     } else {
         s.startFromConstantAlbedo();   // the baseline's own way
     }
+    s.showSnapshot();
     for (int round = 0; round < options.refineRounds && s.refineLeaves(); ++round) {
         if (options.nearField || !s.hasMatte()) s.improveLight(options.refineIterations);
         else s.alternate();
+        s.showSnapshot();
     }
     s.solveReflectance();
+    s.showSnapshot();
     for (int round = 0; round < options.glossRounds && s.hasGloss() && !s.stopped(); ++round) {
         s.improveLight(options.refineIterations);
         s.solveReflectance();

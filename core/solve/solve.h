@@ -40,9 +40,15 @@ struct SolveOptions {
 /// "draft", "standard" or "fine". Throws Error for another name.
 SolveOptions solveOptionsFor(const std::string& quality);
 
+/// Hears of a solve while it runs, on the solving thread. What it hears changes nothing in the answer.
+struct SolveListener {
+    std::function<void(const TimelineEntry&)> entry;
+    std::function<void(Estimate)> snapshot;   ///< a whole estimate as it stands, after each large step; costs about a tenth of a second each
+};
+
 /// Separates distant light, emitters and reflectance. `clusters` are the candidates of room 4 (ignored when nearField is off).
 /// Runs out of its time budget: the best estimate so far, marked. Throws Error when no vertex was observed, Cancelled when stopped. Memory: columns x vertices floats (4 B x 500 x 34k = 68 MiB on a 34k mesh).
 Estimate solveScene(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const EmitterClusters& clusters,
-                    const SolveOptions& options, Progress& progress);
+                    const SolveOptions& options, Progress& progress, const SolveListener* listener = nullptr);
 
 }  // namespace relamp

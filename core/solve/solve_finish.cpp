@@ -199,7 +199,7 @@ void SolveState::assess(Estimate& estimate) {
     }
 }
 
-Estimate SolveState::finish() {
+Estimate SolveState::assemble() const {
     Estimate estimate;
     estimate.mode = options_.nearField ? "near-field" : "distant-only";
     estimate.lighting = lighting_;
@@ -228,6 +228,30 @@ Estimate SolveState::finish() {
     r.observed.assign(n, 0);
     for (uint32_t v = 0; v < n; ++v) r.observed[v] = uint8_t(std::min<size_t>(255, samples_.countOf(v)));
     r.confidence = albedo_.confidence;
+    return estimate;
+}
+
+void SolveState::showSnapshot() {
+    if (!listener_ || !listener_->snapshot || stopped()) return;
+    const AlbedoResult albedo = albedo_;
+    const std::vector<Rgb> lit = lit_, litSigma = litSigma_;
+    computeLit();
+    updateAlbedo();
+    Estimate estimate = assemble();
+    applyGauge(estimate);
+    estimate.cancelled = true;
+    estimate.timeline = timeline_;
+    estimate.stability = stability_;
+    estimate.identifiability.assign(surfaces_.size(), 0.0f);
+    estimate.emitterSigma.assign(surfaces_.size(), Rgb(0));
+    listener_->snapshot(std::move(estimate));
+    albedo_ = albedo;
+    lit_ = lit;
+    litSigma_ = litSigma;
+}
+
+Estimate SolveState::finish() {
+    Estimate estimate = assemble();
     assess(estimate);
     applyGauge(estimate);
     if (gloss_.empty()) estimate.leftOut.push_back({"glossy lobes", "no surface changes with the view beyond noise"});

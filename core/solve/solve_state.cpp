@@ -6,11 +6,13 @@
 
 namespace relamp {
 
-SolveState::SolveState(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const SolveOptions& options, Progress& progress)
-    : capture_(capture), scene_(scene), samples_(samples), options_(options), progress_(progress) {}
+SolveState::SolveState(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const SolveOptions& options, Progress& progress,
+                       const SolveListener* listener)
+    : capture_(capture), scene_(scene), samples_(samples), options_(options), progress_(progress), listener_(listener) {}
 
 void SolveState::record(const std::string& stage, int iteration, double objective, double rmse) {
     timeline_.push_back({progress_.seconds(), stage, iteration, objective, rmse});
+    if (listener_ && listener_->entry) listener_->entry(timeline_.back());
 }
 
 void SolveState::takeClusters(const EmitterClusters& clusters) {

@@ -8,7 +8,7 @@ namespace relamp {
 
 class SolveState {
 public:
-    SolveState(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const SolveOptions& options, Progress& progress);
+    SolveState(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const SolveOptions& options, Progress& progress, const SolveListener* listener);
 
     void takeClusters(const EmitterClusters& clusters);
     void prepare();
@@ -33,6 +33,8 @@ public:
     /// [Haber09]'s way in: constant albedo, light first.
     void startFromConstantAlbedo();
     void solveReflectance();
+    /// Gives the listener, if there is one, an estimate as things stand; the state is afterwards as it was.
+    void showSnapshot();
     Estimate finish();
 
 private:
@@ -41,6 +43,7 @@ private:
     const RadianceSamples& samples_;
     const SolveOptions& options_;
     Progress& progress_;
+    const SolveListener* listener_;
 
     EmitterClusters clusters_;
     std::vector<uint8_t> suspect_;           ///< per emitter: 1 = only a light fit can decide
@@ -75,6 +78,8 @@ private:
     void updateAlbedo();
     double lookRmse() const;
     void record(const std::string& stage, int iteration, double objective, double rmse);
+    /// Lighting, environment picture, emitters and reflectance as they stand, before the gauge.
+    Estimate assemble() const;
     void applyGauge(Estimate& estimate);
     void assembleEnvironment(Estimate& estimate) const;
     void assess(Estimate& estimate);

@@ -96,5 +96,39 @@ TEST(Progress, CountsStepsOfManyThreads) {
     EXPECT_EQ(progress.share(), 0.5);
 }
 
+TEST(Progress, APausedStageWaitsAndItsClockStandsStill) {
+    Progress progress;
+    progress.begin("stage", 1000000);
+    std::atomic<size_t> steps{0};
+    std::jthread worker([&](std::stop_token stop) {
+        while (!stop.stop_requested()) {
+            progress.advance();
+            ++steps;
+            std::this_thread::sleep_for(std::chrono::microseconds(100));
+        }
+    });
+    while (steps < 3) std::this_thread::yield();
+    progress.setPaused(true);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));  // the step under way ends
+    const size_t held = steps;
+    const double clock = progress.seconds();
+    std::this_thread::sleep_for(std::chrono::milliseconds(60));
+    EXPECT_EQ(steps, held);
+    EXPECT_EQ(progress.seconds(), clock);
+    progress.setPaused(false);
+    while (steps == held) std::this_thread::yield();
+    EXPECT_GT(progress.seconds(), 0);
+}
+
+TEST(Progress, AStopEndsAPause) {
+    Progress progress;
+    progress.setPaused(true);
+    std::jthread stopper([&] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        progress.requestStop();
+    });
+    EXPECT_THROW(progress.check(), Cancelled);
+}
+
 }  // namespace
 }  // namespace relamp

@@ -1,0 +1,32 @@
+// relamp-editor, the window.
+#include <CLI/CLI.hpp>
+
+#include <cstdio>
+
+#include "application.h"
+#include "base/error.h"
+
+int main(int argc, char** argv) {
+    CLI::App app{"relamp-editor: the window of relamp, to relight a captured scene by hand."};
+    app.set_version_flag("--version", "relamp-editor " RELAMP_VERSION);
+    relamp::ui::ApplicationOptions options;
+    app.add_option("path", options.open, "Capture folder or saved shot to open");
+    app.add_flag("--solve", options.solve, "Estimate as soon as it is open");
+    app.add_option("--scale", options.scale, "Size of everything in the window, 0.75 to 3 (as the monitor says)")->check(CLI::Range(0.75, 3.0));
+    app.add_option("--width", options.width, "Of the window, pixels")->check(CLI::Range(640, 16384));
+    app.add_option("--height", options.height, "Of the window, pixels")->check(CLI::Range(400, 16384));
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) ? 2 : 0;
+    }
+    try {
+        return relamp::ui::runApplication(options);
+    } catch (const relamp::Error& error) {
+        std::fprintf(stderr, "relamp-editor: %s\n", error.what());
+        return 1;
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "relamp-editor: %s\n", error.what());
+        return 1;
+    }
+}

@@ -1,0 +1,332 @@
+#include "edit/emitter_edits.h"
+
+#include <algorithm>
+#include <glm/gtc/matrix_transform.hpp>
+#include <set>
+
+namespace relamp {
+namespace {
+
+EmitterLook* recoveredLook(Look& look, const std::string& id, bool create) {
+    for (EmitterLook& e : look.emitters)
+        if (e.id == id) return &e;
+    if (!create) return nullptr;
+    look.emitters.push_back({});
+    look.emitters.back().id = id;
+    return &look.emitters.back();
+}
+
+AddedEmitter* addedLook(Look& look, const std::string& id) {
+    for (AddedEmitter& e : look.added)
+        if (e.id == id) return &e;
+    return nullptr;
+}
+
+int clusterIndex(const Estimate& estimate, const std::string& id) {
+    const std::vector<EmitterCluster>& clusters = estimate.emitters.emitters;
+    for (size_t i = 0; i < clusters.size(); ++i)
+        if (clusters[i].id == id) return int(i);
+    return -1;
+}
+
+bool nothingChanged(const EmitterLook& e) { return e.enabled && e.matrix == Mat4(1) && e.powerScale == Rgb(1); }
+
+/// Entries that say nothing are left out, so that a reset look equals an untouched one.
+void tidy(Look& look) { std::erase_if(look.emitters, nothingChanged); }
+
+/// Columns: two axes across, and where it faces.
+Mat3 axesFrom(const Mat4& matrix, const Vec3& facing) {
+    const Mat3 m(matrix);
+    Vec3 z = glm::transpose(glm::inverse(m)) * facing;
+    if (const float length = glm::length(z); length > 0) z /= length;
+    else z = Vec3(0, 0, -1);
+    Vec3 x = m * frameAround(facing)[0];
+    x -= z * glm::dot(x, z);
+    const float length = glm::length(x);
+    x = length > 1e-12f ? x / length : frameAround(z)[0];
+    return Mat3(x, glm::cross(z, x), z);
+}
+
+struct Body {
+    Vec3 centroid{0}, facing{0, 0, -1};
+    float area = 0;
+};
+
+/// The capture's triangles of the piece that holds the vertex.
+Body bodyOfPiece(const Scene& scene, uint32_t seed) {
+    Body body;
+    if (seed >= scene.mesh.vertexCount()) return body;
+    Vec3 normal(0);
+    for (size_t t = 0; t < scene.mesh.triangles.size(); ++t) {
+        const Triangle& i = scene.mesh.triangles[t];
+        if (scene.piece[i[0]] != scene.piece[seed]) continue;
+        const float area = scene.mesh.triangleArea(t);
+        body.centroid += area / 3 * (scene.mesh.positions[i[0]] + scene.mesh.positions[i[1]] + scene.mesh.positions[i[2]]);
+        normal += area * scene.mesh.faceNormal(t);
+        body.area += area;
+    }
+    if (body.area > 0) body.centroid /= body.area;
+    if (glm::length(normal) > 0.1f * body.area) body.facing = glm::normalize(normal);
+    return body;
+}
+
+Vec3 facingOf(const EmitterCluster& cluster) { return glm::length(cluster.normal) > 0.5f ? glm::normalize(cluster.normal) : Vec3(0, 0, -1); }
+
+Mat4 about(const Vec3& pivot, const Mat3& rotation) { return glm::translate(Mat4(1), pivot) * Mat4(rotation) * glm::translate(Mat4(1), -pivot); }
+
+/// The shortest rotation that takes unit vector a to b.
+Mat3 rotationBetween(const Vec3& a, const Vec3& b) {
+    const float c = glm::dot(a, b);
+    if (c > 0.9999999f) return Mat3(1);
+    const Vec3 axis = c < -0.9999999f ? frameAround(a)[0] : glm::normalize(glm::cross(a, b));
+    return Mat3(glm::rotate(Mat4(1), std::acos(std::clamp(c, -1.0f, 1.0f)), axis));
+}
+
+float extentOf(const Mesh& mesh, const EmitterCluster& cluster) {
+    float r = 0;
+    for (uint32_t v : cluster.vertices) r = std::max(r, glm::distance(mesh.positions[v], cluster.centroid));
+    return r;
+}
+
+std::string freshId(const Look& look, const Estimate& estimate, const std::string& stem) {
+    for (int n = 1;; ++n) {
+        const std::string id = fmt::format("{}-{}", stem, n);
+        const bool taken = clusterIndex(estimate, id) >= 0 || std::any_of(look.added.begin(), look.added.end(), [&](const AddedEmitter& e) { return e.id == id; });
+        if (!taken) return id;
+    }
+}
+
+}  // namespace
+
+std::vector<EmitterState> emittersOf(const Scene& scene, const Estimate& estimate, const Look& look) {
+    std::vector<EmitterState> out;
+    const std::vector<EmitterCluster>& clusters = estimate.emitters.emitters;
+    for (size_t i = 0; i < clusters.size(); ++i) {
+        EmitterState s;
+        s.id = clusters[i].id;
+        s.index = int(i);
+        s.recoveredRadiance = s.radiance = i < estimate.lighting.emitterRadiance.size() ? estimate.lighting.emitterRadiance[i] : clusters[i].radiance;
+        for (const EmitterLook& e : look.emitters)
+            if (e.id == s.id) {
+                s.enabled = e.enabled;
+                s.matrix = e.matrix;
+                s.radiance *= e.powerScale;
+                s.changed = !nothingChanged(e);
+            }
+        s.pivot = Vec3(s.matrix * Vec4(clusters[i].centroid, 1));
+        s.axes = axesFrom(s.matrix, facingOf(clusters[i]));
+        s.area = clusters[i].area;
+        out.push_back(s);
+    }
+    for (size_t i = 0; i < look.added.size(); ++i) {
+        const AddedEmitter& e = look.added[i];
+        EmitterState s;
+        s.id = e.id;
+        s.recovered = false;
+        s.index = int(i);
+        s.enabled = e.enabled;
+        s.matrix = e.matrix;
+        s.radiance = s.recoveredRadiance = e.radiance;
+        s.changed = true;
+        Body body;
+        if (e.shape == AddedEmitter::Shape::part) body = bodyOfPiece(scene, e.seedVertex);
+        else if (e.shape == AddedEmitter::Shape::copy) {
+            if (const int c = clusterIndex(estimate, e.source); c >= 0) body = {clusters[size_t(c)].centroid, facingOf(clusters[size_t(c)]), clusters[size_t(c)].area};
+        } else if (e.shape == AddedEmitter::Shape::rectangle) body.area = e.size.x * e.size.y;
+        else if (e.shape == AddedEmitter::Shape::disk) body.area = pi * e.size.x * e.size.y / 4;
+        else body.area = pi * e.size.x * e.size.y;
+        s.pivot = Vec3(s.matrix * Vec4(body.centroid, 1));
+        s.axes = axesFrom(s.matrix, body.facing);
+        s.area = body.area;
+        out.push_back(s);
+    }
+    return out;
+}
+
+std::optional<EmitterState> findEmitter(const Scene& scene, const Estimate& estimate, const Look& look, const std::string& id) {
+    for (EmitterState& s : emittersOf(scene, estimate, look))
+        if (s.id == id) return s;
+    return std::nullopt;
+}
+
+void setEnabled(Look& look, const std::string& id, bool enabled) {
+    if (AddedEmitter* added = addedLook(look, id)) added->enabled = enabled;
+    else recoveredLook(look, id, true)->enabled = enabled;
+    tidy(look);
+}
+
+void setRadiance(Look& look, const Estimate& estimate, const std::string& id, const Rgb& radiance) {
+    const Rgb wanted = glm::max(radiance, Rgb(0));
+    if (AddedEmitter* added = addedLook(look, id)) {
+        added->radiance = wanted;
+        return;
+    }
+    const int c = clusterIndex(estimate, id);
+    if (c < 0) return;
+    const Rgb recovered = estimate.lighting.emitterRadiance[size_t(c)];
+    EmitterLook& e = *recoveredLook(look, id, true);
+    // A channel that was found black cannot be scaled up; it stays as it is.
+    for (int k = 0; k < 3; ++k)
+        if (recovered[k] > 0) e.powerScale[k] = wanted[k] == recovered[k] ? 1 : wanted[k] / recovered[k];
+    tidy(look);
+}
+
+void moveEmitter(Look& look, const std::string& id, const Mat4& change) {
+    if (AddedEmitter* added = addedLook(look, id)) {
+        added->matrix = change * added->matrix;
+    } else {
+        EmitterLook& e = *recoveredLook(look, id, true);
+        e.matrix = change * e.matrix;
+    }
+    for (PartLook& part : look.parts)
+        if (part.attachedTo == id) part.matrix = change * part.matrix;
+    tidy(look);
+}
+
+void setSize(Look& look, const std::string& id, const Vec2& size) {
+    if (AddedEmitter* added = addedLook(look, id)) added->size = glm::max(size, Vec2(1e-4f));
+}
+
+void resetEmitter(Look& look, const std::string& id, EmitterValue value) {
+    const bool place = value == EmitterValue::place || value == EmitterValue::all;
+    if (AddedEmitter* added = addedLook(look, id)) {
+        if (place) {
+            for (PartLook& part : look.parts)
+                if (part.attachedTo == id) part.matrix = glm::inverse(added->matrix) * part.matrix;
+            added->matrix = Mat4(1);
+        }
+        if (value == EmitterValue::enabled || value == EmitterValue::all) added->enabled = true;
+        return;
+    }
+    EmitterLook* e = recoveredLook(look, id, false);
+    if (!e) return;
+    if (place) {
+        for (PartLook& part : look.parts)
+            if (part.attachedTo == id) part.matrix = part.matrix == e->matrix ? Mat4(1) : glm::inverse(e->matrix) * part.matrix;
+        e->matrix = Mat4(1);
+    }
+    if (value == EmitterValue::radiance || value == EmitterValue::all) e->powerScale = Rgb(1);
+    if (value == EmitterValue::enabled || value == EmitterValue::all) e->enabled = true;
+    tidy(look);
+}
+
+std::string addEmitter(Look& look, const Estimate& estimate, AddedEmitter emitter) {
+    const char* stems[] = {"rectangle", "disk", "sphere", "part", "copy"};
+    emitter.id = freshId(look, estimate, stems[int(emitter.shape)]);
+    look.added.push_back(std::move(emitter));
+    return look.added.back().id;
+}
+
+std::string duplicateEmitter(Look& look, const Estimate& estimate, const std::string& id, const Vec3& offset) {
+    const Mat4 aside = glm::translate(Mat4(1), offset);
+    if (const AddedEmitter* added = addedLook(look, id)) {
+        AddedEmitter copy = *added;
+        if (copy.shape == AddedEmitter::Shape::part) return {};  // a piece of mesh exists once
+        copy.matrix = aside * copy.matrix;
+        return addEmitter(look, estimate, std::move(copy));
+    }
+    const int c = clusterIndex(estimate, id);
+    if (c < 0) return {};
+    AddedEmitter copy;
+    copy.shape = AddedEmitter::Shape::copy;
+    copy.source = id;
+    copy.matrix = aside;
+    copy.radiance = estimate.lighting.emitterRadiance[size_t(c)];
+    if (const EmitterLook* e = recoveredLook(look, id, false)) {
+        copy.matrix = aside * e->matrix;
+        copy.radiance *= e->powerScale;
+    }
+    return addEmitter(look, estimate, std::move(copy));
+}
+
+void removeEmitter(Look& look, const std::string& id) {
+    if (addedLook(look, id)) {
+        std::erase_if(look.added, [&](const AddedEmitter& e) { return e.id == id; });
+        for (PartLook& part : look.parts)
+            if (part.attachedTo == id) part.attachedTo.clear();
+    } else {
+        setEnabled(look, id, false);
+    }
+}
+
+void attachPart(Look& look, const Scene& scene, uint32_t seedVertex, const std::string& id) {
+    if (seedVertex >= scene.mesh.vertexCount()) return;
+    for (PartLook& part : look.parts)
+        if (part.seedVertex < scene.mesh.vertexCount() && scene.piece[part.seedVertex] == scene.piece[seedVertex]) {
+            part.attachedTo = id;
+            return;
+        }
+    look.parts.push_back({seedVertex, Mat4(1), id});
+}
+
+void detachPart(Look& look, const Scene& scene, uint32_t seedVertex) {
+    for (PartLook& part : look.parts)
+        if (scene.piece[part.seedVertex] == scene.piece[seedVertex]) part.attachedTo.clear();
+    std::erase_if(look.parts, [](const PartLook& part) { return part.attachedTo.empty() && part.matrix == Mat4(1); });
+}
+
+void resetPart(Look& look, const Scene& scene, uint32_t seedVertex) {
+    std::erase_if(look.parts, [&](const PartLook& part) { return scene.piece[part.seedVertex] == scene.piece[seedVertex]; });
+}
+
+std::vector<uint32_t> likelyParts(const Scene& scene, const Estimate& estimate, const std::string& id) {
+    const int c = clusterIndex(estimate, id);
+    if (c < 0) return {};
+    const EmitterCluster& cluster = estimate.emitters.emitters[size_t(c)];
+    Vec3 low(1e30f), high(-1e30f);
+    std::set<uint32_t> own;
+    for (uint32_t v : cluster.vertices) {
+        low = glm::min(low, scene.mesh.positions[v]);
+        high = glm::max(high, scene.mesh.positions[v]);
+        own.insert(scene.piece[v]);
+    }
+    const float grow = extentOf(scene.mesh, cluster);
+    low -= grow;
+    high += grow;
+    std::vector<uint32_t> size(scene.pieces, 0), inside(scene.pieces, ~0u);
+    for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v) {
+        if (!scene.referenced[v]) continue;
+        const uint32_t piece = scene.piece[v];
+        ++size[piece];
+        const Vec3& p = scene.mesh.positions[v];
+        const bool in = glm::all(glm::greaterThanEqual(p, low)) && glm::all(glm::lessThanEqual(p, high));
+        if (in && inside[piece] == ~0u && estimate.emitters.emitterOfVertex[v] < 0) inside[piece] = v;
+    }
+    // The floor also passes near many lamps: the largest piece stays where it is, unless the lamp is a patch of it.
+    const uint32_t largest = uint32_t(std::max_element(size.begin(), size.end()) - size.begin());
+    std::vector<uint32_t> seeds;
+    for (uint32_t piece = 0; piece < scene.pieces; ++piece)
+        if (inside[piece] != ~0u && piece != largest) seeds.push_back(inside[piece]);
+    return seeds;
+}
+
+void aimEmitter(Look& look, const Scene& scene, const Estimate& estimate, const std::string& id, const Vec3& target) {
+    const auto emitter = findEmitter(scene, estimate, look, id);
+    if (!emitter) return;
+    const Vec3 toTarget = target - emitter->pivot;
+    const float distance = glm::length(toTarget);
+    if (!(distance > 1e-6f)) return;
+    moveEmitter(look, id, about(emitter->pivot, rotationBetween(emitter->axes[2], toTarget / distance)));
+}
+
+namespace {
+void placeAt(Look& look, const Scene& scene, const Estimate& estimate, const std::string& id, const Vec3& point, const Vec3& direction) {
+    const auto emitter = findEmitter(scene, estimate, look, id);
+    if (!emitter) return;
+    const float distance = std::max(glm::distance(emitter->pivot, point), 1e-3f * scene.diagonal);
+    moveEmitter(look, id, glm::translate(Mat4(1), point + direction * distance - emitter->pivot));
+    aimEmitter(look, scene, estimate, id, point);
+}
+}  // namespace
+
+void placeByReflection(Look& look, const Scene& scene, const Estimate& estimate, const std::string& id, const Vec3& point, const Vec3& normal, const Vec3& eye) {
+    if (!(glm::distance(eye, point) > 0)) return;
+    const Vec3 towardEye = glm::normalize(eye - point);
+    placeAt(look, scene, estimate, id, point, glm::normalize(2 * glm::dot(towardEye, normal) * normal - towardEye));
+}
+
+void placeByLight(Look& look, const Scene& scene, const Estimate& estimate, const std::string& id, const Vec3& point, const Vec3& normal) {
+    placeAt(look, scene, estimate, id, point, normal);
+}
+
+}  // namespace relamp

@@ -1,0 +1,73 @@
+#include "edit/history.h"
+
+namespace relamp {
+
+History::History(Version start, std::string label, size_t capacity) : capacity_(std::max<size_t>(2, capacity)) {
+    entries_.push_back({std::move(start), std::move(label), std::chrono::system_clock::now()});
+    serials_.push_back(0);
+}
+
+void History::push(const std::string& label, Version version) {
+    commit();
+    const Version& now = entries_[index_].version;
+    if (version.look == now.look && version.estimate == now.estimate && version.distantOnly == now.distantOnly) return;
+    entries_.resize(index_ + 1);
+    serials_.resize(index_ + 1);
+    entries_.push_back({std::move(version), label, std::chrono::system_clock::now()});
+    serials_.push_back(nextSerial_++);
+    if (entries_.size() > capacity_) {
+        entries_.erase(entries_.begin());
+        serials_.erase(serials_.begin());
+    }
+    index_ = entries_.size() - 1;
+    ++revision_;
+}
+
+void History::pushLook(const std::string& label, Look look) {
+    commit();
+    Version version = entries_[index_].version;
+    version.look = std::move(look);
+    push(label, std::move(version));
+}
+
+void History::begin(const std::string& label) {
+    commit();
+    gesture_ = std::make_unique<Gesture>(Gesture{label, entries_[index_].version});
+}
+
+void History::preview(Look look) {
+    if (!gesture_ || gesture_->preview.look == look) return;
+    gesture_->preview.look = std::move(look);
+    ++revision_;
+}
+
+void History::commit() {
+    if (!gesture_) return;
+    const std::unique_ptr<Gesture> gesture = std::move(gesture_);
+    gesture_ = nullptr;
+    push(gesture->label, std::move(gesture->preview));
+}
+
+void History::abandon() {
+    if (!gesture_) return;
+    gesture_ = nullptr;
+    ++revision_;
+}
+
+void History::undo() {
+    if (gesture_) return abandon();
+    if (canUndo()) goTo(index_ - 1);
+}
+
+void History::redo() {
+    if (!gesture_ && canRedo()) goTo(index_ + 1);
+}
+
+void History::goTo(size_t entry) {
+    if (gesture_) abandon();
+    if (entry >= entries_.size() || entry == index_) return;
+    index_ = entry;
+    ++revision_;
+}
+
+}  // namespace relamp

@@ -1,0 +1,169 @@
+#include "application.h"
+
+#include <chrono>
+#include <cstdio>
+#include <deque>
+#include <memory>
+
+#include "actions.h"
+#include "base/log.h"
+#include "editor.h"
+#include "gui.h"
+#include "layout.h"
+#include "panels/panels.h"
+#include "thumbnails.h"
+#include "viewport/viewport.h"
+#include "widgets.h"
+#include "window.h"
+
+namespace relamp::ui {
+namespace {
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point time) { return std::chrono::duration<double>(Clock::now() - time).count(); }
+
+/// $VARIABLE/relamp, or ~/FALLBACK/relamp.
+fs::path userFolder(const char* variable, const char* fallback) {
+    if (const char* set = std::getenv(variable); set && *set == '/') return fs::path(set) / "relamp";
+    if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / fallback / "relamp";
+    return fs::temp_directory_path() / "relamp";
+}
+
+/// Keys wait here: one a frame, so that quick typing arrives in order.
+class KeyQueue {
+public:
+    void add(std::vector<KeyPress> keys) {
+        for (KeyPress& key : keys) queue_.push_back(std::move(key));
+    }
+    bool waiting() const { return !queue_.empty(); }
+    /// Hands the next key to a command or to the viewport.
+    void deliver(Editor& editor, const Gui& gui) {
+        input().pressed = 0;
+        input().typed.clear();
+        if (queue_.empty()) return;
+        if (gui.typing()) {
+            // Only commands with Ctrl reach past a text field, and not those that edit text.
+            queue_.clear();
+            return;
+        }
+        const KeyPress key = queue_.front();
+        queue_.pop_front();
+        if (!gui.popupOpen() && !dialogOpen(editor) && !editor.inGesture() && key.key && runKey(editor, {key.key, key.control, key.shift, key.alt})) return;
+        input().pressed = key.key;
+        input().typed = key.text;
+    }
+
+private:
+    std::deque<KeyPress> queue_;
+};
+
+/// How long the loop may sleep: as long as it can while nothing happens.
+double patience(const Editor& editor, const Gui& gui, const KeyQueue& keys, int extraFrames) {
+    if (extraFrames > 0 || keys.waiting()) return 0;
+    if (editor.inGesture() || panelsBusy()) return 1.0 / 60;
+    if (editor.busy()) return 0.1;         // stages and times; pictures wake the window themselves
+    if (gui.typing()) return 0.5;          // the caret blinks
+    if (editor.unsavedChanges()) return 5; // autosave
+    return -1;
+}
+
+std::string titleOf(const Editor& editor) {
+    const std::string name = editor.state.document.name();
+    if (name.empty()) return "relamp";
+    return (editor.unsavedChanges() ? "* " : "") + name + " - relamp";
+}
+
+/// One window from its opening to its end. False: the graphics context was lost and a new window is needed.
+bool runWindow(Editor& editor, const ApplicationOptions& options, fs::path& openWhenAsked, bool& solveWhenOpen) {
+    Window window("relamp", options.width, options.height);
+    Gui gui(window.handle());
+    std::unique_ptr<Viewport> viewport;
+    std::string reason;
+    try {
+        viewport = std::make_unique<Viewport>();
+    } catch (const Error& error) {
+        reason = error.what();
+        editor.fail("The 3D view cannot be shown", reason, "Update the graphics driver. Estimating and exporting work without it.");
+    }
+    if (viewport) setThumbnailMaker([&](const std::string& key, const std::function<Image()>& make) { return viewport->thumbnail(key, make); });
+    editor.state.gpu = window.renderer();
+    if (!(editor.state.uiScale > 0)) editor.state.uiScale = options.scale > 0 ? options.scale : window.contentScale();
+    KeyQueue keys;
+    int extraFrames = 3;
+    std::string title;
+    Clock::time_point second = Clock::now();
+    int frames = 0;
+    bool lost = false;
+    while (!editor.quitting()) {
+        const bool event = window.wait(patience(editor, gui, keys, extraFrames));
+        if (event) extraFrames = 3;
+        else if (extraFrames > 0) --extraFrames;
+        for (const fs::path& path : window.takeDropped()) editor.open(path);
+        if (window.closeRequested()) editor.requestQuit();
+        editor.poll();
+        if (!openWhenAsked.empty() && !editor.state.recovery && !editor.job()) {
+            if (!editor.state.document.capture) editor.openNow(openWhenAsked);
+            openWhenAsked.clear();
+        }
+        if (solveWhenOpen && editor.state.document.capture && !editor.job()) {
+            solveWhenOpen = false;
+            if (!editor.estimate()) editor.solve(editor.state.solve);
+        }
+        if (const std::string wanted = titleOf(editor); wanted != title) {
+            window.setTitle(wanted);
+            title = wanted;
+        }
+        if (window.minimised()) continue;
+        if (!event && extraFrames == 0 && !editor.busy() && !editor.inGesture() && !panelsBusy() && !keys.waiting() && !gui.typing()) continue;
+
+        const Vec2 size = window.size(), pixels = window.framebufferSize();
+        if (!(size.x > 0 && size.y > 0)) continue;
+        const Clock::time_point start = Clock::now();
+        gui.setScale(editor.state.uiScale, pixels.x / size.x);
+        window.readModifiers();
+        keys.add(window.takeKeys());
+        keys.deliver(editor, gui);
+        gui.beginFrame();
+        drawLayout(editor, viewport.get(), reason);
+        const double cpu = secondsSince(start);
+        gui.endFrame(int(pixels.x), int(pixels.y));
+        window.swap();
+        ++frames;
+        editor.state.frameCpuMs = viewport ? viewport->cpuMs() : cpu * 1000;
+        if (const double passed = secondsSince(second); passed > 1) {
+            editor.state.framesPerSecond = frames / passed;
+            frames = 0;
+            second = Clock::now();
+        }
+        if (window.contextLost()) {
+            editor.abandonGesture();
+            editor.autosave();
+            lost = true;
+            break;
+        }
+    }
+    setThumbnailMaker({});
+    setThumbnailDropper({});
+    return !lost;
+}
+
+}  // namespace
+
+int runApplication(const ApplicationOptions& options) {
+    EditorOptions editorOptions;
+    editorOptions.configFolder = userFolder("XDG_CONFIG_HOME", ".config");
+    editorOptions.stateFolder = userFolder("XDG_STATE_HOME", ".local/state");
+    editorOptions.wake = [] { Window::wake(); };
+    Editor editor(editorOptions);
+    if (options.scale > 0) editor.state.uiScale = options.scale;
+    fs::path openWhenAsked = options.open;  // after the question about lost work
+    bool solveWhenOpen = options.solve;
+    for (int attempt = 0; !runWindow(editor, options, openWhenAsked, solveWhenOpen); ++attempt) {
+        if (attempt == 3) throw Error("the graphics driver loses its state again and again; the edits are kept and will be offered when relamp-editor starts again");
+        editor.fail("The graphics driver was reset", "Everything on the graphics card was lost and has been made anew.", "Your edits are as they were. If this comes back, update the driver.");
+    }
+    return 0;
+}
+
+}  // namespace relamp::ui

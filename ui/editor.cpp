@@ -1,0 +1,239 @@
+#include "editor.h"
+
+#include <algorithm>
+#include <ctime>
+
+#include "editor_impl.h"
+#include "settings.h"
+
+namespace relamp::ui {
+namespace fs = std::filesystem;
+
+Look lookThatFits(const Look& look, const Estimate& estimate, size_t vertices) {
+    const auto known = [&](const std::string& id) {
+        return std::any_of(estimate.emitters.emitters.begin(), estimate.emitters.emitters.end(), [&](const EmitterCluster& c) { return c.id == id; });
+    };
+    Look out = look;
+    std::erase_if(out.emitters, [&](const EmitterLook& e) { return !known(e.id); });
+    std::erase_if(out.added, [&](const AddedEmitter& e) {
+        return (e.shape == AddedEmitter::Shape::copy && !known(e.source)) || (e.shape == AddedEmitter::Shape::part && e.seedVertex >= vertices);
+    });
+    std::erase_if(out.parts, [&](const PartLook& p) { return p.seedVertex >= vertices; });
+    return out;
+}
+
+Editor::Impl::Impl(Editor& editor, EditorOptions editorOptions)
+    : self(editor), options(std::move(editorOptions)), relight(options.wake), relightDistant(options.wake), autosave(options.stateFolder) {}
+
+Editor::Editor(EditorOptions options) : impl_(std::make_unique<Impl>(*this, std::move(options))) {
+    loadSettings(impl_->options.configFolder, state);
+    setLogSink([impl = impl_.get()](LogLevel level, const std::string& line) {
+        const std::time_t now = std::time(nullptr);
+        std::tm parts{};
+        localtime_r(&now, &parts);
+        char time[16];
+        std::strftime(time, sizeof time, "%H:%M:%S", &parts);
+        std::lock_guard lock(impl->logMutex);
+        impl->newLog.push_back({level, time, line});
+    });
+    impl_->lost = impl_->autosave.findLost();
+    if (!impl_->lost.empty()) {
+        const FoundWork& found = impl_->lost.front();
+        const fs::path project = found.work.shotFolder.empty() ? found.work.captureFolder : found.work.shotFolder;
+        state.recovery = RecoveryOffer{found.file, project.string(), found.work.time, found.work.stage};
+    }
+}
+
+Editor::~Editor() {
+    if (impl_->job) impl_->job->progress().requestStop();
+    impl_->job.reset();
+    impl_->saving.reset();
+    if (impl_->quit) impl_->autosave.clear();
+    saveSettings(impl_->options.configFolder, state);
+    setLogSink({});
+}
+
+// ---- the look
+
+const History& Editor::history() const { return impl_->history; }
+std::shared_ptr<const Estimate> Editor::estimate() const { return impl_->snapshot ? impl_->snapshot : history().present().estimate; }
+
+void Editor::edit(const std::string& label, const std::function<void(Look&)>& change) {
+    if (!estimate()) return;
+    Look look = this->look();
+    change(look);
+    impl_->history.pushLook(label, std::move(look));
+}
+
+void Editor::beginGesture(const std::string& label) {
+    if (estimate()) impl_->history.begin(label);
+}
+void Editor::preview(const std::function<void(Look&)>& change) {
+    if (!inGesture()) return;
+    Look look = history().gestureStart();
+    change(look);
+    impl_->history.preview(std::move(look));
+}
+void Editor::commitGesture() { impl_->history.commit(); }
+void Editor::abandonGesture() { impl_->history.abandon(); }
+void Editor::undo() { impl_->history.undo(); }
+void Editor::redo() { impl_->history.redo(); }
+void Editor::goTo(size_t entry) { impl_->history.goTo(entry); }
+
+const std::vector<EmitterState>& Editor::emitters() const {
+    const std::shared_ptr<const Estimate> shown = estimate();
+    if (impl_->emittersRevision != history().revision() || impl_->emittersOfEstimate != shown) {
+        impl_->emitters = shown && state.document.scene ? emittersOf(*state.document.scene, *shown, look()) : std::vector<EmitterState>{};
+        impl_->emittersRevision = history().revision();
+        impl_->emittersOfEstimate = shown;
+    }
+    return impl_->emitters;
+}
+
+const EmitterState* Editor::emitter(const std::string& id) const {
+    for (const EmitterState& e : emitters())
+        if (e.id == id) return &e;
+    return nullptr;
+}
+
+// ---- the picture
+
+std::shared_ptr<const LiveFrame> Editor::liveFrame() const { return impl_->relight.frame(); }
+std::shared_ptr<const LiveFrame> Editor::distantOnlyFrame() const { return impl_->relightDistant.frame(); }
+std::shared_ptr<const Frame> Editor::restFrame() const { return impl_->relight.restFrame(); }
+bool Editor::refining() const { return impl_->relight.working() || impl_->relightDistant.working(); }
+
+void Editor::setEye(const Camera& eye, bool orthographic) {
+    impl_->eye = eye;
+    impl_->orthographic = orthographic;
+}
+
+void Editor::pick(const std::optional<PickedPoint>& point) {
+    state.selection.point = point;
+    state.pointLight.reset();
+    if (point) ++impl_->pickSerial;
+}
+
+Look Editor::Impl::shownLook(const Estimate& estimate) const {
+    Look look = lookThatFits(self.look(), estimate, self.state.document.scene ? self.state.document.scene->mesh.vertexCount() : 0);
+    const std::vector<std::string>& solo = self.state.viewport.solo;
+    if (!solo.empty()) {
+        const auto alone = [&](const std::string& id) { return std::find(solo.begin(), solo.end(), id) != solo.end(); };
+        for (const EmitterCluster& c : estimate.emitters.emitters)
+            if (!alone(c.id)) setEnabled(look, c.id, false);
+        for (AddedEmitter& added : look.added)
+            if (!alone(added.id)) added.enabled = false;
+    }
+    return look;
+}
+
+void Editor::Impl::pollPicture() {
+    const std::shared_ptr<const Estimate> estimate = self.estimate();
+    RelightWish wish;
+    if (estimate && self.state.document.scene) {
+        wish.scene = self.state.document.scene;
+        wish.estimate = estimate;
+        wish.look = shownLook(*estimate);
+        wish.eye = eye;
+        wish.orthographic = orthographic;
+        wish.restPicture = self.state.viewport.mode == ViewMode::relit && !history.inGesture() && !job;
+        if (self.state.selection.point) {
+            wish.pickSerial = pickSerial;
+            wish.pickTriangle = self.state.selection.point->triangle;
+            wish.pickBarycentric = self.state.selection.point->barycentric;
+        }
+    }
+    relight.wish(std::move(wish));
+    RelightWish distant;
+    const std::shared_ptr<const Estimate> distantOnly = self.distantOnly();
+    if (distantOnly && self.state.document.scene && self.state.viewport.mode == ViewMode::wipe) {
+        distant.scene = self.state.document.scene;
+        distant.estimate = distantOnly;
+        distant.look.environment = self.look().environment;
+        distant.eye = eye;
+        distant.orthographic = orthographic;
+        relightDistant.wish(std::move(distant));
+    } else if (!distantOnly) {
+        relightDistant.clear();
+    }
+    if (self.state.selection.point)
+        if (std::optional<PointLight> light = relight.takePointLight(pickSerial)) self.state.pointLight = std::move(light);
+    for (const std::string& error : {relight.takeError(), relightDistant.takeError()})
+        if (!error.empty()) self.fail("The edit could not be shown", error, "The edit stays; undo it with Ctrl+Z or change it.");
+}
+
+// ---- once a frame
+
+bool Editor::busy() const { return impl_->job || impl_->saving || refining(); }
+
+void Editor::poll() {
+    {
+        std::lock_guard lock(impl_->logMutex);
+        for (LogEntry& entry : impl_->newLog) state.log.push_back(std::move(entry));
+        impl_->newLog.clear();
+        if (state.log.size() > 2000) state.log.erase(state.log.begin(), state.log.end() - 1500);
+    }
+    impl_->takeSnapshots();
+    impl_->pollJob();
+    impl_->pollSaving();
+    impl_->pollPicture();
+    impl_->pollAutosave();
+}
+
+void Editor::log(LogLevel level, const std::string& text) { logLine(level, text); }
+
+void Editor::fail(const std::string& title, const std::string& text, const std::string& advice) {
+    logLine(LogLevel::warning, title + ": " + text);
+    // The same trouble again needs no second dialog.
+    for (const Notice& notice : state.notices)
+        if (notice.text == text) return;
+    state.notices.push_back({title, text, advice});
+}
+
+// ---- autosave
+
+void Editor::Impl::writeAutosave() {
+    AutosavedWork work;
+    work.captureFolder = self.state.document.captureFolder;
+    work.shotFolder = self.state.document.shotFolder;
+    if (estimateAutosaved) work.estimateShot = autosave.estimateFolder();
+    work.look = self.look();
+    if (status && status->kind == JobStatus::Kind::solve) work.stage = status->title + (status->stage.empty() ? "" : ", " + status->stage);
+    try {
+        autosave.write(work);
+        autosavedRevision = history.revision();
+    } catch (const Error& error) {
+        self.fail("Your edits could not be saved by themselves", error.what(), "Free some space, or save the shot to another disk with Ctrl+Shift+S.");
+        autosavedRevision = history.revision();  // once a change is enough
+    }
+    lastAutosave = Clock::now();
+}
+
+void Editor::autosave() {
+    if (unsavedChanges()) impl_->writeAutosave();
+}
+
+void Editor::Impl::pollAutosave() {
+    if (!self.unsavedChanges() || history.inGesture() || autosavedRevision == history.revision()) return;
+    if (std::chrono::duration<double>(Clock::now() - lastAutosave).count() < options.autosaveSeconds) return;
+    writeAutosave();
+}
+
+bool Editor::unsavedChanges() const { return state.document.capture && history().unsavedChanges(); }
+
+void Editor::answerRecovery(bool restore) {
+    if (!state.recovery) return;
+    state.recovery.reset();
+    const FoundWork found = impl_->lost.front();
+    impl_->lost.erase(impl_->lost.begin());
+    if (!restore) {
+        Autosave::discard(found);
+        return;
+    }
+    const AutosavedWork& work = found.work;
+    const fs::path shot = !work.estimateShot.empty() && fs::exists(work.estimateShot / "shot.json") ? work.estimateShot : work.shotFolder;
+    if (!shot.empty()) impl_->openShotFolder(shot, found);
+    else impl_->openCapture(work.captureFolder);
+}
+
+}  // namespace relamp::ui

@@ -1,0 +1,98 @@
+// The editor behind the window: documents, background jobs, the look with its history, autosave. Knows neither ImGui nor GL, so that
+// tests drive it as the window does. Everything here runs on the window's thread; poll() takes what the workers have finished.
+#pragma once
+#include <functional>
+#include <memory>
+
+#include "edit/emitter_edits.h"
+#include "edit/history.h"
+#include "editor_state.h"
+#include "relight/frame.h"
+
+namespace relamp::ui {
+
+struct EditorOptions {
+    std::filesystem::path configFolder;       ///< settings, recent files; created when needed
+    std::filesystem::path stateFolder;        ///< autosaves
+    std::function<void()> wake;               ///< called from workers when there is something to poll
+    double autosaveSeconds = 15;              ///< of unsaved edits, at most
+};
+
+class Editor {
+public:
+    explicit Editor(EditorOptions options);
+    ~Editor();
+    EditorState state;
+
+    // ---- documents; loading and saving run in the background
+    /// A capture folder, a transforms.json, a shot folder, or an environment picture (then the look's environment). Asks first when edits are unsaved.
+    void open(const std::filesystem::path& path);
+    void openNow(const std::filesystem::path& path);
+    /// Saves to the shot's folder; asks for a place when it has none.
+    void save();
+    void saveAs(const std::filesystem::path& folder);
+    void requestQuit();
+    bool quitting() const;
+    /// Answers to state.unsaved and state.recovery.
+    void answerUnsaved(bool saveFirst, bool proceed);
+    void answerRecovery(bool restore);
+    bool unsavedChanges() const;
+
+    // ---- the look
+    const Look& look() const { return history().present().look; }
+    /// What is shown: the present entry's, or while a solve runs its latest intermediate result. Null before the first.
+    std::shared_ptr<const Estimate> estimate() const;
+    std::shared_ptr<const Estimate> distantOnly() const { return history().present().distantOnly; }
+    /// One edit, one entry. Ignored while nothing is estimated.
+    void edit(const std::string& label, const std::function<void(Look&)>& change);
+    /// A drag: previews start from the look at begin, and become one entry.
+    void beginGesture(const std::string& label);
+    void preview(const std::function<void(Look&)>& change);
+    void commitGesture();
+    void abandonGesture();
+    bool inGesture() const { return history().inGesture(); }
+    void undo();
+    void redo();
+    void goTo(size_t entry);
+    const History& history() const;
+    /// Emitters as the look has them; empty before a solve. Cached until the look changes.
+    const std::vector<EmitterState>& emitters() const;
+    const EmitterState* emitter(const std::string& id) const;
+
+    // ---- background work
+    void solve(const SolveRequest& request);
+    void exportFrames(const ExportRequest& request);
+    void cancelJob();
+    void pauseJob(bool paused);
+    const std::optional<JobStatus>& job() const;
+
+    // ---- the picture
+    /// Latest picture of the look; null before the first.
+    std::shared_ptr<const LiveFrame> liveFrame() const;
+    /// The same for the distant-only estimate (modes correction and wipe); null when it was not solved.
+    std::shared_ptr<const LiveFrame> distantOnlyFrame() const;
+    /// A per-pixel picture from the present eye, rendered at rest; null while something moves.
+    std::shared_ptr<const Frame> restFrame() const;
+    /// The viewport tells where it is seen from, and how large it is; cheap when nothing changed.
+    void setEye(const Camera& eye, bool orthographic);
+    /// Asks where the light at a point comes from; the answer arrives in state.pointLight.
+    void pick(const std::optional<PickedPoint>& point);
+    bool refining() const;
+    /// The estimate was made with other settings than state.solve now has.
+    bool stale() const;
+
+    // ---- once a frame
+    void poll();
+    /// Autosave at once, whatever the clock says; the window calls it before it goes away by force.
+    void autosave();
+    /// Something is going on that the window should show without waiting for input.
+    bool busy() const;
+    void log(LogLevel level, const std::string& text);
+    void fail(const std::string& title, const std::string& text, const std::string& advice = {});
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace relamp::ui

@@ -1,0 +1,81 @@
+// The insides of Editor, shared by editor.cpp (look, picture, polling) and editor_jobs.cpp (open, solve, save, export).
+#pragma once
+#include <chrono>
+#include <mutex>
+
+#include "base/job.h"
+#include "editor.h"
+#include "relight_worker.h"
+#include "shot/autosave.h"
+
+namespace relamp::ui {
+
+/// What a background job leaves behind: a step that puts its result into the editor, on the window's thread.
+using Finish = std::function<void()>;
+
+struct Editor::Impl {
+    using Clock = std::chrono::steady_clock;
+    Impl(Editor& editor, EditorOptions editorOptions);
+
+    Editor& self;
+    EditorOptions options;
+    History history;
+    bool quit = false;
+
+    // ---- jobs: one at a time, and one that saves beside it
+    std::unique_ptr<Job<Finish>> job, saving;
+    std::optional<JobStatus> status;
+    std::function<void(bool cancelled)> onJobEnd;      ///< after a failed or cancelled job
+    std::function<void()> whenSaved;                   ///< continues what the unsaved-changes question held up
+    Clock::time_point jobStart;
+    double expectedSeconds = 0;                        ///< of the whole job; 0: unknown
+
+    // ---- intermediate results of a running solve, from its thread
+    std::mutex solveMutex;
+    std::vector<TimelineEntry> newEntries;
+    std::shared_ptr<const Estimate> newSnapshot;
+    std::shared_ptr<const Estimate> snapshot;          ///< latest, shown while the solve runs
+    bool solveIsNearField = true;
+    std::optional<SolveRequest> solvedWith;
+
+    // ---- log lines from any thread
+    std::mutex logMutex;
+    std::vector<LogEntry> newLog;
+
+    // ---- the picture
+    RelightWorker relight, relightDistant;
+    Camera eye;
+    bool orthographic = false;
+    uint64_t pickSerial = 0;
+    mutable std::vector<EmitterState> emitters;
+    mutable uint64_t emittersRevision = 0;
+    mutable std::shared_ptr<const Estimate> emittersOfEstimate;
+
+    // ---- autosave
+    Autosave autosave;
+    uint64_t autosavedRevision = 0;
+    Clock::time_point lastAutosave{};
+    bool estimateAutosaved = false;
+    std::vector<FoundWork> lost;
+
+    void start(JobStatus::Kind kind, const std::string& title, std::function<Finish(Progress&)> work, std::function<void(bool)> onEnd = {});
+    void openCapture(const std::filesystem::path& folder);
+    void openShotFolder(const std::filesystem::path& folder, std::optional<FoundWork> recovered = {});
+    void setDocument(Document document, Version version, const std::string& label);
+    void saveTo(const std::filesystem::path& folder);
+    void saveUnsavedEstimate();
+    void writeAutosave();
+    void takeSnapshots();
+    void pollJob();
+    void pollSaving();
+    void pollPicture();
+    void pollAutosave();
+    /// The present look without emitters the shown estimate does not have, with solo applied.
+    Look shownLook(const Estimate& estimate) const;
+    std::filesystem::path documentPath() const;
+};
+
+/// Drops what names emitters or vertices that are not there.
+Look lookThatFits(const Look& look, const Estimate& estimate, size_t vertices);
+
+}  // namespace relamp::ui

@@ -1,0 +1,523 @@
+// Open, solve, save and export: what the editor does in the background. The worker gets its inputs by shared_ptr and gives back one step
+// that the window's thread runs.
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "base/parallel.h"
+#include "capture/load_capture.h"
+#include "clusters/emitter_clusters.h"
+#include "editor_impl.h"
+#include "image/image_io.h"
+#include "radiance/gather.h"
+#include "settings.h"
+#include "shot/export_frame.h"
+#include "thumbnails.h"
+
+namespace relamp::ui {
+namespace fs = std::filesystem;
+
+namespace {
+
+fs::path cleaned(const fs::path& path) {
+    fs::path p = fs::absolute(path).lexically_normal();
+    if (p.filename().empty()) p = p.parent_path();
+    return p;
+}
+
+bool isShot(const fs::path& path) { return fs::exists(path / "shot.json"); }
+
+/// Everything that opening a capture computes once.
+Document documentOf(Capture capture, const fs::path& folder, Progress& progress) {
+    Document document;
+    document.captureFolder = folder;
+    const auto shared = std::make_shared<const Capture>(std::move(capture));
+    document.scene = std::make_shared<const Scene>(buildScene(shared->mesh, progress));
+    document.capture = shared;
+    bool images = !shared->views.empty();
+    for (const View& view : shared->views) images = images && !view.image.pixels.empty();
+    if (images) {
+        document.check = std::make_shared<const CaptureCheck>(checkCapture(*shared, progress));
+        document.samples = std::make_shared<const RadianceSamples>(gatherRadiance(*shared, *document.scene, {}, progress));
+    }
+    return document;
+}
+
+std::string whereFull(const std::exception& error) {
+    if (dynamic_cast<const OutOfResources*>(&error)) return "Free some space or choose another disk, then try again. Your edits are still here.";
+    return "Your edits are still here.";
+}
+
+}  // namespace
+
+fs::path Editor::Impl::documentPath() const { return self.state.document.shotFolder.empty() ? self.state.document.captureFolder : self.state.document.shotFolder; }
+
+void Editor::Impl::start(JobStatus::Kind kind, const std::string& title, std::function<Finish(Progress&)> work, std::function<void(bool)> onEnd) {
+    status = JobStatus{};
+    status->kind = kind;
+    status->title = title;
+    onJobEnd = std::move(onEnd);
+    jobStart = Clock::now();
+    expectedSeconds = 0;
+    job = std::make_unique<Job<Finish>>(std::move(work), options.wake);
+}
+
+const std::optional<JobStatus>& Editor::job() const { return impl_->status; }
+
+void Editor::cancelJob() {
+    if (!impl_->job) return;
+    impl_->status->stopping = true;
+    impl_->job->progress().requestStop();
+}
+
+void Editor::pauseJob(bool paused) {
+    if (!impl_->job) return;
+    impl_->job->progress().setPaused(paused);
+    impl_->status->paused = paused;
+}
+
+void Editor::Impl::pollJob() {
+    if (!job) return;
+    Progress& progress = job->progress();
+    status->stage = progress.label();
+    status->share = progress.share();
+    status->seconds = progress.seconds();
+    if (expectedSeconds > 0) status->secondsLeft = std::max(0.0, expectedSeconds - status->seconds);
+    if (!job->done()) return;
+    const std::unique_ptr<Job<Finish>> finished = std::move(job);
+    const JobStatus was = *status;
+    status.reset();
+    const std::function<void(bool)> ended = std::exchange(onJobEnd, {});
+    try {
+        finished->take()();
+        return;
+    } catch (const Cancelled&) {
+        if (ended) ended(true);
+        self.log(LogLevel::info, was.title + ": stopped");
+        return;
+    } catch (const std::bad_alloc&) {
+        self.fail(was.title + " ran out of memory", "There is not enough memory for this.", "Close other programs, or use a smaller mesh or fewer photographs.");
+    } catch (const std::exception& error) {
+        const bool opening = was.kind == JobStatus::Kind::open;
+        self.fail(opening ? "This could not be opened" : was.title + " failed", error.what(),
+                  opening ? "What was open before is still here." : whereFull(error));
+    }
+    if (ended) ended(false);
+}
+
+// ---- open
+
+void Editor::open(const fs::path& path) {
+    // An environment picture becomes the look's environment.
+    std::error_code error;
+    if (fs::is_regular_file(path, error) && path.filename() != "transforms.json" && path.filename() != "shot.json" && path.extension() != ".relamp") {
+        if (!estimate()) {
+            fail("Open a capture first", path.filename().string() + " is a file. A capture is a folder with transforms.json, photographs and a mesh.",
+                 "Drop the capture's folder here; a picture dropped afterwards becomes its environment.");
+            return;
+        }
+        const fs::path file = cleaned(path);
+        edit("Environment " + file.filename().string(), [&](Look& look) {
+            look.environment.source = EnvironmentLook::Source::file;
+            look.environment.file = file;
+        });
+        remember(state.recentEnvironments, file);
+        return;
+    }
+    if (unsavedChanges()) state.unsaved = UnsavedQuestion{UnsavedQuestion::Then::open, path};
+    else openNow(path);
+}
+
+void Editor::openNow(const fs::path& given) {
+    fs::path path = cleaned(given);
+    if (path.filename() == "transforms.json" || path.filename() == "shot.json") path = path.parent_path();
+    if (impl_->job) {
+        fail("Something else is running", impl_->status->title + " is not finished.", "Wait for it, or stop it in the status bar.");
+        return;
+    }
+    if (!fs::exists(path)) {
+        fail("This could not be opened", path.string() + " does not exist.", "It may have been moved or renamed.");
+        std::erase(state.recent, path);
+        return;
+    }
+    if (isShot(path)) impl_->openShotFolder(path);
+    else impl_->openCapture(path);
+}
+
+void Editor::Impl::setDocument(Document document, Version version, const std::string& label) {
+    EditorState& state = self.state;
+    const bool solved = version.estimate || version.distantOnly;
+    state.curves = {};
+    if (version.estimate) state.curves[version.estimate->mode == "distant-only" ? 1 : 0].entries = version.estimate->timeline;
+    state.solve.quality = document.quality;
+    state.solve.seed = document.seed;
+    solvedWith.reset();
+    if (solved) solvedWith = state.solve;
+    history = History(std::move(version), label);
+    history.markSaved();
+    emittersOfEstimate.reset();
+    emittersRevision = 0;
+    snapshot.reset();
+    state.document = std::move(document);
+    state.selection = {};
+    state.pointLight.reset();
+    state.viewport.solo.clear();
+    state.viewport.hiddenPieces.clear();
+    state.viewport.throughView = false;
+    state.viewport.mode = solved ? ViewMode::relit : ViewMode::photograph;
+    autosave.clear();
+    estimateAutosaved = false;
+    autosavedRevision = history.revision();
+    dropThumbnails("view:");
+    dropThumbnails("env:recovered");
+    const Scene& scene = *state.document.scene;
+    Vec3 low(1e30f), high(-1e30f);
+    for (size_t v = 0; v < scene.mesh.vertexCount(); ++v)
+        if (scene.referenced[v]) {
+            low = glm::min(low, scene.mesh.positions[v]);
+            high = glm::max(high, scene.mesh.positions[v]);
+        }
+    if (scene.diagonal > 0) {
+        // From where the first photograph was taken: the artist knows that side.
+        state.viewport.camera.frame(0.5f * (low + high), 0.5f * scene.diagonal);
+        if (!state.document.capture->views.empty()) {
+            const Camera& camera = state.document.capture->views[0].camera;
+            const float distance = glm::dot(Vec3(camera.forward()), 0.5f * (low + high) - Vec3(camera.position()));
+            state.viewport.camera.matchCamera(camera, std::max(distance, 0.05f * scene.diagonal));
+        }
+    }
+    remember(state.recent, documentPath());
+    if (state.document.check && !state.document.check->warnings.empty() && !solved) state.panels.doctor = true;
+    self.log(LogLevel::info, fmt::format("{}: {} views, {} vertices", documentPath().string(), state.document.capture->views.size(), scene.mesh.vertexCount()));
+}
+
+void Editor::Impl::openCapture(const fs::path& folder) {
+    start(JobStatus::Kind::open, "Opening " + folder.filename().string(), [this, folder](Progress& progress) -> Finish {
+        auto document = std::make_shared<Document>(documentOf(loadCapture(folder, {}, progress), folder, progress));
+        return [this, document] { setDocument(std::move(*document), {}, "Opened"); };
+    });
+}
+
+void Editor::Impl::openShotFolder(const fs::path& folder, std::optional<FoundWork> recovered) {
+    start(JobStatus::Kind::open, "Opening " + folder.filename().string(), [this, folder, recovered](Progress& progress) -> Finish {
+        std::string trouble;
+        const auto shot = std::make_shared<Shot>();
+        try {
+            *shot = openShot(folder, true, progress);
+        } catch (const Error& error) {
+            // Without its photographs a shot can still be relit.
+            trouble = error.what();
+            *shot = openShot(folder, false, progress);
+        }
+        auto document = std::make_shared<Document>(documentOf(shot->capture, shot->captureFolder, progress));
+        document->shotFolder = folder;
+        document->quality = shot->quality;
+        document->seed = shot->seed;
+        document->resources = shot->resources;
+        return [this, document, shot, trouble, recovered] {
+            if (recovered) document->shotFolder = recovered->work.shotFolder;
+            Version version;
+            version.look = shot->look;
+            version.estimate = std::make_shared<const Estimate>(std::move(shot->estimate));
+            setDocument(std::move(*document), version, "Opened");
+            if (!trouble.empty())
+                self.fail("The photographs could not be opened", trouble, "The shot can be relit and exported. To estimate again, put the photographs back and open it again.");
+            if (recovered) {
+                Look look = lookThatFits(recovered->work.look, *self.estimate(), self.state.document.scene->mesh.vertexCount());
+                // The recovered work counts as unsaved until the user saves it.
+                history = History({shot->look, nullptr, nullptr}, "Last saved");
+                history.markSaved();
+                history.push("Recovered work", {std::move(look), version.estimate, nullptr});
+                saveUnsavedEstimate();
+                writeAutosave();
+                Autosave::discard(*recovered);
+            }
+        };
+    });
+}
+
+// ---- save
+
+void Editor::save() {
+    if (!state.document.capture) return;
+    if (state.document.shotFolder.empty()) state.panels.saveBrowser = true;
+    else impl_->saveTo(state.document.shotFolder);
+}
+
+void Editor::saveAs(const fs::path& given) {
+    fs::path folder = cleaned(given);
+    if (folder.extension() != ".relamp") folder += ".relamp";
+    impl_->saveTo(folder);
+}
+
+void Editor::Impl::saveTo(const fs::path& folder) {
+    if (saving) return;
+    const Version version = history.present();
+    const std::shared_ptr<const Estimate> estimate = version.estimate ? version.estimate : version.distantOnly;
+    if (!estimate) {
+        self.fail("There is nothing to save yet", "A shot holds what was found about the light, and nothing was estimated yet.", "Press Ctrl+Enter to estimate, then save.");
+        whenSaved = {};
+        return;
+    }
+    const Document document = self.state.document;
+    const size_t entry = history.index();
+    const uint64_t revision = history.revision();
+    saving = std::make_unique<Job<Finish>>(
+        [this, version, estimate, document, folder, entry, revision](Progress&) -> Finish {
+            Shot shot;
+            shot.captureFolder = document.captureFolder;
+            shot.estimate = *estimate;
+            shot.look = version.look;
+            shot.quality = document.quality;
+            shot.seed = document.seed;
+            shot.resources = document.resources;
+            saveShot(shot, document.scene->mesh, folder, true);
+            return [this, folder, entry, revision] {
+                self.state.document.shotFolder = folder;
+                // Edits made while it was written are still unsaved.
+                if (history.index() == entry && history.revision() == revision) {
+                    history.markSaved();
+                    autosave.clear();
+                    estimateAutosaved = false;
+                }
+                remember(self.state.recent, folder);
+                self.log(LogLevel::info, folder.string() + ": saved");
+                if (const std::function<void()> next = std::exchange(whenSaved, {})) next();
+            };
+        },
+        options.wake);
+}
+
+void Editor::Impl::pollSaving() {
+    if (!saving || !saving->done()) return;
+    const std::unique_ptr<Job<Finish>> finished = std::move(saving);
+    try {
+        finished->take()();
+    } catch (const Cancelled&) {
+    } catch (const std::exception& error) {
+        whenSaved = {};
+        self.fail("The shot could not be saved", error.what(), whereFull(error));
+    }
+}
+
+void Editor::Impl::saveUnsavedEstimate() {
+    const Version version = history.present();
+    if (saving || !autosave.working() || !version.estimate) return;
+    saving = std::make_unique<Job<Finish>>(
+        [this, version, document = self.state.document](Progress&) -> Finish {
+            Shot shot;
+            shot.captureFolder = document.captureFolder;
+            shot.estimate = *version.estimate;
+            shot.look = version.look;
+            shot.quality = document.quality;
+            shot.seed = document.seed;
+            shot.resources = document.resources;
+            saveShot(shot, document.scene->mesh, autosave.estimateFolder(), true);
+            return [this] {
+                estimateAutosaved = true;
+                writeAutosave();
+            };
+        },
+        options.wake);
+}
+
+void Editor::requestQuit() {
+    if (unsavedChanges()) state.unsaved = UnsavedQuestion{UnsavedQuestion::Then::quit, {}};
+    else impl_->quit = true;
+}
+
+bool Editor::quitting() const { return impl_->quit; }
+
+void Editor::answerUnsaved(bool saveFirst, bool proceed) {
+    if (!state.unsaved) return;
+    const UnsavedQuestion question = *state.unsaved;
+    state.unsaved.reset();
+    if (!proceed) return;
+    const auto next = [this, question] {
+        impl_->autosave.clear();
+        if (question.then == UnsavedQuestion::Then::open) openNow(question.path);
+        else impl_->quit = true;
+    };
+    if (!saveFirst) return next();
+    impl_->whenSaved = next;
+    save();
+}
+
+// ---- solve
+
+bool Editor::stale() const {
+    if (!impl_->solvedWith || !estimate()) return false;
+    const SolveRequest &a = *impl_->solvedWith, &b = state.solve;
+    return a.quality != b.quality || a.seed != b.seed || a.gauge.kind != b.gauge.kind || a.gauge.albedo != b.gauge.albedo || a.gauge.whiteAlbedo != b.gauge.whiteAlbedo ||
+           a.gauge.emitter != b.gauge.emitter || a.gauge.radiance != b.gauge.radiance || a.gauge.view != b.gauge.view || a.gauge.pixel != b.gauge.pixel;
+}
+
+void Editor::solve(const SolveRequest& request) {
+    const Document& document = state.document;
+    if (!document.capture) return;
+    if (!document.samples) {
+        fail("The photographs are missing", "Estimating needs the capture's photographs, and they could not be read.", "Put them back and open the capture again.");
+        return;
+    }
+    if (impl_->job) {
+        fail("Something else is running", impl_->status->title + " is not finished.", "Wait for it, or stop it in the status bar.");
+        return;
+    }
+    autosave();
+    const size_t which = request.nearField ? 0 : 1;
+    state.curves[which] = {};
+    state.curves[which].running = true;
+    impl_->solveIsNearField = request.nearField;
+    {
+        std::lock_guard lock(impl_->solveMutex);
+        impl_->newEntries.clear();
+        impl_->newSnapshot.reset();
+    }
+    Impl* impl = impl_.get();
+    const auto apply = [impl, request, which](std::shared_ptr<const Estimate> estimate, const std::string& label) {
+        Editor& self = impl->self;
+        self.state.curves[which].running = false;
+        self.state.curves[which].entries = estimate->timeline;
+        impl->snapshot.reset();
+        Version version = impl->history.present();
+        if (request.nearField) {
+            version.look = lookThatFits(version.look, *estimate, self.state.document.scene->mesh.vertexCount());
+            version.estimate = estimate;
+            impl->solvedWith = request;
+            self.state.document.quality = request.quality;
+            self.state.document.seed = request.seed;
+        } else {
+            version.distantOnly = estimate;
+        }
+        impl->history.push(label, std::move(version));
+        dropThumbnails("env:recovered");
+        std::erase_if(self.state.selection.emitters, [&](const std::string& id) { return !self.emitter(id); });
+        if (request.nearField) {
+            if (self.state.viewport.mode == ViewMode::photograph) self.state.viewport.mode = ViewMode::relit;
+            impl->saveUnsavedEstimate();
+        }
+    };
+    impl_->start(
+        JobStatus::Kind::solve, request.nearField ? "Estimating light and surfaces" : "Estimating with distant light only",
+        [impl, request, apply, capture = document.capture, scene = document.scene, samples = document.samples](Progress& progress) -> Finish {
+            progress.setBudget(request.budgetSeconds);
+            SolveOptions options = solveOptionsFor(request.quality);
+            options.nearField = request.nearField;
+            options.gauge = request.gauge;
+            options.seed = request.seed;
+            SolveListener listener;
+            listener.entry = [impl](const TimelineEntry& entry) {
+                {
+                    std::lock_guard lock(impl->solveMutex);
+                    impl->newEntries.push_back(entry);
+                }
+                if (impl->options.wake) impl->options.wake();
+            };
+            listener.snapshot = [impl](Estimate estimate) {
+                {
+                    std::lock_guard lock(impl->solveMutex);
+                    impl->newSnapshot = std::make_shared<const Estimate>(std::move(estimate));
+                }
+                if (impl->options.wake) impl->options.wake();
+            };
+            const EmitterClusters clusters = clusterEmitters(*scene, *capture, *samples, {}, progress);
+            const auto estimate = std::make_shared<const Estimate>(solveScene(*capture, *scene, *samples, clusters, options, progress, &listener));
+            const Resources resources{progress.seconds(), peakMib(), availableThreads()};
+            return [impl, apply, estimate, request, resources] {
+                impl->self.state.document.resources = resources;
+                apply(estimate, request.nearField ? "Estimate light and surfaces" : "Estimate with distant light only");
+                impl->self.log(LogLevel::info, fmt::format("estimated in {:.1f} s, {:.0f} MiB", resources.seconds, resources.peakMib));
+            };
+        },
+        [impl, apply, which](bool cancelled) {
+            impl->takeSnapshots();
+            impl->self.state.curves[which].running = false;
+            // The best iterate is kept.
+            if (cancelled && impl->snapshot) apply(impl->snapshot, "Estimate, stopped early");
+            impl->snapshot.reset();
+        });
+    // Measured: 0.45 ms a vertex at standard quality on two cores; a poor guess is better than none, and it is marked as about.
+    const double rate = request.quality == "draft" ? 0.2e-3 : request.quality == "fine" ? 1.2e-3 : 0.45e-3;
+    impl_->expectedSeconds = rate * double(document.scene->mesh.vertexCount()) * 2 / std::max(1, availableThreads());
+    if (request.budgetSeconds > 0) impl_->expectedSeconds = std::min(impl_->expectedSeconds, request.budgetSeconds);
+}
+
+void Editor::Impl::takeSnapshots() {
+    std::lock_guard lock(solveMutex);
+    RunCurve& curve = self.state.curves[solveIsNearField ? 0 : 1];
+    if (curve.running) curve.entries.insert(curve.entries.end(), newEntries.begin(), newEntries.end());
+    newEntries.clear();
+    if (!newSnapshot) return;
+    if (job && status && status->kind == JobStatus::Kind::solve) snapshot = newSnapshot;
+    newSnapshot.reset();
+}
+
+// ---- export
+
+void Editor::exportFrames(const ExportRequest& request) {
+    const std::shared_ptr<const Estimate> estimate = this->estimate();
+    if (!estimate || !state.document.scene) {
+        fail("There is nothing to export yet", "Frames are rendered from what was found about the light.", "Press Ctrl+Enter to estimate first.");
+        return;
+    }
+    if (impl_->job) {
+        fail("Something else is running", impl_->status->title + " is not finished.", "Wait for it, or stop it in the status bar.");
+        return;
+    }
+    std::vector<FrameJob> jobs;
+    try {
+        checkLayers(request.layers);
+        const std::string size = request.width > 0 && request.height > 0 ? fmt::format("{}x{}", request.width, request.height) : "";
+        if (request.file.empty()) throw Error("no file name was given");
+        using Views = ExportRequest::Views;
+        if (request.views == Views::present) {
+            FrameJob one;
+            one.camera = impl_->eye;
+            if (request.width > 0 && request.height > 0) {
+                const double factor = double(request.height) / std::max(1, one.camera.height);
+                one.camera.focalX *= factor;
+                one.camera.focalY *= factor;
+                one.camera.centreX = request.width / 2.0 + (one.camera.centreX - one.camera.width / 2.0) * factor;
+                one.camera.centreY *= factor;
+                one.camera.width = request.width;
+                one.camera.height = request.height;
+            }
+            one.file = request.file;
+            jobs.push_back(one);
+        } else if (request.views == Views::capture) {
+            jobs = frameJobs(*state.document.capture, std::to_string(state.selection.view), "", size, request.file);
+        } else {
+            jobs = frameJobs(*state.document.capture, "all", request.views == Views::range ? request.range : "", size, request.file);
+        }
+    } catch (const Error& error) {
+        fail("The export could not start", error.what(), "Change it in the export window and try again.");
+        state.panels.exportFrames = true;
+        return;
+    }
+    Impl* impl = impl_.get();
+    const Look look = lookThatFits(this->look(), *estimate, state.document.scene->mesh.vertexCount());
+    impl_->start(JobStatus::Kind::exportFrames, jobs.size() == 1 ? "Rendering a frame" : fmt::format("Rendering {} frames", jobs.size()),
+                 [impl, jobs, look, estimate, request, scene = state.document.scene](Progress& progress) -> Finish {
+                     const RelitScene relit = applyLook(*scene, *estimate, look, progress);
+                     FrameOptions options;
+                     options.samplesPerPixel = request.samples;
+                     std::vector<std::string> failures;
+                     size_t written = 0;
+                     for (const FrameJob& one : jobs) {
+                         try {
+                             const Frame frame = renderFrame(relit, one.camera, options, progress);
+                             writeFrame(one.file, frame, relit, one.camera, request.layers);
+                             ++written;
+                             logInfo("{}: written ({} of {})", one.file.string(), written, jobs.size());
+                         } catch (const Error& error) {
+                             failures.push_back(error.what());
+                         }
+                     }
+                     return [impl, failures, written] {
+                         if (failures.empty()) return;
+                         impl->self.fail(fmt::format("{} frame(s) could not be written", failures.size()), failures.front(),
+                                         fmt::format("{} frame(s) were written. Free space or choose another folder, then export the others again.", written));
+                     };
+                 });
+}
+
+}  // namespace relamp::ui

@@ -1,0 +1,168 @@
+// What the window shows and where the user is in it: plain data, no behaviour. Products of the core are shared and never change; only
+// the look has undo and lives in the history.
+#pragma once
+#include <array>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "base/log.h"
+#include "capture/check.h"
+#include "radiance/samples.h"
+#include "relight/live_scene.h"
+#include "scene/scene.h"
+#include "shot/shot_file.h"
+#include "solve/solve.h"
+#include "viewport/orbit_camera.h"
+
+namespace relamp::ui {
+
+/// Keys 1 to 9.
+enum class ViewMode { photograph = 1, relit, difference, clusters, correction, albedo, confidence, irradiance, wipe };
+/// Name for buttons, and one sentence for the tooltip.
+const char* nameOf(ViewMode mode);
+const char* explain(ViewMode mode);
+
+/// What is open. Empty capture: nothing.
+struct Document {
+    std::filesystem::path captureFolder;
+    std::filesystem::path shotFolder;                   ///< empty: never saved
+    std::shared_ptr<const Capture> capture;             ///< with photographs
+    std::shared_ptr<const Scene> scene;
+    std::shared_ptr<const RadianceSamples> samples;
+    std::shared_ptr<const CaptureCheck> check;
+    std::string quality = "standard";
+    uint64_t seed = 1;
+    Resources resources;
+    /// "desk-lamp", for the title bar.
+    std::string name() const;
+};
+
+struct PickedPoint {
+    uint32_t triangle = 0;       ///< of the live frame's mesh
+    Vec2 barycentric{0};
+    Vec3 position{0}, normal{0};
+    uint32_t vertex = 0;         ///< nearest corner
+};
+
+struct Selection {
+    std::vector<std::string> emitters;   ///< ids; the last one is active
+    int view = 0;                        ///< photograph
+    std::optional<PickedPoint> point;
+    bool has(const std::string& id) const;
+    std::string active() const { return emitters.empty() ? std::string() : emitters.back(); }
+};
+
+enum class Tool { select, move, rotate, scale };
+/// What a click in the viewport means once: armed by a button of the inspector, Esc disarms.
+enum class ClickTask { none, aim, reflect, illuminate, attach, newPart };
+
+struct ViewportState {
+    ViewMode mode = ViewMode::relit;
+    OrbitCamera camera;
+    bool throughView = false;            ///< look through selection.view; its photograph lies behind
+    bool photographBehind = true;
+    bool meshOverlay = false;            ///< wireframe over the photograph: how well cameras and mesh agree
+    bool frusta = true, grid = true, directionDome = false;
+    float exposureStops = 0;
+    std::string displayView = "Standard";
+    bool falseColour = false;
+    float wipeLeft = 1.0f / 3, wipeRight = 2.0f / 3;  ///< dividers of the wipe, share of the width
+    float splitAt = 0.5f;                ///< divider of the correction colours
+    Tool tool = Tool::select;
+    bool localAxes = false;
+    ClickTask clickTask = ClickTask::none;
+    std::set<uint32_t> hiddenPieces;     ///< pieces of the mesh the user has hidden
+    std::vector<std::string> solo;       ///< emitters that alone are lit on screen; empty: all
+    float aspect = 16.0f / 9;            ///< of the last drawn viewport
+};
+
+/// A background job as the panels see it.
+struct JobStatus {
+    enum class Kind { open, solve, save, exportFrames } kind = Kind::open;
+    std::string title;                   ///< "Estimating light"
+    std::string stage;
+    double share = 0;                    ///< of the stage
+    double seconds = 0;
+    std::optional<double> secondsLeft;
+    bool paused = false, stopping = false;
+};
+
+/// Something went wrong, or needs a word: a dialog that says what happened and what to do.
+struct Notice {
+    std::string title, text, advice;
+};
+
+/// Asked before work would be lost.
+struct UnsavedQuestion {
+    enum class Then { open, quit, close } then = Then::quit;
+    std::filesystem::path path;
+};
+
+/// Work found after a crash.
+struct RecoveryOffer {
+    std::filesystem::path file;
+    std::string project, time, stage;
+};
+
+struct SolveRequest {
+    bool nearField = true;
+    std::string quality = "standard";
+    double budgetSeconds = 0;            ///< 0: none
+    uint64_t seed = 1;
+    GaugeChoice gauge;
+};
+
+struct ExportRequest {
+    enum class Views { present, capture, all, range } views = Views::present;  ///< the viewport's eye, the selected view, ...
+    std::string range = "1";             ///< "1-3,5" of the views, counted from 1
+    int width = 0, height = 0;           ///< 0: the view's own size, or the viewport's
+    int samples = 8;
+    std::string layers = "groups";       ///< as render --layers; "" for beauty only
+    std::filesystem::path file;          ///< #### is the frame's number
+};
+
+/// One line of the error-against-run-time plot.
+struct RunCurve {
+    std::vector<TimelineEntry> entries;
+    bool running = false;
+};
+
+struct LogEntry {
+    LogLevel level = LogLevel::info;
+    std::string time, text;
+};
+
+/// Which panels and dialogs are open.
+struct PanelState {
+    bool history = true, log = true, doctor = false, keys = false, palette = false, exportFrames = false, about = false;
+    bool openBrowser = false, saveBrowser = false, environmentBrowser = false, solveSettings = false;
+    int bottomTab = 0;
+    float leftWidth = 300, rightWidth = 320, bottomHeight = 190;  ///< pixels at scale 1
+};
+
+struct EditorState {
+    Document document;
+    Selection selection;
+    ViewportState viewport;
+    PanelState panels;
+    SolveRequest solve;
+    ExportRequest exportFrames;
+    std::vector<Notice> notices;                      ///< shown one after the other
+    std::optional<UnsavedQuestion> unsaved;
+    std::optional<RecoveryOffer> recovery;
+    std::array<RunCurve, 2> curves;                   ///< near-field, distant-only
+    std::vector<LogEntry> log;
+    std::vector<std::filesystem::path> recent;        ///< captures and shots, latest first
+    std::vector<std::filesystem::path> recentEnvironments;
+    std::optional<PointLight> pointLight;             ///< answer for selection.point, when it has come
+    float uiScale = 1;
+    double framesPerSecond = 0, frameCpuMs = 0;       ///< of the last busy second; own work of a frame without the rasteriser's
+    std::string gpu;                                  ///< "llvmpipe ...", for the status bar
+};
+
+}  // namespace relamp::ui

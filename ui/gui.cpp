@@ -1,0 +1,104 @@
+#include "gui.h"
+
+#include <epoxy/gl.h>
+#include <imgui.h>
+#include <imgui_internal.h>
+
+#include <filesystem>
+
+#include "backends/imgui_impl_glfw.h"
+#include "backends/imgui_impl_opengl3.h"
+#include "theme.h"
+
+namespace relamp::ui {
+namespace {
+
+constexpr float fontPixels = 15;
+
+/// A readable sans serif that the system has; ImGui's own when there is none.
+std::filesystem::path fontFile() {
+    for (const char* file : {"/usr/share/fonts/opentype/inter/Inter-Regular.otf", "/usr/share/fonts/truetype/inter/Inter-Regular.ttf",
+                             "/usr/share/fonts/opentype/inter/Inter-Regular.ttf", "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
+                             "/usr/share/fonts/truetype/noto/NotoSans-Regular.ttf"})
+        if (std::filesystem::exists(file)) return file;
+    return {};
+}
+
+void buildFonts(float pixels) {
+    ImGuiIO& io = ImGui::GetIO();
+    io.Fonts->Clear();
+    // Latin, Latin Extended-A, Greek, general punctuation, arrows, a few mathematical signs.
+    static const ImWchar ranges[] = {0x20, 0xff, 0x100, 0x17f, 0x370, 0x3ff, 0x2010, 0x2027, 0x2030, 0x205e, 0x2190, 0x2195, 0x2212, 0x2212, 0x2248, 0x2265, 0};
+    const std::filesystem::path file = fontFile();
+    ImFontConfig config;
+    config.OversampleH = 2;
+    config.OversampleV = 1;
+    if (file.empty() || !io.Fonts->AddFontFromFileTTF(file.c_str(), pixels, &config, ranges)) {
+        ImFontConfig plain;
+        plain.SizePixels = pixels;
+        io.Fonts->AddFontDefault(&plain);
+    }
+}
+
+}  // namespace
+
+Gui::Gui(GLFWwindow* window) {
+    ImGui::CreateContext();
+    ImGuiIO& io = ImGui::GetIO();
+    io.IniFilename = nullptr;
+    io.LogFilename = nullptr;
+    io.ConfigWindowsMoveFromTitleBarOnly = true;
+    ImGui_ImplGlfw_InitForOpenGL(window, true);
+    ImGui_ImplOpenGL3_Init("#version 330");
+}
+
+Gui::~Gui() {
+    ImGui_ImplOpenGL3_Shutdown();
+    ImGui_ImplGlfw_Shutdown();
+    ImGui::DestroyContext();
+}
+
+void Gui::setScale(float scale, float density) {
+    if (scale == scale_ && density == density_) return;
+    scale_ = scale;
+    density_ = density;
+    buildFonts(fontPixels * scale * density);
+    ImGui::GetIO().FontGlobalScale = 1 / density;
+    ImGui_ImplOpenGL3_DestroyFontsTexture();
+    ImGui_ImplOpenGL3_CreateFontsTexture();
+    applyTheme(scale);
+}
+
+void Gui::beginFrame() {
+    ImGui_ImplOpenGL3_NewFrame();
+    ImGui_ImplGlfw_NewFrame();
+    ImGui::NewFrame();
+}
+
+void Gui::endFrame(int framebufferWidth, int framebufferHeight) {
+    ImGui::Render();
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    glViewport(0, 0, framebufferWidth, framebufferHeight);
+    glClearColor(0.1f, 0.1f, 0.1f, 1);
+    glClear(GL_COLOR_BUFFER_BIT);
+    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
+
+bool Gui::typing() const { return ImGui::GetIO().WantTextInput; }
+bool Gui::popupOpen() const { return ImGui::GetCurrentContext()->OpenPopupStack.Size > 0; }
+
+void createHeadlessGui(float width, float height) {
+    ImGui::CreateContext();
+    ImGuiIO& io = ImGui::GetIO();
+    io.IniFilename = nullptr;
+    io.DisplaySize = ImVec2(width, height);
+    buildFonts(fontPixels);
+    unsigned char* pixels = nullptr;
+    int w = 0, h = 0;
+    io.Fonts->GetTexDataAsRGBA32(&pixels, &w, &h);
+    applyTheme(1);
+}
+
+void destroyHeadlessGui() { ImGui::DestroyContext(); }
+
+}  // namespace relamp::ui

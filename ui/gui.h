@@ -1,0 +1,35 @@
+// Dear ImGui's context, fonts and drawing. The only place that knows its backends and its font calls.
+#pragma once
+#include <string>
+
+struct GLFWwindow;
+
+namespace relamp::ui {
+
+class Gui {
+public:
+    /// The window's context must be current and its callbacks set: ImGui's chain behind them.
+    explicit Gui(GLFWwindow* window);
+    ~Gui();
+    Gui(const Gui&) = delete;
+    Gui& operator=(const Gui&) = delete;
+
+    /// Loads fonts for this scale and density when they changed. `density` = framebuffer pixels per screen unit.
+    void setScale(float scale, float density);
+    void beginFrame();
+    /// Draws everything over a clear background.
+    void endFrame(int framebufferWidth, int framebufferHeight);
+    /// A text field has the keyboard.
+    bool typing() const;
+    /// A menu, a dialog or a combo is open.
+    bool popupOpen() const;
+
+private:
+    float scale_ = 0, density_ = 0;
+};
+
+/// For tests without a window: a context with its font atlas built.
+void createHeadlessGui(float width, float height);
+void destroyHeadlessGui();
+
+}  // namespace relamp::ui

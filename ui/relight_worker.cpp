@@ -1,0 +1,243 @@
+#include "relight_worker.h"
+
+#include <chrono>
+#include <utility>
+
+namespace relamp::ui {
+namespace {
+
+bool sameEye(const RelightWish& a, const RelightWish& b) {
+    return a.eye.worldFromCamera == b.eye.worldFromCamera && a.eye.width == b.eye.width && a.eye.height == b.eye.height && a.eye.focalX == b.eye.focalX &&
+           a.eye.focalY == b.eye.focalY && a.eye.centreX == b.eye.centreX && a.eye.centreY == b.eye.centreY && a.orthographic == b.orthographic;
+}
+
+bool samePicture(const RelightWish& a, const RelightWish& b) { return a.scene == b.scene && a.estimate == b.estimate && a.look == b.look && sameEye(a, b); }
+
+Camera scaled(Camera camera, double factor) {
+    camera.width = std::max(1, int(std::lround(camera.width * factor)));
+    camera.height = std::max(1, int(std::lround(camera.height * factor)));
+    camera.focalX *= factor;
+    camera.focalY *= factor;
+    camera.centreX *= factor;
+    camera.centreY *= factor;
+    return camera;
+}
+
+}  // namespace
+
+RelightWorker::RelightWorker(std::function<void()> wake) : wake_(std::move(wake)), thread_([this](std::stop_token stop) { run(stop); }) {}
+
+RelightWorker::~RelightWorker() {
+    thread_.request_stop();
+    {
+        std::lock_guard lock(mutex_);
+        if (running_) running_->requestStop();
+    }
+    changed_.notify_all();
+}
+
+void RelightWorker::wish(RelightWish wish) {
+    {
+        std::lock_guard lock(mutex_);
+        const bool same = samePicture(wish, wish_);
+        if (same && wish.restPicture == wish_.restPicture && wish.pickSerial == wish_.pickSerial) return;
+        const bool sameScene = wish.scene == wish_.scene && wish.estimate == wish_.estimate;
+        // A picture at rest ends at once. A slice is finished first, or a steady drag would never show anything; so is a bake, unless
+        // another scene is wanted.
+        if (running_ && (runningIsRest_ || !sameScene)) running_->requestStop();
+        if (!same) rest_.reset();
+        if (wish.scene != wish_.scene) frame_.reset();
+        wish_ = std::move(wish);
+        ++serial_;
+        working_ = true;
+        refining_ = refining_ || !same;
+    }
+    changed_.notify_all();
+}
+
+void RelightWorker::clear() { wish({}); }
+
+std::shared_ptr<const LiveFrame> RelightWorker::frame() const {
+    std::lock_guard lock(mutex_);
+    return frame_;
+}
+std::shared_ptr<const Frame> RelightWorker::restFrame() const {
+    std::lock_guard lock(mutex_);
+    return rest_;
+}
+std::optional<PointLight> RelightWorker::takePointLight(uint64_t serial) {
+    std::lock_guard lock(mutex_);
+    if (answered_ != serial) return std::nullopt;
+    return std::exchange(pointLight_, std::nullopt);
+}
+std::string RelightWorker::takeError() {
+    std::lock_guard lock(mutex_);
+    return std::exchange(error_, {});
+}
+bool RelightWorker::working() const {
+    std::lock_guard lock(mutex_);
+    return working_;
+}
+bool RelightWorker::refining() const {
+    std::lock_guard lock(mutex_);
+    return refining_;
+}
+
+void RelightWorker::renderAtRest(const RelightWish& wish, uint64_t serial) {
+    const auto progress = std::make_shared<Progress>();
+    {
+        std::lock_guard lock(mutex_);
+        if (serial_ != serial) return;
+        running_ = progress;
+        runningIsRest_ = true;
+    }
+    const RelitScene relit = applyLook(*wish.scene, *wish.estimate, wish.look, *progress);
+    FrameOptions options;
+    options.background = false;
+    options.samplesPerPixel = 1;
+    constexpr int passes = 8;
+    Frame sum;
+    // A first picture at half the size, then whole passes that add up.
+    for (int pass = -1; pass < passes; ++pass) {
+        options.seed = uint64_t(pass + 2);
+        options.samplesPerPixel = pass < 0 ? 4 : 1;
+        Frame frame = renderFrame(relit, pass < 0 ? scaled(wish.eye, 0.5) : wish.eye, options, *progress);
+        const auto shown = std::make_shared<Frame>();
+        shown->width = frame.width;
+        shown->height = frame.height;
+        if (pass < 0) {
+            shown->beauty = std::move(frame.beauty);
+            shown->alpha = std::move(frame.alpha);
+        } else {
+            if (pass == 0) {
+                sum = std::move(frame);
+            } else {
+                for (size_t i = 0; i < sum.beauty.size(); ++i) {
+                    sum.beauty[i] += frame.beauty[i];
+                    sum.alpha[i] += frame.alpha[i];
+                }
+            }
+            const float share = 1.0f / float(pass + 1);
+            shown->beauty.resize(sum.beauty.size());
+            shown->alpha.resize(sum.alpha.size());
+            for (size_t i = 0; i < sum.beauty.size(); ++i) {
+                shown->beauty[i] = sum.beauty[i] * share;
+                shown->alpha[i] = sum.alpha[i] * share;
+            }
+        }
+        {
+            std::lock_guard lock(mutex_);
+            if (serial_ != serial) return;
+            // The few samples of the first whole passes are noisier than the small picture.
+            if (pass < 0 || pass >= 2) rest_ = shown;
+        }
+        if (wake_) wake_();
+    }
+}
+
+void RelightWorker::run(std::stop_token stop) {
+    std::unique_ptr<LiveScene> live;
+    RelightWish held;          // what `live` shows
+    uint64_t done = 0;         // serial of the wish that was finished
+    bool refined = false;
+    while (!stop.stop_requested()) {
+        RelightWish wish;
+        uint64_t serial;
+        const auto progress = std::make_shared<Progress>();
+        {
+            std::unique_lock lock(mutex_);
+            if (serial_ == done) {
+                working_ = refining_ = false;
+                changed_.wait(lock, stop, [&] { return serial_ != done; });
+                if (stop.stop_requested()) return;
+            }
+            wish = wish_;
+            serial = serial_;
+            running_ = progress;
+            runningIsRest_ = false;
+        }
+        try {
+            if (!wish.scene || !wish.estimate) {
+                live.reset();
+                held = {};
+                std::lock_guard lock(mutex_);
+                if (serial_ == serial) {
+                    frame_.reset();
+                    rest_.reset();
+                }
+                done = serial;
+                continue;
+            }
+            if (!live || wish.scene != held.scene || wish.estimate != held.estimate) {
+                live.reset();
+                live = std::make_unique<LiveScene>(wish.scene, wish.estimate, LiveOptions{}, *progress);
+                held = {};
+                held.scene = wish.scene;
+                held.estimate = wish.estimate;
+                live->setLook(Look{});
+                refined = false;
+                std::lock_guard lock(mutex_);
+                if (serial_ != serial) continue;  // the bake stays, the look may be newer
+            }
+            if (!(wish.look == held.look)) {
+                live->setLook(wish.look);
+                held.look = wish.look;
+                refined = false;
+            }
+            if (!sameEye(wish, held) || !refined) {
+                const Vec3 forward(wish.eye.forward());
+                live->setEye({Vec3(wish.eye.position()), forward, wish.orthographic});
+                if (!sameEye(wish, held)) refined = false;
+                held.eye = wish.eye;
+                held.orthographic = wish.orthographic;
+            }
+            if (!refined) {
+                refined = live->refine(0.04, *progress);
+                std::shared_ptr<const LiveFrame> frame = live->frame();
+                {
+                    std::lock_guard lock(mutex_);
+                    if (wish_.scene == wish.scene) frame_ = std::move(frame);
+                    refining_ = !refined || serial_ != serial;
+                }
+                if (wake_) wake_();
+                if (!refined) continue;
+            }
+            bool asked;
+            {
+                std::lock_guard lock(mutex_);
+                asked = wish.pickSerial != answered_;
+            }
+            if (wish.pickSerial && asked) {
+                PointLight light = live->lightAt(wish.pickTriangle, wish.pickBarycentric);
+                {
+                    std::lock_guard lock(mutex_);
+                    pointLight_ = std::move(light);
+                    answered_ = wish.pickSerial;
+                }
+                if (wake_) wake_();
+            }
+            {
+                // Rest: a new wish ends this wait.
+                std::unique_lock lock(mutex_);
+                refining_ = false;
+                if (wish.restPicture && !rest_) changed_.wait_for(lock, stop, std::chrono::milliseconds(400), [&] { return serial_ != serial; });
+                if (serial_ != serial) continue;
+            }
+            if (stop.stop_requested()) return;
+            if (wish.restPicture && !wish.orthographic && !restFrame()) renderAtRest(wish, serial);
+            done = serial;
+            if (wake_) wake_();
+        } catch (const Cancelled&) {
+            if (live && !(held.scene == wish.scene && held.estimate == wish.estimate)) live.reset();
+        } catch (const std::exception& error) {
+            {
+                std::lock_guard lock(mutex_);
+                error_ = error.what();
+            }
+            done = serial;
+            if (wake_) wake_();
+        }
+    }
+}
+
+}  // namespace relamp::ui

@@ -1,0 +1,70 @@
+// One thread that relights: it owns the live scene and always works on the latest wish, never on a queue, so that the window never
+// waits. At rest it renders a per-pixel picture from the same eye, sharper with every pass.
+#pragma once
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "relight/frame.h"
+#include "relight/live_scene.h"
+
+namespace relamp::ui {
+
+/// What the window wants to see.
+struct RelightWish {
+    std::shared_ptr<const Scene> scene;
+    std::shared_ptr<const Estimate> estimate;
+    Look look;
+    Camera eye;
+    bool orthographic = false;
+    bool restPicture = false;              ///< per-pixel picture once nothing moves
+    uint64_t pickSerial = 0;               ///< a new number asks about a new point
+    uint32_t pickTriangle = 0;
+    Vec2 pickBarycentric{0};
+};
+
+class RelightWorker {
+public:
+    /// `wake` is called on the worker's thread whenever there is something new.
+    explicit RelightWorker(std::function<void()> wake);
+    ~RelightWorker();
+
+    /// The latest wish wins; what did not change is kept.
+    void wish(RelightWish wish);
+    /// Drops everything that belongs to the open document.
+    void clear();
+
+    std::shared_ptr<const LiveFrame> frame() const;
+    std::shared_ptr<const Frame> restFrame() const;
+    /// The answer to the pick with this serial, once.
+    std::optional<PointLight> takePointLight(uint64_t serial);
+    /// What went wrong with the latest wish, once ("" when nothing).
+    std::string takeError();
+    /// Work is left for the present wish.
+    bool working() const;
+    /// Coarse pictures are on their way: not counting the per-pixel picture at rest.
+    bool refining() const;
+
+private:
+    mutable std::mutex mutex_;
+    std::condition_variable_any changed_;
+    std::function<void()> wake_;
+    RelightWish wish_;
+    uint64_t serial_ = 0;                  ///< of the latest wish
+    std::shared_ptr<Progress> running_;    ///< of the step in work, so that a new wish can end it
+    bool runningIsRest_ = false;
+    std::shared_ptr<const LiveFrame> frame_;
+    std::shared_ptr<const Frame> rest_;
+    std::optional<PointLight> pointLight_;
+    uint64_t answered_ = 0;
+    std::string error_;
+    bool working_ = false, refining_ = false;
+    std::jthread thread_;
+
+    void run(std::stop_token stop);
+    void renderAtRest(const RelightWish& wish, uint64_t serial);
+};
+
+}  // namespace relamp::ui

@@ -1,0 +1,75 @@
+#include "settings.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "base/atomic_file.h"
+
+namespace relamp::ui {
+namespace {
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+float number(const Json& document, const char* key, float fallback, float low, float high) {
+    const auto at = document.find(key);
+    return at != document.end() && at->is_number() ? std::clamp(at->get<float>(), low, high) : fallback;
+}
+
+void paths(const Json& document, const char* key, std::vector<fs::path>& out) {
+    const auto at = document.find(key);
+    if (at == document.end() || !at->is_array()) return;
+    for (const Json& entry : *at)
+        if (entry.is_string() && out.size() < 12) out.push_back(entry.get<std::string>());
+}
+
+}  // namespace
+
+void loadSettings(const fs::path& folder, EditorState& state) {
+    const fs::path file = folder / "settings.json";
+    std::error_code error;
+    if (!fs::exists(file, error)) return;
+    Json document;
+    try {
+        document = Json::parse(readBytes(file, 1 << 20), nullptr, false);
+    } catch (const Error&) {
+        return;
+    }
+    if (!document.is_object()) {
+        fs::rename(file, folder / "settings.damaged.json", error);
+        return;
+    }
+    paths(document, "recent", state.recent);
+    paths(document, "recent_environments", state.recentEnvironments);
+    PanelState& p = state.panels;
+    p.leftWidth = number(document, "left_width", p.leftWidth, 200, 800);
+    p.rightWidth = number(document, "right_width", p.rightWidth, 200, 800);
+    p.bottomHeight = number(document, "bottom_height", p.bottomHeight, 60, 600);
+    state.uiScale = number(document, "ui_scale", 0, 0, 3);
+    if (const auto at = document.find("display_view"); at != document.end() && at->is_string()) state.viewport.displayView = at->get<std::string>();
+}
+
+void saveSettings(const fs::path& folder, const EditorState& state) {
+    Json document{{"recent", Json::array()},
+                  {"recent_environments", Json::array()},
+                  {"left_width", state.panels.leftWidth},
+                  {"right_width", state.panels.rightWidth},
+                  {"bottom_height", state.panels.bottomHeight},
+                  {"display_view", state.viewport.displayView}};
+    for (const fs::path& p : state.recent) document["recent"].push_back(p.string());
+    for (const fs::path& p : state.recentEnvironments) document["recent_environments"].push_back(p.string());
+    std::error_code error;
+    fs::create_directories(folder, error);
+    try {
+        writeBytesAtomically(folder / "settings.json", document.dump(1, ' ', false, Json::error_handler_t::replace));
+    } catch (const Error&) {
+        // Sizes and recent files are not worth a dialog.
+    }
+}
+
+void remember(std::vector<fs::path>& recent, const fs::path& path) {
+    std::erase(recent, path);
+    recent.insert(recent.begin(), path);
+    if (recent.size() > 12) recent.resize(12);
+}
+
+}  // namespace relamp::ui

@@ -1,0 +1,15 @@
+// What the window remembers between sessions: recent files and its own sizes. Plain JSON; a damaged file is set aside, never an error.
+#pragma once
+#include <filesystem>
+
+#include "editor_state.h"
+
+namespace relamp::ui {
+
+/// Fills recent files, panel sizes, display view and UI scale of `state` from FOLDER/settings.json.
+void loadSettings(const std::filesystem::path& folder, EditorState& state);
+void saveSettings(const std::filesystem::path& folder, const EditorState& state);
+/// Puts `path` first, keeps 12.
+void remember(std::vector<std::filesystem::path>& recent, const std::filesystem::path& path);
+
+}  // namespace relamp::ui

@@ -1,0 +1,28 @@
+// The viewport as a widget: draws the scene in the present view mode, moves the camera, picks, and runs the gizmo. The only folder with
+// GL calls besides window.cpp.
+#pragma once
+#include <memory>
+
+#include "editor.h"
+
+namespace relamp::ui {
+
+class Viewport {
+public:
+    /// Needs a current OpenGL 4.3 context. Throws Error naming what the driver lacks.
+    Viewport();
+    ~Viewport();
+    /// Fills the present ImGui window's content region: toolbar on top, picture, overlays. Mouse and keys inside it act on `editor`.
+    void draw(Editor& editor);
+    /// CPU time of the last draw() without what the rasteriser took, milliseconds.
+    double cpuMs() const;
+    /// An image as a texture for a panel, uploaded once per key. Returns 0 when there is no GL.
+    /// Keys: "view:3", "env:PATH", "env:recovered".
+    uint64_t thumbnail(const std::string& key, const std::function<Image()>& make);
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace relamp::ui

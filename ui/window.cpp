@@ -1,0 +1,175 @@
+#include "window.h"
+
+#include <epoxy/gl.h>
+// after epoxy
+#include <GLFW/glfw3.h>
+
+#include <atomic>
+#include <utility>
+#include <cstdlib>
+
+#include "base/error.h"
+#include "keys.h"
+
+namespace relamp::ui {
+namespace {
+
+/// What the callbacks collect between frames. One window at a time.
+struct Events {
+    bool any = false, close = false;
+    std::vector<std::filesystem::path> dropped;
+    std::vector<KeyPress> keys;
+};
+Events events;
+std::atomic<bool> woken{false};
+std::string lastError;
+
+void appendUtf8(std::string& text, unsigned c) {
+    if (c < 0x80) {
+        text += char(c);
+    } else if (c < 0x800) {
+        text += char(0xc0 | c >> 6);
+        text += char(0x80 | (c & 0x3f));
+    } else {
+        text += char(0xe0 | (c >> 12 & 0xf));
+        text += char(0x80 | (c >> 6 & 0x3f));
+        text += char(0x80 | (c & 0x3f));
+    }
+}
+
+void setCallbacks(GLFWwindow* window) {
+    glfwSetKeyCallback(window, [](GLFWwindow*, int key, int, int action, int mods) {
+        events.any = true;
+        if (action == GLFW_RELEASE || key < 0) return;
+        if (key >= GLFW_KEY_LEFT_SHIFT && key <= GLFW_KEY_RIGHT_SUPER) return;
+        events.keys.push_back({key, (mods & GLFW_MOD_CONTROL) != 0, (mods & GLFW_MOD_SHIFT) != 0, (mods & GLFW_MOD_ALT) != 0, {}});
+    });
+    glfwSetCharCallback(window, [](GLFWwindow*, unsigned c) {
+        events.any = true;
+        if (events.keys.empty()) events.keys.push_back({});
+        appendUtf8(events.keys.back().text, c);
+    });
+    glfwSetCursorPosCallback(window, [](GLFWwindow*, double, double) { events.any = true; });
+    glfwSetCursorEnterCallback(window, [](GLFWwindow*, int) { events.any = true; });
+    glfwSetMouseButtonCallback(window, [](GLFWwindow*, int, int, int) { events.any = true; });
+    glfwSetScrollCallback(window, [](GLFWwindow*, double, double) { events.any = true; });
+    glfwSetWindowFocusCallback(window, [](GLFWwindow*, int) { events.any = true; });
+    glfwSetWindowRefreshCallback(window, [](GLFWwindow*) { events.any = true; });
+    glfwSetFramebufferSizeCallback(window, [](GLFWwindow*, int, int) { events.any = true; });
+    glfwSetWindowContentScaleCallback(window, [](GLFWwindow*, float, float) { events.any = true; });
+    glfwSetWindowIconifyCallback(window, [](GLFWwindow*, int) { events.any = true; });
+    glfwSetWindowCloseCallback(window, [](GLFWwindow* w) {
+        events.any = events.close = true;
+        glfwSetWindowShouldClose(w, GLFW_FALSE);
+    });
+    glfwSetDropCallback(window, [](GLFWwindow*, int count, const char** paths) {
+        events.any = true;
+        for (int i = 0; i < count; ++i) events.dropped.emplace_back(paths[i]);
+    });
+}
+
+}  // namespace
+
+Window::Window(const std::string& title, int width, int height) {
+    glfwSetErrorCallback([](int, const char* text) { lastError = text; });
+    if (!glfwInit()) throw Error("there is no display to open a window on ({}); the command line `relamp` works without one", lastError);
+    const int versions[][2] = {{4, 6}, {4, 3}, {3, 3}};
+    for (const auto& version : versions) {
+        glfwDefaultWindowHints();
+        glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, version[0]);
+        glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, version[1]);
+        glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+        glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+        if (version[0] == 4) glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, GLFW_LOSE_CONTEXT_ON_RESET);
+        glfwWindowHintString(GLFW_X11_CLASS_NAME, "relamp");
+        glfwWindowHintString(GLFW_X11_INSTANCE_NAME, "relamp");
+        window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
+        if (window_) break;
+    }
+    if (!window_) {
+        glfwTerminate();
+        throw Error("no OpenGL window could be made ({}); relamp-editor needs OpenGL 4.3, the command line `relamp` needs none", lastError);
+    }
+    glfwSetWindowSizeLimits(window_, 640, 400, GLFW_DONT_CARE, GLFW_DONT_CARE);
+    glfwMakeContextCurrent(window_);
+    glfwSwapInterval(1);
+    setCallbacks(window_);
+}
+
+Window::~Window() {
+    glfwDestroyWindow(window_);
+    glfwTerminate();
+}
+
+bool Window::wait(double seconds) {
+    events.any = false;
+    if (woken.exchange(false)) glfwPollEvents();
+    else if (seconds < 0) glfwWaitEvents();
+    else if (seconds == 0) glfwPollEvents();
+    else glfwWaitEventsTimeout(seconds);
+    const bool wasWoken = woken.exchange(false);
+    return events.any || wasWoken;
+}
+
+void Window::wake() {
+    woken = true;
+    glfwPostEmptyEvent();
+}
+
+void Window::swap() { glfwSwapBuffers(window_); }
+
+bool Window::closeRequested() { return std::exchange(events.close, false); }
+std::vector<std::filesystem::path> Window::takeDropped() { return std::exchange(events.dropped, {}); }
+std::vector<KeyPress> Window::takeKeys() { return std::exchange(events.keys, {}); }
+
+void Window::readModifiers() {
+    const auto down = [&](int left, int right) { return glfwGetKey(window_, left) == GLFW_PRESS || glfwGetKey(window_, right) == GLFW_PRESS; };
+    Input& in = input();
+    in.control = down(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL);
+    in.shift = down(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT);
+    in.alt = down(GLFW_KEY_LEFT_ALT, GLFW_KEY_RIGHT_ALT);
+}
+
+void Window::setTitle(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
+
+Vec2 Window::size() const {
+    int w = 0, h = 0;
+    glfwGetWindowSize(window_, &w, &h);
+    return Vec2(w, h);
+}
+
+Vec2 Window::framebufferSize() const {
+    int w = 0, h = 0;
+    glfwGetFramebufferSize(window_, &w, &h);
+    return Vec2(w, h);
+}
+
+float Window::contentScale() const {
+    float x = 1, y = 1;
+    glfwGetWindowContentScale(window_, &x, &y);
+    return std::clamp(x, 0.75f, 3.0f);
+}
+
+std::string Window::glVersion() const {
+    const GLubyte* text = glGetString(GL_VERSION);
+    return text ? reinterpret_cast<const char*>(text) : "";
+}
+
+std::string Window::renderer() const {
+    const GLubyte* text = glGetString(GL_RENDERER);
+    return text ? reinterpret_cast<const char*>(text) : "";
+}
+
+bool Window::contextLost() const {
+    // So that a test can lose a context where no driver ever does.
+    static int framesLeft = [] {
+        const char* text = std::getenv("RELAMP_TEST_LOSE_CONTEXT");
+        return text ? std::atoi(text) : 0;
+    }();
+    if (framesLeft > 0 && --framesLeft == 0) return true;
+    return epoxy_gl_version() >= 45 && glGetGraphicsResetStatus() != GL_NO_ERROR;
+}
+
+bool Window::minimised() const { return glfwGetWindowAttrib(window_, GLFW_ICONIFIED) != 0; }
+
+}  // namespace relamp::ui

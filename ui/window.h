@@ -1,0 +1,53 @@
+// The desktop window: GLFW, named only in window.cpp, with an OpenGL context. Events come through here.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/math.h"
+
+struct GLFWwindow;
+
+namespace relamp::ui {
+
+/// A key that went down, with the text it typed.
+struct KeyPress {
+    int key = 0;   ///< keys.h
+    bool control = false, shift = false, alt = false;
+    std::string text;
+};
+
+class Window {
+public:
+    /// Throws Error when there is no display or no OpenGL at all. Asks for OpenGL 4.3 core and takes 3.3 when there is no newer one, so
+    /// that the reason can be shown in the window.
+    Window(const std::string& title, int width, int height);
+    ~Window();
+    Window(const Window&) = delete;
+    Window& operator=(const Window&) = delete;
+
+    /// Sleeps until something happens, or `seconds` have passed (negative: endless). True when there was an event or a wake().
+    bool wait(double seconds);
+    /// From any thread: ends wait().
+    static void wake();
+    void swap();
+    bool closeRequested();                       ///< since the last call
+    std::vector<std::filesystem::path> takeDropped();
+    std::vector<KeyPress> takeKeys();
+    void readModifiers();                        ///< into input()
+    void setTitle(const std::string& title);
+    Vec2 size() const;                           ///< screen units
+    Vec2 framebufferSize() const;                ///< pixels
+    float contentScale() const;                  ///< of the monitor: 2 on a HiDPI one
+    std::string glVersion() const;
+    std::string renderer() const;
+    /// The driver has lost everything that was on the GPU; the window must be made anew.
+    bool contextLost() const;
+    bool minimised() const;
+    GLFWwindow* handle() const { return window_; }
+
+private:
+    GLFWwindow* window_ = nullptr;
+};
+
+}  // namespace relamp::ui
