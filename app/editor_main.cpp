@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
     relamp::ui::ApplicationOptions options;
     app.add_option("path", options.open, "Capture folder or saved shot to open");
     app.add_flag("--solve", options.solve, "Estimate as soon as it is open");
+    app.add_option("--quality", options.quality, "Of estimates (standard)")->check(CLI::IsMember({"draft", "standard", "fine"}));
     app.add_option("--scale", options.scale, "Size of everything in the window, 0.75 to 3 (as the monitor says)")->check(CLI::Range(0.75, 3.0));
     app.add_option("--width", options.width, "Of the window, pixels")->check(CLI::Range(640, 16384));
     app.add_option("--height", options.height, "Of the window, pixels")->check(CLI::Range(400, 16384));

@@ -4,11 +4,13 @@
 #include <cstdio>
 #include <deque>
 #include <memory>
+#include <utility>
 
 #include "actions.h"
 #include "base/log.h"
 #include "editor.h"
 #include "gui.h"
+#include "item_map.h"
 #include "layout.h"
 #include "panels/panels.h"
 #include "thumbnails.h"
@@ -91,7 +93,7 @@ bool runWindow(Editor& editor, const ApplicationOptions& options, fs::path& open
     if (!(editor.state.uiScale > 0)) editor.state.uiScale = options.scale > 0 ? options.scale : window.contentScale();
     KeyQueue keys;
     int extraFrames = 3;
-    std::string title;
+    std::string title, quality = options.quality;
     Clock::time_point second = Clock::now();
     int frames = 0;
     bool lost = false;
@@ -106,6 +108,7 @@ bool runWindow(Editor& editor, const ApplicationOptions& options, fs::path& open
             if (!editor.state.document.capture) editor.openNow(openWhenAsked);
             openWhenAsked.clear();
         }
+        if (!quality.empty() && editor.state.document.capture) editor.state.solve.quality = std::exchange(quality, {});
         if (solveWhenOpen && editor.state.document.capture && !editor.job()) {
             solveWhenOpen = false;
             if (!editor.estimate()) editor.solve(editor.state.solve);
@@ -126,6 +129,7 @@ bool runWindow(Editor& editor, const ApplicationOptions& options, fs::path& open
         keys.deliver(editor, gui);
         gui.beginFrame();
         drawLayout(editor, viewport.get(), reason);
+        writeItemMap(editor);
         const double cpu = secondsSince(start);
         gui.endFrame(int(pixels.x), int(pixels.y));
         window.swap();

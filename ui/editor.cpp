@@ -136,7 +136,7 @@ void Editor::Impl::pollPicture() {
         wish.look = shownLook(*estimate);
         wish.eye = eye;
         wish.orthographic = orthographic;
-        wish.restPicture = self.state.viewport.mode == ViewMode::relit && !history.inGesture() && !job;
+        wish.restPicture = eye.width > 0 && eye.height > 0 && self.state.viewport.mode == ViewMode::relit && !history.inGesture() && !job;
         if (self.state.selection.point) {
             wish.pickSerial = pickSerial;
             wish.pickTriangle = self.state.selection.point->triangle;

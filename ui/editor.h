@@ -28,6 +28,8 @@ public:
     /// A capture folder, a transforms.json, a shot folder, or an environment picture (then the look's environment). Asks first when edits are unsaved.
     void open(const std::filesystem::path& path);
     void openNow(const std::filesystem::path& path);
+    /// Reads the open capture again with its axes set right. What was estimated before does not hold any more and goes.
+    void fixCapture(const CaptureFix& fix);
     /// Saves to the shot's folder; asks for a place when it has none.
     void save();
     void saveAs(const std::filesystem::path& folder);

@@ -26,6 +26,7 @@ struct Editor::Impl {
     std::unique_ptr<Job<Finish>> job, saving;
     std::optional<JobStatus> status;
     std::function<void(bool cancelled)> onJobEnd;      ///< after a failed or cancelled job
+    std::filesystem::path saveNext;                    ///< asked for while another save was under way
     std::function<void()> whenSaved;                   ///< continues what the unsaved-changes question held up
     Clock::time_point jobStart;
     double expectedSeconds = 0;                        ///< of the whole job; 0: unknown
@@ -59,7 +60,7 @@ struct Editor::Impl {
     std::vector<FoundWork> lost;
 
     void start(JobStatus::Kind kind, const std::string& title, std::function<Finish(Progress&)> work, std::function<void(bool)> onEnd = {});
-    void openCapture(const std::filesystem::path& folder);
+    void openCapture(const std::filesystem::path& folder, const CaptureFix& fix = {});
     void openShotFolder(const std::filesystem::path& folder, std::optional<FoundWork> recovered = {});
     void setDocument(Document document, Version version, const std::string& label);
     void saveTo(const std::filesystem::path& folder);

@@ -186,13 +186,25 @@ void Editor::Impl::setDocument(Document document, Version version, const std::st
         }
     }
     remember(state.recent, documentPath());
-    if (state.document.check && !state.document.check->warnings.empty() && !solved) state.panels.doctor = true;
+    if (state.document.check && !solved) {
+        // Only what would spoil an estimate interrupts; the rest stands in the inspector and under File.
+        const CaptureCheck& check = *state.document.check;
+        if (check.lookBackwards || check.upAgreement < 0.3 || check.seenShare < 0.3 || check.exposureSpreadStops > 0.5) state.panels.doctor = true;
+        for (const std::string& warning : check.warnings) self.log(LogLevel::warning, warning);
+    }
     self.log(LogLevel::info, fmt::format("{}: {} views, {} vertices", documentPath().string(), state.document.capture->views.size(), scene.mesh.vertexCount()));
 }
 
-void Editor::Impl::openCapture(const fs::path& folder) {
-    start(JobStatus::Kind::open, "Opening " + folder.filename().string(), [this, folder](Progress& progress) -> Finish {
-        auto document = std::make_shared<Document>(documentOf(loadCapture(folder, {}, progress), folder, progress));
+void Editor::fixCapture(const CaptureFix& fix) {
+    if (!impl_->job && state.document.capture) impl_->openCapture(state.document.captureFolder, fix);
+}
+
+void Editor::Impl::openCapture(const fs::path& folder, const CaptureFix& fix) {
+    start(JobStatus::Kind::open, "Opening " + folder.filename().string(), [this, folder, fix](Progress& progress) -> Finish {
+        LoadOptions load;
+        load.fix = fix;
+        auto document = std::make_shared<Document>(documentOf(loadCapture(folder, load, progress), folder, progress));
+        document->fix = fix;
         return [this, document] { setDocument(std::move(*document), {}, "Opened"); };
     });
 }
@@ -210,6 +222,7 @@ void Editor::Impl::openShotFolder(const fs::path& folder, std::optional<FoundWor
         }
         auto document = std::make_shared<Document>(documentOf(shot->capture, shot->captureFolder, progress));
         document->shotFolder = folder;
+        document->fix = shot->fix;
         document->quality = shot->quality;
         document->seed = shot->seed;
         document->resources = shot->resources;
@@ -250,7 +263,10 @@ void Editor::saveAs(const fs::path& given) {
 }
 
 void Editor::Impl::saveTo(const fs::path& folder) {
-    if (saving) return;
+    if (saving) {
+        saveNext = folder;
+        return;
+    }
     const Version version = history.present();
     const std::shared_ptr<const Estimate> estimate = version.estimate ? version.estimate : version.distantOnly;
     if (!estimate) {
@@ -265,6 +281,7 @@ void Editor::Impl::saveTo(const fs::path& folder) {
         [this, version, estimate, document, folder, entry, revision](Progress&) -> Finish {
             Shot shot;
             shot.captureFolder = document.captureFolder;
+            shot.fix = document.fix;
             shot.estimate = *estimate;
             shot.look = version.look;
             shot.quality = document.quality;
@@ -297,6 +314,7 @@ void Editor::Impl::pollSaving() {
         whenSaved = {};
         self.fail("The shot could not be saved", error.what(), whereFull(error));
     }
+    if (!saving && !saveNext.empty()) saveTo(std::exchange(saveNext, {}));
 }
 
 void Editor::Impl::saveUnsavedEstimate() {
@@ -306,6 +324,7 @@ void Editor::Impl::saveUnsavedEstimate() {
         [this, version, document = self.state.document](Progress&) -> Finish {
             Shot shot;
             shot.captureFolder = document.captureFolder;
+            shot.fix = document.fix;
             shot.estimate = *version.estimate;
             shot.look = version.look;
             shot.quality = document.quality;

@@ -31,6 +31,7 @@ const char* explain(ViewMode mode);
 struct Document {
     std::filesystem::path captureFolder;
     std::filesystem::path shotFolder;                   ///< empty: never saved
+    CaptureFix fix;                                     ///< what the user says against the capture's files
     std::shared_ptr<const Capture> capture;             ///< with photographs
     std::shared_ptr<const Scene> scene;
     std::shared_ptr<const RadianceSamples> samples;

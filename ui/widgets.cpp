@@ -200,7 +200,12 @@ std::string number(double value) { return std::abs(value) < 1e-12 ? "0" : fmt::f
 // ---- layout
 
 bool section(const char* title, const std::string& explanation, bool open) {
+    // Grey: the accent is kept for what is selected.
+    ImGui::PushStyleColor(ImGuiCol_Header, {0.225f, 0.225f, 0.225f, 1});
+    ImGui::PushStyleColor(ImGuiCol_HeaderHovered, {0.275f, 0.275f, 0.275f, 1});
+    ImGui::PushStyleColor(ImGuiCol_HeaderActive, {0.31f, 0.31f, 0.31f, 1});
     const bool result = ImGui::CollapsingHeader(title, open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
+    ImGui::PopStyleColor(3);
     tooltip(explanation);
     return result;
 }

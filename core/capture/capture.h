@@ -27,7 +27,8 @@ struct Capture {
     std::vector<View> views;     ///< in the order of transforms.json; --camera N counts from 0
     Mesh mesh;
     MeshReport meshReport;
-    Vec3 up{0, 0, 1};            ///< world up as the file says
+    Vec3 up{0, 0, 1};            ///< axis of the files that is up; mesh and cameras here are turned so that it is +Z
+    Mat3 worldFromFile{1};       ///< that turn
     std::vector<std::string> notes;  ///< what was masked, repaired or ignored, one sentence each
 };
 

@@ -213,8 +213,8 @@ void guessAxes(const Capture& capture, CaptureCheck& check) {
     if (check.lookBackwards) cameraUp = -cameraUp;  // OpenCV's axes have y down as well
     const double length = glm::length(cameraUp);
     if (!(length > 1e-9)) return;
-    check.upGuess = axisName(Vec3(cameraUp / length));
-    check.upAgreement = glm::dot(cameraUp / length, DVec3(capture.up));
+    check.upGuess = axisName(glm::transpose(capture.worldFromFile) * Vec3(cameraUp / length));
+    check.upAgreement = glm::dot(cameraUp / length, DVec3(0, 0, 1));
 }
 
 std::string percent(double share) { return fmt::format("{:.1f} %", 100 * share); }

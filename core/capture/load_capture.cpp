@@ -97,10 +97,10 @@ Capture loadCapture(const fs::path& folder, const LoadOptions& options, Progress
 
     Capture capture;
     capture.folder = folder;
-    capture.up = transforms.up;
     capture.notes = transforms.notes;
     progress.begin("Reading the mesh", 1);
     capture.mesh = readMesh(findMesh(folder, transforms.meshPath), &capture.meshReport);
+    const Vec3 up = options.fix.up.empty() ? transforms.up : axisFromName(options.fix.up);
 
     const size_t count = transforms.frames.size();
     capture.views.resize(count);
@@ -127,6 +127,7 @@ Capture loadCapture(const fs::path& folder, const LoadOptions& options, Progress
             });
         },
         &progress);
+    orientCapture(capture, up, options.fix.flipCameras);
     for (const auto& sentences : notes) capture.notes.insert(capture.notes.end(), sentences.begin(), sentences.end());
     return capture;
 }

@@ -263,16 +263,11 @@ std::vector<Exposure> readExposures(const Keys& frameKeys, const json& frame) {
 Vec3 readUp(const json& root) {
     const auto it = root.find("up");
     if (it == root.end() || it->is_null()) return {0, 0, 1};
-    if (it->is_string()) {
-        const std::string name = it->get<std::string>();
-        const bool negative = !name.empty() && name[0] == '-';
-        const std::string axis = name.substr(!name.empty() && (negative || name[0] == '+') ? 1 : 0);
-        const float sign = negative ? -1.0f : 1.0f;
-        if (axis == "x" || axis == "X") return {sign, 0, 0};
-        if (axis == "y" || axis == "Y") return {0, sign, 0};
-        if (axis == "z" || axis == "Z") return {0, 0, sign};
+    try {
+        return axisFromName(it->is_string() ? it->get<std::string>() : "");
+    } catch (const Error& error) {
+        throw Error("up is {}, {}", it->dump(-1, ' ', false, json::error_handler_t::replace).substr(0, 80), error.what());
     }
-    throw Error("up is {}, expected \"x\", \"y\", \"z\", \"-x\", \"-y\" or \"-z\"", it->dump(-1, ' ', false, json::error_handler_t::replace).substr(0, 80));
 }
 
 }  // namespace

@@ -28,6 +28,8 @@ struct LiveReport {
     double moveMs = 0;           ///< last coarse answer to a moved emitter
     double eyeMs = 0;            ///< last glossy pass
     size_t bytesPerVertex = 0;   ///< of stored transport
+    size_t storeBytes = 0;       ///< of the coefficients alone, which every change of the environment streams once
+    float termsPerVertex = 0;    ///< Haar coefficients kept
     size_t glossyVertices = 0;   ///< shaded in the last glossy pass
     std::vector<LeftOut> leftOut;
 };

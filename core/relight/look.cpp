@@ -52,6 +52,27 @@ const Json& listOf(const Json& document, const char* key) {
     return *at;
 }
 
+bool flagOf(const Json& value, const std::string& where) {
+    if (!value.is_boolean()) throw Error("{}: expected true or false", where);
+    return value.get<bool>();
+}
+
+uint32_t vertexOf(const Json& object, const std::string& where) {
+    const auto at = object.find("seed_vertex");
+    if (at == object.end() || !at->is_number_unsigned()) throw Error("{}.seed_vertex: expected a vertex number", where);
+    const uint64_t seed = at->get<uint64_t>();
+    if (seed > 0xffffffffu) throw Error("{}.seed_vertex: {} does not exist", where, seed);
+    return uint32_t(seed);
+}
+
+constexpr const char* shapeNames[] = {"rectangle", "disk", "sphere", "part", "copy"};
+
+AddedEmitter::Shape shapeOf(const std::string& name, const std::string& where) {
+    for (size_t i = 0; i < std::size(shapeNames); ++i)
+        if (name == shapeNames[i]) return AddedEmitter::Shape(i);
+    throw Error("{}.shape: is {}, expected rectangle, disk, sphere, part or copy", where, name);
+}
+
 std::string textOf(const Json& object, const char* key, const std::string& where) {
     const auto at = object.find(key);
     if (at == object.end() || !at->is_string()) throw Error("{}.{}: expected a text", where, key);
@@ -83,10 +104,7 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder) {
         if (!e.is_object()) throw Error("{}: expected an object", where);
         EmitterLook emitter;
         emitter.id = textOf(e, "id", where);
-        if (e.contains("enabled")) {
-            if (!e["enabled"].is_boolean()) throw Error("{}.enabled: expected true or false", where);
-            emitter.enabled = e["enabled"].get<bool>();
-        }
+        if (e.contains("enabled")) emitter.enabled = flagOf(e["enabled"], where + ".enabled");
         if (e.contains("matrix")) emitter.matrix = matrixOf(e["matrix"], where + ".matrix");
         if (e.contains("power_scale")) emitter.powerScale = colourOf(e["power_scale"], where + ".power_scale");
         look.emitters.push_back(emitter);
@@ -97,11 +115,10 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder) {
         if (!e.is_object()) throw Error("{}: expected an object", where);
         AddedEmitter emitter;
         emitter.id = textOf(e, "id", where);
-        const std::string shape = textOf(e, "shape", where);
-        if (shape == "rectangle") emitter.shape = AddedEmitter::Shape::rectangle;
-        else if (shape == "disk") emitter.shape = AddedEmitter::Shape::disk;
-        else if (shape == "sphere") emitter.shape = AddedEmitter::Shape::sphere;
-        else throw Error("{}.shape: is {}, expected rectangle, disk or sphere", where, shape);
+        emitter.shape = shapeOf(textOf(e, "shape", where), where);
+        if (emitter.shape == AddedEmitter::Shape::part) emitter.seedVertex = vertexOf(e, where);
+        if (emitter.shape == AddedEmitter::Shape::copy) emitter.source = textOf(e, "source", where);
+        if (e.contains("enabled")) emitter.enabled = flagOf(e["enabled"], where + ".enabled");
         if (e.contains("matrix")) emitter.matrix = matrixOf(e["matrix"], where + ".matrix");
         if (e.contains("size")) {
             const Json& size = e["size"];
@@ -116,20 +133,15 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder) {
     i = 0;
     for (const Json& p : listOf(document, "parts")) {
         const std::string where = fmt::format("parts[{}]", i++);
-        if (!p.is_object() || !p.contains("seed_vertex") || !p["seed_vertex"].is_number_unsigned()) throw Error("{}.seed_vertex: expected a vertex number", where);
         PartLook part;
-        const uint64_t seed = p["seed_vertex"].get<uint64_t>();
-        if (seed > 0xffffffffu) throw Error("{}.seed_vertex: {} does not exist", where, seed);
-        part.seedVertex = uint32_t(seed);
+        part.seedVertex = vertexOf(p, where);
         if (p.contains("matrix")) part.matrix = matrixOf(p["matrix"], where + ".matrix");
+        if (p.contains("attached_to")) part.attachedTo = textOf(p, "attached_to", where);
         look.parts.push_back(part);
     }
     if (const auto at = document.find("materials"); at != document.end()) {
         if (!at->is_object()) throw Error("materials: expected an object");
-        if (const auto neutral = at->find("neutral"); neutral != at->end()) {
-            if (!neutral->is_boolean()) throw Error("materials.neutral: expected true or false");
-            look.neutralMaterials = neutral->get<bool>();
-        }
+        if (const auto neutral = at->find("neutral"); neutral != at->end()) look.neutralMaterials = flagOf(*neutral, "materials.neutral");
     }
     return look;
 }
@@ -155,11 +167,19 @@ Json lookToJson(const Look& look) {
     for (const EmitterLook& e : look.emitters)
         document["emitters"].push_back({{"id", e.id}, {"enabled", e.enabled}, {"matrix", matrixToJson(e.matrix)}, {"power_scale", {e.powerScale.x, e.powerScale.y, e.powerScale.z}}});
     document["added_emitters"] = Json::array();
-    const char* shapes[] = {"rectangle", "disk", "sphere"};
-    for (const AddedEmitter& e : look.added)
-        document["added_emitters"].push_back({{"id", e.id}, {"shape", shapes[int(e.shape)]}, {"matrix", matrixToJson(e.matrix)}, {"size", {e.size.x, e.size.y}}, {"radiance", {e.radiance.x, e.radiance.y, e.radiance.z}}});
+    for (const AddedEmitter& e : look.added) {
+        Json added{{"id", e.id}, {"shape", shapeNames[size_t(e.shape)]}, {"matrix", matrixToJson(e.matrix)}, {"radiance", {e.radiance.x, e.radiance.y, e.radiance.z}}};
+        if (e.shape == AddedEmitter::Shape::part) added["seed_vertex"] = e.seedVertex;
+        else if (e.shape == AddedEmitter::Shape::copy) added["source"] = e.source;
+        else added["size"] = {e.size.x, e.size.y};
+        if (!e.enabled) added["enabled"] = false;
+        document["added_emitters"].push_back(std::move(added));
+    }
     document["parts"] = Json::array();
-    for (const PartLook& p : look.parts) document["parts"].push_back({{"seed_vertex", p.seedVertex}, {"matrix", matrixToJson(p.matrix)}});
+    for (const PartLook& p : look.parts) {
+        document["parts"].push_back({{"seed_vertex", p.seedVertex}, {"matrix", matrixToJson(p.matrix)}});
+        if (!p.attachedTo.empty()) document["parts"].back()["attached_to"] = p.attachedTo;
+    }
     document["materials"] = {{"neutral", look.neutralMaterials}};
     return document;
 }

@@ -16,6 +16,7 @@ struct EnvironmentLook {
     float yawDegrees = 0;           ///< about +Z, counter-clockwise from above
     float exposureStops = 0;
     Rgb tint{1};
+    bool operator==(const EnvironmentLook&) const = default;
 };
 
 struct EmitterLook {
@@ -23,20 +24,29 @@ struct EmitterLook {
     bool enabled = true;
     Mat4 matrix{1};                 ///< applied to the emitter's world positions
     Rgb powerScale{1};              ///< multiplies its radiance; its power also changes with its area
+    bool operator==(const EmitterLook&) const = default;
 };
 
 struct AddedEmitter {
-    enum class Shape { rectangle, disk, sphere } shape = Shape::rectangle;
+    /// part: the connected piece of mesh that holds seedVertex shines and moves. copy: the geometry of a recovered emitter again,
+    /// shining on the same faces as that one does.
+    enum class Shape { rectangle, disk, sphere, part, copy } shape = Shape::rectangle;
     std::string id;
-    Mat4 matrix{1};                 ///< the shape lies about the origin, facing -Z
-    Vec2 size{1};                   ///< metres: width and height, or diameter
+    Mat4 matrix{1};                 ///< rectangle, disk, sphere lie about the origin, facing -Z; part and copy: applied to world positions
+    Vec2 size{1};                   ///< metres: width and height, or diameter; rectangle, disk, sphere
     Rgb radiance{1};
+    bool enabled = true;            ///< off: radiance 0, its body stays
+    uint32_t seedVertex = 0;        ///< part
+    std::string source{};           ///< copy: id of a recovered emitter
+    bool operator==(const AddedEmitter&) const = default;
 };
 
 /// The connected piece of mesh that holds the vertex moves too: a lamp's shade and stand.
 struct PartLook {
     uint32_t seedVertex = 0;
     Mat4 matrix{1};
+    std::string attachedTo{};       ///< id of the emitter it follows in the window; empty: none. `matrix` alone says where it is
+    bool operator==(const PartLook&) const = default;
 };
 
 struct Look {
@@ -45,6 +55,7 @@ struct Look {
     std::vector<AddedEmitter> added;
     std::vector<PartLook> parts;
     bool neutralMaterials = false;      ///< every surface at its own brightness without colour
+    bool operator==(const Look&) const = default;
 };
 
 /// The edits document of INTERFACE section 3. Relative file names are taken from `folder`. Throws Error naming the field

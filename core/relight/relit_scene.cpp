@@ -1,6 +1,7 @@
 #include "relight/relit_scene.h"
 
 #include <map>
+#include <numeric>
 
 #include "base/error.h"
 #include "image/environment_map.h"
@@ -47,42 +48,103 @@ Mesh shapeMesh(const AddedEmitter& added) {
     return m;
 }
 
-/// Moves triangles. A vertex whose triangles move differently is doubled, so that nothing is stretched; one that stays keeps its number.
-void moveTriangles(const Scene& scene, const std::vector<Mat4>& movements, const std::vector<uint32_t>& ofPiece, const std::vector<uint32_t>& ofEmitter,
-                   const std::vector<int>& emitterOfTriangle, Mesh& mesh, std::vector<std::vector<Rgb>>& weight) {
-    constexpr uint32_t none = ~0u;
-    std::vector<uint32_t> movement(mesh.triangles.size(), 0), owner(scene.mesh.vertexCount(), none);
-    for (size_t t = 0; t < movement.size(); ++t) {
-        const int e = emitterOfTriangle[t];
-        movement[t] = e >= 0 ? ofEmitter[size_t(e)] : ofPiece[scene.piece[scene.mesh.triangles[t][0]]];
-        if (!movement[t])
-            for (uint32_t v : scene.mesh.triangles[t]) owner[v] = 0;
+/// Moves the triangles of bodies and doubles vertices whose triangles belong to different ones, so that nothing is stretched; of those
+/// the ground, else the first, keeps the number.
+void moveTriangles(const Mesh& captured, EditedGeometry& out) {
+    constexpr uint32_t none = EditedBody::none;
+    const size_t n = captured.vertexCount();
+    std::vector<uint32_t> owner(n, none);
+    for (size_t t = 0; t < out.bodyOfTriangle.size(); ++t)
+        if (!out.bodyOfTriangle[t])
+            for (uint32_t v : captured.triangles[t]) owner[v] = 0;
+    std::vector<Mat3> normalMatrix;
+    std::vector<uint8_t> mirrored;
+    for (const EditedBody& b : out.bodies) {
+        normalMatrix.push_back(glm::transpose(glm::inverse(Mat3(b.matrix))));
+        mirrored.push_back(glm::determinant(Mat3(b.matrix)) < 0);
     }
     std::map<std::pair<uint32_t, uint32_t>, uint32_t> copyOf;
-    for (size_t t = 0; t < movement.size(); ++t) {
-        const uint32_t m = movement[t];
-        if (!m) continue;
-        const Mat4& matrix = movements[m];
-        for (uint32_t& v : mesh.triangles[t]) {
-            const auto [place, isNew] = copyOf.emplace(std::pair(v, m), v);
-            if (isNew) {
-                if (owner[v] == none) {
-                    owner[v] = m;
-                } else {
-                    place->second = uint32_t(mesh.positions.size());
-                    mesh.positions.push_back(scene.mesh.positions[v]);
-                    mesh.normals.push_back(scene.mesh.normals[v]);
-                    for (auto& lobe : weight) lobe.push_back(lobe[v]);
-                }
-                Vec3& normal = mesh.normals[place->second];
-                mesh.positions[place->second] = Vec3(matrix * Vec4(scene.mesh.positions[v], 1));
-                normal = glm::transpose(glm::inverse(Mat3(matrix))) * scene.mesh.normals[v];
-                if (const float length = glm::length(normal); length > 0) normal /= length;
+    for (size_t t = 0; t < out.bodyOfTriangle.size(); ++t) {
+        const uint32_t body = out.bodyOfTriangle[t];
+        if (!body) continue;
+        for (uint32_t& v : out.mesh.triangles[t]) {
+            const uint32_t origin = v;
+            if (owner[origin] == body) continue;
+            if (owner[origin] == none) {
+                owner[origin] = body;
+            } else {
+                const auto [place, isNew] = copyOf.emplace(std::pair(origin, body), uint32_t(out.mesh.positions.size()));
+                v = place->second;
+                if (!isNew) continue;
+                out.mesh.positions.emplace_back();
+                out.mesh.normals.push_back(captured.normals[origin]);
+                out.vertexOrigin.push_back(origin);
             }
-            v = place->second;
+            const Mat4& matrix = out.bodies[body].matrix;
+            out.mesh.positions[v] = matrix == Mat4(1) ? captured.positions[origin] : Vec3(matrix * Vec4(captured.positions[origin], 1));
+            if (matrix == Mat4(1)) continue;
+            Vec3& normal = out.mesh.normals[v];
+            normal = normalMatrix[body] * captured.normals[origin];
+            if (const float length = glm::length(normal); length > 0) normal /= length;
         }
-        if (glm::determinant(Mat3(matrix)) < 0) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+        if (mirrored[body]) std::swap(out.mesh.triangles[t][1], out.mesh.triangles[t][2]);
     }
+}
+
+size_t emitterNamed(const std::vector<EmitterCluster>& clusters, const std::string& id, const char* where) {
+    for (size_t i = 0; i < clusters.size(); ++i)
+        if (clusters[i].id == id) return i;
+    throw Error("{}: there is no emitter named {}", where, id);
+}
+
+/// The triangles of a mesh piece that no emitter has yet.
+EmitterCluster clusterOfPiece(const Scene& scene, const AddedEmitter& added, const std::vector<int>& emitterOfTriangle) {
+    if (added.seedVertex >= scene.mesh.vertexCount())
+        throw Error("added_emitters: {}: seed_vertex {} does not exist, the mesh has {} vertices", added.id, added.seedVertex, scene.mesh.vertexCount());
+    EmitterCluster cluster;
+    for (uint32_t t = 0; t < scene.mesh.triangles.size(); ++t)
+        if (emitterOfTriangle[t] < 0 && scene.piece[scene.mesh.triangles[t][0]] == scene.piece[added.seedVertex]) cluster.triangles.push_back(t);
+    if (cluster.triangles.empty()) throw Error("added_emitters: {}: the piece of mesh at vertex {} shines already or has no triangles", added.id, added.seedVertex);
+    return cluster;
+}
+
+/// Puts the triangles of an added shape behind the mesh as a new body.
+void appendShape(const Mesh& shape, int emitter, const Mat4& matrix, EditedGeometry& out) {
+    const uint32_t first = uint32_t(out.mesh.positions.size());
+    for (const Triangle& t : shape.triangles) {
+        out.mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+        out.emitterOfTriangle.push_back(emitter);
+        out.bodyOfTriangle.push_back(uint32_t(out.bodies.size()));
+    }
+    out.mesh.positions.insert(out.mesh.positions.end(), shape.positions.begin(), shape.positions.end());
+    out.mesh.normals.insert(out.mesh.normals.end(), shape.normals.begin(), shape.normals.end());
+    out.vertexOrigin.resize(out.mesh.positions.size(), EditedBody::none);
+    out.bodies.push_back({emitter, EditedBody::none, matrix});
+    out.moved = true;
+}
+
+/// The triangles of a cluster alone, moved.
+Mesh clusterMesh(const Mesh& captured, const EmitterCluster& cluster, const Mat4& matrix) {
+    Mesh m;
+    std::map<uint32_t, uint32_t> place;
+    const Mat3 normalMatrix = glm::transpose(glm::inverse(Mat3(matrix)));
+    const bool mirrored = glm::determinant(Mat3(matrix)) < 0;
+    for (uint32_t t : cluster.triangles) {
+        Triangle triangle = captured.triangles[t];
+        for (uint32_t& v : triangle) {
+            const auto [at, isNew] = place.emplace(v, uint32_t(m.positions.size()));
+            if (isNew) {
+                m.positions.push_back(Vec3(matrix * Vec4(captured.positions[v], 1)));
+                const Vec3 normal = normalMatrix * captured.normals[v];
+                const float length = glm::length(normal);
+                m.normals.push_back(length > 0 ? normal / length : normal);
+            }
+            v = at->second;
+        }
+        if (mirrored) std::swap(triangle[1], triangle[2]);
+        m.triangles.push_back(triangle);
+    }
+    return m;
 }
 
 DirectionGrid gridFor(const Image& map) {
@@ -91,7 +153,9 @@ DirectionGrid gridFor(const Image& map) {
     return grid;
 }
 
-std::shared_ptr<const DistantLight> distantLight(const Estimate& estimate, const EnvironmentLook& look) {
+}  // namespace
+
+std::shared_ptr<const DistantLight> distantOfLook(const Estimate& estimate, const EnvironmentLook& look) {
     DirectionGrid grid{estimate.environmentSide};
     std::vector<Rgb> cells;
     if (look.source == EnvironmentLook::Source::none) {
@@ -110,74 +174,103 @@ std::shared_ptr<const DistantLight> distantLight(const Estimate& estimate, const
     return std::make_shared<const DistantLight>(grid, std::move(cells));
 }
 
-}  // namespace
-
-RelitScene applyLook(const Scene& scene, const Estimate& estimate, const Look& look, Progress& progress) {
-    RelitScene out;
-    out.basis = estimate.reflectance.basis;
-    out.weight = estimate.reflectance.weight;
+EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const Look& look, const BodiesApart& apart) {
     const std::vector<EmitterCluster>& clusters = estimate.emitters.emitters;
+    EditedGeometry out;
     std::vector<Mat4> matrix(clusters.size(), Mat4(1));
     std::vector<Rgb> radiance = estimate.lighting.emitterRadiance;
     for (const EmitterLook& e : look.emitters) {
-        size_t at = clusters.size();
-        for (size_t i = 0; i < clusters.size(); ++i)
-            if (clusters[i].id == e.id) at = i;
-        if (at == clusters.size()) throw Error("emitters: there is no emitter named {}", e.id);
+        const size_t at = emitterNamed(clusters, e.id, "emitters");
         matrix[at] = e.matrix;
         radiance[at] = e.enabled ? radiance[at] * e.powerScale : Rgb(0);
     }
-    // Which movement each triangle takes: its emitter's own, else that of the parts on its piece of the mesh. 0: it stays.
-    std::vector<Mat4> movements{Mat4(1)};
-    std::vector<uint32_t> movementOfPiece(scene.pieces, 0), movementOfEmitter(clusters.size(), 0);
+    // Which body each triangle is of: its emitter's own, else that of the parts on its piece of the mesh, else the ground.
+    out.bodies.emplace_back();
+    std::vector<uint32_t> bodyOfPiece(scene.pieces, 0), bodyOfEmitter(clusters.size() + look.added.size(), 0);
+    const auto addPiece = [&](uint32_t piece) -> uint32_t {
+        if (!bodyOfPiece[piece]) {
+            bodyOfPiece[piece] = uint32_t(out.bodies.size());
+            out.bodies.push_back({-1, piece, Mat4(1)});
+        }
+        return bodyOfPiece[piece];
+    };
+    for (uint32_t piece : apart.pieces) addPiece(piece);
     for (const PartLook& part : look.parts) {
         if (part.seedVertex >= scene.mesh.vertexCount()) throw Error("parts: seed_vertex {} does not exist, the mesh has {} vertices", part.seedVertex, scene.mesh.vertexCount());
         if (part.matrix == Mat4(1)) continue;
-        uint32_t& movement = movementOfPiece[scene.piece[part.seedVertex]];
-        if (!movement) {
-            movement = uint32_t(movements.size());
-            movements.push_back(Mat4(1));
-        }
-        movements[movement] = part.matrix * movements[movement];
+        Mat4& movement = out.bodies[addPiece(scene.piece[part.seedVertex])].matrix;
+        movement = part.matrix * movement;
     }
+    const auto addEmitter = [&](size_t e, const Mat4& movement) {
+        if (movement == Mat4(1) && !apart.emitters) return;
+        bodyOfEmitter[e] = uint32_t(out.bodies.size());
+        out.bodies.push_back({int(e), EditedBody::none, movement});
+    };
     out.emitterOfTriangle = estimate.emitters.emitterOfTriangle;
     for (size_t e = 0; e < clusters.size(); ++e) {
-        RelitEmitter emitter;
-        emitter.id = clusters[e].id;
-        emitter.radiance = radiance[e];
-        emitter.surface = emitterSurface(scene.mesh, clusters[e], matrix[e]);
-        out.emitters.push_back(std::move(emitter));
-        if (matrix[e] == Mat4(1)) continue;
-        movementOfEmitter[e] = uint32_t(movements.size());
-        movements.push_back(matrix[e]);
+        addEmitter(e, matrix[e]);
+        out.emitters.push_back({clusters[e].id, emitterSurface(scene.mesh, clusters[e], matrix[e]), radiance[e]});
     }
-    Mesh mesh = scene.mesh;
-    bool moved = movements.size() > 1;
-    if (moved) moveTriangles(scene, movements, movementOfPiece, movementOfEmitter, out.emitterOfTriangle, mesh, out.weight);
-    for (const AddedEmitter& added : look.added) {
-        const Mesh shape = shapeMesh(added);
-        const uint32_t first = uint32_t(mesh.positions.size());
-        EmitterCluster cluster;
-        for (const Triangle& t : shape.triangles) {
-            cluster.triangles.push_back(uint32_t(mesh.triangles.size()));
-            mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-            out.emitterOfTriangle.push_back(int(out.emitters.size()));
+    for (size_t i = 0; i < look.added.size(); ++i) {
+        const AddedEmitter& added = look.added[i];
+        const int e = int(clusters.size() + i);
+        RelitEmitter emitter{added.id, {}, added.enabled ? added.radiance : Rgb(0)};
+        if (added.shape == AddedEmitter::Shape::part) {
+            const EmitterCluster cluster = clusterOfPiece(scene, added, out.emitterOfTriangle);
+            for (uint32_t t : cluster.triangles) out.emitterOfTriangle[t] = e;
+            emitter.surface = emitterSurface(scene.mesh, cluster, added.matrix);
+            addEmitter(size_t(e), added.matrix);
+        } else if (added.shape == AddedEmitter::Shape::copy) {
+            const EmitterCluster& source = clusters[emitterNamed(clusters, added.source, "added_emitters")];
+            emitter.surface = emitterSurface(scene.mesh, source, added.matrix);
         }
-        mesh.positions.insert(mesh.positions.end(), shape.positions.begin(), shape.positions.end());
-        mesh.normals.insert(mesh.normals.end(), shape.normals.begin(), shape.normals.end());
-        for (auto& lobe : out.weight) lobe.resize(mesh.positions.size(), Rgb(0));
-        RelitEmitter emitter;
-        emitter.id = added.id;
-        emitter.radiance = added.radiance;
-        emitter.surface = emitterSurface(mesh, cluster);
         out.emitters.push_back(std::move(emitter));
-        moved = true;
+    }
+    out.mesh = scene.mesh;
+    out.vertexOrigin.resize(scene.mesh.vertexCount());
+    std::iota(out.vertexOrigin.begin(), out.vertexOrigin.end(), 0u);
+    out.moved = out.bodies.size() > 1;
+    out.bodyOfTriangle.assign(scene.mesh.triangles.size(), 0);
+    if (out.moved) {
+        for (size_t t = 0; t < out.bodyOfTriangle.size(); ++t) {
+            const int e = out.emitterOfTriangle[t];
+            out.bodyOfTriangle[t] = e >= 0 ? bodyOfEmitter[size_t(e)] : bodyOfPiece[scene.piece[scene.mesh.triangles[t][0]]];
+        }
+        moveTriangles(scene.mesh, out);
+    }
+    for (size_t i = 0; i < look.added.size(); ++i) {
+        const AddedEmitter& added = look.added[i];
+        if (added.shape == AddedEmitter::Shape::part) continue;
+        const bool copy = added.shape == AddedEmitter::Shape::copy;
+        const Mesh shape = copy ? clusterMesh(scene.mesh, clusters[emitterNamed(clusters, added.source, "added_emitters")], added.matrix) : shapeMesh(added);
+        appendShape(shape, int(clusters.size() + i), added.matrix, out);
+        if (!copy) {
+            EmitterCluster all;
+            all.triangles.resize(shape.triangles.size());
+            std::iota(all.triangles.begin(), all.triangles.end(), 0u);
+            out.emitters[clusters.size() + i].surface = emitterSurface(shape, all);
+        }
+    }
+    return out;
+}
+
+RelitScene applyLook(const Scene& scene, const Estimate& estimate, const Look& look, Progress& progress) {
+    EditedGeometry geometry = editGeometry(scene, estimate, look);
+    RelitScene out;
+    out.basis = estimate.reflectance.basis;
+    for (const std::vector<Rgb>& captured : estimate.reflectance.weight) {
+        std::vector<Rgb> weight(geometry.vertexOrigin.size(), Rgb(0));
+        for (size_t v = 0; v < weight.size(); ++v)
+            if (geometry.vertexOrigin[v] != EditedBody::none) weight[v] = captured[geometry.vertexOrigin[v]];
+        out.weight.push_back(std::move(weight));
     }
     if (look.neutralMaterials)
         for (auto& lobe : out.weight)
             for (Rgb& w : lobe) w = Rgb(luminance(w));
-    out.scene = moved ? buildScene(std::move(mesh), progress) : scene;
-    out.distant = distantLight(estimate, look.environment);
+    out.emitterOfTriangle = std::move(geometry.emitterOfTriangle);
+    out.emitters = std::move(geometry.emitters);
+    out.scene = geometry.moved ? buildScene(std::move(geometry.mesh), progress) : scene;
+    out.distant = distantOfLook(estimate, look.environment);
     return out;
 }
 

@@ -49,7 +49,8 @@ Autosave::Autosave(fs::path folder) : folder_(std::move(folder)) {
     fs::create_directories(folder_, error);
     for (int n = 0; n < 100 && lock_ < 0; ++n) {
         stem_ = folder_ / fmt::format("work-{}-{}", getpid(), n);
-        lock_ = lockFile(with(stem_, ".lock"));
+        // Process numbers come again: a lost work of the same number is not to be taken for one's own.
+        if (!fs::exists(with(stem_, suffix), error)) lock_ = lockFile(with(stem_, ".lock"));
     }
     if (lock_ < 0) logWarning("{}: cannot be written, so edits are not saved by themselves", folder_.string());
 }

@@ -177,6 +177,7 @@ void saveShot(const Shot& shot, const Mesh& mesh, const fs::path& folder, bool o
         if (shot.look.environment.source == EnvironmentLook::Source::file)
             document["look"]["environment"]["file"] = fs::proximate(fs::absolute(shot.look.environment.file), target).string();
         document["seed"] = shot.seed;
+        document["capture_fix"] = {{"up", shot.fix.up}, {"flip_cameras", shot.fix.flipCameras}};
         const DirectionGrid grid{shot.estimate.environmentSide};
         const Image map = latLongFromCells(shot.estimate.environment, grid, 1024);
         std::vector<Channel> channels(3);
@@ -282,6 +283,11 @@ Shot openShot(const fs::path& folder, bool withImages, Progress& progress) {
             const std::string where = fmt::format("timeline[{}].", i++);
             e.timeline.push_back({field(t, "seconds", 0.0, where), field<std::string>(t, "stage", "", where), field(t, "iteration", 0, where), field(t, "objective", 0.0, where), field(t, "rmse", 0.0, where)});
         }
+        if (document.contains("capture_fix")) {
+            const Json& fix = objectOf(document, "capture_fix");
+            shot.fix = {field<std::string>(fix, "up", "", "capture_fix."), field(fix, "flip_cameras", false, "capture_fix.")};
+            if (!shot.fix.up.empty()) withContext("capture_fix.up", [&] { axisFromName(shot.fix.up); });
+        }
         i = 0;
         for (const Json& l : listOf(document, "left_out")) {
             const std::string where = fmt::format("left_out[{}].", i++);
@@ -320,6 +326,7 @@ Shot openShot(const fs::path& folder, bool withImages, Progress& progress) {
     });
     LoadOptions load;
     load.images = withImages;
+    load.fix = shot.fix;
     withContext(file.string() + ": capture", [&] { shot.capture = loadCapture(shot.captureFolder, load, progress); });
     const size_t n = shot.capture.mesh.vertexCount();
     const DirectionGrid grid{e.environmentSide};

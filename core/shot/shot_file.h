@@ -5,6 +5,7 @@
 
 #include "base/progress.h"
 #include "capture/capture.h"
+#include "capture/orientation.h"
 #include "relight/look.h"
 #include "scene/scene.h"
 #include "solve/estimate.h"
@@ -23,6 +24,7 @@ struct Shot {
     std::filesystem::path captureFolder;
     Capture capture;              ///< cameras and mesh; photographs only when asked for
     Estimate estimate;
+    CaptureFix fix;               ///< how the capture's files are to be read
     Look look;
     std::string quality = "standard";
     uint64_t seed = 1;

@@ -35,6 +35,12 @@ Names programRooms() {
     return rooms;
 }
 
+Names windowRooms() {
+    Names rooms = coreRooms;
+    rooms.insert({"viewport", "panels", "backends"});
+    return rooms;
+}
+
 /// A room, and the rooms and single headers it may include beside its own.
 const std::map<std::string, Names>& table() {
     static const std::map<std::string, Names> rooms{
@@ -53,11 +59,7 @@ const std::map<std::string, Names>& table() {
         {"shot", coreRooms},
         {"report", coreRooms},
         {"pipeline", coreRooms},
-        {"ui", [] {
-             Names rooms = coreRooms;
-             rooms.insert({"viewport", "panels", "backends"});
-             return rooms;
-         }()},
+        {"ui", windowRooms()},
         {"app", programRooms()},
     };
     return rooms;

@@ -130,6 +130,54 @@ TEST(Look, MissingNeedsAreNamed) {
     }
 }
 
+/// A document with the added emitters that take their geometry from the scene, and a part that follows a lamp.
+json fromScene() {
+    return json::parse(R"({"added_emitters": [
+            {"id": "glow", "shape": "part", "seed_vertex": 7, "radiance": [1, 2, 3]},
+            {"id": "twin", "shape": "copy", "source": "emitter-1", "radiance": [4, 5, 6], "enabled": false}],
+        "parts": [{"seed_vertex": 9, "attached_to": "emitter-1"}]})");
+}
+
+TEST(Look, ReadsPartsThatShineAndCopiesOfEmitters) {
+    const Look look = lookFromJson(fromScene(), "");
+    ASSERT_EQ(look.added.size(), 2u);
+    EXPECT_EQ(look.added[0].shape, AddedEmitter::Shape::part);
+    EXPECT_EQ(look.added[0].seedVertex, 7u);
+    EXPECT_TRUE(look.added[0].enabled);
+    EXPECT_EQ(look.added[1].shape, AddedEmitter::Shape::copy);
+    EXPECT_EQ(look.added[1].source, "emitter-1");
+    EXPECT_FALSE(look.added[1].enabled);
+    EXPECT_EQ(look.parts.at(0).attachedTo, "emitter-1");
+    EXPECT_EQ(lookFromJson(lookToJson(look), ""), look);
+}
+
+TEST(Look, WritesOnlyTheFieldsAShapeHas) {
+    const json document = lookToJson(lookFromJson(fromScene(), ""));
+    EXPECT_FALSE(document["added_emitters"][0].contains("enabled")) << "on is not written";
+    EXPECT_FALSE(document["added_emitters"][0].contains("size"));
+    EXPECT_FALSE(document["added_emitters"][1].contains("seed_vertex"));
+    EXPECT_FALSE(lookToJson(lookFromJson(whole(), ""))["parts"][0].contains("attached_to"));
+}
+
+TEST(Look, NamesTheBadFieldOfPartsAndCopies) {
+    const struct {
+        const char* pointer;
+        const char* value;
+        const char* message;
+    } cases[] = {
+        {"/added_emitters/0/seed_vertex", "1.5", "added_emitters[0].seed_vertex: expected a vertex number"},
+        {"/added_emitters/0/seed_vertex", "99999999999", "added_emitters[0].seed_vertex: 99999999999 does not exist"},
+        {"/added_emitters/1/source", "3", "added_emitters[1].source: expected a text"},
+        {"/added_emitters/1/enabled", "0", "added_emitters[1].enabled: expected true or false"},
+        {"/parts/0/attached_to", "[]", "parts[0].attached_to: expected a text"},
+    };
+    for (const auto& c : cases) {
+        json document = fromScene();
+        document[json::json_pointer(c.pointer)] = json::parse(c.value);
+        EXPECT_EQ(test::messageOf([&] { lookFromJson(document, ""); }), c.message);
+    }
+}
+
 TEST(Look, FilesAreNamedInErrors) {
     const test::TemporaryFolder folder;
     const auto file = folder.write("edits.json", "{\"version\": 1,");

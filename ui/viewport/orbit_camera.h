@@ -19,6 +19,8 @@ struct OrbitCamera {
     void zoom(float notches);                                ///< towards the target, positive is closer
     /// Looks at a sphere so that it fills the viewport.
     void frame(const Vec3& centre, float radius);
+    /// Looks at a box so that its corners fill the viewport from the present direction.
+    void frameBox(const Vec3& low, const Vec3& high, float aspect);
     /// Takes over a photograph's camera as well as an orbit can (roll is lost).
     void matchCamera(const Camera& camera, float distanceToTarget);
     /// The same view as a pinhole camera of this many pixels.

@@ -19,6 +19,8 @@ public:
     /// An image as a texture for a panel, uploaded once per key. Returns 0 when there is no GL.
     /// Keys: "view:3", "env:PATH", "env:recovered".
     uint64_t thumbnail(const std::string& key, const std::function<Image()>& make);
+    /// Frees the textures whose key starts with `prefix`.
+    void dropThumbnails(const std::string& prefix);
 
 private:
     struct Impl;

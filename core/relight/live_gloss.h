@@ -1,0 +1,79 @@
+// Light that glossy lobes send towards the eye: low-discrepancy taps of the lobe into a pyramid of the environment, each as blurred as its
+// tap is wide, behind the baked visibility; emitters piece by piece, each piece no wider than the lobe there.
+#pragma once
+#include "relight/live_carried.h"
+#include "relight/live_scene.h"
+
+namespace relamp {
+
+/// The environment at every resolution down from 512 to 1 cell.
+class EnvironmentPyramid {
+public:
+    EnvironmentPyramid() = default;
+    explicit EnvironmentPyramid(const DistantLight& distant);
+    bool black() const { return black_; }
+    /// Radiance about a point of the direction square, averaged over about `steradians`.
+    Rgb radiance(const Vec2& square, float steradians) const;
+
+private:
+    std::vector<std::pair<int, std::vector<Rgb>>> levels_;  // side and cells, finest first
+    bool black_ = true;
+};
+
+/// What a glossy pass needs of the rest.
+struct GlossInputs {
+    const LiveVertices& vertices;
+    const LiveMatte& matte;
+    const LiveCarried& carried;
+    const std::vector<NearEmitter>& near;
+    const LiveOccluders& occluders;
+    const EnvironmentPyramid& environment;
+    Eye eye;
+};
+
+class LiveGloss {
+public:
+    LiveGloss(const LiveGrid& grid, const Estimate& estimate) : grid_(grid), estimate_(estimate) {}
+    /// Vertices with glossy weight, after a change of geometry or materials; everything is stale.
+    void setVertices(const LiveVertices& vertices, size_t emitters, bool neutral);
+    bool empty() const { return vertex_.empty(); }
+    void markDistant() { std::fill(distantLevel_.begin(), distantLevel_.end(), uint8_t(0)); }
+    void markDistant(std::span<const uint32_t> vertices);
+    void markNear(size_t emitter) { std::fill(nearLevel_[emitter].begin(), nearLevel_[emitter].end(), uint8_t(0)); }
+    /// Where a shadow went into the light of the emitter, and the vertex is stale there, it is taken again.
+    void markShadowed(size_t emitter, const NearEmitter& near);
+    void markAll();
+    /// The whole picture from few taps. Returns vertices shaded.
+    size_t coarse(const GlossInputs& in, Progress& progress);
+    /// One batch; false when nothing is left.
+    bool refine(const GlossInputs& in, Progress& progress);
+
+    /// Per vertex of the mesh, empty when no vertex is glossy: light of the environment before exposure and tint.
+    const std::vector<Rgb>& distant() const { return distant_; }
+    /// Per vertex: light of an emitter of radiance 1.
+    const std::vector<Rgb>& near(size_t emitter) const { return near_[emitter]; }
+    /// Whether near() holds the shadows already; else it is to be scaled by the share of the emitter that is seen.
+    bool shadowed(size_t emitter, size_t vertex) const;
+
+private:
+    struct LobeWeight {
+        uint8_t lobe;
+        Rgb weight;
+    };
+    struct Surface;  // a vertex being shaded
+    const LiveGrid& grid_;
+    const Estimate& estimate_;
+    std::vector<uint32_t> vertex_, placeOf_;
+    std::vector<uint32_t> start_;                        // per glossy vertex: its lobes
+    std::vector<LobeWeight> lobes_;
+    std::vector<Rgb> distant_;
+    std::vector<std::vector<Rgb>> near_;
+    std::vector<uint8_t> distantLevel_;                  // per glossy vertex: 0 stale, 1 coarse, 2 fine
+    std::vector<std::vector<uint8_t>> nearLevel_;        // per emitter and glossy vertex: 0 stale, 1 coarse, 2 fine, 3 fine with shadows inside
+
+    bool surfaceOf(const GlossInputs& in, size_t i, Surface& s) const;
+    Rgb distantLight(const GlossInputs& in, const Surface& s, int taps) const;
+    Rgb nearLight(const GlossInputs& in, const Surface& s, const NearEmitter& emitter, bool fine, bool shadows) const;
+};
+
+}  // namespace relamp

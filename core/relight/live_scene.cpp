@@ -1,0 +1,305 @@
+#include "relight/live_scene.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "base/error.h"
+#include "relight/live_state.h"
+
+namespace relamp {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+/// Environments that terms of the transport are chosen against, beside the constant one and the sun: the recovered one and a sky over dark ground.
+TermTests testsFor(const Estimate& estimate, int side) {
+    const LiveLight recovered = liveLight(DistantLight(DirectionGrid{estimate.environmentSide}, estimate.environment), side);
+    const DirectionGrid grid{side};
+    std::vector<float> captured(recovered.cells.size()), sky(recovered.cells.size());
+    for (size_t c = 0; c < captured.size(); ++c) {
+        captured[c] = std::max(0.0f, luminance(recovered.cells[c]));
+        const Vec3 d = grid.direction(int(c));
+        sky[c] = d.z < 0 ? 0.1f : 1 + 3 * std::max(0.0f, glm::dot(d, glm::normalize(Vec3(1, 2, 2))));
+    }
+    return TermTests(side, {captured, sky});
+}
+
+std::string nameOf(const EditedGeometry& geometry, const EditedBody& body) {
+    return body.emitter >= 0 ? "emitter " + geometry.emitters[size_t(body.emitter)].id : "piece " + std::to_string(body.piece);
+}
+
+}  // namespace
+
+LiveScene::State::State(std::shared_ptr<const Scene> scene_, std::shared_ptr<const Estimate> estimate_, const LiveOptions& options_)
+    : scene(std::move(scene_)), estimate(std::move(estimate_)), options(options_), grid(options.gridSide), matte(grid, testsFor(*estimate, options.gridSide), options.error),
+      carried(grid), gloss(grid, *estimate) {
+    occluders.offset = scene->tracer->surfaceOffset();
+}
+
+BodiesApart LiveScene::State::apartOf(const Look& next) const {
+    BodiesApart out{true, apart.pieces};
+    const auto add = [&](uint32_t seed) {
+        if (seed >= scene->piece.size()) return;  // editGeometry says so
+        const uint32_t piece = scene->piece[seed];
+        if (std::find(out.pieces.begin(), out.pieces.end(), piece) == out.pieces.end()) out.pieces.push_back(piece);
+    };
+    for (const PartLook& p : next.parts) add(p.seedVertex);
+    for (const AddedEmitter& a : next.added)
+        if (a.shape == AddedEmitter::Shape::part) add(a.seedVertex);
+    return out;
+}
+
+std::shared_ptr<const DistantLight> LiveScene::State::unturnedOf(const EnvironmentLook& next) const {
+    const EnvironmentLook& now = look.environment;
+    if (unturned && next.source == now.source && next.file == now.file) return unturned;
+    EnvironmentLook bare;
+    bare.source = next.source;
+    bare.file = next.file;
+    return distantOfLook(*estimate, bare);
+}
+
+void LiveScene::State::takeEnvironment(const EnvironmentLook& next, std::shared_ptr<const DistantLight> nextUnturned) {
+    const Rgb nextGain = next.tint * std::exp2(next.exposureStops);
+    const bool swapped = nextUnturned != unturned || next.yawDegrees != look.environment.yawDegrees;
+    if (swapped) {
+        unturned = std::move(nextUnturned);
+        plain = next.yawDegrees == 0 || unturned->black() ? unturned : turned(*unturned, next.yawDegrees);
+        light = liveLight(*plain, options.gridSide);
+        pyramid = EnvironmentPyramid(*plain);
+        gloss.markDistant();
+        newLight = true;
+    }
+    if (swapped || nextGain != gain) {
+        std::vector<Rgb> cells = plain->cells();
+        if (nextGain != Rgb(1))
+            for (Rgb& c : cells) c *= nextGain;
+        distant = nextGain == Rgb(1) ? plain : std::make_shared<const DistantLight>(plain->grid(), std::move(cells));
+        gain = nextGain;
+        newValues = true;
+    }
+}
+
+void LiveScene::State::takeGeometry(const Look& next, EditedGeometry edited, BodiesApart nextApart) {
+    std::vector<LiveBody> bodies = liveBodies(edited, next, occluders.bodies);
+    std::vector<std::string> names{"ground"};
+    for (size_t b = 1; b < edited.bodies.size(); ++b) names.push_back(nameOf(edited, edited.bodies[b]));
+    // Where each body was before: 0 is nowhere.
+    std::vector<uint32_t> before(names.size(), 0);
+    std::vector<uint8_t> moved(names.size(), 1), kept(bodyNames.size(), 0);
+    for (size_t b = 1; b < names.size(); ++b)
+        for (uint32_t o = 1; o < bodyNames.size(); ++o)
+            if (names[b] == bodyNames[o]) {
+                before[b] = o;
+                moved[b] = !(bodies[b].key == occluders.bodies[o].key && bodies[b].matrix == occluders.bodies[o].matrix && bool(bodies[b].tracer) == bool(occluders.bodies[o].tracer));
+                kept[o] = 1;
+            }
+    bool anyMoved = names != bodyNames;
+    for (size_t b = 1; b < names.size(); ++b) anyMoved |= moved[b] != 0;
+    const bool renumbered = vertices.origin != edited.vertexOrigin || geometry.bodyOfTriangle != edited.bodyOfTriangle;
+    anyMoved |= renumbered;
+    const bool first = bodyNames.empty();
+    if (!anyMoved) {
+        edited.mesh = Mesh();
+        geometry.emitters = std::move(edited.emitters);
+        newValues = true;
+        return;
+    }
+
+    LiveVertices now;
+    now.mesh = std::make_shared<const Mesh>(edited.mesh);
+    now.origin = edited.vertexOrigin;
+    now.kind.assign(now.mesh->vertexCount(), LiveVertices::none);
+    now.body.assign(now.mesh->vertexCount(), 0);
+    for (size_t t = 0; t < edited.mesh.triangles.size(); ++t)
+        for (uint32_t v : edited.mesh.triangles[t]) {
+            now.body[v] = edited.bodyOfTriangle[t];
+            now.kind[v] = edited.emitterOfTriangle[t] >= 0 ? LiveVertices::emitting : edited.bodyOfTriangle[t] ? LiveVertices::carried : LiveVertices::ground;
+        }
+
+    // Pieces that leave the ground.
+    const bool groundShrank = !first && std::count(edited.bodyOfTriangle.begin(), edited.bodyOfTriangle.end(), 0u) != std::count(geometry.bodyOfTriangle.begin(), geometry.bodyOfTriangle.end(), 0u);
+    if (first || groundShrank) occluders.ground = tracerOf(edited, 0);
+    if (groundShrank) {
+        for (uint32_t b = 1; b < edited.bodies.size(); ++b) {
+            LiveBody sphere;
+            Vec3 low(1e30f), high(-1e30f);
+            for (size_t t = 0; t < scene->mesh.triangles.size(); ++t)
+                if (edited.bodyOfTriangle[t] == b && geometry.bodyOfTriangle[t] == 0)
+                    for (uint32_t v : scene->mesh.triangles[t]) {
+                        low = glm::min(low, scene->mesh.positions[v]);
+                        high = glm::max(high, scene->mesh.positions[v]);
+                    }
+            if (low.x > high.x) continue;
+            sphere.centre = (low + high) / 2.0f;
+            sphere.radius = 1.0001f * glm::length(high - low) / 2;
+            released.push_back(sphere);
+        }
+    }
+
+    // Emitters: those that stay where they were keep their light, but for the shadows of what moved.
+    std::vector<NearEmitter> emitters(edited.emitters.size());
+    for (size_t e = 0; e < emitters.size(); ++e) {
+        NearEmitter& out = emitters[e];
+        out.id = edited.emitters[e].id;
+        for (uint32_t b = 1; b < edited.bodies.size(); ++b)
+            if (edited.bodies[b].emitter == int(e)) out.body = b;
+        NearEmitter* old = nullptr;
+        for (NearEmitter& o : near)
+            if (o.id == out.id && !o.level.empty()) old = &o;
+        const bool same = old && out.body && !moved[out.body];
+        if (same) {
+            const uint32_t body = out.body;
+            out = std::move(*old);
+            out.body = body;
+        } else {
+            const LiveBody& body = bodies[out.body];
+            const LiveBody* was = old && old->body < occluders.bodies.size() ? &occluders.bodies[old->body] : nullptr;
+            out.tree = LiveEmitterTree(edited.emitters[e].surface, was && was->key == body.key ? std::optional(old->tree.convex()) : std::nullopt);
+            out.centre = edited.emitters[e].surface.centroid;
+            out.radius = edited.emitters[e].surface.radius;
+        }
+        out.factor.resize(now.count(), 0);
+        out.open.resize(now.count(), 0);
+        out.level.resize(now.count(), 0);
+        for (size_t v = 0; v < now.count(); ++v) {
+            // Whoever stands elsewhere, or is lit for the first time, starts again.
+            const bool carriedAlong = now.kind[v] == LiveVertices::carried && moved[now.body[v]];
+            const bool other = v >= vertices.count() || vertices.kind[v] != now.kind[v] || vertices.origin[v] != now.origin[v];
+            if (!same || carriedAlong || other) out.markStale(v);
+            if (!now.lit(v)) out.factor[v] = out.open[v] = 0;
+        }
+        if (!same) continue;
+        for (uint32_t b = 1; b < bodies.size(); ++b) {
+            if (!moved[b]) continue;
+            markShadowed(out, now, bodies[b]);
+            if (before[b]) markShadowed(out, now, occluders.bodies[before[b]]);
+        }
+        for (uint32_t o = 1; o < kept.size(); ++o)
+            if (!kept[o]) markShadowed(out, now, occluders.bodies[o]);
+        for (const LiveBody& piece : released) markShadowed(out, now, piece);
+    }
+    near = std::move(emitters);
+    occluders.bodies = std::move(bodies);
+    if (!first) {
+        matte.setBodies(names);
+        for (uint32_t b = 1; b < names.size(); ++b)
+            if (moved[b]) matte.markMoved(b);
+    }
+    bodyNames = std::move(names);
+    vertices = std::move(now);
+    geometry = std::move(edited);
+    apart = std::move(nextApart);
+    emitterOfTriangle = std::make_shared<const std::vector<int>>(geometry.emitterOfTriangle);
+    distantMatte.resize(vertices.count(), Rgb(0));
+    carried.setVertices(vertices);
+    gloss.setVertices(vertices, near.size(), next.neutralMaterials);
+    newGeometry = true;
+}
+
+void LiveScene::State::sumLight() {
+    matte.apply(light, newLight, distantMatte);
+    carried.apply(vertices, light, newLight, distantMatte);
+    gloss.markDistant(matte.takeChanged());
+    gloss.markDistant(carried.takeChanged());
+}
+
+void LiveScene::State::coarse(Progress& progress) {
+    const auto start = Clock::now();
+    const bool geometryMoved = newGeometry;
+    if (newGeometry) {
+        for (const LiveBody& piece : released) matte.release(vertices, occluders, piece, progress);
+        released.clear();
+        matte.coarse(vertices, occluders, progress);
+        carried.coarse(vertices, occluders, progress);
+        for (size_t e = 0; e < near.size(); ++e) {
+            gloss.markShadowed(e, near[e]);
+            nearCoarse(near[e], vertices, occluders, options.seed, progress);
+        }
+    }
+    if (newGeometry || newLight) sumLight();
+    if (newLight && !geometryMoved) report.lightMs = 1e3 * secondsSince(start);
+    const auto glossStart = Clock::now();
+    report.glossyVertices = gloss.coarse(glossInputs(), progress);
+    if (newEye) report.eyeMs = 1e3 * secondsSince(glossStart);
+    if (geometryMoved) report.moveMs = 1e3 * secondsSince(start);
+    newGeometry = newLight = newEye = newValues = false;
+    finished = false;
+}
+
+bool LiveScene::State::refineBatch(Progress& progress) {
+    for (NearEmitter& e : near)
+        if (nearRefine(e, vertices, scene->graph, occluders, options.seed, progress)) return true;
+    if (matte.refine(vertices, occluders, progress)) return true;
+    if (carried.refine(vertices, occluders, progress)) return true;
+    sumLight();
+    if (gloss.refine(glossInputs(), progress)) return true;
+    return matte.bakeStale(vertices, occluders, progress);
+}
+
+LiveScene::LiveScene(std::shared_ptr<const Scene> scene, std::shared_ptr<const Estimate> estimate, const LiveOptions& options, Progress& progress)
+    : state_(std::make_unique<State>(std::move(scene), std::move(estimate), options)) {
+    State& s = *state_;
+    if (options.gridSide < 8 || options.gridSide > 64 || (options.gridSide & (options.gridSide - 1))) throw Error("live relighting: the grid's side is {}, expected 8, 16, 32 or 64", options.gridSide);
+    const auto start = Clock::now();
+    const BodiesApart apart = s.apartOf({});
+    s.takeGeometry({}, editGeometry(*s.scene, *s.estimate, {}, apart), apart);
+    s.matte.bake(s.vertices, s.occluders, progress);
+    s.matte.setBodies(s.bodyNames);
+    s.takeEnvironment({}, s.unturnedOf({}));
+    s.report.bakeSeconds = secondsSince(start);
+    s.coarse(progress);
+    s.makeFrame();
+}
+
+LiveScene::~LiveScene() = default;
+
+void LiveScene::setLook(const Look& look) {
+    State& s = *state_;
+    // Everything that can fail comes first.
+    BodiesApart apart = s.apartOf(look);
+    EditedGeometry edited = editGeometry(*s.scene, *s.estimate, look, apart);
+    std::shared_ptr<const DistantLight> environment = s.unturnedOf(look.environment);
+    const bool materials = look.neutralMaterials != s.look.neutralMaterials;
+    s.takeGeometry(look, std::move(edited), std::move(apart));
+    s.takeEnvironment(look.environment, std::move(environment));
+    if (materials) {
+        s.gloss.setVertices(s.vertices, s.near.size(), look.neutralMaterials);
+        s.newValues = true;
+    }
+    s.look = look;
+}
+
+void LiveScene::setEye(const Eye& eye) {
+    State& s = *state_;
+    if (s.eye.position == eye.position && s.eye.orthographic == eye.orthographic && (!eye.orthographic || s.eye.forward == eye.forward)) return;
+    s.eye = eye;
+    s.gloss.markAll();
+    s.newEye = true;
+}
+
+bool LiveScene::refine(double seconds, Progress& progress) {
+    State& s = *state_;
+    const auto start = Clock::now();
+    progress.check();
+    if (s.newGeometry || s.newLight || s.newEye || s.newValues) {
+        s.coarse(progress);
+        if (secondsSince(start) >= seconds) {
+            s.makeFrame();
+            return false;
+        }
+    } else if (s.finished) {
+        return true;
+    }
+    bool left = true;
+    while (left && secondsSince(start) < seconds) left = s.refineBatch(progress);
+    s.sumLight();
+    s.gloss.coarse(s.glossInputs(), progress);
+    s.finished = !left;
+    s.makeFrame();
+    return s.finished;
+}
+
+std::shared_ptr<const LiveFrame> LiveScene::frame() const { return state_->frame; }
+
+}  // namespace relamp

@@ -1,0 +1,59 @@
+// What a LiveScene holds between edits. Only live_*.cpp include this.
+#pragma once
+#include "relight/live_gloss.h"
+
+namespace relamp {
+
+struct LiveScene::State {
+    std::shared_ptr<const Scene> scene;
+    std::shared_ptr<const Estimate> estimate;
+    LiveOptions options;
+    LiveGrid grid;
+    Look look;
+    Eye eye;
+
+    BodiesApart apart;                              ///< pieces that were ever moved; they stay out of the bake
+    EditedGeometry geometry;
+    std::vector<std::string> bodyNames;             ///< of the bodies: which one is the same through edits
+    LiveVertices vertices;
+    LiveOccluders occluders;
+    std::shared_ptr<const std::vector<int>> emitterOfTriangle;
+
+    LiveMatte matte;
+    LiveCarried carried;
+    std::vector<NearEmitter> near;
+    LiveGloss gloss;
+    std::vector<Rgb> distantMatte;                  ///< per vertex, before exposure and tint
+
+    std::shared_ptr<const DistantLight> unturned;   ///< the environment of the look's source alone
+    std::shared_ptr<const DistantLight> plain;      ///< turned, before exposure and tint
+    std::shared_ptr<const DistantLight> distant;    ///< with them
+    Rgb gain{1};
+    LiveLight light;
+    EnvironmentPyramid pyramid;
+
+    std::vector<LiveBody> released;                 ///< spheres of pieces that just became movable
+    bool newGeometry = true, newLight = true, newEye = true, newValues = true;  ///< what the next slice has to answer
+    bool finished = false;
+    LiveReport report;
+    std::shared_ptr<const LiveFrame> frame;
+
+    State(std::shared_ptr<const Scene> scene_, std::shared_ptr<const Estimate> estimate_, const LiveOptions& options_);
+
+    /// Takes over geometry and emitters of a look.
+    void takeGeometry(const Look& next, EditedGeometry edited, BodiesApart nextApart);
+    /// The environment of a look's source, the present one when it is the same.
+    std::shared_ptr<const DistantLight> unturnedOf(const EnvironmentLook& next) const;
+    void takeEnvironment(const EnvironmentLook& next, std::shared_ptr<const DistantLight> nextUnturned);
+    BodiesApart apartOf(const Look& next) const;
+
+    GlossInputs glossInputs() const { return {vertices, matte, carried, near, occluders, pyramid, eye}; }
+    void coarse(Progress& progress);
+    bool refineBatch(Progress& progress);           ///< false: nothing left
+    /// Environment on matte vertices and what gloss has to take again.
+    void sumLight();
+    void makeFrame();
+    Rgb albedo(size_t vertex) const;
+};
+
+}  // namespace relamp

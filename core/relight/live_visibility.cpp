@@ -1,0 +1,145 @@
+#include "relight/live_visibility.h"
+
+namespace relamp {
+namespace {
+
+/// Rays collected eight at a time, each with a place of its own.
+template <class Answer>
+class Packets {
+public:
+    Packets(const Vec3& origin, const Occluded8& occluded, Answer answer) : origin_(origin), occluded_(occluded), answer_(std::move(answer)) {}
+    void add(const Vec3& direction, size_t place) {
+        rays_[count_] = {origin_, direction, 0, 1e30f};
+        place_[count_++] = place;
+        if (count_ == 8) flush();
+    }
+    void flush() {
+        if (!count_) return;
+        const uint32_t blocked = occluded_({rays_, count_});
+        for (uint32_t i = 0; i < count_; ++i) answer_(place_[i], blocked >> i & 1);
+        count_ = 0;
+    }
+
+private:
+    Vec3 origin_;
+    const Occluded8& occluded_;
+    Answer answer_;
+    Ray rays_[8];
+    size_t place_[8];
+    uint32_t count_ = 0;
+};
+
+/// Quarters of a cell above the horizon.
+unsigned quartersAbove(const LiveGrid& grid, size_t cell, const Vec3& normal) {
+    unsigned mask = 0;
+    for (int q = 0; q < 4; ++q)
+        if (glm::dot(grid.quarter(cell, q), normal) > 0) mask |= 1u << q;
+    return mask;
+}
+
+constexpr uint8_t below = 2;  // beside 0: seen, 1: blocked
+
+}  // namespace
+
+void traceCells(const LiveGrid& grid, const Vec3& origin, const Vec3& normal, bool coarse, const Occluded8& occluded, std::span<uint8_t> masks) {
+    thread_local std::vector<uint8_t> state, above;
+    state.assign(grid.cells(), below);
+    above.assign(grid.cells(), 0);
+    std::fill(masks.begin(), masks.end(), uint8_t(0));
+    Packets first(origin, occluded, [&](size_t cell, bool blocked) { state[cell] = blocked; });
+    const size_t side = size_t(grid.grid().side);
+    for (const uint16_t c : grid.packetOrder()) {
+        const float height = glm::dot(grid.centre(c), normal);
+        if (height < -grid.radius(c)) continue;
+        above[c] = height > grid.radius(c) ? uint8_t(15) : uint8_t(quartersAbove(grid, c, normal));
+        if (!above[c]) continue;
+        if (coarse && height > 0 && ((c % side) % 2 || (c / side) % 2)) continue;
+        if (above[c] == 15) {
+            first.add(grid.centre(c), c);
+        } else {
+            // A cell across the horizon: its highest quarter stands for the others, which see little.
+            int best = 0;
+            for (int q = 1; q < 4; ++q)
+                if (glm::dot(grid.quarter(c, q), normal) > glm::dot(grid.quarter(c, best), normal)) best = q;
+            first.add(grid.quarter(c, best), c);
+        }
+    }
+    first.flush();
+    if (coarse)
+        for (size_t c = 0; c < grid.cells(); ++c) {
+            if (!above[c] || state[c] != below) continue;
+            const size_t leader = (c / side) / 2 * 2 * side + (c % side) / 2 * 2;
+            state[c] = state[leader] == below ? uint8_t(0) : state[leader];
+        }
+    const auto differs = [&](size_t c) {
+        const size_t x = c % side, y = c / side;
+        for (size_t j = y > 0 ? y - 1 : 0; j <= std::min(y + 1, side - 1); ++j)
+            for (size_t i = x > 0 ? x - 1 : 0; i <= std::min(x + 1, side - 1); ++i)
+                if (state[j * side + i] != below && state[j * side + i] != state[c]) return true;
+        return false;
+    };
+    Packets second(origin, occluded, [&](size_t place, bool blocked) {
+        if (!blocked) setNibble(masks.data(), place / 4, nibbleOf(masks.data(), place / 4) | 1u << (place % 4));
+    });
+    for (const uint16_t c : grid.packetOrder()) {
+        if (!above[c]) continue;
+        if (!coarse && differs(c)) {
+            for (int q = 0; q < 4; ++q)
+                if (above[c] >> q & 1) second.add(grid.quarter(c, q), size_t(c) * 4 + size_t(q));
+        } else if (!state[c]) {
+            setNibble(masks.data(), c, above[c]);
+        }
+    }
+    second.flush();
+}
+
+void traceCone(const LiveGrid& grid, const Vec3& origin, const Vec3& normal, const Vec3& axis, float angle, std::span<const uint8_t> among, bool coarse,
+               const Occluded8& occluded, std::vector<uint16_t>& entries) {
+    if (glm::dot(axis, normal) < -std::sin(std::min(angle, pi / 2)) && angle < pi / 2) return;
+    thread_local std::vector<uint8_t> found;
+    thread_local std::vector<uint16_t> cells;
+    cells.clear();
+    grid.cellsInCone(axis, angle, [&](size_t c) {
+        if (nibbleOf(among.data(), c)) cells.push_back(uint16_t(c));
+    });
+    if (cells.empty()) return;
+    found.assign(cells.size(), 0);
+    if (coarse) {
+        // A wide cone gets a ray for four cells: those in even rows and columns answer for the others.
+        constexpr size_t many = 40;
+        const size_t side = size_t(grid.grid().side);
+        const auto leaderOf = [&](size_t c) { return cells.size() > many ? c / side / 2 * 2 * side + c % side / 2 * 2 : c; };
+        thread_local std::vector<uint8_t> answer;  // per cell: 0 not asked, 1 open, 2 blocked
+        answer.resize(grid.cells());
+        for (const uint16_t c : cells) answer[c] = answer[leaderOf(c)] = 0;
+        Packets packets(origin, occluded, [&](size_t c, bool blocked) { answer[c] = blocked ? 2 : 1; });
+        const auto ask = [&](size_t c) {
+            // Across the horizon a quarter that may be seen stands for the cell.
+            Vec3 d = grid.centre(c);
+            if (glm::dot(d, normal) <= 0) d = grid.quarter(c, __builtin_ctz(nibbleOf(among.data(), c)));
+            packets.add(d, c);
+        };
+        for (const uint16_t c : cells)
+            if (leaderOf(c) == c) ask(c);
+        packets.flush();
+        for (const uint16_t c : cells)
+            if (!answer[leaderOf(c)]) ask(c);
+        packets.flush();
+        for (size_t i = 0; i < cells.size(); ++i) {
+            const size_t c = cells[i], by = answer[c] ? c : leaderOf(c);
+            if (answer[by] == 2) found[i] = uint8_t(nibbleOf(among.data(), c));
+        }
+    } else {
+        Packets packets(origin, occluded, [&](size_t place, bool blocked) {
+            if (blocked) found[place / 4] = uint8_t(found[place / 4] | 1u << (place % 4));
+        });
+        for (size_t i = 0; i < cells.size(); ++i)
+            for (int q = 0; q < 4; ++q)
+                if (nibbleOf(among.data(), cells[i]) >> q & 1) packets.add(grid.quarter(cells[i], q), i * 4 + size_t(q));
+        packets.flush();
+    }
+    for (size_t i = 0; i < cells.size(); ++i)
+        if (found[i]) entries.push_back(uint16_t(cells[i] << 4 | found[i]));
+}
+
+}  // namespace relamp

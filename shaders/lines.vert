@@ -1,0 +1,13 @@
+#version 430 core
+// Lines of the floor grid and the cameras.
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec4 colour;
+uniform mat4 clipFromWorld;
+out vec4 vertexColour;
+
+void main() {
+    gl_Position = clipFromWorld * vec4(position, 1.0);
+    // A hair nearer, so that the grid is not torn by a floor at the same height.
+    gl_Position.z -= 2e-5 * gl_Position.w;
+    vertexColour = colour;
+}

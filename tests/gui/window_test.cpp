@@ -1,0 +1,246 @@
+// The real editor in a real window: mouse, keys, screenshots, files. A session as an artist would have it.
+#include <gtest/gtest.h>
+
+#include "gui/desktop.h"
+#include "relight/look.h"
+#include "shot/shot_file.h"
+#include "support/known_world.h"
+#include "support/run_program.h"
+
+namespace relamp {
+namespace {
+
+using test::Desktop;
+using Json = nlohmann::json;
+
+constexpr int width = 1280, height = 760;
+
+std::string demo() { return std::string(RELAMP_SOURCE_DIR) + "/assets/captures/desk-lamp"; }
+
+struct Box {
+    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+};
+/// The picture without the toolbar.
+Box pictureOf(const Desktop& desk) {
+    const Json item = desk.map()["items"].at("viewport");
+    return {item[0].get<int>() + 2, item[1].get<int>() + 2, item[2].get<int>() - 2, item[3].get<int>() - 2};
+}
+double differenceIn(const Image& a, const Image& b, const Box& box) { return test::differenceIn(a, b, box.x0, box.y0, box.x1, box.y1); }
+
+/// A picture with more than one colour in it.
+double contrastIn(const Image& image, const Box& box) {
+    Image flat(image.width, image.height);
+    Rgb mean(0);
+    float count = 0;
+    for (int y = box.y0; y < box.y1; ++y)
+        for (int x = box.x0; x < box.x1; ++x) mean += image.at(x, y), ++count;
+    std::fill(flat.pixels.begin(), flat.pixels.end(), mean / count);
+    return differenceIn(image, flat, box);
+}
+
+TEST(GuiWindow, anArtistOpensEstimatesMovesTheLampSwapsTheSkyAndExports) {
+    Desktop desk(width, height);
+    desk.start({"--quality", "draft", "--width", std::to_string(width), "--height", std::to_string(height), demo()});
+    ASSERT_TRUE(desk.until([](const Json& m) { return m["document"] == "desk-lamp"; }));
+
+    // Estimate with a key; stages and intermediate pictures while it runs.
+    desk.moveTo(width / 2, height / 2);
+    desk.key("ctrl+Return");
+    ASSERT_TRUE(desk.until([](const Json& m) { return m["job"] != ""; }, 10));
+    EXPECT_TRUE(desk.until([](const Json& m) { return m["job"] != "" && m["live"] == true; }, 100)) << "no intermediate picture";
+    ASSERT_TRUE(desk.until([](const Json& m) { return m["job"] == "" && m["estimate"] == true; }, 200));
+    ASSERT_TRUE(desk.settled());
+    Json map = desk.map();
+    EXPECT_EQ(map["mode"], 2);
+    EXPECT_EQ(map["notice"], "");
+    const Box picture = pictureOf(desk);
+    const Image asCaptured = desk.screenshot("01-estimated");
+    EXPECT_GT(contrastIn(asCaptured, picture), 0.02);
+
+    // Every view mode draws something of its own.
+    Image last = asCaptured;
+    for (const int mode : {1, 3, 4, 5, 6, 7, 8, 9, 2}) {
+        desk.key(std::to_string(mode));
+        ASSERT_TRUE(desk.until([&](const Json& m) { return m["mode"] == mode; }, 10)) << mode;
+        ASSERT_TRUE(desk.settled()) << mode;
+        const Image now = desk.screenshot("02-mode-" + std::to_string(mode));
+        EXPECT_GT(differenceIn(now, last, picture), 0.003) << mode;
+        last = now;
+    }
+
+    // Select the lamp in the picture, drag it by a handle of the gizmo, undo.
+    desk.click("emitter:emitter-1");
+    ASSERT_TRUE(desk.until([](const Json& m) { return m["selected"] == Json{"emitter-1"}; }, 10));
+    desk.click("tool:move");
+    ASSERT_TRUE(desk.untilItem("gizmo:x"));
+    ASSERT_TRUE(desk.settled());
+    const Image before = desk.screenshot("03-selected");
+    const size_t entries = desk.map()["entries"];
+    const auto [gx, gy] = desk.middleOf("gizmo:x");
+    const auto [cx, cy] = desk.middleOf("gizmo:centre");
+    desk.drag(gx, gy, gx + 2 * (gx - cx), gy + 2 * (gy - cy));
+    ASSERT_TRUE(desk.until([&](const Json& m) { return m["entries"] == entries + 1; }, 10)) << "a drag is one entry";
+    EXPECT_NE(desk.map()["label"].get<std::string>().find("Move"), std::string::npos);
+    ASSERT_TRUE(desk.settled());
+    const Image moved = desk.screenshot("04-moved");
+    EXPECT_GT(differenceIn(moved, before, picture), 0.01);
+    desk.key("ctrl+z");
+    ASSERT_TRUE(desk.until([&](const Json& m) { return m["entry"] == entries - 1; }, 10));
+    ASSERT_TRUE(desk.settled());
+    EXPECT_LT(differenceIn(desk.screenshot("05-undone"), before, picture), 0.004);
+    desk.key("ctrl+shift+z");
+    ASSERT_TRUE(desk.until([&](const Json& m) { return m["entry"] == entries; }, 10));
+
+    // The same by keys: G, axis, number, Enter; Esc takes everything back.
+    desk.moveTo((picture.x0 + picture.x1) / 2, (picture.y0 + picture.y1) / 2);
+    desk.key("g");
+    ASSERT_TRUE(desk.until([](const Json& m) { return m["gesture"] == true; }, 10));
+    desk.key("Escape");
+    ASSERT_TRUE(desk.until([](const Json& m) { return m["gesture"] == false; }, 10));
+    EXPECT_EQ(desk.map()["entry"], entries);
+    desk.key("g");
+    ASSERT_TRUE(desk.until([](const Json& m) { return m["gesture"] == true; }, 10));
+    desk.type("z0.1");
+    desk.key("Return");
+    ASSERT_TRUE(desk.until([&](const Json& m) { return m["gesture"] == false && m["entry"] == entries + 1; }, 10));
+
+    // Another environment by its panel and the file browser.
+    Image sky(64, 32);
+    for (int y = 0; y < 32; ++y)
+        for (int x = 0; x < 64; ++x) sky.at(x, y) = y < 16 ? Rgb(0.1f, 0.4f, 2) : Rgb(0.05f);
+    writeImage(desk.home() / "sky.exr", sky);
+    desk.click("Environment: Browse...");
+    ASSERT_TRUE(desk.untilItem("##path"));
+    desk.click("##path");
+    desk.key("ctrl+a");
+    desk.type((desk.home() / "sky.exr").string());
+    desk.key("Return");
+    if (!desk.until([&](const Json& m) { return m["entry"] == entries + 2; }, 3)) desk.key("Return");
+    ASSERT_TRUE(desk.until([&](const Json& m) { return m["entry"] == entries + 2; }, 10));
+    ASSERT_TRUE(desk.settled());
+    EXPECT_EQ(desk.map()["notice"], "");
+    const Image blue = desk.screenshot("06-sky");
+    EXPECT_GT(differenceIn(blue, moved, picture), 0.01);
+
+    // Save the shot, then export a frame and compare it with the command line's for the same look.
+    desk.key("ctrl+s");
+    ASSERT_TRUE(desk.untilItem("##save name"));
+    desk.click("##path");
+    desk.key("ctrl+a");
+    desk.type(desk.home().path().string());
+    desk.key("Return");
+    Desktop::pause();
+    desk.click("##save name");
+    desk.key("ctrl+a");
+    desk.type("mine.relamp");
+    desk.key("Return");
+    ASSERT_TRUE(desk.until([](const Json& m) { return m["unsaved"] == false; }, 30));
+    const std::filesystem::path shot = desk.home() / "mine.relamp";
+    ASSERT_TRUE(std::filesystem::exists(shot / "shot.json"));
+    desk.key("F12");
+    ASSERT_TRUE(desk.untilItem("##file"));
+    desk.click("The selected view");
+    desk.click("##file");
+    desk.key("ctrl+a");
+    desk.type((desk.home() / "window.exr").string());
+    desk.key("Tab");
+    desk.screenshot("07-export");
+    desk.click("Export");
+    ASSERT_TRUE(desk.until([&](const Json& m) { return m["job"] == "" && std::filesystem::exists(desk.home() / "window.exr"); }, 60));
+    const test::ProgramResult line = test::runProgram({RELAMP_BINARY, "render", shot.string(), "-o", (desk.home() / "line.exr").string(), "--camera", std::to_string(desk.map()["view"].get<int>()), "--layers", "groups"});
+    ASSERT_EQ(line.exitCode, 0) << line.error;
+    const Image byWindow = readImage(desk.home() / "window.exr"), byLine = readImage(desk.home() / "line.exr");
+    ASSERT_EQ(byWindow.pixels.size(), byLine.pixels.size());
+    // The shot keeps weights as floats and the sky as a file: only rounding may differ.
+    double sum = 0, error = 0;
+    for (size_t i = 0; i < byLine.pixels.size(); ++i) {
+        sum += double(luminance(byLine.pixels[i]));
+        error += double(std::abs(luminance(byLine.pixels[i]) - luminance(byWindow.pixels[i])));
+    }
+    EXPECT_LT(error, 0.005 * sum);
+
+    // Close it like an artist: nothing is unsaved, so nothing is asked.
+    desk.key("Escape");
+    desk.key("ctrl+q");
+    EXPECT_EQ(desk.ended(), 0);
+}
+
+TEST(GuiWindow, aKilledEditorOffersTheWorkAgain) {
+    Desktop desk(1024, 640);
+    const test::TemporaryFolder folder;
+    test::paintKnownWorld(folder / "room", true, 6, 10);
+    const std::vector<std::string> arguments{"--solve", "--quality", "draft", "--width", "1024", "--height", "640", (folder / "room").string()};
+    desk.start(arguments);
+    ASSERT_TRUE(desk.until([](const Json& m) { return m["estimate"] == true && m["job"] == ""; }, 60));
+    ASSERT_TRUE(desk.settled());
+    desk.moveTo(512, 250);
+    desk.key("ctrl+a");
+    desk.key("m");
+    ASSERT_TRUE(desk.until([](const Json& m) { return m["label"].get<std::string>().find("Switch off") != std::string::npos; }, 10));
+    const auto edited = std::chrono::steady_clock::now();
+    // Within 30 seconds the edit is on disk.
+    bool kept = false;
+    while (!kept && std::chrono::steady_clock::now() - edited < std::chrono::seconds(30)) {
+        for (const auto& entry : std::filesystem::recursive_directory_iterator(desk.home() / "state"))
+            kept = kept || (entry.path().string().ends_with(".autosave.json") && test::TemporaryFolder::read(entry.path()).find("\"enabled\": false") != std::string::npos);
+        Desktop::pause();
+    }
+    ASSERT_TRUE(kept);
+    EXPECT_EQ(desk.end(SIGKILL), -1);
+
+    desk.start({"--width", "1024", "--height", "640"});
+    ASSERT_TRUE(desk.until([](const Json& m) { return m["recovery"] == true; }, 30));
+    desk.screenshot("10-recovery");
+    desk.click("Restore");
+    ASSERT_TRUE(desk.until([](const Json& m) { return m["estimate"] == true && m["job"] == ""; }, 60));
+    EXPECT_EQ(desk.map()["label"], "Recovered work");
+    EXPECT_EQ(desk.map()["unsaved"], true);
+    // Leaving asks; giving it up leaves nothing behind.
+    desk.key("ctrl+q");
+    ASSERT_TRUE(desk.untilItem("Don't save"));
+    desk.screenshot("11-unsaved");
+    desk.click("Don't save");
+    EXPECT_EQ(desk.ended(), 0);
+    desk.start({"--width", "1024", "--height", "640"});
+    ASSERT_TRUE(desk.until([](const Json& m) { return m["frame"].get<int>() > 2; }, 30));
+    EXPECT_EQ(desk.map()["recovery"], false);
+    // Idle draws nothing.
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+    const int frame = desk.map()["frame"];
+    std::this_thread::sleep_for(std::chrono::seconds(2));
+    EXPECT_EQ(desk.map()["frame"], frame);
+}
+
+TEST(GuiWindow, aLostContextAndBadFilesLeaveTheWindowStanding) {
+    Desktop desk(1024, 640, {"RELAMP_TEST_LOSE_CONTEXT=6"});
+    const test::TemporaryFolder folder;
+    folder.write("broken/transforms.json", "{\"frames\": \"none\"}");
+    desk.start({"--width", "1024", "--height", "640", (folder / "broken").string()});
+    ASSERT_TRUE(desk.until([](const Json& m) { return m["notice"] != ""; }, 30));
+    EXPECT_NE(desk.map()["notice"].get<std::string>().find("frames"), std::string::npos);
+    desk.screenshot("12-broken");
+    // Both notices come up, one after the other, and the window goes on.
+    for (int i = 0; i < 2; ++i) {
+        ASSERT_TRUE(desk.until([](const Json& m) { return m["notice"] != "" && m["items"].contains("OK"); }, 30)) << i;
+        desk.click("OK");
+    }
+    ASSERT_TRUE(desk.until([](const Json& m) { return m["notice"] == ""; }, 10));
+    desk.key("ctrl+q");
+    EXPECT_EQ(desk.ended(), 0);
+}
+
+TEST(GuiWindow, anOldDriverGetsAReasonAndTheRestOfTheWindow) {
+    Desktop desk(1024, 640, {"MESA_GL_VERSION_OVERRIDE=3.3", "MESA_GLSL_VERSION_OVERRIDE=330"});
+    desk.start({"--width", "1024", "--height", "640"});
+    ASSERT_TRUE(desk.until([](const Json& m) { return m["notice"] != ""; }, 30));
+    const std::string notice = desk.map()["notice"];
+    EXPECT_NE(notice.find("4.3"), std::string::npos) << notice;
+    EXPECT_NE(notice.find("3.3"), std::string::npos) << notice;
+    desk.screenshot("13-old-driver");
+    desk.click("OK");
+    desk.key("ctrl+q");
+    EXPECT_EQ(desk.ended(), 0);
+}
+
+}  // namespace
+}  // namespace relamp

@@ -1,0 +1,295 @@
+// The editor without a window: documents, background work, undo, autosave, export.
+#include "editor.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <thread>
+
+#include "actions.h"
+#include "image/image_io.h"
+#include "support/estimates.h"
+#include "support/known_world.h"
+#include "support/temporary_folder.h"
+
+namespace relamp::ui {
+namespace {
+
+using test::TemporaryFolder;
+
+/// One small capture for all tests of this file.
+const std::filesystem::path& captureFolder() {
+    static const TemporaryFolder folder;
+    static const bool painted = [] {
+        test::paintKnownWorld(folder / "room", true, 6, 10);
+        return true;
+    }();
+    static const std::filesystem::path path = folder / "room";
+    EXPECT_TRUE(painted);
+    return path;
+}
+
+struct Session {
+    TemporaryFolder folder;
+    std::unique_ptr<Editor> editor;
+    explicit Session(double autosaveSeconds = 1000) { start(autosaveSeconds); }
+    void start(double autosaveSeconds = 1000) {
+        EditorOptions options;
+        options.configFolder = folder / "config";
+        options.stateFolder = folder / "state";
+        options.autosaveSeconds = autosaveSeconds;
+        editor = std::make_unique<Editor>(options);
+        editor->state.solve.quality = "draft";
+    }
+    /// Polls until `done`; fails after a minute.
+    void until(const std::function<bool()>& done) {
+        const auto start = std::chrono::steady_clock::now();
+        while (!done()) {
+            editor->poll();
+            if (std::chrono::steady_clock::now() - start > std::chrono::seconds(120)) {
+                ADD_FAILURE() << "waited too long" << (editor->job() ? " for " + editor->job()->title : "");
+                return;
+            }
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        }
+    }
+    void settle() {
+        until([&] { return !editor->job() && !editor->busy(); });
+    }
+    void open(const std::filesystem::path& path) {
+        editor->open(path);
+        until([&] { return !editor->job(); });
+    }
+    void solve() {
+        editor->solve(editor->state.solve);
+        until([&] { return !editor->job(); });
+    }
+};
+
+Camera eyeAt(int width, int height) { return test::cameraAt({2, -1.5, 1.5}, {0, 0, 0.2}, width, height, width); }
+
+TEST(Editor, opensEstimatesAndShowsTheScene) {
+    Session s;
+    s.open(captureFolder());
+    ASSERT_TRUE(s.editor->state.document.capture);
+    EXPECT_TRUE(s.editor->state.notices.empty()) << s.editor->state.notices[0].text;
+    EXPECT_EQ(s.editor->state.document.name(), "room");
+    EXPECT_FALSE(s.editor->estimate());
+    s.editor->setEye(eyeAt(80, 60), false);
+    bool shownEarly = false;
+    s.editor->solve(s.editor->state.solve);
+    s.until([&] {
+        // Intermediate results before the end, without an entry in the history.
+        shownEarly = shownEarly || (s.editor->job() && s.editor->estimate() && !s.editor->history().present().estimate);
+        return !s.editor->job();
+    });
+    EXPECT_TRUE(shownEarly);
+    ASSERT_TRUE(s.editor->estimate());
+    EXPECT_EQ(s.editor->emitters().size(), 1u);
+    EXPECT_EQ(s.editor->history().entries().size(), 2u);
+    EXPECT_GT(s.editor->state.curves[0].entries.size(), 3u);
+    EXPECT_FALSE(s.editor->state.curves[0].running);
+    EXPECT_FALSE(s.editor->stale());
+    s.editor->state.solve.quality = "fine";
+    EXPECT_TRUE(s.editor->stale());
+    s.settle();
+    ASSERT_TRUE(s.editor->liveFrame());
+    EXPECT_TRUE(s.editor->liveFrame()->refined);
+    ASSERT_TRUE(s.editor->restFrame());
+    EXPECT_EQ(s.editor->restFrame()->width, 80);
+    s.editor->undo();
+    EXPECT_FALSE(s.editor->estimate());
+}
+
+TEST(Editor, aCancelledSolveKeepsTheBestSoFar) {
+    Session s;
+    s.open(captureFolder());
+    s.editor->solve(s.editor->state.solve);
+    s.until([&] { return s.editor->estimate() || !s.editor->job(); });
+    ASSERT_TRUE(s.editor->job());
+    s.editor->cancelJob();
+    EXPECT_TRUE(s.editor->job()->stopping);
+    s.until([&] { return !s.editor->job(); });
+    ASSERT_TRUE(s.editor->history().present().estimate);
+    EXPECT_TRUE(s.editor->estimate()->cancelled);
+    EXPECT_EQ(s.editor->history().entries().back().label, "Estimate, stopped early");
+    // And one that is stopped before there is anything leaves everything as it was.
+    Session early;
+    early.open(captureFolder());
+    early.editor->solve(early.editor->state.solve);
+    early.editor->cancelJob();
+    early.until([&] { return !early.editor->job(); });
+    EXPECT_FALSE(early.editor->estimate());
+    EXPECT_EQ(early.editor->history().entries().size(), 1u);
+    EXPECT_TRUE(early.editor->state.notices.empty());
+}
+
+TEST(Editor, savesOpensAgainAndKnowsWhatIsUnsaved) {
+    Session s;
+    s.open(captureFolder());
+    s.solve();
+    EXPECT_TRUE(s.editor->unsavedChanges());
+    s.editor->edit("Turn", [](Look& look) { look.environment.yawDegrees = 40; });
+    s.editor->saveAs(s.folder / "first");
+    s.settle();
+    EXPECT_TRUE(s.editor->state.notices.empty());
+    EXPECT_FALSE(s.editor->unsavedChanges());
+    EXPECT_TRUE(std::filesystem::exists(s.folder / "first.relamp/shot.json"));
+    s.editor->edit("Turn", [](Look& look) { look.environment.yawDegrees = 50; });
+    EXPECT_TRUE(s.editor->unsavedChanges());
+    // Opening something else asks first.
+    s.editor->open(s.folder / "first.relamp");
+    ASSERT_TRUE(s.editor->state.unsaved);
+    EXPECT_FALSE(s.editor->job());
+    s.editor->answerUnsaved(true, true);
+    s.until([&] { return s.editor->look().environment.yawDegrees == 50 && s.editor->history().entries().size() == 1; });
+    EXPECT_FALSE(s.editor->unsavedChanges());
+    EXPECT_EQ(s.editor->emitters().size(), 1u);
+}
+
+TEST(Editor, anUnsavedEditSurvivesAKilledProcess) {
+    Session s(0);
+    s.open(captureFolder());
+    s.solve();
+    s.until([&] { return !s.editor->busy(); });  // the estimate is put away as well
+    s.editor->edit("Brighter", [](Look& look) { look.environment.exposureStops = 2; });
+    s.until([&] {
+        for (const auto& entry : std::filesystem::directory_iterator(s.folder / "state"))
+            if (entry.path().string().ends_with(".autosave.json") && TemporaryFolder::read(entry.path()).find("\"exposure_stops\": 2") != std::string::npos) return true;
+        return false;
+    });
+    s.editor.reset();  // without quitting: as if killed, the autosave stays
+    s.start();
+    ASSERT_TRUE(s.editor->state.recovery);
+    EXPECT_EQ(s.editor->state.recovery->project, captureFolder().string());
+    s.editor->answerRecovery(true);
+    s.until([&] { return !s.editor->job(); });
+    ASSERT_TRUE(s.editor->estimate());
+    EXPECT_EQ(s.editor->look().environment.exposureStops, 2);
+    EXPECT_TRUE(s.editor->unsavedChanges());
+    EXPECT_TRUE(s.editor->state.document.shotFolder.empty());
+    s.settle();
+    // Given up on quitting, nothing is offered again.
+    s.editor->requestQuit();
+    ASSERT_TRUE(s.editor->state.unsaved);
+    s.editor->answerUnsaved(false, true);
+    EXPECT_TRUE(s.editor->quitting());
+    s.start();
+    EXPECT_FALSE(s.editor->state.recovery);
+}
+
+TEST(Editor, badThingsEndInANoticeAndLeaveTheDocumentAlone) {
+    Session s;
+    s.open(captureFolder());
+    s.solve();
+    const auto refused = [&](const std::filesystem::path& path) {
+        s.editor->openNow(path);
+        s.until([&] { return !s.editor->job(); });
+        const bool told = !s.editor->state.notices.empty();
+        const std::string text = told ? s.editor->state.notices.back().text : "";
+        s.editor->state.notices.clear();
+        EXPECT_TRUE(told) << path;
+        EXPECT_TRUE(s.editor->estimate()) << path;
+        return text;
+    };
+    EXPECT_NE(refused(s.folder / "nowhere").find("does not exist"), std::string::npos);
+    s.folder.write("broken/transforms.json", "{\"frames\": 3}");
+    EXPECT_NE(refused(s.folder / "broken").find("frames"), std::string::npos);
+    s.folder.write("newer.relamp/shot.json", "{\"version\": 9}");
+    EXPECT_NE(refused(s.folder / "newer.relamp").find("version"), std::string::npos);
+    // No picture at all as environment: the edit stays, the notice says why it does not show.
+    s.folder.write("fake.exr", "no picture");
+    s.editor->setEye(eyeAt(40, 30), false);
+    s.editor->open(s.folder / "fake.exr");
+    s.until([&] { return !s.editor->state.notices.empty(); });
+    EXPECT_NE(s.editor->state.notices[0].text.find("fake.exr"), std::string::npos);
+    s.editor->state.notices.clear();
+    s.editor->undo();
+    s.settle();
+    EXPECT_TRUE(s.editor->liveFrame());
+    // A place that cannot be written.
+    s.folder.write("file", "");
+    s.editor->saveAs(s.folder / "file/shot");
+    s.until([&] { return !s.editor->state.notices.empty(); });
+    EXPECT_TRUE(s.editor->unsavedChanges());
+}
+
+TEST(Editor, theViewportFollowsEditsAndSolo) {
+    Session s;
+    s.open(captureFolder());
+    s.solve();
+    s.editor->setEye(eyeAt(40, 30), false);
+    s.settle();
+    const auto brightness = [&] {
+        double sum = 0;
+        for (const Rgb& c : s.editor->liveFrame()->radiance) sum += luminance(c);
+        return sum;
+    };
+    const double before = brightness();
+    s.editor->state.selection.emitters = {"emitter-1"};
+    EXPECT_TRUE(runAction(*s.editor, "light.mute"));
+    s.editor->poll();
+    s.settle();
+    const double off = brightness();
+    EXPECT_LT(off, 0.9 * before);
+    s.editor->undo();
+    s.editor->poll();
+    s.settle();
+    EXPECT_NEAR(brightness(), before, 1e-3 * before);
+    // Where a point's light comes from.
+    PickedPoint point;
+    point.triangle = 0;
+    point.barycentric = Vec2(0.3f);
+    s.editor->pick(point);
+    s.until([&] { return s.editor->state.pointLight.has_value(); });
+    EXPECT_EQ(s.editor->state.pointLight->fromEmitter.size(), 1u);
+    EXPECT_GT(luminance(s.editor->state.pointLight->fromEmitter[0]) + luminance(s.editor->state.pointLight->fromEnvironment), 0);
+}
+
+TEST(Editor, exportsWhatTheCommandLineWouldRender) {
+    Session s;
+    s.open(captureFolder());
+    s.solve();
+    s.editor->edit("Move", [](Look& look) { moveEmitter(look, "emitter-1", test::translation({0.2f, 0, 0})); });
+    ExportRequest request;
+    request.views = ExportRequest::Views::capture;
+    request.file = s.folder / "frame.exr";
+    s.editor->exportFrames(request);
+    s.until([&] { return !s.editor->job(); });
+    ASSERT_TRUE(s.editor->state.notices.empty()) << s.editor->state.notices[0].text;
+    Progress progress;
+    const RelitScene relit = applyLook(*s.editor->state.document.scene, *s.editor->estimate(), s.editor->look(), progress);
+    const Frame frame = renderFrame(relit, s.editor->state.document.capture->views[0].camera, {}, progress);
+    const Image written = readImage(s.folder / "frame.exr");
+    ASSERT_EQ(written.pixels.size(), frame.beauty.size());
+    for (size_t i = 0; i < frame.beauty.size(); i += 17) EXPECT_NEAR(written.pixels[i].x, frame.beauty[i].x, 2e-3f * frame.beauty[i].x + 1e-6f);
+    // Bad names are told before anything runs.
+    request.views = ExportRequest::Views::all;
+    s.editor->exportFrames(request);
+    EXPECT_FALSE(s.editor->job());
+    EXPECT_FALSE(s.editor->state.notices.empty());
+}
+
+TEST(Editor, aGestureIsOneEntryAndActionsHaveDistinctKeys) {
+    Session s;
+    s.open(captureFolder());
+    s.solve();
+    const size_t entries = s.editor->history().entries().size();
+    s.editor->beginGesture("Turn the environment");
+    for (int i = 0; i < 20; ++i) s.editor->preview([&](Look& look) { look.environment.yawDegrees += float(i); });
+    EXPECT_EQ(s.editor->look().environment.yawDegrees, 19);
+    s.editor->commitGesture();
+    EXPECT_EQ(s.editor->history().entries().size(), entries + 1);
+    std::vector<KeyChord> chords;
+    for (const Action& a : actions()) {
+        EXPECT_FALSE(a.label.empty() || a.explanation.empty()) << a.id;
+        EXPECT_EQ(findAction(a.id), &a) << a.id;
+        for (const KeyChord& chord : a.keys) {
+            EXPECT_EQ(std::find(chords.begin(), chords.end(), chord), chords.end()) << a.id << ' ' << chord.text();
+            chords.push_back(chord);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace relamp::ui

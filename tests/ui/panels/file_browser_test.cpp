@@ -1,0 +1,196 @@
+// The file browser: sequences, odd names, folders that cannot be read, and its keys.
+#include "file_browser.h"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "ui/panels/panel_harness.h"
+
+namespace relamp::ui::test {
+namespace {
+namespace fs = std::filesystem;
+
+std::vector<std::string> collapsed(const std::vector<std::string>& names) {
+    std::vector<FileEntry> entries;
+    for (const std::string& name : names) entries.push_back({FileEntry::Kind::file, "/x/" + name, shown(name), 0, 0, 1});
+    std::vector<std::string> out;
+    for (const FileEntry& e : collapseSequences(entries)) out.push_back(e.name);
+    return out;
+}
+using Names = std::vector<std::string>;
+
+TEST(FileBrowserSequences, numberedRunsBecomeOneEntry) {
+    Names frames;
+    for (int i = 1; i <= 120; ++i) frames.push_back(fmt::format("frame.{:04}.exr", i));
+    EXPECT_EQ(collapsed(frames), Names{"frame.0001-0120.exr"});
+    EXPECT_EQ(collapsed({"0000.exr", "0001.exr", "0002.exr"}), Names{"0000-0002.exr"});
+    EXPECT_EQ(collapsed({"a1.png", "a10.png", "a9.png"}), Names{"a1-10.png"});
+    EXPECT_EQ(collapsed({"img_1.png", "img_2.png"}), (Names{"img_1.png", "img_2.png"}));
+    EXPECT_EQ(collapsed({"a.0998.exr", "a.0999.exr", "a.1000.exr"}), Names{"a.0998-1000.exr"});
+}
+
+TEST(FileBrowserSequences, differentWidthsAndExtensionsStayApart) {
+    EXPECT_EQ(collapsed({"a.001.exr", "a.002.exr", "a.003.exr", "a.0001.exr", "a.0002.exr", "a.0003.exr"}), (Names{"a.0001-0003.exr", "a.001-003.exr"}));
+    EXPECT_EQ(collapsed({"a.1.exr", "a.2.exr", "a.3.exr", "a.1.png", "a.2.png", "a.3.png"}).size(), 2u);
+}
+
+TEST(FileBrowserSequences, gapsAreCounted) {
+    std::vector<FileEntry> entries;
+    for (const int i : {1, 2, 5}) entries.push_back({FileEntry::Kind::file, fmt::format("/x/f.{:03}.exr", i), fmt::format("f.{:03}.exr", i), 0, 0, 1});
+    const auto out = collapseSequences(entries);
+    ASSERT_EQ(out.size(), 1u);
+    EXPECT_EQ(out[0].members, 3u);
+    EXPECT_EQ(out[0].last - out[0].first + 1, 5);
+    EXPECT_EQ(out[0].path, "/x/f.001.exr");
+}
+
+TEST(FileBrowserSequences, oddNamesSurvive) {
+    for (const std::string name : {"", ".", ".hidden", "12345678901234567890.exr", "no number.exr", "\xff\xfe.exr", "a\nb", "####.exr", "ünï.exr", "-1.exr"}) EXPECT_EQ(collapsed({name}).size(), 1u) << name;
+    EXPECT_EQ(collapsed({"\xff.1.exr", "\xff.2.exr", "\xff.3.exr"}), Names{"?.1-3.exr"});
+}
+
+TEST(FileBrowserSequences, peopleSortNumbersByValue) {
+    EXPECT_TRUE(naturalLess("take 9", "take 10"));
+    EXPECT_TRUE(naturalLess("Apple", "banana"));
+    EXPECT_TRUE(naturalLess("a007", "a8"));
+    EXPECT_FALSE(naturalLess("a", "a"));
+    EXPECT_TRUE(naturalLess("a1", "a01") != naturalLess("a01", "a1"));
+}
+
+TEST(FileBrowserNames, bytesThatAreNotUtf8AreShownAsQuestionMarks) {
+    EXPECT_EQ(shown(std::string("caf\xe9.exr")), "caf?.exr");
+    EXPECT_EQ(shown(std::string("caf\xc3\xa9.exr")), "caf\xc3\xa9.exr");
+    EXPECT_EQ(shown(std::string("a\tb\x01")), "a?b?");
+    EXPECT_EQ(shown(std::string("\xe2\x82")), "??");
+}
+
+TEST(FileBrowserListing, unreadableFoldersSayWhyAndNeverThrow) {
+    const TemporaryFolder folder;
+    EXPECT_NE(listFolder(folder / "absent", false).error, "");
+    folder.write("file.txt", "x");
+    EXPECT_NE(listFolder(folder / "file.txt", false).error.find("file"), std::string::npos);
+    if (::geteuid() == 0) GTEST_SKIP() << "root may read everything";
+    fs::create_directory(folder / "closed");
+    ::chmod((folder / "closed").c_str(), 0);
+    EXPECT_NE(listFolder(folder / "closed", false).error.find("may not read"), std::string::npos);
+    ::chmod((folder / "closed").c_str(), 0700);
+}
+
+TEST(FileBrowserListing, foldersComeFirstAndHiddenOnesOnDemand) {
+    const TemporaryFolder folder;
+    folder.write("a.txt", "x");
+    folder.write(".secret", "x");
+    fs::create_directory(folder / "z");
+    const auto listing = listFolder(folder.path(), false);
+    ASSERT_EQ(listing.entries.size(), 2u);
+    EXPECT_EQ(listing.entries[0].name, "z");
+    EXPECT_EQ(listFolder(folder.path(), true).entries.size(), 3u);
+}
+
+/// A browser drawn alone.
+struct Browsing : Panels {
+    FileBrowser browser;
+    FileBrowser::Answer answer = FileBrowser::Answer::none;
+    explicit Browsing(const BrowserRequest& request) {
+        browser.begin(request);
+        windowSize(800, 560);
+        frame([this] { if (const auto a = browser.draw({}); a != FileBrowser::Answer::none) answer = a; });
+        for (int i = 0; i < 500 && browser.reading(); ++i) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+            frames(1);
+        }
+        frames(2);
+    }
+};
+
+TEST(FileBrowserKeys, arrowsEnterAndBackspaceWalkThroughFolders) {
+    const TemporaryFolder folder;
+    folder.write("inside/a.exr", "x");
+    folder.write("inside/b.exr", "x");
+    BrowserRequest request;
+    request.start = folder.path();
+    request.extensions = {".exr"};
+    Browsing b(request);
+    ASSERT_EQ(b.browser.names(), Names{"inside"});
+    b.key(keyDown);
+    b.key(keyEnter);
+    EXPECT_EQ(b.browser.folder(), folder / "inside");
+    EXPECT_EQ(b.browser.names(), (Names{"a.exr", "b.exr"}));
+    b.key(keyBackspace);
+    EXPECT_EQ(b.browser.folder(), folder.path());
+    b.key(keyDown);
+    b.key(keyEnter);
+    b.type("b");
+    EXPECT_EQ(b.browser.names(), Names{"b.exr"});
+    b.key(keyEnter);
+    EXPECT_EQ(b.answer, FileBrowser::Answer::chosen);
+    EXPECT_EQ(b.browser.chosen(), folder / "inside" / "b.exr");
+}
+
+TEST(FileBrowserKeys, captureFoldersAreChosenNotEntered) {
+    const TemporaryFolder folder;
+    folder.write("room/transforms.json", "{}");
+    BrowserRequest request;
+    request.start = folder.path();
+    request.captures = true;
+    request.extensions = {".json"};
+    Browsing b(request);
+    b.key(keyDown);
+    b.key(keyEnter);
+    EXPECT_EQ(b.answer, FileBrowser::Answer::chosen);
+    EXPECT_EQ(b.browser.chosen(), folder / "room");
+}
+
+TEST(FileBrowserKeys, savingAsksBeforeItReplaces) {
+    const TemporaryFolder folder;
+    folder.write("plot.svg", "x");
+    BrowserRequest request;
+    request.mode = BrowserRequest::Mode::save;
+    request.start = folder.path();
+    request.name = "plot";
+    request.extensions = {".svg"};
+    Browsing b(request);
+    b.key(keyEnter);
+    EXPECT_EQ(b.answer, FileBrowser::Answer::none);
+    b.frames(2);
+    b.key(keyEnter);
+    EXPECT_EQ(b.answer, FileBrowser::Answer::chosen);
+    EXPECT_EQ(b.browser.chosen(), folder / "plot.svg");
+}
+
+TEST(FileBrowserKeys, aFolderThatIsNoShotIsNeverReplaced) {
+    const TemporaryFolder folder;
+    folder.write("photos.relamp/important.txt", "x");
+    BrowserRequest request;
+    request.mode = BrowserRequest::Mode::save;
+    request.replacesShots = true;
+    request.start = folder.path();
+    request.name = "photos.relamp";
+    request.extensions = {".relamp"};
+    Browsing b(request);
+    b.key(keyEnter);
+    b.key(keyEnter);
+    b.key(keyEnter);
+    EXPECT_EQ(b.answer, FileBrowser::Answer::none);
+}
+
+TEST(FileBrowserKeys, escCancels) {
+    Browsing b({});
+    b.key(keyEscape);
+    EXPECT_EQ(b.answer, FileBrowser::Answer::cancelled);
+}
+
+TEST(FileBrowserKeys, manyFilesDoNotSlowTheWindowDown) {
+    const TemporaryFolder folder;
+    for (int i = 0; i < 20000; ++i) std::ofstream(folder / fmt::format("{}{}{}{}.txt", char('a' + i % 26), char('a' + i / 26 % 26), char('a' + i / 676 % 26), char('a' + i / 17576)));
+    BrowserRequest request;
+    request.start = folder.path();
+    Browsing b(request);
+    ASSERT_EQ(b.browser.names().size(), 20000u);
+    const auto start = std::chrono::steady_clock::now();
+    b.frames(50);
+    EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / 50, 0.02);
+}
+
+}  // namespace
+}  // namespace relamp::ui::test

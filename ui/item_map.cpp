@@ -1,0 +1,75 @@
+#include "item_map.h"
+
+#include <imgui.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+namespace relamp::ui {
+namespace {
+
+using Json = nlohmann::json;
+
+const char* fileName() {
+    static const char* const name = std::getenv("RELAMP_ITEM_MAP");
+    return name;
+}
+
+Json& items() {
+    static Json noted = Json::object();
+    return noted;
+}
+
+}  // namespace
+
+bool itemMapOn() { return fileName() != nullptr; }
+
+void noteRect(const std::string& name, const Vec2& low, const Vec2& high) {
+    if (itemMapOn()) items()[name] = {low.x, low.y, high.x, high.y};
+}
+
+void notePoint(const std::string& name, const Vec2& point) { noteRect(name, point, point); }
+
+void noteItem(const std::string& name) {
+    if (!itemMapOn() || !ImGui::IsItemVisible()) return;
+    const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
+    noteRect(name, {low.x, low.y}, {high.x, high.y});
+}
+
+void writeItemMap(const Editor& editor) {
+    if (!itemMapOn()) return;
+    static uint64_t frame = 0;
+    const EditorState& state = editor.state;
+    Json document{{"frame", ++frame},
+                  {"items", std::move(items())},
+                  {"document", state.document.name()},
+                  {"estimate", editor.estimate() != nullptr},
+                  {"job", editor.job() ? editor.job()->title : ""},
+                  {"stage", editor.job() ? editor.job()->stage : ""},
+                  {"busy", editor.busy()},
+                  {"live", editor.liveFrame() != nullptr},
+                  {"refined", editor.liveFrame() && editor.liveFrame()->refined},
+                  {"rest", editor.restFrame() != nullptr},
+                  {"gesture", editor.inGesture()},
+                  {"mode", int(state.viewport.mode)},
+                  {"through_view", state.viewport.throughView},
+                  {"view", state.selection.view},
+                  {"selected", state.selection.emitters},
+                  {"point", state.selection.point.has_value()},
+                  {"notice", state.notices.empty() ? "" : state.notices.front().text},
+                  {"recovery", state.recovery.has_value()},
+                  {"unsaved", editor.unsavedChanges()},
+                  {"entry", editor.history().index()},
+                  {"entries", editor.history().entries().size()},
+                  {"label", editor.history().entries()[editor.history().index()].label},
+                  {"frame_cpu_ms", state.frameCpuMs},
+                  {"frames_per_second", state.framesPerSecond}};
+    items() = Json::object();
+    const std::string name = fileName(), temporary = name + ".part";
+    std::ofstream(temporary) << document.dump();
+    std::error_code ignored;
+    std::filesystem::rename(temporary, name, ignored);
+}
+
+}  // namespace relamp::ui

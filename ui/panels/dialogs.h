@@ -1,0 +1,28 @@
+// The contents of each dialog; dialogs.cpp decides which one is shown and draws its frame.
+#pragma once
+#include <functional>
+
+#include "editor.h"
+#include "file_browser.h"
+
+namespace relamp::ui {
+
+/// Each returns true when it is done and its window closes.
+bool drawNotice(Editor& editor);
+bool drawUnsavedQuestion(Editor& editor);
+bool drawRecoveryOffer(Editor& editor);
+bool drawExportDialog(Editor& editor);
+bool drawKeysDialog(Editor& editor);
+bool drawAboutDialog(Editor& editor);
+bool drawCommandPalette(Editor& editor);
+/// A window of its own beside the viewport, not modal: its switches change what the viewport shows.
+void drawImportDoctor(Editor& editor);
+
+/// Opens the file browser for a panel; `chosen` runs when something was chosen.
+void browse(const BrowserRequest& request, std::function<void(Editor&, const std::filesystem::path&)> chosen);
+
+/// Score of `words` as a loose match of a label, the larger the better; negative: no match. All letters must occur in order; starts of
+/// words and runs count more. Capitals do not matter.
+int fuzzyScore(const std::string& label, const std::string& words);
+
+}  // namespace relamp::ui

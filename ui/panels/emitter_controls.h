@@ -1,0 +1,61 @@
+// What the table of emitters and the inspector share: selecting, editing several at once, adding new ones, and the evidence in words.
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "editor.h"
+#include "icons.h"
+
+namespace relamp::ui {
+
+/// The emitters an edit of `id` goes to: the whole selection when `id` is part of it.
+std::vector<std::string> targetsOf(const Editor& editor, const std::string& id);
+/// "emitter-1", or "3 emitters".
+std::string namesOf(const std::vector<std::string>& ids);
+/// Click on a row: plain selects alone, Ctrl toggles, Shift extends from the active one in the order of the table.
+void selectEmitter(Editor& editor, const std::string& id, bool toggle, bool extend);
+
+/// Emitter as it was when the open drag began.
+std::optional<EmitterState> emitterAtStart(const Editor& editor, const std::string& id);
+/// Stops against what was recovered; added ones against referenceBrightness().
+float stopsOf(const Editor& editor, const EmitterState& emitter);
+/// Luminance of the strongest recovered emitter; 1 without one.
+float referenceBrightness(const Editor& editor);
+/// Emitted power: pi x luminance x area, image units x square metres, with the area as the look has it.
+float powerOf(const Editor& editor, const EmitterState& emitter);
+/// Square metres after the look's matrix.
+float areaOf(const Editor& editor, const EmitterState& emitter);
+
+// Controls, drawn at the cursor in the width set with SetNextItemWidth; each edit goes to all targets as one entry.
+void stopsControl(Editor& editor, const EmitterState& emitter, const char* id);
+void kelvinControl(Editor& editor, const EmitterState& emitter, const char* id);
+void colourControl(Editor& editor, const EmitterState& emitter, const char* id, float size);
+void muteButton(Editor& editor, const EmitterState& emitter, float size);
+void soloButton(Editor& editor, const EmitterState& emitter, float size);
+/// Inside a popup: reset, duplicate, delete, attach, aim and so on.
+void emitterMenu(Editor& editor, const std::string& id);
+/// "Add light" with its choices.
+void addEmitterButton(Editor& editor, float width = 0);
+
+/// A new light in front of what the camera looks at, facing it.
+AddedEmitter newEmitter(const Editor& editor, AddedEmitter::Shape shape);
+void addNewEmitter(Editor& editor, AddedEmitter::Shape shape);
+void resetEmitters(Editor& editor, const std::vector<std::string>& ids, EmitterValue value);
+void duplicateEmitters(Editor& editor, const std::vector<std::string>& ids);
+void deleteEmitters(Editor& editor, const std::vector<std::string>& ids);
+/// A button's click task for the viewport, and what to click then, in words.
+void armClick(Editor& editor, ClickTask task);
+const char* clickHint(ClickTask task);
+
+/// "8 views, 1 240 look-ups"; empty for added ones.
+std::string evidenceInShort(const Editor& editor, const EmitterState& emitter);
+/// Relative uncertainty of its radiance; negative when unknown.
+float uncertaintyOf(const Editor& editor, const EmitterState& emitter);
+/// Share of its effect that no distant light can imitate; negative when unknown.
+float identifiabilityOf(const Editor& editor, const EmitterState& emitter);
+inline constexpr float weakIdentifiability = 0.15f;
+
+Icon iconOf(const Editor& editor, const EmitterState& emitter);
+
+}  // namespace relamp::ui

@@ -1,0 +1,170 @@
+// The button that separates light from surfaces, and its settings in plain words.
+#include <cmath>
+
+#include "panels/panels.h"
+#include "widgets.h"
+
+namespace relamp::ui {
+namespace {
+
+struct Choice {
+    const char* value;
+    const char* label;
+    const char* explanation;
+};
+constexpr Choice qualities[] = {
+    {"draft", "Draft", "For a first look, in a fraction of the time: coarse environment, soft contact shadows."},
+    {"standard", "Standard", "The usual choice: fine enough for production frames."},
+    {"fine", "Fine", "For the final shot: more detail in the environment and more rounds for glossy surfaces; takes two to four times as long."},
+};
+
+/// The photograph's pixel that shows the picked point, for the white patch.
+bool pixelOfPick(const Editor& editor, int& view, Vec2& pixel) {
+    const auto& point = editor.state.selection.point;
+    const auto& capture = editor.state.document.capture;
+    if (!point || !capture) return false;
+    const auto sees = [&](int v) {
+        if (v < 0 || size_t(v) >= capture->views.size()) return false;
+        const Camera& camera = capture->views[size_t(v)].camera;
+        if (glm::dot(Vec3(camera.position()) - point->position, point->normal) <= 0) return false;
+        const auto at = camera.project(DVec3(point->position));
+        if (!at || at->x < 0 || at->y < 0 || at->x >= float(camera.width) || at->y >= float(camera.height)) return false;
+        if (const Scene* scene = editor.state.document.scene.get(); scene && scene->tracer) {
+            const Vec3 from = point->position + point->normal * 2.0f * scene->tracer->surfaceOffset(), to = Vec3(camera.position());
+            const float distance = glm::distance(from, to);
+            if (scene->tracer->occluded({from, (to - from) / distance, 0, distance})) return false;
+        }
+        view = v;
+        pixel = *at;
+        return true;
+    };
+    if (sees(editor.state.selection.view)) return true;
+    for (size_t v = 0; v < capture->views.size(); ++v)
+        if (sees(int(v))) return true;
+    return false;
+}
+
+void gaugeSettings(Editor& editor) {
+    GaugeChoice& gauge = editor.state.solve.gauge;
+    using Kind = GaugeChoice::Kind;
+    constexpr const char* labels[] = {"Automatic", "White patch", "Known lamp", "Known surfaces"};
+    constexpr const char* explanations[] = {
+        "A bright lamp on a dark wall looks like a dim lamp on a bright wall. Light that is seen directly in the photographs settles it; where none is seen, an ordinary brightness of the surfaces is assumed.",
+        "You know one spot that is white: a sheet of paper, a grey card. Its brightness then settles everything else.",
+        "You know how bright one lamp is, in the units of the photographs.",
+        "You know how bright the surfaces are on average: 0.2 is a dark room, 0.5 an ordinary one, 0.8 a white one."};
+    dimText("Brightness scale");
+    tooltip("How light and surface brightness are told apart");
+    ImGui::SetNextItemWidth(-FLT_MIN);
+    if (ImGui::BeginCombo("##gauge", labels[int(gauge.kind)])) {
+        for (const Kind kind : {Kind::automatic, Kind::whitePatch, Kind::emitter, Kind::albedo}) {
+            if (ImGui::Selectable(labels[int(kind)], gauge.kind == kind)) gauge.kind = kind;
+            tooltip(explanations[int(kind)]);
+        }
+        ImGui::EndCombo();
+    }
+    tooltip(explanations[int(gauge.kind)]);
+    if (gauge.kind == Kind::albedo) {
+        ImGui::SetNextItemWidth(-FLT_MIN);
+        ImGui::SliderFloat("##albedo", &gauge.albedo, 0.02f, 0.98f, "mean surface brightness %.2f", ImGuiSliderFlags_AlwaysClamp);
+        tooltip("Share of the light that the surfaces send back on average: 0 is black, 1 is white");
+    } else if (gauge.kind == Kind::emitter) {
+        ImGui::SetNextItemWidth(-FLT_MIN);
+        if (ImGui::BeginCombo("##lamp", gauge.emitter.empty() ? "choose a lamp" : gauge.emitter.c_str())) {
+            for (const EmitterState& e : editor.emitters())
+                if (e.recovered && ImGui::Selectable(e.id.c_str(), e.id == gauge.emitter)) {
+                    gauge.emitter = e.id;
+                    if (!(maxChannel(gauge.radiance) > 0)) gauge.radiance = e.recoveredRadiance;
+                }
+            if (editor.emitters().empty()) dimText("Estimate once first: lamps must be found before one can be named");
+            ImGui::EndCombo();
+        }
+        tooltip("The lamp whose brightness you know");
+        ImGui::SetNextItemWidth(-FLT_MIN);
+        if (ImGui::DragFloat3("##radiance", &gauge.radiance.x, 0.05f, 0, 1e6f, "%.3g")) gauge.radiance = glm::max(gauge.radiance, Rgb(0));
+        tooltip("Its radiance, red green blue: the value a pixel has that sees the lamp directly and unclipped");
+    } else if (gauge.kind == Kind::whitePatch) {
+        const int views = editor.state.document.capture ? int(editor.state.document.capture->views.size()) : 0;
+        int view = gauge.view;
+        ImGui::SetNextItemWidth(-FLT_MIN);
+        if (ImGui::SliderInt("##view", &view, 0, std::max(0, views - 1), "view %d", ImGuiSliderFlags_AlwaysClamp)) gauge.view = view;
+        tooltip(views > 0 && gauge.view < views ? "Photograph in which the patch is seen, counted from 0: " + shown(editor.state.document.capture->views[size_t(gauge.view)].name) : "Photograph in which the patch is seen");
+        ImGui::SetNextItemWidth(-FLT_MIN);
+        ImGui::DragFloat2("##pixel", &gauge.pixel.x, 1, 0, 65536, "pixel %.0f");
+        tooltip("Where it is seen: pixels from the left and from the top");
+        int seenIn = 0;
+        Vec2 pixel{0};
+        const bool usable = pixelOfPick(editor, seenIn, pixel);
+        ImGui::BeginDisabled(!usable);
+        if (iconTextButton("Use the picked point", Icon::dropper, usable ? "Takes the surface point that you clicked in the viewport" : "Click the white surface in the viewport first", false, ImGui::GetContentRegionAvail().x)) {
+            gauge.view = seenIn;
+            gauge.pixel = pixel;
+        }
+        ImGui::EndDisabled();
+        ImGui::SetNextItemWidth(-FLT_MIN);
+        ImGui::SliderFloat("##white", &gauge.whiteAlbedo, 0.02f, 1, "reflects %.2f", ImGuiSliderFlags_AlwaysClamp);
+        tooltip("Share of the light the patch sends back: paper 0.9, grey card 0.18");
+    }
+}
+
+}  // namespace
+
+void drawEstimatePanel(Editor& editor) {
+    drawEstimateButton(editor);
+    drawEstimateSettings(editor);
+}
+
+void drawEstimateButton(Editor& editor) {
+    SolveRequest& solve = editor.state.solve;
+    const auto& job = editor.job();
+    const bool solving = job && job->kind == JobStatus::Kind::solve;
+    const bool open = editor.state.document.capture != nullptr;
+    if (solving) {
+        bar(job->share, {0.28f, 0.42f, 0.58f, 1}, job->stopping ? "stopping..." : job->stage.empty() ? job->title : job->stage);
+        tooltip(fmt::format("{}: {} of this stage, {} so far", job->title, percent(job->share), duration(job->seconds)));
+        ImGui::BeginDisabled(job->stopping);
+        if (button("Stop", "Stops and keeps the best answer so far", -FLT_MIN)) editor.cancelJob();
+        ImGui::EndDisabled();
+    } else {
+        ImGui::BeginDisabled(!open || job);
+        ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {ImGui::GetStyle().FramePadding.x, em(0.45f)});
+        const bool again = editor.estimate() != nullptr;
+        const char* why = !open ? "Open a capture first" : job ? "Wait until the running job is finished" : "Separates the photographs into light and surfaces, in the background (Ctrl+Enter)";
+        if (primaryButton(again ? "Estimate again" : "Estimate", why, -FLT_MIN)) editor.solve(solve);
+        ImGui::PopStyleVar();
+        ImGui::EndDisabled();
+    }
+}
+
+void drawEstimateSettings(Editor& editor) {
+    SolveRequest& solve = editor.state.solve;
+    if (editor.stale()) warningText("The settings have changed since the last estimate.");
+    size_t quality = 1;
+    for (size_t i = 0; i < 3; ++i)
+        if (solve.quality == qualities[i].value) quality = i;
+    ImGui::SetNextItemWidth(-FLT_MIN);
+    if (ImGui::BeginCombo("##quality", fmt::format("Quality: {}", qualities[quality].label).c_str())) {
+        for (const Choice& choice : qualities) {
+            if (ImGui::Selectable(choice.label, solve.quality == choice.value)) solve.quality = choice.value;
+            tooltip(choice.explanation);
+        }
+        ImGui::EndCombo();
+    }
+    tooltip(qualities[quality].explanation);
+    gaugeSettings(editor);
+    dimText("Kinds of light");
+    if (radio("Lamps and distant light", solve.nearField, "Finds lamps that stand in the scene as well as light from far away. This is what you want.")) solve.nearField = true;
+    if (radio("Distant light only", !solve.nearField, "The older way, which knows no lamps in the scene: for comparison. Its result is shown beside the other one (view modes 5 and 9) and replaces nothing.")) solve.nearField = false;
+    dimText("Time limit");
+    float minutes = float(solve.budgetSeconds / 60);
+    ImGui::SetNextItemWidth(-FLT_MIN);
+    if (ImGui::DragFloat("##budget", &minutes, 0.05f, 0, 24 * 60, minutes > 0 ? "%.1f min" : "none", ImGuiSliderFlags_AlwaysClamp)) solve.budgetSeconds = double(std::max(0.0f, minutes)) * 60;
+    tooltip("Ends after this time with the best answer so far. 0: as long as it takes.");
+    dimText("Seed");
+    int seed = int(solve.seed);
+    ImGui::SetNextItemWidth(-FLT_MIN);
+    if (ImGui::DragInt("##seed", &seed, 0.1f, 1, 1000000, "%d", ImGuiSliderFlags_AlwaysClamp)) solve.seed = uint64_t(std::max(1, seed));
+    tooltip("Pattern of the random samples. The same seed gives the same result; another one shows how much of it is chance.");
+}
+
+}  // namespace relamp::ui

@@ -1,0 +1,204 @@
+#include "panels/export_dialog.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "panels/dialogs.h"
+#include "shot/export_frame.h"
+#include "widgets.h"
+
+namespace relamp::ui {
+namespace {
+namespace fs = std::filesystem;
+
+/// Place of the frame number in a name: "####" or "%04d"; length 0: none.
+std::pair<size_t, size_t> tokenOf(const std::string& name, size_t& width) {
+    if (const size_t hash = name.find('#'); hash != std::string::npos) {
+        const size_t end = std::min(name.find_first_not_of('#', hash), name.size());
+        width = end - hash;
+        return {hash, end - hash};
+    }
+    if (const size_t percentSign = name.find('%'); percentSign != std::string::npos) {
+        const size_t end = name.find_first_not_of("0123456789", percentSign + 1);
+        if (end != std::string::npos && name[end] == 'd') {
+            width = end > percentSign + 1 && end - percentSign < 5 ? size_t(std::stoi(name.substr(percentSign + 1, end - percentSign - 1))) : 1;
+            return {percentSign, end + 1 - percentSign};
+        }
+    }
+    return {0, 0};
+}
+
+std::string lowered(std::string s) {
+    for (char& c : s) c = c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
+    return s;
+}
+
+/// An error of the command line in the words of the dialog: without the option's name.
+std::string withoutOption(std::string words) {
+    if (words.starts_with("--"))
+        if (const size_t colon = words.find(": "); colon != std::string::npos) words = words.substr(colon + 2);
+    return words;
+}
+
+}  // namespace
+
+ExportProblems checkExport(const ExportRequest& request, size_t views, int selectedView) {
+    using Views = ExportRequest::Views;
+    ExportProblems problems;
+    int first = 1;
+    if (request.views == Views::present) problems.frames = 1;
+    else if (request.views == Views::capture) {
+        problems.frames = selectedView >= 0 && size_t(selectedView) < views;
+        first = selectedView + 1;
+    } else if (request.views == Views::all) {
+        problems.frames = views;
+    } else {
+        try {
+            std::vector<int> numbers = parseFrameRange(request.range);
+            std::erase_if(numbers, [&](int n) { return n < 1 || size_t(n) > views; });
+            problems.frames = numbers.size();
+            if (numbers.empty()) problems.range = fmt::format("None of these views exists; there are 1 to {}.", views);
+            else first = numbers.front();
+        } catch (const Error& error) {
+            problems.range = withoutOption(error.what()) + ". Write numbers like 1-3,5 or 1-20:2.";
+        }
+    }
+    const std::string name = request.file.filename().string(), extension = lowered(request.file.extension().string());
+    size_t width = 0;
+    const auto [at, length] = tokenOf(name, width);
+    std::error_code failed;
+    const fs::path parent = request.file.parent_path();
+    if (name.empty()) problems.file = "Choose where the frames go.";
+    else if (extension != ".exr" && extension != ".png" && extension != ".jpg" && extension != ".jpeg") problems.file = "The name must end in .exr (for compositing), .png or .jpg (to look at).";
+    else if (problems.frames > 1 && length == 0) problems.file = "Several frames need a place for the number: name.####.exr becomes name.0001.exr, name.0002.exr and so on.";
+    else if (!parent.empty() && !fs::is_directory(parent, failed)) problems.file = fmt::format("The folder {} does not exist.", shown(parent));
+    else if (::access(parent.empty() ? "." : parent.c_str(), W_OK) != 0) problems.file = fmt::format("You may not write into {}.", shown(parent));
+    if (extension != ".exr" && !extension.empty() && !request.layers.empty() && problems.file.empty()) problems.layers = "PNG and JPEG hold the picture only; layers need .exr.";
+    std::string firstName = name;
+    if (length && width <= 32 && request.views != Views::present && request.views != Views::capture) firstName = name.substr(0, at) + fmt::format("{:0{}}", first, width) + name.substr(at + length);
+    problems.firstFile = firstName;
+    return problems;
+}
+
+bool drawExportDialog(Editor& editor) {
+    using Views = ExportRequest::Views;
+    ExportRequest& request = editor.state.exportFrames;
+    const auto& capture = editor.state.document.capture;
+    const size_t views = capture ? capture->views.size() : 0;
+    const auto& job = editor.job();
+    const bool exporting = job && job->kind == JobStatus::Kind::exportFrames;
+    bool done = false;
+    const float label = em(6);
+    const auto row = [&](const char* name) {
+        ImGui::AlignTextToFramePadding();
+        dimText(name);
+        ImGui::SameLine(label);
+    };
+    ImGui::BeginDisabled(exporting);
+    row("What");
+    ImGui::BeginGroup();
+    if (radio("What the viewport shows", request.views == Views::present, "One frame from where you look now")) request.views = Views::present;
+    if (radio(fmt::format("The selected view ({})###view", editor.state.selection.view + 1).c_str(), request.views == Views::capture, "One frame from the camera of the selected photograph")) request.views = Views::capture;
+    if (radio(fmt::format("All {} views###all", views).c_str(), request.views == Views::all, "A frame from the camera of every photograph")) request.views = Views::all;
+    if (radio("Some views:", request.views == Views::range, "Frames from the cameras of these photographs, counted from 1")) request.views = Views::range;
+    ImGui::SameLine();
+    ImGui::SetNextItemWidth(-FLT_MIN);
+    if (inputText("##range", request.range, "1-3,5,7-20:2")) request.views = Views::range;
+    tooltip("Numbers of the photographs: 1-3,5 are four views; 1-20:2 is every second one");
+    ImGui::EndGroup();
+    const ExportProblems problems = checkExport(request, views, editor.state.selection.view);
+    if (!problems.range.empty()) warningText(problems.range);
+
+    row("Size");
+    int size[2] = {request.width, request.height};
+    ImGui::SetNextItemWidth(em(8));
+    if (ImGui::DragInt2("##size", size, 4, 0, 16384, size[0] > 0 ? "%d" : "own", ImGuiSliderFlags_AlwaysClamp)) request.width = std::max(0, size[0]), request.height = std::max(0, size[1]);
+    tooltip("Width and height in pixels. 0: the size of the photograph, or of the viewport.");
+    for (const auto& [name, w, h] : {std::tuple{"Own size", 0, 0}, {"1080p", 1920, 1080}, {"4K", 3840, 2160}}) {
+        sameLineIfFits(buttonWidth(name));
+        if (ImGui::SmallButton(name)) request.width = w, request.height = h;
+        tooltip(w ? fmt::format("{} x {} pixels", w, h) : "As large as the photograph, or the viewport");
+    }
+    if ((request.width > 0) != (request.height > 0)) warningText("Give both numbers, or neither.");
+
+    row("Samples");
+    ImGui::SetNextItemWidth(em(8));
+    ImGui::SliderInt("##samples", &request.samples, 1, 256, "%d a pixel", ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_Logarithmic);
+    tooltip("More samples give less noise and take longer in proportion. 8 is a test, 64 is clean.");
+
+    row("Layers");
+    ImGui::BeginGroup();
+    std::string layers = request.layers == "all" ? "groups,albedo,normal,position,depth" : request.layers;
+    const auto has = [&](const std::string& name) { return ("," + layers + ",").find("," + name + ",") != std::string::npos; };
+    const struct {
+        const char* name;
+        const char* label;
+        const char* explanation;
+    } known[] = {{"groups", "Light groups", "The part of each light by itself: their sum is the picture, so that lights can be graded in compositing"},
+                 {"albedo", "Surface colour", "Colour of the surfaces in white light"},
+                 {"normal", "Normals", "Direction of the surface, for relighting tricks in compositing"},
+                 {"position", "Positions", "Place of the surface in the world, metres"},
+                 {"depth", "Depth", "Distance along the camera's axis, metres"}};
+    std::string chosen;
+    int index = 0;
+    for (const auto& layer : known) {
+        bool on = has(layer.name);
+        if (index++) sameLineIfFits(ImGui::CalcTextSize(layer.label).x + ImGui::GetFrameHeight() + em(0.6f));
+        checkbox(layer.label, on, layer.explanation);
+        if (on) chosen += (chosen.empty() ? "" : ",") + std::string(layer.name);
+    }
+    request.layers = chosen;
+    ImGui::EndGroup();
+    if (!problems.layers.empty()) warningText(problems.layers);
+
+    row("File");
+    static fs::path fieldOf;
+    static std::string field;
+    if (fieldOf != request.file) fieldOf = request.file, field = request.file.string();
+    const float browseWidth = buttonWidth("Browse...");
+    ImGui::SetNextItemWidth(std::max(em(4), ImGui::GetContentRegionAvail().x - browseWidth - ImGui::GetStyle().ItemSpacing.x));
+    if (inputText("##file", field, "name.####.exr")) fieldOf = request.file = field;
+    tooltip("#### stands for the number of the frame with that many digits: name.####.exr becomes name.0001.exr. Ends in .exr, .png or .jpg.");
+    ImGui::SameLine();
+    if (button("Browse...", "Chooses the folder and the name")) {
+        BrowserRequest ask;
+        ask.mode = BrowserRequest::Mode::save;
+        ask.title = "Export frames";
+        ask.confirm = "Use this name";
+        ask.start = request.file.parent_path();
+        ask.name = request.file.filename().string().empty() ? editor.state.document.name() + ".####.exr" : request.file.filename().string();
+        ask.extensions = {".exr", ".png", ".jpg", ".jpeg"};
+        ask.note = "#### in the name becomes the number of the frame.";
+        browse(ask, [](Editor& e, const fs::path& file) {
+            e.state.exportFrames.file = file;
+            e.state.panels.exportFrames = true;
+        });
+    }
+    if (!problems.file.empty()) warningText(problems.file);
+    else if (!problems.firstFile.empty()) dimWrapped(fmt::format("{} frame{}, {}{}", problems.frames, problems.frames == 1 ? "" : "s", shown(problems.firstFile), problems.frames > 1 ? " and so on" : ""));
+    ImGui::EndDisabled();
+
+    ImGui::Spacing();
+    if (exporting) {
+        bar(job->share, {0.28f, 0.42f, 0.58f, 1}, job->stopping ? "stopping..." : fmt::format("{}: {}", job->title, job->stage));
+        ImGui::BeginDisabled(job->stopping);
+        if (button("Stop", "Frames that are finished stay", em(7))) editor.cancelJob();
+        ImGui::EndDisabled();
+        ImGui::SameLine();
+        if (button("Go on in the background", "Closes this page; the status bar shows how far it is")) done = true;
+    } else {
+        const bool sizes = (request.width > 0) == (request.height > 0);
+        ImGui::BeginDisabled(!problems.ok() || !sizes || !editor.estimate() || job);
+        if (primaryButton("Export", !editor.estimate() ? "Estimate first" : job ? "Wait until the running job is finished" : "Renders the frames in the background", em(8))) editor.exportFrames(request);
+        ImGui::EndDisabled();
+        ImGui::SameLine();
+        if (button("Close", "Closes this page (Esc)", em(7))) done = true;
+    }
+    if (escapePressed() && !ImGui::IsAnyItemActive()) done = true;
+    if (done) editor.state.panels.exportFrames = false;
+    return done;
+}
+
+}  // namespace relamp::ui

@@ -1,0 +1,17 @@
+// What is wrong with an export before it starts; apart from the dialog so that tests can ask.
+#pragma once
+#include <string>
+
+#include "editor.h"
+
+namespace relamp::ui {
+
+struct ExportProblems {
+    std::string range, file, layers;     ///< empty: nothing wrong
+    std::string firstFile;               ///< what the first frame will be called
+    size_t frames = 0;
+    bool ok() const { return range.empty() && file.empty() && layers.empty() && frames > 0; }
+};
+ExportProblems checkExport(const ExportRequest& request, size_t views, int selectedView);
+
+}  // namespace relamp::ui

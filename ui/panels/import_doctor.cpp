@@ -1,0 +1,138 @@
+// The import doctor: what was noticed about cameras, exposure and mesh before anything is estimated, and what to do about it.
+#include <cmath>
+
+#include "panels/dialogs.h"
+#include "panels/pictures.h"
+#include "widgets.h"
+
+namespace relamp::ui {
+namespace {
+
+/// What to do about a warning, told from its words.
+std::string adviceFor(const std::string& warning) {
+    const auto has = [&](const char* part) { return warning.find(part) != std::string::npos; };
+    if (has("OpenCV axes")) return "Flip the second and third column of every transform_matrix, or export with OpenGL axes.";
+    if (has("set \"up\"")) return "Write \"up\": the axis named here into transforms.json, then open the capture again.";
+    if (has("clipped")) return "Add darker exposures of the same view, or accept that what is clipped is known only as \"at least this bright\".";
+    if (has("stops")) return "Develop all photographs with the same settings, or leave this one out.";
+    if (has("covers")) return "Turn on the mesh overlay and look through this camera: mesh and photograph should lie on each other.";
+    if (has("left out")) return "Look at its mask: black is ignored.";
+    if (has("NaN")) return "These pixels are ignored. Write the file again if there are many.";
+    if (has("black")) return "Leave this view out, or check its file.";
+    if (has("only") && has("views")) return "Add photographs from other sides; five or more see most surfaces twice.";
+    if (has("two views")) return "Add photographs, so that surfaces are seen from several sides.";
+    if (has("holes")) return "Close large holes in the mesh where light could come through; small ones do no harm.";
+    if (has("m across")) return "Scale mesh and cameras together, so that one unit is a metre.";
+    if (has("faces") || has("vertices") || has("edges")) return "It was repaired; nothing has to be done.";
+    return "";
+}
+
+void viewTable(Editor& editor, const CaptureCheck& check, float height) {
+    const float room = ImGui::GetContentRegionAvail().x;
+    const bool pictures = room > em(30), masked = room > em(36);
+    if (!ImGui::BeginTable("##views", 4 + pictures + masked, ImGuiTableFlags_RowBg | ImGuiTableFlags_ScrollY | ImGuiTableFlags_NoPadOuterX, {0, height})) return;
+    ImGui::TableSetupScrollFreeze(0, 1);
+    if (pictures) ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed, em(3.6f));
+    ImGui::TableSetupColumn("View", ImGuiTableColumnFlags_WidthStretch);
+    ImGui::TableSetupColumn("Mesh", ImGuiTableColumnFlags_WidthFixed, em(3.6f));
+    ImGui::TableSetupColumn("Clipped", ImGuiTableColumnFlags_WidthFixed, em(4.2f));
+    if (masked) ImGui::TableSetupColumn("Left out", ImGuiTableColumnFlags_WidthFixed, em(4.2f));
+    ImGui::TableSetupColumn("Exposure", ImGuiTableColumnFlags_WidthFixed, em(5));
+    ImGui::TableHeadersRow();
+    ImGuiListClipper clipper;
+    const float rowHeight = pictures ? em(2.6f) : ImGui::GetTextLineHeight();
+    clipper.Begin(int(check.views.size()), rowHeight + 2 * ImGui::GetStyle().CellPadding.y);
+    const auto cell = [](const std::string& words, bool odd, const std::string& explanation) {
+        ImGui::TableNextColumn();
+        if (odd) ImGui::PushStyleColor(ImGuiCol_Text, warningColour);
+        text(words);
+        if (odd) ImGui::PopStyleColor();
+        tooltip(explanation);
+    };
+    while (clipper.Step())
+        for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
+            const ViewCheck& v = check.views[size_t(i)];
+            ImGui::PushID(i);
+            ImGui::TableNextRow(0, rowHeight);
+            if (pictures) {
+                ImGui::TableNextColumn();
+                picture("##picture", viewPicture(editor.state.document, size_t(i)), em(3.4f), em(2.5f), "");
+                tooltip(shown(v.name));
+            }
+            ImGui::TableNextColumn();
+            if (ImGui::Selectable((elided(shown(v.name), ImGui::GetContentRegionAvail().x) + "##row").c_str(), editor.state.selection.view == i, ImGuiSelectableFlags_AllowDoubleClick)) {
+                editor.state.selection.view = i;
+                if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) editor.state.viewport.throughView = true;
+            }
+            tooltip(shown(v.name) + "\nDouble click looks through its camera");
+            cell(percent(v.meshShare), v.meshShare < 0.02, "Share of the picture that sees the mesh");
+            cell(percent(v.clippedShare), v.clippedShare > 0.01, "Pixels too bright for the file");
+            if (masked) cell(percent(v.maskedShare), v.maskedShare > 0.9, "Pixels that are masked, broken or negative");
+            const bool odd = v.comparedVertices >= 100 && std::abs(v.exposureStops) > std::max(0.25, v.exposureScatterStops);
+            cell(v.comparedVertices ? signedStops(float(v.exposureStops)) + " st." : "-", odd, fmt::format("Stops brighter or darker than the other views of the same surfaces, from {} points", count(v.comparedVertices)));
+            ImGui::PopID();
+        }
+    ImGui::EndTable();
+}
+
+}  // namespace
+
+void drawImportDoctor(Editor& editor) {
+    if (!editor.state.panels.doctor) return;
+    const ImVec2 screen = ImGui::GetIO().DisplaySize;
+    const ImVec2 size{std::min(em(46), screen.x * 0.94f), std::min(em(38), screen.y * 0.86f)};
+    ImGui::SetNextWindowSize(size, ImGuiCond_Appearing);
+    ImGui::SetNextWindowPos({(screen.x - size.x) / 2, (screen.y - size.y) / 2}, ImGuiCond_Appearing);
+    bool open = true;
+    if (ImGui::Begin("Check of the capture###doctor", &open, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings)) {
+        const auto check = editor.state.document.check;
+        const float below = 2 * ImGui::GetFrameHeightWithSpacing() + em(0.4f);
+        if (!check) {
+            dimWrapped(editor.state.document.capture ? "The capture has not been checked." : "Nothing is open.");
+        } else if (beginChild("##content", {0, -below})) {
+            if (check->warnings.empty()) {
+                iconText(Icon::check, goodColour);
+                ImGui::SameLine(0, em(0.4f));
+                wrapped("Nothing to worry about: cameras, exposure and mesh agree.");
+            }
+            for (const std::string& warning : check->warnings) {
+                warningText(shown(warning));
+                if (const std::string advice = adviceFor(warning); !advice.empty()) {
+                    ImGui::Indent(em(1.35f));
+                    dimWrapped(advice);
+                    ImGui::Unindent(em(1.35f));
+                }
+            }
+            heading("Axes");
+            wrapped(fmt::format("Up is {} by the file{}.", check->up.empty() ? "z" : check->up, check->upGuess.empty() ? "" : check->upGuess == check->up ? ", and the cameras agree" : ", but the cameras' own up is nearest to " + check->upGuess));
+            if (!check->upGuess.empty() && check->upGuess != check->up) warningText(fmt::format("To fix it, write \"up\": \"{}\" into transforms.json. Ignore this when the cameras were really tilted.", check->upGuess));
+            if (check->lookBackwards) warningText("The cameras look away from the mesh. To fix it, flip the Y and Z columns of the matrices (OpenCV to OpenGL).");
+            heading("Surface");
+            fact("Seen", fmt::format("{} of the surface, {} twice or more", percent(check->seenShare), percent(check->seenTwiceShare)), "Surfaces that no photograph shows are guessed from those around them");
+            fact("Views a point", fmt::format("{:.1f}", check->meanViewsPerVertex), "Photographs that show a point of the surface, on average");
+            const Vec3 extent = check->meshMax - check->meshMin;
+            fact("Size", fmt::format("{:.3g} x {:.3g} x {:.3g} m", extent.x, extent.y, extent.z), "A table that is 75 m high means that the units are wrong");
+            fact("Exposure", fmt::format("{:.2f} stops between the views", check->exposureSpreadStops), "All views must share one exposure scale; below a quarter of a stop is fine");
+            for (const std::string& note : check->notes) dimWrapped(shown(note));
+            heading("Views");
+            viewTable(editor, *check, std::max(em(11), std::min(ImGui::GetContentRegionAvail().y, em(24))));
+        }
+        if (check) ImGui::EndChild();
+        checkbox("Cameras", editor.state.viewport.frusta, "Shows in the viewport where the photographs were taken");
+        sameLineIfFits(em(12));
+        checkbox("Mesh over the photograph", editor.state.viewport.meshOverlay, "Draws the mesh's edges over the photograph: they should lie on what they belong to");
+        if (button("Close", "Closes this page; File, Check the capture brings it back", em(6))) open = false;
+        ImGui::SameLine();
+        ImGui::BeginDisabled(!editor.state.document.capture || editor.job());
+        if (primaryButton("Estimate", "Separates the photographs into light and surfaces", em(8))) {
+            editor.solve(editor.state.solve);
+            open = false;
+        }
+        ImGui::EndDisabled();
+        if (ImGui::IsWindowFocused(ImGuiFocusedFlags_ChildWindows) && escapePressed()) open = false;
+    }
+    ImGui::End();
+    editor.state.panels.doctor = open;
+}
+
+}  // namespace relamp::ui

@@ -1,0 +1,72 @@
+// How the surfaces reflect: the neutral switch, and what kinds of reflection the estimate uses.
+#include <cmath>
+
+#include "panels/panels.h"
+#include "widgets.h"
+
+namespace relamp::ui {
+namespace {
+
+/// In an artist's words.
+std::string nameOf(const Lobe& lobe) {
+    const float roughness = std::sqrt(lobe.alpha);
+    switch (lobe.kind) {
+        case Lobe::Kind::lambert: return "matte";
+        case Lobe::Kind::ggx: return fmt::format("metallic, roughness {:.2f}", roughness);
+        case Lobe::Kind::ggxDielectric: return fmt::format("glaze, roughness {:.2f}", roughness);
+    }
+    return lobe.name;
+}
+
+struct LobeUse {
+    std::string name;
+    float share = 0;      ///< of all reflectance, mean over the observed vertices
+    float vertices = 0;   ///< share of the observed vertices that use it
+};
+
+/// Cost O(lobes x vertices), once an estimate.
+const std::vector<LobeUse>& usesOf(const std::shared_ptr<const Estimate>& estimate) {
+    static std::weak_ptr<const Estimate> of;
+    static std::vector<LobeUse> uses;
+    if (of.lock() == estimate) return uses;
+    of = estimate;
+    uses.clear();
+    const Reflectance& r = estimate->reflectance;
+    double total = 0;
+    std::vector<double> sums(r.weight.size(), 0), users(r.weight.size(), 0);
+    size_t observed = 0;
+    for (size_t v = 0; v < r.observed.size(); ++v) observed += r.observed[v] > 0;
+    for (size_t k = 0; k < r.weight.size(); ++k) {
+        for (size_t v = 0; v < r.weight[k].size(); ++v) {
+            if (v < r.observed.size() && !r.observed[v]) continue;
+            const float light = luminance(r.weight[k][v]);
+            sums[k] += double(light);
+            users[k] += light > 0.01f;
+        }
+        total += sums[k];
+    }
+    for (size_t k = 0; k < r.weight.size() && k < r.basis.lobes.size(); ++k)
+        if (users[k] > 0) uses.push_back({nameOf(r.basis.lobes[k]), float(sums[k] / std::max(total, 1e-12)), float(users[k] / double(std::max<size_t>(1, observed)))});
+    return uses;
+}
+
+}  // namespace
+
+void drawMaterialsPanel(Editor& editor) {
+    const auto estimate = editor.estimate();
+    ImGui::BeginDisabled(!estimate);
+    bool neutral = editor.look().neutralMaterials;
+    if (checkbox("Neutral surfaces", neutral, "Every surface keeps its brightness but loses its colour: what is coloured then is the light"))
+        editor.edit(neutral ? "Neutral surfaces" : "Coloured surfaces", [&](Look& look) { look.neutralMaterials = neutral; });
+    ImGui::EndDisabled();
+    if (!estimate) return dimWrapped("After the estimate: how matte and how glossy the surfaces were found to be.");
+    dimText("Kinds of reflection in use");
+    tooltip("Each point of the surface mixes these. The bar shows how much of all reflected light a kind accounts for.");
+    for (const LobeUse& use : usesOf(estimate)) {
+        bar(double(use.share), {0.36f, 0.36f, 0.36f, 1}, fmt::format("{}  {}", use.name, percent(double(use.share))));
+        tooltip(fmt::format("{}: {} of the reflectance, used on {} of the surface points that the photographs show.\n{}", use.name, percent(double(use.share)), percent(double(use.vertices)),
+                            use.name == "matte" ? "Looks the same from every side." : "Mirrors its surroundings: blurred when the roughness is near 1, sharp when it is near 0."));
+    }
+}
+
+}  // namespace relamp::ui

@@ -1,0 +1,49 @@
+// Menus, read from the table of actions.
+#include "actions.h"
+#include "panels/panels.h"
+#include "widgets.h"
+
+namespace relamp::ui {
+namespace {
+
+void drawRecent(Editor& editor) {
+    if (!ImGui::BeginMenu("Open recent", !editor.state.recent.empty())) return;
+    std::filesystem::path chosen;
+    int index = 0;
+    for (const std::filesystem::path& path : editor.state.recent) {
+        ImGui::PushID(index++);
+        if (ImGui::MenuItem(elided(shown(path), em(30)).c_str())) chosen = path;
+        tooltip(shown(path));
+        ImGui::PopID();
+    }
+    ImGui::EndMenu();
+    if (!chosen.empty()) editor.open(chosen);
+}
+
+}  // namespace
+
+void drawMenuBar(Editor& editor) {
+    std::vector<std::string> menus;
+    for (const Action& action : actions())
+        if (!action.menu.empty() && std::find(menus.begin(), menus.end(), action.menu) == menus.end()) menus.push_back(action.menu);
+    const Action* wanted = nullptr;
+    for (const std::string& menu : menus) {
+        if (!ImGui::BeginMenu(menu.c_str())) continue;
+        bool first = true;
+        for (const Action& action : actions()) {
+            if (action.menu != menu) continue;
+            if (action.separatorBefore && !first) ImGui::Separator();
+            first = false;
+            const std::string keys = action.keys.empty() ? "" : action.keys.front().text();
+            const bool enabled = !action.enabled || action.enabled(editor), checked = action.checked && action.checked(editor);
+            if (ImGui::MenuItem((action.label + "##" + action.id).c_str(), keys.c_str(), checked, enabled)) wanted = &action;
+            tooltip(action.explanation);
+            if (action.id == "file.open") drawRecent(editor);
+        }
+        ImGui::EndMenu();
+    }
+    // After the menus: what it does may change what they show.
+    if (wanted) wanted->run(editor);
+}
+
+}  // namespace relamp::ui

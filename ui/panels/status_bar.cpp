@@ -1,0 +1,131 @@
+// One line that says how things stand: the job at the left, figures and marks at the right; the less important ones go first when
+// there is no room.
+#include <unistd.h>
+
+#include <fstream>
+
+#include "panels/panels.h"
+#include "widgets.h"
+
+namespace relamp::ui {
+namespace {
+
+/// Resident memory of this process now, MiB; read once a second.
+double residentMib() {
+    static double value = 0, read = -10;
+    if (const double now = ImGui::GetTime(); now - read > 1) {
+        read = now;
+        long pages = 0, resident = 0;
+        if (std::ifstream in("/proc/self/statm"); in >> pages >> resident) value = double(resident) * double(sysconf(_SC_PAGESIZE)) / 1048576;
+    }
+    return value;
+}
+
+struct Piece {
+    std::string words, explanation;
+    int rank = 0;               ///< lower goes first
+    bool badge = false;
+    ImVec4 colour = dimColour;
+};
+
+float widthOf(const Piece& piece) { return ImGui::CalcTextSize(piece.words.c_str()).x + (piece.badge ? em(0.7f) : 0); }
+
+std::string gaugeExplanation(const GaugeReport& gauge) {
+    std::string words = "Brightness scale: how light and surface brightness were told apart.\n";
+    words += gauge.kind == "assumed" ? "It was assumed, so all lights may be off by one factor" : "It was measured";
+    return words + (gauge.evidence.empty() ? "." : ": " + gauge.evidence + ".");
+}
+
+std::vector<Piece> piecesOf(const Editor& editor) {
+    const EditorState& state = editor.state;
+    std::vector<Piece> pieces;
+    const auto estimate = editor.estimate();
+    if (!state.viewport.solo.empty()) pieces.push_back({"solo", "Only some lights are shown in the viewport; files and exports are not touched. Shift+M ends it.", 95, true, warningColour});
+    if (editor.stale()) pieces.push_back({"settings changed", "The settings have changed since the last estimate: estimate again to use them.", 90, true, warningColour});
+    if (estimate && estimate->cancelled && !editor.job()) pieces.push_back({"stopped early", "The estimate was stopped before its end: this is the best answer so far.", 70, true, warningColour});
+    if (editor.refining()) pieces.push_back({"refining", "The picture gets better while you wait", 30, false, dimColour});
+    if (estimate && !estimate->gauge.kind.empty()) {
+        const bool assumed = estimate->gauge.kind == "assumed";
+        pieces.push_back({assumed ? "scale: assumed" : "scale: measured", gaugeExplanation(estimate->gauge), 60, false, assumed ? warningColour : dimColour});
+    }
+    pieces.push_back({state.viewport.displayView + (state.viewport.exposureStops != 0 ? " " + signedStops(state.viewport.exposureStops) : ""),
+                      "How linear light becomes screen colours, and the exposure of the screen in stops. Files are not touched.", 50, false, dimColour});
+    if (state.framesPerSecond > 0)
+        pieces.push_back({fmt::format("{:.0f} fps {:.1f} ms", state.framesPerSecond, state.frameCpuMs), "Frames a second while something moves, and relamp's own work for each frame", 40, false, dimColour});
+    const double resident = residentMib();
+    const double peak = std::max(peakMib(), state.document.resources.peakMib);
+    pieces.push_back({mebibytes(resident), fmt::format("Memory in use now. The most so far was {}.", mebibytes(peak)), 45, false, dimColour});
+    if (!state.gpu.empty()) pieces.push_back({elided(state.gpu, em(12)), "Graphics: " + state.gpu, 10, false, dimColour});
+    if (state.document.capture)
+        pieces.push_back(editor.unsavedChanges() ? Piece{"unsaved", "There are edits that are not in the shot's folder yet (Ctrl+S). They are saved by themselves every few seconds, for the case of a crash.", 85, false, warningColour}
+                                                 : Piece{state.document.shotFolder.empty() ? "no edits" : "saved", state.document.shotFolder.empty() ? "Nothing to save yet" : "Everything is in " + shown(state.document.shotFolder), 20, false, dimColour});
+    return pieces;
+}
+
+}  // namespace
+
+float statusBarHeight() { return ImGui::GetFrameHeight() + ImGui::GetStyle().ItemSpacing.y; }
+
+void drawStatusBar(Editor& editor) {
+    const float start = ImGui::GetCursorPosX(), room = ImGui::GetContentRegionAvail().x, gap = em(1.1f);
+    std::vector<Piece> pieces = piecesOf(editor);
+    const auto& job = editor.job();
+
+    // The job keeps at least this much; marks on the right are dropped by rank until they fit.
+    const float reserved = job ? std::min(room * 0.55f, em(30)) : em(9);
+    const auto total = [&] {
+        float sum = 0;
+        for (const Piece& piece : pieces) sum += widthOf(piece) + gap;
+        return sum;
+    };
+    while (!pieces.empty() && total() > room - reserved) pieces.erase(std::min_element(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) { return a.rank < b.rank; }));
+    const float own = room - total();
+
+    ImGui::AlignTextToFramePadding();
+    if (job) {
+        const float buttons = 2 * (ImGui::GetFrameHeight() + ImGui::GetStyle().ItemSpacing.x);
+        const std::string left = job->stopping ? "stopping..." : job->paused ? "paused" : job->secondsLeft ? "about " + duration(*job->secondsLeft) + " left" : duration(job->seconds);
+        const std::string stage = job->stage.empty() ? left : job->stage + ", " + left;
+        const float barWidth = std::min(em(7), own * 0.25f);
+        ImGui::BeginDisabled(job->stopping);
+        if (iconButton("##stop", Icon::stop, "Stops this job (Ctrl+.). An estimate keeps its best answer so far.")) editor.cancelJob();
+        ImGui::SameLine();
+        if (iconButton("##pause", job->paused ? Icon::play : Icon::pause, job->paused ? "Goes on" : "Pauses, to give the processor to something else")) editor.pauseJob(!job->paused);
+        ImGui::EndDisabled();
+        ImGui::SameLine();
+        // The buttons may have ended the job.
+        if (editor.job()) {
+            bar(job->share, {0.28f, 0.42f, 0.58f, 1}, percent(job->share), barWidth);
+            tooltip(fmt::format("{}: {} of this stage, {} so far", job->stage, percent(job->share), duration(job->seconds)));
+            ImGui::SameLine();
+            const float rest = std::max(em(2), own - buttons - barWidth - 2 * ImGui::GetStyle().ItemSpacing.x - em(0.5f));
+            const std::string whole = job->title + ": " + stage;
+            const auto fits = [&](const std::string& words) { return ImGui::CalcTextSize(words.c_str()).x <= rest; };
+            text(fits(whole) ? whole : fits(stage) ? stage : elided(left, rest, false));
+            tooltip(whole);
+        }
+    } else {
+        const EditorState& state = editor.state;
+        std::string words = !state.document.capture ? "Drop a capture here, or press Ctrl+O" : !editor.estimate() ? "Ready to estimate (Ctrl+Enter)" : shown(state.document.name());
+        if (state.selection.emitters.size() == 1) words = state.selection.active();
+        else if (!state.selection.emitters.empty()) words = fmt::format("{} lights selected", state.selection.emitters.size());
+        dimText(elided(words, own - em(0.5f), false));
+        tooltip("What is open and selected");
+    }
+    float x = start + room - total() + gap;
+    for (const Piece& piece : pieces) {
+        ImGui::SameLine(x);
+        if (piece.badge) {
+            badge(piece.words, piece.colour, piece.explanation);
+        } else {
+            ImGui::PushStyleColor(ImGuiCol_Text, piece.colour);
+            text(piece.words);
+            ImGui::PopStyleColor();
+            tooltip(piece.explanation);
+        }
+        x += widthOf(piece) + gap;
+    }
+    if (pieces.empty()) ImGui::NewLine();
+}
+
+}  // namespace relamp::ui

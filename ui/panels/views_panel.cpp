@@ -1,0 +1,129 @@
+// The photographs as thumbnails, with what the import doctor has to say about each.
+#include <cmath>
+
+#include "panels/panels.h"
+#include "panels/pictures.h"
+#include "widgets.h"
+
+namespace relamp::ui {
+namespace {
+
+/// As the import doctor warns: only where enough vertices were compared and they agree among themselves.
+bool exposureIsOdd(const ViewCheck& v) { return v.comparedVertices >= 100 && std::abs(v.exposureStops) > std::max(0.25, v.exposureScatterStops); }
+
+std::string describe(const View& view, const ViewCheck* check) {
+    std::string words = fmt::format("{}\n{} x {} pixels", shown(view.name), view.camera.width, view.camera.height);
+    if (check) {
+        words += fmt::format("\nThe mesh covers {} of the picture", percent(check->meshShare));
+        if (check->clippedShare > 0) words += fmt::format("\n{} of the pixels are clipped (too bright for the file)", percent(check->clippedShare));
+        if (check->maskedShare > 0) words += fmt::format("\n{} of the pixels are left out (masked or broken)", percent(check->maskedShare));
+        if (exposureIsOdd(*check)) words += fmt::format("\n{:.2f} stops {} than the other views of the same surfaces", std::abs(check->exposureStops), check->exposureStops > 0 ? "brighter" : "darker");
+    }
+    return words + "\n\nClick selects it, double click looks through its camera.";
+}
+
+void badges(const ImVec2& corner, const ViewCheck* check) {
+    if (!check) return;
+    struct Mark {
+        const char* word;
+        bool shown;
+    };
+    const Mark marks[] = {{"clipped", check->clippedShare > 0.01}, {"exposure", exposureIsOdd(*check)}, {"masked", check->maskedShare > 0.9}, {"off mesh", check->meshShare < 0.02}};
+    ImDrawList* list = ImGui::GetWindowDrawList();
+    float y = corner.y + em(0.2f);
+    for (const Mark& mark : marks) {
+        if (!mark.shown) continue;
+        const ImVec2 size = ImGui::CalcTextSize(mark.word);
+        list->AddRectFilled({corner.x + em(0.2f), y}, {corner.x + em(0.7f) + size.x, y + size.y}, IM_COL32(20, 20, 20, 210), em(0.2f));
+        list->AddText({corner.x + em(0.45f), y}, ImGui::GetColorU32(warningColour), mark.word);
+        y += size.y + em(0.15f);
+    }
+}
+
+}  // namespace
+
+void drawViewsPanel(Editor& editor) {
+    const Document& document = editor.state.document;
+    if (!document.capture) {
+        dimWrapped("Drop a capture here: a folder with transforms.json, photographs and a mesh. Or open one:");
+        if (primaryButton("Open...", "Chooses a capture folder or a saved shot", -FLT_MIN)) editor.state.panels.openBrowser = true;
+        for (size_t i = 0; i < std::min<size_t>(4, editor.state.recent.size()); ++i) {
+            const std::filesystem::path path = editor.state.recent[i];
+            ImGui::PushID(int(i));
+            if (ImGui::Selectable(elided(shown(path.filename()), ImGui::GetContentRegionAvail().x).c_str())) editor.open(path);
+            tooltip(shown(path));
+            ImGui::PopID();
+        }
+        return;
+    }
+    const auto& views = document.capture->views;
+    if (views.empty()) return dimText("There are no views.");
+    const float spacing = ImGui::GetStyle().ItemSpacing.x;
+    // All cells have one height, so that thousands of views cost no more than those on screen.
+    float aspect = 0.1f;
+    for (const View& view : views) aspect = std::max(aspect, view.camera.width > 0 ? float(view.camera.height) / float(view.camera.width) : 0.75f);
+    struct Grid {
+        int columns, rows;
+        float width, height, cell, whole;
+    };
+    const auto gridFor = [&](float room) {
+        Grid g{};
+        g.columns = std::max(1, int((room + spacing) / (em(6.4f) + spacing)));
+        g.width = std::floor((room - spacing * float(g.columns - 1)) / float(g.columns));
+        g.height = std::floor(g.width * std::min(aspect, 1.2f));
+        g.cell = g.height + ImGui::GetTextLineHeight() + em(0.5f);
+        g.rows = (int(views.size()) + g.columns - 1) / g.columns;
+        g.whole = float(g.rows) * (g.cell + ImGui::GetStyle().ItemSpacing.y);
+        return g;
+    };
+    const float most = em(19), room = ImGui::GetContentRegionAvail().x;
+    Grid grid = gridFor(room);
+    if (grid.whole > most) grid = gridFor(room - ImGui::GetStyle().ScrollbarSize - em(0.2f));
+    const auto [columns, rows, width, height, cell, whole] = grid;
+    if (beginChild("##views", {0, std::min(whole + em(0.2f), most)}, false)) {
+        ImGuiListClipper clipper;
+        clipper.Begin(rows, cell + ImGui::GetStyle().ItemSpacing.y);
+        while (clipper.Step())
+            for (int row = clipper.DisplayStart; row < clipper.DisplayEnd; ++row)
+                for (int column = 0; column < columns; ++column) {
+                    const int i = row * columns + column;
+                    if (i >= int(views.size())) break;
+                    const View& view = views[size_t(i)];
+                    const ViewCheck* check = document.check && size_t(i) < document.check->views.size() ? &document.check->views[size_t(i)] : nullptr;
+                    if (column > 0) ImGui::SameLine();
+                    ImGui::PushID(i);
+                    ImGui::BeginGroup();
+                    const bool selected = editor.state.selection.view == i;
+                    const float own = view.camera.width > 0 ? width * float(view.camera.height) / float(view.camera.width) : height;
+                    const float drawnWidth = own > height ? width * height / own : width, drawnHeight = std::min(own, height);
+                    const ImVec2 corner = ImGui::GetCursorScreenPos();
+                    ImGui::Dummy({width, height});
+                    ImGui::SetCursorScreenPos({corner.x + std::floor((width - drawnWidth) / 2), corner.y + std::floor((height - drawnHeight) / 2)});
+                    if (picture("##picture", viewPicture(document, size_t(i)), drawnWidth, drawnHeight, "no picture", selected)) {
+                        editor.state.selection.view = i;
+                        editor.state.selection.emitters.clear();
+                        editor.pick(std::nullopt);
+                    }
+                    const bool doubled = ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left);
+                    tooltip(describe(view, check));
+                    if (doubled) editor.state.selection.view = i, editor.state.viewport.throughView = true;
+                    badges(corner, check);
+                    ImGui::SetCursorScreenPos({corner.x, corner.y + height + em(0.1f)});
+                    const std::string name = elided(shown(std::filesystem::path(view.name).filename()), width);
+                    if (selected) text(name);
+                    else dimText(name);
+                    ImGui::SetCursorScreenPos({corner.x, corner.y + cell - 1});
+                    ImGui::Dummy({width, 1});
+                    ImGui::EndGroup();
+                    ImGui::PopID();
+                }
+    }
+    ImGui::EndChild();
+    if (editor.state.viewport.throughView) {
+        if (button("Leave the camera", "Back to the free camera of the viewport (C)", -FLT_MIN)) editor.state.viewport.throughView = false;
+    } else if (button("Look through this camera", "The viewport takes the place of the camera that took the selected photograph (C)", -FLT_MIN)) {
+        editor.state.viewport.throughView = true;
+    }
+}
+
+}  // namespace relamp::ui

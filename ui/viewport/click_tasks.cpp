@@ -1,0 +1,119 @@
+#include "viewport/click_tasks.h"
+
+#include "viewport/navigation.h"
+
+namespace relamp::ui {
+namespace {
+
+/// A piece that is made to shine sends as much as the strongest light found, so that its effect is seen at once and nothing is burnt out.
+Rgb radianceForPart(const Scene& scene, const Estimate& estimate, uint32_t vertex) {
+    Rgb strongest(0);
+    float power = 0;
+    for (size_t i = 0; i < estimate.emitters.emitters.size() && i < estimate.lighting.emitterRadiance.size(); ++i) {
+        const Rgb& radiance = estimate.lighting.emitterRadiance[i];
+        if (luminance(radiance) * estimate.emitters.emitters[i].area > power) power = luminance(radiance) * estimate.emitters.emitters[i].area, strongest = radiance;
+    }
+    if (!(power > 0)) return Rgb(1);
+    float area = 0;
+    for (size_t t = 0; t < scene.mesh.triangles.size(); ++t)
+        if (scene.piece[scene.mesh.triangles[t][0]] == scene.piece[vertex]) area += scene.mesh.triangleArea(t);
+    return strongest * std::min(1.0f, power / (luminance(strongest) * std::max(area, 1e-12f)));
+}
+
+}  // namespace
+
+std::string emitterOfTriangle(const Editor& editor, uint32_t triangle) {
+    if (const auto live = editor.liveFrame(); live && live->emitterOfTriangle) {
+        if (triangle >= live->emitterOfTriangle->size()) return {};
+        const int i = (*live->emitterOfTriangle)[triangle];
+        return i >= 0 && size_t(i) < live->emitterIds.size() ? live->emitterIds[size_t(i)] : std::string();
+    }
+    const auto estimate = editor.estimate();
+    if (!estimate || triangle >= estimate->emitters.emitterOfTriangle.size()) return {};
+    const int i = estimate->emitters.emitterOfTriangle[triangle];
+    return i >= 0 && size_t(i) < estimate->emitters.emitters.size() ? estimate->emitters.emitters[size_t(i)].id : std::string();
+}
+
+void selectInViewport(Editor& editor, const std::string& id, bool toggle) {
+    std::vector<std::string>& selected = editor.state.selection.emitters;
+    const bool had = editor.state.selection.has(id);
+    if (!toggle) selected.clear();
+    std::erase(selected, id);
+    if (!(toggle && had)) selected.push_back(id);
+}
+
+void clickSurface(Editor& editor, const std::optional<PickedPoint>& point, bool toggle) {
+    if (point) {
+        if (const std::string id = emitterOfTriangle(editor, point->triangle); !id.empty() && editor.emitter(id)) {
+            selectInViewport(editor, id, toggle);
+            editor.pick(std::nullopt);
+            return;
+        }
+    }
+    if (!toggle) editor.state.selection.emitters.clear();
+    editor.pick(point);
+}
+
+bool runClickTask(Editor& editor, const std::optional<PickedPoint>& point, const EyeView& eye) {
+    const ClickTask task = editor.state.viewport.clickTask;
+    if (task == ClickTask::none) return false;
+    const auto& scene = editor.state.document.scene;
+    const auto estimate = editor.estimate();
+    if (!scene || !estimate) {
+        editor.state.viewport.clickTask = ClickTask::none;
+        return false;
+    }
+    if (!point) return true;  // a miss: still armed
+    const std::vector<std::string> ids = editor.state.selection.emitters;
+    const std::string name = ids.size() == 1 ? ids.front() : std::to_string(ids.size()) + " lights";
+    const auto each = [&](const std::string& label, const std::function<void(Look&, const std::string&)>& change) {
+        if (ids.empty()) return;
+        editor.edit(label + " " + name, [&](Look& look) {
+            for (const std::string& id : ids) change(look, id);
+        });
+    };
+    const auto captureVertex = [&]() -> std::optional<uint32_t> {
+        uint32_t v = point->vertex;
+        if (const auto live = editor.liveFrame(); live && live->origin) v = v < live->origin->size() ? (*live->origin)[v] : ~0u;
+        return v < scene->mesh.vertexCount() ? std::optional<uint32_t>(v) : std::nullopt;
+    };
+    // The side of the surface that is seen.
+    const Vec3 toward = eye.towardEye(point->position);
+    const Vec3 normal = glm::dot(point->normal, toward) < 0 ? -point->normal : point->normal;
+    switch (task) {
+        case ClickTask::aim: each("Aim", [&](Look& look, const std::string& id) { aimEmitter(look, *scene, *estimate, id, point->position); }); break;
+        case ClickTask::reflect: {
+            const Vec3 from = eye.orthographic ? point->position + toward * (2 * sceneExtent(editor).wholeRadius) : eye.position;
+            each("Place by reflection", [&](Look& look, const std::string& id) { placeByReflection(look, *scene, *estimate, id, point->position, normal, from); });
+            break;
+        }
+        case ClickTask::illuminate:
+            each("Place by its light", [&](Look& look, const std::string& id) { placeByLight(look, *scene, *estimate, id, point->position, normal); });
+            break;
+        case ClickTask::attach: {
+            const auto vertex = captureVertex();
+            if (!vertex) return true;
+            if (!ids.empty()) editor.edit("Attach a part to " + ids.back(), [&](Look& look) { attachPart(look, *scene, *vertex, ids.back()); });
+            break;
+        }
+        case ClickTask::newPart: {
+            const auto vertex = captureVertex();
+            if (!vertex) return true;
+            std::string added;
+            editor.edit("Make a part shine", [&](Look& look) {
+                AddedEmitter part;
+                part.shape = AddedEmitter::Shape::part;
+                part.seedVertex = *vertex;
+                part.radiance = radianceForPart(*scene, *estimate, *vertex);
+                added = addEmitter(look, *estimate, part);
+            });
+            if (!added.empty() && editor.emitter(added)) editor.state.selection.emitters = {added};
+            break;
+        }
+        case ClickTask::none: break;
+    }
+    editor.state.viewport.clickTask = ClickTask::none;
+    return true;
+}
+
+}  // namespace relamp::ui

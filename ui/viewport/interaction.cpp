@@ -1,0 +1,208 @@
+#include "viewport/interaction.h"
+
+#include "keys.h"
+#include "viewport/click_tasks.h"
+#include "viewport/navigation.h"
+#include "viewport/picking.h"
+
+namespace relamp::ui {
+namespace {
+
+Vec2 mousePosition() { return {ImGui::GetIO().MousePos.x, ImGui::GetIO().MousePos.y}; }
+
+bool popupOpen() { return ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel); }
+
+GizmoKind kindOf(Tool tool) { return tool == Tool::rotate ? GizmoKind::rotate : tool == Tool::scale ? GizmoKind::scale : GizmoKind::move; }
+
+}  // namespace
+
+std::optional<std::pair<GizmoKind, GizmoFrame>> Interaction::gizmo(const Editor& editor, const Canvas& canvas) const {
+    const ViewportState& viewport = editor.state.viewport;
+    if (viewport.tool == Tool::select || viewport.clickTask != ClickTask::none) return std::nullopt;
+    const auto pivot = transformPivot(editor);
+    if (!pivot || !canvas.eye->toScreen(pivot->origin)) return std::nullopt;
+    return std::pair(kindOf(viewport.tool), gizmoFrameAt(pivot->origin, viewport.localAxes ? pivot->local : Mat3(1), *canvas.eye, gizmoPoints * canvas.scale));
+}
+
+void Interaction::moveCamera(Editor& editor, const Canvas& canvas, bool hovered, bool active) {
+    const ImGuiIO& io = ImGui::GetIO();
+    if (!editor.state.document.scene) return;
+    OrbitCamera& camera = editor.state.viewport.camera;
+    const auto leave = [&] {
+        if (editor.state.viewport.throughView) leaveView(editor);
+    };
+    if (drag_ == Drag::none && active && !gesture_.running()) {
+        const bool alt = input().alt || io.KeyAlt, shift = input().shift || io.KeyShift;
+        if (ImGui::IsMouseClicked(ImGuiMouseButton_Middle)) drag_ = shift ? Drag::pan : Drag::orbit;
+        if (ImGui::IsMouseClicked(ImGuiMouseButton_Left) && alt) drag_ = shift ? Drag::pan : Drag::orbit;
+        if (ImGui::IsMouseClicked(ImGuiMouseButton_Right)) drag_ = Drag::pan;
+    }
+    if (drag_ == Drag::orbit || drag_ == Drag::pan) {
+        const Vec2 step(io.MouseDelta.x, io.MouseDelta.y);
+        if (step != Vec2(0)) {
+            leave();
+            drag_ == Drag::orbit ? camera.orbit(step / canvas.scale) : camera.pan(step, canvas.size.y);
+        }
+        if (!active) drag_ = Drag::none;
+    }
+    if (hovered && io.MouseWheel != 0 && !popupOpen()) {
+        leave();
+        camera.zoom(io.MouseWheel);
+    }
+}
+
+void Interaction::findHovered(Editor& editor, const Canvas& canvas, const Picture& picture, const Vec2& mouse) {
+    hoveredHandle_ = GizmoHandle::none;
+    hoveredEmitter_.clear();
+    hoveredDivider_ = hoveredView_ = -1;
+    if (!hovered_ || drag_ != Drag::none || gesture_.running() || axisAt(canvas, mouse)) return;
+    if (const auto g = gizmo(editor, canvas)) hoveredHandle_ = hitTest(canvas.eye->rayAt(mouse), g->second, *canvas.eye, g->first);
+    if (hoveredHandle_ != GizmoHandle::none) return;
+    hoveredDivider_ = dividerAt(canvas, picture.strips(), mouse);
+    if (hoveredDivider_ >= 0) return;
+    hoveredEmitter_ = emitterMarkAt(canvas, mouse);
+    if (hoveredEmitter_.empty()) hoveredView_ = frustumAt(canvas, mouse);
+}
+
+void Interaction::keys(Editor& editor, const Canvas& canvas, const Vec2& mouse) {
+    const Input& in = input();
+    const float points = gizmoPoints * canvas.scale;
+    if (gesture_.running()) {
+        // Something else ended the gesture: an undo from a menu, another document.
+        if (!editor.inGesture()) {
+            gesture_.abandon(editor);
+            return;
+        }
+        if (in.pressed || !in.typed.empty()) gesture_.keys(editor, in.pressed, in.typed, in.shift, *canvas.eye);
+        return;
+    }
+    if (const auto wanted = takeTransformRequest()) gesture_.begin(editor, *wanted, GizmoHandle::screen, true, *canvas.eye, mouse, points);
+    if (popupOpen() || ImGui::GetIO().WantTextInput || editor.inGesture() || in.control || in.alt || in.shift) return;
+    if (in.pressed == 'G' || in.pressed == 'R' || in.pressed == 'S')
+        gesture_.begin(editor, in.pressed == 'G' ? GizmoKind::move : in.pressed == 'R' ? GizmoKind::rotate : GizmoKind::scale, GizmoHandle::screen, true, *canvas.eye, mouse, points);
+}
+
+void Interaction::press(Editor& editor, const Canvas& canvas, const Picture& picture, const Vec2& mouse) {
+    pressedAt_ = mouse;
+    drag_ = Drag::click;
+    if (const auto axis = axisAt(canvas, mouse)) {
+        lookAlongAxis(editor, axis->first, axis->second);
+        drag_ = Drag::none;
+        return;
+    }
+    if (const auto g = gizmo(editor, canvas)) {
+        const GizmoHandle handle = hitTest(canvas.eye->rayAt(mouse), g->second, *canvas.eye, g->first);
+        if (handle != GizmoHandle::none) {
+            gesture_.begin(editor, g->first, handle, false, *canvas.eye, mouse, gizmoPoints * canvas.scale);
+            if (gesture_.running()) drag_ = Drag::handle;
+            return;
+        }
+    }
+    if (const int divider = dividerAt(canvas, picture.strips(), mouse); divider >= 0) drag_ = Drag::divider, divider_ = divider;
+}
+
+void Interaction::click(Editor& editor, const Canvas& canvas, const Picture& picture, const Vec2& mouse) {
+    const bool toggle = input().control || ImGui::GetIO().KeyCtrl;
+    const bool inside = canvas.eye->contains(mouse);
+    const auto surface = [&]() -> std::optional<PickedPoint> {
+        return inside && picture.mesh() ? pickSurface(*picture.mesh(), canvas.eye->rayAt(mouse), picture.visible()) : std::nullopt;
+    };
+    if (editor.state.viewport.clickTask != ClickTask::none) {
+        if (runClickTask(editor, surface(), *canvas.eye)) return;
+    }
+    if (const std::string id = emitterMarkAt(canvas, mouse); !id.empty()) {
+        selectInViewport(editor, id, toggle);
+        editor.pick(std::nullopt);
+        return;
+    }
+    if (const int view = frustumAt(canvas, mouse); view >= 0) {
+        editor.state.selection.view = view;
+        return;
+    }
+    clickSurface(editor, surface(), toggle);
+}
+
+void Interaction::act(Editor& editor, const Canvas& canvas, const Picture& picture, bool hovered, bool active) {
+    const Vec2 mouse = mousePosition();
+    hovered_ = hovered;
+    if (!editor.state.document.scene) {
+        if (gesture_.running()) gesture_.abandon(editor);
+        return;
+    }
+    keys(editor, canvas, mouse);
+    findHovered(editor, canvas, picture, mouse);
+    const bool control = input().control || ImGui::GetIO().KeyCtrl, shift = input().shift || ImGui::GetIO().KeyShift;
+
+    if (gesture_.running() && gesture_.byKey()) {
+        gesture_.follow(editor, *canvas.eye, mouse, control, shift);
+        if (ImGui::IsMouseClicked(ImGuiMouseButton_Left)) gesture_.commit(editor), drag_ = Drag::none;
+        if (ImGui::IsMouseClicked(ImGuiMouseButton_Right)) gesture_.abandon(editor), drag_ = Drag::none;
+        return;
+    }
+    if (active && drag_ == Drag::none && ImGui::IsMouseClicked(ImGuiMouseButton_Left)) press(editor, canvas, picture, mouse);
+    if (hovered && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left) && editor.state.viewport.clickTask == ClickTask::none)
+        if (const int view = frustumAt(canvas, mouse); view >= 0) {
+            lookThrough(editor, view);
+            drag_ = Drag::none;
+            return;
+        }
+
+    const bool held = ImGui::IsMouseDown(ImGuiMouseButton_Left);
+    switch (drag_) {
+        case Drag::handle:
+            if (!gesture_.running()) {
+                drag_ = Drag::none;
+            } else if (ImGui::IsMouseClicked(ImGuiMouseButton_Right)) {
+                gesture_.abandon(editor), drag_ = Drag::none;
+            } else {
+                gesture_.follow(editor, *canvas.eye, mouse, control, shift);
+                if (!held) gesture_.commit(editor), drag_ = Drag::none;
+            }
+            break;
+        case Drag::divider:
+            moveDivider(canvas, divider_, mouse.x);
+            if (!held) drag_ = Drag::none;
+            break;
+        case Drag::click:
+            if (!held) {
+                if (glm::length(mouse - pressedAt_) < 5 * canvas.scale) click(editor, canvas, picture, mouse);
+                drag_ = Drag::none;
+            }
+            break;
+        default: break;
+    }
+}
+
+void Interaction::draw(const Canvas& canvas, const Picture& picture) {
+    const Editor& editor = *canvas.editor;
+    const Vec2 mouse = mousePosition();
+    if (!editor.state.document.scene) {
+        drawEmpty(canvas);
+        return;
+    }
+    drawStrips(canvas, picture.strips(), drag_ == Drag::divider ? divider_ : hoveredDivider_);
+    if (gesture_.running()) drawConstraint(canvas, gesture_.state());
+    drawPickedPoint(canvas);
+    drawEmitterMarks(canvas, hoveredEmitter_);
+    if (gesture_.running() && !gesture_.byKey()) {
+        if (const auto g = gizmo(editor, canvas)) drawGizmo(canvas, g->first, g->second, gesture_.state().handle);
+    } else if (!gesture_.running()) {
+        if (const auto g = gizmo(editor, canvas)) drawGizmo(canvas, g->first, g->second, hoveredHandle_);
+    }
+    drawLegend(canvas);
+    drawAxes(canvas, hovered_ ? mouse : Vec2(-1e6f));
+    drawFrustumName(canvas, hoveredView_);
+    if (gesture_.running()) {
+        labelAt(canvas, mouse + Vec2(18, 18) * canvas.scale, gesture_.readout());
+        if (const auto pivot = canvas.eye->toScreen(gesture_.state().frame.origin); pivot && gesture_.byKey() && gesture_.state().kind != GizmoKind::move)
+            canvas.list->AddLine(toIm(*pivot), toIm(mouse), IM_COL32(230, 230, 230, 110), canvas.scale);
+    } else if (hovered_ && editor.state.viewport.clickTask != ClickTask::none) {
+        labelAt(canvas, mouse + Vec2(18, 18) * canvas.scale, hintOf(editor.state.viewport.clickTask));
+    }
+    if (hovered_ || drag_ == Drag::divider) {
+        if (drag_ == Drag::divider || hoveredDivider_ >= 0) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
+        if (editor.state.viewport.clickTask != ClickTask::none || hoveredHandle_ != GizmoHandle::none) ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
+    }
+}
+
+}  // namespace relamp::ui

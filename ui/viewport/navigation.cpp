@@ -1,0 +1,153 @@
+#include "viewport/navigation.h"
+
+namespace relamp::ui {
+namespace {
+
+const Capture* captureOf(const Editor& editor) { return editor.state.document.capture.get(); }
+
+/// A sphere about the target fills the viewport's smaller side.
+void frameSphere(Editor& editor, const Vec3& centre, float radius) {
+    ViewportState& viewport = editor.state.viewport;
+    if (viewport.throughView) leaveView(editor);
+    const float narrow = std::min(viewport.aspect, 1.0f);
+    viewport.camera.frame(centre, radius / std::max(narrow, 0.1f));
+}
+
+}  // namespace
+
+const SceneExtent& sceneExtent(const Editor& editor) {
+    static std::weak_ptr<const Scene> measured;
+    static SceneExtent extent;
+    // Measured on the capture: a lamp that moves does not move the floor.
+    const auto& scene = editor.state.document.scene;
+    if (!scene) return extent = {};
+    if (measured.lock() != scene) {
+        extent = extentOf(scene->mesh);
+        measured = scene;
+    }
+    return extent;
+}
+
+void frameAll(Editor& editor) {
+    const SceneExtent& extent = sceneExtent(editor);
+    if (editor.state.viewport.throughView) leaveView(editor);
+    editor.state.viewport.camera.frameBox(extent.low, extent.high, editor.state.viewport.aspect);
+}
+
+void frameSelected(Editor& editor) {
+    const Selection& selection = editor.state.selection;
+    const auto live = editor.liveFrame();
+    Vec3 low(1e30f), high(-1e30f);
+    for (const std::string& id : selection.emitters) {
+        const EmitterState* emitter = editor.emitter(id);
+        if (!emitter) continue;
+        low = glm::min(low, emitter->pivot), high = glm::max(high, emitter->pivot);
+        if (!live || !live->mesh || !live->emitterOfTriangle) continue;
+        for (size_t i = 0; i < live->emitterIds.size(); ++i) {
+            if (live->emitterIds[i] != id) continue;
+            for (size_t t = 0; t < live->mesh->triangles.size(); ++t)
+                if ((*live->emitterOfTriangle)[t] == int(i))
+                    for (uint32_t v : live->mesh->triangles[t]) low = glm::min(low, live->mesh->positions[v]), high = glm::max(high, live->mesh->positions[v]);
+        }
+    }
+    const float scene = sceneExtent(editor).radius;
+    if (low.x <= high.x) {
+        // Some of the surroundings stay in sight: a lamp alone says little.
+        frameSphere(editor, 0.5f * (low + high), std::max(0.5f * glm::length(high - low) * 2.0f, 0.05f * scene));
+    } else if (selection.point) {
+        frameSphere(editor, selection.point->position, 0.2f * scene);
+    } else {
+        frameAll(editor);
+    }
+}
+
+void lookThrough(Editor& editor, int view) {
+    const Capture* capture = captureOf(editor);
+    if (!capture || view < 0 || view >= int(capture->views.size())) return;
+    editor.state.selection.view = view;
+    editor.state.viewport.throughView = true;
+}
+
+void leaveView(Editor& editor) {
+    ViewportState& viewport = editor.state.viewport;
+    const Capture* capture = captureOf(editor);
+    viewport.throughView = false;
+    const int view = editor.state.selection.view;
+    if (!capture || view < 0 || view >= int(capture->views.size())) return;
+    const Camera& camera = capture->views[size_t(view)].camera;
+    const SceneExtent& extent = sceneExtent(editor);
+    float distance = float(camera.depthOf(DVec3(extent.centre)));
+    if (const auto& scene = editor.state.document.scene; scene && scene->tracer)
+        if (const Hit hit = scene->tracer->closest({Vec3(camera.position()), Vec3(camera.forward())})) distance = hit.distance;
+    viewport.camera.matchCamera(camera, distance > 0 ? distance : extent.radius);
+    // In a viewport narrower than the photograph the letterbox made the picture smaller: more is seen above and below.
+    const float pictureAspect = float(camera.width) / float(std::max(camera.height, 1));
+    if (viewport.aspect < pictureAspect)
+        viewport.camera.verticalFov = std::min(2 * std::atan(std::tan(viewport.camera.verticalFov / 2) * pictureAspect / std::max(viewport.aspect, 0.05f)), 2.6f);
+}
+
+void toggleLookThrough(Editor& editor) {
+    if (editor.state.viewport.throughView)
+        leaveView(editor);
+    else
+        lookThrough(editor, std::max(editor.state.selection.view, 0));
+}
+
+void stepView(Editor& editor, int step) {
+    const Capture* capture = captureOf(editor);
+    if (!capture || capture->views.empty()) return;
+    const int count = int(capture->views.size());
+    editor.state.selection.view = ((editor.state.selection.view + step) % count + count) % count;
+}
+
+void lookAlongAxis(Editor& editor, int axis, int sign) {
+    if (editor.state.viewport.throughView) leaveView(editor);
+    OrbitCamera& camera = editor.state.viewport.camera;
+    const float side = sign > 0 ? 0.0f : pi;
+    if (axis == 0) camera.azimuth = side, camera.elevation = 0;
+    if (axis == 1) camera.azimuth = sign > 0 ? pi / 2 : -pi / 2, camera.elevation = 0;
+    if (axis == 2) camera.azimuth = -pi / 2, camera.elevation = float(sign) * (pi / 2 - 0.002f);
+}
+
+void toggleOrthographic(Editor& editor) {
+    if (editor.state.viewport.throughView) leaveView(editor);
+    editor.state.viewport.camera.orthographic = !editor.state.viewport.camera.orthographic;
+}
+
+std::optional<uint32_t> pickedCaptureVertex(const Editor& editor) {
+    const auto& point = editor.state.selection.point;
+    const auto& scene = editor.state.document.scene;
+    if (!point || !scene) return std::nullopt;
+    uint32_t vertex = point->vertex;
+    if (const auto live = editor.liveFrame(); live && live->origin) {
+        if (vertex >= live->origin->size()) return std::nullopt;
+        vertex = (*live->origin)[vertex];
+    }
+    if (vertex >= scene->mesh.vertexCount()) return std::nullopt;
+    return vertex;
+}
+
+void hidePicked(Editor& editor) {
+    const auto& scene = editor.state.document.scene;
+    if (!scene) return;
+    std::optional<uint32_t> vertex = pickedCaptureVertex(editor);
+    if (!vertex) {
+        const EmitterState* emitter = editor.emitter(editor.state.selection.active());
+        const auto estimate = editor.estimate();
+        if (emitter && emitter->recovered && estimate && size_t(emitter->index) < estimate->emitters.emitters.size() &&
+            !estimate->emitters.emitters[size_t(emitter->index)].vertices.empty())
+            vertex = estimate->emitters.emitters[size_t(emitter->index)].vertices.front();
+    }
+    if (vertex && *vertex < scene->piece.size()) editor.state.viewport.hiddenPieces.insert(scene->piece[*vertex]);
+}
+
+void showAll(Editor& editor) { editor.state.viewport.hiddenPieces.clear(); }
+
+void setMode(Editor& editor, ViewMode mode) { editor.state.viewport.mode = mode; }
+
+void changeExposure(Editor& editor, float stops) {
+    float& exposure = editor.state.viewport.exposureStops;
+    exposure = std::clamp(exposure + stops, -20.0f, 20.0f);
+}
+
+}  // namespace relamp::ui

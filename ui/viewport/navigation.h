@@ -1,0 +1,34 @@
+// Moving about the scene, as functions on the editor: the actions table, keys and buttons all call these. Knows no GL.
+#pragma once
+#include "editor.h"
+#include "viewport/scene_extent.h"
+
+namespace relamp::ui {
+
+/// Extent of the capture that is open; measured once.
+const SceneExtent& sceneExtent(const Editor& editor);
+
+/// The selected emitters, or the picked point, fill the viewport; without either, the whole scene does.
+void frameSelected(Editor& editor);
+void frameAll(Editor& editor);
+/// Looks through a photograph. Out of range: nothing happens.
+void lookThrough(Editor& editor, int view);
+/// Back to the orbit camera, starting from where the photograph was taken.
+void leaveView(Editor& editor);
+void toggleLookThrough(Editor& editor);
+/// Next (+1) or previous (-1) photograph, going round; looks through it when a photograph is looked through.
+void stepView(Editor& editor, int step);
+/// Looks along an axis at the orbit's target: axis 0, 1, 2 for x, y, z; `sign` +1 looks from its positive end.
+void lookAlongAxis(Editor& editor, int axis, int sign);
+void toggleOrthographic(Editor& editor);
+
+/// Hides the piece of the mesh that holds the picked point, or the active emitter's.
+void hidePicked(Editor& editor);
+void showAll(Editor& editor);
+/// The capture's vertex under the picked point; none on added shapes or without a point.
+std::optional<uint32_t> pickedCaptureVertex(const Editor& editor);
+
+void setMode(Editor& editor, ViewMode mode);
+void changeExposure(Editor& editor, float stops);
+
+}  // namespace relamp::ui

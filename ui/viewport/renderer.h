@@ -1,0 +1,78 @@
+// Draws one picture of the scene into a texture: scene-linear layers with depth, then the display transform, then lines and outlines in
+// display colours. Called only when something changed; at rest a few pictures with shifted pixels are averaged, which smooths edges.
+#pragma once
+#include <vector>
+
+#include "viewport/display_transform.h"
+#include "viewport/eye_view.h"
+#include "viewport/gpu_mesh.h"
+
+namespace relamp::ui {
+
+/// What fills a vertical strip of the picture.
+struct SceneLayer {
+    float left = 0, right = 1;        ///< share of the picture's width
+    GLuint environment = 0;           ///< latitude-longitude texture behind everything; 0: none
+    GLuint behind = 0;                ///< picture behind the mesh: the photograph
+    GpuMesh* mesh = nullptr;
+    GlBuffer* colours = nullptr;
+    bool display = false;             ///< the colours are display values
+    bool shading = false;             ///< a soft light at the eye
+    GLuint instead = 0;               ///< picture shown in place of the mesh, which then gives depth only
+};
+
+struct LineVertex {
+    Vec3 position{0};
+    Vec4 colour{1};
+};
+
+struct PictureJob {
+    EyeView eye;
+    std::vector<SceneLayer> layers;
+    float stops = 0;
+    bool falseColour = false;
+    GlBuffer* lines = nullptr;
+    size_t lineVertices = 0;
+    GpuMesh* wires = nullptr;                ///< its edges, half transparent
+    float wireStrength = 0.3f;
+    GpuMesh* outlined = nullptr;             ///< with `outlineIndices`: the triangles of the selected emitters
+    GlBuffer* outlineIndices = nullptr;
+    size_t outlineCount = 0;
+    int outlineRadius = 2;                   ///< framebuffer pixels
+    int outlineBox[4] = {0, 0, 0, 0};        ///< framebuffer pixels that may show a line: left, bottom, width, height
+};
+
+class Renderer {
+public:
+    Renderer();
+    /// The view to show through. Throws Error with the driver's log when its shader does not compile.
+    void setDisplay(const DisplayShader& shader);
+    /// Picture number `sample` of an average, 0 starts anew.
+    void draw(const PictureJob& job, int sample);
+    /// The finished picture, bottom row first.
+    GLuint texture() { return averaged_ ? average_.colour.id() : screen_.colour.id(); }
+    /// Reads the finished picture back, top row first (tests, screenshots).
+    std::vector<uint8_t> readBack(int& width, int& height);
+    static constexpr int samplesAtRest = 6;
+
+private:
+    GlProgram mesh_, picture_, environment_, display_, lines_, flat_, outline_, averaging_;
+    GlTarget scene_, screen_, average_, mask_;
+    GlTexture depth_;
+    int depthWidth_ = 0, depthHeight_ = 0;
+    GlVertexArray none_, lineArray_;
+    std::vector<GlTexture> luts_;
+    std::vector<DisplayLut> lutNames_;
+    bool averaged_ = false;
+
+    void resize(int width, int height);
+    void drawLayer(const PictureJob& job, const SceneLayer& layer, const Mat4& clipFromWorld);
+    void drawDisplay(const PictureJob& job);
+    void drawLines(const PictureJob& job, const Mat4& clipFromWorld);
+    void drawWires(const PictureJob& job, const Mat4& clipFromWorld);
+    void drawOutline(const PictureJob& job, const Mat4& clipFromWorld);
+    void addToAverage(float share);
+    void drawWhole();
+};
+
+}  // namespace relamp::ui
