@@ -25,7 +25,7 @@ void applyTheme(float scale) {
     style.TabRounding = 3;
     style.WindowBorderSize = 0;
     style.PopupBorderSize = 1;
-    style.FrameBorderSize = 0;
+    style.FrameBorderSize = 1;
     style.WindowTitleAlign = {0.02f, 0.5f};
     style.WindowMenuButtonPosition = ImGuiDir_None;
     style.DisabledAlpha = 0.5f;
@@ -37,7 +37,7 @@ void applyTheme(float scale) {
     c[ImGuiCol_WindowBg] = grey(0.165f);
     c[ImGuiCol_ChildBg] = grey(0, 0);
     c[ImGuiCol_PopupBg] = grey(0.145f, 0.99f);
-    c[ImGuiCol_Border] = grey(0.30f, 0.8f);
+    c[ImGuiCol_Border] = grey(0.33f, 0.75f);
     c[ImGuiCol_BorderShadow] = grey(0, 0);
     c[ImGuiCol_FrameBg] = grey(0.115f);
     c[ImGuiCol_FrameBgHovered] = grey(0.21f);

@@ -7,6 +7,7 @@
 
 #include "image/colour_temperature.h"
 #include "image/image_io.h"
+#include "item_map.h"
 #include "keys.h"
 
 namespace relamp::ui {
@@ -39,6 +40,11 @@ constexpr double tooltipDelay = 0.45;
 ImU32 colourOf(ImGuiCol which) { return ImGui::GetColorU32(which); }
 
 void drop() { following = {}; }
+
+/// The item drawn last under the name on the screen, for tests that press real buttons.
+void note(const char* label) {
+    if (itemMapOn()) noteItem(std::string(label, ImGui::FindRenderedTextEnd(label)));
+}
 
 }  // namespace
 
@@ -206,6 +212,7 @@ bool section(const char* title, const std::string& explanation, bool open) {
     ImGui::PushStyleColor(ImGuiCol_HeaderActive, {0.31f, 0.31f, 0.31f, 1});
     const bool result = ImGui::CollapsingHeader(title, open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
     ImGui::PopStyleColor(3);
+    note(title);
     tooltip(explanation);
     return result;
 }
@@ -244,6 +251,7 @@ bool splitter(const char* id, bool vertical, float length, float& value, float l
 
 bool button(const char* label, const std::string& explanation, float width) {
     const bool pressed = ImGui::Button(label, {width, 0});
+    note(label);
     tooltip(explanation);
     return pressed;
 }
@@ -255,6 +263,7 @@ bool primaryButton(const char* label, const std::string& explanation, float widt
     ImGui::PushStyleColor(ImGuiCol_Text, {1, 1, 1, 1});
     const bool pressed = ImGui::Button(label, {width, 0});
     ImGui::PopStyleColor(4);
+    note(label);
     tooltip(explanation);
     return pressed;
 }
@@ -291,18 +300,21 @@ bool iconTextButton(const char* label, Icon icon, const std::string& explanation
     const std::string word(label, ImGui::FindRenderedTextEnd(label));
     const std::string fits = elided(word, width - side - gap - 2 * padding.x, false);
     list->AddText({at.x + padding.x + side + gap, at.y + padding.y}, colourOf(ImGuiCol_Text), fits.c_str());
+    note(label);
     tooltip(explanation);
     return pressed;
 }
 
 bool checkbox(const char* label, bool& value, const std::string& explanation) {
     const bool changed = ImGui::Checkbox(label, &value);
+    note(label);
     tooltip(explanation);
     return changed;
 }
 
 bool radio(const char* label, bool on, const std::string& explanation) {
     const bool pressed = ImGui::RadioButton(label, on);
+    note(label);
     tooltip(explanation);
     return pressed;
 }
@@ -470,6 +482,7 @@ bool dragLook(Editor& editor, const char* id, const std::string& label, float va
     if (range.least != range.most) flags |= ImGuiSliderFlags_AlwaysClamp;
     const bool changed = ImGui::DragFloat(id, &now, range.speed, range.least, range.most, range.format, flags) && std::isfinite(now);
     if (ImGui::IsItemActive()) held = {key, now};
+    note(label.c_str());
     const bool edited = followGesture(editor, label, changed, [&](Look& look) { apply(look, now); });
     if (!explanation.empty()) tooltip(explanation + "\nDrag sideways, or double click to type. Alt is finer, Shift coarser, Esc takes it back.");
     return edited;

@@ -9,7 +9,7 @@ namespace relamp {
 struct LoadOptions {
     bool images = true;                 ///< false: cameras and mesh only
     size_t maxPixels = size_t(1) << 28; ///< pixels of one image
-    CaptureFix fix;                     ///< what the user says against the files
+    CaptureFix fix{};                   ///< what the user says against the files
 };
 
 /// Reads FOLDER/transforms.json (format: core/capture/FORMAT.md), the mesh it names and the photographs in parallel.

@@ -6,11 +6,22 @@
 namespace relamp {
 namespace {
 
-constexpr int tapsOfLevel[] = {0, 32, 128};
+constexpr int tapsOfLevel[] = {0, 32, 256};
 constexpr int fewestTaps = 8;
 constexpr size_t tapBudget = 640000;  // of a first picture: 20 ms on two cores
 constexpr uint8_t done = 2;
 constexpr float least = 1e-3f;  // of a lobe's weight and of the eye's cosine
+
+/// Point i of a Hammersley set: the most even one for a number of points that is known.
+Vec2 tapPoint(uint32_t i, int count) {
+    uint32_t reversed = i;
+    reversed = (reversed << 16) | (reversed >> 16);
+    reversed = ((reversed & 0x00ff00ffu) << 8) | ((reversed & 0xff00ff00u) >> 8);
+    reversed = ((reversed & 0x0f0f0f0fu) << 4) | ((reversed & 0xf0f0f0f0u) >> 4);
+    reversed = ((reversed & 0x33333333u) << 2) | ((reversed & 0xccccccccu) >> 2);
+    reversed = ((reversed & 0x55555555u) << 1) | ((reversed & 0xaaaaaaaau) >> 1);
+    return {(float(i) + 0.5f) / float(count), std::min(float(reversed) * 0x1p-32f, 0x1.fffffep-1f)};
+}
 
 }  // namespace
 
@@ -136,7 +147,7 @@ Rgb LiveGloss::distantLight(const GlossInputs& in, const Surface& s, int taps) c
     for (const LobeWeight& own : s.lobes)
         for (int i = 0; i < taps; ++i) {
             // The same pattern at every vertex: neighbours differ by the light alone and nothing flickers.
-            const Vec3 light = sampleGgx(s.eye, basis[own.lobe].alpha, r2Point(uint32_t(i), Vec2(0.5f, 0.5f / float(taps))));
+            const Vec3 light = sampleGgx(s.eye, basis[own.lobe].alpha, tapPoint(uint32_t(i), taps));
             if (light.z <= 0) continue;
             const Vec2 square = sphereToSquare(s.frame * light);
             const size_t quarter = grid_.quarterAt(square);
@@ -229,23 +240,23 @@ bool LiveGloss::refine(const GlossInputs& in, Progress& progress) {
     progress.check();
     std::vector<uint32_t> wanted;
     for (uint32_t i = 0; i < vertex_.size() && wanted.size() < 2048; ++i) {
-        bool any = distantLevel_[i] == 1;
-        for (size_t e = 0; e < near_.size(); ++e) any |= nearLevel_[e][i] == 1;
+        bool any = distantLevel_[i] < done;
+        for (size_t e = 0; e < near_.size(); ++e) any |= nearLevel_[e][i] < 2;
         if (any) wanted.push_back(i);
     }
     parallelFor(wanted.size(), 16, [&](size_t w) {
         const size_t i = wanted[w];
         Surface s;
         const bool facing = surfaceOf(in, i, s);
-        if (distantLevel_[i] == 1) {
-            if (facing) distant_[s.vertex] = distantLight(in, s, tapsOfLevel[2]);
+        if (distantLevel_[i] < done) {
+            distant_[s.vertex] = facing ? distantLight(in, s, tapsOfLevel[2]) : Rgb(0);
             distantLevel_[i] = done;
         }
         for (size_t e = 0; e < near_.size(); ++e) {
-            if (nearLevel_[e][i] != 1) continue;
+            if (nearLevel_[e][i] > 1) continue;
             const float seen = in.near[e].seen(s.vertex);
             const bool partly = facing && seen > 1e-3f && seen < 0.999f;
-            if (facing) near_[e][s.vertex] = nearLight(in, s, in.near[e], true, partly);
+            near_[e][s.vertex] = facing ? nearLight(in, s, in.near[e], true, partly) : Rgb(0);
             nearLevel_[e][i] = partly ? 3 : 2;
         }
     });

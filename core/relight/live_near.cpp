@@ -8,7 +8,7 @@ namespace {
 
 constexpr int samplesOfLevel[] = {0, 4, 16, 64, 256};
 /// Nearer than this many radii a lamp gets twice the samples, because that is where the picture is brightest.
-constexpr float nearRadii = 4;
+constexpr float nearRadii = 2.5f;
 constexpr size_t batch = 4096;
 
 uint64_t seedOf(uint64_t seed, size_t vertex, const NearEmitter& emitter) { return mixBits(mixBits(seed + emitter.body) ^ vertex); }

@@ -28,7 +28,7 @@ void SolveState::solveReflectance() {
     }
     gloss_ = std::move(found);
     updateAlbedo();
-    record("reflectance", int(timeline_.size()), 0, lookRmse());
+    record("reflectance", int(timeline_.size()), 0, neighbourRmse());
 }
 
 void SolveState::updateAlbedo() {
@@ -52,20 +52,22 @@ void SolveState::alternate() {
     stability_.kktResidual = step.kktResidual;
     computeLit();
     updateAlbedo();
-    record("light and reflectance in turn", int(timeline_.size()), step.after, lookRmse());
+    record("light and reflectance in turn", int(timeline_.size()), step.after, neighbourRmse());
     logInfo("light and reflectance in turn: objective {:.4g} -> {:.4g}, rmse {:.3g}", step.before, step.after, step.rmse);
 }
 
-double SolveState::lookRmse() const {
-    double sum = 0, count = 0;
-    for (size_t i = 0; i < matte_.vertices.size(); ++i) {
-        const uint32_t v = matte_.vertices[i];
-        if (matte_.pieceGlossy[scene_.piece[v]] >= 2) continue;
-        const Rgb d = albedo_.albedo[v] * lit_[i] - matte_.radiance[i];
-        sum += double(glm::dot(d, d)) / 3;
-        ++count;
+double SolveState::neighbourRmse() const {
+    double squares = 0, counted = 0;
+    for (const AlbedoPair& p : pairs_) {
+        if (p.weight != 1) continue;
+        for (int c = 0; c < 3; ++c) {
+            const double a = double(matte_.radiance[p.a][c]) * double(lit_[p.b][c]), b = double(matte_.radiance[p.b][c]) * double(lit_[p.a][c]);
+            const double step = 2 * (a - b) / std::max(a + b, 1e-30);
+            squares += std::pow(std::clamp(step, -1.0, 1.0) * double(matte_.radiance[p.a][c]), 2);
+            ++counted;
+        }
     }
-    return std::sqrt(sum / std::max(1.0, count));
+    return std::sqrt(squares / std::max(1.0, counted));
 }
 
 void SolveState::assembleEnvironment(Estimate& estimate) const {
@@ -260,7 +262,7 @@ Estimate SolveState::finish() {
     if (environmentBlack_) estimate.leftOut.push_back({"distant light", "it gives less than half a percent of the light on the surfaces"});
     estimate.leftOut.push_back({"interreflection", "direct light only in this version"});
     if (lighting_.leaves.size() >= options_.maxLeaves) estimate.leftOut.push_back({"finer distant light", fmt::format("the limit of {} unknowns was reached", options_.maxLeaves)});
-    record("done", 0, 0, lookRmse());
+    record("done", 0, 0, neighbourRmse());
     estimate.timeline = timeline_;
     return estimate;
 }

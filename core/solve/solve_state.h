@@ -76,7 +76,9 @@ private:
     void computeLit();
     /// Albedo of every vertex under the present light; metals have none.
     void updateAlbedo();
-    double lookRmse() const;
+    /// Root mean square error of predicting each matte point's radiance from a neighbour's under the present light: the same measure in
+    /// every stage and mode, because albedo cancels and cannot hide what the light gets wrong. Needs lit_.
+    double neighbourRmse() const;
     void record(const std::string& stage, int iteration, double objective, double rmse);
     /// Lighting, environment picture, emitters and reflectance as they stand, before the gauge.
     Estimate assemble() const;

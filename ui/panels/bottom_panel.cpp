@@ -1,4 +1,5 @@
 // The strip at the bottom: timeline, all lights in a wide table, log, history.
+#include "item_map.h"
 #include "panels/panels.h"
 #include "widgets.h"
 
@@ -18,11 +19,13 @@ void drawBottomPanel(Editor& editor) {
                         {"Log", "What has happened so far", drawLogPanel},
                         {"History", "Every edit by name; a click goes there", drawHistoryPanel}};
     const int asked = wanted;
+    const bool fromOutside = asked != shownTab;
     for (int i = 0; i < 4; ++i) {
-        const bool open = ImGui::BeginTabItem(tabs[i].label, nullptr, asked == i && shownTab != i ? ImGuiTabItemFlags_SetSelected : 0);
+        const bool open = ImGui::BeginTabItem(tabs[i].label, nullptr, fromOutside && asked == i ? ImGuiTabItemFlags_SetSelected : 0);
+        noteItem(std::string("tab ") + tabs[i].label);
         tooltip(tabs[i].explanation);
         if (!open) continue;
-        if (shownTab == asked || asked == i) wanted = shownTab = i;
+        if (!fromOutside || asked == i) wanted = shownTab = i;
         if (beginChild("##content", {0, 0})) tabs[i].draw(editor);
         ImGui::EndChild();
         ImGui::EndTabItem();

@@ -1,4 +1,6 @@
 // Every command by a few of its letters.
+#include <algorithm>
+
 #include "actions.h"
 #include "panels/dialogs.h"
 #include "widgets.h"
@@ -40,6 +42,13 @@ int fuzzyScore(const std::string& label, const std::string& words) {
     return score * 100 - int(std::min<size_t>(99, label.size()));
 }
 
+namespace {
+bool mentions(const std::string& sentence, const std::string& words) {
+    const auto low = [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; };
+    return words.size() > 2 && std::search(sentence.begin(), sentence.end(), words.begin(), words.end(), [&](char a, char b) { return low(a) == low(b); }) != sentence.end();
+}
+}  // namespace
+
 bool drawCommandPalette(Editor& editor) {
     static std::string words;
     static int selected = 0;
@@ -55,8 +64,9 @@ bool drawCommandPalette(Editor& editor) {
     };
     std::vector<Row> rows;
     for (const Action& action : actions()) {
-        const int byLabel = fuzzyScore(action.label, words), byExplanation = words.empty() ? -1 : fuzzyScore(action.explanation, words);
-        const int score = byLabel >= -99 && byLabel != -1 ? byLabel + 1000 : byExplanation > 400 ? byExplanation : -1;
+        // Labels by loose letters, explanations by whole words only: letters scattered over a sentence mean nothing.
+        const int byLabel = fuzzyScore(action.label, words);
+        const int score = byLabel >= 0 ? byLabel + 1000 : mentions(action.explanation, words) ? 1 : -1;
         if (words.empty() || score > 0) rows.push_back({&action, score, !action.enabled || action.enabled(editor)});
     }
     if (!words.empty()) std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.enabled != b.enabled ? a.enabled : a.score > b.score; });

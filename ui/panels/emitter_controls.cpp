@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "item_map.h"
 #include "widgets.h"
 
 namespace relamp::ui {
@@ -142,6 +143,7 @@ void muteButton(Editor& editor, const EmitterState& emitter, float size) {
             for (const std::string& target : targets) setEnabled(look, target, !on);
         });
     }
+    noteItem("mute " + emitter.id);
 }
 
 void soloButton(Editor& editor, const EmitterState& emitter, float size) {
@@ -153,6 +155,7 @@ void soloButton(Editor& editor, const EmitterState& emitter, float size) {
             if (!on) solo.push_back(target);
         }
     }
+    noteItem("solo " + emitter.id);
 }
 
 void resetEmitters(Editor& editor, const std::vector<std::string>& ids, EmitterValue value) {
@@ -320,7 +323,9 @@ void addEmitterButton(Editor& editor, float width) {
 std::string evidenceInShort(const Editor& editor, const EmitterState& emitter) {
     const EmitterCluster* cluster = clusterOf(editor, emitter);
     if (!cluster) return {};
-    std::string words = fmt::format("{} view{}, {} look-ups", cluster->evidence.viewsSeen, cluster->evidence.viewsSeen == 1 ? "" : "s", count(cluster->evidence.samples));
+    std::string words = fmt::format("{} view{}", cluster->evidence.viewsSeen, cluster->evidence.viewsSeen == 1 ? "" : "s");
+    // A shot that was opened again does not know how many there were.
+    if (cluster->evidence.samples > 0) words += fmt::format(", {} look-ups", count(cluster->evidence.samples));
     if (cluster->evidence.clippedShare > 0.005f) words += fmt::format(", {} clipped", percent(double(cluster->evidence.clippedShare)));
     return words;
 }

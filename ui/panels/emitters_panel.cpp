@@ -1,4 +1,5 @@
 // The lights as a table, with as many columns as there is room for. Edits go to every selected row at once.
+#include "item_map.h"
 #include "panels/emitter_controls.h"
 #include "panels/panels.h"
 #include "report/vertex_pictures.h"
@@ -59,6 +60,7 @@ void drawEmittersPanel(Editor& editor) {
             ImGui::AlignTextToFramePadding();
             if (ImGui::Selectable("##row", selected, ImGuiSelectableFlags_SpanAllColumns | ImGuiSelectableFlags_AllowItemOverlap, {0, side}))
                 selectEmitter(editor, emitter.id, ImGui::GetIO().KeyCtrl, ImGui::GetIO().KeyShift);
+            noteItem("row " + emitter.id);
             const bool weak = emitter.recovered && identifiabilityOf(editor, emitter) >= 0 && identifiabilityOf(editor, emitter) < weakIdentifiability;
             tooltip(fmt::format("{}{}\nClick selects it; Ctrl and Shift select several, and an edit then goes to all of them. Right click for more.", emitter.id,
                                 weak ? "\nHard to tell from distant light" : ""));

@@ -1,6 +1,7 @@
 // Light from far away: as recovered, none, or a picture; turned, brightened and tinted.
 #include <cmath>
 
+#include "item_map.h"
 #include "panels/dialogs.h"
 #include "panels/panels.h"
 #include "panels/pictures.h"
@@ -18,6 +19,7 @@ void panorama(Editor& editor, const char* id, const EnvironmentPicture& picture,
     const ImVec2 at = ImGui::GetCursorScreenPos(), end{at.x + width, at.y + height};
     static float dragStart = 0;
     ImGui::InvisibleButton(id, {width, height});
+    noteItem(std::string("panorama ") + (id + 2));
     if (ImGui::IsItemActivated()) dragStart = yaw;
     const float moved = ImGui::GetMouseDragDelta(ImGuiMouseButton_Left, 2).x;
     if (used) {

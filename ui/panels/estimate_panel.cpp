@@ -154,7 +154,7 @@ void drawEstimateSettings(Editor& editor) {
     gaugeSettings(editor);
     dimText("Kinds of light");
     if (radio("Lamps and distant light", solve.nearField, "Finds lamps that stand in the scene as well as light from far away. This is what you want.")) solve.nearField = true;
-    if (radio("Distant light only", !solve.nearField, "The older way, which knows no lamps in the scene: for comparison. Its result is shown beside the other one (view modes 5 and 9) and replaces nothing.")) solve.nearField = false;
+    if (radio("Distant only, to compare", !solve.nearField, "The older way, which knows no lamps in the scene: for comparison. Its result is shown beside the other one (view modes 5 and 9) and replaces nothing.")) solve.nearField = false;
     dimText("Time limit");
     float minutes = float(solve.budgetSeconds / 60);
     ImGui::SetNextItemWidth(-FLT_MIN);

@@ -125,7 +125,7 @@ bool drawExportDialog(Editor& editor) {
 
     row("Samples");
     ImGui::SetNextItemWidth(em(8));
-    ImGui::SliderInt("##samples", &request.samples, 1, 256, "%d a pixel", ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_Logarithmic);
+    ImGui::DragInt("##samples", &request.samples, 0.2f, 1, 1024, "%d a pixel", ImGuiSliderFlags_AlwaysClamp);
     tooltip("More samples give less noise and take longer in proportion. 8 is a test, 64 is clean.");
 
     row("Layers");

@@ -1,5 +1,6 @@
 // The import doctor: what was noticed about cameras, exposure and mesh before anything is estimated, and what to do about it.
 #include <cmath>
+#include <optional>
 
 #include "panels/dialogs.h"
 #include "panels/pictures.h"
@@ -11,8 +12,8 @@ namespace {
 /// What to do about a warning, told from its words.
 std::string adviceFor(const std::string& warning) {
     const auto has = [&](const char* part) { return warning.find(part) != std::string::npos; };
-    if (has("OpenCV axes")) return "Flip the second and third column of every transform_matrix, or export with OpenGL axes.";
-    if (has("set \"up\"")) return "Write \"up\": the axis named here into transforms.json, then open the capture again.";
+    if (has("OpenCV axes")) return "Flip the cameras' axes below, or export with OpenGL axes.";
+    if (has("set \"up\"")) return "Turn the world below when it stands on its side; ignore this when the cameras were really tilted.";
     if (has("clipped")) return "Add darker exposures of the same view, or accept that what is clipped is known only as \"at least this bright\".";
     if (has("stops")) return "Develop all photographs with the same settings, or leave this one out.";
     if (has("covers")) return "Turn on the mesh overlay and look through this camera: mesh and photograph should lie on each other.";
@@ -25,6 +26,37 @@ std::string adviceFor(const std::string& warning) {
     if (has("m across")) return "Scale mesh and cameras together, so that one unit is a metre.";
     if (has("faces") || has("vertices") || has("edges")) return "It was repaired; nothing has to be done.";
     return "";
+}
+
+/// Sets right what the files say about their axes; the capture is then read again.
+void axes(Editor& editor, const CaptureCheck& check) {
+    const CaptureFix now = editor.state.document.fix;
+    std::optional<CaptureFix> wanted;
+    ImGui::BeginDisabled(editor.job().has_value());
+    if (!check.upGuess.empty() && check.upGuess != check.up) {
+        warningText(fmt::format("The world may stand on its side. The cameras think that {} is up.", check.upGuess));
+        if (button(fmt::format("Turn it: {} is up", check.upGuess).c_str(), "Reads the capture again with this axis up. The files are not touched.")) wanted = CaptureFix{check.upGuess, now.flipCameras};
+    }
+    if (check.lookBackwards) {
+        warningText("The cameras look away from the mesh.");
+        if (button("Flip the cameras", "Reads the matrices as OpenCV's (Y down, looking along +Z). The files are not touched.")) wanted = CaptureFix{now.up, !now.flipCameras};
+    }
+    ImGui::AlignTextToFramePadding();
+    dimText("Up in the files");
+    ImGui::SameLine();
+    ImGui::SetNextItemWidth(em(8));
+    if (ImGui::BeginCombo("##up", now.up.empty() ? "as they say" : now.up.c_str())) {
+        for (const char* axis : {"", "z", "-z", "y", "-y", "x", "-x"})
+            if (ImGui::Selectable(*axis ? axis : "as they say", now.up == axis) && now.up != axis) wanted = CaptureFix{axis, now.flipCameras};
+        ImGui::EndCombo();
+    }
+    tooltip("The axis that points up in the capture's files. The scene is turned so that it stands upright; the files are not touched.");
+    bool flip = now.flipCameras;
+    sameLineIfFits(em(12));
+    if (checkbox("Cameras flipped", flip, "Reads the camera matrices as OpenCV's: Y down, looking along +Z. For cameras that look away from the mesh.")) wanted = CaptureFix{now.up, flip};
+    ImGui::EndDisabled();
+    if (editor.estimate()) dimWrapped("A change here reads the capture again; the present estimate and its edits then go.");
+    if (wanted) editor.fixCapture(*wanted);
 }
 
 void viewTable(Editor& editor, const CaptureCheck& check, float height) {
@@ -105,8 +137,7 @@ void drawImportDoctor(Editor& editor) {
             }
             heading("Axes");
             wrapped(fmt::format("Up is {} by the file{}.", check->up.empty() ? "z" : check->up, check->upGuess.empty() ? "" : check->upGuess == check->up ? ", and the cameras agree" : ", but the cameras' own up is nearest to " + check->upGuess));
-            if (!check->upGuess.empty() && check->upGuess != check->up) warningText(fmt::format("To fix it, write \"up\": \"{}\" into transforms.json. Ignore this when the cameras were really tilted.", check->upGuess));
-            if (check->lookBackwards) warningText("The cameras look away from the mesh. To fix it, flip the Y and Z columns of the matrices (OpenCV to OpenGL).");
+            axes(editor, *check);
             heading("Surface");
             fact("Seen", fmt::format("{} of the surface, {} twice or more", percent(check->seenShare), percent(check->seenTwiceShare)), "Surfaces that no photograph shows are guessed from those around them");
             fact("Views a point", fmt::format("{:.1f}", check->meanViewsPerVertex), "Photographs that show a point of the surface, on average");

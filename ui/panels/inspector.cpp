@@ -56,7 +56,7 @@ void inspectScene(Editor& editor) {
     }
     heading("Estimate");
     fact("Lights", fmt::format("{} recovered", estimate->emitters.emitters.size()));
-    fact("Distant light", fmt::format("{} patches of sky", estimate->lighting.leaves.size()), "Unknowns of the environment: bright parts are divided more finely");
+    if (estimate->lighting.leaves.size() > 0) fact("Distant light", fmt::format("{} patches of sky", estimate->lighting.leaves.size()), "Unknowns of the environment: bright parts are divided more finely");
     fact("Brightness", estimate->gauge.kind == "assumed" ? "assumed" : "measured", "Brightness scale: how light and surface brightness were told apart");
     dimWrapped(estimate->gauge.evidence);
     if (estimate->gauge.kind == "assumed") warningText("All lights may be too bright and all surfaces too dark by one factor, or the other way round.");

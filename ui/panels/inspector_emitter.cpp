@@ -62,7 +62,8 @@ void triple(Editor& editor, const char* name, const std::string& label, const Ve
     tooltip(explanation);
     const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemInnerSpacing.x) / 3;
     constexpr const char* ids[] = {"##x", "##y", "##z"};
-    constexpr const char* axes[] = {"X: ", "Y: ", "Z: "};
+    const bool colour = std::string(name).starts_with("Radiance");
+    const char* const axes[] = {colour ? "Red: " : "X: ", colour ? "Green: " : "Y: ", colour ? "Blue: " : "Z: "};
     const ImU32 marks[] = {IM_COL32(196, 92, 92, 255), IM_COL32(110, 168, 92, 255), IM_COL32(92, 130, 200, 255)};
     for (int k = 0; k < 3; ++k) {
         if (k) ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
@@ -207,7 +208,7 @@ void evidence(Editor& editor, const EmitterState& emitter) {
     const EmitterCluster& cluster = estimate->emitters.emitters[size_t(emitter.index)];
     const EmitterEvidence& e = cluster.evidence;
     const float sigma = uncertaintyOf(editor, emitter), identifiability = identifiabilityOf(editor, emitter);
-    wrapped(fmt::format("Seen in {} photograph{}, {} look-ups on {} triangles.", e.viewsSeen, e.viewsSeen == 1 ? "" : "s", count(e.samples), count(cluster.triangles.size())));
+    wrapped(fmt::format("Seen in {} photograph{}, {}{} triangles.", e.viewsSeen, e.viewsSeen == 1 ? "" : "s", e.samples ? count(e.samples) + " look-ups on " : "", count(cluster.triangles.size())));
     if (e.sceneContrast > 0) wrapped(fmt::format("It is {:.3g} times as bright as the brightest other surfaces.", e.sceneContrast));
     if (sigma >= 0) wrapped(fmt::format("Its brightness is known to about {}.", percent(double(sigma))));
     if (e.clippedShare > 0.005f) warningText(fmt::format("{} of the pixels that see it are clipped: it may be brighter than it looks.", percent(double(e.clippedShare))));

@@ -1,5 +1,6 @@
 // Menus, read from the table of actions.
 #include "actions.h"
+#include "item_map.h"
 #include "panels/panels.h"
 #include "widgets.h"
 
@@ -37,6 +38,7 @@ void drawMenuBar(Editor& editor) {
             const std::string keys = action.keys.empty() ? "" : action.keys.front().text();
             const bool enabled = !action.enabled || action.enabled(editor), checked = action.checked && action.checked(editor);
             if (ImGui::MenuItem((action.label + "##" + action.id).c_str(), keys.c_str(), checked, enabled)) wanted = &action;
+            noteItem("menu " + action.id);
             tooltip(action.explanation);
             if (action.id == "file.open") drawRecent(editor);
         }

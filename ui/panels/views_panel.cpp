@@ -1,6 +1,7 @@
 // The photographs as thumbnails, with what the import doctor has to say about each.
 #include <cmath>
 
+#include "item_map.h"
 #include "panels/panels.h"
 #include "panels/pictures.h"
 #include "widgets.h"
@@ -76,7 +77,8 @@ void drawViewsPanel(Editor& editor) {
         g.whole = float(g.rows) * (g.cell + ImGui::GetStyle().ItemSpacing.y);
         return g;
     };
-    const float most = em(19), room = ImGui::GetContentRegionAvail().x;
+    // A third of the column at least is left to what comes below.
+    const float most = std::clamp(0.45f * ImGui::GetWindowHeight(), em(8), em(19)), room = ImGui::GetContentRegionAvail().x;
     Grid grid = gridFor(room);
     if (grid.whole > most) grid = gridFor(room - ImGui::GetStyle().ScrollbarSize - em(0.2f));
     const auto [columns, rows, width, height, cell, whole] = grid;
@@ -104,6 +106,7 @@ void drawViewsPanel(Editor& editor) {
                         editor.state.selection.emitters.clear();
                         editor.pick(std::nullopt);
                     }
+                    noteItem(fmt::format("view {}", i));
                     const bool doubled = ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left);
                     tooltip(describe(view, check));
                     if (doubled) editor.state.selection.view = i, editor.state.viewport.throughView = true;

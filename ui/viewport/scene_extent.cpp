@@ -28,7 +28,7 @@ SceneExtent extentOf(const Mesh& mesh) {
     extent.radius = std::max(0.5f * glm::length(high - low), 1e-4f);
     extent.wholeCentre = 0.5f * (lowest + highest);
     extent.wholeRadius = std::max(0.5f * glm::length(highest - lowest), 1e-4f);
-    extent.ground = std::abs(low.z) < 0.1f * extent.radius ? 0.0f : low.z;
+    extent.ground = std::abs(low.z) < 0.004f * extent.radius ? 0.0f : low.z;
     return extent;
 }
 

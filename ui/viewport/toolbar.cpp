@@ -82,7 +82,7 @@ void drawToolIcon(ImDrawList* list, Tool tool, const ImVec2& at, float size, ImU
 
 void modeButtons(Editor& editor, Flow& flow, float available) {
     float all = 0;
-    const float pad = em(0.8f), gap = std::floor(em(0.15f));
+    const float pad = em(0.7f), gap = std::floor(em(0.15f));
     for (int m = 1; m <= 9; ++m) all += ImGui::CalcTextSize(fmt::format("{} {}", m, nameOf(ViewMode(m))).c_str()).x + pad + gap;
     // Names where they all fit; else numbers, and the name of the present one.
     const bool named = all < available - em(0.7f);
@@ -100,7 +100,7 @@ void modeButtons(Editor& editor, Flow& flow, float available) {
 
 void drawViewportToolbar(Editor& editor) {
     ViewportState& viewport = editor.state.viewport;
-    const float available = ImGui::GetContentRegionAvail().x, side = ImGui::GetFrameHeight(), group = em(0.7f);
+    const float available = ImGui::GetContentRegionAvail().x, side = ImGui::GetFrameHeight(), group = em(0.5f);
     Flow flow;
     modeButtons(editor, flow, available);
 
@@ -137,7 +137,7 @@ void drawViewportToolbar(Editor& editor) {
     if (std::find(display.views().begin(), display.views().end(), viewport.displayView) == display.views().end()) viewport.displayView = display.defaultView();
     float viewWidth = 0;
     for (const std::string& name : display.views()) viewWidth = std::max(viewWidth, ImGui::CalcTextSize(name.c_str()).x);
-    viewWidth = std::min(viewWidth + side + em(0.9f), roomy ? em(9) : em(6.2f));
+    viewWidth = std::min(viewWidth + side + em(0.9f), roomy ? em(9) : em(5.6f));
     flow.place(viewWidth);
     ImGui::SetNextItemWidth(viewWidth);
     if (ImGui::BeginCombo("##display", viewport.displayView.c_str())) {

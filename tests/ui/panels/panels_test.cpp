@@ -359,6 +359,23 @@ TEST(EnvironmentPanel, noneAndBackAgain) {
     EXPECT_EQ(p.editor->look().environment.source, EnvironmentLook::Source::recovered);
 }
 
+TEST(BottomPanel, aClickOnATabShowsIt) {
+    Panels p;
+    p.openSolved();
+    p.editor->state.panels.bottomTab = 0;
+    p.windowSize(1000, 300);
+    p.frame([&] { drawBottomPanel(*p.editor); });
+    p.frames(3);
+    for (const int wanted : {1, 3, 0, 2}) {
+        const char* const names[] = {"Timeline", "Lights", "Log", "History"};
+        const auto at = p.find(Panels::idOf("test", {"##bottom", names[wanted]}));
+        ASSERT_TRUE(at) << names[wanted];
+        p.click(*at);
+        p.frames(3);
+        EXPECT_EQ(p.editor->state.panels.bottomTab, wanted);
+    }
+}
+
 TEST(Palette, aFewLettersAndEnterRunACommand) {
     Panels p;
     p.openSolved();
@@ -452,6 +469,19 @@ TEST(HistoryPanel, aClickGoesThere) {
     p.click({60, top + line * (float(start) + 0.4f)});
     EXPECT_EQ(p.editor->history().index(), start);
     EXPECT_EQ(p.editor->history().entries().size(), start + 3);
+}
+
+TEST(ImportDoctor, drawsACaptureThatStandsOnItsSide) {
+    Panels p;
+    p.openCapture();
+    p.editor->state.panels.doctor = true;
+    p.frame({});
+    p.frames(3);
+    p.editor->fixCapture({"y", false});
+    p.until([&] { return !p.editor->job(); });
+    p.frames(3);
+    EXPECT_EQ(p.editor->state.document.fix.up, "y");
+    EXPECT_NE(p.editor->state.document.check->upGuess, p.editor->state.document.check->up);
 }
 
 TEST(ExportDialog, saysWhatIsWrongBeforeItStarts) {
