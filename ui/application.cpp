@@ -44,13 +44,15 @@ public:
         input().pressed = 0;
         input().typed.clear();
         if (queue_.empty()) return;
-        if (gui.typing()) {
-            // Only commands with Ctrl reach past a text field, and not those that edit text.
-            queue_.clear();
-            return;
-        }
         const KeyPress key = queue_.front();
         queue_.pop_front();
+        if (gui.typing()) {
+            // A text field takes the text; what steers a dialog is told to it as well, because ImGui 1.86 misses a key that goes down
+            // and up within one frame.
+            for (int steering : {keyEscape, keyEnter, keyPadEnter, keyUp, keyDown})
+                if (key.key == steering) input().pressed = key.key;
+            return;
+        }
         if (!gui.popupOpen() && !dialogOpen(editor) && !editor.inGesture() && key.key && runKey(editor, {key.key, key.control, key.shift, key.alt})) return;
         input().pressed = key.key;
         input().typed = key.text;

@@ -35,13 +35,13 @@ void drawLayout(Editor& editor, Viewport* viewport, const std::string& reason) {
     }
     const ImVec2 screen = ImGui::GetIO().DisplaySize;
     const float top = ImGui::GetFrameHeight(), status = statusBarHeight(), gap = std::max(4.0f, std::floor(5 * scale));
-    // Side columns leave the picture at least 320 pixels (at scale 1); the bottom strip leaves it 200.
+    // Side columns leave the picture at least 320 pixels (at scale 1); the bottom strip takes a third of the height at most.
     const float spare = std::max(0.0f, screen.x - 320 * scale - 2 * gap);
     float left = std::min(p.leftWidth * scale, spare * 0.5f), right = std::min(p.rightWidth * scale, spare * 0.5f);
     left = std::floor(std::max(left, std::min(200 * scale, screen.x * 0.25f)));
     right = std::floor(std::max(right, std::min(200 * scale, screen.x * 0.25f)));
     const float bodyHeight = screen.y - top - status;
-    const float bottom = std::floor(std::clamp(p.bottomHeight * scale, 60 * scale, std::max(60 * scale, bodyHeight - 200 * scale)));
+    const float bottom = std::floor(std::clamp(p.bottomHeight * scale, 60 * scale, std::max(60 * scale, 0.35f * bodyHeight)));
     const float columnsHeight = bodyHeight - bottom - gap;
     const float middleX = left + gap, middleWidth = screen.x - left - right - 2 * gap;
 

@@ -23,7 +23,7 @@ void applyTheme(float scale) {
     style.ScrollbarRounding = 6;
     style.GrabRounding = 3;
     style.TabRounding = 3;
-    style.WindowBorderSize = 0;
+    style.WindowBorderSize = 1;
     style.PopupBorderSize = 1;
     style.FrameBorderSize = 1;
     style.WindowTitleAlign = {0.02f, 0.5f};

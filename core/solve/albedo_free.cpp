@@ -106,7 +106,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
             });
         }
     };
-    // The robust objective; fills `robust`, and rmse of predicting a vertex from its neighbour.
+    // The robust objective; fills `robust`, and rmse of predicting a vertex from one some steps or a corner away.
     std::vector<float> viewWeight(viewRows ? viewRows->radiance.size() : 0);
     const auto evaluate = [&](const Eigen::VectorXd* light, const Eigen::VectorXf* at, double scale, double* rmse) {
         std::fill(mixing.begin(), mixing.end(), Rgb(0));
@@ -137,7 +137,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
                     double variance = 1;
                     const double r = pairResidual(p, c, at[c](p.a), at[c](p.b), variance);
                     mean += r * r / variance / 3;
-                    if (p.weight == 1) {
+                    if (p.weight != 1) {
                         s.squares += std::pow(std::clamp(r, -1.0, 1.0) * matte.radiance[p.a][c], 2);
                         ++s.counted;
                     }

@@ -59,7 +59,7 @@ void SolveState::alternate() {
 double SolveState::neighbourRmse() const {
     double squares = 0, counted = 0;
     for (const AlbedoPair& p : pairs_) {
-        if (p.weight != 1) continue;
+        if (p.weight == 1) continue;  // neighbours along an edge are lit alike whatever the light
         for (int c = 0; c < 3; ++c) {
             const double a = double(matte_.radiance[p.a][c]) * double(lit_[p.b][c]), b = double(matte_.radiance[p.b][c]) * double(lit_[p.a][c]);
             const double step = 2 * (a - b) / std::max(a + b, 1e-30);

@@ -76,7 +76,7 @@ private:
     void computeLit();
     /// Albedo of every vertex under the present light; metals have none.
     void updateAlbedo();
-    /// Root mean square error of predicting each matte point's radiance from a neighbour's under the present light: the same measure in
+    /// Root mean square error of predicting a matte point's radiance from another's some steps or a corner away, under the present light: the same measure in
     /// every stage and mode, because albedo cancels and cannot hide what the light gets wrong. Needs lit_.
     double neighbourRmse() const;
     void record(const std::string& stage, int iteration, double objective, double rmse);
