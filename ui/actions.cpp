@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "panels/emitter_controls.h"
 #include "viewport/navigation.h"
 
 namespace relamp::ui {
@@ -12,11 +13,6 @@ bool hasEstimate(const Editor& e) { return e.estimate() != nullptr; }
 bool idle(const Editor& e) { return !e.job(); }
 bool canSolve(const Editor& e) { return hasDocument(e) && idle(e); }
 bool hasSelection(const Editor& e) { return hasEstimate(e) && !e.state.selection.emitters.empty(); }
-
-std::string names(const Editor& e) {
-    const std::vector<std::string>& ids = e.state.selection.emitters;
-    return ids.size() == 1 ? ids[0] : std::to_string(ids.size()) + " emitters";
-}
 
 void scaleUi(Editor& e, float factor) { e.state.uiScale = std::clamp(e.state.uiScale * factor, 0.75f, 3.0f); }
 
@@ -33,37 +29,14 @@ Action modeAction(int n) {
     return a;
 }
 
-/// A place in front of the eye, for new emitters.
-AddedEmitter inFrontOfEye(const Editor& e, AddedEmitter::Shape shape) {
-    const Scene& scene = *e.state.document.scene;
-    const OrbitCamera& camera = e.state.viewport.camera;
-    AddedEmitter added;
-    added.shape = shape;
-    added.size = Vec2(0.08f * scene.diagonal);
-    // Above what is looked at, facing down: the shapes face -Z.
-    added.matrix[3] = Vec4(camera.target + Vec3(0, 0, 0.3f * scene.diagonal), 1);
-    float strongest = 0;
-    for (const EmitterState& s : e.emitters())
-        if (luminance(s.recoveredRadiance) > strongest) {
-            strongest = luminance(s.recoveredRadiance);
-            added.radiance = s.recoveredRadiance;
-        }
-    if (!(strongest > 0)) added.radiance = Rgb(10);
-    return added;
-}
-
 Action addAction(const char* id, const char* label, AddedEmitter::Shape shape) {
     Action a;
     a.id = id;
     a.label = label;
-    a.explanation = "A new light above what you look at; move it with G, turn it with R.";
+    a.explanation = "A new light in front of what you look at; move it with G, turn it with R.";
     a.menu = "Light";
     a.enabled = hasEstimate;
-    a.run = [shape, label](Editor& e) {
-        std::string added;
-        e.edit(label, [&](Look& look) { added = addEmitter(look, *e.estimate(), inFrontOfEye(e, shape)); });
-        e.state.selection.emitters = {added};
-    };
+    a.run = [shape](Editor& e) { addNewEmitter(e, shape); };
     return a;
 }
 
@@ -101,29 +74,18 @@ std::vector<Action> makeActions() {
              const EmitterState* active = e.emitter(e.state.selection.active());
              if (!active) return;
              const bool on = !active->enabled;
-             e.edit((on ? "Switch on " : "Switch off ") + names(e), [&](Look& look) { for (const std::string& id : e.state.selection.emitters) setEnabled(look, id, on); });
+             e.edit((on ? "Switch on " : "Switch off ") + namesOf(e.state.selection.emitters), [&](Look& look) { for (const std::string& id : e.state.selection.emitters) setEnabled(look, id, on); });
          },
          hasSelection, {}, true});
     add({"light.solo", "Solo", "Show only the selected lights; press again to see all. Files are not affected.", "Light", {{'M', false, true}},
          [](Editor& e) { e.state.viewport.solo = e.state.viewport.solo == e.state.selection.emitters ? std::vector<std::string>{} : e.state.selection.emitters; },
          [](const Editor& e) { return hasSelection(e) || !e.state.viewport.solo.empty(); }, [](const Editor& e) { return !e.state.viewport.solo.empty(); }, false});
-    add({"light.reset", "Reset to recovered", "The selected lights back to what was found: place, colour and power.", "Light", {}, [](Editor& e) { e.edit("Reset " + names(e), [&](Look& look) { for (const std::string& id : e.state.selection.emitters) resetEmitter(look, id, EmitterValue::all); }); }, hasSelection, {}, false});
+    add({"light.reset", "Reset to recovered", "The selected lights back to what was found: place, colour and power.", "Light", {}, [](Editor& e) { resetEmitters(e, e.state.selection.emitters, EmitterValue::all); }, hasSelection, {}, false});
     add({"light.duplicate", "Duplicate", "A second light like this one, a little aside.", "Light", {{'D', false, true}},
-         [](Editor& e) {
-             std::vector<std::string> copies;
-             const Vec3 aside(0.05f * e.state.document.scene->diagonal, 0, 0);
-             e.edit("Duplicate " + names(e), [&](Look& look) {
-                 for (const std::string& id : e.state.selection.emitters)
-                     if (const std::string copy = duplicateEmitter(look, *e.estimate(), id, aside); !copy.empty()) copies.push_back(copy);
-             });
-             if (!copies.empty()) e.state.selection.emitters = copies;
-         },
+         [](Editor& e) { duplicateEmitters(e, e.state.selection.emitters); },
          hasSelection, {}, false});
     add({"light.delete", "Delete", "Removes added lights; recovered ones are switched off, because their body is part of the scene.", "Light", {{keyDelete}, {'X', false, true}},
-         [](Editor& e) {
-             e.edit("Delete " + names(e), [&](Look& look) { for (const std::string& id : e.state.selection.emitters) removeEmitter(look, id); });
-             std::erase_if(e.state.selection.emitters, [&](const std::string& id) { return !e.emitter(id); });
-         },
+         [](Editor& e) { deleteEmitters(e, e.state.selection.emitters); },
          hasSelection, {}, false});
     {
         Action a = addAction("light.addRectangle", "Add rectangle", AddedEmitter::Shape::rectangle);

@@ -91,6 +91,7 @@ bool runWindow(Editor& editor, const ApplicationOptions& options, fs::path& open
         editor.fail("The 3D view cannot be shown", reason, "Update the graphics driver. Estimating and exporting work without it.");
     }
     if (viewport) setThumbnailMaker([&](const std::string& key, const std::function<Image()>& make) { return viewport->thumbnail(key, make); });
+    if (viewport) setThumbnailDropper([&](const std::string& prefix) { viewport->dropThumbnails(prefix); });
     editor.state.gpu = window.renderer();
     if (!(editor.state.uiScale > 0)) editor.state.uiScale = options.scale > 0 ? options.scale : window.contentScale();
     KeyQueue keys;

@@ -43,7 +43,9 @@ void drop() { following = {}; }
 
 /// The item drawn last under the name on the screen, for tests that press real buttons.
 void note(const char* label) {
-    if (itemMapOn()) noteItem(std::string(label, ImGui::FindRenderedTextEnd(label)));
+    if (!itemMapOn()) return;
+    const std::string name(label, ImGui::FindRenderedTextEnd(label));
+    noteItem(name.empty() ? label : name);
 }
 
 }  // namespace
@@ -72,7 +74,11 @@ bool keyPressed(ImGuiKey key, bool repeat) {
 bool escapePressed() { return input().pressed == keyEscape || keyPressed(ImGuiKey_Escape); }
 bool enterPressed() { return input().pressed == keyEnter || input().pressed == keyPadEnter || keyPressed(ImGuiKey_Enter); }
 
-bool inputText(const char* label, std::string& value, const char* hint, ImGuiInputTextFlags flags) { return ImGui::InputTextWithHint(label, hint, &value, flags); }
+bool inputText(const char* label, std::string& value, const char* hint, ImGuiInputTextFlags flags) {
+    const bool changed = ImGui::InputTextWithHint(label, hint, &value, flags);
+    note(label);
+    return changed;
+}
 
 // ---- text
 

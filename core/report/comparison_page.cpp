@@ -129,7 +129,7 @@ std::string plotOf(const Modes& modes) {
             curve.points.push_back({t.seconds, t.rmse, fmt::format("{}, step {}: {:.2f} s, error {:.3g}", t.stage, t.iteration, t.seconds, t.rmse)});
         curves.push_back(std::move(curve));
     }
-    return logPlotSvg(curves, "seconds since the photographs were opened", "error against the photographs (radiance)");
+    return logPlotSvg(curves, "seconds since the photographs were opened", "relative difference of points with equal colour");
 }
 
 }  // namespace

@@ -106,7 +106,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
             });
         }
     };
-    // The robust objective; fills `robust`, and rmse of predicting a vertex from one some steps or a corner away.
+    // The robust objective; fills `robust`, and the relative difference of the pairs.
     std::vector<float> viewWeight(viewRows ? viewRows->radiance.size() : 0);
     const auto evaluate = [&](const Eigen::VectorXd* light, const Eigen::VectorXf* at, double scale, double* rmse) {
         std::fill(mixing.begin(), mixing.end(), Rgb(0));
@@ -137,10 +137,8 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
                     double variance = 1;
                     const double r = pairResidual(p, c, at[c](p.a), at[c](p.b), variance);
                     mean += r * r / variance / 3;
-                    if (p.weight != 1) {
-                        s.squares += std::pow(std::clamp(r, -1.0, 1.0) * matte.radiance[p.a][c], 2);
-                        ++s.counted;
-                    }
+                    s.squares += robustStep(r);
+                    ++s.counted;
                 }
                 robust[k] = float(1 / (1 + mean / (scale * scale)));
                 s.objective += p.weight * scale * scale * std::log1p(mean / (scale * scale));

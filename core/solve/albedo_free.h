@@ -40,7 +40,7 @@ struct AlbedoFreeReport {
 /// where logs would not. (Minimising (p - q)^2 with fixed weights instead shrinks x: noise in y correlates with the rows.) Weights:
 /// the residual's variance under noise, model mismatch and shadow-edge mixing, and a Cauchy weight on the mean over channels.
 /// `lighting` is the start and the result. `each(iteration, objective, rmse)` is told of every
-/// iteration; rmse is that of predicting a vertex's radiance from another's some steps or a corner away. `viewRows` may be null.
+/// iteration; rmse is the relative difference of the pairs (robustStep). `viewRows` may be null.
 AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteObservations& matte, const std::vector<AlbedoPair>& pairs,
                                  const LightAnchors& anchors, const ViewRows* viewRows, const AlbedoFreeOptions& options, Lighting& lighting,
                                  Progress& progress, const std::function<void(int, double, double)>& each);

@@ -23,7 +23,7 @@ struct TimelineEntry {
     std::string stage;
     int iteration = 0;
     double objective = 0;  ///< of the stage's own program; never rises while its unknowns stay the same; 0 where the stage has none
-    double rmse = 0;       ///< radiance: of each matte point predicted from others some steps or a corner away under the light found; the same in all stages and modes
+    double rmse = 0;       ///< relative: how far points of probably equal albedo differ under the light found, robust; the same in all stages and modes
 };
 
 struct LeftOut {

@@ -16,6 +16,12 @@ struct PairOptions {
     float cornerCosine = 0.906f;  ///< normals more than 25 degrees apart
 };
 
+/// Square of a pair's relative difference, bent (Cauchy, 0.05) so that pairs across a real edge of albedo do not rule a mean.
+inline double robustStep(double difference) {
+    constexpr double bend = 0.05 * 0.05;
+    return bend * std::log1p(difference * difference / bend);
+}
+
 /// Mesh edges, the ends of short random walks on the mesh, and corner pairs (near in space, differently oriented: decisive where
 /// faces are planar). Vertices of metal pieces take no part.
 std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations& matte, const PairOptions& options);

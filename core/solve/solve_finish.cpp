@@ -28,7 +28,7 @@ void SolveState::solveReflectance() {
     }
     gloss_ = std::move(found);
     updateAlbedo();
-    record("reflectance", int(timeline_.size()), 0, neighbourRmse());
+    record("reflectance", int(timeline_.size()), 0, pairMismatch());
 }
 
 void SolveState::updateAlbedo() {
@@ -52,22 +52,19 @@ void SolveState::alternate() {
     stability_.kktResidual = step.kktResidual;
     computeLit();
     updateAlbedo();
-    record("light and reflectance in turn", int(timeline_.size()), step.after, neighbourRmse());
+    record("light and reflectance in turn", int(timeline_.size()), step.after, pairMismatch());
     logInfo("light and reflectance in turn: objective {:.4g} -> {:.4g}, rmse {:.3g}", step.before, step.after, step.rmse);
 }
 
-double SolveState::neighbourRmse() const {
-    double squares = 0, counted = 0;
-    for (const AlbedoPair& p : pairs_) {
-        if (p.weight == 1) continue;  // neighbours along an edge are lit alike whatever the light
+double SolveState::pairMismatch() const {
+    double sum = 0, counted = 0;
+    for (const AlbedoPair& p : pairs_)
         for (int c = 0; c < 3; ++c) {
             const double a = double(matte_.radiance[p.a][c]) * double(lit_[p.b][c]), b = double(matte_.radiance[p.b][c]) * double(lit_[p.a][c]);
-            const double step = 2 * (a - b) / std::max(a + b, 1e-30);
-            squares += std::pow(std::clamp(step, -1.0, 1.0) * double(matte_.radiance[p.a][c]), 2);
+            sum += robustStep(2 * (a - b) / std::max(a + b, 1e-30));
             ++counted;
         }
-    }
-    return std::sqrt(squares / std::max(1.0, counted));
+    return std::sqrt(sum / std::max(1.0, counted));
 }
 
 void SolveState::assembleEnvironment(Estimate& estimate) const {
@@ -262,7 +259,7 @@ Estimate SolveState::finish() {
     if (environmentBlack_) estimate.leftOut.push_back({"distant light", "it gives less than half a percent of the light on the surfaces"});
     estimate.leftOut.push_back({"interreflection", "direct light only in this version"});
     if (lighting_.leaves.size() >= options_.maxLeaves) estimate.leftOut.push_back({"finer distant light", fmt::format("the limit of {} unknowns was reached", options_.maxLeaves)});
-    record("done", 0, 0, neighbourRmse());
+    record("done", 0, 0, pairMismatch());
     estimate.timeline = timeline_;
     return estimate;
 }

@@ -76,9 +76,9 @@ private:
     void computeLit();
     /// Albedo of every vertex under the present light; metals have none.
     void updateAlbedo();
-    /// Root mean square error of predicting a matte point's radiance from another's some steps or a corner away, under the present light: the same measure in
-    /// every stage and mode, because albedo cancels and cannot hide what the light gets wrong. Needs lit_.
-    double neighbourRmse() const;
+    /// Relative difference between points of probably equal albedo under the present light (robustStep): the same measure in every stage
+    /// and mode, because albedo cancels and cannot hide what the light gets wrong. Needs lit_.
+    double pairMismatch() const;
     void record(const std::string& stage, int iteration, double objective, double rmse);
     /// Lighting, environment picture, emitters and reflectance as they stand, before the gauge.
     Estimate assemble() const;

@@ -81,7 +81,7 @@ void drawTimelinePanel(Editor& editor) {
     const float side = room.x > em(40) ? std::min(em(20), room.x * 0.36f) : 0;
     if (beginChild("##plot", {side > 0 ? room.x - side - ImGui::GetStyle().ItemSpacing.x : 0, 0})) {
         const ImVec2 inner = ImGui::GetContentRegionAvail();
-        drawLogPlot("##error", timelineCurves(curves), "seconds since the start", "Error against the photographs (radiance)", inner,
+        drawLogPlot("##error", timelineCurves(curves), "seconds since the start", "Difference of points with equal colour (relative)", inner,
                     "Error against run time appears here while an estimate runs.");
     }
     ImGui::EndChild();

@@ -1,4 +1,5 @@
 // The gizmo's strokes.
+#include "item_map.h"
 #include "viewport/overlays.h"
 
 namespace relamp::ui {
@@ -79,6 +80,7 @@ void drawGizmo(const Canvas& canvas, GizmoKind kind, const GizmoFrame& f, GizmoH
         line(canvas, f.origin + f.axes[axis] * (f.size * centreRadius), tip, colour, width);
         const auto end = canvas.eye->toScreen(tip), before = canvas.eye->toScreen(f.origin + f.axes[axis] * (f.size * 0.82f));
         if (!end || !before) continue;
+        notePoint(std::string("gizmo:") + "xyz"[axis], *end);
         const float half = 5.0f * canvas.scale;
         if (kind == GizmoKind::scale) {
             canvas.list->AddRectFilled({end->x - half, end->y - half}, {end->x + half, end->y + half}, colour);
@@ -88,6 +90,7 @@ void drawGizmo(const Canvas& canvas, GizmoKind kind, const GizmoFrame& f, GizmoH
         }
     }
     if (const auto centre = canvas.eye->toScreen(f.origin)) {
+        notePoint("gizmo:centre", *centre);
         const float radius = (kind == GizmoKind::scale ? 6.0f : 5.5f) * canvas.scale;
         const ImU32 colour = colourOf(-1, active == GizmoHandle::screen, 0.95f);
         canvas.list->AddCircle(toIm(*centre), radius + 2 * canvas.scale, IM_COL32(0, 0, 0, 90), 0, 2 * canvas.scale);

@@ -1,5 +1,6 @@
 #include "viewport/overlays.h"
 
+#include "item_map.h"
 #include "report/vertex_pictures.h"
 #include "viewport/navigation.h"
 #include "viewport/display_transform.h"
@@ -68,6 +69,7 @@ void drawEmitterMarks(const Canvas& canvas, const std::string& hovered) {
             }
         }
         canvas.list->AddCircleFilled(toIm(*at), r + 5 * s, IM_COL32(0, 0, 0, 70));
+        if (itemMapOn()) notePoint("emitter:" + emitter.id, *at);
         Rgb tint = emitter.radiance;
         const float most = maxChannel(tint);
         tint = most > 0 ? glm::pow(glm::max(tint / most, Rgb(0)), Rgb(1 / 2.2f)) : Rgb(0.5f);

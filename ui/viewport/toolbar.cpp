@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "item_map.h"
 #include "viewport/display_transform.h"
 #include "viewport/navigation.h"
 #include "widgets.h"
@@ -48,6 +49,7 @@ bool faceButton(const char* id, float width, bool on, const std::string& explana
     const ImU32 ground = on ? ImGui::GetColorU32({accent.x * 0.62f, accent.y * 0.62f, accent.z * 0.62f, 1}) : ImGui::GetColorU32(ImGui::IsItemActive() ? ImGuiCol_ButtonActive : ImGui::IsItemHovered() ? ImGuiCol_ButtonHovered : ImGuiCol_Button);
     ImDrawList* list = ImGui::GetWindowDrawList();
     list->AddRectFilled(at, {at.x + width, at.y + height}, ground, ImGui::GetStyle().FrameRounding);
+    noteItem(id);
     face(list, at, height, ImGui::GetColorU32(on ? ImVec4(1, 1, 1, 1) : ImGui::GetStyle().Colors[ImGuiCol_Text]));
     tooltip(explanation);
     return pressed;

@@ -2,6 +2,7 @@
 
 #include <chrono>
 
+#include "item_map.h"
 #include "viewport/interaction.h"
 #include "viewport/navigation.h"
 #include "viewport/thumbnail_textures.h"
@@ -49,6 +50,7 @@ void Viewport::Impl::draw(Editor& editor) {
         frameAll(editor);
     }
     ImGui::InvisibleButton("picture", area, ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight | ImGuiButtonFlags_MouseButtonMiddle);
+    noteItem("viewport");
     const bool hovered = ImGui::IsItemHovered(), active = ImGui::IsItemActive();
     const ImVec2 density = ImGui::GetIO().DisplayFramebufferScale;
     const Vec2 pixelsPerPoint(density.x > 0 ? density.x : 1, density.y > 0 ? density.y : 1);
