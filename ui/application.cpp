@@ -35,7 +35,9 @@ fs::path userFolder(const char* variable, const char* fallback) {
 /// Keys wait here: one a frame, so that quick typing arrives in order.
 class KeyQueue {
 public:
-    void add(std::vector<KeyPress> keys) {
+    /// Keys that came while a text field had the keyboard are its own.
+    void add(std::vector<KeyPress> keys, const Gui& gui) {
+        if (gui.typing()) return;
         for (KeyPress& key : keys) queue_.push_back(std::move(key));
     }
     bool waiting() const { return !queue_.empty(); }
@@ -46,13 +48,6 @@ public:
         if (queue_.empty()) return;
         const KeyPress key = queue_.front();
         queue_.pop_front();
-        if (gui.typing()) {
-            // A text field takes the text; what steers a dialog is told to it as well, because ImGui 1.86 misses a key that goes down
-            // and up within one frame.
-            for (int steering : {keyEscape, keyEnter, keyPadEnter, keyUp, keyDown})
-                if (key.key == steering) input().pressed = key.key;
-            return;
-        }
         if (!gui.popupOpen() && !dialogOpen(editor) && !editor.inGesture() && key.key && runKey(editor, {key.key, key.control, key.shift, key.alt})) return;
         input().pressed = key.key;
         input().typed = key.text;
@@ -63,8 +58,8 @@ private:
 };
 
 /// How long the loop may sleep: as long as it can while nothing happens.
-double patience(const Editor& editor, const Gui& gui, const KeyQueue& keys, int extraFrames) {
-    if (extraFrames > 0 || keys.waiting()) return 0;
+double patience(const Editor& editor, const Window& window, const Gui& gui, const KeyQueue& keys, int extraFrames) {
+    if (extraFrames > 0 || keys.waiting() || window.keysWaiting()) return 0;
     if (editor.inGesture() || panelsBusy()) return 1.0 / 60;
     if (editor.busy()) return 0.1;         // stages and times; pictures wake the window themselves
     if (gui.typing()) return 0.5;          // the caret blinks
@@ -81,7 +76,7 @@ std::string titleOf(const Editor& editor) {
 /// One window from its opening to its end. False: the graphics context was lost and a new window is needed.
 bool runWindow(Editor& editor, const ApplicationOptions& options, fs::path& openWhenAsked, bool& solveWhenOpen) {
     Window window("relamp", options.width, options.height);
-    Gui gui(window.handle());
+    Gui gui(window);
     std::unique_ptr<Viewport> viewport;
     std::string reason;
     try {
@@ -99,14 +94,15 @@ bool runWindow(Editor& editor, const ApplicationOptions& options, fs::path& open
     std::string title, quality = options.quality;
     Clock::time_point second = Clock::now();
     int frames = 0;
-    bool lost = false;
+    bool lost = false, shownBusy = false;  // shownBusy: the last frame showed work that was going on
     while (!editor.quitting()) {
-        const bool event = window.wait(patience(editor, gui, keys, extraFrames));
+        const bool event = window.wait(shownBusy && !editor.busy() ? 0 : patience(editor, window, gui, keys, extraFrames));
         if (event) extraFrames = 3;
         else if (extraFrames > 0) --extraFrames;
         for (const fs::path& path : window.takeDropped()) editor.open(path);
         if (window.closeRequested()) editor.requestQuit();
         editor.poll();
+        if (shownBusy && !editor.busy()) extraFrames = 3;  // what has just ended is still to be shown
         if (!openWhenAsked.empty() && !editor.state.recovery && !editor.job()) {
             if (!editor.state.document.capture) editor.openNow(openWhenAsked);
             openWhenAsked.clear();
@@ -127,10 +123,11 @@ bool runWindow(Editor& editor, const ApplicationOptions& options, fs::path& open
         if (!(size.x > 0 && size.y > 0)) continue;
         const Clock::time_point start = Clock::now();
         gui.setScale(editor.state.uiScale, pixels.x / size.x);
-        window.readModifiers();
-        keys.add(window.takeKeys());
-        keys.deliver(editor, gui);
         gui.beginFrame();
+        window.readModifiers();
+        keys.add(window.takeKeys(), gui);
+        keys.deliver(editor, gui);
+        shownBusy = editor.busy();
         drawLayout(editor, viewport.get(), reason);
         writeItemMap(editor);
         const double cpu = secondsSince(start);

@@ -9,6 +9,7 @@
 #include "backends/imgui_impl_glfw.h"
 #include "backends/imgui_impl_opengl3.h"
 #include "theme.h"
+#include "window.h"
 
 namespace relamp::ui {
 namespace {
@@ -42,13 +43,14 @@ void buildFonts(float pixels) {
 
 }  // namespace
 
-Gui::Gui(GLFWwindow* window) {
+Gui::Gui(Window& window) : window_(window) {
     ImGui::CreateContext();
     ImGuiIO& io = ImGui::GetIO();
     io.IniFilename = nullptr;
     io.LogFilename = nullptr;
     io.ConfigWindowsMoveFromTitleBarOnly = true;
-    ImGui_ImplGlfw_InitForOpenGL(window, true);
+    ImGui_ImplGlfw_InitForOpenGL(window.handle(), true);
+    window.holdKeys();
     ImGui_ImplOpenGL3_Init("#version 330");
 }
 
@@ -71,6 +73,10 @@ void Gui::setScale(float scale, float density) {
 
 void Gui::beginFrame() {
     ImGui_ImplOpenGL3_NewFrame();
+    for (const RawKey& k : window_.takeRawKeys()) {
+        if (k.character) ImGui_ImplGlfw_CharCallback(window_.handle(), k.character);
+        else ImGui_ImplGlfw_KeyCallback(window_.handle(), k.key, k.scancode, k.action, k.modifiers);
+    }
     ImGui_ImplGlfw_NewFrame();
     ImGui::NewFrame();
 }

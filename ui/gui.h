@@ -2,14 +2,14 @@
 #pragma once
 #include <string>
 
-struct GLFWwindow;
-
 namespace relamp::ui {
+
+class Window;
 
 class Gui {
 public:
     /// The window's context must be current and its callbacks set: ImGui's chain behind them.
-    explicit Gui(GLFWwindow* window);
+    explicit Gui(Window& window);
     ~Gui();
     Gui(const Gui&) = delete;
     Gui& operator=(const Gui&) = delete;
@@ -25,6 +25,7 @@ public:
     bool popupOpen() const;
 
 private:
+    Window& window_;
     float scale_ = 0, density_ = 0;
 };
 

@@ -226,6 +226,10 @@ void RelightWorker::run(std::stop_token stop) {
             if (stop.stop_requested()) return;
             if (wish.restPicture && !wish.orthographic && !restFrame()) renderAtRest(wish, serial);
             done = serial;
+            {
+                std::lock_guard lock(mutex_);
+                if (serial_ == serial) working_ = false;
+            }
             if (wake_) wake_();
         } catch (const Cancelled&) {
             if (live && !(held.scene == wish.scene && held.estimate == wish.estimate)) live.reset();

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <utility>
 #include <cstdlib>
+#include <deque>
 
 #include "base/error.h"
 #include "keys.h"
@@ -19,6 +20,7 @@ struct Events {
     bool any = false, close = false;
     std::vector<std::filesystem::path> dropped;
     std::vector<KeyPress> keys;
+    std::deque<RawKey> held;
 };
 Events events;
 std::atomic<bool> woken{false};
@@ -121,6 +123,40 @@ void Window::swap() { glfwSwapBuffers(window_); }
 bool Window::closeRequested() { return std::exchange(events.close, false); }
 std::vector<std::filesystem::path> Window::takeDropped() { return std::exchange(events.dropped, {}); }
 std::vector<KeyPress> Window::takeKeys() { return std::exchange(events.keys, {}); }
+
+void Window::holdKeys() {
+    glfwSetKeyCallback(window_, [](GLFWwindow*, int key, int scancode, int action, int modifiers) {
+        events.any = true;
+        events.held.push_back({key, scancode, action, modifiers, 0});
+    });
+    glfwSetCharCallback(window_, [](GLFWwindow*, unsigned c) {
+        events.any = true;
+        events.held.push_back({0, 0, 0, 0, c});
+    });
+}
+
+std::vector<RawKey> Window::takeRawKeys() {
+    // Letters go through as they come: a text field reads their characters. Keys that do something are held for one frame.
+    const auto acts = [](const RawKey& k) {
+        return !k.character && (k.key < GLFW_KEY_SPACE || k.key > GLFW_KEY_GRAVE_ACCENT || (k.modifiers & (GLFW_MOD_CONTROL | GLFW_MOD_ALT | GLFW_MOD_SUPER)));
+    };
+    const auto shift = [](const RawKey& k) { return k.key == GLFW_KEY_LEFT_SHIFT || k.key == GLFW_KEY_RIGHT_SHIFT; };
+    std::vector<RawKey> now;
+    bool typed = false, wentDown = false;
+    while (!events.held.empty()) {
+        const RawKey& next = events.held.front();
+        const bool down = next.action != GLFW_RELEASE;
+        if (acts(next) && !shift(next) && ((!down && wentDown) || (down && typed))) break;
+        if (next.character && wentDown) break;
+        typed |= next.character != 0;
+        wentDown |= acts(next) && !shift(next) && down;
+        now.push_back(next);
+        events.held.pop_front();
+    }
+    return now;
+}
+
+bool Window::keysWaiting() const { return !events.held.empty(); }
 
 void Window::readModifiers() {
     const auto down = [&](int left, int right) { return glfwGetKey(window_, left) == GLFW_PRESS || glfwGetKey(window_, right) == GLFW_PRESS; };

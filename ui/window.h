@@ -17,6 +17,12 @@ struct KeyPress {
     std::string text;
 };
 
+/// A key or character event as GLFW told it.
+struct RawKey {
+    int key = 0, scancode = 0, action = 0, modifiers = 0;
+    unsigned character = 0;   ///< of a character event; then the others mean nothing
+};
+
 class Window {
 public:
     /// Throws Error when there is no display or no OpenGL at all. Asks for OpenGL 4.3 core and takes 3.3 when there is no newer one, so
@@ -34,6 +40,12 @@ public:
     bool closeRequested();                       ///< since the last call
     std::vector<std::filesystem::path> takeDropped();
     std::vector<KeyPress> takeKeys();
+    /// From now on key events wait for takeRawKeys() instead of going to the callbacks set before. Called once ImGui has set its own.
+    void holdKeys();
+    /// The events of one frame: once a key went down nothing is let up in the same frame, neither that key nor the Ctrl held with it,
+    /// because ImGui 1.86 would miss it.
+    std::vector<RawKey> takeRawKeys();
+    bool keysWaiting() const;
     void readModifiers();                        ///< into input()
     void setTitle(const std::string& title);
     Vec2 size() const;                           ///< screen units

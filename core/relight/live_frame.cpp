@@ -1,4 +1,6 @@
 // The picture of a LiveScene: everything that light does to a vertex, added up.
+#include <string>
+
 #include "base/parallel.h"
 #include "relight/live_state.h"
 
@@ -49,6 +51,8 @@ void LiveScene::State::makeFrame() {
     report.termsPerVertex = matte.store().blocks() ? float(matte.store().terms()) / float(matte.store().blocks()) : 0.0f;
     report.leftOut.clear();
     if (!glossy) report.leftOut.push_back({"glossy passes", "no vertex has a glossy lobe"});
+    report.glossyOutside = glossy ? gloss.outside() : 0;
+    if (report.glossyOutside) report.leftOut.push_back({"glossy light outside the picture", std::to_string(report.glossyOutside) + " vertices face the eye there"});
     if (plain->black()) report.leftOut.push_back({"environment", "it is black"});
     if (near.empty()) report.leftOut.push_back({"near light", "the scene has no emitter"});
     if (carried.count() == 0) report.leftOut.push_back({"visibility of moved surfaces", "no part of the mesh moves"});

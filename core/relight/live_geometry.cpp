@@ -112,6 +112,15 @@ void LiveScene::State::takeGeometry(const Look& next, EditedGeometry edited, Bod
         for (const LiveBody& piece : released) markShadowed(out, now, piece);
     }
     near = std::move(emitters);
+    // Two edits before a picture stir what both of them moved.
+    const bool known = !first && !renumbered && names == bodyNames && !(newGeometry && stirred.empty());
+    if (!newGeometry || !known) stirred.clear();
+    if (known)
+        for (uint32_t b = 1; b < bodies.size(); ++b)
+            if (moved[b]) {
+                stirred.push_back(occluders.bodies[before[b]]);
+                stirred.push_back(bodies[b]);
+            }
     occluders.bodies = std::move(bodies);
     if (!first) {
         matte.setBodies(names);

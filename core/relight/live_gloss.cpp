@@ -1,72 +1,24 @@
 #include "relight/live_gloss.h"
 
 #include "base/parallel.h"
-#include "base/random.h"
 
 namespace relamp {
 namespace {
 
-constexpr int tapsOfLevel[] = {0, 32, 256};
-constexpr int fewestTaps = 8;
-constexpr size_t tapBudget = 640000;  // of a first picture: 20 ms on two cores
+constexpr int fewestTaps = 16, mostTaps = 256;
+constexpr size_t tapBudget = 2500000;  // of a first picture: 25 ms on two cores
 constexpr uint8_t done = 2;
 constexpr float least = 1e-3f;  // of a lobe's weight and of the eye's cosine
 
-/// Point i of a Hammersley set: the most even one for a number of points that is known.
-Vec2 tapPoint(uint32_t i, int count) {
-    uint32_t reversed = i;
-    reversed = (reversed << 16) | (reversed >> 16);
-    reversed = ((reversed & 0x00ff00ffu) << 8) | ((reversed & 0xff00ff00u) >> 8);
-    reversed = ((reversed & 0x0f0f0f0fu) << 4) | ((reversed & 0xf0f0f0f0u) >> 4);
-    reversed = ((reversed & 0x33333333u) << 2) | ((reversed & 0xccccccccu) >> 2);
-    reversed = ((reversed & 0x55555555u) << 1) | ((reversed & 0xaaaaaaaau) >> 1);
-    return {(float(i) + 0.5f) / float(count), std::min(float(reversed) * 0x1p-32f, 0x1.fffffep-1f)};
+/// The pattern of `count` taps, a power of two from fewestTaps to mostTaps.
+const TapPattern& patternOf(int count) {
+    static const TapPattern patterns[] = {TapPattern(16), TapPattern(32), TapPattern(64), TapPattern(128), TapPattern(256)};
+    size_t i = 0;
+    while (patterns[i].count < count) ++i;
+    return patterns[i];
 }
 
 }  // namespace
-
-EnvironmentPyramid::EnvironmentPyramid(const DistantLight& distant) : black_(distant.black()) {
-    levels_.emplace_back(distant.grid().side, distant.cells());
-    while (levels_.back().first > 1) {
-        const int side = levels_.back().first / 2;
-        const std::vector<Rgb>& fine = levels_.back().second;
-        std::vector<Rgb> cells(size_t(side) * size_t(side));
-        for (int y = 0; y < side; ++y)
-            for (int x = 0; x < side; ++x) {
-                const size_t at = size_t(2 * y) * size_t(2 * side) + size_t(2 * x);
-                cells[size_t(y * side + x)] = 0.25f * ((fine[at] + fine[at + 1]) + (fine[at + size_t(2 * side)] + fine[at + size_t(2 * side) + 1]));
-            }
-        levels_.emplace_back(side, std::move(cells));
-    }
-}
-
-Rgb EnvironmentPyramid::radiance(const Vec2& square, float steradians) const {
-    size_t level = 0;
-    const float wanted = 4 * pi / steradians;  // cells of that size on the sphere
-    while (level + 1 < levels_.size() && float(levels_[level + 1].first) * float(levels_[level + 1].first) >= wanted) ++level;
-    const int side = levels_[level].first, last = side - 1;
-    const std::vector<Rgb>& cells = levels_[level].second;
-    if (level == 0 && float(side) * float(side) < wanted)
-        return cells[size_t(std::min(int(square.y * float(side)), last)) * size_t(side) + size_t(std::min(int(square.x * float(side)), last))];
-    const Vec2 p = square * float(side) - Vec2(0.5f);
-    const int x = int(std::floor(p.x)), y = int(std::floor(p.y));
-    const float fx = p.x - float(x), fy = p.y - float(y);
-    Rgb sum(0);
-    for (int dy = 0; dy < 2; ++dy)
-        for (int dx = 0; dx < 2; ++dx) {
-            // Past the square's edge the map goes on mirrored about the edge's middle.
-            int cx = x + dx, cy = y + dy;
-            if (cx < 0 || cx > last) {
-                cx = std::clamp(cx, 0, last);
-                cy = last - std::clamp(cy, 0, last);
-            } else if (cy < 0 || cy > last) {
-                cy = std::clamp(cy, 0, last);
-                cx = last - cx;
-            }
-            sum += (dx ? fx : 1 - fx) * (dy ? fy : 1 - fy) * cells[size_t(cy) * size_t(side) + size_t(cx)];
-        }
-    return sum;
-}
 
 struct LiveGloss::Surface {
     uint32_t vertex = 0;
@@ -96,6 +48,7 @@ void LiveGloss::setVertices(const LiveVertices& vertices, size_t emitters, bool 
         vertex_.push_back(v);
         start_.push_back(uint32_t(lobes_.size()));
     }
+    queueStale_ = true;
     const size_t places = vertex_.empty() ? 0 : vertices.count();
     distant_.assign(places, Rgb(0));
     near_.assign(emitters, std::vector<Rgb>(places, Rgb(0)));
@@ -104,6 +57,7 @@ void LiveGloss::setVertices(const LiveVertices& vertices, size_t emitters, bool 
 }
 
 void LiveGloss::markAll() {
+    queueStale_ = true;
     markDistant();
     for (size_t e = 0; e < nearLevel_.size(); ++e) markNear(e);
 }
@@ -112,6 +66,25 @@ void LiveGloss::markDistant(std::span<const uint32_t> vertices) {
     if (empty()) return;
     for (uint32_t v : vertices)
         if (placeOf_[v] != EditedBody::none) distantLevel_[placeOf_[v]] = 0;
+}
+
+void LiveGloss::markDistant(std::span<const uint32_t> vertices, std::span<const LiveBody> spheres, const GlossInputs& in) {
+    if (empty()) return;
+    // Nine tenths of a GGX lobe lie where the half vector's tangent is below this many alphas.
+    constexpr float reach = 3;
+    parallelFor(vertices.size(), 256, [&](size_t k) {
+        const uint32_t i = placeOf_[vertices[k]];
+        if (i == EditedBody::none || distantLevel_[i] == 0) return;
+        Surface s;
+        if (!surfaceOf(in, i, s)) return;
+        float widest = 0;
+        for (const LobeWeight& l : s.lobes) widest = std::max(widest, estimate_.reflectance.basis.lobes[l.lobe].alpha);
+        const Vec3 mirror = s.frame * Vec3(-s.eye.x, -s.eye.y, s.eye.z);
+        const float angle = 2 * std::atan(reach * widest);
+        bool meets = false;
+        for (const LiveBody& b : spheres) meets |= b.mayCover(s.position, mirror, angle, 1e30f);
+        distantLevel_[i] = meets ? 0 : 1;
+    });
 }
 
 void LiveGloss::markShadowed(size_t emitter, const NearEmitter& near) {
@@ -136,32 +109,13 @@ bool LiveGloss::surfaceOf(const GlossInputs& in, size_t i, Surface& s) const {
     return true;
 }
 
-Rgb LiveGloss::distantLight(const GlossInputs& in, const Surface& s, int taps) const {
+Rgb LiveGloss::distantLight(const GlossInputs& in, const Surface& s, const TapPattern& taps) const {
     if (in.environment.black()) return Rgb(0);
     thread_local std::vector<uint8_t> masks;
     masks.resize(grid_.nibbleBytes());
     if (in.vertices.kind[s.vertex] == LiveVertices::ground) in.matte.seenNow(s.vertex, masks);
     else in.carried.seenNow(s.vertex, masks);
-    const auto& basis = estimate_.reflectance.basis.lobes;
-    Rgb sum(0);
-    for (const LobeWeight& own : s.lobes)
-        for (int i = 0; i < taps; ++i) {
-            // The same pattern at every vertex: neighbours differ by the light alone and nothing flickers.
-            const Vec3 light = sampleGgx(s.eye, basis[own.lobe].alpha, tapPoint(uint32_t(i), taps));
-            if (light.z <= 0) continue;
-            const Vec2 square = sphereToSquare(s.frame * light);
-            const size_t quarter = grid_.quarterAt(square);
-            if (!(nibbleOf(masks.data(), quarter / 4) >> (quarter % 4) & 1)) continue;
-            float density = 0;
-            Rgb reflectance(0);
-            for (const LobeWeight& l : s.lobes) {
-                density += ggxSampleDensity(light, s.eye, basis[l.lobe].alpha);
-                reflectance += l.weight * evaluateLobe(basis[l.lobe], light, s.eye);
-            }
-            if (!(density > 0)) continue;
-            sum += reflectance * (light.z / (float(taps) * density)) * in.environment.radiance(square, 1 / (float(taps) * density));
-        }
-    return sum;
+    return tapEnvironment(in.environment, estimate_.reflectance.basis, s.lobes, taps, s.frame, s.eye, grid_, masks.data());
 }
 
 Rgb LiveGloss::nearLight(const GlossInputs& in, const Surface& s, const NearEmitter& e, bool fine, bool shadows) const {
@@ -207,49 +161,98 @@ Rgb LiveGloss::nearLight(const GlossInputs& in, const Surface& s, const NearEmit
     return sum;
 }
 
+void LiveGloss::fillQueue(const GlossInputs& in) {
+    // How much of the picture a vertex covers, in steps of a factor of two; 0: it faces away, 1: outside the picture.
+    constexpr int steps = 64;
+    std::vector<uint8_t> step(vertex_.size());
+    const Mesh& mesh = *in.vertices.mesh;
+    const bool cone = !in.eye.orthographic && in.eye.halfAngle > 0;
+    const float inside = std::cos(in.eye.halfAngle);
+    parallelFor(vertex_.size(), 1024, [&](size_t i) {
+        const Vec3 to = in.eye.orthographic ? -in.eye.forward : in.eye.position - mesh.positions[vertex_[i]];
+        const float distance = glm::length(to), cosine = glm::dot(to, mesh.normals[vertex_[i]]) / distance;
+        if (!(cosine > least)) return;
+        step[i] = 1;
+        if (cone && -glm::dot(to, in.eye.forward) < inside * distance) return;
+        const float size = in.eye.orthographic ? cosine : cosine / (distance * distance);
+        step[i] = uint8_t(std::clamp(std::ilogb(size) + steps / 2, 2, steps - 1));
+    });
+    std::vector<size_t> place(steps + 1, 0);
+    for (const uint8_t s : step) ++place[s];
+    outside_ = place[1];
+    queue_.resize(vertex_.size() - place[0] - place[1]);
+    size_t next = 0;
+    for (int s = steps - 1; s >= 2; --s) {
+        const size_t count = place[size_t(s)];
+        place[size_t(s)] = next;
+        next += count;
+    }
+    for (uint32_t i = 0; i < step.size(); ++i) {
+        if (step[i] >= 2) queue_[place[step[i]]++] = i;
+        if (step[i] != 0) continue;
+        distant_[vertex_[i]] = Rgb(0);
+        distantLevel_[i] = done;
+        for (size_t e = 0; e < near_.size(); ++e) {
+            near_[e][vertex_[i]] = Rgb(0);
+            nearLevel_[e][i] = done;
+        }
+    }
+    queueStale_ = false;
+}
+
 size_t LiveGloss::coarse(const GlossInputs& in, Progress& progress) {
     if (empty()) return 0;
-    constexpr size_t block = 128;
-    // Fewer taps where there are many vertices; the number of vertices decides, not the clock, so that the picture does not depend on it.
-    int taps = tapsOfLevel[1];
-    while (taps > fewestTaps && vertex_.size() / 2 * size_t(taps) > tapBudget) taps /= 2;
-    const size_t shaded = parallelSum(vertex_.size(), block, size_t(0), [&](size_t begin, size_t end) {
-        size_t count = 0;
+    if (queueStale_) fillQueue(in);
+    std::vector<uint32_t> wanted;
+    size_t lobes = 0;
+    for (const uint32_t i : queue_) {
+        bool any = !distantLevel_[i];
+        for (size_t e = 0; e < near_.size(); ++e) any |= !nearLevel_[e][i];
+        if (!any) continue;
+        if ((lobes + start_[i + 1] - start_[i]) * fewestTaps > tapBudget) break;
+        wanted.push_back(i);
+        lobes += start_[i + 1] - start_[i];
+    }
+    if (wanted.empty()) return 0;
+    // Fewer taps where there are many vertices; their number decides, not the clock, so that the picture does not depend on it.
+    int taps = mostTaps;
+    while (taps > fewestTaps && lobes * size_t(taps) > tapBudget) taps /= 2;
+    const TapPattern& pattern = patternOf(taps);
+    parallelFor(wanted.size(), 64, [&](size_t w) {
+        const size_t i = wanted[w];
         Surface s;
-        for (size_t i = begin; i < end; ++i) {
-            const bool facing = surfaceOf(in, i, s);
-            count += facing;
-            if (!distantLevel_[i]) {
-                distant_[s.vertex] = facing ? distantLight(in, s, taps) : Rgb(0);
-                distantLevel_[i] = facing ? 1 : done;
-            }
-            for (size_t e = 0; e < near_.size(); ++e) {
-                if (nearLevel_[e][i]) continue;
-                near_[e][s.vertex] = facing ? nearLight(in, s, in.near[e], false, false) : Rgb(0);
-                nearLevel_[e][i] = facing ? 1 : 2;
-            }
+        const bool facing = surfaceOf(in, i, s);
+        if (!distantLevel_[i]) {
+            distant_[s.vertex] = facing ? distantLight(in, s, pattern) : Rgb(0);
+            distantLevel_[i] = facing && taps < mostTaps ? 1 : done;
         }
-        return count;
+        for (size_t e = 0; e < near_.size(); ++e) {
+            if (nearLevel_[e][i]) continue;
+            near_[e][s.vertex] = facing ? nearLight(in, s, in.near[e], false, false) : Rgb(0);
+            nearLevel_[e][i] = facing ? 1 : 2;
+        }
     });
     progress.check();
-    return shaded;
+    return wanted.size();
 }
 
 bool LiveGloss::refine(const GlossInputs& in, Progress& progress) {
     if (empty()) return false;
     progress.check();
+    if (queueStale_) fillQueue(in);
     std::vector<uint32_t> wanted;
-    for (uint32_t i = 0; i < vertex_.size() && wanted.size() < 2048; ++i) {
+    for (const uint32_t i : queue_) {
         bool any = distantLevel_[i] < done;
         for (size_t e = 0; e < near_.size(); ++e) any |= nearLevel_[e][i] < 2;
         if (any) wanted.push_back(i);
+        if (wanted.size() == 4096) break;
     }
     parallelFor(wanted.size(), 16, [&](size_t w) {
         const size_t i = wanted[w];
         Surface s;
         const bool facing = surfaceOf(in, i, s);
         if (distantLevel_[i] < done) {
-            distant_[s.vertex] = facing ? distantLight(in, s, tapsOfLevel[2]) : Rgb(0);
+            distant_[s.vertex] = facing ? distantLight(in, s, patternOf(mostTaps)) : Rgb(0);
             distantLevel_[i] = done;
         }
         for (size_t e = 0; e < near_.size(); ++e) {

@@ -1,24 +1,11 @@
-// Light that glossy lobes send towards the eye: low-discrepancy taps of the lobe into a pyramid of the environment, each as blurred as its
-// tap is wide, behind the baked visibility; emitters piece by piece, each piece no wider than the lobe there.
+// Light that glossy lobes send towards the eye: the environment by taps behind the baked visibility, emitters piece by piece, each piece no
+// wider than the lobe there. Only vertices that face the eye inside the picture, those that cover most of it first.
 #pragma once
 #include "relight/live_carried.h"
+#include "relight/live_gloss_taps.h"
 #include "relight/live_scene.h"
 
 namespace relamp {
-
-/// The environment at every resolution down from 512 to 1 cell.
-class EnvironmentPyramid {
-public:
-    EnvironmentPyramid() = default;
-    explicit EnvironmentPyramid(const DistantLight& distant);
-    bool black() const { return black_; }
-    /// Radiance about a point of the direction square, averaged over about `steradians`.
-    Rgb radiance(const Vec2& square, float steradians) const;
-
-private:
-    std::vector<std::pair<int, std::vector<Rgb>>> levels_;  // side and cells, finest first
-    bool black_ = true;
-};
 
 /// What a glossy pass needs of the rest.
 struct GlossInputs {
@@ -39,14 +26,20 @@ public:
     bool empty() const { return vertex_.empty(); }
     void markDistant() { std::fill(distantLevel_.begin(), distantLevel_.end(), uint8_t(0)); }
     void markDistant(std::span<const uint32_t> vertices);
+    /// The same when all that changed lies inside the spheres: a vertex whose lobes look past them keeps its light until it is refined.
+    void markDistant(std::span<const uint32_t> vertices, std::span<const LiveBody> spheres, const GlossInputs& in);
     void markNear(size_t emitter) { std::fill(nearLevel_[emitter].begin(), nearLevel_[emitter].end(), uint8_t(0)); }
     /// Where a shadow went into the light of the emitter, and the vertex is stale there, it is taken again.
     void markShadowed(size_t emitter, const NearEmitter& near);
     void markAll();
-    /// The whole picture from few taps. Returns vertices shaded.
+    void markPicture() { queueStale_ = true; }   ///< the eye turned where it stands: what comes into the picture is shaded, the rest stays
+    /// What is stale, from as many taps as the number of visible vertices allows. Of more than about 150 000 only those that cover most of the
+    /// picture; the next call takes the next ones. Returns vertices shaded.
     size_t coarse(const GlossInputs& in, Progress& progress);
-    /// One batch; false when nothing is left.
+    /// One batch; false when nothing is left. Vertices outside the picture wait until they come into it.
     bool refine(const GlossInputs& in, Progress& progress);
+
+    size_t outside() const { return outside_; }   ///< glossy vertices that face the eye outside the picture
 
     /// Per vertex of the mesh, empty when no vertex is glossy: light of the environment before exposure and tint.
     const std::vector<Rgb>& distant() const { return distant_; }
@@ -56,10 +49,6 @@ public:
     bool shadowed(size_t emitter, size_t vertex) const;
 
 private:
-    struct LobeWeight {
-        uint8_t lobe;
-        Rgb weight;
-    };
     struct Surface;  // a vertex being shaded
     const LiveGrid& grid_;
     const Estimate& estimate_;
@@ -69,10 +58,14 @@ private:
     std::vector<Rgb> distant_;
     std::vector<std::vector<Rgb>> near_;
     std::vector<uint8_t> distantLevel_;                  // per glossy vertex: 0 stale, 1 coarse, 2 fine
+    std::vector<uint32_t> queue_;                        // glossy vertices in the picture, those that cover most of it first
+    size_t outside_ = 0;
+    bool queueStale_ = true;
     std::vector<std::vector<uint8_t>> nearLevel_;        // per emitter and glossy vertex: 0 stale, 1 coarse, 2 fine, 3 fine with shadows inside
 
     bool surfaceOf(const GlossInputs& in, size_t i, Surface& s) const;
-    Rgb distantLight(const GlossInputs& in, const Surface& s, int taps) const;
+    void fillQueue(const GlossInputs& in);
+    Rgb distantLight(const GlossInputs& in, const Surface& s, const TapPattern& taps) const;
     Rgb nearLight(const GlossInputs& in, const Surface& s, const NearEmitter& emitter, bool fine, bool shadows) const;
 };
 

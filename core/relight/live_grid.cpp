@@ -29,19 +29,22 @@ LiveGrid::LiveGrid(int side) : grid_{side} {
         for (int x = 0; x < side; x += 4)
             for (int k = 0; k < 8; ++k)
                 if (y + k / 4 < side && x + k % 4 < side) order_.push_back(uint16_t((y + k / 4) * side + x + k % 4));
-    side_ = std::min<size_t>(4, size_t(side));
-    for (size_t y = 0; y < size_t(side); y += side_)
-        for (size_t x = 0; x < size_t(side); x += side_) {
-            Parent p{{}, y * size_t(side) + x};
-            p.cap.axis = squareToSphere((Vec2(float(x), float(y)) + Vec2(float(side_) / 2)) / float(side));
+    for (size_t y = 0; y < size_t(side); y += 4)
+        for (size_t x = 0; x < size_t(side); x += 4) {
+            const size_t first = y * size_t(side) + x;
+            Cap parent;
+            parent.axis = squareToSphere((Vec2(float(x), float(y)) + Vec2(2)) / float(side));
             float radius = 0;
-            for (size_t row = 0; row < side_; ++row)
-                for (size_t column = 0; column < side_; ++column) {
-                    const size_t c = p.first + row * size_t(side) + column;
-                    radius = std::max(radius, angleBetween(p.cap.axis, cap_[c].axis) + cap_[c].radius);
-                }
-            p.cap.setRadius(radius);
-            parents_.push_back(p);
+            childCaps_.emplace_back();
+            for (size_t i = 0; i < capLanes; ++i) {
+                const Cap& child = cap_[first + i / 4 * size_t(side) + i % 4];
+                childCaps_.back().set(i, child);
+                radius = std::max(radius, angleBetween(parent.axis, child.axis) + child.radius);
+            }
+            parent.setRadius(radius);
+            if (parents_.size() % capLanes == 0) parentCaps_.emplace_back();
+            parentCaps_.back().set(parents_.size() % capLanes, parent);
+            parents_.push_back(first);
         }
 }
 

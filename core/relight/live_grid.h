@@ -1,6 +1,7 @@
 // The direction square of live transport. Each cell is cut in four: which quarters a vertex sees is one nibble of its visibility.
 #pragma once
 #include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -10,7 +11,7 @@ namespace relamp {
 
 class LiveGrid {
 public:
-    explicit LiveGrid(int side);
+    explicit LiveGrid(int side);        ///< 4 or more, a power of two
     const DirectionGrid& grid() const { return grid_; }
     size_t cells() const { return cap_.size(); }
     size_t nibbleBytes() const { return cells() / 2; }  ///< of one vertex
@@ -32,13 +33,16 @@ public:
     template <class Found>
     void cellsInCone(const Vec3& axis, float angle, Found&& found) const {
         const float cosine = std::cos(angle), sine = std::sin(angle);
-        for (const Parent& p : parents_) {
-            if (!p.cap.meets(axis, angle, cosine, sine)) continue;
-            for (size_t row = 0; row < side_; ++row)
-                for (size_t column = 0; column < side_; ++column) {
-                    const size_t c = p.first + row * size_t(grid_.side) + column;
-                    if (cap_[c].meets(axis, angle, cosine, sine)) found(c);
-                }
+        int32_t meets[capLanes], child[capLanes];
+        for (size_t group = 0; group * capLanes < parents_.size(); ++group) {
+            parentCaps_[group].meets(axis, angle, cosine, sine, meets);
+            for (size_t k = 0; k < std::min(capLanes, parents_.size() - group * capLanes); ++k) {
+                if (!meets[k]) continue;
+                const size_t p = group * capLanes + k;
+                childCaps_[p].meets(axis, angle, cosine, sine, child);
+                for (size_t i = 0; i < capLanes; ++i)
+                    if (child[i]) found(parents_[p] + i / 4 * size_t(grid_.side) + i % 4);
+            }
         }
     }
 
@@ -52,20 +56,31 @@ private:
             cosine = std::cos(radians);
             sine = std::sin(radians);
         }
-        bool meets(const Vec3& otherAxis, float angle, float otherCosine, float otherSine) const {
-            return angle + radius >= pi || glm::dot(axis, otherAxis) >= cosine * otherCosine - sine * otherSine;
+    };
+    static constexpr size_t capLanes = 16;
+    /// Sixteen of them side by side.
+    struct Caps {
+        float x[capLanes] = {}, y[capLanes] = {}, z[capLanes] = {}, radius[capLanes] = {}, cosine[capLanes] = {}, sine[capLanes] = {};
+        void set(size_t k, const Cap& c) {
+            x[k] = c.axis.x;
+            y[k] = c.axis.y;
+            z[k] = c.axis.z;
+            radius[k] = c.radius;
+            cosine[k] = c.cosine;
+            sine[k] = c.sine;
+        }
+        void meets(const Vec3& axis, float angle, float otherCosine, float otherSine, int32_t* out) const {
+            for (size_t k = 0; k < capLanes; ++k)
+                out[k] = int32_t(x[k] * axis.x + y[k] * axis.y + z[k] * axis.z >= cosine[k] * otherCosine - sine[k] * otherSine) | int32_t(angle + radius[k] >= pi);
         }
     };
-    struct Parent {
-        Cap cap;
-        size_t first;  // its upper left cell
-    };
     DirectionGrid grid_;
-    size_t side_ = 4;  // cells along a side of a parent
     std::vector<Cap> cap_;
     std::array<std::vector<float>, 4> x_, y_, z_;  // of the quarters' middles
     std::vector<uint16_t> order_;
-    std::vector<Parent> parents_;
+    std::vector<size_t> parents_;       // of 4 x 4 cells each: its upper left cell
+    std::vector<Caps> parentCaps_;      // of sixteen parents
+    std::vector<Caps> childCaps_;       // of a parent's cells
 };
 
 inline unsigned nibbleOf(const uint8_t* masks, size_t cell) { return masks[cell / 2] >> (4 * (cell % 2)) & 15u; }

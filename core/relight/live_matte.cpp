@@ -39,7 +39,29 @@ TransportBlock LiveMatte::bakeBlock(size_t block, const LiveVertices& vertices, 
     return packTransport(cells, tests_, error_);
 }
 
-void LiveMatte::bake(const LiveVertices& vertices, const LiveOccluders& occluders, Progress& progress) {
+uint64_t LiveMatte::keyOf(const LiveVertices& vertices, const LiveOccluders& occluders) const {
+    constexpr uint64_t bakeVersion = 1;  // of what is traced and packed: to be raised with every change of its answer
+    const Mesh& mesh = *vertices.mesh;
+    ByteSum sum;
+    sum.add(bakeVersion);
+    sum.add(int32_t(grid_.grid().side));
+    sum.add(error_);
+    sum.add(occluders.offset);
+    sum.addAll(tests_.spread());
+    for (const std::vector<float>& coefs : tests_.coefs()) sum.addAll(coefs);
+    sum.addAll(vertexOfSlot_);
+    // Lamps and other movable bodies are not part of it: where they stand changes nothing.
+    for (const uint32_t v : vertexOfSlot_)
+        if (v != none) {
+            sum.add(&mesh.positions[v], sizeof(Vec3));
+            sum.add(&mesh.normals[v], sizeof(Vec3));
+        }
+    for (const Triangle& t : mesh.triangles)
+        if (vertices.kind[t[0]] == LiveVertices::ground) sum.add(t.data(), sizeof(Triangle));
+    return sum.value();
+}
+
+size_t LiveMatte::bake(const LiveVertices& vertices, const LiveOccluders& occluders, const std::filesystem::path& cacheFolder, Progress& progress) {
     const Mesh& mesh = *vertices.mesh;
     Vec3 low(1e30f), high(-1e30f);
     std::vector<uint32_t> order;
@@ -75,12 +97,29 @@ void LiveMatte::bake(const LiveVertices& vertices, const LiveOccluders& occluder
     stale_.assign(blocks, 0);
     std::vector<TransportBlock> packed(blocks);
     progress.begin("Transport of the environment", order.size());
-    parallelFor(blocks, 1, [&](size_t b) {
-        packed[b] = bakeBlock(b, vertices, occluders);
-        for (size_t s = b * transportLanes; s < (b + 1) * transportLanes; ++s) weightScale_[s] = grid_.weightScale(normal_[s]);
-        progress.advance(std::min(transportLanes, order.size() - b * transportLanes));
+    const size_t maskBytes = transportLanes * grid_.nibbleBytes();
+    TransportCache::Layout layout{0, uint32_t(grid_.grid().side), blocks, uint32_t(maskBytes)};
+    if (!cacheFolder.empty()) layout.key = keyOf(vertices, occluders);
+    TransportCache cache(cacheFolder, layout);
+    const size_t found = parallelSum(layout.chunks(), 1, size_t(0), [&](size_t begin, size_t end) {
+        size_t own = 0;
+        for (size_t chunk = begin; chunk < end; ++chunk) {
+            const size_t first = chunk * TransportCache::blocksPerChunk, count = layout.blocksOf(chunk);
+            const std::span<TransportBlock> place = std::span(packed).subspan(first, count);
+            const std::span<uint8_t> masks = std::span(masks_).subspan(first * maskBytes, count * maskBytes);
+            const bool known = cache.load(chunk, masks, place);
+            for (size_t b = first; b < first + count; ++b) {
+                if (!known) packed[b] = bakeBlock(b, vertices, occluders);
+                for (size_t s = b * transportLanes; s < (b + 1) * transportLanes; ++s) weightScale_[s] = grid_.weightScale(normal_[s]);
+                progress.advance(std::min(transportLanes, order.size() - b * transportLanes));
+            }
+            if (known) own += count;
+            else cache.store(chunk, masks, place);
+        }
+        return own;
     });
-    store_ = TransportStore(packed);
+    store_ = TransportStore(std::move(packed));
+    return found;
 }
 
 size_t LiveMatte::bytes() const {

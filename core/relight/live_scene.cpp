@@ -62,7 +62,7 @@ void LiveScene::State::takeEnvironment(const EnvironmentLook& next, std::shared_
         unturned = std::move(nextUnturned);
         plain = next.yawDegrees == 0 || unturned->black() ? unturned : turned(*unturned, next.yawDegrees);
         light = liveLight(*plain, options.gridSide);
-        pyramid = EnvironmentPyramid(*plain);
+        pyramidStale = true;
         gloss.markDistant();
         newLight = true;
     }
@@ -76,10 +76,22 @@ void LiveScene::State::takeEnvironment(const EnvironmentLook& next, std::shared_
     }
 }
 
+GlossInputs LiveScene::State::glossInputs() {
+    if (pyramidStale && !gloss.empty()) {
+        pyramid = EnvironmentPyramid(*plain);
+        pyramidStale = false;
+    }
+    return {vertices, matte, carried, near, occluders, pyramid, eye};
+}
+
 void LiveScene::State::sumLight() {
     matte.apply(light, newLight, distantMatte);
     carried.apply(vertices, light, newLight, distantMatte);
-    gloss.markDistant(matte.takeChanged());
+    if (!gloss.empty()) {
+        const std::vector<uint32_t> changed = matte.takeChanged();
+        if (stirred.empty() || matte.anyStale()) gloss.markDistant(changed);
+        else gloss.markDistant(changed, stirred, glossInputs());
+    }
     gloss.markDistant(carried.takeChanged());
 }
 
@@ -123,7 +135,7 @@ LiveScene::LiveScene(std::shared_ptr<const Scene> scene, std::shared_ptr<const E
     const auto start = Clock::now();
     const BodiesApart apart = s.apartOf({});
     s.takeGeometry({}, editGeometry(*s.scene, *s.estimate, {}, apart), apart);
-    s.matte.bake(s.vertices, s.occluders, progress);
+    s.report.cachedBlocks = s.matte.bake(s.vertices, s.occluders, options.cacheFolder, progress);
     s.matte.setBodies(s.bodyNames);
     s.takeEnvironment({}, s.unturnedOf({}));
     s.report.bakeSeconds = secondsSince(start);
@@ -151,9 +163,12 @@ void LiveScene::setLook(const Look& look) {
 
 void LiveScene::setEye(const Eye& eye) {
     State& s = *state_;
-    if (s.eye.position == eye.position && s.eye.orthographic == eye.orthographic && (!eye.orthographic || s.eye.forward == eye.forward)) return;
+    const bool sameRays = s.eye.position == eye.position && s.eye.orthographic == eye.orthographic && (!eye.orthographic || s.eye.forward == eye.forward);
+    const bool samePicture = s.eye.halfAngle == eye.halfAngle && (eye.halfAngle == 0 || s.eye.forward == eye.forward);
+    if (sameRays && samePicture) return;
     s.eye = eye;
-    s.gloss.markAll();
+    if (sameRays) s.gloss.markPicture();
+    else s.gloss.markAll();
     s.newEye = true;
 }
 

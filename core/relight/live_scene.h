@@ -1,6 +1,7 @@
 // Relighting that follows the hand: radiance per vertex of the edited scene, at once from few samples, refined at rest. What the
 // viewport shows between edits; final frames come from renderFrame. Both evaluate the forward model (2) and a test holds them together.
 #pragma once
+#include <filesystem>
 #include <memory>
 #include <vector>
 
@@ -12,6 +13,7 @@ struct LiveOptions {
     int gridSide = 32;        ///< side of the direction square of the baked transport; 64 for sharp gloss
     float error = 0.01f;      ///< terms are kept until no test environment is off by more than this share
     uint64_t seed = 1;
+    std::filesystem::path cacheFolder{};  ///< baked transport is kept here and found again by its inputs; empty: nowhere
 };
 
 /// From where the scene is seen: glossy light depends on it, matte light does not.
@@ -19,6 +21,7 @@ struct Eye {
     Vec3 position{0};
     Vec3 forward{0, 1, 0};      ///< unit
     bool orthographic = false;  ///< then every ray runs along `forward`
+    float halfAngle = 0;        ///< radians, perspective: half the opening of the cone about `forward` that holds the picture; 0: everything may be in it
 };
 
 /// What a picture cost and what it left out.
@@ -31,6 +34,8 @@ struct LiveReport {
     size_t storeBytes = 0;       ///< of the coefficients alone, which every change of the environment streams once
     float termsPerVertex = 0;    ///< Haar coefficients kept
     size_t glossyVertices = 0;   ///< shaded in the last glossy pass
+    size_t glossyOutside = 0;    ///< that face the eye but lie outside the picture: not shaded until they come into it
+    size_t cachedBlocks = 0;     ///< of the bake, found in the cache folder
     std::vector<LeftOut> leftOut;
 };
 

@@ -31,7 +31,9 @@ struct LiveScene::State {
     Rgb gain{1};
     LiveLight light;
     EnvironmentPyramid pyramid;
+    bool pyramidStale = true;                       ///< of another environment
 
+    std::vector<LiveBody> stirred;                  ///< where bodies moved from and to; empty when that does not tell what changed
     std::vector<LiveBody> released;                 ///< spheres of pieces that just became movable
     bool newGeometry = true, newLight = true, newEye = true, newValues = true;  ///< what the next slice has to answer
     bool finished = false;
@@ -47,7 +49,8 @@ struct LiveScene::State {
     void takeEnvironment(const EnvironmentLook& next, std::shared_ptr<const DistantLight> nextUnturned);
     BodiesApart apartOf(const Look& next) const;
 
-    GlossInputs glossInputs() const { return {vertices, matte, carried, near, occluders, pyramid, eye}; }
+    /// Builds the pyramid when it is needed: a matte scene never asks.
+    GlossInputs glossInputs();
     void coarse(Progress& progress);
     bool refineBatch(Progress& progress);           ///< false: nothing left
     /// Environment on matte vertices and what gloss has to take again.

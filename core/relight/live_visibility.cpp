@@ -1,5 +1,7 @@
 #include "relight/live_visibility.h"
 
+#include <bit>
+
 namespace relamp {
 namespace {
 
@@ -37,6 +39,9 @@ unsigned quartersAbove(const LiveGrid& grid, size_t cell, const Vec3& normal) {
     return mask;
 }
 
+/// Logarithm of the side: divisions by a number the compiler does not know would cost more than the rays of small cones.
+unsigned bitsOf(const LiveGrid& grid) { return unsigned(std::countr_zero(unsigned(grid.grid().side))); }
+
 constexpr uint8_t below = 2;  // beside 0: seen, 1: blocked
 
 }  // namespace
@@ -48,6 +53,7 @@ void traceCells(const LiveGrid& grid, const Vec3& origin, const Vec3& normal, bo
     std::fill(masks.begin(), masks.end(), uint8_t(0));
     Packets first(origin, occluded, [&](size_t cell, bool blocked) { state[cell] = blocked; });
     const size_t side = size_t(grid.grid().side);
+    const unsigned sideBits = bitsOf(grid);
     for (const uint16_t c : grid.packetOrder()) {
         const float height = glm::dot(grid.centre(c), normal);
         if (height < -grid.radius(c)) continue;
@@ -72,7 +78,7 @@ void traceCells(const LiveGrid& grid, const Vec3& origin, const Vec3& normal, bo
             state[c] = state[leader] == below ? uint8_t(0) : state[leader];
         }
     const auto differs = [&](size_t c) {
-        const size_t x = c % side, y = c / side;
+        const size_t x = c & (side - 1), y = c >> sideBits;
         for (size_t j = y > 0 ? y - 1 : 0; j <= std::min(y + 1, side - 1); ++j)
             for (size_t i = x > 0 ? x - 1 : 0; i <= std::min(x + 1, side - 1); ++i)
                 if (state[j * side + i] != below && state[j * side + i] != state[c]) return true;
@@ -105,30 +111,27 @@ void traceCone(const LiveGrid& grid, const Vec3& origin, const Vec3& normal, con
     if (cells.empty()) return;
     found.assign(cells.size(), 0);
     if (coarse) {
-        // A wide cone gets a ray for four cells: those in even rows and columns answer for the others.
-        constexpr size_t many = 40;
-        const size_t side = size_t(grid.grid().side);
-        const auto leaderOf = [&](size_t c) { return cells.size() > many ? c / side / 2 * 2 * side + c % side / 2 * 2 : c; };
-        thread_local std::vector<uint8_t> answer;  // per cell: 0 not asked, 1 open, 2 blocked
+        // A wide cone gets a ray for four cells, a very wide one for sixteen: the first of each square that may be seen answers for the others.
+        constexpr size_t few = 12, many = 160;
+        const unsigned sideBits = bitsOf(grid), strideBits = cells.size() > many ? 2 : cells.size() > few ? 1 : 0;
+        const uint32_t row = (1u << sideBits) - 1;
+        const auto squareOf = [&](uint32_t c) { return (c >> sideBits >> strideBits << sideBits) + ((c & row) >> strideBits); };
+        enum : uint8_t { unasked, open, blocked };
+        thread_local std::vector<uint8_t> answer;
         answer.resize(grid.cells());
-        for (const uint16_t c : cells) answer[c] = answer[leaderOf(c)] = 0;
-        Packets packets(origin, occluded, [&](size_t c, bool blocked) { answer[c] = blocked ? 2 : 1; });
-        const auto ask = [&](size_t c) {
+        for (const uint16_t c : cells) answer[squareOf(c)] = unasked;
+        Packets packets(origin, occluded, [&](size_t square, bool hit) { answer[square] = hit ? blocked : open; });
+        for (const uint16_t c : cells) {
+            if (answer[squareOf(c)] != unasked) continue;
+            answer[squareOf(c)] = open;
             // Across the horizon a quarter that may be seen stands for the cell.
             Vec3 d = grid.centre(c);
             if (glm::dot(d, normal) <= 0) d = grid.quarter(c, __builtin_ctz(nibbleOf(among.data(), c)));
-            packets.add(d, c);
-        };
-        for (const uint16_t c : cells)
-            if (leaderOf(c) == c) ask(c);
-        packets.flush();
-        for (const uint16_t c : cells)
-            if (!answer[leaderOf(c)]) ask(c);
-        packets.flush();
-        for (size_t i = 0; i < cells.size(); ++i) {
-            const size_t c = cells[i], by = answer[c] ? c : leaderOf(c);
-            if (answer[by] == 2) found[i] = uint8_t(nibbleOf(among.data(), c));
+            packets.add(d, squareOf(c));
         }
+        packets.flush();
+        for (size_t i = 0; i < cells.size(); ++i)
+            if (answer[squareOf(cells[i])] == blocked) found[i] = uint8_t(nibbleOf(among.data(), cells[i]));
     } else {
         Packets packets(origin, occluded, [&](size_t place, bool blocked) {
             if (blocked) found[place / 4] = uint8_t(found[place / 4] | 1u << (place % 4));

@@ -105,16 +105,17 @@ TransportBlock packTransport(std::span<float> cells, const TermTests& tests, flo
     return block;
 }
 
-TransportStore::TransportStore(const std::vector<TransportBlock>& blocks) {
+TransportStore::TransportStore(std::vector<TransportBlock> blocks) {
     size_t terms = 0;
     for (const TransportBlock& b : blocks) terms += b.index.size();
     index_.reserve(terms);
     value_.reserve(terms * transportLanes);
-    for (const TransportBlock& b : blocks) {
+    for (TransportBlock& b : blocks) {
         index_.insert(index_.end(), b.index.begin(), b.index.end());
         value_.insert(value_.end(), b.value.begin(), b.value.end());
         start_.push_back(uint32_t(index_.size()));
         scale_.push_back(b.scale);
+        b = TransportBlock();
     }
 }
 

@@ -45,7 +45,7 @@ TransportBlock packTransport(std::span<float> cells, const TermTests& tests, flo
 class TransportStore {
 public:
     TransportStore() = default;
-    explicit TransportStore(const std::vector<TransportBlock>& blocks);
+    explicit TransportStore(std::vector<TransportBlock> blocks);   ///< blocks are freed as they are taken over
     /// Puts new blocks in the place of old ones. Cost: one copy of the store.
     void replace(const std::vector<std::pair<uint32_t, TransportBlock>>& blocks);
 

@@ -2,6 +2,7 @@
 // force on the grid and published rates. tests/bench/run builds it, runs it and prints the table.
 #include <benchmark/benchmark.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <cstring>
 #include <filesystem>
@@ -11,6 +12,7 @@
 
 #include "base/parallel.h"
 #include "bench/bench_world.h"
+#include "relight/live_gloss_triple.h"
 #include "relight/live_scene.h"
 #include "relight/live_visibility.h"
 #include "transport/transport_store.h"
@@ -211,6 +213,27 @@ void bake(benchmark::State& state, size_t n) {
     }
 }
 
+/// Baking while a file is written, and the same scene opened again.
+void bakeCached(benchmark::State& state, size_t n) {
+    held.reset();
+    const std::string k = sizeName(n);
+    const std::filesystem::path folder = std::filesystem::temp_directory_path() / fmt::format("relamp-bench-{}", ::getpid());
+    for (auto _ : state) {
+        const World world = makeWorld(n, false);
+        LiveOptions options;
+        options.cacheFolder = folder;
+        Progress progress;
+        const Cost first = costOf([&] { LiveScene live(world.scene, world.estimate, options, progress); });
+        const Cost second = costOf([&] { LiveScene live(world.scene, world.estimate, options, progress); });
+        measured["bake_streamed_s_" + k] = first.wallMs / 1e3;
+        measured["bake_cached_s_" + k] = second.wallMs / 1e3;
+        measured["bake_cached_s_" + k + "_processor"] = second.processorMs / 1e3;
+        state.SetIterationTime(second.wallMs / 1e3);
+    }
+    std::error_code ignored;
+    std::filesystem::remove_all(folder, ignored);
+}
+
 /// The whole edit, from the look to the picture, and the part of it that turns light into light of vertices.
 void environment(benchmark::State& state, size_t n) {
     Stage& s = stage(n, false);
@@ -408,22 +431,95 @@ void eye(benchmark::State& state, size_t n) {
         refinedGloss[v] = off->radiance[v] - matte;
         firstGloss[v] = first->radiance[v] - nearPart - matte;
     }
-    if (std::getenv("PRT_DEBUG")) {
-        std::vector<std::pair<double, size_t>> worst;
-        for (size_t i = 0; i < chosen.size(); ++i) worst.emplace_back(glm::length(refined->radiance[chosen[i]] - reference[chosen[i]]), i);
-        std::sort(worst.rbegin(), worst.rend());
-        for (int w = 0; w < 12; ++w) {
-            const uint32_t v = chosen[worst[size_t(w)].second];
-            std::printf("%u off %g refined gloss %g first %g true %g ref %g pos %g %g %g facing %g\n", v, worst[size_t(w)].first, refinedGloss[v].y, firstGloss[v].y, referenceGloss[v].y, reference[v].y,
-                        mesh.positions[v].x, mesh.positions[v].y, mesh.positions[v].z, glm::dot(mesh.normals[v], glm::normalize(now.position - mesh.positions[v])));
-        }
-    }
     measured["glossy_error_" + k] = rms(first->radiance, reference, chosen);
     measured["glossy_error_refined_" + k] = rms(refined->radiance, reference, chosen);
     measured["glossy_part_error_" + k] = rms(firstGloss, referenceGloss, chosen);
     measured["glossy_part_error_refined_" + k] = rms(refinedGloss, referenceGloss, chosen);
     const double facing = double(first->report.glossyVertices);
     measured["glossy_brute_force_ms_" + k] = full.processorMs * facing / double(chosen.size());
+}
+
+/// Glossy light of single vertices on one core: taps as the viewport takes them, triple products of the largest coefficients, the sum over the grid.
+void glossyPaths(benchmark::State& state, size_t n) {
+    Stage& s = stage(n, true);
+    const Mesh& mesh = s.world.scene->mesh;
+    const Reflectance& r = s.world.estimate->reflectance;
+    const std::vector<uint8_t> lamp = lampVertices(*s.world.estimate);
+    const Eye from = s.eyeAt(0);
+    const LiveGrid grid(32);
+    const DistantLight& distant = *s.live->frame()->distant;
+    struct Point {
+        Mat3 frame;
+        Vec3 eye;
+        std::vector<uint8_t> masks;
+        std::vector<LobeWeight> lobes;
+    };
+    std::vector<Point> points;
+    for (uint32_t i = 0; points.size() < 300 && i < 20000; ++i) {
+        const uint32_t v = uint32_t(mixBits(i) % mesh.vertexCount());
+        const Vec3 to = glm::normalize(from.position - mesh.positions[v]);
+        if (lamp[v] || glm::dot(mesh.normals[v], to) < 0.02f) continue;
+        Point p{frameAround(mesh.normals[v]), Vec3(0), std::vector<uint8_t>(grid.nibbleBytes()), {}};
+        p.eye = glm::transpose(p.frame) * to;
+        const Occluded8 occluded = [&](std::span<const Ray> rays) { return s.world.scene->tracer->occluded8(rays); };
+        traceCells(grid, mesh.positions[v] + 4 * s.world.scene->tracer->surfaceOffset() * mesh.normals[v], mesh.normals[v], false, occluded, p.masks);
+        for (size_t k = 1; k < r.weight.size(); ++k)
+            if (maxChannel(r.weight[k][v]) > 0) p.lobes.push_back({uint8_t(k), r.weight[k][v]});
+        points.push_back(std::move(p));
+    }
+    const auto perVertex = [&](auto&& body) {
+        const ThreadLimit one(1);
+        const double before = processorSeconds();
+        for (size_t i = 0; i < points.size(); ++i) body(i);
+        return 1e6 * (processorSeconds() - before) / double(points.size());
+    };
+    std::vector<Rgb> truth(points.size()), got(points.size());
+    const auto error = [&] {
+        double difference = 0, sum = 0;
+        for (size_t i = 0; i < points.size(); ++i) {
+            difference += double(glm::dot(got[i] - truth[i], got[i] - truth[i]));
+            sum += double(glm::dot(truth[i], truth[i]));
+        }
+        return std::sqrt(difference / sum);
+    };
+    for (auto _ : state) {
+        const EnvironmentPyramid pyramid(distant);
+        // Every cell of the environment behind the same masks is what all of them stand for.
+        for (size_t i = 0; i < points.size(); ++i) {
+            const Point& p = points[i];
+            truth[i] = Rgb(0);
+            for (int c = 0; c < distant.grid().cells(); ++c) {
+                const Vec3 light = glm::transpose(p.frame) * distant.grid().direction(c);
+                const size_t q = grid.quarterAt((Vec2(float(c % distant.grid().side), float(c / distant.grid().side)) + Vec2(0.5f)) / float(distant.grid().side));
+                if (light.z <= 0 || !(nibbleOf(p.masks.data(), q / 4) >> (q % 4) & 1)) continue;
+                for (const LobeWeight& l : p.lobes) truth[i] += l.weight * evaluateLobe(r.basis.lobes[l.lobe], light, p.eye) * light.z * distant.cells()[size_t(c)] * distant.grid().cellSolidAngle();
+            }
+        }
+        for (int taps : {16, 32, 64, 128, 256}) {
+            const TapPattern pattern(taps);
+            measured[fmt::format("gloss_taps{}_us", taps)] = perVertex([&](size_t i) { got[i] = tapEnvironment(pyramid, r.basis, points[i].lobes, pattern, points[i].frame, points[i].eye, grid, points[i].masks.data()); });
+            measured[fmt::format("gloss_taps{}_error", taps)] = error();
+        }
+        for (size_t terms : {32, 64, 128, 256, 0}) {
+            const TripleGloss triple(grid, distant, {4 * terms, 2 * terms, terms});
+            const std::string name = terms ? fmt::format("gloss_triple{}", terms) : "gloss_triple_full";
+            std::vector<SparseCoefs> seen(points.size());
+            std::vector<std::vector<SparseCoefs>> shape(points.size());
+            for (size_t i = 0; i < points.size(); ++i) seen[i] = triple.visibility(points[i].masks.data());
+            measured["gloss_reflectance_coefs_us"] = perVertex([&](size_t i) {
+                for (const LobeWeight& l : points[i].lobes) shape[i].push_back(triple.reflectance(r.basis.lobes[l.lobe], points[i].frame, points[i].eye));
+            });
+            measured[name + "_us"] = perVertex([&](size_t i) {
+                got[i] = Rgb(0);
+                for (size_t l = 0; l < points[i].lobes.size(); ++l) got[i] += points[i].lobes[l].weight * triple.light(seen[i], shape[i][l]);
+            });
+            measured[name + "_error"] = error();
+        }
+        const TripleGloss whole(grid, distant, {});
+        measured["gloss_on_grid_us"] = perVertex([&](size_t i) { got[i] = whole.onGrid(r.basis, points[i].lobes, points[i].frame, points[i].eye, points[i].masks.data()); });
+        measured["gloss_on_grid_error"] = error();
+        state.SetIterationTime(1e-6 * measured["gloss_taps64_us"]);
+    }
 }
 
 // ---- the program
@@ -434,22 +530,76 @@ void registerAll(bool large) {
     if (large) sizes.insert(sizes.end(), {200000, 1000000});
     for (size_t n : sizes) {
         const std::string k = "/" + sizeName(n);
+        if (n != 200000) add("bake cached" + k, 1, [n](benchmark::State& s) { bakeCached(s, n); });
         add("bake" + k, 1, [n](benchmark::State& s) { bake(s, n); });
         if (n == 50000) add("rays", 3, [n](benchmark::State& s) { rayRate(s, n); });
         add("environment" + k, 9, [n](benchmark::State& s) { environment(s, n); });
         add("exposure" + k, 9, [n](benchmark::State& s) { exposure(s, n); });
         add("power" + k, 9, [n](benchmark::State& s) { power(s, n); });
         add("drag" + k, 7, [n](benchmark::State& s) { drag(s, n, false, 1); });
-        if (n == 50000) add("drag large lamp" + k, 5, [n](benchmark::State& s) { drag(s, n, false, 8); });
+        if (n == 50000) add("drag large lamp" + k, 5, [n](benchmark::State& s) { drag(s, n, false, 3); });
         add("brute force" + k, 3, [n](benchmark::State& s) { bruteForce(s, n); });
     }
     for (size_t n : sizes) {
         if (n > 200000) continue;
         const std::string k = "/" + sizeName(n);
         add("eye" + k, 7, [n](benchmark::State& s) { eye(s, n); });
-        add("drag glossy" + k, 5, [n](benchmark::State& s) { drag(s, n, true, 1); });
+        if (n == 50000) add("glossy paths" + k, 1, [n](benchmark::State& s) { glossyPaths(s, n); });
+        add("drag glossy" + k, 100, [n](benchmark::State& s) { drag(s, n, true, 1); });
     }
     add("cells/10k", 1, [](benchmark::State& s) { cells(s, 10000); });
+}
+
+/// One table: a row a kind of edit, a column a number of vertices; processor time over cores in brackets.
+void printTable(bool large) {
+    std::vector<std::string> sizes{"10k", "50k"};
+    if (large) sizes.insert(sizes.end(), {"200k", "1M"});
+    const auto row = [&](const std::string& what, const std::string& key, double scale = 1) {
+        bool any = false;
+        std::string line = fmt::format("{:<52}", what);
+        for (const std::string& n : sizes) {
+            const auto at = measured.find(key + n), processor = measured.find(key + n + "_processor");
+            any |= at != measured.end();
+            std::string cell = at == measured.end() ? "-" : fmt::format("{:.3g}", scale * at->second);
+            if (processor != measured.end()) cell += fmt::format(" ({:.3g})", scale * processor->second);
+            line += fmt::format("{:>20}", cell);
+        }
+        if (any) std::printf("%s\n", line.c_str());
+    };
+    std::string head = fmt::format("\n{:<52}", "vertices");
+    for (const std::string& n : sizes) head += fmt::format("{:>20}", n);
+    std::printf("%s\n", head.c_str());
+    for (const auto& [n, vertices] : {std::pair("10k", 1e4), std::pair("50k", 5e4), std::pair("200k", 2e5), std::pair("1M", 1e6)}) measured[std::string("ng04_published_ms_") + n] = 4000 * vertices / 3e5;
+    row("bake, s", "bake_s_");
+    row("  while its file is written, s", "bake_streamed_s_");
+    row("  found in the cache, s", "bake_cached_s_");
+    row("environment: light of all vertices, ms", "env_swap_ms_");
+    row("  its bytes at copy bandwidth, ms", "env_copy_limit_ms_");
+    row("  times that limit", "env_swap_over_copy_limit_");
+    row("  brute force on the grid, ms", "env_brute_force_ms_");
+    row("  times faster", "over_brute_force_");
+    row("  turned, the whole edit, ms", "env_edit_ms_");
+    row("exposure, ms", "exposure_ms_");
+    row("emitter power, ms", "power_change_ms_");
+    row("emitter dragged, first picture, ms", "drag_first_ms_");
+    row("  off by, %", "drag_first_error_", 100);
+    row("  within 1 % after, s", "drag_refined_s_");
+    row("a lamp of a third of the scene dragged, ms", "drag_first_ms_large_lamp_");
+    row("glossy scene, emitter dragged, ms", "drag_first_ms_glossy_");
+    row("glossy scene, eye moved, ms", "glossy_view_ms_");
+    row("  picture off by, %", "glossy_error_", 100);
+    row("  its glossy part off by, %", "glossy_part_error_", 100);
+    row("  refined after, s", "glossy_refined_s_");
+    row("  brute force on the environment's cells, ms", "glossy_brute_force_ms_");
+    row("[Ng04] published: 3-5 s at 300k, scaled, ms", "ng04_published_ms_");
+    row("stored bytes a vertex", "bytes_per_vertex_");
+    row("coefficients a vertex", "terms_per_vertex_");
+    row("most memory so far, GiB", "peak_gib_");
+    for (const char* name : {"copy_gb_s", "mrays_per_core_s", "cores"})
+        if (measured.count(name)) std::printf("%-52s%20.3g\n", name, measured[name]);
+    std::printf("\n");
+    for (const auto& [name, value] : measured)
+        if (name.starts_with("gloss_") || name.find("_side") != std::string::npos) std::printf("%-44s %.4g\n", name.c_str(), value);
 }
 
 }  // namespace
@@ -474,7 +624,7 @@ int main(int argc, char** argv) {
     benchmark::RunSpecifiedBenchmarks();
     held.reset();
     if (measured.count("bytes_per_vertex_50k")) measured["bytes_per_vertex"] = measured["bytes_per_vertex_50k"];
-    for (const auto& [name, value] : measured) std::printf("%-44s %.4g\n", name.c_str(), value);
+    printTable(large);
     if (!json.empty()) {
         std::ofstream out(json);
         out << nlohmann::json(measured).dump(2) << "\n";

@@ -160,7 +160,12 @@ public:
         xdotool("type --delay 30 '" + text + "'");
         pause();
     }
-    static void pause() { std::this_thread::sleep_for(std::chrono::milliseconds(150)); }
+    /// A moment, and two frames of the window: a slow machine gets the time it needs.
+    void pause() const {
+        std::this_thread::sleep_for(std::chrono::milliseconds(120));
+        const int frame = map()["frame"];
+        for (int i = 0; i < 20 && map()["frame"] < frame + 2; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    }
 
     Image screenshot(const std::string& name) const {
         const std::filesystem::path file = home_ / (name + ".png");
