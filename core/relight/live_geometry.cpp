@@ -71,6 +71,7 @@ void LiveScene::State::takeGeometry(const Look& next, EditedGeometry edited, Bod
 
     // Emitters: those that stay where they were keep their light, but for the shadows of what moved.
     std::vector<NearEmitter> emitters(edited.emitters.size());
+    std::vector<uint8_t> emitterMoved(emitters.size(), 1);
     for (size_t e = 0; e < emitters.size(); ++e) {
         NearEmitter& out = emitters[e];
         out.id = edited.emitters[e].id;
@@ -80,6 +81,7 @@ void LiveScene::State::takeGeometry(const Look& next, EditedGeometry edited, Bod
         for (NearEmitter& o : near)
             if (o.id == out.id && !o.level.empty()) old = &o;
         const bool same = old && out.body && !moved[out.body];
+        emitterMoved[e] = !same;
         if (same) {
             const uint32_t body = out.body;
             out = std::move(*old);
@@ -111,9 +113,11 @@ void LiveScene::State::takeGeometry(const Look& next, EditedGeometry edited, Bod
             if (!kept[o]) markShadowed(out, now, occluders.bodies[o]);
         for (const LiveBody& piece : released) markShadowed(out, now, piece);
     }
+    const size_t emittersBefore = near.size();
     near = std::move(emitters);
     // Two edits before a picture stir what both of them moved.
-    const bool known = !first && !renumbered && names == bodyNames && !(newGeometry && stirred.empty());
+    const bool sameVertices = !first && !renumbered && names == bodyNames && vertices.kind == now.kind && emittersBefore == near.size();
+    const bool known = sameVertices && !(newGeometry && stirred.empty());
     if (!newGeometry || !known) stirred.clear();
     if (known)
         for (uint32_t b = 1; b < bodies.size(); ++b)
@@ -134,7 +138,8 @@ void LiveScene::State::takeGeometry(const Look& next, EditedGeometry edited, Bod
     emitterOfTriangle = std::make_shared<const std::vector<int>>(geometry.emitterOfTriangle);
     distantMatte.resize(vertices.count(), Rgb(0));
     carried.setVertices(vertices);
-    gloss.setVertices(vertices, near.size(), next.neutralMaterials);
+    if (sameVertices) gloss.moveVertices(vertices, moved, emitterMoved);
+    else gloss.setVertices(vertices, near.size(), next.neutralMaterials);
     newGeometry = true;
 }
 

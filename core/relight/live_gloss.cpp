@@ -56,6 +56,17 @@ void LiveGloss::setVertices(const LiveVertices& vertices, size_t emitters, bool 
     nearLevel_.assign(emitters, std::vector<uint8_t>(vertex_.size(), 0));
 }
 
+void LiveGloss::moveVertices(const LiveVertices& vertices, std::span<const uint8_t> bodyMoved, std::span<const uint8_t> emitterMoved) {
+    queueStale_ = true;
+    for (size_t e = 0; e < emitterMoved.size(); ++e)
+        if (emitterMoved[e]) markNear(e);
+    for (size_t i = 0; i < vertex_.size(); ++i) {
+        if (vertices.kind[vertex_[i]] != LiveVertices::carried || !bodyMoved[vertices.body[vertex_[i]]]) continue;
+        distantLevel_[i] = 0;
+        for (std::vector<uint8_t>& level : nearLevel_) level[i] = 0;
+    }
+}
+
 void LiveGloss::markAll() {
     queueStale_ = true;
     markDistant();

@@ -23,6 +23,8 @@ public:
     LiveGloss(const LiveGrid& grid, const Estimate& estimate) : grid_(grid), estimate_(estimate) {}
     /// Vertices with glossy weight, after a change of geometry or materials; everything is stale.
     void setVertices(const LiveVertices& vertices, size_t emitters, bool neutral);
+    /// The same vertices, some bodies and emitters stand elsewhere: only what moved is stale.
+    void moveVertices(const LiveVertices& vertices, std::span<const uint8_t> bodyMoved, std::span<const uint8_t> emitterMoved);
     bool empty() const { return vertex_.empty(); }
     void markDistant() { std::fill(distantLevel_.begin(), distantLevel_.end(), uint8_t(0)); }
     void markDistant(std::span<const uint32_t> vertices);

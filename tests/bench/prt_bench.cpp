@@ -9,6 +9,7 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "base/parallel.h"
 #include "bench/bench_world.h"
@@ -248,7 +249,9 @@ void environment(benchmark::State& state, size_t n) {
     const double limit = double(report.storeBytes) / measured["copy_gb_s"] / 1e6;
     measured["env_swap_ms_" + sizeName(n)] = sums[sums.size() / 2];
     measured["env_copy_limit_ms_" + sizeName(n)] = limit;
-    measured["env_swap_over_copy_limit_" + sizeName(n)] = sums[sums.size() / 2] / limit;
+    // Best over best: the copy is the best of its runs too, and a busy machine disturbs single ones.
+    measured["env_swap_best_ms_" + sizeName(n)] = sums.front();
+    measured["env_swap_over_copy_limit_" + sizeName(n)] = sums.front() / limit;
     state.counters["light_ms"] = sums[sums.size() / 2];
     s.look.environment = {};
     s.answer();
@@ -357,6 +360,39 @@ void cells(benchmark::State& state, size_t n) {
         state.SetIterationTime(total / 1e3);
     }
     held.reset();
+}
+
+/// The error that was asked for, the bytes it takes, and the error of matte light under an environment that no test knew.
+void compression(benchmark::State& state, size_t n) {
+    held.reset();
+    const World world = makeWorld(n, false);
+    Progress progress;
+    const auto matteAt = [&](float error, LiveReport& report) {
+        LiveOptions options;
+        options.error = error;
+        LiveScene live(world.scene, world.estimate, options, progress);
+        Look look;
+        look.environment.yawDegrees = 77;
+        live.setLook(look);
+        while (!live.refine(1, progress)) {}
+        report = live.frame()->report;
+        return live.frame()->distantMatte;
+    };
+    for (auto _ : state) {
+        const auto start = Clock::now();
+        LiveReport report;
+        const std::vector<Rgb> whole = matteAt(1e-5f, report);
+        std::vector<uint32_t> all(whole.size());
+        std::iota(all.begin(), all.end(), 0u);
+        measured["compression_full_terms"] = report.termsPerVertex;
+        for (const float error : {0.05f, 0.02f, 0.01f, 0.005f}) {
+            const std::vector<Rgb> kept = matteAt(error, report);
+            measured[fmt::format("compression_{}_terms", error)] = report.termsPerVertex;
+            measured[fmt::format("compression_{}_bytes_a_vertex", error)] = double(report.bytesPerVertex);
+            measured[fmt::format("compression_{}_error", error)] = rms(kept, whole, all);
+        }
+        state.SetIterationTime(std::chrono::duration<double>(Clock::now() - start).count());
+    }
 }
 
 // ---- glossy scenes
@@ -545,8 +581,9 @@ void registerAll(bool large) {
         const std::string k = "/" + sizeName(n);
         add("eye" + k, 7, [n](benchmark::State& s) { eye(s, n); });
         if (n == 50000) add("glossy paths" + k, 1, [n](benchmark::State& s) { glossyPaths(s, n); });
-        add("drag glossy" + k, 100, [n](benchmark::State& s) { drag(s, n, true, 1); });
+        add("drag glossy" + k, 5, [n](benchmark::State& s) { drag(s, n, true, 1); });
     }
+    add("compression/10k", 1, [](benchmark::State& s) { compression(s, 10000); });
     add("cells/10k", 1, [](benchmark::State& s) { cells(s, 10000); });
 }
 
@@ -575,7 +612,8 @@ void printTable(bool large) {
     row("  found in the cache, s", "bake_cached_s_");
     row("environment: light of all vertices, ms", "env_swap_ms_");
     row("  its bytes at copy bandwidth, ms", "env_copy_limit_ms_");
-    row("  times that limit", "env_swap_over_copy_limit_");
+    row("  best run, ms", "env_swap_best_ms_");
+    row("  best run over that limit", "env_swap_over_copy_limit_");
     row("  brute force on the grid, ms", "env_brute_force_ms_");
     row("  times faster", "over_brute_force_");
     row("  turned, the whole edit, ms", "env_edit_ms_");
@@ -599,7 +637,7 @@ void printTable(bool large) {
         if (measured.count(name)) std::printf("%-52s%20.3g\n", name, measured[name]);
     std::printf("\n");
     for (const auto& [name, value] : measured)
-        if (name.starts_with("gloss_") || name.find("_side") != std::string::npos) std::printf("%-44s %.4g\n", name.c_str(), value);
+        if (name.starts_with("gloss_") || name.starts_with("compression_") || name.find("_side") != std::string::npos) std::printf("%-44s %.4g\n", name.c_str(), value);
 }
 
 }  // namespace

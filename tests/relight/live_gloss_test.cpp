@@ -162,6 +162,50 @@ TEST(LiveGloss, OnlyThePictureIsShadedAndWhatComesIntoItFollows) {
     EXPECT_EQ(live->frame()->report.glossyOutside, 0u);
 }
 
+double relativeRms(const std::vector<Rgb>& a, const std::vector<Rgb>& b, size_t count) {
+    double difference = 0, sum = 0;
+    for (size_t v = 0; v < count; ++v) {
+        difference += double(glm::dot(a[v] - b[v], a[v] - b[v]));
+        sum += double(glm::dot(b[v], b[v]));
+    }
+    return std::sqrt(difference / sum);
+}
+
+TEST(LiveGloss, WhatStaysWhileALampIsDraggedIsRightAtRest) {
+    Mesh mesh = test::sheet({-2, -2, 0}, {4, 0, 0}, {0, 4, 0}, 30, 30);
+    const size_t floor = mesh.vertexCount();
+    const std::vector<uint32_t> one = test::append(mesh, test::squareAbove(0.6f, 0.9f, 0.5f, 2, 2)), two = test::append(mesh, test::squareAbove(0.5f, -0.9f, -0.5f, 1.5f, 2));
+    const auto scene = std::make_shared<const Scene>(test::sceneOf(mesh));
+    auto estimate = std::make_shared<Estimate>(test::matteEstimate(*scene, Rgb(0.2f), Rgb(1), test::emittersOf(*scene, {one, two}, {Rgb(9), Rgb(6)})));
+    estimate->environmentSide = 256;
+    estimate->environment = skyOf(256, true).cells();
+    estimate->reflectance.basis = builtInBasis();
+    estimate->reflectance.weight.resize(13, std::vector<Rgb>(mesh.vertexCount(), Rgb(0)));
+    std::fill_n(estimate->reflectance.weight[3].begin(), floor, Rgb(0.7f));
+    const Eye eye{Vec3(0, -3, 2), Vec3(0, 1, 0), false};
+    Progress progress;
+    const auto lookAt = [](const Vec3& by) {
+        Look look;
+        look.emitters.push_back({"emitter-1", true, test::translation(by), Rgb(1)});
+        return look;
+    };
+    LiveScene dragged(scene, estimate, {}, progress), direct(scene, estimate, {}, progress);
+    dragged.setEye(eye);
+    direct.setEye(eye);
+    while (!dragged.refine(1, progress)) {}
+    dragged.setLook(lookAt({-0.5f, 0.3f, 0}));
+    dragged.refine(0, progress);
+    dragged.setLook(lookAt({-0.9f, 0.1f, -0.4f}));  // two edits before the next picture
+    dragged.setLook(lookAt({-1.2f, -0.8f, -0.9f}));
+    dragged.refine(0, progress);
+    const auto first = dragged.frame();
+    while (!dragged.refine(1, progress)) {}
+    direct.setLook(lookAt({-1.2f, -0.8f, -0.9f}));
+    while (!direct.refine(1, progress)) {}
+    EXPECT_LT(relativeRms(dragged.frame()->radiance, direct.frame()->radiance, floor), 2e-3);
+    EXPECT_LT(relativeRms(first->radiance, direct.frame()->radiance, floor), 0.06);
+}
+
 TEST(LiveGloss, SameBitsOnAnyNumberOfThreads) {
     std::vector<Rgb> one;
     for (const int threads : {1, 0}) {

@@ -107,9 +107,11 @@ void Picture::compose(Editor& editor, const EyeView& eye) {
             layer.behind = photograph;
         } else {
             const bool photographShows = photograph && key_.photographBehind && model && key_.ownEnvironment;
-            if (photographShows)
-                layer.behind = photograph;
-            else if (key_.distant && model)
+            if (photographShows) {
+                const auto& samples = editor.state.document.samples;
+                const GLuint backdrop = live && samples ? photographs_.backdrop(editor.state.document.capture, key_.view, *samples, live->distant) : 0;
+                layer.behind = backdrop ? backdrop : photograph;
+            } else if (key_.distant && model)
                 layer.environment = environmentTexture(live ? live->distant : nullptr);
             if (mesh.drawable) {
                 layer.mesh = &mesh.geometry;
