@@ -109,7 +109,7 @@ Capture loadCapture(const fs::path& folder, const LoadOptions& options, Progress
     parallelFor(
         count, 1,
         [&](size_t i) {
-            const Frame& frame = transforms.frames[i];
+            const TransformsFrame& frame = transforms.frames[i];
             View& view = capture.views[i];
             view.name = frame.filePath;
             view.file = findPicture(folder, frame.filePath);

@@ -290,7 +290,7 @@ Transforms parseTransforms(const std::string& text, const PictureSize& sizeOf) {
         const std::string name = fmt::format("frame {}", i);
         if (!object.is_object()) throw Error("{}: is {}, expected an object", name, kindOf(object));
         const Keys keys(root, &object, name);
-        Frame frame;
+        TransformsFrame frame;
         frame.filePath = Keys(object, nullptr, "").has("file_path") ? keys.text("file_path") : "";
         frame.exposures = readExposures(keys, object);
         if (frame.filePath.empty()) {

@@ -19,14 +19,14 @@ struct Exposure {
 };
 
 /// One frame as the file says it; the camera is complete.
-struct Frame {
+struct TransformsFrame {
     std::string filePath;              ///< as written, relative to the capture folder; empty when only brackets are given
     Camera camera;
     std::vector<Exposure> exposures;
 };
 
 struct Transforms {
-    std::vector<Frame> frames;
+    std::vector<TransformsFrame> frames;
     std::string meshPath;              ///< as written; empty when the key is absent
     Vec3 up{0, 0, 1};
     std::vector<std::string> notes;    ///< what was set right or ignored, one sentence each

@@ -178,6 +178,25 @@ TEST(IncludeRules, EverySourceWithAHeaderIncludesItFirstSoThatTheHeaderCompilesA
         }
 }
 
+/// Two types of one name in one namespace compile and link, and then crash: the linker keeps one destructor for both.
+TEST(IncludeRules, EveryTypeHasANameOfItsOwn) {
+    static const std::regex definition(R"(^(?:struct|class|enum class|union)\s+(\w+)[^;]*\{.*)");
+    for (const char* folder : {"core", "ui"}) {
+        std::map<std::string, std::string> home;
+        for (const fs::directory_entry& entry : fs::recursive_directory_iterator(fs::path(RELAMP_SOURCE_DIR) / folder)) {
+            if (entry.path().extension() != ".h") continue;
+            std::ifstream in(entry.path());
+            std::smatch match;
+            for (std::string line; std::getline(in, line);) {
+                if (!std::regex_match(line, match, definition)) continue;
+                const auto [other, isNew] = home.emplace(match[1], entry.path().string());
+                EXPECT_TRUE(isNew) << match[1] << " stands in " << other->second << " and in " << entry.path();
+            }
+        }
+        EXPECT_GT(home.size(), 20u);
+    }
+}
+
 TEST(IncludeRules, TableRefusesWhatItShould) {
     EXPECT_TRUE(violation("base/error.h", {"image/image.h"}));
     EXPECT_TRUE(violation("scene/scene.cpp", {"capture/capture.h"}));
