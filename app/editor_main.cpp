@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
     app.add_option("--scale", options.scale, "Size of everything in the window, 0.75 to 3 (as the monitor says)")->check(CLI::Range(0.75, 3.0));
     app.add_option("--width", options.width, "Of the window, pixels")->check(CLI::Range(640, 16384));
     app.add_option("--height", options.height, "Of the window, pixels")->check(CLI::Range(400, 16384));
+    app.add_option("--gpu", options.gpu, "Where light is summed: auto (the faster of processor and graphics card), on (graphics card), off (processor)")->check(CLI::IsMember({"auto", "on", "off"}));
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

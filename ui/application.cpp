@@ -159,6 +159,7 @@ int runApplication(const ApplicationOptions& options) {
     editorOptions.configFolder = userFolder("XDG_CONFIG_HOME", ".config");
     editorOptions.stateFolder = userFolder("XDG_STATE_HOME", ".local/state");
     editorOptions.wake = [] { Window::wake(); };
+    editorOptions.gpu = options.gpu == "on" ? EditorOptions::Gpu::on : options.gpu == "off" ? EditorOptions::Gpu::off : EditorOptions::Gpu::automatic;
     Editor editor(editorOptions);
     if (options.scale > 0) editor.state.uiScale = options.scale;
     fs::path openWhenAsked = options.open;  // after the question about lost work

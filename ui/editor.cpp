@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <ctime>
 
+#include "base/log.h"
 #include "editor_impl.h"
 #include "settings.h"
+#include "viewport/gpu_transport.h"
 
 namespace relamp::ui {
 namespace fs = std::filesystem;
@@ -22,8 +24,23 @@ Look lookThatFits(const Look& look, const Estimate& estimate, size_t vertices) {
     return out;
 }
 
+namespace {
+
+/// Run by a relighting thread, which keeps what it gets.
+std::function<std::shared_ptr<TransportDevice>()> deviceFor(EditorOptions::Gpu gpu) {
+    if (gpu == EditorOptions::Gpu::off) return {};
+    return [force = gpu == EditorOptions::Gpu::on] {
+        std::string why;
+        auto device = makeGpuTransport(force, &why);
+        if (!device && force) logWarning("Light is summed on the processor: no graphics card can do it: {}", why);
+        return device;
+    };
+}
+
+}  // namespace
+
 Editor::Impl::Impl(Editor& editor, EditorOptions editorOptions)
-    : self(editor), options(std::move(editorOptions)), relight(options.wake), relightDistant(options.wake), autosave(options.stateFolder) {}
+    : self(editor), options(std::move(editorOptions)), relight(options.wake, deviceFor(options.gpu), options.gpu == EditorOptions::Gpu::on), relightDistant(options.wake, deviceFor(options.gpu), options.gpu == EditorOptions::Gpu::on), autosave(options.stateFolder) {}
 
 Editor::Editor(EditorOptions options) : impl_(std::make_unique<Impl>(*this, std::move(options))) {
     loadSettings(impl_->options.configFolder, state);

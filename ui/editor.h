@@ -16,6 +16,8 @@ struct EditorOptions {
     std::filesystem::path stateFolder;        ///< autosaves
     std::function<void()> wake;               ///< called from workers when there is something to poll
     double autosaveSeconds = 15;              ///< of unsaved edits, at most
+    enum class Gpu { automatic, on, off };
+    Gpu gpu = Gpu::automatic;                 ///< where light is summed: automatic on whichever is faster; on also in a software renderer
 };
 
 class Editor {

@@ -25,7 +25,8 @@ Camera scaled(Camera camera, double factor) {
 
 }  // namespace
 
-RelightWorker::RelightWorker(std::function<void()> wake) : wake_(std::move(wake)), thread_([this](std::stop_token stop) { run(stop); }) {}
+RelightWorker::RelightWorker(std::function<void()> wake, std::function<std::shared_ptr<TransportDevice>()> makeDevice, bool forceDevice)
+    : wake_(std::move(wake)), makeDevice_(std::move(makeDevice)), forceDevice_(forceDevice), thread_([this](std::stop_token stop) { run(stop); }) {}
 
 RelightWorker::~RelightWorker() {
     thread_.request_stop();
@@ -136,6 +137,8 @@ void RelightWorker::renderAtRest(const RelightWish& wish, uint64_t serial) {
 }
 
 void RelightWorker::run(std::stop_token stop) {
+    LiveOptions options;
+    options.forceDevice = forceDevice_;
     std::unique_ptr<LiveScene> live;
     RelightWish held;          // what `live` shows
     uint64_t done = 0;         // serial of the wish that was finished
@@ -170,7 +173,8 @@ void RelightWorker::run(std::stop_token stop) {
             }
             if (!live || wish.scene != held.scene || wish.estimate != held.estimate) {
                 live.reset();
-                live = std::make_unique<LiveScene>(wish.scene, wish.estimate, LiveOptions{}, *progress);
+                if (makeDevice_) options.device = std::exchange(makeDevice_, {})();
+                live = std::make_unique<LiveScene>(wish.scene, wish.estimate, options, *progress);
                 held = {};
                 held.scene = wish.scene;
                 held.estimate = wish.estimate;

@@ -28,7 +28,9 @@ struct RelightWish {
 class RelightWorker {
 public:
     /// `wake` is called on the worker's thread whenever there is something new.
-    explicit RelightWorker(std::function<void()> wake);
+    /// `makeDevice` is called once on the worker's thread, before the first scene; what it gives sums light where that is faster, or always
+    /// when `forceDevice`. Empty, or a null answer: the processor does.
+    explicit RelightWorker(std::function<void()> wake, std::function<std::shared_ptr<TransportDevice>()> makeDevice = {}, bool forceDevice = false);
     ~RelightWorker();
 
     /// The latest wish wins; what did not change is kept.
@@ -51,6 +53,8 @@ private:
     mutable std::mutex mutex_;
     std::condition_variable_any changed_;
     std::function<void()> wake_;
+    std::function<std::shared_ptr<TransportDevice>()> makeDevice_;
+    bool forceDevice_;
     RelightWish wish_;
     uint64_t serial_ = 0;                  ///< of the latest wish
     std::shared_ptr<Progress> running_;    ///< of the step in work, so that a new wish can end it

@@ -49,6 +49,9 @@ void LiveScene::State::makeFrame() {
     report.bytesPerVertex = (matte.bytes() + carried.bytes()) / std::max<size_t>(1, n) + emitters * (2 * sizeof(float) + 1);
     report.storeBytes = matte.store().bytes();
     report.termsPerVertex = matte.store().blocks() ? float(matte.store().terms()) / float(matte.store().blocks()) : 0.0f;
+    report.device = matte.sums().device();
+    report.cpuApplyMs = matte.sums().processorMs();
+    report.deviceApplyMs = matte.sums().deviceMs();
     report.leftOut.clear();
     if (!glossy) report.leftOut.push_back({"glossy passes", "no vertex has a glossy lobe"});
     report.glossyOutside = glossy ? gloss.outside() : 0;

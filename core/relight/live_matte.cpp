@@ -320,7 +320,7 @@ void LiveMatte::combine(size_t c) {
 }
 
 void LiveMatte::apply(const LiveLight& light, bool all, std::span<Rgb> out) {
-    if (all || rebaked_) store_.apply(light.coefs, base_);
+    if (all || rebaked_) sums_.apply(store_, light.coefs, base_);
     all |= rebaked_;
     rebaked_ = false;
     parallelFor(chunks(), 8, [&](size_t c) {

@@ -7,6 +7,7 @@
 #include "relight/live_near.h"
 #include "relight/live_visibility.h"
 #include "transport/transport_cache.h"
+#include "transport/transport_device.h"
 
 namespace relamp {
 
@@ -18,6 +19,9 @@ public:
     size_t bake(const LiveVertices& vertices, const LiveOccluders& occluders, const std::filesystem::path& cacheFolder, Progress& progress);
     size_t bytes() const;              ///< of everything stored per vertex
     const TransportStore& store() const { return store_; }
+    /// Measures where apply() sums the store: see TransportSums::choose().
+    void chooseDevice(std::shared_ptr<TransportDevice> device, bool force, Progress& progress) { sums_.choose(store_, grid_.cells(), std::move(device), force, progress); }
+    const TransportSums& sums() const { return sums_; }
 
     /// The list of bodies changed: what is known of those with the same name is kept.
     void setBodies(const std::vector<std::string>& names);
@@ -60,6 +64,7 @@ private:
     std::vector<float> weightScale_;
     std::vector<uint8_t> masks_;                          // per slot: quarters the ground lets through
     TransportStore store_;
+    TransportSums sums_;
     std::vector<Shadow> shadows_;
     std::vector<CellLists> freed_;                        // per chunk: visible, but not yet in the store
     std::vector<uint8_t> stale_;                          // per block: to be baked anew

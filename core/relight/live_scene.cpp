@@ -136,6 +136,7 @@ LiveScene::LiveScene(std::shared_ptr<const Scene> scene, std::shared_ptr<const E
     const BodiesApart apart = s.apartOf({});
     s.takeGeometry({}, editGeometry(*s.scene, *s.estimate, {}, apart), apart);
     s.report.cachedBlocks = s.matte.bake(s.vertices, s.occluders, options.cacheFolder, progress);
+    s.matte.chooseDevice(options.device, options.forceDevice, progress);
     s.matte.setBodies(s.bodyNames);
     s.takeEnvironment({}, s.unturnedOf({}));
     s.report.bakeSeconds = secondsSince(start);

@@ -3,9 +3,11 @@
 #pragma once
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "relight/relit_scene.h"
+#include "transport/transport_device.h"
 
 namespace relamp {
 
@@ -14,6 +16,8 @@ struct LiveOptions {
     float error = 0.01f;      ///< terms are kept until no test environment is off by more than this share
     uint64_t seed = 1;
     std::filesystem::path cacheFolder{};  ///< baked transport is kept here and found again by its inputs; empty: nowhere
+    std::shared_ptr<TransportDevice> device{};  ///< sums light where it is faster than the processor; null: the processor does
+    bool forceDevice = false;             ///< the device also where it is slower
 };
 
 /// From where the scene is seen: glossy light depends on it, matte light does not.
@@ -36,6 +40,9 @@ struct LiveReport {
     size_t glossyVertices = 0;   ///< shaded in the last glossy pass
     size_t glossyOutside = 0;    ///< that face the eye but lie outside the picture: not shaded until they come into it
     size_t cachedBlocks = 0;     ///< of the bake, found in the cache folder
+    std::string device;          ///< that sums light; empty: the processor
+    double cpuApplyMs = 0;       ///< one sum over the store on the processor, measured after the bake
+    double deviceApplyMs = 0;    ///< the same on the device; 0: there is none, or it failed
     std::vector<LeftOut> leftOut;
 };
 

@@ -1,5 +1,6 @@
 #include "transport/transport_store.h"
 
+#include <atomic>
 #include <cstring>
 #include <numeric>
 
@@ -17,6 +18,11 @@ constexpr float sunSlack = 4;
 /// A vector of lanes; g++ splits it where the machine has narrower registers.
 typedef float Lanes __attribute__((vector_size(4 * transportLanes)));
 typedef int16_t ShortLanes __attribute__((vector_size(2 * transportLanes)));
+
+uint64_t nextVersion() {
+    static std::atomic<uint64_t> last{0};
+    return ++last;
+}
 
 }  // namespace
 
@@ -105,7 +111,7 @@ TransportBlock packTransport(std::span<float> cells, const TermTests& tests, flo
     return block;
 }
 
-TransportStore::TransportStore(std::vector<TransportBlock> blocks) {
+TransportStore::TransportStore(std::vector<TransportBlock> blocks) : version_(nextVersion()) {
     size_t terms = 0;
     for (const TransportBlock& b : blocks) terms += b.index.size();
     index_.reserve(terms);
@@ -141,6 +147,7 @@ void TransportStore::replace(const std::vector<std::pair<uint32_t, TransportBloc
     start_.swap(start);
     index_.swap(index);
     value_.swap(value);
+    version_ = nextVersion();
 }
 
 size_t TransportStore::bytes() const {

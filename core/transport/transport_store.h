@@ -52,6 +52,12 @@ public:
     size_t blocks() const { return scale_.size(); }
     size_t terms() const { return index_.size(); }      ///< of all blocks; each stands for transportLanes coefficients
     size_t bytes() const;
+    /// Another number for every other content in this process; 0: empty.
+    uint64_t version() const { return version_; }
+    std::span<const uint32_t> start() const { return start_; }    ///< per block: its first term; one more at the end
+    std::span<const uint16_t> index() const { return index_; }    ///< per term
+    std::span<const int16_t> value() const { return value_; }     ///< per term: transportLanes values
+    std::span<const std::array<float, transportLanes>> scale() const { return scale_; }
     /// The light each vertex takes: `out` has blocks() x transportLanes places. `coefs`: Haar coefficients of the environment per channel,
     /// side^2 each (cell means x sqrt of the cell's solid angle). Cost: one pass over bytes().
     void apply(const std::array<std::vector<float>, 3>& coefs, std::span<Rgb> out) const;
@@ -59,6 +65,7 @@ public:
     std::vector<float> coefsOf(size_t vertex, int side) const;
 
 private:
+    uint64_t version_ = 0;
     std::vector<uint32_t> start_{0};                    // per block: its first term
     std::vector<uint16_t> index_;
     std::vector<int16_t> value_;

@@ -36,6 +36,16 @@ std::string gaugeExplanation(const GaugeReport& gauge) {
     return words + (gauge.evidence.empty() ? "." : ": " + gauge.evidence + ".");
 }
 
+/// Where light is summed and how long that took when it was measured; empty before the first picture.
+std::string lightSums(const Editor& editor) {
+    const auto frame = editor.liveFrame();
+    if (!frame) return {};
+    const LiveReport& report = frame->report;
+    if (!report.device.empty()) return fmt::format("\nLight sums: on the graphics card ({:.1f} ms, the processor would take {:.1f} ms)", report.deviceApplyMs, report.cpuApplyMs);
+    if (report.deviceApplyMs > 0) return fmt::format("\nLight sums: on the processor ({:.1f} ms, the graphics card would take {:.1f} ms)", report.cpuApplyMs, report.deviceApplyMs);
+    return fmt::format("\nLight sums: on the processor ({:.1f} ms)", report.cpuApplyMs);
+}
+
 std::vector<Piece> piecesOf(const Editor& editor) {
     const EditorState& state = editor.state;
     std::vector<Piece> pieces;
@@ -55,7 +65,7 @@ std::vector<Piece> piecesOf(const Editor& editor) {
     const double resident = residentMib();
     const double peak = std::max(peakMib(), state.document.resources.peakMib);
     pieces.push_back({mebibytes(resident), fmt::format("Memory in use now. The most so far was {}.", mebibytes(peak)), 45, false, dimColour});
-    if (!state.gpu.empty()) pieces.push_back({elided(state.gpu, em(12)), "Graphics: " + state.gpu, 10, false, dimColour});
+    if (!state.gpu.empty()) pieces.push_back({elided(state.gpu, em(12)), "Graphics: " + state.gpu + lightSums(editor), 10, false, dimColour});
     if (state.document.capture)
         pieces.push_back(editor.unsavedChanges() ? Piece{"unsaved", "There are edits that are not in the shot's folder yet (Ctrl+S). They are saved by themselves every few seconds, for the case of a crash.", 85, false, warningColour}
                                                  : Piece{state.document.shotFolder.empty() ? "no edits" : "saved", state.document.shotFolder.empty() ? "Nothing to save yet" : "Everything is in " + shown(state.document.shotFolder), 20, false, dimColour});
