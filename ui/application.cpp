@@ -157,6 +157,7 @@ bool runWindow(Editor& editor, const ApplicationOptions& options, fs::path& open
 int runApplication(const ApplicationOptions& options) {
     EditorOptions editorOptions;
     editorOptions.configFolder = userFolder("XDG_CONFIG_HOME", ".config");
+    editorOptions.cacheFolder = userFolder("XDG_CACHE_HOME", ".cache");
     editorOptions.stateFolder = userFolder("XDG_STATE_HOME", ".local/state");
     editorOptions.wake = [] { Window::wake(); };
     editorOptions.gpu = options.gpu == "on" ? EditorOptions::Gpu::on : options.gpu == "off" ? EditorOptions::Gpu::off : EditorOptions::Gpu::automatic;

@@ -153,6 +153,7 @@ void Editor::Impl::pollPicture() {
         wish.look = shownLook(*estimate);
         wish.eye = eye;
         wish.orthographic = orthographic;
+        wish.cacheFolder = options.cacheFolder;
         wish.restPicture = eye.width > 0 && eye.height > 0 && self.state.viewport.mode == ViewMode::relit && !history.inGesture() && !job;
         if (self.state.selection.point) {
             wish.pickSerial = pickSerial;

@@ -14,6 +14,7 @@ namespace relamp::ui {
 struct EditorOptions {
     std::filesystem::path configFolder;       ///< settings, recent files; created when needed
     std::filesystem::path stateFolder;        ///< autosaves
+    std::filesystem::path cacheFolder;        ///< baked transport, so that a scene is at once there the next time; empty: none
     std::function<void()> wake;               ///< called from workers when there is something to poll
     double autosaveSeconds = 15;              ///< of unsaved edits, at most
     enum class Gpu { automatic, on, off };

@@ -13,6 +13,13 @@ bool sameEye(const RelightWish& a, const RelightWish& b) {
 
 bool samePicture(const RelightWish& a, const RelightWish& b) { return a.scene == b.scene && a.estimate == b.estimate && a.look == b.look && sameEye(a, b); }
 
+/// From the axis to the farthest corner of the picture, with a little to spare for a turn of the head; radians.
+float halfAngleOf(const Camera& camera) {
+    if (!(camera.focalX > 0) || !(camera.focalY > 0)) return 0;
+    const double x = std::max(camera.centreX, camera.width - camera.centreX) / camera.focalX, y = std::max(camera.centreY, camera.height - camera.centreY) / camera.focalY;
+    return float(std::min(1.05 * std::atan(std::hypot(x, y)), 1.5));
+}
+
 Camera scaled(Camera camera, double factor) {
     camera.width = std::max(1, int(std::lround(camera.width * factor)));
     camera.height = std::max(1, int(std::lround(camera.height * factor)));
@@ -174,6 +181,7 @@ void RelightWorker::run(std::stop_token stop) {
             if (!live || wish.scene != held.scene || wish.estimate != held.estimate) {
                 live.reset();
                 if (makeDevice_) options.device = std::exchange(makeDevice_, {})();
+                options.cacheFolder = wish.cacheFolder;
                 live = std::make_unique<LiveScene>(wish.scene, wish.estimate, options, *progress);
                 held = {};
                 held.scene = wish.scene;
@@ -190,7 +198,7 @@ void RelightWorker::run(std::stop_token stop) {
             }
             if (!sameEye(wish, held) || !refined) {
                 const Vec3 forward(wish.eye.forward());
-                live->setEye({Vec3(wish.eye.position()), forward, wish.orthographic});
+                live->setEye({Vec3(wish.eye.position()), forward, wish.orthographic, halfAngleOf(wish.eye)});
                 if (!sameEye(wish, held)) refined = false;
                 held.eye = wish.eye;
                 held.orthographic = wish.orthographic;

@@ -19,6 +19,7 @@ struct RelightWish {
     Look look;
     Camera eye;
     bool orthographic = false;
+    std::filesystem::path cacheFolder;     ///< of baked transport; empty: none
     bool restPicture = false;              ///< per-pixel picture once nothing moves
     uint64_t pickSerial = 0;               ///< a new number asks about a new point
     uint32_t pickTriangle = 0;
