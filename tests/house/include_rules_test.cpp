@@ -180,7 +180,7 @@ TEST(IncludeRules, EverySourceWithAHeaderIncludesItFirstSoThatTheHeaderCompilesA
 
 /// Two types of one name in one namespace compile and link, and then crash: the linker keeps one destructor for both.
 TEST(IncludeRules, EveryTypeHasANameOfItsOwn) {
-    static const std::regex definition(R"(^(?:struct|class|enum class|union)\s+(\w+)[^;]*\{.*)");
+    static const std::regex definition(R"(^(?:struct|class|enum class|union)\s+(\w+)\b(?!::)[^;]*\{.*)");
     for (const char* folder : {"core", "ui"}) {
         std::map<std::string, std::string> home;
         for (const fs::directory_entry& entry : fs::recursive_directory_iterator(fs::path(RELAMP_SOURCE_DIR) / folder)) {
