@@ -67,6 +67,7 @@ int main(int argc, char** argv) {
     solveVerb->add_option("--quality", solve.quality, "draft, standard or fine")->check(CLI::IsMember({"draft", "standard", "fine"}))->capture_default_str();
     solveVerb->add_option("--time-budget", solve.timeBudget, "Seconds after which the best answer so far is kept")->check(CLI::NonNegativeNumber);
     solveVerb->add_option("--gauge", solve.gauge, "What fixes the brightness scale: auto, white-patch=V,X,Y, emitter=ID:R,G,B, albedo=A")->capture_default_str();
+    solveVerb->add_option("--bounce", solve.bounce, "Light that surfaces send each other: auto (as the photographs say), on, off")->check(CLI::IsMember({"auto", "on", "off"}))->capture_default_str();
     solveVerb->add_option("--grid-side", solve.gridSide, "Side of the visibility grid (power of two)");
     solveVerb->add_option("--threads", solve.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
     solveVerb->add_option("--seed", solve.seed, "Seed of every random choice")->capture_default_str();

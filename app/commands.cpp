@@ -95,6 +95,7 @@ int solve(const SolveArguments& a, Progress& progress) {
         options.solve.visibilitySide = a.gridSide;
     }
     options.solve.gauge = gaugeOf(a.gauge);
+    if (a.bounce != "auto") options.solve.bounce = a.bounce == "on" ? SolveOptions::Bounce::on : SolveOptions::Bounce::off;
     options.solve.seed = a.seed;
     if (fs::exists(a.output) && !a.overwrite) throw Error("{}: exists already, add --overwrite to replace it", a.output.string());
     progress.setBudget(a.timeBudget);

@@ -19,7 +19,7 @@ public:
 
 struct SolveArguments {
     fs::path capture, output;
-    std::string mode = "near-field", quality = "standard", gauge = "auto";
+    std::string mode = "near-field", quality = "standard", gauge = "auto", bounce = "auto";
     double timeBudget = 0;
     int gridSide = 0, threads = 0;
     uint64_t seed = 1;

@@ -271,6 +271,7 @@ RelitScene applyLook(const Scene& scene, const Estimate& estimate, const Look& l
     out.emitters = std::move(geometry.emitters);
     out.scene = geometry.moved ? buildScene(std::move(geometry.mesh), progress) : scene;
     out.distant = distantOfLook(estimate, look.environment);
+    if (estimate.interreflection) out.bounced = bouncedLightOf(out, {}, progress);
     return out;
 }
 

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "base/progress.h"
+#include "relight/bounced_light.h"
 #include "relight/distant_light.h"
 #include "relight/look.h"
 #include "scene/scene.h"
@@ -57,6 +58,7 @@ struct RelitScene {
     std::vector<std::vector<Rgb>> weight;     ///< per lobe, per vertex of `scene`
     BrdfBasis basis;
     std::shared_ptr<const DistantLight> distant;
+    BouncedLight bounced;                     ///< empty where the estimate has none
 };
 
 /// `scene` is the capture's. Cost: a rebuild of the ray tracer when something moved (tens of ms). Throws Error naming an

@@ -149,6 +149,7 @@ Json shotInfo(const Shot& shot) {
     info["stability"] = {{"condition_number", e.stability.conditionNumber}, {"kkt_residual", e.stability.kktResidual}, {"effective_rank", e.stability.effectiveRank},
                          {"unknowns", e.stability.unknowns}, {"reason", e.stability.reason}};
     info["resources"] = {{"seconds", shot.resources.seconds}, {"peak_mib", shot.resources.peakMib}, {"threads", shot.resources.threads}};
+    info["interreflection"] = {{"kept", e.interreflection}, {"share", e.bouncedShare}};
     info["stopped_early"] = e.cancelled;
     return info;
 }
@@ -300,6 +301,9 @@ Shot openShot(const fs::path& folder, bool withImages, Progress& progress) {
                        field(stability, "unknowns", 0, "stability."), field<std::string>(stability, "reason", "", "stability.")};
         const Json& resources = objectOf(document, "resources");
         shot.resources = {field(resources, "seconds", 0.0, "resources."), field(resources, "peak_mib", 0.0, "resources."), field(resources, "threads", 0, "resources.")};
+        const Json& bounced = objectOf(document, "interreflection");
+        e.interreflection = field(bounced, "kept", false, "interreflection.");
+        e.bouncedShare = field(bounced, "share", 0.0f, "interreflection.");
         e.cancelled = field(document, "stopped_early", false);
     });
     EmitterClusters& clusters = e.emitters;

@@ -81,6 +81,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
     }
     bool anchored = emitterCount > 0;
     for (const LeafAnchor& a : anchors.leaves) anchored |= a.coverage > 0.05f && !a.clipped;
+    anchored |= options.bounce != nullptr;
     std::vector<float> robust(pairs.size(), 1);
     std::vector<Rgb> mixing(rows);
     struct Term {
@@ -103,6 +104,8 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
             const Eigen::VectorXf xf = light[c].cast<float>();
             parallelBlocks(rows, 1024, [&](size_t begin, size_t end) {
                 out[c].segment(Eigen::Index(begin), Eigen::Index(end - begin)).noalias() = b.middleRows(Eigen::Index(begin), Eigen::Index(end - begin)) * xf;
+                if (options.bounce)
+                    for (size_t i = begin; i < end; ++i) out[c](Eigen::Index(i)) += (*options.bounce)[i][c];
             });
         }
     };
@@ -200,10 +203,12 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
             Eigen::VectorXd gradient = Eigen::VectorXd::Zero(Eigen::Index(rows));
             for (size_t k = 0; k < pairs.size(); ++k) {
                 const Term& t = terms[k];
-                gradient(pairs[k].b) += double(t.weight) * t.residual * t.b;
-                gradient(pairs[k].a) -= double(t.weight) * t.residual * t.a;
+                // The derivative of r along the whole light is zero; along x alone it is minus that along the bounced light.
+                double residual = t.residual;
+                if (options.bounce) residual += double(t.b) * (*options.bounce)[pairs[k].b][c] - double(t.a) * (*options.bounce)[pairs[k].a][c];
+                gradient(pairs[k].b) += double(t.weight) * residual * t.b;
+                gradient(pairs[k].a) -= double(t.weight) * residual * t.a;
             }
-            // The derivative of r along x itself is zero, so the moment needs no term of its own.
             Eigen::VectorXd moment = -(b.transpose() * gradient.cast<float>()).cast<double>(), lower = Eigen::VectorXd::Zero(n);
             if (viewRows) {
                 const InfluenceMatrix& rows3 = viewRows->influence[c];

@@ -20,6 +20,9 @@ struct AlbedoFreeOptions {
     float tolerance = 1e-3f;    ///< relative change of the irradiance that counts as none
     bool anneal = true;         ///< start with a wide robust scale
     LightPriorOptions light;
+    /// Per observation the light that other surfaces send it, in the photographs' own unit (as shown by a white matte surface); null: none.
+    /// It is measured, not solved for: B x + bounce lights the observation.
+    const std::vector<Rgb>* bounce = nullptr;
 };
 
 /// Looks at glossy surfaces of known reflectance, as ordinary rows: row_c . x = radiance_c.
@@ -36,7 +39,7 @@ struct AlbedoFreeReport {
 };
 
 /// Solves for x = [L; P] per channel, x >= 0, by Gauss-Newton. For a pair the residual is 2 (p - q) / (p + q), p = y_i B_j x,
-/// q = y_j B_i x: albedo is gone, the scale of x is an exact null space left to the anchors alone, and unlit vertices stay finite
+/// q = y_j B_i x: albedo is gone, the scale of x is an exact null space left to the anchors alone (and to bounced light, whose scale is known), and unlit vertices stay finite
 /// where logs would not. (Minimising (p - q)^2 with fixed weights instead shrinks x: noise in y correlates with the rows.) Weights:
 /// the residual's variance under noise, model mismatch and shadow-edge mixing, and a Cauchy weight on the mean over channels.
 /// `lighting` is the start and the result. `each(iteration, objective, rmse)` is told of every

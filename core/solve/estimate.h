@@ -58,6 +58,8 @@ struct Estimate {
     GaugeReport gauge;
     StabilityReport stability;
     std::string mode;                      ///< "near-field" or "distant-only"
+    bool interreflection = false;          ///< the photographs hold light bounced between surfaces: relit frames have it too
+    float bouncedShare = 0;                ///< of the light on the surfaces seen, 0 without interreflection
     bool cancelled = false;                ///< stopped early: the best answer so far
 };
 

@@ -5,7 +5,7 @@
 namespace relamp {
 
 LightingStepReport lightingStep(const InfluenceMatrix& influence, const MatteObservations& matte, const std::vector<Rgb>& albedo, const std::vector<Rgb>& litSigma,
-                                const LightPrior& prior, Lighting& lighting, Progress& progress) {
+                                const LightPrior& prior, const std::vector<Rgb>& bounce, Lighting& lighting, Progress& progress) {
     LightingStepReport report;
     const size_t rows = influence.rows, leaves = lighting.leaves.size(), emitters = lighting.emitterRadiance.size();
     const Eigen::Index n = Eigen::Index(influence.columns);
@@ -16,15 +16,16 @@ LightingStepReport lightingStep(const InfluenceMatrix& influence, const MatteObs
         Eigen::VectorXd x{n}, albedoOf{Eigen::Index(rows)};
         for (size_t i = 0; i < leaves; ++i) x(Eigen::Index(i)) = lighting.leafRadiance[i][c];
         for (size_t e = 0; e < emitters; ++e) x(Eigen::Index(leaves + e)) = lighting.emitterRadiance[e][c];
-        std::vector<double> variance(rows);
+        std::vector<double> variance(rows), target(rows);
         for (size_t i = 0; i < rows; ++i) {
             const double a = albedo[matte.vertices[i]][c], y = matte.radiance[i][c];
             albedoOf(Eigen::Index(i)) = a;
+            target[i] = y - (bounce.empty() ? 0.0 : a * double(bounce[i][c]));
             variance[i] = std::pow(double(matte.sigma[i][c]), 2) + std::pow(a * double(litSigma[i][c]), 2) + std::pow(0.015 * y, 2) + 1e-30;
         }
         const auto residuals = [&](const Eigen::VectorXd& at) -> Eigen::VectorXd {
             Eigen::VectorXd r = (b * at.cast<float>()).cast<double>().cwiseProduct(albedoOf);
-            for (size_t i = 0; i < rows; ++i) r(Eigen::Index(i)) -= matte.radiance[i][c];
+            for (size_t i = 0; i < rows; ++i) r(Eigen::Index(i)) -= target[i];
             return r;
         };
         const auto objective = [&](const Eigen::VectorXd& r, const Eigen::VectorXd& at) {
@@ -39,7 +40,7 @@ LightingStepReport lightingStep(const InfluenceMatrix& influence, const MatteObs
         for (size_t i = 0; i < rows; ++i) {
             const double w = 1 / (variance[i] * (1 + r(Eigen::Index(i)) * r(Eigen::Index(i)) / variance[i] / scale2)), a = albedoOf(Eigen::Index(i));
             weight[i] = float(w * a * a);
-            pull(Eigen::Index(i)) = float(w * a * double(matte.radiance[i][c]));
+            pull(Eigen::Index(i)) = float(w * a * target[i]);
         }
         Eigen::MatrixXd q = weightedGram(influence, [&](size_t i, float* out) { Eigen::Map<Eigen::RowVectorXf>(out, n) = weight[i] * b.row(Eigen::Index(i)); }, progress);
         Eigen::VectorXd moment = (b.transpose() * pull).cast<double>(), lower = Eigen::VectorXd::Zero(n);

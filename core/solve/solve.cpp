@@ -42,6 +42,7 @@ Estimate solveScene(const Capture& capture, const Scene& scene, const RadianceSa
         s.startFromRatios();           // METHOD 11
         if (s.confirmEmitters()) s.startFromRatios();
         s.leaveOutBlackEnvironment();
+        s.decideBounce();
     } else {
         s.startFromConstantAlbedo();   // the baseline's own way
     }

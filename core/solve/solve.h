@@ -35,6 +35,8 @@ struct SolveOptions {
     float splitShare = 0.012f; ///< a leaf that gives more than this share of the light is split
     AlbedoPrior prior;         ///< the one place where priors on reflectance enter
     GaugeChoice gauge;
+    /// Light that surfaces send each other: by the photographs, never, always.
+    enum class Bounce { automatic, off, on } bounce = Bounce::automatic;
     uint64_t seed = 1;
 };
 /// "draft", "standard" or "fine". Throws Error for another name.

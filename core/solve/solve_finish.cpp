@@ -48,7 +48,7 @@ void SolveState::startFromConstantAlbedo() {
 void SolveState::alternate() {
     if (environmentBlack_) return;
     const LightPrior prior(lighting_.leaves, anchors_, lightPrior_);
-    const LightingStepReport step = lightingStep(influence_, matte_, albedo_.albedo, litSigma_, prior, lighting_, progress_);
+    const LightingStepReport step = lightingStep(influence_, matte_, albedo_.albedo, litSigma_, prior, bounce_, lighting_, progress_);
     stability_.kktResidual = step.kktResidual;
     computeLit();
     updateAlbedo();
@@ -133,6 +133,9 @@ void SolveState::applyGauge(Estimate& estimate) {
     } else if (seenShare > 0.35) {
         gauge.kind = "background";
         gauge.evidence = fmt::format("{:.0f} % of the light on the surfaces comes from background that is seen directly", 100 * seenShare);
+    } else if (!bounce_.empty() && bouncedShare_ > 0.03f) {
+        gauge.kind = "bounced light";
+        gauge.evidence = fmt::format("{:.0f} % of the light on the surfaces comes from other surfaces, whose brightness the photographs show", 100 * bouncedShare_);
     } else {
         // Nothing ties light to albedo: brightest surfaces are taken for white, grey on average.
         gauge.kind = "assumed";
@@ -204,6 +207,8 @@ Estimate SolveState::assemble() const {
     estimate.lighting = lighting_;
     estimate.emitters = clusters_;
     estimate.cancelled = stopped();
+    estimate.interreflection = !bounce_.empty();
+    estimate.bouncedShare = bounce_.empty() ? 0 : bouncedShare_;
     assembleEnvironment(estimate);
     Reflectance& r = estimate.reflectance;
     const size_t n = scene_.mesh.vertexCount();
@@ -257,7 +262,7 @@ Estimate SolveState::finish() {
     if (clusters_.emitters.empty() && options_.nearField) estimate.leftOut.push_back({"near-field emitters", "no patch of the scene shines on its own"});
     if (!options_.nearField) estimate.leftOut.push_back({"near-field emitters", "the distant-only baseline was asked for"});
     if (environmentBlack_) estimate.leftOut.push_back({"distant light", "it gives less than half a percent of the light on the surfaces"});
-    estimate.leftOut.push_back({"interreflection", "direct light only in this version"});
+    if (!estimate.interreflection) estimate.leftOut.push_back({"interreflection", noBounceBecause_});
     if (lighting_.leaves.size() >= options_.maxLeaves) estimate.leftOut.push_back({"finer distant light", fmt::format("the limit of {} unknowns was reached", options_.maxLeaves)});
     record("done", 0, 0, pairMismatch());
     estimate.timeline = timeline_;

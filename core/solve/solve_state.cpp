@@ -89,15 +89,17 @@ void SolveState::uniformLight() {
     }
 }
 
-void SolveState::runAlbedoFree(const std::string& stage, int iterations, const ViewRows* rows) {
+AlbedoFreeReport SolveState::runAlbedoFree(const std::string& stage, int iterations, const ViewRows* rows) {
     AlbedoFreeOptions o;
     o.iterations = iterations;
     o.anneal = timeline_.empty();
     o.light = lightPrior_;
+    o.bounce = bounce_.empty() ? nullptr : &bounce_;
     const AlbedoFreeReport report = solveAlbedoFree(influence_, matte_, pairs_, anchors_, rows, o, lighting_, progress_,
                                                     [&](int i, double objective, double rmse) { record(stage, i, objective, rmse); });
     stability_.kktResidual = report.kktResidual;
     logInfo("{}: {} iterations, objective {:.4g}, {} unknowns, {:.1f} s", stage, report.iterations, report.objective, lighting_.leaves.size() + surfaces_.size(), progress_.seconds());
+    return report;
 }
 
 void SolveState::startFromRatios() { runAlbedoFree("light from ratios", options_.startIterations, nullptr); }
@@ -332,7 +334,7 @@ ViewRows SolveState::viewRows(Progress& progress) {
             for (int c = 0; c < 3; ++c)
                 for (size_t k = 0; k < columns; ++k)
                     result.influence[c].row(at)[k] = g.weight[c] * lobe.row(i)[k] + (g.matte ? albedo[c] * lambert.row(i)[k] : 0.0f);
-            result.radiance.push_back(g.looks[i].radiance);
+            result.radiance.push_back(g.looks[i].radiance - (vertexBounce_.empty() ? Rgb(0) : albedo * vertexBounce_[g.looks[i].vertex]));
             result.sigma.push_back(g.looks[i].sigma * (g.matte ? 2.0f : 1.0f));
         }
     }
@@ -347,7 +349,7 @@ void SolveState::computeLit() {
         Rgb sum(0);
         for (size_t k = 0; k < leaves; ++k) sum += row[k] * lighting_.leafRadiance[k];
         for (size_t e = 0; e < lighting_.emitterRadiance.size(); ++e) sum += row[leaves + e] * lighting_.emitterRadiance[e];
-        lit_[i] = sum;
+        lit_[i] = bounce_.empty() ? sum : sum + bounce_[i];
     });
     // Shadow edges: a look-up mixes irradiance with its neighbours'.
     litSigma_.assign(rows, Rgb(0));

@@ -3,6 +3,7 @@
 #include "solve/albedo_free.h"
 #include "solve/gloss.h"
 #include "solve/solve.h"
+#include "transport/bounce.h"
 
 namespace relamp {
 
@@ -25,6 +26,8 @@ public:
     bool confirmEmitters();
     /// Leaves the distant light out where it gives less than half a percent of what is seen: less than the photographs can tell.
     void leaveOutBlackEnvironment();
+    /// Do the photographs hold light bounced between surfaces? Fits the light with and without it and keeps what explains ratios better.
+    void decideBounce();
     /// Splits strong leaves; false when there is nothing left to split.
     bool refineLeaves();
     void improveLight(int iterations);
@@ -63,15 +66,24 @@ private:
     std::vector<PieceGloss> gloss_;          ///< pieces with a lobe
     AlbedoResult albedo_;
     std::vector<Rgb> lit_, litSigma_;        ///< per matte observation
+    BounceRays bounceRays_;                  ///< empty: bounced light plays no part
+    std::vector<Rgb> vertexBounce_, bounce_; ///< bounced light per vertex and per matte observation, empty likewise
+    float bouncedShare_ = 0;
+    std::string noBounceBecause_ = "nothing was matte";
     std::vector<TimelineEntry> timeline_;
     StabilityReport stability_;
 
+    /// Bounced light from what the photographs show of its senders; senders that no photograph shows send their albedo times their light.
+    void updateBounce();
+    /// Direct light at any vertices, as a white matte surface shows it.
+    std::vector<Rgb> directAt(const std::vector<uint32_t>& vertices);
+    float bouncedShareOf() const;
     void rebuildNearField();
     void uniformLight();
     void shapeLeaves();
     LobeRowOptions rowOptions() const;
     void splitLeaves(const std::vector<uint32_t>& leaves);
-    void runAlbedoFree(const std::string& stage, int iterations, const ViewRows* rows);
+    AlbedoFreeReport runAlbedoFree(const std::string& stage, int iterations, const ViewRows* rows);
     ViewRows viewRows(Progress& progress);
     void computeLit();
     /// Albedo of every vertex under the present light; metals have none.

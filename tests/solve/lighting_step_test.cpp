@@ -14,7 +14,7 @@ TEST(LightingStep, FindsTheLightWhenTheReflectanceIsKnown) {
     const std::vector<Rgb> litSigma(p.influence.rows, Rgb(0));
     Progress progress;
     LightingStepReport report;
-    for (int i = 0; i < 4; ++i) report = lightingStep(p.influence, p.matte, p.albedo, litSigma, prior, found, progress);
+    for (int i = 0; i < 4; ++i) report = lightingStep(p.influence, p.matte, p.albedo, litSigma, prior, {}, found, progress);
     EXPECT_LT(test::litDifference(p, found, p.truth), 0.01);
     EXPECT_LT(report.kktResidual, 1e-6);
 }
@@ -28,7 +28,7 @@ TEST(LightingStep, NeverLetsItsObjectiveRise) {
     Progress progress;
     double last = 1e300;
     for (int i = 0; i < 5; ++i) {
-        const LightingStepReport report = lightingStep(p.influence, p.matte, p.albedo, litSigma, prior, found, progress);
+        const LightingStepReport report = lightingStep(p.influence, p.matte, p.albedo, litSigma, prior, {}, found, progress);
         EXPECT_LE(report.after, report.before);
         EXPECT_LE(report.before, last * (1 + 1e-4));
         last = report.after;
@@ -42,7 +42,7 @@ TEST(LightingStep, KeepsTheLightNonNegative) {
     const LightPrior prior(p.truth.leaves, p.anchors, {});
     const std::vector<Rgb> litSigma(p.influence.rows, Rgb(0));
     Progress progress;
-    lightingStep(p.influence, p.matte, p.albedo, litSigma, prior, found, progress);
+    lightingStep(p.influence, p.matte, p.albedo, litSigma, prior, {}, found, progress);
     for (const Rgb& l : found.leafRadiance)
         for (int c = 0; c < 3; ++c) EXPECT_GE(l[c], 0);
 }

@@ -1,0 +1,211 @@
+#include "relight/point_shader.h"
+
+
+namespace relamp {
+
+SceneLights::SceneLights(const RelitScene& scene) : relit(scene), distant(*scene.distant) {
+    for (size_t e = 0; e < relit.emitters.size(); ++e) {
+        emitters.emplace_back(relit.emitters[e].surface);
+        if (maxChannel(relit.emitters[e].radiance) > 0 && relit.emitters[e].surface.area() > 0) lit.push_back(e);
+    }
+    // Surfaces keep their triangles in mesh order, those without area left out.
+    std::vector<uint32_t> next(relit.emitters.size(), 0);
+    triangleOnEmitter.assign(relit.emitterOfTriangle.size(), 0);
+    for (size_t t = 0; t < relit.emitterOfTriangle.size(); ++t) {
+        const int e = relit.emitterOfTriangle[t];
+        if (e >= 0 && relit.scene.mesh.triangleArea(t) > 0) triangleOnEmitter[t] = std::min(next[size_t(e)]++, uint32_t(std::max<size_t>(1, relit.emitters[size_t(e)].surface.areas.size()) - 1));
+    }
+}
+
+PointShader::PointShader(const SceneLights& lights, const FrameOptions& options)
+    : lights_(lights), relit_(lights.relit), options_(options), emitterProposal_(lights.relit.emitters.size()) {
+    // The fewer lamps, the more samples for each.
+    emitterSamples_ = std::clamp(options.emitterSamples * 4 / int(std::max<size_t>(1, lights.lit.size())), 2, options.emitterSamples);
+}
+
+void PointShader::surfaceAt(const Hit& hit, const Vec3& direction, ShadedPoint& s) const {
+    const Scene& scene = relit_.scene;
+    s.towardEye = -direction;
+    s.position = scene.pointOf(hit);
+    s.geometric = scene.mesh.faceNormal(hit.triangle);
+    s.normal = scene.normalOf(hit);
+    if (glm::dot(s.geometric, s.normal) < 0) s.geometric = -s.geometric;
+    const bool back = glm::dot(s.geometric, s.towardEye) < 0;
+    if (back) {
+        s.geometric = -s.geometric;
+        s.normal = -s.normal;
+    }
+    s.frame = frameAround(s.normal);
+    s.eye = glm::transpose(s.frame) * s.towardEye;
+    const Triangle& t = scene.mesh.triangles[hit.triangle];
+    const float b1 = hit.barycentric.x, b2 = hit.barycentric.y, b0 = 1 - b1 - b2;
+    s.triangle = hit.triangle;
+    s.corners = back ? Vec3(0) : Vec3(b0, b1, b2);
+    s.lobes.clear();
+    for (size_t k = 0; k < relit_.weight.size(); ++k) {
+        const auto& w = relit_.weight[k];
+        const Rgb value = b0 * w[t[0]] + b1 * w[t[1]] + b2 * w[t[2]];
+        if (k == 0) s.albedo = value;
+        else if (maxChannel(value) > 1e-4f && s.eye.z > 1e-3f) s.lobes.emplace_back(k, value);
+    }
+}
+
+void PointShader::gather(const ShadedPoint& s, uint32_t index, uint64_t seed, Gather& out) {
+    const float offset = relit_.scene.tracer->surfaceOffset() * 4;
+    const Vec3 origin = s.position + s.geometric * offset;
+    const bool anything = maxChannel(s.albedo) > 0 || !s.lobes.empty();
+    if (!anything) return;
+    if (const BouncedLight& bounced = relit_.bounced; !bounced.empty() && s.triangle != Hit::none) {
+        const Triangle& t = relit_.scene.mesh.triangles[s.triangle];
+        for (int k = 0; k < 3; ++k) {
+            const Rgb share = s.albedo * s.corners[k];
+            out.world += share * bounced.world[t[size_t(k)]];
+            for (size_t e : lights_.lit) out.byEmitter[e] += share * bounced.byEmitter[e][t[size_t(k)]];
+        }
+    }
+    // A metal has nothing but its lobes: the samples a matte part would want go there.
+    lobeCount_ = maxChannel(s.albedo) > 1e-3f ? options_.lobeSamples : 4 * options_.lobeSamples;
+    distantCount_ = !relit_.distant->black() && lights_.distant.prepare(s.normal, proposal_) ? options_.distantSamples : 0;
+    // A share from the cosine alone: where the bright part of the sky is hidden, the rest is not left to chance.
+    cosineCount_ = distantCount_ > 0 && maxChannel(s.albedo) > 0 ? std::max(1, options_.distantSamples / 4) : 0;
+    const Vec2 shift = randomShift(seed, 1, 0);
+    const uint32_t total = uint32_t(options_.samplesPerPixel * options_.distantSamples);
+    for (int i = 0; i < distantCount_; ++i) {
+        const uint32_t n = permuted(index, uint32_t(i), total);
+        const Vec3 d = lights_.distant.sample(proposal_, {(float(n) + jitter(seed, n)) / float(total), r2Point(n, shift).y});
+        queue(s, origin, d, 1e30f, -1, 0, out);
+    }
+    for (int i = 0; i < cosineCount_; ++i) {
+        const Vec3 local = cosineHemisphere(r2Point(index * uint32_t(cosineCount_) + uint32_t(i), randomShift(seed, 3, 0)));
+        queue(s, origin, s.frame * local, 1e30f, -1, 0, out);
+    }
+    for (size_t e : lights_.lit) {
+        if (!lights_.emitters[e].prepare(s.position, s.normal, emitterProposal_[e])) continue;
+        const EmitterSurface& surface = relit_.emitters[e].surface;
+        const Vec2 turn = randomShift(seed, 2, e);
+        const uint32_t all = uint32_t(options_.samplesPerPixel * emitterSamples_);
+        for (int i = 0; i < emitterSamples_; ++i) {
+            const uint32_t n = permuted(index, uint32_t(i), all);
+            float density = 0;
+            size_t t = 0;
+            const Vec3 target = lights_.emitters[e].sample(emitterProposal_[e], {(float(n) + jitter(seed + e + 1, n)) / float(all), r2Point(n, turn).y}, density, t);
+            const Vec3 to = target - origin;
+            const float distance = glm::length(to);
+            if (!(distance > 2 * offset)) continue;
+            const Vec3 d = to / distance;
+            const float facing = -glm::dot(d, surface.normals[t]);
+            if ((facing <= 1e-5f && !surface.twoSided) || glm::dot(d, s.normal) <= 0) continue;
+            queue(s, origin, d, distance * (1 - 1e-4f) - 2 * offset, int(e), density * distance * distance / std::max(std::abs(facing), 1e-5f), out);
+        }
+    }
+    flushShadow(s, out);
+    for (const auto& [k, w] : s.lobes)
+        for (int i = 0; i < lobeCount_; ++i) {
+            const Vec3 local = sampleGgx(s.eye, relit_.basis.lobes[k].alpha, r2Point(index * uint32_t(lobeCount_) + uint32_t(i), randomShift(seed, 4, k)));
+            if (local.z > 0) queueClosest(s, origin, s.frame * local, out);
+        }
+    flushClosest(s, out);
+}
+
+void PointShader::whiteAt(uint32_t vertex, ShadedPoint& s) const {
+    const Mesh& mesh = relit_.scene.mesh;
+    s = {};
+    s.position = mesh.positions[vertex];
+    s.normal = s.geometric = s.towardEye = mesh.normals[vertex];
+    s.frame = frameAround(s.normal);
+    s.eye = Vec3(0, 0, 1);
+    s.albedo = Rgb(1);
+}
+
+Rgb PointShader::lobesTimesCosine(const ShadedPoint& s, const Vec3& light) const {
+    Rgb f(0);
+    if (light.z <= 0) return f;
+    for (const auto& [k, w] : s.lobes) f += w * evaluateLobe(relit_.basis.lobes[k], light, s.eye);
+    return f * light.z;
+}
+
+Rgb PointShader::reflectanceTimesCosine(const ShadedPoint& s, const Vec3& light) const {
+    return light.z <= 0 ? Rgb(0) : lobesTimesCosine(s, light) + s.albedo * (light.z / pi);
+}
+
+float PointShader::lobeDensity(const ShadedPoint& s, const Vec3& light) const {
+    float d = 0;
+    for (const auto& [k, w] : s.lobes) d += float(lobeCount_) * ggxSampleDensity(light, s.eye, relit_.basis.lobes[k].alpha);
+    return d;
+}
+
+float PointShader::distantDensity(const Vec3& direction, float cosine) const {
+    return float(distantCount_) * lights_.distant.density(proposal_, direction) + float(cosineCount_) * std::max(0.0f, cosine) / pi;
+}
+
+void PointShader::queue(const ShadedPoint& s, const Vec3& origin, const Vec3& d, float far, int emitter, float density, Gather& out) {
+    if (glm::dot(d, s.geometric) <= 0 || glm::dot(d, s.normal) <= 0 || far <= 0) return;
+    rays_[count_] = {origin, d, 0, far};
+    emitter_[count_] = emitter;
+    density_[count_++] = density;
+    if (count_ == 8) flushShadow(s, out);
+}
+
+void PointShader::flushShadow(const ShadedPoint& s, Gather& out) {
+    if (!count_) return;
+    const uint32_t blocked = relit_.scene.tracer->occluded8({rays_, size_t(count_)});
+    for (int i = 0; i < count_; ++i) {
+        if (blocked >> i & 1) continue;
+        const Vec3 light = glm::transpose(s.frame) * rays_[i].direction;
+        const Rgb f = reflectanceTimesCosine(s, light);
+        const float other = lobeDensity(s, light);
+        const float own = emitter_[i] < 0 ? distantDensity(rays_[i].direction, light.z) : float(emitterSamples_) * density_[i];
+        // A direction on the rim of its cell may round into a black neighbour, which is never drawn and sends nothing.
+        if (!(own + other > 0)) continue;
+        if (emitter_[i] < 0) out.world += f * relit_.distant->radiance(rays_[i].direction) / (own + other);
+        else out.byEmitter[size_t(emitter_[i])] += f * relit_.emitters[size_t(emitter_[i])].radiance / (own + other);
+    }
+    count_ = 0;
+}
+
+void PointShader::queueClosest(const ShadedPoint& s, const Vec3& origin, const Vec3& d, Gather& out) {
+    if (glm::dot(d, s.geometric) <= 0) return;
+    rays_[count_++] = {origin, d, 0, 1e30f};
+    if (count_ == 8) flushClosest(s, out);
+}
+
+void PointShader::flushClosest(const ShadedPoint& s, Gather& out) {
+    if (!count_) return;
+    Hit hits[8];
+    relit_.scene.tracer->closest8({rays_, size_t(count_)}, {hits, size_t(count_)});
+    for (int i = 0; i < count_; ++i) {
+        const Vec3 light = glm::transpose(s.frame) * rays_[i].direction;
+        const float own = lobeDensity(s, light);
+        if (!hits[i]) {
+            if (!distantCount_) continue;
+            const float density = distantDensity(rays_[i].direction, light.z) + own;
+            if (density > 0) out.world += reflectanceTimesCosine(s, light) * relit_.distant->radiance(rays_[i].direction) / density;
+            continue;
+        }
+        const int e = relit_.emitterOfTriangle[hits[i].triangle];
+        if (e < 0) {
+            const BouncedLight& bounced = relit_.bounced;
+            if (bounced.empty() || !(own > 0) || glm::dot(relit_.scene.mesh.faceNormal(hits[i].triangle), rays_[i].direction) >= 0) continue;
+            // Reflections of other surfaces: what these send by reflecting light, as matte ones do.
+            const Rgb f = lobesTimesCosine(s, light) / own;
+            const Triangle& t = relit_.scene.mesh.triangles[hits[i].triangle];
+            const Vec2 b = hits[i].barycentric;
+            const float corners[3] = {1 - b.x - b.y, b.x, b.y};
+            for (size_t k = 0; k < 3; ++k) {
+                out.world += f * corners[k] * bounced.sentWorld[t[k]];
+                for (size_t l : lights_.lit) out.byEmitter[l] += f * corners[k] * bounced.sentByEmitter[l][t[k]];
+            }
+            continue;
+        }
+        if (maxChannel(relit_.emitters[size_t(e)].radiance) <= 0) continue;
+        const RelitEmitter& emitter = relit_.emitters[size_t(e)];
+        const float facing = -glm::dot(relit_.scene.mesh.faceNormal(hits[i].triangle), rays_[i].direction);
+        if (facing <= 1e-5f && !emitter.surface.twoSided) continue;
+        const float area = lights_.emitters[size_t(e)].areaDensity(emitterProposal_[size_t(e)], lights_.triangleOnEmitter[hits[i].triangle]);
+        const float density = float(emitterSamples_) * area * hits[i].distance * hits[i].distance / std::max(std::abs(facing), 1e-5f) + own;
+        if (density > 0) out.byEmitter[size_t(e)] += reflectanceTimesCosine(s, light) * emitter.radiance / density;
+    }
+    count_ = 0;
+}
+
+}  // namespace relamp

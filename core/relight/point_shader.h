@@ -1,0 +1,81 @@
+// Light that reaches one surface point and leaves it towards the eye: sampled directions, weighted by multiple importance sampling.
+// What frames and bounced light are made of.
+#pragma once
+#include "base/random.h"
+#include "relight/frame.h"
+#include "relight/light_sampler.h"
+
+namespace relamp {
+
+/// A shaded surface point.
+struct ShadedPoint {
+    Vec3 position, normal, geometric, towardEye;
+    Mat3 frame;
+    Vec3 eye;               ///< towardEye in the frame
+    Rgb albedo;
+    std::vector<std::pair<size_t, Rgb>> lobes;  ///< glossy lobes present
+    uint32_t triangle = Hit::none;              ///< with the barycentric weights of its corners: where bounced light is read
+    Vec3 corners{0};                            ///< all 0 on the back of a surface: none is known there
+};
+
+/// Radiance by where it came from.
+struct Gather {
+    Rgb world{0};
+    std::vector<Rgb> byEmitter;
+};
+
+/// The lights of a scene with their samplers: what all threads share.
+struct SceneLights {
+    const RelitScene& relit;
+    DistantSampler distant;
+    std::vector<EmitterSampler> emitters;
+    std::vector<size_t> lit;                       ///< emitters that shine
+    std::vector<uint32_t> triangleOnEmitter;       ///< mesh triangle -> index on its emitter's surface
+    explicit SceneLights(const RelitScene& scene);
+};
+
+/// Shades points; one a thread.
+class PointShader {
+public:
+    PointShader(const SceneLights& lights, const FrameOptions& options);
+
+    /// The point that a ray along `direction` met, ready for gather().
+    void surfaceAt(const Hit& hit, const Vec3& direction, ShadedPoint& s) const;
+
+    /// A white matte point at a vertex of the scene.
+    void whiteAt(uint32_t vertex, ShadedPoint& s) const;
+
+    /// Light at position `index` of the pixel's samplesPerPixel; sample numbers are stratified over the whole pixel.
+    void gather(const ShadedPoint& s, uint32_t index, uint64_t seed, Gather& out);
+
+private:
+    const SceneLights& lights_;
+    const RelitScene& relit_;
+    const FrameOptions& options_;
+    int emitterSamples_ = 1, distantCount_ = 0, cosineCount_ = 0, lobeCount_ = 0;
+    DistantSampler::Proposal proposal_;
+    std::vector<EmitterSampler::Proposal> emitterProposal_;
+    // A packet being filled.
+    Ray rays_[8];
+    int emitter_[8];
+    float density_[8];
+    int count_ = 0;
+
+    /// Number of sample i of position `index` among all of the pixel: positions take every samplesPerPixel-th one.
+    uint32_t permuted(uint32_t index, uint32_t i, uint32_t total) const { return (i * uint32_t(options_.samplesPerPixel) + index) % total; }
+    static float jitter(uint64_t seed, uint32_t n) { return unitFloat(mixBits(seed * 0x2545f491 + n)); }
+
+    Rgb reflectanceTimesCosine(const ShadedPoint& s, const Vec3& light) const;
+    /// Of the lobes alone, the matte part left out.
+    Rgb lobesTimesCosine(const ShadedPoint& s, const Vec3& light) const;
+    /// Sum of count x density of the samples drawn from the lobes.
+    float lobeDensity(const ShadedPoint& s, const Vec3& light) const;
+    /// Sum of count x density of the samples drawn for the environment.
+    float distantDensity(const Vec3& direction, float cosine) const;
+    void queue(const ShadedPoint& s, const Vec3& origin, const Vec3& d, float far, int emitter, float density, Gather& out);
+    void flushShadow(const ShadedPoint& s, Gather& out);
+    void queueClosest(const ShadedPoint& s, const Vec3& origin, const Vec3& d, Gather& out);
+    void flushClosest(const ShadedPoint& s, Gather& out);
+};
+
+}  // namespace relamp

@@ -1,0 +1,106 @@
+// Light that surfaces send each other (METHOD 8). What a surface sends is in the photographs, so the light that arrives from other
+// surfaces is a sum of known radiances, with all its bounces, whatever the albedos are [Yu99]: an offset b in y = albedo (B x + b).
+#include "base/log.h"
+#include "base/parallel.h"
+#include "solve/solve_state.h"
+
+namespace relamp {
+
+std::vector<Rgb> SolveState::directAt(const std::vector<uint32_t>& vertices) {
+    std::vector<Rgb> out;
+    constexpr size_t block = 2048;  // rows are as wide as there are leaves: not all at once
+    for (size_t begin = 0; begin < vertices.size(); begin += block) {
+        const std::vector<uint32_t> some(vertices.begin() + ptrdiff_t(begin), vertices.begin() + ptrdiff_t(std::min(vertices.size(), begin + block)));
+        const InfluenceMatrix rows = lambertInfluence(scene_, visibility_, nearField_, lighting_.leaves, some, progress_);
+        for (size_t i = 0; i < some.size(); ++i) {
+            Rgb sum(0);
+            for (size_t k = 0; k < lighting_.leaves.size(); ++k) sum += rows.row(i)[k] * lighting_.leafRadiance[k];
+            for (size_t e = 0; e < lighting_.emitterRadiance.size(); ++e) sum += rows.row(i)[lighting_.leaves.size() + e] * lighting_.emitterRadiance[e];
+            out.push_back(sum);
+        }
+    }
+    return out;
+}
+
+void SolveState::updateBounce() {
+    if (bounceRays_.rays == 0) return;
+    const size_t n = scene_.mesh.vertexCount();
+    std::vector<Rgb> sent(n, Rgb(0));
+    std::vector<uint8_t> shown(n, 0), asked(n, 0);
+    for (size_t i = 0; i < matte_.vertices.size(); ++i) {
+        sent[matte_.vertices[i]] = matte_.radiance[i];
+        shown[matte_.vertices[i]] = 1;
+    }
+    // An emitter's light is in N.
+    for (size_t v = 0; v < n; ++v) shown[v] |= clusters_.emitterOfVertex[v] >= 0;
+    std::vector<uint32_t> hidden;
+    for (uint32_t s : bounceRays_.sender)
+        if (!shown[s] && !asked[s]) {
+            asked[s] = 1;
+            hidden.push_back(s);
+        }
+    std::sort(hidden.begin(), hidden.end());
+    if (!albedo_.albedo.empty()) {
+        const std::vector<Rgb> direct = directAt(hidden);
+        for (int round = 0; round < 3; ++round) {
+            const std::vector<Rgb> bounced = gatherBounce(bounceRays_, sent);
+            for (size_t i = 0; i < hidden.size(); ++i) sent[hidden[i]] = glm::clamp(albedo_.albedo[hidden[i]], Rgb(0), Rgb(0.95f)) * (direct[i] + bounced[hidden[i]]);
+        }
+    }
+    vertexBounce_ = gatherBounce(bounceRays_, sent);
+    bounce_.resize(matte_.vertices.size());
+    for (size_t i = 0; i < bounce_.size(); ++i) bounce_[i] = vertexBounce_[matte_.vertices[i]];
+}
+
+float SolveState::bouncedShareOf() const {
+    double bounced = 0, all = 0;
+    for (size_t i = 0; i < bounce_.size(); ++i) {
+        bounced += luminance(bounce_[i]);
+        all += luminance(lit_[i]);
+    }
+    return all > 0 ? float(bounced / all) : 0.0f;
+}
+
+void SolveState::decideBounce() {
+    using Bounce = SolveOptions::Bounce;
+    if (options_.bounce == Bounce::off) {
+        noBounceBecause_ = "it was switched off";
+        return;
+    }
+    BounceOptions rayOptions;
+    rayOptions.seed = options_.seed;
+    bounceRays_ = traceBounce(scene_, rayOptions, progress_);
+    double enclosure = 0;
+    for (uint32_t v : matte_.vertices) enclosure += bounceRays_.enclosure(v);
+    enclosure /= double(matte_.vertices.size());
+    const auto leaveOut = [&](std::string why) {
+        logInfo("bounced light is left out: {}", why);
+        noBounceBecause_ = std::move(why);
+        bounceRays_ = {};
+        bounce_.clear();
+        vertexBounce_.clear();
+    };
+    if (options_.bounce == Bounce::automatic && enclosure < 0.01) {
+        leaveOut(fmt::format("other surfaces fill only {:.1f} % of what a surface sees", 100 * enclosure));
+        return;
+    }
+    const Lighting without = lighting_;
+    const double before = runAlbedoFree("light from ratios", 1, nullptr).objective;
+    lighting_ = without;
+    // Two rounds: what hidden surfaces send rests on the light.
+    double after = 0;
+    for (int round = 0; round < 2 && !stopped(); ++round) {
+        computeLit();
+        updateAlbedo();
+        updateBounce();
+        after = runAlbedoFree("light from ratios and bounces", options_.startIterations, nullptr).objective;
+    }
+    computeLit();
+    bouncedShare_ = bouncedShareOf();
+    logInfo("bounced light: enclosure {:.1f} %, share {:.1f} %, objective {:.5g} without, {:.5g} with", 100 * enclosure, 100 * bouncedShare_, before, after);
+    if (options_.bounce == Bounce::on || after < before) return;
+    lighting_ = without;
+    leaveOut(fmt::format("ratios of radiance are explained better without it (misfit {:.4g}, with it {:.4g})", before, after));
+}
+
+}  // namespace relamp

@@ -1,0 +1,78 @@
+#include "transport/bounce.h"
+
+#include <algorithm>
+
+#include "base/parallel.h"
+#include "base/random.h"
+#include "transport/visibility.h"
+
+namespace relamp {
+
+BounceRays traceBounce(const Scene& scene, const BounceOptions& options, Progress& progress) {
+    const size_t n = scene.mesh.vertexCount();
+    BounceRays out;
+    out.rays = std::clamp(uint32_t((size_t(1) << 25) / std::max<size_t>(1, n)), std::min(32u, options.rays), options.rays);
+    constexpr size_t block = 64;
+    std::vector<std::vector<uint32_t>> found((n + block - 1) / block);
+    out.start.assign(n + 1, 0);
+    progress.begin("Surfaces that light each other", n);
+    parallelBlocks(n, block, [&](size_t begin, size_t end) {
+        std::vector<uint32_t>& senders = found[begin / block];
+        for (size_t v = begin; v < end; ++v) {
+            if (!scene.referenced[v]) continue;
+            const Vec3 normal = scene.mesh.normals[v], origin = rayOrigin(scene, scene.mesh.positions[v], normal);
+            const Mat3 frame = frameAround(normal);
+            const Vec2 shift = randomShift(options.seed, 11, v);
+            const size_t before = senders.size();
+            Ray rays[8];
+            Hit hits[8];
+            for (uint32_t first = 0; first < out.rays; first += 8) {
+                const uint32_t count = std::min(8u, out.rays - first);
+                for (uint32_t i = 0; i < count; ++i) rays[i] = {origin, frame * cosineHemisphere(r2Point(first + i, shift)), 0, 1e30f};
+                scene.tracer->closest8({rays, count}, {hits, count});
+                for (uint32_t i = 0; i < count; ++i) {
+                    if (!hits[i] || glm::dot(scene.mesh.faceNormal(hits[i].triangle), rays[i].direction) >= 0) continue;
+                    const Triangle& t = scene.mesh.triangles[hits[i].triangle];
+                    const float draw = unitFloat(mixBits(mixBits(options.seed ^ v) + first + i));
+                    const Vec2 b = hits[i].barycentric;
+                    senders.push_back(draw < b.x ? t[1] : draw < b.x + b.y ? t[2] : t[0]);
+                }
+            }
+            std::sort(senders.begin() + ptrdiff_t(before), senders.end());
+            out.start[v + 1] = uint32_t(senders.size() - before);
+        }
+    }, &progress);
+    for (size_t v = 0; v < n; ++v) out.start[v + 1] += out.start[v];
+    out.sender.reserve(out.start[n]);
+    for (const std::vector<uint32_t>& senders : found) out.sender.insert(out.sender.end(), senders.begin(), senders.end());
+    return out;
+}
+
+std::vector<Rgb> gatherBounce(const BounceRays& rays, const std::vector<Rgb>& sent) {
+    std::vector<Rgb> out(rays.vertexCount(), Rgb(0));
+    parallelFor(out.size(), 256, [&](size_t v) {
+        Rgb sum(0);
+        for (uint32_t i = rays.start[v]; i < rays.start[v + 1]; ++i) sum += sent[rays.sender[i]];
+        out[v] = sum / float(std::max(1u, rays.rays));
+    });
+    return out;
+}
+
+std::vector<Rgb> bounceOf(const BounceRays& rays, const std::vector<Rgb>& albedo, const std::vector<Rgb>& direct) {
+    std::vector<Rgb> bounced(direct.size(), Rgb(0)), sent(direct.size());
+    for (int round = 0; round < 30; ++round) {
+        // Albedo a hair above 1 would never come to rest.
+        for (size_t v = 0; v < sent.size(); ++v) sent[v] = glm::clamp(albedo[v], Rgb(0), Rgb(0.98f)) * (direct[v] + bounced[v]);
+        std::vector<Rgb> next = gatherBounce(rays, sent);
+        float largest = 0, change = 0;
+        for (size_t v = 0; v < next.size(); ++v) {
+            largest = std::max(largest, maxChannel(next[v]));
+            change = std::max(change, maxChannel(glm::abs(next[v] - bounced[v])));
+        }
+        bounced = std::move(next);
+        if (!(change > 1e-3f * largest)) break;
+    }
+    return bounced;
+}
+
+}  // namespace relamp
