@@ -90,13 +90,33 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
     std::vector<Term> terms(pairs.size());
 
     // One pair in one channel at the irradiances la, lb: r = 2 (p - q) / (p + q) with p = y_a lit_b, q = y_b lit_a, which is the
-    // difference of log albedo where that is small and stays finite in the dark. Its variance: noise, mismatch, shadow edges.
-    const auto pairResidual = [&](const AlbedoPair& p, int c, float la, float lb, double& variance) {
-        const double ya = matte.radiance[p.a][c], yb = matte.radiance[p.b][c], pp = ya * lb, qq = yb * la, sum = std::max(pp + qq, 1e-30);
-        const double sa = matte.sigma[p.a][c] * double(lb), sb = matte.sigma[p.b][c] * double(la);
-        const double ma = options.mixing * mixing[p.a][c] * yb, mb = options.mixing * mixing[p.b][c] * ya;
-        variance = 4 * (sa * sa + sb * sb + ma * ma + mb * mb) / (sum * sum) + 2 * double(options.mismatch) * options.mismatch + 1e-12;
-        return 2 * (pp - qq) / sum;
+    // difference of log albedo where that is small and stays finite in the dark.
+    const auto pairResidual = [&](const AlbedoPair& p, int c, float la, float lb) {
+        const double pp = double(matte.radiance[p.a][c]) * lb, qq = double(matte.radiance[p.b][c]) * la;
+        return 2 * (pp - qq) / std::max(pp + qq, 1e-30);
+    };
+    // Its variance: noise, mismatch, shadow edges. It rests on the light, but stays as it is while a step is sought: an objective that can be
+    // lowered by making shadow edges harder (which raises their variance) leads away from the light.
+    std::vector<std::array<float, 3>> variance(pairs.size());
+    const auto takeVariance = [&](const Eigen::VectorXf* at) {
+        std::fill(mixing.begin(), mixing.end(), Rgb(0));
+        for (const AlbedoPair& p : pairs) {
+            if (p.weight != 1) continue;
+            for (int c = 0; c < 3; ++c) {
+                const float step = std::abs(at[c](p.a) - at[c](p.b));
+                mixing[p.a][c] = std::max(mixing[p.a][c], step);
+                mixing[p.b][c] = std::max(mixing[p.b][c], step);
+            }
+        }
+        parallelFor(pairs.size(), 4096, [&](size_t k) {
+            const AlbedoPair& p = pairs[k];
+            for (int c = 0; c < 3; ++c) {
+                const double la = at[c](p.a), lb = at[c](p.b), ya = matte.radiance[p.a][c], yb = matte.radiance[p.b][c], sum = std::max(ya * lb + yb * la, 1e-30);
+                const double sa = matte.sigma[p.a][c] * lb, sb = matte.sigma[p.b][c] * la;
+                const double ma = options.mixing * mixing[p.a][c] * yb, mb = options.mixing * mixing[p.b][c] * ya;
+                variance[k][size_t(c)] = float(4 * (sa * sa + sb * sb + ma * ma + mb * mb) / (sum * sum) + 2 * double(options.mismatch) * options.mismatch + 1e-12);
+            }
+        });
     };
     const auto litBy = [&](const Eigen::VectorXd* light, Eigen::VectorXf* out) {
         for (int c = 0; c < 3; ++c) {
@@ -112,15 +132,6 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
     // The robust objective; fills `robust`, and the relative difference of the pairs.
     std::vector<float> viewWeight(viewRows ? viewRows->radiance.size() : 0);
     const auto evaluate = [&](const Eigen::VectorXd* light, const Eigen::VectorXf* at, double scale, double* rmse) {
-        std::fill(mixing.begin(), mixing.end(), Rgb(0));
-        for (const AlbedoPair& p : pairs) {
-            if (p.weight != 1) continue;
-            for (int c = 0; c < 3; ++c) {
-                const float step = std::abs(at[c](p.a) - at[c](p.b));
-                mixing[p.a][c] = std::max(mixing[p.a][c], step);
-                mixing[p.b][c] = std::max(mixing[p.b][c], step);
-            }
-        }
         constexpr size_t block = 4096;
         struct Sums {
             double objective = 0, squares = 0, counted = 0;
@@ -137,9 +148,8 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
                 const AlbedoPair& p = pairs[k];
                 double mean = 0;
                 for (int c = 0; c < 3; ++c) {
-                    double variance = 1;
-                    const double r = pairResidual(p, c, at[c](p.a), at[c](p.b), variance);
-                    mean += r * r / variance / 3;
+                    const double r = pairResidual(p, c, at[c](p.a), at[c](p.b));
+                    mean += r * r / double(variance[k][size_t(c)]) / 3;
                     s.squares += robustStep(r);
                     ++s.counted;
                 }
@@ -170,6 +180,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
         const bool annealing = options.anneal && iteration < 3;
         scale = double(options.robustScale) * (annealing ? 4 - iteration : 1);
         litBy(x, lit);
+        takeVariance(lit);
         double rmse = 0;
         objective = evaluate(x, lit, scale, &rmse);
         report.objective = objective;
@@ -181,10 +192,9 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
             parallelFor(pairs.size(), 4096, [&](size_t k) {
                 const AlbedoPair& p = pairs[k];
                 const float la = lit[c](p.a), lb = lit[c](p.b);
-                double variance = 1;
-                const double r = pairResidual(p, c, la, lb, variance);
+                const double r = pairResidual(p, c, la, lb);
                 const double ya = matte.radiance[p.a][c], yb = matte.radiance[p.b][c], pp = ya * lb, qq = yb * la, sum = std::max(pp + qq, 1e-30);
-                terms[k] = {float(p.weight * robust[k] / variance), float(r), float(4 * pp * yb / (sum * sum)), float(4 * qq * ya / (sum * sum))};
+                terms[k] = {float(p.weight * robust[k] / variance[k][size_t(c)]), float(r), float(4 * pp * yb / (sum * sum)), float(4 * qq * ya / (sum * sum))};
             });
             const auto weighted = [&](size_t i, float* out) {
                 Eigen::Map<Eigen::RowVectorXf> row(out, n);
@@ -236,7 +246,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
         // A step that makes things worse is halved: the objective never rises.
         double change = 0;
         bool accepted = false;
-        for (double step = 1; step > 0.05 && !accepted; step *= 0.5) {
+        for (double step = 1; step > 0.01 && !accepted; step *= 0.5) {
             Eigen::VectorXd trial[3];
             Eigen::VectorXf trialLit[3];
             for (int c = 0; c < 3; ++c) trial[c] = x[c] + step * (target[c] - x[c]);

@@ -50,6 +50,7 @@ Estimate solveScene(const Capture& capture, const Scene& scene, const RadianceSa
     for (int round = 0; round < options.refineRounds && s.refineLeaves(); ++round) {
         if (options.nearField || !s.hasMatte()) s.improveLight(options.refineIterations);
         else s.alternate();
+        s.updateBounce();
         s.showSnapshot();
     }
     s.solveReflectance();
@@ -57,6 +58,7 @@ Estimate solveScene(const Capture& capture, const Scene& scene, const RadianceSa
     for (int round = 0; round < options.glossRounds && s.hasGloss() && !s.stopped(); ++round) {
         s.improveLight(options.refineIterations);
         s.solveReflectance();
+        s.updateBounce();
     }
     for (int round = 0; round < options.turns && s.hasMatte() && !s.hasGloss() && !s.stopped(); ++round) s.alternate();
     return s.finish();

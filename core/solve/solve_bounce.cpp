@@ -24,6 +24,8 @@ std::vector<Rgb> SolveState::directAt(const std::vector<uint32_t>& vertices) {
 
 void SolveState::updateBounce() {
     if (bounceRays_.rays == 0) return;
+    computeLit();
+    updateAlbedo();
     const size_t n = scene_.mesh.vertexCount();
     std::vector<Rgb> sent(n, Rgb(0));
     std::vector<uint8_t> shown(n, 0), asked(n, 0);
@@ -42,7 +44,8 @@ void SolveState::updateBounce() {
     std::sort(hidden.begin(), hidden.end());
     if (!albedo_.albedo.empty()) {
         const std::vector<Rgb> direct = directAt(hidden);
-        for (int round = 0; round < 3; ++round) {
+        // Hidden surfaces light each other too.
+        for (int round = 0; round < 10; ++round) {
             const std::vector<Rgb> bounced = gatherBounce(bounceRays_, sent);
             for (size_t i = 0; i < hidden.size(); ++i) sent[hidden[i]] = glm::clamp(albedo_.albedo[hidden[i]], Rgb(0), Rgb(0.95f)) * (direct[i] + bounced[hidden[i]]);
         }
@@ -87,18 +90,19 @@ void SolveState::decideBounce() {
     const Lighting without = lighting_;
     const double before = runAlbedoFree("light from ratios", 1, nullptr).objective;
     lighting_ = without;
-    // Two rounds: what hidden surfaces send rests on the light.
+    // Several rounds: what hidden surfaces send rests on the light.
     double after = 0;
-    for (int round = 0; round < 2 && !stopped(); ++round) {
-        computeLit();
-        updateAlbedo();
+    for (int round = 0; round < 4 && !stopped(); ++round) {
         updateBounce();
         after = runAlbedoFree("light from ratios and bounces", options_.startIterations, nullptr).objective;
     }
     computeLit();
     bouncedShare_ = bouncedShareOf();
     logInfo("bounced light: enclosure {:.1f} %, share {:.1f} %, objective {:.5g} without, {:.5g} with", 100 * enclosure, 100 * bouncedShare_, before, after);
-    if (options_.bounce == Bounce::on || after < before) return;
+    if (options_.bounce == Bounce::on || after < before) {
+        updateBounce();
+        return;
+    }
     lighting_ = without;
     leaveOut(fmt::format("ratios of radiance are explained better without it (misfit {:.4g}, with it {:.4g})", before, after));
 }

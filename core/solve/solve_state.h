@@ -28,6 +28,9 @@ public:
     void leaveOutBlackEnvironment();
     /// Do the photographs hold light bounced between surfaces? Fits the light with and without it and keeps what explains ratios better.
     void decideBounce();
+    /// Bounced light, if it was kept, from what the photographs show of its senders; senders that no photograph shows send their albedo
+    /// times their light.
+    void updateBounce();
     /// Splits strong leaves; false when there is nothing left to split.
     bool refineLeaves();
     void improveLight(int iterations);
@@ -73,8 +76,6 @@ private:
     std::vector<TimelineEntry> timeline_;
     StabilityReport stability_;
 
-    /// Bounced light from what the photographs show of its senders; senders that no photograph shows send their albedo times their light.
-    void updateBounce();
     /// Direct light at any vertices, as a white matte surface shows it.
     std::vector<Rgb> directAt(const std::vector<uint32_t>& vertices);
     float bouncedShareOf() const;

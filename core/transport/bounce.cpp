@@ -15,6 +15,7 @@ BounceRays traceBounce(const Scene& scene, const BounceOptions& options, Progres
     constexpr size_t block = 64;
     std::vector<std::vector<uint32_t>> found((n + block - 1) / block);
     out.start.assign(n + 1, 0);
+    std::vector<float> reach(n, 1e30f);  // harmonic mean of the distances met
     progress.begin("Surfaces that light each other", n);
     parallelBlocks(n, block, [&](size_t begin, size_t end) {
         std::vector<uint32_t>& senders = found[begin / block];
@@ -24,6 +25,7 @@ BounceRays traceBounce(const Scene& scene, const BounceOptions& options, Progres
             const Mat3 frame = frameAround(normal);
             const Vec2 shift = randomShift(options.seed, 11, v);
             const size_t before = senders.size();
+            double nearness = 0;
             Ray rays[8];
             Hit hits[8];
             for (uint32_t first = 0; first < out.rays; first += 8) {
@@ -35,16 +37,27 @@ BounceRays traceBounce(const Scene& scene, const BounceOptions& options, Progres
                     const Triangle& t = scene.mesh.triangles[hits[i].triangle];
                     const float draw = unitFloat(mixBits(mixBits(options.seed ^ v) + first + i));
                     const Vec2 b = hits[i].barycentric;
+                    nearness += 1 / std::max(hits[i].distance, 1e-20f);
                     senders.push_back(draw < b.x ? t[1] : draw < b.x + b.y ? t[2] : t[0]);
                 }
             }
             std::sort(senders.begin() + ptrdiff_t(before), senders.end());
             out.start[v + 1] = uint32_t(senders.size() - before);
+            if (nearness > 0) reach[v] = float(out.rays / nearness);
         }
     }, &progress);
     for (size_t v = 0; v < n; ++v) out.start[v + 1] += out.start[v];
     out.sender.reserve(out.start[n]);
     for (const std::vector<uint32_t>& senders : found) out.sender.insert(out.sender.end(), senders.begin(), senders.end());
+    out.sharedStart.assign(n + 1, 0);
+    for (uint32_t v = 0; v < n; ++v) {
+        for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e) {
+            const uint32_t w = scene.graph.to[e];
+            const float apart = glm::length(scene.mesh.positions[v] - scene.mesh.positions[w]);
+            if (glm::dot(scene.mesh.normals[v], scene.mesh.normals[w]) > 0.9f && apart < 0.3f * std::min(reach[v], reach[w])) out.shared.push_back(w);
+        }
+        out.sharedStart[v + 1] = uint32_t(out.shared.size());
+    }
     return out;
 }
 
@@ -55,6 +68,15 @@ std::vector<Rgb> gatherBounce(const BounceRays& rays, const std::vector<Rgb>& se
         for (uint32_t i = rays.start[v]; i < rays.start[v + 1]; ++i) sum += sent[rays.sender[i]];
         out[v] = sum / float(std::max(1u, rays.rays));
     });
+    for (int pass = 0; pass < 2; ++pass) {
+        std::vector<Rgb> mean(out.size());
+        parallelFor(out.size(), 1024, [&](size_t v) {
+            Rgb sum = out[v];
+            for (uint32_t i = rays.sharedStart[v]; i < rays.sharedStart[v + 1]; ++i) sum += out[rays.shared[i]];
+            mean[v] = sum / float(1 + rays.sharedStart[v + 1] - rays.sharedStart[v]);
+        });
+        out = std::move(mean);
+    }
     return out;
 }
 

@@ -13,6 +13,9 @@ struct BounceRays {
     uint32_t rays = 0;              ///< traced from each vertex, those that met nothing included
     std::vector<uint32_t> start;    ///< senders of vertex v: sender[start[v]] ... sender[start[v + 1] - 1]
     std::vector<uint32_t> sender;   ///< vertices: of the triangle that was met one corner, drawn by the point's weights
+    /// Vertices that share their rays with v, v itself left out: neighbours that face the same way and are much nearer than what the rays
+    /// met, where light from other surfaces hardly changes [Ward88].
+    std::vector<uint32_t> sharedStart, shared;
     size_t vertexCount() const { return start.empty() ? 0 : start.size() - 1; }
     /// Share of the cosine-weighted hemisphere that other surfaces fill, in [0, 1].
     float enclosure(uint32_t v) const { return rays ? float(start[v + 1] - start[v]) / float(rays) : 0.0f; }
@@ -27,7 +30,8 @@ struct BounceOptions {
 /// ray that meets something. Throws Cancelled.
 BounceRays traceBounce(const Scene& scene, const BounceOptions& options, Progress& progress);
 
-/// Per vertex the mean of what its senders send over all its rays: what a white matte surface shows of it. `sent`: radiance, a value a vertex.
+/// Per vertex the mean of what its senders send over all its rays, and those of the vertices it shares rays with, twice: what a white matte
+/// surface shows of it. `sent`: radiance, a value a vertex.
 std::vector<Rgb> gatherBounce(const BounceRays& rays, const std::vector<Rgb>& sent);
 
 /// Light that went from surface to surface any number of times, given the direct one: the fixed point of b = F (albedo x (direct + b)),
