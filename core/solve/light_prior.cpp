@@ -4,14 +4,18 @@ namespace relamp {
 
 LightPrior::LightPrior(const LightLeaves& leaves, const LightAnchors& anchors, const LightPriorOptions& options)
     : anchors_(anchors), options_(options), neighbours_(leaves.neighbourPairs()), share_(Eigen::Index(leaves.size())) {
+    // Along the common edge: the rim of a lamp costs the same however finely it is divided.
+    edge_.reserve(neighbours_.size());
+    for (const auto& [i, j] : neighbours_) edge_.push_back(16.0 / double(1u << std::max(leaves[i].level, leaves[j].level)));
     for (size_t i = 0; i < leaves.size(); ++i) share_(Eigen::Index(i)) = double(leaves[i].solidAngle()) / (4 * piD);
 }
 
 double LightPrior::meanOf(const Eigen::VectorXd& x) const { return std::max({share_.dot(x.head(share_.size())), double(options_.darkness), 1e-30}); }
 
-double LightPrior::smoothness(uint32_t i, uint32_t j) const {
+double LightPrior::smoothness(size_t pair) const {
+    const auto [i, j] = neighbours_[pair];
     // A seen leaf must not pull its unseen neighbours to its own brightness: that would fix the scale by a prior.
-    return double(options_.smoothness) * (1.02 - double(std::max(anchors_.leaves[i].coverage, anchors_.leaves[j].coverage)));
+    return double(options_.smoothness) * edge_[pair] * (1.02 - double(std::max(anchors_.leaves[i].coverage, anchors_.leaves[j].coverage)));
 }
 
 double LightPrior::background(size_t leaf, int channel, double unit) const {
@@ -24,9 +28,10 @@ double LightPrior::background(size_t leaf, int channel, double unit) const {
 double LightPrior::value(const Eigen::VectorXd& x, int channel) const {
     const double unit = meanOf(x);
     double sum = 0;
-    for (const auto& [i, j] : neighbours_) {
+    for (size_t k = 0; k < neighbours_.size(); ++k) {
+        const auto [i, j] = neighbours_[k];
         const double middle = 0.5 * (x(i) + x(j)), difference = x(i) - x(j);
-        sum += smoothness(i, j) * difference * difference / (unit * unit + middle * middle + 1e-300);
+        sum += smoothness(k) * difference * difference / (unit * unit + middle * middle + 1e-300);
     }
     for (Eigen::Index i = 0; i < share_.size(); ++i) sum += background(size_t(i), channel, unit) * std::pow(x(i) - double(anchors_.leaves[size_t(i)].radiance[channel]), 2);
     return sum;
@@ -38,9 +43,10 @@ void LightPrior::add(const Eigen::VectorXd& x, int channel, Eigen::MatrixXd& q, 
     Eigen::VectorXd along = Eigen::VectorXd::Zero(leaves);
     double square = 0, pull = 0;
     const bool unitIsFree = share_.dot(x.head(leaves)) >= unit;  // at the floor the unit is a constant
-    for (const auto& [i, j] : neighbours_) {
+    for (size_t k = 0; k < neighbours_.size(); ++k) {
+        const auto [i, j] = neighbours_[k];
         const double middle = 0.5 * (x(i) + x(j)), d2 = unit * unit + middle * middle + 1e-300, d = std::sqrt(d2), r = (x(i) - x(j)) / d;
-        const double w = smoothness(i, j);
+        const double w = smoothness(k);
         const double ai = 1 / d - r * middle / (2 * d2), aj = -1 / d - r * middle / (2 * d2), beta = unitIsFree ? r * unit / d2 : 0.0;
         q(i, i) += w * ai * ai;
         q(j, j) += w * aj * aj;

@@ -9,7 +9,7 @@
 namespace relamp {
 
 struct LightPriorOptions {
-    float smoothness = 60;        ///< weight of relative differences between neighbouring leaves
+    float smoothness = 60;        ///< weight of relative differences between neighbouring leaves of a side of 16; half of it on edges half as long
     float backgroundWeight = 30;  ///< looks a directly seen leaf counts for, at its spread of 2 % (whole) to 72 % (hardly covered)
     float darkness = 0;           ///< radiance below which the mean of the distant light counts as black: relative terms end there
     float emitterWeight = 1e3f;   ///< times the data's own weight on an emitter: what is seen directly outweighs model error
@@ -30,9 +30,10 @@ private:
     const LightAnchors& anchors_;
     LightPriorOptions options_;
     std::vector<std::pair<uint32_t, uint32_t>> neighbours_;
+    std::vector<double> edge_;  ///< per pair: length of its edge over that of the leaves of a side of 16
     Eigen::VectorXd share_;  ///< solid angle of each leaf over 4 pi
     double meanOf(const Eigen::VectorXd& x) const;
-    double smoothness(uint32_t i, uint32_t j) const;
+    double smoothness(size_t pair) const;
     double background(size_t leaf, int channel, double unit) const;
 };
 

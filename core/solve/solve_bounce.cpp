@@ -94,7 +94,8 @@ void SolveState::decideBounce() {
     double after = 0;
     for (int round = 0; round < 4 && !stopped(); ++round) {
         updateBounce();
-        after = runAlbedoFree("light from ratios and bounces", options_.startIterations, nullptr).objective;
+        after = runAlbedoFree("light from ratios and bounces", round == 0 ? 8 : options_.startIterations, nullptr).objective;
+        if (options_.bounce == Bounce::automatic && after > 1.05 * before) break;  // far from it
     }
     computeLit();
     bouncedShare_ = bouncedShareOf();

@@ -26,6 +26,30 @@ TEST(AlbedoFree, FindsTheAbsoluteLightFromRatiosAndOneLampOfKnownRadiance) {
     EXPECT_NEAR(found.emitterRadiance[0].z, 4, 0.02);
 }
 
+TEST(AlbedoFree, BouncedLightAloneFixesTheScale) {
+    test::SmallProblem p = test::smallProblem();
+    // No lamp is known, nothing is seen directly; every vertex gets some light from surfaces whose radiance the photographs show.
+    std::vector<Rgb> bounce;
+    for (size_t i = 0; i < p.matte.radiance.size(); ++i) {
+        bounce.push_back(Rgb(0.02f, 0.03f, 0.01f) * (1 + float(i * 7 % 13)));
+        p.matte.radiance[i] += p.albedo[i] * bounce[i];
+        p.matte.sigma[i] = 0.01f * p.matte.radiance[i];
+    }
+    p.anchors.emitterSigma = {1e3f};
+    AlbedoFreeOptions o = manyIterations();
+    o.light.emitterWeight = 0;
+    o.light.smoothness = 0.1f;
+    o.bounce = &bounce;
+    for (const float start : {0.3f, 3.0f}) {
+        Lighting found = p.start;
+        for (Rgb& l : found.leafRadiance) l = Rgb(start);
+        found.emitterRadiance[0] = Rgb(start * 10);
+        Progress progress;
+        solveAlbedoFree(p.influence, p.matte, p.pairs, p.anchors, nullptr, o, found, progress, nullptr);
+        EXPECT_LT(test::litDifference(p, found, p.truth), 0.05) << start;
+    }
+}
+
 TEST(AlbedoFree, EndsAtTheSameLightFromADarkAndABrightStart) {
     const test::SmallProblem p = test::smallProblem(400, 0.02f);
     Lighting dark = p.start, bright = p.start;

@@ -23,6 +23,26 @@ TEST(LightPrior, DoesNotCareForTheScaleOfUnseenLight) {
     EXPECT_NEAR(prior.value(1e3 * x, 0), prior.value(x, 0), 1e-9 * prior.value(x, 0));
 }
 
+TEST(LightPrior, DividingABrightLeafDoesNotMakeItsRimDearer) {
+    LightPriorOptions options;
+    options.darkness = 1;
+    const auto valueOf = [&](int level) {
+        LightAnchors anchors;
+        const LightLeaves leaves = LightLeaves::uniform(level);
+        anchors.leaves.resize(leaves.size());
+        Eigen::VectorXd x(Eigen::Index(leaves.size()));
+        // A square of a quarter of the side, 100 times as bright.
+        const int side = 1 << level;
+        for (size_t i = 0; i < leaves.size(); ++i) {
+            const int cx = leaves[i].x * 16 / side, cy = leaves[i].y * 16 / side;
+            x(Eigen::Index(i)) = cx >= 4 && cx < 8 && cy >= 4 && cy < 8 ? 100 : 1;
+        }
+        return LightPrior(leaves, anchors, options).value(x, 0);
+    };
+    EXPECT_NEAR(valueOf(5), valueOf(4), 1e-9 * valueOf(4));
+    EXPECT_NEAR(valueOf(6), valueOf(4), 1e-9 * valueOf(4));
+}
+
 TEST(LightPrior, ItsQuadraticModelHasNoSlopeAlongTheLightItself) {
     test::SmallProblem p = test::smallProblem();
     const Eigen::Index n = Eigen::Index(p.truth.leaves.size());

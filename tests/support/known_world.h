@@ -1,5 +1,6 @@
 // Paints a small capture from lighting and reflectance that are known, by brute force: none of the code under test shades here.
-// A floor and a box and a ball on it, matte, under a square lamp and an analytic sky; direct light only.
+// A floor and a box and a ball on it, matte, under a square lamp and an analytic sky; direct light only, but for the room with two walls
+// whose surfaces light each other.
 #pragma once
 #include <filesystem>
 
@@ -32,6 +33,7 @@ struct KnownWorld {
     /// Albedo at a point: a slow pattern on the floor, plain colours on the things on it.
     static Rgb albedoAt(const Vec3& p) {
         if (p.z < 1e-3f) return Rgb(0.5f, 0.45f, 0.4f) + Rgb(0.2f, 0.15f, -0.1f) * std::sin(4 * p.x) * std::cos(3 * p.y + 1);
+        if (p.x < -0.999f || p.y > 0.999f) return Rgb(0.8f, 0.72f, 0.6f);  // walls
         return p.x < 0 ? Rgb(0.55f, 0.3f, 0.25f) : Rgb(0.3f, 0.45f, 0.6f);
     }
 };
@@ -71,26 +73,55 @@ inline Rgb paintPoint(const KnownWorld& world, const RayTracer& tracer, const Ve
     return KnownWorld::albedoAt(position) * Rgb(irradiance) / pi;
 }
 
-/// Writes transforms.json, mesh.ply and the photographs (96 x 72, EXR) into `folder`; `lamp` false leaves the lamp dark and out.
-inline KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool lamp = true, int views = 10, int floorCuts = 24) {
+/// Light that surfaces send each other, at the vertices: 256 rays each, three bounces. Radiance a white matte surface shows.
+inline std::vector<Rgb> paintBounces(const KnownWorld& world, const Scene& scene, const std::vector<uint8_t>& shines, bool lamp) {
+    const Mesh& mesh = scene.mesh;
+    std::vector<Rgb> direct(mesh.vertexCount()), bounced(mesh.vertexCount(), Rgb(0));
+    for (size_t v = 0; v < direct.size(); ++v) direct[v] = paintPoint(world, *scene.tracer, mesh.positions[v], mesh.normals[v], 900000 + v, lamp);
+    for (int bounce = 0; bounce < 3; ++bounce) {
+        std::vector<Rgb> next(mesh.vertexCount(), Rgb(0));
+        parallelFor(next.size(), 16, [&](size_t v) {
+            const Mat3 frame = frameAround(mesh.normals[v]);
+            for (int i = 0; i < 256; ++i) {
+                const Vec2 u = (Vec2(float(i % 16), float(i / 16)) + randomShift(v, 5, size_t(i))) / 16.0f;
+                const Hit hit = scene.tracer->closest({mesh.positions[v] + mesh.normals[v] * 1e-4f, frame * cosineHemisphere(u), 0, 1e30f});
+                if (!hit || shines[hit.triangle] || glm::dot(mesh.faceNormal(hit.triangle), frame * cosineHemisphere(u)) > 0) continue;
+                const Triangle& t = mesh.triangles[hit.triangle];
+                const float weight[3] = {1 - hit.barycentric.x - hit.barycentric.y, hit.barycentric.x, hit.barycentric.y};
+                for (size_t k = 0; k < 3; ++k) next[v] += weight[k] / 256 * (direct[t[k]] + world.albedo[t[k]] * bounced[t[k]]);
+            }
+        });
+        bounced = next;
+    }
+    return bounced;
+}
+
+/// Writes transforms.json, mesh.ply and the photographs (96 x 72, EXR) into `folder`; `lamp` false leaves the lamp dark and out. `room`: two
+/// walls behind the floor, and surfaces light each other.
+inline KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool lamp = true, int views = 10, int floorCuts = 24, bool room = false) {
     KnownWorld world;
     world.views = views;
     world.mesh = sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, floorCuts, floorCuts);
     world.floorVertices = world.mesh.vertexCount();
     append(world.mesh, box({-0.55f, -0.35f, 0.002f}, {-0.2f, 0.05f, 0.4f}, 5));
     append(world.mesh, ball({0.3f, -0.25f, 0.252f}, 0.25f, 14, 20));
+    if (room) {
+        append(world.mesh, sheet({-1, 1, 0.002f}, {2, 0, 0}, {0, 0, 1.3f}, 16, 10));
+        append(world.mesh, sheet({-1, -1, 0.002f}, {0, 2, 0}, {0, 0, 1.3f}, 16, 10));
+    }
     if (lamp) world.lampTriangles = append(world.mesh, squareAbove(world.lampSide, world.lampCentre.x, world.lampCentre.y, world.lampCentre.z, 4));
     for (const Vec3& p : world.mesh.positions) world.albedo.push_back(KnownWorld::albedoAt(p));
     std::vector<uint8_t> shines(world.mesh.triangles.size(), 0);
     for (uint32_t t : world.lampTriangles) shines[t] = 1;
 
     const Scene scene = sceneOf(world.mesh);
+    const std::vector<Rgb> bounced = room ? paintBounces(world, scene, shines, lamp) : std::vector<Rgb>(world.mesh.vertexCount(), Rgb(0));
     std::filesystem::create_directories(folder / "images");
     writeVertexPly(folder / "mesh.ply", world.mesh, {});
     nlohmann::json file{{"w", 96}, {"h", 72}, {"fl_x", 95}, {"mesh_path", "mesh.ply"}, {"frames", nlohmann::json::array()}};
     for (int i = 0; i < views; ++i) {
         // High ones look down, low ones see the underside of the lamp and the sky.
-        const double a = 2 * piD * i / views + 0.3;
+        const double a = room ? -1.5 + 1.5 * i / (views - 1) : 2 * piD * i / views + 0.3;  // before the open sides
         const bool low = i % 2;
         const Camera camera = cameraAt({2.3 * std::cos(a), 2.3 * std::sin(a), low ? 0.45 : 1.9}, {0.05, 0, low ? 0.6 : 0.15}, 96, 72, 95);
         Image image(96, 72);
@@ -106,7 +137,15 @@ inline KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool lamp
                 return;
             }
             const Vec3 normal = scene.normalOf(hit);
-            image.pixels[p] = glm::dot(normal, d) < 0 ? paintPoint(world, *scene.tracer, scene.pointOf(hit), normal, size_t(i) * 10000 + p, lamp) : Rgb(0);
+            if (glm::dot(normal, d) >= 0) {
+                image.pixels[p] = Rgb(0);
+                return;
+            }
+            const Triangle& t = scene.mesh.triangles[hit.triangle];
+            const Vec2 b = hit.barycentric;
+            const Rgb indirect = (1 - b.x - b.y) * bounced[t[0]] + b.x * bounced[t[1]] + b.y * bounced[t[2]];
+            const Vec3 point = scene.pointOf(hit);
+            image.pixels[p] = paintPoint(world, *scene.tracer, point, normal, size_t(i) * 10000 + p, lamp) + KnownWorld::albedoAt(point) * indirect;
         });
         const std::string name = fmt::format("images/{:02}.exr", i);
         writeImage(folder / name, image);

@@ -76,6 +76,33 @@ TEST(KnownWorld, ItsLampSkyAndAlbedoAreFound) {
     EXPECT_FALSE(r.estimate.cancelled);
 }
 
+TEST(KnownWorld, HoldsNoBouncedLightWhereNoneWasPainted) {
+    const World world;
+    const Estimate estimate = world.solve().estimate;
+    EXPECT_FALSE(estimate.interreflection);
+    EXPECT_EQ(estimate.bouncedShare, 0);
+}
+
+TEST(KnownWorld, BouncedLightInARoomIsSeenAndAlbedoSaved) {
+    test::TemporaryFolder folder;
+    const test::KnownWorld truth = test::paintKnownWorld(folder.path(), true, 10, 24, true);
+    const auto solve = [&](SolveOptions::Bounce bounce) {
+        PipelineOptions options;
+        options.solve = solveOptionsFor("draft");
+        options.solve.bounce = bounce;
+        Progress progress;
+        return runPipeline(folder.path(), options, progress);
+    };
+    const PipelineResult kept = solve(SolveOptions::Bounce::automatic), off = solve(SolveOptions::Bounce::off);
+    EXPECT_TRUE(kept.estimate.interreflection);
+    EXPECT_FALSE(off.estimate.interreflection);
+    const double with = albedoErrors(kept, truth).first, without = albedoErrors(off, truth).first;
+    std::printf("bounced share %.1f %%, albedo off by %.1f %% with it, %.1f %% without\n", 100 * double(kept.estimate.bouncedShare), 100 * with, 100 * without);
+    EXPECT_GT(kept.estimate.bouncedShare, 0.1f);
+    EXPECT_LT(with, 0.5 * without);
+    EXPECT_LT(with, 0.07);
+}
+
 TEST(KnownWorld, WithoutItsLampHasNoEmitter) {
     const World world(false);
     const PipelineResult r = world.solve();

@@ -1,0 +1,104 @@
+#include "relight/bounced_light.h"
+
+#include <gtest/gtest.h>
+
+#include "base/parallel.h"
+#include "relight/frame.h"
+#include "support/estimates.h"
+
+namespace relamp {
+namespace {
+
+/// The inside of a ball whose skin reflects half of a green and a quarter of a red lamp's light, with a small ball lamp in the middle.
+struct LampInABall {
+    Scene scene;
+    Estimate estimate;
+    explicit LampInABall(float lampRadius = 0.2f) {
+        Mesh mesh = test::ball({0, 0, 0}, 1, 24, 36);
+        for (Vec3& n : mesh.normals) n = -n;
+        for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+        const auto lamp = test::append(mesh, test::ball({0, 0, 0}, lampRadius, 16, 24));
+        scene = test::sceneOf(mesh);
+        estimate = test::matteEstimate(scene, {0.25f, 0.5f, 0.5f}, Rgb(0), test::emittersOf(scene, {lamp}, {Rgb(10)}));
+        estimate.interreflection = true;
+    }
+};
+
+Frame frameOf(const RelitScene& relit) {
+    FrameOptions options;
+    Progress progress;
+    return renderFrame(relit, test::cameraAt({0.5, 0, 0}, {0.9, 0.1, 0.1}, 24, 24, 40), options, progress);
+}
+
+TEST(BouncedLight, ALampInABallIsBrighterByTheGeometricSeries) {
+    const LampInABall world;
+    Progress progress;
+    const RelitScene relit = applyLook(world.scene, world.estimate, {}, progress);
+    ASSERT_FALSE(relit.bounced.empty());
+    // Direct: form factor r^2 of the lamp seen from the skin, and the lamp hides r^2 of what the skin would see of itself.
+    const double formFactor = 0.2 * 0.2, hidden = 1 - formFactor;
+    const Frame frame = frameOf(relit);
+    Rgb mean(0);
+    for (const Rgb& c : frame.beauty) mean += c / float(frame.beauty.size());
+    for (int c = 0; c < 3; ++c) {
+        const double albedo = c == 0 ? 0.25 : 0.5, expected = albedo * 10 * formFactor / (1 - albedo * hidden);
+        EXPECT_NEAR(mean[c], expected, 0.03 * expected) << c;
+    }
+}
+
+TEST(BouncedLight, IsLeftOutWhereTheEstimateHasNone) {
+    LampInABall world;
+    world.estimate.interreflection = false;
+    Progress progress;
+    const RelitScene relit = applyLook(world.scene, world.estimate, {}, progress);
+    EXPECT_TRUE(relit.bounced.empty());
+    Rgb mean(0);
+    const Frame frame = frameOf(relit);
+    for (const Rgb& c : frame.beauty) mean += c / float(frame.beauty.size());
+    EXPECT_NEAR(mean.y, 0.5 * 10 * 0.04, 0.03 * 0.2);
+}
+
+TEST(BouncedLight, BelongsToTheLampItCameFrom) {
+    const LampInABall world;
+    Progress progress;
+    const Frame frame = frameOf(applyLook(world.scene, world.estimate, {}, progress));
+    for (size_t p = 0; p < frame.beauty.size(); ++p) {
+        EXPECT_EQ(frame.world[p], Rgb(0));
+        EXPECT_EQ(frame.byEmitter[0][p], frame.beauty[p]);
+    }
+}
+
+TEST(BouncedLight, AMetalShowsWhatSurfacesSend) {
+    LampInABall world;
+    // A metal strip: no matte part, a lobe of weight 1.
+    world.estimate.reflectance.basis.lobes.push_back({Lobe::Kind::ggx, 0.1f, "ggx"});
+    world.estimate.reflectance.weight.push_back(std::vector<Rgb>(world.scene.mesh.vertexCount(), Rgb(0)));
+    for (size_t v = 0; v < world.scene.mesh.vertexCount(); ++v)
+        if (world.scene.mesh.positions[v].x > 0.6f) {
+            world.estimate.reflectance.weight[0][v] = Rgb(0);
+            world.estimate.reflectance.weight[1][v] = Rgb(1);
+        }
+    Progress progress;
+    const Frame with = frameOf(applyLook(world.scene, world.estimate, {}, progress));
+    world.estimate.interreflection = false;
+    const Frame without = frameOf(applyLook(world.scene, world.estimate, {}, progress));
+    double lit = 0, dark = 0;
+    for (size_t p = 0; p < with.beauty.size(); ++p) {
+        lit += with.beauty[p].y;
+        dark += without.beauty[p].y;
+    }
+    EXPECT_GT(lit, dark + 0.05 * double(with.beauty.size()));
+}
+
+TEST(BouncedLight, HasTheSameBitsOnAnyNumberOfThreads) {
+    const LampInABall world;
+    const auto run = [&](int threads) {
+        const ThreadLimit limit(threads);
+        Progress progress;
+        return applyLook(world.scene, world.estimate, {}, progress).bounced.byEmitter[0];
+    };
+    EXPECT_EQ(run(1), run(0));
+}
+
+}  // namespace
+}  // namespace relamp
