@@ -175,12 +175,12 @@ void registerAll() {
         const auto add = [&](const std::string& name, std::function<void(benchmark::State&)> body) {
             benchmark::RegisterBenchmark((std::string(panel.name) + "/" + name).c_str(), std::move(body))->Unit(benchmark::kMillisecond)->MinTime(0.2);
         };
-        for (int count : {4, 16, 64, 256})
-            add(fmt::format("area sampling, {} rays", count), [&panel, count](benchmark::State& state) {
+        for (const auto& [count, coarse] : {std::pair{4, true}, {8, true}, {16, true}, {16, false}, {64, false}, {256, false}})
+            add(fmt::format("area sampling, {} rays{}", count, coarse ? ", coarse cut" : ""), [&panel, count = count, coarse = coarse](benchmark::State& state) {
                 Stage& s = stage(panel);
                 measure(state, s, [&](size_t k) {
                     float open = 0;
-                    return nearFactor(s.emitter, s.occluders, s.point(k), s.normal(k), count == 4 ? coarseCut : fineCut, count, mixBits(s.chosen[k] + 77), open);
+                    return nearFactor(s.emitter, s.occluders, s.point(k), s.normal(k), coarse ? coarseCut : fineCut, count, mixBits(s.chosen[k] + 77), open);
                 });
             });
         add("closed form, no shadow", [&panel](benchmark::State& state) {
@@ -198,6 +198,7 @@ void registerAll() {
             with("double, baked masks", [](Stage& s, size_t k) { return byDouble(s, k, s.seenMask[k]); });
             with("double, own rays", [](Stage& s, size_t k) { return byDouble(s, k, s.seen[k]); });
             with("double, rays end at the panel", [](Stage& s, size_t k) { return byDouble(s, k, s.seenNear[k]); });
+            with("triple, baked masks", [](Stage& s, size_t k) { return float(affineTripleProduct(s.seenMask[k], s.lambert[k], s.one, s.map(k))); });
             with("triple, own rays", [](Stage& s, size_t k) { return float(affineTripleProduct(s.seen[k], s.lambert[k], s.one, s.map(k))); });
             add(fmt::format("set-up from masks, side {}", side), [&panel, side](benchmark::State& state) {
                 Stage& s = stage(panel);
