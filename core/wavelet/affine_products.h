@@ -1,5 +1,6 @@
-// Double and triple product integrals of Haar trees of which one is carried by an affine map (Sun and Ramamoorthi 2009): a planar emitter's
-// square of radiance seen from a surface point is scaled, sheared and shifted on the plane of directions parallel to it.
+// Double and triple product integrals of Haar trees of which one is carried by an affine map [Sun09]: a planar emitter's square of
+// radiance seen from a surface point is scaled, sheared and shifted on the plane of directions parallel to it. Not used in relighting, because area
+// sampling is cheaper there: tests/bench/PRT.md has the figures.
 #pragma once
 #include <optional>
 
@@ -18,7 +19,6 @@ public:
         double size() const { return 1.0 / double(1 << level); }
         Node child(int k) const { return {level + 1, 2 * i + (k & 1), 2 * j + (k >> 1)}; }
     };
-    HaarTree() = default;
     /// `cells`: mean value per cell, (x, y) at y * side + x. Throws Error when side is no power of two or does not fit. O(side^2).
     HaarTree(std::span<const float> cells, int side);
     /// From coefficients in the layout of haar.h, orthonormal on the unit square (domain area 1).
@@ -45,7 +45,7 @@ double sharedArea(const AffineMap& map, const glm::dvec2& low, double size);
 /// that do not meet end at once, and so do those of which one lies within a constant square of the other; what is left are pairs of constant
 /// squares across an edge, taken with their shared area. Exact but for rounding (sums in double). Cost O(squares along the edges of either
 /// function), for a constant emitter O(side), 10 to 100 ns a square. 0 when the map flattens the square; throws Error when it is not finite.
-/// Source: affine double product integral, Sun and Ramamoorthi 2009. They tabulate coefficients for scale and shift; shared areas are the
+/// Source: affine double product integral [Sun09]. They tabulate coefficients for scale and shift; shared areas are the
 /// same numbers for scaling functions, need no table and allow shear.
 double affineDoubleProduct(const HaarTree& still, const HaarTree& moved, const AffineMap& map);
 

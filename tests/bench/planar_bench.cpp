@@ -85,6 +85,10 @@ Stage& stage(const Panel& panel) {
     return s;
 }
 
+benchmark::Counter perVertex(const Stage& s, const benchmark::State& state) {
+    return benchmark::Counter(double(s.chosen.size()) * double(state.iterations()) / 1e6, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
 /// Relative root mean square error of a method over the stage's vertices, and microseconds a vertex on one core.
 void measure(benchmark::State& state, Stage& s, const std::function<float(size_t)>& factor) {
     for (auto _ : state)
@@ -96,7 +100,7 @@ void measure(benchmark::State& state, Stage& s, const std::function<float(size_t
         sum += r * r;
     }
     state.counters["error_%"] = 100 * std::sqrt(difference / sum);
-    state.counters["us_vertex"] = benchmark::Counter(double(s.chosen.size()) * double(state.iterations()) / 1e6, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+    state.counters["us_vertex"] = perVertex(s, state);
 }
 
 /// Visibility per cell of the plane by a ray through its middle, as far as anything stands, or only up to the emitter's plane.
@@ -175,7 +179,7 @@ void registerAll() {
         const auto add = [&](const std::string& name, std::function<void(benchmark::State&)> body) {
             benchmark::RegisterBenchmark((std::string(panel.name) + "/" + name).c_str(), std::move(body))->Unit(benchmark::kMillisecond)->MinTime(0.2);
         };
-        for (const auto& [count, coarse] : {std::pair{4, true}, {8, true}, {16, true}, {16, false}, {64, false}, {256, false}})
+        for (const auto& [count, coarse] : {std::pair{4, true}, {8, true}, {16, true}, {64, true}, {16, false}, {64, false}, {256, false}})
             add(fmt::format("area sampling, {} rays{}", count, coarse ? ", coarse cut" : ""), [&panel, count = count, coarse = coarse](benchmark::State& state) {
                 Stage& s = stage(panel);
                 measure(state, s, [&](size_t k) {
@@ -200,13 +204,19 @@ void registerAll() {
             with("double, rays end at the panel", [](Stage& s, size_t k) { return byDouble(s, k, s.seenNear[k]); });
             with("triple, baked masks", [](Stage& s, size_t k) { return float(affineTripleProduct(s.seenMask[k], s.lambert[k], s.one, s.map(k))); });
             with("triple, own rays", [](Stage& s, size_t k) { return float(affineTripleProduct(s.seen[k], s.lambert[k], s.one, s.map(k))); });
+            add(fmt::format("set-up of reflectance, side {}", side), [&panel, side](benchmark::State& state) {
+                Stage& s = stage(panel);
+                for (auto _ : state)
+                    for (size_t k = 0; k < s.chosen.size(); ++k) benchmark::DoNotOptimize(lambertOnPlane(s, k, side));
+                state.counters["us_vertex"] = perVertex(s, state);
+            });
             add(fmt::format("set-up from masks, side {}", side), [&panel, side](benchmark::State& state) {
                 Stage& s = stage(panel);
                 const std::vector<uint16_t> quarters = quartersOnPlane(s, side);
                 const std::vector<uint8_t> masks = masksOf(s, 0);
                 for (auto _ : state)
                     for (size_t k = 0; k < s.chosen.size(); ++k) benchmark::DoNotOptimize(fromMasks(masks, quarters, side));
-                state.counters["us_vertex"] = benchmark::Counter(double(s.chosen.size()) * double(state.iterations()) / 1e6, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+                state.counters["us_vertex"] = perVertex(s, state);
             });
         }
     }
