@@ -143,6 +143,7 @@ void LiveMatte::setBodies(const std::vector<std::string>& names) {
         if (shadows[b].lists.empty()) {
             shadows[b].lists.assign(chunks(), {});
             shadows[b].level.assign(chunks(), 0);
+            shadows[b].clear.assign(chunks() * run, 0);
         }
     }
     for (Shadow& gone : shadows_)
@@ -212,12 +213,13 @@ void LiveMatte::traceShadow(Shadow& shadow, size_t chunk, bool coarse, const Liv
     const Occluded8 occluded = [&](std::span<const Ray> rays) { return body.occluded8(rays); };
     for (size_t i = 0; i < run; ++i) {
         const size_t s = chunk * run + i;
+        shadow.clear[s] = 0;
         if (s < slots() && vertexOfSlot_[s] != none && body.tracer) {
             Vec3 axis;
             float angle;
             const Vec3 position = vertices.mesh->positions[vertexOfSlot_[s]];
             body.cone(position, axis, angle);
-            traceCone(grid_, occluders.origin(position, normal_[s]), normal_[s], axis, angle, masksOf(s), coarse, occluded, lists.entries);
+            shadow.clear[s] = traceCone(grid_, occluders.origin(position, normal_[s]), normal_[s], axis, angle, masksOf(s), coarse, occluded, lists.entries);
         }
         lists.start[i + 1] = uint32_t(lists.entries.size());
     }
@@ -337,6 +339,11 @@ void LiveMatte::apply(const LiveLight& light, bool all, std::span<Rgb> out) {
             out[vertexOfSlot_[s]] = glm::max(sum, Rgb(0));
         }
     });
+}
+
+bool LiveMatte::groundClear(size_t body, size_t vertex) const {
+    const uint32_t s = vertex < slotOfVertex_.size() ? slotOfVertex_[vertex] : none;
+    return s != none && body < shadows_.size() && !shadows_[body].level.empty() && shadows_[body].level[s / run] && shadows_[body].clear[s];
 }
 
 void LiveMatte::seenNow(uint32_t vertex, std::span<uint8_t> masks) const {

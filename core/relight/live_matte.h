@@ -41,6 +41,9 @@ public:
     void apply(const LiveLight& light, bool all, std::span<Rgb> out);
     /// Quarters that a ground vertex sees now, bodies taken away.
     void seenNow(uint32_t vertex, std::span<uint8_t> masks) const;
+    /// Whether the baked rays found nothing of the ground anywhere in the cone that holds the body: then nothing of it stands between a ground
+    /// vertex and the body either, but for what is thinner than a quarter cell. False while the body's shadow is stale.
+    bool groundClear(size_t body, size_t vertex) const;
     /// Vertices whose view of the environment changed since the last call.
     std::vector<uint32_t> takeChanged();
 
@@ -50,6 +53,7 @@ private:
         std::string name;
         std::vector<CellLists> lists;      // per chunk
         std::vector<uint8_t> level;        // per chunk: 0 stale, 1 a ray a cell, 2 a ray a quarter
+        std::vector<uint8_t> clear;        // per slot: groundClear
     };
     struct Correction {                    // per chunk: what is to be added to the baked light
         std::vector<uint32_t> start;

@@ -13,10 +13,10 @@ constexpr size_t batch = 4096;
 
 uint64_t seedOf(uint64_t seed, size_t vertex, const NearEmitter& emitter) { return mixBits(mixBits(seed + emitter.body) ^ vertex); }
 
-void sampleVertex(NearEmitter& e, const LiveVertices& vertices, const LiveOccluders& occluders, uint64_t seed, size_t v, int level) {
+void sampleVertex(NearEmitter& e, const LiveVertices& vertices, const LiveOccluders& occluders, uint64_t seed, size_t v, int level, bool groundClear = false) {
     const Vec3 point = vertices.mesh->positions[v], to = e.centre - point;
     const bool close = level < 3 && glm::dot(to, to) < nearRadii * nearRadii * e.radius * e.radius;
-    e.factor[v] = nearFactor(e, occluders, point, vertices.mesh->normals[v], level == 1 ? coarseCut : fineCut, samplesOfLevel[level] * (close ? 2 : 1), seedOf(seed, v, e), e.open[v]);
+    e.factor[v] = nearFactor(e, occluders, point, vertices.mesh->normals[v], level == 1 ? coarseCut : fineCut, samplesOfLevel[level] * (close ? 2 : 1), seedOf(seed, v, e), e.open[v], groundClear);
     e.level[v] = uint8_t(level);
 }
 
@@ -38,7 +38,7 @@ bool atEdge(const NearEmitter& e, const LiveVertices& vertices, const VertexGrap
 
 }  // namespace
 
-float nearFactor(const NearEmitter& e, const LiveOccluders& occluders, const Vec3& point, const Vec3& normal, const CutTolerance& tolerance, int count, uint64_t seed, float& open) {
+float nearFactor(const NearEmitter& e, const LiveOccluders& occluders, const Vec3& point, const Vec3& normal, const CutTolerance& tolerance, int count, uint64_t seed, float& open, bool groundClear) {
     open = 0;
     if (glm::dot(e.centre - point, normal) < -e.radius) return 0;
     thread_local EmitterPieces cut;
@@ -46,9 +46,6 @@ float nearFactor(const NearEmitter& e, const LiveOccluders& occluders, const Vec
     e.tree.cut(point, normal, tolerance, cut);
     open = cut.open;
     if (!(open > 0)) return 0;
-    cumulative.clear();
-    float sum = 0;
-    for (const EmitterPieces::Piece& p : cut.pieces) cumulative.push_back(sum += p.factor);
     // Bodies that can stand between; its own hides nothing of a convex emitter.
     const Vec3 toCentre = e.centre - point;
     const float distance = glm::length(toCentre), reach = distance > e.radius ? std::asin(std::min(1.0f, e.radius / distance)) : pi;
@@ -57,6 +54,10 @@ float nearFactor(const NearEmitter& e, const LiveOccluders& occluders, const Vec
     size_t bodies = 0;
     for (uint32_t b = 1; b < occluders.bodies.size() && bodies < 16; ++b)
         if (!(b == e.body && e.tree.convex()) && occluders.bodies[b].tracer && occluders.bodies[b].mayCover(point, axis, reach, distance + e.radius)) between[bodies++] = &occluders.bodies[b];
+    if (groundClear && !bodies) return open;
+    cumulative.clear();
+    float sum = 0;
+    for (const EmitterPieces::Piece& p : cut.pieces) cumulative.push_back(sum += p.factor);
     const Vec3 origin = occluders.origin(point, normal);
     const Vec2 shift = randomShift(seed, 0x51, 0x7f);
     const float first = unitFloat(mixBits(seed ^ 0x9d)), back = 8 * occluders.offset;
@@ -66,7 +67,7 @@ float nearFactor(const NearEmitter& e, const LiveOccluders& occluders, const Vec
     float all = 0, seen = 0;
     const auto flush = [&] {
         if (!pending) return;
-        uint32_t blocked = occluders.groundOccluded8({rays, pending});
+        uint32_t blocked = groundClear ? 0u : occluders.groundOccluded8({rays, pending});
         for (size_t b = 0; b < bodies; ++b) blocked |= between[b]->occluded8({rays, pending});
         for (uint32_t i = 0; i < pending; ++i)
             if (!(blocked >> i & 1)) seen += weight[i];
@@ -95,10 +96,10 @@ float nearFactor(const NearEmitter& e, const LiveOccluders& occluders, const Vec
     return all > 0 ? open * (seen / all) : open;
 }
 
-void nearCoarse(NearEmitter& e, const LiveVertices& vertices, const LiveOccluders& occluders, uint64_t seed, Progress& progress) {
+void nearCoarse(NearEmitter& e, const LiveVertices& vertices, const LiveOccluders& occluders, const std::function<bool(size_t)>& groundClear, uint64_t seed, Progress& progress) {
     parallelFor(vertices.count(), 256, [&](size_t v) {
         if (e.level[v] || !vertices.lit(v)) return;
-        sampleVertex(e, vertices, occluders, seed, v, 1);
+        sampleVertex(e, vertices, occluders, seed, v, 1, groundClear(v));
     });
     progress.check();
 }

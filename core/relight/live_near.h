@@ -1,6 +1,8 @@
 // Light of emitters on matte surfaces: form factors with shadows per vertex, from 4 samples while something is dragged, from up to 256
 // where a shadow's edge runs at rest.
 #pragma once
+#include <functional>
+
 #include "relight/live_bodies.h"
 #include "relight/live_emitter_tree.h"
 
@@ -38,11 +40,13 @@ struct NearEmitter {
     float seen(size_t v) const { return open[v] > 0 ? factor[v] / open[v] : 1.0f; }
 };
 
-/// Form factor and its open value from `count` samples, the same pattern for the same seed.
-float nearFactor(const NearEmitter& emitter, const LiveOccluders& occluders, const Vec3& point, const Vec3& normal, const CutTolerance& tolerance, int count, uint64_t seed, float& open);
+/// Form factor and its open value from `count` samples, the same pattern for the same seed. `groundClear`: the ground is known to hide nothing of
+/// it; then rays are only cast at bodies, and none where no body can stand between.
+float nearFactor(const NearEmitter& emitter, const LiveOccluders& occluders, const Vec3& point, const Vec3& normal, const CutTolerance& tolerance, int count, uint64_t seed, float& open, bool groundClear = false);
 
-/// All stale vertices from 4 samples. Cost: about a microsecond a vertex and emitter.
-void nearCoarse(NearEmitter& emitter, const LiveVertices& vertices, const LiveOccluders& occluders, uint64_t seed, Progress& progress);
+/// All stale vertices from 4 samples, or none where `groundClear` says so of a vertex (LiveMatte::groundClear). Cost: about a microsecond a vertex
+/// and emitter, a third of it without rays.
+void nearCoarse(NearEmitter& emitter, const LiveVertices& vertices, const LiveOccluders& occluders, const std::function<bool(size_t)>& groundClear, uint64_t seed, Progress& progress);
 /// One batch of refinement; false when nothing is left. `graph`: the capture's neighbours.
 bool nearRefine(NearEmitter& emitter, const LiveVertices& vertices, const VertexGraph& graph, const LiveOccluders& occluders, uint64_t seed, Progress& progress);
 

@@ -105,7 +105,7 @@ void LiveScene::State::coarse(Progress& progress) {
         carried.coarse(vertices, occluders, progress);
         for (size_t e = 0; e < near.size(); ++e) {
             gloss.markShadowed(e, near[e]);
-            nearCoarse(near[e], vertices, occluders, options.seed, progress);
+            nearCoarse(near[e], vertices, occluders, [&](size_t v) { return matte.groundClear(near[e].body, v); }, options.seed, progress);
         }
     }
     if (newGeometry || newLight) sumLight();

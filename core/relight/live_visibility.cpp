@@ -42,6 +42,19 @@ unsigned quartersAbove(const LiveGrid& grid, size_t cell, const Vec3& normal) {
 /// Logarithm of the side: divisions by a number the compiler does not know would cost more than the rays of small cones.
 unsigned bitsOf(const LiveGrid& grid) { return unsigned(std::countr_zero(unsigned(grid.grid().side))); }
 
+/// Whether a quarter that is not among `quarters` meets the cone. One with its middle below the horizon gives next to no light and does not count.
+bool hiddenInCone(const LiveGrid& grid, size_t cell, unsigned quarters, const Vec3& normal, const Vec3& axis, float angle) {
+    const float reach = angle + 0.75f * grid.radius(cell);  // a quarter's corners are nearer than that to its middle
+    if (reach >= pi) return true;
+    const float cosine = std::cos(reach);
+    for (int q = 0; q < 4; ++q) {
+        if (quarters >> q & 1) continue;
+        const Vec3 d = grid.quarter(cell, q);
+        if (glm::dot(d, normal) > 0 && glm::dot(d, axis) > cosine) return true;
+    }
+    return false;
+}
+
 constexpr uint8_t below = 2;  // beside 0: seen, 1: blocked
 
 }  // namespace
@@ -99,16 +112,19 @@ void traceCells(const LiveGrid& grid, const Vec3& origin, const Vec3& normal, bo
     second.flush();
 }
 
-void traceCone(const LiveGrid& grid, const Vec3& origin, const Vec3& normal, const Vec3& axis, float angle, std::span<const uint8_t> among, bool coarse,
+bool traceCone(const LiveGrid& grid, const Vec3& origin, const Vec3& normal, const Vec3& axis, float angle, std::span<const uint8_t> among, bool coarse,
                const Occluded8& occluded, std::vector<uint16_t>& entries) {
-    if (glm::dot(axis, normal) < -std::sin(std::min(angle, pi / 2)) && angle < pi / 2) return;
+    if (glm::dot(axis, normal) < -std::sin(std::min(angle, pi / 2)) && angle < pi / 2) return false;
     thread_local std::vector<uint8_t> found;
     thread_local std::vector<uint16_t> cells;
     cells.clear();
+    bool whole = true;
     grid.cellsInCone(axis, angle, [&](size_t c) {
-        if (nibbleOf(among.data(), c)) cells.push_back(uint16_t(c));
+        const unsigned quarters = nibbleOf(among.data(), c);
+        if (quarters) cells.push_back(uint16_t(c));
+        if (whole && quarters != 15) whole = !hiddenInCone(grid, c, quarters, normal, axis, angle);
     });
-    if (cells.empty()) return;
+    if (cells.empty()) return false;
     found.assign(cells.size(), 0);
     if (coarse) {
         // A wide cone gets a ray for four cells, a very wide one for sixteen: the first of each square that may be seen answers for the others.
@@ -143,6 +159,7 @@ void traceCone(const LiveGrid& grid, const Vec3& origin, const Vec3& normal, con
     }
     for (size_t i = 0; i < cells.size(); ++i)
         if (found[i]) entries.push_back(uint16_t(cells[i] << 4 | found[i]));
+    return whole;
 }
 
 }  // namespace relamp

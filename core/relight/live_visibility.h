@@ -28,8 +28,9 @@ struct CellLists {
 };
 
 /// The quarters of `among` (masks of one vertex) inside the cone that `occluded` blocks, appended as entries. `coarse`: a ray a cell
-/// stands for its quarters, in wide cones a ray for four or sixteen cells.
-void traceCone(const LiveGrid& grid, const Vec3& origin, const Vec3& normal, const Vec3& axis, float angle, std::span<const uint8_t> among, bool coarse,
+/// stands for its quarters, in wide cones a ray for four or sixteen cells. True when every quarter above the
+/// horizon that meets the cone is in `among`.
+bool traceCone(const LiveGrid& grid, const Vec3& origin, const Vec3& normal, const Vec3& axis, float angle, std::span<const uint8_t> among, bool coarse,
                const Occluded8& occluded, std::vector<uint16_t>& entries);
 
 }  // namespace relamp

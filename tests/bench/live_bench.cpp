@@ -1,5 +1,6 @@
-// Figures of live relighting on a solved shot: live_bench SHOT.relamp. Medians of several runs; copy bandwidth beside them, because
-// the machine is shared and only ratios mean something.
+// Figures of live relighting on a solved shot: live_bench SHOT.relamp [PICTURE.exr]. Medians of several runs; copy bandwidth beside them, because
+// the machine is shared and only ratios mean something. PICTURE: view 0 as the first picture of a drag shows it that ends where the lamp stood;
+// PICTURE-refined.exr: the same at rest.
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include <functional>
 
 #include "base/parallel.h"
+#include "image/image_io.h"
 #include "relight/live_scene.h"
 #include "shot/shot_file.h"
 
@@ -74,6 +76,24 @@ double rms(const LiveFrame& one, const LiveFrame& two) {
     }
     return sum > 0 ? std::sqrt(difference / sum) : 0;
 }
+/// The picture at half its camera's size, 4 x 4 rays a pixel, black where nothing is.
+void writePicture(const std::string& file, const LiveFrame& frame, const Camera& camera) {
+    const Mesh& mesh = *frame.mesh;
+    const RayTracer tracer(mesh);
+    Image picture(camera.width / 2, camera.height / 2);
+    parallelFor(picture.pixels.size(), 64, [&](size_t i) {
+        Rgb sum(0);
+        for (int k = 0; k < 16; ++k) {
+            const Vec2 pixel(float(i % size_t(picture.width)) + (float(k % 4) + 0.5f) / 4, float(i / size_t(picture.width)) + (float(k / 4) + 0.5f) / 4);
+            const Hit hit = tracer.closest({Vec3(camera.position()), camera.rayDirection(2.0f * pixel), 0, 1e30f});
+            if (!hit) continue;
+            const Triangle& t = mesh.triangles[hit.triangle];
+            sum += (1 - hit.barycentric.x - hit.barycentric.y) * frame.radiance[t[0]] + hit.barycentric.x * frame.radiance[t[1]] + hit.barycentric.y * frame.radiance[t[2]];
+        }
+        picture.pixels[i] = sum / 16.0f;
+    });
+    writeImage(file, picture);
+}
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -136,6 +156,15 @@ int main(int argc, char** argv) {
         const auto coarse = live->frame();
         const Cost refined = costOf(finish);
         print("refined at rest", refined, fmt::format("coarse was off by {:.1f} %", 100 * rms(*coarse, *live->frame())));
+        if (argc > 2) {
+            const std::string file = argv[2];
+            look.emitters[0].powerScale = Rgb(1);
+            look.emitters[0].matrix = Mat4(1);
+            answer();
+            writePicture(file, *live->frame(), shot.capture.views[0].camera);
+            finish();
+            writePicture(file.substr(0, file.rfind('.')) + "-refined.exr", *live->frame(), shot.capture.views[0].camera);
+        }
         look.emitters[0].enabled = false;
         print("switched off", costOf(answer));
         look.emitters[0].enabled = true;
