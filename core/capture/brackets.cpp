@@ -187,12 +187,14 @@ ChannelFit fitChannel(const std::vector<ResponseSample>& samples, size_t channel
         if (fit.looks < 20) throw Error("only {} looks are well exposed in two exposures or more, so there is no response curve", fit.looks);
         // Curvature over u = ln(code + 1/2), in which a power law is straight. The weight stands to the data's as one look does.
         const auto u = [](size_t z) { return std::log(double(z) + 0.5); };
-        const double lambda = 900 * smoothness;
+        const double lambda = 1800 * smoothness;
         for (size_t z = 1; z + 1 < n; ++z) {
             const double before = u(z) - u(z - 1), after = u(z + 1) - u(z), span = 0.5 * (before + after);
+            // Shoulders bend the upper end, where there is light enough to see how: there the prior lets go.
+            const double upper = 1 - double(z) / 256, stiffness = lambda * upper * upper;
             const double row[3] = {1 / (before * span), -(1 / before + 1 / after) / span, 1 / (after * span)};
             for (size_t p = 0; p < 3; ++p)
-                for (size_t q = 0; q < 3; ++q) a[(z - 1 + p) * n + z - 1 + q] += lambda * span * row[p] * row[q];
+                for (size_t q = 0; q < 3; ++q) a[(z - 1 + p) * n + z - 1 + q] += stiffness * span * row[p] * row[q];
         }
         double largest = 0;
         for (size_t i = 0; i < n; ++i) largest = std::max(largest, a[i * n + i]);
@@ -249,15 +251,22 @@ ResponseCurve fitResponse(const std::vector<ResponseSample>& samples, double smo
     ResponseCurve curve;
     curve.noise = noiseOf(samples);
     curve.samples = samples.size();
-    double chi = 0, looks = 0;
-    std::array<ChannelFit, 3> fits;
-    parallelFor(3, 1, [&](size_t c) { fits[c] = fitChannel(samples, c, curve.noise, smoothness); });
-    for (size_t c = 0; c < 3; ++c) {
-        curve.logExposure[c] = fits[c].g;
-        chi += fits[c].chi;
-        looks += double(fits[c].looks);
+    // Even exposure steps leave ripples of the step's period undetermined, so the curve is as smooth as the data allow: the smoothest
+    // that explains them within a twentieth of the roughest.
+    constexpr double ladder[] = {1, 0.3, 0.1};
+    constexpr double tolerance = 1.05;
+    std::array<std::array<ChannelFit, 3>, 3> fits;
+    std::array<double, 3> residual{};
+    parallelFor(9, 1, [&](size_t i) { fits[i / 3][i % 3] = fitChannel(samples, i % 3, curve.noise, smoothness * ladder[i / 3]); });
+    for (size_t step = 0; step < 3; ++step) {
+        double chi = 0, looks = 0;
+        for (const ChannelFit& fit : fits[step]) chi += fit.chi, looks += double(fit.looks);
+        residual[step] = std::sqrt(chi / std::max(looks, 1.0));
     }
-    curve.residual = std::sqrt(chi / std::max(looks, 1.0));
+    size_t chosen = 0;
+    while (chosen < 2 && residual[chosen] > tolerance * residual[2]) ++chosen;
+    for (size_t c = 0; c < 3; ++c) curve.logExposure[c] = fits[chosen][c].g;
+    curve.residual = residual[chosen];
     return curve;
 }
 

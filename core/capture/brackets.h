@@ -49,7 +49,7 @@ struct ResponseSample {
 struct BracketOptions {
     size_t maxPixels = size_t(1) << 28;
     size_t samples = 24000;         ///< pixels for the response curve, over all sets
-    double smoothness = 1;          ///< prior on the curvature of ln exposure over ln code; larger is smoother
+    double smoothness = 1;          ///< prior on the curvature of ln exposure over ln code; larger is smoother; the data may ask for a tenth
     bool rejectGhosts = true;       ///< leave exposures out that disagree with the best one
 };
 
