@@ -161,6 +161,8 @@ void readIntrinsics(const Keys& keys, Camera& camera, const std::function<std::p
         camera.width = *w, camera.height = *h;
     } else {
         const auto [width, height] = size();
+        for (const auto& [key, side] : {std::pair{"w", w.value_or(width)}, std::pair{"h", h.value_or(height)}})
+            if (side < 1 || side > maxSide) keys.fail(key, fmt::format("is {}, expected a whole number from 1 to {}", side, maxSide));
         camera.width = w.value_or(width), camera.height = h.value_or(height);
     }
     const auto fromAngle = [](const std::optional<double>& angle, int pixels) -> std::optional<double> {
