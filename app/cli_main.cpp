@@ -118,6 +118,7 @@ int main(int argc, char** argv) {
     mergeVerb->add_option("-o,--output", merge.output, "Picture, .exr or .hdr")->required();
     mergeVerb->add_option("--times", merge.times, "Exposure times in seconds, with commas, in place of EXIF's");
     mergeVerb->add_option("--response", merge.response, "Write the camera's response curve (JSON)");
+    mergeVerb->add_option("--use-response", merge.useResponse, "Use a curve written with --response, so that several sets get one scale");
     mergeVerb->add_option("--ghosts", merge.ghosts, "Write a mask: black where something moved between the exposures");
     mergeVerb->add_flag("--keep-ghosts", merge.keepGhosts, "Average all exposures, whether or not they agree");
     mergeVerb->add_option("--smoothness", merge.smoothness, "Of the response curve")->check(CLI::PositiveNumber)->capture_default_str();

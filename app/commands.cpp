@@ -214,6 +214,34 @@ int info(const fs::path& path, const CaptureFix& fix, bool json, Progress& progr
     }
 }
 
+namespace {
+
+/// A curve as --response writes it.
+ResponseCurve readResponse(const fs::path& file) {
+    const nlohmann::json document = nlohmann::json::parse(readBytes(file, size_t(1) << 20), nullptr, false);
+    if (!document.is_object() || !document.contains("log_exposure") || !document["log_exposure"].is_object()) throw Error("{}: log_exposure is missing", file.string());
+    ResponseCurve curve = linearResponse();
+    curve.linear = false;
+    const auto take = [&](const nlohmann::json& holder, const std::string& key, std::array<double, 256>& to) {
+        const auto list = holder.find(key);
+        if (list == holder.end() || !list->is_array() || list->size() != to.size()) throw Error("{}: {} is no list of {} numbers", file.string(), key, to.size());
+        for (size_t i = 0; i < to.size(); ++i) {
+            if (!(*list)[i].is_number() || !std::isfinite((*list)[i].get<double>())) throw Error("{}: {}[{}] is no number", file.string(), key, i);
+            to[i] = (*list)[i].get<double>();
+        }
+    };
+    for (size_t c = 0; c < 3; ++c) {
+        const std::string name(1, "rgb"[c]);
+        take(document["log_exposure"], name, curve.logExposure[c]);
+        if (!std::is_sorted(curve.logExposure[c].begin(), curve.logExposure[c].end())) throw Error("{}: {} falls, expected a curve that grows", file.string(), name);
+    }
+    take(document, "code_noise", curve.noise);
+    for (double& noise : curve.noise) noise = std::max(noise, 0.01);
+    return curve;
+}
+
+}  // namespace
+
 int mergeHdr(const MergeArguments& a, Progress& progress) {
     const ThreadLimit limit(a.threads);
     std::vector<float> times;
@@ -229,7 +257,7 @@ int mergeHdr(const MergeArguments& a, Progress& progress) {
     ExposureReference reference;
     for (size_t i = 0; i < a.images.size(); ++i)
         set.push_back(bracketPhoto(a.images[i], times.empty() ? readExposureTags(a.images[i]) : ExposureTags{double(times[i]), 0, 0}, reference));
-    const ResponseCurve response = responseOf({set}, options, progress);
+    const ResponseCurve response = a.useResponse.empty() ? responseOf({set}, options, progress) : readResponse(a.useResponse);
     const MergedBracket merged = mergeBracket(set, response, options, progress);
     writeImage(a.output, merged.image, {{"relamp:saturation", fmt::format("{:.6g}", merged.saturation)}});
     if (!a.response.empty()) {

@@ -47,7 +47,7 @@ struct CompareArguments {
 
 struct MergeArguments {
     std::vector<fs::path> images;
-    fs::path output, response, ghosts;
+    fs::path output, response, useResponse, ghosts;
     std::string times;
     bool keepGhosts = false;
     double smoothness = 1;

@@ -213,6 +213,12 @@ TEST(CommandLine, BracketsAreMergedFromTheirTimes) {
     EXPECT_EQ(json::parse(test::TemporaryFolder::read(folder / "curve.json"))["log_exposure"]["g"].size(), 256u);
     EXPECT_EQ(readImage(folder / "ghosts.png").at(60, 40), Rgb(1));
     expectBadInput(relamp({"merge-hdr", a, b, "-o", out}), {a, "exposure time"});
+    // A curve that was written serves again, for two exposures of the three as well.
+    const std::string curve = folder / "curve.json", again = folder / "again.exr";
+    ASSERT_EQ(relamp({"merge-hdr", a, b, "-o", again, "--times", "0.25,1", "--use-response", curve}).exitCode, 0);
+    EXPECT_NEAR(readImage(again).at(80, 40).y / image.at(80, 40).y, 1, 0.05);
+    for (const char* bad : {"[1, 2]", "{\"log_exposure\": 5}", "{\"log_exposure\": {\"r\": [1]}}", "{\"log_exposure\": {\"r\": [[[[", ""})
+        expectBadInput(relamp({"merge-hdr", a, b, "-o", again, "--times", "0.25,1", "--use-response", folder.write("bad.json", bad)}), {"bad.json"});
     for (const std::vector<std::string>& wrong : std::vector<std::vector<std::string>>{
              {"merge-hdr", a, "-o", out}, {"merge-hdr", a, b, "-o", out, "--times", "1"}, {"merge-hdr", a, b, "-o", out, "--times", "1,0"}, {"merge-hdr", a, b, "-o", folder / "x.png", "--times", "1,2"}})
         EXPECT_EQ(relamp(wrong).exitCode, 2) << wrong.back();
