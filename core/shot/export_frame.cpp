@@ -115,9 +115,10 @@ std::vector<FrameJob> frameJobs(const Capture& capture, const std::string& camer
         if (size_t(n) >= capture.views.size()) throw BadOption("--camera {}: does not exist, expected 0 to {}, a camera file, or all", n, capture.views.size() - 1);
         jobs.push_back({capture.views[size_t(n)].camera, output, n + 1});
     } else {
-        // A camera file has the axes of the capture's files.
+        // A camera file has the axes and the unit of the capture's files.
         FrameJob job{readCameraFile(camera), output, 1};
         job.camera.worldFromCamera = DMat4(glm::dmat3(capture.worldFromFile)) * job.camera.worldFromCamera;
+        job.camera.worldFromCamera[3] = glm::dvec4(job.camera.position() * capture.metresPerUnit, 1);
         jobs.push_back(std::move(job));
     }
     if (!size.empty()) {
