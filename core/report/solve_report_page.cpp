@@ -56,7 +56,8 @@ std::string stagesTable(const SolveReport& r) {
     std::vector<Stage> stages;
     double before = 0;
     for (const TimelineEntry& t : r.estimate.timeline) {
-        if (stages.empty() || stages.back().name != t.stage) stages.push_back({t.stage, before, t.seconds, t.rmse, t.rmse, 0});
+        const std::string name = t.stage == "done" ? "brightness scale, how sure" : t.stage;
+        if (stages.empty() || stages.back().name != name) stages.push_back({name, before, t.seconds, t.rmse, t.rmse, 0});
         Stage& s = stages.back();
         s.to = before = t.seconds;
         if (t.rmse > 0) s.error = t.rmse;

@@ -166,7 +166,7 @@ void approach(const Scaled& p, int steps, VectorXd& z0, const VectorXd& lower) {
     float largest = 1, square = gradient.squaredNorm();
     const float first = square;
     int spent = 0;
-    for (; spent < std::min(steps, int(8 + n / 256)) && square > 1e-8f * first; ++spent) {
+    for (; spent < std::min(steps, int(8 + n / 512)) && square > 1e-8f * first; ++spent) {
         along = a.times(direction);
         const float curvature = direction.dot(along);
         if (!(curvature > 0)) break;
@@ -200,7 +200,8 @@ void approach(const Scaled& p, int steps, VectorXd& z0, const VectorXd& lower) {
     const auto value = [&](const VectorXf& at, const VectorXf& slope) { return 0.5 * at.cast<double>().dot((slope - b).cast<double>()); };
     split();
     direction = free;
-    int calm = inside ? 12 : 0;
+    // Nothing met a bound: the factor does the rest better.
+    int calm = inside ? 16 : 0;
     while (spent < steps && calm < 16) {
         float reduced = 0;
         for (Index i = 0; i < n; ++i) reduced += std::min(z(i) / stride, free(i)) * free(i);
@@ -295,7 +296,7 @@ QpResult solveBoundedQp(const MatrixXd& q, const VectorXd& c, const VectorXd& lo
     Pivoting p{problem, std::vector<char>(size_t(n), 0), VectorXd::Zero(n), VectorXd::Zero(n)};
     constexpr Index small = 48;  // below this a factor costs less than the way to it
     if (n > small) {
-        approach(problem, int(8 + n / 256 + (n < 512 ? 0 : n / 64)), start, lower);
+        approach(problem, int(8 + n / 512 + (n < 512 ? 0 : n / 64)), start, lower);
         for (Index i = 0; i < n; ++i) p.free_[size_t(i)] = start(i) > 0;
     } else {
         for (Index i = 0; i < n; ++i) p.free_[size_t(i)] = problem.scale(i) > 0 && (guess ? start(i) > 0 : problem.b(i) > 0);
