@@ -11,6 +11,8 @@
 
 #include "base/log.h"
 #include "commands.h"
+#include "report_command.h"
+#include "stress_command.h"
 
 namespace {
 
@@ -125,6 +127,21 @@ int main(int argc, char** argv) {
     mergeVerb->add_option("--smoothness", merge.smoothness, "Of the response curve")->check(CLI::PositiveNumber)->capture_default_str();
     mergeVerb->add_option("--threads", merge.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
 
+    cli::ReportArguments report;
+    CLI::App* reportVerb = app.add_subcommand("report", "How a shot was solved: error against run time, per view, spectrum, what was left out; one HTML page");
+    reportVerb->add_option("shot", report.shot, "Shot folder")->required();
+    reportVerb->add_option("-o,--output", report.output, "HTML page; CSV and SVG files go beside it")->required();
+    reportVerb->add_option("--against-distant", report.againstDistant, "Solve the capture with distant light only as well: auto (when it takes less than a minute), on, off")->check(CLI::IsMember({"auto", "on", "off"}))->capture_default_str();
+    reportVerb->add_option("--truth", report.truth, "Folder of known truth: vertices.ply, env.exr, relight.json");
+    reportVerb->add_option("--threads", report.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
+
+    cli::StressArguments stress;
+    CLI::App* stressVerb = app.add_subcommand("stress", "Stiff and extreme variants: a stability table");
+    stressVerb->add_option("path", stress.path, "Capture or shot folder")->required();
+    stressVerb->add_option("--only", stress.only, "Only cases whose name holds this text");
+    stressVerb->add_flag("--json", stress.json, "One JSON object");
+    stressVerb->add_option("--threads", stress.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
+
     CLI::App* infoVerb = app.add_subcommand("info", "What is in a shot or a capture");
     infoVerb->add_option("path", path, "Shot or capture folder")->required();
     infoVerb->add_flag("--json", json, "One JSON object");
@@ -159,6 +176,8 @@ int main(int argc, char** argv) {
         else if (*renderVerb) code = cli::render(render, progress);
         else if (*compareVerb) code = cli::compare(compare, progress);
         else if (*mergeVerb) code = cli::mergeHdr(merge, progress);
+        else if (*reportVerb) code = cli::report(report, progress);
+        else if (*stressVerb) code = cli::stress(stress, progress);
         else if (*infoVerb) code = cli::info(path, fix, json, progress);
         if (bar) std::fputs("\r\033[K", stderr);
         return code;

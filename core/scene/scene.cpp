@@ -1,5 +1,8 @@
 #include "scene/scene.h"
 
+#include <numeric>
+#include <tuple>
+
 namespace relamp {
 
 Vec3 Scene::pointOf(const Hit& hit) const {
@@ -24,6 +27,15 @@ Scene buildScene(Mesh mesh, Progress& progress) {
     scene.graph = buildVertexGraph(scene.mesh);
     scene.piece = connectedPieces(scene.graph, &scene.pieces);
     progress.advance();
+    std::vector<uint32_t> order(n);
+    std::iota(order.begin(), order.end(), 0u);
+    const auto keyOf = [&](uint32_t v) {
+        const Vec3 &p = scene.mesh.positions[v], &m = scene.mesh.normals[v];
+        return std::tuple(p.x, p.y, p.z, m.x, m.y, m.z, v);
+    };
+    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return keyOf(a) < keyOf(b); });
+    scene.rank.assign(n, 0);
+    for (uint32_t i = 0; i < n; ++i) scene.rank[order[i]] = i;
     scene.referenced.assign(n, 0);
     Vec3 low(1e30f), high(-1e30f);
     for (const Triangle& t : scene.mesh.triangles)

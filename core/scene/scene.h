@@ -13,6 +13,7 @@ struct Scene {
     VertexGraph graph;                     ///< vertices joined by an edge
     std::vector<uint32_t> piece;           ///< connected piece of each vertex
     uint32_t pieces = 0;
+    std::vector<uint32_t> rank;            ///< place of each vertex along x, then y, then z: what random patterns are numbered by, so that they do not rest on the file's order
     std::vector<float> vertexSpacing;      ///< metres: mean edge length at the vertex
     std::vector<uint8_t> referenced;       ///< 1 where a triangle uses the vertex
     float diagonal = 0;                    ///< metres: of the bounding box

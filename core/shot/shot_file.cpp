@@ -147,7 +147,7 @@ Json shotInfo(const Shot& shot) {
     for (const TimelineEntry& t : e.timeline)
         info["timeline"].push_back({{"seconds", t.seconds}, {"stage", t.stage}, {"iteration", t.iteration}, {"objective", t.objective}, {"rmse", t.rmse}});
     info["stability"] = {{"condition_number", e.stability.conditionNumber}, {"kkt_residual", e.stability.kktResidual}, {"effective_rank", e.stability.effectiveRank},
-                         {"unknowns", e.stability.unknowns}, {"reason", e.stability.reason}};
+                         {"unknowns", e.stability.unknowns}, {"reason", e.stability.reason}, {"spectrum", e.stability.spectrum}};
     info["resources"] = {{"seconds", shot.resources.seconds}, {"peak_mib", shot.resources.peakMib}, {"threads", shot.resources.threads}};
     info["interreflection"] = {{"kept", e.interreflection}, {"share", e.bouncedShare}};
     info["stopped_early"] = e.cancelled;
@@ -319,7 +319,10 @@ Shot openShot(const fs::path& folder, bool withImages, Progress& progress) {
         e.gauge = {field<std::string>(gauge, "kind", "", "gauge."), field<std::string>(gauge, "evidence", "", "gauge."), gauge.contains("scale") ? colour(gauge["scale"], "gauge.scale") : Rgb(1)};
         const Json& stability = objectOf(document, "stability");
         e.stability = {field(stability, "kkt_residual", 0.0, "stability."), field(stability, "condition_number", 0.0, "stability."), field(stability, "effective_rank", 0, "stability."),
-                       field(stability, "unknowns", 0, "stability."), field<std::string>(stability, "reason", "", "stability.")};
+                       field(stability, "unknowns", 0, "stability."), field<std::string>(stability, "reason", "", "stability."), {}};
+        if (const auto spectrum = stability.find("spectrum"); spectrum != stability.end() && spectrum->is_array())
+            for (const Json& value : *spectrum)
+                if (value.is_number()) e.stability.spectrum.push_back(value.get<float>());
         const Json& resources = objectOf(document, "resources");
         shot.resources = {field(resources, "seconds", 0.0, "resources."), field(resources, "peak_mib", 0.0, "resources."), field(resources, "threads", 0, "resources.")};
         const Json& bounced = objectOf(document, "interreflection");

@@ -239,7 +239,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
                 moment += hold * mean.dot(x[c]) * mean;
                 q += hold * mean * mean.transpose();
             }
-            const QpResult solution = solveBoundedQp(q, moment, lower, iteration > 0 ? &x[c] : nullptr);
+            const QpResult solution = solveBoundedQp(q, moment, lower, iteration > 0 ? &x[c] : nullptr, {&progress});
             report.kktResidual = std::max(report.kktResidual, solution.kktResidual);
             target[c] = solution.usable ? solution.x : x[c];
         }

@@ -43,6 +43,7 @@ struct StabilityReport {
     int effectiveRank = 0;        ///< its eigenvalues above 1e-6 of the largest
     int unknowns = 0;
     std::string reason;           ///< when a program did not converge
+    std::vector<float> spectrum{};  ///< eigenvalues of that matrix over the largest, falling; at most 256 of them, evenly spread
 };
 
 struct Estimate {

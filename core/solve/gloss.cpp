@@ -11,6 +11,7 @@ std::vector<GlossyLook> glossyLooks(const Capture& capture, const Scene& scene, 
     std::vector<uint32_t> vertices;
     for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v)
         if (scene.piece[v] == piece && samples.countOf(v) >= 2) vertices.push_back(v);
+    std::sort(vertices.begin(), vertices.end(), [&](uint32_t a, uint32_t b) { return scene.rank[a] < scene.rank[b]; });
     std::vector<GlossyLook> looks;
     const double step = std::max(1.0, double(vertices.size()) / double(options.maxVertices));
     for (double at = 0; at < double(vertices.size()); at += step) {

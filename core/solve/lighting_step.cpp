@@ -45,7 +45,7 @@ LightingStepReport lightingStep(const InfluenceMatrix& influence, const MatteObs
         Eigen::MatrixXd q = weightedGram(influence, [&](size_t i, float* out) { Eigen::Map<Eigen::RowVectorXf>(out, n) = weight[i] * b.row(Eigen::Index(i)); }, progress);
         Eigen::VectorXd moment = (b.transpose() * pull).cast<double>(), lower = Eigen::VectorXd::Zero(n);
         prior.add(x, c, q, moment, lower);
-        const QpResult solution = solveBoundedQp(q, moment, lower);
+        const QpResult solution = solveBoundedQp(q, moment, lower, &x, {&progress});
         report.kktResidual = std::max(report.kktResidual, solution.kktResidual);
         double reached = start;
         if (solution.usable)

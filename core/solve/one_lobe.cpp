@@ -57,7 +57,7 @@ OneLobeFit fitOneLobe(const InfluenceMatrix& rows, const std::vector<GlossyLook>
                 q(w, w) = 1;
                 moment(w) = 0.7;
             }
-            const QpResult solution = solveBoundedQp(q, moment, Eigen::VectorXd::Zero(n + 1), round ? &x : nullptr);
+            const QpResult solution = solveBoundedQp(q, moment, Eigen::VectorXd::Zero(n + 1), round ? &x : nullptr, {&progress});
             fit.kktResidual = std::max(fit.kktResidual, solution.kktResidual);
             if (!solution.usable) {
                 residual = std::numeric_limits<double>::infinity();

@@ -13,6 +13,7 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
         if (matte.pieceGlossy[scene.piece[matte.vertices[i]]] < 2) place[matte.vertices[i]] = i;
     std::vector<AlbedoPair> pairs;
     const VertexGraph& graph = scene.graph;
+    std::vector<uint32_t> ways;
     for (uint32_t i = 0; i < matte.vertices.size(); ++i) {
         const uint32_t v = matte.vertices[i];
         if (place[v] == none) continue;
@@ -20,7 +21,7 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
             const uint32_t j = place[graph.to[e]];
             if (j != none && i < j) pairs.push_back({i, j, 1});
         }
-        uint64_t bits = mixBits(options.seed * 0x1000003 + v);
+        uint64_t bits = mixBits(options.seed * 0x1000003 + scene.rank[v]);
         uint32_t at = v;
         int step = 0;
         for (const int length : {4, 12, 36}) {
@@ -28,7 +29,10 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
                 const uint32_t degree = graph.start[at + 1] - graph.start[at];
                 if (!degree) break;
                 bits = mixBits(bits);
-                at = graph.to[graph.start[at] + uint32_t(bits % degree)];
+                ways.assign(graph.to.begin() + graph.start[at], graph.to.begin() + graph.start[at + 1]);
+                const auto chosen = ways.begin() + ptrdiff_t(bits % degree);
+                std::nth_element(ways.begin(), chosen, ways.end(), [&](uint32_t a, uint32_t b) { return scene.rank[a] < scene.rank[b]; });
+                at = *chosen;
             }
             if (at != v && place[at] != none) pairs.push_back({i, place[at], length == 36 ? 0.5f : 0.7f});
         }

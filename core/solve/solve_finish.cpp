@@ -188,6 +188,8 @@ void SolveState::assess(Estimate& estimate) {
         if (value > 1e-14) smallest = std::min(smallest, value * largest);
     }
     estimate.stability.conditionNumber = largest / smallest;
+    const Eigen::Index step = std::max<Eigen::Index>(1, (gram.rows() + 255) / 256);
+    for (Eigen::Index i = gram.rows() - 1; i >= 0; i -= step) estimate.stability.spectrum.push_back(float(std::max(0.0, eigen.eigenvalues()(i) / largest)));
     const Eigen::Index m = Eigen::Index(leaves);
     Eigen::MatrixXd distant = scaled.topLeftCorner(m, m);
     distant.diagonal().array() += 1e-6;

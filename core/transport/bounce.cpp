@@ -23,7 +23,7 @@ BounceRays traceBounce(const Scene& scene, const BounceOptions& options, Progres
             if (!scene.referenced[v]) continue;
             const Vec3 normal = scene.mesh.normals[v], origin = rayOrigin(scene, scene.mesh.positions[v], normal);
             const Mat3 frame = frameAround(normal);
-            const Vec2 shift = randomShift(options.seed, 11, v);
+            const Vec2 shift = randomShift(options.seed, 11, scene.rank[v]);
             const size_t before = senders.size();
             double nearness = 0;
             Ray rays[8];
@@ -35,7 +35,7 @@ BounceRays traceBounce(const Scene& scene, const BounceOptions& options, Progres
                 for (uint32_t i = 0; i < count; ++i) {
                     if (!hits[i] || glm::dot(scene.mesh.faceNormal(hits[i].triangle), rays[i].direction) >= 0) continue;
                     const Triangle& t = scene.mesh.triangles[hits[i].triangle];
-                    const float draw = unitFloat(mixBits(mixBits(options.seed ^ v) + first + i));
+                    const float draw = unitFloat(mixBits(mixBits(options.seed ^ scene.rank[v]) + first + i));
                     const Vec2 b = hits[i].barycentric;
                     nearness += 1 / std::max(hits[i].distance, 1e-20f);
                     senders.push_back(draw < b.x ? t[1] : draw < b.x + b.y ? t[2] : t[0]);

@@ -88,7 +88,7 @@ void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emit
     totals.assign(emitters.size(), 0);
     const float lobeCount = float(options.lobeSamples);
     for (size_t e = 0; e < emitters.size(); ++e) {
-        totals[e] = sampleEmitter(scene, emitters[e], position, normal, options.emitterSamples, mixBits(options.seed + vertex) + e, samples);
+        totals[e] = sampleEmitter(scene, emitters[e], position, normal, options.emitterSamples, mixBits(options.seed + scene.rank[vertex]) + e, samples);
         for (const EmitterSample& s : samples) {
             if (s.visible == 0) continue;
             const Vec3 light = glm::transpose(frame) * s.direction;
@@ -99,7 +99,7 @@ void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emit
             row[leaves.size() + e] += evenness * evaluateLobe(lobe, light, eye) * light.z / (areaDensity + lobeDensity);
         }
     }
-    const Vec2 shift = randomShift(options.seed, vertex, 7);
+    const Vec2 shift = randomShift(options.seed, scene.rank[vertex], 7);
     Ray rays[8];
     Hit hits[8];
     Vec3 local[8];

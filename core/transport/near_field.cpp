@@ -193,7 +193,7 @@ NearField computeNearField(const Scene& scene, const EmitterClusters& clusters, 
         for (size_t v = begin; v < end; ++v) {
             if (!scene.referenced[v]) continue;
             for (size_t e = 0; e < surfaces.size(); ++e) {
-                const float total = sampleEmitter(scene, surfaces[e], scene.mesh.positions[v], scene.mesh.normals[v], 0, mixBits(options.seed) ^ (v * 31 + e), samples);
+                const float total = sampleEmitter(scene, surfaces[e], scene.mesh.positions[v], scene.mesh.normals[v], 0, mixBits(options.seed) ^ (uint64_t(scene.rank[v]) * 31 + e), samples);
                 float seen = 0;
                 for (const EmitterSample& s : samples) seen += s.formFactor * s.visible;
                 result.formFactor[v * result.emitters + e] = seen;

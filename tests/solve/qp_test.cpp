@@ -5,6 +5,8 @@
 #include <Eigen/Dense>
 #include <random>
 
+#include "base/parallel.h"
+
 namespace relamp {
 namespace {
 
@@ -100,6 +102,42 @@ TEST(BoundedQp, ReportsNumbersThatAreNotFiniteInsteadOfThrowing) {
     EXPECT_FALSE(r.converged);
     EXPECT_FALSE(r.reason.empty());
     EXPECT_TRUE(r.x.allFinite());
+}
+
+TEST(BoundedQp, EndsExactlyOnLargeStiffProgramsOnAnyNumberOfThreads) {
+    // A smooth kernel on columns of 1 : 100, and half of the variables at their bound.
+    constexpr int n = 600;
+    Eigen::MatrixXd q(n, n);
+    Eigen::VectorXd truth(n);
+    for (int i = 0; i < n; ++i) {
+        truth(i) = i % 97 < 40 ? 0.0 : 1 + std::sin(i * 0.05);
+        for (int j = 0; j < n; ++j) q(i, j) = std::exp(-0.1 * (i - j) * (i - j)) * std::pow(10.0, (i % 3 - 1) + (j % 3 - 1));
+    }
+    const Eigen::VectorXd c = q * truth - Eigen::VectorXd::LinSpaced(n, 0, 0.5).cwiseMax(0.0), zero = Eigen::VectorXd::Zero(n);
+    QpResult one;
+    {
+        const ThreadLimit limit(1);
+        one = solveBoundedQp(q, c, zero);
+    }
+    EXPECT_TRUE(one.converged) << one.reason;
+    EXPECT_LT(one.kktResidual, 1e-6);
+    EXPECT_EQ(one.x, solveBoundedQp(q, c, zero).x);
+}
+
+TEST(BoundedQp, TellsPointsThatKeepTheBoundsAndStopsInside) {
+    const Problem p = randomProblem(1500, 1200, 2);
+    const Eigen::MatrixXd q = p.a.transpose() * p.a;
+    const Eigen::VectorXd c = p.a.transpose() * p.b, lower = Eigen::VectorXd::Constant(1200, -0.01);
+    Progress progress;
+    QpWatch watch;
+    watch.progress = &progress;
+    int heard = 0;
+    watch.each = [&](const Eigen::VectorXd& x) {
+        EXPECT_GE((x - lower).minCoeff(), 0);
+        if (++heard == 4) progress.requestStop();
+    };
+    EXPECT_THROW(solveBoundedQp(q, c, lower, nullptr, watch), Cancelled);
+    EXPECT_EQ(heard, 4);
 }
 
 }  // namespace

@@ -1,0 +1,26 @@
+#include "stress_command.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cstdio>
+
+#include "base/parallel.h"
+#include "capture/load_capture.h"
+#include "report/stress.h"
+#include "shot/shot_file.h"
+
+namespace relamp::cli {
+
+int stress(const StressArguments& a, Progress& progress) {
+    const ThreadLimit limit(a.threads);
+    const Capture capture = fs::exists(a.path / "shot.json") ? openShot(a.path, true, progress).capture : loadCapture(a.path, {}, progress);
+    StressOptions options;
+    options.only = a.only;
+    const StressReport report = runStress(&capture, options, progress);
+    std::fputs((a.json ? stressJson(report).dump(1) + "\n" : stressText(report)).c_str(), stdout);
+    for (const StressCase& c : report.cases)
+        if (!c.holds()) return 4;
+    return 0;
+}
+
+}  // namespace relamp::cli
