@@ -33,6 +33,18 @@ void showProgress(relamp::Progress& progress, std::string mode) {
         });
 }
 
+/// How the capture's files are to be read: the same options for every verb that takes a capture.
+void addCaptureOptions(CLI::App& verb, relamp::CaptureFix& fix) {
+    verb.add_option("--colmap", fix.colmap, "Folder of a COLMAP model (cameras, images, points3D as .bin or .txt), for example sparse/0");
+    verb.add_option("--images", fix.images, "Folder of the photographs");
+    verb.add_option("--mesh", fix.mesh, "Mesh: PLY, OBJ, STL or OFF");
+    verb.add_option("--up", fix.up, "What is up in the files: x, y, z, -x, -y, -z or three numbers X,Y,Z");
+    verb.add_option("--scale", fix.scale, "Metres one unit of the files is long")->check(CLI::PositiveNumber);
+    verb.add_option("--mesh-scale", fix.meshScale, "Units of the cameras one unit of the mesh is long")->check(CLI::PositiveNumber);
+    verb.add_flag("--flip-cameras", fix.flipCameras, "Camera matrices have OpenCV's axes (Y down, looking along +Z)");
+    verb.add_flag("--from-brackets", fix.fromBrackets, "Merge the frames' exposures even where HDR pictures are named");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -52,6 +64,8 @@ int main(int argc, char** argv) {
     cli::RenderArguments render;
     cli::ExportArguments exported;
     cli::CompareArguments compare;
+    cli::MergeArguments merge;
+    CaptureFix fix;
 
     std::string editPath;
     CLI::App* editVerb = app.add_subcommand("edit", "Open the window (starts relamp-editor)");
@@ -61,8 +75,10 @@ int main(int argc, char** argv) {
     checkVerb->add_option("capture", path, "Capture folder")->required();
     checkVerb->add_flag("--json", json, "One JSON object");
 
+    addCaptureOptions(*checkVerb, fix);
+
     CLI::App* solveVerb = app.add_subcommand("solve", "Separate distant light, emitters and reflectance");
-    solveVerb->add_option("capture", solve.capture, "Capture folder with transforms.json")->required();
+    solveVerb->add_option("capture", solve.capture, "Capture folder with transforms.json or a COLMAP model")->required();
     solveVerb->add_option("-o,--output", solve.output, "Shot folder, NAME.relamp")->required();
     solveVerb->add_option("--mode", solve.mode, "near-field, or distant-only: the baseline that knows no lamps")->check(CLI::IsMember({"near-field", "distant-only"}))->capture_default_str();
     solveVerb->add_option("--quality", solve.quality, "draft, standard or fine")->check(CLI::IsMember({"draft", "standard", "fine"}))->capture_default_str();
@@ -73,6 +89,7 @@ int main(int argc, char** argv) {
     solveVerb->add_option("--threads", solve.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
     solveVerb->add_option("--seed", solve.seed, "Seed of every random choice")->capture_default_str();
     solveVerb->add_flag("--overwrite", solve.overwrite, "Replace an existing shot");
+    addCaptureOptions(*solveVerb, solve.fix);
 
     CLI::App* renderVerb = app.add_subcommand("render", "Relit frames");
     renderVerb->add_option("shot", render.shot, "Shot folder")->required();
@@ -107,9 +124,23 @@ int main(int argc, char** argv) {
     compareVerb->add_option("--threads", compare.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
     compareVerb->add_option("--seed", compare.seed, "Seed of every random choice")->capture_default_str();
 
+    addCaptureOptions(*compareVerb, compare.fix);
+
+    CLI::App* mergeVerb = app.add_subcommand("merge-hdr", "Radiance from photographs of one view at several exposures");
+    mergeVerb->add_option("images", merge.images, "Photographs, 8 or 16 bit, or camera raw")->required()->expected(-2);
+    mergeVerb->add_option("-o,--output", merge.output, "Picture, .exr or .hdr")->required();
+    mergeVerb->add_option("--times", merge.times, "Exposure times in seconds, with commas, in place of EXIF's");
+    mergeVerb->add_option("--response", merge.response, "Write the camera's response curve (JSON)");
+    mergeVerb->add_option("--use-response", merge.useResponse, "Use a curve written with --response, so that several sets get one scale");
+    mergeVerb->add_option("--ghosts", merge.ghosts, "Write a mask: black where something moved between the exposures");
+    mergeVerb->add_flag("--keep-ghosts", merge.keepGhosts, "Average all exposures, whether or not they agree");
+    mergeVerb->add_option("--smoothness", merge.smoothness, "Of the response curve")->check(CLI::PositiveNumber)->capture_default_str();
+    mergeVerb->add_option("--threads", merge.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
+
     CLI::App* infoVerb = app.add_subcommand("info", "What is in a shot or a capture");
     infoVerb->add_option("path", path, "Shot or capture folder")->required();
     infoVerb->add_flag("--json", json, "One JSON object");
+    addCaptureOptions(*infoVerb, fix);
 
     try {
         app.parse(argc, argv);
@@ -135,12 +166,13 @@ int main(int argc, char** argv) {
     try {
         int code = 0;
         if (*editVerb) code = cli::edit(editPath);
-        else if (*checkVerb) code = cli::check(path, json, progress);
+        else if (*checkVerb) code = cli::check(path, fix, json, progress);
         else if (*solveVerb) code = cli::solve(solve, progress);
         else if (*renderVerb) code = cli::render(render, progress);
         else if (*exportVerb) code = cli::exportShot(exported, progress);
         else if (*compareVerb) code = cli::compare(compare, progress);
-        else if (*infoVerb) code = cli::info(path, json, progress);
+        else if (*mergeVerb) code = cli::mergeHdr(merge, progress);
+        else if (*infoVerb) code = cli::info(path, fix, json, progress);
         if (bar) std::fputs("\r\033[K", stderr);
         return code;
     } catch (const Cancelled&) {

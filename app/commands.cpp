@@ -9,6 +9,7 @@
 #include "base/atomic_file.h"
 #include "base/log.h"
 #include "base/parallel.h"
+#include "capture/brackets.h"
 #include "capture/check.h"
 #include "pipeline/pipeline.h"
 #include "report/compare.h"
@@ -74,8 +75,10 @@ int edit(const std::string& path) {
     throw Error("relamp-editor, the window, is not installed beside {}", self.string());
 }
 
-int check(const fs::path& capture, bool json, Progress& progress) {
-    const CaptureCheck result = checkCapture(loadCapture(capture, {}, progress), progress);
+int check(const fs::path& capture, const CaptureFix& fix, bool json, Progress& progress) {
+    LoadOptions load;
+    load.fix = fix;
+    const CaptureCheck result = checkCapture(loadCapture(capture, load, progress), progress);
     if (json) std::puts(toJson(result).dump(1).c_str());
     else std::fputs(toText(result).c_str(), stdout);
     return 0;
@@ -91,6 +94,7 @@ int solve(const SolveArguments& a, Progress& progress) {
         if (a.gridSide < 8 || a.gridSide > 256 || (a.gridSide & (a.gridSide - 1))) throw UsageError("--grid-side: expected a power of two from 8 to 256");
         options.solve.visibilitySide = a.gridSide;
     }
+    options.load.fix = a.fix;
     options.solve.gauge = gaugeOf(a.gauge);
     if (a.bounce != "auto") options.solve.bounce = a.bounce == "on" ? SolveOptions::Bounce::on : SolveOptions::Bounce::off;
     options.solve.seed = a.seed;
@@ -99,6 +103,7 @@ int solve(const SolveArguments& a, Progress& progress) {
     PipelineResult r = runPipeline(a.capture, options, progress);
     Shot shot;
     shot.captureFolder = a.capture;
+    shot.fix = a.fix;
     shot.estimate = std::move(r.estimate);
     shot.quality = a.quality;
     shot.seed = a.seed;
@@ -114,6 +119,7 @@ int compare(const CompareArguments& a, Progress& progress) {
     options.solve = solveOptionsFor(a.quality);
     options.solve.seed = a.seed;
     options.quality = a.quality;
+    options.fix = a.fix;
     const fs::path page = writeComparison(a.capture, a.output, options, progress);
     logInfo("{}: written", page.string());
     return 0;
@@ -121,7 +127,7 @@ int compare(const CompareArguments& a, Progress& progress) {
 
 namespace {
 
-int showInfo(const fs::path& path, bool json, Progress& progress) {
+int showInfo(const fs::path& path, const CaptureFix& fix, bool json, Progress& progress) {
     nlohmann::json result;
     const bool isShot = fs::exists(path / "shot.json");
     if (isShot) {
@@ -131,6 +137,7 @@ int showInfo(const fs::path& path, bool json, Progress& progress) {
     } else {
         LoadOptions load;
         load.images = false;
+        load.fix = fix;
         const Capture capture = loadCapture(path, load, progress);
         result = {{"views", capture.views.size()}, {"vertices", capture.mesh.vertexCount()}, {"triangles", capture.mesh.triangles.size()}, {"notes", capture.notes}};
     }
@@ -155,12 +162,75 @@ int showInfo(const fs::path& path, bool json, Progress& progress) {
 
 }  // namespace
 
-int info(const fs::path& path, bool json, Progress& progress) {
+int info(const fs::path& path, const CaptureFix& fix, bool json, Progress& progress) {
     try {
-        return showInfo(path, json, progress);
+        return showInfo(path, fix, json, progress);
     } catch (const nlohmann::json::exception& error) {
         throw Error("{}: a field is missing or has the wrong kind ({})", (path / "shot.json").string(), error.what());
     }
+}
+
+namespace {
+
+/// A curve as --response writes it.
+ResponseCurve readResponse(const fs::path& file) {
+    const nlohmann::json document = nlohmann::json::parse(readBytes(file, size_t(1) << 20), nullptr, false);
+    if (!document.is_object() || !document.contains("log_exposure") || !document["log_exposure"].is_object()) throw Error("{}: log_exposure is missing", file.string());
+    ResponseCurve curve = linearResponse();
+    curve.linear = false;
+    const auto take = [&](const nlohmann::json& holder, const std::string& key, std::array<double, 256>& to) {
+        const auto list = holder.find(key);
+        if (list == holder.end() || !list->is_array() || list->size() != to.size()) throw Error("{}: {} is no list of {} numbers", file.string(), key, to.size());
+        for (size_t i = 0; i < to.size(); ++i) {
+            if (!(*list)[i].is_number() || !std::isfinite((*list)[i].get<double>())) throw Error("{}: {}[{}] is no number", file.string(), key, i);
+            to[i] = (*list)[i].get<double>();
+        }
+    };
+    for (size_t c = 0; c < 3; ++c) {
+        const std::string name(1, "rgb"[c]);
+        take(document["log_exposure"], name, curve.logExposure[c]);
+        if (!std::is_sorted(curve.logExposure[c].begin(), curve.logExposure[c].end())) throw Error("{}: {} falls, expected a curve that grows", file.string(), name);
+    }
+    take(document, "code_noise", curve.noise);
+    for (double& noise : curve.noise) noise = std::max(noise, 0.01);
+    return curve;
+}
+
+}  // namespace
+
+int mergeHdr(const MergeArguments& a, Progress& progress) {
+    const ThreadLimit limit(a.threads);
+    std::vector<float> times;
+    if (!a.times.empty()) times = numbersOf(a.times, "--times", a.images.size());
+    for (const float t : times)
+        if (!(t > 0)) throw UsageError("--times: expected seconds above 0");
+    const std::string ending = a.output.extension().string();
+    if (ending != ".exr" && ending != ".hdr") throw UsageError("--output: expected a name that ends in .exr or .hdr, radiance has no place in others");
+    BracketOptions options;
+    options.smoothness = a.smoothness;
+    options.rejectGhosts = !a.keepGhosts;
+    Bracket set;
+    ExposureReference reference;
+    for (size_t i = 0; i < a.images.size(); ++i)
+        set.push_back(bracketPhoto(a.images[i], times.empty() ? readExposureTags(a.images[i]) : ExposureTags{double(times[i]), 0, 0}, reference));
+    const ResponseCurve response = a.useResponse.empty() ? responseOf({set}, options, progress) : readResponse(a.useResponse);
+    const MergedBracket merged = mergeBracket(set, response, options, progress);
+    writeImage(a.output, merged.image, {{"relamp:saturation", fmt::format("{:.6g}", merged.saturation)}});
+    if (!a.response.empty()) {
+        nlohmann::json curves;
+        for (size_t c = 0; c < 3; ++c) curves[std::string(1, "rgb"[c])] = response.logExposure[c];
+        writeBytesAtomically(a.response, nlohmann::json{{"about", "ln exposure (radiance x seconds) that gives each 8-bit code; 0 at code 255"},
+                                                        {"log_exposure", curves}, {"code_noise", response.noise}, {"samples", response.samples}, {"residual", response.residual}}.dump(1));
+    }
+    if (!a.ghosts.empty()) {
+        Image mask(merged.image.width, merged.image.height, Rgb(1));
+        for (size_t i = 0; i < mask.pixels.size(); ++i)
+            if (merged.ghost[i]) mask.pixels[i] = Rgb(0);
+        writeImage(a.ghosts, mask);
+    }
+    logInfo("{}: {} exposures, {} pixels changed between them, {} clipped in the shortest, {} black in the longest; response from {} places, residual {:.2f}", a.output.string(),
+            set.size(), merged.ghosts, merged.clippedPixels, merged.dark, response.samples, response.residual);
+    return 0;
 }
 
 }  // namespace relamp::cli

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/progress.h"
+#include "capture/orientation.h"
 
 namespace relamp::cli {
 
@@ -19,6 +20,7 @@ public:
 
 struct SolveArguments {
     fs::path capture, output;
+    CaptureFix fix;
     std::string mode = "near-field", quality = "standard", gauge = "auto", bounce = "auto";
     double timeBudget = 0;
     int gridSide = 0, threads = 0;
@@ -43,18 +45,29 @@ struct ExportArguments {
 
 struct CompareArguments {
     fs::path capture, output;
+    CaptureFix fix;
     std::string quality = "standard";
     int threads = 0;
     uint64_t seed = 1;
 };
 
+struct MergeArguments {
+    std::vector<fs::path> images;
+    fs::path output, response, useResponse, ghosts;
+    std::string times;
+    bool keepGhosts = false;
+    double smoothness = 1;
+    int threads = 0;
+};
+
 /// Becomes relamp-editor, which lies beside this program or on the PATH. Throws Error when it is not installed.
 int edit(const std::string& path);
-int check(const fs::path& capture, bool json, Progress& progress);
+int check(const fs::path& capture, const CaptureFix& fix, bool json, Progress& progress);
 int solve(const SolveArguments& arguments, Progress& progress);
 int render(const RenderArguments& arguments, Progress& progress);
 int exportShot(const ExportArguments& arguments, Progress& progress);
 int compare(const CompareArguments& arguments, Progress& progress);
-int info(const fs::path& path, bool json, Progress& progress);
+int info(const fs::path& path, const CaptureFix& fix, bool json, Progress& progress);
+int mergeHdr(const MergeArguments& arguments, Progress& progress);
 
 }  // namespace relamp::cli

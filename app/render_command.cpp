@@ -4,7 +4,6 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "commands.h"
-#include "image/image_io.h"
 #include "relight/look_track.h"
 #include "shot/export_frame.h"
 #include "shot/shot_file.h"
@@ -38,28 +37,24 @@ LookPivots pivotsOf(const Shot& shot) {
     return pivots;
 }
 
-FrameFileOptions fileOptionsOf(const RenderArguments& a, const Shot& shot) {
+FrameFileOptions fileOptionsOf(const RenderArguments& a) {
     FrameFileOptions options;
     options.layers = a.layers;
     options.naming = layerNaming(a.naming);
     options.multipart = a.multipart;
     options.view = displayView(a.view);
     if (!a.ratio.empty()) options.ratio = a.ratio == "difference" ? Ratio::difference : Ratio::quotient;
-    options.header = {{"relamp:gauge", shot.estimate.gauge.kind + ": " + shot.estimate.gauge.evidence}};
     return options;
 }
 
 /// The photograph of a job whose camera is one of the capture's views at its own size.
-std::optional<Image> photographOf(const Capture& capture, const FrameJob& job, float& saturation) {
-    if (job.view < 0 || job.resized) return std::nullopt;
-    const View& view = capture.views[size_t(job.view)];
-    ImageReport report;
-    Image image = readImage(view.file, &report);
-    if (image.width != job.camera.width || image.height != job.camera.height)
-        throw Error("{}: is {} x {} pixels, its camera {} x {}", view.file.string(), image.width, image.height, job.camera.width, job.camera.height);
-    saturation = 0.99f * report.clipLevel;
-    return image;
+const Image* photographOf(const Capture& capture, const FrameJob& job) {
+    if (job.view < 0 || job.resized) return nullptr;
+    const Image& image = capture.views[size_t(job.view)].image;
+    return image.pixels.empty() ? nullptr : &image;
 }
+
+bool namesViews(const std::string& camera) { return camera == "all" || camera.find_first_not_of("0123456789") == std::string::npos; }
 
 /// The looks of a sequence applied, each kept as long as it lasts.
 class RelitLooks {
@@ -95,14 +90,19 @@ private:
 
 int render(const RenderArguments& a, Progress& progress) {
     const ThreadLimit limit(a.threads);
-    const Shot shot = openShot(a.shot, false, progress);
-    const LookTrack track = trackOf(a, shot);
-    FrameFileOptions fileOptions;
     LayerWish wish;
-    std::vector<FrameJob> jobs;
+    FrameFileOptions fileOptions;
     try {
         wish = layerWish(a.layers);
-        fileOptions = fileOptionsOf(a, shot);
+        fileOptions = fileOptionsOf(a);
+    } catch (const BadOption& error) {
+        throw UsageError(error.what());
+    }
+    const bool photographs = fileOptions.ratio != Ratio::none || wish.residual || fileOptions.view == DisplayView::automatic;
+    Shot shot = openShot(a.shot, photographs && namesViews(a.camera) && a.size.empty(), progress);
+    const LookTrack track = trackOf(a, shot);
+    std::vector<FrameJob> jobs;
+    try {
         jobs = frameJobs(shot.capture, a.camera, a.frames, a.size, a.output);
         const bool needsPhotograph = fileOptions.ratio != Ratio::none || (wish.residual && !wish.all);
         for (const FrameJob& job : jobs)
@@ -111,7 +111,9 @@ int render(const RenderArguments& a, Progress& progress) {
     } catch (const BadOption& error) {
         throw UsageError(error.what());
     }
-    fileOptions.header["relamp:shot"] = shotHash(a.shot);
+    for (size_t v = 0; v < shot.capture.views.size(); ++v)
+        if (std::none_of(jobs.begin(), jobs.end(), [&](const FrameJob& job) { return job.view == int(v); })) shot.capture.views[v].image = {};
+    fileOptions.header = {{"relamp:gauge", shot.estimate.gauge.kind + ": " + shot.estimate.gauge.evidence}, {"relamp:shot", shotHash(a.shot)}};
     const Scene scene = buildScene(shot.capture.mesh, progress);
     RelitLooks looks(shot, scene, track);
     FrameOptions options;
@@ -126,9 +128,8 @@ int render(const RenderArguments& a, Progress& progress) {
         try {
             FrameSources sources;
             sources.look = &looks.at(job.number, progress);
-            std::optional<Image> photograph;
-            if (fileOptions.ratio != Ratio::none || wish.residual || fileOptions.view == DisplayView::automatic) photograph = photographOf(shot.capture, job, sources.saturation);
-            if (photograph) sources.photograph = &*photograph;
+            sources.photograph = photographOf(shot.capture, job);
+            if (sources.photograph) sources.saturation = shot.capture.views[size_t(job.view)].saturation;
             if (fileOptions.ratio != Ratio::none || wish.residual || wish.correction) sources.captured = &looks.captured(progress);
             const double groupError = writeFrameFile(job.file, job.camera, sources, options, fileOptions, progress);
             ++written;

@@ -67,6 +67,13 @@ float ggxDielectric(const Vec3& towardLight, const Vec3& towardEye, float alpha,
     return ggxValue(pair, std::max(alpha, minimumWidth)) * dielectricFresnel(pair.halfAngleCosine(), ior);
 }
 
+float ggxGrazing(const Vec3& towardLight, const Vec3& towardEye, float alpha) {
+    if (belowHorizon(towardLight, towardEye)) return 0;
+    const Pair pair(towardLight, towardEye);
+    const float rest = 1 - pair.halfAngleCosine(), rest2 = rest * rest;
+    return ggxValue(pair, std::max(alpha, minimumWidth)) * rest2 * rest2 * rest;
+}
+
 float ward(const Vec3& towardLight, const Vec3& towardEye, float alpha) {
     if (belowHorizon(towardLight, towardEye)) return 0;
     const Pair pair(towardLight, towardEye);

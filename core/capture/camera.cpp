@@ -18,6 +18,7 @@ constexpr Name names[] = {
     {LensModel::openCv, "OPENCV"},
     {LensModel::openCvFisheye, "OPENCV_FISHEYE"},
     {LensModel::fullOpenCv, "FULL_OPENCV"},
+    {LensModel::fov, "FOV"},
     {LensModel::simpleRadialFisheye, "SIMPLE_RADIAL_FISHEYE"},
     {LensModel::radialFisheye, "RADIAL_FISHEYE"},
     {LensModel::thinPrismFisheye, "THIN_PRISM_FISHEYE"},
@@ -62,7 +63,8 @@ Radial radialOf(LensModel model, const Coefs& k) {
     Radial r;
     switch (model) {
         case LensModel::simplePinhole:
-        case LensModel::pinhole: break;
+        case LensModel::pinhole:
+        case LensModel::fov: break;  // FOV is no polynomial, and grows everywhere
         case LensModel::simpleRadial:
         case LensModel::simpleRadialFisheye: r.n = {1, k[0], 0, 0, 0}; break;
         case LensModel::radial:
@@ -79,10 +81,30 @@ Radial radialOf(LensModel model, const Coefs& k) {
     return r;
 }
 
+/// Below this FOV's omega or radius the closed forms lose their digits.
+constexpr double smallFov = 1e-4;
+
+/// Distorted over undistorted radius of the FOV lens: atan(2 r tan(omega / 2)) / (r omega).
+double fovFactor(double omega, double r) {
+    if (std::abs(omega) < smallFov) return 1 + omega * omega * (r * r / -3 + 1.0 / 12);
+    const double slope = 2 * std::tan(0.5 * omega);
+    if (r < smallFov) return slope / omega * (1 - slope * slope * r * r / 3);
+    return std::atan(r * slope) / (r * omega);
+}
+
+/// Undistorted over distorted radius; beyond the lens's widest angle, that angle's edge.
+double fovInverse(double omega, double r) {
+    if (std::abs(omega) < smallFov || r < 1e-12) return 1 / fovFactor(omega, r);
+    const double angle = std::min(r * std::abs(omega), 0.4999 * piD);
+    return std::tan(angle) / (2 * std::tan(0.5 * std::abs(omega)) * r);
+}
+
 /// From the undistorted plane (tan(angle), or the angle of a fisheye, times the direction around the axis) to the
 /// distorted one. The formulas are COLMAP's.
 DVec2 distort(LensModel model, const Radial& radial, const Coefs& k, const DVec2& q) {
-    const double s = q.x * q.x + q.y * q.y, factor = radial.at(s);
+    const double s = q.x * q.x + q.y * q.y;
+    if (model == LensModel::fov) return q * fovFactor(k[0], std::sqrt(s));
+    const double factor = radial.at(s);
     DVec2 out = q * factor;
     if (model == LensModel::openCv || model == LensModel::fullOpenCv || model == LensModel::thinPrismFisheye) {
         const double p1 = k[2], p2 = k[3], xy = q.x * q.y;
@@ -114,6 +136,7 @@ double invertRadial(const Radial& radial, double wanted, double limit) {
 
 /// Inverse of distort: Newton steps from the distorted point; where they fail, from the radial inverse.
 DVec2 undistort(LensModel model, const Radial& radial, const Coefs& k, const DVec2& wanted) {
+    if (model == LensModel::fov) return wanted * fovInverse(k[0], glm::length(wanted));
     const auto newton = [&](DVec2 q, bool& found) {
         found = false;
         for (int step = 0; step < 20; ++step) {
@@ -157,26 +180,39 @@ std::string lensModelName(LensModel model) {
     return "";
 }
 
-std::optional<Vec2> Camera::project(const DVec3& world) const {
-    const DVec3 offset = world - position();
+namespace {
+
+/// A world point on the plane that the lens distorts; none behind the camera.
+std::optional<DVec2> onLensPlane(const Camera& camera, const DVec3& world) {
+    const DVec3 offset = world - camera.position();
     // Columns of a rotation are its axes; image axes have y down and look along +z.
-    const double x = glm::dot(DVec3(worldFromCamera[0]), offset);
-    const double y = -glm::dot(DVec3(worldFromCamera[1]), offset);
-    const double z = -glm::dot(DVec3(worldFromCamera[2]), offset);
+    const double x = glm::dot(DVec3(camera.worldFromCamera[0]), offset);
+    const double y = -glm::dot(DVec3(camera.worldFromCamera[1]), offset);
+    const double z = -glm::dot(DVec3(camera.worldFromCamera[2]), offset);
     if (!(z > 0)) return std::nullopt;
-    DVec2 q;
-    if (isFisheye(model)) {
-        const double r = std::hypot(x, y);
-        q = r > 0 ? DVec2(x, y) * (std::atan2(r, z) / r) : DVec2(0);
-    } else {
-        q = DVec2(x, y) / z;
-    }
+    if (!isFisheye(camera.model)) return DVec2(x, y) / z;
+    const double r = std::hypot(x, y);
+    return r > 0 ? DVec2(x, y) * (std::atan2(r, z) / r) : DVec2(0);
+}
+
+}  // namespace
+
+std::optional<Vec2> Camera::project(const DVec3& world) const {
+    const std::optional<DVec2> plane = onLensPlane(*this, world);
+    if (!plane) return std::nullopt;
     const Radial radial = radialOf(model, distortion);
-    if (!radial.growsUpTo(glm::dot(q, q))) return std::nullopt;
-    q = distort(model, radial, distortion, q);
+    if (!radial.growsUpTo(glm::dot(*plane, *plane))) return std::nullopt;
+    const DVec2 q = distort(model, radial, distortion, *plane);
     const Vec2 pixel(float(focalX * q.x + centreX), float(focalY * q.y + centreY));
     if (!std::isfinite(pixel.x) || !std::isfinite(pixel.y)) return std::nullopt;
     return pixel;
+}
+
+std::optional<glm::dvec2> Camera::projectByFormula(const DVec3& world) const {
+    const std::optional<DVec2> plane = onLensPlane(*this, world);
+    if (!plane) return std::nullopt;
+    const DVec2 q = distort(model, radialOf(model, distortion), distortion, *plane);
+    return DVec2(focalX * q.x + centreX, focalY * q.y + centreY);
 }
 
 Vec3 Camera::rayDirection(const Vec2& pixel) const {

@@ -10,7 +10,7 @@
 namespace relamp {
 
 enum class LensModel {
-    simplePinhole, pinhole, simpleRadial, radial, openCv, openCvFisheye, fullOpenCv, simpleRadialFisheye, radialFisheye, thinPrismFisheye
+    simplePinhole, pinhole, simpleRadial, radial, openCv, openCvFisheye, fullOpenCv, fov, simpleRadialFisheye, radialFisheye, thinPrismFisheye
 };
 
 /// COLMAP's name of a model ("OPENCV") and back; empty when unknown.
@@ -22,7 +22,7 @@ struct Camera {
     int width = 0, height = 0;                       ///< pixels
     double focalX = 0, focalY = 0, centreX = 0, centreY = 0;  ///< pixels
     LensModel model = LensModel::pinhole;
-    /// Distortion in COLMAP's order for the model (k1 k2 p1 p2 k3 k4 k5 k6 / fisheye k1..k4); unused ones are 0.
+    /// Distortion in COLMAP's order for the model (k1 k2 p1 p2 k3 k4 k5 k6 / fisheye k1..k4 / FOV's omega); unused ones are 0.
     std::array<double, 8> distortion{};
     DMat4 worldFromCamera{1.0};
 
@@ -32,6 +32,9 @@ struct Camera {
     /// Pixel position of a world point; none when it is behind the camera or outside the lens model's valid field
     /// (where the distortion stops growing with the angle). The point may fall outside the picture.
     std::optional<Vec2> project(const DVec3& world) const;
+    /// The lens formula alone, pixels, in double: without the test of the valid field, none behind the camera only. For
+    /// comparing with what other programs state; may fold back.
+    std::optional<glm::dvec2> projectByFormula(const DVec3& world) const;
     /// Unit world direction of the ray through a pixel position (distortion inverted by Newton steps to 1e-7 of a
     /// normalised unit; cost under a microsecond).
     Vec3 rayDirection(const Vec2& pixel) const;

@@ -1,6 +1,7 @@
 // What an artist brings: photographs with cameras, and a mesh. The first product; never changes afterwards.
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,7 @@ namespace relamp {
 
 /// One photograph with its camera, linear Rec.709 radiance up to the gauge.
 struct View {
-    std::string name;            ///< file name as in transforms.json
+    std::string name;            ///< file name as in transforms.json or COLMAP's model
     std::filesystem::path file;
     Camera camera;
     Image image;                 ///< `usable` marks masked, NaN, Inf and negative pixels as 0
@@ -21,14 +22,25 @@ struct View {
     float saturation = 0;        ///< radiance at and above which a pixel counts as clipped; 0: the file has no clip level
 };
 
+/// What a COLMAP model says of its own fit; absent for other captures.
+struct ReconstructionFigures {
+    size_t points = 0, observations = 0;
+    double errorPixels = 0;        ///< mean reprojection error of the points, worked out with our lens models
+    double statedErrorPixels = 0;  ///< the same as the model states it
+    size_t behind = 0;             ///< observations that do not project at all
+};
+
 /// Photographs, cameras, mesh.
 struct Capture {
     std::filesystem::path folder;
-    std::vector<View> views;     ///< in the order of transforms.json; --camera N counts from 0
+    std::vector<View> views;     ///< in the order of transforms.json, COLMAP's by name; --camera N counts from 0
     Mesh mesh;
     MeshReport meshReport;
     Vec3 up{0, 0, 1};            ///< axis of the files that is up; mesh and cameras here are turned so that it is +Z
     Mat3 worldFromFile{1};       ///< that turn
+    double metresPerUnit = 1;    ///< how long one unit of the files is; cameras and mesh here are in metres
+    std::optional<ReconstructionFigures> reconstruction;
+    std::vector<Vec3> points;        ///< up to 20000 of a reconstruction's points, turned and scaled as the mesh is
     std::vector<std::string> notes;  ///< what was masked, repaired or ignored, one sentence each
 };
 

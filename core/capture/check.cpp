@@ -1,8 +1,10 @@
 #include "capture/check.h"
 
+#include <array>
 #include <limits>
 
 #include "base/parallel.h"
+#include "capture/orientation.h"
 
 namespace relamp {
 namespace {
@@ -201,7 +203,7 @@ std::string axisName(const Vec3& v) {
 }
 
 void guessAxes(const Capture& capture, CaptureCheck& check) {
-    check.up = axisName(capture.up);
+    check.up = nameFromAxis(capture.up);
     DVec3 cameraUp(0);
     size_t ahead = 0, behind = 0;
     const DVec3 middle = DVec3(0.5f * (check.meshMin + check.meshMax));
@@ -213,8 +215,50 @@ void guessAxes(const Capture& capture, CaptureCheck& check) {
     if (check.lookBackwards) cameraUp = -cameraUp;  // OpenCV's axes have y down as well
     const double length = glm::length(cameraUp);
     if (!(length > 1e-9)) return;
-    check.upGuess = axisName(glm::transpose(capture.worldFromFile) * Vec3(cameraUp / length));
     check.upAgreement = glm::dot(cameraUp / length, DVec3(0, 0, 1));
+    // Within 45 degrees nothing is said against a direction that is no axis: photographs often look down.
+    const bool isAxis = check.up.find(',') == std::string::npos;
+    check.upGuess = !isAxis && check.upAgreement > 0.7 ? check.up : axisName(glm::transpose(capture.worldFromFile) * Vec3(cameraUp / length));
+}
+
+/// Share of the points within about two hundredths of the mesh's size from its surface, and the sizes' ratio: a mesh from another run, or
+/// in another unit, shows here.
+void comparePoints(const Capture& capture, CaptureCheck& check) {
+    const Mesh& mesh = capture.mesh;
+    if (capture.points.size() < 20 || mesh.triangles.empty()) return;
+    constexpr int side = 64;
+    const Vec3 low = check.meshMin;
+    const float cell = std::max(maxChannel(check.meshMax - check.meshMin) / float(side), 1e-20f);
+    const auto indexOf = [&](const Vec3& p, int spread, auto&& use) {
+        const Vec3 at = (p - low) / cell;
+        for (int c = 0; c < 3; ++c)
+            if (!(at[c] >= -1 && at[c] <= side + 1)) return;
+        for (int z = int(at.z) - spread; z <= int(at.z) + spread; ++z)
+            for (int y = int(at.y) - spread; y <= int(at.y) + spread; ++y)
+                for (int x = int(at.x) - spread; x <= int(at.x) + spread; ++x)
+                    if (x >= 0 && y >= 0 && z >= 0 && x <= side && y <= side && z <= side) use((size_t(z) * (side + 1) + size_t(y)) * (side + 1) + size_t(x));
+    };
+    std::vector<uint8_t> surface(size_t(side + 1) * (side + 1) * (side + 1), 0);
+    for (const Triangle& t : mesh.triangles) {
+        const Vec3 a = mesh.positions[t[0]], b = mesh.positions[t[1]], c = mesh.positions[t[2]];
+        const float longest = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
+        const int steps = std::clamp(int(std::ceil(longest / (0.7f * cell))), 1, 2 * side);
+        for (int i = 0; i <= steps; ++i)
+            for (int j = 0; i + j <= steps; ++j)
+                indexOf(a + (b - a) * (float(i) / float(steps)) + (c - a) * (float(j) / float(steps)), 0, [&](size_t k) { surface[k] = 1; });
+    }
+    size_t on = 0;
+    std::array<std::vector<float>, 3> along;
+    for (const Vec3& p : capture.points) {
+        bool found = false;
+        indexOf(p, 1, [&](size_t k) { found |= surface[k] != 0; });
+        on += found;
+        for (int c = 0; c < 3; ++c) along[size_t(c)].push_back(p[c]);
+    }
+    check.pointsOnMesh = double(on) / double(capture.points.size());
+    Vec3 cloud;
+    for (int c = 0; c < 3; ++c) cloud[c] = quantile(along[size_t(c)], 0.95) - quantile(along[size_t(c)], 0.05);
+    if (const float size = glm::length(cloud); size > 0) check.meshToPoints = double(glm::length(check.meshMax - check.meshMin) / size);
 }
 
 std::string percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
@@ -224,7 +268,7 @@ void warn(const Capture& capture, CaptureCheck& check) {
     if (check.lookBackwards)
         say("The mesh lies behind most cameras: the matrices seem to use OpenCV axes (+Y down, +Z forward), OpenGL axes are expected.");
     if (!check.upGuess.empty() && check.upGuess != check.up)
-        say(fmt::format("The cameras' up is nearest to {}, the file says {}: set \"up\" in transforms.json if the world stands on its side.",
+        say(fmt::format("The cameras' up is nearest to {}, the file says {}: set \"up\" in transforms.json, or --up, if the world stands on its side.",
                         check.upGuess, check.up));
     if (check.views.size() < 3) say(fmt::format("There are only {} views; light and reflectance are hard to tell apart.", check.views.size()));
     for (const ViewCheck& v : check.views) {
@@ -245,8 +289,23 @@ void warn(const Capture& capture, CaptureCheck& check) {
     if (m.badIndexFaces) say(fmt::format("The mesh has {} faces that name vertices which do not exist; they were dropped.", m.badIndexFaces));
     if (m.nonManifoldEdges) say(fmt::format("The mesh has {} edges of three or more faces.", m.nonManifoldEdges));
     if (m.boundaryEdges) say(fmt::format("The mesh has holes or open rims ({} edges); light can leak in through holes.", m.boundaryEdges));
+    if (check.reconstruction && check.reconstruction->observations) {
+        const ReconstructionFigures& r = *check.reconstruction;
+        if (r.errorPixels > 2) say(fmt::format("COLMAP's points miss their pixels by {:.1f} on average; poses or lens model are poor.", r.errorPixels));
+        if (r.behind * 100 > r.observations) say(fmt::format("{} of COLMAP's observations do not project; the lens model folds back inside the picture.", percent(double(r.behind) / double(r.observations))));
+    }
+    if (check.pointsOnMesh >= 0 && check.pointsOnMesh < 0.3) {
+        std::string sentence = fmt::format("Only {} of COLMAP's points lie on the mesh; it seems to come from another run or unit.", percent(check.pointsOnMesh));
+        if (check.meshToPoints > 5 || (check.meshToPoints > 0 && check.meshToPoints < 0.2))
+            sentence += fmt::format(" It is {:.3g} times as large as their cloud: try --mesh-scale {:.1g}.", check.meshToPoints, 1 / check.meshToPoints);
+        say(sentence);
+    }
     const float size = glm::length(check.meshMax - check.meshMin);
-    if (size > 1000 || size < 0.01f) say(fmt::format("The mesh is {:.3g} m across; lengths are taken to be metres.", size));
+    // Nobody holds a camera closer than a few centimetres, or farther than a street, from what is to be relit.
+    if (check.reconstruction && check.cameraDistance > 0 && (check.cameraDistance < 0.05 || check.cameraDistance > 100))
+        say(fmt::format("The cameras stand {:.3g} units from the mesh, and COLMAP does not know metres: if that were 1.5 m, --scale {:.2g} would set it right.",
+                        check.cameraDistance, 1.5 / check.cameraDistance));
+    else if (size > 1000 || size < 0.01f) say(fmt::format("The mesh is {:.3g} m across; lengths are taken to be metres.", size));
 }
 
 }  // namespace
@@ -298,6 +357,11 @@ CaptureCheck checkCapture(const Capture& capture, Progress& progress) {
     check.seenShare = double(once) / count;
     check.seenTwiceShare = double(twice) / count;
     check.meanViewsPerVertex = double(sum) / count;
+    check.reconstruction = capture.reconstruction;
+    std::vector<float> distances;
+    for (const View& view : capture.views) distances.push_back(float(glm::distance(view.camera.position(), DVec3(0.5f * (check.meshMin + check.meshMax)))));
+    check.cameraDistance = double(median(distances));
+    comparePoints(capture, check);
     compareExposures(sights, check);
     guessAxes(capture, check);
     warn(capture, check);

@@ -2,6 +2,7 @@
 // depth picture only, no ray tracer, so it takes seconds.
 #pragma once
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,8 +34,12 @@ struct CaptureCheck {
     double seenTwiceShare = 0;            ///< vertices seen by at least two views
     double meanViewsPerVertex = 0;        ///< of all vertices of triangles
     double exposureSpreadStops = 0;       ///< largest minus smallest exposureStops
-    std::string up;                       ///< axis the file says is up: "z", "-y", ...
+    std::string up;                       ///< axis the file says is up: "z", "-y", ..., or three numbers where it is none
     std::string upGuess;                  ///< axis closest to the cameras' own up directions
+    double cameraDistance = 0;            ///< metres, median distance of the cameras from the middle of the mesh
+    double pointsOnMesh = -1;             ///< share of a reconstruction's points that lie on the mesh; negative: there are none
+    double meshToPoints = 0;              ///< size of the mesh over the size of the points' cloud; 0: there are none
+    std::optional<ReconstructionFigures> reconstruction;
     double upAgreement = 0;               ///< cosine between the mean camera up and the file's up
     bool lookBackwards = false;           ///< the mesh lies behind the cameras: axes are OpenCV's, not OpenGL's
     std::vector<std::string> notes;       ///< from loading

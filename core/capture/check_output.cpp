@@ -23,7 +23,7 @@ nlohmann::json toJson(const CaptureCheck& check) {
                          {"compared_vertices", v.comparedVertices}});
     const MeshReport& m = check.mesh;
     const auto point = [](const Vec3& p) { return json::array({p.x, p.y, p.z}); };
-    return {{"views", views},
+    json result = {{"views", views},
             {"mesh",
              {{"vertices", m.vertices},
               {"triangles", m.triangles},
@@ -45,6 +45,11 @@ nlohmann::json toJson(const CaptureCheck& check) {
              {{"up", check.up}, {"up_guess", check.upGuess}, {"up_agreement", check.upAgreement}, {"look_backwards", check.lookBackwards}}},
             {"notes", check.notes},
             {"warnings", check.warnings}};
+    result["camera_distance"] = check.cameraDistance;
+    if (const auto& r = check.reconstruction)
+        result["reconstruction"] = {{"points", r->points}, {"observations", r->observations}, {"reprojection_error", r->errorPixels}, {"stated_error", r->statedErrorPixels},
+                                    {"behind", r->behind}, {"points_on_mesh", check.pointsOnMesh}, {"mesh_to_points", check.meshToPoints}};
+    return result;
 }
 
 std::string toText(const CaptureCheck& check) {
@@ -71,6 +76,9 @@ std::string toText(const CaptureCheck& check) {
     text += fmt::format("coverage: {:.1f} % of the vertices seen, {:.1f} % twice or more, {:.2f} views each\n", 100 * check.seenShare,
                         100 * check.seenTwiceShare, check.meanViewsPerVertex);
     text += fmt::format("exposure: {:.2f} stops between the views\n", check.exposureSpreadStops);
+    if (const auto& r = check.reconstruction)
+        text += fmt::format("reconstruction: {} points, {} observations, reprojection error {:.4f} pixels (the model says {:.4f}), {:.1f} % of the points on the mesh\n", r->points,
+                            r->observations, r->errorPixels, r->statedErrorPixels, 100 * std::max(0.0, check.pointsOnMesh));
     text += fmt::format("axes: up is {}, the cameras say {}\n", check.up, check.upGuess.empty() ? "nothing" : check.upGuess);
     for (const std::string& note : check.notes) text += fmt::format("note: {}\n", note);
     for (const std::string& warning : check.warnings) text += fmt::format("warning: {}\n", warning);

@@ -1,6 +1,7 @@
 #include "capture/orientation.h"
 
 #include "base/error.h"
+#include "base/text_scanner.h"
 
 namespace relamp {
 
@@ -11,10 +12,35 @@ Vec3 axisFromName(const std::string& name) {
     if (axis == "x" || axis == "X") return {length, 0, 0};
     if (axis == "y" || axis == "Y") return {0, length, 0};
     if (axis == "z" || axis == "Z") return {0, 0, length};
-    throw Error("expected \"x\", \"y\", \"z\", \"-x\", \"-y\" or \"-z\"");
+    std::string words = name;
+    std::replace(words.begin(), words.end(), ',', ' ');
+    TextScanner scanner(words);
+    DVec3 given(0);
+    bool good = true;
+    for (int c = 0; c < 3; ++c) {
+        const auto value = TextScanner::number(scanner.word());
+        good = good && value && std::isfinite(*value) && std::abs(*value) < 1e9;
+        if (good) given[c] = *value;
+    }
+    if (good && scanner.word().empty() && glm::length(given) > 1e-9) return Vec3(glm::normalize(given));
+    throw Error("expected \"x\", \"y\", \"z\", \"-x\", \"-y\", \"-z\" or three numbers");
+}
+
+std::string nameFromAxis(const Vec3& axis) {
+    for (int c = 0; c < 3; ++c)
+        if (std::abs(axis[c]) > 1 - 1e-6f) return std::string(axis[c] < 0 ? "-" : "") + "xyz"[c];
+    return fmt::format("{:.4f},{:.4f},{:.4f}", axis.x, axis.y, axis.z);
 }
 
 Mat3 rotationToZUp(const Vec3& up) {
+    if (std::max({std::abs(up.x), std::abs(up.y), std::abs(up.z)}) < 1 - 1e-6f) {
+        // The shortest turn, about up x Z; a world that hangs upside down is turned over about X first.
+        if (up.z < 0) return rotationToZUp(Vec3(up.x, -up.y, -up.z)) * Mat3(Vec3(1, 0, 0), Vec3(0, -1, 0), Vec3(0, 0, -1));
+        const glm::dvec3 axis(up.y, -up.x, 0);  // its length is the sine
+        const double c = up.z, k = 1 / (1 + c);
+        return Mat3(glm::dmat3(c + k * axis.x * axis.x, k * axis.x * axis.y, -axis.y, k * axis.x * axis.y, c + k * axis.y * axis.y, axis.x, axis.y,
+                               -axis.x, c));
+    }
     // Columns: where the file's x, y and z go. One axis stays, so that "right" stays right.
     if (up.y > 0.5f) return Mat3(Vec3(1, 0, 0), Vec3(0, 0, 1), Vec3(0, -1, 0));
     if (up.y < -0.5f) return Mat3(Vec3(1, 0, 0), Vec3(0, 0, -1), Vec3(0, 1, 0));
@@ -24,19 +50,29 @@ Mat3 rotationToZUp(const Vec3& up) {
     return Mat3(1);
 }
 
-void orientCapture(Capture& capture, const Vec3& up, bool flipCameras) {
+void orientCapture(Capture& capture, const Vec3& up, const CaptureFix& fix) {
+    for (const auto& [name, value] : {std::pair{"scale", fix.scale}, std::pair{"mesh scale", fix.meshScale}})
+        if (!(value > 0 && value < 1e12)) throw Error("the {} is {}, expected more than 0", name, value);
     capture.up = up;
+    capture.metresPerUnit = fix.scale;
     capture.worldFromFile = rotationToZUp(up);
     const bool turned = capture.worldFromFile != Mat3(1);
     if (turned) {
         for (Vec3& p : capture.mesh.positions) p = capture.worldFromFile * p;
         for (Vec3& n : capture.mesh.normals) n = capture.worldFromFile * n;
+        for (Vec3& p : capture.points) p = capture.worldFromFile * p;
+    }
+    if (const float grown = float(fix.scale * fix.meshScale); grown != 1)
+        for (Vec3& p : capture.mesh.positions) p *= grown;
+    if (fix.scale != 1) {
+        for (Vec3& p : capture.points) p *= float(fix.scale);
+        for (View& view : capture.views) view.camera.worldFromCamera[3] = glm::dvec4(view.camera.position() * fix.scale, 1);
     }
     const DMat4 turn{glm::dmat3(capture.worldFromFile)};
     for (View& view : capture.views) {
         DMat4& m = view.camera.worldFromCamera;
         if (turned) m = turn * m;
-        if (flipCameras) {
+        if (fix.flipCameras) {
             m[1] = -m[1];
             m[2] = -m[2];
         }

@@ -148,6 +148,7 @@ std::vector<const char*> coefficientNames(LensModel model) {
         case LensModel::radialFisheye: return {"k1", "k2"};
         case LensModel::openCv: return {"k1", "k2", "p1", "p2"};
         case LensModel::openCvFisheye: return {"k1", "k2", "k3", "k4"};
+        case LensModel::fov: return {"omega"};
         case LensModel::fullOpenCv: return {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"};
         case LensModel::thinPrismFisheye: return {"k1", "k2", "p1", "p2", "k3", "k4", "sx1", "sy1"};
     }
@@ -160,6 +161,8 @@ void readIntrinsics(const Keys& keys, Camera& camera, const std::function<std::p
         camera.width = *w, camera.height = *h;
     } else {
         const auto [width, height] = size();
+        for (const auto& [key, side] : {std::pair{"w", w.value_or(width)}, std::pair{"h", h.value_or(height)}})
+            if (side < 1 || side > maxSide) keys.fail(key, fmt::format("is {}, expected a whole number from 1 to {}", side, maxSide));
         camera.width = w.value_or(width), camera.height = h.value_or(height);
     }
     const auto fromAngle = [](const std::optional<double>& angle, int pixels) -> std::optional<double> {
@@ -237,12 +240,9 @@ std::vector<Exposure> readExposures(const Keys& frameKeys, const json& frame) {
         const json& entry = (*it)[i];
         if (!entry.is_object()) frameKeys.fail("exposures", fmt::format("entry {} is {}, expected an object", i, kindOf(entry)));
         const auto failIn = [&](const char* key, const std::string& what) { frameKeys.fail("exposures", fmt::format("entry {}: {} {}", i, key, what)); };
-        const auto positive = [&](const char* key, bool required) -> double {
+        const auto positive = [&](const char* key) -> double {
             const auto value = entry.find(key);
-            if (value == entry.end() || value->is_null()) {
-                if (required) failIn(key, "is missing");
-                return 0;
-            }
+            if (value == entry.end() || value->is_null()) return 0;
             if (!value->is_number()) failIn(key, fmt::format("is {}, expected a number", kindOf(*value)));
             const double x = value->get<double>();
             if (!std::isfinite(x) || x <= 0) failIn(key, fmt::format("is {}, expected more than 0", x));
@@ -252,9 +252,9 @@ std::vector<Exposure> readExposures(const Keys& frameKeys, const json& frame) {
         const auto path = entry.find("file_path");
         if (path == entry.end() || !path->is_string() || path->get<std::string>().empty()) failIn("file_path", "is missing");
         exposure.filePath = path->get<std::string>();
-        exposure.seconds = positive("exposure_time", true);
-        exposure.aperture = positive("aperture", false);
-        exposure.iso = positive("iso", false);
+        exposure.seconds = positive("exposure_time");
+        exposure.aperture = positive("aperture");
+        exposure.iso = positive("iso");
         exposures.push_back(exposure);
     }
     return exposures;
@@ -293,12 +293,9 @@ Transforms parseTransforms(const std::string& text, const PictureSize& sizeOf) {
         TransformsFrame frame;
         frame.filePath = Keys(object, nullptr, "").has("file_path") ? keys.text("file_path") : "";
         frame.exposures = readExposures(keys, object);
-        if (frame.filePath.empty()) {
-            if (frame.exposures.empty()) throw Error("{}: file_path is missing", name);
-            throw Error("{}: file_path is missing: brackets are merged with `relamp merge-hdr` first", name);
-        }
+        if (frame.filePath.empty() && frame.exposures.empty()) throw Error("{}: file_path is missing", name);
         std::vector<std::string> ignored;
-        readIntrinsics(keys, frame.camera, [&] { return withContext(name, [&] { return sizeOf(frame.filePath); }); }, ignored);
+        readIntrinsics(keys, frame.camera, [&] { return withContext(name, [&] { return sizeOf(frame.filePath.empty() ? frame.exposures[0].filePath : frame.filePath); }); }, ignored);
         bool wasRescaled = false;
         frame.camera.worldFromCamera = readMatrix(keys, wasRescaled);
         rescaled += wasRescaled;

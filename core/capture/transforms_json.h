@@ -14,7 +14,7 @@ namespace relamp {
 /// One exposure of a bracket.
 struct Exposure {
     std::string filePath;
-    double seconds = 0;                ///< exposure time, above 0
+    double seconds = 0;                ///< exposure time; 0: not given, EXIF says it
     double aperture = 0, iso = 0;      ///< f-number and sensitivity; 0: not given
 };
 

@@ -185,6 +185,44 @@ float srgbDecode(float encoded) {
 
 std::pair<int, int> readImageSize(const fs::path& file) { return pictureSize(openPicture(file)->spec()); }
 
+CodePicture readCodes(const fs::path& file, size_t maxPixels) {
+    auto input = openPicture(file);
+    const OIIO::ImageSpec spec = input->spec();
+    if (const size_t pixels = size_t(spec.width) * spec.height; pixels > maxPixels)
+        throw Error("{}: has {} pixels, expected at most {}", file.string(), pixels, maxPixels);
+    if (spec.format.basetype != OIIO::TypeDesc::UINT8 && spec.format.basetype != OIIO::TypeDesc::UINT16)
+        throw Error("{}: is no 8 or 16 bit picture, so it is radiance already", file.string());
+    CodePicture picture;
+    picture.width = spec.width, picture.height = spec.height;
+    picture.linear = transferOf(spec, true).curve == Curve::linear;
+    const ChannelChoice choice = chooseChannels(spec, file);
+    const int chosen[] = {choice.r, choice.g, choice.b};
+    const OIIO::TypeDesc word(OIIO::TypeDesc::UINT16);
+    picture.codes.resize(size_t(spec.width) * spec.height * 3);
+    const bool asStored = choice.r == 0 && choice.g == 1 && choice.b == 2;
+    std::vector<uint16_t> all;
+    if (!asStored) all.resize(size_t(spec.width) * spec.height * spec.nchannels);
+    if (!input->read_image(0, 0, 0, asStored ? 3 : spec.nchannels, word, asStored ? picture.codes.data() : all.data()))
+        throw Error("{}: cannot be read to its end ({})", file.string(), input->geterror());
+    if (!asStored)
+        for (size_t i = 0; i < size_t(spec.width) * spec.height; ++i)
+            for (int c = 0; c < 3; ++c) picture.codes[i * 3 + size_t(c)] = all[i * size_t(spec.nchannels) + size_t(chosen[c])];
+    return picture;
+}
+
+ExposureTags readExposureTags(const fs::path& file) {
+    const auto input = openPicture(file);
+    const OIIO::ImageSpec& spec = input->spec();
+    const auto number = [&](const char* name) {
+        double value = double(spec.get_float_attribute(name, 0.0f));
+        if (value == 0) value = spec.get_int_attribute(name, 0);
+        return std::isfinite(value) && value > 0 ? value : 0.0;
+    };
+    ExposureTags tags{number("ExposureTime"), number("FNumber"), number("Exif:PhotographicSensitivity")};
+    if (!(tags.iso > 0)) tags.iso = number("Exif:ISOSpeedRatings");
+    return tags;
+}
+
 Image readImage(const fs::path& file, ImageReport* report, bool dataFile, size_t maxPixels) {
     auto input = openPicture(file);
     const OIIO::ImageSpec spec = input->spec();

@@ -24,6 +24,12 @@ struct ImageReport {
 Image readImage(const std::filesystem::path& file, ImageReport* report = nullptr, bool dataFile = false,
                 size_t maxPixels = size_t(1) << 28);
 
+/// The codes of an 8 or 16 bit picture as stored. Throws Error as readImage, and for floating-point files.
+CodePicture readCodes(const std::filesystem::path& file, size_t maxPixels = size_t(1) << 28);
+
+/// Exposure time, f-number and sensitivity from EXIF. Throws Error as readImage.
+ExposureTags readExposureTags(const std::filesystem::path& file);
+
 /// Width and height from the header alone. Throws Error as readImage.
 std::pair<int, int> readImageSize(const std::filesystem::path& file);
 

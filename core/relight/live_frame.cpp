@@ -13,6 +13,37 @@ Rgb LiveScene::State::albedo(size_t vertex) const {
     return look.neutralMaterials ? Rgb(luminance(w)) : w;
 }
 
+void LiveScene::State::followBounces(const std::vector<Rgb>& direct) {
+    const size_t captured = bounceRays.vertexCount();
+    std::vector<Rgb> sent(captured, Rgb(0)), passedOn(captured, Rgb(0));
+    for (size_t v = 0; v < captured; ++v)
+        if (vertices.lit(v)) passedOn[v] = glm::clamp(bouncingAlbedo(v), Rgb(0), Rgb(0.98f));
+    bounced.resize(captured, Rgb(0));
+    // At rest until nothing moves, while a hand moves something one step a picture.
+    for (int step = 0; step < (finished ? 30 : 1); ++step) {
+        for (size_t v = 0; v < captured; ++v) sent[v] = passedOn[v] * (direct[v] + bounced[v]);
+        std::vector<Rgb> next = gatherBounce(bounceRays, sent);
+        float largest = 0, change = 0;
+        for (size_t v = 0; v < captured; ++v) {
+            largest = std::max(largest, maxChannel(next[v]));
+            change = std::max(change, maxChannel(glm::abs(next[v] - bounced[v])));
+        }
+        bounced = std::move(next);
+        if (!(change > 2e-3f * largest)) break;
+    }
+}
+
+Rgb LiveScene::State::bouncingAlbedo(size_t vertex) const {
+    Rgb sum = albedo(vertex);
+    const uint32_t origin = vertices.origin[vertex];
+    if (origin == EditedBody::none) return sum;
+    for (size_t k = 1; k < estimate->reflectance.weight.size(); ++k) {
+        const Rgb w = 0.9f * estimate->reflectance.weight[k][origin];
+        sum += look.neutralMaterials ? Rgb(luminance(w)) : w;
+    }
+    return sum;
+}
+
 void LiveScene::State::makeFrame() {
     auto out = std::make_shared<LiveFrame>();
     out->mesh = vertices.mesh;
@@ -27,16 +58,23 @@ void LiveScene::State::makeFrame() {
     for (size_t e = 0; e < emitters; ++e) out->formFactor[e] = near[e].factor;
     out->radiance.resize(n);
     out->distantMatte.resize(n);
-    const bool glossy = !gloss.empty();
+    const bool glossy = !gloss.empty(), bouncing = bounceRays.rays > 0;
+    std::vector<Rgb> direct(n, Rgb(0));
+    parallelFor(n, 2048, [&](size_t v) {
+        if (vertices.kind[v] == LiveVertices::emitting || !vertices.lit(v)) return;
+        out->distantMatte[v] = gain * distantMatte[v];
+        direct[v] = out->distantMatte[v];
+        for (size_t e = 0; e < emitters; ++e) direct[v] += near[e].factor[v] * geometry.emitters[e].radiance;
+    });
+    if (bouncing) followBounces(direct);
     parallelFor(n, 2048, [&](size_t v) {
         if (vertices.kind[v] == LiveVertices::emitting) {
             out->radiance[v] = geometry.emitters[size_t(geometry.bodies[vertices.body[v]].emitter)].radiance;
             return;
         }
         if (!vertices.lit(v)) return;
-        out->distantMatte[v] = gain * distantMatte[v];
-        Rgb matteLight = out->distantMatte[v];
-        for (size_t e = 0; e < emitters; ++e) matteLight += near[e].factor[v] * geometry.emitters[e].radiance;
+        Rgb matteLight = direct[v];
+        if (bouncing && vertices.origin[v] != EditedBody::none) matteLight += bounced[vertices.origin[v]];
         Rgb sum = albedo(v) * matteLight;
         if (glossy) {
             sum += gain * gloss.distant()[v];
@@ -53,6 +91,7 @@ void LiveScene::State::makeFrame() {
     report.cpuApplyMs = matte.sums().processorMs();
     report.deviceApplyMs = matte.sums().deviceMs();
     report.leftOut.clear();
+    if (!bouncing) report.leftOut.push_back({"bounced light", "the photographs showed none worth keeping"});
     if (!glossy) report.leftOut.push_back({"glossy passes", "no vertex has a glossy lobe"});
     report.glossyOutside = glossy ? gloss.outside() : 0;
     if (report.glossyOutside) report.leftOut.push_back({"glossy light outside the picture", std::to_string(report.glossyOutside) + " vertices face the eye there"});

@@ -139,6 +139,12 @@ LiveScene::LiveScene(std::shared_ptr<const Scene> scene, std::shared_ptr<const E
     s.matte.chooseDevice(options.device, options.forceDevice, progress);
     s.matte.setBodies(s.bodyNames);
     s.takeEnvironment({}, s.unturnedOf({}));
+    if (s.estimate->interreflection) {
+        BounceOptions bounce;
+        bounce.rays = 128;
+        bounce.seed = options.seed;
+        s.bounceRays = traceBounce(*s.scene, bounce, progress);
+    }
     s.report.bakeSeconds = secondsSince(start);
     s.coarse(progress);
     s.makeFrame();

@@ -1,6 +1,7 @@
 // What a LiveScene holds between edits. Only live_*.cpp include this.
 #pragma once
 #include "relight/live_gloss.h"
+#include "transport/bounce.h"
 
 namespace relamp {
 
@@ -24,6 +25,9 @@ struct LiveScene::State {
     std::vector<NearEmitter> near;
     LiveGloss gloss;
     std::vector<Rgb> distantMatte;                  ///< per vertex, before exposure and tint
+
+    BounceRays bounceRays;                          ///< of the capture's mesh; empty where the estimate holds no bounced light
+    std::vector<Rgb> bounced;                       ///< per vertex of the capture, follows the direct light a few steps a picture
 
     std::shared_ptr<const DistantLight> unturned;   ///< the environment of the look's source alone
     std::shared_ptr<const DistantLight> plain;      ///< turned, before exposure and tint
@@ -56,7 +60,11 @@ struct LiveScene::State {
     /// Environment on matte vertices and what gloss has to take again.
     void sumLight();
     void makeFrame();
+    /// Takes bounced light on from the last picture's towards that of the given direct light (per vertex, as a white matte surface shows it).
+    void followBounces(const std::vector<Rgb>& direct);
     Rgb albedo(size_t vertex) const;
+    /// By which a vertex passes light on to others: matte part and most of the lobes.
+    Rgb bouncingAlbedo(size_t vertex) const;
 };
 
 }  // namespace relamp

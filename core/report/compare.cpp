@@ -22,6 +22,7 @@ std::filesystem::path writeComparison(const std::filesystem::path& captureFolder
         PipelineOptions pipeline;
         pipeline.solve = options.solve;
         pipeline.solve.nearField = m == 0;
+        pipeline.load.fix = options.fix;
         const double start = progress.seconds();
         result = runPipeline(captureFolder, pipeline, progress);
 
@@ -29,6 +30,7 @@ std::filesystem::path writeComparison(const std::filesystem::path& captureFolder
         mode.name = m == 0 ? "near-field" : "distant-only";
         Shot& shot = mode.shot;
         shot.captureFolder = captureFolder;
+        shot.fix = options.fix;
         shot.quality = options.quality;
         shot.seed = options.solve.seed;
         shot.estimate = std::move(result.estimate);

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "base/progress.h"
+#include "capture/orientation.h"
 #include "solve/solve.h"
 
 namespace relamp {
@@ -11,6 +12,7 @@ namespace relamp {
 struct CompareOptions {
     SolveOptions solve;
     std::string quality = "standard";  ///< what `solve` was made from, for the shots' description
+    CaptureFix fix{};                  ///< how the capture's files are to be read
     int maxViews = 3;                  ///< views with pictures
 };
 

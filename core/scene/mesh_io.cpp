@@ -7,8 +7,8 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/text_scanner.h"
 #include "scene/ply_reader.h"
-#include "scene/text_scanner.h"
 #include "scene/triangle_soup.h"
 
 namespace relamp {

@@ -1,6 +1,6 @@
 // OBJ, OFF and ascii text in general: vertices and polygons; materials, groups and texture coordinates are passed over.
 #include "base/error.h"
-#include "scene/text_scanner.h"
+#include "base/text_scanner.h"
 #include "scene/triangle_soup.h"
 
 namespace relamp {

@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 #include "base/random.h"
-#include "scene/text_scanner.h"
+#include "base/text_scanner.h"
 #include "scene/triangle_soup.h"
 
 namespace relamp {

@@ -123,7 +123,7 @@ std::vector<Camera> cameraPath(const Capture& capture, const std::string& text) 
     return throughViews(capture, text.substr(colon + 1, second - colon - 1), countOf(text.substr(second + 1), text), text);
 }
 
-CameraFile readCameraPath(const std::filesystem::path& file, const DMat4& worldFromFile) {
+CameraFile readCameraPath(const Capture& capture, const std::filesystem::path& file) {
     CameraFile result;
     nlohmann::json document;
     if (std::filesystem::is_regular_file(file)) {
@@ -143,7 +143,10 @@ CameraFile readCameraPath(const std::filesystem::path& file, const DMat4& worldF
     } else {
         result.cameras.push_back(readCameraFile(file));
     }
-    for (Camera& camera : result.cameras) camera.worldFromCamera = worldFromFile * camera.worldFromCamera;
+    for (Camera& camera : result.cameras) {
+        camera.worldFromCamera = DMat4(glm::dmat3(capture.worldFromFile)) * camera.worldFromCamera;
+        camera.worldFromCamera[3] = glm::dvec4(camera.position() * capture.metresPerUnit, 1);
+    }
     return result;
 }
 

@@ -23,7 +23,7 @@ struct CameraFile {
 };
 
 /// A file with the keys of transforms.json: globals and one `transform_matrix`, or `frames` with many (their pictures are not needed).
-/// `worldFromFile` turns its axes to the scene's. Throws Error naming file and field.
-CameraFile readCameraPath(const std::filesystem::path& file, const DMat4& worldFromFile);
+/// The file has the axes and the unit of the capture's. Throws Error naming file and field.
+CameraFile readCameraPath(const Capture& capture, const std::filesystem::path& file);
 
 }  // namespace relamp

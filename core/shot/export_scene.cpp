@@ -94,6 +94,7 @@ std::vector<const char*> coefficients(LensModel model) {
     switch (model) {
         case LensModel::simplePinhole:
         case LensModel::pinhole: return {};
+        case LensModel::fov: return {"omega"};
         case LensModel::simpleRadial:
         case LensModel::simpleRadialFisheye: return {"k1"};
         case LensModel::radial:

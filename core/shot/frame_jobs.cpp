@@ -103,7 +103,7 @@ std::vector<FrameJob> frameJobs(const Capture& capture, const std::string& camer
         if (size_t(n) >= capture.views.size()) throw BadOption("--camera {}: does not exist, expected 0 to {}, a camera file, turntable:N, path:V,V,...:N, or all", n, capture.views.size() - 1);
         jobs.push_back({capture.views[size_t(n)].camera, output, n + 1, n});
     } else {
-        const CameraFile file = readCameraPath(camera, DMat4(glm::dmat3(capture.worldFromFile)));
+        const CameraFile file = readCameraPath(capture, camera);
         if (!file.sequence && !frames.empty()) throw BadOption("--frames {}: {} holds one camera", frames, camera);
         for (const Camera& place : file.cameras) jobs.push_back({place, output, 1, -1});
         if (file.sequence) jobs = numberedJobs(std::move(jobs), frames, output);

@@ -154,6 +154,21 @@ Json shotInfo(const Shot& shot) {
     return info;
 }
 
+namespace {
+
+/// Places that are found from the current folder only are kept absolute, so that the shot opens from everywhere.
+Json fixToJson(const CaptureFix& fix, const fs::path& capture) {
+    const auto kept = [&](const std::string& place) {
+        std::error_code ignored;
+        if (place.empty() || fs::exists(capture / place, ignored) || !fs::exists(place, ignored)) return place;
+        return fs::absolute(place).lexically_normal().string();
+    };
+    return {{"up", fix.up},       {"flip_cameras", fix.flipCameras}, {"scale", fix.scale},        {"mesh_scale", fix.meshScale},
+            {"colmap", kept(fix.colmap)}, {"images", kept(fix.images)},      {"mesh", kept(fix.mesh)}, {"from_brackets", fix.fromBrackets}};
+}
+
+}  // namespace
+
 void saveShot(const Shot& shot, const Mesh& mesh, const fs::path& folder, bool overwrite) {
     std::error_code failed;
     fs::path target = fs::absolute(folder).lexically_normal();
@@ -178,7 +193,7 @@ void saveShot(const Shot& shot, const Mesh& mesh, const fs::path& folder, bool o
         if (shot.look.environment.source == EnvironmentLook::Source::file)
             document["look"]["environment"]["file"] = fs::proximate(fs::absolute(shot.look.environment.file), target).string();
         document["seed"] = shot.seed;
-        document["capture_fix"] = {{"up", shot.fix.up}, {"flip_cameras", shot.fix.flipCameras}};
+        document["capture_fix"] = fixToJson(shot.fix, shot.captureFolder);
         const DirectionGrid grid{shot.estimate.environmentSide};
         const Image map = latLongFromCells(shot.estimate.environment, grid, 1024);
         std::vector<Channel> channels(3);
@@ -286,7 +301,13 @@ Shot openShot(const fs::path& folder, bool withImages, Progress& progress) {
         }
         if (document.contains("capture_fix")) {
             const Json& fix = objectOf(document, "capture_fix");
-            shot.fix = {field<std::string>(fix, "up", "", "capture_fix."), field(fix, "flip_cameras", false, "capture_fix.")};
+            shot.fix.up = field<std::string>(fix, "up", "", "capture_fix.");
+            shot.fix.flipCameras = field(fix, "flip_cameras", false, "capture_fix.");
+            shot.fix.scale = field(fix, "scale", 1.0, "capture_fix.");
+            shot.fix.meshScale = field(fix, "mesh_scale", 1.0, "capture_fix.");
+            shot.fix.fromBrackets = field(fix, "from_brackets", false, "capture_fix.");
+            for (const auto& [key, place] : {std::pair{"colmap", &shot.fix.colmap}, std::pair{"images", &shot.fix.images}, std::pair{"mesh", &shot.fix.mesh}})
+                *place = field<std::string>(fix, key, "", "capture_fix.");
             if (!shot.fix.up.empty()) withContext("capture_fix.up", [&] { axisFromName(shot.fix.up); });
         }
         i = 0;

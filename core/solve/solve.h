@@ -32,7 +32,7 @@ struct SolveOptions {
     int visibilitySide = 64;
     int startIterations = 25, refineIterations = 6, glossRounds = 2;
     int turns = 1;             ///< final rounds of light and reflectance in turn
-    float splitShare = 0.012f; ///< a leaf that gives more than this share of the light is split
+    float splitShare = 0.008f; ///< a leaf that gives more than this share of the light at the vertices, on average, is split
     AlbedoPrior prior;         ///< the one place where priors on reflectance enter
     GaugeChoice gauge;
     /// Light that surfaces send each other: by the photographs, never, always.

@@ -214,11 +214,17 @@ void SolveState::leaveOutBlackEnvironment() {
 bool SolveState::refineLeaves() {
     const size_t limit = hasMatte() ? options_.maxLeaves : options_.maxLeaves + 3 * (size_t(1) << (2 * options_.startLevel));
     if (environmentBlack_ || stopped() || lighting_.leaves.size() >= limit) return false;
-    Rgb total(0);
-    for (size_t i = 0; i < lighting_.leaves.size(); ++i) total += lighting_.leafRadiance[i] * lighting_.leaves[i].solidAngle();
+    // What a leaf gives of the light at a vertex, on average over the vertices: a sky counts in the shadow of its sun, where lamps are told from it.
+    computeLit();
+    std::vector<Rgb> given(lighting_.leaves.size(), Rgb(0));
+    size_t counted = 0;
+    for (size_t r = 0; r < influence_.rows; r += 5, ++counted) {
+        const Rgb inverse = 1.0f / glm::max(lit_[r], Rgb(1e-30f));
+        for (size_t i = 0; i < given.size(); ++i) given[i] += influence_.row(r)[i] * lighting_.leafRadiance[i] * inverse;
+    }
     std::vector<std::pair<float, uint32_t>> strong;
     for (uint32_t i = 0; i < lighting_.leaves.size(); ++i) {
-        const Rgb share = lighting_.leafRadiance[i] * lighting_.leaves[i].solidAngle() / glm::max(total, Rgb(1e-30f));
+        const Rgb share = given[i] / float(std::max<size_t>(1, counted));
         if (maxChannel(share) > options_.splitShare && lighting_.leaves[i].level < LightLeaves::maxLevel) strong.emplace_back(maxChannel(share), i);
     }
     if (strong.empty()) return false;

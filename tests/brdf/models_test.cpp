@@ -260,5 +260,13 @@ TEST(Lafortune, IsOneInTheMirrorDirectionWhenBothCoefficientsAreOne) {
     EXPECT_LT(lafortune(direction(40, 10), direction(40, 10), 1, 1, 30), 1e-5);
 }
 
+TEST(GgxGrazing, IsGgxTimesTheFifthPowerAtTheHalfVector) {
+    const Vec3 light = glm::normalize(Vec3(0.6f, 0, 0.8f)), eye = glm::normalize(Vec3(-0.6f, 0, 0.8f));
+    // The half vector is the normal, its cosine 0.8.
+    EXPECT_NEAR(ggxGrazing(light, eye, 0.2f) / ggx(light, eye, 0.2f), std::pow(0.2, 5), 1e-8);
+    EXPECT_EQ(ggxGrazing(light, {0, 0, -1}, 0.2f), 0);
+    EXPECT_EQ(ggxGrazing(light, eye, 0.2f), ggxGrazing(eye, light, 0.2f));
+}
+
 }  // namespace
 }  // namespace relamp

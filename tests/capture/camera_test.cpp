@@ -17,7 +17,7 @@ Camera cameraOf(LensModel model, std::array<double, 8> distortion) {
 }
 
 TEST(Camera, NamesOfLensModelsGoThereAndBack) {
-    for (const char* name : {"SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV", "OPENCV_FISHEYE", "FULL_OPENCV",
+    for (const char* name : {"SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV", "OPENCV_FISHEYE", "FULL_OPENCV", "FOV",
                              "SIMPLE_RADIAL_FISHEYE", "RADIAL_FISHEYE", "THIN_PRISM_FISHEYE"}) {
         const auto model = lensModelFromName(name);
         ASSERT_TRUE(model) << name;
@@ -87,6 +87,24 @@ TEST(Camera, FullOpenCvDividesByTheSecondPolynomial) {
     EXPECT_NEAR(pixel->x, 322 + 500 * 0.5 * 1.025 / 1.05, 1e-3);
 }
 
+TEST(Camera, FovGivesTheValueWorkedOutByHand) {
+    const Camera camera = cameraOf(LensModel::fov, {0.8});
+    const auto pixel = camera.project({0.6, 0, -1});
+    ASSERT_TRUE(pixel);
+    // atan(2 x 0.6 tan 0.4) / 0.8 = atan(0.50735186) / 0.8 = 0.58686283
+    EXPECT_NEAR(pixel->x, 322 + 500 * std::atan(1.2 * std::tan(0.4)) / 0.8, 1e-3);
+    EXPECT_NEAR(pixel->x, 322 + 500 * 0.5869, 0.05);
+    // Far off the axis a point still lands short of omega's edge, pi / 2 / omega.
+    EXPECT_LT(camera.project({1e6, 0, -1})->x, 322 + 500 * 0.5 * pi / 0.8f);
+}
+
+TEST(Camera, TheFormulaAloneFoldsBackWhereProjectionRefuses) {
+    const Camera camera = cameraOf(LensModel::simpleRadial, {-0.3});
+    EXPECT_FALSE(camera.project({1.5, 0, -1}));
+    EXPECT_NEAR(camera.projectByFormula({1.5, 0, -1})->x, 322 + 500 * 1.5 * (1 - 0.3 * 2.25), 1e-9);
+    EXPECT_FALSE(camera.projectByFormula({0, 0, 1}));
+}
+
 TEST(Camera, ProjectingARayGivesItsPixelBackForEveryLensModel) {
     const struct {
         LensModel model;
@@ -99,6 +117,8 @@ TEST(Camera, ProjectingARayGivesItsPixelBackForEveryLensModel) {
                   {LensModel::openCv, {-0.25, 0.08, 0.002, -0.003}},
                   {LensModel::openCvFisheye, {0.03, -0.01, 0.004, -0.001}},
                   {LensModel::fullOpenCv, {0.5, 0.1, 0.001, -0.002, 0.01, 0.7, 0.2, 0.03}},
+                  {LensModel::fov, {0.7}},
+                  {LensModel::fov, {1e-6}},
                   {LensModel::simpleRadialFisheye, {-0.05}},
                   {LensModel::radialFisheye, {0.04, -0.02}},
                   {LensModel::thinPrismFisheye, {0.02, -0.01, 0.001, 0.002, 0.001, -0.0005, 0.002, -0.001}}};

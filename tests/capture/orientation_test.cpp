@@ -18,7 +18,21 @@ TEST(Orientation, everyAxisTurnsToZAndNothingIsMirrored) {
         EXPECT_FLOAT_EQ(glm::determinant(turn), 1) << name;
     }
     EXPECT_THROW(axisFromName("w"), Error);
+    for (const char* name : {"1,2", "1,2,3,4", "0,0,0", "nan,1,1", "1,inf,0", "a,b,c"}) EXPECT_THROW(axisFromName(name), Error) << name;
     EXPECT_THROW(axisFromName(""), Error);
+}
+
+TEST(Orientation, anyDirectionTurnsToZAndNothingIsMirrored) {
+    for (const Vec3 given : {Vec3(1, 2, 3), Vec3(-1, 2, -3), Vec3(0.01f, 0.02f, -1), Vec3(1, -1, 0), Vec3(0, 0.1f, 1)}) {
+        const Vec3 up = axisFromName(fmt::format("{},{},{}", given.x, given.y, given.z));
+        EXPECT_NEAR(glm::distance(up, glm::normalize(given)), 0, 1e-6);
+        const Mat3 turn = rotationToZUp(up);
+        EXPECT_NEAR(glm::distance(turn * up, Vec3(0, 0, 1)), 0, 1e-6);
+        EXPECT_NEAR(glm::determinant(turn), 1, 1e-5);
+        EXPECT_NEAR(glm::length(turn * Vec3(0.3f, -0.4f, 1.2f)), 1.3f, 1e-5);
+        EXPECT_NEAR(glm::distance(axisFromName(nameFromAxis(up)), up), 0, 1e-4);
+    }
+    EXPECT_EQ(nameFromAxis({0, -1, 0}), "-y");
 }
 
 /// The same world written with Y up loads as the world with Z up.

@@ -4,6 +4,7 @@
 
 #include "base/parallel.h"
 #include "relight/frame.h"
+#include "relight/live_scene.h"
 #include "support/estimates.h"
 
 namespace relamp {
@@ -56,6 +57,25 @@ TEST(BouncedLight, IsLeftOutWhereTheEstimateHasNone) {
     const Frame frame = frameOf(relit);
     for (const Rgb& c : frame.beauty) mean += c / float(frame.beauty.size());
     EXPECT_NEAR(mean.y, 0.5 * 10 * 0.04, 0.03 * 0.2);
+}
+
+TEST(BouncedLight, TheLiveViewHasItToo) {
+    const LampInABall world;
+    Progress progress;
+    LiveScene live(std::make_shared<Scene>(world.scene), std::make_shared<Estimate>(world.estimate), {}, progress);
+    Look look;
+    for (const float power : {1.0f, 0.5f, 3.0f}) {
+        look.emitters = {{"", true, Mat4(1), Rgb(power)}};
+        look.emitters[0].id = world.estimate.emitters.emitters[0].id;
+        live.setLook(look);
+        while (!live.refine(1, progress)) {}
+        const auto frame = live.frame();
+        double mean = 0;
+        const size_t n = world.scene.mesh.vertexCount() - world.estimate.emitters.emitters[0].vertices.size();
+        for (size_t v = 0; v < n; ++v) mean += frame->radiance[v].y / double(n);
+        const double expected = power * 0.5 * 10 * 0.04 / (1 - 0.5 * 0.96);
+        EXPECT_NEAR(mean, expected, 0.04 * expected) << power;
+    }
 }
 
 TEST(BouncedLight, BelongsToTheLampItCameFrom) {

@@ -141,7 +141,7 @@ TEST(LiveScene, ConstantLightOnAnOpenPlaneGivesItsAlbedo) {
             EXPECT_NEAR(frame->distantMatte[v][k], 1, 1e-3);
             EXPECT_NEAR(frame->radiance[v][k], 0.25 * (k + 1), 1e-3);
         }
-    EXPECT_EQ(frame->report.leftOut.size(), 3u) << "no gloss, no emitter, nothing that moves";
+    EXPECT_EQ(frame->report.leftOut.size(), 4u) << "no gloss, no bounces, no emitter, nothing that moves";
 }
 
 TEST(LiveScene, ADiskAboveAPlaneHasItsClosedFormFactor) {

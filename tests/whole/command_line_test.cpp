@@ -165,6 +165,80 @@ TEST(CommandLine, SolvesRendersAndTellsWhatIsInAShot) {
     EXPECT_FALSE(fs::exists(folder / "one.exr"));
 }
 
+/// The same world as a COLMAP model in folders of other names, turned so that nothing is up by itself.
+TEST(CommandLine, AColmapCaptureIsSolvedAndItsShotOpensByItself) {
+    const test::TemporaryFolder folder;
+    test::paintKnownWorld(folder / "room", true, 5, 8);
+    const json file = json::parse(test::TemporaryFolder::read(folder / "room/transforms.json"));
+    std::string images;
+    for (size_t i = 0; i < file["frames"].size(); ++i) {
+        const json& m = file["frames"][i]["transform_matrix"];
+        const auto at = [&](size_t r, size_t c) { return m[r][c].get<double>(); };
+        // cameraFromWorld with y and z turned about: rows are right, down, ahead.
+        glm::dmat3 r;
+        DVec3 t(0);
+        for (int row = 0; row < 3; ++row)
+            for (int c = 0; c < 3; ++c) {
+                r[c][row] = (row == 0 ? 1 : -1) * at(size_t(c), size_t(row));
+                t[row] -= r[c][row] * at(size_t(c), 3);
+            }
+        const double w = std::sqrt(std::max(0.0, 1 + r[0][0] + r[1][1] + r[2][2])) / 2;
+        ASSERT_GT(w, 1e-3);
+        images += fmt::format("{} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} 4 {}\r\n\r\n", 90 - 7 * i, w, (r[1][2] - r[2][1]) / (4 * w), (r[2][0] - r[0][2]) / (4 * w),
+                              (r[0][1] - r[1][0]) / (4 * w), t.x, t.y, t.z, file["frames"][i]["file_path"].get<std::string>());
+    }
+    folder.write("room/recon/cameras.txt", "4 PINHOLE 96 72 95 95 48 36\r\n");
+    folder.write("room/recon/images.txt", images);
+    fs::remove(folder / "room/transforms.json");
+    fs::rename(folder / "room/mesh.ply", folder / "room/scan.ply");
+    const std::string capture = folder / "room", shot = folder / "x.relamp";
+    expectBadInput(relamp({"solve", capture, "-o", shot}), {"transforms.json", "does not exist"});
+    const std::vector<std::string> places{"--colmap", "recon", "--images", ".", "--mesh", "scan.ply", "--up", "z"};
+    const auto with = [&](std::vector<std::string> arguments) {
+        arguments.insert(arguments.end(), places.begin(), places.end());
+        return relamp(arguments);
+    };
+    const test::ProgramResult check = with({"check", capture, "--json"});
+    ASSERT_EQ(check.exitCode, 0) << check.error;
+    const json found = json::parse(check.out);
+    EXPECT_GT(found["views"][0]["mesh_share"].get<double>(), 0.2);
+    EXPECT_TRUE(found.contains("reconstruction"));
+    ASSERT_EQ(with({"solve", capture, "-o", shot, "--quality", "draft"}).exitCode, 0);
+    EXPECT_EQ(json::parse(relamp({"info", shot, "--json"}).out)["emitters"].size(), 1u);
+    const test::ProgramResult frame = relamp({"render", shot, "-o", (folder / "f.exr").string(), "--samples", "1"});
+    EXPECT_EQ(frame.exitCode, 0) << frame.error;
+}
+
+TEST(CommandLine, BracketsAreMergedFromTheirTimes) {
+    const test::TemporaryFolder folder;
+    const std::vector<double> times{0.25, 1, 4};
+    for (size_t i = 0; i < times.size(); ++i) {
+        Image picture(120, 90);
+        for (int y = 0; y < 90; ++y)
+            for (int x = 0; x < 120; ++x) picture.at(x, y) = Rgb(std::pow(10.0f, -2.2f + 2.2f * float(x) / 119)) * float(times[i]);
+        writeImage(folder / fmt::format("{}.png", i), picture);
+    }
+    const std::string a = folder / "0.png", b = folder / "1.png", c = folder / "2.png", out = folder / "out.exr";
+    const test::ProgramResult merged = relamp({"merge-hdr", a, b, c, "-o", out, "--times", "0.25,1,4", "--response", folder / "curve.json", "--ghosts", folder / "ghosts.png"});
+    ASSERT_EQ(merged.exitCode, 0) << merged.error;
+    EXPECT_EQ(merged.out, "");
+    const Image image = readImage(out);
+    // sRGB's own curve is found: radiance grows by 10^(2.2 / 119) from pixel to pixel.
+    EXPECT_NEAR(std::log10(image.at(100, 40).y / image.at(40, 40).y), 60 * 2.2 / 119, 0.06);
+    EXPECT_EQ(json::parse(test::TemporaryFolder::read(folder / "curve.json"))["log_exposure"]["g"].size(), 256u);
+    EXPECT_EQ(readImage(folder / "ghosts.png").at(60, 40), Rgb(1));
+    expectBadInput(relamp({"merge-hdr", a, b, "-o", out}), {a, "exposure time"});
+    // A curve that was written serves again, for two exposures of the three as well.
+    const std::string curve = folder / "curve.json", again = folder / "again.exr";
+    ASSERT_EQ(relamp({"merge-hdr", a, b, "-o", again, "--times", "0.25,1", "--use-response", curve}).exitCode, 0);
+    EXPECT_NEAR(readImage(again).at(80, 40).y / image.at(80, 40).y, 1, 0.05);
+    for (const char* bad : {"[1, 2]", "{\"log_exposure\": 5}", "{\"log_exposure\": {\"r\": [1]}}", "{\"log_exposure\": {\"r\": [[[[", ""})
+        expectBadInput(relamp({"merge-hdr", a, b, "-o", again, "--times", "0.25,1", "--use-response", folder.write("bad.json", bad)}), {"bad.json"});
+    for (const std::vector<std::string>& wrong : std::vector<std::vector<std::string>>{
+             {"merge-hdr", a, "-o", out}, {"merge-hdr", a, b, "-o", out, "--times", "1"}, {"merge-hdr", a, b, "-o", out, "--times", "1,0"}, {"merge-hdr", a, b, "-o", folder / "x.png", "--times", "1,2"}})
+        EXPECT_EQ(relamp(wrong).exitCode, 2) << wrong.back();
+}
+
 TEST(CommandLine, AnInterruptEndsASolveWithItsOwnCodeAndLeavesNothingBehind) {
     const test::TemporaryFolder folder;
     test::paintKnownWorld(folder / "capture", true, 4, 60);

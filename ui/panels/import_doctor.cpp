@@ -32,14 +32,19 @@ std::string adviceFor(const std::string& warning) {
 void axes(Editor& editor, const CaptureCheck& check) {
     const CaptureFix now = editor.state.document.fix;
     std::optional<CaptureFix> wanted;
+    const auto change = [&](const std::string& up, bool flipped) {
+        wanted = now;
+        wanted->up = up;
+        wanted->flipCameras = flipped;
+    };
     ImGui::BeginDisabled(editor.job().has_value());
     if (!check.upGuess.empty() && check.upGuess != check.up) {
         warningText(fmt::format("The world may stand on its side. The cameras think that {} is up.", check.upGuess));
-        if (button(fmt::format("Turn it: {} is up", check.upGuess).c_str(), "Reads the capture again with this axis up. The files are not touched.")) wanted = CaptureFix{check.upGuess, now.flipCameras};
+        if (button(fmt::format("Turn it: {} is up", check.upGuess).c_str(), "Reads the capture again with this axis up. The files are not touched.")) change(check.upGuess, now.flipCameras);
     }
     if (check.lookBackwards) {
         warningText("The cameras look away from the mesh.");
-        if (button("Flip the cameras", "Reads the matrices as OpenCV's (Y down, looking along +Z). The files are not touched.")) wanted = CaptureFix{now.up, !now.flipCameras};
+        if (button("Flip the cameras", "Reads the matrices as OpenCV's (Y down, looking along +Z). The files are not touched.")) change(now.up, !now.flipCameras);
     }
     ImGui::AlignTextToFramePadding();
     dimText("Up in the files");
@@ -47,13 +52,13 @@ void axes(Editor& editor, const CaptureCheck& check) {
     ImGui::SetNextItemWidth(em(8));
     if (ImGui::BeginCombo("##up", now.up.empty() ? "as they say" : now.up.c_str())) {
         for (const char* axis : {"", "z", "-z", "y", "-y", "x", "-x"})
-            if (ImGui::Selectable(*axis ? axis : "as they say", now.up == axis) && now.up != axis) wanted = CaptureFix{axis, now.flipCameras};
+            if (ImGui::Selectable(*axis ? axis : "as they say", now.up == axis) && now.up != axis) change(axis, now.flipCameras);
         ImGui::EndCombo();
     }
     tooltip("The axis that points up in the capture's files. The scene is turned so that it stands upright; the files are not touched.");
     bool flip = now.flipCameras;
     sameLineIfFits(em(12));
-    if (checkbox("Cameras flipped", flip, "Reads the camera matrices as OpenCV's: Y down, looking along +Z. For cameras that look away from the mesh.")) wanted = CaptureFix{now.up, flip};
+    if (checkbox("Cameras flipped", flip, "Reads the camera matrices as OpenCV's: Y down, looking along +Z. For cameras that look away from the mesh.")) change(now.up, flip);
     ImGui::EndDisabled();
     if (editor.estimate()) dimWrapped("A change here reads the capture again; the present estimate and its edits then go.");
     if (wanted) editor.fixCapture(*wanted);

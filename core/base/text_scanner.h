@@ -1,4 +1,4 @@
-// Words and numbers of an ascii mesh file, without copies.
+// Words and numbers of text files (meshes, COLMAP models), without copies.
 #pragma once
 #include <charconv>
 #include <cstdint>
