@@ -64,6 +64,7 @@ int main(int argc, char** argv) {
     bool json = false;
     cli::SolveArguments solve;
     cli::RenderArguments render;
+    cli::ExportArguments exported;
     cli::CompareArguments compare;
     cli::MergeArguments merge;
     CaptureFix fix;
@@ -95,17 +96,28 @@ int main(int argc, char** argv) {
     CLI::App* renderVerb = app.add_subcommand("render", "Relit frames");
     renderVerb->add_option("shot", render.shot, "Shot folder")->required();
     renderVerb->add_option("-o,--output", render.output, "Picture (EXR, or PNG/JPEG for a look); with several frames a name with #### or %04d")->required();
-    renderVerb->add_option("--edits", render.edits, "Edits document (JSON) in place of the shot's own look");
+    renderVerb->add_option("--edits", render.edits, "Edits document (JSON) in place of the shot's own look; with `keys` it changes over the frames");
     renderVerb->add_option("--env", render.environment, "A latitude-longitude file, none, or recovered");
     renderVerb->add_option("--env-yaw", render.yaw, "Degrees about the vertical");
-    renderVerb->add_option("--camera", render.camera, "A view's number, a camera file, or all")->capture_default_str();
-    renderVerb->add_option("--frames", render.frames, "With --camera all: 1-3,5,7-20:2");
+    renderVerb->add_option("--camera", render.camera, "A view's number, a camera file, all, turntable:N, or path:V,V,...:N (a spline through views)")->capture_default_str();
+    renderVerb->add_option("--frames", render.frames, "Of a sequence: 1-3,5,7-20:2");
     renderVerb->add_option("--size", render.size, "WxH in place of the camera's own");
-    renderVerb->add_option("--layers", render.layers, "all, or names: groups, albedo, normal, position, depth");
+    renderVerb->add_option("--layers", render.layers, "all, or names: groups, albedo, correction, residual, normal, position, depth, cryptomatte");
+    renderVerb->add_option("--naming", render.naming, "Light groups as Combined_GROUP (blender) or RGBA_GROUP (arnold)")->check(CLI::IsMember({"blender", "arnold"}))->capture_default_str();
+    renderVerb->add_flag("--multipart", render.multipart, "One part a layer");
+    renderVerb->add_option("--ratio", render.ratio, "Relight the photograph itself: x new / old (quotient), or + new - old (difference)")->expected(0, 1)->default_str("quotient")->check(CLI::IsMember({"quotient", "difference"}));
+    renderVerb->add_option("--view", render.view, "What PNG and JPEG show: standard (sRGB), auto (exposed by itself), raw")->check(CLI::IsMember({"standard", "auto", "raw"}))->capture_default_str();
     renderVerb->add_option("--samples", render.samples, "Samples a pixel")->check(CLI::PositiveNumber);
     renderVerb->add_option("--threads", render.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
     renderVerb->add_option("--seed", render.seed, "Seed of the sampling")->capture_default_str();
     renderVerb->add_flag("--skip-existing", render.skipExisting, "Leave frames that exist");
+
+    CLI::App* exportVerb = app.add_subcommand("export", "The scene for other programs: lights as JSON, USD and glTF, environment, materials, cameras");
+    exportVerb->add_option("shot", exported.shot, "Shot folder")->required();
+    exportVerb->add_option("-o,--output", exported.output, "Folder for the files")->required();
+    exportVerb->add_option("--edits", exported.edits, "Edits document (JSON) in place of the shot's own look");
+    exportVerb->add_option("--threads", exported.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
+    exportVerb->add_flag("--overwrite", exported.overwrite, "Write into a folder that holds something");
 
     CLI::App* compareVerb = app.add_subcommand("compare", "Near-field against distant-only: figures and pictures in one HTML page");
     compareVerb->add_option("capture", compare.capture, "Capture folder")->required();
@@ -174,6 +186,7 @@ int main(int argc, char** argv) {
         else if (*checkVerb) code = cli::check(path, fix, json, progress);
         else if (*solveVerb) code = cli::solve(solve, progress);
         else if (*renderVerb) code = cli::render(render, progress);
+        else if (*exportVerb) code = cli::exportShot(exported, progress);
         else if (*compareVerb) code = cli::compare(compare, progress);
         else if (*mergeVerb) code = cli::mergeHdr(merge, progress);
         else if (*reportVerb) code = cli::report(report, progress);

@@ -11,11 +11,8 @@
 #include "base/parallel.h"
 #include "capture/brackets.h"
 #include "capture/check.h"
-#include "image/image_io.h"
 #include "pipeline/pipeline.h"
-#include "relight/frame.h"
 #include "report/compare.h"
-#include "shot/export_frame.h"
 #include "shot/shot_file.h"
 
 namespace relamp::cli {
@@ -114,48 +111,6 @@ int solve(const SolveArguments& a, Progress& progress) {
     saveShot(shot, r.scene.mesh, a.output, a.overwrite);
     logInfo("solved in {:.1f} s, {:.0f} MiB: {} emitter(s), {} distant unknowns", shot.resources.seconds, shot.resources.peakMib, shot.estimate.emitters.emitters.size(), shot.estimate.lighting.leaves.size());
     return 0;
-}
-
-int render(const RenderArguments& a, Progress& progress) {
-    const ThreadLimit limit(a.threads);
-    const Shot shot = openShot(a.shot, false, progress);
-    Look look = a.edits.empty() ? shot.look : readLook(a.edits);
-    if (!a.environment.empty()) {
-        if (a.environment == "none") look.environment.source = EnvironmentLook::Source::none;
-        else if (a.environment == "recovered") look.environment.source = EnvironmentLook::Source::recovered;
-        else {
-            look.environment.source = EnvironmentLook::Source::file;
-            look.environment.file = a.environment;
-        }
-    }
-    look.environment.yawDegrees += a.yaw;
-    const std::vector<FrameJob> jobs = [&] {
-        try {
-            checkLayers(a.layers);
-            return frameJobs(shot.capture, a.camera, a.frames, a.size, a.output);
-        } catch (const BadOption& error) {
-            throw UsageError(error.what());
-        }
-    }();
-    const Scene scene = buildScene(shot.capture.mesh, progress);
-    const RelitScene relit = applyLook(scene, shot.estimate, look, progress);
-    FrameOptions options;
-    options.seed = a.seed;
-    if (a.samples > 0) options.samplesPerPixel = a.samples;
-    int failures = 0;
-    for (const FrameJob& job : jobs) {
-        if (a.skipExisting && fs::exists(job.file)) continue;
-        try {
-            const Frame frame = renderFrame(relit, job.camera, options, progress);
-            const double sumError = writeFrame(job.file, frame, relit, job.camera, a.layers);
-            logInfo("{}: written, light groups sum to the beauty within {:.2g}", job.file.string(), sumError);
-        } catch (const Error& error) {
-            if (jobs.size() == 1) throw;
-            logWarning("{}", error.what());
-            ++failures;
-        }
-    }
-    return failures ? 5 : 0;
 }
 
 int compare(const CompareArguments& a, Progress& progress) {

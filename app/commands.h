@@ -30,11 +30,17 @@ struct SolveArguments {
 
 struct RenderArguments {
     fs::path shot, output, edits;
-    std::string environment, camera = "0", frames, size, layers;
+    std::string environment, camera = "0", frames, size, layers, naming = "blender", ratio, view = "standard";
     float yaw = 0;
     int samples = 0, threads = 0;
     uint64_t seed = 1;
-    bool skipExisting = false;
+    bool skipExisting = false, multipart = false;
+};
+
+struct ExportArguments {
+    fs::path shot, output, edits;
+    int threads = 0;
+    bool overwrite = false;
 };
 
 struct CompareArguments {
@@ -59,6 +65,7 @@ int edit(const std::string& path);
 int check(const fs::path& capture, const CaptureFix& fix, bool json, Progress& progress);
 int solve(const SolveArguments& arguments, Progress& progress);
 int render(const RenderArguments& arguments, Progress& progress);
+int exportShot(const ExportArguments& arguments, Progress& progress);
 int compare(const CompareArguments& arguments, Progress& progress);
 int info(const fs::path& path, const CaptureFix& fix, bool json, Progress& progress);
 int mergeHdr(const MergeArguments& arguments, Progress& progress);

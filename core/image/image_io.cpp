@@ -3,7 +3,11 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <array>
+#include <cerrno>
 #include <cstring>
 #include <mutex>
 #include <optional>
@@ -401,6 +405,252 @@ void writeChannels(const fs::path& file, int width, int height, const std::vecto
             for (size_t i = 0; i < size_t(rows) * width; ++i) out[i * channels.size() + c] = from[i];
         }
     }));
+}
+
+namespace {
+
+/// A file that remembers why a write failed: the library says only that one did.
+class DiskFile : public OIIO::Filesystem::IOProxy {
+public:
+    /// `shown` is what messages call it. With `nameless` the file has no name and is gone when closed.
+    DiskFile(const fs::path& file, std::string shown, bool nameless = false) : IOProxy(file.string(), Write), shown_(std::move(shown)) {
+        fd_ = nameless ? ::open(file.parent_path().empty() ? "." : file.parent_path().c_str(), O_TMPFILE | O_RDWR, 0600)
+                       : ::open(file.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0666);
+        if (fd_ < 0 && nameless) {  // not every file system has nameless files
+            std::string name = (file.string() + ".XXXXXX");
+            fd_ = ::mkstemp(name.data());
+            if (fd_ >= 0) ::unlink(name.c_str());
+        }
+        if (fd_ < 0) failed_ = errno;
+        check();
+    }
+    ~DiskFile() override { DiskFile::close(); }
+    DiskFile(const DiskFile&) = delete;
+    DiskFile& operator=(const DiskFile&) = delete;
+
+    const char* proxytype() const override { return "disk"; }
+    void close() override {
+        if (fd_ >= 0 && ::close(fd_) != 0) failed_ = errno;
+        fd_ = -1;
+    }
+    int64_t tell() override { return m_pos; }
+    bool seek(int64_t offset) override {
+        m_pos = offset;
+        return true;
+    }
+    size_t write(const void* bytes, size_t size) override {
+        const size_t done = pwrite(bytes, size, m_pos);
+        m_pos += int64_t(done);
+        return done;
+    }
+    size_t pwrite(const void* bytes, size_t size, int64_t offset) override {
+        size_t done = 0;
+        while (done < size) {
+            const ssize_t n = ::pwrite(fd_, static_cast<const char*>(bytes) + done, size - done, offset + int64_t(done));
+            if (n < 0 && errno == EINTR) continue;
+            if (n <= 0) {
+                failed_ = errno;
+                break;
+            }
+            done += size_t(n);
+        }
+        end_ = std::max(end_, offset + int64_t(done));
+        return done;
+    }
+    size_t pread(void* bytes, size_t size, int64_t offset) override {
+        size_t done = 0;
+        while (done < size) {
+            const ssize_t n = ::pread(fd_, static_cast<char*>(bytes) + done, size - done, offset + int64_t(done));
+            if (n < 0 && errno == EINTR) continue;
+            if (n <= 0) {
+                failed_ = n < 0 ? errno : EIO;
+                break;
+            }
+            done += size_t(n);
+        }
+        return done;
+    }
+    size_t size() const override { return size_t(end_); }
+    void flush() const override {}
+
+    /// Throws OutOfResources or Error when something went wrong.
+    void check() const {
+        if (!failed_) return;
+        const std::string message = fmt::format("{}: cannot be written ({})", shown_, std::strerror(failed_));
+        if (failed_ == ENOSPC || failed_ == EDQUOT) throw OutOfResources(message);
+        throw Error(message);
+    }
+
+private:
+    std::string shown_;
+    int fd_ = -1, failed_ = 0;
+    int64_t end_ = 0;
+};
+
+/// A picture being written to `temporary`, which will become `target`. Multi-part files are opened by name, because the library cannot write
+/// them through a file of ours.
+struct Encoder {
+    fs::path target, opened;
+    std::unique_ptr<DiskFile> disk;
+    std::unique_ptr<OIIO::ImageOutput> output;
+
+    Encoder(const fs::path& temporary, fs::path shown, bool byName = false) : target(std::move(shown)), opened(byName ? temporary : target) {
+        setUpLibrary();
+        output = OIIO::ImageOutput::create(target.string());
+        if (!output) throw Error("{}: cannot be written ({})", target.string(), OIIO::geterror());
+        if (byName) return;
+        if (!output->supports("ioproxy")) throw Error("{}: this format cannot be written", target.string());
+        disk = std::make_unique<DiskFile>(temporary, target.string());
+        output->set_ioproxy(disk.get());
+    }
+    void check(bool good) const {
+        if (good) return;
+        const std::string reason = output->geterror();
+        if (disk) disk->check();
+        std::error_code failed;
+        const fs::space_info space = fs::space(opened.parent_path().empty() ? "." : opened.parent_path(), failed);
+        if (!failed && space.available < (1 << 20)) throw OutOfResources("{}: cannot be written (no space left)", target.string());
+        throw Error("{}: cannot be encoded ({})", target.string(), reason);
+    }
+    void close() {
+        check(output->close());
+        if (!disk) return;
+        disk->close();
+        disk->check();
+    }
+};
+
+constexpr int rowsInZip = 16;  // lines that ZIP packs together
+
+/// Rows of planar channels into the open part of a file.
+void writePlanes(Encoder& encoder, const std::vector<const float*>& planes, int width, int first, int count) {
+    std::vector<float> mixed(size_t(rowsInZip) * size_t(width) * planes.size());
+    for (int y = 0; y < count; y += rowsInZip) {
+        const int rows = std::min(rowsInZip, count - y);
+        for (size_t c = 0; c < planes.size(); ++c) {
+            const float* from = planes[c] + size_t(y) * size_t(width);
+            for (size_t i = 0; i < size_t(rows) * size_t(width); ++i) mixed[i * planes.size() + c] = from[i];
+        }
+        encoder.check(encoder.output->write_scanlines(first + y, first + y + rows, 0, floatType, mixed.data()));
+    }
+}
+
+/// The planes of one strip.
+struct Strip {
+    std::vector<std::vector<float>> planes;
+    Strip(size_t channels, size_t pixels) : planes(channels, std::vector<float>(pixels)) {}
+    std::vector<float*> places() {
+        std::vector<float*> out;
+        for (auto& plane : planes) out.push_back(plane.data());
+        return out;
+    }
+};
+
+void holdToHalf(std::vector<float>& plane, size_t count) {
+    for (size_t i = 0; i < count; ++i) plane[i] = std::clamp(plane[i], -largestHalf, largestHalf);
+}
+
+}  // namespace
+
+void writeChannelRows(const fs::path& file, int width, int height, int stripRows, const std::vector<ChannelPart>& parts, const FillChannelRows& fill,
+                      const std::map<std::string, std::string>& header) {
+    if (width <= 0 || height <= 0 || parts.empty()) throw Error("{}: there are no pixels to write", file.string());
+    if (lowerExtension(file) != ".exr") throw Error("{}: layers are written as .exr only", file.string());
+    stripRows = std::min((std::max(stripRows, 1) + rowsInZip - 1) / rowsInZip * rowsInZip, height);
+    std::vector<OIIO::ImageSpec> specs;
+    std::vector<ChannelFormat> all;
+    for (const ChannelPart& part : parts) {
+        OIIO::ImageSpec spec(width, height, int(part.channels.size()), floatType);
+        spec.channelnames.clear();
+        for (const ChannelFormat& channel : part.channels) {
+            if (channel.name == "A") spec.alpha_channel = int(spec.channelnames.size());
+            spec.channelnames.push_back(channel.name);
+            spec.channelformats.emplace_back(channel.half ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT);
+            all.push_back(channel);
+        }
+        if (parts.size() > 1) spec.attribute("oiio:subimagename", part.name);
+        putExrDefaults(spec);
+        putHeader(spec, header);
+        specs.push_back(std::move(spec));
+    }
+    const size_t pixels = size_t(stripRows) * size_t(width);
+    writeFileAtomically(file, [&](const fs::path& temporary) {
+        Encoder encoder(temporary, file, parts.size() > 1);
+        Strip strip(all.size(), pixels);
+        const auto strips = [&](const auto& body) {
+            for (int y = 0; y < height; y += stripRows) body(y, std::min(stripRows, height - y));
+        };
+        const auto filled = [&](int first, int count) {
+            fill(first, count, strip.places());
+            for (size_t c = 0; c < all.size(); ++c)
+                if (all[c].half) holdToHalf(strip.planes[c], size_t(count) * size_t(width));
+        };
+        if (parts.size() == 1) {
+            encoder.check(encoder.output->open(encoder.opened.string(), specs[0]));
+            strips([&](int first, int count) {
+                filled(first, count);
+                std::vector<const float*> planes;
+                for (const auto& plane : strip.planes) planes.push_back(plane.data());
+                writePlanes(encoder, planes, width, first, count);
+            });
+        } else {
+            DiskFile waiting(temporary, file.string(), true);
+            const auto place = [&](size_t channel, int first) { return int64_t((channel * size_t(height) + size_t(first)) * size_t(width) * sizeof(float)); };
+            strips([&](int first, int count) {
+                filled(first, count);
+                for (size_t c = 0; c < all.size(); ++c) waiting.pwrite(strip.planes[c].data(), size_t(count) * size_t(width) * sizeof(float), place(c, first));
+                waiting.check();
+            });
+            encoder.check(encoder.output->open(encoder.opened.string(), int(specs.size()), specs.data()));
+            size_t channel = 0;
+            for (size_t p = 0; p < parts.size(); ++p) {
+                if (p > 0) encoder.check(encoder.output->open(encoder.opened.string(), specs[p], OIIO::ImageOutput::AppendSubimage));
+                strips([&](int first, int count) {
+                    std::vector<const float*> planes;
+                    for (size_t c = 0; c < parts[p].channels.size(); ++c) {
+                        waiting.pread(strip.planes[c].data(), size_t(count) * size_t(width) * sizeof(float), place(channel + c, first));
+                        planes.push_back(strip.planes[c].data());
+                    }
+                    waiting.check();
+                    writePlanes(encoder, planes, width, first, count);
+                });
+                channel += parts[p].channels.size();
+            }
+        }
+        encoder.close();
+        if (parts.size() > 1) {
+            // A disk that fills in the last moment is seen only by reading back what was written last.
+            std::vector<float> last(size_t(width) * parts.back().channels.size());
+            auto written = OIIO::ImageInput::open(temporary.string());
+            const int part = int(parts.size()) - 1;
+            encoder.check(written && written->read_scanlines(part, 0, height - 1, height, 0, 0, int(parts.back().channels.size()), floatType, last.data()));
+        }
+    });
+}
+
+void writeColourRows(const fs::path& file, int width, int height, int stripRows, const FillColourRows& fill, bool encoded) {
+    const std::string extension = lowerExtension(file);
+    const bool hdr = extension == ".hdr", jpeg = extension == ".jpg" || extension == ".jpeg";
+    if (!hdr && !jpeg && extension != ".png") throw Error("{}: the ending \"{}\" is unknown, expected .exr, .hdr, .png, .jpg or .jpeg", file.string(), extension);
+    if (width <= 0 || height <= 0) throw Error("{}: there are no pixels to write", file.string());
+    stripRows = std::clamp(stripRows, 1, height);
+    OIIO::ImageSpec spec(width, height, 3, hdr ? floatType : OIIO::TypeDesc(OIIO::TypeDesc::UINT8));
+    if (!hdr) spec.attribute("oiio:ColorSpace", "sRGB");
+    if (jpeg) spec.attribute("CompressionQuality", 95);
+    writeFileAtomically(file, [&](const fs::path& temporary) {
+        Encoder encoder(temporary, file);
+        encoder.check(encoder.output->open(encoder.opened.string(), spec));
+        std::vector<Rgb> rows(size_t(stripRows) * size_t(width));
+        for (int y = 0; y < height; y += stripRows) {
+            const int count = std::min(stripRows, height - y);
+            fill(y, count, rows.data());
+            if (!hdr && !encoded)
+                for (size_t i = 0; i < size_t(count) * size_t(width); ++i)
+                    for (int c = 0; c < 3; ++c) rows[i][c] = srgbEncode(rows[i][c]);
+            encoder.check(encoder.output->write_scanlines(y, y + count, 0, floatType, rows.data()));
+        }
+        encoder.close();
+    });
 }
 
 }  // namespace relamp

@@ -1,6 +1,7 @@
 // Pictures on disk. OpenImageIO is named only in image_io.cpp.
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -41,6 +42,33 @@ std::string encodePng(const Image& image);
 /// Writes a single-part EXR with the channels in the order given (ZIP). Same errors.
 void writeChannels(const std::filesystem::path& file, int width, int height, const std::vector<Channel>& channels,
                    const std::map<std::string, std::string>& header = {});
+
+/// How a channel of a file that is written in pieces is kept.
+struct ChannelFormat {
+    std::string name;           ///< as written, for example "Combined_world.R"
+    bool half = true;           ///< half float; what exceeds it is written as its largest number
+};
+
+/// Channels that are stored together.
+struct ChannelPart {
+    std::string name;           ///< of the part; used only when there are several
+    std::vector<ChannelFormat> channels;
+};
+
+/// Fills rows [first, first + count): out[c] takes count x width values of channel c, counted through all parts.
+using FillChannelRows = std::function<void(int first, int count, const std::vector<float*>& out)>;
+
+/// Writes an EXR (ZIP) strip by strip: `fill` is asked once for each strip of `stripRows` rows (the last may be lower), top to bottom.
+/// One part is a single-part file; several are a multi-part one, for which the pixels wait in a nameless file beside the target. Memory:
+/// one strip. Whole or not at all; errors as writeChannels, and whatever `fill` throws.
+void writeChannelRows(const std::filesystem::path& file, int width, int height, int stripRows, const std::vector<ChannelPart>& parts,
+                      const FillChannelRows& fill, const std::map<std::string, std::string>& header = {});
+
+/// Fills rows [first, first + count) of a picture.
+using FillColourRows = std::function<void(int first, int count, Rgb* out)>;
+
+/// Writes a PNG, JPEG or HDR strip by strip, as writeImage does; `encoded`: PNG and JPEG values are display values already.
+void writeColourRows(const std::filesystem::path& file, int width, int height, int stripRows, const FillColourRows& fill, bool encoded = false);
 
 /// sRGB transfer curve (IEC 61966-2-1) and its inverse; both map [0,1] to [0,1].
 float srgbEncode(float linear);

@@ -1,6 +1,9 @@
 // Final frames, per pixel: rays cast, reflectance interpolated from the vertices, light gathered at the pixel itself. Vertices
 // alone would blur every shadow edge by their spacing.
 #pragma once
+#include <array>
+#include <memory>
+
 #include "capture/camera.h"
 #include "relight/relit_scene.h"
 
@@ -15,8 +18,15 @@ struct FrameOptions {
     bool background = true;        ///< show the environment where no surface is
 };
 
+/// How much of a pixel shows one emitter's surface.
+struct EmitterShare {
+    int emitter = -1;          ///< index into the scene's emitters; -1: none
+    float share = 0;           ///< of the pixel's samples, in [0, 1]
+};
+
 /// Linear radiance per pixel; the groups (world, each emitter, what is seen directly) add up to the beauty.
 struct Frame {
+    static constexpr size_t ranks = 6;
     int width = 0, height = 0;
     std::vector<Rgb> beauty;
     std::vector<float> alpha;
@@ -25,6 +35,27 @@ struct Frame {
     std::vector<Rgb> albedo;
     std::vector<Vec3> normal, position;         ///< of the pixel's centre
     std::vector<float> depth;                   ///< along the camera's axis, metres; 1e30 where nothing is
+    /// The emitters seen, largest share first; at most six a pixel, as Cryptomatte has it.
+    std::vector<std::array<EmitterShare, ranks>> emittersSeen;
+};
+
+/// Renders a frame in pieces, so that a picture of any size needs the memory of a few rows. Keeps references to scene and camera.
+class FrameRenderer {
+public:
+    FrameRenderer(const RelitScene& relit, const Camera& camera, const FrameOptions& options);
+    ~FrameRenderer();
+    FrameRenderer(const FrameRenderer&) = delete;
+    FrameRenderer& operator=(const FrameRenderer&) = delete;
+
+    /// Rows [first, first + count) as a frame `count` high: the same bits as those rows of the whole, however it is cut. Advances
+    /// `progress` by one a row. Throws Cancelled. May be called from one thread at a time (it uses all cores itself).
+    Frame rows(int first, int count, Progress& progress) const;
+
+private:
+    const RelitScene& relit_;
+    const Camera& camera_;
+    FrameOptions options_;
+    std::unique_ptr<const struct SceneLights> lights_;
 };
 
 /// Monte Carlo direct lighting with multiple importance sampling (Veach 1997) over low-discrepancy points; unbiased, the same bits

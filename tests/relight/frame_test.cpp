@@ -208,5 +208,33 @@ TEST(Frame, StopsHalfWayWhenAsked) {
     });
 }
 
+TEST(FrameRenderer, StripsHaveTheBitsOfTheWholeFrame) {
+    const Scene scene = test::sceneOf(test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 4, 4));
+    Look look;
+    look.added.push_back({AddedEmitter::Shape::disk, "lamp", test::translation({0, 0, 1}), Vec2(0.5f), Rgb(10)});
+    const RelitScene relit = test::relitOf(scene, test::matteEstimate(scene, Rgb(0.5f), Rgb(1)), look);
+    const Camera camera = test::cameraAt({0, -2, 1.5}, {0, 0, 0.4}, 37, 29, 30);
+    FrameOptions options;
+    options.samplesPerPixel = 2;
+    Progress progress;
+    const Frame whole = renderFrame(relit, camera, options, progress);
+    const FrameRenderer renderer(relit, camera, options);
+    size_t at = 0, lampPixels = 0;
+    for (const auto& [first, count] : std::vector<std::pair<int, int>>{{0, 7}, {7, 1}, {8, 21}}) {
+        const Frame strip = renderer.rows(first, count, progress);
+        ASSERT_EQ(strip.height, count);
+        for (size_t p = 0; p < strip.beauty.size(); ++p, ++at) {
+            ASSERT_EQ(strip.beauty[p], whole.beauty[at]) << at;
+            ASSERT_EQ(strip.byEmitter[0][p], whole.byEmitter[0][at]);
+            ASSERT_EQ(strip.position[p], whole.position[at]);
+            ASSERT_EQ(strip.depth[p], whole.depth[at]);
+            ASSERT_EQ(strip.emittersSeen[p][0].share, whole.emittersSeen[at][0].share);
+            lampPixels += strip.emittersSeen[p][0].share == 1;
+        }
+    }
+    EXPECT_EQ(at, whole.beauty.size());
+    EXPECT_GT(lampPixels, 3u);
+}
+
 }  // namespace
 }  // namespace relamp

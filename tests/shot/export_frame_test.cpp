@@ -133,12 +133,12 @@ TEST_F(WrittenFrame, HasEveryLayerWithNamesThatOtherProgramsRead) {
     const std::regex form("([A-Za-z][A-Za-z0-9_]*\\.)?[A-Za-z]");
     for (const auto& [name, type] : header.channels) {
         EXPECT_TRUE(std::regex_match(name, form)) << name;
-        const bool geometry = name.starts_with("normal") || name.starts_with("position") || name.starts_with("depth");
+        const bool geometry = name.starts_with("normal") || name.starts_with("position") || name.starts_with("depth") || name.starts_with("Crypto");
         EXPECT_EQ(type, geometry ? "float" : "half") << name;
     }
-    for (const char* name : {"R", "G", "B", "A", "Combined_world.R", "Combined_emitter_1.G", "Combined_L_7_of_9.B", "albedo.R", "normal.X", "normal.Z", "position.Y", "depth.Z"})
+    for (const char* name : {"R", "G", "B", "A", "Combined_world.R", "Combined_emitter_1.G", "Combined_L_7_of_9.B", "Combined_rest.G", "correction.B", "CryptoEmitter00.R", "CryptoEmitter02.A", "albedo.R", "normal.X", "normal.Z", "position.Y", "depth.Z"})
         EXPECT_TRUE(header.channels.contains(name)) << name;
-    EXPECT_EQ(header.channels.size(), 4u + 3 * 3 + 3 + 3 + 3 + 1);
+    EXPECT_EQ(header.channels.size(), 4u + 4 * 3 + 3 + 3 + 3 + 3 + 1 + 3 * 4);
 }
 
 TEST_F(WrittenFrame, HoldsOnlyTheLayersNamed) {

@@ -63,7 +63,7 @@ TEST(CommandLine, HelpAndVersionAreResults) {
     EXPECT_EQ(relamp({"--version"}).out.substr(0, 7), "relamp ");
     const test::ProgramResult help = relamp({"--help"});
     EXPECT_EQ(help.exitCode, 0);
-    for (const char* verb : {"check", "solve", "render", "compare", "info"}) EXPECT_NE(help.out.find(verb), std::string::npos) << verb;
+    for (const char* verb : {"check", "solve", "render", "export", "compare", "info"}) EXPECT_NE(help.out.find(verb), std::string::npos) << verb;
     EXPECT_EQ(help.error, "");
 }
 
@@ -124,8 +124,23 @@ TEST(CommandLine, SolvesRendersAndTellsWhatIsInAShot) {
     EXPECT_EQ(relamp({"render", shot, "-o", frames, "--camera", "all", "--frames", "2-3", "--samples", "1", "--size", "24x18", "--skip-existing"}).exitCode, 0);
     EXPECT_EQ(test::TemporaryFolder::read(folder / "frames.02.exr"), "mine");
     EXPECT_TRUE(fs::exists(folder / "frames.03.exr"));
+    // Cameras and looks that move; the photograph itself relit; the scene for other programs.
+    folder.write("keys.json", R"({"keys": [{"frame": 1, "look": {}}, {"frame": 3, "look": {"emitters": [{"id": "emitter-1", "enabled": false}]}}]})");
+    const std::string moving = folder / "turn.#.exr", keys = folder / "keys.json";
+    EXPECT_EQ(relamp({"render", shot, "-o", moving, "--camera", "turntable:3", "--frames", "2-5", "--edits", keys, "--samples", "1", "--size", "24x18"}).exitCode, 0);
+    EXPECT_TRUE(fs::exists(folder / "turn.2.exr") && fs::exists(folder / "turn.3.exr"));
+    EXPECT_FALSE(fs::exists(folder / "turn.1.exr") || fs::exists(folder / "turn.4.exr"));
+    const test::ProgramResult ratio = relamp({"render", shot, "-o", folder / "ratio.exr", "--ratio", "--edits", keys, "--camera", "0", "--samples", "1", "--layers", "all", "--multipart"});
+    EXPECT_EQ(ratio.exitCode, 0) << ratio.error;
+    EXPECT_EQ(relamp({"render", shot, "-o", folder / "same.exr", "--ratio", "--samples", "1"}).exitCode, 0);
+    const Image photograph = readImage(folder / "capture/images/00.exr"), same = readImage(folder / "same.exr");
+    for (size_t p = 0; p < same.pixels.size(); ++p) ASSERT_NEAR(same.pixels[p].x, photograph.pixels[p].x, 1e-3 * photograph.pixels[p].x + 1e-6);
+    EXPECT_EQ(relamp({"export", shot, "-o", folder / "scene"}).exitCode, 0);
+    EXPECT_EQ(json::parse(test::TemporaryFolder::read(folder / "scene/lights.json"))["lights"][0]["id"], "emitter-1");
+    EXPECT_EQ(relamp({"check", folder / "scene"}).exitCode, 0) << "what is exported is a capture again";
+    expectBadInput(relamp({"export", shot, "-o", folder / "scene"}), {"scene", "--overwrite"});
     // Options that cannot be meant.
-    for (const std::vector<std::string>& extra : std::vector<std::vector<std::string>>{{"--camera", "all", "--frames", "1-3"}, {"--camera", "all", "--frames", "3-1"}, {"--camera", "99"}, {"--size", "12"}, {"--layers", "beauty"}, {"--frames", "1"}}) {
+    for (const std::vector<std::string>& extra : std::vector<std::vector<std::string>>{{"--camera", "all", "--frames", "1-3"}, {"--camera", "all", "--frames", "3-1"}, {"--camera", "99"}, {"--size", "12"}, {"--layers", "beauty"}, {"--frames", "1"}, {"--ratio=quotient", "--size=24x18"}, {"--ratio", "--camera=turntable:1"}, {"--ratio=cubed", "--samples=1"}, {"--layers=residual", "--size=24x18"}, {"--camera", "turntable:0"}, {"--camera", "path:0,77:4"}, {"--naming", "nuke"}, {"--view", "film"}}) {
         std::vector<std::string> arguments{"render", shot, "-o", folder / "one.exr", "--samples", "1"};
         arguments.insert(arguments.end(), extra.begin(), extra.end());
         const test::ProgramResult r = relamp(arguments);

@@ -1,0 +1,21 @@
+// relamp export: the scene for other programs.
+#include "base/log.h"
+#include "base/parallel.h"
+#include "commands.h"
+#include "shot/export_scene.h"
+
+namespace relamp::cli {
+
+int exportShot(const ExportArguments& a, Progress& progress) {
+    const ThreadLimit limit(a.threads);
+    const Shot shot = openShot(a.shot, false, progress);
+    const Look look = a.edits.empty() ? shot.look : readLook(a.edits);
+    const Scene scene = buildScene(shot.capture.mesh, progress);
+    const RelitScene relit = applyLook(scene, shot.estimate, look, progress);
+    progress.check();
+    exportScene(shot, relit, a.output, a.overwrite);
+    logInfo("{}: {} light(s), environment, materials and {} camera(s) written", a.output.string(), relit.emitters.size(), shot.capture.views.size());
+    return 0;
+}
+
+}  // namespace relamp::cli

@@ -1,0 +1,149 @@
+// relamp render: frames of a shot under a look, from any camera, one after the other.
+#include <optional>
+
+#include "base/log.h"
+#include "base/parallel.h"
+#include "commands.h"
+#include "relight/look_track.h"
+#include "shot/export_frame.h"
+#include "shot/shot_file.h"
+#include "shot/shot_hash.h"
+
+namespace relamp::cli {
+namespace {
+
+LookTrack trackOf(const RenderArguments& a, const Shot& shot) {
+    LookTrack track = a.edits.empty() ? LookTrack(shot.look) : readLookTrack(a.edits);
+    track.apply([&](Look& look) {
+        if (a.environment == "none") look.environment.source = EnvironmentLook::Source::none;
+        else if (a.environment == "recovered") look.environment.source = EnvironmentLook::Source::recovered;
+        else if (!a.environment.empty()) {
+            look.environment.source = EnvironmentLook::Source::file;
+            look.environment.file = a.environment;
+        }
+        look.environment.yawDegrees += a.yaw;
+    });
+    return track;
+}
+
+LookPivots pivotsOf(const Shot& shot) {
+    LookPivots pivots;
+    pivots.emitter = [&shot](const std::string& id) {
+        for (const EmitterCluster& e : shot.estimate.emitters.emitters)
+            if (e.id == id) return e.centroid;
+        return Vec3(0);
+    };
+    pivots.vertex = [&shot](uint32_t v) { return v < shot.capture.mesh.vertexCount() ? shot.capture.mesh.positions[v] : Vec3(0); };
+    return pivots;
+}
+
+FrameFileOptions fileOptionsOf(const RenderArguments& a) {
+    FrameFileOptions options;
+    options.layers = a.layers;
+    options.naming = layerNaming(a.naming);
+    options.multipart = a.multipart;
+    options.view = displayView(a.view);
+    if (!a.ratio.empty()) options.ratio = a.ratio == "difference" ? Ratio::difference : Ratio::quotient;
+    return options;
+}
+
+/// The photograph of a job whose camera is one of the capture's views at its own size.
+const Image* photographOf(const Capture& capture, const FrameJob& job) {
+    if (job.view < 0 || job.resized) return nullptr;
+    const Image& image = capture.views[size_t(job.view)].image;
+    return image.pixels.empty() ? nullptr : &image;
+}
+
+bool namesViews(const std::string& camera) { return camera == "all" || camera.find_first_not_of("0123456789") == std::string::npos; }
+
+/// The looks of a sequence applied, each kept as long as it lasts.
+class RelitLooks {
+public:
+    RelitLooks(const Shot& shot, const Scene& scene, const LookTrack& track) : shot_(shot), scene_(scene), track_(track), pivots_(pivotsOf(shot)) {}
+
+    const RelitScene& at(int frame, Progress& progress) {
+        Look look = track_.at(frame, pivots_);
+        if (!relit_ || !(look == look_)) {
+            relit_.reset();
+            relit_ = applyLook(scene_, shot_.estimate, look, progress);
+            look_ = std::move(look);
+        }
+        return *relit_;
+    }
+    /// The light as photographed.
+    const RelitScene& captured(Progress& progress) {
+        if (relit_ && look_ == Look{}) return *relit_;
+        if (!captured_) captured_ = applyLook(scene_, shot_.estimate, Look{}, progress);
+        return *captured_;
+    }
+
+private:
+    const Shot& shot_;
+    const Scene& scene_;
+    const LookTrack& track_;
+    LookPivots pivots_;
+    Look look_;
+    std::optional<RelitScene> relit_, captured_;
+};
+
+}  // namespace
+
+int render(const RenderArguments& a, Progress& progress) {
+    const ThreadLimit limit(a.threads);
+    LayerWish wish;
+    FrameFileOptions fileOptions;
+    try {
+        wish = layerWish(a.layers);
+        fileOptions = fileOptionsOf(a);
+    } catch (const BadOption& error) {
+        throw UsageError(error.what());
+    }
+    const bool photographs = fileOptions.ratio != Ratio::none || wish.residual || fileOptions.view == DisplayView::automatic;
+    Shot shot = openShot(a.shot, photographs && namesViews(a.camera) && a.size.empty(), progress);
+    const LookTrack track = trackOf(a, shot);
+    std::vector<FrameJob> jobs;
+    try {
+        jobs = frameJobs(shot.capture, a.camera, a.frames, a.size, a.output);
+        const bool needsPhotograph = fileOptions.ratio != Ratio::none || (wish.residual && !wish.all);
+        for (const FrameJob& job : jobs)
+            if (needsPhotograph && (job.view < 0 || job.resized))
+                throw BadOption("{}: needs a photograph: --camera a view's number or all, without --size", fileOptions.ratio != Ratio::none ? "--ratio" : "--layers residual");
+    } catch (const BadOption& error) {
+        throw UsageError(error.what());
+    }
+    for (size_t v = 0; v < shot.capture.views.size(); ++v)
+        if (std::none_of(jobs.begin(), jobs.end(), [&](const FrameJob& job) { return job.view == int(v); })) shot.capture.views[v].image = {};
+    fileOptions.header = {{"relamp:gauge", shot.estimate.gauge.kind + ": " + shot.estimate.gauge.evidence}, {"relamp:shot", shotHash(a.shot)}};
+    const Scene scene = buildScene(shot.capture.mesh, progress);
+    RelitLooks looks(shot, scene, track);
+    FrameOptions options;
+    options.seed = a.seed;
+    if (a.samples > 0) options.samplesPerPixel = a.samples;
+    int failures = 0, written = 0;
+    for (const FrameJob& job : jobs) {
+        if (a.skipExisting && fs::exists(job.file)) {
+            logInfo("{}: exists, skipped", job.file.string());
+            continue;
+        }
+        try {
+            FrameSources sources;
+            sources.look = &looks.at(job.number, progress);
+            sources.photograph = photographOf(shot.capture, job);
+            if (sources.photograph) sources.saturation = shot.capture.views[size_t(job.view)].saturation;
+            if (fileOptions.ratio != Ratio::none || wish.residual || wish.correction) sources.captured = &looks.captured(progress);
+            const double groupError = writeFrameFile(job.file, job.camera, sources, options, fileOptions, progress);
+            ++written;
+            logInfo("{}: written ({} of {}), light groups and rest are the beauty within {:.2g}", job.file.string(), written, jobs.size(), groupError);
+        } catch (const OutOfResources&) {
+            if (!written) throw;
+            ++failures;
+        } catch (const Error& error) {
+            if (jobs.size() == 1) throw;
+            logWarning("{}", error.what());
+            ++failures;
+        }
+    }
+    return failures ? 5 : 0;
+}
+
+}  // namespace relamp::cli

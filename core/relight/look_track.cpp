@@ -1,0 +1,156 @@
+#include "relight/look_track.h"
+
+#include <glm/gtc/quaternion.hpp>
+#include <nlohmann/json.hpp>
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+
+namespace relamp {
+namespace {
+
+/// A = rotation x stretch (polar decomposition, Higham's Newton steps); a mirror stays in the stretch.
+void takeApart(const glm::dmat3& a, glm::dquat& rotation, glm::dmat3& stretch) {
+    glm::dmat3 q = glm::determinant(a) < 0 ? -a : a;
+    const glm::dmat3 whole = q;
+    for (int i = 0; i < 40; ++i) {
+        const glm::dmat3 next = 0.5 * (q + glm::transpose(glm::inverse(q)));
+        double change = 0;
+        for (int c = 0; c < 3; ++c) change += glm::length(next[c] - q[c]);
+        q = next;
+        if (change < 1e-14) break;
+    }
+    rotation = glm::normalize(glm::quat_cast(q));
+    stretch = glm::transpose(q) * (glm::determinant(a) < 0 ? -whole : whole);
+}
+
+Mat4 blendMatrices(const Mat4& a, const Mat4& b, double t, const Vec3& pivot) {
+    if (a == b) return a;
+    glm::dquat turnA, turnB;
+    glm::dmat3 stretchA, stretchB;
+    takeApart(glm::dmat3(DMat4(a)), turnA, stretchA);
+    takeApart(glm::dmat3(DMat4(b)), turnB, stretchB);
+    const glm::dmat3 linear = glm::mat3_cast(glm::slerp(turnA, turnB, t)) * ((1 - t) * stretchA + t * stretchB);
+    const DVec3 from(DMat4(a) * glm::dvec4(DVec3(pivot), 1)), to(DMat4(b) * glm::dvec4(DVec3(pivot), 1));
+    DMat4 m(linear);
+    m[3] = glm::dvec4((1 - t) * from + t * to - linear * DVec3(pivot), 1);
+    return Mat4(m);
+}
+
+Rgb blendLight(const Rgb& a, const Rgb& b, float t) {
+    Rgb out;
+    for (int c = 0; c < 3; ++c) out[c] = a[c] > 0 && b[c] > 0 ? std::exp2((1 - t) * std::log2(a[c]) + t * std::log2(b[c])) : (1 - t) * a[c] + t * b[c];
+    return out;
+}
+
+template <class T, class Same>
+const T* find(const std::vector<T>& list, Same&& same) {
+    const auto at = std::find_if(list.begin(), list.end(), same);
+    return at == list.end() ? nullptr : &*at;
+}
+
+EmitterLook emitterNamed(const Look& look, const std::string& id) {
+    const EmitterLook* e = find(look.emitters, [&](const EmitterLook& x) { return x.id == id; });
+    if (e) return *e;
+    EmitterLook as;
+    as.id = id;
+    return as;
+}
+
+Mat4 partMatrix(const Look& look, uint32_t seed) {
+    const PartLook* p = find(look.parts, [&](const PartLook& x) { return x.seedVertex == seed; });
+    return p ? p->matrix : Mat4(1);
+}
+
+/// A part goes with the emitter it is attached to, or with one that has the same movement.
+Vec3 pivotOfPart(const PartLook& part, const Look& a, const Look& b, const std::vector<EmitterLook>& emitters, const LookPivots& pivots) {
+    if (!part.attachedTo.empty() && find(emitters, [&](const EmitterLook& e) { return e.id == part.attachedTo; })) return pivots.emitter(part.attachedTo);
+    for (const EmitterLook& e : emitters)
+        if (emitterNamed(a, e.id).matrix == partMatrix(a, part.seedVertex) && emitterNamed(b, e.id).matrix == partMatrix(b, part.seedVertex)) return pivots.emitter(e.id);
+    return pivots.vertex(part.seedVertex);
+}
+
+}  // namespace
+
+Look blendLooks(const Look& a, const Look& b, float t, const LookPivots& pivots) {
+    if (t <= 0) return a;
+    if (t >= 1) return b;
+    Look out = a;
+    EnvironmentLook& environment = out.environment;
+    environment.yawDegrees += t * (b.environment.yawDegrees - a.environment.yawDegrees);
+    environment.exposureStops += t * (b.environment.exposureStops - a.environment.exposureStops);
+    environment.tint = blendLight(a.environment.tint, b.environment.tint, t);
+    for (const EmitterLook& e : b.emitters)
+        if (!find(out.emitters, [&](const EmitterLook& x) { return x.id == e.id; })) out.emitters.push_back(emitterNamed(a, e.id));
+    for (EmitterLook& e : out.emitters) {
+        const EmitterLook other = emitterNamed(b, e.id);
+        e.matrix = blendMatrices(e.matrix, other.matrix, t, pivots.emitter(e.id));
+        if (e.enabled || other.enabled) {
+            e.powerScale = blendLight(e.enabled ? e.powerScale : Rgb(0), other.enabled ? other.powerScale : Rgb(0), t);
+            e.enabled = true;
+        }
+    }
+    for (AddedEmitter& e : out.added) {
+        const AddedEmitter* other = find(b.added, [&](const AddedEmitter& x) { return x.id == e.id; });
+        if (!other || other->shape != e.shape) continue;
+        const Vec3 pivot = e.shape == AddedEmitter::Shape::part ? pivots.vertex(e.seedVertex) : e.shape == AddedEmitter::Shape::copy ? pivots.emitter(e.source) : Vec3(0);
+        e.matrix = blendMatrices(e.matrix, other->matrix, t, pivot);
+        e.size += t * (other->size - e.size);
+        if (e.enabled || other->enabled) {
+            e.radiance = blendLight(e.enabled ? e.radiance : Rgb(0), other->enabled ? other->radiance : Rgb(0), t);
+            e.enabled = true;
+        }
+    }
+    for (const PartLook& p : b.parts)
+        if (!find(out.parts, [&](const PartLook& x) { return x.seedVertex == p.seedVertex; })) out.parts.push_back({p.seedVertex, Mat4(1), p.attachedTo});
+    for (PartLook& p : out.parts) p.matrix = blendMatrices(p.matrix, partMatrix(b, p.seedVertex), t, pivotOfPart(p, a, b, out.emitters, pivots));
+    return out;
+}
+
+LookTrack::LookTrack(std::vector<LookKey> keys) : keys_(std::move(keys)) {
+    if (keys_.empty()) throw Error("keys: is empty, expected a look");
+    std::sort(keys_.begin(), keys_.end(), [](const LookKey& a, const LookKey& b) { return a.frame < b.frame; });
+    for (size_t i = 1; i < keys_.size(); ++i)
+        if (keys_[i].frame == keys_[i - 1].frame) throw Error("keys: frame {} has two looks", keys_[i].frame);
+}
+
+Look LookTrack::at(int frame, const LookPivots& pivots) const {
+    if (frame <= keys_.front().frame) return keys_.front().look;
+    for (size_t i = 1; i < keys_.size(); ++i) {
+        const LookKey &a = keys_[i - 1], &b = keys_[i];
+        if (frame <= b.frame) return blendLooks(a.look, b.look, float(frame - a.frame) / float(b.frame - a.frame), pivots);
+    }
+    return keys_.back().look;
+}
+
+void LookTrack::apply(const std::function<void(Look&)>& change) {
+    for (LookKey& key : keys_) change(key.look);
+}
+
+LookTrack readLookTrack(const std::filesystem::path& file) {
+    return withContext(file.string(), [&] {
+        using Json = nlohmann::json;
+        Json document = Json::parse(readBytes(file, 64 << 20), nullptr, false);
+        if (document.is_discarded()) throw Error("is not valid JSON");
+        if (!document.is_object() || !document.contains("keys")) return LookTrack(lookFromJson(document, file.parent_path()));
+        const Json keys = document["keys"];
+        document.erase("keys");
+        if (!keys.is_array()) throw Error("keys: expected a list");
+        std::vector<LookKey> looks;
+        for (const Json& key : keys) {
+            const std::string where = fmt::format("keys[{}]", looks.size());
+            if (!key.is_object()) throw Error("{}: expected an object", where);
+            const auto frame = key.find("frame");
+            if (frame == key.end() || !frame->is_number_integer() || frame->get<int64_t>() < 0 || frame->get<int64_t>() > 100'000'000)
+                throw Error("{}.frame: expected a frame number", where);
+            const auto look = key.find("look");
+            if (look == key.end() || !look->is_object()) throw Error("{}.look: expected an object", where);
+            Json whole = document;
+            whole.update(*look);
+            looks.push_back({frame->get<int>(), withContext(where + ".look", [&] { return lookFromJson(whole, file.parent_path()); })});
+        }
+        return LookTrack(std::move(looks));
+    });
+}
+
+}  // namespace relamp

@@ -1,0 +1,92 @@
+// The exported scene as glTF 2.0.
+#include <cstring>
+
+#include "shot/export_scene.h"
+
+namespace relamp {
+namespace {
+
+using Json = nlohmann::json;
+constexpr int floats = 5126, indices = 5125, vertexBuffer = 34962, indexBuffer = 34963;  // the specification's constants
+
+struct Document {
+    Json root{{"asset", {{"version", "2.0"}, {"generator", "relamp " RELAMP_VERSION}}},
+              {"scene", 0},
+              {"extensionsUsed", {"KHR_materials_emissive_strength"}}};
+    std::string buffer;
+
+    /// Appends `bytes` as a view and an accessor over it; returns the accessor's number.
+    int add(const void* bytes, size_t size, size_t count, int component, const char* type, int target) {
+        root["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", buffer.size()}, {"byteLength", size}, {"target", target}});
+        root["accessors"].push_back({{"bufferView", root["bufferViews"].size() - 1}, {"componentType", component}, {"count", count}, {"type", type}});
+        buffer.append(static_cast<const char*>(bytes), size);
+        return int(root["accessors"].size()) - 1;
+    }
+    int vectors(const std::vector<Vec3>& values) { return add(values.data(), values.size() * sizeof(Vec3), values.size(), floats, "VEC3", vertexBuffer); }
+    void child(Json node) {
+        root["nodes"].push_back(std::move(node));
+        root["nodes"][0]["children"].push_back(root["nodes"].size() - 1);
+    }
+};
+
+int positions(Document& d, const ExportedPiece& piece) {
+    Vec3 low(piece.positions[0]), high(low);
+    for (const Vec3& p : piece.positions) {
+        low = glm::min(low, p);
+        high = glm::max(high, p);
+    }
+    const int at = d.vectors(piece.positions);
+    d.root["accessors"][size_t(at)]["min"] = {low.x, low.y, low.z};
+    d.root["accessors"][size_t(at)]["max"] = {high.x, high.y, high.z};
+    return at;
+}
+
+Json materialOf(const ExportedPiece& piece) {
+    Json material{{"name", piece.id}, {"doubleSided", piece.twoSided || !piece.emits}};
+    if (!piece.emits) {
+        material["pbrMetallicRoughness"] = {{"metallicFactor", 0}, {"roughnessFactor", 1}};
+        return material;
+    }
+    const float strength = maxChannel(piece.radiance) > 0 ? maxChannel(piece.radiance) : 1.0f;
+    const Rgb factor = piece.radiance / strength;
+    material["pbrMetallicRoughness"] = {{"baseColorFactor", {0, 0, 0, 1}}, {"metallicFactor", 0}, {"roughnessFactor", 1}};
+    material["emissiveFactor"] = {factor.x, factor.y, factor.z};
+    material["extensions"] = {{"KHR_materials_emissive_strength", {{"emissiveStrength", strength}}}};
+    return material;
+}
+
+void addPiece(Document& d, const ExportedPiece& piece) {
+    if (piece.triangles.empty()) return;
+    static_assert(sizeof(Vec3) == 12 && sizeof(Triangle) == 12);
+    Json attributes{{"POSITION", positions(d, piece)}, {"NORMAL", d.vectors(piece.normals)}};
+    if (!piece.emits) attributes["COLOR_0"] = d.vectors(piece.albedo);
+    const int faces = d.add(piece.triangles.data(), piece.triangles.size() * sizeof(Triangle), piece.triangles.size() * 3, indices, "SCALAR", indexBuffer);
+    d.root["materials"].push_back(materialOf(piece));
+    d.root["meshes"].push_back({{"name", piece.id}, {"primitives", {{{"attributes", attributes}, {"indices", faces}, {"material", d.root["materials"].size() - 1}}}}});
+    d.child({{"name", piece.id}, {"mesh", d.root["meshes"].size() - 1}, {"translation", {piece.origin.x, piece.origin.y, piece.origin.z}}});
+}
+
+void addView(Document& d, const ExportedView& view) {
+    const Camera& c = view.camera;
+    d.root["cameras"].push_back({{"name", view.name}, {"type", "perspective"},
+                                 {"perspective", {{"yfov", 2 * std::atan(0.5 * c.height / c.focalY)}, {"aspectRatio", double(c.width) / c.height * c.focalY / c.focalX}, {"znear", 0.01}, {"zfar", 1000}}}});
+    Json matrix = Json::array();
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 4; ++row) matrix.push_back(c.worldFromCamera[column][row]);
+    d.child({{"name", view.name}, {"camera", d.root["cameras"].size() - 1}, {"matrix", matrix}});
+}
+
+}  // namespace
+
+Gltf gltfOf(const ExportedScene& scene, const std::string& bufferFile) {
+    Document d;
+    const double half = std::sqrt(0.5);
+    d.root["nodes"].push_back({{"name", "relamp"}, {"rotation", {-half, 0, 0, half}}, {"children", Json::array()}});
+    d.root["scenes"] = {{{"nodes", {0}}}};
+    for (const ExportedPiece& piece : scene.pieces) addPiece(d, piece);
+    for (const ExportedView& view : scene.views) addView(d, view);
+    d.root["buffers"] = {{{"uri", bufferFile}, {"byteLength", d.buffer.size()}}};
+    return {d.root.dump(1) + "\n", d.buffer};
+}
+
+}  // namespace relamp

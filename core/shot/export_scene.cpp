@@ -1,0 +1,159 @@
+#include "shot/export_scene.h"
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "image/environment_map.h"
+#include "image/image_io.h"
+#include "scene/mesh_io.h"
+
+namespace relamp {
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+namespace {
+
+Json listOf(const Vec3& v) { return {v.x, v.y, v.z}; }
+
+/// The triangles of the mesh that belong to `emitter` (-1: to none), with their vertices numbered anew.
+ExportedPiece pieceOf(const RelitScene& relit, int emitter, const std::string& id, const Vec3& origin) {
+    const Mesh& mesh = relit.scene.mesh;
+    ExportedPiece piece;
+    piece.id = id;
+    piece.origin = origin;
+    std::vector<uint32_t> place(mesh.vertexCount(), ~0u);
+    for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+        if (relit.emitterOfTriangle[t] != emitter) continue;
+        Triangle triangle = mesh.triangles[t];
+        for (uint32_t& v : triangle) {
+            if (place[v] == ~0u) {
+                place[v] = uint32_t(piece.positions.size());
+                piece.positions.push_back(mesh.positions[v] - origin);
+                piece.normals.push_back(mesh.normals[v]);
+                piece.albedo.push_back(relit.weight.empty() ? Rgb(0) : relit.weight[0][v]);
+            }
+            v = place[v];
+        }
+        piece.triangles.push_back(triangle);
+        piece.area += mesh.triangleArea(t);
+    }
+    return piece;
+}
+
+Json lightsJson(const Shot& shot, const ExportedScene& scene) {
+    Json lights = Json::array();
+    for (const ExportedPiece& p : scene.pieces) {
+        if (!p.emits) continue;
+        Vec3 normal(0);
+        for (const Triangle& t : p.triangles) normal += glm::cross(p.positions[t[1]] - p.positions[t[0]], p.positions[t[2]] - p.positions[t[0]]) / 2.0f;
+        Json positions = Json::array(), triangles = Json::array();
+        for (const Vec3& v : p.positions) positions.push_back(listOf(v + p.origin));
+        for (const Triangle& t : p.triangles) triangles.push_back({t[0], t[1], t[2]});
+        lights.push_back({{"id", p.id}, {"type", "mesh"}, {"radiance", listOf(p.radiance)}, {"two_sided", p.twoSided}, {"area_m2", p.area},
+                          {"flux", listOf(p.radiance * (pi * p.area * (p.twoSided ? 2.0f : 1.0f)))}, {"centroid", listOf(p.origin)},
+                          {"mean_normal", listOf(p.area > 0 ? normal / p.area : Vec3(0))}, {"positions", positions}, {"triangles", triangles}});
+    }
+    const GaugeReport& gauge = shot.estimate.gauge;
+    return {{"version", 1},
+            {"units", {{"length", "metre"}, {"up", "+Z"}, {"radiance", "linear Rec.709 in units of the photographs"}, {"flux", "pi x radiance x area"}}},
+            {"gauge", {{"kind", gauge.kind}, {"evidence", gauge.evidence}}},
+            {"environment", {{"file", "environment.exr"}, {"projection", "latitude-longitude"}, {"centre", "+X"}, {"right_of_centre", "-Y"}, {"top", "+Z"}}},
+            {"lights", lights}};
+}
+
+void writeEnvironment(const fs::path& file, const DistantLight& light) {
+    const Image map = latLongFromCells(light.cells(), light.grid(), 1024);
+    std::vector<Channel> channels;
+    for (int c = 0; c < 3; ++c) {
+        Channel channel{std::string(1, "RGB"[c]), false, {}};  // a sun exceeds what half floats hold
+        for (const Rgb& p : map.pixels) channel.values.push_back(p[c]);
+        channels.push_back(std::move(channel));
+    }
+    writeChannels(file, map.width, map.height, channels);
+}
+
+void writeMaterials(const fs::path& file, const RelitScene& relit) {
+    std::vector<VertexProperty> properties;
+    const auto add = [&](const std::string& name, const std::vector<Rgb>& values) {
+        for (int c = 0; c < 3; ++c) {
+            VertexProperty p{fmt::format("{}_{}", name, "rgb"[c]), {}, false};
+            for (const Rgb& v : values) p.values.push_back(v[c]);
+            properties.push_back(std::move(p));
+        }
+    };
+    if (!relit.weight.empty()) add("albedo", relit.weight[0]);
+    for (size_t k = 0; k < relit.weight.size(); ++k) add(fmt::format("weight_{}", k), relit.weight[k]);
+    VertexProperty emitter{"emitter", std::vector<float>(relit.scene.mesh.vertexCount(), -1), true};
+    for (size_t t = 0; t < relit.emitterOfTriangle.size(); ++t)
+        if (relit.emitterOfTriangle[t] >= 0)
+            for (uint32_t v : relit.scene.mesh.triangles[t]) emitter.values[v] = float(relit.emitterOfTriangle[t]);
+    properties.push_back(std::move(emitter));
+    writeVertexPly(file, relit.scene.mesh, properties);
+}
+
+/// Names of the distortion's coefficients in COLMAP's order.
+std::vector<const char*> coefficients(LensModel model) {
+    switch (model) {
+        case LensModel::simplePinhole:
+        case LensModel::pinhole: return {};
+        case LensModel::fov: return {"omega"};
+        case LensModel::simpleRadial:
+        case LensModel::simpleRadialFisheye: return {"k1"};
+        case LensModel::radial:
+        case LensModel::radialFisheye: return {"k1", "k2"};
+        case LensModel::openCv: return {"k1", "k2", "p1", "p2"};
+        case LensModel::openCvFisheye: return {"k1", "k2", "k3", "k4"};
+        case LensModel::fullOpenCv: return {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"};
+        case LensModel::thinPrismFisheye: return {"k1", "k2", "p1", "p2", "k3", "k4", "sx1", "sy1"};
+    }
+    return {};
+}
+
+}  // namespace
+
+ExportedScene exportedScene(const RelitScene& relit, const Capture& capture) {
+    ExportedScene scene;
+    for (size_t e = 0; e < relit.emitters.size(); ++e) {
+        const RelitEmitter& emitter = relit.emitters[e];
+        scene.pieces.push_back(pieceOf(relit, int(e), emitter.id, emitter.surface.centroid));
+        scene.pieces.back().radiance = emitter.radiance;
+        scene.pieces.back().emits = true;
+        scene.pieces.back().twoSided = emitter.surface.twoSided;
+    }
+    scene.pieces.push_back(pieceOf(relit, -1, "surfaces", Vec3(0)));
+    for (const View& view : capture.views) scene.views.push_back({view.name, view.camera});
+    return scene;
+}
+
+std::string transformsOf(const Capture& capture, const fs::path& folder, const std::string& meshFile) {
+    Json frames = Json::array();
+    for (const View& view : capture.views) {
+        const Camera& c = view.camera;
+        Json rows = Json::array();
+        for (int r = 0; r < 4; ++r) rows.push_back({c.worldFromCamera[0][r], c.worldFromCamera[1][r], c.worldFromCamera[2][r], c.worldFromCamera[3][r]});
+        const std::string picture = view.file.empty() ? view.name : fs::proximate(fs::absolute(view.file), fs::absolute(folder)).generic_string();
+        Json frame{{"file_path", picture}, {"camera_model", lensModelName(c.model)}, {"w", c.width}, {"h", c.height},
+                   {"fl_x", c.focalX}, {"fl_y", c.focalY}, {"cx", c.centreX}, {"cy", c.centreY}, {"transform_matrix", rows}};
+        const auto names = coefficients(c.model);
+        for (size_t i = 0; i < names.size(); ++i) frame[names[i]] = c.distortion[i];
+        frames.push_back(std::move(frame));
+    }
+    return Json{{"mesh_path", meshFile}, {"up", "z"}, {"frames", frames}}.dump(1) + "\n";
+}
+
+void exportScene(const Shot& shot, const RelitScene& relit, const fs::path& folder, bool overwrite) {
+    std::error_code failed;
+    if (fs::exists(folder, failed) && (!fs::is_directory(folder, failed) || (!overwrite && !fs::is_empty(folder, failed))))
+        throw Error("{}: exists already, add --overwrite to write into it", folder.string());
+    fs::create_directories(folder, failed);
+    if (failed) throw Error("{}: cannot be made ({})", folder.string(), failed.message());
+    const ExportedScene scene = exportedScene(relit, shot.capture);
+    writeEnvironment(folder / "environment.exr", *relit.distant);
+    writeMaterials(folder / "materials.ply", relit);
+    writeBytesAtomically(folder / "transforms.json", transformsOf(shot.capture, folder, "materials.ply"));
+    writeBytesAtomically(folder / "lights.usda", usdaOf(scene, "environment.exr"));
+    const Gltf gltf = gltfOf(scene, "lights.bin");
+    writeBytesAtomically(folder / "lights.bin", gltf.buffer);
+    writeBytesAtomically(folder / "lights.gltf", gltf.json);
+    writeBytesAtomically(folder / "lights.json", lightsJson(shot, scene).dump(1) + "\n");
+}
+
+}  // namespace relamp

@@ -1,0 +1,108 @@
+#include "shot/export_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <map>
+
+#include "capture/transforms_json.h"
+#include "image/environment_map.h"
+#include "scene/mesh_io.h"
+#include "support/estimates.h"
+#include "support/temporary_folder.h"
+
+namespace relamp {
+namespace {
+
+/// A floor and a lamp of 2 x 0.5 m that shines down from (1, 2, 3).
+class ExportedShot : public testing::Test {
+protected:
+    void SetUp() override {
+        const Scene scene = test::sceneOf(test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 2, 2));
+        shot.estimate = test::matteEstimate(scene, Rgb(0.5f, 0.25f, 0.125f), Rgb(1, 2, 3));
+        shot.capture.mesh = scene.mesh;
+        View view;
+        view.name = "images/0.exr";
+        view.file = folder / "images/0.exr";
+        view.camera = test::cameraAt({0, -2, 1.5}, {0, 0, 0}, 40, 30, 50);
+        shot.capture.views.push_back(view);
+        Look look;
+        look.added.push_back({AddedEmitter::Shape::rectangle, "lamp 1", test::translation({1, 2, 3}), Vec2(2, 0.5f), Rgb(40, 20, 10)});
+        relit = test::relitOf(scene, shot.estimate, look);
+        exportScene(shot, relit, out(), false);
+    }
+    std::filesystem::path out() const { return folder / "out"; }
+    nlohmann::json parsed(const char* name) const { return nlohmann::json::parse(test::TemporaryFolder::read(out() / name)); }
+    test::TemporaryFolder folder;
+    Shot shot;
+    RelitScene relit;
+};
+
+TEST_F(ExportedShot, HasLightsWithTheirPlaceAndRadianceAsJson) {
+    const auto light = parsed("lights.json")["lights"].at(0);
+    EXPECT_EQ(light["id"], "lamp 1");
+    EXPECT_EQ(light["radiance"], (nlohmann::json{40, 20, 10}));
+    EXPECT_NEAR(light["area_m2"].get<double>(), 1, 1e-6);
+    EXPECT_NEAR(light["flux"][0].get<double>(), 40 * piD, 1e-4);
+    EXPECT_NEAR(light["centroid"][2].get<double>(), 3, 1e-6);
+    EXPECT_NEAR(light["mean_normal"][2].get<double>(), -1, 1e-6);
+    EXPECT_EQ(light["triangles"].size(), 2u);
+    EXPECT_NEAR(light["positions"][0][0].get<double>(), 0, 1e-6);
+}
+
+TEST_F(ExportedShot, HasMeshLightsInGltf) {
+    const auto gltf = parsed("lights.gltf");
+    const auto& node = gltf["nodes"].at(1);
+    EXPECT_EQ(node["name"], "lamp 1");
+    EXPECT_EQ(node["translation"], (nlohmann::json{1, 2, 3}));
+    EXPECT_EQ(gltf["nodes"][0]["children"].size(), 3u);  // lamp, surfaces, camera
+    const auto& primitive = gltf["meshes"][node["mesh"].get<size_t>()]["primitives"][0];
+    const auto& material = gltf["materials"][primitive["material"].get<size_t>()];
+    EXPECT_EQ(material["emissiveFactor"], (nlohmann::json{1, 0.5, 0.25}));
+    EXPECT_EQ(material["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"], 40);
+    const std::string bytes = test::TemporaryFolder::read(out() / "lights.bin");
+    EXPECT_EQ(gltf["buffers"][0]["byteLength"], bytes.size());
+    const auto& accessor = gltf["accessors"][primitive["attributes"]["POSITION"].get<size_t>()];
+    const auto& view = gltf["bufferViews"][accessor["bufferView"].get<size_t>()];
+    float corner[3];
+    std::memcpy(corner, bytes.data() + view["byteOffset"].get<size_t>(), sizeof corner);
+    EXPECT_NEAR(std::abs(corner[0]), 1, 1e-6);
+    EXPECT_NEAR(std::abs(corner[1]), 0.25, 1e-6);
+    EXPECT_NEAR(accessor["max"][0].get<double>(), 1, 1e-6);
+    for (const auto& v : gltf["bufferViews"]) EXPECT_EQ(v["byteOffset"].get<size_t>() % 4, 0u);
+    EXPECT_NEAR(gltf["cameras"][0]["perspective"]["yfov"].get<double>(), 2 * std::atan(0.3), 1e-9);
+}
+
+TEST_F(ExportedShot, HasMeshLightsInUsd) {
+    const std::string usd = test::TemporaryFolder::read(out() / "lights.usda");
+    EXPECT_EQ(usd.substr(0, 9), "#usda 1.0");
+    for (const char* text : {"def Mesh \"lamp_1\"", "\"MeshLightAPI\"", "string relamp:id = \"lamp 1\"", "double3 xformOp:translate = (1, 2, 3)", "color3f inputs:color = (1, 0.5, 0.25)",
+                             "float inputs:intensity = 40", "color3f inputs:emissiveColor = (40, 20, 10)", "upAxis = \"Z\"", "def DomeLight", "def Camera \"view_images_0_exr\"", "@./environment.exr@"})
+        EXPECT_NE(usd.find(text), std::string::npos) << text;
+    EXPECT_EQ(std::count(usd.begin(), usd.end(), '{'), std::count(usd.begin(), usd.end(), '}'));
+    EXPECT_EQ(std::count(usd.begin(), usd.end(), '('), std::count(usd.begin(), usd.end(), ')'));
+}
+
+TEST_F(ExportedShot, HasEnvironmentMaterialsAndCameras) {
+    const Image environment = readEnvironment(out() / "environment.exr");
+    EXPECT_NEAR(environment.at(100, 100).z, 3, 1e-3);
+    const Mesh mesh = readMesh(out() / "materials.ply");
+    EXPECT_EQ(mesh.vertexCount(), relit.scene.mesh.vertexCount());
+    std::map<std::string, std::vector<float>> properties;
+    for (VertexProperty& p : readVertexPly(out() / "materials.ply")) properties[p.name] = std::move(p.values);
+    EXPECT_NEAR(properties.at("albedo_g")[0], 0.25, 1e-6);
+    EXPECT_EQ(properties.at("emitter").back(), 0);
+    const Transforms transforms = readTransforms(out() / "transforms.json", [](const std::string&) { return std::pair(0, 0); });
+    EXPECT_EQ(transforms.frames.at(0).filePath, "../images/0.exr");
+    EXPECT_LT(glm::distance(transforms.frames[0].camera.position(), DVec3(0, -2, 1.5)), 1e-9);
+    EXPECT_EQ(transforms.frames[0].camera.focalX, 50);
+    EXPECT_EQ(transforms.meshPath, "materials.ply");
+}
+
+TEST_F(ExportedShot, IsNotWrittenOverUnlessAsked) {
+    EXPECT_NE(test::messageOf([&] { exportScene(shot, relit, out(), false); }).find("--overwrite"), std::string::npos);
+    exportScene(shot, relit, out(), true);
+}
+
+}  // namespace
+}  // namespace relamp
