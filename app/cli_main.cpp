@@ -11,6 +11,7 @@
 
 #include "base/log.h"
 #include "commands.h"
+#include "plan_command.h"
 #include "report_command.h"
 #include "stress_command.h"
 
@@ -79,19 +80,29 @@ int main(int argc, char** argv) {
 
     addCaptureOptions(*checkVerb, fix);
 
+    // What is to be estimated and how: the same options for `solve` and `plan`.
+    const auto addSolveOptions = [&solve](CLI::App& verb) {
+        verb.add_option("capture", solve.capture, "Capture folder with transforms.json or a COLMAP model")->required();
+        verb.add_option("--mode", solve.mode, "near-field, or distant-only: the baseline that knows no lamps")->check(CLI::IsMember({"near-field", "distant-only"}))->capture_default_str();
+        verb.add_option("--quality", solve.quality, "draft, standard or fine")->check(CLI::IsMember({"draft", "standard", "fine"}))->capture_default_str();
+        verb.add_option("--bounce", solve.bounce, "Light that surfaces send each other: auto (as the photographs say), on, off")->check(CLI::IsMember({"auto", "on", "off"}))->capture_default_str();
+        verb.add_option("--grid-side", solve.gridSide, "Side of the visibility grid (power of two)");
+        verb.add_option("--threads", solve.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
+        verb.add_option("--seed", solve.seed, "Seed of every random choice")->capture_default_str();
+        verb.add_flag("--everything", solve.everything, "Leave nothing out beforehand: every part of the model is fitted");
+        addCaptureOptions(verb, solve.fix);
+    };
+    CLI::App* planVerb = app.add_subcommand("plan", "What a solve would do and what it would leave out, why, and what that takes and saves");
+    addSolveOptions(*planVerb);
+    planVerb->add_flag("--json", json, "One JSON object");
+
     CLI::App* solveVerb = app.add_subcommand("solve", "Separate distant light, emitters and reflectance");
-    solveVerb->add_option("capture", solve.capture, "Capture folder with transforms.json or a COLMAP model")->required();
+    addSolveOptions(*solveVerb);
     solveVerb->add_option("-o,--output", solve.output, "Shot folder, NAME.relamp")->required();
-    solveVerb->add_option("--mode", solve.mode, "near-field, or distant-only: the baseline that knows no lamps")->check(CLI::IsMember({"near-field", "distant-only"}))->capture_default_str();
-    solveVerb->add_option("--quality", solve.quality, "draft, standard or fine")->check(CLI::IsMember({"draft", "standard", "fine"}))->capture_default_str();
     solveVerb->add_option("--time-budget", solve.timeBudget, "Seconds after which the best answer so far is kept")->check(CLI::NonNegativeNumber);
     solveVerb->add_option("--gauge", solve.gauge, "What fixes the brightness scale: auto, white-patch=V,X,Y, emitter=ID:R,G,B, albedo=A")->capture_default_str();
-    solveVerb->add_option("--bounce", solve.bounce, "Light that surfaces send each other: auto (as the photographs say), on, off")->check(CLI::IsMember({"auto", "on", "off"}))->capture_default_str();
-    solveVerb->add_option("--grid-side", solve.gridSide, "Side of the visibility grid (power of two)");
-    solveVerb->add_option("--threads", solve.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
-    solveVerb->add_option("--seed", solve.seed, "Seed of every random choice")->capture_default_str();
+    solveVerb->add_flag("--resume", solve.resume, "Go on from the checkpoint that a killed or interrupted solve of the same capture left beside the shot");
     solveVerb->add_flag("--overwrite", solve.overwrite, "Replace an existing shot");
-    addCaptureOptions(*solveVerb, solve.fix);
 
     CLI::App* renderVerb = app.add_subcommand("render", "Relit frames");
     renderVerb->add_option("shot", render.shot, "Shot folder")->required();
@@ -184,6 +195,7 @@ int main(int argc, char** argv) {
         int code = 0;
         if (*editVerb) code = cli::edit(editPath);
         else if (*checkVerb) code = cli::check(path, fix, json, progress);
+        else if (*planVerb) code = cli::plan(solve, json, progress);
         else if (*solveVerb) code = cli::solve(solve, progress);
         else if (*renderVerb) code = cli::render(render, progress);
         else if (*exportVerb) code = cli::exportShot(exported, progress);

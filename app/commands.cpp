@@ -13,6 +13,7 @@
 #include "capture/check.h"
 #include "pipeline/pipeline.h"
 #include "report/compare.h"
+#include "shot/checkpoint.h"
 #include "shot/shot_file.h"
 
 namespace relamp::cli {
@@ -84,8 +85,7 @@ int check(const fs::path& capture, const CaptureFix& fix, bool json, Progress& p
     return 0;
 }
 
-int solve(const SolveArguments& a, Progress& progress) {
-    const ThreadLimit limit(a.threads);
+PipelineOptions pipelineOptions(const SolveArguments& a) {
     PipelineOptions options;
     options.solve = solveOptionsFor(a.quality);
     if (a.mode == "distant-only") options.solve.nearField = false;
@@ -98,9 +98,28 @@ int solve(const SolveArguments& a, Progress& progress) {
     options.solve.gauge = gaugeOf(a.gauge);
     if (a.bounce != "auto") options.solve.bounce = a.bounce == "on" ? SolveOptions::Bounce::on : SolveOptions::Bounce::off;
     options.solve.seed = a.seed;
+    options.everything = a.everything;
+    return options;
+}
+
+int solve(const SolveArguments& a, Progress& progress) {
+    const ThreadLimit limit(a.threads);
+    PipelineOptions options = pipelineOptions(a);
     if (fs::exists(a.output) && !a.overwrite) throw Error("{}: exists already, add --overwrite to replace it", a.output.string());
     progress.setBudget(a.timeBudget);
-    PipelineResult r = runPipeline(a.capture, options, progress);
+    const fs::path checkpoint = checkpointFile(a.output);
+    std::optional<CheckpointKeeper> keeper;
+    options.resume = [&](const Capture& capture) -> std::optional<SolveCheckpoint> {
+        const uint64_t fingerprint = solveFingerprint(capture, options.solve, options.everything);
+        keeper.emplace(checkpoint, fingerprint);
+        if (!a.resume) return {};
+        FoundCheckpoint found = readCheckpoint(checkpoint, fingerprint);
+        if (!found.checkpoint) logWarning("{}; the solve starts anew", found.refused);
+        return std::move(found.checkpoint);
+    };
+    SolveListener listener;
+    listener.checkpoint = [&](const SolveCheckpoint& c) { keeper->take(c); };
+    PipelineResult r = runPipeline(a.capture, options, progress, &listener);
     Shot shot;
     shot.captureFolder = a.capture;
     shot.fix = a.fix;
@@ -109,6 +128,7 @@ int solve(const SolveArguments& a, Progress& progress) {
     shot.seed = a.seed;
     shot.resources = {progress.seconds(), peakMib(), a.threads > 0 ? a.threads : availableThreads()};
     saveShot(shot, r.scene.mesh, a.output, a.overwrite);
+    keeper->remove();
     logInfo("solved in {:.1f} s, {:.0f} MiB: {} emitter(s), {} distant unknowns", shot.resources.seconds, shot.resources.peakMib, shot.estimate.emitters.emitters.size(), shot.estimate.lighting.leaves.size());
     return 0;
 }

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/progress.h"
 #include "capture/orientation.h"
+#include "pipeline/pipeline.h"
 
 namespace relamp::cli {
 
@@ -25,7 +26,7 @@ struct SolveArguments {
     double timeBudget = 0;
     int gridSide = 0, threads = 0;
     uint64_t seed = 1;
-    bool overwrite = false;
+    bool overwrite = false, everything = false, resume = false;
 };
 
 struct RenderArguments {
@@ -63,6 +64,8 @@ struct MergeArguments {
 /// Becomes relamp-editor, which lies beside this program or on the PATH. Throws Error when it is not installed.
 int edit(const std::string& path);
 int check(const fs::path& capture, const CaptureFix& fix, bool json, Progress& progress);
+/// Throws UsageError for a wrong option.
+PipelineOptions pipelineOptions(const SolveArguments& arguments);
 int solve(const SolveArguments& arguments, Progress& progress);
 int render(const RenderArguments& arguments, Progress& progress);
 int exportShot(const ExportArguments& arguments, Progress& progress);

@@ -35,6 +35,7 @@ struct Editor::Impl {
     std::mutex solveMutex;
     std::vector<TimelineEntry> newEntries;
     std::shared_ptr<const Estimate> newSnapshot;
+    std::optional<SolvePlan> newPlan;
     std::shared_ptr<const Estimate> snapshot;          ///< latest, shown while the solve runs
     bool solveIsNearField = true;
     std::optional<SolveRequest> solvedWith;

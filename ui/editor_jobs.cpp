@@ -8,6 +8,7 @@
 #include "clusters/emitter_clusters.h"
 #include "editor_impl.h"
 #include "image/image_io.h"
+#include "pipeline/plan.h"
 #include "radiance/gather.h"
 #include "settings.h"
 #include "shot/export_frame.h"
@@ -148,6 +149,7 @@ void Editor::Impl::setDocument(Document document, Version version, const std::st
     const bool solved = version.estimate || version.distantOnly;
     state.curves = {};
     if (version.estimate) state.curves[version.estimate->mode == "distant-only" ? 1 : 0].entries = version.estimate->timeline;
+    state.plan = version.estimate ? version.estimate->plan : SolvePlan{};
     state.solve.quality = document.quality;
     state.solve.seed = document.seed;
     solvedWith.reset();
@@ -390,12 +392,14 @@ void Editor::solve(const SolveRequest& request) {
         std::lock_guard lock(impl_->solveMutex);
         impl_->newEntries.clear();
         impl_->newSnapshot.reset();
+        impl_->newPlan.reset();
     }
     Impl* impl = impl_.get();
     const auto apply = [impl, request, which](std::shared_ptr<const Estimate> estimate, const std::string& label) {
         Editor& self = impl->self;
         self.state.curves[which].running = false;
         self.state.curves[which].entries = estimate->timeline;
+        if (!estimate->plan.stages.empty()) self.state.plan = estimate->plan;
         impl->snapshot.reset();
         Version version = impl->history.present();
         if (request.nearField) {
@@ -439,6 +443,12 @@ void Editor::solve(const SolveRequest& request) {
                 if (impl->options.wake) impl->options.wake();
             };
             const EmitterClusters clusters = clusterEmitters(*scene, *capture, *samples, {}, progress);
+            options.plan = planSolve(*capture, *scene, *samples, clusters, options, false, progress);
+            {
+                std::lock_guard lock(impl->solveMutex);
+                impl->newPlan = options.plan;
+            }
+            if (impl->options.wake) impl->options.wake();
             const auto estimate = std::make_shared<const Estimate>(solveScene(*capture, *scene, *samples, clusters, options, progress, &listener));
             const Resources resources{progress.seconds(), peakMib(), availableThreads()};
             return [impl, apply, estimate, request, resources] {
@@ -465,6 +475,8 @@ void Editor::Impl::takeSnapshots() {
     RunCurve& curve = self.state.curves[solveIsNearField ? 0 : 1];
     if (curve.running) curve.entries.insert(curve.entries.end(), newEntries.begin(), newEntries.end());
     newEntries.clear();
+    if (newPlan) self.state.plan = std::move(*newPlan);
+    newPlan.reset();
     if (!newSnapshot) return;
     if (job && status && status->kind == JobStatus::Kind::solve) snapshot = newSnapshot;
     newSnapshot.reset();

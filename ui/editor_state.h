@@ -157,6 +157,7 @@ struct EditorState {
     std::optional<UnsavedQuestion> unsaved;
     std::optional<RecoveryOffer> recovery;
     std::array<RunCurve, 2> curves;                   ///< near-field, distant-only
+    SolvePlan plan;                                   ///< of the estimate that runs or was made last; empty: none
     std::vector<LogEntry> log;
     std::vector<std::filesystem::path> recent;        ///< captures and shots, latest first
     std::vector<std::filesystem::path> recentEnvironments;

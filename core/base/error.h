@@ -30,6 +30,9 @@ public:
 /// Thrown by Progress when the user stops a job. Not an error: the inputs are untouched.
 struct Cancelled {};
 
+/// Thrown by Progress inside a stage that can be given up, when the time budget is used up: what was best before it stays.
+struct OutOfTime {};
+
 /// Runs `body`; an Error that leaves it gets `context` in front.
 template <class Body>
 auto withContext(const std::string& context, Body&& body) {

@@ -24,7 +24,7 @@ void Progress::advance(size_t steps) {
 double Progress::seconds() const {
     const int64_t now = (Clock::now() - start_) / std::chrono::nanoseconds(1);
     const int64_t pause = paused_ ? now - pausedSince_ : 0;
-    return double(now - pausedTotal_ - pause) * 1e-9;
+    return earlier_ + double(now - pausedTotal_ - pause) * 1e-9;
 }
 
 void Progress::setPaused(bool paused) {

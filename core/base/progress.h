@@ -26,7 +26,19 @@ public:
     void check() const {
         if (paused_.load(std::memory_order_relaxed)) waitWhilePaused();
         if (stop_.load(std::memory_order_relaxed)) throw Cancelled{};
+        if (dispensable_.load(std::memory_order_relaxed) > 0 && outOfTime()) throw OutOfTime{};
     }
+    /// While it lives, check(), begin() and advance() throw OutOfTime once the budget is used up: for work that can be given up in the middle.
+    class Dispensable {
+    public:
+        explicit Dispensable(Progress& progress) : progress_(progress) { ++progress_.dispensable_; }
+        ~Dispensable() { --progress_.dispensable_; }
+        Dispensable(const Dispensable&) = delete;
+        Dispensable& operator=(const Dispensable&) = delete;
+
+    private:
+        Progress& progress_;
+    };
     /// May be called from a signal handler. A paused job ends too, within 50 ms.
     void requestStop() { stop_.store(true, std::memory_order_relaxed); }
     bool stopRequested() const { return stop_.load(std::memory_order_relaxed); }
@@ -34,8 +46,10 @@ public:
     void setPaused(bool paused);
     bool paused() const { return paused_.load(std::memory_order_relaxed); }
 
-    /// Seconds since construction, pauses not counted.
+    /// Seconds since construction, pauses not counted, and those taken over.
     double seconds() const;
+    /// Seconds that an earlier run, which this one goes on from, has used. Before the work starts.
+    void takeOver(double seconds) { earlier_ = seconds; }
     /// A wall-clock budget; 0 is none. Iterative stages end early with their best answer when it is used up.
     void setBudget(double seconds) { budgetSeconds_ = seconds; }
     bool outOfTime() const { return budgetSeconds_ > 0 && seconds() > budgetSeconds_; }
@@ -49,6 +63,8 @@ private:
     Clock::time_point start_ = Clock::now();
     std::atomic<bool> stop_{false}, paused_{false};
     std::atomic<int64_t> pausedSince_{0}, pausedTotal_{0};  // nanoseconds
+    std::atomic<int> dispensable_{0};
+    double earlier_ = 0;
     std::atomic<size_t> done_{0}, count_{0};
     std::atomic<int64_t> lastToldMs_{0};
     double budgetSeconds_ = 0;

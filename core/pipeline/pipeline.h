@@ -4,6 +4,7 @@
 
 #include "base/progress.h"
 #include "capture/load_capture.h"
+#include "pipeline/plan.h"
 #include "radiance/gather.h"
 #include "scene/scene.h"
 #include "solve/solve.h"
@@ -15,6 +16,10 @@ struct PipelineOptions {
     GatherOptions gather;
     ClusterOptions clusters;
     SolveOptions solve;
+    bool everything = false;   ///< the planner leaves nothing out
+    bool onlyPlan = false;     ///< stops before the solve: the estimate holds the plan alone
+    /// Asked when the capture is read, before anything is computed: where an earlier solve of it stood, or nothing.
+    std::function<std::optional<SolveCheckpoint>(const Capture&)> resume = {};
 };
 
 /// Every room's product, so that the window and the reports can look at each.
@@ -27,6 +32,6 @@ struct PipelineResult {
 };
 
 /// Throws what the rooms throw.
-PipelineResult runPipeline(const std::filesystem::path& captureFolder, const PipelineOptions& options, Progress& progress);
+PipelineResult runPipeline(const std::filesystem::path& captureFolder, const PipelineOptions& options, Progress& progress, const SolveListener* listener = nullptr);
 
 }  // namespace relamp

@@ -61,6 +61,32 @@ std::string withoutDistant(const Shot& shot, const ReportOptions& options) {
     return "";
 }
 
+/// Solves the capture again as the shot was solved, and holds what stands after each large step against the truth.
+std::vector<TruthMoment> followTruth(const Shot& shot, const Scene& scene, const ReportOptions& options, Progress& progress) {
+    PipelineOptions pipeline;
+    pipeline.load.fix = shot.fix;
+    pipeline.solve = solveOptionsFor(shot.quality);
+    pipeline.solve.seed = shot.seed;
+    pipeline.solve.nearField = shot.estimate.mode != "distant-only";
+    struct Moment {
+        double seconds;
+        Estimate estimate;
+    };
+    std::vector<Moment> moments;
+    const double start = progress.seconds();
+    SolveListener listener;
+    listener.snapshot = [&](Estimate estimate) { moments.push_back({progress.seconds() - start, std::move(estimate)}); };
+    Estimate last = runPipeline(shot.captureFolder, pipeline, progress, &listener).estimate;
+    moments.push_back({progress.seconds() - start, std::move(last)});
+    std::vector<TruthMoment> found;
+    for (Moment& m : moments) {
+        Shot then = shot;
+        then.estimate = std::move(m.estimate);
+        found.push_back({m.seconds, truthFigures(options.truth, then, scene, progress).meanPsnr});
+    }
+    return found;
+}
+
 }  // namespace
 
 void writeReport(const fs::path& folder, const fs::path& page, const ReportOptions& options, Progress& progress) {
@@ -94,6 +120,7 @@ void writeReport(const fs::path& folder, const fs::path& page, const ReportOptio
     }
     if (report.noViewsBecause.empty()) measureViews(shot.capture, scene, report, progress);
     if (!options.truth.empty()) report.truth = truthFigures(options.truth, shot, scene, progress);
+    if (report.truth && report.truth->meanPsnr > 0 && report.noViewsBecause.empty()) report.truthOverTime = followTruth(shot, scene, options, progress);
 
     const fs::path stem = page.parent_path() / page.stem();
     const auto write = [&](const char* ending, const std::string& text) {
@@ -103,6 +130,8 @@ void writeReport(const fs::path& folder, const fs::path& page, const ReportOptio
     write("-views.csv", viewsCsv(report));
     write("-error.svg", errorPlot(report));
     write("-spectrum.svg", spectrumPlot(report));
+    write("-truth.csv", truthCsv(report));
+    write("-truth.svg", truthPlot(report));
     writeBytesAtomically(page, reportPage(report));
 }
 

@@ -36,6 +36,12 @@ struct ReportedDistant {
     double seconds = 0;            ///< from the photographs to the answer
 };
 
+/// How a solve of the same capture stood against the truth while it ran.
+struct TruthMoment {
+    double seconds = 0;            ///< since the photographs were opened
+    double psnr = 0;               ///< mean over the relit pictures in which something changes, dB
+};
+
 struct SolveReport {
     std::string shot, capture;     ///< names of the folders
     Estimate estimate;
@@ -47,9 +53,11 @@ struct SolveReport {
     std::string noDistantBecause;            ///< when there is none
     std::string noViewsBecause;              ///< when the photographs cannot be reached
     std::optional<TruthFigures> truth;
+    std::vector<TruthMoment> truthOverTime;  ///< by a solve made for the report; empty without truth or photographs
 };
 
-/// Writes `page` and beside it STEM-timeline.csv, STEM-views.csv, STEM-error.svg, STEM-spectrum.svg. Cost: a frame of at most 400 x 400 pixels
+/// Writes `page` and beside it STEM-timeline.csv, STEM-views.csv, STEM-error.svg, STEM-spectrum.svg, with truth also STEM-truth.csv and
+/// STEM-truth.svg: the capture is then solved once more and looked at after each large step. Cost: a frame of at most 400 x 400 pixels
 /// for up to 24 views, twice and a whole solve with distant-only. A capture that cannot be reached costs its sections, no more.
 /// Throws Error when the shot or the truth cannot be read, OutOfResources, Cancelled.
 void writeReport(const std::filesystem::path& shot, const std::filesystem::path& page, const ReportOptions& options, Progress& progress);
@@ -59,6 +67,10 @@ std::string reportPage(const SolveReport& report);
 /// Error over run time by stage, and the falling eigenvalues of the lighting equations; empty where there is nothing to draw.
 std::string errorPlot(const SolveReport& report);
 std::string spectrumPlot(const SolveReport& report);
+/// Error of relit pictures over run time; empty without truth.
+std::string truthPlot(const SolveReport& report);
+/// seconds,psnr_db
+std::string truthCsv(const SolveReport& report);
 /// mode,seconds,stage,iteration,objective,error
 std::string timelineCsv(const SolveReport& report);
 /// view,psnr_db,distant_only_psnr_db

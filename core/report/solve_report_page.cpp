@@ -71,6 +71,21 @@ std::string stagesTable(const SolveReport& r) {
            "</table>\n<p>The first stage's time holds what comes before it: photographs, mesh, visibility.</p>\n";
 }
 
+/// What each stage was expected to take, what it took, and what was left out.
+std::string planSection(const SolvePlan& plan) {
+    const auto known = [](double value, const char* unit) { return value >= 0 ? fmt::format("{:.{}f} {}", value, value < 10 ? 2 : 0, unit) : std::string(); };
+    std::string rows;
+    for (const PlannedStage& s : plan.stages)
+        rows += fmt::format("<tr><td>{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td></tr>\n", htmlText(s.name),
+                            known(s.predictedSeconds, "s"), known(s.measuredSeconds, "s"), known(s.predictedMib, "MiB"), known(s.measuredMib, "MiB"));
+    std::string text = "<table><tr><th>Stage</th><th>Expected</th><th>Took</th><th>Memory expected</th><th>Memory needed</th></tr>\n" + rows + "</table>\n";
+    rows.clear();
+    for (const PlannedOmission& o : plan.leftOut)
+        rows += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td></tr>\n", htmlText(o.what), htmlText(o.reason), known(o.savedSeconds, "s"), known(o.savedMib, "MiB"));
+    if (!rows.empty()) text += "<h3>Left out beforehand</h3>\n<div class=\"wide\"><table><tr><th>What</th><th>Why</th><th>Saves about</th><th>Saves about</th></tr>\n" + rows + "</table></div>\n";
+    return text;
+}
+
 std::string leftOutTable(const Estimate& e) {
     std::string rows;
     for (const LeftOut& l : e.leftOut) rows += fmt::format("<tr><td>{}</td><td>{}</td></tr>\n", htmlText(l.what), htmlText(l.why));
@@ -143,6 +158,19 @@ std::string spectrumPlot(const SolveReport& r) {
     return logPlotSvg(curves, "number of the eigenvalue", "eigenvalue over the largest");
 }
 
+std::string truthPlot(const SolveReport& r) {
+    PlotCurve curve{"relit pictures", "#8fbf6a", false, {}};
+    for (const TruthMoment& m : r.truthOverTime)
+        if (m.psnr > 0) curve.points.push_back({m.seconds, std::pow(10, -m.psnr / 20), fmt::format("{:.2f} s: {:.1f} dB", m.seconds, m.psnr)});
+    return curve.points.empty() ? "" : logPlotSvg({curve}, "seconds since the photographs were opened", "root mean square error of relit pictures, display values");
+}
+
+std::string truthCsv(const SolveReport& r) {
+    std::string text = "seconds,psnr_db\n";
+    for (const TruthMoment& m : r.truthOverTime) text += fmt::format("{:.4f},{:.3f}\n", m.seconds, m.psnr);
+    return r.truthOverTime.empty() ? "" : text;
+}
+
 std::string timelineCsv(const SolveReport& r) {
     std::string text = "mode,seconds,stage,iteration,objective,error\n";
     const auto add = [&](const Estimate& e) {
@@ -164,6 +192,8 @@ std::string reportPage(const SolveReport& r) {
                                    htmlText(r.estimate.gauge.evidence.empty() ? "not said" : r.estimate.gauge.evidence));
     body += heading("Figures", "What the solve came to.") + figuresTable(r);
     if (r.truth) body += heading("Against the truth", "The capture's light and surfaces are known: how far the answer is from them.") + truthSection(*r.truth);
+    if (!r.truthOverTime.empty())
+        body += heading("Truth against run time", "A solve of the same capture, stopped in thought after each large step: how far its relit pictures were from the true ones then.") + truthPlot(r);
     body += heading("Error against run time",
                     "How much surfaces of one colour still differ under the light found: surface colour cancels in it, so it cannot hide what the light gets wrong. The same measure in every "
                     "stage and mode. Both axes are logarithmic; rest on a point for its stage.") + errorPlot(r);
@@ -180,6 +210,8 @@ std::string reportPage(const SolveReport& r) {
         body += heading("How well posed the equations were", "Eigenvalues of the column-scaled lighting equations. What lies above 1e-6 of the largest is pinned down by the photographs; "
                                                              "below, the priors decide.") + spectrum;
     body += heading("Lamps", "What shines in the scene, and why it is believed to.") + lampsTable(r.estimate) + rejectedTable(r.estimate);
+    if (!r.estimate.plan.stages.empty())
+        body += heading("Plan", "What every stage was expected to take on this machine before it ran, and what it took; and what was left out because the scene does not need it.") + planSection(r.estimate.plan);
     body += heading("Left out", "What this scene did not need.") + leftOutTable(r.estimate);
     return htmlPage("relamp: " + r.shot, body);
 }

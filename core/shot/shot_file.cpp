@@ -10,6 +10,7 @@
 #include "capture/load_capture.h"
 #include "image/environment_map.h"
 #include "image/image_io.h"
+#include "pipeline/plan.h"
 #include "scene/mesh_io.h"
 
 namespace relamp {
@@ -81,6 +82,19 @@ const Json& listOf(const Json& document, const char* key) {
     return *at;
 }
 
+/// What a shot says of its plan; what is null or absent is not known.
+SolvePlan planOf(const Json& document) {
+    SolvePlan plan;
+    const Json& object = objectOf(document, "plan");
+    withContext("plan", [&] {
+        for (const Json& s : listOf(object, "stages"))
+            plan.stages.push_back({field<std::string>(s, "name", ""), field(s, "predicted_s", -1.0), field(s, "measured_s", -1.0), field(s, "predicted_mib", -1.0), field(s, "measured_mib", -1.0)});
+        for (const Json& o : listOf(object, "left_out")) plan.leftOut.push_back({field<std::string>(o, "what", ""), field<std::string>(o, "reason", ""), field(o, "saved_s", 0.0), field(o, "saved_mib", 0.0)});
+        plan.planningSeconds = field(object, "planning_s", 0.0);
+    });
+    return plan;
+}
+
 BrdfBasis basisOf(const Json& document) {
     BrdfBasis basis;
     need(document, "basis", "");
@@ -148,6 +162,7 @@ Json shotInfo(const Shot& shot) {
         info["timeline"].push_back({{"seconds", t.seconds}, {"stage", t.stage}, {"iteration", t.iteration}, {"objective", t.objective}, {"rmse", t.rmse}});
     info["stability"] = {{"condition_number", e.stability.conditionNumber}, {"kkt_residual", e.stability.kktResidual}, {"effective_rank", e.stability.effectiveRank},
                          {"unknowns", e.stability.unknowns}, {"reason", e.stability.reason}, {"spectrum", e.stability.spectrum}};
+    info["plan"] = planJson(e.plan);
     info["resources"] = {{"seconds", shot.resources.seconds}, {"peak_mib", shot.resources.peakMib}, {"threads", shot.resources.threads}};
     info["interreflection"] = {{"kept", e.interreflection}, {"share", e.bouncedShare}};
     info["stopped_early"] = e.cancelled;
@@ -315,6 +330,7 @@ Shot openShot(const fs::path& folder, bool withImages, Progress& progress) {
             const std::string where = fmt::format("left_out[{}].", i++);
             e.leftOut.push_back({field<std::string>(l, "what", "", where), field<std::string>(l, "why", "", where)});
         }
+        e.plan = planOf(document);
         const Json& gauge = objectOf(document, "gauge");
         e.gauge = {field<std::string>(gauge, "kind", "", "gauge."), field<std::string>(gauge, "evidence", "", "gauge."), gauge.contains("scale") ? colour(gauge["scale"], "gauge.scale") : Rgb(1)};
         const Json& stability = objectOf(document, "stability");

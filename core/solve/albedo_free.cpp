@@ -1,5 +1,7 @@
 #include "solve/albedo_free.h"
 
+#include <optional>
+
 #include "base/parallel.h"
 
 namespace relamp {
@@ -10,6 +12,7 @@ using RowMap = Eigen::Map<const RowMajor>;
 Eigen::MatrixXd weightedGram(const InfluenceMatrix& influence, const std::function<void(size_t, float*)>& weighted, Progress& progress) {
     const size_t n = influence.columns;
     constexpr size_t block = 512;
+    constexpr Eigen::Index panel = 64;
     const size_t blocks = (influence.rows + block - 1) / block;
     if (influence.rows == 0) return Eigen::MatrixXd::Zero(Eigen::Index(n), Eigen::Index(n));
     // A fixed number of partial sums, each over its own run of blocks: the same bits whatever the thread count.
@@ -17,19 +20,23 @@ Eigen::MatrixXd weightedGram(const InfluenceMatrix& influence, const std::functi
     std::vector<Eigen::MatrixXd> partial(lanes);
     parallelFor(lanes, 1, [&](size_t lane) {
         partial[lane] = Eigen::MatrixXd::Zero(Eigen::Index(n), Eigen::Index(n));
-        RowMajor t{Eigen::Index(block), Eigen::Index(n)}, product{Eigen::Index(n), Eigen::Index(n)};
+        RowMajor t{Eigen::Index(block), Eigen::Index(n)}, product{Eigen::Index(n), panel};
         for (size_t b = lane; b < blocks; b += lanes) {
             progress.check();
             const size_t begin = b * block, count = std::min(block, influence.rows - begin);
             for (size_t i = 0; i < count; ++i) weighted(begin + i, t.row(Eigen::Index(i)).data());
             const RowMap rows(influence.row(begin), Eigen::Index(count), Eigen::Index(n));
-            product.noalias() = rows.transpose() * t.topRows(Eigen::Index(count));
-            partial[lane] += product.cast<double>();
+            // Symmetric: by panels of columns, each from its diagonal down.
+            for (Eigen::Index j = 0; j < Eigen::Index(n); j += panel) {
+                const Eigen::Index w = std::min(panel, Eigen::Index(n) - j), down = Eigen::Index(n) - j;
+                product.topRows(down).leftCols(w).noalias() = rows.rightCols(down).transpose() * t.topRows(Eigen::Index(count)).middleCols(j, w);
+                partial[lane].block(j, j, down, w) += product.topRows(down).leftCols(w).cast<double>();
+            }
         }
     });
     Eigen::MatrixXd gram = partial[0];
     for (size_t lane = 1; lane < lanes; ++lane) gram += partial[lane];
-    return 0.5 * (gram + gram.transpose());
+    return gram.selfadjointView<Eigen::Lower>();
 }
 
 namespace {
@@ -174,20 +181,9 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
         return sums.objective;
     };
 
-    progress.begin("Light from ratios", size_t(options.iterations));
-    double scale = options.robustScale, objective = 0;
-    for (int iteration = 0; iteration < options.iterations; ++iteration) {
-        const bool annealing = options.anneal && iteration < 3;
-        scale = double(options.robustScale) * (annealing ? 4 - iteration : 1);
-        litBy(x, lit);
-        takeVariance(lit);
-        double rmse = 0;
-        objective = evaluate(x, lit, scale, &rmse);
-        report.objective = objective;
-        if (each) each(iteration, objective, rmse);
-
-        Eigen::VectorXd target[3];
-        report.kktResidual = 0;
+    // Where the quadratic model at x has its minimum, and how exactly that was found.
+    const auto modelMinimum = [&](bool fromPresent, Eigen::VectorXd* target) {
+        double kkt = 0;
         for (int c = 0; c < 3; ++c) {
             parallelFor(pairs.size(), 4096, [&](size_t k) {
                 const AlbedoPair& p = pairs[k];
@@ -239,10 +235,40 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
                 moment += hold * mean.dot(x[c]) * mean;
                 q += hold * mean * mean.transpose();
             }
-            const QpResult solution = solveBoundedQp(q, moment, lower, iteration > 0 ? &x[c] : nullptr, {&progress});
-            report.kktResidual = std::max(report.kktResidual, solution.kktResidual);
+            const QpResult solution = solveBoundedQp(q, moment, lower, fromPresent ? &x[c] : nullptr, {&progress});
+            kkt = std::max(kkt, solution.kktResidual);
             target[c] = solution.usable ? solution.x : x[c];
         }
+        return kkt;
+    };
+
+    progress.begin("Light from ratios", size_t(options.iterations));
+    double scale = options.robustScale, objective = 0;
+    const int settled = options.anneal ? 3 : 0;  // from then on the objective is one and the same
+    const auto writeBack = [&] {
+        for (int c = 0; c < 3; ++c) {
+            for (size_t i = 0; i < leafCount; ++i) lighting.leafRadiance[i][c] = float(x[c](Eigen::Index(i)));
+            for (size_t e = 0; e < emitterCount; ++e) lighting.emitterRadiance[e][c] = float(x[c](Eigen::Index(leafCount + e)));
+        }
+    };
+    for (int iteration = 0; iteration < options.iterations; ++iteration) {
+        const bool annealing = options.anneal && iteration < 3;
+        std::optional<Progress::Dispensable> dispensable;
+        if (iteration >= options.leastIterations) dispensable.emplace(progress);
+        scale = double(options.robustScale) * (annealing ? 4 - iteration : 1);
+        litBy(x, lit);
+        if (iteration <= settled) takeVariance(lit);
+        double rmse = 0;
+        objective = evaluate(x, lit, scale, &rmse);
+        writeBack();
+        if (each) each(iteration, objective, rmse);
+        Eigen::VectorXd target[3];
+        try {
+            report.kktResidual = modelMinimum(iteration > 0, target);
+        } catch (const OutOfTime&) {
+            break;
+        }
+        dispensable.reset();
         // A step that makes things worse is halved: the objective never rises.
         double change = 0;
         bool accepted = false;
@@ -251,7 +277,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
             Eigen::VectorXf trialLit[3];
             for (int c = 0; c < 3; ++c) trial[c] = x[c] + step * (target[c] - x[c]);
             litBy(trial, trialLit);
-            if (evaluate(trial, trialLit, scale, nullptr) > objective * (1 + 1e-6)) continue;
+            if (!(evaluate(trial, trialLit, scale, nullptr) <= objective)) continue;
             accepted = true;
             for (int c = 0; c < 3; ++c) {
                 change = std::max(change, double((trialLit[c] - lit[c]).norm() / std::max(1e-30f, trialLit[c].norm())));
@@ -261,12 +287,13 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
         report.iterations = iteration + 1;
         progress.advance();
         if (!annealing && (!accepted || change < options.tolerance)) break;
-        if (progress.outOfTime()) break;
+        if (iteration + 1 >= options.leastIterations && progress.outOfTime()) break;
     }
-    for (int c = 0; c < 3; ++c) {
-        for (size_t i = 0; i < leafCount; ++i) lighting.leafRadiance[i][c] = float(x[c](Eigen::Index(i)));
-        for (size_t e = 0; e < emitterCount; ++e) lighting.emitterRadiance[e][c] = float(x[c](Eigen::Index(leafCount + e)));
-    }
+    writeBack();
+    // Of the light found, with the weights that belong to it: what fits of other models can be held against.
+    litBy(x, lit);
+    takeVariance(lit);
+    report.objective = evaluate(x, lit, options.robustScale, nullptr);
     return report;
 }
 

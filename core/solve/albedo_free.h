@@ -19,6 +19,7 @@ struct AlbedoFreeOptions {
     float robustScale = 2.5f;   ///< Cauchy scale in standard deviations
     float tolerance = 1e-3f;    ///< relative change of the irradiance that counts as none
     bool anneal = true;         ///< start with a wide robust scale
+    int leastIterations = 0;    ///< that many are done whatever the time budget says
     LightPriorOptions light;
     /// Per observation the light that other surfaces send it, in the photographs' own unit (as shown by a white matte surface); null: none.
     /// It is measured, not solved for: B x + bounce lights the observation.
@@ -42,8 +43,8 @@ struct AlbedoFreeReport {
 /// q = y_j B_i x: albedo is gone, the scale of x is an exact null space left to the anchors alone (and to bounced light, whose scale is known), and unlit vertices stay finite
 /// where logs would not. (Minimising (p - q)^2 with fixed weights instead shrinks x: noise in y correlates with the rows.) Weights:
 /// the residual's variance under noise, model mismatch and shadow-edge mixing, and a Cauchy weight on the mean over channels.
-/// `lighting` is the start and the result. `each(iteration, objective, rmse)` is told of every
-/// iteration; rmse is the relative difference of the pairs (robustStep). `viewRows` may be null.
+/// `lighting` is the start and the result, and holds the best so far whenever `each(iteration, objective, rmse)` is told of an
+/// iteration. The objective never rises: its weights are taken anew while it anneals, and then once. Out of time it ends with what was best; rmse is the relative difference of the pairs (robustStep). `viewRows` may be null.
 AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteObservations& matte, const std::vector<AlbedoPair>& pairs,
                                  const LightAnchors& anchors, const ViewRows* viewRows, const AlbedoFreeOptions& options, Lighting& lighting,
                                  Progress& progress, const std::function<void(int, double, double)>& each);

@@ -5,6 +5,7 @@
 
 #include "brdf/basis.h"
 #include "clusters/emitter_clusters.h"
+#include "solve/solve_plan.h"
 #include "transport/lighting.h"
 
 namespace relamp {
@@ -56,6 +57,7 @@ struct Estimate {
     std::vector<float> identifiability;    ///< per emitter: share of its effect that no distant light can imitate
     std::vector<TimelineEntry> timeline;
     std::vector<LeftOut> leftOut;
+    SolvePlan plan;                        ///< what was decided beforehand, and what the stages cost
     GaugeReport gauge;
     StabilityReport stability;
     std::string mode;                      ///< "near-field" or "distant-only"

@@ -141,22 +141,23 @@ Lobe withRoughness(const Lobe& lobe, float factor) {
 
 PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const std::vector<EmitterSurface>& emitters,
                     const std::vector<int>& emitterOfTriangle, const Lighting& lighting, const BrdfBasis& basis, uint32_t piece,
-                    const GlossOptions& options, Progress& progress) {
+                    const GlossOptions& options, Progress& progress, const PieceGloss* earlier) {
     PieceGloss result;
     result.piece = piece;
     result.looks = glossyLooks(capture, scene, samples, piece, options);
     if (result.looks.size() < 40) return result;
     const LobeFit without = fitLobe(result.looks, std::vector<Rgb>(result.looks.size(), Rgb(0)), true);
     result.residualMatte = result.residual = float(without.residual);
-    double best = without.residual;
-    const auto attempt = [&](const Lobe& lobe, double needed) {
+    double best = without.residual, reached = 0;
+    const auto attempt = [&](const Lobe& lobe) {
         const InfluenceMatrix rows = glossyRows(scene, emitters, emitterOfTriangle, lighting.leaves, lobe, result.looks, options.rows, progress);
         const std::vector<Rgb> response = responses(rows, lighting);
         const LobeFit both = fitLobe(result.looks, response, true), alone = fitLobe(result.looks, response, false);
         // A lobe alone has one unknown a channel where lobe and Lambert have one a vertex: it wins unless clearly worse.
         const bool metal = alone.residual < 1.6 * both.residual;
         const LobeFit& fit = metal ? alone : both;
-        if (fit.residual >= needed * best) return false;
+        reached = fit.residual;
+        if (fit.residual >= best) return false;
         best = fit.residual;
         result.lobe = lobe;
         result.weight = glm::min(fit.weight, Rgb(4));
@@ -164,13 +165,22 @@ PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSa
         result.residual = float(fit.residual);
         return true;
     };
-    for (size_t k = 1; k < basis.lobes.size(); ++k) attempt(basis.lobes[k], 1.0);
+    float bestEarlier = 0;
+    if (earlier && earlier->tried.size() == basis.lobes.size())
+        for (float residual : earlier->tried)
+            if (residual >= 0 && (bestEarlier == 0 || residual < bestEarlier)) bestEarlier = residual;
+    result.tried.assign(basis.lobes.size(), -1.0f);
+    for (size_t k = 1; k < basis.lobes.size(); ++k) {
+        if (bestEarlier > 0 && (earlier->tried[k] < 0 || earlier->tried[k] > 1.3f * bestEarlier)) continue;
+        attempt(basis.lobes[k]);
+        result.tried[k] = float(reached);
+    }
     if (!result.lobe || result.residual > 0.85f * result.residualMatte) {
         result.lobe.reset();
         return result;
     }
     for (float step : {1.16f, 1.07f})
-        if (!attempt(withRoughness(*result.lobe, step), 1.0)) attempt(withRoughness(*result.lobe, 1 / step), 1.0);
+        if (!attempt(withRoughness(*result.lobe, step))) attempt(withRoughness(*result.lobe, 1 / step));
     return result;
 }
 

@@ -29,6 +29,7 @@ struct PieceGloss {
     float residual = 0;     ///< robust mean squared residual in standard deviations, with the lobe
     float residualMatte = 0;///< and without any
     std::vector<GlossyLook> looks;  ///< the look-ups used, at most maxLooks
+    std::vector<float> tried;       ///< residual of each lobe of the basis, as `residual`; below 0: not tried. Empty: none was
 };
 
 struct GlossOptions {
@@ -41,10 +42,11 @@ struct GlossOptions {
 std::vector<GlossyLook> glossyLooks(const Capture& capture, const Scene& scene, const RadianceSamples& samples, uint32_t piece, const GlossOptions& options);
 
 /// Fits each lobe of the basis to the piece under known light, with the Lambert part of every vertex eliminated, refines the
-/// roughness of the best one, and keeps it where it explains the change between views. Cost: about 18 lobes x looks rows.
+/// roughness of the best one, and keeps it where it explains the change between views. Cost: about 18 lobes x looks rows. `earlier`, when not
+/// null, is a fit of the piece under nearly the same light: lobes that lost clearly there (residual 1.3 times the best) are not tried again.
 PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const std::vector<EmitterSurface>& emitters,
                     const std::vector<int>& emitterOfTriangle, const Lighting& lighting, const BrdfBasis& basis, uint32_t piece,
-                    const GlossOptions& options, Progress& progress);
+                    const GlossOptions& options, Progress& progress, const PieceGloss* earlier = nullptr);
 
 /// The lobe with its roughness multiplied by `factor`, kept within 0.06 to 0.9, and named after it.
 Lobe withRoughness(const Lobe& lobe, float factor);

@@ -1,7 +1,6 @@
 #include "solve/solve.h"
 
 #include "base/log.h"
-#include "solve/albedo_free.h"
 #include "solve/solve_state.h"
 
 namespace relamp {
@@ -28,39 +27,28 @@ SolveOptions solveOptionsFor(const std::string& quality) {
     return o;
 }
 
+std::vector<SolveStep> stepsOf(const SolveOptions& options) {
+    using enum SolveStep;
+    std::vector<SolveStep> steps{firstLight, startLight, bounces};
+    for (int round = 0; round < options.refineRounds; ++round) steps.insert(steps.end(), {splitStrong, refineLight});
+    steps.push_back(surfaces);
+    for (int round = 0; round < options.glossRounds; ++round) steps.insert(steps.end(), {glossLight, glossSurfaces});
+    for (int round = 0; round < options.turns; ++round) steps.push_back(turn);
+    return steps;
+}
+
 Estimate solveScene(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const EmitterClusters& clusters,
-                    const SolveOptions& options, Progress& progress, const SolveListener* listener) {
+                    const SolveOptions& options, Progress& progress, const SolveListener* listener, const SolveCheckpoint* resume) {
     if (options.gauge.kind == GaugeChoice::Kind::whitePatch && (options.gauge.view < 0 || size_t(options.gauge.view) >= capture.views.size()))
         throw Error("--gauge white-patch: view {} does not exist, expected 0 to {}", options.gauge.view, capture.views.size() - 1);
     SolveState s(capture, scene, samples, options, progress, listener);
-    s.takeClusters(clusters);
-    s.prepare();                       // matte observations, pairs, visibility, near field: D and N
-    if (!s.hasMatte()) {
-        s.startFromConstantReflectance();
-        s.confirmEmitters();
-    } else if (options.nearField) {
-        s.startFromRatios();           // METHOD 11
-        if (s.confirmEmitters()) s.startFromRatios();
-        s.leaveOutBlackEnvironment();
-        s.decideBounce();
-    } else {
-        s.startFromConstantAlbedo();   // the baseline's own way
+    if (resume) s.goOnFrom(*resume);
+    else s.prepare(clusters);          // matte observations, pairs, visibility, near field: D and N
+    const std::vector<SolveStep> steps = stepsOf(options);
+    for (size_t i = resume ? resume->step : 0; i < steps.size(); ++i) {
+        s.run(steps[i], uint32_t(i));
+        s.finishedStep(uint32_t(i + 1), steps[i]);
     }
-    s.showSnapshot();
-    for (int round = 0; round < options.refineRounds && s.refineLeaves(); ++round) {
-        if (options.nearField || !s.hasMatte()) s.improveLight(options.refineIterations);
-        else s.alternate();
-        s.updateBounce();
-        s.showSnapshot();
-    }
-    s.solveReflectance();
-    s.showSnapshot();
-    for (int round = 0; round < options.glossRounds && s.hasGloss() && !s.stopped(); ++round) {
-        s.improveLight(options.refineIterations);
-        s.solveReflectance();
-        s.updateBounce();
-    }
-    for (int round = 0; round < options.turns && s.hasMatte() && !s.hasGloss() && !s.stopped(); ++round) s.alternate();
     return s.finish();
 }
 

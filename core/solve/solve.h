@@ -10,6 +10,7 @@
 #include "radiance/samples.h"
 #include "solve/albedo_step.h"
 #include "solve/estimate.h"
+#include "solve/solve_checkpoint.h"
 
 namespace relamp {
 
@@ -38,6 +39,7 @@ struct SolveOptions {
     /// Light that surfaces send each other: by the photographs, never, always.
     enum class Bounce { automatic, off, on } bounce = Bounce::automatic;
     uint64_t seed = 1;
+    SolvePlan plan;            ///< what takes part: the planner's word (pipeline/plan.h)
 };
 /// "draft", "standard" or "fine". Throws Error for another name.
 SolveOptions solveOptionsFor(const std::string& quality);
@@ -46,11 +48,15 @@ SolveOptions solveOptionsFor(const std::string& quality);
 struct SolveListener {
     std::function<void(const TimelineEntry&)> entry;
     std::function<void(Estimate)> snapshot;   ///< a whole estimate as it stands, after each large step; costs about a tenth of a second each
+    std::function<void(const SolveCheckpoint&)> checkpoint;  ///< from where the solve could go on: after each stage, and inside long ones every `checkpointSeconds`
+    double checkpointSeconds = 20;
 };
 
 /// Separates distant light, emitters and reflectance. `clusters` are the candidates of room 4 (ignored when nearField is off).
-/// Runs out of its time budget: the best estimate so far, marked. Throws Error when no vertex was observed, Cancelled when stopped. Memory: columns x vertices floats (4 B x 500 x 34k = 68 MiB on a 34k mesh).
+/// Runs out of its time budget: the best estimate so far, marked; looked at every 100 ms or so but in the coarse first fit, which is always
+/// finished, and in the closing figures. `resume`, when not null, is where an earlier solve of the same inputs stood: after a finished stage the
+/// answer has the same bits as that of a solve that was never stopped. Throws Error when no vertex was observed, Cancelled when stopped. Memory: columns x vertices floats (4 B x 500 x 34k = 68 MiB on a 34k mesh).
 Estimate solveScene(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const EmitterClusters& clusters,
-                    const SolveOptions& options, Progress& progress, const SolveListener* listener = nullptr);
+                    const SolveOptions& options, Progress& progress, const SolveListener* listener = nullptr, const SolveCheckpoint* resume = nullptr);
 
 }  // namespace relamp

@@ -11,7 +11,7 @@ std::vector<Rgb> SolveState::directAt(const std::vector<uint32_t>& vertices) {
     constexpr size_t block = 2048;  // rows are as wide as there are leaves: not all at once
     for (size_t begin = 0; begin < vertices.size(); begin += block) {
         const std::vector<uint32_t> some(vertices.begin() + ptrdiff_t(begin), vertices.begin() + ptrdiff_t(std::min(vertices.size(), begin + block)));
-        const InfluenceMatrix rows = lambertInfluence(scene_, visibility_, nearField_, lighting_.leaves, some, progress_);
+        const InfluenceMatrix rows = rowsOf(some);
         for (size_t i = 0; i < some.size(); ++i) {
             Rgb sum(0);
             for (size_t k = 0; k < lighting_.leaves.size(); ++k) sum += rows.row(i)[k] * lighting_.leafRadiance[k];
@@ -51,6 +51,10 @@ void SolveState::updateBounce() {
         }
     }
     vertexBounce_ = gatherBounce(bounceRays_, sent);
+    takeVertexBounce();
+}
+
+void SolveState::takeVertexBounce() {
     bounce_.resize(matte_.vertices.size());
     for (size_t i = 0; i < bounce_.size(); ++i) bounce_[i] = vertexBounce_[matte_.vertices[i]];
 }
@@ -64,27 +68,37 @@ float SolveState::bouncedShareOf() const {
     return all > 0 ? float(bounced / all) : 0.0f;
 }
 
+void SolveState::traceBounceRays() {
+    BounceOptions rayOptions;
+    rayOptions.seed = options_.seed;
+    bounceRays_ = traceBounce(scene_, rayOptions, progress_);
+}
+
+void SolveState::forgetBounce(std::string why) {
+    logInfo("bounced light is left out: {}", why);
+    noBounceBecause_ = std::move(why);
+    bounceRays_ = {};
+    bounce_.clear();
+    vertexBounce_.clear();
+}
+
 void SolveState::decideBounce() {
     using Bounce = SolveOptions::Bounce;
     if (options_.bounce == Bounce::off) {
         noBounceBecause_ = "it was switched off";
         return;
     }
-    BounceOptions rayOptions;
-    rayOptions.seed = options_.seed;
-    bounceRays_ = traceBounce(scene_, rayOptions, progress_);
+    if (options_.bounce == Bounce::automatic && !plan_.choices.bounce) {
+        for (const PlannedOmission& o : plan_.leftOut)
+            if (o.what == "interreflection") noBounceBecause_ = o.reason;
+        return;
+    }
+    traceBounceRays();
     double enclosure = 0;
     for (uint32_t v : matte_.vertices) enclosure += bounceRays_.enclosure(v);
     enclosure /= double(matte_.vertices.size());
-    const auto leaveOut = [&](std::string why) {
-        logInfo("bounced light is left out: {}", why);
-        noBounceBecause_ = std::move(why);
-        bounceRays_ = {};
-        bounce_.clear();
-        vertexBounce_.clear();
-    };
     if (options_.bounce == Bounce::automatic && enclosure < 0.01) {
-        leaveOut(fmt::format("other surfaces fill only {:.1f} % of what a surface sees", 100 * enclosure));
+        forgetBounce(fmt::format("other surfaces fill only {:.1f} % of what a surface sees", 100 * enclosure));
         return;
     }
     const Lighting without = lighting_;
@@ -97,6 +111,7 @@ void SolveState::decideBounce() {
         after = runAlbedoFree("light from ratios and bounces", round == 0 ? 8 : options_.startIterations, nullptr).objective;
         if (options_.bounce == Bounce::automatic && after > 1.05 * before) break;  // far from it
     }
+    if (stopped()) throw OutOfTime{};
     computeLit();
     bouncedShare_ = bouncedShareOf();
     logInfo("bounced light: enclosure {:.1f} %, share {:.1f} %, objective {:.5g} without, {:.5g} with", 100 * enclosure, 100 * bouncedShare_, before, after);
@@ -105,7 +120,7 @@ void SolveState::decideBounce() {
         return;
     }
     lighting_ = without;
-    leaveOut(fmt::format("ratios of radiance are explained better without it (misfit {:.4g}, with it {:.4g})", before, after));
+    forgetBounce(fmt::format("ratios of radiance are explained better without it (misfit {:.4g}, with it {:.4g})", before, after));
 }
 
 }  // namespace relamp

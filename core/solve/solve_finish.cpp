@@ -12,6 +12,7 @@ void SolveState::solveReflectance() {
     computeLit();
     // Glossy pieces: which lobe, how strong.
     std::vector<PieceGloss> found;
+    std::vector<uint8_t> fitted(scene_.pieces, 0);
     GlossOptions glossOptions;
     glossOptions.seed = options_.seed;
     glossOptions.rows = rowOptions();
@@ -19,13 +20,30 @@ void SolveState::solveReflectance() {
     std::vector<size_t> sizes(scene_.pieces, 0);
     for (uint32_t v : matte_.vertices) ++sizes[scene_.piece[v]];
     for (uint32_t p = 0; p < scene_.pieces && !stopped(); ++p) {
-        if (!matte_.pieceGlossy[p] || sizes[p] < 30) continue;
-        PieceGloss g = fitGloss(capture_, scene_, samples_, surfaces_, clusters_.emitterOfTriangle, lighting_, basis_, p, glossOptions, progress_);
+        if ((!matte_.pieceGlossy[p] && !plan_.choices.mattePieces) || sizes[p] < 30) continue;
+        const auto ofPiece = [p](const PieceGloss& g) { return g.piece == p; };
+        const auto earlier = std::find_if(triedGloss_.begin(), triedGloss_.end(), ofPiece);
+        PieceGloss g;
+        try {
+            const Progress::Dispensable mayEnd(progress_);
+            g = fitGloss(capture_, scene_, samples_, surfaces_, clusters_.emitterOfTriangle, lighting_, basis_, p, glossOptions, progress_,
+                         earlier == triedGloss_.end() || plan_.choices.lostLobes ? nullptr : &*earlier);
+        } catch (const OutOfTime&) {
+            break;
+        }
+        fitted[p] = 1;
+        PieceGloss noted = g;
+        noted.looks.clear();
+        if (earlier == triedGloss_.end()) triedGloss_.push_back(std::move(noted));
+        else *earlier = std::move(noted);
         if (!g.lobe) continue;
         logInfo("piece {}: {} weight {:.3f} {:.3f} {:.3f}{}, residual {:.2f} of {:.2f}", p, g.lobe->name, g.weight.x, g.weight.y, g.weight.z,
                 g.matte ? " over Lambert" : "", g.residual, g.residualMatte);
         found.push_back(std::move(g));
     }
+    // A piece that the time left unfitted stays as it was.
+    for (PieceGloss& g : gloss_)
+        if (!fitted[g.piece]) found.push_back(std::move(g));
     gloss_ = std::move(found);
     updateAlbedo();
     record("reflectance", int(timeline_.size()), 0, pairMismatch());
@@ -47,8 +65,11 @@ void SolveState::startFromConstantAlbedo() {
 
 void SolveState::alternate() {
     if (environmentBlack_) return;
+    // The step changes one channel after the other: nothing is taken over before all are there.
+    Lighting improved = lighting_;
     const LightPrior prior(lighting_.leaves, anchors_, lightPrior_);
-    const LightingStepReport step = lightingStep(influence_, matte_, albedo_.albedo, litSigma_, prior, bounce_, lighting_, progress_);
+    const LightingStepReport step = lightingStep(influence_, matte_, albedo_.albedo, litSigma_, prior, bounce_, improved, progress_);
+    lighting_ = std::move(improved);
     stability_.kktResidual = step.kktResidual;
     computeLit();
     updateAlbedo();
@@ -257,6 +278,7 @@ void SolveState::showSnapshot() {
 }
 
 Estimate SolveState::finish() {
+    meter_.begin("closing figures");
     Estimate estimate = assemble();
     assess(estimate);
     applyGauge(estimate);
@@ -265,9 +287,13 @@ Estimate SolveState::finish() {
     if (!options_.nearField) estimate.leftOut.push_back({"near-field emitters", "the distant-only baseline was asked for"});
     if (environmentBlack_) estimate.leftOut.push_back({"distant light", "it gives less than half a percent of the light on the surfaces"});
     if (!estimate.interreflection) estimate.leftOut.push_back({"interreflection", noBounceBecause_});
+    if (refined_ && !environmentBlack_ && lighting_.leaves.size() < options_.maxLeaves && refinedMisfit_ > 0)
+        estimate.leftOut.push_back({"finer distant light", "the leaves that are left give too little light, or the last finer ones explained hardly more"});
     if (lighting_.leaves.size() >= options_.maxLeaves) estimate.leftOut.push_back({"finer distant light", fmt::format("the limit of {} unknowns was reached", options_.maxLeaves)});
     record("done", 0, 0, pairMismatch());
+    meter_.end();
     estimate.timeline = timeline_;
+    estimate.plan = measuredPlan();
     return estimate;
 }
 

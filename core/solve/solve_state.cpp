@@ -8,11 +8,14 @@ namespace relamp {
 
 SolveState::SolveState(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const SolveOptions& options, Progress& progress,
                        const SolveListener* listener)
-    : capture_(capture), scene_(scene), samples_(samples), options_(options), progress_(progress), listener_(listener) {}
+    : capture_(capture), scene_(scene), samples_(samples), options_(options), progress_(progress), listener_(listener), meter_(progress), plan_(options.plan) {}
 
 void SolveState::record(const std::string& stage, int iteration, double objective, double rmse) {
     timeline_.push_back({progress_.seconds(), stage, iteration, objective, rmse});
     if (listener_ && listener_->entry) listener_->entry(timeline_.back());
+    if (!stepMayBeCut_ || !listener_ || !listener_->checkpoint || progress_.seconds() - lastCheckpoint_ < listener_->checkpointSeconds) return;
+    lastCheckpoint_ = progress_.seconds();
+    listener_->checkpoint(checkpoint(step_, false));
 }
 
 void SolveState::takeClusters(const EmitterClusters& clusters) {
@@ -43,8 +46,13 @@ void SolveState::takeClusters(const EmitterClusters& clusters) {
 void SolveState::rebuildNearField() {
     surfaces_.clear();
     for (const EmitterCluster& e : clusters_.emitters) surfaces_.push_back(emitterSurface(scene_.mesh, e));
+    // Transport of what no photograph shows is worked out when it is asked for.
+    known_ = scene_.referenced;
+    if (!plan_.choices.unseenVertices)
+        for (uint32_t v = 0; v < known_.size(); ++v) known_[v] = samples_.countOf(v) > 0 || clusters_.emitterOfVertex[v] >= 0;
     NearFieldOptions nearOptions;
     nearOptions.seed = options_.seed;
+    nearOptions.only = &known_;
     nearField_ = computeNearField(scene_, clusters_, nearOptions, progress_);
     std::vector<uint8_t> skip(scene_.mesh.vertexCount(), 0);
     for (size_t v = 0; v < skip.size(); ++v) skip[v] = clusters_.emitterOfVertex[v] >= 0;
@@ -61,22 +69,66 @@ void SolveState::rebuildNearField() {
     matteShare_ = matte_.vertices.empty() ? 0 : double(usable) / double(matte_.vertices.size());
 }
 
-void SolveState::prepare() {
-    VisibilityOptions visibilityOptions;
-    visibilityOptions.gridSide = options_.visibilitySide;
-    visibility_ = computeVisibility(scene_, visibilityOptions, progress_);
-    rebuildNearField();
+void SolveState::prepare(const EmitterClusters& clusters) {
     if (samples_.samples.empty()) throw Error("no vertex of the mesh is seen by any photograph: check the cameras' poses and the mesh's scale with `relamp check`");
+    meter_.begin("lamps' light, observations, pairs");
+    takeClusters(clusters);
+    rebuildNearField();
     if (matte_.vertices.empty()) throw Error("no vertex has a usable look-up: every pixel on the mesh is clipped, or all of the mesh was taken for lamps; `relamp check` tells which");
-    uniformLight();
+    environmentBlack_ = !plan_.choices.distantLight && !surfaces_.empty();
+    lighting_.leaves = LightLeaves::uniform(firstLevel());
+    rebuildRows();
+    guessLight();
 }
 
-void SolveState::uniformLight() {
-    lighting_.leaves = LightLeaves::uniform(options_.startLevel);
+int SolveState::firstLevel() const {
+    if (environmentBlack_) return 0;
+    return options_.nearField && hasMatte() ? std::max(2, options_.startLevel - 1) : options_.startLevel;
+}
+
+void SolveState::rebuildRows() {
+    if (!environmentBlack_ && visibility_.bits.empty()) {
+        meter_.begin("visibility");
+        VisibilityOptions visibilityOptions;
+        visibilityOptions.gridSide = options_.visibilitySide;
+        visibilityOptions.only = &known_;
+        visibility_ = computeVisibility(scene_, visibilityOptions, progress_);
+    }
+    meter_.begin("rows of the observations");
     anchors_ = lightAnchors(samples_, clusters_, lighting_.leaves);
     shapeLeaves();
+    influence_ = rowsOf(matte_.vertices);
+}
+
+InfluenceMatrix SolveState::rowsOf(const std::vector<uint32_t>& vertices) {
+    std::vector<uint8_t> unknown(known_.size(), 0);
+    bool any = false;
+    for (uint32_t v : vertices) any |= unknown[v] = !known_[v];
+    if (any) learnTransport(unknown);
+    if (!environmentBlack_ || !visibility_.bits.empty()) return lambertInfluence(scene_, visibility_, nearField_, lighting_.leaves, vertices, progress_);
+    // Nothing comes from afar: columns of zeros.
+    InfluenceMatrix matrix;
+    matrix.rows = vertices.size();
+    matrix.columns = lighting_.leaves.size() + nearField_.emitters;
+    matrix.values.assign(matrix.rows * matrix.columns, 0.0f);
+    for (size_t r = 0; r < matrix.rows; ++r)
+        for (size_t e = 0; e < nearField_.emitters; ++e) matrix.row(r)[lighting_.leaves.size() + e] = nearField_.at(vertices[r], e);
+    return matrix;
+}
+
+void SolveState::learnTransport(const std::vector<uint8_t>& vertices) {
+    if (!visibility_.bits.empty()) addVisibility(scene_, vertices, visibility_, progress_);
+    NearFieldOptions nearOptions;
+    nearOptions.seed = options_.seed;
+    nearOptions.only = &vertices;
+    addNearField(scene_, clusters_, nearOptions, nearField_, progress_);
+    for (size_t v = 0; v < known_.size(); ++v) known_[v] |= vertices[v];
+}
+
+void SolveState::guessLight() {
     lighting_.emitterRadiance = anchors_.emitterRadiance;
-    influence_ = lambertInfluence(scene_, visibility_, nearField_, lighting_.leaves, matte_.vertices, progress_);
+    lighting_.leafRadiance.assign(lighting_.leaves.size(), Rgb(0));
+    if (environmentBlack_) return;
     // A constant environment that would show the median radiance on an albedo of 0.3.
     std::vector<float> values;
     for (int c = 0; c < 3; ++c) {
@@ -84,7 +136,6 @@ void SolveState::uniformLight() {
         for (const Rgb& y : matte_.radiance) values.push_back(y[c]);
         std::nth_element(values.begin(), values.begin() + ptrdiff_t(values.size() / 2), values.end());
         const float start = std::max(values[values.size() / 2] / 0.3f, 1e-9f);
-        if (c == 0) lighting_.leafRadiance.assign(lighting_.leaves.size(), Rgb(0));
         for (Rgb& l : lighting_.leafRadiance) l[c] = start;
     }
 }
@@ -93,6 +144,7 @@ AlbedoFreeReport SolveState::runAlbedoFree(const std::string& stage, int iterati
     AlbedoFreeOptions o;
     o.iterations = iterations;
     o.anneal = timeline_.empty();
+    o.leastIterations = timeline_.empty() ? 4 : 0;
     o.light = lightPrior_;
     o.bounce = bounce_.empty() ? nullptr : &bounce_;
     const AlbedoFreeReport report = solveAlbedoFree(influence_, matte_, pairs_, anchors_, rows, o, lighting_, progress_,
@@ -102,7 +154,20 @@ AlbedoFreeReport SolveState::runAlbedoFree(const std::string& stage, int iterati
     return report;
 }
 
-void SolveState::startFromRatios() { runAlbedoFree("light from ratios", options_.startIterations, nullptr); }
+void SolveState::firstLight() {
+    runAlbedoFree("light from ratios, coarse", options_.startIterations, nullptr);
+    if (confirmEmitters()) runAlbedoFree("light from ratios, coarse", options_.startIterations, nullptr);
+    leaveOutBlackEnvironment();
+}
+
+void SolveState::startLight() {
+    if (environmentBlack_) return;
+    std::vector<uint32_t> coarse;
+    for (uint32_t i = 0; i < lighting_.leaves.size(); ++i)
+        if (lighting_.leaves[i].level < options_.startLevel) coarse.push_back(i);
+    if (!coarse.empty()) splitLeaves(coarse);
+    runAlbedoFree("light from ratios", options_.startIterations, nullptr);
+}
 
 void SolveState::startFromConstantReflectance() {
     // The piece with the most look-ups stands for the scene.
@@ -115,7 +180,7 @@ void SolveState::startFromConstantReflectance() {
     options.rows = rowOptions();
     const std::vector<GlossyLook> looks = glossyLooks(capture_, scene_, samples_, piece, options);
     if (looks.size() < 40) {
-        startFromRatios();
+        runAlbedoFree("light from ratios", options_.startIterations, nullptr);
         return;
     }
     double best = 1e300;
@@ -139,7 +204,7 @@ void SolveState::startFromConstantReflectance() {
     for (size_t k = 1; k < basis_.lobes.size(); ++k)
         if (basis_.lobes[k].kind == Lobe::Kind::ggx && !(chosen.lobe && stopped())) attempt(basis_.lobes[k]);
     if (!chosen.lobe) {
-        startFromRatios();
+        runAlbedoFree("light from ratios", options_.startIterations, nullptr);
         return;
     }
     lighting_ = bestLighting;
@@ -163,7 +228,7 @@ bool SolveState::confirmEmitters() {
         for (size_t i = 0; i < cluster.vertices.size(); i += step)
             if (samples_.countOf(cluster.vertices[i]) > 0) some.push_back(cluster.vertices[i]);
         if (some.empty()) some.assign(1, cluster.vertices[0]);
-        const InfluenceMatrix rows = lambertInfluence(scene_, visibility_, nearField_, lighting_.leaves, some, progress_);
+        const InfluenceMatrix rows = rowsOf(some);
         std::vector<float> demanded;
         for (size_t i = 0; i < some.size(); ++i) {
             Rgb lit(0);
@@ -189,9 +254,8 @@ bool SolveState::confirmEmitters() {
     indexEmitters(scene_, clusters_);
     if (!changed) return false;
     rebuildNearField();
-    anchors_ = lightAnchors(samples_, clusters_, lighting_.leaves);
+    rebuildRows();
     lighting_.emitterRadiance = anchors_.emitterRadiance;
-    influence_ = lambertInfluence(scene_, visibility_, nearField_, lighting_.leaves, matte_.vertices, progress_);
     return true;
 }
 
@@ -212,10 +276,21 @@ void SolveState::leaveOutBlackEnvironment() {
 }
 
 bool SolveState::refineLeaves() {
+    if (refined_) return false;
     const size_t limit = hasMatte() ? options_.maxLeaves : options_.maxLeaves + 3 * (size_t(1) << (2 * options_.startLevel));
     if (environmentBlack_ || stopped() || lighting_.leaves.size() >= limit) return false;
     // What a leaf gives of the light at a vertex, on average over the vertices: a sky counts in the shadow of its sun, where lamps are told from it.
     computeLit();
+    const double misfit = pairMismatch();
+    // The measure is a root of squares: half a percent of the squares is nothing.
+    const bool explainedMore = refinedMisfit_ == 0 || misfit * misfit < 0.995 * refinedMisfit_ * refinedMisfit_;
+    bool anyGlossy = !hasMatte();
+    for (uint8_t glossy : matte_.pieceGlossy) anyGlossy |= glossy > 0;
+    if (!explainedMore && !anyGlossy && !plan_.choices.flatLevels) {
+        refined_ = true;
+        return false;
+    }
+    refinedMisfit_ = misfit;
     std::vector<Rgb> given(lighting_.leaves.size(), Rgb(0));
     size_t counted = 0;
     for (size_t r = 0; r < influence_.rows; r += 5, ++counted) {
@@ -237,27 +312,30 @@ bool SolveState::refineLeaves() {
 }
 
 void SolveState::splitLeaves(const std::vector<uint32_t>& chosen) {
-    const size_t before = lighting_.leaves.size();
+    // Nothing of the state changes before everything is there: the work may be given up in the middle.
+    Lighting finer = lighting_;
+    const size_t before = finer.leaves.size();
     std::vector<uint32_t> changed;
     for (uint32_t i : chosen) {
-        const size_t first = lighting_.leaves.size();
-        lighting_.leaves.split(i);
+        const size_t first = finer.leaves.size();
+        finer.leaves.split(i);
         changed.push_back(i);
-        for (size_t k = first; k < lighting_.leaves.size(); ++k) {
-            lighting_.leafRadiance.push_back(lighting_.leafRadiance[i]);
+        for (size_t k = first; k < finer.leaves.size(); ++k) {
+            finer.leafRadiance.push_back(finer.leafRadiance[i]);
             changed.push_back(uint32_t(k));
         }
     }
     InfluenceMatrix wider;
     wider.rows = influence_.rows;
-    wider.columns = lighting_.leaves.size() + surfaces_.size();
+    wider.columns = finer.leaves.size() + surfaces_.size();
     wider.values.assign(wider.rows * wider.columns, 0.0f);
     for (size_t r = 0; r < wider.rows; ++r) {
         std::copy(influence_.row(r), influence_.row(r) + before, wider.row(r));
-        std::copy(influence_.row(r) + before, influence_.row(r) + influence_.columns, wider.row(r) + lighting_.leaves.size());
+        std::copy(influence_.row(r) + before, influence_.row(r) + influence_.columns, wider.row(r) + finer.leaves.size());
     }
+    lambertInfluenceOfLeaves(scene_, visibility_, finer.leaves, matte_.vertices, changed, wider, progress_);
     influence_ = std::move(wider);
-    lambertInfluenceOfLeaves(scene_, visibility_, lighting_.leaves, matte_.vertices, changed, influence_, progress_);
+    lighting_ = std::move(finer);
     anchors_ = lightAnchors(samples_, clusters_, lighting_.leaves);
     shapeLeaves();
 }
@@ -295,6 +373,7 @@ void SolveState::improveLight(int iterations) {
         const Lobe start = *g.lobe;
         // The roughness moves with the light: a blurred environment looks like a rough surface.
         for (float factor : {1.0f, 1.08f, 1 / 1.08f}) {
+            if (stopped() && best < 1e300) break;
             const Lobe lobe = withRoughness(start, factor);
             const InfluenceMatrix rows = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves, lobe, g.looks, rowOptions(), progress_);
             const OneLobeFit fit = fitOneLobe(rows, g.looks, anchors_, lighting_, progress_);
@@ -334,7 +413,7 @@ ViewRows SolveState::viewRows(Progress& progress) {
         std::vector<uint32_t> vertices;
         for (const GlossyLook& look : g.looks) vertices.push_back(look.vertex);
         InfluenceMatrix lambert;
-        if (g.matte) lambert = lambertInfluence(scene_, visibility_, nearField_, lighting_.leaves, vertices, progress);
+        if (g.matte) lambert = rowsOf(vertices);
         for (size_t i = 0; i < g.looks.size(); ++i, ++at) {
             const Rgb albedo = g.matte && !albedo_.albedo.empty() ? albedo_.albedo[g.looks[i].vertex] : Rgb(0);
             for (int c = 0; c < 3; ++c)

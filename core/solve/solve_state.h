@@ -1,5 +1,6 @@
 // The working state of one solve: what solveScene's steps share. Not a door.
 #pragma once
+#include "base/stage_meter.h"
 #include "solve/albedo_free.h"
 #include "solve/gloss.h"
 #include "solve/solve.h"
@@ -7,18 +8,43 @@
 
 namespace relamp {
 
+/// A solve is a list of steps; between two of them it can be put aside and gone on with.
+enum class SolveStep {
+    firstLight,    ///< coarse light, which lamps are lamps
+    startLight,    ///< light at the start level
+    bounces,       ///< is there light between surfaces?
+    splitStrong,   ///< leaves that give much light are split
+    refineLight,
+    surfaces,      ///< lobes and albedo
+    glossLight,    ///< light with the lobes known
+    glossSurfaces,
+    turn           ///< light and albedo in turn
+};
+std::vector<SolveStep> stepsOf(const SolveOptions& options);
+
 class SolveState {
 public:
     SolveState(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const SolveOptions& options, Progress& progress, const SolveListener* listener);
 
+    /// Observations, pairs, transport and a first guess of the light.
+    void prepare(const EmitterClusters& clusters);
+    /// The same for a solve that stood at `checkpoint`.
+    void goOnFrom(const SolveCheckpoint& checkpoint);
+    /// One step, or as much of it as the time budget leaves. `index`: its place in the list.
+    void run(SolveStep step, uint32_t index);
+    /// Tells the listener how things stand.
+    void finishedStep(uint32_t next, SolveStep finished);
+    Estimate finish();
+
+private:
     void takeClusters(const EmitterClusters& clusters);
-    void prepare();
     /// True when enough of the surface has a matte signal for the albedo-free start.
     bool hasMatte() const { return matteShare_ > 0.15; }
     bool hasGloss() const { return !gloss_.empty(); }
     bool stopped() const { return progress_.outOfTime(); }
-    /// METHOD 11.
-    void startFromRatios();
+    /// METHOD 11, on leaves of half the start level's side, and then at the start level.
+    void firstLight();
+    void startLight();
     /// Where nothing is matte: one constant lobe, light first; the lobe that explains the looks best is kept.
     void startFromConstantReflectance();
     /// Re-fit test: an uncertain patch that needs an albedo well above 1 (1.5) under the light found is a lamp, others are surfaces.
@@ -41,15 +67,25 @@ public:
     void solveReflectance();
     /// Gives the listener, if there is one, an estimate as things stand; the state is afterwards as it was.
     void showSnapshot();
-    Estimate finish();
+    SolveCheckpoint checkpoint(uint32_t step, bool between) const;
+    /// The plan with what the stages cost so far.
+    SolvePlan measuredPlan() const;
+    void traceBounceRays();
+    /// Bounced light at the observations, from that at the vertices.
+    void takeVertexBounce();
+    void forgetBounce(std::string why);
 
-private:
     const Capture& capture_;
     const Scene& scene_;
     const RadianceSamples& samples_;
     const SolveOptions& options_;
     Progress& progress_;
     const SolveListener* listener_;
+    StageMeter meter_;
+    uint32_t step_ = 0;                      ///< that runs
+    bool stepMayBeCut_ = false;              ///< it can start again from a better light
+    double lastCheckpoint_ = 0;
+    SolvePlan plan_;
 
     EmitterClusters clusters_;
     std::vector<uint8_t> suspect_;           ///< per emitter: 1 = only a light fit can decide
@@ -58,6 +94,9 @@ private:
     std::vector<AlbedoPair> pairs_;
     double matteShare_ = 0;
     bool environmentBlack_ = false;
+    bool refined_ = false;                   ///< no leaf is worth a split any more
+    double refinedMisfit_ = 0;               ///< of the pairs before the last split, 0: there was none
+    std::vector<uint8_t> known_;             ///< vertices whose transport is known
     Visibility visibility_;
     NearField nearField_;
     InfluenceMatrix influence_;              ///< of the matte observations: leaves, then emitters
@@ -67,6 +106,7 @@ private:
     Lighting lighting_;
     BrdfBasis basis_ = builtInBasis();
     std::vector<PieceGloss> gloss_;          ///< pieces with a lobe
+    std::vector<PieceGloss> triedGloss_;     ///< every piece that was fitted, without its looks
     AlbedoResult albedo_;
     std::vector<Rgb> lit_, litSigma_;        ///< per matte observation
     BounceRays bounceRays_;                  ///< empty: bounced light plays no part
@@ -80,7 +120,13 @@ private:
     std::vector<Rgb> directAt(const std::vector<uint32_t>& vertices);
     float bouncedShareOf() const;
     void rebuildNearField();
-    void uniformLight();
+    /// Rows of direct light for the vertices, whose transport is worked out if it is not known yet.
+    InfluenceMatrix rowsOf(const std::vector<uint32_t>& vertices);
+    void learnTransport(const std::vector<uint8_t>& vertices);
+    /// Everything that follows from lamps and leaves: anchors, rows of the observations.
+    void rebuildRows();
+    int firstLevel() const;
+    void guessLight();
     void shapeLeaves();
     LobeRowOptions rowOptions() const;
     void splitLeaves(const std::vector<uint32_t>& leaves);

@@ -20,7 +20,7 @@ BounceRays traceBounce(const Scene& scene, const BounceOptions& options, Progres
     parallelBlocks(n, block, [&](size_t begin, size_t end) {
         std::vector<uint32_t>& senders = found[begin / block];
         for (size_t v = begin; v < end; ++v) {
-            if (!scene.referenced[v]) continue;
+            if (!scene.referenced[v] || (options.only && !(*options.only)[v])) continue;
             const Vec3 normal = scene.mesh.normals[v], origin = rayOrigin(scene, scene.mesh.positions[v], normal);
             const Mat3 frame = frameAround(normal);
             const Vec2 shift = randomShift(options.seed, 11, scene.rank[v]);
@@ -53,6 +53,7 @@ BounceRays traceBounce(const Scene& scene, const BounceOptions& options, Progres
     for (uint32_t v = 0; v < n; ++v) {
         for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e) {
             const uint32_t w = scene.graph.to[e];
+            if (options.only && (!(*options.only)[v] || !(*options.only)[w])) continue;
             const float apart = glm::length(scene.mesh.positions[v] - scene.mesh.positions[w]);
             if (glm::dot(scene.mesh.normals[v], scene.mesh.normals[w]) > 0.9f && apart < 0.3f * std::min(reach[v], reach[w])) out.shared.push_back(w);
         }

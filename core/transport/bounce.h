@@ -24,6 +24,7 @@ struct BounceRays {
 struct BounceOptions {
     uint32_t rays = 256;            ///< fewer on large meshes: at most 2^25 in all, at least 32 a vertex
     uint64_t seed = 1;
+    const std::vector<uint8_t>* only = nullptr;  ///< per vertex: 0 leaves it out, it then meets nothing; null: every vertex
 };
 
 /// Rays from every vertex that a triangle uses. Backs of surfaces send nothing. Cost: 256 closest-hit rays a vertex, 0.1 ms; 4 B a

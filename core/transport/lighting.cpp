@@ -22,6 +22,22 @@ LightLeaves LightLeaves::uniform(int level) {
     return result;
 }
 
+LightLeaves LightLeaves::of(const std::vector<Leaf>& leaves) {
+    LightLeaves result;
+    double area = 0;
+    for (const Leaf& leaf : leaves) {
+        if (leaf.level > maxLevel || leaf.x >> leaf.level || leaf.y >> leaf.level) throw Error("a leaf of level {} at {},{} does not exist", leaf.level, leaf.x, leaf.y);
+        area += 1.0 / double(1u << (2 * leaf.level));
+    }
+    result.leaves_ = leaves;
+    constexpr uint32_t nothing = ~0u;
+    result.table_.assign(size_t(tableSide) * tableSide, nothing);
+    for (uint32_t i = 0; i < leaves.size(); ++i) result.fillTable(i);
+    for (uint32_t cell : result.table_)
+        if (cell == nothing || area != 1) throw Error("the leaves do not cover all directions once");
+    return result;
+}
+
 void LightLeaves::fillTable(uint32_t i) {
     const Leaf& leaf = leaves_[i];
     const int width = tableSide >> leaf.level;

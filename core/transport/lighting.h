@@ -2,6 +2,7 @@
 // radiance per emitter. A tree-structured set of Haar coefficients spans the same functions, so these are the paper's
 // wavelet coefficients, and non-negativity is an exact bound per leaf (METHOD 2).
 #pragma once
+#include "base/error.h"
 #include "base/math.h"
 #include "image/direction_grid.h"
 #include "wavelet/coefficients.h"
@@ -22,6 +23,8 @@ public:
     static constexpr int maxLevel = 8;  ///< side 256, 0.8 degrees
     /// All leaves at one level.
     static LightLeaves uniform(int level);
+    /// The leaves of a quadtree in the given order. Throws Error when they do not cover the square, each part once.
+    static LightLeaves of(const std::vector<Leaf>& leaves);
     /// Replaces leaf `i` by its four children (the first takes its index, the others come last). No-op at maxLevel.
     void split(size_t i);
     size_t size() const { return leaves_.size(); }

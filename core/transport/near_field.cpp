@@ -185,13 +185,19 @@ NearField computeNearField(const Scene& scene, const EmitterClusters& clusters, 
     const size_t n = scene.mesh.vertexCount();
     result.formFactor.assign(n * result.emitters, 0);
     result.unshadowed.assign(n * result.emitters, 0);
+    addNearField(scene, clusters, options, result, progress);
+    return result;
+}
+
+void addNearField(const Scene& scene, const EmitterClusters& clusters, const NearFieldOptions& options, NearField& result, Progress& progress) {
+    const size_t n = scene.mesh.vertexCount();
     std::vector<EmitterSurface> surfaces;
     for (const EmitterCluster& e : clusters.emitters) surfaces.push_back(emitterSurface(scene.mesh, e));
     progress.begin("Near-field maps", n);
     parallelBlocks(n, 64, [&](size_t begin, size_t end) {
         std::vector<EmitterSample> samples;
         for (size_t v = begin; v < end; ++v) {
-            if (!scene.referenced[v]) continue;
+            if (!scene.referenced[v] || (options.only && !(*options.only)[v])) continue;
             for (size_t e = 0; e < surfaces.size(); ++e) {
                 const float total = sampleEmitter(scene, surfaces[e], scene.mesh.positions[v], scene.mesh.normals[v], 0, mixBits(options.seed) ^ (uint64_t(scene.rank[v]) * 31 + e), samples);
                 float seen = 0;
@@ -201,7 +207,6 @@ NearField computeNearField(const Scene& scene, const EmitterClusters& clusters, 
             }
         }
     }, &progress);
-    return result;
 }
 
 SparseCoefs nearFieldCoefs(const Scene& scene, const EmitterSurface& emitter, uint32_t vertex, const DirectionGrid& grid, int count, float energyShare) {

@@ -44,6 +44,7 @@ int samplesForSolidAngle(float steradians);
 
 struct NearFieldOptions {
     uint64_t seed = 1;
+    const std::vector<uint8_t>* only = nullptr;  ///< per vertex: 0 leaves it out, it then gets no light; null: every vertex
 };
 
 /// Per vertex and emitter the form factor with shadows: a Lambert surface of albedo 1 shows formFactor x radiance.
@@ -55,6 +56,8 @@ struct NearField {
 };
 
 NearField computeNearField(const Scene& scene, const EmitterClusters& clusters, const NearFieldOptions& options, Progress& progress);
+/// Fills in the vertices that `only` marks.
+void addNearField(const Scene& scene, const EmitterClusters& clusters, const NearFieldOptions& options, NearField& field, Progress& progress);
 
 /// The near-field irradiance map of [Put15]: share of each direction cell that the emitter covers, as Haar coefficients
 /// (times its radiance it is incident radiance).

@@ -10,26 +10,32 @@ Vec3 rayOrigin(const Scene& scene, const Vec3& position, const Vec3& normal) { r
 Visibility computeVisibility(const Scene& scene, const VisibilityOptions& options, Progress& progress) {
     Visibility result;
     result.grid.side = options.gridSide;
-    const int cells = result.grid.cells();
-    result.wordsPerVertex = size_t(cells + 63) / 64;
+    result.wordsPerVertex = size_t(result.grid.cells() + 63) / 64;
+    result.bits.assign(scene.mesh.vertexCount() * result.wordsPerVertex, 0);
+    addVisibility(scene, options.only ? *options.only : scene.referenced, result, progress);
+    return result;
+}
+
+void addVisibility(const Scene& scene, const std::vector<uint8_t>& only, Visibility& visibility, Progress& progress) {
+    const DirectionGrid& grid = visibility.grid;
+    const int cells = grid.cells();
     const size_t n = scene.mesh.vertexCount();
-    result.bits.assign(n * result.wordsPerVertex, 0);
     // Cells in blocks of 8 neighbours (4 x 2), so that a packet's rays stay together.
     std::vector<int> order;
     order.reserve(size_t(cells));
-    const int side = options.gridSide;
+    const int side = grid.side;
     for (int y = 0; y < side; y += 2)
         for (int x = 0; x < side; x += 4)
             for (int k = 0; k < 8; ++k)
                 if (y + k / 4 < side && x + k % 4 < side) order.push_back((y + k / 4) * side + x + k % 4);
     std::vector<Vec3> directions(size_t(cells), Vec3(0));
-    for (int c = 0; c < cells; ++c) directions[size_t(c)] = result.grid.direction(c);
+    for (int c = 0; c < cells; ++c) directions[size_t(c)] = grid.direction(c);
     progress.begin("Visibility", n);
     parallelFor(n, 64, [&](size_t v) {
-        if (!scene.referenced[v]) return;
+        if (!only[v] || !scene.referenced[v]) return;
         const Vec3 normal = scene.mesh.normals[v];
         const Vec3 origin = rayOrigin(scene, scene.mesh.positions[v], normal);
-        uint64_t* words = &result.bits[v * result.wordsPerVertex];
+        uint64_t* words = &visibility.bits[v * visibility.wordsPerVertex];
         Ray rays[8];
         int cellOf[8], count = 0;
         const auto flush = [&] {
@@ -47,7 +53,6 @@ Visibility computeVisibility(const Scene& scene, const VisibilityOptions& option
         }
         flush();
     }, &progress);
-    return result;
 }
 
 namespace {

@@ -20,10 +20,13 @@ struct Visibility {
 
 struct VisibilityOptions {
     int gridSide = 64;  ///< one ray through each cell's centre; 64 halves the error at contact shadows against 32
+    const std::vector<uint8_t>* only = nullptr;  ///< per vertex: 0 leaves it out, it then sees nothing; null: every vertex
 };
 
 /// Cost: gridSide^2 / 2 rays a vertex in packets of 8, 10-18 million rays a second a core. Needs gridSide^2 / 8 bytes a vertex.
 Visibility computeVisibility(const Scene& scene, const VisibilityOptions& options, Progress& progress);
+/// Fills in the vertices that `only` marks.
+void addVisibility(const Scene& scene, const std::vector<uint8_t>& only, Visibility& visibility, Progress& progress);
 
 /// Where rays from a vertex start: stepped off the surface along its normal.
 Vec3 rayOrigin(const Scene& scene, const Vec3& position, const Vec3& normal);

@@ -130,5 +130,30 @@ TEST(Progress, AStopEndsAPause) {
     EXPECT_THROW(progress.check(), Cancelled);
 }
 
+TEST(Progress, OnlyDispensableWorkEndsWithTheBudget) {
+    Progress progress;
+    progress.setBudget(1e-9);
+    EXPECT_TRUE(progress.outOfTime());
+    EXPECT_NO_THROW(progress.check());
+    {
+        const Progress::Dispensable outer(progress);
+        EXPECT_THROW(progress.check(), OutOfTime);
+        { const Progress::Dispensable inner(progress); }
+        EXPECT_THROW(progress.advance(), OutOfTime);
+    }
+    EXPECT_NO_THROW(progress.advance());
+    progress.setBudget(0);
+    const Progress::Dispensable unlimited(progress);
+    EXPECT_NO_THROW(progress.check());
+}
+
+TEST(Progress, TakesOverTheTimeOfAnEarlierRun) {
+    Progress progress;
+    progress.takeOver(100);
+    EXPECT_GE(progress.seconds(), 100);
+    progress.setBudget(50);
+    EXPECT_TRUE(progress.outOfTime());
+}
+
 }  // namespace
 }  // namespace relamp

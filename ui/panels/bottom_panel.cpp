@@ -1,4 +1,4 @@
-// The strip at the bottom: timeline, all lights in a wide table, log, history.
+// The strip at the bottom: timeline, all lights in a wide table, log, history, the plan of the estimate.
 #include "item_map.h"
 #include "panels/panels.h"
 #include "widgets.h"
@@ -17,10 +17,11 @@ void drawBottomPanel(Editor& editor) {
     const Tab tabs[] = {{"Timeline", "Error against run time of the estimate", drawTimelinePanel},
                         {"Lights", "All lights with colour, power and evidence", drawEmittersPanel},
                         {"Log", "What has happened so far", drawLogPanel},
-                        {"History", "Every edit by name; a click goes there", drawHistoryPanel}};
+                        {"History", "Every edit by name; a click goes there", drawHistoryPanel},
+                        {"Plan", "What the estimate does, what it leaves out and why, with times", drawPlanPanel}};
     const int asked = wanted;
     const bool fromOutside = asked != shownTab;
-    for (int i = 0; i < 4; ++i) {
+    for (int i = 0; i < 5; ++i) {
         const bool open = ImGui::BeginTabItem(tabs[i].label, nullptr, fromOutside && asked == i ? ImGuiTabItemFlags_SetSelected : 0);
         noteItem(std::string("tab ") + tabs[i].label);
         tooltip(tabs[i].explanation);

@@ -13,7 +13,7 @@ void drawMenuBar(Editor& editor);
 void drawScenePanel(Editor& editor);
 /// Right column: what is selected, else the scene in figures.
 void drawInspectorPanel(Editor& editor);
-/// Bottom: timeline, emitters, log and history as tabs; state.panels.bottomTab is the tab shown, 0 to 3, and may be set from outside.
+/// Bottom: timeline, emitters, log and history as tabs, and the plan of the estimate; state.panels.bottomTab is the tab shown, 0 to 4, and may be set from outside.
 void drawBottomPanel(Editor& editor);
 /// One line of text high (statusBarHeight()).
 void drawStatusBar(Editor& editor);
@@ -32,6 +32,7 @@ void drawEstimateSettings(Editor& editor);
 void drawTimelinePanel(Editor& editor);
 void drawLogPanel(Editor& editor);
 void drawHistoryPanel(Editor& editor);
+void drawPlanPanel(Editor& editor);           ///< what an estimate does and leaves out
 
 /// Every dialog that the state asks for: notices, unsaved work, recovery, file browsers, export, keys, about, command palette, import
 /// doctor. Called once a frame outside other windows, after all panels. Also closes drags whose control has disappeared.

@@ -1,0 +1,54 @@
+#include "base/stage_meter.h"
+
+#include <malloc.h>
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+
+namespace relamp {
+
+size_t allocatedBytes() {
+    const auto books = ::mallinfo2();
+    return books.uordblks + books.hblkhd;
+}
+
+StageMeter::StageMeter(Progress& progress) : progress_(progress) {
+    watcher_ = std::jthread([this](std::stop_token stop) {
+        std::mutex mutex;
+        std::condition_variable_any wake;
+        std::unique_lock lock(mutex);
+        while (!stop.stop_requested()) {
+            look();
+            wake.wait_for(lock, stop, std::chrono::milliseconds(10), [] { return false; });
+        }
+    });
+}
+
+StageMeter::~StageMeter() = default;
+
+void StageMeter::look() {
+    const size_t now = allocatedBytes();
+    size_t seen = highest_.load();
+    while (now > seen && !highest_.compare_exchange_weak(seen, now)) {
+    }
+}
+
+void StageMeter::begin(const std::string& name) {
+    look();
+    const double now = progress_.seconds();
+    if (!name_.empty()) {
+        auto stage = std::find_if(stages_.begin(), stages_.end(), [&](const StageCost& s) { return s.name == name_; });
+        if (stage == stages_.end()) stage = stages_.insert(stages_.end(), {name_, 0, 0});
+        stage->seconds += now - since_;
+        const size_t highest = highest_;
+        stage->mib = std::max(stage->mib, highest > atStart_ ? double(highest - atStart_) / (1 << 20) : 0.0);
+    }
+    name_ = name;
+    since_ = now;
+    atStart_ = allocatedBytes();
+    highest_ = atStart_;
+}
+
+}  // namespace relamp

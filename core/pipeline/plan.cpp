@@ -1,0 +1,165 @@
+#include "pipeline/plan.h"
+
+#include <nlohmann/json.hpp>
+
+#include "base/log.h"
+#include "pipeline/plan_costs.h"
+
+namespace relamp {
+namespace {
+
+double total(const std::vector<StageEstimate>& stages) {
+    double sum = 0;
+    for (const StageEstimate& s : stages) sum += s.seconds;
+    return sum;
+}
+
+double most(const std::vector<StageEstimate>& stages) {
+    double most = 0;
+    for (const StageEstimate& s : stages) most = std::max(most, s.mib);
+    return most;
+}
+
+/// Looks that a lobe fit of the pieces would use, by whether they change with the view; and what one row costs, from a few of them.
+void countLooks(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps, const MatteObservations& matte,
+                const SolveOptions& options, WorkCounts& counts, Progress& progress) {
+    std::vector<size_t> sizes(scene.pieces, 0);
+    for (uint32_t v : matte.vertices) ++sizes[scene.piece[v]];
+    GlossOptions gloss;
+    gloss.seed = options.seed;
+    std::vector<EmitterSurface> surfaces;
+    for (const EmitterCluster& e : lamps.emitters) surfaces.push_back(emitterSurface(scene.mesh, e));
+    const BrdfBasis basis = builtInBasis();
+    counts.lobes = double(basis.lobes.size()) - 1;
+    for (uint32_t p = 0; p < scene.pieces; ++p) {
+        if (sizes[p] < 30) continue;
+        std::vector<GlossyLook> looks = glossyLooks(capture, scene, samples, p, gloss);
+        if (looks.size() < 40) continue;
+        (matte.pieceGlossy[p] ? counts.glossyLooks : counts.matteLooks) += double(looks.size());
+        if (counts.lookSeconds > 0 && !matte.pieceGlossy[p]) continue;
+        // Every so many of them, through a sharp and a wide lobe.
+        std::vector<GlossyLook> some;
+        for (size_t i = 0; i < looks.size(); i += std::max<size_t>(1, looks.size() / 160)) some.push_back(looks[i]);
+        const double start = progress.seconds();
+        for (const size_t lobe : {size_t(2), size_t(5)}) glossyRows(scene, surfaces, lamps.emitterOfTriangle, LightLeaves::uniform(options.startLevel), basis.lobes[lobe], some, gloss.rows, progress);
+        counts.lookSeconds = std::max(progress.seconds() - start, 1e-7) / double(2 * some.size());
+    }
+}
+
+/// Fits all lobes to a few dozen vertices of each piece that changes with the view: is there one that explains the change?
+bool lobeLikely(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps, const MatteObservations& matte, const Lighting& lighting,
+                const SolveOptions& options, Progress& progress) {
+    GlossOptions gloss;
+    gloss.seed = options.seed;
+    gloss.maxVertices = 60;
+    gloss.rows.lobeSamples = 64;
+    std::vector<EmitterSurface> surfaces;
+    for (const EmitterCluster& e : lamps.emitters) surfaces.push_back(emitterSurface(scene.mesh, e));
+    for (uint32_t p = 0; p < scene.pieces; ++p)
+        if (matte.pieceGlossy[p] && fitGloss(capture, scene, samples, surfaces, lamps.emitterOfTriangle, lighting, builtInBasis(), p, gloss, progress).lobe) return true;
+    return false;
+}
+
+/// Lamps and candidates, as the solve will take them.
+EmitterClusters allLamps(const Scene& scene, const EmitterClusters& clusters, bool nearField) {
+    EmitterClusters lamps;
+    if (nearField) {
+        lamps.emitters = clusters.emitters;
+        lamps.emitters.insert(lamps.emitters.end(), clusters.candidates.begin(), clusters.candidates.end());
+    }
+    indexEmitters(scene, lamps);
+    return lamps;
+}
+
+}  // namespace
+
+SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const EmitterClusters& clusters, const SolveOptions& options, bool everything,
+                    Progress& progress) {
+    SolvePlan plan;
+    const double start = progress.seconds();
+    progress.begin("Planning", 1);
+    const EmitterClusters lamps = allLamps(scene, clusters, options.nearField);
+    WorkCounts counts;
+    counts.vertices = double(std::count(scene.referenced.begin(), scene.referenced.end(), 1));
+    counts.lamps = double(lamps.emitters.size());
+    std::vector<uint8_t> skip(scene.mesh.vertexCount(), 0);
+    for (size_t v = 0; v < skip.size(); ++v) {
+        skip[v] = lamps.emitterOfVertex[v] >= 0;
+        counts.seen += samples.countOf(uint32_t(v)) > 0 || skip[v];
+    }
+    const MatteObservations matte = matteObservations(scene, samples, skip);
+    PairOptions pairOptions;
+    pairOptions.seed = options.seed;
+    const std::vector<AlbedoPair> pairs = albedoPairs(scene, matte, pairOptions);
+    counts.observationSeconds = progress.seconds() - start;
+    counts.rows = double(matte.vertices.size());
+    counts.pairs = double(pairs.size());
+    size_t usable = 0;
+    for (uint32_t v : matte.vertices) usable += matte.pieceGlossy[scene.piece[v]] < 2;
+    counts.matte = matte.vertices.empty() || double(usable) > 0.15 * double(matte.vertices.size());
+    countLooks(capture, scene, samples, lamps, matte, options, counts, progress);
+    const PilotFindings pilot = runPilot(scene, samples, lamps, matte, pairs, options, progress);
+    if (counts.glossyLooks > 0 && pilot.ran) counts.lobeLikely = lobeLikely(capture, scene, samples, lamps, matte, pilot.lighting, options, progress);
+    const MachineSpeed speed = measureMachine(progress);
+
+    PlanChoices kept = PlanChoices::everything();
+    const auto cost = [&](const PlanChoices& choices) { return predictStages(counts, speed, pilot, options, choices); };
+    std::vector<StageEstimate> stages = cost(kept);
+    const auto leaveOut = [&](const std::string& what, const std::string& reason, bool PlanChoices::*part) {
+        if (everything) return;
+        kept.*part = false;
+        std::vector<StageEstimate> fewer = cost(kept);
+        plan.leftOut.push_back({what, reason, std::max(0.0, total(stages) - total(fewer)), std::max(0.0, most(stages) - most(fewer))});
+        stages = std::move(fewer);
+    };
+    const bool judged = pilot.ran && options.nearField && counts.matte;
+    const bool seenLamps = !lamps.emitters.empty() && clusters.candidates.empty();
+    if (judged && seenLamps && pilot.distantShare < 0.003 && pilot.backgroundShare < 0.05)
+        leaveOut("distant light", fmt::format("of the light on {} points {:.2g} % comes from afar, and the background is black where it is seen", pilot.points, 100 * pilot.distantShare), &PlanChoices::distantLight);
+    if (judged && options.bounce == SolveOptions::Bounce::automatic) {
+        if (pilot.enclosure < 0.01)
+            leaveOut("interreflection", fmt::format("other surfaces fill only {:.1f} % of what a surface sees", 100 * pilot.enclosure), &PlanChoices::bounce);
+        else if (pilot.bouncedShare < 0.5 * double(samples.relativeNoise))
+            leaveOut("interreflection", fmt::format("it would be {:.1f} % of the light, less than half of the photographs' noise of {:.1f} %", 100 * pilot.bouncedShare, 100 * samples.relativeNoise), &PlanChoices::bounce);
+        else if (pilot.bounceWorse > 4)
+            leaveOut("interreflection", fmt::format("with it the ratios between {} pairs of points are explained worse, by {:.0f} standard errors", pilot.pairs, pilot.bounceWorse), &PlanChoices::bounce);
+    }
+    if (counts.seen < counts.vertices)
+        leaveOut("vertices that no photograph shows", fmt::format("{:.0f} of {:.0f}: their light is worked out when something needs it", counts.vertices - counts.seen, counts.vertices), &PlanChoices::unseenVertices);
+    if (counts.matteLooks > 0)
+        leaveOut(counts.glossyLooks > 0 ? "lobes on matte pieces" : "glossy lobes", counts.glossyLooks > 0 ? "those pieces do not change with the view beyond noise" : "no surface changes with the view beyond noise", &PlanChoices::mattePieces);
+    if (counts.glossyLooks > 0 && options.glossRounds > 0)
+        leaveOut("lobes that lost before", "later rounds try those again that came within a third of the best", &PlanChoices::lostLobes);
+    if (counts.glossyLooks == 0) leaveOut("finer light that explains nothing", "splitting ends after a round that explains less than half a percent more", &PlanChoices::flatLevels);
+    if (options.nearField && lamps.emitters.empty()) plan.leftOut.push_back({"near-field emitters", "no patch of the scene shines on its own", 16 * counts.seen * pilot.visibilitySecondsPerRay, counts.vertices * 8 / (1 << 20)});
+    plan.choices = kept;
+    if (everything) plan.choices = PlanChoices::everything();
+    for (const StageEstimate& s : stages) plan.stages.push_back({s.name, s.seconds, -1, s.mib, -1});
+    plan.planningSeconds = progress.seconds() - start;
+    progress.advance();
+    logInfo("plan: {:.1f} s to come, {:.1f} s left out; distant light {:.2g} %, bounced light {:.1f} % (misfit {:+.1f} standard errors), planned in {:.2f} s", plan.predictedSeconds(), plan.savedSeconds(),
+            100 * pilot.distantShare, 100 * pilot.bouncedShare, pilot.bounceWorse, plan.planningSeconds);
+    return plan;
+}
+
+nlohmann::json planJson(const SolvePlan& plan) {
+    const auto known = [](double value) { return value >= 0 ? nlohmann::json(value) : nlohmann::json(); };
+    nlohmann::json stages = nlohmann::json::array(), leftOut = nlohmann::json::array();
+    for (const PlannedStage& s : plan.stages)
+        stages.push_back({{"name", s.name}, {"predicted_s", known(s.predictedSeconds)}, {"measured_s", known(s.measuredSeconds)}, {"predicted_mib", known(s.predictedMib)}, {"measured_mib", known(s.measuredMib)}});
+    for (const PlannedOmission& o : plan.leftOut) leftOut.push_back({{"what", o.what}, {"reason", o.reason}, {"saved_s", o.savedSeconds}, {"saved_mib", o.savedMib}});
+    return {{"stages", stages}, {"left_out", leftOut}, {"predicted_s", plan.predictedSeconds()}, {"saved_s", plan.savedSeconds()}, {"planning_s", plan.planningSeconds}};
+}
+
+std::string planText(const SolvePlan& plan) {
+    std::string text = fmt::format("{:36} {:>8} {:>8}\n", "kept", "s", "MiB");
+    for (const PlannedStage& s : plan.stages)
+        text += fmt::format("{:36} {:>8} {:>8}\n", s.name, s.predictedSeconds >= 0 ? fmt::format("{:.2f}", s.predictedSeconds) : fmt::format("({:.2f})", std::max(0.0, s.measuredSeconds)),
+                            s.predictedMib >= 0 ? fmt::format("{:.0f}", s.predictedMib) : fmt::format("({:.0f})", std::max(0.0, s.measuredMib)));
+    text += fmt::format("{:36} {:>8.2f}\n", "to come", plan.predictedSeconds());
+    if (!plan.leftOut.empty()) text += fmt::format("\n{:36} {:>8} {:>8}  {}\n", "left out", "s", "MiB", "because");
+    for (const PlannedOmission& o : plan.leftOut) text += fmt::format("{:36} {:>8.2f} {:>8.0f}  {}\n", o.what, o.savedSeconds, o.savedMib, o.reason);
+    return text + "In brackets: already done and measured, the solve does it once more.\n";
+}
+
+}  // namespace relamp

@@ -1,0 +1,31 @@
+// The cost model: counts of rays, rows, leaves, looks and vertices times what one of each takes on this machine. Not a door.
+#pragma once
+#include "pipeline/machine_speed.h"
+#include "pipeline/plan_pilot.h"
+#include "solve/solve.h"
+
+namespace relamp {
+
+/// What a solve will meet.
+struct WorkCounts {
+    double vertices = 0, seen = 0;   ///< of the mesh; those that a photograph shows
+    double rows = 0, pairs = 0;      ///< matte observations, and pairs of them
+    double lamps = 0;
+    double litColumnShare = 1;
+    double glossyLooks = 0, matteLooks = 0;  ///< that lobes would be fitted to, on pieces that change with the view and on the others
+    double lobes = 0;                ///< of the basis, without Lambert
+    double lookSeconds = 0;          ///< one row of one lobe
+    double observationSeconds = 0;   ///< observations and pairs, measured
+    bool matte = true;               ///< the scene has a matte signal
+    bool lobeLikely = true;          ///< some lobe will be found
+};
+
+struct StageEstimate {
+    std::string name;
+    double seconds = 0, mib = 0;
+};
+
+/// The stages of solveScene under `choices`, named as it names them. `bounceKept`: as far as the pilot can tell.
+std::vector<StageEstimate> predictStages(const WorkCounts& counts, const MachineSpeed& speed, const PilotFindings& pilot, const SolveOptions& options, const PlanChoices& choices);
+
+}  // namespace relamp

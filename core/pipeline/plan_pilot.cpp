@@ -1,0 +1,171 @@
+#include "pipeline/plan_pilot.h"
+
+#include "base/random.h"
+#include "solve/albedo_free.h"
+#include "transport/bounce.h"
+
+namespace relamp {
+namespace {
+
+constexpr size_t pairsWanted = 4000;
+constexpr int pilotSide = 16, pilotLevel = 3;
+constexpr uint32_t pilotRays = 128;
+
+double median(std::vector<float> values) {
+    if (values.empty()) return 0;
+    std::nth_element(values.begin(), values.begin() + ptrdiff_t(values.size() / 2), values.end());
+    return double(values[values.size() / 2]);
+}
+
+/// Misfit of one pair in variances, bent, at the irradiances `lit`: noise and a model error of 1.5 % a point.
+double misfitOf(const MatteObservations& matte, const AlbedoPair& p, const std::vector<Rgb>& lit) {
+    double sum = 0;
+    for (int c = 0; c < 3; ++c) {
+        const double ya = matte.radiance[p.a][c], yb = matte.radiance[p.b][c], la = lit[p.a][c], lb = lit[p.b][c], whole = std::max(ya * lb + yb * la, 1e-30);
+        const double r = 2 * (ya * lb - yb * la) / whole, sa = double(matte.sigma[p.a][c]) * lb, sb = double(matte.sigma[p.b][c]) * la;
+        sum += r * r / (4 * (sa * sa + sb * sb) / (whole * whole) + 4.5e-4);
+    }
+    return p.weight * std::log1p(sum / 3 / 6.25);
+}
+
+std::vector<Rgb> litBy(const InfluenceMatrix& rows, const Lighting& lighting) {
+    std::vector<Rgb> lit(rows.rows, Rgb(0));
+    for (size_t i = 0; i < rows.rows; ++i) {
+        for (size_t k = 0; k < lighting.leaves.size(); ++k) lit[i] += rows.row(i)[k] * lighting.leafRadiance[k];
+        for (size_t e = 0; e < lighting.emitterRadiance.size(); ++e) lit[i] += rows.row(i)[lighting.leaves.size() + e] * lighting.emitterRadiance[e];
+    }
+    return lit;
+}
+
+}  // namespace
+
+PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps, const MatteObservations& all,
+                       const std::vector<AlbedoPair>& pairs, const SolveOptions& options, Progress& progress) {
+    PilotFindings found;
+    if (pairs.size() < 50) return found;
+    found.ran = true;
+    // A share of the pairs, drawn by where their points lie.
+    const double share = std::min(1.0, double(pairsWanted) / double(pairs.size()));
+    std::vector<uint8_t> wanted(scene.mesh.vertexCount(), 0);
+    std::vector<AlbedoPair> chosen;
+    for (const AlbedoPair& p : pairs) {
+        const uint64_t a = scene.rank[all.vertices[p.a]], b = scene.rank[all.vertices[p.b]];
+        if (double(unitFloat(mixBits(mixBits(options.seed ^ a) ^ b))) >= share) continue;
+        chosen.push_back(p);
+        wanted[all.vertices[p.a]] = wanted[all.vertices[p.b]] = 1;
+    }
+    MatteObservations matte;
+    matte.viewSpread = all.viewSpread;
+    matte.pieceGlossy = all.pieceGlossy;
+    std::vector<uint32_t> place(all.vertices.size(), 0);
+    for (uint32_t i = 0; i < all.vertices.size(); ++i) {
+        if (!wanted[all.vertices[i]]) continue;
+        place[i] = uint32_t(matte.vertices.size());
+        matte.vertices.push_back(all.vertices[i]);
+        matte.radiance.push_back(all.radiance[i]);
+        matte.sigma.push_back(all.sigma[i]);
+    }
+    for (AlbedoPair& p : chosen) {
+        p.a = place[p.a];
+        p.b = place[p.b];
+    }
+    found.pairs = chosen.size();
+    found.points = matte.vertices.size();
+
+    double since = progress.seconds();
+    const auto took = [&] {
+        const double now = progress.seconds(), seconds = now - since;
+        since = now;
+        return std::max(seconds, 1e-7);
+    };
+    const Visibility visibility = computeVisibility(scene, {pilotSide, &wanted}, progress);
+    took();
+    // Whole blocks of neighbours at the real resolution: how fast rays are rests on how they lie together.
+    std::vector<uint8_t> blocks(scene.mesh.vertexCount(), 0);
+    size_t inBlocks = 0;
+    const size_t apart = std::max<size_t>(1, scene.mesh.vertexCount() / 64 / 12);
+    for (uint32_t v = 0; v < blocks.size(); ++v)
+        if (v / 64 % apart == 0 && samples.countOf(v) > 0 && scene.referenced[v]) blocks[v] = 1, ++inBlocks;
+    Visibility sample;
+    sample.grid.side = options.visibilitySide;
+    sample.wordsPerVertex = size_t(sample.grid.cells() + 63) / 64;
+    sample.bits.assign(scene.mesh.vertexCount() * sample.wordsPerVertex, 0);
+    took();
+    addVisibility(scene, blocks, sample, progress);
+    found.visibilitySecondsPerRay = took() / (double(std::max<size_t>(1, inBlocks)) * sample.grid.cells() / 2);
+    NearFieldOptions nearOptions;
+    nearOptions.seed = options.seed;
+    nearOptions.only = &wanted;
+    const NearField nearField = computeNearField(scene, lamps, nearOptions, progress);
+    found.nearSecondsPerPoint = took() / double(found.points);
+    Lighting lighting;
+    lighting.leaves = LightLeaves::uniform(pilotLevel);
+    const InfluenceMatrix rows = lambertInfluence(scene, visibility, nearField, lighting.leaves, matte.vertices, progress);
+    found.rowSecondsPerCell = took() / (double(found.points) * pilotSide * pilotSide);
+    found.rows = rows.rows;
+    found.columns = rows.columns;
+
+    const LightAnchors anchors = lightAnchors(samples, lamps, lighting.leaves);
+    std::vector<float> brightness;
+    for (const Rgb& y : matte.radiance) brightness.push_back(maxChannel(y));
+    const double middle = median(brightness);
+    float brightest = 0;
+    for (size_t c = 0; c < samples.background.size(); ++c)
+        if (samples.backgroundPixels[c]) brightest = std::max(brightest, maxChannel(samples.background[c]));
+    found.backgroundShare = middle > 0 ? double(brightest) / middle : 0;
+    lighting.emitterRadiance = anchors.emitterRadiance;
+    lighting.leafRadiance.assign(lighting.leaves.size(), Rgb(float(std::max(middle / 0.3, 1e-9))));
+    AlbedoFreeOptions fit;
+    fit.iterations = 12;
+    fit.light.darkness = float(1e-3 * middle);
+    took();
+    const AlbedoFreeReport without = solveAlbedoFree(rows, matte, chosen, anchors, nullptr, fit, lighting, progress, {});
+    found.iterations = without.iterations;
+    found.iterationSeconds = took() / std::max(1, without.iterations);
+    const std::vector<Rgb> lit = litBy(rows, lighting);
+    double distant = 0, light = 0;
+    for (size_t i = 0; i < rows.rows; ++i) {
+        light += luminance(lit[i]);
+        for (size_t k = 0; k < lighting.leaves.size(); ++k) distant += double(rows.row(i)[k]) * luminance(lighting.leafRadiance[k]);
+    }
+    found.distantShare = light > 0 ? distant / light : 1;
+    found.lighting = lighting;
+
+    took();
+    BounceOptions rays;
+    rays.rays = pilotRays;
+    rays.seed = options.seed;
+    rays.only = &wanted;
+    const BounceRays met = traceBounce(scene, rays, progress);
+    found.bounceSecondsPerRay = took() / (double(found.points) * pilotRays);
+    found.enclosure = 0;
+    for (uint32_t v : matte.vertices) found.enclosure += double(met.enclosure(v)) / double(found.points);
+    // What surfaces send is in the photographs; those that no photograph shows are left dark here.
+    std::vector<Rgb> sent(scene.mesh.vertexCount(), Rgb(0)), bounce;
+    for (size_t i = 0; i < all.vertices.size(); ++i) sent[all.vertices[i]] = all.radiance[i];
+    const std::vector<Rgb> gathered = gatherBounce(met, sent);
+    for (uint32_t v : matte.vertices) bounce.push_back(gathered[v]);
+    Lighting bounced = lighting;
+    fit.anneal = false;
+    fit.bounce = &bounce;
+    solveAlbedoFree(rows, matte, chosen, anchors, nullptr, fit, bounced, progress, {});
+    std::vector<Rgb> bouncedLit = litBy(rows, bounced);
+    double fromSurfaces = 0, whole = 0;
+    for (size_t i = 0; i < bounce.size(); ++i) {
+        bouncedLit[i] += bounce[i];
+        fromSurfaces += luminance(bounce[i]);
+        whole += luminance(bouncedLit[i]);
+    }
+    found.bouncedShare = whole > 0 ? fromSurfaces / whole : 0;
+    double sum = 0, squares = 0;
+    for (const AlbedoPair& p : chosen) {
+        const double rise = misfitOf(matte, p, bouncedLit) - misfitOf(matte, p, lit);
+        sum += rise;
+        squares += rise * rise;
+    }
+    const double n = double(std::max<size_t>(2, chosen.size())), mean = sum / n, variance = std::max(0.0, squares / n - mean * mean) / (n - 1);
+    found.bounceWorse = variance > 0 ? mean / std::sqrt(variance) : 0;
+    return found;
+}
+
+}  // namespace relamp

@@ -1,0 +1,181 @@
+#include "solve/solve_checkpoint.h"
+
+#include <cstring>
+#include <type_traits>
+
+namespace relamp {
+namespace {
+
+/// Fields in order, either way: the same function writes and reads them, so that the two cannot part.
+class FieldWriter {
+public:
+    std::string bytes;
+    template <class T>
+    void plain(T& value) {
+        static_assert(std::is_trivially_copyable_v<T>);
+        bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+    }
+    size_t count(size_t present) {
+        uint64_t n = present;
+        plain(n);
+        return present;
+    }
+    void block(void* data, size_t size) { bytes.append(static_cast<const char*>(data), size); }
+};
+
+class FieldReader {
+public:
+    explicit FieldReader(const std::string& bytes) : bytes_(bytes) {}
+    template <class T>
+    void plain(T& value) {
+        static_assert(std::is_trivially_copyable_v<T>);
+        block(&value, sizeof value);
+    }
+    size_t count(size_t) {
+        uint64_t n = 0;
+        plain(n);
+        if (n > bytes_.size() - at_) throw Error("a list is longer than the file");
+        return size_t(n);
+    }
+    void block(void* data, size_t size) {
+        if (size > bytes_.size() - at_) throw Error("it ends early");
+        if (size) std::memcpy(data, bytes_.data() + at_, size);
+        at_ += size;
+    }
+    bool atEnd() const { return at_ == bytes_.size(); }
+
+private:
+    const std::string& bytes_;
+    size_t at_ = 0;
+};
+
+template <class File>
+void fields(File& f, std::string& text) {
+    text.resize(f.count(text.size()));
+    f.block(text.data(), text.size());
+}
+template <class File, class T>
+void list(File& f, std::vector<T>& values) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    values.resize(f.count(values.size()));
+    f.block(values.data(), values.size() * sizeof(T));
+}
+template <class File, class T, class Each>
+void listOf(File& f, std::vector<T>& values, Each&& each) {
+    values.resize(f.count(values.size()));
+    for (T& value : values) each(value);
+}
+
+template <class File>
+void fields(File& f, EmitterClusters& c) {
+    listOf(f, c.emitters, [&](EmitterCluster& e) {
+        fields(f, e.id);
+        list(f, e.vertices);
+        list(f, e.triangles);
+        f.plain(e.radiance);
+        f.plain(e.radianceSigma);
+        f.plain(e.twoSided);
+        f.plain(e.centroid);
+        f.plain(e.normal);
+        f.plain(e.area);
+        f.plain(e.evidence);
+    });
+    listOf(f, c.rejected, [&](RejectedPatch& r) {
+        f.plain(r.centroid);
+        f.plain(r.radiance);
+        f.plain(r.evidence);
+        fields(f, r.reason);
+    });
+}
+
+template <class File>
+void fields(File& f, PieceGloss& g) {
+    f.plain(g.piece);
+    uint8_t has = g.lobe ? 1 : 0;
+    f.plain(has);
+    if (has) {
+        if (!g.lobe) g.lobe.emplace();
+        uint8_t kind = uint8_t(g.lobe->kind);
+        f.plain(kind);
+        if (kind > uint8_t(Lobe::Kind::ggxDielectric)) throw Error("a lobe of an unknown kind");
+        g.lobe->kind = Lobe::Kind(kind);
+        f.plain(g.lobe->alpha);
+        fields(f, g.lobe->name);
+    }
+    f.plain(g.weight);
+    f.plain(g.matte);
+    f.plain(g.residual);
+    f.plain(g.residualMatte);
+    list(f, g.looks);
+    list(f, g.tried);
+}
+
+template <class File>
+void fields(File& f, SolvePlan& p) {
+    f.plain(p.choices);
+    listOf(f, p.stages, [&](PlannedStage& s) {
+        fields(f, s.name);
+        for (double* value : {&s.predictedSeconds, &s.measuredSeconds, &s.predictedMib, &s.measuredMib}) f.plain(*value);
+    });
+    listOf(f, p.leftOut, [&](PlannedOmission& o) {
+        fields(f, o.what);
+        fields(f, o.reason);
+        f.plain(o.savedSeconds);
+        f.plain(o.savedMib);
+    });
+    f.plain(p.planningSeconds);
+}
+
+template <class File>
+void fields(File& f, SolveCheckpoint& c) {
+    f.plain(c.step);
+    f.plain(c.between);
+    f.plain(c.seconds);
+    fields(f, c.clusters);
+    list(f, c.suspect);
+    list(f, c.leaves);
+    list(f, c.leafRadiance);
+    list(f, c.emitterRadiance);
+    f.plain(c.environmentBlack);
+    f.plain(c.refined);
+    f.plain(c.bounceKept);
+    f.plain(c.refinedMisfit);
+    f.plain(c.bouncedShare);
+    fields(f, c.noBounceBecause);
+    list(f, c.vertexBounce);
+    listOf(f, c.gloss, [&](PieceGloss& g) { fields(f, g); });
+    listOf(f, c.triedGloss, [&](PieceGloss& g) { fields(f, g); });
+    list(f, c.albedo);
+    list(f, c.confidence);
+    listOf(f, c.timeline, [&](TimelineEntry& t) {
+        f.plain(t.seconds);
+        fields(f, t.stage);
+        f.plain(t.iteration);
+        f.plain(t.objective);
+        f.plain(t.rmse);
+    });
+    f.plain(c.kktResidual);
+    fields(f, c.plan);
+}
+
+}  // namespace
+
+std::string checkpointBytes(const SolveCheckpoint& checkpoint) {
+    FieldWriter writer;
+    SolveCheckpoint copy = checkpoint;
+    fields(writer, copy);
+    return std::move(writer.bytes);
+}
+
+SolveCheckpoint checkpointFromBytes(const std::string& bytes) {
+    FieldReader reader(bytes);
+    SolveCheckpoint checkpoint;
+    fields(reader, checkpoint);
+    if (!reader.atEnd()) throw Error("it goes on after its end");
+    if (checkpoint.leaves.size() != checkpoint.leafRadiance.size() || checkpoint.clusters.emitters.size() != checkpoint.emitterRadiance.size() ||
+        checkpoint.suspect.size() != checkpoint.clusters.emitters.size())
+        throw Error("its lists do not fit each other");
+    return checkpoint;
+}
+
+}  // namespace relamp

@@ -1,0 +1,39 @@
+// Where a solve stands between two of its stages: all that cannot be computed again from the capture in a moment.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "solve/albedo_step.h"
+#include "solve/estimate.h"
+#include "solve/gloss.h"
+
+namespace relamp {
+
+struct SolveCheckpoint {
+    uint32_t step = 0;                ///< the next one in the list of steps
+    bool between = true;              ///< false: taken inside that step, which then starts again from a better light
+    double seconds = 0;               ///< run time so far
+    EmitterClusters clusters;         ///< emitters and rejected patches; the indices are made again
+    std::vector<uint8_t> suspect;
+    std::vector<Leaf> leaves;
+    std::vector<Rgb> leafRadiance, emitterRadiance;
+    bool environmentBlack = false, refined = false, bounceKept = false;
+    double refinedMisfit = 0;
+    float bouncedShare = 0;
+    std::string noBounceBecause;
+    std::vector<Rgb> vertexBounce;    ///< empty: none
+    std::vector<PieceGloss> gloss, triedGloss;
+    std::vector<Rgb> albedo;          ///< per vertex; empty: not solved yet
+    std::vector<float> confidence;
+    std::vector<TimelineEntry> timeline;
+    double kktResidual = 0;
+    SolvePlan plan;
+};
+
+/// A sequence of bytes for this machine's byte order.
+std::string checkpointBytes(const SolveCheckpoint& checkpoint);
+/// Throws Error when the bytes end early or hold what cannot be.
+SolveCheckpoint checkpointFromBytes(const std::string& bytes);
+
+}  // namespace relamp

@@ -1,0 +1,44 @@
+// What a solve leaves out because the scene does not need it, and what its stages cost: decided before the solve, measured while it runs.
+#pragma once
+#include <string>
+#include <vector>
+
+namespace relamp {
+
+/// What takes part. The default is what every solve may take for granted; the planner (pipeline/plan.h) switches off more.
+struct PlanChoices {
+    bool distantLight = true;      ///< false: the surroundings are black, D is never built
+    bool bounce = true;            ///< false: light between surfaces is not tried (SolveOptions::Bounce::automatic only)
+    bool unseenVertices = false;   ///< true: transport of vertices that no photograph shows, too
+    bool emptyColumns = false;     ///< true: directions that light no observed vertex take part in the equations' products, too
+    bool mattePieces = false;      ///< true: lobes are sought on pieces that do not change with the view, too
+    bool lostLobes = false;        ///< true: later rounds try every lobe again, not only those that came near the best
+    bool flatLevels = false;       ///< true: leaves are split on after a round that explained hardly more
+    /// Nothing is left out.
+    static PlanChoices everything() { return {true, true, true, true, true, true, true}; }
+};
+
+/// A stage of the solve; a number below 0 is not known.
+struct PlannedStage {
+    std::string name;
+    double predictedSeconds = -1, measuredSeconds = -1;
+    double predictedMib = -1, measuredMib = -1;
+};
+
+struct PlannedOmission {
+    std::string what, reason;
+    double savedSeconds = 0, savedMib = 0;  ///< predicted
+};
+
+struct SolvePlan {
+    PlanChoices choices;
+    std::vector<PlannedStage> stages;
+    std::vector<PlannedOmission> leftOut;
+    double planningSeconds = 0;
+    /// The stage of that name, made if it is not there.
+    PlannedStage& stage(const std::string& name);
+    double predictedSeconds() const;   ///< over the stages with a prediction
+    double savedSeconds() const;
+};
+
+}  // namespace relamp

@@ -1,0 +1,173 @@
+// The steps of a solve, how each ends when the time is used up, and how a solve is put aside and gone on with.
+#include "base/log.h"
+#include "solve/solve_state.h"
+
+namespace relamp {
+namespace {
+
+const char* stageOf(SolveStep step) {
+    switch (step) {
+        case SolveStep::firstLight: return "coarse light";
+        case SolveStep::startLight: return "light";
+        case SolveStep::bounces: return "bounced light";
+        case SolveStep::splitStrong:
+        case SolveStep::refineLight: return "finer light";
+        case SolveStep::surfaces: return "surfaces";
+        case SolveStep::glossLight: return "light with gloss";
+        case SolveStep::glossSurfaces: return "surfaces again";
+        case SolveStep::turn: return "light and surfaces in turn";
+    }
+    return "";
+}
+
+}  // namespace
+
+void SolveState::run(SolveStep step, uint32_t index) {
+    meter_.begin(stageOf(step));
+    step_ = index;
+    using enum SolveStep;
+    // Without anything to show nothing is given up.
+    const bool dispensable = step != firstLight && step != surfaces;
+    if (dispensable && stopped()) return;
+    stepMayBeCut_ = hasMatte() && options_.nearField && (step == firstLight || step == startLight || step == refineLight || step == glossLight);
+    const Lighting before = lighting_;
+    try {
+        std::optional<Progress::Dispensable> mayEnd;
+        if (dispensable) mayEnd.emplace(progress_);
+        const bool alternating = !options_.nearField && hasMatte();
+        switch (step) {
+            case firstLight:
+                if (!hasMatte()) {
+                    startFromConstantReflectance();
+                    confirmEmitters();
+                } else if (options_.nearField) {
+                    this->firstLight();
+                } else {
+                    startFromConstantAlbedo();
+                }
+                break;
+            case startLight:
+                if (hasMatte() && options_.nearField) this->startLight();
+                break;
+            case bounces:
+                if (hasMatte() && options_.nearField) decideBounce();
+                break;
+            case splitStrong:
+                if (!refineLeaves()) refined_ = true;
+                break;
+            case refineLight:
+                if (refined_) break;
+                if (alternating) alternate();
+                else improveLight(options_.refineIterations);
+                updateBounce();
+                break;
+            case surfaces: solveReflectance(); break;
+            case glossLight:
+                if (hasGloss()) improveLight(options_.refineIterations);
+                break;
+            case glossSurfaces:
+                if (!hasGloss()) break;
+                solveReflectance();
+                updateBounce();
+                break;
+            case turn:
+                if (hasMatte() && !hasGloss()) alternate();
+                break;
+        }
+    } catch (const OutOfTime&) {
+        // The fits keep what is best so far themselves; what stands half done here is taken back.
+        if (lighting_.leaves.size() == before.leaves.size() && lighting_.emitterRadiance.size() == before.emitterRadiance.size()) lighting_ = before;
+        if (step == bounces) forgetBounce("the time was used up before it could be tried");
+        logInfo("{}: given up, the time is used up", stageOf(step));
+    }
+    stepMayBeCut_ = false;
+}
+
+void SolveState::finishedStep(uint32_t next, SolveStep finished) {
+    using enum SolveStep;
+    if (listener_ && listener_->checkpoint && !stopped()) {
+        lastCheckpoint_ = progress_.seconds();
+        listener_->checkpoint(checkpoint(next, true));
+    }
+    const bool shown = finished == firstLight || finished == startLight || finished == bounces || finished == surfaces || finished == glossSurfaces || (finished == refineLight && !refined_);
+    if (shown) showSnapshot();
+}
+
+SolveCheckpoint SolveState::checkpoint(uint32_t step, bool between) const {
+    SolveCheckpoint c;
+    c.step = step;
+    c.between = between;
+    c.seconds = progress_.seconds();
+    c.clusters = clusters_;
+    c.suspect = suspect_;
+    for (size_t i = 0; i < lighting_.leaves.size(); ++i) c.leaves.push_back(lighting_.leaves[i]);
+    c.leafRadiance = lighting_.leafRadiance;
+    c.emitterRadiance = lighting_.emitterRadiance;
+    c.environmentBlack = environmentBlack_;
+    c.refined = refined_;
+    c.refinedMisfit = refinedMisfit_;
+    c.bounceKept = bounceRays_.rays > 0;
+    c.bouncedShare = bouncedShare_;
+    c.noBounceBecause = noBounceBecause_;
+    c.vertexBounce = vertexBounce_;
+    c.gloss = gloss_;
+    c.triedGloss = triedGloss_;
+    c.albedo = albedo_.albedo;
+    c.confidence = albedo_.confidence;
+    c.timeline = timeline_;
+    c.kktResidual = stability_.kktResidual;
+    c.plan = measuredPlan();
+    return c;
+}
+
+void SolveState::goOnFrom(const SolveCheckpoint& c) {
+    progress_.takeOver(c.seconds);
+    meter_.begin("going on where an earlier solve stood");
+    plan_ = c.plan;
+    clusters_ = c.clusters;
+    suspect_ = c.suspect;
+    for (const EmitterCluster& e : clusters_.emitters) {
+        for (uint32_t v : e.vertices)
+            if (v >= scene_.mesh.vertexCount()) throw Error("the checkpoint names a vertex that does not exist");
+        for (uint32_t t : e.triangles)
+            if (t >= scene_.mesh.triangles.size()) throw Error("the checkpoint names a triangle that does not exist");
+    }
+    indexEmitters(scene_, clusters_);
+    rebuildNearField();
+    environmentBlack_ = c.environmentBlack;
+    refined_ = c.refined;
+    refinedMisfit_ = c.refinedMisfit;
+    lighting_.leaves = LightLeaves::of(c.leaves);
+    lighting_.leafRadiance = c.leafRadiance;
+    lighting_.emitterRadiance = c.emitterRadiance;
+    rebuildRows();
+    bouncedShare_ = c.bouncedShare;
+    noBounceBecause_ = c.noBounceBecause;
+    if (c.bounceKept) {
+        traceBounceRays();
+        vertexBounce_ = c.vertexBounce;
+        if (!vertexBounce_.empty()) takeVertexBounce();
+    }
+    gloss_ = c.gloss;
+    triedGloss_ = c.triedGloss;
+    albedo_.albedo = c.albedo;
+    albedo_.confidence = c.confidence;
+    timeline_ = c.timeline;
+    stability_.kktResidual = c.kktResidual;
+    computeLit();
+    logInfo("going on after {:.1f} s of an earlier solve, {} entries of its timeline", c.seconds, timeline_.size());
+}
+
+SolvePlan SolveState::measuredPlan() const {
+    SolvePlan plan = plan_;
+    for (const StageCost& cost : meter_.stages()) {
+        const bool foreseen = std::any_of(plan.stages.begin(), plan.stages.end(), [&](const PlannedStage& s) { return s.name == cost.name; });
+        if (!foreseen && cost.seconds < 1e-3) continue;  // a step with nothing to do
+        PlannedStage& stage = plan.stage(cost.name);
+        stage.measuredSeconds = std::max(0.0, stage.measuredSeconds) + cost.seconds;
+        stage.measuredMib = std::max(stage.measuredMib, cost.mib);
+    }
+    return plan;
+}
+
+}  // namespace relamp
