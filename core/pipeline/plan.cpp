@@ -56,7 +56,11 @@ bool lobeLikely(const Capture& capture, const Scene& scene, const RadianceSample
     std::vector<EmitterSurface> surfaces;
     for (const EmitterCluster& e : lamps.emitters) surfaces.push_back(emitterSurface(scene.mesh, e));
     for (uint32_t p = 0; p < scene.pieces; ++p)
-        if (matte.pieceGlossy[p] && fitGloss(capture, scene, samples, surfaces, lamps.emitterOfTriangle, lighting, builtInBasis(), p, gloss, progress).lobe) return true;
+        if (matte.pieceGlossy[p]) {
+            // The light is coarse here: what the solve will explain better is hinted at only.
+            const PieceGloss g = fitGloss(capture, scene, samples, surfaces, lamps.emitterOfTriangle, lighting, builtInBasis(), p, gloss, progress);
+            if (g.residual < 0.92f * g.residualMatte) return true;
+        }
     return false;
 }
 
@@ -113,8 +117,7 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
         stages = std::move(fewer);
     };
     const bool judged = pilot.ran && options.nearField && counts.matte;
-    const bool seenLamps = !lamps.emitters.empty() && clusters.candidates.empty();
-    if (judged && seenLamps && pilot.distantShare < 0.003 && pilot.backgroundShare < 0.05)
+    if (judged && !lamps.emitters.empty() && pilot.distantShare < 0.003 && pilot.backgroundShare < 0.05)
         leaveOut("distant light", fmt::format("of the light on {} points {:.2g} % comes from afar, and the background is black where it is seen", pilot.points, 100 * pilot.distantShare), &PlanChoices::distantLight);
     if (judged && options.bounce == SolveOptions::Bounce::automatic) {
         if (pilot.enclosure < 0.01)
@@ -123,6 +126,7 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
             leaveOut("interreflection", fmt::format("it would be {:.1f} % of the light, less than half of the photographs' noise of {:.1f} %", 100 * pilot.bouncedShare, 100 * samples.relativeNoise), &PlanChoices::bounce);
         else if (pilot.bounceWorse > 4)
             leaveOut("interreflection", fmt::format("with it the ratios between {} pairs of points are explained worse, by {:.0f} standard errors", pilot.pairs, pilot.bounceWorse), &PlanChoices::bounce);
+        else leaveOut("interreflection at full detail", "it is tried on coarse light first and again only if that cannot rule it out", &PlanChoices::lateBounce);
     }
     if (counts.seen < counts.vertices)
         leaveOut("vertices that no photograph shows", fmt::format("{:.0f} of {:.0f}: their light is worked out when something needs it", counts.vertices - counts.seen, counts.vertices), &PlanChoices::unseenVertices);
@@ -130,7 +134,7 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
         leaveOut(counts.glossyLooks > 0 ? "lobes on matte pieces" : "glossy lobes", counts.glossyLooks > 0 ? "those pieces do not change with the view beyond noise" : "no surface changes with the view beyond noise", &PlanChoices::mattePieces);
     if (counts.glossyLooks > 0 && options.glossRounds > 0)
         leaveOut("lobes that lost before", "later rounds try those again that came within a third of the best", &PlanChoices::lostLobes);
-    if (counts.glossyLooks == 0) leaveOut("finer light that explains nothing", "splitting ends after a round that explains less than half a percent more", &PlanChoices::flatLevels);
+    if (counts.matte) leaveOut("finer light that explains nothing", "splitting ends after a round that explains less than half a percent more", &PlanChoices::flatLevels);
     if (options.nearField && lamps.emitters.empty()) plan.leftOut.push_back({"near-field emitters", "no patch of the scene shines on its own", 16 * counts.seen * pilot.visibilitySecondsPerRay, counts.vertices * 8 / (1 << 20)});
     plan.choices = kept;
     if (everything) plan.choices = PlanChoices::everything();

@@ -8,6 +8,8 @@ std::vector<StageEstimate> predictStages(const WorkCounts& n, const MachineSpeed
     const double known = choices.unseenVertices ? n.vertices : n.seen;
     const double cells = double(options.visibilitySide) * options.visibilitySide;
     const bool distant = choices.distantLight;
+    // A solve that builds the distant light of black surroundings finds that out after the coarse fit.
+    const bool black = pilot.ran && pilot.distantShare < 0.005 && n.lamps > 0;
     const double leavesStart = distant ? double(size_t(1) << (2 * options.startLevel)) : 1, leavesCoarse = distant ? std::max(16.0, leavesStart / 4) : 1;
 
     // One round of the ratio fit: for each channel products, a program and some passes over the rows; and the pairs' own terms.
@@ -22,26 +24,30 @@ std::vector<StageEstimate> predictStages(const WorkCounts& n, const MachineSpeed
     const double albedoMib = n.vertices * (3 * 20 * 12 * 2 + 3 * 7 * 16) / mib;
 
     stages.push_back({"lamps' light, observations, pairs", n.observationSeconds + known * pilot.nearSecondsPerPoint, (n.pairs * 12 + n.rows * 40 + n.vertices * n.lamps * 8) / mib});
-    if (distant) stages.push_back({"visibility", known * cells / 2 * pilot.visibilitySecondsPerRay, n.vertices * cells / 8 / mib});
+    if (distant) stages.push_back({"visibility", known * cells / 2 * (n.matte && options.nearField ? 1.25 : 1.0) * pilot.visibilitySecondsPerRay, n.vertices * cells / 8 / mib});
     stages.push_back({"rows of the observations", distant ? n.rows * cells * pilot.rowSecondsPerCell : 0.0, n.rows * (leavesCoarse + n.lamps) * 4 / mib});
 
     const bool near = options.nearField && n.matte;
     const double coarseRounds = std::clamp(double(pilot.iterations), 4.0, double(options.startIterations));
     double leaves = leavesCoarse + n.lamps;
     if (near) stages.push_back({"coarse light", coarseRounds * roundSeconds(leaves), roundMib(leaves)});
-    if (near && distant) {
+    if (near && distant && !black) {
         leaves = leavesStart + n.lamps;
         stages.push_back({"light", n.rows * cells * pilot.rowSecondsPerCell + 4 * roundSeconds(leaves), n.rows * leaves * 4 / mib + roundMib(leaves)});
     }
     const bool tryBounce = near && options.bounce != SolveOptions::Bounce::off && (choices.bounce || options.bounce == SolveOptions::Bounce::on);
     if (tryBounce) {
         // Clearly worse is given up after the first fit; else it goes on for some rounds.
-        const double rounds = pilot.bounceWorse > 10 && options.bounce == SolveOptions::Bounce::automatic ? 9 : 16;
+        const bool automatic = options.bounce == SolveOptions::Bounce::automatic;
+        const double rounds = pilot.bounceWorse > 10 && automatic ? 9 : 22;
         const double rays = std::min(256.0, double(1 << 25) / std::max(1.0, n.vertices));
-        stages.push_back({"bounced light", n.vertices * rays * pilot.bounceSecondsPerRay + rounds * roundSeconds(leaves) + rounds / 5 * albedo,
+        const double trace = n.vertices * rays * pilot.bounceSecondsPerRay, coarse = leavesCoarse + n.lamps;
+        // Tried on coarse light and, as likely as not, ruled out there.
+        const double trySeconds = automatic && !choices.lateBounce ? 14 * roundSeconds(coarse) + 2 * albedo : rounds * roundSeconds(leaves) + 4 * albedo;
+        stages.push_back({"bounced light", trace + trySeconds,
                           n.vertices * rays * pilot.enclosure * 8 / mib + albedoMib});
     }
-    if (distant) {
+    if (distant && !black) {
         double seconds = 0, wider = leaves;
         const int rounds = options.refineRounds;
         for (int round = 0; round < rounds && near; ++round) {
@@ -53,16 +59,16 @@ std::vector<StageEstimate> predictStages(const WorkCounts& n, const MachineSpeed
     }
     const double looks = n.glossyLooks + (choices.mattePieces ? n.matteLooks : 0.0), fitSeconds = n.lookSeconds * looks;
     stages.push_back({"surfaces", fitSeconds * (n.lobes + 3) + albedo, std::max(albedoMib, looks * leaves * 4 / mib)});
-    if (looks > 0 && options.glossRounds > 0) {
+    if (looks > 0 && n.lobeLikely && options.glossRounds > 0) {
         const double tried = choices.lostLobes ? n.lobes + 3 : 0.35 * n.lobes + 3, rounds = options.glossRounds;
-        if (n.glossyLooks > 0 && n.lobeLikely) {
+        if (n.glossyLooks > 0) {
             const double glossy = n.glossyLooks;
-            stages.push_back({"light with gloss", rounds * (3 * (distant ? roundSeconds(leaves) + 3 * productSeconds(glossy, leaves) : 0.0) + glossy * (n.lookSeconds + cells * pilot.rowSecondsPerCell)),
+            stages.push_back({"light with gloss", rounds * (3 * (distant && !black ? roundSeconds(leaves) + 3 * productSeconds(glossy, leaves) : 0.0) + glossy * (n.lookSeconds + cells * pilot.rowSecondsPerCell)),
                               glossy * leaves * 4 * 5 / mib + roundMib(leaves)});
             stages.push_back({"surfaces again", rounds * (fitSeconds * tried + albedo), std::max(albedoMib, looks * leaves * 4 / mib)});
         }
     }
-    if (near && (n.glossyLooks == 0 || !n.lobeLikely) && distant) stages.push_back({"light and surfaces in turn", double(options.turns) * (3 * productSeconds(n.rows, leaves) + 6 * n.rows * leaves * 4 * speed.bytes + albedo), std::max(albedoMib, roundMib(leaves))});
+    if (near && (n.glossyLooks == 0 || !n.lobeLikely) && distant && !black) stages.push_back({"light and surfaces in turn", double(options.turns) * (3 * productSeconds(n.rows, leaves) + 6 * n.rows * leaves * 4 * speed.bytes + albedo), std::max(albedoMib, roundMib(leaves))});
     stages.push_back({"closing figures", productSeconds(n.rows, leaves) + 10 * speed.factorPerCube * leaves * leaves * leaves, roundMib(leaves) + 6.0});
     return stages;
 }

@@ -181,6 +181,27 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
         return sums.objective;
     };
 
+    // Directions that light no observation: their columns are zero, and so are their products.
+    std::vector<Eigen::Index> lightingColumns;
+    InfluenceMatrix narrow;
+    if (!options.emptyColumns) {
+        std::vector<uint8_t> any(influence.columns, 0);
+        for (size_t i = 0; i < rows; ++i)
+            for (size_t k = 0; k < influence.columns; ++k) any[k] |= influence.row(i)[k] != 0;
+        for (size_t k = 0; k < any.size(); ++k)
+            if (any[k]) lightingColumns.push_back(Eigen::Index(k));
+        if (lightingColumns.size() * 10 < any.size() * 9) {
+            narrow.rows = rows;
+            narrow.columns = lightingColumns.size();
+            narrow.values.resize(rows * narrow.columns);
+            parallelFor(rows, 256, [&](size_t i) {
+                for (size_t k = 0; k < narrow.columns; ++k) narrow.row(i)[k] = influence.row(i)[lightingColumns[k]];
+            });
+        }
+    }
+    const InfluenceMatrix& dense = narrow.rows ? narrow : influence;
+    const RowMap denseRows(dense.values.data(), Eigen::Index(rows), Eigen::Index(dense.columns));
+
     // Where the quadratic model at x has its minimum, and how exactly that was found.
     const auto modelMinimum = [&](bool fromPresent, Eigen::VectorXd* target) {
         double kkt = 0;
@@ -193,7 +214,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
                 terms[k] = {float(p.weight * robust[k] / variance[k][size_t(c)]), float(r), float(4 * pp * yb / (sum * sum)), float(4 * qq * ya / (sum * sum))};
             });
             const auto weighted = [&](size_t i, float* out) {
-                Eigen::Map<Eigen::RowVectorXf> row(out, n);
+                Eigen::Map<Eigen::RowVectorXf> row(out, denseRows.cols());
                 float diagonal = 0;
                 row.setZero();
                 for (uint32_t k = adjacency.start[i]; k < adjacency.start[i + 1]; ++k) {
@@ -201,11 +222,16 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
                     const Term& t = terms[p];
                     const float mine = pairs[p].a == i ? t.a : t.b;
                     diagonal += t.weight * mine * mine;
-                    row -= (t.weight * t.a * t.b) * b.row(Eigen::Index(j));
+                    row -= (t.weight * t.a * t.b) * denseRows.row(Eigen::Index(j));
                 }
-                row += diagonal * b.row(Eigen::Index(i));
+                row += diagonal * denseRows.row(Eigen::Index(i));
             };
-            Eigen::MatrixXd q = pairs.empty() ? Eigen::MatrixXd::Zero(n, n) : weightedGram(influence, weighted, progress);
+            Eigen::MatrixXd q = pairs.empty() ? Eigen::MatrixXd::Zero(n, n) : weightedGram(dense, weighted, progress);
+            if (narrow.rows && !pairs.empty()) {
+                Eigen::MatrixXd wide = Eigen::MatrixXd::Zero(n, n);
+                wide(lightingColumns, lightingColumns) = q;
+                q = std::move(wide);
+            }
             Eigen::VectorXd gradient = Eigen::VectorXd::Zero(Eigen::Index(rows));
             for (size_t k = 0; k < pairs.size(); ++k) {
                 const Term& t = terms[k];

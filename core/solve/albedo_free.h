@@ -19,6 +19,7 @@ struct AlbedoFreeOptions {
     float robustScale = 2.5f;   ///< Cauchy scale in standard deviations
     float tolerance = 1e-3f;    ///< relative change of the irradiance that counts as none
     bool anneal = true;         ///< start with a wide robust scale
+    bool emptyColumns = true;   ///< false: columns that hold nothing but zeros are left out of the products, which changes nothing but rounding
     int leastIterations = 0;    ///< that many are done whatever the time budget says
     LightPriorOptions light;
     /// Per observation the light that other surfaces send it, in the photographs' own unit (as shown by a white matte surface); null: none.

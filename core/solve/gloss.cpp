@@ -156,7 +156,7 @@ PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSa
         // A lobe alone has one unknown a channel where lobe and Lambert have one a vertex: it wins unless clearly worse.
         const bool metal = alone.residual < 1.6 * both.residual;
         const LobeFit& fit = metal ? alone : both;
-        reached = fit.residual;
+        reached = std::min(alone.residual, both.residual);
         if (fit.residual >= best) return false;
         best = fit.residual;
         result.lobe = lobe;

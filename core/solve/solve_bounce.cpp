@@ -82,7 +82,7 @@ void SolveState::forgetBounce(std::string why) {
     vertexBounce_.clear();
 }
 
-void SolveState::decideBounce() {
+void SolveState::decideBounce(bool coarse) {
     using Bounce = SolveOptions::Bounce;
     if (options_.bounce == Bounce::off) {
         noBounceBecause_ = "it was switched off";
@@ -93,7 +93,9 @@ void SolveState::decideBounce() {
             if (o.what == "interreflection") noBounceBecause_ = o.reason;
         return;
     }
-    traceBounceRays();
+    if (coarse && (options_.bounce != Bounce::automatic || plan_.choices.lateBounce)) return;
+    meter_.begin("bounced light");
+    if (bounceRays_.rays == 0) traceBounceRays();
     double enclosure = 0;
     for (uint32_t v : matte_.vertices) enclosure += bounceRays_.enclosure(v);
     enclosure /= double(matte_.vertices.size());
@@ -102,25 +104,35 @@ void SolveState::decideBounce() {
         return;
     }
     const Lighting without = lighting_;
-    const double before = runAlbedoFree("light from ratios", 1, nullptr).objective;
+    const double before = runAlbedoFree(coarse ? "light from ratios, coarse" : "light from ratios", 1, nullptr).objective;
     lighting_ = without;
     // Several rounds: what hidden surfaces send rests on the light.
     double after = 0;
-    for (int round = 0; round < 4 && !stopped(); ++round) {
+    for (int round = 0; round < (coarse ? 2 : 4) && !stopped(); ++round) {
         updateBounce();
-        after = runAlbedoFree("light from ratios and bounces", round == 0 ? 8 : options_.startIterations, nullptr).objective;
+        after = runAlbedoFree(coarse ? "light from ratios and bounces, coarse" : "light from ratios and bounces", round == 0 ? 8 : options_.startIterations, nullptr).objective;
         if (options_.bounce == Bounce::automatic && after > 1.05 * before) break;  // far from it
     }
     if (stopped()) throw OutOfTime{};
     computeLit();
     bouncedShare_ = bouncedShareOf();
     logInfo("bounced light: enclosure {:.1f} %, share {:.1f} %, objective {:.5g} without, {:.5g} with", 100 * enclosure, 100 * bouncedShare_, before, after);
+    if (coarse && after < 1.003 * before) {
+        // Finer light is to judge.
+        lighting_ = without;
+        bounce_.clear();
+        vertexBounce_.clear();
+        return;
+    }
     if (options_.bounce == Bounce::on || after < before) {
         updateBounce();
         return;
     }
     lighting_ = without;
     forgetBounce(fmt::format("ratios of radiance are explained better without it (misfit {:.4g}, with it {:.4g})", before, after));
+    if (!coarse) return;
+    plan_.choices.bounce = false;
+    plan_.leftOut.push_back({"interreflection", noBounceBecause_, 0, 0});
 }
 
 }  // namespace relamp

@@ -106,8 +106,8 @@ void SolveState::applyGauge(Estimate& estimate) {
     Rgb scale(1);
     // How much of the light on the surfaces comes from where the background is seen: only that much ties the scale down.
     double seenLight = 0, allLight = 0;
-    for (size_t r = 0; r < influence_.rows; r += 7)
-        for (size_t i = 0; i < lighting_.leaves.size(); ++i) {
+    for (size_t r = 0; r < influence_.rows; ++r)
+        for (size_t i = 0; scene_.rank[matte_.vertices[r]] % 7 == 0 && i < lighting_.leaves.size(); ++i) {
             const double light = double(influence_.row(r)[i]) * luminance(lighting_.leafRadiance[i]);
             seenLight += light * anchors_.leaves[i].coverage;
             allLight += light;
@@ -183,7 +183,7 @@ void SolveState::assess(Estimate& estimate) {
     const InfluenceMatrix& rows = influence_;
     Eigen::MatrixXd gram = weightedGram(rows, [&](size_t i, float* out) {
         const Rgb albedo = albedo_.albedo[matte_.vertices[i]], sigma = matte_.sigma[i] + 0.01f * matte_.radiance[i];
-        const float w = i % 4 == 0 ? albedo.y * albedo.y / std::max(sigma.y * sigma.y, 1e-20f) : 0.0f;
+        const float w = scene_.rank[matte_.vertices[i]] % 4 == 0 ? albedo.y * albedo.y / std::max(sigma.y * sigma.y, 1e-20f) : 0.0f;
         for (size_t k = 0; k < n; ++k) out[k] = w * rows.row(i)[k];
     }, progress_);
     if (hasGloss()) {

@@ -9,13 +9,14 @@ namespace relamp {
 struct PlanChoices {
     bool distantLight = true;      ///< false: the surroundings are black, D is never built
     bool bounce = true;            ///< false: light between surfaces is not tried (SolveOptions::Bounce::automatic only)
+    bool lateBounce = false;       ///< true: it is tried at the start level at once, not on coarse light first
     bool unseenVertices = false;   ///< true: transport of vertices that no photograph shows, too
     bool emptyColumns = false;     ///< true: directions that light no observed vertex take part in the equations' products, too
     bool mattePieces = false;      ///< true: lobes are sought on pieces that do not change with the view, too
     bool lostLobes = false;        ///< true: later rounds try every lobe again, not only those that came near the best
     bool flatLevels = false;       ///< true: leaves are split on after a round that explained hardly more
     /// Nothing is left out.
-    static PlanChoices everything() { return {true, true, true, true, true, true, true}; }
+    static PlanChoices everything() { return {true, true, true, true, true, true, true, true}; }
 };
 
 /// A stage of the solve; a number below 0 is not known.

@@ -81,6 +81,18 @@ void SolveState::prepare(const EmitterClusters& clusters) {
     guessLight();
 }
 
+int SolveState::visibilitySide() const {
+    const size_t coarse = size_t(1) << (2 * firstLevel());
+    return firstLevel() < options_.startLevel && lighting_.leaves.size() <= coarse ? std::max(8, options_.visibilitySide / 2) : options_.visibilitySide;
+}
+
+void SolveState::learnVisibility(int side) {
+    VisibilityOptions visibilityOptions;
+    visibilityOptions.gridSide = side;
+    visibilityOptions.only = &known_;
+    visibility_ = computeVisibility(scene_, visibilityOptions, progress_);
+}
+
 int SolveState::firstLevel() const {
     if (environmentBlack_) return 0;
     return options_.nearField && hasMatte() ? std::max(2, options_.startLevel - 1) : options_.startLevel;
@@ -89,10 +101,7 @@ int SolveState::firstLevel() const {
 void SolveState::rebuildRows() {
     if (!environmentBlack_ && visibility_.bits.empty()) {
         meter_.begin("visibility");
-        VisibilityOptions visibilityOptions;
-        visibilityOptions.gridSide = options_.visibilitySide;
-        visibilityOptions.only = &known_;
-        visibility_ = computeVisibility(scene_, visibilityOptions, progress_);
+        learnVisibility(visibilitySide());
     }
     meter_.begin("rows of the observations");
     anchors_ = lightAnchors(samples_, clusters_, lighting_.leaves);
@@ -146,6 +155,7 @@ AlbedoFreeReport SolveState::runAlbedoFree(const std::string& stage, int iterati
     o.anneal = timeline_.empty();
     o.leastIterations = timeline_.empty() ? 4 : 0;
     o.light = lightPrior_;
+    o.emptyColumns = plan_.choices.emptyColumns;
     o.bounce = bounce_.empty() ? nullptr : &bounce_;
     const AlbedoFreeReport report = solveAlbedoFree(influence_, matte_, pairs_, anchors_, rows, o, lighting_, progress_,
                                                     [&](int i, double objective, double rmse) { record(stage, i, objective, rmse); });
@@ -158,6 +168,7 @@ void SolveState::firstLight() {
     runAlbedoFree("light from ratios, coarse", options_.startIterations, nullptr);
     if (confirmEmitters()) runAlbedoFree("light from ratios, coarse", options_.startIterations, nullptr);
     leaveOutBlackEnvironment();
+    decideBounce(true);
 }
 
 void SolveState::startLight() {
@@ -165,6 +176,11 @@ void SolveState::startLight() {
     std::vector<uint32_t> coarse;
     for (uint32_t i = 0; i < lighting_.leaves.size(); ++i)
         if (lighting_.leaves[i].level < options_.startLevel) coarse.push_back(i);
+    if (visibility_.grid.side < options_.visibilitySide) {
+        meter_.begin("visibility");
+        learnVisibility(options_.visibilitySide);
+        meter_.begin("light");
+    }
     if (!coarse.empty()) splitLeaves(coarse);
     runAlbedoFree("light from ratios", options_.startIterations, nullptr);
 }
@@ -223,10 +239,11 @@ bool SolveState::confirmEmitters() {
     for (size_t e = 0; e < clusters_.emitters.size(); ++e) {
         EmitterCluster& cluster = clusters_.emitters[e];
         // Light that reaches the patch from everything but itself.
-        std::vector<uint32_t> some;
-        const size_t step = std::max<size_t>(1, cluster.vertices.size() / 64);
-        for (size_t i = 0; i < cluster.vertices.size(); i += step)
-            if (samples_.countOf(cluster.vertices[i]) > 0) some.push_back(cluster.vertices[i]);
+        std::vector<uint32_t> some, spread = cluster.vertices;
+        std::sort(spread.begin(), spread.end(), [&](uint32_t a, uint32_t b) { return scene_.rank[a] < scene_.rank[b]; });
+        const size_t step = std::max<size_t>(1, spread.size() / 64);
+        for (size_t i = 0; i < spread.size(); i += step)
+            if (samples_.countOf(spread[i]) > 0) some.push_back(spread[i]);
         if (some.empty()) some.assign(1, cluster.vertices[0]);
         const InfluenceMatrix rows = rowsOf(some);
         std::vector<float> demanded;
@@ -284,16 +301,16 @@ bool SolveState::refineLeaves() {
     const double misfit = pairMismatch();
     // The measure is a root of squares: half a percent of the squares is nothing.
     const bool explainedMore = refinedMisfit_ == 0 || misfit * misfit < 0.995 * refinedMisfit_ * refinedMisfit_;
-    bool anyGlossy = !hasMatte();
-    for (uint8_t glossy : matte_.pieceGlossy) anyGlossy |= glossy > 0;
-    if (!explainedMore && !anyGlossy && !plan_.choices.flatLevels) {
+    if (!explainedMore && hasMatte() && !plan_.choices.flatLevels) {
         refined_ = true;
         return false;
     }
     refinedMisfit_ = misfit;
     std::vector<Rgb> given(lighting_.leaves.size(), Rgb(0));
     size_t counted = 0;
-    for (size_t r = 0; r < influence_.rows; r += 5, ++counted) {
+    for (size_t r = 0; r < influence_.rows; ++r) {
+        if (scene_.rank[matte_.vertices[r]] % 5) continue;
+        ++counted;
         const Rgb inverse = 1.0f / glm::max(lit_[r], Rgb(1e-30f));
         for (size_t i = 0; i < given.size(); ++i) given[i] += influence_.row(r)[i] * lighting_.leafRadiance[i] * inverse;
     }

@@ -53,7 +53,8 @@ private:
     /// Leaves the distant light out where it gives less than half a percent of what is seen: less than the photographs can tell.
     void leaveOutBlackEnvironment();
     /// Do the photographs hold light bounced between surfaces? Fits the light with and without it and keeps what explains ratios better.
-    void decideBounce();
+    /// `coarse`: a first, cheap try that can only leave it out.
+    void decideBounce(bool coarse);
     /// Bounced light, if it was kept, from what the photographs show of its senders; senders that no photograph shows send their albedo
     /// times their light.
     void updateBounce();
@@ -126,6 +127,9 @@ private:
     /// Everything that follows from lamps and leaves: anchors, rows of the observations.
     void rebuildRows();
     int firstLevel() const;
+    /// The coarse light makes do with half the side: an answer stands sooner, and black surroundings never need the rest.
+    int visibilitySide() const;
+    void learnVisibility(int side);
     void guessLight();
     void shapeLeaves();
     LobeRowOptions rowOptions() const;

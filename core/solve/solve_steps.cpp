@@ -50,7 +50,7 @@ void SolveState::run(SolveStep step, uint32_t index) {
                 if (hasMatte() && options_.nearField) this->startLight();
                 break;
             case bounces:
-                if (hasMatte() && options_.nearField) decideBounce();
+                if (hasMatte() && options_.nearField) decideBounce(false);
                 break;
             case splitStrong:
                 if (!refineLeaves()) refined_ = true;
