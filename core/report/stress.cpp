@@ -74,7 +74,7 @@ private:
     StressReport report_;
 };
 
-const char* const patterns = "points on lamps are sampled along the order of their triangles";
+const char* const patterns = "sums run in another order, and vertices at one place are told apart by their order";
 const char* const axes = "the grid of directions and the sampling patterns follow the axes of the world";
 const char* const rounding = "positions are rounded otherwise and single rays and decisions flip; see lengths x 2^10, where nothing is rounded";
 const char* const precision = "positions are stored in single precision";

@@ -1,7 +1,6 @@
 #include "scene/scene.h"
 
-#include <numeric>
-#include <tuple>
+#include "base/random.h"
 
 namespace relamp {
 
@@ -27,15 +26,6 @@ Scene buildScene(Mesh mesh, Progress& progress) {
     scene.graph = buildVertexGraph(scene.mesh);
     scene.piece = connectedPieces(scene.graph, &scene.pieces);
     progress.advance();
-    std::vector<uint32_t> order(n);
-    std::iota(order.begin(), order.end(), 0u);
-    const auto keyOf = [&](uint32_t v) {
-        const Vec3 &p = scene.mesh.positions[v], &m = scene.mesh.normals[v];
-        return std::tuple(p.x, p.y, p.z, m.x, m.y, m.z, v);
-    };
-    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return keyOf(a) < keyOf(b); });
-    scene.rank.assign(n, 0);
-    for (uint32_t i = 0; i < n; ++i) scene.rank[order[i]] = i;
     scene.referenced.assign(n, 0);
     Vec3 low(1e30f), high(-1e30f);
     for (const Triangle& t : scene.mesh.triangles)
@@ -45,6 +35,18 @@ Scene buildScene(Mesh mesh, Progress& progress) {
             high = glm::max(high, scene.mesh.positions[v]);
         }
     scene.diagonal = scene.mesh.triangles.empty() ? 0 : glm::length(high - low);
+    // Rounded to a 4096th of the scene, so that other units or another origin change it hardly anywhere.
+    scene.rank.assign(n, 0);
+    const double quantum = std::max(double(scene.diagonal) / 4096, 1e-300);
+    for (uint32_t v = 0; v < n; ++v) {
+        if (!scene.referenced[v]) continue;
+        uint64_t bits = 0;
+        for (int k = 0; k < 3; ++k) {
+            bits = mixBits(bits ^ uint64_t(std::llround((double(scene.mesh.positions[v][k]) - double(low[k])) / quantum)));
+            bits = mixBits(bits ^ uint64_t(std::llround(16 * double(scene.mesh.normals[v][k])) + 64));
+        }
+        scene.rank[v] = uint32_t(bits >> 32);
+    }
     scene.vertexSpacing.assign(n, 0);
     for (uint32_t v = 0; v < n; ++v) {
         const uint32_t begin = scene.graph.start[v], end = scene.graph.start[v + 1];

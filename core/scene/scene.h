@@ -13,7 +13,7 @@ struct Scene {
     VertexGraph graph;                     ///< vertices joined by an edge
     std::vector<uint32_t> piece;           ///< connected piece of each vertex
     uint32_t pieces = 0;
-    std::vector<uint32_t> rank;            ///< place of each vertex along x, then y, then z: what random patterns are numbered by, so that they do not rest on the file's order
+    std::vector<uint32_t> rank;            ///< a number drawn from where each vertex lies and which way it faces: what random patterns are numbered by, so that they rest neither on the file's order nor on its unit or origin
     std::vector<float> vertexSpacing;      ///< metres: mean edge length at the vertex
     std::vector<uint8_t> referenced;       ///< 1 where a triangle uses the vertex
     float diagonal = 0;                    ///< metres: of the bounding box
