@@ -30,6 +30,25 @@ TEST(SolveReport, IsOnePageWithoutAnythingFromElsewhere) {
     EXPECT_EQ(reportPage(byHand()), page);
 }
 
+TEST(SolveReport, ShowsThePlanBesideWhatWasMeasured) {
+    SolveReport r = byHand();
+    EXPECT_EQ(reportPage(r).find("<h2>Plan"), std::string::npos) << "nothing where there is none";
+    r.estimate.plan.stages.push_back({"visibility & more", 2.5, 3.25, 40, 41});
+    r.estimate.plan.leftOut.push_back({"distant light", "the surroundings are black", 7, 30});
+    const std::string page = reportPage(r);
+    for (const char* word : {"visibility &amp; more", "2.50 s", "3.25 s", "40 MiB", "the surroundings are black", "7.00 s"}) EXPECT_NE(page.find(word), std::string::npos) << word;
+}
+
+TEST(SolveReport, ShowsTheTruthOverTime) {
+    SolveReport r = byHand();
+    EXPECT_EQ(truthPlot(r), "");
+    EXPECT_EQ(truthCsv(r), "");
+    r.truthOverTime = {{1.5, 20}, {3, 26.02}};
+    EXPECT_EQ(truthCsv(r), "seconds,psnr_db\n1.5000,20.000\n3.0000,26.020\n");
+    EXPECT_NE(truthPlot(r).find("26.0 dB"), std::string::npos);
+    EXPECT_NE(reportPage(r).find("Truth against run time"), std::string::npos);
+}
+
 TEST(SolveReport, QuotesWhatACommaWouldSplit) {
     EXPECT_EQ(viewsCsv(byHand()), "view,psnr_db,distant_only_psnr_db\n\"one, two.exr\",31.250,\n");
     EXPECT_EQ(timelineCsv(byHand()).substr(0, 89), "mode,seconds,stage,iteration,objective,error\nnear-field,0.5000,light from ratios,0,9,0.4\n");

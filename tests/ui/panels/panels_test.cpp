@@ -14,7 +14,7 @@ namespace {
 /// All areas, at widths from the narrowest column to a wide screen, at three scales of the screen.
 void drawEverything(Panels& p) {
     Editor& editor = *p.editor;
-    void (*const areas[])(Editor&) = {drawScenePanel, drawInspectorPanel, drawBottomPanel, drawStatusBar, drawViewsPanel, drawEmittersPanel, drawEnvironmentPanel, drawMaterialsPanel, drawEstimatePanel, drawTimelinePanel, drawLogPanel, drawHistoryPanel};
+    void (*const areas[])(Editor&) = {drawScenePanel, drawInspectorPanel, drawBottomPanel, drawStatusBar, drawViewsPanel, drawEmittersPanel, drawEnvironmentPanel, drawMaterialsPanel, drawEstimatePanel, drawTimelinePanel, drawLogPanel, drawHistoryPanel, drawPlanPanel};
     for (const float scale : {1.0f, 2.0f})
         for (const float width : {200.0f, 240.0f, 520.0f, 990.0f}) {
             applyTheme(scale);
@@ -25,7 +25,7 @@ void drawEverything(Panels& p) {
                 p.mouse({width / 2, 60});
                 p.frames(2);
             }
-            for (int tab = 0; tab < 4; ++tab) {
+            for (int tab = 0; tab < 5; ++tab) {
                 editor.state.panels.bottomTab = tab;
                 p.frame([&] { drawBottomPanel(editor); });
                 p.frames(3);
@@ -366,8 +366,8 @@ TEST(BottomPanel, aClickOnATabShowsIt) {
     p.windowSize(1000, 300);
     p.frame([&] { drawBottomPanel(*p.editor); });
     p.frames(3);
-    for (const int wanted : {1, 3, 0, 2}) {
-        const char* const names[] = {"Timeline", "Lights", "Log", "History"};
+    for (const int wanted : {1, 3, 0, 2, 4}) {
+        const char* const names[] = {"Timeline", "Lights", "Log", "History", "Plan"};
         const auto at = p.find(Panels::idOf("test", {"##bottom", names[wanted]}));
         ASSERT_TRUE(at) << names[wanted];
         p.click(*at);
@@ -453,6 +453,20 @@ TEST(Dialogs, unsavedWorkIsAskedAboutAndCancelStays) {
     p.frames(3);
     EXPECT_FALSE(p.editor->quitting());
     EXPECT_FALSE(p.editor->state.unsaved);
+}
+
+TEST(PlanPanel, holdsWhatTheEstimateWasPlannedToBeAndWhatItTook) {
+    Panels p;
+    p.openSolved();
+    const SolvePlan& plan = p.editor->state.plan;
+    ASSERT_FALSE(plan.stages.empty());
+    EXPECT_TRUE(std::any_of(plan.stages.begin(), plan.stages.end(), [](const PlannedStage& s) { return s.predictedSeconds >= 0 && s.measuredSeconds >= 0; }));
+    for (const float width : {900.0f, 300.0f}) {
+        p.windowSize(width, 200);
+        p.frame([&] { drawPlanPanel(*p.editor); });
+    }
+    p.openCapture();
+    EXPECT_TRUE(p.editor->state.plan.stages.empty()) << "a capture that was not estimated has no plan";
 }
 
 TEST(HistoryPanel, aClickGoesThere) {
