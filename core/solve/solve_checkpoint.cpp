@@ -145,6 +145,10 @@ void fields(File& f, SolveCheckpoint& c) {
     list(f, c.vertexBounce);
     listOf(f, c.gloss, [&](PieceGloss& g) { fields(f, g); });
     listOf(f, c.triedGloss, [&](PieceGloss& g) { fields(f, g); });
+    f.plain(c.metalsHeard);
+    f.plain(c.metalsJoined);
+    for (auto& channel : c.information)
+        for (std::vector<double>& part : channel) list(f, part);
     list(f, c.albedo);
     list(f, c.confidence);
     listOf(f, c.timeline, [&](TimelineEntry& t) {
@@ -175,6 +179,10 @@ SolveCheckpoint checkpointFromBytes(const std::string& bytes) {
     if (checkpoint.leaves.size() != checkpoint.leafRadiance.size() || checkpoint.clusters.emitters.size() != checkpoint.emitterRadiance.size() ||
         checkpoint.suspect.size() != checkpoint.clusters.emitters.size())
         throw Error("its lists do not fit each other");
+    for (const auto& channel : checkpoint.information) {
+        const size_t n = channel[2].size();
+        if (channel[0].size() != n * n || (!channel[1].empty() && channel[1].size() != n * n)) throw Error("its lists do not fit each other");
+    }
     return checkpoint;
 }
 

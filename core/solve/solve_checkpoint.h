@@ -24,6 +24,9 @@ struct SolveCheckpoint {
     std::string noBounceBecause;
     std::vector<Rgb> vertexBounce;    ///< empty: none
     std::vector<PieceGloss> gloss, triedGloss;
+    bool metalsHeard = false, metalsJoined = false;
+    /// What fixed the light, per channel, as columns: all, looks, seen (LightInformation).
+    std::vector<double> information[3][3];
     std::vector<Rgb> albedo;          ///< per vertex; empty: not solved yet
     std::vector<float> confidence;
     std::vector<TimelineEntry> timeline;

@@ -112,6 +112,14 @@ SolveCheckpoint SolveState::checkpoint(uint32_t step, bool between) const {
     c.vertexBounce = vertexBounce_;
     c.gloss = gloss_;
     c.triedGloss = triedGloss_;
+    c.metalsHeard = metalsHeard_;
+    c.metalsJoined = metalsJoined_;
+    for (size_t k = 0; k < 3; ++k) {
+        const LightInformation& known = information_[k];
+        c.information[k][0].assign(known.all.data(), known.all.data() + known.all.size());
+        c.information[k][1].assign(known.looks.data(), known.looks.data() + known.looks.size());
+        c.information[k][2].assign(known.seen.data(), known.seen.data() + known.seen.size());
+    }
     c.albedo = albedo_.albedo;
     c.confidence = albedo_.confidence;
     c.timeline = timeline_;
@@ -150,6 +158,14 @@ void SolveState::goOnFrom(const SolveCheckpoint& c) {
     }
     gloss_ = c.gloss;
     triedGloss_ = c.triedGloss;
+    metalsHeard_ = c.metalsHeard;
+    metalsJoined_ = c.metalsJoined;
+    for (size_t k = 0; k < 3; ++k) {
+        const Eigen::Index n = Eigen::Index(c.information[k][2].size());
+        information_[k].all = Eigen::Map<const Eigen::MatrixXd>(c.information[k][0].data(), n, n);
+        information_[k].looks = Eigen::Map<const Eigen::MatrixXd>(c.information[k][1].data(), c.information[k][1].empty() ? 0 : n, c.information[k][1].empty() ? 0 : n);
+        information_[k].seen = Eigen::Map<const Eigen::VectorXd>(c.information[k][2].data(), n);
+    }
     albedo_.albedo = c.albedo;
     albedo_.confidence = c.confidence;
     timeline_ = c.timeline;
