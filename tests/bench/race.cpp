@@ -26,10 +26,10 @@ void ours(const RaceProblem& p, Recorder& record) {
                     int((r.x.array() > 0).count()), int(r.x.size()));
 }
 
-std::string secondsText(double s) { return std::isfinite(s) ? fmt::format("{:.4g}", s) : std::string("-"); }
+std::string secondsText(double s) { return std::isfinite(s) ? fmt::format("{:.4g}", s) : std::string("not finished"); }
 
 void race(const RaceProblem& problem, double limit) {
-    std::printf("%s\n", problem.name.c_str());
+    std::printf("%s, at most %g CPU seconds each\n", problem.name.c_str(), limit);
     std::vector<Contestant> contestants{{"relamp", ours}, {"Lawson-Hanson", lawsonHanson}, {"projected gradient", projectedGradient}, {"FISTA, restarted", fista}};
 #ifdef RELAMP_RACE_IPOPT
     contestants.push_back({"IPOPT", [](const RaceProblem& p, Recorder& r) { ipopt(p, r, false); }});
