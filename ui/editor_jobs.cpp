@@ -11,6 +11,7 @@
 #include "radiance/gather.h"
 #include "settings.h"
 #include "shot/export_frame.h"
+#include "shot/shot_leftovers.h"
 #include "thumbnails.h"
 
 namespace relamp::ui {
@@ -40,6 +41,14 @@ Document documentOf(Capture capture, const fs::path& folder, Progress& progress)
         document.samples = std::make_shared<const RadianceSamples>(gatherRadiance(*shared, *document.scene, {}, progress));
     }
     return document;
+}
+
+/// "desk-lamp-copy.relamp", or the first number that is free.
+fs::path nameForCopy(const fs::path& shot) {
+    for (int n = 1;; ++n) {
+        const fs::path name = shot.parent_path() / fmt::format("{}-copy{}.relamp", shot.stem().string(), n == 1 ? "" : fmt::format("-{}", n));
+        if (!fs::exists(name)) return name;
+    }
 }
 
 std::string whereFull(const std::exception& error) {
@@ -134,13 +143,29 @@ void Editor::openNow(const fs::path& given) {
         fail("Something else is running", impl_->status->title + " is not finished.", "Wait for it, or stop it in the status bar.");
         return;
     }
+    mendShot(path);
     if (!fs::exists(path)) {
         fail("This could not be opened", path.string() + " does not exist.", "It may have been moved or renamed.");
         std::erase(state.recent, path);
         return;
     }
-    if (isShot(path)) impl_->openShotFolder(path);
-    else impl_->openCapture(path);
+    if (!isShot(path)) return impl_->openCapture(path);
+    if (const auto lock = impl_->lockFor(path); !lock->owner().empty()) state.locked = LockedQuestion{path, lock->owner()};
+    else impl_->openShotFolder(path);
+}
+
+std::shared_ptr<ShotLock> Editor::Impl::lockFor(const fs::path& shot) const {
+    std::error_code failed;
+    if (shotLock && shotLock->held() && fs::weakly_canonical(shot, failed) == shotLock->shot()) return shotLock;
+    return std::make_shared<ShotLock>(ShotLock::take(shot));
+}
+
+void Editor::answerLocked(LockedAnswer answer) {
+    if (!state.locked) return;
+    const fs::path path = state.locked->path;
+    state.locked.reset();
+    if (answer == LockedAnswer::cancel || impl_->job) return;
+    impl_->openShotFolder(path, {}, answer == LockedAnswer::copy ? Impl::OpenAs::copy : Impl::OpenAs::readOnly);
 }
 
 void Editor::Impl::setDocument(Document document, Version version, const std::string& label) {
@@ -165,8 +190,13 @@ void Editor::Impl::setDocument(Document document, Version version, const std::st
     state.viewport.throughView = false;
     state.viewport.mode = solved ? ViewMode::relit : ViewMode::photograph;
     autosave.clear();
-    estimateAutosaved = false;
+    autosavedEstimate.reset();
+    failedEstimate.reset();
+    savedEstimate = state.document.shotFolder.empty() ? nullptr : history.present().estimate;
     autosavedRevision = history.revision();
+    shotLock.reset();
+    if (restored) Autosave::discard(*restored);
+    restored.reset();
     dropThumbnails("view:");
     dropThumbnails("env:recovered");
     const Scene& scene = *state.document.scene;
@@ -199,18 +229,35 @@ void Editor::fixCapture(const CaptureFix& fix) {
     if (!impl_->job && state.document.capture) impl_->openCapture(state.document.captureFolder, fix);
 }
 
-void Editor::Impl::openCapture(const fs::path& folder, const CaptureFix& fix) {
-    start(JobStatus::Kind::open, "Opening " + folder.filename().string(), [this, folder, fix](Progress& progress) -> Finish {
+void Editor::Impl::openCapture(const fs::path& folder, const CaptureFix& fix, std::optional<FoundWork> recovered) {
+    start(JobStatus::Kind::open, "Opening " + folder.filename().string(), [this, folder, fix, recovered](Progress& progress) -> Finish {
         LoadOptions load;
         load.fix = fix;
         auto document = std::make_shared<Document>(documentOf(loadCapture(folder, load, progress), folder, progress));
         document->fix = fix;
-        return [this, document] { setDocument(std::move(*document), {}, "Opened"); };
+        return [this, document, recovered] {
+            setDocument(std::move(*document), {}, "Opened");
+            // Edits without the estimate they were made on: they come back with the next one.
+            if (recovered) showRecovered(*recovered, {}, recovered->work.look);
+        };
     });
 }
 
-void Editor::Impl::openShotFolder(const fs::path& folder, std::optional<FoundWork> recovered) {
-    start(JobStatus::Kind::open, "Opening " + folder.filename().string(), [this, folder, recovered](Progress& progress) -> Finish {
+void Editor::Impl::showRecovered(const FoundWork& found, Version saved, Look look) {
+    // It counts as unsaved until the user saves it, and stays where it was found until our own autosave holds it.
+    Version work = saved;
+    work.look = std::move(look);
+    saved.estimate.reset();
+    history = History(std::move(saved), "Last saved");
+    history.markSaved();
+    history.push("Recovered work", std::move(work));
+    restored = found;
+    autosavedRevision = 0;
+    lastAutosave = -1e9;
+}
+
+void Editor::Impl::openShotFolder(const fs::path& folder, std::optional<FoundWork> recovered, OpenAs as) {
+    start(JobStatus::Kind::open, "Opening " + folder.filename().string(), [this, folder, recovered, as](Progress& progress) -> Finish {
         std::string trouble;
         const auto shot = std::make_shared<Shot>();
         try {
@@ -220,30 +267,34 @@ void Editor::Impl::openShotFolder(const fs::path& folder, std::optional<FoundWor
             trouble = error.what();
             *shot = openShot(folder, false, progress);
         }
+        fs::path place = recovered ? recovered->work.shotFolder : folder;
+        if (as == OpenAs::copy) {
+            place = nameForCopy(folder);
+            saveShot(*shot, shot->capture.mesh, place, false);
+        }
         auto document = std::make_shared<Document>(documentOf(shot->capture, shot->captureFolder, progress));
-        document->shotFolder = folder;
+        document->shotFolder = place;
         document->fix = shot->fix;
         document->quality = shot->quality;
         document->seed = shot->seed;
         document->resources = shot->resources;
-        return [this, document, shot, trouble, recovered] {
-            if (recovered) document->shotFolder = recovered->work.shotFolder;
+        return [this, folder, document, shot, trouble, recovered, as] {
+            const fs::path saved = document->shotFolder;
+            const std::shared_ptr<ShotLock> mine = saved.empty() || as == OpenAs::readOnly ? nullptr : lockFor(saved);
+            document->readOnly = as == OpenAs::readOnly || (mine && !mine->owner().empty());
             Version version;
             version.look = shot->look;
             version.estimate = std::make_shared<const Estimate>(std::move(shot->estimate));
+            const bool readOnly = document->readOnly;
             setDocument(std::move(*document), version, "Opened");
+            if (mine && mine->held()) shotLock = mine;
             if (!trouble.empty())
                 self.fail("The photographs could not be opened", trouble, "The shot can be relit and exported. To estimate again, put the photographs back and open it again.");
-            if (recovered) {
-                Look look = lookThatFits(recovered->work.look, *self.estimate(), self.state.document.scene->mesh.vertexCount());
-                // The recovered work counts as unsaved until the user saves it.
-                history = History({shot->look, nullptr, nullptr}, "Last saved");
-                history.markSaved();
-                history.push("Recovered work", {std::move(look), version.estimate, nullptr});
-                saveUnsavedEstimate();
-                writeAutosave();
-                Autosave::discard(*recovered);
-            }
+            if (readOnly && as == OpenAs::usual)
+                self.fail("This shot is open elsewhere", saved.string() + " is open: " + mine->owner() + ".", "It was opened read-only: saving asks for another place.");
+            if (!recovered) return;
+            if (folder != saved) savedEstimate.reset();
+            showRecovered(*recovered, version, lookThatFits(recovered->work.look, *version.estimate, self.state.document.scene->mesh.vertexCount()));
         };
     });
 }
@@ -252,7 +303,7 @@ void Editor::Impl::openShotFolder(const fs::path& folder, std::optional<FoundWor
 
 void Editor::save() {
     if (!state.document.capture) return;
-    if (state.document.shotFolder.empty()) state.panels.saveBrowser = true;
+    if (state.document.shotFolder.empty() || state.document.readOnly) state.panels.saveBrowser = true;
     else impl_->saveTo(state.document.shotFolder);
 }
 
@@ -274,11 +325,17 @@ void Editor::Impl::saveTo(const fs::path& folder) {
         whenSaved = {};
         return;
     }
+    const std::shared_ptr<ShotLock> mine = lockFor(folder);
+    if (!mine->owner().empty()) {
+        self.fail("This shot is open elsewhere", folder.string() + " is open: " + mine->owner() + ".", "Close it there, or save under another name with Ctrl+Shift+S. Your edits are still here.");
+        whenSaved = {};
+        return;
+    }
     const Document document = self.state.document;
     const size_t entry = history.index();
     const uint64_t revision = history.revision();
     saving = std::make_unique<Job<Finish>>(
-        [this, version, estimate, document, folder, entry, revision](Progress&) -> Finish {
+        [this, version, estimate, document, folder, entry, revision, mine](Progress&) -> Finish {
             Shot shot;
             shot.captureFolder = document.captureFolder;
             shot.fix = document.fix;
@@ -288,13 +345,18 @@ void Editor::Impl::saveTo(const fs::path& folder) {
             shot.seed = document.seed;
             shot.resources = document.resources;
             saveShot(shot, document.scene->mesh, folder, true);
-            return [this, folder, entry, revision] {
+            return [this, folder, entry, revision, mine, estimate] {
                 self.state.document.shotFolder = folder;
+                self.state.document.readOnly = false;
+                shotLock = mine->held() ? mine : nullptr;
+                savedEstimate = estimate;
                 // Edits made while it was written are still unsaved.
                 if (history.index() == entry && history.revision() == revision) {
                     history.markSaved();
                     autosave.clear();
-                    estimateAutosaved = false;
+                    autosavedEstimate.reset();
+                    if (restored) Autosave::discard(*restored);
+                    restored.reset();
                 }
                 remember(self.state.recent, folder);
                 self.log(LogLevel::info, folder.string() + ": saved");
@@ -320,8 +382,9 @@ void Editor::Impl::pollSaving() {
 void Editor::Impl::saveUnsavedEstimate() {
     const Version version = history.present();
     if (saving || !autosave.working() || !version.estimate) return;
+    lastEstimateTry = seconds();
     saving = std::make_unique<Job<Finish>>(
-        [this, version, document = self.state.document](Progress&) -> Finish {
+        [this, version, document = self.state.document, folder = autosave.estimateFolder(++estimateNumber)](Progress&) -> Finish {
             Shot shot;
             shot.captureFolder = document.captureFolder;
             shot.fix = document.fix;
@@ -330,10 +393,25 @@ void Editor::Impl::saveUnsavedEstimate() {
             shot.quality = document.quality;
             shot.seed = document.seed;
             shot.resources = document.resources;
-            saveShot(shot, document.scene->mesh, autosave.estimateFolder(), true);
-            return [this] {
-                estimateAutosaved = true;
-                writeAutosave();
+            try {
+                saveShot(shot, document.scene->mesh, folder, true);
+            } catch (const Error& error) {
+                return [this, estimate = version.estimate, text = std::string(error.what())] {
+                    if (std::exchange(failedEstimate, estimate) != estimate)
+                        self.fail("The estimate could not be saved by itself", text, "Free some space, or save the shot to another disk with Ctrl+Shift+S.");
+                };
+            }
+            return [this, estimate = version.estimate, folder] {
+                failedEstimate.reset();
+                // By now it may be of no use any more: something else was opened, or it was saved.
+                if (estimate == history.present().estimate && estimate != savedEstimate && self.unsavedChanges()) {
+                    autosavedEstimate = estimate;
+                    autosavedFolder = folder;
+                    writeAutosave();
+                } else {
+                    std::error_code ignored;
+                    fs::remove_all(folder, ignored);
+                }
             };
         },
         options.wake);
@@ -352,7 +430,6 @@ void Editor::answerUnsaved(bool saveFirst, bool proceed) {
     state.unsaved.reset();
     if (!proceed) return;
     const auto next = [this, question] {
-        impl_->autosave.clear();
         if (question.then == UnsavedQuestion::Then::open) openNow(question.path);
         else impl_->quit = true;
     };
@@ -527,13 +604,17 @@ void Editor::exportFrames(const ExportRequest& request) {
                              writeFrame(one.file, frame, relit, one.camera, request.layers);
                              ++written;
                              logInfo("{}: written ({} of {})", one.file.string(), written, jobs.size());
+                         } catch (const OutOfResources& error) {
+                             // The others would not fit either.
+                             failures.insert(failures.begin(), error.what());
+                             break;
                          } catch (const Error& error) {
                              failures.push_back(error.what());
                          }
                      }
-                     return [impl, failures, written] {
+                     return [impl, failures, written, all = jobs.size()] {
                          if (failures.empty()) return;
-                         impl->self.fail(fmt::format("{} frame(s) could not be written", failures.size()), failures.front(),
+                         impl->self.fail(fmt::format("{} frame(s) could not be written", all - written), failures.front(),
                                          fmt::format("{} frame(s) were written. Free space or choose another folder, then export the others again.", written));
                      };
                  });

@@ -475,10 +475,7 @@ public:
 
     /// Throws OutOfResources or Error when something went wrong.
     void check() const {
-        if (!failed_) return;
-        const std::string message = fmt::format("{}: cannot be written ({})", shown_, std::strerror(failed_));
-        if (failed_ == ENOSPC || failed_ == EDQUOT) throw OutOfResources(message);
-        throw Error(message);
+        if (failed_) throwWriteFailure(shown_, failed_);
     }
 
 private:
