@@ -3,6 +3,7 @@
 #include "fuzz/target.h"
 #include "image/image_io.h"
 #include "relight/look_track.h"
+#include "scene/mesh_io.h"
 #include "shot/autosave.h"
 #include "shot/shot_file.h"
 #include "support/estimates.h"

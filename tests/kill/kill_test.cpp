@@ -24,8 +24,8 @@ int numberFrom(const char* variable, int otherwise) {
 int kills() { return numberFrom("RELAMP_KILLS", 3); }
 unsigned seed() { return unsigned(numberFrom("RELAMP_KILL_SEED", 1)); }
 
-/// Starts a program and kills it after `milliseconds`; true when it was still running then.
-bool runAndKill(const std::vector<std::string>& arguments, int milliseconds) {
+/// Starts a program and kills it after `milliseconds`, counted from when `begun` holds; true when it was still running then.
+bool runAndKill(const std::vector<std::string>& arguments, int milliseconds, const std::function<bool()>& begun = {}) {
     std::vector<char*> words;
     for (const std::string& a : arguments) words.push_back(const_cast<char*>(a.c_str()));
     words.push_back(nullptr);
@@ -38,6 +38,7 @@ bool runAndKill(const std::vector<std::string>& arguments, int milliseconds) {
         execv(words[0], words.data());
         _exit(127);
     }
+    for (int i = 0; begun && !begun() && i < 120'000 && kill(child, 0) == 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
     kill(child, SIGKILL);
     int status = 0;
@@ -126,7 +127,8 @@ TEST_F(KilledPrograms, exportedScenesAreMadeOfWholeFiles) {
     size_t files = 0;
     for (int n = 0; n < kills(); ++n) {
         fs::remove_all(folder / "out");
-        running += runAndKill(exported("out"), int(random() % unsigned(time)));
+        // Files come at the end: most kills fall there.
+        running += runAndKill(exported("out"), time * 2 / 3 + int(random() % unsigned(time / 2)));
         if (!fs::exists(folder / "out")) continue;
         for (const auto& entry : fs::directory_iterator(folder / "out")) {
             const std::string name = entry.path().filename().string();
@@ -169,7 +171,11 @@ TEST_F(KilledPrograms, noEditOlderThanThirtySecondsIsLost) {
     for (int n = 0; n <= kills(); ++n) {
         const fs::path journal = folder / "journal";
         fs::remove(journal);
-        ASSERT_TRUE(runAndKill({RELAMP_KILL_SESSION, shot(), folder / "home", journal, std::to_string(seed() * 1000 + unsigned(n))}, 100 + int(random() % 2000))) << "the session ended by itself";
+        // One in three falls while it opens or restores, the others while it works.
+        const auto works = [&] { return TemporaryFolder::read(journal).find("edit") != std::string::npos; };
+        ASSERT_TRUE(runAndKill({RELAMP_KILL_SESSION, shot(), folder / "home", journal, std::to_string(seed() * 1000 + unsigned(n))}, int(random() % (n % 3 == 1 ? 300 : 1500)),
+                               n % 3 == 1 ? std::function<bool()>() : works))
+            << "the session ended by itself";
         Progress progress;
         ASSERT_NO_THROW(openShot(shot(), false, progress)) << "kill " << n;
         const Journal said(TemporaryFolder::read(journal));

@@ -247,7 +247,7 @@ TEST(Editor, aSecondEditorIsToldAndCannotOverwriteTheFirst) {
     ASSERT_EQ(second.editor->state.notices.size(), 1u);
     EXPECT_NE(second.editor->state.notices[0].text.find("shared.relamp is open"), std::string::npos);
     EXPECT_TRUE(second.editor->unsavedChanges());
-    EXPECT_EQ(TemporaryFolder::read(shot / "shot.json").find("77"), std::string::npos);
+    EXPECT_EQ(TemporaryFolder::read(shot / "shot.json").find("\"yaw_degrees\": 77"), std::string::npos);
     second.editor->saveAs(second.folder / "mine");
     second.settle();
     EXPECT_FALSE(second.editor->unsavedChanges());
@@ -294,11 +294,12 @@ TEST(Editor, aFullDiskIsToldOnceAndAutosavingGoesOnWhenThereIsRoom) {
     for (int i = 0; i < 3; ++i) {
         s.editor->edit("Turn", [&](Look& look) { look.environment.yawDegrees = 41 + float(i); });
         now += 20;
+        s.editor->poll();
         s.settle();
     }
-    EXPECT_EQ(s.editor->state.notices.size(), 1u);
-    EXPECT_NE(s.editor->state.notices[0].text.find(".autosave.json"), std::string::npos) << s.editor->state.notices[0].text;
     setrlimit(RLIMIT_FSIZE, &before);
+    ASSERT_EQ(s.editor->state.notices.size(), 1u);
+    EXPECT_NE(s.editor->state.notices[0].text.find(".autosave.json"), std::string::npos) << s.editor->state.notices[0].text;
     now += 20;
     s.editor->poll();
     s.editor.reset();

@@ -115,7 +115,7 @@ TEST_F(Disk, photographsThatGoAwayAreNamed) {
     for (const std::vector<std::string>& job : {std::vector<std::string>{"solve", folder / "room", "-o", folder / "new.relamp", "--quality", "draft", "--overwrite"},
                                                 std::vector<std::string>{"render", shot(), "-o", folder / "f.##.exr", "--camera", "all", "--ratio", "--samples", "1"}}) {
         int failed = 0, done = 0;
-        for (int delay = 0; delay < 4000 && !done; delay = delay * 2 + 4) {
+        for (int delay = 0; delay < 600'000 && !done; delay = delay * 2 + 4) {
             std::thread pulls([&] {
                 std::this_thread::sleep_for(std::chrono::milliseconds(delay));
                 fs::rename(folder / "room/images", folder / "room/gone");
