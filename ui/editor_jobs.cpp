@@ -169,37 +169,37 @@ void Editor::answerLocked(LockedAnswer answer) {
 }
 
 void Editor::Impl::setDocument(Document document, Version version, const std::string& label) {
-    EditorState& state = self.state;
+    EditorState& ours = self.state;
     const bool solved = version.estimate || version.distantOnly;
-    state.curves = {};
-    if (version.estimate) state.curves[version.estimate->mode == "distant-only" ? 1 : 0].entries = version.estimate->timeline;
-    state.solve.quality = document.quality;
-    state.solve.seed = document.seed;
+    ours.curves = {};
+    if (version.estimate) ours.curves[version.estimate->mode == "distant-only" ? 1 : 0].entries = version.estimate->timeline;
+    ours.solve.quality = document.quality;
+    ours.solve.seed = document.seed;
     solvedWith.reset();
-    if (solved) solvedWith = state.solve;
+    if (solved) solvedWith = ours.solve;
     history = History(std::move(version), label);
     history.markSaved();
     emittersOfEstimate.reset();
     emittersRevision = 0;
     snapshot.reset();
-    state.document = std::move(document);
-    state.selection = {};
-    state.pointLight.reset();
-    state.viewport.solo.clear();
-    state.viewport.hiddenPieces.clear();
-    state.viewport.throughView = false;
-    state.viewport.mode = solved ? ViewMode::relit : ViewMode::photograph;
+    ours.document = std::move(document);
+    ours.selection = {};
+    ours.pointLight.reset();
+    ours.viewport.solo.clear();
+    ours.viewport.hiddenPieces.clear();
+    ours.viewport.throughView = false;
+    ours.viewport.mode = solved ? ViewMode::relit : ViewMode::photograph;
     autosave.clear();
     autosavedEstimate.reset();
     failedEstimate.reset();
-    savedEstimate = state.document.shotFolder.empty() ? nullptr : history.present().estimate;
+    savedEstimate = ours.document.shotFolder.empty() ? nullptr : history.present().estimate;
     autosavedRevision = history.revision();
     shotLock.reset();
     if (restored) Autosave::discard(*restored);
     restored.reset();
     dropThumbnails("view:");
     dropThumbnails("env:recovered");
-    const Scene& scene = *state.document.scene;
+    const Scene& scene = *ours.document.scene;
     Vec3 low(1e30f), high(-1e30f);
     for (size_t v = 0; v < scene.mesh.vertexCount(); ++v)
         if (scene.referenced[v]) {
@@ -208,21 +208,21 @@ void Editor::Impl::setDocument(Document document, Version version, const std::st
         }
     if (scene.diagonal > 0) {
         // From where the first photograph was taken: the artist knows that side.
-        state.viewport.camera.frame(0.5f * (low + high), 0.5f * scene.diagonal);
-        if (!state.document.capture->views.empty()) {
-            const Camera& camera = state.document.capture->views[0].camera;
+        ours.viewport.camera.frame(0.5f * (low + high), 0.5f * scene.diagonal);
+        if (!ours.document.capture->views.empty()) {
+            const Camera& camera = ours.document.capture->views[0].camera;
             const float distance = glm::dot(Vec3(camera.forward()), 0.5f * (low + high) - Vec3(camera.position()));
-            state.viewport.camera.matchCamera(camera, std::max(distance, 0.05f * scene.diagonal));
+            ours.viewport.camera.matchCamera(camera, std::max(distance, 0.05f * scene.diagonal));
         }
     }
-    remember(state.recent, documentPath());
-    if (state.document.check && !solved) {
+    remember(ours.recent, documentPath());
+    if (ours.document.check && !solved) {
         // Only what would spoil an estimate interrupts; the rest stands in the inspector and under File.
-        const CaptureCheck& check = *state.document.check;
-        if (check.lookBackwards || check.upAgreement < 0.3 || check.seenShare < 0.3 || check.exposureSpreadStops > 0.5) state.panels.doctor = true;
+        const CaptureCheck& check = *ours.document.check;
+        if (check.lookBackwards || check.upAgreement < 0.3 || check.seenShare < 0.3 || check.exposureSpreadStops > 0.5) ours.panels.doctor = true;
         for (const std::string& warning : check.warnings) self.log(LogLevel::warning, warning);
     }
-    self.log(LogLevel::info, fmt::format("{}: {} views, {} vertices", documentPath().string(), state.document.capture->views.size(), scene.mesh.vertexCount()));
+    self.log(LogLevel::info, fmt::format("{}: {} views, {} vertices", documentPath().string(), ours.document.capture->views.size(), scene.mesh.vertexCount()));
 }
 
 void Editor::fixCapture(const CaptureFix& fix) {
