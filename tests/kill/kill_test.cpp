@@ -210,7 +210,7 @@ TEST(KilledWindow, DISABLED_comesBackWithEverythingOlderThanThirtySeconds) {
     ASSERT_TRUE(desk.until([](const nlohmann::json& m) { return m["estimate"] == true && m["job"] == ""; }, 100));
     ASSERT_TRUE(desk.settled());
     const auto movedBy = [&] {
-        for (const auto& entry : fs::directory_iterator(desk.home() / "state"))
+        for (const auto& entry : fs::recursive_directory_iterator(desk.home() / "state"))
             if (entry.path().string().ends_with(".autosave.json")) return nlohmann::json::parse(TemporaryFolder::read(entry.path()))["look"].value("emitters", nlohmann::json::array()).dump();
         return std::string();
     };
