@@ -173,6 +173,12 @@ int showInfo(const fs::path& path, const CaptureFix& fix, bool json, Progress& p
     for (const auto& e : result["emitters"])
         text += fmt::format("  {}  radiance {}  area {:.4g} m2  seen in {} views  identifiable {:.0f} %\n", e["id"].get<std::string>(), e["power"].dump(), e["area_m2"].get<double>(), e["views_seen"].dump(), 100 * e.value("identifiability", 0.0));
     text += fmt::format("  environment: {} coefficients\n  gauge: {} ({})\n", result["environment"]["kept_coefficients"].dump(), result["gauge"]["kind"].get<std::string>(), result["gauge"]["evidence"].get<std::string>());
+    if (result["gauge"].contains("sigma")) {
+        const auto& sigma = result["gauge"]["sigma"];
+        text += fmt::format("  brightness of the light against the surfaces, standard deviation: red {:.1f}, green {:.1f}, blue {:.1f} %\n", 100 * sigma[0].get<double>(), 100 * sigma[1].get<double>(), 100 * sigma[2].get<double>());
+    }
+    if (result["stability"].contains("weakest"))
+        text += fmt::format("  least certain: {} ({:.1f} % of the light on the surfaces)\n", result["stability"]["weakest"].get<std::string>(), 100 * result["stability"]["weakest_sigma"].get<double>());
     for (const auto& l : result["left_out"]) text += fmt::format("  left out: {} ({})\n", l["what"].get<std::string>(), l["why"].get<std::string>());
     std::fputs(text.c_str(), stdout);
     return 0;

@@ -23,6 +23,8 @@ std::string figuresTable(const SolveReport& r) {
     rows += row("Lamps", "Patches of the mesh that send light of their own.", fmt::format("{}", r.estimate.emitters.emitters.size()));
     rows += row("Unknowns", "Patches of sky or room whose light was told apart, and lamps, for each colour channel.", fmt::format("{}", s.unknowns));
     rows += row("KKT residual", "How exactly the last lighting program was solved, relative; 1e-6 and less is exact for all purposes.", fmt::format("{:.1e}", s.kktResidual));
+    if (!s.weakest.empty())
+        rows += row("Least certain", "The change of light that the photographs tell least about: what it moves on the surfaces, one standard deviation.", htmlText(fmt::format("{} ({:.1f} %)", s.weakest, 100 * s.weakestSigma)));
     rows += row("Condition number", "How much the lighting equations magnify errors.", fmt::format("{:.1e}", s.conditionNumber));
     rows += row("Effective rank", "Unknowns that the photographs pin down; the others rest on the priors.", fmt::format("{} of {}", s.effectiveRank, s.unknowns));
     rows += row("Time", fmt::format("From the photographs to the answer, {} quality, {} thread(s).", r.quality, r.resources.threads), fmt::format("{:.1f} s", r.resources.seconds));

@@ -141,6 +141,9 @@ Json shotInfo(const Shot& shot) {
         info["rejected_patches"].push_back({{"centroid", toJson(r.centroid)}, {"radiance", toJson(r.radiance)}, {"reason", r.reason}, {"evidence", evidenceJson(r.evidence)}});
     info["environment"] = {{"kept_coefficients", e.lighting.leaves.size()}, {"grid_side", e.environmentSide}};
     info["gauge"] = {{"kind", e.gauge.kind}, {"evidence", e.gauge.evidence}, {"scale", toJson(e.gauge.scale)}};
+    if (e.gauge.sigma.x > 0)
+        info["gauge"].update({{"sigma", toJson(e.gauge.sigma)},
+                              {"from", {{"emitters", toJson(e.gauge.fromEmitters)}, {"background", toJson(e.gauge.fromBackground)}, {"gloss", toJson(e.gauge.fromGloss)}, {"bounces", toJson(e.gauge.fromBounces)}}}});
     info["basis"] = Json::array();
     for (const Lobe& l : e.reflectance.basis.lobes) info["basis"].push_back({{"kind", kindName(l.kind)}, {"alpha", l.alpha}, {"name", l.name}});
     info["left_out"] = Json::array();
@@ -150,6 +153,7 @@ Json shotInfo(const Shot& shot) {
         info["timeline"].push_back({{"seconds", t.seconds}, {"stage", t.stage}, {"iteration", t.iteration}, {"objective", t.objective}, {"rmse", t.rmse}});
     info["stability"] = {{"condition_number", e.stability.conditionNumber}, {"kkt_residual", e.stability.kktResidual}, {"effective_rank", e.stability.effectiveRank},
                          {"unknowns", e.stability.unknowns}, {"reason", e.stability.reason}, {"spectrum", e.stability.spectrum}};
+    if (!e.stability.weakest.empty()) info["stability"].update({{"weakest", e.stability.weakest}, {"weakest_sigma", e.stability.weakestSigma}});
     info["resources"] = {{"seconds", shot.resources.seconds}, {"peak_mib", shot.resources.peakMib}, {"threads", shot.resources.threads}};
     info["interreflection"] = {{"kept", e.interreflection}, {"share", e.bouncedShare}};
     info["stopped_early"] = e.cancelled;
@@ -215,6 +219,14 @@ void saveShot(const Shot& shot, const Mesh& mesh, const fs::path& folder, bool o
             for (const Rgb& p : shot.estimate.environment) channels[size_t(c)].values.push_back(p[c]);
         }
         writeChannels(fresh / "cache" / "environment_cells.exr", grid.side, grid.side, channels);
+        if (!shot.estimate.environmentSigma.empty()) {
+            const Image deviations = latLongFromCells(shot.estimate.environmentSigma, grid, 256);
+            for (int c = 0; c < 3; ++c) {
+                channels[size_t(c)].values.clear();
+                for (const Rgb& p : deviations.pixels) channels[size_t(c)].values.push_back(p[c]);
+            }
+            writeChannels(fresh / "environment_sigma.exr", deviations.width, deviations.height, channels);
+        }
         const Reflectance& r = shot.estimate.reflectance;
         std::vector<VertexProperty> properties;
         const char* suffix[] = {"r", "g", "b"};
@@ -230,6 +242,7 @@ void saveShot(const Shot& shot, const Mesh& mesh, const fs::path& folder, bool o
         properties.push_back({"observed", {r.observed.begin(), r.observed.end()}, true});
         properties.push_back({"emitter", {shot.estimate.emitters.emitterOfVertex.begin(), shot.estimate.emitters.emitterOfVertex.end()}, true});
         properties.push_back({"confidence", r.confidence, false});
+        if (!r.sigma.empty()) properties.push_back({"albedo_sigma", r.sigma, false});
         writeVertexPly(fresh / "reflectance.ply", mesh, properties);
         writeBytesAtomically(fresh / "shot.json", document.dump(1) + "\n");
         if (!exists) {
@@ -334,9 +347,16 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress) {
         }
         const Json& gauge = objectOf(document, "gauge");
         e.gauge = {field<std::string>(gauge, "kind", "", "gauge."), field<std::string>(gauge, "evidence", "", "gauge."), gauge.contains("scale") ? colour(gauge["scale"], "gauge.scale") : Rgb(1)};
+        const Json& from = objectOf(gauge, "from");
+        for (const auto& [json, key, value] : {std::tuple{&gauge, "sigma", &e.gauge.sigma}, std::tuple{&from, "emitters", &e.gauge.fromEmitters},
+                                               std::tuple{&from, "background", &e.gauge.fromBackground}, std::tuple{&from, "gloss", &e.gauge.fromGloss},
+                                               std::tuple{&from, "bounces", &e.gauge.fromBounces}})
+            if (json->contains(key)) *value = colour((*json)[key], std::string("gauge.") + key);
         const Json& stability = objectOf(document, "stability");
         e.stability = {field(stability, "kkt_residual", 0.0, "stability."), field(stability, "condition_number", 0.0, "stability."), field(stability, "effective_rank", 0, "stability."),
                        field(stability, "unknowns", 0, "stability."), field<std::string>(stability, "reason", "", "stability."), {}};
+        e.stability.weakest = field<std::string>(stability, "weakest", "", "stability.");
+        e.stability.weakestSigma = field(stability, "weakest_sigma", 0.0f, "stability.");
         if (const auto spectrum = stability.find("spectrum"); spectrum != stability.end() && spectrum->is_array())
             for (const Json& value : *spectrum)
                 if (value.is_number()) e.stability.spectrum.push_back(value.get<float>());
@@ -396,6 +416,10 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress) {
         }
     for (float o : property("observed")) e.reflectance.observed.push_back(uint8_t(std::clamp(o, 0.0f, 255.0f)));
     e.reflectance.confidence = property("confidence");
+    if (std::any_of(properties.begin(), properties.end(), [](const VertexProperty& p) { return p.name == "albedo_sigma"; })) e.reflectance.sigma = property("albedo_sigma");
+    const fs::path deviations = folder / "environment_sigma.exr";
+    std::error_code unreadable;
+    if (fs::exists(deviations, unreadable)) e.environmentSigma = integrateOverCells(readEnvironment(deviations), grid);
     const auto& emitter = property("emitter");
     clusters.emitterOfVertex.assign(n, -1);
     for (size_t v = 0; v < n; ++v) {

@@ -41,7 +41,7 @@ std::optional<Leftover> leftoverOf(const fs::path& entry, const std::string& sho
 
 /// Temporary files of the writers, ".environment.4711.exr".
 bool isTemporary(const std::string& name) {
-    for (const char* stem : {".shot.", ".environment.", ".reflectance."})
+    for (const char* stem : {".shot.", ".environment.", ".environment_sigma.", ".reflectance."})
         if (name.starts_with(stem)) return true;
     return false;
 }
@@ -66,7 +66,7 @@ bool takeBack(const fs::path& from, const fs::path& shot) {
 
 }  // namespace
 
-bool isPartOfShot(const std::string& name) { return name == "shot.json" || name == "environment.exr" || name == "reflectance.ply" || name == "cache"; }
+bool isPartOfShot(const std::string& name) { return name == "shot.json" || name == "environment.exr" || name == "environment_sigma.exr" || name == "reflectance.ply" || name == "cache"; }
 
 void mendShot(const fs::path& given) {
     std::error_code failed;

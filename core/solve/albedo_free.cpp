@@ -222,15 +222,18 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
             Eigen::VectorXd moment = -(b.transpose() * gradient.cast<float>()).cast<double>(), lower = Eigen::VectorXd::Zero(n);
             if (viewRows) {
                 const InfluenceMatrix& rows3 = viewRows->influence[c];
-                q += weightedGram(rows3, [&](size_t i, float* out) {
+                report.information[size_t(c)].looks = weightedGram(rows3, [&](size_t i, float* out) {
                     for (Eigen::Index k = 0; k < n; ++k) out[k] = viewWeight[i] * rows3.row(i)[k];
                 }, progress);
+                q += report.information[size_t(c)].looks;
                 for (size_t i = 0; i < rows3.rows; ++i) {
                     const Eigen::Map<const Eigen::VectorXf> row(rows3.row(i), n);
                     moment += (viewWeight[i] * viewRows->radiance[i][c]) * row.cast<double>();
                 }
             }
+            report.information[size_t(c)].seen = prior.seenDirectly(x[c], c, q);
             prior.add(x[c], c, q, moment, lower);
+            report.information[size_t(c)].all = q;
             if (!anchored) {
                 // Nothing ties the scale down, and black light explains every ratio: the mean stays where it is.
                 Eigen::VectorXd mean = Eigen::VectorXd::Zero(n);

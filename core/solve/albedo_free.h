@@ -1,5 +1,6 @@
 // The albedo-free start (METHOD 11): light from ratios of radiance between vertices of probably equal albedo.
 #pragma once
+#include <array>
 #include <functional>
 
 #include "base/progress.h"
@@ -32,10 +33,18 @@ struct ViewRows {
     std::vector<float> sigma;      ///< radiance
 };
 
+/// What fixed one channel of the light: the quadratic model of the objective about the answer, n x n for n unknowns.
+struct LightInformation {
+    Eigen::MatrixXd all;      ///< of everything
+    Eigen::MatrixXd looks;    ///< its part from looks at glossy surfaces, empty without any
+    Eigen::VectorXd seen;     ///< its part from light seen directly, all of it on the diagonal
+};
+
 struct AlbedoFreeReport {
     double objective = 0;
     double kktResidual = 0;  ///< worst channel of the last program
     int iterations = 0;
+    std::array<LightInformation, 3> information;  ///< per channel, about the last step's start
 };
 
 /// Solves for x = [L; P] per channel, x >= 0, by Gauss-Newton. For a pair the residual is 2 (p - q) / (p + q), p = y_i B_j x,

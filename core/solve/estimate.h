@@ -15,6 +15,7 @@ struct Reflectance {
     std::vector<std::vector<Rgb>> weight;  ///< weight[k][vertex]
     std::vector<uint8_t> observed;         ///< views that saw the vertex
     std::vector<float> confidence;         ///< in [0, 1]: share of the vertex's albedo that comes from its own look-ups
+    std::vector<float> sigma;              ///< relative standard deviation of the albedo, mean of the channels; empty where it was not assessed
 };
 
 /// One line of the timeline.
@@ -35,6 +36,8 @@ struct GaugeReport {
     std::string kind;      ///< "emitter", "background", "white-patch", "albedo", "assumed"
     std::string evidence;  ///< one sentence
     Rgb scale{1};          ///< factor that was applied to the lighting by a --gauge option
+    Rgb sigma{0};          ///< relative standard deviation of the scale; 0 where it was not assessed
+    Rgb fromEmitters{0}, fromBackground{0}, fromGloss{0}, fromBounces{0};  ///< shares of the evidence on the scale, together 1, or all 0
 };
 
 struct StabilityReport {
@@ -44,6 +47,8 @@ struct StabilityReport {
     int unknowns = 0;
     std::string reason;           ///< when a program did not converge
     std::vector<float> spectrum{};  ///< eigenvalues of that matrix over the largest, falling; at most 256 of them, evenly spread
+    std::string weakest{};          ///< the change of light that the photographs tell least about, in words
+    float weakestSigma = 0;         ///< how much light on the surfaces it moves, root mean square, relative, one standard deviation
 };
 
 struct Estimate {
@@ -52,6 +57,7 @@ struct Estimate {
     EmitterClusters emitters;              ///< final: candidates confirmed or rejected
     std::vector<Rgb> environment;          ///< mean radiance of each cell of the square of side environmentSide
     int environmentSide = 256;
+    std::vector<Rgb> environmentSigma;     ///< its standard deviation, per cell, radiance; empty where it was not assessed
     std::vector<Rgb> emitterSigma;         ///< standard deviation of each emitter's radiance
     std::vector<float> identifiability;    ///< per emitter: share of its effect that no distant light can imitate
     std::vector<TimelineEntry> timeline;

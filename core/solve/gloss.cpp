@@ -148,13 +148,12 @@ PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSa
     if (result.looks.size() < 40) return result;
     const LobeFit without = fitLobe(result.looks, std::vector<Rgb>(result.looks.size(), Rgb(0)), true);
     result.residualMatte = result.residual = float(without.residual);
-    double best = without.residual;
+    double best = options.lambertGain > 1e6f ? 1e300 : without.residual;
     const auto attempt = [&](const Lobe& lobe, double needed) {
         const InfluenceMatrix rows = glossyRows(scene, emitters, emitterOfTriangle, lighting.leaves, lobe, result.looks, options.rows, progress);
         const std::vector<Rgb> response = responses(rows, lighting);
         const LobeFit both = fitLobe(result.looks, response, true), alone = fitLobe(result.looks, response, false);
-        // A lobe alone has one unknown a channel where lobe and Lambert have one a vertex: it wins unless clearly worse.
-        const bool metal = alone.residual < 1.6 * both.residual;
+        const bool metal = alone.residual < double(options.lambertGain) * both.residual;
         const LobeFit& fit = metal ? alone : both;
         if (fit.residual >= needed * best) return false;
         best = fit.residual;
@@ -165,12 +164,14 @@ PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSa
         return true;
     };
     for (size_t k = 1; k < basis.lobes.size(); ++k) attempt(basis.lobes[k], 1.0);
-    if (!result.lobe || result.residual > 0.85f * result.residualMatte) {
+    if (!result.lobe || (options.lambertGain < 1e6f && result.residual > 0.85f * result.residualMatte)) {
         result.lobe.reset();
         return result;
     }
     for (float step : {1.16f, 1.07f})
         if (!attempt(withRoughness(*result.lobe, step), 1.0)) attempt(withRoughness(*result.lobe, 1 / step), 1.0);
+    // A coat over a matte surface mirrors all colours alike [Shafer85]; where it seems coloured, the light is not yet right.
+    if (result.matte && result.weight.x * result.weight.y * result.weight.z > 0) result.weight = Rgb(std::cbrt(result.weight.x * result.weight.y * result.weight.z));
     return result;
 }
 

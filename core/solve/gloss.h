@@ -35,6 +35,8 @@ struct GlossOptions {
     size_t maxVertices = 700;   ///< per piece, spread evenly
     LobeRowOptions rows;
     uint64_t seed = 1;
+    /// A Lambert part must lower the residual this many times to be taken for real: it has an unknown a vertex, a lobe alone one a channel.
+    float lambertGain = 1.6f;
 };
 
 /// Evenly spread look-ups of a piece.

@@ -25,6 +25,24 @@ double LightPrior::background(size_t leaf, int channel, double unit) const {
     return options_.backgroundWeight / (spread * spread) / (value * value + 0.01 * unit * unit + 1e-300);
 }
 
+double LightPrior::emitter(size_t index, int channel, double data) const {
+    const double value = anchors_.emitterRadiance[index][channel];
+    const double sigma = std::max(double(anchors_.emitterSigma[index]) * value, 1e-4 * double(maxChannel(anchors_.emitterRadiance[index])));
+    return 1 / (sigma * sigma) + options_.emitterWeight * data;
+}
+
+Eigen::VectorXd LightPrior::seenDirectly(const Eigen::VectorXd& x, int channel, const Eigen::MatrixXd& q) const {
+    const Eigen::Index leaves = share_.size();
+    Eigen::VectorXd weights = Eigen::VectorXd::Zero(q.rows());
+    const double unit = meanOf(x);
+    for (Eigen::Index i = 0; i < leaves; ++i) weights(i) = background(size_t(i), channel, unit);
+    for (size_t e = 0; e < anchors_.emitterRadiance.size(); ++e) {
+        const Eigen::Index i = leaves + Eigen::Index(e);
+        if (!anchors_.emitterClipped[e]) weights(i) = emitter(e, channel, q(i, i));
+    }
+    return weights;
+}
+
 double LightPrior::value(const Eigen::VectorXd& x, int channel) const {
     const double unit = meanOf(x);
     double sum = 0;
@@ -73,8 +91,7 @@ void LightPrior::add(const Eigen::VectorXd& x, int channel, Eigen::MatrixXd& q, 
             lower(i) = value;
             continue;
         }
-        const double sigma = std::max(double(anchors_.emitterSigma[e]) * value, 1e-4 * double(maxChannel(anchors_.emitterRadiance[e])));
-        const double w = 1 / (sigma * sigma) + options_.emitterWeight * q(i, i);
+        const double w = emitter(e, channel, q(i, i));
         q(i, i) += w;
         moment(i) += w * value;
     }

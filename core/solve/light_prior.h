@@ -25,6 +25,8 @@ public:
     /// The smoothness term is a Gauss-Newton model of r = (L_i - L_j) / d, d^2 = mean^2 + middle^2, with the derivative of d: a model without
     /// it shrinks the light, with it the scale of the light is free.
     void add(const Eigen::VectorXd& x, int channel, Eigen::MatrixXd& q, Eigen::VectorXd& moment, Eigen::VectorXd& lower) const;
+    /// Of what `add` puts on the diagonal, the part that comes from light seen directly: background and unclipped emitters.
+    Eigen::VectorXd seenDirectly(const Eigen::VectorXd& x, int channel, const Eigen::MatrixXd& q) const;
 
 private:
     const LightAnchors& anchors_;
@@ -35,6 +37,8 @@ private:
     double meanOf(const Eigen::VectorXd& x) const;
     double smoothness(size_t pair) const;
     double background(size_t leaf, int channel, double unit) const;
+    /// Weight of an unclipped emitter's near-equality beside `data`, the weight that the photographs give it.
+    double emitter(size_t index, int channel, double data) const;
 };
 
 }  // namespace relamp

@@ -20,6 +20,8 @@ void SolveState::solveReflectance() {
     for (uint32_t v : matte_.vertices) ++sizes[scene_.piece[v]];
     for (uint32_t p = 0; p < scene_.pieces && !stopped(); ++p) {
         if (!matte_.pieceGlossy[p] || sizes[p] < 30) continue;
+        const bool metal = hasMatte() && matte_.pieceGlossy[p] == 2;
+        glossOptions.lambertGain = !metal ? 1.6f : metalsHeard_ ? 3.0f : 1e30f;
         PieceGloss g = fitGloss(capture_, scene_, samples_, surfaces_, clusters_.emitterOfTriangle, lighting_, basis_, p, glossOptions, progress_);
         if (!g.lobe) continue;
         logInfo("piece {}: {} weight {:.3f} {:.3f} {:.3f}{}, residual {:.2f} of {:.2f}", p, g.lobe->name, g.weight.x, g.weight.y, g.weight.z,
@@ -27,6 +29,8 @@ void SolveState::solveReflectance() {
         found.push_back(std::move(g));
     }
     gloss_ = std::move(found);
+    if (!metalsHeard_) sharpenForMetals();
+    metalsHeard_ = true;
     updateAlbedo();
     record("reflectance", int(timeline_.size()), 0, pairMismatch());
 }
@@ -78,82 +82,6 @@ void SolveState::assembleEnvironment(Estimate& estimate) const {
         const bool direct = !environmentBlack_ && samples_.backgroundPixels[size_t(coarse)] >= 4 && !samples_.backgroundClipped[size_t(coarse)];
         estimate.environment[size_t(c)] = direct && anchors_.leaves[leaf].coverage > 0.05f ? samples_.background[size_t(coarse)] : lighting_.leafRadiance[leaf];
     }
-}
-
-void SolveState::applyGauge(Estimate& estimate) {
-    GaugeReport& gauge = estimate.gauge;
-    Rgb scale(1);
-    // How much of the light on the surfaces comes from where the background is seen: only that much ties the scale down.
-    double seenLight = 0, allLight = 0;
-    for (size_t r = 0; r < influence_.rows; r += 7)
-        for (size_t i = 0; i < lighting_.leaves.size(); ++i) {
-            const double light = double(influence_.row(r)[i]) * luminance(lighting_.leafRadiance[i]);
-            seenLight += light * anchors_.leaves[i].coverage;
-            allLight += light;
-        }
-    const double seenShare = allLight > 0 ? seenLight / allLight : 0;
-    const GaugeChoice& choice = options_.gauge;
-    bool unclipped = false;
-    for (uint8_t clipped : anchors_.emitterClipped) unclipped |= !clipped;
-    const auto meanAlbedo = [&] {
-        Rgb sum(0);
-        float n = 0;
-        for (uint32_t v : matte_.vertices) {
-            sum += albedo_.albedo[v];
-            ++n;
-        }
-        return sum / std::max(n, 1.0f);
-    };
-    if (choice.kind == GaugeChoice::Kind::whitePatch) {
-        const View& view = capture_.views[size_t(choice.view)];
-        const Hit hit = scene_.tracer->closest({Vec3(view.camera.position()), view.camera.rayDirection(choice.pixel), 0, 1e30f});
-        if (!hit) throw Error("--gauge white-patch: pixel {:.0f},{:.0f} of view {} sees no surface", choice.pixel.x, choice.pixel.y, choice.view);
-        const Triangle& t = scene_.mesh.triangles[hit.triangle];
-        const Rgb here = (albedo_.albedo[t[0]] + albedo_.albedo[t[1]] + albedo_.albedo[t[2]]) / 3.0f;
-        scale = here / choice.whiteAlbedo;
-        gauge.kind = "white-patch";
-        gauge.evidence = fmt::format("the surface at pixel {:.0f},{:.0f} of view {} was declared white", choice.pixel.x, choice.pixel.y, choice.view);
-    } else if (choice.kind == GaugeChoice::Kind::emitter) {
-        bool found = false;
-        for (size_t e = 0; e < clusters_.emitters.size(); ++e)
-            if (clusters_.emitters[e].id == choice.emitter) {
-                scale = choice.radiance / glm::max(lighting_.emitterRadiance[e], Rgb(1e-20f));
-                found = true;
-            }
-        if (!found) throw Error("--gauge emitter={}: no such emitter was found", choice.emitter);
-        gauge.kind = "emitter";
-        gauge.evidence = fmt::format("the radiance of {} was given", choice.emitter);
-    } else if (choice.kind == GaugeChoice::Kind::albedo) {
-        scale = meanAlbedo() / choice.albedo;
-        gauge.kind = "albedo";
-        gauge.evidence = "the mean albedo was given";
-    } else if (unclipped) {
-        gauge.kind = "emitter";
-        gauge.evidence = fmt::format("{} lamp(s) are seen directly and unclipped; their light varies over the scene", clusters_.emitters.size());
-    } else if (seenShare > 0.35) {
-        gauge.kind = "background";
-        gauge.evidence = fmt::format("{:.0f} % of the light on the surfaces comes from background that is seen directly", 100 * seenShare);
-    } else if (!bounce_.empty() && bouncedShare_ > 0.03f) {
-        gauge.kind = "bounced light";
-        gauge.evidence = fmt::format("{:.0f} % of the light on the surfaces comes from other surfaces, whose brightness the photographs show", 100 * bouncedShare_);
-    } else {
-        // Nothing ties light to albedo: brightest surfaces are taken for white, grey on average.
-        gauge.kind = "assumed";
-        gauge.evidence = fmt::format("only {:.0f} % of the light is seen directly: the brightest surfaces were taken for an albedo of 0.75; tell a white patch to be sure", 100 * seenShare);
-        std::vector<float> values;
-        for (uint32_t v : matte_.vertices) values.push_back(maxChannel(albedo_.albedo[v]));
-        std::nth_element(values.begin(), values.begin() + ptrdiff_t(values.size() * 95 / 100), values.end());
-        scale = Rgb(values[values.size() * 95 / 100] / 0.75f);
-    }
-    for (int c = 0; c < 3; ++c)
-        if (!(scale[c] > 0) || !std::isfinite(scale[c])) scale[c] = 1;
-    gauge.scale = scale;
-    for (Rgb& l : estimate.lighting.leafRadiance) l *= scale;
-    for (Rgb& l : estimate.lighting.emitterRadiance) l *= scale;
-    for (Rgb& l : estimate.environment) l *= scale;
-    for (Rgb& sigma : estimate.emitterSigma) sigma *= scale;
-    for (auto& lobe : estimate.reflectance.weight)
-        for (Rgb& w : lobe) w /= scale;
 }
 
 void SolveState::assess(Estimate& estimate) {
@@ -244,7 +172,7 @@ void SolveState::showSnapshot() {
     computeLit();
     updateAlbedo();
     Estimate estimate = assemble();
-    applyGauge(estimate);
+    applyGauge(uncertainty(true), estimate);
     estimate.cancelled = true;
     estimate.timeline = timeline_;
     estimate.stability = stability_;
@@ -259,7 +187,10 @@ void SolveState::showSnapshot() {
 Estimate SolveState::finish() {
     Estimate estimate = assemble();
     assess(estimate);
-    applyGauge(estimate);
+    computeLit();
+    const LightUncertainty light = uncertainty(false);
+    assessUncertainty(light, estimate);
+    applyGauge(light, estimate);
     if (gloss_.empty()) estimate.leftOut.push_back({"glossy lobes", "no surface changes with the view beyond noise"});
     if (clusters_.emitters.empty() && options_.nearField) estimate.leftOut.push_back({"near-field emitters", "no patch of the scene shines on its own"});
     if (!options_.nearField) estimate.leftOut.push_back({"near-field emitters", "the distant-only baseline was asked for"});

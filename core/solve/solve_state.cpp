@@ -2,6 +2,7 @@
 
 #include "base/log.h"
 #include "base/parallel.h"
+#include "base/random.h"
 #include "solve/one_lobe.h"
 
 namespace relamp {
@@ -89,15 +90,20 @@ void SolveState::uniformLight() {
     }
 }
 
-AlbedoFreeReport SolveState::runAlbedoFree(const std::string& stage, int iterations, const ViewRows* rows) {
+AlbedoFreeReport SolveState::runAlbedoFree(const std::string& stage, int iterations, const ViewRows* rows, const RatioProblem* problem) {
     AlbedoFreeOptions o;
     o.iterations = iterations;
-    o.anneal = timeline_.empty();
+    // Light is soft when metals first join: their looks are far off and would be taken for outliers.
+    const bool firstOfMetals = problem && !metalsJoined_;
+    metalsJoined_ |= problem != nullptr;
+    o.anneal = timeline_.empty() || firstOfMetals;
     o.light = lightPrior_;
-    o.bounce = bounce_.empty() ? nullptr : &bounce_;
-    const AlbedoFreeReport report = solveAlbedoFree(influence_, matte_, pairs_, anchors_, rows, o, lighting_, progress_,
+    const std::vector<Rgb>& bounce = problem ? problem->bounce : bounce_;
+    o.bounce = bounce.empty() ? nullptr : &bounce;
+    AlbedoFreeReport report = solveAlbedoFree(problem ? problem->influence : influence_, problem ? problem->observations : matte_, problem ? problem->pairs : pairs_, anchors_, rows, o, lighting_, progress_,
                                                     [&](int i, double objective, double rmse) { record(stage, i, objective, rmse); });
     stability_.kktResidual = report.kktResidual;
+    information_ = report.information;
     logInfo("{}: {} iterations, objective {:.4g}, {} unknowns, {:.1f} s", stage, report.iterations, report.objective, lighting_.leaves.size() + surfaces_.size(), progress_.seconds());
     return report;
 }
@@ -313,13 +319,57 @@ void SolveState::improveLight(int iterations) {
         return;
     }
     const ViewRows rows = viewRows(progress_);
-    runAlbedoFree("light from ratios and gloss", iterations, &rows);
+    const RatioProblem problem = ratiosWithMetals();
+    runAlbedoFree("light from ratios and gloss", iterations, &rows, problem.pairs.empty() ? nullptr : &problem);
+}
+
+void SolveState::sharpenForMetals() {
+    if (!hasMatte() || environmentBlack_ || std::none_of(gloss_.begin(), gloss_.end(), [](const PieceGloss& g) { return !g.matte; })) return;
+    constexpr uint8_t wanted = 5;
+    std::vector<uint8_t> differs(lighting_.leaves.size(), 0);
+    for (const auto& [i, j] : lighting_.leaves.neighbourPairs()) {
+        const Rgb a = lighting_.leafRadiance[i], b = lighting_.leafRadiance[j];
+        if (maxChannel(glm::abs(a - b) / glm::max(a + b, Rgb(1e-20f))) > 0.1f) differs[i] = differs[j] = 1;
+    }
+    std::vector<uint32_t> coarse;
+    for (uint32_t i = 0; i < lighting_.leaves.size(); ++i)
+        if (lighting_.leaves[i].level < wanted && differs[i]) coarse.push_back(i);
+    splitLeaves(coarse);
+    computeLit();
+}
+
+RatioProblem SolveState::ratiosWithMetals() {
+    RatioProblem all;
+    if (std::none_of(gloss_.begin(), gloss_.end(), [](const PieceGloss& g) { return !g.matte; })) return all;
+    all.influence = influence_;
+    all.observations = matte_;
+    all.pairs = pairs_;
+    all.bounce = bounce_;
+    for (const PieceGloss& g : gloss_) {
+        if (g.matte || g.looks.size() < 2) continue;
+        const InfluenceMatrix lobe = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves, *g.lobe, g.looks, rowOptions(), progress_);
+        const size_t first = all.observations.vertices.size(), count = g.looks.size();
+        all.influence.values.insert(all.influence.values.end(), lobe.values.begin(), lobe.values.end());
+        all.influence.rows += count;
+        for (size_t i = 0; i < count; ++i) {
+            all.observations.vertices.push_back(g.looks[i].vertex);
+            all.observations.radiance.push_back(g.looks[i].radiance);
+            all.observations.sigma.push_back(Rgb(g.looks[i].sigma));
+            if (!all.bounce.empty()) all.bounce.push_back(Rgb(0));
+            // Four partners for each: a look stands in eight pairs, which together weigh as much as the look would with a known weight.
+            for (uint64_t k = 1; k <= 4; ++k) {
+                const size_t other = mixBits((options_.seed + k) * 0x1000003 + i) % count;
+                if (other != i) all.pairs.push_back({uint32_t(first + i), uint32_t(first + other), 0.25f});
+            }
+        }
+    }
+    return all;
 }
 
 ViewRows SolveState::viewRows(Progress& progress) {
     ViewRows result;
     size_t total = 0;
-    for (const PieceGloss& g : gloss_) total += g.looks.size();
+    for (const PieceGloss& g : gloss_) total += g.matte ? g.looks.size() : 0;
     const size_t columns = lighting_.leaves.size() + surfaces_.size();
     for (InfluenceMatrix& m : result.influence) {
         m.rows = total;
@@ -330,18 +380,18 @@ ViewRows SolveState::viewRows(Progress& progress) {
     GlossOptions options;
     options.rows = rowOptions();
     for (const PieceGloss& g : gloss_) {
+        if (!g.matte) continue;
         const InfluenceMatrix lobe = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves, *g.lobe, g.looks, options.rows, progress);
         std::vector<uint32_t> vertices;
         for (const GlossyLook& look : g.looks) vertices.push_back(look.vertex);
-        InfluenceMatrix lambert;
-        if (g.matte) lambert = lambertInfluence(scene_, visibility_, nearField_, lighting_.leaves, vertices, progress);
+        const InfluenceMatrix lambert = lambertInfluence(scene_, visibility_, nearField_, lighting_.leaves, vertices, progress);
         for (size_t i = 0; i < g.looks.size(); ++i, ++at) {
-            const Rgb albedo = g.matte && !albedo_.albedo.empty() ? albedo_.albedo[g.looks[i].vertex] : Rgb(0);
+            const Rgb albedo = !albedo_.albedo.empty() ? albedo_.albedo[g.looks[i].vertex] : Rgb(0);
             for (int c = 0; c < 3; ++c)
                 for (size_t k = 0; k < columns; ++k)
-                    result.influence[c].row(at)[k] = g.weight[c] * lobe.row(i)[k] + (g.matte ? albedo[c] * lambert.row(i)[k] : 0.0f);
+                    result.influence[c].row(at)[k] = g.weight[c] * lobe.row(i)[k] + albedo[c] * lambert.row(i)[k];
             result.radiance.push_back(g.looks[i].radiance - (vertexBounce_.empty() ? Rgb(0) : albedo * vertexBounce_[g.looks[i].vertex]));
-            result.sigma.push_back(g.looks[i].sigma * (g.matte ? 2.0f : 1.0f));
+            result.sigma.push_back(2.0f * g.looks[i].sigma);
         }
     }
     return result;

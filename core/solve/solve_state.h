@@ -3,9 +3,18 @@
 #include "solve/albedo_free.h"
 #include "solve/gloss.h"
 #include "solve/solve.h"
+#include "solve/uncertainty.h"
 #include "transport/bounce.h"
 
 namespace relamp {
+
+/// What the albedo-free solve takes.
+struct RatioProblem {
+    InfluenceMatrix influence;
+    MatteObservations observations;
+    std::vector<AlbedoPair> pairs;
+    std::vector<Rgb> bounce;
+};
 
 class SolveState {
 public:
@@ -67,6 +76,8 @@ private:
     Lighting lighting_;
     BrdfBasis basis_ = builtInBasis();
     std::vector<PieceGloss> gloss_;          ///< pieces with a lobe
+    bool metalsHeard_ = false;               ///< pieces that seem to be metal were taken for metal once,
+    bool metalsJoined_ = false;              ///< and had a say in the light
     AlbedoResult albedo_;
     std::vector<Rgb> lit_, litSigma_;        ///< per matte observation
     BounceRays bounceRays_;                  ///< empty: bounced light plays no part
@@ -75,6 +86,7 @@ private:
     std::string noBounceBecause_ = "nothing was matte";
     std::vector<TimelineEntry> timeline_;
     StabilityReport stability_;
+    std::array<LightInformation, 3> information_;  ///< of the last albedo-free step
 
     /// Direct light at any vertices, as a white matte surface shows it.
     std::vector<Rgb> directAt(const std::vector<uint32_t>& vertices);
@@ -84,8 +96,14 @@ private:
     void shapeLeaves();
     LobeRowOptions rowOptions() const;
     void splitLeaves(const std::vector<uint32_t>& leaves);
-    AlbedoFreeReport runAlbedoFree(const std::string& stage, int iterations, const ViewRows* rows);
+    AlbedoFreeReport runAlbedoFree(const std::string& stage, int iterations, const ViewRows* rows, const RatioProblem* problem = nullptr);
+    /// Looks at pieces that have a matte part too, with their reflectance as it is now.
     ViewRows viewRows(Progress& progress);
+    /// Looks at pieces without a matte part join the matte observations: the lobe's weight cancels between two looks at the same piece, as
+    /// albedo does, so the piece says how the light is spread and has no say in its scale.
+    RatioProblem ratiosWithMetals();
+    /// A metal shows distant light sharper than matte surfaces do: leaves are halved to a side of 32 where neighbours differ.
+    void sharpenForMetals();
     void computeLit();
     /// Albedo of every vertex under the present light; metals have none.
     void updateAlbedo();
@@ -95,7 +113,10 @@ private:
     void record(const std::string& stage, int iteration, double objective, double rmse);
     /// Lighting, environment picture, emitters and reflectance as they stand, before the gauge.
     Estimate assemble() const;
-    void applyGauge(Estimate& estimate);
+    LightUncertainty uncertainty(bool scaleOnly);
+    /// How sure the light, the albedo and the environment picture are.
+    void assessUncertainty(const LightUncertainty& light, Estimate& estimate) const;
+    void applyGauge(const LightUncertainty& light, Estimate& estimate);
     void assembleEnvironment(Estimate& estimate) const;
     void assess(Estimate& estimate);
 };

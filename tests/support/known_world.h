@@ -23,6 +23,8 @@ struct KnownWorld {
     float lampSide = 0.3f;
     std::vector<Rgb> albedo;       ///< per vertex
     size_t floorVertices = 0;
+    size_t ballBegin = 0, ballEnd = 0;  ///< its vertices
+    Rgb ballTint{0.9f, 0.7f, 0.45f};
     int views = 0;
 
     /// Distant radiance: bluish above, a broad warm glow to one side, dim below.
@@ -97,14 +99,16 @@ inline std::vector<Rgb> paintBounces(const KnownWorld& world, const Scene& scene
 }
 
 /// Writes transforms.json, mesh.ply and the photographs (96 x 72, EXR) into `folder`; `lamp` false leaves the lamp dark and out. `room`: two
-/// walls behind the floor, and surfaces light each other.
-inline KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool lamp = true, int views = 10, int floorCuts = 24, bool room = false) {
+/// walls behind the floor, and surfaces light each other. `metalBall`: the ball mirrors the sky, tinted, and has no albedo.
+inline KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool lamp = true, int views = 10, int floorCuts = 24, bool room = false, bool metalBall = false) {
     KnownWorld world;
     world.views = views;
     world.mesh = sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, floorCuts, floorCuts);
     world.floorVertices = world.mesh.vertexCount();
     append(world.mesh, box({-0.55f, -0.35f, 0.002f}, {-0.2f, 0.05f, 0.4f}, 5));
+    world.ballBegin = world.mesh.vertexCount();
     append(world.mesh, ball({0.3f, -0.25f, 0.252f}, 0.25f, 14, 20));
+    world.ballEnd = world.mesh.vertexCount();
     if (room) {
         append(world.mesh, sheet({-1, 1, 0.002f}, {2, 0, 0}, {0, 0, 1.3f}, 16, 10));
         append(world.mesh, sheet({-1, -1, 0.002f}, {0, 2, 0}, {0, 0, 1.3f}, 16, 10));
@@ -142,6 +146,11 @@ inline KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool lamp
                 return;
             }
             const Triangle& t = scene.mesh.triangles[hit.triangle];
+            if (metalBall && t[0] >= world.ballBegin && t[0] < world.ballEnd) {
+                const Vec3 mirrored = glm::reflect(d, normal);
+                image.pixels[p] = scene.tracer->occluded({scene.pointOf(hit) + normal * 1e-4f, mirrored, 0, 1e30f}) ? Rgb(0) : world.ballTint * KnownWorld::sky(mirrored);
+                return;
+            }
             const Vec2 b = hit.barycentric;
             const Rgb indirect = (1 - b.x - b.y) * bounced[t[0]] + b.x * bounced[t[1]] + b.y * bounced[t[2]];
             const Vec3 point = scene.pointOf(hit);

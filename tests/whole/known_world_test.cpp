@@ -13,7 +13,7 @@ namespace {
 struct World {
     test::TemporaryFolder folder;
     test::KnownWorld truth;
-    explicit World(bool lamp = true) { truth = test::paintKnownWorld(folder.path(), lamp); }
+    explicit World(bool lamp = true, bool metalBall = false) { truth = test::paintKnownWorld(folder.path(), lamp, 10, 24, false, metalBall); }
     PipelineResult solve(bool nearField = true, int threads = 0, double budget = 0) const {
         const ThreadLimit limit(threads);
         PipelineOptions options;
@@ -101,6 +101,42 @@ TEST(KnownWorld, BouncedLightInARoomIsSeenAndAlbedoSaved) {
     EXPECT_GT(kept.estimate.bouncedShare, 0.1f);
     EXPECT_LT(with, 0.5 * without);
     EXPECT_LT(with, 0.07);
+}
+
+TEST(KnownWorld, AMetalBallIsFoundAndMirrorsWithItsOwnColour) {
+    const World world(false, true);
+    const PipelineResult r = world.solve();
+    const Reflectance& reflectance = r.estimate.reflectance;
+    ASSERT_EQ(reflectance.basis.lobes.size(), 2u);
+    const size_t v = (world.truth.ballBegin + world.truth.ballEnd) / 2;
+    EXPECT_EQ(maxChannel(reflectance.weight[0][v]), 0.0f);
+    EXPECT_LT(relative(reflectance.weight[1][v], world.truth.ballTint), 0.12);
+    EXPECT_NE(r.estimate.gauge.kind, "assumed");
+    EXPECT_LT(albedoErrors(r, [&] {
+                  test::KnownWorld t = world.truth;
+                  for (size_t i = t.ballBegin; i < t.ballEnd; ++i) t.albedo[i] = reflectance.weight[0][i] + Rgb(1e-6f);
+                  return t;
+              }()).first, 0.12);
+}
+
+TEST(KnownWorld, SaysHowSureItIs) {
+    const World world;
+    const PipelineResult r = world.solve();
+    const Estimate& e = r.estimate;
+    ASSERT_EQ(e.reflectance.sigma.size(), world.truth.albedo.size());
+    ASSERT_EQ(e.environmentSigma.size(), e.environment.size());
+    size_t within = 0, counted = 0;
+    for (size_t v = 0; v < world.truth.albedo.size(); ++v) {
+        if (e.reflectance.observed[v] < 1 || e.emitters.emitterOfVertex[v] >= 0) continue;
+        within += relative(e.reflectance.weight[0][v], world.truth.albedo[v]) < 2 * double(e.reflectance.sigma[v]);
+        ++counted;
+    }
+    EXPECT_GT(double(within), 0.85 * double(counted));
+    EXPECT_FALSE(e.stability.weakest.empty());
+    EXPECT_GT(e.stability.weakestSigma, 0);
+    EXPECT_NEAR(e.gauge.fromEmitters.y + e.gauge.fromBackground.y + e.gauge.fromGloss.y + e.gauge.fromBounces.y, 1, 1e-3);
+    EXPECT_GT(e.gauge.sigma.y, 0.04f);
+    EXPECT_LT(e.gauge.sigma.y, 0.2f);
 }
 
 TEST(KnownWorld, WithoutItsLampHasNoEmitter) {

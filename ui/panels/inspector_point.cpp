@@ -109,6 +109,7 @@ void inspectPoint(Editor& editor, const PickedPoint& point) {
         if (vertex >= r.observed.size() || r.weight.empty() || vertex >= r.weight[0].size()) return dimText("This was not part of the capture.");
         const Rgb albedo = r.weight[0][vertex];
         fact("Albedo", fmt::format("{:.3f}  {:.3f}  {:.3f}", albedo.x, albedo.y, albedo.z), "Share of the light that it sends back to all sides, red green blue");
+        if (vertex < r.sigma.size()) fact("Known within", percent(double(std::min(r.sigma[vertex], 1.0f))), "Two times in three its albedo is off by less than this share, as far as the photographs can tell");
         const float box = ImGui::GetTextLineHeight();
         swatch("##albedo", ImVec4(srgbEncode(std::min(1.0f, albedo.x)), srgbEncode(std::min(1.0f, albedo.y)), srgbEncode(std::min(1.0f, albedo.z)), 1), box, "Its colour in white light");
         for (size_t k = 1; k < r.weight.size() && k < r.basis.lobes.size(); ++k)
