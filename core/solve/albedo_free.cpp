@@ -257,7 +257,10 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
             if (evaluate(trial, trialLit, scale, nullptr) > objective * (1 + 1e-6)) continue;
             accepted = true;
             for (int c = 0; c < 3; ++c) {
-                change = std::max(change, double((trialLit[c] - lit[c]).norm() / std::max(1e-30f, trialLit[c].norm())));
+                // Relative at each look-up: a few that stand in a lamp must not speak for the rest.
+                double squares = 0;
+                for (Eigen::Index i = 0; i < trialLit[c].size(); ++i) squares += std::min(1.0, std::pow(double(trialLit[c](i) - lit[c](i)) / std::max(1e-30, double(trialLit[c](i))), 2));
+                change = std::max(change, std::sqrt(squares / double(std::max<size_t>(1, rows))));
                 x[c] = trial[c];
             }
         }
