@@ -182,6 +182,7 @@ int main(int argc, char** argv) {
     action.sa_handler = onSignal;
     sigaction(SIGINT, &action, nullptr);
     sigaction(SIGTERM, &action, nullptr);
+    signal(SIGXFSZ, SIG_IGN);  // a file that may not grow further is a failed write, not an end
     const bool bar = progressMode == "bar" || (progressMode == "auto" && isatty(2));
     if (!quiet)
         setLogSink([bar](LogLevel level, const std::string& line) { std::fprintf(stderr, "%s%s%s\n", bar ? "\r\033[K" : "", level == LogLevel::warning ? "warning: " : "", line.c_str()); });

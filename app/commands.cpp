@@ -15,6 +15,8 @@
 #include "report/compare.h"
 #include "shot/checkpoint.h"
 #include "shot/shot_file.h"
+#include "shot/shot_leftovers.h"
+#include "shot/shot_lock.h"
 
 namespace relamp::cli {
 
@@ -106,6 +108,10 @@ int solve(const SolveArguments& a, Progress& progress) {
     const ThreadLimit limit(a.threads);
     PipelineOptions options = pipelineOptions(a);
     if (fs::exists(a.output) && !a.overwrite) throw Error("{}: exists already, add --overwrite to replace it", a.output.string());
+    // Known before the calculation, not after it.
+    checkShotCanBeWritten(a.output);
+    const ShotLock lock = ShotLock::take(a.output);
+    if (!lock.owner().empty()) throw Error("{}: is open elsewhere ({}); close it there or choose another name", a.output.string(), lock.owner());
     progress.setBudget(a.timeBudget);
     const fs::path checkpoint = checkpointFile(a.output);
     std::optional<CheckpointKeeper> keeper;
@@ -127,7 +133,18 @@ int solve(const SolveArguments& a, Progress& progress) {
     shot.quality = a.quality;
     shot.seed = a.seed;
     shot.resources = {progress.seconds(), peakMib(), a.threads > 0 ? a.threads : availableThreads()};
-    saveShot(shot, r.scene.mesh, a.output, a.overwrite);
+    try {
+        saveShot(shot, r.scene.mesh, a.output, a.overwrite);
+    } catch (const OutOfResources& error) {
+        // A long calculation is not thrown away while any disk has room for it.
+        const fs::path elsewhere = fs::temp_directory_path() / fmt::format("{}-{}.relamp", fs::absolute(a.output).lexically_normal().stem().string(), getpid());
+        try {
+            saveShot(shot, r.scene.mesh, elsewhere, true);
+        } catch (const Error&) {
+            throw error;
+        }
+        throw OutOfResources(fmt::format("{}; the shot was saved as {}", error.what(), elsewhere.string()));
+    }
     keeper->remove();
     logInfo("solved in {:.1f} s, {:.0f} MiB: {} emitter(s), {} distant unknowns", shot.resources.seconds, shot.resources.peakMib, shot.estimate.emitters.emitters.size(), shot.estimate.lighting.leaves.size());
     return 0;
@@ -149,6 +166,7 @@ namespace {
 
 int showInfo(const fs::path& path, const CaptureFix& fix, bool json, Progress& progress) {
     nlohmann::json result;
+    mendShot(path);
     const bool isShot = fs::exists(path / "shot.json");
     if (isShot) {
         result = nlohmann::json::parse(readBytes(path / "shot.json", size_t(256) << 20), nullptr, false);

@@ -1,6 +1,7 @@
 // relamp-editor, the window.
 #include <CLI/CLI.hpp>
 
+#include <csignal>
 #include <cstdio>
 
 #include "application.h"
@@ -22,6 +23,7 @@ int main(int argc, char** argv) {
     } catch (const CLI::ParseError& error) {
         return app.exit(error) ? 2 : 0;
     }
+    std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow further is a failed write, not an end
     try {
         return relamp::ui::runApplication(options);
     } catch (const relamp::Error& error) {

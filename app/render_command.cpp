@@ -134,9 +134,12 @@ int render(const RenderArguments& a, Progress& progress) {
             const double groupError = writeFrameFile(job.file, job.camera, sources, options, fileOptions, progress);
             ++written;
             logInfo("{}: written ({} of {}), light groups and rest are the beauty within {:.2g}", job.file.string(), written, jobs.size(), groupError);
-        } catch (const OutOfResources&) {
+        } catch (const OutOfResources& error) {
             if (!written) throw;
+            // The others would not fit either; --skip-existing goes on from here.
+            logWarning("{}; stopped after {} of {} frames", error.what(), written, jobs.size());
             ++failures;
+            break;
         } catch (const Error& error) {
             if (jobs.size() == 1) throw;
             logWarning("{}", error.what());

@@ -70,7 +70,7 @@ double patience(const Editor& editor, const Window& window, const Gui& gui, cons
 std::string titleOf(const Editor& editor) {
     const std::string name = editor.state.document.name();
     if (name.empty()) return "relamp";
-    return (editor.unsavedChanges() ? "* " : "") + name + " - relamp";
+    return (editor.unsavedChanges() ? "* " : "") + name + (editor.state.document.readOnly ? " (read-only)" : "") + " - relamp";
 }
 
 /// One window from its opening to its end. False: the graphics context was lost and a new window is needed.

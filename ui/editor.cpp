@@ -54,18 +54,25 @@ Editor::Editor(EditorOptions options) : impl_(std::make_unique<Impl>(*this, std:
         impl->newLog.push_back({level, time, line});
     });
     impl_->lost = impl_->autosave.findLost();
-    if (!impl_->lost.empty()) {
-        const FoundWork& found = impl_->lost.front();
-        const fs::path project = found.work.shotFolder.empty() ? found.work.captureFolder : found.work.shotFolder;
-        state.recovery = RecoveryOffer{found.file, project.string(), found.work.time, found.work.stage};
-    }
+    impl_->offerLostWork();
 }
 
 Editor::~Editor() {
     if (impl_->job) impl_->job->progress().requestStop();
     impl_->job.reset();
+    if (impl_->saving && !impl_->quit) {
+        // Not closed by the user: what was being put away is to be found again.
+        try {
+            impl_->saving->take()();
+        } catch (const std::exception&) {
+            // Then what is on disk already has to do.
+        }
+    }
     impl_->saving.reset();
-    if (impl_->quit) impl_->autosave.clear();
+    if (impl_->quit) {
+        impl_->autosave.clear();
+        if (impl_->restored) Autosave::discard(*impl_->restored);
+    }
     saveSettings(impl_->options.configFolder, state);
     setLogSink({});
 }
@@ -210,34 +217,66 @@ void Editor::fail(const std::string& title, const std::string& text, const std::
 
 // ---- autosave
 
+double Editor::Impl::seconds() const { return options.seconds ? options.seconds() : std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
+
+bool Editor::Impl::estimateIsOnDisk() const {
+    const auto& present = history.present().estimate;
+    return !present || present == savedEstimate || present == autosavedEstimate;
+}
+
 void Editor::Impl::writeAutosave() {
     AutosavedWork work;
     work.captureFolder = self.state.document.captureFolder;
     work.shotFolder = self.state.document.shotFolder;
-    if (estimateAutosaved) work.estimateShot = autosave.estimateFolder();
+    const auto& present = history.present().estimate;
+    if (present && present == autosavedEstimate && present != savedEstimate) work.estimateShot = autosavedFolder;
     work.look = self.look();
     if (status && status->kind == JobStatus::Kind::solve) work.stage = status->title + (status->stage.empty() ? "" : ", " + status->stage);
+    lastAutosave = seconds();
     try {
         autosave.write(work);
         autosavedRevision = history.revision();
+        autosaveFailed = false;
+        if (!saving) autosave.keepEstimate(work.estimateShot);
+        if (work.estimateShot.empty()) autosavedEstimate.reset();
+        // What was restored is now as safe as it was.
+        if (restored && autosave.working() && estimateIsOnDisk()) {
+            Autosave::discard(*restored);
+            restored.reset();
+        }
     } catch (const Error& error) {
-        self.fail("Your edits could not be saved by themselves", error.what(), "Free some space, or save the shot to another disk with Ctrl+Shift+S.");
-        autosavedRevision = history.revision();  // once a change is enough
+        if (!std::exchange(autosaveFailed, true)) self.fail("Your edits could not be saved by themselves", error.what(), "Free some space, or save the shot to another disk with Ctrl+Shift+S.");
     }
-    lastAutosave = Clock::now();
 }
 
 void Editor::autosave() {
-    if (unsavedChanges()) impl_->writeAutosave();
+    if (!unsavedChanges()) return;
+    if (impl_->estimateIsOnDisk()) impl_->writeAutosave();
+    else impl_->saveUnsavedEstimate();
 }
 
 void Editor::Impl::pollAutosave() {
-    if (!self.unsavedChanges() || history.inGesture() || autosavedRevision == history.revision()) return;
-    if (std::chrono::duration<double>(Clock::now() - lastAutosave).count() < options.autosaveSeconds) return;
+    // A long drag counts as well: what it began with and what it has come to.
+    const bool dragged = history.inGesture() && !(self.look() == history.gestureStart());
+    if (!self.state.document.capture || (!self.unsavedChanges() && !dragged)) return;
+    if (!estimateIsOnDisk() && autosave.working()) {
+        const bool failed = history.present().estimate == failedEstimate;
+        if (!saving && (!failed || seconds() - lastEstimateTry > 60)) saveUnsavedEstimate();
+        // The work on disk goes with the estimate on disk until both are new.
+        if (!failed) return;
+    }
+    if (autosavedRevision == history.revision() || seconds() - lastAutosave < options.autosaveSeconds) return;
     writeAutosave();
 }
 
 bool Editor::unsavedChanges() const { return state.document.capture && history().unsavedChanges(); }
+
+void Editor::Impl::offerLostWork() {
+    if (lost.empty()) return;
+    const FoundWork& found = lost.front();
+    const fs::path project = found.work.shotFolder.empty() ? found.work.captureFolder : found.work.shotFolder;
+    self.state.recovery = RecoveryOffer{found.file, project.string(), found.work.time, found.work.stage};
+}
 
 void Editor::answerRecovery(bool restore) {
     if (!state.recovery) return;
@@ -246,12 +285,16 @@ void Editor::answerRecovery(bool restore) {
     impl_->lost.erase(impl_->lost.begin());
     if (!restore) {
         Autosave::discard(found);
+        impl_->offerLostWork();
         return;
     }
     const AutosavedWork& work = found.work;
     const fs::path shot = !work.estimateShot.empty() && fs::exists(work.estimateShot / "shot.json") ? work.estimateShot : work.shotFolder;
-    if (!shot.empty()) impl_->openShotFolder(shot, found);
-    else impl_->openCapture(work.captureFolder);
+    if (!shot.empty()) {
+        impl_->openShotFolder(shot, found);
+    } else {
+        impl_->openCapture(work.captureFolder, {}, found);
+    }
 }
 
 }  // namespace relamp::ui

@@ -17,6 +17,7 @@ struct EditorOptions {
     std::filesystem::path cacheFolder;        ///< baked transport, so that a scene is at once there the next time; empty: none
     std::function<void()> wake;               ///< called from workers when there is something to poll
     double autosaveSeconds = 15;              ///< of unsaved edits, at most
+    std::function<double()> seconds;          ///< the clock of autosaving; empty: the steady one
     enum class Gpu { automatic, on, off };
     Gpu gpu = Gpu::automatic;                 ///< where light is summed: automatic on whichever is faster; on also in a software renderer
 };
@@ -38,9 +39,10 @@ public:
     void saveAs(const std::filesystem::path& folder);
     void requestQuit();
     bool quitting() const;
-    /// Answers to state.unsaved and state.recovery.
+    /// Answers to state.unsaved, state.recovery and state.locked.
     void answerUnsaved(bool saveFirst, bool proceed);
     void answerRecovery(bool restore);
+    void answerLocked(LockedAnswer answer);
     bool unsavedChanges() const;
 
     // ---- the look

@@ -7,6 +7,7 @@
 #include "editor.h"
 #include "relight_worker.h"
 #include "shot/autosave.h"
+#include "shot/shot_lock.h"
 
 namespace relamp::ui {
 
@@ -56,17 +57,32 @@ struct Editor::Impl {
     // ---- autosave
     Autosave autosave;
     uint64_t autosavedRevision = 0;
-    Clock::time_point lastAutosave{};
-    bool estimateAutosaved = false;
+    double lastAutosave = -1e9, lastEstimateTry = -1e9;  ///< seconds()
+    bool autosaveFailed = false;                         ///< and the user was told
+    int estimateNumber = 0;
+    std::shared_ptr<const Estimate> savedEstimate;       ///< the one in document.shotFolder
+    std::shared_ptr<const Estimate> autosavedEstimate;   ///< the one in autosavedFolder
+    std::shared_ptr<const Estimate> failedEstimate;      ///< could not be put away; tried again after a while
+    std::filesystem::path autosavedFolder;
     std::vector<FoundWork> lost;
+    std::optional<FoundWork> restored;                   ///< on disk until our own autosave holds all of it
+
+    // ---- the shot is ours alone
+    std::shared_ptr<ShotLock> shotLock;                  ///< of document.shotFolder; null: none
+    enum class OpenAs { usual, readOnly, copy };
 
     void start(JobStatus::Kind kind, const std::string& title, std::function<Finish(Progress&)> work, std::function<void(bool)> onEnd = {});
-    void openCapture(const std::filesystem::path& folder, const CaptureFix& fix = {});
-    void openShotFolder(const std::filesystem::path& folder, std::optional<FoundWork> recovered = {});
+    void openCapture(const std::filesystem::path& folder, const CaptureFix& fix = {}, std::optional<FoundWork> recovered = {});
+    void showRecovered(const FoundWork& found, Version saved, Look look);
+    void openShotFolder(const std::filesystem::path& folder, std::optional<FoundWork> recovered = {}, OpenAs as = OpenAs::usual);
+    std::shared_ptr<ShotLock> lockFor(const std::filesystem::path& shot) const;
     void setDocument(Document document, Version version, const std::string& label);
     void saveTo(const std::filesystem::path& folder);
+    double seconds() const;
+    bool estimateIsOnDisk() const;
     void saveUnsavedEstimate();
     void writeAutosave();
+    void offerLostWork();
     void takeSnapshots();
     void pollJob();
     void pollSaving();

@@ -12,6 +12,7 @@
 #include "radiance/gather.h"
 #include "settings.h"
 #include "shot/export_frame.h"
+#include "shot/shot_leftovers.h"
 #include "thumbnails.h"
 
 namespace relamp::ui {
@@ -41,6 +42,14 @@ Document documentOf(Capture capture, const fs::path& folder, Progress& progress)
         document.samples = std::make_shared<const RadianceSamples>(gatherRadiance(*shared, *document.scene, {}, progress));
     }
     return document;
+}
+
+/// "desk-lamp-copy.relamp", or the first number that is free.
+fs::path nameForCopy(const fs::path& shot) {
+    for (int n = 1;; ++n) {
+        const fs::path name = shot.parent_path() / fmt::format("{}-copy{}.relamp", shot.stem().string(), n == 1 ? "" : fmt::format("-{}", n));
+        if (!fs::exists(name)) return name;
+    }
 }
 
 std::string whereFull(const std::exception& error) {
@@ -135,43 +144,64 @@ void Editor::openNow(const fs::path& given) {
         fail("Something else is running", impl_->status->title + " is not finished.", "Wait for it, or stop it in the status bar.");
         return;
     }
+    mendShot(path);
     if (!fs::exists(path)) {
         fail("This could not be opened", path.string() + " does not exist.", "It may have been moved or renamed.");
         std::erase(state.recent, path);
         return;
     }
-    if (isShot(path)) impl_->openShotFolder(path);
-    else impl_->openCapture(path);
+    if (!isShot(path)) return impl_->openCapture(path);
+    if (const auto lock = impl_->lockFor(path); !lock->owner().empty()) state.locked = LockedQuestion{path, lock->owner()};
+    else impl_->openShotFolder(path);
+}
+
+std::shared_ptr<ShotLock> Editor::Impl::lockFor(const fs::path& shot) const {
+    std::error_code failed;
+    if (shotLock && shotLock->held() && fs::weakly_canonical(shot, failed) == shotLock->shot()) return shotLock;
+    return std::make_shared<ShotLock>(ShotLock::take(shot));
+}
+
+void Editor::answerLocked(LockedAnswer answer) {
+    if (!state.locked) return;
+    const fs::path path = state.locked->path;
+    state.locked.reset();
+    if (answer == LockedAnswer::cancel || impl_->job) return;
+    impl_->openShotFolder(path, {}, answer == LockedAnswer::copy ? Impl::OpenAs::copy : Impl::OpenAs::readOnly);
 }
 
 void Editor::Impl::setDocument(Document document, Version version, const std::string& label) {
-    EditorState& state = self.state;
+    EditorState& ours = self.state;
     const bool solved = version.estimate || version.distantOnly;
-    state.curves = {};
-    if (version.estimate) state.curves[version.estimate->mode == "distant-only" ? 1 : 0].entries = version.estimate->timeline;
-    state.plan = version.estimate ? version.estimate->plan : SolvePlan{};
-    state.solve.quality = document.quality;
-    state.solve.seed = document.seed;
+    ours.curves = {};
+    if (version.estimate) ours.curves[version.estimate->mode == "distant-only" ? 1 : 0].entries = version.estimate->timeline;
+    ours.plan = version.estimate ? version.estimate->plan : SolvePlan{};
+    ours.solve.quality = document.quality;
+    ours.solve.seed = document.seed;
     solvedWith.reset();
-    if (solved) solvedWith = state.solve;
+    if (solved) solvedWith = ours.solve;
     history = History(std::move(version), label);
     history.markSaved();
     emittersOfEstimate.reset();
     emittersRevision = 0;
     snapshot.reset();
-    state.document = std::move(document);
-    state.selection = {};
-    state.pointLight.reset();
-    state.viewport.solo.clear();
-    state.viewport.hiddenPieces.clear();
-    state.viewport.throughView = false;
-    state.viewport.mode = solved ? ViewMode::relit : ViewMode::photograph;
+    ours.document = std::move(document);
+    ours.selection = {};
+    ours.pointLight.reset();
+    ours.viewport.solo.clear();
+    ours.viewport.hiddenPieces.clear();
+    ours.viewport.throughView = false;
+    ours.viewport.mode = solved ? ViewMode::relit : ViewMode::photograph;
     autosave.clear();
-    estimateAutosaved = false;
+    autosavedEstimate.reset();
+    failedEstimate.reset();
+    savedEstimate = ours.document.shotFolder.empty() ? nullptr : history.present().estimate;
     autosavedRevision = history.revision();
+    shotLock.reset();
+    if (restored) Autosave::discard(*restored);
+    restored.reset();
     dropThumbnails("view:");
     dropThumbnails("env:recovered");
-    const Scene& scene = *state.document.scene;
+    const Scene& scene = *ours.document.scene;
     Vec3 low(1e30f), high(-1e30f);
     for (size_t v = 0; v < scene.mesh.vertexCount(); ++v)
         if (scene.referenced[v]) {
@@ -180,39 +210,56 @@ void Editor::Impl::setDocument(Document document, Version version, const std::st
         }
     if (scene.diagonal > 0) {
         // From where the first photograph was taken: the artist knows that side.
-        state.viewport.camera.frame(0.5f * (low + high), 0.5f * scene.diagonal);
-        if (!state.document.capture->views.empty()) {
-            const Camera& camera = state.document.capture->views[0].camera;
+        ours.viewport.camera.frame(0.5f * (low + high), 0.5f * scene.diagonal);
+        if (!ours.document.capture->views.empty()) {
+            const Camera& camera = ours.document.capture->views[0].camera;
             const float distance = glm::dot(Vec3(camera.forward()), 0.5f * (low + high) - Vec3(camera.position()));
-            state.viewport.camera.matchCamera(camera, std::max(distance, 0.05f * scene.diagonal));
+            ours.viewport.camera.matchCamera(camera, std::max(distance, 0.05f * scene.diagonal));
         }
     }
-    remember(state.recent, documentPath());
-    if (state.document.check && !solved) {
+    remember(ours.recent, documentPath());
+    if (ours.document.check && !solved) {
         // Only what would spoil an estimate interrupts; the rest stands in the inspector and under File.
-        const CaptureCheck& check = *state.document.check;
-        if (check.lookBackwards || check.upAgreement < 0.3 || check.seenShare < 0.3 || check.exposureSpreadStops > 0.5) state.panels.doctor = true;
+        const CaptureCheck& check = *ours.document.check;
+        if (check.lookBackwards || check.upAgreement < 0.3 || check.seenShare < 0.3 || check.exposureSpreadStops > 0.5) ours.panels.doctor = true;
         for (const std::string& warning : check.warnings) self.log(LogLevel::warning, warning);
     }
-    self.log(LogLevel::info, fmt::format("{}: {} views, {} vertices", documentPath().string(), state.document.capture->views.size(), scene.mesh.vertexCount()));
+    self.log(LogLevel::info, fmt::format("{}: {} views, {} vertices", documentPath().string(), ours.document.capture->views.size(), scene.mesh.vertexCount()));
 }
 
 void Editor::fixCapture(const CaptureFix& fix) {
     if (!impl_->job && state.document.capture) impl_->openCapture(state.document.captureFolder, fix);
 }
 
-void Editor::Impl::openCapture(const fs::path& folder, const CaptureFix& fix) {
-    start(JobStatus::Kind::open, "Opening " + folder.filename().string(), [this, folder, fix](Progress& progress) -> Finish {
+void Editor::Impl::openCapture(const fs::path& folder, const CaptureFix& fix, std::optional<FoundWork> recovered) {
+    start(JobStatus::Kind::open, "Opening " + folder.filename().string(), [this, folder, fix, recovered](Progress& progress) -> Finish {
         LoadOptions load;
         load.fix = fix;
         auto document = std::make_shared<Document>(documentOf(loadCapture(folder, load, progress), folder, progress));
         document->fix = fix;
-        return [this, document] { setDocument(std::move(*document), {}, "Opened"); };
+        return [this, document, recovered] {
+            setDocument(std::move(*document), {}, "Opened");
+            // Edits without the estimate they were made on: they come back with the next one.
+            if (recovered) showRecovered(*recovered, {}, recovered->work.look);
+        };
     });
 }
 
-void Editor::Impl::openShotFolder(const fs::path& folder, std::optional<FoundWork> recovered) {
-    start(JobStatus::Kind::open, "Opening " + folder.filename().string(), [this, folder, recovered](Progress& progress) -> Finish {
+void Editor::Impl::showRecovered(const FoundWork& found, Version saved, Look look) {
+    // It counts as unsaved until the user saves it, and stays where it was found until our own autosave holds it.
+    Version work = saved;
+    work.look = std::move(look);
+    saved.estimate.reset();
+    history = History(std::move(saved), "Last saved");
+    history.markSaved();
+    history.push("Recovered work", std::move(work));
+    restored = found;
+    autosavedRevision = 0;
+    lastAutosave = -1e9;
+}
+
+void Editor::Impl::openShotFolder(const fs::path& folder, std::optional<FoundWork> recovered, OpenAs as) {
+    start(JobStatus::Kind::open, "Opening " + folder.filename().string(), [this, folder, recovered, as](Progress& progress) -> Finish {
         std::string trouble;
         const auto shot = std::make_shared<Shot>();
         try {
@@ -222,30 +269,34 @@ void Editor::Impl::openShotFolder(const fs::path& folder, std::optional<FoundWor
             trouble = error.what();
             *shot = openShot(folder, false, progress);
         }
+        fs::path place = recovered ? recovered->work.shotFolder : folder;
+        if (as == OpenAs::copy) {
+            place = nameForCopy(folder);
+            saveShot(*shot, shot->capture.mesh, place, false);
+        }
         auto document = std::make_shared<Document>(documentOf(shot->capture, shot->captureFolder, progress));
-        document->shotFolder = folder;
+        document->shotFolder = place;
         document->fix = shot->fix;
         document->quality = shot->quality;
         document->seed = shot->seed;
         document->resources = shot->resources;
-        return [this, document, shot, trouble, recovered] {
-            if (recovered) document->shotFolder = recovered->work.shotFolder;
+        return [this, folder, document, shot, trouble, recovered, as] {
+            const fs::path saved = document->shotFolder;
+            const std::shared_ptr<ShotLock> mine = saved.empty() || as == OpenAs::readOnly ? nullptr : lockFor(saved);
+            document->readOnly = as == OpenAs::readOnly || (mine && !mine->owner().empty());
             Version version;
             version.look = shot->look;
             version.estimate = std::make_shared<const Estimate>(std::move(shot->estimate));
+            const bool readOnly = document->readOnly;
             setDocument(std::move(*document), version, "Opened");
+            if (mine && mine->held()) shotLock = mine;
             if (!trouble.empty())
                 self.fail("The photographs could not be opened", trouble, "The shot can be relit and exported. To estimate again, put the photographs back and open it again.");
-            if (recovered) {
-                Look look = lookThatFits(recovered->work.look, *self.estimate(), self.state.document.scene->mesh.vertexCount());
-                // The recovered work counts as unsaved until the user saves it.
-                history = History({shot->look, nullptr, nullptr}, "Last saved");
-                history.markSaved();
-                history.push("Recovered work", {std::move(look), version.estimate, nullptr});
-                saveUnsavedEstimate();
-                writeAutosave();
-                Autosave::discard(*recovered);
-            }
+            if (readOnly && as == OpenAs::usual)
+                self.fail("This shot is open elsewhere", saved.string() + " is open: " + mine->owner() + ".", "It was opened read-only: saving asks for another place.");
+            if (!recovered) return;
+            if (folder != saved) savedEstimate.reset();
+            showRecovered(*recovered, version, lookThatFits(recovered->work.look, *version.estimate, self.state.document.scene->mesh.vertexCount()));
         };
     });
 }
@@ -254,7 +305,7 @@ void Editor::Impl::openShotFolder(const fs::path& folder, std::optional<FoundWor
 
 void Editor::save() {
     if (!state.document.capture) return;
-    if (state.document.shotFolder.empty()) state.panels.saveBrowser = true;
+    if (state.document.shotFolder.empty() || state.document.readOnly) state.panels.saveBrowser = true;
     else impl_->saveTo(state.document.shotFolder);
 }
 
@@ -276,11 +327,17 @@ void Editor::Impl::saveTo(const fs::path& folder) {
         whenSaved = {};
         return;
     }
+    const std::shared_ptr<ShotLock> mine = lockFor(folder);
+    if (!mine->owner().empty()) {
+        self.fail("This shot is open elsewhere", folder.string() + " is open: " + mine->owner() + ".", "Close it there, or save under another name with Ctrl+Shift+S. Your edits are still here.");
+        whenSaved = {};
+        return;
+    }
     const Document document = self.state.document;
     const size_t entry = history.index();
     const uint64_t revision = history.revision();
     saving = std::make_unique<Job<Finish>>(
-        [this, version, estimate, document, folder, entry, revision](Progress&) -> Finish {
+        [this, version, estimate, document, folder, entry, revision, mine](Progress&) -> Finish {
             Shot shot;
             shot.captureFolder = document.captureFolder;
             shot.fix = document.fix;
@@ -290,13 +347,18 @@ void Editor::Impl::saveTo(const fs::path& folder) {
             shot.seed = document.seed;
             shot.resources = document.resources;
             saveShot(shot, document.scene->mesh, folder, true);
-            return [this, folder, entry, revision] {
+            return [this, folder, entry, revision, mine, estimate] {
                 self.state.document.shotFolder = folder;
+                self.state.document.readOnly = false;
+                shotLock = mine->held() ? mine : nullptr;
+                savedEstimate = estimate;
                 // Edits made while it was written are still unsaved.
                 if (history.index() == entry && history.revision() == revision) {
                     history.markSaved();
                     autosave.clear();
-                    estimateAutosaved = false;
+                    autosavedEstimate.reset();
+                    if (restored) Autosave::discard(*restored);
+                    restored.reset();
                 }
                 remember(self.state.recent, folder);
                 self.log(LogLevel::info, folder.string() + ": saved");
@@ -322,8 +384,9 @@ void Editor::Impl::pollSaving() {
 void Editor::Impl::saveUnsavedEstimate() {
     const Version version = history.present();
     if (saving || !autosave.working() || !version.estimate) return;
+    lastEstimateTry = seconds();
     saving = std::make_unique<Job<Finish>>(
-        [this, version, document = self.state.document](Progress&) -> Finish {
+        [this, version, document = self.state.document, folder = autosave.estimateFolder(++estimateNumber)](Progress&) -> Finish {
             Shot shot;
             shot.captureFolder = document.captureFolder;
             shot.fix = document.fix;
@@ -332,10 +395,25 @@ void Editor::Impl::saveUnsavedEstimate() {
             shot.quality = document.quality;
             shot.seed = document.seed;
             shot.resources = document.resources;
-            saveShot(shot, document.scene->mesh, autosave.estimateFolder(), true);
-            return [this] {
-                estimateAutosaved = true;
-                writeAutosave();
+            try {
+                saveShot(shot, document.scene->mesh, folder, true);
+            } catch (const Error& error) {
+                return [this, estimate = version.estimate, text = std::string(error.what())] {
+                    if (std::exchange(failedEstimate, estimate) != estimate)
+                        self.fail("The estimate could not be saved by itself", text, "Free some space, or save the shot to another disk with Ctrl+Shift+S.");
+                };
+            }
+            return [this, estimate = version.estimate, folder] {
+                failedEstimate.reset();
+                // By now it may be of no use any more: something else was opened, or it was saved.
+                if (estimate == history.present().estimate && estimate != savedEstimate && self.unsavedChanges()) {
+                    autosavedEstimate = estimate;
+                    autosavedFolder = folder;
+                    writeAutosave();
+                } else {
+                    std::error_code ignored;
+                    fs::remove_all(folder, ignored);
+                }
             };
         },
         options.wake);
@@ -354,7 +432,6 @@ void Editor::answerUnsaved(bool saveFirst, bool proceed) {
     state.unsaved.reset();
     if (!proceed) return;
     const auto next = [this, question] {
-        impl_->autosave.clear();
         if (question.then == UnsavedQuestion::Then::open) openNow(question.path);
         else impl_->quit = true;
     };
@@ -539,13 +616,17 @@ void Editor::exportFrames(const ExportRequest& request) {
                              writeFrame(one.file, frame, relit, one.camera, request.layers);
                              ++written;
                              logInfo("{}: written ({} of {})", one.file.string(), written, jobs.size());
+                         } catch (const OutOfResources& error) {
+                             // The others would not fit either.
+                             failures.insert(failures.begin(), error.what());
+                             break;
                          } catch (const Error& error) {
                              failures.push_back(error.what());
                          }
                      }
-                     return [impl, failures, written] {
+                     return [impl, failures, written, all = jobs.size()] {
                          if (failures.empty()) return;
-                         impl->self.fail(fmt::format("{} frame(s) could not be written", failures.size()), failures.front(),
+                         impl->self.fail(fmt::format("{} frame(s) could not be written", all - written), failures.front(),
                                          fmt::format("{} frame(s) were written. Free space or choose another folder, then export the others again.", written));
                      };
                  });

@@ -31,6 +31,7 @@ const char* explain(ViewMode mode);
 struct Document {
     std::filesystem::path captureFolder;
     std::filesystem::path shotFolder;                   ///< empty: never saved
+    bool readOnly = false;                              ///< another process has the shot: saving asks for another place
     CaptureFix fix;                                     ///< what the user says against the capture's files
     std::shared_ptr<const Capture> capture;             ///< with photographs
     std::shared_ptr<const Scene> scene;
@@ -118,6 +119,13 @@ struct SolveRequest {
     GaugeChoice gauge;
 };
 
+/// Asked when another process has the shot that is to be opened.
+struct LockedQuestion {
+    std::filesystem::path path;
+    std::string owner;                   ///< "anna on studio3, process 4711, since 14:03"
+};
+enum class LockedAnswer { readOnly, copy, cancel };
+
 struct ExportRequest {
     enum class Views { present, capture, all, range } views = Views::present;  ///< the viewport's eye, the selected view, ...
     std::string range = "1";             ///< "1-3,5" of the views, counted from 1
@@ -156,6 +164,7 @@ struct EditorState {
     std::vector<Notice> notices;                      ///< shown one after the other
     std::optional<UnsavedQuestion> unsaved;
     std::optional<RecoveryOffer> recovery;
+    std::optional<LockedQuestion> locked;
     std::array<RunCurve, 2> curves;                   ///< near-field, distant-only
     SolvePlan plan;                                   ///< of the estimate that runs or was made last; empty: none
     std::vector<LogEntry> log;

@@ -59,6 +59,8 @@ void writeItemMap(const Editor& editor) {
                   {"point", state.selection.point.has_value()},
                   {"notice", state.notices.empty() ? "" : state.notices.front().text},
                   {"recovery", state.recovery.has_value()},
+                  {"locked", state.locked.has_value()},
+                  {"read_only", state.document.readOnly},
                   {"unsaved", editor.unsavedChanges()},
                   {"entry", editor.history().index()},
                   {"entries", editor.history().entries().size()},

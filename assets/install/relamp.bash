@@ -3,20 +3,22 @@ _relamp() {
     local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} verb="" i
     for ((i = 1; i < COMP_CWORD; i++)); do
         case ${COMP_WORDS[i]} in
-            check | solve | render | export | compare | info | edit) verb=${COMP_WORDS[i]} && break ;;
+            check | solve | render | export | compare | report | merge-hdr | stress | info | edit) verb=${COMP_WORDS[i]} && break ;;
         esac
     done
     COMPREPLY=()
     case $before in
         --quality) mapfile -t COMPREPLY < <(compgen -W "draft standard fine" -- "$word") && return ;;
         --mode) mapfile -t COMPREPLY < <(compgen -W "near-field distant-only" -- "$word") && return ;;
+        --bounce | --against-distant) mapfile -t COMPREPLY < <(compgen -W "auto on off" -- "$word") && return ;;
+        --ratio) mapfile -t COMPREPLY < <(compgen -W "quotient difference" -- "$word") && return ;;
         --naming) mapfile -t COMPREPLY < <(compgen -W "blender arnold" -- "$word") && return ;;
         --view) mapfile -t COMPREPLY < <(compgen -W "standard auto raw" -- "$word") && return ;;
         --progress) mapfile -t COMPREPLY < <(compgen -W "auto bar json none" -- "$word") && return ;;
         --layers) mapfile -t COMPREPLY < <(compgen -W "all groups albedo correction residual normal position depth cryptomatte" -- "$word") && return ;;
     esac
     if [[ -z $verb && $word != -* ]]; then
-        mapfile -t COMPREPLY < <(compgen -W "check solve render export compare info edit" -- "$word")
+        mapfile -t COMPREPLY < <(compgen -W "check solve render export compare report merge-hdr stress info edit" -- "$word")
     elif [[ $word == -* ]]; then
         mapfile -t COMPREPLY < <(compgen -W "$("${COMP_WORDS[0]}" $verb --help 2>/dev/null | grep -oE -- '--[a-z][a-z-]*' | sort -u)" -- "$word")
     else
@@ -24,3 +26,18 @@ _relamp() {
     fi
 }
 complete -o filenames -F _relamp relamp
+
+_relamp_editor() {
+    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]}
+    COMPREPLY=()
+    case $before in
+        --quality) mapfile -t COMPREPLY < <(compgen -W "draft standard fine" -- "$word") && return ;;
+        --gpu) mapfile -t COMPREPLY < <(compgen -W "auto on off" -- "$word") && return ;;
+    esac
+    if [[ $word == -* ]]; then
+        mapfile -t COMPREPLY < <(compgen -W "--solve --quality --scale --width --height --gpu --help --version" -- "$word")
+    else
+        mapfile -t COMPREPLY < <(compgen -d -- "$word")
+    fi
+}
+complete -o filenames -F _relamp_editor relamp-editor

@@ -12,6 +12,19 @@
 namespace relamp {
 namespace fs = std::filesystem;
 
+void throwWriteFailure(const fs::path& file, int reason, const char* what) {
+    const std::string message = fmt::format("{}: {} ({})", file.string(), what, std::strerror(reason));
+    if (reason == ENOSPC || reason == EDQUOT || reason == EFBIG) throw OutOfResources(message);
+    throw Error(message);
+}
+
+void flushFolder(const fs::path& folder) {
+    const int handle = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (handle < 0) return;
+    ::fsync(handle);
+    ::close(handle);
+}
+
 void writeFileAtomically(const fs::path& target, const std::function<void(const fs::path&)>& write) {
     const fs::path temporary =
         target.parent_path() / fmt::format(".{}.{}{}", target.stem().string(), ::getpid(), target.extension().string());
@@ -28,9 +41,7 @@ void writeFileAtomically(const fs::path& target, const std::function<void(const 
     const auto fail = [&](const char* what) {
         const int reason = errno;
         removeTemporary();
-        const std::string message = fmt::format("{}: {} ({})", target.string(), what, std::strerror(reason));
-        if (reason == ENOSPC || reason == EDQUOT) throw OutOfResources(message);
-        throw Error(message);
+        throwWriteFailure(target, reason, what);
     };
     const int file = ::open(temporary.c_str(), O_RDONLY);
     if (file < 0) fail("cannot be written");
@@ -38,6 +49,7 @@ void writeFileAtomically(const fs::path& target, const std::function<void(const 
     ::close(file);
     if (!flushed) fail("cannot be flushed to disk");
     if (::rename(temporary.c_str(), target.c_str()) != 0) fail("cannot be put in place");
+    flushFolder(target.parent_path());
 }
 
 void writeBytesAtomically(const fs::path& target, const std::string& bytes) {
@@ -46,11 +58,7 @@ void writeBytesAtomically(const fs::path& target, const std::string& bytes) {
         std::ofstream out(file, std::ios::binary);
         out.write(bytes.data(), std::streamsize(bytes.size()));
         out.flush();
-        if (!out) {
-            const std::string message = fmt::format("{}: cannot be written ({})", target.string(), std::strerror(errno));
-            if (errno == ENOSPC || errno == EDQUOT) throw OutOfResources(message);
-            throw Error(message);
-        }
+        if (!out) throwWriteFailure(target, errno);
     });
 }
 

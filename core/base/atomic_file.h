@@ -11,7 +11,14 @@ namespace relamp {
 /// a full disk throws OutOfResources.
 void writeFileAtomically(const std::filesystem::path& target, const std::function<void(const std::filesystem::path&)>& write);
 
-/// The same for text or bytes in memory.
+/// Throws for a write to `file` that failed with `reason` (an errno): OutOfResources when the disk, the quota or the allowed file size is at its
+/// end, else Error.
+[[noreturn]] void throwWriteFailure(const std::filesystem::path& file, int reason, const char* what = "cannot be written");
+
+/// Makes names that were changed in a folder last through a power cut; where that is not possible, nothing happens.
+void flushFolder(const std::filesystem::path& folder);
+
+/// writeFileAtomically for text or bytes in memory.
 void writeBytesAtomically(const std::filesystem::path& target, const std::string& bytes);
 
 /// Whole file as bytes; throws Error when it cannot be read or is larger than `maxBytes`.

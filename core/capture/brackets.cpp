@@ -144,7 +144,6 @@ ChannelFit fitChannel(const std::vector<ResponseSample>& samples, size_t channel
         std::vector<double> a(n * n, 0.0), b(n, 0.0);
         fit.chi = 0;
         fit.looks = 0;
-        double weights = 0;
         for (const ResponseSample& sample : samples) {
             termsOf(sample, channel, fit.g, noise, first, terms);
             if (terms.size() < 2) continue;
@@ -180,7 +179,6 @@ ChannelFit fitChannel(const std::vector<ResponseSample>& samples, size_t channel
                 }
                 const double r = value(t) - meanValue - (t.logExposure - meanTime);
                 fit.chi += t.weight * r * r;
-                weights += t.weight;
                 ++fit.looks;
             }
         }

@@ -16,6 +16,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "image/chromaticities.h"
+#include "image/exr_header.h"
 
 namespace relamp {
 namespace fs = std::filesystem;
@@ -48,6 +49,7 @@ std::unique_ptr<OIIO::ImageInput> openPicture(const fs::path& file) {
     std::error_code ignored;
     if (!fs::exists(file, ignored)) throw Error("{}: does not exist", file.string());
     if (!fs::is_regular_file(file, ignored)) throw Error("{}: is not a file", file.string());
+    checkExrHeader(file);
     OIIO::ImageSpec wanted;
     wanted.attribute("oiio:UnassociatedAlpha", 1);        // alpha is a mask here, colours must not be scaled by it
     wanted.attribute("raw:ColorSpace", "sRGB-linear");
@@ -475,10 +477,7 @@ public:
 
     /// Throws OutOfResources or Error when something went wrong.
     void check() const {
-        if (!failed_) return;
-        const std::string message = fmt::format("{}: cannot be written ({})", shown_, std::strerror(failed_));
-        if (failed_ == ENOSPC || failed_ == EDQUOT) throw OutOfResources(message);
-        throw Error(message);
+        if (failed_) throwWriteFailure(shown_, failed_);
     }
 
 private:

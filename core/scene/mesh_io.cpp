@@ -35,12 +35,7 @@ bool isBinaryOff(std::string_view bytes) {
 
 /// OpenMesh asks for memory as its headers say, so they are held against the file's size before it sees them.
 void checkCountsForOpenMesh(std::string_view bytes) {
-    size_t at = 4;  // .om: two letters, the kind of mesh and a version
-    if (isOff(bytes)) {
-        TextScanner scanner(bytes);
-        scanner.line();
-        at = bytes.size() - scanner.remaining();
-    }
+    constexpr size_t at = 4;  // .om: two letters, the kind of mesh and a version
     uint32_t counts[2];
     if (bytes.size() < at + sizeof counts) throw Error("ends inside its header");
     std::memcpy(counts, bytes.data() + at, sizeof counts);
@@ -48,7 +43,7 @@ void checkCountsForOpenMesh(std::string_view bytes) {
         if (count > bytes.size() / 3) throw Error("claims {} vertices and {} faces, more than the file holds", counts[0], counts[1]);
 }
 
-/// Formats our readers do not know: binary OFF and OpenMesh's own. Non-manifold faces are dropped by OpenMesh.
+/// OpenMesh's own format, which our readers do not know. Non-manifold faces are dropped by OpenMesh.
 TriangleSoup readWithOpenMesh(const fs::path& file, std::string_view bytes) {
     checkCountsForOpenMesh(bytes);
     OpenMesh::TriMesh_ArrayKernelT<> mesh;
@@ -80,7 +75,7 @@ TriangleSoup readSoup(const fs::path& file, std::string_view bytes, const MeshLi
     if (bytes.empty()) throw Error("is empty");
     const std::string extension = lowerExtension(file);
     if (bytes.substr(0, 3) == "ply" && bytes.size() > 3 && TextScanner::isSpace(bytes[3])) return readPly(bytes, limits);
-    if (isOff(bytes)) return isBinaryOff(bytes) ? readWithOpenMesh(file, bytes) : readOff(bytes, limits);
+    if (isOff(bytes)) return isBinaryOff(bytes) ? readBinaryOff(bytes, limits) : readOff(bytes, limits);
     if (extension == ".obj") return readObj(bytes, limits);
     if (extension == ".stl") return readStl(bytes, limits);
     if (extension == ".ply") return readPly(bytes, limits);

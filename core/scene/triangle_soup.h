@@ -28,6 +28,7 @@ struct TriangleSoup {
 TriangleSoup readPly(std::string_view bytes, const MeshLimits& limits);
 TriangleSoup readObj(std::string_view bytes, const MeshLimits& limits);
 TriangleSoup readOff(std::string_view bytes, const MeshLimits& limits);
+TriangleSoup readBinaryOff(std::string_view bytes, const MeshLimits& limits);
 TriangleSoup readStl(std::string_view bytes, const MeshLimits& limits);
 
 /// Drops faces that are no surface, fills in normals, counts what is left (see MeshReport). Vertices keep their order;

@@ -22,10 +22,11 @@ struct AutosavedWork {
     std::string time;                      ///< local time of the save, "2026-11-21 14:03:11"
 };
 
-/// A work found after a crash, with its file.
+/// A work found after a crash, with its file. While it lives no other process is offered the same work.
 struct FoundWork {
     std::filesystem::path file;
     AutosavedWork work;
+    std::shared_ptr<void> hold;
 };
 
 /// The autosave of this process. Thread-safe is not needed: the window's thread owns it.
@@ -42,12 +43,14 @@ public:
     void write(const AutosavedWork& work);
     /// The work is safe elsewhere or was given up: nothing is left to recover.
     void clear();
-    /// Folder for a shot with the unsaved estimate.
-    std::filesystem::path estimateFolder() const;
+    /// Folder for a shot with an unsaved estimate. Each estimate has its own, so that the work on disk always goes with the one it names.
+    std::filesystem::path estimateFolder(int number) const;
+    /// Removes the estimates but this one.
+    void keepEstimate(const std::filesystem::path& folder);
 
-    /// Works of processes that are gone, latest first. Damaged files are skipped.
+    /// Works of processes that are gone, latest first. Damaged files are skipped and kept; what belongs to no work is removed.
     std::vector<FoundWork> findLost() const;
-    /// Removes a found work and its estimate.
+    /// Removes a found work and its estimates.
     static void discard(const FoundWork& found);
 
 private:

@@ -2,7 +2,10 @@
 
 #include <fcntl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
+
+#include <cstring>
 
 #include "base/atomic_file.h"
 #include "base/error.h"
@@ -12,6 +15,7 @@
 #include "image/image_io.h"
 #include "pipeline/plan.h"
 #include "scene/mesh_io.h"
+#include "shot/shot_leftovers.h"
 
 namespace relamp {
 namespace fs = std::filesystem;
@@ -114,8 +118,6 @@ BrdfBasis basisOf(const Json& document) {
     return basis;
 }
 
-bool isOurs(const std::string& name) { return name == "shot.json" || name == "environment.exr" || name == "environment_sigma.exr" || name == "reflectance.ply" || name == "cache"; }
-
 /// Puts the new folder in the old one's place in one step; afterwards `fresh` is what was there before.
 void exchange(const fs::path& fresh, const fs::path& target) {
     if (::renameat2(AT_FDCWD, fresh.c_str(), AT_FDCWD, target.c_str(), RENAME_EXCHANGE) == 0) return;
@@ -192,6 +194,7 @@ void saveShot(const Shot& shot, const Mesh& mesh, const fs::path& folder, bool o
     std::error_code failed;
     fs::path target = fs::absolute(folder).lexically_normal();
     if (!target.has_filename()) target = target.parent_path();  // a slash at the end
+    mendShot(target);
     const bool exists = fs::exists(target, failed);
     if (exists && !overwrite) throw Error("{}: exists already, add --overwrite to replace it", folder.string());
     if (exists && (!fs::is_directory(target, failed) || (!fs::exists(target / "shot.json", failed) && !fs::is_empty(target, failed))))
@@ -199,6 +202,7 @@ void saveShot(const Shot& shot, const Mesh& mesh, const fs::path& folder, bool o
     const fs::path fresh = target.parent_path() / fmt::format(".{}.{}", target.filename().string(), ::getpid());
     fs::create_directories(fresh, failed);
     if (failed) throw Error("{}: cannot be made ({})", folder.string(), failed.message());
+    const FolderHold holdFresh(fresh), holdOld(target);
     try {
         Json document = shotInfo(shot);
         if (exists && fs::exists(target / "shot.json")) {
@@ -258,9 +262,11 @@ void saveShot(const Shot& shot, const Mesh& mesh, const fs::path& folder, bool o
         writeBytesAtomically(fresh / "shot.json", document.dump(1) + "\n");
         if (!exists) {
             fs::rename(fresh, target);
+            flushFolder(target.parent_path());
             return;
         }
         exchange(fresh, target);
+        flushFolder(target.parent_path());
     } catch (const fs::filesystem_error& error) {
         fs::remove_all(fresh, failed);
         throw Error("{}: cannot be written ({})", folder.string(), error.code().message());
@@ -272,7 +278,7 @@ void saveShot(const Shot& shot, const Mesh& mesh, const fs::path& folder, bool o
     bool left = false;
     for (fs::directory_iterator entry(fresh, failed), end; !failed && entry != end; entry.increment(failed)) {
         const std::string name = entry->path().filename().string();
-        if (isOurs(name)) continue;
+        if (isPartOfShot(name)) continue;
         std::error_code kept;
         fs::rename(entry->path(), target / name, kept);
         left |= bool(kept);
@@ -301,7 +307,18 @@ std::vector<Rgb> environmentCells(const fs::path& folder, const DirectionGrid& g
 
 }  // namespace
 
-Shot openShot(const fs::path& folder, bool withImages, Progress& progress) {
+void checkShotCanBeWritten(const fs::path& folder) {
+    std::error_code failed;
+    fs::path place = fs::absolute(folder).lexically_normal();
+    if (!place.has_filename()) place = place.parent_path();
+    do place = place.parent_path();
+    while (!fs::exists(place, failed) && place.has_relative_path());
+    if (::access(place.c_str(), W_OK | X_OK) != 0) throw Error("{}: cannot be written ({}: {})", folder.string(), place.string(), std::strerror(errno));
+}
+
+namespace {
+
+Shot readShot(const fs::path& folder, bool withImages, Progress& progress) {
     Shot shot;
     shot.folder = folder;
     const fs::path file = folder / "shot.json";
@@ -436,6 +453,24 @@ Shot openShot(const fs::path& folder, bool withImages, Progress& progress) {
         clusters.emitters[size_t(i)].triangles.push_back(t);
     }
     return shot;
+}
+
+}  // namespace
+
+Shot openShot(const fs::path& folder, bool withImages, Progress& progress) {
+    mendShot(folder);
+    // Another process may put a new shot in its place while this one reads: then once more, so that no file of one meets those of another.
+    struct stat before{}, after{};
+    for (int attempt = 0;; ++attempt) {
+        const bool there = ::stat(folder.c_str(), &before) == 0;
+        const auto changed = [&] { return attempt < 5 && there && ::stat(folder.c_str(), &after) == 0 && (after.st_ino != before.st_ino || after.st_dev != before.st_dev); };
+        try {
+            Shot shot = readShot(folder, withImages, progress);
+            if (!changed()) return shot;
+        } catch (const Error&) {
+            if (!changed()) throw;
+        }
+    }
 }
 
 }  // namespace relamp

@@ -141,6 +141,23 @@ TEST(ImageIo, UnreadableFilesAreNamed) {
               std::string::npos);
 }
 
+TEST(ImageIo, AnExrWhoseHeaderClaimsMoreThanTheFileHoldsIsNotBelieved) {
+    const test::TemporaryFolder folder;
+    writeImage(folder / "a.exr", Image(8, 6, Rgb(1)), {{"comment", "short"}});
+    std::string bytes = test::TemporaryFolder::read(folder / "a.exr");
+    const std::string key = std::string("comment") + '\0' + "string" + '\0';
+    const size_t at = bytes.find(key);
+    ASSERT_NE(at, std::string::npos);
+    for (const char* size : {"\xff\xff\xff\x7f", "\xff\xff\xff\xff", "\x01\x01\x01\x01"}) {
+        bytes.replace(at + key.size(), 4, size, 4);
+        folder.write("a.exr", bytes);
+        const std::string message = test::messageOf([&] { readImage(folder / "a.exr"); });
+        EXPECT_NE(message.find("a.exr: the header's comment"), std::string::npos) << message;
+    }
+    folder.write("a.exr", bytes.substr(0, at + 3));
+    EXPECT_NE(test::messageOf([&] { readImage(folder / "a.exr"); }).find("breaks off"), std::string::npos);
+}
+
 TEST(ImageIo, FailedWritesNameTheFileAndLeaveTheOldOne) {
     test::TemporaryFolder folder;
     const auto missing = folder / "no/such/folder/a.exr";

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
+
 #include <cstring>
 #include <limits>
 
@@ -104,6 +106,27 @@ TEST(MeshIo, PlyWithUnknownElementsAndPropertiesIsRead) {
     MeshReport report;
     const Mesh mesh = readMesh(folder.write("mesh.ply", bytes), &report);
     expectSquare(mesh, report);
+}
+
+TEST(MeshIo, BinaryOffIsReadInEitherByteOrderWithAndWithoutFaceColours) {
+    const test::TemporaryFolder folder;
+    for (const bool swapped : {false, true})
+        for (const int colours : {-1, 0, 3}) {
+            std::string bytes = "OFF BINARY\n";
+            const auto word = [&](uint32_t value) {
+                if (swapped) value = __builtin_bswap32(value);
+                bytes.append(reinterpret_cast<const char*>(&value), 4);
+            };
+            const auto number = [&](float value) { word(std::bit_cast<uint32_t>(value)); };
+            for (const uint32_t count : {4u, 1u, 0u}) word(count);
+            for (const float x : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 1.f, 1.f, 0.f, 0.f, 1.f, 0.f}) number(x);
+            for (const uint32_t corner : {4u, 0u, 1u, 2u, 3u}) word(corner);
+            if (colours >= 0) word(uint32_t(colours));
+            for (int c = 0; c < colours; ++c) number(0.5f);
+            MeshReport report;
+            expectSquare(readMesh(folder.write("a.off", bytes), &report), report);
+            EXPECT_NE(test::messageOf([&] { readMesh(folder.write("a.off", bytes + "xxxx")); }), "");
+        }
 }
 
 TEST(MeshIo, AsciiPlyObjAndOffAreRead) {

@@ -64,7 +64,7 @@ TEST(Autosave, clearedWorkIsNotOfferedAndNothingIsLeftBehind) {
     {
         Autosave one(folder.path());
         one.write(workOf(1));
-        std::filesystem::create_directories(one.estimateFolder());
+        std::filesystem::create_directories(one.estimateFolder(1));
         one.clear();
     }
     EXPECT_EQ(folder.entries(), 0u);

@@ -15,7 +15,6 @@ namespace relamp {
 namespace {
 
 using test::append;
-const Vec3 up(0, 0, 1);
 
 struct Rows {
     Visibility visibility;

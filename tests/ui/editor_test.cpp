@@ -2,6 +2,9 @@
 #include "editor.h"
 
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <thread>
@@ -212,6 +215,157 @@ TEST(Editor, badThingsEndInANoticeAndLeaveTheDocumentAlone) {
     s.editor->saveAs(s.folder / "file/shot");
     s.until([&] { return !s.editor->state.notices.empty(); });
     EXPECT_TRUE(s.editor->unsavedChanges());
+}
+
+TEST(Editor, aSecondEditorIsToldAndCannotOverwriteTheFirst) {
+    Session first, second;
+    first.open(captureFolder());
+    first.solve();
+    first.editor->saveAs(first.folder / "shared");
+    first.settle();
+    const std::filesystem::path shot = first.folder / "shared.relamp";
+    ASSERT_TRUE(first.editor->state.notices.empty());
+
+    second.editor->openNow(shot);
+    ASSERT_TRUE(second.editor->state.locked);
+    EXPECT_NE(second.editor->state.locked->owner.find("process " + std::to_string(getpid())), std::string::npos);
+    EXPECT_FALSE(second.editor->job());
+    second.editor->answerLocked(LockedAnswer::cancel);
+    EXPECT_FALSE(second.editor->job());
+    EXPECT_FALSE(second.editor->state.document.capture);
+
+    // Read-only: edits can be tried, saving asks for another place, and the first one's shot stays as it is.
+    second.editor->openNow(shot);
+    second.editor->answerLocked(LockedAnswer::readOnly);
+    second.until([&] { return !second.editor->job(); });
+    ASSERT_TRUE(second.editor->estimate());
+    EXPECT_TRUE(second.editor->state.document.readOnly);
+    second.editor->edit("Turn", [](Look& look) { look.environment.yawDegrees = 77; });
+    second.editor->save();
+    EXPECT_TRUE(std::exchange(second.editor->state.panels.saveBrowser, false));
+    second.editor->saveAs(shot);
+    ASSERT_EQ(second.editor->state.notices.size(), 1u);
+    EXPECT_NE(second.editor->state.notices[0].text.find("shared.relamp is open"), std::string::npos);
+    EXPECT_TRUE(second.editor->unsavedChanges());
+    EXPECT_EQ(TemporaryFolder::read(shot / "shot.json").find("\"yaw_degrees\": 77"), std::string::npos);
+    second.editor->saveAs(second.folder / "mine");
+    second.settle();
+    EXPECT_FALSE(second.editor->unsavedChanges());
+    EXPECT_FALSE(second.editor->state.document.readOnly);
+
+    // A copy is the second one's own.
+    second.editor->openNow(shot);
+    second.editor->answerLocked(LockedAnswer::copy);
+    second.until([&] { return !second.editor->job(); });
+    EXPECT_EQ(second.editor->state.document.shotFolder, first.folder / "shared-copy.relamp");
+    EXPECT_FALSE(second.editor->state.document.readOnly);
+    second.editor->edit("Turn", [](Look& look) { look.environment.yawDegrees = 78; });
+    second.editor->save();
+    second.settle();
+    EXPECT_FALSE(second.editor->unsavedChanges());
+
+    // Closed by the first, it is free again.
+    first.editor.reset();
+    second.editor->openNow(shot);
+    EXPECT_FALSE(second.editor->state.locked);
+    second.until([&] { return !second.editor->job(); });
+    EXPECT_EQ(second.editor->state.document.shotFolder, shot);
+    EXPECT_FALSE(second.editor->state.document.readOnly);
+}
+
+TEST(Editor, aFullDiskIsToldOnceAndAutosavingGoesOnWhenThereIsRoom) {
+    Session s;
+    double now = 0;
+    s.editor.reset();
+    EditorOptions options;
+    options.configFolder = s.folder / "config";
+    options.stateFolder = s.folder / "state";
+    options.seconds = [&now] { return now; };
+    s.editor = std::make_unique<Editor>(options);
+    s.editor->state.solve.quality = "draft";
+    s.open(captureFolder());
+    s.solve();
+    s.settle();
+    signal(SIGXFSZ, SIG_IGN);
+    rlimit before{};
+    getrlimit(RLIMIT_FSIZE, &before);
+    const rlimit none{0, before.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &none);
+    for (int i = 0; i < 3; ++i) {
+        s.editor->edit("Turn", [&](Look& look) { look.environment.yawDegrees = 41 + float(i); });
+        now += 20;
+        s.editor->poll();
+        s.settle();
+    }
+    setrlimit(RLIMIT_FSIZE, &before);
+    ASSERT_EQ(s.editor->state.notices.size(), 1u);
+    EXPECT_NE(s.editor->state.notices[0].text.find(".autosave.json"), std::string::npos) << s.editor->state.notices[0].text;
+    now += 20;
+    s.editor->poll();
+    s.editor.reset();
+    s.start();
+    ASSERT_TRUE(s.editor->state.recovery);
+    s.editor->answerRecovery(true);
+    s.until([&] { return !s.editor->job(); });
+    EXPECT_EQ(s.editor->look().environment.yawDegrees, 43);
+}
+
+TEST(Editor, editsAfterAnUndoneEstimateComeBackWithTheEstimateTheyWereMadeOn) {
+    Session s(0);
+    s.open(captureFolder());
+    s.solve();
+    s.settle();
+    const auto first = s.editor->estimate();
+    s.editor->state.solve.seed = 9;
+    s.editor->state.solve.quality = "standard";
+    s.solve();
+    s.settle();
+    ASSERT_NE(s.editor->estimate(), first);
+    s.editor->undo();
+    s.editor->edit("Turn", [](Look& look) { look.environment.yawDegrees = 12; });
+    s.editor->poll();
+    s.settle();
+    s.editor->poll();
+    s.editor.reset();
+    s.start();
+    ASSERT_TRUE(s.editor->state.recovery);
+    s.editor->answerRecovery(true);
+    s.until([&] { return !s.editor->job(); });
+    EXPECT_EQ(s.editor->look().environment.yawDegrees, 12);
+    ASSERT_TRUE(s.editor->estimate());
+    EXPECT_EQ(s.editor->estimate()->timeline.size(), first->timeline.size());
+    EXPECT_EQ(s.editor->estimate()->lighting.emitterRadiance, first->lighting.emitterRadiance);
+}
+
+TEST(Editor, photographsThatGoAwayTakeNothingWithThem) {
+    Session s;
+    test::paintKnownWorld(s.folder / "room", true, 6, 10);
+    s.open(s.folder / "room");
+    std::filesystem::rename(s.folder / "room/images", s.folder / "unplugged");
+    // What is open needs them no more.
+    s.solve();
+    ASSERT_TRUE(s.editor->estimate());
+    s.editor->edit("Turn", [](Look& look) { look.environment.yawDegrees = 5; });
+    s.editor->saveAs(s.folder / "shot");
+    s.settle();
+    EXPECT_TRUE(s.editor->state.notices.empty());
+    // Opened again it can be relit; estimating asks for them.
+    s.open(s.folder / "shot.relamp");
+    ASSERT_TRUE(s.editor->estimate());
+    EXPECT_EQ(s.editor->look().environment.yawDegrees, 5);
+    ASSERT_EQ(s.editor->state.notices.size(), 1u);
+    EXPECT_NE(s.editor->state.notices[0].text.find("images/"), std::string::npos) << s.editor->state.notices[0].text;
+    s.editor->state.notices.clear();
+    s.editor->solve(s.editor->state.solve);
+    EXPECT_FALSE(s.editor->job());
+    EXPECT_EQ(s.editor->state.notices.size(), 1u);
+    // The mesh as well: a sentence, and what was open stays.
+    std::filesystem::rename(s.folder / "room", s.folder / "unplugged-too");
+    s.editor->state.notices.clear();
+    s.open(s.folder / "shot.relamp");
+    ASSERT_EQ(s.editor->state.notices.size(), 1u);
+    EXPECT_NE(s.editor->state.notices[0].text.find("room"), std::string::npos);
+    EXPECT_TRUE(s.editor->estimate());
 }
 
 TEST(Editor, theViewportFollowsEditsAndSolo) {

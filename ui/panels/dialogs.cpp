@@ -78,6 +78,7 @@ struct Dialog {
 };
 
 const Dialog recoveryDialog{"Work from before a crash###recovery", 30, 0, true, drawRecoveryOffer};
+const Dialog lockedDialog{"Open elsewhere###locked", 32, 0, true, drawLockedQuestion};
 const Dialog unsavedDialog{"Save first?###unsaved", 28, 0, true, drawUnsavedQuestion};
 const Dialog noticeDialog{"###notice", 32, 0, true, drawNotice};
 const Dialog browserDialog{"###browser", 58, 36, true, drawBrowser};
@@ -92,6 +93,7 @@ const Dialog* mostUrgent(const Editor& editor) {
     if (!state.notices.empty()) return &noticeDialog;
     if (browsing().open && browsing().editor == &editor) return &browserDialog;
     if (state.unsaved) return &unsavedDialog;
+    if (state.locked) return &lockedDialog;
     if (state.panels.palette) return &paletteDialog;
     if (state.panels.exportFrames) return &exportDialog;
     if (state.panels.keys) return &keysDialog;
@@ -185,6 +187,26 @@ bool drawUnsavedQuestion(Editor& editor) {
     sameLineIfFits(em(7));
     if (button("Cancel", "Stays here (Esc)", em(7)) || escapePressed()) return answer(false, false);
     if (enterPressed() && !ImGui::IsWindowAppearing()) return answer(true, true);
+    return false;
+}
+
+bool drawLockedQuestion(Editor& editor) {
+    if (!editor.state.locked) return true;
+    const LockedQuestion question = *editor.state.locked;
+    wrapped("This shot is open already. If both save, one loses what the other did.");
+    ImGui::Spacing();
+    fact("Shot", shown(question.path.string()));
+    fact("Open by", shown(question.owner));
+    ImGui::Spacing();
+    const auto answer = [&](LockedAnswer given) {
+        editor.answerLocked(given);
+        return true;
+    };
+    if (primaryButton("Open read-only", "Shows it; saving asks for another place", em(9)) || (enterPressed() && !ImGui::IsWindowAppearing())) return answer(LockedAnswer::readOnly);
+    sameLineIfFits(em(9));
+    if (button("Open a copy", "Saves a copy beside it and opens that", em(9))) return answer(LockedAnswer::copy);
+    sameLineIfFits(em(7));
+    if (button("Cancel", "Opens nothing (Esc)", em(7)) || escapePressed()) return answer(LockedAnswer::cancel);
     return false;
 }
 

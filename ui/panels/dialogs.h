@@ -11,6 +11,7 @@ namespace relamp::ui {
 bool drawNotice(Editor& editor);
 bool drawUnsavedQuestion(Editor& editor);
 bool drawRecoveryOffer(Editor& editor);
+bool drawLockedQuestion(Editor& editor);
 bool drawExportDialog(Editor& editor);
 bool drawKeysDialog(Editor& editor);
 bool drawAboutDialog(Editor& editor);

@@ -1,0 +1,93 @@
+// The readers of files that people bring: captures, meshes, COLMAP models, pictures, measured reflectance.
+#include "brdf/merl.h"
+#include "capture/colmap.h"
+#include "capture/load_capture.h"
+#include "capture/transforms_json.h"
+#include "fuzz/target.h"
+#include "image/environment_map.h"
+#include "image/image_io.h"
+#include "scene/mesh_io.h"
+
+namespace relamp::fuzz {
+namespace {
+
+std::pair<int, int> someSize(const std::string&) { return {640, 480}; }
+
+const Target transforms("transforms", [](std::string_view bytes) { parseTransforms(std::string(bytes), someSize); });
+const Target camera("camera", [](std::string_view bytes) { readCameraFile(fileWith("camera.json", bytes)); });
+
+template <int kind>
+void mesh(std::string_view bytes) {
+    constexpr const char* names[] = {"mesh.ply", "mesh.obj", "mesh.off", "mesh.stl"};
+    MeshReport report;
+    const Mesh read = readMesh(fileWith(names[kind], bytes), &report);
+    for (const Triangle& t : read.triangles)
+        for (const uint32_t v : t)
+            if (v >= read.vertexCount()) throw std::logic_error("a triangle names a vertex that is not there");
+    for (const Vec3& p : read.positions)
+        if (!std::isfinite(p.x + p.y + p.z)) throw std::logic_error("a position that is no number");
+}
+const Target ply("mesh-ply", mesh<0>), obj("mesh-obj", mesh<1>), off("mesh-off", mesh<2>), stl("mesh-stl", mesh<3>);
+const Target vertexPly("vertex-ply", [](std::string_view bytes) { readVertexPly(fileWith("vertices.ply", bytes)); });
+
+/// cameras, images and points3D, one after the other.
+void colmap(std::string_view bytes, const char* ending) {
+    const char* names[] = {"cameras", "images", "points3D"};
+    for (size_t i = 0; i < 3; ++i) fileWith(std::string("model-") + ending + "/" + names[i] + "." + ending, part(bytes, i));
+    Progress progress;
+    const ColmapModel model = readColmapModel(folder() / (std::string("model-") + ending), {}, progress);
+    std::vector<Camera> cameras;
+    for (const ColmapView& view : model.views) cameras.push_back(view.camera);
+    guessUp(cameras);
+}
+const Target colmapText("colmap-text", [](std::string_view bytes) { colmap(bytes, "txt"); });
+const Target colmapBinary("colmap-binary", [](std::string_view bytes) { colmap(bytes, "bin"); });
+
+template <int kind>
+void picture(std::string_view bytes) {
+    constexpr const char* names[] = {"a.exr", "a.hdr", "a.jpg", "a.png"};
+    const std::filesystem::path file = fileWith(names[kind], bytes);
+    constexpr size_t mostPixels = size_t(1) << 20;
+    const auto tolerant = [](auto&& body) {
+        try {
+            body();
+        } catch (const Error&) {
+        }
+    };
+    tolerant([&] { readImageSize(file); });
+    tolerant([&] { readExposureTags(file); });
+    tolerant([&] { readCodes(file, mostPixels); });
+    ImageReport report;
+    const Image image = readImage(file, &report, false, mostPixels);
+    if (image.pixels.size() != size_t(image.width) * size_t(image.height)) throw std::logic_error("pixels are missing");
+    for (const Rgb& p : image.pixels)
+        if (!isFinite(p)) throw std::logic_error("a pixel that is no number");
+}
+const Target exr("image-exr", picture<0>), hdr("image-hdr", picture<1>), jpeg("image-jpeg", picture<2>), png("image-png", picture<3>);
+
+/// A file of the right size with the bytes at its beginning and end: the whole would be 35 MB.
+const Target merl("merl", [](std::string_view bytes) {
+    constexpr size_t whole = 12 + 8 * 3 * size_t(90) * 90 * 180;
+    const std::filesystem::path file = fileWith("m.binary", bytes);
+    if (!bytes.empty() && bytes[0] == char(90)) std::filesystem::resize_file(file, whole);  // the rest reads as zeros
+    readMerl(file);
+});
+
+/// A whole capture: what the files say together.
+const Target capture("capture", [](std::string_view bytes) {
+    fileWith("capture/transforms.json", part(bytes, 0));
+    fileWith("capture/mesh.obj", part(bytes, 1));
+    static const bool painted = [] {
+        writeImage(folder() / "capture/a.png", Image(8, 6, Rgb(0.5f)));
+        writeImage(folder() / "capture/b.png", Image(8, 6, Rgb(0.2f)));
+        return true;
+    }();
+    LoadOptions options;
+    options.images = painted;
+    options.maxPixels = 1 << 16;
+    Progress progress;
+    loadCapture(folder() / "capture", options, progress);
+});
+
+}  // namespace
+}  // namespace relamp::fuzz
