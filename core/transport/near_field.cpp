@@ -1,7 +1,5 @@
 #include "transport/near_field.h"
 
-#include <tuple>
-
 #include "base/parallel.h"
 #include "base/random.h"
 #include "wavelet/haar.h"
@@ -15,14 +13,7 @@ EmitterSurface emitterSurface(const Mesh& mesh, const EmitterCluster& cluster, c
     const bool mirrored = glm::determinant(Mat3(toWorld)) < 0;
     float sum = 0;
     DVec3 centre(0);
-    // In the order of their places, so that the sampling does not rest on the file's order.
-    std::vector<uint32_t> triangles = cluster.triangles;
-    const auto placeOf = [&](uint32_t t) {
-        const Vec3 p = mesh.positions[mesh.triangles[t][0]] + mesh.positions[mesh.triangles[t][1]] + mesh.positions[mesh.triangles[t][2]];
-        return std::tuple(p.x, p.y, p.z, t);
-    };
-    std::sort(triangles.begin(), triangles.end(), [&](uint32_t a, uint32_t b) { return placeOf(a) < placeOf(b); });
-    for (uint32_t t : triangles) {
+    for (uint32_t t : cluster.triangles) {
         std::array<Vec3, 3> c{moved(mesh.triangles[t][0]), moved(mesh.triangles[t][1]), moved(mesh.triangles[t][2])};
         if (mirrored) std::swap(c[1], c[2]);
         const Vec3 cross = glm::cross(c[1] - c[0], c[2] - c[0]);

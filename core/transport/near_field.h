@@ -20,7 +20,7 @@ struct EmitterSurface {
     float area() const { return cumulativeArea.empty() ? 0 : cumulativeArea.back(); }
 };
 
-/// Zero-area triangles are left out. `toWorld` moves the surface.
+/// In the order of the cluster's triangles, which samplers count on; those without area are left out. `toWorld` moves the surface.
 EmitterSurface emitterSurface(const Mesh& mesh, const EmitterCluster& cluster, const Mat4& toWorld = Mat4(1));
 
 /// Form factor from a surface point to a triangle, unshadowed, clipped at the point's horizon: the share of the cosine-

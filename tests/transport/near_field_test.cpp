@@ -28,6 +28,17 @@ EmitterCluster wholeMesh(const Mesh& mesh) {
     return cluster;
 }
 
+TEST(EmitterSurface, KeepsTheOrderOfTheClustersTriangles) {
+    // Samplers go from the n-th triangle of a cluster to the n-th of its surface: another order gives wrong densities and bright specks.
+    Mesh mesh = test::sheet({1, 0, 0}, {-2, 0, 0}, {0, 2, 0}, 4, 4);
+    EmitterCluster cluster = wholeMesh(mesh);
+    std::swap(cluster.triangles[3], cluster.triangles[20]);
+    const EmitterSurface surface = emitterSurface(mesh, cluster);
+    ASSERT_EQ(surface.corners.size(), cluster.triangles.size());
+    for (size_t i = 0; i < surface.corners.size(); ++i)
+        for (size_t k = 0; k < 3; ++k) EXPECT_EQ(surface.corners[i][k], mesh.positions[mesh.triangles[cluster.triangles[i]][k]]) << i;
+}
+
 TEST(FormFactor, OfADiscAbovePlaneIsItsRadiusSquaredOverTheDistanceToItsRimSquared) {
     for (const float height : {0.05f, 0.3f, 1.0f, 4.0f, 20.0f}) {
         // The polygon of 720 sides lacks 1.3e-5 of the disc's area.
