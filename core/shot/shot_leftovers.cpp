@@ -21,6 +21,20 @@ struct Leftover {
     bool aside = false;  ///< the old shot of a file system that cannot exchange folders
 };
 
+/// Whether `number` names a process that is gone.
+bool deadProcess(const std::string& number) {
+    if (number.empty() || number.size() > 9 || !std::all_of(number.begin(), number.end(), [](char c) { return c >= '0' && c <= '9'; })) return false;
+    const int process = std::stoi(number);
+    return process > 0 && kill(process, 0) != 0 && errno != EPERM;
+}
+
+/// A checkpoint that its solve did not get to put in place, "..NAME.relamp.4711.checkpoint".
+bool unfinishedCheckpoint(const std::string& name, const std::string& shotName) {
+    const std::string prefix = ".." + shotName + ".", suffix = ".checkpoint";
+    return name.size() > prefix.size() + suffix.size() && name.starts_with(prefix) && name.ends_with(suffix) &&
+           deadProcess(name.substr(prefix.size(), name.size() - prefix.size() - suffix.size()));
+}
+
 std::optional<Leftover> leftoverOf(const fs::path& entry, const std::string& shotName) {
     std::string name = entry.filename().string();
     const std::string prefix = "." + shotName + ".";
@@ -28,9 +42,7 @@ std::optional<Leftover> leftoverOf(const fs::path& entry, const std::string& sho
     name.erase(0, prefix.size());
     const bool aside = name.ends_with(".old");
     if (aside) name.resize(name.size() - 4);
-    if (name.empty() || name.size() > 9 || !std::all_of(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; })) return {};
-    const int process = std::stoi(name);
-    if (process <= 0 || kill(process, 0) == 0 || errno == EPERM) return {};
+    if (!deadProcess(name)) return {};
     const int handle = open(entry.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
     if (handle < 0) return {};
     const bool free = flock(handle, LOCK_EX | LOCK_NB) == 0;
@@ -73,8 +85,12 @@ void mendShot(const fs::path& given) {
     fs::path shot = fs::absolute(given, failed).lexically_normal();
     if (!shot.has_filename()) shot = shot.parent_path();
     std::vector<Leftover> leftovers;
-    for (fs::directory_iterator entry(shot.parent_path(), failed), end; !failed && entry != end; entry.increment(failed))
+    std::vector<fs::path> unfinished;
+    for (fs::directory_iterator entry(shot.parent_path(), failed), end; !failed && entry != end; entry.increment(failed)) {
         if (auto one = leftoverOf(entry->path(), shot.filename().string())) leftovers.push_back(*one);
+        else if (unfinishedCheckpoint(entry->path().filename().string(), shot.filename().string())) unfinished.push_back(entry->path());
+    }
+    for (const fs::path& file : unfinished) fs::remove(file, failed);
     if (leftovers.empty()) return;
     // Killed between moving the old one aside and putting the new one there: shot.json is written last, so what has it is whole.
     if (!fs::exists(fs::symlink_status(shot, failed))) {

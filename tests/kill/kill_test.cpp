@@ -6,6 +6,7 @@
 #include <random>
 
 #include "gui/desktop.h"
+#include "shot/checkpoint.h"
 #include "shot/shot_file.h"
 #include "support/known_world.h"
 #include "support/run_program.h"
@@ -64,15 +65,16 @@ protected:
         return {RELAMP_BINARY, "solve", folder / "room", "-o", shot(), "--quality", "draft", "--overwrite", "--seed", std::to_string(number)};
     }
     fs::path shot() const { return folder / "room.relamp"; }
+    fs::path checkpoint() const { return checkpointFile(shot()); }
     Shot opened() const {
         Progress progress;
         return openShot(shot(), true, progress);
     }
-    /// Entries of the folder that are neither the capture, the shot nor a lock's file.
+    /// Entries of the folder that are neither the capture, the shot, the checkpoint to go on from nor a lock's file.
     std::vector<std::string> leftovers() const {
         std::vector<std::string> names;
         for (const auto& entry : fs::directory_iterator(folder.path()))
-            if (const std::string name = entry.path().filename().string(); name != "room" && name != "room.relamp" && !name.ends_with(".lock")) names.push_back(name);
+            if (const std::string name = entry.path().filename().string(); name != "room" && name != "room.relamp" && entry.path() != checkpoint() && !name.ends_with(".lock")) names.push_back(name);
         return names;
     }
     TemporaryFolder folder;
@@ -90,8 +92,12 @@ TEST_F(KilledPrograms, aSolveLeavesTheOldShotOrTheNewOne) {
         EXPECT_EQ(shot.estimate.emitters.emitters.size(), 1u);
         EXPECT_GE(shot.seed, 1u);
         EXPECT_LE(shot.seed, uint64_t(n) + 2);
-        EXPECT_EQ(leftovers(), std::vector<std::string>{}) << "opening clears away";
+        EXPECT_EQ(leftovers(), std::vector<std::string>{}) << "opening clears away what is not whole";
         ASSERT_TRUE(fs::exists(folder / "room.relamp/notes.txt"));
+        if (!fs::exists(checkpoint())) continue;
+        const std::string refused = readCheckpoint(checkpoint(), 0).refused;
+        EXPECT_EQ(refused.find("damaged"), std::string::npos) << refused;
+        EXPECT_NE(refused.find("belongs to another"), std::string::npos) << refused;
     }
     std::printf("kill: solve: %d kills, %d while it ran; every time the shot opened\n", kills(), running);
 }
