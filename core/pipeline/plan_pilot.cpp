@@ -118,6 +118,7 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
     AlbedoFreeOptions fit;
     fit.iterations = 12;
     fit.light.darkness = float(1e-3 * middle);
+    fit.chroma = ChromaShare{};  // each channel by itself: that is enough to judge by
     took();
     const AlbedoFreeReport without = solveAlbedoFree(rows, matte, chosen, anchors, nullptr, fit, lighting, progress, {});
     found.iterations = without.iterations;

@@ -1,7 +1,5 @@
 #include "solve/albedo_free.h"
 
-#include <optional>
-
 #include "base/parallel.h"
 
 namespace relamp {
@@ -9,7 +7,7 @@ namespace relamp {
 using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using RowMap = Eigen::Map<const RowMajor>;
 
-Eigen::MatrixXd weightedGram(const InfluenceMatrix& influence, const std::function<void(size_t, float*)>& weighted, Progress& progress) {
+Eigen::MatrixXd weightedGram(const InfluenceMatrix& influence, const std::function<void(size_t, float*)>& weighted, Progress& progress, bool symmetric) {
     const size_t n = influence.columns;
     constexpr size_t block = 512;
     constexpr Eigen::Index panel = 64;
@@ -26,16 +24,17 @@ Eigen::MatrixXd weightedGram(const InfluenceMatrix& influence, const std::functi
             const size_t begin = b * block, count = std::min(block, influence.rows - begin);
             for (size_t i = 0; i < count; ++i) weighted(begin + i, t.row(Eigen::Index(i)).data());
             const RowMap rows(influence.row(begin), Eigen::Index(count), Eigen::Index(n));
-            // Symmetric: by panels of columns, each from its diagonal down.
+            // By panels of columns, each from its diagonal down where the rest is its mirror.
             for (Eigen::Index j = 0; j < Eigen::Index(n); j += panel) {
-                const Eigen::Index w = std::min(panel, Eigen::Index(n) - j), down = Eigen::Index(n) - j;
+                const Eigen::Index w = std::min(panel, Eigen::Index(n) - j), from = symmetric ? j : 0, down = Eigen::Index(n) - from;
                 product.topRows(down).leftCols(w).noalias() = rows.rightCols(down).transpose() * t.topRows(Eigen::Index(count)).middleCols(j, w);
-                partial[lane].block(j, j, down, w) += product.topRows(down).leftCols(w).cast<double>();
+                partial[lane].block(from, j, down, w) += product.topRows(down).leftCols(w).cast<double>();
             }
         }
     });
     Eigen::MatrixXd gram = partial[0];
     for (size_t lane = 1; lane < lanes; ++lane) gram += partial[lane];
+    if (!symmetric) return gram;
     return gram.selfadjointView<Eigen::Lower>();
 }
 
@@ -91,10 +90,11 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
     anchored |= options.bounce != nullptr;
     std::vector<float> robust(pairs.size(), 1);
     std::vector<Rgb> mixing(rows);
+    std::vector<PairPrecision> precision(pairs.size());
     struct Term {
-        float weight, residual, a, b;  // residual and its derivative: b B_b - a B_a
+        float residual, a, b;  // residual and its derivative: b B_b - a B_a
     };
-    std::vector<Term> terms(pairs.size());
+    std::vector<std::array<Term, 3>> terms(pairs.size());
 
     // One pair in one channel at the irradiances la, lb: r = 2 (p - q) / (p + q) with p = y_a lit_b, q = y_b lit_a, which is the
     // difference of log albedo where that is small and stays finite in the dark.
@@ -104,7 +104,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
     };
     // Its variance: noise, mismatch, shadow edges. It rests on the light, but stays as it is while a step is sought: an objective that can be
     // lowered by making shadow edges harder (which raises their variance) leads away from the light.
-    std::vector<std::array<float, 3>> variance(pairs.size());
+    std::vector<PairVariance> variance(pairs.size());
     const auto takeVariance = [&](const Eigen::VectorXf* at) {
         std::fill(mixing.begin(), mixing.end(), Rgb(0));
         for (const AlbedoPair& p : pairs) {
@@ -115,15 +115,20 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
                 mixing[p.b][c] = std::max(mixing[p.b][c], step);
             }
         }
+        std::vector<Rgb> residual(pairs.size());
         parallelFor(pairs.size(), 4096, [&](size_t k) {
             const AlbedoPair& p = pairs[k];
             for (int c = 0; c < 3; ++c) {
                 const double la = at[c](p.a), lb = at[c](p.b), ya = matte.radiance[p.a][c], yb = matte.radiance[p.b][c], sum = std::max(ya * lb + yb * la, 1e-30);
                 const double sa = matte.sigma[p.a][c] * lb, sb = matte.sigma[p.b][c] * la;
                 const double ma = options.mixing * mixing[p.a][c] * yb, mb = options.mixing * mixing[p.b][c] * ya;
-                variance[k][size_t(c)] = float(4 * (sa * sa + sb * sb + ma * ma + mb * mb) / (sum * sum) + 2 * double(options.mismatch) * options.mismatch + 1e-12);
+                variance[k].noise[c] = float(std::min(1e6, 4 * (sa * sa + sb * sb) / (sum * sum)) + 1e-12);
+                variance[k].model[c] = float(std::min(1e6, 4 * (ma * ma + mb * mb) / (sum * sum)) + 2 * double(options.mismatch) * options.mismatch);
+                residual[k][c] = float(pairResidual(p, c, float(la), float(lb)));
             }
         });
+        report.chroma = options.chroma ? *options.chroma : chromaShare(residual, variance);
+        parallelFor(pairs.size(), 4096, [&](size_t k) { precision[k] = pairPrecision(variance[k], report.chroma); });
     };
     const auto litBy = [&](const Eigen::VectorXd* light, Eigen::VectorXf* out) {
         for (int c = 0; c < 3; ++c) {
@@ -153,13 +158,13 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
             Sums s;
             for (size_t k = begin; k < end; ++k) {
                 const AlbedoPair& p = pairs[k];
-                double mean = 0;
+                double residual[3];
                 for (int c = 0; c < 3; ++c) {
-                    const double r = pairResidual(p, c, at[c](p.a), at[c](p.b));
-                    mean += r * r / double(variance[k][size_t(c)]) / 3;
+                    const double r = residual[c] = pairResidual(p, c, at[c](p.a), at[c](p.b));
                     s.squares += robustStep(r);
                     ++s.counted;
                 }
+                const double mean = precision[k].square(residual) / 3;
                 robust[k] = float(1 / (1 + mean / (scale * scale)));
                 s.objective += p.weight * scale * scale * std::log1p(mean / (scale * scale));
             }
@@ -204,71 +209,96 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
 
     // Where the quadratic model at x has its minimum, and how exactly that was found.
     const auto modelMinimum = [&](bool fromPresent, Eigen::VectorXd* target) {
-        double kkt = 0;
-        for (int c = 0; c < 3; ++c) {
-            parallelFor(pairs.size(), 4096, [&](size_t k) {
-                const AlbedoPair& p = pairs[k];
+        parallelFor(pairs.size(), 4096, [&](size_t k) {
+            const AlbedoPair& p = pairs[k];
+            for (int c = 0; c < 3; ++c) {
                 const float la = lit[c](p.a), lb = lit[c](p.b);
-                const double r = pairResidual(p, c, la, lb);
                 const double ya = matte.radiance[p.a][c], yb = matte.radiance[p.b][c], pp = ya * lb, qq = yb * la, sum = std::max(pp + qq, 1e-30);
-                terms[k] = {float(p.weight * robust[k] / variance[k][size_t(c)]), float(r), float(4 * pp * yb / (sum * sum)), float(4 * qq * ya / (sum * sum))};
-            });
+                terms[k][size_t(c)] = {float(pairResidual(p, c, la, lb)), float(4 * pp * yb / (sum * sum)), float(4 * qq * ya / (sum * sum))};
+            }
+        });
+        // The part of the Gram matrix between channels c and d.
+        const auto gram = [&](int c, int d) {
             const auto weighted = [&](size_t i, float* out) {
                 Eigen::Map<Eigen::RowVectorXf> row(out, denseRows.cols());
                 float diagonal = 0;
                 row.setZero();
                 for (uint32_t k = adjacency.start[i]; k < adjacency.start[i + 1]; ++k) {
                     const uint32_t p = adjacency.pair[k], j = adjacency.other[k];
-                    const Term& t = terms[p];
-                    const float mine = pairs[p].a == i ? t.a : t.b;
-                    diagonal += t.weight * mine * mine;
-                    row -= (t.weight * t.a * t.b) * denseRows.row(Eigen::Index(j));
+                    const Term &t = terms[p][size_t(c)], &u = terms[p][size_t(d)];
+                    const bool first = pairs[p].a == i;
+                    const float weight = pairs[p].weight * robust[p] * precision[p](c, d), mine = weight * (first ? t.a : t.b);
+                    diagonal += mine * (first ? u.a : u.b);
+                    row -= (mine * (first ? u.b : u.a)) * denseRows.row(Eigen::Index(j));
                 }
                 row += diagonal * denseRows.row(Eigen::Index(i));
             };
-            Eigen::MatrixXd q = pairs.empty() ? Eigen::MatrixXd::Zero(n, n) : weightedGram(dense, weighted, progress);
-            if (narrow.rows && !pairs.empty()) {
-                Eigen::MatrixXd wide = Eigen::MatrixXd::Zero(n, n);
-                wide(lightingColumns, lightingColumns) = q;
-                q = std::move(wide);
+            if (pairs.empty()) return Eigen::MatrixXd(Eigen::MatrixXd::Zero(n, n));
+            Eigen::MatrixXd q = weightedGram(dense, weighted, progress, c == d);
+            if (!narrow.rows) return q;
+            Eigen::MatrixXd wide = Eigen::MatrixXd::Zero(n, n);
+            wide(lightingColumns, lightingColumns) = q;
+            return wide;
+        };
+        Eigen::MatrixXd& all = report.information.all;
+        all.setZero(3 * n, 3 * n);
+        Eigen::VectorXd moments = Eigen::VectorXd::Zero(3 * n), lowers = Eigen::VectorXd::Zero(3 * n), present(3 * n);
+        for (int c = 0; c < 3; ++c) {
+            for (int d = 0; d < c && !report.chroma.apart(); ++d) {
+                all.block(c * n, d * n, n, n) = gram(c, d);
+                all.block(d * n, c * n, n, n) = all.block(c * n, d * n, n, n).transpose();
             }
+            Eigen::MatrixXd q = gram(c, c);
             Eigen::VectorXd gradient = Eigen::VectorXd::Zero(Eigen::Index(rows));
             for (size_t k = 0; k < pairs.size(); ++k) {
-                const Term& t = terms[k];
-                // The derivative of r along the whole light is zero; along x alone it is minus that along the bounced light.
-                double residual = t.residual;
-                if (options.bounce) residual += double(t.b) * (*options.bounce)[pairs[k].b][c] - double(t.a) * (*options.bounce)[pairs[k].a][c];
-                gradient(pairs[k].b) += double(t.weight) * residual * t.b;
-                gradient(pairs[k].a) -= double(t.weight) * residual * t.a;
+                double pull = 0;
+                for (int d = 0; d < 3; ++d) {
+                    const Term& t = terms[k][size_t(d)];
+                    // The derivative of r along the whole light is zero; along x alone it is minus that along the bounced light.
+                    double residual = t.residual;
+                    if (options.bounce) residual += double(t.b) * (*options.bounce)[pairs[k].b][d] - double(t.a) * (*options.bounce)[pairs[k].a][d];
+                    pull += double(precision[k](c, d)) * residual;
+                }
+                pull *= double(pairs[k].weight) * robust[k];
+                gradient(pairs[k].b) += pull * terms[k][size_t(c)].b;
+                gradient(pairs[k].a) -= pull * terms[k][size_t(c)].a;
             }
             Eigen::VectorXd moment = -(b.transpose() * gradient.cast<float>()).cast<double>(), lower = Eigen::VectorXd::Zero(n);
             if (viewRows) {
                 const InfluenceMatrix& rows3 = viewRows->influence[c];
-                report.information[size_t(c)].looks = weightedGram(rows3, [&](size_t i, float* out) {
+                Eigen::MatrixXd& looks = report.information.looks[size_t(c)];
+                looks = weightedGram(rows3, [&](size_t i, float* out) {
                     for (Eigen::Index k = 0; k < n; ++k) out[k] = viewWeight[i] * rows3.row(i)[k];
                 }, progress);
-                q += report.information[size_t(c)].looks;
+                q += looks;
                 for (size_t i = 0; i < rows3.rows; ++i) {
                     const Eigen::Map<const Eigen::VectorXf> row(rows3.row(i), n);
                     moment += (viewWeight[i] * viewRows->radiance[i][c]) * row.cast<double>();
                 }
             }
-            report.information[size_t(c)].seen = prior.seenDirectly(x[c], c, q);
+            report.information.seen[size_t(c)] = prior.seenDirectly(x[c], c, q);
             prior.add(x[c], c, q, moment, lower);
-            report.information[size_t(c)].all = q;
-            if (!anchored) {
-                // Nothing ties the scale down, and black light explains every ratio: the mean stays where it is.
-                Eigen::VectorXd mean = Eigen::VectorXd::Zero(n);
-                for (size_t i = 0; i < leafCount; ++i) mean(Eigen::Index(i)) = double(lighting.leaves[i].solidAngle()) / (4 * piD);
-                const double hold = q.diagonal().maxCoeff() / mean.squaredNorm() + 1e-30;
-                moment += hold * mean.dot(x[c]) * mean;
-                q += hold * mean * mean.transpose();
-            }
-            const QpResult solution = solveBoundedQp(q, moment, lower, fromPresent ? &x[c] : nullptr, {&progress});
-            kkt = std::max(kkt, solution.kktResidual);
-            target[c] = solution.usable ? solution.x : x[c];
+            all.block(c * n, c * n, n, n) = q;
+            moments.segment(c * n, n) = moment;
+            lowers.segment(c * n, n) = lower;
+            present.segment(c * n, n) = x[c];
         }
-        return kkt;
+        all.triangularView<Eigen::StrictlyUpper>() = all.transpose();
+        Eigen::MatrixXd held;
+        if (!anchored) {
+            // Nothing ties the scale down, and black light explains every ratio: the mean stays where it is.
+            held = all;
+            Eigen::VectorXd mean = Eigen::VectorXd::Zero(n);
+            for (size_t i = 0; i < leafCount; ++i) mean(Eigen::Index(i)) = double(lighting.leaves[i].solidAngle()) / (4 * piD);
+            for (int c = 0; c < 3; ++c) {
+                const double hold = all.diagonal().segment(c * n, n).maxCoeff() / mean.squaredNorm() + 1e-30;
+                moments.segment(c * n, n) += hold * mean.dot(x[c]) * mean;
+                held.block(c * n, c * n, n, n) += hold * mean * mean.transpose();
+            }
+        }
+        const QpResult solution = solveBoundedQp(anchored ? all : held, moments, lowers, fromPresent ? &present : nullptr, {&progress});
+        for (int c = 0; c < 3; ++c) target[c] = solution.usable ? Eigen::VectorXd(solution.x.segment(c * n, n)) : x[c];
+        return solution.kktResidual;
     };
 
     progress.begin("Light from ratios", size_t(options.iterations));

@@ -2,11 +2,13 @@
 #pragma once
 #include <array>
 #include <functional>
+#include <optional>
 
 #include "base/progress.h"
 #include "solve/anchors.h"
 #include "solve/light_prior.h"
 #include "solve/matte.h"
+#include "solve/pair_precision.h"
 #include "solve/pairs.h"
 #include "solve/qp.h"
 #include "transport/incident.h"
@@ -26,6 +28,9 @@ struct AlbedoFreeOptions {
     /// Per observation the light that other surfaces send it, in the photographs' own unit (as shown by a white matte surface); null: none.
     /// It is measured, not solved for: B x + bounce lights the observation.
     const std::vector<Rgb>* bounce = nullptr;
+    /// How far the channels err on their own; none: found from the residuals while the weights are taken. Fits whose objectives are to be compared
+    /// need the same.
+    std::optional<ChromaShare> chroma;
 };
 
 /// Looks at glossy surfaces of known reflectance, as ordinary rows: row_c . x = radiance_c.
@@ -35,24 +40,26 @@ struct ViewRows {
     std::vector<float> sigma;      ///< radiance
 };
 
-/// What fixed one channel of the light: the quadratic model of the objective about the answer, n x n for n unknowns.
+/// What fixed the light: the quadratic model of the objective about the answer.
 struct LightInformation {
-    Eigen::MatrixXd all;      ///< of everything
-    Eigen::MatrixXd looks;    ///< its part from looks at glossy surfaces, empty without any
-    Eigen::VectorXd seen;     ///< its part from light seen directly, all of it on the diagonal
+    Eigen::MatrixXd all;                   ///< of everything, 3n x 3n for n unknowns a channel, channel after channel
+    std::array<Eigen::MatrixXd, 3> looks;  ///< its part from looks at glossy surfaces, n x n per channel, empty without any
+    std::array<Eigen::VectorXd, 3> seen;   ///< its part from light seen directly, all of it on the diagonal
 };
 
 struct AlbedoFreeReport {
     double objective = 0;
     double kktResidual = 0;  ///< worst channel of the last program
     int iterations = 0;
-    std::array<LightInformation, 3> information;  ///< per channel, about the last step's start
+    LightInformation information;  ///< about the last step's start
+    ChromaShare chroma;            ///< that the objective was reckoned with
 };
 
 /// Solves for x = [L; P] per channel, x >= 0, by Gauss-Newton. For a pair the residual is 2 (p - q) / (p + q), p = y_i B_j x,
 /// q = y_j B_i x: albedo is gone, the scale of x is an exact null space left to the anchors alone (and to bounced light, whose scale is known), and unlit vertices stay finite
 /// where logs would not. (Minimising (p - q)^2 with fixed weights instead shrinks x: noise in y correlates with the rows.) Weights:
-/// the residual's variance under noise, model mismatch and shadow-edge mixing, and a Cauchy weight on the mean over channels.
+/// the residual's covariance under noise, texture and shadow-edge mixing (solve/pair_precision.h: differences between channels are known better
+/// than any channel, so the channels are solved for together), and a Cauchy weight.
 /// `lighting` is the start and the result, and holds the best so far whenever `each(iteration, objective, rmse)` is told of an
 /// iteration. The objective never rises: its weights are taken anew while it anneals, and then once. Out of time it ends with what was best; rmse is the relative difference of the pairs (robustStep). `viewRows` may be null.
 AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteObservations& matte, const std::vector<AlbedoPair>& pairs,
@@ -60,7 +67,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
                                  Progress& progress, const std::function<void(int, double, double)>& each);
 
 /// B'W B in double from float rows in fixed blocks, for W given as a sparse symmetric operator by rows: result = sum over i of
-/// row_i' t_i with t = W B computed by `weighted(i, out)`.
-Eigen::MatrixXd weightedGram(const InfluenceMatrix& influence, const std::function<void(size_t, float*)>& weighted, Progress& progress);
+/// row_i' t_i with t = W B computed by `weighted(i, out)`. `symmetric`: W is, and half of the work does.
+Eigen::MatrixXd weightedGram(const InfluenceMatrix& influence, const std::function<void(size_t, float*)>& weighted, Progress& progress, bool symmetric = true);
 
 }  // namespace relamp

@@ -104,13 +104,14 @@ void SolveState::decideBounce(bool coarse) {
         return;
     }
     const Lighting without = lighting_;
-    const double before = runAlbedoFree(coarse ? "light from ratios, coarse" : "light from ratios", 1, nullptr).objective;
+    const AlbedoFreeReport alone = runAlbedoFree(coarse ? "light from ratios, coarse" : "light from ratios", 1, nullptr);
+    const double before = alone.objective;
     lighting_ = without;
     // Several rounds: what hidden surfaces send rests on the light.
     double after = 0;
     for (int round = 0; round < (coarse ? 2 : 4) && !stopped(); ++round) {
         updateBounce();
-        after = runAlbedoFree(coarse ? "light from ratios and bounces, coarse" : "light from ratios and bounces", round == 0 ? 8 : options_.startIterations, nullptr).objective;
+        after = runAlbedoFree(coarse ? "light from ratios and bounces, coarse" : "light from ratios and bounces", round == 0 ? 8 : options_.startIterations, nullptr, nullptr, alone.chroma).objective;
         if (options_.bounce == Bounce::automatic && after > 1.05 * before) break;  // far from it
     }
     if (stopped()) throw OutOfTime{};

@@ -147,8 +147,9 @@ void fields(File& f, SolveCheckpoint& c) {
     listOf(f, c.triedGloss, [&](PieceGloss& g) { fields(f, g); });
     f.plain(c.metalsHeard);
     f.plain(c.metalsJoined);
-    for (auto& channel : c.information)
-        for (std::vector<double>& part : channel) list(f, part);
+    list(f, c.information);
+    for (std::vector<double>& looks : c.informationOfLooks) list(f, looks);
+    for (std::vector<double>& seen : c.informationSeen) list(f, seen);
     list(f, c.albedo);
     list(f, c.confidence);
     listOf(f, c.timeline, [&](TimelineEntry& t) {
@@ -179,10 +180,10 @@ SolveCheckpoint checkpointFromBytes(const std::string& bytes) {
     if (checkpoint.leaves.size() != checkpoint.leafRadiance.size() || checkpoint.clusters.emitters.size() != checkpoint.emitterRadiance.size() ||
         checkpoint.suspect.size() != checkpoint.clusters.emitters.size())
         throw Error("its lists do not fit each other");
-    for (const auto& channel : checkpoint.information) {
-        const size_t n = channel[2].size();
-        if (channel[0].size() != n * n || (!channel[1].empty() && channel[1].size() != n * n)) throw Error("its lists do not fit each other");
-    }
+    const size_t n = checkpoint.informationSeen[0].size();
+    bool fit = checkpoint.information.size() == 3 * n * (3 * n + 1) / 2;
+    for (size_t k = 0; k < 3; ++k) fit &= checkpoint.informationSeen[k].size() == n && (checkpoint.informationOfLooks[k].empty() || checkpoint.informationOfLooks[k].size() == n * n);
+    if (!fit) throw Error("its lists do not fit each other");
     return checkpoint;
 }
 

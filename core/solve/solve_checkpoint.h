@@ -25,8 +25,8 @@ struct SolveCheckpoint {
     std::vector<Rgb> vertexBounce;    ///< empty: none
     std::vector<PieceGloss> gloss, triedGloss;
     bool metalsHeard = false, metalsJoined = false;
-    /// What fixed the light, per channel, as columns: all, looks, seen (LightInformation).
-    std::vector<double> information[3][3];
+    std::vector<double> information;  ///< what fixed the light (LightInformation): columns of `all` from the diagonal down
+    std::vector<double> informationOfLooks[3], informationSeen[3];
     std::vector<Rgb> albedo;          ///< per vertex; empty: not solved yet
     std::vector<float> confidence;
     std::vector<TimelineEntry> timeline;

@@ -150,8 +150,10 @@ void SolveState::guessLight() {
     }
 }
 
-AlbedoFreeReport SolveState::runAlbedoFree(const std::string& stage, int iterations, const ViewRows* rows, const RatioProblem* problem) {
+AlbedoFreeReport SolveState::runAlbedoFree(const std::string& stage, int iterations, const ViewRows* rows, const RatioProblem* problem,
+                                            std::optional<ChromaShare> chroma) {
     AlbedoFreeOptions o;
+    o.chroma = chroma;
     o.iterations = iterations;
     // Light is soft when metals first join: their looks are far off and would be taken for outliers.
     const bool firstOfMetals = problem && !metalsJoined_;
@@ -165,8 +167,9 @@ AlbedoFreeReport SolveState::runAlbedoFree(const std::string& stage, int iterati
     AlbedoFreeReport report = solveAlbedoFree(problem ? problem->influence : influence_, problem ? problem->observations : matte_, problem ? problem->pairs : pairs_, anchors_, rows, o, lighting_, progress_,
                                                     [&](int i, double objective, double rmse) { record(stage, i, objective, rmse); });
     stability_.kktResidual = report.kktResidual;
-    information_ = report.information;
-    logInfo("{}: {} iterations, objective {:.4g}, {} unknowns, {:.1f} s", stage, report.iterations, report.objective, lighting_.leaves.size() + surfaces_.size(), progress_.seconds());
+    information_ = std::move(report.information);
+    logInfo("{}: {} iterations, objective {:.4g}, {} unknowns, chroma {:.3f} of the noise and {:.3f} of the rest, {:.1f} s", stage, report.iterations, report.objective, lighting_.leaves.size() + surfaces_.size(),
+            report.chroma.noise, report.chroma.model, progress_.seconds());
     return report;
 }
 

@@ -126,7 +126,7 @@ private:
     std::string noBounceBecause_ = "nothing was matte";
     std::vector<TimelineEntry> timeline_;
     StabilityReport stability_;
-    std::array<LightInformation, 3> information_;  ///< of the last albedo-free step
+    LightInformation information_;  ///< of the last albedo-free step
 
     /// Direct light at any vertices, as a white matte surface shows it.
     std::vector<Rgb> directAt(const std::vector<uint32_t>& vertices);
@@ -145,7 +145,8 @@ private:
     void shapeLeaves();
     LobeRowOptions rowOptions() const;
     void splitLeaves(const std::vector<uint32_t>& leaves);
-    AlbedoFreeReport runAlbedoFree(const std::string& stage, int iterations, const ViewRows* rows, const RatioProblem* problem = nullptr);
+    AlbedoFreeReport runAlbedoFree(const std::string& stage, int iterations, const ViewRows* rows, const RatioProblem* problem = nullptr,
+                                   std::optional<ChromaShare> chroma = {});
     /// Looks at pieces that have a matte part too, with their reflectance as it is now.
     ViewRows viewRows(Progress& progress);
     /// Looks at pieces without a matte part join the matte observations: the lobe's weight cancels between two looks at the same piece, as

@@ -114,11 +114,13 @@ SolveCheckpoint SolveState::checkpoint(uint32_t step, bool between) const {
     c.triedGloss = triedGloss_;
     c.metalsHeard = metalsHeard_;
     c.metalsJoined = metalsJoined_;
+    for (Eigen::Index j = 0; j < information_.all.cols(); ++j)
+        c.information.insert(c.information.end(), information_.all.col(j).data() + j, information_.all.col(j).data() + information_.all.rows());
     for (size_t k = 0; k < 3; ++k) {
-        const LightInformation& known = information_[k];
-        c.information[k][0].assign(known.all.data(), known.all.data() + known.all.size());
-        c.information[k][1].assign(known.looks.data(), known.looks.data() + known.looks.size());
-        c.information[k][2].assign(known.seen.data(), known.seen.data() + known.seen.size());
+        const Eigen::MatrixXd& looks = information_.looks[k];
+        const Eigen::VectorXd& seen = information_.seen[k];
+        c.informationOfLooks[k].assign(looks.data(), looks.data() + looks.size());
+        c.informationSeen[k].assign(seen.data(), seen.data() + seen.size());
     }
     c.albedo = albedo_.albedo;
     c.confidence = albedo_.confidence;
@@ -161,10 +163,16 @@ void SolveState::goOnFrom(const SolveCheckpoint& c) {
     metalsHeard_ = c.metalsHeard;
     metalsJoined_ = c.metalsJoined;
     for (size_t k = 0; k < 3; ++k) {
-        const Eigen::Index n = Eigen::Index(c.information[k][2].size());
-        information_[k].all = Eigen::Map<const Eigen::MatrixXd>(c.information[k][0].data(), n, n);
-        information_[k].looks = Eigen::Map<const Eigen::MatrixXd>(c.information[k][1].data(), c.information[k][1].empty() ? 0 : n, c.information[k][1].empty() ? 0 : n);
-        information_[k].seen = Eigen::Map<const Eigen::VectorXd>(c.information[k][2].data(), n);
+        const Eigen::Index n = Eigen::Index(c.informationSeen[k].size()), m = c.informationOfLooks[k].empty() ? 0 : n;
+        information_.looks[k] = Eigen::Map<const Eigen::MatrixXd>(c.informationOfLooks[k].data(), m, m);
+        information_.seen[k] = Eigen::Map<const Eigen::VectorXd>(c.informationSeen[k].data(), n);
+    }
+    const Eigen::Index unknowns = 3 * Eigen::Index(c.informationSeen[0].size());
+    information_.all.resize(unknowns, unknowns);
+    const double* from = c.information.data();
+    for (Eigen::Index j = 0; j < unknowns; from += unknowns - j, ++j) {
+        std::copy(from, from + unknowns - j, information_.all.col(j).data() + j);
+        information_.all.row(j).tail(unknowns - j) = information_.all.col(j).tail(unknowns - j).transpose();
     }
     albedo_.albedo = c.albedo;
     albedo_.confidence = c.confidence;

@@ -53,7 +53,7 @@ double scaleVariance(const Eigen::MatrixXd& information, const Eigen::VectorXd& 
 
 }  // namespace
 
-LightUncertainty lightUncertainty(const std::array<LightInformation, 3>& information, const InfluenceMatrix& b, const std::vector<Rgb>& lit, const Lighting& lighting,
+LightUncertainty lightUncertainty(const LightInformation& information, const InfluenceMatrix& b, const std::vector<Rgb>& lit, const Lighting& lighting,
                                   const std::vector<std::string>& emitterNames, const UncertaintyOptions& options, Progress& progress) {
     LightUncertainty result;
     const size_t leaves = lighting.leaves.size(), emitters = lighting.emitterRadiance.size(), n = leaves + emitters;
@@ -61,18 +61,43 @@ LightUncertainty lightUncertainty(const std::array<LightInformation, 3>& informa
     result.emitterSigma.assign(emitters, Rgb(0));
     result.litSigma.assign(b.rows, Rgb(0));
     const auto radiance = [&](size_t i, int c) { return double(i < leaves ? lighting.leafRadiance[i][c] : lighting.emitterRadiance[i - leaves][c]); };
-    for (int c = 0; c < 3; ++c) {
-        const LightInformation& known = information[size_t(c)];
-        if (size_t(known.all.rows()) != n || b.columns != n || b.rows == 0) continue;
+    // Unknowns that are not held by their bound.
+    const auto freeUnknowns = [&](int c) {
         double top = 0;
         for (size_t i = 0; i < n; ++i) top = std::max(top, radiance(i, c));
         std::vector<Eigen::Index> free;
-        for (size_t i = 0; i < n; ++i)
-            if (radiance(i, c) > 1e-7 * top && known.all(Eigen::Index(i), Eigen::Index(i)) > 0) free.push_back(Eigen::Index(i));
+        for (size_t i = 0; i < n; ++i) {
+            const Eigen::Index k = Eigen::Index(size_t(c) * n + i);
+            if (radiance(i, c) > 1e-7 * top && information.all(k, k) > 0) free.push_back(Eigen::Index(i));
+        }
+        return free;
+    };
+    // What is known of one channel when the other two are unknown as well: a Schur complement.
+    const auto marginalOf = [&](int c) {
+        const Eigen::Index m = Eigen::Index(n), first = c * m;
+        std::vector<Eigen::Index> others;
+        for (int d = 0; d < 3; ++d)
+            if (d != c)
+                for (Eigen::Index i : freeUnknowns(d)) others.push_back(d * m + i);
+        Eigen::MatrixXd own = information.all.block(first, first, m, m);
+        if (others.empty()) return own;
+        Eigen::MatrixXd between = information.all(others, Eigen::seqN(first, m)), rest = information.all(others, others);
+        rest.diagonal() *= 1 + 1e-9;
+        const Eigen::LLT<Eigen::MatrixXd> factor(rest);
+        if (factor.info() != Eigen::Success) return own;
+        factor.matrixL().solveInPlace(between);
+        own.noalias() -= between.transpose() * between;
+        return own;
+    };
+    for (int c = 0; c < 3; ++c) {
+        if (size_t(information.all.rows()) != 3 * n || b.columns != n || b.rows == 0) continue;
+        const std::vector<Eigen::Index> free = freeUnknowns(c);
         if (free.empty()) continue;
         const Eigen::Index m = Eigen::Index(free.size());
         const double widening = double(options.widening) * options.widening;
         const auto restricted = [&](const Eigen::MatrixXd& q) -> Eigen::MatrixXd { return q(free, free) / widening; };
+        const Eigen::VectorXd& seen = information.seen[size_t(c)];
+        const Eigen::MatrixXd& looks = information.looks[size_t(c)];
         // The effect of the unknowns on the light, relative to it.
         const size_t step = std::max<size_t>(1, b.rows / 6000);
         InfluenceMatrix some;
@@ -90,7 +115,7 @@ LightUncertainty lightUncertainty(const std::array<LightInformation, 3>& informa
         if (some.rows == 0) continue;
         mean /= double(some.rows);
 
-        Eigen::MatrixXd all = restricted(known.all);
+        Eigen::MatrixXd all = restricted(marginalOf(c));
         all.diagonal() *= 1 + 1e-9;
         const Eigen::LLT<Eigen::MatrixXd> factor(all);
         if (factor.info() != Eigen::Success) {
@@ -106,8 +131,8 @@ LightUncertainty lightUncertainty(const std::array<LightInformation, 3>& informa
             return std::max(0.0, precision - 1 / scaleVariance(rest, mean));
         };
         Eigen::VectorXd background = Eigen::VectorXd::Zero(m), lamps = Eigen::VectorXd::Zero(m);
-        for (Eigen::Index k = 0; k < m; ++k) (size_t(free[size_t(k)]) < leaves ? background : lamps)(k) = known.seen(free[size_t(k)]) / widening;
-        double parts[4] = {lost(lamps.asDiagonal()), lost(background.asDiagonal()), known.looks.size() ? lost(restricted(known.looks)) : 0.0, 0.0};
+        for (Eigen::Index k = 0; k < m; ++k) (size_t(free[size_t(k)]) < leaves ? background : lamps)(k) = seen(free[size_t(k)]) / widening;
+        double parts[4] = {lost(lamps.asDiagonal()), lost(background.asDiagonal()), looks.size() ? lost(restricted(looks)) : 0.0, 0.0};
         parts[3] = options.bounced ? std::max(0.0, precision - parts[0] - parts[1] - parts[2]) : 0.0;
         const double sum = parts[0] + parts[1] + parts[2] + parts[3];
         if (sum > 0) {

@@ -30,8 +30,8 @@ struct LightUncertainty {
 };
 
 /// `b`: rows of the light's influence on the observations, `lit` the light on them. Unknowns at their bound count as known. Memory: some
-/// n x n doubles; cost: a factorisation and an eigenvalue problem of n unknowns a channel, one pass over `b`.
-LightUncertainty lightUncertainty(const std::array<LightInformation, 3>& information, const InfluenceMatrix& b, const std::vector<Rgb>& lit, const Lighting& lighting,
+/// n x n doubles; cost: a factorisation of 2n unknowns and an eigenvalue problem of n for each channel, one pass over `b`.
+LightUncertainty lightUncertainty(const LightInformation& information, const InfluenceMatrix& b, const std::vector<Rgb>& lit, const Lighting& lighting,
                                   const std::vector<std::string>& emitterNames, const UncertaintyOptions& options, Progress& progress);
 
 }  // namespace relamp

@@ -65,11 +65,11 @@ TEST(LightUncertainty, GrowsWithTheNoise) {
 
 TEST(LightUncertainty, ItsDirectionsSumToTheVarianceOfTheFullCovariance) {
     const test::SmallProblem p = test::smallProblem();
-    Lighting found = p.start;
+    Lighting found = p.start, again = p.start;
     UncertaintyOptions few = bare(), all = bare();
     all.directions = 100000;
     few.directions = 48;
-    const LightUncertainty some = solved(p, {}, few, found), whole = solved(p, {}, all, found);
+    const LightUncertainty some = solved(p, {}, few, found), whole = solved(p, {}, all, again);
     double kept = 0, sum = 0;
     for (size_t r = 0; r < whole.litSigma.size(); ++r) {
         EXPECT_LE(some.litSigma[r].y, whole.litSigma[r].y * 1.02f + 1e-6f);
