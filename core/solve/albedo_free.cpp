@@ -40,6 +40,20 @@ Eigen::MatrixXd weightedGram(const InfluenceMatrix& influence, const std::functi
 
 namespace {
 
+/// B't in double, in a fixed order.
+Eigen::VectorXd transposedProduct(const InfluenceMatrix& b, const std::vector<double>& t) {
+    constexpr size_t lanes = 8;
+    const Eigen::Index n = Eigen::Index(b.columns);
+    std::vector<Eigen::VectorXd> partial(lanes);
+    parallelFor(lanes, 1, [&](size_t lane) {
+        partial[lane] = Eigen::VectorXd::Zero(n);
+        for (size_t r = lane * b.rows / lanes; r < (lane + 1) * b.rows / lanes; ++r)
+            partial[lane] += t[r] * Eigen::Map<const Eigen::VectorXf>(b.row(r), n).cast<double>();
+    });
+    for (size_t lane = 1; lane < lanes; ++lane) partial[0] += partial[lane];
+    return partial[0];
+}
+
 /// For each observation its partners: (pair, other end).
 struct Adjacency {
     std::vector<uint32_t> start, pair, other;
@@ -76,7 +90,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
     const Eigen::Index n = Eigen::Index(influence.columns);
     const Adjacency adjacency = adjacencyOf(rows, pairs);
     const RowMap b(influence.values.data(), Eigen::Index(rows), n);
-    const LightPrior prior(lighting.leaves, anchors, options.light);
+    const LightPrior prior(lighting.leaves, anchors, options.light, &influence);
 
     Eigen::VectorXd x[3];
     Eigen::VectorXf lit[3];  // B x
@@ -92,7 +106,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
     std::vector<Rgb> mixing(rows);
     std::vector<PairPrecision> precision(pairs.size());
     struct Term {
-        float residual, a, b;  // residual and its derivative: b B_b - a B_a
+        double residual, a, b;  // residual and its derivative: b B_b - a B_a
     };
     std::vector<std::array<Term, 3>> terms(pairs.size());
 
@@ -214,7 +228,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
             for (int c = 0; c < 3; ++c) {
                 const float la = lit[c](p.a), lb = lit[c](p.b);
                 const double ya = matte.radiance[p.a][c], yb = matte.radiance[p.b][c], pp = ya * lb, qq = yb * la, sum = std::max(pp + qq, 1e-30);
-                terms[k][size_t(c)] = {float(pairResidual(p, c, la, lb)), float(4 * pp * yb / (sum * sum)), float(4 * qq * ya / (sum * sum))};
+                terms[k][size_t(c)] = {pairResidual(p, c, la, lb), 4 * pp * yb / (sum * sum), 4 * qq * ya / (sum * sum)};
             }
         });
         // The part of the Gram matrix between channels c and d.
@@ -227,9 +241,9 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
                     const uint32_t p = adjacency.pair[k], j = adjacency.other[k];
                     const Term &t = terms[p][size_t(c)], &u = terms[p][size_t(d)];
                     const bool first = pairs[p].a == i;
-                    const float weight = pairs[p].weight * robust[p] * precision[p](c, d), mine = weight * (first ? t.a : t.b);
-                    diagonal += mine * (first ? u.a : u.b);
-                    row -= (mine * (first ? u.b : u.a)) * denseRows.row(Eigen::Index(j));
+                    const double mine = double(pairs[p].weight * robust[p] * precision[p](c, d)) * (first ? t.a : t.b);
+                    diagonal += float(mine * (first ? u.a : u.b));
+                    row -= float(mine * (first ? u.b : u.a)) * denseRows.row(Eigen::Index(j));
                 }
                 row += diagonal * denseRows.row(Eigen::Index(i));
             };
@@ -244,26 +258,26 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
         all.setZero(3 * n, 3 * n);
         Eigen::VectorXd moments = Eigen::VectorXd::Zero(3 * n), lowers = Eigen::VectorXd::Zero(3 * n), present(3 * n);
         for (int c = 0; c < 3; ++c) {
+            present.segment(c * n, n) = x[c];
+            all.block(c * n, c * n, n, n) = gram(c, c);
             for (int d = 0; d < c && !report.chroma.apart(); ++d) {
                 all.block(c * n, d * n, n, n) = gram(c, d);
                 all.block(d * n, c * n, n, n) = all.block(c * n, d * n, n, n).transpose();
             }
-            Eigen::MatrixXd q = gram(c, c);
-            Eigen::VectorXd gradient = Eigen::VectorXd::Zero(Eigen::Index(rows));
+        }
+        // The minimum is where the model's slope, Q (x' - x) plus the slope at x, is zero: rounding in Q then slows the way and does not move its end.
+        moments.noalias() = all * present;
+        for (int c = 0; c < 3; ++c) {
+            std::vector<double> slope(rows, 0.0);
             for (size_t k = 0; k < pairs.size(); ++k) {
                 double pull = 0;
-                for (int d = 0; d < 3; ++d) {
-                    const Term& t = terms[k][size_t(d)];
-                    // The derivative of r along the whole light is zero; along x alone it is minus that along the bounced light.
-                    double residual = t.residual;
-                    if (options.bounce) residual += double(t.b) * (*options.bounce)[pairs[k].b][d] - double(t.a) * (*options.bounce)[pairs[k].a][d];
-                    pull += double(precision[k](c, d)) * residual;
-                }
+                for (int d = 0; d < 3; ++d) pull += double(precision[k](c, d)) * terms[k][size_t(d)].residual;
                 pull *= double(pairs[k].weight) * robust[k];
-                gradient(pairs[k].b) += pull * terms[k][size_t(c)].b;
-                gradient(pairs[k].a) -= pull * terms[k][size_t(c)].a;
+                slope[pairs[k].b] += pull * terms[k][size_t(c)].b;
+                slope[pairs[k].a] -= pull * terms[k][size_t(c)].a;
             }
-            Eigen::VectorXd moment = -(b.transpose() * gradient.cast<float>()).cast<double>(), lower = Eigen::VectorXd::Zero(n);
+            Eigen::MatrixXd q = all.block(c * n, c * n, n, n);
+            Eigen::VectorXd moment = moments.segment(c * n, n) - transposedProduct(influence, slope), lower = Eigen::VectorXd::Zero(n);
             if (viewRows) {
                 const InfluenceMatrix& rows3 = viewRows->influence[c];
                 Eigen::MatrixXd& looks = report.information.looks[size_t(c)];
@@ -281,7 +295,6 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
             all.block(c * n, c * n, n, n) = q;
             moments.segment(c * n, n) = moment;
             lowers.segment(c * n, n) = lower;
-            present.segment(c * n, n) = x[c];
         }
         all.triangularView<Eigen::StrictlyUpper>() = all.transpose();
         Eigen::MatrixXd held;

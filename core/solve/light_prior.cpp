@@ -2,12 +2,16 @@
 
 namespace relamp {
 
-LightPrior::LightPrior(const LightLeaves& leaves, const LightAnchors& anchors, const LightPriorOptions& options)
+LightPrior::LightPrior(const LightLeaves& leaves, const LightAnchors& anchors, const LightPriorOptions& options, const InfluenceMatrix* rows)
     : anchors_(anchors), options_(options), neighbours_(leaves.neighbourPairs()), share_(Eigen::Index(leaves.size())) {
     // Along the common edge: the rim of a lamp costs the same however finely it is divided.
     edge_.reserve(neighbours_.size());
     for (const auto& [i, j] : neighbours_) edge_.push_back(16.0 / double(1u << std::max(leaves[i].level, leaves[j].level)));
     for (size_t i = 0; i < leaves.size(); ++i) share_(Eigen::Index(i)) = double(leaves[i].solidAngle()) / (4 * piD);
+    if (!rows) return;
+    Eigen::VectorXd received = Eigen::VectorXd::Zero(share_.size());
+    for (size_t r = 0; r < rows->rows; ++r) received += Eigen::Map<const Eigen::VectorXf>(rows->row(r), share_.size()).cast<double>();
+    if (received.sum() > 0) share_ = received / received.sum();
 }
 
 double LightPrior::meanOf(const Eigen::VectorXd& x) const { return std::max({share_.dot(x.head(share_.size())), double(options_.darkness), 1e-30}); }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "solve/anchors.h"
+#include "transport/incident.h"
 
 namespace relamp {
 
@@ -18,7 +19,9 @@ struct LightPriorOptions {
 /// Priors on one channel of x = [L; P], shared by the albedo-free start and the lighting program.
 class LightPrior {
 public:
-    LightPrior(const LightLeaves& leaves, const LightAnchors& anchors, const LightPriorOptions& options);
+    /// `rows`, if not null, hold what the unknowns give to what is looked at. Brightness is then reckoned by what reaches that: a mean over all
+    /// directions would rise with light that nothing receives, and with it no difference between the others would count any more.
+    LightPrior(const LightLeaves& leaves, const LightAnchors& anchors, const LightPriorOptions& options, const InfluenceMatrix* rows = nullptr);
     /// Sum of the smoothness and background terms (the emitters' near-equalities hold by construction).
     double value(const Eigen::VectorXd& x, int channel) const;
     /// Adds the quadratic model of the priors about x: q, moment (minimise x'qx - 2 moment'x) and the lower bounds of clipped emitters.
@@ -33,7 +36,7 @@ private:
     LightPriorOptions options_;
     std::vector<std::pair<uint32_t, uint32_t>> neighbours_;
     std::vector<double> edge_;  ///< per pair: length of its edge over that of the leaves of a side of 16
-    Eigen::VectorXd share_;  ///< solid angle of each leaf over 4 pi
+    Eigen::VectorXd share_;  ///< of each leaf in the mean brightness; together 1
     double meanOf(const Eigen::VectorXd& x) const;
     double smoothness(size_t pair) const;
     double background(size_t leaf, int channel, double unit) const;

@@ -33,11 +33,12 @@ struct PairPrecision {
 };
 
 /// From the residuals under the present light: robust medians of the differences between channels against the variances given. Within
-/// [0.02, 1]; 1 where there is little to go by. Cost O(pairs).
+/// [0.005, 1]; 1 where there is little to go by. Cost O(pairs log pairs).
 ChromaShare chromaShare(const std::vector<Rgb>& residual, const std::vector<PairVariance>& variance);
 
-/// Channels err on their own with the shares' part of the variance, and with the rest together. The common error counts once for each channel, as
-/// if they were independent, so that with shares of 1 and below alike the brightness of a pair keeps its weight.
+/// Channels err on their own with a quarter of the shares' part of the variance (all of it where the shares are 1), and with the rest together. The
+/// quarter: see the source. The common error counts once for each channel, as if they were independent, so that the brightness of a pair keeps its
+/// weight whatever the shares are.
 PairPrecision pairPrecision(const PairVariance& variance, const ChromaShare& share);
 
 }  // namespace relamp

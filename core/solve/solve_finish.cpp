@@ -71,7 +71,7 @@ void SolveState::alternate() {
     if (environmentBlack_) return;
     // The step changes one channel after the other: nothing is taken over before all are there.
     Lighting improved = lighting_;
-    const LightPrior prior(lighting_.leaves, anchors_, lightPrior_);
+    const LightPrior prior(lighting_.leaves, anchors_, lightPrior_, &influence_);
     const LightingStepReport step = lightingStep(influence_, matte_, albedo_.albedo, litSigma_, prior, bounce_, improved, progress_);
     lighting_ = std::move(improved);
     stability_.kktResidual = step.kktResidual;

@@ -23,6 +23,18 @@ TEST(LightPrior, DoesNotCareForTheScaleOfUnseenLight) {
     EXPECT_NEAR(prior.value(1e3 * x, 0), prior.value(x, 0), 1e-9 * prior.value(x, 0));
 }
 
+TEST(LightPrior, LightThatNothingReceivesExcusesNoDifferences) {
+    test::SmallProblem p = test::smallProblem();
+    const size_t unseen = 20;
+    for (size_t r = 0; r < p.influence.rows; ++r) p.influence.row(r)[unseen] = 0;
+    const LightPrior prior(p.truth.leaves, p.anchors, {}, &p.influence);
+    Eigen::VectorXd x = unknowns(p.truth, 0);
+    x(Eigen::Index(unseen)) = 0;
+    const double before = prior.value(x, 0);
+    x(Eigen::Index(unseen)) = 1e6;
+    EXPECT_GT(prior.value(x, 0), before);
+}
+
 TEST(LightPrior, DividingABrightLeafDoesNotMakeItsRimDearer) {
     LightPriorOptions options;
     options.darkness = 1;
