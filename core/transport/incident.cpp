@@ -86,7 +86,10 @@ void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emit
     thread_local std::vector<EmitterSample> samples;
     thread_local std::vector<float> totals;
     totals.assign(emitters.size(), 0);
-    const float lobeCount = float(options.lobeSamples);
+    // Directions are drawn from the lobe, from the cosine, which reaches far from the lobe's peak where a bright sky still counts, and from emitters.
+    const auto directionDensity = [&](const Vec3& light) {
+        return ggxSampleDensity(light, eye, lobe.alpha) * float(options.lobeSamples) + light.z / pi * float(options.cosineSamples);
+    };
     for (size_t e = 0; e < emitters.size(); ++e) {
         totals[e] = sampleEmitter(scene, emitters[e], position, normal, options.emitterSamples, mixBits(options.seed + scene.rank[vertex]) + e, samples);
         for (const EmitterSample& s : samples) {
@@ -94,9 +97,8 @@ void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emit
             const Vec3 light = glm::transpose(frame) * s.direction;
             if (light.z <= 0) continue;
             const float areaDensity = light.z / (pi * totals[e]) * float(samples.size());
-            const float lobeDensity = ggxSampleDensity(light, eye, lobe.alpha) * lobeCount;
             const float evenness = s.formFactor * float(samples.size()) / totals[e];  // 1 but for what a sample stands for more or less than its share
-            row[leaves.size() + e] += evenness * evaluateLobe(lobe, light, eye) * light.z / (areaDensity + lobeDensity);
+            row[leaves.size() + e] += evenness * evaluateLobe(lobe, light, eye) * light.z / (areaDensity + directionDensity(light));
         }
     }
     const Vec2 shift = randomShift(options.seed, scene.rank[vertex], 7);
@@ -108,28 +110,34 @@ void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emit
         if (!pending) return;
         scene.tracer->closest8({rays, size_t(pending)}, {hits, size_t(pending)});
         for (int i = 0; i < pending; ++i) {
-            const float lobeDensity = ggxSampleDensity(local[i], eye, lobe.alpha) * lobeCount;
-            if (!(lobeDensity > 0)) continue;
+            const float density = directionDensity(local[i]);
+            if (!(density > 0)) continue;
             const float value = evaluateLobe(lobe, local[i], eye) * local[i].z;
             if (!hits[i]) {
                 const float shape = options.shape ? (*options.shape)[size_t(options.shapeGrid.cellOf(rays[i].direction))] : 1.0f;
-                row[leaves.leafOf(rays[i].direction)] += shape * value / lobeDensity;
+                row[leaves.leafOf(rays[i].direction)] += shape * value / density;
                 continue;
             }
             const int e = emitterOfTriangle.empty() ? -1 : emitterOfTriangle[hits[i].triangle];
             if (e < 0 || !(totals[size_t(e)] > 0)) continue;
             if (!emitters[size_t(e)].twoSided && glm::dot(scene.mesh.faceNormal(hits[i].triangle), rays[i].direction) >= 0) continue;
             const float areaDensity = local[i].z / (pi * totals[size_t(e)]) * float(options.emitterSamples);
-            row[leaves.size() + size_t(e)] += value / (areaDensity + lobeDensity);
+            row[leaves.size() + size_t(e)] += value / (areaDensity + density);
         }
         pending = 0;
     };
-    for (int i = 0; i < options.lobeSamples; ++i) {
-        const Vec3 light = sampleGgx(eye, lobe.alpha, r2Point(uint32_t(i), shift));
-        if (light.z <= 0) continue;
+    const auto shoot = [&](const Vec3& light) {
+        if (light.z <= 0) return;
         local[pending] = light;
         rays[pending++] = {origin, frame * light, 0, 1e30f};
         if (pending == 8) flush();
+    };
+    for (int i = 0; i < options.lobeSamples; ++i) shoot(sampleGgx(eye, lobe.alpha, r2Point(uint32_t(i), shift)));
+    const Vec2 otherShift = randomShift(options.seed, scene.rank[vertex], 8);
+    for (int i = 0; i < options.cosineSamples; ++i) {
+        const Vec2 u = r2Point(uint32_t(i), otherShift);
+        const float radius = std::sqrt(u.x), angle = 2 * pi * u.y;
+        shoot({radius * std::cos(angle), radius * std::sin(angle), std::sqrt(std::max(0.0f, 1 - u.x))});
     }
     flush();
 }

@@ -27,6 +27,7 @@ void lambertInfluenceOfLeaves(const Scene& scene, const Visibility& visibility, 
 
 struct LobeRowOptions {
     int lobeSamples = 128;    ///< directions drawn from the lobe
+    int cosineSamples = 64;   ///< directions drawn from the cosine: far from its peak a lobe is weak, but a sky is large and may be bright
     int emitterSamples = 32;  ///< directions drawn from each emitter
     uint64_t seed = 1;
     /// Optional: relative brightness inside a leaf where the background shows it (mean 1 over each leaf), per cell of `shapeGrid`.
@@ -35,7 +36,7 @@ struct LobeRowOptions {
 };
 
 /// One row for a look at `vertex` from the unit direction `towardEye` through a GGX lobe: `row` holds leaves then emitters.
-/// Lobe and emitter samples are combined by multiple importance sampling (balance heuristic, Veach 1997).
+/// Lobe, cosine and emitter samples are combined by multiple importance sampling (balance heuristic, Veach 1997).
 void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emitters, const std::vector<int>& emitterOfTriangle, const LightLeaves& leaves,
                      const Lobe& lobe, uint32_t vertex, const Vec3& towardEye, const LobeRowOptions& options, float* row);
 
