@@ -86,7 +86,12 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
         for (size_t i = 0; i < leafCount; ++i) x[c](Eigen::Index(i)) = lighting.leafRadiance[i][c];
         for (size_t e = 0; e < emitterCount; ++e) x[c](Eigen::Index(leafCount + e)) = lighting.emitterRadiance[e][c];
     }
-    bool anchored = emitterCount > 0;
+    bool anchored = false, allUnseen = emitterCount > 0;
+    for (size_t e = 0; e < emitterCount; ++e) {
+        const bool unseen = anchors.emitterClipped[e] && !(maxChannel(anchors.emitterRadiance[e]) > 0);
+        anchored |= !unseen;
+        allUnseen &= unseen;
+    }
     for (const LeafAnchor& a : anchors.leaves) anchored |= a.coverage > 0.05f && !a.clipped;
     anchored |= options.bounce != nullptr;
     std::vector<float> robust(pairs.size(), 1);
@@ -259,7 +264,9 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
             if (!anchored) {
                 // Nothing ties the scale down, and black light explains every ratio: the mean stays where it is.
                 Eigen::VectorXd mean = Eigen::VectorXd::Zero(n);
-                for (size_t i = 0; i < leafCount; ++i) mean(Eigen::Index(i)) = double(lighting.leaves[i].solidAngle()) / (4 * piD);
+                if (allUnseen) mean = (b.colwise().sum() / float(rows)).transpose().cast<double>();  // of the light on the surfaces: the surroundings may be black
+                else
+                    for (size_t i = 0; i < leafCount; ++i) mean(Eigen::Index(i)) = double(lighting.leaves[i].solidAngle()) / (4 * piD);
                 const double hold = q.diagonal().maxCoeff() / mean.squaredNorm() + 1e-30;
                 moment += hold * mean.dot(x[c]) * mean;
                 q += hold * mean * mean.transpose();
