@@ -92,7 +92,9 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
         anchored |= !unseen;
         allUnseen &= unseen;
     }
-    for (const LeafAnchor& a : anchors.leaves) anchored |= a.coverage > 0.05f && !a.clipped;
+    // Where all light may come from lamps that nobody saw, black surroundings tie nothing down.
+    const float tells = allUnseen ? 50 * options.light.darkness : -1.0f;
+    for (const LeafAnchor& a : anchors.leaves) anchored |= a.coverage > 0.05f && !a.clipped && maxChannel(a.radiance) > tells;
     anchored |= options.bounce != nullptr;
     std::vector<float> robust(pairs.size(), 1);
     std::vector<Rgb> mixing(rows);

@@ -1,6 +1,5 @@
 #include "solve/hidden_light.h"
 
-#include <Eigen/Cholesky>
 #include <numeric>
 
 #include "base/log.h"
@@ -75,6 +74,13 @@ std::vector<size_t> bestPlaces(const std::vector<Vec3>& places, const std::vecto
     return best;
 }
 
+/// The best light without an unseen lamp; the pairs' variances are taken from what it leaves.
+HiddenLightFit fitted(HiddenLightData& data) {
+    const HiddenLightFit first = fitHiddenLight(data, nullptr, {}, 20);
+    assessPairs(data, first);
+    return fitHiddenLight(data, nullptr, first.light, 20);
+}
+
 std::string placeInWords(const Vec3& p) { return fmt::format("{:.4g} {:.4g} {:.4g}", p.x, p.y, p.z); }
 
 }  // namespace
@@ -82,7 +88,7 @@ std::string placeInWords(const Vec3& p) { return fmt::format("{:.4g} {:.4g} {:.4
 HiddenLightSearch findHiddenLight(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const EmitterClusters& clusters, const HiddenLightOptions& options,
                                   Progress& progress) {
     HiddenLightSearch search;
-    const HiddenLightData coarse = hiddenLightData(scene, samples, clusters, coarseLevel, options.pairs, options.seed, progress);
+    HiddenLightData coarse = hiddenLightData(scene, samples, clusters, coarseLevel, options.pairs, options.seed, progress);
     if (coarse.pairs.size() < 200) {
         search.words = "no unseen lamp: too few matte points to tell";
         return search;
@@ -92,7 +98,7 @@ HiddenLightSearch findHiddenLight(const Capture& capture, const Scene& scene, co
     std::nth_element(sorted.begin(), sorted.begin() + ptrdiff_t(sorted.size() / 2), sorted.end());
     const float bright = 10 * float(sorted[sorted.size() / 2]);
 
-    const HiddenLightFit without = fitHiddenLight(coarse, nullptr, {}, 12);
+    const HiddenLightFit without = fitted(coarse);
     const std::vector<Vec3> places = placesAround(extent);
     std::vector<double> misfit(places.size(), 1e301);
     progress.begin("Looking for an unseen lamp", places.size());
@@ -103,35 +109,56 @@ HiddenLightSearch findHiddenLight(const Capture& capture, const Scene& scene, co
         misfit[i] = fitHiddenLight(coarse, &column, without.light, 5).misfit;
     }, &progress);
 
-    const HiddenLightData fine = hiddenLightData(scene, samples, clusters, finalLevel, options.finalPairs, options.seed + 1, progress);
-    const HiddenLightFit fineWithout = fitHiddenLight(fine, nullptr, {}, 20);
     std::optional<HiddenLightFit> best;
     for (size_t i : bestPlaces(places, misfit, extent.middle)) {
-        HiddenLightFit fit = refineHiddenLight(scene, coarse, places[i], without.light, 20, progress);
+        HiddenLightFit fit = searchAround(scene, coarse, places[i], extent.middle, without.light, 0.2f, 0.02f, false, progress);
         logInfo("unseen lamp? at {}: misfit {:.4f}, refined {:.4f} at {}, without {:.4f}", placeInWords(places[i]), misfit[i], fit.misfit, placeInWords(fit.place), without.misfit);
-        fit = refineHiddenLight(scene, fine, fit.place, fineWithout.light, 20, progress);
         if (seenEmpty(capture, samples, fit.place, bright)) continue;
         if (!best || fit.misfit < best->misfit) best = std::move(fit);
     }
-    search.misfitWithout = fineWithout.misfit;
-    search.misfitWith = best ? best->misfit : fineWithout.misfit;
     if (!best) {
+        search.misfitWithout = search.misfitWith = without.misfit;
         search.words = "no unseen lamp: every place for one is in view and dark";
         return search;
     }
-    search.certainty = gainCertainty(fine, fineWithout, *best);
+    // How far it is, is known worst: at every distance the best direction, by many more points, because shadows' edges tell it.
+    HiddenLightData dense = hiddenLightData(scene, samples, clusters, coarseLevel, options.finalPairs, options.seed + 1, progress);
+    fitted(dense);
+    std::vector<Vec3> along;
+    HiddenLightFit nearest;
+    nearest.misfit = 1e300;
+    for (int k = -6; k <= 6; ++k) {
+        const Vec3 place = extent.middle + std::exp(0.08f * float(k)) * (best->place - extent.middle);
+        HiddenLightFit fit = searchAround(scene, dense, place, extent.middle, best->light, 0.03f, 0.003f, true, progress);
+        logInfo("  distance {:.4f} misfit {:.5f} at {}", glm::length(place - extent.middle), fit.misfit, placeInWords(fit.place));
+        along.push_back(fit.place);
+        if (fit.misfit < nearest.misfit) nearest = std::move(fit);
+    }
+    *best = searchAround(scene, dense, nearest.place, extent.middle, nearest.light, 0.02f, 0.003f, false, progress);
+    const HiddenLightFit polished = refineHiddenLight(scene, dense, best->place, best->light, 20, progress);
+    if (polished.misfit < best->misfit) *best = polished;
+    const glm::dmat3 covariance = positionCovariance(scene, dense, extent.middle, along, options.seed, *best, progress);
+
+    // Would finer surroundings do as well?
+    HiddenLightData fine = hiddenLightData(scene, samples, clusters, finalLevel, options.finalPairs, options.seed + 2, progress);
+    const HiddenLightFit fineWithout = fitted(fine);
+    const Eigen::VectorXd column = pointLightColumn(scene, fine, best->place, 8);
+    const HiddenLightFit fineWith = fitHiddenLight(fine, &column, fineWithout.light, 20);
+    search.misfitWithout = fineWithout.misfit;
+    search.misfitWith = fineWith.misfit;
+    search.certainty = gainCertainty(fine, fineWithout, fineWith);
     const double gain = 1 - search.misfitWith / std::max(search.misfitWithout, 1e-300);
     HiddenLight light;
     light.position = best->place;
-    light.covariance = positionCovariance(fine, *best);
-    light.share = float(best->share);
+    light.covariance = covariance;
+    light.share = float(fineWith.share);
     const Vec3 away = light.position - extent.middle;
     light.distance = glm::length(away);
-    const DVec3 along(away / light.distance);
-    light.distanceSigma = float(std::sqrt(glm::dot(along, light.covariance * along))) / light.distance;
+    const DVec3 outward(away / light.distance);
+    light.distanceSigma = float(std::sqrt(glm::dot(outward, light.covariance * outward))) / light.distance;
     const std::string what = fmt::format("at {} (+- {}) m, {:.0f} % of the light; it lowers the misfit of shading by {:.0f} % ({:.1f} standard errors)", placeInWords(light.position),
                                          placeInWords(light.sigma()), 100 * light.share, 100 * gain, search.certainty);
-    if (gain < double(options.leastGain) || search.certainty < 3 || light.share < options.leastShare) search.words = "no unseen lamp: the likeliest one is " + what + ", which is too little to go by";
+    if (gain < double(options.leastGain) || search.certainty < 2 || light.share < options.leastShare) search.words = "no unseen lamp: the likeliest one is " + what + ", which is too little to go by";
     else if (!(light.distanceSigma < 0.5f)) search.words = "no unseen lamp: the likeliest one is " + what + ", too far to be told from the surroundings";
     else {
         search.words = "an unseen lamp " + what;

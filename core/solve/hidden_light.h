@@ -14,8 +14,8 @@ namespace relamp {
 struct HiddenLightOptions {
     uint64_t seed = 1;
     size_t pairs = 5000;       ///< of points of probably equal albedo, looked at while places are compared
-    size_t finalPairs = 16000; ///< and for the answer
-    float leastGain = 0.1f;    ///< share of the misfit that a lamp must explain to be taken for real
+    size_t finalPairs = 20000; ///< and for the answer
+    float leastGain = 0.05f;    ///< share of the misfit that a lamp must explain to be taken for real
     float leastShare = 0.05f;  ///< of the light on the surfaces that it must give
 };
 
@@ -37,9 +37,9 @@ struct HiddenLightSearch {
 
 /// Is there light that neither the surroundings nor the lamps known explain, and where does it come from? Looks at ratios of radiance between
 /// points of probably equal albedo, as solveAlbedoFree does, so that albedo plays no part. A point lamp is tried at some 1500 places around and
-/// in the scene, at each with its power and all other light solved for; the best places are refined by Gauss-Newton on position
-/// and light together, shadows traced anew at every step. The covariance comes from the curvature there and from how the gradients of parts of the
-/// scene differ (a sandwich over 64 parts), because neighbouring points err alike. Places that a photograph shows to be empty are
+/// in the scene, at each with its power and all other light solved for; the best places are improved by trying
+/// others around them, because a shadow's edge moves in jumps, and then by Gauss-Newton on position and light together, shadows traced anew at every
+/// step. The covariance is a bootstrap over parts of the scene (boxes of a fifth of its extent), because neighbouring points err alike. Places that a photograph shows to be empty are
 /// left out. Cost: some seconds, about 1500 x 4 fits of 20 unknowns. Throws Cancelled.
 HiddenLightSearch findHiddenLight(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const EmitterClusters& clusters, const HiddenLightOptions& options,
                                   Progress& progress);

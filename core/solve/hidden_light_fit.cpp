@@ -1,6 +1,5 @@
 #include "solve/hidden_light_fit.h"
 
-#include <Eigen/Cholesky>
 #include <map>
 
 #include "base/parallel.h"
@@ -24,7 +23,7 @@ struct PairStep {
 };
 
 PairStep stepOf(double ya, double yb, double la, double lb) {
-    const double p = ya * lb, q = yb * la, sum = std::max(p + q, 1e-300);
+    const double p = ya * lb, q = yb * la, sum = std::max(p + q, 1e-100);
     return {2 * (p - q) / sum, -4 * p * yb / (sum * sum), 4 * q * ya / (sum * sum)};
 }
 
@@ -40,11 +39,31 @@ std::vector<AlbedoPair> farPairs(const Scene& scene, const MatteObservations& ma
         for (size_t k = 0; k < points.size(); ++k) {
             const uint32_t i = points[k], j = points[size_t(mixBits(seed * 0x1000003 + scene.rank[matte.vertices[i]]) % points.size())];
             const float a = luminance(matte.radiance[i]), b = luminance(matte.radiance[j]);
-            if (i == j || !(a > 0) || !(b > 0) || glm::length(matte.radiance[i] / a - matte.radiance[j] / b) > 0.1f) continue;
+            if (i == j || !(a > 0) || !(b > 0)) continue;
+            // The hue of what lies in the dark cannot be told, and shadows are what is looked for.
+            const bool oneDark = std::min(a, b) < 0.15f * std::max(a, b);
+            if (!oneDark && glm::length(matte.radiance[i] / a - matte.radiance[j] / b) > 0.1f) continue;
             pairs.push_back({i, j, farWeight});
         }
     }
     return pairs;
+}
+
+/// Normals of a mesh that was measured are noisy, and an error of ten degrees is one of a sixth of the light: a mean over three rings, of those that
+/// face the same way.
+std::vector<Vec3> smoothNormals(const Scene& scene) {
+    std::vector<Vec3> normals = scene.mesh.normals;
+    for (int round = 0; round < 3; ++round) {
+        std::vector<Vec3> next = normals;
+        parallelFor(normals.size(), 1024, [&](size_t v) {
+            Vec3 sum = normals[v];
+            for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e)
+                if (const Vec3& n = normals[scene.graph.to[e]]; glm::dot(n, normals[v]) > 0.8f) sum += n;
+            next[v] = glm::normalize(sum);
+        });
+        normals = std::move(next);
+    }
+    return normals;
 }
 
 /// Misfit of every pair at the light on the points.
@@ -62,6 +81,12 @@ double sumOf(const std::vector<double>& values) {
     double sum = 0;
     for (double v : values) sum += v;
     return sum;
+}
+
+std::vector<double> partsOf(const HiddenLightData& data, const std::vector<double>& values) {
+    std::vector<double> parts(size_t(data.parts), 0.0);
+    for (size_t k = 0; k < values.size(); ++k) parts[size_t(data.part[k])] += values[k];
+    return parts;
 }
 
 double weightOf(const HiddenLightData& data) {
@@ -144,8 +169,10 @@ Eigen::VectorXd startWith(const HiddenLightData& data, const Eigen::VectorXd& co
 
 }  // namespace
 
-HiddenLightData hiddenLightData(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& clusters, int level, size_t pairs, uint64_t seed, Progress& progress) {
+HiddenLightData hiddenLightData(const Scene& measured, const RadianceSamples& samples, const EmitterClusters& clusters, int level, size_t pairs, uint64_t seed, Progress& progress) {
     HiddenLightData data;
+    Scene scene = measured;
+    scene.mesh.normals = smoothNormals(measured);
     EmitterClusters lamps;
     lamps.emitters = clusters.emitters;
     lamps.emitters.insert(lamps.emitters.end(), clusters.candidates.begin(), clusters.candidates.end());
@@ -191,16 +218,18 @@ HiddenLightData hiddenLightData(const Scene& scene, const RadianceSamples& sampl
         const uint32_t a = pointOf(p.a), b = pointOf(p.b);
         data.pairs.push_back({a, b, k < near ? p.weight : farWeight});
         data.variance.push_back(variance);
+        data.piece.push_back(scene.piece[matte.vertices[p.a]]);
+        data.far.push_back(k >= near);
         low = glm::min(low, data.positions[a]);
         high = glm::max(high, data.positions[a]);
     }
     if (data.pairs.empty()) return data;
-    // Parts: boxes of a quarter of the scene's extent.
+    // Parts: boxes of a fifth of the scene's extent.
     std::map<int, int> parts;
     const Vec3 size = glm::max(high - low, Vec3(1e-20f));
     for (const AlbedoPair& p : data.pairs) {
-        const glm::ivec3 cell = glm::min(glm::ivec3((data.positions[p.a] - low) / size * 4.0f), glm::ivec3(3));
-        data.part.push_back(parts.try_emplace(cell.x + 4 * cell.y + 16 * cell.z, int(parts.size())).first->second);
+        const glm::ivec3 cell = glm::min(glm::ivec3((data.positions[p.a] - low) / size * 5.0f), glm::ivec3(4));
+        data.part.push_back(parts.try_emplace(cell.x + 5 * cell.y + 25 * cell.z, int(parts.size())).first->second);
     }
     data.parts = int(parts.size());
 
@@ -215,10 +244,6 @@ HiddenLightData hiddenLightData(const Scene& scene, const RadianceSamples& sampl
         for (size_t c = 0; c < rows.columns; ++c) data.rows(Eigen::Index(r), Eigen::Index(c)) = double(rows.row(r)[c]);
 
     data.anchors = lightAnchors(samples, lamps, data.leaves);
-    for (LeafAnchor& a : data.anchors.leaves) {
-        a.radiance = Rgb(luminance(a.radiance));
-        data.anchored |= a.coverage > 0.05f && !a.clipped;
-    }
     for (size_t e = 0; e < lamps.emitters.size(); ++e) {
         data.anchors.emitterRadiance[e] = Rgb(luminance(data.anchors.emitterRadiance[e]));
         data.anchored |= !lamps.emitters[e].unseen;
@@ -226,6 +251,11 @@ HiddenLightData hiddenLightData(const Scene& scene, const RadianceSamples& sampl
     std::vector<double> brightness = data.radiance;
     std::nth_element(brightness.begin(), brightness.begin() + ptrdiff_t(brightness.size() / 2), brightness.end());
     const double middle = brightness[brightness.size() / 2];
+    for (LeafAnchor& a : data.anchors.leaves) {
+        a.radiance = Rgb(luminance(a.radiance));
+        // Black surroundings tie nothing down.
+        data.anchored |= a.coverage > 0.05f && !a.clipped && double(a.radiance.x) > 0.05 * middle;
+    }
     // The priors are made for all pairs of the scene.
     const float thinned = float(data.pairs.size()) / float(std::max<size_t>(1, all.size()));
     data.prior.smoothness *= thinned;
@@ -235,6 +265,30 @@ HiddenLightData hiddenLightData(const Scene& scene, const RadianceSamples& sampl
     const std::vector<Rgb> first = firstRadiance(lamps);
     for (size_t e = 0; e < first.size(); ++e) data.start(Eigen::Index(data.leaves.size() + e)) = double(luminance(first[e]));
     return data;
+}
+
+void assessPairs(HiddenLightData& data, const HiddenLightFit& fit) {
+    const Eigen::VectorXd lit = withColumn(data, fit.column.size() ? &fit.column : nullptr) * fit.light;
+    constexpr uint32_t everywhere = ~0u;
+    std::map<uint32_t, std::vector<double>> over;
+    for (size_t k = 0; k < data.pairs.size(); ++k) {
+        if (data.far[k]) continue;
+        const AlbedoPair& p = data.pairs[k];
+        const double r = stepOf(data.radiance[p.a], data.radiance[p.b], lit(p.a), lit(p.b)).residual;
+        for (const uint32_t piece : {data.piece[k], everywhere}) over[piece].push_back(r * r / data.variance[k]);
+    }
+    std::map<uint32_t, double> factor;
+    for (auto& [piece, values] : over) {
+        if (values.size() < 30) continue;
+        // The median of a squared standard normal is 0.455.
+        std::nth_element(values.begin(), values.begin() + ptrdiff_t(values.size() / 2), values.end());
+        factor[piece] = std::max(1.0, values[values.size() / 2] / 0.455);
+    }
+    for (size_t k = 0; k < data.pairs.size(); ++k) {
+        auto at = factor.find(data.piece[k]);
+        if (at == factor.end()) at = factor.find(everywhere);
+        if (at != factor.end()) data.variance[k] *= at->second;
+    }
 }
 
 Eigen::VectorXd pointLightColumn(const Scene& scene, const HiddenLightData& data, const Vec3& place, int rays) {
@@ -308,6 +362,38 @@ HiddenLightFit fitHiddenLight(const HiddenLightData& data, const Eigen::VectorXd
     return fit;
 }
 
+HiddenLightFit searchAround(const Scene& scene, const HiddenLightData& data, const Vec3& first, const Vec3& middle, const Eigen::VectorXd& start, float reach, float least, bool sideways,
+                             Progress& progress) {
+    const auto fitAt = [&](const Vec3& place, const Eigen::VectorXd& from) {
+        const Eigen::VectorXd column = pointLightColumn(scene, data, place, 8);
+        HiddenLightFit fit;
+        fit.misfit = 1e300;
+        if (column.sum() > 0) fit = fitHiddenLight(data, &column, from, 4);
+        fit.place = place;
+        return fit;
+    };
+    HiddenLightFit best = fitAt(first, start);
+    for (float step = reach; step >= least;) {
+        progress.check();
+        const Vec3 away = best.place - middle;
+        const float distance = glm::length(away);
+        const Mat3 frame = frameAround(away / distance);
+        std::vector<HiddenLightFit> tries(sideways ? 8 : 14);
+        parallelFor(tries.size(), 1, [&](size_t i) {
+            // Eight ways about the line from the middle, or the six faces and the eight corners of a cube.
+            const float turn = float(i) * pi / 4;
+            Vec3 d = sideways ? Vec3(std::cos(turn), std::sin(turn), 0) : i < 6 ? Vec3(0) : Vec3(i & 1 ? 0.577f : -0.577f, i & 2 ? 0.577f : -0.577f, i & 4 ? 0.577f : -0.577f);
+            if (i < 6 && !sideways) d[int(i / 2)] = i % 2 ? 1.0f : -1.0f;
+            const Vec3 aside = away + step * distance * (frame * Vec3(d.x, d.y, 0));
+            tries[i] = fitAt(middle + std::exp(step * d.z) * distance / glm::length(aside) * aside, best.light.size() ? best.light : start);
+        });
+        const auto bestTry = std::min_element(tries.begin(), tries.end(), [](const HiddenLightFit& a, const HiddenLightFit& b) { return a.misfit < b.misfit; });
+        if (bestTry->misfit < best.misfit * (1 - 1e-4)) best = std::move(*bestTry);
+        else step *= 0.5f;
+    }
+    return best;
+}
+
 HiddenLightFit refineHiddenLight(const Scene& scene, const HiddenLightData& data, const Vec3& first, const Eigen::VectorXd& start, int iterations, Progress& progress) {
     const LightPrior prior(data.leaves, data.anchors, data.prior);
     Vec3 place = first;
@@ -330,7 +416,7 @@ HiddenLightFit refineHiddenLight(const Scene& scene, const HiddenLightData& data
         for (size_t k = 0; k < data.positions.size(); ++k)
             if (column(Eigen::Index(k)) > 0) nearest = std::min(nearest, glm::length(place - data.positions[k]));
         const double reach = 0.5 * double(std::min(nearest, scene.diagonal * 4));
-        p.lower.tail(3).setConstant(-1e3 * double(scene.diagonal));
+        p.lower.tail(3).setConstant(-10 * double(scene.diagonal));
         const QpResult solution = solveBoundedQp(p.q, p.moment, p.lower);
         if (!solution.usable) break;
         Vec3 move(float(solution.x(n)), float(solution.x(n + 1)), float(solution.x(n + 2)));
@@ -359,43 +445,59 @@ HiddenLightFit refineHiddenLight(const Scene& scene, const HiddenLightData& data
     return fit;
 }
 
-glm::dmat3 positionCovariance(const HiddenLightData& data, const HiddenLightFit& fit) {
-    const Eigen::Index n = fit.light.size();
-    const LightPrior prior(data.leaves, data.anchors, data.prior);
-    Eigen::MatrixXd columns(data.rows.rows(), n + 3);
-    columns.leftCols(n) = withColumn(data, &fit.column);
-    columns.rightCols(3) = fit.light(n - 1) * placeDerivatives(data, fit.place, fit.column);
-    const Linear l = linearise(data, columns, columns.leftCols(n) * fit.light);
-    const HiddenLightProgram p = programOf(data, prior, l, columns, fit.light);
-    // Unknowns at their bound count as known.
-    std::vector<Eigen::Index> free;
-    const double top = fit.light.maxCoeff();
-    for (Eigen::Index i = 0; i < n; ++i)
-        if (fit.light(i) > 1e-9 * top && p.q(i, i) > 0) free.push_back(i);
-    for (Eigen::Index i = n; i < n + 3; ++i) free.push_back(i);
-    const Eigen::Index m = Eigen::Index(free.size());
-    Eigen::MatrixXd q = p.q(free, free);
-    const Eigen::VectorXd scale = q.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-    q = scale.asDiagonal() * q * scale.asDiagonal();
-    q.diagonal().array() += 1e-10;
-    Eigen::MatrixXd gradients = Eigen::MatrixXd::Zero(m, data.parts);
-    for (Eigen::Index k = 0; k < l.rows.rows(); ++k)
-        for (Eigen::Index i = 0; i < m; ++i) gradients(i, data.part[size_t(k)]) += l.residual(k) * l.rows(k, free[size_t(i)]) * scale(i);
-    const Eigen::LLT<Eigen::MatrixXd> factor(q);
-    glm::dmat3 covariance(1e30);
-    if (factor.info() != Eigen::Success) return covariance;
-    const Eigen::MatrixXd moved = factor.solve(gradients).bottomRows(3);
-    const double few = data.parts > 1 ? double(data.parts) / (data.parts - 1) : 1;
-    const Eigen::Matrix3d c = few * moved * moved.transpose();
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) covariance[i][j] = c(i, j) * scale(m - 3 + i) * scale(m - 3 + j);
+glm::dmat3 positionCovariance(const Scene& scene, const HiddenLightData& data, const Vec3& middle, const std::vector<Vec3>& more, uint64_t seed, HiddenLightFit& best, Progress& progress) {
+    constexpr size_t around = 128, replicates = 200;
+    const size_t places = around + more.size();
+    const Vec3 away = best.place - middle;
+    const float distance = glm::length(away);
+    const Mat3 frame = frameAround(away / distance);
+    const auto normal = [&](uint64_t k) {  // Box and Muller
+        const float u = unitFloat(mixBits(seed + 2 * k)), v = unitFloat(mixBits(seed + 2 * k + 1));
+        return std::sqrt(-2 * std::log(1 - u)) * std::cos(2 * pi * v);
+    };
+    // From half a hundredth of the distance to a fifth of it.
+    std::vector<HiddenLightFit> tries(places);
+    std::vector<std::vector<double>> lost(places);
+    parallelFor(places, 4, [&](size_t i) {
+        const float reach = i == 0 ? 0 : 0.005f * std::pow(40.0f, float(i) / float(around - 1));
+        const Vec3 d = reach * Vec3(normal(3 * i), normal(3 * i + 1), normal(3 * i + 2));
+        const Vec3 place = i < around ? middle + std::exp(d.z) * (away + distance * (frame * Vec3(d.x, d.y, 0))) : more[i - around];
+        const Eigen::VectorXd column = pointLightColumn(scene, data, place, 8);
+        if (!(column.sum() > 0)) return;
+        tries[i] = fitHiddenLight(data, &column, best.light, 4);
+        tries[i].place = place;
+        lost[i] = partsOf(data, misfits(data, withColumn(data, &column) * tries[i].light));
+    }, &progress);
+    std::vector<size_t> usable;
+    for (size_t i = 0; i < places; ++i)
+        if (!lost[i].empty()) usable.push_back(i);
+    if (usable.empty()) return glm::dmat3(1e30);
+    const size_t found = *std::min_element(usable.begin(), usable.end(), [&](size_t x, size_t y) { return tries[x].misfit < tries[y].misfit; });
+    glm::dmat3 covariance(0);
+    for (size_t r = 0; r < replicates; ++r) {
+        std::vector<double> times(size_t(data.parts), 0.0);
+        for (int k = 0; k < data.parts; ++k) ++times[mixBits(mixBits(seed ^ 0xb00757) + r * 1000003 + size_t(k)) % times.size()];
+        double least = 1e300;
+        size_t chosen = found;
+        for (size_t i : usable) {
+            double sum = 0;
+            for (size_t k = 0; k < times.size(); ++k) sum += times[k] * lost[i][k];
+            if (sum < least) least = sum, chosen = i;
+        }
+        const DVec3 off(tries[chosen].place - tries[found].place);
+        covariance += glm::outerProduct(off, off) / double(replicates);
+    }
+    best = std::move(tries[found]);
+    // What lies between the places tried is not known.
+    for (int c = 0; c < 3; ++c) covariance[c][c] += std::pow(0.005 * double(distance), 2);
     return covariance;
 }
 
 double gainCertainty(const HiddenLightData& data, const HiddenLightFit& without, const HiddenLightFit& with) {
     const std::vector<double> before = misfits(data, data.rows * without.light), after = misfits(data, withColumn(data, &with.column) * with.light);
-    std::vector<double> gain(size_t(data.parts), 0.0);
-    for (size_t k = 0; k < before.size(); ++k) gain[size_t(data.part[k])] += before[k] - after[k];
+    std::vector<double> difference(before.size());
+    for (size_t k = 0; k < before.size(); ++k) difference[k] = before[k] - after[k];
+    const std::vector<double> gain = partsOf(data, difference);
     const double sum = sumOf(gain), mean = sum / double(gain.size());
     double squares = 0;
     for (double g : gain) squares += (g - mean) * (g - mean);

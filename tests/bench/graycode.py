@@ -34,6 +34,49 @@ def read_mesh(path):
     return vertices, faces
 
 
+def pieces(count, faces):
+    """Connected piece of each vertex, by handing on the smallest number."""
+    label = np.arange(count)
+    while True:
+        least = label[faces].min(1)
+        before = label.copy()
+        for k in range(3):
+            np.minimum.at(label, faces[:, k], least)
+        label = label[label]
+        if (label == before).all():
+            return label
+
+
+def complete_wall(vertices, faces, step=5.0):
+    """The wall behind the bust was measured only where the projector lights it: a plane through it, cut into squares, takes its place, so
+    that its shadow lies on something."""
+    label = pieces(len(vertices), faces)
+    names, count = np.unique(label, return_counts=True)
+    wall = label == names[np.argmax(count)]
+    points = vertices[wall]
+    for _ in range(5):
+        centre = points.mean(0)
+        axes = np.linalg.svd(points - centre, full_matrices=False)[2]
+        off = (vertices[wall] - centre) @ axes[2]
+        points = vertices[wall][np.abs(off) < 3 * max(1.48 * np.median(np.abs(off)), 0.5)]
+    print(f"wall: {wall.sum()} vertices, median {np.median(np.abs(off)):.2f} mm off its plane", file=sys.stderr)
+    flat = (points - centre) @ axes[:2].T
+    low, high = np.percentile(flat, 0.5, axis=0), np.percentile(flat, 99.5, axis=0)
+    steps = np.ceil((high - low) / step).astype(int)
+    u, v = np.meshgrid(np.linspace(low[0], high[0], steps[0] + 1), np.linspace(low[1], high[1], steps[1] + 1), indexing="ij")
+    sheet = centre + u.reshape(-1, 1) * axes[0] + v.reshape(-1, 1) * axes[1]
+    corner = (np.arange(steps[0])[:, None] * (steps[1] + 1) + np.arange(steps[1])).reshape(-1)
+    squares = np.stack([corner, corner + steps[1] + 1, corner + steps[1] + 2, corner + 1], 1)
+    if np.cross(axes[0], axes[1])[2] > 0:  # towards the cameras
+        squares = squares[:, ::-1]
+    kept = np.where(~wall)[0]
+    renumber = np.full(len(vertices), -1)
+    renumber[kept] = np.arange(len(kept))
+    rest = renumber[faces[~wall[faces].any(1)]]
+    more = np.vstack([squares[:, [0, 1, 2]], squares[:, [0, 2, 3]]]) + len(kept)
+    return np.vstack([vertices[kept], sheet]), np.vstack([rest, more])
+
+
 def project(view, points):
     camera = points @ np.array(view["R"]).T + np.array(view["t"])
     x, y = (camera[:, :2] / camera[:, 2:]).T
@@ -114,6 +157,8 @@ def main():
     views = {v["name"]: v for v in json.load(open(f"{a.source}/cameras.json"))["views"]}
     vertices, faces = read_mesh(f"{a.source}/mesh_lit_surfaces.ply")
     os.makedirs(f"{a.out}/images", exist_ok=True)
+    measured = vertices
+    vertices, faces = complete_wall(vertices, faces)
     metres = vertices / 1000
     with open(f"{a.out}/mesh.ply", "wb") as mesh:
         mesh.write(f"ply\nformat binary_little_endian 1.0\nelement vertex {len(metres)}\nproperty float x\nproperty float y\nproperty float z\n"
@@ -139,6 +184,19 @@ def main():
         out = oiio.ImageBuf(oiio.ImageSpec(image.shape[1], image.shape[0], 3, oiio.HALF))
         out.set_pixels(oiio.ROI(0, image.shape[1], 0, image.shape[0]), np.ascontiguousarray(image, dtype=np.float32))
         out.write(f"{a.out}/images/{name}.exr")
+        # What lies beside the mesh is the unmeasured rest of the room, no surroundings at a distance.
+        covered = np.zeros((view["height"] // 4, view["width"] // 4), bool)
+        cell = np.floor(project(view, np.vstack([vertices, vertices[faces].mean(1)]))[0] / 4).astype(int)
+        cell = cell[(cell >= 0).all(1) & (cell[:, 0] < covered.shape[1]) & (cell[:, 1] < covered.shape[0])]
+        covered[cell[:, 1], cell[:, 0]] = True
+        for _ in range(2):
+            grown = np.pad(covered, 1)
+            covered = grown[1:-1, 1:-1] | grown[:-2, 1:-1] | grown[2:, 1:-1] | grown[1:-1, :-2] | grown[1:-1, 2:]
+        mask = np.kron(covered, np.ones((4, 4)))[:, :, None].astype(np.float32)
+        out = oiio.ImageBuf(oiio.ImageSpec(mask.shape[1], mask.shape[0], 1, oiio.UINT8))
+        out.set_pixels(oiio.ROI(0, mask.shape[1], 0, mask.shape[0]), np.ascontiguousarray(mask))
+        os.makedirs(f"{a.out}/masks", exist_ok=True)
+        out.write(f"{a.out}/masks/{name}.exr.png")
         r, t = np.array(view["R"]), np.array(view["t"])
         pose = np.eye(4)
         pose[:3, :3] = r.T * [1, -1, -1]
@@ -147,7 +205,7 @@ def main():
         frames.append({"file_path": f"images/{name}.exr", "camera_model": "FULL_OPENCV", "w": view["width"], "h": view["height"], "fl_x": k[0][0], "fl_y": k[1][1],
                        "cx": k[0][2] + 0.5, "cy": k[1][2] + 0.5, "k1": k1, "k2": k2, "p1": p1, "p2": p2, "k3": k3, "transform_matrix": pose.tolist()})
     json.dump({"up": "y", "mesh_path": "mesh.ply", "frames": frames}, open(f"{a.out}/transforms.json", "w"), indent=1)
-    centre, spread, error, count = projector_centre(a.source, views["left"], vertices)
+    centre, spread, error, count = projector_centre(a.source, views["left"], measured)
     turned = np.array([centre[0], -centre[2], centre[1]]) / 1000
     print(f"projector at {turned.round(4).tolist()} m, +- {(spread[[0, 2, 1]] / 1000).round(4).tolist()} ({count} points, median error {error:.2f} projector pixels)")
 
