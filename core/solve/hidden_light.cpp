@@ -12,6 +12,7 @@ namespace {
 
 constexpr int coarseLevel = 2, finalLevel = 3;
 constexpr size_t refined = 6;
+constexpr float farAway = 6;  ///< times the reach of the points: beyond, fall-off and parallax are lost in texture
 
 /// The middle of the points and how far they reach.
 struct Extent {
@@ -98,31 +99,45 @@ HiddenLightSearch findHiddenLight(const Capture& capture, const Scene& scene, co
     std::nth_element(sorted.begin(), sorted.begin() + ptrdiff_t(sorted.size() / 2), sorted.end());
     const float bright = 10 * float(sorted[sorted.size() / 2]);
 
-    const HiddenLightFit without = fitted(coarse);
     const std::vector<Vec3> places = placesAround(extent);
-    std::vector<double> misfit(places.size(), 1e301);
-    progress.begin("Looking for an unseen lamp", places.size());
-    parallelFor(places.size(), 8, [&](size_t i) {
-        if (seenEmpty(capture, samples, places[i], bright)) return;
-        const Eigen::VectorXd column = pointLightColumn(scene, coarse, places[i], 0);
-        if (!(column.sum() > 0)) return;
-        misfit[i] = fitHiddenLight(coarse, &column, without.light, 5).misfit;
-    }, &progress);
-
+    std::vector<Vec3> distant;
     std::optional<HiddenLightFit> best;
-    for (size_t i : bestPlaces(places, misfit, extent.middle)) {
-        HiddenLightFit fit = searchAround(scene, coarse, places[i], extent.middle, without.light, 0.2f, 0.02f, false, progress);
-        logInfo("unseen lamp? at {}: misfit {:.4f}, refined {:.4f} at {}, without {:.4f}", placeInWords(places[i]), misfit[i], fit.misfit, placeInWords(fit.place), without.misfit);
-        if (seenEmpty(capture, samples, fit.place, bright)) continue;
-        if (!best || fit.misfit < best->misfit) best = std::move(fit);
+    HiddenLightFit without;
+    // What is too far to have a place is a detail of the surroundings that their leaves are too coarse for: it joins them, and the search begins again.
+    for (size_t pass = 0; pass < 6 && !best; ++pass) {
+        without = fitted(coarse);
+        std::vector<double> misfit(places.size(), 1e301);
+        progress.begin("Looking for an unseen lamp", places.size());
+        parallelFor(places.size(), 8, [&](size_t i) {
+            if (seenEmpty(capture, samples, places[i], bright)) return;
+            const Eigen::VectorXd column = pointLightColumn(scene, coarse, places[i], 0);
+            if (!(column.sum() > 0)) return;
+            misfit[i] = fitHiddenLight(coarse, &column, without.light, 5).misfit;
+        }, &progress);
+        for (size_t i : bestPlaces(places, misfit, extent.middle)) {
+            HiddenLightFit fit = searchAround(scene, coarse, places[i], extent.middle, without.light, 0.2f, 0.02f, false, progress);
+            if (seenEmpty(capture, samples, fit.place, bright)) continue;
+            if (!best || fit.misfit < best->misfit) best = std::move(fit);
+        }
+        if (!best) break;
+        logInfo("unseen lamp? at {}: misfit {:.4f}, without {:.4f}", placeInWords(best->place), best->misfit, without.misfit);
+        if (glm::length(best->place - extent.middle) < farAway * extent.radius) continue;
+        if (best->misfit > 0.97 * without.misfit) {
+            best.reset();
+            break;
+        }
+        distant.push_back(best->place);
+        addKnownPlace(scene, best->place, coarse);
+        best.reset();
     }
     if (!best) {
         search.misfitWithout = search.misfitWith = without.misfit;
-        search.words = "no unseen lamp: every place for one is in view and dark";
+        search.words = distant.empty() ? "no unseen lamp: every place for one is in view and dark" : "no unseen lamp: what the surroundings leave unexplained comes from afar";
         return search;
     }
     // How far it is, is known worst: at every distance the best direction, by many more points, because shadows' edges tell it.
     HiddenLightData dense = hiddenLightData(scene, samples, clusters, coarseLevel, options.finalPairs, options.seed + 1, progress);
+    for (const Vec3& place : distant) addKnownPlace(scene, place, dense);
     fitted(dense);
     std::vector<Vec3> along;
     HiddenLightFit nearest;
@@ -130,7 +145,6 @@ HiddenLightSearch findHiddenLight(const Capture& capture, const Scene& scene, co
     for (int k = -6; k <= 6; ++k) {
         const Vec3 place = extent.middle + std::exp(0.08f * float(k)) * (best->place - extent.middle);
         HiddenLightFit fit = searchAround(scene, dense, place, extent.middle, best->light, 0.03f, 0.003f, true, progress);
-        logInfo("  distance {:.4f} misfit {:.5f} at {}", glm::length(place - extent.middle), fit.misfit, placeInWords(fit.place));
         along.push_back(fit.place);
         if (fit.misfit < nearest.misfit) nearest = std::move(fit);
     }
@@ -141,6 +155,7 @@ HiddenLightSearch findHiddenLight(const Capture& capture, const Scene& scene, co
 
     // Would finer surroundings do as well?
     HiddenLightData fine = hiddenLightData(scene, samples, clusters, finalLevel, options.finalPairs, options.seed + 2, progress);
+    for (const Vec3& place : distant) addKnownPlace(scene, place, fine);
     const HiddenLightFit fineWithout = fitted(fine);
     const Eigen::VectorXd column = pointLightColumn(scene, fine, best->place, 8);
     const HiddenLightFit fineWith = fitHiddenLight(fine, &column, fineWithout.light, 20);

@@ -267,6 +267,16 @@ HiddenLightData hiddenLightData(const Scene& measured, const RadianceSamples& sa
     return data;
 }
 
+void addKnownPlace(const Scene& scene, const Vec3& place, HiddenLightData& data) {
+    const Eigen::VectorXd column = pointLightColumn(scene, data, place, 8);
+    const Eigen::VectorXd start = startWith(data, column, data.start);
+    data.rows = withColumn(data, &column);
+    data.start = start;
+    data.anchors.emitterRadiance.push_back(Rgb(0));
+    data.anchors.emitterSigma.push_back(1);
+    data.anchors.emitterClipped.push_back(1);
+}
+
 void assessPairs(HiddenLightData& data, const HiddenLightFit& fit) {
     const Eigen::VectorXd lit = withColumn(data, fit.column.size() ? &fit.column : nullptr) * fit.light;
     constexpr uint32_t everywhere = ~0u;

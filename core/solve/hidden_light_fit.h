@@ -39,6 +39,9 @@ struct HiddenLightFit {
     double share = 0;        ///< of the light on the points that comes from the lamp
 };
 
+/// A lamp at a place that is given joins the known ones; how bright it is, is not known.
+void addKnownPlace(const Scene& scene, const Vec3& place, HiddenLightData& data);
+
 /// Widens the pairs' variances, those of each piece of the mesh by a factor, to what is left of its near pairs under a fit: texture and errors of the mesh.
 /// Near pairs speak for far ones, because half of those may span the very shadows that the fit does not know.
 void assessPairs(HiddenLightData& data, const HiddenLightFit& fit);
