@@ -40,7 +40,8 @@ struct HiddenLightSearch {
 /// in the scene, at each with its power and all other light solved for; the best places are improved by trying
 /// others around them, because a shadow's edge moves in jumps, and then by Gauss-Newton on position and light together, shadows traced anew at every
 /// step. The covariance is a bootstrap over parts of the scene (boxes of a fifth of its extent), because neighbouring points err alike. Places that a photograph shows to be empty are
-/// left out. Cost: some seconds, about 1500 x 4 fits of 20 unknowns. Throws Cancelled.
+/// left out. Light from too far away to have a place joins the surroundings. The lamp is taken to shine alike in all directions: a panel that faces
+/// the scene seems nearer (by a tenth of its distance in a test), which the covariance does not hold. Cost: 5 to 40 s of CPU. Throws Cancelled.
 HiddenLightSearch findHiddenLight(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const EmitterClusters& clusters, const HiddenLightOptions& options,
                                   Progress& progress);
 
