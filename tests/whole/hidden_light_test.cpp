@@ -76,6 +76,19 @@ TEST(HiddenLight, ALampThatNoPhotographShowsIsFoundWhereItStands) {
     EXPECT_GT(luminance(found.estimate.lighting.emitterRadiance[0]), 0.0f);
 }
 
+TEST(HiddenLight, ThePlaceFoundHasTheSameBitsOnOneThreadAndOnTwo) {
+    const DarkenedWorld world;
+    PipelineOptions options;
+    options.findLight = options.onlyPlan = true;
+    std::vector<ProxyLight> found[2];
+    for (int threads : {1, 2}) {
+        const ThreadLimit limit(threads);
+        found[threads - 1] = world.solve(options).capture.proxies;
+    }
+    ASSERT_EQ(found[0].size(), 1u);
+    EXPECT_EQ(found[0], found[1]);
+}
+
 TEST(HiddenLight, NoneIsFoundWhereThereIsOnlySky) {
     const DarkenedWorld world(false);
     PipelineOptions options;
