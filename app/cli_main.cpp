@@ -46,7 +46,11 @@ void addCaptureOptions(CLI::App& verb, relamp::CaptureFix& fix) {
     verb.add_option("--mesh-scale", fix.meshScale, "Units of the cameras one unit of the mesh is long")->check(CLI::PositiveNumber);
     verb.add_flag("--flip-cameras", fix.flipCameras, "Camera matrices have OpenCV's axes (Y down, looking along +Z)");
     verb.add_option_function<std::vector<std::string>>("--proxy-light", [&fix](const std::vector<std::string>& lights) {
-        for (const std::string& light : lights) fix.proxies.push_back(relamp::cli::proxyLightOf(light));
+        try {
+            for (const std::string& light : lights) fix.proxies.push_back(relamp::cli::proxyLightOf(light));
+        } catch (const relamp::cli::UsageError& error) {
+            throw CLI::ValidationError(error.what());
+        }
     }, "A lamp that the mesh does not hold: X,Y,Z or X,Y,Z,RADIUS in metres of relamp's world (Z up); its power is solved for. May be given more than once")->allow_extra_args(false)->take_all();
     verb.add_flag("--from-brackets", fix.fromBrackets, "Merge the frames' exposures even where HDR pictures are named");
 }
