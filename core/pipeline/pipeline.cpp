@@ -53,6 +53,7 @@ PipelineResult runPipeline(const std::filesystem::path& captureFolder, const Pip
     // Transport (visibility, near-field maps) and the two alternating programs: light (equations 3 to 6) and reflectance.
     if (options.onlyPlan) r.estimate.plan = solve.plan;
     else r.estimate = solveScene(r.capture, r.scene, r.samples, r.clusters, solve, progress, listener, earlier ? &*earlier : nullptr);
+    if (r.search && !r.search->light) r.estimate.leftOut.push_back({"unseen lamp", r.search->words});
     std::vector<PlannedStage> done;
     for (const StageCost& cost : meter.stages()) done.push_back({cost.name, -1, cost.seconds, -1, cost.mib});
     r.estimate.plan.stages.insert(r.estimate.plan.stages.begin(), done.begin(), done.end());
