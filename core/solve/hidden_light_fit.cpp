@@ -128,7 +128,7 @@ Linear linearise(const HiddenLightData& data, const Eigen::MatrixXd& columns, co
     return l;
 }
 
-/// Data and priors as a quadratic program about x; `free` unknowns follow the light's own.
+/// Data and priors as a quadratic program about x. Unknowns of the place, where there are any, follow the light's own.
 struct HiddenLightProgram {
     Eigen::MatrixXd q;
     Eigen::VectorXd moment, lower;
@@ -304,8 +304,7 @@ void assessPairs(HiddenLightData& data, const HiddenLightFit& fit) {
 Eigen::VectorXd pointLightColumn(const Scene& scene, const HiddenLightData& data, const Vec3& place, int rays) {
     const size_t n = data.positions.size();
     Eigen::VectorXd column = Eigen::VectorXd::Zero(Eigen::Index(n));
-    // A unit of radiance of a ball as wide as a tenth of the scene's unit would do; only ratios count. Nearer than a hundredth of the scene
-    // nothing grows brighter.
+    // Only ratios count, so the unit is free. Nearer than a hundredth of the scene nothing grows brighter.
     const double nearest = 0.01 * double(scene.diagonal), unit = double(scene.diagonal) * double(scene.diagonal) / piD;
     for (size_t i = 0; i < n; ++i) {
         const Vec3 to = place - data.positions[i];
