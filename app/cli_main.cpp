@@ -45,6 +45,13 @@ void addCaptureOptions(CLI::App& verb, relamp::CaptureFix& fix) {
     verb.add_option("--scale", fix.scale, "Metres one unit of the files is long")->check(CLI::PositiveNumber);
     verb.add_option("--mesh-scale", fix.meshScale, "Units of the cameras one unit of the mesh is long")->check(CLI::PositiveNumber);
     verb.add_flag("--flip-cameras", fix.flipCameras, "Camera matrices have OpenCV's axes (Y down, looking along +Z)");
+    verb.add_option_function<std::vector<std::string>>("--proxy-light", [&fix](const std::vector<std::string>& lights) {
+        try {
+            for (const std::string& light : lights) fix.proxies.push_back(relamp::cli::proxyLightOf(light));
+        } catch (const relamp::cli::UsageError& error) {
+            throw CLI::ValidationError(error.what());
+        }
+    }, "A lamp that the mesh does not hold: X,Y,Z or X,Y,Z,RADIUS in metres of relamp's world (Z up); its power is solved for. May be given more than once")->allow_extra_args(false)->take_all();
     verb.add_flag("--from-brackets", fix.fromBrackets, "Merge the frames' exposures even where HDR pictures are named");
 }
 
@@ -89,6 +96,7 @@ int main(int argc, char** argv) {
         verb.add_option("--grid-side", solve.gridSide, "Side of the visibility grid (power of two)");
         verb.add_option("--threads", solve.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
         verb.add_option("--seed", solve.seed, "Seed of every random choice")->capture_default_str();
+        verb.add_flag("--find-light", solve.findLight, "Look for a lamp that no photograph shows, by its shading and shadows");
         verb.add_flag("--everything", solve.everything, "Leave nothing out beforehand: every part of the model is fitted");
         addCaptureOptions(verb, solve.fix);
     };

@@ -67,6 +67,13 @@ GaugeChoice gaugeOf(const std::string& text) {
 
 }  // namespace
 
+ProxyLight proxyLightOf(const std::string& text) {
+    const bool sized = std::count(text.begin(), text.end(), ',') == 3;
+    const std::vector<float> v = numbersOf(text, "--proxy-light", sized ? 4 : 3);
+    if (sized && !(v[3] > 0)) throw UsageError("--proxy-light: a radius of " + text.substr(text.rfind(',') + 1) + ", expected more than 0");
+    return {Vec3(v[0], v[1], v[2]), sized ? v[3] : 0, Vec3(0), false};
+}
+
 int edit(const std::string& path) {
     std::error_code error;
     const fs::path self = fs::read_symlink("/proc/self/exe", error);
@@ -101,6 +108,7 @@ PipelineOptions pipelineOptions(const SolveArguments& a) {
     if (a.bounce != "auto") options.solve.bounce = a.bounce == "on" ? SolveOptions::Bounce::on : SolveOptions::Bounce::off;
     options.solve.seed = a.seed;
     options.everything = a.everything;
+    options.findLight = a.findLight;
     return options;
 }
 
@@ -129,6 +137,7 @@ int solve(const SolveArguments& a, Progress& progress) {
     Shot shot;
     shot.captureFolder = a.capture;
     shot.fix = a.fix;
+    shot.fix.proxies = r.capture.proxies;
     shot.estimate = std::move(r.estimate);
     shot.quality = a.quality;
     shot.seed = a.seed;
@@ -192,6 +201,11 @@ int showInfo(const fs::path& path, const CaptureFix& fix, bool json, Progress& p
     text += fmt::format("shot ({}), solved in {:.1f} s\n", result["mode"].get<std::string>(), result["resources"]["seconds"].get<double>());
     for (const auto& e : result["emitters"])
         text += fmt::format("  {}  radiance {}  area {:.4g} m2  seen in {} views  identifiable {:.0f} %\n", e["id"].get<std::string>(), e["power"].dump(), e["area_m2"].get<double>(), e["views_seen"].dump(), 100 * e.value("identifiability", 0.0));
+    for (const auto& e : result["emitters"]) {
+        if (!e.value("unseen", false)) continue;
+        text += fmt::format("  {} is a proxy at {} m: its radiance was solved for, not seen", e["id"].get<std::string>(), e["centroid"].dump());
+        text += e.contains("position_stddev") ? fmt::format("; place found from shading, standard deviation {} m\n", e["position_stddev"].dump()) : "\n";
+    }
     text += fmt::format("  environment: {} coefficients\n  gauge: {} ({})\n", result["environment"]["kept_coefficients"].dump(), result["gauge"]["kind"].get<std::string>(), result["gauge"]["evidence"].get<std::string>());
     if (result["gauge"].contains("sigma")) {
         const auto& sigma = result["gauge"]["sigma"];

@@ -26,7 +26,7 @@ struct SolveArguments {
     double timeBudget = 0;
     int gridSide = 0, threads = 0;
     uint64_t seed = 1;
-    bool overwrite = false, everything = false, resume = false;
+    bool overwrite = false, everything = false, resume = false, findLight = false;
 };
 
 struct RenderArguments {
@@ -61,6 +61,8 @@ struct MergeArguments {
     int threads = 0;
 };
 
+/// "X,Y,Z" or "X,Y,Z,RADIUS". Throws UsageError.
+ProxyLight proxyLightOf(const std::string& text);
 /// Becomes relamp-editor, which lies beside this program or on the PATH. Throws Error when it is not installed.
 int edit(const std::string& path);
 int check(const fs::path& capture, const CaptureFix& fix, bool json, Progress& progress);

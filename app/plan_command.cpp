@@ -12,8 +12,15 @@ int plan(const SolveArguments& a, bool json, Progress& progress) {
     const ThreadLimit limit(a.threads);
     PipelineOptions options = pipelineOptions(a);
     options.onlyPlan = true;
-    const SolvePlan plan = runPipeline(a.capture, options, progress).estimate.plan;
-    std::fputs((json ? planJson(plan).dump(1) + "\n" : planText(plan)).c_str(), stdout);
+    const PipelineResult r = runPipeline(a.capture, options, progress);
+    nlohmann::json document = planJson(r.estimate.plan);
+    std::string text = planText(r.estimate.plan);
+    if (r.search) {
+        document["unseen_lamp"] = {{"found", r.search->light.has_value()}, {"words", r.search->words}};
+        if (const auto& light = r.search->light) document["unseen_lamp"]["position"] = {light->position.x, light->position.y, light->position.z};
+        text += r.search->words + "\n";
+    }
+    std::fputs((json ? document.dump(1) + "\n" : text).c_str(), stdout);
     return 0;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "capture/camera.h"
+#include "capture/proxy_light.h"
 #include "image/image.h"
 #include "image/image_io.h"
 #include "scene/mesh.h"
@@ -41,6 +42,7 @@ struct Capture {
     double metresPerUnit = 1;    ///< how long one unit of the files is; cameras and mesh here are in metres
     std::optional<ReconstructionFigures> reconstruction;
     std::vector<Vec3> points;        ///< up to 20000 of a reconstruction's points, turned and scaled as the mesh is
+    std::vector<ProxyLight> proxies;  ///< the last proxyTriangles of the mesh for each, in this order
     std::vector<std::string> notes;  ///< what was masked, repaired or ignored, one sentence each
 };
 

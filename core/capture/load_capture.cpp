@@ -221,6 +221,19 @@ void checkSize(const Image& image, View& view, const FrameSource& frame, std::ve
     throw Error("{}: is {} x {} pixels, w and h say {} x {}", view.file.string(), image.width, image.height, camera.width, camera.height);
 }
 
+std::vector<ProxyLight> sizedProxies(std::vector<ProxyLight> proxies, const Mesh& mesh) {
+    // Radius 0: a hundredth of the mesh's diagonal.
+    Vec3 low(1e30f), high(-1e30f);
+    for (const Triangle& t : mesh.triangles)
+        for (uint32_t v : t) {
+            low = glm::min(low, mesh.positions[v]);
+            high = glm::max(high, mesh.positions[v]);
+        }
+    for (ProxyLight& p : proxies)
+        if (p.radius == 0) p.radius = 0.01f * glm::length(high - low);
+    return proxies;
+}
+
 }  // namespace
 
 Capture loadCapture(const fs::path& folder, const LoadOptions& options, Progress& progress) {
@@ -294,6 +307,8 @@ Capture loadCapture(const fs::path& folder, const LoadOptions& options, Progress
         for (size_t i = 0; i < count; ++i) readView(i);  // each is merged on all cores
     }
     orientCapture(capture, up, fix);
+    capture.proxies = sizedProxies(fix.proxies, capture.mesh);
+    addProxies(capture.proxies, capture.mesh);
     for (const auto& sentences : notes) capture.notes.insert(capture.notes.end(), sentences.begin(), sentences.end());
     return capture;
 }

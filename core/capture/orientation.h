@@ -17,6 +17,7 @@ struct CaptureFix {
     /// found by their usual names.
     std::string colmap{}, images{}, mesh{};
     bool fromBrackets = false; ///< merge `exposures` even where an HDR picture is named
+    std::vector<ProxyLight> proxies{};  ///< lamps that the mesh does not hold
     bool operator==(const CaptureFix&) const = default;
 };
 

@@ -221,6 +221,34 @@ void measure(const Scene& scene, EmitterCluster& cluster) {
     }
 }
 
+Vec3 middleOf(const Scene& scene, size_t vertices) {
+    Vec3 low(1e30f), high(-1e30f);
+    for (size_t v = 0; v < vertices; ++v) {
+        if (!scene.referenced[v]) continue;
+        low = glm::min(low, scene.mesh.positions[v]);
+        high = glm::max(high, scene.mesh.positions[v]);
+    }
+    return (low + high) / 2.0f;
+}
+
+/// The spheres that stand for lamps without geometry: they are lamps because somebody said so, and how bright they are is solved for.
+void addProxyEmitters(const Scene& scene, const Capture& capture, float brightness, EmitterClusters& result) {
+    for (size_t i = 0; i < capture.proxies.size(); ++i) {
+        const ProxyLight& proxy = capture.proxies[i];
+        const size_t before = capture.proxies.size() - i, firstVertex = scene.mesh.vertexCount() - before * proxyVertices;
+        EmitterCluster cluster;
+        for (size_t v = 0; v < proxyVertices; ++v) cluster.vertices.push_back(uint32_t(firstVertex + v));
+        measure(scene, cluster);
+        cluster.unseen = true;
+        cluster.positionSigma = proxy.sigma;
+        // A guess: half of what lights the middle of the scene, on an albedo of 0.3.
+        const float distance = glm::length(proxy.centre - middleOf(scene, firstVertex));
+        cluster.radiance = Rgb(std::max(brightness, 1e-9f) / 0.6f * std::max(1.0f, distance * distance / (proxy.radius * proxy.radius)));
+        cluster.radianceSigma = 1;
+        result.emitters.push_back(std::move(cluster));
+    }
+}
+
 }  // namespace
 
 void indexEmitters(const Scene& scene, EmitterClusters& clusters) {
@@ -238,14 +266,19 @@ void indexEmitters(const Scene& scene, EmitterClusters& clusters) {
 
 EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, const RadianceSamples& samples, const ClusterOptions& options, Progress& progress) {
     progress.begin("Emitter clusters", 4);
-    const std::vector<VertexRadiance> seen = summarise(scene, samples);
+    std::vector<VertexRadiance> seen = summarise(scene, samples);
+    for (size_t v = seen.size() - std::min(seen.size(), capture.proxies.size() * proxyVertices); v < seen.size(); ++v) seen[v] = {};
     std::vector<float> values;
     for (const VertexRadiance& r : seen)
         if (r.weight > 0.1f) values.push_back(maxChannel(r.radiance));
     EmitterClusters result;
     result.emitterOfVertex.assign(scene.mesh.vertexCount(), -1);
     result.emitterOfTriangle.assign(scene.mesh.triangles.size(), -1);
-    if (values.empty()) return result;
+    addProxyEmitters(scene, capture, medianOf(values), result);
+    if (values.empty()) {
+        indexEmitters(scene, result);
+        return result;
+    }
     progress.advance();
 
     std::vector<Patch> patches = growPatches(scene, seen, options.minContrast * medianOf(values), options.tolerance);
@@ -262,6 +295,8 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
     const float reference = ordinary.size() > 20 ? medianOf(ordinary, 0.95) : median;
 
     std::vector<uint8_t> taken(seen.size(), 0);  // by accepted patches
+    for (const EmitterCluster& e : result.emitters)
+        for (uint32_t v : e.vertices) taken[v] = 1;
     for (size_t i = 0; i < patches.size(); ++i) {
         Patch& patch = patches[i];
         judge(scene, samples, seen, patchOf, int(i), reference, patch);
@@ -289,7 +324,6 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
         (e.sceneContrast >= options.certainContrast && e.uniformity < 0.06f ? result.emitters : result.candidates).push_back(std::move(cluster));
     }
     progress.advance();
-    (void)capture;
     indexEmitters(scene, result);
     for (const EmitterCluster& e : result.emitters)
         logInfo("{}: radiance {:.4g} {:.4g} {:.4g}, {} vertices, scene contrast {:.1f}, local {:.1f}, uniform {:.3f}, view spread {:.3f}, edge {:.2f}", e.id,

@@ -32,6 +32,8 @@ struct EmitterCluster {
     Rgb radiance{0};                   ///< seen directly, image units (median of unclipped look-ups)
     float radianceSigma = 0;           ///< relative standard deviation of that
     bool twoSided = false;             ///< its back was seen shining as well
+    bool unseen = false;               ///< a proxy: no pixel tells its radiance, which is a guess until the light is solved
+    Vec3 positionSigma{0};             ///< standard deviation of its centre, metres; 0 where the mesh says where it is
     Vec3 centroid{0};                  ///< metres, area-weighted
     Vec3 normal{0};                    ///< area-weighted mean, unit; 0 for closed bodies
     float area = 0;                    ///< square metres

@@ -1,8 +1,30 @@
 #include "pipeline/pipeline.h"
 
+#include "base/log.h"
 #include "base/stage_meter.h"
 
 namespace relamp {
+
+namespace {
+
+/// Looks for a lamp that no photograph shows; where there is one, a proxy joins the capture.
+void addHiddenLight(PipelineResult& r, const PipelineOptions& options, Progress& progress) {
+    const Scene scene = buildScene(r.capture.mesh, progress);
+    const RadianceSamples samples = gatherRadiance(r.capture, scene, options.gather, progress);
+    const EmitterClusters clusters = clusterEmitters(scene, r.capture, samples, options.clusters, progress);
+    HiddenLightOptions search;
+    search.seed = options.solve.seed;
+    r.search = findHiddenLight(r.capture, scene, samples, clusters, search, progress);
+    logInfo("{}", r.search->words);
+    if (!r.search->light) return;
+    const HiddenLight& light = *r.search->light;
+    // Small beside its distance, so that its shadows are those of the point it was found as.
+    const ProxyLight proxy{light.position, 0.015f * light.distance, light.sigma(), true};
+    addProxies({proxy}, r.capture.mesh);
+    r.capture.proxies.push_back(proxy);
+}
+
+}  // namespace
 
 PipelineResult runPipeline(const std::filesystem::path& captureFolder, const PipelineOptions& options, Progress& progress, const SolveListener* listener) {
     PipelineResult r;
@@ -10,6 +32,10 @@ PipelineResult runPipeline(const std::filesystem::path& captureFolder, const Pip
     // Photographs, cameras, mesh.
     meter.begin("photographs");
     r.capture = loadCapture(captureFolder, options.load, progress);
+    if (options.findLight) {
+        meter.begin("looking for an unseen lamp");
+        addHiddenLight(r, options, progress);
+    }
     const std::optional<SolveCheckpoint> earlier = options.resume ? options.resume(r.capture) : std::nullopt;
     meter.begin("scene");
     r.scene = buildScene(r.capture.mesh, progress);
@@ -27,6 +53,7 @@ PipelineResult runPipeline(const std::filesystem::path& captureFolder, const Pip
     // Transport (visibility, near-field maps) and the two alternating programs: light (equations 3 to 6) and reflectance.
     if (options.onlyPlan) r.estimate.plan = solve.plan;
     else r.estimate = solveScene(r.capture, r.scene, r.samples, r.clusters, solve, progress, listener, earlier ? &*earlier : nullptr);
+    if (r.search && !r.search->light) r.estimate.leftOut.push_back({"unseen lamp", r.search->words});
     std::vector<PlannedStage> done;
     for (const StageCost& cost : meter.stages()) done.push_back({cost.name, -1, cost.seconds, -1, cost.mib});
     r.estimate.plan.stages.insert(r.estimate.plan.stages.begin(), done.begin(), done.end());

@@ -7,6 +7,7 @@
 #include "pipeline/plan.h"
 #include "radiance/gather.h"
 #include "scene/scene.h"
+#include "solve/hidden_light.h"
 #include "solve/solve.h"
 
 namespace relamp {
@@ -17,6 +18,7 @@ struct PipelineOptions {
     ClusterOptions clusters;
     SolveOptions solve;
     bool everything = false;   ///< the planner leaves nothing out
+    bool findLight = false;    ///< looks for a lamp that no photograph shows and puts a proxy in its place
     bool onlyPlan = false;     ///< stops before the solve: the estimate holds the plan alone
     /// Asked when the capture is read, before anything is computed: where an earlier solve of it stood, or nothing.
     std::function<std::optional<SolveCheckpoint>(const Capture&)> resume = {};
@@ -29,6 +31,7 @@ struct PipelineResult {
     RadianceSamples samples;
     EmitterClusters clusters;
     Estimate estimate;
+    std::optional<HiddenLightSearch> search;   ///< when it was asked for; what it found is among capture.proxies
 };
 
 /// Throws what the rooms throw.

@@ -113,7 +113,7 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
     for (size_t c = 0; c < samples.background.size(); ++c)
         if (samples.backgroundPixels[c]) brightest = std::max(brightest, maxChannel(samples.background[c]));
     found.backgroundShare = middle > 0 ? double(brightest) / middle : 0;
-    lighting.emitterRadiance = anchors.emitterRadiance;
+    lighting.emitterRadiance = firstRadiance(lamps);
     lighting.leafRadiance.assign(lighting.leaves.size(), Rgb(float(std::max(middle / 0.3, 1e-9))));
     AlbedoFreeOptions fit;
     fit.iterations = 12;

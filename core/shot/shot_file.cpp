@@ -146,6 +146,8 @@ Json shotInfo(const Shot& shot) {
         Json j{{"id", c.id}, {"name", c.id}, {"centroid", toJson(c.centroid)}, {"normal", toJson(c.normal)}, {"area_m2", c.area}, {"triangles", c.triangles.size()},
                {"power", toJson(e.lighting.emitterRadiance[i])}, {"two_sided", c.twoSided}, {"views_seen", c.evidence.viewsSeen}, {"clipped_share", c.evidence.clippedShare},
                {"evidence", evidenceJson(c.evidence)}};
+        if (c.unseen) j["unseen"] = true;
+        if (c.positionSigma != Vec3(0)) j["position_stddev"] = toJson(c.positionSigma);
         if (i < e.emitterSigma.size()) j["power_stddev"] = toJson(e.emitterSigma[i]);
         if (i < e.identifiability.size()) j["identifiability"] = e.identifiability[i];
         info["emitters"].push_back(j);
@@ -178,6 +180,12 @@ Json shotInfo(const Shot& shot) {
 namespace {
 
 /// Places that are found from the current folder only are kept absolute, so that the shot opens from everywhere.
+Json proxiesToJson(const std::vector<ProxyLight>& proxies) {
+    Json list = Json::array();
+    for (const ProxyLight& p : proxies) list.push_back({{"centre", toJson(p.centre)}, {"radius", p.radius}, {"sigma", toJson(p.sigma)}, {"found", p.found}});
+    return list;
+}
+
 Json fixToJson(const CaptureFix& fix, const fs::path& capture) {
     const auto kept = [&](const std::string& place) {
         std::error_code ignored;
@@ -185,7 +193,8 @@ Json fixToJson(const CaptureFix& fix, const fs::path& capture) {
         return fs::absolute(place).lexically_normal().string();
     };
     return {{"up", fix.up},       {"flip_cameras", fix.flipCameras}, {"scale", fix.scale},        {"mesh_scale", fix.meshScale},
-            {"colmap", kept(fix.colmap)}, {"images", kept(fix.images)},      {"mesh", kept(fix.mesh)}, {"from_brackets", fix.fromBrackets}};
+            {"colmap", kept(fix.colmap)}, {"images", kept(fix.images)},      {"mesh", kept(fix.mesh)}, {"from_brackets", fix.fromBrackets},
+            {"proxy_lights", proxiesToJson(fix.proxies)}};
 }
 
 }  // namespace
@@ -351,6 +360,11 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress) {
             shot.fix.scale = field(fix, "scale", 1.0, "capture_fix.");
             shot.fix.meshScale = field(fix, "mesh_scale", 1.0, "capture_fix.");
             shot.fix.fromBrackets = field(fix, "from_brackets", false, "capture_fix.");
+            size_t k = 0;
+            for (const Json& p : listOf(fix, "proxy_lights")) {
+                const std::string where = fmt::format("capture_fix.proxy_lights[{}].", k++);
+                shot.fix.proxies.push_back({colour(need(p, "centre", where), where + "centre"), field(p, "radius", 0.0f, where), p.contains("sigma") ? colour(p["sigma"], where + "sigma") : Vec3(0), field(p, "found", false, where)});
+            }
             for (const auto& [key, place] : {std::pair{"colmap", &shot.fix.colmap}, std::pair{"images", &shot.fix.images}, std::pair{"mesh", &shot.fix.mesh}})
                 *place = field<std::string>(fix, key, "", "capture_fix.");
             if (!shot.fix.up.empty()) withContext("capture_fix.up", [&] { axisFromName(shot.fix.up); });
@@ -398,6 +412,8 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress) {
             c.normal = j.contains("normal") ? colour(j["normal"], where + "normal") : Vec3(0);
             c.area = field(j, "area_m2", 0.0f, where);
             c.twoSided = field(j, "two_sided", false, where);
+            c.unseen = field(j, "unseen", false, where);
+            if (j.contains("position_stddev")) c.positionSigma = colour(j["position_stddev"], where + "position_stddev");
             c.evidence.viewsSeen = field(j, "views_seen", 0, where);
             c.evidence.clippedShare = field(j, "clipped_share", 0.0f, where);
             if (j.contains("power_stddev")) e.emitterSigma.push_back(colour(j["power_stddev"], where + "power_stddev"));

@@ -2,6 +2,12 @@
 
 namespace relamp {
 
+std::vector<Rgb> firstRadiance(const EmitterClusters& clusters) {
+    std::vector<Rgb> radiance;
+    for (const EmitterCluster& e : clusters.emitters) radiance.push_back(e.radiance);
+    return radiance;
+}
+
 LightAnchors lightAnchors(const RadianceSamples& samples, const EmitterClusters& clusters, const LightLeaves& leaves) {
     LightAnchors anchors;
     anchors.leaves.resize(leaves.size());
@@ -26,9 +32,10 @@ LightAnchors lightAnchors(const RadianceSamples& samples, const EmitterClusters&
         anchors.leaves[i].coverage = std::min(1.0f, area[i] / leaves[i].solidAngle());
     }
     for (const EmitterCluster& e : clusters.emitters) {
-        anchors.emitterRadiance.push_back(e.radiance);
+        // Nothing was seen of an unseen one: at least nothing.
+        anchors.emitterRadiance.push_back(e.unseen ? Rgb(0) : e.radiance);
         anchors.emitterSigma.push_back(std::max(e.radianceSigma, 3e-4f));
-        anchors.emitterClipped.push_back(e.evidence.clippedShare > 0.5f);
+        anchors.emitterClipped.push_back(e.unseen || e.evidence.clippedShare > 0.5f);
     }
     return anchors;
 }

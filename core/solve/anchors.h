@@ -20,6 +20,9 @@ struct LightAnchors {
     std::vector<uint8_t> emitterClipped; ///< 1: a lower bound
 };
 
+/// Where a fit starts: what was seen of each emitter, or guessed.
+std::vector<Rgb> firstRadiance(const EmitterClusters& clusters);
+
 LightAnchors lightAnchors(const RadianceSamples& samples, const EmitterClusters& clusters, const LightLeaves& leaves);
 
 }  // namespace relamp

@@ -75,6 +75,8 @@ void fields(File& f, EmitterClusters& c) {
         f.plain(e.radiance);
         f.plain(e.radianceSigma);
         f.plain(e.twoSided);
+        f.plain(e.unseen);
+        f.plain(e.positionSigma);
         f.plain(e.centroid);
         f.plain(e.normal);
         f.plain(e.area);

@@ -148,7 +148,7 @@ void SolveState::assess(Estimate& estimate) {
         const double self = scaled(m + Eigen::Index(e), m + Eigen::Index(e));
         const double imitated = self > 0 && factor.info() == Eigen::Success ? column.dot(factor.solve(column)) / self : 1;
         estimate.identifiability.push_back(float(std::sqrt(std::clamp(1 - imitated, 0.0, 1.0))));
-        estimate.emitterSigma.push_back(lighting_.emitterRadiance[e] * (anchors_.emitterClipped[e] ? 0.5f : anchors_.emitterSigma[e]));
+        estimate.emitterSigma.push_back(lighting_.emitterRadiance[e] * (clusters_.emitters[e].unseen ? 1.0f : anchors_.emitterClipped[e] ? 0.5f : anchors_.emitterSigma[e]));
     }
 }
 

@@ -38,6 +38,8 @@ void SolveState::assessUncertainty(const LightUncertainty& light, Estimate& esti
         }
         sigma[v] = sum / 3;
     }
+    for (size_t e = 0; e < clusters_.emitters.size(); ++e)
+        if (clusters_.emitters[e].unseen && e < light.emitterSigma.size()) estimate.emitterSigma[e] = estimate.lighting.emitterRadiance[e] * light.emitterSigma[e];
     const DirectionGrid fine{estimate.environmentSide};
     const std::vector<uint32_t> leafOf = lighting_.leaves.leafOfCells(fine);
     estimate.environmentSigma.resize(size_t(fine.cells()));

@@ -136,7 +136,7 @@ void SolveState::learnTransport(const std::vector<uint8_t>& vertices) {
 }
 
 void SolveState::guessLight() {
-    lighting_.emitterRadiance = anchors_.emitterRadiance;
+    lighting_.emitterRadiance = firstRadiance(clusters_);
     lighting_.leafRadiance.assign(lighting_.leaves.size(), Rgb(0));
     if (environmentBlack_) return;
     // A constant environment that would show the median radiance on an albedo of 0.3.
@@ -281,7 +281,7 @@ bool SolveState::confirmEmitters() {
     if (!changed) return false;
     rebuildNearField();
     rebuildRows();
-    lighting_.emitterRadiance = anchors_.emitterRadiance;
+    lighting_.emitterRadiance = firstRadiance(clusters_);
     return true;
 }
 

@@ -1,0 +1,23 @@
+// A lamp that the capture's mesh does not hold: a small sphere put in its place, so that it is lit, moved and exported as any lamp.
+#pragma once
+#include <vector>
+
+#include "scene/mesh.h"
+
+namespace relamp {
+
+struct ProxyLight {
+    Vec3 centre{0};        ///< metres, in the world as it is read: Z up
+    float radius = 0;      ///< metres, more than 0
+    Vec3 sigma{0};         ///< standard deviation of the centre along X, Y, Z, metres; 0: it was told, not found
+    bool found = false;    ///< from shading and shadows (solve/hidden_light.h)
+    bool operator==(const ProxyLight&) const = default;
+};
+
+/// Vertices and triangles that a proxy adds to the mesh: an octahedron cut up twice, with the area of the sphere.
+constexpr size_t proxyVertices = 66, proxyTriangles = 128;
+
+/// Appends the proxies' spheres to the mesh, one after the other, behind everything else. Throws Error for one that has no place or no size.
+void addProxies(const std::vector<ProxyLight>& proxies, Mesh& mesh);
+
+}  // namespace relamp
