@@ -130,6 +130,8 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
     }
     if (counts.seen < counts.vertices)
         leaveOut("vertices that no photograph shows", fmt::format("{:.0f} of {:.0f}: their light is worked out when something needs it", counts.vertices - counts.seen, counts.vertices), &PlanChoices::unseenVertices);
+    if (kept.distantLight && options.visibilitySide >= 4)
+        leaveOut("rays between rays that agree", "visibility is traced finer only where an edge is near", &PlanChoices::agreeingRays);
     if (counts.matteLooks > 0)
         leaveOut(counts.glossyLooks > 0 ? "lobes on matte pieces" : "glossy lobes", counts.glossyLooks > 0 ? "those pieces do not change with the view beyond noise" : "no surface changes with the view beyond noise", &PlanChoices::mattePieces);
     if (counts.glossyLooks > 0 && options.glossRounds > 0)

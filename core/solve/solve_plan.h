@@ -14,9 +14,10 @@ struct PlanChoices {
     bool emptyColumns = false;     ///< true: directions that light no observed vertex take part in the equations' products, too
     bool mattePieces = false;      ///< true: lobes are sought on pieces that do not change with the view, too
     bool lostLobes = false;        ///< true: later rounds try every lobe again, not only those that came near the best
+    bool agreeingRays = false;     ///< true: visibility is traced where coarser rays all around agree, too
     bool flatLevels = false;       ///< true: leaves are split on after a round that explained hardly more
     /// Nothing is left out.
-    static PlanChoices everything() { return {true, true, true, true, true, true, true, true}; }
+    static PlanChoices everything() { return {true, true, true, true, true, true, true, true, true}; }
 };
 
 /// A stage of the solve; a number below 0 is not known.
