@@ -91,11 +91,10 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
         skip[v] = lamps.emitterOfVertex[v] >= 0;
         counts.seen += samples.countOf(uint32_t(v)) > 0 || skip[v];
     }
-    const MatteObservations matte = matteObservations(scene, samples, skip);
-    PairOptions pairOptions;
-    pairOptions.seed = options.seed;
-    const std::vector<AlbedoPair> pairs = albedoPairs(scene, matte, pairOptions);
-    counts.observationSeconds = progress.seconds() - start;
+    const auto observed = std::make_shared<const RatioObservations>(ratioObservations(scene, samples, std::move(skip), options.seed));
+    const MatteObservations& matte = observed->matte;
+    const std::vector<AlbedoPair>& pairs = observed->pairs;
+    plan.observed = observed;
     counts.rows = double(matte.vertices.size());
     counts.pairs = double(pairs.size());
     size_t usable = 0;

@@ -1,9 +1,12 @@
 // What a solve leaves out because the scene does not need it, and what its stages cost: decided before the solve, measured while it runs.
 #pragma once
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace relamp {
+
+struct RatioObservations;
 
 /// What takes part. The default is what every solve may take for granted; the planner (pipeline/plan.h) switches off more.
 struct PlanChoices {
@@ -37,6 +40,7 @@ struct SolvePlan {
     std::vector<PlannedStage> stages;
     std::vector<PlannedOmission> leftOut;
     double planningSeconds = 0;
+    std::shared_ptr<const RatioObservations> observed;  ///< what planning worked out and the solve takes over; null: nothing
     /// The stage of that name, made if it is not there.
     PlannedStage& stage(const std::string& name);
     double predictedSeconds() const;   ///< over the stages with a prediction

@@ -57,10 +57,15 @@ void SolveState::rebuildNearField() {
     nearField_ = computeNearField(scene_, clusters_, nearOptions, progress_);
     std::vector<uint8_t> skip(scene_.mesh.vertexCount(), 0);
     for (size_t v = 0; v < skip.size(); ++v) skip[v] = clusters_.emitterOfVertex[v] >= 0;
-    matte_ = matteObservations(scene_, samples_, skip);
-    PairOptions pairOptions;
-    pairOptions.seed = options_.seed;
-    pairs_ = albedoPairs(scene_, matte_, pairOptions);
+    const RatioObservations* observed = plan_.observed.get();
+    RatioObservations anew;
+    if (!observed || observed->skip != skip || observed->seed != options_.seed) {
+        anew = ratioObservations(scene_, samples_, std::move(skip), options_.seed);
+        observed = &anew;
+    }
+    matte_ = observed->matte;
+    pairs_ = observed->pairs;
+    plan_.observed.reset();
     std::vector<float> brightness;
     for (const Rgb& y : matte_.radiance) brightness.push_back(maxChannel(y));
     std::sort(brightness.begin(), brightness.end());
@@ -190,7 +195,15 @@ void SolveState::firstLight() {
     runAlbedoFree("light from ratios, coarse", options_.startIterations, nullptr);
     if (confirmEmitters()) runAlbedoFree("light from ratios, coarse", options_.startIterations, nullptr);
     leaveOutBlackEnvironment();
-    decideBounce(true);
+    if (stopped()) return;
+    const Lighting without = lighting_;
+    try {
+        const Progress::Dispensable mayEnd(progress_);
+        decideBounce(true);
+    } catch (const OutOfTime&) {
+        lighting_ = without;
+        forgetBounce("the time was used up before it could be tried");
+    }
 }
 
 void SolveState::startLight() {
