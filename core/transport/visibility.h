@@ -23,7 +23,7 @@ struct Visibility {
 struct VisibilityOptions {
     int gridSide = 64;  ///< one ray through each cell's centre; 64 halves the error at contact shadows against 32
     const std::vector<uint8_t>* only = nullptr;  ///< per vertex: 0 leaves it out, it then sees nothing; null: every vertex
-    int step = 1;            ///< a power of two: one ray for step x step cells, through a cell that differs from vertex to vertex
+    int step = 1;            ///< a power of two: one ray for step x step cells
     /// false: at step 1 a ray is only sent where a lattice of one ray for 2 x 2 cells finds an edge: where the 3 x 3 of them around a cell
     /// are not all open or all blocked. What is missed is thinner than 3 cells and lies between the lattice's rays.
     bool agreeing = true;
