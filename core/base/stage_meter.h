@@ -28,6 +28,7 @@ public:
     /// Ends the stage that runs and begins `name`; an empty name only ends.
     void begin(const std::string& name);
     void end() { begin(""); }
+    const std::string& current() const { return name_; }
     const std::vector<StageCost>& stages() const { return stages_; }
 
 private:

@@ -91,11 +91,10 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
         skip[v] = lamps.emitterOfVertex[v] >= 0;
         counts.seen += samples.countOf(uint32_t(v)) > 0 || skip[v];
     }
-    const MatteObservations matte = matteObservations(scene, samples, skip);
-    PairOptions pairOptions;
-    pairOptions.seed = options.seed;
-    const std::vector<AlbedoPair> pairs = albedoPairs(scene, matte, pairOptions);
-    counts.observationSeconds = progress.seconds() - start;
+    const auto observed = std::make_shared<const RatioObservations>(ratioObservations(scene, samples, std::move(skip), options.seed));
+    const MatteObservations& matte = observed->matte;
+    const std::vector<AlbedoPair>& pairs = observed->pairs;
+    plan.observed = observed;
     counts.rows = double(matte.vertices.size());
     counts.pairs = double(pairs.size());
     size_t usable = 0;
@@ -130,6 +129,8 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
     }
     if (counts.seen < counts.vertices)
         leaveOut("vertices that no photograph shows", fmt::format("{:.0f} of {:.0f}: their light is worked out when something needs it", counts.vertices - counts.seen, counts.vertices), &PlanChoices::unseenVertices);
+    if (kept.distantLight && options.visibilitySide >= 4)
+        leaveOut("rays between rays that agree", "visibility is traced finer only where an edge is near", &PlanChoices::agreeingRays);
     if (counts.matteLooks > 0)
         leaveOut(counts.glossyLooks > 0 ? "lobes on matte pieces" : "glossy lobes", counts.glossyLooks > 0 ? "those pieces do not change with the view beyond noise" : "no surface changes with the view beyond noise", &PlanChoices::mattePieces);
     if (counts.glossyLooks > 0 && options.glossRounds > 0)

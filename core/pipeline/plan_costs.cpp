@@ -23,8 +23,10 @@ std::vector<StageEstimate> predictStages(const WorkCounts& n, const MachineSpeed
     const double albedo = n.vertices * std::log2(std::max(2.0, n.vertices)) * speed.sparse * double(options.prior.iterations) / 2;
     const double albedoMib = n.vertices * (3 * 20 * 12 * 2 + 3 * 7 * 16) / mib;
 
-    stages.push_back({"lamps' light, observations, pairs", n.observationSeconds + known * pilot.nearSecondsPerPoint, (n.pairs * 12 + n.rows * 40 + n.vertices * n.lamps * 8) / mib});
-    if (distant) stages.push_back({"visibility", known * cells / 2 * (n.matte && options.nearField ? 1.25 : 1.0) * pilot.visibilitySecondsPerRay, n.vertices * cells / 8 / mib});
+    stages.push_back({"lamps' light, observations, pairs", known * pilot.nearSecondsPerPoint, (n.pairs * 12 + n.rows * 40 + n.vertices * n.lamps * 8) / mib});
+    // Rays of a lattice of 2 x 2 cells, and then all the others or those near edges.
+    const double visibility = known * (choices.agreeingRays ? cells / 2 * pilot.visibilitySecondsPerRay : cells / 8 * pilot.visibilitySecondsPerRay + pilot.edgeSecondsPerPoint);
+    if (distant) stages.push_back({"visibility", visibility, n.vertices * cells / 8 / mib});
     stages.push_back({"rows of the observations", distant ? n.rows * cells * pilot.rowSecondsPerCell : 0.0, n.rows * (leavesCoarse + n.lamps) * 4 / mib});
 
     const bool near = options.nearField && n.matte;

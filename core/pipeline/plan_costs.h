@@ -15,7 +15,6 @@ struct WorkCounts {
     double glossyLooks = 0, matteLooks = 0;  ///< that lobes would be fitted to, on pieces that change with the view and on the others
     double lobes = 0;                ///< of the basis, without Lambert
     double lookSeconds = 0;          ///< one row of one lobe
-    double observationSeconds = 0;   ///< observations and pairs, measured
     bool matte = true;               ///< the scene has a matte signal
     bool lobeLikely = true;          ///< some lobe will be found
 };

@@ -9,7 +9,7 @@ namespace {
 
 constexpr size_t pairsWanted = 4000;
 constexpr int pilotSide = 16, pilotLevel = 3;
-constexpr uint32_t pilotRays = 128;
+constexpr uint32_t pilotRays = 64;
 
 double median(std::vector<float> values) {
     if (values.empty()) return 0;
@@ -90,9 +90,12 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
     sample.grid.side = options.visibilitySide;
     sample.wordsPerVertex = size_t(sample.grid.cells() + 63) / 64;
     sample.bits.assign(scene.mesh.vertexCount() * sample.wordsPerVertex, 0);
+    sample.step = std::max(1, options.visibilitySide >> (options.startLevel + 1));
     took();
-    addVisibility(scene, blocks, sample, progress);
-    found.visibilitySecondsPerRay = took() / (double(std::max<size_t>(1, inBlocks)) * sample.grid.cells() / 2);
+    const size_t raysSent = addVisibility(scene, blocks, sample, progress);
+    found.visibilitySecondsPerRay = took() / double(std::max<size_t>(1, raysSent));
+    refineVisibility(scene, blocks, 1, false, sample, progress);
+    found.edgeSecondsPerPoint = took() / double(std::max<size_t>(1, inBlocks));
     NearFieldOptions nearOptions;
     nearOptions.seed = options.seed;
     nearOptions.only = &wanted;

@@ -21,7 +21,7 @@ struct PilotFindings {
     int iterations = 0;           ///< of the coarse fit
     Lighting lighting;            ///< the coarse light found
     // What pieces of the work took, for the cost model.
-    double visibilitySecondsPerRay = 0, nearSecondsPerPoint = 0, rowSecondsPerCell = 0, bounceSecondsPerRay = 0, iterationSeconds = 0;
+    double visibilitySecondsPerRay = 0, edgeSecondsPerPoint = 0, nearSecondsPerPoint = 0, rowSecondsPerCell = 0, bounceSecondsPerRay = 0, iterationSeconds = 0;
     size_t rows = 0, columns = 0;
 };
 

@@ -75,4 +75,15 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
     return pairs;
 }
 
+RatioObservations ratioObservations(const Scene& scene, const RadianceSamples& samples, std::vector<uint8_t> skip, uint64_t seed) {
+    RatioObservations result;
+    result.matte = matteObservations(scene, samples, skip);
+    PairOptions options;
+    options.seed = seed;
+    result.pairs = albedoPairs(scene, result.matte, options);
+    result.skip = std::move(skip);
+    result.seed = seed;
+    return result;
+}
+
 }  // namespace relamp

@@ -26,4 +26,13 @@ inline double robustStep(double difference) {
 /// faces are planar). Vertices of metal pieces take no part.
 std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations& matte, const PairOptions& options);
 
+/// What ratios of radiance are taken from. `skip`: per vertex 1 where an emitter or a candidate lies.
+struct RatioObservations {
+    std::vector<uint8_t> skip;
+    uint64_t seed = 0;
+    MatteObservations matte;
+    std::vector<AlbedoPair> pairs;
+};
+RatioObservations ratioObservations(const Scene& scene, const RadianceSamples& samples, std::vector<uint8_t> skip, uint64_t seed);
+
 }  // namespace relamp

@@ -141,6 +141,7 @@ void fields(File& f, SolveCheckpoint& c) {
     f.plain(c.environmentBlack);
     f.plain(c.refined);
     f.plain(c.bounceKept);
+    f.plain(c.visibilityStep);
     f.plain(c.refinedMisfit);
     f.plain(c.bouncedShare);
     fields(f, c.noBounceBecause);

@@ -9,6 +9,7 @@
 namespace relamp {
 
 void SolveState::solveReflectance() {
+    finishVisibility();
     computeLit();
     // Glossy pieces: which lobe, how strong.
     std::vector<PieceGloss> found;

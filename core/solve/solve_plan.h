@@ -1,9 +1,12 @@
 // What a solve leaves out because the scene does not need it, and what its stages cost: decided before the solve, measured while it runs.
 #pragma once
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace relamp {
+
+struct RatioObservations;
 
 /// What takes part. The default is what every solve may take for granted; the planner (pipeline/plan.h) switches off more.
 struct PlanChoices {
@@ -14,9 +17,10 @@ struct PlanChoices {
     bool emptyColumns = false;     ///< true: directions that light no observed vertex take part in the equations' products, too
     bool mattePieces = false;      ///< true: lobes are sought on pieces that do not change with the view, too
     bool lostLobes = false;        ///< true: later rounds try every lobe again, not only those that came near the best
+    bool agreeingRays = false;     ///< true: visibility is traced where coarser rays all around agree, too
     bool flatLevels = false;       ///< true: leaves are split on after a round that explained hardly more
     /// Nothing is left out.
-    static PlanChoices everything() { return {true, true, true, true, true, true, true, true}; }
+    static PlanChoices everything() { return {true, true, true, true, true, true, true, true, true}; }
 };
 
 /// A stage of the solve; a number below 0 is not known.
@@ -36,6 +40,7 @@ struct SolvePlan {
     std::vector<PlannedStage> stages;
     std::vector<PlannedOmission> leftOut;
     double planningSeconds = 0;
+    std::shared_ptr<const RatioObservations> observed;  ///< what planning worked out and the solve takes over; null: nothing
     /// The stage of that name, made if it is not there.
     PlannedStage& stage(const std::string& name);
     double predictedSeconds() const;   ///< over the stages with a prediction

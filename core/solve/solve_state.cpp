@@ -57,10 +57,15 @@ void SolveState::rebuildNearField() {
     nearField_ = computeNearField(scene_, clusters_, nearOptions, progress_);
     std::vector<uint8_t> skip(scene_.mesh.vertexCount(), 0);
     for (size_t v = 0; v < skip.size(); ++v) skip[v] = clusters_.emitterOfVertex[v] >= 0;
-    matte_ = matteObservations(scene_, samples_, skip);
-    PairOptions pairOptions;
-    pairOptions.seed = options_.seed;
-    pairs_ = albedoPairs(scene_, matte_, pairOptions);
+    const RatioObservations* observed = plan_.observed.get();
+    RatioObservations anew;
+    if (!observed || observed->skip != skip || observed->seed != options_.seed) {
+        anew = ratioObservations(scene_, samples_, std::move(skip), options_.seed);
+        observed = &anew;
+    }
+    matte_ = observed->matte;
+    pairs_ = observed->pairs;
+    plan_.observed.reset();
     std::vector<float> brightness;
     for (const Rgb& y : matte_.radiance) brightness.push_back(maxChannel(y));
     std::sort(brightness.begin(), brightness.end());
@@ -82,16 +87,32 @@ void SolveState::prepare(const EmitterClusters& clusters) {
     guessLight();
 }
 
-int SolveState::visibilitySide() const {
-    const size_t coarse = size_t(1) << (2 * firstLevel());
-    return firstLevel() < options_.startLevel && lighting_.leaves.size() <= coarse ? std::max(8, options_.visibilitySide / 2) : options_.visibilitySide;
+int SolveState::visibilityStepFor(int level) const {
+    const bool coarseFirst = firstLevel() < options_.startLevel && level <= options_.startLevel;
+    return coarseFirst ? std::max(1, options_.visibilitySide >> (level + 1)) : 1;
 }
 
-void SolveState::learnVisibility(int side) {
+void SolveState::learnVisibility(int step) {
+    if (!visibility_.bits.empty()) {
+        refineVisibility(scene_, known_, step, plan_.choices.agreeingRays, visibility_, progress_);
+        return;
+    }
     VisibilityOptions visibilityOptions;
-    visibilityOptions.gridSide = side;
+    visibilityOptions.gridSide = options_.visibilitySide;
     visibilityOptions.only = &known_;
+    visibilityOptions.step = step;
+    visibilityOptions.agreeing = plan_.choices.agreeingRays;
     visibility_ = computeVisibility(scene_, visibilityOptions, progress_);
+}
+
+void SolveState::finishVisibility() {
+    if (environmentBlack_ || visibility_.step == 1 || stopped()) return;
+    const std::string stage = meter_.current();
+    meter_.begin("visibility");
+    learnVisibility(1);
+    meter_.begin(stage);
+    influence_ = rowsOf(matte_.vertices);
+    computeLit();
 }
 
 int SolveState::firstLevel() const {
@@ -102,7 +123,7 @@ int SolveState::firstLevel() const {
 void SolveState::rebuildRows() {
     if (!environmentBlack_ && visibility_.bits.empty()) {
         meter_.begin("visibility");
-        learnVisibility(visibilitySide());
+        learnVisibility(visibilityStepFor(firstLevel()));
     }
     meter_.begin("rows of the observations");
     anchors_ = lightAnchors(samples_, clusters_, lighting_.leaves);
@@ -177,7 +198,15 @@ void SolveState::firstLight() {
     runAlbedoFree("light from ratios, coarse", options_.startIterations, nullptr);
     if (confirmEmitters()) runAlbedoFree("light from ratios, coarse", options_.startIterations, nullptr);
     leaveOutBlackEnvironment();
-    decideBounce(true);
+    if (stopped()) return;
+    const Lighting without = lighting_;
+    try {
+        const Progress::Dispensable mayEnd(progress_);
+        decideBounce(true);
+    } catch (const OutOfTime&) {
+        lighting_ = without;
+        forgetBounce("the time was used up before it could be tried");
+    }
 }
 
 void SolveState::startLight() {
@@ -185,11 +214,9 @@ void SolveState::startLight() {
     std::vector<uint32_t> coarse;
     for (uint32_t i = 0; i < lighting_.leaves.size(); ++i)
         if (lighting_.leaves[i].level < options_.startLevel) coarse.push_back(i);
-    if (visibility_.grid.side < options_.visibilitySide) {
-        meter_.begin("visibility");
-        learnVisibility(options_.visibilitySide);
-        meter_.begin("light");
-    }
+    meter_.begin("visibility");
+    learnVisibility(visibilityStepFor(options_.startLevel));
+    meter_.begin("light");
     if (!coarse.empty()) splitLeaves(coarse);
     runAlbedoFree("light from ratios", options_.startIterations, nullptr);
 }
@@ -305,6 +332,7 @@ bool SolveState::refineLeaves() {
     if (refined_) return false;
     const size_t limit = hasMatte() ? options_.maxLeaves : options_.maxLeaves + 3 * (size_t(1) << (2 * options_.startLevel));
     if (environmentBlack_ || stopped() || lighting_.leaves.size() >= limit) return false;
+    finishVisibility();
     // What a leaf gives of the light at a vertex, on average over the vertices: a sky counts in the shadow of its sun, where lamps are told from it.
     computeLit();
     const double misfit = pairMismatch();

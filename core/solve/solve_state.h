@@ -138,9 +138,11 @@ private:
     /// Everything that follows from lamps and leaves: anchors, rows of the observations.
     void rebuildRows();
     int firstLevel() const;
-    /// The coarse light makes do with half the side: an answer stands sooner, and black surroundings never need the rest.
-    int visibilitySide() const;
-    void learnVisibility(int side);
+    /// Coarse light makes do with four rays a leaf: an answer stands sooner, and black surroundings never need the rest.
+    int visibilityStepFor(int level) const;
+    void learnVisibility(int step);
+    /// The rays that coarse light did without, and the rows again.
+    void finishVisibility();
     void guessLight();
     void shapeLeaves();
     LobeRowOptions rowOptions() const;

@@ -105,6 +105,7 @@ SolveCheckpoint SolveState::checkpoint(uint32_t step, bool between) const {
     c.emitterRadiance = lighting_.emitterRadiance;
     c.environmentBlack = environmentBlack_;
     c.refined = refined_;
+    c.visibilityStep = visibility_.bits.empty() ? 0 : uint32_t(visibility_.step);
     c.refinedMisfit = refinedMisfit_;
     c.bounceKept = bounceRays_.rays > 0;
     c.bouncedShare = bouncedShare_;
@@ -150,6 +151,11 @@ void SolveState::goOnFrom(const SolveCheckpoint& c) {
     lighting_.leaves = LightLeaves::of(c.leaves);
     lighting_.leafRadiance = c.leafRadiance;
     lighting_.emitterRadiance = c.emitterRadiance;
+    if (c.visibilityStep > uint32_t(options_.visibilitySide) || (c.visibilityStep & (c.visibilityStep - 1))) throw Error("the checkpoint's visibility has a step of {}", c.visibilityStep);
+    if (c.visibilityStep) {
+        meter_.begin("visibility");
+        learnVisibility(int(c.visibilityStep));
+    }
     rebuildRows();
     bouncedShare_ = c.bouncedShare;
     noBounceBecause_ = c.noBounceBecause;

@@ -40,6 +40,48 @@ TEST(Visibility, BitsAreThoseOfBruteForceRays) {
     EXPECT_GT(blocked, 1000u) << "nothing was in the way: the test tells nothing";
 }
 
+TEST(Visibility, PassesGiveTheBitsOfOneGo) {
+    const Scene scene = test::sceneOf(clutter());
+    Progress progress;
+    for (const bool agreeing : {true, false}) {
+        Visibility passes = computeVisibility(scene, {64, nullptr, 4}, progress);
+        size_t sent = 0;
+        for (const int step : {2, 1}) {
+            sent += refineVisibility(scene, scene.referenced, step, agreeing, passes, progress);
+            EXPECT_EQ(passes.bits, computeVisibility(scene, {64, nullptr, step, agreeing}, progress).bits) << "step " << step;
+        }
+        EXPECT_EQ(passes.step, 1);
+        EXPECT_EQ(refineVisibility(scene, scene.referenced, 1, agreeing, passes, progress), 0u) << "rays were sent again";
+        Visibility anew = passes;
+        const size_t whole = addVisibility(scene, scene.referenced, anew, progress);
+        EXPECT_LT(sent, whole);
+        EXPECT_EQ(anew.bits, passes.bits);
+    }
+}
+
+TEST(Visibility, RaysAmidAgreeingOnesAreLeftOutWithoutLoss) {
+    const Scene scene = test::sceneOf(clutter());
+    Progress progress;
+    const Visibility full = visibilityOf(scene, 64), fewer = computeVisibility(scene, {64, nullptr, 1, false}, progress);
+    double wrong = 0, seen = 0;
+    for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v)
+        for (int c = 0; c < full.grid.cells(); ++c) {
+            wrong += full.sees(v, c) != fewer.sees(v, c);
+            seen += full.sees(v, c);
+        }
+    EXPECT_LT(wrong, 0.003 * seen);
+    Visibility a = full, b = fewer;
+    const size_t all = addVisibility(scene, scene.referenced, a, progress), some = addVisibility(scene, scene.referenced, b, progress);
+    EXPECT_LT(some, all * 7 / 10);
+    // The coarsest lattice keeps every block's answer in all its cells above the horizon.
+    const Visibility coarse = computeVisibility(scene, {64, nullptr, 4}, progress);
+    for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v)
+        for (int c = 0; c < full.grid.cells(); ++c)
+            if (coarse.sees(v, c)) {
+                ASSERT_GT(glm::dot(full.grid.direction(c), scene.mesh.normals[v]), 0);
+            }
+}
+
 TEST(Visibility, OfAnOpenPlaneIsTheUpperHemisphere) {
     const Scene scene = test::sceneOf(test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 2, 2));
     for (const int side : {8, 64}) {
@@ -83,6 +125,12 @@ TEST(Visibility, HasTheSameBitsOnOneAndManyThreads) {
         return visibilityOf(scene, 32).bits;
     };
     EXPECT_EQ(bits(1), bits(4));
+    const auto fewer = [&](int threads) {
+        const ThreadLimit limit(threads);
+        Progress progress;
+        return computeVisibility(scene, {64, nullptr, 1, false}, progress).bits;
+    };
+    EXPECT_EQ(fewer(1), fewer(4));
 }
 
 TEST(Visibility, StopsHalfWayWhenAsked) {
