@@ -35,6 +35,7 @@ void countLooks(const Capture& capture, const Scene& scene, const RadianceSample
         if (sizes[p] < 30) continue;
         std::vector<GlossyLook> looks = glossyLooks(capture, scene, samples, p, gloss);
         if (looks.size() < 40) continue;
+        counts.metals |= matte.pieceGlossy[p] == 2;
         (matte.pieceGlossy[p] ? counts.glossyLooks : counts.matteLooks) += double(looks.size());
         if (counts.lookSeconds > 0 && !matte.pieceGlossy[p]) continue;
         // Every so many of them, through a sharp and a wide lobe.

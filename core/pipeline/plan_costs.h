@@ -17,6 +17,7 @@ struct WorkCounts {
     double lookSeconds = 0;          ///< one row of one lobe
     bool matte = true;               ///< the scene has a matte signal
     bool lobeLikely = true;          ///< some lobe will be found
+    bool metals = false;             ///< some pieces have no matte part
 };
 
 struct StageEstimate {

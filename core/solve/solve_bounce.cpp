@@ -118,7 +118,7 @@ void SolveState::decideBounce(bool coarse) {
     computeLit();
     bouncedShare_ = bouncedShareOf();
     logInfo("bounced light: enclosure {:.1f} %, share {:.1f} %, objective {:.5g} without, {:.5g} with", 100 * enclosure, 100 * bouncedShare_, before, after);
-    if (coarse && after < 1.003 * before) {
+    if (coarse && after < 1.03 * before) {  // coarse visibility alone can make as much of a difference
         // Finer light is to judge.
         lighting_ = without;
         bounce_.clear();
