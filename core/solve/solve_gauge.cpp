@@ -21,7 +21,7 @@ void SolveState::assessUncertainty(const LightUncertainty& light, Estimate& esti
     estimate.stability.weakestSigma = light.weakestSigma;
     if (!(light.scaleSigma.y > 0)) return;
     // Albedo: the light on the vertex, its own look-ups, and what its neighbours tell of it where those are weak or there are none.
-    constexpr float fromNeighbours = 0.06f, unseen = 0.15f, background = 0.02f;
+    constexpr float fromNeighbours = 0.06f, unseen = 0.15f, background = 0.02f, most = 10;
     double mean = 0;
     for (const Rgb& s : light.litSigma) mean += double(s.x + s.y + s.z) / 3;
     const float typical = light.litSigma.empty() ? 0.0f : float(mean / double(light.litSigma.size()));
@@ -32,9 +32,10 @@ void SolveState::assessUncertainty(const LightUncertainty& light, Estimate& esti
         const float own = albedo_.confidence[v];
         float sum = 0;
         for (int c = 0; c < 3; ++c) {
-            const float look = matte_.sigma[i][c] / std::max(matte_.radiance[i][c], 1e-20f), edge = litSigma_[i][c] / std::max(lit_[i][c], 1e-20f);
+            // Bounded, because nothing times infinity is not a number.
+            const float look = std::min(most, matte_.sigma[i][c] / std::max(matte_.radiance[i][c], 1e-20f)), edge = std::min(most, litSigma_[i][c] / std::max(lit_[i][c], 1e-20f));
             const float variance = light.litSigma[i][c] * light.litSigma[i][c] + own * (look * look + edge * edge) + (1 - own) * fromNeighbours * fromNeighbours;
-            sum += std::min(std::sqrt(variance), 10.0f);
+            sum += std::min(std::sqrt(variance), most);
         }
         sigma[v] = sum / 3;
     }

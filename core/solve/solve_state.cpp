@@ -472,9 +472,13 @@ RatioProblem SolveState::ratiosWithMetals() {
     all.observations = matte_;
     all.pairs = pairs_;
     all.bounce = bounce_;
+    // Noise in these rows would move the scale.
+    LobeRowOptions fine = rowOptions();
+    fine.lobeSamples *= 2;
+    fine.cosineSamples *= 2;
     for (const PieceGloss& g : gloss_) {
         if (g.matte || g.looks.size() < 2) continue;
-        const InfluenceMatrix lobe = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves, *g.lobe, g.looks, rowOptions(), progress_);
+        const InfluenceMatrix lobe = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves, *g.lobe, g.looks, fine, progress_);
         const size_t first = all.observations.vertices.size(), count = g.looks.size();
         all.influence.values.insert(all.influence.values.end(), lobe.values.begin(), lobe.values.end());
         all.influence.rows += count;
