@@ -203,6 +203,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
             sums.objective += scale * scale * std::log1p(mean / s2 / (scale * scale));
         }
         for (int c = 0; c < 3; ++c) sums.objective += prior.value(light[c], c) / 3;  // the data term is a mean over channels
+        sums.objective += prior.hueValue(light) / 3;
         if (rmse) *rmse = std::sqrt(sums.squares / std::max(1.0, sums.counted));
         return sums.objective;
     };
@@ -303,6 +304,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
             moments.segment(c * n, n) = moment;
             lowers.segment(c * n, n) = lower;
         }
+        prior.addHue(x, all, moments);
         all.triangularView<Eigen::StrictlyUpper>() = all.transpose();
         Eigen::MatrixXd held;
         if (!anchored) {

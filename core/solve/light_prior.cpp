@@ -47,16 +47,79 @@ Eigen::VectorXd LightPrior::seenDirectly(const Eigen::VectorXd& x, int channel, 
     return weights;
 }
 
+LightPrior::Difference LightPrior::difference(const Eigen::VectorXd& x, size_t pair, double unit, bool free) const {
+    const auto [i, j] = neighbours_[pair];
+    const double middle = 0.5 * (x(i) + x(j)), d2 = unit * unit + middle * middle + 1e-300, d = std::sqrt(d2), r = (x(i) - x(j)) / d;
+    Difference result{r, {1 / d - r * middle / (2 * d2), -1 / d - r * middle / (2 * d2)}, free ? r * unit / d2 : 0.0, 0};
+    // Along the whole light nothing changes.
+    if (!free) result.atPresent = result.along[0] * x(i) + result.along[1] * x(j);
+    return result;
+}
+
 double LightPrior::value(const Eigen::VectorXd& x, int channel) const {
     const double unit = meanOf(x);
     double sum = 0;
-    for (size_t k = 0; k < neighbours_.size(); ++k) {
-        const auto [i, j] = neighbours_[k];
-        const double middle = 0.5 * (x(i) + x(j)), difference = x(i) - x(j);
-        sum += smoothness(k) * difference * difference / (unit * unit + middle * middle + 1e-300);
-    }
+    for (size_t k = 0; k < neighbours_.size(); ++k) sum += smoothness(k) * std::pow(difference(x, k, unit, true).value, 2);
     for (Eigen::Index i = 0; i < share_.size(); ++i) sum += background(size_t(i), channel, unit) * std::pow(x(i) - double(anchors_.leaves[size_t(i)].radiance[channel]), 2);
     return sum;
+}
+
+std::array<std::array<double, 3>, 3> LightPrior::hueCoupling(const double* unit) const {
+    std::array<std::array<double, 3>, 3> m{};
+    const double least = 0.01 * std::max({unit[0], unit[1], unit[2]});
+    for (size_t c = 0; c < 3; ++c)
+        for (size_t d = 0; d < c; ++d) {
+            if (unit[c] < least || unit[d] < least) continue;
+            m[c][c] += 1;
+            m[d][d] += 1;
+            m[c][d] = m[d][c] = -1;
+        }
+    return m;
+}
+
+double LightPrior::hueValue(const Eigen::VectorXd* x) const {
+    const double unit[3] = {meanOf(x[0]), meanOf(x[1]), meanOf(x[2])};
+    const auto m = hueCoupling(unit);
+    double sum = 0;
+    for (size_t k = 0; k < neighbours_.size(); ++k) {
+        double r[3];
+        for (size_t c = 0; c < 3; ++c) r[c] = difference(x[c], k, unit[c], true).value;
+        for (size_t c = 0; c < 3; ++c)
+            for (size_t d = 0; d < 3; ++d) sum += double(options_.hue) * smoothness(k) * m[c][d] * r[c] * r[d];
+    }
+    return sum;
+}
+
+void LightPrior::addHue(const Eigen::VectorXd* x, Eigen::MatrixXd& q, Eigen::VectorXd& moment) const {
+    const Eigen::Index leaves = share_.size(), n = x[0].size();
+    const double unit[3] = {meanOf(x[0]), meanOf(x[1]), meanOf(x[2])};
+    const auto m = hueCoupling(unit);
+    Eigen::VectorXd along[3][3];
+    double square[3][3] = {}, pull[3] = {};
+    for (auto& row : along)
+        for (Eigen::VectorXd& v : row) v = Eigen::VectorXd::Zero(leaves);
+    for (size_t k = 0; k < neighbours_.size(); ++k) {
+        const Eigen::Index at[2] = {Eigen::Index(neighbours_[k].first), Eigen::Index(neighbours_[k].second)};
+        Difference r[3];
+        for (size_t c = 0; c < 3; ++c) r[c] = difference(x[c], k, unit[c], unitIsFree(x[c], unit[c]));
+        for (size_t c = 0; c < 3; ++c)
+            for (size_t d = 0; d < 3; ++d) {
+                const double w = double(options_.hue) * smoothness(k) * m[c][d], residual = w * (r[d].value - r[d].atPresent);
+                if (w == 0) continue;
+                for (int a = 0; a < 2; ++a) {
+                    for (int b = 0; b < 2; ++b) q(Eigen::Index(c) * n + at[a], Eigen::Index(d) * n + at[b]) += w * r[c].along[a] * r[d].along[b];
+                    along[c][d](at[a]) += w * r[d].beta * r[c].along[a];
+                    moment(Eigen::Index(c) * n + at[a]) -= residual * r[c].along[a];
+                }
+                square[c][d] += w * r[c].beta * r[d].beta;
+                pull[c] += residual * r[c].beta;
+            }
+    }
+    for (Eigen::Index c = 0; c < 3; ++c) {
+        moment.segment(c * n, leaves) += pull[c] * share_;
+        for (Eigen::Index d = 0; d < 3; ++d)
+            q.block(c * n, d * n, leaves, leaves) += square[c][d] * share_ * share_.transpose() - along[c][d] * share_.transpose() - share_ * along[d][c].transpose();
+    }
 }
 
 void LightPrior::add(const Eigen::VectorXd& x, int channel, Eigen::MatrixXd& q, Eigen::VectorXd& moment, Eigen::VectorXd& lower) const {
@@ -64,22 +127,18 @@ void LightPrior::add(const Eigen::VectorXd& x, int channel, Eigen::MatrixXd& q, 
     const double unit = meanOf(x);
     Eigen::VectorXd along = Eigen::VectorXd::Zero(leaves);
     double square = 0, pull = 0;
-    const bool unitIsFree = share_.dot(x.head(leaves)) >= unit;  // at the floor the unit is a constant
+    const bool free = unitIsFree(x, unit);
     for (size_t k = 0; k < neighbours_.size(); ++k) {
-        const auto [i, j] = neighbours_[k];
-        const double middle = 0.5 * (x(i) + x(j)), d2 = unit * unit + middle * middle + 1e-300, d = std::sqrt(d2), r = (x(i) - x(j)) / d;
-        const double w = smoothness(k);
-        const double ai = 1 / d - r * middle / (2 * d2), aj = -1 / d - r * middle / (2 * d2), beta = unitIsFree ? r * unit / d2 : 0.0;
-        q(i, i) += w * ai * ai;
-        q(j, j) += w * aj * aj;
-        q(i, j) += w * ai * aj;
-        q(j, i) += w * ai * aj;
-        along(i) += w * beta * ai;
-        along(j) += w * beta * aj;
-        square += w * beta * beta;
-        moment(i) -= w * r * ai;
-        moment(j) -= w * r * aj;
-        pull += w * r * beta;
+        const Eigen::Index at[2] = {Eigen::Index(neighbours_[k].first), Eigen::Index(neighbours_[k].second)};
+        const Difference r = difference(x, k, unit, free);
+        const double w = smoothness(k), residual = w * (r.value - r.atPresent);
+        for (int a = 0; a < 2; ++a) {
+            for (int b = 0; b < 2; ++b) q(at[a], at[b]) += w * r.along[a] * r.along[b];
+            along(at[a]) += w * r.beta * r.along[a];
+            moment(at[a]) -= residual * r.along[a];
+        }
+        square += w * r.beta * r.beta;
+        pull += residual * r.beta;
     }
     moment.head(leaves) += pull * share_;
     q.topLeftCorner(leaves, leaves) += square * share_ * share_.transpose() - along * share_.transpose() - share_ * along.transpose();

@@ -100,5 +100,42 @@ TEST(LightPrior, PullsASeenLeafToWhatWasSeen) {
     EXPECT_GT(prior.value(x, 0), right + 1000);
 }
 
+TEST(LightPrior, HueDoesNotCareForTheBalanceOfTheChannels) {
+    const test::SmallProblem p = test::smallProblem();
+    const LightPrior prior(p.truth.leaves, p.anchors, {}, &p.influence);
+    Eigen::VectorXd x[3] = {unknowns(p.truth, 0), unknowns(p.truth, 1), unknowns(p.truth, 2)};
+    const double before = prior.hueValue(x);
+    EXPECT_GT(before, 0);
+    x[0] *= 3;
+    x[2] *= 0.2;
+    EXPECT_NEAR(prior.hueValue(x), before, 1e-9 * before);
+    // Nothing differs in hue where all channels are one picture.
+    x[1] = 2 * x[0];
+    x[2] = 0.5 * x[0];
+    EXPECT_NEAR(prior.hueValue(x), 0, 1e-9 * before);
+}
+
+TEST(LightPrior, TheModelOfHueHasTheGradientOfItsValue) {
+    const test::SmallProblem p = test::smallProblem();
+    const LightPrior prior(p.truth.leaves, p.anchors, {}, &p.influence);
+    Eigen::VectorXd x[3] = {unknowns(p.truth, 0), unknowns(p.truth, 1), unknowns(p.truth, 2)};
+    const Eigen::Index n = x[0].size();
+    Eigen::MatrixXd q = Eigen::MatrixXd::Zero(3 * n, 3 * n);
+    Eigen::VectorXd moment = Eigen::VectorXd::Zero(3 * n), all(3 * n);
+    prior.addHue(x, q, moment);
+    EXPECT_LT((q - q.transpose()).norm(), 1e-12 * q.norm());
+    for (int c = 0; c < 3; ++c) all.segment(c * n, n) = x[c];
+    const Eigen::VectorXd slope = 2 * (q * all - moment);
+    for (const Eigen::Index k : {Eigen::Index(3), n + 17, 2 * n + 40, n - 2, 3 * n - 2}) {
+        const double step = 1e-5, old = x[k / n](k % n);
+        x[k / n](k % n) = old + step;
+        const double up = prior.hueValue(x);
+        x[k / n](k % n) = old - step;
+        const double down = prior.hueValue(x);
+        x[k / n](k % n) = old;
+        EXPECT_NEAR(slope(k), (up - down) / (2 * step), 1e-4 * slope.cwiseAbs().maxCoeff()) << k;
+    }
+}
+
 }  // namespace
 }  // namespace relamp
