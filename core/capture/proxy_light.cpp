@@ -7,6 +7,8 @@
 namespace relamp {
 namespace {
 
+constexpr float farthest = 1000;  ///< times the mesh's diagonal: beyond, a lamp has no place in single precision, and is distant light
+
 struct UnitSphere {
     std::vector<Vec3> points{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
     std::vector<Triangle> triangles{{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
@@ -36,8 +38,19 @@ struct UnitSphere {
 
 void addProxies(const std::vector<ProxyLight>& proxies, Mesh& mesh) {
     static const UnitSphere sphere;
+    Vec3 low(0), high(0);
+    if (!mesh.positions.empty()) low = high = mesh.positions[0];
+    for (const Vec3& p : mesh.positions) {
+        low = glm::min(low, p);
+        high = glm::max(high, p);
+    }
+    const float reach = farthest * glm::length(high - low);
     for (const ProxyLight& proxy : proxies) {
         if (!isFinite(proxy.centre) || !(proxy.radius > 0 && proxy.radius < 1e12f)) throw Error("proxy light: centre {:g} {:g} {:g}, radius {:g}: expected finite numbers and a radius above 0", proxy.centre.x, proxy.centre.y, proxy.centre.z, proxy.radius);
+        const float away = glm::length(proxy.centre - 0.5f * (low + high));
+        if (!mesh.positions.empty() && !(away <= reach && proxy.radius <= reach))
+            throw Error("proxy light: centre {:g} {:g} {:g}, radius {:g}: expected within {:g} m of the mesh, whose middle is {:g} m away; is it in metres?", proxy.centre.x, proxy.centre.y, proxy.centre.z,
+                        proxy.radius, reach, away);
         const uint32_t first = uint32_t(mesh.vertexCount());
         for (const Vec3& p : sphere.points) {
             mesh.positions.push_back(proxy.centre + proxy.radius * sphere.scale * p);

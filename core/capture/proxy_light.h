@@ -17,7 +17,8 @@ struct ProxyLight {
 /// Vertices and triangles that a proxy adds to the mesh: an octahedron cut up twice, with the area of the sphere.
 constexpr size_t proxyVertices = 66, proxyTriangles = 128;
 
-/// Appends the proxies' spheres to the mesh, one after the other, behind everything else. Throws Error for one that has no place or no size.
+/// Appends the proxies' spheres to the mesh, one after the other, behind everything else. Throws Error for one that has no place or no size, or is
+/// more than a thousand times the mesh's diagonal away or large.
 void addProxies(const std::vector<ProxyLight>& proxies, Mesh& mesh);
 
 }  // namespace relamp

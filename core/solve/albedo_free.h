@@ -42,20 +42,20 @@ struct ViewRows {
 
 /// What fixed the light: the quadratic model of the objective about the answer.
 struct LightInformation {
-    Eigen::MatrixXd all;                   ///< of everything, 3n x 3n for n unknowns a channel, channel after channel
+    Eigen::MatrixXd all;                   ///< of everything, priors included, 3n x 3n for n unknowns a channel, channel after channel
     std::array<Eigen::MatrixXd, 3> looks;  ///< its part from looks at glossy surfaces, n x n per channel, empty without any
     std::array<Eigen::VectorXd, 3> seen;   ///< its part from light seen directly, all of it on the diagonal
 };
 
 struct AlbedoFreeReport {
     double objective = 0;
-    double kktResidual = 0;  ///< worst channel of the last program
+    double kktResidual = 0;  ///< of the last program
     int iterations = 0;
     LightInformation information;  ///< about the last step's start
     ChromaShare chroma;            ///< that the objective was reckoned with
 };
 
-/// Solves for x = [L; P] per channel, x >= 0, by Gauss-Newton. For a pair the residual is 2 (p - q) / (p + q), p = y_i B_j x,
+/// Solves for x = [L; P] of all three channels together, x >= 0, by Gauss-Newton: one program of 3n unknowns an iteration, nine products B'W B. For a pair the residual is 2 (p - q) / (p + q), p = y_i B_j x,
 /// q = y_j B_i x: albedo is gone, the scale of x is an exact null space left to the anchors alone (and to bounced light, whose scale is known), and unlit vertices stay finite
 /// where logs would not. (Minimising (p - q)^2 with fixed weights instead shrinks x: noise in y correlates with the rows.) Weights:
 /// the residual's covariance under noise, texture and shadow-edge mixing (solve/pair_precision.h: differences between channels are known better
@@ -66,8 +66,8 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
                                  const LightAnchors& anchors, const ViewRows* viewRows, const AlbedoFreeOptions& options, Lighting& lighting,
                                  Progress& progress, const std::function<void(int, double, double)>& each);
 
-/// B'W B in double from float rows in fixed blocks, for W given as a sparse symmetric operator by rows: result = sum over i of
-/// row_i' t_i with t = W B computed by `weighted(i, out)`. `symmetric`: W is, and half of the work does.
+/// B'W B in double from float rows in fixed blocks, for W given as a sparse operator by rows: result = sum over i of
+/// row_i' t_i with t = W B computed by `weighted(i, out)`. `symmetric`: W is, and half of the work will do.
 Eigen::MatrixXd weightedGram(const InfluenceMatrix& influence, const std::function<void(size_t, float*)>& weighted, Progress& progress, bool symmetric = true);
 
 }  // namespace relamp

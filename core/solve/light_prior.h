@@ -18,7 +18,8 @@ struct LightPriorOptions {
     float emitterWeight = 1e3f;   ///< times the data's own weight on an emitter: what is seen directly outweighs model error
 };
 
-/// Priors on one channel of x = [L; P], shared by the albedo-free start and the lighting program.
+/// Priors on x = [L; P], channel by channel, shared by the albedo-free start and the lighting program; and on its hue, which only the start uses,
+/// because the lighting program takes each channel by itself.
 class LightPrior {
 public:
     /// `rows`, if not null, hold what the unknowns give to what is looked at. Brightness is then reckoned by what reaches that: a mean over all

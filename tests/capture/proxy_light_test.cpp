@@ -27,6 +27,18 @@ TEST(ProxyLight, IsAClosedSphereOfTheRightAreaBehindEverythingElse) {
     EXPECT_NEAR(area, 4 * piD * 0.04, 1e-5);
 }
 
+TEST(ProxyLight, FarOutsideTheMeshIsRefusedAndTheMeshStaysAsItIs) {
+    Mesh mesh;
+    mesh.positions = {Vec3(0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
+    mesh.normals.assign(3, Vec3(0, 0, 1));
+    mesh.triangles = {{0, 1, 2}};
+    for (const ProxyLight& bad : {ProxyLight{Vec3(1e30f, 0, 0), 1}, ProxyLight{Vec3(0, 0, 1), 1e9f}, ProxyLight{Vec3(0, 3000, 0), 1}}) {
+        EXPECT_THROW(addProxies({bad}, mesh), Error);
+        EXPECT_EQ(mesh.positions.size(), 3u);
+    }
+    EXPECT_NO_THROW(addProxies({ProxyLight{Vec3(0, 1000, 0), 1}}, mesh));
+}
+
 TEST(ProxyLight, WithoutAPlaceOrASizeIsRefused) {
     Mesh mesh;
     const float infinite = std::numeric_limits<float>::infinity();
