@@ -93,6 +93,8 @@ int main(int argc, char** argv) {
         verb.add_option("--mode", solve.mode, "near-field, or distant-only: the baseline that knows no lamps")->check(CLI::IsMember({"near-field", "distant-only"}))->capture_default_str();
         verb.add_option("--quality", solve.quality, "draft, standard or fine")->check(CLI::IsMember({"draft", "standard", "fine"}))->capture_default_str();
         verb.add_option("--bounce", solve.bounce, "Light that surfaces send each other: auto (as the photographs say), on, off")->check(CLI::IsMember({"auto", "on", "off"}))->capture_default_str();
+        verb.add_option("--smooth-light", solve.smoothLight, "How smooth distant light is taken to be: a factor on the usual, or auto (as photographs that are left out say)")->capture_default_str();
+        verb.add_option("--smooth-surfaces", solve.smoothSurfaces, "The same for the colour of surfaces")->capture_default_str();
         verb.add_option("--grid-side", solve.gridSide, "Side of the visibility grid (power of two)");
         verb.add_option("--threads", solve.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
         verb.add_option("--seed", solve.seed, "Seed of every random choice")->capture_default_str();

@@ -94,6 +94,14 @@ int check(const fs::path& capture, const CaptureFix& fix, bool json, Progress& p
     return 0;
 }
 
+/// A factor on a prior's usual strength; 0: the photographs are asked.
+float strengthOf(const std::string& text, const char* option) {
+    if (text == "auto") return 0;
+    const auto factor = float(numbersOf(text, option, 1)[0]);
+    if (!(factor >= 0.01f && factor <= 100)) throw UsageError(fmt::format("{}: expected auto or a factor from 0.01 to 100", option));
+    return factor;
+}
+
 PipelineOptions pipelineOptions(const SolveArguments& a) {
     PipelineOptions options;
     options.solve = solveOptionsFor(a.quality);
@@ -106,6 +114,8 @@ PipelineOptions pipelineOptions(const SolveArguments& a) {
     options.load.fix = a.fix;
     options.solve.gauge = gaugeOf(a.gauge);
     if (a.bounce != "auto") options.solve.bounce = a.bounce == "on" ? SolveOptions::Bounce::on : SolveOptions::Bounce::off;
+    options.solve.lightSmoothness = strengthOf(a.smoothLight, "--smooth-light");
+    options.solve.albedoSmoothness = strengthOf(a.smoothSurfaces, "--smooth-surfaces");
     options.solve.seed = a.seed;
     options.everything = a.everything;
     options.findLight = a.findLight;

@@ -22,7 +22,7 @@ public:
 struct SolveArguments {
     fs::path capture, output;
     CaptureFix fix;
-    std::string mode = "near-field", quality = "standard", gauge = "auto", bounce = "auto";
+    std::string mode = "near-field", quality = "standard", gauge = "auto", bounce = "auto", smoothLight = "auto", smoothSurfaces = "auto";
     double timeBudget = 0;
     int gridSide = 0, threads = 0;
     uint64_t seed = 1;

@@ -446,7 +446,8 @@ bool Editor::stale() const {
     if (!impl_->solvedWith || !estimate()) return false;
     const SolveRequest &a = *impl_->solvedWith, &b = state.solve;
     return a.quality != b.quality || a.seed != b.seed || a.gauge.kind != b.gauge.kind || a.gauge.albedo != b.gauge.albedo || a.gauge.whiteAlbedo != b.gauge.whiteAlbedo ||
-           a.gauge.emitter != b.gauge.emitter || a.gauge.radiance != b.gauge.radiance || a.gauge.view != b.gauge.view || a.gauge.pixel != b.gauge.pixel;
+           a.gauge.emitter != b.gauge.emitter || a.gauge.radiance != b.gauge.radiance || a.gauge.view != b.gauge.view || a.gauge.pixel != b.gauge.pixel ||
+           a.lightSmoothness != b.lightSmoothness || a.albedoSmoothness != b.albedoSmoothness;
 }
 
 void Editor::solve(const SolveRequest& request) {
@@ -504,6 +505,8 @@ void Editor::solve(const SolveRequest& request) {
             options.nearField = request.nearField;
             options.gauge = request.gauge;
             options.seed = request.seed;
+            options.lightSmoothness = request.lightSmoothness;
+            options.albedoSmoothness = request.albedoSmoothness;
             SolveListener listener;
             listener.entry = [impl](const TimelineEntry& entry) {
                 {

@@ -117,6 +117,7 @@ struct SolveRequest {
     double budgetSeconds = 0;            ///< 0: none
     uint64_t seed = 1;
     GaugeChoice gauge;
+    float lightSmoothness = 0, albedoSmoothness = 0;  ///< factors on the usual; 0: as the photographs say
 };
 
 /// Asked when another process has the shot that is to be opened.

@@ -27,6 +27,13 @@ std::string figuresTable(const SolveReport& r) {
         rows += row("Least certain", "The change of light that the photographs tell least about: what it moves on the surfaces, one standard deviation.", htmlText(fmt::format("{} ({:.1f} %)", s.weakest, 100 * s.weakestSigma)));
     rows += row("Condition number", "How much the lighting equations magnify errors.", fmt::format("{:.1e}", s.conditionNumber));
     rows += row("Effective rank", "Unknowns that the photographs pin down; the others rest on the priors.", fmt::format("{} of {}", s.effectiveRank, s.unknowns));
+    for (const auto& [name, strength] : {std::pair{"Smoothness of the light", &r.estimate.lightSmoothness}, std::pair{"Smoothness of the surfaces", &r.estimate.albedoSmoothness}}) {
+        std::string tried;
+        for (const PriorStrength::Trial& t : strength->trials)
+            if (t.factor != 1) tried += fmt::format("; {:.3g} times: {:+.1f} +- {:.1f} % misfit of what was left out", t.factor, 100 * (t.misfit - 1), 100 * t.error);
+        rows += row(name, "Strength of the prior over the usual one, and how much worse other strengths foretell looks and pairs that were left out.",
+                    htmlText(fmt::format("{:.3g} (by the {}){}", strength->factor, strength->chosenBy == "usual" && !tried.empty() ? "photographs" : strength->chosenBy, tried)));
+    }
     rows += row("Time", fmt::format("From the photographs to the answer, {} quality, {} thread(s).", r.quality, r.resources.threads), fmt::format("{:.1f} s", r.resources.seconds));
     rows += row("Memory", "The most the solve used.", fmt::format("{:.0f} MiB", r.resources.peakMib));
     if (r.estimate.interreflection) rows += row("Bounced light", "Share of the light on the surfaces that comes from other surfaces.", fmt::format("{:.0f} %", 100 * r.estimate.bouncedShare));

@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr char magic[8] = {'r', 'e', 'l', 'a', 'm', 'p', 'C', 'P'};
-constexpr uint32_t formatVersion = 3;
+constexpr uint32_t formatVersion = 4;
 
 struct CheckpointHeader {
     char magic[8];
@@ -87,7 +87,8 @@ uint64_t solveFingerprint(const Capture& capture, const SolveOptions& o, bool ev
     for (const double value : {double(o.nearField), double(o.startLevel), double(o.refineRounds), double(o.maxLeaves), double(o.visibilitySide), double(o.startIterations),
                                double(o.refineIterations), double(o.glossRounds), double(o.turns), double(o.splitShare), double(o.prior.step), double(o.prior.edge),
                                double(o.prior.iterations), double(o.gauge.kind), double(o.gauge.view), double(o.gauge.pixel.x), double(o.gauge.pixel.y), double(o.gauge.whiteAlbedo),
-                               double(o.gauge.radiance.x), double(o.gauge.radiance.y), double(o.gauge.radiance.z), double(o.gauge.albedo), double(o.bounce), double(everything)})
+                               double(o.gauge.radiance.x), double(o.gauge.radiance.y), double(o.gauge.radiance.z), double(o.gauge.albedo), double(o.bounce), double(everything), double(o.lightSmoothness),
+                               double(o.albedoSmoothness), double(o.askForStrength)})
         f.number(value);
     f.text(o.gauge.emitter);
     f.add(o.seed);

@@ -160,6 +160,10 @@ Json shotInfo(const Shot& shot) {
     if (e.gauge.sigma.x > 0)
         info["gauge"].update({{"sigma", toJson(e.gauge.sigma)},
                               {"from", {{"emitters", toJson(e.gauge.fromEmitters)}, {"background", toJson(e.gauge.fromBackground)}, {"gloss", toJson(e.gauge.fromGloss)}, {"bounces", toJson(e.gauge.fromBounces)}}}});
+    for (const auto& [name, strength] : {std::pair{"light_smoothness", &e.lightSmoothness}, std::pair{"albedo_smoothness", &e.albedoSmoothness}}) {
+        Json& j = info["priors"][name] = {{"factor", strength->factor}, {"chosen_by", strength->chosenBy}, {"tried", Json::array()}};
+        for (const PriorStrength::Trial& t : strength->trials) j["tried"].push_back({{"factor", t.factor}, {"misfit", t.misfit}, {"error", t.error}});
+    }
     info["basis"] = Json::array();
     for (const Lobe& l : e.reflectance.basis.lobes) info["basis"].push_back({{"kind", kindName(l.kind)}, {"alpha", l.alpha}, {"name", l.name}});
     info["left_out"] = Json::array();
@@ -382,6 +386,14 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress) {
                                                std::tuple{&from, "background", &e.gauge.fromBackground}, std::tuple{&from, "gloss", &e.gauge.fromGloss},
                                                std::tuple{&from, "bounces", &e.gauge.fromBounces}})
             if (json->contains(key)) *value = colour((*json)[key], std::string("gauge.") + key);
+        const Json& priors = objectOf(document, "priors");
+        for (const auto& [name, strength] : {std::pair{"light_smoothness", &e.lightSmoothness}, std::pair{"albedo_smoothness", &e.albedoSmoothness}}) {
+            const std::string where = fmt::format("priors.{}.", name);
+            const Json& j = objectOf(priors, name);
+            strength->factor = field(j, "factor", 1.0f, where);
+            strength->chosenBy = field<std::string>(j, "chosen_by", "usual", where);
+            for (const Json& t : listOf(j, "tried")) strength->trials.push_back({field(t, "factor", 1.0f, where + "tried."), field(t, "misfit", 0.0, where + "tried."), field(t, "error", 0.0, where + "tried.")});
+        }
         const Json& stability = objectOf(document, "stability");
         e.stability = {field(stability, "kkt_residual", 0.0, "stability."), field(stability, "condition_number", 0.0, "stability."), field(stability, "effective_rank", 0, "stability."),
                        field(stability, "unknowns", 0, "stability."), field<std::string>(stability, "reason", "", "stability."), {}};

@@ -41,6 +41,18 @@ struct GaugeReport {
     Rgb fromEmitters{0}, fromBackground{0}, fromGloss{0}, fromBounces{0};  ///< shares of the evidence on the scale, together 1, or all 0
 };
 
+/// How strong a prior was, as a factor on its usual strength.
+struct PriorStrength {
+    struct Trial {
+        float factor = 1;
+        double misfit = 0;  ///< how badly data that were left out were foretold, over the usual strength's misfit
+        double error = 0;   ///< standard error of that ratio
+    };
+    float factor = 1;
+    std::string chosenBy = "usual";  ///< "usual", "photographs": those foretold what was left out clearly better with another one, or "artist"
+    std::vector<Trial> trials{};     ///< empty where the photographs were not asked
+};
+
 struct StabilityReport {
     double kktResidual = 0;       ///< worst channel of the last lighting program, relative
     double conditionNumber = 0;   ///< of the column-scaled lighting Gram matrix
@@ -65,6 +77,7 @@ struct Estimate {
     std::vector<LeftOut> leftOut;
     SolvePlan plan;                        ///< what was decided beforehand, and what the stages cost
     GaugeReport gauge;
+    PriorStrength lightSmoothness, albedoSmoothness;
     StabilityReport stability;
     std::string mode;                      ///< "near-field" or "distant-only"
     bool interreflection = false;          ///< the photographs hold light bounced between surfaces: relit frames have it too

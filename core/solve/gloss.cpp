@@ -33,14 +33,15 @@ std::vector<GlossyLook> glossyLooks(const Capture& capture, const Scene& scene, 
 }
 
 InfluenceMatrix glossyRows(const Scene& scene, const std::vector<EmitterSurface>& emitters, const std::vector<int>& emitterOfTriangle,
-                           const LightLeaves& leaves, const Lobe& lobe, const std::vector<GlossyLook>& looks, const LobeRowOptions& options, Progress& progress) {
+                           const LightLeaves& leaves, const Lobe& lobe, const std::vector<GlossyLook>& looks, const LobeRowOptions& options, Progress& progress, std::vector<Rgb>* mirrored) {
     InfluenceMatrix matrix;
     matrix.rows = looks.size();
     matrix.columns = leaves.size() + emitters.size();
     matrix.values.assign(matrix.rows * matrix.columns, 0.0f);
+    if (mirrored) mirrored->assign(looks.size(), Rgb(0));
     progress.begin("Glossy influence", looks.size());
     parallelFor(looks.size(), 16, [&](size_t i) {
-        glossyInfluence(scene, emitters, emitterOfTriangle, leaves, lobe, looks[i].vertex, looks[i].towardEye, options, matrix.row(i));
+        glossyInfluence(scene, emitters, emitterOfTriangle, leaves, lobe, looks[i].vertex, looks[i].towardEye, options, matrix.row(i), mirrored ? &(*mirrored)[i] : nullptr);
     }, &progress);
     return matrix;
 }
@@ -116,19 +117,6 @@ LobeFit fitLobe(const std::vector<GlossyLook>& looks, const std::vector<Rgb>& re
     return fit;
 }
 
-std::vector<Rgb> responses(const InfluenceMatrix& rows, const Lighting& lighting) {
-    std::vector<Rgb> result(rows.rows, Rgb(0));
-    const size_t leaves = lighting.leaves.size();
-    parallelFor(rows.rows, 64, [&](size_t i) {
-        const float* row = rows.row(i);
-        Rgb sum(0);
-        for (size_t k = 0; k < leaves; ++k) sum += row[k] * lighting.leafRadiance[k];
-        for (size_t e = 0; e < lighting.emitterRadiance.size(); ++e) sum += row[leaves + e] * lighting.emitterRadiance[e];
-        result[i] = sum;
-    });
-    return result;
-}
-
 }  // namespace
 
 Lobe withRoughness(const Lobe& lobe, float factor) {
@@ -150,8 +138,9 @@ PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSa
     result.residualMatte = result.residual = float(without.residual);
     double best = options.lambertGain > 1e6f ? 1e300 : without.residual, reached = 0;
     const auto attempt = [&](const Lobe& lobe) {
-        const InfluenceMatrix rows = glossyRows(scene, emitters, emitterOfTriangle, lighting.leaves, lobe, result.looks, options.rows, progress);
-        const std::vector<Rgb> response = responses(rows, lighting);
+        std::vector<Rgb> response;
+        const InfluenceMatrix rows = glossyRows(scene, emitters, emitterOfTriangle, lighting.leaves, lobe, result.looks, options.rows, progress, &response);
+        parallelFor(rows.rows, 64, [&](size_t i) { response[i] += lightOfRow(rows.row(i), lighting); });
         const LobeFit both = fitLobe(result.looks, response, true), alone = fitLobe(result.looks, response, false);
         const bool metal = alone.residual < double(options.lambertGain) * both.residual;
         const LobeFit& fit = metal ? alone : both;

@@ -53,8 +53,8 @@ PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSa
 /// The lobe with its roughness multiplied by `factor`, kept within 0.06 to 0.9, and named after it.
 Lobe withRoughness(const Lobe& lobe, float factor);
 
-/// Rows of one lobe for the given looks.
+/// Rows of one lobe for the given looks; `mirrored`, if not null: what it shows of other surfaces in each, by `options.sent`.
 InfluenceMatrix glossyRows(const Scene& scene, const std::vector<EmitterSurface>& emitters, const std::vector<int>& emitterOfTriangle,
-                           const LightLeaves& leaves, const Lobe& lobe, const std::vector<GlossyLook>& looks, const LobeRowOptions& options, Progress& progress);
+                           const LightLeaves& leaves, const Lobe& lobe, const std::vector<GlossyLook>& looks, const LobeRowOptions& options, Progress& progress, std::vector<Rgb>* mirrored = nullptr);
 
 }  // namespace relamp

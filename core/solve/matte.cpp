@@ -14,6 +14,36 @@ float medianOf(std::vector<float>& v, double q = 0.5) {
 }
 }  // namespace
 
+MatteValue robustMatteValue(std::vector<MatteLook>& looks, float quantile) {
+    std::sort(looks.begin(), looks.end(), [](const MatteLook& a, const MatteLook& b) { return a.radiance != b.radiance ? a.radiance < b.radiance : a.weight < b.weight; });
+    float total = 0, best = 0, run = 0;
+    for (const MatteLook& l : looks) {
+        total += l.weight;
+        best = std::max(best, l.weight);
+    }
+    const MatteLook* centre = &looks.back();
+    for (const MatteLook& l : looks) {
+        run += l.weight;
+        if (run < quantile * total) continue;
+        centre = &l;
+        break;
+    }
+    const float reach = std::max(3 * centre->sigma, 0.06f * centre->radiance), count = float(looks.size());
+    float sum = 0, weight = 0, noise = 0, deviation = 0;
+    for (const MatteLook& l : looks)
+        if (std::abs(l.radiance - centre->radiance) <= reach) {
+            sum += l.weight * l.radiance;
+            noise += l.weight * l.sigma;
+            weight += l.weight;
+        }
+    MatteValue value{weight > 0 ? sum / weight : centre->radiance, 0};
+    noise = weight > 0 ? noise / weight : centre->sigma;
+    for (const MatteLook& l : looks) deviation += l.weight * std::min(std::abs(l.radiance - value.radiance), reach);
+    deviation /= total;
+    value.sigma = std::sqrt(noise * noise / count / best + 0.25f * deviation * deviation / count);
+    return value;
+}
+
 MatteObservations matteObservations(const Scene& scene, const RadianceSamples& samples, const std::vector<uint8_t>& skip) {
     MatteObservations result;
     const size_t n = scene.mesh.vertexCount();
@@ -46,7 +76,7 @@ MatteObservations matteObservations(const Scene& scene, const RadianceSamples& s
         if (spreads[p].size() < 12) continue;
         result.pieceGlossy[p] = middle > metalSpread ? 2 : (upper > glazedSpread ? 1 : 0);
     }
-    std::vector<std::pair<float, float>> order;
+    std::vector<MatteLook> looks;
     for (uint32_t v = 0; v < n; ++v) {
         if (skip[v] || !scene.referenced[v]) continue;
         const uint8_t glossy = result.pieceGlossy[scene.piece[v]];
@@ -56,38 +86,16 @@ MatteObservations matteObservations(const Scene& scene, const RadianceSamples& s
         if (best < 0.1f) continue;
         Rgb value(0), sigma(0);
         for (int c = 0; c < 3; ++c) {
-            order.clear();
-            float total = 0;
+            looks.clear();
             for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
                 const RadianceSample& r = samples.samples[s];
                 if (r.clipped || r.weight < 0.2f * best) continue;
-                order.emplace_back(r.radiance[c], r.weight);
-                total += r.weight;
+                looks.push_back({r.radiance[c], r.weight, samples.sigma(r.radiance[c])});
             }
-            std::sort(order.begin(), order.end());
-            const auto quantile = [&](float q) {
-                float run = 0;
-                for (const auto& [y, w] : order) {
-                    run += w;
-                    if (run >= q * total) return y;
-                }
-                return order.back().first;
-            };
-            // Robust mean: look-ups near the median; a glossy surface only adds to its matte part, so it takes the lower ones.
-            const float centre = glossy ? quantile(0.25f) : quantile(0.5f);
-            const float reach = std::max(3 * samples.sigma(centre), 0.06f * centre);
-            float sum = 0, weight = 0, deviation = 0;
-            for (const auto& [y, w] : order)
-                if (std::abs(y - centre) <= reach) {
-                    sum += w * y;
-                    weight += w;
-                }
-            value[c] = weight > 0 ? sum / weight : centre;
-            for (const auto& [y, w] : order) deviation += w * std::min(std::abs(y - value[c]), reach);
-            deviation /= total;
-            const float noise = samples.sigma(value[c]);
-            sigma[c] = std::sqrt(noise * noise / std::max(1.0f, float(order.size())) * (1 / best) + 0.25f * deviation * deviation / float(order.size()) +
-                                 (glossy ? 0.05f * 0.05f * value[c] * value[c] : 0.0f));
+            // A glossy surface only adds to its matte part, so it takes the lower looks.
+            const MatteValue matte = robustMatteValue(looks, glossy ? 0.25f : 0.5f);
+            value[c] = matte.radiance;
+            sigma[c] = glossy ? std::hypot(matte.sigma, 0.05f * value[c]) : matte.sigma;
         }
         result.vertices.push_back(v);
         result.radiance.push_back(value);

@@ -14,6 +14,16 @@ struct MatteObservations {
     std::vector<uint8_t> pieceGlossy; ///< per mesh piece: 0 matte, 1 glazed (matte under gloss), 2 no matte signal (metal)
 };
 
+/// One look at a vertex in one channel.
+struct MatteLook {
+    float radiance = 0, weight = 1, sigma = 0;  ///< sigma: standard deviation of a look of weight 1
+};
+struct MatteValue {
+    float radiance = 0, sigma = 0;
+};
+/// Mean of the looks about their weighted quantile, within three deviations or 6 % of it. Sorts `looks`, which must not be empty. O(n log n).
+MatteValue robustMatteValue(std::vector<MatteLook>& looks, float quantile);
+
 /// `skip[v]` non-zero leaves vertex v out (emitters).
 MatteObservations matteObservations(const Scene& scene, const RadianceSamples& samples, const std::vector<uint8_t>& skip);
 

@@ -15,6 +15,7 @@ SolveOptions solveOptionsFor(const std::string& quality) {
         o.refineIterations = 3;
         o.glossRounds = 1;
         o.maxLeaves = 200;
+        o.askForStrength = false;
     } else if (quality == "fine") {
         o.maxLeaves = 900;
         o.splitShare = 0.006f;
@@ -29,7 +30,7 @@ SolveOptions solveOptionsFor(const std::string& quality) {
 
 std::vector<SolveStep> stepsOf(const SolveOptions& options) {
     using enum SolveStep;
-    std::vector<SolveStep> steps{firstLight, startLight, bounces};
+    std::vector<SolveStep> steps{firstLight, startLight, bounces, lightStrength};
     for (int round = 0; round < options.refineRounds; ++round) steps.insert(steps.end(), {splitStrong, refineLight});
     steps.push_back(surfaces);
     for (int round = 0; round < options.glossRounds; ++round) steps.insert(steps.end(), {glossLight, glossSurfaces});

@@ -35,6 +35,8 @@ struct SolveOptions {
     int turns = 1;             ///< final rounds of light and reflectance in turn
     float splitShare = 0.008f; ///< a leaf that gives more than this share of the light at the vertices, on average, is split
     AlbedoPrior prior;         ///< the one place where priors on reflectance enter
+    float lightSmoothness = 0, albedoSmoothness = 0;  ///< factors on the priors' usual strength; 0: the photographs are asked (solve/prior_strength.h)
+    bool askForStrength = true;                       ///< false: they are not, and what is 0 is 1
     GaugeChoice gauge;
     /// Light that surfaces send each other: by the photographs, never, always.
     enum class Bounce { automatic, off, on } bounce = Bounce::automatic;

@@ -12,12 +12,7 @@ std::vector<Rgb> SolveState::directAt(const std::vector<uint32_t>& vertices) {
     for (size_t begin = 0; begin < vertices.size(); begin += block) {
         const std::vector<uint32_t> some(vertices.begin() + ptrdiff_t(begin), vertices.begin() + ptrdiff_t(std::min(vertices.size(), begin + block)));
         const InfluenceMatrix rows = rowsOf(some);
-        for (size_t i = 0; i < some.size(); ++i) {
-            Rgb sum(0);
-            for (size_t k = 0; k < lighting_.leaves.size(); ++k) sum += rows.row(i)[k] * lighting_.leafRadiance[k];
-            for (size_t e = 0; e < lighting_.emitterRadiance.size(); ++e) sum += rows.row(i)[lighting_.leaves.size() + e] * lighting_.emitterRadiance[e];
-            out.push_back(sum);
-        }
+        for (size_t i = 0; i < some.size(); ++i) out.push_back(lightOfRow(rows.row(i), lighting_));
     }
     return out;
 }
@@ -27,7 +22,8 @@ void SolveState::updateBounce() {
     computeLit();
     updateAlbedo();
     const size_t n = scene_.mesh.vertexCount();
-    std::vector<Rgb> sent(n, Rgb(0));
+    std::vector<Rgb>& sent = sent_;
+    sent.assign(n, Rgb(0));
     std::vector<uint8_t> shown(n, 0), asked(n, 0);
     for (size_t i = 0; i < matte_.vertices.size(); ++i) {
         sent[matte_.vertices[i]] = matte_.radiance[i];
@@ -80,6 +76,7 @@ void SolveState::forgetBounce(std::string why) {
     bounceRays_ = {};
     bounce_.clear();
     vertexBounce_.clear();
+    sent_.clear();
 }
 
 void SolveState::decideBounce(bool coarse) {
@@ -123,6 +120,7 @@ void SolveState::decideBounce(bool coarse) {
         lighting_ = without;
         bounce_.clear();
         vertexBounce_.clear();
+        sent_.clear();
         return;
     }
     if (options_.bounce == Bounce::on || after < before) {

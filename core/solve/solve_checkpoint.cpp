@@ -145,7 +145,12 @@ void fields(File& f, SolveCheckpoint& c) {
     f.plain(c.refinedMisfit);
     f.plain(c.bouncedShare);
     fields(f, c.noBounceBecause);
-    list(f, c.vertexBounce);
+    for (std::vector<Rgb>* values : {&c.vertexBounce, &c.sent, &c.matteRadiance, &c.matteSigma}) list(f, *values);
+    for (PriorStrength* strength : {&c.lightSmoothness, &c.albedoSmoothness}) {
+        f.plain(strength->factor);
+        fields(f, strength->chosenBy);
+        list(f, strength->trials);
+    }
     listOf(f, c.gloss, [&](PieceGloss& g) { fields(f, g); });
     listOf(f, c.triedGloss, [&](PieceGloss& g) { fields(f, g); });
     f.plain(c.metalsHeard);

@@ -23,7 +23,9 @@ struct SolveCheckpoint {
     double refinedMisfit = 0;
     float bouncedShare = 0;
     std::string noBounceBecause;
-    std::vector<Rgb> vertexBounce;    ///< empty: none
+    std::vector<Rgb> vertexBounce, sent;              ///< empty: none
+    std::vector<Rgb> matteRadiance, matteSigma;       ///< of the observations, without what coats mirror; empty: as seen
+    PriorStrength lightSmoothness, albedoSmoothness;
     std::vector<PieceGloss> gloss, triedGloss;
     bool metalsHeard = false, metalsJoined = false;
     std::vector<double> information;  ///< what fixed the light (LightInformation): columns of `all` from the diagonal down

@@ -4,6 +4,8 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "solve/lighting_step.h"
+#include "solve/matte_under_gloss.h"
+#include "solve/prior_strength.h"
 #include "solve/solve_state.h"
 
 namespace relamp {
@@ -48,14 +50,57 @@ void SolveState::solveReflectance() {
     for (PieceGloss& g : gloss_)
         if (!fitted[g.piece]) found.push_back(std::move(g));
     gloss_ = std::move(found);
+    takeCoatsOff();
     if (!metalsHeard_) sharpenForMetals();
     metalsHeard_ = true;
     updateAlbedo();
+    askAlbedoStrength();
     record("reflectance", int(timeline_.size()), 0, pairMismatch());
 }
 
+void SolveState::takeCoatsOff() {
+    if (!matteSeen_.vertices.empty()) matte_ = matteSeen_;
+    for (const PieceGloss& g : gloss_) {
+        if (!g.lobe || !g.matte || stopped()) continue;
+        if (matteSeen_.vertices.empty()) matteSeen_ = matte_;
+        MatteUnderGlossOptions options;
+        options.rows.seed = options_.seed;
+        options.rows.shape = leafShape_.empty() ? nullptr : &leafShape_;
+        options.rows.shapeGrid = samples_.backgroundGrid;
+        options.rows.sent = sent_.empty() ? nullptr : &sent_;
+        matteUnderGloss(capture_, scene_, samples_, surfaces_, clusters_.emitterOfTriangle, lighting_, g, options, matte_, progress_);
+    }
+}
+
+void SolveState::takeStrengths(const PriorStrength& light, const PriorStrength& albedo) {
+    lightPrior_.smoothness = LightPriorOptions{}.smoothness * light.factor;
+    albedoPrior_.step = options_.prior.step / std::sqrt(albedo.factor);
+    lightSmoothness_ = light;
+    albedoSmoothness_ = albedo;
+}
+
+void SolveState::askLightStrength() {
+    if (!options_.askForStrength || options_.lightSmoothness > 0 || !hasMatte() || !options_.nearField || environmentBlack_ || stopped()) return;
+    constexpr size_t maxRows = 6000;
+    std::vector<Vec3> positions(matte_.vertices.size());
+    for (size_t i = 0; i < positions.size(); ++i) positions[i] = scene_.mesh.positions[matte_.vertices[i]];
+    AlbedoFreeOptions o;
+    o.light = lightPrior_;
+    o.emptyColumns = plan_.choices.emptyColumns;
+    o.bounce = bounce_.empty() ? nullptr : &bounce_;
+    takeStrengths(testLightStrength(influence_, matte_, pairs_, positions, anchors_, o, lighting_, maxRows, progress_), albedoSmoothness_);
+    for (const PriorStrength::Trial& t : lightSmoothness_.trials) logInfo("light {:.2g} times as smooth: misfit of pairs left out {:.4f} +- {:.4f}", t.factor, t.misfit, t.error);
+}
+
+void SolveState::askAlbedoStrength() {
+    if (!options_.askForStrength || options_.albedoSmoothness > 0 || !albedoSmoothness_.trials.empty() || matte_.vertices.empty() || stopped()) return;
+    takeStrengths(lightSmoothness_, testAlbedoStrength(scene_, samples_, matte_, lit_, litSigma_, albedoPrior_, albedo_.albedo, options_.seed, progress_));
+    for (const PriorStrength::Trial& t : albedoSmoothness_.trials) logInfo("surfaces {:.2g} times as smooth: misfit of looks left out {:.4f} +- {:.4f}", t.factor, t.misfit, t.error);
+    if (albedoSmoothness_.factor != 1) updateAlbedo();
+}
+
 void SolveState::updateAlbedo() {
-    albedo_ = solveAlbedo(scene_, matte_, lit_, litSigma_, options_.prior, progress_);
+    albedo_ = solveAlbedo(scene_, matte_, lit_, litSigma_, albedoPrior_, progress_);
     for (const PieceGloss& g : gloss_)
         if (!g.matte)
             for (size_t v = 0; v < scene_.mesh.vertexCount(); ++v)
@@ -155,6 +200,8 @@ void SolveState::assess(Estimate& estimate) {
 
 Estimate SolveState::assemble() const {
     Estimate estimate;
+    estimate.lightSmoothness = lightSmoothness_;
+    estimate.albedoSmoothness = albedoSmoothness_;
     estimate.mode = options_.nearField ? "near-field" : "distant-only";
     estimate.lighting = lighting_;
     estimate.emitters = clusters_;

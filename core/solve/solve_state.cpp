@@ -9,7 +9,10 @@ namespace relamp {
 
 SolveState::SolveState(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const SolveOptions& options, Progress& progress,
                        const SolveListener* listener)
-    : capture_(capture), scene_(scene), samples_(samples), options_(options), progress_(progress), listener_(listener), meter_(progress), plan_(options.plan) {}
+    : capture_(capture), scene_(scene), samples_(samples), options_(options), progress_(progress), listener_(listener), meter_(progress), plan_(options.plan) {
+    const auto strength = [](float told) { return told > 0 ? PriorStrength{told, "artist"} : PriorStrength{}; };
+    takeStrengths(strength(options.lightSmoothness), strength(options.albedoSmoothness));
+}
 
 void SolveState::record(const std::string& stage, int iteration, double objective, double rmse) {
     timeline_.push_back({progress_.seconds(), stage, iteration, objective, rmse});
@@ -411,6 +414,7 @@ LobeRowOptions SolveState::rowOptions() const {
     options.seed = options_.seed;
     options.shape = leafShape_.empty() ? nullptr : &leafShape_;
     options.shapeGrid = samples_.backgroundGrid;
+    options.sent = sent_.empty() ? nullptr : &sent_;
     return options;
 }
 
@@ -478,7 +482,8 @@ RatioProblem SolveState::ratiosWithMetals() {
     fine.cosineSamples *= 2;
     for (const PieceGloss& g : gloss_) {
         if (g.matte || g.looks.size() < 2) continue;
-        const InfluenceMatrix lobe = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves, *g.lobe, g.looks, fine, progress_);
+        std::vector<Rgb> mirrored;
+        const InfluenceMatrix lobe = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves, *g.lobe, g.looks, fine, progress_, &mirrored);
         const size_t first = all.observations.vertices.size(), count = g.looks.size();
         all.influence.values.insert(all.influence.values.end(), lobe.values.begin(), lobe.values.end());
         all.influence.rows += count;
@@ -486,7 +491,7 @@ RatioProblem SolveState::ratiosWithMetals() {
             all.observations.vertices.push_back(g.looks[i].vertex);
             all.observations.radiance.push_back(g.looks[i].radiance);
             all.observations.sigma.push_back(Rgb(g.looks[i].sigma));
-            if (!all.bounce.empty()) all.bounce.push_back(Rgb(0));
+            if (!all.bounce.empty()) all.bounce.push_back(mirrored[i]);
             // Four partners for each: a look stands in eight pairs, which together weigh as much as the look would with a known weight.
             for (uint64_t k = 1; k <= 4; ++k) {
                 const size_t other = mixBits((options_.seed + k) * 0x1000003 + i) % count;
@@ -512,7 +517,8 @@ ViewRows SolveState::viewRows(Progress& progress) {
     options.rows = rowOptions();
     for (const PieceGloss& g : gloss_) {
         if (!g.matte) continue;
-        const InfluenceMatrix lobe = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves, *g.lobe, g.looks, options.rows, progress);
+        std::vector<Rgb> mirrored;
+        const InfluenceMatrix lobe = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves, *g.lobe, g.looks, options.rows, progress, &mirrored);
         std::vector<uint32_t> vertices;
         for (const GlossyLook& look : g.looks) vertices.push_back(look.vertex);
         const InfluenceMatrix lambert = rowsOf(vertices);
@@ -521,7 +527,7 @@ ViewRows SolveState::viewRows(Progress& progress) {
             for (int c = 0; c < 3; ++c)
                 for (size_t k = 0; k < columns; ++k)
                     result.influence[c].row(at)[k] = g.weight[c] * lobe.row(i)[k] + albedo[c] * lambert.row(i)[k];
-            result.radiance.push_back(g.looks[i].radiance - (vertexBounce_.empty() ? Rgb(0) : albedo * vertexBounce_[g.looks[i].vertex]));
+            result.radiance.push_back(g.looks[i].radiance - g.weight * mirrored[i] - (vertexBounce_.empty() ? Rgb(0) : albedo * vertexBounce_[g.looks[i].vertex]));
             result.sigma.push_back(2.0f * g.looks[i].sigma);
         }
     }
@@ -529,13 +535,10 @@ ViewRows SolveState::viewRows(Progress& progress) {
 }
 
 void SolveState::computeLit() {
-    const size_t rows = influence_.rows, leaves = lighting_.leaves.size();
+    const size_t rows = influence_.rows;
     lit_.assign(rows, Rgb(0));
     parallelFor(rows, 64, [&](size_t i) {
-        const float* row = influence_.row(i);
-        Rgb sum(0);
-        for (size_t k = 0; k < leaves; ++k) sum += row[k] * lighting_.leafRadiance[k];
-        for (size_t e = 0; e < lighting_.emitterRadiance.size(); ++e) sum += row[leaves + e] * lighting_.emitterRadiance[e];
+        const Rgb sum = lightOfRow(influence_.row(i), lighting_);
         lit_[i] = bounce_.empty() ? sum : sum + bounce_[i];
     });
     // Shadow edges: a look-up mixes irradiance with its neighbours'.

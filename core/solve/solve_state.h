@@ -14,6 +14,7 @@ enum class SolveStep {
     firstLight,    ///< coarse light, which lamps are lamps
     startLight,    ///< light at the start level
     bounces,       ///< is there light between surfaces?
+    lightStrength, ///< how smooth is the light?
     splitStrong,   ///< leaves that give much light are split
     refineLight,
     surfaces,      ///< lobes and albedo
@@ -74,6 +75,10 @@ private:
     /// [Haber09]'s way in: constant albedo, light first.
     void startFromConstantAlbedo();
     void solveReflectance();
+    void askLightStrength();
+    void askAlbedoStrength();
+    /// Takes what coats mirror off the matte observations.
+    void takeCoatsOff();
     /// Gives the listener, if there is one, an estimate as things stand; the state is afterwards as it was.
     void showSnapshot();
     SolveCheckpoint checkpoint(uint32_t step, bool between) const;
@@ -100,6 +105,7 @@ private:
     std::vector<uint8_t> suspect_;           ///< per emitter: 1 = only a light fit can decide
     std::vector<EmitterSurface> surfaces_;
     MatteObservations matte_;
+    MatteObservations matteSeen_;            ///< the same as seen, where what coats mirror has been taken off; empty: nothing was
     std::vector<AlbedoPair> pairs_;
     double matteShare_ = 0;
     bool environmentBlack_ = false;
@@ -111,6 +117,9 @@ private:
     InfluenceMatrix influence_;              ///< of the matte observations: leaves, then emitters
     LightAnchors anchors_;
     LightPriorOptions lightPrior_;
+    AlbedoPrior albedoPrior_;
+    PriorStrength lightSmoothness_, albedoSmoothness_;
+    void takeStrengths(const PriorStrength& light, const PriorStrength& albedo);
     std::vector<float> leafShape_;           ///< per cell of the background grid: relative brightness inside its leaf
     Lighting lighting_;
     BrdfBasis basis_ = builtInBasis();
@@ -121,6 +130,7 @@ private:
     AlbedoResult albedo_;
     std::vector<Rgb> lit_, litSigma_;        ///< per matte observation
     BounceRays bounceRays_;                  ///< empty: bounced light plays no part
+    std::vector<Rgb> sent_;                  ///< radiance that surfaces send each other, per vertex; empty likewise
     std::vector<Rgb> vertexBounce_, bounce_; ///< bounced light per vertex and per matte observation, empty likewise
     float bouncedShare_ = 0;
     std::string noBounceBecause_ = "nothing was matte";

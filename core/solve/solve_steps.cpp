@@ -10,6 +10,7 @@ const char* stageOf(SolveStep step) {
         case SolveStep::firstLight: return "coarse light";
         case SolveStep::startLight: return "light";
         case SolveStep::bounces: return "bounced light";
+        case SolveStep::lightStrength: return "strength of the priors";
         case SolveStep::splitStrong:
         case SolveStep::refineLight: return "finer light";
         case SolveStep::surfaces: return "surfaces";
@@ -52,6 +53,7 @@ void SolveState::run(SolveStep step, uint32_t index) {
             case bounces:
                 if (hasMatte() && options_.nearField) decideBounce(false);
                 break;
+            case lightStrength: askLightStrength(); break;
             case splitStrong:
                 if (!refineLeaves()) refined_ = true;
                 break;
@@ -111,6 +113,13 @@ SolveCheckpoint SolveState::checkpoint(uint32_t step, bool between) const {
     c.bouncedShare = bouncedShare_;
     c.noBounceBecause = noBounceBecause_;
     c.vertexBounce = vertexBounce_;
+    c.sent = sent_;
+    c.lightSmoothness = lightSmoothness_;
+    c.albedoSmoothness = albedoSmoothness_;
+    if (!matteSeen_.vertices.empty()) {
+        c.matteRadiance = matte_.radiance;
+        c.matteSigma = matte_.sigma;
+    }
     c.gloss = gloss_;
     c.triedGloss = triedGloss_;
     c.metalsHeard = metalsHeard_;
@@ -157,11 +166,19 @@ void SolveState::goOnFrom(const SolveCheckpoint& c) {
         learnVisibility(int(c.visibilityStep));
     }
     rebuildRows();
+    takeStrengths(c.lightSmoothness, c.albedoSmoothness);
+    if (!c.matteRadiance.empty()) {
+        if (c.matteRadiance.size() != matte_.vertices.size() || c.matteSigma.size() != matte_.vertices.size()) throw Error("the checkpoint's observations are not those of the capture");
+        matteSeen_ = matte_;
+        matte_.radiance = c.matteRadiance;
+        matte_.sigma = c.matteSigma;
+    }
     bouncedShare_ = c.bouncedShare;
     noBounceBecause_ = c.noBounceBecause;
     if (c.bounceKept) {
         traceBounceRays();
         vertexBounce_ = c.vertexBounce;
+        sent_ = c.sent;
         if (!vertexBounce_.empty()) takeVertexBounce();
     }
     gloss_ = c.gloss;

@@ -72,10 +72,19 @@ void lambertInfluenceOfLeaves(const Scene& scene, const Visibility& visibility, 
     }, &progress);
 }
 
+Rgb lightOfRow(const float* row, const Lighting& lighting) {
+    const size_t leaves = lighting.leafRadiance.size();
+    Rgb sum(0);
+    for (size_t k = 0; k < leaves; ++k) sum += row[k] * lighting.leafRadiance[k];
+    for (size_t e = 0; e < lighting.emitterRadiance.size(); ++e) sum += row[leaves + e] * lighting.emitterRadiance[e];
+    return sum;
+}
+
 void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emitters, const std::vector<int>& emitterOfTriangle, const LightLeaves& leaves,
-                     const Lobe& lobe, uint32_t vertex, const Vec3& towardEye, const LobeRowOptions& options, float* row) {
+                     const Lobe& lobe, uint32_t vertex, const Vec3& towardEye, const LobeRowOptions& options, float* row, Rgb* mirrored) {
     const size_t columns = leaves.size() + emitters.size();
     std::fill(row, row + columns, 0.0f);
+    if (mirrored) *mirrored = Rgb(0);
     const Vec3 normal = scene.mesh.normals[vertex], position = scene.mesh.positions[vertex];
     if (glm::dot(normal, towardEye) <= 1e-3f) return;
     const Mat3 frame = frameAround(normal);
@@ -119,6 +128,11 @@ void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emit
                 continue;
             }
             const int e = emitterOfTriangle.empty() ? -1 : emitterOfTriangle[hits[i].triangle];
+            if (e < 0 && mirrored && options.sent && glm::dot(scene.mesh.faceNormal(hits[i].triangle), rays[i].direction) < 0) {
+                const Triangle& t = scene.mesh.triangles[hits[i].triangle];
+                const Vec2 b = hits[i].barycentric;
+                *mirrored += value / density * ((1 - b.x - b.y) * (*options.sent)[t[0]] + b.x * (*options.sent)[t[1]] + b.y * (*options.sent)[t[2]]);
+            }
             if (e < 0 || !(totals[size_t(e)] > 0)) continue;
             if (!emitters[size_t(e)].twoSided && glm::dot(scene.mesh.faceNormal(hits[i].triangle), rays[i].direction) >= 0) continue;
             const float areaDensity = local[i].z / (pi * totals[size_t(e)]) * float(options.emitterSamples);

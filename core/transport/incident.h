@@ -16,6 +16,9 @@ struct InfluenceMatrix {
     const float* row(size_t r) const { return &values[r * columns]; }
 };
 
+/// What a row (leaves, then emitters) says of the given light.
+Rgb lightOfRow(const float* row, const Lighting& lighting);
+
 /// Lambert rows (albedo 1) for the given vertices: columns are the leaves, then the emitters. Element (i, leaf) = integral over
 /// the leaf of V max(0, n.w) / pi. Leaves finer than the visibility grid are traced with `raysPerSide`^2 rays each.
 InfluenceMatrix lambertInfluence(const Scene& scene, const Visibility& visibility, const NearField& nearField, const LightLeaves& leaves,
@@ -33,11 +36,14 @@ struct LobeRowOptions {
     /// Optional: relative brightness inside a leaf where the background shows it (mean 1 over each leaf), per cell of `shapeGrid`.
     const std::vector<float>* shape = nullptr;
     DirectionGrid shapeGrid;
+    /// Optional: radiance that the surfaces send, per vertex; what a lobe shows of it is an offset beside its row.
+    const std::vector<Rgb>* sent = nullptr;
 };
 
 /// One row for a look at `vertex` from the unit direction `towardEye` through a GGX lobe: `row` holds leaves then emitters.
 /// Lobe, cosine and emitter samples are combined by multiple importance sampling (balance heuristic, Veach 1997).
+/// `mirrored`, if not null: what the lobe shows of other surfaces, by `options.sent`; their backs send nothing.
 void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emitters, const std::vector<int>& emitterOfTriangle, const LightLeaves& leaves,
-                     const Lobe& lobe, uint32_t vertex, const Vec3& towardEye, const LobeRowOptions& options, float* row);
+                     const Lobe& lobe, uint32_t vertex, const Vec3& towardEye, const LobeRowOptions& options, float* row, Rgb* mirrored = nullptr);
 
 }  // namespace relamp

@@ -261,6 +261,34 @@ TEST(GlossyInfluence, OfAnEmitterHalfHiddenIsTheVisibleHalf) {
     EXPECT_NEAR(row[leaves.size()], expected, 0.03 * expected);
 }
 
+TEST(GlossyInfluence, MirrorsASurfaceAsItDoesASkyOfThatRadiance) {
+    // A ceiling that fills the hemisphere but for its last degrees.
+    Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0});
+    const Scene open = test::sceneOf(mesh);
+    append(mesh, test::sheet({-100, -100, 1}, {0, 200, 0}, {200, 0, 0}));
+    const Scene closed = test::sceneOf(mesh);
+    const LightLeaves leaves = LightLeaves::uniform(2);
+    std::vector<float> row(leaves.size());
+    std::vector<Rgb> sent(mesh.vertexCount(), Rgb(2, 1, 0.5f));
+    LobeRowOptions options;
+    options.sent = &sent;
+    const Vec3 eye = glm::normalize(Vec3(0.4f, 0.1f, 1));
+    const Lobe lobe{Lobe::Kind::ggxDielectric, 0.1f, "glaze"};
+    glossyInfluence(open, {}, {}, leaves, lobe, 0, eye, options, row.data());
+    const float whole = std::accumulate(row.begin(), row.end(), 0.0f);
+    Rgb mirrored(9);
+    glossyInfluence(closed, {}, {}, leaves, lobe, 0, eye, options, row.data(), &mirrored);
+    EXPECT_NEAR(mirrored.x, 2 * whole, 0.02f * whole);
+    EXPECT_NEAR(mirrored.z, 0.5f * whole, 0.01f * whole);
+    EXPECT_LT(std::accumulate(row.begin(), row.end(), 0.0f), 0.02f * whole);
+    // Its back sends nothing, and without an answer asked for nothing is read.
+    for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+    Mesh turned = mesh;
+    turned.normals = closed.mesh.normals;
+    glossyInfluence(test::sceneOf(turned), {}, {}, leaves, lobe, 0, eye, options, row.data(), &mirrored);
+    EXPECT_EQ(mirrored.x, 0);
+}
+
 TEST(GlossyInfluence, IsZeroForAnEyeBelowTheHorizon) {
     const Scene scene = test::sceneOf(test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}));
     const LightLeaves leaves = LightLeaves::uniform(2);

@@ -107,6 +107,22 @@ void gaugeSettings(Editor& editor) {
     }
 }
 
+/// A prior's strength: as the photographs say, or the artist. `chosen`: what the last estimate took, null before one.
+void strengthSetting(const char* label, const char* id, float& factor, const PriorStrength* chosen, const char* explanation) {
+    ImGui::PushID(id);
+    bool automatic = factor == 0;
+    const std::string words = std::string(explanation) + " Normally photographs that are left out decide: what foretells them best is taken.";
+    if (checkbox(label, automatic, words)) factor = automatic ? 0.0f : chosen ? chosen->factor : 1.0f;
+    if (factor > 0) {
+        ImGui::SetNextItemWidth(-FLT_MIN);
+        ImGui::SliderFloat("##factor", &factor, 0.05f, 20, "%.2f x the usual", ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_Logarithmic);
+        tooltip(words);
+    } else if (chosen) {
+        dimText(fmt::format("  {:.3g} x the usual{}", chosen->factor, chosen->chosenBy == "photographs" ? ", chosen by the photographs" : chosen->trials.empty() ? "" : ", confirmed by the photographs").c_str());
+    }
+    ImGui::PopID();
+}
+
 }  // namespace
 
 void drawEstimatePanel(Editor& editor) {
@@ -155,6 +171,14 @@ void drawEstimateSettings(Editor& editor) {
     dimText("Kinds of light");
     if (radio("Lamps and distant light", solve.nearField, "Finds lamps that stand in the scene as well as light from far away. This is what you want.")) solve.nearField = true;
     if (radio("Distant only, to compare", !solve.nearField, "The older way, which knows no lamps in the scene: for comparison. Its result is shown beside the other one (view modes 5 and 9) and replaces nothing.")) solve.nearField = false;
+    if (ImGui::TreeNode("Smoothness")) {
+        const Estimate* found = editor.estimate().get();
+        strengthSetting("Distant light: automatic", "light", solve.lightSmoothness, found ? &found->lightSmoothness : nullptr,
+                        "How alike neighbouring parts of the surroundings are taken to be. More where photographs are noisy or few, less for skies with small bright spots.");
+        strengthSetting("Surface colours: automatic", "surfaces", solve.albedoSmoothness, found ? &found->albedoSmoothness : nullptr,
+                        "How alike neighbouring points of a surface are taken to be; edges are kept. More where photographs are noisy, less for fine texture.");
+        ImGui::TreePop();
+    }
     dimText("Time limit");
     float minutes = float(solve.budgetSeconds / 60);
     ImGui::SetNextItemWidth(-FLT_MIN);
