@@ -93,6 +93,8 @@ int main(int argc, char** argv) {
         verb.add_option("--mode", solve.mode, "near-field, or distant-only: the baseline that knows no lamps")->check(CLI::IsMember({"near-field", "distant-only"}))->capture_default_str();
         verb.add_option("--quality", solve.quality, "draft, standard or fine")->check(CLI::IsMember({"draft", "standard", "fine"}))->capture_default_str();
         verb.add_option("--bounce", solve.bounce, "Light that surfaces send each other: auto (as the photographs say), on, off")->check(CLI::IsMember({"auto", "on", "off"}))->capture_default_str();
+        verb.add_option("--basis", solve.basis, "Lobes that surfaces may have: built-in (13), wide (55, a piece takes up to three), lambert (none)")->check(CLI::IsMember({"built-in", "wide", "lambert"}))->capture_default_str();
+        verb.add_option("--merl", solve.merl, "Folder of measured reflectance (MERL .binary files): each joins the basis as one lobe");
         verb.add_option("--grid-side", solve.gridSide, "Side of the visibility grid (power of two)");
         verb.add_option("--threads", solve.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
         verb.add_option("--seed", solve.seed, "Seed of every random choice")->capture_default_str();

@@ -107,6 +107,10 @@ PipelineOptions pipelineOptions(const SolveArguments& a) {
     options.solve.gauge = gaugeOf(a.gauge);
     if (a.bounce != "auto") options.solve.bounce = a.bounce == "on" ? SolveOptions::Bounce::on : SolveOptions::Bounce::off;
     options.solve.seed = a.seed;
+    options.solve.basis = basisNamed(a.basis);
+    if (!a.merl.empty())
+        for (Lobe& lobe : readMeasuredLobes(a.merl)) options.solve.basis.lobes.push_back(std::move(lobe));
+    if (a.basis != "built-in" || !a.merl.empty()) options.solve.mostLobes = 3;
     options.everything = a.everything;
     options.findLight = a.findLight;
     return options;

@@ -22,7 +22,8 @@ public:
 struct SolveArguments {
     fs::path capture, output;
     CaptureFix fix;
-    std::string mode = "near-field", quality = "standard", gauge = "auto", bounce = "auto";
+    fs::path merl;
+    std::string mode = "near-field", quality = "standard", gauge = "auto", bounce = "auto", basis = "built-in";
     double timeBudget = 0;
     int gridSide = 0, threads = 0;
     uint64_t seed = 1;

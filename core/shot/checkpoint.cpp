@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr char magic[8] = {'r', 'e', 'l', 'a', 'm', 'p', 'C', 'P'};
-constexpr uint32_t formatVersion = 3;
+constexpr uint32_t formatVersion = 4;
 
 struct CheckpointHeader {
     char magic[8];
@@ -37,7 +37,7 @@ public:
     }
     template <class T>
     void all(const std::vector<T>& values) {
-        static_assert(std::has_unique_object_representations_v<T> || std::is_same_v<T, Rgb>);
+        static_assert(std::has_unique_object_representations_v<T> || std::is_same_v<T, Rgb> || std::is_same_v<T, float>);
         bytes(values.data(), values.size() * sizeof(T));
     }
     void add(uint64_t word) { state_ = mixBits(state_ ^ word) + 0x9e3779b97f4a7c15ull; }
@@ -87,8 +87,12 @@ uint64_t solveFingerprint(const Capture& capture, const SolveOptions& o, bool ev
     for (const double value : {double(o.nearField), double(o.startLevel), double(o.refineRounds), double(o.maxLeaves), double(o.visibilitySide), double(o.startIterations),
                                double(o.refineIterations), double(o.glossRounds), double(o.turns), double(o.splitShare), double(o.prior.step), double(o.prior.edge),
                                double(o.prior.iterations), double(o.gauge.kind), double(o.gauge.view), double(o.gauge.pixel.x), double(o.gauge.pixel.y), double(o.gauge.whiteAlbedo),
-                               double(o.gauge.radiance.x), double(o.gauge.radiance.y), double(o.gauge.radiance.z), double(o.gauge.albedo), double(o.bounce), double(everything)})
+                               double(o.gauge.radiance.x), double(o.gauge.radiance.y), double(o.gauge.radiance.z), double(o.gauge.albedo), double(o.bounce), double(everything), double(o.mostLobes)})
         f.number(value);
+    for (const Lobe& lobe : o.basis.lobes) {
+        f.text(lobe.name);
+        if (lobe.measured) f.all(lobe.measured->cells);
+    }
     f.text(o.gauge.emitter);
     f.add(o.seed);
     return f.value();
