@@ -157,6 +157,7 @@ int main(int argc, char** argv) {
     mergeVerb->add_option("--use-response", merge.useResponse, "Use a curve written with --response, so that several sets get one scale");
     mergeVerb->add_option("--ghosts", merge.ghosts, "Write a mask: black where something moved between the exposures");
     mergeVerb->add_flag("--keep-ghosts", merge.keepGhosts, "Average all exposures, whether or not they agree");
+    mergeVerb->add_flag("--no-align", merge.noAlign, "Do not shift hand-held exposures onto each other");
     mergeVerb->add_option("--smoothness", merge.smoothness, "Of the response curve")->check(CLI::PositiveNumber)->capture_default_str();
     mergeVerb->add_option("--threads", merge.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
 

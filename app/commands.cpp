@@ -271,6 +271,7 @@ int mergeHdr(const MergeArguments& a, Progress& progress) {
     BracketOptions options;
     options.smoothness = a.smoothness;
     options.rejectGhosts = !a.keepGhosts;
+    options.align = !a.noAlign;
     Bracket set;
     ExposureReference reference;
     for (size_t i = 0; i < a.images.size(); ++i)
@@ -290,8 +291,10 @@ int mergeHdr(const MergeArguments& a, Progress& progress) {
             if (merged.ghost[i]) mask.pixels[i] = Rgb(0);
         writeImage(a.ghosts, mask);
     }
-    logInfo("{}: {} exposures, {} pixels changed between them, {} clipped in the shortest, {} black in the longest; response from {} places, residual {:.2f}", a.output.string(),
-            set.size(), merged.ghosts, merged.clippedPixels, merged.dark, response.samples, response.residual);
+    for (size_t i = 0; i < merged.shifts.size(); ++i)
+        if (merged.shifts[i] != PixelShift{}) logInfo("{}: shifted by {} {} pixels", a.images[i].string(), merged.shifts[i].x, merged.shifts[i].y);
+    logInfo("{}: {} exposures, off each other by {:.2f} pixels still, {} pixels changed between them, {} clipped in the shortest, {} black in the longest; response from {} places, residual {:.2f}", a.output.string(),
+            set.size(), merged.misfit, merged.ghosts, merged.clippedPixels, merged.dark, response.samples, response.residual);
     return 0;
 }
 

@@ -57,7 +57,7 @@ struct MergeArguments {
     std::vector<fs::path> images;
     fs::path output, response, useResponse, ghosts;
     std::string times;
-    bool keepGhosts = false;
+    bool keepGhosts = false, noAlign = false;
     double smoothness = 1;
     int threads = 0;
 };
