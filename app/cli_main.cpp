@@ -95,6 +95,8 @@ int main(int argc, char** argv) {
         verb.add_option("--bounce", solve.bounce, "Light that surfaces send each other: auto (as the photographs say), on, off")->check(CLI::IsMember({"auto", "on", "off"}))->capture_default_str();
         verb.add_option("--smooth-light", solve.smoothLight, "How smooth distant light is taken to be: a factor on the usual, or auto (as photographs that are left out say)")->capture_default_str();
         verb.add_option("--smooth-surfaces", solve.smoothSurfaces, "The same for the colour of surfaces")->capture_default_str();
+        verb.add_option("--basis", solve.basis, "Lobes that surfaces may have: built-in (13), wide (55, a piece takes up to three), lambert (none)")->check(CLI::IsMember({"built-in", "wide", "lambert"}))->capture_default_str();
+        verb.add_option("--merl", solve.merl, "Folder of measured reflectance (MERL .binary files): each joins the basis as one lobe");
         verb.add_option("--grid-side", solve.gridSide, "Side of the visibility grid (power of two)");
         verb.add_option("--threads", solve.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
         verb.add_option("--seed", solve.seed, "Seed of every random choice")->capture_default_str();
@@ -157,6 +159,7 @@ int main(int argc, char** argv) {
     mergeVerb->add_option("--use-response", merge.useResponse, "Use a curve written with --response, so that several sets get one scale");
     mergeVerb->add_option("--ghosts", merge.ghosts, "Write a mask: black where something moved between the exposures");
     mergeVerb->add_flag("--keep-ghosts", merge.keepGhosts, "Average all exposures, whether or not they agree");
+    mergeVerb->add_flag("--no-align", merge.noAlign, "Do not shift hand-held exposures onto each other");
     mergeVerb->add_option("--smoothness", merge.smoothness, "Of the response curve")->check(CLI::PositiveNumber)->capture_default_str();
     mergeVerb->add_option("--threads", merge.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
 

@@ -117,6 +117,10 @@ PipelineOptions pipelineOptions(const SolveArguments& a) {
     options.solve.lightSmoothness = strengthOf(a.smoothLight, "--smooth-light");
     options.solve.albedoSmoothness = strengthOf(a.smoothSurfaces, "--smooth-surfaces");
     options.solve.seed = a.seed;
+    options.solve.basis = basisNamed(a.basis);
+    if (!a.merl.empty())
+        for (Lobe& lobe : readMeasuredLobes(a.merl)) options.solve.basis.lobes.push_back(std::move(lobe));
+    if (a.basis != "built-in" || !a.merl.empty()) options.solve.mostLobes = 3;
     options.everything = a.everything;
     options.findLight = a.findLight;
     return options;
@@ -277,6 +281,7 @@ int mergeHdr(const MergeArguments& a, Progress& progress) {
     BracketOptions options;
     options.smoothness = a.smoothness;
     options.rejectGhosts = !a.keepGhosts;
+    options.align = !a.noAlign;
     Bracket set;
     ExposureReference reference;
     for (size_t i = 0; i < a.images.size(); ++i)
@@ -296,8 +301,10 @@ int mergeHdr(const MergeArguments& a, Progress& progress) {
             if (merged.ghost[i]) mask.pixels[i] = Rgb(0);
         writeImage(a.ghosts, mask);
     }
-    logInfo("{}: {} exposures, {} pixels changed between them, {} clipped in the shortest, {} black in the longest; response from {} places, residual {:.2f}", a.output.string(),
-            set.size(), merged.ghosts, merged.clippedPixels, merged.dark, response.samples, response.residual);
+    for (size_t i = 0; i < merged.shifts.size(); ++i)
+        if (merged.shifts[i] != PixelShift{}) logInfo("{}: shifted by {} {} pixels", a.images[i].string(), merged.shifts[i].x, merged.shifts[i].y);
+    logInfo("{}: {} exposures, off each other by {:.2f} pixels still, {} pixels changed between them, {} clipped in the shortest, {} black in the longest; response from {} places, residual {:.2f}", a.output.string(),
+            set.size(), merged.misfit, merged.ghosts, merged.clippedPixels, merged.dark, response.samples, response.residual);
     return 0;
 }
 

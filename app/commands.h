@@ -22,7 +22,8 @@ public:
 struct SolveArguments {
     fs::path capture, output;
     CaptureFix fix;
-    std::string mode = "near-field", quality = "standard", gauge = "auto", bounce = "auto", smoothLight = "auto", smoothSurfaces = "auto";
+    fs::path merl;
+    std::string mode = "near-field", quality = "standard", gauge = "auto", bounce = "auto", basis = "built-in", smoothLight = "auto", smoothSurfaces = "auto";
     double timeBudget = 0;
     int gridSide = 0, threads = 0;
     uint64_t seed = 1;
@@ -56,7 +57,7 @@ struct MergeArguments {
     std::vector<fs::path> images;
     fs::path output, response, useResponse, ghosts;
     std::string times;
-    bool keepGhosts = false;
+    bool keepGhosts = false, noAlign = false;
     double smoothness = 1;
     int threads = 0;
 };

@@ -46,23 +46,32 @@ HalfAngles halfAngles(const Vec3& towardLight, const Vec3& towardEye) {
     return angles;
 }
 
-Rgb MeasuredBrdf::evaluate(const Vec3& towardLight, const Vec3& towardEye) const {
-    if (!(towardLight.z > 0 && towardEye.z > 0)) return Rgb(0);
+std::array<MerlCorner, 8> merlCorners(const Vec3& towardLight, const Vec3& towardEye) {
+    constexpr int halfSteps = MeasuredBrdf::halfSteps, differenceSteps = MeasuredBrdf::differenceSteps, azimuthSteps = MeasuredBrdf::azimuthSteps;
     const HalfAngles angles = halfAngles(towardLight, towardEye);
     const Between h = clamped(std::sqrt(angles.half / (0.5 * piD)) * halfSteps, halfSteps);
     const Between d = clamped(angles.difference / (0.5 * piD) * differenceSteps, differenceSteps);
     const double azimuth = angles.azimuth / piD * azimuthSteps;
     const int first = int(azimuth) % azimuthSteps;
     const Between a{first, (first + 1) % azimuthSteps, azimuth - std::floor(azimuth)};
+    std::array<MerlCorner, 8> corners;
+    for (size_t corner = 0; corner < 8; ++corner) {
+        const bool i = corner & 1, j = corner & 2, k = corner & 4;
+        corners[corner] = {MeasuredBrdf::index(i ? h.high : h.low, j ? d.high : d.low, k ? a.high : a.low),
+                           (i ? h.share : 1 - h.share) * (j ? d.share : 1 - d.share) * (k ? a.share : 1 - a.share)};
+    }
+    return corners;
+}
+
+Rgb MeasuredBrdf::evaluate(const Vec3& towardLight, const Vec3& towardEye) const {
+    if (!(towardLight.z > 0 && towardEye.z > 0)) return Rgb(0);
     glm::dvec3 sum(0);
     double weights = 0;
-    for (int corner = 0; corner < 8; ++corner) {
-        const bool i = corner & 1, j = corner & 2, k = corner & 4;
-        const double w = (i ? h.share : 1 - h.share) * (j ? d.share : 1 - d.share) * (k ? a.share : 1 - a.share);
-        const Rgb& value = cells[index(i ? h.high : h.low, j ? d.high : d.low, k ? a.high : a.low)];
-        if (!(w > 0) || value.x < 0 || value.y < 0 || value.z < 0) continue;
-        sum += w * glm::dvec3(value);
-        weights += w;
+    for (const MerlCorner& corner : merlCorners(towardLight, towardEye)) {
+        const Rgb& value = cells[corner.cell];
+        if (!(corner.weight > 0) || value.x < 0 || value.y < 0 || value.z < 0) continue;
+        sum += corner.weight * glm::dvec3(value);
+        weights += corner.weight;
     }
     return weights > 0 ? Rgb(sum / weights) : Rgb(0);
 }

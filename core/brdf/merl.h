@@ -1,5 +1,6 @@
 // Measured reflectance: MERL's .binary files [Matusik03]. They are read where the user has them; nothing of them is part of relamp.
 #pragma once
+#include <array>
 #include <filesystem>
 #include <vector>
 
@@ -34,5 +35,13 @@ struct HalfAngles {
     double half = 0, difference = 0, azimuth = 0;
 };
 HalfAngles halfAngles(const Vec3& towardLight, const Vec3& towardEye);
+
+/// A cell of the grid and its share in an interpolated value.
+struct MerlCorner {
+    size_t cell = 0;
+    double weight = 0;
+};
+/// The eight cells around a pair of directions; the weights add up to 1.
+std::array<MerlCorner, 8> merlCorners(const Vec3& towardLight, const Vec3& towardEye);
 
 }  // namespace relamp

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 
 #include "base/error.h"
@@ -185,7 +186,7 @@ ChannelFit fitChannel(const std::vector<ResponseSample>& samples, size_t channel
         if (fit.looks < 20) throw Error("only {} looks are well exposed in two exposures or more, so there is no response curve", fit.looks);
         // Curvature over u = ln(code + 1/2), in which a power law is straight. The weight stands to the data's as one look does.
         const auto u = [](size_t z) { return std::log(double(z) + 0.5); };
-        const double lambda = 1800 * smoothness;
+        const double lambda = 2700 * smoothness;
         for (size_t z = 1; z + 1 < n; ++z) {
             const double before = u(z) - u(z - 1), after = u(z + 1) - u(z), span = 0.5 * (before + after);
             // Shoulders bend the upper end, where there is light enough to see how: there the prior lets go.
@@ -341,7 +342,33 @@ namespace {
 struct ReadSet {
     std::vector<CodePicture> pictures;
     std::vector<double> exposures;
+    std::vector<PixelShift> shifts;   // empty: none was moved
 };
+
+/// The exposure most pixels of which are neither bright nor dark.
+size_t bestExposed(const std::vector<CodePicture>& pictures, const std::vector<size_t>& order) {
+    const size_t pixels = pictures[0].codes.size() / 3;
+    size_t best = order[0], most = 0;
+    for (const size_t i : order) {
+        size_t well = 0;
+        for (size_t p = 0; p < pixels; p += std::max<size_t>(1, pixels / 50000)) {
+            const uint16_t* z = &pictures[i].codes[p * 3];
+            well += std::max({z[0], z[1], z[2]}) < 230 * 257 && std::min({z[0], z[1], z[2]}) > 25 * 257;
+        }
+        if (well > most) {
+            most = well;
+            best = i;
+        }
+    }
+    return best;
+}
+
+std::vector<size_t> fromShortest(const std::vector<double>& exposures) {
+    std::vector<size_t> order(exposures.size());
+    std::iota(order.begin(), order.end(), size_t(0));
+    std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return exposures[a] < exposures[b]; });
+    return order;
+}
 
 ReadSet readSet(const Bracket& set, const BracketOptions& options) {
     ReadSet read;
@@ -353,6 +380,13 @@ ReadSet readSet(const Bracket& set, const BracketOptions& options) {
             throw Error("{}: is {} x {} pixels, {} is {} x {}", set[i].file.string(), p.width, p.height, set[0].file.string(), first.width, first.height);
         read.exposures.push_back(set[i].exposure);
     }
+    if (!options.align || set.size() < 2) return read;
+    size_t reference = bestExposed(read.pictures, fromShortest(read.exposures));
+    for (size_t i = 0; i < set.size(); ++i)
+        if (set[i].reference) reference = i;
+    read.shifts = bracketShifts(read.pictures, read.exposures, reference);
+    if (std::all_of(read.shifts.begin(), read.shifts.end(), [](const PixelShift& s) { return s == PixelShift{}; })) read.shifts.clear();
+    for (size_t i = 0; i < read.shifts.size(); ++i) read.pictures[i] = shifted(read.pictures[i], read.shifts[i]);
     return read;
 }
 
@@ -377,8 +411,72 @@ ResponseCurve responseOf(const std::vector<Bracket>& sets, const BracketOptions&
     return withContext(sets.empty() || sets[0].empty() ? std::string("brackets") : sets[0][0].file.string(), [&] { return fitResponse(samples, options.smoothness); });
 }
 
+namespace {
+
+/// What is left of the exposures' shifts, and the variance that adds to ln radiance where the picture has a gradient.
+class EdgeNoise {
+public:
+    /// `slope(channel, code)`: of ln exposure over the code.
+    template <class Slope>
+    EdgeNoise(const std::vector<CodePicture>& pictures, const std::vector<double>& exposures, const ResponseCurve& response, const Slope& slope)
+        : pictures_(pictures), slope_(slope) {
+        const int width = pictures[0].width, height = pictures[0].height;
+        if (pictures.size() < 2 || width < 8 || height < 8) return;
+        std::vector<double> found;
+        const int step = std::max(1, int(std::sqrt(double(width) * height / 60000)));
+        for (int y = 1; y + 1 < height; y += step)
+            for (int x = 1; x + 1 < width; x += step)
+                for (size_t c = 0; c < 3; ++c) {
+                    const size_t a = middleOf(x, y, c);
+                    const double za = codeAt(a, x, y, c), steep2 = gradient2(a, x, y, c);
+                    if (za < 40 || za > 220 || steep2 < 0.05 * 0.05) continue;
+                    for (size_t i = 0; i < pictures.size(); ++i) {
+                        const double z = codeAt(i, x, y, c);
+                        if (i == a || z < 30 || z > 225) continue;
+                        const double r = std::log(response.exposure(int(c), z) * exposures[a] / (response.exposure(int(c), za) * exposures[i]));
+                        const double ni = slope(c, z) * relamp::at(response.noise, z), na = slope(c, za) * relamp::at(response.noise, za);
+                        // The median of a normal variable's square is 0.455 of its variance; both exposures are off.
+                        found.push_back((r * r / 0.455 - ni * ni - na * na) / (2 * steep2));
+                    }
+                }
+        if (found.size() < 100) return;
+        const auto middle = found.begin() + std::ptrdiff_t(found.size() / 2);
+        std::nth_element(found.begin(), middle, found.end());
+        variance = std::clamp(*middle, 0.0, 1.0);
+    }
+
+    /// Of ln radiance, each exposure.
+    double at(int x, int y, size_t c) const {
+        if (variance < 1e-6) return 0;
+        x = std::clamp(x, 1, pictures_[0].width - 2);
+        y = std::clamp(y, 1, pictures_[0].height - 2);
+        return variance * gradient2(middleOf(x, y, c), x, y, c);
+    }
+
+    double variance = 0;   ///< square pixels, an axis
+
+private:
+    double codeAt(size_t i, int x, int y, size_t c) const { return double(pictures_[i].at(x, y)[c]) / 257; }
+    /// The exposure that shows the pixel nearest to mid scale.
+    size_t middleOf(int x, int y, size_t c) const {
+        size_t best = 0;
+        for (size_t i = 1; i < pictures_.size(); ++i)
+            if (std::abs(codeAt(i, x, y, c) - 128) < std::abs(codeAt(best, x, y, c) - 128)) best = i;
+        return best;
+    }
+    double gradient2(size_t i, int x, int y, size_t c) const {
+        const double gx = 0.5 * (codeAt(i, x + 1, y, c) - codeAt(i, x - 1, y, c)), gy = 0.5 * (codeAt(i, x, y + 1, c) - codeAt(i, x, y - 1, c));
+        const double s = slope_(c, std::clamp(codeAt(i, x, y, c), 4.0, 250.0));
+        return s * s * (gx * gx + gy * gy);
+    }
+    const std::vector<CodePicture>& pictures_;
+    std::function<double(size_t, double)> slope_;
+};
+
+}  // namespace
+
 MergedBracket mergeCodes(const std::vector<CodePicture>& pictures, const std::vector<double>& exposures, const ResponseCurve& response,
-                         const BracketOptions& options, Progress& progress) {
+                         const BracketOptions& options, Progress& progress, const std::vector<PixelShift>& shifts) {
     MergedBracket merged;
     if (pictures.empty()) return merged;
     const int width = pictures[0].width, height = pictures[0].height;
@@ -386,34 +484,29 @@ MergedBracket mergeCodes(const std::vector<CodePicture>& pictures, const std::ve
     merged.image = Image(width, height);
     merged.ghost.assign(pixels, 0);
     merged.clipped.assign(pixels, 0);
-    std::vector<size_t> order(count);  // from the shortest
-    std::iota(order.begin(), order.end(), size_t(0));
-    std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return exposures[a] < exposures[b]; });
+    const std::vector<size_t> order = fromShortest(exposures);
+    merged.shifts = shifts;
 
-    // Inverse variance of ln radiance by code, 0 where clipped; a ramp, so that no step shows where an exposure drops out.
+    // Variance of ln radiance by code; the inverse counts, 0 where clipped; a ramp, so that no step shows where an exposure drops out.
     constexpr double top = highestCode, ramp = 12;
-    std::array<std::array<double, codes>, 3> weight{};
+    std::array<std::array<double, codes>, 3> variance{};
+    std::array<double, codes> fade{};
     for (size_t c = 0; c < 3; ++c)
         for (int z = 0; z < codes; ++z) {
             double sigma = slopeAt(response.logExposure[c], z) * response.noise[size_t(z)];
             if (response.linear) sigma = response.noise[size_t(z)] / std::max(z, 1);
-            const double fade = std::clamp(std::min((top - z) / ramp, (z - lowestCode + 1) / 4.0), 0.0, 1.0);
-            weight[c][size_t(z)] = fade / (sigma * sigma);
+            fade[size_t(z)] = std::clamp(std::min((top - z) / ramp, (z - lowestCode + 1) / 4.0), 0.0, 1.0);
+            variance[c][size_t(z)] = sigma * sigma;
         }
+    const auto slope = [&](size_t c, double z) { return response.linear ? 1 / std::max(z, 1.0) : slopeAt(response.logExposure[c], z); };
+    const EdgeNoise edges(pictures, exposures, response, slope);
+    merged.misfit = float(std::sqrt(edges.variance));
     double full = std::numeric_limits<double>::infinity();
     for (int c = 0; c < 3; ++c) full = std::min(full, response.exposure(c, top));
     merged.saturation = float(full / exposures[order[0]]);
 
-    // The exposure most pixels of which are well exposed: what moved is shown as it was then.
-    std::vector<size_t> well(count, 0);
-    for (size_t i = 0; i < count; ++i)
-        for (size_t p = 0; p < pixels; p += std::max<size_t>(1, pixels / 50000)) {
-            const uint16_t* z = &pictures[i].codes[p * 3];
-            well[i] += std::max({z[0], z[1], z[2]}) < 230 * 257 && std::min({z[0], z[1], z[2]}) > 25 * 257;
-        }
-    size_t best = 0;  // place in `order`
-    for (size_t k = 0; k < count; ++k)
-        if (well[order[k]] > well[order[best]]) best = k;
+    // What moved is shown as it was in the best exposure.
+    const size_t best = size_t(std::find(order.begin(), order.end(), bestExposed(pictures, order)) - order.begin());  // place in `order`
 
     progress.begin("Merging exposures", size_t(height));
     parallelFor(size_t(height), 8, [&](size_t row) {
@@ -428,13 +521,14 @@ MergedBracket mergeCodes(const std::vector<CodePicture>& pictures, const std::ve
                     code[i][c] = double(z[c]) / 257;
                     radiance[i][c] = response.exposure(int(c), code[i][c]) / exposures[i];
                 }
-                kept[i] = 1;
+                const auto inside = [&](const PixelShift& s) { return x + s.x >= 0 && x + s.x < width && y + s.y >= 0 && y + s.y < height; };
+                kept[i] = shifts.empty() || inside(shifts[i]);
             }
             if (options.rejectGhosts && count > 1) {
                 // The anchor: the best exposure, or the nearest to it that is neither clipped nor black here.
                 const auto usable = [&](size_t i) {
                     const double most = std::max({code[i][0], code[i][1], code[i][2]});
-                    return most < 240 && most > 20;
+                    return kept[i] && most < 240 && most > 20;
                 };
                 size_t anchor = count;
                 for (size_t step = 0; step < count && anchor == count; ++step)
@@ -444,7 +538,7 @@ MergedBracket mergeCodes(const std::vector<CodePicture>& pictures, const std::ve
                             break;
                         }
                 for (size_t i = 0; anchor < count && i < count; ++i) {
-                    if (i == anchor) continue;
+                    if (i == anchor || !kept[i]) continue;
                     for (size_t c = 0; c < 3; ++c) {
                         const double a = code[anchor][c];
                         if (a < 12 || a > 245) continue;
@@ -473,9 +567,11 @@ MergedBracket mergeCodes(const std::vector<CodePicture>& pictures, const std::ve
             bool clipped = false;
             for (size_t c = 0; c < 3; ++c) {
                 double sum = 0, weights = 0;
+                const double edge = edges.at(x, y, c);
+                const auto weightAt = [&](double z) { return at(fade, z) / (at(variance[c], z) + edge); };
                 for (size_t i = 0; i < count; ++i) {
                     if (!kept[i]) continue;
-                    const double w = at(weight[c], code[i][c]);
+                    const double w = weightAt(code[i][c]);
                     sum += w * radiance[i][c], weights += w;
                 }
                 if (weights > 0) {
@@ -483,7 +579,7 @@ MergedBracket mergeCodes(const std::vector<CodePicture>& pictures, const std::ve
                     sum = weights = 0;
                     for (size_t i = 0; i < count; ++i) {
                         if (!kept[i] || code[i][c] > 253.5) continue;
-                        const double w = at(weight[c], response.code(int(c), estimate * exposures[i]));
+                        const double w = weightAt(response.code(int(c), estimate * exposures[i]));
                         sum += w * radiance[i][c], weights += w;
                     }
                     merged.image.pixels[pixel][int(c)] = float(weights > 0 ? sum / weights : estimate);
@@ -539,7 +635,7 @@ MergedBracket mergeCodes(const std::vector<CodePicture>& pictures, const std::ve
 
 MergedBracket mergeBracket(const Bracket& set, const ResponseCurve& response, const BracketOptions& options, Progress& progress) {
     const ReadSet read = readSet(set, options);
-    return mergeCodes(read.pictures, read.exposures, response, options, progress);
+    return mergeCodes(read.pictures, read.exposures, response, options, progress, read.shifts);
 }
 
 BracketPhoto bracketPhoto(const std::filesystem::path& file, ExposureTags tags, ExposureReference& reference) {

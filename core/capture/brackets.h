@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "capture/register_bracket.h"
 #include "image/image.h"
 
 namespace relamp {
@@ -33,6 +34,7 @@ ResponseCurve linearResponse();
 struct BracketPhoto {
     std::filesystem::path file;
     double exposure = 0;    ///< seconds, times the gain of aperture and sensitivity against the first photograph of all
+    bool reference = false; ///< the one that the camera's pose belongs to; where none is, the one most pixels of which are well exposed
 };
 using Bracket = std::vector<BracketPhoto>;
 
@@ -51,6 +53,7 @@ struct BracketOptions {
     size_t samples = 24000;         ///< pixels for the response curve, over all sets
     double smoothness = 1;          ///< prior on the curvature of ln exposure over ln code; larger is smoother; the data may ask for a tenth
     bool rejectGhosts = true;       ///< leave exposures out that disagree with the best one
+    bool align = true;              ///< shift hand-held exposures onto the reference
 };
 
 /// Radiance of one set. Pixels are in units of exposure 1 a second: full scale at one second is radiance 1.
@@ -60,6 +63,8 @@ struct MergedBracket {
     std::vector<uint8_t> ghost;     ///< 1 where an exposure disagreed and was left out
     std::vector<uint8_t> clipped;   ///< 1 where a channel was clipped even in the shortest exposure
     size_t ghosts = 0, clippedPixels = 0, dark = 0;  ///< pixels; dark: black even in the longest exposure
+    std::vector<PixelShift> shifts; ///< of the exposures, as they were found; empty where none was moved
+    float misfit = 0;               ///< standard deviation of what is left of the exposures' shifts, pixels, an axis
 };
 
 /// Least squares of [DM97] eq. 3 with the radiances eliminated: 256 unknowns a channel, any number of pixels. Differences from the
@@ -75,11 +80,13 @@ std::vector<ResponseSample> sampleBracket(const std::vector<CodePicture>& pictur
 ResponseCurve responseOf(const std::vector<Bracket>& sets, const BracketOptions& options, Progress& progress);
 
 /// Weighted mean of code^-1(z) / exposure over the exposures that saw the pixel well; weights are inverse variances at the code that
-/// the mean predicts, because weights from the measured code itself would lean to the dark. Same bits on any number of threads.
+/// the mean predicts, because weights from the measured code itself would lean to the dark. Where the picture has edges, what is left of the exposures' shifts adds to the
+/// variance of each (its size is measured on the set itself), so that they count alike there. `shifts`, where not empty: what the pictures were shifted
+/// by already; beyond their rims they count nothing. Same bits on any number of threads.
 MergedBracket mergeCodes(const std::vector<CodePicture>& pictures, const std::vector<double>& exposures, const ResponseCurve& response,
-                         const BracketOptions& options, Progress& progress);
+                         const BracketOptions& options, Progress& progress, const std::vector<PixelShift>& shifts = {});
 
-/// The same from files. Throws Error naming the file: unreadable, another size than the first.
+/// The same from files, shifted onto the reference. Throws Error naming the file: unreadable, another size than the first.
 MergedBracket mergeBracket(const Bracket& set, const ResponseCurve& response, const BracketOptions& options, Progress& progress);
 
 /// Exposures of files, from `times` (seconds) where given, else from EXIF; aperture and sensitivity from EXIF in both cases unless

@@ -2,6 +2,7 @@
 
 #include "base/parallel.h"
 #include "capture/brackets.h"
+#include "capture/colmap_brackets.h"
 #include "capture/colmap.h"
 #include "capture/transforms_json.h"
 #include "scene/mesh_io.h"
@@ -105,6 +106,7 @@ struct FrameSource {
 
 /// What the files say before pictures and mesh are opened.
 struct CaptureSource {
+    std::string where = "transforms.json";   ///< for errors
     std::vector<FrameSource> frames;
     fs::path mesh;
     Vec3 up{0, 0, 1};
@@ -147,13 +149,15 @@ fs::path findColmapPictures(const fs::path& folder, const fs::path& model, const
 CaptureSource fromColmap(const fs::path& folder, const fs::path& modelFolder, const CaptureFix& fix, Progress& progress) {
     const ColmapModel model = withContext(modelFolder.string(), [&] { return readColmapModel(modelFolder, {}, progress); });
     CaptureSource source;
+    source.where = modelFolder.string();
     source.mesh = fix.mesh.empty() ? findColmapMesh(folder, modelFolder) : placeOf(folder, fix.mesh);
     const fs::path pictures = fix.images.empty() ? findColmapPictures(folder, modelFolder, model.views[0].name) : placeOf(folder, fix.images);
     std::vector<Camera> cameras;
-    for (const ColmapView& view : model.views) {
-        source.frames.push_back({view.name, view.name, findPicture(pictures, view.name), view.camera, {}, true});
-        cameras.push_back(view.camera);
-    }
+    for (const ColmapView& view : model.views) cameras.push_back(view.camera);
+    for (const ColmapBracket& b : colmapBrackets(pictures, model.views))
+        source.frames.push_back({b.view.name, b.view.name, findPicture(pictures, b.view.name), b.view.camera, b.exposures, true});
+    if (source.frames.size() < model.views.size())
+        source.notes.push_back(fmt::format("{} images are exposures of views that the model holds already; of each view the pose of the exposure nearest to +0 stops counts.", model.views.size() - source.frames.size()));
     source.up = Vec3(guessUp(cameras).value_or(DVec3(0, 0, 1)));
     // An axis within two degrees is meant.
     for (int c = 0; c < 3; ++c)
@@ -182,7 +186,7 @@ bool wantsBrackets(const CaptureSource& source, const CaptureFix& fix) {
         if (frame.exposures.size() >= 2 && (!hdr || !isFile(frame.file))) wanted = true;
     }
     if (!wanted) return false;
-    if (with == 0) throw Error("transforms.json: no frame has exposures, so there are no brackets to merge");
+    if (with == 0) throw Error("{}: no frame has exposures, so there are no brackets to merge", source.where);
     for (const FrameSource& frame : source.frames)
         if (frame.exposures.empty()) throw Error("{}: exposures is missing, though other frames are merged from brackets: one scale for all needs them", frame.where);
     return true;
@@ -195,11 +199,15 @@ std::vector<Bracket> bracketsOf(const fs::path& folder, const CaptureSource& sou
         Bracket set;
         for (size_t i = 0; i < frame.exposures.size(); ++i) {
             const Exposure& e = frame.exposures[i];
-            const fs::path file = findPicture(fix.images.empty() ? folder : placeOf(folder, fix.images), e.filePath);
+            const fs::path named = e.filePath;
+            const fs::path file = named.is_absolute() ? named : findPicture(fix.images.empty() ? folder : placeOf(folder, fix.images), e.filePath);
             set.push_back(withContext(fmt::format("{}: exposures entry {}", frame.where, i), [&] {
                 // What the capture says wins; EXIF is asked only where it says nothing of the time.
                 const ExposureTags tags = e.seconds > 0 ? ExposureTags{e.seconds, e.aperture, e.iso} : readExposureTags(file);
-                return bracketPhoto(file, tags, reference);
+                BracketPhoto photo = bracketPhoto(file, tags, reference);
+                std::error_code unknown;
+                photo.reference = fs::equivalent(file, frame.file, unknown);
+                return photo;
             }));
         }
         sets.push_back(std::move(set));
@@ -288,6 +296,11 @@ Capture loadCapture(const fs::path& folder, const LoadOptions& options, Progress
                 view.image = std::move(merged.image);
                 view.imageReport.integer = true;
                 view.saturation = merged.saturation;
+                if (!merged.shifts.empty()) {
+                    int most = 0;
+                    for (const PixelShift& s : merged.shifts) most = std::max({most, std::abs(s.x), std::abs(s.y)});
+                    notes[i].push_back(fmt::format("{}: hand-held exposures were shifted by up to {} pixels.", view.name, most));
+                }
                 if (merged.ghosts) notes[i].push_back(fmt::format("{}: {} pixels changed between the exposures and are left out.", view.name, merged.ghosts));
                 if (merged.clippedPixels) notes[i].push_back(fmt::format("{}: {} pixels are clipped in the shortest exposure.", view.name, merged.clippedPixels));
             } else {

@@ -68,6 +68,14 @@ struct Shine {
     Lanes red{}, green{}, blue{}, density{};
 };
 
+/// Lobes of the rarer kinds, a direction at a time.
+Lanes oneByOne(const Lobe& lobe, const Directions& light, const Vec3& eye) {
+    Lanes value{};
+    for (size_t k = 0; k < lanes; ++k)
+        if (light.z[k] > 0) value[k] = evaluateLobe(lobe, {light.x[k], light.y[k], light.z[k]}, eye);
+    return value;
+}
+
 /// Adds a lobe (models.cpp, written for lanes).
 inline void addLobe(const Lobe& lobe, const Rgb& weight, const Directions& light, const Vec3& eye, Shine& out) {
     const float a = std::max(lobe.alpha, narrowest), a2 = a * a, ez = std::max(eye.z, 1e-6f);
@@ -76,7 +84,8 @@ inline void addLobe(const Lobe& lobe, const Rgb& weight, const Directions& light
     const Lanes flat2 = hx * hx + hy * hy, up2 = hz * hz, half2 = flat2 + up2, spread = (flat2 + a2 * up2) / half2;
     const Lanes distribution = (a2 / pi) / (spread * spread);
     Lanes value = all(1 / pi);
-    if (lobe.kind != Lobe::Kind::lambert) value = distribution * (0.5f / (lz * eyeRoot + ez * root(a2 + (1 - a2) * lz * lz)));
+    if (lobe.kind > Lobe::Kind::ggxDielectric) value = oneByOne(lobe, light, eye);
+    else if (lobe.kind != Lobe::Kind::lambert) value = distribution * (0.5f / (lz * eyeRoot + ez * root(a2 + (1 - a2) * lz * lz)));
     if (lobe.kind == Lobe::Kind::ggxDielectric) {
         constexpr float ior = 1.5f;
         const Lanes c = smaller(0.5f * root(half2), all(1)), inside = root(1 - (1 - c * c) * (1 / (ior * ior)));

@@ -37,8 +37,7 @@ std::vector<Rgb> photographColours(const RadianceSamples& samples, int view) {
 std::vector<Rgb> albedoColours(const Estimate& estimate) {
     std::vector<Rgb> colours(estimate.reflectance.weight.empty() ? 0 : estimate.reflectance.weight[0].size(), Rgb(0));
     for (size_t k = 0; k < estimate.reflectance.weight.size(); ++k) {
-        // A glaze of index 1.5 reflects 4 % at right angles, whatever its weight looks like.
-        const float share = estimate.reflectance.basis.lobes[k].kind == Lobe::Kind::ggxDielectric ? 0.04f : 1.0f;
+        const float share = lobeAlbedo(estimate.reflectance.basis.lobes[k]);
         for (size_t v = 0; v < colours.size(); ++v) colours[v] += share * estimate.reflectance.weight[k][v];
     }
     return colours;

@@ -37,7 +37,7 @@ public:
     }
     template <class T>
     void all(const std::vector<T>& values) {
-        static_assert(std::has_unique_object_representations_v<T> || std::is_same_v<T, Rgb>);
+        static_assert(std::has_unique_object_representations_v<T> || std::is_same_v<T, Rgb> || std::is_same_v<T, float>);
         bytes(values.data(), values.size() * sizeof(T));
     }
     void add(uint64_t word) { state_ = mixBits(state_ ^ word) + 0x9e3779b97f4a7c15ull; }
@@ -88,8 +88,12 @@ uint64_t solveFingerprint(const Capture& capture, const SolveOptions& o, bool ev
                                double(o.refineIterations), double(o.glossRounds), double(o.turns), double(o.splitShare), double(o.prior.step), double(o.prior.edge),
                                double(o.prior.iterations), double(o.gauge.kind), double(o.gauge.view), double(o.gauge.pixel.x), double(o.gauge.pixel.y), double(o.gauge.whiteAlbedo),
                                double(o.gauge.radiance.x), double(o.gauge.radiance.y), double(o.gauge.radiance.z), double(o.gauge.albedo), double(o.bounce), double(everything), double(o.lightSmoothness),
-                               double(o.albedoSmoothness), double(o.askForStrength)})
+                               double(o.albedoSmoothness), double(o.askForStrength), double(o.mostLobes)})
         f.number(value);
+    for (const Lobe& lobe : o.basis.lobes) {
+        f.text(lobe.name);
+        if (lobe.measured) f.all(lobe.measured->cells);
+    }
     f.text(o.gauge.emitter);
     f.add(o.seed);
     return f.value();

@@ -36,8 +36,6 @@ Json evidenceJson(const EmitterEvidence& e) {
             {"edge_drop", e.edgeDrop}, {"demanded_albedo", e.demandedAlbedo}, {"samples", e.samples}};
 }
 
-const char* kindName(Lobe::Kind kind) { return kind == Lobe::Kind::lambert ? "lambert" : kind == Lobe::Kind::ggx ? "ggx" : "ggx_dielectric"; }
-
 const Json& need(const Json& object, const char* key, const std::string& where) {
     const auto at = object.find(key);
     if (at == object.end()) throw Error("{}{}: is missing", where, key);
@@ -99,16 +97,28 @@ SolvePlan planOf(const Json& document) {
     return plan;
 }
 
-BrdfBasis basisOf(const Json& document) {
+/// The file a measured lobe comes from: a copy in the shot's own folder `merl` goes first, so that a shot can be given away with what it needs.
+std::shared_ptr<const MeasuredGloss> measuredOf(const Json& lobe, const fs::path& folder, const std::string& where) {
+    const fs::path named = field<std::string>(lobe, "file", "", where);
+    if (named.empty()) throw Error("{}file: is missing", where);
+    std::error_code failed;
+    const fs::path copy = folder / "merl" / named.filename(), file = fs::exists(copy, failed) ? copy : (fs::absolute(folder) / named).lexically_normal();
+    if (!fs::exists(file, failed))
+        throw Error("{}file: {} is not there; the shot was solved with this measured reflectance, put the file there or into the shot's folder merl", where, file.string());
+    return std::make_shared<const MeasuredGloss>(glossOf(readMerl(file), file));
+}
+
+BrdfBasis basisOf(const Json& document, const fs::path& folder) {
     BrdfBasis basis;
     need(document, "basis", "");
     for (const Json& l : listOf(document, "basis")) {
         const std::string where = fmt::format("basis[{}].", basis.lobes.size()), kind = field<std::string>(l, "kind", "lambert", where);
         Lobe lobe;
-        if (kind == "lambert") lobe.kind = Lobe::Kind::lambert;
-        else if (kind == "ggx") lobe.kind = Lobe::Kind::ggx;
-        else if (kind == "ggx_dielectric") lobe.kind = Lobe::Kind::ggxDielectric;
-        else throw Error("{}kind: is {}, expected lambert, ggx or ggx_dielectric", where, kind);
+        int k = 0;
+        while (k < int(Lobe::Kind::mixture) && kind != kindName(Lobe::Kind(k))) ++k;
+        if (k == int(Lobe::Kind::mixture)) throw Error("{}kind: is {}, expected lambert, ggx, ggx_dielectric, ggx_grazing, cook_torrance, ward, lafortune_back, lafortune_forward or measured", where, kind);
+        lobe.kind = Lobe::Kind(k);
+        if (lobe.kind == Lobe::Kind::measured) lobe.measured = measuredOf(l, folder, where);
         lobe.alpha = field(l, "alpha", 1.0f, where);
         if (!(lobe.alpha > 0)) throw Error("{}alpha: is {}, expected more than 0", where, lobe.alpha);
         lobe.name = field(l, "name", kind, where);
@@ -225,6 +235,8 @@ void saveShot(const Shot& shot, const Mesh& mesh, const fs::path& folder, bool o
                     if (!document.contains(key)) document[key] = value;
         }
         document["capture"] = fs::proximate(fs::absolute(shot.captureFolder), target).string();
+        for (size_t k = 0; k < shot.estimate.reflectance.basis.lobes.size(); ++k)
+            if (const auto& measured = shot.estimate.reflectance.basis.lobes[k].measured) document["basis"][k]["file"] = fs::proximate(fs::absolute(measured->file), target).string();
         document["look"] = lookToJson(shot.look);
         if (shot.look.environment.source == EnvironmentLook::Source::file)
             document["look"]["environment"]["file"] = fs::proximate(fs::absolute(shot.look.environment.file), target).string();
@@ -350,7 +362,7 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress) {
         shot.seed = field(document, "seed", uint64_t(1));
         need(document, "emitters", "");
         emitters = listOf(document, "emitters");
-        e.reflectance.basis = basisOf(document);
+        e.reflectance.basis = basisOf(document, folder);
         if (document.contains("look")) withContext("look", [&] { shot.look = lookFromJson(document["look"], folder); });
         size_t i = 0;
         for (const Json& t : listOf(document, "timeline")) {

@@ -3,6 +3,7 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "solve/lobe_choice.h"
 #include "solve/qp.h"
 
 namespace relamp {
@@ -120,10 +121,12 @@ LobeFit fitLobe(const std::vector<GlossyLook>& looks, const std::vector<Rgb>& re
 }  // namespace
 
 Lobe withRoughness(const Lobe& lobe, float factor) {
+    using enum Lobe::Kind;
+    if (lobe.kind == lafortuneBack || lobe.kind == lafortuneForward || lobe.kind == measured || lobe.kind == mixture || lobe.kind == lambert) return lobe;
     Lobe result = lobe;
     const float roughness = std::clamp(std::sqrt(lobe.alpha) * factor, 0.06f, 0.9f);
     result.alpha = roughness * roughness;
-    result.name = fmt::format("{} roughness {:.3f}", lobe.kind == Lobe::Kind::ggx ? "ggx" : "ggx dielectric", roughness);
+    result.name = fmt::format("{} roughness {:.3f}", lobe.name.substr(0, lobe.name.find(" roughness")), roughness);
     return result;
 }
 
@@ -137,6 +140,7 @@ PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSa
     const LobeFit without = fitLobe(result.looks, std::vector<Rgb>(result.looks.size(), Rgb(0)), true);
     result.residualMatte = result.residual = float(without.residual);
     double best = options.lambertGain > 1e6f ? 1e300 : without.residual, reached = 0;
+    float gain = 1;  // the residual must fall below this share of the best
     const auto attempt = [&](const Lobe& lobe) {
         std::vector<Rgb> response;
         const InfluenceMatrix rows = glossyRows(scene, emitters, emitterOfTriangle, lighting.leaves, lobe, result.looks, options.rows, progress, &response);
@@ -145,7 +149,7 @@ PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSa
         const bool metal = alone.residual < double(options.lambertGain) * both.residual;
         const LobeFit& fit = metal ? alone : both;
         reached = std::min(alone.residual, both.residual);
-        if (fit.residual >= best) return false;
+        if (fit.residual >= double(gain) * best) return false;
         best = fit.residual;
         result.lobe = lobe;
         result.weight = glm::min(fit.weight, Rgb(4));
@@ -158,17 +162,30 @@ PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSa
         for (float residual : earlier->tried)
             if (residual >= 0 && (bestEarlier == 0 || residual < bestEarlier)) bestEarlier = residual;
     result.tried.assign(basis.lobes.size(), -1.0f);
-    for (size_t k = 1; k < basis.lobes.size(); ++k) {
+    const bool few = options.mostLobes <= 1 && std::all_of(basis.lobes.begin(), basis.lobes.end(), [](const Lobe& l) { return l.kind <= Lobe::Kind::ggxDielectric; });
+    for (size_t k = 1; few && k < basis.lobes.size(); ++k) {
         if (bestEarlier > 0 && (earlier->tried[k] < 0 || earlier->tried[k] > 1.3f * bestEarlier)) continue;
         attempt(basis.lobes[k]);
         result.tried[k] = float(reached);
+    }
+    if (!few) {
+        const auto response = lobeResponses(scene, emitters, emitterOfTriangle, lighting, basis.lobes, result.looks, options.rows, progress);
+        std::vector<LobeChoice> choices = chooseLobes(basis.lobes, response, result.looks, true, options.mostLobes);
+        for (LobeChoice& c : chooseLobes(basis.lobes, response, result.looks, false, options.mostLobes)) choices.push_back(std::move(c));
+        const auto size = [](const LobeChoice& c) { return c.lobe.parts.size(); };
+        std::stable_sort(choices.begin(), choices.end(), [&](const LobeChoice& a, const LobeChoice& b) { return size(a) < size(b); });
+        for (const LobeChoice& c : choices) {
+            gain = c.lobe.kind == Lobe::Kind::mixture ? 0.95f : 1.0f;
+            attempt(c.lobe);
+        }
+        gain = 1;
     }
     if (!result.lobe || (options.lambertGain < 1e6f && result.residual > 0.85f * result.residualMatte)) {
         result.lobe.reset();
         return result;
     }
     for (float step : {1.16f, 1.07f})
-        if (!attempt(withRoughness(*result.lobe, step))) attempt(withRoughness(*result.lobe, 1 / step));
+        if (withRoughness(*result.lobe, step).alpha != result.lobe->alpha && !attempt(withRoughness(*result.lobe, step))) attempt(withRoughness(*result.lobe, 1 / step));
     // A coat over a matte surface mirrors all colours alike [Shafer85]; where it seems coloured, the light is not yet right.
     if (result.matte && result.weight.x * result.weight.y * result.weight.z > 0) result.weight = Rgb(std::cbrt(result.weight.x * result.weight.y * result.weight.z));
     return result;

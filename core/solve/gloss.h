@@ -38,19 +38,23 @@ struct GlossOptions {
     uint64_t seed = 1;
     /// A Lambert part must lower the residual this many times to be taken for real: it has an unknown a vertex, a lobe alone one a channel.
     float lambertGain = 1.6f;
+    /// Lobes one piece may mix. With more than 1, or with a basis beyond the built-in kinds, the basis is pruned first (solve/lobe_choice.h).
+    size_t mostLobes = 1;
 };
 
 /// Evenly spread look-ups of a piece.
 std::vector<GlossyLook> glossyLooks(const Capture& capture, const Scene& scene, const RadianceSamples& samples, uint32_t piece, const GlossOptions& options);
 
 /// Fits each lobe of the basis to the piece under known light, with the Lambert part of every vertex eliminated, refines the
-/// roughness of the best one, and keeps it where it explains the change between views. Cost: about 18 lobes x looks rows. `earlier`, when not
+/// roughness of the best one, and keeps it where it explains the change between views. A basis of other kinds than bare and dielectric GGX is pruned to a few
+/// candidates first, single lobes and mixtures; a mixture must lower the residual by a twentieth against fewer lobes. Cost: about 18 lobes x looks rows. `earlier`, when not
 /// null, is a fit of the piece under nearly the same light: lobes that lost clearly there (residual 1.3 times the best) are not tried again.
 PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const std::vector<EmitterSurface>& emitters,
                     const std::vector<int>& emitterOfTriangle, const Lighting& lighting, const BrdfBasis& basis, uint32_t piece,
                     const GlossOptions& options, Progress& progress, const PieceGloss* earlier = nullptr);
 
-/// The lobe with its roughness multiplied by `factor`, kept within 0.06 to 0.9, and named after it.
+/// The lobe with its roughness multiplied by `factor`, kept within 0.06 to 0.9, and named after it. Lobes without a roughness of their own (Lafortune, measured,
+/// mixtures) come back as they are.
 Lobe withRoughness(const Lobe& lobe, float factor);
 
 /// Rows of one lobe for the given looks; `mirrored`, if not null: what it shows of other surfaces in each, by `options.sent`.

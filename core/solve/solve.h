@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "base/progress.h"
+#include "brdf/basis.h"
 #include "capture/capture.h"
 #include "radiance/samples.h"
 #include "solve/albedo_step.h"
@@ -41,6 +42,8 @@ struct SolveOptions {
     /// Light that surfaces send each other: by the photographs, never, always.
     enum class Bounce { automatic, off, on } bounce = Bounce::automatic;
     uint64_t seed = 1;
+    BrdfBasis basis = builtInBasis();  ///< lobes that surfaces may have
+    size_t mostLobes = 1;      ///< that one piece may mix; more than 1 with a wide basis
     SolvePlan plan;            ///< what takes part: the planner's word (pipeline/plan.h)
 };
 /// "draft", "standard" or "fine". Throws Error for another name.

@@ -90,6 +90,22 @@ void fields(File& f, EmitterClusters& c) {
     });
 }
 
+/// A measured lobe's table is not in the file: it is found again by its name.
+template <class File>
+void fields(File& f, Lobe& lobe, bool insideMixture) {
+    uint8_t kind = uint8_t(lobe.kind);
+    f.plain(kind);
+    if (kind > uint8_t(Lobe::Kind::mixture) || (insideMixture && kind == uint8_t(Lobe::Kind::mixture))) throw Error("a lobe of an unknown kind");
+    lobe.kind = Lobe::Kind(kind);
+    f.plain(lobe.alpha);
+    fields(f, lobe.name);
+    listOf(f, lobe.parts, [&](LobeShare& part) {
+        if (insideMixture) throw Error("a mixture inside a mixture");
+        fields(f, part.lobe, true);
+        f.plain(part.share);
+    });
+}
+
 template <class File>
 void fields(File& f, PieceGloss& g) {
     f.plain(g.piece);
@@ -97,12 +113,7 @@ void fields(File& f, PieceGloss& g) {
     f.plain(has);
     if (has) {
         if (!g.lobe) g.lobe.emplace();
-        uint8_t kind = uint8_t(g.lobe->kind);
-        f.plain(kind);
-        if (kind > uint8_t(Lobe::Kind::ggxDielectric)) throw Error("a lobe of an unknown kind");
-        g.lobe->kind = Lobe::Kind(kind);
-        f.plain(g.lobe->alpha);
-        fields(f, g.lobe->name);
+        fields(f, *g.lobe, false);
     }
     f.plain(g.weight);
     f.plain(g.matte);

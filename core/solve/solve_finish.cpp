@@ -19,6 +19,7 @@ void SolveState::solveReflectance() {
     GlossOptions glossOptions;
     glossOptions.seed = options_.seed;
     glossOptions.rows = rowOptions();
+    glossOptions.mostLobes = options_.mostLobes;
     if (!hasMatte()) glossOptions.maxVertices = 1500;
     std::vector<size_t> sizes(scene_.pieces, 0);
     for (uint32_t v : matte_.vertices) ++sizes[scene_.piece[v]];
@@ -213,17 +214,21 @@ Estimate SolveState::assemble() const {
     const size_t n = scene_.mesh.vertexCount();
     r.basis.lobes.push_back(basis_.lobes[0]);
     r.weight.push_back(albedo_.albedo);
-    for (const PieceGloss& g : gloss_) {
+    const auto give = [&](uint32_t piece, const Lobe& lobe, const Rgb& weight) {
         // Pieces of nearly the same roughness share a lobe.
         size_t at = 1;
-        const auto alike = [&](const Lobe& l) { return l.kind == g.lobe->kind && std::abs(std::log(l.alpha / g.lobe->alpha)) < 0.08f; };
+        const auto alike = [&](const Lobe& l) { return l.kind == lobe.kind && l.measured == lobe.measured && std::abs(std::log(l.alpha / lobe.alpha)) < 0.08f; };
         while (at < r.basis.lobes.size() && !alike(r.basis.lobes[at])) ++at;
         if (at == r.basis.lobes.size()) {
-            r.basis.lobes.push_back(*g.lobe);
+            r.basis.lobes.push_back(lobe);
             r.weight.emplace_back(n, Rgb(0));
         }
         for (size_t v = 0; v < n; ++v)
-            if (scene_.piece[v] == g.piece && clusters_.emitterOfVertex[v] < 0) r.weight[at][v] = g.weight;
+            if (scene_.piece[v] == piece && clusters_.emitterOfVertex[v] < 0) r.weight[at][v] += weight;
+    };
+    for (const PieceGloss& g : gloss_) {
+        if (g.lobe->kind != Lobe::Kind::mixture) give(g.piece, *g.lobe, g.weight);
+        for (const LobeShare& part : g.lobe->parts) give(g.piece, part.lobe, part.share * g.weight);
     }
     // Emitters only emit.
     for (size_t v = 0; v < n; ++v)

@@ -257,7 +257,7 @@ void SolveState::startFromConstantReflectance() {
         return true;
     };
     for (size_t k = 1; k < basis_.lobes.size(); ++k)
-        if (basis_.lobes[k].kind == Lobe::Kind::ggx && !(chosen.lobe && stopped())) attempt(basis_.lobes[k]);
+        if ((basis_.lobes[k].kind == Lobe::Kind::ggx || basis_.lobes[k].kind == Lobe::Kind::measured) && !(chosen.lobe && stopped())) attempt(basis_.lobes[k]);
     if (!chosen.lobe) {
         runAlbedoFree("light from ratios", options_.startIterations, nullptr);
         return;
@@ -433,6 +433,7 @@ void SolveState::improveLight(int iterations) {
         for (float factor : {1.0f, 1.08f, 1 / 1.08f}) {
             if (stopped() && best < 1e300) break;
             const Lobe lobe = withRoughness(start, factor);
+            if (factor != 1 && lobe.alpha == start.alpha) continue;
             const InfluenceMatrix rows = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves, lobe, g.looks, rowOptions(), progress_);
             const OneLobeFit fit = fitOneLobe(rows, g.looks, anchors_, lighting_, progress_);
             stability_.kktResidual = std::max(stability_.kktResidual, fit.kktResidual);

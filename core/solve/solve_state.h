@@ -122,7 +122,7 @@ private:
     void takeStrengths(const PriorStrength& light, const PriorStrength& albedo);
     std::vector<float> leafShape_;           ///< per cell of the background grid: relative brightness inside its leaf
     Lighting lighting_;
-    BrdfBasis basis_ = builtInBasis();
+    const BrdfBasis& basis_ = options_.basis;
     std::vector<PieceGloss> gloss_;          ///< pieces with a lobe
     std::vector<PieceGloss> triedGloss_;     ///< every piece that was fitted, without its looks
     bool metalsHeard_ = false;               ///< pieces that seem to be metal were taken for metal once,

@@ -21,6 +21,15 @@ const char* stageOf(SolveStep step) {
     return "";
 }
 
+/// A checkpoint names measured lobes; their tables are the basis's.
+void findMeasured(Lobe& lobe, const BrdfBasis& basis) {
+    for (LobeShare& part : lobe.parts) findMeasured(part.lobe, basis);
+    if (lobe.kind != Lobe::Kind::measured) return;
+    const auto at = std::find_if(basis.lobes.begin(), basis.lobes.end(), [&](const Lobe& l) { return l.measured && l.name == lobe.name; });
+    if (at == basis.lobes.end()) throw Error("the checkpoint names the measured material {}, which is not in the basis", lobe.name);
+    lobe.measured = at->measured;
+}
+
 }  // namespace
 
 void SolveState::run(SolveStep step, uint32_t index) {
@@ -183,6 +192,8 @@ void SolveState::goOnFrom(const SolveCheckpoint& c) {
     }
     gloss_ = c.gloss;
     triedGloss_ = c.triedGloss;
+    for (PieceGloss& g : gloss_)
+        if (g.lobe) findMeasured(*g.lobe, basis_);
     metalsHeard_ = c.metalsHeard;
     metalsJoined_ = c.metalsJoined;
     for (size_t k = 0; k < 3; ++k) {

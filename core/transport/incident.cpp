@@ -72,6 +72,12 @@ void lambertInfluenceOfLeaves(const Scene& scene, const Visibility& visibility, 
     }, &progress);
 }
 
+Rgb sentAt(const Scene& scene, const Hit& hit, const std::vector<Rgb>& sent) {
+    const Triangle& t = scene.mesh.triangles[hit.triangle];
+    const Vec2 b = hit.barycentric;
+    return (1 - b.x - b.y) * sent[t[0]] + b.x * sent[t[1]] + b.y * sent[t[2]];
+}
+
 Rgb lightOfRow(const float* row, const Lighting& lighting) {
     const size_t leaves = lighting.leafRadiance.size();
     Rgb sum(0);
@@ -129,9 +135,7 @@ void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emit
             }
             const int e = emitterOfTriangle.empty() ? -1 : emitterOfTriangle[hits[i].triangle];
             if (e < 0 && mirrored && options.sent && glm::dot(scene.mesh.faceNormal(hits[i].triangle), rays[i].direction) < 0) {
-                const Triangle& t = scene.mesh.triangles[hits[i].triangle];
-                const Vec2 b = hits[i].barycentric;
-                *mirrored += value / density * ((1 - b.x - b.y) * (*options.sent)[t[0]] + b.x * (*options.sent)[t[1]] + b.y * (*options.sent)[t[2]]);
+                *mirrored += value / density * sentAt(scene, hits[i], *options.sent);
             }
             if (e < 0 || !(totals[size_t(e)] > 0)) continue;
             if (!emitters[size_t(e)].twoSided && glm::dot(scene.mesh.faceNormal(hits[i].triangle), rays[i].direction) >= 0) continue;

@@ -16,6 +16,9 @@ struct InfluenceMatrix {
     const float* row(size_t r) const { return &values[r * columns]; }
 };
 
+/// Of radiance sent per vertex, what the point of a hit sends.
+Rgb sentAt(const Scene& scene, const Hit& hit, const std::vector<Rgb>& sent);
+
 /// What a row (leaves, then emitters) says of the given light.
 Rgb lightOfRow(const float* row, const Lighting& lighting);
 

@@ -170,6 +170,87 @@ TEST(Brackets, WhatMovedIsFlaggedLeftOutAndShownOnce) {
     EXPECT_EQ(mergeCodes(world.pictures, world.times, curve, keep, progress).ghosts, 0u);
 }
 
+/// A wall of blocks with sharp edges, as a camera at (dx, dy) sees it.
+PhotographedWorld blockWorld(const std::vector<PixelShift>& shifts) {
+    PhotographedWorld world({}, 240, 160);
+    const Image around = [] {
+        Image wide(300, 220);
+        for (int y = 0; y < wide.height; ++y)
+            for (int x = 0; x < wide.width; ++x) {
+                const uint64_t block = mixBits(uint64_t(x / 9) * 7919 + uint64_t(y / 7));
+                wide.at(x, y) = Rgb(0.05f + 4 * unitFloat(block) * unitFloat(mixBits(block))) * Rgb(1, 0.8f, 0.6f);
+            }
+        return wide;
+    }();
+    const auto cut = [&](const PixelShift& s) {
+        Image image(world.truth.width, world.truth.height);
+        for (int y = 0; y < image.height; ++y)
+            for (int x = 0; x < image.width; ++x) image.at(x, y) = around.at(x + 30 - s.x, y + 30 - s.y);
+        return image;
+    };
+    for (size_t i = 0; i < world.times.size(); ++i) {
+        world.truth = cut(shifts[i]);
+        world.pictures[i] = world.photograph({}, world.times[i], i);
+    }
+    world.truth = cut({});
+    return world;
+}
+
+TEST(RegisterBracket, FindsTheShiftsOfHandHeldExposures) {
+    const std::vector<PixelShift> shifts{{6, -4}, {-3, 5}, {0, 0}, {2, 7}, {-8, -1}};
+    const PhotographedWorld world = blockWorld(shifts);
+    EXPECT_EQ(bracketShifts(world.pictures, world.times, 2), shifts);
+}
+
+TEST(RegisterBracket, LeavesATripodsExposuresAlone) {
+    const PhotographedWorld world = blockWorld(std::vector<PixelShift>(5));
+    EXPECT_EQ(bracketShifts(world.pictures, world.times, 2), std::vector<PixelShift>(5));
+    const PhotographedWorld smooth;
+    EXPECT_EQ(bracketShifts(smooth.pictures, smooth.times, 2), std::vector<PixelShift>(5));
+}
+
+TEST(RegisterBracket, ShiftedExposuresMergeAsWellAsStillOnes) {
+    const std::vector<PixelShift> shifts{{6, -4}, {-3, 5}, {0, 0}, {2, 7}, {-8, -1}};
+    const PhotographedWorld still = blockWorld(std::vector<PixelShift>(5)), moved = blockWorld(shifts);
+    const ResponseCurve curve = still.response();
+    Progress progress;
+    BracketOptions keep;
+    keep.rejectGhosts = false;
+    const auto merge = [&](const PhotographedWorld& world, bool align) {
+        std::vector<CodePicture> pictures = world.pictures;
+        const std::vector<PixelShift> found = align ? bracketShifts(pictures, world.times, 2) : std::vector<PixelShift>{};
+        for (size_t i = 0; i < found.size(); ++i) pictures[i] = shifted(pictures[i], found[i]);
+        return mergeCodes(pictures, world.times, curve, keep, progress, found);
+    };
+    const auto meanError = [](const MergedBracket& merged, const PhotographedWorld& world) {
+        double sum = 0, count = 0;
+        for (size_t p = 0; p < world.truth.pixels.size(); ++p)
+            if (!merged.clipped[p]) sum += std::abs(std::log(double(merged.image.pixels[p].y) / double(world.truth.pixels[p].y))), ++count;
+        return sum / count;
+    };
+    const MergedBracket good = merge(still, true), aligned = merge(moved, true), crossed = merge(moved, false);
+    EXPECT_LT(meanError(aligned, moved), 1.1 * meanError(good, still) + 1e-3);
+    EXPECT_GT(meanError(crossed, moved), 5 * meanError(aligned, moved));
+    EXPECT_LT(aligned.misfit, 0.02f);
+    EXPECT_GT(crossed.misfit, 0.3f);
+}
+
+TEST(RegisterBracket, WhatAnExposureDoesNotShowIsNotDark) {
+    // Only the long exposure sees the dark rim well, and it is shifted away there: the others say what is there.
+    const std::vector<PixelShift> shifts{{0, 0}, {0, 0}, {0, 0}, {0, 0}, {8, 0}};
+    const PhotographedWorld world = blockWorld(shifts);
+    std::vector<CodePicture> pictures = world.pictures;
+    pictures[4] = shifted(pictures[4], shifts[4]);
+    Progress progress;
+    const MergedBracket merged = mergeCodes(pictures, world.times, world.response(), {}, progress, shifts);
+    for (int y = 0; y < 160; ++y)
+        for (int x = 232; x < 240; ++x) {
+            const size_t p = size_t(y) * 240 + size_t(x);
+            EXPECT_FALSE(merged.ghost[p]);
+            EXPECT_GT(merged.image.pixels[p].y, 0.6f * world.truth.pixels[p].y);
+        }
+}
+
 TEST(Brackets, SameBitsOnOneAndManyThreads) {
     const PhotographedWorld world;
     const auto run = [&](int threads) {

@@ -387,6 +387,33 @@ TEST_F(ColmapCapture, SmallerPicturesOfTheSameShapeScaleTheCamera) {
     EXPECT_NE(test::messageOf([&] { load(); }).find("a.png: is 6 x 8 pixels, w and h say 16 x 12"), std::string::npos);
 }
 
+TEST_F(ColmapCapture, ExposuresBesideAViewAreMerged) {
+    // A wedge, photographed by a square-root camera at three exposures a view; no EXIF, so the names say the stops.
+    const auto photograph = [&](const std::string& name, double seconds) {
+        Image image(16, 12);
+        for (int y = 0; y < 12; ++y)
+            for (int x = 0; x < 16; ++x) image.at(x, y) = Rgb(float(std::min(1.0, seconds * std::exp2(-4 + 0.4 * x + 0.05 * y))));   // written as sRGB: about a square root
+        writeImage(folder / ("images/" + name), image);
+    };
+    for (const std::string stem : {"a", "b"})
+        for (const auto& [ending, stops] : {std::pair{"_ev-2", -2.0}, std::pair{"", 0.0}, std::pair{"_ev+1.5", 1.5}}) photograph(stem + ending + ".png", std::exp2(stops));
+    const Capture capture = load();
+    ASSERT_EQ(capture.views.size(), 2u);
+    EXPECT_EQ(capture.views[0].name, "a.png");
+    // Full in the shortest exposure at four times what fills the middle one.
+    EXPECT_NEAR(capture.views[0].saturation, 4, 0.3);
+    const Image& image = capture.views[0].image;
+    EXPECT_NEAR(std::log2(double(image.at(14, 6).y) / double(image.at(4, 6).y)), 4, 0.5);
+    // The model may hold the exposures themselves: one view stays, with the pose of that nearest to +0.
+    folder.write("sparse/0/images.txt", "5 1 0 0 0 0.1 0 2 1 b_ev-2.png\n\n6 1 0 0 0 0.2 0 2 1 b.png\n\n7 1 0 0 0 0.3 0 2 1 b_ev+1.5.png\n\n9 1 0 0 0 -0.1 0 2 1 a_ev+1.5.png\n\n");
+    const Capture grouped = load();
+    ASSERT_EQ(grouped.views.size(), 2u);
+    EXPECT_EQ(grouped.views[1].name, "b.png");
+    std::filesystem::remove(folder / "images/a_ev-2.png");
+    std::filesystem::remove(folder / "images/a.png");
+    EXPECT_NE(test::messageOf([&] { load(); }).find("exposures is missing"), std::string::npos);
+}
+
 TEST_F(ColmapCapture, UpCanBeAnyDirection) {
     CaptureFix fix;
     fix.up = "0.1,-0.9,0.3";

@@ -115,7 +115,9 @@ void inspectPoint(Editor& editor, const PickedPoint& point) {
         for (size_t k = 1; k < r.weight.size() && k < r.basis.lobes.size(); ++k)
             if (vertex < r.weight[k].size() && maxChannel(r.weight[k][vertex]) > 1e-4f) {
                 const Rgb w = r.weight[k][vertex];
-                fact(fmt::format("{} {:.2f}", r.basis.lobes[k].kind == Lobe::Kind::ggx ? "Metallic" : "Glaze", std::sqrt(r.basis.lobes[k].alpha)), fmt::format("{:.3f}  {:.3f}  {:.3f}", w.x, w.y, w.z), "Glossy reflection with this roughness: its strength, red green blue");
+                const Lobe& lobe = r.basis.lobes[k];
+                const bool common = lobe.kind == Lobe::Kind::ggx || lobe.kind == Lobe::Kind::ggxDielectric;
+                fact(common ? fmt::format("{} {:.2f}", lobe.kind == Lobe::Kind::ggx ? "Metallic" : "Glaze", std::sqrt(lobe.alpha)) : lobe.name, fmt::format("{:.3f}  {:.3f}  {:.3f}", w.x, w.y, w.z), "Glossy reflection with this roughness: its strength, red green blue");
             }
         fact("Seen by", fmt::format("{} view{}", r.observed[vertex], r.observed[vertex] == 1 ? "" : "s"), "Photographs that show this spot");
         if (vertex < r.confidence.size()) {

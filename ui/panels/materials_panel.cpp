@@ -14,6 +14,8 @@ std::string nameOf(const Lobe& lobe) {
         case Lobe::Kind::lambert: return "matte";
         case Lobe::Kind::ggx: return fmt::format("metallic, roughness {:.2f}", roughness);
         case Lobe::Kind::ggxDielectric: return fmt::format("glaze, roughness {:.2f}", roughness);
+        case Lobe::Kind::measured: return "as measured: " + lobe.name;
+        default: break;
     }
     return lobe.name;
 }
