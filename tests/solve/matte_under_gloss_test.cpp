@@ -24,7 +24,7 @@ struct GlazedBall {
         gloss.weight = Rgb(1);
         for (const DVec3& eye : {DVec3(3, 0, 1), DVec3(0, 3, 1), DVec3(-3, 0, 1), DVec3(0, -3, 1)}) {
             View view;
-            view.camera.worldFromCamera[3] = DVec4(eye, 1);
+            view.camera.worldFromCamera[3] = glm::dvec4(eye, 1);
             capture.views.push_back(view);
         }
         samples.relativeNoise = 0.005f;
