@@ -116,6 +116,7 @@ PipelineOptions pipelineOptions(const SolveArguments& a) {
     if (a.bounce != "auto") options.solve.bounce = a.bounce == "on" ? SolveOptions::Bounce::on : SolveOptions::Bounce::off;
     options.solve.lightSmoothness = strengthOf(a.smoothLight, "--smooth-light");
     options.solve.albedoSmoothness = strengthOf(a.smoothSurfaces, "--smooth-surfaces");
+    options.solve.palette = size_t(a.palette);
     options.solve.seed = a.seed;
     options.solve.basis = basisNamed(a.basis);
     if (!a.merl.empty())

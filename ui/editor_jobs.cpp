@@ -447,7 +447,7 @@ bool Editor::stale() const {
     const SolveRequest &a = *impl_->solvedWith, &b = state.solve;
     return a.quality != b.quality || a.seed != b.seed || a.gauge.kind != b.gauge.kind || a.gauge.albedo != b.gauge.albedo || a.gauge.whiteAlbedo != b.gauge.whiteAlbedo ||
            a.gauge.emitter != b.gauge.emitter || a.gauge.radiance != b.gauge.radiance || a.gauge.view != b.gauge.view || a.gauge.pixel != b.gauge.pixel ||
-           a.lightSmoothness != b.lightSmoothness || a.albedoSmoothness != b.albedoSmoothness;
+           a.palette != b.palette || a.lightSmoothness != b.lightSmoothness || a.albedoSmoothness != b.albedoSmoothness;
 }
 
 void Editor::solve(const SolveRequest& request) {
@@ -505,6 +505,7 @@ void Editor::solve(const SolveRequest& request) {
             options.nearField = request.nearField;
             options.gauge = request.gauge;
             options.seed = request.seed;
+            options.palette = size_t(std::max(0, request.palette));
             options.lightSmoothness = request.lightSmoothness;
             options.albedoSmoothness = request.albedoSmoothness;
             SolveListener listener;

@@ -117,6 +117,7 @@ struct SolveRequest {
     double budgetSeconds = 0;            ///< 0: none
     uint64_t seed = 1;
     GaugeChoice gauge;
+    int palette = 0;                     ///< materials of one colour; 0: nothing is said
     float lightSmoothness = 0, albedoSmoothness = 0;  ///< factors on the usual; 0: as the photographs say
 };
 

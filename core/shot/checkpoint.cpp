@@ -88,7 +88,7 @@ uint64_t solveFingerprint(const Capture& capture, const SolveOptions& o, bool ev
                                double(o.refineIterations), double(o.glossRounds), double(o.turns), double(o.splitShare), double(o.prior.step), double(o.prior.edge),
                                double(o.prior.iterations), double(o.gauge.kind), double(o.gauge.view), double(o.gauge.pixel.x), double(o.gauge.pixel.y), double(o.gauge.whiteAlbedo),
                                double(o.gauge.radiance.x), double(o.gauge.radiance.y), double(o.gauge.radiance.z), double(o.gauge.albedo), double(o.bounce), double(everything), double(o.lightSmoothness),
-                               double(o.albedoSmoothness), double(o.askForStrength), double(o.mostLobes)})
+                               double(o.albedoSmoothness), double(o.askForStrength), double(o.palette), double(o.mostLobes)})
         f.number(value);
     for (const Lobe& lobe : o.basis.lobes) {
         f.text(lobe.name);

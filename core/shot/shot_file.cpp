@@ -170,6 +170,7 @@ Json shotInfo(const Shot& shot) {
     if (e.gauge.sigma.x > 0)
         info["gauge"].update({{"sigma", toJson(e.gauge.sigma)},
                               {"from", {{"emitters", toJson(e.gauge.fromEmitters)}, {"background", toJson(e.gauge.fromBackground)}, {"gloss", toJson(e.gauge.fromGloss)}, {"bounces", toJson(e.gauge.fromBounces)}}}});
+    for (const PaletteColour& colour : e.palette) info["palette"].push_back({{"albedo", toJson(colour.albedo)}, {"share", colour.share}});
     for (const auto& [name, strength] : {std::pair{"light_smoothness", &e.lightSmoothness}, std::pair{"albedo_smoothness", &e.albedoSmoothness}}) {
         Json& j = info["priors"][name] = {{"factor", strength->factor}, {"chosen_by", strength->chosenBy}, {"tried", Json::array()}};
         for (const PriorStrength::Trial& t : strength->trials) j["tried"].push_back({{"factor", t.factor}, {"misfit", t.misfit}, {"error", t.error}});
@@ -398,6 +399,12 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress) {
                                                std::tuple{&from, "background", &e.gauge.fromBackground}, std::tuple{&from, "gloss", &e.gauge.fromGloss},
                                                std::tuple{&from, "bounces", &e.gauge.fromBounces}})
             if (json->contains(key)) *value = colour((*json)[key], std::string("gauge.") + key);
+        i = 0;
+        for (const Json& c : listOf(document, "palette")) {
+            const std::string where = fmt::format("palette[{}].", i++);
+            if (!c.contains("albedo")) throw Error("{}albedo: missing", where);
+            e.palette.push_back({colour(c["albedo"], where + "albedo"), field(c, "share", 0.0f, where)});
+        }
         const Json& priors = objectOf(document, "priors");
         for (const auto& [name, strength] : {std::pair{"light_smoothness", &e.lightSmoothness}, std::pair{"albedo_smoothness", &e.albedoSmoothness}}) {
             const std::string where = fmt::format("priors.{}.", name);

@@ -26,6 +26,13 @@ AlbedoSystem albedoSystem(const Scene& scene, const MatteObservations& matte, co
             triplets.emplace_back(int(v), int(to), -weight);
             triplets.emplace_back(int(to), int(v), -weight);
         }
+    if (prior.towards)
+        for (size_t v = 0; v < n; ++v) {
+            const Rgb aim = glm::log(glm::max((*prior.towards)[v], Rgb(1e-4f))), d = logAlbedo[v] - aim;
+            const double weight = 1.0 / (double(prior.spread) * prior.spread * (1 + double(glm::dot(d, d)) / 3 / (edge * edge)));
+            diagonal[v] += weight;
+            system.moment(Eigen::Index(v)) += weight * double(aim[c]);
+        }
     system.precision.resize(matte.vertices.size(), 0);
     for (size_t i = 0; i < matte.vertices.size(); ++i) {
         const uint32_t v = matte.vertices[i];

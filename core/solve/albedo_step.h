@@ -11,6 +11,8 @@ struct AlbedoPrior {
     float step = 0.10f;      ///< standard deviation of the difference in log albedo across a mesh edge
     float edge = 0.15f;      ///< differences much larger than this count as edges and are not smoothed
     int iterations = 4;
+    const std::vector<Rgb>* towards = nullptr;  ///< optional: per mesh vertex an albedo it is probably near to (solve/palette.h)
+    float spread = 0.05f;    ///< standard deviation of log albedo about that; `edge` bends it too
 };
 
 struct AlbedoResult {

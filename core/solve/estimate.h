@@ -5,6 +5,7 @@
 
 #include "brdf/basis.h"
 #include "clusters/emitter_clusters.h"
+#include "solve/palette.h"
 #include "solve/solve_plan.h"
 #include "transport/lighting.h"
 
@@ -78,6 +79,7 @@ struct Estimate {
     SolvePlan plan;                        ///< what was decided beforehand, and what the stages cost
     GaugeReport gauge;
     PriorStrength lightSmoothness, albedoSmoothness;
+    std::vector<PaletteColour> palette;    ///< materials, where the artist said how many; most used first
     StabilityReport stability;
     std::string mode;                      ///< "near-field" or "distant-only"
     bool interreflection = false;          ///< the photographs hold light bounced between surfaces: relit frames have it too

@@ -37,6 +37,7 @@ struct SolveOptions {
     float splitShare = 0.008f; ///< a leaf that gives more than this share of the light at the vertices, on average, is split
     AlbedoPrior prior;         ///< the one place where priors on reflectance enter
     float lightSmoothness = 0, albedoSmoothness = 0;  ///< factors on the priors' usual strength; 0: the photographs are asked (solve/prior_strength.h)
+    size_t palette = 0;        ///< materials the scene is said to have, each of one albedo; 0: nothing is said
     bool askForStrength = true;                       ///< false: they are not, and what is 0 is 1
     GaugeChoice gauge;
     /// Light that surfaces send each other: by the photographs, never, always.

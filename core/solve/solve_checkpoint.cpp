@@ -171,6 +171,7 @@ void fields(File& f, SolveCheckpoint& c) {
     for (std::vector<double>& seen : c.informationSeen) list(f, seen);
     list(f, c.albedo);
     list(f, c.confidence);
+    list(f, c.palette);
     listOf(f, c.timeline, [&](TimelineEntry& t) {
         f.plain(t.seconds);
         fields(f, t.stage);

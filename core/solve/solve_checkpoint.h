@@ -32,6 +32,7 @@ struct SolveCheckpoint {
     std::vector<double> informationOfLooks[3], informationSeen[3];
     std::vector<Rgb> albedo;          ///< per vertex; empty: not solved yet
     std::vector<float> confidence;
+    std::vector<PaletteColour> palette;
     std::vector<TimelineEntry> timeline;
     double kktResidual = 0;
     SolvePlan plan;

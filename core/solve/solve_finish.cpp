@@ -102,6 +102,7 @@ void SolveState::askAlbedoStrength() {
 
 void SolveState::updateAlbedo() {
     albedo_ = solveAlbedo(scene_, matte_, lit_, litSigma_, albedoPrior_, progress_);
+    if (options_.palette > 0) albedo_ = solveAlbedoWithPalette(scene_, matte_, lit_, litSigma_, albedoPrior_, options_.palette, std::move(albedo_), palette_, progress_);
     for (const PieceGloss& g : gloss_)
         if (!g.matte)
             for (size_t v = 0; v < scene_.mesh.vertexCount(); ++v)
@@ -203,6 +204,7 @@ Estimate SolveState::assemble() const {
     Estimate estimate;
     estimate.lightSmoothness = lightSmoothness_;
     estimate.albedoSmoothness = albedoSmoothness_;
+    estimate.palette = palette_.colours;
     estimate.mode = options_.nearField ? "near-field" : "distant-only";
     estimate.lighting = lighting_;
     estimate.emitters = clusters_;

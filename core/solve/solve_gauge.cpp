@@ -143,6 +143,7 @@ void SolveState::applyGauge(const LightUncertainty& light, Estimate& estimate) {
     for (Rgb& sigma : estimate.emitterSigma) sigma *= scale;
     for (auto& lobe : estimate.reflectance.weight)
         for (Rgb& w : lobe) w /= scale;
+    for (PaletteColour& colour : estimate.palette) colour.albedo /= scale;
     // No surface sends back more than it gets; where light was missed an albedo stands in for it, and would glow under another light.
     if (gauge.kind != "assumed")
         for (Rgb& albedo : estimate.reflectance.weight[0]) albedo = glm::min(albedo, Rgb(1));

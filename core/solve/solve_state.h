@@ -118,6 +118,7 @@ private:
     LightAnchors anchors_;
     LightPriorOptions lightPrior_;
     AlbedoPrior albedoPrior_;
+    Palette palette_;                        ///< empty without one
     PriorStrength lightSmoothness_, albedoSmoothness_;
     void takeStrengths(const PriorStrength& light, const PriorStrength& albedo);
     std::vector<float> leafShape_;           ///< per cell of the background grid: relative brightness inside its leaf

@@ -142,6 +142,7 @@ SolveCheckpoint SolveState::checkpoint(uint32_t step, bool between) const {
         c.informationSeen[k].assign(seen.data(), seen.data() + seen.size());
     }
     c.albedo = albedo_.albedo;
+    c.palette = palette_.colours;
     c.confidence = albedo_.confidence;
     c.timeline = timeline_;
     c.kktResidual = stability_.kktResidual;
@@ -209,6 +210,7 @@ void SolveState::goOnFrom(const SolveCheckpoint& c) {
         information_.all.row(j).tail(unknowns - j) = information_.all.col(j).tail(unknowns - j).transpose();
     }
     albedo_.albedo = c.albedo;
+    palette_.colours = c.palette;
     albedo_.confidence = c.confidence;
     timeline_ = c.timeline;
     stability_.kktResidual = c.kktResidual;

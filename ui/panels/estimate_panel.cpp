@@ -177,6 +177,9 @@ void drawEstimateSettings(Editor& editor) {
                         "How alike neighbouring parts of the surroundings are taken to be. More where photographs are noisy or few, less for skies with small bright spots.");
         strengthSetting("Surface colours: automatic", "surfaces", solve.albedoSmoothness, found ? &found->albedoSmoothness : nullptr,
                         "How alike neighbouring points of a surface are taken to be; edges are kept. More where photographs are noisy, less for fine texture.");
+        ImGui::SetNextItemWidth(-FLT_MIN);
+        ImGui::SliderInt("##palette", &solve.palette, 0, 24, solve.palette > 0 ? "palette of %d materials" : "no palette", ImGuiSliderFlags_AlwaysClamp);
+        tooltip("Where the scene has few paints and no texture: how many. Every point is then drawn towards one of them. 0: nothing is said.");
         ImGui::TreePop();
     }
     dimText("Time limit");

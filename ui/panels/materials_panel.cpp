@@ -69,6 +69,18 @@ void drawMaterialsPanel(Editor& editor) {
         tooltip(fmt::format("{}: {} of the reflectance, used on {} of the surface points that the photographs show.\n{}", use.name, percent(double(use.share)), percent(double(use.vertices)),
                             use.name == "matte" ? "Looks the same from every side." : "Mirrors its surroundings: blurred when the roughness is near 1, sharp when it is near 0."));
     }
+    if (estimate->palette.empty()) return;
+    dimText("Palette");
+    tooltip("The materials that you said the scene has, most used first: hover over one for its colour and its share of the surfaces.");
+    int column = 0;
+    for (const PaletteColour& colour : estimate->palette) {
+        if (column++ % 8) ImGui::SameLine(0, em(0.25f));
+        const Rgb shown = glm::pow(glm::clamp(colour.albedo, Rgb(0), Rgb(1)), Rgb(1 / 2.2f));
+        ImGui::PushID(column);
+        ImGui::ColorButton("##material", {shown.x, shown.y, shown.z, 1}, ImGuiColorEditFlags_NoTooltip);
+        tooltip(fmt::format("Reflects {:.2f} {:.2f} {:.2f} of red, green and blue; {} of the surfaces", colour.albedo.x, colour.albedo.y, colour.albedo.z, percent(double(colour.share))));
+        ImGui::PopID();
+    }
 }
 
 }  // namespace relamp::ui
