@@ -117,6 +117,18 @@ LobeFit fitLobe(const std::vector<GlossyLook>& looks, const std::vector<Rgb>& re
     return fit;
 }
 
+/// Of the measured parts, by their shares; analytic lobes have none.
+Rgb glossColour(const Lobe& lobe) {
+    if (lobe.measured) return lobe.measured->colour;
+    Rgb sum(0);
+    float shares = 0;
+    for (const LobeShare& part : lobe.parts) {
+        sum += part.share * glossColour(part.lobe);
+        shares += part.share;
+    }
+    return shares > 0 ? sum / shares : Rgb(1);
+}
+
 std::vector<Rgb> responses(const InfluenceMatrix& rows, const Lighting& lighting) {
     std::vector<Rgb> result(rows.rows, Rgb(0));
     const size_t leaves = lighting.leaves.size();
@@ -198,7 +210,9 @@ PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSa
     for (float step : {1.16f, 1.07f})
         if (withRoughness(*result.lobe, step).alpha != result.lobe->alpha && !attempt(withRoughness(*result.lobe, step))) attempt(withRoughness(*result.lobe, 1 / step));
     // A coat over a matte surface mirrors all colours alike [Shafer85]; where it seems coloured, the light is not yet right.
-    if (result.matte && result.weight.x * result.weight.y * result.weight.z > 0) result.weight = Rgb(std::cbrt(result.weight.x * result.weight.y * result.weight.z));
+    // A measured material's gloss has the colour it was measured with.
+    const Rgb own = glm::max(glossColour(*result.lobe), Rgb(1e-3f)), scaled = result.weight / own;
+    if (result.matte && scaled.x * scaled.y * scaled.z > 0) result.weight = own * std::cbrt(scaled.x * scaled.y * scaled.z);
     return result;
 }
 
