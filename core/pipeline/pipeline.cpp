@@ -6,6 +6,8 @@
 
 namespace relamp {
 
+ProxyLight proxyOf(const HiddenLight& light) { return {light.position, 0.015f * light.distance, light.sigma(), true}; }
+
 namespace {
 
 /// Looks for a lamp that no photograph shows; where there is one, a proxy joins the capture.
@@ -19,9 +21,7 @@ void addHiddenLight(PipelineResult& r, const PipelineOptions& options, Progress&
     r.search = findHiddenLight(r.capture, scene, samples, clusters, search, progress);
     logInfo("{}", r.search->words);
     if (!r.search->light) return;
-    const HiddenLight& light = *r.search->light;
-    // Small beside its distance, so that its shadows are those of the point it was found as.
-    const ProxyLight proxy{light.position, 0.015f * light.distance, light.sigma(), true};
+    const ProxyLight proxy = proxyOf(*r.search->light);
     addProxies({proxy}, r.capture.mesh);
     r.capture.proxies.push_back(proxy);
 }

@@ -36,6 +36,9 @@ struct PipelineResult {
     std::optional<HiddenLightSearch> search;   ///< when it was asked for; what it found is among capture.proxies
 };
 
+/// What stands in the mesh for a lamp that was found: a sphere, small beside its distance, so that its shadows are those of the point it was found as.
+ProxyLight proxyOf(const HiddenLight& light);
+
 /// Throws what the rooms throw.
 PipelineResult runPipeline(const std::filesystem::path& captureFolder, const PipelineOptions& options, Progress& progress, const SolveListener* listener = nullptr);
 

@@ -144,6 +144,16 @@ std::vector<Rgb> responses(const InfluenceMatrix& rows, const Lighting& lighting
 
 }  // namespace
 
+MetalEvidence metalEvidence(const InfluenceMatrix& rows, const Lighting& lighting, const std::vector<GlossyLook>& looks) {
+    MetalEvidence evidence;
+    evidence.asMetal = fitLobe(looks, responses(rows, lighting), false).residual;
+    size_t vertices = 0;
+    for (size_t i = 0; i < looks.size(); ++i) vertices += i == 0 || looks[i].vertex != looks[i - 1].vertex;
+    const double without = fitLobe(looks, std::vector<Rgb>(looks.size(), Rgb(0)), true).residual;
+    evidence.alikeFromEverywhere = looks.size() > vertices ? without * double(looks.size()) / double(looks.size() - vertices) : 0;
+    return evidence;
+}
+
 Lobe withRoughness(const Lobe& lobe, float factor) {
     using enum Lobe::Kind;
     if (lobe.kind == lafortuneBack || lobe.kind == lafortuneForward || lobe.kind == measured || lobe.kind == mixture || lobe.kind == lambert) return lobe;
