@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 #include <queue>
+#include <set>
 
 #include "base/log.h"
 #include "scene/rim.h"
@@ -183,6 +184,25 @@ bool onlyRim(const Scene& scene, const std::vector<uint8_t>& nearRim, const std:
     return std::count_if(patch.vertices.begin(), patch.vertices.end(), [&](uint32_t v) { return !nearRim[v]; }) < ptrdiff_t(smallestPatch);
 }
 
+/// Vertices that fall on one pixel agree because they are one measurement. What a patch is told by, that it is uniform, has an edge and looks alike from two sides, needs several
+/// pixels in two views, or, where only one shows it, many.
+bool tooFewPixels(const Scene& scene, const Capture& capture, const RadianceSamples& samples, const Patch& patch) {
+    constexpr size_t inTwoViews = 4, inOneView = 16;
+    std::vector<std::set<std::pair<int, int>>> pixels(capture.views.size());
+    for (uint32_t v : patch.vertices)
+        for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
+            const uint32_t view = samples.samples[s].view;
+            if (view >= pixels.size()) return false;  // nothing is known of its pixels
+            if (const auto at = capture.views[view].camera.project(DVec3(scene.mesh.positions[v]))) pixels[view].insert({int(at->x), int(at->y)});
+        }
+    size_t most = 0, second = 0;
+    for (const auto& p : pixels) {
+        second = std::max(second, std::min(most, p.size()));
+        most = std::max(most, p.size());
+    }
+    return second < inTwoViews && most < inOneView;
+}
+
 /// Lets a patch take the unseen and half-seen rest of its own body.
 /// Vertices that belong to another patch stay there.
 void complete(const Scene& scene, const std::vector<VertexRadiance>& seen, const std::vector<uint8_t>& ofOthers, EmitterCluster& cluster) {
@@ -327,6 +347,7 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
         else if (!e.viewsAgree && e.uniformity > 0.03f) patch.reject = "hardly seen from two sides and not uniform: could be a reflection";
         else if (e.uniformity > 0.12f) patch.reject = "its radiance varies as shading does";
         else if (e.edgeDrop > 0.8f) patch.reject = "fades out without an edge";
+        else if (tooFewPixels(scene, capture, samples, patch)) patch.reject = "is seen by too few pixels to tell a lamp from a bright speck";
         else if (onlyRim(scene, nearRim, seenOfPiece, patch)) patch.reject = "lies at the rim of a hole, where a pixel may show what is behind";
         EmitterCluster cluster;
         cluster.vertices = patch.vertices;

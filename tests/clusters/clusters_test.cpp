@@ -71,6 +71,25 @@ TEST(Clusters, FindAUniformBrightPatchWithItsVertices) {
     EXPECT_EQ(size_t(std::count(found.emitterOfTriangle.begin(), found.emitterOfTriangle.end(), 0)), 72u);
 }
 
+TEST(Clusters, ASpeckOfAPixelIsNoLampThoughManyVerticesShowIt) {
+    // A very fine mesh under coarse cameras: the bright spot of 49 vertices is one pixel in each of three views, or, seen from near, many.
+    const Scene scene = test::sceneOf(test::sheet({-0.1f, -0.1f, 0}, {0.2f, 0, 0}, {0, 0.2f, 0}, 40, 40));
+    const RadianceSamples samples = looks(scene, 3, [&](uint32_t v, uint32_t i) { return inSquare(scene.mesh.positions[v], 0.03f, -0.02f, 0.015f) ? Rgb(60) : shaded(scene, v, i); });
+    for (const double focal : {20.0, 2000.0}) {
+        Capture capture;
+        for (int i = 0; i < 3; ++i) {
+            View view;
+            view.camera.width = view.camera.height = int(focal);
+            view.camera.focalX = view.camera.focalY = focal;
+            view.camera.centreX = view.camera.centreY = focal / 2;
+            view.camera.worldFromCamera[3] = glm::dvec4(0.05 * i, 0, 1, 1);
+            capture.views.push_back(view);
+        }
+        Progress progress;
+        EXPECT_EQ(clusterEmitters(scene, capture, samples, {}, progress).emitters.size(), focal > 100 ? 1u : 0u) << focal;
+    }
+}
+
 TEST(Clusters, ABrightRimOfAHoleIsNoLampButABrightSheetIs) {
     // The floor with a hole, a window behind it: the two rows of vertices at the hole's left rim see the window.
     Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 40, 40);

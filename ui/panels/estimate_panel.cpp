@@ -184,8 +184,6 @@ void drawEstimateSettings(Editor& editor) {
     dimText("Kinds of light");
     if (radio("Lamps and distant light", solve.nearField, "Finds lamps that stand in the scene as well as light from far away. This is what you want.")) solve.nearField = true;
     if (radio("Distant only, to compare", !solve.nearField, "The older way, which knows no lamps in the scene: for comparison. Its result is shown beside the other one (view modes 5 and 9) and replaces nothing.")) solve.nearField = false;
-    dimText("Lamps that no photograph shows");
-    drawUnseenLamps(editor);
     dimText("Time limit");
     float minutes = float(solve.budgetSeconds / 60);
     ImGui::SetNextItemWidth(-FLT_MIN);
