@@ -9,6 +9,7 @@
 #include "base/atomic_file.h"
 #include "base/log.h"
 #include "base/parallel.h"
+#include "base/random.h"
 #include "capture/brackets.h"
 #include "capture/check.h"
 #include "pipeline/pipeline.h"
@@ -122,6 +123,7 @@ PipelineOptions pipelineOptions(const SolveArguments& a) {
     if (!a.merl.empty())
         for (Lobe& lobe : readMeasuredLobes(a.merl)) options.solve.basis.lobes.push_back(std::move(lobe));
     if (a.basis != "built-in" || !a.merl.empty()) options.solve.mostLobes = 3;
+    if (a.meshTriangles >= 0) options.meshTriangles = size_t(a.meshTriangles);
     options.everything = a.everything;
     options.findLight = a.findLight;
     return options;
@@ -139,7 +141,7 @@ int solve(const SolveArguments& a, Progress& progress) {
     const fs::path checkpoint = checkpointFile(a.output);
     std::optional<CheckpointKeeper> keeper;
     options.resume = [&](const Capture& capture) -> std::optional<SolveCheckpoint> {
-        const uint64_t fingerprint = solveFingerprint(capture, options.solve, options.everything);
+        const uint64_t fingerprint = solveFingerprint(capture, options.solve, options.everything) ^ (a.meshTriangles < 0 ? 0 : mixBits(uint64_t(a.meshTriangles)));
         keeper.emplace(checkpoint, fingerprint);
         if (!a.resume) return {};
         FoundCheckpoint found = readCheckpoint(checkpoint, fingerprint);

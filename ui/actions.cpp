@@ -67,6 +67,7 @@ std::vector<Action> makeActions() {
     add({"edit.selectAll", "Select all lights", "Select every emitter, to edit them together.", "Edit", {{'A', true}}, [](Editor& e) { e.state.selection.emitters.clear(); for (const EmitterState& s : e.emitters()) e.state.selection.emitters.push_back(s.id); }, hasEstimate, {}, false});
     // ---- light
     add({"light.solve", "Estimate", "Separate the light from the surfaces. Runs in the background; you can keep working.", "Light", {{keyEnter, true}, {keyPadEnter, true}}, [](Editor& e) { e.solve(e.state.solve); }, canSolve, {}, false});
+    add({"light.unseen", "Look for an unseen lamp", "A lamp outside all photographs leaves shading and shadows: finds its place. Runs in the background.", "Light", {}, [](Editor& e) { e.findUnseenLamp(); }, canSolve, {}, false});
     add({"light.solveDistant", "Estimate with distant light only", "The older way, without lamps in the scene, to compare with.", "Light", {}, [](Editor& e) { SolveRequest r = e.state.solve; r.nearField = false; e.solve(r); }, canSolve, {}, false});
     add({"light.cancel", "Stop what is running", "Stops the job in the background and keeps the best answer so far.", "Light", {{keyPeriod, true}}, [](Editor& e) { e.cancelJob(); }, [](const Editor& e) { return e.job().has_value(); }, {}, false});
     add({"light.mute", "Switch on or off", "The selected lights, on or off.", "Light", {{'M'}},

@@ -68,6 +68,10 @@ public:
 
     // ---- background work
     void solve(const SolveRequest& request);
+    /// Looks for a lamp that no photograph shows. Where there is one, the capture is read again with a small sphere in its place; state.unseenSearch has the words.
+    void findUnseenLamp();
+    /// Takes one of document.fix.proxies away again.
+    void removeProxy(size_t index);
     void exportFrames(const ExportRequest& request);
     void cancelJob();
     void pauseJob(bool paused);

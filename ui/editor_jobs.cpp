@@ -8,11 +8,14 @@
 #include "clusters/emitter_clusters.h"
 #include "editor_impl.h"
 #include "image/image_io.h"
+#include "pipeline/pipeline.h"
 #include "pipeline/plan.h"
+#include "pipeline/working_mesh.h"
 #include "radiance/gather.h"
 #include "settings.h"
 #include "shot/export_frame.h"
 #include "shot/shot_leftovers.h"
+#include "solve/hidden_light.h"
 #include "thumbnails.h"
 
 namespace relamp::ui {
@@ -523,14 +526,21 @@ void Editor::solve(const SolveRequest& request) {
                 }
                 if (impl->options.wake) impl->options.wake();
             };
-            const EmitterClusters clusters = clusterEmitters(*scene, *capture, *samples, {}, progress);
-            options.plan = planSolve(*capture, *scene, *samples, clusters, options, false, progress);
+            // A mesh beyond what the solve can do in reasonable time is solved on a smaller one.
+            const std::optional<DecimatedMesh> working = workingMesh(*capture, {}, progress);
+            const auto solved = working ? std::make_shared<const Scene>(buildScene(working->mesh, progress)) : scene;
+            const auto seen = working ? std::make_shared<const RadianceSamples>(gatherRadiance(*capture, *solved, {}, progress)) : samples;
+            if (working)
+                listener.snapshot = [show = listener.snapshot, &working, &capture](Estimate estimate) { show(carriedBack(estimate, *working, capture->mesh)); };
+            const EmitterClusters clusters = clusterEmitters(*solved, *capture, *seen, {}, progress);
+            options.plan = planSolve(*capture, *solved, *seen, clusters, options, false, progress);
             {
                 std::lock_guard lock(impl->solveMutex);
                 impl->newPlan = options.plan;
             }
             if (impl->options.wake) impl->options.wake();
-            const auto estimate = std::make_shared<const Estimate>(solveScene(*capture, *scene, *samples, clusters, options, progress, &listener));
+            Estimate found = solveScene(*capture, *solved, *seen, clusters, options, progress, &listener);
+            const auto estimate = std::make_shared<const Estimate>(working ? carriedBack(found, *working, capture->mesh) : std::move(found));
             const Resources resources{progress.seconds(), peakMib(), availableThreads()};
             return [impl, apply, estimate, request, resources] {
                 impl->self.state.document.resources = resources;
@@ -549,6 +559,37 @@ void Editor::solve(const SolveRequest& request) {
     const double rate = request.quality == "draft" ? 0.2e-3 : request.quality == "fine" ? 1.2e-3 : 0.45e-3;
     impl_->expectedSeconds = rate * double(document.scene->mesh.vertexCount()) * 2 / std::max(1, availableThreads());
     if (request.budgetSeconds > 0) impl_->expectedSeconds = std::min(impl_->expectedSeconds, request.budgetSeconds);
+}
+
+void Editor::findUnseenLamp() {
+    const Document& document = state.document;
+    if (!document.samples || impl_->job) return;
+    state.unseenSearch = {};
+    impl_->start(JobStatus::Kind::search, "Looking for an unseen lamp",
+        [impl = impl_.get(), capture = document.capture, scene = document.scene, samples = document.samples, folder = document.captureFolder, fix = document.fix, seed = state.solve.seed](Progress& progress) -> Finish {
+            const std::optional<DecimatedMesh> working = workingMesh(*capture, {}, progress);
+            const auto searched = working ? std::make_shared<const Scene>(buildScene(working->mesh, progress)) : scene;
+            const auto seen = working ? std::make_shared<const RadianceSamples>(gatherRadiance(*capture, *searched, {}, progress)) : samples;
+            const EmitterClusters clusters = clusterEmitters(*searched, *capture, *seen, {}, progress);
+            HiddenLightOptions options;
+            options.seed = seed;
+            const HiddenLightSearch search = findHiddenLight(*capture, *searched, *seen, clusters, options, progress);
+            CaptureFix wanted = fix;
+            if (search.light) wanted.proxies.push_back(proxyOf(*search.light));
+            return [impl, search, folder, wanted] {
+                impl->self.state.unseenSearch = {folder, search.words};
+                impl->self.log(LogLevel::info, search.words);
+                if (search.light) impl->self.fixCapture(wanted);
+            };
+        });
+}
+
+void Editor::removeProxy(size_t index) {
+    CaptureFix fix = state.document.fix;
+    if (index >= fix.proxies.size()) return;
+    fix.proxies.erase(fix.proxies.begin() + std::ptrdiff_t(index));
+    state.unseenSearch = {};
+    fixCapture(fix);
 }
 
 void Editor::Impl::takeSnapshots() {

@@ -85,7 +85,7 @@ struct ViewportState {
 
 /// A background job as the panels see it.
 struct JobStatus {
-    enum class Kind { open, solve, save, exportFrames } kind = Kind::open;
+    enum class Kind { open, solve, search, save, exportFrames } kind = Kind::open;
     std::string title;                   ///< "Estimating light"
     std::string stage;
     double share = 0;                    ///< of the stage
@@ -137,6 +137,12 @@ struct ExportRequest {
     std::filesystem::path file;          ///< #### is the frame's number
 };
 
+/// What the last search for a lamp that no photograph shows said, and of which capture.
+struct UnseenSearch {
+    std::filesystem::path capture;
+    std::string words;
+};
+
 /// One line of the error-against-run-time plot.
 struct RunCurve {
     std::vector<TimelineEntry> entries;
@@ -167,6 +173,7 @@ struct EditorState {
     std::optional<UnsavedQuestion> unsaved;
     std::optional<RecoveryOffer> recovery;
     std::optional<LockedQuestion> locked;
+    UnseenSearch unseenSearch;
     std::array<RunCurve, 2> curves;                   ///< near-field, distant-only
     SolvePlan plan;                                   ///< of the estimate that runs or was made last; empty: none
     std::vector<LogEntry> log;

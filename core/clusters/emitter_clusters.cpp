@@ -1,9 +1,12 @@
 #include "clusters/emitter_clusters.h"
 
+#include <algorithm>
 #include <numeric>
 #include <queue>
+#include <set>
 
 #include "base/log.h"
+#include "scene/rim.h"
 
 namespace relamp {
 namespace {
@@ -62,6 +65,8 @@ struct Patch {
     std::string reject;
 };
 
+constexpr size_t smallestPatch = 4;
+
 bool alike(const Rgb& a, const Rgb& b, float tolerance) { return glm::length(a - b) <= tolerance * std::max(glm::length(a), glm::length(b)); }
 
 /// Grows patches of like radiance from the brightest vertices down.
@@ -95,7 +100,7 @@ std::vector<Patch> growPatches(const Scene& scene, const std::vector<VertexRadia
                 stack.push_back(u);
             }
         }
-        if (patch.vertices.size() < 4) continue;
+        if (patch.vertices.size() < smallestPatch) continue;
         std::sort(patch.vertices.begin(), patch.vertices.end());
         patches.push_back(std::move(patch));
     }
@@ -163,6 +168,39 @@ void judge(const Scene& scene, const RadianceSamples& samples, const std::vector
     for (uint32_t v = 0; v < seen.size(); ++v)
         if (seen[v].weight > 0.1f && patchOf[v] != self && glm::length(scene.mesh.positions[v] - centre) < reach) around.push_back(maxChannel(seen[v].radiance));
     e.localContrast = around.size() < 8 ? e.sceneContrast : maxChannel(patch.radiance) / std::max(medianOf(around), 1e-20f);
+}
+
+std::vector<uint8_t> withinOneRing(const Scene& scene, const std::vector<uint8_t>& of) {
+    std::vector<uint8_t> result = of;
+    for (uint32_t v = 0; v < of.size(); ++v)
+        for (uint32_t e = scene.graph.start[v]; of[v] && e < scene.graph.start[v + 1]; ++e) result[scene.graph.to[e]] = 1;
+    return result;
+}
+
+/// Where a reconstruction ends, its rim is off by a pixel or more, and look-ups there mix in what lies behind: a window, a bright wall. A patch needs vertices away
+/// from rims, as many as the smallest patch has; one that is most of its piece is a sheet of its own, and its rim is its outline.
+bool onlyRim(const Scene& scene, const std::vector<uint8_t>& nearRim, const std::vector<uint32_t>& seenOfPiece, const Patch& patch) {
+    if (2 * patch.vertices.size() > seenOfPiece[scene.piece[patch.vertices[0]]]) return false;
+    return std::count_if(patch.vertices.begin(), patch.vertices.end(), [&](uint32_t v) { return !nearRim[v]; }) < ptrdiff_t(smallestPatch);
+}
+
+/// Vertices that fall on one pixel agree because they are one measurement. What a patch is told by, that it is uniform, has an edge and looks alike from two sides, needs several
+/// pixels in two views, or, where only one shows it, many.
+bool tooFewPixels(const Scene& scene, const Capture& capture, const RadianceSamples& samples, const Patch& patch) {
+    constexpr size_t inTwoViews = 4, inOneView = 16;
+    std::vector<std::set<std::pair<int, int>>> pixels(capture.views.size());
+    for (uint32_t v : patch.vertices)
+        for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
+            const uint32_t view = samples.samples[s].view;
+            if (view >= pixels.size()) return false;  // nothing is known of its pixels
+            if (const auto at = capture.views[view].camera.project(DVec3(scene.mesh.positions[v]))) pixels[view].insert({int(at->x), int(at->y)});
+        }
+    size_t most = 0, second = 0;
+    for (const auto& p : pixels) {
+        second = std::max(second, std::min(most, p.size()));
+        most = std::max(most, p.size());
+    }
+    return second < inTwoViews && most < inOneView;
 }
 
 /// Lets a patch take the unseen and half-seen rest of its own body.
@@ -294,6 +332,9 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
         if (seen[v].weight > 0.1f && seen[v].spread < 0.15f && (patchOf[v] < 0 || maxChannel(seen[v].radiance) < 6 * median)) ordinary.push_back(maxChannel(seen[v].radiance));
     const float reference = ordinary.size() > 20 ? medianOf(ordinary, 0.95) : median;
 
+    const std::vector<uint8_t> nearRim = withinOneRing(scene, rimVertices(scene.mesh));
+    std::vector<uint32_t> seenOfPiece(scene.pieces, 0);
+    for (uint32_t v = 0; v < seen.size(); ++v) seenOfPiece[scene.piece[v]] += seen[v].weight > 0.1f;
     std::vector<uint8_t> taken(seen.size(), 0);  // by accepted patches
     for (const EmitterCluster& e : result.emitters)
         for (uint32_t v : e.vertices) taken[v] = 1;
@@ -308,6 +349,8 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
         else if (e.sceneContrast >= options.certainContrast && e.viewsAgree && result.candidates.size() < options.mostCandidates) {}
         else if (e.uniformity > 0.12f) patch.reject = "its radiance varies as shading does";
         else if (e.edgeDrop > 0.8f) patch.reject = "fades out without an edge";
+        else if (tooFewPixels(scene, capture, samples, patch)) patch.reject = "is seen by too few pixels to tell a lamp from a bright speck";
+        else if (onlyRim(scene, nearRim, seenOfPiece, patch)) patch.reject = "lies at the rim of a hole, where a pixel may show what is behind";
         EmitterCluster cluster;
         cluster.vertices = patch.vertices;
         cluster.radiance = patch.radiance;

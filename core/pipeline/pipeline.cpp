@@ -2,14 +2,18 @@
 
 #include "base/log.h"
 #include "base/stage_meter.h"
+#include "pipeline/working_mesh.h"
 
 namespace relamp {
+
+ProxyLight proxyOf(const HiddenLight& light) { return {light.position, 0.015f * light.distance, light.sigma(), true}; }
 
 namespace {
 
 /// Looks for a lamp that no photograph shows; where there is one, a proxy joins the capture.
 void addHiddenLight(PipelineResult& r, const PipelineOptions& options, Progress& progress) {
-    const Scene scene = buildScene(r.capture.mesh, progress);
+    const std::optional<DecimatedMesh> working = workingMesh(r.capture, options.meshTriangles, progress);
+    const Scene scene = buildScene(working ? working->mesh : r.capture.mesh, progress);
     const RadianceSamples samples = gatherRadiance(r.capture, scene, options.gather, progress);
     const EmitterClusters clusters = clusterEmitters(scene, r.capture, samples, options.clusters, progress);
     HiddenLightOptions search;
@@ -17,9 +21,7 @@ void addHiddenLight(PipelineResult& r, const PipelineOptions& options, Progress&
     r.search = findHiddenLight(r.capture, scene, samples, clusters, search, progress);
     logInfo("{}", r.search->words);
     if (!r.search->light) return;
-    const HiddenLight& light = *r.search->light;
-    // Small beside its distance, so that its shadows are those of the point it was found as.
-    const ProxyLight proxy{light.position, 0.015f * light.distance, light.sigma(), true};
+    const ProxyLight proxy = proxyOf(*r.search->light);
     addProxies({proxy}, r.capture.mesh);
     r.capture.proxies.push_back(proxy);
 }
@@ -38,7 +40,14 @@ PipelineResult runPipeline(const std::filesystem::path& captureFolder, const Pip
     }
     const std::optional<SolveCheckpoint> earlier = options.resume ? options.resume(r.capture) : std::nullopt;
     meter.begin("scene");
-    r.scene = buildScene(r.capture.mesh, progress);
+    const std::optional<DecimatedMesh> working = workingMesh(r.capture, options.meshTriangles, progress);
+    r.scene = buildScene(working ? working->mesh : r.capture.mesh, progress);
+    SolveListener carrying;
+    if (working && listener && listener->snapshot) {
+        carrying = *listener;
+        carrying.snapshot = [&r, &working, listener](Estimate estimate) { listener->snapshot(carriedBack(estimate, *working, r.capture.mesh)); };
+        listener = &carrying;
+    }
     // What the photographs say of each vertex and of the environment.
     meter.begin("look-ups");
     r.samples = gatherRadiance(r.capture, r.scene, options.gather, progress);
@@ -53,6 +62,13 @@ PipelineResult runPipeline(const std::filesystem::path& captureFolder, const Pip
     // Transport (visibility, near-field maps) and the two alternating programs: light (equations 3 to 6) and reflectance.
     if (options.onlyPlan) r.estimate.plan = solve.plan;
     else r.estimate = solveScene(r.capture, r.scene, r.samples, r.clusters, solve, progress, listener, earlier ? &*earlier : nullptr);
+    if (working) {
+        if (!options.onlyPlan) {
+            r.estimate = carriedBack(r.estimate, *working, r.capture.mesh);
+            r.estimate.leftOut.push_back({"triangles", fmt::format("the solve ran on {} of {}, and what it found was carried back", working->mesh.triangles.size(), r.capture.mesh.triangles.size())});
+        }
+        r.scene = buildScene(r.capture.mesh, progress);
+    }
     if (r.search && !r.search->light) r.estimate.leftOut.push_back({"unseen lamp", r.search->words});
     std::vector<PlannedStage> done;
     for (const StageCost& cost : meter.stages()) done.push_back({cost.name, -1, cost.seconds, -1, cost.mib});

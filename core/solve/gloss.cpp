@@ -118,7 +118,34 @@ LobeFit fitLobe(const std::vector<GlossyLook>& looks, const std::vector<Rgb>& re
     return fit;
 }
 
+/// Of the measured parts, by their shares; analytic lobes have none.
+Rgb glossColour(const Lobe& lobe) {
+    if (lobe.measured) return lobe.measured->colour;
+    Rgb sum(0);
+    float shares = 0;
+    for (const LobeShare& part : lobe.parts) {
+        sum += part.share * glossColour(part.lobe);
+        shares += part.share;
+    }
+    return shares > 0 ? sum / shares : Rgb(1);
+}
+
+std::vector<Rgb> responses(const InfluenceMatrix& rows, const Lighting& lighting, std::vector<Rgb> mirrored) {
+    parallelFor(rows.rows, 64, [&](size_t i) { mirrored[i] += lightOfRow(rows.row(i), lighting); });
+    return mirrored;
+}
+
 }  // namespace
+
+MetalEvidence metalEvidence(const InfluenceMatrix& rows, const Lighting& lighting, const std::vector<GlossyLook>& looks) {
+    MetalEvidence evidence;
+    evidence.asMetal = fitLobe(looks, responses(rows, lighting, std::vector<Rgb>(looks.size(), Rgb(0))), false).residual;
+    size_t vertices = 0;
+    for (size_t i = 0; i < looks.size(); ++i) vertices += i == 0 || looks[i].vertex != looks[i - 1].vertex;
+    const double without = fitLobe(looks, std::vector<Rgb>(looks.size(), Rgb(0)), true).residual;
+    evidence.alikeFromEverywhere = looks.size() > vertices ? without * double(looks.size()) / double(looks.size() - vertices) : 0;
+    return evidence;
+}
 
 Lobe withRoughness(const Lobe& lobe, float factor) {
     using enum Lobe::Kind;
@@ -142,9 +169,9 @@ PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSa
     double best = options.lambertGain > 1e6f ? 1e300 : without.residual, reached = 0;
     float gain = 1;  // the residual must fall below this share of the best
     const auto attempt = [&](const Lobe& lobe) {
-        std::vector<Rgb> response;
-        const InfluenceMatrix rows = glossyRows(scene, emitters, emitterOfTriangle, lighting.leaves, lobe, result.looks, options.rows, progress, &response);
-        parallelFor(rows.rows, 64, [&](size_t i) { response[i] += lightOfRow(rows.row(i), lighting); });
+        std::vector<Rgb> mirrored;
+        const InfluenceMatrix rows = glossyRows(scene, emitters, emitterOfTriangle, lighting.leaves, lobe, result.looks, options.rows, progress, &mirrored);
+        const std::vector<Rgb> response = responses(rows, lighting, std::move(mirrored));
         const LobeFit both = fitLobe(result.looks, response, true), alone = fitLobe(result.looks, response, false);
         const bool metal = alone.residual < double(options.lambertGain) * both.residual;
         const LobeFit& fit = metal ? alone : both;
@@ -187,7 +214,9 @@ PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSa
     for (float step : {1.16f, 1.07f})
         if (withRoughness(*result.lobe, step).alpha != result.lobe->alpha && !attempt(withRoughness(*result.lobe, step))) attempt(withRoughness(*result.lobe, 1 / step));
     // A coat over a matte surface mirrors all colours alike [Shafer85]; where it seems coloured, the light is not yet right.
-    if (result.matte && result.weight.x * result.weight.y * result.weight.z > 0) result.weight = Rgb(std::cbrt(result.weight.x * result.weight.y * result.weight.z));
+    // A measured material's gloss has the colour it was measured with.
+    const Rgb own = glm::max(glossColour(*result.lobe), Rgb(1e-3f)), scaled = result.weight / own;
+    if (result.matte && scaled.x * scaled.y * scaled.z > 0) result.weight = own * std::cbrt(scaled.x * scaled.y * scaled.z);
     return result;
 }
 

@@ -53,6 +53,14 @@ PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSa
                     const std::vector<int>& emitterOfTriangle, const Lighting& lighting, const BrdfBasis& basis, uint32_t piece,
                     const GlossOptions& options, Progress& progress, const PieceGloss* earlier = nullptr);
 
+/// What a piece's looks leave unexplained, robust mean square in standard deviations: by one lobe without a Lambert part under known light; and by a surface that looks alike
+/// from everywhere, an unknown a vertex taken off the count of looks. Where the second is not larger the piece changes with the view, but not as a metal does: its geometry or
+/// its cameras are off.
+struct MetalEvidence {
+    double asMetal = 0, alikeFromEverywhere = 0;
+};
+MetalEvidence metalEvidence(const InfluenceMatrix& rows, const Lighting& lighting, const std::vector<GlossyLook>& looks);
+
 /// The lobe with its roughness multiplied by `factor`, kept within 0.06 to 0.9, and named after it. Lobes without a roughness of their own (Lafortune, measured,
 /// mixtures) come back as they are.
 Lobe withRoughness(const Lobe& lobe, float factor);

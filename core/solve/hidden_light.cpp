@@ -119,7 +119,10 @@ HiddenLightSearch findHiddenLight(const Capture& capture, const Scene& scene, co
             if (!(column.sum() > 0)) return;
             misfit[i] = fitHiddenLight(coarse, &column, without.light, 5).misfit;
         }, &progress);
-        for (size_t i : bestPlaces(places, misfit, extent.middle)) {
+        const auto likely = bestPlaces(places, misfit, extent.middle);
+        progress.begin("Following the shadows of an unseen lamp", likely.size());
+        for (size_t i : likely) {
+            progress.advance();
             HiddenLightFit fit = searchAround(scene, coarse, places[i], extent.middle, without.light, 0.2f, 0.02f, false, progress);
             if (seenEmpty(capture, samples, fit.place, bright)) continue;
             if (!best || fit.misfit < best->misfit) best = std::move(fit);
@@ -147,7 +150,9 @@ HiddenLightSearch findHiddenLight(const Capture& capture, const Scene& scene, co
     std::vector<Vec3> along;
     HiddenLightFit nearest;
     nearest.misfit = 1e300;
+    progress.begin("How far the unseen lamp is", 13);
     for (int k = -6; k <= 6; ++k) {
+        progress.advance();
         const Vec3 place = extent.middle + std::exp(0.08f * float(k)) * (best->place - extent.middle);
         HiddenLightFit fit = searchAround(scene, dense, place, extent.middle, best->light, 0.03f, 0.003f, true, progress);
         along.push_back(fit.place);
@@ -156,6 +161,7 @@ HiddenLightSearch findHiddenLight(const Capture& capture, const Scene& scene, co
     *best = searchAround(scene, dense, nearest.place, extent.middle, nearest.light, 0.02f, 0.003f, false, progress);
     const HiddenLightFit polished = refineHiddenLight(scene, dense, best->place, best->light, 20, progress);
     if (polished.misfit < best->misfit) *best = polished;
+    progress.begin("How sure its place is", 1);
     const glm::dmat3 covariance = positionCovariance(scene, dense, extent.middle, along, options.seed, *best, progress);
 
     // Would finer surroundings do as well?

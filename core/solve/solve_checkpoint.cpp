@@ -150,6 +150,7 @@ void fields(File& f, SolveCheckpoint& c) {
     list(f, c.leafRadiance);
     list(f, c.emitterRadiance);
     f.plain(c.environmentBlack);
+    f.plain(c.noMetals);
     f.plain(c.refined);
     f.plain(c.bounceKept);
     f.plain(c.visibilityStep);

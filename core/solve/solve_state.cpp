@@ -73,6 +73,8 @@ void SolveState::rebuildNearField() {
     for (const Rgb& y : matte_.radiance) brightness.push_back(maxChannel(y));
     std::sort(brightness.begin(), brightness.end());
     lightPrior_.darkness = brightness.empty() ? 0.0f : 1e-3f * brightness[brightness.size() * 9 / 10];
+    if (noMetals_)
+        for (uint8_t& glossy : matte_.pieceGlossy) glossy = std::min<uint8_t>(glossy, 1);
     size_t usable = 0;
     for (uint32_t v : matte_.vertices) usable += matte_.pieceGlossy[scene_.piece[v]] < 2;
     matteShare_ = matte_.vertices.empty() ? 0 : double(usable) / double(matte_.vertices.size());
@@ -224,7 +226,7 @@ void SolveState::startLight() {
     runAlbedoFree("light from ratios", options_.startIterations, nullptr);
 }
 
-void SolveState::startFromConstantReflectance() {
+bool SolveState::startFromConstantReflectance() {
     // The piece with the most look-ups stands for the scene.
     std::vector<size_t> looksOf(scene_.pieces, 0);
     for (uint32_t v : matte_.vertices) looksOf[scene_.piece[v]] += samples_.countOf(v);
@@ -236,7 +238,7 @@ void SolveState::startFromConstantReflectance() {
     const std::vector<GlossyLook> looks = glossyLooks(capture_, scene_, samples_, piece, options);
     if (looks.size() < 40) {
         runAlbedoFree("light from ratios", options_.startIterations, nullptr);
-        return;
+        return true;
     }
     double best = 1e300;
     Lighting bestLighting = lighting_;
@@ -260,7 +262,14 @@ void SolveState::startFromConstantReflectance() {
         if ((basis_.lobes[k].kind == Lobe::Kind::ggx || basis_.lobes[k].kind == Lobe::Kind::measured) && !(chosen.lobe && stopped())) attempt(basis_.lobes[k]);
     if (!chosen.lobe) {
         runAlbedoFree("light from ratios", options_.startIterations, nullptr);
-        return;
+        return true;
+    }
+    const InfluenceMatrix chosenRows = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves, *chosen.lobe, looks, options.rows, progress_);
+    const MetalEvidence evidence = metalEvidence(chosenRows, bestLighting, looks);
+    logInfo("one lobe explains the looks within {:.2f}, surfaces that look alike from everywhere within {:.2f}", evidence.asMetal, evidence.alikeFromEverywhere);
+    if (evidence.asMetal >= evidence.alikeFromEverywhere) {
+        noMetals_ = true;
+        return false;
     }
     lighting_ = bestLighting;
     gloss_.assign(1, chosen);
@@ -270,6 +279,7 @@ void SolveState::startFromConstantReflectance() {
     for (uint32_t i = 0; i < all.size(); ++i) all[i] = i;
     splitLeaves(all);
     improveLight(options_.refineIterations);
+    return true;
 }
 
 bool SolveState::confirmEmitters() {

@@ -55,7 +55,8 @@ private:
     void firstLight();
     void startLight();
     /// Where nothing is matte: one constant lobe, light first; the lobe that explains the looks best is kept.
-    void startFromConstantReflectance();
+    /// False, and nothing is changed but noMetals_, where no lobe explains them better than a surface that looks alike from everywhere.
+    bool startFromConstantReflectance();
     /// Re-fit test: an uncertain patch that needs an albedo well above 1 (1.5) under the light found is a lamp, others are surfaces.
     /// True when the set changed.
     bool confirmEmitters();
@@ -108,6 +109,7 @@ private:
     MatteObservations matteSeen_;            ///< the same as seen, where what coats mirror has been taken off; empty: nothing was
     std::vector<AlbedoPair> pairs_;
     double matteShare_ = 0;
+    bool noMetals_ = false;                  ///< pieces that change with the view as metals do were not explained by being metals
     bool environmentBlack_ = false;
     bool refined_ = false;                   ///< no leaf is worth a split any more
     double refinedMisfit_ = 0;               ///< of the pairs before the last split, 0: there was none

@@ -47,8 +47,14 @@ void SolveState::run(SolveStep step, uint32_t index) {
         const bool alternating = !options_.nearField && hasMatte();
         switch (step) {
             case firstLight:
+                if (!hasMatte() && !startFromConstantReflectance()) {
+                    // Neither metals nor quite matte: what the views have in common is taken for matte.
+                    rebuildNearField();
+                    lighting_.leaves = LightLeaves::uniform(firstLevel());
+                    guessLight();
+                    rebuildRows();
+                }
                 if (!hasMatte()) {
-                    startFromConstantReflectance();
                     confirmEmitters();
                 } else if (options_.nearField) {
                     this->firstLight();
@@ -121,6 +127,7 @@ SolveCheckpoint SolveState::checkpoint(uint32_t step, bool between) const {
     c.bounceKept = bounceRays_.rays > 0;
     c.bouncedShare = bouncedShare_;
     c.noBounceBecause = noBounceBecause_;
+    c.noMetals = noMetals_;
     c.vertexBounce = vertexBounce_;
     c.sent = sent_;
     c.lightSmoothness = lightSmoothness_;
@@ -163,6 +170,7 @@ void SolveState::goOnFrom(const SolveCheckpoint& c) {
             if (t >= scene_.mesh.triangles.size()) throw Error("the checkpoint names a triangle that does not exist");
     }
     indexEmitters(scene_, clusters_);
+    noMetals_ = c.noMetals;
     rebuildNearField();
     environmentBlack_ = c.environmentBlack;
     refined_ = c.refined;

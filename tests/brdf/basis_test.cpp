@@ -4,6 +4,9 @@
 
 #include <set>
 
+#include "base/error.h"
+#include "image/direction_grid.h"
+
 namespace relamp {
 namespace {
 
@@ -34,11 +37,48 @@ TEST(BuiltInBasis, NamesEachLobeDifferently) {
     EXPECT_TRUE(names.contains("ggx roughness 0.10"));
 }
 
+TEST(WideBasis, StartsWithLambertAndNamesEachLobeDifferently) {
+    std::set<std::string> names;
+    const BrdfBasis basis = wideBasis();
+    EXPECT_EQ(basis.lobes[0].kind, Lobe::Kind::lambert);
+    for (const Lobe& lobe : basis.lobes) names.insert(lobe.name);
+    EXPECT_EQ(names.size(), basis.lobes.size());
+    EXPECT_EQ(basis.lobes.size(), 55u);
+}
+
+TEST(BasisNamed, KnowsThreeNames) {
+    EXPECT_EQ(basisNamed("built-in").lobes.size(), 13u);
+    EXPECT_EQ(basisNamed("wide").lobes.size(), 55u);
+    EXPECT_EQ(basisNamed("lambert").lobes.size(), 1u);
+    EXPECT_THROW(basisNamed("velvet"), Error);
+}
+
+TEST(LobeAlbedo, IsTheShareOfLightSentBackTowardsTheNormal) {
+    EXPECT_EQ(lobeAlbedo({Lobe::Kind::ggxDielectric, 0.1f, ""}), 0.04f);
+    for (const Lobe& lobe : {Lobe{Lobe::Kind::ward, 0.1f, ""}, Lobe{Lobe::Kind::cookTorrance, 0.2f, ""}, Lobe{Lobe::Kind::lafortuneBack, std::sqrt(0.5f), ""}}) {
+        const DirectionGrid grid{512};
+        double sum = 0;
+        for (int c = 0; c < grid.cells(); ++c)
+            if (const Vec3 d = grid.direction(c); d.z > 0) sum += double(evaluateLobe(lobe, d, {0, 0, 1})) * double(d.z);
+        sum *= double(grid.cellSolidAngle());
+        EXPECT_NEAR(lobeAlbedo(lobe), sum, 0.03 * sum) << kindName(lobe.kind);
+    }
+}
+
 TEST(EvaluateLobe, CallsTheModelOfItsKind) {
     const Vec3 light = glm::normalize(Vec3(0.3f, -0.2f, 0.8f)), eye = glm::normalize(Vec3(-0.5f, 0.1f, 0.6f));
     EXPECT_EQ(evaluateLobe({Lobe::Kind::lambert, 1, ""}, light, eye), lambert(light, eye));
     EXPECT_EQ(evaluateLobe({Lobe::Kind::ggx, 0.3f, ""}, light, eye), ggx(light, eye, 0.3f));
     EXPECT_EQ(evaluateLobe({Lobe::Kind::ggxDielectric, 0.3f, ""}, light, eye), ggxDielectric(light, eye, 0.3f, 1.5f));
+    EXPECT_EQ(evaluateLobe({Lobe::Kind::ggxGrazing, 0.3f, ""}, light, eye), ggxGrazing(light, eye, 0.3f));
+    EXPECT_EQ(evaluateLobe({Lobe::Kind::ward, 0.3f, ""}, light, eye), ward(light, eye, 0.3f));
+    EXPECT_EQ(evaluateLobe({Lobe::Kind::cookTorrance, 0.3f, ""}, light, eye), cookTorrance(light, eye, 0.3f));
+    EXPECT_NEAR(evaluateLobe({Lobe::Kind::lafortuneBack, 0.5f, ""}, light, eye), lafortune(light, eye, -1, 1, 6), 1e-6f);
+    EXPECT_NEAR(evaluateLobe({Lobe::Kind::lafortuneForward, 0.5f, ""}, light, eye), lafortune(light, eye, 1, 0, 6), 1e-6f);
+    const Lobe a{Lobe::Kind::ggx, 0.3f, ""}, b{Lobe::Kind::ward, 0.2f, ""};
+    Lobe mixture{Lobe::Kind::mixture, 0.3f, "both"};
+    mixture.parts = {{a, 1}, {b, 0.25f}};
+    EXPECT_NEAR(evaluateLobe(mixture, light, eye), evaluateLobe(a, light, eye) + 0.25f * evaluateLobe(b, light, eye), 1e-6f);
 }
 
 }  // namespace

@@ -390,9 +390,9 @@ TEST_F(ColmapCapture, SmallerPicturesOfTheSameShapeScaleTheCamera) {
 TEST_F(ColmapCapture, ExposuresBesideAViewAreMerged) {
     // A wedge, photographed by a square-root camera at three exposures a view; no EXIF, so the names say the stops.
     const auto photograph = [&](const std::string& name, double seconds) {
-        Image image(16, 12);
-        for (int y = 0; y < 12; ++y)
-            for (int x = 0; x < 16; ++x) image.at(x, y) = Rgb(float(std::min(1.0, seconds * std::exp2(-4 + 0.4 * x + 0.05 * y))));   // written as sRGB: about a square root
+        Image image(64, 48);
+        for (int y = 0; y < 48; ++y)
+            for (int x = 0; x < 64; ++x) image.at(x, y) = Rgb(float(std::min(1.0, seconds * std::exp2(-4 + 0.1 * x + 0.01 * y))));   // written as sRGB: about a square root
         writeImage(folder / ("images/" + name), image);
     };
     for (const std::string stem : {"a", "b"})
@@ -403,7 +403,7 @@ TEST_F(ColmapCapture, ExposuresBesideAViewAreMerged) {
     // Full in the shortest exposure at four times what fills the middle one.
     EXPECT_NEAR(capture.views[0].saturation, 4, 0.3);
     const Image& image = capture.views[0].image;
-    EXPECT_NEAR(std::log2(double(image.at(14, 6).y) / double(image.at(4, 6).y)), 4, 0.5);
+    EXPECT_NEAR(std::log2(double(image.at(54, 24).y) / double(image.at(14, 24).y)), 4, 0.5);
     // The model may hold the exposures themselves: one view stays, with the pose of that nearest to +0.
     folder.write("sparse/0/images.txt", "5 1 0 0 0 0.1 0 2 1 b_ev-2.png\n\n6 1 0 0 0 0.2 0 2 1 b.png\n\n7 1 0 0 0 0.3 0 2 1 b_ev+1.5.png\n\n9 1 0 0 0 -0.1 0 2 1 a_ev+1.5.png\n\n");
     const Capture grouped = load();

@@ -71,6 +71,43 @@ TEST(Clusters, FindAUniformBrightPatchWithItsVertices) {
     EXPECT_EQ(size_t(std::count(found.emitterOfTriangle.begin(), found.emitterOfTriangle.end(), 0)), 72u);
 }
 
+TEST(Clusters, ASpeckOfAPixelIsNoLampThoughManyVerticesShowIt) {
+    // A very fine mesh under coarse cameras: the bright spot of 49 vertices is one pixel in each of three views, or, seen from near, many.
+    const Scene scene = test::sceneOf(test::sheet({-0.1f, -0.1f, 0}, {0.2f, 0, 0}, {0, 0.2f, 0}, 40, 40));
+    const RadianceSamples samples = looks(scene, 3, [&](uint32_t v, uint32_t i) { return inSquare(scene.mesh.positions[v], 0.03f, -0.02f, 0.015f) ? Rgb(60) : shaded(scene, v, i); });
+    for (const double focal : {20.0, 2000.0}) {
+        Capture capture;
+        for (int i = 0; i < 3; ++i) {
+            View view;
+            view.camera.width = view.camera.height = int(focal);
+            view.camera.focalX = view.camera.focalY = focal;
+            view.camera.centreX = view.camera.centreY = focal / 2;
+            view.camera.worldFromCamera[3] = glm::dvec4(0.05 * i, 0, 1, 1);
+            capture.views.push_back(view);
+        }
+        Progress progress;
+        EXPECT_EQ(clusterEmitters(scene, capture, samples, {}, progress).emitters.size(), focal > 100 ? 1u : 0u) << focal;
+    }
+}
+
+TEST(Clusters, ABrightRimOfAHoleIsNoLampButABrightSheetIs) {
+    // The floor with a hole, a window behind it: the two rows of vertices at the hole's left rim see the window.
+    Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 40, 40);
+    std::erase_if(mesh.triangles, [&](const Triangle& t) { return std::all_of(t.begin(), t.end(), [&](uint32_t v) { return inSquare(mesh.positions[v], 0.3f, 0.3f, 0.2f); }); });
+    const Mesh lamp = test::sheet({-0.7f, -0.7f, 0.5f}, {0.2f, 0, 0}, {0, 0.1f, 0}, 4, 2);
+    const size_t ofFloor = mesh.vertexCount();
+    test::append(mesh, lamp);
+    const Scene scene = test::sceneOf(mesh);
+    const auto atRim = [&](const Vec3& p) { return p.z < 0.1f && p.x > 0.04f && p.x < 0.11f && std::abs(p.y - 0.3f) < 0.16f; };
+    const EmitterClusters found = clusters(scene, looks(scene, 3, [&](uint32_t v, uint32_t i) {
+        const Vec3 p = scene.mesh.positions[v];
+        return v >= ofFloor ? Rgb(80) : atRim(p) ? Rgb(60) : shaded(scene, v, i);
+    }));
+    ASSERT_EQ(found.emitters.size(), 1u);
+    EXPECT_EQ(found.emitters[0].vertices.size(), lamp.vertexCount());
+    EXPECT_TRUE(std::any_of(found.rejected.begin(), found.rejected.end(), [](const RejectedPatch& r) { return r.reason.find("rim of a hole") != std::string::npos; }));
+}
+
 TEST(Clusters, RejectAHighlightThatMovesWithTheView) {
     const Scene scene = floorScene();
     // A bright spot of 0.3 m that each view sees half a spot further.

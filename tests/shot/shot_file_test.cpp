@@ -11,6 +11,7 @@
 #include "image/image_io.h"
 #include "scene/mesh_io.h"
 #include "support/estimates.h"
+#include "support/measured.h"
 #include "support/temporary_folder.h"
 
 namespace relamp {
@@ -114,6 +115,35 @@ TEST_F(ShotFile, SurvivesARoundTrip) {
     EXPECT_EQ(b.gauge.kind, "emitter");
     EXPECT_EQ(b.stability.effectiveRank, 17);
     EXPECT_EQ(lookToJson(back.look), lookToJson(shot.look));
+}
+
+TEST_F(ShotFile, NamesTheMeasuredReflectanceItNeeds) {
+    const auto coated = [](const Vec3& light, const Vec3& eye) { return Rgb(0.1f) + Rgb(0.3f) * ggx(light, eye, 0.1f); };
+    folder.write("merl/paint.binary", test::merlBytes(coated));
+    Reflectance& r = shot.estimate.reflectance;
+    r.basis.lobes[1] = readMeasuredLobes(folder / "merl").at(0);
+    r.basis.lobes.push_back({Lobe::Kind::ward, 0.2f, "ward"});
+    r.weight.push_back(r.weight[1]);
+    save();
+    const auto same = [&](const Shot& opened) {
+        const std::vector<Lobe>& lobes = opened.estimate.reflectance.basis.lobes;
+        ASSERT_EQ(lobes.size(), 3u);
+        EXPECT_EQ(lobes[1].kind, Lobe::Kind::measured);
+        EXPECT_EQ(lobes[1].name, "paint");
+        EXPECT_EQ(lobes[2].kind, Lobe::Kind::ward);
+        const Vec3 light = glm::normalize(Vec3(0.3f, 0.1f, 1)), eye(0, 0, 1);
+        EXPECT_EQ(evaluateLobe(lobes[1], light, eye), evaluateLobe(r.basis.lobes[1], light, eye));
+    };
+    same(open());
+    // Away from its folder it says what it lacks; a copy in the shot's own folder does as well, and stays when the shot is saved again.
+    std::filesystem::create_directories(target / "merl");
+    std::filesystem::rename(folder / "merl/paint.binary", folder / "paint");
+    EXPECT_NE(openError().find("basis[1].file: "), std::string::npos);
+    EXPECT_NE(openError().find("paint.binary is not there"), std::string::npos);
+    std::filesystem::rename(folder / "paint", target / "merl/paint.binary");
+    same(open());
+    save(true);
+    same(open());
 }
 
 TEST_F(ShotFile, KeepsTheEnergyOfTheEnvironmentSunIncluded) {

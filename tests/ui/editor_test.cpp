@@ -127,6 +127,31 @@ TEST(Editor, aCancelledSolveKeepsTheBestSoFar) {
     EXPECT_TRUE(early.editor->state.notices.empty());
 }
 
+TEST(Editor, aSearchForAnUnseenLampCanBeStoppedAndALampTakenAwayAgain) {
+    Session s;
+    s.open(captureFolder());
+    const size_t vertices = s.editor->state.document.scene->mesh.vertexCount();
+    s.editor->findUnseenLamp();
+    ASSERT_TRUE(s.editor->job());
+    EXPECT_EQ(s.editor->job()->kind, JobStatus::Kind::search);
+    s.editor->cancelJob();
+    s.until([&] { return !s.editor->job(); });
+    EXPECT_TRUE(s.editor->state.notices.empty());
+    EXPECT_TRUE(s.editor->state.unseenSearch.words.empty());
+    EXPECT_EQ(s.editor->state.document.scene->mesh.vertexCount(), vertices);
+    CaptureFix fix = s.editor->state.document.fix;
+    fix.proxies.push_back({{0.4f, 0.2f, 1.1f}, 0.02f, Vec3(0), false});
+    s.editor->fixCapture(fix);
+    s.until([&] { return !s.editor->job(); });
+    EXPECT_EQ(s.editor->state.document.scene->mesh.vertexCount(), vertices + proxyVertices);
+    s.editor->removeProxy(1);
+    EXPECT_FALSE(s.editor->job());
+    s.editor->removeProxy(0);
+    s.until([&] { return !s.editor->job(); });
+    EXPECT_EQ(s.editor->state.document.scene->mesh.vertexCount(), vertices);
+    EXPECT_TRUE(s.editor->state.document.fix.proxies.empty());
+}
+
 TEST(Editor, savesOpensAgainAndKnowsWhatIsUnsaved) {
     Session s;
     s.open(captureFolder());

@@ -125,6 +125,35 @@ void strengthSetting(const char* label, const char* id, float& factor, const Pri
 
 }  // namespace
 
+void drawUnseenLamps(Editor& editor) {
+    const Document& document = editor.state.document;
+    const auto& job = editor.job();
+    const bool searching = job && job->kind == JobStatus::Kind::search;
+    if (searching) {
+        bar(job->share, {0.28f, 0.42f, 0.58f, 1}, job->stopping ? "stopping..." : job->stage.empty() ? job->title : job->stage);
+        ImGui::BeginDisabled(job->stopping);
+        if (button("Stop looking", "Stops; nothing changes", -FLT_MIN)) editor.cancelJob();
+        ImGui::EndDisabled();
+    } else {
+        ImGui::BeginDisabled(!document.samples || job);
+        if (button("Look for an unseen lamp", "A lamp outside all photographs leaves shading that falls off and shadows: tries places for it, up to a minute. Where one is found, a small sphere joins the scene, "
+                                              "and its power is estimated with the rest. The present estimate and its edits then go.", -FLT_MIN))
+            editor.findUnseenLamp();
+        ImGui::EndDisabled();
+    }
+    const UnseenSearch& last = editor.state.unseenSearch;
+    if (!searching && !last.words.empty() && last.capture == document.captureFolder) dimWrapped(shown(last.words));
+    for (size_t i = 0; i < document.fix.proxies.size(); ++i) {
+        const ProxyLight& proxy = document.fix.proxies[i];
+        ImGui::PushID(int(i));
+        wrapped(fmt::format("Lamp at {:.2f} {:.2f} {:.2f} m{}", proxy.centre.x, proxy.centre.y, proxy.centre.z, proxy.found ? fmt::format(", +- {:.2f} {:.2f} {:.2f}", proxy.sigma.x, proxy.sigma.y, proxy.sigma.z) : std::string(", as you said")));
+        ImGui::BeginDisabled(job.has_value());
+        if (button("Take it away", "Reads the capture again without this lamp; the present estimate and its edits then go", -FLT_MIN)) editor.removeProxy(i);
+        ImGui::EndDisabled();
+        ImGui::PopID();
+    }
+}
+
 void drawEstimatePanel(Editor& editor) {
     drawEstimateButton(editor);
     drawEstimateSettings(editor);

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "panels/dialogs.h"
+#include "panels/panels.h"
 #include "panels/pictures.h"
 #include "widgets.h"
 
@@ -143,6 +144,8 @@ void drawImportDoctor(Editor& editor) {
             heading("Axes");
             wrapped(fmt::format("Up is {} by the file{}.", check->up.empty() ? "z" : check->up, check->upGuess.empty() ? "" : check->upGuess == check->up ? ", and the cameras agree" : ", but the cameras' own up is nearest to " + check->upGuess));
             axes(editor, *check);
+            heading("Lamps that no photograph shows");
+            drawUnseenLamps(editor);
             heading("Surface");
             fact("Seen", fmt::format("{} of the surface, {} twice or more", percent(check->seenShare), percent(check->seenTwiceShare)), "Surfaces that no photograph shows are guessed from those around them");
             fact("Views a point", fmt::format("{:.1f}", check->meanViewsPerVertex), "Photographs that show a point of the surface, on average");

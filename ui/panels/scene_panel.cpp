@@ -14,7 +14,10 @@ void drawScenePanel(Editor& editor) {
     const float below = ImGui::GetFrameHeightWithSpacing() + em(0.9f) + (editor.job() && editor.job()->kind == JobStatus::Kind::solve ? ImGui::GetFrameHeightWithSpacing() : 0);
     if (beginChild("##sections", {0, -below})) {
         if (section(views.c_str(), "The photographs of this capture")) drawViewsPanel(editor);
-        if (section(emitters.c_str(), "Lamps that stand in the scene: what was recovered, and what you add")) drawEmittersPanel(editor);
+        if (section(emitters.c_str(), "Lamps that stand in the scene: what was recovered, and what you add")) {
+            drawEmittersPanel(editor);
+            drawUnseenLamps(editor);
+        }
         if (section("Environment", "Light from far away: sky, windows, the room around", estimated)) drawEnvironmentPanel(editor);
         if (section("Surfaces", "How the surfaces reflect light", estimated)) drawMaterialsPanel(editor);
         if (editor.state.panels.solveSettings) ImGui::SetNextItemOpen(true), editor.state.panels.solveSettings = false;
