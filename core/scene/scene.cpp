@@ -35,12 +35,23 @@ Scene buildScene(Mesh mesh, Progress& progress) {
             high = glm::max(high, scene.mesh.positions[v]);
         }
     scene.diagonal = scene.mesh.triangles.empty() ? 0 : glm::length(high - low);
-    // Rounded to a 4096th of the scene, so that other units or another origin change it hardly anywhere.
+    // What does not round: how the mesh about each vertex is joined, three edges far.
+    std::vector<uint64_t> joined(n), wider(n);
+    for (uint32_t v = 0; v < n; ++v) joined[v] = mixBits(scene.graph.start[v + 1] - scene.graph.start[v]);
+    for (int step = 0; step < 3; ++step) {
+        for (uint32_t v = 0; v < n; ++v) {
+            wider[v] = 3 * joined[v];
+            for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e) wider[v] += mixBits(joined[scene.graph.to[e]]);
+        }
+        for (uint32_t v = 0; v < n; ++v) joined[v] = mixBits(wider[v]);
+    }
+    // And the place, rounded to a 128th of the scene only, so that other units or another origin change it hardly anywhere: of 30000 vertices
+    // rounding moves a handful, where a 4096th moved a hundred and with their patterns the answer by 1e-3.
     scene.rank.assign(n, 0);
-    const double quantum = std::max(double(scene.diagonal) / 4096, 1e-300);
+    const double quantum = std::max(double(scene.diagonal) / 128, 1e-300);
     for (uint32_t v = 0; v < n; ++v) {
         if (!scene.referenced[v]) continue;
-        uint64_t bits = 0;
+        uint64_t bits = joined[v];
         for (int k = 0; k < 3; ++k) {
             bits = mixBits(bits ^ uint64_t(std::llround((double(scene.mesh.positions[v][k]) - double(low[k])) / quantum)));
             bits = mixBits(bits ^ uint64_t(std::llround(16 * double(scene.mesh.normals[v][k])) + 64));
