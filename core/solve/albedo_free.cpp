@@ -1,6 +1,7 @@
 #include "solve/albedo_free.h"
 
 #include "base/parallel.h"
+#include "solve/pair_gram.h"
 
 namespace relamp {
 
@@ -227,7 +228,32 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
         }
     }
     const InfluenceMatrix& dense = narrow.rows ? narrow : influence;
-    const RowMap denseRows(dense.values.data(), Eigen::Index(rows), Eigen::Index(dense.columns));
+    ChannelWeights weights;
+    weights.start.resize(rows + 1);
+    for (size_t i = 0; i <= rows; ++i) weights.start[i] = adjacency.start[i] + uint32_t(i);
+    weights.other.resize(adjacency.other.size() + rows);
+    weights.weight.resize(weights.other.size());
+    // W at the present light: each row's partners and then the row itself.
+    const auto weighPairs = [&] {
+        parallelFor(rows, 512, [&](size_t i) {
+            std::array<float, 6> diagonal{};
+            uint32_t at = weights.start[i];
+            for (uint32_t k = adjacency.start[i]; k < adjacency.start[i + 1]; ++k, ++at) {
+                const uint32_t p = adjacency.pair[k];
+                const bool first = pairs[p].a == i;
+                weights.other[at] = adjacency.other[k];
+                for (size_t block = 0; block < 6; ++block) {
+                    const auto [c, d] = ChannelWeights::blocks[block];
+                    const Term &t = terms[p][size_t(c)], &u = terms[p][size_t(d)];
+                    const double mine = double(pairs[p].weight * robust[p] * precision[p](c, d)) * (first ? t.a : t.b);
+                    diagonal[block] += float(mine * (first ? u.a : u.b));
+                    weights.weight[at][block] = -float(mine * (first ? u.b : u.a));
+                }
+            }
+            weights.other[at] = uint32_t(i);
+            weights.weight[at] = diagonal;
+        });
+    };
 
     // Where the quadratic model at x has its minimum, and how exactly that was found.
     const auto modelMinimum = [&](bool fromPresent, Eigen::VectorXd* target) {
@@ -239,40 +265,23 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
                 terms[k][size_t(c)] = {pairResidual(p, c, la, lb), 4 * pp * yb / (sum * sum), 4 * qq * ya / (sum * sum)};
             }
         });
-        // The part of the Gram matrix between channels c and d.
-        const auto gram = [&](int c, int d) {
-            const auto weighted = [&](size_t i, float* out) {
-                Eigen::Map<Eigen::RowVectorXf> row(out, denseRows.cols());
-                float diagonal = 0;
-                row.setZero();
-                for (uint32_t k = adjacency.start[i]; k < adjacency.start[i + 1]; ++k) {
-                    const uint32_t p = adjacency.pair[k], j = adjacency.other[k];
-                    const Term &t = terms[p][size_t(c)], &u = terms[p][size_t(d)];
-                    const bool first = pairs[p].a == i;
-                    const double mine = double(pairs[p].weight * robust[p] * precision[p](c, d)) * (first ? t.a : t.b);
-                    diagonal += float(mine * (first ? u.a : u.b));
-                    row -= float(mine * (first ? u.b : u.a)) * denseRows.row(Eigen::Index(j));
-                }
-                row += diagonal * denseRows.row(Eigen::Index(i));
-            };
-            if (pairs.empty()) return Eigen::MatrixXd(Eigen::MatrixXd::Zero(n, n));
-            Eigen::MatrixXd q = weightedGram(dense, weighted, progress, c == d);
-            if (!narrow.rows) return q;
-            Eigen::MatrixXd wide = Eigen::MatrixXd::Zero(n, n);
-            wide(lightingColumns, lightingColumns) = q;
-            return wide;
-        };
         Eigen::MatrixXd& all = report.information.all;
-        all.setZero(3 * n, 3 * n);
-        Eigen::VectorXd moments = Eigen::VectorXd::Zero(3 * n), lowers = Eigen::VectorXd::Zero(3 * n), present(3 * n);
-        for (int c = 0; c < 3; ++c) {
-            present.segment(c * n, n) = x[c];
-            all.block(c * n, c * n, n, n) = gram(c, c);
-            for (int d = 0; d < c && !report.chroma.apart(); ++d) {
-                all.block(c * n, d * n, n, n) = gram(c, d);
-                all.block(d * n, c * n, n, n) = all.block(c * n, d * n, n, n).transpose();
+        if (pairs.empty()) {
+            all.setZero(3 * n, 3 * n);
+        } else {
+            weighPairs();
+            all = channelGram(dense, weights, report.chroma.apart(), progress);
+            if (narrow.rows) {
+                const Eigen::MatrixXd few = std::move(all);
+                all.setZero(3 * n, 3 * n);
+                std::vector<Eigen::Index> places;
+                for (int c = 0; c < 3; ++c)
+                    for (const Eigen::Index k : lightingColumns) places.push_back(c * n + k);
+                all(places, places) = few;
             }
         }
+        Eigen::VectorXd moments = Eigen::VectorXd::Zero(3 * n), lowers = Eigen::VectorXd::Zero(3 * n), present(3 * n);
+        for (int c = 0; c < 3; ++c) present.segment(c * n, n) = x[c];
         // The minimum is where the model's slope, Q (x' - x) plus the slope at x, is zero: rounding in Q then slows the way and does not move its end.
         moments.noalias() = all * present;
         for (int c = 0; c < 3; ++c) {

@@ -123,12 +123,14 @@ TEST_F(FarOrigin, ShotsAndWhatIsExportedLieWhereTheFilesDo) {
 
     const RelitScene relit = test::relitOf(scene, shot.estimate, {});
     exportScene(shot, relit, folder / "out", false);
+    const DVec3 lampAt = far.origin + DVec3(relit.emitters[0].surface.centroid);
+    EXPECT_LT(glm::distance(lampAt, centroid), 1e-6);
     const json lights = json::parse(test::TemporaryFolder::read(folder / "out/lights.json"));
-    EXPECT_LT(glm::distance(placeOf(lights["lights"][0]["centroid"]), centroid), 1e-8);
+    EXPECT_LT(glm::distance(placeOf(lights["lights"][0]["centroid"]), lampAt), 1e-8);
     const json gltf = json::parse(test::TemporaryFolder::read(folder / "out/lights.gltf"));
-    EXPECT_LT(glm::distance(placeOf(gltf["nodes"][1]["translation"]), centroid), 1e-8);
+    EXPECT_LT(glm::distance(placeOf(gltf["nodes"][1]["translation"]), lampAt), 1e-8);
     const std::string usd = test::TemporaryFolder::read(folder / "out/lights.usda");
-    EXPECT_NE(usd.find(fmt::format("xformOp:translate = ({}, {}, {})", centroid.x, centroid.y, centroid.z)), std::string::npos);
+    EXPECT_NE(usd.find(fmt::format("xformOp:translate = ({}, {}, {})", lampAt.x, lampAt.y, lampAt.z)), std::string::npos);
     // What was exported is a capture of the same place.
     const CameraFile cameras = readCameraPath(far, folder / "out/transforms.json");
     EXPECT_LT(glm::distance(cameras.cameras[0].position(), far.views[0].camera.position()), 1e-8);
