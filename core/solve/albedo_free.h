@@ -21,7 +21,7 @@ struct AlbedoFreeOptions {
     float mixing = 0.25f;       ///< share of the irradiance step to the next vertex that a look-up may be off by
     float robustScale = 2.5f;   ///< Cauchy scale in standard deviations
     float tolerance = 1e-3f;    ///< relative change of the irradiance that counts as none
-    float keepProducts = 0.02f; ///< while the light has changed less than this, relative, since the products were formed, they are kept
+    float keepProducts = 0.05f; ///< while the light has changed less than this, relative, since the products were formed, they are kept
     bool anneal = true;         ///< start with a wide robust scale
     bool emptyColumns = true;   ///< false: columns that hold nothing but zeros are left out of the products, which changes nothing but rounding
     int leastIterations = 0;    ///< that many are done whatever the time budget says
