@@ -23,15 +23,15 @@ namespace relamp::cli {
 
 namespace {
 
-std::vector<float> numbersOf(const std::string& text, const std::string& option, size_t count) {
-    std::vector<float> values;
+std::vector<double> numbersOf(const std::string& text, const std::string& option, size_t count) {
+    std::vector<double> values;
     size_t at = 0;
     while (at <= text.size()) {
         const size_t comma = std::min(text.find(',', at), text.size());
         const std::string part = text.substr(at, comma - at);
         char* end = nullptr;
-        const float value = std::strtof(part.c_str(), &end);
-        if (part.empty() || *end || !std::isfinite(value)) throw UsageError(option + ": '" + part + "' is not a number");
+        const double value = std::strtod(part.c_str(), &end);
+        if (part.empty() || *end || !std::isfinite(float(value))) throw UsageError(option + ": '" + part + "' is not a number");
         values.push_back(value);
         at = comma + 1;
     }
@@ -70,9 +70,9 @@ GaugeChoice gaugeOf(const std::string& text) {
 
 ProxyLight proxyLightOf(const std::string& text) {
     const bool sized = std::count(text.begin(), text.end(), ',') == 3;
-    const std::vector<float> v = numbersOf(text, "--proxy-light", sized ? 4 : 3);
+    const std::vector<double> v = numbersOf(text, "--proxy-light", sized ? 4 : 3);
     if (sized && !(v[3] > 0)) throw UsageError("--proxy-light: a radius of " + text.substr(text.rfind(',') + 1) + ", expected more than 0");
-    return {Vec3(v[0], v[1], v[2]), sized ? v[3] : 0, Vec3(0), false};
+    return {DVec3(v[0], v[1], v[2]), sized ? float(v[3]) : 0, Vec3(0), false};
 }
 
 int edit(const std::string& path) {
@@ -154,7 +154,9 @@ int solve(const SolveArguments& a, Progress& progress) {
     Shot shot;
     shot.captureFolder = a.capture;
     shot.fix = a.fix;
+    shot.capture.origin = r.capture.origin;
     shot.fix.proxies = r.capture.proxies;
+    for (ProxyLight& p : shot.fix.proxies) p.centre += r.capture.origin;
     shot.estimate = std::move(r.estimate);
     shot.quality = a.quality;
     shot.seed = a.seed;
@@ -276,7 +278,8 @@ ResponseCurve readResponse(const fs::path& file) {
 int mergeHdr(const MergeArguments& a, Progress& progress) {
     const ThreadLimit limit(a.threads);
     std::vector<float> times;
-    if (!a.times.empty()) times = numbersOf(a.times, "--times", a.images.size());
+    if (!a.times.empty())
+        for (const double time : numbersOf(a.times, "--times", a.images.size())) times.push_back(float(time));
     for (const float t : times)
         if (!(t > 0)) throw UsageError("--times: expected seconds above 0");
     const std::string ending = a.output.extension().string();

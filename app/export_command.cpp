@@ -9,7 +9,7 @@ namespace relamp::cli {
 int exportShot(const ExportArguments& a, Progress& progress) {
     const ThreadLimit limit(a.threads);
     const Shot shot = openShot(a.shot, false, progress);
-    const Look look = a.edits.empty() ? shot.look : readLook(a.edits);
+    const Look look = a.edits.empty() ? shot.look : readLook(a.edits, shot.capture.origin);
     const Scene scene = buildScene(shot.capture.mesh, progress);
     const RelitScene relit = applyLook(scene, shot.estimate, look, progress);
     progress.check();

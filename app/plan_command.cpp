@@ -17,7 +17,10 @@ int plan(const SolveArguments& a, bool json, Progress& progress) {
     std::string text = planText(r.estimate.plan);
     if (r.search) {
         document["unseen_lamp"] = {{"found", r.search->light.has_value()}, {"words", r.search->words}};
-        if (const auto& light = r.search->light) document["unseen_lamp"]["position"] = {light->position.x, light->position.y, light->position.z};
+        if (const auto& light = r.search->light) {
+            const DVec3 place = r.capture.origin + DVec3(light->position);
+            document["unseen_lamp"]["position"] = {place.x, place.y, place.z};
+        }
         text += r.search->words + "\n";
     }
     std::fputs((json ? document.dump(1) + "\n" : text).c_str(), stdout);

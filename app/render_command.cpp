@@ -13,7 +13,7 @@ namespace relamp::cli {
 namespace {
 
 LookTrack trackOf(const RenderArguments& a, const Shot& shot) {
-    LookTrack track = a.edits.empty() ? LookTrack(shot.look) : readLookTrack(a.edits);
+    LookTrack track = a.edits.empty() ? LookTrack(shot.look) : readLookTrack(a.edits, shot.capture.origin);
     track.apply([&](Look& look) {
         if (a.environment == "none") look.environment.source = EnvironmentLook::Source::none;
         else if (a.environment == "recovered") look.environment.source = EnvironmentLook::Source::recovered;
@@ -127,6 +127,7 @@ int render(const RenderArguments& a, Progress& progress) {
         }
         try {
             FrameSources sources;
+            sources.origin = shot.capture.origin;
             sources.look = &looks.at(job.number, progress);
             sources.photograph = photographOf(shot.capture, job);
             if (sources.photograph) sources.saturation = shot.capture.views[size_t(job.view)].saturation;

@@ -344,6 +344,7 @@ void Editor::Impl::saveTo(const fs::path& folder) {
             Shot shot;
             shot.captureFolder = document.captureFolder;
             shot.fix = document.fix;
+            if (document.capture) shot.capture.origin = document.capture->origin;
             shot.estimate = *estimate;
             shot.look = version.look;
             shot.quality = document.quality;
@@ -393,6 +394,7 @@ void Editor::Impl::saveUnsavedEstimate() {
             Shot shot;
             shot.captureFolder = document.captureFolder;
             shot.fix = document.fix;
+            if (document.capture) shot.capture.origin = document.capture->origin;
             shot.estimate = *version.estimate;
             shot.look = version.look;
             shot.quality = document.quality;
@@ -649,7 +651,7 @@ void Editor::exportFrames(const ExportRequest& request) {
     Impl* impl = impl_.get();
     const Look look = lookThatFits(this->look(), *estimate, state.document.scene->mesh.vertexCount());
     impl_->start(JobStatus::Kind::exportFrames, jobs.size() == 1 ? "Rendering a frame" : fmt::format("Rendering {} frames", jobs.size()),
-                 [impl, jobs, look, estimate, request, scene = state.document.scene](Progress& progress) -> Finish {
+                 [impl, jobs, look, estimate, request, scene = state.document.scene, origin = state.document.capture ? state.document.capture->origin : DVec3(0)](Progress& progress) -> Finish {
                      const RelitScene relit = applyLook(*scene, *estimate, look, progress);
                      FrameOptions options;
                      options.samplesPerPixel = request.samples;
@@ -658,7 +660,7 @@ void Editor::exportFrames(const ExportRequest& request) {
                      for (const FrameJob& one : jobs) {
                          try {
                              const Frame frame = renderFrame(relit, one.camera, options, progress);
-                             writeFrame(one.file, frame, relit, one.camera, request.layers);
+                             writeFrame(one.file, frame, relit, one.camera, request.layers, origin);
                              ++written;
                              logInfo("{}: written ({} of {})", one.file.string(), written, jobs.size());
                          } catch (const OutOfResources& error) {

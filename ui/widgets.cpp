@@ -486,7 +486,15 @@ bool dragLook(Editor& editor, const char* id, const std::string& label, float va
     float now = held.id == key && ImGui::GetActiveID() == key ? held.value : value;
     ImGuiSliderFlags flags = range.logarithmic ? ImGuiSliderFlags_Logarithmic : 0;
     if (range.least != range.most) flags |= ImGuiSliderFlags_AlwaysClamp;
-    const bool changed = ImGui::DragFloat(id, &now, range.speed, range.least, range.most, range.format, flags) && std::isfinite(now);
+    bool changed = false;
+    if (range.offset == 0) {
+        changed = ImGui::DragFloat(id, &now, range.speed, range.least, range.most, range.format, flags);
+    } else {
+        double wide = range.offset + double(now);
+        changed = ImGui::DragScalar(id, ImGuiDataType_Double, &wide, range.speed, nullptr, nullptr, range.format);
+        if (changed) now = float(wide - range.offset);
+    }
+    changed = changed && std::isfinite(now);
     if (ImGui::IsItemActive()) held = {key, now};
     note(label.c_str());
     const bool edited = followGesture(editor, label, changed, [&](Look& look) { apply(look, now); });

@@ -101,6 +101,7 @@ struct DragRange {
     float least = 0, most = 0;   ///< both 0: none
     const char* format = "%.3f";
     bool logarithmic = false;
+    double offset = 0;           ///< added to what is shown, and taken off what is typed
 };
 /// A number to drag or to type (double click). `label` names the history entry; `id` is ImGui's.
 bool dragLook(Editor& editor, const char* id, const std::string& label, float value, const DragRange& range, const std::string& explanation,

@@ -34,6 +34,7 @@ struct ReconstructionFigures {
 /// Photographs, cameras, mesh.
 struct Capture {
     std::filesystem::path folder;
+    DVec3 origin{0};             ///< where positions of mesh, cameras, points and proxies count from, metres, Z up: 0 unless the capture lies far from its own origin. What leaves relamp or comes in has it added or taken off
     std::vector<View> views;     ///< in the order of transforms.json, COLMAP's by name; --camera N counts from 0
     Mesh mesh;
     MeshReport meshReport;
@@ -41,7 +42,7 @@ struct Capture {
     Mat3 worldFromFile{1};       ///< that turn
     double metresPerUnit = 1;    ///< how long one unit of the files is; cameras and mesh here are in metres
     std::optional<ReconstructionFigures> reconstruction;
-    std::vector<Vec3> points;        ///< up to 20000 of a reconstruction's points, turned and scaled as the mesh is
+    std::vector<DVec3> points;       ///< up to 20000 of a reconstruction's points, turned and scaled as the mesh is
     std::vector<ProxyLight> proxies;  ///< the last proxyTriangles of the mesh for each, in this order
     std::vector<std::string> notes;  ///< what was masked, repaired or ignored, one sentence each
 };

@@ -249,7 +249,8 @@ void comparePoints(const Capture& capture, CaptureCheck& check) {
     }
     size_t on = 0;
     std::array<std::vector<float>, 3> along;
-    for (const Vec3& p : capture.points) {
+    for (const DVec3& wide : capture.points) {
+        const Vec3 p(wide);
         bool found = false;
         indexOf(p, 1, [&](size_t k) { found |= surface[k] != 0; });
         on += found;
@@ -315,6 +316,7 @@ CaptureCheck checkCapture(const Capture& capture, Progress& progress) {
     const Mesh& mesh = capture.mesh;
     check.mesh = capture.meshReport;
     check.notes = capture.notes;
+    check.origin = capture.origin;
     std::vector<uint8_t> referenced(mesh.vertexCount(), 0);
     Vec3 low(std::numeric_limits<float>::infinity()), high(-low);
     for (const Triangle& t : mesh.triangles)

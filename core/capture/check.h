@@ -29,7 +29,8 @@ struct ViewCheck {
 struct CaptureCheck {
     std::vector<ViewCheck> views;
     MeshReport mesh;
-    Vec3 meshMin{0}, meshMax{0};          ///< metres, bounding box of the triangles
+    Vec3 meshMin{0}, meshMax{0};          ///< metres from origin, bounding box of the triangles
+    DVec3 origin{0};                      ///< Capture::origin
     double seenShare = 0;                 ///< vertices seen by at least one view
     double seenTwiceShare = 0;            ///< vertices seen by at least two views
     double meanViewsPerVertex = 0;        ///< of all vertices of triangles

@@ -22,7 +22,10 @@ nlohmann::json toJson(const CaptureCheck& check) {
                          {"exposure_scatter_stops", v.exposureScatterStops},
                          {"compared_vertices", v.comparedVertices}});
     const MeshReport& m = check.mesh;
-    const auto point = [](const Vec3& p) { return json::array({p.x, p.y, p.z}); };
+    const auto point = [&](const Vec3& from) {
+        const DVec3 p = check.origin + DVec3(from);
+        return json::array({p.x, p.y, p.z});
+    };
     json result = {{"views", views},
             {"mesh",
              {{"vertices", m.vertices},

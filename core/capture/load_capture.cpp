@@ -112,7 +112,7 @@ struct CaptureSource {
     Vec3 up{0, 0, 1};
     std::vector<std::string> notes;
     std::optional<ReconstructionFigures> reconstruction;
-    std::vector<Vec3> points;
+    std::vector<DVec3> points;
 };
 
 CaptureSource fromTransforms(const fs::path& folder, const CaptureFix& fix) {
@@ -229,16 +229,18 @@ void checkSize(const Image& image, View& view, const FrameSource& frame, std::ve
     throw Error("{}: is {} x {} pixels, w and h say {} x {}", view.file.string(), image.width, image.height, camera.width, camera.height);
 }
 
-std::vector<ProxyLight> sizedProxies(std::vector<ProxyLight> proxies, const Mesh& mesh) {
-    // Radius 0: a hundredth of the mesh's diagonal.
+/// Counted from `origin`, and with a hundredth of the mesh's diagonal for a radius of 0.
+std::vector<ProxyLight> placedProxies(std::vector<ProxyLight> proxies, const Mesh& mesh, const DVec3& origin) {
     Vec3 low(1e30f), high(-1e30f);
     for (const Triangle& t : mesh.triangles)
         for (uint32_t v : t) {
             low = glm::min(low, mesh.positions[v]);
             high = glm::max(high, mesh.positions[v]);
         }
-    for (ProxyLight& p : proxies)
+    for (ProxyLight& p : proxies) {
+        p.centre -= origin;
         if (p.radius == 0) p.radius = 0.01f * glm::length(high - low);
+    }
     return proxies;
 }
 
@@ -320,7 +322,7 @@ Capture loadCapture(const fs::path& folder, const LoadOptions& options, Progress
         for (size_t i = 0; i < count; ++i) readView(i);  // each is merged on all cores
     }
     orientCapture(capture, up, fix);
-    capture.proxies = sizedProxies(fix.proxies, capture.mesh);
+    capture.proxies = placedProxies(fix.proxies, capture.mesh, capture.origin);
     addProxies(capture.proxies, capture.mesh);
     for (const auto& sentences : notes) capture.notes.insert(capture.notes.end(), sentences.begin(), sentences.end());
     return capture;

@@ -60,15 +60,15 @@ void orientCapture(Capture& capture, const Vec3& up, const CaptureFix& fix) {
     if (turned) {
         for (Vec3& p : capture.mesh.positions) p = capture.worldFromFile * p;
         for (Vec3& n : capture.mesh.normals) n = capture.worldFromFile * n;
-        for (Vec3& p : capture.points) p = capture.worldFromFile * p;
     }
     if (const float grown = float(fix.scale * fix.meshScale); grown != 1)
         for (Vec3& p : capture.mesh.positions) p *= grown;
-    if (fix.scale != 1) {
-        for (Vec3& p : capture.points) p *= float(fix.scale);
+    const glm::dmat3 rotation(capture.worldFromFile);
+    capture.origin = rotation * (capture.meshReport.origin * fix.meshScale * fix.scale);
+    for (DVec3& p : capture.points) p = rotation * p * fix.scale - capture.origin;
+    if (fix.scale != 1)
         for (View& view : capture.views) view.camera.worldFromCamera[3] = glm::dvec4(view.camera.position() * fix.scale, 1);
-    }
-    const DMat4 turn{glm::dmat3(capture.worldFromFile)};
+    const DMat4 turn{rotation};
     for (View& view : capture.views) {
         DMat4& m = view.camera.worldFromCamera;
         if (turned) m = turn * m;
@@ -76,6 +76,7 @@ void orientCapture(Capture& capture, const Vec3& up, const CaptureFix& fix) {
             m[1] = -m[1];
             m[2] = -m[2];
         }
+        m[3] -= glm::dvec4(capture.origin, 0);
     }
 }
 

@@ -28,7 +28,8 @@ std::string nameFromAxis(const Vec3& axis);
 /// The rotation that takes the unit vector `up` to +Z: by a multiple of 90 degrees and exact for an axis, else the shortest.
 Mat3 rotationToZUp(const Vec3& up);
 /// Turns and scales mesh and cameras so that the file's `up` becomes +Z and lengths are metres, and flips the cameras' axes when
-/// asked. Fills capture.up and worldFromFile (the turn alone).
+/// asked. Fills capture.up, worldFromFile (the turn alone) and origin, from meshReport.origin: the mesh counts from there already, cameras and
+/// points do afterwards.
 void orientCapture(Capture& capture, const Vec3& up, const CaptureFix& fix);
 
 }  // namespace relamp

@@ -46,14 +46,15 @@ void addProxies(const std::vector<ProxyLight>& proxies, Mesh& mesh) {
     }
     const float reach = farthest * glm::length(high - low);
     for (const ProxyLight& proxy : proxies) {
-        if (!isFinite(proxy.centre) || !(proxy.radius > 0 && proxy.radius < 1e12f)) throw Error("proxy light: centre {:g} {:g} {:g}, radius {:g}: expected finite numbers and a radius above 0", proxy.centre.x, proxy.centre.y, proxy.centre.z, proxy.radius);
-        const float away = glm::length(proxy.centre - 0.5f * (low + high));
+        const Vec3 centre(proxy.centre);
+        if (!isFinite(centre) || !(proxy.radius > 0 && proxy.radius < 1e12f)) throw Error("proxy light: centre {:g} {:g} {:g}, radius {:g}: expected finite numbers and a radius above 0", proxy.centre.x, proxy.centre.y, proxy.centre.z, proxy.radius);
+        const float away = glm::length(centre - 0.5f * (low + high));
         if (!mesh.positions.empty() && !(away <= reach && proxy.radius <= reach))
             throw Error("proxy light: centre {:g} {:g} {:g}, radius {:g}: expected within {:g} m of the mesh, whose middle is {:g} m away; is it in metres?", proxy.centre.x, proxy.centre.y, proxy.centre.z,
                         proxy.radius, reach, away);
         const uint32_t first = uint32_t(mesh.vertexCount());
         for (const Vec3& p : sphere.points) {
-            mesh.positions.push_back(proxy.centre + proxy.radius * sphere.scale * p);
+            mesh.positions.push_back(centre + proxy.radius * sphere.scale * p);
             mesh.normals.push_back(p);
         }
         for (const auto& [a, b, c] : sphere.triangles) mesh.triangles.push_back({first + a, first + b, first + c});

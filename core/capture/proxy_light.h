@@ -7,7 +7,7 @@
 namespace relamp {
 
 struct ProxyLight {
-    Vec3 centre{0};        ///< metres, in the world as it is read: Z up
+    DVec3 centre{0};       ///< metres, Z up; among a Capture's proxies counted from its origin, in a CaptureFix from the files'
     float radius = 0;      ///< metres, more than 0
     Vec3 sigma{0};         ///< standard deviation of the centre along X, Y, Z, metres; 0: it was told, not found
     bool found = false;    ///< from shading and shadows (solve/hidden_light.h)

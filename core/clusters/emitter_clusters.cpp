@@ -280,7 +280,7 @@ void addProxyEmitters(const Scene& scene, const Capture& capture, float brightne
         cluster.unseen = true;
         cluster.positionSigma = proxy.sigma;
         // A guess: half of what lights the middle of the scene, on an albedo of 0.3.
-        const float distance = glm::length(proxy.centre - middleOf(scene, firstVertex));
+        const float distance = glm::length(Vec3(proxy.centre) - middleOf(scene, firstVertex));
         cluster.radiance = Rgb(std::max(brightness, 1e-9f) / 0.6f * std::max(1.0f, distance * distance / (proxy.radius * proxy.radius)));
         cluster.radianceSigma = 1;
         result.emitters.push_back(std::move(cluster));

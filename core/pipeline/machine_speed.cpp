@@ -14,7 +14,7 @@ MachineSpeed measureMachine(Progress& progress) {
         return std::max(progress.seconds() - start, 1e-7);
     };
     // Two widths tell the products from the sums.
-    constexpr double rows = 4096, narrow = 96, wide = 320;
+    constexpr double rows = 2048, narrow = 96, wide = 320;
     const double few = timed([&] { sampleGram(size_t(rows), size_t(narrow), progress); }), many = timed([&] { sampleGram(size_t(rows), size_t(wide), progress); });
     speed.gramPerSquare = std::max(0.0, many / wide - few / narrow) / (rows * (wide - narrow));
     speed.gramPerColumn = std::max(0.0, few / narrow - speed.gramPerSquare * rows * narrow) / rows;

@@ -103,7 +103,8 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
     counts.matte = matte.vertices.empty() || double(usable) > 0.15 * double(matte.vertices.size());
     countLooks(capture, scene, samples, lamps, matte, options, counts, progress);
     const PilotFindings pilot = runPilot(scene, samples, lamps, matte, pairs, options, progress);
-    if (counts.glossyLooks > 0 && pilot.ran) counts.lobeLikely = lobeLikely(capture, scene, samples, lamps, matte, pilot.lighting, options, progress);
+    // Metals have nothing but lobes: there it need not be tried.
+    if (counts.glossyLooks > 0 && pilot.ran && !counts.metals) counts.lobeLikely = lobeLikely(capture, scene, samples, lamps, matte, pilot.lighting, options, progress);
     const MachineSpeed speed = measureMachine(progress);
 
     PlanChoices kept = PlanChoices::everything();

@@ -12,13 +12,14 @@ std::vector<StageEstimate> predictStages(const WorkCounts& n, const MachineSpeed
     const bool black = pilot.ran && pilot.distantShare < 0.005 && n.lamps > 0;
     const double leavesStart = distant ? double(size_t(1) << (2 * options.startLevel)) : 1, leavesCoarse = distant ? std::max(16.0, leavesStart / 4) : 1;
 
-    // One round of the ratio fit: products within the channels (symmetric) and between them (not), one program for all three, some passes over
-    // the rows, and the pairs' own terms. The pilot takes each channel by itself.
+    // One round of the ratio fit: products within the channels (symmetric) and between them (not), which two rounds of three form anew, one program
+    // for all three, some passes over the rows, and the pairs' own terms. The pilot takes each channel by itself: a third of the products.
+    constexpr double anew = 0.65;
     const auto productSeconds = [&](double rows, double columns) { return rows * (speed.gramPerColumn * columns + speed.gramPerSquare * columns * columns); };
     const double pilotColumns = double(pilot.columns);
-    const double pairSeconds = !pilot.ran ? 0 : std::max(0.0, pilot.iterationSeconds - 3 * productSeconds(double(pilot.rows), pilotColumns)) / double(std::max<size_t>(1, pilot.pairs));
+    const double pairSeconds = !pilot.ran ? 0 : std::max(0.0, pilot.iterationSeconds - anew / 3 * productSeconds(double(pilot.rows), pilotColumns)) / double(std::max<size_t>(1, pilot.pairs));
     const auto roundSeconds = [&](double columns) {
-        return 9 * productSeconds(n.rows, columns) + 27 * speed.factorPerCube * columns * columns * columns + 8 * n.rows * columns * 4 * speed.bytes + n.pairs * pairSeconds;
+        return anew * productSeconds(n.rows, columns) + 27 * speed.factorPerCube * columns * columns * columns + 8 * n.rows * columns * 4 * speed.bytes + n.pairs * pairSeconds;
     };
     const auto roundMib = [&](double columns) { return (36 * columns * columns * 8 + 2 * 512 * columns * 4 * 2 + 4 * columns * columns * 8) / mib; };
     const double albedo = n.vertices * std::log2(std::max(2.0, n.vertices)) * speed.sparse * double(options.prior.iterations) / 2;
@@ -67,13 +68,13 @@ std::vector<StageEstimate> predictStages(const WorkCounts& n, const MachineSpeed
         if (n.glossyLooks > 0) {
             const double glossy = n.glossyLooks;
             if (n.metals) leaves = std::max(leaves, 1024 + n.lamps);  // what they mirror is divided to a side of 32
-            stages.push_back({"light with gloss", rounds * (3 * (distant && !black ? roundSeconds(leaves) + 3 * productSeconds(glossy, leaves) : 0.0) + glossy * (n.lookSeconds + cells * pilot.rowSecondsPerCell)),
+            stages.push_back({"light with gloss", rounds * (3 * (distant && !black ? roundSeconds(leaves) + productSeconds(glossy, leaves) / 3 : 0.0) + glossy * (n.lookSeconds + cells * pilot.rowSecondsPerCell)),
                               glossy * leaves * 4 * 5 / mib + roundMib(leaves)});
             stages.push_back({"surfaces again", rounds * (fitSeconds * tried + albedo), std::max(albedoMib, looks * leaves * 4 / mib)});
         }
     }
-    if (near && (n.glossyLooks == 0 || !n.lobeLikely) && distant && !black) stages.push_back({"light and surfaces in turn", double(options.turns) * (3 * productSeconds(n.rows, leaves) + 6 * n.rows * leaves * 4 * speed.bytes + albedo), std::max(albedoMib, roundMib(leaves))});
-    stages.push_back({"closing figures", productSeconds(n.rows, leaves) + 10 * speed.factorPerCube * leaves * leaves * leaves, roundMib(leaves) + 6.0});
+    if (near && (n.glossyLooks == 0 || !n.lobeLikely) && distant && !black) stages.push_back({"light and surfaces in turn", double(options.turns) * (productSeconds(n.rows, leaves) / 3 + 6 * n.rows * leaves * 4 * speed.bytes + albedo), std::max(albedoMib, roundMib(leaves))});
+    stages.push_back({"closing figures", productSeconds(n.rows, leaves) / 9 + 10 * speed.factorPerCube * leaves * leaves * leaves, roundMib(leaves) + 6.0});
     return stages;
 }
 

@@ -9,12 +9,14 @@ namespace relamp {
 namespace {
 using Json = nlohmann::json;
 
-float numberOf(const Json& value, const std::string& where) {
+double wideNumberOf(const Json& value, const std::string& where) {
     if (!value.is_number()) throw Error("{}: expected a number", where);
     const double x = value.get<double>();
     if (!std::isfinite(x) || std::abs(x) > 1e30) throw Error("{}: is {}, expected a finite number", where, x);
-    return float(x);
+    return x;
 }
+
+float numberOf(const Json& value, const std::string& where) { return float(wideNumberOf(value, where)); }
 
 Rgb colourOf(const Json& value, const std::string& where) {
     if (!value.is_array() || value.size() != 3) throw Error("{}: expected three numbers", where);
@@ -26,22 +28,37 @@ Rgb colourOf(const Json& value, const std::string& where) {
     return c;
 }
 
-Mat4 matrixOf(const Json& value, const std::string& where) {
+/// What a matrix acts on: places in the world, or a shape about 0 of its own.
+enum class ActsOn { world, shape };
+
+/// How far `origin` moves the last column of a matrix that is written for places counted from 0.
+DVec3 shiftOf(const DMat4& m, ActsOn on, const DVec3& origin) {
+    return (on == ActsOn::world ? glm::dmat3(m) * origin : DVec3(0)) - origin;
+}
+
+Mat4 matrixOf(const Json& value, const std::string& where, ActsOn on, const DVec3& origin) {
     if (!value.is_array() || value.size() != 4) throw Error("{}: expected four rows of four numbers", where);
-    Mat4 m(1);
+    DMat4 m(1);
     for (int r = 0; r < 4; ++r) {
         if (!value[size_t(r)].is_array() || value[size_t(r)].size() != 4) throw Error("{}[{}]: expected four numbers", where, r);
-        for (int c = 0; c < 4; ++c) m[c][r] = numberOf(value[size_t(r)][size_t(c)], fmt::format("{}[{}][{}]", where, r, c));
+        for (int c = 0; c < 4; ++c) m[c][r] = wideNumberOf(value[size_t(r)][size_t(c)], fmt::format("{}[{}][{}]", where, r, c));
     }
     if (m[0][3] != 0 || m[1][3] != 0 || m[2][3] != 0 || m[3][3] != 1) throw Error("{}[3]: expected 0 0 0 1", where);
     if (!(std::abs(glm::determinant(glm::dmat3(glm::mat3(m)))) > 1e-18)) throw Error("{}: is singular", where);
-    return m;
+    if (origin != DVec3(0)) m[3] += glm::dvec4(shiftOf(m, on, origin), 0);
+    return Mat4(m);
 }
 
-Json matrixToJson(const Mat4& m) {
+Json matrixToJson(const Mat4& narrow, ActsOn on, const DVec3& origin) {
+    DMat4 m(narrow);
+    if (origin != DVec3(0)) m[3] -= glm::dvec4(shiftOf(m, on, origin), 0);
     Json rows = Json::array();
     for (int r = 0; r < 4; ++r) rows.push_back({m[0][r], m[1][r], m[2][r], m[3][r]});
     return rows;
+}
+
+ActsOn actsOn(AddedEmitter::Shape shape) {
+    return shape == AddedEmitter::Shape::part || shape == AddedEmitter::Shape::copy ? ActsOn::world : ActsOn::shape;
 }
 
 const Json& listOf(const Json& document, const char* key) {
@@ -81,7 +98,7 @@ std::string textOf(const Json& object, const char* key, const std::string& where
 
 }  // namespace
 
-Look lookFromJson(const Json& document, const std::filesystem::path& folder) {
+Look lookFromJson(const Json& document, const std::filesystem::path& folder, const DVec3& origin) {
     if (!document.is_object()) throw Error("expected an object");
     if (const auto version = document.find("version"); version != document.end() && (!version->is_number_integer() || version->get<int>() != 1))
         throw Error("version: is {}, expected 1", version->dump());
@@ -105,7 +122,7 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder) {
         EmitterLook emitter;
         emitter.id = textOf(e, "id", where);
         if (e.contains("enabled")) emitter.enabled = flagOf(e["enabled"], where + ".enabled");
-        if (e.contains("matrix")) emitter.matrix = matrixOf(e["matrix"], where + ".matrix");
+        if (e.contains("matrix")) emitter.matrix = matrixOf(e["matrix"], where + ".matrix", ActsOn::world, origin);
         if (e.contains("power_scale")) emitter.powerScale = colourOf(e["power_scale"], where + ".power_scale");
         look.emitters.push_back(emitter);
     }
@@ -119,7 +136,8 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder) {
         if (emitter.shape == AddedEmitter::Shape::part) emitter.seedVertex = vertexOf(e, where);
         if (emitter.shape == AddedEmitter::Shape::copy) emitter.source = textOf(e, "source", where);
         if (e.contains("enabled")) emitter.enabled = flagOf(e["enabled"], where + ".enabled");
-        if (e.contains("matrix")) emitter.matrix = matrixOf(e["matrix"], where + ".matrix");
+        const Json matrix = e.contains("matrix") ? e["matrix"] : matrixToJson(Mat4(1), ActsOn::world, DVec3(0));
+        emitter.matrix = matrixOf(matrix, where + ".matrix", actsOn(emitter.shape), origin);
         if (e.contains("size")) {
             const Json& size = e["size"];
             if (!size.is_array() || size.empty() || size.size() > 2) throw Error("{}.size: expected one or two numbers", where);
@@ -135,7 +153,7 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder) {
         const std::string where = fmt::format("parts[{}]", i++);
         PartLook part;
         part.seedVertex = vertexOf(p, where);
-        if (p.contains("matrix")) part.matrix = matrixOf(p["matrix"], where + ".matrix");
+        if (p.contains("matrix")) part.matrix = matrixOf(p["matrix"], where + ".matrix", ActsOn::world, origin);
         if (p.contains("attached_to")) part.attachedTo = textOf(p, "attached_to", where);
         look.parts.push_back(part);
     }
@@ -146,15 +164,15 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder) {
     return look;
 }
 
-Look readLook(const std::filesystem::path& file) {
+Look readLook(const std::filesystem::path& file, const DVec3& origin) {
     return withContext(file.string(), [&] {
         const Json document = Json::parse(readBytes(file, 64 << 20), nullptr, false);
         if (document.is_discarded()) throw Error("is not valid JSON");
-        return lookFromJson(document, file.parent_path());
+        return lookFromJson(document, file.parent_path(), origin);
     });
 }
 
-Json lookToJson(const Look& look) {
+Json lookToJson(const Look& look, const DVec3& origin) {
     Json document{{"version", 1}};
     const char* sources[] = {"recovered", "none", "file"};
     Json& environment = document["environment"];
@@ -165,10 +183,10 @@ Json lookToJson(const Look& look) {
     environment["tint"] = {look.environment.tint.x, look.environment.tint.y, look.environment.tint.z};
     document["emitters"] = Json::array();
     for (const EmitterLook& e : look.emitters)
-        document["emitters"].push_back({{"id", e.id}, {"enabled", e.enabled}, {"matrix", matrixToJson(e.matrix)}, {"power_scale", {e.powerScale.x, e.powerScale.y, e.powerScale.z}}});
+        document["emitters"].push_back({{"id", e.id}, {"enabled", e.enabled}, {"matrix", matrixToJson(e.matrix, ActsOn::world, origin)}, {"power_scale", {e.powerScale.x, e.powerScale.y, e.powerScale.z}}});
     document["added_emitters"] = Json::array();
     for (const AddedEmitter& e : look.added) {
-        Json added{{"id", e.id}, {"shape", shapeNames[size_t(e.shape)]}, {"matrix", matrixToJson(e.matrix)}, {"radiance", {e.radiance.x, e.radiance.y, e.radiance.z}}};
+        Json added{{"id", e.id}, {"shape", shapeNames[size_t(e.shape)]}, {"matrix", matrixToJson(e.matrix, actsOn(e.shape), origin)}, {"radiance", {e.radiance.x, e.radiance.y, e.radiance.z}}};
         if (e.shape == AddedEmitter::Shape::part) added["seed_vertex"] = e.seedVertex;
         else if (e.shape == AddedEmitter::Shape::copy) added["source"] = e.source;
         else added["size"] = {e.size.x, e.size.y};
@@ -177,7 +195,7 @@ Json lookToJson(const Look& look) {
     }
     document["parts"] = Json::array();
     for (const PartLook& p : look.parts) {
-        document["parts"].push_back({{"seed_vertex", p.seedVertex}, {"matrix", matrixToJson(p.matrix)}});
+        document["parts"].push_back({{"seed_vertex", p.seedVertex}, {"matrix", matrixToJson(p.matrix, ActsOn::world, origin)}});
         if (!p.attachedTo.empty()) document["parts"].back()["attached_to"] = p.attachedTo;
     }
     document["materials"] = {{"neutral", look.neutralMaterials}};

@@ -59,9 +59,9 @@ struct Look {
 };
 
 /// The edits document of INTERFACE section 3. Relative file names are taken from `folder`. Throws Error naming the field
-/// ("emitters[2].matrix: is singular").
-Look lookFromJson(const nlohmann::json& document, const std::filesystem::path& folder);
-Look readLook(const std::filesystem::path& file);
-nlohmann::json lookToJson(const Look& look);
+/// ("emitters[2].matrix: is singular"). `origin`: what a Look's matrices count from (Capture::origin), metres; a document's count from 0.
+Look lookFromJson(const nlohmann::json& document, const std::filesystem::path& folder, const DVec3& origin = DVec3(0));
+Look readLook(const std::filesystem::path& file, const DVec3& origin = DVec3(0));
+nlohmann::json lookToJson(const Look& look, const DVec3& origin = DVec3(0));
 
 }  // namespace relamp

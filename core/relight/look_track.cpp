@@ -127,12 +127,12 @@ void LookTrack::apply(const std::function<void(Look&)>& change) {
     for (LookKey& key : keys_) change(key.look);
 }
 
-LookTrack readLookTrack(const std::filesystem::path& file) {
+LookTrack readLookTrack(const std::filesystem::path& file, const DVec3& origin) {
     return withContext(file.string(), [&] {
         using Json = nlohmann::json;
         Json document = Json::parse(readBytes(file, 64 << 20), nullptr, false);
         if (document.is_discarded()) throw Error("is not valid JSON");
-        if (!document.is_object() || !document.contains("keys")) return LookTrack(lookFromJson(document, file.parent_path()));
+        if (!document.is_object() || !document.contains("keys")) return LookTrack(lookFromJson(document, file.parent_path(), origin));
         const Json keys = document["keys"];
         document.erase("keys");
         if (!keys.is_array()) throw Error("keys: expected a list");
@@ -147,7 +147,7 @@ LookTrack readLookTrack(const std::filesystem::path& file) {
             if (look == key.end() || !look->is_object()) throw Error("{}.look: expected an object", where);
             Json whole = document;
             whole.update(*look);
-            looks.push_back({frame->get<int>(), withContext(where + ".look", [&] { return lookFromJson(whole, file.parent_path()); })});
+            looks.push_back({frame->get<int>(), withContext(where + ".look", [&] { return lookFromJson(whole, file.parent_path(), origin); })});
         }
         return LookTrack(std::move(looks));
     });

@@ -45,6 +45,6 @@ private:
 
 /// The edits document of INTERFACE section 3, or one with `"keys": [{"frame": 1, "look": {...}}, ...]`; what the document holds beside
 /// `keys` (environment, emitters, ...) is taken by each look that does not say otherwise. Throws Error naming file and field.
-LookTrack readLookTrack(const std::filesystem::path& file);
+LookTrack readLookTrack(const std::filesystem::path& file, const DVec3& origin = DVec3(0));
 
 }  // namespace relamp

@@ -30,6 +30,7 @@ std::filesystem::path writeComparison(const std::filesystem::path& captureFolder
         mode.name = m == 0 ? "near-field" : "distant-only";
         Shot& shot = mode.shot;
         shot.captureFolder = captureFolder;
+        shot.capture.origin = result.capture.origin;
         shot.fix = options.fix;
         shot.quality = options.quality;
         shot.seed = options.solve.seed;

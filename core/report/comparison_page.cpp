@@ -119,7 +119,7 @@ std::string comparisonPage(const Comparison& c) {
                                                 "A bright spot that is not in the room is a lamp in disguise.", stops(c.environmentStops)));
     body += grid("two", pair([](const ComparedMode& m) -> const Image& { return m.environment; }, near, distant));
 
-    body += heading("Lamps", "What shines in the scene, and why it is believed to.") + lampsTable(modes[0].shot.estimate) + rejectedTable(modes[0].shot.estimate);
+    body += heading("Lamps", "What shines in the scene, and why it is believed to.") + lampsTable(modes[0].shot.estimate) + rejectedTable(modes[0].shot.estimate, modes[0].shot.capture.origin);
     body += heading("Error against run time", "How fast each way closes in on the photographs, from the first guess on. Both axes are logarithmic; rest on a point for its stage.") +
             plotOf(modes);
     body += heading("Left out", "What this scene did not need, and what this version does not do.") + leftOutTable(modes);

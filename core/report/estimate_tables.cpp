@@ -46,14 +46,15 @@ std::string lampsTable(const Estimate& e) {
            "<p>Certain: the share of the lamp's effect on the photographs that no distant light could imitate. Below 15 % its power is a guess.</p>\n";
 }
 
-std::string rejectedTable(const Estimate& e) {
+std::string rejectedTable(const Estimate& e, const DVec3& origin) {
     if (e.emitters.rejected.empty()) return "";
     constexpr size_t most = 20;
     std::string rows;
     for (size_t i = 0; i < std::min(most, e.emitters.rejected.size()); ++i) {
         const RejectedPatch& patch = e.emitters.rejected[i];
-        rows += fmt::format("<tr><td class=\"number\">{:.2f} {:.2f} {:.2f} m</td><td class=\"number\">{}{}</td><td>{}</td></tr>\n", patch.centroid.x, patch.centroid.y,
-                            patch.centroid.z, swatch(patch.radiance), rgbText(patch.radiance), htmlText(patch.reason));
+        const DVec3 place = origin + DVec3(patch.centroid);
+        rows += fmt::format("<tr><td class=\"number\">{:.2f} {:.2f} {:.2f} m</td><td class=\"number\">{}{}</td><td>{}</td></tr>\n", place.x, place.y, place.z,
+                            swatch(patch.radiance), rgbText(patch.radiance), htmlText(patch.reason));
     }
     std::string more;
     if (e.emitters.rejected.size() > most) more = fmt::format("<p>and {} more.</p>\n", e.emitters.rejected.size() - most);

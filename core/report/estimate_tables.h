@@ -15,7 +15,7 @@ std::string swatch(const Rgb& c);
 /// The lamps with radiance, area, how sure, and why they are believed to be lamps; a sentence when there are none.
 std::string lampsTable(const Estimate& estimate);
 
-/// The bright patches that are no lamps, with the reason; empty when there are none.
-std::string rejectedTable(const Estimate& estimate);
+/// The bright patches that are no lamps, with the reason; empty when there are none. `origin`: Capture::origin.
+std::string rejectedTable(const Estimate& estimate, const DVec3& origin);
 
 }  // namespace relamp

@@ -101,6 +101,7 @@ void writeReport(const fs::path& folder, const fs::path& page, const ReportOptio
     const Scene scene = buildScene(shot.capture.mesh, progress);
     report.capture = fs::absolute(shot.captureFolder / ".").lexically_normal().parent_path().filename().string();
     report.estimate = shot.estimate;
+    report.origin = shot.capture.origin;
     report.resources = shot.resources;
     report.quality = shot.quality;
     report.noDistantBecause = report.noViewsBecause.empty() ? withoutDistant(shot, options) : report.noViewsBecause;

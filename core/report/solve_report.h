@@ -45,6 +45,7 @@ struct TruthMoment {
 struct SolveReport {
     std::string shot, capture;     ///< names of the folders
     Estimate estimate;
+    DVec3 origin{0};               ///< Capture::origin
     Resources resources;
     std::string quality;
     std::vector<ReportedView> views;

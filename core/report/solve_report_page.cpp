@@ -218,7 +218,7 @@ std::string reportPage(const SolveReport& r) {
     if (!spectrum.empty())
         body += heading("How well posed the equations were", "Eigenvalues of the column-scaled lighting equations. What lies above 1e-6 of the largest is pinned down by the photographs; "
                                                              "below, the priors decide.") + spectrum;
-    body += heading("Lamps", "What shines in the scene, and why it is believed to.") + lampsTable(r.estimate) + rejectedTable(r.estimate);
+    body += heading("Lamps", "What shines in the scene, and why it is believed to.") + lampsTable(r.estimate) + rejectedTable(r.estimate, r.origin);
     if (!r.estimate.plan.stages.empty())
         body += heading("Plan", "What every stage was expected to take on this machine before it ran, and what it took; and what was left out because the scene does not need it.") + planSection(r.estimate.plan);
     body += heading("Left out", "What this scene did not need.") + leftOutTable(r.estimate);

@@ -77,7 +77,6 @@ private:
 const char* const patterns = "sums run in another order, and vertices at one place are told apart by their order";
 const char* const axes = "the grid of directions and the sampling patterns follow the axes of the world";
 const char* const rounding = "positions are rounded otherwise and single rays and decisions flip; see lengths x 2^10, where nothing is rounded";
-const char* const precision = "positions are stored in single precision";
 
 /// What can be done to any capture.
 void variantsOf(const std::string& of, const Capture& capture, const SolveOptions& options, Runner& runner) {
@@ -104,14 +103,16 @@ void variantsOf(const std::string& of, const Capture& capture, const SolveOption
         VariantOf how;
         how.scale = scale;
         how.turn = turn;
-        how.offset = offset;
-        runner.hold(named(what), base, how, solved(movedBy(capture, scale, turn, offset)), because);
+        if (!runner.wanted(named(what))) return;
+        Capture variant = movedBy(capture, scale, turn, offset);
+        how.offset = offset - variant.origin;
+        runner.hold(named(what), base, how, solved(std::move(variant)), because);
     };
     const glm::dmat3 unturned(1.0);
     moved("in millimetres", 1000, unturned, DVec3(0), rounding);
     moved("lengths x 2^10", 1024, unturned, DVec3(0), "");
     moved("in kilometres", 1e-3, unturned, DVec3(0), rounding);
-    moved("far from the origin", 1, unturned, 100.0 * extentOf(capture) * DVec3(1, -0.7, 0.2), precision);
+    moved("far from the origin", 1, unturned, 100.0 * extentOf(capture) * DVec3(1, -0.7, 0.2), rounding);
     moved("turned by 90 degrees", 1, glm::dmat3(DVec3(0, 1, 0), DVec3(-1, 0, 0), DVec3(0, 0, 1)), DVec3(0), axes);
     moved("turned by 33 degrees", 1, glm::dmat3(DVec3(0.8386705679, 0.5446390350, 0), DVec3(-0.5446390350, 0.8386705679, 0), DVec3(0, 0, 1)), DVec3(0), axes);
     VariantOf shuffled;

@@ -1,9 +1,11 @@
 #include "report/stress_variants.h"
 
+#include <limits>
 #include <numeric>
 
 #include "base/random.h"
 #include "report/display_picture.h"
+#include "scene/mesh_io.h"
 
 namespace relamp {
 namespace {
@@ -78,12 +80,21 @@ double extentOf(const Capture& capture) {
 }
 
 Capture movedBy(Capture capture, double scale, const glm::dmat3& turn, const DVec3& offset) {
-    for (Vec3& p : capture.mesh.positions) p = Vec3(scale * (turn * DVec3(p)) + offset);
+    std::vector<DVec3> places;
+    DVec3 low(std::numeric_limits<double>::infinity()), high(-low);
+    for (const Vec3& p : capture.mesh.positions) {
+        places.push_back(scale * (turn * (capture.origin + DVec3(p))) + offset);
+        low = glm::min(low, places.back());
+        high = glm::max(high, places.back());
+    }
+    const DVec3 before = capture.origin;
+    capture.origin = originFor(low, high);
+    for (size_t v = 0; v < places.size(); ++v) capture.mesh.positions[v] = Vec3(places[v] - capture.origin);
     for (Vec3& n : capture.mesh.normals) n = Vec3(turn * DVec3(n));
     for (View& view : capture.views) {
         DMat4& m = view.camera.worldFromCamera;
         for (int k = 0; k < 3; ++k) m[k] = glm::dvec4(turn * DVec3(m[k]), 0);
-        m[3] = glm::dvec4(scale * (turn * DVec3(m[3])) + offset, 1);
+        m[3] = glm::dvec4(scale * (turn * (before + DVec3(m[3]))) + offset - capture.origin, 1);
     }
     return capture;
 }

@@ -127,7 +127,8 @@ Camera cameraOf(const json& entry, const Shot& shot) {
     if (!camera.is_object()) throw Error("camera: {} is no view", camera.dump());
     const fs::path file = fs::temp_directory_path() / fmt::format("relamp-camera-{}.json", std::hash<std::string>{}(camera.dump()));
     writeBytesAtomically(file, camera.dump());
-    const Camera read = readCameraFile(file);
+    Camera read = readCameraFile(file);
+    read.worldFromCamera[3] -= glm::dvec4(shot.capture.origin, 0);
     fs::remove(file);
     return read;
 }

@@ -41,6 +41,7 @@ struct MeshReport {
     size_t nonManifoldEdges = 0;            ///< edges of three or more faces: kept, counted
     size_t boundaryEdges = 0;               ///< edges of one face: holes
     bool normalsFromFile = false;
+    DVec3 origin{0};                        ///< of the file that the mesh's positions count from, file units: 0 unless the mesh lies far from it
 };
 
 /// Vertices joined by an edge, in compressed rows: neighbours of v are `to[start[v]] ... to[start[v + 1] - 1]`, sorted.

@@ -97,17 +97,19 @@ Mesh readMesh(const fs::path& file, MeshReport* report, const MeshLimits& limits
     const std::string bytes = readMeshBytes(file);
     return withContext(file.string(), [&] {
         MeshReport found;
-        Mesh mesh = repairSoup(readSoup(file, bytes, limits), found);
+        Mesh mesh = repairSoup(readSoup(file, bytes, limits), report != nullptr, found);
         if (report) *report = found;
         return mesh;
     });
 }
 
-void writeVertexPly(const fs::path& file, const Mesh& mesh, const std::vector<VertexProperty>& properties) {
+void writeVertexPly(const fs::path& file, const Mesh& mesh, const std::vector<VertexProperty>& properties, const DVec3& origin) {
     const size_t vertices = mesh.vertexCount();
     std::string bytes = "ply\nformat binary_little_endian 1.0\n";
     bytes += fmt::format("element vertex {}\n", vertices);
-    for (const char* name : {"x", "y", "z", "nx", "ny", "nz"}) bytes += fmt::format("property float {}\n", name);
+    const bool far = origin != DVec3(0);
+    for (const char* name : {"x", "y", "z"}) bytes += fmt::format("property {} {}\n", far ? "double" : "float", name);
+    for (const char* name : {"nx", "ny", "nz"}) bytes += fmt::format("property float {}\n", name);
     for (const VertexProperty& property : properties) {
         const bool oneWord = !property.name.empty() && property.name.find_first_of(" \t\r\n") == std::string::npos;
         if (!oneWord) throw Error("{}: property \"{}\" is no name of one word", file.string(), property.name);
@@ -116,12 +118,13 @@ void writeVertexPly(const fs::path& file, const Mesh& mesh, const std::vector<Ve
         bytes += fmt::format("property {} {}\n", property.asInt ? "int" : "float", property.name);
     }
     bytes += fmt::format("element face {}\nproperty list uchar int vertex_indices\nend_header\n", mesh.triangles.size());
-    bytes.reserve(bytes.size() + vertices * (24 + 4 * properties.size()) + mesh.triangles.size() * 13);
+    bytes.reserve(bytes.size() + vertices * (36 + 4 * properties.size()) + mesh.triangles.size() * 13);
     const auto put = [&](const auto& value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
     const std::vector<Vec3> fromFaces = mesh.normals.size() == vertices ? std::vector<Vec3>() : vertexNormalsFromFaces(mesh);
     const std::vector<Vec3>& normals = mesh.normals.size() == vertices ? mesh.normals : fromFaces;
     for (size_t v = 0; v < vertices; ++v) {
-        put(mesh.positions[v]);
+        if (far) put(origin + DVec3(mesh.positions[v]));
+        else put(mesh.positions[v]);
         put(normals[v]);
         for (const VertexProperty& property : properties) {
             if (property.asInt) put(int32_t(std::lround(std::clamp(property.values[v], -2.1e9f, 2.1e9f))));

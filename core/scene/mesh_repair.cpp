@@ -1,4 +1,5 @@
 // From the triangles of a file to a mesh that can be lit: faces that are no surface go, everything is counted.
+#include <limits>
 #include <numeric>
 
 #include "base/error.h"
@@ -8,18 +9,17 @@ namespace relamp {
 namespace {
 
 /// Coordinates beyond this are treated as not finite, because their squares leave the range of floats.
-constexpr float largestCoordinate = 1e15f;
+constexpr double largestCoordinate = 1e15;
 
-bool isUsable(const Vec3& p) {
-    return isFinite(p) && std::abs(p.x) < largestCoordinate && std::abs(p.y) < largestCoordinate && std::abs(p.z) < largestCoordinate;
+bool isUsable(const DVec3& p) {
+    return std::abs(p.x) < largestCoordinate && std::abs(p.y) < largestCoordinate && std::abs(p.z) < largestCoordinate;  // false for what is no number
 }
 
-Vec3 middleOf(const std::vector<Vec3>& positions) {
-    DVec3 low(std::numeric_limits<double>::infinity()), high(-low);
-    for (const Vec3& p : positions)
-        if (isUsable(p)) low = glm::min(low, DVec3(p)), high = glm::max(high, DVec3(p));
-    return low.x <= high.x ? Vec3(0.5 * (low + high)) : Vec3(0);
-}
+struct Box {
+    DVec3 low{std::numeric_limits<double>::infinity()}, high{-low};
+    void add(const DVec3& p) { low = glm::min(low, p), high = glm::max(high, p); }
+    DVec3 middle() const { return low.x <= high.x ? 0.5 * (low + high) : DVec3(0); }
+};
 
 /// No area to the precision of a float: repeated corner, or three corners on a line.
 bool isDegenerate(const std::vector<Vec3>& positions, const Triangle& t) {
@@ -98,6 +98,14 @@ void setNormals(Mesh& mesh, std::vector<Vec3>&& fromFile, const std::vector<uint
 
 }  // namespace
 
+DVec3 originFor(const DVec3& low, const DVec3& high) {
+    const double size = glm::length(high - low);
+    const DVec3 middle = 0.5 * (low + high);
+    if (!(size > 0) || !std::isfinite(size) || !(glm::length(middle) > 2 * size)) return DVec3(0);
+    const double step = std::exp2(std::floor(std::log2(size)));
+    return glm::round(middle / step) * step;
+}
+
 void TriangleSoup::addFace(const std::vector<int64_t>& corners, size_t vertices, const MeshLimits& limits) {
     const bool inside = std::all_of(corners.begin(), corners.end(), [&](int64_t c) { return c >= 0 && size_t(c) < vertices; });
     if (corners.size() < 3 || !inside) {
@@ -110,18 +118,26 @@ void TriangleSoup::addFace(const std::vector<int64_t>& corners, size_t vertices,
         triangles.push_back({uint32_t(corners[0]), uint32_t(corners[c - 1]), uint32_t(corners[c])});
 }
 
-Mesh repairSoup(TriangleSoup&& soup, MeshReport& report) {
+Mesh repairSoup(TriangleSoup&& soup, bool recentre, MeshReport& report) {
     report = {};
     report.polygons = soup.polygons;
     report.badIndexFaces = soup.badIndexFaces;
     const size_t facesInFile = soup.triangles.size() + soup.badIndexFaces;
     Mesh mesh;
-    mesh.positions = std::move(soup.positions);
-    std::vector<uint8_t> usable(mesh.vertexCount(), 1);
+    std::vector<uint8_t> usable(soup.positions.size(), 1);
+    Box all, surface;
     for (size_t v = 0; v < usable.size(); ++v) {
-        usable[v] = isUsable(mesh.positions[v]);
-        report.nanVertices += !usable[v];
+        usable[v] = isUsable(soup.positions[v]);
+        if (usable[v]) all.add(soup.positions[v]);
+        else ++report.nanVertices;
     }
+    for (const Triangle& t : soup.triangles)
+        for (const uint32_t v : t)
+            if (v < usable.size() && usable[v]) surface.add(soup.positions[v]);
+    if (recentre) report.origin = originFor(surface.low, surface.high);
+    mesh.positions.reserve(usable.size());
+    for (size_t v = 0; v < usable.size(); ++v) mesh.positions.emplace_back((usable[v] ? soup.positions[v] : all.middle()) - report.origin);
+    soup.positions = {};
     size_t notFinite = 0;
     for (const Triangle& t : soup.triangles) {
         if (t[0] >= usable.size() || t[1] >= usable.size() || t[2] >= usable.size()) ++report.badIndexFaces;
@@ -134,11 +150,6 @@ Mesh repairSoup(TriangleSoup&& soup, MeshReport& report) {
         if (facesInFile == 0) throw Error("holds {} vertices and no faces, expected a surface of triangles", mesh.vertexCount());
         throw Error("holds no usable triangle: of {} faces {} touch a vertex that is not finite, {} name a vertex that does not exist, {} have no area",
                     facesInFile, notFinite, report.badIndexFaces, report.degenerateFaces);
-    }
-    if (report.nanVertices) {
-        const Vec3 middle = middleOf(mesh.positions);
-        for (size_t v = 0; v < usable.size(); ++v)
-            if (!usable[v]) mesh.positions[v] = middle;
     }
     std::vector<uint8_t> referenced(mesh.vertexCount(), 0);
     for (const Triangle& t : mesh.triangles)

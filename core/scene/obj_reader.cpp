@@ -19,13 +19,13 @@ std::string_view logicalLine(TextScanner& scanner, std::string& joined) {
     return joined;
 }
 
-Vec3 threeNumbers(TextScanner& words, const char* what, size_t lineNumber) {
-    Vec3 v;
+DVec3 threeNumbers(TextScanner& words, const char* what, size_t lineNumber) {
+    DVec3 v;
     for (int c = 0; c < 3; ++c) {
         const std::string_view word = words.word();
         const auto value = TextScanner::number(word);
         if (!value) throw Error("line {}: {} holds \"{}\" where a number was expected", lineNumber, what, word.substr(0, 40));
-        v[c] = float(*value);
+        v[c] = *value;
     }
     return v;
 }
@@ -57,7 +57,7 @@ TriangleSoup readObj(std::string_view bytes, const MeshLimits& limits) {
             if (soup.positions.size() >= limits.maxVertices) throw Error("has more than {} vertices", limits.maxVertices);
             soup.positions.push_back(threeNumbers(words, "v", lineNumber));
         } else if (key == "vn") {
-            normals.push_back(threeNumbers(words, "vn", lineNumber));
+            normals.emplace_back(threeNumbers(words, "vn", lineNumber));
         } else if (key == "f") {
             face.clear();
             for (std::string_view word = words.word('#'); !word.empty(); word = words.word('#')) {
@@ -122,7 +122,7 @@ TriangleSoup readOff(std::string_view bytes, const MeshLimits& limits) {
     for (size_t v = 0; v < vertices; ++v) {
         TextScanner words(nextLine());
         soup.positions[v] = threeNumbers(words, "vertex", v);
-        if (hasNormals) soup.normals[v] = threeNumbers(words, "normal", v);
+        if (hasNormals) soup.normals[v] = Vec3(threeNumbers(words, "normal", v));
     }
     std::vector<int64_t> face;
     for (size_t f = 0; f < faces; ++f) {

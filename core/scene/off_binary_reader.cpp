@@ -53,7 +53,7 @@ std::optional<TriangleSoup> readAs(const OffLayout& layout, std::string_view byt
         return v;
     };
     for (size_t v = 0; v < vertices; ++v) {
-        soup.positions.push_back(three());
+        soup.positions.emplace_back(three());
         if (hasNormals) soup.normals.push_back(three());
         words.skip(wordsAfterPosition);
     }

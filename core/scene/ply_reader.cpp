@@ -181,14 +181,14 @@ void readVertices(PlyCursor& cursor, const PlyElement& element, TriangleSoup& so
     soup.positions.resize(element.count);
     if (hasNormals) soup.normals.resize(element.count);
     std::vector<double> ignored;
-    std::vector<float> row(element.properties.size());
+    std::vector<double> row(element.properties.size());
     for (size_t v = 0; v < element.count; ++v) {
         for (size_t p = 0; p < row.size(); ++p) {
             if (element.properties[p].isList) cursor.list(element.properties[p], ignored);
-            else row[p] = float(cursor.scalar(element.properties[p].type));
+            else row[p] = cursor.scalar(element.properties[p].type);
         }
         soup.positions[v] = {row[size_t(x)], row[size_t(y)], row[size_t(z)]};
-        if (hasNormals) soup.normals[v] = {row[size_t(nx)], row[size_t(ny)], row[size_t(nz)]};
+        if (hasNormals) soup.normals[v] = Vec3(DVec3(row[size_t(nx)], row[size_t(ny)], row[size_t(nz)]));
     }
 }
 

@@ -16,9 +16,9 @@ class Welder {
 public:
     Welder(TriangleSoup& soup, const MeshLimits& limits) : soup_(soup), limits_(limits) {}
 
-    uint32_t vertexAt(Vec3 position) {
-        position += Vec3(0);  // -0 becomes 0
-        uint32_t bits[3];
+    uint32_t vertexAt(DVec3 position) {
+        position += DVec3(0);  // -0 becomes 0
+        uint64_t bits[3];
         std::memcpy(bits, &position, sizeof bits);
         uint64_t key = mixBits(mixBits(mixBits(bits[0]) ^ bits[1]) ^ bits[2]);
         for (;; ++key) {
@@ -54,7 +54,7 @@ TriangleSoup readBinary(std::string_view bytes, const MeshLimits& limits) {
         Vec3 corners[3];
         std::memcpy(corners, bytes.data() + headerBytes + f * facetBytes + 12, sizeof corners);
         Triangle triangle;
-        for (size_t c = 0; c < 3; ++c) triangle[c] = welder.vertexAt(corners[c]);
+        for (size_t c = 0; c < 3; ++c) triangle[c] = welder.vertexAt(DVec3(corners[c]));
         soup.triangles.push_back(triangle);
     }
     return soup;
@@ -69,12 +69,12 @@ TriangleSoup readAscii(std::string_view bytes, const MeshLimits& limits) {
     bool closed = true;
     for (std::string_view word = scanner.word(); !word.empty(); word = scanner.word()) {
         if (word == "vertex") {
-            Vec3 position;
+            DVec3 position;
             for (int c = 0; c < 3; ++c) {
                 const std::string_view text = scanner.word();
                 const auto value = TextScanner::number(text);
                 if (!value) throw Error("a vertex holds \"{}\" where a number was expected", text.substr(0, 40));
-                position[c] = float(*value);
+                position[c] = *value;
             }
             face.push_back(welder.vertexAt(position));
         } else if (word == "facet") {

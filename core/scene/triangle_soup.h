@@ -13,7 +13,7 @@ namespace relamp {
 /// Vertices and triangles in file order; corners that name no vertex and vertices that are not finite are still in.
 struct TriangleSoup {
     static constexpr uint32_t noVertex = ~0u;  ///< a corner whose index lies outside the file's vertices
-    std::vector<Vec3> positions;
+    std::vector<DVec3> positions;  ///< as the file has them: double, because scenes lie far from their origin
     std::vector<Vec3> normals;   ///< as many as positions, or empty; not normalised, zero where the file gives none
     std::vector<Triangle> triangles;
     size_t polygons = 0;         ///< faces of more than three corners, cut into fans
@@ -32,7 +32,8 @@ TriangleSoup readBinaryOff(std::string_view bytes, const MeshLimits& limits);
 TriangleSoup readStl(std::string_view bytes, const MeshLimits& limits);
 
 /// Drops faces that are no surface, fills in normals, counts what is left (see MeshReport). Vertices keep their order;
-/// those that are not finite are moved to the middle of the others. Throws Error when no triangle is left.
-Mesh repairSoup(TriangleSoup&& soup, MeshReport& report);
+/// those that are not finite are moved to the middle of the others. `recentre`: a mesh far from its origin is moved near it
+/// (MeshReport::origin). Throws Error when no triangle is left.
+Mesh repairSoup(TriangleSoup&& soup, bool recentre, MeshReport& report);
 
 }  // namespace relamp

@@ -145,7 +145,7 @@ CameraFile readCameraPath(const Capture& capture, const std::filesystem::path& f
     }
     for (Camera& camera : result.cameras) {
         camera.worldFromCamera = DMat4(glm::dmat3(capture.worldFromFile)) * camera.worldFromCamera;
-        camera.worldFromCamera[3] = glm::dvec4(camera.position() * capture.metresPerUnit, 1);
+        camera.worldFromCamera[3] = glm::dvec4(camera.position() * capture.metresPerUnit - capture.origin, 1);
     }
     return result;
 }

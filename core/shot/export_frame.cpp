@@ -47,7 +47,9 @@ std::vector<std::string> idsOf(const RelitScene& relit) {
 
 double writeLayers(const std::filesystem::path& file, const Camera& camera, const FrameLayers& layers, const FrameFileOptions& options, const RowsOf& rowsOf) {
     std::map<std::string, std::string> header = options.header;
-    header.merge(cameraHeader(camera));
+    Camera placed = camera;
+    placed.worldFromCamera[3] += glm::dvec4(layers.origin(), 0);
+    header.merge(cameraHeader(placed));
     header.merge(layers.header());
     header.emplace("Software", "relamp " RELAMP_VERSION);
     GroupCheck groups{options.ratio != Ratio::none};
@@ -166,12 +168,12 @@ double writeFrameFile(const std::filesystem::path& file, const Camera& camera, c
         }
         return strip;
     };
-    if (exr) return writeLayers(file, camera, FrameLayers(wish, fileOptions.naming, idsOf(look)), fileOptions, rowsOf);
+    if (exr) return writeLayers(file, camera, FrameLayers(wish, fileOptions.naming, idsOf(look), sources.origin), fileOptions, rowsOf);
     const std::optional<float> exposure = sources.photograph ? std::optional<float>(exposureFor(*sources.photograph)) : std::nullopt;
     return writePicture(file, camera, fileOptions, exposure, rowsOf);
 }
 
-double writeFrame(const std::filesystem::path& file, const Frame& frame, const RelitScene& relit, const Camera& camera, const std::string& layers) {
+double writeFrame(const std::filesystem::path& file, const Frame& frame, const RelitScene& relit, const Camera& camera, const std::string& layers, const DVec3& origin) {
     LayerWish wish = layerWish(layers);
     if (wish.residual && !wish.all) throw BadOption("--layers residual: needs the photograph");
     wish.residual = false;
@@ -184,7 +186,7 @@ double writeFrame(const std::filesystem::path& file, const Frame& frame, const R
         if (wish.correction && !strip.frame.emittersSeen.empty()) strip.correction = bakedFactor(strip.frame);
         return strip;
     };
-    if (extensionOf(file) == ".exr") return writeLayers(file, sized, FrameLayers(wish, LayerNaming::blender, idsOf(relit)), {}, rowsOf);
+    if (extensionOf(file) == ".exr") return writeLayers(file, sized, FrameLayers(wish, LayerNaming::blender, idsOf(relit), origin), {}, rowsOf);
     return writePicture(file, sized, {}, std::nullopt, rowsOf);
 }
 

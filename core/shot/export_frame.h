@@ -38,6 +38,7 @@ struct FrameSources {
     const RelitScene* captured = nullptr;        ///< the light as photographed; may be the same scene as `look`
     const Image* photograph = nullptr;           ///< of the camera, at its size
     float saturation = 0;                        ///< of the photograph: clipped from here on; 0: none
+    DVec3 origin{0};                             ///< Capture::origin: added to positions and the header's cameras
 };
 
 /// Renders and writes the frame, whole or not at all. EXR: root RGBA and the layers asked for; PNG, JPEG, HDR: the beauty. Returns the largest
@@ -52,7 +53,7 @@ void checkLayers(const std::string& layers);
 
 /// The same for a frame that is rendered already: root RGBA and the layers it can give (no residual; the correction is that of the frame's
 /// own light).
-double writeFrame(const std::filesystem::path& file, const Frame& frame, const RelitScene& relit, const Camera& camera, const std::string& layers);
+double writeFrame(const std::filesystem::path& file, const Frame& frame, const RelitScene& relit, const Camera& camera, const std::string& layers, const DVec3& origin = DVec3(0));
 
 /// worldToCamera and worldToNDC for an EXR's header, as 16 numbers each, rows times matrix as OpenEXR has it. Camera axes: +X right, +Y up,
 /// looks down -Z; NDC in [-1, 1], y up, z from -1 (1 cm) to 1 (1 km); distortion is left out.

@@ -55,7 +55,7 @@ Json materialOf(const ExportedPiece& piece) {
     return material;
 }
 
-void addPiece(Document& d, const ExportedPiece& piece) {
+void addPiece(Document& d, const ExportedPiece& piece, const DVec3& origin) {
     if (piece.triangles.empty()) return;
     static_assert(sizeof(Vec3) == 12 && sizeof(Triangle) == 12);
     Json attributes{{"POSITION", positions(d, piece)}, {"NORMAL", d.vectors(piece.normals)}};
@@ -63,11 +63,13 @@ void addPiece(Document& d, const ExportedPiece& piece) {
     const int faces = d.add(piece.triangles.data(), piece.triangles.size() * sizeof(Triangle), piece.triangles.size() * 3, indices, "SCALAR", indexBuffer);
     d.root["materials"].push_back(materialOf(piece));
     d.root["meshes"].push_back({{"name", piece.id}, {"primitives", {{{"attributes", attributes}, {"indices", faces}, {"material", d.root["materials"].size() - 1}}}}});
-    d.child({{"name", piece.id}, {"mesh", d.root["meshes"].size() - 1}, {"translation", {piece.origin.x, piece.origin.y, piece.origin.z}}});
+    const DVec3 place = origin + DVec3(piece.origin);
+    d.child({{"name", piece.id}, {"mesh", d.root["meshes"].size() - 1}, {"translation", {place.x, place.y, place.z}}});
 }
 
-void addView(Document& d, const ExportedView& view) {
-    const Camera& c = view.camera;
+void addView(Document& d, const ExportedView& view, const DVec3& origin) {
+    Camera c = view.camera;
+    c.worldFromCamera[3] += glm::dvec4(origin, 0);
     d.root["cameras"].push_back({{"name", view.name}, {"type", "perspective"},
                                  {"perspective", {{"yfov", 2 * std::atan(0.5 * c.height / c.focalY)}, {"aspectRatio", double(c.width) / c.height * c.focalY / c.focalX}, {"znear", 0.01}, {"zfar", 1000}}}});
     Json matrix = Json::array();
@@ -83,8 +85,8 @@ Gltf gltfOf(const ExportedScene& scene, const std::string& bufferFile) {
     const double half = std::sqrt(0.5);
     d.root["nodes"].push_back({{"name", "relamp"}, {"rotation", {-half, 0, 0, half}}, {"children", Json::array()}});
     d.root["scenes"] = {{{"nodes", {0}}}};
-    for (const ExportedPiece& piece : scene.pieces) addPiece(d, piece);
-    for (const ExportedView& view : scene.views) addView(d, view);
+    for (const ExportedPiece& piece : scene.pieces) addPiece(d, piece, scene.origin);
+    for (const ExportedView& view : scene.views) addView(d, view, scene.origin);
     d.root["buffers"] = {{{"uri", bufferFile}, {"byteLength", d.buffer.size()}}};
     return {d.root.dump(1) + "\n", d.buffer};
 }

@@ -12,6 +12,7 @@ using Json = nlohmann::json;
 namespace {
 
 Json listOf(const Vec3& v) { return {v.x, v.y, v.z}; }
+Json listOf(const DVec3& v) { return {v.x, v.y, v.z}; }
 
 /// The triangles of the mesh that belong to `emitter` (-1: to none), with their vertices numbered anew.
 ExportedPiece pieceOf(const RelitScene& relit, int emitter, const std::string& id, const Vec3& origin) {
@@ -45,10 +46,10 @@ Json lightsJson(const Shot& shot, const ExportedScene& scene) {
         Vec3 normal(0);
         for (const Triangle& t : p.triangles) normal += glm::cross(p.positions[t[1]] - p.positions[t[0]], p.positions[t[2]] - p.positions[t[0]]) / 2.0f;
         Json positions = Json::array(), triangles = Json::array();
-        for (const Vec3& v : p.positions) positions.push_back(listOf(v + p.origin));
+        for (const Vec3& v : p.positions) positions.push_back(listOf(scene.origin + DVec3(v + p.origin)));
         for (const Triangle& t : p.triangles) triangles.push_back({t[0], t[1], t[2]});
         lights.push_back({{"id", p.id}, {"type", "mesh"}, {"radiance", listOf(p.radiance)}, {"two_sided", p.twoSided}, {"area_m2", p.area},
-                          {"flux", listOf(p.radiance * (pi * p.area * (p.twoSided ? 2.0f : 1.0f)))}, {"centroid", listOf(p.origin)},
+                          {"flux", listOf(p.radiance * (pi * p.area * (p.twoSided ? 2.0f : 1.0f)))}, {"centroid", listOf(scene.origin + DVec3(p.origin))},
                           {"mean_normal", listOf(p.area > 0 ? normal / p.area : Vec3(0))}, {"positions", positions}, {"triangles", triangles}});
     }
     const GaugeReport& gauge = shot.estimate.gauge;
@@ -70,7 +71,7 @@ void writeEnvironment(const fs::path& file, const DistantLight& light) {
     writeChannels(file, map.width, map.height, channels);
 }
 
-void writeMaterials(const fs::path& file, const RelitScene& relit) {
+void writeMaterials(const fs::path& file, const RelitScene& relit, const DVec3& origin) {
     std::vector<VertexProperty> properties;
     const auto add = [&](const std::string& name, const std::vector<Rgb>& values) {
         for (int c = 0; c < 3; ++c) {
@@ -86,7 +87,7 @@ void writeMaterials(const fs::path& file, const RelitScene& relit) {
         if (relit.emitterOfTriangle[t] >= 0)
             for (uint32_t v : relit.scene.mesh.triangles[t]) emitter.values[v] = float(relit.emitterOfTriangle[t]);
     properties.push_back(std::move(emitter));
-    writeVertexPly(file, relit.scene.mesh, properties);
+    writeVertexPly(file, relit.scene.mesh, properties, origin);
 }
 
 /// Names of the distortion's coefficients in COLMAP's order.
@@ -111,6 +112,7 @@ std::vector<const char*> coefficients(LensModel model) {
 
 ExportedScene exportedScene(const RelitScene& relit, const Capture& capture) {
     ExportedScene scene;
+    scene.origin = capture.origin;
     for (size_t e = 0; e < relit.emitters.size(); ++e) {
         const RelitEmitter& emitter = relit.emitters[e];
         scene.pieces.push_back(pieceOf(relit, int(e), emitter.id, emitter.surface.centroid));
@@ -126,7 +128,8 @@ ExportedScene exportedScene(const RelitScene& relit, const Capture& capture) {
 std::string transformsOf(const Capture& capture, const fs::path& folder, const std::string& meshFile) {
     Json frames = Json::array();
     for (const View& view : capture.views) {
-        const Camera& c = view.camera;
+        Camera c = view.camera;
+        c.worldFromCamera[3] += glm::dvec4(capture.origin, 0);
         Json rows = Json::array();
         for (int r = 0; r < 4; ++r) rows.push_back({c.worldFromCamera[0][r], c.worldFromCamera[1][r], c.worldFromCamera[2][r], c.worldFromCamera[3][r]});
         const std::string picture = view.file.empty() ? view.name : fs::proximate(fs::absolute(view.file), fs::absolute(folder)).generic_string();
@@ -147,7 +150,7 @@ void exportScene(const Shot& shot, const RelitScene& relit, const fs::path& fold
     if (failed) throw Error("{}: cannot be made ({})", folder.string(), failed.message());
     const ExportedScene scene = exportedScene(relit, shot.capture);
     writeEnvironment(folder / "environment.exr", *relit.distant);
-    writeMaterials(folder / "materials.ply", relit);
+    writeMaterials(folder / "materials.ply", relit, shot.capture.origin);
     writeBytesAtomically(folder / "transforms.json", transformsOf(shot.capture, folder, "materials.ply"));
     writeBytesAtomically(folder / "lights.usda", usdaOf(scene, "environment.exr"));
     const Gltf gltf = gltfOf(scene, "lights.bin");

@@ -9,7 +9,7 @@
 
 namespace relamp {
 
-/// A piece of the scene's surface, in metres about `origin`; Z is up.
+/// A piece of the scene's surface, in metres about `origin`, which counts from the scene's; Z is up.
 struct ExportedPiece {
     std::string id;                  ///< of the emitter; "surfaces" for the rest
     Vec3 origin{0};                  ///< the centroid of an emitter: what other programs turn it about
@@ -29,7 +29,8 @@ struct ExportedView {
 
 struct ExportedScene {
     std::vector<ExportedPiece> pieces;   ///< the emitters in order, then the rest
-    std::vector<ExportedView> views;
+    std::vector<ExportedView> views;     ///< their cameras count from origin
+    DVec3 origin{0};                     ///< Capture::origin: double where single precision would not hold the places
 };
 
 /// The pieces of a scene under a look. Cost: one pass over the mesh.

@@ -27,6 +27,7 @@ std::string quoted(const std::string& text) {
 }
 
 std::string tuple(const Vec3& v) { return fmt::format("({}, {}, {})", v.x, v.y, v.z); }
+std::string wideTuple(const DVec3& v) { return fmt::format("({}, {}, {})", v.x, v.y, v.z); }
 
 template <class T, class Text>
 std::string list(const std::vector<T>& values, Text&& text) {
@@ -41,13 +42,13 @@ std::string matrix(const DMat4& m) {
     return out + " )";
 }
 
-std::string meshOf(const ExportedPiece& p, const std::string& name) {
+std::string meshOf(const ExportedPiece& p, const DVec3& origin, const std::string& name) {
     std::string s = fmt::format("    def Mesh \"{}\" (\n        prepend apiSchemas = [{}\"MaterialBindingAPI\"]\n    )\n    {{\n", name, p.emits ? "\"MeshLightAPI\", " : "");
     s += fmt::format("        string relamp:id = {}\n        uniform token subdivisionScheme = \"none\"\n        uniform bool doubleSided = {}\n", quoted(p.id), p.twoSided || !p.emits ? 1 : 0);
     s += "        point3f[] points = " + list(p.positions, tuple) + "\n";
     s += "        int[] faceVertexCounts = " + list(p.triangles, [](const Triangle&) { return std::string("3"); }) + "\n";
     s += "        int[] faceVertexIndices = " + list(p.triangles, [](const Triangle& t) { return fmt::format("{}, {}, {}", t[0], t[1], t[2]); }) + "\n";
-    s += fmt::format("        double3 xformOp:translate = {}\n        uniform token[] xformOpOrder = [\"xformOp:translate\"]\n", tuple(p.origin));
+    s += fmt::format("        double3 xformOp:translate = {}\n        uniform token[] xformOpOrder = [\"xformOp:translate\"]\n", origin == DVec3(0) ? tuple(p.origin) : wideTuple(origin + DVec3(p.origin)));
     if (p.emits) {
         const float intensity = maxChannel(p.radiance) > 0 ? maxChannel(p.radiance) : 0.0f;
         s += fmt::format("        color3f inputs:color = {}\n        float inputs:intensity = {}\n        bool inputs:normalize = 0\n", tuple(intensity > 0 ? p.radiance / intensity : Rgb(1)), intensity);
@@ -67,8 +68,9 @@ std::string materialOf(const ExportedPiece& p, const std::string& name) {
 }
 
 /// The film is 36 units wide; USD counts focal lengths and apertures in tenths of the scene's unit, which is the same for both.
-std::string cameraOf(const ExportedView& view, const std::string& name) {
-    const Camera& c = view.camera;
+std::string cameraOf(const ExportedView& view, const DVec3& origin, const std::string& name) {
+    Camera c = view.camera;
+    c.worldFromCamera[3] += glm::dvec4(origin, 0);
     constexpr double width = 36;
     const double pixel = width / c.width, height = width * c.focalX / c.focalY * c.height / c.width;
     return fmt::format(
@@ -86,7 +88,7 @@ std::string usdaOf(const ExportedScene& scene, const std::string& environmentFil
     for (const ExportedPiece& piece : scene.pieces) {
         if (piece.triangles.empty()) continue;
         const std::string name = primName(piece.id, taken);
-        s += meshOf(piece, name);
+        s += meshOf(piece, scene.origin, name);
         if (piece.emits) materials += materialOf(piece, name);
     }
     // A dome's picture has its centre towards +Z, its left towards +X, its top towards +Y; ours has +X, +Y and +Z there.
@@ -94,7 +96,7 @@ std::string usdaOf(const ExportedScene& scene, const std::string& environmentFil
         "    def DomeLight \"environment\"\n    {{\n        asset inputs:texture:file = @./{}@\n        token inputs:texture:format = \"latlong\"\n        float inputs:intensity = 1\n"
         "        matrix4d xformOp:transform = ( (0, 1, 0, 0), (0, 0, 1, 0), (1, 0, 0, 0), (0, 0, 0, 1) )\n        uniform token[] xformOpOrder = [\"xformOp:transform\"]\n    }}\n\n",
         environmentFile);
-    for (const ExportedView& view : scene.views) s += cameraOf(view, primName("view_" + view.name, taken));
+    for (const ExportedView& view : scene.views) s += cameraOf(view, scene.origin, primName("view_" + view.name, taken));
     return s + "    def Scope \"Materials\"\n    {\n" + materials + "    }\n}\n";
 }
 

@@ -100,7 +100,8 @@ std::vector<Rgb> bakedFactor(const Frame& captured) {
     return factor;
 }
 
-FrameLayers::FrameLayers(const LayerWish& wish, LayerNaming naming, const std::vector<std::string>& emitterIds) : wish_(wish), naming_(naming), ids_(emitterIds) {
+FrameLayers::FrameLayers(const LayerWish& wish, LayerNaming naming, const std::vector<std::string>& emitterIds, const DVec3& origin)
+    : wish_(wish), naming_(naming), ids_(emitterIds), origin_(origin) {
     for (const std::string& id : ids_) cryptomatteIds_.push_back(cryptomatteId(id));
 }
 
@@ -142,7 +143,9 @@ void FrameLayers::fill(const FrameStrip& strip, const std::vector<float*>& out) 
     if (wish_.correction) put(strip.correction);
     if (wish_.residual) put(strip.residual);
     if (wish_.normal) put(frame.normal);
-    if (wish_.position) put(frame.position);
+    if (wish_.position)
+        for (int c = 0; c < 3; ++c, ++channel)
+            for (size_t p = 0; p < pixels; ++p) out[channel][p] = frame.position.empty() ? 0.0f : frame.depth[p] < 1e30f ? float(origin_[c] + double(frame.position[p][c])) : frame.position[p][c];
     if (wish_.depth) putOne(frame.depth);
     if (!wish_.cryptomatte) return;
     for (size_t rank = 0; rank < Frame::ranks; ++rank, channel += 2)

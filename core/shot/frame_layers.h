@@ -46,7 +46,9 @@ std::vector<Rgb> bakedFactor(const Frame& captured);
 /// The layers of a frame over emitters with these ids, in the order they are written.
 class FrameLayers {
 public:
-    FrameLayers(const LayerWish& wish, LayerNaming naming, const std::vector<std::string>& emitterIds);
+    /// `origin` is added to the positions (Capture::origin).
+    FrameLayers(const LayerWish& wish, LayerNaming naming, const std::vector<std::string>& emitterIds, const DVec3& origin = DVec3(0));
+    const DVec3& origin() const { return origin_; }
 
     /// One part with every channel, or with `multipart` a part a layer (channel names are the same).
     std::vector<ChannelPart> parts(bool multipart) const;
@@ -60,6 +62,7 @@ private:
     LayerNaming naming_;
     std::vector<std::string> ids_;
     std::vector<float> cryptomatteIds_;
+    DVec3 origin_;
 };
 
 }  // namespace relamp

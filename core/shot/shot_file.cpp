@@ -30,6 +30,7 @@ double peakMib() {
 namespace {
 
 Json toJson(const Rgb& c) { return {c.x, c.y, c.z}; }
+Json toJson(const DVec3& p) { return {p.x, p.y, p.z}; }
 
 Json evidenceJson(const EmitterEvidence& e) {
     return {{"scene_contrast", e.sceneContrast}, {"local_contrast", e.localContrast}, {"uniformity", e.uniformity}, {"view_spread", e.viewSpread},
@@ -42,12 +43,14 @@ const Json& need(const Json& object, const char* key, const std::string& where) 
     return *at;
 }
 
-Rgb colour(const Json& value, const std::string& where) {
+DVec3 place(const Json& value, const std::string& where) {
     if (!value.is_array() || value.size() != 3 || !value[0].is_number() || !value[1].is_number() || !value[2].is_number()) throw Error("{}: expected three numbers", where);
-    const Rgb c(value[0].get<float>(), value[1].get<float>(), value[2].get<float>());
-    if (!isFinite(c)) throw Error("{}: expected three finite numbers", where);
-    return c;
+    const DVec3 p(value[0].get<double>(), value[1].get<double>(), value[2].get<double>());
+    if (!isFinite(Vec3(p))) throw Error("{}: expected three finite numbers", where);
+    return p;
 }
+
+Rgb colour(const Json& value, const std::string& where) { return Rgb(place(value, where)); }
 
 /// A field of T's kind; `fallback` when it is absent. `where` is put before the key in messages ("emitters[2].").
 template <class T>
@@ -153,7 +156,7 @@ Json shotInfo(const Shot& shot) {
     info["emitters"] = Json::array();
     for (size_t i = 0; i < e.emitters.emitters.size(); ++i) {
         const EmitterCluster& c = e.emitters.emitters[i];
-        Json j{{"id", c.id}, {"name", c.id}, {"centroid", toJson(c.centroid)}, {"normal", toJson(c.normal)}, {"area_m2", c.area}, {"triangles", c.triangles.size()},
+        Json j{{"id", c.id}, {"name", c.id}, {"centroid", toJson(shot.capture.origin + DVec3(c.centroid))}, {"normal", toJson(c.normal)}, {"area_m2", c.area}, {"triangles", c.triangles.size()},
                {"power", toJson(e.lighting.emitterRadiance[i])}, {"two_sided", c.twoSided}, {"views_seen", c.evidence.viewsSeen}, {"clipped_share", c.evidence.clippedShare},
                {"evidence", evidenceJson(c.evidence)}};
         if (c.unseen) j["unseen"] = true;
@@ -164,7 +167,7 @@ Json shotInfo(const Shot& shot) {
     }
     info["rejected_patches"] = Json::array();
     for (const RejectedPatch& r : e.emitters.rejected)
-        info["rejected_patches"].push_back({{"centroid", toJson(r.centroid)}, {"radiance", toJson(r.radiance)}, {"reason", r.reason}, {"evidence", evidenceJson(r.evidence)}});
+        info["rejected_patches"].push_back({{"centroid", toJson(shot.capture.origin + DVec3(r.centroid))}, {"radiance", toJson(r.radiance)}, {"reason", r.reason}, {"evidence", evidenceJson(r.evidence)}});
     info["environment"] = {{"kept_coefficients", e.lighting.leaves.size()}, {"grid_side", e.environmentSide}};
     info["gauge"] = {{"kind", e.gauge.kind}, {"evidence", e.gauge.evidence}, {"scale", toJson(e.gauge.scale)}};
     if (e.gauge.sigma.x > 0)
@@ -238,7 +241,7 @@ void saveShot(const Shot& shot, const Mesh& mesh, const fs::path& folder, bool o
         document["capture"] = fs::proximate(fs::absolute(shot.captureFolder), target).string();
         for (size_t k = 0; k < shot.estimate.reflectance.basis.lobes.size(); ++k)
             if (const auto& measured = shot.estimate.reflectance.basis.lobes[k].measured) document["basis"][k]["file"] = fs::proximate(fs::absolute(measured->file), target).string();
-        document["look"] = lookToJson(shot.look);
+        document["look"] = lookToJson(shot.look, shot.capture.origin);
         if (shot.look.environment.source == EnvironmentLook::Source::file)
             document["look"]["environment"]["file"] = fs::proximate(fs::absolute(shot.look.environment.file), target).string();
         document["seed"] = shot.seed;
@@ -284,7 +287,7 @@ void saveShot(const Shot& shot, const Mesh& mesh, const fs::path& folder, bool o
         properties.push_back({"emitter", {shot.estimate.emitters.emitterOfVertex.begin(), shot.estimate.emitters.emitterOfVertex.end()}, true});
         properties.push_back({"confidence", r.confidence, false});
         if (!r.sigma.empty()) properties.push_back({"albedo_sigma", r.sigma, false});
-        writeVertexPly(fresh / "reflectance.ply", mesh, properties);
+        writeVertexPly(fresh / "reflectance.ply", mesh, properties, shot.capture.origin);
         writeBytesAtomically(fresh / "shot.json", document.dump(1) + "\n");
         if (!exists) {
             fs::rename(fresh, target);
@@ -364,7 +367,6 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress) {
         need(document, "emitters", "");
         emitters = listOf(document, "emitters");
         e.reflectance.basis = basisOf(document, folder);
-        if (document.contains("look")) withContext("look", [&] { shot.look = lookFromJson(document["look"], folder); });
         size_t i = 0;
         for (const Json& t : listOf(document, "timeline")) {
             const std::string where = fmt::format("timeline[{}].", i++);
@@ -380,7 +382,7 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress) {
             size_t k = 0;
             for (const Json& p : listOf(fix, "proxy_lights")) {
                 const std::string where = fmt::format("capture_fix.proxy_lights[{}].", k++);
-                shot.fix.proxies.push_back({colour(need(p, "centre", where), where + "centre"), field(p, "radius", 0.0f, where), p.contains("sigma") ? colour(p["sigma"], where + "sigma") : Vec3(0), field(p, "found", false, where)});
+                shot.fix.proxies.push_back({place(need(p, "centre", where), where + "centre"), field(p, "radius", 0.0f, where), p.contains("sigma") ? colour(p["sigma"], where + "sigma") : Vec3(0), field(p, "found", false, where)});
             }
             for (const auto& [key, place] : {std::pair{"colmap", &shot.fix.colmap}, std::pair{"images", &shot.fix.images}, std::pair{"mesh", &shot.fix.mesh}})
                 *place = field<std::string>(fix, key, "", "capture_fix.");
@@ -430,6 +432,7 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress) {
     });
     EmitterClusters& clusters = e.emitters;
     clusters.emitters.resize(emitters.size());
+    std::vector<DVec3> centroids;
     withContext(file.string(), [&] {
         for (size_t i = 0; i < emitters.size(); ++i) {
             const std::string where = fmt::format("emitters[{}].", i);
@@ -439,7 +442,7 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress) {
             c.radiance = colour(need(j, "power", where), where + "power");
             for (int k = 0; k < 3; ++k)
                 if (c.radiance[k] < 0) throw Error("{}power[{}]: is {}, expected 0 or more", where, k, c.radiance[k]);
-            c.centroid = colour(need(j, "centroid", where), where + "centroid");
+            centroids.push_back(place(need(j, "centroid", where), where + "centroid"));
             c.normal = j.contains("normal") ? colour(j["normal"], where + "normal") : Vec3(0);
             c.area = field(j, "area_m2", 0.0f, where);
             c.twoSided = field(j, "two_sided", false, where);
@@ -456,6 +459,10 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress) {
     load.images = withImages;
     load.fix = shot.fix;
     withContext(file.string() + ": capture", [&] { shot.capture = loadCapture(shot.captureFolder, load, progress); });
+    // What the document places counts from the capture's own origin.
+    for (size_t i = 0; i < centroids.size(); ++i) clusters.emitters[i].centroid = Vec3(centroids[i] - shot.capture.origin);
+    if (document.contains("look"))
+        withContext(file.string(), [&] { withContext("look", [&] { shot.look = lookFromJson(document["look"], folder, shot.capture.origin); }); });
     const size_t n = shot.capture.mesh.vertexCount();
     const DirectionGrid grid{e.environmentSide};
     e.environment = environmentCells(folder, grid);

@@ -22,7 +22,7 @@ struct Resources {
 struct Shot {
     std::filesystem::path folder;
     std::filesystem::path captureFolder;
-    Capture capture;              ///< cameras and mesh; photographs only when asked for
+    Capture capture;              ///< cameras and mesh; photographs only when asked for; to save a shot its origin is enough
     Estimate estimate;
     CaptureFix fix;               ///< how the capture's files are to be read
     Look look;

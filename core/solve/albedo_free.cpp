@@ -1,6 +1,7 @@
 #include "solve/albedo_free.h"
 
 #include "base/parallel.h"
+#include "solve/pair_gram.h"
 
 namespace relamp {
 
@@ -227,10 +228,37 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
         }
     }
     const InfluenceMatrix& dense = narrow.rows ? narrow : influence;
-    const RowMap denseRows(dense.values.data(), Eigen::Index(rows), Eigen::Index(dense.columns));
+    ChannelWeights weights;
+    weights.start.resize(rows + 1);
+    for (size_t i = 0; i <= rows; ++i) weights.start[i] = adjacency.start[i] + uint32_t(i);
+    weights.other.resize(adjacency.other.size() + rows);
+    weights.weight.resize(weights.other.size());
+    // W at the present light: each row's partners and then the row itself.
+    const auto weighPairs = [&] {
+        parallelFor(rows, 512, [&](size_t i) {
+            std::array<float, 6> diagonal{};
+            uint32_t at = weights.start[i];
+            for (uint32_t k = adjacency.start[i]; k < adjacency.start[i + 1]; ++k, ++at) {
+                const uint32_t p = adjacency.pair[k];
+                const bool first = pairs[p].a == i;
+                weights.other[at] = adjacency.other[k];
+                for (size_t block = 0; block < 6; ++block) {
+                    const auto [c, d] = ChannelWeights::blocks[block];
+                    const Term &t = terms[p][size_t(c)], &u = terms[p][size_t(d)];
+                    const double mine = double(pairs[p].weight * robust[p] * precision[p](c, d)) * (first ? t.a : t.b);
+                    diagonal[block] += float(mine * (first ? u.a : u.b));
+                    weights.weight[at][block] = -float(mine * (first ? u.b : u.a));
+                }
+            }
+            weights.other[at] = uint32_t(i);
+            weights.weight[at] = diagonal;
+        });
+    };
 
+    Eigen::VectorXd lowest;  // bounds of the last model
     // Where the quadratic model at x has its minimum, and how exactly that was found.
-    const auto modelMinimum = [&](bool fromPresent, Eigen::VectorXd* target) {
+    Eigen::MatrixXf products;  // B'WB of the last model that was worked out anew
+    const auto modelMinimum = [&](bool fromPresent, bool anew, Eigen::VectorXd* target) {
         parallelFor(pairs.size(), 4096, [&](size_t k) {
             const AlbedoPair& p = pairs[k];
             for (int c = 0; c < 3; ++c) {
@@ -239,40 +267,27 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
                 terms[k][size_t(c)] = {pairResidual(p, c, la, lb), 4 * pp * yb / (sum * sum), 4 * qq * ya / (sum * sum)};
             }
         });
-        // The part of the Gram matrix between channels c and d.
-        const auto gram = [&](int c, int d) {
-            const auto weighted = [&](size_t i, float* out) {
-                Eigen::Map<Eigen::RowVectorXf> row(out, denseRows.cols());
-                float diagonal = 0;
-                row.setZero();
-                for (uint32_t k = adjacency.start[i]; k < adjacency.start[i + 1]; ++k) {
-                    const uint32_t p = adjacency.pair[k], j = adjacency.other[k];
-                    const Term &t = terms[p][size_t(c)], &u = terms[p][size_t(d)];
-                    const bool first = pairs[p].a == i;
-                    const double mine = double(pairs[p].weight * robust[p] * precision[p](c, d)) * (first ? t.a : t.b);
-                    diagonal += float(mine * (first ? u.a : u.b));
-                    row -= float(mine * (first ? u.b : u.a)) * denseRows.row(Eigen::Index(j));
-                }
-                row += diagonal * denseRows.row(Eigen::Index(i));
-            };
-            if (pairs.empty()) return Eigen::MatrixXd(Eigen::MatrixXd::Zero(n, n));
-            Eigen::MatrixXd q = weightedGram(dense, weighted, progress, c == d);
-            if (!narrow.rows) return q;
-            Eigen::MatrixXd wide = Eigen::MatrixXd::Zero(n, n);
-            wide(lightingColumns, lightingColumns) = q;
-            return wide;
-        };
         Eigen::MatrixXd& all = report.information.all;
-        all.setZero(3 * n, 3 * n);
-        Eigen::VectorXd moments = Eigen::VectorXd::Zero(3 * n), lowers = Eigen::VectorXd::Zero(3 * n), present(3 * n);
-        for (int c = 0; c < 3; ++c) {
-            present.segment(c * n, n) = x[c];
-            all.block(c * n, c * n, n, n) = gram(c, c);
-            for (int d = 0; d < c && !report.chroma.apart(); ++d) {
-                all.block(c * n, d * n, n, n) = gram(c, d);
-                all.block(d * n, c * n, n, n) = all.block(c * n, d * n, n, n).transpose();
+        if (pairs.empty()) {
+            all.setZero(3 * n, 3 * n);
+        } else if (!anew) {
+            all = products.cast<double>();
+        } else {
+            products.resize(0, 0);
+            weighPairs();
+            all = channelGram(dense, weights, report.chroma.apart(), progress);
+            if (narrow.rows) {
+                const Eigen::MatrixXd few = std::move(all);
+                all.setZero(3 * n, 3 * n);
+                std::vector<Eigen::Index> places;
+                for (int c = 0; c < 3; ++c)
+                    for (const Eigen::Index k : lightingColumns) places.push_back(c * n + k);
+                all(places, places) = few;
             }
+            products = all.cast<float>();
         }
+        Eigen::VectorXd moments = Eigen::VectorXd::Zero(3 * n), lowers = Eigen::VectorXd::Zero(3 * n), present(3 * n);
+        for (int c = 0; c < 3; ++c) present.segment(c * n, n) = x[c];
         // The minimum is where the model's slope, Q (x' - x) plus the slope at x, is zero: rounding in Q then slows the way and does not move its end.
         moments.noalias() = all * present;
         for (int c = 0; c < 3; ++c) {
@@ -320,6 +335,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
                 held.block(c * n, c * n, n, n) += hold * mean * mean.transpose();
             }
         }
+        lowest = lowers;
         const QpResult solution = solveBoundedQp(anchored ? all : held, moments, lowers, fromPresent ? &present : nullptr, {&progress});
         for (int c = 0; c < 3; ++c) target[c] = solution.usable ? Eigen::VectorXd(solution.x.segment(c * n, n)) : x[c];
         return solution.kktResidual;
@@ -327,6 +343,9 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
 
     progress.begin("Light from ratios", size_t(options.iterations));
     double scale = options.robustScale, objective = 0;
+    // Products are by far the most of an iteration, and the model's end is where its slope is zero, which is worked out anew each time: while the
+    // light moves little they stay as they are.
+    double moved = 0;
     const int settled = options.anneal ? 3 : 0;  // from then on the objective is one and the same
     const auto writeBack = [&] {
         for (int c = 0; c < 3; ++c) {
@@ -346,22 +365,35 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
         writeBack();
         if (each) each(iteration, objective, rmse);
         Eigen::VectorXd target[3];
+        const bool anew = iteration <= settled || !(moved < double(options.keepProducts));
+        if (anew) moved = 0;
         try {
-            report.kktResidual = modelMinimum(iteration > 0, target);
+            report.kktResidual = modelMinimum(iteration > 0, anew, target);
         } catch (const OutOfTime&) {
+            if (report.information.all.rows() != 3 * n) report.information.all.setZero(3 * n, 3 * n);
             break;
         }
         dispensable.reset();
-        // A step that makes things worse is halved: the objective never rises.
+        // A step that makes things worse is halved: the objective never rises. The robust loss is flatter than the parabola that its weights make of
+        // it, so twice a good step is often a better one.
         double change = 0;
         bool accepted = false;
+        Eigen::VectorXd trial[3], farther[3];
+        Eigen::VectorXf trialLit[3], fartherLit[3];
         for (double step = 1; step > 0.01 && !accepted; step *= 0.5) {
-            Eigen::VectorXd trial[3];
-            Eigen::VectorXf trialLit[3];
             for (int c = 0; c < 3; ++c) trial[c] = x[c] + step * (target[c] - x[c]);
             litBy(trial, trialLit);
-            if (!(evaluate(trial, trialLit, scale, nullptr) <= objective)) continue;
+            const double reached = evaluate(trial, trialLit, scale, nullptr);
+            if (!(reached <= objective)) continue;
             accepted = true;
+            if (step == 1 && !annealing) {
+                for (int c = 0; c < 3; ++c) farther[c] = (x[c] + 2 * (target[c] - x[c])).cwiseMax(lowest.segment(c * n, n));
+                litBy(farther, fartherLit);
+                if (evaluate(farther, fartherLit, scale, nullptr) < reached) {
+                    std::swap(trial, farther);
+                    std::swap(trialLit, fartherLit);
+                }
+            }
             for (int c = 0; c < 3; ++c) {
                 // Relative at each look-up: a few that stand in a lamp must not speak for the rest.
                 double squares = 0;
@@ -370,9 +402,10 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
                 x[c] = trial[c];
             }
         }
+        moved += accepted ? change : 1;
         report.iterations = iteration + 1;
         progress.advance();
-        if (!annealing && (!accepted || change < options.tolerance)) break;
+        if (!annealing && (accepted ? change < options.tolerance : anew)) break;
         if (iteration + 1 >= options.leastIterations && progress.outOfTime()) break;
     }
     writeBack();

@@ -21,6 +21,7 @@ struct AlbedoFreeOptions {
     float mixing = 0.25f;       ///< share of the irradiance step to the next vertex that a look-up may be off by
     float robustScale = 2.5f;   ///< Cauchy scale in standard deviations
     float tolerance = 1e-3f;    ///< relative change of the irradiance that counts as none
+    float keepProducts = 0.05f; ///< while the light has changed less than this, relative, since the products were formed, they are kept
     bool anneal = true;         ///< start with a wide robust scale
     bool emptyColumns = true;   ///< false: columns that hold nothing but zeros are left out of the products, which changes nothing but rounding
     int leastIterations = 0;    ///< that many are done whatever the time budget says
@@ -55,7 +56,7 @@ struct AlbedoFreeReport {
     ChromaShare chroma;            ///< that the objective was reckoned with
 };
 
-/// Solves for x = [L; P] of all three channels together, x >= 0, by Gauss-Newton: one program of 3n unknowns an iteration, nine products B'W B. For a pair the residual is 2 (p - q) / (p + q), p = y_i B_j x,
+/// Solves for x = [L; P] of all three channels together, x >= 0, by Gauss-Newton: one program of 3n unknowns an iteration, nine products B'W B when the light has moved since the last ones. For a pair the residual is 2 (p - q) / (p + q), p = y_i B_j x,
 /// q = y_j B_i x: albedo is gone, the scale of x is an exact null space left to the anchors alone (and to bounced light, whose scale is known), and unlit vertices stay finite
 /// where logs would not. (Minimising (p - q)^2 with fixed weights instead shrinks x: noise in y correlates with the rows.) Weights:
 /// the residual's covariance under noise, texture and shadow-edge mixing (solve/pair_precision.h: differences between channels are known better

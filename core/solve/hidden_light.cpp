@@ -88,6 +88,12 @@ HiddenLightFit fitted(HiddenLightData& data) {
 }
 
 std::string placeInWords(const Vec3& p) { return fmt::format("{:.4g} {:.4g} {:.4g}", p.x, p.y, p.z); }
+/// In the capture's own coordinates.
+std::string placeInWords(const Vec3& p, const DVec3& origin) {
+    if (origin == DVec3(0)) return placeInWords(p);
+    const DVec3 far = origin + DVec3(p);
+    return fmt::format("{:.3f} {:.3f} {:.3f}", far.x, far.y, far.z);
+}
 
 }  // namespace
 
@@ -182,7 +188,7 @@ HiddenLightSearch findHiddenLight(const Capture& capture, const Scene& scene, co
     light.distance = glm::length(away);
     const DVec3 outward(away / light.distance);
     light.distanceSigma = float(std::sqrt(glm::dot(outward, light.covariance * outward))) / light.distance;
-    const std::string what = fmt::format("at {} (+- {}) m, {:.0f} % of the light; it lowers the misfit of shading by {:.0f} % ({:.1f} standard errors)", placeInWords(light.position),
+    const std::string what = fmt::format("at {} (+- {}) m, {:.0f} % of the light; it lowers the misfit of shading by {:.0f} % ({:.1f} standard errors)", placeInWords(light.position, capture.origin),
                                          placeInWords(light.sigma()), 100 * light.share, 100 * gain, search.certainty);
     if (gain < double(options.leastGain) || search.certainty < 2 || light.share < options.leastShare) search.words = "no unseen lamp: the likeliest one is " + what + ", which is too little to go by";
     else if (!(light.distanceSigma < 0.5f)) search.words = "no unseen lamp: the likeliest one is " + what + ", too far to be told from the surroundings";

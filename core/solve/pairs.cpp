@@ -47,14 +47,14 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
         return mixBits(mixBits(mixBits(uint64_t(cell(p.x) + dx)) ^ uint64_t(cell(p.y) + dy)) ^ uint64_t(cell(p.z) + dz));
     };
     std::unordered_map<uint64_t, std::vector<uint32_t>> buckets;
+    std::vector<std::pair<float, uint32_t>> near;  // squared distance and observation of those within reach
     for (uint32_t i = 0; i < matte.vertices.size(); ++i)
         if (place[matte.vertices[i]] != none) buckets[keyOf(scene.mesh.positions[matte.vertices[i]], 0, 0, 0)].push_back(i);
     for (uint32_t i = 0; i < matte.vertices.size(); ++i) {
         const uint32_t v = matte.vertices[i];
         if (place[v] == none) continue;
         const Vec3 p = scene.mesh.positions[v];
-        // The two nearest such partners.
-        std::pair<float, uint32_t> nearest[2] = {{reach * reach, none}, {reach * reach, none}};
+        near.clear();
         for (int k = 0; k < 27; ++k) {
             const auto bucket = buckets.find(keyOf(p, k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
             if (bucket == buckets.end()) continue;
@@ -62,15 +62,20 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
                 const uint32_t u = matte.vertices[j];
                 if (scene.piece[u] != scene.piece[v] || glm::dot(scene.mesh.normals[u], scene.mesh.normals[v]) > options.cornerCosine) continue;
                 const Vec3 d = scene.mesh.positions[u] - p;
-                const float d2 = glm::dot(d, d);
-                if (d2 < nearest[1].first) {
-                    nearest[1] = {d2, j};
-                    if (nearest[1].first < nearest[0].first) std::swap(nearest[0], nearest[1]);
-                }
+                if (const float d2 = glm::dot(d, d); d2 < reach * reach) near.emplace_back(d2, j);
             }
         }
-        for (const auto& [distance, j] : nearest)
-            if (j != none) pairs.push_back({i, j, options.cornerWeight});
+        // The two nearest such partners. Regular meshes hold many that are equally near, and rounding must not choose among them.
+        std::sort(near.begin(), near.end());
+        for (size_t kept = 0; kept < 2 && kept < near.size(); ++kept) {
+            size_t last = kept + 1;
+            while (last < near.size() && near[last].first <= near[kept].first * (1 + 1e-4f)) ++last;
+            const auto chosen = std::min_element(near.begin() + ptrdiff_t(kept), near.begin() + ptrdiff_t(last), [&](const auto& a, const auto& b) {
+                return scene.rank[matte.vertices[a.second]] < scene.rank[matte.vertices[b.second]];
+            });
+            std::iter_swap(near.begin() + ptrdiff_t(kept), chosen);
+            pairs.push_back({i, near[kept].second, options.cornerWeight});
+        }
     }
     return pairs;
 }

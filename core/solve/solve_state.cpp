@@ -190,7 +190,8 @@ AlbedoFreeReport SolveState::runAlbedoFree(const std::string& stage, int iterati
     o.emptyColumns = plan_.choices.emptyColumns;
     const std::vector<Rgb>& bounce = problem ? problem->bounce : bounce_;
     o.bounce = bounce.empty() ? nullptr : &bounce;
-    AlbedoFreeReport report = solveAlbedoFree(problem ? problem->influence : influence_, problem ? problem->observations : matte_, problem ? problem->pairs : pairs_, anchors_, rows, o, lighting_, progress_,
+    information_ = {};  // as large as what takes its place
+    AlbedoFreeReport report = solveAlbedoFree(influence_, problem ? problem->observations : matte_, problem ? problem->pairs : pairs_, anchors_, rows, o, lighting_, progress_,
                                                     [&](int i, double objective, double rmse) { record(stage, i, objective, rmse); });
     stability_.kktResidual = report.kktResidual;
     information_ = std::move(report.information);
@@ -395,6 +396,9 @@ void SolveState::splitLeaves(const std::vector<uint32_t>& chosen) {
     InfluenceMatrix wider;
     wider.rows = influence_.rows;
     wider.columns = finer.leaves.size() + surfaces_.size();
+    size_t metalLooks = 0;  // come behind the rows for a while
+    for (const PieceGloss& g : gloss_) metalLooks += g.matte ? 0 : g.looks.size();
+    wider.values.reserve((wider.rows + metalLooks) * wider.columns);
     wider.values.assign(wider.rows * wider.columns, 0.0f);
     for (size_t r = 0; r < wider.rows; ++r) {
         std::copy(influence_.row(r), influence_.row(r) + before, wider.row(r));
@@ -461,8 +465,14 @@ void SolveState::improveLight(int iterations) {
         return;
     }
     const ViewRows rows = viewRows(progress_);
+    const size_t ownRows = influence_.rows;
+    const auto takeBack = [&](void*) {
+        influence_.rows = ownRows;
+        influence_.values.resize(ownRows * influence_.columns);
+    };
+    const std::unique_ptr<void, decltype(takeBack)> narrow(&influence_, takeBack);
     const RatioProblem problem = ratiosWithMetals();
-    runAlbedoFree("light from ratios and gloss", iterations, &rows, problem.pairs.empty() ? nullptr : &problem);
+    runAlbedoFree("light from ratios and gloss", iterations, &rows, problem.observations.vertices.empty() ? nullptr : &problem);
 }
 
 void SolveState::sharpenForMetals() {
@@ -483,7 +493,6 @@ void SolveState::sharpenForMetals() {
 RatioProblem SolveState::ratiosWithMetals() {
     RatioProblem all;
     if (std::none_of(gloss_.begin(), gloss_.end(), [](const PieceGloss& g) { return !g.matte; })) return all;
-    all.influence = influence_;
     all.observations = matte_;
     all.pairs = pairs_;
     all.bounce = bounce_;
@@ -496,8 +505,9 @@ RatioProblem SolveState::ratiosWithMetals() {
         std::vector<Rgb> mirrored;
         const InfluenceMatrix lobe = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves, *g.lobe, g.looks, fine, progress_, &mirrored);
         const size_t first = all.observations.vertices.size(), count = g.looks.size();
-        all.influence.values.insert(all.influence.values.end(), lobe.values.begin(), lobe.values.end());
-        all.influence.rows += count;
+        influence_.values.reserve(influence_.values.size() + lobe.values.size());
+        influence_.values.insert(influence_.values.end(), lobe.values.begin(), lobe.values.end());
+        influence_.rows += count;
         for (size_t i = 0; i < count; ++i) {
             all.observations.vertices.push_back(g.looks[i].vertex);
             all.observations.radiance.push_back(g.looks[i].radiance);

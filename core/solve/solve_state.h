@@ -23,9 +23,8 @@ enum class SolveStep {
     turn           ///< light and albedo in turn
 };
 std::vector<SolveStep> stepsOf(const SolveOptions& options);
-/// What the albedo-free solve takes.
+/// What the albedo-free solve takes beside the rows.
 struct RatioProblem {
-    InfluenceMatrix influence;
     MatteObservations observations;
     std::vector<AlbedoPair> pairs;
     std::vector<Rgb> bounce;
@@ -166,6 +165,7 @@ private:
     ViewRows viewRows(Progress& progress);
     /// Looks at pieces without a matte part join the matte observations: the lobe's weight cancels between two looks at the same piece, as
     /// albedo does, so the piece says how the light is spread and has no say in its scale.
+    /// Their rows are put behind those of influence_, where they are not held twice: whoever asks takes them back. None: no pairs.
     RatioProblem ratiosWithMetals();
     /// A metal shows distant light sharper than matte surfaces do: leaves are halved to a side of 32 where neighbours differ.
     void sharpenForMetals();

@@ -1,8 +1,8 @@
 #include "solve/work_samples.h"
 
 #include "base/random.h"
-#include "solve/albedo_free.h"
 #include "solve/albedo_step.h"
+#include "solve/pair_gram.h"
 #include "solve/qp.h"
 
 namespace relamp {
@@ -20,11 +20,13 @@ InfluenceMatrix madeUp(size_t rows, size_t columns) {
 
 void sampleGram(size_t rows, size_t columns, Progress& progress) {
     const InfluenceMatrix m = madeUp(rows, columns);
-    weightedGram(m, [&](size_t i, float* out) {
-        Eigen::Map<Eigen::RowVectorXf> row(out, Eigen::Index(columns));
-        row.setZero();
-        for (size_t k = 0; k < 12; ++k) row += 0.1f * Eigen::Map<const Eigen::RowVectorXf>(m.row((i * 37 + k * 911) % rows), Eigen::Index(columns));
-    }, progress);
+    constexpr size_t partners = 13;
+    ChannelWeights weights;
+    for (size_t i = 0; i <= rows; ++i) weights.start.push_back(uint32_t(i * partners));
+    for (size_t i = 0; i < rows; ++i)
+        for (size_t k = 0; k < partners; ++k) weights.other.push_back(uint32_t((i + k * 37) % rows));
+    weights.weight.assign(weights.other.size(), {0.1f, 0.1f, 0.1f, 0.05f, 0.05f, 0.05f});
+    channelGram(m, weights, false, progress);
 }
 
 void sampleProgram(size_t columns, Progress& progress) {

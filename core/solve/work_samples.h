@@ -6,7 +6,7 @@
 
 namespace relamp {
 
-/// A weighted product of `rows` x `columns` influences, each row's weights a sum over a dozen others.
+/// The products of `rows` x `columns` influences between all channels, each row weighted with a dozen others.
 void sampleGram(size_t rows, size_t columns, Progress& progress);
 /// A bounded program of `columns` unknowns in which a fifth ends at its bound.
 void sampleProgram(size_t columns, Progress& progress);

@@ -358,7 +358,7 @@ TEST_F(ColmapCapture, ScaleTurnsUnitsIntoMetresAndTheMeshIntoTheCamerasUnit) {
     const Capture half = load(fix);
     EXPECT_NEAR(glm::distance(half.views[0].camera.position(), 0.5 * plain.views[0].camera.position()), 0, 1e-9);
     EXPECT_EQ(half.mesh.positions[0], 0.5f * plain.mesh.positions[0]);
-    EXPECT_EQ(half.points[0], 0.5f * plain.points[0]);
+    EXPECT_EQ(half.points[0], 0.5 * plain.points[0]);
     fix = {};
     fix.meshScale = 10;
     EXPECT_EQ(load(fix).mesh.positions[0], 10.0f * plain.mesh.positions[0]);

@@ -17,7 +17,7 @@ void inspectView(Editor& editor, int index) {
     fact("Size", fmt::format("{} x {} pixels", camera.width, camera.height));
     fact("Lens", fmt::format("{:.0f} pixels, {:.0f}\u00b0 wide", camera.focalX, 2 * std::atan(camera.width / 2.0 / std::max(1e-9, camera.focalX)) * 180 / piD), "Focal length in pixels, and the angle from the left to the right edge");
     fact("Lens model", lensModelName(camera.model), "How the lens bends straight lines; SIMPLE_PINHOLE and PINHOLE do not");
-    const DVec3 p = camera.position();
+    const DVec3 p = document.capture->origin + camera.position();
     fact("Stands at", fmt::format("{:.2f}  {:.2f}  {:.2f} m", p.x, p.y, p.z));
     if (document.check && size_t(index) < document.check->views.size()) {
         const ViewCheck& check = document.check->views[size_t(index)];

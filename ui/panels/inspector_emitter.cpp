@@ -56,7 +56,7 @@ Mat3 diagonal(const Vec3& d) { return Mat3(Vec3(d.x, 0, 0), Vec3(0, d.y, 0), Vec
 
 /// Three numbers in a row under one name.
 void triple(Editor& editor, const char* name, const std::string& label, const Vec3& value, const DragRange& range, const std::string& explanation,
-            const std::function<void(Look&, int, float)>& apply) {
+            const std::function<void(Look&, int, float)>& apply, const DVec3& offset = DVec3(0)) {
     ImGui::PushID(name);
     dimText(name);
     tooltip(explanation);
@@ -68,7 +68,9 @@ void triple(Editor& editor, const char* name, const std::string& label, const Ve
     for (int k = 0; k < 3; ++k) {
         if (k) ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
         ImGui::SetNextItemWidth(std::floor(width));
-        dragLook(editor, ids[k], label, value[k], range, axes[k] + explanation, [&](Look& look, float number) { apply(look, k, number); });
+        DragRange own = range;
+        own.offset = offset[k];
+        dragLook(editor, ids[k], label, value[k], own, axes[k] + explanation, [&](Look& look, float number) { apply(look, k, number); });
         const ImVec2 a = ImGui::GetItemRectMin(), b = ImGui::GetItemRectMax();
         ImGui::GetWindowDrawList()->AddRectFilled(a, {a.x + std::max(2.0f, em(0.14f)), b.y}, marks[k], ImGui::GetStyle().FrameRounding);
     }
@@ -86,7 +88,8 @@ void place(Editor& editor, const EmitterState& emitter, const std::vector<std::s
                Vec3 by(0);
                by[axis] = value - active->pivot[axis];
                for (const std::string& id : targets) moveEmitter(look, id, shift(by));
-           });
+           },
+           editor.state.document.capture ? editor.state.document.capture->origin : DVec3(0));
     const Placement now = placementOf(emitter.matrix);
     triple(editor, "Rotation (degrees)", "Turn " + who, now.degrees, {0.5f, 0, 0, "%.1f\u00b0"}, emitter.recovered ? "Turn about its middle, in degrees, against how it was recovered." : "Turn about its middle, in degrees.",
            [&](Look& look, int axis, float value) {
