@@ -44,6 +44,7 @@ void addCaptureOptions(CLI::App& verb, relamp::CaptureFix& fix) {
     verb.add_option("--up", fix.up, "What is up in the files: x, y, z, -x, -y, -z or three numbers X,Y,Z");
     verb.add_option("--scale", fix.scale, "Metres one unit of the files is long")->check(CLI::PositiveNumber);
     verb.add_option("--mesh-scale", fix.meshScale, "Units of the cameras one unit of the mesh is long")->check(CLI::PositiveNumber);
+    verb.add_option("--smooth-normals", fix.smoothNormals, "Rounds of smoothing for the normals of a noisy mesh; unless given, a solve asks the photographs")->check(CLI::Range(0, 100));
     verb.add_flag("--flip-cameras", fix.flipCameras, "Camera matrices have OpenCV's axes (Y down, looking along +Z)");
     verb.add_option_function<std::vector<std::string>>("--proxy-light", [&fix](const std::vector<std::string>& lights) {
         try {

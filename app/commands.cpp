@@ -155,6 +155,7 @@ int solve(const SolveArguments& a, Progress& progress) {
     shot.captureFolder = a.capture;
     shot.fix = a.fix;
     shot.capture.origin = r.capture.origin;
+    shot.fix.smoothNormals = r.smoothedNormals;
     shot.fix.proxies = r.capture.proxies;
     for (ProxyLight& p : shot.fix.proxies) p.centre += r.capture.origin;
     shot.estimate = std::move(r.estimate);

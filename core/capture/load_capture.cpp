@@ -6,6 +6,7 @@
 #include "capture/colmap.h"
 #include "capture/transforms_json.h"
 #include "scene/mesh_io.h"
+#include "scene/smooth_normals.h"
 
 namespace relamp {
 namespace fs = std::filesystem;
@@ -323,6 +324,7 @@ Capture loadCapture(const fs::path& folder, const LoadOptions& options, Progress
     }
     orientCapture(capture, up, fix);
     capture.proxies = placedProxies(fix.proxies, capture.mesh, capture.origin);
+    if (fix.smoothNormals > 0) capture.mesh.normals = smoothedNormals(capture.mesh, fix.smoothNormals);
     addProxies(capture.proxies, capture.mesh);
     for (const auto& sentences : notes) capture.notes.insert(capture.notes.end(), sentences.begin(), sentences.end());
     return capture;

@@ -16,6 +16,7 @@ struct CaptureFix {
     /// A COLMAP model's folder, its pictures' folder, the mesh: in the capture folder, in the current one, or absolute; empty:
     /// found by their usual names.
     std::string colmap{}, images{}, mesh{};
+    int smoothNormals = -1;    ///< rounds of smoothing of the mesh's normals; below 0: as the photographs say, where a solve asks them (otherwise none)
     bool fromBrackets = false; ///< merge `exposures` even where an HDR picture is named
     std::vector<ProxyLight> proxies{};  ///< lamps that the mesh does not hold
     bool operator==(const CaptureFix&) const = default;

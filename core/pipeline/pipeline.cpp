@@ -2,7 +2,9 @@
 
 #include "base/log.h"
 #include "base/stage_meter.h"
+#include "pipeline/normals_choice.h"
 #include "pipeline/working_mesh.h"
+#include "scene/smooth_normals.h"
 
 namespace relamp {
 
@@ -54,6 +56,18 @@ PipelineResult runPipeline(const std::filesystem::path& captureFolder, const Pip
     // High-radiance components become emitting patches ([Put15] 3.3).
     meter.begin("finding lamps");
     r.clusters = clusterEmitters(r.scene, r.capture, r.samples, options.clusters, progress);
+    // Are the mesh's normals good enough to shade with? A decimated mesh's are means already.
+    r.smoothedNormals = std::max(0, options.load.fix.smoothNormals);
+    if (options.load.fix.smoothNormals < 0 && !working) {
+        meter.begin("normals");
+        if (const NormalsChoice choice = chooseNormals(r.scene, r.samples, r.clusters, options.solve, progress); choice.rounds > 0) {
+            r.smoothedNormals = choice.rounds;
+            r.capture.mesh.normals = smoothedNormals(r.capture.mesh, choice.rounds);
+            r.capture.notes.push_back(fmt::format("the mesh's normals are noisy: smoothed {} times, ratios between points are explained {:.1f} % better", choice.rounds, 100 * choice.better));
+            logInfo("{}", r.capture.notes.back());
+            r.scene = buildScene(r.capture.mesh, progress);
+        }
+    }
     // What this scene does not need.
     SolveOptions solve = options.solve;
     meter.begin("planning");

@@ -33,6 +33,7 @@ struct PipelineResult {
     RadianceSamples samples;
     EmitterClusters clusters;
     Estimate estimate;
+    int smoothedNormals = 0;   ///< rounds of smoothing that the normals of `capture` have had
     std::optional<HiddenLightSearch> search;   ///< when it was asked for; what it found is among capture.proxies
 };
 

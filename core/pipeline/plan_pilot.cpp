@@ -29,12 +29,54 @@ double misfitOf(const MatteObservations& matte, const AlbedoPair& p, const std::
 }
 
 std::vector<Rgb> litBy(const InfluenceMatrix& rows, const Lighting& lighting) {
-    std::vector<Rgb> lit(rows.rows, Rgb(0));
-    for (size_t i = 0; i < rows.rows; ++i) {
-        for (size_t k = 0; k < lighting.leaves.size(); ++k) lit[i] += rows.row(i)[k] * lighting.leafRadiance[k];
-        for (size_t e = 0; e < lighting.emitterRadiance.size(); ++e) lit[i] += rows.row(i)[lighting.leaves.size() + e] * lighting.emitterRadiance[e];
-    }
+    std::vector<Rgb> lit(rows.rows);
+    for (size_t i = 0; i < rows.rows; ++i) lit[i] = lightOfRow(rows.row(i), lighting);
     return lit;
+}
+
+/// A share of the pairs, drawn by where their points lie, and those points.
+struct PilotPairs {
+    std::vector<uint8_t> wanted;  ///< per mesh vertex
+    std::vector<AlbedoPair> pairs;
+    MatteObservations matte;
+
+    PilotPairs(const Scene& scene, const MatteObservations& all, const std::vector<AlbedoPair>& allPairs, uint64_t seed) : wanted(scene.mesh.vertexCount(), 0) {
+        const double share = std::min(1.0, double(pairsWanted) / double(allPairs.size()));
+        for (const AlbedoPair& p : allPairs) {
+            const uint64_t a = scene.rank[all.vertices[p.a]], b = scene.rank[all.vertices[p.b]];
+            if (double(unitFloat(mixBits(mixBits(seed ^ a) ^ b))) >= share) continue;
+            pairs.push_back(p);
+            wanted[all.vertices[p.a]] = wanted[all.vertices[p.b]] = 1;
+        }
+        matte.viewSpread = all.viewSpread;
+        matte.pieceGlossy = all.pieceGlossy;
+        std::vector<uint32_t> place(all.vertices.size(), 0);
+        for (uint32_t i = 0; i < all.vertices.size(); ++i) {
+            if (!wanted[all.vertices[i]]) continue;
+            place[i] = uint32_t(matte.vertices.size());
+            matte.vertices.push_back(all.vertices[i]);
+            matte.radiance.push_back(all.radiance[i]);
+            matte.sigma.push_back(all.sigma[i]);
+        }
+        for (AlbedoPair& p : pairs) {
+            p.a = place[p.a];
+            p.b = place[p.b];
+        }
+    }
+};
+
+/// The fit's options and its start: even light.
+AlbedoFreeOptions pilotFit(const MatteObservations& matte, const EmitterClusters& lamps, double& middle, Lighting& lighting) {
+    std::vector<float> brightness;
+    for (const Rgb& y : matte.radiance) brightness.push_back(maxChannel(y));
+    middle = median(brightness);
+    lighting.emitterRadiance = firstRadiance(lamps);
+    lighting.leafRadiance.assign(lighting.leaves.size(), Rgb(float(std::max(middle / 0.3, 1e-9))));
+    AlbedoFreeOptions fit;
+    fit.iterations = 12;
+    fit.light.darkness = float(1e-3 * middle);
+    fit.chroma = ChromaShare{};  // each channel by itself: that is enough to judge by
+    return fit;
 }
 
 }  // namespace
@@ -44,31 +86,10 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
     PilotFindings found;
     if (pairs.size() < 50) return found;
     found.ran = true;
-    // A share of the pairs, drawn by where their points lie.
-    const double share = std::min(1.0, double(pairsWanted) / double(pairs.size()));
-    std::vector<uint8_t> wanted(scene.mesh.vertexCount(), 0);
-    std::vector<AlbedoPair> chosen;
-    for (const AlbedoPair& p : pairs) {
-        const uint64_t a = scene.rank[all.vertices[p.a]], b = scene.rank[all.vertices[p.b]];
-        if (double(unitFloat(mixBits(mixBits(options.seed ^ a) ^ b))) >= share) continue;
-        chosen.push_back(p);
-        wanted[all.vertices[p.a]] = wanted[all.vertices[p.b]] = 1;
-    }
-    MatteObservations matte;
-    matte.viewSpread = all.viewSpread;
-    matte.pieceGlossy = all.pieceGlossy;
-    std::vector<uint32_t> place(all.vertices.size(), 0);
-    for (uint32_t i = 0; i < all.vertices.size(); ++i) {
-        if (!wanted[all.vertices[i]]) continue;
-        place[i] = uint32_t(matte.vertices.size());
-        matte.vertices.push_back(all.vertices[i]);
-        matte.radiance.push_back(all.radiance[i]);
-        matte.sigma.push_back(all.sigma[i]);
-    }
-    for (AlbedoPair& p : chosen) {
-        p.a = place[p.a];
-        p.b = place[p.b];
-    }
+    const PilotPairs part(scene, all, pairs, options.seed);
+    const std::vector<uint8_t>& wanted = part.wanted;
+    const std::vector<AlbedoPair>& chosen = part.pairs;
+    const MatteObservations& matte = part.matte;
     found.pairs = chosen.size();
     found.points = matte.vertices.size();
 
@@ -109,19 +130,12 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
     found.columns = rows.columns;
 
     const LightAnchors anchors = lightAnchors(samples, lamps, lighting.leaves);
-    std::vector<float> brightness;
-    for (const Rgb& y : matte.radiance) brightness.push_back(maxChannel(y));
-    const double middle = median(brightness);
+    double middle = 0;
+    AlbedoFreeOptions fit = pilotFit(matte, lamps, middle, lighting);
     float brightest = 0;
     for (size_t c = 0; c < samples.background.size(); ++c)
         if (samples.backgroundPixels[c]) brightest = std::max(brightest, maxChannel(samples.background[c]));
     found.backgroundShare = middle > 0 ? double(brightest) / middle : 0;
-    lighting.emitterRadiance = firstRadiance(lamps);
-    lighting.leafRadiance.assign(lighting.leaves.size(), Rgb(float(std::max(middle / 0.3, 1e-9))));
-    AlbedoFreeOptions fit;
-    fit.iterations = 12;
-    fit.light.darkness = float(1e-3 * middle);
-    fit.chroma = ChromaShare{};  // each channel by itself: that is enough to judge by
     took();
     const AlbedoFreeReport without = solveAlbedoFree(rows, matte, chosen, anchors, nullptr, fit, lighting, progress, {});
     found.iterations = without.iterations;
@@ -170,6 +184,26 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
     const double n = double(std::max<size_t>(2, chosen.size())), mean = sum / n, variance = std::max(0.0, squares / n - mean * mean) / (n - 1);
     found.bounceWorse = variance > 0 ? mean / std::sqrt(variance) : 0;
     return found;
+}
+
+std::vector<double> pilotMisfits(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps, const MatteObservations& all,
+                                 const std::vector<AlbedoPair>& pairs, const SolveOptions& options, Progress& progress) {
+    const PilotPairs part(scene, all, pairs, options.seed);
+    const Visibility visibility = computeVisibility(scene, {pilotSide, &part.wanted}, progress);
+    NearFieldOptions nearOptions;
+    nearOptions.seed = options.seed;
+    nearOptions.only = &part.wanted;
+    const NearField nearField = computeNearField(scene, lamps, nearOptions, progress);
+    Lighting lighting;
+    lighting.leaves = LightLeaves::uniform(pilotLevel);
+    const InfluenceMatrix rows = lambertInfluence(scene, visibility, nearField, lighting.leaves, part.matte.vertices, progress);
+    double middle = 0;
+    const AlbedoFreeOptions fit = pilotFit(part.matte, lamps, middle, lighting);
+    solveAlbedoFree(rows, part.matte, part.pairs, lightAnchors(samples, lamps, lighting.leaves), nullptr, fit, lighting, progress, {});
+    const std::vector<Rgb> lit = litBy(rows, lighting);
+    std::vector<double> misfits;
+    for (const AlbedoPair& p : part.pairs) misfits.push_back(misfitOf(part.matte, p, lit));
+    return misfits;
 }
 
 }  // namespace relamp

@@ -30,4 +30,8 @@ struct PilotFindings {
 PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps, const MatteObservations& matte,
                        const std::vector<AlbedoPair>& pairs, const SolveOptions& options, Progress& progress);
 
+/// Misfit of each of the pilot's pairs, bent, under the coarse light fitted to them: what fits with other normals can be held against, pair by pair.
+std::vector<double> pilotMisfits(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps, const MatteObservations& matte,
+                                 const std::vector<AlbedoPair>& pairs, const SolveOptions& options, Progress& progress);
+
 }  // namespace relamp

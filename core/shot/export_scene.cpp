@@ -2,6 +2,7 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "brdf/layered_albedo.h"
 #include "image/environment_map.h"
 #include "image/image_io.h"
 #include "scene/mesh_io.h"
@@ -80,7 +81,7 @@ void writeMaterials(const fs::path& file, const RelitScene& relit, const DVec3& 
             properties.push_back(std::move(p));
         }
     };
-    if (!relit.weight.empty()) add("albedo", relit.weight[0]);
+    if (!relit.weight.empty()) add("albedo", albedoUnderCoat(relit.basis, relit.weight));
     for (size_t k = 0; k < relit.weight.size(); ++k) add(fmt::format("weight_{}", k), relit.weight[k]);
     VertexProperty emitter{"emitter", std::vector<float>(relit.scene.mesh.vertexCount(), -1), true};
     for (size_t t = 0; t < relit.emitterOfTriangle.size(); ++t)

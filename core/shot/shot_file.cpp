@@ -10,6 +10,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/log.h"
+#include "brdf/layered_albedo.h"
 #include "capture/load_capture.h"
 #include "image/environment_map.h"
 #include "image/image_io.h"
@@ -212,6 +213,7 @@ Json fixToJson(const CaptureFix& fix, const fs::path& capture) {
     };
     return {{"up", fix.up},       {"flip_cameras", fix.flipCameras}, {"scale", fix.scale},        {"mesh_scale", fix.meshScale},
             {"colmap", kept(fix.colmap)}, {"images", kept(fix.images)},      {"mesh", kept(fix.mesh)}, {"from_brackets", fix.fromBrackets},
+            {"smooth_normals", std::max(0, fix.smoothNormals)},
             {"proxy_lights", proxiesToJson(fix.proxies)}};
 }
 
@@ -281,7 +283,7 @@ void saveShot(const Shot& shot, const Mesh& mesh, const fs::path& folder, bool o
                 properties.push_back(std::move(p));
             }
         };
-        add("albedo", r.weight[0]);
+        add("albedo", albedoUnderCoat(r.basis, r.weight));
         for (size_t k = 0; k < r.weight.size(); ++k) add(fmt::format("weight_{}", k), r.weight[k]);
         properties.push_back({"observed", {r.observed.begin(), r.observed.end()}, true});
         properties.push_back({"emitter", {shot.estimate.emitters.emitterOfVertex.begin(), shot.estimate.emitters.emitterOfVertex.end()}, true});
@@ -378,6 +380,7 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress) {
             shot.fix.flipCameras = field(fix, "flip_cameras", false, "capture_fix.");
             shot.fix.scale = field(fix, "scale", 1.0, "capture_fix.");
             shot.fix.meshScale = field(fix, "mesh_scale", 1.0, "capture_fix.");
+            shot.fix.smoothNormals = std::clamp(field(fix, "smooth_normals", 0, "capture_fix."), 0, 100);
             shot.fix.fromBrackets = field(fix, "from_brackets", false, "capture_fix.");
             size_t k = 0;
             for (const Json& p : listOf(fix, "proxy_lights")) {

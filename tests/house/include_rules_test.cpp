@@ -48,7 +48,7 @@ const std::map<std::string, Names>& table() {
         {"image", {"base"}},
         {"wavelet", {"base", "image"}},
         {"brdf", {"base", "image", "wavelet"}},
-        {"capture", {"base", "image", "scene/mesh.h", "scene/mesh_io.h"}},
+        {"capture", {"base", "image", "scene/mesh.h", "scene/mesh_io.h", "scene/smooth_normals.h"}},
         {"scene", {"base"}},
         {"radiance", upTo("radiance")},
         {"clusters", upTo("clusters")},

@@ -113,6 +113,23 @@ void viewTable(Editor& editor, const CaptureCheck& check, float height) {
     ImGui::EndTable();
 }
 
+/// Smoothing of a noisy mesh's normals: the capture is read again when the slider is let go.
+void normalsSetting(Editor& editor) {
+    const CaptureFix& fix = editor.state.document.fix;
+    static int wanted = 0;
+    if (!ImGui::IsAnyItemActive()) wanted = std::max(0, fix.smoothNormals);
+    ImGui::BeginDisabled(editor.job().has_value());
+    ImGui::SetNextItemWidth(em(16));
+    ImGui::SliderInt("##normals", &wanted, 0, 12, wanted > 0 ? "normals smoothed %d times" : "normals as the mesh has them", ImGuiSliderFlags_AlwaysClamp);
+    if (ImGui::IsItemDeactivatedAfterEdit() && wanted != std::max(0, fix.smoothNormals)) {
+        CaptureFix changed = fix;
+        changed.smoothNormals = wanted;
+        editor.fixCapture(changed);
+    }
+    tooltip("Meshes made from photographs often have good places and bad directions: speckled shading, lamps that are not there. Smoothing averages directions over neighbours; creases stay. Let go to read the capture again.");
+    ImGui::EndDisabled();
+}
+
 }  // namespace
 
 void drawImportDoctor(Editor& editor) {
@@ -148,6 +165,7 @@ void drawImportDoctor(Editor& editor) {
             drawUnseenLamps(editor);
             heading("Surface");
             fact("Seen", fmt::format("{} of the surface, {} twice or more", percent(check->seenShare), percent(check->seenTwiceShare)), "Surfaces that no photograph shows are guessed from those around them");
+            normalsSetting(editor);
             fact("Views a point", fmt::format("{:.1f}", check->meanViewsPerVertex), "Photographs that show a point of the surface, on average");
             const Vec3 extent = check->meshMax - check->meshMin;
             fact("Size", fmt::format("{:.3g} x {:.3g} x {:.3g} m", extent.x, extent.y, extent.z), "A table that is 75 m high means that the units are wrong");

@@ -1,0 +1,46 @@
+#include "pipeline/normals_choice.h"
+
+#include "base/log.h"
+#include "pipeline/plan_pilot.h"
+#include "scene/smooth_normals.h"
+
+namespace relamp {
+
+NormalsChoice chooseNormals(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps, const SolveOptions& options, Progress& progress) {
+    NormalsChoice choice;
+    // Noise is everywhere on a mesh; detail and creases are in places.
+    constexpr float noise = 0.02f;
+    const std::vector<Vec3> once = smoothedNormals(scene.mesh, 2);
+    std::vector<float> change;
+    for (size_t v = 0; v < once.size(); ++v)
+        if (scene.referenced[v]) change.push_back(glm::distance(once[v], scene.mesh.normals[v]));
+    if (change.empty()) return choice;
+    std::nth_element(change.begin(), change.begin() + ptrdiff_t(change.size() / 2), change.end());
+    if (change[change.size() / 2] < noise) return choice;
+    std::vector<uint8_t> skip(scene.mesh.vertexCount(), 0);
+    for (size_t v = 0; v < skip.size(); ++v) skip[v] = lamps.emitterOfVertex[v] >= 0;
+    const RatioObservations observed = ratioObservations(scene, samples, std::move(skip), options.seed);
+    if (observed.pairs.size() < 1000) return choice;
+    const std::vector<double> asTheyAre = pilotMisfits(scene, samples, lamps, observed.matte, observed.pairs, options, progress);
+    std::vector<double> best = asTheyAre;
+    double whole = 0;
+    for (const double m : asTheyAre) whole += m;
+    for (const int rounds : {2, 6}) {
+        Scene smoother = scene;
+        smoother.mesh.normals = smoothedNormals(scene.mesh, rounds);
+        const std::vector<double> misfits = pilotMisfits(smoother, samples, lamps, observed.matte, observed.pairs, options, progress);
+        double fall = 0, squares = 0, sinceBest = 0;
+        for (size_t k = 0; k < misfits.size(); ++k) {
+            fall += asTheyAre[k] - misfits[k];
+            squares += (asTheyAre[k] - misfits[k]) * (asTheyAre[k] - misfits[k]);
+            sinceBest += best[k] - misfits[k];
+        }
+        logInfo("normals smoothed {} times: misfit of {} pairs {:+.2f} %, {:.1f} standard errors", rounds, misfits.size(), -100 * fall / std::max(whole, 1e-30), fall / std::sqrt(std::max(squares, 1e-30)));
+        if (!(fall > 0.015 * whole && fall > 4 * std::sqrt(squares) && sinceBest > 0)) break;
+        choice = {rounds, fall / whole};
+        best = misfits;
+    }
+    return choice;
+}
+
+}  // namespace relamp
