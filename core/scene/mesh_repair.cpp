@@ -94,6 +94,12 @@ void setNormals(Mesh& mesh, std::vector<Vec3>&& fromFile, const std::vector<uint
         ++good;
     }
     report.normalsFromFile = 2 * good > wanted;
+    if (!report.normalsFromFile) return;
+    // Faces turned against the normals of all their corners: lamps shine to the front only.
+    for (Triangle& t : mesh.triangles) {
+        const Vec3 face = glm::cross(mesh.positions[t[1]] - mesh.positions[t[0]], mesh.positions[t[2]] - mesh.positions[t[0]]);
+        if (std::all_of(t.begin(), t.end(), [&](uint32_t v) { return glm::dot(face, mesh.normals[v]) < 0; })) std::swap(t[1], t[2]);
+    }
 }
 
 }  // namespace

@@ -31,9 +31,9 @@ TriangleSoup readOff(std::string_view bytes, const MeshLimits& limits);
 TriangleSoup readBinaryOff(std::string_view bytes, const MeshLimits& limits);
 TriangleSoup readStl(std::string_view bytes, const MeshLimits& limits);
 
-/// Drops faces that are no surface, fills in normals, counts what is left (see MeshReport). Vertices keep their order;
-/// those that are not finite are moved to the middle of the others. `recentre`: a mesh far from its origin is moved near it
-/// (MeshReport::origin). Throws Error when no triangle is left.
+/// Drops faces that are no surface, fills in normals, turns faces round that are turned against the file's normals at all their corners, counts what is left
+/// (see MeshReport). Vertices keep their order; those that are not finite are moved to the middle of the others. `recentre`: a mesh far from its
+/// origin is moved near it (MeshReport::origin). Throws Error when no triangle is left.
 Mesh repairSoup(TriangleSoup&& soup, bool recentre, MeshReport& report);
 
 }  // namespace relamp

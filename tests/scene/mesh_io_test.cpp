@@ -322,6 +322,16 @@ TEST(MeshIo, NormalsOfTheFileAreUsedWhereTheyAreFinite) {
     EXPECT_EQ(obj.normals[1], Vec3(0, -1, 0));
 }
 
+TEST(MeshIo, FacesTurnedAgainstTheFilesNormalsAreTurnedRound) {
+    test::TemporaryFolder folder;
+    const Mesh mesh = readMesh(folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\nf 2//1 3//1 4//1\n"));
+    ASSERT_EQ(mesh.triangles.size(), 2u);
+    for (size_t t = 0; t < 2; ++t) EXPECT_EQ(mesh.faceNormal(t), Vec3(0, 0, 1));
+    // Without normals in the file the winding is all there is.
+    const Mesh bare = readMesh(folder.write("b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 3 4\n"));
+    EXPECT_EQ(bare.faceNormal(1), Vec3(0, 0, -1));
+}
+
 TEST(VertexPly, PropertiesComeBackByNameAndTheMeshAsItWas) {
     test::TemporaryFolder folder;
     const Mesh mesh = fromAscii("4", "1", "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n");

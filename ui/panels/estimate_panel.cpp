@@ -142,11 +142,13 @@ void drawUnseenLamps(Editor& editor) {
         ImGui::EndDisabled();
     }
     const UnseenSearch& last = editor.state.unseenSearch;
-    if (!searching && !last.words.empty() && last.capture == document.captureFolder) dimWrapped(shown(last.words));
+    const bool told = !searching && !last.words.empty() && last.capture == document.captureFolder;
+    if (told && document.fix.proxies.empty()) dimWrapped(shown(last.words));
     for (size_t i = 0; i < document.fix.proxies.size(); ++i) {
         const ProxyLight& proxy = document.fix.proxies[i];
         ImGui::PushID(int(i));
-        wrapped(fmt::format("Lamp at {:.2f} {:.2f} {:.2f} m{}", proxy.centre.x, proxy.centre.y, proxy.centre.z, proxy.found ? fmt::format(", +- {:.2f} {:.2f} {:.2f}", proxy.sigma.x, proxy.sigma.y, proxy.sigma.z) : std::string(", as you said")));
+        wrapped(fmt::format("Lamp at {:.3f} {:.3f} {:.3f} m{}", proxy.centre.x, proxy.centre.y, proxy.centre.z, proxy.found ? fmt::format(", +- {:.3f} {:.3f} {:.3f}", proxy.sigma.x, proxy.sigma.y, proxy.sigma.z) : std::string(", as you said")));
+        tooltip(told && proxy.found && i + 1 == document.fix.proxies.size() ? shown(last.words) : "It stands in the mesh as a small sphere; the estimate finds its power");
         ImGui::BeginDisabled(job.has_value());
         if (button("Take it away", "Reads the capture again without this lamp; the present estimate and its edits then go", -FLT_MIN)) editor.removeProxy(i);
         ImGui::EndDisabled();
