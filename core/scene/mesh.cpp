@@ -17,16 +17,22 @@ VertexGraph buildVertexGraph(const Mesh& mesh) {
     };
     for (const Triangle& t : mesh.triangles)
         for (int k = 0; k < 3; ++k) join(t[k], t[(k + 1) % 3]);
-    // Seams: vertices at the very same place belong together.
-    std::unordered_map<uint64_t, uint32_t> firstAt;
-    firstAt.reserve(mesh.vertexCount());
-    for (uint32_t v = 0; v < mesh.vertexCount(); ++v) {
+    // Seams: vertices at the very same place belong together, about one that is chosen by where it faces, not by the file's order.
+    std::unordered_map<uint64_t, uint32_t> centreAt;
+    centreAt.reserve(mesh.vertexCount());
+    const auto keyOf = [&](uint32_t v) {
         uint32_t bits[3];
         std::memcpy(bits, &mesh.positions[v], sizeof bits);
-        const uint64_t key = mixBits(mixBits(mixBits(bits[0]) ^ bits[1]) ^ bits[2]);
-        const auto [place, isNew] = firstAt.emplace(key, v);
-        if (!isNew && mesh.positions[place->second] == mesh.positions[v]) join(v, place->second);
+        return mixBits(mixBits(mixBits(bits[0]) ^ bits[1]) ^ bits[2]);
+    };
+    const bool faces = mesh.normals.size() == mesh.vertexCount();
+    const auto facing = [&](uint32_t v) { return faces ? glm::dot(mesh.normals[v], Vec3(0.5569f, 0.6831f, 0.4725f)) : 0.0f; };
+    for (uint32_t v = 0; v < mesh.vertexCount(); ++v) {
+        const auto [place, isNew] = centreAt.emplace(keyOf(v), v);
+        if (!isNew && mesh.positions[place->second] == mesh.positions[v] && facing(v) < facing(place->second)) place->second = v;
     }
+    for (uint32_t v = 0; v < mesh.vertexCount(); ++v)
+        if (const uint32_t centre = centreAt.at(keyOf(v)); mesh.positions[centre] == mesh.positions[v]) join(v, centre);
     std::sort(edges.begin(), edges.end());
     edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
     VertexGraph graph;

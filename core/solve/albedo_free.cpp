@@ -256,7 +256,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
     };
 
     Eigen::VectorXd lowest;  // bounds of the last model
-    // Where the quadratic model at x has its minimum, and how exactly that was found.
+    // Where the quadratic model at x has its minimum, and how exactly that was found. Without a target only the model is formed.
     Eigen::MatrixXf products;  // B'WB of the last model that was worked out anew
     const auto modelMinimum = [&](bool fromPresent, bool anew, Eigen::VectorXd* target) {
         parallelFor(pairs.size(), 4096, [&](size_t k) {
@@ -321,6 +321,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
         }
         prior.addHue(x, all, moments);
         all.triangularView<Eigen::StrictlyUpper>() = all.transpose();
+        if (!target) return report.kktResidual;
         Eigen::MatrixXd held;
         if (!anchored) {
             // Nothing ties the scale down, and black light explains every ratio: the mean stays where it is.
@@ -346,6 +347,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
     // Products are by far the most of an iteration, and the model's end is where its slope is zero, which is worked out anew each time: while the
     // light moves little they stay as they are.
     double moved = 0;
+    bool stale = false;
     const int settled = options.anneal ? 3 : 0;  // from then on the objective is one and the same
     const auto writeBack = [&] {
         for (int c = 0; c < 3; ++c) {
@@ -367,6 +369,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
         Eigen::VectorXd target[3];
         const bool anew = iteration <= settled || !(moved < double(options.keepProducts));
         if (anew) moved = 0;
+        stale = !anew;
         try {
             report.kktResidual = modelMinimum(iteration > 0, anew, target);
         } catch (const OutOfTime&) {
@@ -409,6 +412,15 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
         if (iteration + 1 >= options.leastIterations && progress.outOfTime()) break;
     }
     writeBack();
+    // How sure the light is rests on products of the present: those of before know a scale that nothing ties down.
+    if (stale) {
+        litBy(x, lit);
+        evaluate(x, lit, scale, nullptr);
+        try {
+            modelMinimum(true, true, nullptr);
+        } catch (const OutOfTime&) {
+        }
+    }
     // Of the light found, with the weights that belong to it: what fits of other models can be held against.
     litBy(x, lit);
     takeVariance(lit);
