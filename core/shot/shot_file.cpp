@@ -213,7 +213,7 @@ Json fixToJson(const CaptureFix& fix, const fs::path& capture) {
     };
     return {{"up", fix.up},       {"flip_cameras", fix.flipCameras}, {"scale", fix.scale},        {"mesh_scale", fix.meshScale},
             {"colmap", kept(fix.colmap)}, {"images", kept(fix.images)},      {"mesh", kept(fix.mesh)}, {"from_brackets", fix.fromBrackets},
-            {"smooth_normals", std::max(0, fix.smoothNormals)},
+            {"smooth_normals", fix.smoothNormals},
             {"proxy_lights", proxiesToJson(fix.proxies)}};
 }
 
@@ -380,7 +380,7 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress) {
             shot.fix.flipCameras = field(fix, "flip_cameras", false, "capture_fix.");
             shot.fix.scale = field(fix, "scale", 1.0, "capture_fix.");
             shot.fix.meshScale = field(fix, "mesh_scale", 1.0, "capture_fix.");
-            shot.fix.smoothNormals = std::clamp(field(fix, "smooth_normals", 0, "capture_fix."), 0, 100);
+            shot.fix.smoothNormals = std::clamp(field(fix, "smooth_normals", -1, "capture_fix."), -1, 100);
             shot.fix.fromBrackets = field(fix, "from_brackets", false, "capture_fix.");
             size_t k = 0;
             for (const Json& p : listOf(fix, "proxy_lights")) {
