@@ -211,10 +211,11 @@ Json fixToJson(const CaptureFix& fix, const fs::path& capture) {
         if (place.empty() || fs::exists(capture / place, ignored) || !fs::exists(place, ignored)) return place;
         return fs::absolute(place).lexically_normal().string();
     };
-    return {{"up", fix.up},       {"flip_cameras", fix.flipCameras}, {"scale", fix.scale},        {"mesh_scale", fix.meshScale},
+    Json json = {{"up", fix.up},       {"flip_cameras", fix.flipCameras}, {"scale", fix.scale},        {"mesh_scale", fix.meshScale},
             {"colmap", kept(fix.colmap)}, {"images", kept(fix.images)},      {"mesh", kept(fix.mesh)}, {"from_brackets", fix.fromBrackets},
-            {"smooth_normals", fix.smoothNormals},
             {"proxy_lights", proxiesToJson(fix.proxies)}};
+    if (fix.smoothNormals >= 0) json["smooth_normals"] = fix.smoothNormals;
+    return json;
 }
 
 }  // namespace
@@ -380,7 +381,7 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress) {
             shot.fix.flipCameras = field(fix, "flip_cameras", false, "capture_fix.");
             shot.fix.scale = field(fix, "scale", 1.0, "capture_fix.");
             shot.fix.meshScale = field(fix, "mesh_scale", 1.0, "capture_fix.");
-            shot.fix.smoothNormals = std::clamp(field(fix, "smooth_normals", -1, "capture_fix."), -1, 100);
+            if (fix.contains("smooth_normals")) shot.fix.smoothNormals = std::min(field(fix, "smooth_normals", 0, "capture_fix."), 100);
             shot.fix.fromBrackets = field(fix, "from_brackets", false, "capture_fix.");
             size_t k = 0;
             for (const Json& p : listOf(fix, "proxy_lights")) {
