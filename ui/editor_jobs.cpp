@@ -8,6 +8,7 @@
 #include "clusters/emitter_clusters.h"
 #include "editor_impl.h"
 #include "image/image_io.h"
+#include "pipeline/normals_choice.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/plan.h"
 #include "pipeline/working_mesh.h"
@@ -240,6 +241,15 @@ void Editor::Impl::openCapture(const fs::path& folder, const CaptureFix& fix, st
         load.fix = fix;
         auto document = std::make_shared<Document>(documentOf(loadCapture(folder, load, progress), folder, progress));
         document->fix = fix;
+        if (fix.smoothNormals < 0 && document->capture->mesh.triangles.size() <= largestWorkingMesh && normalsLookNoisy(*document->scene)) {
+            progress.begin("Are the mesh's normals good enough?", 1);
+            const EmitterClusters lamps = clusterEmitters(*document->scene, *document->capture, *document->samples, {}, progress);
+            if (const NormalsChoice choice = chooseNormals(*document->scene, *document->samples, lamps, {}, progress); choice.rounds > 0) {
+                load.fix.smoothNormals = choice.rounds;
+                *document = documentOf(loadCapture(folder, load, progress), folder, progress);
+                document->fix = load.fix;
+            }
+        }
         return [this, document, recovered] {
             setDocument(std::move(*document), {}, "Opened");
             // Edits without the estimate they were made on: they come back with the next one.

@@ -6,17 +6,21 @@
 
 namespace relamp {
 
-NormalsChoice chooseNormals(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps, const SolveOptions& options, Progress& progress) {
-    NormalsChoice choice;
+bool normalsLookNoisy(const Scene& scene) {
     // Noise is everywhere on a mesh; detail and creases are in places.
     constexpr float noise = 0.02f;
-    const std::vector<Vec3> once = smoothedNormals(scene.mesh, 2);
+    const std::vector<Vec3> smoother = smoothedNormals(scene.mesh, 2);
     std::vector<float> change;
-    for (size_t v = 0; v < once.size(); ++v)
-        if (scene.referenced[v]) change.push_back(glm::distance(once[v], scene.mesh.normals[v]));
-    if (change.empty()) return choice;
+    for (size_t v = 0; v < smoother.size(); ++v)
+        if (scene.referenced[v]) change.push_back(glm::distance(smoother[v], scene.mesh.normals[v]));
+    if (change.empty()) return false;
     std::nth_element(change.begin(), change.begin() + ptrdiff_t(change.size() / 2), change.end());
-    if (change[change.size() / 2] < noise) return choice;
+    return change[change.size() / 2] >= noise;
+}
+
+NormalsChoice chooseNormals(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps, const SolveOptions& options, Progress& progress) {
+    NormalsChoice choice;
+    if (!normalsLookNoisy(scene)) return choice;
     std::vector<uint8_t> skip(scene.mesh.vertexCount(), 0);
     for (size_t v = 0; v < skip.size(); ++v) skip[v] = lamps.emitterOfVertex[v] >= 0;
     const RatioObservations observed = ratioObservations(scene, samples, std::move(skip), options.seed);
