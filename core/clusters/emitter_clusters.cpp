@@ -342,13 +342,11 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
         Patch& patch = patches[i];
         judge(scene, samples, seen, patchOf, int(i), reference, patch);
         const EmitterEvidence& e = patch.evidence;
-        // A shade that glows is neither even nor sharply edged; what is this much brighter than all surfaces the light fit is to judge.
-        const bool glow = e.sceneContrast >= options.certainContrast && e.viewsAgree && result.candidates.size() < options.mostCandidates;
         if (e.sceneContrast < options.minContrast && e.localContrast < options.minContrast) patch.reject = "no brighter than the surfaces around it";
         else if (e.viewSpread > 0.12f) patch.reject = "changes with the view, as a reflection does";
         else if (!e.viewsAgree && e.uniformity > 0.03f) patch.reject = "hardly seen from two sides and not uniform: could be a reflection";
-        else if (!glow && e.uniformity > 0.12f) patch.reject = "its radiance varies as shading does";
-        else if (!glow && e.edgeDrop > 0.8f) patch.reject = "fades out without an edge";
+        else if (e.uniformity > 0.12f) patch.reject = "its radiance varies as shading does";
+        else if (e.edgeDrop > 0.8f) patch.reject = "fades out without an edge";
         else if (tooFewPixels(scene, capture, samples, patch)) patch.reject = "is seen by too few pixels to tell a lamp from a bright speck";
         else if (onlyRim(scene, nearRim, seenOfPiece, patch)) patch.reject = "lies at the rim of a hole, where a pixel may show what is behind";
         EmitterCluster cluster;
@@ -366,7 +364,7 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
             if (e.sceneContrast > 1 || e.localContrast > 2) result.rejected.push_back({cluster.centroid, patch.radiance, e, patch.reject});
             continue;
         }
-        (e.sceneContrast >= options.certainContrast && e.uniformity < 0.06f && e.edgeDrop <= 0.8f ? result.emitters : result.candidates).push_back(std::move(cluster));
+        (e.sceneContrast >= options.certainContrast && e.uniformity < 0.06f ? result.emitters : result.candidates).push_back(std::move(cluster));
     }
     progress.advance();
     indexEmitters(scene, result);

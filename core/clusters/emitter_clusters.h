@@ -58,7 +58,6 @@ struct EmitterClusters {
 struct ClusterOptions {
     float tolerance = 0.15f;       ///< relative radiance step inside a patch
     float certainContrast = 12;    ///< scene contrast above which no light fit is needed
-    size_t mostCandidates = 12;    ///< beyond these, what fades out or is uneven is rejected without a fit
     float minContrast = 1.6f;      ///< scene or local contrast below which a patch is no candidate
 };
 
