@@ -59,7 +59,7 @@ private:
     /// Re-fit test: an uncertain patch that needs an albedo well above 1 (1.5) under the light found is a lamp, others are surfaces.
     /// True when the set changed.
     bool confirmEmitters();
-    /// Leaves the distant light out where it gives less than half a percent of what is seen: less than the photographs can tell.
+    /// Leaves the distant light out where it gives less than half a percent of what is seen (3 % where the background is seen and black): less than the photographs can tell.
     void leaveOutBlackEnvironment();
     /// Do the photographs hold light bounced between surfaces? Fits the light with and without it and keeps what explains ratios better.
     /// `coarse`: a first, cheap try that can only leave it out.
