@@ -6,7 +6,7 @@ namespace relamp {
 
 struct MatteUnderGlossOptions {
     float doubt = 0.15f;  ///< relative error of what the coat is said to mirror: looks with much of it count less
-    LobeRowOptions rows{48, 24, 16, 1, nullptr, {}, nullptr};
+    LobeRowOptions rows;
 };
 
 /// Replaces radiance and sigma of the observations on `gloss.piece` by those of the looks less the coat's part, gloss.weight x (lobe . light). What

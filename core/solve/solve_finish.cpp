@@ -65,10 +65,11 @@ void SolveState::takeCoatsOff() {
         if (!g.lobe || !g.matte || stopped()) continue;
         if (matteSeen_.vertices.empty()) matteSeen_ = matte_;
         MatteUnderGlossOptions options;
-        options.rows.seed = options_.seed;
-        options.rows.shape = leafShape_.empty() ? nullptr : &leafShape_;
-        options.rows.shapeGrid = samples_.backgroundGrid;
-        options.rows.sent = sent_.empty() ? nullptr : &sent_;
+        options.rows = rowOptions();
+        // Every look has a row here: fewer directions will do, because looks are averaged.
+        options.rows.lobeSamples = 48;
+        options.rows.cosineSamples = 24;
+        options.rows.emitterSamples = 16;
         matteUnderGloss(capture_, scene_, samples_, surfaces_, clusters_.emitterOfTriangle, lighting_, g, options, matte_, progress_);
     }
 }
