@@ -6,6 +6,7 @@
 #include <set>
 
 #include "base/log.h"
+#include "clusters/lamp_order.h"
 #include "scene/rim.h"
 
 namespace relamp {
@@ -76,11 +77,11 @@ std::vector<Patch> growPatches(const Scene& scene, const std::vector<VertexRadia
         if (seen[v].weight > 0.1f && maxChannel(seen[v].radiance) > floor) order.push_back(v);
     std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
         const float x = maxChannel(seen[a].radiance), y = maxChannel(seen[b].radiance);
-        return x != y ? x > y : a < b;
+        return x != y ? x > y : scene.rank[a] < scene.rank[b];
     });
     std::vector<uint8_t> taken(seen.size(), 0);
     std::vector<Patch> patches;
-    std::vector<uint32_t> stack;
+    std::vector<uint32_t> stack, around;
     for (uint32_t seed : order) {
         if (taken[seed]) continue;
         Patch patch;
@@ -93,8 +94,10 @@ std::vector<Patch> growPatches(const Scene& scene, const std::vector<VertexRadia
             patch.vertices.push_back(v);
             sum += seen[v].radiance;
             const Rgb mean = sum / float(patch.vertices.size());
-            for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e) {
-                const uint32_t u = scene.graph.to[e];
+            // What joins rests on the mean so far, so the way is one that does not know the file's order.
+            around.assign(scene.graph.to.begin() + scene.graph.start[v], scene.graph.to.begin() + scene.graph.start[v + 1]);
+            std::sort(around.begin(), around.end(), [&](uint32_t a, uint32_t b) { return scene.rank[a] < scene.rank[b]; });
+            for (const uint32_t u : around) {
                 if (taken[u] || seen[u].weight <= 0 || !alike(seen[u].radiance, mean, tolerance)) continue;
                 taken[u] = 1;
                 stack.push_back(u);
@@ -149,8 +152,9 @@ void judge(const Scene& scene, const RadianceSamples& samples, const std::vector
     e.viewSpread = medianOf(spreads);
     e.viewsAgree = spreads.size() * 4 >= patch.vertices.size();
     std::vector<float> off;
-    float radius = 0;
+    float radius = 0, spacing = 0;
     for (uint32_t v : patch.vertices) {
+        spacing += scene.vertexSpacing[v] / float(patch.vertices.size());
         off.push_back(glm::length(seen[v].radiance - patch.radiance) / std::max(glm::length(patch.radiance), 1e-20f));
         radius = std::max(radius, glm::length(scene.mesh.positions[v] - centre));
     }
@@ -164,7 +168,7 @@ void judge(const Scene& scene, const RadianceSamples& samples, const std::vector
             if (patchOf[u] != self && seen[u].weight > 0.1f) drop.push_back(maxChannel(seen[u].radiance) / std::max(maxChannel(seen[v].radiance), 1e-20f));
         }
     e.edgeDrop = drop.size() * 4 > patch.vertices.size() / 4 ? medianOf(drop) : 0;
-    const float reach = 2.5f * radius + 2 * scene.vertexSpacing[patch.vertices[0]];
+    const float reach = 2.5f * radius + 2 * spacing;
     for (uint32_t v = 0; v < seen.size(); ++v)
         if (seen[v].weight > 0.1f && patchOf[v] != self && glm::length(scene.mesh.positions[v] - centre) < reach) around.push_back(maxChannel(seen[v].radiance));
     e.localContrast = around.size() < 8 ? e.sceneContrast : maxChannel(patch.radiance) / std::max(medianOf(around), 1e-20f);
@@ -297,6 +301,7 @@ void indexEmitters(const Scene& scene, EmitterClusters& clusters) {
     for (size_t i = 0; i < clusters.emitters.size(); ++i) {
         EmitterCluster& e = clusters.emitters[i];
         e.id = fmt::format("emitter-{}", i + 1);
+        e.triangles = alongLamp(scene.mesh, e.triangles);
         for (uint32_t v : e.vertices) clusters.emitterOfVertex[v] = int(i);
         for (uint32_t t : e.triangles) clusters.emitterOfTriangle[t] = int(i);
     }

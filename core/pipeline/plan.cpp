@@ -127,7 +127,8 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
             leaveOut("interreflection", fmt::format("it would be {:.1f} % of the light, less than half of the photographs' noise of {:.1f} %", 100 * pilot.bouncedShare, 100 * samples.relativeNoise), &PlanChoices::bounce);
         else if (pilot.bounceWorse > 4)
             leaveOut("interreflection", fmt::format("with it the ratios between {} pairs of points are explained worse, by {:.0f} standard errors", pilot.pairs, pilot.bounceWorse), &PlanChoices::bounce);
-        else leaveOut("interreflection at full detail", "it is tried on coarse light first and again only if that cannot rule it out", &PlanChoices::lateBounce);
+        else if (pilot.bounceWorse > 1)
+            leaveOut("interreflection at full detail", "it is tried on coarse light first and again only if that cannot rule it out", &PlanChoices::lateBounce);
     }
     if (counts.seen < counts.vertices)
         leaveOut("vertices that no photograph shows", fmt::format("{:.0f} of {:.0f}: their light is worked out when something needs it", counts.vertices - counts.seen, counts.vertices), &PlanChoices::unseenVertices);
@@ -137,6 +138,9 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
         leaveOut(counts.glossyLooks > 0 ? "lobes on matte pieces" : "glossy lobes", counts.glossyLooks > 0 ? "those pieces do not change with the view beyond noise" : "no surface changes with the view beyond noise", &PlanChoices::mattePieces);
     if (counts.glossyLooks > 0 && options.glossRounds > 0)
         leaveOut("lobes that lost before", "later rounds try those again that came within a third of the best", &PlanChoices::lostLobes);
+    if (judged && counts.metals && options.glossRounds > 0)
+        leaveOut("what only metals tell apart, in matte points' equations", "directions are divided for what metals mirror; the curvature that matte points give them is worked out undivided", &PlanChoices::mattePointsInDetail);
+    if (judged) leaveOut("iterations for the last digits", "a fit ends when an iteration explains less than a three-thousandth more", &PlanChoices::lastDigits);
     if (counts.matte) leaveOut("finer light that explains nothing", "splitting ends after a round that explains less than half a percent more", &PlanChoices::flatLevels);
     if (options.nearField && lamps.emitters.empty()) plan.leftOut.push_back({"near-field emitters", "no patch of the scene shines on its own", 16 * counts.seen * pilot.visibilitySecondsPerRay, counts.vertices * 8 / (1 << 20)});
     plan.choices = kept;

@@ -2,22 +2,13 @@
 
 #include <algorithm>
 
+#include "base/morton.h"
 #include "base/parallel.h"
 
 namespace relamp {
 namespace {
 
 constexpr uint32_t none = EditedBody::none;
-
-/// Interleaves ten bits of each coordinate.
-uint64_t morton(const Vec3& p) {
-    uint64_t key = 0;
-    for (int k = 0; k < 3; ++k) {
-        const uint32_t q = uint32_t(std::clamp(p[k], 0.0f, 1.0f) * 1023.0f);
-        for (int bit = 0; bit < 10; ++bit) key |= uint64_t(q >> bit & 1) << (3 * bit + k);
-    }
-    return key;
-}
 
 }  // namespace
 
@@ -75,7 +66,7 @@ size_t LiveMatte::bake(const LiveVertices& vertices, const LiveOccluders& occlud
     std::vector<uint64_t> key(vertices.count());
     const Vec3 size = glm::max(high - low, Vec3(1e-20f));
     const DirectionGrid coarse{4};
-    for (uint32_t v : order) key[v] = uint64_t(coarse.cellOf(mesh.normals[v])) << 32 | morton((mesh.positions[v] - low) / size);
+    for (uint32_t v : order) key[v] = uint64_t(coarse.cellOf(mesh.normals[v])) << 32 | mortonKey((mesh.positions[v] - low) / size);
     std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return key[a] != key[b] ? key[a] < key[b] : a < b; });
     vertexOfSlot_ = order;
     vertexOfSlot_.resize((order.size() + transportLanes - 1) / transportLanes * transportLanes, none);

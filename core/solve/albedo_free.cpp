@@ -1,7 +1,7 @@
 #include "solve/albedo_free.h"
 
 #include "base/parallel.h"
-#include "solve/pair_gram.h"
+#include "solve/folded_gram.h"
 
 namespace relamp {
 
@@ -209,25 +209,12 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
         return sums.objective;
     };
 
-    // Directions that light no observation: their columns are zero, and so are their products.
-    std::vector<Eigen::Index> lightingColumns;
-    InfluenceMatrix narrow;
-    if (!options.emptyColumns) {
-        std::vector<uint8_t> any(influence.columns, 0);
-        for (size_t i = 0; i < rows; ++i)
-            for (size_t k = 0; k < influence.columns; ++k) any[k] |= influence.row(i)[k] != 0;
-        for (size_t k = 0; k < any.size(); ++k)
-            if (any[k]) lightingColumns.push_back(Eigen::Index(k));
-        if (lightingColumns.size() * 10 < any.size() * 9) {
-            narrow.rows = rows;
-            narrow.columns = lightingColumns.size();
-            narrow.values.resize(rows * narrow.columns);
-            parallelFor(rows, 256, [&](size_t i) {
-                for (size_t k = 0; k < narrow.columns; ++k) narrow.row(i)[k] = influence.row(i)[lightingColumns[k]];
-            });
-        }
+    // Directions that light no observation have columns of zeros, and some that light all alike are not worth being told apart.
+    std::optional<FoldedColumns> fold;
+    if (!options.fold.empty() || !options.emptyColumns) {
+        fold = foldColumns(influence, options.fold.empty() ? rows : options.foldedRows, options.fold);
+        if (fold->folded.columns * 10 > influence.columns * 9) fold.reset();
     }
-    const InfluenceMatrix& dense = narrow.rows ? narrow : influence;
     ChannelWeights weights;
     weights.start.resize(rows + 1);
     for (size_t i = 0; i <= rows; ++i) weights.start[i] = adjacency.start[i] + uint32_t(i);
@@ -275,15 +262,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
         } else {
             products.resize(0, 0);
             weighPairs();
-            all = channelGram(dense, weights, report.chroma.apart(), progress);
-            if (narrow.rows) {
-                const Eigen::MatrixXd few = std::move(all);
-                all.setZero(3 * n, 3 * n);
-                std::vector<Eigen::Index> places;
-                for (int c = 0; c < 3; ++c)
-                    for (const Eigen::Index k : lightingColumns) places.push_back(c * n + k);
-                all(places, places) = few;
-            }
+            all = fold ? foldedGram(*fold, influence, weights, report.chroma.apart(), progress) : channelGram(influence, weights, report.chroma.apart(), progress);
             products = all.cast<float>();
         }
         Eigen::VectorXd moments = Eigen::VectorXd::Zero(3 * n), lowers = Eigen::VectorXd::Zero(3 * n), present(3 * n);
@@ -379,7 +358,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
         dispensable.reset();
         // A step that makes things worse is halved: the objective never rises. The robust loss is flatter than the parabola that its weights make of
         // it, so twice a good step is often a better one.
-        double change = 0;
+        double change = 0, gain = 0;
         bool accepted = false;
         Eigen::VectorXd trial[3], farther[3];
         Eigen::VectorXf trialLit[3], fartherLit[3];
@@ -389,10 +368,12 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
             const double reached = evaluate(trial, trialLit, scale, nullptr);
             if (!(reached <= objective)) continue;
             accepted = true;
+            gain = objective - reached;
             if (step == 1 && !annealing) {
                 for (int c = 0; c < 3; ++c) farther[c] = (x[c] + 2 * (target[c] - x[c])).cwiseMax(lowest.segment(c * n, n));
                 litBy(farther, fartherLit);
-                if (evaluate(farther, fartherLit, scale, nullptr) < reached) {
+                if (const double there = evaluate(farther, fartherLit, scale, nullptr); there < reached) {
+                    gain = objective - there;
                     std::swap(trial, farther);
                     std::swap(trialLit, fartherLit);
                 }
@@ -409,6 +390,8 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
         report.iterations = iteration + 1;
         progress.advance();
         if (!annealing && (accepted ? change < options.tolerance : anew)) break;
+        report.endedEarly = !annealing && accepted && gain < double(options.leastGain) * objective;
+        if (report.endedEarly) break;
         if (iteration + 1 >= options.leastIterations && progress.outOfTime()) break;
     }
     writeBack();

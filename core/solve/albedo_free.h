@@ -21,10 +21,15 @@ struct AlbedoFreeOptions {
     float mixing = 0.25f;       ///< share of the irradiance step to the next vertex that a look-up may be off by
     float robustScale = 2.5f;   ///< Cauchy scale in standard deviations
     float tolerance = 1e-3f;    ///< relative change of the irradiance that counts as none
+    float leastGain = 0;        ///< ends once an iteration lowers the objective by less than this, relative
     float keepProducts = 0.05f; ///< while the light has changed less than this, relative, since the products were formed, they are kept
     bool anneal = true;         ///< start with a wide robust scale
     bool emptyColumns = true;   ///< false: columns that hold nothing but zeros are left out of the products, which changes nothing but rounding
     int leastIterations = 0;    ///< that many are done whatever the time budget says
+    /// Which leaves, in the equations' products, the first `foldedRows` rows are taken not to tell apart, per column (solve/folded_gram.h); empty: all are told apart.
+    /// It changes the way and not the end. No pair stands between a row before and one behind.
+    std::vector<uint32_t> fold;
+    size_t foldedRows = 0;
     LightPriorOptions light;
     /// Per observation the light that other surfaces send it, in the photographs' own unit (as shown by a white matte surface); null: none.
     /// It is measured, not solved for: B x + bounce lights the observation.
@@ -52,6 +57,7 @@ struct AlbedoFreeReport {
     double objective = 0;
     double kktResidual = 0;  ///< of the last program
     int iterations = 0;
+    bool endedEarly = false;       ///< by AlbedoFreeOptions::leastGain
     LightInformation information;  ///< about the last step's start
     ChromaShare chroma;            ///< that the objective was reckoned with
 };

@@ -39,21 +39,22 @@ struct Scaled {
 };
 
 /// Lower Cholesky factor in place, by panels, so that it can be stopped and spread over threads. False when not positive definite.
-bool factorInPlace(MatrixXd& a, const Scaled& problem) {
+template <class Matrix>
+bool factorInPlace(Matrix& a, const Scaled& problem) {
     constexpr Index panel = 128;
     const Index m = a.rows();
     for (Index k = 0; k < m; k += panel) {
         problem.check();
         const Index w = std::min(panel, m - k), below = m - k - w;
         auto corner = a.block(k, k, w, w);
-        Eigen::LLT<Eigen::Ref<MatrixXd>> small(corner);
+        Eigen::LLT<Eigen::Ref<Matrix>> small(corner);
         if (small.info() != Eigen::Success) return false;
         if (below == 0) break;
         const auto rows = size_t((below + panel - 1) / panel);
         parallelFor(rows, 1, [&](size_t r) {
             const Index at = k + w + Index(r) * panel, height = std::min(panel, m - at);
             auto strip = a.block(at, k, height, w);
-            a.block(k, k, w, w).triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(strip);
+            a.block(k, k, w, w).template triangularView<Eigen::Lower>().transpose().template solveInPlace<Eigen::OnTheRight>(strip);
         });
         parallelFor(rows, 1, [&](size_t r) {
             problem.check();
@@ -64,43 +65,94 @@ bool factorInPlace(MatrixXd& a, const Scaled& problem) {
     return true;
 }
 
-VectorXd solveFactored(const MatrixXd& l, VectorXd y) {
-    l.triangularView<Eigen::Lower>().solveInPlace(y);
-    l.triangularView<Eigen::Lower>().transpose().solveInPlace(y);
+template <class Matrix, class Vector>
+Vector solveFactored(const Matrix& l, Vector y) {
+    l.template triangularView<Eigen::Lower>().solveInPlace(y);
+    l.template triangularView<Eigen::Lower>().transpose().solveInPlace(y);
     return y;
 }
 
 /// The free variables and the point they are solved for.
-struct Pivoting {
+class Pivoting {
+public:
+    explicit Pivoting(const Scaled& scaled) : problem(scaled), free_(size_t(scaled.b.size()), 0), z(VectorXd::Zero(scaled.b.size())), gradient(z) {}
     const Scaled& problem;
     std::vector<char> free_;
     VectorXd z, gradient;
 
     bool solveOnFree() {
-        std::vector<Index> index;
+        index.clear();
         for (Index i = 0; i < z.size(); ++i)
             if (free_[size_t(i)]) index.push_back(i);
-        const Index m = Index(index.size());
         z.setZero();
-        if (m > 0) {
-            MatrixXd factor(m, m);
-            VectorXd rhs(m);
-            parallelFor(size_t(m), 32, [&](size_t j) {
-                for (Index i = Index(j); i < m; ++i) factor(i, Index(j)) = problem.element(index[size_t(i)], index[j]);
-                rhs(Index(j)) = problem.b(index[j]);
-            });
-            if (!factorInPlace(factor, problem)) return false;
-            const VectorXd y = solveFactored(factor, rhs);
-            if (!y.allFinite()) return false;
-            for (Index j = 0; j < m; ++j) z(index[size_t(j)]) = y(j);
-            gradient = problem.times(z) - problem.b;  // one step of refinement
-            for (Index j = 0; j < m; ++j) rhs(j) = gradient(index[size_t(j)]);
-            const VectorXd correction = solveFactored(factor, rhs);
-            for (Index j = 0; j < m; ++j) z(index[size_t(j)]) -= correction(j);
-            if (!z.allFinite()) return false;
-        }
+        gradient = -problem.b;
+        if (index.empty()) return true;
+        constexpr Index large = 512;  // from here a factor costs much more than some products
+        return (Index(index.size()) >= large && solveWithRoughFactor()) || solveWithFactor();
+    }
+
+private:
+    std::vector<Index> index;  ///< free variables
+
+    template <class Matrix>
+    bool factorOfFree(Matrix& factor, double ridge) const {
+        using Scalar = typename Matrix::Scalar;
+        const Index m = Index(index.size());
+        factor.resize(m, m);
+        parallelFor(size_t(m), 32, [&](size_t j) {
+            for (Index i = Index(j); i < m; ++i) factor(i, Index(j)) = Scalar(problem.element(index[size_t(i)], index[j]));
+            factor(Index(j), Index(j)) += Scalar(ridge);
+        });
+        return factorInPlace(factor, problem);
+    }
+    VectorXd ofFree(const VectorXd& all) const { return all(index); }
+
+    bool solveWithFactor() {
+        z.setZero();
+        MatrixXd factor;
+        if (!factorOfFree(factor, 0)) return false;
+        const VectorXd y = solveFactored(factor, ofFree(problem.b));
+        if (!y.allFinite()) return false;
+        z(index) = y;
+        gradient = problem.times(z) - problem.b;  // one step of refinement
+        z(index) -= solveFactored(factor, ofFree(gradient));
+        if (!z.allFinite()) return false;
         gradient = problem.times(z) - problem.b;
         return true;
+    }
+
+    /// A factor in single precision costs half; conjugate gradients in double, preconditioned by it, end where a factor in double would. False,
+    /// and nothing is said of z, where the matrix is too stiff for that.
+    bool solveWithRoughFactor() {
+        constexpr int most = 12;
+        Eigen::MatrixXf factor;
+        if (!factorOfFree(factor, 1e-6)) return false;
+        const auto soften = [&](const VectorXd& r) {
+            const double unit = std::max(r.cwiseAbs().maxCoeff(), 1e-300);
+            return VectorXd(unit * solveFactored(factor, Eigen::VectorXf((r / unit).cast<float>())).template cast<double>());
+        };
+        const double wanted = 1e-14 * ofFree(problem.b).cwiseAbs().maxCoeff();
+        VectorXd r = ofFree(problem.b), s = soften(r), direction = s, whole = VectorXd::Zero(z.size());
+        double along = r.dot(s);
+        z.setZero();
+        for (int step = 0; step < most; ++step) {
+            if (!(along > 0) || !std::isfinite(along)) return false;
+            whole(index) = direction;
+            const VectorXd product = ofFree(problem.times(whole));
+            const double length = along / direction.dot(product);
+            if (!std::isfinite(length)) return false;
+            z(index) += length * direction;
+            r -= length * product;
+            if (r.cwiseAbs().maxCoeff() <= wanted) break;
+            // Stiff: a factor in double is the shorter way.
+            if (step == 4 && r.cwiseAbs().maxCoeff() > 1e8 * wanted) return false;
+            s = soften(r);
+            const double next = r.dot(s);
+            direction = s + (next / along) * direction;
+            along = next;
+        }
+        gradient = problem.times(z) - problem.b;
+        return z.allFinite() && ofFree(gradient).cwiseAbs().maxCoeff() <= 100 * wanted;
     }
 };
 
@@ -293,7 +345,7 @@ QpResult solveBoundedQp(const MatrixXd& q, const VectorXd& c, const VectorXd& lo
     if (guess)
         for (Index i = 0; i < n; ++i)
             if (problem.scale(i) > 0 && std::isfinite((*guess)(i))) start(i) = std::max(0.0, ((*guess)(i) - lower(i)) / problem.scale(i));
-    Pivoting p{problem, std::vector<char>(size_t(n), 0), VectorXd::Zero(n), VectorXd::Zero(n)};
+    Pivoting p(problem);
     constexpr Index small = 48;  // below this a factor costs less than the way to it
     if (n > small) {
         approach(problem, int(8 + n / 512 + (n < 512 ? 0 : n / 64)), start, lower);

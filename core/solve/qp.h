@@ -24,7 +24,8 @@ struct QpWatch {
 };
 
 /// Projected conjugate gradients (Dostal and Schoeberl 2005) find which variables are free, block principal pivoting (Portugal, Judice,
-/// Vicente 1994; Kim and Park 2011) ends exactly, on the column-scaled problem with a Cholesky factor in double; falls back to
+/// Vicente 1994; Kim and Park 2011) ends exactly, on the column-scaled problem: large ones with a Cholesky factor in single precision that preconditions
+/// conjugate gradients in double, small and stiff ones with a factor in double; falls back to
 /// single exchanges (Murty) when blocks cycle and to projected coordinate descent when those do not settle. Q symmetric positive
 /// semi-definite; a relative ridge of 1e-12 makes it definite, so duplicated columns are fine. Cost some tens of products with Q and a few
 /// factors of its free part, m^3 / 3 each. Never throws for bad numbers: reports them. The same bits on any number of threads.

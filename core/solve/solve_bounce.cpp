@@ -108,8 +108,11 @@ void SolveState::decideBounce(bool coarse) {
     double after = 0;
     for (int round = 0; round < (coarse ? 2 : 4) && !stopped(); ++round) {
         updateBounce();
+        const double earlier = after;
         after = runAlbedoFree(coarse ? "light from ratios and bounces, coarse" : "light from ratios and bounces", round == 0 ? 8 : options_.startIterations, nullptr, nullptr, alone.chroma).objective;
         if (options_.bounce == Bounce::automatic && after > 1.05 * before) break;  // far from it
+        // What a round still gains falls from one to the next: ten times the last gain is out of reach.
+        if (options_.bounce == Bounce::automatic && !plan_.choices.lateBounce && round > 0 && after - before > 10 * (earlier - after)) break;
     }
     if (stopped()) throw OutOfTime{};
     computeLit();

@@ -167,6 +167,7 @@ void fields(File& f, SolveCheckpoint& c) {
     listOf(f, c.triedGloss, [&](PieceGloss& g) { fields(f, g); });
     f.plain(c.metalsHeard);
     f.plain(c.metalsJoined);
+    f.plain(c.lightUnfinished);
     list(f, c.information);
     for (std::vector<double>& looks : c.informationOfLooks) list(f, looks);
     for (std::vector<double>& seen : c.informationSeen) list(f, seen);

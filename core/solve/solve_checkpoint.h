@@ -28,7 +28,7 @@ struct SolveCheckpoint {
     std::vector<Rgb> matteRadiance, matteSigma;       ///< of the observations, without what coats mirror; empty: as seen
     PriorStrength lightSmoothness, albedoSmoothness;
     std::vector<PieceGloss> gloss, triedGloss;
-    bool metalsHeard = false, metalsJoined = false;
+    bool metalsHeard = false, metalsJoined = false, lightUnfinished = false;
     std::vector<double> information;  ///< what fixed the light (LightInformation): columns of `all` from the diagonal down
     std::vector<double> informationOfLooks[3], informationSeen[3];
     std::vector<Rgb> albedo;          ///< per vertex; empty: not solved yet

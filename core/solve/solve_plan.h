@@ -19,8 +19,10 @@ struct PlanChoices {
     bool lostLobes = false;        ///< true: later rounds try every lobe again, not only those that came near the best
     bool agreeingRays = false;     ///< true: visibility is traced where coarser rays all around agree, too
     bool flatLevels = false;       ///< true: leaves are split on after a round that explained hardly more
+    bool lastDigits = false;       ///< true: a fit goes on after an iteration that lowered its objective by less than 3e-4
+    bool mattePointsInDetail = false; ///< true: in the equations' products matte points tell leaves apart that were split for what metals mirror
     /// Nothing is left out.
-    static PlanChoices everything() { return {true, true, true, true, true, true, true, true, true}; }
+    static PlanChoices everything() { return {true, true, true, true, true, true, true, true, true, true, true}; }
 };
 
 /// A stage of the solve; a number below 0 is not known.

@@ -1,5 +1,7 @@
 #include "solve/solve_state.h"
 
+#include <map>
+
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/random.h"
@@ -177,7 +179,7 @@ void SolveState::guessLight() {
 }
 
 AlbedoFreeReport SolveState::runAlbedoFree(const std::string& stage, int iterations, const ViewRows* rows, const RatioProblem* problem,
-                                            std::optional<ChromaShare> chroma) {
+                                            std::optional<ChromaShare> chroma, bool toTheEnd) {
     AlbedoFreeOptions o;
     o.chroma = chroma;
     o.iterations = iterations;
@@ -188,6 +190,12 @@ AlbedoFreeReport SolveState::runAlbedoFree(const std::string& stage, int iterati
     o.leastIterations = timeline_.empty() ? 4 : 0;
     o.light = lightPrior_;
     o.emptyColumns = plan_.choices.emptyColumns;
+    // Light that goes on to be made finer or tried out need not be fitted to the end.
+    o.leastGain = !toTheEnd && !rows && !plan_.choices.lastDigits ? 3e-4f : 0.0f;
+    if (problem) {
+        o.fold = problem->fold;
+        o.foldedRows = problem->foldedRows;
+    }
     const std::vector<Rgb>& bounce = problem ? problem->bounce : bounce_;
     o.bounce = bounce.empty() ? nullptr : &bounce;
     information_ = {};  // as large as what takes its place
@@ -195,6 +203,7 @@ AlbedoFreeReport SolveState::runAlbedoFree(const std::string& stage, int iterati
                                                     [&](int i, double objective, double rmse) { record(stage, i, objective, rmse); });
     stability_.kktResidual = report.kktResidual;
     information_ = std::move(report.information);
+    lightUnfinished_ = report.endedEarly;
     logInfo("{}: {} iterations, objective {:.4g}, {} unknowns, chroma {:.3f} of the noise and {:.3f} of the rest, {:.1f} s", stage, report.iterations, report.objective, lighting_.leaves.size() + surfaces_.size(),
             report.chroma.noise, report.chroma.model, progress_.seconds());
     return report;
@@ -369,17 +378,10 @@ bool SolveState::refineLeaves() {
         return false;
     }
     refinedMisfit_ = misfit;
-    std::vector<Rgb> given(lighting_.leaves.size(), Rgb(0));
-    size_t counted = 0;
-    for (size_t r = 0; r < influence_.rows; ++r) {
-        if (scene_.rank[matte_.vertices[r]] % 5) continue;
-        ++counted;
-        const Rgb inverse = 1.0f / glm::max(lit_[r], Rgb(1e-30f));
-        for (size_t i = 0; i < given.size(); ++i) given[i] += influence_.row(r)[i] * lighting_.leafRadiance[i] * inverse;
-    }
+    const std::vector<Rgb> shares = sharesOfLight();
     std::vector<std::pair<float, uint32_t>> strong;
     for (uint32_t i = 0; i < lighting_.leaves.size(); ++i) {
-        const Rgb share = given[i] / float(std::max<size_t>(1, counted));
+        const Rgb share = shares[i];
         if (maxChannel(share) > options_.splitShare && lighting_.leaves[i].level < LightLeaves::maxLevel) strong.emplace_back(maxChannel(share), i);
     }
     if (strong.empty()) return false;
@@ -389,6 +391,45 @@ bool SolveState::refineLeaves() {
         if (lighting_.leaves.size() + 3 * (chosen.size() + 1) <= limit) chosen.push_back(i);
     splitLeaves(chosen);
     return !chosen.empty();
+}
+
+std::vector<Rgb> SolveState::sharesOfLight() const {
+    std::vector<Rgb> given(lighting_.leaves.size(), Rgb(0));
+    size_t counted = 0;
+    for (size_t r = 0; r < influence_.rows; ++r) {
+        if (scene_.rank[matte_.vertices[r]] % 5) continue;
+        ++counted;
+        const Rgb inverse = 1.0f / glm::max(lit_[r], Rgb(1e-30f));
+        for (size_t i = 0; i < given.size(); ++i) given[i] += influence_.row(r)[i] * lighting_.leafRadiance[i] * inverse;
+    }
+    for (Rgb& share : given) share /= float(std::max<size_t>(1, counted));
+    return given;
+}
+
+std::vector<uint32_t> SolveState::leavesAsMatteTellsThem() const {
+    const std::vector<Rgb> share = sharesOfLight();
+    const size_t leaves = lighting_.leaves.size();
+    std::map<std::tuple<int, int, int>, std::vector<uint32_t>> brothers;
+    for (uint32_t i = 0; i < leaves; ++i) {
+        const Leaf& leaf = lighting_.leaves[i];
+        if (leaf.level > options_.startLevel) brothers[{leaf.level, leaf.x / 2, leaf.y / 2}].push_back(i);
+    }
+    constexpr uint32_t alone = ~0u;
+    std::vector<uint32_t> group(influence_.columns, alone);
+    uint32_t groups = 0;
+    bool any = false;
+    for (const auto& [parent, children] : brothers) {
+        Rgb together(0);
+        for (const uint32_t i : children) together += share[i];
+        if (children.size() < 4 || maxChannel(together) > options_.splitShare) continue;
+        for (const uint32_t i : children) group[i] = groups;
+        ++groups;
+        any = true;
+    }
+    if (!any) return {};
+    for (uint32_t& g : group)
+        if (g == alone) g = groups++;
+    return group;
 }
 
 void SolveState::splitLeaves(const std::vector<uint32_t>& chosen) {
@@ -421,6 +462,9 @@ void SolveState::splitLeaves(const std::vector<uint32_t>& chosen) {
     lighting_ = std::move(finer);
     anchors_ = lightAnchors(samples_, clusters_, lighting_.leaves);
     shapeLeaves();
+    // What the background shows in detail is known at once.
+    for (const uint32_t k : changed)
+        if (const LeafAnchor& a = anchors_.leaves[k]; a.coverage > 0.95f && !a.clipped) lighting_.leafRadiance[k] = a.radiance;
 }
 
 void SolveState::shapeLeaves() {
@@ -442,6 +486,11 @@ LobeRowOptions SolveState::rowOptions() const {
     options.shapeGrid = samples_.backgroundGrid;
     options.sent = sent_.empty() ? nullptr : &sent_;
     return options;
+}
+
+void SolveState::finishLight() {
+    if (!lightUnfinished_ || stopped() || environmentBlack_) return;
+    runAlbedoFree("light from ratios", options_.refineIterations, nullptr, nullptr, {}, true);
 }
 
 void SolveState::improveLight(int iterations) {
@@ -478,12 +527,16 @@ void SolveState::improveLight(int iterations) {
     }
     const ViewRows rows = viewRows(progress_);
     const size_t ownRows = influence_.rows;
+    computeLit();
+    std::vector<uint32_t> fold = plan_.choices.mattePointsInDetail ? std::vector<uint32_t>() : leavesAsMatteTellsThem();
     const auto takeBack = [&](void*) {
         influence_.rows = ownRows;
         influence_.values.resize(ownRows * influence_.columns);
     };
     const std::unique_ptr<void, decltype(takeBack)> narrow(&influence_, takeBack);
-    const RatioProblem problem = ratiosWithMetals();
+    RatioProblem problem = ratiosWithMetals();
+    problem.fold = std::move(fold);
+    problem.foldedRows = ownRows;
     runAlbedoFree("light from ratios and gloss", iterations, &rows, problem.observations.vertices.empty() ? nullptr : &problem);
 }
 

@@ -28,6 +28,8 @@ struct RatioProblem {
     MatteObservations observations;
     std::vector<AlbedoPair> pairs;
     std::vector<Rgb> bounce;
+    std::vector<uint32_t> fold;  ///< AlbedoFreeOptions::fold of the rows without metals
+    size_t foldedRows = 0;
 };
 
 class SolveState {
@@ -70,6 +72,8 @@ private:
     /// Splits strong leaves; false when there is nothing left to split.
     bool refineLeaves();
     void improveLight(int iterations);
+    /// Fits the light to the end, where its last fit was ended early.
+    void finishLight();
     /// One round of [Put15] 3.2: light given reflectance, reflectance given light.
     void alternate();
     /// [Haber09]'s way in: constant albedo, light first.
@@ -128,6 +132,7 @@ private:
     std::vector<PieceGloss> gloss_;          ///< pieces with a lobe
     std::vector<PieceGloss> triedGloss_;     ///< every piece that was fitted, without its looks
     bool metalsHeard_ = false;               ///< pieces that seem to be metal were taken for metal once,
+    bool lightUnfinished_ = false;           ///< its last fit was ended early, because finer ones were to follow
     bool metalsJoined_ = false;              ///< and had a say in the light
     AlbedoResult albedo_;
     std::vector<Rgb> lit_, litSigma_;        ///< per matte observation
@@ -160,7 +165,11 @@ private:
     LobeRowOptions rowOptions() const;
     void splitLeaves(const std::vector<uint32_t>& leaves);
     AlbedoFreeReport runAlbedoFree(const std::string& stage, int iterations, const ViewRows* rows, const RatioProblem* problem = nullptr,
-                                   std::optional<ChromaShare> chroma = {});
+                                   std::optional<ChromaShare> chroma = {}, bool toTheEnd = false);
+    /// What each leaf gives of the light at a vertex, on average over the vertices. Needs lit_.
+    std::vector<Rgb> sharesOfLight() const;
+    /// Leaves that only metals tell apart: brothers that were split for them, and that give matte surfaces too little light for their split to matter. Per column of influence_ its group; empty: none.
+    std::vector<uint32_t> leavesAsMatteTellsThem() const;
     /// Looks at pieces that have a matte part too, with their reflectance as it is now.
     ViewRows viewRows(Progress& progress);
     /// Looks at pieces without a matte part join the matte observations: the lobe's weight cancels between two looks at the same piece, as

@@ -78,9 +78,18 @@ void SolveState::run(SolveStep step, uint32_t index) {
                 else improveLight(options_.refineIterations);
                 updateBounce();
                 break;
-            case surfaces: solveReflectance(); break;
+            case surfaces:
+                // Where something shines, the light is fitted again with it.
+                if (options_.glossRounds == 0 || std::none_of(matte_.pieceGlossy.begin(), matte_.pieceGlossy.end(), [](uint8_t g) { return g > 0; })) finishLight();
+                solveReflectance();
+                break;
             case glossLight:
-                if (hasGloss()) improveLight(options_.refineIterations);
+                if (hasGloss()) {
+                    improveLight(options_.refineIterations);
+                } else if (lightUnfinished_) {
+                    finishLight();
+                    solveReflectance();
+                }
                 break;
             case glossSurfaces:
                 if (!hasGloss()) break;
@@ -140,6 +149,7 @@ SolveCheckpoint SolveState::checkpoint(uint32_t step, bool between) const {
     c.triedGloss = triedGloss_;
     c.metalsHeard = metalsHeard_;
     c.metalsJoined = metalsJoined_;
+    c.lightUnfinished = lightUnfinished_;
     for (Eigen::Index j = 0; j < information_.all.cols(); ++j)
         c.information.insert(c.information.end(), information_.all.col(j).data() + j, information_.all.col(j).data() + information_.all.rows());
     for (size_t k = 0; k < 3; ++k) {
@@ -205,6 +215,7 @@ void SolveState::goOnFrom(const SolveCheckpoint& c) {
         if (g.lobe) findMeasured(*g.lobe, basis_);
     metalsHeard_ = c.metalsHeard;
     metalsJoined_ = c.metalsJoined;
+    lightUnfinished_ = c.lightUnfinished;
     for (size_t k = 0; k < 3; ++k) {
         const Eigen::Index n = Eigen::Index(c.informationSeen[k].size()), m = c.informationOfLooks[k].empty() ? 0 : n;
         information_.looks[k] = Eigen::Map<const Eigen::MatrixXd>(c.informationOfLooks[k].data(), m, m);

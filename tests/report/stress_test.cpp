@@ -48,14 +48,15 @@ TEST(Stress, UnitsAndOrderDoNotMatter) {
         EXPECT_EQ(figure(*named(name), "difference"), 0) << name;
     }
     for (const char* name : {"world: images x 1e-6", "world: images x 1e6", "world: in millimetres", "world: in kilometres", "world: far from the origin", "world: views in another order",
+                             "world: vertices in another order",
                              "world: emitters in another order"}) {
         ASSERT_TRUE(named(name)) << name;
         EXPECT_LT(figure(*named(name), "difference"), 1e-4) << name;
     }
     // What rounding and sampling leave.
-    for (const char* name : {"world: vertices in another order", "world: turned by 90 degrees", "world: turned by 33 degrees"}) {
+    for (const char* name : {"world: turned by 90 degrees", "world: turned by 33 degrees"}) {
         ASSERT_TRUE(named(name)) << name;
-        EXPECT_LT(figure(*named(name), "difference"), 0.03) << name;
+        EXPECT_LT(figure(*named(name), "difference"), 0.04) << name;
     }
 }
 

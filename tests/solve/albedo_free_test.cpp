@@ -61,6 +61,44 @@ TEST(AlbedoFree, EndsAtTheSameLightFromADarkAndABrightStart) {
     EXPECT_LT(test::litDifference(p, dark, bright), 0.01);
 }
 
+TEST(AlbedoFree, CurvatureOnFoldedLeavesEndsAtTheSameLight) {
+    test::SmallProblem p = test::smallProblem(400, 0.02f);
+    // Leaves in fours that the rows hardly tell apart.
+    for (size_t r = 0; r < p.influence.rows; ++r) {
+        float* row = p.influence.row(r);
+        Rgb before(0), after(0);
+        for (size_t i = 0; i < 64; ++i) before += row[i] * p.truth.leafRadiance[i];
+        for (size_t i = 0; i < 64; i += 4) {
+            const float mean = (row[i] + row[i + 1] + row[i + 2] + row[i + 3]) / 4;
+            for (size_t k = i; k < i + 4; ++k) row[k] = 0.8f * mean + 0.2f * row[k];
+        }
+        for (size_t i = 0; i < 64; ++i) after += row[i] * p.truth.leafRadiance[i];
+        p.matte.radiance[r] += p.albedo[r] * (after - before);
+    }
+    AlbedoFreeOptions o = manyIterations(), folded = manyIterations();
+    folded.iterations = 80;
+    folded.foldedRows = p.influence.rows;
+    for (uint32_t k = 0; k < p.influence.columns; ++k) folded.fold.push_back(k / 4);
+    Lighting whole = p.start, found = p.start;
+    Progress progress;
+    const AlbedoFreeReport a = solveAlbedoFree(p.influence, p.matte, p.pairs, p.anchors, nullptr, o, whole, progress, nullptr);
+    const AlbedoFreeReport b = solveAlbedoFree(p.influence, p.matte, p.pairs, p.anchors, nullptr, folded, found, progress, nullptr);
+    EXPECT_LT(test::litDifference(p, found, whole), 2e-3);
+    EXPECT_NEAR(b.objective, a.objective, 2e-3 * a.objective);
+}
+
+TEST(AlbedoFree, EndsEarlyWhereAnIterationGainsTooLittle) {
+    const test::SmallProblem p = test::smallProblem(400, 0.02f);
+    AlbedoFreeOptions o = manyIterations(), rough = manyIterations();
+    rough.leastGain = 0.01f;
+    Lighting whole = p.start, found = p.start;
+    Progress progress;
+    const AlbedoFreeReport a = solveAlbedoFree(p.influence, p.matte, p.pairs, p.anchors, nullptr, o, whole, progress, nullptr);
+    const AlbedoFreeReport b = solveAlbedoFree(p.influence, p.matte, p.pairs, p.anchors, nullptr, rough, found, progress, nullptr);
+    EXPECT_LT(b.iterations, a.iterations);
+    EXPECT_LT(b.objective, 1.02 * a.objective);
+}
+
 TEST(AlbedoFree, NeverLetsItsObjectiveRise) {
     const test::SmallProblem p = test::smallProblem(300, 0.1f);
     Lighting found = p.start;

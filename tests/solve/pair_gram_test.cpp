@@ -3,55 +3,13 @@
 #include <gtest/gtest.h>
 
 #include "base/parallel.h"
-#include "base/random.h"
+
+#include "tests/solve/random_pairs.h"
 
 namespace relamp {
 namespace {
 
-struct Problem {
-    InfluenceMatrix rows;
-    ChannelWeights weights;
-};
-
-/// Pairs of rows with a residual b_c B_b - a_c B_a in each channel and a precision between the channels, as the ratio fit has them.
-Problem pairsOf(size_t count, size_t columns) {
-    Problem p;
-    p.rows.rows = count;
-    p.rows.columns = columns;
-    for (size_t i = 0; i < count * columns; ++i) p.rows.values.push_back(unitFloat(mixBits(i)));
-    std::vector<std::vector<std::pair<uint32_t, std::array<float, 6>>>> partners(count);
-    const auto add = [&](uint32_t i, uint32_t j, const std::array<float, 6>& w) { partners[i].emplace_back(j, w); };
-    for (uint64_t k = 0; k < 3 * count; ++k) {
-        const uint32_t a = uint32_t(mixBits(k * 7) % count), b = uint32_t(mixBits(k * 7 + 1) % count);
-        if (a == b) continue;
-        float ta[3], tb[3];
-        for (uint64_t c = 0; c < 3; ++c) ta[c] = 0.5f + unitFloat(mixBits(k * 11 + c)), tb[c] = 0.5f + unitFloat(mixBits(k * 13 + c));
-        std::array<float, 6> aa, ab, ba, bb;
-        for (size_t block = 0; block < 6; ++block) {
-            const auto [c, d] = ChannelWeights::blocks[block];
-            const float precision = c == d ? 1.0f : -0.3f;
-            aa[block] = precision * ta[c] * ta[d];
-            ab[block] = -precision * ta[c] * tb[d];
-            ba[block] = -precision * tb[c] * ta[d];
-            bb[block] = precision * tb[c] * tb[d];
-        }
-        add(a, a, aa);
-        add(a, b, ab);
-        add(b, a, ba);
-        add(b, b, bb);
-    }
-    p.weights.start.push_back(0);
-    for (const auto& row : partners) {
-        for (const auto& [other, w] : row) {
-            p.weights.other.push_back(other);
-            p.weights.weight.push_back(w);
-        }
-        p.weights.start.push_back(uint32_t(p.weights.other.size()));
-    }
-    return p;
-}
-
-Eigen::MatrixXd bruteForce(const Problem& p, bool apart) {
+Eigen::MatrixXd bruteForce(const test::PairProblem& p, bool apart) {
     const Eigen::Index n = Eigen::Index(p.rows.columns);
     Eigen::MatrixXd all = Eigen::MatrixXd::Zero(3 * n, 3 * n);
     for (size_t i = 0; i < p.rows.rows; ++i)
@@ -70,7 +28,7 @@ TEST(PairGram, IsTheSumOverRowsAndPartners) {
     // Widths on either side of a panel, rows on either side of a block.
     for (const auto& [count, columns] : {std::pair{40, 7}, {600, 32}, {513, 71}, {1100, 96}})
         for (const bool apart : {false, true}) {
-            const Problem p = pairsOf(size_t(count), size_t(columns));
+            const test::PairProblem p = test::randomPairs(size_t(count), size_t(columns));
             Progress progress;
             const Eigen::MatrixXd found = channelGram(p.rows, p.weights, apart, progress), wanted = bruteForce(p, apart);
             ASSERT_EQ(found.rows(), wanted.rows());
@@ -80,7 +38,7 @@ TEST(PairGram, IsTheSumOverRowsAndPartners) {
 }
 
 TEST(PairGram, HasTheSameBitsOnAnyNumberOfThreads) {
-    const Problem p = pairsOf(1500, 150);
+    const test::PairProblem p = test::randomPairs(1500, 150);
     Progress progress;
     const Eigen::MatrixXd many = channelGram(p.rows, p.weights, false, progress);
     const ThreadLimit one(1);
@@ -88,7 +46,7 @@ TEST(PairGram, HasTheSameBitsOnAnyNumberOfThreads) {
 }
 
 TEST(PairGram, NoRowsGiveZeros) {
-    Problem p;
+    test::PairProblem p;
     p.rows.columns = 5;
     p.weights.start.push_back(0);
     Progress progress;
@@ -96,7 +54,7 @@ TEST(PairGram, NoRowsGiveZeros) {
 }
 
 TEST(PairGram, Stops) {
-    const Problem p = pairsOf(40, 64);
+    const test::PairProblem p = test::randomPairs(40, 64);
     Progress progress;
     progress.requestStop();
     EXPECT_THROW(channelGram(p.rows, p.weights, false, progress), Cancelled);

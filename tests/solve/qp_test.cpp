@@ -124,6 +124,28 @@ TEST(BoundedQp, EndsExactlyOnLargeStiffProgramsOnAnyNumberOfThreads) {
     EXPECT_EQ(one.x, solveBoundedQp(q, c, zero).x);
 }
 
+TEST(BoundedQp, EndsWhereAFactorInDoubleEndsHoweverStiffALargeProgramIs) {
+    // Large programs are factored in single precision first; a diagonal of 1 to 1e-12 beside neighbours that pull on each other is too stiff for that.
+    constexpr int n = 700;
+    for (const double weakest : {1e-2, 1e-6, 1e-9}) {
+        Eigen::MatrixXd q = Eigen::MatrixXd::Zero(n, n);
+        for (int i = 0; i < n; ++i) {
+            q(i, i) += weakest;
+            if (i + 1 < n) {
+                q(i, i) += 1;
+                q(i + 1, i + 1) += 1;
+                q(i, i + 1) = q(i + 1, i) = -1;
+            }
+        }
+        const Eigen::VectorXd truth = Eigen::VectorXd::LinSpaced(n, 1, 2), c = q * truth, zero = Eigen::VectorXd::Zero(n);
+        const QpResult r = solveBoundedQp(q, c, zero);
+        EXPECT_TRUE(r.converged) << r.reason;
+        EXPECT_LT(r.kktResidual, 1e-12) << weakest;
+        const Eigen::VectorXd wanted = q.llt().solve(c);
+        EXPECT_LT((r.x - wanted).norm(), 3e-12 / weakest * wanted.norm()) << weakest;  // a ridge of 1e-12
+    }
+}
+
 TEST(BoundedQp, TellsPointsThatKeepTheBoundsAndStopsInside) {
     const Problem p = randomProblem(1500, 1200, 2);
     const Eigen::MatrixXd q = p.a.transpose() * p.a;

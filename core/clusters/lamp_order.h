@@ -1,0 +1,11 @@
+// The order in which random patterns go through the triangles of a lamp.
+#pragma once
+#include "scene/mesh.h"
+
+namespace relamp {
+
+/// The triangles along a curve through the lamp at rest: the same in any order of the file, and samples that are spread over them are spread over space.
+/// Cost: n log n.
+std::vector<uint32_t> alongLamp(const Mesh& mesh, const std::vector<uint32_t>& triangles);
+
+}  // namespace relamp
