@@ -9,7 +9,7 @@ namespace {
 
 constexpr size_t pairsWanted = 4000;
 constexpr int pilotSide = 16, pilotLevel = 3;
-constexpr uint32_t pilotRays = 256;
+constexpr uint32_t pilotRays = 256;  // with fewer their noise speaks against bounced light where it is
 
 double median(std::vector<float> values) {
     if (values.empty()) return 0;

@@ -2,6 +2,7 @@
 
 #include <unordered_map>
 
+#include "base/parallel.h"
 #include "base/random.h"
 
 namespace relamp {
@@ -13,7 +14,11 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
         if (matte.pieceGlossy[scene.piece[matte.vertices[i]]] < 2) place[matte.vertices[i]] = i;
     std::vector<AlbedoPair> pairs;
     const VertexGraph& graph = scene.graph;
-    std::vector<uint32_t> ways;
+    // Walks choose among neighbours in an order that does not know the file's.
+    std::vector<uint32_t> ways = graph.to;
+    parallelFor(scene.mesh.vertexCount(), 1024, [&](size_t v) {
+        std::sort(ways.begin() + graph.start[v], ways.begin() + graph.start[v + 1], [&](uint32_t a, uint32_t b) { return scene.rank[a] < scene.rank[b]; });
+    });
     for (uint32_t i = 0; i < matte.vertices.size(); ++i) {
         const uint32_t v = matte.vertices[i];
         if (place[v] == none) continue;
@@ -29,10 +34,7 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
                 const uint32_t degree = graph.start[at + 1] - graph.start[at];
                 if (!degree) break;
                 bits = mixBits(bits);
-                ways.assign(graph.to.begin() + graph.start[at], graph.to.begin() + graph.start[at + 1]);
-                const auto chosen = ways.begin() + ptrdiff_t(bits % degree);
-                std::nth_element(ways.begin(), chosen, ways.end(), [&](uint32_t a, uint32_t b) { return scene.rank[a] < scene.rank[b]; });
-                at = *chosen;
+                at = ways[graph.start[at] + bits % degree];
             }
             if (at != v && place[at] != none) pairs.push_back({i, place[at], length == 36 ? 0.5f : 0.7f});
         }
@@ -46,21 +48,38 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
         const auto cell = [&](float x) { return int64_t(std::floor(x / reach)); };
         return mixBits(mixBits(mixBits(uint64_t(cell(p.x) + dx)) ^ uint64_t(cell(p.y) + dy)) ^ uint64_t(cell(p.z) + dz));
     };
-    std::unordered_map<uint64_t, std::vector<uint32_t>> buckets;
+    // Most buckets are smooth: those whose normals all lie near the asking one hold no corner.
+    struct Bucket {
+        std::vector<uint32_t> observations;
+        Vec3 axis{0};
+        float spread = 0;  ///< largest angle to the axis
+    };
+    std::unordered_map<uint64_t, Bucket> buckets;
+    for (uint32_t i = 0; i < matte.vertices.size(); ++i) {
+        if (place[matte.vertices[i]] == none) continue;
+        Bucket& bucket = buckets[keyOf(scene.mesh.positions[matte.vertices[i]], 0, 0, 0)];
+        bucket.observations.push_back(i);
+        bucket.axis += scene.mesh.normals[matte.vertices[i]];
+    }
+    const auto angle = [](const Vec3& a, const Vec3& b) { return std::acos(std::clamp(glm::dot(a, b), -1.0f, 1.0f)); };
+    for (auto& [key, bucket] : buckets) {
+        const float length = glm::length(bucket.axis);
+        bucket.axis = length > 0 ? bucket.axis / length : Vec3(0, 0, 1);
+        for (const uint32_t i : bucket.observations) bucket.spread = std::max(bucket.spread, angle(bucket.axis, scene.mesh.normals[matte.vertices[i]]));
+    }
+    const float corner = std::acos(options.cornerCosine) - 1e-3f;
     std::vector<std::pair<float, uint32_t>> near;  // squared distance and observation of those within reach
-    for (uint32_t i = 0; i < matte.vertices.size(); ++i)
-        if (place[matte.vertices[i]] != none) buckets[keyOf(scene.mesh.positions[matte.vertices[i]], 0, 0, 0)].push_back(i);
     for (uint32_t i = 0; i < matte.vertices.size(); ++i) {
         const uint32_t v = matte.vertices[i];
         if (place[v] == none) continue;
-        const Vec3 p = scene.mesh.positions[v];
+        const Vec3 p = scene.mesh.positions[v], normal = scene.mesh.normals[v];
         near.clear();
         for (int k = 0; k < 27; ++k) {
-            const auto bucket = buckets.find(keyOf(p, k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
-            if (bucket == buckets.end()) continue;
-            for (uint32_t j : bucket->second) {
+            const auto at = buckets.find(keyOf(p, k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
+            if (at == buckets.end() || angle(normal, at->second.axis) + at->second.spread < corner) continue;
+            for (uint32_t j : at->second.observations) {
                 const uint32_t u = matte.vertices[j];
-                if (scene.piece[u] != scene.piece[v] || glm::dot(scene.mesh.normals[u], scene.mesh.normals[v]) > options.cornerCosine) continue;
+                if (scene.piece[u] != scene.piece[v] || glm::dot(scene.mesh.normals[u], normal) > options.cornerCosine) continue;
                 const Vec3 d = scene.mesh.positions[u] - p;
                 if (const float d2 = glm::dot(d, d); d2 < reach * reach) near.emplace_back(d2, j);
             }
