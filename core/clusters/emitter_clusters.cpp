@@ -6,7 +6,6 @@
 #include <set>
 
 #include "base/log.h"
-#include "clusters/lamp_order.h"
 #include "scene/rim.h"
 
 namespace relamp {
@@ -301,7 +300,6 @@ void indexEmitters(const Scene& scene, EmitterClusters& clusters) {
     for (size_t i = 0; i < clusters.emitters.size(); ++i) {
         EmitterCluster& e = clusters.emitters[i];
         e.id = fmt::format("emitter-{}", i + 1);
-        e.triangles = alongLamp(scene.mesh, e.triangles);
         for (uint32_t v : e.vertices) clusters.emitterOfVertex[v] = int(i);
         for (uint32_t t : e.triangles) clusters.emitterOfTriangle[t] = int(i);
     }

@@ -28,7 +28,7 @@ void countLooks(const Capture& capture, const Scene& scene, const RadianceSample
     GlossOptions gloss;
     gloss.seed = options.seed;
     std::vector<EmitterSurface> surfaces;
-    for (const EmitterCluster& e : lamps.emitters) surfaces.push_back(emitterSurface(scene.mesh, e));
+    for (const EmitterCluster& e : lamps.emitters) surfaces.push_back(orderedEmitterSurface(scene.mesh, e));
     const BrdfBasis basis = builtInBasis();
     counts.lobes = double(basis.lobes.size()) - 1;
     for (uint32_t p = 0; p < scene.pieces; ++p) {
@@ -55,7 +55,7 @@ bool lobeLikely(const Capture& capture, const Scene& scene, const RadianceSample
     gloss.maxVertices = 60;
     gloss.rows.lobeSamples = 64;
     std::vector<EmitterSurface> surfaces;
-    for (const EmitterCluster& e : lamps.emitters) surfaces.push_back(emitterSurface(scene.mesh, e));
+    for (const EmitterCluster& e : lamps.emitters) surfaces.push_back(orderedEmitterSurface(scene.mesh, e));
     for (uint32_t p = 0; p < scene.pieces; ++p)
         if (matte.pieceGlossy[p]) {
             // The light is coarse here: what the solve will explain better is hinted at only.

@@ -12,7 +12,6 @@
 #include "base/log.h"
 #include "brdf/layered_albedo.h"
 #include "capture/load_capture.h"
-#include "clusters/lamp_order.h"
 #include "image/environment_map.h"
 #include "image/image_io.h"
 #include "pipeline/plan.h"
@@ -511,7 +510,6 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress) {
         clusters.emitterOfTriangle[t] = i;
         clusters.emitters[size_t(i)].triangles.push_back(t);
     }
-    for (EmitterCluster& lamp : clusters.emitters) lamp.triangles = alongLamp(shot.capture.mesh, lamp.triangles);
     return shot;
 }
 

@@ -51,7 +51,7 @@ void SolveState::takeClusters(const EmitterClusters& clusters) {
 
 void SolveState::rebuildNearField() {
     surfaces_.clear();
-    for (const EmitterCluster& e : clusters_.emitters) surfaces_.push_back(emitterSurface(scene_.mesh, e));
+    for (const EmitterCluster& e : clusters_.emitters) surfaces_.push_back(orderedEmitterSurface(scene_.mesh, e));
     // Transport of what no photograph shows is worked out when it is asked for.
     known_ = scene_.referenced;
     if (!plan_.choices.unseenVertices)

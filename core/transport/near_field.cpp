@@ -2,6 +2,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "clusters/lamp_order.h"
 #include "wavelet/haar.h"
 
 namespace relamp {
@@ -34,6 +35,13 @@ EmitterSurface emitterSurface(const Mesh& mesh, const EmitterCluster& cluster, c
     if (sum > 0) s.centroid = Vec3(centre / double(sum));
     for (size_t t = 0; t < s.centres.size(); ++t) s.radius = std::max(s.radius, glm::length(s.centres[t] - s.centroid) + s.radii[t]);
     return s;
+}
+
+EmitterSurface orderedEmitterSurface(const Mesh& mesh, const EmitterCluster& cluster) {
+    EmitterCluster ordered;
+    ordered.twoSided = cluster.twoSided;
+    ordered.triangles = alongLamp(mesh, cluster.triangles);
+    return emitterSurface(mesh, ordered);
 }
 
 float triangleFormFactor(const Vec3& point, const Vec3& normal, const std::array<Vec3, 3>& corners, bool twoSided) {
@@ -192,7 +200,7 @@ NearField computeNearField(const Scene& scene, const EmitterClusters& clusters, 
 void addNearField(const Scene& scene, const EmitterClusters& clusters, const NearFieldOptions& options, NearField& result, Progress& progress) {
     const size_t n = scene.mesh.vertexCount();
     std::vector<EmitterSurface> surfaces;
-    for (const EmitterCluster& e : clusters.emitters) surfaces.push_back(emitterSurface(scene.mesh, e));
+    for (const EmitterCluster& e : clusters.emitters) surfaces.push_back(orderedEmitterSurface(scene.mesh, e));
     progress.begin("Near-field maps", n);
     parallelBlocks(n, 64, [&](size_t begin, size_t end) {
         std::vector<EmitterSample> samples;

@@ -23,6 +23,9 @@ struct EmitterSurface {
 /// In the order of the cluster's triangles, which samplers count on; those without area are left out. `toWorld` moves the surface.
 EmitterSurface emitterSurface(const Mesh& mesh, const EmitterCluster& cluster, const Mat4& toWorld = Mat4(1));
 
+/// The same along a curve through the lamp (alongLamp): patterns on it do not know the file's order. For who does not go from the mesh's triangles to the surface's.
+EmitterSurface orderedEmitterSurface(const Mesh& mesh, const EmitterCluster& cluster);
+
 /// Form factor from a surface point to a triangle, unshadowed, clipped at the point's horizon: the share of the cosine-
 /// weighted hemisphere it covers, in [0, 1]. Exact (Lambert 1760); finite when touching or coplanar. Only the front counts.
 float triangleFormFactor(const Vec3& point, const Vec3& normal, const std::array<Vec3, 3>& corners, bool twoSided);

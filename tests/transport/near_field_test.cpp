@@ -39,6 +39,16 @@ TEST(EmitterSurface, KeepsTheOrderOfTheClustersTriangles) {
         for (size_t k = 0; k < 3; ++k) EXPECT_EQ(surface.corners[i][k], mesh.positions[mesh.triangles[cluster.triangles[i]][k]]) << i;
 }
 
+TEST(EmitterSurface, ForSolvingDoesNotKnowTheOrderOfTheFile) {
+    const Mesh mesh = test::ball({0, 0, 0.5f}, 0.1f, 10, 14);
+    EmitterCluster cluster = wholeMesh(mesh), reversed = cluster;
+    std::reverse(reversed.triangles.begin(), reversed.triangles.end());
+    const EmitterSurface a = orderedEmitterSurface(mesh, cluster), b = orderedEmitterSurface(mesh, reversed);
+    EXPECT_EQ(a.corners, b.corners);
+    EXPECT_EQ(a.corners.size(), emitterSurface(mesh, cluster).corners.size());
+    EXPECT_NE(emitterSurface(mesh, cluster).corners, emitterSurface(mesh, reversed).corners);
+}
+
 TEST(FormFactor, OfADiscAbovePlaneIsItsRadiusSquaredOverTheDistanceToItsRimSquared) {
     for (const float height : {0.05f, 0.3f, 1.0f, 4.0f, 20.0f}) {
         // The polygon of 720 sides lacks 1.3e-5 of the disc's area.
