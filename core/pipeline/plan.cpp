@@ -118,7 +118,7 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
         stages = std::move(fewer);
     };
     const bool judged = pilot.ran && options.nearField && counts.matte;
-    if (judged && !lamps.emitters.empty() && pilot.distantShare < 0.003 && pilot.backgroundShare < 0.05)
+    if (judged && !lamps.emitters.empty() && pilot.distantShare < 0.003 && pilot.background < 0.05)
         leaveOut("distant light", fmt::format("of the light on {} points {:.2g} % comes from afar, and the background is black where it is seen", pilot.points, 100 * pilot.distantShare), &PlanChoices::distantLight);
     if (judged && options.bounce == SolveOptions::Bounce::automatic) {
         if (pilot.enclosure < 0.01)

@@ -132,10 +132,7 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
     const LightAnchors anchors = lightAnchors(samples, lamps, lighting.leaves);
     double middle = 0;
     AlbedoFreeOptions fit = pilotFit(matte, lamps, middle, lighting);
-    float brightest = 0;
-    for (size_t c = 0; c < samples.background.size(); ++c)
-        if (samples.backgroundPixels[c]) brightest = std::max(brightest, maxChannel(samples.background[c]));
-    found.backgroundShare = middle > 0 ? double(brightest) / middle : 0;
+    found.background = backgroundOverSurfaces(samples, all);
     took();
     const AlbedoFreeReport without = solveAlbedoFree(rows, matte, chosen, anchors, nullptr, fit, lighting, progress, {});
     found.iterations = without.iterations;

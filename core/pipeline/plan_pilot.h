@@ -14,7 +14,7 @@ struct PilotFindings {
     bool ran = false;             ///< false: too few matte points
     size_t pairs = 0, points = 0; ///< looked at
     double distantShare = 1;      ///< of the light on the points that comes from afar
-    double backgroundShare = 0;   ///< brightest seen background cell over the median brightness of the surfaces; 0 when none is seen
+    double background = -1;       ///< backgroundOverSurfaces
     double enclosure = 1;         ///< share of what the points see that other surfaces fill
     double bouncedShare = 0;      ///< light from other surfaces over all light, if it were in the photographs
     double bounceWorse = 0;       ///< mean rise of the pairs' misfit when bounced light is taken for real, in standard errors of that mean

@@ -104,4 +104,20 @@ MatteObservations matteObservations(const Scene& scene, const RadianceSamples& s
     return result;
 }
 
+double backgroundOverSurfaces(const RadianceSamples& samples, const MatteObservations& matte) {
+    float brightest = 0;
+    size_t seen = 0;
+    for (size_t c = 0; c < samples.background.size(); ++c) {
+        if (samples.backgroundPixels[c] < 4) continue;
+        brightest = std::max(brightest, maxChannel(samples.background[c]));
+        ++seen;
+    }
+    if (matte.radiance.empty() || seen * 100 <= samples.background.size()) return -1;
+    std::vector<float> brightness;
+    for (const Rgb& y : matte.radiance) brightness.push_back(maxChannel(y));
+    const auto middle = brightness.begin() + ptrdiff_t(brightness.size() / 2);
+    std::nth_element(brightness.begin(), middle, brightness.end());
+    return double(brightest) / std::max(double(*middle), 1e-30);
+}
+
 }  // namespace relamp

@@ -27,4 +27,7 @@ MatteValue robustMatteValue(std::vector<MatteLook>& looks, float quantile);
 /// `skip[v]` non-zero leaves vertex v out (emitters).
 MatteObservations matteObservations(const Scene& scene, const RadianceSamples& samples, const std::vector<uint8_t>& skip);
 
+/// Is the background black? Its brightest seen cell over the middle brightness of the surfaces; -1 where less than a hundredth of it is seen.
+double backgroundOverSurfaces(const RadianceSamples& samples, const MatteObservations& matte);
+
 }  // namespace relamp

@@ -347,17 +347,8 @@ void SolveState::leaveOutBlackEnvironment() {
         }
     logInfo("distant light gives {:.2g} % of the light on the surfaces", all > 0 ? 100 * distant / all : 0.0);
     // Where the background is seen and black, a little light from beside it is what the fit could not place.
-    std::vector<float> brightness;
-    for (const Rgb& y : matte_.radiance) brightness.push_back(maxChannel(y));
-    std::nth_element(brightness.begin(), brightness.begin() + ptrdiff_t(brightness.size() / 2), brightness.end());
-    float brightest = 0;
-    size_t seen = 0;
-    for (size_t c = 0; c < samples_.background.size(); ++c) {
-        if (samples_.backgroundPixels[c] < 4) continue;
-        brightest = std::max(brightest, maxChannel(samples_.background[c]));
-        ++seen;
-    }
-    const bool black = seen > samples_.background.size() / 100 && brightest < 0.05f * brightness[brightness.size() / 2];
+    const double background = backgroundOverSurfaces(samples_, matte_);
+    const bool black = background >= 0 && background < 0.05;
     if (!(distant < (black ? 0.03 : 0.005) * all)) return;
     environmentBlack_ = true;
     std::fill(lighting_.leafRadiance.begin(), lighting_.leafRadiance.end(), Rgb(0));
