@@ -99,9 +99,9 @@ void fields(File& f, Lobe& lobe, bool insideMixture) {
     lobe.kind = Lobe::Kind(kind);
     f.plain(lobe.alpha);
     fields(f, lobe.name);
-    listOf(f, lobe.parts, [&](LobeShare& part) {
+    listOf(f, lobe.parts, [&](Lobe& part) {
         if (insideMixture) throw Error("a mixture inside a mixture");
-        fields(f, part.lobe, true);
+        fields(f, part, true);
         f.plain(part.share);
     });
 }
