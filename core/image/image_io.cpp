@@ -9,6 +9,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 #include <mutex>
 #include <optional>
 #include <sstream>
@@ -30,6 +31,8 @@ void setUpLibrary() {
     std::call_once(once, [] {
         OIIO::attribute("threads", 1);
         OIIO::attribute("exr_threads", -1);
+        // What is no picture by its ending and beginning is not shown to the decoders of forty other formats.
+        OIIO::attribute("try_all_readers", 0);
     });
 }
 
@@ -44,6 +47,23 @@ std::string lower(std::string text) {
     return text;
 }
 
+/// The library's name for the format by the file's first bytes, for those that are often named wrongly; "" for others. Camera raw begins as TIFF does, so
+/// TIFF is told only under the ending of another format.
+std::string formatByContent(const fs::path& file) {
+    std::array<char, 8> begin{};
+    std::ifstream(file, std::ios::binary).read(begin.data(), begin.size());
+    const std::string_view bytes(begin.data(), begin.size());
+    const auto begins = [&](std::string_view magic) { return bytes.substr(0, magic.size()) == magic; };
+    if (begins("\x89PNG\r\n")) return "png";
+    if (begins("\xff\xd8\xff")) return "jpeg";
+    if (begins("v/1\x01")) return "openexr";
+    if (begins("#?")) return "hdr";
+    const std::string extension = lowerExtension(file);
+    const bool otherwise = extension == ".png" || extension == ".jpg" || extension == ".jpeg" || extension == ".exr" || extension == ".hdr";
+    if (otherwise && (begins(std::string_view("II*\0", 4)) || begins(std::string_view("MM\0*", 4)))) return "tiff";
+    return "";
+}
+
 std::unique_ptr<OIIO::ImageInput> openPicture(const fs::path& file) {
     setUpLibrary();
     std::error_code ignored;
@@ -53,9 +73,19 @@ std::unique_ptr<OIIO::ImageInput> openPicture(const fs::path& file) {
     OIIO::ImageSpec wanted;
     wanted.attribute("oiio:UnassociatedAlpha", 1);        // alpha is a mask here, colours must not be scaled by it
     wanted.attribute("raw:ColorSpace", "sRGB-linear");
-    auto input = OIIO::ImageInput::open(file.string(), &wanted);
+    std::unique_ptr<OIIO::ImageInput> input;
+    std::string reason;
+    if (const std::string format = formatByContent(file); format.empty()) {
+        input = OIIO::ImageInput::open(file.string(), &wanted);
+    } else if (input = OIIO::ImageInput::create(format); input) {
+        OIIO::ImageSpec spec;
+        if (!input->open(file.string(), spec, wanted)) {
+            reason = input->geterror();
+            input.reset();
+        }
+    }
     if (!input) {
-        const std::string reason = OIIO::geterror();
+        if (reason.empty()) reason = OIIO::geterror();
         throw Error("{}: is not a readable picture ({})", file.string(), reason.empty() ? "unknown format" : reason);
     }
     const OIIO::ImageSpec& spec = input->spec();

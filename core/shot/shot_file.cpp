@@ -468,8 +468,6 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress) {
     if (document.contains("look"))
         withContext(file.string(), [&] { withContext("look", [&] { shot.look = lookFromJson(document["look"], folder, shot.capture.origin); }); });
     const size_t n = shot.capture.mesh.vertexCount();
-    const DirectionGrid grid{e.environmentSide};
-    e.environment = environmentCells(folder, grid);
     const fs::path ply = folder / "reflectance.ply";
     const std::vector<VertexProperty> properties = readVertexPly(ply);
     const auto property = [&](const std::string& name) -> const std::vector<float>& {
@@ -491,6 +489,8 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress) {
     for (float o : property("observed")) e.reflectance.observed.push_back(uint8_t(std::clamp(o, 0.0f, 255.0f)));
     e.reflectance.confidence = property("confidence");
     if (std::any_of(properties.begin(), properties.end(), [](const VertexProperty& p) { return p.name == "albedo_sigma"; })) e.reflectance.sigma = property("albedo_sigma");
+    const DirectionGrid grid{e.environmentSide};
+    e.environment = environmentCells(folder, grid);
     const fs::path deviations = folder / "environment_sigma.exr";
     std::error_code unreadable;
     if (fs::exists(deviations, unreadable)) e.environmentSigma = integrateOverCells(readEnvironment(deviations), grid);

@@ -141,6 +141,28 @@ TEST(ImageIo, UnreadableFilesAreNamed) {
               std::string::npos);
 }
 
+TEST(ImageIo, PicturesNamedWronglyAreReadByTheirContent) {
+    const test::TemporaryFolder folder;
+    const Image image = ramp(16, 8);
+    for (const char* name : {"a.png", "a.jpg", "a.tif", "a.exr", "a.hdr"}) {
+        writeImage(folder / name, image);
+        const Image right = readImage(folder / name);
+        for (const char* wrong : {"b.png", "b.jpg", "b.exr", "b.hdr"}) {
+            folder.write(wrong, test::TemporaryFolder::read(folder / name));
+            const Image read = readImage(folder / wrong);
+            EXPECT_EQ(read.pixels, right.pixels) << name << " as " << wrong;
+        }
+    }
+}
+
+TEST(ImageIo, WhatIsNoPictureByItsNameOrBeginningIsNotTriedInOtherFormats) {
+    const test::TemporaryFolder folder;
+    // A portable pixmap, which the library would read under its own name.
+    const std::string pixmap = "P3\n1 1\n255\n255 0 0\n";
+    EXPECT_EQ(readImage(folder.write("a.ppm", pixmap)).pixels.size(), 1u);
+    EXPECT_NE(test::messageOf([&] { readImage(folder.write("a.png", pixmap)); }).find("a.png: is not a readable picture"), std::string::npos);
+}
+
 TEST(ImageIo, AnExrWhoseHeaderClaimsMoreThanTheFileHoldsIsNotBelieved) {
     const test::TemporaryFolder folder;
     writeImage(folder / "a.exr", Image(8, 6, Rgb(1)), {{"comment", "short"}});
