@@ -91,11 +91,11 @@ bool RelightWorker::refining() const {
     return refining_;
 }
 
-void RelightWorker::renderAtRest(const RelightWish& wish, uint64_t serial) {
+void RelightWorker::renderAtRest(const RelightWish& wish, uint64_t serial, const std::stop_token& stop) {
     const auto progress = std::make_shared<Progress>();
     {
         std::lock_guard lock(mutex_);
-        if (serial_ != serial) return;
+        if (serial_ != serial || stop.stop_requested()) return;
         running_ = progress;
         runningIsRest_ = true;
     }
@@ -159,8 +159,9 @@ void RelightWorker::run(std::stop_token stop) {
             if (serial_ == done) {
                 working_ = refining_ = false;
                 changed_.wait(lock, stop, [&] { return serial_ != done; });
-                if (stop.stop_requested()) return;
             }
+            // Under the lock, so that a step that starts is always one that the destructor can end.
+            if (stop.stop_requested()) return;
             wish = wish_;
             serial = serial_;
             running_ = progress;
@@ -236,7 +237,7 @@ void RelightWorker::run(std::stop_token stop) {
                 if (serial_ != serial) continue;
             }
             if (stop.stop_requested()) return;
-            if (wish.restPicture && !wish.orthographic && !restFrame()) renderAtRest(wish, serial);
+            if (wish.restPicture && !wish.orthographic && !restFrame()) renderAtRest(wish, serial, stop);
             done = serial;
             {
                 std::lock_guard lock(mutex_);

@@ -69,7 +69,7 @@ private:
     std::jthread thread_;
 
     void run(std::stop_token stop);
-    void renderAtRest(const RelightWish& wish, uint64_t serial);
+    void renderAtRest(const RelightWish& wish, uint64_t serial, const std::stop_token& stop);
 };
 
 }  // namespace relamp::ui

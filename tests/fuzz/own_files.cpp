@@ -6,6 +6,7 @@
 #include "scene/mesh_io.h"
 #include "shot/autosave.h"
 #include "shot/shot_file.h"
+#include "solve/solve_checkpoint.h"
 #include "support/estimates.h"
 #include "support/temporary_folder.h"
 
@@ -64,6 +65,12 @@ const Target autosave("autosave", [](std::string_view bytes) {
     fileWith("autosave/work-1-0.autosave.json", bytes);
     Autosave own(folder() / "autosave");
     own.findLost();
+});
+
+/// What stands in a checkpoint behind its sum.
+const Target checkpoint("checkpoint", [](std::string_view bytes) {
+    const std::string again = checkpointBytes(checkpointFromBytes(std::string(bytes)));
+    if (checkpointBytes(checkpointFromBytes(again)) != again) throw std::logic_error("a checkpoint that does not survive being written");
 });
 
 /// Codes and exposures as they come: two to five pictures of 12 x 12. The response is fitted for one input in eight, because that takes most of the time.
