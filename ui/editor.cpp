@@ -231,6 +231,12 @@ void Editor::Impl::writeAutosave() {
     const auto& present = history.present().estimate;
     if (present && present == autosavedEstimate && present != savedEstimate) work.estimateShot = autosavedFolder;
     work.look = self.look();
+    // Undo comes back as well, as far as it leads on the same estimate.
+    constexpr size_t mostSteps = 50;
+    const std::vector<HistoryEntry>& entries = history.entries();
+    size_t first = history.index();
+    while (first > 0 && history.index() - first + 1 < mostSteps && entries[first - 1].version.estimate == present) --first;
+    for (size_t i = first; i <= history.index(); ++i) work.steps.push_back({entries[i].label, entries[i].version.look});
     if (status && status->kind == JobStatus::Kind::solve) work.stage = status->title + (status->stage.empty() ? "" : ", " + status->stage);
     lastAutosave = seconds();
     try {

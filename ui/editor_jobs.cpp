@@ -253,19 +253,24 @@ void Editor::Impl::openCapture(const fs::path& folder, const CaptureFix& fix, st
         return [this, document, recovered] {
             setDocument(std::move(*document), {}, "Opened");
             // Edits without the estimate they were made on: they come back with the next one.
-            if (recovered) showRecovered(*recovered, {}, recovered->work.look);
+            if (recovered) showRecovered(*recovered, {});
         };
     });
 }
 
-void Editor::Impl::showRecovered(const FoundWork& found, Version saved, Look look) {
+void Editor::Impl::showRecovered(const FoundWork& found, Version saved) {
     // It counts as unsaved until the user saves it, and stays where it was found until our own autosave holds it.
     Version work = saved;
-    work.look = std::move(look);
     saved.estimate.reset();
     history = History(std::move(saved), "Last saved");
     history.markSaved();
-    history.push("Recovered work", std::move(work));
+    const auto take = [&](const std::string& label, const Look& look) {
+        work.look = work.estimate ? lookThatFits(look, *work.estimate, self.state.document.scene->mesh.vertexCount()) : look;
+        history.push(label, work);
+    };
+    for (size_t i = 0; i < found.work.steps.size(); ++i)
+        if (const AutosavedStep& step = found.work.steps[i]; i + 1 < found.work.steps.size() || !(step.look == found.work.look)) take(step.label, step.look);
+    take("Recovered work", found.work.look);
     restored = found;
     autosavedRevision = 0;
     lastAutosave = -1e9;
@@ -309,7 +314,7 @@ void Editor::Impl::openShotFolder(const fs::path& folder, std::optional<FoundWor
                 self.fail("This shot is open elsewhere", saved.string() + " is open: " + mine->owner() + ".", "It was opened read-only: saving asks for another place.");
             if (!recovered) return;
             if (folder != saved) savedEstimate.reset();
-            showRecovered(*recovered, version, lookThatFits(recovered->work.look, *version.estimate, self.state.document.scene->mesh.vertexCount()));
+            showRecovered(*recovered, version);
         };
     });
 }

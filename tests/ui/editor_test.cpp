@@ -180,6 +180,7 @@ TEST(Editor, anUnsavedEditSurvivesAKilledProcess) {
     s.open(captureFolder());
     s.solve();
     s.until([&] { return !s.editor->busy(); });  // the estimate is put away as well
+    s.editor->edit("Turn", [](Look& look) { look.environment.yawDegrees = 30; });
     s.editor->edit("Brighter", [](Look& look) { look.environment.exposureStops = 2; });
     s.until([&] {
         for (const auto& entry : std::filesystem::directory_iterator(s.folder / "state"))
@@ -196,6 +197,16 @@ TEST(Editor, anUnsavedEditSurvivesAKilledProcess) {
     EXPECT_EQ(s.editor->look().environment.exposureStops, 2);
     EXPECT_TRUE(s.editor->unsavedChanges());
     EXPECT_TRUE(s.editor->state.document.shotFolder.empty());
+    // What led there can be undone, one step after the other.
+    s.editor->undo();
+    EXPECT_EQ(s.editor->look().environment.exposureStops, 0);
+    EXPECT_EQ(s.editor->look().environment.yawDegrees, 30);
+    s.editor->undo();
+    EXPECT_EQ(s.editor->look().environment.yawDegrees, 0);
+    EXPECT_TRUE(s.editor->estimate());
+    s.editor->redo();
+    s.editor->redo();
+    EXPECT_EQ(s.editor->look().environment.exposureStops, 2);
     s.settle();
     // Given up on quitting, nothing is offered again.
     s.editor->requestQuit();
