@@ -17,6 +17,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "image/chromaticities.h"
+#include "image/dpx_header.h"
 #include "image/exr_header.h"
 
 namespace relamp {
@@ -70,6 +71,7 @@ std::unique_ptr<OIIO::ImageInput> openPicture(const fs::path& file) {
     if (!fs::exists(file, ignored)) throw Error("{}: does not exist", file.string());
     if (!fs::is_regular_file(file, ignored)) throw Error("{}: is not a file", file.string());
     checkExrHeader(file);
+    checkDpxHeader(file);
     OIIO::ImageSpec wanted;
     wanted.attribute("oiio:UnassociatedAlpha", 1);        // alpha is a mask here, colours must not be scaled by it
     wanted.attribute("raw:ColorSpace", "sRGB-linear");

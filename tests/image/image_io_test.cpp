@@ -180,6 +180,16 @@ TEST(ImageIo, AnExrWhoseHeaderClaimsMoreThanTheFileHoldsIsNotBelieved) {
     EXPECT_NE(test::messageOf([&] { readImage(folder / "a.exr"); }).find("breaks off"), std::string::npos);
 }
 
+TEST(ImageIo, ADpxWhoseHeaderClaimsMoreThanTheFileHoldsIsNotBelieved) {
+    const test::TemporaryFolder folder;
+    std::string bytes(2048, '\0');
+    bytes.replace(0, 4, "SDPX");
+    bytes.replace(32, 4, "\x7f\xff\xff\xff");
+    EXPECT_EQ(test::messageOf([&] { readImage(folder.write("a.dpx", bytes)); }), (folder / "a.dpx").string() + ": the header's user data is 2147483647 bytes large, the file 2048");
+    bytes.replace(0, 4, "XPDS");
+    EXPECT_EQ(test::messageOf([&] { readImage(folder.write("a.dpx", bytes)); }), (folder / "a.dpx").string() + ": the header's user data is 4294967167 bytes large, the file 2048");
+}
+
 TEST(ImageIo, FailedWritesNameTheFileAndLeaveTheOldOne) {
     test::TemporaryFolder folder;
     const auto missing = folder / "no/such/folder/a.exr";
