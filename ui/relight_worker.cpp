@@ -99,7 +99,11 @@ void RelightWorker::renderAtRest(const RelightWish& wish, uint64_t serial, const
         running_ = progress;
         runningIsRest_ = true;
     }
-    const RelitScene relit = applyLook(*wish.scene, *wish.estimate, wish.look, *progress);
+    const bool file = wish.look.environment.source == EnvironmentLook::Source::file;
+    if (!file || !(restEnvironment_ == wish.look.environment)) restDistant_.reset();
+    restEnvironment_ = wish.look.environment;
+    if (file && !restDistant_) restDistant_ = distantOfLook(*wish.estimate, restEnvironment_);
+    const RelitScene relit = applyLook(*wish.scene, *wish.estimate, wish.look, *progress, restDistant_);
     FrameOptions options;
     options.background = false;
     options.samplesPerPixel = 1;
