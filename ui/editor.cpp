@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <ctime>
 
+#include "base/is_there.h"
 #include "base/log.h"
 #include "editor_impl.h"
 #include "settings.h"
@@ -295,7 +296,7 @@ void Editor::answerRecovery(bool restore) {
         return;
     }
     const AutosavedWork& work = found.work;
-    const fs::path shot = !work.estimateShot.empty() && fs::exists(work.estimateShot / "shot.json") ? work.estimateShot : work.shotFolder;
+    const fs::path shot = !work.estimateShot.empty() && isThere(work.estimateShot / "shot.json") ? work.estimateShot : work.shotFolder;
     if (!shot.empty()) {
         impl_->openShotFolder(shot, found);
     } else {

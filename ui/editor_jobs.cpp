@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/is_there.h"
 #include "base/parallel.h"
 #include "capture/load_capture.h"
 #include "clusters/emitter_clusters.h"
@@ -25,12 +26,14 @@ namespace fs = std::filesystem;
 namespace {
 
 fs::path cleaned(const fs::path& path) {
-    fs::path p = fs::absolute(path).lexically_normal();
+    std::error_code failed;
+    fs::path p = fs::absolute(path, failed).lexically_normal();
+    if (failed) p = path.lexically_normal();
     if (p.filename().empty()) p = p.parent_path();
     return p;
 }
 
-bool isShot(const fs::path& path) { return fs::exists(path / "shot.json"); }
+bool isShot(const fs::path& path) { return isThere(path / "shot.json"); }
 
 /// Everything that opening a capture computes once.
 Document documentOf(Capture capture, const fs::path& folder, Progress& progress) {
@@ -52,7 +55,7 @@ Document documentOf(Capture capture, const fs::path& folder, Progress& progress)
 fs::path nameForCopy(const fs::path& shot) {
     for (int n = 1;; ++n) {
         const fs::path name = shot.parent_path() / fmt::format("{}-copy{}.relamp", shot.stem().string(), n == 1 ? "" : fmt::format("-{}", n));
-        if (!fs::exists(name)) return name;
+        if (!isThere(name)) return name;
     }
 }
 
@@ -149,7 +152,7 @@ void Editor::openNow(const fs::path& given) {
         return;
     }
     mendShot(path);
-    if (!fs::exists(path)) {
+    if (!isThere(path)) {
         fail("This could not be opened", path.string() + " does not exist.", "It may have been moved or renamed.");
         std::erase(state.recent, path);
         return;

@@ -232,6 +232,11 @@ TEST(Editor, badThingsEndInANoticeAndLeaveTheDocumentAlone) {
         return text;
     };
     EXPECT_NE(refused(s.folder / "nowhere").find("does not exist"), std::string::npos);
+    // What cannot even be looked at: a circle of links, a name longer than any may be.
+    std::filesystem::create_symlink("circle", s.folder / "circle");
+    EXPECT_NE(refused(s.folder / "circle").find("does not exist"), std::string::npos);
+    EXPECT_NE(refused(s.folder / std::string(300, 'x')).find("does not exist"), std::string::npos);
+    EXPECT_NE(refused({}).find("does not exist"), std::string::npos);
     s.folder.write("broken/transforms.json", "{\"frames\": 3}");
     EXPECT_NE(refused(s.folder / "broken").find("frames"), std::string::npos);
     s.folder.write("newer.relamp/shot.json", "{\"version\": 9}");
