@@ -33,6 +33,12 @@ private:
 #endif
 };
 
+struct Block {
+    Handover& handover;
+    explicit Block(Handover& h) : handover(h) { handover.blockBegins(); }
+    ~Block() { handover.blockEnds(); }
+};
+
 }  // namespace
 
 struct ThreadLimit::Control {
@@ -54,10 +60,9 @@ void parallelBlocks(size_t count, size_t block, const std::function<void(size_t,
     // An exception must reach the caller as itself, and TBB's cancellation must not skip blocks silently.
     tbb::parallel_for(tbb::blocked_range<size_t>(0, blocks, 1), [&](const tbb::blocked_range<size_t>& range) {
         for (size_t b = range.begin(); b != range.end(); ++b) {
+            const Block inside(handover);
             const size_t begin = b * block, end = std::min(count, begin + block);
-            handover.blockBegins();
             body(begin, end);
-            handover.blockEnds();
             if (progress) progress->advance(end - begin);
         }
     }, tbb::simple_partitioner());
