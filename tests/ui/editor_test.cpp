@@ -46,10 +46,15 @@ struct Session {
     }
     /// Polls until `done`; fails after a minute.
     void until(const std::function<bool()>& done) {
+#ifdef RELAMP_SANITIZED
+        constexpr std::chrono::seconds patience(1200);
+#else
+        constexpr std::chrono::seconds patience(120);
+#endif
         const auto start = std::chrono::steady_clock::now();
         while (!done()) {
             editor->poll();
-            if (std::chrono::steady_clock::now() - start > std::chrono::seconds(120)) {
+            if (std::chrono::steady_clock::now() - start > patience) {
                 ADD_FAILURE() << "waited too long" << (editor->job() ? " for " + editor->job()->title : "");
                 return;
             }
