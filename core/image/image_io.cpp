@@ -554,10 +554,11 @@ struct Encoder {
 constexpr int rowsInZip = 16;  // lines that ZIP packs together
 
 /// Rows of planar channels into the open part of a file.
-void writePlanes(Encoder& encoder, const std::vector<const float*>& planes, int width, int first, int count) {
+void writePlanes(Encoder& encoder, const std::vector<const float*>& planes, int width, int first, int count, const std::function<void()>& between) {
     std::vector<float> mixed(size_t(rowsInZip) * size_t(width) * planes.size());
     for (int y = 0; y < count; y += rowsInZip) {
         const int rows = std::min(rowsInZip, count - y);
+        if (between) between();
         for (size_t c = 0; c < planes.size(); ++c) {
             const float* from = planes[c] + size_t(y) * size_t(width);
             for (size_t i = 0; i < size_t(rows) * size_t(width); ++i) mixed[i * planes.size() + c] = from[i];
@@ -584,7 +585,7 @@ void holdToHalf(std::vector<float>& plane, size_t count) {
 }  // namespace
 
 void writeChannelRows(const fs::path& file, int width, int height, int stripRows, const std::vector<ChannelPart>& parts, const FillChannelRows& fill,
-                      const std::map<std::string, std::string>& header) {
+                      const std::map<std::string, std::string>& header, const std::function<void()>& between) {
     if (width <= 0 || height <= 0 || parts.empty()) throw Error("{}: there are no pixels to write", file.string());
     if (lowerExtension(file) != ".exr") throw Error("{}: layers are written as .exr only", file.string());
     stripRows = std::min((std::max(stripRows, 1) + rowsInZip - 1) / rowsInZip * rowsInZip, height);
@@ -622,7 +623,7 @@ void writeChannelRows(const fs::path& file, int width, int height, int stripRows
                 filled(first, count);
                 std::vector<const float*> planes;
                 for (const auto& plane : strip.planes) planes.push_back(plane.data());
-                writePlanes(encoder, planes, width, first, count);
+                writePlanes(encoder, planes, width, first, count, between);
             });
         } else {
             DiskFile waiting(temporary, file.string(), true);
@@ -643,7 +644,7 @@ void writeChannelRows(const fs::path& file, int width, int height, int stripRows
                         planes.push_back(strip.planes[c].data());
                     }
                     waiting.check();
-                    writePlanes(encoder, planes, width, first, count);
+                    writePlanes(encoder, planes, width, first, count, between);
                 });
                 channel += parts[p].channels.size();
             }

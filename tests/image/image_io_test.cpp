@@ -207,6 +207,20 @@ TEST(ImageIo, FailedWritesNameTheFileAndLeaveTheOldOne) {
     EXPECT_EQ(folder.entries(), 2u);
 }
 
+TEST(ImageIo, WritingRowsCanBeStoppedBetweenThem) {
+    const test::TemporaryFolder folder;
+    const std::vector<ChannelPart> parts{{"", {{"R", true}, {"G", true}, {"B", true}}}};
+    const auto fill = [](int, int count, const std::vector<float*>& out) {
+        for (float* plane : out) std::fill_n(plane, size_t(count) * 8, 1.0f);
+    };
+    int asked = 0;
+    writeChannelRows(folder / "a.exr", 8, 64, 32, parts, fill, {}, [&] { ++asked; });
+    EXPECT_EQ(asked, 4);
+    EXPECT_THROW(writeChannelRows(folder / "b.exr", 8, 64, 32, parts, fill, {}, [&] { if (++asked == 7) throw Cancelled{}; }), Cancelled);
+    EXPECT_EQ(asked, 7);
+    EXPECT_EQ(folder.entries(), 1u);
+}
+
 TEST(ImageIo, SameImageGivesSameBytes) {
     test::TemporaryFolder folder;
     writeImage(folder / "a.exr", ramp(33, 70), {{"gauge", "auto"}});
