@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "base/atomic_file.h"
+#include "base/is_there.h"
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/random.h"
@@ -132,7 +133,7 @@ PipelineOptions pipelineOptions(const SolveArguments& a) {
 int solve(const SolveArguments& a, Progress& progress) {
     const ThreadLimit limit(a.threads);
     PipelineOptions options = pipelineOptions(a);
-    if (fs::exists(a.output) && !a.overwrite) throw Error("{}: exists already, add --overwrite to replace it", a.output.string());
+    if (isThere(a.output) && !a.overwrite) throw Error("{}: exists already, add --overwrite to replace it", a.output.string());
     // Known before the calculation, not after it.
     checkShotCanBeWritten(a.output);
     const ShotLock lock = ShotLock::take(a.output);
@@ -196,7 +197,7 @@ namespace {
 int showInfo(const fs::path& path, const CaptureFix& fix, bool json, Progress& progress) {
     nlohmann::json result;
     mendShot(path);
-    const bool isShot = fs::exists(path / "shot.json");
+    const bool isShot = isThere(path / "shot.json");
     if (isShot) {
         result = nlohmann::json::parse(readBytes(path / "shot.json", size_t(256) << 20), nullptr, false);
         if (!result.is_object() || !result.contains("emitters") || !result.contains("mode")) throw Error("{}: is not a shot's description", (path / "shot.json").string());

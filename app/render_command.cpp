@@ -1,6 +1,7 @@
 // relamp render: frames of a shot under a look, from any camera, one after the other.
 #include <optional>
 
+#include "base/is_there.h"
 #include "base/log.h"
 #include "base/parallel.h"
 #include "commands.h"
@@ -121,7 +122,7 @@ int render(const RenderArguments& a, Progress& progress) {
     if (a.samples > 0) options.samplesPerPixel = a.samples;
     int failures = 0, written = 0;
     for (const FrameJob& job : jobs) {
-        if (a.skipExisting && fs::exists(job.file)) {
+        if (a.skipExisting && isThere(job.file)) {
             logInfo("{}: exists, skipped", job.file.string());
             continue;
         }

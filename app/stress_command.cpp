@@ -4,6 +4,7 @@
 
 #include <cstdio>
 
+#include "base/is_there.h"
 #include "base/parallel.h"
 #include "capture/load_capture.h"
 #include "report/stress.h"
@@ -13,7 +14,7 @@ namespace relamp::cli {
 
 int stress(const StressArguments& a, Progress& progress) {
     const ThreadLimit limit(a.threads);
-    const Capture capture = fs::exists(a.path / "shot.json") ? openShot(a.path, true, progress).capture : loadCapture(a.path, {}, progress);
+    const Capture capture = isThere(a.path / "shot.json") ? openShot(a.path, true, progress).capture : loadCapture(a.path, {}, progress);
     StressOptions options;
     options.only = a.only;
     const StressReport report = runStress(&capture, options, progress);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <ctime>
 
+#include "base/is_there.h"
 #include "base/log.h"
 #include "editor_impl.h"
 #include "settings.h"
@@ -231,6 +232,12 @@ void Editor::Impl::writeAutosave() {
     const auto& present = history.present().estimate;
     if (present && present == autosavedEstimate && present != savedEstimate) work.estimateShot = autosavedFolder;
     work.look = self.look();
+    // Undo comes back as well, as far as it leads on the same estimate.
+    constexpr size_t mostSteps = 50;
+    const std::vector<HistoryEntry>& entries = history.entries();
+    size_t first = history.index();
+    while (first > 0 && history.index() - first + 1 < mostSteps && entries[first - 1].version.estimate == present) --first;
+    for (size_t i = first; i <= history.index(); ++i) work.steps.push_back({entries[i].label, entries[i].version.look});
     if (status && status->kind == JobStatus::Kind::solve) work.stage = status->title + (status->stage.empty() ? "" : ", " + status->stage);
     lastAutosave = seconds();
     try {
@@ -289,7 +296,7 @@ void Editor::answerRecovery(bool restore) {
         return;
     }
     const AutosavedWork& work = found.work;
-    const fs::path shot = !work.estimateShot.empty() && fs::exists(work.estimateShot / "shot.json") ? work.estimateShot : work.shotFolder;
+    const fs::path shot = !work.estimateShot.empty() && isThere(work.estimateShot / "shot.json") ? work.estimateShot : work.shotFolder;
     if (!shot.empty()) {
         impl_->openShotFolder(shot, found);
     } else {

@@ -73,7 +73,8 @@ struct Editor::Impl {
 
     void start(JobStatus::Kind kind, const std::string& title, std::function<Finish(Progress&)> work, std::function<void(bool)> onEnd = {});
     void openCapture(const std::filesystem::path& folder, const CaptureFix& fix = {}, std::optional<FoundWork> recovered = {});
-    void showRecovered(const FoundWork& found, Version saved, Look look);
+    /// `saved` is what is on disk, with the estimate that the work was made on.
+    void showRecovered(const FoundWork& found, Version saved);
     void openShotFolder(const std::filesystem::path& folder, std::optional<FoundWork> recovered = {}, OpenAs as = OpenAs::usual);
     std::shared_ptr<ShotLock> lockFor(const std::filesystem::path& shot) const;
     void setDocument(Document document, Version version, const std::string& label);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/is_there.h"
 #include "base/parallel.h"
 #include "capture/load_capture.h"
 #include "clusters/emitter_clusters.h"
@@ -25,12 +26,14 @@ namespace fs = std::filesystem;
 namespace {
 
 fs::path cleaned(const fs::path& path) {
-    fs::path p = fs::absolute(path).lexically_normal();
+    std::error_code failed;
+    fs::path p = fs::absolute(path, failed).lexically_normal();
+    if (failed) p = path.lexically_normal();
     if (p.filename().empty()) p = p.parent_path();
     return p;
 }
 
-bool isShot(const fs::path& path) { return fs::exists(path / "shot.json"); }
+bool isShot(const fs::path& path) { return isThere(path / "shot.json"); }
 
 /// Everything that opening a capture computes once.
 Document documentOf(Capture capture, const fs::path& folder, Progress& progress) {
@@ -52,7 +55,7 @@ Document documentOf(Capture capture, const fs::path& folder, Progress& progress)
 fs::path nameForCopy(const fs::path& shot) {
     for (int n = 1;; ++n) {
         const fs::path name = shot.parent_path() / fmt::format("{}-copy{}.relamp", shot.stem().string(), n == 1 ? "" : fmt::format("-{}", n));
-        if (!fs::exists(name)) return name;
+        if (!isThere(name)) return name;
     }
 }
 
@@ -149,7 +152,7 @@ void Editor::openNow(const fs::path& given) {
         return;
     }
     mendShot(path);
-    if (!fs::exists(path)) {
+    if (!isThere(path)) {
         fail("This could not be opened", path.string() + " does not exist.", "It may have been moved or renamed.");
         std::erase(state.recent, path);
         return;
@@ -253,19 +256,24 @@ void Editor::Impl::openCapture(const fs::path& folder, const CaptureFix& fix, st
         return [this, document, recovered] {
             setDocument(std::move(*document), {}, "Opened");
             // Edits without the estimate they were made on: they come back with the next one.
-            if (recovered) showRecovered(*recovered, {}, recovered->work.look);
+            if (recovered) showRecovered(*recovered, {});
         };
     });
 }
 
-void Editor::Impl::showRecovered(const FoundWork& found, Version saved, Look look) {
+void Editor::Impl::showRecovered(const FoundWork& found, Version saved) {
     // It counts as unsaved until the user saves it, and stays where it was found until our own autosave holds it.
     Version work = saved;
-    work.look = std::move(look);
     saved.estimate.reset();
     history = History(std::move(saved), "Last saved");
     history.markSaved();
-    history.push("Recovered work", std::move(work));
+    const auto take = [&](const std::string& label, const Look& look) {
+        work.look = work.estimate ? lookThatFits(look, *work.estimate, self.state.document.scene->mesh.vertexCount()) : look;
+        history.push(label, work);
+    };
+    for (size_t i = 0; i < found.work.steps.size(); ++i)
+        if (const AutosavedStep& step = found.work.steps[i]; i + 1 < found.work.steps.size() || !(step.look == found.work.look)) take(step.label, step.look);
+    take("Recovered work", found.work.look);
     restored = found;
     autosavedRevision = 0;
     lastAutosave = -1e9;
@@ -309,7 +317,7 @@ void Editor::Impl::openShotFolder(const fs::path& folder, std::optional<FoundWor
                 self.fail("This shot is open elsewhere", saved.string() + " is open: " + mine->owner() + ".", "It was opened read-only: saving asks for another place.");
             if (!recovered) return;
             if (folder != saved) savedEstimate.reset();
-            showRecovered(*recovered, version, lookThatFits(recovered->work.look, *version.estimate, self.state.document.scene->mesh.vertexCount()));
+            showRecovered(*recovered, version);
         };
     });
 }

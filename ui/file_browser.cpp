@@ -192,10 +192,15 @@ bool isShotFolder(const fs::path& folder) {
 
 fs::path demoCaptures() {
     std::error_code failed;
-    fs::path at = fs::read_symlink("/proc/self/exe", failed).parent_path();
-    for (int up = 0; up < 4 && !failed && !at.empty(); ++up, at = at.parent_path())
+    const fs::path program = fs::read_symlink("/proc/self/exe", failed);
+    return failed ? fs::path() : demoCaptures(program);
+}
+
+fs::path demoCaptures(const fs::path& program) {
+    fs::path at = program.parent_path();
+    for (int up = 0; up < 4 && !at.empty(); ++up, at = at.parent_path())
         for (const char* place : {"share/relamp/captures", "assets/captures"})
-            if (fs::is_directory(at / place, failed)) return at / place;
+            if (std::error_code ignored; fs::is_directory(at / place, ignored)) return at / place;
     return {};
 }
 

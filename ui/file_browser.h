@@ -35,6 +35,8 @@ bool isCaptureFolder(const std::filesystem::path& folder);   ///< holds transfor
 bool isShotFolder(const std::filesystem::path& folder);      ///< holds shot.json
 /// Folder of the captures that come with the program; empty when there is none.
 std::filesystem::path demoCaptures();
+/// The same for a program in another place: installed (PREFIX/bin beside PREFIX/share), or in a build folder of the source tree.
+std::filesystem::path demoCaptures(const std::filesystem::path& program);
 
 struct BrowserRequest {
     enum class Mode { open, save, folder } mode = Mode::open;

@@ -8,6 +8,7 @@
 
 #include "backends/imgui_impl_glfw.h"
 #include "backends/imgui_impl_opengl3.h"
+#include "base/is_there.h"
 #include "theme.h"
 #include "window.h"
 
@@ -21,7 +22,7 @@ std::filesystem::path fontFile() {
     for (const char* file : {"/usr/share/fonts/opentype/inter/Inter-Regular.otf", "/usr/share/fonts/truetype/inter/Inter-Regular.ttf",
                              "/usr/share/fonts/opentype/inter/Inter-Regular.ttf", "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
                              "/usr/share/fonts/truetype/noto/NotoSans-Regular.ttf"})
-        if (std::filesystem::exists(file)) return file;
+        if (isThere(file)) return file;
     return {};
 }
 

@@ -91,15 +91,19 @@ bool RelightWorker::refining() const {
     return refining_;
 }
 
-void RelightWorker::renderAtRest(const RelightWish& wish, uint64_t serial) {
+void RelightWorker::renderAtRest(const RelightWish& wish, uint64_t serial, const std::stop_token& stop) {
     const auto progress = std::make_shared<Progress>();
     {
         std::lock_guard lock(mutex_);
-        if (serial_ != serial) return;
+        if (serial_ != serial || stop.stop_requested()) return;
         running_ = progress;
         runningIsRest_ = true;
     }
-    const RelitScene relit = applyLook(*wish.scene, *wish.estimate, wish.look, *progress);
+    const bool file = wish.look.environment.source == EnvironmentLook::Source::file;
+    if (!file || !(restEnvironment_ == wish.look.environment)) restDistant_.reset();
+    restEnvironment_ = wish.look.environment;
+    if (file && !restDistant_) restDistant_ = distantOfLook(*wish.estimate, restEnvironment_);
+    const RelitScene relit = applyLook(*wish.scene, *wish.estimate, wish.look, *progress, restDistant_);
     FrameOptions options;
     options.background = false;
     options.samplesPerPixel = 1;
@@ -159,8 +163,9 @@ void RelightWorker::run(std::stop_token stop) {
             if (serial_ == done) {
                 working_ = refining_ = false;
                 changed_.wait(lock, stop, [&] { return serial_ != done; });
-                if (stop.stop_requested()) return;
             }
+            // Under the lock, so that a step that starts is always one that the destructor can end.
+            if (stop.stop_requested()) return;
             wish = wish_;
             serial = serial_;
             running_ = progress;
@@ -236,7 +241,7 @@ void RelightWorker::run(std::stop_token stop) {
                 if (serial_ != serial) continue;
             }
             if (stop.stop_requested()) return;
-            if (wish.restPicture && !wish.orthographic && !restFrame()) renderAtRest(wish, serial);
+            if (wish.restPicture && !wish.orthographic && !restFrame()) renderAtRest(wish, serial, stop);
             done = serial;
             {
                 std::lock_guard lock(mutex_);

@@ -9,6 +9,7 @@
 
 #include "relight/frame.h"
 #include "relight/live_scene.h"
+#include "relight/relit_scene.h"
 
 namespace relamp::ui {
 
@@ -65,11 +66,14 @@ private:
     std::optional<PointLight> pointLight_;
     uint64_t answered_ = 0;
     std::string error_;
+    /// Of the last picture at rest, used by the thread alone: a large file is not read again for each.
+    EnvironmentLook restEnvironment_;
+    std::shared_ptr<const DistantLight> restDistant_;
     bool working_ = false, refining_ = false;
     std::jthread thread_;
 
     void run(std::stop_token stop);
-    void renderAtRest(const RelightWish& wish, uint64_t serial);
+    void renderAtRest(const RelightWish& wish, uint64_t serial, const std::stop_token& stop);
 };
 
 }  // namespace relamp::ui

@@ -80,7 +80,7 @@ float evaluateLobe(const Lobe& lobe, const Vec3& towardLight, const Vec3& toward
         case Lobe::Kind::measured: return lobe.measured ? lobe.measured->evaluate(towardLight, towardEye) : 0.0f;
         case Lobe::Kind::mixture: {
             float sum = 0;
-            for (const LobeShare& part : lobe.parts) sum += part.share * evaluateLobe(part.lobe, towardLight, towardEye);
+            for (const Lobe& part : lobe.parts) sum += part.share * evaluateLobe(part, towardLight, towardEye);
             return sum;
         }
     }

@@ -9,8 +9,6 @@
 
 namespace relamp {
 
-struct LobeShare;
-
 struct Lobe {
     enum class Kind {
         lambert,
@@ -29,13 +27,8 @@ struct Lobe {
     float alpha = 1;
     std::string name;   ///< for info, for example "ggx roughness 0.3"; of a measured lobe the material's name
     std::shared_ptr<const MeasuredGloss> measured = {};
-    std::vector<LobeShare> parts = {};
-};
-
-/// A part of a mixture.
-struct LobeShare {
-    Lobe lobe;
-    float share = 0;   ///< more than 0; the largest of a mixture is 1
+    std::vector<Lobe> parts = {};  ///< of a mixture
+    float share = 1;               ///< in the mixture that it is part of: more than 0, the largest there is 1
 };
 
 /// Lobe 0 is always Lambert, so weight 0 is the diffuse albedo.

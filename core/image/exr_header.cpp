@@ -52,7 +52,7 @@ int64_t sizeByContent(Reader& in, const std::string& type, int64_t size) {
     const int64_t before = in.left();
     if (type == "preview") {
         const int64_t width = in.number(), height = in.number();
-        return width <= size && height <= size ? 8 + 4 * width * height : -1;
+        return width <= size && (width == 0 || height <= size / width) ? 8 + 4 * width * height : -1;
     }
     if (type != "chlist") return size;
     std::string channel;

@@ -9,6 +9,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 #include <mutex>
 #include <optional>
 #include <sstream>
@@ -16,6 +17,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "image/chromaticities.h"
+#include "image/dpx_header.h"
 #include "image/exr_header.h"
 
 namespace relamp {
@@ -30,6 +32,8 @@ void setUpLibrary() {
     std::call_once(once, [] {
         OIIO::attribute("threads", 1);
         OIIO::attribute("exr_threads", -1);
+        // What is no picture by its ending and beginning is not shown to the decoders of forty other formats.
+        OIIO::attribute("try_all_readers", 0);
     });
 }
 
@@ -44,18 +48,46 @@ std::string lower(std::string text) {
     return text;
 }
 
+/// The library's name for the format by the file's first bytes, for those that are often named wrongly; "" for others. Camera raw begins as TIFF does, so
+/// TIFF is told only under the ending of another format.
+std::string formatByContent(const fs::path& file) {
+    std::array<char, 8> begin{};
+    std::ifstream(file, std::ios::binary).read(begin.data(), begin.size());
+    const std::string_view bytes(begin.data(), begin.size());
+    const auto begins = [&](std::string_view magic) { return bytes.substr(0, magic.size()) == magic; };
+    if (begins("\x89PNG\r\n")) return "png";
+    if (begins("\xff\xd8\xff")) return "jpeg";
+    if (begins("v/1\x01")) return "openexr";
+    if (begins("#?")) return "hdr";
+    const std::string extension = lowerExtension(file);
+    const bool otherwise = extension == ".png" || extension == ".jpg" || extension == ".jpeg" || extension == ".exr" || extension == ".hdr";
+    if (otherwise && (begins(std::string_view("II*\0", 4)) || begins(std::string_view("MM\0*", 4)))) return "tiff";
+    return "";
+}
+
 std::unique_ptr<OIIO::ImageInput> openPicture(const fs::path& file) {
     setUpLibrary();
     std::error_code ignored;
     if (!fs::exists(file, ignored)) throw Error("{}: does not exist", file.string());
     if (!fs::is_regular_file(file, ignored)) throw Error("{}: is not a file", file.string());
     checkExrHeader(file);
+    checkDpxHeader(file);
     OIIO::ImageSpec wanted;
     wanted.attribute("oiio:UnassociatedAlpha", 1);        // alpha is a mask here, colours must not be scaled by it
     wanted.attribute("raw:ColorSpace", "sRGB-linear");
-    auto input = OIIO::ImageInput::open(file.string(), &wanted);
+    std::unique_ptr<OIIO::ImageInput> input;
+    std::string reason;
+    if (const std::string format = formatByContent(file); format.empty()) {
+        input = OIIO::ImageInput::open(file.string(), &wanted);
+    } else if (input = OIIO::ImageInput::create(format); input) {
+        OIIO::ImageSpec spec;
+        if (!input->open(file.string(), spec, wanted)) {
+            reason = input->geterror();
+            input.reset();
+        }
+    }
     if (!input) {
-        const std::string reason = OIIO::geterror();
+        if (reason.empty()) reason = OIIO::geterror();
         throw Error("{}: is not a readable picture ({})", file.string(), reason.empty() ? "unknown format" : reason);
     }
     const OIIO::ImageSpec& spec = input->spec();
@@ -522,10 +554,11 @@ struct Encoder {
 constexpr int rowsInZip = 16;  // lines that ZIP packs together
 
 /// Rows of planar channels into the open part of a file.
-void writePlanes(Encoder& encoder, const std::vector<const float*>& planes, int width, int first, int count) {
+void writePlanes(Encoder& encoder, const std::vector<const float*>& planes, int width, int first, int count, const std::function<void()>& between) {
     std::vector<float> mixed(size_t(rowsInZip) * size_t(width) * planes.size());
     for (int y = 0; y < count; y += rowsInZip) {
         const int rows = std::min(rowsInZip, count - y);
+        if (between) between();
         for (size_t c = 0; c < planes.size(); ++c) {
             const float* from = planes[c] + size_t(y) * size_t(width);
             for (size_t i = 0; i < size_t(rows) * size_t(width); ++i) mixed[i * planes.size() + c] = from[i];
@@ -552,7 +585,7 @@ void holdToHalf(std::vector<float>& plane, size_t count) {
 }  // namespace
 
 void writeChannelRows(const fs::path& file, int width, int height, int stripRows, const std::vector<ChannelPart>& parts, const FillChannelRows& fill,
-                      const std::map<std::string, std::string>& header) {
+                      const std::map<std::string, std::string>& header, const std::function<void()>& between) {
     if (width <= 0 || height <= 0 || parts.empty()) throw Error("{}: there are no pixels to write", file.string());
     if (lowerExtension(file) != ".exr") throw Error("{}: layers are written as .exr only", file.string());
     stripRows = std::min((std::max(stripRows, 1) + rowsInZip - 1) / rowsInZip * rowsInZip, height);
@@ -590,7 +623,7 @@ void writeChannelRows(const fs::path& file, int width, int height, int stripRows
                 filled(first, count);
                 std::vector<const float*> planes;
                 for (const auto& plane : strip.planes) planes.push_back(plane.data());
-                writePlanes(encoder, planes, width, first, count);
+                writePlanes(encoder, planes, width, first, count, between);
             });
         } else {
             DiskFile waiting(temporary, file.string(), true);
@@ -611,7 +644,7 @@ void writeChannelRows(const fs::path& file, int width, int height, int stripRows
                         planes.push_back(strip.planes[c].data());
                     }
                     waiting.check();
-                    writePlanes(encoder, planes, width, first, count);
+                    writePlanes(encoder, planes, width, first, count, between);
                 });
                 channel += parts[p].channels.size();
             }

@@ -60,9 +60,10 @@ using FillChannelRows = std::function<void(int first, int count, const std::vect
 
 /// Writes an EXR (ZIP) strip by strip: `fill` is asked once for each strip of `stripRows` rows (the last may be lower), top to bottom.
 /// One part is a single-part file; several are a multi-part one, for which the pixels wait in a nameless file beside the target. Memory:
-/// one strip. Whole or not at all; errors as writeChannels, and whatever `fill` throws.
+/// one strip. `between` is called after every few rows that were packed, which takes longer than rendering them can. Whole or not at all; errors as
+/// writeChannels, and whatever `fill` and `between` throw.
 void writeChannelRows(const std::filesystem::path& file, int width, int height, int stripRows, const std::vector<ChannelPart>& parts,
-                      const FillChannelRows& fill, const std::map<std::string, std::string>& header = {});
+                      const FillChannelRows& fill, const std::map<std::string, std::string>& header = {}, const std::function<void()>& between = {});
 
 /// Fills rows [first, first + count) of a picture.
 using FillColourRows = std::function<void(int first, int count, Rgb* out)>;

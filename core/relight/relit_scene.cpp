@@ -254,7 +254,7 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
     return out;
 }
 
-RelitScene applyLook(const Scene& scene, const Estimate& estimate, const Look& look, Progress& progress) {
+RelitScene applyLook(const Scene& scene, const Estimate& estimate, const Look& look, Progress& progress, std::shared_ptr<const DistantLight> distant) {
     EditedGeometry geometry = editGeometry(scene, estimate, look);
     RelitScene out;
     out.basis = estimate.reflectance.basis;
@@ -270,7 +270,7 @@ RelitScene applyLook(const Scene& scene, const Estimate& estimate, const Look& l
     out.emitterOfTriangle = std::move(geometry.emitterOfTriangle);
     out.emitters = std::move(geometry.emitters);
     out.scene = geometry.moved ? buildScene(std::move(geometry.mesh), progress) : scene;
-    out.distant = distantOfLook(estimate, look.environment);
+    out.distant = distant ? std::move(distant) : distantOfLook(estimate, look.environment);
     if (estimate.interreflection) out.bounced = bouncedLightOf(out, {}, progress);
     return out;
 }

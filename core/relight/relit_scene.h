@@ -63,6 +63,7 @@ struct RelitScene {
 
 /// `scene` is the capture's. Cost: a rebuild of the ray tracer when something moved (tens of ms). Throws Error naming an
 /// unknown emitter id, a part's vertex out of range, a piece of mesh that shines already, or an unreadable environment file.
-RelitScene applyLook(const Scene& scene, const Estimate& estimate, const Look& look, Progress& progress);
+/// `distant`: what distantOfLook gives for this look, where it is known already.
+RelitScene applyLook(const Scene& scene, const Estimate& estimate, const Look& look, Progress& progress, std::shared_ptr<const DistantLight> distant = {});
 
 }  // namespace relamp

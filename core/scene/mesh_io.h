@@ -1,5 +1,4 @@
-// Meshes on disk: PLY, OBJ, STL, OFF. A tolerant triangle-soup reader stands in front of OpenMesh, which drops
-// non-manifold faces; OpenMesh is named only in mesh_io.cpp.
+// Meshes on disk: PLY, OBJ, STL, OFF, read as triangle soup: readers of mesh libraries drop non-manifold faces.
 #pragma once
 #include <filesystem>
 

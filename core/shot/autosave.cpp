@@ -94,11 +94,14 @@ void Autosave::keepEstimate(const fs::path& folder) {
 
 void Autosave::write(const AutosavedWork& work) {
     if (!working()) return;
+    Json steps = Json::array();
+    for (const AutosavedStep& step : work.steps) steps.push_back({{"label", step.label}, {"look", lookToJson(step.look)}});
     const Json document{{"version", 1},
                         {"capture", work.captureFolder.string()},
                         {"shot", work.shotFolder.string()},
                         {"estimate", work.estimateShot.string()},
                         {"look", lookToJson(work.look)},
+                        {"steps", steps},
                         {"stage", work.stage},
                         {"time", localTime()}};
     writeBytesAtomically(with(stem_, suffix), document.dump(1, ' ', false, Json::error_handler_t::replace));
@@ -137,6 +140,8 @@ std::vector<FoundWork> Autosave::findLost() const {
             one.work.shotFolder = document.at("shot").get<std::string>();
             one.work.estimateShot = document.at("estimate").get<std::string>();
             one.work.look = lookFromJson(document.at("look"), {});
+            if (document.contains("steps"))
+                for (const Json& step : document["steps"]) one.work.steps.push_back({step.at("label").get<std::string>(), lookFromJson(step.at("look"), {})});
             one.work.stage = document.at("stage").get<std::string>();
             one.work.time = document.at("time").get<std::string>();
             std::error_code ignored;

@@ -12,12 +12,19 @@
 
 namespace relamp {
 
+/// An entry of the undo history.
+struct AutosavedStep {
+    std::string label;
+    Look look;
+};
+
 /// What an autosave holds.
 struct AutosavedWork {
     std::filesystem::path captureFolder;
     std::filesystem::path shotFolder;      ///< empty: never saved
     std::filesystem::path estimateShot;    ///< a shot that holds the unsaved estimate; empty: none, or it is in shotFolder
     Look look;
+    std::vector<AutosavedStep> steps;      ///< that led to the look, oldest first, made on the same estimate; for undo
     std::string stage;                     ///< what ran in the background ("estimating light"), or empty
     std::string time;                      ///< local time of the save, "2026-11-21 14:03:11"
 };

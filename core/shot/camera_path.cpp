@@ -126,7 +126,7 @@ std::vector<Camera> cameraPath(const Capture& capture, const std::string& text) 
 CameraFile readCameraPath(const Capture& capture, const std::filesystem::path& file) {
     CameraFile result;
     nlohmann::json document;
-    if (std::filesystem::is_regular_file(file)) {
+    if (std::error_code ignored; std::filesystem::is_regular_file(file, ignored)) {
         const auto shallow = [](int depth, nlohmann::json::parse_event_t, nlohmann::json&) { return depth <= 32; };
         document = nlohmann::json::parse(readBytes(file, size_t(64) << 20), shallow, false);
     }

@@ -45,7 +45,7 @@ std::vector<std::string> idsOf(const RelitScene& relit) {
     return ids;
 }
 
-double writeLayers(const std::filesystem::path& file, const Camera& camera, const FrameLayers& layers, const FrameFileOptions& options, const RowsOf& rowsOf) {
+double writeLayers(const std::filesystem::path& file, const Camera& camera, const FrameLayers& layers, const FrameFileOptions& options, const RowsOf& rowsOf, const std::function<void()>& between = {}) {
     std::map<std::string, std::string> header = options.header;
     Camera placed = camera;
     placed.worldFromCamera[3] += glm::dvec4(layers.origin(), 0);
@@ -59,7 +59,7 @@ double writeLayers(const std::filesystem::path& file, const Camera& camera, cons
                          groups.add(strip);
                          layers.fill(strip, out);
                      },
-                     header);
+                     header, between);
     return groups.relative();
 }
 
@@ -168,7 +168,7 @@ double writeFrameFile(const std::filesystem::path& file, const Camera& camera, c
         }
         return strip;
     };
-    if (exr) return writeLayers(file, camera, FrameLayers(wish, fileOptions.naming, idsOf(look), sources.origin), fileOptions, rowsOf);
+    if (exr) return writeLayers(file, camera, FrameLayers(wish, fileOptions.naming, idsOf(look), sources.origin), fileOptions, rowsOf, [&] { progress.check(); });
     const std::optional<float> exposure = sources.photograph ? std::optional<float>(exposureFor(*sources.photograph)) : std::nullopt;
     return writePicture(file, camera, fileOptions, exposure, rowsOf);
 }

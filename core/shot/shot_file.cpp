@@ -9,6 +9,7 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/is_there.h"
 #include "base/log.h"
 #include "brdf/layered_albedo.h"
 #include "capture/load_capture.h"
@@ -235,7 +236,7 @@ void saveShot(const Shot& shot, const Mesh& mesh, const fs::path& folder, bool o
     const FolderHold holdFresh(fresh), holdOld(target);
     try {
         Json document = shotInfo(shot);
-        if (exists && fs::exists(target / "shot.json")) {
+        if (exists && isThere(target / "shot.json")) {
             const Json old = Json::parse(readBytes(target / "shot.json"), nullptr, false);
             if (old.is_object())
                 for (const auto& [key, value] : old.items())
@@ -354,7 +355,7 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress) {
     Shot shot;
     shot.folder = folder;
     const fs::path file = folder / "shot.json";
-    if (!fs::exists(file)) throw Error("{}: is not a shot, there is no shot.json in it", folder.string());
+    if (!isThere(file)) throw Error("{}: is not a shot, there is no shot.json in it", folder.string());
     const Json document = Json::parse(readBytes(file, 256 << 20), nullptr, false);
     if (!document.is_object()) throw Error("{}: is not valid JSON", file.string());
     Estimate& e = shot.estimate;
@@ -468,8 +469,6 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress) {
     if (document.contains("look"))
         withContext(file.string(), [&] { withContext("look", [&] { shot.look = lookFromJson(document["look"], folder, shot.capture.origin); }); });
     const size_t n = shot.capture.mesh.vertexCount();
-    const DirectionGrid grid{e.environmentSide};
-    e.environment = environmentCells(folder, grid);
     const fs::path ply = folder / "reflectance.ply";
     const std::vector<VertexProperty> properties = readVertexPly(ply);
     const auto property = [&](const std::string& name) -> const std::vector<float>& {
@@ -491,6 +490,8 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress) {
     for (float o : property("observed")) e.reflectance.observed.push_back(uint8_t(std::clamp(o, 0.0f, 255.0f)));
     e.reflectance.confidence = property("confidence");
     if (std::any_of(properties.begin(), properties.end(), [](const VertexProperty& p) { return p.name == "albedo_sigma"; })) e.reflectance.sigma = property("albedo_sigma");
+    const DirectionGrid grid{e.environmentSide};
+    e.environment = environmentCells(folder, grid);
     const fs::path deviations = folder / "environment_sigma.exr";
     std::error_code unreadable;
     if (fs::exists(deviations, unreadable)) e.environmentSigma = integrateOverCells(readEnvironment(deviations), grid);

@@ -66,9 +66,9 @@ ShotLock ShotLock::take(const fs::path& shot) {
     const fs::path file = place.parent_path() / ("." + place.filename().string() + ".lock");
     // The file may be removed by its last owner between our opening and locking it: then once more.
     for (int attempt = 0; attempt < 100; ++attempt) {
-        const int handle = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+        const int handle = open(file.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0644);
         // Another user's lock can be read at least.
-        const int reader = handle >= 0 ? handle : open(file.c_str(), O_RDONLY | O_CLOEXEC);
+        const int reader = handle >= 0 ? handle : open(file.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC);
         if (reader < 0) return lock;
         if (flock(reader, LOCK_EX | LOCK_NB) != 0) {
             if (errno == EWOULDBLOCK) lock.owner_ = ownerIn(reader);

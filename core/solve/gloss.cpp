@@ -123,8 +123,8 @@ Rgb glossColour(const Lobe& lobe) {
     if (lobe.measured) return lobe.measured->colour;
     Rgb sum(0);
     float shares = 0;
-    for (const LobeShare& part : lobe.parts) {
-        sum += part.share * glossColour(part.lobe);
+    for (const Lobe& part : lobe.parts) {
+        sum += part.share * glossColour(part);
         shares += part.share;
     }
     return shares > 0 ? sum / shares : Rgb(1);

@@ -183,7 +183,8 @@ std::vector<LobeChoice> chooseLobes(const std::vector<Lobe>& lobes, const std::v
             for (const size_t k : allowed) {
                 const float share = float(weights[0][k] + weights[1][k] + weights[2][k]);
                 if (!(share > 0)) continue;
-                mixture.parts.push_back({lobes[k], share});
+                mixture.parts.push_back(lobes[k]);
+                mixture.parts.back().share = share;
                 if (share > largest) {
                     largest = share;
                     mixture.alpha = lobes[k].alpha;
@@ -191,8 +192,8 @@ std::vector<LobeChoice> chooseLobes(const std::vector<Lobe>& lobes, const std::v
                 mixture.name += (mixture.name.empty() ? "" : " + ") + lobes[k].name;
             }
             if (mixture.parts.size() < allowed.size()) break;  // the last one adds nothing
-            for (LobeShare& part : mixture.parts) part.share /= largest;
-            choices.push_back({mixture.parts.size() == 1 ? mixture.parts[0].lobe : mixture, error[allowed.back()]});
+            for (Lobe& part : mixture.parts) part.share /= largest;
+            choices.push_back({mixture.parts.size() == 1 ? mixture.parts[0] : mixture, error[allowed.back()]});
         }
         if (choices.empty() || round + 1 == rounds) break;
         // Outliers of the best mixture count little in the next round.

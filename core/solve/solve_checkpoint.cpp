@@ -37,6 +37,13 @@ public:
         if (n > bytes_.size() - at_) throw Error("a list is longer than the file");
         return size_t(n);
     }
+    /// Any other byte in a bool is undefined behaviour.
+    void plain(bool& value) {
+        uint8_t byte = 0;
+        plain(byte);
+        if (byte > 1) throw Error("it holds {} where yes or no was expected", byte);
+        value = byte == 1;
+    }
     void block(void* data, size_t size) {
         if (size > bytes_.size() - at_) throw Error("it ends early");
         if (size) std::memcpy(data, bytes_.data() + at_, size);
@@ -67,6 +74,14 @@ void listOf(File& f, std::vector<T>& values, Each&& each) {
 }
 
 template <class File>
+void fields(File& f, EmitterEvidence& e) {
+    for (float* value : {&e.sceneContrast, &e.localContrast, &e.uniformity, &e.viewSpread, &e.edgeDrop, &e.demandedAlbedo, &e.clippedShare}) f.plain(*value);
+    f.plain(e.viewsAgree);
+    f.plain(e.viewsSeen);
+    f.plain(e.samples);
+}
+
+template <class File>
 void fields(File& f, EmitterClusters& c) {
     listOf(f, c.emitters, [&](EmitterCluster& e) {
         fields(f, e.id);
@@ -80,12 +95,12 @@ void fields(File& f, EmitterClusters& c) {
         f.plain(e.centroid);
         f.plain(e.normal);
         f.plain(e.area);
-        f.plain(e.evidence);
+        fields(f, e.evidence);
     });
     listOf(f, c.rejected, [&](RejectedPatch& r) {
         f.plain(r.centroid);
         f.plain(r.radiance);
-        f.plain(r.evidence);
+        fields(f, r.evidence);
         fields(f, r.reason);
     });
 }
@@ -99,9 +114,9 @@ void fields(File& f, Lobe& lobe, bool insideMixture) {
     lobe.kind = Lobe::Kind(kind);
     f.plain(lobe.alpha);
     fields(f, lobe.name);
-    listOf(f, lobe.parts, [&](LobeShare& part) {
+    listOf(f, lobe.parts, [&](Lobe& part) {
         if (insideMixture) throw Error("a mixture inside a mixture");
-        fields(f, part.lobe, true);
+        fields(f, part, true);
         f.plain(part.share);
     });
 }
@@ -124,8 +139,13 @@ void fields(File& f, PieceGloss& g) {
 }
 
 template <class File>
+void fields(File& f, PlanChoices& p) {
+    for (bool* choice : {&p.distantLight, &p.bounce, &p.lateBounce, &p.unseenVertices, &p.emptyColumns, &p.mattePieces, &p.lostLobes, &p.agreeingRays, &p.flatLevels}) f.plain(*choice);
+}
+
+template <class File>
 void fields(File& f, SolvePlan& p) {
-    f.plain(p.choices);
+    fields(f, p.choices);
     listOf(f, p.stages, [&](PlannedStage& s) {
         fields(f, s.name);
         for (double* value : {&s.predictedSeconds, &s.measuredSeconds, &s.predictedMib, &s.measuredMib}) f.plain(*value);

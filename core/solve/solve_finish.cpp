@@ -231,7 +231,7 @@ Estimate SolveState::assemble() const {
     };
     for (const PieceGloss& g : gloss_) {
         if (g.lobe->kind != Lobe::Kind::mixture) give(g.piece, *g.lobe, g.weight);
-        for (const LobeShare& part : g.lobe->parts) give(g.piece, part.lobe, part.share * g.weight);
+        for (const Lobe& part : g.lobe->parts) give(g.piece, part, part.share * g.weight);
     }
     // Emitters only emit.
     for (size_t v = 0; v < n; ++v)

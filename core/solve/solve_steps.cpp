@@ -23,7 +23,7 @@ const char* stageOf(SolveStep step) {
 
 /// A checkpoint names measured lobes; their tables are the basis's.
 void findMeasured(Lobe& lobe, const BrdfBasis& basis) {
-    for (LobeShare& part : lobe.parts) findMeasured(part.lobe, basis);
+    for (Lobe& part : lobe.parts) findMeasured(part, basis);
     if (lobe.kind != Lobe::Kind::measured) return;
     const auto at = std::find_if(basis.lobes.begin(), basis.lobes.end(), [&](const Lobe& l) { return l.measured && l.name == lobe.name; });
     if (at == basis.lobes.end()) throw Error("the checkpoint names the measured material {}, which is not in the basis", lobe.name);

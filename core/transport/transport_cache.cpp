@@ -88,7 +88,8 @@ void prune(const std::filesystem::path& folder, const std::filesystem::path& kee
     std::vector<Old> all;
     uint64_t sum = 0;
     std::error_code failed;
-    for (const auto& entry : std::filesystem::directory_iterator(folder, failed)) {
+    for (std::filesystem::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed)) {
+        const std::filesystem::directory_entry& entry = *at;
         std::error_code ec;
         if (entry.path().extension() != ".transport" || entry.path() == keep || !entry.is_regular_file(ec)) continue;
         const uint64_t bytes = entry.file_size(ec);

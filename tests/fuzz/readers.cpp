@@ -45,9 +45,9 @@ const Target colmapBinary("colmap-binary", [](std::string_view bytes) { colmap(b
 
 template <int kind>
 void picture(std::string_view bytes) {
-    constexpr const char* names[] = {"a.exr", "a.hdr", "a.jpg", "a.png"};
+    constexpr const char* names[] = {"a.exr", "a.hdr", "a.jpg", "a.png", "a.tif", "a.dpx"};
     const std::filesystem::path file = fileWith(names[kind], bytes);
-    constexpr size_t mostPixels = size_t(1) << 20;
+    constexpr size_t mostPixels = size_t(1) << 14;  // larger ones cost time and show nothing new
     const auto tolerant = [](auto&& body) {
         try {
             body();
@@ -63,7 +63,8 @@ void picture(std::string_view bytes) {
     for (const Rgb& p : image.pixels)
         if (!isFinite(p)) throw std::logic_error("a pixel that is no number");
 }
-const Target exr("image-exr", picture<0>), hdr("image-hdr", picture<1>), jpeg("image-jpeg", picture<2>), png("image-png", picture<3>);
+const Target exr("image-exr", picture<0>), hdr("image-hdr", picture<1>), jpeg("image-jpeg", picture<2>), png("image-png", picture<3>), tiff("image-tiff", picture<4>),
+    dpx("image-dpx", picture<5>);
 
 /// A file of the right size with the bytes at its beginning and end: the whole would be 35 MB.
 const Target merl("merl", [](std::string_view bytes) {

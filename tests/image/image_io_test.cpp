@@ -141,6 +141,29 @@ TEST(ImageIo, UnreadableFilesAreNamed) {
               std::string::npos);
 }
 
+TEST(ImageIo, PicturesNamedWronglyAreReadByTheirContent) {
+    const test::TemporaryFolder folder;
+    const Image image = ramp(16, 8);
+    folder.write("a.tif", test::TemporaryFolder::read(RELAMP_SOURCE_DIR "/tests/fuzz/corpus/image-tiff/lzw8"));
+    for (const char* name : {"a.png", "a.jpg", "a.tif", "a.exr", "a.hdr"}) {
+        if (!std::filesystem::exists(folder / name)) writeImage(folder / name, image);
+        const Image right = readImage(folder / name);
+        for (const char* wrong : {"b.png", "b.jpg", "b.exr", "b.hdr"}) {
+            folder.write(wrong, test::TemporaryFolder::read(folder / name));
+            const Image read = readImage(folder / wrong);
+            EXPECT_EQ(read.pixels, right.pixels) << name << " as " << wrong;
+        }
+    }
+}
+
+TEST(ImageIo, WhatIsNoPictureByItsNameOrBeginningIsNotTriedInOtherFormats) {
+    const test::TemporaryFolder folder;
+    // A portable pixmap, which the library would read under its own name.
+    const std::string pixmap = "P3\n1 1\n255\n255 0 0\n";
+    EXPECT_EQ(readImage(folder.write("a.ppm", pixmap)).pixels.size(), 1u);
+    EXPECT_NE(test::messageOf([&] { readImage(folder.write("a.png", pixmap)); }).find("a.png: is not a readable picture"), std::string::npos);
+}
+
 TEST(ImageIo, AnExrWhoseHeaderClaimsMoreThanTheFileHoldsIsNotBelieved) {
     const test::TemporaryFolder folder;
     writeImage(folder / "a.exr", Image(8, 6, Rgb(1)), {{"comment", "short"}});
@@ -158,6 +181,16 @@ TEST(ImageIo, AnExrWhoseHeaderClaimsMoreThanTheFileHoldsIsNotBelieved) {
     EXPECT_NE(test::messageOf([&] { readImage(folder / "a.exr"); }).find("breaks off"), std::string::npos);
 }
 
+TEST(ImageIo, ADpxWhoseHeaderClaimsMoreThanTheFileHoldsIsNotBelieved) {
+    const test::TemporaryFolder folder;
+    std::string bytes(2048, '\0');
+    bytes.replace(0, 4, "SDPX");
+    bytes.replace(32, 4, "\x7f\xff\xff\xff");
+    EXPECT_EQ(test::messageOf([&] { readImage(folder.write("a.dpx", bytes)); }), (folder / "a.dpx").string() + ": the header's user data is 2147483647 bytes large, the file 2048");
+    bytes.replace(0, 4, "XPDS");
+    EXPECT_EQ(test::messageOf([&] { readImage(folder.write("a.dpx", bytes)); }), (folder / "a.dpx").string() + ": the header's user data is 4294967167 bytes large, the file 2048");
+}
+
 TEST(ImageIo, FailedWritesNameTheFileAndLeaveTheOldOne) {
     test::TemporaryFolder folder;
     const auto missing = folder / "no/such/folder/a.exr";
@@ -172,6 +205,20 @@ TEST(ImageIo, FailedWritesNameTheFileAndLeaveTheOldOne) {
     EXPECT_THROW(writeImage(folder / "taken.exr", ramp(4, 4)), Error);
     EXPECT_TRUE(std::filesystem::exists(folder / "taken.exr/inside"));
     EXPECT_EQ(folder.entries(), 2u);
+}
+
+TEST(ImageIo, WritingRowsCanBeStoppedBetweenThem) {
+    const test::TemporaryFolder folder;
+    const std::vector<ChannelPart> parts{{"", {{"R", true}, {"G", true}, {"B", true}}}};
+    const auto fill = [](int, int count, const std::vector<float*>& out) {
+        for (float* plane : out) std::fill_n(plane, size_t(count) * 8, 1.0f);
+    };
+    int asked = 0;
+    writeChannelRows(folder / "a.exr", 8, 64, 32, parts, fill, {}, [&] { ++asked; });
+    EXPECT_EQ(asked, 4);
+    EXPECT_THROW(writeChannelRows(folder / "b.exr", 8, 64, 32, parts, fill, {}, [&] { if (++asked == 7) throw Cancelled{}; }), Cancelled);
+    EXPECT_EQ(asked, 7);
+    EXPECT_EQ(folder.entries(), 1u);
 }
 
 TEST(ImageIo, SameImageGivesSameBytes) {

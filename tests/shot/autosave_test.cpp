@@ -17,6 +17,7 @@ AutosavedWork workOf(float yaw) {
     work.captureFolder = "/captures/desk";
     work.look.environment.yawDegrees = yaw;
     work.look.parts = {{7, Mat4(1), "emitter-1"}};
+    work.steps = {{"Opened", {}}, {"Turn", work.look}};
     work.stage = "estimating";
     return work;
 }
@@ -45,6 +46,10 @@ TEST(Autosave, whatAKilledProcessWroteIsFound) {
     EXPECT_EQ(lost[0].work.look.environment.yawDegrees, 33);
     EXPECT_EQ(lost[0].work.look.parts.at(0).attachedTo, "emitter-1");
     EXPECT_EQ(lost[0].work.stage, "estimating");
+    ASSERT_EQ(lost[0].work.steps.size(), 2u);
+    EXPECT_EQ(lost[0].work.steps[0].label, "Opened");
+    EXPECT_EQ(lost[0].work.steps[0].look, Look{});
+    EXPECT_EQ(lost[0].work.steps[1].look, lost[0].work.look);
     EXPECT_EQ(lost[0].work.time.size(), 19u);
     Autosave::discard(lost[0]);
     EXPECT_TRUE(mine.findLost().empty());

@@ -59,6 +59,14 @@ TEST(ShotLock, itMovesWithItsObject) {
     EXPECT_FALSE(ShotLock::take(folder / "b.relamp").held());
 }
 
+TEST(ShotLock, aLinkInItsPlaceIsNotFollowed) {
+    const TemporaryFolder folder;
+    folder.write("letter", "dear");
+    std::filesystem::create_symlink("letter", folder / ".a.relamp.lock");
+    EXPECT_FALSE(ShotLock::take(folder / "a.relamp").held());
+    EXPECT_EQ(TemporaryFolder::read(folder / "letter"), "dear");
+}
+
 TEST(ShotLock, whereNothingCanBeWrittenItIsNobodys) {
     const TemporaryFolder folder;
     const ShotLock lock = ShotLock::take(folder / "not/there/a.relamp");

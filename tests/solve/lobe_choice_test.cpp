@@ -69,8 +69,8 @@ TEST(ChooseLobes, FindsAMixtureWithItsShares) {
     const Lobe& mixture = choices[1].lobe;
     ASSERT_EQ(mixture.parts.size(), 2u);
     EXPECT_LT(choices[1].residual, 0.3 * choices[0].residual);
-    EXPECT_TRUE(std::any_of(mixture.parts.begin(), mixture.parts.end(), [](const LobeShare& s) { return s.lobe.name == "ggx roughness 0.17" && s.share == 1; }));
-    EXPECT_TRUE(std::any_of(mixture.parts.begin(), mixture.parts.end(), [](const LobeShare& s) { return s.lobe.name == "lafortune back 2" && std::abs(s.share - 0.5f) < 0.1f; }));
+    EXPECT_TRUE(std::any_of(mixture.parts.begin(), mixture.parts.end(), [](const Lobe& s) { return s.name == "ggx roughness 0.17" && s.share == 1; }));
+    EXPECT_TRUE(std::any_of(mixture.parts.begin(), mixture.parts.end(), [](const Lobe& s) { return s.name == "lafortune back 2" && std::abs(s.share - 0.5f) < 0.1f; }));
 }
 
 TEST(ChooseLobes, AMetalNeedsNoMattePart) {

@@ -46,10 +46,15 @@ struct Session {
     }
     /// Polls until `done`; fails after a minute.
     void until(const std::function<bool()>& done) {
+#ifdef RELAMP_SANITIZED
+        constexpr std::chrono::seconds patience(1200);
+#else
+        constexpr std::chrono::seconds patience(120);
+#endif
         const auto start = std::chrono::steady_clock::now();
         while (!done()) {
             editor->poll();
-            if (std::chrono::steady_clock::now() - start > std::chrono::seconds(120)) {
+            if (std::chrono::steady_clock::now() - start > patience) {
                 ADD_FAILURE() << "waited too long" << (editor->job() ? " for " + editor->job()->title : "");
                 return;
             }
@@ -180,6 +185,7 @@ TEST(Editor, anUnsavedEditSurvivesAKilledProcess) {
     s.open(captureFolder());
     s.solve();
     s.until([&] { return !s.editor->busy(); });  // the estimate is put away as well
+    s.editor->edit("Turn", [](Look& look) { look.environment.yawDegrees = 30; });
     s.editor->edit("Brighter", [](Look& look) { look.environment.exposureStops = 2; });
     s.until([&] {
         for (const auto& entry : std::filesystem::directory_iterator(s.folder / "state"))
@@ -196,6 +202,16 @@ TEST(Editor, anUnsavedEditSurvivesAKilledProcess) {
     EXPECT_EQ(s.editor->look().environment.exposureStops, 2);
     EXPECT_TRUE(s.editor->unsavedChanges());
     EXPECT_TRUE(s.editor->state.document.shotFolder.empty());
+    // What led there can be undone, one step after the other.
+    s.editor->undo();
+    EXPECT_EQ(s.editor->look().environment.exposureStops, 0);
+    EXPECT_EQ(s.editor->look().environment.yawDegrees, 30);
+    s.editor->undo();
+    EXPECT_EQ(s.editor->look().environment.yawDegrees, 0);
+    EXPECT_TRUE(s.editor->estimate());
+    s.editor->redo();
+    s.editor->redo();
+    EXPECT_EQ(s.editor->look().environment.exposureStops, 2);
     s.settle();
     // Given up on quitting, nothing is offered again.
     s.editor->requestQuit();
@@ -221,6 +237,11 @@ TEST(Editor, badThingsEndInANoticeAndLeaveTheDocumentAlone) {
         return text;
     };
     EXPECT_NE(refused(s.folder / "nowhere").find("does not exist"), std::string::npos);
+    // What cannot even be looked at: a circle of links, a name longer than any may be.
+    std::filesystem::create_symlink("circle", s.folder / "circle");
+    EXPECT_NE(refused(s.folder / "circle").find("does not exist"), std::string::npos);
+    EXPECT_NE(refused(s.folder / std::string(300, 'x')).find("does not exist"), std::string::npos);
+    EXPECT_NE(refused({}).find("does not exist"), std::string::npos);
     s.folder.write("broken/transforms.json", "{\"frames\": 3}");
     EXPECT_NE(refused(s.folder / "broken").find("frames"), std::string::npos);
     s.folder.write("newer.relamp/shot.json", "{\"version\": 9}");

@@ -73,6 +73,8 @@ TEST(CommandLine, HelpAndVersionAreResults) {
 TEST(CommandLine, WhatIsNotThereIsBadInput) {
     const test::TemporaryFolder folder;
     for (const char* verb : {"check", "info"}) expectBadInput(relamp({verb, folder / "absent"}), {(folder / "absent").string()});
+    // A name longer than any may be.
+    for (const char* verb : {"check", "info", "stress"}) expectBadInput(relamp({verb, folder / std::string(300, 'x')}), {"xxx"});
     expectBadInput(relamp({"solve", folder / "absent", "-o", folder / "x.relamp"}), {"absent"});
     expectBadInput(relamp({"check", folder.path()}), {"transforms.json"});
     expectBadInput(relamp({"render", folder / "absent.relamp", "-o", folder / "f.exr"}), {"absent.relamp"});

@@ -20,6 +20,17 @@ std::vector<std::string> collapsed(const std::vector<std::string>& names) {
 }
 using Names = std::vector<std::string>;
 
+TEST(DemoCaptures, areFoundBesideAnInstalledProgramAndInTheSourceTree) {
+    const TemporaryFolder folder;
+    folder.write("usr/bin/relamp-editor", "");
+    folder.write("usr/share/relamp/captures/desk-lamp/transforms.json", "{}");
+    EXPECT_EQ(demoCaptures(folder / "usr/bin/relamp-editor"), folder / "usr/share/relamp/captures");
+    folder.write("source/build/ui/relamp-editor", "");
+    folder.write("source/assets/captures/desk-lamp/transforms.json", "{}");
+    EXPECT_EQ(demoCaptures(folder / "source/build/ui/relamp-editor"), folder / "source/assets/captures");
+    EXPECT_EQ(demoCaptures("/nowhere/bin/relamp-editor"), fs::path());
+}
+
 TEST(FileBrowserSequences, numberedRunsBecomeOneEntry) {
     Names frames;
     for (int i = 1; i <= 120; ++i) frames.push_back(fmt::format("frame.{:04}.exr", i));

@@ -1,0 +1,13 @@
+// Whether a file can be found. The library's own functions throw for folders that may not be entered, circles of links and names that are too long.
+#pragma once
+#include <filesystem>
+
+namespace relamp {
+
+/// What cannot be looked at counts as not there.
+inline bool isThere(const std::filesystem::path& path) noexcept {
+    std::error_code ignored;
+    return std::filesystem::exists(path, ignored);
+}
+
+}  // namespace relamp
