@@ -2,6 +2,9 @@
 
 #include <cstring>
 
+#include <OpenMesh/Core/IO/MeshIO.hh>
+#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/text_scanner.h"
@@ -30,6 +33,43 @@ bool isBinaryOff(std::string_view bytes) {
     return words.word() == "BINARY";
 }
 
+/// OpenMesh asks for memory as its headers say, so they are held against the file's size before it sees them.
+void checkCountsForOpenMesh(std::string_view bytes) {
+    constexpr size_t at = 4;  // .om: two letters, the kind of mesh and a version
+    uint32_t counts[2];
+    if (bytes.size() < at + sizeof counts) throw Error("ends inside its header");
+    std::memcpy(counts, bytes.data() + at, sizeof counts);
+    for (const uint32_t count : counts)
+        if (count > bytes.size() / 3) throw Error("claims {} vertices and {} faces, more than the file holds", counts[0], counts[1]);
+}
+
+/// OpenMesh's own format, which our readers do not know. Non-manifold faces are dropped by OpenMesh.
+TriangleSoup readWithOpenMesh(const fs::path& file, std::string_view bytes) {
+    checkCountsForOpenMesh(bytes);
+    OpenMesh::TriMesh_ArrayKernelT<> mesh;
+    OpenMesh::IO::Options options;
+    omerr().disable();
+    omlog().disable();
+    bool good = false;
+    try {
+        good = OpenMesh::IO::read_mesh(mesh, file.string(), options);
+    } catch (const std::exception&) {
+        good = false;
+    }
+    if (!good) throw Error("cannot be read as a mesh");
+    TriangleSoup soup;
+    soup.positions.reserve(mesh.n_vertices());
+    for (const auto v : mesh.vertices()) soup.positions.emplace_back(mesh.point(v)[0], mesh.point(v)[1], mesh.point(v)[2]);
+    for (const auto f : mesh.faces()) {
+        Triangle triangle{};
+        size_t corner = 0;
+        for (const auto v : mesh.fv_range(f))
+            if (corner < 3) triangle[corner++] = uint32_t(v.idx());
+        soup.triangles.push_back(triangle);
+    }
+    return soup;
+}
+
 /// Content decides where it can; endings only where it cannot.
 TriangleSoup readSoup(const fs::path& file, std::string_view bytes, const MeshLimits& limits) {
     if (bytes.empty()) throw Error("is empty");
@@ -40,6 +80,7 @@ TriangleSoup readSoup(const fs::path& file, std::string_view bytes, const MeshLi
     if (extension == ".stl") return readStl(bytes, limits);
     if (extension == ".ply") return readPly(bytes, limits);
     if (extension == ".off") return readOff(bytes, limits);
+    if (extension == ".om") return readWithOpenMesh(file, bytes);
     throw Error("is no mesh relamp reads, expected PLY, OBJ, STL or OFF");
 }
 

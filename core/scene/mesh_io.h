@@ -1,4 +1,5 @@
-// Meshes on disk: PLY, OBJ, STL, OFF, read as triangle soup: readers of mesh libraries drop non-manifold faces.
+// Meshes on disk: PLY, OBJ, STL, OFF. A tolerant triangle-soup reader stands in front of OpenMesh, which drops
+// non-manifold faces; OpenMesh is named only in mesh_io.cpp.
 #pragma once
 #include <filesystem>
 

@@ -72,6 +72,7 @@ struct Library {
 };
 const std::vector<Library> libraries{
     {"OpenImageIO/", {"image/image_io.cpp"}},
+    {"OpenMesh/", {"scene/mesh_io.cpp"}},
     {"embree", {"scene/ray_tracer.cpp"}},
     {"Eigen/", {"solve/"}},
     {"unsupported/Eigen/", {"solve/"}},
