@@ -77,7 +77,8 @@ TEST(EvaluateLobe, CallsTheModelOfItsKind) {
     EXPECT_NEAR(evaluateLobe({Lobe::Kind::lafortuneForward, 0.5f, ""}, light, eye), lafortune(light, eye, 1, 0, 6), 1e-6f);
     const Lobe a{Lobe::Kind::ggx, 0.3f, ""}, b{Lobe::Kind::ward, 0.2f, ""};
     Lobe mixture{Lobe::Kind::mixture, 0.3f, "both"};
-    mixture.parts = {{a, 1}, {b, 0.25f}};
+    mixture.parts = {a, b};
+    mixture.parts[1].share = 0.25f;
     EXPECT_NEAR(evaluateLobe(mixture, light, eye), evaluateLobe(a, light, eye) + 0.25f * evaluateLobe(b, light, eye), 1e-6f);
 }
 
