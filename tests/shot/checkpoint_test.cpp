@@ -19,6 +19,8 @@ SolveCheckpoint someCheckpoint() {
     c.timeline.push_back({1.5, "light", 2, 0.25, 0.1});
     c.noBounceBecause = "an open scene";
     c.plan.choices.bounce = false;
+    c.plan.choices.lastDigits = c.plan.choices.mattePointsInDetail = true;
+    c.lightUnfinished = true;
     c.plan.leftOut.push_back({"distant light", "it is black", 3, 40});
     return c;
 }
@@ -37,6 +39,7 @@ TEST(Checkpoint, IsReadBackAsItWasWritten) {
     EXPECT_EQ(found.checkpoint->timeline[0].stage, "light");
     EXPECT_EQ(found.checkpoint->noBounceBecause, "an open scene");
     EXPECT_FALSE(found.checkpoint->plan.choices.bounce);
+    EXPECT_TRUE(found.checkpoint->plan.choices.lastDigits && found.checkpoint->plan.choices.mattePointsInDetail && found.checkpoint->lightUnfinished);
     EXPECT_EQ(found.checkpoint->plan.leftOut[0].savedMib, 40);
 }
 
