@@ -12,19 +12,29 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
     std::vector<uint32_t> place(scene.mesh.vertexCount(), none);
     for (uint32_t i = 0; i < matte.vertices.size(); ++i)
         if (matte.pieceGlossy[scene.piece[matte.vertices[i]]] < 2) place[matte.vertices[i]] = i;
-    std::vector<AlbedoPair> pairs;
     const VertexGraph& graph = scene.graph;
+    std::vector<AlbedoPair> pairs;
+    // What belongs to a block of observations, one block behind the other.
+    using PairsOf = std::function<void(uint32_t, std::vector<AlbedoPair>&)>;
+    const auto append = [&](const PairsOf& of) {
+        constexpr size_t block = 512;
+        std::vector<std::vector<AlbedoPair>> parts((matte.vertices.size() + block - 1) / block);
+        parallelBlocks(matte.vertices.size(), block, [&](size_t begin, size_t end) {
+            for (size_t i = begin; i < end; ++i)
+                if (place[matte.vertices[i]] != none) of(uint32_t(i), parts[begin / block]);
+        });
+        for (const std::vector<AlbedoPair>& part : parts) pairs.insert(pairs.end(), part.begin(), part.end());
+    };
     // Walks choose among neighbours in an order that does not know the file's.
     std::vector<uint32_t> ways = graph.to;
     parallelFor(scene.mesh.vertexCount(), 1024, [&](size_t v) {
         std::sort(ways.begin() + graph.start[v], ways.begin() + graph.start[v + 1], [&](uint32_t a, uint32_t b) { return scene.rank[a] < scene.rank[b]; });
     });
-    for (uint32_t i = 0; i < matte.vertices.size(); ++i) {
+    append([&](uint32_t i, std::vector<AlbedoPair>& out) {
         const uint32_t v = matte.vertices[i];
-        if (place[v] == none) continue;
         for (uint32_t e = graph.start[v]; e < graph.start[v + 1]; ++e) {
             const uint32_t j = place[graph.to[e]];
-            if (j != none && i < j) pairs.push_back({i, j, 1});
+            if (j != none && i < j) out.push_back({i, j, 1});
         }
         uint64_t bits = mixBits(options.seed * 0x1000003 + scene.rank[v]);
         uint32_t at = v;
@@ -36,9 +46,9 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
                 bits = mixBits(bits);
                 at = ways[graph.start[at] + bits % degree];
             }
-            if (at != v && place[at] != none) pairs.push_back({i, place[at], length == 36 ? 0.5f : 0.7f});
+            if (at != v && place[at] != none) out.push_back({i, place[at], length == 36 ? 0.5f : 0.7f});
         }
-    }
+    });
     // Corner pairs through a grid of buckets as wide as a few edges of the mesh.
     double spacing = 0;
     for (uint32_t v : matte.vertices) spacing += scene.vertexSpacing[v];
@@ -68,10 +78,9 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
         for (const uint32_t i : bucket.observations) bucket.spread = std::max(bucket.spread, angle(bucket.axis, scene.mesh.normals[matte.vertices[i]]));
     }
     const float corner = std::acos(options.cornerCosine) - 1e-3f;
-    std::vector<std::pair<float, uint32_t>> near;  // squared distance and observation of those within reach
-    for (uint32_t i = 0; i < matte.vertices.size(); ++i) {
+    append([&](uint32_t i, std::vector<AlbedoPair>& out) {
         const uint32_t v = matte.vertices[i];
-        if (place[v] == none) continue;
+        static thread_local std::vector<std::pair<float, uint32_t>> near;  // squared distance and observation of those within reach
         const Vec3 p = scene.mesh.positions[v], normal = scene.mesh.normals[v];
         near.clear();
         for (int k = 0; k < 27; ++k) {
@@ -85,7 +94,10 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
             }
         }
         // The two nearest such partners. Regular meshes hold many that are equally near, and rounding must not choose among them.
-        std::sort(near.begin(), near.end());
+        constexpr size_t few = 16;
+        const auto sorted = near.begin() + ptrdiff_t(std::min(few, near.size()));
+        std::partial_sort(near.begin(), sorted, near.end());
+        if (sorted != near.end() && !(near[few - 1].first > near[1].first * (1 + 1e-4f))) std::sort(near.begin(), near.end());
         for (size_t kept = 0; kept < 2 && kept < near.size(); ++kept) {
             size_t last = kept + 1;
             while (last < near.size() && near[last].first <= near[kept].first * (1 + 1e-4f)) ++last;
@@ -93,9 +105,9 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
                 return scene.rank[matte.vertices[a.second]] < scene.rank[matte.vertices[b.second]];
             });
             std::iter_swap(near.begin() + ptrdiff_t(kept), chosen);
-            pairs.push_back({i, near[kept].second, options.cornerWeight});
+            out.push_back({i, near[kept].second, options.cornerWeight});
         }
-    }
+    });
     return pairs;
 }
 

@@ -99,6 +99,7 @@ void SolveState::splitLeaves(const std::vector<uint32_t>& chosen) {
         std::copy(influence_.row(r), influence_.row(r) + before, wider.row(r));
         std::copy(influence_.row(r) + before, influence_.row(r) + influence_.columns, wider.row(r) + finer.leaves.size());
     }
+    if (visibility_.step > 1) traceFinerLeaves(finer.leaves, known_);
     lambertInfluenceOfLeaves(scene_, visibility_, finer.leaves, matte_.vertices, changed, wider, progress_);
     influence_ = std::move(wider);
     lighting_ = std::move(finer);

@@ -100,6 +100,7 @@ int SolveState::visibilityStepFor(int level) const {
 void SolveState::learnVisibility(int step) {
     if (!visibility_.bits.empty()) {
         refineVisibility(scene_, known_, step, plan_.choices.agreeingRays, visibility_, progress_);
+        traceFinerLeaves(lighting_.leaves, known_);
         return;
     }
     VisibilityOptions visibilityOptions;
@@ -108,6 +109,16 @@ void SolveState::learnVisibility(int step) {
     visibilityOptions.step = step;
     visibilityOptions.agreeing = plan_.choices.agreeingRays;
     visibility_ = computeVisibility(scene_, visibilityOptions, progress_);
+    traceFinerLeaves(lighting_.leaves, known_);
+}
+
+void SolveState::traceFinerLeaves(const LightLeaves& leaves, const std::vector<uint8_t>& only) {
+    std::vector<FinerDirections> blocks;
+    for (size_t i = 0; i < leaves.size(); ++i) {
+        const int side = visibility_.grid.side >> leaves[i].level, step = std::max(1, side / 2);
+        if (side >= 1 && step < visibility_.step) blocks.push_back({leaves[i].x * side, leaves[i].y * side, side, step});
+    }
+    if (!blocks.empty()) traceFiner(scene_, only, blocks, visibility_, progress_);
 }
 
 void SolveState::finishVisibility() {
@@ -153,7 +164,10 @@ InfluenceMatrix SolveState::rowsOf(const std::vector<uint32_t>& vertices) {
 }
 
 void SolveState::learnTransport(const std::vector<uint8_t>& vertices) {
-    if (!visibility_.bits.empty()) addVisibility(scene_, vertices, visibility_, progress_);
+    if (!visibility_.bits.empty()) {
+        addVisibility(scene_, vertices, visibility_, progress_);
+        traceFinerLeaves(lighting_.leaves, vertices);
+    }
     NearFieldOptions nearOptions;
     nearOptions.seed = options_.seed;
     nearOptions.only = &vertices;
@@ -219,6 +233,22 @@ void SolveState::firstLight() {
     } catch (const OutOfTime&) {
         lighting_ = without;
         forgetBounce("the time was used up before it could be tried");
+    }
+}
+
+void SolveState::sharpenStrong() {
+    if (environmentBlack_ || firstLevel() >= options_.startLevel) return;
+    constexpr float strongShare = 0.04f;
+    constexpr int rounds = 3, finest = 6;
+    for (int round = 0; round < rounds && !stopped(); ++round) {
+        computeLit();
+        const std::vector<Rgb> shares = sharesOfLight();
+        std::vector<uint32_t> strong;
+        for (uint32_t i = 0; i < shares.size(); ++i)
+            if (maxChannel(shares[i]) > strongShare && lighting_.leaves[i].level < finest) strong.push_back(i);
+        if (strong.empty()) return;
+        splitLeaves(strong);
+        runAlbedoFree("light from ratios, coarse", 4, nullptr);
     }
 }
 

@@ -12,6 +12,7 @@ namespace relamp {
 /// A solve is a list of steps; between two of them it can be put aside and gone on with.
 enum class SolveStep {
     firstLight,    ///< coarse light, which lamps are lamps
+    strongLight,   ///< where it is strong, finer at once
     startLight,    ///< light at the start level
     bounces,       ///< is there light between surfaces?
     lightStrength, ///< how smooth is the light?
@@ -55,6 +56,8 @@ private:
     /// METHOD 11, on leaves of half the start level's side, and then at the start level.
     void firstLight();
     void startLight();
+    /// Leaves that give much of the light are split down to a side of 64 before the others are: a sun or a window is in its place early, and all that follows starts from there.
+    void sharpenStrong();
     /// Where nothing is matte: one constant lobe, light first; the lobe that explains the looks best is kept.
     /// False, and nothing is changed but noMetals_, where no lobe explains them better than a surface that looks alike from everywhere.
     bool startFromConstantReflectance();
@@ -158,6 +161,8 @@ private:
     /// Coarse light makes do with four rays a leaf: an answer stands sooner, and black surroundings never need the rest.
     int visibilityStepFor(int level) const;
     void learnVisibility(int step);
+    /// Rays of those leaves of `leaves` that are finer than what visibility_ has a ray for, for the vertices that `only` marks.
+    void traceFinerLeaves(const LightLeaves& leaves, const std::vector<uint8_t>& only);
     /// The rays that coarse light did without, and the rows again.
     void finishVisibility();
     void guessLight();

@@ -7,7 +7,8 @@ namespace {
 
 const char* stageOf(SolveStep step) {
     switch (step) {
-        case SolveStep::firstLight: return "coarse light";
+        case SolveStep::firstLight:
+        case SolveStep::strongLight: return "coarse light";
         case SolveStep::startLight: return "light";
         case SolveStep::bounces: return "bounced light";
         case SolveStep::lightStrength: return "strength of the priors";
@@ -61,6 +62,9 @@ void SolveState::run(SolveStep step, uint32_t index) {
                 } else {
                     startFromConstantAlbedo();
                 }
+                break;
+            case strongLight:
+                if (hasMatte() && options_.nearField) sharpenStrong();
                 break;
             case startLight:
                 if (hasMatte() && options_.nearField) this->startLight();

@@ -199,6 +199,56 @@ size_t refineVisibility(const Scene& scene, const std::vector<uint8_t>& only, in
     return sent;
 }
 
+size_t traceFiner(const Scene& scene, const std::vector<uint8_t>& only, const std::vector<FinerDirections>& blocks, Visibility& visibility, Progress& progress) {
+    const DirectionGrid& grid = visibility.grid;
+    std::vector<int> cells;
+    size_t asked = 0;
+    for (const FinerDirections& b : blocks) {
+        for (int y = b.y; y < b.y + b.side; ++y)
+            for (int x = b.x; x < b.x + b.side; ++x) cells.push_back(y * grid.side + x);
+        asked += size_t(b.side / b.step) * size_t(b.side / b.step);
+    }
+    std::vector<Vec3> directions(size_t(grid.cells()));
+    for (const int c : cells) directions[size_t(c)] = grid.direction(c);
+    const size_t n = scene.mesh.vertexCount();
+    constexpr size_t run = 64;
+    progress.begin("Visibility of strong light", n);
+    return parallelSum(n, run, size_t(0), [&](size_t begin, size_t end) {
+        std::vector<float> cosines(size_t(grid.cells()), 0.0f);
+        std::vector<uint8_t> answers(asked);
+        size_t sent = 0;
+        for (size_t v = begin; v < end; ++v) {
+            if (!only[v] || !scene.referenced[v]) continue;
+            const Vec3 normal = scene.mesh.normals[v];
+            for (const int c : cells) cosines[size_t(c)] = glm::dot(directions[size_t(c)], normal);
+            std::fill(answers.begin(), answers.end(), uint8_t(BlockLattice::below));
+            VertexRays rays(scene, uint32_t(v));
+            const auto each = [&](auto&& told) {
+                uint8_t* answer = answers.data();
+                for (const FinerDirections& b : blocks)
+                    for (int y = b.y; y < b.y + b.side; y += b.step)
+                        for (int x = b.x; x < b.x + b.side; x += b.step) told(b, x, y, answer++);
+            };
+            each([&](const FinerDirections& b, int x, int y, uint8_t* answer) {
+                if (const int c = BlockLattice(grid, b.step, cosines).cell(x / b.step, y / b.step); c != BlockLattice::none) rays.send(directions[size_t(c)], answer);
+            });
+            rays.flush();
+            sent += rays.sent;
+            uint64_t* words = &visibility.bits[v * visibility.wordsPerVertex];
+            each([&](const FinerDirections& b, int x0, int y0, const uint8_t* answer) {
+                for (int y = y0; y < y0 + b.step; ++y)
+                    for (int x = x0; x < x0 + b.step; ++x) {
+                        const int c = y * grid.side + x;
+                        const uint64_t bit = uint64_t(1) << (c & 63);
+                        if (*answer == BlockLattice::open && cosines[size_t(c)] > 0) words[c >> 6] |= bit;
+                        else words[c >> 6] &= ~bit;
+                    }
+            });
+        }
+        return sent;
+    }, &progress);
+}
+
 namespace {
 SparseCoefs transformCells(std::vector<float>& cells, const DirectionGrid& grid, float energyShare) {
     const float scale = std::sqrt(grid.cellSolidAngle());

@@ -37,6 +37,14 @@ size_t addVisibility(const Scene& scene, const std::vector<uint8_t>& only, Visib
 /// From `visibility.step` down to a finer `step`, for the vertices that `only` marks; those rays that were sent are not sent again.
 size_t refineVisibility(const Scene& scene, const std::vector<uint8_t>& only, int step, bool agreeing, Visibility& visibility, Progress& progress);
 
+/// Directions that are wanted finer than the rest: `side` x `side` cells from (x, y), one ray for `step` x `step` of them (powers of two, blocks in their own raster).
+struct FinerDirections {
+    int x = 0, y = 0, side = 1, step = 1;
+};
+/// Traces those directions anew, for the vertices that `only` marks. The visibility's own `step` is left as it is: a pass of refineVisibility that is coarser than these blocks
+/// forgets them, one to step 1 needs them no more. Returns the rays it sent.
+size_t traceFiner(const Scene& scene, const std::vector<uint8_t>& only, const std::vector<FinerDirections>& blocks, Visibility& visibility, Progress& progress);
+
 /// Where rays from a vertex start: stepped off the surface along its normal.
 Vec3 rayOrigin(const Scene& scene, const Vec3& position, const Vec3& normal);
 
