@@ -52,6 +52,7 @@ public:
     void takeOver(double seconds) { earlier_ = seconds; }
     /// A wall-clock budget; 0 is none. Iterative stages end early with their best answer when it is used up.
     void setBudget(double seconds) { budgetSeconds_ = seconds; }
+    bool hasBudget() const { return budgetSeconds_ > 0; }
     bool outOfTime() const { return budgetSeconds_ > 0 && seconds() > budgetSeconds_; }
 
     void setListener(Listener listener);

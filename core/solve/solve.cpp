@@ -30,7 +30,7 @@ SolveOptions solveOptionsFor(const std::string& quality) {
 
 std::vector<SolveStep> stepsOf(const SolveOptions& options) {
     using enum SolveStep;
-    std::vector<SolveStep> steps{firstLight, strongLight, startLight, bounces, lightStrength};
+    std::vector<SolveStep> steps{firstLight, strongLight, firstSurfaces, startLight, bounces, lightStrength};
     for (int round = 0; round < options.refineRounds; ++round) steps.insert(steps.end(), {splitStrong, refineLight});
     steps.push_back(surfaces);
     for (int round = 0; round < options.glossRounds; ++round) steps.insert(steps.end(), {glossLight, glossSurfaces});

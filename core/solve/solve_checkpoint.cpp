@@ -187,6 +187,7 @@ void fields(File& f, SolveCheckpoint& c) {
         list(f, strength->trials);
     }
     listOf(f, c.gloss, [&](PieceGloss& g) { fields(f, g); });
+    listOf(f, c.firstGloss, [&](PieceGloss& g) { fields(f, g); });
     listOf(f, c.triedGloss, [&](PieceGloss& g) { fields(f, g); });
     f.plain(c.metalsHeard);
     f.plain(c.metalsJoined);

@@ -48,11 +48,12 @@ void SolveState::solveReflectance() {
         found.push_back(std::move(g));
     }
     // A piece that the time left unfitted stays as it was.
-    for (PieceGloss& g : gloss_)
+    for (PieceGloss& g : gloss_.empty() ? firstGloss_ : gloss_)
         if (!fitted[g.piece]) found.push_back(std::move(g));
+    firstGloss_.clear();
     gloss_ = std::move(found);
     takeCoatsOff();
-    if (!metalsHeard_) sharpenForMetals();
+    if (!metalsHeard_ && !stopped()) sharpenForMetals();
     metalsHeard_ = true;
     updateAlbedo();
     askAlbedoStrength();
@@ -246,6 +247,8 @@ void SolveState::showSnapshot() {
     if (!listener_ || !listener_->snapshot || stopped()) return;
     const AlbedoResult albedo = albedo_;
     const std::vector<Rgb> lit = lit_, litSigma = litSigma_;
+    const bool first = gloss_.empty();
+    if (first) gloss_.swap(firstGloss_);
     computeLit();
     updateAlbedo();
     Estimate estimate = assemble();
@@ -259,6 +262,7 @@ void SolveState::showSnapshot() {
     albedo_ = albedo;
     lit_ = lit;
     litSigma_ = litSigma;
+    if (first) gloss_.swap(firstGloss_);
 }
 
 Estimate SolveState::finish() {

@@ -191,7 +191,7 @@ void SolveState::guessLight() {
 }
 
 AlbedoFreeReport SolveState::runAlbedoFree(const std::string& stage, int iterations, const ViewRows* rows, const RatioProblem* problem,
-                                            std::optional<ChromaShare> chroma, bool toTheEnd) {
+                                            std::optional<ChromaShare> chroma, FitEnd end) {
     AlbedoFreeOptions o;
     o.chroma = chroma;
     o.iterations = iterations;
@@ -203,65 +203,26 @@ AlbedoFreeReport SolveState::runAlbedoFree(const std::string& stage, int iterati
     o.light = lightPrior_;
     o.emptyColumns = plan_.choices.emptyColumns;
     // Light that goes on to be made finer or tried out need not be fitted to the end.
-    o.leastGain = !toTheEnd && !rows && !plan_.choices.lastDigits ? 3e-4f : 0.0f;
+    o.leastGain = end != FitEnd::last && !rows && !plan_.choices.lastDigits ? (end == FitEnd::coarse ? 1e-2f : 3e-4f) : 0.0f;
     if (problem) {
         o.fold = problem->fold;
         o.foldedRows = problem->foldedRows;
     }
     const std::vector<Rgb>& bounce = problem ? problem->bounce : bounce_;
     o.bounce = bounce.empty() ? nullptr : &bounce;
-    information_ = {};  // as large as what takes its place
+    LightInformation earlier;
+    std::swap(earlier, information_);
+    if (!progress_.hasBudget()) earlier = {};  // as large as what takes its place
     AlbedoFreeReport report = solveAlbedoFree(influence_, problem ? problem->observations : matte_, problem ? problem->pairs : pairs_, anchors_, rows, o, lighting_, progress_,
                                                     [&](int i, double objective, double rmse) { record(stage, i, objective, rmse); });
     stability_.kktResidual = report.kktResidual;
-    information_ = std::move(report.information);
+    // Cut before its first step, a fit says nothing of what fixes the light.
+    const bool same = earlier.all.size() == report.information.all.size();
+    information_ = same && report.iterations == 0 ? std::move(earlier) : std::move(report.information);
     lightUnfinished_ = report.endedEarly;
     logInfo("{}: {} iterations, objective {:.4g}, {} unknowns, chroma {:.3f} of the noise and {:.3f} of the rest, {:.1f} s", stage, report.iterations, report.objective, lighting_.leaves.size() + surfaces_.size(),
             report.chroma.noise, report.chroma.model, progress_.seconds());
     return report;
-}
-
-void SolveState::firstLight() {
-    runAlbedoFree("light from ratios, coarse", options_.startIterations, nullptr);
-    if (confirmEmitters()) runAlbedoFree("light from ratios, coarse", options_.startIterations, nullptr);
-    leaveOutBlackEnvironment();
-    if (stopped()) return;
-    const Lighting without = lighting_;
-    try {
-        const Progress::Dispensable mayEnd(progress_);
-        decideBounce(true);
-    } catch (const OutOfTime&) {
-        lighting_ = without;
-        forgetBounce("the time was used up before it could be tried");
-    }
-}
-
-void SolveState::sharpenStrong() {
-    if (environmentBlack_ || firstLevel() >= options_.startLevel) return;
-    constexpr float strongShare = 0.04f;
-    constexpr int rounds = 3, finest = 6;
-    for (int round = 0; round < rounds && !stopped(); ++round) {
-        computeLit();
-        const std::vector<Rgb> shares = sharesOfLight();
-        std::vector<uint32_t> strong;
-        for (uint32_t i = 0; i < shares.size(); ++i)
-            if (maxChannel(shares[i]) > strongShare && lighting_.leaves[i].level < finest) strong.push_back(i);
-        if (strong.empty()) return;
-        splitLeaves(strong);
-        runAlbedoFree("light from ratios, coarse", 4, nullptr);
-    }
-}
-
-void SolveState::startLight() {
-    if (environmentBlack_) return;
-    std::vector<uint32_t> coarse;
-    for (uint32_t i = 0; i < lighting_.leaves.size(); ++i)
-        if (lighting_.leaves[i].level < options_.startLevel) coarse.push_back(i);
-    meter_.begin("visibility");
-    learnVisibility(visibilityStepFor(options_.startLevel));
-    meter_.begin("light");
-    if (!coarse.empty()) splitLeaves(coarse);
-    runAlbedoFree("light from ratios", options_.startIterations, nullptr);
 }
 
 bool SolveState::startFromConstantReflectance() {
@@ -320,68 +281,6 @@ bool SolveState::startFromConstantReflectance() {
     return true;
 }
 
-bool SolveState::confirmEmitters() {
-    if (clusters_.emitters.empty()) return false;
-    std::vector<EmitterCluster> kept;
-    for (size_t e = 0; e < clusters_.emitters.size(); ++e) {
-        EmitterCluster& cluster = clusters_.emitters[e];
-        // Light that reaches the patch from everything but itself.
-        std::vector<uint32_t> some, spread = cluster.vertices;
-        std::sort(spread.begin(), spread.end(), [&](uint32_t a, uint32_t b) { return scene_.rank[a] < scene_.rank[b]; });
-        const size_t step = std::max<size_t>(1, spread.size() / 64);
-        for (size_t i = 0; i < spread.size(); i += step)
-            if (samples_.countOf(spread[i]) > 0) some.push_back(spread[i]);
-        if (some.empty()) some.assign(1, cluster.vertices[0]);
-        const InfluenceMatrix rows = rowsOf(some);
-        std::vector<float> demanded;
-        for (size_t i = 0; i < some.size(); ++i) {
-            Rgb lit(0);
-            for (size_t k = 0; k < lighting_.leaves.size(); ++k) lit += rows.row(i)[k] * lighting_.leafRadiance[k];
-            for (size_t o = 0; o < clusters_.emitters.size(); ++o)
-                if (o != e) lit += rows.row(i)[lighting_.leaves.size() + o] * lighting_.emitterRadiance[o];
-            float worst = 0;
-            for (int c = 0; c < 3; ++c)
-                if (cluster.radiance[c] > 0.2f * maxChannel(cluster.radiance)) worst = std::max(worst, cluster.radiance[c] / std::max(lit[c], 1e-12f));
-            demanded.push_back(worst);
-        }
-        std::nth_element(demanded.begin(), demanded.begin() + ptrdiff_t(demanded.size() / 2), demanded.end());
-        cluster.evidence.demandedAlbedo = std::min(demanded[demanded.size() / 2], 1e6f);
-        logInfo("patch of radiance {:.3g} {:.3g} {:.3g}: reflection would need an albedo of {:.3g}", cluster.radiance.x, cluster.radiance.y, cluster.radiance.z, cluster.evidence.demandedAlbedo);
-        if (suspect_[e] && cluster.evidence.demandedAlbedo < 1.5f)
-            clusters_.rejected.push_back({cluster.centroid, cluster.radiance, cluster.evidence, "the other lights explain it as a reflecting surface"});
-        else
-            kept.push_back(cluster);
-    }
-    const bool changed = kept.size() != clusters_.emitters.size();
-    clusters_.emitters = std::move(kept);
-    suspect_.assign(clusters_.emitters.size(), 0);
-    indexEmitters(scene_, clusters_);
-    if (!changed) return false;
-    rebuildNearField();
-    rebuildRows();
-    lighting_.emitterRadiance = firstRadiance(clusters_);
-    return true;
-}
-
-void SolveState::leaveOutBlackEnvironment() {
-    if (surfaces_.empty() || matte_.radiance.empty()) return;
-    double distant = 0, all = 0;
-    for (size_t r = 0; r < influence_.rows; ++r)
-        for (size_t k = 0; k < influence_.columns; ++k) {
-            const bool leaf = k < lighting_.leaves.size();
-            const double light = double(influence_.row(r)[k]) * luminance(leaf ? lighting_.leafRadiance[k] : lighting_.emitterRadiance[k - lighting_.leaves.size()]);
-            all += light;
-            if (leaf) distant += light;
-        }
-    logInfo("distant light gives {:.2g} % of the light on the surfaces", all > 0 ? 100 * distant / all : 0.0);
-    // Where the background is seen and black, a little light from beside it is what the fit could not place.
-    const double background = backgroundOverSurfaces(samples_, matte_);
-    const bool black = background >= 0 && background < 0.05;
-    if (!(distant < (black ? 0.03 : 0.005) * all)) return;
-    environmentBlack_ = true;
-    std::fill(lighting_.leafRadiance.begin(), lighting_.leafRadiance.end(), Rgb(0));
-}
-
 void SolveState::shapeLeaves() {
     // Inside a leaf that the background covers, its brightness is known in detail.
     const DirectionGrid& grid = samples_.backgroundGrid;
@@ -405,7 +304,7 @@ LobeRowOptions SolveState::rowOptions() const {
 
 void SolveState::finishLight() {
     if (!lightUnfinished_ || stopped() || environmentBlack_) return;
-    runAlbedoFree("light from ratios", options_.refineIterations, nullptr, nullptr, {}, true);
+    runAlbedoFree("light from ratios", options_.refineIterations, nullptr, nullptr, {}, FitEnd::last);
 }
 
 void SolveState::improveLight(int iterations) {

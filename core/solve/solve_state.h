@@ -13,6 +13,7 @@ namespace relamp {
 enum class SolveStep {
     firstLight,    ///< coarse light, which lamps are lamps
     strongLight,   ///< where it is strong, finer at once
+    firstSurfaces, ///< lobes by a few looks
     startLight,    ///< light at the start level
     bounces,       ///< is there light between surfaces?
     lightStrength, ///< how smooth is the light?
@@ -24,6 +25,9 @@ enum class SolveStep {
     turn           ///< light and albedo in turn
 };
 std::vector<SolveStep> stepsOf(const SolveOptions& options);
+/// How far a fit of the light goes: light that strong directions are told from, light that finer fits or a choice follow, light that stays.
+enum class FitEnd { coarse, usual, last };
+
 /// What the albedo-free solve takes beside the rows.
 struct RatioProblem {
     MatteObservations observations;
@@ -58,6 +62,9 @@ private:
     void startLight();
     /// Leaves that give much of the light are split down to a side of 64 before the others are: a sun or a window is in its place early, and all that follows starts from there.
     void sharpenStrong();
+    /// Lobes of the pieces that change with the view, by a few looks: shown, and kept until `surfaces` finds better ones. Without them a metal is black. They have no say in the light:
+    /// coarse light with metals in it claims to know the scale to a tenth where it is off by half.
+    void firstSurfaces();
     /// Where nothing is matte: one constant lobe, light first; the lobe that explains the looks best is kept.
     /// False, and nothing is changed but noMetals_, where no lobe explains them better than a surface that looks alike from everywhere.
     bool startFromConstantReflectance();
@@ -133,11 +140,22 @@ private:
     Lighting lighting_;
     const BrdfBasis& basis_ = options_.basis;
     std::vector<PieceGloss> gloss_;          ///< pieces with a lobe
+    std::vector<PieceGloss> firstGloss_;     ///< the same by a few looks, until gloss_ has them
     std::vector<PieceGloss> triedGloss_;     ///< every piece that was fitted, without its looks
     bool metalsHeard_ = false;               ///< pieces that seem to be metal were taken for metal once,
     bool lightUnfinished_ = false;           ///< its last fit was ended early, because finer ones were to follow
     bool metalsJoined_ = false;              ///< and had a say in the light
     AlbedoResult albedo_;
+    struct BeforeSplit {
+        Lighting lighting;
+        InfluenceMatrix influence;
+        LightInformation information;
+    };
+    BeforeSplit untold_;                     ///< with a time budget: the last light that a fit went through
+    /// Keeps the light as it is for takeBackUntold().
+    void keepForCut();
+    /// Finer directions whose fit was cut before it told anything: the coarser ones that are known are better.
+    void takeBackUntold();
     std::vector<Rgb> lit_, litSigma_;        ///< per matte observation
     BounceRays bounceRays_;                  ///< empty: bounced light plays no part
     std::vector<Rgb> sent_;                  ///< radiance that surfaces send each other, per vertex; empty likewise
@@ -170,7 +188,7 @@ private:
     LobeRowOptions rowOptions() const;
     void splitLeaves(const std::vector<uint32_t>& leaves);
     AlbedoFreeReport runAlbedoFree(const std::string& stage, int iterations, const ViewRows* rows, const RatioProblem* problem = nullptr,
-                                   std::optional<ChromaShare> chroma = {}, bool toTheEnd = false);
+                                   std::optional<ChromaShare> chroma = {}, FitEnd end = FitEnd::usual);
     /// What each leaf gives of the light at a vertex, on average over the vertices. Needs lit_.
     std::vector<Rgb> sharesOfLight() const;
     /// Leaves that only metals tell apart: brothers that were split for them, and that give matte surfaces too little light for their split to matter. Per column of influence_ its group; empty: none.

@@ -14,6 +14,7 @@ const char* stageOf(SolveStep step) {
         case SolveStep::lightStrength: return "strength of the priors";
         case SolveStep::splitStrong:
         case SolveStep::refineLight: return "finer light";
+        case SolveStep::firstSurfaces: return "first surfaces";
         case SolveStep::surfaces: return "surfaces";
         case SolveStep::glossLight: return "light with gloss";
         case SolveStep::glossSurfaces: return "surfaces again";
@@ -42,6 +43,7 @@ void SolveState::run(SolveStep step, uint32_t index) {
     if (dispensable && stopped()) return;
     stepMayBeCut_ = hasMatte() && options_.nearField && (step == firstLight || step == startLight || step == refineLight || step == glossLight);
     const Lighting before = lighting_;
+    keepForCut();
     try {
         std::optional<Progress::Dispensable> mayEnd;
         if (dispensable) mayEnd.emplace(progress_);
@@ -65,6 +67,9 @@ void SolveState::run(SolveStep step, uint32_t index) {
                 break;
             case strongLight:
                 if (hasMatte() && options_.nearField) sharpenStrong();
+                break;
+            case firstSurfaces:
+                if (hasMatte() && options_.nearField) this->firstSurfaces();
                 break;
             case startLight:
                 if (hasMatte() && options_.nearField) this->startLight();
@@ -110,7 +115,22 @@ void SolveState::run(SolveStep step, uint32_t index) {
         if (step == bounces) forgetBounce("the time was used up before it could be tried");
         logInfo("{}: given up, the time is used up", stageOf(step));
     }
+    if (stopped()) takeBackUntold();
     stepMayBeCut_ = false;
+}
+
+void SolveState::keepForCut() {
+    if (progress_.hasBudget()) untold_ = BeforeSplit{lighting_, influence_, information_};
+}
+
+void SolveState::takeBackUntold() {
+    const bool told = size_t(information_.all.rows()) == 3 * influence_.columns && !information_.all.isZero(0);
+    if (environmentBlack_ || told || lighting_.leaves.size() == untold_.lighting.leaves.size() || lighting_.emitterRadiance.size() != untold_.lighting.emitterRadiance.size()) return;
+    lighting_ = std::move(untold_.lighting);
+    influence_ = std::move(untold_.influence);
+    information_ = std::move(untold_.information);
+    anchors_ = lightAnchors(samples_, clusters_, lighting_.leaves);
+    shapeLeaves();
 }
 
 void SolveState::finishedStep(uint32_t next, SolveStep finished) {
@@ -119,7 +139,7 @@ void SolveState::finishedStep(uint32_t next, SolveStep finished) {
         lastCheckpoint_ = progress_.seconds();
         listener_->checkpoint(checkpoint(next, true));
     }
-    const bool shown = finished == firstLight || finished == startLight || finished == bounces || finished == surfaces || finished == glossSurfaces || (finished == refineLight && !refined_);
+    const bool shown = finished == firstLight || finished == firstSurfaces || finished == startLight || finished == bounces || finished == surfaces || finished == glossSurfaces || (finished == refineLight && !refined_);
     if (shown) showSnapshot();
 }
 
@@ -150,6 +170,7 @@ SolveCheckpoint SolveState::checkpoint(uint32_t step, bool between) const {
         c.matteSigma = matte_.sigma;
     }
     c.gloss = gloss_;
+    c.firstGloss = firstGloss_;
     c.triedGloss = triedGloss_;
     c.metalsHeard = metalsHeard_;
     c.metalsJoined = metalsJoined_;
@@ -214,8 +235,11 @@ void SolveState::goOnFrom(const SolveCheckpoint& c) {
         if (!vertexBounce_.empty()) takeVertexBounce();
     }
     gloss_ = c.gloss;
+    firstGloss_ = c.firstGloss;
     triedGloss_ = c.triedGloss;
     for (PieceGloss& g : gloss_)
+        if (g.lobe) findMeasured(*g.lobe, basis_);
+    for (PieceGloss& g : firstGloss_)
         if (g.lobe) findMeasured(*g.lobe, basis_);
     metalsHeard_ = c.metalsHeard;
     metalsJoined_ = c.metalsJoined;
