@@ -142,7 +142,7 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
         leaveOut("what only metals tell apart, in matte points' equations", "directions are divided for what metals mirror; the curvature that matte points give them is worked out undivided", &PlanChoices::mattePointsInDetail);
     if (judged && kept.distantLight) leaveOut("directions that light nothing", "what no point that a photograph shows can see takes no part in the equations' products", &PlanChoices::emptyColumns);
     if (judged) leaveOut("iterations for the last digits", "a fit that finer ones follow ends when an iteration explains less than 0.03 % more", &PlanChoices::lastDigits);
-    if (counts.matte) leaveOut("finer light that explains nothing", "splitting ends after a round that explains less than half a percent more", &PlanChoices::flatLevels);
+    if (counts.matte) leaveOut("finer light that explains nothing", "splitting ends after a round that explains less than a fifth of a percent more", &PlanChoices::flatLevels);
     if (options.nearField && lamps.emitters.empty()) plan.leftOut.push_back({"near-field emitters", "no patch of the scene shines on its own", 16 * counts.seen * pilot.visibilitySecondsPerRay, counts.vertices * 8 / (1 << 20)});
     plan.choices = kept;
     if (everything) plan.choices = PlanChoices::everything();

@@ -48,11 +48,12 @@ void SolveState::solveReflectance() {
         found.push_back(std::move(g));
     }
     // A piece that the time left unfitted stays as it was.
+    const bool hurry = stopped() && !firstGloss_.empty();
     for (PieceGloss& g : gloss_.empty() ? firstGloss_ : gloss_)
         if (!fitted[g.piece]) found.push_back(std::move(g));
     firstGloss_.clear();
     gloss_ = std::move(found);
-    takeCoatsOff();
+    if (hurry || !stopped()) takeCoatsOff(hurry);
     if (!metalsHeard_ && !stopped()) sharpenForMetals();
     metalsHeard_ = true;
     updateAlbedo();
@@ -60,17 +61,17 @@ void SolveState::solveReflectance() {
     record("reflectance", int(timeline_.size()), 0, pairMismatch());
 }
 
-void SolveState::takeCoatsOff() {
+void SolveState::takeCoatsOff(bool hurry) {
     if (!matteSeen_.vertices.empty()) matte_ = matteSeen_;
     for (const PieceGloss& g : gloss_) {
-        if (!g.lobe || !g.matte || stopped()) continue;
+        if (!g.lobe || !g.matte || (stopped() && !hurry)) continue;
         if (matteSeen_.vertices.empty()) matteSeen_ = matte_;
         MatteUnderGlossOptions options;
         options.rows = rowOptions();
         // Every look has a row here: fewer directions will do, because looks are averaged.
-        options.rows.lobeSamples = 48;
-        options.rows.cosineSamples = 24;
-        options.rows.emitterSamples = 16;
+        options.rows.lobeSamples = hurry ? 16 : 48;
+        options.rows.cosineSamples = hurry ? 8 : 24;
+        options.rows.emitterSamples = hurry ? 8 : 16;
         matteUnderGloss(capture_, scene_, samples_, surfaces_, clusters_.emitterOfTriangle, lighting_, g, options, matte_, progress_);
     }
 }

@@ -13,8 +13,8 @@ bool SolveState::refineLeaves() {
     // What a leaf gives of the light at a vertex, on average over the vertices: a sky counts in the shadow of its sun, where lamps are told from it.
     computeLit();
     const double misfit = pairMismatch();
-    // The measure is a root of squares: half a percent of the squares is nothing.
-    const bool explainedMore = refinedMisfit_ == 0 || misfit * misfit < 0.995 * refinedMisfit_ * refinedMisfit_;
+    // The measure is a root of squares: a fifth of a percent of the squares is nothing.
+    const bool explainedMore = refinedMisfit_ == 0 || misfit * misfit < 0.998 * refinedMisfit_ * refinedMisfit_;
     if (!explainedMore && hasMatte() && !plan_.choices.flatLevels) {
         refined_ = true;
         return false;

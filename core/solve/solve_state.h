@@ -91,8 +91,8 @@ private:
     void solveReflectance();
     void askLightStrength();
     void askAlbedoStrength();
-    /// Takes what coats mirror off the matte observations.
-    void takeCoatsOff();
+    /// Takes what coats mirror off the matte observations. `hurry`: with a third of the directions, though the time is used up.
+    void takeCoatsOff(bool hurry);
     /// Gives the listener, if there is one, an estimate as things stand; the state is afterwards as it was.
     void showSnapshot();
     SolveCheckpoint checkpoint(uint32_t step, bool between) const;
