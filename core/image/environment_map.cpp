@@ -114,24 +114,68 @@ std::vector<Rgb> integrateOverCells(const Image& latLong, const DirectionGrid& g
     return cells;
 }
 
+namespace {
+
+/// Which cell of the square of directions lies under a point of a latitude-longitude picture whose texels are cut into split x split parts. Azimuth and height
+/// are those of a column and a row of parts, so no angle is worked out twice (sphereToSquare).
+class LatLongRaster {
+public:
+    LatLongRaster(const DirectionGrid& grid, int width, int height, int split) : side_(grid.side), columns_(size_t(width * split)), rows_(size_t(height * split)) {
+        for (size_t i = 0; i < columns_.size(); ++i) {
+            const Vec3 d = directionFromLatLong(Vec2((float(i) + 0.5f) / float(columns_.size()), 0.5f));
+            columns_[i] = {std::atan2(std::abs(d.y), std::abs(d.x)) * (2 / pi), d.x, d.y};
+        }
+        for (size_t i = 0; i < rows_.size(); ++i) {
+            const float z = directionFromLatLong(Vec2(0.5f, (float(i) + 0.5f) / float(rows_.size()))).z;
+            rows_[i] = {std::sqrt(std::max(0.0f, 1 - std::abs(z))), z < 0};
+        }
+    }
+    size_t cell(int column, int row) const {
+        const Column& c = columns_[size_t(column)];
+        const Row& r = rows_[size_t(row)];
+        float v = c.azimuth * r.radius, u = r.radius - v;
+        if (r.below) {
+            const float swap = u;
+            u = 1 - v;
+            v = 1 - swap;
+        }
+        const auto at = [&](float t, float sign) { return std::clamp(int((std::copysign(t, sign) * 0.5f + 0.5f) * float(side_)), 0, side_ - 1); };
+        return size_t(at(v, c.y)) * size_t(side_) + size_t(at(u, c.x));
+    }
+
+private:
+    struct Column {
+        float azimuth, x, y;
+    };
+    struct Row {
+        float radius;
+        bool below;
+    };
+    int side_;
+    std::vector<Column> columns_;
+    std::vector<Row> rows_;
+};
+
+}  // namespace
+
 Image latLongFromCells(const std::vector<Rgb>& cells, const DirectionGrid& grid, int width) {
     Image image(width, width / 2);
     std::vector<Rgb> darkest(image.pixels.size()), brightest(image.pixels.size());
-    const auto mean = [&](int x, int y, int split, Rgb& low, Rgb& high) {
+    const LatLongRaster coarse(grid, width, image.height, 2), fine(grid, width, image.height, 16);
+    const auto mean = [&](const LatLongRaster& raster, int x, int y, int split, Rgb& low, Rgb& high) {
         DVec3 sum(0);
         low = Rgb(std::numeric_limits<float>::infinity());
         high = Rgb(0);
         for (int sy = 0; sy < split; ++sy)
             for (int sx = 0; sx < split; ++sx) {
-                const Vec2 uv((float(x) + (float(sx) + 0.5f) / float(split)) / float(width), (float(y) + (float(sy) + 0.5f) / float(split)) / float(image.height));
-                const Rgb& value = cells[size_t(grid.cellOf(directionFromLatLong(uv)))];
+                const Rgb& value = cells[raster.cell(x * split + sx, y * split + sy)];
                 sum += DVec3(value);
                 low = glm::min(low, value);
                 high = glm::max(high, value);
             }
         return Rgb(sum / double(split * split));
     };
-    parallelFor(image.pixels.size(), 4096, [&](size_t i) { image.pixels[i] = mean(int(i) % width, int(i) / width, 2, darkest[i], brightest[i]); });
+    parallelFor(image.pixels.size(), 4096, [&](size_t i) { image.pixels[i] = mean(coarse, int(i) % width, int(i) / width, 2, darkest[i], brightest[i]); });
     // The rim of a sun is cut finely, so that it keeps its energy; neighbours count, because two by two looks miss a corner.
     parallelFor(image.pixels.size(), 4096, [&](size_t i) {
         const int x = int(i) % width, y = int(i) / width;
@@ -142,7 +186,7 @@ Image latLongFromCells(const std::vector<Rgb>& cells, const DirectionGrid& grid,
                 low = glm::min(low, darkest[k]);
                 high = glm::max(high, brightest[k]);
             }
-        if (maxChannel(high - 2.0f * low) > 0) image.pixels[i] = mean(x, y, 16, low, high);
+        if (maxChannel(high - 2.0f * low) > 0) image.pixels[i] = mean(fine, x, y, 16, low, high);
     });
     return image;
 }

@@ -128,15 +128,12 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
     // lowered by making shadow edges harder (which raises their variance) leads away from the light.
     std::vector<PairVariance> variance(pairs.size());
     const auto takeVariance = [&](const Eigen::VectorXf* at) {
-        std::fill(mixing.begin(), mixing.end(), Rgb(0));
-        for (const AlbedoPair& p : pairs) {
-            if (p.weight != 1) continue;
-            for (int c = 0; c < 3; ++c) {
-                const float step = std::abs(at[c](p.a) - at[c](p.b));
-                mixing[p.a][c] = std::max(mixing[p.a][c], step);
-                mixing[p.b][c] = std::max(mixing[p.b][c], step);
-            }
-        }
+        parallelFor(rows, 1024, [&](size_t i) {
+            mixing[i] = Rgb(0);
+            for (uint32_t k = adjacency.start[i]; k < adjacency.start[i + 1]; ++k)
+                for (int c = 0; c < 3 && pairs[adjacency.pair[k]].weight == 1; ++c)
+                    mixing[i][c] = std::max(mixing[i][c], std::abs(at[c](Eigen::Index(i)) - at[c](adjacency.other[k])));
+        });
         std::vector<Rgb> residual(pairs.size());
         parallelFor(pairs.size(), 4096, [&](size_t k) {
             const AlbedoPair& p = pairs[k];
@@ -271,13 +268,15 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
         moments.noalias() = all * present;
         for (int c = 0; c < 3; ++c) {
             std::vector<double> slope(rows, 0.0);
-            for (size_t k = 0; k < pairs.size(); ++k) {
-                double pull = 0;
-                for (int d = 0; d < 3; ++d) pull += double(precision[k](c, d)) * terms[k][size_t(d)].residual;
-                pull *= double(pairs[k].weight) * robust[k];
-                slope[pairs[k].b] += pull * terms[k][size_t(c)].b;
-                slope[pairs[k].a] -= pull * terms[k][size_t(c)].a;
-            }
+            parallelFor(rows, 512, [&](size_t i) {
+                for (uint32_t e = adjacency.start[i]; e < adjacency.start[i + 1]; ++e) {
+                    const uint32_t k = adjacency.pair[e];
+                    double pull = 0;
+                    for (int d = 0; d < 3; ++d) pull += double(precision[k](c, d)) * terms[k][size_t(d)].residual;
+                    pull *= double(pairs[k].weight) * robust[k];
+                    slope[i] += pairs[k].b == i ? pull * terms[k][size_t(c)].b : -pull * terms[k][size_t(c)].a;
+                }
+            });
             Eigen::MatrixXd q = all.block(c * n, c * n, n, n);
             Eigen::VectorXd moment = moments.segment(c * n, n) - transposedProduct(influence, slope), lower = Eigen::VectorXd::Zero(n);
             if (viewRows) {
@@ -395,6 +394,8 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
         if (iteration + 1 >= options.leastIterations && progress.outOfTime()) break;
     }
     writeBack();
+    report.objective = objective;
+    if (!options.closing) return report;
     // How sure the light is rests on products of the present: those of before know a scale that nothing ties down.
     if (stale) {
         litBy(x, lit);

@@ -25,6 +25,7 @@ struct AlbedoFreeOptions {
     float keepProducts = 0.05f; ///< while the light has changed less than this, relative, since the products were formed, they are kept
     bool anneal = true;         ///< start with a wide robust scale
     bool emptyColumns = true;   ///< false: columns that hold nothing but zeros are left out of the products, which changes nothing but rounding
+    bool closing = true;        ///< false: the report's objective and information are those of the last iteration's start, not of the light found
     int leastIterations = 0;    ///< that many are done whatever the time budget says
     /// Which leaves, in the equations' products, the first `foldedRows` rows are taken not to tell apart, per column (solve/folded_gram.h); empty: all are told apart.
     /// It changes the way and not the end. No pair stands between a row before and one behind.

@@ -15,12 +15,14 @@ LightAnchors lightAnchors(const RadianceSamples& samples, const EmitterClusters&
     std::vector<float> area(leaves.size(), 0);
     const DirectionGrid& grid = samples.backgroundGrid;
     // A cell counts when pixels cover it, not when one touches its corner: sub-cells of a fine leaf share their cell's mean.
+    const int parts = std::max(1, (1 << LightLeaves::maxLevel) / grid.side);
+    const DirectionGrid fine{grid.side * parts};
+    const std::vector<uint32_t> leafOf = leaves.leafOfCells(fine);
+    const float share = fine.cellSolidAngle();
     for (int c = 0; c < grid.cells(); ++c) {
         if (samples.backgroundPixels[size_t(c)] < 4) continue;
-        constexpr int parts = 4;
         for (int k = 0; k < parts * parts; ++k) {
-            const size_t leaf = leaves.leafOf(grid.direction(c, Vec2(k % parts + 0.5f, k / parts + 0.5f) / float(parts)));
-            const float share = grid.cellSolidAngle() / (parts * parts);
+            const size_t leaf = leafOf[size_t((c / grid.side * parts + k / parts) * fine.side + c % grid.side * parts + k % parts)];
             sum[leaf] += share * samples.background[size_t(c)];
             area[leaf] += share;
             if (samples.backgroundClipped[size_t(c)]) anchors.leaves[leaf].clipped = true;

@@ -1,7 +1,10 @@
 #include "solve/pair_precision.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+
+#include "base/parallel.h"
 
 namespace relamp {
 namespace {
@@ -27,28 +30,33 @@ ChromaShare chromaShare(const std::vector<Rgb>& residual, const std::vector<Pair
     struct Entry {
         float noise, model, square;
     };
-    std::vector<Entry> entries;
-    for (size_t k = 0; k < residual.size(); ++k) {
+    std::vector<Entry> entries(3 * residual.size());
+    parallelFor(residual.size(), 4096, [&](size_t k) {
         const Rgb r = residual[k], n = variance[k].noise, m = variance[k].model;
         for (int c = 0; c < 3; ++c) {
             const int d = (c + 1) % 3;
             const float difference = r[c] - r[d];
-            entries.push_back({n[c] + n[d], m[c] + m[d], difference * difference / 0.455f});
+            entries[3 * k + size_t(c)] = {n[c] + n[d], m[c] + m[d], difference * difference / 0.455f};
         }
-    }
-    std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.noise < b.noise; });
+    });
+    // Eight bins of equal size by noise, by halving thrice.
     constexpr size_t bins = 8;
-    float noise = 1;
-    std::vector<float> some;
-    for (size_t bin = 0; bin < bins; ++bin) {
-        some.clear();
-        for (size_t i = bin * entries.size() / bins; i < (bin + 1) * entries.size() / bins; ++i) some.push_back(entries[i].square / entries[i].noise);
-        noise = std::min(noise, medianOf(some));
-    }
-    share.noise = std::clamp(noise, leastShare, 1.0f);
-    some.clear();
-    for (const Entry& e : entries) some.push_back(std::max(0.0f, e.square - share.noise * e.noise) / e.model);
-    share.model = std::clamp(medianOf(some), leastShare, 1.0f);
+    const auto edge = [&](size_t bin) { return entries.begin() + std::ptrdiff_t(bin * entries.size() / bins); };
+    for (size_t width = bins; width > 1; width /= 2)
+        parallelFor(bins / width, 1, [&](size_t part) {
+            const size_t from = part * width;
+            std::nth_element(edge(from), edge(from + width / 2), edge(from + width), [](const Entry& a, const Entry& b) { return a.noise < b.noise; });
+        });
+    std::array<float, bins> noise{};
+    parallelFor(bins, 1, [&](size_t bin) {
+        std::vector<float> some;
+        for (auto e = edge(bin); e != edge(bin + 1); ++e) some.push_back(e->square / e->noise);
+        noise[bin] = medianOf(some);
+    });
+    share.noise = std::clamp(*std::min_element(noise.begin(), noise.end()), leastShare, 1.0f);
+    std::vector<float> model(entries.size());
+    parallelFor(entries.size(), 8192, [&](size_t i) { model[i] = std::max(0.0f, entries[i].square - share.noise * entries[i].noise) / entries[i].model; });
+    share.model = std::clamp(medianOf(model), leastShare, 1.0f);
     return share;
 }
 

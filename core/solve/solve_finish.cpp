@@ -148,8 +148,9 @@ void SolveState::assembleEnvironment(Estimate& estimate) const {
     estimate.environment.resize(size_t(fine.cells()));
     const DirectionGrid& seen = samples_.backgroundGrid;
     const int step = estimate.environmentSide / seen.side;
+    const std::vector<uint32_t> leafOf = lighting_.leaves.leafOfCells(fine);
     for (int c = 0; c < fine.cells(); ++c) {
-        const size_t leaf = lighting_.leaves.leafOf(fine.direction(c));
+        const uint32_t leaf = leafOf[size_t(c)];
         const int coarse = (c / fine.side / step) * seen.side + (c % fine.side) / step;
         const bool direct = !environmentBlack_ && samples_.backgroundPixels[size_t(coarse)] >= 4 && !samples_.backgroundClipped[size_t(coarse)];
         estimate.environment[size_t(c)] = direct && anchors_.leaves[leaf].coverage > 0.05f ? samples_.background[size_t(coarse)] : lighting_.leafRadiance[leaf];

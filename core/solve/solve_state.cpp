@@ -204,6 +204,7 @@ AlbedoFreeReport SolveState::runAlbedoFree(const std::string& stage, int iterati
     o.emptyColumns = plan_.choices.emptyColumns;
     // Light that goes on to be made finer or tried out need not be fitted to the end.
     o.leastGain = end != FitEnd::last && !rows && !plan_.choices.lastDigits ? (end == FitEnd::coarse ? 1e-2f : 3e-4f) : 0.0f;
+    o.closing = end != FitEnd::coarse;
     if (problem) {
         o.fold = problem->fold;
         o.foldedRows = problem->foldedRows;
@@ -285,8 +286,9 @@ void SolveState::shapeLeaves() {
     // Inside a leaf that the background covers, its brightness is known in detail.
     const DirectionGrid& grid = samples_.backgroundGrid;
     leafShape_.assign(size_t(grid.cells()), 1.0f);
+    const std::vector<uint32_t> leafOf = lighting_.leaves.leafOfCells(grid);
     for (int cell = 0; cell < grid.cells(); ++cell) {
-        const size_t leaf = lighting_.leaves.leafOf(grid.direction(cell));
+        const uint32_t leaf = leafOf[size_t(cell)];
         const LeafAnchor& a = anchors_.leaves[leaf];
         if (a.coverage < 0.95f || a.clipped || samples_.backgroundPixels[size_t(cell)] < 4 || !(luminance(a.radiance) > 0)) continue;
         leafShape_[size_t(cell)] = luminance(samples_.background[size_t(cell)]) / luminance(a.radiance);
