@@ -32,9 +32,14 @@ std::vector<StageEstimate> predictStages(const WorkCounts& n, const MachineSpeed
     stages.push_back({"rows of the observations", distant ? n.rows * cells * pilot.rowSecondsPerCell : 0.0, n.rows * (leavesCoarse + n.lamps) * 4 / mib});
 
     const bool near = options.nearField && n.matte;
-    const double coarseRounds = std::clamp(double(pilot.iterations), 4.0, double(options.startIterations));
+    const double coarseRounds = std::clamp(0.7 * double(pilot.iterations), 4.0, double(options.startIterations));
     double leaves = leavesCoarse + n.lamps;
-    if (near) stages.push_back({"coarse light", coarseRounds * roundSeconds(leaves), roundMib(leaves)});
+    // Strong directions are divided twice as a rule, with two or three iterations each.
+    const double strongLeaves = leaves + 40, strong = distant && !black && leavesCoarse < leavesStart ? 5 * roundSeconds(strongLeaves) + 0.2 * n.rows * cells * pilot.rowSecondsPerCell : 0.0;
+    if (near) stages.push_back({"coarse light", coarseRounds * roundSeconds(leaves) + strong, roundMib(strong > 0 ? strongLeaves : leaves)});
+    // A few looks a piece, three eighths of the directions.
+    const double firstLooks = n.glossyLooks * 120 / 700;
+    if (near && n.glossyLooks > 0) stages.push_back({"first surfaces", n.lookSeconds * 0.375 * firstLooks * (n.lobes + 3), firstLooks * strongLeaves * 4 / mib});
     if (near && distant && !black) {
         leaves = leavesStart + n.lamps;
         stages.push_back({"light", n.rows * cells * pilot.rowSecondsPerCell + 4 * roundSeconds(leaves), n.rows * leaves * 4 / mib + roundMib(leaves)});
@@ -73,6 +78,8 @@ std::vector<StageEstimate> predictStages(const WorkCounts& n, const MachineSpeed
             stages.push_back({"surfaces again", rounds * (fitSeconds * tried + albedo), std::max(albedoMib, looks * leaves * 4 / mib)});
         }
     }
+    // Looks that no lobe explains: the light that was to be fitted with them is fitted to its end without.
+    else if (near && distant && !black && n.glossyLooks > 0 && options.glossRounds > 0) stages.push_back({"light with gloss", 3 * roundSeconds(leaves) + fitSeconds * n.lobes + albedo, roundMib(leaves)});
     if (near && (n.glossyLooks == 0 || !n.lobeLikely) && distant && !black) stages.push_back({"light and surfaces in turn", double(options.turns) * (productSeconds(n.rows, leaves) / 3 + 6 * n.rows * leaves * 4 * speed.bytes + albedo), std::max(albedoMib, roundMib(leaves))});
     stages.push_back({"closing figures", productSeconds(n.rows, leaves) / 9 + 10 * speed.factorPerCube * leaves * leaves * leaves, roundMib(leaves) + 6.0});
     return stages;
