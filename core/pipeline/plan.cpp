@@ -137,7 +137,7 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
     if (counts.matteLooks > 0)
         leaveOut(counts.glossyLooks > 0 ? "lobes on matte pieces" : "glossy lobes", counts.glossyLooks > 0 ? "those pieces do not change with the view beyond noise" : "no surface changes with the view beyond noise", &PlanChoices::mattePieces);
     if (counts.glossyLooks > 0 && options.glossRounds > 0)
-        leaveOut("lobes that lost before", "later rounds try those again that came within a third of the best", &PlanChoices::lostLobes);
+        leaveOut("lobes that lose at first glance", "all are tried on directions they share, and on their own only where they come within a twelfth of the best", &PlanChoices::lostLobes);
     if (judged && counts.metals && options.glossRounds > 0)
         leaveOut("what only metals tell apart, in matte points' equations", "directions are divided for what metals mirror; the curvature that matte points give them is worked out undivided", &PlanChoices::mattePointsInDetail);
     if (judged && kept.distantLight) leaveOut("directions that light nothing", "what no point that a photograph shows can see takes no part in the equations' products", &PlanChoices::emptyColumns);

@@ -39,7 +39,7 @@ std::vector<StageEstimate> predictStages(const WorkCounts& n, const MachineSpeed
     if (near) stages.push_back({"coarse light", coarseRounds * roundSeconds(leaves) + strong, roundMib(strong > 0 ? strongLeaves : leaves)});
     // A few looks a piece, three eighths of the directions.
     const double firstLooks = n.glossyLooks * 120 / 700;
-    if (near && n.glossyLooks > 0) stages.push_back({"first surfaces", n.lookSeconds * 0.375 * firstLooks * (n.lobes + 3), firstLooks * strongLeaves * 4 / mib});
+    if (near && n.glossyLooks > 0) stages.push_back({"first surfaces", n.lookSeconds * 0.375 * firstLooks * 6, firstLooks * strongLeaves * 4 / mib});
     if (near && distant && !black) {
         leaves = leavesStart + n.lamps;
         stages.push_back({"light", n.rows * cells * pilot.rowSecondsPerCell + 4 * roundSeconds(leaves), n.rows * leaves * 4 / mib + roundMib(leaves)});
@@ -67,9 +67,10 @@ std::vector<StageEstimate> predictStages(const WorkCounts& n, const MachineSpeed
         stages.push_back({"finer light", seconds, 2 * n.rows * leaves * 4 / mib - n.rows * leavesStart * 4 / mib + roundMib(leaves)});
     }
     const double looks = n.glossyLooks + (choices.mattePieces ? n.matteLooks : 0.0), fitSeconds = n.lookSeconds * looks;
-    stages.push_back({"surfaces", fitSeconds * (n.lobes + 3) + albedo, std::max(albedoMib, looks * leaves * 4 / mib)});
+    const double tried = choices.lostLobes ? n.lobes + 4 : 6;
+    stages.push_back({"surfaces", fitSeconds * tried + albedo, std::max(albedoMib, looks * leaves * 4 / mib)});
     if (looks > 0 && n.lobeLikely && options.glossRounds > 0) {
-        const double tried = choices.lostLobes ? n.lobes + 3 : 0.35 * n.lobes + 3, rounds = options.glossRounds;
+        const double rounds = options.glossRounds;
         if (n.glossyLooks > 0) {
             const double glossy = n.glossyLooks;
             if (n.metals) leaves = std::max(leaves, 1024 + n.lamps);  // what they mirror is divided to a side of 32
@@ -79,7 +80,7 @@ std::vector<StageEstimate> predictStages(const WorkCounts& n, const MachineSpeed
         }
     }
     // Looks that no lobe explains: the light that was to be fitted with them is fitted to its end without.
-    else if (near && distant && !black && n.glossyLooks > 0 && options.glossRounds > 0) stages.push_back({"light with gloss", 3 * roundSeconds(leaves) + fitSeconds * n.lobes + albedo, roundMib(leaves)});
+    else if (near && distant && !black && n.glossyLooks > 0 && options.glossRounds > 0) stages.push_back({"light with gloss", 3 * roundSeconds(leaves) + fitSeconds * tried + albedo, roundMib(leaves)});
     if (near && (n.glossyLooks == 0 || !n.lobeLikely) && distant && !black) stages.push_back({"light and surfaces in turn", double(options.turns) * (productSeconds(n.rows, leaves) / 3 + 6 * n.rows * leaves * 4 * speed.bytes + albedo), std::max(albedoMib, roundMib(leaves))});
     stages.push_back({"closing figures", productSeconds(n.rows, leaves) / 9 + 10 * speed.factorPerCube * leaves * leaves * leaves, roundMib(leaves) + 6.0});
     return stages;

@@ -135,6 +135,17 @@ std::vector<Rgb> responses(const InfluenceMatrix& rows, const Lighting& lighting
     return mirrored;
 }
 
+/// Residual of each lobe but the first with or without a Lambert part, whichever is less, from directions that all lobes share.
+std::vector<float> screenLobes(const Scene& scene, const std::vector<EmitterSurface>& emitters, const std::vector<int>& emitterOfTriangle, const Lighting& lighting,
+                               const std::vector<Lobe>& lobes, const std::vector<GlossyLook>& looks, const LobeRowOptions& options, Progress& progress) {
+    const std::vector<std::vector<Rgb>> response = lobeResponses(scene, emitters, emitterOfTriangle, lighting, lobes, looks, options, progress);
+    std::vector<float> residual(lobes.size(), 0);
+    parallelFor(lobes.size(), 1, [&](size_t k) {
+        if (k > 0) residual[k] = float(std::min(fitLobe(looks, response[k], true).residual, fitLobe(looks, response[k], false).residual));
+    });
+    return residual;
+}
+
 }  // namespace
 
 MetalEvidence metalEvidence(const InfluenceMatrix& rows, const Lighting& lighting, const std::vector<GlossyLook>& looks) {
@@ -159,14 +170,14 @@ Lobe withRoughness(const Lobe& lobe, float factor) {
 
 PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const std::vector<EmitterSurface>& emitters,
                     const std::vector<int>& emitterOfTriangle, const Lighting& lighting, const BrdfBasis& basis, uint32_t piece,
-                    const GlossOptions& options, Progress& progress, const PieceGloss* earlier) {
+                    const GlossOptions& options, Progress& progress) {
     PieceGloss result;
     result.piece = piece;
     result.looks = glossyLooks(capture, scene, samples, piece, options);
     if (result.looks.size() < 40) return result;
     const LobeFit without = fitLobe(result.looks, std::vector<Rgb>(result.looks.size(), Rgb(0)), true);
     result.residualMatte = result.residual = float(without.residual);
-    double best = options.lambertGain > 1e6f ? 1e300 : without.residual, reached = 0;
+    double best = options.lambertGain > 1e6f ? 1e300 : without.residual;
     float gain = 1;  // the residual must fall below this share of the best
     const auto attempt = [&](const Lobe& lobe) {
         std::vector<Rgb> mirrored;
@@ -175,7 +186,6 @@ PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSa
         const LobeFit both = fitLobe(result.looks, response, true), alone = fitLobe(result.looks, response, false);
         const bool metal = alone.residual < double(options.lambertGain) * both.residual;
         const LobeFit& fit = metal ? alone : both;
-        reached = std::min(alone.residual, both.residual);
         if (fit.residual >= double(gain) * best) return false;
         best = fit.residual;
         result.lobe = lobe;
@@ -184,16 +194,15 @@ PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSa
         result.residual = float(fit.residual);
         return true;
     };
-    float bestEarlier = 0;
-    if (earlier && earlier->tried.size() == basis.lobes.size())
-        for (float residual : earlier->tried)
-            if (residual >= 0 && (bestEarlier == 0 || residual < bestEarlier)) bestEarlier = residual;
-    result.tried.assign(basis.lobes.size(), -1.0f);
     const bool few = options.mostLobes <= 1 && std::all_of(basis.lobes.begin(), basis.lobes.end(), [](const Lobe& l) { return l.kind <= Lobe::Kind::ggxDielectric; });
-    for (size_t k = 1; few && k < basis.lobes.size(); ++k) {
-        if (bestEarlier > 0 && (earlier->tried[k] < 0 || earlier->tried[k] > 1.3f * bestEarlier)) continue;
-        attempt(basis.lobes[k]);
-        result.tried[k] = float(reached);
+    if (few) {
+        const bool screen = options.screen && basis.lobes.size() > 2;
+        const std::vector<float> screened = screen ? screenLobes(scene, emitters, emitterOfTriangle, lighting, basis.lobes, result.looks, options.rows, progress) : std::vector<float>(basis.lobes.size(), 0);
+        constexpr float beaten = 1.08f;
+        const float least = *std::min_element(screened.begin() + 1, screened.end());
+        const bool useful = options.lambertGain >= 1e6f || least < 0.92f * result.residualMatte;
+        for (size_t k = 1; k < basis.lobes.size() && useful; ++k)
+            if (screened[k] <= beaten * least) attempt(basis.lobes[k]);
     }
     if (!few) {
         const auto response = lobeResponses(scene, emitters, emitterOfTriangle, lighting, basis.lobes, result.looks, options.rows, progress);

@@ -29,7 +29,6 @@ struct PieceGloss {
     float residual = 0;     ///< robust mean squared residual in standard deviations, with the lobe
     float residualMatte = 0;///< and without any
     std::vector<GlossyLook> looks;  ///< the look-ups used, at most maxLooks
-    std::vector<float> tried;       ///< residual of each lobe of the basis, as `residual`; below 0: not tried. Empty: none was
 };
 
 struct GlossOptions {
@@ -40,6 +39,9 @@ struct GlossOptions {
     float lambertGain = 1.6f;
     /// Lobes one piece may mix. With more than 1, or with a basis beyond the built-in kinds, the basis is pruned first (solve/lobe_choice.h).
     size_t mostLobes = 1;
+    /// Lobes are tried on directions that all share first (lobeResponses), and on their own only where they come within a twelfth of the best there: a third of the rays.
+    /// Where even the best there explains too little, none is.
+    bool screen = true;
 };
 
 /// Evenly spread look-ups of a piece.
@@ -47,11 +49,11 @@ std::vector<GlossyLook> glossyLooks(const Capture& capture, const Scene& scene, 
 
 /// Fits each lobe of the basis to the piece under known light, with the Lambert part of every vertex eliminated, refines the
 /// roughness of the best one, and keeps it where it explains the change between views. A basis of other kinds than bare and dielectric GGX is pruned to a few
-/// candidates first, single lobes and mixtures; a mixture must lower the residual by a twentieth against fewer lobes. Cost: about 18 lobes x looks rows. `earlier`, when not
-/// null, is a fit of the piece under nearly the same light: lobes that lost clearly there (residual 1.3 times the best) are not tried again.
+/// candidates first, single lobes and mixtures; a mixture must lower the residual by a twentieth against fewer lobes. Cost: about
+/// 6 rows a look, without `options.screen` 4 more than there are lobes.
 PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const std::vector<EmitterSurface>& emitters,
                     const std::vector<int>& emitterOfTriangle, const Lighting& lighting, const BrdfBasis& basis, uint32_t piece,
-                    const GlossOptions& options, Progress& progress, const PieceGloss* earlier = nullptr);
+                    const GlossOptions& options, Progress& progress);
 
 /// What a piece's looks leave unexplained, robust mean square in standard deviations: by one lobe without a Lambert part under known light; and by a surface that looks alike
 /// from everywhere, an unknown a vertex taken off the count of looks. Where the second is not larger the piece changes with the view, but not as a metal does: its geometry or

@@ -135,7 +135,6 @@ void fields(File& f, PieceGloss& g) {
     f.plain(g.residual);
     f.plain(g.residualMatte);
     list(f, g.looks);
-    list(f, g.tried);
 }
 
 template <class File>
@@ -188,7 +187,6 @@ void fields(File& f, SolveCheckpoint& c) {
     }
     listOf(f, c.gloss, [&](PieceGloss& g) { fields(f, g); });
     listOf(f, c.firstGloss, [&](PieceGloss& g) { fields(f, g); });
-    listOf(f, c.triedGloss, [&](PieceGloss& g) { fields(f, g); });
     f.plain(c.metalsHeard);
     f.plain(c.metalsJoined);
     f.plain(c.lightUnfinished);

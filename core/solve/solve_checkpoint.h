@@ -27,7 +27,7 @@ struct SolveCheckpoint {
     std::vector<Rgb> vertexBounce, sent;              ///< empty: none
     std::vector<Rgb> matteRadiance, matteSigma;       ///< of the observations, without what coats mirror; empty: as seen
     PriorStrength lightSmoothness, albedoSmoothness;
-    std::vector<PieceGloss> gloss, firstGloss, triedGloss;
+    std::vector<PieceGloss> gloss, firstGloss;
     bool metalsHeard = false, metalsJoined = false, lightUnfinished = false;
     std::vector<double> information;  ///< what fixed the light (LightInformation): columns of `all` from the diagonal down
     std::vector<double> informationOfLooks[3], informationSeen[3];

@@ -20,28 +20,22 @@ void SolveState::solveReflectance() {
     glossOptions.seed = options_.seed;
     glossOptions.rows = rowOptions();
     glossOptions.mostLobes = options_.mostLobes;
+    glossOptions.screen = !plan_.choices.lostLobes;
     if (!hasMatte()) glossOptions.maxVertices = 1500;
     std::vector<size_t> sizes(scene_.pieces, 0);
     for (uint32_t v : matte_.vertices) ++sizes[scene_.piece[v]];
     for (uint32_t p = 0; p < scene_.pieces && !stopped(); ++p) {
         if ((!matte_.pieceGlossy[p] && !plan_.choices.mattePieces) || sizes[p] < 30) continue;
-        const auto ofPiece = [p](const PieceGloss& g) { return g.piece == p; };
-        const auto earlier = std::find_if(triedGloss_.begin(), triedGloss_.end(), ofPiece);
         const bool metal = hasMatte() && matte_.pieceGlossy[p] == 2;
         glossOptions.lambertGain = !metal ? 1.6f : metalsHeard_ ? 3.0f : 1e30f;
         PieceGloss g;
         try {
             const Progress::Dispensable mayEnd(progress_);
-            g = fitGloss(capture_, scene_, samples_, surfaces_, clusters_.emitterOfTriangle, lighting_, basis_, p, glossOptions, progress_,
-                         earlier == triedGloss_.end() || plan_.choices.lostLobes ? nullptr : &*earlier);
+            g = fitGloss(capture_, scene_, samples_, surfaces_, clusters_.emitterOfTriangle, lighting_, basis_, p, glossOptions, progress_);
         } catch (const OutOfTime&) {
             break;
         }
         fitted[p] = 1;
-        PieceGloss noted = g;
-        noted.looks.clear();
-        if (earlier == triedGloss_.end()) triedGloss_.push_back(std::move(noted));
-        else *earlier = std::move(noted);
         if (!g.lobe) continue;
         logInfo("piece {}: {} weight {:.3f} {:.3f} {:.3f}{}, residual {:.2f} of {:.2f}", p, g.lobe->name, g.weight.x, g.weight.y, g.weight.z,
                 g.matte ? " over Lambert" : "", g.residual, g.residualMatte);

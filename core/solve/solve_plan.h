@@ -16,7 +16,7 @@ struct PlanChoices {
     bool unseenVertices = false;   ///< true: transport of vertices that no photograph shows, too
     bool emptyColumns = false;     ///< true: directions that light no observed vertex take part in the equations' products, too
     bool mattePieces = false;      ///< true: lobes are sought on pieces that do not change with the view, too
-    bool lostLobes = false;        ///< true: later rounds try every lobe again, not only those that came near the best
+    bool lostLobes = false;        ///< true: every lobe is tried on directions of its own, not only those that come near the best on shared ones
     bool agreeingRays = false;     ///< true: visibility is traced where coarser rays all around agree, too
     bool flatLevels = false;       ///< true: leaves are split on after a round that explained hardly more
     bool lastDigits = false;       ///< true: a fit goes on after an iteration that lowered its objective by less than 3e-4

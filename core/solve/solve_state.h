@@ -141,7 +141,6 @@ private:
     const BrdfBasis& basis_ = options_.basis;
     std::vector<PieceGloss> gloss_;          ///< pieces with a lobe
     std::vector<PieceGloss> firstGloss_;     ///< the same by a few looks, until gloss_ has them
-    std::vector<PieceGloss> triedGloss_;     ///< every piece that was fitted, without its looks
     bool metalsHeard_ = false;               ///< pieces that seem to be metal were taken for metal once,
     bool lightUnfinished_ = false;           ///< its last fit was ended early, because finer ones were to follow
     bool metalsJoined_ = false;              ///< and had a say in the light

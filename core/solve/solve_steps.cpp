@@ -171,7 +171,6 @@ SolveCheckpoint SolveState::checkpoint(uint32_t step, bool between) const {
     }
     c.gloss = gloss_;
     c.firstGloss = firstGloss_;
-    c.triedGloss = triedGloss_;
     c.metalsHeard = metalsHeard_;
     c.metalsJoined = metalsJoined_;
     c.lightUnfinished = lightUnfinished_;
@@ -236,7 +235,6 @@ void SolveState::goOnFrom(const SolveCheckpoint& c) {
     }
     gloss_ = c.gloss;
     firstGloss_ = c.firstGloss;
-    triedGloss_ = c.triedGloss;
     for (PieceGloss& g : gloss_)
         if (g.lobe) findMeasured(*g.lobe, basis_);
     for (PieceGloss& g : firstGloss_)
