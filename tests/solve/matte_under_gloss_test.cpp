@@ -2,58 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include "support/shapes.h"
+#include "tests/solve/glazed_ball.h"
 
 namespace relamp {
 namespace {
 
-/// A dark red, glazed ball under a bright sky with a glow, seen by four cameras without noise.
-struct GlazedBall {
-    Scene scene = test::sceneOf(test::ball({0, 0, 0}, 0.5f, 12, 18));
-    Capture capture;
-    RadianceSamples samples;
-    Lighting lighting;
-    PieceGloss gloss;
-    std::vector<Rgb> matte;  ///< what the matte part alone shows, per vertex
-
-    GlazedBall() {
-        const Rgb albedo(0.4f, 0.08f, 0.05f);
-        lighting.leaves = LightLeaves::uniform(3);
-        for (size_t i = 0; i < lighting.leaves.size(); ++i) lighting.leafRadiance.push_back(Rgb(0.5f + 4 * std::max(0.0f, lighting.leaves[i].direction(Vec2(0.5f)).x)));
-        gloss.lobe = Lobe{Lobe::Kind::ggxDielectric, 0.05f, "glaze"};
-        gloss.weight = Rgb(1);
-        for (const DVec3& eye : {DVec3(3, 0, 1), DVec3(0, 3, 1), DVec3(-3, 0, 1), DVec3(0, -3, 1)}) {
-            View view;
-            view.camera.worldFromCamera[3] = glm::dvec4(eye, 1);
-            capture.views.push_back(view);
-        }
-        samples.relativeNoise = 0.005f;
-        LobeRowOptions fine;
-        fine.lobeSamples = 1024;
-        fine.cosineSamples = 512;
-        std::vector<float> row(lighting.leaves.size());
-        for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v) {
-            samples.start.push_back(uint32_t(samples.samples.size()));
-            Rgb lit(0);
-            constexpr int fineness = 64;
-            const DirectionGrid grid{fineness};
-            for (int c = 0; c < grid.cells(); ++c)
-                if (const float cosine = glm::dot(scene.mesh.normals[v], grid.direction(c)); cosine > 0)
-                    lit += lighting.leafRadiance[lighting.leaves.leafOf(grid.direction(c))] * (cosine * grid.cellSolidAngle() / pi);
-            matte.push_back(albedo * lit);
-            for (uint32_t view = 0; view < capture.views.size(); ++view) {
-                const Vec3 toward = glm::normalize(Vec3(capture.views[view].camera.position()) - scene.mesh.positions[v]);
-                if (glm::dot(toward, scene.mesh.normals[v]) < 0.25f) continue;
-                glossyInfluence(scene, {}, {}, lighting.leaves, *gloss.lobe, v, toward, fine, row.data());
-                samples.samples.push_back({view, matte[v] + gloss.weight * lightOfRow(row.data(), lighting), 1, false});
-            }
-        }
-        samples.start.push_back(uint32_t(samples.samples.size()));
-    }
-};
-
 TEST(MatteUnderGloss, TakesOffWhatTheCoatMirrors) {
-    GlazedBall ball;
+    test::GlazedBall ball;
     const std::vector<uint8_t> none(ball.scene.mesh.vertexCount(), 0);
     MatteObservations seen = matteObservations(ball.scene, ball.samples, none);
     ASSERT_GT(seen.vertices.size(), 100u);
@@ -73,7 +28,7 @@ TEST(MatteUnderGloss, TakesOffWhatTheCoatMirrors) {
 }
 
 TEST(MatteUnderGloss, LeavesOtherPiecesAndSwallowedLooksAlone) {
-    GlazedBall ball;
+    test::GlazedBall ball;
     const std::vector<uint8_t> none(ball.scene.mesh.vertexCount(), 0);
     const MatteObservations seen = matteObservations(ball.scene, ball.samples, none);
     MatteObservations under = seen;

@@ -160,6 +160,24 @@ TEST(TimeBudget, RunningOutInAnyStepLeavesAnAnswerThatIsNoWorse) {
     }
 }
 
+TEST(TimeBudget, ACutAnswerHasLobesAndKnowsItsScale) {
+    // Cut in the first fit after the first answer: that one's lobes are kept, and what fixed its light.
+    Progress progress;
+    SolveListener listener;
+    listener.entry = [&](const TimelineEntry& entry) {
+        if (entry.stage == "light from ratios") progress.setBudget(1e-9);
+    };
+    const Problem& p = glossyProblem();
+    progress.setBudget(1e6);
+    const Estimate cut = solveScene(p.capture, p.scene, p.samples, p.clusters, p.options, progress, &listener), whole = p.solve();
+    ASSERT_TRUE(cut.cancelled);
+    ASSERT_GT(whole.reflectance.basis.lobes.size(), 1u);
+    EXPECT_GT(cut.reflectance.basis.lobes.size(), 1u);
+    EXPECT_LT(cut.lighting.leaves.size(), whole.lighting.leaves.size());
+    EXPECT_EQ(cut.gauge.kind, whole.gauge.kind);
+    EXPECT_GT(cut.gauge.sigma.y, 0);
+}
+
 TEST(TimeBudget, TheObjectiveOfAStageNeverRises) {
     for (const bool mirror : {false, true}) {
         const Estimate e = mirror ? glossyProblem().solve() : Problem().solve();

@@ -59,6 +59,26 @@ TEST(Visibility, PassesGiveTheBitsOfOneGo) {
     }
 }
 
+TEST(Visibility, SomeDirectionsCanBeTracedFiner) {
+    const Scene scene = test::sceneOf(clutter());
+    Progress progress;
+    const Visibility coarse = computeVisibility(scene, {64, nullptr, 4}, progress), half = computeVisibility(scene, {64, nullptr, 2}, progress), full = visibilityOf(scene, 64);
+    Visibility some = coarse;
+    const std::vector<FinerDirections> blocks{{16, 8, 8, 1}, {40, 40, 4, 2}};
+    EXPECT_GT(traceFiner(scene, scene.referenced, blocks, some, progress), 0u);
+    size_t gained = 0;
+    for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v)
+        for (int c = 0; c < some.grid.cells(); ++c) {
+            const int x = c % 64, y = c / 64;
+            const Visibility& expected = x >= 16 && x < 24 && y >= 8 && y < 16 ? full : x >= 40 && x < 44 && y >= 40 && y < 44 ? half : coarse;
+            ASSERT_EQ(some.sees(v, c), expected.sees(v, c)) << "vertex " << v << " cell " << x << " " << y;
+            gained += some.sees(v, c) != coarse.sees(v, c);
+        }
+    EXPECT_GT(gained, 0u) << "no edge lies in the blocks: the test tells nothing";
+    refineVisibility(scene, scene.referenced, 1, true, some, progress);
+    EXPECT_EQ(some.bits, full.bits);
+}
+
 TEST(Visibility, RaysAmidAgreeingOnesAreLeftOutWithoutLoss) {
     const Scene scene = test::sceneOf(clutter());
     Progress progress;
