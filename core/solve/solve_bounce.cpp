@@ -111,8 +111,9 @@ void SolveState::decideBounce(bool coarse) {
         const double earlier = after;
         after = runAlbedoFree(coarse ? "light from ratios and bounces, coarse" : "light from ratios and bounces", round == 0 ? 8 : options_.startIterations, nullptr, nullptr, alone.chroma).objective;
         if (options_.bounce == Bounce::automatic && after > 1.05 * before) break;  // far from it
-        // What a round still gains falls from one to the next: ten times the last gain is out of reach.
-        if (options_.bounce == Bounce::automatic && !plan_.choices.lateBounce && round > 0 && after - before > 10 * (earlier - after)) break;
+        // What a round still gains falls from one to the next: ten times the last gain is out of reach, twenty times surely.
+        const double reach = plan_.choices.lateBounce ? 20 : 10;
+        if (options_.bounce == Bounce::automatic && !plan_.choices.lastDigits && round > 0 && after - before > reach * (earlier - after)) break;
     }
     if (stopped()) throw OutOfTime{};
     computeLit();
