@@ -279,7 +279,8 @@ ExposureTags readExposureTags(const fs::path& file) {
 Image readImage(const fs::path& file, ImageReport* report, bool dataFile, size_t maxPixels, const std::function<void()>& between) {
     auto input = openPicture(file);
     const OIIO::ImageSpec spec = input->spec();
-    const auto [width, height] = pictureSize(spec);
+    const std::pair<int, int> whole = pictureSize(spec);
+    const int width = whole.first, height = whole.second;
     for (const size_t pixels : {size_t(width) * height, size_t(spec.width) * spec.height})
         if (pixels > maxPixels) throw Error("{}: has {} pixels, expected at most {}", file.string(), pixels, maxPixels);
 
