@@ -13,7 +13,7 @@ namespace {
 Image ramp(int width, int height) {
     Image image(width, height);
     for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) image.at(x, y) = Rgb(float(x % 16) / 16, float(y % 256) / 256, 0.25f);
+        for (int x = 0; x < width; ++x) image.at(x, y) = Rgb(0.5f + float(x) / 200, float(y % 256) / 256, 0.25f);
     return image;
 }
 
