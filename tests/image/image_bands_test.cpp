@@ -105,6 +105,9 @@ TEST(ImageBands, TilesAreReadRowByRow) {
         EXPECT_EQ(back.pixels, image.pixels);
         EXPECT_TRUE(back.usable.empty());
     }
+    const auto refusal = [&](const std::string& bytes) { return test::messageOf([&] { readImage(folder.write("bad.exr", bytes)); }); };
+    const std::string bad = (folder / "bad.exr").string();
+    EXPECT_EQ(refusal(tiledExr(image, 1 << 16, 0, 0)), bad + ": packs 65536 x 65536 pixels of 3 channels together, expected at most 134217728 numbers");
     std::string half = tiledExr(image, 32, 0, 0);
     half.resize(half.size() - 8000);
     EXPECT_NE(test::messageOf([&] { readImage(folder.write("half.exr", half)); }).find("half.exr"), std::string::npos);
