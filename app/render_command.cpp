@@ -4,6 +4,7 @@
 #include "base/is_there.h"
 #include "base/log.h"
 #include "base/parallel.h"
+#include "capture/photograph_reader.h"
 #include "commands.h"
 #include "relight/look_track.h"
 #include "shot/export_frame.h"
@@ -48,14 +49,34 @@ FrameFileOptions fileOptionsOf(const RenderArguments& a) {
     return options;
 }
 
-/// The photograph of a job whose camera is one of the capture's views at its own size.
-const Image* photographOf(const Capture& capture, const FrameJob& job) {
-    if (job.view < 0 || job.resized) return nullptr;
-    const Image& image = capture.views[size_t(job.view)].image;
-    return image.pixels.empty() ? nullptr : &image;
-}
+/// The photographs of jobs whose cameras are views of the capture at their own sizes; one is held at a time.
+class Photographs {
+public:
+    explicit Photographs(const Shot& shot) : shot_(shot) {}
 
-bool namesViews(const std::string& camera) { return camera == "all" || camera.find_first_not_of("0123456789") == std::string::npos; }
+    /// Null where the job's camera took none.
+    const View* of(const FrameJob& job, Progress& progress) {
+        if (job.view < 0 || job.resized) return nullptr;
+        if (!reader_) {
+            LoadOptions options;
+            options.fix = shot_.fix;
+            reader_.emplace(shot_.captureFolder, options, progress);
+        }
+        if (held_ == job.view) return &view_;
+        held_ = -1;
+        view_ = {};
+        std::vector<std::string> notes;
+        view_ = reader_->read(size_t(job.view), notes, progress);
+        held_ = job.view;
+        return &view_;
+    }
+
+private:
+    const Shot& shot_;
+    std::optional<PhotographReader> reader_;
+    View view_;
+    int held_ = -1;
+};
 
 /// The looks of a sequence applied, each kept as long as it lasts.
 class RelitLooks {
@@ -100,7 +121,7 @@ int render(const RenderArguments& a, Progress& progress) {
         throw UsageError(error.what());
     }
     const bool photographs = fileOptions.ratio != Ratio::none || wish.residual || fileOptions.view == DisplayView::automatic;
-    Shot shot = openShot(a.shot, photographs && namesViews(a.camera) && a.size.empty(), progress);
+    const Shot shot = openShot(a.shot, false, progress);
     const LookTrack track = trackOf(a, shot);
     std::vector<FrameJob> jobs;
     try {
@@ -112,26 +133,29 @@ int render(const RenderArguments& a, Progress& progress) {
     } catch (const BadOption& error) {
         throw UsageError(error.what());
     }
-    for (size_t v = 0; v < shot.capture.views.size(); ++v)
-        if (std::none_of(jobs.begin(), jobs.end(), [&](const FrameJob& job) { return job.view == int(v); })) shot.capture.views[v].image = {};
     fileOptions.header = {{"relamp:gauge", shot.estimate.gauge.kind + ": " + shot.estimate.gauge.evidence}, {"relamp:shot", shotHash(a.shot)}};
     const Scene scene = buildScene(shot.capture.mesh, progress);
     RelitLooks looks(shot, scene, track);
+    Photographs taken(shot);
     FrameOptions options;
     options.seed = a.seed;
     if (a.samples > 0) options.samplesPerPixel = a.samples;
-    int failures = 0, written = 0;
+    int failures = 0, written = 0, skipped = 0;
+    std::optional<Error> first;
     for (const FrameJob& job : jobs) {
         if (a.skipExisting && isThere(job.file)) {
             logInfo("{}: exists, skipped", job.file.string());
+            ++skipped;
             continue;
         }
         try {
             FrameSources sources;
             sources.origin = shot.capture.origin;
             sources.look = &looks.at(job.number, progress);
-            sources.photograph = photographOf(shot.capture, job);
-            if (sources.photograph) sources.saturation = shot.capture.views[size_t(job.view)].saturation;
+            if (const View* view = photographs ? taken.of(job, progress) : nullptr) {
+                sources.photograph = &view->image;
+                sources.saturation = view->saturation;
+            }
             if (fileOptions.ratio != Ratio::none || wish.residual || wish.correction) sources.captured = &looks.captured(progress);
             const double groupError = writeFrameFile(job.file, job.camera, sources, options, fileOptions, progress);
             ++written;
@@ -145,9 +169,11 @@ int render(const RenderArguments& a, Progress& progress) {
         } catch (const Error& error) {
             if (jobs.size() == 1) throw;
             logWarning("{}", error.what());
+            if (!first) first = error;
             ++failures;
         }
     }
+    if (first && !written && !skipped) throw *first;
     return failures ? 5 : 0;
 }
 

@@ -370,10 +370,10 @@ std::vector<size_t> fromShortest(const std::vector<double>& exposures) {
     return order;
 }
 
-ReadSet readSet(const Bracket& set, const BracketOptions& options) {
+ReadSet readSet(const Bracket& set, const BracketOptions& options, const Progress& progress) {
     ReadSet read;
     read.pictures.resize(set.size());
-    parallelFor(set.size(), 1, [&](size_t i) { read.pictures[i] = readCodes(set[i].file, options.maxPixels); });
+    parallelFor(set.size(), 1, [&](size_t i) { read.pictures[i] = readCodes(set[i].file, options.maxPixels, [&] { progress.check(); }); });
     for (size_t i = 0; i < set.size(); ++i) {
         const CodePicture &p = read.pictures[i], &first = read.pictures[0];
         if (p.width != first.width || p.height != first.height)
@@ -402,7 +402,7 @@ ResponseCurve responseOf(const std::vector<Bracket>& sets, const BracketOptions&
     for (size_t i = 0; i < sets.size(); ++i) {
         progress.advance();
         if (i % stride != 0 || sets[i].empty()) continue;
-        const ReadSet read = readSet(sets[i], options);
+        const ReadSet read = readSet(sets[i], options, progress);
         for (const CodePicture& p : read.pictures) linear += p.linear, ++looked;
         for (ResponseSample& s : sampleBracket(read.pictures, read.exposures, each)) samples.push_back(std::move(s));
     }
@@ -634,7 +634,7 @@ MergedBracket mergeCodes(const std::vector<CodePicture>& pictures, const std::ve
 }
 
 MergedBracket mergeBracket(const Bracket& set, const ResponseCurve& response, const BracketOptions& options, Progress& progress) {
-    const ReadSet read = readSet(set, options);
+    const ReadSet read = readSet(set, options, progress);
     return mergeCodes(read.pictures, read.exposures, response, options, progress, read.shifts);
 }
 

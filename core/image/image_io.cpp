@@ -93,6 +93,8 @@ std::unique_ptr<OIIO::ImageInput> openPicture(const fs::path& file) {
     const OIIO::ImageSpec& spec = input->spec();
     if (spec.width <= 0 || spec.height <= 0 || spec.nchannels <= 0) throw Error("{}: has no pixels", file.string());
     if (spec.depth > 1) throw Error("{}: is a volume, expected a flat picture", file.string());
+    for (const int corner : {spec.x, spec.y, spec.full_x, spec.full_y})
+        if (std::abs(double(corner)) > 1 << 29) throw Error("{}: a corner of its window lies at {}, too far out", file.string(), corner);
     if (spec.deep) throw Error("{}: is a deep picture, expected a flat one", file.string());
     return input;
 }
@@ -183,6 +185,24 @@ std::optional<Mat3> primariesMatrix(const OIIO::ImageSpec& spec) {
     return rec709From(c);
 }
 
+/// Reads channels [first, end) in bands from top to bottom, and gives each to body(row, count, samples); a band is a whole number of the blocks
+/// that files are packed in.
+template <class Sample, class Body>
+void readBands(OIIO::ImageInput& input, const fs::path& file, int first, int end, OIIO::TypeDesc type, const std::function<void()>& between, Body&& body) {
+    const OIIO::ImageSpec spec = input.spec();
+    const bool tiled = spec.tile_width > 0 && spec.tile_height > 0;
+    const int band = tiled ? spec.tile_height : 256;
+    std::vector<Sample> samples(size_t(std::min(band, spec.height)) * size_t(spec.width) * size_t(end - first));
+    for (int y = 0; y < spec.height; y += band) {
+        if (between) between();
+        const int count = std::min(band, spec.height - y), top = spec.y + y;
+        const bool good = tiled ? input.read_tiles(0, 0, spec.x, spec.x + spec.width, top, top + count, spec.z, spec.z + 1, first, end, type, samples.data())
+                                : input.read_scanlines(0, 0, top, top + count, spec.z, first, end, type, samples.data());
+        if (!good) throw Error("{}: cannot be read to its end ({})", file.string(), input.geterror());
+        body(y, count, samples);
+    }
+}
+
 /// Counts and empties samples that are no radiance. Slightly negative ones come from lossy compression.
 void setRight(Image& image, ImageReport& report) {
     const auto spoil = [&](size_t i) {
@@ -219,7 +239,7 @@ float srgbDecode(float encoded) {
 
 std::pair<int, int> readImageSize(const fs::path& file) { return pictureSize(openPicture(file)->spec()); }
 
-CodePicture readCodes(const fs::path& file, size_t maxPixels) {
+CodePicture readCodes(const fs::path& file, size_t maxPixels, const std::function<void()>& between) {
     auto input = openPicture(file);
     const OIIO::ImageSpec spec = input->spec();
     if (const size_t pixels = size_t(spec.width) * spec.height; pixels > maxPixels)
@@ -233,14 +253,13 @@ CodePicture readCodes(const fs::path& file, size_t maxPixels) {
     const int chosen[] = {choice.r, choice.g, choice.b};
     const OIIO::TypeDesc word(OIIO::TypeDesc::UINT16);
     picture.codes.resize(size_t(spec.width) * spec.height * 3);
-    const bool asStored = choice.r == 0 && choice.g == 1 && choice.b == 2;
-    std::vector<uint16_t> all;
-    if (!asStored) all.resize(size_t(spec.width) * spec.height * spec.nchannels);
-    if (!input->read_image(0, 0, 0, asStored ? 3 : spec.nchannels, word, asStored ? picture.codes.data() : all.data()))
-        throw Error("{}: cannot be read to its end ({})", file.string(), input->geterror());
-    if (!asStored)
-        for (size_t i = 0; i < size_t(spec.width) * spec.height; ++i)
-            for (int c = 0; c < 3; ++c) picture.codes[i * 3 + size_t(c)] = all[i * size_t(spec.nchannels) + size_t(chosen[c])];
+    const int first = *std::min_element(chosen, chosen + 3), end = *std::max_element(chosen, chosen + 3) + 1;
+    const size_t channels = size_t(end - first);
+    readBands<uint16_t>(*input, file, first, end, word, between, [&](int y, int count, const std::vector<uint16_t>& codes) {
+        uint16_t* to = &picture.codes[size_t(y) * size_t(spec.width) * 3];
+        for (size_t i = 0; i < size_t(count) * size_t(spec.width); ++i)
+            for (size_t c = 0; c < 3; ++c) to[i * 3 + c] = codes[i * channels + size_t(chosen[c] - first)];
+    });
     return picture;
 }
 
@@ -257,10 +276,11 @@ ExposureTags readExposureTags(const fs::path& file) {
     return tags;
 }
 
-Image readImage(const fs::path& file, ImageReport* report, bool dataFile, size_t maxPixels) {
+Image readImage(const fs::path& file, ImageReport* report, bool dataFile, size_t maxPixels, const std::function<void()>& between) {
     auto input = openPicture(file);
     const OIIO::ImageSpec spec = input->spec();
-    const auto [width, height] = pictureSize(spec);
+    const std::pair<int, int> whole = pictureSize(spec);
+    const int width = whole.first, height = whole.second;
     for (const size_t pixels : {size_t(width) * height, size_t(spec.width) * spec.height})
         if (pixels > maxPixels) throw Error("{}: has {} pixels, expected at most {}", file.string(), pixels, maxPixels);
 
@@ -270,9 +290,6 @@ Image readImage(const fs::path& file, ImageReport* report, bool dataFile, size_t
     if (last - first >= 8) first = std::min({choice.r, choice.g, choice.b}), last = std::max({choice.r, choice.g, choice.b});
     const bool hasAlpha = choice.alpha >= first && choice.alpha <= last;
     const size_t channels = size_t(last - first) + 1;
-    std::vector<float> samples(size_t(spec.width) * spec.height * channels);
-    if (!input->read_image(0, 0, first, last + 1, floatType, samples.data()))
-        throw Error("{}: cannot be read to its end ({})", file.string(), input->geterror());
 
     ImageReport found;
     found.integer = spec.format.basetype != OIIO::TypeDesc::FLOAT && spec.format.basetype != OIIO::TypeDesc::HALF &&
@@ -293,24 +310,26 @@ Image readImage(const fs::path& file, ImageReport* report, bool dataFile, size_t
     const int left = spec.x - spec.full_x, top = spec.y - spec.full_y;
     const bool cropped = left > 0 || top > 0 || left + spec.width < width || top + spec.height < height;
     if (cropped) image.usable.assign(image.pixels.size(), 0);
-    for (int y = 0; y < spec.height; ++y) {
-        const int toY = y + top;
-        if (toY < 0 || toY >= height) continue;
-        for (int x = 0; x < spec.width; ++x) {
-            const int toX = x + left;
-            if (toX < 0 || toX >= width) continue;
-            const float* sample = &samples[(size_t(y) * spec.width + x) * channels];
-            const size_t i = size_t(toY) * width + toX;
-            Rgb colour(linear(sample[choice.r - first]), linear(sample[choice.g - first]), linear(sample[choice.b - first]));
-            image.pixels[i] = matrix ? *matrix * colour : colour;
-            if (cropped) image.usable[i] = 1;
-            if (hasAlpha && sample[choice.alpha - first] < 0.5f) {
-                if (image.usable.empty()) image.usable.assign(image.pixels.size(), 1);
-                image.usable[i] = 0;
-                ++found.transparent;
+    readBands<float>(*input, file, first, last + 1, floatType, between, [&](int row, int count, const std::vector<float>& samples) {
+        for (int y = row; y < row + count; ++y) {
+            const int toY = y + top;
+            if (toY < 0 || toY >= height) continue;
+            for (int x = 0; x < spec.width; ++x) {
+                const int toX = x + left;
+                if (toX < 0 || toX >= width) continue;
+                const float* sample = &samples[(size_t(y - row) * spec.width + x) * channels];
+                const size_t i = size_t(toY) * width + toX;
+                Rgb colour(linear(sample[choice.r - first]), linear(sample[choice.g - first]), linear(sample[choice.b - first]));
+                image.pixels[i] = matrix ? *matrix * colour : colour;
+                if (cropped) image.usable[i] = 1;
+                if (hasAlpha && sample[choice.alpha - first] < 0.5f) {
+                    if (image.usable.empty()) image.usable.assign(image.pixels.size(), 1);
+                    image.usable[i] = 0;
+                    ++found.transparent;
+                }
             }
         }
-    }
+    });
     setRight(image, found);
     if (report) *report = found;
     return image;

@@ -19,13 +19,14 @@ struct ImageReport {
 };
 
 /// Reads EXR, HDR, TIFF, PNG, JPEG, DPX or camera raw to linear Rec.709. Integer files are decoded as sRGB, except with
-/// `dataFile` (masks). Grey is spread over three channels. Throws Error naming the file: missing, unreadable, no
-/// pixels, more than `maxPixels`.
-Image readImage(const std::filesystem::path& file, ImageReport* report = nullptr, bool dataFile = false,
-                size_t maxPixels = size_t(1) << 28);
+/// `dataFile` (masks). Grey is spread over three channels. `between` is called before every 256 rows or row of tiles and may throw, which
+/// ends the reading (interlaced PNG, progressive JPEG and camera raw are decoded as a whole). Memory: the picture and one such band.
+/// Throws Error naming the file: missing, unreadable, no pixels, more than `maxPixels`; whatever `between` throws.
+Image readImage(const std::filesystem::path& file, ImageReport* report = nullptr, bool dataFile = false, size_t maxPixels = size_t(1) << 28,
+                const std::function<void()>& between = {});
 
 /// The codes of an 8 or 16 bit picture as stored. Throws Error as readImage, and for floating-point files.
-CodePicture readCodes(const std::filesystem::path& file, size_t maxPixels = size_t(1) << 28);
+CodePicture readCodes(const std::filesystem::path& file, size_t maxPixels = size_t(1) << 28, const std::function<void()>& between = {});
 
 /// Exposure time, f-number and sensitivity from EXIF. Throws Error as readImage.
 ExposureTags readExposureTags(const std::filesystem::path& file);

@@ -1,13 +1,14 @@
 #include "scene/mesh_io.h"
 
-#include <cstring>
+#include <sstream>
 
 #include <OpenMesh/Core/IO/MeshIO.hh>
-#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+#include <OpenMesh/Core/Mesh/PolyMesh_ArrayKernelT.hh>
 
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/text_scanner.h"
+#include "scene/openmesh_file.h"
 #include "scene/ply_reader.h"
 #include "scene/triangle_soup.h"
 
@@ -33,26 +34,16 @@ bool isBinaryOff(std::string_view bytes) {
     return words.word() == "BINARY";
 }
 
-/// OpenMesh asks for memory as its headers say, so they are held against the file's size before it sees them.
-void checkCountsForOpenMesh(std::string_view bytes) {
-    constexpr size_t at = 4;  // .om: two letters, the kind of mesh and a version
-    uint32_t counts[2];
-    if (bytes.size() < at + sizeof counts) throw Error("ends inside its header");
-    std::memcpy(counts, bytes.data() + at, sizeof counts);
-    for (const uint32_t count : counts)
-        if (count > bytes.size() / 3) throw Error("claims {} vertices and {} faces, more than the file holds", counts[0], counts[1]);
-}
-
 /// OpenMesh's own format, which our readers do not know. Non-manifold faces are dropped by OpenMesh.
-TriangleSoup readWithOpenMesh(const fs::path& file, std::string_view bytes) {
-    checkCountsForOpenMesh(bytes);
-    OpenMesh::TriMesh_ArrayKernelT<> mesh;
-    OpenMesh::IO::Options options;
+TriangleSoup readWithOpenMesh(std::string_view bytes, const MeshLimits& limits) {
+    std::istringstream checked(openMeshEssentials(bytes));
+    OpenMesh::PolyMesh_ArrayKernelT<> mesh;
+    OpenMesh::IO::Options options(OpenMesh::IO::Options::Binary);
     omerr().disable();
     omlog().disable();
     bool good = false;
     try {
-        good = OpenMesh::IO::read_mesh(mesh, file.string(), options);
+        good = OpenMesh::IO::read_mesh(mesh, checked, ".om", options);
     } catch (const std::exception&) {
         good = false;
     }
@@ -60,12 +51,11 @@ TriangleSoup readWithOpenMesh(const fs::path& file, std::string_view bytes) {
     TriangleSoup soup;
     soup.positions.reserve(mesh.n_vertices());
     for (const auto v : mesh.vertices()) soup.positions.emplace_back(mesh.point(v)[0], mesh.point(v)[1], mesh.point(v)[2]);
+    std::vector<int64_t> corners;
     for (const auto f : mesh.faces()) {
-        Triangle triangle{};
-        size_t corner = 0;
-        for (const auto v : mesh.fv_range(f))
-            if (corner < 3) triangle[corner++] = uint32_t(v.idx());
-        soup.triangles.push_back(triangle);
+        corners.clear();
+        for (const auto v : mesh.fv_range(f)) corners.push_back(v.idx());
+        soup.addFace(corners, soup.positions.size(), limits);
     }
     return soup;
 }
@@ -80,8 +70,8 @@ TriangleSoup readSoup(const fs::path& file, std::string_view bytes, const MeshLi
     if (extension == ".stl") return readStl(bytes, limits);
     if (extension == ".ply") return readPly(bytes, limits);
     if (extension == ".off") return readOff(bytes, limits);
-    if (extension == ".om") return readWithOpenMesh(file, bytes);
-    throw Error("is no mesh relamp reads, expected PLY, OBJ, STL or OFF");
+    if (extension == ".om") return readWithOpenMesh(bytes, limits);
+    throw Error("is no mesh relamp reads, expected PLY, OBJ, STL, OFF or OM");
 }
 
 std::string readMeshBytes(const fs::path& file) {

@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "image/image_io.h"
 #include "pipeline/pipeline.h"
 #include "relight/live_scene.h"
 #include "relight/look.h"
@@ -147,6 +148,16 @@ int main(int argc, char** argv) {
             file.layers = "groups,albedo,correction,normal,position,depth,cryptomatte";
             writeFrameFile(folder / "frame.exr", camera, sources, frame, file, p);
         }, moments);
+        Image large(6000, 4000);
+        for (size_t i = 0; i < large.pixels.size(); ++i) large.pixels[i] = Rgb(float(i * 2654435761u >> 8 & 255) / 512 + float(i % 6000) / 12000);
+        for (const std::string ending : {".exr", ".png", ".jpg"}) {
+            const auto file = folder / ("large" + ending);
+            writeImage(file, large);
+            measure(("reading 6000 x 4000 pixels, " + ending).c_str(), [&](Progress& p) {
+                p.begin("Reading", 1);
+                readImage(file, nullptr, false, size_t(1) << 28, [&] { p.check(); });
+            }, moments);
+        }
         std::filesystem::remove_all(folder);
         measure("solve, reading included", [&](Progress& p) { runPipeline(capture, options, p, &listener); }, moments);
         return 0;

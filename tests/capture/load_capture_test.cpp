@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "capture/check.h"
+#include "capture/photograph_reader.h"
 #include "support/temporary_folder.h"
 
 namespace relamp {
@@ -112,6 +113,29 @@ TEST_F(LoadCapture, MasksOfEitherNameAreApplied) {
     EXPECT_TRUE(anyHolds(capture.notes, "images/b.exr: 2 pixels are masked."));
     writeImage(folder / "masks/a.exr.png", Image(8, 6, Rgb(1)));
     EXPECT_NE(error().find("a.exr.png: is 8 x 6 pixels, its picture is 16 x 12"), std::string::npos);
+}
+
+TEST_F(LoadCapture, OnePhotographIsReadAsAllAre) {
+    Image mask(16, 12, Rgb(1));
+    mask.at(4, 5) = Rgb(0);
+    writeImage(folder / "images/b_mask.png", mask);
+    writeImage(folder / "images/b.png", Image(16, 12, Rgb(0.3f)));
+    file["frames"][1]["file_path"] = "images/b.png";
+    const Capture capture = load();
+    std::filesystem::remove(folder / "images/a.exr");  // the others are not looked at
+    Progress progress;
+    const PhotographReader reader(folder.path(), {}, progress);
+    ASSERT_EQ(reader.count(), 2u);
+    std::vector<std::string> notes;
+    const View view = reader.read(1, notes, progress);
+    EXPECT_EQ(view.image.pixels, capture.views[1].image.pixels);
+    EXPECT_EQ(view.image.usable, capture.views[1].image.usable);
+    EXPECT_EQ(view.saturation, capture.views[1].saturation);
+    EXPECT_GT(view.saturation, 0.9f);
+    EXPECT_EQ(notes, capture.notes);
+    EXPECT_EQ(test::messageOf([&] { reader.read(0, notes, progress); }), "transforms.json: frame 0: " + (folder / "images/a.exr").string() + ": does not exist");
+    progress.requestStop();
+    EXPECT_THROW(reader.read(1, notes, progress), Cancelled);
 }
 
 TEST_F(LoadCapture, MissingFilesAreNamed) {

@@ -18,7 +18,7 @@ const Target camera("camera", [](std::string_view bytes) { readCameraFile(fileWi
 
 template <int kind>
 void mesh(std::string_view bytes) {
-    constexpr const char* names[] = {"mesh.ply", "mesh.obj", "mesh.off", "mesh.stl"};
+    constexpr const char* names[] = {"mesh.ply", "mesh.obj", "mesh.off", "mesh.stl", "mesh.om"};
     MeshReport report;
     const Mesh read = readMesh(fileWith(names[kind], bytes), &report);
     for (const Triangle& t : read.triangles)
@@ -27,7 +27,7 @@ void mesh(std::string_view bytes) {
     for (const Vec3& p : read.positions)
         if (!std::isfinite(p.x + p.y + p.z)) throw std::logic_error("a position that is no number");
 }
-const Target ply("mesh-ply", mesh<0>), obj("mesh-obj", mesh<1>), off("mesh-off", mesh<2>), stl("mesh-stl", mesh<3>);
+const Target ply("mesh-ply", mesh<0>), obj("mesh-obj", mesh<1>), off("mesh-off", mesh<2>), stl("mesh-stl", mesh<3>), om("mesh-om", mesh<4>);
 const Target vertexPly("vertex-ply", [](std::string_view bytes) { readVertexPly(fileWith("vertices.ply", bytes)); });
 
 /// cameras, images and points3D, one after the other.

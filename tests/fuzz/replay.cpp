@@ -1,5 +1,5 @@
 // Runs targets without libFuzzer: every file of the corpus, then a fixed number of seeded mutations of them. What a target throws that is no
-// relamp::Error ends the run, with the input kept.
+// relamp::Error ends the run, with the input kept; so does a corpus none of which is good any more, because its mutations would not get past the first lines.
 //
 //   relamp_fuzz TARGET CORPUS [MUTATIONS [SEED]]
 #include <sys/resource.h>
@@ -70,10 +70,10 @@ private:
     std::mt19937 random_;
 };
 
-/// Runs one input; false when the target threw.
-bool good(const std::string& target, const std::string& bytes, const std::string& from) {
+/// Runs one input; false when the target threw. Counts in `whole` what was read to its end.
+bool good(const std::string& target, const std::string& bytes, const std::string& from, size_t& whole) {
     try {
-        relamp::fuzz::runTarget(target, bytes);
+        whole += relamp::fuzz::runTarget(target, bytes);
         return true;
     } catch (const std::exception& error) {
         const fs::path kept = fs::temp_directory_path() / ("relamp-fuzz-" + target);
@@ -104,17 +104,22 @@ int main(int argc, char** argv) {
     std::vector<fs::path> files;
     for (const auto& entry : fs::directory_iterator(argv[2])) files.push_back(entry.path());
     std::sort(files.begin(), files.end());
+    size_t whole = 0, wholeMutations = 0;
     for (const fs::path& file : files) {
         seeds.push_back(read(file));
-        if (!good(target, seeds.back(), file.string())) return 1;
+        if (!good(target, seeds.back(), file.string(), whole)) return 1;
     }
     if (seeds.empty()) {
         std::fprintf(stderr, "%s: no seeds in %s\n", target.c_str(), argv[2]);
         return 1;
     }
+    if (whole == 0) {
+        std::fprintf(stderr, "%s: none of %zu files in %s is read to its end, so they test little\n", target.c_str(), seeds.size(), argv[2]);
+        return 1;
+    }
     Mutator mutator(seeds, argc > 4 ? unsigned(std::atoi(argv[4])) : 1);
     for (int i = 0; i < mutations; ++i)
-        if (!good(target, mutator.next(), "mutation " + std::to_string(i))) return 1;
-    std::printf("%s: %zu files, %d mutations\n", target.c_str(), seeds.size(), mutations);
+        if (!good(target, mutator.next(), "mutation " + std::to_string(i), wholeMutations)) return 1;
+    std::printf("%s: %zu files, %zu of them good; %d mutations, %zu of them good\n", target.c_str(), seeds.size(), whole, mutations, wholeMutations);
     return 0;
 }

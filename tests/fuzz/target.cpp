@@ -36,11 +36,13 @@ Target::Target(const char* name, Run run) { registered()[name] = run; }
 
 const std::map<std::string, Run>& targets() { return registered(); }
 
-void runTarget(const std::string& target, std::string_view bytes) {
+bool runTarget(const std::string& target, std::string_view bytes) {
     const Run run = registered().at(target);
     try {
         run(bytes);
+        return true;
     } catch (const Error&) {
+        return false;
     }
 }
 

@@ -10,8 +10,8 @@ namespace relamp::fuzz {
 
 using Run = void (*)(std::string_view bytes);
 
-/// Runs `bytes` through the target. Throws what is no relamp::Error; std::out_of_range when there is no such target.
-void runTarget(const std::string& target, std::string_view bytes);
+/// Runs `bytes` through the target; whether it was read to its end. Throws what is no relamp::Error; std::out_of_range when there is no such target.
+bool runTarget(const std::string& target, std::string_view bytes);
 const std::map<std::string, Run>& targets();
 
 struct Target {

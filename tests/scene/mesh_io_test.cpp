@@ -296,7 +296,7 @@ TEST(MeshIo, FilesThatAreNoMeshAreNamed) {
     EXPECT_EQ(test::messageOf([&] { readMesh(folder / "none.ply"); }), (folder / "none.ply").string() + ": does not exist");
     EXPECT_EQ(errorFor("a.ply", ""), "is empty");
     EXPECT_EQ(errorFor("a.ply", "hello"), "is no PLY file");
-    EXPECT_EQ(errorFor("a.txt", "hello"), "is no mesh relamp reads, expected PLY, OBJ, STL or OFF");
+    EXPECT_EQ(errorFor("a.txt", "hello"), "is no mesh relamp reads, expected PLY, OBJ, STL, OFF or OM");
     EXPECT_EQ(errorFor("a.ply", "ply\nformat ascii 1.0\n"), "header: ends without end_header");
     EXPECT_EQ(errorFor("a.ply", "ply\nformat ebcdic 1.0\n"), "header: format \"ebcdic\" is unknown");
     EXPECT_EQ(errorFor("a.ply", "ply\nformat ascii 1.0\nend_header\n"), "has no element vertex");

@@ -1,0 +1,42 @@
+// What the files of a capture folder say before pictures and mesh are opened: of transforms.json or of a COLMAP model.
+#pragma once
+#include <optional>
+
+#include "base/progress.h"
+#include "capture/capture.h"
+#include "capture/orientation.h"
+#include "capture/transforms_json.h"
+
+namespace relamp {
+
+/// One photograph before it is read.
+struct FrameSource {
+    std::string where;   ///< for errors: "transforms.json: frame 3"
+    std::string name;
+    std::filesystem::path file;
+    Camera camera;
+    std::vector<Exposure> exposures;
+    bool fitSize = false;  ///< a picture of the same shape and another size scales the camera
+};
+
+struct CaptureSource {
+    std::string where = "transforms.json";   ///< for errors
+    std::vector<FrameSource> frames;
+    std::filesystem::path mesh;
+    Vec3 up{0, 0, 1};
+    std::vector<std::string> notes;
+    std::optional<ReconstructionFigures> reconstruction;
+    std::vector<DVec3> points;
+};
+
+/// Reads FOLDER/transforms.json, or a COLMAP model where there is none or `fix` names one. Throws Error naming file and field.
+CaptureSource captureSource(const std::filesystem::path& folder, const CaptureFix& fix, Progress& progress);
+
+/// The picture a file_path names: relative to the capture folder, backslashes allowed, and, as in some NeRF data sets,
+/// without its ending. Where nothing is found the path is returned as written, for the error message.
+std::filesystem::path findPicture(const std::filesystem::path& folder, const std::string& filePath);
+
+/// A place the user names: in the capture folder, in the current one, or absolute.
+std::filesystem::path placeOf(const std::filesystem::path& folder, const std::string& named);
+
+}  // namespace relamp
