@@ -240,7 +240,13 @@ bool drawKeysDialog(Editor& editor) {
     if (beginChild("##keys", {0, -below})) {
         std::string menu;
         const auto matches = [&](const std::string& a, const std::string& b) { return filter.empty() || fuzzyScore(a, filter) > 0 || fuzzyScore(b, filter) > 0; };
-        const float column = em(10);
+        const auto keysOf = [](const Action& action) {
+            std::string keys;
+            for (const KeyChord& chord : action.keys) keys += (keys.empty() ? "" : ", ") + chord.text();
+            return keys;
+        };
+        float column = em(10);
+        for (const Action& action : actions()) column = std::max(column, ImGui::CalcTextSize(keysOf(action).c_str()).x + em(1.5f));
         const auto row = [&](const std::string& keys, const std::string& label, const std::string& explanation) {
             const float left = ImGui::GetCursorPosX();
             text(keys);
@@ -249,8 +255,7 @@ bool drawKeysDialog(Editor& editor) {
             tooltip(explanation);
         };
         for (const Action& action : actions()) {
-            std::string keys;
-            for (const KeyChord& chord : action.keys) keys += (keys.empty() ? "" : ", ") + chord.text();
+            const std::string keys = keysOf(action);
             if (keys.empty() || !matches(action.label, keys)) continue;
             if (action.menu != menu) heading((menu = action.menu).empty() ? "Other" : menu);
             row(keys, action.label, action.explanation);
