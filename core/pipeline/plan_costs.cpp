@@ -57,17 +57,19 @@ std::vector<StageEstimate> predictStages(const WorkCounts& n, const MachineSpeed
                           n.vertices * rays * pilot.enclosure * 8 / mib + albedoMib});
     }
     if (distant && !black) {
-        double seconds = 0, wider = leaves;
-        const int rounds = options.refineRounds;
+        // Strong directions are divided already: each round divides fewer than the one before, and the third is the last as a rule.
+        double seconds = 0, wider = leaves + 25;
+        const int rounds = std::min(3, options.refineRounds);
         for (int round = 0; round < rounds && near; ++round) {
-            wider = std::min(double(options.maxLeaves), wider + 60);
-            seconds += (round == 0 ? 4 : 3) * roundSeconds(wider) + 0.1 * n.rows * cells * pilot.rowSecondsPerCell;
+            wider = std::min(double(options.maxLeaves), wider + (90 >> round));
+            seconds += (4 - round) * roundSeconds(wider) + 0.1 * n.rows * cells * pilot.rowSecondsPerCell;
         }
         leaves = wider;
         stages.push_back({"finer light", seconds, 2 * n.rows * leaves * 4 / mib - n.rows * leavesStart * 4 / mib + roundMib(leaves)});
     }
     const double looks = n.glossyLooks + (choices.mattePieces ? n.matteLooks : 0.0), fitSeconds = n.lookSeconds * looks;
-    const double tried = choices.lostLobes ? n.lobes + 4 : 6;
+    // Where no lobe is likely the first glance at all of them is all there is.
+    const double tried = choices.lostLobes ? n.lobes + 4 : n.lobeLikely ? 6 : 1.5;
     stages.push_back({"surfaces", fitSeconds * tried + albedo, std::max(albedoMib, looks * leaves * 4 / mib)});
     if (looks > 0 && n.lobeLikely && options.glossRounds > 0) {
         const double rounds = options.glossRounds;
