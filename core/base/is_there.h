@@ -10,4 +10,10 @@ inline bool isThere(const std::filesystem::path& path) noexcept {
     return std::filesystem::exists(path, ignored);
 }
 
+/// False for folders, for what is not there and for what cannot be looked at.
+inline bool isFile(const std::filesystem::path& path) noexcept {
+    std::error_code ignored;
+    return std::filesystem::is_regular_file(path, ignored);
+}
+
 }  // namespace relamp

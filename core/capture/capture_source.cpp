@@ -1,5 +1,6 @@
 #include "capture/capture_source.h"
 
+#include "base/is_there.h"
 #include "capture/colmap.h"
 #include "capture/colmap_brackets.h"
 #include "image/image_io.h"
@@ -7,11 +8,6 @@
 namespace relamp {
 namespace fs = std::filesystem;
 namespace {
-
-bool isFile(const fs::path& file) {
-    std::error_code ignored;
-    return fs::is_regular_file(file, ignored);
-}
 
 fs::path findMesh(const fs::path& folder, const std::string& meshPath) {
     if (!meshPath.empty()) {

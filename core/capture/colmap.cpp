@@ -9,6 +9,7 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/is_there.h"
 #include "base/text_scanner.h"
 
 namespace relamp {
@@ -18,11 +19,6 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "COLMAP's binary files are little-endian and are read as they are");
 
 constexpr double maxSide = 1 << 17;
-
-bool isFile(const fs::path& file) {
-    std::error_code ignored;
-    return fs::is_regular_file(file, ignored);
-}
 
 bool isModel(const fs::path& folder) {
     const auto has = [&](const char* name) { return isFile(folder / (std::string(name) + ".bin")) || isFile(folder / (std::string(name) + ".txt")); };

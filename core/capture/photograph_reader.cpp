@@ -1,13 +1,10 @@
 #include "capture/photograph_reader.h"
 
+#include "base/is_there.h"
+
 namespace relamp {
 namespace fs = std::filesystem;
 namespace {
-
-bool isFile(const fs::path& file) {
-    std::error_code ignored;
-    return fs::is_regular_file(file, ignored);
-}
 
 /// Mask files that belong to a picture by convention, black is ignored.
 std::vector<fs::path> masksOf(const fs::path& folder, const fs::path& picture) {

@@ -23,8 +23,7 @@ double most(const std::vector<StageEstimate>& stages) {
 /// Looks that a lobe fit of the pieces would use, by whether they change with the view; and what one row costs, from a few of them.
 void countLooks(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps, const MatteObservations& matte,
                 const SolveOptions& options, WorkCounts& counts, Progress& progress) {
-    std::vector<size_t> sizes(scene.pieces, 0);
-    for (uint32_t v : matte.vertices) ++sizes[scene.piece[v]];
+    const std::vector<size_t> sizes = observationsOfPieces(scene, matte);
     GlossOptions gloss;
     gloss.seed = options.seed;
     std::vector<EmitterSurface> surfaces;

@@ -120,4 +120,10 @@ double backgroundOverSurfaces(const RadianceSamples& samples, const MatteObserva
     return double(brightest) / std::max(double(*middle), 1e-30);
 }
 
+std::vector<size_t> observationsOfPieces(const Scene& scene, const MatteObservations& matte) {
+    std::vector<size_t> counts(scene.pieces, 0);
+    for (const uint32_t v : matte.vertices) ++counts[scene.piece[v]];
+    return counts;
+}
+
 }  // namespace relamp

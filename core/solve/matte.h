@@ -30,4 +30,7 @@ MatteObservations matteObservations(const Scene& scene, const RadianceSamples& s
 /// Is the background black? Its brightest seen cell over the middle brightness of the surfaces; -1 where less than a hundredth of it is seen.
 double backgroundOverSurfaces(const RadianceSamples& samples, const MatteObservations& matte);
 
+/// Observations on each mesh piece.
+std::vector<size_t> observationsOfPieces(const Scene& scene, const MatteObservations& matte);
+
 }  // namespace relamp

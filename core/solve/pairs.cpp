@@ -1,5 +1,6 @@
 #include "solve/pairs.h"
 
+#include <functional>
 #include <unordered_map>
 
 #include "base/parallel.h"
@@ -80,7 +81,7 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
     const float corner = std::acos(options.cornerCosine) - 1e-3f;
     append([&](uint32_t i, std::vector<AlbedoPair>& out) {
         const uint32_t v = matte.vertices[i];
-        static thread_local std::vector<std::pair<float, uint32_t>> near;  // squared distance and observation of those within reach
+        thread_local std::vector<std::pair<float, uint32_t>> near;  // squared distance and observation of those within reach
         const Vec3 p = scene.mesh.positions[v], normal = scene.mesh.normals[v];
         near.clear();
         for (int k = 0; k < 27; ++k) {

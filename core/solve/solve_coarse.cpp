@@ -50,8 +50,7 @@ void SolveState::firstSurfaces() {
     options.rows.cosineSamples = 24;
     options.rows.emitterSamples = 16;
     options.maxVertices = 120;
-    std::vector<size_t> sizes(scene_.pieces, 0);
-    for (uint32_t v : matte_.vertices) ++sizes[scene_.piece[v]];
+    const std::vector<size_t> sizes = observationsOfPieces(scene_, matte_);
     firstGloss_.clear();
     for (uint32_t p = 0; p < scene_.pieces; ++p) {
         if (!matte_.pieceGlossy[p] || sizes[p] < 30) continue;

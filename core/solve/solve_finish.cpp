@@ -22,8 +22,7 @@ void SolveState::solveReflectance() {
     glossOptions.mostLobes = options_.mostLobes;
     glossOptions.screen = !plan_.choices.lostLobes;
     if (!hasMatte()) glossOptions.maxVertices = 1500;
-    std::vector<size_t> sizes(scene_.pieces, 0);
-    for (uint32_t v : matte_.vertices) ++sizes[scene_.piece[v]];
+    const std::vector<size_t> sizes = observationsOfPieces(scene_, matte_);
     for (uint32_t p = 0; p < scene_.pieces && !stopped(); ++p) {
         if ((!matte_.pieceGlossy[p] && !plan_.choices.mattePieces) || sizes[p] < 30) continue;
         const bool metal = hasMatte() && matte_.pieceGlossy[p] == 2;
