@@ -1,6 +1,7 @@
 // relamp export: the scene for other programs.
 #include "base/log.h"
 #include "base/parallel.h"
+#include "capture/own_axes.h"
 #include "commands.h"
 #include "shot/export_scene.h"
 
@@ -10,7 +11,7 @@ int exportShot(const ExportArguments& a, Progress& progress) {
     const ThreadLimit limit(a.threads);
     const Shot shot = openShot(a.shot, false, progress);
     const Look look = a.edits.empty() ? shot.look : readLook(a.edits, shot.capture.origin);
-    const Scene scene = buildScene(shot.capture.mesh, progress);
+    const Scene scene = buildScene(shot.capture.mesh, progress, ownAxes(shot.capture));
     const RelitScene relit = applyLook(scene, shot.estimate, look, progress);
     progress.check();
     exportScene(shot, relit, a.output, a.overwrite);

@@ -4,6 +4,7 @@
 #include "base/is_there.h"
 #include "base/log.h"
 #include "base/parallel.h"
+#include "capture/own_axes.h"
 #include "capture/photograph_reader.h"
 #include "commands.h"
 #include "relight/look_track.h"
@@ -134,7 +135,7 @@ int render(const RenderArguments& a, Progress& progress) {
         throw UsageError(error.what());
     }
     fileOptions.header = {{"relamp:gauge", shot.estimate.gauge.kind + ": " + shot.estimate.gauge.evidence}, {"relamp:shot", shotHash(a.shot)}};
-    const Scene scene = buildScene(shot.capture.mesh, progress);
+    const Scene scene = buildScene(shot.capture.mesh, progress, ownAxes(shot.capture));
     RelitLooks looks(shot, scene, track);
     Photographs taken(shot);
     FrameOptions options;

@@ -6,6 +6,7 @@
 #include "base/is_there.h"
 #include "base/parallel.h"
 #include "capture/load_capture.h"
+#include "capture/own_axes.h"
 #include "clusters/emitter_clusters.h"
 #include "editor_impl.h"
 #include "image/image_io.h"
@@ -40,7 +41,7 @@ Document documentOf(Capture capture, const fs::path& folder, Progress& progress)
     Document document;
     document.captureFolder = folder;
     const auto shared = std::make_shared<const Capture>(std::move(capture));
-    document.scene = std::make_shared<const Scene>(buildScene(shared->mesh, progress));
+    document.scene = std::make_shared<const Scene>(buildScene(shared->mesh, progress, ownAxes(*shared)));
     document.capture = shared;
     bool images = !shared->views.empty();
     for (const View& view : shared->views) images = images && !view.image.pixels.empty();
@@ -548,7 +549,7 @@ void Editor::solve(const SolveRequest& request) {
             };
             // A mesh beyond what the solve can do in reasonable time is solved on a smaller one.
             const std::optional<DecimatedMesh> working = workingMesh(*capture, {}, progress);
-            const auto solved = working ? std::make_shared<const Scene>(buildScene(working->mesh, progress)) : scene;
+            const auto solved = working ? std::make_shared<const Scene>(buildScene(working->mesh, progress, ownAxes(*capture))) : scene;
             const auto seen = working ? std::make_shared<const RadianceSamples>(gatherRadiance(*capture, *solved, {}, progress)) : samples;
             if (working)
                 listener.snapshot = [show = listener.snapshot, &working, &capture](Estimate estimate) { show(carriedBack(estimate, *working, capture->mesh)); };
@@ -588,7 +589,7 @@ void Editor::findUnseenLamp() {
     impl_->start(JobStatus::Kind::search, "Looking for an unseen lamp",
         [impl = impl_.get(), capture = document.capture, scene = document.scene, samples = document.samples, folder = document.captureFolder, fix = document.fix, seed = state.solve.seed](Progress& progress) -> Finish {
             const std::optional<DecimatedMesh> working = workingMesh(*capture, {}, progress);
-            const auto searched = working ? std::make_shared<const Scene>(buildScene(working->mesh, progress)) : scene;
+            const auto searched = working ? std::make_shared<const Scene>(buildScene(working->mesh, progress, ownAxes(*capture))) : scene;
             const auto seen = working ? std::make_shared<const RadianceSamples>(gatherRadiance(*capture, *searched, {}, progress)) : samples;
             const EmitterClusters clusters = clusterEmitters(*searched, *capture, *seen, {}, progress);
             HiddenLightOptions options;

@@ -33,5 +33,7 @@ inline Mat3 frameAround(const Vec3& z) {
     const float a = -1.0f / (sign + z.z), b = z.x * z.y * a;
     return Mat3(Vec3(1.0f + sign * z.x * z.x * a, sign * b, -sign * z.x), Vec3(b, sign + z.y * z.y * a, -z.y), z);
 }
+/// The same, which turns with `axes`.
+inline Mat3 frameAround(const Vec3& z, const Mat3& axes) { return axes * frameAround(z * axes); }
 
 }  // namespace relamp

@@ -266,10 +266,10 @@ Vec3 middleOf(const Scene& scene, size_t vertices) {
     Vec3 low(1e30f), high(-1e30f);
     for (size_t v = 0; v < vertices; ++v) {
         if (!scene.referenced[v]) continue;
-        low = glm::min(low, scene.mesh.positions[v]);
-        high = glm::max(high, scene.mesh.positions[v]);
+        low = glm::min(low, scene.mesh.positions[v] * scene.axes);
+        high = glm::max(high, scene.mesh.positions[v] * scene.axes);
     }
-    return (low + high) / 2.0f;
+    return scene.axes * ((low + high) / 2.0f);
 }
 
 /// The spheres that stand for lamps without geometry: they are lamps because somebody said so, and how bright they are is solved for.

@@ -6,7 +6,7 @@
 
 namespace relamp {
 
-std::vector<uint32_t> alongLamp(const Mesh& mesh, const std::vector<uint32_t>& triangles) {
+std::vector<uint32_t> alongLamp(const Mesh& mesh, const std::vector<uint32_t>& triangles, const Mat3& axes) {
     struct Place {
         uint64_t key;
         Vec3 middle;
@@ -16,7 +16,7 @@ std::vector<uint32_t> alongLamp(const Mesh& mesh, const std::vector<uint32_t>& t
     Vec3 low(1e30f), high(-1e30f);
     for (const uint32_t t : triangles) {
         const Triangle& i = mesh.triangles[t];
-        places.push_back({0, (mesh.positions[i[0]] + mesh.positions[i[1]] + mesh.positions[i[2]]) / 3.0f, t});
+        places.push_back({0, (mesh.positions[i[0]] + mesh.positions[i[1]] + mesh.positions[i[2]]) / 3.0f * axes, t});
         low = glm::min(low, places.back().middle);
         high = glm::max(high, places.back().middle);
     }

@@ -1,5 +1,7 @@
 #include "image/direction_grid.h"
 
+#include "base/parallel.h"
+
 namespace relamp {
 
 Vec3 squareToSphere(const Vec2& point) {
@@ -24,6 +26,45 @@ Vec2 sphereToSquare(const Vec3& direction) {
     v = std::copysign(v, direction.y);
     const auto unit = [](float t) { return std::clamp(t * 0.5f + 0.5f, 0.0f, 1.0f); };
     return {unit(u), unit(v)};
+}
+
+namespace {
+constexpr double brightOverMean = 4;
+constexpr int fewPoints = 4, manyPoints = 8, sentPoints = 8;  // a side of a cell
+}
+
+std::vector<Rgb> turnedCells(const std::vector<Rgb>& cells, const DirectionGrid& from, const DirectionGrid& to) {
+    const auto inside = [](int k, int parts) { return Vec2(float(k % parts) + 0.5f, float(k / parts) + 0.5f) / float(parts); };
+    // What stands out is sent, the rest is fetched: a point that is fetched too often or not at all must not be a sun.
+    double mean = 0;
+    for (const Rgb& c : cells) mean += double(maxChannel(c)) / double(cells.size());
+    const float bright = float(brightOverMean * mean);
+    std::vector<Rgb> even(cells);
+    for (Rgb& c : even)
+        if (const float most = maxChannel(c); most > bright) c *= bright / most;
+    std::vector<Rgb> out(size_t(to.cells()));
+    parallelFor(out.size(), 256, [&](size_t c) {
+        Rgb sum(0), low(0), high(0);
+        const auto fetch = [&](int parts) {
+            sum = Rgb(0);
+            for (int k = 0; k < parts * parts; ++k) {
+                const Rgb& there = even[size_t(from.cellOf(to.direction(int(c), inside(k, parts))))];
+                low = k ? glm::min(low, there) : there;
+                high = k ? glm::max(high, there) : there;
+                sum += there;
+            }
+            out[c] = sum / float(parts * parts);
+        };
+        fetch(fewPoints);
+        if (glm::any(glm::lessThan(low, 0.95f * high))) fetch(manyPoints);
+    });
+    const double share = double(to.cells()) / double(from.cells()) / double(sentPoints * sentPoints);
+    for (size_t c = 0; c < cells.size(); ++c) {
+        if (cells[c] == even[c]) continue;
+        const Rgb part = float(share) * (cells[c] - even[c]);
+        for (int k = 0; k < sentPoints * sentPoints; ++k) out[size_t(to.cellOf(from.direction(int(c), inside(k, sentPoints))))] += part;
+    }
+    return out;
 }
 
 }  // namespace relamp

@@ -2,6 +2,7 @@
 
 #include "base/log.h"
 #include "base/stage_meter.h"
+#include "capture/own_axes.h"
 #include "pipeline/normals_choice.h"
 #include "pipeline/working_mesh.h"
 #include "scene/smooth_normals.h"
@@ -15,7 +16,7 @@ namespace {
 /// Looks for a lamp that no photograph shows; where there is one, a proxy joins the capture.
 void addHiddenLight(PipelineResult& r, const PipelineOptions& options, Progress& progress) {
     const std::optional<DecimatedMesh> working = workingMesh(r.capture, options.meshTriangles, progress);
-    const Scene scene = buildScene(working ? working->mesh : r.capture.mesh, progress);
+    const Scene scene = buildScene(working ? working->mesh : r.capture.mesh, progress, ownAxes(r.capture));
     const RadianceSamples samples = gatherRadiance(r.capture, scene, options.gather, progress);
     const EmitterClusters clusters = clusterEmitters(scene, r.capture, samples, options.clusters, progress);
     HiddenLightOptions search;
@@ -43,7 +44,7 @@ PipelineResult runPipeline(const std::filesystem::path& captureFolder, const Pip
     const std::optional<SolveCheckpoint> earlier = options.resume ? options.resume(r.capture) : std::nullopt;
     meter.begin("scene");
     const std::optional<DecimatedMesh> working = workingMesh(r.capture, options.meshTriangles, progress);
-    r.scene = buildScene(working ? working->mesh : r.capture.mesh, progress);
+    r.scene = buildScene(working ? working->mesh : r.capture.mesh, progress, ownAxes(r.capture));
     SolveListener carrying;
     if (working && listener && listener->snapshot) {
         carrying = *listener;
@@ -65,7 +66,7 @@ PipelineResult runPipeline(const std::filesystem::path& captureFolder, const Pip
             r.capture.mesh.normals = smoothedNormals(r.capture.mesh, choice.rounds);
             r.capture.notes.push_back(fmt::format("the mesh's normals are noisy: smoothed {} times, ratios between points are explained {:.1f} % better", choice.rounds, 100 * choice.better));
             logInfo("{}", r.capture.notes.back());
-            r.scene = buildScene(r.capture.mesh, progress);
+            r.scene = buildScene(r.capture.mesh, progress, ownAxes(r.capture));
         }
     }
     // What this scene does not need.
@@ -81,7 +82,7 @@ PipelineResult runPipeline(const std::filesystem::path& captureFolder, const Pip
             r.estimate = carriedBack(r.estimate, *working, r.capture.mesh);
             r.estimate.leftOut.push_back({"triangles", fmt::format("the solve ran on {} of {}, and what it found was carried back", working->mesh.triangles.size(), r.capture.mesh.triangles.size())});
         }
-        r.scene = buildScene(r.capture.mesh, progress);
+        r.scene = buildScene(r.capture.mesh, progress, ownAxes(r.capture));
     }
     if (r.search && !r.search->light) r.estimate.leftOut.push_back({"unseen lamp", r.search->words});
     std::vector<PlannedStage> done;

@@ -27,7 +27,7 @@ void countLooks(const Capture& capture, const Scene& scene, const RadianceSample
     GlossOptions gloss;
     gloss.seed = options.seed;
     std::vector<EmitterSurface> surfaces;
-    for (const EmitterCluster& e : lamps.emitters) surfaces.push_back(orderedEmitterSurface(scene.mesh, e));
+    for (const EmitterCluster& e : lamps.emitters) surfaces.push_back(orderedEmitterSurface(scene, e));
     const BrdfBasis basis = builtInBasis();
     counts.lobes = double(basis.lobes.size()) - 1;
     for (uint32_t p = 0; p < scene.pieces; ++p) {
@@ -41,7 +41,7 @@ void countLooks(const Capture& capture, const Scene& scene, const RadianceSample
         std::vector<GlossyLook> some;
         for (size_t i = 0; i < looks.size(); i += std::max<size_t>(1, looks.size() / 160)) some.push_back(looks[i]);
         const double start = progress.seconds();
-        for (const size_t lobe : {size_t(2), size_t(5)}) glossyRows(scene, surfaces, lamps.emitterOfTriangle, LightLeaves::uniform(options.startLevel), basis.lobes[lobe], some, gloss.rows, progress);
+        for (const size_t lobe : {size_t(2), size_t(5)}) glossyRows(scene, surfaces, lamps.emitterOfTriangle, LightLeaves::uniform(options.startLevel, scene.axes), basis.lobes[lobe], some, gloss.rows, progress);
         counts.lookSeconds = std::max(progress.seconds() - start, 1e-7) / double(2 * some.size());
     }
 }
@@ -54,7 +54,7 @@ bool lobeLikely(const Capture& capture, const Scene& scene, const RadianceSample
     gloss.maxVertices = 60;
     gloss.rows.lobeSamples = 64;
     std::vector<EmitterSurface> surfaces;
-    for (const EmitterCluster& e : lamps.emitters) surfaces.push_back(orderedEmitterSurface(scene.mesh, e));
+    for (const EmitterCluster& e : lamps.emitters) surfaces.push_back(orderedEmitterSurface(scene, e));
     for (uint32_t p = 0; p < scene.pieces; ++p)
         if (matte.pieceGlossy[p]) {
             // The light is coarse here: what the solve will explain better is hinted at only.
@@ -128,6 +128,7 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
             leaveOut("interreflection", fmt::format("with it the ratios between {} pairs of points are explained worse, by {:.0f} standard errors", pilot.pairs, pilot.bounceWorse), &PlanChoices::bounce);
         else if (pilot.bounceWorse > 1)
             leaveOut("interreflection at full detail", "it is tried on coarse light first and again only if that cannot rule it out", &PlanChoices::lateBounce);
+        kept.bounceLikely = !everything && pilot.bounceWorse < -2;
     }
     if (counts.seen < counts.vertices)
         leaveOut("vertices that no photograph shows", fmt::format("{:.0f} of {:.0f}: their light is worked out when something needs it", counts.vertices - counts.seen, counts.vertices), &PlanChoices::unseenVertices);

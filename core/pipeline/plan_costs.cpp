@@ -52,8 +52,11 @@ std::vector<StageEstimate> predictStages(const WorkCounts& n, const MachineSpeed
         const double rays = std::min(256.0, double(1 << 25) / std::max(1.0, n.vertices));
         const double trace = n.vertices * rays * pilot.bounceSecondsPerRay, coarse = leavesCoarse + n.lamps;
         // Tried on coarse light and, as likely as not, ruled out there.
-        const double trySeconds = automatic && !choices.lateBounce ? 14 * roundSeconds(coarse) + 2 * albedo : rounds * roundSeconds(leaves) + 4 * albedo;
-        stages.push_back({"bounced light", trace + trySeconds,
+        // With few rays, kept and followed up, where it is likely.
+        const double trySeconds = choices.bounceLikely            ? 14 * roundSeconds(coarse) + 10 * roundSeconds(leaves) + 4 * albedo
+                                  : automatic && !choices.lateBounce ? 14 * roundSeconds(coarse) + 2 * albedo
+                                                                     : rounds * roundSeconds(leaves) + 4 * albedo;
+        stages.push_back({"bounced light", trace * (choices.bounceLikely ? 1.25 : 1.0) + trySeconds,
                           n.vertices * rays * pilot.enclosure * 8 / mib + albedoMib});
     }
     if (distant && !black) {

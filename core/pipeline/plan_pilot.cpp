@@ -99,7 +99,7 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
         since = now;
         return std::max(seconds, 1e-7);
     };
-    const Visibility visibility = computeVisibility(scene, {pilotSide, &wanted}, progress);
+    const Visibility visibility = computeVisibility(scene, {.gridSide = pilotSide, .only = &wanted, .axes = scene.axes}, progress);
     took();
     // Whole blocks of neighbours at the real resolution: how fast rays are rests on how they lie together.
     std::vector<uint8_t> blocks(scene.mesh.vertexCount(), 0);
@@ -108,7 +108,7 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
     for (uint32_t v = 0; v < blocks.size(); ++v)
         if (v / 64 % apart == 0 && samples.countOf(v) > 0 && scene.referenced[v]) blocks[v] = 1, ++inBlocks;
     Visibility sample;
-    sample.grid.side = options.visibilitySide;
+    sample.grid = {options.visibilitySide, scene.axes};
     sample.wordsPerVertex = size_t(sample.grid.cells() + 63) / 64;
     sample.bits.assign(scene.mesh.vertexCount() * sample.wordsPerVertex, 0);
     sample.step = std::max(1, options.visibilitySide >> (options.startLevel + 1));
@@ -123,7 +123,7 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
     const NearField nearField = computeNearField(scene, lamps, nearOptions, progress);
     found.nearSecondsPerPoint = took() / double(found.points);
     Lighting lighting;
-    lighting.leaves = LightLeaves::uniform(pilotLevel);
+    lighting.leaves = LightLeaves::uniform(pilotLevel, scene.axes);
     const InfluenceMatrix rows = lambertInfluence(scene, visibility, nearField, lighting.leaves, matte.vertices, progress);
     found.rowSecondsPerCell = took() / (double(found.points) * pilotSide * pilotSide);
     found.rows = rows.rows;
@@ -186,13 +186,13 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
 std::vector<double> pilotMisfits(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps, const MatteObservations& all,
                                  const std::vector<AlbedoPair>& pairs, const SolveOptions& options, Progress& progress) {
     const PilotPairs part(scene, all, pairs, options.seed);
-    const Visibility visibility = computeVisibility(scene, {pilotSide, &part.wanted}, progress);
+    const Visibility visibility = computeVisibility(scene, {.gridSide = pilotSide, .only = &part.wanted, .axes = scene.axes}, progress);
     NearFieldOptions nearOptions;
     nearOptions.seed = options.seed;
     nearOptions.only = &part.wanted;
     const NearField nearField = computeNearField(scene, lamps, nearOptions, progress);
     Lighting lighting;
-    lighting.leaves = LightLeaves::uniform(pilotLevel);
+    lighting.leaves = LightLeaves::uniform(pilotLevel, scene.axes);
     const InfluenceMatrix rows = lambertInfluence(scene, visibility, nearField, lighting.leaves, part.matte.vertices, progress);
     double middle = 0;
     const AlbedoFreeOptions fit = pilotFit(part.matte, lamps, middle, lighting);

@@ -151,6 +151,7 @@ RadianceSamples gatherRadiance(const Capture& capture, const Scene& scene, const
     progress.begin("What each pixel sees", rows);
     for (const View& view : capture.views) result.geometry.push_back(traceView(view, scene, progress));
 
+    result.backgroundGrid.axes = scene.axes;
     const size_t n = scene.mesh.vertexCount(), views = capture.views.size();
     progress.begin("Radiance of each vertex", n);
     constexpr size_t block = 512;

@@ -269,7 +269,7 @@ RelitScene applyLook(const Scene& scene, const Estimate& estimate, const Look& l
             for (Rgb& w : lobe) w = Rgb(luminance(w));
     out.emitterOfTriangle = std::move(geometry.emitterOfTriangle);
     out.emitters = std::move(geometry.emitters);
-    out.scene = geometry.moved ? buildScene(std::move(geometry.mesh), progress) : scene;
+    out.scene = geometry.moved ? buildScene(std::move(geometry.mesh), progress, scene.axes) : scene;
     out.distant = distant ? std::move(distant) : distantOfLook(estimate, look.environment);
     if (estimate.interreflection) out.bounced = bouncedLightOf(out, {}, progress);
     return out;

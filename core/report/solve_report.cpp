@@ -2,6 +2,7 @@
 
 #include "base/atomic_file.h"
 #include "base/log.h"
+#include "capture/own_axes.h"
 #include "pipeline/pipeline.h"
 #include "relight/frame.h"
 #include "report/display_picture.h"
@@ -98,7 +99,7 @@ void writeReport(const fs::path& folder, const fs::path& page, const ReportOptio
     } catch (const Error& error) {
         report.noViewsBecause = fmt::format("the photographs cannot be read ({})", error.what());
     }
-    const Scene scene = buildScene(shot.capture.mesh, progress);
+    const Scene scene = buildScene(shot.capture.mesh, progress, ownAxes(shot.capture));
     report.capture = fs::absolute(shot.captureFolder / ".").lexically_normal().parent_path().filename().string();
     report.estimate = shot.estimate;
     report.origin = shot.capture.origin;

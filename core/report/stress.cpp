@@ -1,5 +1,6 @@
 #include "report/stress.h"
 
+#include <glm/gtc/quaternion.hpp>
 #include <nlohmann/json.hpp>
 
 #include <functional>
@@ -74,7 +75,6 @@ private:
     StressReport report_;
 };
 
-const char* const axes = "the grid of directions and the sampling patterns follow the axes of the world";
 const char* const rounding = "positions are rounded otherwise and single rays and decisions flip; see lengths x 2^10, where nothing is rounded";
 
 /// What can be done to any capture.
@@ -87,7 +87,7 @@ void variantsOf(const std::string& of, const Capture& capture, const SolveOption
     std::optional<Estimate> base;
     bool needed = false;
     for (const char* what : {"as it is", "images x 1e-6", "images x 1e6", "images x 2^-20", "in millimetres", "in kilometres", "lengths x 2^10", "far from the origin", "turned by 90 degrees",
-                             "turned by 33 degrees", "vertices in another order", "views in another order", "emitters in another order"})
+                             "turned by 33 degrees", "turned about a slanting axis", "vertices in another order", "views in another order", "emitters in another order"})
         needed |= runner.wanted(named(what));
     if (needed) base = runner.run(named("as it is"), solved(capture));
     const auto scaled = [&](const char* what, float factor) {
@@ -112,8 +112,9 @@ void variantsOf(const std::string& of, const Capture& capture, const SolveOption
     moved("lengths x 2^10", 1024, unturned, DVec3(0), "");
     moved("in kilometres", 1e-3, unturned, DVec3(0), rounding);
     moved("far from the origin", 1, unturned, 100.0 * extentOf(capture) * DVec3(1, -0.7, 0.2), rounding);
-    moved("turned by 90 degrees", 1, glm::dmat3(DVec3(0, 1, 0), DVec3(-1, 0, 0), DVec3(0, 0, 1)), DVec3(0), axes);
-    moved("turned by 33 degrees", 1, glm::dmat3(DVec3(0.8386705679, 0.5446390350, 0), DVec3(-0.5446390350, 0.8386705679, 0), DVec3(0, 0, 1)), DVec3(0), axes);
+    moved("turned by 90 degrees", 1, glm::dmat3(DVec3(0, 1, 0), DVec3(-1, 0, 0), DVec3(0, 0, 1)), DVec3(0), rounding);
+    moved("turned by 33 degrees", 1, glm::dmat3(DVec3(0.8386705679, 0.5446390350, 0), DVec3(-0.5446390350, 0.8386705679, 0), DVec3(0, 0, 1)), DVec3(0), rounding);
+    moved("turned about a slanting axis", 1, glm::dmat3(glm::mat3_cast(glm::angleAxis(0.9, glm::normalize(DVec3(1, 2, -1))))), DVec3(0), rounding);
     VariantOf shuffled;
     const Capture renumbered = withVerticesShuffled(capture, 7, shuffled.newIndex);
     runner.hold(named("vertices in another order"), base, shuffled, solved(renumbered));
@@ -191,6 +192,7 @@ StressReport runStress(const Capture* capture, const StressOptions& options, Pro
         brief.glossRounds = 0;
         brief.refineRounds = 1;
         brief.startIterations = 6;
+        brief.refineIterations = 12;
         brief.bounce = SolveOptions::Bounce::off;
         variantsOf("capture", withSmallPictures(*capture, options.longestSide), brief, runner);
     }

@@ -1,5 +1,6 @@
 #include "report/stress_solve.h"
 
+#include "capture/own_axes.h"
 #include "radiance/gather.h"
 
 namespace relamp {
@@ -23,7 +24,7 @@ double largest(const DVec3& v) { return std::max(v.x, std::max(v.y, v.z)); }
 }  // namespace
 
 Estimate solveForStress(const Capture& capture, const EmitterClusters* lamps, bool emittersReversed, const SolveOptions& options, Progress& progress) {
-    const Scene scene = buildScene(capture.mesh, progress);
+    const Scene scene = buildScene(capture.mesh, progress, ownAxes(capture));
     const RadianceSamples samples = gatherRadiance(capture, scene, {}, progress);
     EmitterClusters clusters = lamps ? *lamps : clusterEmitters(scene, capture, samples, {}, progress);
     if (emittersReversed) {

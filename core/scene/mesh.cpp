@@ -7,7 +7,7 @@
 
 namespace relamp {
 
-VertexGraph buildVertexGraph(const Mesh& mesh) {
+VertexGraph buildVertexGraph(const Mesh& mesh, const Mat3& axes) {
     std::vector<std::pair<uint32_t, uint32_t>> edges;
     edges.reserve(mesh.triangles.size() * 6 + mesh.vertexCount() / 4);
     const auto join = [&](uint32_t a, uint32_t b) {
@@ -26,7 +26,7 @@ VertexGraph buildVertexGraph(const Mesh& mesh) {
         return mixBits(mixBits(mixBits(bits[0]) ^ bits[1]) ^ bits[2]);
     };
     const bool faces = mesh.normals.size() == mesh.vertexCount();
-    const auto facing = [&](uint32_t v) { return faces ? glm::dot(mesh.normals[v], Vec3(0.5569f, 0.6831f, 0.4725f)) : 0.0f; };
+    const auto facing = [&](uint32_t v) { return faces ? glm::dot(mesh.normals[v] * axes, Vec3(0.5569f, 0.6831f, 0.4725f)) : 0.0f; };
     for (uint32_t v = 0; v < mesh.vertexCount(); ++v) {
         const auto [place, isNew] = centreAt.emplace(keyOf(v), v);
         if (!isNew && mesh.positions[place->second] == mesh.positions[v] && facing(v) < facing(place->second)) place->second = v;

@@ -49,7 +49,8 @@ struct MeshReport {
 struct VertexGraph {
     std::vector<uint32_t> start, to;
 };
-VertexGraph buildVertexGraph(const Mesh& mesh);
+/// `axes` (Scene::axes): so that what chooses among such vertices does not rest on how the world lies.
+VertexGraph buildVertexGraph(const Mesh& mesh, const Mat3& axes = Mat3(1));
 
 /// Connected pieces of the mesh: piece of each vertex (0...), unreferenced vertices are pieces of their own.
 std::vector<uint32_t> connectedPieces(const VertexGraph& graph, uint32_t* count = nullptr);

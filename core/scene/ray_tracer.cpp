@@ -19,7 +19,7 @@ struct RayTracer::Embree {
     }
 };
 
-RayTracer::RayTracer(const Mesh& mesh) : embree_(std::make_unique<Embree>()) {
+RayTracer::RayTracer(const Mesh& mesh, float diagonal) : embree_(std::make_unique<Embree>()) {
     Embree& e = *embree_;
     e.device = rtcNewDevice("start_threads=0,set_affinity=0");
     if (!e.device) throw Error("the ray tracer could not be started (Embree error {})", int(rtcGetDeviceError(nullptr)));
@@ -45,7 +45,7 @@ RayTracer::RayTracer(const Mesh& mesh) : embree_(std::make_unique<Embree>()) {
     rtcReleaseGeometry(geometry);
     rtcCommitScene(e.scene);
     if (!mesh.triangles.empty()) {
-        const float size = glm::length(high - low);
+        const float size = diagonal > 0 ? diagonal : glm::length(high - low);
         const float reach = std::max(maxChannel(glm::abs(low)), maxChannel(glm::abs(high)));
         surfaceOffset_ = std::max(1e-5f * size, 4e-7f * reach);
     }

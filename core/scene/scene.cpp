@@ -21,23 +21,26 @@ Vec3 Scene::normalOf(const Hit& hit) const {
     return length > 1e-6f ? n / length : mesh.faceNormal(hit.triangle);
 }
 
-Scene buildScene(Mesh mesh, Progress& progress) {
+Scene buildScene(Mesh mesh, Progress& progress, const Mat3& axes) {
     progress.begin("Scene", 3);
     Scene scene;
     scene.mesh = std::move(mesh);
+    scene.axes = axes;
     const size_t n = scene.mesh.vertexCount();
-    scene.graph = buildVertexGraph(scene.mesh);
+    scene.graph = buildVertexGraph(scene.mesh, axes);
     scene.piece = connectedPieces(scene.graph, &scene.pieces);
     progress.advance();
     scene.referenced.assign(n, 0);
-    Vec3 low(1e30f), high(-1e30f);
+    const glm::dmat3 own(axes);
+    DVec3 low(1e300), high(-1e300);  // along them
     for (const Triangle& t : scene.mesh.triangles)
         for (uint32_t v : t) {
             scene.referenced[v] = 1;
-            low = glm::min(low, scene.mesh.positions[v]);
-            high = glm::max(high, scene.mesh.positions[v]);
+            const DVec3 p = DVec3(scene.mesh.positions[v]) * own;
+            low = glm::min(low, p);
+            high = glm::max(high, p);
         }
-    scene.diagonal = scene.mesh.triangles.empty() ? 0 : glm::length(high - low);
+    scene.diagonal = scene.mesh.triangles.empty() ? 0 : float(glm::length(high - low));
     // What does not round: how the mesh about each vertex is joined, three edges far.
     std::vector<uint64_t> joined(n), wider(n);
     for (uint32_t v = 0; v < n; ++v) joined[v] = mixBits(scene.graph.start[v + 1] - scene.graph.start[v]);
@@ -60,7 +63,7 @@ Scene buildScene(Mesh mesh, Progress& progress) {
     std::vector<Place> places;
     for (uint32_t v = 0; v < n; ++v) {
         if (!scene.referenced[v]) continue;
-        const DVec3 p = (DVec3(scene.mesh.positions[v]) - DVec3(low)) / quantum, normal(scene.mesh.normals[v]);
+        const DVec3 p = (DVec3(scene.mesh.positions[v]) * own - low) / quantum, normal = DVec3(scene.mesh.normals[v]) * own;
         uint64_t bits = joined[v];
         for (int k = 0; k < 3; ++k) {
             bits = mixBits(bits ^ uint64_t(std::llround(p[k])));
@@ -83,7 +86,7 @@ Scene buildScene(Mesh mesh, Progress& progress) {
         scene.vertexSpacing[v] = end > begin ? sum / float(end - begin) : 0.0f;
     }
     progress.advance();
-    scene.tracer = std::make_shared<const RayTracer>(scene.mesh);
+    scene.tracer = std::make_shared<const RayTracer>(scene.mesh, scene.diagonal);
     progress.advance();
     return scene;
 }

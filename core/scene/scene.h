@@ -13,7 +13,8 @@ struct Scene {
     VertexGraph graph;                     ///< vertices joined by an edge
     std::vector<uint32_t> piece;           ///< connected piece of each vertex
     uint32_t pieces = 0;
-    std::vector<uint32_t> rank;            ///< a number drawn from where each vertex lies and which way it faces: what random patterns are numbered by, so that they rest neither on the file's order nor on its unit or origin
+    Mat3 axes{1};                          ///< world from axes that turn with the scene: what squares of directions and random patterns of a solve lie along, so that its answer does not rest on how the world lies
+    std::vector<uint32_t> rank;            ///< a number drawn from where each vertex lies and which way it faces: what random patterns are numbered by, so that they rest neither on the file's order nor on its unit, origin or axes
     std::vector<float> vertexSpacing;      ///< metres: mean edge length at the vertex
     std::vector<uint8_t> referenced;       ///< 1 where a triangle uses the vertex
     float diagonal = 0;                    ///< metres: of the bounding box
@@ -24,7 +25,7 @@ struct Scene {
     Vec3 normalOf(const Hit& hit) const;
 };
 
-/// Mesh -> Scene. Cost O(n log n). Throws Error when the ray tracer cannot be built.
-Scene buildScene(Mesh mesh, Progress& progress);
+/// Mesh -> Scene. `axes`: see Scene. Cost O(n log n). Throws Error when the ray tracer cannot be built.
+Scene buildScene(Mesh mesh, Progress& progress, const Mat3& axes = Mat3(1));
 
 }  // namespace relamp

@@ -16,7 +16,7 @@ LightAnchors lightAnchors(const RadianceSamples& samples, const EmitterClusters&
     const DirectionGrid& grid = samples.backgroundGrid;
     // A cell counts when pixels cover it, not when one touches its corner: sub-cells of a fine leaf share their cell's mean.
     const int parts = std::max(1, (1 << LightLeaves::maxLevel) / grid.side);
-    const DirectionGrid fine{grid.side * parts};
+    const DirectionGrid fine{grid.side * parts, grid.axes};
     const std::vector<uint32_t> leafOf = leaves.leafOfCells(fine);
     const float share = fine.cellSolidAngle();
     for (int c = 0; c < grid.cells(); ++c) {

@@ -233,8 +233,8 @@ HiddenLightData hiddenLightData(const Scene& measured, const RadianceSamples& sa
     }
     data.parts = int(parts.size());
 
-    data.leaves = LightLeaves::uniform(level);
-    const Visibility visibility = computeVisibility(scene, {16, &only}, progress);
+    data.leaves = LightLeaves::uniform(level, scene.axes);
+    const Visibility visibility = computeVisibility(scene, {.gridSide = 16, .only = &only, .axes = scene.axes}, progress);
     NearFieldOptions nearOptions;
     nearOptions.seed = seed;
     nearOptions.only = &only;

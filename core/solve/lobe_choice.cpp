@@ -29,7 +29,7 @@ std::vector<std::vector<Rgb>> lobeResponses(const Scene& scene, const std::vecto
         const GlossyLook& look = looks[at];
         const Vec3 normal = scene.mesh.normals[look.vertex], position = scene.mesh.positions[look.vertex];
         if (glm::dot(normal, look.towardEye) <= 1e-3f) return;
-        const Mat3 frame = frameAround(normal);
+        const Mat3 frame = frameAround(normal, lighting.leaves.axes());
         const Vec3 eye = glm::transpose(frame) * look.towardEye, origin = rayOrigin(scene, position, normal);
         const auto density = [&](const Vec3& light) {
             float sum = light.z / pi * float(options.cosineSamples);

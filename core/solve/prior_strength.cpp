@@ -123,7 +123,7 @@ PriorStrength testAlbedoStrength(const Scene& scene, const RadianceSamples& samp
     std::vector<Rgb> logAlbedo(n);
     for (size_t v = 0; v < n; ++v) logAlbedo[v] = glm::log(glm::max(albedo[v], Rgb(1e-4f)));
     std::vector<Vec3> positions(matte.vertices.size());
-    for (size_t i = 0; i < positions.size(); ++i) positions[i] = scene.mesh.positions[matte.vertices[i]];
+    for (size_t i = 0; i < positions.size(); ++i) positions[i] = scene.mesh.positions[matte.vertices[i]] * scene.axes;
     const std::vector<uint32_t> block = blocksOf(positions, blockCount, 0x5eed);
     std::vector<std::vector<double>> misfits(strengthsTried().size(), std::vector<double>(blockCount, 0));
     parallelFor(strengthsTried().size(), 1, [&](size_t k) {

@@ -6,6 +6,10 @@
 
 namespace relamp {
 
+namespace {
+constexpr uint32_t fewBounceRays = 64;  // for a first answer
+}
+
 std::vector<Rgb> SolveState::directAt(const std::vector<uint32_t>& vertices) {
     std::vector<Rgb> out;
     constexpr size_t block = 2048;  // rows are as wide as there are leaves: not all at once
@@ -64,9 +68,10 @@ float SolveState::bouncedShareOf() const {
     return all > 0 ? float(bounced / all) : 0.0f;
 }
 
-void SolveState::traceBounceRays() {
+void SolveState::traceBounceRays(uint32_t rays) {
     BounceOptions rayOptions;
     rayOptions.seed = options_.seed;
+    rayOptions.rays = rays;
     bounceRays_ = traceBounce(scene_, rayOptions, progress_);
 }
 
@@ -90,9 +95,12 @@ void SolveState::decideBounce(bool coarse) {
             if (o.what == "interreflection") noBounceBecause_ = o.reason;
         return;
     }
-    if (coarse && (options_.bounce != Bounce::automatic || plan_.choices.lateBounce)) return;
+    const bool likely = plan_.choices.bounceLikely;
+    if (coarse && (options_.bounce != Bounce::automatic || (plan_.choices.lateBounce && !likely))) return;
     meter_.begin("bounced light");
-    if (bounceRays_.rays == 0) traceBounceRays();
+    const bool joined = !bounce_.empty();  // coarse light has it already
+    const uint32_t rays = coarse && likely ? fewBounceRays : BounceOptions{}.rays;
+    if (bounceRays_.rays < rays) traceBounceRays(rays);
     double enclosure = 0;
     for (uint32_t v : matte_.vertices) enclosure += bounceRays_.enclosure(v);
     enclosure /= double(matte_.vertices.size());
@@ -101,15 +109,20 @@ void SolveState::decideBounce(bool coarse) {
         return;
     }
     const Lighting without = lighting_;
-    const AlbedoFreeReport alone = runAlbedoFree(coarse ? "light from ratios, coarse" : "light from ratios", 1, nullptr);
-    const double before = alone.objective;
-    lighting_ = without;
+    AlbedoFreeReport alone;
+    double before = std::numeric_limits<double>::infinity();
+    if (!joined) {
+        alone = runAlbedoFree(coarse ? "light from ratios, coarse" : "light from ratios", 1, nullptr);
+        before = alone.objective;
+        lighting_ = without;
+    }
     // Several rounds: what hidden surfaces send rests on the light.
     double after = 0;
-    for (int round = 0; round < (coarse ? 2 : 4) && !stopped(); ++round) {
+    for (int round = 0; round < (coarse || joined ? 2 : 4) && !stopped(); ++round) {
         updateBounce();
         const double earlier = after;
-        after = runAlbedoFree(coarse ? "light from ratios and bounces, coarse" : "light from ratios and bounces", round == 0 ? 8 : options_.startIterations, nullptr, nullptr, alone.chroma).objective;
+        const std::optional<ChromaShare> chroma = joined ? std::nullopt : std::optional(alone.chroma);
+        after = runAlbedoFree(coarse ? "light from ratios and bounces, coarse" : "light from ratios and bounces", round == 0 ? 8 : options_.startIterations, nullptr, nullptr, chroma).objective;
         if (options_.bounce == Bounce::automatic && after > 1.05 * before) break;  // far from it
         // What a round still gains falls from one to the next: ten times the last gain is out of reach, twenty times surely.
         const double reach = plan_.choices.lateBounce ? 20 : 10;
@@ -119,7 +132,9 @@ void SolveState::decideBounce(bool coarse) {
     computeLit();
     bouncedShare_ = bouncedShareOf();
     logInfo("bounced light: enclosure {:.1f} %, share {:.1f} %, objective {:.5g} without, {:.5g} with", 100 * enclosure, 100 * bouncedShare_, before, after);
-    if (coarse && after < 1.03 * before) {  // coarse visibility alone can make as much of a difference
+    // Coarse visibility alone can make a difference of a few percent.
+    const bool clear = after > 1.03 * before ? !likely : likely && after < 0.97 * before;
+    if (coarse && !clear) {
         // Finer light is to judge.
         lighting_ = without;
         bounce_.clear();

@@ -139,10 +139,10 @@ void fields(File& f, PieceGloss& g) {
 
 template <class File>
 void fields(File& f, PlanChoices& p) {
-    for (bool* choice : {&p.distantLight, &p.bounce, &p.lateBounce, &p.unseenVertices, &p.emptyColumns, &p.mattePieces, &p.lostLobes, &p.agreeingRays, &p.flatLevels, &p.lastDigits,
+    for (bool* choice : {&p.distantLight, &p.bounce, &p.lateBounce, &p.bounceLikely, &p.unseenVertices, &p.emptyColumns, &p.mattePieces, &p.lostLobes, &p.agreeingRays, &p.flatLevels, &p.lastDigits,
                          &p.mattePointsInDetail})
         f.plain(*choice);
-    static_assert(sizeof(PlanChoices) == 11, "every choice has to come back");
+    static_assert(sizeof(PlanChoices) == 12, "every choice has to come back");
 }
 
 template <class File>

@@ -150,6 +150,13 @@ void SolveState::assembleEnvironment(Estimate& estimate) const {
     }
 }
 
+void SolveState::turnEnvironment(Estimate& estimate) const {
+    if (scene_.axes == Mat3(1)) return;
+    const DirectionGrid own{estimate.environmentSide, scene_.axes}, world{estimate.environmentSide};
+    for (std::vector<Rgb>* cells : {&estimate.environment, &estimate.environmentSigma})
+        if (!cells->empty()) *cells = turnedCells(*cells, own, world);
+}
+
 void SolveState::assess(Estimate& estimate) {
     // Gram of the lighting problem under the albedo found, on a spread of vertices.
     const size_t n = influence_.columns, leaves = lighting_.leaves.size();
@@ -253,6 +260,7 @@ void SolveState::showSnapshot() {
     estimate.stability = stability_;
     estimate.identifiability.assign(surfaces_.size(), 0.0f);
     estimate.emitterSigma.assign(surfaces_.size(), Rgb(0));
+    turnEnvironment(estimate);
     listener_->snapshot(std::move(estimate));
     albedo_ = albedo;
     lit_ = lit;
@@ -280,6 +288,7 @@ Estimate SolveState::finish() {
     meter_.end();
     estimate.timeline = timeline_;
     estimate.plan = measuredPlan();
+    turnEnvironment(estimate);
     return estimate;
 }
 

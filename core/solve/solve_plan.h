@@ -13,6 +13,7 @@ struct PlanChoices {
     bool distantLight = true;      ///< false: the surroundings are black, D is never built
     bool bounce = true;            ///< false: light between surfaces is not tried (SolveOptions::Bounce::automatic only)
     bool lateBounce = false;       ///< true: it is tried at the start level at once, not on coarse light first
+    bool bounceLikely = false;     ///< true: all speaks for it, so that it joins coarse light at once
     bool unseenVertices = false;   ///< true: transport of vertices that no photograph shows, too
     bool emptyColumns = false;     ///< true: directions that light no observed vertex take part in the equations' products, too
     bool mattePieces = false;      ///< true: lobes are sought on pieces that do not change with the view, too
@@ -22,7 +23,7 @@ struct PlanChoices {
     bool lastDigits = false;       ///< true: a fit goes on after an iteration that lowered its objective by less than 3e-4
     bool mattePointsInDetail = false; ///< true: in the equations' products matte points tell leaves apart that were split for what metals mirror
     /// Nothing is left out.
-    static PlanChoices everything() { return {true, true, true, true, true, true, true, true, true, true, true}; }
+    static PlanChoices everything() { return {true, true, true, false, true, true, true, true, true, true, true, true}; }
 };
 
 /// A stage of the solve; a number below 0 is not known.

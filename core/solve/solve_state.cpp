@@ -49,7 +49,7 @@ void SolveState::takeClusters(const EmitterClusters& clusters) {
 
 void SolveState::rebuildNearField() {
     surfaces_.clear();
-    for (const EmitterCluster& e : clusters_.emitters) surfaces_.push_back(orderedEmitterSurface(scene_.mesh, e));
+    for (const EmitterCluster& e : clusters_.emitters) surfaces_.push_back(orderedEmitterSurface(scene_, e));
     // Transport of what no photograph shows is worked out when it is asked for.
     known_ = scene_.referenced;
     if (!plan_.choices.unseenVertices)
@@ -87,7 +87,7 @@ void SolveState::prepare(const EmitterClusters& clusters) {
     rebuildNearField();
     if (matte_.vertices.empty()) throw Error("no vertex has a usable look-up: every pixel on the mesh is clipped, or all of the mesh was taken for lamps; `relamp check` tells which");
     environmentBlack_ = !plan_.choices.distantLight && !surfaces_.empty();
-    lighting_.leaves = LightLeaves::uniform(firstLevel());
+    lighting_.leaves = LightLeaves::uniform(firstLevel(), scene_.axes);
     rebuildRows();
     guessLight();
 }
@@ -105,6 +105,7 @@ void SolveState::learnVisibility(int step) {
     }
     VisibilityOptions visibilityOptions;
     visibilityOptions.gridSide = options_.visibilitySide;
+    visibilityOptions.axes = scene_.axes;
     visibilityOptions.only = &known_;
     visibilityOptions.step = step;
     visibilityOptions.agreeing = plan_.choices.agreeingRays;

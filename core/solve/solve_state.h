@@ -74,7 +74,7 @@ private:
     /// Leaves the distant light out where it gives less than half a percent of what is seen (3 % where the background is seen and black): less than the photographs can tell.
     void leaveOutBlackEnvironment();
     /// Do the photographs hold light bounced between surfaces? Fits the light with and without it and keeps what explains ratios better.
-    /// `coarse`: a first, cheap try that can only leave it out.
+    /// `coarse`: a first, cheap try. It leaves bounced light out where that is clear, and where the plan finds it likely and the try agrees, keeps it: finer light then starts with it.
     void decideBounce(bool coarse);
     /// Bounced light, if it was kept, from what the photographs show of its senders; senders that no photograph shows send their albedo
     /// times their light.
@@ -98,7 +98,7 @@ private:
     SolveCheckpoint checkpoint(uint32_t step, bool between) const;
     /// The plan with what the stages cost so far.
     SolvePlan measuredPlan() const;
-    void traceBounceRays();
+    void traceBounceRays(uint32_t rays);
     /// Bounced light at the observations, from that at the vertices.
     void takeVertexBounce();
     void forgetBounce(std::string why);
@@ -214,6 +214,8 @@ private:
     void assessUncertainty(const LightUncertainty& light, Estimate& estimate) const;
     void applyGauge(const LightUncertainty& light, Estimate& estimate);
     void assembleEnvironment(Estimate& estimate) const;
+    /// From the square along the scene's axes to the world's.
+    void turnEnvironment(Estimate& estimate) const;
     void assess(Estimate& estimate);
 };
 

@@ -53,7 +53,7 @@ void SolveState::run(SolveStep step, uint32_t index) {
                 if (!hasMatte() && !startFromConstantReflectance()) {
                     // Neither metals nor quite matte: what the views have in common is taken for matte.
                     rebuildNearField();
-                    lighting_.leaves = LightLeaves::uniform(firstLevel());
+                    lighting_.leaves = LightLeaves::uniform(firstLevel(), scene_.axes);
                     guessLight();
                     rebuildRows();
                 }
@@ -209,7 +209,7 @@ void SolveState::goOnFrom(const SolveCheckpoint& c) {
     environmentBlack_ = c.environmentBlack;
     refined_ = c.refined;
     refinedMisfit_ = c.refinedMisfit;
-    lighting_.leaves = LightLeaves::of(c.leaves);
+    lighting_.leaves = LightLeaves::of(c.leaves, scene_.axes);
     lighting_.leafRadiance = c.leafRadiance;
     lighting_.emitterRadiance = c.emitterRadiance;
     if (c.visibilityStep > uint32_t(options_.visibilitySide) || (c.visibilityStep & (c.visibilityStep - 1))) throw Error("the checkpoint's visibility has a step of {}", c.visibilityStep);
@@ -228,7 +228,7 @@ void SolveState::goOnFrom(const SolveCheckpoint& c) {
     bouncedShare_ = c.bouncedShare;
     noBounceBecause_ = c.noBounceBecause;
     if (c.bounceKept) {
-        traceBounceRays();
+        traceBounceRays(BounceOptions{}.rays);
         vertexBounce_ = c.vertexBounce;
         sent_ = c.sent;
         if (!vertexBounce_.empty()) takeVertexBounce();

@@ -31,7 +31,7 @@ std::string sideInWords(const Eigen::VectorXd& effect, double sign, const Lighti
         if (!(value > 0)) continue;
         if (i < leaves) {
             distant += value;
-            towards += float(value) * lighting.leaves[size_t(i)].direction(Vec2(0.5f));
+            towards += float(value) * lighting.leaves.direction(size_t(i), Vec2(0.5f));
         } else if (value > strongest) {
             strongest = value;
             emitter = i - leaves;

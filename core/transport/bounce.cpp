@@ -22,7 +22,7 @@ BounceRays traceBounce(const Scene& scene, const BounceOptions& options, Progres
         for (size_t v = begin; v < end; ++v) {
             if (!scene.referenced[v] || (options.only && !(*options.only)[v])) continue;
             const Vec3 normal = scene.mesh.normals[v], origin = rayOrigin(scene, scene.mesh.positions[v], normal);
-            const Mat3 frame = frameAround(normal);
+            const Mat3 frame = frameAround(normal, scene.axes);
             const Vec2 shift = randomShift(options.seed, 11, scene.rank[v]);
             const size_t before = senders.size();
             double nearness = 0;

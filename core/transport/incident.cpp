@@ -56,7 +56,7 @@ void lambertInfluenceOfLeaves(const Scene& scene, const Visibility& visibility, 
             int count = 0;
             float cosines[8];
             for (int s = 0; s < raysPerSide * raysPerSide; ++s) {
-                const Vec3 d = leaf.direction(Vec2(s % raysPerSide + 0.5f, s / raysPerSide + 0.5f) / float(raysPerSide));
+                const Vec3 d = leaves.direction(i, Vec2(s % raysPerSide + 0.5f, s / raysPerSide + 0.5f) / float(raysPerSide));
                 const float cosine = glm::dot(d, normal);
                 if (cosine <= 0) continue;
                 cosines[count] = cosine;
@@ -93,7 +93,7 @@ void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emit
     if (mirrored) *mirrored = Rgb(0);
     const Vec3 normal = scene.mesh.normals[vertex], position = scene.mesh.positions[vertex];
     if (glm::dot(normal, towardEye) <= 1e-3f) return;
-    const Mat3 frame = frameAround(normal);
+    const Mat3 frame = frameAround(normal, leaves.axes());
     const Vec3 eye = glm::transpose(frame) * towardEye;
     const Vec3 origin = rayOrigin(scene, position, normal);
 

@@ -10,8 +10,9 @@ namespace {
 constexpr int tableSide = 1 << LightLeaves::maxLevel;
 }
 
-LightLeaves LightLeaves::uniform(int level) {
+LightLeaves LightLeaves::uniform(int level, const Mat3& axes) {
     LightLeaves result;
+    result.axes_ = axes;
     result.table_.assign(size_t(tableSide) * tableSide, 0);
     const int side = 1 << level;
     for (int y = 0; y < side; ++y)
@@ -22,8 +23,9 @@ LightLeaves LightLeaves::uniform(int level) {
     return result;
 }
 
-LightLeaves LightLeaves::of(const std::vector<Leaf>& leaves) {
+LightLeaves LightLeaves::of(const std::vector<Leaf>& leaves, const Mat3& axes) {
     LightLeaves result;
+    result.axes_ = axes;
     double area = 0;
     for (const Leaf& leaf : leaves) {
         if (leaf.level > maxLevel || leaf.x >> leaf.level || leaf.y >> leaf.level) throw Error("a leaf of level {} at {},{} does not exist", leaf.level, leaf.x, leaf.y);
@@ -57,7 +59,7 @@ void LightLeaves::split(size_t i) {
 }
 
 size_t LightLeaves::leafOf(const Vec3& direction) const {
-    const Vec2 p = sphereToSquare(direction) * float(tableSide);
+    const Vec2 p = sphereToSquare(direction * axes_) * float(tableSide);
     return table_[size_t(std::min(int(p.y), tableSide - 1)) * tableSide + size_t(std::min(int(p.x), tableSide - 1))];
 }
 

@@ -14,29 +14,32 @@ struct Leaf {
     uint8_t level = 0;
     uint16_t x = 0, y = 0;
     float solidAngle() const { return 4 * pi / float(1u << (2 * level)); }
-    /// Direction of the point (u, v) in [0,1]^2 of the leaf.
-    Vec3 direction(const Vec2& inside) const { return squareToSphere((Vec2(x, y) + inside) / float(1u << level)); }
 };
 
 class LightLeaves {
 public:
     static constexpr int maxLevel = 8;  ///< side 256, 0.8 degrees
     /// All leaves at one level.
-    static LightLeaves uniform(int level);
+    static LightLeaves uniform(int level, const Mat3& axes = Mat3(1));
     /// The leaves of a quadtree in the given order. Throws Error when they do not cover the square, each part once.
-    static LightLeaves of(const std::vector<Leaf>& leaves);
+    static LightLeaves of(const std::vector<Leaf>& leaves, const Mat3& axes = Mat3(1));
     /// Replaces leaf `i` by its four children (the first takes its index, the others come last). No-op at maxLevel.
     void split(size_t i);
     size_t size() const { return leaves_.size(); }
     const Leaf& operator[](size_t i) const { return leaves_[i]; }
+    /// Of the square: world from its own axes (DirectionGrid::axes).
+    const Mat3& axes() const { return axes_; }
     size_t leafOf(const Vec3& direction) const;
+    /// Direction of the point (u, v) in [0,1]^2 of leaf `i`.
+    Vec3 direction(size_t i, const Vec2& inside) const { return axes_ * squareToSphere((Vec2(leaves_[i].x, leaves_[i].y) + inside) / float(1u << leaves_[i].level)); }
     /// All pairs of leaves that touch along an edge, across the square's folded edges too.
     std::vector<std::pair<uint32_t, uint32_t>> neighbourPairs() const;
-    /// Per cell of `grid` the leaf that holds its centre (grid at most as fine as maxLevel).
+    /// Per cell of `grid` the leaf that holds its centre (grid at most as fine as maxLevel, along the same axes).
     std::vector<uint32_t> leafOfCells(const DirectionGrid& grid) const;
 
 private:
     std::vector<Leaf> leaves_;
+    Mat3 axes_{1};
     std::vector<uint32_t> table_;  ///< side 256 cells -> leaf
     void fillTable(uint32_t leaf);
 };
@@ -47,7 +50,7 @@ struct Lighting {
     std::vector<Rgb> emitterRadiance;
 };
 
-/// Haar coefficients of the leaves' function on a grid of the given side, per channel.
+/// Haar coefficients of the leaves' function on a grid of the given side along the leaves' axes, per channel.
 std::array<SparseCoefs, 3> environmentCoefs(const Lighting& lighting, int side);
 
 }  // namespace relamp

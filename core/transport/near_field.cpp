@@ -37,11 +37,11 @@ EmitterSurface emitterSurface(const Mesh& mesh, const EmitterCluster& cluster, c
     return s;
 }
 
-EmitterSurface orderedEmitterSurface(const Mesh& mesh, const EmitterCluster& cluster) {
+EmitterSurface orderedEmitterSurface(const Scene& scene, const EmitterCluster& cluster) {
     EmitterCluster ordered;
     ordered.twoSided = cluster.twoSided;
-    ordered.triangles = alongLamp(mesh, cluster.triangles);
-    return emitterSurface(mesh, ordered);
+    ordered.triangles = alongLamp(scene.mesh, cluster.triangles, scene.axes);
+    return emitterSurface(scene.mesh, ordered);
 }
 
 float triangleFormFactor(const Vec3& point, const Vec3& normal, const std::array<Vec3, 3>& corners, bool twoSided) {
@@ -200,7 +200,7 @@ NearField computeNearField(const Scene& scene, const EmitterClusters& clusters, 
 void addNearField(const Scene& scene, const EmitterClusters& clusters, const NearFieldOptions& options, NearField& result, Progress& progress) {
     const size_t n = scene.mesh.vertexCount();
     std::vector<EmitterSurface> surfaces;
-    for (const EmitterCluster& e : clusters.emitters) surfaces.push_back(orderedEmitterSurface(scene.mesh, e));
+    for (const EmitterCluster& e : clusters.emitters) surfaces.push_back(orderedEmitterSurface(scene, e));
     progress.begin("Near-field maps", n);
     parallelBlocks(n, 64, [&](size_t begin, size_t end) {
         std::vector<EmitterSample> samples;

@@ -24,7 +24,7 @@ struct EmitterSurface {
 EmitterSurface emitterSurface(const Mesh& mesh, const EmitterCluster& cluster, const Mat4& toWorld = Mat4(1));
 
 /// The same along a curve through the lamp (alongLamp): patterns on it do not know the file's order. For who does not go from the mesh's triangles to the surface's.
-EmitterSurface orderedEmitterSurface(const Mesh& mesh, const EmitterCluster& cluster);
+EmitterSurface orderedEmitterSurface(const Scene& scene, const EmitterCluster& cluster);
 
 /// Form factor from a surface point to a triangle, unshadowed, clipped at the point's horizon: the share of the cosine-
 /// weighted hemisphere it covers, in [0, 1]. Exact (Lambert 1760); finite when touching or coplanar. Only the front counts.

@@ -177,7 +177,7 @@ size_t traceTo(const Scene& scene, const std::vector<uint8_t>& only, int known, 
 
 Visibility computeVisibility(const Scene& scene, const VisibilityOptions& options, Progress& progress) {
     Visibility result;
-    result.grid.side = options.gridSide;
+    result.grid = {options.gridSide, options.axes};
     result.step = options.step;
     result.agreeing = options.agreeing || options.step > 1;
     result.wordsPerVertex = size_t(result.grid.cells() + 63) / 64;

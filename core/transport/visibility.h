@@ -27,6 +27,7 @@ struct VisibilityOptions {
     /// false: at step 1 a ray is only sent where a lattice of one ray for 2 x 2 cells finds an edge: where the 3 x 3 of them around a cell
     /// are not all open or all blocked. What is missed is thinner than 3 cells and lies between the lattice's rays.
     bool agreeing = true;
+    Mat3 axes{1};            ///< of the square (DirectionGrid::axes)
 };
 
 /// Cost: gridSide^2 / step^2 / 2 rays a vertex in packets of 8, 10-18 million rays a second a core; without agreeing ones a third to a half of

@@ -43,7 +43,9 @@ TEST(EmitterSurface, ForSolvingDoesNotKnowTheOrderOfTheFile) {
     const Mesh mesh = test::ball({0, 0, 0.5f}, 0.1f, 10, 14);
     EmitterCluster cluster = wholeMesh(mesh), reversed = cluster;
     std::reverse(reversed.triangles.begin(), reversed.triangles.end());
-    const EmitterSurface a = orderedEmitterSurface(mesh, cluster), b = orderedEmitterSurface(mesh, reversed);
+    Progress progress;
+    const Scene scene = buildScene(mesh, progress);
+    const EmitterSurface a = orderedEmitterSurface(scene, cluster), b = orderedEmitterSurface(scene, reversed);
     EXPECT_EQ(a.corners, b.corners);
     EXPECT_EQ(a.corners.size(), emitterSurface(mesh, cluster).corners.size());
     EXPECT_NE(emitterSurface(mesh, cluster).corners, emitterSurface(mesh, reversed).corners);
