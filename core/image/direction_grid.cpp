@@ -30,10 +30,10 @@ Vec2 sphereToSquare(const Vec3& direction) {
 
 namespace {
 constexpr double brightOverMean = 4;
-constexpr int fewPoints = 4, manyPoints = 8, sentPoints = 8;  // a side of a cell
+constexpr int sentPoints = 8;  // a side of a cell
 }
 
-std::vector<Rgb> turnedCells(const std::vector<Rgb>& cells, const DirectionGrid& from, const DirectionGrid& to) {
+std::vector<Rgb> turnedCells(const std::vector<Rgb>& cells, const DirectionGrid& from, const DirectionGrid& to, int points) {
     const auto inside = [](int k, int parts) { return Vec2(float(k % parts) + 0.5f, float(k / parts) + 0.5f) / float(parts); };
     // What stands out is sent, the rest is fetched: a point that is fetched too often or not at all must not be a sun.
     double mean = 0;
@@ -55,8 +55,8 @@ std::vector<Rgb> turnedCells(const std::vector<Rgb>& cells, const DirectionGrid&
             }
             out[c] = sum / float(parts * parts);
         };
-        fetch(fewPoints);
-        if (glm::any(glm::lessThan(low, 0.95f * high))) fetch(manyPoints);
+        fetch(std::max(1, points / 2));
+        if (points > 1 && glm::any(glm::lessThan(low, 0.95f * high))) fetch(points);
     });
     const double share = double(to.cells()) / double(from.cells()) / double(sentPoints * sentPoints);
     for (size_t c = 0; c < cells.size(); ++c) {

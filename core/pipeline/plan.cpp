@@ -104,6 +104,7 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
     const PilotFindings pilot = runPilot(scene, samples, lamps, matte, pairs, options, progress);
     // Metals have nothing but lobes: there it need not be tried.
     if (counts.glossyLooks > 0 && pilot.ran && !counts.metals) counts.lobeLikely = lobeLikely(capture, scene, samples, lamps, matte, pilot.lighting, options, progress);
+    if (pilot.ran) plan.light = std::make_shared<const Lighting>(pilot.lighting);
     const MachineSpeed speed = measureMachine(progress);
 
     PlanChoices kept = PlanChoices::everything();
@@ -128,7 +129,7 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
             leaveOut("interreflection", fmt::format("with it the ratios between {} pairs of points are explained worse, by {:.0f} standard errors", pilot.pairs, pilot.bounceWorse), &PlanChoices::bounce);
         else if (pilot.bounceWorse > 1)
             leaveOut("interreflection at full detail", "it is tried on coarse light first and again only if that cannot rule it out", &PlanChoices::lateBounce);
-        kept.bounceLikely = !everything && pilot.bounceWorse < -2;
+        kept.bounceLikely = !everything && pilot.bounceWorse < likelyBounce;
     }
     if (counts.seen < counts.vertices)
         leaveOut("vertices that no photograph shows", fmt::format("{:.0f} of {:.0f}: their light is worked out when something needs it", counts.vertices - counts.seen, counts.vertices), &PlanChoices::unseenVertices);

@@ -32,10 +32,11 @@ std::vector<StageEstimate> predictStages(const WorkCounts& n, const MachineSpeed
     stages.push_back({"rows of the observations", distant ? n.rows * cells * pilot.rowSecondsPerCell : 0.0, n.rows * (leavesCoarse + n.lamps) * 4 / mib});
 
     const bool near = options.nearField && n.matte;
-    const double coarseRounds = std::clamp(0.7 * double(pilot.iterations), 4.0, double(options.startIterations));
+    const bool started = pilot.ran && near && distant && !black && leavesCoarse < leavesStart;  // from the pilot's light, strong directions divided
+    const double coarseRounds = started ? 2.5 : std::clamp(0.7 * double(pilot.iterations), 4.0, double(options.startIterations));
     double leaves = leavesCoarse + n.lamps;
-    // Strong directions are divided twice as a rule, with two or three iterations each.
-    const double strongLeaves = leaves + 40, strong = distant && !black && leavesCoarse < leavesStart ? 5 * roundSeconds(strongLeaves) + 0.2 * n.rows * cells * pilot.rowSecondsPerCell : 0.0;
+    // Strong directions are divided once more or twice, with an iteration or two each.
+    const double strongLeaves = leaves + 40, strong = distant && !black && leavesCoarse < leavesStart ? 2.5 * roundSeconds(strongLeaves) + 0.2 * n.rows * cells * pilot.rowSecondsPerCell : 0.0;
     if (near) stages.push_back({"coarse light", coarseRounds * roundSeconds(leaves) + strong, roundMib(strong > 0 ? strongLeaves : leaves)});
     // A few looks a piece, three eighths of the directions.
     const double firstLooks = n.glossyLooks * 120 / 700;
@@ -52,8 +53,8 @@ std::vector<StageEstimate> predictStages(const WorkCounts& n, const MachineSpeed
         const double rays = std::min(256.0, double(1 << 25) / std::max(1.0, n.vertices));
         const double trace = n.vertices * rays * pilot.bounceSecondsPerRay, coarse = leavesCoarse + n.lamps;
         // Tried on coarse light and, as likely as not, ruled out there.
-        // With few rays, kept and followed up, where it is likely.
-        const double trySeconds = choices.bounceLikely            ? 14 * roundSeconds(coarse) + 10 * roundSeconds(leaves) + 4 * albedo
+        // Where it is likely, by few rays from the start.
+        const double trySeconds = choices.bounceLikely            ? 12 * roundSeconds(leaves) + 4 * albedo
                                   : automatic && !choices.lateBounce ? 14 * roundSeconds(coarse) + 2 * albedo
                                                                      : rounds * roundSeconds(leaves) + 4 * albedo;
         stages.push_back({"bounced light", trace * (choices.bounceLikely ? 1.25 : 1.0) + trySeconds,

@@ -79,6 +79,36 @@ AlbedoFreeOptions pilotFit(const MatteObservations& matte, const EmitterClusters
     return fit;
 }
 
+/// Divides strong directions down to a side of 64, as the solve does (SolveState::sharpenStrong), so that it can begin with them.
+void sharpenStrong(const Scene& scene, const Visibility& visibility, const NearField& nearField, const RadianceSamples& samples, const EmitterClusters& lamps, const PilotPairs& part,
+                   const AlbedoFreeOptions& fit, Lighting& lighting, Progress& progress) {
+    const std::vector<uint32_t>& vertices = part.matte.vertices;
+    Visibility none;  // of a grid so coarse that divided directions get rays of their own
+    none.grid = {1 << pilotLevel, scene.axes};
+    InfluenceMatrix rows = lambertInfluence(scene, visibility, nearField, lighting.leaves, vertices, progress);
+    for (int round = 0; round < StrongDirections::rounds; ++round) {
+        std::vector<Rgb> share(lighting.leaves.size(), Rgb(0));
+        for (size_t r = 0; r < rows.rows; ++r) {
+            const Rgb inverse = 1.0f / glm::max(lightOfRow(rows.row(r), lighting), Rgb(1e-30f)) / float(rows.rows);
+            for (size_t k = 0; k < share.size(); ++k) share[k] += rows.row(r)[k] * lighting.leafRadiance[k] * inverse;
+        }
+        bool any = false;
+        for (uint32_t k = 0; k < share.size(); ++k) {
+            if (!(maxChannel(share[k]) > StrongDirections::share) || lighting.leaves[k].level >= StrongDirections::finest) continue;
+            lighting.leaves.split(k);
+            lighting.leafRadiance.resize(lighting.leaves.size(), lighting.leafRadiance[k]);
+            any = true;
+        }
+        if (!any) return;
+        rows = lambertInfluence(scene, visibility, nearField, lighting.leaves, vertices, progress);
+        std::vector<uint32_t> fine;
+        for (uint32_t k = 0; k < lighting.leaves.size(); ++k)
+            if (lighting.leaves[k].level > pilotLevel) fine.push_back(k);
+        lambertInfluenceOfLeaves(scene, none, lighting.leaves, vertices, fine, rows, progress);
+        solveAlbedoFree(rows, part.matte, part.pairs, lightAnchors(samples, lamps, lighting.leaves), nullptr, fit, lighting, progress, {});
+    }
+}
+
 }  // namespace
 
 PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps, const MatteObservations& all,
@@ -144,7 +174,6 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
         for (size_t k = 0; k < lighting.leaves.size(); ++k) distant += double(rows.row(i)[k]) * luminance(lighting.leafRadiance[k]);
     }
     found.distantShare = light > 0 ? distant / light : 1;
-    found.lighting = lighting;
 
     took();
     BounceOptions rays;
@@ -180,6 +209,12 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
     }
     const double n = double(std::max<size_t>(2, chosen.size())), mean = sum / n, variance = std::max(0.0, squares / n - mean * mean) / (n - 1);
     found.bounceWorse = variance > 0 ? mean / std::sqrt(variance) : 0;
+
+    const bool withBounce = found.bounceWorse < likelyBounce;
+    found.lighting = withBounce ? bounced : lighting;
+    if (!withBounce) fit.bounce = nullptr;
+    fit.iterations = 4;
+    sharpenStrong(scene, visibility, nearField, samples, lamps, part, fit, found.lighting, progress);
     return found;
 }
 

@@ -10,6 +10,9 @@
 
 namespace relamp {
 
+/// Of bounceWorse: below it bounced light takes part from the start.
+constexpr double likelyBounce = -2;
+
 struct PilotFindings {
     bool ran = false;             ///< false: too few matte points
     size_t pairs = 0, points = 0; ///< looked at
@@ -19,7 +22,7 @@ struct PilotFindings {
     double bouncedShare = 0;      ///< light from other surfaces over all light, if it were in the photographs
     double bounceWorse = 0;       ///< mean rise of the pairs' misfit when bounced light is taken for real, in standard errors of that mean
     int iterations = 0;           ///< of the coarse fit
-    Lighting lighting;            ///< the coarse light found
+    Lighting lighting;            ///< the light found, coarse but for strong directions; with bounced light where that is explained better
     // What pieces of the work took, for the cost model.
     double visibilitySecondsPerRay = 0, edgeSecondsPerPoint = 0, nearSecondsPerPoint = 0, rowSecondsPerCell = 0, bounceSecondsPerRay = 0, iterationSeconds = 0;
     size_t rows = 0, columns = 0;

@@ -62,6 +62,8 @@ PriorStrength chooseStrength(const std::vector<std::vector<double>>& misfits) {
     double whole = 0;
     for (const double m : misfits[usual]) whole += m;
     if (blocks < 2 || !(whole > 0)) return result;
+    // Eight blocks and two factors to try: two errors would be wrong by chance once in twelve captures.
+    constexpr double surely = 3;
     double best = 1;
     for (size_t k = 0; k < factors.size(); ++k) {
         double mean = 0, squares = 0;
@@ -69,7 +71,7 @@ PriorStrength chooseStrength(const std::vector<std::vector<double>>& misfits) {
         for (size_t b = 0; b < blocks; ++b) squares += std::pow(misfits[k][b] - misfits[usual][b] - mean, 2);
         const double n = double(blocks), ratio = 1 + mean * n / whole, error = std::sqrt(squares / (n - 1) / n) * n / whole;
         result.trials.push_back({factors[k], ratio, error});
-        if (!(ratio < best) || ratio + 2 * error >= 1) continue;
+        if (!(ratio < best) || ratio + surely * error >= 1) continue;
         best = ratio;
         result.factor = factors[k];
         result.chosenBy = "photographs";

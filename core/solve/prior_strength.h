@@ -15,7 +15,7 @@ inline const std::vector<float>& strengthsTried() {
     return factors;
 }
 
-/// The factor that foretells what was left out best, unless the usual one is within two standard errors of it (after [Breiman84]). `misfits[k][block]`: of the
+/// The factor that foretells what was left out best, unless the usual one is within three standard errors of it (after [Breiman84]). `misfits[k][block]`: of the
 /// k-th factor of strengthsTried() on each block of data that was left out; blocks err independently. Fewer than two blocks: the usual one.
 PriorStrength chooseStrength(const std::vector<std::vector<double>>& misfits);
 

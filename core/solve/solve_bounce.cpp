@@ -84,6 +84,15 @@ void SolveState::forgetBounce(std::string why) {
     sent_.clear();
 }
 
+void SolveState::joinLikelyBounce() {
+    if (options_.bounce != SolveOptions::Bounce::automatic || !plan_.choices.bounce || !plan_.choices.bounceLikely) return;
+    const std::string stage = meter_.current();
+    meter_.begin("bounced light");
+    if (bounceRays_.rays == 0) traceBounceRays(fewBounceRays);
+    updateBounce();
+    meter_.begin(stage);
+}
+
 void SolveState::decideBounce(bool coarse) {
     using Bounce = SolveOptions::Bounce;
     if (options_.bounce == Bounce::off) {
@@ -95,12 +104,10 @@ void SolveState::decideBounce(bool coarse) {
             if (o.what == "interreflection") noBounceBecause_ = o.reason;
         return;
     }
-    const bool likely = plan_.choices.bounceLikely;
-    if (coarse && (options_.bounce != Bounce::automatic || (plan_.choices.lateBounce && !likely))) return;
+    if (coarse && (options_.bounce != Bounce::automatic || plan_.choices.lateBounce || !bounce_.empty())) return;
     meter_.begin("bounced light");
-    const bool joined = !bounce_.empty();  // coarse light has it already
-    const uint32_t rays = coarse && likely ? fewBounceRays : BounceOptions{}.rays;
-    if (bounceRays_.rays < rays) traceBounceRays(rays);
+    constexpr uint32_t rays = BounceOptions{}.rays;
+    if (bounceRays_.rays == 0 || (!bounce_.empty() && bounceRays_.rays < rays)) traceBounceRays(rays);
     double enclosure = 0;
     for (uint32_t v : matte_.vertices) enclosure += bounceRays_.enclosure(v);
     enclosure /= double(matte_.vertices.size());
@@ -108,21 +115,20 @@ void SolveState::decideBounce(bool coarse) {
         forgetBounce(fmt::format("other surfaces fill only {:.1f} % of what a surface sees", 100 * enclosure));
         return;
     }
-    const Lighting without = lighting_;
-    AlbedoFreeReport alone;
-    double before = std::numeric_limits<double>::infinity();
-    if (!joined) {
-        alone = runAlbedoFree(coarse ? "light from ratios, coarse" : "light from ratios", 1, nullptr);
-        before = alone.objective;
-        lighting_ = without;
-    }
+    // Where bounced light has joined already, the light without it is fitted anew.
+    Lighting start = lighting_;
+    const bool joined = !bounce_.empty();
+    std::vector<Rgb>().swap(bounce_);
+    const AlbedoFreeReport alone = runAlbedoFree(coarse ? "light from ratios, coarse" : "light from ratios", joined ? options_.startIterations : 1, nullptr);
+    const double before = alone.objective;
+    const Lighting without = joined ? lighting_ : start;
+    lighting_ = std::move(start);
     // Several rounds: what hidden surfaces send rests on the light.
     double after = 0;
     for (int round = 0; round < (coarse || joined ? 2 : 4) && !stopped(); ++round) {
         updateBounce();
         const double earlier = after;
-        const std::optional<ChromaShare> chroma = joined ? std::nullopt : std::optional(alone.chroma);
-        after = runAlbedoFree(coarse ? "light from ratios and bounces, coarse" : "light from ratios and bounces", round == 0 ? 8 : options_.startIterations, nullptr, nullptr, chroma).objective;
+        after = runAlbedoFree(coarse ? "light from ratios and bounces, coarse" : "light from ratios and bounces", round == 0 ? 8 : options_.startIterations, nullptr, nullptr, alone.chroma).objective;
         if (options_.bounce == Bounce::automatic && after > 1.05 * before) break;  // far from it
         // What a round still gains falls from one to the next: ten times the last gain is out of reach, twenty times surely.
         const double reach = plan_.choices.lateBounce ? 20 : 10;
@@ -132,9 +138,7 @@ void SolveState::decideBounce(bool coarse) {
     computeLit();
     bouncedShare_ = bouncedShareOf();
     logInfo("bounced light: enclosure {:.1f} %, share {:.1f} %, objective {:.5g} without, {:.5g} with", 100 * enclosure, 100 * bouncedShare_, before, after);
-    // Coarse visibility alone can make a difference of a few percent.
-    const bool clear = after > 1.03 * before ? !likely : likely && after < 0.97 * before;
-    if (coarse && !clear) {
+    if (coarse && after < 1.03 * before) {  // coarse visibility alone can make as much of a difference
         // Finer light is to judge.
         lighting_ = without;
         bounce_.clear();

@@ -5,9 +5,14 @@
 namespace relamp {
 
 void SolveState::firstLight() {
+    joinLikelyBounce();
     runAlbedoFree("light from ratios, coarse", options_.startIterations, nullptr, nullptr, {}, FitEnd::coarse);
-    if (confirmEmitters()) runAlbedoFree("light from ratios, coarse", options_.startIterations, nullptr, nullptr, {}, FitEnd::coarse);
+    if (confirmEmitters()) {
+        joinLikelyBounce();
+        runAlbedoFree("light from ratios, coarse", options_.startIterations, nullptr, nullptr, {}, FitEnd::coarse);
+    }
     leaveOutBlackEnvironment();
+    if (!bounce_.empty()) updateBounce();
     if (stopped()) return;
     const Lighting without = lighting_;
     try {
@@ -21,10 +26,8 @@ void SolveState::firstLight() {
 
 void SolveState::sharpenStrong() {
     if (environmentBlack_ || firstLevel() >= options_.startLevel) return;
-    constexpr float strongShare = 0.04f;
-    constexpr int rounds = 3, finest = 6;
     double misfit = std::numeric_limits<double>::infinity();
-    for (int round = 0; round < rounds && !stopped(); ++round) {
+    for (int round = 0; round < StrongDirections::rounds && !stopped(); ++round) {
         computeLit();
         // The measure is a root of squares: a fiftieth of the squares is worth another round.
         const double before = misfit;
@@ -33,7 +36,7 @@ void SolveState::sharpenStrong() {
         const std::vector<Rgb> shares = sharesOfLight();
         std::vector<uint32_t> strong;
         for (uint32_t i = 0; i < shares.size(); ++i)
-            if (maxChannel(shares[i]) > strongShare && lighting_.leaves[i].level < finest) strong.push_back(i);
+            if (maxChannel(shares[i]) > StrongDirections::share && lighting_.leaves[i].level < StrongDirections::finest) strong.push_back(i);
         if (strong.empty()) return;
         splitLeaves(strong);
         runAlbedoFree("light from ratios, coarse", 4, nullptr, nullptr, {}, FitEnd::coarse);

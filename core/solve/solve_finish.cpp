@@ -13,6 +13,7 @@ namespace relamp {
 void SolveState::solveReflectance() {
     finishVisibility();
     computeLit();
+    if (!bounce_.empty() && bouncedShare_ == 0) bouncedShare_ = bouncedShareOf();
     // Glossy pieces: which lobe, how strong.
     std::vector<PieceGloss> found;
     std::vector<uint8_t> fitted(scene_.pieces, 0);
@@ -80,7 +81,7 @@ void SolveState::askLightStrength() {
     if (!options_.askForStrength || options_.lightSmoothness > 0 || !hasMatte() || !options_.nearField || environmentBlack_ || stopped()) return;
     constexpr size_t maxRows = 6000;
     std::vector<Vec3> positions(matte_.vertices.size());
-    for (size_t i = 0; i < positions.size(); ++i) positions[i] = scene_.mesh.positions[matte_.vertices[i]];
+    for (size_t i = 0; i < positions.size(); ++i) positions[i] = scene_.mesh.positions[matte_.vertices[i]] * scene_.axes;
     AlbedoFreeOptions o;
     o.light = lightPrior_;
     o.emptyColumns = plan_.choices.emptyColumns;
@@ -153,8 +154,8 @@ void SolveState::assembleEnvironment(Estimate& estimate) const {
 void SolveState::turnEnvironment(Estimate& estimate) const {
     if (scene_.axes == Mat3(1)) return;
     const DirectionGrid own{estimate.environmentSide, scene_.axes}, world{estimate.environmentSide};
-    for (std::vector<Rgb>* cells : {&estimate.environment, &estimate.environmentSigma})
-        if (!cells->empty()) *cells = turnedCells(*cells, own, world);
+    estimate.environment = turnedCells(estimate.environment, own, world, stopped() ? 4 : 8);
+    if (!estimate.environmentSigma.empty()) estimate.environmentSigma = turnedCells(estimate.environmentSigma, own, world, 2);
 }
 
 void SolveState::assess(Estimate& estimate) {

@@ -7,6 +7,13 @@
 namespace relamp {
 
 struct RatioObservations;
+struct Lighting;
+
+/// Directions that give much of the light are divided first.
+struct StrongDirections {
+    static constexpr float share = 0.04f;  ///< of the light on the surfaces, above which one is divided
+    static constexpr int rounds = 3, finest = 6;
+};
 
 /// What takes part. The default is what every solve may take for granted; the planner (pipeline/plan.h) switches off more.
 struct PlanChoices {
@@ -44,6 +51,7 @@ struct SolvePlan {
     std::vector<PlannedOmission> leftOut;
     double planningSeconds = 0;
     std::shared_ptr<const RatioObservations> observed;  ///< what planning worked out and the solve takes over; null: nothing
+    std::shared_ptr<const Lighting> light;              ///< the light planning found, strong directions finer: where the solve starts; null: nowhere
     /// The stage of that name, made if it is not there.
     PlannedStage& stage(const std::string& name);
     double predictedSeconds() const;   ///< over the stages with a prediction

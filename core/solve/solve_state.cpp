@@ -87,9 +87,17 @@ void SolveState::prepare(const EmitterClusters& clusters) {
     rebuildNearField();
     if (matte_.vertices.empty()) throw Error("no vertex has a usable look-up: every pixel on the mesh is clipped, or all of the mesh was taken for lamps; `relamp check` tells which");
     environmentBlack_ = !plan_.choices.distantLight && !surfaces_.empty();
-    lighting_.leaves = LightLeaves::uniform(firstLevel(), scene_.axes);
+    constexpr auto coarsest = [](const LightLeaves& leaves) {
+        int level = LightLeaves::maxLevel;
+        for (size_t i = 0; i < leaves.size(); ++i) level = std::min(level, int(leaves[i].level));
+        return level;
+    };
+    startsFromPlan_ = plan_.light && !environmentBlack_ && options_.nearField && hasMatte() && coarsest(plan_.light->leaves) == firstLevel() && firstLevel() < options_.startLevel;
+    lighting_.leaves = startsFromPlan_ ? plan_.light->leaves : LightLeaves::uniform(firstLevel(), scene_.axes);
     rebuildRows();
     guessLight();
+    if (startsFromPlan_) lighting_.leafRadiance = plan_.light->leafRadiance;
+    plan_.light.reset();
 }
 
 int SolveState::visibilityStepFor(int level) const {
@@ -199,8 +207,9 @@ AlbedoFreeReport SolveState::runAlbedoFree(const std::string& stage, int iterati
     // Light is soft when metals first join: their looks are far off and would be taken for outliers.
     const bool firstOfMetals = problem && !metalsJoined_;
     metalsJoined_ |= problem != nullptr;
-    o.anneal = timeline_.empty() || firstOfMetals;
-    o.leastIterations = timeline_.empty() ? 4 : 0;
+    const bool guessed = timeline_.empty() && !startsFromPlan_;
+    o.anneal = guessed || firstOfMetals;
+    o.leastIterations = guessed ? 4 : timeline_.empty() ? 1 : 0;
     o.light = lightPrior_;
     o.emptyColumns = plan_.choices.emptyColumns;
     // Light that goes on to be made finer or tried out need not be fitted to the end.

@@ -74,8 +74,10 @@ private:
     /// Leaves the distant light out where it gives less than half a percent of what is seen (3 % where the background is seen and black): less than the photographs can tell.
     void leaveOutBlackEnvironment();
     /// Do the photographs hold light bounced between surfaces? Fits the light with and without it and keeps what explains ratios better.
-    /// `coarse`: a first, cheap try. It leaves bounced light out where that is clear, and where the plan finds it likely and the try agrees, keeps it: finer light then starts with it.
+    /// `coarse`: a first, cheap try that can only leave it out.
     void decideBounce(bool coarse);
+    /// Where the plan finds bounced light likely: what the photographs show of its senders joins the light from the start, by few rays; finer light judges it (decideBounce).
+    void joinLikelyBounce();
     /// Bounced light, if it was kept, from what the photographs show of its senders; senders that no photograph shows send their albedo
     /// times their light.
     void updateBounce();
@@ -124,6 +126,7 @@ private:
     double matteShare_ = 0;
     bool noMetals_ = false;                  ///< pieces that change with the view as metals do were not explained by being metals
     bool environmentBlack_ = false;
+    bool startsFromPlan_ = false;            ///< the first light is that of the plan
     bool refined_ = false;                   ///< no leaf is worth a split any more
     double refinedMisfit_ = 0;               ///< of the pairs before the last split, 0: there was none
     std::vector<uint8_t> known_;             ///< vertices whose transport is known

@@ -43,6 +43,8 @@ void SolveState::run(SolveStep step, uint32_t index) {
     if (dispensable && stopped()) return;
     stepMayBeCut_ = hasMatte() && options_.nearField && (step == firstLight || step == startLight || step == refineLight || step == glossLight);
     const Lighting before = lighting_;
+    std::array<std::vector<Rgb>, 3> joined;  // bounced light that coarse light has
+    if (step == bounces) joined = {bounce_, vertexBounce_, sent_};
     keepForCut();
     try {
         std::optional<Progress::Dispensable> mayEnd;
@@ -112,7 +114,8 @@ void SolveState::run(SolveStep step, uint32_t index) {
     } catch (const OutOfTime&) {
         // The fits keep what is best so far themselves; what stands half done here is taken back.
         if (lighting_.leaves.size() == before.leaves.size() && lighting_.emitterRadiance.size() == before.emitterRadiance.size()) lighting_ = before;
-        if (step == bounces) forgetBounce("the time was used up before it could be tried");
+        if (!joined[0].empty()) std::tie(bounce_, vertexBounce_, sent_) = std::tuple(std::move(joined[0]), std::move(joined[1]), std::move(joined[2]));
+        else if (step == bounces) forgetBounce("the time was used up before it could be tried");
         logInfo("{}: given up, the time is used up", stageOf(step));
     }
     if (stopped()) takeBackUntold();

@@ -22,6 +22,40 @@ TEST(DirectionGrid, EveryCellHoldsTheSameShareOfUniformDirections) {
     for (const int found : count) EXPECT_NEAR(found, expected, 5 * std::sqrt(expected));
 }
 
+TEST(DirectionGrid, LiesAlongItsAxes) {
+    const Mat3 axes = frameAround(glm::normalize(Vec3(1, 2, -1)));
+    const DirectionGrid turned{16, axes}, world{16};
+    for (int c = 0; c < world.cells(); ++c) {
+        EXPECT_EQ(turned.cellOf(turned.direction(c)), c);
+        EXPECT_LT(glm::distance(turned.direction(c), axes * world.direction(c)), 1e-6f);
+    }
+}
+
+/// Light from `cells` on a surface that faces `normal`, up to a constant.
+double lightOn(const std::vector<Rgb>& cells, const DirectionGrid& grid, const Vec3& normal) {
+    double sum = 0;
+    for (int c = 0; c < grid.cells(); ++c) sum += double(cells[size_t(c)].x) * std::max(0.0f, glm::dot(grid.direction(c), normal));
+    return sum;
+}
+
+TEST(DirectionGrid, CellsTurnedToOtherAxesGiveTheSameLight) {
+    const DirectionGrid own{128, frameAround(glm::normalize(Vec3(1, 2, -1)))}, world{128};
+    std::vector<Rgb> cells(size_t(own.cells()));
+    for (int c = 0; c < own.cells(); ++c) cells[size_t(c)] = Rgb(0.2f + std::abs(std::sin(0.3f * float(c % 128)) * float(c / 128) / 128));
+    const std::vector<Rgb> constant(cells.size(), Rgb(0.7f, 0.2f, 3));
+    for (const Rgb& c : turnedCells(constant, own, world)) EXPECT_LT(glm::distance(c, constant[0]), 1e-5f);
+    cells[4711] = Rgb(30000);  // a sun: half of all light
+    const std::vector<Rgb> turned = turnedCells(cells, own, world);
+    double before = 0, after = 0;
+    for (size_t c = 0; c < cells.size(); ++c) before += cells[c].x, after += turned[c].x;
+    EXPECT_NEAR(after / before, 1, 2e-4);
+    const double most = lightOn(cells, own, own.direction(4711));
+    for (uint64_t n = 0; n < 20; ++n) {
+        const Vec3 normal = randomDirection(n);
+        EXPECT_NEAR(lightOn(turned, world, normal) / most, lightOn(cells, own, normal) / most, 1e-3) << n;
+    }
+}
+
 TEST(DirectionGrid, MapStretchesAreaByFourPiEverywhere) {
     const float step = 1e-3f;
     int checked = 0;

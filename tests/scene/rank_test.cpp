@@ -1,4 +1,4 @@
-// The numbers that random patterns are drawn by: they rest on where vertices lie, not on units, origin or the file's order.
+// The numbers that random patterns are drawn by: they rest on where vertices lie, not on units, origin, axes or the file's order.
 #include <gtest/gtest.h>
 
 #include <numeric>
@@ -33,6 +33,24 @@ TEST(Rank, HardlyFeelsUnitsAndOrigin) {
             for (size_t v = 0; v < scene.rank.size(); ++v) changed += scene.rank[v] != other.rank[v];
             EXPECT_LE(changed, scene.rank.size() / 500) << scale << ", " << offset.x;
         }
+}
+
+TEST(Rank, HardlyFeelsHowTheWorldLies) {
+    Progress progress;
+    const Mat3 axes = frameAround(glm::normalize(Vec3(0.3f, -0.5f, 0.8f)));
+    const Scene scene = buildScene(world(), progress, axes);
+    for (const Vec3& z : {Vec3(1, 0, 0), glm::normalize(Vec3(1, 2, -1))}) {
+        const Mat3 turn = frameAround(z);
+        Mesh turned = world();
+        for (Vec3& p : turned.positions) p = turn * p;
+        for (Vec3& n : turned.normals) n = turn * n;
+        const Scene other = buildScene(turned, progress, turn * axes);
+        size_t changed = 0;
+        for (size_t v = 0; v < scene.rank.size(); ++v) changed += scene.rank[v] != other.rank[v];
+        EXPECT_LE(changed, scene.rank.size() / 500) << z.x;
+        EXPECT_NEAR(scene.tracer->surfaceOffset() / other.tracer->surfaceOffset(), 1, 1e-5);
+        EXPECT_EQ(scene.graph.to, other.graph.to);
+    }
 }
 
 TEST(Rank, DoesNotRestOnTheOrderOfTheFile) {

@@ -16,7 +16,7 @@ struct GlazedBall {
     GlazedBall() {
         const Rgb albedo(0.4f, 0.08f, 0.05f);
         lighting.leaves = LightLeaves::uniform(3);
-        for (size_t i = 0; i < lighting.leaves.size(); ++i) lighting.leafRadiance.push_back(Rgb(0.5f + 4 * std::max(0.0f, lighting.leaves[i].direction(Vec2(0.5f)).x)));
+        for (size_t i = 0; i < lighting.leaves.size(); ++i) lighting.leafRadiance.push_back(Rgb(0.5f + 4 * std::max(0.0f, lighting.leaves.direction(i, Vec2(0.5f)).x)));
         gloss.lobe = Lobe{Lobe::Kind::ggxDielectric, 0.05f, "glaze"};
         gloss.weight = Rgb(1);
         for (const DVec3& eye : {DVec3(3, 0, 1), DVec3(0, 3, 1), DVec3(-3, 0, 1), DVec3(0, -3, 1)}) {

@@ -109,7 +109,7 @@ struct Ball {
         scene = test::sceneOf(mesh);
         lighting.leaves = LightLeaves::uniform(4);
         for (size_t i = 0; i < lighting.leaves.size(); ++i) {
-            const Vec3 d = lighting.leaves[i].direction(Vec2(0.5f));
+            const Vec3 d = lighting.leaves.direction(i, Vec2(0.5f));
             lighting.leafRadiance.push_back(Rgb(1.5f + d.x + 0.3f * d.z, 1, 1 - 0.5f * d.y));
         }
         for (uint32_t v = 0; v < 300; ++v) {

@@ -49,7 +49,7 @@ TEST(LightLeaves, FindTheLeafThatHoldsADirection) {
         EXPECT_NEAR(p.x, leaf.x + 0.5f, 0.5f + 1e-3f);
         EXPECT_NEAR(p.y, leaf.y + 0.5f, 0.5f + 1e-3f);
     }
-    for (size_t i = 0; i < leaves.size(); ++i) EXPECT_EQ(leaves.leafOf(leaves[i].direction(Vec2(0.5f))), i);
+    for (size_t i = 0; i < leaves.size(); ++i) EXPECT_EQ(leaves.leafOf(leaves.direction(i, Vec2(0.5f))), i);
 }
 
 TEST(LightLeaves, SplitKeepsTheOtherLeavesAndPutsTheFirstChildInPlace) {
@@ -78,7 +78,7 @@ TEST(LightLeaves, NeighboursAreCloseOnTheSphereAndEachLeafHasSome) {
         EXPECT_LT(a, b);
         ++count[a];
         ++count[b];
-        EXPECT_GT(glm::dot(leaves[a].direction(Vec2(0.5f)), leaves[b].direction(Vec2(0.5f))), 0.85f) << a << " " << b;
+        EXPECT_GT(glm::dot(leaves.direction(a, Vec2(0.5f)), leaves.direction(b, Vec2(0.5f))), 0.85f) << a << " " << b;
     }
     EXPECT_EQ(count.size(), leaves.size());
     for (const auto& [leaf, neighbours] : count) EXPECT_GE(neighbours, 3) << leaf;
