@@ -66,7 +66,7 @@ std::vector<StageEstimate> predictStages(const WorkCounts& n, const MachineSpeed
         const int rounds = std::min(3, options.refineRounds);
         for (int round = 0; round < rounds && near; ++round) {
             wider = std::min(double(options.maxLeaves), wider + (90 >> round));
-            seconds += (4 - round) * roundSeconds(wider) + 0.1 * n.rows * cells * pilot.rowSecondsPerCell;
+            seconds += ((started ? 3 : 4) - round) * roundSeconds(wider) + 0.1 * n.rows * cells * pilot.rowSecondsPerCell;
         }
         leaves = wider;
         stages.push_back({"finer light", seconds, 2 * n.rows * leaves * 4 / mib - n.rows * leavesStart * 4 / mib + roundMib(leaves)});

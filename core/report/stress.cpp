@@ -192,7 +192,6 @@ StressReport runStress(const Capture* capture, const StressOptions& options, Pro
         brief.glossRounds = 0;
         brief.refineRounds = 1;
         brief.startIterations = 6;
-        brief.refineIterations = 12;
         brief.bounce = SolveOptions::Bounce::off;
         variantsOf("capture", withSmallPictures(*capture, options.longestSide), brief, runner);
     }

@@ -100,6 +100,7 @@ private:
     SolveCheckpoint checkpoint(uint32_t step, bool between) const;
     /// The plan with what the stages cost so far.
     SolvePlan measuredPlan() const;
+    /// `rays`: from each vertex.
     void traceBounceRays(uint32_t rays);
     /// Bounced light at the observations, from that at the vertices.
     void takeVertexBounce();
