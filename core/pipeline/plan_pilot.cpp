@@ -1,7 +1,10 @@
 #include "pipeline/plan_pilot.h"
 
+#include <numeric>
+
 #include "base/random.h"
 #include "solve/albedo_free.h"
+#include "solve/shares_of_light.h"
 #include "transport/bounce.h"
 
 namespace relamp {
@@ -85,13 +88,11 @@ void sharpenStrong(const Scene& scene, const Visibility& visibility, const NearF
     const std::vector<uint32_t>& vertices = part.matte.vertices;
     Visibility none;  // of a grid so coarse that divided directions get rays of their own
     none.grid = {1 << pilotLevel, scene.axes};
+    std::vector<uint32_t> every(vertices.size());
+    std::iota(every.begin(), every.end(), 0u);
     InfluenceMatrix rows = lambertInfluence(scene, visibility, nearField, lighting.leaves, vertices, progress);
     for (int round = 0; round < StrongDirections::rounds; ++round) {
-        std::vector<Rgb> share(lighting.leaves.size(), Rgb(0));
-        for (size_t r = 0; r < rows.rows; ++r) {
-            const Rgb inverse = 1.0f / glm::max(lightOfRow(rows.row(r), lighting), Rgb(1e-30f)) / float(rows.rows);
-            for (size_t k = 0; k < share.size(); ++k) share[k] += rows.row(r)[k] * lighting.leafRadiance[k] * inverse;
-        }
+        const std::vector<Rgb> share = sharesOfLight(rows, lighting, litBy(rows, lighting), every);
         bool any = false;
         for (uint32_t k = 0; k < share.size(); ++k) {
             if (!(maxChannel(share[k]) > StrongDirections::share) || lighting.leaves[k].level >= StrongDirections::finest) continue;

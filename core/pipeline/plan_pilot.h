@@ -28,7 +28,7 @@ struct PilotFindings {
     size_t rows = 0, columns = 0;
 };
 
-/// `pairs` of all matte observations; every random choice goes by the points' places, not by their order. Cost: about 0.3 s on a mesh of 30000
+/// `pairs` of all matte observations; every random choice goes by the points' places, not by their order. Cost: about 0.4 s on a mesh of 30000
 /// vertices. Throws Cancelled.
 PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps, const MatteObservations& matte,
                        const std::vector<AlbedoPair>& pairs, const SolveOptions& options, Progress& progress);

@@ -1,6 +1,7 @@
 // Which directions of the surroundings are told apart: leaves that are split, and leaves that only metals tell apart.
 #include <map>
 
+#include "solve/shares_of_light.h"
 #include "solve/solve_state.h"
 
 namespace relamp {
@@ -36,16 +37,10 @@ bool SolveState::refineLeaves() {
 }
 
 std::vector<Rgb> SolveState::sharesOfLight() const {
-    std::vector<Rgb> given(lighting_.leaves.size(), Rgb(0));
-    size_t counted = 0;
-    for (size_t r = 0; r < influence_.rows; ++r) {
-        if (scene_.rank[matte_.vertices[r]] % 5) continue;
-        ++counted;
-        const Rgb inverse = 1.0f / glm::max(lit_[r], Rgb(1e-30f));
-        for (size_t i = 0; i < given.size(); ++i) given[i] += influence_.row(r)[i] * lighting_.leafRadiance[i] * inverse;
-    }
-    for (Rgb& share : given) share /= float(std::max<size_t>(1, counted));
-    return given;
+    std::vector<uint32_t> some;
+    for (uint32_t r = 0; r < influence_.rows; ++r)
+        if (scene_.rank[matte_.vertices[r]] % 5 == 0) some.push_back(r);
+    return relamp::sharesOfLight(influence_, lighting_, lit_, some);
 }
 
 std::vector<uint32_t> SolveState::leavesAsMatteTellsThem() const {
