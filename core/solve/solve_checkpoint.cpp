@@ -61,9 +61,17 @@ void fields(File& f, std::string& text) {
     text.resize(f.count(text.size()));
     f.block(text.data(), text.size());
 }
+/// Nothing of it is padding, whose bytes would be anybody's.
+template <class T>
+constexpr bool gapless = std::has_unique_object_representations_v<T> || std::is_floating_point_v<T> || std::is_same_v<T, Rgb>;
+template <>
+constexpr bool gapless<GlossyLook> = sizeof(GlossyLook) == 2 * sizeof(uint32_t) + 7 * sizeof(float);
+template <>
+constexpr bool gapless<PaletteColour> = sizeof(PaletteColour) == 4 * sizeof(float);
+
 template <class File, class T>
 void list(File& f, std::vector<T>& values) {
-    static_assert(std::is_trivially_copyable_v<T>);
+    static_assert(std::is_trivially_copyable_v<T> && gapless<T>);
     values.resize(f.count(values.size()));
     f.block(values.data(), values.size() * sizeof(T));
 }
@@ -117,8 +125,8 @@ void fields(File& f, Lobe& lobe, bool insideMixture) {
     listOf(f, lobe.parts, [&](Lobe& part) {
         if (insideMixture) throw Error("a mixture inside a mixture");
         fields(f, part, true);
-        f.plain(part.share);
     });
+    f.plain(lobe.share);
 }
 
 template <class File>
@@ -168,7 +176,11 @@ void fields(File& f, SolveCheckpoint& c) {
     f.plain(c.seconds);
     fields(f, c.clusters);
     list(f, c.suspect);
-    list(f, c.leaves);
+    listOf(f, c.leaves, [&](Leaf& leaf) {
+        f.plain(leaf.level);
+        f.plain(leaf.x);
+        f.plain(leaf.y);
+    });
     list(f, c.leafRadiance);
     list(f, c.emitterRadiance);
     f.plain(c.environmentBlack);
@@ -183,7 +195,11 @@ void fields(File& f, SolveCheckpoint& c) {
     for (PriorStrength* strength : {&c.lightSmoothness, &c.albedoSmoothness}) {
         f.plain(strength->factor);
         fields(f, strength->chosenBy);
-        list(f, strength->trials);
+        listOf(f, strength->trials, [&](PriorStrength::Trial& trial) {
+            f.plain(trial.factor);
+            f.plain(trial.misfit);
+            f.plain(trial.error);
+        });
     }
     listOf(f, c.gloss, [&](PieceGloss& g) { fields(f, g); });
     listOf(f, c.firstGloss, [&](PieceGloss& g) { fields(f, g); });

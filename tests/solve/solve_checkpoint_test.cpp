@@ -68,13 +68,7 @@ void expectSameBits(const Estimate& a, const Estimate& b, const std::string& whe
 
 /// All that a checkpoint keeps but for how long it took.
 void expectSameCheckpoint(SolveCheckpoint a, SolveCheckpoint b, const std::string& where) {
-    ASSERT_EQ(a.leaves.size(), b.leaves.size()) << where;
-    for (size_t i = 0; i < a.leaves.size(); ++i) {
-        const Leaf &l = a.leaves[i], &m = b.leaves[i];
-        ASSERT_TRUE(l.level == m.level && l.x == m.x && l.y == m.y) << where << ", leaf " << i;
-    }
     for (SolveCheckpoint* c : {&a, &b}) {
-        c->leaves.clear();  // a byte of each is padding
         c->seconds = 0;
         c->plan.stages.clear();
         for (TimelineEntry& entry : c->timeline) entry.seconds = 0;
