@@ -53,7 +53,7 @@ std::vector<Action> makeActions() {
     // ---- edit
     add({"edit.undo", "Undo", "Take the last edit back.", "Edit", {{'Z', true}}, [](Editor& e) { e.undo(); }, [](const Editor& e) { return e.history().canUndo(); }, {}, false});
     add({"edit.redo", "Redo", "Bring back what was undone.", "Edit", {{'Z', true, true}, {'Y', true}}, [](Editor& e) { e.redo(); }, [](const Editor& e) { return e.history().canRedo(); }, {}, false});
-    add({"edit.resetAll", "Reset the look", "Every light back to what was recovered, the environment as photographed, added lights gone.", "Edit", {}, [](Editor& e) { e.edit("Reset the look", [](Look& look) { look = Look{}; }); }, hasEstimate, {}, true});
+    add({"edit.resetAll", "Reset the look", "Every light back to what was recovered, the environment as photographed, added lights gone.", "Edit", {}, [](Editor& e) { e.edit("Reset the look", resetLook); }, hasEstimate, {}, true});
     add({"edit.selectNone", "Deselect", "Select nothing; also disarms a click that waits.", "Edit", {{keyEscape}},
          [](Editor& e) {
              if (e.state.viewport.clickTask != ClickTask::none) {
@@ -75,12 +75,13 @@ std::vector<Action> makeActions() {
              const EmitterState* active = e.emitter(e.state.selection.active());
              if (!active) return;
              const bool on = !active->enabled;
-             e.edit((on ? "Switch on " : "Switch off ") + namesOf(e.state.selection.emitters), [&](Look& look) { for (const std::string& id : e.state.selection.emitters) setEnabled(look, id, on); });
+             e.edit((on ? "Switch on " : "Switch off ") + e.namesOf(e.state.selection.emitters), [&](Look& look) { for (const std::string& id : e.state.selection.emitters) setEnabled(look, id, on); });
          },
          hasSelection, {}, true});
     add({"light.solo", "Solo", "Show only the selected lights; press again to see all. Files are not affected.", "Light", {{'M', false, true}},
          [](Editor& e) { e.state.viewport.solo = e.state.viewport.solo == e.state.selection.emitters ? std::vector<std::string>{} : e.state.selection.emitters; },
          [](const Editor& e) { return hasSelection(e) || !e.state.viewport.solo.empty(); }, [](const Editor& e) { return !e.state.viewport.solo.empty(); }, false});
+    add({"light.rename", "Rename", "What the selected light is called: in the lists, as a light group of exported frames and in exported scenes.", "Light", {{keyF2}}, [](Editor& e) { e.state.panels.renameLight = true; }, hasSelection, {}, false});
     add({"light.reset", "Reset to recovered", "The selected lights back to what was found: place, colour and power.", "Light", {}, [](Editor& e) { resetEmitters(e, e.state.selection.emitters, EmitterValue::all); }, hasSelection, {}, false});
     add({"light.duplicate", "Duplicate", "A second light like this one, a little aside.", "Light", {{'D', false, true}},
          [](Editor& e) { duplicateEmitters(e, e.state.selection.emitters); },

@@ -121,6 +121,12 @@ const EmitterState* Editor::emitter(const std::string& id) const {
     return nullptr;
 }
 
+std::string Editor::namesOf(const std::vector<std::string>& ids) const {
+    if (ids.size() != 1) return fmt::format("{} lights", ids.size());
+    const EmitterState* known = emitter(ids[0]);
+    return known ? known->name : ids[0];
+}
+
 // ---- the picture
 
 std::shared_ptr<const LiveFrame> Editor::liveFrame() const { return impl_->relight.frame(); }

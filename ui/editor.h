@@ -65,6 +65,8 @@ public:
     /// Emitters as the look has them; empty before a solve. Cached until the look changes.
     const std::vector<EmitterState>& emitters() const;
     const EmitterState* emitter(const std::string& id) const;
+    /// What the artist calls it, else its id; of several: "3 lights".
+    std::string namesOf(const std::vector<std::string>& ids) const;
 
     // ---- background work
     void solve(const SolveRequest& request);

@@ -158,6 +158,7 @@ struct LogEntry {
 struct PanelState {
     bool history = true, log = true, doctor = false, keys = false, palette = false, exportFrames = false, about = false;
     bool openBrowser = false, saveBrowser = false, environmentBrowser = false, solveSettings = false;
+    bool renameLight = false;  ///< asks the inspector to put the cursor into the active light's name
     int bottomTab = 0;
     float leftWidth = 300, rightWidth = 320, bottomHeight = 190;  ///< pixels at scale 1
 };

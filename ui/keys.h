@@ -7,7 +7,7 @@ namespace relamp::ui {
 
 enum Key : int {
     keySpace = 32, keyComma = 44, keyMinus = 45, keyPeriod = 46, keyEqual = 61, keyEscape = 256, keyEnter = 257, keyTab = 258, keyBackspace = 259,
-    keyDelete = 261, keyRight = 262, keyLeft = 263, keyDown = 264, keyUp = 265, keyHome = 268, keyF1 = 290, keyF5 = 294, keyF11 = 300, keyF12 = 301,
+    keyDelete = 261, keyRight = 262, keyLeft = 263, keyDown = 264, keyUp = 265, keyHome = 268, keyF1 = 290, keyF2 = 291, keyF5 = 294, keyF11 = 300, keyF12 = 301,
     keyPad0 = 320, keyPadEnter = 335,
 };
 /// "Esc", "A", "F12".

@@ -1,6 +1,10 @@
 #include "base/stage_meter.h"
 
+#ifdef RELAMP_SANITIZED
+#include <sanitizer/allocator_interface.h>
+#else
 #include <malloc.h>
+#endif
 
 #include <algorithm>
 #include <chrono>
@@ -10,8 +14,12 @@
 namespace relamp {
 
 size_t allocatedBytes() {
+#ifdef RELAMP_SANITIZED
+    return __sanitizer_get_current_allocated_bytes();  // the C library's own books are not even set up then
+#else
     const auto books = ::mallinfo2();
     return books.uordblks + books.hblkhd;
+#endif
 }
 
 StageMeter::StageMeter(Progress& progress) : progress_(progress) {

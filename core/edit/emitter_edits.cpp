@@ -32,7 +32,9 @@ int clusterIndex(const Estimate& estimate, const std::string& id) {
 bool nothingChanged(const EmitterLook& e) { return e.enabled && e.matrix == Mat4(1) && e.powerScale == Rgb(1); }
 
 /// Entries that say nothing are left out, so that a reset look equals an untouched one.
-void tidy(Look& look) { std::erase_if(look.emitters, nothingChanged); }
+void tidy(Look& look) {
+    std::erase_if(look.emitters, [](const EmitterLook& e) { return nothingChanged(e) && e.name.empty(); });
+}
 
 /// Columns: two axes across, and where it faces.
 Mat3 axesFrom(const Mat4& matrix, const Vec3& facing) {
@@ -103,7 +105,7 @@ std::vector<EmitterState> emittersOf(const Scene& scene, const Estimate& estimat
     const std::vector<EmitterCluster>& clusters = estimate.emitters.emitters;
     for (size_t i = 0; i < clusters.size(); ++i) {
         EmitterState s;
-        s.id = clusters[i].id;
+        s.id = s.name = clusters[i].id;
         s.index = int(i);
         s.recoveredRadiance = s.radiance = i < estimate.lighting.emitterRadiance.size() ? estimate.lighting.emitterRadiance[i] : clusters[i].radiance;
         for (const EmitterLook& e : look.emitters)
@@ -112,6 +114,7 @@ std::vector<EmitterState> emittersOf(const Scene& scene, const Estimate& estimat
                 s.matrix = e.matrix;
                 s.radiance *= e.powerScale;
                 s.changed = !nothingChanged(e);
+                if (!e.name.empty()) s.name = e.name;
             }
         s.pivot = Vec3(s.matrix * Vec4(clusters[i].centroid, 1));
         s.axes = axesFrom(s.matrix, facingOf(clusters[i]));
@@ -122,6 +125,7 @@ std::vector<EmitterState> emittersOf(const Scene& scene, const Estimate& estimat
         const AddedEmitter& e = look.added[i];
         EmitterState s;
         s.id = e.id;
+        s.name = e.name.empty() ? e.id : e.name;
         s.recovered = false;
         s.index = int(i);
         s.enabled = e.enabled;
@@ -210,6 +214,21 @@ void resetEmitter(Look& look, const std::string& id, EmitterValue value) {
     tidy(look);
 }
 
+void renameEmitter(Look& look, const std::string& id, const std::string& name) {
+    std::string wanted = tidyName(name);
+    if (wanted == id) wanted.clear();
+    if (AddedEmitter* added = addedLook(look, id)) added->name = wanted;
+    else recoveredLook(look, id, true)->name = wanted;
+    tidy(look);
+}
+
+void resetLook(Look& look) {
+    Look fresh;
+    for (const EmitterLook& e : look.emitters)
+        if (!e.name.empty()) recoveredLook(fresh, e.id, true)->name = e.name;
+    look = fresh;
+}
+
 std::string addEmitter(Look& look, const Estimate& estimate, AddedEmitter emitter) {
     const char* stems[] = {"rectangle", "disk", "sphere", "part", "copy"};
     emitter.id = freshId(look, estimate, stems[int(emitter.shape)]);
@@ -223,6 +242,7 @@ std::string duplicateEmitter(Look& look, const Estimate& estimate, const std::st
         AddedEmitter copy = *added;
         if (copy.shape == AddedEmitter::Shape::part) return {};  // a piece of mesh exists once
         copy.matrix = aside * copy.matrix;
+        copy.name.clear();
         return addEmitter(look, estimate, std::move(copy));
     }
     const int c = clusterIndex(estimate, id);

@@ -14,6 +14,7 @@ namespace relamp {
 /// A recovered or added emitter as the look has it.
 struct EmitterState {
     std::string id;
+    std::string name;             ///< what the artist calls it, else its id
     bool recovered = true;
     int index = 0;                ///< place in the estimate's emitters (recovered) or in look.added
     bool enabled = true;
@@ -23,7 +24,7 @@ struct EmitterState {
     Vec3 pivot{0};                ///< world: centroid after the matrix
     Mat3 axes{1};                 ///< columns: local x, y and facing axis, unit, world; z points where it faces (away from the surface)
     float area = 0;               ///< square metres before the matrix
-    bool changed = false;         ///< differs from what was recovered; added ones always
+    bool changed = false;         ///< differs from what was recovered, by more than its name; added ones always
 };
 
 /// Recovered ones in order, then added ones.
@@ -39,8 +40,13 @@ void moveEmitter(Look& look, const std::string& id, const Mat4& change);
 void setSize(Look& look, const std::string& id, const Vec2& size);
 
 enum class EmitterValue { place, radiance, enabled, all };
-/// Back to what was recovered. For added ones: place back to the identity matrix; the others stay.
+/// Back to what was recovered; its name stays. For added ones: place back to the identity matrix; the others stay.
 void resetEmitter(Look& look, const std::string& id, EmitterValue value);
+
+/// What it is called in the window, as a light group and in exported scenes; tidied (tidyName). Empty, or its id: its id again.
+void renameEmitter(Look& look, const std::string& id, const std::string& name);
+/// Everything back to what was recovered, added emitters gone; what recovered ones are called stays.
+void resetLook(Look& look);
 
 /// Gives the emitter a fresh id ("rectangle-1") and returns it.
 std::string addEmitter(Look& look, const Estimate& estimate, AddedEmitter emitter);

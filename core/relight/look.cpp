@@ -1,5 +1,6 @@
 #include "relight/look.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "base/atomic_file.h"
@@ -96,7 +97,40 @@ std::string textOf(const Json& object, const char* key, const std::string& where
     return at->get<std::string>();
 }
 
+std::string nameOf(const Json& object, const std::string& where) {
+    const std::string name = textOf(object, "name", where);
+    if (std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; })) throw Error("{}.name: has a control character in it", where);
+    return tidyName(name);
+}
+
 }  // namespace
+
+std::string tidyName(const std::string& name) {
+    const size_t from = name.find_first_not_of(' ');
+    if (from == std::string::npos) return {};
+    std::string tidy = name.substr(from, longestName);
+    if (from + longestName < name.size())
+        for (size_t end = from + longestName; end > from && (static_cast<unsigned char>(name[end]) & 0xC0) == 0x80; --end) tidy.pop_back();
+    return tidy.erase(tidy.find_last_not_of(' ') + 1);
+}
+
+std::vector<std::string> emitterNames(const std::vector<std::string>& recoveredIds, const Look& look) {
+    std::vector<std::string> wanted = recoveredIds;
+    for (std::string& name : wanted)
+        for (const EmitterLook& e : look.emitters)
+            if (e.id == name && !e.name.empty()) {
+                name = e.name;
+                break;
+            }
+    for (const AddedEmitter& e : look.added) wanted.push_back(e.name.empty() ? e.id : e.name);
+    std::vector<std::string> names;
+    for (const std::string& name : wanted) {
+        std::string own = name;
+        for (int n = 2; std::find(names.begin(), names.end(), own) != names.end(); ++n) own = fmt::format("{} ({})", name, n);
+        names.push_back(own);
+    }
+    return names;
+}
 
 Look lookFromJson(const Json& document, const std::filesystem::path& folder, const DVec3& origin) {
     if (!document.is_object()) throw Error("expected an object");
@@ -124,6 +158,7 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
         if (e.contains("enabled")) emitter.enabled = flagOf(e["enabled"], where + ".enabled");
         if (e.contains("matrix")) emitter.matrix = matrixOf(e["matrix"], where + ".matrix", ActsOn::world, origin);
         if (e.contains("power_scale")) emitter.powerScale = colourOf(e["power_scale"], where + ".power_scale");
+        if (e.contains("name")) emitter.name = nameOf(e, where);
         look.emitters.push_back(emitter);
     }
     i = 0;
@@ -146,6 +181,7 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
             if (!(emitter.size.x > 0) || !(emitter.size.y > 0)) throw Error("{}.size: expected more than 0", where);
         }
         if (e.contains("radiance")) emitter.radiance = colourOf(e["radiance"], where + ".radiance");
+        if (e.contains("name")) emitter.name = nameOf(e, where);
         look.added.push_back(emitter);
     }
     i = 0;
@@ -182,8 +218,10 @@ Json lookToJson(const Look& look, const DVec3& origin) {
     environment["exposure_stops"] = look.environment.exposureStops;
     environment["tint"] = {look.environment.tint.x, look.environment.tint.y, look.environment.tint.z};
     document["emitters"] = Json::array();
-    for (const EmitterLook& e : look.emitters)
+    for (const EmitterLook& e : look.emitters) {
         document["emitters"].push_back({{"id", e.id}, {"enabled", e.enabled}, {"matrix", matrixToJson(e.matrix, ActsOn::world, origin)}, {"power_scale", {e.powerScale.x, e.powerScale.y, e.powerScale.z}}});
+        if (!e.name.empty()) document["emitters"].back()["name"] = e.name;
+    }
     document["added_emitters"] = Json::array();
     for (const AddedEmitter& e : look.added) {
         Json added{{"id", e.id}, {"shape", shapeNames[size_t(e.shape)]}, {"matrix", matrixToJson(e.matrix, actsOn(e.shape), origin)}, {"radiance", {e.radiance.x, e.radiance.y, e.radiance.z}}};
@@ -191,6 +229,7 @@ Json lookToJson(const Look& look, const DVec3& origin) {
         else if (e.shape == AddedEmitter::Shape::copy) added["source"] = e.source;
         else added["size"] = {e.size.x, e.size.y};
         if (!e.enabled) added["enabled"] = false;
+        if (!e.name.empty()) added["name"] = e.name;
         document["added_emitters"].push_back(std::move(added));
     }
     document["parts"] = Json::array();

@@ -24,6 +24,7 @@ struct EmitterLook {
     bool enabled = true;
     Mat4 matrix{1};                 ///< applied to the emitter's world positions
     Rgb powerScale{1};              ///< multiplies its radiance; its power also changes with its area
+    std::string name{};             ///< what the artist calls it; empty: its id
     bool operator==(const EmitterLook&) const = default;
 };
 
@@ -38,6 +39,7 @@ struct AddedEmitter {
     bool enabled = true;            ///< off: radiance 0, its body stays
     uint32_t seedVertex = 0;        ///< part
     std::string source{};           ///< copy: id of a recovered emitter
+    std::string name{};             ///< what the artist calls it; empty: its id
     bool operator==(const AddedEmitter&) const = default;
 };
 
@@ -57,6 +59,12 @@ struct Look {
     bool neutralMaterials = false;      ///< every surface at its own brightness without colour
     bool operator==(const Look&) const = default;
 };
+
+/// A name as it is kept: without spaces around it, cut to `longestName` bytes between two characters.
+inline constexpr size_t longestName = 120;
+std::string tidyName(const std::string& name);
+/// What the emitters are called: recovered ones by these ids, in order, then added ones. Two that are called alike are told apart by " (2)".
+std::vector<std::string> emitterNames(const std::vector<std::string>& recoveredIds, const Look& look);
 
 /// The edits document of INTERFACE section 3. Relative file names are taken from `folder`. Throws Error naming the field
 /// ("emitters[2].matrix: is singular"). `origin`: what a Look's matrices count from (Capture::origin), metres; a document's count from 0.

@@ -49,6 +49,25 @@ const T* find(const std::vector<T>& list, Same&& same) {
     return at == list.end() ? nullptr : &*at;
 }
 
+/// Every key calls an emitter what the first key that names it calls it: layers are called the same in all frames.
+template <class Emitter>
+void sameNames(std::vector<LookKey>& keys, std::vector<Emitter> Look::*emitters, bool everywhere) {
+    std::vector<Emitter> named;
+    for (const LookKey& key : keys)
+        for (const Emitter& e : key.look.*emitters)
+            if (!e.name.empty() && !find(named, [&](const Emitter& x) { return x.id == e.id; })) named.push_back(e);
+    for (const Emitter& from : named)
+        for (LookKey& key : keys) {
+            std::vector<Emitter>& list = key.look.*emitters;
+            auto at = std::find_if(list.begin(), list.end(), [&](const Emitter& x) { return x.id == from.id; });
+            if (at == list.end() && everywhere) {
+                at = list.emplace(list.end());
+                at->id = from.id;
+            }
+            if (at != list.end()) at->name = from.name;
+        }
+}
+
 EmitterLook emitterNamed(const Look& look, const std::string& id) {
     const EmitterLook* e = find(look.emitters, [&](const EmitterLook& x) { return x.id == id; });
     if (e) return *e;
@@ -112,6 +131,8 @@ LookTrack::LookTrack(std::vector<LookKey> keys) : keys_(std::move(keys)) {
     std::sort(keys_.begin(), keys_.end(), [](const LookKey& a, const LookKey& b) { return a.frame < b.frame; });
     for (size_t i = 1; i < keys_.size(); ++i)
         if (keys_[i].frame == keys_[i - 1].frame) throw Error("keys: frame {} has two looks", keys_[i].frame);
+    sameNames(keys_, &Look::emitters, true);
+    sameNames(keys_, &Look::added, false);
 }
 
 Look LookTrack::at(int frame, const LookPivots& pivots) const {

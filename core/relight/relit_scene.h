@@ -17,6 +17,7 @@ struct RelitEmitter {
     std::string id;
     EmitterSurface surface;
     Rgb radiance{0};          ///< after power scale; 0 when off
+    std::string name{};       ///< what it is called in files (emitterNames)
 };
 
 /// Triangles that move as one. Body 0 of a geometry is what stays; its matrix is the identity.

@@ -39,10 +39,10 @@ struct GroupCheck {
 
 using RowsOf = std::function<FrameStrip(int first, int count)>;
 
-std::vector<std::string> idsOf(const RelitScene& relit) {
-    std::vector<std::string> ids;
-    for (const RelitEmitter& e : relit.emitters) ids.push_back(e.id);
-    return ids;
+std::vector<std::string> namesOf(const RelitScene& relit) {
+    std::vector<std::string> names;
+    for (const RelitEmitter& e : relit.emitters) names.push_back(e.name);
+    return names;
 }
 
 double writeLayers(const std::filesystem::path& file, const Camera& camera, const FrameLayers& layers, const FrameFileOptions& options, const RowsOf& rowsOf, const std::function<void()>& between = {}) {
@@ -168,7 +168,7 @@ double writeFrameFile(const std::filesystem::path& file, const Camera& camera, c
         }
         return strip;
     };
-    if (exr) return writeLayers(file, camera, FrameLayers(wish, fileOptions.naming, idsOf(look), sources.origin), fileOptions, rowsOf, [&] { progress.check(); });
+    if (exr) return writeLayers(file, camera, FrameLayers(wish, fileOptions.naming, namesOf(look), sources.origin), fileOptions, rowsOf, [&] { progress.check(); });
     const std::optional<float> exposure = sources.photograph ? std::optional<float>(exposureFor(*sources.photograph)) : std::nullopt;
     return writePicture(file, camera, fileOptions, exposure, rowsOf);
 }
@@ -186,7 +186,7 @@ double writeFrame(const std::filesystem::path& file, const Frame& frame, const R
         if (wish.correction && !strip.frame.emittersSeen.empty()) strip.correction = bakedFactor(strip.frame);
         return strip;
     };
-    if (extensionOf(file) == ".exr") return writeLayers(file, sized, FrameLayers(wish, LayerNaming::blender, idsOf(relit), origin), {}, rowsOf);
+    if (extensionOf(file) == ".exr") return writeLayers(file, sized, FrameLayers(wish, LayerNaming::blender, namesOf(relit), origin), {}, rowsOf);
     return writePicture(file, sized, {}, std::nullopt, rowsOf);
 }
 

@@ -42,7 +42,7 @@ int positions(Document& d, const ExportedPiece& piece) {
 }
 
 Json materialOf(const ExportedPiece& piece) {
-    Json material{{"name", piece.id}, {"doubleSided", piece.twoSided || !piece.emits}};
+    Json material{{"name", piece.name}, {"doubleSided", piece.twoSided || !piece.emits}};
     if (!piece.emits) {
         material["pbrMetallicRoughness"] = {{"metallicFactor", 0}, {"roughnessFactor", 1}};
         return material;
@@ -62,9 +62,9 @@ void addPiece(Document& d, const ExportedPiece& piece, const DVec3& origin) {
     if (!piece.emits) attributes["COLOR_0"] = d.vectors(piece.albedo);
     const int faces = d.add(piece.triangles.data(), piece.triangles.size() * sizeof(Triangle), piece.triangles.size() * 3, indices, "SCALAR", indexBuffer);
     d.root["materials"].push_back(materialOf(piece));
-    d.root["meshes"].push_back({{"name", piece.id}, {"primitives", {{{"attributes", attributes}, {"indices", faces}, {"material", d.root["materials"].size() - 1}}}}});
+    d.root["meshes"].push_back({{"name", piece.name}, {"primitives", {{{"attributes", attributes}, {"indices", faces}, {"material", d.root["materials"].size() - 1}}}}});
     const DVec3 place = origin + DVec3(piece.origin);
-    d.child({{"name", piece.id}, {"mesh", d.root["meshes"].size() - 1}, {"translation", {place.x, place.y, place.z}}});
+    d.child({{"name", piece.name}, {"mesh", d.root["meshes"].size() - 1}, {"translation", {place.x, place.y, place.z}}});
 }
 
 void addView(Document& d, const ExportedView& view, const DVec3& origin) {

@@ -16,10 +16,11 @@ Json listOf(const Vec3& v) { return {v.x, v.y, v.z}; }
 Json listOf(const DVec3& v) { return {v.x, v.y, v.z}; }
 
 /// The triangles of the mesh that belong to `emitter` (-1: to none), with their vertices numbered anew.
-ExportedPiece pieceOf(const RelitScene& relit, int emitter, const std::string& id, const Vec3& origin) {
+ExportedPiece pieceOf(const RelitScene& relit, int emitter, const std::string& id, const std::string& name, const Vec3& origin) {
     const Mesh& mesh = relit.scene.mesh;
     ExportedPiece piece;
     piece.id = id;
+    piece.name = name;
     piece.origin = origin;
     std::vector<uint32_t> place(mesh.vertexCount(), ~0u);
     for (size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -49,7 +50,7 @@ Json lightsJson(const Shot& shot, const ExportedScene& scene) {
         Json positions = Json::array(), triangles = Json::array();
         for (const Vec3& v : p.positions) positions.push_back(listOf(scene.origin + DVec3(v + p.origin)));
         for (const Triangle& t : p.triangles) triangles.push_back({t[0], t[1], t[2]});
-        lights.push_back({{"id", p.id}, {"type", "mesh"}, {"radiance", listOf(p.radiance)}, {"two_sided", p.twoSided}, {"area_m2", p.area},
+        lights.push_back({{"id", p.id}, {"name", p.name}, {"type", "mesh"}, {"radiance", listOf(p.radiance)}, {"two_sided", p.twoSided}, {"area_m2", p.area},
                           {"flux", listOf(p.radiance * (pi * p.area * (p.twoSided ? 2.0f : 1.0f)))}, {"centroid", listOf(scene.origin + DVec3(p.origin))},
                           {"mean_normal", listOf(p.area > 0 ? normal / p.area : Vec3(0))}, {"positions", positions}, {"triangles", triangles}});
     }
@@ -116,12 +117,12 @@ ExportedScene exportedScene(const RelitScene& relit, const Capture& capture) {
     scene.origin = capture.origin;
     for (size_t e = 0; e < relit.emitters.size(); ++e) {
         const RelitEmitter& emitter = relit.emitters[e];
-        scene.pieces.push_back(pieceOf(relit, int(e), emitter.id, emitter.surface.centroid));
+        scene.pieces.push_back(pieceOf(relit, int(e), emitter.id, emitter.name, emitter.surface.centroid));
         scene.pieces.back().radiance = emitter.radiance;
         scene.pieces.back().emits = true;
         scene.pieces.back().twoSided = emitter.surface.twoSided;
     }
-    scene.pieces.push_back(pieceOf(relit, -1, "surfaces", Vec3(0)));
+    scene.pieces.push_back(pieceOf(relit, -1, "surfaces", "surfaces", Vec3(0)));
     for (const View& view : capture.views) scene.views.push_back({view.name, view.camera});
     return scene;
 }

@@ -12,6 +12,7 @@ namespace relamp {
 /// A piece of the scene's surface, in metres about `origin`, which counts from the scene's; Z is up.
 struct ExportedPiece {
     std::string id;                  ///< of the emitter; "surfaces" for the rest
+    std::string name;                ///< what the artist calls it, else its id
     Vec3 origin{0};                  ///< the centroid of an emitter: what other programs turn it about
     std::vector<Vec3> positions;     ///< relative to origin
     std::vector<Vec3> normals;
@@ -37,7 +38,7 @@ struct ExportedScene {
 ExportedScene exportedScene(const RelitScene& relit, const Capture& capture);
 
 /// USD as text: a Mesh with MeshLightAPI and an emissive UsdPreviewSurface per emitter, a DomeLight over `environmentFile`, a Camera per view, the
-/// rest of the mesh with its albedo as displayColor. Z up, metres. Prim names are channel-safe, ids stand in relamp:id.
+/// rest of the mesh with its albedo as displayColor. Z up, metres. Prims are called after their emitters, channel-safe; ids stand in relamp:id.
 std::string usdaOf(const ExportedScene& scene, const std::string& environmentFile);
 
 /// glTF 2.0 with its binary buffer, to be stored as `bufferFile` beside it: emitters are meshes whose material has emissiveFactor and

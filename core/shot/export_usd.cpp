@@ -87,7 +87,7 @@ std::string usdaOf(const ExportedScene& scene, const std::string& environmentFil
     std::string s = "#usda 1.0\n(\n    defaultPrim = \"relamp\"\n    metersPerUnit = 1\n    upAxis = \"Z\"\n)\n\ndef Xform \"relamp\"\n{\n", materials;
     for (const ExportedPiece& piece : scene.pieces) {
         if (piece.triangles.empty()) continue;
-        const std::string name = primName(piece.id, taken);
+        const std::string name = primName(piece.name, taken);
         s += meshOf(piece, scene.origin, name);
         if (piece.emits) materials += materialOf(piece, name);
     }

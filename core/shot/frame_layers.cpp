@@ -28,11 +28,11 @@ std::string channelSafe(const std::string& name) {
 }
 
 /// Names of the light groups: channel-safe, and no two alike.
-std::vector<std::string> groupNames(const std::vector<std::string>& ids) {
+std::vector<std::string> groupNames(const std::vector<std::string>& emitters) {
     std::vector<std::string> names{"world"};
     const auto taken = [&](const std::string& name) { return name == "rest" || std::find(names.begin(), names.end(), name) != names.end(); };
-    for (const std::string& id : ids) {
-        const std::string safe = channelSafe(id);
+    for (const std::string& emitter : emitters) {
+        const std::string safe = channelSafe(emitter);
         std::string name = safe;
         for (int i = 2; taken(name); ++i) name = fmt::format("{}_{}", safe, i);
         names.push_back(name);
@@ -100,15 +100,15 @@ std::vector<Rgb> bakedFactor(const Frame& captured) {
     return factor;
 }
 
-FrameLayers::FrameLayers(const LayerWish& wish, LayerNaming naming, const std::vector<std::string>& emitterIds, const DVec3& origin)
-    : wish_(wish), naming_(naming), ids_(emitterIds), origin_(origin) {
-    for (const std::string& id : ids_) cryptomatteIds_.push_back(cryptomatteId(id));
+FrameLayers::FrameLayers(const LayerWish& wish, LayerNaming naming, const std::vector<std::string>& emitterNames, const DVec3& origin)
+    : wish_(wish), naming_(naming), names_(emitterNames), origin_(origin) {
+    for (const std::string& name : names_) cryptomatteIds_.push_back(cryptomatteId(name));
 }
 
 std::vector<ChannelPart> FrameLayers::parts(bool multipart) const {
     std::vector<ChannelPart> parts{{"rgba", {{"R", true}, {"G", true}, {"B", true}, {"A", true}}}};
     if (wish_.groups)
-        for (const std::string& group : groupNames(ids_)) parts.push_back(colours((naming_ == LayerNaming::arnold ? "RGBA_" : "Combined_") + group));
+        for (const std::string& group : groupNames(names_)) parts.push_back(colours((naming_ == LayerNaming::arnold ? "RGBA_" : "Combined_") + group));
     if (wish_.albedo) parts.push_back(colours("albedo"));
     if (wish_.correction) parts.push_back(colours("correction"));
     if (wish_.residual) parts.push_back(colours("residual"));
@@ -157,7 +157,7 @@ void FrameLayers::fill(const FrameStrip& strip, const std::vector<float*>& out) 
 }
 
 std::map<std::string, std::string> FrameLayers::header() const {
-    return wish_.cryptomatte ? cryptomatteHeader(cryptomatteLayer, ids_) : std::map<std::string, std::string>{};
+    return wish_.cryptomatte ? cryptomatteHeader(cryptomatteLayer, names_) : std::map<std::string, std::string>{};
 }
 
 }  // namespace relamp

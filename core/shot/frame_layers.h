@@ -43,11 +43,11 @@ double closeGroups(FrameStrip& strip, bool detail);
 /// some of it into its environment, which takes a second solve to know (`relamp compare`).
 std::vector<Rgb> bakedFactor(const Frame& captured);
 
-/// The layers of a frame over emitters with these ids, in the order they are written.
+/// The layers of a frame over emitters of these names, no two alike, in the order they are written.
 class FrameLayers {
 public:
     /// `origin` is added to the positions (Capture::origin).
-    FrameLayers(const LayerWish& wish, LayerNaming naming, const std::vector<std::string>& emitterIds, const DVec3& origin = DVec3(0));
+    FrameLayers(const LayerWish& wish, LayerNaming naming, const std::vector<std::string>& emitterNames, const DVec3& origin = DVec3(0));
     const DVec3& origin() const { return origin_; }
 
     /// One part with every channel, or with `multipart` a part a layer (channel names are the same).
@@ -60,7 +60,7 @@ public:
 private:
     LayerWish wish_;
     LayerNaming naming_;
-    std::vector<std::string> ids_;
+    std::vector<std::string> names_;
     std::vector<float> cryptomatteIds_;
     DVec3 origin_;
 };

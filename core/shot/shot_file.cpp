@@ -156,9 +156,12 @@ Json shotInfo(const Shot& shot) {
     info["mode"] = e.mode;
     info["quality"] = shot.quality;
     info["emitters"] = Json::array();
+    std::vector<std::string> ids;
+    for (const EmitterCluster& c : e.emitters.emitters) ids.push_back(c.id);
+    const std::vector<std::string> names = emitterNames(ids, shot.look);
     for (size_t i = 0; i < e.emitters.emitters.size(); ++i) {
         const EmitterCluster& c = e.emitters.emitters[i];
-        Json j{{"id", c.id}, {"name", c.id}, {"centroid", toJson(shot.capture.origin + DVec3(c.centroid))}, {"normal", toJson(c.normal)}, {"area_m2", c.area}, {"triangles", c.triangles.size()},
+        Json j{{"id", c.id}, {"name", names[i]}, {"centroid", toJson(shot.capture.origin + DVec3(c.centroid))}, {"normal", toJson(c.normal)}, {"area_m2", c.area}, {"triangles", c.triangles.size()},
                {"power", toJson(e.lighting.emitterRadiance[i])}, {"two_sided", c.twoSided}, {"views_seen", c.evidence.viewsSeen}, {"clipped_share", c.evidence.clippedShare},
                {"evidence", evidenceJson(c.evidence)}};
         if (c.unseen) j["unseen"] = true;

@@ -108,6 +108,30 @@ TEST(EmitterEdits, aCopyShinesAsItsSourceDoesNow) {
     EXPECT_TRUE(duplicateEmitter(look, room().estimate, "nobody", {}).empty());
 }
 
+TEST(EmitterEdits, aNameIsNoChangeOfTheLightAndSurvivesResets) {
+    Look look;
+    renameEmitter(look, "emitter-1", " Key ");
+    EXPECT_EQ(stateOf(look, "emitter-1").name, "Key");
+    EXPECT_FALSE(stateOf(look, "emitter-1").changed);
+    moveEmitter(look, "emitter-1", test::translation({1, 0, 0}));
+    EXPECT_TRUE(stateOf(look, "emitter-1").changed);
+    resetEmitter(look, "emitter-1", EmitterValue::all);
+    EXPECT_EQ(stateOf(look, "emitter-1").name, "Key");
+    const std::string copy = duplicateEmitter(look, room().estimate, "emitter-1", Vec3(0));
+    EXPECT_EQ(stateOf(look, copy).name, copy);
+    renameEmitter(look, copy, "Fill");
+    EXPECT_EQ(stateOf(look, copy).name, "Fill");
+    EXPECT_EQ(stateOf(look, duplicateEmitter(look, room().estimate, copy, Vec3(0))).name, "copy-2");
+    look.neutralMaterials = true;
+    resetLook(look);
+    EXPECT_TRUE(look.added.empty() && !look.neutralMaterials);
+    EXPECT_EQ(stateOf(look, "emitter-1").name, "Key");
+    for (const char* none : {"", "  ", "emitter-1"}) {
+        renameEmitter(look, "emitter-1", none);
+        EXPECT_EQ(look, Look{});
+    }
+}
+
 TEST(EmitterEdits, deletingARecoveredLampSwitchesItOff) {
     Look look;
     removeEmitter(look, "emitter-1");

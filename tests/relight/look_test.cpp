@@ -60,6 +60,29 @@ TEST(Look, SurvivesARoundTrip) {
     EXPECT_EQ(lookToJson(look), withFile);
 }
 
+TEST(Look, NamesOfEmittersComeBackAndAreTidied) {
+    json document = whole();
+    document["emitters"][0]["name"] = "  Key light ";
+    document["added_emitters"][0]["name"] = std::string(2 * longestName, 'x') + "\u00e9";
+    const Look look = lookFromJson(document, "");
+    EXPECT_EQ(look.emitters[0].name, "Key light");
+    EXPECT_EQ(look.added[0].name, std::string(longestName, 'x'));
+    EXPECT_EQ(lookFromJson(lookToJson(look), ""), look);
+    // Cut between two characters, not inside one.
+    EXPECT_EQ(tidyName(std::string(longestName - 1, 'x') + "\u00e9"), std::string(longestName - 1, 'x'));
+    EXPECT_EQ(tidyName(std::string(longestName - 2, 'x') + "\u00e9"), std::string(longestName - 2, 'x') + "\u00e9");
+    EXPECT_EQ(tidyName("   "), "");
+}
+
+TEST(Look, TwoEmittersThatAreCalledAlikeAreToldApart) {
+    Look look;
+    look.emitters.push_back({"emitter-2", true, Mat4(1), Rgb(1), "Key"});
+    look.added.push_back({AddedEmitter::Shape::disk, "disk-1"});
+    look.added.push_back({AddedEmitter::Shape::disk, "disk-2"});
+    look.added.back().name = "Key";
+    EXPECT_EQ(emitterNames({"emitter-1", "emitter-2"}, look), (std::vector<std::string>{"emitter-1", "Key", "disk-1", "Key (2)"}));
+}
+
 TEST(Look, NamesTheFieldThatIsBad) {
     const struct {
         const char* pointer;

@@ -95,6 +95,17 @@ TEST(LookTrack, HoldsItsEndsAndReadsWhatKeysShare) {
     EXPECT_FALSE(readLookTrack(folder.write("plain.json", "{}")).moves());
 }
 
+TEST(LookTrack, CallsAnEmitterTheSameInEveryFrame) {
+    Look first = withEmitter(Mat4(1)), last;
+    first.emitters[0].name = "Key";
+    last.emitters.push_back({"emitter-2", true, Mat4(1), Rgb(2), "Fill"});
+    for (Look* look : {&first, &last}) look->added.push_back({AddedEmitter::Shape::disk, "disk-1"});
+    last.added[0].name = "Rim";
+    const LookTrack track({{1, first}, {10, last}});
+    for (const int frame : {1, 5, 10})
+        EXPECT_EQ(emitterNames({"emitter-1", "emitter-2"}, track.at(frame, {})), (std::vector<std::string>{"Key", "Fill", "Rim"})) << frame;
+}
+
 TEST(LookTrack, NamesTheKeyThatIsWrong) {
     const test::TemporaryFolder folder;
     const auto messageFor = [&](const std::string& keys) {

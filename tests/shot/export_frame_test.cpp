@@ -102,7 +102,8 @@ protected:
         Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 2, 2);
         const Scene scene = test::sceneOf(mesh);
         Look look;
-        look.added.push_back({AddedEmitter::Shape::disk, "emitter-1", test::translation({0, 0, 1}), Vec2(0.5f), Rgb(10)});
+        look.added.push_back({AddedEmitter::Shape::disk, "disk-1", test::translation({0, 0, 1}), Vec2(0.5f), Rgb(10)});
+        look.added.back().name = "Key light";
         look.added.push_back({AddedEmitter::Shape::disk, "7 of.9", test::translation({0.5f, 0, 1}), Vec2(0.5f), Rgb(200000, 1, 1)});
         relit = test::relitOf(scene, test::matteEstimate(scene, Rgb(0.5f), Rgb(1)), look);
         camera = test::cameraAt({0, -2, 1.5}, {0, 0, 0}, 24, 16, 20);
@@ -136,7 +137,7 @@ TEST_F(WrittenFrame, HasEveryLayerWithNamesThatOtherProgramsRead) {
         const bool geometry = name.starts_with("normal") || name.starts_with("position") || name.starts_with("depth") || name.starts_with("Crypto");
         EXPECT_EQ(type, geometry ? "float" : "half") << name;
     }
-    for (const char* name : {"R", "G", "B", "A", "Combined_world.R", "Combined_emitter_1.G", "Combined_L_7_of_9.B", "Combined_rest.G", "correction.B", "CryptoEmitter00.R", "CryptoEmitter02.A", "albedo.R", "normal.X", "normal.Z", "position.Y", "depth.Z"})
+    for (const char* name : {"R", "G", "B", "A", "Combined_world.R", "Combined_Key_light.G", "Combined_L_7_of_9.B", "Combined_rest.G", "correction.B", "CryptoEmitter00.R", "CryptoEmitter02.A", "albedo.R", "normal.X", "normal.Z", "position.Y", "depth.Z"})
         EXPECT_TRUE(header.channels.contains(name)) << name;
     EXPECT_EQ(header.channels.size(), 4u + 4 * 3 + 3 + 3 + 3 + 3 + 1 + 3 * 4);
 }

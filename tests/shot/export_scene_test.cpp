@@ -27,7 +27,8 @@ protected:
         view.camera = test::cameraAt({0, -2, 1.5}, {0, 0, 0}, 40, 30, 50);
         shot.capture.views.push_back(view);
         Look look;
-        look.added.push_back({AddedEmitter::Shape::rectangle, "lamp 1", test::translation({1, 2, 3}), Vec2(2, 0.5f), Rgb(40, 20, 10)});
+        look.added.push_back({AddedEmitter::Shape::rectangle, "rectangle-1", test::translation({1, 2, 3}), Vec2(2, 0.5f), Rgb(40, 20, 10)});
+        look.added.back().name = "lamp 1";
         relit = test::relitOf(scene, shot.estimate, look);
         exportScene(shot, relit, out(), false);
     }
@@ -40,7 +41,8 @@ protected:
 
 TEST_F(ExportedShot, HasLightsWithTheirPlaceAndRadianceAsJson) {
     const auto light = parsed("lights.json")["lights"].at(0);
-    EXPECT_EQ(light["id"], "lamp 1");
+    EXPECT_EQ(light["id"], "rectangle-1");
+    EXPECT_EQ(light["name"], "lamp 1");
     EXPECT_EQ(light["radiance"], (nlohmann::json{40, 20, 10}));
     EXPECT_NEAR(light["area_m2"].get<double>(), 1, 1e-6);
     EXPECT_NEAR(light["flux"][0].get<double>(), 40 * piD, 1e-4);
@@ -76,7 +78,7 @@ TEST_F(ExportedShot, HasMeshLightsInGltf) {
 TEST_F(ExportedShot, HasMeshLightsInUsd) {
     const std::string usd = test::TemporaryFolder::read(out() / "lights.usda");
     EXPECT_EQ(usd.substr(0, 9), "#usda 1.0");
-    for (const char* text : {"def Mesh \"lamp_1\"", "\"MeshLightAPI\"", "string relamp:id = \"lamp 1\"", "double3 xformOp:translate = (1, 2, 3)", "color3f inputs:color = (1, 0.5, 0.25)",
+    for (const char* text : {"def Mesh \"lamp_1\"", "\"MeshLightAPI\"", "string relamp:id = \"rectangle-1\"", "double3 xformOp:translate = (1, 2, 3)", "color3f inputs:color = (1, 0.5, 0.25)",
                              "float inputs:intensity = 40", "color3f inputs:emissiveColor = (40, 20, 10)", "upAxis = \"Z\"", "def DomeLight", "def Camera \"view_images_0_exr\"", "@./environment.exr@"})
         EXPECT_NE(usd.find(text), std::string::npos) << text;
     EXPECT_EQ(std::count(usd.begin(), usd.end(), '{'), std::count(usd.begin(), usd.end(), '}'));

@@ -22,15 +22,13 @@ const AddedEmitter* addedOf(const Editor& editor, const EmitterState& emitter) {
 
 bool isFlat(const AddedEmitter& added) { return added.shape == AddedEmitter::Shape::rectangle || added.shape == AddedEmitter::Shape::disk; }
 
-std::string describe(const char* verb, const std::vector<std::string>& ids) { return fmt::format("{} {}", verb, namesOf(ids)); }
+std::string describe(const Editor& editor, const char* verb, const std::vector<std::string>& ids) { return fmt::format("{} {}", verb, editor.namesOf(ids)); }
 
 }  // namespace
 
 std::vector<std::string> targetsOf(const Editor& editor, const std::string& id) {
     return editor.state.selection.has(id) ? editor.state.selection.emitters : std::vector<std::string>{id};
 }
-
-std::string namesOf(const std::vector<std::string>& ids) { return ids.size() == 1 ? ids[0] : fmt::format("{} emitters", ids.size()); }
 
 void selectEmitter(Editor& editor, const std::string& id, bool toggle, bool extend) {
     auto& chosen = editor.state.selection.emitters;
@@ -99,7 +97,7 @@ float powerOf(const Editor& editor, const EmitterState& emitter) { return emitte
 void stopsControl(Editor& editor, const EmitterState& emitter, const char* id) {
     const auto targets = targetsOf(editor, emitter.id);
     const std::string what = emitter.recovered ? "Brightness against what was recovered, in stops: +1 is twice as bright, -1 half." : "Brightness against the strongest recovered lamp, in stops: +1 is twice as bright.";
-    dragLook(editor, id, describe("Brightness of", targets), stopsOf(editor, emitter), {0.02f, -20, 20, "%+.2f"}, targets.size() > 1 ? what + " All selected ones change by the same factor." : what,
+    dragLook(editor, id, describe(editor, "Brightness of", targets), stopsOf(editor, emitter), {0.02f, -20, 20, "%+.2f"}, targets.size() > 1 ? what + " All selected ones change by the same factor." : what,
              [&](Look& look, float stops) {
                  const auto first = emitterAtStart(editor, emitter.id);
                  if (!first) return;
@@ -125,13 +123,13 @@ void setColour(Editor& editor, Look& look, const std::vector<std::string>& targe
 
 void kelvinControl(Editor& editor, const EmitterState& emitter, const char* id) {
     const auto targets = targetsOf(editor, emitter.id);
-    kelvinLook(editor, id, describe("Colour temperature of", targets), emitter.radiance, "Colour temperature: 2700 K is a warm bulb, 6504 K is white, more is bluish. The brightness stays.",
+    kelvinLook(editor, id, describe(editor, "Colour temperature of", targets), emitter.radiance, "Colour temperature: 2700 K is a warm bulb, 6504 K is white, more is bluish. The brightness stays.",
                [&](Look& look, const Rgb& tint) { setColour(editor, look, targets, tint); });
 }
 
 void colourControl(Editor& editor, const EmitterState& emitter, const char* id, float size) {
     const auto targets = targetsOf(editor, emitter.id);
-    colourLook(editor, id, describe("Colour of", targets), emitter.radiance, size, "Colour of its light; click to change. The brightness stays.",
+    colourLook(editor, id, describe(editor, "Colour of", targets), emitter.radiance, size, "Colour of its light; click to change. The brightness stays.",
                [&](Look& look, const Rgb& colour) { setColour(editor, look, targets, colour); });
 }
 
@@ -139,7 +137,7 @@ void muteButton(Editor& editor, const EmitterState& emitter, float size) {
     const bool on = emitter.enabled;
     if (iconButton("##mute", on ? Icon::eyeOpen : Icon::eyeShut, on ? "Shines. Click to switch it off (M); its body stays and still casts shadows." : "Is off. Click to switch it on (M).", !on, size)) {
         const auto targets = targetsOf(editor, emitter.id);
-        editor.edit(describe(on ? "Switch off" : "Switch on", targets), [&](Look& look) {
+        editor.edit(describe(editor, on ? "Switch off" : "Switch on", targets), [&](Look& look) {
             for (const std::string& target : targets) setEnabled(look, target, !on);
         });
     }
@@ -160,7 +158,7 @@ void soloButton(Editor& editor, const EmitterState& emitter, float size) {
 
 void resetEmitters(Editor& editor, const std::vector<std::string>& ids, EmitterValue value) {
     const char* what = value == EmitterValue::place ? "Reset place of" : value == EmitterValue::radiance ? "Reset brightness and colour of" : value == EmitterValue::enabled ? "Switch back" : "Reset";
-    editor.edit(describe(what, ids), [&](Look& look) {
+    editor.edit(describe(editor, what, ids), [&](Look& look) {
         for (const std::string& id : ids) resetEmitter(look, id, value);
     });
 }
@@ -170,7 +168,7 @@ void duplicateEmitters(Editor& editor, const std::vector<std::string>& ids) {
     if (!estimate || !editor.state.document.scene) return;
     std::vector<std::string> copies;
     const Vec3 offset(0.06f * editor.state.document.scene->diagonal, 0, 0);
-    editor.edit(describe("Duplicate", ids), [&](Look& look) {
+    editor.edit(describe(editor, "Duplicate", ids), [&](Look& look) {
         copies.clear();
         for (const std::string& id : ids)
             if (std::string copy = duplicateEmitter(look, *estimate, id, offset); !copy.empty()) copies.push_back(std::move(copy));
@@ -179,7 +177,7 @@ void duplicateEmitters(Editor& editor, const std::vector<std::string>& ids) {
 }
 
 void deleteEmitters(Editor& editor, const std::vector<std::string>& ids) {
-    editor.edit(describe("Delete", ids), [&](Look& look) {
+    editor.edit(describe(editor, "Delete", ids), [&](Look& look) {
         for (const std::string& id : ids) removeEmitter(look, id);
     });
     std::erase_if(editor.state.selection.emitters, [&](const std::string& id) { return !editor.emitter(id); });
@@ -253,7 +251,7 @@ void emitterMenu(Editor& editor, const std::string& id) {
     const EmitterState* emitter = editor.emitter(id);
     const auto estimate = editor.estimate();
     if (!emitter || !estimate) return;
-    dimText(namesOf(targets));
+    dimText(shown(editor.namesOf(targets)));
     ImGui::Separator();
     const auto item = [&](const char* label, const char* explanation, bool enabled = true) {
         const bool pressed = ImGui::MenuItem(label, nullptr, false, enabled);
@@ -264,7 +262,7 @@ void emitterMenu(Editor& editor, const std::string& id) {
         if (item("Place", "Back to where it stood when the photographs were taken (added lights: to the middle of the world)")) resetEmitters(editor, targets, EmitterValue::place);
         if (item("Brightness and colour", "Back to the light that was recovered")) resetEmitters(editor, targets, EmitterValue::radiance);
         if (item("Colour only", "Back to the recovered colour, at the present brightness"))
-            editor.edit(describe("Reset colour of", targets), [&](Look& look) {
+            editor.edit(describe(editor, "Reset colour of", targets), [&](Look& look) {
                 for (const std::string& target : targets)
                     if (const EmitterState* e = editor.emitter(target); e && luminance(e->recoveredRadiance) > 0)
                         setRadiance(look, *estimate, target, e->recoveredRadiance * (luminance(e->radiance) / luminance(e->recoveredRadiance)));
@@ -288,7 +286,7 @@ void emitterMenu(Editor& editor, const std::string& id) {
             for (const uint32_t seed : parts) {
                 const auto vertices = size_t(std::count(scene.piece.begin(), scene.piece.end(), scene.piece[seed]));
                 if (item(fmt::format("Piece of {} points##{}", count(vertices), seed).c_str(), "This piece follows the light when it moves, and its old shadow goes with it"))
-                    editor.edit(fmt::format("Attach a piece to {}", id), [&](Look& look) { attachPart(look, scene, seed, id); });
+                    editor.edit(fmt::format("Attach a piece to {}", emitter->name), [&](Look& look) { attachPart(look, scene, seed, id); });
             }
             if (parts.size() > 1 && item("All of these", "All pieces that stand close to it"))
                 editor.edit(fmt::format("Attach {} pieces to {}", parts.size(), id), [&](Look& look) {

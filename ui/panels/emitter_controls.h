@@ -11,8 +11,6 @@ namespace relamp::ui {
 
 /// The emitters an edit of `id` goes to: the whole selection when `id` is part of it.
 std::vector<std::string> targetsOf(const Editor& editor, const std::string& id);
-/// "emitter-1", or "3 emitters".
-std::string namesOf(const std::vector<std::string>& ids);
 /// Click on a row: plain selects alone, Ctrl toggles, Shift extends from the active one in the order of the table.
 void selectEmitter(Editor& editor, const std::string& id, bool toggle, bool extend);
 

@@ -57,12 +57,15 @@ void drawEmittersPanel(Editor& editor) {
             ImGui::TableNextColumn();
             const bool selected = editor.state.selection.has(emitter.id);
             const ImVec2 start = ImGui::GetCursorPos();
+            const float nameEnds = ImGui::GetCursorScreenPos().x + ImGui::GetContentRegionAvail().x;
             ImGui::AlignTextToFramePadding();
             if (ImGui::Selectable("##row", selected, ImGuiSelectableFlags_SpanAllColumns | ImGuiSelectableFlags_AllowItemOverlap, {0, side}))
                 selectEmitter(editor, emitter.id, ImGui::GetIO().KeyCtrl, ImGui::GetIO().KeyShift);
             noteItem("row " + emitter.id);
+            if (ImGui::IsItemHovered() && ImGui::GetMousePos().x < nameEnds && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left))
+                selectEmitter(editor, emitter.id, false, false), editor.state.panels.renameLight = true;
             const bool weak = emitter.recovered && identifiabilityOf(editor, emitter) >= 0 && identifiabilityOf(editor, emitter) < weakIdentifiability;
-            tooltip(fmt::format("{}{}\nClick selects it; Ctrl and Shift select several, and an edit then goes to all of them. Right click for more.", emitter.id,
+            tooltip(fmt::format("{}{}\nClick selects it; Ctrl and Shift select several, and an edit then goes to all of them. Double click renames it, right click for more.", shown(emitter.name),
                                 weak ? "\nHard to tell from distant light" : ""));
             if (ImGui::IsItemClicked(ImGuiMouseButton_Right)) menuOf = emitter.id;
             ImGui::SetCursorPos(start);
@@ -74,7 +77,7 @@ void drawEmittersPanel(Editor& editor) {
                      ImGui::GetColorU32(weak ? warningColour : emitter.enabled ? ImGui::GetStyleColorVec4(ImGuiCol_Text) : dimColour));
             ImGui::SetCursorPosX(start.x + em(1.8f));
             ImGui::AlignTextToFramePadding();
-            const std::string name = elided(emitter.id + (emitter.recovered && emitter.changed ? " *" : ""), ImGui::GetContentRegionAvail().x);
+            const std::string name = elided(shown(emitter.name) + (emitter.recovered && emitter.changed ? " *" : ""), ImGui::GetContentRegionAvail().x);
             if (emitter.enabled) text(name);
             else dimText(name);
             ImGui::TableNextColumn();

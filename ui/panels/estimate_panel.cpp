@@ -70,9 +70,9 @@ void gaugeSettings(Editor& editor) {
         tooltip("Share of the light that the surfaces send back on average: 0 is black, 1 is white");
     } else if (gauge.kind == Kind::emitter) {
         ImGui::SetNextItemWidth(-FLT_MIN);
-        if (ImGui::BeginCombo("##lamp", gauge.emitter.empty() ? "choose a lamp" : gauge.emitter.c_str())) {
+        if (ImGui::BeginCombo("##lamp", gauge.emitter.empty() ? "choose a lamp" : shown(editor.namesOf({gauge.emitter})).c_str())) {
             for (const EmitterState& e : editor.emitters())
-                if (e.recovered && ImGui::Selectable(e.id.c_str(), e.id == gauge.emitter)) {
+                if (e.recovered && ImGui::Selectable((shown(e.name) + "##" + e.id).c_str(), e.id == gauge.emitter)) {
                     gauge.emitter = e.id;
                     if (!(maxChannel(gauge.radiance) > 0)) gauge.radiance = e.recoveredRadiance;
                 }

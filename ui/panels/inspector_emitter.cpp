@@ -78,7 +78,7 @@ void triple(Editor& editor, const char* name, const std::string& label, const Ve
 }
 
 void place(Editor& editor, const EmitterState& emitter, const std::vector<std::string>& targets) {
-    const std::string who = namesOf(targets);
+    const std::string who = editor.namesOf(targets);
     const float size = editor.state.document.scene ? editor.state.document.scene->diagonal : 2;
     const auto startOf = [&editor](const std::string& id) { return emitterAtStart(editor, id); };
     triple(editor, "Position (m)", "Move " + who, emitter.pivot, {size / 800, 0, 0, "%.3f"}, "Where the middle of the light is, in metres. Its shadows and its body move along; so do attached parts.",
@@ -125,7 +125,7 @@ void place(Editor& editor, const EmitterState& emitter, const std::vector<std::s
             for (int k = 0; k < (two ? 2 : 1); ++k) {
                 if (k) ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
                 ImGui::SetNextItemWidth(std::floor(width));
-                dragLook(editor, k ? "##height" : "##width", "Size of " + emitter.id, before[k], {size / 2000, 1e-4f, 1e4f, "%.3f m"}, "Size of the light before Scale. Larger gives softer shadows.", [&](Look& look, float value) {
+                dragLook(editor, k ? "##height" : "##width", "Size of " + emitter.name, before[k], {size / 2000, 1e-4f, 1e4f, "%.3f m"}, "Size of the light before Scale. Larger gives softer shadows.", [&](Look& look, float value) {
                     Vec2 changed = before;
                     changed[k] = std::max(value, 1e-4f);
                     if (!two) changed = Vec2(changed[0]);
@@ -151,7 +151,7 @@ void light(Editor& editor, const EmitterState& emitter, const std::vector<std::s
     kelvinControl(editor, emitter, "##kelvin");
     ImGui::SameLine();
     colourControl(editor, emitter, "##colour", ImGui::GetFrameHeight());
-    triple(editor, "Radiance (red, green, blue)", "Radiance of " + namesOf(targets), emitter.radiance, {std::max(1e-4f, maxChannel(emitter.radiance) / 300), 0, 1e9f, "%.4g"},
+    triple(editor, "Radiance (red, green, blue)", "Radiance of " + editor.namesOf(targets), emitter.radiance, {std::max(1e-4f, maxChannel(emitter.radiance) / 300), 0, 1e9f, "%.4g"},
            "The value of a pixel that sees the light directly, linear, in the units of the photographs.", [&](Look& look, int axis, float value) {
                for (const std::string& id : targets)
                    if (const auto start = emitterAtStart(editor, id)) {
@@ -185,8 +185,8 @@ void parts(Editor& editor, const EmitterState& emitter) {
         ImGui::PopID();
     }
     if (!any) dimWrapped("Nothing follows this light. Attach its shade and its stand, and they move along with their shadows.");
-    if (detach != ~0u) editor.edit("Detach a piece from " + emitter.id, [&](Look& look) { detachPart(look, *scene, detach); });
-    if (reset != ~0u) editor.edit("Put a piece of " + emitter.id + " back", [&](Look& look) { resetPart(look, *scene, reset); });
+    if (detach != ~0u) editor.edit("Detach a piece from " + emitter.name, [&](Look& look) { detachPart(look, *scene, detach); });
+    if (reset != ~0u) editor.edit("Put a piece of " + emitter.name + " back", [&](Look& look) { resetPart(look, *scene, reset); });
     const auto likely = [&] {
         std::vector<uint32_t> seeds = likelyParts(*scene, *editor.estimate(), emitter.id);
         std::erase_if(seeds, [&](uint32_t seed) {
@@ -198,7 +198,7 @@ void parts(Editor& editor, const EmitterState& emitter) {
     };
     if (emitter.recovered && button("Attach what is near", "Attaches the pieces that touch the light or stand close to it"))
         if (const auto seeds = likely(); !seeds.empty())
-            editor.edit(fmt::format("Attach {} piece{} to {}", seeds.size(), seeds.size() == 1 ? "" : "s", emitter.id), [&](Look& look) {
+            editor.edit(fmt::format("Attach {} piece{} to {}", seeds.size(), seeds.size() == 1 ? "" : "s", emitter.name), [&](Look& look) {
                 for (const uint32_t seed : seeds) attachPart(look, *scene, seed, emitter.id);
             });
     if (emitter.recovered) sameLineIfFits(buttonWidth("Click a piece"));
@@ -221,6 +221,22 @@ void evidence(Editor& editor, const EmitterState& emitter) {
     }
 }
 
+/// Its name, which can be typed over; Escape leaves it as it was.
+void nameField(Editor& editor, const EmitterState& emitter, float width) {
+    static std::string typed, typedFor;
+    bool& asked = editor.state.panels.renameLight;
+    if (asked) ImGui::SetKeyboardFocusHere();
+    asked = false;
+    ImGui::SetNextItemWidth(std::max(em(4), width));
+    if (typedFor != emitter.id) typed = emitter.name;
+    const bool entered = inputText("##name", typed, emitter.id.c_str(), ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
+    const bool done = entered || ImGui::IsItemDeactivatedAfterEdit();
+    tooltip(fmt::format("What this light is called: in the lists, as a light group of exported frames and in exported scenes (F2). Empty: {}", emitter.id));
+    // While it is being typed into, what it is called elsewhere does not matter.
+    typedFor = ImGui::IsItemActive() ? emitter.id : std::string();
+    if (done && typed != emitter.name) editor.edit(fmt::format("Rename {} to {}", emitter.name, tidyName(typed).empty() ? emitter.id : tidyName(typed)), [&](Look& look) { renameEmitter(look, emitter.id, typed); });
+}
+
 }  // namespace
 
 void inspectEmitter(Editor& editor, const EmitterState& emitter) {
@@ -232,7 +248,9 @@ void inspectEmitter(Editor& editor, const EmitterState& emitter) {
     ImGui::GetWindowDrawList()->AddRectFilled(at, {at.x + em(0.4f), at.y + side}, ImGui::GetColorU32(mark), em(0.15f));
     ImGui::SetCursorPosX(ImGui::GetCursorPosX() + em(0.7f));
     ImGui::AlignTextToFramePadding();
-    text(elided(targets.size() > 1 ? fmt::format("{} (and {} more)", emitter.id, targets.size() - 1) : emitter.id, ImGui::GetContentRegionAvail().x - 4 * (side + ImGui::GetStyle().ItemSpacing.x)));
+    const float room = ImGui::GetContentRegionAvail().x - 4 * (side + ImGui::GetStyle().ItemSpacing.x);
+    if (targets.size() > 1) text(elided(fmt::format("{} (and {} more)", shown(emitter.name), targets.size() - 1), room));
+    else nameField(editor, emitter, room);
     ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - 4 * side - 3 * ImGui::GetStyle().ItemSpacing.x);
     muteButton(editor, emitter, side);
     ImGui::SameLine();

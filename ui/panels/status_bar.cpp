@@ -117,7 +117,7 @@ void drawStatusBar(Editor& editor) {
     } else {
         const EditorState& state = editor.state;
         std::string words = !state.document.capture ? "Drop a capture here, or press Ctrl+O" : !editor.estimate() ? "Ready to estimate (Ctrl+Enter)" : shown(state.document.name());
-        if (state.selection.emitters.size() == 1) words = state.selection.active();
+        if (state.selection.emitters.size() == 1) words = shown(editor.namesOf(state.selection.emitters));
         else if (!state.selection.emitters.empty()) words = fmt::format("{} lights selected", state.selection.emitters.size());
         dimText(elided(words, own - em(0.5f), false));
         tooltip("What is open and selected");

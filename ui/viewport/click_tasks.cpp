@@ -65,7 +65,7 @@ bool runClickTask(Editor& editor, const std::optional<PickedPoint>& point, const
     }
     if (!point) return true;  // a miss: still armed
     const std::vector<std::string> ids = editor.state.selection.emitters;
-    const std::string name = ids.size() == 1 ? ids.front() : std::to_string(ids.size()) + " lights";
+    const std::string name = editor.namesOf(ids);
     const auto each = [&](const std::string& label, const std::function<void(Look&, const std::string&)>& change) {
         if (ids.empty()) return;
         editor.edit(label + " " + name, [&](Look& look) {
@@ -93,7 +93,7 @@ bool runClickTask(Editor& editor, const std::optional<PickedPoint>& point, const
         case ClickTask::attach: {
             const auto vertex = captureVertex();
             if (!vertex) return true;
-            if (!ids.empty()) editor.edit("Attach a part to " + ids.back(), [&](Look& look) { attachPart(look, *scene, *vertex, ids.back()); });
+            if (!ids.empty()) editor.edit("Attach a part to " + editor.namesOf({ids.back()}), [&](Look& look) { attachPart(look, *scene, *vertex, ids.back()); });
             break;
         }
         case ClickTask::newPart: {

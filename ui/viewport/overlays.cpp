@@ -5,6 +5,7 @@
 #include "viewport/navigation.h"
 #include "viewport/display_transform.h"
 #include "viewport/space_lines.h"
+#include "widgets.h"
 
 namespace relamp::ui {
 namespace {
@@ -84,7 +85,7 @@ void drawEmitterMarks(const Canvas& canvas, const std::string& hovered) {
         } else {
             canvas.list->AddLine(toIm(*at + Vec2(-1, 1) * (r + 3 * s)), toIm(*at + Vec2(1, -1) * (r + 3 * s)), stroke, 1.6f * s);
         }
-        if (hovered == emitter.id) labelAt(canvas, *at + Vec2(14, 10) * s, emitter.id + (lit ? "" : emitter.enabled ? " (another is solo)" : " (off)"));
+        if (hovered == emitter.id) labelAt(canvas, *at + Vec2(14, 10) * s, shown(emitter.name) + (lit ? "" : emitter.enabled ? " (another is solo)" : " (off)"));
     }
 }
 
@@ -232,14 +233,14 @@ void drawLegend(const Canvas& canvas) {
     } else if (viewport.mode == ViewMode::clusters) {
         title = "Emitters";
         const auto& found = estimate->emitters.emitters;
-        for (size_t i = 0; i < found.size() && i < 10; ++i) entries.push_back({clusterColour(i), found[i].id});
+        for (size_t i = 0; i < found.size() && i < 10; ++i) entries.push_back({clusterColour(i), shown(canvas.editor->namesOf({found[i].id}))});
         if (found.size() > 10) entries.push_back({Rgb(0.35f), "and " + std::to_string(found.size() - 10) + " more"});
         if (found.empty()) entries.push_back({Rgb(0.35f), "none found"});
     } else if (viewport.mode == ViewMode::irradiance) {
         const auto live = canvas.editor->liveFrame();
         const int i = live ? irradianceEmitter(*canvas.editor, *live) : -1;
         if (i < 0) return;
-        labelAt(canvas, canvas.corner + Vec2(10, canvas.size.y - 10 * canvas.scale), "Light of " + live->emitterIds[size_t(i)] + " alone", {0, 1});
+        labelAt(canvas, canvas.corner + Vec2(10, canvas.size.y - 10 * canvas.scale), "Light of " + shown(canvas.editor->namesOf({live->emitterIds[size_t(i)]})) + " alone", {0, 1});
         return;
     }
     if (entries.empty()) return;

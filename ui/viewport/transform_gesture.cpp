@@ -41,7 +41,7 @@ void TransformGesture::begin(Editor& editor, GizmoKind kind, GizmoHandle handle,
     number_.clear();
     readout_.clear();
     running_ = true;
-    editor.beginGesture(std::string(verbOf(kind)) + " " + (emitters_.size() == 1 ? emitters_.front() : std::to_string(emitters_.size()) + " lights"));
+    editor.beginGesture(std::string(verbOf(kind)) + " " + editor.namesOf(emitters_));
     apply(editor, eye);
 }
 

@@ -302,6 +302,35 @@ TEST(Inspector, positionRotationAndScaleComeBackFromAMatrix) {
     }
 }
 
+TEST(Inspector, aTypedNameIsOneEntryAndIsShownEverywhere) {
+    Panels p;
+    p.openSolved();
+    const std::string id = p.editor->emitters()[0].id;
+    selectEmitter(*p.editor, id, false, false);
+    p.windowSize(320, 690);
+    p.frame([&] { drawInspectorPanel(*p.editor); });
+    const size_t entries = p.editor->history().entries().size();
+    runAction(*p.editor, "light.rename");
+    p.frames(3);
+    p.type("Key");
+    p.key(keyEnter);
+    p.frames(2);
+    ASSERT_EQ(p.editor->history().entries().size(), entries + 1);
+    EXPECT_EQ(p.editor->history().entries().back().label, "Rename " + id + " to Key");
+    EXPECT_EQ(p.editor->emitter(id)->name, "Key");
+    EXPECT_EQ(p.editor->namesOf({id}), "Key");
+    // Escape leaves it as it is.
+    runAction(*p.editor, "light.rename");
+    p.frames(3);
+    p.type("Other");
+    p.key(keyEscape);
+    p.frames(2);
+    EXPECT_EQ(p.editor->history().entries().size(), entries + 1);
+    EXPECT_EQ(p.editor->emitter(id)->name, "Key");
+    p.editor->undo();
+    EXPECT_EQ(p.editor->emitter(id)->name, id);
+}
+
 TEST(Inspector, draggingThePositionMovesTheLightAsOneEntry) {
     Panels p;
     p.openSolved();
