@@ -290,6 +290,77 @@ void addProxyEmitters(const Scene& scene, const Capture& capture, float brightne
     }
 }
 
+/// Connected vertices above `floor`, brightest first; none of those in `except`.
+std::vector<Patch> brightBodies(const Scene& scene, const std::vector<VertexRadiance>& seen, float floor, const std::vector<uint8_t>& except) {
+    std::vector<Patch> bodies;
+    std::vector<uint8_t> taken(seen.size(), 0);
+    std::vector<uint32_t> order(seen.size()), stack;
+    std::iota(order.begin(), order.end(), 0u);
+    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return scene.rank[a] < scene.rank[b]; });
+    const auto bright = [&](uint32_t v) { return !taken[v] && seen[v].weight > 0.1f && maxChannel(seen[v].radiance) > floor; };
+    for (const uint32_t seed : order) {
+        if (!bright(seed)) continue;
+        Patch body;
+        bool whole = true;
+        stack.assign(1, seed);
+        taken[seed] = 1;
+        while (!stack.empty()) {
+            const uint32_t v = stack.back();
+            stack.pop_back();
+            body.vertices.push_back(v);
+            whole &= !except[v];
+            for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e)
+                if (const uint32_t u = scene.graph.to[e]; bright(u)) {
+                    taken[u] = 1;
+                    stack.push_back(u);
+                }
+        }
+        if (!whole || body.vertices.size() < smallestPatch) continue;
+        std::sort(body.vertices.begin(), body.vertices.end());
+        bodies.push_back(std::move(body));
+    }
+    return bodies;
+}
+
+/// Whether the body could be what these lamps, of known radiance, light: its median vertex would need an albedo below 1.5 if nothing stood between. O(64 x their triangles).
+bool litByLamps(const Scene& scene, const std::vector<VertexRadiance>& seen, const std::vector<EmitterCluster>& lamps, const Patch& body) {
+    constexpr size_t mostVertices = 64;
+    std::vector<float> demanded;
+    std::vector<uint32_t> vertices = body.vertices;
+    std::sort(vertices.begin(), vertices.end(), [&](uint32_t a, uint32_t b) { return scene.rank[a] < scene.rank[b]; });
+    const size_t step = std::max<size_t>(1, vertices.size() / mostVertices);
+    for (size_t i = 0; i < vertices.size(); i += step) {
+        const uint32_t v = vertices[i];
+        Rgb lit(0);
+        for (const EmitterCluster& lamp : lamps) {
+            float factor = 0;  // form factor; whichever way the surfaces face
+            for (const uint32_t t : lamp.triangles) {
+                const Triangle& corners = scene.mesh.triangles[t];
+                const Vec3 to = (scene.mesh.positions[corners[0]] + scene.mesh.positions[corners[1]] + scene.mesh.positions[corners[2]]) / 3.0f - scene.mesh.positions[v];
+                const float area = scene.mesh.triangleArea(t), squared = std::max(glm::dot(to, to), area);
+                factor += area * std::abs(glm::dot(to, scene.mesh.normals[v]) * glm::dot(to, scene.mesh.faceNormal(t))) / (pi * squared * squared);
+            }
+            lit += lamp.radiance * std::min(factor, 1.0f);
+        }
+        demanded.push_back(maxChannel(seen[v].radiance) / std::max(maxChannel(lit), 1e-20f));
+    }
+    return medianOf(demanded) < 1.5f;
+}
+
+/// What a body of uneven radiance sends on the whole: the mean over its surface.
+Rgb meanRadiance(const Scene& scene, const std::vector<VertexRadiance>& seen, const EmitterCluster& cluster) {
+    DVec3 sum(0);
+    double area = 0;
+    for (const uint32_t t : cluster.triangles)
+        for (const uint32_t v : scene.mesh.triangles[t])
+            if (seen[v].weight > 0.1f) {
+                const double a = scene.mesh.triangleArea(t);
+                sum += a * DVec3(seen[v].radiance);
+                area += a;
+            }
+    return area > 0 ? Rgb(sum / area) : cluster.radiance;
+}
+
 }  // namespace
 
 void indexEmitters(const Scene& scene, EmitterClusters& clusters) {
@@ -338,7 +409,8 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
     const std::vector<uint8_t> nearRim = withinOneRing(scene, rimVertices(scene.mesh));
     std::vector<uint32_t> seenOfPiece(scene.pieces, 0);
     for (uint32_t v = 0; v < seen.size(); ++v) seenOfPiece[scene.piece[v]] += seen[v].weight > 0.1f;
-    std::vector<uint8_t> taken(seen.size(), 0);  // by accepted patches
+    std::vector<uint8_t> taken(seen.size(), 0), accepted(seen.size(), 0);  // by accepted patches, with what completes them and without
+    std::vector<size_t> rejectedPatch;  // of each in result.rejected
     for (const EmitterCluster& e : result.emitters)
         for (uint32_t v : e.vertices) taken[v] = 1;
     for (size_t i = 0; i < patches.size(); ++i) {
@@ -364,10 +436,44 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
         measure(scene, cluster);
         if (patch.reject.empty() && cluster.triangles.empty()) patch.reject = "covers no whole triangle";
         if (!patch.reject.empty()) {
-            if (e.sceneContrast > 1 || e.localContrast > 2) result.rejected.push_back({cluster.centroid, patch.radiance, e, patch.reject});
+            if (e.sceneContrast > 1 || e.localContrast > 2) {
+                result.rejected.push_back({cluster.centroid, patch.radiance, e, patch.reject});
+                rejectedPatch.push_back(i);
+            }
             continue;
         }
+        for (uint32_t v : patch.vertices) accepted[v] = 1;
         (e.sceneContrast >= options.certainContrast && e.uniformity < 0.06f ? result.emitters : result.candidates).push_back(std::move(cluster));
+    }
+    // Bright bodies none of whose patches is a lamp by itself, but which are one as a whole.
+    for (Patch& body : brightBodies(scene, seen, 0.75f * options.unevenContrast * reference, accepted)) {
+        std::vector<int> inBody(seen.size(), -1);
+        for (uint32_t v : body.vertices) inBody[v] = 0;
+        judge(scene, samples, seen, inBody, 0, reference, body);
+        const EmitterEvidence& e = body.evidence;
+        if (e.sceneContrast < options.unevenContrast || e.viewSpread > 0.12f || !e.viewsAgree || e.edgeDrop > 0.5f || tooFewPixels(scene, capture, samples, body) || onlyRim(scene, nearRim, seenOfPiece, body) || litByLamps(scene, seen, result.emitters, body)) continue;
+        EmitterCluster cluster;
+        cluster.vertices = body.vertices;
+        cluster.radiance = body.radiance;
+        cluster.evidence = e;
+        complete(scene, seen, taken, cluster);
+        measure(scene, cluster);
+        if (cluster.triangles.empty()) continue;
+        for (uint32_t v : cluster.vertices) taken[v] = 1;
+        cluster.radiance = meanRadiance(scene, seen, cluster);
+        cluster.radianceSigma = std::max(0.02f, 0.1f * e.uniformity);  // what it sends one way is not what it sends another
+        size_t kept = 0;
+        for (size_t r = 0; r < result.rejected.size(); ++r) {
+            if (inBody[patches[rejectedPatch[r]].vertices[0]] == 0) continue;  // a part of this one
+            if (kept != r) {
+                result.rejected[kept] = result.rejected[r];
+                rejectedPatch[kept] = rejectedPatch[r];
+            }
+            ++kept;
+        }
+        result.rejected.resize(kept);
+        rejectedPatch.resize(kept);
+        result.candidates.push_back(std::move(cluster));
     }
     progress.advance();
     indexEmitters(scene, result);

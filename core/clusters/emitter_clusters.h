@@ -59,10 +59,12 @@ struct ClusterOptions {
     float tolerance = 0.15f;       ///< relative radiance step inside a patch
     float certainContrast = 12;    ///< scene contrast above which no light fit is needed
     float minContrast = 1.6f;      ///< scene or local contrast below which a patch is no candidate
+    float unevenContrast = 4;      ///< scene contrast above which a bright body of uneven radiance is a candidate
 };
 
 /// High-radiance patches: view-independent, uniform, with a sharp edge. Specular highlights move with the view and fail;
-/// bright walls stay candidates until confirmEmitters has fitted the light.
+/// bright walls stay candidates until confirmEmitters has fitted the light. So do bright bodies with a sharp edge that are not uniform (a shade that
+/// glows more where the bulb is near, a window): as emitters they have one radiance, their mean.
 EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, const RadianceSamples& samples, const ClusterOptions& options, Progress& progress);
 
 /// Luminance of what the whole patch sends, up to a constant: the order of the list.

@@ -157,6 +157,7 @@ void worlds(Runner& runner) {
     with("emitter touching a surface", [](StressWorld& w) { w.lamps = {lampAt({0, 0.5f, 0}, 0.2f, Rgb(30))}; }, true);
     with("emitter inside a shade seen only by its light", [](StressWorld& w) { w.shade = true; w.views = 5; });
     with("emitter inside a shade, told", [](StressWorld& w) { w.shade = true; }, true);
+    with("emitter five times as bright on one side", [&](StressWorld& w) { w.lamps = {lampAt(right, 0.4f, Rgb(30))}, w.lamps[0].uneven = 5; });
     with("duplicated emitters", [&](StressWorld& w) { w.lamps = {lampAt(right, 0.3f, Rgb(30)), lampAt(right, 0.3f, Rgb(30))}; }, true);
     with("coplanar emitters that touch", [&](StressWorld& w) { w.lamps = {lampAt(right, 0.3f, Rgb(30)), lampAt(right - Vec3(0.3f, 0, 0), 0.3f, Rgb(20))}; }, true);
     with("fully hidden emitter", [](StressWorld& w) { w.shade = w.closed = true; }, true);

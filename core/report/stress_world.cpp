@@ -145,8 +145,13 @@ PaintedWorld paintStressWorld(const StressWorld& world, Progress& progress) {
     EmitterClusters lamps;
     for (const StressLamp& lamp : world.lamps) {
         const float s = lamp.side;
-        const auto triangles = addSheet(mesh, lamp.centre - Vec3(s / 2, s / 2, 0), {0, s, 0}, {s, 0, 0}, 4, 4);
-        lamps.emitters.push_back(clusterOf(mesh, triangles, lamp.radiance));
+        const int strips = lamp.uneven == 1 ? 1 : 8, cuts = std::max(4, strips);
+        const auto triangles = addSheet(mesh, lamp.centre - Vec3(s / 2, s / 2, 0), {0, s, 0}, {s, 0, 0}, cuts, cuts);
+        for (int i = 0; i < strips; ++i) {
+            const size_t each = triangles.size() / size_t(strips);
+            const float along = strips > 1 ? float(i) / float(strips - 1) : 0.5f;
+            lamps.emitters.push_back(clusterOf(mesh, {triangles.begin() + ptrdiff_t(each) * i, triangles.begin() + ptrdiff_t(each) * (i + 1)}, lamp.radiance * (2 * glm::mix(1.0f, lamp.uneven, along) / (1 + lamp.uneven))));
+        }
     }
     const Scene scene = buildScene(mesh, progress);
     indexEmitters(scene, lamps);

@@ -11,7 +11,8 @@ namespace relamp {
 struct StressLamp {
     Vec3 centre{0.35f, 0.25f, 1.15f};
     float side = 0.3f;
-    Rgb radiance{40, 34, 26};
+    Rgb radiance{40, 34, 26};  ///< mean over it
+    float uneven = 1;          ///< how many times as bright one side is as the other, in eight strips; painted as an emitter each
 };
 
 struct StressWorld {

@@ -126,6 +126,38 @@ TEST(Clusters, RejectAGlowThatFadesOutWithoutAnEdge) {
         return shaded(scene, v, i) * (1 + 40 * std::exp(-12 * glm::dot(p, p)));
     }));
     EXPECT_EQ(found.emitters.size(), 0u);
+    EXPECT_EQ(found.candidates.size(), 0u);
+}
+
+TEST(Clusters, TakeABodyOfUnevenRadianceForOneLampOfItsMean) {
+    Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 40, 40);
+    // What a lamp beside it lights looks the same and is none; it hangs above a second square.
+    const std::vector<uint32_t> lamp = test::append(mesh, test::squareAbove(0.5f, -0.6f, -0.6f, 0.2f, 4));
+    const Scene scene = test::sceneOf(mesh);
+    std::vector<uint8_t> onLamp(scene.mesh.vertexCount(), 0);
+    for (uint32_t t : lamp)
+        for (uint32_t v : scene.mesh.triangles[t]) onLamp[v] = 1;
+    const auto ramp = [](float along) { return Rgb(40, 30, 20) * (1 + 0.5f * along); };  // 1 : 3 from -1 to 1
+    const auto look = [&](bool lampOn) {
+        return clusters(scene, looks(scene, 3, [&](uint32_t v, uint32_t i) {
+            const Vec3 p = scene.mesh.positions[v];
+            if (onLamp[v]) return Rgb(lampOn ? 2000.0f : 1.0f);
+            for (const float centre : {0.6f, -0.6f})
+                if (inSquare(p, centre, centre, 0.25f)) return ramp((p.x - centre) / 0.25f);
+            return shaded(scene, v, i);
+        }));
+    };
+    const EmitterClusters both = look(false), one = look(true);
+    EXPECT_EQ(both.emitters.size(), 0u);
+    EXPECT_EQ(both.candidates.size(), 2u);
+    EXPECT_TRUE(both.rejected.empty()) << both.rejected[0].reason;
+    EXPECT_EQ(one.emitters.size(), 1u);
+    ASSERT_EQ(one.candidates.size(), 1u);
+    const EmitterCluster& found = one.candidates[0];
+    EXPECT_EQ(found.vertices.size(), 121u);
+    EXPECT_LT(glm::distance(found.centroid, Vec3(0.6f, 0.6f, 0)), 1e-3f);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(found.radiance[c] / ramp(0)[c], 1, 0.01);
+    EXPECT_GT(found.radianceSigma, 0.02f);
 }
 
 TEST(Clusters, FindAPairOfOneToAThousandBoth) {

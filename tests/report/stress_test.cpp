@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "report/stress_solve.h"
+#include "report/stress_world.h"
 #include "support/stopping.h"
 
 namespace relamp {
@@ -79,6 +81,27 @@ TEST(Stress, RunsOnlyWhatIsAskedForAndStops) {
     ASSERT_EQ(report.cases.size(), 1u);
     EXPECT_EQ(report.cases[0].name, "world: needle triangles");
     test::expectStopsHalfWay([](Progress& p) { runStress(nullptr, {}, p); });
+}
+
+TEST(Stress, ALampFiveTimesAsBrightOnOneSideIsOneLampOfItsMean) {
+    Progress progress;
+    StressWorld world;
+    world.lamps = {{{0.45f, 0.25f, 1.15f}, 0.4f, Rgb(40, 34, 26), 5}};
+    const PaintedWorld painted = paintStressWorld(world, progress);
+    ASSERT_EQ(painted.lamps.emitters.size(), 8u);
+    const Estimate found = solveForStress(painted.capture, nullptr, false, solveOptionsFor("draft"), progress);
+    ASSERT_EQ(found.emitters.emitters.size(), 1u);
+    const EmitterCluster& lamp = found.emitters.emitters[0];
+    EXPECT_LT(glm::distance(lamp.centroid, Vec3(0.45f, 0.25f, 1.15f)), 0.02f);
+    EXPECT_GT(lamp.evidence.uniformity, 0.2f);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(found.lighting.emitterRadiance[0][c] / world.lamps[0].radiance[c], 1, 0.08);
+    // The floor away from the lamp's shadow: its albedo is what it is.
+    std::vector<float> off;
+    for (size_t v = 0; v < 19 * 19; ++v)
+        if (found.reflectance.confidence[v] > 0.5f) off.push_back(found.reflectance.weight[0][v].y / world.albedo.y);
+    ASSERT_GT(off.size(), 100u);
+    std::nth_element(off.begin(), off.begin() + ptrdiff_t(off.size() / 2), off.end());
+    EXPECT_NEAR(off[off.size() / 2], 1, 0.1);
 }
 
 }  // namespace

@@ -214,6 +214,7 @@ void evidence(Editor& editor, const EmitterState& emitter) {
     wrapped(fmt::format("Seen in {} photograph{}, {}{} triangles.", e.viewsSeen, e.viewsSeen == 1 ? "" : "s", e.samples ? count(e.samples) + " look-ups on " : "", count(cluster.triangles.size())));
     if (e.sceneContrast > 0) wrapped(fmt::format("It is {:.3g} times as bright as the brightest other surfaces.", e.sceneContrast));
     if (sigma >= 0) wrapped(fmt::format("Its brightness is known to about {}.", percent(double(sigma))));
+    if (e.uniformity > 0.12f) wrapped(fmt::format("It glows unevenly, by {} either way. It is given one brightness, the mean.", percent(double(e.uniformity))));
     if (e.clippedShare > 0.005f) warningText(fmt::format("{} of the pixels that see it are clipped: it may be brighter than it looks.", percent(double(e.clippedShare))));
     if (identifiability >= 0) {
         wrapped(fmt::format("{} of its effect on the photographs could not come from far away.", percent(double(identifiability))));
