@@ -62,6 +62,8 @@ struct Patch {
     std::vector<uint32_t> vertices;
     Rgb radiance{0};
     EmitterEvidence evidence;
+    float commonSpread = 0;   ///< relative difference between views of the patch as a whole: an exposure that is off, a lamp that shines more one way
+    float ownSpread = 0;      ///< what is left of viewSpread without that: a reflection that wanders over the patch
     std::string reject;
 };
 
@@ -126,6 +128,47 @@ void mergeLikePatches(const Scene& scene, std::vector<Patch>& patches, const std
         }
 }
 
+/// Takes apart how a patch differs between views: as a whole, and vertex by vertex.
+void splitSpread(const RadianceSamples& samples, const std::vector<VertexRadiance>& seen, Patch& patch) {
+    const auto ratios = [&](uint32_t v, const auto& each) {
+        const float own = maxChannel(seen[v].radiance);
+        for (uint32_t s = samples.start[v]; own > 0 && s < samples.start[v + 1]; ++s)
+            if (const RadianceSample& look = samples.samples[s]; look.weight >= 0.4f * seen[v].weight && !look.clipped) each(look.view, maxChannel(look.radiance) / own);
+    };
+    std::vector<std::vector<float>> ofView;
+    for (const uint32_t v : patch.vertices)
+        ratios(v, [&](uint32_t view, float ratio) {
+            if (ofView.size() <= view) ofView.resize(view + 1);
+            ofView[view].push_back(ratio);
+        });
+    std::vector<float> common(ofView.size(), 0);
+    float low = 1e30f, high = 0;
+    for (size_t view = 0; view < ofView.size(); ++view) {
+        if (ofView[view].size() < smallestPatch) continue;
+        common[view] = medianOf(ofView[view]);
+        low = std::min(low, common[view]);
+        high = std::max(high, common[view]);
+    }
+    patch.commonSpread = high > 0 ? (high - low) / high : 0;
+    std::vector<float> own;
+    for (const uint32_t v : patch.vertices) {
+        float least = 1e30f, most = 0;
+        ratios(v, [&](uint32_t view, float ratio) {
+            if (!(common[view] > 0)) return;
+            least = std::min(least, ratio / common[view]);
+            most = std::max(most, ratio / common[view]);
+        });
+        if (most > least) own.push_back((most - least) / most);
+    }
+    patch.ownSpread = medianOf(own);
+}
+
+/// A reflection moves with the view. What is very bright and changes as a whole, and not much, is a lamp all the same.
+bool changesWithView(const Patch& patch, const ClusterOptions& options) {
+    const EmitterEvidence& e = patch.evidence;
+    return e.viewSpread > 0.12f && !(e.viewsAgree && e.sceneContrast >= options.certainContrast && patch.commonSpread < 0.5f && e.viewSpread < 2 * patch.commonSpread && patch.ownSpread < 0.06f);
+}
+
 void judge(const Scene& scene, const RadianceSamples& samples, const std::vector<VertexRadiance>& seen, const std::vector<int>& patchOf,
            int self, float reference, Patch& patch) {
     EmitterEvidence& e = patch.evidence;
@@ -158,6 +201,7 @@ void judge(const Scene& scene, const RadianceSamples& samples, const std::vector
         radius = std::max(radius, glm::length(scene.mesh.positions[v] - centre));
     }
     e.uniformity = 1.4826f * medianOf(off);
+    splitSpread(samples, seen, patch);
     e.sceneContrast = maxChannel(patch.radiance) / std::max(reference, 1e-20f);
     // The edge on the mesh, and the surfaces around in space.
     std::vector<float> drop, around;
@@ -418,7 +462,7 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
         judge(scene, samples, seen, patchOf, int(i), reference, patch);
         const EmitterEvidence& e = patch.evidence;
         if (e.sceneContrast < options.minContrast && e.localContrast < options.minContrast) patch.reject = "no brighter than the surfaces around it";
-        else if (e.viewSpread > 0.12f) patch.reject = "changes with the view, as a reflection does";
+        else if (changesWithView(patch, options)) patch.reject = "changes with the view, as a reflection does";
         else if (!e.viewsAgree && e.uniformity > 0.03f) patch.reject = "hardly seen from two sides and not uniform: could be a reflection";
         else if (e.uniformity > 0.12f) patch.reject = "its radiance varies as shading does";
         else if (e.edgeDrop > 0.8f) patch.reject = "fades out without an edge";
@@ -443,7 +487,7 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
             continue;
         }
         for (uint32_t v : patch.vertices) accepted[v] = 1;
-        (e.sceneContrast >= options.certainContrast && e.uniformity < 0.06f ? result.emitters : result.candidates).push_back(std::move(cluster));
+        (e.sceneContrast >= options.certainContrast && e.uniformity < 0.06f && e.viewSpread <= 0.12f ? result.emitters : result.candidates).push_back(std::move(cluster));
     }
     // Bright bodies none of whose patches is a lamp by itself, but which are one as a whole.
     for (Patch& body : brightBodies(scene, seen, 0.75f * options.unevenContrast * reference, accepted)) {
@@ -451,7 +495,7 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
         for (uint32_t v : body.vertices) inBody[v] = 0;
         judge(scene, samples, seen, inBody, 0, reference, body);
         const EmitterEvidence& e = body.evidence;
-        if (e.sceneContrast < options.unevenContrast || e.viewSpread > 0.12f || !e.viewsAgree || e.edgeDrop > 0.5f || tooFewPixels(scene, capture, samples, body) || onlyRim(scene, nearRim, seenOfPiece, body) || litByLamps(scene, seen, result.emitters, body)) continue;
+        if (e.sceneContrast < options.unevenContrast || changesWithView(body, options) || !e.viewsAgree || e.edgeDrop > 0.5f || tooFewPixels(scene, capture, samples, body) || onlyRim(scene, nearRim, seenOfPiece, body) || litByLamps(scene, seen, result.emitters, body)) continue;
         EmitterCluster cluster;
         cluster.vertices = body.vertices;
         cluster.radiance = body.radiance;

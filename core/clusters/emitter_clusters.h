@@ -15,7 +15,7 @@ struct EmitterEvidence {
     float sceneContrast = 0;   ///< its radiance over the 95th percentile of the other surfaces
     float localContrast = 0;   ///< its radiance over the median of the surfaces around it
     float uniformity = 0;      ///< relative spread (robust standard deviation) of its radiance over the patch
-    float viewSpread = 0;      ///< median relative difference of one vertex between views
+    float viewSpread = 0;      ///< median relative difference of one vertex between views; differing exposures are in it
     bool viewsAgree = false;   ///< a quarter of its vertices or more were seen by two views, so that viewSpread means something
     float edgeDrop = 0;        ///< median radiance just outside over inside; 0 when it is an object of its own
     float demandedAlbedo = 0;  ///< albedo needed to explain it by reflection, 0 until a light fit has tested it
@@ -64,7 +64,8 @@ struct ClusterOptions {
 
 /// High-radiance patches: view-independent, uniform, with a sharp edge. Specular highlights move with the view and fail;
 /// bright walls stay candidates until confirmEmitters has fitted the light. So do bright bodies with a sharp edge that are not uniform (a shade that
-/// glows more where the bulb is near, a window): as emitters they have one radiance, their mean.
+/// glows more where the bulb is near, a window): as emitters they have one radiance, their mean. And so do very bright ones that differ between the views as a whole and by less than half:
+/// photographs whose exposures differ, lamps that shine more one way.
 EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, const RadianceSamples& samples, const ClusterOptions& options, Progress& progress);
 
 /// Luminance of what the whole patch sends, up to a constant: the order of the list.

@@ -127,6 +127,7 @@ void variantsOf(const std::string& of, const Capture& capture, const SolveOption
     runner.solve(named("light of one channel"), solved(withRadianceTimes(capture, Rgb(1, 0, 0))));
     runner.solve(named("noise of 5 %"), solved(withNoise(capture, 0.05f, 1)));
     runner.solve(named("noise of 20 %"), solved(withNoise(capture, 0.2f, 1)));
+    runner.solve(named("exposures 10 % apart"), solved(withExposures(capture, 0.1f, 1)));
 }
 
 StressLamp lampAt(const Vec3& centre, float side, const Rgb& radiance) { return {centre, side, radiance}; }

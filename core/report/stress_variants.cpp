@@ -42,6 +42,12 @@ Capture withNoise(Capture capture, float relative, uint64_t seed) {
     return capture;
 }
 
+Capture withExposures(Capture capture, float relative, uint64_t seed) {
+    for (size_t i = 0; i < capture.views.size(); ++i)
+        for (Rgb& pixel : capture.views[i].image.pixels) pixel *= std::exp(relative * normalOf(mixBits(seed * 53 + i)));
+    return capture;
+}
+
 Capture withOutliers(Capture capture, float share, uint64_t seed) {
     for (size_t i = 0; i < capture.views.size(); ++i)
         for (size_t p = 0; p < capture.views[i].image.pixels.size(); ++p) {

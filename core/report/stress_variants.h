@@ -11,6 +11,8 @@ Capture withSmallPictures(Capture capture, int longestSide);
 Capture withRadianceTimes(Capture capture, const Rgb& factor);
 /// Gaussian noise of this relative standard deviation on every pixel and channel; 0.2 is 20 %.
 Capture withNoise(Capture capture, float relative, uint64_t seed);
+/// Every photograph brighter or darker as a whole: a factor of this relative standard deviation each.
+Capture withExposures(Capture capture, float relative, uint64_t seed);
 /// A share of the pixels replaced by 0 or a thousand times what they were.
 Capture withOutliers(Capture capture, float share, uint64_t seed);
 /// `count` views spread over the capture.

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <set>
 #include <tuple>
 
@@ -117,6 +118,25 @@ TEST(Clusters, RejectAHighlightThatMovesWithTheView) {
     }));
     EXPECT_EQ(found.emitters.size(), 0u);
     EXPECT_EQ(found.candidates.size(), 0u);
+}
+
+TEST(Clusters, KeepALampThatSomePhotographsShowBrighterForTheLightFit) {
+    const Scene scene = floorScene();
+    const auto look = [&](const std::function<float(const Vec3&, uint32_t)>& change) {
+        return clusters(scene, looks(scene, 4, [&](uint32_t v, uint32_t i) {
+            const Vec3 p = scene.mesh.positions[v];
+            return inSquare(p, 0.3f, -0.2f, 0.15f) ? Rgb(60, 50, 40) * change(p, i) : shaded(scene, v, i);
+        }));
+    };
+    const EmitterClusters exposed = look([](const Vec3&, uint32_t i) { return 1 + 0.1f * float(i); });
+    EXPECT_EQ(exposed.emitters.size(), 0u);
+    ASSERT_EQ(exposed.candidates.size(), 1u);
+    EXPECT_GT(exposed.candidates[0].evidence.viewSpread, 0.2f);
+    // As much change in all, but another one at every vertex; and one that no exposure makes.
+    const EmitterClusters wandering = look([](const Vec3& p, uint32_t i) { return 1.15f + 0.15f * std::sin(40 * p.x + 1.6f * float(i)); });
+    EXPECT_EQ(wandering.emitters.size() + wandering.candidates.size(), 0u);
+    const EmitterClusters mirrored = look([](const Vec3&, uint32_t i) { return i == 0 ? 1.0f : 0.4f; });
+    EXPECT_EQ(mirrored.emitters.size() + mirrored.candidates.size(), 0u);
 }
 
 TEST(Clusters, RejectAGlowThatFadesOutWithoutAnEdge) {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "report/stress_solve.h"
+#include "report/stress_variants.h"
 #include "report/stress_world.h"
 #include "support/stopping.h"
 
@@ -81,6 +82,17 @@ TEST(Stress, RunsOnlyWhatIsAskedForAndStops) {
     ASSERT_EQ(report.cases.size(), 1u);
     EXPECT_EQ(report.cases[0].name, "world: needle triangles");
     test::expectStopsHalfWay([](Progress& p) { runStress(nullptr, {}, p); });
+}
+
+TEST(Stress, ALampIsFoundThoughExposuresDiffer) {
+    Progress progress;
+    const StressWorld world;
+    const Capture painted = paintStressWorld(world, progress).capture;
+    for (const uint64_t seed : {1, 2, 3}) {
+        const Estimate found = solveForStress(withExposures(painted, 0.1f, seed), nullptr, false, solveOptionsFor("draft"), progress);
+        ASSERT_EQ(found.emitters.emitters.size(), 1u) << seed;
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(found.lighting.emitterRadiance[0][c] / world.lamps[0].radiance[c], 1, 0.15) << seed;
+    }
 }
 
 TEST(Stress, ALampFiveTimesAsBrightOnOneSideIsOneLampOfItsMean) {
