@@ -96,8 +96,11 @@ public:
         const nlohmann::json document = nlohmann::json::parse(TemporaryFolder::read(home_ / "map.json"), nullptr, false);
         return document.is_object() ? document : nlohmann::json{{"items", nlohmann::json::object()}, {"frame", 0}};
     }
-    /// Looks at the map until `done`; false after `seconds`.
+    /// Looks at the map until `done`; false after `seconds`, ten times as many under a sanitizer.
     bool until(const std::function<bool(const nlohmann::json&)>& done, double seconds = 60) const {
+#ifdef RELAMP_SANITIZED
+        seconds *= 10;
+#endif
         const auto start = std::chrono::steady_clock::now();
         while (std::chrono::steady_clock::now() - start < std::chrono::duration<double>(seconds)) {
             const nlohmann::json now = map();
