@@ -334,7 +334,7 @@ void addProxyEmitters(const Scene& scene, const Capture& capture, float brightne
     }
 }
 
-/// Connected vertices above `floor`, brightest first; none of those in `except`.
+/// Bodies of connected vertices above `floor`, in an order that does not know the file's; none that has a vertex in `except`.
 std::vector<Patch> brightBodies(const Scene& scene, const std::vector<VertexRadiance>& seen, float floor, const std::vector<uint8_t>& except) {
     std::vector<Patch> bodies;
     std::vector<uint8_t> taken(seen.size(), 0);
@@ -377,6 +377,7 @@ bool litByLamps(const Scene& scene, const std::vector<VertexRadiance>& seen, con
         const uint32_t v = vertices[i];
         Rgb lit(0);
         for (const EmitterCluster& lamp : lamps) {
+            if (lamp.unseen) continue;  // its radiance is a guess yet
             float factor = 0;  // form factor; whichever way the surfaces face
             for (const uint32_t t : lamp.triangles) {
                 const Triangle& corners = scene.mesh.triangles[t];

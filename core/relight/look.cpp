@@ -97,15 +97,19 @@ std::string textOf(const Json& object, const char* key, const std::string& where
     return at->get<std::string>();
 }
 
+bool isControl(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }
+
 std::string nameOf(const Json& object, const std::string& where) {
     const std::string name = textOf(object, "name", where);
-    if (std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; })) throw Error("{}.name: has a control character in it", where);
+    if (std::any_of(name.begin(), name.end(), isControl)) throw Error("{}.name: has a control character in it", where);
     return tidyName(name);
 }
 
 }  // namespace
 
-std::string tidyName(const std::string& name) {
+std::string tidyName(const std::string& given) {
+    std::string name = given;
+    std::erase_if(name, isControl);
     const size_t from = name.find_first_not_of(' ');
     if (from == std::string::npos) return {};
     std::string tidy = name.substr(from, longestName);

@@ -60,7 +60,7 @@ struct Look {
     bool operator==(const Look&) const = default;
 };
 
-/// A name as it is kept: without spaces around it, cut to `longestName` bytes between two characters.
+/// A name as it is kept: without control characters and spaces around it, cut to `longestName` bytes between two characters.
 inline constexpr size_t longestName = 120;
 std::string tidyName(const std::string& name);
 /// What the emitters are called: recovered ones by these ids, in order, then added ones. Two that are called alike are told apart by " (2)".

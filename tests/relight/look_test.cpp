@@ -72,6 +72,9 @@ TEST(Look, NamesOfEmittersComeBackAndAreTidied) {
     EXPECT_EQ(tidyName(std::string(longestName - 1, 'x') + "\u00e9"), std::string(longestName - 1, 'x'));
     EXPECT_EQ(tidyName(std::string(longestName - 2, 'x') + "\u00e9"), std::string(longestName - 2, 'x') + "\u00e9");
     EXPECT_EQ(tidyName("   "), "");
+    EXPECT_EQ(tidyName("Key\n\tlight\x7f"), "Keylight");
+    document["emitters"][0]["name"] = "a\nb";
+    EXPECT_THROW(lookFromJson(document, ""), Error);
 }
 
 TEST(Look, TwoEmittersThatAreCalledAlikeAreToldApart) {

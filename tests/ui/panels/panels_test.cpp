@@ -302,13 +302,19 @@ TEST(Inspector, positionRotationAndScaleComeBackFromAMatrix) {
     }
 }
 
-TEST(Inspector, aTypedNameIsOneEntryAndIsShownEverywhere) {
-    Panels p;
+/// The inspector alone, 320 pixels wide, with the first lamp selected. Its id.
+std::string inspectFirstLamp(Panels& p) {
     p.openSolved();
     const std::string id = p.editor->emitters()[0].id;
     selectEmitter(*p.editor, id, false, false);
     p.windowSize(320, 690);
-    p.frame([&] { drawInspectorPanel(*p.editor); });
+    p.frame([&p] { drawInspectorPanel(*p.editor); });
+    return id;
+}
+
+TEST(Inspector, aTypedNameIsOneEntryAndIsShownEverywhere) {
+    Panels p;
+    const std::string id = inspectFirstLamp(p);
     const size_t entries = p.editor->history().entries().size();
     runAction(*p.editor, "light.rename");
     p.frames(3);
@@ -333,11 +339,7 @@ TEST(Inspector, aTypedNameIsOneEntryAndIsShownEverywhere) {
 
 TEST(Inspector, draggingThePositionMovesTheLightAsOneEntry) {
     Panels p;
-    p.openSolved();
-    const std::string id = p.editor->emitters()[0].id;
-    selectEmitter(*p.editor, id, false, false);
-    p.windowSize(320, 690);
-    p.frame([&] { drawInspectorPanel(*p.editor); });
+    const std::string id = inspectFirstLamp(p);
     const Vec3 before = p.editor->emitter(id)->pivot;
     const size_t entries = p.editor->history().entries().size();
     const auto at = p.find(Panels::idOf("test", {"Position (m)", "##y"}));
