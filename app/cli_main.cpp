@@ -117,6 +117,7 @@ int main(int argc, char** argv) {
     solveVerb->add_option("--time-budget", solve.timeBudget, "Seconds after which the best answer so far is kept")->check(CLI::NonNegativeNumber);
     solveVerb->add_option("--gauge", solve.gauge, "What fixes the brightness scale: auto, white-patch=V,X,Y, emitter=ID:R,G,B, albedo=A")->capture_default_str();
     solveVerb->add_flag("--resume", solve.resume, "Go on from the checkpoint that a killed or interrupted solve of the same capture left beside the shot");
+    solveVerb->add_flag("--accept-poor", solve.acceptPoor, "End with 0 and not with 4 where the photographs are badly explained");
     solveVerb->add_flag("--overwrite", solve.overwrite, "Replace an existing shot");
 
     CLI::App* renderVerb = app.add_subcommand("render", "Relit frames");

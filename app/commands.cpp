@@ -164,20 +164,25 @@ int solve(const SolveArguments& a, Progress& progress) {
     shot.seed = a.seed;
     shot.resources = {progress.seconds(), peakMib(), a.threads > 0 ? a.threads : availableThreads()};
     try {
-        saveShot(shot, r.scene.mesh, a.output, a.overwrite);
+        saveShot(shot, r.scene->mesh, a.output, a.overwrite);
     } catch (const OutOfResources& error) {
         // A long calculation is not thrown away while any disk has room for it.
         const fs::path elsewhere = fs::temp_directory_path() / fmt::format("{}-{}.relamp", fs::absolute(a.output).lexically_normal().stem().string(), getpid());
         try {
-            saveShot(shot, r.scene.mesh, elsewhere, true);
+            saveShot(shot, r.scene->mesh, elsewhere, true);
         } catch (const Error&) {
             throw error;
         }
         throw OutOfResources(fmt::format("{}; the shot was saved as {}", error.what(), elsewhere.string()));
     }
     keeper->remove();
+    const Reproduction& reproduction = shot.estimate.reproduction;
     logInfo("solved in {:.1f} s, {:.0f} MiB: {} emitter(s), {} distant unknowns", shot.resources.seconds, shot.resources.peakMib, shot.estimate.emitters.emitters.size(), shot.estimate.lighting.leaves.size());
-    return 0;
+    if (!reproduction.poor()) return 0;
+    logWarning("quality gate missed: the photographs are reproduced at {:.1f} dB, {:.0f} are wanted. {}", reproduction.median, Reproduction::gateDb, reproduction.advice);
+    if (a.acceptPoor) return 0;
+    logWarning("the shot was written all the same; --accept-poor ends with 0");
+    return 4;
 }
 
 int compare(const CompareArguments& a, Progress& progress) {
@@ -193,6 +198,22 @@ int compare(const CompareArguments& a, Progress& progress) {
 }
 
 namespace {
+
+/// How well the photographs are explained, a line a view.
+std::string reproductionText(const nlohmann::json& r) {
+    std::string text = fmt::format("  photographs reproduced at {:.1f} dB (median)", r["psnr"].get<double>());
+    if (!r["held_out_psnr"].is_null()) text += fmt::format("; views left out are predicted at {:.1f} dB", r["held_out_psnr"].get<double>());
+    text += "\n";
+    double worst = 1e9;
+    for (const auto& v : r["views"]) worst = std::min(worst, v["psnr"].get<double>());
+    for (const auto& v : r["views"]) {
+        text += fmt::format("    {}  {:.1f} dB", v["name"].get<std::string>(), v["psnr"].get<double>());
+        if (!v["held_out_psnr"].is_null()) text += fmt::format(", left out {:.1f} dB", v["held_out_psnr"].get<double>());
+        text += v["psnr"].get<double>() == worst ? ", worst\n" : "\n";
+    }
+    if (r["poor"].get<bool>()) text += fmt::format("  QUALITY GATE MISSED: {}\n", r["advice"].get<std::string>());
+    return text;
+}
 
 int showInfo(const fs::path& path, const CaptureFix& fix, bool json, Progress& progress) {
     nlohmann::json result;
@@ -220,6 +241,7 @@ int showInfo(const fs::path& path, const CaptureFix& fix, bool json, Progress& p
         return 0;
     }
     text += fmt::format("shot ({}), solved in {:.1f} s\n", result["mode"].get<std::string>(), result["resources"]["seconds"].get<double>());
+    if (result.contains("reproduction")) text += reproductionText(result["reproduction"]);
     for (const auto& e : result["emitters"])
         text += fmt::format("  {}  radiance {}  area {:.4g} m2  seen in {} views  identifiable {:.0f} %\n", e["id"].get<std::string>(), e["power"].dump(), e["area_m2"].get<double>(), e["views_seen"].dump(), 100 * e.value("identifiability", 0.0));
     for (const auto& e : result["emitters"]) {

@@ -28,7 +28,7 @@ struct SolveArguments {
     long meshTriangles = -1;   ///< below 0: not given
     int gridSide = 0, threads = 0, palette = 0;
     uint64_t seed = 1;
-    bool overwrite = false, everything = false, resume = false, findLight = false;
+    bool overwrite = false, acceptPoor = false, everything = false, resume = false, findLight = false;
 };
 
 struct RenderArguments {

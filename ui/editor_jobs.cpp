@@ -525,13 +525,14 @@ void Editor::solve(const SolveRequest& request) {
         JobStatus::Kind::solve, request.nearField ? "Estimating light and surfaces" : "Estimating with distant light only",
         [impl, request, apply, capture = document.capture, scene = document.scene, samples = document.samples](Progress& progress) -> Finish {
             progress.setBudget(request.budgetSeconds);
-            SolveOptions options = solveOptionsFor(request.quality);
-            options.nearField = request.nearField;
-            options.gauge = request.gauge;
-            options.seed = request.seed;
-            options.palette = size_t(std::max(0, request.palette));
-            options.lightSmoothness = request.lightSmoothness;
-            options.albedoSmoothness = request.albedoSmoothness;
+            PipelineOptions options;
+            options.solve = solveOptionsFor(request.quality);
+            options.solve.nearField = request.nearField;
+            options.solve.gauge = request.gauge;
+            options.solve.seed = request.seed;
+            options.solve.palette = size_t(std::max(0, request.palette));
+            options.solve.lightSmoothness = request.lightSmoothness;
+            options.solve.albedoSmoothness = request.albedoSmoothness;
             SolveListener listener;
             listener.entry = [impl](const TimelineEntry& entry) {
                 {
@@ -547,21 +548,16 @@ void Editor::solve(const SolveRequest& request) {
                 }
                 if (impl->options.wake) impl->options.wake();
             };
-            // A mesh beyond what the solve can do in reasonable time is solved on a smaller one.
-            const std::optional<DecimatedMesh> working = workingMesh(*capture, {}, progress);
-            const auto solved = working ? std::make_shared<const Scene>(buildScene(working->mesh, progress, ownAxes(*capture))) : scene;
-            const auto seen = working ? std::make_shared<const RadianceSamples>(gatherRadiance(*capture, *solved, {}, progress)) : samples;
-            if (working)
-                listener.snapshot = [show = listener.snapshot, &working, &capture](Estimate estimate) { show(carriedBack(estimate, *working, capture->mesh)); };
-            const EmitterClusters clusters = clusterEmitters(*solved, *capture, *seen, {}, progress);
-            options.plan = planSolve(*capture, *solved, *seen, clusters, options, false, progress);
-            {
-                std::lock_guard lock(impl->solveMutex);
-                impl->newPlan = options.plan;
-            }
-            if (impl->options.wake) impl->options.wake();
-            Estimate found = solveScene(*capture, *solved, *seen, clusters, options, progress, &listener);
-            const auto estimate = std::make_shared<const Estimate>(working ? carriedBack(found, *working, capture->mesh) : std::move(found));
+            const auto planned = [impl](const SolvePlan& plan) {
+                {
+                    std::lock_guard lock(impl->solveMutex);
+                    impl->newPlan = plan;
+                }
+                if (impl->options.wake) impl->options.wake();
+            };
+            StageMeter meter(progress);
+            const Prepared prepared = prepare(*capture, options, meter, progress, scene, samples);
+            const auto estimate = std::make_shared<const Estimate>(solvePrepared(*capture, *scene, prepared, options, meter, progress, &listener, nullptr, planned));
             const Resources resources{progress.seconds(), peakMib(), availableThreads()};
             return [impl, apply, estimate, request, resources] {
                 impl->self.state.document.resources = resources;

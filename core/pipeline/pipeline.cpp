@@ -4,6 +4,7 @@
 #include "base/stage_meter.h"
 #include "capture/own_axes.h"
 #include "pipeline/normals_choice.h"
+#include "pipeline/reproduction.h"
 #include "pipeline/working_mesh.h"
 #include "scene/smooth_normals.h"
 
@@ -31,6 +32,65 @@ void addHiddenLight(PipelineResult& r, const PipelineOptions& options, Progress&
 
 }  // namespace
 
+Prepared prepare(const Capture& capture, const PipelineOptions& options, StageMeter& meter, Progress& progress, std::shared_ptr<const Scene> scene,
+                 std::shared_ptr<const RadianceSamples> samples) {
+    Prepared p;
+    meter.begin("scene");
+    p.working = workingMesh(capture, options.meshTriangles, progress);
+    if (!scene || p.working) scene = std::make_shared<const Scene>(buildScene(p.working ? p.working->mesh : capture.mesh, progress, ownAxes(capture)));
+    p.scene = std::move(scene);
+    // What the photographs say of each vertex and of the environment.
+    meter.begin("look-ups");
+    if (!samples || p.working) samples = std::make_shared<const RadianceSamples>(gatherRadiance(capture, *p.scene, options.gather, progress));
+    p.samples = std::move(samples);
+    // High-radiance components become emitting patches ([Put15] 3.3).
+    meter.begin("finding lamps");
+    p.clusters = clusterEmitters(*p.scene, capture, *p.samples, options.clusters, progress);
+    return p;
+}
+
+Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepared& prepared, const PipelineOptions& options, StageMeter& meter, Progress& progress,
+                       const SolveListener* listener, const SolveCheckpoint* resume, const std::function<void(const SolvePlan&)>& planned) {
+    const Scene& scene = *prepared.scene;
+    const auto carried = [&](Estimate&& estimate) { return prepared.working ? carriedBack(estimate, *prepared.working, capture.mesh) : std::move(estimate); };
+    SolveListener measuring;
+    if (listener && listener->snapshot) {
+        measuring = *listener;
+        measuring.snapshot = [&, listener](Estimate found) {
+            Estimate estimate = carried(std::move(found));
+            estimate.reproduction = measureReproduction(capture, whole, estimate, scene, *prepared.samples, {300, false}, progress);
+            listener->snapshot(std::move(estimate));
+        };
+        listener = &measuring;
+    }
+    // What this scene does not need.
+    SolveOptions solve = options.solve;
+    meter.begin("planning");
+    if (!resume) solve.plan = planSolve(capture, scene, *prepared.samples, prepared.clusters, options.solve, options.everything, progress);
+    meter.end();
+    if (planned && !resume) planned(solve.plan);
+    // Transport (visibility, near-field maps) and the two alternating programs: light (equations 3 to 6) and reflectance.
+    if (options.onlyPlan) {
+        Estimate plan;
+        plan.plan = solve.plan;
+        return plan;
+    }
+    Estimate estimate = carried(solveScene(capture, scene, *prepared.samples, prepared.clusters, solve, progress, listener, resume));
+    if (prepared.working)
+        estimate.leftOut.push_back({"triangles", fmt::format("the solve ran on {} of {}, and what it found was carried back", scene.mesh.triangles.size(), capture.mesh.triangles.size())});
+    meter.begin("reproduction of the photographs");
+    ReproductionOptions measure;
+    if (progress.outOfTime()) measure.pixels = 500;
+    estimate.reproduction = measureReproduction(capture, whole, estimate, scene, *prepared.samples, measure, progress);
+    meter.end();
+    estimate.heldOut.clear();
+    if (estimate.reproduction.measured()) logInfo("{}", toText(estimate.reproduction));
+    std::vector<PlannedStage> done;
+    for (const StageCost& cost : meter.stages()) done.push_back({cost.name, -1, cost.seconds, -1, cost.mib});
+    estimate.plan.stages.insert(estimate.plan.stages.begin(), done.begin(), done.end());
+    return estimate;
+}
+
 PipelineResult runPipeline(const std::filesystem::path& captureFolder, const PipelineOptions& options, Progress& progress, const SolveListener* listener) {
     PipelineResult r;
     StageMeter meter(progress);
@@ -42,52 +102,24 @@ PipelineResult runPipeline(const std::filesystem::path& captureFolder, const Pip
         addHiddenLight(r, options, progress);
     }
     const std::optional<SolveCheckpoint> earlier = options.resume ? options.resume(r.capture) : std::nullopt;
-    meter.begin("scene");
-    const std::optional<DecimatedMesh> working = workingMesh(r.capture, options.meshTriangles, progress);
-    r.scene = buildScene(working ? working->mesh : r.capture.mesh, progress, ownAxes(r.capture));
-    SolveListener carrying;
-    if (working && listener && listener->snapshot) {
-        carrying = *listener;
-        carrying.snapshot = [&r, &working, listener](Estimate estimate) { listener->snapshot(carriedBack(estimate, *working, r.capture.mesh)); };
-        listener = &carrying;
-    }
-    // What the photographs say of each vertex and of the environment.
-    meter.begin("look-ups");
-    r.samples = gatherRadiance(r.capture, r.scene, options.gather, progress);
-    // High-radiance components become emitting patches ([Put15] 3.3).
-    meter.begin("finding lamps");
-    r.clusters = clusterEmitters(r.scene, r.capture, r.samples, options.clusters, progress);
+    Prepared prepared = prepare(r.capture, options, meter, progress);
     // Are the mesh's normals good enough to shade with? A decimated mesh's are means already.
     r.smoothedNormals = std::max(0, options.load.fix.smoothNormals);
-    if (options.load.fix.smoothNormals < 0 && !working) {
+    if (options.load.fix.smoothNormals < 0 && !prepared.working) {
         meter.begin("normals");
-        if (const NormalsChoice choice = chooseNormals(r.scene, r.samples, r.clusters, options.solve, progress); choice.rounds > 0) {
+        if (const NormalsChoice choice = chooseNormals(*prepared.scene, *prepared.samples, prepared.clusters, options.solve, progress); choice.rounds > 0) {
             r.smoothedNormals = choice.rounds;
             r.capture.mesh.normals = smoothedNormals(r.capture.mesh, choice.rounds);
             r.capture.notes.push_back(fmt::format("the mesh's normals are noisy: smoothed {} times, ratios between points are explained {:.1f} % better", choice.rounds, 100 * choice.better));
             logInfo("{}", r.capture.notes.back());
-            r.scene = buildScene(r.capture.mesh, progress, ownAxes(r.capture));
+            prepared.scene = std::make_shared<const Scene>(buildScene(r.capture.mesh, progress, ownAxes(r.capture)));
         }
     }
-    // What this scene does not need.
-    SolveOptions solve = options.solve;
-    meter.begin("planning");
-    if (!earlier) solve.plan = planSolve(r.capture, r.scene, r.samples, r.clusters, options.solve, options.everything, progress);
-    meter.end();
-    // Transport (visibility, near-field maps) and the two alternating programs: light (equations 3 to 6) and reflectance.
-    if (options.onlyPlan) r.estimate.plan = solve.plan;
-    else r.estimate = solveScene(r.capture, r.scene, r.samples, r.clusters, solve, progress, listener, earlier ? &*earlier : nullptr);
-    if (working) {
-        if (!options.onlyPlan) {
-            r.estimate = carriedBack(r.estimate, *working, r.capture.mesh);
-            r.estimate.leftOut.push_back({"triangles", fmt::format("the solve ran on {} of {}, and what it found was carried back", working->mesh.triangles.size(), r.capture.mesh.triangles.size())});
-        }
-        r.scene = buildScene(r.capture.mesh, progress, ownAxes(r.capture));
-    }
+    r.scene = prepared.working ? std::make_shared<const Scene>(buildScene(r.capture.mesh, progress, ownAxes(r.capture))) : prepared.scene;
+    r.estimate = solvePrepared(r.capture, *r.scene, prepared, options, meter, progress, listener, earlier ? &*earlier : nullptr);
+    r.samples = std::move(prepared.samples);
+    r.clusters = std::move(prepared.clusters);
     if (r.search && !r.search->light) r.estimate.leftOut.push_back({"unseen lamp", r.search->words});
-    std::vector<PlannedStage> done;
-    for (const StageCost& cost : meter.stages()) done.push_back({cost.name, -1, cost.seconds, -1, cost.mib});
-    r.estimate.plan.stages.insert(r.estimate.plan.stages.begin(), done.begin(), done.end());
     return r;
 }
 

@@ -1,11 +1,14 @@
 // The conductor: the paper's pipeline from capture to estimate, one room after the other.
 #pragma once
 #include <filesystem>
+#include <memory>
 
 #include "base/progress.h"
+#include "base/stage_meter.h"
 #include "capture/load_capture.h"
 #include "pipeline/plan.h"
 #include "radiance/gather.h"
+#include "scene/decimate.h"
 #include "scene/scene.h"
 #include "solve/hidden_light.h"
 #include "solve/solve.h"
@@ -25,12 +28,29 @@ struct PipelineOptions {
     std::function<std::optional<SolveCheckpoint>(const Capture&)> resume = {};
 };
 
+/// Products of rooms 2 to 4 for the mesh that the solve runs on.
+struct Prepared {
+    std::optional<DecimatedMesh> working;      ///< that mesh, where the capture's is too large
+    std::shared_ptr<const Scene> scene;
+    std::shared_ptr<const RadianceSamples> samples;
+    EmitterClusters clusters;
+};
+
+/// Rooms 2 to 4. `scene` and `samples`, if not null, are those of the capture's own mesh, made before; they are used where the solve runs on that mesh.
+Prepared prepare(const Capture& capture, const PipelineOptions& options, StageMeter& meter, Progress& progress, std::shared_ptr<const Scene> scene = {},
+                 std::shared_ptr<const RadianceSamples> samples = {});
+
+/// Plan, solve, and how well the estimate explains the photographs. `whole` is the capture's own scene; the estimate is for its mesh. `planned`, if any, hears the plan.
+/// Snapshots that `listener` hears hold a quick measure of how well the photographs are explained.
+Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepared& prepared, const PipelineOptions& options, StageMeter& meter, Progress& progress,
+                       const SolveListener* listener = nullptr, const SolveCheckpoint* resume = nullptr, const std::function<void(const SolvePlan&)>& planned = {});
+
 /// Every room's product, so that the window and the reports can look at each. Where the solve ran on a decimated mesh, `samples` and `clusters` are of that
 /// one, `scene` and `estimate` of the capture's.
 struct PipelineResult {
     Capture capture;
-    Scene scene;
-    RadianceSamples samples;
+    std::shared_ptr<const Scene> scene;
+    std::shared_ptr<const RadianceSamples> samples;
     EmitterClusters clusters;
     Estimate estimate;
     int smoothedNormals = 0;   ///< rounds of smoothing that the normals of `capture` have had

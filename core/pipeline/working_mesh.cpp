@@ -73,6 +73,7 @@ Estimate carriedBack(const Estimate& found, const DecimatedMesh& working, const 
     };
     Reflectance& r = result.reflectance;
     for (size_t k = 0; k < r.weight.size(); ++k) between(found.reflectance.weight[k], r.weight[k]);
+    for (size_t k = 0; k < found.heldOut.size(); ++k) between(found.heldOut[k].albedo, result.heldOut[k].albedo);
     between(found.reflectance.confidence, r.confidence);
     between(found.reflectance.sigma, r.sigma);
     r.observed.assign(n, 0);
@@ -88,6 +89,7 @@ Estimate carriedBack(const Estimate& found, const DecimatedMesh& working, const 
         if (const int e = carried.emitterOfVertex[v]; e >= 0) {
             carried.emitters[size_t(e)].vertices.push_back(v);
             for (std::vector<Rgb>& w : r.weight) w[v] = Rgb(0);   // emitters only emit
+            for (HeldOutAlbedo& held : result.heldOut) held.albedo[v] = Rgb(0);
         }
     for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
         const Triangle& c = mesh.triangles[t];

@@ -18,6 +18,67 @@ void rank(const std::vector<int>& hits, float share, std::array<EmitterShare, Fr
     }
 }
 
+/// One pixel after the other, by one thread.
+class PixelRenderer {
+public:
+    // What render() found.
+    Gather gather;                ///< byEmitter: radiance of the pixel from each emitter
+    std::vector<int> hits;        ///< per emitter: samples that see it
+    bool emitterSeen = false;
+    float alpha = 0;
+    Rgb albedo{0}, world{0}, beauty{0};
+
+    PixelRenderer(const SceneLights& lights, const Camera& camera, const FrameOptions& options)
+        : hits(lights.relit.emitters.size(), 0), relit_(lights.relit), camera_(camera), options_(options), origin_(camera.position()), shader_(lights, options) {}
+
+    /// Renders pixel (x, y).
+    void render(int x, int y) {
+        const uint64_t seed = mixBits(options_.seed * 0x9e37 + size_t(y) * size_t(camera_.width) + size_t(x));
+        const float share = 1 / float(options_.samplesPerPixel);
+        emitterSeen = false;
+        alpha = 0;
+        albedo = Rgb(0);
+        gather.world = Rgb(0);
+        gather.byEmitter.assign(relit_.emitters.size(), Rgb(0));
+        std::fill(hits.begin(), hits.end(), 0);
+        for (int i = 0; i < options_.samplesPerPixel; ++i) {
+            const Vec2 inside = r2Point(uint32_t(i), randomShift(seed, 0, 0));
+            const Vec3 d = camera_.rayDirection(Vec2(float(x), float(y)) + inside);
+            const Hit hit = relit_.scene.tracer->closest({origin_, d, 0, 1e30f});
+            if (!hit) {
+                if (options_.background) gather.world += relit_.distant->smoothRadiance(d);
+                continue;
+            }
+            alpha += share;
+            const int e = relit_.emitterOfTriangle[hit.triangle];
+            if (e >= 0) {
+                const RelitEmitter& emitter = relit_.emitters[size_t(e)];
+                ++hits[size_t(e)];
+                emitterSeen = true;
+                if (emitter.surface.twoSided || glm::dot(relit_.scene.mesh.faceNormal(hit.triangle), d) < 0) gather.byEmitter[size_t(e)] += emitter.radiance;
+                continue;
+            }
+            shader_.surfaceAt(hit, d, surface_);
+            albedo += surface_.albedo * share;
+            shader_.gather(surface_, uint32_t(i), seed, gather);
+        }
+        world = gather.world * share;
+        beauty = world;
+        for (Rgb& light : gather.byEmitter) {
+            light *= share;
+            beauty += light;
+        }
+    }
+
+private:
+    const RelitScene& relit_;
+    const Camera& camera_;
+    const FrameOptions& options_;
+    Vec3 origin_;
+    PointShader shader_;
+    ShadedPoint surface_;
+};
+
 }  // namespace
 
 FrameRenderer::FrameRenderer(const RelitScene& relit, const Camera& camera, const FrameOptions& options)
@@ -28,11 +89,10 @@ FrameRenderer::~FrameRenderer() = default;
 Frame FrameRenderer::rows(int first, int count, Progress& progress) const {
     const RelitScene& relit = relit_;
     const Camera& camera = camera_;
-    const FrameOptions& options = options_;
     Frame frame;
     frame.width = camera.width;
     frame.height = count;
-    const size_t pixels = size_t(frame.width) * size_t(count), emitters = relit.emitters.size(), above = size_t(first) * size_t(frame.width);
+    const size_t pixels = size_t(frame.width) * size_t(count), emitters = relit.emitters.size();
     frame.beauty.assign(pixels, Rgb(0));
     frame.alpha.assign(pixels, 0);
     frame.world.assign(pixels, Rgb(0));
@@ -43,61 +103,43 @@ Frame FrameRenderer::rows(int first, int count, Progress& progress) const {
     frame.depth.assign(pixels, 1e30f);
     frame.emittersSeen.assign(pixels, {});
     const Vec3 origin(camera.position());
-    const float share = 1 / float(options.samplesPerPixel);
     parallelBlocks(size_t(count), 2, [&](size_t begin, size_t end) {
-        PointShader shader(*lights_, options);
-        ShadedPoint surface;
-        Gather gather;
-        std::vector<int> hits(emitters, 0);
+        PixelRenderer pixel(*lights_, camera, options_);
         for (size_t y = begin; y < end; ++y)
             for (int x = 0; x < frame.width; ++x) {
                 if (x % 64 == 0) progress.check();
                 const size_t p = y * size_t(frame.width) + size_t(x);
-                const uint64_t seed = mixBits(options.seed * 0x9e37 + above + p);
-                const float row = float(first) + float(y);
-                bool emitterSeen = false;
-                gather.world = Rgb(0);
-                gather.byEmitter.assign(emitters, Rgb(0));
-                for (int i = 0; i < options.samplesPerPixel; ++i) {
-                    const Vec2 inside = r2Point(uint32_t(i), randomShift(seed, 0, 0));
-                    const Vec3 d = camera.rayDirection(Vec2(float(x), row) + inside);
-                    const Hit hit = relit.scene.tracer->closest({origin, d, 0, 1e30f});
-                    if (!hit) {
-                        if (options.background) gather.world += relit.distant->smoothRadiance(d);
-                        continue;
-                    }
-                    frame.alpha[p] += share;
-                    const int e = relit.emitterOfTriangle[hit.triangle];
-                    if (e >= 0) {
-                        ++hits[size_t(e)];
-                        emitterSeen = true;
-                        if (relit.emitters[size_t(e)].surface.twoSided || glm::dot(relit.scene.mesh.faceNormal(hit.triangle), d) < 0) gather.byEmitter[size_t(e)] += relit.emitters[size_t(e)].radiance;
-                        continue;
-                    }
-                    shader.surfaceAt(hit, d, surface);
-                    frame.albedo[p] += surface.albedo * share;
-                    shader.gather(surface, uint32_t(i), seed, gather);
-                }
-                const Hit centre = relit.scene.tracer->closest({origin, camera.rayDirection(Vec2(float(x) + 0.5f, row + 0.5f)), 0, 1e30f});
+                const int row = first + int(y);
+                pixel.render(x, row);
+                frame.alpha[p] = pixel.alpha;
+                frame.albedo[p] = pixel.albedo;
+                const Hit centre = relit.scene.tracer->closest({origin, camera.rayDirection(Vec2(float(x) + 0.5f, float(row) + 0.5f)), 0, 1e30f});
                 if (centre) {
                     frame.position[p] = relit.scene.pointOf(centre);
                     frame.normal[p] = relit.scene.normalOf(centre);
                     frame.depth[p] = float(camera.depthOf(DVec3(frame.position[p])));
                 }
-                if (emitterSeen) {
-                    rank(hits, share, frame.emittersSeen[p]);
-                    std::fill(hits.begin(), hits.end(), 0);
-                }
-                frame.world[p] = gather.world * share;
-                frame.beauty[p] = frame.world[p];
-                for (size_t e = 0; e < emitters; ++e) {
-                    frame.byEmitter[e][p] = gather.byEmitter[e] * share;
-                    frame.beauty[p] += frame.byEmitter[e][p];
-                }
+                if (pixel.emitterSeen) rank(pixel.hits, 1 / float(options_.samplesPerPixel), frame.emittersSeen[p]);
+                frame.world[p] = pixel.world;
+                frame.beauty[p] = pixel.beauty;
+                for (size_t e = 0; e < emitters; ++e) frame.byEmitter[e][p] = pixel.gather.byEmitter[e];
             }
         progress.advance(end - begin);
     });
     return frame;
+}
+
+std::vector<Rgb> FrameRenderer::pixels(const std::vector<PixelAt>& at, Progress& progress) const {
+    std::vector<Rgb> beauty(at.size());
+    parallelBlocks(at.size(), 64, [&](size_t begin, size_t end) {
+        progress.check();
+        PixelRenderer pixel(*lights_, camera_, options_);
+        for (size_t i = begin; i < end; ++i) {
+            pixel.render(at[i].x, at[i].y);
+            beauty[i] = pixel.beauty;
+        }
+    });
+    return beauty;
 }
 
 Frame renderFrame(const RelitScene& relit, const Camera& camera, const FrameOptions& options, Progress& progress) {

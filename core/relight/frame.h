@@ -39,6 +39,10 @@ struct Frame {
     std::vector<std::array<EmitterShare, ranks>> emittersSeen;
 };
 
+struct PixelAt {
+    int x = 0, y = 0;
+};
+
 /// Renders a frame in pieces, so that a picture of any size needs the memory of a few rows. Keeps references to scene and camera.
 class FrameRenderer {
 public:
@@ -50,6 +54,9 @@ public:
     /// Rows [first, first + count) as a frame `count` high: the same bits as those rows of the whole, however it is cut. Advances
     /// `progress` by one a row. Throws Cancelled. May be called from one thread at a time (it uses all cores itself).
     Frame rows(int first, int count, Progress& progress) const;
+
+    /// The beauty of some pixels: the same bits as in the whole frame. Throws Cancelled. Threads: as rows().
+    std::vector<Rgb> pixels(const std::vector<PixelAt>& at, Progress& progress) const;
 
 private:
     const RelitScene& relit_;

@@ -37,14 +37,14 @@ std::filesystem::path writeComparison(const std::filesystem::path& captureFolder
         shot.estimate = std::move(result.estimate);
         for (TimelineEntry& entry : shot.estimate.timeline) entry.seconds -= start;
         shot.resources = {progress.seconds() - start, peakMib(), availableThreads()};
-        saveShot(shot, result.scene.mesh, folder / (mode.name + ".relamp"), true);
+        saveShot(shot, result.scene->mesh, folder / (mode.name + ".relamp"), true);
         logInfo("{}: solved in {:.1f} s, {} emitter(s)", mode.name, shot.resources.seconds, shot.estimate.emitters.emitters.size());
     }
     comparison.capture = std::filesystem::absolute(captureFolder / ".").lexically_normal().parent_path().filename().string();
     comparison.views = result.capture.views.size();
-    comparison.vertices = result.scene.mesh.vertexCount();
-    comparison.triangles = result.scene.mesh.triangles.size();
-    drawComparison(result.capture, result.scene, options.maxViews, comparison, progress);
+    comparison.vertices = result.scene->mesh.vertexCount();
+    comparison.triangles = result.scene->mesh.triangles.size();
+    drawComparison(result.capture, *result.scene, options.maxViews, comparison, progress);
 
     const std::filesystem::path page = folder / "index.html";
     writeBytesAtomically(page, comparisonPage(comparison));

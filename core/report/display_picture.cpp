@@ -86,16 +86,20 @@ Image over(const std::vector<Rgb>& pixels, const std::vector<float>& alpha, int 
 
 double DisplayError::psnr() const { return pixels ? std::min(100.0, -10 * std::log10(std::max(squares / double(pixels), 1e-10))) : 0.0; }
 
+double squaredDisplayStep(const Rgb& picture, const Rgb& reference, float exposure) {
+    double sum = 0;
+    for (int c = 0; c < 3; ++c) {
+        const double step = srgbEncode(picture[c] * exposure) - srgbEncode(reference[c] * exposure);
+        sum += step * step;
+    }
+    return std::isfinite(sum) ? sum / 3 : 1;  // a pixel that is no number is as wrong as can be
+}
+
 DisplayError displayError(const Image& picture, const Image& reference, const std::vector<uint8_t>& mask, float exposure) {
     DisplayError error;
     for (size_t i = 0; i < picture.pixels.size(); ++i) {
         if (!mask[i]) continue;
-        double sum = 0;
-        for (int c = 0; c < 3; ++c) {
-            const double step = srgbEncode(picture.pixels[i][c] * exposure) - srgbEncode(reference.pixels[i][c] * exposure);
-            sum += step * step;
-        }
-        error.squares += std::isfinite(sum) ? sum / 3 : 1;  // a pixel that is no number is as wrong as can be
+        error.squares += squaredDisplayStep(picture.pixels[i], reference.pixels[i], exposure);
         ++error.pixels;
     }
     return error;

@@ -29,6 +29,9 @@ std::vector<Rgb> tintsOf(const std::vector<Rgb>& albedo, const std::vector<float
 /// A picture over a flat colour by its coverage.
 Image over(const std::vector<Rgb>& pixels, const std::vector<float>& alpha, int width, int height, const Rgb& ground);
 
+/// Squared difference of display values (exposed, clipped, sRGB), mean of the channels, in [0, 1]; 1 where either is no number.
+double squaredDisplayStep(const Rgb& picture, const Rgb& reference, float exposure);
+
 /// Mean squared error of display values (exposed, clipped, sRGB) over the pixels of the mask, and how many there are.
 struct DisplayError {
     double squares = 0;

@@ -39,6 +39,14 @@ Json evidenceJson(const EmitterEvidence& e) {
             {"edge_drop", e.edgeDrop}, {"demanded_albedo", e.demandedAlbedo}, {"samples", e.samples}};
 }
 
+Json reproductionJson(const Reproduction& r) {
+    Json j{{"psnr", r.median}, {"observed_psnr", r.observed}, {"held_out_psnr", r.heldOut > 0 ? Json(r.heldOut) : Json()}, {"poor", r.poor()}, {"cause", causeName(r.cause)}, {"advice", r.advice},
+           {"views", Json::array()}};
+    for (const ViewReproduction& v : r.views)
+        j["views"].push_back({{"name", v.name}, {"psnr", v.psnr}, {"observed_psnr", v.observed}, {"held_out_psnr", v.heldOut > 0 ? Json(v.heldOut) : Json()}, {"pixels", v.pixels}});
+    return j;
+}
+
 const Json& need(const Json& object, const char* key, const std::string& where) {
     const auto at = object.find(key);
     if (at == object.end()) throw Error("{}{}: is missing", where, key);
@@ -100,6 +108,22 @@ SolvePlan planOf(const Json& document) {
         plan.planningSeconds = field(object, "planning_s", 0.0);
     });
     return plan;
+}
+
+/// What a shot says of how well its photographs are explained; shots of before say nothing.
+Reproduction reproductionOf(const Json& document) {
+    Reproduction r;
+    const Json& object = objectOf(document, "reproduction");
+    withContext("reproduction", [&] {
+        r.median = field(object, "psnr", 0.0);
+        r.observed = field(object, "observed_psnr", 0.0);
+        r.heldOut = field(object, "held_out_psnr", 0.0);
+        r.advice = field<std::string>(object, "advice", "");
+        r.cause = causeNamed(field<std::string>(object, "cause", "none")).value_or(MisfitCause::none);
+        for (const Json& v : listOf(object, "views"))
+            r.views.push_back({field<std::string>(v, "name", ""), field(v, "psnr", 0.0), field(v, "observed_psnr", 0.0), field(v, "held_out_psnr", 0.0), field(v, "pixels", size_t(0))});
+    });
+    return r;
 }
 
 /// The file a measured lobe comes from: a copy in the shot's own folder `merl` goes first, so that a shot can be given away with what it needs.
@@ -194,6 +218,7 @@ Json shotInfo(const Shot& shot) {
                          {"unknowns", e.stability.unknowns}, {"reason", e.stability.reason}, {"spectrum", e.stability.spectrum}};
     info["plan"] = planJson(e.plan);
     if (!e.stability.weakest.empty()) info["stability"].update({{"weakest", e.stability.weakest}, {"weakest_sigma", e.stability.weakestSigma}});
+    if (e.reproduction.measured()) info["reproduction"] = reproductionJson(e.reproduction);
     info["resources"] = {{"seconds", shot.resources.seconds}, {"peak_mib", shot.resources.peakMib}, {"threads", shot.resources.threads}};
     info["interreflection"] = {{"kept", e.interreflection}, {"share", e.bouncedShare}};
     info["stopped_early"] = e.cancelled;
@@ -402,6 +427,7 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress) {
             e.leftOut.push_back({field<std::string>(l, "what", "", where), field<std::string>(l, "why", "", where)});
         }
         e.plan = planOf(document);
+        e.reproduction = reproductionOf(document);
         const Json& gauge = objectOf(document, "gauge");
         e.gauge = {field<std::string>(gauge, "kind", "", "gauge."), field<std::string>(gauge, "evidence", "", "gauge."), gauge.contains("scale") ? colour(gauge["scale"], "gauge.scale") : Rgb(1)};
         const Json& from = objectOf(gauge, "from");

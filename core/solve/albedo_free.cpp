@@ -100,16 +100,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
         for (size_t i = 0; i < leafCount; ++i) x[c](Eigen::Index(i)) = lighting.leafRadiance[i][c];
         for (size_t e = 0; e < emitterCount; ++e) x[c](Eigen::Index(leafCount + e)) = lighting.emitterRadiance[e][c];
     }
-    bool anchored = false, allUnseen = emitterCount > 0;
-    for (size_t e = 0; e < emitterCount; ++e) {
-        const bool unseen = anchors.emitterClipped[e] && !(maxChannel(anchors.emitterRadiance[e]) > 0);
-        anchored |= !unseen;
-        allUnseen &= unseen;
-    }
-    // Where all light may come from lamps that nobody saw, black surroundings tie nothing down.
-    const float tells = allUnseen ? 50 * options.light.darkness : -1.0f;
-    for (const LeafAnchor& a : anchors.leaves) anchored |= a.coverage > 0.05f && !a.clipped && maxChannel(a.radiance) > tells;
-    anchored |= options.bounce != nullptr;
+    const bool anchored = options.bounce != nullptr || tiesScale(anchors, options.light.darkness);
     std::vector<float> robust(pairs.size(), 1);
     std::vector<Rgb> mixing(rows);
     std::vector<PairPrecision> precision(pairs.size());
@@ -304,10 +295,8 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
         if (!anchored) {
             // Nothing ties the scale down, and black light explains every ratio: the mean stays where it is.
             held = all;
-            Eigen::VectorXd mean = Eigen::VectorXd::Zero(n);
-            if (allUnseen) mean = transposedProduct(influence, std::vector<double>(rows, 1 / double(rows)));  // of the light on the surfaces: the surroundings may be black
-            else
-                for (size_t i = 0; i < leafCount; ++i) mean(Eigen::Index(i)) = double(lighting.leaves[i].solidAngle()) / (4 * piD);
+            // Of the light on the surfaces, because directions that light none may hold anything.
+            const Eigen::VectorXd mean = transposedProduct(influence, std::vector<double>(rows, 1 / double(rows)));
             for (int c = 0; c < 3; ++c) {
                 const double hold = all.diagonal().segment(c * n, n).maxCoeff() / mean.squaredNorm() + 1e-30;
                 moments.segment(c * n, n) += hold * mean.dot(x[c]) * mean;

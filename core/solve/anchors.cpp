@@ -8,6 +8,13 @@ std::vector<Rgb> firstRadiance(const EmitterClusters& clusters) {
     return radiance;
 }
 
+bool tiesScale(const LightAnchors& anchors, float darkness) {
+    for (size_t e = 0; e < anchors.emitterRadiance.size(); ++e)
+        if (!anchors.emitterClipped[e] || maxChannel(anchors.emitterRadiance[e]) > 0) return true;
+    constexpr float black = 50;  // times darkness, which is a thousandth of the brightest surfaces
+    return std::any_of(anchors.leaves.begin(), anchors.leaves.end(), [&](const LeafAnchor& a) { return a.coverage > 0.05f && !a.clipped && maxChannel(a.radiance) > black * darkness; });
+}
+
 LightAnchors lightAnchors(const RadianceSamples& samples, const EmitterClusters& clusters, const LightLeaves& leaves) {
     LightAnchors anchors;
     anchors.leaves.resize(leaves.size());

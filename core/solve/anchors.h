@@ -23,6 +23,10 @@ struct LightAnchors {
 /// Where a fit starts: what was seen of each emitter, or guessed.
 std::vector<Rgb> firstRadiance(const EmitterClusters& clusters);
 
+/// Does light seen directly tie the scale of all light down? An emitter that was seen does, clipped or not (a lower bound). Background does unless it is a backdrop: black beside the surfaces
+/// (`darkness`: LightPriorOptions), it can give no more than a twentieth of the light on the brightest, so what lights them comes from elsewhere.
+bool tiesScale(const LightAnchors& anchors, float darkness);
+
 LightAnchors lightAnchors(const RadianceSamples& samples, const EmitterClusters& clusters, const LightLeaves& leaves);
 
 }  // namespace relamp

@@ -6,6 +6,7 @@
 #include "brdf/basis.h"
 #include "clusters/emitter_clusters.h"
 #include "solve/palette.h"
+#include "solve/reproduction.h"
 #include "solve/solve_plan.h"
 #include "transport/lighting.h"
 
@@ -81,6 +82,8 @@ struct Estimate {
     PriorStrength lightSmoothness, albedoSmoothness;
     std::vector<PaletteColour> palette;    ///< materials, where the artist said how many; most used first
     StabilityReport stability;
+    Reproduction reproduction;             ///< how well it explains its photographs; measured by the pipeline
+    std::vector<HeldOutAlbedo> heldOut;    ///< for that measure, which takes them
     std::string mode;                      ///< "near-field" or "distant-only"
     bool interreflection = false;          ///< the photographs hold light bounced between surfaces: relit frames have it too
     float bouncedShare = 0;                ///< of the light on the surfaces seen, 0 without interreflection

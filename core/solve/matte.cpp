@@ -44,7 +44,7 @@ MatteValue robustMatteValue(std::vector<MatteLook>& looks, float quantile) {
     return value;
 }
 
-MatteObservations matteObservations(const Scene& scene, const RadianceSamples& samples, const std::vector<uint8_t>& skip) {
+MatteObservations matteObservations(const Scene& scene, const RadianceSamples& samples, const std::vector<uint8_t>& skip, const std::vector<uint8_t>* pieceGlossy) {
     MatteObservations result;
     const size_t n = scene.mesh.vertexCount();
     // How much each piece's look changes with the view, beyond noise: the spread of the better look-ups.
@@ -76,6 +76,7 @@ MatteObservations matteObservations(const Scene& scene, const RadianceSamples& s
         if (spreads[p].size() < 12) continue;
         result.pieceGlossy[p] = middle > metalSpread ? 2 : (upper > glazedSpread ? 1 : 0);
     }
+    if (pieceGlossy) result.pieceGlossy = *pieceGlossy;
     std::vector<MatteLook> looks;
     for (uint32_t v = 0; v < n; ++v) {
         if (skip[v] || !scene.referenced[v]) continue;

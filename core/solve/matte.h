@@ -24,8 +24,9 @@ struct MatteValue {
 /// Mean of the looks about their weighted quantile, within three deviations or 6 % of it. Sorts `looks`, which must not be empty. O(n log n).
 MatteValue robustMatteValue(std::vector<MatteLook>& looks, float quantile);
 
-/// `skip[v]` non-zero leaves vertex v out (emitters).
-MatteObservations matteObservations(const Scene& scene, const RadianceSamples& samples, const std::vector<uint8_t>& skip);
+/// `skip[v]` non-zero leaves vertex v out (emitters). `pieceGlossy`, if not null, is taken for MatteObservations::pieceGlossy instead of what the
+/// differences between views suggest.
+MatteObservations matteObservations(const Scene& scene, const RadianceSamples& samples, const std::vector<uint8_t>& skip, const std::vector<uint8_t>* pieceGlossy = nullptr);
 
 /// Is the background black? Its brightest seen cell over the middle brightness of the surfaces; -1 where less than a hundredth of it is seen.
 double backgroundOverSurfaces(const RadianceSamples& samples, const MatteObservations& matte);

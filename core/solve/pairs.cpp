@@ -112,9 +112,17 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
     return pairs;
 }
 
-RatioObservations ratioObservations(const Scene& scene, const RadianceSamples& samples, std::vector<uint8_t> skip, uint64_t seed) {
+RatioObservations ratioObservations(const Scene& scene, const RadianceSamples& samples, std::vector<uint8_t> skip, uint64_t seed, bool noMetals) {
     RatioObservations result;
     result.matte = matteObservations(scene, samples, skip);
+    if (noMetals && std::count(result.matte.pieceGlossy.begin(), result.matte.pieceGlossy.end(), 2)) {
+        std::vector<uint8_t> glossy = result.matte.pieceGlossy, matte = glossy;
+        std::replace(matte.begin(), matte.end(), uint8_t(2), uint8_t(0));
+        std::replace(glossy.begin(), glossy.end(), uint8_t(2), uint8_t(1));
+        result.matte = matteObservations(scene, samples, skip, &matte);
+        result.matte.pieceGlossy = std::move(glossy);
+    }
+    result.noMetals = noMetals;
     PairOptions options;
     options.seed = seed;
     result.pairs = albedoPairs(scene, result.matte, options);

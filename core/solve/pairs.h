@@ -26,13 +26,15 @@ inline double robustStep(double difference) {
 /// faces are planar). Vertices of metal pieces take no part.
 std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations& matte, const PairOptions& options);
 
-/// What ratios of radiance are taken from. `skip`: per vertex 1 where an emitter or a candidate lies.
+/// What ratios of radiance are taken from. `skip`: per vertex 1 where an emitter or a candidate lies. `noMetals`: no piece is a metal, however much it differs
+/// between the views; what it looks like is the median of the views, as on a matte surface.
 struct RatioObservations {
     std::vector<uint8_t> skip;
     uint64_t seed = 0;
+    bool noMetals = false;
     MatteObservations matte;
     std::vector<AlbedoPair> pairs;
 };
-RatioObservations ratioObservations(const Scene& scene, const RadianceSamples& samples, std::vector<uint8_t> skip, uint64_t seed);
+RatioObservations ratioObservations(const Scene& scene, const RadianceSamples& samples, std::vector<uint8_t> skip, uint64_t seed, bool noMetals = false);
 
 }  // namespace relamp

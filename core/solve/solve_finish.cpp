@@ -100,10 +100,14 @@ void SolveState::askAlbedoStrength() {
 void SolveState::updateAlbedo() {
     albedo_ = solveAlbedo(scene_, matte_, lit_, litSigma_, albedoPrior_, progress_);
     if (options_.palette > 0) albedo_ = solveAlbedoWithPalette(scene_, matte_, lit_, litSigma_, albedoPrior_, options_.palette, std::move(albedo_), palette_, progress_);
+    withoutMetals(albedo_.albedo);
+}
+
+void SolveState::withoutMetals(std::vector<Rgb>& albedo) const {
     for (const PieceGloss& g : gloss_)
         if (!g.matte)
             for (size_t v = 0; v < scene_.mesh.vertexCount(); ++v)
-                if (scene_.piece[v] == g.piece) albedo_.albedo[v] = Rgb(0);
+                if (scene_.piece[v] == g.piece) albedo[v] = Rgb(0);
 }
 
 void SolveState::startFromConstantAlbedo() {
@@ -269,6 +273,45 @@ void SolveState::showSnapshot() {
     if (first) gloss_.swap(firstGloss_);
 }
 
+std::vector<HeldOutAlbedo> SolveState::holdOutViews() {
+    std::vector<HeldOutAlbedo> held;
+    const size_t views = capture_.views.size();
+    if (views < 4 || !hasMatte() || stopped()) return held;
+    std::vector<uint8_t> skip(scene_.mesh.vertexCount(), 0);
+    for (size_t v = 0; v < skip.size(); ++v) skip[v] = clusters_.emitterOfVertex[v] >= 0;
+    std::vector<uint32_t> at(scene_.mesh.vertexCount(), 0);
+    for (uint32_t i = 0; i < matte_.vertices.size(); ++i) at[matte_.vertices[i]] = i;
+    AlbedoPrior prior = albedoPrior_;
+    prior.iterations = 2;
+    for (const size_t view : {views / 3, 2 * views / 3}) {
+        RadianceSamples others;
+        others.relativeNoise = samples_.relativeNoise;
+        others.noiseFloor = samples_.noiseFloor;
+        others.start.assign(1, 0);
+        for (uint32_t v = 0; v < skip.size(); ++v) {
+            for (uint32_t s = samples_.start[v]; s < samples_.start[v + 1]; ++s)
+                if (samples_.samples[s].view != view) others.samples.push_back(samples_.samples[s]);
+            others.start.push_back(uint32_t(others.samples.size()));
+        }
+        MatteObservations matte = matteObservations(scene_, others, skip, &matte_.pieceGlossy);
+        if (matte.vertices.empty()) continue;
+        std::vector<Rgb> lit, litSigma;
+        for (size_t i = 0; i < matte.vertices.size(); ++i) {
+            const uint32_t k = at[matte.vertices[i]];
+            lit.push_back(lit_[k]);
+            litSigma.push_back(litSigma_[k]);
+            // What coats mirror, as it was taken off the whole.
+            if (!matteSeen_.vertices.empty()) matte.radiance[i] *= matte_.radiance[k] / glm::max(matteSeen_.radiance[k], Rgb(1e-20f));
+        }
+        AlbedoResult albedo = solveAlbedo(scene_, matte, lit, litSigma, prior, progress_);
+        withoutMetals(albedo.albedo);
+        for (size_t v = 0; v < skip.size(); ++v)
+            if (skip[v]) albedo.albedo[v] = Rgb(0);
+        held.push_back({view, std::move(albedo.albedo)});
+    }
+    return held;
+}
+
 Estimate SolveState::finish() {
     meter_.begin("closing figures");
     Estimate estimate = assemble();
@@ -276,6 +319,7 @@ Estimate SolveState::finish() {
     computeLit();
     const LightUncertainty light = uncertainty(false);
     assessUncertainty(light, estimate);
+    estimate.heldOut = holdOutViews();
     applyGauge(light, estimate);
     if (gloss_.empty()) estimate.leftOut.push_back({"glossy lobes", "no surface changes with the view beyond noise"});
     if (clusters_.emitters.empty() && options_.nearField) estimate.leftOut.push_back({"near-field emitters", "no patch of the scene shines on its own"});

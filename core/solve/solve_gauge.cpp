@@ -8,6 +8,7 @@ LightUncertainty SolveState::uncertainty(bool scaleOnly) {
     UncertaintyOptions options;
     options.bounced = !bounce_.empty();
     options.scaleOnly = scaleOnly;
+    options.backdrop = !tiesScale(anchors_, lightPrior_.darkness);
     std::vector<std::string> names;
     for (const EmitterCluster& e : clusters_.emitters) names.push_back(e.id);
     LightUncertainty light = lightUncertainty(information_, influence_, lit_, lighting_, names, options, progress_);
@@ -51,87 +52,142 @@ void SolveState::assessUncertainty(const LightUncertainty& light, Estimate& esti
     }
 }
 
-void SolveState::applyGauge(const LightUncertainty& light, Estimate& estimate) {
-    GaugeReport& gauge = estimate.gauge;
-    Rgb scale(1);
-    // How much of the light on the surfaces comes from where the background is seen: only that much ties the scale down.
-    double seenLight = 0, allLight = 0;
+namespace {
+
+constexpr float enoughSigma = 0.25f;    // what taking the brightest surfaces for white is off by
+constexpr float assumedSigma = 0.35f;   // plausible mean albedos of an object lie between .3 and .8
+constexpr float refutedShare = 0.1f;    // of the surfaces that would have to send back more light than they get
+
+float quantileOf(std::vector<float> values, double q) {
+    if (values.empty()) return 0;
+    const auto at = values.begin() + ptrdiff_t(q * double(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+}
+
+}  // namespace
+
+SolveState::SeenLight SolveState::seenLight() const {
+    double seen = 0, all = 0;
     for (size_t r = 0; r < influence_.rows; ++r)
         for (size_t i = 0; scene_.rank[matte_.vertices[r]] % 7 == 0 && i < lighting_.leaves.size(); ++i) {
             const double given = double(influence_.row(r)[i]) * luminance(lighting_.leafRadiance[i]);
-            seenLight += given * anchors_.leaves[i].coverage;
-            allLight += given;
+            seen += given * anchors_.leaves[i].coverage;
+            all += given;
         }
-    const bool assessed = light.scaleSigma.x > 0 && light.scaleSigma.y > 0 && light.scaleSigma.z > 0;
-    constexpr float enoughSigma = 0.25f;  // what taking the brightest surfaces for white is off by
-    const double seenShare = allLight > 0 ? seenLight / allLight : 0;
+    return {all > 0 ? seen / all : 0, !tiesScale(anchors_, lightPrior_.darkness)};
+}
+
+Rgb SolveState::toldGauge(GaugeReport& gauge) const {
     const GaugeChoice& choice = options_.gauge;
-    bool unclipped = false;
-    for (uint8_t clipped : anchors_.emitterClipped) unclipped |= !clipped;
-    const auto meanAlbedo = [&] {
-        Rgb sum(0);
-        float n = 0;
-        for (uint32_t v : matte_.vertices) {
-            sum += albedo_.albedo[v];
-            ++n;
-        }
-        return sum / std::max(n, 1.0f);
-    };
     if (choice.kind == GaugeChoice::Kind::whitePatch) {
         const View& view = capture_.views[size_t(choice.view)];
         const Hit hit = scene_.tracer->closest({Vec3(view.camera.position()), view.camera.rayDirection(choice.pixel), 0, 1e30f});
         if (!hit) throw Error("--gauge white-patch: pixel {:.0f},{:.0f} of view {} sees no surface", choice.pixel.x, choice.pixel.y, choice.view);
         const Triangle& t = scene_.mesh.triangles[hit.triangle];
-        const Rgb here = (albedo_.albedo[t[0]] + albedo_.albedo[t[1]] + albedo_.albedo[t[2]]) / 3.0f;
-        scale = here / choice.whiteAlbedo;
         gauge.kind = "white-patch";
         gauge.evidence = fmt::format("the surface at pixel {:.0f},{:.0f} of view {} was declared white", choice.pixel.x, choice.pixel.y, choice.view);
-    } else if (choice.kind == GaugeChoice::Kind::emitter) {
-        bool found = false;
+        return (albedo_.albedo[t[0]] + albedo_.albedo[t[1]] + albedo_.albedo[t[2]]) / 3.0f / choice.whiteAlbedo;
+    }
+    if (choice.kind == GaugeChoice::Kind::emitter) {
         for (size_t e = 0; e < clusters_.emitters.size(); ++e)
             if (clusters_.emitters[e].id == choice.emitter) {
-                scale = choice.radiance / glm::max(lighting_.emitterRadiance[e], Rgb(1e-20f));
-                found = true;
+                gauge.kind = "emitter";
+                gauge.evidence = fmt::format("the radiance of {} was given", choice.emitter);
+                return choice.radiance / glm::max(lighting_.emitterRadiance[e], Rgb(1e-20f));
             }
-        if (!found) throw Error("--gauge emitter={}: no such emitter was found", choice.emitter);
-        gauge.kind = "emitter";
-        gauge.evidence = fmt::format("the radiance of {} was given", choice.emitter);
-    } else if (choice.kind == GaugeChoice::Kind::albedo) {
-        scale = meanAlbedo() / choice.albedo;
-        gauge.kind = "albedo";
-        gauge.evidence = "the mean albedo was given";
+        throw Error("--gauge emitter={}: no such emitter was found", choice.emitter);
+    }
+    gauge.kind = "albedo";
+    gauge.evidence = "the mean albedo was given";
+    Rgb sum(0);
+    for (uint32_t v : matte_.vertices) sum += albedo_.albedo[v];
+    return sum / std::max(float(matte_.vertices.size()), 1.0f) / choice.albedo;
+}
+
+Rgb SolveState::assumedGauge(const SeenLight& seen, GaugeReport& gauge) const {
+    gauge.kind = "assumed";
+    std::vector<float> brightest, middle;
+    for (uint32_t v : matte_.vertices) {
+        brightest.push_back(maxChannel(albedo_.albedo[v]));
+        middle.push_back(luminance(albedo_.albedo[v]));
+    }
+    if (!seen.backdrop) {
+        // Brightest surfaces are taken for white.
+        if (gauge.evidence.empty())
+            gauge.evidence = fmt::format("only {:.0f} % of the light is seen directly: the brightest surfaces were taken for an albedo of 0.75; tell a white patch to be sure", 100 * seen.share);
+        return Rgb(quantileOf(brightest, 0.95) / 0.75f);
+    }
+    // An object before a backdrop or a mask: nothing of its light is seen. Photographs are balanced so that light is white.
+    gauge.evidence = "nothing of the light is seen (the background is black or masked, so the light comes from elsewhere): a mean albedo of 0.5 and white light were assumed; tell a white patch to be sure";
+    DVec3 light(0);
+    for (const Rgb& lit : lit_) light += DVec3(lit);
+    Rgb scale(1);
+    for (int c = 0; c < 3; ++c)
+        if (light[c] > 0) scale[c] = float(luminance(Rgb(light)) / light[c]);
+    std::vector<float> albedo;
+    for (uint32_t v : matte_.vertices) albedo.push_back(luminance(albedo_.albedo[v] / scale));
+    return scale * std::max(quantileOf(albedo, 0.5) / 0.5f, quantileOf(albedo, 0.95) / 0.95f);
+}
+
+float SolveState::shareAboveOne(const Rgb& scale, float& upper) const {
+    std::vector<float> needed;
+    for (size_t i = 0; i < matte_.vertices.size(); ++i) {
+        const uint32_t v = matte_.vertices[i];
+        if (albedo_.confidence[v] < 0.3f) continue;
+        needed.push_back(maxChannel(albedo_.albedo[v] / scale));
+    }
+    upper = quantileOf(needed, 0.95);
+    const size_t above = size_t(std::count_if(needed.begin(), needed.end(), [](float a) { return a > 1.02f; }));
+    return needed.empty() ? 0 : float(above) / float(needed.size());
+}
+
+void SolveState::applyGauge(const LightUncertainty& light, Estimate& estimate) {
+    GaugeReport& gauge = estimate.gauge;
+    Rgb scale(1);
+    // How much of the light on the surfaces comes from where the background is seen: only that much ties the scale down.
+    const SeenLight seen = seenLight();
+    const bool assessed = light.scaleSigma.x > 0 && light.scaleSigma.y > 0 && light.scaleSigma.z > 0;
+    float upper = 0;
+    const float above = shareAboveOne(scale, upper);
+    // Light so weak that much of the surface would have to be more than white is not what lights it.
+    const bool refuted = above > refutedShare;
+    const bool unclipped = std::any_of(anchors_.emitterClipped.begin(), anchors_.emitterClipped.end(), [](uint8_t clipped) { return !clipped; });
+    if (options_.gauge.kind != GaugeChoice::Kind::automatic) {
+        scale = toldGauge(gauge);
     } else if (unclipped) {
         gauge.kind = "emitter";
         gauge.evidence = fmt::format("{} lamp(s) are seen directly and unclipped; their light varies over the scene", clusters_.emitters.size());
-    } else if (assessed && luminance(light.scaleSigma) < enoughSigma) {
+    } else if (!refuted && assessed && luminance(light.scaleSigma) < enoughSigma) {
         const float gloss = luminance(light.fromGloss), bounced = luminance(light.fromBounces);
         if (bounced > gloss && bounced > luminance(light.fromBackground)) {
             gauge.kind = "bounced light";
             gauge.evidence = fmt::format("{:.0f} % of the light on the surfaces comes from other surfaces, whose brightness the photographs show", 100 * bouncedShare_);
         } else {
             gauge.kind = "background";
-            gauge.evidence = fmt::format("background that is seen directly gives {:.0f} % of the light on the surfaces{}", 100 * seenShare,
+            gauge.evidence = fmt::format("background that is seen directly gives {:.0f} % of the light on the surfaces{}", 100 * seen.share,
                                          metalsJoined_ ? ", and metal mirrors it beside the rest" : "");
         }
-    } else if (!assessed && seenShare > 0.35) {
+    } else if (!refuted && !assessed && !seen.backdrop && seen.share > 0.35) {
         gauge.kind = "background";
-        gauge.evidence = fmt::format("{:.0f} % of the light on the surfaces comes from background that is seen directly", 100 * seenShare);
+        gauge.evidence = fmt::format("{:.0f} % of the light on the surfaces comes from background that is seen directly", 100 * seen.share);
     } else {
-        // Nothing ties light to albedo: brightest surfaces are taken for white, grey on average.
-        gauge.kind = "assumed";
-        gauge.evidence = fmt::format("only {:.0f} % of the light is seen directly: the brightest surfaces were taken for an albedo of 0.75; tell a white patch to be sure", 100 * seenShare);
-        std::vector<float> values;
-        for (uint32_t v : matte_.vertices) values.push_back(maxChannel(albedo_.albedo[v]));
-        std::nth_element(values.begin(), values.begin() + ptrdiff_t(values.size() * 95 / 100), values.end());
-        scale = Rgb(values[values.size() * 95 / 100] / 0.75f);
+        // Nothing ties light to albedo.
+        if (refuted && !seen.backdrop)
+            gauge.evidence = fmt::format("what is seen of the light is refuted: {:.0f} % of the surfaces would need an albedo above 1; the brightest surfaces were taken for an albedo of 0.75; tell a white patch to be sure",
+                                         100 * above);
+        scale = assumedGauge(seen, gauge);
+        gauge.sigma = Rgb(assumedSigma);
     }
-    const bool told = gauge.kind == "white-patch" || gauge.kind == "albedo" || gauge.kind == "assumed";
-    if (assessed && !told) {
+    const bool evidence = gauge.kind == "emitter" || gauge.kind == "background" || gauge.kind == "bounced light";
+    if (assessed && evidence) {
         gauge.sigma = light.scaleSigma;
         gauge.fromEmitters = light.fromEmitters;
         gauge.fromBackground = light.fromBackground;
         gauge.fromGloss = light.fromGloss;
         gauge.fromBounces = light.fromBounces;
+        // Surfaces that would be more than white are evidence too.
+        if (upper > 1) gauge.sigma = glm::max(gauge.sigma, Rgb(std::min(upper - 1, 1.0f)));
     }
     for (int c = 0; c < 3; ++c)
         if (!(scale[c] > 0) || !std::isfinite(scale[c])) scale[c] = 1;
@@ -144,9 +200,38 @@ void SolveState::applyGauge(const LightUncertainty& light, Estimate& estimate) {
     for (auto& lobe : estimate.reflectance.weight)
         for (Rgb& w : lobe) w /= scale;
     for (PaletteColour& colour : estimate.palette) colour.albedo /= scale;
-    // No surface sends back more than it gets; where light was missed an albedo stands in for it, and would glow under another light.
-    if (gauge.kind != "assumed")
-        for (Rgb& albedo : estimate.reflectance.weight[0]) albedo = glm::min(albedo, Rgb(1));
+    for (HeldOutAlbedo& held : estimate.heldOut)
+        for (Rgb& albedo : held.albedo) albedo /= scale;
+    boundAlbedo(scale, estimate);
+}
+
+void SolveState::boundAlbedo(const Rgb& scale, Estimate& estimate) const {
+    // No surface sends back more than it gets: where light was missed an albedo stands in for it, and would glow under another light. But where much of the surface would be cut it is the
+    // scale that is off, and the bound would cost the photographs.
+    std::vector<float> bright;
+    for (const Rgb& y : matte_.radiance) bright.push_back(luminance(y));
+    const float exposure = 1 / std::max(quantileOf(bright, 0.995), 1e-20f);
+    double own = 0, bounded = 0;
+    for (size_t i = 0; i < matte_.vertices.size(); ++i) {
+        const uint32_t v = matte_.vertices[i];
+        const Rgb white = lit_[i] * scale, coat = matteSeen_.vertices.empty() ? Rgb(0) : matteSeen_.radiance[i] - matte_.radiance[i];
+        const Rgb free = albedo_.albedo[v] / scale * white + coat, cut = glm::min(albedo_.albedo[v] / scale, Rgb(1)) * white + coat;
+        for (uint32_t s = samples_.start[v]; s < samples_.start[v + 1]; ++s)
+            for (int c = 0; c < 3; ++c) {
+                const auto display = [&](float y) { return std::pow(std::clamp(y * exposure, 0.0f, 1.0f), 1 / 2.2f); };
+                const double y = display(samples_.samples[s].radiance[c]);
+                own += std::pow(display(free[c]) - y, 2);
+                bounded += std::pow(display(cut[c]) - y, 2);
+            }
+    }
+    constexpr double dearly = 1.02;  // a tenth of a decibel
+    const bool costs = bounded > dearly * own;
+    for (size_t v = 0; v < scene_.mesh.vertexCount(); ++v) {
+        if (costs && samples_.countOf(uint32_t(v)) > 0) continue;
+        estimate.reflectance.weight[0][v] = glm::min(estimate.reflectance.weight[0][v], Rgb(1));
+        for (HeldOutAlbedo& held : estimate.heldOut) held.albedo[v] = glm::min(held.albedo[v], Rgb(1));
+    }
+    if (costs) logInfo("albedo is not cut at 1 where it was seen: the photographs would be explained {:.1f} dB worse", 10 * std::log10(bounded / own));
 }
 
 }  // namespace relamp

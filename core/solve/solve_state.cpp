@@ -62,8 +62,8 @@ void SolveState::rebuildNearField() {
     for (size_t v = 0; v < skip.size(); ++v) skip[v] = clusters_.emitterOfVertex[v] >= 0;
     const RatioObservations* observed = plan_.observed.get();
     RatioObservations anew;
-    if (!observed || observed->skip != skip || observed->seed != options_.seed) {
-        anew = ratioObservations(scene_, samples_, std::move(skip), options_.seed);
+    if (!observed || observed->skip != skip || observed->seed != options_.seed || observed->noMetals != noMetals_) {
+        anew = ratioObservations(scene_, samples_, std::move(skip), options_.seed, noMetals_);
         observed = &anew;
     }
     matte_ = observed->matte;
@@ -73,8 +73,6 @@ void SolveState::rebuildNearField() {
     for (const Rgb& y : matte_.radiance) brightness.push_back(maxChannel(y));
     std::sort(brightness.begin(), brightness.end());
     lightPrior_.darkness = brightness.empty() ? 0.0f : 1e-3f * brightness[brightness.size() * 9 / 10];
-    if (noMetals_)
-        for (uint8_t& glossy : matte_.pieceGlossy) glossy = std::min<uint8_t>(glossy, 1);
     size_t usable = 0;
     for (uint32_t v : matte_.vertices) usable += matte_.pieceGlossy[scene_.piece[v]] < 2;
     matteShare_ = matte_.vertices.empty() ? 0 : double(usable) / double(matte_.vertices.size());

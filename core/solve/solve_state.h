@@ -207,16 +207,32 @@ private:
     void computeLit();
     /// Albedo of every vertex under the present light; metals have none.
     void updateAlbedo();
+    void withoutMetals(std::vector<Rgb>& albedo) const;
     /// Relative difference between points of probably equal albedo under the present light (robustStep): the same measure in every stage
     /// and mode, because albedo cancels and cannot hide what the light gets wrong. Needs lit_.
     double pairMismatch() const;
     void record(const std::string& stage, int iteration, double objective, double rmse);
+    /// Two views are held out in turn: albedo of all vertices without them, under the light that all views gave.
+    std::vector<HeldOutAlbedo> holdOutViews();
     /// Lighting, environment picture, emitters and reflectance as they stand, before the gauge.
     Estimate assemble() const;
     LightUncertainty uncertainty(bool scaleOnly);
     /// How sure the light, the albedo and the environment picture are.
     void assessUncertainty(const LightUncertainty& light, Estimate& estimate) const;
     void applyGauge(const LightUncertainty& light, Estimate& estimate);
+    /// Share of the light on the surfaces that comes from background seen directly. `backdrop`: what is seen is black or masked.
+    struct SeenLight {
+        double share = 0;
+        bool backdrop = false;
+    };
+    SeenLight seenLight() const;
+    /// What light is to be multiplied with: by the artist's word, and by what is usual where nothing tells.
+    Rgb toldGauge(GaugeReport& gauge) const;
+    Rgb assumedGauge(const SeenLight& seen, GaugeReport& gauge) const;
+    /// Share of the surfaces that need an albedo above 1 when light is multiplied by `scale`; `upper`: the 95th percentile of what they need.
+    float shareAboveOne(const Rgb& scale, float& upper) const;
+    /// Cuts albedo at 1, unless the photographs would be explained clearly worse.
+    void boundAlbedo(const Rgb& scale, Estimate& estimate) const;
     void assembleEnvironment(Estimate& estimate) const;
     /// From the square along the scene's axes to the world's.
     void turnEnvironment(Estimate& estimate) const;

@@ -116,6 +116,9 @@ LightUncertainty lightUncertainty(const LightInformation& information, const Inf
         mean /= double(some.rows);
 
         Eigen::MatrixXd all = restricted(marginalOf(c));
+        if (options.backdrop)
+            for (Eigen::Index k = 0; k < m; ++k)
+                if (size_t(free[size_t(k)]) < leaves) all(k, k) -= (1 - 1e-6) * seen(free[size_t(k)]) / widening;
         all.diagonal() *= 1 + 1e-9;
         const Eigen::LLT<Eigen::MatrixXd> factor(all);
         if (factor.info() != Eigen::Success) {
@@ -131,7 +134,7 @@ LightUncertainty lightUncertainty(const LightInformation& information, const Inf
             return std::max(0.0, precision - 1 / scaleVariance(rest, mean));
         };
         Eigen::VectorXd background = Eigen::VectorXd::Zero(m), lamps = Eigen::VectorXd::Zero(m);
-        for (Eigen::Index k = 0; k < m; ++k) (size_t(free[size_t(k)]) < leaves ? background : lamps)(k) = seen(free[size_t(k)]) / widening;
+        for (Eigen::Index k = 0; k < m; ++k) (size_t(free[size_t(k)]) < leaves ? background : lamps)(k) = (options.backdrop && size_t(free[size_t(k)]) < leaves ? 0 : 1) * seen(free[size_t(k)]) / widening;
         double parts[4] = {lost(lamps.asDiagonal()), lost(background.asDiagonal()), looks.size() ? lost(restricted(looks)) : 0.0, 0.0};
         parts[3] = options.bounced ? std::max(0.0, precision - parts[0] - parts[1] - parts[2]) : 0.0;
         const double sum = parts[0] + parts[1] + parts[2] + parts[3];

@@ -14,6 +14,7 @@ struct UncertaintyOptions {
     float scaleFloor = 0.05f; ///< what models of light and surfaces are off by in brightness however much is measured; measured likewise
     int directions = 48;     ///< the most uncertain ones that a row's deviation is summed over
     bool bounced = false;    ///< bounced light of known radiance is in the model
+    bool backdrop = false;   ///< the background seen is not what lights the scene (tiesScale): it says nothing of the scale
     bool scaleOnly = false;  ///< leave out everything but the scale and what fixes it
 };
 

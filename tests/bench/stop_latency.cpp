@@ -122,7 +122,7 @@ int main(int argc, char** argv) {
         listener.snapshot = [](Estimate) {};
         Progress progress;
         const PipelineResult solved = runPipeline(capture, options, progress, &listener);
-        const auto scene = std::make_shared<const Scene>(solved.scene);
+        const auto scene = solved.scene;
         const auto estimate = std::make_shared<const Estimate>(solved.estimate);
         const std::filesystem::path folder = std::filesystem::temp_directory_path() / ("relamp-stop-latency-" + std::to_string(Clock::now().time_since_epoch().count()));
         std::filesystem::create_directories(folder);

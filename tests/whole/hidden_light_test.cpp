@@ -117,7 +117,7 @@ TEST(HiddenLight, AProxyThatWasToldIsALampLikeAnyOtherAndComesBackWithTheShot) {
     shot.captureFolder = world.folder.path();
     shot.fix = options.load.fix;
     shot.estimate = r.estimate;
-    saveShot(shot, r.scene.mesh, world.folder.path() / "a.relamp", true);
+    saveShot(shot, r.scene->mesh, world.folder.path() / "a.relamp", true);
     Progress progress;
     const Shot again = openShot(world.folder.path() / "a.relamp", false, progress);
     EXPECT_EQ(again.fix, shot.fix);
