@@ -175,6 +175,7 @@ struct EditorState {
     std::optional<RecoveryOffer> recovery;
     std::optional<LockedQuestion> locked;
     UnseenSearch unseenSearch;
+    std::weak_ptr<const Estimate> bannerClosedFor;    ///< the estimate whose quality banner the user has closed
     std::array<RunCurve, 2> curves;                   ///< near-field, distant-only
     SolvePlan plan;                                   ///< of the estimate that runs or was made last; empty: none
     std::vector<LogEntry> log;

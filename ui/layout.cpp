@@ -49,8 +49,13 @@ void drawLayout(Editor& editor, Viewport* viewport, const std::string& reason) {
         if (beginChild("scene", ImVec2(0, 0))) drawScenePanel(editor);
         ImGui::EndChild();
     });
+    float banner = 0;
+    if (qualityBannerShown(editor)) {
+        banner = std::min(std::floor(qualityBannerHeight(editor, middleWidth)), 0.5f * columnsHeight);
+        pane("##banner", {middleX, top}, {middleWidth, banner}, ImGuiWindowFlags_NoScrollbar, [&] { drawQualityBanner(editor); });
+    }
     ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(0, 0));
-    pane("##viewport", {middleX, top}, {middleWidth, columnsHeight}, ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse, [&] {
+    pane("##viewport", {middleX, top + banner}, {middleWidth, columnsHeight - banner}, ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse, [&] {
         ImGui::PopStyleVar();
         if (viewport) {
             viewport->draw(editor);

@@ -112,6 +112,32 @@ void imageFigures(const View& view, ViewCheck& check) {
     check.meanRadiance = usable ? sum / double(usable) : 0;
 }
 
+/// What the pixels beside the mesh show: light, or a mask or black cloth. At one pixel a cell.
+void judgeBackground(const View& view, const DepthPicture& depth, ViewCheck& check) {
+    if (view.image.pixels.empty()) return;
+    constexpr double black = 0.05;  // of the mean brightness of the surfaces
+    double surface = 0;
+    size_t onMesh = 0, open = 0, light = 0;
+    const auto each = [&](auto&& use) {
+        for (int y = 0; y < depth.height; ++y)
+            for (int x = 0; x < depth.width; ++x) {
+                const int px = std::min(int((float(x) + 0.5f) * depth.pixelsPerCell), view.image.width - 1), py = std::min(int((float(y) + 0.5f) * depth.pixelsPerCell), view.image.height - 1);
+                use(std::isfinite(depth.depth[size_t(y) * size_t(depth.width) + size_t(x)]), view.image.usableAt(px, py), double(luminance(view.image.at(px, py))));
+            }
+    };
+    each([&](bool mesh, bool usable, double y) {
+        if (mesh && usable) surface += y, ++onMesh;
+    });
+    surface /= double(std::max<size_t>(1, onMesh));
+    each([&](bool mesh, bool usable, double y) {
+        if (mesh) return;
+        ++open;
+        light += usable && y > black * surface;
+    });
+    check.openShare = double(open) / double(std::max<size_t>(1, depth.depth.size()));
+    check.lightShare = open ? double(light) / double(open) : 0;
+}
+
 /// What one view says of the mesh: which vertices it sees, and how bright some of them are.
 struct ViewSight {
     std::vector<uint8_t> sees;      ///< per vertex
@@ -125,6 +151,7 @@ ViewSight lookAt(const View& view, const Mesh& mesh, const std::vector<uint8_t>&
     size_t covered = 0, inside = 0;
     for (const float d : depth.depth) covered += std::isfinite(d);
     check.meshShare = double(covered) / double(depth.depth.size());
+    judgeBackground(view, depth, check);
     ViewSight sight;
     sight.sees.assign(mesh.vertexCount(), 0);
     sight.brightness.assign((mesh.vertexCount() + stride - 1) / stride, std::numeric_limits<float>::quiet_NaN());
@@ -284,6 +311,9 @@ void warn(const Capture& capture, CaptureCheck& check) {
         if (v.maskedShare < 1 && v.meanRadiance == 0 && !capture.views.empty() && !capture.views[0].image.pixels.empty())
             say(fmt::format("{}: is black all over.", v.name));
     }
+    if (check.backdrop)
+        say("An object before a masked or black background: none of its light is seen. The light and the brightness scale are assumed (a mean albedo of 0.5 under white light); "
+            "--gauge white-patch or --gauge albedo tells them. The light must stand still while the camera moves: an object that turns before a fixed camera and lamp is lit from elsewhere in each photograph.");
     if (check.seenTwiceShare < 0.3) say(fmt::format("Only {} of the vertices are seen by two views or more.", percent(check.seenTwiceShare)));
     const MeshReport& m = check.mesh;
     if (m.nanVertices) say(fmt::format("The mesh has {} vertices that are not finite; their faces were dropped.", m.nanVertices));
@@ -363,6 +393,9 @@ CaptureCheck checkCapture(const Capture& capture, Progress& progress) {
     std::vector<float> distances;
     for (const View& view : capture.views) distances.push_back(float(glm::distance(view.camera.position(), DVec3(0.5f * (check.meshMin + check.meshMax)))));
     check.cameraDistance = double(median(distances));
+    double open = 0, light = 0;
+    for (const ViewCheck& v : check.views) open += v.openShare, light += v.openShare * v.lightShare;
+    check.backdrop = open > 0.1 * double(check.views.size()) && light < 0.05 * open;
     comparePoints(capture, check);
     compareExposures(sights, check);
     guessAxes(capture, check);

@@ -18,6 +18,8 @@ struct ViewCheck {
     double meshShare = 0;                 ///< pixels that see the mesh
     double clippedShare = 0;              ///< usable pixels at or above the clip level
     double maskedShare = 0;               ///< pixels left out: masks, alpha, NaN, Inf, negative
+    double openShare = 0;                 ///< pixels beside the mesh
+    double lightShare = 0;                ///< of those: neither left out nor black beside the surfaces
     size_t nan = 0, infinite = 0, negative = 0;  ///< pixels
     double meanRadiance = 0;              ///< mean luminance of the usable pixels, image units
     double verticesInside = 0;            ///< share of the mesh's vertices that project into the picture
@@ -35,6 +37,7 @@ struct CaptureCheck {
     double seenTwiceShare = 0;            ///< vertices seen by at least two views
     double meanViewsPerVertex = 0;        ///< of all vertices of triangles
     double exposureSpreadStops = 0;       ///< largest minus smallest exposureStops
+    bool backdrop = false;                ///< an object before a masked or black background: none of its light is seen
     std::string up;                       ///< axis the file says is up: "z", "-y", ..., or three numbers where it is none
     std::string upGuess;                  ///< axis closest to the cameras' own up directions
     double cameraDistance = 0;            ///< metres, median distance of the cameras from the middle of the mesh

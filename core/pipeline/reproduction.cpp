@@ -19,7 +19,7 @@ double medianOf(std::vector<double> values) {
     return values.size() % 2 ? values[half] : 0.5 * (values[half - 1] + values[half]);
 }
 
-/// Pixels of a view that see the mesh and no emitter, in the order of a low-discrepancy sequence, and what brings the photograph to display values.
+/// Pixels of a view that see the mesh and no emitter, as their neighbours do, in the order of a low-discrepancy sequence, and what brings the photograph to display values.
 struct ComparedPixels {
     std::vector<PixelAt> at;
     float exposure = 1;
@@ -27,25 +27,33 @@ struct ComparedPixels {
 
 ComparedPixels comparedPixels(const View& view, const Scene& scene, const std::vector<int>& emitterOfTriangle, size_t wanted) {
     // A look at many more than are rendered, because the exposure is a percentile.
-    constexpr size_t candidates = 24000, block = 512;
+    constexpr size_t candidates = 12000, block = 256;
     const Camera& camera = view.camera;
     const Vec3 origin(camera.position());
     const size_t count = std::min(candidates, size_t(camera.width) * size_t(camera.height));
     std::vector<PixelAt> at(count);
-    std::vector<uint8_t> seen(count, 0);
+    enum : uint8_t { nothing, surface, inside };
+    std::vector<uint8_t> seen(count, nothing);
+    const auto seesSurface = [&](int x, int y) {
+        const Hit hit = scene.tracer->closest({origin, camera.rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f)), 0, 1e30f});
+        return hit && emitterOfTriangle[hit.triangle] < 0;
+    };
     parallelFor(count, block, [&](size_t i) {
         const Vec2 p = r2Point(uint32_t(i), Vec2(0.5f));
-        at[i] = {std::min(camera.width - 1, int(p.x * float(camera.width))), std::min(camera.height - 1, int(p.y * float(camera.height)))};
-        if (!view.image.usableAt(at[i].x, at[i].y)) return;
-        const Hit hit = scene.tracer->closest({origin, camera.rayDirection(Vec2(float(at[i].x) + 0.5f, float(at[i].y) + 0.5f)), 0, 1e30f});
-        seen[i] = hit && emitterOfTriangle[hit.triangle] < 0;
+        const int x = std::min(camera.width - 1, int(p.x * float(camera.width))), y = std::min(camera.height - 1, int(p.y * float(camera.height)));
+        at[i] = {x, y};
+        if (!view.image.usableAt(x, y) || !seesSurface(x, y)) return;
+        // At the rim of a surface a pixel shows what lies behind it as well.
+        bool within = true;
+        for (int k = 0; k < 9 && within; ++k) within = k == 4 || seesSurface(x + k % 3 - 1, y + k / 3 - 1);
+        seen[i] = within ? inside : surface;
     });
     ComparedPixels result;
     std::vector<float> brightness;
     for (size_t i = 0; i < count; ++i) {
-        if (!seen[i]) continue;
+        if (seen[i] == nothing) continue;
         brightness.push_back(luminance(view.image.at(at[i].x, at[i].y)));
-        if (result.at.size() < wanted) result.at.push_back(at[i]);
+        if (seen[i] == inside && result.at.size() < wanted) result.at.push_back(at[i]);
     }
     if (brightness.empty()) return result;
     const auto top = brightness.begin() + ptrdiff_t(0.995 * double(brightness.size() - 1));
@@ -79,10 +87,26 @@ double observedPsnr(const View& view, const ComparedPixels& pixels, const Scene&
     return error.psnr();
 }
 
-double framePsnr(const View& view, const ComparedPixels& pixels, const FrameRenderer& renderer, Progress& progress) {
+/// Squared display step that the photograph's own noise makes at a pixel of radiance `y`: no model is to explain that.
+double squaredNoiseStep(const Rgb& y, const RadianceSamples& samples, float exposure) {
+    // A look-up averages about two pixels (radiance/gather.cpp).
+    Rgb noise;
+    for (int c = 0; c < 3; ++c) noise[c] = samples.sigma(y[c]) / 0.7f;
+    return 0.5 * (squaredDisplayStep(y + noise, y, exposure) + squaredDisplayStep(y - noise, y, exposure));
+}
+
+double framePsnr(const View& view, const ComparedPixels& pixels, const RadianceSamples& samples, const FrameRenderer& renderer, Progress& progress) {
     const std::vector<Rgb> frame = renderer.pixels(pixels.at, progress);
     DisplayError error;
-    for (size_t i = 0; i < frame.size(); ++i, ++error.pixels) error.squares += squaredDisplayStep(frame[i], view.image.at(pixels.at[i].x, pixels.at[i].y), pixels.exposure);
+    double noise = 0;
+    for (size_t i = 0; i < frame.size(); ++i, ++error.pixels) {
+        const Rgb photograph = view.image.at(pixels.at[i].x, pixels.at[i].y);
+        error.squares += squaredDisplayStep(frame[i], photograph, pixels.exposure);
+        noise += squaredNoiseStep(photograph, samples, pixels.exposure);
+    }
+    // Noise is taken off as far as it is known: fine texture passes for noise as well.
+    constexpr double most = 0.6;
+    error.squares -= std::min(noise, most * error.squares);
     return error.psnr();
 }
 
@@ -143,7 +167,7 @@ Reproduction measureReproduction(const Capture& capture, const Scene& scene, con
         ViewReproduction v{view.name};
         v.pixels = pixels.back().at.size();
         if (v.pixels) {
-            v.psnr = framePsnr(view, pixels.back(), FrameRenderer(relit, view.camera, frame), progress);
+            v.psnr = framePsnr(view, pixels.back(), samples, FrameRenderer(relit, view.camera, frame), progress);
             if (options.diagnose) v.observed = observedPsnr(view, pixels.back(), solved, samples);
         }
         result.views.push_back(std::move(v));
@@ -169,7 +193,7 @@ Reproduction measureReproduction(const Capture& capture, const Scene& scene, con
         if (at == result.views.end()) continue;
         RelitScene without = relit;
         without.weight[0] = held.albedo;
-        at->heldOut = framePsnr(view, pixels[held.view], FrameRenderer(without, view.camera, frame), progress);
+        at->heldOut = framePsnr(view, pixels[held.view], samples, FrameRenderer(without, view.camera, frame), progress);
         heldOut.push_back(at->heldOut);
     }
     for (double h : heldOut) result.heldOut += h / double(heldOut.size());

@@ -19,6 +19,13 @@ std::string figuresTable(const SolveReport& r) {
     std::string rows;
     double sum = 0;
     for (const ReportedView& v : r.views) sum += v.psnr;
+    const Reproduction& own = r.estimate.reproduction;
+    if (own.measured()) {
+        rows += row("Photographs reproduced", "Median PSNR over the views, of full-size pixels on the surfaces, the photographs' own noise taken off.",
+                    htmlText(fmt::format("{:.1f} dB (worst {:.1f} dB, {})", own.median, own.views[own.worst()].psnr, own.views[own.worst()].name)));
+        if (own.heldOut > 0) rows += row("Views left out are predicted at", "Two views in turn, surfaces from the other views alone: how good new views will be.", fmt::format("{:.1f} dB", own.heldOut));
+        if (own.poor()) rows += row("Quality gate missed", fmt::format("Below {:.0f} dB an estimate is not to be trusted.", Reproduction::gateDb), htmlText(own.advice));
+    }
     if (!r.views.empty()) rows += row("Likeness to the photographs", "Mean PSNR over the photographs, as they appear on screen. It alone proves little: a wrong light can be painted into the surfaces.", fmt::format("{:.1f} dB", sum / double(r.views.size())));
     rows += row("Lamps", "Patches of the mesh that send light of their own.", fmt::format("{}", r.estimate.emitters.emitters.size()));
     rows += row("Unknowns", "Patches of sky or room whose light was told apart, and lamps, for each colour channel.", fmt::format("{}", s.unknowns));

@@ -9,7 +9,7 @@
 namespace relamp {
 
 /// One photograph against the frame through its camera. PSNR: dB of display values (luminance's 99.5th percentile is 1, clipped, sRGB) over the pixels
-/// that see the mesh and no emitter; 0 where there are none.
+/// that see the mesh and no emitter; the photograph's own noise is taken off, as far as it is known. 0 where there are no such pixels.
 struct ViewReproduction {
     std::string name;
     double psnr = 0;

@@ -47,7 +47,8 @@ void SolveState::solveReflectance() {
         if (!fitted[g.piece]) found.push_back(std::move(g));
     firstGloss_.clear();
     gloss_ = std::move(found);
-    if (hurry || !stopped()) takeCoatsOff(hurry);
+    for (uint32_t p = 0; p < scene_.pieces; ++p) fitted[p] = fitted[p] && std::none_of(gloss_.begin(), gloss_.end(), [&](const PieceGloss& g) { return g.piece == p; });
+    if (hurry || !stopped()) takeCoatsOff(hurry, fitted);
     if (!metalsHeard_ && !stopped()) sharpenForMetals();
     metalsHeard_ = true;
     updateAlbedo();
@@ -55,8 +56,9 @@ void SolveState::solveReflectance() {
     record("reflectance", int(timeline_.size()), 0, pairMismatch());
 }
 
-void SolveState::takeCoatsOff(bool hurry) {
+void SolveState::takeCoatsOff(bool hurry, const std::vector<uint8_t>& matteAfterAll) {
     if (!matteSeen_.vertices.empty()) matte_ = matteSeen_;
+    readAsMatte(matteAfterAll);
     for (const PieceGloss& g : gloss_) {
         if (!g.lobe || !g.matte || (stopped() && !hurry)) continue;
         if (matteSeen_.vertices.empty()) matteSeen_ = matte_;
@@ -67,6 +69,23 @@ void SolveState::takeCoatsOff(bool hurry) {
         options.rows.cosineSamples = hurry ? 8 : 24;
         options.rows.emitterSamples = hurry ? 8 : 16;
         matteUnderGloss(capture_, scene_, samples_, surfaces_, clusters_.emitterOfTriangle, lighting_, g, options, matte_, progress_);
+    }
+}
+
+void SolveState::readAsMatte(const std::vector<uint8_t>& pieces) {
+    std::vector<uint8_t> glossy = matte_.pieceGlossy, skip(scene_.mesh.vertexCount(), 1);
+    bool any = false;
+    for (size_t p = 0; p < glossy.size(); ++p)
+        if (pieces[p] && glossy[p]) glossy[p] = 0, any = true;
+    if (!any) return;
+    if (matteSeen_.vertices.empty()) matteSeen_ = matte_;
+    for (uint32_t v : matte_.vertices) skip[v] = !pieces[scene_.piece[v]];
+    const MatteObservations median = matteObservations(scene_, samples_, skip, &glossy);
+    size_t i = 0;
+    for (size_t k = 0; k < median.vertices.size(); ++k) {
+        while (matte_.vertices[i] != median.vertices[k]) ++i;
+        matte_.radiance[i] = median.radiance[k];
+        matte_.sigma[i] = median.sigma[k];
     }
 }
 

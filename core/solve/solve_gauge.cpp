@@ -56,6 +56,7 @@ namespace {
 
 constexpr float enoughSigma = 0.25f;    // what taking the brightest surfaces for white is off by
 constexpr float assumedSigma = 0.35f;   // plausible mean albedos of an object lie between .3 and .8
+constexpr double modelError = 0.02;     // of the light on the surfaces, relative
 constexpr float refutedShare = 0.1f;    // of the surfaces that would have to send back more light than they get
 
 float quantileOf(std::vector<float> values, double q) {
@@ -127,7 +128,13 @@ Rgb SolveState::assumedGauge(const SeenLight& seen, GaugeReport& gauge) const {
         if (light[c] > 0) scale[c] = float(luminance(Rgb(light)) / light[c]);
     std::vector<float> albedo;
     for (uint32_t v : matte_.vertices) albedo.push_back(luminance(albedo_.albedo[v] / scale));
-    return scale * std::max(quantileOf(albedo, 0.5) / 0.5f, quantileOf(albedo, 0.95) / 0.95f);
+    scale *= quantileOf(albedo, 0.5) / 0.5f;
+    // A channel in which bright surfaces would be more than white is one in which the light is brighter.
+    for (int c = 0; c < 3; ++c) {
+        for (size_t i = 0; i < albedo.size(); ++i) albedo[i] = albedo_.albedo[matte_.vertices[i]][c] / scale[c];
+        scale[c] *= std::max(1.0f, quantileOf(albedo, 0.9));
+    }
+    return scale;
 }
 
 float SolveState::shareAboveOne(const Rgb& scale, float& upper) const {
@@ -148,6 +155,9 @@ void SolveState::applyGauge(const LightUncertainty& light, Estimate& estimate) {
     // How much of the light on the surfaces comes from where the background is seen: only that much ties the scale down.
     const SeenLight seen = seenLight();
     const bool assessed = light.scaleSigma.x > 0 && light.scaleSigma.y > 0 && light.scaleSigma.z > 0;
+    Rgb scaleSigma = light.scaleSigma;
+    // What gives a hundredth of the light cannot tell its scale better than the model is right to a hundredth of itself. Metal shows the background beside the rest.
+    if (luminance(light.fromBackground) > 0.5f && !metalsJoined_) scaleSigma = glm::sqrt(scaleSigma * scaleSigma + float(modelError * modelError / std::max(seen.share * seen.share, 1e-6)));
     float upper = 0;
     const float above = shareAboveOne(scale, upper);
     // Light so weak that much of the surface would have to be more than white is not what lights it.
@@ -158,7 +168,7 @@ void SolveState::applyGauge(const LightUncertainty& light, Estimate& estimate) {
     } else if (unclipped) {
         gauge.kind = "emitter";
         gauge.evidence = fmt::format("{} lamp(s) are seen directly and unclipped; their light varies over the scene", clusters_.emitters.size());
-    } else if (!refuted && assessed && luminance(light.scaleSigma) < enoughSigma) {
+    } else if (!refuted && assessed && luminance(scaleSigma) < enoughSigma) {
         const float gloss = luminance(light.fromGloss), bounced = luminance(light.fromBounces);
         if (bounced > gloss && bounced > luminance(light.fromBackground)) {
             gauge.kind = "bounced light";
@@ -181,7 +191,7 @@ void SolveState::applyGauge(const LightUncertainty& light, Estimate& estimate) {
     }
     const bool evidence = gauge.kind == "emitter" || gauge.kind == "background" || gauge.kind == "bounced light";
     if (assessed && evidence) {
-        gauge.sigma = light.scaleSigma;
+        gauge.sigma = scaleSigma;
         gauge.fromEmitters = light.fromEmitters;
         gauge.fromBackground = light.fromBackground;
         gauge.fromGloss = light.fromGloss;
@@ -214,7 +224,7 @@ void SolveState::boundAlbedo(const Rgb& scale, Estimate& estimate) const {
     double own = 0, bounded = 0;
     for (size_t i = 0; i < matte_.vertices.size(); ++i) {
         const uint32_t v = matte_.vertices[i];
-        const Rgb white = lit_[i] * scale, coat = matteSeen_.vertices.empty() ? Rgb(0) : matteSeen_.radiance[i] - matte_.radiance[i];
+        const Rgb white = lit_[i] * scale, coat = matteSeen_.vertices.empty() ? Rgb(0) : glm::max(matteSeen_.radiance[i] - matte_.radiance[i], Rgb(0));
         const Rgb free = albedo_.albedo[v] / scale * white + coat, cut = glm::min(albedo_.albedo[v] / scale, Rgb(1)) * white + coat;
         for (uint32_t s = samples_.start[v]; s < samples_.start[v + 1]; ++s)
             for (int c = 0; c < 3; ++c) {
@@ -224,14 +234,20 @@ void SolveState::boundAlbedo(const Rgb& scale, Estimate& estimate) const {
                 bounded += std::pow(display(cut[c]) - y, 2);
             }
     }
-    constexpr double dearly = 1.02;  // a tenth of a decibel
-    const bool costs = bounded > dearly * own;
-    for (size_t v = 0; v < scene_.mesh.vertexCount(); ++v) {
-        if (costs && samples_.countOf(uint32_t(v)) > 0) continue;
-        estimate.reflectance.weight[0][v] = glm::min(estimate.reflectance.weight[0][v], Rgb(1));
-        for (HeldOutAlbedo& held : estimate.heldOut) held.albedo[v] = glm::min(held.albedo[v], Rgb(1));
+    constexpr double dearly = 1.005;  // a fiftieth of a decibel
+    float upper = 1;
+    if (bounded > dearly * own) {
+        // A few wild ones (the rim of a lamp, a hole) are cut all the same.
+        std::vector<float> needed;
+        for (uint32_t v : matte_.vertices) needed.push_back(maxChannel(albedo_.albedo[v] / scale));
+        upper = std::clamp(quantileOf(std::move(needed), 0.98), 1.0f, 2.0f);
+        logInfo("albedo is cut at {:.2f} where it was seen: at 1 the photographs would be explained {:.1f} dB worse", upper, 10 * std::log10(bounded / own));
     }
-    if (costs) logInfo("albedo is not cut at 1 where it was seen: the photographs would be explained {:.1f} dB worse", 10 * std::log10(bounded / own));
+    for (size_t v = 0; v < scene_.mesh.vertexCount(); ++v) {
+        const Rgb most(samples_.countOf(uint32_t(v)) > 0 ? upper : 1.0f);
+        estimate.reflectance.weight[0][v] = glm::min(estimate.reflectance.weight[0][v], most);
+        for (HeldOutAlbedo& held : estimate.heldOut) held.albedo[v] = glm::min(held.albedo[v], most);
+    }
 }
 
 }  // namespace relamp

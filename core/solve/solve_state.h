@@ -93,8 +93,11 @@ private:
     void solveReflectance();
     void askLightStrength();
     void askAlbedoStrength();
-    /// Takes what coats mirror off the matte observations. `hurry`: with a third of the directions, though the time is used up.
-    void takeCoatsOff(bool hurry);
+    /// Takes what coats mirror off the matte observations. `hurry`: with a third of the directions, though the time is used up. `matteAfterAll`: per piece 1 where no lobe explains
+    /// its change with the view.
+    void takeCoatsOff(bool hurry, const std::vector<uint8_t>& matteAfterAll);
+    /// What changes with the view and not as a lobe does differs by geometry or exposure: the median of the views tells it, not their darker quarter.
+    void readAsMatte(const std::vector<uint8_t>& pieces);
     /// Gives the listener, if there is one, an estimate as things stand; the state is afterwards as it was.
     void showSnapshot();
     SolveCheckpoint checkpoint(uint32_t step, bool between) const;
@@ -231,7 +234,7 @@ private:
     Rgb assumedGauge(const SeenLight& seen, GaugeReport& gauge) const;
     /// Share of the surfaces that need an albedo above 1 when light is multiplied by `scale`; `upper`: the 95th percentile of what they need.
     float shareAboveOne(const Rgb& scale, float& upper) const;
-    /// Cuts albedo at 1, unless the photographs would be explained clearly worse.
+    /// Cuts albedo at 1; where the photographs would be explained clearly worse, higher, at 2 at most.
     void boundAlbedo(const Rgb& scale, Estimate& estimate) const;
     void assembleEnvironment(Estimate& estimate) const;
     /// From the square along the scene's axes to the world's.

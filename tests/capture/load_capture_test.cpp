@@ -187,6 +187,20 @@ TEST_F(LoadCapture, TheDoctorFindsTheViewOfAnotherExposure) {
     EXPECT_EQ(check.seenTwiceShare, 1);
 }
 
+TEST_F(LoadCapture, TheDoctorKnowsAnObjectBeforeABlackBackground) {
+    Progress progress;
+    EXPECT_FALSE(checkCapture(load(), progress).backdrop);
+    // The square covers the middle 12 x 12 of 16 x 12 pixels.
+    Image cut(16, 12, Rgb(0.5f));
+    for (int y = 0; y < 12; ++y)
+        for (int x : {0, 1, 14, 15}) cut.at(x, y) = Rgb(0.01f);
+    for (const char* name : {"images/a.exr", "images/b.exr"}) writeImage(folder / name, cut);
+    const CaptureCheck check = checkCapture(load(), progress);
+    EXPECT_TRUE(check.backdrop);
+    EXPECT_EQ(check.views[0].lightShare, 0);
+    EXPECT_TRUE(anyHolds(check.warnings, "before a masked or black background"));
+}
+
 TEST_F(LoadCapture, TheDoctorSeesCamerasWithOpenCvAxes) {
     for (auto& frame : file["frames"]) frame["transform_matrix"] = {{1, 0, 0, 0}, {0, -1, 0, 0}, {0, 0, -1, 2}, {0, 0, 0, 1}};
     Progress progress;

@@ -178,6 +178,19 @@ TEST(Frame, LightGroupsAddUpToTheBeauty) {
     for (const double sum : fromEach) EXPECT_GT(sum, 1);
 }
 
+TEST(Frame, PixelsAloneHaveTheSameBitsAsInTheWhole) {
+    const Scene scene = test::sceneOf(test::sheet({-4, -4, 0}, {8, 0, 0}, {0, 8, 0}, 2, 2));
+    const RelitScene relit = test::relitOf(scene, test::matteEstimate(scene, Rgb(0.5f), Rgb(1, 2, 3)), onlyAdded({AddedEmitter::Shape::rectangle, "lamp", test::translation({0.5f, 0, 2.5f}), Vec2(0.5f), Rgb(100)}));
+    const Camera camera = fromAbove();
+    const Frame whole = render(relit, camera);
+    Progress progress;
+    std::vector<PixelAt> at;
+    for (int i = 0; i < camera.width * camera.height; i += 5) at.push_back({i % camera.width, i / camera.width});
+    const std::vector<Rgb> some = FrameRenderer(relit, camera, FrameOptions{}).pixels(at, progress);
+    ASSERT_EQ(some.size(), at.size());
+    for (size_t i = 0; i < at.size(); ++i) EXPECT_EQ(some[i], whole.beauty[size_t(at[i].y) * size_t(camera.width) + size_t(at[i].x)]);
+}
+
 TEST(Frame, HasTheSameBitsOnOneAndManyThreads) {
     const RelitScene relit = clutter();
     const auto picture = [&](int threads) {

@@ -19,6 +19,11 @@ void drawBottomPanel(Editor& editor);
 void drawStatusBar(Editor& editor);
 float statusBarHeight();
 
+/// Above the viewport, while the estimate shown explains its photographs too badly to be trusted and the user has not closed it.
+bool qualityBannerShown(const Editor& editor);
+float qualityBannerHeight(const Editor& editor, float width);
+void drawQualityBanner(Editor& editor);
+
 // ---- parts of the left column, each usable alone
 void drawViewsPanel(Editor& editor);
 void drawEmittersPanel(Editor& editor);       ///< shows as many columns as fit

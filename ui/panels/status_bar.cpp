@@ -54,6 +54,15 @@ std::vector<Piece> piecesOf(const Editor& editor) {
     if (editor.stale()) pieces.push_back({"settings changed", "The settings have changed since the last estimate: estimate again to use them.", 90, true, warningColour});
     if (estimate && estimate->cancelled && !editor.job()) pieces.push_back({"stopped early", "The estimate was stopped before its end: this is the best answer so far.", 70, true, warningColour});
     if (editor.refining()) pieces.push_back({"refining", "The picture gets better while you wait", 30, false, dimColour});
+    if (estimate && estimate->reproduction.measured()) {
+        const Reproduction& r = estimate->reproduction;
+        const ViewReproduction& worst = r.views[r.worst()];
+        std::string words = fmt::format("How well frames through the photographs' cameras match the photographs, on the surfaces: median of {} views, in decibels. "
+                                        "35 is very good, below {:.0f} is not to be trusted.\nWorst: {}, {:.1f} dB.", r.views.size(), Reproduction::gateDb, shown(worst.name), worst.psnr);
+        if (r.heldOut > 0) words += fmt::format("\nViews left out of the estimate are predicted at {:.1f} dB: so good will new views be.", r.heldOut);
+        if (!r.advice.empty()) words += "\n" + r.advice;
+        pieces.push_back({fmt::format("photographs {:.1f} dB", r.median), words, 80, r.poor(), r.poor() ? warningColour : dimColour});
+    }
     if (estimate && !estimate->gauge.kind.empty()) {
         const bool assumed = estimate->gauge.kind == "assumed";
         pieces.push_back({assumed ? "scale: assumed" : "scale: measured", gaugeExplanation(estimate->gauge), 60, false, assumed ? warningColour : dimColour});

@@ -12,8 +12,18 @@ namespace {
 /// As the import doctor warns: only where enough vertices were compared and they agree among themselves.
 bool exposureIsOdd(const ViewCheck& v) { return v.comparedVertices >= 100 && std::abs(v.exposureStops) > std::max(0.25, v.exposureScatterStops); }
 
-std::string describe(const View& view, const ViewCheck* check) {
+/// How well the estimate explains one view, if that was measured.
+const ViewReproduction* explained(const Estimate* estimate, const View& view) {
+    if (!estimate) return nullptr;
+    const auto& views = estimate->reproduction.views;
+    const auto at = std::find_if(views.begin(), views.end(), [&](const ViewReproduction& v) { return v.name == view.name; });
+    return at == views.end() ? nullptr : &*at;
+}
+
+std::string describe(const View& view, const ViewCheck* check, const ViewReproduction* found) {
     std::string words = fmt::format("{}\n{} x {} pixels", shown(view.name), view.camera.width, view.camera.height);
+    if (found) words += fmt::format("\nThe estimate explains it at {:.1f} dB", found->psnr);
+    if (found && found->heldOut > 0) words += fmt::format(", and predicts it at {:.1f} dB from the others", found->heldOut);
     if (check) {
         words += fmt::format("\nThe mesh covers {} of the picture", percent(check->meshShare));
         if (check->clippedShare > 0) words += fmt::format("\n{} of the pixels are clipped (too bright for the file)", percent(check->clippedShare));
@@ -23,13 +33,13 @@ std::string describe(const View& view, const ViewCheck* check) {
     return words + "\n\nClick selects it, double click looks through its camera.";
 }
 
-void badges(const ImVec2& corner, const ViewCheck* check) {
-    if (!check) return;
+void badges(const ImVec2& corner, const ViewCheck* check, bool worst, bool poor) {
     struct Mark {
         const char* word;
         bool shown;
     };
-    const Mark marks[] = {{"clipped", check->clippedShare > 0.01}, {"exposure", exposureIsOdd(*check)}, {"masked", check->maskedShare > 0.9}, {"off mesh", check->meshShare < 0.02}};
+    const Mark marks[] = {{"clipped", check && check->clippedShare > 0.01}, {"exposure", check && exposureIsOdd(*check)}, {"masked", check && check->maskedShare > 0.9},
+                          {"off mesh", check && check->meshShare < 0.02}, {"worst", worst}, {"poor", poor && !worst}};
     ImDrawList* list = ImGui::GetWindowDrawList();
     float y = corner.y + em(0.2f);
     for (const Mark& mark : marks) {
@@ -60,6 +70,8 @@ void drawViewsPanel(Editor& editor) {
     const auto& views = document.capture->views;
     if (views.empty()) return dimText("There are no views.");
     const float spacing = ImGui::GetStyle().ItemSpacing.x;
+    const auto estimate = editor.estimate();
+    const ViewReproduction* worst = estimate && estimate->reproduction.measured() ? &estimate->reproduction.views[estimate->reproduction.worst()] : nullptr;
     // All cells have one height, so that thousands of views cost no more than those on screen.
     float aspect = 0.1f;
     for (const View& view : views) aspect = std::max(aspect, view.camera.width > 0 ? float(view.camera.height) / float(view.camera.width) : 0.75f);
@@ -108,9 +120,10 @@ void drawViewsPanel(Editor& editor) {
                     }
                     noteItem(fmt::format("view {}", i));
                     const bool doubled = ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left);
-                    tooltip(describe(view, check));
+                    const ViewReproduction* found = explained(estimate.get(), view);
+                    tooltip(describe(view, check, found));
                     if (doubled) editor.state.selection.view = i, editor.state.viewport.throughView = true;
-                    badges(corner, check);
+                    badges(corner, check, found && found == worst, found && found->psnr < Reproduction::gateDb);
                     ImGui::SetCursorScreenPos({corner.x, corner.y + height + em(0.1f)});
                     const std::string name = elided(shown(std::filesystem::path(view.name).filename()), width);
                     if (selected) text(name);
