@@ -75,29 +75,40 @@ MovingLight movingLightOf(const Capture& capture, const Scene& scene, const Radi
     MovingLight result;
     if (seen.size() < 50) return result;
     const auto spreadUnder = [&](const Vec3& light, float ambient) {
-        std::vector<float> all, some;
+        std::vector<float> spreads;
         for (const SeenVertex& vertex : seen) {
-            some.clear();
-            for (size_t i = 0; i < vertex.log.size(); ++i) some.push_back(vertex.log[i] - std::log(ambient + std::max(0.0f, glm::dot(light, vertex.normal[i]))));
-            std::vector<float> sorted = some;
-            const float middle = medianOf(sorted);
-            for (float x : some) all.push_back(std::abs(x - middle));
+            const float count = float(vertex.log.size());
+            float sum = 0, squares = 0;
+            for (size_t i = 0; i < vertex.log.size(); ++i) {
+                const float x = vertex.log[i] - std::log(ambient + std::max(0.0f, glm::dot(light, vertex.normal[i])));
+                sum += x;
+                squares += x * x;
+            }
+            spreads.push_back(std::sqrt(std::max(0.0f, squares - sum * sum / count) / (count - 1)));
         }
-        return 1.4826f * medianOf(all);
+        return medianOf(spreads);
     };
     result.spreadStatic = result.spreadMoving = spreadUnder(Vec3(0), 1);
-    // Directions by a spiral over the half sphere in front of the camera and a little more.
-    constexpr int directions = 64;
-    std::vector<std::pair<float, Vec3>> tried(directions);
-    parallelFor(size_t(directions), 1, [&](size_t k) {
-        const float z = 1 - 1.2f * (float(k) + 0.5f) / directions, r = std::sqrt(std::max(0.0f, 1 - z * z)), phi = 2.399963f * float(k);
-        const Vec3 light(r * std::cos(phi), r * std::sin(phi), z);
-        float best = 1e30f;
-        for (float ambient : {0.1f, 0.3f, 1.0f}) best = std::min(best, spreadUnder(light, ambient));
-        tried[k] = {best, light};
+    // Directions by a spiral over the half sphere in front of the camera and a little more, then by one about the best of them.
+    const auto tryAll = [&](int count, auto&& direction) {
+        std::vector<std::pair<float, Vec3>> tried(static_cast<size_t>(count));
+        parallelFor(tried.size(), 1, [&](size_t k) {
+            const float along = (float(k) + 0.5f) / float(count), phi = 2.399963f * float(k);
+            const Vec3 light = direction(along, phi);
+            float best = 1e30f;
+            for (float ambient : {0.1f, 0.3f, 1.0f}) best = std::min(best, spreadUnder(light, ambient));
+            tried[k] = {best, light};
+        });
+        for (const auto& [spread, light] : tried)
+            if (spread < result.spreadMoving) result.spreadMoving = spread, result.direction = light;
+    };
+    tryAll(64, [](float along, float phi) {
+        const float z = 1 - 1.2f * along, r = std::sqrt(std::max(0.0f, 1 - z * z));
+        return Vec3(r * std::cos(phi), r * std::sin(phi), z);
     });
-    for (const auto& [spread, light] : tried)
-        if (spread < result.spreadMoving) result.spreadMoving = spread, result.direction = light;
+    if (result.direction == Vec3(0)) return result;
+    const Mat3 frame = frameAround(result.direction);
+    tryAll(32, [&](float along, float phi) { return frame * glm::normalize(Vec3(0.35f * std::sqrt(along) * std::cos(phi), 0.35f * std::sqrt(along) * std::sin(phi), 1)); });
     return result;
 }
 

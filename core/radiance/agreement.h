@@ -19,7 +19,7 @@ struct ViewAgreement {
 
 /// A light that turns with the camera makes one vertex differ between views as the angle between its normal and a direction of the camera's does.
 struct MovingLight {
-    float spreadStatic = 0;  ///< robust standard deviation of log radiance about each vertex's median
+    float spreadStatic = 0;  ///< standard deviation of a vertex's log radiance between views, median of the vertices
     float spreadMoving = 0;  ///< the same after n . l of the best direction l in camera axes is divided out
     Vec3 direction{0};       ///< camera axes, towards the light
     /// True when most of the difference between views goes away.
@@ -31,7 +31,7 @@ struct PhotographAgreement {
     MovingLight movingLight;
 };
 
-/// Cost: O(look-ups log views) and 2000 vertices x 200 directions. Throws Cancelled.
+/// Cost: O(look-ups log views) and 2000 vertices x 300 lights. Throws Cancelled.
 PhotographAgreement photographAgreement(const Capture& capture, const Scene& scene, const RadianceSamples& samples, Progress& progress);
 
 /// Median of a vertex's observations, channel by channel, without those of view `without`; none where no view is left.

@@ -28,7 +28,7 @@ void drawQualityBanner(Editor& editor) {
     const float width = ImGui::GetContentRegionAvail().x, room = std::max(em(8), width - buttonWidth() - 2 * ImGui::GetStyle().ItemSpacing.x);
     ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + room);
     ImGui::PushStyleColor(ImGuiCol_Text, warningColour);
-    wrapped(wordsOf(estimate->reproduction));
+    text(wordsOf(estimate->reproduction));
     ImGui::PopStyleColor();
     ImGui::PopTextWrapPos();
     tooltip("The views list shows how well each photograph is explained; mode 3 shows where they differ.");

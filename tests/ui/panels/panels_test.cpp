@@ -1,6 +1,8 @@
 // Every panel and dialog, drawn without a window in every state of the document, and edited with a mouse.
 #include "panels/panels.h"
 
+#include <fstream>
+
 #include "actions.h"
 #include "panels/dialogs.h"
 #include "panels/emitter_controls.h"
@@ -56,6 +58,31 @@ void drawEveryDialog(Panels& p) {
         EXPECT_FALSE(dialogOpen(*p.editor));
         EXPECT_EQ(ImGui::GetCurrentContext()->OpenPopupStack.Size, 0);
     }
+}
+
+TEST(QualityBanner, namesTheCauseOfAPoorEstimateUntilItIsClosed) {
+    Panels p;
+    p.openSolved();
+    Editor& editor = *p.editor;
+    EXPECT_FALSE(qualityBannerShown(editor));
+    // The same shot with figures of a poor one.
+    const std::filesystem::path shot = p.folder / "poor.relamp";
+    std::filesystem::copy(PaintedRoom::get().shot, shot, std::filesystem::copy_options::recursive);
+    nlohmann::json document = nlohmann::json::parse(std::ifstream(shot / "shot.json"));
+    document["capture"] = PaintedRoom::get().capture.string();
+    document["reproduction"]["psnr"] = 13;
+    document["reproduction"]["advice"] = "The cameras' poses do not belong to the photographs: check that they are in the same order.";
+    std::ofstream(shot / "shot.json") << document.dump();
+    editor.openNow(shot);
+    p.until([&] { return !editor.job(); });
+    ASSERT_TRUE(qualityBannerShown(editor));
+    p.windowSize(600, 200);
+    p.frame([&] { EXPECT_GT(qualityBannerHeight(editor, 300), qualityBannerHeight(editor, 900)); });
+    p.frame([&] { drawQualityBanner(editor); });
+    const auto close = p.find(Panels::idOf("test", {"Close"}));
+    ASSERT_TRUE(close.has_value());
+    p.click(*close);
+    EXPECT_FALSE(qualityBannerShown(editor));
 }
 
 TEST(PanelDrawing, everythingDrawsWithoutADocument) {
