@@ -99,6 +99,7 @@ int main(int argc, char** argv) {
         verb.add_option("--basis", solve.basis, "Lobes that surfaces may have: built-in (13), wide (55, a piece takes up to three), lambert (none)")->check(CLI::IsMember({"built-in", "wide", "lambert"}))->capture_default_str();
         verb.add_option("--merl", solve.merl, "Folder of measured reflectance (MERL .binary files): each joins the basis as one lobe");
         verb.add_option("--palette", solve.palette, "How many materials of one colour each the scene has, where it has few; 0: nothing is said")->check(CLI::Range(0, 64))->capture_default_str();
+        verb.add_option("--photometric", solve.photometric, "Exposure, white balance and lens fall-off that differ between photographs: taken out where they clearly do (auto), or off")->check(CLI::IsMember({"auto", "off"}))->capture_default_str();
         verb.add_option("--mesh-triangles", solve.meshTriangles, "About how many triangles of the mesh the solve uses; 0 for all. Unless given, meshes above 300000 are solved on 150000; the shot has the whole mesh")->check(CLI::NonNegativeNumber);
         verb.add_option("--grid-side", solve.gridSide, "Side of the visibility grid (power of two)");
         verb.add_option("--threads", solve.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);

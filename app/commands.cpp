@@ -127,6 +127,7 @@ PipelineOptions pipelineOptions(const SolveArguments& a) {
     if (a.meshTriangles >= 0) options.meshTriangles = size_t(a.meshTriangles);
     options.everything = a.everything;
     options.findLight = a.findLight;
+    options.photometric = a.photometric == "auto";
     return options;
 }
 
@@ -154,11 +155,8 @@ int solve(const SolveArguments& a, Progress& progress) {
     PipelineResult r = runPipeline(a.capture, options, progress, &listener);
     Shot shot;
     shot.captureFolder = a.capture;
-    shot.fix = a.fix;
+    shot.fix = fixOf(r, a.fix);
     shot.capture.origin = r.capture.origin;
-    shot.fix.smoothNormals = r.smoothedNormals;
-    shot.fix.proxies = r.capture.proxies;
-    for (ProxyLight& p : shot.fix.proxies) p.centre += r.capture.origin;
     shot.estimate = std::move(r.estimate);
     shot.quality = a.quality;
     shot.seed = a.seed;

@@ -25,6 +25,7 @@ struct SolveArguments {
     fs::path merl;
     std::string mode = "near-field", quality = "standard", gauge = "auto", bounce = "auto", basis = "built-in", smoothLight = "auto", smoothSurfaces = "auto";
     double timeBudget = 0;
+    std::string photometric = "auto";
     long meshTriangles = -1;   ///< below 0: not given
     int gridSide = 0, threads = 0, palette = 0;
     uint64_t seed = 1;

@@ -245,6 +245,15 @@ void Editor::Impl::openCapture(const fs::path& folder, const CaptureFix& fix, st
         load.fix = fix;
         auto document = std::make_shared<Document>(documentOf(loadCapture(folder, load, progress), folder, progress));
         document->fix = fix;
+        if (fix.photometric.empty() && document->samples) {
+            progress.begin("Do exposures differ?", 1);
+            const Prepared seen{{}, document->scene, document->samples, {}};
+            load.fix.photometric = choosePhotometric(*document->capture, seen, progress);
+            if (!load.fix.photometric.empty()) {
+                *document = documentOf(loadCapture(folder, load, progress), folder, progress);
+                document->fix = load.fix;
+            }
+        }
         if (fix.smoothNormals < 0 && document->capture->mesh.triangles.size() <= largestWorkingMesh && normalsLookNoisy(*document->scene)) {
             progress.begin("Are the mesh's normals good enough?", 1);
             const EmitterClusters lamps = clusterEmitters(*document->scene, *document->capture, *document->samples, {}, progress);

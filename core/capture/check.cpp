@@ -115,24 +115,24 @@ void imageFigures(const View& view, ViewCheck& check) {
 /// What the pixels beside the mesh show: light, or a mask or black cloth. At one pixel a cell.
 void judgeBackground(const View& view, const DepthPicture& depth, ViewCheck& check) {
     if (view.image.pixels.empty()) return;
-    constexpr double black = 0.05;  // of the mean brightness of the surfaces
-    double surface = 0;
-    size_t onMesh = 0, open = 0, light = 0;
+    constexpr float black = 0.05f;  // of the brightness of the brighter surfaces
+    std::vector<float> surface;
+    size_t open = 0, light = 0;
     const auto each = [&](auto&& use) {
         for (int y = 0; y < depth.height; ++y)
             for (int x = 0; x < depth.width; ++x) {
                 const int px = std::min(int((float(x) + 0.5f) * depth.pixelsPerCell), view.image.width - 1), py = std::min(int((float(y) + 0.5f) * depth.pixelsPerCell), view.image.height - 1);
-                use(std::isfinite(depth.depth[size_t(y) * size_t(depth.width) + size_t(x)]), view.image.usableAt(px, py), double(luminance(view.image.at(px, py))));
+                use(std::isfinite(depth.depth[size_t(y) * size_t(depth.width) + size_t(x)]), view.image.usableAt(px, py), luminance(view.image.at(px, py)));
             }
     };
-    each([&](bool mesh, bool usable, double y) {
-        if (mesh && usable) surface += y, ++onMesh;
+    each([&](bool mesh, bool usable, float y) {
+        if (mesh && usable) surface.push_back(y);
     });
-    surface /= double(std::max<size_t>(1, onMesh));
-    each([&](bool mesh, bool usable, double y) {
+    const float least = surface.empty() ? 0 : black * quantile(surface, 0.9);
+    each([&](bool mesh, bool usable, float y) {
         if (mesh) return;
         ++open;
-        light += usable && y > black * surface;
+        light += usable && y > least;
     });
     check.openShare = double(open) / double(std::max<size_t>(1, depth.depth.size()));
     check.lightShare = open ? double(light) / double(open) : 0;

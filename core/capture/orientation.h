@@ -4,6 +4,7 @@
 #include <string>
 
 #include "capture/capture.h"
+#include "capture/photometric.h"
 
 namespace relamp {
 
@@ -19,6 +20,7 @@ struct CaptureFix {
     int smoothNormals = -1;    ///< rounds of smoothing of the mesh's normals; below 0: as the photographs say, where a solve asks them (otherwise none)
     bool fromBrackets = false; ///< merge `exposures` even where an HDR picture is named
     std::vector<ProxyLight> proxies{};  ///< lamps that the mesh does not hold
+    PhotometricFix photometric{};       ///< what the photographs' exposures differ by; found by a solve
     bool operator==(const CaptureFix&) const = default;
 };
 

@@ -164,6 +164,7 @@ View PhotographReader::read(size_t i, std::vector<std::string>& notes, Progress&
         size_t masked = 0;
         for (const fs::path& mask : masksOf(folder_, view.file)) masked += applyMask(view.image, mask, options_.maxPixels, progress);
         describe(view, masked, notes);
+        applyPhotometric(options_.fix.photometric, view);
     });
     return view;
 }

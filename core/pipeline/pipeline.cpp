@@ -7,6 +7,7 @@
 #include "pipeline/reproduction.h"
 #include "pipeline/working_mesh.h"
 #include "scene/smooth_normals.h"
+#include "solve/photometric_estimate.h"
 
 namespace relamp {
 
@@ -91,6 +92,20 @@ Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepare
     return estimate;
 }
 
+CaptureFix fixOf(const PipelineResult& result, CaptureFix asked) {
+    asked.smoothNormals = result.smoothedNormals;
+    asked.photometric = result.photometric;
+    asked.proxies = result.capture.proxies;
+    for (ProxyLight& p : asked.proxies) p.centre += result.capture.origin;
+    return asked;
+}
+
+PhotometricFix choosePhotometric(const Capture& capture, const Prepared& prepared, Progress& progress) {
+    const PhotometricEstimate found = estimatePhotometric(capture, *prepared.scene, *prepared.samples, progress);
+    logInfo("{}{}", toText(found), found.needed() ? "; taken out" : "; left as it is");
+    return found.needed() ? found.fix : PhotometricFix{};
+}
+
 PipelineResult runPipeline(const std::filesystem::path& captureFolder, const PipelineOptions& options, Progress& progress, const SolveListener* listener) {
     PipelineResult r;
     StageMeter meter(progress);
@@ -103,6 +118,16 @@ PipelineResult runPipeline(const std::filesystem::path& captureFolder, const Pip
     }
     const std::optional<SolveCheckpoint> earlier = options.resume ? options.resume(r.capture) : std::nullopt;
     Prepared prepared = prepare(r.capture, options, meter, progress);
+    // Do exposures differ from photograph to photograph?
+    r.photometric = options.load.fix.photometric;
+    if (options.photometric && r.photometric.empty()) {
+        meter.begin("exposures");
+        r.photometric = choosePhotometric(r.capture, prepared, progress);
+        if (!r.photometric.empty()) {
+            for (View& view : r.capture.views) applyPhotometric(r.photometric, view);
+            prepared = prepare(r.capture, options, meter, progress, prepared.working ? nullptr : prepared.scene);
+        }
+    }
     // Are the mesh's normals good enough to shade with? A decimated mesh's are means already.
     r.smoothedNormals = std::max(0, options.load.fix.smoothNormals);
     if (options.load.fix.smoothNormals < 0 && !prepared.working) {

@@ -31,7 +31,7 @@ std::filesystem::path writeComparison(const std::filesystem::path& captureFolder
         Shot& shot = mode.shot;
         shot.captureFolder = captureFolder;
         shot.capture.origin = result.capture.origin;
-        shot.fix = options.fix;
+        shot.fix = fixOf(result, options.fix);
         shot.quality = options.quality;
         shot.seed = options.solve.seed;
         shot.estimate = std::move(result.estimate);

@@ -126,6 +126,23 @@ Reproduction reproductionOf(const Json& document) {
     return r;
 }
 
+PhotometricFix photometricOf(const Json& document) {
+    PhotometricFix fix;
+    const Json& object = objectOf(document, "photometric");
+    withContext("capture_fix.photometric", [&] {
+        fix.falloff2 = field(object, "falloff2", 0.0f);
+        fix.falloff4 = field(object, "falloff4", 0.0f);
+        if (std::abs(fix.falloff2) > 10 || std::abs(fix.falloff4) > 10) throw Error("falloff2, falloff4: beyond 10");
+        for (const Json& g : listOf(object, "gains")) {
+            const std::string where = fmt::format("gains[{}].", fix.gains.size());
+            const Rgb gain = colour(need(g, "gain", where), where + "gain");
+            if (!(std::min({gain.x, gain.y, gain.z}) > 1e-6f) || !(maxChannel(gain) < 1e6f)) throw Error("{}gain: is out of range", where);
+            fix.gains.push_back({field<std::string>(g, "view", "", where), gain});
+        }
+    });
+    return fix;
+}
+
 /// The file a measured lobe comes from: a copy in the shot's own folder `merl` goes first, so that a shot can be given away with what it needs.
 std::shared_ptr<const MeasuredGloss> measuredOf(const Json& lobe, const fs::path& folder, const std::string& where) {
     const fs::path named = field<std::string>(lobe, "file", "", where);
@@ -234,6 +251,12 @@ Json proxiesToJson(const std::vector<ProxyLight>& proxies) {
     return list;
 }
 
+Json photometricJson(const PhotometricFix& fix) {
+    Json json{{"falloff2", fix.falloff2}, {"falloff4", fix.falloff4}, {"gains", Json::array()}};
+    for (const auto& g : fix.gains) json["gains"].push_back({{"view", g.view}, {"gain", toJson(g.gain)}});
+    return json;
+}
+
 Json fixToJson(const CaptureFix& fix, const fs::path& capture) {
     const auto kept = [&](const std::string& place) {
         std::error_code ignored;
@@ -244,6 +267,7 @@ Json fixToJson(const CaptureFix& fix, const fs::path& capture) {
             {"colmap", kept(fix.colmap)}, {"images", kept(fix.images)},      {"mesh", kept(fix.mesh)}, {"from_brackets", fix.fromBrackets},
             {"proxy_lights", proxiesToJson(fix.proxies)}};
     if (fix.smoothNormals >= 0) json["smooth_normals"] = fix.smoothNormals;
+    if (!fix.photometric.empty()) json["photometric"] = photometricJson(fix.photometric);
     return json;
 }
 
@@ -412,6 +436,7 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress) {
             shot.fix.meshScale = field(fix, "mesh_scale", 1.0, "capture_fix.");
             if (fix.contains("smooth_normals")) shot.fix.smoothNormals = std::min(field(fix, "smooth_normals", 0, "capture_fix."), 100);
             shot.fix.fromBrackets = field(fix, "from_brackets", false, "capture_fix.");
+            shot.fix.photometric = photometricOf(fix);
             size_t k = 0;
             for (const Json& p : listOf(fix, "proxy_lights")) {
                 const std::string where = fmt::format("capture_fix.proxy_lights[{}].", k++);

@@ -11,8 +11,12 @@ std::vector<Rgb> firstRadiance(const EmitterClusters& clusters) {
 bool tiesScale(const LightAnchors& anchors, float darkness) {
     for (size_t e = 0; e < anchors.emitterRadiance.size(); ++e)
         if (!anchors.emitterClipped[e] || maxChannel(anchors.emitterRadiance[e]) > 0) return true;
-    constexpr float black = 50;  // times darkness, which is a thousandth of the brightest surfaces
-    return std::any_of(anchors.leaves.begin(), anchors.leaves.end(), [&](const LeafAnchor& a) { return a.coverage > 0.05f && !a.clipped && maxChannel(a.radiance) > black * darkness; });
+    // A surface that all of it lights from straight ahead sends at most this back; `darkness` is a thousandth of the brightest surfaces.
+    double light = 0;
+    for (const LeafAnchor& a : anchors.leaves)
+        if (a.coverage > 0.05f && !a.clipped) light += double(a.area * maxChannel(a.radiance)) / piD;
+    constexpr double least = 3;
+    return light > least * double(darkness);
 }
 
 LightAnchors lightAnchors(const RadianceSamples& samples, const EmitterClusters& clusters, const LightLeaves& leaves) {
@@ -38,6 +42,7 @@ LightAnchors lightAnchors(const RadianceSamples& samples, const EmitterClusters&
     for (size_t i = 0; i < leaves.size(); ++i) {
         if (area[i] <= 0) continue;
         anchors.leaves[i].radiance = sum[i] / area[i];
+        anchors.leaves[i].area = area[i];
         anchors.leaves[i].coverage = std::min(1.0f, area[i] / leaves[i].solidAngle());
     }
     for (const EmitterCluster& e : clusters.emitters) {

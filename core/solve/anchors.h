@@ -11,6 +11,7 @@ struct LeafAnchor {
     Rgb radiance{0};
     float coverage = 0;  ///< share of the leaf that background pixels cover, 0: unseen
     bool clipped = false;
+    float area = 0;      ///< of it that is seen, steradians
 };
 
 struct LightAnchors {
@@ -23,8 +24,8 @@ struct LightAnchors {
 /// Where a fit starts: what was seen of each emitter, or guessed.
 std::vector<Rgb> firstRadiance(const EmitterClusters& clusters);
 
-/// Does light seen directly tie the scale of all light down? An emitter that was seen does, clipped or not (a lower bound). Background does unless it is a backdrop: black beside the surfaces
-/// (`darkness`: LightPriorOptions), it can give no more than a twentieth of the light on the brightest, so what lights them comes from elsewhere.
+/// Does light seen directly tie the scale of all light down? An emitter that was seen does, clipped or not (a lower bound). Background does unless it is a backdrop: too small or too black
+/// beside the surfaces (`darkness`: LightPriorOptions) to give even three thousandths of the light on the brightest, so what lights them comes from elsewhere.
 bool tiesScale(const LightAnchors& anchors, float darkness);
 
 LightAnchors lightAnchors(const RadianceSamples& samples, const EmitterClusters& clusters, const LightLeaves& leaves);

@@ -185,6 +185,7 @@ void fields(File& f, SolveCheckpoint& c) {
     list(f, c.emitterRadiance);
     f.plain(c.environmentBlack);
     f.plain(c.noMetals);
+    f.plain(c.backgroundRefuted);
     f.plain(c.refined);
     f.plain(c.bounceKept);
     f.plain(c.visibilityStep);

@@ -19,7 +19,7 @@ struct SolveCheckpoint {
     std::vector<Leaf> leaves;
     std::vector<Rgb> leafRadiance, emitterRadiance;
     bool environmentBlack = false, refined = false, bounceKept = false;
-    bool noMetals = false;
+    bool noMetals = false, backgroundRefuted = false;
     uint32_t visibilityStep = 0;      ///< how far visibility was traced (Visibility::step); 0: not at all
     double refinedMisfit = 0;
     float bouncedShare = 0;

@@ -98,7 +98,7 @@ void SolveState::splitLeaves(const std::vector<uint32_t>& chosen) {
     lambertInfluenceOfLeaves(scene_, visibility_, finer.leaves, matte_.vertices, changed, wider, progress_);
     influence_ = std::move(wider);
     lighting_ = std::move(finer);
-    anchors_ = lightAnchors(samples_, clusters_, lighting_.leaves);
+    anchorLight();
     shapeLeaves();
     // What the background shows in detail is known at once.
     for (const uint32_t k : changed)

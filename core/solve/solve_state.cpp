@@ -149,9 +149,34 @@ void SolveState::rebuildRows() {
         learnVisibility(visibilityStepFor(firstLevel()));
     }
     meter_.begin("rows of the observations");
-    anchors_ = lightAnchors(samples_, clusters_, lighting_.leaves);
+    anchorLight();
     shapeLeaves();
     influence_ = rowsOf(matte_.vertices);
+}
+
+void SolveState::anchorLight() {
+    anchors_ = lightAnchors(samples_, clusters_, lighting_.leaves);
+    if (backgroundRefuted_) anchors_.leaves.assign(anchors_.leaves.size(), LeafAnchor{});
+}
+
+bool SolveState::refuteBackground() {
+    if (backgroundRefuted_ || environmentBlack_ || matte_.vertices.empty() || !bounce_.empty() || !tiesScale(anchors_, lightPrior_.darkness)) return false;
+    LightAnchors others = anchors_;
+    others.leaves.clear();
+    if (tiesScale(others, lightPrior_.darkness)) return false;
+    std::vector<float> albedo;
+    for (size_t i = 0; i < influence_.rows; ++i)
+        if (const float lit = luminance(lightOfRow(influence_.row(i), lighting_)); lit > 0) albedo.push_back(luminance(matte_.radiance[i]) / lit);
+    if (albedo.empty()) return false;
+    std::nth_element(albedo.begin(), albedo.begin() + ptrdiff_t(albedo.size() / 2), albedo.end());
+    const float middle = albedo[albedo.size() / 2];
+    if (middle > 0.04f && middle < 1.3f) return false;
+    logInfo("the background seen would need surfaces of albedo {:.2g}: it is not what lights the scene", middle);
+    backgroundRefuted_ = true;
+    anchorLight();
+    shapeLeaves();
+    for (Rgb& l : lighting_.leafRadiance) l *= middle / 0.5f;
+    return true;
 }
 
 InfluenceMatrix SolveState::rowsOf(const std::vector<uint32_t>& vertices) {
@@ -229,6 +254,7 @@ AlbedoFreeReport SolveState::runAlbedoFree(const std::string& stage, int iterati
     const bool same = earlier.all.size() == report.information.all.size();
     information_ = same && report.iterations == 0 ? std::move(earlier) : std::move(report.information);
     lightUnfinished_ = report.endedEarly;
+    if (refuteBackground()) return runAlbedoFree(stage, std::max(iterations, 4), rows, problem, chroma, end);
     logInfo("{}: {} iterations, objective {:.4g}, {} unknowns, chroma {:.3f} of the noise and {:.3f} of the rest, {:.1f} s", stage, report.iterations, report.objective, lighting_.leaves.size() + surfaces_.size(),
             report.chroma.noise, report.chroma.model, progress_.seconds());
     return report;

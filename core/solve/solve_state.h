@@ -130,6 +130,7 @@ private:
     double matteShare_ = 0;
     bool noMetals_ = false;                  ///< pieces that change with the view as metals do were not explained by being metals
     bool environmentBlack_ = false;
+    bool backgroundRefuted_ = false;         ///< what is seen of the background is not what lights the scene
     bool startsFromPlan_ = false;            ///< the first light is that of the plan
     bool refined_ = false;                   ///< no leaf is worth a split any more
     double refinedMisfit_ = 0;               ///< of the pairs before the last split, 0: there was none
@@ -181,6 +182,11 @@ private:
     void learnTransport(const std::vector<uint8_t>& vertices);
     /// Everything that follows from lamps and leaves: anchors, rows of the observations.
     void rebuildRows();
+    /// anchors_ for the present leaves; without the background where it was refuted.
+    void anchorLight();
+    /// Does the background seen, where nothing else ties the scale down, ask for surfaces that cannot be (a median albedo below .04 or above 1.3)? Then it is dropped, and the light is brought
+    /// to a median albedo of .5. True when that was so: the light is to be fitted again.
+    bool refuteBackground();
     int firstLevel() const;
     /// Coarse light makes do with four rays a leaf: an answer stands sooner, and black surroundings never need the rest.
     int visibilityStepFor(int level) const;

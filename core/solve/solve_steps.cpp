@@ -132,7 +132,7 @@ void SolveState::takeBackUntold() {
     lighting_ = std::move(untold_.lighting);
     influence_ = std::move(untold_.influence);
     information_ = std::move(untold_.information);
-    anchors_ = lightAnchors(samples_, clusters_, lighting_.leaves);
+    anchorLight();
     shapeLeaves();
 }
 
@@ -164,6 +164,7 @@ SolveCheckpoint SolveState::checkpoint(uint32_t step, bool between) const {
     c.bouncedShare = bouncedShare_;
     c.noBounceBecause = noBounceBecause_;
     c.noMetals = noMetals_;
+    c.backgroundRefuted = backgroundRefuted_;
     c.vertexBounce = vertexBounce_;
     c.sent = sent_;
     c.lightSmoothness = lightSmoothness_;
@@ -208,6 +209,7 @@ void SolveState::goOnFrom(const SolveCheckpoint& c) {
     }
     indexEmitters(scene_, clusters_);
     noMetals_ = c.noMetals;
+    backgroundRefuted_ = c.backgroundRefuted;
     rebuildNearField();
     environmentBlack_ = c.environmentBlack;
     refined_ = c.refined;

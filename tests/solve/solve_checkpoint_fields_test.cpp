@@ -74,10 +74,10 @@ auto fieldsOf(SolvePlan& p) {
     return std::tie(choices, stages, leftOut, planningSeconds);
 }
 auto fieldsOf(SolveCheckpoint& c) {
-    auto& [step, between, seconds, clusters, suspect, leaves, leafRadiance, emitterRadiance, environmentBlack, refined, bounceKept, noMetals, visibilityStep, refinedMisfit, bouncedShare,
+    auto& [step, between, seconds, clusters, suspect, leaves, leafRadiance, emitterRadiance, environmentBlack, refined, bounceKept, noMetals, backgroundRefuted, visibilityStep, refinedMisfit, bouncedShare,
            noBounceBecause, vertexBounce, sent, matteRadiance, matteSigma, lightSmoothness, albedoSmoothness, gloss, firstGloss, metalsHeard, metalsJoined, lightUnfinished, information,
            informationOfLooks, informationSeen, albedo, confidence, palette, timeline, kktResidual, plan] = c;
-    return std::tie(step, between, seconds, clusters, suspect, leaves, leafRadiance, emitterRadiance, environmentBlack, refined, bounceKept, noMetals, visibilityStep, refinedMisfit, bouncedShare,
+    return std::tie(step, between, seconds, clusters, suspect, leaves, leafRadiance, emitterRadiance, environmentBlack, refined, bounceKept, noMetals, backgroundRefuted, visibilityStep, refinedMisfit, bouncedShare,
                     noBounceBecause, vertexBounce, sent, matteRadiance, matteSigma, lightSmoothness, albedoSmoothness, gloss, firstGloss, metalsHeard, metalsJoined, lightUnfinished, information,
                     informationOfLooks, informationSeen, albedo, confidence, palette, timeline, kktResidual, plan);
 }

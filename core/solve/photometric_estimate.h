@@ -1,0 +1,26 @@
+// Exposure, white balance and fall-off of the photographs, from what they say of the same surfaces.
+#pragma once
+#include "base/progress.h"
+#include "capture/capture.h"
+#include "capture/photometric.h"
+#include "radiance/samples.h"
+#include "scene/scene.h"
+
+namespace relamp {
+
+struct PhotometricEstimate {
+    PhotometricFix fix;
+    float spread = 0, spreadAfter = 0;  ///< robust standard deviation of log radiance about each vertex's mean over views, before and with the fix
+    float gainRms = 0;                  ///< of the logarithms of the gains, all channels
+    /// True when the photographs agree clearly better with it: otherwise they are best left as they are.
+    bool needed() const { return spreadAfter < 0.9f * spread && (gainRms > 0.01f || std::abs(std::log(fix.falloffAt(1))) > 0.03f); }
+};
+
+/// Least squares, robust (Cauchy), over log y_vi = m_v + g_i + a r^2 + b r^4 with the means m_v eliminated: surfaces' colour and light cancel, what a gloss shows is an outlier. Gains that
+/// a chain of common surfaces does not reach stay 1. Cost: a few passes over the look-ups, one factorisation of 3 x views + 2 unknowns. Throws Cancelled.
+PhotometricEstimate estimatePhotometric(const Capture& capture, const Scene& scene, const RadianceSamples& samples, Progress& progress);
+
+/// "exposures differ by 9 %, white balance by 3 %, the lens darkens the corners by 18 %".
+std::string toText(const PhotometricEstimate& estimate);
+
+}  // namespace relamp
