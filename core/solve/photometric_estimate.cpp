@@ -76,11 +76,11 @@ float spreadOf(const std::vector<Rgb>& residual) {
 
 }  // namespace
 
-PhotometricEstimate estimatePhotometric(const Capture& capture, const Scene& scene, const RadianceSamples& samples, Progress& progress) {
+namespace {
+
+PhotometricEstimate fitted(const Capture& capture, const Looks& all, float noise, bool falloff, Progress& progress) {
     PhotometricEstimate result;
     const size_t views = capture.views.size();
-    const Looks all = usableLooks(capture, scene, samples);
-    if (views < 2 || all.looks.size() < 20 * views) return result;
     const Eigen::Index gains = 3 * Eigen::Index(views), n = gains + 2;
     Eigen::VectorXd u = Eigen::VectorXd::Zero(n);
     std::vector<Rgb> robust(all.looks.size(), Rgb(1)), residual(all.looks.size());
@@ -91,7 +91,7 @@ PhotometricEstimate estimatePhotometric(const Capture& capture, const Scene& sce
         std::vector<float> size;
         for (const Rgb& r : residual)
             for (int c = 0; c < 3; ++c) size.push_back(std::abs(r[c]));
-        const float scale = std::max(1.4826f * medianOf(size), 0.3f * samples.relativeNoise) * 2;
+        const float scale = std::max(1.4826f * medianOf(size), 0.3f * noise) * 2;
         for (size_t k = 0; k < robust.size(); ++k) robust[k] = 1.0f / (1.0f + residual[k] * residual[k] / (scale * scale));
         if (round == 0) {
             residualsOf(all, u, robust, residual);
@@ -137,6 +137,7 @@ PhotometricEstimate estimatePhotometric(const Capture& capture, const Scene& sce
         for (Eigen::Index i = 0; i < gains; ++i)
             for (Eigen::Index j = i % 3; j < gains; j += 3) q(i, j) += strong / double(views * views);
         q.diagonal().array() += 1e-6 * strong;
+        if (!falloff) q.diagonal().tail<2>().array() += 1e12 * strong;
         u = q.ldlt().solve(moment);
         if (!u.allFinite()) return {};
         residualsOf(all, u, robust, residual);
@@ -153,6 +154,15 @@ PhotometricEstimate estimatePhotometric(const Capture& capture, const Scene& sce
     result.fix.falloff2 = float(u(gains));
     result.fix.falloff4 = float(u(gains + 1));
     return result;
+}
+
+}  // namespace
+
+PhotometricEstimate estimatePhotometric(const Capture& capture, const Scene& scene, const RadianceSamples& samples, Progress& progress) {
+    const Looks all = usableLooks(capture, scene, samples);
+    if (capture.views.size() < 2 || all.looks.size() < 20 * capture.views.size()) return {};
+    const PhotometricEstimate gains = fitted(capture, all, samples.relativeNoise, false, progress), both = fitted(capture, all, samples.relativeNoise, true, progress);
+    return both.spreadAfter < 0.95f * gains.spreadAfter ? both : gains;
 }
 
 std::string toText(const PhotometricEstimate& e) {
