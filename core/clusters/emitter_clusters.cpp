@@ -6,6 +6,7 @@
 #include <set>
 
 #include "base/log.h"
+#include "clusters/false_lamps.h"
 #include "scene/rim.h"
 
 namespace relamp {
@@ -520,6 +521,26 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
         rejectedPatch.resize(kept);
         result.candidates.push_back(std::move(cluster));
     }
+    // What a mesh that is not exact makes of a lamp.
+    joinSplitLamps(scene, result.emitters);
+    const std::vector<EmitterCluster> lamps = result.emitters;
+    const auto dropFalse = [&](std::vector<EmitterCluster>& clusters) {
+        std::erase_if(clusters, [&](EmitterCluster& e) {
+            if (e.unseen) return false;
+            const char* reason = nullptr;
+            for (const EmitterCluster& lamp : lamps)
+                if (emitterPower(lamp) > emitterPower(e) && showsLampPastEdge(scene, capture, samples, lamp, e)) reason = "shows a lamp past the edge of the mesh";
+            constexpr float plausible = 0.9f;
+            if (const float albedo = albedoBesideLamps(scene, lamps, e); !reason && albedo < plausible) {
+                e.evidence.demandedAlbedo = albedo;
+                reason = "a lamp beside it lights it as brightly";
+            }
+            if (reason) result.rejected.push_back({e.centroid, e.radiance, e.evidence, reason});
+            return reason != nullptr;
+        });
+    };
+    dropFalse(result.emitters);
+    dropFalse(result.candidates);
     progress.advance();
     indexEmitters(scene, result);
     for (const EmitterCluster& e : result.emitters)
