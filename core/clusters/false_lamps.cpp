@@ -17,16 +17,35 @@ std::vector<uint32_t> someOf(const Scene& scene, std::vector<uint32_t> vertices,
     return vertices;
 }
 
-float gapBetween(const Scene& scene, const EmitterCluster& a, const EmitterCluster& b) {
-    constexpr size_t most = 512;
-    float least = 1e30f;
-    const std::vector<uint32_t> others = someOf(scene, b.vertices, most);
-    for (uint32_t v : someOf(scene, a.vertices, most))
-        for (uint32_t u : others) {
-            const Vec3 d = scene.mesh.positions[v] - scene.mesh.positions[u];
-            least = std::min(least, glm::dot(d, d));
-        }
-    return std::sqrt(least);
+struct Box {
+    Vec3 low{1e30f}, high{-1e30f};
+};
+
+Box boxOf(const Scene& scene, const EmitterCluster& cluster) {
+    Box box;
+    for (uint32_t v : cluster.vertices) {
+        box.low = glm::min(box.low, scene.mesh.positions[v]);
+        box.high = glm::max(box.high, scene.mesh.positions[v]);
+    }
+    return box;
+}
+
+/// Positions of the cluster's vertices within `reach` of the box.
+std::vector<Vec3> within(const Scene& scene, const EmitterCluster& cluster, const Box& box, float reach) {
+    std::vector<Vec3> result;
+    for (uint32_t v : cluster.vertices) {
+        const Vec3 p = scene.mesh.positions[v], outside = glm::max(glm::max(box.low - p, p - box.high), Vec3(0));
+        if (maxChannel(outside) <= reach) result.push_back(p);
+    }
+    return result;
+}
+
+/// Whether any two of their vertices are nearer than `reach`.
+bool near(const Scene& scene, const EmitterCluster& a, const EmitterCluster& b, float reach) {
+    const std::vector<Vec3> some = within(scene, a, boxOf(scene, b), reach), others = within(scene, b, boxOf(scene, a), reach);
+    return std::any_of(some.begin(), some.end(), [&](const Vec3& p) {
+        return std::any_of(others.begin(), others.end(), [&](const Vec3& q) { return glm::dot(p - q, p - q) < reach * reach; });
+    });
 }
 
 /// `b` becomes part of `a`.
@@ -54,7 +73,7 @@ void joinSplitLamps(const Scene& scene, std::vector<EmitterCluster>& lamps) {
     std::stable_sort(lamps.begin(), lamps.end(), [](const EmitterCluster& a, const EmitterCluster& b) { return emitterPower(a) > emitterPower(b); });
     for (size_t i = 0; i < lamps.size(); ++i)
         for (size_t k = i + 1; k < lamps.size();) {
-            const bool one = !lamps[i].unseen && !lamps[k].unseen && alike(lamps[i].radiance, lamps[k].radiance) && gapBetween(scene, lamps[i], lamps[k]) < hair * scene.diagonal;
+            const bool one = !lamps[i].unseen && !lamps[k].unseen && alike(lamps[i].radiance, lamps[k].radiance) && near(scene, lamps[i], lamps[k], hair * scene.diagonal);
             if (!one) {
                 ++k;
                 continue;
@@ -73,7 +92,7 @@ bool showsLampPastEdge(const Scene& scene, const Capture& capture, const Radianc
     for (uint32_t v : patch.vertices)
         for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
             const RadianceSample& r = samples.samples[s];
-            if (!alike(r.radiance, patch.radiance)) continue;
+            if (r.view >= capture.views.size() || r.view >= samples.geometry.size() || !alike(r.radiance, patch.radiance)) continue;
             const auto pixel = capture.views[r.view].camera.project(DVec3(scene.mesh.positions[v]));
             if (!pixel) continue;
             ++bright;

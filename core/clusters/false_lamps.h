@@ -7,7 +7,7 @@
 
 namespace relamp {
 
-/// Patches of one radiance (within 3 %) a hair apart (0.6 % of the scene's diagonal) become one, the stronger one's. Cost: O(n m) in their vertices, at most 512 of each.
+/// Patches of one radiance (within 3 %) a hair apart (0.6 % of the scene's diagonal) become one, the stronger one's. Cost: O(n m) in the vertices of the two that lie near the other's box.
 void joinSplitLamps(const Scene& scene, std::vector<EmitterCluster>& lamps);
 
 /// Whether `patch` shows nothing but `lamp` past the mesh's edge: of the same radiance, elsewhere in space, and in every photograph within 8 pixels of the lamp.

@@ -50,6 +50,25 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
             if (at != v && place[at] != none) out.push_back({i, place[at], length == 36 ? 0.5f : 0.7f});
         }
     });
+    // Long pairs: anywhere on the piece, where the surface faces alike.
+    std::vector<std::vector<uint32_t>> ofPiece(scene.pieces);
+    for (uint32_t i = 0; i < matte.vertices.size(); ++i)
+        if (place[matte.vertices[i]] != none) ofPiece[scene.piece[matte.vertices[i]]].push_back(i);
+    for (std::vector<uint32_t>& list : ofPiece)
+        std::sort(list.begin(), list.end(), [&](uint32_t a, uint32_t b) { return scene.rank[matte.vertices[a]] < scene.rank[matte.vertices[b]]; });
+    append([&](uint32_t i, std::vector<AlbedoPair>& out) {
+        constexpr int tries = 12;
+        const uint32_t v = matte.vertices[i];
+        const std::vector<uint32_t>& list = ofPiece[scene.piece[v]];
+        uint64_t bits = mixBits(options.seed * 0x2000003 + scene.rank[v]);
+        for (int k = 0, kept = 0; k < tries && kept < options.longPairs; ++k) {
+            bits = mixBits(bits);
+            const uint32_t j = list[bits % list.size()];
+            if (j == i || glm::dot(scene.mesh.normals[matte.vertices[j]], scene.mesh.normals[v]) < options.longCosine) continue;
+            out.push_back({i, j, options.longWeight});
+            ++kept;
+        }
+    });
     // Corner pairs through a grid of buckets as wide as a few edges of the mesh.
     double spacing = 0;
     for (uint32_t v : matte.vertices) spacing += scene.vertexSpacing[v];
@@ -125,6 +144,8 @@ RatioObservations ratioObservations(const Scene& scene, const RadianceSamples& s
     result.noMetals = noMetals;
     PairOptions options;
     options.seed = seed;
+    // Distant light alone changes with the way a surface faces, not with its place.
+    if (std::none_of(skip.begin(), skip.end(), [](uint8_t s) { return s != 0; })) options.longPairs = 0;
     result.pairs = albedoPairs(scene, result.matte, options);
     result.skip = std::move(skip);
     result.seed = seed;

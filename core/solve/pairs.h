@@ -14,6 +14,9 @@ struct PairOptions {
     uint64_t seed = 1;
     float cornerWeight = 0.3f;
     float cornerCosine = 0.906f;  ///< normals more than 25 degrees apart
+    int longPairs = 2;            ///< a vertex, on average twice as many
+    float longWeight = 0.5f;
+    float longCosine = 0.7f;      ///< normals less than 45 degrees apart
 };
 
 /// Square of a pair's relative difference, bent (Cauchy, 0.05) so that pairs across a real edge of albedo do not rule a mean.
@@ -22,8 +25,10 @@ inline double robustStep(double difference) {
     return bend * std::log1p(difference * difference / bend);
 }
 
-/// Mesh edges, the ends of short random walks on the mesh, and corner pairs (near in space, differently oriented: decisive where
-/// faces are planar). Vertices of metal pieces take no part.
+/// Mesh edges, the ends of short random walks on the mesh, corner pairs (near in space, differently oriented: decisive where
+/// faces are planar), and long pairs (anywhere on the same piece, facing alike). Errors of the model are as large over a metre as over a millimetre, while a lamp's light changes
+/// much over a metre: short pairs alone take errors for a lack of contrast and make ambient light too strong (attenuation, as in any regression with errors in its rows).
+/// Where long pairs span two materials the robust loss lets them go. Vertices of metal pieces take no part.
 std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations& matte, const PairOptions& options);
 
 /// What ratios of radiance are taken from. `skip`: per vertex 1 where an emitter or a candidate lies. `noMetals`: no piece is a metal, however much it differs

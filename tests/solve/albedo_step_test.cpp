@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "solve/pairs.h"
+#include "support/shapes.h"
 
 namespace relamp {
 namespace {
@@ -92,6 +93,36 @@ TEST(AlbedoPairs, JoinMeshNeighboursOfTheSamePieceOnly) {
     EXPECT_EQ(edges, 19u * 20u * 2u + 19u * 19u);  // rows, columns, diagonals
     s.matte.pieceGlossy.assign(s.scene.pieces, 2);
     EXPECT_TRUE(albedoPairs(s.scene, s.matte, {}).empty());
+}
+
+TEST(AlbedoPairs, SomeSpanTheWholePieceWhereItFacesAlike) {
+    // A floor and a wall behind it, one piece.
+    Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 30, 30);
+    test::append(mesh, test::sheet({-1, 1, 0}, {2, 0, 0}, {0, 0, 1}, 30, 15));
+    const Scene scene = test::sceneOf(std::move(mesh));
+    MatteObservations matte;
+    matte.pieceGlossy.assign(scene.pieces, 0);
+    for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v) {
+        matte.vertices.push_back(v);
+        matte.radiance.push_back(Rgb(1));
+        matte.sigma.push_back(Rgb(0.01f));
+    }
+    size_t spanning = 0;
+    for (const AlbedoPair& p : albedoPairs(scene, matte, {})) {
+        const Vec3 d = scene.mesh.positions[matte.vertices[p.a]] - scene.mesh.positions[matte.vertices[p.b]];
+        if (glm::length(d) < 1) continue;
+        ++spanning;
+        EXPECT_GT(glm::dot(scene.mesh.normals[matte.vertices[p.a]], scene.mesh.normals[matte.vertices[p.b]]), 0.69f);
+        EXPECT_EQ(scene.piece[matte.vertices[p.a]], scene.piece[matte.vertices[p.b]]);
+    }
+    // Two a vertex, and half of the floor is farther than a metre from a vertex.
+    EXPECT_GT(spanning, matte.vertices.size() / 2);
+    PairOptions none;
+    none.longPairs = 0;
+    // A walk of 36 steps gets that far now and then.
+    size_t withoutThem = 0;
+    for (const AlbedoPair& p : albedoPairs(scene, matte, none)) withoutThem += glm::length(scene.mesh.positions[matte.vertices[p.a]] - scene.mesh.positions[matte.vertices[p.b]]) >= 1;
+    EXPECT_LT(withoutThem * 10, spanning);
 }
 
 }  // namespace
