@@ -108,24 +108,25 @@ Rgb SolveState::toldGauge(GaugeReport& gauge) const {
 
 Rgb SolveState::assumedGauge(const SeenLight& seen, GaugeReport& gauge) const {
     gauge.kind = "assumed";
-    std::vector<float> brightest, middle;
-    for (uint32_t v : matte_.vertices) {
-        brightest.push_back(maxChannel(albedo_.albedo[v]));
-        middle.push_back(luminance(albedo_.albedo[v]));
-    }
+    // Photographs are balanced so that light is white; the little that is seen of it does not tell its hue better.
+    constexpr double littleSeen = 0.2;
+    const bool white = seen.backdrop || (seen.share < littleSeen && clusters_.emitters.empty());
+    Rgb scale(1);
+    DVec3 light(0);
+    for (const Rgb& lit : lit_) light += DVec3(lit);
+    for (int c = 0; white && c < 3; ++c)
+        if (light[c] > 0) scale[c] = float(luminance(Rgb(light)) / light[c]);
     if (!seen.backdrop) {
         // Brightest surfaces are taken for white.
         if (gauge.evidence.empty())
-            gauge.evidence = fmt::format("only {:.0f} % of the light is seen directly: the brightest surfaces were taken for an albedo of 0.75; tell a white patch to be sure", 100 * seen.share);
-        return Rgb(quantileOf(brightest, 0.95) / 0.75f);
+            gauge.evidence = fmt::format("only {:.0f} % of the light is seen directly: the brightest surfaces were taken for an albedo of 0.75{}; tell a white patch to be sure", 100 * seen.share,
+                                         white ? " under white light" : "");
+        std::vector<float> brightest;
+        for (uint32_t v : matte_.vertices) brightest.push_back(maxChannel(albedo_.albedo[v] / scale));
+        return scale * (quantileOf(brightest, 0.95) / 0.75f);
     }
-    // An object before a backdrop or a mask: nothing of its light is seen. Photographs are balanced so that light is white.
+    // An object before a backdrop or a mask: nothing of its light is seen.
     gauge.evidence = "nothing of the light is seen (the background is black or masked, so the light comes from elsewhere): a mean albedo of 0.5 and white light were assumed; tell a white patch to be sure";
-    DVec3 light(0);
-    for (const Rgb& lit : lit_) light += DVec3(lit);
-    Rgb scale(1);
-    for (int c = 0; c < 3; ++c)
-        if (light[c] > 0) scale[c] = float(luminance(Rgb(light)) / light[c]);
     std::vector<float> albedo;
     for (uint32_t v : matte_.vertices) albedo.push_back(luminance(albedo_.albedo[v] / scale));
     scale *= quantileOf(albedo, 0.5) / 0.5f;
