@@ -199,17 +199,17 @@ namespace {
 
 /// How well the photographs are explained, a line a view.
 std::string reproductionText(const nlohmann::json& r) {
-    std::string text = fmt::format("  photographs reproduced at {:.1f} dB (median)", r["psnr"].get<double>());
-    if (!r["held_out_psnr"].is_null()) text += fmt::format("; views left out are predicted at {:.1f} dB", r["held_out_psnr"].get<double>());
+    std::string text = fmt::format("  photographs reproduced at {:.1f} dB (median)", r.at("psnr").get<double>());
+    if (!r.at("held_out_psnr").is_null()) text += fmt::format("; views left out are predicted at {:.1f} dB", r.at("held_out_psnr").get<double>());
     text += "\n";
     double worst = 1e9;
-    for (const auto& v : r["views"]) worst = std::min(worst, v["psnr"].get<double>());
-    for (const auto& v : r["views"]) {
-        text += fmt::format("    {}  {:.1f} dB", v["name"].get<std::string>(), v["psnr"].get<double>());
-        if (!v["held_out_psnr"].is_null()) text += fmt::format(", left out {:.1f} dB", v["held_out_psnr"].get<double>());
-        text += v["psnr"].get<double>() == worst ? ", worst\n" : "\n";
+    for (const auto& v : r.at("views")) worst = std::min(worst, v.at("psnr").get<double>());
+    for (const auto& v : r.at("views")) {
+        text += fmt::format("    {}  {:.1f} dB", v.at("name").get<std::string>(), v.at("psnr").get<double>());
+        if (!v.at("held_out_psnr").is_null()) text += fmt::format(", left out {:.1f} dB", v.at("held_out_psnr").get<double>());
+        text += v.at("psnr").get<double>() == worst ? ", worst\n" : "\n";
     }
-    if (r["poor"].get<bool>()) text += fmt::format("  QUALITY GATE MISSED: {}\n", r["advice"].get<std::string>());
+    if (r.at("poor").get<bool>()) text += fmt::format("  QUALITY GATE MISSED: {}\n", r.at("advice").get<std::string>());
     return text;
 }
 

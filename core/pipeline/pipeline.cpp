@@ -81,7 +81,7 @@ Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepare
         estimate.leftOut.push_back({"triangles", fmt::format("the solve ran on {} of {}, and what it found was carried back", scene.mesh.triangles.size(), capture.mesh.triangles.size())});
     meter.begin("reproduction of the photographs");
     ReproductionOptions measure;
-    if (progress.outOfTime()) measure.pixels = 500;
+    measure.pixels = std::clamp<size_t>((progress.outOfTime() ? 4000 : 24000) / std::max<size_t>(1, capture.views.size()), 300, 3000);
     estimate.reproduction = measureReproduction(capture, whole, estimate, scene, *prepared.samples, measure, progress);
     meter.end();
     estimate.heldOut.clear();

@@ -96,7 +96,7 @@ double squaredNoiseStep(const Rgb& y, const RadianceSamples& samples, float expo
 }
 
 double framePsnr(const View& view, const ComparedPixels& pixels, const RadianceSamples& samples, const FrameRenderer& renderer, Progress& progress) {
-    const std::vector<Rgb> frame = renderer.pixels(pixels.at, progress);
+    const std::vector<Rgb> frame = renderer.pixels(view.camera, pixels.at, progress);
     DisplayError error;
     double noise = 0;
     for (size_t i = 0; i < frame.size(); ++i, ++error.pixels) {
@@ -160,6 +160,7 @@ Reproduction measureReproduction(const Capture& capture, const Scene& scene, con
     if (capture.views.empty() || capture.views[0].image.pixels.empty()) return result;
     const FrameOptions frame;
     const RelitScene relit = applyLook(scene, estimate, {}, progress);
+    const FrameRenderer renderer(relit, capture.views[0].camera, frame);
     progress.begin("How well are the photographs explained?", capture.views.size());
     std::vector<ComparedPixels> pixels;
     for (const View& view : capture.views) {
@@ -167,7 +168,7 @@ Reproduction measureReproduction(const Capture& capture, const Scene& scene, con
         ViewReproduction v{view.name};
         v.pixels = pixels.back().at.size();
         if (v.pixels) {
-            v.psnr = framePsnr(view, pixels.back(), samples, FrameRenderer(relit, view.camera, frame), progress);
+            v.psnr = framePsnr(view, pixels.back(), samples, renderer, progress);
             if (options.diagnose) v.observed = observedPsnr(view, pixels.back(), solved, samples);
         }
         result.views.push_back(std::move(v));

@@ -129,12 +129,12 @@ Frame FrameRenderer::rows(int first, int count, Progress& progress) const {
     return frame;
 }
 
-std::vector<Rgb> FrameRenderer::pixels(const std::vector<PixelAt>& at, Progress& progress) const {
+std::vector<Rgb> FrameRenderer::pixels(const Camera& camera, const std::vector<PixelAt>& at, Progress& progress) const {
     std::vector<Rgb> beauty(at.size());
-    parallelBlocks(at.size(), 64, [&](size_t begin, size_t end) {
-        progress.check();
-        PixelRenderer pixel(*lights_, camera_, options_);
+    parallelBlocks(at.size(), 256, [&](size_t begin, size_t end) {
+        PixelRenderer pixel(*lights_, camera, options_);
         for (size_t i = begin; i < end; ++i) {
+            if (i % 64 == 0) progress.check();
             pixel.render(at[i].x, at[i].y);
             beauty[i] = pixel.beauty;
         }

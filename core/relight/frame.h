@@ -55,8 +55,8 @@ public:
     /// `progress` by one a row. Throws Cancelled. May be called from one thread at a time (it uses all cores itself).
     Frame rows(int first, int count, Progress& progress) const;
 
-    /// The beauty of some pixels: the same bits as in the whole frame. Throws Cancelled. Threads: as rows().
-    std::vector<Rgb> pixels(const std::vector<PixelAt>& at, Progress& progress) const;
+    /// The beauty of some pixels of any camera: the same bits as in its whole frame. Throws Cancelled. Threads: as rows().
+    std::vector<Rgb> pixels(const Camera& camera, const std::vector<PixelAt>& at, Progress& progress) const;
 
 private:
     const RelitScene& relit_;

@@ -186,7 +186,7 @@ TEST(Frame, PixelsAloneHaveTheSameBitsAsInTheWhole) {
     Progress progress;
     std::vector<PixelAt> at;
     for (int i = 0; i < camera.width * camera.height; i += 5) at.push_back({i % camera.width, i / camera.width});
-    const std::vector<Rgb> some = FrameRenderer(relit, camera, FrameOptions{}).pixels(at, progress);
+    const std::vector<Rgb> some = FrameRenderer(relit, camera, FrameOptions{}).pixels(camera, at, progress);
     ASSERT_EQ(some.size(), at.size());
     for (size_t i = 0; i < at.size(); ++i) EXPECT_EQ(some[i], whole.beauty[size_t(at[i].y) * size_t(camera.width) + size_t(at[i].x)]);
 }
