@@ -105,7 +105,7 @@ double framePsnr(const View& view, const ComparedPixels& pixels, const RadianceS
         noise += squaredNoiseStep(photograph, samples, pixels.exposure);
     }
     // Noise is taken off as far as it is known: fine texture passes for noise as well.
-    constexpr double most = 0.6;
+    constexpr double most = 0.5;
     error.squares -= std::min(noise, most * error.squares);
     return error.psnr();
 }
