@@ -31,7 +31,7 @@ struct PhotographAgreement {
     MovingLight movingLight;
 };
 
-/// Cost: O(look-ups log views) and 2000 vertices x 300 lights. Throws Cancelled.
+/// Cost: O(observations log views) and 2000 vertices x 300 lights. Throws Cancelled.
 PhotographAgreement photographAgreement(const Capture& capture, const Scene& scene, const RadianceSamples& samples, Progress& progress);
 
 /// Median of a vertex's observations, channel by channel, without those of view `without`; none where no view is left.
