@@ -32,11 +32,13 @@ std::vector<double> numbersOf(const std::string& text, const std::string& option
         const std::string part = text.substr(at, comma - at);
         char* end = nullptr;
         const double value = std::strtod(part.c_str(), &end);
-        if (part.empty() || *end || !std::isfinite(float(value))) throw UsageError(option + ": '" + part + "' is not a number");
+        if (part.empty() || *end || !std::isfinite(float(value)))
+            throw UsageError(option + ": '" + part + "' is not a number");
         values.push_back(value);
         at = comma + 1;
     }
-    if (values.size() != count) throw UsageError(fmt::format("{}: expected {} numbers, got {}", option, count, values.size()));
+    if (values.size() != count)
+        throw UsageError(fmt::format("{}: expected {} numbers, got {}", option, count, values.size()));
     return values;
 }
 
@@ -62,7 +64,8 @@ GaugeChoice gaugeOf(const std::string& text) {
         gauge.albedo = numbersOf(rest, "--gauge albedo", 1)[0];
         if (!(gauge.albedo > 0)) throw UsageError("--gauge albedo: expected more than 0");
     } else {
-        throw UsageError("--gauge " + text + ": unknown, expected auto, white-patch=V,X,Y, emitter=ID:R,G,B or albedo=A");
+        throw UsageError("--gauge " + text +
+                         ": unknown, expected auto, white-patch=V,X,Y, emitter=ID:R,G,B or albedo=A");
     }
     return gauge;
 }
@@ -72,7 +75,8 @@ GaugeChoice gaugeOf(const std::string& text) {
 ProxyLight proxyLightOf(const std::string& text) {
     const bool sized = std::count(text.begin(), text.end(), ',') == 3;
     const std::vector<double> v = numbersOf(text, "--proxy-light", sized ? 4 : 3);
-    if (sized && !(v[3] > 0)) throw UsageError("--proxy-light: a radius of " + text.substr(text.rfind(',') + 1) + ", expected more than 0");
+    if (sized && !(v[3] > 0))
+        throw UsageError("--proxy-light: a radius of " + text.substr(text.rfind(',') + 1) + ", expected more than 0");
     return {DVec3(v[0], v[1], v[2]), sized ? float(v[3]) : 0, Vec3(0), false};
 }
 
@@ -100,7 +104,8 @@ int check(const fs::path& capture, const CaptureFix& fix, bool json, Progress& p
 float strengthOf(const std::string& text, const char* option) {
     if (text == "auto") return 0;
     const auto factor = float(numbersOf(text, option, 1)[0]);
-    if (!(factor >= 0.01f && factor <= 100)) throw UsageError(fmt::format("{}: expected auto or a factor from 0.01 to 100", option));
+    if (!(factor >= 0.01f && factor <= 100))
+        throw UsageError(fmt::format("{}: expected auto or a factor from 0.01 to 100", option));
     return factor;
 }
 
@@ -108,14 +113,17 @@ PipelineOptions pipelineOptions(const SolveArguments& a) {
     PipelineOptions options;
     options.solve = solveOptionsFor(a.quality);
     if (a.mode == "distant-only") options.solve.nearField = false;
-    else if (a.mode != "near-field") throw UsageError("--mode " + a.mode + ": unknown, expected near-field or distant-only");
+    else if (a.mode != "near-field")
+        throw UsageError("--mode " + a.mode + ": unknown, expected near-field or distant-only");
     if (a.gridSide) {
-        if (a.gridSide < 8 || a.gridSide > 256 || (a.gridSide & (a.gridSide - 1))) throw UsageError("--grid-side: expected a power of two from 8 to 256");
+        if (a.gridSide < 8 || a.gridSide > 256 || (a.gridSide & (a.gridSide - 1)))
+            throw UsageError("--grid-side: expected a power of two from 8 to 256");
         options.solve.visibilitySide = a.gridSide;
     }
     options.load.fix = a.fix;
     options.solve.gauge = gaugeOf(a.gauge);
-    if (a.bounce != "auto") options.solve.bounce = a.bounce == "on" ? SolveOptions::Bounce::on : SolveOptions::Bounce::off;
+    if (a.bounce != "auto")
+        options.solve.bounce = a.bounce == "on" ? SolveOptions::Bounce::on : SolveOptions::Bounce::off;
     options.solve.lightSmoothness = strengthOf(a.smoothLight, "--smooth-light");
     options.solve.albedoSmoothness = strengthOf(a.smoothSurfaces, "--smooth-surfaces");
     options.solve.palette = size_t(a.palette);
@@ -134,16 +142,20 @@ PipelineOptions pipelineOptions(const SolveArguments& a) {
 int solve(const SolveArguments& a, Progress& progress) {
     const ThreadLimit limit(a.threads);
     PipelineOptions options = pipelineOptions(a);
-    if (isThere(a.output) && !a.overwrite) throw Error("{}: exists already, add --overwrite to replace it", a.output.string());
+    if (isThere(a.output) && !a.overwrite)
+        throw Error("{}: exists already, add --overwrite to replace it", a.output.string());
     // Known before the calculation, not after it.
     checkShotCanBeWritten(a.output);
     const ShotLock lock = ShotLock::take(a.output);
-    if (!lock.owner().empty()) throw Error("{}: is open elsewhere ({}); close it there or choose another name", a.output.string(), lock.owner());
+    if (!lock.owner().empty())
+        throw Error("{}: is open elsewhere ({}); close it there or choose another name", a.output.string(),
+                    lock.owner());
     progress.setBudget(a.timeBudget);
     const fs::path checkpoint = checkpointFile(a.output);
     std::optional<CheckpointKeeper> keeper;
     options.resume = [&](const Capture& capture) -> std::optional<SolveCheckpoint> {
-        const uint64_t fingerprint = solveFingerprint(capture, options.solve, options.everything) ^ (a.meshTriangles < 0 ? 0 : mixBits(uint64_t(a.meshTriangles)));
+        const uint64_t fingerprint = solveFingerprint(capture, options.solve, options.everything) ^
+                                     (a.meshTriangles < 0 ? 0 : mixBits(uint64_t(a.meshTriangles)));
         keeper.emplace(checkpoint, fingerprint);
         if (!a.resume) return {};
         FoundCheckpoint found = readCheckpoint(checkpoint, fingerprint);
@@ -165,19 +177,21 @@ int solve(const SolveArguments& a, Progress& progress) {
         saveShot(shot, r.scene->mesh, a.output, a.overwrite);
     } catch (const OutOfResources& error) {
         // A long calculation is not thrown away while any disk has room for it.
-        const fs::path elsewhere = fs::temp_directory_path() / fmt::format("{}-{}.relamp", fs::absolute(a.output).lexically_normal().stem().string(), getpid());
+        const fs::path elsewhere =
+            fs::temp_directory_path() /
+            fmt::format("{}-{}.relamp", fs::absolute(a.output).lexically_normal().stem().string(), getpid());
         try {
             saveShot(shot, r.scene->mesh, elsewhere, true);
-        } catch (const Error&) {
-            throw error;
-        }
+        } catch (const Error&) { throw error; }
         throw OutOfResources(fmt::format("{}; the shot was saved as {}", error.what(), elsewhere.string()));
     }
     keeper->remove();
     const Reproduction& reproduction = shot.estimate.reproduction;
-    logInfo("solved in {:.1f} s, {:.0f} MiB: {} emitter(s), {} distant unknowns", shot.resources.seconds, shot.resources.peakMib, shot.estimate.emitters.emitters.size(), shot.estimate.lighting.leaves.size());
+    logInfo("solved in {:.1f} s, {:.0f} MiB: {} emitter(s), {} distant unknowns", shot.resources.seconds,
+            shot.resources.peakMib, shot.estimate.emitters.emitters.size(), shot.estimate.lighting.leaves.size());
     if (!reproduction.poor()) return 0;
-    logWarning("quality gate missed: the photographs are reproduced at {:.1f} dB, {:.0f} are wanted. {}", reproduction.median, Reproduction::gateDb, reproduction.advice);
+    logWarning("quality gate missed: the photographs are reproduced at {:.1f} dB, {:.0f} are wanted. {}",
+               reproduction.median, Reproduction::gateDb, reproduction.advice);
     if (a.acceptPoor) return 0;
     logWarning("the shot was written all the same; --accept-poor ends with 0");
     return 4;
@@ -200,13 +214,15 @@ namespace {
 /// How well the photographs are explained, a line a view.
 std::string reproductionText(const nlohmann::json& r) {
     std::string text = fmt::format("  photographs reproduced at {:.1f} dB (median)", r.at("psnr").get<double>());
-    if (!r.at("held_out_psnr").is_null()) text += fmt::format("; views left out are predicted at {:.1f} dB", r.at("held_out_psnr").get<double>());
+    if (!r.at("held_out_psnr").is_null())
+        text += fmt::format("; views left out are predicted at {:.1f} dB", r.at("held_out_psnr").get<double>());
     text += "\n";
     double worst = 1e9;
     for (const auto& v : r.at("views")) worst = std::min(worst, v.at("psnr").get<double>());
     for (const auto& v : r.at("views")) {
         text += fmt::format("    {}  {:.1f} dB", v.at("name").get<std::string>(), v.at("psnr").get<double>());
-        if (!v.at("held_out_psnr").is_null()) text += fmt::format(", left out {:.1f} dB", v.at("held_out_psnr").get<double>());
+        if (!v.at("held_out_psnr").is_null())
+            text += fmt::format(", left out {:.1f} dB", v.at("held_out_psnr").get<double>());
         text += v.at("psnr").get<double>() == worst ? ", worst\n" : "\n";
     }
     if (r.at("poor").get<bool>()) text += fmt::format("  QUALITY GATE MISSED: {}\n", r.at("advice").get<std::string>());
@@ -219,14 +235,18 @@ int showInfo(const fs::path& path, const CaptureFix& fix, bool json, Progress& p
     const bool isShot = isThere(path / "shot.json");
     if (isShot) {
         result = nlohmann::json::parse(readBytes(path / "shot.json", size_t(256) << 20), nullptr, false);
-        if (!result.is_object() || !result.contains("emitters") || !result.contains("mode")) throw Error("{}: is not a shot's description", (path / "shot.json").string());
+        if (!result.is_object() || !result.contains("emitters") || !result.contains("mode"))
+            throw Error("{}: is not a shot's description", (path / "shot.json").string());
         result.erase("look");
     } else {
         LoadOptions load;
         load.images = false;
         load.fix = fix;
         const Capture capture = loadCapture(path, load, progress);
-        result = {{"views", capture.views.size()}, {"vertices", capture.mesh.vertexCount()}, {"triangles", capture.mesh.triangles.size()}, {"notes", capture.notes}};
+        result = {{"views", capture.views.size()},
+                  {"vertices", capture.mesh.vertexCount()},
+                  {"triangles", capture.mesh.triangles.size()},
+                  {"notes", capture.notes}};
     }
     if (json) {
         std::puts(result.dump(1).c_str());
@@ -234,27 +254,42 @@ int showInfo(const fs::path& path, const CaptureFix& fix, bool json, Progress& p
     }
     std::string text;  // whole before any of it is shown: a broken file prints nothing
     if (!isShot) {
-        text += fmt::format("capture: {} views, {} vertices, {} triangles\n", result["views"].dump(), result["vertices"].dump(), result["triangles"].dump());
+        text += fmt::format("capture: {} views, {} vertices, {} triangles\n", result["views"].dump(),
+                            result["vertices"].dump(), result["triangles"].dump());
         std::fputs(text.c_str(), stdout);
         return 0;
     }
-    text += fmt::format("shot ({}), solved in {:.1f} s\n", result["mode"].get<std::string>(), result["resources"]["seconds"].get<double>());
+    text += fmt::format("shot ({}), solved in {:.1f} s\n", result["mode"].get<std::string>(),
+                        result["resources"]["seconds"].get<double>());
     if (result.contains("reproduction")) text += reproductionText(result["reproduction"]);
     for (const auto& e : result["emitters"])
-        text += fmt::format("  {}  radiance {}  area {:.4g} m2  seen in {} views  identifiable {:.0f} %\n", e["id"].get<std::string>(), e["power"].dump(), e["area_m2"].get<double>(), e["views_seen"].dump(), 100 * e.value("identifiability", 0.0));
+        text += fmt::format("  {}  radiance {}  area {:.4g} m2  seen in {} views  identifiable {:.0f} %\n",
+                            e["id"].get<std::string>(), e["power"].dump(), e["area_m2"].get<double>(),
+                            e["views_seen"].dump(), 100 * e.value("identifiability", 0.0));
     for (const auto& e : result["emitters"]) {
         if (!e.value("unseen", false)) continue;
-        text += fmt::format("  {} is a proxy at {} m: its radiance was solved for, not seen", e["id"].get<std::string>(), e["centroid"].dump());
-        text += e.contains("position_stddev") ? fmt::format("; place found from shading, standard deviation {} m\n", e["position_stddev"].dump()) : "\n";
+        text += fmt::format("  {} is a proxy at {} m: its radiance was solved for, not seen",
+                            e["id"].get<std::string>(), e["centroid"].dump());
+        text += e.contains("position_stddev")
+                    ? fmt::format("; place found from shading, standard deviation {} m\n", e["position_stddev"].dump())
+                    : "\n";
     }
-    text += fmt::format("  environment: {} coefficients\n  gauge: {} ({})\n", result["environment"]["kept_coefficients"].dump(), result["gauge"]["kind"].get<std::string>(), result["gauge"]["evidence"].get<std::string>());
+    text += fmt::format("  environment: {} coefficients\n  gauge: {} ({})\n",
+                        result["environment"]["kept_coefficients"].dump(), result["gauge"]["kind"].get<std::string>(),
+                        result["gauge"]["evidence"].get<std::string>());
     if (result["gauge"].contains("sigma")) {
         const auto& sigma = result["gauge"]["sigma"];
-        text += fmt::format("  brightness of the light against the surfaces, standard deviation: red {:.1f}, green {:.1f}, blue {:.1f} %\n", 100 * sigma[0].get<double>(), 100 * sigma[1].get<double>(), 100 * sigma[2].get<double>());
+        text += fmt::format(
+            "  brightness of the light against the surfaces, standard deviation: red {:.1f}, green {:.1f}, blue {:.1f} "
+            "%\n",
+            100 * sigma[0].get<double>(), 100 * sigma[1].get<double>(), 100 * sigma[2].get<double>());
     }
     if (result["stability"].contains("weakest"))
-        text += fmt::format("  least certain: {} ({:.1f} % of the light on the surfaces)\n", result["stability"]["weakest"].get<std::string>(), 100 * result["stability"]["weakest_sigma"].get<double>());
-    for (const auto& l : result["left_out"]) text += fmt::format("  left out: {} ({})\n", l["what"].get<std::string>(), l["why"].get<std::string>());
+        text += fmt::format("  least certain: {} ({:.1f} % of the light on the surfaces)\n",
+                            result["stability"]["weakest"].get<std::string>(),
+                            100 * result["stability"]["weakest_sigma"].get<double>());
+    for (const auto& l : result["left_out"])
+        text += fmt::format("  left out: {} ({})\n", l["what"].get<std::string>(), l["why"].get<std::string>());
     std::fputs(text.c_str(), stdout);
     return 0;
 }
@@ -274,21 +309,25 @@ namespace {
 /// A curve as --response writes it.
 ResponseCurve readResponse(const fs::path& file) {
     const nlohmann::json document = nlohmann::json::parse(readBytes(file, size_t(1) << 20), nullptr, false);
-    if (!document.is_object() || !document.contains("log_exposure") || !document["log_exposure"].is_object()) throw Error("{}: log_exposure is missing", file.string());
+    if (!document.is_object() || !document.contains("log_exposure") || !document["log_exposure"].is_object())
+        throw Error("{}: log_exposure is missing", file.string());
     ResponseCurve curve = linearResponse();
     curve.linear = false;
     const auto take = [&](const nlohmann::json& holder, const std::string& key, std::array<double, 256>& to) {
         const auto list = holder.find(key);
-        if (list == holder.end() || !list->is_array() || list->size() != to.size()) throw Error("{}: {} is no list of {} numbers", file.string(), key, to.size());
+        if (list == holder.end() || !list->is_array() || list->size() != to.size())
+            throw Error("{}: {} is no list of {} numbers", file.string(), key, to.size());
         for (size_t i = 0; i < to.size(); ++i) {
-            if (!(*list)[i].is_number() || !std::isfinite((*list)[i].get<double>())) throw Error("{}: {}[{}] is no number", file.string(), key, i);
+            if (!(*list)[i].is_number() || !std::isfinite((*list)[i].get<double>()))
+                throw Error("{}: {}[{}] is no number", file.string(), key, i);
             to[i] = (*list)[i].get<double>();
         }
     };
     for (size_t c = 0; c < 3; ++c) {
         const std::string name(1, "rgb"[c]);
         take(document["log_exposure"], name, curve.logExposure[c]);
-        if (!std::is_sorted(curve.logExposure[c].begin(), curve.logExposure[c].end())) throw Error("{}: {} falls, expected a curve that grows", file.string(), name);
+        if (!std::is_sorted(curve.logExposure[c].begin(), curve.logExposure[c].end()))
+            throw Error("{}: {} falls, expected a curve that grows", file.string(), name);
     }
     take(document, "code_noise", curve.noise);
     for (double& noise : curve.noise) noise = std::max(noise, 0.01);
@@ -305,7 +344,8 @@ int mergeHdr(const MergeArguments& a, Progress& progress) {
     for (const float t : times)
         if (!(t > 0)) throw UsageError("--times: expected seconds above 0");
     const std::string ending = a.output.extension().string();
-    if (ending != ".exr" && ending != ".hdr") throw UsageError("--output: expected a name that ends in .exr or .hdr, radiance has no place in others");
+    if (ending != ".exr" && ending != ".hdr")
+        throw UsageError("--output: expected a name that ends in .exr or .hdr, radiance has no place in others");
     BracketOptions options;
     options.smoothness = a.smoothness;
     options.rejectGhosts = !a.keepGhosts;
@@ -313,15 +353,24 @@ int mergeHdr(const MergeArguments& a, Progress& progress) {
     Bracket set;
     ExposureReference reference;
     for (size_t i = 0; i < a.images.size(); ++i)
-        set.push_back(bracketPhoto(a.images[i], times.empty() ? readExposureTags(a.images[i]) : ExposureTags{double(times[i]), 0, 0}, reference));
-    const ResponseCurve response = a.useResponse.empty() ? responseOf({set}, options, progress) : readResponse(a.useResponse);
+        set.push_back(bracketPhoto(a.images[i],
+                                   times.empty() ? readExposureTags(a.images[i]) : ExposureTags{double(times[i]), 0, 0},
+                                   reference));
+    const ResponseCurve response =
+        a.useResponse.empty() ? responseOf({set}, options, progress) : readResponse(a.useResponse);
     const MergedBracket merged = mergeBracket(set, response, options, progress);
     writeImage(a.output, merged.image, {{"relamp:saturation", fmt::format("{:.6g}", merged.saturation)}});
     if (!a.response.empty()) {
         nlohmann::json curves;
         for (size_t c = 0; c < 3; ++c) curves[std::string(1, "rgb"[c])] = response.logExposure[c];
-        writeBytesAtomically(a.response, nlohmann::json{{"about", "ln exposure (radiance x seconds) that gives each 8-bit code; 0 at code 255"},
-                                                        {"log_exposure", curves}, {"code_noise", response.noise}, {"samples", response.samples}, {"residual", response.residual}}.dump(1));
+        writeBytesAtomically(
+            a.response,
+            nlohmann::json{{"about", "ln exposure (radiance x seconds) that gives each 8-bit code; 0 at code 255"},
+                           {"log_exposure", curves},
+                           {"code_noise", response.noise},
+                           {"samples", response.samples},
+                           {"residual", response.residual}}
+                .dump(1));
     }
     if (!a.ghosts.empty()) {
         Image mask(merged.image.width, merged.image.height, Rgb(1));
@@ -330,9 +379,13 @@ int mergeHdr(const MergeArguments& a, Progress& progress) {
         writeImage(a.ghosts, mask);
     }
     for (size_t i = 0; i < merged.shifts.size(); ++i)
-        if (merged.shifts[i] != PixelShift{}) logInfo("{}: shifted by {} {} pixels", a.images[i].string(), merged.shifts[i].x, merged.shifts[i].y);
-    logInfo("{}: {} exposures, off each other by {:.2f} pixels still, {} pixels changed between them, {} clipped in the shortest, {} black in the longest; response from {} places, residual {:.2f}", a.output.string(),
-            set.size(), merged.misfit, merged.ghosts, merged.clippedPixels, merged.dark, response.samples, response.residual);
+        if (merged.shifts[i] != PixelShift{})
+            logInfo("{}: shifted by {} {} pixels", a.images[i].string(), merged.shifts[i].x, merged.shifts[i].y);
+    logInfo(
+        "{}: {} exposures, off each other by {:.2f} pixels still, {} pixels changed between them, {} clipped in the "
+        "shortest, {} black in the longest; response from {} places, residual {:.2f}",
+        a.output.string(), set.size(), merged.misfit, merged.ghosts, merged.clippedPixels, merged.dark,
+        response.samples, response.residual);
     return 0;
 }
 

@@ -23,10 +23,11 @@ struct SolveArguments {
     fs::path capture, output;
     CaptureFix fix;
     fs::path merl;
-    std::string mode = "near-field", quality = "standard", gauge = "auto", bounce = "auto", basis = "built-in", smoothLight = "auto", smoothSurfaces = "auto";
+    std::string mode = "near-field", quality = "standard", gauge = "auto", bounce = "auto", basis = "built-in",
+                smoothLight = "auto", smoothSurfaces = "auto";
     double timeBudget = 0;
     std::string photometric = "auto";
-    long meshTriangles = -1;   ///< below 0: not given
+    long meshTriangles = -1;  ///< below 0: not given
     int gridSide = 0, threads = 0, palette = 0;
     uint64_t seed = 1;
     bool overwrite = false, acceptPoor = false, everything = false, resume = false, findLight = false;

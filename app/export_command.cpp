@@ -15,7 +15,8 @@ int exportShot(const ExportArguments& a, Progress& progress) {
     const RelitScene relit = applyLook(scene, shot.estimate, look, progress);
     progress.check();
     exportScene(shot, relit, a.output, a.overwrite);
-    logInfo("{}: {} light(s), environment, materials and {} camera(s) written", a.output.string(), relit.emitters.size(), shot.capture.views.size());
+    logInfo("{}: {} light(s), environment, materials and {} camera(s) written", a.output.string(),
+            relit.emitters.size(), shot.capture.views.size());
     return 0;
 }
 

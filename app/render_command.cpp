@@ -36,7 +36,9 @@ LookPivots pivotsOf(const Shot& shot) {
             if (e.id == id) return e.centroid;
         return Vec3(0);
     };
-    pivots.vertex = [&shot](uint32_t v) { return v < shot.capture.mesh.vertexCount() ? shot.capture.mesh.positions[v] : Vec3(0); };
+    pivots.vertex = [&shot](uint32_t v) {
+        return v < shot.capture.mesh.vertexCount() ? shot.capture.mesh.positions[v] : Vec3(0);
+    };
     return pivots;
 }
 
@@ -82,7 +84,8 @@ private:
 /// The looks of a sequence applied, each kept as long as it lasts.
 class RelitLooks {
 public:
-    RelitLooks(const Shot& shot, const Scene& scene, const LookTrack& track) : shot_(shot), scene_(scene), track_(track), pivots_(pivotsOf(shot)) {}
+    RelitLooks(const Shot& shot, const Scene& scene, const LookTrack& track)
+        : shot_(shot), scene_(scene), track_(track), pivots_(pivotsOf(shot)) {}
 
     const RelitScene& at(int frame, Progress& progress) {
         Look look = track_.at(frame, pivots_);
@@ -118,10 +121,9 @@ int render(const RenderArguments& a, Progress& progress) {
     try {
         wish = layerWish(a.layers);
         fileOptions = fileOptionsOf(a);
-    } catch (const BadOption& error) {
-        throw UsageError(error.what());
-    }
-    const bool photographs = fileOptions.ratio != Ratio::none || wish.residual || fileOptions.view == DisplayView::automatic;
+    } catch (const BadOption& error) { throw UsageError(error.what()); }
+    const bool photographs =
+        fileOptions.ratio != Ratio::none || wish.residual || fileOptions.view == DisplayView::automatic;
     const Shot shot = openShot(a.shot, false, progress);
     const LookTrack track = trackOf(a, shot);
     std::vector<FrameJob> jobs;
@@ -130,11 +132,11 @@ int render(const RenderArguments& a, Progress& progress) {
         const bool needsPhotograph = fileOptions.ratio != Ratio::none || (wish.residual && !wish.all);
         for (const FrameJob& job : jobs)
             if (needsPhotograph && (job.view < 0 || job.resized))
-                throw BadOption("{}: needs a photograph: --camera a view's number or all, without --size", fileOptions.ratio != Ratio::none ? "--ratio" : "--layers residual");
-    } catch (const BadOption& error) {
-        throw UsageError(error.what());
-    }
-    fileOptions.header = {{"relamp:gauge", shot.estimate.gauge.kind + ": " + shot.estimate.gauge.evidence}, {"relamp:shot", shotHash(a.shot)}};
+                throw BadOption("{}: needs a photograph: --camera a view's number or all, without --size",
+                                fileOptions.ratio != Ratio::none ? "--ratio" : "--layers residual");
+    } catch (const BadOption& error) { throw UsageError(error.what()); }
+    fileOptions.header = {{"relamp:gauge", shot.estimate.gauge.kind + ": " + shot.estimate.gauge.evidence},
+                          {"relamp:shot", shotHash(a.shot)}};
     const Scene scene = buildScene(shot.capture.mesh, progress, ownAxes(shot.capture));
     RelitLooks looks(shot, scene, track);
     Photographs taken(shot);
@@ -157,10 +159,12 @@ int render(const RenderArguments& a, Progress& progress) {
                 sources.photograph = &view->image;
                 sources.saturation = view->saturation;
             }
-            if (fileOptions.ratio != Ratio::none || wish.residual || wish.correction) sources.captured = &looks.captured(progress);
+            if (fileOptions.ratio != Ratio::none || wish.residual || wish.correction)
+                sources.captured = &looks.captured(progress);
             const double groupError = writeFrameFile(job.file, job.camera, sources, options, fileOptions, progress);
             ++written;
-            logInfo("{}: written ({} of {}), light groups and rest are the beauty within {:.2g}", job.file.string(), written, jobs.size(), groupError);
+            logInfo("{}: written ({} of {}), light groups and rest are the beauty within {:.2g}", job.file.string(),
+                    written, jobs.size(), groupError);
         } catch (const OutOfResources& error) {
             if (!written) throw;
             // The others would not fit either; --skip-existing goes on from here.

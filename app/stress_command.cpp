@@ -14,7 +14,8 @@ namespace relamp::cli {
 
 int stress(const StressArguments& a, Progress& progress) {
     const ThreadLimit limit(a.threads);
-    const Capture capture = isThere(a.path / "shot.json") ? openShot(a.path, true, progress).capture : loadCapture(a.path, {}, progress);
+    const Capture capture =
+        isThere(a.path / "shot.json") ? openShot(a.path, true, progress).capture : loadCapture(a.path, {}, progress);
     StressOptions options;
     options.only = a.only;
     const StressReport report = runStress(&capture, options, progress);

@@ -10,21 +10,21 @@
 namespace relamp::ui {
 
 struct KeyChord {
-    int key = 0;                 ///< from keys.h, 0: none
+    int key = 0;  ///< from keys.h, 0: none
     bool control = false, shift = false, alt = false;
     bool operator==(const KeyChord&) const = default;
-    std::string text() const;    ///< "Ctrl+Shift+P"
+    std::string text() const;  ///< "Ctrl+Shift+P"
 };
 
 struct Action {
-    std::string id;              ///< "file.open"
-    std::string label;           ///< "Open..."
-    std::string explanation;     ///< tooltip and palette, one sentence
-    std::string menu;            ///< "File", "Edit", ...; empty: palette and keys only
+    std::string id;           ///< "file.open"
+    std::string label;        ///< "Open..."
+    std::string explanation;  ///< tooltip and palette, one sentence
+    std::string menu;         ///< "File", "Edit", ...; empty: palette and keys only
     std::vector<KeyChord> keys;
     std::function<void(Editor&)> run;
-    std::function<bool(const Editor&)> enabled;   ///< empty: always
-    std::function<bool(const Editor&)> checked;   ///< empty: not a switch
+    std::function<bool(const Editor&)> enabled;  ///< empty: always
+    std::function<bool(const Editor&)> checked;  ///< empty: not a switch
     bool separatorBefore = false;
 };
 

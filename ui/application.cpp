@@ -48,7 +48,9 @@ public:
         if (queue_.empty()) return;
         const KeyPress key = queue_.front();
         queue_.pop_front();
-        if (!gui.popupOpen() && !dialogOpen(editor) && !editor.inGesture() && key.key && runKey(editor, {key.key, key.control, key.shift, key.alt})) return;
+        if (!gui.popupOpen() && !dialogOpen(editor) && !editor.inGesture() && key.key &&
+            runKey(editor, {key.key, key.control, key.shift, key.alt}))
+            return;
         input().pressed = key.key;
         input().typed = key.text;
     }
@@ -61,16 +63,17 @@ private:
 double patience(const Editor& editor, const Window& window, const Gui& gui, const KeyQueue& keys, int extraFrames) {
     if (extraFrames > 0 || keys.waiting() || window.keysWaiting()) return 0;
     if (editor.inGesture() || panelsBusy()) return 1.0 / 60;
-    if (editor.busy()) return 0.1;         // stages and times; pictures wake the window themselves
-    if (gui.typing()) return 0.5;          // the caret blinks
-    if (editor.unsavedChanges()) return 5; // autosave
+    if (editor.busy()) return 0.1;          // stages and times; pictures wake the window themselves
+    if (gui.typing()) return 0.5;           // the caret blinks
+    if (editor.unsavedChanges()) return 5;  // autosave
     return -1;
 }
 
 std::string titleOf(const Editor& editor) {
     const std::string name = editor.state.document.name();
     if (name.empty()) return "relamp";
-    return (editor.unsavedChanges() ? "* " : "") + name + (editor.state.document.readOnly ? " (read-only)" : "") + " - relamp";
+    return (editor.unsavedChanges() ? "* " : "") + name + (editor.state.document.readOnly ? " (read-only)" : "") +
+           " - relamp";
 }
 
 /// One window from its opening to its end. False: the graphics context was lost and a new window is needed.
@@ -83,9 +86,12 @@ bool runWindow(Editor& editor, const ApplicationOptions& options, fs::path& open
         viewport = std::make_unique<Viewport>();
     } catch (const Error& error) {
         reason = error.what();
-        editor.fail("The 3D view cannot be shown", reason, "Update the graphics driver. Estimating and exporting work without it.");
+        editor.fail("The 3D view cannot be shown", reason,
+                    "Update the graphics driver. Estimating and exporting work without it.");
     }
-    if (viewport) setThumbnailMaker([&](const std::string& key, const std::function<Image()>& make) { return viewport->thumbnail(key, make); });
+    if (viewport)
+        setThumbnailMaker(
+            [&](const std::string& key, const std::function<Image()>& make) { return viewport->thumbnail(key, make); });
     if (viewport) setThumbnailDropper([&](const std::string& prefix) { viewport->dropThumbnails(prefix); });
     editor.state.gpu = window.renderer();
     if (!(editor.state.uiScale > 0)) editor.state.uiScale = options.scale > 0 ? options.scale : window.contentScale();
@@ -96,7 +102,8 @@ bool runWindow(Editor& editor, const ApplicationOptions& options, fs::path& open
     int frames = 0;
     bool lost = false, shownBusy = false;  // shownBusy: the last frame showed work that was going on
     while (!editor.quitting()) {
-        const bool event = window.wait(shownBusy && !editor.busy() ? 0 : patience(editor, window, gui, keys, extraFrames));
+        const bool event =
+            window.wait(shownBusy && !editor.busy() ? 0 : patience(editor, window, gui, keys, extraFrames));
         if (event) extraFrames = 3;
         else if (extraFrames > 0) --extraFrames;
         for (const fs::path& path : window.takeDropped()) editor.open(path);
@@ -117,7 +124,9 @@ bool runWindow(Editor& editor, const ApplicationOptions& options, fs::path& open
             title = wanted;
         }
         if (window.minimised()) continue;
-        if (!event && extraFrames == 0 && !editor.busy() && !editor.inGesture() && !panelsBusy() && !keys.waiting() && !gui.typing()) continue;
+        if (!event && extraFrames == 0 && !editor.busy() && !editor.inGesture() && !panelsBusy() && !keys.waiting() &&
+            !gui.typing())
+            continue;
 
         const Vec2 size = window.size(), pixels = window.framebufferSize();
         if (!(size.x > 0 && size.y > 0)) continue;
@@ -160,14 +169,20 @@ int runApplication(const ApplicationOptions& options) {
     editorOptions.cacheFolder = userFolder("XDG_CACHE_HOME", ".cache");
     editorOptions.stateFolder = userFolder("XDG_STATE_HOME", ".local/state");
     editorOptions.wake = [] { Window::wake(); };
-    editorOptions.gpu = options.gpu == "on" ? EditorOptions::Gpu::on : options.gpu == "off" ? EditorOptions::Gpu::off : EditorOptions::Gpu::automatic;
+    editorOptions.gpu = options.gpu == "on"    ? EditorOptions::Gpu::on
+                        : options.gpu == "off" ? EditorOptions::Gpu::off
+                                               : EditorOptions::Gpu::automatic;
     Editor editor(editorOptions);
     if (options.scale > 0) editor.state.uiScale = options.scale;
     fs::path openWhenAsked = options.open;  // after the question about lost work
     bool solveWhenOpen = options.solve;
     for (int attempt = 0; !runWindow(editor, options, openWhenAsked, solveWhenOpen); ++attempt) {
-        if (attempt == 3) throw Error("the graphics driver loses its state again and again; the edits are kept and will be offered when relamp-editor starts again");
-        editor.fail("The graphics driver was reset", "Everything on the graphics card was lost and has been made anew.", "Your edits are as they were. If this comes back, update the driver.");
+        if (attempt == 3)
+            throw Error(
+                "the graphics driver loses its state again and again; the edits are kept and will be offered when "
+                "relamp-editor starts again");
+        editor.fail("The graphics driver was reset", "Everything on the graphics card was lost and has been made anew.",
+                    "Your edits are as they were. If this comes back, update the driver.");
     }
     return 0;
 }

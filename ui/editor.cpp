@@ -14,12 +14,14 @@ namespace fs = std::filesystem;
 
 Look lookThatFits(const Look& look, const Estimate& estimate, size_t vertices) {
     const auto known = [&](const std::string& id) {
-        return std::any_of(estimate.emitters.emitters.begin(), estimate.emitters.emitters.end(), [&](const EmitterCluster& c) { return c.id == id; });
+        return std::any_of(estimate.emitters.emitters.begin(), estimate.emitters.emitters.end(),
+                           [&](const EmitterCluster& c) { return c.id == id; });
     };
     Look out = look;
     std::erase_if(out.emitters, [&](const EmitterLook& e) { return !known(e.id); });
     std::erase_if(out.added, [&](const AddedEmitter& e) {
-        return (e.shape == AddedEmitter::Shape::copy && !known(e.source)) || (e.shape == AddedEmitter::Shape::part && e.seedVertex >= vertices);
+        return (e.shape == AddedEmitter::Shape::copy && !known(e.source)) ||
+               (e.shape == AddedEmitter::Shape::part && e.seedVertex >= vertices);
     });
     std::erase_if(out.parts, [&](const PartLook& p) { return p.seedVertex >= vertices; });
     return out;
@@ -41,7 +43,11 @@ std::function<std::shared_ptr<TransportDevice>()> deviceFor(EditorOptions::Gpu g
 }  // namespace
 
 Editor::Impl::Impl(Editor& editor, EditorOptions editorOptions)
-    : self(editor), options(std::move(editorOptions)), relight(options.wake, deviceFor(options.gpu), options.gpu == EditorOptions::Gpu::on), relightDistant(options.wake, deviceFor(options.gpu), options.gpu == EditorOptions::Gpu::on), autosave(options.stateFolder) {}
+    : self(editor),
+      options(std::move(editorOptions)),
+      relight(options.wake, deviceFor(options.gpu), options.gpu == EditorOptions::Gpu::on),
+      relightDistant(options.wake, deviceFor(options.gpu), options.gpu == EditorOptions::Gpu::on),
+      autosave(options.stateFolder) {}
 
 Editor::Editor(EditorOptions options) : impl_(std::make_unique<Impl>(*this, std::move(options))) {
     loadSettings(impl_->options.configFolder, state);
@@ -81,7 +87,9 @@ Editor::~Editor() {
 // ---- the look
 
 const History& Editor::history() const { return impl_->history; }
-std::shared_ptr<const Estimate> Editor::estimate() const { return impl_->snapshot ? impl_->snapshot : history().present().estimate; }
+std::shared_ptr<const Estimate> Editor::estimate() const {
+    return impl_->snapshot ? impl_->snapshot : history().present().estimate;
+}
 
 void Editor::edit(const std::string& label, const std::function<void(Look&)>& change) {
     if (!estimate()) return;
@@ -108,7 +116,8 @@ void Editor::goTo(size_t entry) { impl_->history.goTo(entry); }
 const std::vector<EmitterState>& Editor::emitters() const {
     const std::shared_ptr<const Estimate> shown = estimate();
     if (impl_->emittersRevision != history().revision() || impl_->emittersOfEstimate != shown) {
-        impl_->emitters = shown && state.document.scene ? emittersOf(*state.document.scene, *shown, look()) : std::vector<EmitterState>{};
+        impl_->emitters = shown && state.document.scene ? emittersOf(*state.document.scene, *shown, look())
+                                                        : std::vector<EmitterState>{};
         impl_->emittersRevision = history().revision();
         impl_->emittersOfEstimate = shown;
     }
@@ -146,7 +155,8 @@ void Editor::pick(const std::optional<PickedPoint>& point) {
 }
 
 Look Editor::Impl::shownLook(const Estimate& estimate) const {
-    Look look = lookThatFits(self.look(), estimate, self.state.document.scene ? self.state.document.scene->mesh.vertexCount() : 0);
+    Look look = lookThatFits(self.look(), estimate,
+                             self.state.document.scene ? self.state.document.scene->mesh.vertexCount() : 0);
     const std::vector<std::string>& solo = self.state.viewport.solo;
     if (!solo.empty()) {
         const auto alone = [&](const std::string& id) { return std::find(solo.begin(), solo.end(), id) != solo.end(); };
@@ -168,7 +178,8 @@ void Editor::Impl::pollPicture() {
         wish.eye = eye;
         wish.orthographic = orthographic;
         wish.cacheFolder = options.cacheFolder;
-        wish.restPicture = eye.width > 0 && eye.height > 0 && self.state.viewport.mode == ViewMode::relit && !history.inGesture() && !job;
+        wish.restPicture = eye.width > 0 && eye.height > 0 && self.state.viewport.mode == ViewMode::relit &&
+                           !history.inGesture() && !job;
         if (self.state.selection.point) {
             wish.pickSerial = pickSerial;
             wish.pickTriangle = self.state.selection.point->triangle;
@@ -189,9 +200,11 @@ void Editor::Impl::pollPicture() {
         relightDistant.clear();
     }
     if (self.state.selection.point)
-        if (std::optional<PointLight> light = relight.takePointLight(pickSerial)) self.state.pointLight = std::move(light);
+        if (std::optional<PointLight> light = relight.takePointLight(pickSerial))
+            self.state.pointLight = std::move(light);
     for (const std::string& error : {relight.takeError(), relightDistant.takeError()})
-        if (!error.empty()) self.fail("The edit could not be shown", error, "The edit stays; undo it with Ctrl+Z or change it.");
+        if (!error.empty())
+            self.fail("The edit could not be shown", error, "The edit stays; undo it with Ctrl+Z or change it.");
 }
 
 // ---- once a frame
@@ -224,7 +237,9 @@ void Editor::fail(const std::string& title, const std::string& text, const std::
 
 // ---- autosave
 
-double Editor::Impl::seconds() const { return options.seconds ? options.seconds() : std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
+double Editor::Impl::seconds() const {
+    return options.seconds ? options.seconds() : std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
+}
 
 bool Editor::Impl::estimateIsOnDisk() const {
     const auto& present = history.present().estimate;
@@ -242,9 +257,11 @@ void Editor::Impl::writeAutosave() {
     constexpr size_t mostSteps = 50;
     const std::vector<HistoryEntry>& entries = history.entries();
     size_t first = history.index();
-    while (first > 0 && history.index() - first + 1 < mostSteps && entries[first - 1].version.estimate == present) --first;
+    while (first > 0 && history.index() - first + 1 < mostSteps && entries[first - 1].version.estimate == present)
+        --first;
     for (size_t i = first; i <= history.index(); ++i) work.steps.push_back({entries[i].label, entries[i].version.look});
-    if (status && status->kind == JobStatus::Kind::solve) work.stage = status->title + (status->stage.empty() ? "" : ", " + status->stage);
+    if (status && status->kind == JobStatus::Kind::solve)
+        work.stage = status->title + (status->stage.empty() ? "" : ", " + status->stage);
     lastAutosave = seconds();
     try {
         autosave.write(work);
@@ -258,7 +275,9 @@ void Editor::Impl::writeAutosave() {
             restored.reset();
         }
     } catch (const Error& error) {
-        if (!std::exchange(autosaveFailed, true)) self.fail("Your edits could not be saved by themselves", error.what(), "Free some space, or save the shot to another disk with Ctrl+Shift+S.");
+        if (!std::exchange(autosaveFailed, true))
+            self.fail("Your edits could not be saved by themselves", error.what(),
+                      "Free some space, or save the shot to another disk with Ctrl+Shift+S.");
     }
 }
 
@@ -302,7 +321,8 @@ void Editor::answerRecovery(bool restore) {
         return;
     }
     const AutosavedWork& work = found.work;
-    const fs::path shot = !work.estimateShot.empty() && isThere(work.estimateShot / "shot.json") ? work.estimateShot : work.shotFolder;
+    const fs::path shot =
+        !work.estimateShot.empty() && isThere(work.estimateShot / "shot.json") ? work.estimateShot : work.shotFolder;
     if (!shot.empty()) {
         impl_->openShotFolder(shot, found);
     } else {

@@ -1,5 +1,6 @@
-// The editor behind the window: documents, background jobs, the look with its history, autosave. Knows neither ImGui nor GL, so that
-// tests drive it as the window does. Everything here runs on the window's thread; poll() takes what the workers have finished.
+// The editor behind the window: documents, background jobs, the look with its history, autosave. Knows neither ImGui
+// nor GL, so that tests drive it as the window does. Everything here runs on the window's thread; poll() takes what the
+// workers have finished.
 #pragma once
 #include <functional>
 #include <memory>
@@ -12,14 +13,16 @@
 namespace relamp::ui {
 
 struct EditorOptions {
-    std::filesystem::path configFolder;       ///< settings, recent files; created when needed
-    std::filesystem::path stateFolder;        ///< autosaves
-    std::filesystem::path cacheFolder;        ///< baked transport, so that a scene is at once there the next time; empty: none
-    std::function<void()> wake;               ///< called from workers when there is something to poll
-    double autosaveSeconds = 15;              ///< of unsaved edits, at most
-    std::function<double()> seconds;          ///< the clock of autosaving; empty: the steady one
+    std::filesystem::path configFolder;  ///< settings, recent files; created when needed
+    std::filesystem::path stateFolder;   ///< autosaves
+    std::filesystem::path
+        cacheFolder;                  ///< baked transport, so that a scene is at once there the next time; empty: none
+    std::function<void()> wake;       ///< called from workers when there is something to poll
+    double autosaveSeconds = 15;      ///< of unsaved edits, at most
+    std::function<double()> seconds;  ///< the clock of autosaving; empty: the steady one
     enum class Gpu { automatic, on, off };
-    Gpu gpu = Gpu::automatic;                 ///< where light is summed: automatic on whichever is faster; on also in a software renderer
+    Gpu gpu =
+        Gpu::automatic;  ///< where light is summed: automatic on whichever is faster; on also in a software renderer
 };
 
 class Editor {
@@ -29,7 +32,8 @@ public:
     EditorState state;
 
     // ---- documents; loading and saving run in the background
-    /// A capture folder, a transforms.json, a shot folder, or an environment picture (then the look's environment). Asks first when edits are unsaved.
+    /// A capture folder, a transforms.json, a shot folder, or an environment picture (then the look's environment).
+    /// Asks first when edits are unsaved.
     void open(const std::filesystem::path& path);
     void openNow(const std::filesystem::path& path);
     /// Reads the open capture again with its axes set right. What was estimated before does not hold any more and goes.
@@ -70,7 +74,8 @@ public:
 
     // ---- background work
     void solve(const SolveRequest& request);
-    /// Looks for a lamp that no photograph shows. Where there is one, the capture is read again with a small sphere in its place; state.unseenSearch has the words.
+    /// Looks for a lamp that no photograph shows. Where there is one, the capture is read again with a small sphere in
+    /// its place; state.unseenSearch has the words.
     void findUnseenLamp();
     /// Takes one of document.fix.proxies away again.
     void removeProxy(size_t index);

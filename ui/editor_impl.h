@@ -26,18 +26,18 @@ struct Editor::Impl {
     // ---- jobs: one at a time, and one that saves beside it
     std::unique_ptr<Job<Finish>> job, saving;
     std::optional<JobStatus> status;
-    std::function<void(bool cancelled)> onJobEnd;      ///< after a failed or cancelled job
-    std::filesystem::path saveNext;                    ///< asked for while another save was under way
-    std::function<void()> whenSaved;                   ///< continues what the unsaved-changes question held up
+    std::function<void(bool cancelled)> onJobEnd;  ///< after a failed or cancelled job
+    std::filesystem::path saveNext;                ///< asked for while another save was under way
+    std::function<void()> whenSaved;               ///< continues what the unsaved-changes question held up
     Clock::time_point jobStart;
-    double expectedSeconds = 0;                        ///< of the whole job; 0: unknown
+    double expectedSeconds = 0;  ///< of the whole job; 0: unknown
 
     // ---- intermediate results of a running solve, from its thread
     std::mutex solveMutex;
     std::vector<TimelineEntry> newEntries;
     std::shared_ptr<const Estimate> newSnapshot;
     std::optional<SolvePlan> newPlan;
-    std::shared_ptr<const Estimate> snapshot;          ///< latest, shown while the solve runs
+    std::shared_ptr<const Estimate> snapshot;  ///< latest, shown while the solve runs
     bool solveIsNearField = true;
     std::optional<SolveRequest> solvedWith;
 
@@ -60,22 +60,25 @@ struct Editor::Impl {
     double lastAutosave = -1e9, lastEstimateTry = -1e9;  ///< seconds()
     bool autosaveFailed = false;                         ///< and the user was told
     int estimateNumber = 0;
-    std::shared_ptr<const Estimate> savedEstimate;       ///< the one in document.shotFolder
-    std::shared_ptr<const Estimate> autosavedEstimate;   ///< the one in autosavedFolder
-    std::shared_ptr<const Estimate> failedEstimate;      ///< could not be put away; tried again after a while
+    std::shared_ptr<const Estimate> savedEstimate;      ///< the one in document.shotFolder
+    std::shared_ptr<const Estimate> autosavedEstimate;  ///< the one in autosavedFolder
+    std::shared_ptr<const Estimate> failedEstimate;     ///< could not be put away; tried again after a while
     std::filesystem::path autosavedFolder;
     std::vector<FoundWork> lost;
-    std::optional<FoundWork> restored;                   ///< on disk until our own autosave holds all of it
+    std::optional<FoundWork> restored;  ///< on disk until our own autosave holds all of it
 
     // ---- the shot is ours alone
-    std::shared_ptr<ShotLock> shotLock;                  ///< of document.shotFolder; null: none
+    std::shared_ptr<ShotLock> shotLock;  ///< of document.shotFolder; null: none
     enum class OpenAs { usual, readOnly, copy };
 
-    void start(JobStatus::Kind kind, const std::string& title, std::function<Finish(Progress&)> work, std::function<void(bool)> onEnd = {});
-    void openCapture(const std::filesystem::path& folder, const CaptureFix& fix = {}, std::optional<FoundWork> recovered = {});
+    void start(JobStatus::Kind kind, const std::string& title, std::function<Finish(Progress&)> work,
+               std::function<void(bool)> onEnd = {});
+    void openCapture(const std::filesystem::path& folder, const CaptureFix& fix = {},
+                     std::optional<FoundWork> recovered = {});
     /// `saved` is what is on disk, with the estimate that the work was made on.
     void showRecovered(const FoundWork& found, Version saved);
-    void openShotFolder(const std::filesystem::path& folder, std::optional<FoundWork> recovered = {}, OpenAs as = OpenAs::usual);
+    void openShotFolder(const std::filesystem::path& folder, std::optional<FoundWork> recovered = {},
+                        OpenAs as = OpenAs::usual);
     std::shared_ptr<ShotLock> lockFor(const std::filesystem::path& shot) const;
     void setDocument(Document document, Version version, const std::string& label);
     void saveTo(const std::filesystem::path& folder);

@@ -1,5 +1,5 @@
-// Open, solve, save and export: what the editor does in the background. The worker gets its inputs by shared_ptr and gives back one step
-// that the window's thread runs.
+// Open, solve, save and export: what the editor does in the background. The worker gets its inputs by shared_ptr and
+// gives back one step that the window's thread runs.
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -47,7 +47,8 @@ Document documentOf(Capture capture, const fs::path& folder, Progress& progress)
     for (const View& view : shared->views) images = images && !view.image.pixels.empty();
     if (images) {
         document.check = std::make_shared<const CaptureCheck>(checkCapture(*shared, progress));
-        document.samples = std::make_shared<const RadianceSamples>(gatherRadiance(*shared, *document.scene, {}, progress));
+        document.samples =
+            std::make_shared<const RadianceSamples>(gatherRadiance(*shared, *document.scene, {}, progress));
     }
     return document;
 }
@@ -55,21 +56,26 @@ Document documentOf(Capture capture, const fs::path& folder, Progress& progress)
 /// "desk-lamp-copy.relamp", or the first number that is free.
 fs::path nameForCopy(const fs::path& shot) {
     for (int n = 1;; ++n) {
-        const fs::path name = shot.parent_path() / fmt::format("{}-copy{}.relamp", shot.stem().string(), n == 1 ? "" : fmt::format("-{}", n));
+        const fs::path name = shot.parent_path() / fmt::format("{}-copy{}.relamp", shot.stem().string(),
+                                                               n == 1 ? "" : fmt::format("-{}", n));
         if (!isThere(name)) return name;
     }
 }
 
 std::string whereFull(const std::exception& error) {
-    if (dynamic_cast<const OutOfResources*>(&error)) return "Free some space or choose another disk, then try again. Your edits are still here.";
+    if (dynamic_cast<const OutOfResources*>(&error))
+        return "Free some space or choose another disk, then try again. Your edits are still here.";
     return "Your edits are still here.";
 }
 
 }  // namespace
 
-fs::path Editor::Impl::documentPath() const { return self.state.document.shotFolder.empty() ? self.state.document.captureFolder : self.state.document.shotFolder; }
+fs::path Editor::Impl::documentPath() const {
+    return self.state.document.shotFolder.empty() ? self.state.document.captureFolder : self.state.document.shotFolder;
+}
 
-void Editor::Impl::start(JobStatus::Kind kind, const std::string& title, std::function<Finish(Progress&)> work, std::function<void(bool)> onEnd) {
+void Editor::Impl::start(JobStatus::Kind kind, const std::string& title, std::function<Finish(Progress&)> work,
+                         std::function<void(bool)> onEnd) {
     status = JobStatus{};
     status->kind = kind;
     status->title = title;
@@ -113,7 +119,8 @@ void Editor::Impl::pollJob() {
         self.log(LogLevel::info, was.title + ": stopped");
         return;
     } catch (const std::bad_alloc&) {
-        self.fail(was.title + " ran out of memory", "There is not enough memory for this.", "Close other programs, or use a smaller mesh or fewer photographs.");
+        self.fail(was.title + " ran out of memory", "There is not enough memory for this.",
+                  "Close other programs, or use a smaller mesh or fewer photographs.");
     } catch (const std::exception& error) {
         const bool opening = was.kind == JobStatus::Kind::open;
         self.fail(opening ? "This could not be opened" : was.title + " failed", error.what(),
@@ -127,9 +134,12 @@ void Editor::Impl::pollJob() {
 void Editor::open(const fs::path& path) {
     // An environment picture becomes the look's environment.
     std::error_code error;
-    if (fs::is_regular_file(path, error) && path.filename() != "transforms.json" && path.filename() != "shot.json" && path.extension() != ".relamp") {
+    if (fs::is_regular_file(path, error) && path.filename() != "transforms.json" && path.filename() != "shot.json" &&
+        path.extension() != ".relamp") {
         if (!estimate()) {
-            fail("Open a capture first", path.filename().string() + " is a file. A capture is a folder with transforms.json, photographs and a mesh.",
+            fail("Open a capture first",
+                 path.filename().string() +
+                     " is a file. A capture is a folder with transforms.json, photographs and a mesh.",
                  "Drop the capture's folder here; a picture dropped afterwards becomes its environment.");
             return;
         }
@@ -149,7 +159,8 @@ void Editor::openNow(const fs::path& given) {
     fs::path path = cleaned(given);
     if (path.filename() == "transforms.json" || path.filename() == "shot.json") path = path.parent_path();
     if (impl_->job) {
-        fail("Something else is running", impl_->status->title + " is not finished.", "Wait for it, or stop it in the status bar.");
+        fail("Something else is running", impl_->status->title + " is not finished.",
+             "Wait for it, or stop it in the status bar.");
         return;
     }
     mendShot(path);
@@ -159,7 +170,8 @@ void Editor::openNow(const fs::path& given) {
         return;
     }
     if (!isShot(path)) return impl_->openCapture(path);
-    if (const auto lock = impl_->lockFor(path); !lock->owner().empty()) state.locked = LockedQuestion{path, lock->owner()};
+    if (const auto lock = impl_->lockFor(path); !lock->owner().empty())
+        state.locked = LockedQuestion{path, lock->owner()};
     else impl_->openShotFolder(path);
 }
 
@@ -181,7 +193,8 @@ void Editor::Impl::setDocument(Document document, Version version, const std::st
     EditorState& ours = self.state;
     const bool solved = version.estimate || version.distantOnly;
     ours.curves = {};
-    if (version.estimate) ours.curves[version.estimate->mode == "distant-only" ? 1 : 0].entries = version.estimate->timeline;
+    if (version.estimate)
+        ours.curves[version.estimate->mode == "distant-only" ? 1 : 0].entries = version.estimate->timeline;
     ours.plan = version.estimate ? version.estimate->plan : SolvePlan{};
     ours.solve.quality = document.quality;
     ours.solve.seed = document.seed;
@@ -229,10 +242,12 @@ void Editor::Impl::setDocument(Document document, Version version, const std::st
     if (ours.document.check && !solved) {
         // Only what would spoil an estimate interrupts; the rest stands in the inspector and under File.
         const CaptureCheck& check = *ours.document.check;
-        if (check.lookBackwards || check.upAgreement < 0.3 || check.seenShare < 0.3 || check.exposureSpreadStops > 0.5) ours.panels.doctor = true;
+        if (check.lookBackwards || check.upAgreement < 0.3 || check.seenShare < 0.3 || check.exposureSpreadStops > 0.5)
+            ours.panels.doctor = true;
         for (const std::string& warning : check.warnings) self.log(LogLevel::warning, warning);
     }
-    self.log(LogLevel::info, fmt::format("{}: {} views, {} vertices", documentPath().string(), ours.document.capture->views.size(), scene.mesh.vertexCount()));
+    self.log(LogLevel::info, fmt::format("{}: {} views, {} vertices", documentPath().string(),
+                                         ours.document.capture->views.size(), scene.mesh.vertexCount()));
 }
 
 void Editor::fixCapture(const CaptureFix& fix) {
@@ -240,35 +255,41 @@ void Editor::fixCapture(const CaptureFix& fix) {
 }
 
 void Editor::Impl::openCapture(const fs::path& folder, const CaptureFix& fix, std::optional<FoundWork> recovered) {
-    start(JobStatus::Kind::open, "Opening " + folder.filename().string(), [this, folder, fix, recovered](Progress& progress) -> Finish {
-        LoadOptions load;
-        load.fix = fix;
-        auto document = std::make_shared<Document>(documentOf(loadCapture(folder, load, progress), folder, progress));
-        document->fix = fix;
-        if (fix.photometric.empty() && document->samples) {
-            progress.begin("Do exposures differ?", 1);
-            const Prepared seen{{}, document->scene, document->samples, {}};
-            load.fix.photometric = choosePhotometric(*document->capture, seen, progress);
-            if (!load.fix.photometric.empty()) {
-                *document = documentOf(loadCapture(folder, load, progress), folder, progress);
-                document->fix = load.fix;
-            }
-        }
-        if (fix.smoothNormals < 0 && document->capture->mesh.triangles.size() <= largestWorkingMesh && normalsLookNoisy(*document->scene)) {
-            progress.begin("Are the mesh's normals good enough?", 1);
-            const EmitterClusters lamps = clusterEmitters(*document->scene, *document->capture, *document->samples, {}, progress);
-            if (const NormalsChoice choice = chooseNormals(*document->scene, *document->samples, lamps, {}, progress); choice.rounds > 0) {
-                load.fix.smoothNormals = choice.rounds;
-                *document = documentOf(loadCapture(folder, load, progress), folder, progress);
-                document->fix = load.fix;
-            }
-        }
-        return [this, document, recovered] {
-            setDocument(std::move(*document), {}, "Opened");
-            // Edits without the estimate they were made on: they come back with the next one.
-            if (recovered) showRecovered(*recovered, {});
-        };
-    });
+    start(JobStatus::Kind::open, "Opening " + folder.filename().string(),
+          [this, folder, fix, recovered](Progress& progress) -> Finish {
+              LoadOptions load;
+              load.fix = fix;
+              auto document =
+                  std::make_shared<Document>(documentOf(loadCapture(folder, load, progress), folder, progress));
+              document->fix = fix;
+              if (fix.photometric.empty() && document->samples) {
+                  progress.begin("Do exposures differ?", 1);
+                  const Prepared seen{{}, document->scene, document->samples, {}};
+                  load.fix.photometric = choosePhotometric(*document->capture, seen, progress);
+                  if (!load.fix.photometric.empty()) {
+                      *document = documentOf(loadCapture(folder, load, progress), folder, progress);
+                      document->fix = load.fix;
+                  }
+              }
+              if (fix.smoothNormals < 0 && document->capture->mesh.triangles.size() <= largestWorkingMesh &&
+                  normalsLookNoisy(*document->scene)) {
+                  progress.begin("Are the mesh's normals good enough?", 1);
+                  const EmitterClusters lamps =
+                      clusterEmitters(*document->scene, *document->capture, *document->samples, {}, progress);
+                  if (const NormalsChoice choice =
+                          chooseNormals(*document->scene, *document->samples, lamps, {}, progress);
+                      choice.rounds > 0) {
+                      load.fix.smoothNormals = choice.rounds;
+                      *document = documentOf(loadCapture(folder, load, progress), folder, progress);
+                      document->fix = load.fix;
+                  }
+              }
+              return [this, document, recovered] {
+                  setDocument(std::move(*document), {}, "Opened");
+                  // Edits without the estimate they were made on: they come back with the next one.
+                  if (recovered) showRecovered(*recovered, {});
+              };
+          });
 }
 
 void Editor::Impl::showRecovered(const FoundWork& found, Version saved) {
@@ -278,11 +299,14 @@ void Editor::Impl::showRecovered(const FoundWork& found, Version saved) {
     history = History(std::move(saved), "Last saved");
     history.markSaved();
     const auto take = [&](const std::string& label, const Look& look) {
-        work.look = work.estimate ? lookThatFits(look, *work.estimate, self.state.document.scene->mesh.vertexCount()) : look;
+        work.look =
+            work.estimate ? lookThatFits(look, *work.estimate, self.state.document.scene->mesh.vertexCount()) : look;
         history.push(label, work);
     };
     for (size_t i = 0; i < found.work.steps.size(); ++i)
-        if (const AutosavedStep& step = found.work.steps[i]; i + 1 < found.work.steps.size() || !(step.look == found.work.look)) take(step.label, step.look);
+        if (const AutosavedStep& step = found.work.steps[i];
+            i + 1 < found.work.steps.size() || !(step.look == found.work.look))
+            take(step.label, step.look);
     take("Recovered work", found.work.look);
     restored = found;
     autosavedRevision = 0;
@@ -290,46 +314,51 @@ void Editor::Impl::showRecovered(const FoundWork& found, Version saved) {
 }
 
 void Editor::Impl::openShotFolder(const fs::path& folder, std::optional<FoundWork> recovered, OpenAs as) {
-    start(JobStatus::Kind::open, "Opening " + folder.filename().string(), [this, folder, recovered, as](Progress& progress) -> Finish {
-        std::string trouble;
-        const auto shot = std::make_shared<Shot>();
-        try {
-            *shot = openShot(folder, true, progress);
-        } catch (const Error& error) {
-            // Without its photographs a shot can still be relit.
-            trouble = error.what();
-            *shot = openShot(folder, false, progress);
-        }
-        fs::path place = recovered ? recovered->work.shotFolder : folder;
-        if (as == OpenAs::copy) {
-            place = nameForCopy(folder);
-            saveShot(*shot, shot->capture.mesh, place, false);
-        }
-        auto document = std::make_shared<Document>(documentOf(shot->capture, shot->captureFolder, progress));
-        document->shotFolder = place;
-        document->fix = shot->fix;
-        document->quality = shot->quality;
-        document->seed = shot->seed;
-        document->resources = shot->resources;
-        return [this, folder, document, shot, trouble, recovered, as] {
-            const fs::path saved = document->shotFolder;
-            const std::shared_ptr<ShotLock> mine = saved.empty() || as == OpenAs::readOnly ? nullptr : lockFor(saved);
-            document->readOnly = as == OpenAs::readOnly || (mine && !mine->owner().empty());
-            Version version;
-            version.look = shot->look;
-            version.estimate = std::make_shared<const Estimate>(std::move(shot->estimate));
-            const bool readOnly = document->readOnly;
-            setDocument(std::move(*document), version, "Opened");
-            if (mine && mine->held()) shotLock = mine;
-            if (!trouble.empty())
-                self.fail("The photographs could not be opened", trouble, "The shot can be relit and exported. To estimate again, put the photographs back and open it again.");
-            if (readOnly && as == OpenAs::usual)
-                self.fail("This shot is open elsewhere", saved.string() + " is open: " + mine->owner() + ".", "It was opened read-only: saving asks for another place.");
-            if (!recovered) return;
-            if (folder != saved) savedEstimate.reset();
-            showRecovered(*recovered, version);
-        };
-    });
+    start(JobStatus::Kind::open, "Opening " + folder.filename().string(),
+          [this, folder, recovered, as](Progress& progress) -> Finish {
+              std::string trouble;
+              const auto shot = std::make_shared<Shot>();
+              try {
+                  *shot = openShot(folder, true, progress);
+              } catch (const Error& error) {
+                  // Without its photographs a shot can still be relit.
+                  trouble = error.what();
+                  *shot = openShot(folder, false, progress);
+              }
+              fs::path place = recovered ? recovered->work.shotFolder : folder;
+              if (as == OpenAs::copy) {
+                  place = nameForCopy(folder);
+                  saveShot(*shot, shot->capture.mesh, place, false);
+              }
+              auto document = std::make_shared<Document>(documentOf(shot->capture, shot->captureFolder, progress));
+              document->shotFolder = place;
+              document->fix = shot->fix;
+              document->quality = shot->quality;
+              document->seed = shot->seed;
+              document->resources = shot->resources;
+              return [this, folder, document, shot, trouble, recovered, as] {
+                  const fs::path saved = document->shotFolder;
+                  const std::shared_ptr<ShotLock> mine =
+                      saved.empty() || as == OpenAs::readOnly ? nullptr : lockFor(saved);
+                  document->readOnly = as == OpenAs::readOnly || (mine && !mine->owner().empty());
+                  Version version;
+                  version.look = shot->look;
+                  version.estimate = std::make_shared<const Estimate>(std::move(shot->estimate));
+                  const bool readOnly = document->readOnly;
+                  setDocument(std::move(*document), version, "Opened");
+                  if (mine && mine->held()) shotLock = mine;
+                  if (!trouble.empty())
+                      self.fail("The photographs could not be opened", trouble,
+                                "The shot can be relit and exported. To estimate again, put the photographs back and "
+                                "open it again.");
+                  if (readOnly && as == OpenAs::usual)
+                      self.fail("This shot is open elsewhere", saved.string() + " is open: " + mine->owner() + ".",
+                                "It was opened read-only: saving asks for another place.");
+                  if (!recovered) return;
+                  if (folder != saved) savedEstimate.reset();
+                  showRecovered(*recovered, version);
+              };
+          });
 }
 
 // ---- save
@@ -354,13 +383,16 @@ void Editor::Impl::saveTo(const fs::path& folder) {
     const Version version = history.present();
     const std::shared_ptr<const Estimate> estimate = version.estimate ? version.estimate : version.distantOnly;
     if (!estimate) {
-        self.fail("There is nothing to save yet", "A shot holds what was found about the light, and nothing was estimated yet.", "Press Ctrl+Enter to estimate, then save.");
+        self.fail("There is nothing to save yet",
+                  "A shot holds what was found about the light, and nothing was estimated yet.",
+                  "Press Ctrl+Enter to estimate, then save.");
         whenSaved = {};
         return;
     }
     const std::shared_ptr<ShotLock> mine = lockFor(folder);
     if (!mine->owner().empty()) {
-        self.fail("This shot is open elsewhere", folder.string() + " is open: " + mine->owner() + ".", "Close it there, or save under another name with Ctrl+Shift+S. Your edits are still here.");
+        self.fail("This shot is open elsewhere", folder.string() + " is open: " + mine->owner() + ".",
+                  "Close it there, or save under another name with Ctrl+Shift+S. Your edits are still here.");
         whenSaved = {};
         return;
     }
@@ -418,7 +450,8 @@ void Editor::Impl::saveUnsavedEstimate() {
     if (saving || !autosave.working() || !version.estimate) return;
     lastEstimateTry = seconds();
     saving = std::make_unique<Job<Finish>>(
-        [this, version, document = self.state.document, folder = autosave.estimateFolder(++estimateNumber)](Progress&) -> Finish {
+        [this, version, document = self.state.document,
+         folder = autosave.estimateFolder(++estimateNumber)](Progress&) -> Finish {
             Shot shot;
             shot.captureFolder = document.captureFolder;
             shot.fix = document.fix;
@@ -433,7 +466,8 @@ void Editor::Impl::saveUnsavedEstimate() {
             } catch (const Error& error) {
                 return [this, estimate = version.estimate, text = std::string(error.what())] {
                     if (std::exchange(failedEstimate, estimate) != estimate)
-                        self.fail("The estimate could not be saved by itself", text, "Free some space, or save the shot to another disk with Ctrl+Shift+S.");
+                        self.fail("The estimate could not be saved by itself", text,
+                                  "Free some space, or save the shot to another disk with Ctrl+Shift+S.");
                 };
             }
             return [this, estimate = version.estimate, folder] {
@@ -478,20 +512,24 @@ void Editor::answerUnsaved(bool saveFirst, bool proceed) {
 bool Editor::stale() const {
     if (!impl_->solvedWith || !estimate()) return false;
     const SolveRequest &a = *impl_->solvedWith, &b = state.solve;
-    return a.quality != b.quality || a.seed != b.seed || a.gauge.kind != b.gauge.kind || a.gauge.albedo != b.gauge.albedo || a.gauge.whiteAlbedo != b.gauge.whiteAlbedo ||
-           a.gauge.emitter != b.gauge.emitter || a.gauge.radiance != b.gauge.radiance || a.gauge.view != b.gauge.view || a.gauge.pixel != b.gauge.pixel ||
-           a.palette != b.palette || a.lightSmoothness != b.lightSmoothness || a.albedoSmoothness != b.albedoSmoothness;
+    return a.quality != b.quality || a.seed != b.seed || a.gauge.kind != b.gauge.kind ||
+           a.gauge.albedo != b.gauge.albedo || a.gauge.whiteAlbedo != b.gauge.whiteAlbedo ||
+           a.gauge.emitter != b.gauge.emitter || a.gauge.radiance != b.gauge.radiance || a.gauge.view != b.gauge.view ||
+           a.gauge.pixel != b.gauge.pixel || a.palette != b.palette || a.lightSmoothness != b.lightSmoothness ||
+           a.albedoSmoothness != b.albedoSmoothness;
 }
 
 void Editor::solve(const SolveRequest& request) {
     const Document& document = state.document;
     if (!document.capture) return;
     if (!document.samples) {
-        fail("The photographs are missing", "Estimating needs the capture's photographs, and they could not be read.", "Put them back and open the capture again.");
+        fail("The photographs are missing", "Estimating needs the capture's photographs, and they could not be read.",
+             "Put them back and open the capture again.");
         return;
     }
     if (impl_->job) {
-        fail("Something else is running", impl_->status->title + " is not finished.", "Wait for it, or stop it in the status bar.");
+        fail("Something else is running", impl_->status->title + " is not finished.",
+             "Wait for it, or stop it in the status bar.");
         return;
     }
     autosave();
@@ -531,8 +569,10 @@ void Editor::solve(const SolveRequest& request) {
         }
     };
     impl_->start(
-        JobStatus::Kind::solve, request.nearField ? "Estimating light and surfaces" : "Estimating with distant light only",
-        [impl, request, apply, capture = document.capture, scene = document.scene, samples = document.samples](Progress& progress) -> Finish {
+        JobStatus::Kind::solve,
+        request.nearField ? "Estimating light and surfaces" : "Estimating with distant light only",
+        [impl, request, apply, capture = document.capture, scene = document.scene,
+         samples = document.samples](Progress& progress) -> Finish {
             progress.setBudget(request.budgetSeconds);
             PipelineOptions options;
             options.solve = solveOptionsFor(request.quality);
@@ -566,12 +606,14 @@ void Editor::solve(const SolveRequest& request) {
             };
             StageMeter meter(progress);
             const Prepared prepared = prepare(*capture, options, meter, progress, scene, samples);
-            const auto estimate = std::make_shared<const Estimate>(solvePrepared(*capture, *scene, prepared, options, meter, progress, &listener, nullptr, planned));
+            const auto estimate = std::make_shared<const Estimate>(
+                solvePrepared(*capture, *scene, prepared, options, meter, progress, &listener, nullptr, planned));
             const Resources resources{progress.seconds(), peakMib(), availableThreads()};
             return [impl, apply, estimate, request, resources] {
                 impl->self.state.document.resources = resources;
                 apply(estimate, request.nearField ? "Estimate light and surfaces" : "Estimate with distant light only");
-                impl->self.log(LogLevel::info, fmt::format("estimated in {:.1f} s, {:.0f} MiB", resources.seconds, resources.peakMib));
+                impl->self.log(LogLevel::info,
+                               fmt::format("estimated in {:.1f} s, {:.0f} MiB", resources.seconds, resources.peakMib));
             };
         },
         [impl, apply, which](bool cancelled) {
@@ -581,7 +623,8 @@ void Editor::solve(const SolveRequest& request) {
             if (cancelled && impl->snapshot) apply(impl->snapshot, "Estimate, stopped early");
             impl->snapshot.reset();
         });
-    // Measured: 0.45 ms a vertex at standard quality on two cores; a poor guess is better than none, and it is marked as about.
+    // Measured: 0.45 ms a vertex at standard quality on two cores; a poor guess is better than none, and it is marked
+    // as about.
     const double rate = request.quality == "draft" ? 0.2e-3 : request.quality == "fine" ? 1.2e-3 : 0.45e-3;
     impl_->expectedSeconds = rate * double(document.scene->mesh.vertexCount()) * 2 / std::max(1, availableThreads());
     if (request.budgetSeconds > 0) impl_->expectedSeconds = std::min(impl_->expectedSeconds, request.budgetSeconds);
@@ -591,11 +634,16 @@ void Editor::findUnseenLamp() {
     const Document& document = state.document;
     if (!document.samples || impl_->job) return;
     state.unseenSearch = {};
-    impl_->start(JobStatus::Kind::search, "Looking for an unseen lamp",
-        [impl = impl_.get(), capture = document.capture, scene = document.scene, samples = document.samples, folder = document.captureFolder, fix = document.fix, seed = state.solve.seed](Progress& progress) -> Finish {
+    impl_->start(
+        JobStatus::Kind::search, "Looking for an unseen lamp",
+        [impl = impl_.get(), capture = document.capture, scene = document.scene, samples = document.samples,
+         folder = document.captureFolder, fix = document.fix, seed = state.solve.seed](Progress& progress) -> Finish {
             const std::optional<DecimatedMesh> working = workingMesh(*capture, {}, progress);
-            const auto searched = working ? std::make_shared<const Scene>(buildScene(working->mesh, progress, ownAxes(*capture))) : scene;
-            const auto seen = working ? std::make_shared<const RadianceSamples>(gatherRadiance(*capture, *searched, {}, progress)) : samples;
+            const auto searched =
+                working ? std::make_shared<const Scene>(buildScene(working->mesh, progress, ownAxes(*capture))) : scene;
+            const auto seen =
+                working ? std::make_shared<const RadianceSamples>(gatherRadiance(*capture, *searched, {}, progress))
+                        : samples;
             const EmitterClusters clusters = clusterEmitters(*searched, *capture, *seen, {}, progress);
             HiddenLightOptions options;
             options.seed = seed;
@@ -635,17 +683,20 @@ void Editor::Impl::takeSnapshots() {
 void Editor::exportFrames(const ExportRequest& request) {
     const std::shared_ptr<const Estimate> estimate = this->estimate();
     if (!estimate || !state.document.scene) {
-        fail("There is nothing to export yet", "Frames are rendered from what was found about the light.", "Press Ctrl+Enter to estimate first.");
+        fail("There is nothing to export yet", "Frames are rendered from what was found about the light.",
+             "Press Ctrl+Enter to estimate first.");
         return;
     }
     if (impl_->job) {
-        fail("Something else is running", impl_->status->title + " is not finished.", "Wait for it, or stop it in the status bar.");
+        fail("Something else is running", impl_->status->title + " is not finished.",
+             "Wait for it, or stop it in the status bar.");
         return;
     }
     std::vector<FrameJob> jobs;
     try {
         checkLayers(request.layers);
-        const std::string size = request.width > 0 && request.height > 0 ? fmt::format("{}x{}", request.width, request.height) : "";
+        const std::string size =
+            request.width > 0 && request.height > 0 ? fmt::format("{}x{}", request.width, request.height) : "";
         if (request.file.empty()) throw Error("no file name was given");
         using Views = ExportRequest::Views;
         if (request.views == Views::present) {
@@ -665,7 +716,8 @@ void Editor::exportFrames(const ExportRequest& request) {
         } else if (request.views == Views::capture) {
             jobs = frameJobs(*state.document.capture, std::to_string(state.selection.view), "", size, request.file);
         } else {
-            jobs = frameJobs(*state.document.capture, "all", request.views == Views::range ? request.range : "", size, request.file);
+            jobs = frameJobs(*state.document.capture, "all", request.views == Views::range ? request.range : "", size,
+                             request.file);
         }
     } catch (const Error& error) {
         fail("The export could not start", error.what(), "Change it in the export window and try again.");
@@ -674,33 +726,37 @@ void Editor::exportFrames(const ExportRequest& request) {
     }
     Impl* impl = impl_.get();
     const Look look = lookThatFits(this->look(), *estimate, state.document.scene->mesh.vertexCount());
-    impl_->start(JobStatus::Kind::exportFrames, jobs.size() == 1 ? "Rendering a frame" : fmt::format("Rendering {} frames", jobs.size()),
-                 [impl, jobs, look, estimate, request, scene = state.document.scene, origin = state.document.capture ? state.document.capture->origin : DVec3(0)](Progress& progress) -> Finish {
-                     const RelitScene relit = applyLook(*scene, *estimate, look, progress);
-                     FrameOptions options;
-                     options.samplesPerPixel = request.samples;
-                     std::vector<std::string> failures;
-                     size_t written = 0;
-                     for (const FrameJob& one : jobs) {
-                         try {
-                             const Frame frame = renderFrame(relit, one.camera, options, progress);
-                             writeFrame(one.file, frame, relit, one.camera, request.layers, origin);
-                             ++written;
-                             logInfo("{}: written ({} of {})", one.file.string(), written, jobs.size());
-                         } catch (const OutOfResources& error) {
-                             // The others would not fit either.
-                             failures.insert(failures.begin(), error.what());
-                             break;
-                         } catch (const Error& error) {
-                             failures.push_back(error.what());
-                         }
-                     }
-                     return [impl, failures, written, all = jobs.size()] {
-                         if (failures.empty()) return;
-                         impl->self.fail(fmt::format("{} frame(s) could not be written", all - written), failures.front(),
-                                         fmt::format("{} frame(s) were written. Free space or choose another folder, then export the others again.", written));
-                     };
-                 });
+    impl_->start(
+        JobStatus::Kind::exportFrames,
+        jobs.size() == 1 ? "Rendering a frame" : fmt::format("Rendering {} frames", jobs.size()),
+        [impl, jobs, look, estimate, request, scene = state.document.scene,
+         origin = state.document.capture ? state.document.capture->origin : DVec3(0)](Progress& progress) -> Finish {
+            const RelitScene relit = applyLook(*scene, *estimate, look, progress);
+            FrameOptions options;
+            options.samplesPerPixel = request.samples;
+            std::vector<std::string> failures;
+            size_t written = 0;
+            for (const FrameJob& one : jobs) {
+                try {
+                    const Frame frame = renderFrame(relit, one.camera, options, progress);
+                    writeFrame(one.file, frame, relit, one.camera, request.layers, origin);
+                    ++written;
+                    logInfo("{}: written ({} of {})", one.file.string(), written, jobs.size());
+                } catch (const OutOfResources& error) {
+                    // The others would not fit either.
+                    failures.insert(failures.begin(), error.what());
+                    break;
+                } catch (const Error& error) { failures.push_back(error.what()); }
+            }
+            return [impl, failures, written, all = jobs.size()] {
+                if (failures.empty()) return;
+                impl->self.fail(
+                    fmt::format("{} frame(s) could not be written", all - written), failures.front(),
+                    fmt::format(
+                        "{} frame(s) were written. Free space or choose another folder, then export the others again.",
+                        written));
+            };
+        });
 }
 
 }  // namespace relamp::ui

@@ -5,7 +5,8 @@
 namespace relamp::ui {
 
 const char* nameOf(ViewMode mode) {
-    static const char* const names[] = {"", "Photograph", "Relit", "Difference", "Emitters", "Correction", "Albedo", "Confidence", "One light", "Wipe"};
+    static const char* const names[] = {"",           "Photograph", "Relit",      "Difference", "Emitters",
+                                        "Correction", "Albedo",     "Confidence", "One light",  "Wipe"};
     return names[int(mode)];
 }
 
@@ -14,9 +15,11 @@ const char* explain(ViewMode mode) {
         "",
         "What the photographs show, painted on the mesh; the photograph itself when you look through a view.",
         "The scene under the present light: your edits, live.",
-        "Model against photographs: grey is equal, orange the model is too bright, blue too dark. Full colour at a factor of two.",
+        "Model against photographs: grey is equal, orange the model is too bright, blue too dark. Full colour at a "
+        "factor of two.",
         "Surfaces that were found to shine, a colour for each light.",
-        "Surface colour without its brightness. Lamp colour that was mistaken for paint shows up here. Left: with lamps as lights; right: distant light only.",
+        "Surface colour without its brightness. Lamp colour that was mistaken for paint shows up here. Left: with "
+        "lamps as lights; right: distant light only.",
         "Surface colour under white light, with all light and shadow taken out.",
         "How sure the surface colour is: yellow rests on its own photographs, purple was filled in from around it.",
         "Light of the selected emitter alone on a white surface, with its shadows.",
@@ -31,6 +34,8 @@ std::string Document::name() const {
     return last.string();
 }
 
-bool Selection::has(const std::string& id) const { return std::find(emitters.begin(), emitters.end(), id) != emitters.end(); }
+bool Selection::has(const std::string& id) const {
+    return std::find(emitters.begin(), emitters.end(), id) != emitters.end();
+}
 
 }  // namespace relamp::ui

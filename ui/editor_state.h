@@ -1,5 +1,5 @@
-// What the window shows and where the user is in it: plain data, no behaviour. Products of the core are shared and never change; only
-// the look has undo and lives in the history.
+// What the window shows and where the user is in it: plain data, no behaviour. Products of the core are shared and
+// never change; only the look has undo and lives in the history.
 #pragma once
 #include <array>
 #include <filesystem>
@@ -30,10 +30,10 @@ const char* explain(ViewMode mode);
 /// What is open. Empty capture: nothing.
 struct Document {
     std::filesystem::path captureFolder;
-    std::filesystem::path shotFolder;                   ///< empty: never saved
-    bool readOnly = false;                              ///< another process has the shot: saving asks for another place
-    CaptureFix fix;                                     ///< what the user says against the capture's files
-    std::shared_ptr<const Capture> capture;             ///< with photographs
+    std::filesystem::path shotFolder;        ///< empty: never saved
+    bool readOnly = false;                   ///< another process has the shot: saving asks for another place
+    CaptureFix fix;                          ///< what the user says against the capture's files
+    std::shared_ptr<const Capture> capture;  ///< with photographs
     std::shared_ptr<const Scene> scene;
     std::shared_ptr<const RadianceSamples> samples;
     std::shared_ptr<const CaptureCheck> check;
@@ -45,15 +45,15 @@ struct Document {
 };
 
 struct PickedPoint {
-    uint32_t triangle = 0;       ///< of the live frame's mesh
+    uint32_t triangle = 0;  ///< of the live frame's mesh
     Vec2 barycentric{0};
     Vec3 position{0}, normal{0};
-    uint32_t vertex = 0;         ///< nearest corner
+    uint32_t vertex = 0;  ///< nearest corner
 };
 
 struct Selection {
-    std::vector<std::string> emitters;   ///< ids; the last one is active
-    int view = 0;                        ///< photograph
+    std::vector<std::string> emitters;  ///< ids; the last one is active
+    int view = 0;                       ///< photograph
     std::optional<PickedPoint> point;
     bool has(const std::string& id) const;
     std::string active() const { return emitters.empty() ? std::string() : emitters.back(); }
@@ -66,29 +66,29 @@ enum class ClickTask { none, aim, reflect, illuminate, attach, newPart };
 struct ViewportState {
     ViewMode mode = ViewMode::relit;
     OrbitCamera camera;
-    bool throughView = false;            ///< look through selection.view; its photograph lies behind
+    bool throughView = false;  ///< look through selection.view; its photograph lies behind
     bool photographBehind = true;
-    bool meshOverlay = false;            ///< wireframe over the photograph: how well cameras and mesh agree
+    bool meshOverlay = false;  ///< wireframe over the photograph: how well cameras and mesh agree
     bool frusta = true, grid = true, directionDome = false;
     float exposureStops = 0;
     std::string displayView = "Standard";
     bool falseColour = false;
     float wipeLeft = 1.0f / 3, wipeRight = 2.0f / 3;  ///< dividers of the wipe, share of the width
-    float splitAt = 0.5f;                ///< divider of the correction colours
+    float splitAt = 0.5f;                             ///< divider of the correction colours
     Tool tool = Tool::select;
     bool localAxes = false;
     ClickTask clickTask = ClickTask::none;
-    std::set<uint32_t> hiddenPieces;     ///< pieces of the mesh the user has hidden
-    std::vector<std::string> solo;       ///< emitters that alone are lit on screen; empty: all
-    float aspect = 16.0f / 9;            ///< of the last drawn viewport
+    std::set<uint32_t> hiddenPieces;  ///< pieces of the mesh the user has hidden
+    std::vector<std::string> solo;    ///< emitters that alone are lit on screen; empty: all
+    float aspect = 16.0f / 9;         ///< of the last drawn viewport
 };
 
 /// A background job as the panels see it.
 struct JobStatus {
     enum class Kind { open, solve, search, save, exportFrames } kind = Kind::open;
-    std::string title;                   ///< "Estimating light"
+    std::string title;  ///< "Estimating light"
     std::string stage;
-    double share = 0;                    ///< of the stage
+    double share = 0;  ///< of the stage
     double seconds = 0;
     std::optional<double> secondsLeft;
     bool paused = false, stopping = false;
@@ -114,27 +114,32 @@ struct RecoveryOffer {
 struct SolveRequest {
     bool nearField = true;
     std::string quality = "standard";
-    double budgetSeconds = 0;            ///< 0: none
+    double budgetSeconds = 0;  ///< 0: none
     uint64_t seed = 1;
     GaugeChoice gauge;
-    int palette = 0;                     ///< materials of one colour; 0: nothing is said
+    int palette = 0;                                  ///< materials of one colour; 0: nothing is said
     float lightSmoothness = 0, albedoSmoothness = 0;  ///< factors on the usual; 0: as the photographs say
 };
 
 /// Asked when another process has the shot that is to be opened.
 struct LockedQuestion {
     std::filesystem::path path;
-    std::string owner;                   ///< "anna on studio3, process 4711, since 14:03"
+    std::string owner;  ///< "anna on studio3, process 4711, since 14:03"
 };
 enum class LockedAnswer { readOnly, copy, cancel };
 
 struct ExportRequest {
-    enum class Views { present, capture, all, range } views = Views::present;  ///< the viewport's eye, the selected view, ...
-    std::string range = "1";             ///< "1-3,5" of the views, counted from 1
-    int width = 0, height = 0;           ///< 0: the view's own size, or the viewport's
+    enum class Views {
+        present,
+        capture,
+        all,
+        range
+    } views = Views::present;   ///< the viewport's eye, the selected view, ...
+    std::string range = "1";    ///< "1-3,5" of the views, counted from 1
+    int width = 0, height = 0;  ///< 0: the view's own size, or the viewport's
     int samples = 8;
-    std::string layers = "groups";       ///< as render --layers; "" for beauty only
-    std::filesystem::path file;          ///< #### is the frame's number
+    std::string layers = "groups";  ///< as render --layers; "" for beauty only
+    std::filesystem::path file;     ///< #### is the frame's number
 };
 
 /// What the last search for a lamp that no photograph shows said, and of which capture.
@@ -170,21 +175,22 @@ struct EditorState {
     PanelState panels;
     SolveRequest solve;
     ExportRequest exportFrames;
-    std::vector<Notice> notices;                      ///< shown one after the other
+    std::vector<Notice> notices;  ///< shown one after the other
     std::optional<UnsavedQuestion> unsaved;
     std::optional<RecoveryOffer> recovery;
     std::optional<LockedQuestion> locked;
     UnseenSearch unseenSearch;
-    std::weak_ptr<const Estimate> bannerClosedFor;    ///< the estimate whose quality banner the user has closed
-    std::array<RunCurve, 2> curves;                   ///< near-field, distant-only
-    SolvePlan plan;                                   ///< of the estimate that runs or was made last; empty: none
+    std::weak_ptr<const Estimate> bannerClosedFor;  ///< the estimate whose quality banner the user has closed
+    std::array<RunCurve, 2> curves;                 ///< near-field, distant-only
+    SolvePlan plan;                                 ///< of the estimate that runs or was made last; empty: none
     std::vector<LogEntry> log;
-    std::vector<std::filesystem::path> recent;        ///< captures and shots, latest first
+    std::vector<std::filesystem::path> recent;  ///< captures and shots, latest first
     std::vector<std::filesystem::path> recentEnvironments;
-    std::optional<PointLight> pointLight;             ///< answer for selection.point, when it has come
+    std::optional<PointLight> pointLight;  ///< answer for selection.point, when it has come
     float uiScale = 1;
-    double framesPerSecond = 0, frameCpuMs = 0;       ///< of the last busy second; own work of a frame without the rasteriser's
-    std::string gpu;                                  ///< "llvmpipe ...", for the status bar
+    double framesPerSecond = 0,
+           frameCpuMs = 0;  ///< of the last busy second; own work of a frame without the rasteriser's
+    std::string gpu;        ///< "llvmpipe ...", for the status bar
 };
 
 }  // namespace relamp::ui

@@ -24,7 +24,9 @@ std::string lowered(std::string s) {
     return s;
 }
 
-bool containsFolded(const std::string& name, const std::string& part) { return lowered(name).find(lowered(part)) != std::string::npos; }
+bool containsFolded(const std::string& name, const std::string& part) {
+    return lowered(name).find(lowered(part)) != std::string::npos;
+}
 
 /// The last number before the extension.
 struct Numbered {
@@ -56,7 +58,10 @@ Detail detailOf(const FileEntry& entry) {
         detail.shot = isShotFolder(entry.path);
     } else if (const auto bytes = fs::file_size(entry.path, failed); !failed) {
         const double b = double(bytes);
-        detail.size = b < 1024 ? fmt::format("{} B", bytes) : b < 1048576 ? fmt::format("{:.0f} KiB", b / 1024) : b < 1073741824 ? fmt::format("{:.1f} MiB", b / 1048576) : fmt::format("{:.2f} GiB", b / 1073741824);
+        detail.size = b < 1024         ? fmt::format("{} B", bytes)
+                      : b < 1048576    ? fmt::format("{:.0f} KiB", b / 1024)
+                      : b < 1073741824 ? fmt::format("{:.1f} MiB", b / 1048576)
+                                       : fmt::format("{:.2f} GiB", b / 1073741824);
     }
     if (const auto written = fs::last_write_time(entry.path, failed); !failed) {
         const auto since = std::chrono::duration_cast<std::chrono::seconds>(written - fs::file_time_type::clock::now());
@@ -125,7 +130,8 @@ std::vector<FileEntry> collapseSequences(std::vector<FileEntry> entries) {
     std::unordered_map<std::string, Group> groups;
     std::vector<Numbered> numbers(entries.size());
     for (size_t i = 0; i < entries.size(); ++i) {
-        if (entries[i].kind != FileEntry::Kind::file || !findNumber(entries[i].path.filename().string(), numbers[i])) continue;
+        if (entries[i].kind != FileEntry::Kind::file || !findNumber(entries[i].path.filename().string(), numbers[i]))
+            continue;
         Group& group = groups[numbers[i].before + '/' + numbers[i].after];
         group.members.push_back(i);
         group.padded |= numbers[i].digits.size() > 1 && numbers[i].digits[0] == '0';
@@ -138,8 +144,15 @@ std::vector<FileEntry> collapseSequences(std::vector<FileEntry> entries) {
         for (auto& [width, members] : byWidth) {
             if (members.size() < 3) continue;
             const auto value = [&](size_t i) { return std::stol(numbers[i].digits); };
-            const auto [low, high] = std::minmax_element(members.begin(), members.end(), [&](size_t a, size_t b) { return value(a) < value(b); });
-            FileEntry run{FileEntry::Kind::sequence, entries[*low].path, shown(numbers[*low].before + numbers[*low].digits + "-" + numbers[*high].digits + numbers[*low].after), value(*low), value(*high), members.size()};
+            const auto [low, high] = std::minmax_element(members.begin(), members.end(),
+                                                         [&](size_t a, size_t b) { return value(a) < value(b); });
+            FileEntry run{
+                FileEntry::Kind::sequence,
+                entries[*low].path,
+                shown(numbers[*low].before + numbers[*low].digits + "-" + numbers[*high].digits + numbers[*low].after),
+                value(*low),
+                value(*high),
+                members.size()};
             for (const size_t i : members) gone[i] = 1;
             out.push_back(std::move(run));
         }
@@ -158,10 +171,11 @@ FolderListing listFolder(const fs::path& folder, bool hidden) {
     std::error_code failed;
     fs::directory_iterator at(folder, failed);
     if (failed) {
-        listing.error = failed == std::errc::permission_denied            ? "You may not read this folder. Ask its owner for permission, or choose another."
+        listing.error = failed == std::errc::permission_denied
+                            ? "You may not read this folder. Ask its owner for permission, or choose another."
                         : failed == std::errc::no_such_file_or_directory ? "This folder does not exist."
                         : failed == std::errc::not_a_directory           ? "This is a file, not a folder."
-                                                                         : "This folder cannot be read: " + failed.message();
+                                                               : "This folder cannot be read: " + failed.message();
         return listing;
     }
     for (; at != fs::directory_iterator(); at.increment(failed)) {
@@ -169,7 +183,8 @@ FolderListing listFolder(const fs::path& folder, bool hidden) {
         if (!hidden && !name.empty() && name[0] == '.') continue;
         std::error_code ignored;
         const bool directory = at->is_directory(ignored);
-        listing.entries.push_back({directory ? FileEntry::Kind::folder : FileEntry::Kind::file, at->path(), shown(name), 0, 0, 1});
+        listing.entries.push_back(
+            {directory ? FileEntry::Kind::folder : FileEntry::Kind::file, at->path(), shown(name), 0, 0, 1});
         if (failed) break;
     }
     if (failed) listing.error = "Only a part of this folder could be read: " + failed.message();
@@ -207,11 +222,11 @@ fs::path demoCaptures(const fs::path& program) {
 struct FileBrowser::State {
     BrowserRequest request;
     fs::path folder, chosen;
-    std::vector<fs::path> past;           ///< folders to go back to
+    std::vector<fs::path> past;  ///< folders to go back to
     std::string pathField, nameField, filter;
     bool everything = false, hidden = false, separate = false;
     bool askReplace = false, focusName = false, scrollToRow = false;
-    std::string problem;                  ///< shown beside the buttons
+    std::string problem;  ///< shown beside the buttons
 
     /// Filled by a thread of its own, which outlives the browser when a file server hangs.
     struct Reading {
@@ -222,7 +237,7 @@ struct FileBrowser::State {
     std::shared_ptr<Reading> reading;
     std::string error;
     std::vector<FileEntry> plain, collapsed;
-    std::vector<const FileEntry*> rows;   ///< after sequences, extensions and filter
+    std::vector<const FileEntry*> rows;  ///< after sequences, extensions and filter
     size_t hiddenByExtension = 0;
     int selected = -1;
     std::unordered_map<std::string, Detail> details;
@@ -270,7 +285,8 @@ struct FileBrowser::State {
     }
 
     void choose() {
-        const fs::path before = selected >= 0 && size_t(selected) < rows.size() ? rows[size_t(selected)]->path : fs::path();
+        const fs::path before =
+            selected >= 0 && size_t(selected) < rows.size() ? rows[size_t(selected)]->path : fs::path();
         rows.clear();
         hiddenByExtension = 0;
         selected = -1;
@@ -296,7 +312,8 @@ struct FileBrowser::State {
 
     bool choosable(const FileEntry& entry) {
         if (entry.kind != FileEntry::Kind::folder) return request.mode != BrowserRequest::Mode::folder;
-        if (request.mode == BrowserRequest::Mode::open && request.captures) return detail(entry).capture || detail(entry).shot;
+        if (request.mode == BrowserRequest::Mode::open && request.captures)
+            return detail(entry).capture || detail(entry).shot;
         return request.mode == BrowserRequest::Mode::save && request.replacesShots && detail(entry).shot;
     }
 
@@ -316,7 +333,8 @@ struct FileBrowser::State {
 
     fs::path target() const {
         fs::path name = nameField;
-        if (!request.extensions.empty() && !name.empty() && !hasExtension(name, request.extensions)) name += request.extensions.front();
+        if (!request.extensions.empty() && !name.empty() && !hasExtension(name, request.extensions))
+            name += request.extensions.front();
         return name.is_absolute() ? name : folder / name;
     }
 
@@ -333,10 +351,12 @@ struct FileBrowser::State {
                 chosen = folder;
                 return true;
             }
-            problem = request.captures ? "Choose a capture (a folder with transforms.json), a shot, or a file." : "Choose a file.";
+            problem = request.captures ? "Choose a capture (a folder with transforms.json), a shot, or a file."
+                                       : "Choose a file.";
             return false;
         }
-        if (nameField.empty() || nameField.find('\0') != std::string::npos || fs::path(nameField).filename() == "." || fs::path(nameField).filename() == "..") {
+        if (nameField.empty() || nameField.find('\0') != std::string::npos || fs::path(nameField).filename() == "." ||
+            fs::path(nameField).filename() == "..") {
             problem = "Type a name.";
             return false;
         }
@@ -349,8 +369,10 @@ struct FileBrowser::State {
         }
         if (fs::exists(fs::symlink_status(wanted, failed))) {
             const bool directory = fs::is_directory(wanted, failed);
-            if (directory != request.replacesShots || (directory && !isShotFolder(wanted) && !fs::is_empty(wanted, failed))) {
-                problem = fmt::format("{} is {}; choose another name.", shown(wanted.filename()), directory ? "a folder with other things in it" : "a file");
+            if (directory != request.replacesShots ||
+                (directory && !isShotFolder(wanted) && !fs::is_empty(wanted, failed))) {
+                problem = fmt::format("{} is {}; choose another name.", shown(wanted.filename()),
+                                      directory ? "a folder with other things in it" : "a file");
                 return false;
             }
             if (!askReplace) {
@@ -402,7 +424,9 @@ fs::path drawBreadcrumbs(const fs::path& folder) {
     }
     float room = ImGui::GetContentRegionAvail().x - em(2);
     size_t first = steps.size();
-    const auto nameOf = [](const fs::path& p) { return p.filename().empty() ? std::string("/") : elided(shown(p.filename()), em(14)); };
+    const auto nameOf = [](const fs::path& p) {
+        return p.filename().empty() ? std::string("/") : elided(shown(p.filename()), em(14));
+    };
     while (first > 0) {
         const float width = buttonWidth(nameOf(steps[first - 1])) + em(0.3f);
         if (width > room && first < steps.size()) break;
@@ -449,10 +473,12 @@ FileBrowser::Answer FileBrowser::draw(const std::vector<fs::path>& recent) {
     if (iconButton("##up", Icon::up, "To the folder around this one (Backspace)")) next = s.folder.parent_path();
     ImGui::SameLine();
     ImGui::SetNextItemWidth(-FLT_MIN);
-    if (inputText("##path", s.pathField, "Path of a folder or file", ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll)) {
+    if (inputText("##path", s.pathField, "Path of a folder or file",
+                  ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll)) {
         fs::path typed = s.pathField;
         enterUsed = true;
-        if (s.pathField.starts_with("~")) typed = homeFolder() / fs::path(s.pathField.size() > 2 ? s.pathField.substr(2) : "");
+        if (s.pathField.starts_with("~"))
+            typed = homeFolder() / fs::path(s.pathField.size() > 2 ? s.pathField.substr(2) : "");
         std::error_code failed;
         if (fs::is_directory(typed, failed)) next = typed;
         else if (s.request.mode == BrowserRequest::Mode::save) {
@@ -477,7 +503,8 @@ FileBrowser::Answer FileBrowser::draw(const std::vector<fs::path>& recent) {
     const bool filterActive = ImGui::IsItemActive();
     if (!s.request.extensions.empty() && s.request.mode != BrowserRequest::Mode::folder) {
         sameLineIfFits(buttonWidth("All files") + em(1.6f));
-        if (checkbox("All files", s.everything, "Also shows files that are not " + listed(s.request.extensions))) s.choose();
+        if (checkbox("All files", s.everything, "Also shows files that are not " + listed(s.request.extensions)))
+            s.choose();
     }
     if (s.request.mode != BrowserRequest::Mode::folder) {
         sameLineIfFits(buttonWidth("Frames") + em(1.6f));
@@ -495,7 +522,8 @@ FileBrowser::Answer FileBrowser::draw(const std::vector<fs::path>& recent) {
             if ((button("Make", "Makes the folder and goes into it") || enter) && !s.newFolder.empty()) {
                 std::error_code failed;
                 const fs::path made = s.folder / s.newFolder;
-                if (fs::create_directory(made, failed); failed) s.problem = fmt::format("{} cannot be made: {}", s.newFolder, failed.message());
+                if (fs::create_directory(made, failed); failed)
+                    s.problem = fmt::format("{} cannot be made: {}", s.newFolder, failed.message());
                 else next = made;
                 ImGui::CloseCurrentPopup();
             }
@@ -505,7 +533,8 @@ FileBrowser::Answer FileBrowser::draw(const std::vector<fs::path>& recent) {
 
     // Places and the list.
     const bool saving = s.request.mode == BrowserRequest::Mode::save;
-    const float below = ImGui::GetFrameHeightWithSpacing() * (saving ? 2 : 1) + ImGui::GetTextLineHeightWithSpacing() * (s.problem.empty() && !s.askReplace ? 0.4f : 2.4f);
+    const float below = ImGui::GetFrameHeightWithSpacing() * (saving ? 2 : 1) +
+                        ImGui::GetTextLineHeightWithSpacing() * (s.problem.empty() && !s.askReplace ? 0.4f : 2.4f);
     const float height = std::max(em(6), ImGui::GetContentRegionAvail().y - below);
     if (ImGui::GetContentRegionAvail().x > em(34)) {
         if (beginChild("##places", {em(11), height}, true)) {
@@ -514,7 +543,8 @@ FileBrowser::Answer FileBrowser::draw(const std::vector<fs::path>& recent) {
                 ImGui::PushID(path.c_str());
                 iconText(icon, dimColour);
                 ImGui::SameLine(0, em(0.4f));
-                if (ImGui::Selectable(elided(name, ImGui::GetContentRegionAvail().x).c_str(), path == s.folder)) next = path;
+                if (ImGui::Selectable(elided(name, ImGui::GetContentRegionAvail().x).c_str(), path == s.folder))
+                    next = path;
                 tooltip(shown(path));
                 ImGui::PopID();
             };
@@ -530,7 +560,8 @@ FileBrowser::Answer FileBrowser::draw(const std::vector<fs::path>& recent) {
                 ImGui::SameLine(0, em(0.4f));
                 const fs::path tidy = path.has_filename() ? path : path.parent_path();
                 if (ImGui::Selectable(elided(shown(tidy.filename()), ImGui::GetContentRegionAvail().x).c_str())) {
-                    if (s.request.captures && s.request.mode == BrowserRequest::Mode::open) s.chosen = path, answer = Answer::chosen;
+                    if (s.request.captures && s.request.mode == BrowserRequest::Mode::open)
+                        s.chosen = path, answer = Answer::chosen;
                     else next = path.parent_path();
                 }
                 tooltip(shown(path));
@@ -544,17 +575,26 @@ FileBrowser::Answer FileBrowser::draw(const std::vector<fs::path>& recent) {
         if (!s.error.empty()) warningText(s.error);
         if (s.reading) dimText("Reading the folder...");
         else if (s.rows.empty() && s.error.empty())
-            dimWrapped(!s.filter.empty() ? "No name here contains these letters." : s.hiddenByExtension ? fmt::format("Nothing of the kind looked for; {} other files are here. Tick \"All files\" to see them.", s.hiddenByExtension) : "This folder is empty.");
+            dimWrapped(
+                !s.filter.empty() ? "No name here contains these letters."
+                : s.hiddenByExtension
+                    ? fmt::format(
+                          "Nothing of the kind looked for; {} other files are here. Tick \"All files\" to see them.",
+                          s.hiddenByExtension)
+                    : "This folder is empty.");
         const bool wide = ImGui::GetContentRegionAvail().x > em(26), widest = ImGui::GetContentRegionAvail().x > em(34);
-        if (!s.rows.empty() && ImGui::BeginTable("##files", 1 + wide + widest, ImGuiTableFlags_RowBg | ImGuiTableFlags_PadOuterX)) {
+        if (!s.rows.empty() &&
+            ImGui::BeginTable("##files", 1 + wide + widest, ImGuiTableFlags_RowBg | ImGuiTableFlags_PadOuterX)) {
             ImGui::TableSetupColumn("Name", ImGuiTableColumnFlags_WidthStretch);
             if (wide) ImGui::TableSetupColumn("Kind", ImGuiTableColumnFlags_WidthFixed, em(6.5f));
             if (widest) ImGui::TableSetupColumn("Changed", ImGuiTableColumnFlags_WidthFixed, em(8.5f));
             ImGuiListClipper clipper;
             clipper.Begin(int(s.rows.size()));
             if (s.scrollToRow && s.selected >= 0) {
-                const float row = ImGui::GetTextLineHeight() + 2 * ImGui::GetStyle().CellPadding.y, y = float(s.selected) * row;
-                if (y < ImGui::GetScrollY() || y + 2 * row > ImGui::GetScrollY() + height) ImGui::SetScrollY(std::max(0.0f, y - height / 2));
+                const float row = ImGui::GetTextLineHeight() + 2 * ImGui::GetStyle().CellPadding.y,
+                            y = float(s.selected) * row;
+                if (y < ImGui::GetScrollY() || y + 2 * row > ImGui::GetScrollY() + height)
+                    ImGui::SetScrollY(std::max(0.0f, y - height / 2));
                 s.scrollToRow = false;
             }
             const FileEntry* entered = nullptr;
@@ -565,23 +605,42 @@ FileBrowser::Answer FileBrowser::draw(const std::vector<fs::path>& recent) {
                     ImGui::TableNextRow();
                     ImGui::TableNextColumn();
                     ImGui::PushID(i);
-                    const Icon icon = detail.shot ? Icon::shot : detail.capture ? Icon::capture : entry.kind == FileEntry::Kind::folder ? Icon::folder : entry.kind == FileEntry::Kind::sequence ? Icon::film
-                                      : hasExtension(entry.path, {".exr", ".hdr", ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".dpx"}) ? Icon::picture : Icon::file;
+                    const Icon icon =
+                        detail.shot                               ? Icon::shot
+                        : detail.capture                          ? Icon::capture
+                        : entry.kind == FileEntry::Kind::folder   ? Icon::folder
+                        : entry.kind == FileEntry::Kind::sequence ? Icon::film
+                        : hasExtension(entry.path, {".exr", ".hdr", ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".dpx"})
+                            ? Icon::picture
+                            : Icon::file;
                     iconText(icon, detail.capture || detail.shot ? accentColour : dimColour);
                     ImGui::SameLine(0, em(0.4f));
-                    const std::string words = entry.kind == FileEntry::Kind::sequence && !wide ? fmt::format("{} ({})", entry.name, entry.members) : entry.name;
+                    const std::string words = entry.kind == FileEntry::Kind::sequence && !wide
+                                                  ? fmt::format("{} ({})", entry.name, entry.members)
+                                                  : entry.name;
                     const std::string row = elided(words, ImGui::GetContentRegionAvail().x) + "##row";
-                    if (ImGui::Selectable(row.c_str(), i == s.selected, ImGuiSelectableFlags_SpanAllColumns | ImGuiSelectableFlags_AllowDoubleClick | ImGuiSelectableFlags_DontClosePopups)) {
+                    if (ImGui::Selectable(row.c_str(), i == s.selected,
+                                          ImGuiSelectableFlags_SpanAllColumns | ImGuiSelectableFlags_AllowDoubleClick |
+                                              ImGuiSelectableFlags_DontClosePopups)) {
                         s.selected = i;
                         s.askReplace = false;
                         if (saving && entry.kind != FileEntry::Kind::folder) s.nameField = shown(entry.path.filename());
                         if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) entered = &entry;
                     }
-                    tooltip(entry.name + (detail.capture ? "\nA capture: photographs with cameras and a mesh" : detail.shot ? "\nA shot: an estimate with its look" : ""));
+                    tooltip(entry.name + (detail.capture ? "\nA capture: photographs with cameras and a mesh"
+                                          : detail.shot  ? "\nA shot: an estimate with its look"
+                                                         : ""));
                     if (wide) {
                         ImGui::TableNextColumn();
-                        const std::string gaps = entry.last - entry.first + 1 == long(entry.members) ? fmt::format("{} frames", entry.members) : fmt::format("{} of {} fr.", entry.members, entry.last - entry.first + 1);
-                        dimText(detail.shot ? "shot" : detail.capture ? "capture" : entry.kind == FileEntry::Kind::folder ? "" : entry.kind == FileEntry::Kind::sequence ? gaps : detail.size);
+                        const std::string gaps =
+                            entry.last - entry.first + 1 == long(entry.members)
+                                ? fmt::format("{} frames", entry.members)
+                                : fmt::format("{} of {} fr.", entry.members, entry.last - entry.first + 1);
+                        dimText(detail.shot                               ? "shot"
+                                : detail.capture                          ? "capture"
+                                : entry.kind == FileEntry::Kind::folder   ? ""
+                                : entry.kind == FileEntry::Kind::sequence ? gaps
+                                                                          : detail.size);
                     }
                     if (widest) {
                         ImGui::TableNextColumn();
@@ -602,7 +661,8 @@ FileBrowser::Answer FileBrowser::draw(const std::vector<fs::path>& recent) {
         ImGui::SameLine();
         ImGui::SetNextItemWidth(-FLT_MIN);
         if (s.focusName) ImGui::SetKeyboardFocusHere(), s.focusName = false;
-        if (inputText("##save name", s.nameField, "Name of the file", ImGuiInputTextFlags_EnterReturnsTrue)) enterUsed = true, done(s.confirm());
+        if (inputText("##save name", s.nameField, "Name of the file", ImGuiInputTextFlags_EnterReturnsTrue))
+            enterUsed = true, done(s.confirm());
         if (ImGui::IsItemEdited()) s.askReplace = false, s.problem.clear();
         nameActive = ImGui::IsItemActive();
     }
@@ -610,14 +670,19 @@ FileBrowser::Answer FileBrowser::draw(const std::vector<fs::path>& recent) {
     else if (s.askReplace) warningText(fmt::format("{} exists already. Replace it?", shown(s.target().filename())));
     const std::string confirmWord = s.askReplace ? "Replace" : s.request.confirm;
     const float buttons = buttonWidth("Cancel") + buttonWidth(confirmWord) + em(2) + ImGui::GetStyle().ItemSpacing.x;
-    ImGui::SetCursorPosX(std::max(ImGui::GetCursorPosX(), ImGui::GetCursorPosX() + ImGui::GetContentRegionAvail().x - buttons));
-    if (button("Cancel", "Closes this without choosing (Esc)", buttonWidth("Cancel") + em(1))) answer = Answer::cancelled;
+    ImGui::SetCursorPosX(
+        std::max(ImGui::GetCursorPosX(), ImGui::GetCursorPosX() + ImGui::GetContentRegionAvail().x - buttons));
+    if (button("Cancel", "Closes this without choosing (Esc)", buttonWidth("Cancel") + em(1)))
+        answer = Answer::cancelled;
     ImGui::SameLine();
-    if (primaryButton(confirmWord.c_str(), s.askReplace ? "Overwrites what is there" : "Takes what is selected (Enter)", buttonWidth(confirmWord) + em(1))) done(s.confirm());
+    if (primaryButton(confirmWord.c_str(), s.askReplace ? "Overwrites what is there" : "Takes what is selected (Enter)",
+                      buttonWidth(confirmWord) + em(1)))
+        done(s.confirm());
 
     // Keys.
     if (!pathActive && !nameActive && !ImGui::IsPopupOpen("##new")) {
-        const int rows = int(s.rows.size()), page = std::max(1, int(height / ImGui::GetTextLineHeightWithSpacing()) - 2);
+        const int rows = int(s.rows.size()),
+                  page = std::max(1, int(height / ImGui::GetTextLineHeightWithSpacing()) - 2);
         const auto move = [&](int by) {
             if (rows) s.selected = std::clamp(s.selected + by, 0, rows - 1), s.scrollToRow = true, s.askReplace = false;
         };
@@ -625,14 +690,16 @@ FileBrowser::Answer FileBrowser::draw(const std::vector<fs::path>& recent) {
         if (keyPressed(ImGuiKey_UpArrow, true)) move(s.selected < 0 ? rows : -1);
         if (keyPressed(ImGuiKey_PageDown, true)) move(page);
         if (keyPressed(ImGuiKey_PageUp, true)) move(-page);
-        if (answer == Answer::none && next.empty() && !enterUsed && enterPressed()) done(s.selected >= 0 ? s.enter(*s.rows[size_t(s.selected)]) : s.confirm());
+        if (answer == Answer::none && next.empty() && !enterUsed && enterPressed())
+            done(s.selected >= 0 ? s.enter(*s.rows[size_t(s.selected)]) : s.confirm());
         if (!filterActive && !ImGui::IsAnyItemActive()) {
             if (keyPressed(ImGuiKey_Home)) move(-rows);
             if (keyPressed(ImGuiKey_End)) move(rows);
             if (keyPressed(ImGuiKey_Backspace, true)) {
                 if (s.filter.empty()) next = s.folder.parent_path();
                 else {
-                    while (!s.filter.empty() && (static_cast<unsigned char>(s.filter.back()) & 0xC0) == 0x80) s.filter.pop_back();
+                    while (!s.filter.empty() && (static_cast<unsigned char>(s.filter.back()) & 0xC0) == 0x80)
+                        s.filter.pop_back();
                     if (!s.filter.empty()) s.filter.pop_back();
                     s.choose();
                 }

@@ -19,9 +19,10 @@ constexpr float fontPixels = 15;
 
 /// A readable sans serif that the system has; ImGui's own when there is none.
 std::filesystem::path fontFile() {
-    for (const char* file : {"/usr/share/fonts/opentype/inter/Inter-Regular.otf", "/usr/share/fonts/truetype/inter/Inter-Regular.ttf",
-                             "/usr/share/fonts/opentype/inter/Inter-Regular.ttf", "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
-                             "/usr/share/fonts/truetype/noto/NotoSans-Regular.ttf"})
+    for (const char* file :
+         {"/usr/share/fonts/opentype/inter/Inter-Regular.otf", "/usr/share/fonts/truetype/inter/Inter-Regular.ttf",
+          "/usr/share/fonts/opentype/inter/Inter-Regular.ttf", "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
+          "/usr/share/fonts/truetype/noto/NotoSans-Regular.ttf"})
         if (isThere(file)) return file;
     return {};
 }
@@ -30,7 +31,8 @@ void buildFonts(float pixels) {
     ImGuiIO& io = ImGui::GetIO();
     io.Fonts->Clear();
     // Latin, Latin Extended-A, Greek, general punctuation, arrows, a few mathematical signs.
-    static const ImWchar ranges[] = {0x20, 0xff, 0x100, 0x17f, 0x370, 0x3ff, 0x2010, 0x2027, 0x2030, 0x205e, 0x2190, 0x2195, 0x2212, 0x2212, 0x2248, 0x2265, 0};
+    static const ImWchar ranges[] = {0x20,   0xff,   0x100,  0x17f,  0x370,  0x3ff,  0x2010, 0x2027, 0x2030,
+                                     0x205e, 0x2190, 0x2195, 0x2212, 0x2212, 0x2248, 0x2265, 0};
     const std::filesystem::path file = fontFile();
     ImFontConfig config;
     config.OversampleH = 2;

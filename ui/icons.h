@@ -5,8 +5,44 @@
 namespace relamp::ui {
 
 enum class Icon {
-    none, eyeOpen, eyeShut, solo, reset, plus, minus, trash, copy, folder, file, picture, film, capture, shot, up, home, back, warning, play, pause, stop,
-    aim, mirror, spot, link, search, dots, lamp, rectangle, disk, sphere, mesh, sun, dropper, check, cross, pin
+    none,
+    eyeOpen,
+    eyeShut,
+    solo,
+    reset,
+    plus,
+    minus,
+    trash,
+    copy,
+    folder,
+    file,
+    picture,
+    film,
+    capture,
+    shot,
+    up,
+    home,
+    back,
+    warning,
+    play,
+    pause,
+    stop,
+    aim,
+    mirror,
+    spot,
+    link,
+    search,
+    dots,
+    lamp,
+    rectangle,
+    disk,
+    sphere,
+    mesh,
+    sun,
+    dropper,
+    check,
+    cross,
+    pin
 };
 
 /// Inside the square of `size` pixels whose top left corner is `at`.

@@ -1,5 +1,5 @@
-// Where controls are on the screen and what the editor is doing, written to a file after each frame: lets a test press real buttons with
-// a real mouse without knowing the layout. Off, and free, unless RELAMP_ITEM_MAP names a file.
+// Where controls are on the screen and what the editor is doing, written to a file after each frame: lets a test press
+// real buttons with a real mouse without knowing the layout. Off, and free, unless RELAMP_ITEM_MAP names a file.
 #pragma once
 #include <string>
 

@@ -43,10 +43,12 @@ PlotRange plotRange(const std::vector<PlotCurve>& curves, bool alongX) {
 std::vector<double> plotTicks(const PlotRange& range, int most) {
     const auto collect = [&](const std::vector<double>& steps, int everyPower) {
         std::vector<double> ticks;
-        for (int power = int(std::floor(std::log10(range.low))); power <= int(std::ceil(std::log10(range.high))); ++power) {
+        for (int power = int(std::floor(std::log10(range.low))); power <= int(std::ceil(std::log10(range.high)));
+             ++power) {
             if (power % everyPower) continue;
             for (const double step : steps)
-                if (const double value = step * std::pow(10.0, power); value >= range.low && value <= range.high) ticks.push_back(value);
+                if (const double value = step * std::pow(10.0, power); value >= range.low && value <= range.high)
+                    ticks.push_back(value);
         }
         return ticks;
     };
@@ -64,7 +66,9 @@ std::vector<PlotCurve> timelineCurves(const std::array<RunCurve, 2>& curves) {
         if (curves[m].entries.empty()) continue;
         PlotCurve curve{modeNames[m], modeColours[m], m == 1, {}};
         for (const TimelineEntry& t : curves[m].entries)
-            curve.points.push_back({t.seconds, t.rmse, fmt::format("{}, step {}: {:.2f} s, error {:.3g}", t.stage, t.iteration, t.seconds, t.rmse)});
+            curve.points.push_back(
+                {t.seconds, t.rmse,
+                 fmt::format("{}, step {}: {:.2f} s, error {:.3g}", t.stage, t.iteration, t.seconds, t.rmse)});
         out.push_back(std::move(curve));
     }
     return out;
@@ -74,7 +78,8 @@ std::string timelineCsv(const std::array<RunCurve, 2>& curves) {
     std::string csv = "mode,seconds,stage,iteration,objective,rmse\n";
     for (size_t m = 0; m < 2; ++m)
         for (const TimelineEntry& t : curves[m].entries)
-            csv += fmt::format("{},{:.4f},{},{},{:.9g},{:.9g}\n", modeKeys[m], t.seconds, quoted(t.stage), t.iteration, t.objective, t.rmse);
+            csv += fmt::format("{},{:.4f},{},{},{:.9g},{:.9g}\n", modeKeys[m], t.seconds, quoted(t.stage), t.iteration,
+                               t.objective, t.rmse);
     return csv;
 }
 
@@ -88,28 +93,35 @@ std::string timelineSvg(const std::array<RunCurve, 2>& curves) {
     return svg;
 }
 
-void drawLogPlot(const char* id, const std::vector<PlotCurve>& curves, const char* xLabel, const char* yLabel, const ImVec2& size, const std::string& empty) {
+void drawLogPlot(const char* id, const std::vector<PlotCurve>& curves, const char* xLabel, const char* yLabel,
+                 const ImVec2& size, const std::string& empty) {
     const ImVec2 at = ImGui::GetCursorScreenPos(), full{std::max(size.x, em(6)), std::max(size.y, em(4))};
     ImGui::InvisibleButton(id, full);
     const bool hovered = ImGui::IsItemHovered();
     ImDrawList* list = ImGui::GetWindowDrawList();
     const float line = ImGui::GetTextLineHeight();
-    const ImU32 dim = ImGui::GetColorU32(dimColour), strong = ImGui::GetColorU32(ImGuiCol_Text), grid = IM_COL32(62, 62, 62, 255);
+    const ImU32 dim = ImGui::GetColorU32(dimColour), strong = ImGui::GetColorU32(ImGuiCol_Text),
+                grid = IM_COL32(62, 62, 62, 255);
     bool any = false;
     for (const PlotCurve& curve : curves)
         for (const PlotPoint& p : curve.points) any |= drawable(p);
 
-    const float left = at.x + em(4.2f), right = at.x + full.x - em(0.6f), top = at.y + line * 1.35f, bottom = at.y + full.y - line * (full.y > em(9) ? 2.3f : 1.25f);
+    const float left = at.x + em(4.2f), right = at.x + full.x - em(0.6f), top = at.y + line * 1.35f,
+                bottom = at.y + full.y - line * (full.y > em(9) ? 2.3f : 1.25f);
     if (bottom - top < em(1) || right - left < em(3)) return;
     list->AddRectFilled({left, top}, {right, bottom}, IM_COL32(30, 30, 30, 255), ImGui::GetStyle().FrameRounding);
     if (!any) {
         const ImVec2 words = ImGui::CalcTextSize(empty.c_str(), nullptr, false, right - left - em(1));
-        list->AddText(nullptr, 0, {left + em(0.5f) + std::max(0.0f, (right - left - em(1) - words.x) / 2), (top + bottom - words.y) / 2}, dim, empty.c_str(), nullptr, right - left - em(1));
+        list->AddText(
+            nullptr, 0,
+            {left + em(0.5f) + std::max(0.0f, (right - left - em(1) - words.x) / 2), (top + bottom - words.y) / 2}, dim,
+            empty.c_str(), nullptr, right - left - em(1));
         return;
     }
     const PlotRange xs = plotRange(curves, true), ys = plotRange(curves, false);
     const auto place = [&](double x, double y) {
-        return ImVec2(left + (right - left) * float(std::log(x / xs.low) / std::log(xs.high / xs.low)), bottom - (bottom - top) * float(std::log(y / ys.low) / std::log(ys.high / ys.low)));
+        return ImVec2(left + (right - left) * float(std::log(x / xs.low) / std::log(xs.high / xs.low)),
+                      bottom - (bottom - top) * float(std::log(y / ys.low) / std::log(ys.high / ys.low)));
     };
     for (const double value : plotTicks(xs, std::max(2, int((right - left) / em(4))))) {
         const float x = std::round(place(value, ys.low).x);
@@ -123,7 +135,8 @@ void drawLogPlot(const char* id, const std::vector<PlotCurve>& curves, const cha
         const std::string words = fmt::format("{:.3g}", value);
         list->AddText({left - ImGui::CalcTextSize(words.c_str()).x - em(0.35f), y - line / 2}, dim, words.c_str());
     }
-    if (full.y > em(9)) list->AddText({(left + right - ImGui::CalcTextSize(xLabel).x) / 2, at.y + full.y - line}, dim, xLabel);
+    if (full.y > em(9))
+        list->AddText({(left + right - ImGui::CalcTextSize(xLabel).x) / 2, at.y + full.y - line}, dim, xLabel);
 
     const PlotPoint* nearest = nullptr;
     const PlotCurve* nearestCurve = nullptr;
@@ -143,12 +156,15 @@ void drawLogPlot(const char* id, const std::vector<PlotCurve>& curves, const cha
                 if (!curve.dashed) list->AddLine(before, here, colour, std::max(1.5f, em(0.11f)));
                 for (float s = 0; curve.dashed && s < length; s += 1.7f * dash) {
                     const float a = s / length, b = std::min(1.0f, (s + dash) / length);
-                    list->AddLine({before.x + a * (here.x - before.x), before.y + a * (here.y - before.y)}, {before.x + b * (here.x - before.x), before.y + b * (here.y - before.y)}, colour,
+                    list->AddLine({before.x + a * (here.x - before.x), before.y + a * (here.y - before.y)},
+                                  {before.x + b * (here.x - before.x), before.y + b * (here.y - before.y)}, colour,
                                   std::max(1.5f, em(0.11f)));
                 }
             }
             list->AddCircleFilled(here, em(0.18f), colour, 10);
-            if (const float distance = std::hypot(here.x - mouse.x, here.y - mouse.y); hovered && distance < nearestDistance) nearestDistance = distance, nearest = &p, nearestCurve = &curve;
+            if (const float distance = std::hypot(here.x - mouse.x, here.y - mouse.y);
+                hovered && distance < nearestDistance)
+                nearestDistance = distance, nearest = &p, nearestCurve = &curve;
             last = &p;
         }
     }
@@ -169,9 +185,13 @@ void drawLogPlot(const char* id, const std::vector<PlotCurve>& curves, const cha
     for (const PlotCurve& curve : curves) {
         const ImU32 colour = colourFromCss(curve.colour);
         std::string words = fmt::format("{}: best {:.3g}", curve.name, best(curve));
-        if (legend + em(2.2f) + ImGui::CalcTextSize(words.c_str()).x > right) words = elided(words, right - legend - em(2.2f), false);
-        list->AddLine({legend, at.y + line * 0.55f}, {legend + em(curve.dashed ? 0.7f : 1.7f), at.y + line * 0.55f}, colour, std::max(2.0f, em(0.14f)));
-        if (curve.dashed) list->AddLine({legend + em(1), at.y + line * 0.55f}, {legend + em(1.7f), at.y + line * 0.55f}, colour, std::max(2.0f, em(0.14f)));
+        if (legend + em(2.2f) + ImGui::CalcTextSize(words.c_str()).x > right)
+            words = elided(words, right - legend - em(2.2f), false);
+        list->AddLine({legend, at.y + line * 0.55f}, {legend + em(curve.dashed ? 0.7f : 1.7f), at.y + line * 0.55f},
+                      colour, std::max(2.0f, em(0.14f)));
+        if (curve.dashed)
+            list->AddLine({legend + em(1), at.y + line * 0.55f}, {legend + em(1.7f), at.y + line * 0.55f}, colour,
+                          std::max(2.0f, em(0.14f)));
         list->AddText({legend + em(2.1f), at.y}, strong, words.c_str());
         legend += em(3.6f) + ImGui::CalcTextSize(words.c_str()).x;
     }
@@ -181,7 +201,10 @@ void drawLogPlot(const char* id, const std::vector<PlotCurve>& curves, const cha
         text(nearest->note);
         ImGui::EndTooltip();
     } else if (hovered) {
-        tooltip(fmt::format("{} over {}. Both axes are logarithmic: each line is a factor. Lower is better; a flat end means that more time brings nothing.", yLabel, xLabel));
+        tooltip(
+            fmt::format("{} over {}. Both axes are logarithmic: each line is a factor. Lower is better; a flat end "
+                        "means that more time brings nothing.",
+                        yLabel, xLabel));
     }
 }
 

@@ -12,7 +12,7 @@
 namespace relamp::ui {
 
 struct PlotRange {
-    double low = 1, high = 10;   ///< both positive
+    double low = 1, high = 10;  ///< both positive
 };
 /// Encloses all positive values with a little air; {1, 10} when there is none. At least a factor of 1.2.
 PlotRange plotRange(const std::vector<PlotCurve>& curves, bool alongX);
@@ -27,6 +27,7 @@ std::string timelineCsv(const std::array<RunCurve, 2>& curves);
 std::string timelineSvg(const std::array<RunCurve, 2>& curves);
 
 /// Fills `size`; `empty` is shown when no point can be drawn.
-void drawLogPlot(const char* id, const std::vector<PlotCurve>& curves, const char* xLabel, const char* yLabel, const ImVec2& size, const std::string& empty);
+void drawLogPlot(const char* id, const std::vector<PlotCurve>& curves, const char* xLabel, const char* yLabel,
+                 const ImVec2& size, const std::string& empty);
 
 }  // namespace relamp::ui

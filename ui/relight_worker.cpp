@@ -7,16 +7,20 @@ namespace relamp::ui {
 namespace {
 
 bool sameEye(const RelightWish& a, const RelightWish& b) {
-    return a.eye.worldFromCamera == b.eye.worldFromCamera && a.eye.width == b.eye.width && a.eye.height == b.eye.height && a.eye.focalX == b.eye.focalX &&
-           a.eye.focalY == b.eye.focalY && a.eye.centreX == b.eye.centreX && a.eye.centreY == b.eye.centreY && a.orthographic == b.orthographic;
+    return a.eye.worldFromCamera == b.eye.worldFromCamera && a.eye.width == b.eye.width &&
+           a.eye.height == b.eye.height && a.eye.focalX == b.eye.focalX && a.eye.focalY == b.eye.focalY &&
+           a.eye.centreX == b.eye.centreX && a.eye.centreY == b.eye.centreY && a.orthographic == b.orthographic;
 }
 
-bool samePicture(const RelightWish& a, const RelightWish& b) { return a.scene == b.scene && a.estimate == b.estimate && a.look == b.look && sameEye(a, b); }
+bool samePicture(const RelightWish& a, const RelightWish& b) {
+    return a.scene == b.scene && a.estimate == b.estimate && a.look == b.look && sameEye(a, b);
+}
 
 /// From the axis to the farthest corner of the picture, with a little to spare for a turn of the head; radians.
 float halfAngleOf(const Camera& camera) {
     if (!(camera.focalX > 0) || !(camera.focalY > 0)) return 0;
-    const double x = std::max(camera.centreX, camera.width - camera.centreX) / camera.focalX, y = std::max(camera.centreY, camera.height - camera.centreY) / camera.focalY;
+    const double x = std::max(camera.centreX, camera.width - camera.centreX) / camera.focalX,
+                 y = std::max(camera.centreY, camera.height - camera.centreY) / camera.focalY;
     return float(std::min(1.05 * std::atan(std::hypot(x, y)), 1.5));
 }
 
@@ -32,8 +36,12 @@ Camera scaled(Camera camera, double factor) {
 
 }  // namespace
 
-RelightWorker::RelightWorker(std::function<void()> wake, std::function<std::shared_ptr<TransportDevice>()> makeDevice, bool forceDevice)
-    : wake_(std::move(wake)), makeDevice_(std::move(makeDevice)), forceDevice_(forceDevice), thread_([this](std::stop_token stop) { run(stop); }) {}
+RelightWorker::RelightWorker(std::function<void()> wake, std::function<std::shared_ptr<TransportDevice>()> makeDevice,
+                             bool forceDevice)
+    : wake_(std::move(wake)),
+      makeDevice_(std::move(makeDevice)),
+      forceDevice_(forceDevice),
+      thread_([this](std::stop_token stop) { run(stop); }) {}
 
 RelightWorker::~RelightWorker() {
     thread_.request_stop();
@@ -50,8 +58,8 @@ void RelightWorker::wish(RelightWish wish) {
         const bool same = samePicture(wish, wish_);
         if (same && wish.restPicture == wish_.restPicture && wish.pickSerial == wish_.pickSerial) return;
         const bool sameScene = wish.scene == wish_.scene && wish.estimate == wish_.estimate;
-        // A picture at rest ends at once. A slice is finished first, or a steady drag would never show anything; so is a bake, unless
-        // another scene is wanted.
+        // A picture at rest ends at once. A slice is finished first, or a steady drag would never show anything; so is
+        // a bake, unless another scene is wanted.
         if (running_ && (runningIsRest_ || !sameScene)) running_->requestStop();
         if (!same) rest_.reset();
         if (wish.scene != wish_.scene) frame_.reset();
@@ -151,8 +159,8 @@ void RelightWorker::run(std::stop_token stop) {
     LiveOptions options;
     options.forceDevice = forceDevice_;
     std::unique_ptr<LiveScene> live;
-    RelightWish held;          // what `live` shows
-    uint64_t done = 0;         // serial of the wish that was finished
+    RelightWish held;   // what `live` shows
+    uint64_t done = 0;  // serial of the wish that was finished
     bool refined = false;
     while (!stop.stop_requested()) {
         RelightWish wish;
@@ -237,7 +245,8 @@ void RelightWorker::run(std::stop_token stop) {
                 // Rest: a new wish ends this wait.
                 std::unique_lock lock(mutex_);
                 refining_ = false;
-                if (wish.restPicture && !rest_) changed_.wait_for(lock, stop, std::chrono::milliseconds(400), [&] { return serial_ != serial; });
+                if (wish.restPicture && !rest_)
+                    changed_.wait_for(lock, stop, std::chrono::milliseconds(400), [&] { return serial_ != serial; });
                 if (serial_ != serial) continue;
             }
             if (stop.stop_requested()) return;

@@ -1,5 +1,5 @@
-// One thread that relights: it owns the live scene and always works on the latest wish, never on a queue, so that the window never
-// waits. At rest it renders a per-pixel picture from the same eye, sharper with every pass.
+// One thread that relights: it owns the live scene and always works on the latest wish, never on a queue, so that the
+// window never waits. At rest it renders a per-pixel picture from the same eye, sharper with every pass.
 #pragma once
 #include <functional>
 #include <memory>
@@ -20,9 +20,9 @@ struct RelightWish {
     Look look;
     Camera eye;
     bool orthographic = false;
-    std::filesystem::path cacheFolder;     ///< of baked transport; empty: none
-    bool restPicture = false;              ///< per-pixel picture once nothing moves
-    uint64_t pickSerial = 0;               ///< a new number asks about a new point
+    std::filesystem::path cacheFolder;  ///< of baked transport; empty: none
+    bool restPicture = false;           ///< per-pixel picture once nothing moves
+    uint64_t pickSerial = 0;            ///< a new number asks about a new point
     uint32_t pickTriangle = 0;
     Vec2 pickBarycentric{0};
 };
@@ -30,9 +30,10 @@ struct RelightWish {
 class RelightWorker {
 public:
     /// `wake` is called on the worker's thread whenever there is something new.
-    /// `makeDevice` is called once on the worker's thread, before the first scene; what it gives sums light where that is faster, or always
-    /// when `forceDevice`. Empty, or a null answer: the processor does.
-    explicit RelightWorker(std::function<void()> wake, std::function<std::shared_ptr<TransportDevice>()> makeDevice = {}, bool forceDevice = false);
+    /// `makeDevice` is called once on the worker's thread, before the first scene; what it gives sums light where that
+    /// is faster, or always when `forceDevice`. Empty, or a null answer: the processor does.
+    explicit RelightWorker(std::function<void()> wake,
+                           std::function<std::shared_ptr<TransportDevice>()> makeDevice = {}, bool forceDevice = false);
     ~RelightWorker();
 
     /// The latest wish wins; what did not change is kept.
@@ -58,8 +59,8 @@ private:
     std::function<std::shared_ptr<TransportDevice>()> makeDevice_;
     bool forceDevice_;
     RelightWish wish_;
-    uint64_t serial_ = 0;                  ///< of the latest wish
-    std::shared_ptr<Progress> running_;    ///< of the step in work, so that a new wish can end it
+    uint64_t serial_ = 0;                ///< of the latest wish
+    std::shared_ptr<Progress> running_;  ///< of the step in work, so that a new wish can end it
     bool runningIsRest_ = false;
     std::shared_ptr<const LiveFrame> frame_;
     std::shared_ptr<const Frame> rest_;

@@ -31,9 +31,7 @@ void loadSettings(const fs::path& folder, EditorState& state) {
     Json document;
     try {
         document = Json::parse(readBytes(file, 1 << 20), nullptr, false);
-    } catch (const Error&) {
-        return;
-    }
+    } catch (const Error&) { return; }
     if (!document.is_object()) {
         fs::rename(file, folder / "settings.damaged.json", error);
         return;
@@ -45,7 +43,8 @@ void loadSettings(const fs::path& folder, EditorState& state) {
     p.rightWidth = number(document, "right_width", p.rightWidth, 200, 800);
     p.bottomHeight = number(document, "bottom_height", p.bottomHeight, 60, 600);
     state.uiScale = number(document, "ui_scale", 0, 0, 3);
-    if (const auto at = document.find("display_view"); at != document.end() && at->is_string()) state.viewport.displayView = at->get<std::string>();
+    if (const auto at = document.find("display_view"); at != document.end() && at->is_string())
+        state.viewport.displayView = at->get<std::string>();
 }
 
 void saveSettings(const fs::path& folder, const EditorState& state) {

@@ -1,4 +1,5 @@
-// What the window remembers between sessions: recent files and its own sizes. Plain JSON; a damaged file is set aside, never an error.
+// What the window remembers between sessions: recent files and its own sizes. Plain JSON; a damaged file is set aside,
+// never an error.
 #pragma once
 #include <filesystem>
 

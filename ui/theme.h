@@ -4,7 +4,8 @@
 
 namespace relamp::ui {
 
-/// Colours and spacing at `scale` (1: a 96 dpi screen). Fonts are loaded elsewhere. May be called again when the scale changes.
+/// Colours and spacing at `scale` (1: a 96 dpi screen). Fonts are loaded elsewhere. May be called again when the scale
+/// changes.
 void applyTheme(float scale);
 
 /// Signal colours, used for text and small marks only.

@@ -1,4 +1,5 @@
-// Small pictures in panels. The window sets the maker; without a window (tests) there is none and panels draw a grey box.
+// Small pictures in panels. The window sets the maker; without a window (tests) there is none and panels draw a grey
+// box.
 #pragma once
 #include <cstdint>
 #include <functional>

@@ -72,7 +72,9 @@ bool keyPressed(ImGuiKey key, bool repeat) {
 }
 
 bool escapePressed() { return input().pressed == keyEscape || keyPressed(ImGuiKey_Escape); }
-bool enterPressed() { return input().pressed == keyEnter || input().pressed == keyPadEnter || keyPressed(ImGuiKey_Enter); }
+bool enterPressed() {
+    return input().pressed == keyEnter || input().pressed == keyPadEnter || keyPressed(ImGuiKey_Enter);
+}
 
 bool inputText(const char* label, std::string& value, const char* hint, ImGuiInputTextFlags flags) {
     const bool changed = ImGui::InputTextWithHint(label, hint, &value, flags);
@@ -88,7 +90,11 @@ std::string shown(const std::string& bytes) {
     std::string out;
     for (size_t i = 0; i < bytes.size();) {
         const unsigned char c = static_cast<unsigned char>(bytes[i]);
-        const size_t length = c < 0x80 ? 1 : c >= 0xC2 && c < 0xE0 ? 2 : c >= 0xE0 && c < 0xF0 ? 3 : c >= 0xF0 && c < 0xF5 ? 4 : 0;
+        const size_t length = c < 0x80                ? 1
+                              : c >= 0xC2 && c < 0xE0 ? 2
+                              : c >= 0xE0 && c < 0xF0 ? 3
+                              : c >= 0xF0 && c < 0xF5 ? 4
+                                                      : 0;
         bool good = length > 0 && i + length <= bytes.size() && c >= 0x20 && c != 0x7f;
         for (size_t k = 1; good && k < length; ++k) good = (static_cast<unsigned char>(bytes[i + k]) & 0xC0) == 0x80;
         if (good) out.append(bytes, i, length);
@@ -103,7 +109,9 @@ std::string shown(const std::filesystem::path& path) { return shown(path.string(
 std::string elided(const std::string& full, float width, bool middle) {
     const auto widthOf = [](const std::string& s) { return ImGui::CalcTextSize(s.c_str(), s.c_str() + s.size()).x; };
     if (widthOf(full) <= width) return full;
-    const auto isStart = [&](size_t i) { return i >= full.size() || (static_cast<unsigned char>(full[i]) & 0xC0) != 0x80; };
+    const auto isStart = [&](size_t i) {
+        return i >= full.size() || (static_cast<unsigned char>(full[i]) & 0xC0) != 0x80;
+    };
     const auto cut = [&](size_t keep) {
         size_t head = middle ? (keep + 1) / 2 : keep, tail = full.size() - (middle ? keep / 2 : 0);
         while (head > 0 && !isStart(head)) --head;
@@ -159,7 +167,9 @@ void fact(const std::string& name, const std::string& value, const std::string& 
 }
 
 void tooltip(const std::string& explanation) {
-    if (explanation.empty() || !ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled | ImGuiHoveredFlags_AllowWhenOverlapped)) return;
+    if (explanation.empty() ||
+        !ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled | ImGuiHoveredFlags_AllowWhenOverlapped))
+        return;
     const ImVec2 at = ImGui::GetItemRectMin();
     const float where[2] = {at.x, at.y};
     const ImGuiID id = ImHashData(where, sizeof where, ImGui::GetCurrentWindow()->ID);
@@ -189,7 +199,9 @@ std::string duration(double seconds) {
     return fmt::format("{} h {} min", s / 3600, s % 3600 / 60);
 }
 
-std::string mebibytes(double mib) { return mib < 1024 ? fmt::format("{:.0f} MiB", mib) : fmt::format("{:.1f} GiB", mib / 1024); }
+std::string mebibytes(double mib) {
+    return mib < 1024 ? fmt::format("{:.0f} MiB", mib) : fmt::format("{:.1f} GiB", mib / 1024);
+}
 
 std::string count(size_t n) {
     std::string digits = std::to_string(n), out;
@@ -227,8 +239,10 @@ void heading(const std::string& title) {
     ImGui::Spacing();
     dimText(title);
     const ImVec2 from = ImGui::GetItemRectMin(), to = ImGui::GetItemRectMax();
-    const float right = ImGui::GetCursorScreenPos().x + ImGui::GetContentRegionAvail().x, y = std::round((from.y + to.y) / 2);
-    if (to.x + em(0.5f) < right) ImGui::GetWindowDrawList()->AddLine({to.x + em(0.5f), y}, {right, y}, colourOf(ImGuiCol_Separator));
+    const float right = ImGui::GetCursorScreenPos().x + ImGui::GetContentRegionAvail().x,
+                y = std::round((from.y + to.y) / 2);
+    if (to.x + em(0.5f) < right)
+        ImGui::GetWindowDrawList()->AddLine({to.x + em(0.5f), y}, {right, y}, colourOf(ImGuiCol_Separator));
 }
 
 void sameLineIfFits(float width) {
@@ -236,15 +250,20 @@ void sameLineIfFits(float width) {
     if (ImGui::GetItemRectMax().x + ImGui::GetStyle().ItemSpacing.x + width <= right) ImGui::SameLine();
 }
 
-float buttonWidth(const std::string& label) { return ImGui::CalcTextSize(label.c_str(), nullptr, true).x + 2 * ImGui::GetStyle().FramePadding.x; }
+float buttonWidth(const std::string& label) {
+    return ImGui::CalcTextSize(label.c_str(), nullptr, true).x + 2 * ImGui::GetStyle().FramePadding.x;
+}
 
-bool splitter(const char* id, bool vertical, float length, float& value, float least, float most, float direction, float scale) {
+bool splitter(const char* id, bool vertical, float length, float& value, float least, float most, float direction,
+              float scale) {
     const float thickness = std::max(4.0f, 5 * scale);
     ImGui::InvisibleButton(id, vertical ? ImVec2(thickness, length) : ImVec2(length, thickness));
     const bool active = ImGui::IsItemActive(), hovered = ImGui::IsItemHovered();
     if (active || hovered) ImGui::SetMouseCursor(vertical ? ImGuiMouseCursor_ResizeEW : ImGuiMouseCursor_ResizeNS);
     if (active || hovered)
-        ImGui::GetWindowDrawList()->AddRectFilled(ImGui::GetItemRectMin(), ImGui::GetItemRectMax(), colourOf(active ? ImGuiCol_SeparatorActive : ImGuiCol_SeparatorHovered));
+        ImGui::GetWindowDrawList()->AddRectFilled(
+            ImGui::GetItemRectMin(), ImGui::GetItemRectMax(),
+            colourOf(active ? ImGuiCol_SeparatorActive : ImGuiCol_SeparatorHovered));
     if (active) {
         const float moved = vertical ? ImGui::GetIO().MouseDelta.x : ImGui::GetIO().MouseDelta.y;
         value = std::clamp(value + direction * moved / scale, least, std::max(least, most));
@@ -281,7 +300,8 @@ bool iconButton(const char* id, Icon icon, const std::string& explanation, bool 
     ImDrawList* list = ImGui::GetWindowDrawList();
     const bool hovered = ImGui::IsItemHovered(), active = ImGui::IsItemActive();
     if (on || hovered || active) {
-        const ImU32 ground = on ? ImGui::GetColorU32({accentColour.x, accentColour.y, accentColour.z, 0.42f}) : colourOf(active ? ImGuiCol_ButtonActive : ImGuiCol_ButtonHovered);
+        const ImU32 ground = on ? ImGui::GetColorU32({accentColour.x, accentColour.y, accentColour.z, 0.42f})
+                                : colourOf(active ? ImGuiCol_ButtonActive : ImGuiCol_ButtonHovered);
         list->AddRectFilled(at, {at.x + size, at.y + size}, ground, ImGui::GetStyle().FrameRounding);
     }
     const float inner = std::round(size * 0.72f), inset = std::round((size - inner) / 2);
@@ -300,7 +320,9 @@ bool iconTextButton(const char* label, Icon icon, const std::string& explanation
     ImGui::PopID();
     ImDrawList* list = ImGui::GetWindowDrawList();
     const ImU32 ground = on ? ImGui::GetColorU32({accentColour.x, accentColour.y, accentColour.z, 0.42f})
-                            : colourOf(ImGui::IsItemActive() ? ImGuiCol_ButtonActive : ImGui::IsItemHovered() ? ImGuiCol_ButtonHovered : ImGuiCol_Button);
+                            : colourOf(ImGui::IsItemActive()    ? ImGuiCol_ButtonActive
+                                       : ImGui::IsItemHovered() ? ImGuiCol_ButtonHovered
+                                                                : ImGuiCol_Button);
     list->AddRectFilled(ImGui::GetItemRectMin(), ImGui::GetItemRectMax(), ground, ImGui::GetStyle().FrameRounding);
     drawIcon(list, icon, {at.x + padding.x, at.y + padding.y}, side, colourOf(ImGuiCol_Text));
     const std::string word(label, ImGui::FindRenderedTextEnd(label));
@@ -334,11 +356,14 @@ void iconText(Icon icon, const ImVec4& colour) {
 }
 
 void badge(const std::string& label, const ImVec4& colour, const std::string& explanation) {
-    const ImVec2 padding{em(0.35f), em(0.06f)}, size = ImGui::CalcTextSize(label.c_str()), at = ImGui::GetCursorScreenPos();
+    const ImVec2 padding{em(0.35f), em(0.06f)}, size = ImGui::CalcTextSize(label.c_str()),
+                                                at = ImGui::GetCursorScreenPos();
     const float down = ImGui::GetCurrentWindow()->DC.CurrLineTextBaseOffset;
     ImGui::Dummy({size.x + 2 * padding.x, size.y});
     ImDrawList* list = ImGui::GetWindowDrawList();
-    list->AddRectFilled({at.x, at.y + down - padding.y}, {at.x + size.x + 2 * padding.x, at.y + down + size.y + padding.y}, ImGui::GetColorU32({colour.x, colour.y, colour.z, 0.2f}), em(0.25f));
+    list->AddRectFilled({at.x, at.y + down - padding.y},
+                        {at.x + size.x + 2 * padding.x, at.y + down + size.y + padding.y},
+                        ImGui::GetColorU32({colour.x, colour.y, colour.z, 0.2f}), em(0.25f));
     list->AddText({at.x + padding.x, at.y + down}, ImGui::GetColorU32(colour), label.c_str());
     tooltip(explanation);
 }
@@ -349,7 +374,8 @@ void bar(double share, const ImVec4& colour, const std::string& label, float wid
     const ImVec2 at = ImGui::GetCursorScreenPos();
     ImGui::Dummy({width, height});
     ImDrawList* list = ImGui::GetWindowDrawList();
-    const float filled = width * float(std::clamp(std::isfinite(share) ? share : 0.0, 0.0, 1.0)), rounding = ImGui::GetStyle().FrameRounding;
+    const float filled = width * float(std::clamp(std::isfinite(share) ? share : 0.0, 0.0, 1.0)),
+                rounding = ImGui::GetStyle().FrameRounding;
     list->AddRectFilled(at, {at.x + width, at.y + height}, colourOf(ImGuiCol_FrameBg), rounding);
     if (filled >= 1) list->AddRectFilled(at, {at.x + filled, at.y + height}, ImGui::GetColorU32(colour), rounding);
     const std::string fits = elided(label, width - em(0.8f), false);
@@ -364,7 +390,8 @@ bool swatch(const char* id, const ImVec4& colour, float size, const std::string&
     ImDrawList* list = ImGui::GetWindowDrawList();
     const ImVec2 end{at.x + size, at.y + size};
     list->AddRectFilled(at, end, ImGui::GetColorU32(colour), ImGui::GetStyle().FrameRounding);
-    list->AddRect(at, end, colourOf(ImGui::IsItemHovered() ? ImGuiCol_Text : ImGuiCol_Border), ImGui::GetStyle().FrameRounding);
+    list->AddRect(at, end, colourOf(ImGui::IsItemHovered() ? ImGuiCol_Text : ImGuiCol_Border),
+                  ImGui::GetStyle().FrameRounding);
     tooltip(explanation);
     return pressed;
 }
@@ -379,7 +406,8 @@ bool picture(const char* id, uint64_t texture, float width, float height, const 
         list->AddRectFilled(at, end, ImGui::GetColorU32(ImVec4(0.22f, 0.22f, 0.22f, 1)));
         const std::string fits = elided(missing, width - em(0.4f));
         const ImVec2 size = ImGui::CalcTextSize(fits.c_str());
-        list->AddText({at.x + (width - size.x) / 2, at.y + (height - size.y) / 2}, colourOf(ImGuiCol_TextDisabled), fits.c_str());
+        list->AddText({at.x + (width - size.x) / 2, at.y + (height - size.y) / 2}, colourOf(ImGuiCol_TextDisabled),
+                      fits.c_str());
     }
     if (selected) list->AddRect(at, end, ImGui::GetColorU32(accentColour), 0, 0, std::max(2.0f, em(0.14f)));
     else if (ImGui::IsItemHovered()) list->AddRect(at, end, colourOf(ImGuiCol_TextDisabled));
@@ -393,7 +421,8 @@ ImVec4 toScreen(const Rgb& display, float alpha) { return {display.x, display.y,
 ImVec4 lightColour(const Rgb& radiance) {
     const float most = maxChannel(radiance);
     if (!(most > 0) || !std::isfinite(most)) return {0, 0, 0, 1};
-    return {srgbEncode(std::max(0.0f, radiance.x / most)), srgbEncode(std::max(0.0f, radiance.y / most)), srgbEncode(std::max(0.0f, radiance.z / most)), 1};
+    return {srgbEncode(std::max(0.0f, radiance.x / most)), srgbEncode(std::max(0.0f, radiance.y / most)),
+            srgbEncode(std::max(0.0f, radiance.z / most)), 1};
 }
 
 bool chromaticityDisc(const char* id, Rgb& light, float diameter) {
@@ -401,12 +430,14 @@ bool chromaticityDisc(const char* id, Rgb& light, float diameter) {
     const float radius = diameter / 2 - em(0.2f);
     ImGui::InvisibleButton(id, {diameter, diameter});
     bool changed = false;
-    if (ImGui::IsItemActive() && (ImGui::IsItemActivated() || ImGui::GetIO().MouseDelta.x != 0 || ImGui::GetIO().MouseDelta.y != 0)) {
+    if (ImGui::IsItemActive() &&
+        (ImGui::IsItemActivated() || ImGui::GetIO().MouseDelta.x != 0 || ImGui::GetIO().MouseDelta.y != 0)) {
         const ImVec2 mouse = ImGui::GetIO().MousePos;
         const float x = (mouse.x - centre.x) / radius, y = (mouse.y - centre.y) / radius;
         const float hue = std::atan2(y, x) / (2 * pi);
         Rgb display;
-        ImGui::ColorConvertHSVtoRGB(hue < 0 ? hue + 1 : hue, std::min(1.0f, std::hypot(x, y)), 1, display.x, display.y, display.z);
+        ImGui::ColorConvertHSVtoRGB(hue < 0 ? hue + 1 : hue, std::min(1.0f, std::hypot(x, y)), 1, display.x, display.y,
+                                    display.z);
         const Rgb linear(srgbDecode(display.x), srgbDecode(display.y), srgbDecode(display.z));
         const float brightness = luminance(light);
         light = linear * ((brightness > 0 ? brightness : 1) / luminance(linear));
@@ -423,14 +454,17 @@ bool chromaticityDisc(const char* id, Rgb& light, float diameter) {
                 const float saturation = float(r + dr) / rings, hue = float(s + ds) / sectors, angle = 2 * pi * hue;
                 ImVec4 c(0, 0, 0, ImGui::GetStyle().Alpha);
                 ImGui::ColorConvertHSVtoRGB(hue, saturation, 1, c.x, c.y, c.z);
-                list->PrimWriteVtx({centre.x + radius * saturation * std::cos(angle), centre.y + radius * saturation * std::sin(angle)}, white, ImGui::ColorConvertFloat4ToU32(c));
+                list->PrimWriteVtx({centre.x + radius * saturation * std::cos(angle),
+                                    centre.y + radius * saturation * std::sin(angle)},
+                                   white, ImGui::ColorConvertFloat4ToU32(c));
             }
             for (const int k : {0, 1, 2, 0, 2, 3}) list->PrimWriteIdx(ImDrawIdx(first + k));
         }
     const ImVec4 now = lightColour(light);
     float hue = 0, saturation = 0, value = 0;
     ImGui::ColorConvertRGBtoHSV(now.x, now.y, now.z, hue, saturation, value);
-    const ImVec2 mark{centre.x + radius * saturation * std::cos(2 * pi * hue), centre.y + radius * saturation * std::sin(2 * pi * hue)};
+    const ImVec2 mark{centre.x + radius * saturation * std::cos(2 * pi * hue),
+                      centre.y + radius * saturation * std::sin(2 * pi * hue)};
     list->AddCircleFilled(mark, em(0.4f), ImGui::GetColorU32(now));
     list->AddCircle(mark, em(0.4f), IM_COL32(0, 0, 0, 255), 0, std::max(1.5f, em(0.1f)));
     list->AddCircle(mark, em(0.48f), IM_COL32(255, 255, 255, 255), 0, std::max(1.0f, em(0.06f)));
@@ -464,7 +498,8 @@ bool followGesture(Editor& editor, const std::string& label, bool changed, const
         }
         editor.preview(change);
     }
-    if (following.editor == &editor && following.id == id && !ImGui::IsItemActive() && (changed || ImGui::IsItemDeactivated())) {
+    if (following.editor == &editor && following.id == id && !ImGui::IsItemActive() &&
+        (changed || ImGui::IsItemDeactivated())) {
         editor.commitGesture();
         drop();
     }
@@ -480,8 +515,8 @@ void settleGestures(Editor& editor) {
     }
 }
 
-bool dragLook(Editor& editor, const char* id, const std::string& label, float value, const DragRange& range, const std::string& explanation,
-              const std::function<void(Look&, float)>& apply) {
+bool dragLook(Editor& editor, const char* id, const std::string& label, float value, const DragRange& range,
+              const std::string& explanation, const std::function<void(Look&, float)>& apply) {
     const ImGuiID key = ImGui::GetID(id);
     float now = held.id == key && ImGui::GetActiveID() == key ? held.value : value;
     ImGuiSliderFlags flags = range.logarithmic ? ImGuiSliderFlags_Logarithmic : 0;
@@ -498,20 +533,27 @@ bool dragLook(Editor& editor, const char* id, const std::string& label, float va
     if (ImGui::IsItemActive()) held = {key, now};
     note(label.c_str());
     const bool edited = followGesture(editor, label, changed, [&](Look& look) { apply(look, now); });
-    if (!explanation.empty()) tooltip(explanation + "\nDrag sideways, or double click to type. Alt is finer, Shift coarser, Esc takes it back.");
+    if (!explanation.empty())
+        tooltip(explanation +
+                "\nDrag sideways, or double click to type. Alt is finer, Shift coarser, Esc takes it back.");
     return edited;
 }
 
-bool kelvinLook(Editor& editor, const char* id, const std::string& label, const Rgb& colour, const std::string& explanation,
-                const std::function<void(Look&, const Rgb&)>& apply) {
+bool kelvinLook(Editor& editor, const char* id, const std::string& label, const Rgb& colour,
+                const std::string& explanation, const std::function<void(Look&, const Rgb&)>& apply) {
     const NearestKelvin nearest = nearestKelvin(colour);
-    const std::string more = nearest.distance > 0.02f ? explanation + "\nThis colour is too green or too pink for a temperature; dragging makes it a plain warm or cool white." : explanation;
-    return dragLook(editor, id, label, nearest.kelvin, {std::max(2.0f, nearest.kelvin / 250), lowestKelvin, highestKelvin, nearest.distance > 0.02f ? "~%.0f K" : "%.0f K"}, more,
-                    [&](Look& look, float kelvin) { apply(look, kelvinTint(kelvin)); });
+    const std::string more = nearest.distance > 0.02f ? explanation +
+                                                            "\nThis colour is too green or too pink for a temperature; "
+                                                            "dragging makes it a plain warm or cool white."
+                                                      : explanation;
+    return dragLook(editor, id, label, nearest.kelvin,
+                    {std::max(2.0f, nearest.kelvin / 250), lowestKelvin, highestKelvin,
+                     nearest.distance > 0.02f ? "~%.0f K" : "%.0f K"},
+                    more, [&](Look& look, float kelvin) { apply(look, kelvinTint(kelvin)); });
 }
 
-bool colourLook(Editor& editor, const char* id, const std::string& label, const Rgb& light, float size, const std::string& explanation,
-                const std::function<void(Look&, const Rgb&)>& apply) {
+bool colourLook(Editor& editor, const char* id, const std::string& label, const Rgb& light, float size,
+                const std::string& explanation, const std::function<void(Look&, const Rgb&)>& apply) {
     ImGui::PushID(id);
     if (swatch("##swatch", lightColour(light), size, explanation)) ImGui::OpenPopup("##colour");
     bool changed = false;
@@ -522,9 +564,12 @@ bool colourLook(Editor& editor, const char* id, const std::string& label, const 
         changed |= followGesture(editor, label, dragged, [&](Look& look) { apply(look, now); });
         tooltip("Colour of the light: hue around, stronger outwards, white in the middle. Its brightness stays.");
         ImGui::SetNextItemWidth(em(11));
-        changed |= kelvinLook(editor, "##kelvin", label, light, "Temperature of the colour: 2700 K is a warm bulb, 6504 K is white, more is bluish.",
-                              [&](Look& look, const Rgb& tint) { apply(look, tint * std::max(luminance(light), 1e-12f)); });
-        if (button("White", "Makes the light white, as bright as it is")) editor.edit(label, [&](Look& look) { apply(look, Rgb(luminance(light))); });
+        changed |=
+            kelvinLook(editor, "##kelvin", label, light,
+                       "Temperature of the colour: 2700 K is a warm bulb, 6504 K is white, more is bluish.",
+                       [&](Look& look, const Rgb& tint) { apply(look, tint * std::max(luminance(light), 1e-12f)); });
+        if (button("White", "Makes the light white, as bright as it is"))
+            editor.edit(label, [&](Look& look) { apply(look, Rgb(luminance(light))); });
         ImGui::EndPopup();
     }
     ImGui::PopID();

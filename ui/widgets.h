@@ -1,5 +1,5 @@
-// Small controls that every panel uses, and the one place where versions of Dear ImGui differ. Sizes are multiples of the font size,
-// so that they follow the scale of the screen.
+// Small controls that every panel uses, and the one place where versions of Dear ImGui differ. Sizes are multiples of
+// the font size, so that they follow the scale of the screen.
 #pragma once
 #include <imgui.h>
 
@@ -35,7 +35,7 @@ void text(const std::string& text);
 void dimText(const std::string& text);
 void wrapped(const std::string& text);
 void dimWrapped(const std::string& text);
-void warningText(const std::string& text);       ///< wrapped, with a triangle
+void warningText(const std::string& text);  ///< wrapped, with a triangle
 /// "Name   value", the value wrapped in the rest of the line.
 void fact(const std::string& name, const std::string& value, const std::string& explanation = {});
 /// Explains the item drawn last when the pointer rests on it; works on disabled items too.
@@ -59,8 +59,10 @@ void heading(const std::string& title);
 /// Puts the next item on the same line when `width` pixels are still free there.
 void sameLineIfFits(float width);
 float buttonWidth(const std::string& label);
-/// A handle between two areas, `length` pixels long; changes `value` (pixels at scale 1) within the limits while dragged.
-bool splitter(const char* id, bool vertical, float length, float& value, float least, float most, float direction, float scale);
+/// A handle between two areas, `length` pixels long; changes `value` (pixels at scale 1) within the limits while
+/// dragged.
+bool splitter(const char* id, bool vertical, float length, float& value, float least, float most, float direction,
+              float scale);
 
 // ---- controls
 bool button(const char* label, const std::string& explanation, float width = 0);
@@ -80,43 +82,44 @@ void bar(double share, const ImVec4& colour, const std::string& label, float wid
 /// A filled square; true when clicked.
 bool swatch(const char* id, const ImVec4& colour, float size, const std::string& explanation);
 /// A picture of `width` by `height` pixels, or a grey box with `missing` where there is no texture. True when clicked.
-bool picture(const char* id, uint64_t texture, float width, float height, const std::string& missing, bool selected = false);
+bool picture(const char* id, uint64_t texture, float width, float height, const std::string& missing,
+             bool selected = false);
 
 // ---- colours
-ImVec4 toScreen(const Rgb& display, float alpha = 1);        ///< display values as they are
+ImVec4 toScreen(const Rgb& display, float alpha = 1);  ///< display values as they are
 /// What a light of this radiance looks like at full brightness: its largest channel becomes 1, then the sRGB curve.
 ImVec4 lightColour(const Rgb& radiance);
 /// Hue around, saturation outwards, white in the middle. `light` keeps its luminance. True while it changes.
 bool chromaticityDisc(const char* id, Rgb& light, float diameter);
 
 // ---- controls bound to the look: a drag previews, the release makes one entry, Esc takes everything back
-/// Follows the item drawn last. `changed`: it has a new value in this frame. `change` is applied to the look as it was when the drag
-/// began. True when the look was changed.
+/// Follows the item drawn last. `changed`: it has a new value in this frame. `change` is applied to the look as it was
+/// when the drag began. True when the look was changed.
 bool followGesture(Editor& editor, const std::string& label, bool changed, const std::function<void(Look&)>& change);
 /// Closes a gesture whose control has disappeared; called once a frame, after all panels.
 void settleGestures(Editor& editor);
 
 struct DragRange {
-    float speed = 0.01f;         ///< a pixel
-    float least = 0, most = 0;   ///< both 0: none
+    float speed = 0.01f;        ///< a pixel
+    float least = 0, most = 0;  ///< both 0: none
     const char* format = "%.3f";
     bool logarithmic = false;
-    double offset = 0;           ///< added to what is shown, and taken off what is typed
+    double offset = 0;  ///< added to what is shown, and taken off what is typed
 };
 /// A number to drag or to type (double click). `label` names the history entry; `id` is ImGui's.
-bool dragLook(Editor& editor, const char* id, const std::string& label, float value, const DragRange& range, const std::string& explanation,
-              const std::function<void(Look&, float)>& apply);
+bool dragLook(Editor& editor, const char* id, const std::string& label, float value, const DragRange& range,
+              const std::string& explanation, const std::function<void(Look&, float)>& apply);
 /// Temperature of a light's colour in kelvin; `apply` gets the tint of luminance 1.
-bool kelvinLook(Editor& editor, const char* id, const std::string& label, const Rgb& colour, const std::string& explanation,
-                const std::function<void(Look&, const Rgb&)>& apply);
+bool kelvinLook(Editor& editor, const char* id, const std::string& label, const Rgb& colour,
+                const std::string& explanation, const std::function<void(Look&, const Rgb&)>& apply);
 /// A swatch that opens a disc of colours and a temperature. `apply` gets the new colour, as bright as `light`.
-bool colourLook(Editor& editor, const char* id, const std::string& label, const Rgb& light, float size, const std::string& explanation,
-                const std::function<void(Look&, const Rgb&)>& apply);
+bool colourLook(Editor& editor, const char* id, const std::string& label, const Rgb& light, float size,
+                const std::string& explanation, const std::function<void(Look&, const Rgb&)>& apply);
 
 /// Something in a panel (a pending tooltip, a folder being read) wants another frame though no input came.
 bool panelsBusy();
 /// Marks the present frame as busy.
 void stayAwake();
-void beginPanelFrame();          ///< once a frame, before the panels
+void beginPanelFrame();  ///< once a frame, before the panels
 
 }  // namespace relamp::ui

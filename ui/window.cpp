@@ -5,9 +5,9 @@
 #include <GLFW/glfw3.h>
 
 #include <atomic>
-#include <utility>
 #include <cstdlib>
 #include <deque>
+#include <utility>
 
 #include "base/error.h"
 #include "keys.h"
@@ -44,7 +44,8 @@ void setCallbacks(GLFWwindow* window) {
         events.any = true;
         if (action == GLFW_RELEASE || key < 0) return;
         if (key >= GLFW_KEY_LEFT_SHIFT && key <= GLFW_KEY_RIGHT_SUPER) return;
-        events.keys.push_back({key, (mods & GLFW_MOD_CONTROL) != 0, (mods & GLFW_MOD_SHIFT) != 0, (mods & GLFW_MOD_ALT) != 0, {}});
+        events.keys.push_back(
+            {key, (mods & GLFW_MOD_CONTROL) != 0, (mods & GLFW_MOD_SHIFT) != 0, (mods & GLFW_MOD_ALT) != 0, {}});
     });
     glfwSetCharCallback(window, [](GLFWwindow*, unsigned c) {
         events.any = true;
@@ -74,7 +75,9 @@ void setCallbacks(GLFWwindow* window) {
 
 Window::Window(const std::string& title, int width, int height) {
     glfwSetErrorCallback([](int, const char* text) { lastError = text; });
-    if (!glfwInit()) throw Error("there is no display to open a window on ({}); the command line `relamp` works without one", lastError);
+    if (!glfwInit())
+        throw Error("there is no display to open a window on ({}); the command line `relamp` works without one",
+                    lastError);
     const int versions[][2] = {{4, 6}, {4, 3}, {3, 3}};
     for (const auto& version : versions) {
         glfwDefaultWindowHints();
@@ -90,7 +93,9 @@ Window::Window(const std::string& title, int width, int height) {
     }
     if (!window_) {
         glfwTerminate();
-        throw Error("no OpenGL window could be made ({}); relamp-editor needs OpenGL 4.3, the command line `relamp` needs none", lastError);
+        throw Error(
+            "no OpenGL window could be made ({}); relamp-editor needs OpenGL 4.3, the command line `relamp` needs none",
+            lastError);
     }
     glfwSetWindowSizeLimits(window_, 640, 400, GLFW_DONT_CARE, GLFW_DONT_CARE);
     glfwMakeContextCurrent(window_);
@@ -136,9 +141,11 @@ void Window::holdKeys() {
 }
 
 std::vector<RawKey> Window::takeRawKeys() {
-    // Letters go through as they come: a text field reads their characters. Keys that do something are held for one frame.
+    // Letters go through as they come: a text field reads their characters. Keys that do something are held for one
+    // frame.
     const auto acts = [](const RawKey& k) {
-        return !k.character && (k.key < GLFW_KEY_SPACE || k.key > GLFW_KEY_GRAVE_ACCENT || (k.modifiers & (GLFW_MOD_CONTROL | GLFW_MOD_ALT | GLFW_MOD_SUPER)));
+        return !k.character && (k.key < GLFW_KEY_SPACE || k.key > GLFW_KEY_GRAVE_ACCENT ||
+                                (k.modifiers & (GLFW_MOD_CONTROL | GLFW_MOD_ALT | GLFW_MOD_SUPER)));
     };
     const auto shift = [](const RawKey& k) { return k.key == GLFW_KEY_LEFT_SHIFT || k.key == GLFW_KEY_RIGHT_SHIFT; };
     std::vector<RawKey> now;
@@ -159,7 +166,9 @@ std::vector<RawKey> Window::takeRawKeys() {
 bool Window::keysWaiting() const { return !events.held.empty(); }
 
 void Window::readModifiers() {
-    const auto down = [&](int left, int right) { return glfwGetKey(window_, left) == GLFW_PRESS || glfwGetKey(window_, right) == GLFW_PRESS; };
+    const auto down = [&](int left, int right) {
+        return glfwGetKey(window_, left) == GLFW_PRESS || glfwGetKey(window_, right) == GLFW_PRESS;
+    };
     Input& in = input();
     in.control = down(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL);
     in.shift = down(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT);

@@ -12,7 +12,7 @@ namespace relamp::ui {
 
 /// A key that went down, with the text it typed.
 struct KeyPress {
-    int key = 0;   ///< keys.h
+    int key = 0;  ///< keys.h
     bool control = false, shift = false, alt = false;
     std::string text;
 };
@@ -20,37 +20,39 @@ struct KeyPress {
 /// A key or character event as GLFW told it.
 struct RawKey {
     int key = 0, scancode = 0, action = 0, modifiers = 0;
-    unsigned character = 0;   ///< of a character event; then the others mean nothing
+    unsigned character = 0;  ///< of a character event; then the others mean nothing
 };
 
 class Window {
 public:
-    /// Throws Error when there is no display or no OpenGL at all. Asks for OpenGL 4.3 core and takes 3.3 when there is no newer one, so
-    /// that the reason can be shown in the window.
+    /// Throws Error when there is no display or no OpenGL at all. Asks for OpenGL 4.3 core and takes 3.3 when there is
+    /// no newer one, so that the reason can be shown in the window.
     Window(const std::string& title, int width, int height);
     ~Window();
     Window(const Window&) = delete;
     Window& operator=(const Window&) = delete;
 
-    /// Sleeps until something happens, or `seconds` have passed (negative: endless). True when there was an event or a wake().
+    /// Sleeps until something happens, or `seconds` have passed (negative: endless). True when there was an event or a
+    /// wake().
     bool wait(double seconds);
     /// From any thread: ends wait().
     static void wake();
     void swap();
-    bool closeRequested();                       ///< since the last call
+    bool closeRequested();  ///< since the last call
     std::vector<std::filesystem::path> takeDropped();
     std::vector<KeyPress> takeKeys();
-    /// From now on key events wait for takeRawKeys() instead of going to the callbacks set before. Called once ImGui has set its own.
+    /// From now on key events wait for takeRawKeys() instead of going to the callbacks set before. Called once ImGui
+    /// has set its own.
     void holdKeys();
-    /// The events of one frame: once a key went down nothing is let up in the same frame, neither that key nor the Ctrl held with it,
-    /// because ImGui 1.86 would miss it.
+    /// The events of one frame: once a key went down nothing is let up in the same frame, neither that key nor the Ctrl
+    /// held with it, because ImGui 1.86 would miss it.
     std::vector<RawKey> takeRawKeys();
     bool keysWaiting() const;
-    void readModifiers();                        ///< into input()
+    void readModifiers();  ///< into input()
     void setTitle(const std::string& title);
-    Vec2 size() const;                           ///< screen units
-    Vec2 framebufferSize() const;                ///< pixels
-    float contentScale() const;                  ///< of the monitor: 2 on a HiDPI one
+    Vec2 size() const;             ///< screen units
+    Vec2 framebufferSize() const;  ///< pixels
+    float contentScale() const;    ///< of the monitor: 2 on a HiDPI one
     std::string glVersion() const;
     std::string renderer() const;
     /// The driver has lost everything that was on the GPU; the window must be made anew.

@@ -9,11 +9,13 @@ namespace relamp {
 /// Lets `write` fill a temporary file in the target's folder (same extension), then flushes it to disk and renames it
 /// over `target`. On any failure the target is as it was and the temporary file is gone. Throws Error naming the file;
 /// a full disk throws OutOfResources.
-void writeFileAtomically(const std::filesystem::path& target, const std::function<void(const std::filesystem::path&)>& write);
+void writeFileAtomically(const std::filesystem::path& target,
+                         const std::function<void(const std::filesystem::path&)>& write);
 
-/// Throws for a write to `file` that failed with `reason` (an errno): OutOfResources when the disk, the quota or the allowed file size is at its
-/// end, else Error.
-[[noreturn]] void throwWriteFailure(const std::filesystem::path& file, int reason, const char* what = "cannot be written");
+/// Throws for a write to `file` that failed with `reason` (an errno): OutOfResources when the disk, the quota or the
+/// allowed file size is at its end, else Error.
+[[noreturn]] void throwWriteFailure(const std::filesystem::path& file, int reason,
+                                    const char* what = "cannot be written");
 
 /// Makes names that were changed in a folder last through a power cut; where that is not possible, nothing happens.
 void flushFolder(const std::filesystem::path& folder);

@@ -13,8 +13,7 @@ class Error : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
     template <class... Args>
-    explicit Error(fmt::format_string<Args...> format, Args&&... args)
-        requires(sizeof...(Args) > 0)
+    explicit Error(fmt::format_string<Args...> format, Args&&... args) requires(sizeof...(Args) > 0)
         : std::runtime_error(fmt::format(format, std::forward<Args>(args)...)) {}
 
     /// The same error with `context` (a file, a frame) put before it.
@@ -30,7 +29,8 @@ public:
 /// Thrown by Progress when the user stops a job. Not an error: the inputs are untouched.
 struct Cancelled {};
 
-/// Thrown by Progress inside a stage that can be given up, when the time budget is used up: what was best before it stays.
+/// Thrown by Progress inside a stage that can be given up, when the time budget is used up: what was best before it
+/// stays.
 struct OutOfTime {};
 
 /// Runs `body`; an Error that leaves it gets `context` in front.
@@ -40,9 +40,7 @@ auto withContext(const std::string& context, Body&& body) {
         return body();
     } catch (const OutOfResources& error) {
         throw OutOfResources(context + ": " + error.what());
-    } catch (const Error& error) {
-        throw error.in(context);
-    }
+    } catch (const Error& error) { throw error.in(context); }
 }
 
 }  // namespace relamp

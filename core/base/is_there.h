@@ -1,4 +1,5 @@
-// Whether a file can be found. The library's own functions throw for folders that may not be entered, circles of links and names that are too long.
+// Whether a file can be found. The library's own functions throw for folders that may not be entered, circles of links
+// and names that are too long.
 #pragma once
 #include <filesystem>
 

@@ -20,9 +20,7 @@ public:
         : thread_([this, work = std::move(work), wake = std::move(wake)] {
               try {
                   result_.emplace(work(progress_));
-              } catch (...) {
-                  error_ = std::current_exception();
-              }
+              } catch (...) { error_ = std::current_exception(); }
               done_.store(true, std::memory_order_release);
               if (wake) wake();
           }) {}

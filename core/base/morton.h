@@ -7,7 +7,8 @@
 
 namespace relamp {
 
-/// Key of a point of the unit cube along a Morton curve, ten bits of each coordinate interleaved; outside counts as at the border.
+/// Key of a point of the unit cube along a Morton curve, ten bits of each coordinate interleaved; outside counts as at
+/// the border.
 inline uint64_t mortonKey(const Vec3& p) {
     uint64_t key = 0;
     for (int k = 0; k < 3; ++k) {

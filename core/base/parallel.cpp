@@ -15,8 +15,8 @@
 namespace relamp {
 namespace {
 
-/// Tells ThreadSanitizer what TBB, which is not built with it, guarantees: blocks begin after what came before parallelBlocks, and end before what
-/// comes after it. Nothing holds between two blocks.
+/// Tells ThreadSanitizer what TBB, which is not built with it, guarantees: blocks begin after what came before
+/// parallelBlocks, and end before what comes after it. Nothing holds between two blocks.
 class Handover {
 public:
 #if defined(__SANITIZE_THREAD__) || __has_feature(thread_sanitizer)
@@ -58,14 +58,17 @@ void parallelBlocks(size_t count, size_t block, const std::function<void(size_t,
     const size_t blocks = (count + block - 1) / block;
     Handover handover;
     // An exception must reach the caller as itself, and TBB's cancellation must not skip blocks silently.
-    tbb::parallel_for(tbb::blocked_range<size_t>(0, blocks, 1), [&](const tbb::blocked_range<size_t>& range) {
-        for (size_t b = range.begin(); b != range.end(); ++b) {
-            const Block inside(handover);
-            const size_t begin = b * block, end = std::min(count, begin + block);
-            body(begin, end);
-            if (progress) progress->advance(end - begin);
-        }
-    }, tbb::simple_partitioner());
+    tbb::parallel_for(
+        tbb::blocked_range<size_t>(0, blocks, 1),
+        [&](const tbb::blocked_range<size_t>& range) {
+            for (size_t b = range.begin(); b != range.end(); ++b) {
+                const Block inside(handover);
+                const size_t begin = b * block, end = std::min(count, begin + block);
+                body(begin, end);
+                if (progress) progress->advance(end - begin);
+            }
+        },
+        tbb::simple_partitioner());
 }
 
 }  // namespace relamp

@@ -28,7 +28,8 @@ int availableThreads();
 
 /// Calls body(begin, end) for consecutive blocks of `block` indices covering [0, count). Advances `progress` by the
 /// block's size and stops with Cancelled between blocks. An exception in a body is rethrown here.
-void parallelBlocks(size_t count, size_t block, const std::function<void(size_t, size_t)>& body, Progress* progress = nullptr);
+void parallelBlocks(size_t count, size_t block, const std::function<void(size_t, size_t)>& body,
+                    Progress* progress = nullptr);
 
 /// Calls body(i) for every i in [0, count).
 template <class Body>
@@ -45,7 +46,8 @@ void parallelFor(size_t count, size_t block, Body&& body, Progress* progress = n
 template <class T, class Partial>
 T parallelSum(size_t count, size_t block, T zero, Partial&& partial, Progress* progress = nullptr) {
     std::vector<T> parts((count + block - 1) / block, zero);
-    parallelBlocks(count, block, [&](size_t begin, size_t end) { parts[begin / block] = partial(begin, end); }, progress);
+    parallelBlocks(
+        count, block, [&](size_t begin, size_t end) { parts[begin / block] = partial(begin, end); }, progress);
     T sum = zero;
     for (const T& part : parts) sum += part;
     return sum;

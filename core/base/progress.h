@@ -28,7 +28,8 @@ public:
         if (stop_.load(std::memory_order_relaxed)) throw Cancelled{};
         if (dispensable_.load(std::memory_order_relaxed) > 0 && outOfTime()) throw OutOfTime{};
     }
-    /// While it lives, check(), begin() and advance() throw OutOfTime once the budget is used up: for work that can be given up in the middle.
+    /// While it lives, check(), begin() and advance() throw OutOfTime once the budget is used up: for work that can be
+    /// given up in the middle.
     class Dispensable {
     public:
         explicit Dispensable(Progress& progress) : progress_(progress) { ++progress_.dispensable_; }

@@ -39,8 +39,7 @@ StageMeter::~StageMeter() = default;
 void StageMeter::look() {
     const size_t now = allocatedBytes();
     size_t seen = highest_.load();
-    while (now > seen && !highest_.compare_exchange_weak(seen, now)) {
-    }
+    while (now > seen && !highest_.compare_exchange_weak(seen, now)) {}
 }
 
 void StageMeter::begin(const std::string& name) {

@@ -13,11 +13,12 @@ namespace relamp {
 struct StageCost {
     std::string name;
     double seconds = 0;  ///< pauses not counted; the sum over all runs of the stage
-    double mib = 0;      ///< most memory allocated at one time beyond what was allocated when the stage began; the largest over its runs
+    double mib = 0;  ///< most memory allocated at one time beyond what was allocated when the stage began; the largest
+                     ///< over its runs
 };
 
-/// One stage at a time. A thread looks at the allocator's books every 10 ms while a stage runs; the answer of the work measured
-/// is not touched.
+/// One stage at a time. A thread looks at the allocator's books every 10 ms while a stage runs; the answer of the work
+/// measured is not touched.
 class StageMeter {
 public:
     explicit StageMeter(Progress& progress);

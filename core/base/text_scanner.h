@@ -23,7 +23,9 @@ public:
         while (at_ < text_.size() && text_[at_] != '\n' && text_[at_] != '\r') ++at_;
         const std::string_view found = text_.substr(begin, at_ - begin);
         if (at_ < text_.size() && text_[at_] == '\r') ++at_;
-        if (at_ < text_.size() && text_[at_] == '\n' && (at_ == 0 || at_ == begin + found.size() || text_[at_ - 1] == '\r')) ++at_;
+        if (at_ < text_.size() && text_[at_] == '\n' &&
+            (at_ == 0 || at_ == begin + found.size() || text_[at_ - 1] == '\r'))
+            ++at_;
         return found;
     }
     /// The next word on any line; empty at the end. `comment` starts a comment up to the end of the line (0: none).

@@ -7,7 +7,8 @@
 namespace relamp {
 namespace {
 
-/// Roughnesses in equal steps of the logarithm: neighbouring lobes then overlap equally at the sharp and at the wide end.
+/// Roughnesses in equal steps of the logarithm: neighbouring lobes then overlap equally at the sharp and at the wide
+/// end.
 void addLadder(BrdfBasis& basis, Lobe::Kind kind, const char* name, float sharpest, float widest, int steps) {
     for (int i = 0; i < steps; ++i) {
         const float roughness = sharpest * std::pow(widest / sharpest, float(i) / float(steps - 1));
@@ -36,8 +37,10 @@ BrdfBasis wideBasis() {
     addLadder(basis, Lobe::Kind::cookTorrance, "cook-torrance", 0.08f, 0.85f, 9);
     addLadder(basis, Lobe::Kind::ward, "ward", 0.08f, 0.8f, 5);
     // Backscatter of cloth and paint, and forward scatter towards grazing.
-    for (const auto& [kind, name, most] : {std::tuple{Lobe::Kind::lafortuneBack, "lafortune back", 8}, std::tuple{Lobe::Kind::lafortuneForward, "lafortune forward", 4}})
-        for (int n = 1; n <= most; n *= 2) basis.lobes.push_back({kind, std::sqrt(2 / float(n + 2)), fmt::format("{} {}", name, n)});
+    for (const auto& [kind, name, most] : {std::tuple{Lobe::Kind::lafortuneBack, "lafortune back", 8},
+                                           std::tuple{Lobe::Kind::lafortuneForward, "lafortune forward", 4}})
+        for (int n = 1; n <= most; n *= 2)
+            basis.lobes.push_back({kind, std::sqrt(2 / float(n + 2)), fmt::format("{} {}", name, n)});
     return basis;
 }
 
@@ -57,13 +60,16 @@ Lobe measuredLobe(std::shared_ptr<const MeasuredGloss> gloss) {
 std::vector<Lobe> readMeasuredLobes(const std::filesystem::path& folder) {
     std::error_code failed;
     std::vector<std::filesystem::path> files;
-    for (std::filesystem::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed))
+    for (std::filesystem::directory_iterator entry(folder, failed), end; !failed && entry != end;
+         entry.increment(failed))
         if (entry->path().extension() == ".binary") files.push_back(entry->path());
     if (failed) throw Error("{}: cannot be read ({})", folder.string(), failed.message());
-    if (files.empty()) throw Error("{}: holds no measured reflectance, expected MERL files that end in .binary", folder.string());
+    if (files.empty())
+        throw Error("{}: holds no measured reflectance, expected MERL files that end in .binary", folder.string());
     std::sort(files.begin(), files.end());
     std::vector<Lobe> lobes;
-    for (const auto& file : files) lobes.push_back(measuredLobe(std::make_shared<const MeasuredGloss>(glossOf(readMerl(file), file))));
+    for (const auto& file : files)
+        lobes.push_back(measuredLobe(std::make_shared<const MeasuredGloss>(glossOf(readMerl(file), file))));
     return lobes;
 }
 
@@ -95,7 +101,8 @@ float lobeAlbedo(const Lobe& lobe) {
     float sum = 0;
     for (int i = 0; i < rings; ++i) {
         const float share = (float(i) + 0.5f) / rings, half = share * share * 0.25f * pi, theta = 2 * half;
-        sum += evaluateLobe(lobe, {std::sin(theta), 0, std::cos(theta)}, {0, 0, 1}) * std::cos(theta) * std::sin(theta) * 2 * pi * (pi * share / rings);
+        sum += evaluateLobe(lobe, {std::sin(theta), 0, std::cos(theta)}, {0, 0, 1}) * std::cos(theta) *
+               std::sin(theta) * 2 * pi * (pi * share / rings);
     }
     return sum;
 }

@@ -9,10 +9,11 @@ namespace {
 
 struct Pair {
     Vec3 light, eye;
-    float solidAngle;   // of the light
+    float solidAngle;  // of the light
 };
 
-/// Light directions on a polar grid about the normal and, finer, about the mirror direction; grazing ones are left out, where nothing was measured well.
+/// Light directions on a polar grid about the normal and, finer, about the mirror direction; grazing ones are left out,
+/// where nothing was measured well.
 std::vector<Pair> somePairs() {
     std::vector<Pair> pairs;
     constexpr int rings = 24, azimuths = 12;
@@ -21,7 +22,8 @@ std::vector<Pair> somePairs() {
         for (int i = 0; i < rings; ++i)
             for (int k = 0; k < azimuths; ++k) {
                 // Half vectors, dense about the normal.
-                const float share = (float(i) + 0.5f) / rings, theta = share * share * 0.5f * pi, phi = (float(k) + 0.5f) / azimuths * pi;
+                const float share = (float(i) + 0.5f) / rings, theta = share * share * 0.5f * pi,
+                            phi = (float(k) + 0.5f) / azimuths * pi;
                 const Vec3 h(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta));
                 const float cosine = glm::dot(eye, h);
                 const Vec3 light = 2 * cosine * h - eye;
@@ -63,7 +65,8 @@ MeasuredGloss glossOf(const MeasuredBrdf& brdf, std::filesystem::path file) {
     for (const Pair& p : pairs) values.push_back(brdf.evaluate(p.light, p.eye));
     for (int c = 0; c < 3; ++c) {
         std::vector<std::pair<float, float>> weighted;
-        for (size_t i = 0; i < pairs.size(); ++i) weighted.emplace_back(values[i][c], pairs[i].solidAngle * pairs[i].light.z);
+        for (size_t i = 0; i < pairs.size(); ++i)
+            weighted.emplace_back(values[i][c], pairs[i].solidAngle * pairs[i].light.z);
         gloss.matte[c] = std::min(1.0f, pi * quantile(std::move(weighted), 0.05f));
     }
     const Rgb floor = gloss.matte / pi;
@@ -78,19 +81,22 @@ MeasuredGloss glossOf(const MeasuredBrdf& brdf, std::filesystem::path file) {
     double square = 0;
     std::vector<double> shape;
     for (size_t i = 0; i < pairs.size(); ++i) {
-        const double g = double(gloss.evaluate(pairs[i].light, pairs[i].eye)), w = double(pairs[i].solidAngle * pairs[i].light.z * pairs[i].light.z);
+        const double g = double(gloss.evaluate(pairs[i].light, pairs[i].eye)),
+                     w = double(pairs[i].solidAngle * pairs[i].light.z * pairs[i].light.z);
         cross += w * g * glm::dvec3(glm::max(values[i] - floor, Rgb(0)));
         square += w * g * g;
         shape.push_back(g);
     }
     if (square > 0) gloss.colour = Rgb(cross / square);
-    // The width of the bare GGX lobe that is nearest after scaling, by cube roots: they see the tails, where most directions are.
+    // The width of the bare GGX lobe that is nearest after scaling, by cube roots: they see the tails, where most
+    // directions are.
     double least = std::numeric_limits<double>::infinity();
     for (float roughness = 0.08f; roughness < 0.85f; roughness *= 1.15f) {
         const float alpha = roughness * roughness;
         double gg = 0, gs = 0, ss = 0;
         for (size_t i = 0; i < pairs.size(); ++i) {
-            const double g = std::cbrt(double(ggx(pairs[i].light, pairs[i].eye, alpha))), s = std::cbrt(shape[i]), w = double(pairs[i].solidAngle);
+            const double g = std::cbrt(double(ggx(pairs[i].light, pairs[i].eye, alpha))), s = std::cbrt(shape[i]),
+                         w = double(pairs[i].solidAngle);
             gg += w * g * g;
             gs += w * g * s;
             ss += w * s * s;

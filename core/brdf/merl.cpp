@@ -34,7 +34,8 @@ HalfAngles halfAngles(const Vec3& towardLight, const Vec3& towardEye) {
     HalfAngles angles;
     const double across = std::hypot(h.x, h.y);
     angles.half = std::atan2(across, h.z);
-    // The light in the frame whose +Z is the half vector and whose X lies in the plane of the normal: turned by -phi_h, then -theta_h.
+    // The light in the frame whose +Z is the half vector and whose X lies in the plane of the normal: turned by -phi_h,
+    // then -theta_h.
     const double cosPhi = across > 1e-12 ? h.x / across : 1, sinPhi = across > 1e-12 ? h.y / across : 0;
     const DVec3 turned(cosPhi * light.x + sinPhi * light.y, -sinPhi * light.x + cosPhi * light.y, light.z);
     const DVec3 d(h.z * turned.x - across * turned.z, turned.y, across * turned.x + h.z * turned.z);
@@ -47,7 +48,8 @@ HalfAngles halfAngles(const Vec3& towardLight, const Vec3& towardEye) {
 }
 
 std::array<MerlCorner, 8> merlCorners(const Vec3& towardLight, const Vec3& towardEye) {
-    constexpr int halfSteps = MeasuredBrdf::halfSteps, differenceSteps = MeasuredBrdf::differenceSteps, azimuthSteps = MeasuredBrdf::azimuthSteps;
+    constexpr int halfSteps = MeasuredBrdf::halfSteps, differenceSteps = MeasuredBrdf::differenceSteps,
+                  azimuthSteps = MeasuredBrdf::azimuthSteps;
     const HalfAngles angles = halfAngles(towardLight, towardEye);
     const Between h = clamped(std::sqrt(angles.half / (0.5 * piD)) * halfSteps, halfSteps);
     const Between d = clamped(angles.difference / (0.5 * piD) * differenceSteps, differenceSteps);
@@ -77,8 +79,10 @@ Rgb MeasuredBrdf::evaluate(const Vec3& towardLight, const Vec3& towardEye) const
 }
 
 MeasuredBrdf readMerl(const std::filesystem::path& file) {
-    static_assert(std::endian::native == std::endian::little, "MERL's files are little-endian and are read as they are");
-    constexpr size_t cellCount = size_t(MeasuredBrdf::halfSteps) * MeasuredBrdf::differenceSteps * MeasuredBrdf::azimuthSteps;
+    static_assert(std::endian::native == std::endian::little,
+                  "MERL's files are little-endian and are read as they are");
+    constexpr size_t cellCount =
+        size_t(MeasuredBrdf::halfSteps) * MeasuredBrdf::differenceSteps * MeasuredBrdf::azimuthSteps;
     constexpr size_t expected = 12 + cellCount * 3 * sizeof(double);
     std::error_code failed;
     const auto size = std::filesystem::file_size(file, failed);
@@ -88,7 +92,8 @@ MeasuredBrdf readMerl(const std::filesystem::path& file) {
     int32_t counts[3];
     std::memcpy(counts, bytes.data(), sizeof counts);
     if (counts[0] != 90 || counts[1] != 90 || counts[2] != 180)
-        throw Error("{}: its first numbers are {} {} {}, expected 90 90 180", file.string(), counts[0], counts[1], counts[2]);
+        throw Error("{}: its first numbers are {} {} {}, expected 90 90 180", file.string(), counts[0], counts[1],
+                    counts[2]);
     MeasuredBrdf brdf;
     brdf.name = file.stem().string();
     brdf.cells.resize(cellCount);
@@ -98,7 +103,8 @@ MeasuredBrdf readMerl(const std::filesystem::path& file) {
         for (size_t c = 0; c < 3; ++c) {
             double stored;
             std::memcpy(&stored, bytes.data() + 12 + (c * cellCount + i) * sizeof stored, sizeof stored);
-            if (!std::isfinite(stored) || stored > 1e12) throw Error("{}: cell {} of channel {} is {}, expected a finite number", file.string(), i, c, stored);
+            if (!std::isfinite(stored) || stored > 1e12)
+                throw Error("{}: cell {} of channel {} is {}, expected a finite number", file.string(), i, c, stored);
             below |= stored < 0;
             value[int(c)] = float(stored * channelScale[c]);
         }

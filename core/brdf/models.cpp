@@ -12,8 +12,8 @@ bool belowHorizon(const Vec3& towardLight, const Vec3& towardEye) { return !(tow
 Vec3 offHorizon(const Vec3& direction) { return {direction.x, direction.y, std::max(direction.z, minimumCosine)}; }
 float squared(float x) { return x * x; }
 
-/// The pair of directions as the microfacet models see it. Every member is symmetric under exchange of the two up to the
-/// names, so each model is reciprocal to the last bit.
+/// The pair of directions as the microfacet models see it. Every member is symmetric under exchange of the two up to
+/// the names, so each model is reciprocal to the last bit.
 struct Pair {
     float lightCosine, eyeCosine;
     float halfXy2, halfZ2, half2;  ///< squared parts of light + eye, not normalised
@@ -83,7 +83,8 @@ float ward(const Vec3& towardLight, const Vec3& towardEye, float alpha) {
 
 float lafortune(const Vec3& towardLight, const Vec3& towardEye, float cxy, float cz, float exponent) {
     if (belowHorizon(towardLight, towardEye)) return 0;
-    const float base = cz * (towardLight.z * towardEye.z) - cxy * (towardLight.x * towardEye.x + towardLight.y * towardEye.y);
+    const float base =
+        cz * (towardLight.z * towardEye.z) - cxy * (towardLight.x * towardEye.x + towardLight.y * towardEye.y);
     return base > 0 ? std::pow(base, exponent) : 0.0f;
 }
 
@@ -92,7 +93,8 @@ float cookTorrance(const Vec3& towardLight, const Vec3& towardEye, float m) {
     const Pair pair(towardLight, towardEye);
     const float m2 = squared(std::max(m, minimumWidth));
     const float beckmann = std::exp(-pair.halfTangent2() / m2) * squared(pair.half2 / pair.halfZ2) / (pi * m2);
-    // V-groove: min(1, 2 (n.h) (n.l) / (l.h), the same with e); in the unnormalised half vector (n.h) / (l.h) = 2 h_z / |h|^2.
+    // V-groove: min(1, 2 (n.h) (n.l) / (l.h), the same with e); in the unnormalised half vector (n.h) / (l.h) = 2 h_z /
+    // |h|^2.
     const float groove = 4 * std::sqrt(pair.halfZ2) / pair.half2 * std::min(pair.lightCosine, pair.eyeCosine);
     return beckmann * std::min(1.0f, groove) / (4 * pair.lightCosine * pair.eyeCosine);
 }

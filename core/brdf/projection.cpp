@@ -10,7 +10,8 @@ namespace relamp {
 namespace {
 
 /// Solves the rows and columns `set` of A x = b; small ridge, because neighbouring lobes are nearly the same.
-bool solveOn(const std::vector<double>& a, const std::vector<double>& b, const std::vector<size_t>& set, std::vector<double>& x) {
+bool solveOn(const std::vector<double>& a, const std::vector<double>& b, const std::vector<size_t>& set,
+             std::vector<double>& x) {
     const size_t n = b.size(), m = set.size();
     std::vector<double> l(m * m);
     x.assign(m, 0);
@@ -41,7 +42,8 @@ bool solveOn(const std::vector<double>& a, const std::vector<double>& b, const s
 /// Roughnesses in a geometric ladder.
 std::vector<float> ladder(float sharpest, float widest, int steps) {
     std::vector<float> result;
-    for (int i = 0; i < steps; ++i) result.push_back(sharpest * std::pow(widest / sharpest, float(i) / float(steps - 1)));
+    for (int i = 0; i < steps; ++i)
+        result.push_back(sharpest * std::pow(widest / sharpest, float(i) / float(steps - 1)));
     return result;
 }
 
@@ -52,7 +54,8 @@ constexpr double darkest = 1e-4;
 
 std::vector<NamedLobe> lobesOf(const BrdfBasis& basis) {
     std::vector<NamedLobe> lobes;
-    for (const Lobe& lobe : basis.lobes) lobes.push_back({lobe.name, [lobe](const Vec3& l, const Vec3& e) { return evaluateLobe(lobe, l, e); }});
+    for (const Lobe& lobe : basis.lobes)
+        lobes.push_back({lobe.name, [lobe](const Vec3& l, const Vec3& e) { return evaluateLobe(lobe, l, e); }});
     return lobes;
 }
 
@@ -61,24 +64,32 @@ std::vector<NamedLobe> lobeDictionary() {
     lobes.push_back({"lambert", [](const Vec3& l, const Vec3& e) { return lambert(l, e); }});
     for (const float r : ladder(0.03f, 0.9f, 14)) {
         const float alpha = r * r;
-        lobes.push_back({fmt::format("ggx {:.3f}", r), [alpha](const Vec3& l, const Vec3& e) { return ggx(l, e, alpha); }});
-        lobes.push_back({fmt::format("ggx dielectric {:.3f}", r), [alpha](const Vec3& l, const Vec3& e) { return ggxDielectric(l, e, alpha); }});
-        lobes.push_back({fmt::format("ggx grazing {:.3f}", r), [alpha](const Vec3& l, const Vec3& e) { return ggxGrazing(l, e, alpha); }});
-        lobes.push_back({fmt::format("cook-torrance {:.3f}", r), [alpha](const Vec3& l, const Vec3& e) { return cookTorrance(l, e, alpha); }});
+        lobes.push_back(
+            {fmt::format("ggx {:.3f}", r), [alpha](const Vec3& l, const Vec3& e) { return ggx(l, e, alpha); }});
+        lobes.push_back({fmt::format("ggx dielectric {:.3f}", r),
+                         [alpha](const Vec3& l, const Vec3& e) { return ggxDielectric(l, e, alpha); }});
+        lobes.push_back({fmt::format("ggx grazing {:.3f}", r),
+                         [alpha](const Vec3& l, const Vec3& e) { return ggxGrazing(l, e, alpha); }});
+        lobes.push_back({fmt::format("cook-torrance {:.3f}", r),
+                         [alpha](const Vec3& l, const Vec3& e) { return cookTorrance(l, e, alpha); }});
     }
     for (const float r : ladder(0.05f, 0.8f, 6)) {
         const float alpha = r * r;
-        lobes.push_back({fmt::format("ward {:.3f}", r), [alpha](const Vec3& l, const Vec3& e) { return ward(l, e, alpha); }});
+        lobes.push_back(
+            {fmt::format("ward {:.3f}", r), [alpha](const Vec3& l, const Vec3& e) { return ward(l, e, alpha); }});
     }
     // Backscatter of cloth and paint, and forward scatter towards grazing.
     for (const float exponent : {1.0f, 2.0f, 4.0f, 8.0f, 16.0f, 64.0f})
-        lobes.push_back({fmt::format("lafortune back {:.0f}", exponent), [exponent](const Vec3& l, const Vec3& e) { return lafortune(l, e, -1, 1, exponent); }});
+        lobes.push_back({fmt::format("lafortune back {:.0f}", exponent),
+                         [exponent](const Vec3& l, const Vec3& e) { return lafortune(l, e, -1, 1, exponent); }});
     for (const float exponent : {1.0f, 2.0f, 4.0f, 8.0f})
-        lobes.push_back({fmt::format("lafortune forward {:.0f}", exponent), [exponent](const Vec3& l, const Vec3& e) { return lafortune(l, e, 1, 0, exponent); }});
+        lobes.push_back({fmt::format("lafortune forward {:.0f}", exponent),
+                         [exponent](const Vec3& l, const Vec3& e) { return lafortune(l, e, 1, 0, exponent); }});
     return lobes;
 }
 
-std::vector<double> nonNegativeLeastSquares(const std::vector<double>& gram, const std::vector<double>& moment, const std::vector<size_t>& allowed) {
+std::vector<double> nonNegativeLeastSquares(const std::vector<double>& gram, const std::vector<double>& moment,
+                                            const std::vector<size_t>& allowed) {
     const size_t n = moment.size();
     std::vector<uint8_t> may(n, allowed.empty()), active(n, 0), tired(n, 0);
     for (const size_t k : allowed) may[k] = 1;
@@ -86,7 +97,8 @@ std::vector<double> nonNegativeLeastSquares(const std::vector<double>& gram, con
     std::vector<size_t> set;
     double tolerance = 0;
     for (size_t k = 0; k < n; ++k)
-        if (gram[k * n + k] > 0) tolerance = std::max(tolerance, 1e-10 * std::abs(moment[k]) / std::sqrt(gram[k * n + k]));
+        if (gram[k * n + k] > 0)
+            tolerance = std::max(tolerance, 1e-10 * std::abs(moment[k]) / std::sqrt(gram[k * n + k]));
     for (size_t round = 0; round < 4 * n + 10; ++round) {
         // The free column that pulls most, in units of its own length.
         size_t enter = n;
@@ -160,7 +172,8 @@ std::vector<BrdfSample> brdfSamples(int detail) {
     return samples;
 }
 
-std::pair<double, double> brdfErrors(const std::vector<BrdfSample>& samples, const std::vector<Rgb>& truth, const std::vector<Rgb>& model) {
+std::pair<double, double> brdfErrors(const std::vector<BrdfSample>& samples, const std::vector<Rgb>& truth,
+                                     const std::vector<Rgb>& model) {
     double difference = 0, size = 0, cube = 0, weights = 0;
     for (size_t i = 0; i < samples.size(); ++i) {
         const double cosine = double(samples[i].towardLight.z), w = double(samples[i].solidAngle);
@@ -176,15 +189,20 @@ std::pair<double, double> brdfErrors(const std::vector<BrdfSample>& samples, con
     return {size > 0 ? std::sqrt(difference / size) : 0, weights > 0 ? std::sqrt(cube / weights) : 0};
 }
 
-BrdfFit projectBrdf(const BrdfFunction& truth, const std::vector<NamedLobe>& basis, const std::vector<BrdfSample>& samples, FitMetric metric, size_t mostLobes, Progress& progress) {
+BrdfFit projectBrdf(const BrdfFunction& truth, const std::vector<NamedLobe>& basis,
+                    const std::vector<BrdfSample>& samples, FitMetric metric, size_t mostLobes, Progress& progress) {
     const size_t n = basis.size(), count = samples.size();
     std::vector<Rgb> values(count);
     std::vector<float> lobes(count * n);
     progress.begin("Fitting reflectance", count);
-    parallelFor(count, 64, [&](size_t i) {
-        values[i] = truth(samples[i].towardLight, samples[i].towardEye);
-        for (size_t k = 0; k < n; ++k) lobes[i * n + k] = basis[k].value(samples[i].towardLight, samples[i].towardEye);
-    }, &progress);
+    parallelFor(
+        count, 64,
+        [&](size_t i) {
+            values[i] = truth(samples[i].towardLight, samples[i].towardEye);
+            for (size_t k = 0; k < n; ++k)
+                lobes[i * n + k] = basis[k].value(samples[i].towardLight, samples[i].towardEye);
+        },
+        &progress);
 
     BrdfFit fit;
     fit.weights.assign(n, Rgb(0));
@@ -232,7 +250,8 @@ BrdfFit projectBrdf(const BrdfFunction& truth, const std::vector<NamedLobe>& bas
                 std::vector<size_t> tried = allowed;
                 tried.push_back(k);
                 error[k] = 0;
-                for (const Channel& channel : channels) error[k] += objective(channel, nonNegativeLeastSquares(channel.gram, channel.moment, tried));
+                for (const Channel& channel : channels)
+                    error[k] += objective(channel, nonNegativeLeastSquares(channel.gram, channel.moment, tried));
             });
             allowed.push_back(size_t(std::min_element(error.begin(), error.end()) - error.begin()));
         }

@@ -81,7 +81,8 @@ std::array<double, codes> noiseOf(const std::vector<ResponseSample>& samples) {
     for (const ResponseSample& s : samples)
         for (const auto& look : s.looks)
             for (size_t c = 0; c < 3; ++c)
-                if (look.code[c] > lowestCode && look.code[c] < highestCode) spreads[size_t(std::min(bins - 1, int(look.code[c] / 16)))].push_back(look.spread[c]);
+                if (look.code[c] > lowestCode && look.code[c] < highestCode)
+                    spreads[size_t(std::min(bins - 1, int(look.code[c] / 16)))].push_back(look.spread[c]);
     std::vector<std::pair<double, double>> knots;
     for (size_t b = 0; b < bins; ++b) {
         if (spreads[b].size() < 20) continue;
@@ -116,8 +117,8 @@ struct Term {
 };
 
 /// Which looks of a sample count in a channel, with their weights for the present curve.
-void termsOf(const ResponseSample& sample, size_t channel, const std::array<double, codes>& g, const std::array<double, codes>& noise, bool first,
-             std::vector<Term>& terms) {
+void termsOf(const ResponseSample& sample, size_t channel, const std::array<double, codes>& g,
+             const std::array<double, codes>& noise, bool first, std::vector<Term>& terms) {
     terms.clear();
     for (const auto& look : sample.looks) {
         const double z = double(look.code[channel]);
@@ -135,7 +136,8 @@ void termsOf(const ResponseSample& sample, size_t channel, const std::array<doub
     }
 }
 
-ChannelFit fitChannel(const std::vector<ResponseSample>& samples, size_t channel, const std::array<double, codes>& noise, double smoothness) {
+ChannelFit fitChannel(const std::vector<ResponseSample>& samples, size_t channel,
+                      const std::array<double, codes>& noise, double smoothness) {
     constexpr size_t n = codes;
     ChannelFit fit;
     std::vector<Term> terms;
@@ -148,7 +150,9 @@ ChannelFit fitChannel(const std::vector<ResponseSample>& samples, size_t channel
         for (const ResponseSample& sample : samples) {
             termsOf(sample, channel, fit.g, noise, first, terms);
             if (terms.size() < 2) continue;
-            const auto value = [&](const Term& t) { return fit.g[size_t(t.knot)] * (1 - t.fraction) + fit.g[size_t(t.knot) + 1] * t.fraction; };
+            const auto value = [&](const Term& t) {
+                return fit.g[size_t(t.knot)] * (1 - t.fraction) + fit.g[size_t(t.knot) + 1] * t.fraction;
+            };
             if (!first)  // Cauchy, twice: the mean itself must not lean to what moved
                 for (int pass = 0; pass < 2; ++pass) {
                     double sum = 0, mean = 0;
@@ -161,7 +165,8 @@ ChannelFit fitChannel(const std::vector<ResponseSample>& samples, size_t channel
                     }
                 }
             double sum = 0, meanTime = 0, meanValue = 0;
-            for (const Term& t : terms) sum += t.weight, meanTime += t.weight * t.logExposure, meanValue += t.weight * value(t);
+            for (const Term& t : terms)
+                sum += t.weight, meanTime += t.weight * t.logExposure, meanValue += t.weight * value(t);
             if (!(sum > 0)) continue;
             meanTime /= sum, meanValue /= sum;
             // The pixel's ln radiance is eliminated: sum w (g - t)^2 - (sum w (g - t))^2 / sum w.
@@ -183,8 +188,11 @@ ChannelFit fitChannel(const std::vector<ResponseSample>& samples, size_t channel
                 ++fit.looks;
             }
         }
-        if (fit.looks < 20) throw Error("only {} looks are well exposed in two exposures or more, so there is no response curve", fit.looks);
-        // Curvature over u = ln(code + 1/2), in which a power law is straight. The weight stands to the data's as one look does.
+        if (fit.looks < 20)
+            throw Error("only {} looks are well exposed in two exposures or more, so there is no response curve",
+                        fit.looks);
+        // Curvature over u = ln(code + 1/2), in which a power law is straight. The weight stands to the data's as one
+        // look does.
         const auto u = [](size_t z) { return std::log(double(z) + 0.5); };
         const double lambda = 2700 * smoothness;
         for (size_t z = 1; z + 1 < n; ++z) {
@@ -246,17 +254,20 @@ ResponseCurve fitResponse(const std::vector<ResponseSample>& samples, double smo
             shortest = std::min(shortest, look.logExposure);
             longest = std::max(longest, look.logExposure);
         }
-    if (!(longest - shortest > 0.1)) throw Error("the exposures do not differ, expected brackets of different exposure times");
+    if (!(longest - shortest > 0.1))
+        throw Error("the exposures do not differ, expected brackets of different exposure times");
     ResponseCurve curve;
     curve.noise = noiseOf(samples);
     curve.samples = samples.size();
-    // Even exposure steps leave ripples of the step's period undetermined, so the curve is as smooth as the data allow: the smoothest
-    // that explains them within a twentieth of the roughest.
+    // Even exposure steps leave ripples of the step's period undetermined, so the curve is as smooth as the data allow:
+    // the smoothest that explains them within a twentieth of the roughest.
     constexpr double ladder[] = {1, 0.3, 0.1};
     constexpr double tolerance = 1.05;
     std::array<std::array<ChannelFit, 3>, 3> fits;
     std::array<double, 3> residual{};
-    parallelFor(9, 1, [&](size_t i) { fits[i / 3][i % 3] = fitChannel(samples, i % 3, curve.noise, smoothness * ladder[i / 3]); });
+    parallelFor(9, 1, [&](size_t i) {
+        fits[i / 3][i % 3] = fitChannel(samples, i % 3, curve.noise, smoothness * ladder[i / 3]);
+    });
     for (size_t step = 0; step < 3; ++step) {
         double chi = 0, looks = 0;
         for (const ChannelFit& fit : fits[step]) chi += fit.chi, looks += double(fit.looks);
@@ -269,12 +280,14 @@ ResponseCurve fitResponse(const std::vector<ResponseSample>& samples, double smo
     return curve;
 }
 
-std::vector<ResponseSample> sampleBracket(const std::vector<CodePicture>& pictures, const std::vector<double>& exposures, size_t count) {
+std::vector<ResponseSample> sampleBracket(const std::vector<CodePicture>& pictures,
+                                          const std::vector<double>& exposures, size_t count) {
     std::vector<ResponseSample> samples;
     if (pictures.empty() || count == 0) return samples;
     const int width = pictures[0].width, height = pictures[0].height;
     if (width < 8 || height < 8) return samples;
-    const int across = std::max(1, int(std::sqrt(double(count) * width / height))), down = std::max(1, int(double(count) / across));
+    const int across = std::max(1, int(std::sqrt(double(count) * width / height))),
+              down = std::max(1, int(double(count) / across));
     struct Place {
         int x = -1, y = -1;
         float score = 1e9f;
@@ -342,7 +355,7 @@ namespace {
 struct ReadSet {
     std::vector<CodePicture> pictures;
     std::vector<double> exposures;
-    std::vector<PixelShift> shifts;   // empty: none was moved
+    std::vector<PixelShift> shifts;  // empty: none was moved
 };
 
 /// The exposure most pixels of which are neither bright nor dark.
@@ -373,11 +386,14 @@ std::vector<size_t> fromShortest(const std::vector<double>& exposures) {
 ReadSet readSet(const Bracket& set, const BracketOptions& options, const Progress& progress) {
     ReadSet read;
     read.pictures.resize(set.size());
-    parallelFor(set.size(), 1, [&](size_t i) { read.pictures[i] = readCodes(set[i].file, options.maxPixels, [&] { progress.check(); }); });
+    parallelFor(set.size(), 1, [&](size_t i) {
+        read.pictures[i] = readCodes(set[i].file, options.maxPixels, [&] { progress.check(); });
+    });
     for (size_t i = 0; i < set.size(); ++i) {
         const CodePicture &p = read.pictures[i], &first = read.pictures[0];
         if (p.width != first.width || p.height != first.height)
-            throw Error("{}: is {} x {} pixels, {} is {} x {}", set[i].file.string(), p.width, p.height, set[0].file.string(), first.width, first.height);
+            throw Error("{}: is {} x {} pixels, {} is {} x {}", set[i].file.string(), p.width, p.height,
+                        set[0].file.string(), first.width, first.height);
         read.exposures.push_back(set[i].exposure);
     }
     if (!options.align || set.size() < 2) return read;
@@ -385,7 +401,8 @@ ReadSet readSet(const Bracket& set, const BracketOptions& options, const Progres
     for (size_t i = 0; i < set.size(); ++i)
         if (set[i].reference) reference = i;
     read.shifts = bracketShifts(read.pictures, read.exposures, reference);
-    if (std::all_of(read.shifts.begin(), read.shifts.end(), [](const PixelShift& s) { return s == PixelShift{}; })) read.shifts.clear();
+    if (std::all_of(read.shifts.begin(), read.shifts.end(), [](const PixelShift& s) { return s == PixelShift{}; }))
+        read.shifts.clear();
     for (size_t i = 0; i < read.shifts.size(); ++i) read.pictures[i] = shifted(read.pictures[i], read.shifts[i]);
     return read;
 }
@@ -406,9 +423,11 @@ ResponseCurve responseOf(const std::vector<Bracket>& sets, const BracketOptions&
         for (const CodePicture& p : read.pictures) linear += p.linear, ++looked;
         for (ResponseSample& s : sampleBracket(read.pictures, read.exposures, each)) samples.push_back(std::move(s));
     }
-    if (linear && linear != looked) throw Error("{}: some exposures are linear (camera raw) and others are not", sets[0][0].file.string());
+    if (linear && linear != looked)
+        throw Error("{}: some exposures are linear (camera raw) and others are not", sets[0][0].file.string());
     if (linear) return linearResponse();
-    return withContext(sets.empty() || sets[0].empty() ? std::string("brackets") : sets[0][0].file.string(), [&] { return fitResponse(samples, options.smoothness); });
+    return withContext(sets.empty() || sets[0].empty() ? std::string("brackets") : sets[0][0].file.string(),
+                       [&] { return fitResponse(samples, options.smoothness); });
 }
 
 namespace {
@@ -418,7 +437,8 @@ class EdgeNoise {
 public:
     /// `slope(channel, code)`: of ln exposure over the code.
     template <class Slope>
-    EdgeNoise(const std::vector<CodePicture>& pictures, const std::vector<double>& exposures, const ResponseCurve& response, const Slope& slope)
+    EdgeNoise(const std::vector<CodePicture>& pictures, const std::vector<double>& exposures,
+              const ResponseCurve& response, const Slope& slope)
         : pictures_(pictures), slope_(slope) {
         const int width = pictures[0].width, height = pictures[0].height;
         if (pictures.size() < 2 || width < 8 || height < 8) return;
@@ -433,8 +453,10 @@ public:
                     for (size_t i = 0; i < pictures.size(); ++i) {
                         const double z = codeAt(i, x, y, c);
                         if (i == a || z < 30 || z > 225) continue;
-                        const double r = std::log(response.exposure(int(c), z) * exposures[a] / (response.exposure(int(c), za) * exposures[i]));
-                        const double ni = slope(c, z) * relamp::at(response.noise, z), na = slope(c, za) * relamp::at(response.noise, za);
+                        const double r = std::log(response.exposure(int(c), z) * exposures[a] /
+                                                  (response.exposure(int(c), za) * exposures[i]));
+                        const double ni = slope(c, z) * relamp::at(response.noise, z),
+                                     na = slope(c, za) * relamp::at(response.noise, za);
                         // The median of a normal variable's square is 0.455 of its variance; both exposures are off.
                         found.push_back((r * r / 0.455 - ni * ni - na * na) / (2 * steep2));
                     }
@@ -453,7 +475,7 @@ public:
         return variance * gradient2(middleOf(x, y, c), x, y, c);
     }
 
-    double variance = 0;   ///< square pixels, an axis
+    double variance = 0;  ///< square pixels, an axis
 
 private:
     double codeAt(size_t i, int x, int y, size_t c) const { return double(pictures_[i].at(x, y)[c]) / 257; }
@@ -465,7 +487,8 @@ private:
         return best;
     }
     double gradient2(size_t i, int x, int y, size_t c) const {
-        const double gx = 0.5 * (codeAt(i, x + 1, y, c) - codeAt(i, x - 1, y, c)), gy = 0.5 * (codeAt(i, x, y + 1, c) - codeAt(i, x, y - 1, c));
+        const double gx = 0.5 * (codeAt(i, x + 1, y, c) - codeAt(i, x - 1, y, c)),
+                     gy = 0.5 * (codeAt(i, x, y + 1, c) - codeAt(i, x, y - 1, c));
         const double s = slope_(c, std::clamp(codeAt(i, x, y, c), 4.0, 250.0));
         return s * s * (gx * gx + gy * gy);
     }
@@ -475,8 +498,9 @@ private:
 
 }  // namespace
 
-MergedBracket mergeCodes(const std::vector<CodePicture>& pictures, const std::vector<double>& exposures, const ResponseCurve& response,
-                         const BracketOptions& options, Progress& progress, const std::vector<PixelShift>& shifts) {
+MergedBracket mergeCodes(const std::vector<CodePicture>& pictures, const std::vector<double>& exposures,
+                         const ResponseCurve& response, const BracketOptions& options, Progress& progress,
+                         const std::vector<PixelShift>& shifts) {
     MergedBracket merged;
     if (pictures.empty()) return merged;
     const int width = pictures[0].width, height = pictures[0].height;
@@ -487,7 +511,8 @@ MergedBracket mergeCodes(const std::vector<CodePicture>& pictures, const std::ve
     const std::vector<size_t> order = fromShortest(exposures);
     merged.shifts = shifts;
 
-    // Variance of ln radiance by code; the inverse counts, 0 where clipped; a ramp, so that no step shows where an exposure drops out.
+    // Variance of ln radiance by code; the inverse counts, 0 where clipped; a ramp, so that no step shows where an
+    // exposure drops out.
     constexpr double top = highestCode, ramp = 12;
     std::array<std::array<double, codes>, 3> variance{};
     std::array<double, codes> fade{};
@@ -498,7 +523,9 @@ MergedBracket mergeCodes(const std::vector<CodePicture>& pictures, const std::ve
             fade[size_t(z)] = std::clamp(std::min((top - z) / ramp, (z - lowestCode + 1) / 4.0), 0.0, 1.0);
             variance[c][size_t(z)] = sigma * sigma;
         }
-    const auto slope = [&](size_t c, double z) { return response.linear ? 1 / std::max(z, 1.0) : slopeAt(response.logExposure[c], z); };
+    const auto slope = [&](size_t c, double z) {
+        return response.linear ? 1 / std::max(z, 1.0) : slopeAt(response.logExposure[c], z);
+    };
     const EdgeNoise edges(pictures, exposures, response, slope);
     merged.misfit = float(std::sqrt(edges.variance));
     double full = std::numeric_limits<double>::infinity();
@@ -506,101 +533,115 @@ MergedBracket mergeCodes(const std::vector<CodePicture>& pictures, const std::ve
     merged.saturation = float(full / exposures[order[0]]);
 
     // What moved is shown as it was in the best exposure.
-    const size_t best = size_t(std::find(order.begin(), order.end(), bestExposed(pictures, order)) - order.begin());  // place in `order`
+    const size_t best = size_t(std::find(order.begin(), order.end(), bestExposed(pictures, order)) -
+                               order.begin());  // place in `order`
 
     progress.begin("Merging exposures", size_t(height));
-    parallelFor(size_t(height), 8, [&](size_t row) {
-        const int y = int(row);
-        std::vector<std::array<double, 3>> code(count), radiance(count);
-        std::vector<uint8_t> kept(count);
-        for (int x = 0; x < width; ++x) {
-            const size_t pixel = size_t(y) * width + x;
-            for (size_t i = 0; i < count; ++i) {
-                const uint16_t* z = pictures[i].at(x, y);
-                for (size_t c = 0; c < 3; ++c) {
-                    code[i][c] = double(z[c]) / 257;
-                    radiance[i][c] = response.exposure(int(c), code[i][c]) / exposures[i];
-                }
-                const auto inside = [&](const PixelShift& s) { return x + s.x >= 0 && x + s.x < width && y + s.y >= 0 && y + s.y < height; };
-                kept[i] = shifts.empty() || inside(shifts[i]);
-            }
-            if (options.rejectGhosts && count > 1) {
-                // The anchor: the best exposure, or the nearest to it that is neither clipped nor black here.
-                const auto usable = [&](size_t i) {
-                    const double most = std::max({code[i][0], code[i][1], code[i][2]});
-                    return kept[i] && most < 240 && most > 20;
-                };
-                size_t anchor = count;
-                for (size_t step = 0; step < count && anchor == count; ++step)
-                    for (const size_t k : {best + step, best - step})
-                        if (k < count && usable(order[k])) {
-                            anchor = order[k];
-                            break;
-                        }
-                for (size_t i = 0; anchor < count && i < count; ++i) {
-                    if (i == anchor || !kept[i]) continue;
+    parallelFor(
+        size_t(height), 8,
+        [&](size_t row) {
+            const int y = int(row);
+            std::vector<std::array<double, 3>> code(count), radiance(count);
+            std::vector<uint8_t> kept(count);
+            for (int x = 0; x < width; ++x) {
+                const size_t pixel = size_t(y) * width + x;
+                for (size_t i = 0; i < count; ++i) {
+                    const uint16_t* z = pictures[i].at(x, y);
                     for (size_t c = 0; c < 3; ++c) {
-                        const double a = code[anchor][c];
-                        if (a < 12 || a > 245) continue;
-                        const double predicted = response.code(int(c), radiance[anchor][c] * exposures[i]);
-                        if (predicted < 4 && code[i][c] < 16) continue;
-                        if (predicted > 243 && code[i][c] > 235) continue;
-                        // Noise of both, the anchor's carried over in ln exposure, and room for what no curve explains.
-                        const double carried = response.linear ? at(response.noise, a) * predicted / a
-                                                               : slopeAt(response.logExposure[c], a) / slopeAt(response.logExposure[c], predicted) * at(response.noise, a);
-                        const double allowed = 6 + 5 * std::min(carried, 12.0) + 5 * at(response.noise, predicted);
-                        if (std::abs(code[i][c] - predicted) <= allowed) continue;
-                        // At edges a shift of half a pixel explains much.
-                        double low = 255, high = 0;
-                        for (int dy = -1; dy <= 1; ++dy)
-                            for (int dx = -1; dx <= 1; ++dx) {
-                                const int nx = std::clamp(x + dx, 0, width - 1), ny = std::clamp(y + dy, 0, height - 1);
-                                const double z = double(pictures[i].at(nx, ny)[c]) / 257;
-                                low = std::min(low, z), high = std::max(high, z);
+                        code[i][c] = double(z[c]) / 257;
+                        radiance[i][c] = response.exposure(int(c), code[i][c]) / exposures[i];
+                    }
+                    const auto inside = [&](const PixelShift& s) {
+                        return x + s.x >= 0 && x + s.x < width && y + s.y >= 0 && y + s.y < height;
+                    };
+                    kept[i] = shifts.empty() || inside(shifts[i]);
+                }
+                if (options.rejectGhosts && count > 1) {
+                    // The anchor: the best exposure, or the nearest to it that is neither clipped nor black here.
+                    const auto usable = [&](size_t i) {
+                        const double most = std::max({code[i][0], code[i][1], code[i][2]});
+                        return kept[i] && most < 240 && most > 20;
+                    };
+                    size_t anchor = count;
+                    for (size_t step = 0; step < count && anchor == count; ++step)
+                        for (const size_t k : {best + step, best - step})
+                            if (k < count && usable(order[k])) {
+                                anchor = order[k];
+                                break;
                             }
-                        if (std::abs(code[i][c] - predicted) <= allowed + (high - low)) continue;
-                        kept[i] = 0;
-                        merged.ghost[pixel] = 1;
+                    for (size_t i = 0; anchor < count && i < count; ++i) {
+                        if (i == anchor || !kept[i]) continue;
+                        for (size_t c = 0; c < 3; ++c) {
+                            const double a = code[anchor][c];
+                            if (a < 12 || a > 245) continue;
+                            const double predicted = response.code(int(c), radiance[anchor][c] * exposures[i]);
+                            if (predicted < 4 && code[i][c] < 16) continue;
+                            if (predicted > 243 && code[i][c] > 235) continue;
+                            // Noise of both, the anchor's carried over in ln exposure, and room for what no curve
+                            // explains.
+                            const double carried = response.linear ? at(response.noise, a) * predicted / a
+                                                                   : slopeAt(response.logExposure[c], a) /
+                                                                         slopeAt(response.logExposure[c], predicted) *
+                                                                         at(response.noise, a);
+                            const double allowed = 6 + 5 * std::min(carried, 12.0) + 5 * at(response.noise, predicted);
+                            if (std::abs(code[i][c] - predicted) <= allowed) continue;
+                            // At edges a shift of half a pixel explains much.
+                            double low = 255, high = 0;
+                            for (int dy = -1; dy <= 1; ++dy)
+                                for (int dx = -1; dx <= 1; ++dx) {
+                                    const int nx = std::clamp(x + dx, 0, width - 1),
+                                              ny = std::clamp(y + dy, 0, height - 1);
+                                    const double z = double(pictures[i].at(nx, ny)[c]) / 257;
+                                    low = std::min(low, z), high = std::max(high, z);
+                                }
+                            if (std::abs(code[i][c] - predicted) <= allowed + (high - low)) continue;
+                            kept[i] = 0;
+                            merged.ghost[pixel] = 1;
+                        }
                     }
                 }
-            }
-            bool clipped = false;
-            for (size_t c = 0; c < 3; ++c) {
-                double sum = 0, weights = 0;
-                const double edge = edges.at(x, y, c);
-                const auto weightAt = [&](double z) { return at(fade, z) / (at(variance[c], z) + edge); };
-                for (size_t i = 0; i < count; ++i) {
-                    if (!kept[i]) continue;
-                    const double w = weightAt(code[i][c]);
-                    sum += w * radiance[i][c], weights += w;
-                }
-                if (weights > 0) {
-                    const double estimate = sum / weights;
-                    sum = weights = 0;
+                bool clipped = false;
+                for (size_t c = 0; c < 3; ++c) {
+                    double sum = 0, weights = 0;
+                    const double edge = edges.at(x, y, c);
+                    const auto weightAt = [&](double z) { return at(fade, z) / (at(variance[c], z) + edge); };
                     for (size_t i = 0; i < count; ++i) {
-                        if (!kept[i] || code[i][c] > 253.5) continue;
-                        const double w = weightAt(response.code(int(c), estimate * exposures[i]));
+                        if (!kept[i]) continue;
+                        const double w = weightAt(code[i][c]);
                         sum += w * radiance[i][c], weights += w;
                     }
-                    merged.image.pixels[pixel][int(c)] = float(weights > 0 ? sum / weights : estimate);
-                    continue;
-                }
-                // Clipped in all that is left, or dark in all: the shortest, or the longest, says the most.
-                size_t shortest = count, longest = count;
-                for (const size_t i : order)
-                    if (kept[i]) {
-                        if (shortest == count) shortest = i;
-                        longest = i;
+                    if (weights > 0) {
+                        const double estimate = sum / weights;
+                        sum = weights = 0;
+                        for (size_t i = 0; i < count; ++i) {
+                            if (!kept[i] || code[i][c] > 253.5) continue;
+                            const double w = weightAt(response.code(int(c), estimate * exposures[i]));
+                            sum += w * radiance[i][c], weights += w;
+                        }
+                        merged.image.pixels[pixel][int(c)] = float(weights > 0 ? sum / weights : estimate);
+                        continue;
                     }
-                const bool bright = code[shortest][c] > 128;
-                clipped |= bright;
-                merged.image.pixels[pixel][int(c)] =
-                    bright ? std::max(float(response.exposure(int(c), top) / exposures[shortest]), merged.saturation) : float(radiance[longest][c]);
-                if (!bright && code[longest][c] < 0.5) merged.image.pixels[pixel][int(c)] = 0.5f * float(response.exposure(int(c), 0.5) / exposures[longest]);
+                    // Clipped in all that is left, or dark in all: the shortest, or the longest, says the most.
+                    size_t shortest = count, longest = count;
+                    for (const size_t i : order)
+                        if (kept[i]) {
+                            if (shortest == count) shortest = i;
+                            longest = i;
+                        }
+                    const bool bright = code[shortest][c] > 128;
+                    clipped |= bright;
+                    merged.image.pixels[pixel][int(c)] =
+                        bright
+                            ? std::max(float(response.exposure(int(c), top) / exposures[shortest]), merged.saturation)
+                            : float(radiance[longest][c]);
+                    if (!bright && code[longest][c] < 0.5)
+                        merged.image.pixels[pixel][int(c)] =
+                            0.5f * float(response.exposure(int(c), 0.5) / exposures[longest]);
+                }
+                merged.clipped[pixel] = clipped;
             }
-            merged.clipped[pixel] = clipped;
-        }
-    }, &progress);
+        },
+        &progress);
 
     // A lone pixel is noise; what moves comes in patches.
     if (options.rejectGhosts) {
@@ -612,7 +653,8 @@ MergedBracket mergeCodes(const std::vector<CodePicture>& pictures, const std::ve
                 for (int dy = -1; dy <= 1; ++dy)
                     for (int dx = -1; dx <= 1; ++dx) {
                         const int nx = x + dx, ny = int(y) + dy;
-                        if (nx >= 0 && ny >= 0 && nx < width && ny < height) around += merged.ghost[size_t(ny) * width + nx];
+                        if (nx >= 0 && ny >= 0 && nx < width && ny < height)
+                            around += merged.ghost[size_t(ny) * width + nx];
                     }
                 patches[y * width + x] = around >= 4;
             }
@@ -633,7 +675,8 @@ MergedBracket mergeCodes(const std::vector<CodePicture>& pictures, const std::ve
     return merged;
 }
 
-MergedBracket mergeBracket(const Bracket& set, const ResponseCurve& response, const BracketOptions& options, Progress& progress) {
+MergedBracket mergeBracket(const Bracket& set, const ResponseCurve& response, const BracketOptions& options,
+                           Progress& progress) {
     const ReadSet read = readSet(set, options, progress);
     return mergeCodes(read.pictures, read.exposures, response, options, progress, read.shifts);
 }
@@ -642,9 +685,10 @@ BracketPhoto bracketPhoto(const std::filesystem::path& file, ExposureTags tags, 
     if (!(tags.seconds > 0)) throw Error("{}: its exposure time is not given, and its EXIF has none", file.string());
     if (!reference.known) reference = {tags.aperture, tags.iso, true};
     double gain = 1;
-    // Light through the lens goes with 1 / aperture^2, the signal with the sensitivity. Where one photograph says nothing it is
-    // taken to be as the first.
-    if (tags.aperture > 0 && reference.aperture > 0) gain *= (reference.aperture / tags.aperture) * (reference.aperture / tags.aperture);
+    // Light through the lens goes with 1 / aperture^2, the signal with the sensitivity. Where one photograph says
+    // nothing it is taken to be as the first.
+    if (tags.aperture > 0 && reference.aperture > 0)
+        gain *= (reference.aperture / tags.aperture) * (reference.aperture / tags.aperture);
     if (tags.iso > 0 && reference.iso > 0) gain *= tags.iso / reference.iso;
     return {file, tags.seconds * gain};
 }

@@ -25,8 +25,8 @@ constexpr Name names[] = {
 };
 
 bool isFisheye(LensModel model) {
-    return model == LensModel::openCvFisheye || model == LensModel::simpleRadialFisheye || model == LensModel::radialFisheye ||
-           model == LensModel::thinPrismFisheye;
+    return model == LensModel::openCvFisheye || model == LensModel::simpleRadialFisheye ||
+           model == LensModel::radialFisheye || model == LensModel::thinPrismFisheye;
 }
 
 /// The radial part of a lens: distorted radius = r N(r^2) / D(r^2), where r is tan(angle) or, for a fisheye, the angle.
@@ -147,8 +147,10 @@ DVec2 undistort(LensModel model, const Radial& radial, const Coefs& k, const DVe
                 return q;
             }
             const double h = 1e-6 * (1 + std::abs(q.x) + std::abs(q.y));
-            const DVec2 dx = (distort(model, radial, k, q + DVec2(h, 0)) - distort(model, radial, k, q - DVec2(h, 0))) / (2 * h);
-            const DVec2 dy = (distort(model, radial, k, q + DVec2(0, h)) - distort(model, radial, k, q - DVec2(0, h))) / (2 * h);
+            const DVec2 dx =
+                (distort(model, radial, k, q + DVec2(h, 0)) - distort(model, radial, k, q - DVec2(h, 0))) / (2 * h);
+            const DVec2 dy =
+                (distort(model, radial, k, q + DVec2(0, h)) - distort(model, radial, k, q - DVec2(0, h))) / (2 * h);
             const double determinant = dx.x * dy.y - dx.y * dy.x;
             if (!(std::abs(determinant) > 1e-12)) return q;
             q -= DVec2(dy.y * miss.x - dy.x * miss.y, dx.x * miss.y - dx.y * miss.x) / determinant;
@@ -227,7 +229,8 @@ Vec3 Camera::rayDirection(const Vec2& pixel) const {
         const double factor = angle > 1e-12 ? std::sin(angle) / angle : 1.0;
         ray = DVec3(q.x * factor, q.y * factor, std::cos(angle));
     }
-    const DVec3 world = DVec3(worldFromCamera[0]) * ray.x - DVec3(worldFromCamera[1]) * ray.y - DVec3(worldFromCamera[2]) * ray.z;
+    const DVec3 world =
+        DVec3(worldFromCamera[0]) * ray.x - DVec3(worldFromCamera[1]) * ray.y - DVec3(worldFromCamera[2]) * ray.z;
     return Vec3(glm::normalize(world));
 }
 

@@ -10,19 +10,31 @@
 namespace relamp {
 
 enum class LensModel {
-    simplePinhole, pinhole, simpleRadial, radial, openCv, openCvFisheye, fullOpenCv, fov, simpleRadialFisheye, radialFisheye, thinPrismFisheye
+    simplePinhole,
+    pinhole,
+    simpleRadial,
+    radial,
+    openCv,
+    openCvFisheye,
+    fullOpenCv,
+    fov,
+    simpleRadialFisheye,
+    radialFisheye,
+    thinPrismFisheye
 };
 
 /// COLMAP's name of a model ("OPENCV") and back; empty when unknown.
 std::optional<LensModel> lensModelFromName(const std::string& name);
 std::string lensModelName(LensModel model);
 
-/// A posed camera. Camera axes are OpenGL's: +X right, +Y up, looks down -Z. Pixel (0,0) has its centre at (0.5, 0.5), y down.
+/// A posed camera. Camera axes are OpenGL's: +X right, +Y up, looks down -Z. Pixel (0,0) has its centre at (0.5, 0.5),
+/// y down.
 struct Camera {
-    int width = 0, height = 0;                       ///< pixels
+    int width = 0, height = 0;                                ///< pixels
     double focalX = 0, focalY = 0, centreX = 0, centreY = 0;  ///< pixels
     LensModel model = LensModel::pinhole;
-    /// Distortion in COLMAP's order for the model (k1 k2 p1 p2 k3 k4 k5 k6 / fisheye k1..k4 / FOV's omega); unused ones are 0.
+    /// Distortion in COLMAP's order for the model (k1 k2 p1 p2 k3 k4 k5 k6 / fisheye k1..k4 / FOV's omega); unused ones
+    /// are 0.
     std::array<double, 8> distortion{};
     DMat4 worldFromCamera{1.0};
 

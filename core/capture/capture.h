@@ -15,12 +15,12 @@ namespace relamp {
 
 /// One photograph with its camera, linear Rec.709 radiance up to the gauge.
 struct View {
-    std::string name;            ///< file name as in transforms.json or COLMAP's model
+    std::string name;  ///< file name as in transforms.json or COLMAP's model
     std::filesystem::path file;
     Camera camera;
-    Image image;                 ///< `usable` marks masked, NaN, Inf and negative pixels as 0
+    Image image;  ///< `usable` marks masked, NaN, Inf and negative pixels as 0
     ImageReport imageReport;
-    float saturation = 0;        ///< radiance at and above which a pixel counts as clipped; 0: the file has no clip level
+    float saturation = 0;  ///< radiance at and above which a pixel counts as clipped; 0: the file has no clip level
 };
 
 /// What a COLMAP model says of its own fit; absent for other captures.
@@ -34,17 +34,19 @@ struct ReconstructionFigures {
 /// Photographs, cameras, mesh.
 struct Capture {
     std::filesystem::path folder;
-    DVec3 origin{0};             ///< where positions of mesh, cameras, points and proxies count from, metres, Z up: 0 unless the capture lies far from its own origin. What leaves relamp or comes in has it added or taken off
-    std::vector<View> views;     ///< in the order of transforms.json, COLMAP's by name; --camera N counts from 0
+    DVec3 origin{
+        0};  ///< where positions of mesh, cameras, points and proxies count from, metres, Z up: 0 unless the capture
+             ///< lies far from its own origin. What leaves relamp or comes in has it added or taken off
+    std::vector<View> views;  ///< in the order of transforms.json, COLMAP's by name; --camera N counts from 0
     Mesh mesh;
     MeshReport meshReport;
-    Vec3 up{0, 0, 1};            ///< axis of the files that is up; mesh and cameras here are turned so that it is +Z
-    Mat3 worldFromFile{1};       ///< that turn
-    double metresPerUnit = 1;    ///< how long one unit of the files is; cameras and mesh here are in metres
+    Vec3 up{0, 0, 1};          ///< axis of the files that is up; mesh and cameras here are turned so that it is +Z
+    Mat3 worldFromFile{1};     ///< that turn
+    double metresPerUnit = 1;  ///< how long one unit of the files is; cameras and mesh here are in metres
     std::optional<ReconstructionFigures> reconstruction;
-    std::vector<DVec3> points;       ///< up to 20000 of a reconstruction's points, turned and scaled as the mesh is
+    std::vector<DVec3> points;        ///< up to 20000 of a reconstruction's points, turned and scaled as the mesh is
     std::vector<ProxyLight> proxies;  ///< the last proxyTriangles of the mesh for each, in this order
-    std::vector<std::string> notes;  ///< what was masked, repaired or ignored, one sentence each
+    std::vector<std::string> notes;   ///< what was masked, repaired or ignored, one sentence each
 };
 
 }  // namespace relamp

@@ -16,14 +16,18 @@ fs::path findMesh(const fs::path& folder, const std::string& meshPath) {
     }
     for (const char* name : {"mesh.ply", "mesh.obj", "mesh.stl", "mesh.off"})
         if (isFile(folder / name)) return folder / name;
-    throw Error("transforms.json: mesh_path is missing, and {} holds no mesh.ply, mesh.obj, mesh.stl or mesh.off", folder.string());
+    throw Error("transforms.json: mesh_path is missing, and {} holds no mesh.ply, mesh.obj, mesh.stl or mesh.off",
+                folder.string());
 }
 
 CaptureSource fromTransforms(const fs::path& folder, const CaptureFix& fix) {
     const fs::path file = folder / "transforms.json";
     if (!isFile(file)) throw Error("{}: does not exist", file.string());
-    const auto pictures = [&](const std::string& filePath) { return findPicture(fix.images.empty() ? folder : placeOf(folder, fix.images), filePath); };
-    Transforms transforms = readTransforms(file, [&](const std::string& filePath) { return readImageSize(pictures(filePath)); });
+    const auto pictures = [&](const std::string& filePath) {
+        return findPicture(fix.images.empty() ? folder : placeOf(folder, fix.images), filePath);
+    };
+    Transforms transforms =
+        readTransforms(file, [&](const std::string& filePath) { return readImageSize(pictures(filePath)); });
     CaptureSource source;
     source.notes = std::move(transforms.notes);
     source.up = transforms.up;
@@ -31,7 +35,8 @@ CaptureSource fromTransforms(const fs::path& folder, const CaptureFix& fix) {
     for (size_t i = 0; i < transforms.frames.size(); ++i) {
         TransformsFrame& frame = transforms.frames[i];
         const std::string& name = frame.filePath.empty() ? frame.exposures[0].filePath : frame.filePath;
-        source.frames.push_back({fmt::format("transforms.json: frame {}", i), name, pictures(name), frame.camera, std::move(frame.exposures)});
+        source.frames.push_back({fmt::format("transforms.json: frame {}", i), name, pictures(name), frame.camera,
+                                 std::move(frame.exposures)});
     }
     return source;
 }
@@ -39,29 +44,42 @@ CaptureSource fromTransforms(const fs::path& folder, const CaptureFix& fix) {
 /// The mesh of a COLMAP capture by the names its own tools give.
 fs::path findColmapMesh(const fs::path& folder, const fs::path& model) {
     for (const fs::path& place : {folder, folder / "dense", folder / "dense/0", model, model / "..", model / "../.."})
-        for (const char* name : {"mesh.ply", "mesh.obj", "mesh.stl", "mesh.off", "meshed-poisson.ply", "meshed-delaunay.ply"})
+        for (const char* name :
+             {"mesh.ply", "mesh.obj", "mesh.stl", "mesh.off", "meshed-poisson.ply", "meshed-delaunay.ply"})
             if (isFile(place / name)) return (place / name).lexically_normal();
-    throw Error("{}: holds no mesh (mesh.ply, mesh.obj, meshed-poisson.ply, dense/meshed-delaunay.ply ...), name it with --mesh", folder.string());
+    throw Error(
+        "{}: holds no mesh (mesh.ply, mesh.obj, meshed-poisson.ply, dense/meshed-delaunay.ply ...), name it with "
+        "--mesh",
+        folder.string());
 }
 
 fs::path findColmapPictures(const fs::path& folder, const fs::path& model, const std::string& first) {
-    for (const fs::path& place : {folder / "images", folder, model / "images", model / "../images", model / "../../images"})
+    for (const fs::path& place :
+         {folder / "images", folder, model / "images", model / "../images", model / "../../images"})
         if (isFile(place / first)) return place.lexically_normal();
-    throw Error("{}: no folder with {} is found (images, ../images, ../../images), name it with --images", folder.string(), first);
+    throw Error("{}: no folder with {} is found (images, ../images, ../../images), name it with --images",
+                folder.string(), first);
 }
 
-CaptureSource fromColmap(const fs::path& folder, const fs::path& modelFolder, const CaptureFix& fix, Progress& progress) {
-    const ColmapModel model = withContext(modelFolder.string(), [&] { return readColmapModel(modelFolder, {}, progress); });
+CaptureSource fromColmap(const fs::path& folder, const fs::path& modelFolder, const CaptureFix& fix,
+                         Progress& progress) {
+    const ColmapModel model =
+        withContext(modelFolder.string(), [&] { return readColmapModel(modelFolder, {}, progress); });
     CaptureSource source;
     source.where = modelFolder.string();
     source.mesh = fix.mesh.empty() ? findColmapMesh(folder, modelFolder) : placeOf(folder, fix.mesh);
-    const fs::path pictures = fix.images.empty() ? findColmapPictures(folder, modelFolder, model.views[0].name) : placeOf(folder, fix.images);
+    const fs::path pictures =
+        fix.images.empty() ? findColmapPictures(folder, modelFolder, model.views[0].name) : placeOf(folder, fix.images);
     std::vector<Camera> cameras;
     for (const ColmapView& view : model.views) cameras.push_back(view.camera);
     for (const ColmapBracket& b : colmapBrackets(pictures, model.views))
-        source.frames.push_back({b.view.name, b.view.name, findPicture(pictures, b.view.name), b.view.camera, b.exposures, true});
+        source.frames.push_back(
+            {b.view.name, b.view.name, findPicture(pictures, b.view.name), b.view.camera, b.exposures, true});
     if (source.frames.size() < model.views.size())
-        source.notes.push_back(fmt::format("{} images are exposures of views that the model holds already; of each view the pose of the exposure nearest to +0 stops counts.", model.views.size() - source.frames.size()));
+        source.notes.push_back(
+            fmt::format("{} images are exposures of views that the model holds already; of each view the pose of the "
+                        "exposure nearest to +0 stops counts.",
+                        model.views.size() - source.frames.size()));
     source.up = Vec3(guessUp(cameras).value_or(DVec3(0, 0, 1)));
     // An axis within two degrees is meant.
     for (int c = 0; c < 3; ++c)
@@ -70,10 +88,16 @@ CaptureSource fromColmap(const fs::path& folder, const fs::path& modelFolder, co
             axis[c] = source.up[c] < 0 ? -1.0f : 1.0f;
             source.up = axis;
         }
-    source.notes.push_back(fmt::format("{}: {} cameras, {} images, {} points; reprojection error {:.3f} pixels (the model says {:.3f}).", modelFolder.string(), model.cameras,
-                                       model.views.size(), model.points.size(), model.errorPixels, model.statedErrorPixels));
-    if (fix.up.empty()) source.notes.push_back(fmt::format("COLMAP does not say what is up: {} is taken, from how the cameras were held; --up says otherwise.", nameFromAxis(source.up)));
-    source.reconstruction = {model.points.size(), model.observations, model.errorPixels, model.statedErrorPixels, model.behind};
+    source.notes.push_back(
+        fmt::format("{}: {} cameras, {} images, {} points; reprojection error {:.3f} pixels (the model says {:.3f}).",
+                    modelFolder.string(), model.cameras, model.views.size(), model.points.size(), model.errorPixels,
+                    model.statedErrorPixels));
+    if (fix.up.empty())
+        source.notes.push_back(fmt::format(
+            "COLMAP does not say what is up: {} is taken, from how the cameras were held; --up says otherwise.",
+            nameFromAxis(source.up)));
+    source.reconstruction = {model.points.size(), model.observations, model.errorPixels, model.statedErrorPixels,
+                             model.behind};
     const size_t stride = std::max<size_t>(1, model.points.size() / 20000);
     for (size_t i = 0; i < model.points.size(); i += stride) source.points.emplace_back(model.points[i]);
     return source;
@@ -103,9 +127,9 @@ fs::path placeOf(const fs::path& folder, const std::string& named) {
 CaptureSource captureSource(const fs::path& folder, const CaptureFix& fix, Progress& progress) {
     std::error_code ignored;
     if (!fs::is_directory(folder, ignored)) throw Error("{}: is not a folder", folder.string());
-    const std::optional<fs::path> colmap = !fix.colmap.empty()                     ? std::optional(placeOf(folder, fix.colmap))
+    const std::optional<fs::path> colmap = !fix.colmap.empty() ? std::optional(placeOf(folder, fix.colmap))
                                            : !isFile(folder / "transforms.json") ? findColmapModel(folder)
-                                                                                  : std::nullopt;
+                                                                                 : std::nullopt;
     progress.begin(colmap ? "Reading the COLMAP model" : "Reading transforms.json", 1);
     return colmap ? fromColmap(folder, *colmap, fix, progress) : fromTransforms(folder, fix);
 }

@@ -11,7 +11,7 @@ namespace relamp {
 
 /// One photograph before it is read.
 struct FrameSource {
-    std::string where;   ///< for errors: "transforms.json: frame 3"
+    std::string where;  ///< for errors: "transforms.json: frame 3"
     std::string name;
     std::filesystem::path file;
     Camera camera;
@@ -20,7 +20,7 @@ struct FrameSource {
 };
 
 struct CaptureSource {
-    std::string where = "transforms.json";   ///< for errors
+    std::string where = "transforms.json";  ///< for errors
     std::vector<FrameSource> frames;
     std::filesystem::path mesh;
     Vec3 up{0, 0, 1};
@@ -29,7 +29,8 @@ struct CaptureSource {
     std::vector<DVec3> points;
 };
 
-/// Reads FOLDER/transforms.json, or a COLMAP model where there is none or `fix` names one. Throws Error naming file and field.
+/// Reads FOLDER/transforms.json, or a COLMAP model where there is none or `fix` names one. Throws Error naming file and
+/// field.
 CaptureSource captureSource(const std::filesystem::path& folder, const CaptureFix& fix, Progress& progress);
 
 /// The picture a file_path names: relative to the capture folder, backslashes allowed, and, as in some NeRF data sets,

@@ -40,7 +40,8 @@ std::vector<Projected> projectVertices(const Camera& camera, const Mesh& mesh, c
     return result;
 }
 
-DepthPicture rasterise(const Camera& camera, const Mesh& mesh, const std::vector<Projected>& vertices, const Progress& progress) {
+DepthPicture rasterise(const Camera& camera, const Mesh& mesh, const std::vector<Projected>& vertices,
+                       const Progress& progress) {
     constexpr int longestSide = 320;
     DepthPicture picture;
     picture.pixelsPerCell = std::max(1.0f, float(std::max(camera.width, camera.height)) / longestSide);
@@ -49,7 +50,8 @@ DepthPicture rasterise(const Camera& camera, const Mesh& mesh, const std::vector
     picture.depth.assign(size_t(picture.width) * picture.height, std::numeric_limits<float>::infinity());
     for (size_t t = 0; t < mesh.triangles.size(); ++t) {
         if (t % 4096 == 0) progress.check();
-        const Projected corner[3] = {vertices[mesh.triangles[t][0]], vertices[mesh.triangles[t][1]], vertices[mesh.triangles[t][2]]};
+        const Projected corner[3] = {vertices[mesh.triangles[t][0]], vertices[mesh.triangles[t][1]],
+                                     vertices[mesh.triangles[t][2]]};
         if (corner[0].depth <= 0 || corner[1].depth <= 0 || corner[2].depth <= 0) continue;
         const Vec2 a = corner[0].pixel / picture.pixelsPerCell, b = corner[1].pixel / picture.pixelsPerCell,
                    c = corner[2].pixel / picture.pixelsPerCell;
@@ -121,8 +123,10 @@ void judgeBackground(const View& view, const DepthPicture& depth, ViewCheck& che
     const auto each = [&](auto&& use) {
         for (int y = 0; y < depth.height; ++y)
             for (int x = 0; x < depth.width; ++x) {
-                const int px = std::min(int((float(x) + 0.5f) * depth.pixelsPerCell), view.image.width - 1), py = std::min(int((float(y) + 0.5f) * depth.pixelsPerCell), view.image.height - 1);
-                use(std::isfinite(depth.depth[size_t(y) * size_t(depth.width) + size_t(x)]), view.image.usableAt(px, py), luminance(view.image.at(px, py)));
+                const int px = std::min(int((float(x) + 0.5f) * depth.pixelsPerCell), view.image.width - 1),
+                          py = std::min(int((float(y) + 0.5f) * depth.pixelsPerCell), view.image.height - 1);
+                use(std::isfinite(depth.depth[size_t(y) * size_t(depth.width) + size_t(x)]),
+                    view.image.usableAt(px, py), luminance(view.image.at(px, py)));
             }
     };
     each([&](bool mesh, bool usable, float y) {
@@ -144,8 +148,8 @@ struct ViewSight {
     std::vector<float> brightness;  ///< log2 luminance per sampled vertex; NaN where it is not seen
 };
 
-ViewSight lookAt(const View& view, const Mesh& mesh, const std::vector<uint8_t>& referenced, size_t stride, ViewCheck& check,
-                 const Progress& progress) {
+ViewSight lookAt(const View& view, const Mesh& mesh, const std::vector<uint8_t>& referenced, size_t stride,
+                 ViewCheck& check, const Progress& progress) {
     const std::vector<Projected> vertices = projectVertices(view.camera, mesh, progress);
     const DepthPicture depth = rasterise(view.camera, mesh, vertices, progress);
     size_t covered = 0, inside = 0;
@@ -166,10 +170,12 @@ ViewSight lookAt(const View& view, const Mesh& mesh, const std::vector<uint8_t>&
         if (glm::dot(mesh.normals[v], towardEye) < 0.2f || p.depth > depth.at(p.pixel) * 1.02f) continue;
         sight.sees[v] = 1;
         if (v % stride || view.image.pixels.empty()) continue;
-        const int x = std::min(int(p.pixel.x), view.image.width - 1), y = std::min(int(p.pixel.y), view.image.height - 1);
+        const int x = std::min(int(p.pixel.x), view.image.width - 1),
+                  y = std::min(int(p.pixel.y), view.image.height - 1);
         const Rgb& colour = view.image.at(x, y);
         const bool clipped = view.saturation > 0 && maxChannel(colour) >= view.saturation;
-        if (view.image.usableAt(x, y) && !clipped && luminance(colour) > 0) sight.brightness[v / stride] = std::log2(luminance(colour));
+        if (view.image.usableAt(x, y) && !clipped && luminance(colour) > 0)
+            sight.brightness[v / stride] = std::log2(luminance(colour));
     }
     check.verticesInside = double(inside) / double(std::max<size_t>(1, mesh.vertexCount()));
     return sight;
@@ -200,7 +206,8 @@ void compareExposures(const std::vector<ViewSight>& sights, CaptureCheck& check)
             if (seen.size() < 2) continue;
             std::sort(seen.begin(), seen.end());
             for (const auto& [value, view] : seen) sorted.push_back(value);
-            for (size_t k = 0; k < seen.size(); ++k) differences[seen[k].second].push_back(sorted[k] - medianWithout(sorted, k));
+            for (size_t k = 0; k < seen.size(); ++k)
+                differences[seen[k].second].push_back(sorted[k] - medianWithout(sorted, k));
         }
         // Half steps, because two views that correct each other fully would swing.
         for (size_t i = 0; i < sights.size(); ++i) {
@@ -245,11 +252,13 @@ void guessAxes(const Capture& capture, CaptureCheck& check) {
     check.upAgreement = glm::dot(cameraUp / length, DVec3(0, 0, 1));
     // Within 45 degrees nothing is said against a direction that is no axis: photographs often look down.
     const bool isAxis = check.up.find(',') == std::string::npos;
-    check.upGuess = !isAxis && check.upAgreement > 0.7 ? check.up : axisName(glm::transpose(capture.worldFromFile) * Vec3(cameraUp / length));
+    check.upGuess = !isAxis && check.upAgreement > 0.7
+                        ? check.up
+                        : axisName(glm::transpose(capture.worldFromFile) * Vec3(cameraUp / length));
 }
 
-/// Share of the points within about two hundredths of the mesh's size from its surface, and the sizes' ratio: a mesh from another run, or
-/// in another unit, shows here.
+/// Share of the points within about two hundredths of the mesh's size from its surface, and the sizes' ratio: a mesh
+/// from another run, or in another unit, shows here.
 void comparePoints(const Capture& capture, CaptureCheck& check) {
     const Mesh& mesh = capture.mesh;
     if (capture.points.size() < 20 || mesh.triangles.empty()) return;
@@ -263,7 +272,8 @@ void comparePoints(const Capture& capture, CaptureCheck& check) {
         for (int z = int(at.z) - spread; z <= int(at.z) + spread; ++z)
             for (int y = int(at.y) - spread; y <= int(at.y) + spread; ++y)
                 for (int x = int(at.x) - spread; x <= int(at.x) + spread; ++x)
-                    if (x >= 0 && y >= 0 && z >= 0 && x <= side && y <= side && z <= side) use((size_t(z) * (side + 1) + size_t(y)) * (side + 1) + size_t(x));
+                    if (x >= 0 && y >= 0 && z >= 0 && x <= side && y <= side && z <= side)
+                        use((size_t(z) * (side + 1) + size_t(y)) * (side + 1) + size_t(x));
     };
     std::vector<uint8_t> surface(size_t(side + 1) * (side + 1) * (side + 1), 0);
     for (const Triangle& t : mesh.triangles) {
@@ -272,7 +282,8 @@ void comparePoints(const Capture& capture, CaptureCheck& check) {
         const int steps = std::clamp(int(std::ceil(longest / (0.7f * cell))), 1, 2 * side);
         for (int i = 0; i <= steps; ++i)
             for (int j = 0; i + j <= steps; ++j)
-                indexOf(a + (b - a) * (float(i) / float(steps)) + (c - a) * (float(j) / float(steps)), 0, [&](size_t k) { surface[k] = 1; });
+                indexOf(a + (b - a) * (float(i) / float(steps)) + (c - a) * (float(j) / float(steps)), 0,
+                        [&](size_t k) { surface[k] = 1; });
     }
     size_t on = 0;
     std::array<std::vector<float>, 3> along;
@@ -286,7 +297,8 @@ void comparePoints(const Capture& capture, CaptureCheck& check) {
     check.pointsOnMesh = double(on) / double(capture.points.size());
     Vec3 cloud;
     for (int c = 0; c < 3; ++c) cloud[c] = quantile(along[size_t(c)], 0.95) - quantile(along[size_t(c)], 0.05);
-    if (const float size = glm::length(cloud); size > 0) check.meshToPoints = double(glm::length(check.meshMax - check.meshMin) / size);
+    if (const float size = glm::length(cloud); size > 0)
+        check.meshToPoints = double(glm::length(check.meshMax - check.meshMin) / size);
 }
 
 std::string percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
@@ -294,49 +306,78 @@ std::string percent(double share) { return fmt::format("{:.1f} %", 100 * share);
 void warn(const Capture& capture, CaptureCheck& check) {
     const auto say = [&](std::string sentence) { check.warnings.push_back(std::move(sentence)); };
     if (check.lookBackwards)
-        say("The mesh lies behind most cameras: the matrices seem to use OpenCV axes (+Y down, +Z forward), OpenGL axes are expected.");
+        say("The mesh lies behind most cameras: the matrices seem to use OpenCV axes (+Y down, +Z forward), OpenGL "
+            "axes are expected.");
     if (!check.upGuess.empty() && check.upGuess != check.up)
-        say(fmt::format("The cameras' up is nearest to {}, the file says {}: set \"up\" in transforms.json, or --up, if the world stands on its side.",
+        say(
+            fmt::format("The cameras' up is nearest to {}, the file says {}: set \"up\" in transforms.json, or --up, "
+                        "if the world stands on its side.",
                         check.upGuess, check.up));
-    if (check.views.size() < 3) say(fmt::format("There are only {} views; light and reflectance are hard to tell apart.", check.views.size()));
+    if (check.views.size() < 3)
+        say(fmt::format("There are only {} views; light and reflectance are hard to tell apart.", check.views.size()));
     for (const ViewCheck& v : check.views) {
-        if (v.meshShare < 0.02) say(fmt::format("{}: the mesh covers {} of the picture; pose, up or scale may be wrong.", v.name, percent(v.meshShare)));
+        if (v.meshShare < 0.02)
+            say(fmt::format("{}: the mesh covers {} of the picture; pose, up or scale may be wrong.", v.name,
+                            percent(v.meshShare)));
         if (v.maskedShare > 0.9) say(fmt::format("{}: {} of the pixels are left out.", v.name, percent(v.maskedShare)));
-        if (v.clippedShare > 0.01) say(fmt::format("{}: {} of the pixels are clipped; brackets would recover them.", v.name, percent(v.clippedShare)));
+        if (v.clippedShare > 0.01)
+            say(fmt::format("{}: {} of the pixels are clipped; brackets would recover them.", v.name,
+                            percent(v.clippedShare)));
         if (v.nan + v.infinite > 0) say(fmt::format("{}: {} pixels are NaN or infinite.", v.name, v.nan + v.infinite));
         // Where the vertices disagree among themselves the surface is glossy, and nothing can be said.
         if (v.comparedVertices >= enoughVertices && std::abs(v.exposureStops) > std::max(0.25, v.exposureScatterStops))
-            say(fmt::format("{}: is {:.2f} stops {} than the other views of the same surface; all views must share one exposure scale.", v.name,
-                            std::abs(v.exposureStops), v.exposureStops > 0 ? "brighter" : "darker"));
-        if (v.maskedShare < 1 && v.meanRadiance == 0 && !capture.views.empty() && !capture.views[0].image.pixels.empty())
+            say(
+                fmt::format("{}: is {:.2f} stops {} than the other views of the same surface; all views must share one "
+                            "exposure scale.",
+                            v.name, std::abs(v.exposureStops), v.exposureStops > 0 ? "brighter" : "darker"));
+        if (v.maskedShare < 1 && v.meanRadiance == 0 && !capture.views.empty() &&
+            !capture.views[0].image.pixels.empty())
             say(fmt::format("{}: is black all over.", v.name));
     }
     if (check.backdrop)
-        say("An object before a masked or black background: none of its light is seen. The light and the brightness scale are assumed (a mean albedo of 0.5 under white light); "
-            "--gauge white-patch or --gauge albedo tells them. The light must stand still while the camera moves: an object that turns before a fixed camera and lamp is lit from elsewhere in each photograph.");
-    if (check.seenTwiceShare < 0.3) say(fmt::format("Only {} of the vertices are seen by two views or more.", percent(check.seenTwiceShare)));
+        say("An object before a masked or black background: none of its light is seen. The light and the brightness "
+            "scale are assumed (a mean albedo of 0.5 under white light); "
+            "--gauge white-patch or --gauge albedo tells them. The light must stand still while the camera moves: an "
+            "object that turns before a fixed camera and lamp is lit from elsewhere in each photograph.");
+    if (check.seenTwiceShare < 0.3)
+        say(fmt::format("Only {} of the vertices are seen by two views or more.", percent(check.seenTwiceShare)));
     const MeshReport& m = check.mesh;
-    if (m.nanVertices) say(fmt::format("The mesh has {} vertices that are not finite; their faces were dropped.", m.nanVertices));
-    if (m.badIndexFaces) say(fmt::format("The mesh has {} faces that name vertices which do not exist; they were dropped.", m.badIndexFaces));
+    if (m.nanVertices)
+        say(fmt::format("The mesh has {} vertices that are not finite; their faces were dropped.", m.nanVertices));
+    if (m.badIndexFaces)
+        say(fmt::format("The mesh has {} faces that name vertices which do not exist; they were dropped.",
+                        m.badIndexFaces));
     if (m.nonManifoldEdges) say(fmt::format("The mesh has {} edges of three or more faces.", m.nonManifoldEdges));
-    if (m.boundaryEdges) say(fmt::format("The mesh has holes or open rims ({} edges); light can leak in through holes.", m.boundaryEdges));
+    if (m.boundaryEdges)
+        say(fmt::format("The mesh has holes or open rims ({} edges); light can leak in through holes.",
+                        m.boundaryEdges));
     if (check.reconstruction && check.reconstruction->observations) {
         const ReconstructionFigures& r = *check.reconstruction;
-        if (r.errorPixels > 2) say(fmt::format("COLMAP's points miss their pixels by {:.1f} on average; poses or lens model are poor.", r.errorPixels));
-        if (r.behind * 100 > r.observations) say(fmt::format("{} of COLMAP's observations do not project; the lens model folds back inside the picture.", percent(double(r.behind) / double(r.observations))));
+        if (r.errorPixels > 2)
+            say(fmt::format("COLMAP's points miss their pixels by {:.1f} on average; poses or lens model are poor.",
+                            r.errorPixels));
+        if (r.behind * 100 > r.observations)
+            say(fmt::format("{} of COLMAP's observations do not project; the lens model folds back inside the picture.",
+                            percent(double(r.behind) / double(r.observations))));
     }
     if (check.pointsOnMesh >= 0 && check.pointsOnMesh < 0.3) {
-        std::string sentence = fmt::format("Only {} of COLMAP's points lie on the mesh; it seems to come from another run or unit.", percent(check.pointsOnMesh));
+        std::string sentence =
+            fmt::format("Only {} of COLMAP's points lie on the mesh; it seems to come from another run or unit.",
+                        percent(check.pointsOnMesh));
         if (check.meshToPoints > 5 || (check.meshToPoints > 0 && check.meshToPoints < 0.2))
-            sentence += fmt::format(" It is {:.3g} times as large as their cloud: try --mesh-scale {:.1g}.", check.meshToPoints, 1 / check.meshToPoints);
+            sentence += fmt::format(" It is {:.3g} times as large as their cloud: try --mesh-scale {:.1g}.",
+                                    check.meshToPoints, 1 / check.meshToPoints);
         say(sentence);
     }
     const float size = glm::length(check.meshMax - check.meshMin);
     // Nobody holds a camera closer than a few centimetres, or farther than a street, from what is to be relit.
     if (check.reconstruction && check.cameraDistance > 0 && (check.cameraDistance < 0.05 || check.cameraDistance > 100))
-        say(fmt::format("The cameras stand {:.3g} units from the mesh, and COLMAP does not know metres: if that were 1.5 m, --scale {:.2g} would set it right.",
+        say(
+            fmt::format("The cameras stand {:.3g} units from the mesh, and COLMAP does not know metres: if that were "
+                        "1.5 m, --scale {:.2g} would set it right.",
                         check.cameraDistance, 1.5 / check.cameraDistance));
-    else if (size > 1000 || size < 0.01f) say(fmt::format("The mesh is {:.3g} m across; lengths are taken to be metres.", size));
+    else if (size > 1000 || size < 0.01f)
+        say(fmt::format("The mesh is {:.3g} m across; lengths are taken to be metres.", size));
 }
 
 }  // namespace
@@ -391,7 +432,9 @@ CaptureCheck checkCapture(const Capture& capture, Progress& progress) {
     check.meanViewsPerVertex = double(sum) / count;
     check.reconstruction = capture.reconstruction;
     std::vector<float> distances;
-    for (const View& view : capture.views) distances.push_back(float(glm::distance(view.camera.position(), DVec3(0.5f * (check.meshMin + check.meshMax)))));
+    for (const View& view : capture.views)
+        distances.push_back(
+            float(glm::distance(view.camera.position(), DVec3(0.5f * (check.meshMin + check.meshMax)))));
     check.cameraDistance = double(median(distances));
     double open = 0, light = 0;
     for (const ViewCheck& v : check.views) open += v.openShare, light += v.openShare * v.lightShare;

@@ -14,40 +14,40 @@ namespace relamp {
 /// Shares are of all pixels of the view unless said otherwise, in [0, 1].
 struct ViewCheck {
     std::string name;
-    int width = 0, height = 0;            ///< pixels
-    double meshShare = 0;                 ///< pixels that see the mesh
-    double clippedShare = 0;              ///< usable pixels at or above the clip level
-    double maskedShare = 0;               ///< pixels left out: masks, alpha, NaN, Inf, negative
-    double openShare = 0;                 ///< pixels beside the mesh
-    double lightShare = 0;                ///< of those: neither left out nor black beside the surfaces
+    int width = 0, height = 0;                   ///< pixels
+    double meshShare = 0;                        ///< pixels that see the mesh
+    double clippedShare = 0;                     ///< usable pixels at or above the clip level
+    double maskedShare = 0;                      ///< pixels left out: masks, alpha, NaN, Inf, negative
+    double openShare = 0;                        ///< pixels beside the mesh
+    double lightShare = 0;                       ///< of those: neither left out nor black beside the surfaces
     size_t nan = 0, infinite = 0, negative = 0;  ///< pixels
-    double meanRadiance = 0;              ///< mean luminance of the usable pixels, image units
-    double verticesInside = 0;            ///< share of the mesh's vertices that project into the picture
-    double exposureStops = 0;             ///< brightness against the other views of the same vertices, log2; 0: as they
-    double exposureScatterStops = 0;      ///< half the vertices lie within this span around it; large on glossy surfaces
-    size_t comparedVertices = 0;          ///< vertices that exposureStops rests on
+    double meanRadiance = 0;                     ///< mean luminance of the usable pixels, image units
+    double verticesInside = 0;                   ///< share of the mesh's vertices that project into the picture
+    double exposureStops = 0;         ///< brightness against the other views of the same vertices, log2; 0: as they
+    double exposureScatterStops = 0;  ///< half the vertices lie within this span around it; large on glossy surfaces
+    size_t comparedVertices = 0;      ///< vertices that exposureStops rests on
 };
 
 struct CaptureCheck {
     std::vector<ViewCheck> views;
     MeshReport mesh;
-    Vec3 meshMin{0}, meshMax{0};          ///< metres from origin, bounding box of the triangles
-    DVec3 origin{0};                      ///< Capture::origin
-    double seenShare = 0;                 ///< vertices seen by at least one view
-    double seenTwiceShare = 0;            ///< vertices seen by at least two views
-    double meanViewsPerVertex = 0;        ///< of all vertices of triangles
-    double exposureSpreadStops = 0;       ///< largest minus smallest exposureStops
-    bool backdrop = false;                ///< an object before a masked or black background: none of its light is seen
-    std::string up;                       ///< axis the file says is up: "z", "-y", ..., or three numbers where it is none
-    std::string upGuess;                  ///< axis closest to the cameras' own up directions
-    double cameraDistance = 0;            ///< metres, median distance of the cameras from the middle of the mesh
-    double pointsOnMesh = -1;             ///< share of a reconstruction's points that lie on the mesh; negative: there are none
-    double meshToPoints = 0;              ///< size of the mesh over the size of the points' cloud; 0: there are none
+    Vec3 meshMin{0}, meshMax{0};     ///< metres from origin, bounding box of the triangles
+    DVec3 origin{0};                 ///< Capture::origin
+    double seenShare = 0;            ///< vertices seen by at least one view
+    double seenTwiceShare = 0;       ///< vertices seen by at least two views
+    double meanViewsPerVertex = 0;   ///< of all vertices of triangles
+    double exposureSpreadStops = 0;  ///< largest minus smallest exposureStops
+    bool backdrop = false;           ///< an object before a masked or black background: none of its light is seen
+    std::string up;                  ///< axis the file says is up: "z", "-y", ..., or three numbers where it is none
+    std::string upGuess;             ///< axis closest to the cameras' own up directions
+    double cameraDistance = 0;       ///< metres, median distance of the cameras from the middle of the mesh
+    double pointsOnMesh = -1;  ///< share of a reconstruction's points that lie on the mesh; negative: there are none
+    double meshToPoints = 0;   ///< size of the mesh over the size of the points' cloud; 0: there are none
     std::optional<ReconstructionFigures> reconstruction;
-    double upAgreement = 0;               ///< cosine between the mean camera up and the file's up
-    bool lookBackwards = false;           ///< the mesh lies behind the cameras: axes are OpenCV's, not OpenGL's
-    std::vector<std::string> notes;       ///< from loading
-    std::vector<std::string> warnings;    ///< what should be looked at before a solve, one sentence each
+    double upAgreement = 0;             ///< cosine between the mean camera up and the file's up
+    bool lookBackwards = false;         ///< the mesh lies behind the cameras: axes are OpenCV's, not OpenGL's
+    std::vector<std::string> notes;     ///< from loading
+    std::vector<std::string> warnings;  ///< what should be looked at before a solve, one sentence each
 };
 
 /// Cost: a small picture is rasterised for each view, O(views x triangles). Throws Cancelled only.

@@ -28,62 +28,81 @@ nlohmann::json toJson(const CaptureCheck& check) {
         return json::array({p.x, p.y, p.z});
     };
     json result = {{"views", views},
-            {"mesh",
-             {{"vertices", m.vertices},
-              {"triangles", m.triangles},
-              {"nan_vertices", m.nanVertices},
-              {"bad_index_faces", m.badIndexFaces},
-              {"degenerate_faces", m.degenerateFaces},
-              {"duplicate_faces", m.duplicateFaces},
-              {"polygons", m.polygons},
-              {"unreferenced_vertices", m.unreferencedVertices},
-              {"non_manifold_edges", m.nonManifoldEdges},
-              {"boundary_edges", m.boundaryEdges},
-              {"normals_from_file", m.normalsFromFile},
-              {"min", point(check.meshMin)},
-              {"max", point(check.meshMax)}}},
-            {"coverage",
-             {{"seen_share", check.seenShare}, {"backdrop", check.backdrop}, {"seen_twice_share", check.seenTwiceShare}, {"views_per_vertex", check.meanViewsPerVertex}}},
-            {"exposure_spread_stops", check.exposureSpreadStops},
-            {"axes",
-             {{"up", check.up}, {"up_guess", check.upGuess}, {"up_agreement", check.upAgreement}, {"look_backwards", check.lookBackwards}}},
-            {"notes", check.notes},
-            {"warnings", check.warnings}};
+                   {"mesh",
+                    {{"vertices", m.vertices},
+                     {"triangles", m.triangles},
+                     {"nan_vertices", m.nanVertices},
+                     {"bad_index_faces", m.badIndexFaces},
+                     {"degenerate_faces", m.degenerateFaces},
+                     {"duplicate_faces", m.duplicateFaces},
+                     {"polygons", m.polygons},
+                     {"unreferenced_vertices", m.unreferencedVertices},
+                     {"non_manifold_edges", m.nonManifoldEdges},
+                     {"boundary_edges", m.boundaryEdges},
+                     {"normals_from_file", m.normalsFromFile},
+                     {"min", point(check.meshMin)},
+                     {"max", point(check.meshMax)}}},
+                   {"coverage",
+                    {{"seen_share", check.seenShare},
+                     {"backdrop", check.backdrop},
+                     {"seen_twice_share", check.seenTwiceShare},
+                     {"views_per_vertex", check.meanViewsPerVertex}}},
+                   {"exposure_spread_stops", check.exposureSpreadStops},
+                   {"axes",
+                    {{"up", check.up},
+                     {"up_guess", check.upGuess},
+                     {"up_agreement", check.upAgreement},
+                     {"look_backwards", check.lookBackwards}}},
+                   {"notes", check.notes},
+                   {"warnings", check.warnings}};
     result["camera_distance"] = check.cameraDistance;
     if (const auto& r = check.reconstruction)
-        result["reconstruction"] = {{"points", r->points}, {"observations", r->observations}, {"reprojection_error", r->errorPixels}, {"stated_error", r->statedErrorPixels},
-                                    {"behind", r->behind}, {"points_on_mesh", check.pointsOnMesh}, {"mesh_to_points", check.meshToPoints}};
+        result["reconstruction"] = {{"points", r->points},
+                                    {"observations", r->observations},
+                                    {"reprojection_error", r->errorPixels},
+                                    {"stated_error", r->statedErrorPixels},
+                                    {"behind", r->behind},
+                                    {"points_on_mesh", check.pointsOnMesh},
+                                    {"mesh_to_points", check.meshToPoints}};
     return result;
 }
 
 std::string toText(const CaptureCheck& check) {
     size_t longest = 4;
     for (const ViewCheck& v : check.views) longest = std::max(longest, std::min<size_t>(v.name.size(), 40));
-    std::string text = fmt::format("{:<{}}  {:>11}  {:>7}  {:>7}  {:>7}  {:>9}  {:>7}  {:>6}\n", "view", longest, "size", "mesh", "clipped",
-                                   "masked", "mean", "inside", "stops");
+    std::string text = fmt::format("{:<{}}  {:>11}  {:>7}  {:>7}  {:>7}  {:>9}  {:>7}  {:>6}\n", "view", longest,
+                                   "size", "mesh", "clipped", "masked", "mean", "inside", "stops");
     for (const ViewCheck& v : check.views)
-        text += fmt::format("{:<{}}  {:>11}  {:>6.1f}%  {:>6.2f}%  {:>6.1f}%  {:>9.4g}  {:>6.1f}%  {:>+6.2f}\n", v.name, longest,
-                            fmt::format("{} x {}", v.width, v.height), 100 * v.meshShare, 100 * v.clippedShare, 100 * v.maskedShare,
-                            v.meanRadiance, 100 * v.verticesInside, v.exposureStops);
+        text += fmt::format("{:<{}}  {:>11}  {:>6.1f}%  {:>6.2f}%  {:>6.1f}%  {:>9.4g}  {:>6.1f}%  {:>+6.2f}\n", v.name,
+                            longest, fmt::format("{} x {}", v.width, v.height), 100 * v.meshShare, 100 * v.clippedShare,
+                            100 * v.maskedShare, v.meanRadiance, 100 * v.verticesInside, v.exposureStops);
     const MeshReport& m = check.mesh;
     const Vec3 size = check.meshMax - check.meshMin;
-    text += fmt::format("\nmesh: {} vertices, {} triangles, {:.3g} x {:.3g} x {:.3g} m\n", m.vertices, m.triangles, size.x, size.y, size.z);
+    text += fmt::format("\nmesh: {} vertices, {} triangles, {:.3g} x {:.3g} x {:.3g} m\n", m.vertices, m.triangles,
+                        size.x, size.y, size.z);
     const struct {
         size_t count;
         const char* what;
-    } defects[] = {{m.nanVertices, "vertices not finite"},        {m.badIndexFaces, "faces with a bad index, dropped"},
-                   {m.degenerateFaces, "faces without area, dropped"}, {m.duplicateFaces, "duplicate faces, dropped"},
-                   {m.polygons, "polygons cut into triangles"},   {m.unreferencedVertices, "vertices without a face"},
-                   {m.nonManifoldEdges, "non-manifold edges"},    {m.boundaryEdges, "edges of holes or rims"}};
+    } defects[] = {{m.nanVertices, "vertices not finite"},
+                   {m.badIndexFaces, "faces with a bad index, dropped"},
+                   {m.degenerateFaces, "faces without area, dropped"},
+                   {m.duplicateFaces, "duplicate faces, dropped"},
+                   {m.polygons, "polygons cut into triangles"},
+                   {m.unreferencedVertices, "vertices without a face"},
+                   {m.nonManifoldEdges, "non-manifold edges"},
+                   {m.boundaryEdges, "edges of holes or rims"}};
     for (const auto& defect : defects)
         if (defect.count) text += fmt::format("  {} {}\n", defect.count, defect.what);
-    text += fmt::format("coverage: {:.1f} % of the vertices seen, {:.1f} % twice or more, {:.2f} views each\n", 100 * check.seenShare,
-                        100 * check.seenTwiceShare, check.meanViewsPerVertex);
+    text += fmt::format("coverage: {:.1f} % of the vertices seen, {:.1f} % twice or more, {:.2f} views each\n",
+                        100 * check.seenShare, 100 * check.seenTwiceShare, check.meanViewsPerVertex);
     text += fmt::format("exposure: {:.2f} stops between the views\n", check.exposureSpreadStops);
     if (const auto& r = check.reconstruction)
-        text += fmt::format("reconstruction: {} points, {} observations, reprojection error {:.4f} pixels (the model says {:.4f}), {:.1f} % of the points on the mesh\n", r->points,
-                            r->observations, r->errorPixels, r->statedErrorPixels, 100 * std::max(0.0, check.pointsOnMesh));
-    text += fmt::format("axes: up is {}, the cameras say {}\n", check.up, check.upGuess.empty() ? "nothing" : check.upGuess);
+        text += fmt::format(
+            "reconstruction: {} points, {} observations, reprojection error {:.4f} pixels (the model says {:.4f}), "
+            "{:.1f} % of the points on the mesh\n",
+            r->points, r->observations, r->errorPixels, r->statedErrorPixels, 100 * std::max(0.0, check.pointsOnMesh));
+    text += fmt::format("axes: up is {}, the cameras say {}\n", check.up,
+                        check.upGuess.empty() ? "nothing" : check.upGuess);
     for (const std::string& note : check.notes) text += fmt::format("note: {}\n", note);
     for (const std::string& warning : check.warnings) text += fmt::format("warning: {}\n", warning);
     return text;

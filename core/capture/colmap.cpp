@@ -16,12 +16,15 @@ namespace relamp {
 namespace fs = std::filesystem;
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "COLMAP's binary files are little-endian and are read as they are");
+static_assert(std::endian::native == std::endian::little,
+              "COLMAP's binary files are little-endian and are read as they are");
 
 constexpr double maxSide = 1 << 17;
 
 bool isModel(const fs::path& folder) {
-    const auto has = [&](const char* name) { return isFile(folder / (std::string(name) + ".bin")) || isFile(folder / (std::string(name) + ".txt")); };
+    const auto has = [&](const char* name) {
+        return isFile(folder / (std::string(name) + ".bin")) || isFile(folder / (std::string(name) + ".txt"));
+    };
     return has("cameras") && has("images");
 }
 
@@ -57,7 +60,8 @@ public:
     uint64_t count(const char* field, uint64_t leastBytes, uint64_t most) {
         const auto value = take<uint64_t>(field);
         if (value > most) throw Error("{}: is {}, expected at most {}", field, value, most);
-        if (value > remaining() / leastBytes) throw Error("{}: is {}, the file has room for {}", field, value, remaining() / leastBytes);
+        if (value > remaining() / leastBytes)
+            throw Error("{}: is {}, the file has room for {}", field, value, remaining() / leastBytes);
         return value;
     }
     std::string text(const char* field) {
@@ -94,7 +98,8 @@ public:
         const std::string_view word = scanner_.word();
         if (word.empty()) throw Error("{} is missing", field);
         const auto value = TextScanner::integer(word);
-        if (!value || *value < 0 || uint64_t(*value) > most) throw Error("{} is \"{}\", expected a whole number from 0 to {}", field, word.substr(0, 40), most);
+        if (!value || *value < 0 || uint64_t(*value) > most)
+            throw Error("{} is \"{}\", expected a whole number from 0 to {}", field, word.substr(0, 40), most);
         return uint64_t(*value);
     }
     std::string_view word() { return scanner_.word(); }
@@ -105,7 +110,10 @@ public:
         while (!left.empty() && TextScanner::isSpace(left.back())) left.remove_suffix(1);
         return std::string(left);
     }
-    bool atEnd() const { return text_.substr(text_.size() - scanner_.remaining()).find_first_not_of(" \t\v\f\r\n") == std::string_view::npos; }
+    bool atEnd() const {
+        return text_.substr(text_.size() - scanner_.remaining()).find_first_not_of(" \t\v\f\r\n") ==
+               std::string_view::npos;
+    }
 
 private:
     std::string_view text_;
@@ -134,9 +142,17 @@ struct ModelOfNumber {
     size_t parameters;
 };
 constexpr ModelOfNumber models[] = {
-    {LensModel::simplePinhole, 3}, {LensModel::pinhole, 4},    {LensModel::simpleRadial, 4},         {LensModel::radial, 5},
-    {LensModel::openCv, 8},        {LensModel::openCvFisheye, 8}, {LensModel::fullOpenCv, 12},       {LensModel::fov, 5},
-    {LensModel::simpleRadialFisheye, 4}, {LensModel::radialFisheye, 5}, {LensModel::thinPrismFisheye, 12},
+    {LensModel::simplePinhole, 3},
+    {LensModel::pinhole, 4},
+    {LensModel::simpleRadial, 4},
+    {LensModel::radial, 5},
+    {LensModel::openCv, 8},
+    {LensModel::openCvFisheye, 8},
+    {LensModel::fullOpenCv, 12},
+    {LensModel::fov, 5},
+    {LensModel::simpleRadialFisheye, 4},
+    {LensModel::radialFisheye, 5},
+    {LensModel::thinPrismFisheye, 12},
 };
 
 size_t parametersOf(LensModel model) {
@@ -153,19 +169,23 @@ bool hasOneFocalLength(LensModel model) {
 Camera cameraFrom(LensModel model, double width, double height, const std::vector<double>& parameters) {
     Camera camera;
     for (const auto& [name, side] : {std::pair{"width", width}, std::pair{"height", height}})
-        if (!(side >= 1 && side <= maxSide)) throw Error("{} is {:.0f}, expected 1 to {:.0f} pixels", name, side, maxSide);
+        if (!(side >= 1 && side <= maxSide))
+            throw Error("{} is {:.0f}, expected 1 to {:.0f} pixels", name, side, maxSide);
     for (size_t i = 0; i < parameters.size(); ++i)
-        if (!std::isfinite(parameters[i]) || std::abs(parameters[i]) > 1e9) throw Error("parameter {} is {}, expected a finite number", i, parameters[i]);
+        if (!std::isfinite(parameters[i]) || std::abs(parameters[i]) > 1e9)
+            throw Error("parameter {} is {}, expected a finite number", i, parameters[i]);
     camera.width = int(width), camera.height = int(height);
     camera.model = model;
     size_t next = 0;
     camera.focalX = parameters[next++];
     camera.focalY = hasOneFocalLength(model) ? camera.focalX : parameters[next++];
-    if (!(camera.focalX > 0 && camera.focalY > 0)) throw Error("the focal length is {} x {}, expected more than 0", camera.focalX, camera.focalY);
+    if (!(camera.focalX > 0 && camera.focalY > 0))
+        throw Error("the focal length is {} x {}, expected more than 0", camera.focalX, camera.focalY);
     camera.centreX = parameters[next++];
     camera.centreY = parameters[next++];
     for (size_t i = 0; next < parameters.size(); ++i) camera.distortion[i] = parameters[next++];
-    if (model == LensModel::fov && std::abs(camera.distortion[0]) >= piD) throw Error("omega is {}, expected less than pi", camera.distortion[0]);
+    if (model == LensModel::fov && std::abs(camera.distortion[0]) >= piD)
+        throw Error("omega is {}, expected less than pi", camera.distortion[0]);
     return camera;
 }
 
@@ -183,7 +203,8 @@ Cameras camerasFromBinary(const fs::path& path, const ColmapLimits& limits) {
         const auto id = file.take<uint32_t>("camera_id");
         withContext(fmt::format("camera {}", id), [&] {
             const auto number = file.take<int32_t>("model");
-            if (number < 0 || size_t(number) >= std::size(models)) throw Error("model is {}, expected 0 (SIMPLE_PINHOLE) to 10 (THIN_PRISM_FISHEYE)", number);
+            if (number < 0 || size_t(number) >= std::size(models))
+                throw Error("model is {}, expected 0 (SIMPLE_PINHOLE) to 10 (THIN_PRISM_FISHEYE)", number);
             const auto width = file.take<uint64_t>("width"), height = file.take<uint64_t>("height");
             std::vector<double> parameters(models[number].parameters);
             file.bytes(parameters.data(), parameters.size() * sizeof(double), "parameters");
@@ -204,10 +225,14 @@ Cameras camerasFromText(const fs::path& path, const ColmapLimits& limits) {
         withContext(fmt::format("camera {}", id), [&] {
             const std::string name(line.word().substr(0, 80));
             const auto model = lensModelFromName(name);
-            if (!model) throw Error("model is \"{}\", expected SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, OPENCV or another of COLMAP's", name);
+            if (!model)
+                throw Error(
+                    "model is \"{}\", expected SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, OPENCV or another of COLMAP's",
+                    name);
             const double width = line.number("width"), height = line.number("height");
             std::vector<double> parameters(parametersOf(*model));
-            for (size_t i = 0; i < parameters.size(); ++i) parameters[i] = line.number(fmt::format("parameter {} of {}", i, name).c_str());
+            for (size_t i = 0; i < parameters.size(); ++i)
+                parameters[i] = line.number(fmt::format("parameter {} of {}", i, name).c_str());
             if (!line.atEnd()) throw Error("has more than the {} parameters of {}", parameters.size(), name);
             addCamera(cameras, id, cameraFrom(*model, width, height, parameters));
             if (cameras.size() > limits.maxViews) throw Error("there are more than {} cameras", limits.maxViews);
@@ -285,9 +310,11 @@ void pointsFromText(const fs::path& path, const ColmapLimits& limits, Points& po
 DMat4 poseFrom(const double q[4], const double t[3]) {
     double length = 0;
     for (int i = 0; i < 4; ++i) length += q[i] * q[i];
-    if (!std::isfinite(length) || length < 1e-12) throw Error("qw qx qy qz are {} {} {} {}, expected a rotation", q[0], q[1], q[2], q[3]);
+    if (!std::isfinite(length) || length < 1e-12)
+        throw Error("qw qx qy qz are {} {} {} {}, expected a rotation", q[0], q[1], q[2], q[3]);
     for (int c = 0; c < 3; ++c)
-        if (!std::isfinite(t[c]) || std::abs(t[c]) > 1e12) throw Error("t{} is {}, expected a finite number", "xyz"[c], t[c]);
+        if (!std::isfinite(t[c]) || std::abs(t[c]) > 1e12)
+            throw Error("t{} is {}, expected a finite number", "xyz"[c], t[c]);
     length = std::sqrt(length);
     const double w = q[0] / length, x = q[1] / length, y = q[2] / length, z = q[3] / length;
     // Rows of cameraFromWorld's rotation are the camera's axes in the world.
@@ -301,11 +328,13 @@ DMat4 poseFrom(const double q[4], const double t[3]) {
 /// Collects the views and the reprojection errors while an images file is read.
 class ViewReader {
 public:
-    ViewReader(const Cameras& cameras, Points& points, ColmapModel& model) : cameras_(cameras), points_(points), model_(model) {}
+    ViewReader(const Cameras& cameras, Points& points, ColmapModel& model)
+        : cameras_(cameras), points_(points), model_(model) {}
 
     ColmapView begin(uint32_t id, const double q[4], const double t[3], uint64_t cameraId, const std::string& name) {
         const auto camera = cameras_.find(uint32_t(cameraId));
-        if (cameraId > 0xffffffff || camera == cameras_.end()) throw Error("camera_id is {}, which the cameras file does not hold", cameraId);
+        if (cameraId > 0xffffffff || camera == cameras_.end())
+            throw Error("camera_id is {}, which the cameras file does not hold", cameraId);
         if (name.empty()) throw Error("name is empty");
         ColmapView view;
         view.id = id;
@@ -315,7 +344,8 @@ public:
         return view;
     }
     void observe(ColmapView& view, double x, double y, uint64_t pointId) {
-        if (!std::isfinite(x) || !std::isfinite(y)) throw Error("a 2D point is at {} {}, expected finite numbers", x, y);
+        if (!std::isfinite(x) || !std::isfinite(y))
+            throw Error("a 2D point is at {} {}, expected finite numbers", x, y);
         const auto found = points_.indexOf.find(pointId);
         if (found == points_.indexOf.end()) {
             if (points_.sums.empty()) return;
@@ -437,17 +467,25 @@ ColmapModel readColmapModel(const fs::path& folder, const ColmapLimits& limits, 
     ColmapModel model;
     model.folder = folder;
     progress.begin("Reading the COLMAP model", 3);
-    const Cameras cameras = in(cameraFile, [&] { return binary(cameraFile) ? camerasFromBinary(cameraFile, limits) : camerasFromText(cameraFile, limits); });
+    const Cameras cameras = in(cameraFile, [&] {
+        return binary(cameraFile) ? camerasFromBinary(cameraFile, limits) : camerasFromText(cameraFile, limits);
+    });
     model.cameras = cameras.size();
     progress.advance();
     Points points;
-    if (!pointFile.empty()) in(pointFile, [&] { binary(pointFile) ? pointsFromBinary(pointFile, limits, points, progress) : pointsFromText(pointFile, limits, points, progress); });
+    if (!pointFile.empty())
+        in(pointFile, [&] {
+            binary(pointFile) ? pointsFromBinary(pointFile, limits, points, progress)
+                              : pointsFromText(pointFile, limits, points, progress);
+        });
     progress.advance();
     ViewReader reader(cameras, points, model);
     in(imageFile, [&] {
-        binary(imageFile) ? imagesFromBinary(imageFile, limits, reader, progress) : imagesFromText(imageFile, limits, reader, progress);
+        binary(imageFile) ? imagesFromBinary(imageFile, limits, reader, progress)
+                          : imagesFromText(imageFile, limits, reader, progress);
         if (model.views.empty()) throw Error("holds no image");
-        std::sort(model.views.begin(), model.views.end(), [](const ColmapView& a, const ColmapView& b) { return a.name < b.name; });
+        std::sort(model.views.begin(), model.views.end(),
+                  [](const ColmapView& a, const ColmapView& b) { return a.name < b.name; });
         for (size_t i = 1; i < model.views.size(); ++i)
             if (model.views[i].name == model.views[i - 1].name) throw Error("{} is there twice", model.views[i].name);
     });
@@ -478,8 +516,8 @@ std::optional<DVec3> guessUp(const std::vector<Camera>& cameras) {
     const double length = glm::length(mean);
     if (!(length > 1e-6 * double(cameras.size()))) return DVec3(0, 0, 1);
     mean /= length;
-    // Horizons are level, so up is the direction least present among the right-hand directions: the smallest eigenvector, by
-    // inverse iteration from the mean.
+    // Horizons are level, so up is the direction least present among the right-hand directions: the smallest
+    // eigenvector, by inverse iteration from the mean.
     const double trace = spread[0][0] + spread[1][1] + spread[2][2];
     const glm::dmat3 shifted = spread + glm::dmat3(1e-6 * trace);
     DVec3 up = mean;

@@ -1,5 +1,5 @@
-// COLMAP's sparse models: cameras, poses and points, binary or text. Read with suspicion: every count is held against the
-// size of its file before memory is asked for.
+// COLMAP's sparse models: cameras, poses and points, binary or text. Read with suspicion: every count is held against
+// the size of its file before memory is asked for.
 #pragma once
 #include <filesystem>
 #include <optional>
@@ -22,13 +22,13 @@ struct ColmapView {
 
 struct ColmapModel {
     std::filesystem::path folder;
-    std::vector<ColmapView> views;   ///< by name, because ids hang on the run
-    std::vector<DVec3> points;       ///< world of the model, its own unit
+    std::vector<ColmapView> views;  ///< by name, because ids hang on the run
+    std::vector<DVec3> points;      ///< world of the model, its own unit
     size_t cameras = 0, observations = 0;
-    /// Mean over the points of the mean distance between an observation and the projected point, pixels: worked out here, and
-    /// as the model itself states it (what COLMAP's model_analyzer prints). 0 without points.
+    /// Mean over the points of the mean distance between an observation and the projected point, pixels: worked out
+    /// here, and as the model itself states it (what COLMAP's model_analyzer prints). 0 without points.
     double errorPixels = 0, statedErrorPixels = 0;
-    size_t behind = 0;               ///< observations whose point does not project: behind the camera, or outside the lens's field
+    size_t behind = 0;  ///< observations whose point does not project: behind the camera, or outside the lens's field
 };
 
 struct ColmapLimits {
@@ -36,16 +36,16 @@ struct ColmapLimits {
     size_t maxTextBytes = size_t(2) << 30;
 };
 
-/// The folder of a model at or under `folder`: itself, sparse/0, sparse, colmap/sparse/0, 0; none when there is none. Where
-/// sparse holds several models the one with most images counts.
+/// The folder of a model at or under `folder`: itself, sparse/0, sparse, colmap/sparse/0, 0; none when there is none.
+/// Where sparse holds several models the one with most images counts.
 std::optional<std::filesystem::path> findColmapModel(const std::filesystem::path& folder);
 
-/// Reads cameras, images and points3D, each .bin (preferred) or .txt; points3D may be missing. Lens models 0 to 10. Throws
-/// Error naming file, entry and field: "images.bin: image 7: qw qx qy qz are 0 0 0 0, expected a rotation".
+/// Reads cameras, images and points3D, each .bin (preferred) or .txt; points3D may be missing. Lens models 0 to 10.
+/// Throws Error naming file, entry and field: "images.bin: image 7: qw qx qy qz are 0 0 0 0, expected a rotation".
 ColmapModel readColmapModel(const std::filesystem::path& folder, const ColmapLimits& limits, Progress& progress);
 
-/// Unit direction that is up in a world where nothing says so: the axis the cameras' horizons turn about, or, where all look one
-/// way, the mean of their own up directions. None without cameras.
+/// Unit direction that is up in a world where nothing says so: the axis the cameras' horizons turn about, or, where all
+/// look one way, the mean of their own up directions. None without cameras.
 std::optional<DVec3> guessUp(const std::vector<Camera>& cameras);
 
 }  // namespace relamp

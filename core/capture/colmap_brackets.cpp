@@ -14,7 +14,7 @@ namespace {
 struct Named {
     std::string stem, ending;
     double stops = 0;
-    bool says = false;   ///< it has an _evN
+    bool says = false;  ///< it has an _evN
 };
 
 Named takeApart(const std::string& name) {
@@ -38,13 +38,15 @@ Named takeApart(const std::string& name) {
 
 std::vector<ColmapBracket> colmapBrackets(const fs::path& pictures, const std::vector<ColmapView>& views) {
     // Every folder that holds a view is listed once.
-    std::map<std::string, std::map<std::string, std::vector<std::pair<double, fs::path>>>> folders;   // folder, stem + ending -> exposures
+    std::map<std::string, std::map<std::string, std::vector<std::pair<double, fs::path>>>>
+        folders;  // folder, stem + ending -> exposures
     const auto exposuresOf = [&](const Named& named) {
         const std::string folder = fs::path(named.stem).parent_path().string();
         const auto [at, fresh] = folders.try_emplace(folder);
         std::error_code failed;
         if (fresh)
-            for (fs::directory_iterator entry(pictures / folder, failed), end; !failed && entry != end; entry.increment(failed)) {
+            for (fs::directory_iterator entry(pictures / folder, failed), end; !failed && entry != end;
+                 entry.increment(failed)) {
                 const Named other = takeApart((fs::path(folder) / entry->path().filename()).string());
                 at->second[other.stem + other.ending].emplace_back(other.stops, entry->path());
             }
@@ -66,7 +68,8 @@ std::vector<ColmapBracket> colmapBrackets(const fs::path& pictures, const std::v
         if (files.size() >= 2) {
             bool timed = true;
             for (const auto& [stops, file] : files) timed = timed && readExposureTags(file).seconds > 0;
-            for (const auto& [stops, file] : files) bracket.exposures.push_back({fs::absolute(file).string(), timed ? 0 : std::exp2(stops), 0, 0});
+            for (const auto& [stops, file] : files)
+                bracket.exposures.push_back({fs::absolute(file).string(), timed ? 0 : std::exp2(stops), 0, 0});
         }
         result.push_back(std::move(bracket));
     }

@@ -42,14 +42,17 @@ Capture loadCapture(const std::filesystem::path& folder, const LoadOptions& opti
     const size_t count = photographs.count();
     capture.views.resize(count);
     std::vector<std::vector<std::string>> notes(count);
-    const auto readView = [&](size_t i) { capture.views[i] = options.images ? photographs.read(i, notes[i], progress) : photographs.readCamera(i, notes[i]); };
+    const auto readView = [&](size_t i) {
+        capture.views[i] =
+            options.images ? photographs.read(i, notes[i], progress) : photographs.readCamera(i, notes[i]);
+    };
     if (photographs.merges()) {
         for (size_t i = 0; i < count; ++i) readView(i);
     } else {
         progress.begin(options.images ? "Reading photographs" : "Reading cameras", count);
         parallelFor(count, 1, readView, &progress);
     }
-orientCapture(capture, up, fix);
+    orientCapture(capture, up, fix);
     capture.proxies = placedProxies(fix.proxies, capture.mesh, capture.origin);
     if (fix.smoothNormals > 0) capture.mesh.normals = smoothedNormals(capture.mesh, fix.smoothNormals);
     addProxies(capture.proxies, capture.mesh);

@@ -35,11 +35,12 @@ std::string nameFromAxis(const Vec3& axis) {
 Mat3 rotationToZUp(const Vec3& up) {
     if (std::max({std::abs(up.x), std::abs(up.y), std::abs(up.z)}) < 1 - 1e-6f) {
         // The shortest turn, about up x Z; a world that hangs upside down is turned over about X first.
-        if (up.z < 0) return rotationToZUp(Vec3(up.x, -up.y, -up.z)) * Mat3(Vec3(1, 0, 0), Vec3(0, -1, 0), Vec3(0, 0, -1));
+        if (up.z < 0)
+            return rotationToZUp(Vec3(up.x, -up.y, -up.z)) * Mat3(Vec3(1, 0, 0), Vec3(0, -1, 0), Vec3(0, 0, -1));
         const glm::dvec3 axis(up.y, -up.x, 0);  // its length is the sine
         const double c = up.z, k = 1 / (1 + c);
-        return Mat3(glm::dmat3(c + k * axis.x * axis.x, k * axis.x * axis.y, -axis.y, k * axis.x * axis.y, c + k * axis.y * axis.y, axis.x, axis.y,
-                               -axis.x, c));
+        return Mat3(glm::dmat3(c + k * axis.x * axis.x, k * axis.x * axis.y, -axis.y, k * axis.x * axis.y,
+                               c + k * axis.y * axis.y, axis.x, axis.y, -axis.x, c));
     }
     // Columns: where the file's x, y and z go. One axis stays, so that "right" stays right.
     if (up.y > 0.5f) return Mat3(Vec3(1, 0, 0), Vec3(0, 0, 1), Vec3(0, -1, 0));
@@ -67,7 +68,8 @@ void orientCapture(Capture& capture, const Vec3& up, const CaptureFix& fix) {
     capture.origin = rotation * (capture.meshReport.origin * fix.meshScale * fix.scale);
     for (DVec3& p : capture.points) p = rotation * p * fix.scale - capture.origin;
     if (fix.scale != 1)
-        for (View& view : capture.views) view.camera.worldFromCamera[3] = glm::dvec4(view.camera.position() * fix.scale, 1);
+        for (View& view : capture.views)
+            view.camera.worldFromCamera[3] = glm::dvec4(view.camera.position() * fix.scale, 1);
     const DMat4 turn{rotation};
     for (View& view : capture.views) {
         DMat4& m = view.camera.worldFromCamera;

@@ -1,5 +1,5 @@
-// relamp's world has Z up. Captures whose files say otherwise are turned while they are read, and files that are wrong about
-// themselves can be set right without touching them.
+// relamp's world has Z up. Captures whose files say otherwise are turned while they are read, and files that are wrong
+// about themselves can be set right without touching them.
 #pragma once
 #include <string>
 
@@ -10,29 +10,33 @@ namespace relamp {
 
 /// What the user says beside and against the files. Kept in the shot, so that it opens the same way.
 struct CaptureFix {
-    std::string up{};          ///< "x", "-y", ... or "0.1,-0.9,0.2": the direction that is up in the files; empty: as they say
-    bool flipCameras = false;  ///< the matrices have OpenCV's axes (Y down, looks along +Z) though they should have OpenGL's
-    double scale = 1;          ///< metres one unit of the files is long; more than 0
-    double meshScale = 1;      ///< units of the cameras one unit of the mesh is long; more than 0
-    /// A COLMAP model's folder, its pictures' folder, the mesh: in the capture folder, in the current one, or absolute; empty:
-    /// found by their usual names.
+    std::string up{};  ///< "x", "-y", ... or "0.1,-0.9,0.2": the direction that is up in the files; empty: as they say
+    bool flipCameras =
+        false;         ///< the matrices have OpenCV's axes (Y down, looks along +Z) though they should have OpenGL's
+    double scale = 1;  ///< metres one unit of the files is long; more than 0
+    double meshScale = 1;  ///< units of the cameras one unit of the mesh is long; more than 0
+    /// A COLMAP model's folder, its pictures' folder, the mesh: in the capture folder, in the current one, or absolute;
+    /// empty: found by their usual names.
     std::string colmap{}, images{}, mesh{};
-    int smoothNormals = -1;    ///< rounds of smoothing of the mesh's normals; below 0: as the photographs say, where a solve asks them (otherwise none)
-    bool fromBrackets = false; ///< merge `exposures` even where an HDR picture is named
+    int smoothNormals = -1;     ///< rounds of smoothing of the mesh's normals; below 0: as the photographs say, where a
+                                ///< solve asks them (otherwise none)
+    bool fromBrackets = false;  ///< merge `exposures` even where an HDR picture is named
     std::vector<ProxyLight> proxies{};  ///< lamps that the mesh does not hold
     PhotometricFix photometric{};       ///< what the photographs' exposures differ by; found by a solve
     bool operator==(const CaptureFix&) const = default;
 };
 
-/// Unit vector of "x", "y", "z" with an optional sign, or of three numbers with commas between; throws Error for anything else.
+/// Unit vector of "x", "y", "z" with an optional sign, or of three numbers with commas between; throws Error for
+/// anything else.
 Vec3 axisFromName(const std::string& name);
 /// The name of a direction that axisFromName takes: an axis within a thousandth, else three numbers.
 std::string nameFromAxis(const Vec3& axis);
-/// The rotation that takes the unit vector `up` to +Z: by a multiple of 90 degrees and exact for an axis, else the shortest.
+/// The rotation that takes the unit vector `up` to +Z: by a multiple of 90 degrees and exact for an axis, else the
+/// shortest.
 Mat3 rotationToZUp(const Vec3& up);
-/// Turns and scales mesh and cameras so that the file's `up` becomes +Z and lengths are metres, and flips the cameras' axes when
-/// asked. Fills capture.up, worldFromFile (the turn alone) and origin, from meshReport.origin: the mesh counts from there already, cameras and
-/// points do afterwards.
+/// Turns and scales mesh and cameras so that the file's `up` becomes +Z and lengths are metres, and flips the cameras'
+/// axes when asked. Fills capture.up, worldFromFile (the turn alone) and origin, from meshReport.origin: the mesh
+/// counts from there already, cameras and points do afterwards.
 void orientCapture(Capture& capture, const Vec3& up, const CaptureFix& fix);
 
 }  // namespace relamp

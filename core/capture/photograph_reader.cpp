@@ -19,7 +19,8 @@ std::vector<fs::path> masksOf(const fs::path& folder, const fs::path& picture) {
 size_t applyMask(Image& image, const fs::path& file, size_t maxPixels, const Progress& progress) {
     const Image mask = readImage(file, nullptr, true, maxPixels, [&] { progress.check(); });
     if (mask.width != image.width || mask.height != image.height)
-        throw Error("{}: is {} x {} pixels, its picture is {} x {}", file.string(), mask.width, mask.height, image.width, image.height);
+        throw Error("{}: is {} x {} pixels, its picture is {} x {}", file.string(), mask.width, mask.height,
+                    image.width, image.height);
     if (image.usable.empty()) image.usable.assign(image.pixels.size(), 1);
     size_t masked = 0;
     for (size_t i = 0; i < mask.pixels.size(); ++i)
@@ -36,8 +37,10 @@ constexpr float clippedShare = 0.99f;
 void describe(const View& view, size_t masked, std::vector<std::string>& notes) {
     const ImageReport& r = view.imageReport;
     if (r.nan + r.infinite + r.negative > 0)
-        notes.push_back(fmt::format("{}: {} NaN, {} infinite and {} negative pixels are left out.", view.name, r.nan, r.infinite, r.negative));
-    if (r.transparent) notes.push_back(fmt::format("{}: {} transparent pixels are left out.", view.name, r.transparent));
+        notes.push_back(fmt::format("{}: {} NaN, {} infinite and {} negative pixels are left out.", view.name, r.nan,
+                                    r.infinite, r.negative));
+    if (r.transparent)
+        notes.push_back(fmt::format("{}: {} transparent pixels are left out.", view.name, r.transparent));
     if (masked) notes.push_back(fmt::format("{}: {} pixels are masked.", view.name, masked));
     size_t usable = 0, lit = 0, clipped = 0;
     for (size_t i = 0; i < view.image.pixels.size(); ++i) {
@@ -65,7 +68,10 @@ bool wantsBrackets(const CaptureSource& source, const CaptureFix& fix) {
     if (!wanted) return false;
     if (with == 0) throw Error("{}: no frame has exposures, so there are no brackets to merge", source.where);
     for (const FrameSource& frame : source.frames)
-        if (frame.exposures.empty()) throw Error("{}: exposures is missing, though other frames are merged from brackets: one scale for all needs them", frame.where);
+        if (frame.exposures.empty())
+            throw Error(
+                "{}: exposures is missing, though other frames are merged from brackets: one scale for all needs them",
+                frame.where);
     return true;
 }
 
@@ -77,10 +83,14 @@ std::vector<Bracket> bracketsOf(const fs::path& folder, const CaptureSource& sou
         for (size_t i = 0; i < frame.exposures.size(); ++i) {
             const Exposure& e = frame.exposures[i];
             const fs::path named = e.filePath;
-            const fs::path file = named.is_absolute() ? named : findPicture(fix.images.empty() ? folder : placeOf(folder, fix.images), e.filePath);
+            const fs::path file =
+                named.is_absolute()
+                    ? named
+                    : findPicture(fix.images.empty() ? folder : placeOf(folder, fix.images), e.filePath);
             set.push_back(withContext(fmt::format("{}: exposures entry {}", frame.where, i), [&] {
                 // What the capture says wins; EXIF is asked only where it says nothing of the time.
-                const ExposureTags tags = e.seconds > 0 ? ExposureTags{e.seconds, e.aperture, e.iso} : readExposureTags(file);
+                const ExposureTags tags =
+                    e.seconds > 0 ? ExposureTags{e.seconds, e.aperture, e.iso} : readExposureTags(file);
                 BracketPhoto photo = bracketPhoto(file, tags, reference);
                 std::error_code unknown;
                 photo.reference = fs::equivalent(file, frame.file, unknown);
@@ -99,11 +109,13 @@ void checkSize(const Image& image, View& view, const FrameSource& frame, std::ve
     if (frame.fitSize && std::abs(camera.width * sy - image.width) <= 1.5) {
         camera.focalX *= sx, camera.centreX *= sx;
         camera.focalY *= sy, camera.centreY *= sy;
-        notes.push_back(fmt::format("{}: is {} x {} pixels, the model's camera {} x {}; the camera was scaled.", view.name, image.width, image.height, camera.width, camera.height));
+        notes.push_back(fmt::format("{}: is {} x {} pixels, the model's camera {} x {}; the camera was scaled.",
+                                    view.name, image.width, image.height, camera.width, camera.height));
         camera.width = image.width, camera.height = image.height;
         return;
     }
-    throw Error("{}: is {} x {} pixels, w and h say {} x {}", view.file.string(), image.width, image.height, camera.width, camera.height);
+    throw Error("{}: is {} x {} pixels, w and h say {} x {}", view.file.string(), image.width, image.height,
+                camera.width, camera.height);
 }
 
 View withoutPixels(const FrameSource& frame) {
@@ -119,14 +131,17 @@ View withoutPixels(const FrameSource& frame) {
 PhotographReader::PhotographReader(const fs::path& folder, const LoadOptions& options, Progress& progress)
     : PhotographReader(captureSource(folder, options.fix, progress), folder, options, progress) {}
 
-PhotographReader::PhotographReader(CaptureSource source, const fs::path& folder, const LoadOptions& options, Progress& progress)
+PhotographReader::PhotographReader(CaptureSource source, const fs::path& folder, const LoadOptions& options,
+                                   Progress& progress)
     : folder_(folder), options_(options), source_(std::move(source)) {
     bracketOptions_.maxPixels = options.maxPixels;
     if (!options.images || !wantsBrackets(source_, options.fix)) return;
     sets_ = bracketsOf(folder, source_, options.fix);
     response_ = responseOf(sets_, bracketOptions_, progress);
-    notes_.push_back(response_.linear ? "Brackets are linear (camera raw) and were merged as they are."
-                                      : fmt::format("Brackets were merged with one response curve for all views, from {} places.", response_.samples));
+    notes_.push_back(response_.linear
+                         ? "Brackets are linear (camera raw) and were merged as they are."
+                         : fmt::format("Brackets were merged with one response curve for all views, from {} places.",
+                                       response_.samples));
 }
 
 View PhotographReader::readCamera(size_t i, std::vector<std::string>& notes) const {
@@ -152,17 +167,23 @@ View PhotographReader::read(size_t i, std::vector<std::string>& notes, Progress&
             if (!merged.shifts.empty()) {
                 int most = 0;
                 for (const PixelShift& s : merged.shifts) most = std::max({most, std::abs(s.x), std::abs(s.y)});
-                notes.push_back(fmt::format("{}: hand-held exposures were shifted by up to {} pixels.", view.name, most));
+                notes.push_back(
+                    fmt::format("{}: hand-held exposures were shifted by up to {} pixels.", view.name, most));
             }
-            if (merged.ghosts) notes.push_back(fmt::format("{}: {} pixels changed between the exposures and are left out.", view.name, merged.ghosts));
-            if (merged.clippedPixels) notes.push_back(fmt::format("{}: {} pixels are clipped in the shortest exposure.", view.name, merged.clippedPixels));
+            if (merged.ghosts)
+                notes.push_back(fmt::format("{}: {} pixels changed between the exposures and are left out.", view.name,
+                                            merged.ghosts));
+            if (merged.clippedPixels)
+                notes.push_back(fmt::format("{}: {} pixels are clipped in the shortest exposure.", view.name,
+                                            merged.clippedPixels));
         } else {
             view.image = readImage(view.file, &view.imageReport, false, options_.maxPixels, [&] { progress.check(); });
             view.saturation = clippedShare * view.imageReport.clipLevel;
         }
         checkSize(view.image, view, frame, notes);
         size_t masked = 0;
-        for (const fs::path& mask : masksOf(folder_, view.file)) masked += applyMask(view.image, mask, options_.maxPixels, progress);
+        for (const fs::path& mask : masksOf(folder_, view.file))
+            masked += applyMask(view.image, mask, options_.maxPixels, progress);
         describe(view, masked, notes);
         applyPhotometric(options_.fix.photometric, view);
     });

@@ -9,17 +9,20 @@ namespace relamp {
 /// Knows where every photograph is and how exposures are merged; holds no pixels.
 class PhotographReader {
 public:
-    /// Throws Error as loadCapture does for the files that say where photographs are. Cost: where exposures are merged, the response curve's reading.
+    /// Throws Error as loadCapture does for the files that say where photographs are. Cost: where exposures are merged,
+    /// the response curve's reading.
     PhotographReader(const std::filesystem::path& folder, const LoadOptions& options, Progress& progress);
-    PhotographReader(CaptureSource source, const std::filesystem::path& folder, const LoadOptions& options, Progress& progress);
+    PhotographReader(CaptureSource source, const std::filesystem::path& folder, const LoadOptions& options,
+                     Progress& progress);
 
     size_t count() const { return source_.frames.size(); }
     /// Whether a photograph is merged from exposures, on all cores; otherwise one is read on one core.
     bool merges() const { return !sets_.empty(); }
     /// What is to be said of all of them.
     const std::vector<std::string>& notes() const { return notes_; }
-    /// View `i` with its pixels, masks applied; the camera as the files have it. Bits do not depend on what else is read. Stops within 256 rows of pixels.
-    /// Memory: that picture; merged, its exposures. Throws Error naming frame and file, Cancelled.
+    /// View `i` with its pixels, masks applied; the camera as the files have it. Bits do not depend on what else is
+    /// read. Stops within 256 rows of pixels. Memory: that picture; merged, its exposures. Throws Error naming frame
+    /// and file, Cancelled.
     View read(size_t i, std::vector<std::string>& notes, Progress& progress) const;
     /// The same without pixels: a camera that fits the picture's size.
     View readCamera(size_t i, std::vector<std::string>& notes) const;

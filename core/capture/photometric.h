@@ -1,5 +1,5 @@
-// What photographs of one scene differ by without the scene having changed: exposure, white balance, the lens's fall-off. Automatic cameras change the
-// first two from one photograph to the next.
+// What photographs of one scene differ by without the scene having changed: exposure, white balance, the lens's
+// fall-off. Automatic cameras change the first two from one photograph to the next.
 #pragma once
 #include <string>
 #include <vector>
@@ -17,7 +17,7 @@ struct PhotometricFix {
         Rgb gain{1};
         bool operator==(const ViewGain&) const = default;
     };
-    std::vector<ViewGain> gains{};        ///< views that are not named have 1
+    std::vector<ViewGain> gains{};  ///< views that are not named have 1
     /// The lens lets through exp(falloff2 r^2 + falloff4 r^4), r = 0 in the middle of the picture and 1 in its corners.
     float falloff2 = 0, falloff4 = 0;
     bool empty() const { return gains.empty() && falloff2 == 0 && falloff4 == 0; }
@@ -29,7 +29,8 @@ struct PhotometricFix {
 /// Squared distance of a pixel position from the middle of the picture, 1 in the corners.
 float radiusSquared(const Camera& camera, const Vec2& pixel);
 
-/// Brings a view's pixels and its clip level to the common exposure; where the lens darkens the corners, clipped pixels stay clipped. O(pixels).
+/// Brings a view's pixels and its clip level to the common exposure; where the lens darkens the corners, clipped pixels
+/// stay clipped. O(pixels).
 void applyPhotometric(const PhotometricFix& fix, View& view);
 
 }  // namespace relamp

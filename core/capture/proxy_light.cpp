@@ -7,11 +7,13 @@
 namespace relamp {
 namespace {
 
-constexpr float farthest = 1000;  ///< times the mesh's diagonal: beyond, a lamp has no place in single precision, and is distant light
+constexpr float farthest =
+    1000;  ///< times the mesh's diagonal: beyond, a lamp has no place in single precision, and is distant light
 
 struct UnitSphere {
     std::vector<Vec3> points{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
-    std::vector<Triangle> triangles{{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+    std::vector<Triangle> triangles{{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
+                                    {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
     float scale = 1;  ///< makes the faces' area that of the sphere
     UnitSphere() {
         for (int cut = 0; cut < 2; ++cut) {
@@ -24,12 +26,14 @@ struct UnitSphere {
             std::vector<Triangle> finer;
             for (const auto& [a, b, c] : triangles) {
                 const uint32_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
-                finer.insert(finer.end(), {Triangle{a, ab, ca}, Triangle{ab, b, bc}, Triangle{ca, bc, c}, Triangle{ab, bc, ca}});
+                finer.insert(finer.end(),
+                             {Triangle{a, ab, ca}, Triangle{ab, b, bc}, Triangle{ca, bc, c}, Triangle{ab, bc, ca}});
             }
             triangles = std::move(finer);
         }
         double area = 0;
-        for (const auto& [a, b, c] : triangles) area += 0.5 * double(glm::length(glm::cross(points[b] - points[a], points[c] - points[a])));
+        for (const auto& [a, b, c] : triangles)
+            area += 0.5 * double(glm::length(glm::cross(points[b] - points[a], points[c] - points[a])));
         scale = float(std::sqrt(4 * piD / area));
     }
 };
@@ -47,11 +51,15 @@ void addProxies(const std::vector<ProxyLight>& proxies, Mesh& mesh) {
     const float reach = farthest * glm::length(high - low);
     for (const ProxyLight& proxy : proxies) {
         const Vec3 centre(proxy.centre);
-        if (!isFinite(centre) || !(proxy.radius > 0 && proxy.radius < 1e12f)) throw Error("proxy light: centre {:g} {:g} {:g}, radius {:g}: expected finite numbers and a radius above 0", proxy.centre.x, proxy.centre.y, proxy.centre.z, proxy.radius);
+        if (!isFinite(centre) || !(proxy.radius > 0 && proxy.radius < 1e12f))
+            throw Error("proxy light: centre {:g} {:g} {:g}, radius {:g}: expected finite numbers and a radius above 0",
+                        proxy.centre.x, proxy.centre.y, proxy.centre.z, proxy.radius);
         const float away = glm::length(centre - 0.5f * (low + high));
         if (!mesh.positions.empty() && !(away <= reach && proxy.radius <= reach))
-            throw Error("proxy light: centre {:g} {:g} {:g}, radius {:g}: expected within {:g} m of the mesh, whose middle is {:g} m away; is it in metres?", proxy.centre.x, proxy.centre.y, proxy.centre.z,
-                        proxy.radius, reach, away);
+            throw Error(
+                "proxy light: centre {:g} {:g} {:g}, radius {:g}: expected within {:g} m of the mesh, whose middle is "
+                "{:g} m away; is it in metres?",
+                proxy.centre.x, proxy.centre.y, proxy.centre.z, proxy.radius, reach, away);
         const uint32_t first = uint32_t(mesh.vertexCount());
         for (const Vec3& p : sphere.points) {
             mesh.positions.push_back(centre + proxy.radius * sphere.scale * p);

@@ -24,7 +24,9 @@ struct Grey {
 Grey greyOf(const CodePicture& p) {
     Grey grey{p.width, p.height, std::vector<uint8_t>(size_t(p.width) * size_t(p.height))};
     // Ward's weights in 256ths.
-    for (size_t i = 0; i < grey.value.size(); ++i) grey.value[i] = uint8_t((54u * p.codes[i * 3] + 183u * p.codes[i * 3 + 1] + 19u * p.codes[i * 3 + 2]) / (256u * 257u));
+    for (size_t i = 0; i < grey.value.size(); ++i)
+        grey.value[i] =
+            uint8_t((54u * p.codes[i * 3] + 183u * p.codes[i * 3 + 1] + 19u * p.codes[i * 3 + 2]) / (256u * 257u));
     return grey;
 }
 
@@ -32,8 +34,11 @@ Grey halved(const Grey& g) {
     Grey half{g.width / 2, g.height / 2, std::vector<uint8_t>(size_t(g.width / 2) * size_t(g.height / 2))};
     for (int y = 0; y < half.height; ++y)
         for (int x = 0; x < half.width; ++x) {
-            const auto at = [&](int dx, int dy) { return unsigned(g.value[size_t(2 * y + dy) * size_t(g.width) + size_t(2 * x + dx)]); };
-            half.value[size_t(y) * size_t(half.width) + size_t(x)] = uint8_t((at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1) + 2) / 4);
+            const auto at = [&](int dx, int dy) {
+                return unsigned(g.value[size_t(2 * y + dy) * size_t(g.width) + size_t(2 * x + dx)]);
+            };
+            half.value[size_t(y) * size_t(half.width) + size_t(x)] =
+                uint8_t((at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1) + 2) / 4);
         }
     return half;
 }
@@ -51,7 +56,8 @@ int quantileOf(const Grey& g, double share) {
 Bitmap thresholded(const Grey& g, int threshold) {
     constexpr int tooClose = 4;
     Bitmap b{g.width, g.height, std::vector<uint8_t>(g.value.size())};
-    for (size_t i = 0; i < b.value.size(); ++i) b.value[i] = std::abs(int(g.value[i]) - threshold) <= tooClose ? 2 : g.value[i] > threshold;
+    for (size_t i = 0; i < b.value.size(); ++i)
+        b.value[i] = std::abs(int(g.value[i]) - threshold) <= tooClose ? 2 : g.value[i] > threshold;
     return b;
 }
 
@@ -60,7 +66,8 @@ double disagreement(const Bitmap& a, const Bitmap& b, int dx, int dy) {
     size_t differ = 0, told = 0;
     for (int y = std::max(0, -dy); y < std::min(a.height, b.height - dy); ++y)
         for (int x = std::max(0, -dx); x < std::min(a.width, b.width - dx); ++x) {
-            const uint8_t p = a.value[size_t(y) * size_t(a.width) + size_t(x)], q = b.value[size_t(y + dy) * size_t(b.width) + size_t(x + dx)];
+            const uint8_t p = a.value[size_t(y) * size_t(a.width) + size_t(x)],
+                          q = b.value[size_t(y + dy) * size_t(b.width) + size_t(x + dx)];
             const bool both = p < 2 && q < 2;
             told += both;
             differ += both && p != q;
@@ -75,7 +82,8 @@ PixelShift shiftBetween(const CodePicture& from, const CodePicture& to) {
         a.push_back(halved(a.back()));
         b.push_back(halved(b.back()));
     }
-    // The same share of the picture on either side in both; another share than a half where the median is clipped in one of them.
+    // The same share of the picture on either side in both; another share than a half where the median is clipped in
+    // one of them.
     double share = 0.5;
     for (const double other : {0.5, 0.7, 0.3, 0.85, 0.15}) {
         const int p = quantileOf(a[0], other), q = quantileOf(b[0], other);
@@ -87,10 +95,13 @@ PixelShift shiftBetween(const CodePicture& from, const CodePicture& to) {
     PixelShift shift;
     double still = 1, best = 1;
     for (size_t level = a.size(); level-- > 0;) {
-        const Bitmap p = thresholded(a[level], quantileOf(a[level], share)), q = thresholded(b[level], quantileOf(b[level], share));
+        const Bitmap p = thresholded(a[level], quantileOf(a[level], share)),
+                     q = thresholded(b[level], quantileOf(b[level], share));
         const PixelShift middle{2 * shift.x, 2 * shift.y};
         std::array<double, 9> error{};
-        parallelFor(9, 1, [&](size_t i) { error[i] = disagreement(p, q, middle.x + int(i % 3) - 1, middle.y + int(i / 3) - 1); });
+        parallelFor(9, 1, [&](size_t i) {
+            error[i] = disagreement(p, q, middle.x + int(i % 3) - 1, middle.y + int(i / 3) - 1);
+        });
         size_t least = 4;  // no change where nothing is better
         for (size_t i = 0; i < 9; ++i)
             if (error[i] < error[least]) least = i;
@@ -103,7 +114,8 @@ PixelShift shiftBetween(const CodePicture& from, const CodePicture& to) {
 
 }  // namespace
 
-std::vector<PixelShift> bracketShifts(const std::vector<CodePicture>& pictures, const std::vector<double>& exposures, size_t reference) {
+std::vector<PixelShift> bracketShifts(const std::vector<CodePicture>& pictures, const std::vector<double>& exposures,
+                                      size_t reference) {
     std::vector<PixelShift> shifts(pictures.size());
     std::vector<size_t> order(pictures.size());
     std::iota(order.begin(), order.end(), size_t(0));
@@ -123,7 +135,8 @@ CodePicture shifted(const CodePicture& picture, const PixelShift& shift) {
     CodePicture result{picture.width, picture.height, picture.linear, std::vector<uint16_t>(picture.codes.size(), 0)};
     const int first = std::max(0, -shift.x), last = std::min(picture.width, picture.width - shift.x);
     for (int y = std::max(0, -shift.y); y < std::min(picture.height, picture.height - shift.y) && first < last; ++y)
-        std::copy(picture.at(first + shift.x, y + shift.y), picture.at(last - 1 + shift.x, y + shift.y) + 3, &result.codes[(size_t(y) * size_t(picture.width) + size_t(first)) * 3]);
+        std::copy(picture.at(first + shift.x, y + shift.y), picture.at(last - 1 + shift.x, y + shift.y) + 3,
+                  &result.codes[(size_t(y) * size_t(picture.width) + size_t(first)) * 3]);
     return result;
 }
 

@@ -12,10 +12,12 @@ struct PixelShift {
     bool operator==(const PixelShift&) const = default;
 };
 
-/// Shifts of all pictures against `reference` by median threshold bitmaps, which do not hang on exposure: a pyramid from coarse to fine, each exposure against its
-/// neighbour in the order of exposures. Whole pixels, no rotation, up to a twenty-fifth of the width; 0 where shifting does not lower the share of pixels that disagree by a
-/// tenth. Pictures of one size expected. Cost: 9 x 4/3 comparisons a pixel.
-std::vector<PixelShift> bracketShifts(const std::vector<CodePicture>& pictures, const std::vector<double>& exposures, size_t reference);
+/// Shifts of all pictures against `reference` by median threshold bitmaps, which do not hang on exposure: a pyramid
+/// from coarse to fine, each exposure against its neighbour in the order of exposures. Whole pixels, no rotation, up to
+/// a twenty-fifth of the width; 0 where shifting does not lower the share of pixels that disagree by a tenth. Pictures
+/// of one size expected. Cost: 9 x 4/3 comparisons a pixel.
+std::vector<PixelShift> bracketShifts(const std::vector<CodePicture>& pictures, const std::vector<double>& exposures,
+                                      size_t reference);
 
 /// The picture brought onto the reference; black where it shows nothing.
 CodePicture shifted(const CodePicture& picture, const PixelShift& shift);

@@ -97,7 +97,8 @@ public:
     std::optional<int> side(const char* key) const {
         const auto x = positive(key);
         if (!x) return std::nullopt;
-        if (*x != std::floor(*x) || *x > maxSide) fail(key, fmt::format("is {}, expected a whole number from 1 to {}", *x, maxSide));
+        if (*x != std::floor(*x) || *x > maxSide)
+            fail(key, fmt::format("is {}, expected a whole number from 1 to {}", *x, maxSide));
         return int(*x);
     }
     std::optional<double> angle(const char* key) const {
@@ -127,7 +128,10 @@ LensModel readModel(const Keys& keys) {
     if (keys.has("camera_model")) {
         const std::string name = keys.text("camera_model");
         const auto model = lensModelFromName(name);
-        if (!model) keys.fail("camera_model", fmt::format("is \"{}\", expected a COLMAP model such as PINHOLE, OPENCV or OPENCV_FISHEYE", name.substr(0, 80)));
+        if (!model)
+            keys.fail("camera_model",
+                      fmt::format("is \"{}\", expected a COLMAP model such as PINHOLE, OPENCV or OPENCV_FISHEYE",
+                                  name.substr(0, 80)));
         return *model;
     }
     if (const json* fisheye = keys.find("is_fisheye"); fisheye && fisheye->is_boolean() && fisheye->get<bool>())
@@ -155,14 +159,16 @@ std::vector<const char*> coefficientNames(LensModel model) {
     return {};
 }
 
-void readIntrinsics(const Keys& keys, Camera& camera, const std::function<std::pair<int, int>()>& size, std::vector<std::string>& ignored) {
+void readIntrinsics(const Keys& keys, Camera& camera, const std::function<std::pair<int, int>()>& size,
+                    std::vector<std::string>& ignored) {
     const auto w = keys.side("w"), h = keys.side("h");
     if (w && h) {
         camera.width = *w, camera.height = *h;
     } else {
         const auto [width, height] = size();
         for (const auto& [key, side] : {std::pair{"w", w.value_or(width)}, std::pair{"h", h.value_or(height)}})
-            if (side < 1 || side > maxSide) keys.fail(key, fmt::format("is {}, expected a whole number from 1 to {}", side, maxSide));
+            if (side < 1 || side > maxSide)
+                keys.fail(key, fmt::format("is {}, expected a whole number from 1 to {}", side, maxSide));
         camera.width = w.value_or(width), camera.height = h.value_or(height);
     }
     const auto fromAngle = [](const std::optional<double>& angle, int pixels) -> std::optional<double> {
@@ -186,9 +192,11 @@ void readIntrinsics(const Keys& keys, Camera& camera, const std::function<std::p
     const auto names = coefficientNames(camera.model);
     for (size_t i = 0; i < names.size(); ++i) camera.distortion[i] = keys.number(names[i]).value_or(0);
     for (const char* key : {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"}) {
-        const bool used = std::any_of(names.begin(), names.end(), [&](const char* name) { return std::string_view(name) == key; });
+        const bool used =
+            std::any_of(names.begin(), names.end(), [&](const char* name) { return std::string_view(name) == key; });
         if (!used && keys.number(key).value_or(0) != 0)
-            ignored.push_back(fmt::format("{} is ignored because {} has no such coefficient", key, lensModelName(camera.model)));
+            ignored.push_back(
+                fmt::format("{} is ignored because {} has no such coefficient", key, lensModelName(camera.model)));
     }
 }
 
@@ -196,15 +204,19 @@ DMat4 readMatrix(const Keys& keys, bool& rescaled) {
     constexpr const char* key = "transform_matrix";
     const json* value = keys.find(key);
     if (!value) keys.fail(key, "is missing");
-    if (!value->is_array() || (value->size() != 3 && value->size() != 4)) keys.fail(key, "is no 4 x 4 matrix (rows of numbers)");
+    if (!value->is_array() || (value->size() != 3 && value->size() != 4))
+        keys.fail(key, "is no 4 x 4 matrix (rows of numbers)");
     DMat4 matrix(1.0);
     for (size_t row = 0; row < value->size(); ++row) {
         const json& line = (*value)[row];
         if (!line.is_array() || line.size() != 4) keys.fail(key, fmt::format("row {} is no list of 4 numbers", row));
         for (size_t column = 0; column < 4; ++column) {
-            if (!line[column].is_number()) keys.fail(key, fmt::format("row {} column {} is {}, expected a number", row, column, kindOf(line[column])));
+            if (!line[column].is_number())
+                keys.fail(key,
+                          fmt::format("row {} column {} is {}, expected a number", row, column, kindOf(line[column])));
             const double x = line[column].get<double>();
-            if (!std::isfinite(x) || std::abs(x) > 1e12) keys.fail(key, fmt::format("row {} column {} is {}, expected a finite number", row, column, x));
+            if (!std::isfinite(x) || std::abs(x) > 1e12)
+                keys.fail(key, fmt::format("row {} column {} is {}, expected a finite number", row, column, x));
             matrix[int(column)][int(row)] = x;
         }
     }
@@ -235,11 +247,15 @@ std::vector<Exposure> readExposures(const Keys& frameKeys, const json& frame) {
     const auto it = frame.find("exposures");
     if (it == frame.end() || it->is_null()) return exposures;
     if (!it->is_array()) frameKeys.fail("exposures", fmt::format("is {}, expected a list", kindOf(*it)));
-    if (it->size() > 1000) frameKeys.fail("exposures", fmt::format("has {} entries, expected at most 1000", it->size()));
+    if (it->size() > 1000)
+        frameKeys.fail("exposures", fmt::format("has {} entries, expected at most 1000", it->size()));
     for (size_t i = 0; i < it->size(); ++i) {
         const json& entry = (*it)[i];
-        if (!entry.is_object()) frameKeys.fail("exposures", fmt::format("entry {} is {}, expected an object", i, kindOf(entry)));
-        const auto failIn = [&](const char* key, const std::string& what) { frameKeys.fail("exposures", fmt::format("entry {}: {} {}", i, key, what)); };
+        if (!entry.is_object())
+            frameKeys.fail("exposures", fmt::format("entry {} is {}, expected an object", i, kindOf(entry)));
+        const auto failIn = [&](const char* key, const std::string& what) {
+            frameKeys.fail("exposures", fmt::format("entry {}: {} {}", i, key, what));
+        };
         const auto positive = [&](const char* key) -> double {
             const auto value = entry.find(key);
             if (value == entry.end() || value->is_null()) return 0;
@@ -250,7 +266,8 @@ std::vector<Exposure> readExposures(const Keys& frameKeys, const json& frame) {
         };
         Exposure exposure;
         const auto path = entry.find("file_path");
-        if (path == entry.end() || !path->is_string() || path->get<std::string>().empty()) failIn("file_path", "is missing");
+        if (path == entry.end() || !path->is_string() || path->get<std::string>().empty())
+            failIn("file_path", "is missing");
         exposure.filePath = path->get<std::string>();
         exposure.seconds = positive("exposure_time");
         exposure.aperture = positive("aperture");
@@ -266,7 +283,8 @@ Vec3 readUp(const json& root) {
     try {
         return axisFromName(it->is_string() ? it->get<std::string>() : "");
     } catch (const Error& error) {
-        throw Error("up is {}, {}", it->dump(-1, ' ', false, json::error_handler_t::replace).substr(0, 80), error.what());
+        throw Error("up is {}, {}", it->dump(-1, ' ', false, json::error_handler_t::replace).substr(0, 80),
+                    error.what());
     }
 }
 
@@ -282,7 +300,8 @@ Transforms parseTransforms(const std::string& text, const PictureSize& sizeOf) {
     if (frames == root.end()) throw Error("frames is missing");
     if (!frames->is_array()) throw Error("frames is {}, expected a list", kindOf(*frames));
     if (frames->empty()) throw Error("frames is empty, expected at least one");
-    if (frames->size() > maxFrames) throw Error("frames has {} entries, expected at most {}", frames->size(), maxFrames);
+    if (frames->size() > maxFrames)
+        throw Error("frames has {} entries, expected at most {}", frames->size(), maxFrames);
     size_t rescaled = 0;
     std::map<std::string, size_t> ignoredCounts;
     for (size_t i = 0; i < frames->size(); ++i) {
@@ -295,15 +314,25 @@ Transforms parseTransforms(const std::string& text, const PictureSize& sizeOf) {
         frame.exposures = readExposures(keys, object);
         if (frame.filePath.empty() && frame.exposures.empty()) throw Error("{}: file_path is missing", name);
         std::vector<std::string> ignored;
-        readIntrinsics(keys, frame.camera, [&] { return withContext(name, [&] { return sizeOf(frame.filePath.empty() ? frame.exposures[0].filePath : frame.filePath); }); }, ignored);
+        readIntrinsics(
+            keys, frame.camera,
+            [&] {
+                return withContext(name, [&] {
+                    return sizeOf(frame.filePath.empty() ? frame.exposures[0].filePath : frame.filePath);
+                });
+            },
+            ignored);
         bool wasRescaled = false;
         frame.camera.worldFromCamera = readMatrix(keys, wasRescaled);
         rescaled += wasRescaled;
         for (const std::string& sentence : ignored) ++ignoredCounts[sentence];
         result.frames.push_back(std::move(frame));
     }
-    if (rescaled) result.notes.push_back(fmt::format("{} of {} transform matrices held a uniform scale, which was taken out.", rescaled, frames->size()));
-    for (const auto& [sentence, count] : ignoredCounts) result.notes.push_back(fmt::format("{} (in {} frames).", sentence, count));
+    if (rescaled)
+        result.notes.push_back(fmt::format("{} of {} transform matrices held a uniform scale, which was taken out.",
+                                           rescaled, frames->size()));
+    for (const auto& [sentence, count] : ignoredCounts)
+        result.notes.push_back(fmt::format("{} (in {} frames).", sentence, count));
     return result;
 }
 
@@ -320,7 +349,9 @@ Camera readCameraFile(const std::filesystem::path& file) {
         const Keys keys(root, nullptr, "");
         Camera camera;
         std::vector<std::string> ignored;
-        readIntrinsics(keys, camera, [&]() -> std::pair<int, int> { keys.fail(keys.has("w") ? "h" : "w", "is missing"); }, ignored);
+        readIntrinsics(
+            keys, camera, [&]() -> std::pair<int, int> { keys.fail(keys.has("w") ? "h" : "w", "is missing"); },
+            ignored);
         bool rescaled = false;
         camera.worldFromCamera = readMatrix(keys, rescaled);
         return camera;

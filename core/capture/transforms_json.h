@@ -14,22 +14,22 @@ namespace relamp {
 /// One exposure of a bracket.
 struct Exposure {
     std::string filePath;
-    double seconds = 0;                ///< exposure time; 0: not given, EXIF says it
-    double aperture = 0, iso = 0;      ///< f-number and sensitivity; 0: not given
+    double seconds = 0;            ///< exposure time; 0: not given, EXIF says it
+    double aperture = 0, iso = 0;  ///< f-number and sensitivity; 0: not given
 };
 
 /// One frame as the file says it; the camera is complete.
 struct TransformsFrame {
-    std::string filePath;              ///< as written, relative to the capture folder; empty when only brackets are given
+    std::string filePath;  ///< as written, relative to the capture folder; empty when only brackets are given
     Camera camera;
     std::vector<Exposure> exposures;
 };
 
 struct Transforms {
     std::vector<TransformsFrame> frames;
-    std::string meshPath;              ///< as written; empty when the key is absent
+    std::string meshPath;  ///< as written; empty when the key is absent
     Vec3 up{0, 0, 1};
-    std::vector<std::string> notes;    ///< what was set right or ignored, one sentence each
+    std::vector<std::string> notes;  ///< what was set right or ignored, one sentence each
 };
 
 /// Width and height of the picture with this file_path.

@@ -22,8 +22,8 @@ float medianOf(std::vector<float> v, double quantile = 0.5) {
 /// What the views agree on about a vertex.
 struct VertexRadiance {
     Rgb radiance{0};
-    float spread = 0;   ///< relative difference between views; -1 with one view
-    float weight = 0;   ///< best look-up weight; 0: unseen
+    float spread = 0;  ///< relative difference between views; -1 with one view
+    float weight = 0;  ///< best look-up weight; 0: unseen
 };
 
 std::vector<VertexRadiance> summarise(const Scene& scene, const RadianceSamples& samples) {
@@ -63,17 +63,21 @@ struct Patch {
     std::vector<uint32_t> vertices;
     Rgb radiance{0};
     EmitterEvidence evidence;
-    float commonSpread = 0;   ///< relative difference between views of the patch as a whole: an exposure that is off, a lamp that shines more one way
-    float ownSpread = 0;      ///< what is left of viewSpread without that: a reflection that wanders over the patch
+    float commonSpread = 0;  ///< relative difference between views of the patch as a whole: an exposure that is off, a
+                             ///< lamp that shines more one way
+    float ownSpread = 0;     ///< what is left of viewSpread without that: a reflection that wanders over the patch
     std::string reject;
 };
 
 constexpr size_t smallestPatch = 4;
 
-bool alike(const Rgb& a, const Rgb& b, float tolerance) { return glm::length(a - b) <= tolerance * std::max(glm::length(a), glm::length(b)); }
+bool alike(const Rgb& a, const Rgb& b, float tolerance) {
+    return glm::length(a - b) <= tolerance * std::max(glm::length(a), glm::length(b));
+}
 
 /// Grows patches of like radiance from the brightest vertices down.
-std::vector<Patch> growPatches(const Scene& scene, const std::vector<VertexRadiance>& seen, float floor, float tolerance) {
+std::vector<Patch> growPatches(const Scene& scene, const std::vector<VertexRadiance>& seen, float floor,
+                               float tolerance) {
     std::vector<uint32_t> order;
     for (uint32_t v = 0; v < seen.size(); ++v)
         if (seen[v].weight > 0.1f && maxChannel(seen[v].radiance) > floor) order.push_back(v);
@@ -97,8 +101,10 @@ std::vector<Patch> growPatches(const Scene& scene, const std::vector<VertexRadia
             sum += seen[v].radiance;
             const Rgb mean = sum / float(patch.vertices.size());
             // What joins rests on the mean so far, so the way is one that does not know the file's order.
-            around.assign(scene.graph.to.begin() + scene.graph.start[v], scene.graph.to.begin() + scene.graph.start[v + 1]);
-            std::sort(around.begin(), around.end(), [&](uint32_t a, uint32_t b) { return scene.rank[a] < scene.rank[b]; });
+            around.assign(scene.graph.to.begin() + scene.graph.start[v],
+                          scene.graph.to.begin() + scene.graph.start[v + 1]);
+            std::sort(around.begin(), around.end(),
+                      [&](uint32_t a, uint32_t b) { return scene.rank[a] < scene.rank[b]; });
             for (const uint32_t u : around) {
                 if (taken[u] || seen[u].weight <= 0 || !alike(seen[u].radiance, mean, tolerance)) continue;
                 taken[u] = 1;
@@ -120,7 +126,8 @@ void mergeLikePatches(const Scene& scene, std::vector<Patch>& patches, const std
             for (uint32_t v : patches[i].vertices) a += seen[v].radiance / float(patches[i].vertices.size());
             for (uint32_t v : patches[j].vertices) b += seen[v].radiance / float(patches[j].vertices.size());
             if (scene.piece[patches[i].vertices[0]] == scene.piece[patches[j].vertices[0]] && alike(a, b, 0.1f)) {
-                patches[i].vertices.insert(patches[i].vertices.end(), patches[j].vertices.begin(), patches[j].vertices.end());
+                patches[i].vertices.insert(patches[i].vertices.end(), patches[j].vertices.begin(),
+                                           patches[j].vertices.end());
                 std::sort(patches[i].vertices.begin(), patches[i].vertices.end());
                 patches.erase(patches.begin() + ptrdiff_t(j));
             } else {
@@ -134,7 +141,8 @@ void splitSpread(const RadianceSamples& samples, const std::vector<VertexRadianc
     const auto ratios = [&](uint32_t v, const auto& each) {
         const float own = maxChannel(seen[v].radiance);
         for (uint32_t s = samples.start[v]; own > 0 && s < samples.start[v + 1]; ++s)
-            if (const RadianceSample& look = samples.samples[s]; look.weight >= 0.4f * seen[v].weight && !look.clipped) each(look.view, maxChannel(look.radiance) / own);
+            if (const RadianceSample& look = samples.samples[s]; look.weight >= 0.4f * seen[v].weight && !look.clipped)
+                each(look.view, maxChannel(look.radiance) / own);
     };
     std::vector<std::vector<float>> ofView;
     for (const uint32_t v : patch.vertices)
@@ -167,11 +175,13 @@ void splitSpread(const RadianceSamples& samples, const std::vector<VertexRadianc
 /// A reflection moves with the view. What is very bright and changes as a whole, and not much, is a lamp all the same.
 bool changesWithView(const Patch& patch, const ClusterOptions& options) {
     const EmitterEvidence& e = patch.evidence;
-    return e.viewSpread > 0.12f && !(e.viewsAgree && e.sceneContrast >= options.certainContrast && patch.commonSpread < 0.5f && e.viewSpread < 2 * patch.commonSpread && patch.ownSpread < 0.06f);
+    return e.viewSpread > 0.12f &&
+           !(e.viewsAgree && e.sceneContrast >= options.certainContrast && patch.commonSpread < 0.5f &&
+             e.viewSpread < 2 * patch.commonSpread && patch.ownSpread < 0.06f);
 }
 
-void judge(const Scene& scene, const RadianceSamples& samples, const std::vector<VertexRadiance>& seen, const std::vector<int>& patchOf,
-           int self, float reference, Patch& patch) {
+void judge(const Scene& scene, const RadianceSamples& samples, const std::vector<VertexRadiance>& seen,
+           const std::vector<int>& patchOf, int self, float reference, Patch& patch) {
     EmitterEvidence& e = patch.evidence;
     std::vector<float> channel[3], spreads, inside, outside;
     std::vector<uint8_t> views;
@@ -209,31 +219,38 @@ void judge(const Scene& scene, const RadianceSamples& samples, const std::vector
     for (uint32_t v : patch.vertices)
         for (uint32_t k = scene.graph.start[v]; k < scene.graph.start[v + 1]; ++k) {
             const uint32_t u = scene.graph.to[k];
-            if (patchOf[u] != self && seen[u].weight > 0.1f) drop.push_back(maxChannel(seen[u].radiance) / std::max(maxChannel(seen[v].radiance), 1e-20f));
+            if (patchOf[u] != self && seen[u].weight > 0.1f)
+                drop.push_back(maxChannel(seen[u].radiance) / std::max(maxChannel(seen[v].radiance), 1e-20f));
         }
     e.edgeDrop = drop.size() * 4 > patch.vertices.size() / 4 ? medianOf(drop) : 0;
     const float reach = 2.5f * radius + 2 * spacing;
     for (uint32_t v = 0; v < seen.size(); ++v)
-        if (seen[v].weight > 0.1f && patchOf[v] != self && glm::length(scene.mesh.positions[v] - centre) < reach) around.push_back(maxChannel(seen[v].radiance));
-    e.localContrast = around.size() < 8 ? e.sceneContrast : maxChannel(patch.radiance) / std::max(medianOf(around), 1e-20f);
+        if (seen[v].weight > 0.1f && patchOf[v] != self && glm::length(scene.mesh.positions[v] - centre) < reach)
+            around.push_back(maxChannel(seen[v].radiance));
+    e.localContrast =
+        around.size() < 8 ? e.sceneContrast : maxChannel(patch.radiance) / std::max(medianOf(around), 1e-20f);
 }
 
 std::vector<uint8_t> withinOneRing(const Scene& scene, const std::vector<uint8_t>& of) {
     std::vector<uint8_t> result = of;
     for (uint32_t v = 0; v < of.size(); ++v)
-        for (uint32_t e = scene.graph.start[v]; of[v] && e < scene.graph.start[v + 1]; ++e) result[scene.graph.to[e]] = 1;
+        for (uint32_t e = scene.graph.start[v]; of[v] && e < scene.graph.start[v + 1]; ++e)
+            result[scene.graph.to[e]] = 1;
     return result;
 }
 
-/// Where a reconstruction ends, its rim is off by a pixel or more, and look-ups there mix in what lies behind: a window, a bright wall. A patch needs vertices away
-/// from rims, as many as the smallest patch has; one that is most of its piece is a sheet of its own, and its rim is its outline.
-bool onlyRim(const Scene& scene, const std::vector<uint8_t>& nearRim, const std::vector<uint32_t>& seenOfPiece, const Patch& patch) {
+/// Where a reconstruction ends, its rim is off by a pixel or more, and look-ups there mix in what lies behind: a
+/// window, a bright wall. A patch needs vertices away from rims, as many as the smallest patch has; one that is most of
+/// its piece is a sheet of its own, and its rim is its outline.
+bool onlyRim(const Scene& scene, const std::vector<uint8_t>& nearRim, const std::vector<uint32_t>& seenOfPiece,
+             const Patch& patch) {
     if (2 * patch.vertices.size() > seenOfPiece[scene.piece[patch.vertices[0]]]) return false;
-    return std::count_if(patch.vertices.begin(), patch.vertices.end(), [&](uint32_t v) { return !nearRim[v]; }) < ptrdiff_t(smallestPatch);
+    return std::count_if(patch.vertices.begin(), patch.vertices.end(), [&](uint32_t v) { return !nearRim[v]; }) <
+           ptrdiff_t(smallestPatch);
 }
 
-/// Vertices that fall on one pixel agree because they are one measurement. What a patch is told by, that it is uniform, has an edge and looks alike from two sides, needs several
-/// pixels in two views, or, where only one shows it, many.
+/// Vertices that fall on one pixel agree because they are one measurement. What a patch is told by, that it is uniform,
+/// has an edge and looks alike from two sides, needs several pixels in two views, or, where only one shows it, many.
 bool tooFewPixels(const Scene& scene, const Capture& capture, const RadianceSamples& samples, const Patch& patch) {
     constexpr size_t inTwoViews = 4, inOneView = 16;
     std::vector<std::set<std::pair<int, int>>> pixels(capture.views.size());
@@ -241,7 +258,8 @@ bool tooFewPixels(const Scene& scene, const Capture& capture, const RadianceSamp
         for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
             const uint32_t view = samples.samples[s].view;
             if (view >= pixels.size()) return false;  // nothing is known of its pixels
-            if (const auto at = capture.views[view].camera.project(DVec3(scene.mesh.positions[v]))) pixels[view].insert({int(at->x), int(at->y)});
+            if (const auto at = capture.views[view].camera.project(DVec3(scene.mesh.positions[v])))
+                pixels[view].insert({int(at->x), int(at->y)});
         }
     size_t most = 0, second = 0;
     for (const auto& p : pixels) {
@@ -253,7 +271,8 @@ bool tooFewPixels(const Scene& scene, const Capture& capture, const RadianceSamp
 
 /// Lets a patch take the unseen and half-seen rest of its own body.
 /// Vertices that belong to another patch stay there.
-void complete(const Scene& scene, const std::vector<VertexRadiance>& seen, const std::vector<uint8_t>& ofOthers, EmitterCluster& cluster) {
+void complete(const Scene& scene, const std::vector<VertexRadiance>& seen, const std::vector<uint8_t>& ofOthers,
+              EmitterCluster& cluster) {
     std::vector<uint8_t> mine(seen.size(), 0);
     for (uint32_t v : cluster.vertices) mine[v] = 1;
     // A connected piece whose clearly seen vertices nearly all shine is a lamp as a whole.
@@ -274,7 +293,9 @@ void complete(const Scene& scene, const std::vector<VertexRadiance>& seen, const
         for (uint32_t v : ring)
             for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e) {
                 const uint32_t u = scene.graph.to[e];
-                if (mine[u] || ofOthers[u] || seen[u].weight > 0 || glm::dot(scene.mesh.normals[u], scene.mesh.normals[v]) < 0.5f) continue;
+                if (mine[u] || ofOthers[u] || seen[u].weight > 0 ||
+                    glm::dot(scene.mesh.normals[u], scene.mesh.normals[v]) < 0.5f)
+                    continue;
                 mine[u] = 1;
                 next.push_back(u);
             }
@@ -317,11 +338,13 @@ Vec3 middleOf(const Scene& scene, size_t vertices) {
     return scene.axes * ((low + high) / 2.0f);
 }
 
-/// The spheres that stand for lamps without geometry: they are lamps because somebody said so, and how bright they are is solved for.
+/// The spheres that stand for lamps without geometry: they are lamps because somebody said so, and how bright they are
+/// is solved for.
 void addProxyEmitters(const Scene& scene, const Capture& capture, float brightness, EmitterClusters& result) {
     for (size_t i = 0; i < capture.proxies.size(); ++i) {
         const ProxyLight& proxy = capture.proxies[i];
-        const size_t before = capture.proxies.size() - i, firstVertex = scene.mesh.vertexCount() - before * proxyVertices;
+        const size_t before = capture.proxies.size() - i,
+                     firstVertex = scene.mesh.vertexCount() - before * proxyVertices;
         EmitterCluster cluster;
         for (size_t v = 0; v < proxyVertices; ++v) cluster.vertices.push_back(uint32_t(firstVertex + v));
         measure(scene, cluster);
@@ -329,20 +352,25 @@ void addProxyEmitters(const Scene& scene, const Capture& capture, float brightne
         cluster.positionSigma = proxy.sigma;
         // A guess: half of what lights the middle of the scene, on an albedo of 0.3.
         const float distance = glm::length(Vec3(proxy.centre) - middleOf(scene, firstVertex));
-        cluster.radiance = Rgb(std::max(brightness, 1e-9f) / 0.6f * std::max(1.0f, distance * distance / (proxy.radius * proxy.radius)));
+        cluster.radiance = Rgb(std::max(brightness, 1e-9f) / 0.6f *
+                               std::max(1.0f, distance * distance / (proxy.radius * proxy.radius)));
         cluster.radianceSigma = 1;
         result.emitters.push_back(std::move(cluster));
     }
 }
 
-/// Bodies of connected vertices above `floor`, in an order that does not know the file's; none that has a vertex in `except`.
-std::vector<Patch> brightBodies(const Scene& scene, const std::vector<VertexRadiance>& seen, float floor, const std::vector<uint8_t>& except) {
+/// Bodies of connected vertices above `floor`, in an order that does not know the file's; none that has a vertex in
+/// `except`.
+std::vector<Patch> brightBodies(const Scene& scene, const std::vector<VertexRadiance>& seen, float floor,
+                                const std::vector<uint8_t>& except) {
     std::vector<Patch> bodies;
     std::vector<uint8_t> taken(seen.size(), 0);
     std::vector<uint32_t> order(seen.size()), stack;
     std::iota(order.begin(), order.end(), 0u);
     std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return scene.rank[a] < scene.rank[b]; });
-    const auto bright = [&](uint32_t v) { return !taken[v] && seen[v].weight > 0.1f && maxChannel(seen[v].radiance) > floor; };
+    const auto bright = [&](uint32_t v) {
+        return !taken[v] && seen[v].weight > 0.1f && maxChannel(seen[v].radiance) > floor;
+    };
     for (const uint32_t seed : order) {
         if (!bright(seed)) continue;
         Patch body;
@@ -367,8 +395,10 @@ std::vector<Patch> brightBodies(const Scene& scene, const std::vector<VertexRadi
     return bodies;
 }
 
-/// Whether the body could be what these lamps, of known radiance, light: its median vertex would need an albedo below 1.5 if nothing stood between. O(64 x their triangles).
-bool litByLamps(const Scene& scene, const std::vector<VertexRadiance>& seen, const std::vector<EmitterCluster>& lamps, const Patch& body) {
+/// Whether the body could be what these lamps, of known radiance, light: its median vertex would need an albedo
+/// below 1.5 if nothing stood between. O(64 x their triangles).
+bool litByLamps(const Scene& scene, const std::vector<VertexRadiance>& seen, const std::vector<EmitterCluster>& lamps,
+                const Patch& body) {
     constexpr size_t mostVertices = 64;
     std::vector<float> demanded;
     std::vector<uint32_t> vertices = body.vertices;
@@ -379,12 +409,17 @@ bool litByLamps(const Scene& scene, const std::vector<VertexRadiance>& seen, con
         Rgb lit(0);
         for (const EmitterCluster& lamp : lamps) {
             if (lamp.unseen) continue;  // its radiance is a guess yet
-            float factor = 0;  // form factor; whichever way the surfaces face
+            float factor = 0;           // form factor; whichever way the surfaces face
             for (const uint32_t t : lamp.triangles) {
                 const Triangle& corners = scene.mesh.triangles[t];
-                const Vec3 to = (scene.mesh.positions[corners[0]] + scene.mesh.positions[corners[1]] + scene.mesh.positions[corners[2]]) / 3.0f - scene.mesh.positions[v];
+                const Vec3 to = (scene.mesh.positions[corners[0]] + scene.mesh.positions[corners[1]] +
+                                 scene.mesh.positions[corners[2]]) /
+                                    3.0f -
+                                scene.mesh.positions[v];
                 const float area = scene.mesh.triangleArea(t), squared = std::max(glm::dot(to, to), area);
-                factor += area * std::abs(glm::dot(to, scene.mesh.normals[v]) * glm::dot(to, scene.mesh.faceNormal(t))) / (pi * squared * squared);
+                factor += area *
+                          std::abs(glm::dot(to, scene.mesh.normals[v]) * glm::dot(to, scene.mesh.faceNormal(t))) /
+                          (pi * squared * squared);
             }
             lit += lamp.radiance * std::min(factor, 1.0f);
         }
@@ -411,7 +446,9 @@ Rgb meanRadiance(const Scene& scene, const std::vector<VertexRadiance>& seen, co
 
 void indexEmitters(const Scene& scene, EmitterClusters& clusters) {
     std::erase_if(clusters.emitters, [](const EmitterCluster& e) { return e.triangles.empty(); });
-    std::stable_sort(clusters.emitters.begin(), clusters.emitters.end(), [](const EmitterCluster& a, const EmitterCluster& b) { return emitterPower(a) > emitterPower(b); });
+    std::stable_sort(
+        clusters.emitters.begin(), clusters.emitters.end(),
+        [](const EmitterCluster& a, const EmitterCluster& b) { return emitterPower(a) > emitterPower(b); });
     clusters.emitterOfVertex.assign(scene.mesh.vertexCount(), -1);
     clusters.emitterOfTriangle.assign(scene.mesh.triangles.size(), -1);
     for (size_t i = 0; i < clusters.emitters.size(); ++i) {
@@ -422,10 +459,12 @@ void indexEmitters(const Scene& scene, EmitterClusters& clusters) {
     }
 }
 
-EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, const RadianceSamples& samples, const ClusterOptions& options, Progress& progress) {
+EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                                const ClusterOptions& options, Progress& progress) {
     progress.begin("Emitter clusters", 4);
     std::vector<VertexRadiance> seen = summarise(scene, samples);
-    for (size_t v = seen.size() - std::min(seen.size(), capture.proxies.size() * proxyVertices); v < seen.size(); ++v) seen[v] = {};
+    for (size_t v = seen.size() - std::min(seen.size(), capture.proxies.size() * proxyVertices); v < seen.size(); ++v)
+        seen[v] = {};
     std::vector<float> values;
     for (const VertexRadiance& r : seen)
         if (r.weight > 0.1f) values.push_back(maxChannel(r.radiance));
@@ -449,13 +488,16 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
     const float median = medianOf(values);
     std::vector<float> ordinary;
     for (uint32_t v = 0; v < seen.size(); ++v)
-        if (seen[v].weight > 0.1f && seen[v].spread < 0.15f && (patchOf[v] < 0 || maxChannel(seen[v].radiance) < 6 * median)) ordinary.push_back(maxChannel(seen[v].radiance));
+        if (seen[v].weight > 0.1f && seen[v].spread < 0.15f &&
+            (patchOf[v] < 0 || maxChannel(seen[v].radiance) < 6 * median))
+            ordinary.push_back(maxChannel(seen[v].radiance));
     const float reference = ordinary.size() > 20 ? medianOf(ordinary, 0.95) : median;
 
     const std::vector<uint8_t> nearRim = withinOneRing(scene, rimVertices(scene.mesh));
     std::vector<uint32_t> seenOfPiece(scene.pieces, 0);
     for (uint32_t v = 0; v < seen.size(); ++v) seenOfPiece[scene.piece[v]] += seen[v].weight > 0.1f;
-    std::vector<uint8_t> taken(seen.size(), 0), accepted(seen.size(), 0);  // by accepted patches, with what completes them and without
+    std::vector<uint8_t> taken(seen.size(), 0),
+        accepted(seen.size(), 0);       // by accepted patches, with what completes them and without
     std::vector<size_t> rejectedPatch;  // of each in result.rejected
     for (const EmitterCluster& e : result.emitters)
         for (uint32_t v : e.vertices) taken[v] = 1;
@@ -463,17 +505,22 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
         Patch& patch = patches[i];
         judge(scene, samples, seen, patchOf, int(i), reference, patch);
         const EmitterEvidence& e = patch.evidence;
-        if (e.sceneContrast < options.minContrast && e.localContrast < options.minContrast) patch.reject = "no brighter than the surfaces around it";
+        if (e.sceneContrast < options.minContrast && e.localContrast < options.minContrast)
+            patch.reject = "no brighter than the surfaces around it";
         else if (changesWithView(patch, options)) patch.reject = "changes with the view, as a reflection does";
-        else if (!e.viewsAgree && e.uniformity > 0.03f) patch.reject = "hardly seen from two sides and not uniform: could be a reflection";
+        else if (!e.viewsAgree && e.uniformity > 0.03f)
+            patch.reject = "hardly seen from two sides and not uniform: could be a reflection";
         else if (e.uniformity > 0.12f) patch.reject = "its radiance varies as shading does";
         else if (e.edgeDrop > 0.8f) patch.reject = "fades out without an edge";
-        else if (tooFewPixels(scene, capture, samples, patch)) patch.reject = "is seen by too few pixels to tell a lamp from a bright speck";
-        else if (onlyRim(scene, nearRim, seenOfPiece, patch)) patch.reject = "lies at the rim of a hole, where a pixel may show what is behind";
+        else if (tooFewPixels(scene, capture, samples, patch))
+            patch.reject = "is seen by too few pixels to tell a lamp from a bright speck";
+        else if (onlyRim(scene, nearRim, seenOfPiece, patch))
+            patch.reject = "lies at the rim of a hole, where a pixel may show what is behind";
         EmitterCluster cluster;
         cluster.vertices = patch.vertices;
         cluster.radiance = patch.radiance;
-        cluster.radianceSigma = std::max(0.002f, e.uniformity / std::sqrt(float(std::max<size_t>(1, patch.vertices.size()))));
+        cluster.radianceSigma =
+            std::max(0.002f, e.uniformity / std::sqrt(float(std::max<size_t>(1, patch.vertices.size()))));
         cluster.evidence = e;
         if (patch.reject.empty()) {
             complete(scene, seen, taken, cluster);
@@ -489,7 +536,10 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
             continue;
         }
         for (uint32_t v : patch.vertices) accepted[v] = 1;
-        (e.sceneContrast >= options.certainContrast && e.uniformity < 0.06f && e.viewSpread <= 0.12f ? result.emitters : result.candidates).push_back(std::move(cluster));
+        (e.sceneContrast >= options.certainContrast && e.uniformity < 0.06f && e.viewSpread <= 0.12f
+             ? result.emitters
+             : result.candidates)
+            .push_back(std::move(cluster));
     }
     // Bright bodies none of whose patches is a lamp by itself, but which are one as a whole.
     for (Patch& body : brightBodies(scene, seen, 0.75f * options.unevenContrast * reference, accepted)) {
@@ -497,7 +547,10 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
         for (uint32_t v : body.vertices) inBody[v] = 0;
         judge(scene, samples, seen, inBody, 0, reference, body);
         const EmitterEvidence& e = body.evidence;
-        if (e.sceneContrast < options.unevenContrast || changesWithView(body, options) || !e.viewsAgree || e.edgeDrop > 0.5f || tooFewPixels(scene, capture, samples, body) || onlyRim(scene, nearRim, seenOfPiece, body) || litByLamps(scene, seen, result.emitters, body)) continue;
+        if (e.sceneContrast < options.unevenContrast || changesWithView(body, options) || !e.viewsAgree ||
+            e.edgeDrop > 0.5f || tooFewPixels(scene, capture, samples, body) ||
+            onlyRim(scene, nearRim, seenOfPiece, body) || litByLamps(scene, seen, result.emitters, body))
+            continue;
         EmitterCluster cluster;
         cluster.vertices = body.vertices;
         cluster.radiance = body.radiance;
@@ -507,7 +560,8 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
         if (cluster.triangles.empty()) continue;
         for (uint32_t v : cluster.vertices) taken[v] = 1;
         cluster.radiance = meanRadiance(scene, seen, cluster);
-        cluster.radianceSigma = std::max(0.02f, 0.1f * e.uniformity);  // what it sends one way is not what it sends another
+        cluster.radianceSigma =
+            std::max(0.02f, 0.1f * e.uniformity);  // what it sends one way is not what it sends another
         size_t kept = 0;
         for (size_t r = 0; r < result.rejected.size(); ++r) {
             if (inBody[patches[rejectedPatch[r]].vertices[0]] == 0) continue;  // a part of this one
@@ -529,7 +583,8 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
             if (e.unseen) return false;
             const char* reason = nullptr;
             for (const EmitterCluster& lamp : lamps)
-                if (emitterPower(lamp) > emitterPower(e) && showsLampPastEdge(scene, capture, samples, lamp, e)) reason = "shows a lamp past the edge of the mesh";
+                if (emitterPower(lamp) > emitterPower(e) && showsLampPastEdge(scene, capture, samples, lamp, e))
+                    reason = "shows a lamp past the edge of the mesh";
             constexpr float plausible = 0.9f;
             if (const float albedo = albedoBesideLamps(scene, lamps, e); !reason && albedo < plausible) {
                 e.evidence.demandedAlbedo = albedo;
@@ -544,11 +599,17 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
     progress.advance();
     indexEmitters(scene, result);
     for (const EmitterCluster& e : result.emitters)
-        logInfo("{}: radiance {:.4g} {:.4g} {:.4g}, {} vertices, scene contrast {:.1f}, local {:.1f}, uniform {:.3f}, view spread {:.3f}, edge {:.2f}", e.id,
-                e.radiance.x, e.radiance.y, e.radiance.z, e.vertices.size(), e.evidence.sceneContrast, e.evidence.localContrast, e.evidence.uniformity, e.evidence.viewSpread, e.evidence.edgeDrop);
+        logInfo(
+            "{}: radiance {:.4g} {:.4g} {:.4g}, {} vertices, scene contrast {:.1f}, local {:.1f}, uniform {:.3f}, view "
+            "spread {:.3f}, edge {:.2f}",
+            e.id, e.radiance.x, e.radiance.y, e.radiance.z, e.vertices.size(), e.evidence.sceneContrast,
+            e.evidence.localContrast, e.evidence.uniformity, e.evidence.viewSpread, e.evidence.edgeDrop);
     for (const EmitterCluster& e : result.candidates)
-        logInfo("candidate: radiance {:.4g} {:.4g} {:.4g}, {} vertices, scene contrast {:.1f}, local {:.1f}, uniform {:.3f}, view spread {:.3f}, edge {:.2f}",
-                e.radiance.x, e.radiance.y, e.radiance.z, e.vertices.size(), e.evidence.sceneContrast, e.evidence.localContrast, e.evidence.uniformity, e.evidence.viewSpread, e.evidence.edgeDrop);
+        logInfo(
+            "candidate: radiance {:.4g} {:.4g} {:.4g}, {} vertices, scene contrast {:.1f}, local {:.1f}, uniform "
+            "{:.3f}, view spread {:.3f}, edge {:.2f}",
+            e.radiance.x, e.radiance.y, e.radiance.z, e.vertices.size(), e.evidence.sceneContrast,
+            e.evidence.localContrast, e.evidence.uniformity, e.evidence.viewSpread, e.evidence.edgeDrop);
     progress.advance();
     return result;
 }

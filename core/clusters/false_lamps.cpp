@@ -8,7 +8,9 @@ namespace {
 
 constexpr float sameRadiance = 0.03f;
 
-bool alike(const Rgb& a, const Rgb& b) { return maxChannel(glm::abs(a - b)) <= sameRadiance * std::max(maxChannel(a), maxChannel(b)); }
+bool alike(const Rgb& a, const Rgb& b) {
+    return maxChannel(glm::abs(a - b)) <= sameRadiance * std::max(maxChannel(a), maxChannel(b));
+}
 
 /// At most `most` of the vertices, in an order that does not know the file's.
 std::vector<uint32_t> someOf(const Scene& scene, std::vector<uint32_t> vertices, size_t most) {
@@ -42,9 +44,11 @@ std::vector<Vec3> within(const Scene& scene, const EmitterCluster& cluster, cons
 
 /// Whether any two of their vertices are nearer than `reach`.
 bool near(const Scene& scene, const EmitterCluster& a, const EmitterCluster& b, float reach) {
-    const std::vector<Vec3> some = within(scene, a, boxOf(scene, b), reach), others = within(scene, b, boxOf(scene, a), reach);
+    const std::vector<Vec3> some = within(scene, a, boxOf(scene, b), reach),
+                            others = within(scene, b, boxOf(scene, a), reach);
     return std::any_of(some.begin(), some.end(), [&](const Vec3& p) {
-        return std::any_of(others.begin(), others.end(), [&](const Vec3& q) { return glm::dot(p - q, p - q) < reach * reach; });
+        return std::any_of(others.begin(), others.end(),
+                           [&](const Vec3& q) { return glm::dot(p - q, p - q) < reach * reach; });
     });
 }
 
@@ -70,10 +74,13 @@ void join(const EmitterCluster& b, EmitterCluster& a) {
 
 void joinSplitLamps(const Scene& scene, std::vector<EmitterCluster>& lamps) {
     constexpr float hair = 0.006f;
-    std::stable_sort(lamps.begin(), lamps.end(), [](const EmitterCluster& a, const EmitterCluster& b) { return emitterPower(a) > emitterPower(b); });
+    std::stable_sort(lamps.begin(), lamps.end(), [](const EmitterCluster& a, const EmitterCluster& b) {
+        return emitterPower(a) > emitterPower(b);
+    });
     for (size_t i = 0; i < lamps.size(); ++i)
         for (size_t k = i + 1; k < lamps.size();) {
-            const bool one = !lamps[i].unseen && !lamps[k].unseen && alike(lamps[i].radiance, lamps[k].radiance) && near(scene, lamps[i], lamps[k], hair * scene.diagonal);
+            const bool one = !lamps[i].unseen && !lamps[k].unseen && alike(lamps[i].radiance, lamps[k].radiance) &&
+                             near(scene, lamps[i], lamps[k], hair * scene.diagonal);
             if (!one) {
                 ++k;
                 continue;
@@ -84,22 +91,28 @@ void joinSplitLamps(const Scene& scene, std::vector<EmitterCluster>& lamps) {
         }
 }
 
-bool showsLampPastEdge(const Scene& scene, const Capture& capture, const RadianceSamples& samples, const EmitterCluster& lamp, const EmitterCluster& patch) {
+bool showsLampPastEdge(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                       const EmitterCluster& lamp, const EmitterCluster& patch) {
     constexpr int reach = 8;
-    if (lamp.unseen || patch.unseen || !alike(lamp.radiance, patch.radiance) || patch.area > 0.25f * lamp.area) return false;
+    if (lamp.unseen || patch.unseen || !alike(lamp.radiance, patch.radiance) || patch.area > 0.25f * lamp.area)
+        return false;
     const std::set<uint32_t> triangles(lamp.triangles.begin(), lamp.triangles.end());
     size_t bright = 0, beside = 0;
     for (uint32_t v : patch.vertices)
         for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
             const RadianceSample& r = samples.samples[s];
-            if (r.view >= capture.views.size() || r.view >= samples.geometry.size() || !alike(r.radiance, patch.radiance)) continue;
+            if (r.view >= capture.views.size() || r.view >= samples.geometry.size() ||
+                !alike(r.radiance, patch.radiance))
+                continue;
             const auto pixel = capture.views[r.view].camera.project(DVec3(scene.mesh.positions[v]));
             if (!pixel) continue;
             ++bright;
             const ViewGeometry& g = samples.geometry[r.view];
             bool near = false;
-            for (int y = std::max(0, int(pixel->y) - reach); y <= std::min(g.height - 1, int(pixel->y) + reach) && !near; ++y)
-                for (int x = std::max(0, int(pixel->x) - reach); x <= std::min(g.width - 1, int(pixel->x) + reach) && !near; ++x)
+            for (int y = std::max(0, int(pixel->y) - reach);
+                 y <= std::min(g.height - 1, int(pixel->y) + reach) && !near; ++y)
+                for (int x = std::max(0, int(pixel->x) - reach);
+                     x <= std::min(g.width - 1, int(pixel->x) + reach) && !near; ++x)
                     near = triangles.count(g.triangle[size_t(y) * size_t(g.width) + size_t(x)]) > 0;
             beside += near;
         }
@@ -113,20 +126,28 @@ float albedoBesideLamps(const Scene& scene, const std::vector<EmitterCluster>& l
     for (uint32_t v : someOf(scene, patch.vertices, mostVertices)) {
         Rgb lit(0);
         for (const EmitterCluster& lamp : lamps) {
-            if (lamp.unseen || &lamp == &patch || maxChannel(lamp.radiance) < 1.3f * maxChannel(patch.radiance)) continue;
+            if (lamp.unseen || &lamp == &patch || maxChannel(lamp.radiance) < 1.3f * maxChannel(patch.radiance))
+                continue;
             float factor = 0;
             for (const uint32_t t : lamp.triangles) {
                 const Triangle& corners = scene.mesh.triangles[t];
-                const Vec3 to = (scene.mesh.positions[corners[0]] + scene.mesh.positions[corners[1]] + scene.mesh.positions[corners[2]]) / 3.0f - scene.mesh.positions[v];
-                const float area = scene.mesh.triangleArea(t), squared = std::max(glm::dot(to, to), area), distance = std::sqrt(squared);
-                const float at = std::min(1.0f, glm::dot(to, scene.mesh.normals[v]) / distance + slack), from = std::abs(glm::dot(to, scene.mesh.faceNormal(t))) / distance;
-                factor += area * std::max(0.0f, at) * from / (pi * squared);  // its hidden side, which no photograph shows, shines as well
+                const Vec3 to = (scene.mesh.positions[corners[0]] + scene.mesh.positions[corners[1]] +
+                                 scene.mesh.positions[corners[2]]) /
+                                    3.0f -
+                                scene.mesh.positions[v];
+                const float area = scene.mesh.triangleArea(t), squared = std::max(glm::dot(to, to), area),
+                            distance = std::sqrt(squared);
+                const float at = std::min(1.0f, glm::dot(to, scene.mesh.normals[v]) / distance + slack),
+                            from = std::abs(glm::dot(to, scene.mesh.faceNormal(t))) / distance;
+                factor += area * std::max(0.0f, at) * from /
+                          (pi * squared);  // its hidden side, which no photograph shows, shines as well
             }
             lit += lamp.radiance * std::min(factor, 1.0f);
         }
         float worst = 0;
         for (int c = 0; c < 3; ++c)
-            if (patch.radiance[c] > 0.2f * maxChannel(patch.radiance)) worst = std::max(worst, patch.radiance[c] / std::max(lit[c], 1e-20f));
+            if (patch.radiance[c] > 0.2f * maxChannel(patch.radiance))
+                worst = std::max(worst, patch.radiance[c] / std::max(lit[c], 1e-20f));
         demanded.push_back(worst);
     }
     if (demanded.empty()) return 1e30f;

@@ -1,4 +1,5 @@
-// Lamps on meshes that are not exact: one lamp in several patches, and patches that shine only because a lamp's light or image falls where the mesh is off.
+// Lamps on meshes that are not exact: one lamp in several patches, and patches that shine only because a lamp's light
+// or image falls where the mesh is off.
 #pragma once
 #include "capture/capture.h"
 #include "clusters/emitter_clusters.h"
@@ -7,14 +8,18 @@
 
 namespace relamp {
 
-/// Patches of one radiance (within 3 %) a hair apart (0.6 % of the scene's diagonal) become one, the stronger one's. Cost: O(n m) in the vertices of the two that lie near the other's box.
+/// Patches of one radiance (within 3 %) a hair apart (0.6 % of the scene's diagonal) become one, the stronger one's.
+/// Cost: O(n m) in the vertices of the two that lie near the other's box.
 void joinSplitLamps(const Scene& scene, std::vector<EmitterCluster>& lamps);
 
-/// Whether `patch` shows nothing but `lamp` past the mesh's edge: of the same radiance, elsewhere in space, and in every photograph within 8 pixels of the lamp.
-bool showsLampPastEdge(const Scene& scene, const Capture& capture, const RadianceSamples& samples, const EmitterCluster& lamp, const EmitterCluster& patch);
+/// Whether `patch` shows nothing but `lamp` past the mesh's edge: of the same radiance, elsewhere in space, and in
+/// every photograph within 8 pixels of the lamp.
+bool showsLampPastEdge(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                       const EmitterCluster& lamp, const EmitterCluster& patch);
 
-/// Albedo that `patch` would need to send what it sends by reflecting the stronger ones of `lamps`, nothing standing between and its normals off by up to 20 degrees: below 0.9 it is
-/// no lamp, whatever a mesh that is off says of shadows. Median over the patch's vertices, largest of the channels. O(64 x their triangles).
+/// Albedo that `patch` would need to send what it sends by reflecting the stronger ones of `lamps`, nothing standing
+/// between and its normals off by up to 20 degrees: below 0.9 it is no lamp, whatever a mesh that is off says of
+/// shadows. Median over the patch's vertices, largest of the channels. O(64 x their triangles).
 float albedoBesideLamps(const Scene& scene, const std::vector<EmitterCluster>& lamps, const EmitterCluster& patch);
 
 }  // namespace relamp

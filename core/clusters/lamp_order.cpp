@@ -23,7 +23,8 @@ std::vector<uint32_t> alongLamp(const Mesh& mesh, const std::vector<uint32_t>& t
     const float size = std::max({high.x - low.x, high.y - low.y, high.z - low.z, 1e-30f});
     for (Place& p : places) p.key = mortonKey((p.middle - low) / size);
     std::stable_sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
-        return std::tie(a.key, a.middle.x, a.middle.y, a.middle.z) < std::tie(b.key, b.middle.x, b.middle.y, b.middle.z);
+        return std::tie(a.key, a.middle.x, a.middle.y, a.middle.z) <
+               std::tie(b.key, b.middle.x, b.middle.y, b.middle.z);
     });
     std::vector<uint32_t> order;
     for (const Place& p : places) order.push_back(p.triangle);

@@ -4,8 +4,8 @@
 
 namespace relamp {
 
-/// The triangles along a curve through the lamp at rest, laid along `axes` (Scene::axes): the same in any order of the file, and samples that are spread over them are spread over space.
-/// Cost: n log n.
+/// The triangles along a curve through the lamp at rest, laid along `axes` (Scene::axes): the same in any order of the
+/// file, and samples that are spread over them are spread over space. Cost: n log n.
 std::vector<uint32_t> alongLamp(const Mesh& mesh, const std::vector<uint32_t>& triangles, const Mat3& axes = Mat3(1));
 
 }  // namespace relamp

@@ -63,7 +63,8 @@ Body bodyOfPiece(const Scene& scene, uint32_t seed) {
         const Triangle& i = scene.mesh.triangles[t];
         if (scene.piece[i[0]] != scene.piece[seed]) continue;
         const float area = scene.mesh.triangleArea(t);
-        body.centroid += area / 3 * (scene.mesh.positions[i[0]] + scene.mesh.positions[i[1]] + scene.mesh.positions[i[2]]);
+        body.centroid +=
+            area / 3 * (scene.mesh.positions[i[0]] + scene.mesh.positions[i[1]] + scene.mesh.positions[i[2]]);
         normal += area * scene.mesh.faceNormal(t);
         body.area += area;
     }
@@ -72,9 +73,13 @@ Body bodyOfPiece(const Scene& scene, uint32_t seed) {
     return body;
 }
 
-Vec3 facingOf(const EmitterCluster& cluster) { return glm::length(cluster.normal) > 0.5f ? glm::normalize(cluster.normal) : Vec3(0, 0, -1); }
+Vec3 facingOf(const EmitterCluster& cluster) {
+    return glm::length(cluster.normal) > 0.5f ? glm::normalize(cluster.normal) : Vec3(0, 0, -1);
+}
 
-Mat4 about(const Vec3& pivot, const Mat3& rotation) { return glm::translate(Mat4(1), pivot) * Mat4(rotation) * glm::translate(Mat4(1), -pivot); }
+Mat4 about(const Vec3& pivot, const Mat3& rotation) {
+    return glm::translate(Mat4(1), pivot) * Mat4(rotation) * glm::translate(Mat4(1), -pivot);
+}
 
 /// The shortest rotation that takes unit vector a to b.
 Mat3 rotationBetween(const Vec3& a, const Vec3& b) {
@@ -93,7 +98,9 @@ float extentOf(const Mesh& mesh, const EmitterCluster& cluster) {
 std::string freshId(const Look& look, const Estimate& estimate, const std::string& stem) {
     for (int n = 1;; ++n) {
         const std::string id = fmt::format("{}-{}", stem, n);
-        const bool taken = clusterIndex(estimate, id) >= 0 || std::any_of(look.added.begin(), look.added.end(), [&](const AddedEmitter& e) { return e.id == id; });
+        const bool taken =
+            clusterIndex(estimate, id) >= 0 ||
+            std::any_of(look.added.begin(), look.added.end(), [&](const AddedEmitter& e) { return e.id == id; });
         if (!taken) return id;
     }
 }
@@ -107,7 +114,8 @@ std::vector<EmitterState> emittersOf(const Scene& scene, const Estimate& estimat
         EmitterState s;
         s.id = s.name = clusters[i].id;
         s.index = int(i);
-        s.recoveredRadiance = s.radiance = i < estimate.lighting.emitterRadiance.size() ? estimate.lighting.emitterRadiance[i] : clusters[i].radiance;
+        s.recoveredRadiance = s.radiance =
+            i < estimate.lighting.emitterRadiance.size() ? estimate.lighting.emitterRadiance[i] : clusters[i].radiance;
         for (const EmitterLook& e : look.emitters)
             if (e.id == s.id) {
                 s.enabled = e.enabled;
@@ -135,7 +143,8 @@ std::vector<EmitterState> emittersOf(const Scene& scene, const Estimate& estimat
         Body body;
         if (e.shape == AddedEmitter::Shape::part) body = bodyOfPiece(scene, e.seedVertex);
         else if (e.shape == AddedEmitter::Shape::copy) {
-            if (const int c = clusterIndex(estimate, e.source); c >= 0) body = {clusters[size_t(c)].centroid, facingOf(clusters[size_t(c)]), clusters[size_t(c)].area};
+            if (const int c = clusterIndex(estimate, e.source); c >= 0)
+                body = {clusters[size_t(c)].centroid, facingOf(clusters[size_t(c)]), clusters[size_t(c)].area};
         } else if (e.shape == AddedEmitter::Shape::rectangle) body.area = e.size.x * e.size.y;
         else if (e.shape == AddedEmitter::Shape::disk) body.area = pi * e.size.x * e.size.y / 4;
         else body.area = pi * e.size.x * e.size.y;
@@ -147,7 +156,8 @@ std::vector<EmitterState> emittersOf(const Scene& scene, const Estimate& estimat
     return out;
 }
 
-std::optional<EmitterState> findEmitter(const Scene& scene, const Estimate& estimate, const Look& look, const std::string& id) {
+std::optional<EmitterState> findEmitter(const Scene& scene, const Estimate& estimate, const Look& look,
+                                        const std::string& id) {
     for (EmitterState& s : emittersOf(scene, estimate, look))
         if (s.id == id) return s;
     return std::nullopt;
@@ -206,7 +216,8 @@ void resetEmitter(Look& look, const std::string& id, EmitterValue value) {
     if (!e) return;
     if (place) {
         for (PartLook& part : look.parts)
-            if (part.attachedTo == id) part.matrix = part.matrix == e->matrix ? Mat4(1) : glm::inverse(e->matrix) * part.matrix;
+            if (part.attachedTo == id)
+                part.matrix = part.matrix == e->matrix ? Mat4(1) : glm::inverse(e->matrix) * part.matrix;
         e->matrix = Mat4(1);
     }
     if (value == EmitterValue::radiance || value == EmitterValue::all) e->powerScale = Rgb(1);
@@ -286,7 +297,8 @@ void detachPart(Look& look, const Scene& scene, uint32_t seedVertex) {
 }
 
 void resetPart(Look& look, const Scene& scene, uint32_t seedVertex) {
-    std::erase_if(look.parts, [&](const PartLook& part) { return scene.piece[part.seedVertex] == scene.piece[seedVertex]; });
+    std::erase_if(look.parts,
+                  [&](const PartLook& part) { return scene.piece[part.seedVertex] == scene.piece[seedVertex]; });
 }
 
 std::vector<uint32_t> likelyParts(const Scene& scene, const Estimate& estimate, const std::string& id) {
@@ -330,7 +342,8 @@ void aimEmitter(Look& look, const Scene& scene, const Estimate& estimate, const 
 }
 
 namespace {
-void placeAt(Look& look, const Scene& scene, const Estimate& estimate, const std::string& id, const Vec3& point, const Vec3& direction) {
+void placeAt(Look& look, const Scene& scene, const Estimate& estimate, const std::string& id, const Vec3& point,
+             const Vec3& direction) {
     const auto emitter = findEmitter(scene, estimate, look, id);
     if (!emitter) return;
     const float distance = std::max(glm::distance(emitter->pivot, point), 1e-3f * scene.diagonal);
@@ -339,13 +352,15 @@ void placeAt(Look& look, const Scene& scene, const Estimate& estimate, const std
 }
 }  // namespace
 
-void placeByReflection(Look& look, const Scene& scene, const Estimate& estimate, const std::string& id, const Vec3& point, const Vec3& normal, const Vec3& eye) {
+void placeByReflection(Look& look, const Scene& scene, const Estimate& estimate, const std::string& id,
+                       const Vec3& point, const Vec3& normal, const Vec3& eye) {
     if (!(glm::distance(eye, point) > 0)) return;
     const Vec3 towardEye = glm::normalize(eye - point);
     placeAt(look, scene, estimate, id, point, glm::normalize(2 * glm::dot(towardEye, normal) * normal - towardEye));
 }
 
-void placeByLight(Look& look, const Scene& scene, const Estimate& estimate, const std::string& id, const Vec3& point, const Vec3& normal) {
+void placeByLight(Look& look, const Scene& scene, const Estimate& estimate, const std::string& id, const Vec3& point,
+                  const Vec3& normal) {
     placeAt(look, scene, estimate, id, point, normal);
 }
 

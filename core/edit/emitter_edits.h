@@ -1,5 +1,5 @@
-// What an artist does to an emitter, as functions on the look: the same for recovered and added ones. The window's table, inspector and
-// gizmo all go through these.
+// What an artist does to an emitter, as functions on the look: the same for recovered and added ones. The window's
+// table, inspector and gizmo all go through these.
 #pragma once
 #include <optional>
 #include <string>
@@ -14,22 +14,24 @@ namespace relamp {
 /// A recovered or added emitter as the look has it.
 struct EmitterState {
     std::string id;
-    std::string name;             ///< what the artist calls it, else its id
+    std::string name;  ///< what the artist calls it, else its id
     bool recovered = true;
-    int index = 0;                ///< place in the estimate's emitters (recovered) or in look.added
+    int index = 0;  ///< place in the estimate's emitters (recovered) or in look.added
     bool enabled = true;
-    Mat4 matrix{1};               ///< as in the look
-    Rgb radiance{0};              ///< when enabled: what it sends now
-    Rgb recoveredRadiance{0};     ///< what the solve found; for added ones the same as radiance
-    Vec3 pivot{0};                ///< world: centroid after the matrix
-    Mat3 axes{1};                 ///< columns: local x, y and facing axis, unit, world; z points where it faces (away from the surface)
-    float area = 0;               ///< square metres before the matrix
-    bool changed = false;         ///< differs from what was recovered, by more than its name; added ones always
+    Mat4 matrix{1};            ///< as in the look
+    Rgb radiance{0};           ///< when enabled: what it sends now
+    Rgb recoveredRadiance{0};  ///< what the solve found; for added ones the same as radiance
+    Vec3 pivot{0};             ///< world: centroid after the matrix
+    Mat3 axes{
+        1};  ///< columns: local x, y and facing axis, unit, world; z points where it faces (away from the surface)
+    float area = 0;        ///< square metres before the matrix
+    bool changed = false;  ///< differs from what was recovered, by more than its name; added ones always
 };
 
 /// Recovered ones in order, then added ones.
 std::vector<EmitterState> emittersOf(const Scene& scene, const Estimate& estimate, const Look& look);
-std::optional<EmitterState> findEmitter(const Scene& scene, const Estimate& estimate, const Look& look, const std::string& id);
+std::optional<EmitterState> findEmitter(const Scene& scene, const Estimate& estimate, const Look& look,
+                                        const std::string& id);
 
 void setEnabled(Look& look, const std::string& id, bool enabled);
 /// Radiance it is to send, image units.
@@ -43,7 +45,8 @@ enum class EmitterValue { place, radiance, enabled, all };
 /// Back to what was recovered; its name stays. For added ones: place back to the identity matrix; the others stay.
 void resetEmitter(Look& look, const std::string& id, EmitterValue value);
 
-/// What it is called in the window, as a light group and in exported scenes; tidied (tidyName). Empty, or its id: its id again.
+/// What it is called in the window, as a light group and in exported scenes; tidied (tidyName). Empty, or its id: its
+/// id again.
 void renameEmitter(Look& look, const std::string& id, const std::string& name);
 /// Everything back to what was recovered, added emitters gone; what recovered ones are called stays.
 void resetLook(Look& look);
@@ -61,15 +64,19 @@ void attachPart(Look& look, const Scene& scene, uint32_t seedVertex, const std::
 void detachPart(Look& look, const Scene& scene, uint32_t seedVertex);
 /// The piece goes back to where it was captured and belongs to nothing.
 void resetPart(Look& look, const Scene& scene, uint32_t seedVertex);
-/// Pieces near the emitter that would plausibly follow it (touch its bounding box grown by its radius, and are not the largest piece of the scene),
-/// as seed vertices.
+/// Pieces near the emitter that would plausibly follow it (touch its bounding box grown by its radius, and are not the
+/// largest piece of the scene), as seed vertices.
 std::vector<uint32_t> likelyParts(const Scene& scene, const Estimate& estimate, const std::string& id);
 
 /// Turns the emitter about its pivot so that its facing axis points at `target`; parts follow.
 void aimEmitter(Look& look, const Scene& scene, const Estimate& estimate, const std::string& id, const Vec3& target);
-/// Moves the emitter, keeping its distance from `point`, so that an eye at `eye` sees it mirrored at `point`; it is then aimed at the point.
-void placeByReflection(Look& look, const Scene& scene, const Estimate& estimate, const std::string& id, const Vec3& point, const Vec3& normal, const Vec3& eye);
-/// Moves the emitter straight above `point` along `normal`, keeping its distance, and aims it there: its light falls on that spot.
-void placeByLight(Look& look, const Scene& scene, const Estimate& estimate, const std::string& id, const Vec3& point, const Vec3& normal);
+/// Moves the emitter, keeping its distance from `point`, so that an eye at `eye` sees it mirrored at `point`; it is
+/// then aimed at the point.
+void placeByReflection(Look& look, const Scene& scene, const Estimate& estimate, const std::string& id,
+                       const Vec3& point, const Vec3& normal, const Vec3& eye);
+/// Moves the emitter straight above `point` along `normal`, keeping its distance, and aims it there: its light falls on
+/// that spot.
+void placeByLight(Look& look, const Scene& scene, const Estimate& estimate, const std::string& id, const Vec3& point,
+                  const Vec3& normal);
 
 }  // namespace relamp

@@ -1,5 +1,5 @@
-// Undo and redo by value: an entry is a whole look with its estimate, an index moves between entries. One gesture (a drag, a slider)
-// is one entry. Knows no window, so that tests and the command line can undo as well.
+// Undo and redo by value: an entry is a whole look with its estimate, an index moves between entries. One gesture (a
+// drag, a slider) is one entry. Knows no window, so that tests and the command line can undo as well.
 #pragma once
 #include <chrono>
 #include <memory>
@@ -14,13 +14,13 @@ namespace relamp {
 /// Everything that undo brings back. The heavy parts are shared.
 struct Version {
     Look look;
-    std::shared_ptr<const Estimate> estimate;      ///< null before the first solve
-    std::shared_ptr<const Estimate> distantOnly;   ///< the baseline's estimate, for comparison; null until solved
+    std::shared_ptr<const Estimate> estimate;     ///< null before the first solve
+    std::shared_ptr<const Estimate> distantOnly;  ///< the baseline's estimate, for comparison; null until solved
 };
 
 struct HistoryEntry {
     Version version;
-    std::string label;   ///< in the user's words: "Move emitter-1"
+    std::string label;  ///< in the user's words: "Move emitter-1"
     std::chrono::system_clock::time_point time;
 };
 
@@ -31,16 +31,16 @@ public:
 
     /// What holds now: the present entry, or the preview of an open gesture.
     const Version& present() const { return gesture_ ? gesture_->preview : entries_[index_].version; }
-    /// A new entry after the present one; entries that were undone are dropped. Nothing happens when nothing changed. Commits an open
-    /// gesture first.
+    /// A new entry after the present one; entries that were undone are dropped. Nothing happens when nothing changed.
+    /// Commits an open gesture first.
     void push(const std::string& label, Version version);
     void pushLook(const std::string& label, Look look);
 
     void begin(const std::string& label);
     /// Shows a look without making an entry. Ignored outside a gesture.
     void preview(Look look);
-    void commit();    ///< one entry, if something changed
-    void abandon();   ///< back to how it was at begin
+    void commit();   ///< one entry, if something changed
+    void abandon();  ///< back to how it was at begin
     bool inGesture() const { return gesture_ != nullptr; }
     /// The look at begin of the open gesture; the present one outside.
     const Look& gestureStart() const { return entries_[index_].version.look; }
@@ -64,7 +64,7 @@ private:
         Version preview;
     };
     std::vector<HistoryEntry> entries_;
-    std::vector<uint64_t> serials_;      ///< of each entry: tells the saved one after others were dropped
+    std::vector<uint64_t> serials_;  ///< of each entry: tells the saved one after others were dropped
     size_t index_ = 0, capacity_;
     uint64_t nextSerial_ = 1, savedSerial_ = 0, revision_ = 1;
     std::unique_ptr<Gesture> gesture_;

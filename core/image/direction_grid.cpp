@@ -31,10 +31,13 @@ Vec2 sphereToSquare(const Vec3& direction) {
 namespace {
 constexpr double brightOverMean = 4;
 constexpr int sentPoints = 8;  // a side of a cell
-}
+}  // namespace
 
-std::vector<Rgb> turnedCells(const std::vector<Rgb>& cells, const DirectionGrid& from, const DirectionGrid& to, int points) {
-    const auto inside = [](int k, int parts) { return Vec2(float(k % parts) + 0.5f, float(k / parts) + 0.5f) / float(parts); };
+std::vector<Rgb> turnedCells(const std::vector<Rgb>& cells, const DirectionGrid& from, const DirectionGrid& to,
+                             int points) {
+    const auto inside = [](int k, int parts) {
+        return Vec2(float(k % parts) + 0.5f, float(k / parts) + 0.5f) / float(parts);
+    };
     // What stands out is sent, the rest is fetched: a point that is fetched too often or not at all must not be a sun.
     double mean = 0;
     for (const Rgb& c : cells) mean += double(maxChannel(c)) / double(cells.size());
@@ -62,7 +65,8 @@ std::vector<Rgb> turnedCells(const std::vector<Rgb>& cells, const DirectionGrid&
     for (size_t c = 0; c < cells.size(); ++c) {
         if (cells[c] == even[c]) continue;
         const Rgb part = float(share) * (cells[c] - even[c]);
-        for (int k = 0; k < sentPoints * sentPoints; ++k) out[size_t(to.cellOf(from.direction(int(c), inside(k, sentPoints))))] += part;
+        for (int k = 0; k < sentPoints * sentPoints; ++k)
+            out[size_t(to.cellOf(from.direction(int(c), inside(k, sentPoints))))] += part;
     }
     return out;
 }

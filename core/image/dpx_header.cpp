@@ -20,7 +20,8 @@ void checkDpxHeader(const std::filesystem::path& file) {
     constexpr uint32_t undefined = ~0u;
     std::error_code failed;
     const auto size = std::filesystem::file_size(file, failed);
-    if (!failed && userData != undefined && userData > size) throw Error("{}: the header's user data is {} bytes large, the file {}", file.string(), userData, size);
+    if (!failed && userData != undefined && userData > size)
+        throw Error("{}: the header's user data is {} bytes large, the file {}", file.string(), userData, size);
 }
 
 }  // namespace relamp

@@ -38,8 +38,8 @@ Vec3 directionFromLatLong(const Vec2& uv) {
 Image readEnvironment(const std::filesystem::path& file) {
     Image image = readImage(file);
     if (std::abs(double(image.width) / image.height - 2) > 0.02)
-        throw Error("{}: is {} x {} pixels, expected a latitude-longitude picture twice as wide as high", file.string(), image.width,
-                    image.height);
+        throw Error("{}: is {} x {} pixels, expected a latitude-longitude picture twice as wide as high", file.string(),
+                    image.width, image.height);
     image.usable.clear();  // alpha says nothing about a surrounding; what was not finite is 0 by now
     return image;
 }
@@ -56,9 +56,9 @@ Rgb environmentRadiance(const Image& latLong, const Vec3& direction) {
 
 std::vector<Rgb> integrateOverCells(const Image& latLong, const DirectionGrid& grid) {
     // A texel is split into pieces much smaller than a cell, at least 4 x 4. Pieces of a row have equal solid angle, so
-    // every texel gives away exactly its energy. The pieces that land in a cell do not add up to exactly its solid angle;
-    // the difference is taken to be of the cell's darkest radiance, so that a constant map stays constant in every cell
-    // while a bright spot keeps its energy.
+    // every texel gives away exactly its energy. The pieces that land in a cell do not add up to exactly its solid
+    // angle; the difference is taken to be of the cell's darkest radiance, so that a constant map stays constant in
+    // every cell while a bright spot keeps its energy.
     const double cellEdge = std::sqrt(4 * piD / grid.cells()), texelEdge = piD / latLong.height;
     const int split = std::clamp(int(std::ceil(16 * texelEdge / cellEdge)), 4, 256);
     struct Sum {
@@ -116,11 +116,13 @@ std::vector<Rgb> integrateOverCells(const Image& latLong, const DirectionGrid& g
 
 namespace {
 
-/// Which cell of the square of directions lies under a point of a latitude-longitude picture whose texels are cut into split x split parts. Azimuth and height
-/// are those of a column and a row of parts, so no angle is worked out twice (sphereToSquare).
+/// Which cell of the square of directions lies under a point of a latitude-longitude picture whose texels are cut into
+/// split x split parts. Azimuth and height are those of a column and a row of parts, so no angle is worked out twice
+/// (sphereToSquare).
 class LatLongRaster {
 public:
-    LatLongRaster(const DirectionGrid& grid, int width, int height, int split) : side_(grid.side), columns_(size_t(width * split)), rows_(size_t(height * split)) {
+    LatLongRaster(const DirectionGrid& grid, int width, int height, int split)
+        : side_(grid.side), columns_(size_t(width * split)), rows_(size_t(height * split)) {
         for (size_t i = 0; i < columns_.size(); ++i) {
             const Vec3 d = directionFromLatLong(Vec2((float(i) + 0.5f) / float(columns_.size()), 0.5f));
             columns_[i] = {std::atan2(std::abs(d.y), std::abs(d.x)) * (2 / pi), d.x, d.y};
@@ -139,7 +141,9 @@ public:
             u = 1 - v;
             v = 1 - swap;
         }
-        const auto at = [&](float t, float sign) { return std::clamp(int((std::copysign(t, sign) * 0.5f + 0.5f) * float(side_)), 0, side_ - 1); };
+        const auto at = [&](float t, float sign) {
+            return std::clamp(int((std::copysign(t, sign) * 0.5f + 0.5f) * float(side_)), 0, side_ - 1);
+        };
         return size_t(at(v, c.y)) * size_t(side_) + size_t(at(u, c.x));
     }
 
@@ -175,14 +179,18 @@ Image latLongFromCells(const std::vector<Rgb>& cells, const DirectionGrid& grid,
             }
         return Rgb(sum / double(split * split));
     };
-    parallelFor(image.pixels.size(), 4096, [&](size_t i) { image.pixels[i] = mean(coarse, int(i) % width, int(i) / width, 2, darkest[i], brightest[i]); });
-    // The rim of a sun is cut finely, so that it keeps its energy; neighbours count, because two by two looks miss a corner.
+    parallelFor(image.pixels.size(), 4096, [&](size_t i) {
+        image.pixels[i] = mean(coarse, int(i) % width, int(i) / width, 2, darkest[i], brightest[i]);
+    });
+    // The rim of a sun is cut finely, so that it keeps its energy; neighbours count, because two by two looks miss a
+    // corner.
     parallelFor(image.pixels.size(), 4096, [&](size_t i) {
         const int x = int(i) % width, y = int(i) / width;
         Rgb low = darkest[i], high = brightest[i];
         for (int dy = -1; dy <= 1; ++dy)
             for (int dx = -1; dx <= 1; ++dx) {
-                const size_t k = size_t(std::clamp(y + dy, 0, image.height - 1)) * size_t(width) + size_t((x + dx + width) % width);
+                const size_t k =
+                    size_t(std::clamp(y + dy, 0, image.height - 1)) * size_t(width) + size_t((x + dx + width) % width);
                 low = glm::min(low, darkest[k]);
                 high = glm::max(high, brightest[k]);
             }

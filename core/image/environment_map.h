@@ -23,8 +23,8 @@ Rgb environmentRadiance(const Image& latLong, const Vec3& direction);
 /// it falls in, so a sun keeps its energy to 1e-3. Returns grid.cells() values.
 std::vector<Rgb> integrateOverCells(const Image& latLong, const DirectionGrid& grid);
 
-/// A latitude-longitude picture of a piecewise constant environment, texels box-filtered 2 x 2, at bright edges 16 x 16: a sun keeps
-/// its energy to 1e-3.
+/// A latitude-longitude picture of a piecewise constant environment, texels box-filtered 2 x 2, at bright edges 16 x
+/// 16: a sun keeps its energy to 1e-3.
 Image latLongFromCells(const std::vector<Rgb>& cells, const DirectionGrid& grid, int width);
 
 /// The map turned by `degrees` about +Z (counter-clockwise from above).

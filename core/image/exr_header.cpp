@@ -42,10 +42,30 @@ private:
 };
 
 /// Types of one size; OpenEXR reads that many bytes whatever the header says.
-const std::map<std::string, int64_t> fixedSizes{{"box2i", 16}, {"box2f", 16}, {"chromaticities", 32}, {"compression", 1}, {"deepImageState", 1}, {"double", 8}, {"envmap", 1},
-                                                {"float", 4},  {"int", 4},    {"keycode", 28},        {"lineOrder", 1},   {"m33f", 36},          {"m33d", 72},  {"m44f", 64},
-                                                {"m44d", 128}, {"rational", 8}, {"tiledesc", 9},      {"timecode", 8},    {"v2i", 8},            {"v2f", 8},    {"v2d", 16},
-                                                {"v3i", 12},   {"v3f", 12},   {"v3d", 24}};
+const std::map<std::string, int64_t> fixedSizes{{"box2i", 16},
+                                                {"box2f", 16},
+                                                {"chromaticities", 32},
+                                                {"compression", 1},
+                                                {"deepImageState", 1},
+                                                {"double", 8},
+                                                {"envmap", 1},
+                                                {"float", 4},
+                                                {"int", 4},
+                                                {"keycode", 28},
+                                                {"lineOrder", 1},
+                                                {"m33f", 36},
+                                                {"m33d", 72},
+                                                {"m44f", 64},
+                                                {"m44d", 128},
+                                                {"rational", 8},
+                                                {"tiledesc", 9},
+                                                {"timecode", 8},
+                                                {"v2i", 8},
+                                                {"v2f", 8},
+                                                {"v2d", 16},
+                                                {"v3i", 12},
+                                                {"v3f", 12},
+                                                {"v3d", 24}};
 
 /// What a part's decoder will ask memory for.
 struct PartShape {
@@ -61,7 +81,8 @@ struct PartShape {
             tileWidth = in.number();
             tileHeight = in.number();
         } else if (name == "compression" && type == "compression") {
-            constexpr int lines[] = {1, 1, 1, 16, 32, 16, 32, 32, 32, 256};  // none, RLE, ZIPS, ZIP, PIZ, PXR24, B44, B44A, DWAA, DWAB
+            constexpr int lines[] = {1,  1,  1,  16, 32,
+                                     16, 32, 32, 32, 256};  // none, RLE, ZIPS, ZIP, PIZ, PXR24, B44, B44A, DWAA, DWAB
             const int kind = in.byte();
             linesTogether = kind >= 0 && kind < 10 ? lines[kind] : 256;
         }
@@ -70,9 +91,12 @@ struct PartShape {
     void check(const std::filesystem::path& file) const {
         constexpr int64_t mostSide = 1 << 20, mostSamples = 1 << 27;
         const int64_t across = tileWidth > 0 ? tileWidth : width, down = tileWidth > 0 ? tileHeight : linesTogether;
-        if (width > mostSide || height > mostSide) throw Error("{}: is {} x {} pixels, expected at most {} a side", file.string(), width, height, mostSide);
-        if (across > mostSamples || down > mostSamples || across * down > mostSamples || across * down * channels > mostSamples)
-            throw Error("{}: packs {} x {} pixels of {} channels together, expected at most {} numbers", file.string(), across, down, channels, mostSamples);
+        if (width > mostSide || height > mostSide)
+            throw Error("{}: is {} x {} pixels, expected at most {} a side", file.string(), width, height, mostSide);
+        if (across > mostSamples || down > mostSamples || across * down > mostSamples ||
+            across * down * channels > mostSamples)
+            throw Error("{}: packs {} x {} pixels of {} channels together, expected at most {} numbers", file.string(),
+                        across, down, channels, mostSamples);
     }
 };
 
@@ -105,9 +129,12 @@ void checkExrHeader(const std::filesystem::path& file) {
             if (name.empty()) break;
             if (!in.word(type)) throw Error("{}: the header breaks off at {}", file.string(), name);
             const auto size = int64_t(int32_t(in.number()));
-            if (size < 0 || size > in.left()) throw Error("{}: the header's {} says it is {} bytes large, {} are left", file.string(), name, size, in.left());
+            if (size < 0 || size > in.left())
+                throw Error("{}: the header's {} says it is {} bytes large, {} are left", file.string(), name, size,
+                            in.left());
             const int64_t begin = in.left();
-            if (sizeByContent(in, type, size, shape) != size) throw Error("{}: the header's {} ({}) has another size than it says", file.string(), name, type);
+            if (sizeByContent(in, type, size, shape) != size)
+                throw Error("{}: the header's {} ({}) has another size than it says", file.string(), name, type);
             shape.take(in, name, type);
             in.skip(size - (begin - in.left()));
         }

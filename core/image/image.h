@@ -24,8 +24,9 @@ struct Image {
 /// A picture as its file stores it, before any transfer curve: codes on a scale of 0 to 65535 (8-bit ones times 257).
 struct CodePicture {
     int width = 0, height = 0;
-    bool linear = false;          ///< codes are proportional to exposure: camera raw, or the header says so
-    std::vector<uint16_t> codes;  ///< width x height x 3, row-major from the top left; grey is spread over three channels
+    bool linear = false;  ///< codes are proportional to exposure: camera raw, or the header says so
+    std::vector<uint16_t>
+        codes;  ///< width x height x 3, row-major from the top left; grey is spread over three channels
 
     const uint16_t* at(int x, int y) const { return &codes[(size_t(y) * width + x) * 3]; }
 };

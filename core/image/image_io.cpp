@@ -48,8 +48,8 @@ std::string lower(std::string text) {
     return text;
 }
 
-/// The library's name for the format by the file's first bytes, for those that are often named wrongly; "" for others. Camera raw begins as TIFF does, so
-/// TIFF is told only under the ending of another format.
+/// The library's name for the format by the file's first bytes, for those that are often named wrongly; "" for others.
+/// Camera raw begins as TIFF does, so TIFF is told only under the ending of another format.
 std::string formatByContent(const fs::path& file) {
     std::array<char, 8> begin{};
     std::ifstream(file, std::ios::binary).read(begin.data(), begin.size());
@@ -60,7 +60,8 @@ std::string formatByContent(const fs::path& file) {
     if (begins("v/1\x01")) return "openexr";
     if (begins("#?")) return "hdr";
     const std::string extension = lowerExtension(file);
-    const bool otherwise = extension == ".png" || extension == ".jpg" || extension == ".jpeg" || extension == ".exr" || extension == ".hdr";
+    const bool otherwise = extension == ".png" || extension == ".jpg" || extension == ".jpeg" || extension == ".exr" ||
+                           extension == ".hdr";
     if (otherwise && (begins(std::string_view("II*\0", 4)) || begins(std::string_view("MM\0*", 4)))) return "tiff";
     return "";
 }
@@ -73,7 +74,7 @@ std::unique_ptr<OIIO::ImageInput> openPicture(const fs::path& file) {
     checkExrHeader(file);
     checkDpxHeader(file);
     OIIO::ImageSpec wanted;
-    wanted.attribute("oiio:UnassociatedAlpha", 1);        // alpha is a mask here, colours must not be scaled by it
+    wanted.attribute("oiio:UnassociatedAlpha", 1);  // alpha is a mask here, colours must not be scaled by it
     wanted.attribute("raw:ColorSpace", "sRGB-linear");
     std::unique_ptr<OIIO::ImageInput> input;
     std::string reason;
@@ -94,7 +95,8 @@ std::unique_ptr<OIIO::ImageInput> openPicture(const fs::path& file) {
     if (spec.width <= 0 || spec.height <= 0 || spec.nchannels <= 0) throw Error("{}: has no pixels", file.string());
     if (spec.depth > 1) throw Error("{}: is a volume, expected a flat picture", file.string());
     for (const int corner : {spec.x, spec.y, spec.full_x, spec.full_y})
-        if (std::abs(double(corner)) > 1 << 29) throw Error("{}: a corner of its window lies at {}, too far out", file.string(), corner);
+        if (std::abs(double(corner)) > 1 << 29)
+            throw Error("{}: a corner of its window lies at {}, too far out", file.string(), corner);
     if (spec.deep) throw Error("{}: is a deep picture, expected a flat one", file.string());
     return input;
 }
@@ -118,7 +120,8 @@ ChannelChoice chooseChannels(const OIIO::ImageSpec& spec, const fs::path& file) 
     };
     ChannelChoice choice;
     choice.alpha = spec.alpha_channel >= 0 && spec.alpha_channel < spec.nchannels ? spec.alpha_channel : find("a");
-    if (find("ry") >= 0 && find("by") >= 0) throw Error("{}: stores luminance and chroma, expected R, G, B", file.string());
+    if (find("ry") >= 0 && find("by") >= 0)
+        throw Error("{}: stores luminance and chroma, expected R, G, B", file.string());
     const int r = find("r"), g = find("g"), b = find("b");
     if (r >= 0 && g >= 0 && b >= 0) {
         choice.r = r, choice.g = g, choice.b = b;
@@ -149,7 +152,8 @@ struct Transfer {
 Transfer transferOf(const OIIO::ImageSpec& spec, bool integer) {
     if (!integer) return {};
     const std::string space = lower(spec.get_string_attribute("oiio:ColorSpace"));
-    if (space == "linear" || space == "scene_linear" || space.rfind("lin_", 0) == 0 || space == "srgb-linear") return {};
+    if (space == "linear" || space == "scene_linear" || space.rfind("lin_", 0) == 0 || space == "srgb-linear")
+        return {};
     if (space == "kodaklog") return {Curve::cineonLog};
     const float gamma = spec.get_float_attribute("oiio:Gamma", 0.0f);
     if (space.rfind("gamma", 0) == 0 && gamma > 0.1f && gamma < 10) {
@@ -185,10 +189,11 @@ std::optional<Mat3> primariesMatrix(const OIIO::ImageSpec& spec) {
     return rec709From(c);
 }
 
-/// Reads channels [first, end) in bands from top to bottom, and gives each to body(row, count, samples); a band is a whole number of the blocks
-/// that files are packed in.
+/// Reads channels [first, end) in bands from top to bottom, and gives each to body(row, count, samples); a band is a
+/// whole number of the blocks that files are packed in.
 template <class Sample, class Body>
-void readBands(OIIO::ImageInput& input, const fs::path& file, int first, int end, OIIO::TypeDesc type, const std::function<void()>& between, Body&& body) {
+void readBands(OIIO::ImageInput& input, const fs::path& file, int first, int end, OIIO::TypeDesc type,
+               const std::function<void()>& between, Body&& body) {
     const OIIO::ImageSpec spec = input.spec();
     const bool tiled = spec.tile_width > 0 && spec.tile_height > 0;
     const int band = tiled ? spec.tile_height : 256;
@@ -196,8 +201,10 @@ void readBands(OIIO::ImageInput& input, const fs::path& file, int first, int end
     for (int y = 0; y < spec.height; y += band) {
         if (between) between();
         const int count = std::min(band, spec.height - y), top = spec.y + y;
-        const bool good = tiled ? input.read_tiles(0, 0, spec.x, spec.x + spec.width, top, top + count, spec.z, spec.z + 1, first, end, type, samples.data())
-                                : input.read_scanlines(0, 0, top, top + count, spec.z, first, end, type, samples.data());
+        const bool good = tiled
+                              ? input.read_tiles(0, 0, spec.x, spec.x + spec.width, top, top + count, spec.z,
+                                                 spec.z + 1, first, end, type, samples.data())
+                              : input.read_scanlines(0, 0, top, top + count, spec.z, first, end, type, samples.data());
         if (!good) throw Error("{}: cannot be read to its end ({})", file.string(), input.geterror());
         body(y, count, samples);
     }
@@ -255,11 +262,13 @@ CodePicture readCodes(const fs::path& file, size_t maxPixels, const std::functio
     picture.codes.resize(size_t(spec.width) * spec.height * 3);
     const int first = *std::min_element(chosen, chosen + 3), end = *std::max_element(chosen, chosen + 3) + 1;
     const size_t channels = size_t(end - first);
-    readBands<uint16_t>(*input, file, first, end, word, between, [&](int y, int count, const std::vector<uint16_t>& codes) {
-        uint16_t* to = &picture.codes[size_t(y) * size_t(spec.width) * 3];
-        for (size_t i = 0; i < size_t(count) * size_t(spec.width); ++i)
-            for (size_t c = 0; c < 3; ++c) to[i * 3 + c] = codes[i * channels + size_t(chosen[c] - first)];
-    });
+    readBands<uint16_t>(*input, file, first, end, word, between,
+                        [&](int y, int count, const std::vector<uint16_t>& codes) {
+                            uint16_t* to = &picture.codes[size_t(y) * size_t(spec.width) * 3];
+                            for (size_t i = 0; i < size_t(count) * size_t(spec.width); ++i)
+                                for (size_t c = 0; c < 3; ++c)
+                                    to[i * 3 + c] = codes[i * channels + size_t(chosen[c] - first)];
+                        });
     return picture;
 }
 
@@ -276,7 +285,8 @@ ExposureTags readExposureTags(const fs::path& file) {
     return tags;
 }
 
-Image readImage(const fs::path& file, ImageReport* report, bool dataFile, size_t maxPixels, const std::function<void()>& between) {
+Image readImage(const fs::path& file, ImageReport* report, bool dataFile, size_t maxPixels,
+                const std::function<void()>& between) {
     auto input = openPicture(file);
     const OIIO::ImageSpec spec = input->spec();
     const std::pair<int, int> whole = pictureSize(spec);
@@ -287,7 +297,8 @@ Image readImage(const fs::path& file, ImageReport* report, bool dataFile, size_t
     const ChannelChoice choice = chooseChannels(spec, file);
     int first = std::min({choice.r, choice.g, choice.b}), last = std::max({choice.r, choice.g, choice.b});
     if (choice.alpha >= 0) first = std::min(first, choice.alpha), last = std::max(last, choice.alpha);
-    if (last - first >= 8) first = std::min({choice.r, choice.g, choice.b}), last = std::max({choice.r, choice.g, choice.b});
+    if (last - first >= 8)
+        first = std::min({choice.r, choice.g, choice.b}), last = std::max({choice.r, choice.g, choice.b});
     const bool hasAlpha = choice.alpha >= first && choice.alpha <= last;
     const size_t channels = size_t(last - first) + 1;
 
@@ -310,26 +321,28 @@ Image readImage(const fs::path& file, ImageReport* report, bool dataFile, size_t
     const int left = spec.x - spec.full_x, top = spec.y - spec.full_y;
     const bool cropped = left > 0 || top > 0 || left + spec.width < width || top + spec.height < height;
     if (cropped) image.usable.assign(image.pixels.size(), 0);
-    readBands<float>(*input, file, first, last + 1, floatType, between, [&](int row, int count, const std::vector<float>& samples) {
-        for (int y = row; y < row + count; ++y) {
-            const int toY = y + top;
-            if (toY < 0 || toY >= height) continue;
-            for (int x = 0; x < spec.width; ++x) {
-                const int toX = x + left;
-                if (toX < 0 || toX >= width) continue;
-                const float* sample = &samples[(size_t(y - row) * spec.width + x) * channels];
-                const size_t i = size_t(toY) * width + toX;
-                Rgb colour(linear(sample[choice.r - first]), linear(sample[choice.g - first]), linear(sample[choice.b - first]));
-                image.pixels[i] = matrix ? *matrix * colour : colour;
-                if (cropped) image.usable[i] = 1;
-                if (hasAlpha && sample[choice.alpha - first] < 0.5f) {
-                    if (image.usable.empty()) image.usable.assign(image.pixels.size(), 1);
-                    image.usable[i] = 0;
-                    ++found.transparent;
-                }
-            }
-        }
-    });
+    readBands<float>(*input, file, first, last + 1, floatType, between,
+                     [&](int row, int count, const std::vector<float>& samples) {
+                         for (int y = row; y < row + count; ++y) {
+                             const int toY = y + top;
+                             if (toY < 0 || toY >= height) continue;
+                             for (int x = 0; x < spec.width; ++x) {
+                                 const int toX = x + left;
+                                 if (toX < 0 || toX >= width) continue;
+                                 const float* sample = &samples[(size_t(y - row) * spec.width + x) * channels];
+                                 const size_t i = size_t(toY) * width + toX;
+                                 Rgb colour(linear(sample[choice.r - first]), linear(sample[choice.g - first]),
+                                            linear(sample[choice.b - first]));
+                                 image.pixels[i] = matrix ? *matrix * colour : colour;
+                                 if (cropped) image.usable[i] = 1;
+                                 if (hasAlpha && sample[choice.alpha - first] < 0.5f) {
+                                     if (image.usable.empty()) image.usable.assign(image.pixels.size(), 1);
+                                     image.usable[i] = 0;
+                                     ++found.transparent;
+                                 }
+                             }
+                         }
+                     });
     setRight(image, found);
     if (report) *report = found;
     return image;
@@ -361,8 +374,8 @@ void putExrDefaults(OIIO::ImageSpec& spec) {
     spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), rec709Chromaticities.data());
 }
 
-/// The file's bytes, encoded in memory, because a full disk is reported reliably only by our own writing. `file` gives the
-/// format by its ending and is named in errors. `fillRows(y, rows, out)` gives interleaved samples.
+/// The file's bytes, encoded in memory, because a full disk is reported reliably only by our own writing. `file` gives
+/// the format by its ending and is named in errors. `fillRows(y, rows, out)` gives interleaved samples.
 template <class FillRows>
 std::string encode(const fs::path& file, const OIIO::ImageSpec& spec, FillRows&& fillRows) {
     setUpLibrary();
@@ -411,11 +424,13 @@ void writeImage(const fs::path& file, const Image& image, const std::map<std::st
     const bool exr = extension == ".exr", hdr = extension == ".hdr";
     const bool display = extension == ".png" || extension == ".jpg" || extension == ".jpeg";
     if (!exr && !hdr && !display)
-        throw Error("{}: the ending \"{}\" is unknown, expected .exr, .hdr, .png, .jpg or .jpeg", file.string(), extension);
+        throw Error("{}: the ending \"{}\" is unknown, expected .exr, .hdr, .png, .jpg or .jpeg", file.string(),
+                    extension);
     OIIO::TypeDesc type = floatType;
     if (display) type = OIIO::TypeDesc(OIIO::TypeDesc::UINT8);
     // Half floats end at 65504; a brighter sun keeps its energy in full floats.
-    if (exr && std::none_of(image.pixels.begin(), image.pixels.end(), [](const Rgb& c) { return maxChannel(c) > largestHalf; }))
+    if (exr && std::none_of(image.pixels.begin(), image.pixels.end(),
+                            [](const Rgb& c) { return maxChannel(c) > largestHalf; }))
         type = OIIO::TypeDesc(OIIO::TypeDesc::HALF);
     OIIO::ImageSpec spec(image.width, image.height, 3, type);
     if (exr) putExrDefaults(spec);
@@ -442,8 +457,8 @@ void writeChannels(const fs::path& file, int width, int height, const std::vecto
     for (size_t c = 0; c < channels.size(); ++c) {
         const Channel& channel = channels[c];
         if (channel.values.size() != size_t(width) * height)
-            throw Error("{}: channel {}: has {} values, expected {}", file.string(), channel.name, channel.values.size(),
-                        size_t(width) * height);
+            throw Error("{}: channel {}: has {} values, expected {}", file.string(), channel.name,
+                        channel.values.size(), size_t(width) * height);
         const bool fitsHalf = std::none_of(channel.values.begin(), channel.values.end(),
                                            [](float v) { return std::isfinite(v) && std::abs(v) > largestHalf; });
         spec.channelnames.push_back(channel.name);
@@ -453,11 +468,12 @@ void writeChannels(const fs::path& file, int width, int height, const std::vecto
     putExrDefaults(spec);
     putHeader(spec, header);
     writeBytesAtomically(file, encode(file, spec, [&](int y, int rows, float* out) {
-        for (size_t c = 0; c < channels.size(); ++c) {
-            const float* from = &channels[c].values[size_t(y) * width];
-            for (size_t i = 0; i < size_t(rows) * width; ++i) out[i * channels.size() + c] = from[i];
-        }
-    }));
+                             for (size_t c = 0; c < channels.size(); ++c) {
+                                 const float* from = &channels[c].values[size_t(y) * width];
+                                 for (size_t i = 0; i < size_t(rows) * width; ++i)
+                                     out[i * channels.size() + c] = from[i];
+                             }
+                         }));
 }
 
 namespace {
@@ -466,7 +482,8 @@ namespace {
 class DiskFile : public OIIO::Filesystem::IOProxy {
 public:
     /// `shown` is what messages call it. With `nameless` the file has no name and is gone when closed.
-    DiskFile(const fs::path& file, std::string shown, bool nameless = false) : IOProxy(file.string(), Write), shown_(std::move(shown)) {
+    DiskFile(const fs::path& file, std::string shown, bool nameless = false)
+        : IOProxy(file.string(), Write), shown_(std::move(shown)) {
         fd_ = nameless ? ::open(file.parent_path().empty() ? "." : file.parent_path().c_str(), O_TMPFILE | O_RDWR, 0600)
                        : ::open(file.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0666);
         if (fd_ < 0 && nameless) {  // not every file system has nameless files
@@ -499,7 +516,8 @@ public:
     size_t pwrite(const void* bytes, size_t size, int64_t offset) override {
         size_t done = 0;
         while (done < size) {
-            const ssize_t n = ::pwrite(fd_, static_cast<const char*>(bytes) + done, size - done, offset + int64_t(done));
+            const ssize_t n =
+                ::pwrite(fd_, static_cast<const char*>(bytes) + done, size - done, offset + int64_t(done));
             if (n < 0 && errno == EINTR) continue;
             if (n <= 0) {
                 failed_ = errno;
@@ -537,14 +555,15 @@ private:
     int64_t end_ = 0;
 };
 
-/// A picture being written to `temporary`, which will become `target`. Multi-part files are opened by name, because the library cannot write
-/// them through a file of ours.
+/// A picture being written to `temporary`, which will become `target`. Multi-part files are opened by name, because the
+/// library cannot write them through a file of ours.
 struct Encoder {
     fs::path target, opened;
     std::unique_ptr<DiskFile> disk;
     std::unique_ptr<OIIO::ImageOutput> output;
 
-    Encoder(const fs::path& temporary, fs::path shown, bool byName = false) : target(std::move(shown)), opened(byName ? temporary : target) {
+    Encoder(const fs::path& temporary, fs::path shown, bool byName = false)
+        : target(std::move(shown)), opened(byName ? temporary : target) {
         setUpLibrary();
         output = OIIO::ImageOutput::create(target.string());
         if (!output) throw Error("{}: cannot be written ({})", target.string(), OIIO::geterror());
@@ -559,7 +578,8 @@ struct Encoder {
         if (disk) disk->check();
         std::error_code failed;
         const fs::space_info space = fs::space(opened.parent_path().empty() ? "." : opened.parent_path(), failed);
-        if (!failed && space.available < (1 << 20)) throw OutOfResources("{}: cannot be written (no space left)", target.string());
+        if (!failed && space.available < (1 << 20))
+            throw OutOfResources("{}: cannot be written (no space left)", target.string());
         throw Error("{}: cannot be encoded ({})", target.string(), reason);
     }
     void close() {
@@ -573,7 +593,8 @@ struct Encoder {
 constexpr int rowsInZip = 16;  // lines that ZIP packs together
 
 /// Rows of planar channels into the open part of a file.
-void writePlanes(Encoder& encoder, const std::vector<const float*>& planes, int width, int first, int count, const std::function<void()>& between) {
+void writePlanes(Encoder& encoder, const std::vector<const float*>& planes, int width, int first, int count,
+                 const std::function<void()>& between) {
     std::vector<float> mixed(size_t(rowsInZip) * size_t(width) * planes.size());
     for (int y = 0; y < count; y += rowsInZip) {
         const int rows = std::min(rowsInZip, count - y);
@@ -603,8 +624,9 @@ void holdToHalf(std::vector<float>& plane, size_t count) {
 
 }  // namespace
 
-void writeChannelRows(const fs::path& file, int width, int height, int stripRows, const std::vector<ChannelPart>& parts, const FillChannelRows& fill,
-                      const std::map<std::string, std::string>& header, const std::function<void()>& between) {
+void writeChannelRows(const fs::path& file, int width, int height, int stripRows, const std::vector<ChannelPart>& parts,
+                      const FillChannelRows& fill, const std::map<std::string, std::string>& header,
+                      const std::function<void()>& between) {
     if (width <= 0 || height <= 0 || parts.empty()) throw Error("{}: there are no pixels to write", file.string());
     if (lowerExtension(file) != ".exr") throw Error("{}: layers are written as .exr only", file.string());
     stripRows = std::min((std::max(stripRows, 1) + rowsInZip - 1) / rowsInZip * rowsInZip, height);
@@ -646,20 +668,27 @@ void writeChannelRows(const fs::path& file, int width, int height, int stripRows
             });
         } else {
             DiskFile waiting(temporary, file.string(), true);
-            const auto place = [&](size_t channel, int first) { return int64_t((channel * size_t(height) + size_t(first)) * size_t(width) * sizeof(float)); };
+            const auto place = [&](size_t channel, int first) {
+                return int64_t((channel * size_t(height) + size_t(first)) * size_t(width) * sizeof(float));
+            };
             strips([&](int first, int count) {
                 filled(first, count);
-                for (size_t c = 0; c < all.size(); ++c) waiting.pwrite(strip.planes[c].data(), size_t(count) * size_t(width) * sizeof(float), place(c, first));
+                for (size_t c = 0; c < all.size(); ++c)
+                    waiting.pwrite(strip.planes[c].data(), size_t(count) * size_t(width) * sizeof(float),
+                                   place(c, first));
                 waiting.check();
             });
             encoder.check(encoder.output->open(encoder.opened.string(), int(specs.size()), specs.data()));
             size_t channel = 0;
             for (size_t p = 0; p < parts.size(); ++p) {
-                if (p > 0) encoder.check(encoder.output->open(encoder.opened.string(), specs[p], OIIO::ImageOutput::AppendSubimage));
+                if (p > 0)
+                    encoder.check(
+                        encoder.output->open(encoder.opened.string(), specs[p], OIIO::ImageOutput::AppendSubimage));
                 strips([&](int first, int count) {
                     std::vector<const float*> planes;
                     for (size_t c = 0; c < parts[p].channels.size(); ++c) {
-                        waiting.pread(strip.planes[c].data(), size_t(count) * size_t(width) * sizeof(float), place(channel + c, first));
+                        waiting.pread(strip.planes[c].data(), size_t(count) * size_t(width) * sizeof(float),
+                                      place(channel + c, first));
                         planes.push_back(strip.planes[c].data());
                     }
                     waiting.check();
@@ -674,15 +703,20 @@ void writeChannelRows(const fs::path& file, int width, int height, int stripRows
             std::vector<float> last(size_t(width) * parts.back().channels.size());
             auto written = OIIO::ImageInput::open(temporary.string());
             const int part = int(parts.size()) - 1;
-            encoder.check(written && written->read_scanlines(part, 0, height - 1, height, 0, 0, int(parts.back().channels.size()), floatType, last.data()));
+            encoder.check(written &&
+                          written->read_scanlines(part, 0, height - 1, height, 0, 0, int(parts.back().channels.size()),
+                                                  floatType, last.data()));
         }
     });
 }
 
-void writeColourRows(const fs::path& file, int width, int height, int stripRows, const FillColourRows& fill, bool encoded) {
+void writeColourRows(const fs::path& file, int width, int height, int stripRows, const FillColourRows& fill,
+                     bool encoded) {
     const std::string extension = lowerExtension(file);
     const bool hdr = extension == ".hdr", jpeg = extension == ".jpg" || extension == ".jpeg";
-    if (!hdr && !jpeg && extension != ".png") throw Error("{}: the ending \"{}\" is unknown, expected .exr, .hdr, .png, .jpg or .jpeg", file.string(), extension);
+    if (!hdr && !jpeg && extension != ".png")
+        throw Error("{}: the ending \"{}\" is unknown, expected .exr, .hdr, .png, .jpg or .jpeg", file.string(),
+                    extension);
     if (width <= 0 || height <= 0) throw Error("{}: there are no pixels to write", file.string());
     stripRows = std::clamp(stripRows, 1, height);
     OIIO::ImageSpec spec(width, height, 3, hdr ? floatType : OIIO::TypeDesc(OIIO::TypeDesc::UINT8));

@@ -19,14 +19,16 @@ struct ImageReport {
 };
 
 /// Reads EXR, HDR, TIFF, PNG, JPEG, DPX or camera raw to linear Rec.709. Integer files are decoded as sRGB, except with
-/// `dataFile` (masks). Grey is spread over three channels. `between` is called before every 256 rows or row of tiles and may throw, which
-/// ends the reading (interlaced PNG, progressive JPEG and camera raw are decoded as a whole). Memory: the picture and one such band.
-/// Throws Error naming the file: missing, unreadable, no pixels, more than `maxPixels`; whatever `between` throws.
-Image readImage(const std::filesystem::path& file, ImageReport* report = nullptr, bool dataFile = false, size_t maxPixels = size_t(1) << 28,
-                const std::function<void()>& between = {});
+/// `dataFile` (masks). Grey is spread over three channels. `between` is called before every 256 rows or row of tiles
+/// and may throw, which ends the reading (interlaced PNG, progressive JPEG and camera raw are decoded as a whole).
+/// Memory: the picture and one such band. Throws Error naming the file: missing, unreadable, no pixels, more than
+/// `maxPixels`; whatever `between` throws.
+Image readImage(const std::filesystem::path& file, ImageReport* report = nullptr, bool dataFile = false,
+                size_t maxPixels = size_t(1) << 28, const std::function<void()>& between = {});
 
 /// The codes of an 8 or 16 bit picture as stored. Throws Error as readImage, and for floating-point files.
-CodePicture readCodes(const std::filesystem::path& file, size_t maxPixels = size_t(1) << 28, const std::function<void()>& between = {});
+CodePicture readCodes(const std::filesystem::path& file, size_t maxPixels = size_t(1) << 28,
+                      const std::function<void()>& between = {});
 
 /// Exposure time, f-number and sensitivity from EXIF. Throws Error as readImage.
 ExposureTags readExposureTags(const std::filesystem::path& file);
@@ -34,8 +36,10 @@ ExposureTags readExposureTags(const std::filesystem::path& file);
 /// Width and height from the header alone. Throws Error as readImage.
 std::pair<int, int> readImageSize(const std::filesystem::path& file);
 
-/// Writes EXR (half, ZIP), HDR, or sRGB-encoded PNG/JPEG by extension, whole or not at all. Throws Error, OutOfResources.
-void writeImage(const std::filesystem::path& file, const Image& image, const std::map<std::string, std::string>& header = {});
+/// Writes EXR (half, ZIP), HDR, or sRGB-encoded PNG/JPEG by extension, whole or not at all. Throws Error,
+/// OutOfResources.
+void writeImage(const std::filesystem::path& file, const Image& image,
+                const std::map<std::string, std::string>& header = {});
 
 /// An sRGB-encoded 8-bit PNG in memory, for pages that carry their pictures. Throws Error when there are no pixels.
 std::string encodePng(const Image& image);
@@ -46,31 +50,35 @@ void writeChannels(const std::filesystem::path& file, int width, int height, con
 
 /// How a channel of a file that is written in pieces is kept.
 struct ChannelFormat {
-    std::string name;           ///< as written, for example "Combined_world.R"
-    bool half = true;           ///< half float; what exceeds it is written as its largest number
+    std::string name;  ///< as written, for example "Combined_world.R"
+    bool half = true;  ///< half float; what exceeds it is written as its largest number
 };
 
 /// Channels that are stored together.
 struct ChannelPart {
-    std::string name;           ///< of the part; used only when there are several
+    std::string name;  ///< of the part; used only when there are several
     std::vector<ChannelFormat> channels;
 };
 
 /// Fills rows [first, first + count): out[c] takes count x width values of channel c, counted through all parts.
 using FillChannelRows = std::function<void(int first, int count, const std::vector<float*>& out)>;
 
-/// Writes an EXR (ZIP) strip by strip: `fill` is asked once for each strip of `stripRows` rows (the last may be lower), top to bottom.
-/// One part is a single-part file; several are a multi-part one, for which the pixels wait in a nameless file beside the target. Memory:
-/// one strip. `between` is called after every few rows that were packed, which takes longer than rendering them can. Whole or not at all; errors as
-/// writeChannels, and whatever `fill` and `between` throw.
-void writeChannelRows(const std::filesystem::path& file, int width, int height, int stripRows, const std::vector<ChannelPart>& parts,
-                      const FillChannelRows& fill, const std::map<std::string, std::string>& header = {}, const std::function<void()>& between = {});
+/// Writes an EXR (ZIP) strip by strip: `fill` is asked once for each strip of `stripRows` rows (the last may be lower),
+/// top to bottom. One part is a single-part file; several are a multi-part one, for which the pixels wait in a nameless
+/// file beside the target. Memory: one strip. `between` is called after every few rows that were packed, which takes
+/// longer than rendering them can. Whole or not at all; errors as writeChannels, and whatever `fill` and `between`
+/// throw.
+void writeChannelRows(const std::filesystem::path& file, int width, int height, int stripRows,
+                      const std::vector<ChannelPart>& parts, const FillChannelRows& fill,
+                      const std::map<std::string, std::string>& header = {}, const std::function<void()>& between = {});
 
 /// Fills rows [first, first + count) of a picture.
 using FillColourRows = std::function<void(int first, int count, Rgb* out)>;
 
-/// Writes a PNG, JPEG or HDR strip by strip, as writeImage does; `encoded`: PNG and JPEG values are display values already.
-void writeColourRows(const std::filesystem::path& file, int width, int height, int stripRows, const FillColourRows& fill, bool encoded = false);
+/// Writes a PNG, JPEG or HDR strip by strip, as writeImage does; `encoded`: PNG and JPEG values are display values
+/// already.
+void writeColourRows(const std::filesystem::path& file, int width, int height, int stripRows,
+                     const FillColourRows& fill, bool encoded = false);
 
 /// sRGB transfer curve (IEC 61966-2-1) and its inverse; both map [0,1] to [0,1].
 float srgbEncode(float linear);

@@ -15,7 +15,8 @@ MachineSpeed measureMachine(Progress& progress) {
     };
     // Two widths tell the products from the sums.
     constexpr double rows = 2048, narrow = 96, wide = 320;
-    const double few = timed([&] { sampleGram(size_t(rows), size_t(narrow), progress); }), many = timed([&] { sampleGram(size_t(rows), size_t(wide), progress); });
+    const double few = timed([&] { sampleGram(size_t(rows), size_t(narrow), progress); }),
+                 many = timed([&] { sampleGram(size_t(rows), size_t(wide), progress); });
     speed.gramPerSquare = std::max(0.0, many / wide - few / narrow) / (rows * (wide - narrow));
     speed.gramPerColumn = std::max(0.0, few / narrow - speed.gramPerSquare * rows * narrow) / rows;
     speed.factorPerCube = timed([&] { sampleProgram(256, progress); }) / (256.0 * 256 * 256);
@@ -30,7 +31,8 @@ MachineSpeed measureMachine(Progress& progress) {
     });
     speed.bytes = total > 0 ? read / (double(large.size()) * sizeof(float)) : 0;
     constexpr int side = 56;
-    speed.sparse = timed([&] { sampleAlbedo(side, progress); }) / (double(side) * side * std::log2(double(side) * side));
+    speed.sparse =
+        timed([&] { sampleAlbedo(side, progress); }) / (double(side) * side * std::log2(double(side) * side));
     return speed;
 }
 

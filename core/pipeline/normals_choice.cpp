@@ -18,28 +18,32 @@ bool normalsLookNoisy(const Scene& scene) {
     return change[change.size() / 2] >= noise;
 }
 
-NormalsChoice chooseNormals(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps, const SolveOptions& options, Progress& progress) {
+NormalsChoice chooseNormals(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps,
+                            const SolveOptions& options, Progress& progress) {
     NormalsChoice choice;
     if (!normalsLookNoisy(scene)) return choice;
     std::vector<uint8_t> skip(scene.mesh.vertexCount(), 0);
     for (size_t v = 0; v < skip.size(); ++v) skip[v] = lamps.emitterOfVertex[v] >= 0;
     const RatioObservations observed = ratioObservations(scene, samples, std::move(skip), options.seed);
     if (observed.pairs.size() < 1000) return choice;
-    const std::vector<double> asTheyAre = pilotMisfits(scene, samples, lamps, observed.matte, observed.pairs, options, progress);
+    const std::vector<double> asTheyAre =
+        pilotMisfits(scene, samples, lamps, observed.matte, observed.pairs, options, progress);
     std::vector<double> best = asTheyAre;
     double whole = 0;
     for (const double m : asTheyAre) whole += m;
     for (const int rounds : {2, 6}) {
         Scene smoother = scene;
         smoother.mesh.normals = smoothedNormals(scene.mesh, rounds);
-        const std::vector<double> misfits = pilotMisfits(smoother, samples, lamps, observed.matte, observed.pairs, options, progress);
+        const std::vector<double> misfits =
+            pilotMisfits(smoother, samples, lamps, observed.matte, observed.pairs, options, progress);
         double fall = 0, squares = 0, sinceBest = 0;
         for (size_t k = 0; k < misfits.size(); ++k) {
             fall += asTheyAre[k] - misfits[k];
             squares += (asTheyAre[k] - misfits[k]) * (asTheyAre[k] - misfits[k]);
             sinceBest += best[k] - misfits[k];
         }
-        logInfo("normals smoothed {} times: misfit of {} pairs {:+.2f} %, {:.1f} standard errors", rounds, misfits.size(), -100 * fall / std::max(whole, 1e-30), fall / std::sqrt(std::max(squares, 1e-30)));
+        logInfo("normals smoothed {} times: misfit of {} pairs {:+.2f} %, {:.1f} standard errors", rounds,
+                misfits.size(), -100 * fall / std::max(whole, 1e-30), fall / std::sqrt(std::max(squares, 1e-30)));
         if (!(fall > 0.015 * whole && fall > 4 * std::sqrt(squares) && sinceBest > 0)) break;
         choice = {rounds, fall / whole};
         best = misfits;

@@ -33,16 +33,19 @@ void addHiddenLight(PipelineResult& r, const PipelineOptions& options, Progress&
 
 }  // namespace
 
-Prepared prepare(const Capture& capture, const PipelineOptions& options, StageMeter& meter, Progress& progress, std::shared_ptr<const Scene> scene,
-                 std::shared_ptr<const RadianceSamples> samples) {
+Prepared prepare(const Capture& capture, const PipelineOptions& options, StageMeter& meter, Progress& progress,
+                 std::shared_ptr<const Scene> scene, std::shared_ptr<const RadianceSamples> samples) {
     Prepared p;
     meter.begin("scene");
     p.working = workingMesh(capture, options.meshTriangles, progress);
-    if (!scene || p.working) scene = std::make_shared<const Scene>(buildScene(p.working ? p.working->mesh : capture.mesh, progress, ownAxes(capture)));
+    if (!scene || p.working)
+        scene = std::make_shared<const Scene>(
+            buildScene(p.working ? p.working->mesh : capture.mesh, progress, ownAxes(capture)));
     p.scene = std::move(scene);
     // What the photographs say of each vertex and of the environment.
     meter.begin("look-ups");
-    if (!samples || p.working) samples = std::make_shared<const RadianceSamples>(gatherRadiance(capture, *p.scene, options.gather, progress));
+    if (!samples || p.working)
+        samples = std::make_shared<const RadianceSamples>(gatherRadiance(capture, *p.scene, options.gather, progress));
     p.samples = std::move(samples);
     // High-radiance components become emitting patches ([Put15] 3.3).
     meter.begin("finding lamps");
@@ -50,16 +53,21 @@ Prepared prepare(const Capture& capture, const PipelineOptions& options, StageMe
     return p;
 }
 
-Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepared& prepared, const PipelineOptions& options, StageMeter& meter, Progress& progress,
-                       const SolveListener* listener, const SolveCheckpoint* resume, const std::function<void(const SolvePlan&)>& planned) {
+Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepared& prepared,
+                       const PipelineOptions& options, StageMeter& meter, Progress& progress,
+                       const SolveListener* listener, const SolveCheckpoint* resume,
+                       const std::function<void(const SolvePlan&)>& planned) {
     const Scene& scene = *prepared.scene;
-    const auto carried = [&](Estimate&& estimate) { return prepared.working ? carriedBack(estimate, *prepared.working, capture.mesh) : std::move(estimate); };
+    const auto carried = [&](Estimate&& estimate) {
+        return prepared.working ? carriedBack(estimate, *prepared.working, capture.mesh) : std::move(estimate);
+    };
     SolveListener measuring;
     if (listener && listener->snapshot) {
         measuring = *listener;
         measuring.snapshot = [&, listener](Estimate found) {
             Estimate estimate = carried(std::move(found));
-            estimate.reproduction = measureReproduction(capture, whole, estimate, scene, *prepared.samples, {300, false}, progress);
+            estimate.reproduction =
+                measureReproduction(capture, whole, estimate, scene, *prepared.samples, {300, false}, progress);
             listener->snapshot(std::move(estimate));
         };
         listener = &measuring;
@@ -67,21 +75,28 @@ Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepare
     // What this scene does not need.
     SolveOptions solve = options.solve;
     meter.begin("planning");
-    if (!resume) solve.plan = planSolve(capture, scene, *prepared.samples, prepared.clusters, options.solve, options.everything, progress);
+    if (!resume)
+        solve.plan = planSolve(capture, scene, *prepared.samples, prepared.clusters, options.solve, options.everything,
+                               progress);
     meter.end();
     if (planned && !resume) planned(solve.plan);
-    // Transport (visibility, near-field maps) and the two alternating programs: light (equations 3 to 6) and reflectance.
+    // Transport (visibility, near-field maps) and the two alternating programs: light (equations 3 to 6) and
+    // reflectance.
     if (options.onlyPlan) {
         Estimate plan;
         plan.plan = solve.plan;
         return plan;
     }
-    Estimate estimate = carried(solveScene(capture, scene, *prepared.samples, prepared.clusters, solve, progress, listener, resume));
+    Estimate estimate =
+        carried(solveScene(capture, scene, *prepared.samples, prepared.clusters, solve, progress, listener, resume));
     if (prepared.working)
-        estimate.leftOut.push_back({"triangles", fmt::format("the solve ran on {} of {}, and what it found was carried back", scene.mesh.triangles.size(), capture.mesh.triangles.size())});
+        estimate.leftOut.push_back(
+            {"triangles", fmt::format("the solve ran on {} of {}, and what it found was carried back",
+                                      scene.mesh.triangles.size(), capture.mesh.triangles.size())});
     meter.begin("reproduction of the photographs");
     ReproductionOptions measure;
-    measure.pixels = std::clamp<size_t>((progress.outOfTime() ? 4000 : 24000) / std::max<size_t>(1, capture.views.size()), 300, 3000);
+    measure.pixels = std::clamp<size_t>(
+        (progress.outOfTime() ? 4000 : 24000) / std::max<size_t>(1, capture.views.size()), 300, 3000);
     estimate.reproduction = measureReproduction(capture, whole, estimate, scene, *prepared.samples, measure, progress);
     meter.end();
     estimate.heldOut.clear();
@@ -106,7 +121,8 @@ PhotometricFix choosePhotometric(const Capture& capture, const Prepared& prepare
     return found.needed() ? found.fix : PhotometricFix{};
 }
 
-PipelineResult runPipeline(const std::filesystem::path& captureFolder, const PipelineOptions& options, Progress& progress, const SolveListener* listener) {
+PipelineResult runPipeline(const std::filesystem::path& captureFolder, const PipelineOptions& options,
+                           Progress& progress, const SolveListener* listener) {
     PipelineResult r;
     StageMeter meter(progress);
     // Photographs, cameras, mesh.
@@ -132,16 +148,22 @@ PipelineResult runPipeline(const std::filesystem::path& captureFolder, const Pip
     r.smoothedNormals = std::max(0, options.load.fix.smoothNormals);
     if (options.load.fix.smoothNormals < 0 && !prepared.working) {
         meter.begin("normals");
-        if (const NormalsChoice choice = chooseNormals(*prepared.scene, *prepared.samples, prepared.clusters, options.solve, progress); choice.rounds > 0) {
+        if (const NormalsChoice choice =
+                chooseNormals(*prepared.scene, *prepared.samples, prepared.clusters, options.solve, progress);
+            choice.rounds > 0) {
             r.smoothedNormals = choice.rounds;
             r.capture.mesh.normals = smoothedNormals(r.capture.mesh, choice.rounds);
-            r.capture.notes.push_back(fmt::format("the mesh's normals are noisy: smoothed {} times, ratios between points are explained {:.1f} % better", choice.rounds, 100 * choice.better));
+            r.capture.notes.push_back(fmt::format(
+                "the mesh's normals are noisy: smoothed {} times, ratios between points are explained {:.1f} % better",
+                choice.rounds, 100 * choice.better));
             logInfo("{}", r.capture.notes.back());
             prepared.scene = std::make_shared<const Scene>(buildScene(r.capture.mesh, progress, ownAxes(r.capture)));
         }
     }
-    r.scene = prepared.working ? std::make_shared<const Scene>(buildScene(r.capture.mesh, progress, ownAxes(r.capture))) : prepared.scene;
-    r.estimate = solvePrepared(r.capture, *r.scene, prepared, options, meter, progress, listener, earlier ? &*earlier : nullptr);
+    r.scene = prepared.working ? std::make_shared<const Scene>(buildScene(r.capture.mesh, progress, ownAxes(r.capture)))
+                               : prepared.scene;
+    r.estimate =
+        solvePrepared(r.capture, *r.scene, prepared, options, meter, progress, listener, earlier ? &*earlier : nullptr);
     r.samples = std::move(prepared.samples);
     r.clusters = std::move(prepared.clusters);
     if (r.search && !r.search->light) r.estimate.leftOut.push_back({"unseen lamp", r.search->words});

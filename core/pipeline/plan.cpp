@@ -20,9 +20,11 @@ double most(const std::vector<StageEstimate>& stages) {
     return most;
 }
 
-/// Looks that a lobe fit of the pieces would use, by whether they change with the view; and what one row costs, from a few of them.
-void countLooks(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps, const MatteObservations& matte,
-                const SolveOptions& options, WorkCounts& counts, Progress& progress) {
+/// Looks that a lobe fit of the pieces would use, by whether they change with the view; and what one row costs, from a
+/// few of them.
+void countLooks(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
+                const EmitterClusters& lamps, const MatteObservations& matte, const SolveOptions& options,
+                WorkCounts& counts, Progress& progress) {
     const std::vector<size_t> sizes = observationsOfPieces(scene, matte);
     GlossOptions gloss;
     gloss.seed = options.seed;
@@ -41,13 +43,17 @@ void countLooks(const Capture& capture, const Scene& scene, const RadianceSample
         std::vector<GlossyLook> some;
         for (size_t i = 0; i < looks.size(); i += std::max<size_t>(1, looks.size() / 160)) some.push_back(looks[i]);
         const double start = progress.seconds();
-        for (const size_t lobe : {size_t(2), size_t(5)}) glossyRows(scene, surfaces, lamps.emitterOfTriangle, LightLeaves::uniform(options.startLevel, scene.axes), basis.lobes[lobe], some, gloss.rows, progress);
+        for (const size_t lobe : {size_t(2), size_t(5)})
+            glossyRows(scene, surfaces, lamps.emitterOfTriangle, LightLeaves::uniform(options.startLevel, scene.axes),
+                       basis.lobes[lobe], some, gloss.rows, progress);
         counts.lookSeconds = std::max(progress.seconds() - start, 1e-7) / double(2 * some.size());
     }
 }
 
-/// Fits all lobes to a few dozen vertices of each piece that changes with the view: is there one that explains the change?
-bool lobeLikely(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps, const MatteObservations& matte, const Lighting& lighting,
+/// Fits all lobes to a few dozen vertices of each piece that changes with the view: is there one that explains the
+/// change?
+bool lobeLikely(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
+                const EmitterClusters& lamps, const MatteObservations& matte, const Lighting& lighting,
                 const SolveOptions& options, Progress& progress) {
     GlossOptions gloss;
     gloss.seed = options.seed;
@@ -58,7 +64,8 @@ bool lobeLikely(const Capture& capture, const Scene& scene, const RadianceSample
     for (uint32_t p = 0; p < scene.pieces; ++p)
         if (matte.pieceGlossy[p]) {
             // The light is coarse here: what the solve will explain better is hinted at only.
-            const PieceGloss g = fitGloss(capture, scene, samples, surfaces, lamps.emitterOfTriangle, lighting, builtInBasis(), p, gloss, progress);
+            const PieceGloss g = fitGloss(capture, scene, samples, surfaces, lamps.emitterOfTriangle, lighting,
+                                          builtInBasis(), p, gloss, progress);
             if (g.residual < 0.92f * g.residualMatte) return true;
         }
     return false;
@@ -77,8 +84,8 @@ EmitterClusters allLamps(const Scene& scene, const EmitterClusters& clusters, bo
 
 }  // namespace
 
-SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const EmitterClusters& clusters, const SolveOptions& options, bool everything,
-                    Progress& progress) {
+SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
+                    const EmitterClusters& clusters, const SolveOptions& options, bool everything, Progress& progress) {
     SolvePlan plan;
     const double start = progress.seconds();
     progress.begin("Planning", 1);
@@ -91,7 +98,8 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
         skip[v] = lamps.emitterOfVertex[v] >= 0;
         counts.seen += samples.countOf(uint32_t(v)) > 0 || skip[v];
     }
-    const auto observed = std::make_shared<const RatioObservations>(ratioObservations(scene, samples, std::move(skip), options.seed));
+    const auto observed =
+        std::make_shared<const RatioObservations>(ratioObservations(scene, samples, std::move(skip), options.seed));
     const MatteObservations& matte = observed->matte;
     const std::vector<AlbedoPair>& pairs = observed->pairs;
     plan.observed = observed;
@@ -103,7 +111,8 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
     countLooks(capture, scene, samples, lamps, matte, options, counts, progress);
     const PilotFindings pilot = runPilot(scene, samples, lamps, matte, pairs, options, progress);
     // Metals have nothing but lobes: there it need not be tried.
-    if (counts.glossyLooks > 0 && pilot.ran && !counts.metals) counts.lobeLikely = lobeLikely(capture, scene, samples, lamps, matte, pilot.lighting, options, progress);
+    if (counts.glossyLooks > 0 && pilot.ran && !counts.metals)
+        counts.lobeLikely = lobeLikely(capture, scene, samples, lamps, matte, pilot.lighting, options, progress);
     if (pilot.ran) plan.light = std::make_shared<const Lighting>(pilot.lighting);
     const MachineSpeed speed = measureMachine(progress);
 
@@ -114,44 +123,88 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
         if (everything) return;
         kept.*part = false;
         std::vector<StageEstimate> fewer = cost(kept);
-        plan.leftOut.push_back({what, reason, std::max(0.0, total(stages) - total(fewer)), std::max(0.0, most(stages) - most(fewer))});
+        plan.leftOut.push_back(
+            {what, reason, std::max(0.0, total(stages) - total(fewer)), std::max(0.0, most(stages) - most(fewer))});
         stages = std::move(fewer);
     };
     const bool judged = pilot.ran && options.nearField && counts.matte;
     if (judged && !lamps.emitters.empty() && pilot.distantShare < 0.003 && pilot.background < 0.05)
-        leaveOut("distant light", fmt::format("of the light on {} points {:.2g} % comes from afar, and the background is black where it is seen", pilot.points, 100 * pilot.distantShare), &PlanChoices::distantLight);
+        leaveOut("distant light",
+                 fmt::format(
+                     "of the light on {} points {:.2g} % comes from afar, and the background is black where it is seen",
+                     pilot.points, 100 * pilot.distantShare),
+                 &PlanChoices::distantLight);
     if (judged && options.bounce == SolveOptions::Bounce::automatic) {
         if (pilot.enclosure < 0.01)
-            leaveOut("interreflection", fmt::format("other surfaces fill only {:.1f} % of what a surface sees", 100 * pilot.enclosure), &PlanChoices::bounce);
+            leaveOut("interreflection",
+                     fmt::format("other surfaces fill only {:.1f} % of what a surface sees", 100 * pilot.enclosure),
+                     &PlanChoices::bounce);
         else if (pilot.bouncedShare < 0.5 * double(samples.relativeNoise))
-            leaveOut("interreflection", fmt::format("it would be {:.1f} % of the light, less than half of the photographs' noise of {:.1f} %", 100 * pilot.bouncedShare, 100 * samples.relativeNoise), &PlanChoices::bounce);
+            leaveOut(
+                "interreflection",
+                fmt::format("it would be {:.1f} % of the light, less than half of the photographs' noise of {:.1f} %",
+                            100 * pilot.bouncedShare, 100 * samples.relativeNoise),
+                &PlanChoices::bounce);
         else if (pilot.bounceWorse > 4)
-            leaveOut("interreflection", fmt::format("with it the ratios between {} pairs of points are explained worse, by {:.0f} standard errors", pilot.pairs, pilot.bounceWorse), &PlanChoices::bounce);
+            leaveOut("interreflection",
+                     fmt::format(
+                         "with it the ratios between {} pairs of points are explained worse, by {:.0f} standard errors",
+                         pilot.pairs, pilot.bounceWorse),
+                     &PlanChoices::bounce);
         else if (pilot.bounceWorse > 1)
-            leaveOut("interreflection at full detail", "it is tried on coarse light first and again only if that cannot rule it out", &PlanChoices::lateBounce);
+            leaveOut("interreflection at full detail",
+                     "it is tried on coarse light first and again only if that cannot rule it out",
+                     &PlanChoices::lateBounce);
         kept.bounceLikely = !everything && pilot.bounceWorse < likelyBounce;
     }
     if (counts.seen < counts.vertices)
-        leaveOut("vertices that no photograph shows", fmt::format("{:.0f} of {:.0f}: their light is worked out when something needs it", counts.vertices - counts.seen, counts.vertices), &PlanChoices::unseenVertices);
+        leaveOut("vertices that no photograph shows",
+                 fmt::format("{:.0f} of {:.0f}: their light is worked out when something needs it",
+                             counts.vertices - counts.seen, counts.vertices),
+                 &PlanChoices::unseenVertices);
     if (kept.distantLight && options.visibilitySide >= 4)
-        leaveOut("rays between rays that agree", "visibility is traced finer only where an edge is near", &PlanChoices::agreeingRays);
+        leaveOut("rays between rays that agree", "visibility is traced finer only where an edge is near",
+                 &PlanChoices::agreeingRays);
     if (counts.matteLooks > 0)
-        leaveOut(counts.glossyLooks > 0 ? "lobes on matte pieces" : "glossy lobes", counts.glossyLooks > 0 ? "those pieces do not change with the view beyond noise" : "no surface changes with the view beyond noise", &PlanChoices::mattePieces);
+        leaveOut(counts.glossyLooks > 0 ? "lobes on matte pieces" : "glossy lobes",
+                 counts.glossyLooks > 0 ? "those pieces do not change with the view beyond noise"
+                                        : "no surface changes with the view beyond noise",
+                 &PlanChoices::mattePieces);
     if (counts.glossyLooks > 0 && options.glossRounds > 0)
-        leaveOut("lobes that lose at first glance", "all are tried on directions they share, and on their own only where they come within a twelfth of the best", &PlanChoices::lostLobes);
+        leaveOut("lobes that lose at first glance",
+                 "all are tried on directions they share, and on their own only where they come within a twelfth of "
+                 "the best",
+                 &PlanChoices::lostLobes);
     if (judged && counts.metals && options.glossRounds > 0)
-        leaveOut("what only metals tell apart, in matte points' equations", "directions are divided for what metals mirror; the curvature that matte points give them is worked out undivided", &PlanChoices::mattePointsInDetail);
-    if (judged && kept.distantLight) leaveOut("directions that light nothing", "what no point that a photograph shows can see takes no part in the equations' products", &PlanChoices::emptyColumns);
-    if (judged) leaveOut("iterations for the last digits", "a fit that finer ones follow ends when an iteration explains less than 0.03 % more", &PlanChoices::lastDigits);
-    if (counts.matte) leaveOut("finer light that explains nothing", "splitting ends after a round that explains less than a fifth of a percent more", &PlanChoices::flatLevels);
-    if (options.nearField && lamps.emitters.empty()) plan.leftOut.push_back({"near-field emitters", "no patch of the scene shines on its own", 16 * counts.seen * pilot.visibilitySecondsPerRay, counts.vertices * 8 / (1 << 20)});
+        leaveOut("what only metals tell apart, in matte points' equations",
+                 "directions are divided for what metals mirror; the curvature that matte points give them is worked "
+                 "out undivided",
+                 &PlanChoices::mattePointsInDetail);
+    if (judged && kept.distantLight)
+        leaveOut("directions that light nothing",
+                 "what no point that a photograph shows can see takes no part in the equations' products",
+                 &PlanChoices::emptyColumns);
+    if (judged)
+        leaveOut("iterations for the last digits",
+                 "a fit that finer ones follow ends when an iteration explains less than 0.03 % more",
+                 &PlanChoices::lastDigits);
+    if (counts.matte)
+        leaveOut("finer light that explains nothing",
+                 "splitting ends after a round that explains less than a fifth of a percent more",
+                 &PlanChoices::flatLevels);
+    if (options.nearField && lamps.emitters.empty())
+        plan.leftOut.push_back({"near-field emitters", "no patch of the scene shines on its own",
+                                16 * counts.seen * pilot.visibilitySecondsPerRay, counts.vertices * 8 / (1 << 20)});
     plan.choices = kept;
     if (everything) plan.choices = PlanChoices::everything();
     for (const StageEstimate& s : stages) plan.stages.push_back({s.name, s.seconds, -1, s.mib, -1});
     plan.planningSeconds = progress.seconds() - start;
     progress.advance();
-    logInfo("plan: {:.1f} s to come, {:.1f} s left out; distant light {:.2g} %, bounced light {:.1f} % (misfit {:+.1f} standard errors), planned in {:.2f} s", plan.predictedSeconds(), plan.savedSeconds(),
-            100 * pilot.distantShare, 100 * pilot.bouncedShare, pilot.bounceWorse, plan.planningSeconds);
+    logInfo(
+        "plan: {:.1f} s to come, {:.1f} s left out; distant light {:.2g} %, bounced light {:.1f} % (misfit {:+.1f} "
+        "standard errors), planned in {:.2f} s",
+        plan.predictedSeconds(), plan.savedSeconds(), 100 * pilot.distantShare, 100 * pilot.bouncedShare,
+        pilot.bounceWorse, plan.planningSeconds);
     return plan;
 }
 
@@ -159,19 +212,33 @@ nlohmann::json planJson(const SolvePlan& plan) {
     const auto known = [](double value) { return value >= 0 ? nlohmann::json(value) : nlohmann::json(); };
     nlohmann::json stages = nlohmann::json::array(), leftOut = nlohmann::json::array();
     for (const PlannedStage& s : plan.stages)
-        stages.push_back({{"name", s.name}, {"predicted_s", known(s.predictedSeconds)}, {"measured_s", known(s.measuredSeconds)}, {"predicted_mib", known(s.predictedMib)}, {"measured_mib", known(s.measuredMib)}});
-    for (const PlannedOmission& o : plan.leftOut) leftOut.push_back({{"what", o.what}, {"reason", o.reason}, {"saved_s", o.savedSeconds}, {"saved_mib", o.savedMib}});
-    return {{"stages", stages}, {"left_out", leftOut}, {"predicted_s", plan.predictedSeconds()}, {"saved_s", plan.savedSeconds()}, {"planning_s", plan.planningSeconds}};
+        stages.push_back({{"name", s.name},
+                          {"predicted_s", known(s.predictedSeconds)},
+                          {"measured_s", known(s.measuredSeconds)},
+                          {"predicted_mib", known(s.predictedMib)},
+                          {"measured_mib", known(s.measuredMib)}});
+    for (const PlannedOmission& o : plan.leftOut)
+        leftOut.push_back(
+            {{"what", o.what}, {"reason", o.reason}, {"saved_s", o.savedSeconds}, {"saved_mib", o.savedMib}});
+    return {{"stages", stages},
+            {"left_out", leftOut},
+            {"predicted_s", plan.predictedSeconds()},
+            {"saved_s", plan.savedSeconds()},
+            {"planning_s", plan.planningSeconds}};
 }
 
 std::string planText(const SolvePlan& plan) {
     std::string text = fmt::format("{:36} {:>8} {:>8}\n", "kept", "s", "MiB");
     for (const PlannedStage& s : plan.stages)
-        text += fmt::format("{:36} {:>8} {:>8}\n", s.name, s.predictedSeconds >= 0 ? fmt::format("{:.2f}", s.predictedSeconds) : fmt::format("({:.2f})", std::max(0.0, s.measuredSeconds)),
-                            s.predictedMib >= 0 ? fmt::format("{:.0f}", s.predictedMib) : fmt::format("({:.0f})", std::max(0.0, s.measuredMib)));
+        text += fmt::format("{:36} {:>8} {:>8}\n", s.name,
+                            s.predictedSeconds >= 0 ? fmt::format("{:.2f}", s.predictedSeconds)
+                                                    : fmt::format("({:.2f})", std::max(0.0, s.measuredSeconds)),
+                            s.predictedMib >= 0 ? fmt::format("{:.0f}", s.predictedMib)
+                                                : fmt::format("({:.0f})", std::max(0.0, s.measuredMib)));
     text += fmt::format("{:36} {:>8.2f}\n", "to come", plan.predictedSeconds());
     if (!plan.leftOut.empty()) text += fmt::format("\n{:36} {:>8} {:>8}  {}\n", "left out", "s", "MiB", "because");
-    for (const PlannedOmission& o : plan.leftOut) text += fmt::format("{:36} {:>8.2f} {:>8.0f}  {}\n", o.what, o.savedSeconds, o.savedMib, o.reason);
+    for (const PlannedOmission& o : plan.leftOut)
+        text += fmt::format("{:36} {:>8.2f} {:>8.0f}  {}\n", o.what, o.savedSeconds, o.savedMib, o.reason);
     return text + "In brackets: already done and measured, the solve does it once more.\n";
 }
 

@@ -1,4 +1,5 @@
-// The cost model: counts of rays, rows, leaves, looks and vertices times what one of each takes on this machine. Not a door.
+// The cost model: counts of rays, rows, leaves, looks and vertices times what one of each takes on this machine. Not a
+// door.
 #pragma once
 #include "pipeline/machine_speed.h"
 #include "pipeline/plan_pilot.h"
@@ -8,16 +9,17 @@ namespace relamp {
 
 /// What a solve will meet.
 struct WorkCounts {
-    double vertices = 0, seen = 0;   ///< of the mesh; those that a photograph shows
-    double rows = 0, pairs = 0;      ///< matte observations, and pairs of them
+    double vertices = 0, seen = 0;  ///< of the mesh; those that a photograph shows
+    double rows = 0, pairs = 0;     ///< matte observations, and pairs of them
     double lamps = 0;
     double litColumnShare = 1;
-    double glossyLooks = 0, matteLooks = 0;  ///< that lobes would be fitted to, on pieces that change with the view and on the others
-    double lobes = 0;                ///< of the basis, without Lambert
-    double lookSeconds = 0;          ///< one row of one lobe
-    bool matte = true;               ///< the scene has a matte signal
-    bool lobeLikely = true;          ///< some lobe will be found
-    bool metals = false;             ///< some pieces have no matte part
+    double glossyLooks = 0,
+           matteLooks = 0;   ///< that lobes would be fitted to, on pieces that change with the view and on the others
+    double lobes = 0;        ///< of the basis, without Lambert
+    double lookSeconds = 0;  ///< one row of one lobe
+    bool matte = true;       ///< the scene has a matte signal
+    bool lobeLikely = true;  ///< some lobe will be found
+    bool metals = false;     ///< some pieces have no matte part
 };
 
 struct StageEstimate {
@@ -26,6 +28,8 @@ struct StageEstimate {
 };
 
 /// The stages of solveScene under `choices`, named as it names them. `bounceKept`: as far as the pilot can tell.
-std::vector<StageEstimate> predictStages(const WorkCounts& counts, const MachineSpeed& speed, const PilotFindings& pilot, const SolveOptions& options, const PlanChoices& choices);
+std::vector<StageEstimate> predictStages(const WorkCounts& counts, const MachineSpeed& speed,
+                                         const PilotFindings& pilot, const SolveOptions& options,
+                                         const PlanChoices& choices);
 
 }  // namespace relamp

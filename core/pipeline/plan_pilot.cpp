@@ -24,8 +24,10 @@ double median(std::vector<float> values) {
 double misfitOf(const MatteObservations& matte, const AlbedoPair& p, const std::vector<Rgb>& lit) {
     double sum = 0;
     for (int c = 0; c < 3; ++c) {
-        const double ya = matte.radiance[p.a][c], yb = matte.radiance[p.b][c], la = lit[p.a][c], lb = lit[p.b][c], whole = std::max(ya * lb + yb * la, 1e-30);
-        const double r = 2 * (ya * lb - yb * la) / whole, sa = double(matte.sigma[p.a][c]) * lb, sb = double(matte.sigma[p.b][c]) * la;
+        const double ya = matte.radiance[p.a][c], yb = matte.radiance[p.b][c], la = lit[p.a][c], lb = lit[p.b][c],
+                     whole = std::max(ya * lb + yb * la, 1e-30);
+        const double r = 2 * (ya * lb - yb * la) / whole, sa = double(matte.sigma[p.a][c]) * lb,
+                     sb = double(matte.sigma[p.b][c]) * la;
         sum += r * r / (4 * (sa * sa + sb * sb) / (whole * whole) + 4.5e-4);
     }
     return p.weight * std::log1p(sum / 3 / 6.25);
@@ -43,7 +45,8 @@ struct PilotPairs {
     std::vector<AlbedoPair> pairs;
     MatteObservations matte;
 
-    PilotPairs(const Scene& scene, const MatteObservations& all, const std::vector<AlbedoPair>& allPairs, uint64_t seed) : wanted(scene.mesh.vertexCount(), 0) {
+    PilotPairs(const Scene& scene, const MatteObservations& all, const std::vector<AlbedoPair>& allPairs, uint64_t seed)
+        : wanted(scene.mesh.vertexCount(), 0) {
         const double share = std::min(1.0, double(pairsWanted) / double(allPairs.size()));
         for (const AlbedoPair& p : allPairs) {
             const uint64_t a = scene.rank[all.vertices[p.a]], b = scene.rank[all.vertices[p.b]];
@@ -69,7 +72,8 @@ struct PilotPairs {
 };
 
 /// The fit's options and its start: even light.
-AlbedoFreeOptions pilotFit(const MatteObservations& matte, const EmitterClusters& lamps, double& middle, Lighting& lighting) {
+AlbedoFreeOptions pilotFit(const MatteObservations& matte, const EmitterClusters& lamps, double& middle,
+                           Lighting& lighting) {
     std::vector<float> brightness;
     for (const Rgb& y : matte.radiance) brightness.push_back(maxChannel(y));
     middle = median(brightness);
@@ -82,8 +86,10 @@ AlbedoFreeOptions pilotFit(const MatteObservations& matte, const EmitterClusters
     return fit;
 }
 
-/// Divides strong directions down to a side of 64, as the solve does (SolveState::sharpenStrong), so that it can begin with them.
-void sharpenStrong(const Scene& scene, const Visibility& visibility, const NearField& nearField, const RadianceSamples& samples, const EmitterClusters& lamps, const PilotPairs& part,
+/// Divides strong directions down to a side of 64, as the solve does (SolveState::sharpenStrong), so that it can begin
+/// with them.
+void sharpenStrong(const Scene& scene, const Visibility& visibility, const NearField& nearField,
+                   const RadianceSamples& samples, const EmitterClusters& lamps, const PilotPairs& part,
                    const AlbedoFreeOptions& fit, Lighting& lighting, Progress& progress) {
     const std::vector<uint32_t>& vertices = part.matte.vertices;
     Visibility none;  // of a grid so coarse that divided directions get rays of their own
@@ -95,7 +101,9 @@ void sharpenStrong(const Scene& scene, const Visibility& visibility, const NearF
         const std::vector<Rgb> share = sharesOfLight(rows, lighting, litBy(rows, lighting), every);
         bool any = false;
         for (uint32_t k = 0; k < share.size(); ++k) {
-            if (!(maxChannel(share[k]) > StrongDirections::share) || lighting.leaves[k].level >= StrongDirections::finest) continue;
+            if (!(maxChannel(share[k]) > StrongDirections::share) ||
+                lighting.leaves[k].level >= StrongDirections::finest)
+                continue;
             lighting.leaves.split(k);
             lighting.leafRadiance.resize(lighting.leaves.size(), lighting.leafRadiance[k]);
             any = true;
@@ -106,14 +114,16 @@ void sharpenStrong(const Scene& scene, const Visibility& visibility, const NearF
         for (uint32_t k = 0; k < lighting.leaves.size(); ++k)
             if (lighting.leaves[k].level > pilotLevel) fine.push_back(k);
         lambertInfluenceOfLeaves(scene, none, lighting.leaves, vertices, fine, rows, progress);
-        solveAlbedoFree(rows, part.matte, part.pairs, lightAnchors(samples, lamps, lighting.leaves), nullptr, fit, lighting, progress, {});
+        solveAlbedoFree(rows, part.matte, part.pairs, lightAnchors(samples, lamps, lighting.leaves), nullptr, fit,
+                        lighting, progress, {});
     }
 }
 
 }  // namespace
 
-PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps, const MatteObservations& all,
-                       const std::vector<AlbedoPair>& pairs, const SolveOptions& options, Progress& progress) {
+PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps,
+                       const MatteObservations& all, const std::vector<AlbedoPair>& pairs, const SolveOptions& options,
+                       Progress& progress) {
     PilotFindings found;
     if (pairs.size() < 50) return found;
     found.ran = true;
@@ -130,7 +140,8 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
         since = now;
         return std::max(seconds, 1e-7);
     };
-    const Visibility visibility = computeVisibility(scene, {.gridSide = pilotSide, .only = &wanted, .axes = scene.axes}, progress);
+    const Visibility visibility =
+        computeVisibility(scene, {.gridSide = pilotSide, .only = &wanted, .axes = scene.axes}, progress);
     took();
     // Whole blocks of neighbours at the real resolution: how fast rays are rests on how they lie together.
     std::vector<uint8_t> blocks(scene.mesh.vertexCount(), 0);
@@ -155,7 +166,8 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
     found.nearSecondsPerPoint = took() / double(found.points);
     Lighting lighting;
     lighting.leaves = LightLeaves::uniform(pilotLevel, scene.axes);
-    const InfluenceMatrix rows = lambertInfluence(scene, visibility, nearField, lighting.leaves, matte.vertices, progress);
+    const InfluenceMatrix rows =
+        lambertInfluence(scene, visibility, nearField, lighting.leaves, matte.vertices, progress);
     found.rowSecondsPerCell = took() / (double(found.points) * pilotSide * pilotSide);
     found.rows = rows.rows;
     found.columns = rows.columns;
@@ -165,14 +177,16 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
     AlbedoFreeOptions fit = pilotFit(matte, lamps, middle, lighting);
     found.background = backgroundOverSurfaces(samples, all);
     took();
-    const AlbedoFreeReport without = solveAlbedoFree(rows, matte, chosen, anchors, nullptr, fit, lighting, progress, {});
+    const AlbedoFreeReport without =
+        solveAlbedoFree(rows, matte, chosen, anchors, nullptr, fit, lighting, progress, {});
     found.iterations = without.iterations;
     found.iterationSeconds = took() / std::max(1, without.iterations);
     const std::vector<Rgb> lit = litBy(rows, lighting);
     double distant = 0, light = 0;
     for (size_t i = 0; i < rows.rows; ++i) {
         light += luminance(lit[i]);
-        for (size_t k = 0; k < lighting.leaves.size(); ++k) distant += double(rows.row(i)[k]) * luminance(lighting.leafRadiance[k]);
+        for (size_t k = 0; k < lighting.leaves.size(); ++k)
+            distant += double(rows.row(i)[k]) * luminance(lighting.leafRadiance[k]);
     }
     found.distantShare = light > 0 ? distant / light : 1;
 
@@ -208,7 +222,8 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
         sum += rise;
         squares += rise * rise;
     }
-    const double n = double(std::max<size_t>(2, chosen.size())), mean = sum / n, variance = std::max(0.0, squares / n - mean * mean) / (n - 1);
+    const double n = double(std::max<size_t>(2, chosen.size())), mean = sum / n,
+                 variance = std::max(0.0, squares / n - mean * mean) / (n - 1);
     found.bounceWorse = variance > 0 ? mean / std::sqrt(variance) : 0;
 
     const bool withBounce = found.bounceWorse < likelyBounce;
@@ -219,20 +234,24 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
     return found;
 }
 
-std::vector<double> pilotMisfits(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps, const MatteObservations& all,
-                                 const std::vector<AlbedoPair>& pairs, const SolveOptions& options, Progress& progress) {
+std::vector<double> pilotMisfits(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps,
+                                 const MatteObservations& all, const std::vector<AlbedoPair>& pairs,
+                                 const SolveOptions& options, Progress& progress) {
     const PilotPairs part(scene, all, pairs, options.seed);
-    const Visibility visibility = computeVisibility(scene, {.gridSide = pilotSide, .only = &part.wanted, .axes = scene.axes}, progress);
+    const Visibility visibility =
+        computeVisibility(scene, {.gridSide = pilotSide, .only = &part.wanted, .axes = scene.axes}, progress);
     NearFieldOptions nearOptions;
     nearOptions.seed = options.seed;
     nearOptions.only = &part.wanted;
     const NearField nearField = computeNearField(scene, lamps, nearOptions, progress);
     Lighting lighting;
     lighting.leaves = LightLeaves::uniform(pilotLevel, scene.axes);
-    const InfluenceMatrix rows = lambertInfluence(scene, visibility, nearField, lighting.leaves, part.matte.vertices, progress);
+    const InfluenceMatrix rows =
+        lambertInfluence(scene, visibility, nearField, lighting.leaves, part.matte.vertices, progress);
     double middle = 0;
     const AlbedoFreeOptions fit = pilotFit(part.matte, lamps, middle, lighting);
-    solveAlbedoFree(rows, part.matte, part.pairs, lightAnchors(samples, lamps, lighting.leaves), nullptr, fit, lighting, progress, {});
+    solveAlbedoFree(rows, part.matte, part.pairs, lightAnchors(samples, lamps, lighting.leaves), nullptr, fit, lighting,
+                    progress, {});
     const std::vector<Rgb> lit = litBy(rows, lighting);
     std::vector<double> misfits;
     for (const AlbedoPair& p : part.pairs) misfits.push_back(misfitOf(part.matte, p, lit));

@@ -1,4 +1,5 @@
-// A coarse light fit on a few thousand pairs of points: enough to tell whether a whole kind of light is there at all. Not a door.
+// A coarse light fit on a few thousand pairs of points: enough to tell whether a whole kind of light is there at all.
+// Not a door.
 #pragma once
 #include <cstddef>
 
@@ -14,27 +15,33 @@ namespace relamp {
 constexpr double likelyBounce = -2;
 
 struct PilotFindings {
-    bool ran = false;             ///< false: too few matte points
-    size_t pairs = 0, points = 0; ///< looked at
-    double distantShare = 1;      ///< of the light on the points that comes from afar
-    double background = -1;       ///< backgroundOverSurfaces
-    double enclosure = 1;         ///< share of what the points see that other surfaces fill
-    double bouncedShare = 0;      ///< light from other surfaces over all light, if it were in the photographs
-    double bounceWorse = 0;       ///< mean rise of the pairs' misfit when bounced light is taken for real, in standard errors of that mean
-    int iterations = 0;           ///< of the coarse fit
-    Lighting lighting;            ///< the light found, coarse but for strong directions; with bounced light where that is explained better
+    bool ran = false;              ///< false: too few matte points
+    size_t pairs = 0, points = 0;  ///< looked at
+    double distantShare = 1;       ///< of the light on the points that comes from afar
+    double background = -1;        ///< backgroundOverSurfaces
+    double enclosure = 1;          ///< share of what the points see that other surfaces fill
+    double bouncedShare = 0;       ///< light from other surfaces over all light, if it were in the photographs
+    double bounceWorse =
+        0;  ///< mean rise of the pairs' misfit when bounced light is taken for real, in standard errors of that mean
+    int iterations = 0;  ///< of the coarse fit
+    Lighting lighting;   ///< the light found, coarse but for strong directions; with bounced light where that is
+                         ///< explained better
     // What pieces of the work took, for the cost model.
-    double visibilitySecondsPerRay = 0, edgeSecondsPerPoint = 0, nearSecondsPerPoint = 0, rowSecondsPerCell = 0, bounceSecondsPerRay = 0, iterationSeconds = 0;
+    double visibilitySecondsPerRay = 0, edgeSecondsPerPoint = 0, nearSecondsPerPoint = 0, rowSecondsPerCell = 0,
+           bounceSecondsPerRay = 0, iterationSeconds = 0;
     size_t rows = 0, columns = 0;
 };
 
-/// `pairs` of all matte observations; every random choice goes by the points' places, not by their order. Cost: about 0.4 s on a mesh of 30000
-/// vertices. Throws Cancelled.
-PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps, const MatteObservations& matte,
-                       const std::vector<AlbedoPair>& pairs, const SolveOptions& options, Progress& progress);
+/// `pairs` of all matte observations; every random choice goes by the points' places, not by their order. Cost: about
+/// 0.4 s on a mesh of 30000 vertices. Throws Cancelled.
+PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps,
+                       const MatteObservations& matte, const std::vector<AlbedoPair>& pairs,
+                       const SolveOptions& options, Progress& progress);
 
-/// Misfit of each of the pilot's pairs, bent, under the coarse light fitted to them: what fits with other normals can be held against, pair by pair.
-std::vector<double> pilotMisfits(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps, const MatteObservations& matte,
-                                 const std::vector<AlbedoPair>& pairs, const SolveOptions& options, Progress& progress);
+/// Misfit of each of the pilot's pairs, bent, under the coarse light fitted to them: what fits with other normals can
+/// be held against, pair by pair.
+std::vector<double> pilotMisfits(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps,
+                                 const MatteObservations& matte, const std::vector<AlbedoPair>& pairs,
+                                 const SolveOptions& options, Progress& progress);
 
 }  // namespace relamp

@@ -19,13 +19,15 @@ double medianOf(std::vector<double> values) {
     return values.size() % 2 ? values[half] : 0.5 * (values[half - 1] + values[half]);
 }
 
-/// Pixels of a view that see the mesh and no emitter, as their neighbours do, in the order of a low-discrepancy sequence, and what brings the photograph to display values.
+/// Pixels of a view that see the mesh and no emitter, as their neighbours do, in the order of a low-discrepancy
+/// sequence, and what brings the photograph to display values.
 struct ComparedPixels {
     std::vector<PixelAt> at;
     float exposure = 1;
 };
 
-ComparedPixels comparedPixels(const View& view, const Scene& scene, const std::vector<int>& emitterOfTriangle, size_t wanted) {
+ComparedPixels comparedPixels(const View& view, const Scene& scene, const std::vector<int>& emitterOfTriangle,
+                              size_t wanted) {
     // A look at many more than are rendered, because the exposure is a percentile.
     constexpr size_t candidates = 12000, block = 256;
     const Camera& camera = view.camera;
@@ -35,12 +37,14 @@ ComparedPixels comparedPixels(const View& view, const Scene& scene, const std::v
     enum : uint8_t { nothing, surface, inside };
     std::vector<uint8_t> seen(count, nothing);
     const auto seesSurface = [&](int x, int y) {
-        const Hit hit = scene.tracer->closest({origin, camera.rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f)), 0, 1e30f});
+        const Hit hit =
+            scene.tracer->closest({origin, camera.rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f)), 0, 1e30f});
         return hit && emitterOfTriangle[hit.triangle] < 0;
     };
     parallelFor(count, block, [&](size_t i) {
         const Vec2 p = r2Point(uint32_t(i), Vec2(0.5f));
-        const int x = std::min(camera.width - 1, int(p.x * float(camera.width))), y = std::min(camera.height - 1, int(p.y * float(camera.height)));
+        const int x = std::min(camera.width - 1, int(p.x * float(camera.width))),
+                  y = std::min(camera.height - 1, int(p.y * float(camera.height)));
         at[i] = {x, y};
         if (!view.image.usableAt(x, y) || !seesSurface(x, y)) return;
         // At the rim of a surface a pixel shows what lies behind it as well.
@@ -63,12 +67,14 @@ ComparedPixels comparedPixels(const View& view, const Scene& scene, const std::v
 }
 
 /// What the plain median of each vertex's observations shows at the pixels, against the photograph.
-double observedPsnr(const View& view, const ComparedPixels& pixels, const Scene& solved, const RadianceSamples& samples) {
+double observedPsnr(const View& view, const ComparedPixels& pixels, const Scene& solved,
+                    const RadianceSamples& samples) {
     const Vec3 origin(view.camera.position());
     std::vector<double> squares(pixels.at.size(), -1);
     parallelFor(pixels.at.size(), 256, [&](size_t i) {
         const PixelAt p = pixels.at[i];
-        const Hit hit = solved.tracer->closest({origin, view.camera.rayDirection(Vec2(float(p.x) + 0.5f, float(p.y) + 0.5f)), 0, 1e30f});
+        const Hit hit = solved.tracer->closest(
+            {origin, view.camera.rayDirection(Vec2(float(p.x) + 0.5f, float(p.y) + 0.5f)), 0, 1e30f});
         if (!hit) return;
         const Triangle& t = solved.mesh.triangles[hit.triangle];
         const float corner[3] = {1 - hit.barycentric.x - hit.barycentric.y, hit.barycentric.x, hit.barycentric.y};
@@ -95,7 +101,8 @@ double squaredNoiseStep(const Rgb& y, const RadianceSamples& samples, float expo
     return 0.5 * (squaredDisplayStep(y + noise, y, exposure) + squaredDisplayStep(y - noise, y, exposure));
 }
 
-double framePsnr(const View& view, const ComparedPixels& pixels, const RadianceSamples& samples, const FrameRenderer& renderer, Progress& progress) {
+double framePsnr(const View& view, const ComparedPixels& pixels, const RadianceSamples& samples,
+                 const FrameRenderer& renderer, Progress& progress) {
     const std::vector<Rgb> frame = renderer.pixels(view.camera, pixels.at, progress);
     DisplayError error;
     double noise = 0;
@@ -127,34 +134,51 @@ void explainMisfit(const Estimate& estimate, const PhotographAgreement& agreemen
         if (v.pixels && v.psnr < r.median - 6) bad.push_back(v.name);
     if (agreement.movingLight.found()) {
         r.cause = MisfitCause::movingLight;
-        r.advice = "The light moves with the camera (a flash, a ring light, or an object that turned before a fixed camera): no light that stands still explains these photographs. "
-                   "Photograph again with the light and the object at rest, and only the camera moving.";
+        r.advice =
+            "The light moves with the camera (a flash, a ring light, or an object that turned before a fixed camera): "
+            "no light that stands still explains these photographs. "
+            "Photograph again with the light and the object at rest, and only the camera moving.";
     } else if (correlations.empty() || correlation < 0.4) {
         r.cause = MisfitCause::poses;
-        r.advice = "The photographs show different things at the same place of the mesh: the cameras' poses or the mesh do not belong to them. "
-                   "Check that poses and photographs are in the same order and that the mesh is of the same reconstruction (`relamp check`).";
+        r.advice =
+            "The photographs show different things at the same place of the mesh: the cameras' poses or the mesh do "
+            "not belong to them. "
+            "Check that poses and photographs are in the same order and that the mesh is of the same reconstruction "
+            "(`relamp check`).";
     } else if (gain > 0.15 && gain > 0.7 * spread) {
         r.cause = MisfitCause::exposures;
-        r.advice = fmt::format("The photographs differ in brightness by {} at the same places: exposure or white balance was automatic. "
-                               "Photograph with both fixed, or bring the photographs to one exposure first.", percentOf(float(gain)));
+        r.advice = fmt::format(
+            "The photographs differ in brightness by {} at the same places: exposure or white balance was automatic. "
+            "Photograph with both fixed, or bring the photographs to one exposure first.",
+            percentOf(float(gain)));
     } else if (r.observed > r.median + 3) {
         r.cause = MisfitCause::model;
-        r.advice = fmt::format("The photographs agree with each other ({:.1f} dB), but the light and surfaces found do not explain them: the scene may shine in ways relamp does not know, "
-                               "or the time was too short. Try --quality standard without a time budget, or --basis wide.", r.observed);
+        r.advice = fmt::format(
+            "The photographs agree with each other ({:.1f} dB), but the light and surfaces found do not explain them: "
+            "the scene may shine in ways relamp does not know, "
+            "or the time was too short. Try --quality standard without a time budget, or --basis wide.",
+            r.observed);
     } else if (!bad.empty() && bad.size() * 3 <= r.views.size()) {
         r.cause = MisfitCause::someViews;
-        r.advice = fmt::format("{} of the photographs ({}{}) do not fit the others: their poses or exposures are off. Leave them out.", bad.size(), bad[0], bad.size() > 1 ? ", ..." : "");
+        r.advice = fmt::format(
+            "{} of the photographs ({}{}) do not fit the others: their poses or exposures are off. Leave them out.",
+            bad.size(), bad[0], bad.size() > 1 ? ", ..." : "");
     } else {
         r.cause = MisfitCause::shape;
-        r.advice = fmt::format("The photographs disagree on the mesh itself ({:.1f} dB is the most it allows without any light model): hollows that are filled, holes, or poses a few pixels off. "
-                               "Make the mesh from more photographs or at a finer level.", r.observed);
+        r.advice = fmt::format(
+            "The photographs disagree on the mesh itself ({:.1f} dB is the most it allows without any light model): "
+            "hollows that are filled, holes, or poses a few pixels off. "
+            "Make the mesh from more photographs or at a finer level.",
+            r.observed);
     }
-    if (estimate.mode == "distant-only" && r.cause == MisfitCause::model) r.advice += " Distant light alone was asked for: lamps in the scene are not explained by it.";
+    if (estimate.mode == "distant-only" && r.cause == MisfitCause::model)
+        r.advice += " Distant light alone was asked for: lamps in the scene are not explained by it.";
 }
 
 }  // namespace
 
-Reproduction measureReproduction(const Capture& capture, const Scene& scene, const Estimate& estimate, const Scene& solved, const RadianceSamples& samples,
+Reproduction measureReproduction(const Capture& capture, const Scene& scene, const Estimate& estimate,
+                                 const Scene& solved, const RadianceSamples& samples,
                                  const ReproductionOptions& options, Progress& progress) {
     Reproduction result;
     if (capture.views.empty() || capture.views[0].image.pixels.empty()) return result;
@@ -190,7 +214,8 @@ Reproduction measureReproduction(const Capture& capture, const Scene& scene, con
     result.observed = medianOf(observed);
     for (const HeldOutAlbedo& held : estimate.heldOut) {
         const View& view = capture.views[held.view];
-        const auto at = std::find_if(result.views.begin(), result.views.end(), [&](const ViewReproduction& v) { return v.name == view.name; });
+        const auto at = std::find_if(result.views.begin(), result.views.end(),
+                                     [&](const ViewReproduction& v) { return v.name == view.name; });
         if (at == result.views.end()) continue;
         RelitScene without = relit;
         without.weight[0] = held.albedo;
@@ -204,7 +229,8 @@ Reproduction measureReproduction(const Capture& capture, const Scene& scene, con
 
 std::string toText(const Reproduction& r) {
     const ViewReproduction& worst = r.views[r.worst()];
-    std::string text = fmt::format("photographs reproduced at {:.1f} dB (median of {} views; worst {:.1f} dB, {})", r.median, r.views.size(), worst.psnr, worst.name);
+    std::string text = fmt::format("photographs reproduced at {:.1f} dB (median of {} views; worst {:.1f} dB, {})",
+                                   r.median, r.views.size(), worst.psnr, worst.name);
     if (r.heldOut > 0) text += fmt::format("; views left out are predicted at {:.1f} dB", r.heldOut);
     return text;
 }

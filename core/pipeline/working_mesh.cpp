@@ -15,7 +15,8 @@ std::optional<DecimatedMesh> workingMesh(const Capture& capture, std::optional<s
     body.normals.resize(body.positions.size());
     DecimatedMesh working = decimate(body, wanted, progress);
     logInfo("solving on {} of {} triangles", working.mesh.triangles.size(), own);
-    const auto firstVertex = uint32_t(working.mesh.vertexCount()), firstTriangle = uint32_t(working.mesh.triangles.size());
+    const auto firstVertex = uint32_t(working.mesh.vertexCount()),
+               firstTriangle = uint32_t(working.mesh.triangles.size());
     const auto before = uint32_t(body.positions.size());
     for (size_t v = before; v < capture.mesh.vertexCount(); ++v) {
         working.mesh.positions.push_back(capture.mesh.positions[v]);
@@ -43,7 +44,7 @@ Estimate carriedBack(const Estimate& found, const DecimatedMesh& working, const 
     // Which emitter a vertex lies on, and what its other corners say.
     EmitterClusters& carried = result.emitters;
     carried.emitterOfVertex.assign(n, -1);
-    std::vector<Vec3> weight(n, Vec3(0));   // of the corners that count for reflectance
+    std::vector<Vec3> weight(n, Vec3(0));  // of the corners that count for reflectance
     std::vector<uint8_t> nearest(n, 0);
     for (size_t v = 0; v < n; ++v) {
         const SurfacePlace& place = working.places[v];
@@ -78,7 +79,8 @@ Estimate carriedBack(const Estimate& found, const DecimatedMesh& working, const 
     between(found.reflectance.sigma, r.sigma);
     r.observed.assign(n, 0);
     for (size_t v = 0; v < n; ++v)
-        if (working.places[v].triangle != SurfacePlace::none) r.observed[v] = found.reflectance.observed[working.mesh.triangles[working.places[v].triangle][nearest[v]]];
+        if (working.places[v].triangle != SurfacePlace::none)
+            r.observed[v] = found.reflectance.observed[working.mesh.triangles[working.places[v].triangle][nearest[v]]];
     carried.emitterOfTriangle.assign(mesh.triangles.size(), -1);
     for (EmitterCluster& e : carried.emitters) {
         e.vertices.clear();
@@ -88,7 +90,7 @@ Estimate carriedBack(const Estimate& found, const DecimatedMesh& working, const 
     for (uint32_t v = 0; v < n; ++v)
         if (const int e = carried.emitterOfVertex[v]; e >= 0) {
             carried.emitters[size_t(e)].vertices.push_back(v);
-            for (std::vector<Rgb>& w : r.weight) w[v] = Rgb(0);   // emitters only emit
+            for (std::vector<Rgb>& w : r.weight) w[v] = Rgb(0);  // emitters only emit
             for (HeldOutAlbedo& held : result.heldOut) held.albedo[v] = Rgb(0);
         }
     for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {

@@ -68,7 +68,8 @@ MovingLight movingLightOf(const Capture& capture, const Scene& scene, const Radi
             const RadianceSample& r = samples.samples[s];
             if (r.clipped || r.weight < 0.3f || !(luminance(r.radiance) > 2 * samples.noiseFloor)) continue;
             vertex.log.push_back(std::log(luminance(r.radiance)));
-            vertex.normal.push_back(glm::transpose(Mat3(glm::dmat3(capture.views[r.view].camera.worldFromCamera))) * scene.mesh.normals[v]);
+            vertex.normal.push_back(glm::transpose(Mat3(glm::dmat3(capture.views[r.view].camera.worldFromCamera))) *
+                                    scene.mesh.normals[v]);
         }
         if (vertex.log.size() >= 3) seen.push_back(std::move(vertex));
     }
@@ -89,7 +90,8 @@ MovingLight movingLightOf(const Capture& capture, const Scene& scene, const Radi
         return medianOf(spreads);
     };
     result.spreadStatic = result.spreadMoving = spreadUnder(Vec3(0), 1);
-    // Directions by a spiral over the half sphere in front of the camera and a little more, then by one about the best of them.
+    // Directions by a spiral over the half sphere in front of the camera and a little more, then by one about the best
+    // of them.
     const auto tryAll = [&](int count, auto&& direction) {
         std::vector<std::pair<float, Vec3>> tried(static_cast<size_t>(count));
         parallelFor(tried.size(), 1, [&](size_t k) {
@@ -108,7 +110,10 @@ MovingLight movingLightOf(const Capture& capture, const Scene& scene, const Radi
     });
     if (result.direction == Vec3(0)) return result;
     const Mat3 frame = frameAround(result.direction);
-    tryAll(32, [&](float along, float phi) { return frame * glm::normalize(Vec3(0.35f * std::sqrt(along) * std::cos(phi), 0.35f * std::sqrt(along) * std::sin(phi), 1)); });
+    tryAll(32, [&](float along, float phi) {
+        return frame * glm::normalize(
+                           Vec3(0.35f * std::sqrt(along) * std::cos(phi), 0.35f * std::sqrt(along) * std::sin(phi), 1));
+    });
     return result;
 }
 
@@ -133,11 +138,14 @@ std::optional<Rgb> medianObservation(const RadianceSamples& samples, uint32_t ve
     return median;
 }
 
-PhotographAgreement photographAgreement(const Capture& capture, const Scene& scene, const RadianceSamples& samples, Progress& progress) {
+PhotographAgreement photographAgreement(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
+                                        Progress& progress) {
     PhotographAgreement result;
     result.views.resize(capture.views.size());
     progress.begin("Do the photographs agree?", capture.views.size());
-    parallelFor(capture.views.size(), 1, [&](size_t i) { result.views[i] = agreementOf(samples, uint32_t(i), scene.mesh.vertexCount()); }, &progress);
+    parallelFor(
+        capture.views.size(), 1,
+        [&](size_t i) { result.views[i] = agreementOf(samples, uint32_t(i), scene.mesh.vertexCount()); }, &progress);
     result.movingLight = movingLightOf(capture, scene, samples);
     return result;
 }

@@ -15,24 +15,29 @@ ViewGeometry traceView(const View& view, const Scene& scene, Progress& progress)
     g.triangle.assign(size_t(g.width) * g.height, Hit::none);
     g.depth.assign(g.triangle.size(), 0);
     const Vec3 origin(camera.position());
-    parallelFor(size_t(g.height), 8, [&](size_t y) {
-        Ray rays[8];
-        Hit hits[8];
-        for (int x = 0; x < g.width; x += 8) {
-            const int count = std::min(8, g.width - x);
-            for (int i = 0; i < count; ++i) rays[i] = {origin, camera.rayDirection(Vec2(x + i + 0.5f, y + 0.5f)), 0, 1e30f};
-            scene.tracer->closest8({rays, size_t(count)}, {hits, size_t(count)});
-            for (int i = 0; i < count; ++i) {
-                g.triangle[y * g.width + x + i] = hits[i].triangle;
-                g.depth[y * g.width + x + i] = hits[i].distance;
+    parallelFor(
+        size_t(g.height), 8,
+        [&](size_t y) {
+            Ray rays[8];
+            Hit hits[8];
+            for (int x = 0; x < g.width; x += 8) {
+                const int count = std::min(8, g.width - x);
+                for (int i = 0; i < count; ++i)
+                    rays[i] = {origin, camera.rayDirection(Vec2(x + i + 0.5f, y + 0.5f)), 0, 1e30f};
+                scene.tracer->closest8({rays, size_t(count)}, {hits, size_t(count)});
+                for (int i = 0; i < count; ++i) {
+                    g.triangle[y * g.width + x + i] = hits[i].triangle;
+                    g.depth[y * g.width + x + i] = hits[i].distance;
+                }
             }
-        }
-    }, &progress);
+        },
+        &progress);
     return g;
 }
 
 /// One vertex in one view: bilinear over the pixels of the 2 x 2 block that see the vertex's own surface.
-bool lookUp(const View& view, const ViewGeometry& g, const Scene& scene, uint32_t v, const GatherOptions& options, RadianceSample& out) {
+bool lookUp(const View& view, const ViewGeometry& g, const Scene& scene, uint32_t v, const GatherOptions& options,
+            RadianceSample& out) {
     const Vec3 position = scene.mesh.positions[v], normal = scene.mesh.normals[v];
     const Vec3 eye(view.camera.position());
     const float distance = glm::length(eye - position);
@@ -41,7 +46,8 @@ bool lookUp(const View& view, const ViewGeometry& g, const Scene& scene, uint32_
     const float cosine = glm::dot(normal, towardEye);
     if (cosine < options.grazingCosine) return false;
     const auto pixel = view.camera.project(DVec3(position));
-    if (!pixel || pixel->x < 0.5f || pixel->y < 0.5f || pixel->x >= g.width - 0.5f || pixel->y >= g.height - 0.5f) return false;
+    if (!pixel || pixel->x < 0.5f || pixel->y < 0.5f || pixel->x >= g.width - 0.5f || pixel->y >= g.height - 0.5f)
+        return false;
     const float offset = scene.tracer->surfaceOffset();
     const Ray ray{position + normal * offset * 4.0f, towardEye, offset, distance - offset};
     if (scene.tracer->occluded(ray)) return false;
@@ -49,9 +55,11 @@ bool lookUp(const View& view, const ViewGeometry& g, const Scene& scene, uint32_
     const float x = pixel->x - 0.5f, y = pixel->y - 0.5f;
     const int x0 = std::min(int(x), g.width - 2), y0 = std::min(int(y), g.height - 2);
     const float fx = x - x0, fy = y - y0;
-    const float footprint = distance / float(std::min(view.camera.focalX, view.camera.focalY));  // metres a pixel covers
+    const float footprint =
+        distance / float(std::min(view.camera.focalX, view.camera.focalY));  // metres a pixel covers
     const float reach = footprint / std::max(cosine, 0.2f);
-    // Which of the 4 x 4 pixels around see the vertex's own surface: not one behind or before it, nor one past a crease.
+    // Which of the 4 x 4 pixels around see the vertex's own surface: not one behind or before it, nor one past a
+    // crease.
     bool own[4][4];
     for (int dy = 0; dy < 4; ++dy)
         for (int dx = 0; dx < 4; ++dx) {
@@ -60,7 +68,8 @@ bool lookUp(const View& view, const ViewGeometry& g, const Scene& scene, uint32_
             own[dy][dx] = false;
             if (g.triangle[i] == Hit::none) continue;
             const Vec3 seen = eye + view.camera.rayDirection(Vec2(px + 0.5f, py + 0.5f)) * g.depth[i];
-            if (std::abs(glm::dot(seen - position, normal)) > 1.5f * reach || glm::length(seen - position) > 6 * reach) continue;
+            if (std::abs(glm::dot(seen - position, normal)) > 1.5f * reach || glm::length(seen - position) > 6 * reach)
+                continue;
             own[dy][dx] = glm::dot(scene.mesh.faceNormal(g.triangle[i]), normal) > 0.6f;
         }
     Rgb sum(0);
@@ -87,7 +96,8 @@ bool lookUp(const View& view, const ViewGeometry& g, const Scene& scene, uint32_
     return true;
 }
 
-/// Noise of a pixel relative to its radiance, and in the dark: robust spread of second differences inside smooth patches.
+/// Noise of a pixel relative to its radiance, and in the dark: robust spread of second differences inside smooth
+/// patches.
 void estimateNoise(const Capture& capture, RadianceSamples& result) {
     std::vector<float> relative, dark;
     for (size_t i = 0; i < capture.views.size(); ++i) {
@@ -129,12 +139,14 @@ void gatherBackground(const Capture& capture, RadianceSamples& result, Progress&
             for (int x = 1; x + 1 < g.width; ++x) {
                 bool open = view.image.usableAt(x, y);
                 for (int dy = -1; dy <= 1 && open; ++dy)
-                    for (int dx = -1; dx <= 1 && open; ++dx) open = g.triangle[size_t(y + dy) * g.width + x + dx] == Hit::none;
+                    for (int dx = -1; dx <= 1 && open; ++dx)
+                        open = g.triangle[size_t(y + dy) * g.width + x + dx] == Hit::none;
                 if (!open) continue;
                 const int cell = grid.cellOf(view.camera.rayDirection(Vec2(x + 0.5f, y + 0.5f)));
                 result.background[size_t(cell)] += view.image.at(x, y);
                 ++result.backgroundPixels[size_t(cell)];
-                if (view.saturation > 0 && maxChannel(view.image.at(x, y)) >= view.saturation) result.backgroundClipped[size_t(cell)] = 1;
+                if (view.saturation > 0 && maxChannel(view.image.at(x, y)) >= view.saturation)
+                    result.backgroundClipped[size_t(cell)] = 1;
             }
         progress.advance();
     }
@@ -144,7 +156,8 @@ void gatherBackground(const Capture& capture, RadianceSamples& result, Progress&
 
 }  // namespace
 
-RadianceSamples gatherRadiance(const Capture& capture, const Scene& scene, const GatherOptions& options, Progress& progress) {
+RadianceSamples gatherRadiance(const Capture& capture, const Scene& scene, const GatherOptions& options,
+                               Progress& progress) {
     RadianceSamples result;
     size_t rows = 0;
     for (const View& view : capture.views) rows += size_t(view.camera.height);
@@ -157,18 +170,21 @@ RadianceSamples gatherRadiance(const Capture& capture, const Scene& scene, const
     constexpr size_t block = 512;
     std::vector<std::vector<RadianceSample>> parts((n + block - 1) / block);
     std::vector<uint32_t> count(n, 0);
-    parallelBlocks(n, block, [&](size_t begin, size_t end) {
-        for (size_t v = begin; v < end; ++v) {
-            if (!scene.referenced[v]) continue;
-            for (uint32_t i = 0; i < views; ++i) {
-                RadianceSample s;
-                if (!lookUp(capture.views[i], result.geometry[i], scene, uint32_t(v), options, s)) continue;
-                s.view = i;
-                parts[begin / block].push_back(s);
-                ++count[v];
+    parallelBlocks(
+        n, block,
+        [&](size_t begin, size_t end) {
+            for (size_t v = begin; v < end; ++v) {
+                if (!scene.referenced[v]) continue;
+                for (uint32_t i = 0; i < views; ++i) {
+                    RadianceSample s;
+                    if (!lookUp(capture.views[i], result.geometry[i], scene, uint32_t(v), options, s)) continue;
+                    s.view = i;
+                    parts[begin / block].push_back(s);
+                    ++count[v];
+                }
             }
-        }
-    }, &progress);
+        },
+        &progress);
     result.start.assign(n + 1, 0);
     for (size_t v = 0; v < n; ++v) result.start[v + 1] = result.start[v] + count[v];
     for (auto& part : parts) result.samples.insert(result.samples.end(), part.begin(), part.end());
@@ -176,7 +192,8 @@ RadianceSamples gatherRadiance(const Capture& capture, const Scene& scene, const
     estimateNoise(capture, result);
     size_t seen = 0;
     for (size_t v = 0; v < n; ++v) seen += count[v] > 0;
-    logInfo("{} of {} vertices are seen, {} look-ups, noise {:.1f} % + {:.2g}", seen, n, result.samples.size(), result.relativeNoise * 100, result.noiseFloor);
+    logInfo("{} of {} vertices are seen, {} look-ups, noise {:.1f} % + {:.2g}", seen, n, result.samples.size(),
+            result.relativeNoise * 100, result.noiseFloor);
     return result;
 }
 

@@ -10,8 +10,8 @@ namespace relamp {
 /// One look-up of a vertex in a view.
 struct RadianceSample {
     uint32_t view = 0;
-    Rgb radiance{0};       ///< linear Rec.709, gauge of the photographs
-    float weight = 0;      ///< in (0, 1]: grazing angle, distance from depth edges, share of the footprint on the surface
+    Rgb radiance{0};   ///< linear Rec.709, gauge of the photographs
+    float weight = 0;  ///< in (0, 1]: grazing angle, distance from depth edges, share of the footprint on the surface
     bool clipped = false;  ///< at or above the view's clip level: a lower bound only
 };
 
@@ -26,18 +26,20 @@ struct RadianceSamples {
     /// Samples of vertex v: samples[start[v]] ... samples[start[v + 1] - 1].
     std::vector<uint32_t> start;
     std::vector<RadianceSample> samples;
-    std::vector<ViewGeometry> geometry;      ///< per view
+    std::vector<ViewGeometry> geometry;  ///< per view
     /// Distant light seen directly: mean radiance of background pixels per cell, and how many saw it (0: unseen).
     DirectionGrid backgroundGrid{128};
     std::vector<Rgb> background;
     std::vector<uint32_t> backgroundPixels;
     std::vector<uint8_t> backgroundClipped;  ///< 1: a lower bound only
-    float relativeNoise = 0.01f;             ///< standard deviation of a sample over its radiance, from pixel differences
-    float noiseFloor = 0;                    ///< radiance: standard deviation of a dark sample
+    float relativeNoise = 0.01f;  ///< standard deviation of a sample over its radiance, from pixel differences
+    float noiseFloor = 0;         ///< radiance: standard deviation of a dark sample
 
     size_t countOf(uint32_t v) const { return start[v + 1] - start[v]; }
     /// Standard deviation of a look-up of this radiance (one channel).
-    float sigma(float radiance) const { return std::sqrt(relativeNoise * relativeNoise * radiance * radiance + noiseFloor * noiseFloor); }
+    float sigma(float radiance) const {
+        return std::sqrt(relativeNoise * relativeNoise * radiance * radiance + noiseFloor * noiseFloor);
+    }
 };
 
 }  // namespace relamp

@@ -13,7 +13,8 @@ std::vector<Rgb> bouncingAlbedo(const std::vector<std::vector<Rgb>>& weight, con
     return albedo;
 }
 
-BouncedLight bouncedLight(const BounceRays& rays, const std::vector<Rgb>& albedo, const std::vector<Rgb>& directWorld, const std::vector<std::vector<Rgb>>& directByEmitter) {
+BouncedLight bouncedLight(const BounceRays& rays, const std::vector<Rgb>& albedo, const std::vector<Rgb>& directWorld,
+                          const std::vector<std::vector<Rgb>>& directByEmitter) {
     const auto send = [&](const std::vector<Rgb>& direct, std::vector<Rgb>& bounced, std::vector<Rgb>& sent) {
         sent.assign(albedo.size(), Rgb(0));
         if (direct.empty()) {
@@ -27,7 +28,8 @@ BouncedLight bouncedLight(const BounceRays& rays, const std::vector<Rgb>& albedo
     send(directWorld, out.world, out.sentWorld);
     out.byEmitter.resize(directByEmitter.size());
     out.sentByEmitter.resize(directByEmitter.size());
-    for (size_t e = 0; e < directByEmitter.size(); ++e) send(directByEmitter[e], out.byEmitter[e], out.sentByEmitter[e]);
+    for (size_t e = 0; e < directByEmitter.size(); ++e)
+        send(directByEmitter[e], out.byEmitter[e], out.sentByEmitter[e]);
     return out;
 }
 
@@ -46,21 +48,25 @@ BouncedLight bouncedLightOf(const RelitScene& relit, const BouncedLightOptions& 
     std::vector<std::vector<Rgb>> byEmitter(relit.emitters.size());
     for (size_t e : lights.lit) byEmitter[e].assign(n, Rgb(0));
     progress.begin("Direct light at the vertices", n);
-    parallelBlocks(n, 256, [&](size_t begin, size_t end) {
-        PointShader shader(lights, frame);
-        ShadedPoint point;
-        Gather gather;
-        for (size_t v = begin; v < end; ++v) {
-            if (!scene.referenced[v] || emitting[v]) continue;
-            shader.whiteAt(uint32_t(v), point);
-            gather.world = Rgb(0);
-            gather.byEmitter.assign(relit.emitters.size(), Rgb(0));
-            for (int i = 0; i < options.samples; ++i) shader.gather(point, uint32_t(i), mixBits(options.rays.seed * 0x51ed + v), gather);
-            const float share = 1 / float(options.samples);
-            world[v] = share * gather.world;
-            for (size_t e : lights.lit) byEmitter[e][v] = share * gather.byEmitter[e];
-        }
-    }, &progress);
+    parallelBlocks(
+        n, 256,
+        [&](size_t begin, size_t end) {
+            PointShader shader(lights, frame);
+            ShadedPoint point;
+            Gather gather;
+            for (size_t v = begin; v < end; ++v) {
+                if (!scene.referenced[v] || emitting[v]) continue;
+                shader.whiteAt(uint32_t(v), point);
+                gather.world = Rgb(0);
+                gather.byEmitter.assign(relit.emitters.size(), Rgb(0));
+                for (int i = 0; i < options.samples; ++i)
+                    shader.gather(point, uint32_t(i), mixBits(options.rays.seed * 0x51ed + v), gather);
+                const float share = 1 / float(options.samples);
+                world[v] = share * gather.world;
+                for (size_t e : lights.lit) byEmitter[e][v] = share * gather.byEmitter[e];
+            }
+        },
+        &progress);
     return bouncedLight(rays, bouncingAlbedo(relit.weight, emitting), world, byEmitter);
 }
 

@@ -7,8 +7,8 @@ namespace relamp {
 
 struct RelitScene;
 
-/// Per vertex, radiance: `world`, `byEmitter` as a white matte surface there shows it; `sent...` what the vertex itself sends by
-/// reflection, direct light included. Every source apart, so that light groups add up.
+/// Per vertex, radiance: `world`, `byEmitter` as a white matte surface there shows it; `sent...` what the vertex itself
+/// sends by reflection, direct light included. Every source apart, so that light groups add up.
 struct BouncedLight {
     std::vector<Rgb> world, sentWorld;
     std::vector<std::vector<Rgb>> byEmitter, sentByEmitter;
@@ -19,14 +19,16 @@ struct BouncedLight {
 std::vector<Rgb> bouncingAlbedo(const std::vector<std::vector<Rgb>>& weight, const std::vector<uint8_t>& emitting);
 
 /// All bounces from the direct light of each source (`directByEmitter` may have empty entries: lamps that are off).
-BouncedLight bouncedLight(const BounceRays& rays, const std::vector<Rgb>& albedo, const std::vector<Rgb>& directWorld, const std::vector<std::vector<Rgb>>& directByEmitter);
+BouncedLight bouncedLight(const BounceRays& rays, const std::vector<Rgb>& albedo, const std::vector<Rgb>& directWorld,
+                          const std::vector<std::vector<Rgb>>& directByEmitter);
 
 struct BouncedLightOptions {
-    int samples = 4;        ///< positions of the sample pattern a vertex, each towards the environment and every emitter
+    int samples = 4;  ///< positions of the sample pattern a vertex, each towards the environment and every emitter
     BounceOptions rays;
 };
 
-/// The same for a whole edited scene: direct light is sampled at every vertex. Cost: about 0.1 ms a vertex and core. Throws Cancelled.
+/// The same for a whole edited scene: direct light is sampled at every vertex. Cost: about 0.1 ms a vertex and core.
+/// Throws Cancelled.
 BouncedLight bouncedLightOf(const RelitScene& relit, const BouncedLightOptions& options, Progress& progress);
 
 }  // namespace relamp

@@ -22,14 +22,19 @@ void rank(const std::vector<int>& hits, float share, std::array<EmitterShare, Fr
 class PixelRenderer {
 public:
     // What render() found.
-    Gather gather;                ///< byEmitter: radiance of the pixel from each emitter
-    std::vector<int> hits;        ///< per emitter: samples that see it
+    Gather gather;          ///< byEmitter: radiance of the pixel from each emitter
+    std::vector<int> hits;  ///< per emitter: samples that see it
     bool emitterSeen = false;
     float alpha = 0;
     Rgb albedo{0}, world{0}, beauty{0};
 
     PixelRenderer(const SceneLights& lights, const Camera& camera, const FrameOptions& options)
-        : hits(lights.relit.emitters.size(), 0), relit_(lights.relit), camera_(camera), options_(options), origin_(camera.position()), shader_(lights, options) {}
+        : hits(lights.relit.emitters.size(), 0),
+          relit_(lights.relit),
+          camera_(camera),
+          options_(options),
+          origin_(camera.position()),
+          shader_(lights, options) {}
 
     /// Renders pixel (x, y).
     void render(int x, int y) {
@@ -55,7 +60,8 @@ public:
                 const RelitEmitter& emitter = relit_.emitters[size_t(e)];
                 ++hits[size_t(e)];
                 emitterSeen = true;
-                if (emitter.surface.twoSided || glm::dot(relit_.scene.mesh.faceNormal(hit.triangle), d) < 0) gather.byEmitter[size_t(e)] += emitter.radiance;
+                if (emitter.surface.twoSided || glm::dot(relit_.scene.mesh.faceNormal(hit.triangle), d) < 0)
+                    gather.byEmitter[size_t(e)] += emitter.radiance;
                 continue;
             }
             shader_.surfaceAt(hit, d, surface_);
@@ -113,7 +119,8 @@ Frame FrameRenderer::rows(int first, int count, Progress& progress) const {
                 pixel.render(x, row);
                 frame.alpha[p] = pixel.alpha;
                 frame.albedo[p] = pixel.albedo;
-                const Hit centre = relit.scene.tracer->closest({origin, camera.rayDirection(Vec2(float(x) + 0.5f, float(row) + 0.5f)), 0, 1e30f});
+                const Hit centre = relit.scene.tracer->closest(
+                    {origin, camera.rayDirection(Vec2(float(x) + 0.5f, float(row) + 0.5f)), 0, 1e30f});
                 if (centre) {
                     frame.position[p] = relit.scene.pointOf(centre);
                     frame.normal[p] = relit.scene.normalOf(centre);

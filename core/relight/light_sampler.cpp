@@ -46,7 +46,8 @@ bool DistantSampler::prepare(const Vec3& normal, Proposal& p) const {
     p.normal = normal;
     p.weight.resize(n);
     p.cumulative.resize(n);
-    // A cell across the horizon counts with the mean of its cosine above it; its half width, and the 2 degrees the normal may be off.
+    // A cell across the horizon counts with the mean of its cosine above it; its half width, and the 2 degrees the
+    // normal may be off.
     const float half = 1.8f / float(coarse_.side) + 0.035f;
     for (size_t i = 0; i < n; ++i) {
         const float c = glm::dot(normal, direction_[i]);
@@ -63,7 +64,9 @@ bool DistantSampler::prepare(const Vec3& normal, Proposal& p) const {
 
 Vec3 DistantSampler::sample(const Proposal& p, const Vec2& u) const {
     const float pick = u.x * p.total;
-    const size_t place = std::min(size_t(std::upper_bound(p.cumulative.begin(), p.cumulative.end(), pick) - p.cumulative.begin()), p.cumulative.size() - 1);
+    const size_t place =
+        std::min(size_t(std::upper_bound(p.cumulative.begin(), p.cumulative.end(), pick) - p.cumulative.begin()),
+                 p.cumulative.size() - 1);
     const float below = place ? p.cumulative[place - 1] : 0.0f, width = p.cumulative[place] - below;
     const float inside = width > 0 ? std::clamp((pick - below) / width, 0.0f, 0.999999f) : 0.5f;
     const size_t count = size_t(fineSide_) * size_t(fineSide_);
@@ -71,7 +74,9 @@ Vec3 DistantSampler::sample(const Proposal& p, const Vec2& u) const {
     const float finePick = inside * begin[count - 1];
     const size_t k = std::min(size_t(std::upper_bound(begin, begin + count, finePick) - begin), count - 1);
     const float fineBelow = k ? begin[k - 1] : 0.0f, fineWidth = begin[k] - fineBelow;
-    return light_.grid().direction(int(fineCell_[place * count + k]), Vec2(fineWidth > 0 ? std::clamp((finePick - fineBelow) / fineWidth, 0.0f, 0.9999f) : 0.5f, u.y));
+    return light_.grid().direction(
+        int(fineCell_[place * count + k]),
+        Vec2(fineWidth > 0 ? std::clamp((finePick - fineBelow) / fineWidth, 0.0f, 0.9999f) : 0.5f, u.y));
 }
 
 float DistantSampler::density(const Proposal& p, const Vec3& direction) const {
@@ -101,7 +106,10 @@ EmitterSampler::EmitterSampler(const EmitterSurface& surface) : surface_(surface
             float low[6], high[6];
             std::fill(low, low + 6, 1e30f);
             std::fill(high, high + 6, -1e30f);
-            const auto key = [&](uint32_t t, int axis) { return axis < 3 ? surface.centres[t][axis] / std::max(surface.radius, 1e-20f) : surface.normals[t][axis - 3]; };
+            const auto key = [&](uint32_t t, int axis) {
+                return axis < 3 ? surface.centres[t][axis] / std::max(surface.radius, 1e-20f)
+                                : surface.normals[t][axis - 3];
+            };
             for (uint32_t i = begin; i < end; ++i)
                 for (int a = 0; a < 6; ++a) {
                     low[a] = std::min(low[a], key(order_[i], a));
@@ -112,7 +120,9 @@ EmitterSampler::EmitterSampler(const EmitterSurface& surface) : surface_(surface
                 if (high[a] - low[a] > high[axis] - low[axis]) axis = a;
             const uint32_t middle = (begin + end) / 2;
             std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
-                             [&](uint32_t x, uint32_t y) { return key(x, axis) != key(y, axis) ? key(x, axis) < key(y, axis) : x < y; });
+                             [&](uint32_t x, uint32_t y) {
+                                 return key(x, axis) != key(y, axis) ? key(x, axis) < key(y, axis) : x < y;
+                             });
             next.emplace_back(begin, middle);
             next.emplace_back(middle, end);
         }
@@ -156,7 +166,9 @@ bool EmitterSampler::prepare(const Vec3& point, const Vec3& normal, Proposal& p)
         const Vec3 to = g.centre - point;
         const float d2 = glm::dot(to, to), near = g.radius * g.radius, d = std::sqrt(d2);
         const float blur = std::min(1.0f, g.radius / std::max(d, 1e-20f));  // sine of the angle it covers
-        const float facing = g.axis == Vec3(0) || surface_.twoSided ? 1.0f : std::min(1.0f, -glm::dot(to, g.axis) / std::max(d, 1e-20f) + g.coneSine + blur);
+        const float facing = g.axis == Vec3(0) || surface_.twoSided
+                                 ? 1.0f
+                                 : std::min(1.0f, -glm::dot(to, g.axis) / std::max(d, 1e-20f) + g.coneSine + blur);
         const float height = std::min(1.0f, glm::dot(to, normal) / std::max(d, 1e-20f) + blur + 0.02f);
         p.weight[i] = facing > 0 && height > 0 ? g.area * facing * height / (d2 + near) : 0.0f;
         sum += p.weight[i];
@@ -168,7 +180,9 @@ bool EmitterSampler::prepare(const Vec3& point, const Vec3& normal, Proposal& p)
 
 Vec3 EmitterSampler::sample(const Proposal& p, const Vec2& u, float& density, size_t& triangle) const {
     const float pick = u.x * p.total;
-    const size_t at = std::min(size_t(std::upper_bound(p.cumulative.begin(), p.cumulative.end(), pick) - p.cumulative.begin()), groups_.size() - 1);
+    const size_t at =
+        std::min(size_t(std::upper_bound(p.cumulative.begin(), p.cumulative.end(), pick) - p.cumulative.begin()),
+                 groups_.size() - 1);
     const Group& g = groups_[at];
     const float below = at ? p.cumulative[at - 1] : 0.0f, width = p.cumulative[at] - below;
     float inside = width > 0 ? std::clamp((pick - below) / width, 0.0f, 0.999999f) : 0.5f;

@@ -1,5 +1,5 @@
-// Where to look for light from one surface point: distant cells in proportion to radiance x cosine, emitter patches in proportion to
-// their form factor. What is left to chance is visibility, so a few dozen rays suffice for a pixel.
+// Where to look for light from one surface point: distant cells in proportion to radiance x cosine, emitter patches in
+// proportion to their form factor. What is left to chance is visibility, so a few dozen rays suffice for a pixel.
 #pragma once
 #include <vector>
 
@@ -8,8 +8,8 @@
 
 namespace relamp {
 
-/// Draws directions from the environment for a given normal. The proposal is built per normal in one pass over 1024 coarse cells;
-/// inside a coarse cell the finest cells are drawn in proportion to their radiance.
+/// Draws directions from the environment for a given normal. The proposal is built per normal in one pass over 1024
+/// coarse cells; inside a coarse cell the finest cells are drawn in proportion to their radiance.
 class DistantSampler {
 public:
     explicit DistantSampler(const DistantLight& light);
@@ -21,7 +21,8 @@ public:
         std::vector<float> weight;
         float total = 0;
     };
-    /// Prepares `proposal` for a normal; keeps it when the normal is the same within 2 degrees. False: no light can arrive.
+    /// Prepares `proposal` for a normal; keeps it when the normal is the same within 2 degrees. False: no light can
+    /// arrive.
     bool prepare(const Vec3& normal, Proposal& proposal) const;
     Vec3 sample(const Proposal& proposal, const Vec2& u) const;
     /// Density per steradian of sample().
@@ -30,17 +31,17 @@ public:
 private:
     const DistantLight& light_;
     DirectionGrid coarse_{32};
-    int fineSide_ = 1;                     // fine cells along one side of a coarse cell
-    std::vector<uint32_t> order_;          // coarse cells along a Morton curve: neighbours stay together
-    std::vector<Vec3> direction_;          // per place in that order
+    int fineSide_ = 1;             // fine cells along one side of a coarse cell
+    std::vector<uint32_t> order_;  // coarse cells along a Morton curve: neighbours stay together
+    std::vector<Vec3> direction_;  // per place in that order
     std::vector<float> energy_;
-    std::vector<uint32_t> placeOf_;        // coarse cell -> place
-    std::vector<float> fineCumulative_;    // per coarse cell (by place), its fine cells
+    std::vector<uint32_t> placeOf_;      // coarse cell -> place
+    std::vector<float> fineCumulative_;  // per coarse cell (by place), its fine cells
     std::vector<uint32_t> fineCell_;
 };
 
-/// Draws points on one emitter for a given surface point: at most 64 groups of neighbouring triangles, weighed by a bound of what
-/// they can send.
+/// Draws points on one emitter for a given surface point: at most 64 groups of neighbouring triangles, weighed by a
+/// bound of what they can send.
 class EmitterSampler {
 public:
     explicit EmitterSampler(const EmitterSurface& surface);
@@ -64,7 +65,7 @@ private:
     };
     std::vector<Group> groups_;
     std::vector<uint32_t> order_, groupOf_;
-    std::vector<float> cumulativeArea_;            // inside each group
+    std::vector<float> cumulativeArea_;  // inside each group
 };
 
 }  // namespace relamp

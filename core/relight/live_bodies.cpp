@@ -15,7 +15,8 @@ Mesh meshOf(const EditedGeometry& geometry, uint32_t body, const Mat4& matrix) {
         for (uint32_t& v : triangle) {
             if (place[v] == EditedBody::none) {
                 place[v] = uint32_t(m.positions.size());
-                m.positions.push_back(matrix == Mat4(1) ? geometry.mesh.positions[v] : Vec3(matrix * Vec4(geometry.mesh.positions[v], 1)));
+                m.positions.push_back(matrix == Mat4(1) ? geometry.mesh.positions[v]
+                                                        : Vec3(matrix * Vec4(geometry.mesh.positions[v], 1)));
             }
             v = place[v];
         }
@@ -94,7 +95,8 @@ std::shared_ptr<const RayTracer> tracerOf(const EditedGeometry& geometry, uint32
     return mesh.triangles.empty() ? nullptr : std::make_shared<const RayTracer>(mesh);
 }
 
-std::vector<LiveBody> liveBodies(const EditedGeometry& geometry, const Look& look, const std::vector<LiveBody>& previous) {
+std::vector<LiveBody> liveBodies(const EditedGeometry& geometry, const Look& look,
+                                 const std::vector<LiveBody>& previous) {
     const size_t recovered = geometry.emitters.size() - look.added.size();
     std::vector<LiveBody> bodies(geometry.bodies.size());
     std::vector<Vec3> low(bodies.size(), Vec3(1e30f)), high(bodies.size(), Vec3(-1e30f));
@@ -124,11 +126,14 @@ std::vector<LiveBody> liveBodies(const EditedGeometry& geometry, const Look& loo
         if (mesh.triangles.empty()) continue;
         body.tracer = std::make_shared<const RayTracer>(mesh);
         const bool mirrored = glm::determinant(Mat3(edited.matrix)) < 0;
-        for (size_t t = 0; t < mesh.triangles.size(); ++t) body.faceNormals.push_back(mirrored ? -mesh.faceNormal(t) : mesh.faceNormal(t));
+        for (size_t t = 0; t < mesh.triangles.size(); ++t)
+            body.faceNormals.push_back(mirrored ? -mesh.faceNormal(t) : mesh.faceNormal(t));
     }
     for (size_t t = 0; t < geometry.mesh.triangles.size(); ++t)
         if (const uint32_t b = geometry.bodyOfTriangle[t])
-            for (uint32_t v : geometry.mesh.triangles[t]) bodies[b].radius = std::max(bodies[b].radius, glm::length(geometry.mesh.positions[v] - bodies[b].centre));
+            for (uint32_t v : geometry.mesh.triangles[t])
+                bodies[b].radius =
+                    std::max(bodies[b].radius, glm::length(geometry.mesh.positions[v] - bodies[b].centre));
     for (LiveBody& b : bodies) b.radius *= 1.0001f;
     return bodies;
 }

@@ -1,5 +1,5 @@
-// What may stand in the way of light: the ground, which never moves, and bodies that do. A body keeps its own small ray tracer in its
-// own frame and rays are carried into it, so that nothing is rebuilt while it is dragged.
+// What may stand in the way of light: the ground, which never moves, and bodies that do. A body keeps its own small ray
+// tracer in its own frame and rays are carried into it, so that nothing is rebuilt while it is dragged.
 #pragma once
 #include <memory>
 #include <span>
@@ -10,14 +10,14 @@ namespace relamp {
 
 /// Triangles that move as one.
 struct LiveBody {
-    int emitter = -1;                           ///< index into the emitters; -1: a part
-    Mat4 matrix{1};                             ///< world from body
+    int emitter = -1;  ///< index into the emitters; -1: a part
+    Mat4 matrix{1};    ///< world from body
     Mat4 inverse{1};
-    std::shared_ptr<const RayTracer> tracer;    ///< in the body's frame
-    std::vector<Vec3> faceNormals;              ///< of its triangles, in the body's frame
-    Vec3 centre{0};                             ///< of a sphere in the world that holds it
+    std::shared_ptr<const RayTracer> tracer;  ///< in the body's frame
+    std::vector<Vec3> faceNormals;            ///< of its triangles, in the body's frame
+    Vec3 centre{0};                           ///< of a sphere in the world that holds it
     float radius = 0;
-    std::string key;                            ///< the same for the same geometry: its tracer can be kept
+    std::string key;  ///< the same for the same geometry: its tracer can be kept
 
     /// Whether the sphere, seen from `point`, can cover any direction within `angle` of `axis` nearer than `far`.
     bool mayCover(const Vec3& point, const Vec3& axis, float angle, float far) const;
@@ -29,17 +29,19 @@ struct LiveBody {
     Hit closest(const Ray& ray, bool& facing) const;
 };
 
-/// Bodies of an edited geometry, tracers taken from `previous` where the key is the same. Entry 0 (the ground) is left empty.
-std::vector<LiveBody> liveBodies(const EditedGeometry& geometry, const Look& look, const std::vector<LiveBody>& previous);
+/// Bodies of an edited geometry, tracers taken from `previous` where the key is the same. Entry 0 (the ground) is left
+/// empty.
+std::vector<LiveBody> liveBodies(const EditedGeometry& geometry, const Look& look,
+                                 const std::vector<LiveBody>& previous);
 
 /// A tracer over the triangles of one body of a geometry as they stand; empty when it has none.
 std::shared_ptr<const RayTracer> tracerOf(const EditedGeometry& geometry, uint32_t body);
 
 /// Everything that blocks.
 struct LiveOccluders {
-    std::shared_ptr<const RayTracer> ground;    ///< empty: nothing stays in place
-    std::vector<LiveBody> bodies;               ///< entry 0 unused
-    float offset = 0;                           ///< metres: how far rays start off a surface
+    std::shared_ptr<const RayTracer> ground;  ///< empty: nothing stays in place
+    std::vector<LiveBody> bodies;             ///< entry 0 unused
+    float offset = 0;                         ///< metres: how far rays start off a surface
 
     Vec3 origin(const Vec3& position, const Vec3& normal) const { return position + normal * (4 * offset); }
     uint32_t groundOccluded8(std::span<const Ray> rays) const { return ground ? ground->occluded8(rays) : 0u; }

@@ -21,7 +21,8 @@ void LiveCarried::setVertices(const LiveVertices& vertices) {
 void LiveCarried::trace(const LiveVertices& vertices, const LiveOccluders& occluders, size_t i, bool coarse) {
     const Occluded8 occluded = [&](std::span<const Ray> rays) { return occluders.occluded8(rays); };
     const Vec3 normal = vertices.mesh->normals[vertex_[i]];
-    traceCells(grid_, occluders.origin(vertices.mesh->positions[vertex_[i]], normal), normal, coarse, occluded, masksOf(i));
+    traceCells(grid_, occluders.origin(vertices.mesh->positions[vertex_[i]], normal), normal, coarse, occluded,
+               masksOf(i));
     level_[i] = coarse ? 1 : 2;
     changed_[i] = told_[i] = 1;
 }

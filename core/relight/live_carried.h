@@ -1,4 +1,5 @@
-// The environment on matte surfaces that move: vertices of bodies that are no lamps. Their visibility is traced anew at every move.
+// The environment on matte surfaces that move: vertices of bodies that are no lamps. Their visibility is traced anew at
+// every move.
 #pragma once
 #include "relight/live_matte.h"
 
@@ -25,7 +26,9 @@ private:
     const LiveGrid& grid_;
     std::vector<uint32_t> vertex_, placeOf_;
     std::vector<uint8_t> masks_, level_, changed_, told_;
-    std::span<uint8_t> masksOf(size_t i) { return std::span(masks_).subspan(i * grid_.nibbleBytes(), grid_.nibbleBytes()); }
+    std::span<uint8_t> masksOf(size_t i) {
+        return std::span(masks_).subspan(i * grid_.nibbleBytes(), grid_.nibbleBytes());
+    }
     void trace(const LiveVertices& vertices, const LiveOccluders& occluders, size_t i, bool coarse);
 };
 

@@ -52,10 +52,12 @@ uint32_t LiveEmitterTree::build(uint32_t begin, uint32_t end) {
     if (length > 1e-6f * n.area) {
         n.axis = n.vectorArea / length;
         n.coneCosine = 1;
-        for (uint32_t i = begin; i < end; ++i) n.coneCosine = std::min(n.coneCosine, glm::dot(n.axis, surface_.normals[order_[i]]));
+        for (uint32_t i = begin; i < end; ++i)
+            n.coneCosine = std::min(n.coneCosine, glm::dot(n.axis, surface_.normals[order_[i]]));
         n.coneSine = std::sqrt(std::max(0.0f, 1 - n.coneCosine * n.coneCosine));
     }
-    for (uint32_t i = begin; i < end; ++i) n.radius = std::max(n.radius, glm::length(surface_.centres[order_[i]] - n.centre) + surface_.radii[order_[i]]);
+    for (uint32_t i = begin; i < end; ++i)
+        n.radius = std::max(n.radius, glm::length(surface_.centres[order_[i]] - n.centre) + surface_.radii[order_[i]]);
     if (end - begin > 1) {
         // Along the wider of place and orientation: the two faces of a thin lamp are parted first.
         const Vec3 size = (high - low) / std::max(surface_.radius, 1e-20f), turn = highNormal - lowNormal;
@@ -70,7 +72,9 @@ uint32_t LiveEmitterTree::build(uint32_t begin, uint32_t end) {
         uint32_t middle = (begin + end) / 2;
         if (byNormal) {
             const float half = (lowNormal[way] + highNormal[way]) / 2;
-            middle = uint32_t(std::partition(order_.begin() + begin, order_.begin() + end, [&](uint32_t t) { return surface_.normals[t][way] < half; }) - order_.begin());
+            middle = uint32_t(std::partition(order_.begin() + begin, order_.begin() + end,
+                                             [&](uint32_t t) { return surface_.normals[t][way] < half; }) -
+                              order_.begin());
         }
         if (!byNormal || middle == begin || middle == end) {
             middle = (begin + end) / 2;
@@ -83,8 +87,10 @@ uint32_t LiveEmitterTree::build(uint32_t begin, uint32_t end) {
     return at;
 }
 
-void LiveEmitterTree::cut(const Vec3& point, const Vec3& normal, const CutTolerance& tolerance, EmitterPieces& out) const {
-    cut(point, normal, tolerance, [](const Vec3&) { return 1e30f; }, out);
+void LiveEmitterTree::cut(const Vec3& point, const Vec3& normal, const CutTolerance& tolerance,
+                          EmitterPieces& out) const {
+    cut(
+        point, normal, tolerance, [](const Vec3&) { return 1e30f; }, out);
 }
 
 Vec3 LiveEmitterTree::pointOn(const EmitterPieces::Piece& piece, const Vec2& u, Vec3& normal) const {

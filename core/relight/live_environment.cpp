@@ -11,11 +11,14 @@ LiveLight liveLight(const DistantLight& distant, int side) {
     light.cells.assign(size_t(grid.cells()), Rgb(0));
     const int fine = distant.grid().side;
     if (fine <= side) {
-        for (int c = 0; c < grid.cells(); ++c) light.cells[size_t(c)] = distant.cells()[size_t((c / side) * fine / side * fine + (c % side) * fine / side)];
+        for (int c = 0; c < grid.cells(); ++c)
+            light.cells[size_t(c)] =
+                distant.cells()[size_t((c / side) * fine / side * fine + (c % side) * fine / side)];
     } else {
         const int cut = fine / side;
         for (int y = 0; y < fine; ++y)
-            for (int x = 0; x < fine; ++x) light.cells[size_t(y / cut * side + x / cut)] += distant.cells()[size_t(y * fine + x)];
+            for (int x = 0; x < fine; ++x)
+                light.cells[size_t(y / cut * side + x / cut)] += distant.cells()[size_t(y * fine + x)];
         for (Rgb& c : light.cells) c /= float(cut * cut);
     }
     std::vector<float> channel(light.cells.size());

@@ -79,14 +79,17 @@ void LiveScene::State::makeFrame() {
         if (glossy) {
             sum += gain * gloss.distant()[v];
             for (size_t e = 0; e < emitters; ++e)
-                sum += gloss.near(e)[v] * geometry.emitters[e].radiance * (gloss.shadowed(e, v) ? 1.0f : near[e].seen(v));
+                sum +=
+                    gloss.near(e)[v] * geometry.emitters[e].radiance * (gloss.shadowed(e, v) ? 1.0f : near[e].seen(v));
         }
         out->radiance[v] = sum;
     });
     out->refined = finished;
-    report.bytesPerVertex = (matte.bytes() + carried.bytes()) / std::max<size_t>(1, n) + emitters * (2 * sizeof(float) + 1);
+    report.bytesPerVertex =
+        (matte.bytes() + carried.bytes()) / std::max<size_t>(1, n) + emitters * (2 * sizeof(float) + 1);
     report.storeBytes = matte.store().bytes();
-    report.termsPerVertex = matte.store().blocks() ? float(matte.store().terms()) / float(matte.store().blocks()) : 0.0f;
+    report.termsPerVertex =
+        matte.store().blocks() ? float(matte.store().terms()) / float(matte.store().blocks()) : 0.0f;
     report.device = matte.sums().device();
     report.cpuApplyMs = matte.sums().processorMs();
     report.deviceApplyMs = matte.sums().deviceMs();
@@ -94,7 +97,9 @@ void LiveScene::State::makeFrame() {
     if (!bouncing) report.leftOut.push_back({"bounced light", "the photographs showed none worth keeping"});
     if (!glossy) report.leftOut.push_back({"glossy passes", "no vertex has a glossy lobe"});
     report.glossyOutside = glossy ? gloss.outside() : 0;
-    if (report.glossyOutside) report.leftOut.push_back({"glossy light outside the picture", std::to_string(report.glossyOutside) + " vertices face the eye there"});
+    if (report.glossyOutside)
+        report.leftOut.push_back({"glossy light outside the picture",
+                                  std::to_string(report.glossyOutside) + " vertices face the eye there"});
     if (plain->black()) report.leftOut.push_back({"environment", "it is black"});
     if (near.empty()) report.leftOut.push_back({"near light", "the scene has no emitter"});
     if (carried.count() == 0) report.leftOut.push_back({"visibility of moved surfaces", "no part of the mesh moves"});

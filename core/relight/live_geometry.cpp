@@ -7,7 +7,8 @@ namespace relamp {
 namespace {
 
 std::string nameOf(const EditedGeometry& geometry, const EditedBody& body) {
-    return body.emitter >= 0 ? "emitter " + geometry.emitters[size_t(body.emitter)].id : "piece " + std::to_string(body.piece);
+    return body.emitter >= 0 ? "emitter " + geometry.emitters[size_t(body.emitter)].id
+                             : "piece " + std::to_string(body.piece);
 }
 
 }  // namespace
@@ -23,7 +24,9 @@ void LiveScene::State::takeGeometry(const Look& next, EditedGeometry edited, Bod
         for (uint32_t o = 1; o < bodyNames.size(); ++o)
             if (names[b] == bodyNames[o]) {
                 before[b] = o;
-                moved[b] = !(bodies[b].key == occluders.bodies[o].key && bodies[b].matrix == occluders.bodies[o].matrix && bool(bodies[b].tracer) == bool(occluders.bodies[o].tracer));
+                moved[b] =
+                    !(bodies[b].key == occluders.bodies[o].key && bodies[b].matrix == occluders.bodies[o].matrix &&
+                      bool(bodies[b].tracer) == bool(occluders.bodies[o].tracer));
                 kept[o] = 1;
             }
     bool anyMoved = names != bodyNames;
@@ -46,11 +49,15 @@ void LiveScene::State::takeGeometry(const Look& next, EditedGeometry edited, Bod
     for (size_t t = 0; t < edited.mesh.triangles.size(); ++t)
         for (uint32_t v : edited.mesh.triangles[t]) {
             now.body[v] = edited.bodyOfTriangle[t];
-            now.kind[v] = edited.emitterOfTriangle[t] >= 0 ? LiveVertices::emitting : edited.bodyOfTriangle[t] ? LiveVertices::carried : LiveVertices::ground;
+            now.kind[v] = edited.emitterOfTriangle[t] >= 0 ? LiveVertices::emitting
+                          : edited.bodyOfTriangle[t]       ? LiveVertices::carried
+                                                           : LiveVertices::ground;
         }
 
     // Pieces that leave the ground.
-    const bool groundShrank = !first && std::count(edited.bodyOfTriangle.begin(), edited.bodyOfTriangle.end(), 0u) != std::count(geometry.bodyOfTriangle.begin(), geometry.bodyOfTriangle.end(), 0u);
+    const bool groundShrank =
+        !first && std::count(edited.bodyOfTriangle.begin(), edited.bodyOfTriangle.end(), 0u) !=
+                      std::count(geometry.bodyOfTriangle.begin(), geometry.bodyOfTriangle.end(), 0u);
     if (first || groundShrank) occluders.ground = tracerOf(edited, 0);
     if (groundShrank) {
         for (uint32_t b = 1; b < edited.bodies.size(); ++b) {
@@ -89,7 +96,8 @@ void LiveScene::State::takeGeometry(const Look& next, EditedGeometry edited, Bod
         } else {
             const LiveBody& body = bodies[out.body];
             const LiveBody* was = old && old->body < occluders.bodies.size() ? &occluders.bodies[old->body] : nullptr;
-            out.tree = LiveEmitterTree(edited.emitters[e].surface, was && was->key == body.key ? std::optional(old->tree.convex()) : std::nullopt);
+            out.tree = LiveEmitterTree(edited.emitters[e].surface,
+                                       was && was->key == body.key ? std::optional(old->tree.convex()) : std::nullopt);
             out.centre = edited.emitters[e].surface.centroid;
             out.radius = edited.emitters[e].surface.radius;
         }
@@ -99,7 +107,8 @@ void LiveScene::State::takeGeometry(const Look& next, EditedGeometry edited, Bod
         for (size_t v = 0; v < now.count(); ++v) {
             // Whoever stands elsewhere, or is lit for the first time, starts again.
             const bool carriedAlong = now.kind[v] == LiveVertices::carried && moved[now.body[v]];
-            const bool other = v >= vertices.count() || vertices.kind[v] != now.kind[v] || vertices.origin[v] != now.origin[v];
+            const bool other =
+                v >= vertices.count() || vertices.kind[v] != now.kind[v] || vertices.origin[v] != now.origin[v];
             if (!same || carriedAlong || other) out.markStale(v);
             if (!now.lit(v)) out.factor[v] = out.open[v] = 0;
         }
@@ -116,7 +125,8 @@ void LiveScene::State::takeGeometry(const Look& next, EditedGeometry edited, Bod
     const size_t emittersBefore = near.size();
     near = std::move(emitters);
     // Two edits before a picture stir what both of them moved.
-    const bool sameVertices = !first && !renumbered && names == bodyNames && vertices.kind == now.kind && emittersBefore == near.size();
+    const bool sameVertices =
+        !first && !renumbered && names == bodyNames && vertices.kind == now.kind && emittersBefore == near.size();
     const bool known = sameVertices && !(newGeometry && stirred.empty());
     if (!newGeometry || !known) stirred.clear();
     if (known)

@@ -12,7 +12,8 @@ constexpr float least = 1e-3f;  // of a lobe's weight and of the eye's cosine
 
 /// The pattern of `count` taps, a power of two from fewestTaps to mostTaps.
 const TapPattern& patternOf(int count) {
-    static const TapPattern patterns[] = {TapPattern(16), TapPattern(32), TapPattern(64), TapPattern(128), TapPattern(256)};
+    static const TapPattern patterns[] = {TapPattern(16), TapPattern(32), TapPattern(64), TapPattern(128),
+                                          TapPattern(256)};
     size_t i = 0;
     while (patterns[i].count < count) ++i;
     return patterns[i];
@@ -24,9 +25,9 @@ struct LiveGloss::Surface {
     uint32_t vertex = 0;
     Vec3 position{0}, normal{0};
     Mat3 frame{1};
-    Vec3 eye{0};               // in the frame
+    Vec3 eye{0};  // in the frame
     std::span<const LobeWeight> lobes;
-    float narrowest = 1;       // smallest alpha
+    float narrowest = 1;  // smallest alpha
 };
 
 void LiveGloss::setVertices(const LiveVertices& vertices, size_t emitters, bool neutral) {
@@ -56,7 +57,8 @@ void LiveGloss::setVertices(const LiveVertices& vertices, size_t emitters, bool 
     nearLevel_.assign(emitters, std::vector<uint8_t>(vertex_.size(), 0));
 }
 
-void LiveGloss::moveVertices(const LiveVertices& vertices, std::span<const uint8_t> bodyMoved, std::span<const uint8_t> emitterMoved) {
+void LiveGloss::moveVertices(const LiveVertices& vertices, std::span<const uint8_t> bodyMoved,
+                             std::span<const uint8_t> emitterMoved) {
     queueStale_ = true;
     for (size_t e = 0; e < emitterMoved.size(); ++e)
         if (emitterMoved[e]) markNear(e);
@@ -79,7 +81,8 @@ void LiveGloss::markDistant(std::span<const uint32_t> vertices) {
         if (placeOf_[v] != EditedBody::none) distantLevel_[placeOf_[v]] = 0;
 }
 
-void LiveGloss::markDistant(std::span<const uint32_t> vertices, std::span<const LiveBody> spheres, const GlossInputs& in) {
+void LiveGloss::markDistant(std::span<const uint32_t> vertices, std::span<const LiveBody> spheres,
+                            const GlossInputs& in) {
     if (empty()) return;
     // Nine tenths of a GGX lobe lie where the half vector's tangent is below this many alphas.
     constexpr float reach = 3;
@@ -103,7 +106,9 @@ void LiveGloss::markShadowed(size_t emitter, const NearEmitter& near) {
         if (nearLevel_[emitter][i] == 3 && !near.level[vertex_[i]]) nearLevel_[emitter][i] = 0;
 }
 
-bool LiveGloss::shadowed(size_t emitter, size_t vertex) const { return placeOf_[vertex] != EditedBody::none && nearLevel_[emitter][placeOf_[vertex]] == 3; }
+bool LiveGloss::shadowed(size_t emitter, size_t vertex) const {
+    return placeOf_[vertex] != EditedBody::none && nearLevel_[emitter][placeOf_[vertex]] == 3;
+}
 
 bool LiveGloss::surfaceOf(const GlossInputs& in, size_t i, Surface& s) const {
     s.vertex = vertex_[i];
@@ -116,7 +121,8 @@ bool LiveGloss::surfaceOf(const GlossInputs& in, size_t i, Surface& s) const {
     s.eye = glm::transpose(s.frame) * (to / distance);
     s.lobes = std::span(lobes_).subspan(start_[i], start_[i + 1] - start_[i]);
     s.narrowest = 1;
-    for (const LobeWeight& l : s.lobes) s.narrowest = std::min(s.narrowest, estimate_.reflectance.basis.lobes[l.lobe].alpha);
+    for (const LobeWeight& l : s.lobes)
+        s.narrowest = std::min(s.narrowest, estimate_.reflectance.basis.lobes[l.lobe].alpha);
     return true;
 }
 
@@ -126,7 +132,8 @@ Rgb LiveGloss::distantLight(const GlossInputs& in, const Surface& s, const TapPa
     masks.resize(grid_.nibbleBytes());
     if (in.vertices.kind[s.vertex] == LiveVertices::ground) in.matte.seenNow(s.vertex, masks);
     else in.carried.seenNow(s.vertex, masks);
-    return tapEnvironment(in.environment, estimate_.reflectance.basis, s.lobes, taps, s.frame, s.eye, grid_, masks.data());
+    return tapEnvironment(in.environment, estimate_.reflectance.basis, s.lobes, taps, s.frame, s.eye, grid_,
+                          masks.data());
 }
 
 Rgb LiveGloss::nearLight(const GlossInputs& in, const Surface& s, const NearEmitter& e, bool fine, bool shadows) const {
@@ -225,7 +232,8 @@ size_t LiveGloss::coarse(const GlossInputs& in, Progress& progress) {
         lobes += start_[i + 1] - start_[i];
     }
     if (wanted.empty()) return 0;
-    // Fewer taps where there are many vertices; their number decides, not the clock, so that the picture does not depend on it.
+    // Fewer taps where there are many vertices; their number decides, not the clock, so that the picture does not
+    // depend on it.
     int taps = mostTaps;
     while (taps > fewestTaps && lobes * size_t(taps) > tapBudget) taps /= 2;
     const TapPattern& pattern = patternOf(taps);

@@ -35,8 +35,11 @@ inline Lanes all(float x) { return x - Lanes{}; }
 inline Lanes larger(const Lanes& a, const Lanes& b) { return a > b ? a : b; }
 inline Lanes smaller(const Lanes& a, const Lanes& b) { return a < b ? a : b; }
 inline Lanes magnitude(const Lanes& a) { return bitsOf<Lanes>(bitsOf<IntLanes>(a) & 0x7fffffff); }
-inline Lanes withSign(const Lanes& a, const Lanes& of) { return bitsOf<Lanes>((bitsOf<IntLanes>(a) & 0x7fffffff) | (bitsOf<IntLanes>(of) & int32_t(0x80000000))); }
-/// 1 / sqrt(a) to the last bits, by Newton's steps from a guess: std::sqrt would go lane by lane because of errno. 0 gives something finite.
+inline Lanes withSign(const Lanes& a, const Lanes& of) {
+    return bitsOf<Lanes>((bitsOf<IntLanes>(a) & 0x7fffffff) | (bitsOf<IntLanes>(of) & int32_t(0x80000000)));
+}
+/// 1 / sqrt(a) to the last bits, by Newton's steps from a guess: std::sqrt would go lane by lane because of errno. 0
+/// gives something finite.
 inline Lanes inverseRoot(const Lanes& a) {
     Lanes r = bitsOf<Lanes>(0x5f3759df - (bitsOf<IntLanes>(a) >> 1));
     const Lanes half = 0.5f * a;
@@ -48,7 +51,11 @@ inline Lanes root(const Lanes& a) { return a * inverseRoot(a); }
 /// atan(t) / (pi / 2) for t in [0, 1], to 4e-8.
 inline Lanes arcShare(const Lanes& t) {
     const Lanes s = t * t;
-    return t * (0.63661970f + s * (-0.21219691f + s * (0.12711363f + s * (-0.08914771f + s * (0.06282715f + s * (-0.03745218f + s * (0.01513915f + s * (-0.00290285f))))))));
+    return t * (0.63661970f +
+                s * (-0.21219691f +
+                     s * (0.12711363f +
+                          s * (-0.08914771f +
+                               s * (0.06282715f + s * (-0.03745218f + s * (0.01513915f + s * (-0.00290285f))))))));
 }
 
 /// sphereToSquare of each direction.
@@ -85,7 +92,8 @@ inline void addLobe(const Lobe& lobe, const Rgb& weight, const Directions& light
     const Lanes distribution = (a2 / pi) / (spread * spread);
     Lanes value = all(1 / pi);
     if (lobe.kind > Lobe::Kind::ggxDielectric) value = oneByOne(lobe, light, eye);
-    else if (lobe.kind != Lobe::Kind::lambert) value = distribution * (0.5f / (lz * eyeRoot + ez * root(a2 + (1 - a2) * lz * lz)));
+    else if (lobe.kind != Lobe::Kind::lambert)
+        value = distribution * (0.5f / (lz * eyeRoot + ez * root(a2 + (1 - a2) * lz * lz)));
     if (lobe.kind == Lobe::Kind::ggxDielectric) {
         constexpr float ior = 1.5f;
         const Lanes c = smaller(0.5f * root(half2), all(1)), inside = root(1 - (1 - c * c) * (1 / (ior * ior)));
@@ -102,7 +110,8 @@ inline void addLobe(const Lobe& lobe, const Rgb& weight, const Directions& light
 /// sampleGgx for one eye and width.
 class LobeSampler {
 public:
-    LobeSampler(float alpha, const Vec3& towardEye) : a_(std::max(alpha, narrowest)), eye_(towardEye.x, towardEye.y, std::max(towardEye.z, 1e-6f)) {
+    LobeSampler(float alpha, const Vec3& towardEye)
+        : a_(std::max(alpha, narrowest)), eye_(towardEye.x, towardEye.y, std::max(towardEye.z, 1e-6f)) {
         stretched_ = glm::normalize(Vec3(a_ * eye_.x, a_ * eye_.y, eye_.z));
         const float across2 = stretched_.x * stretched_.x + stretched_.y * stretched_.y;
         first_ = across2 > 0 ? Vec3(-stretched_.y, stretched_.x, 0) / std::sqrt(across2) : Vec3(1, 0, 0);
@@ -115,7 +124,8 @@ public:
         std::memcpy(&along, &pattern.along[begin], sizeof along);
         const float share = 0.5f * (1 + stretched_.z);
         const Lanes y = (1 - share) * rest + share * along, z = root(larger(1 - x * x - y * y, Lanes{}));
-        Lanes hx = a_ * (x * first_.x + y * second_.x + z * stretched_.x), hy = a_ * (x * first_.y + y * second_.y + z * stretched_.y);
+        Lanes hx = a_ * (x * first_.x + y * second_.x + z * stretched_.x),
+              hy = a_ * (x * first_.y + y * second_.y + z * stretched_.y);
         Lanes hz = larger(x * first_.z + y * second_.z + z * stretched_.z, all(1e-6f));
         const Lanes shorten = inverseRoot(hx * hx + hy * hy + hz * hz);
         hx *= shorten;
@@ -133,7 +143,8 @@ private:
 };
 
 inline Directions turned(const Mat3& m, const Directions& d) {
-    return {m[0].x * d.x + m[1].x * d.y + m[2].x * d.z, m[0].y * d.x + m[1].y * d.y + m[2].y * d.z, m[0].z * d.x + m[1].z * d.y + m[2].z * d.z};
+    return {m[0].x * d.x + m[1].x * d.y + m[2].x * d.z, m[0].y * d.x + m[1].y * d.y + m[2].y * d.z,
+            m[0].z * d.x + m[1].z * d.y + m[2].z * d.z};
 }
 
 }  // namespace
@@ -150,7 +161,9 @@ EnvironmentPyramid::EnvironmentPyramid(const DistantLight& distant) : black_(dis
     for (uint32_t c = 0; c < bright.size(); ++c)
         if (bright[c] > limit) chosen.push_back(c);
     if (chosen.size() > mostSuns) {
-        std::nth_element(chosen.begin(), chosen.begin() + mostSuns, chosen.end(), [&](uint32_t a, uint32_t b) { return bright[a] != bright[b] ? bright[a] > bright[b] : a < b; });
+        std::nth_element(chosen.begin(), chosen.begin() + mostSuns, chosen.end(), [&](uint32_t a, uint32_t b) {
+            return bright[a] != bright[b] ? bright[a] > bright[b] : a < b;
+        });
         limit = bright[chosen[mostSuns]];
         chosen.resize(mostSuns);
         std::sort(chosen.begin(), chosen.end());
@@ -188,7 +201,8 @@ EnvironmentPyramid::EnvironmentPyramid(const DistantLight& distant) : black_(dis
                     cy = std::clamp(cy, 0, last);
                     cx = last - cx;
                 }
-                cells_[start_.back() + size_t(y + 1) * size_t(wide) + size_t(x + 1)] = Vec4(cells[size_t(cy) * size_t(side) + size_t(cx)], 0);
+                cells_[start_.back() + size_t(y + 1) * size_t(wide) + size_t(x + 1)] =
+                    Vec4(cells[size_t(cy) * size_t(side) + size_t(cx)], 0);
             }
         if (side == 1) break;
         const int half = side / 2;
@@ -196,7 +210,8 @@ EnvironmentPyramid::EnvironmentPyramid(const DistantLight& distant) : black_(dis
         for (int y = 0; y < half; ++y)
             for (int x = 0; x < half; ++x) {
                 const size_t at = size_t(2 * y) * size_t(side) + size_t(2 * x);
-                coarse[size_t(y * half + x)] = 0.25f * ((cells[at] + cells[at + 1]) + (cells[at + size_t(side)] + cells[at + size_t(side) + 1]));
+                coarse[size_t(y * half + x)] =
+                    0.25f * ((cells[at] + cells[at + 1]) + (cells[at + size_t(side)] + cells[at + size_t(side) + 1]));
             }
         cells = std::move(coarse);
     }
@@ -218,8 +233,9 @@ TapPattern::TapPattern(int count_) : count(count_) {
     }
 }
 
-Rgb tapEnvironment(const EnvironmentPyramid& environment, const BrdfBasis& basis, std::span<const LobeWeight> lobes, const TapPattern& pattern, const Mat3& toWorld, const Vec3& eye,
-                   const LiveGrid& grid, const uint8_t* masks) {
+Rgb tapEnvironment(const EnvironmentPyramid& environment, const BrdfBasis& basis, std::span<const LobeWeight> lobes,
+                   const TapPattern& pattern, const Mat3& toWorld, const Vec3& eye, const LiveGrid& grid,
+                   const uint8_t* masks) {
     if (environment.black()) return Rgb(0);
     Directions light;
     const int quarterSide = 2 * grid.grid().side, halfSide = grid.grid().side;
@@ -246,12 +262,17 @@ Rgb tapEnvironment(const EnvironmentPyramid& environment, const BrdfBasis& basis
             level = level > 0 ? level >> 1 : IntLanes{};
             level = level > sideBits ? sideBits - IntLanes{} : level;
             const Lanes side = bitsOf<Lanes>((127 + sideBits - level) << 23);
-            // Cell x has its middle at x + 1/2, and a rim before it: between middles where taps are wide, in the cell itself where they are narrow.
-            const Lanes shift = ratio < 1 ? all(1) : all(0.5f), px = smaller(u * side + shift, side + 0.5f), py = smaller(v * side + shift, side + 0.5f);
+            // Cell x has its middle at x + 1/2, and a rim before it: between middles where taps are wide, in the cell
+            // itself where they are narrow.
+            const Lanes shift = ratio < 1 ? all(1) : all(0.5f), px = smaller(u * side + shift, side + 0.5f),
+                        py = smaller(v * side + shift, side + 0.5f);
             const IntLanes ix = __builtin_convertvector(px, IntLanes), iy = __builtin_convertvector(py, IntLanes);
-            const Lanes fx = ratio < 1 ? Lanes{} : px - __builtin_convertvector(ix, Lanes), fy = ratio < 1 ? Lanes{} : py - __builtin_convertvector(iy, Lanes);
-            const IntLanes qx = __builtin_convertvector(smaller(u * float(quarterSide), all(float(quarterSide) - 0.5f)), IntLanes);
-            const IntLanes qy = __builtin_convertvector(smaller(v * float(quarterSide), all(float(quarterSide) - 0.5f)), IntLanes);
+            const Lanes fx = ratio < 1 ? Lanes{} : px - __builtin_convertvector(ix, Lanes),
+                        fy = ratio < 1 ? Lanes{} : py - __builtin_convertvector(iy, Lanes);
+            const IntLanes qx =
+                __builtin_convertvector(smaller(u * float(quarterSide), all(float(quarterSide) - 0.5f)), IntLanes);
+            const IntLanes qy =
+                __builtin_convertvector(smaller(v * float(quarterSide), all(float(quarterSide) - 0.5f)), IntLanes);
             for (size_t k = 0; k < lanes; ++k) {
                 if (!(shine.density[k] > 0) || !seen(qx[k], qy[k])) continue;
                 const int wide = (environment.side() >> level[k]) + 2;
@@ -259,7 +280,8 @@ Rgb tapEnvironment(const EnvironmentPyramid& environment, const BrdfBasis& basis
                 Colour corner[4];
                 std::memcpy(&corner[0], at, 2 * sizeof(Colour));
                 std::memcpy(&corner[2], at + wide, 2 * sizeof(Colour));
-                const Colour above = corner[0] + fx[k] * (corner[1] - corner[0]), below = corner[2] + fx[k] * (corner[3] - corner[2]);
+                const Colour above = corner[0] + fx[k] * (corner[1] - corner[0]),
+                             below = corner[2] + fx[k] * (corner[3] - corner[2]);
                 sum += Colour{red[k], green[k], blue[k], 0} * (above + fy[k] * (below - above));
             }
         }
@@ -270,7 +292,8 @@ Rgb tapEnvironment(const EnvironmentPyramid& environment, const BrdfBasis& basis
         const size_t end = std::min(first + lanes, suns.count);
         uint32_t on = 0;
         for (size_t k = first; k < end; ++k) {
-            const int qx = std::min(int(suns.square[k].x * float(quarterSide)), quarterSide - 1), qy = std::min(int(suns.square[k].y * float(quarterSide)), quarterSide - 1);
+            const int qx = std::min(int(suns.square[k].x * float(quarterSide)), quarterSide - 1),
+                      qy = std::min(int(suns.square[k].y * float(quarterSide)), quarterSide - 1);
             on |= uint32_t(seen(qx, qy)) << (k - first);
         }
         if (!on) continue;
@@ -282,7 +305,8 @@ Rgb tapEnvironment(const EnvironmentPyramid& environment, const BrdfBasis& basis
         for (const LobeWeight& l : lobes) addLobe(basis.lobes[l.lobe], l.weight, light, eye, shine);
         for (size_t k = 0; k < lanes; ++k) {
             const Rgb& power = suns.power[first + k];
-            if (on >> k & 1) sum += Colour{shine.red[k], shine.green[k], shine.blue[k], 0} * Colour{power.x, power.y, power.z, 0};
+            if (on >> k & 1)
+                sum += Colour{shine.red[k], shine.green[k], shine.blue[k], 0} * Colour{power.x, power.y, power.z, 0};
         }
     }
     return {sum[0], sum[1], sum[2]};

@@ -1,5 +1,6 @@
-// Light of the environment in glossy lobes, sixteen directions at a time: taps of the lobe into a pyramid of the environment, each as
-// blurred as its tap is wide, and its few brightest cells one by one, because taps of a lobe seldom meet a sun.
+// Light of the environment in glossy lobes, sixteen directions at a time: taps of the lobe into a pyramid of the
+// environment, each as blurred as its tap is wide, and its few brightest cells one by one, because taps of a lobe
+// seldom meet a sun.
 #pragma once
 #include <span>
 
@@ -18,8 +19,8 @@ public:
     bool black() const { return black_; }
     /// What of single cells outshines the rest of the environment, padded to whole lanes with black ones.
     struct Suns {
-        std::vector<float> x, y, z;      ///< direction
-        std::vector<Rgb> power;          ///< excess radiance x solid angle
+        std::vector<float> x, y, z;  ///< direction
+        std::vector<Rgb> power;      ///< excess radiance x solid angle
         std::vector<Vec2> square;
         size_t count = 0;
     };
@@ -27,7 +28,8 @@ public:
 
     int side() const { return side_; }
     int levels() const { return int(start_.size()); }
-    /// The cells of a level, 0 the finest: (side >> level) + 2 a row, a rim of what lies beyond the square's edges about them. The suns are taken out.
+    /// The cells of a level, 0 the finest: (side >> level) + 2 a row, a rim of what lies beyond the square's edges
+    /// about them. The suns are taken out.
     const Vec4* level(int level) const { return &cells_[start_[size_t(level)]]; }
 
 private:
@@ -40,7 +42,7 @@ private:
 
 /// The most even set of points for a given number, as the sampler of visible normals takes them.
 struct TapPattern {
-    explicit TapPattern(int count);      ///< a multiple of 16
+    explicit TapPattern(int count);  ///< a multiple of 16
     int count;
     std::vector<float> across, rest, along;  ///< x = r cos, sqrt(1 - x^2), r sin
 };
@@ -50,9 +52,11 @@ struct LobeWeight {
     Rgb weight;
 };
 
-/// Integral of lobes x cosine x environment x visibility. `toWorld`: frame of the normal; `eye`: unit, in that frame; `masks`: the quarters seen.
-/// The same pattern at every vertex: neighbours differ by the light alone and nothing flickers. Cost: about 10 ns a tap.
-Rgb tapEnvironment(const EnvironmentPyramid& environment, const BrdfBasis& basis, std::span<const LobeWeight> lobes, const TapPattern& pattern, const Mat3& toWorld, const Vec3& eye,
-                   const LiveGrid& grid, const uint8_t* masks);
+/// Integral of lobes x cosine x environment x visibility. `toWorld`: frame of the normal; `eye`: unit, in that frame;
+/// `masks`: the quarters seen. The same pattern at every vertex: neighbours differ by the light alone and nothing
+/// flickers. Cost: about 10 ns a tap.
+Rgb tapEnvironment(const EnvironmentPyramid& environment, const BrdfBasis& basis, std::span<const LobeWeight> lobes,
+                   const TapPattern& pattern, const Mat3& toWorld, const Vec3& eye, const LiveGrid& grid,
+                   const uint8_t* masks);
 
 }  // namespace relamp

@@ -6,7 +6,8 @@
 
 namespace relamp {
 
-TripleGloss::TripleGloss(const LiveGrid& grid, const DistantLight& distant, const TripleTerms& terms) : grid_(grid), terms_(terms), side_(2 * grid.grid().side) {
+TripleGloss::TripleGloss(const LiveGrid& grid, const DistantLight& distant, const TripleTerms& terms)
+    : grid_(grid), terms_(terms), side_(2 * grid.grid().side) {
     LiveLight fine = liveLight(distant, side_);
     cells_ = std::move(fine.cells);
     for (size_t k = 0; k < 3; ++k) environment_[k] = sparsify(fine.coefs[k], 1, terms.environment);
@@ -43,7 +44,8 @@ Rgb TripleGloss::light(const SparseCoefs& visibility, const SparseCoefs& reflect
     return sum;
 }
 
-Rgb TripleGloss::onGrid(const BrdfBasis& basis, std::span<const LobeWeight> lobes, const Mat3& toWorld, const Vec3& eye, const uint8_t* masks) const {
+Rgb TripleGloss::onGrid(const BrdfBasis& basis, std::span<const LobeWeight> lobes, const Mat3& toWorld, const Vec3& eye,
+                        const uint8_t* masks) const {
     const Mat3 toLocal = glm::transpose(toWorld);
     Rgb sum(0);
     for (int c = 0; c < side_ * side_; ++c) {

@@ -21,7 +21,8 @@ LiveGrid::LiveGrid(int side) : grid_{side} {
             x_[size_t(q)][c] = d.x;
             y_[size_t(q)][c] = d.y;
             z_[size_t(q)][c] = d.z;
-            radius = std::max(radius, angleBetween(cap_[c].axis, grid_.direction(int(c), Vec2(float(q % 2), float(q / 2)))));
+            radius =
+                std::max(radius, angleBetween(cap_[c].axis, grid_.direction(int(c), Vec2(float(q % 2), float(q / 2)))));
         }
         cap_[c].setRadius(1.01f * radius);
     }
@@ -85,7 +86,8 @@ void LiveGrid::weights(const Vec3& n, std::span<const uint8_t> masks, std::span<
         for (size_t pair = 0; pair < count / 2; ++pair) {
             const unsigned byte = masks[pair];
             const size_t c = 2 * pair;
-            const float a = std::max(0.0f, x[c] * n.x + y[c] * n.y + z[c] * n.z), b = std::max(0.0f, x[c + 1] * n.x + y[c + 1] * n.y + z[c + 1] * n.z);
+            const float a = std::max(0.0f, x[c] * n.x + y[c] * n.y + z[c] * n.z),
+                        b = std::max(0.0f, x[c + 1] * n.x + y[c + 1] * n.y + z[c + 1] * n.z);
             weight[c] += byte >> q & 1 ? a : 0.0f;
             weight[c + 1] += byte >> (4 + q) & 1 ? b : 0.0f;
         }

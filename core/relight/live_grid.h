@@ -1,4 +1,5 @@
-// The direction square of live transport. Each cell is cut in four: which quarters a vertex sees is one nibble of its visibility.
+// The direction square of live transport. Each cell is cut in four: which quarters a vertex sees is one nibble of its
+// visibility.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -11,7 +12,7 @@ namespace relamp {
 
 class LiveGrid {
 public:
-    explicit LiveGrid(int side);        ///< 4 or more, a power of two
+    explicit LiveGrid(int side);  ///< 4 or more, a power of two
     const DirectionGrid& grid() const { return grid_; }
     size_t cells() const { return cap_.size(); }
     size_t nibbleBytes() const { return cells() / 2; }  ///< of one vertex
@@ -23,8 +24,9 @@ public:
     /// The quarter of the square that holds a point of it: cell x 4 + quarter.
     size_t quarterAt(const Vec2& square) const;
 
-    /// Share of a Lambert surface's light that comes from each cell's quarters: cosine x solid angle / pi, scaled so that all quarters above the
-    /// horizon together give 1. `masks`: four bits a cell, two cells a byte. Cost: a microsecond at side 32.
+    /// Share of a Lambert surface's light that comes from each cell's quarters: cosine x solid angle / pi, scaled so
+    /// that all quarters above the horizon together give 1. `masks`: four bits a cell, two cells a byte. Cost: a
+    /// microsecond at side 32.
     void weights(const Vec3& normal, std::span<const uint8_t> masks, std::span<float> weight) const;
     /// That of single quarters of one cell, `scale` from weightScale() of the same normal.
     float weightOf(const Vec3& normal, size_t cell, unsigned mask, float scale) const;
@@ -60,7 +62,8 @@ private:
     static constexpr size_t capLanes = 16;
     /// Sixteen of them side by side.
     struct Caps {
-        float x[capLanes] = {}, y[capLanes] = {}, z[capLanes] = {}, radius[capLanes] = {}, cosine[capLanes] = {}, sine[capLanes] = {};
+        float x[capLanes] = {}, y[capLanes] = {}, z[capLanes] = {}, radius[capLanes] = {}, cosine[capLanes] = {},
+              sine[capLanes] = {};
         void set(size_t k, const Cap& c) {
             x[k] = c.axis.x;
             y[k] = c.axis.y;
@@ -71,16 +74,18 @@ private:
         }
         void meets(const Vec3& axis, float angle, float otherCosine, float otherSine, int32_t* out) const {
             for (size_t k = 0; k < capLanes; ++k)
-                out[k] = int32_t(x[k] * axis.x + y[k] * axis.y + z[k] * axis.z >= cosine[k] * otherCosine - sine[k] * otherSine) | int32_t(angle + radius[k] >= pi);
+                out[k] = int32_t(x[k] * axis.x + y[k] * axis.y + z[k] * axis.z >=
+                                 cosine[k] * otherCosine - sine[k] * otherSine) |
+                         int32_t(angle + radius[k] >= pi);
         }
     };
     DirectionGrid grid_;
     std::vector<Cap> cap_;
     std::array<std::vector<float>, 4> x_, y_, z_;  // of the quarters' middles
     std::vector<uint16_t> order_;
-    std::vector<size_t> parents_;       // of 4 x 4 cells each: its upper left cell
-    std::vector<Caps> parentCaps_;      // of sixteen parents
-    std::vector<Caps> childCaps_;       // of a parent's cells
+    std::vector<size_t> parents_;   // of 4 x 4 cells each: its upper left cell
+    std::vector<Caps> parentCaps_;  // of sixteen parents
+    std::vector<Caps> childCaps_;   // of a parent's cells
 };
 
 inline unsigned nibbleOf(const uint8_t* masks, size_t cell) { return masks[cell / 2] >> (4 * (cell % 2)) & 15u; }

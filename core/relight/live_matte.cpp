@@ -52,7 +52,8 @@ uint64_t LiveMatte::keyOf(const LiveVertices& vertices, const LiveOccluders& occ
     return sum.value();
 }
 
-size_t LiveMatte::bake(const LiveVertices& vertices, const LiveOccluders& occluders, const std::filesystem::path& cacheFolder, Progress& progress) {
+size_t LiveMatte::bake(const LiveVertices& vertices, const LiveOccluders& occluders,
+                       const std::filesystem::path& cacheFolder, Progress& progress) {
     const Mesh& mesh = *vertices.mesh;
     Vec3 low(1e30f), high(-1e30f);
     std::vector<uint32_t> order;
@@ -66,8 +67,10 @@ size_t LiveMatte::bake(const LiveVertices& vertices, const LiveOccluders& occlud
     std::vector<uint64_t> key(vertices.count());
     const Vec3 size = glm::max(high - low, Vec3(1e-20f));
     const DirectionGrid coarse{4};
-    for (uint32_t v : order) key[v] = uint64_t(coarse.cellOf(mesh.normals[v])) << 32 | mortonKey((mesh.positions[v] - low) / size);
-    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return key[a] != key[b] ? key[a] < key[b] : a < b; });
+    for (uint32_t v : order)
+        key[v] = uint64_t(coarse.cellOf(mesh.normals[v])) << 32 | mortonKey((mesh.positions[v] - low) / size);
+    std::sort(order.begin(), order.end(),
+              [&](uint32_t a, uint32_t b) { return key[a] != key[b] ? key[a] < key[b] : a < b; });
     vertexOfSlot_ = order;
     vertexOfSlot_.resize((order.size() + transportLanes - 1) / transportLanes * transportLanes, none);
     slotOfVertex_.assign(vertices.count(), none);
@@ -101,7 +104,8 @@ size_t LiveMatte::bake(const LiveVertices& vertices, const LiveOccluders& occlud
             const bool known = cache.load(chunk, masks, place);
             for (size_t b = first; b < first + count; ++b) {
                 if (!known) packed[b] = bakeBlock(b, vertices, occluders);
-                for (size_t s = b * transportLanes; s < (b + 1) * transportLanes; ++s) weightScale_[s] = grid_.weightScale(normal_[s]);
+                for (size_t s = b * transportLanes; s < (b + 1) * transportLanes; ++s)
+                    weightScale_[s] = grid_.weightScale(normal_[s]);
                 progress.advance(std::min(transportLanes, order.size() - b * transportLanes));
             }
             if (known) own += count;
@@ -116,8 +120,10 @@ size_t LiveMatte::bake(const LiveVertices& vertices, const LiveOccluders& occlud
 size_t LiveMatte::bytes() const {
     size_t sum = store_.bytes() + masks_.size() + normal_.size() * sizeof(Vec3);
     for (const Shadow& s : shadows_)
-        for (const CellLists& l : s.lists) sum += l.entries.size() * sizeof(uint16_t) + l.start.size() * sizeof(uint32_t);
-    for (const Correction& c : corrections_) sum += c.cell.size() * (sizeof(uint16_t) + sizeof(float)) + c.start.size() * sizeof(uint32_t);
+        for (const CellLists& l : s.lists)
+            sum += l.entries.size() * sizeof(uint16_t) + l.start.size() * sizeof(uint32_t);
+    for (const Correction& c : corrections_)
+        sum += c.cell.size() * (sizeof(uint16_t) + sizeof(float)) + c.start.size() * sizeof(uint32_t);
     return sum;
 }
 
@@ -144,9 +150,12 @@ void LiveMatte::setBodies(const std::vector<std::string>& names) {
     shadows_ = std::move(shadows);
 }
 
-void LiveMatte::markMoved(size_t body) { std::fill(shadows_[body].level.begin(), shadows_[body].level.end(), uint8_t(0)); }
+void LiveMatte::markMoved(size_t body) {
+    std::fill(shadows_[body].level.begin(), shadows_[body].level.end(), uint8_t(0));
+}
 
-void LiveMatte::release(const LiveVertices& vertices, const LiveOccluders& occluders, const LiveBody& gone, Progress& progress) {
+void LiveMatte::release(const LiveVertices& vertices, const LiveOccluders& occluders, const LiveBody& gone,
+                        Progress& progress) {
     slotOfVertex_.resize(std::max(slotOfVertex_.size(), vertices.count()), none);
     for (uint32_t s = 0; s < slots(); ++s)
         if (vertexOfSlot_[s] != none && vertices.kind[vertexOfSlot_[s]] != LiveVertices::ground) {
@@ -176,9 +185,11 @@ void LiveMatte::release(const LiveVertices& vertices, const LiveOccluders& occlu
                         if (glm::dot(grid_.quarter(cell, q), normal_[s]) > 0) above |= 1u << q;
                     setNibble(hidden.data(), cell, above & ~nibbleOf(masks.data(), cell));
                 });
-                traceCone(grid_, occluders.origin(position, normal_[s]), normal_[s], axis, angle, hidden, true, open, own);
+                traceCone(grid_, occluders.origin(position, normal_[s]), normal_[s], axis, angle, hidden, true, open,
+                          own);
                 if (!own.empty()) stale_[s / transportLanes] = 1;
-                for (const uint16_t e : own) setNibble(masks.data(), e >> 4, nibbleOf(masks.data(), e >> 4) | (e & 15u));
+                for (const uint16_t e : own)
+                    setNibble(masks.data(), e >> 4, nibbleOf(masks.data(), e >> 4) | (e & 15u));
             }
             const std::span<const uint16_t> before = freed_[c].of(i);
             fresh.entries.insert(fresh.entries.end(), before.begin(), before.end());
@@ -195,7 +206,8 @@ void LiveMatte::release(const LiveVertices& vertices, const LiveOccluders& occlu
     progress.check();
 }
 
-void LiveMatte::traceShadow(Shadow& shadow, size_t chunk, bool coarse, const LiveVertices& vertices, const LiveOccluders& occluders, const LiveBody& body) {
+void LiveMatte::traceShadow(Shadow& shadow, size_t chunk, bool coarse, const LiveVertices& vertices,
+                            const LiveOccluders& occluders, const LiveBody& body) {
     CellLists& lists = shadow.lists[chunk];
     const bool had = !lists.entries.empty();
     thread_local std::vector<uint16_t> before;
@@ -210,7 +222,8 @@ void LiveMatte::traceShadow(Shadow& shadow, size_t chunk, bool coarse, const Liv
             float angle;
             const Vec3 position = vertices.mesh->positions[vertexOfSlot_[s]];
             body.cone(position, axis, angle);
-            shadow.clear[s] = traceCone(grid_, occluders.origin(position, normal_[s]), normal_[s], axis, angle, masksOf(s), coarse, occluded, lists.entries);
+            shadow.clear[s] = traceCone(grid_, occluders.origin(position, normal_[s]), normal_[s], axis, angle,
+                                        masksOf(s), coarse, occluded, lists.entries);
         }
         lists.start[i + 1] = uint32_t(lists.entries.size());
     }
@@ -269,7 +282,8 @@ bool LiveMatte::refine(const LiveVertices& vertices, const LiveOccluders& occlud
     if (wanted.empty()) return false;
     parallelFor(wanted.size(), 1, [&](size_t i) {
         for (size_t b = 1; b < shadows_.size(); ++b)
-            if (shadows_[b].level[wanted[i]] < 2) traceShadow(shadows_[b], wanted[i], false, vertices, occluders, occluders.bodies[b]);
+            if (shadows_[b].level[wanted[i]] < 2)
+                traceShadow(shadows_[b], wanted[i], false, vertices, occluders, occluders.bodies[b]);
     });
     return true;
 }
@@ -297,8 +311,10 @@ void LiveMatte::combine(size_t c) {
                     blocked[e >> 4] |= uint8_t(e & 15);
                 }
             for (const uint16_t cell : touched) {
-                const unsigned seen = nibbleOf(masksOf(s).data(), cell), baked = seen & ~unsigned(freed[cell]), now = seen & ~unsigned(blocked[cell]);
-                const float weight = grid_.weightOf(normal_[s], cell, now & ~baked, weightScale_[s]) - grid_.weightOf(normal_[s], cell, baked & ~now, weightScale_[s]);
+                const unsigned seen = nibbleOf(masksOf(s).data(), cell), baked = seen & ~unsigned(freed[cell]),
+                               now = seen & ~unsigned(blocked[cell]);
+                const float weight = grid_.weightOf(normal_[s], cell, now & ~baked, weightScale_[s]) -
+                                     grid_.weightOf(normal_[s], cell, baked & ~now, weightScale_[s]);
                 blocked[cell] = freed[cell] = 0;
                 if (weight == 0) continue;
                 out.cell.push_back(cell);
@@ -334,7 +350,8 @@ void LiveMatte::apply(const LiveLight& light, bool all, std::span<Rgb> out) {
 
 bool LiveMatte::groundClear(size_t body, size_t vertex) const {
     const uint32_t s = vertex < slotOfVertex_.size() ? slotOfVertex_[vertex] : none;
-    return s != none && body < shadows_.size() && !shadows_[body].level.empty() && shadows_[body].level[s / run] && shadows_[body].clear[s];
+    return s != none && body < shadows_.size() && !shadows_[body].level.empty() && shadows_[body].level[s / run] &&
+           shadows_[body].clear[s];
 }
 
 void LiveMatte::seenNow(uint32_t vertex, std::span<uint8_t> masks) const {
@@ -346,7 +363,8 @@ void LiveMatte::seenNow(uint32_t vertex, std::span<uint8_t> masks) const {
     const std::span<const uint8_t> own = masksOf(s);
     std::copy(own.begin(), own.end(), masks.begin());
     for (size_t b = 1; b < shadows_.size(); ++b)
-        for (const uint16_t e : shadows_[b].lists[s / run].of(s % run)) setNibble(masks.data(), e >> 4, nibbleOf(masks.data(), e >> 4) & ~unsigned(e & 15));
+        for (const uint16_t e : shadows_[b].lists[s / run].of(s % run))
+            setNibble(masks.data(), e >> 4, nibbleOf(masks.data(), e >> 4) & ~unsigned(e & 15));
 }
 
 std::vector<uint32_t> LiveMatte::takeChanged() {

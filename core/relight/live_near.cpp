@@ -11,16 +11,22 @@ constexpr int samplesOfLevel[] = {0, 4, 16, 64, 256};
 constexpr float nearRadii = 2.5f;
 constexpr size_t batch = 4096;
 
-uint64_t seedOf(uint64_t seed, size_t vertex, const NearEmitter& emitter) { return mixBits(mixBits(seed + emitter.body) ^ vertex); }
+uint64_t seedOf(uint64_t seed, size_t vertex, const NearEmitter& emitter) {
+    return mixBits(mixBits(seed + emitter.body) ^ vertex);
+}
 
-void sampleVertex(NearEmitter& e, const LiveVertices& vertices, const LiveOccluders& occluders, uint64_t seed, size_t v, int level, bool groundClear = false) {
+void sampleVertex(NearEmitter& e, const LiveVertices& vertices, const LiveOccluders& occluders, uint64_t seed, size_t v,
+                  int level, bool groundClear = false) {
     const Vec3 point = vertices.mesh->positions[v], to = e.centre - point;
     const bool close = level < 3 && glm::dot(to, to) < nearRadii * nearRadii * e.radius * e.radius;
-    e.factor[v] = nearFactor(e, occluders, point, vertices.mesh->normals[v], level == 1 ? coarseCut : fineCut, samplesOfLevel[level] * (close ? 2 : 1), seedOf(seed, v, e), e.open[v], groundClear);
+    e.factor[v] = nearFactor(e, occluders, point, vertices.mesh->normals[v], level == 1 ? coarseCut : fineCut,
+                             samplesOfLevel[level] * (close ? 2 : 1), seedOf(seed, v, e), e.open[v], groundClear);
     e.level[v] = uint8_t(level);
 }
 
-bool partlySeen(const NearEmitter& e, size_t v) { return e.open[v] > 0 && e.factor[v] > 1e-3f * e.open[v] && e.factor[v] < 0.999f * e.open[v]; }
+bool partlySeen(const NearEmitter& e, size_t v) {
+    return e.open[v] > 0 && e.factor[v] > 1e-3f * e.open[v] && e.factor[v] < 0.999f * e.open[v];
+}
 
 /// Whether a shadow's edge may run near the vertex: its own samples disagree, or its neighbours are lit otherwise.
 bool atEdge(const NearEmitter& e, const LiveVertices& vertices, const VertexGraph& graph, size_t v) {
@@ -38,7 +44,8 @@ bool atEdge(const NearEmitter& e, const LiveVertices& vertices, const VertexGrap
 
 }  // namespace
 
-float nearFactor(const NearEmitter& e, const LiveOccluders& occluders, const Vec3& point, const Vec3& normal, const CutTolerance& tolerance, int count, uint64_t seed, float& open, bool groundClear) {
+float nearFactor(const NearEmitter& e, const LiveOccluders& occluders, const Vec3& point, const Vec3& normal,
+                 const CutTolerance& tolerance, int count, uint64_t seed, float& open, bool groundClear) {
     open = 0;
     if (glm::dot(e.centre - point, normal) < -e.radius) return 0;
     thread_local EmitterPieces cut;
@@ -48,12 +55,15 @@ float nearFactor(const NearEmitter& e, const LiveOccluders& occluders, const Vec
     if (!(open > 0)) return 0;
     // Bodies that can stand between; its own hides nothing of a convex emitter.
     const Vec3 toCentre = e.centre - point;
-    const float distance = glm::length(toCentre), reach = distance > e.radius ? std::asin(std::min(1.0f, e.radius / distance)) : pi;
+    const float distance = glm::length(toCentre),
+                reach = distance > e.radius ? std::asin(std::min(1.0f, e.radius / distance)) : pi;
     const Vec3 axis = distance > 0 ? toCentre / distance : normal;
     const LiveBody* between[16];
     size_t bodies = 0;
     for (uint32_t b = 1; b < occluders.bodies.size() && bodies < 16; ++b)
-        if (!(b == e.body && e.tree.convex()) && occluders.bodies[b].tracer && occluders.bodies[b].mayCover(point, axis, reach, distance + e.radius)) between[bodies++] = &occluders.bodies[b];
+        if (!(b == e.body && e.tree.convex()) && occluders.bodies[b].tracer &&
+            occluders.bodies[b].mayCover(point, axis, reach, distance + e.radius))
+            between[bodies++] = &occluders.bodies[b];
     if (groundClear && !bodies) return open;
     cumulative.clear();
     float sum = 0;
@@ -75,14 +85,18 @@ float nearFactor(const NearEmitter& e, const LiveOccluders& occluders, const Vec
     };
     for (int i = 0; i < count; ++i) {
         const float pick = (float(i) + first) / float(count) * sum;
-        const size_t p = std::min(size_t(std::upper_bound(cumulative.begin(), cumulative.end(), pick) - cumulative.begin()), cumulative.size() - 1);
+        const size_t p =
+            std::min(size_t(std::upper_bound(cumulative.begin(), cumulative.end(), pick) - cumulative.begin()),
+                     cumulative.size() - 1);
         const EmitterPieces::Piece& piece = cut.pieces[p];
         Vec3 facing;
         const Vec3 target = e.tree.pointOn(piece, r2Point(uint32_t(i), shift), facing);
         const Vec3 straight = target - point;
-        const float d2 = glm::dot(straight, straight), height = glm::dot(straight, normal), cosine = -glm::dot(straight, facing);
+        const float d2 = glm::dot(straight, straight), height = glm::dot(straight, normal),
+                    cosine = -glm::dot(straight, facing);
         if (!(d2 > 0) || height <= 0 || (cosine <= 0 && !e.tree.surface().twoSided)) continue;
-        // Points lie evenly over a piece's area, its form factor does not: cosines and distance at the point set that right.
+        // Points lie evenly over a piece's area, its form factor does not: cosines and distance at the point set that
+        // right.
         const float w = std::min(8.0f, height * std::abs(cosine) * piece.area / (pi * d2 * d2 * piece.factor));
         const Vec3 to = target - origin;
         const float length = glm::length(to);
@@ -96,7 +110,8 @@ float nearFactor(const NearEmitter& e, const LiveOccluders& occluders, const Vec
     return all > 0 ? open * (seen / all) : open;
 }
 
-void nearCoarse(NearEmitter& e, const LiveVertices& vertices, const LiveOccluders& occluders, const std::function<bool(size_t)>& groundClear, uint64_t seed, Progress& progress) {
+void nearCoarse(NearEmitter& e, const LiveVertices& vertices, const LiveOccluders& occluders,
+                const std::function<bool(size_t)>& groundClear, uint64_t seed, Progress& progress) {
     parallelFor(vertices.count(), 256, [&](size_t v) {
         if (e.level[v] || !vertices.lit(v)) return;
         sampleVertex(e, vertices, occluders, seed, v, 1, groundClear(v));
@@ -104,7 +119,8 @@ void nearCoarse(NearEmitter& e, const LiveVertices& vertices, const LiveOccluder
     progress.check();
 }
 
-bool nearRefine(NearEmitter& e, const LiveVertices& vertices, const VertexGraph& graph, const LiveOccluders& occluders, uint64_t seed, Progress& progress) {
+bool nearRefine(NearEmitter& e, const LiveVertices& vertices, const VertexGraph& graph, const LiveOccluders& occluders,
+                uint64_t seed, Progress& progress) {
     while (e.pass < NearEmitter::passes) {
         progress.check();
         // Which vertices is decided before any of them changes, so that it does not depend on the order of threads.
@@ -112,7 +128,8 @@ bool nearRefine(NearEmitter& e, const LiveVertices& vertices, const VertexGraph&
         std::vector<uint32_t> chosen;
         for (; e.next < vertices.count() && chosen.size() < batch / (e.pass == 0 ? 1 : e.pass < 3 ? 4 : 16); ++e.next) {
             if (!vertices.lit(e.next) || e.level[e.next] >= level) continue;
-            const bool wanted = e.pass == 0 || (e.pass < 3 ? atEdge(e, vertices, graph, e.next) : e.level[e.next] == 3 && partlySeen(e, e.next));
+            const bool wanted = e.pass == 0 || (e.pass < 3 ? atEdge(e, vertices, graph, e.next)
+                                                           : e.level[e.next] == 3 && partlySeen(e, e.next));
             if (wanted) chosen.push_back(uint32_t(e.next));
         }
         const bool last = e.next == vertices.count();
@@ -133,7 +150,8 @@ void markShadowed(NearEmitter& e, const LiveVertices& vertices, const LiveBody& 
         if (!vertices.lit(v)) return;
         const Vec3 point = vertices.mesh->positions[v], to = e.centre - point;
         if (glm::dot(to, vertices.mesh->normals[v]) < -e.radius) return;
-        const float distance = glm::length(to), reach = distance > e.radius ? std::asin(std::min(1.0f, e.radius / distance)) : pi;
+        const float distance = glm::length(to),
+                    reach = distance > e.radius ? std::asin(std::min(1.0f, e.radius / distance)) : pi;
         mark[v] = body.mayCover(point, distance > 0 ? to / distance : Vec3(0, 0, 1), reach, distance + e.radius);
     });
     for (size_t v = 0; v < mark.size(); ++v)

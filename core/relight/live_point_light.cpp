@@ -7,7 +7,8 @@ namespace relamp {
 PointLight LiveScene::lightAt(uint32_t triangle, const Vec2& barycentric) const {
     const State& s = *state_;
     const Mesh& mesh = *s.vertices.mesh;
-    if (triangle >= mesh.triangles.size()) throw Error("triangle {} does not exist, the mesh has {}", triangle, mesh.triangles.size());
+    if (triangle >= mesh.triangles.size())
+        throw Error("triangle {} does not exist, the mesh has {}", triangle, mesh.triangles.size());
     const Triangle& t = mesh.triangles[triangle];
     const float share[3] = {1 - barycentric.x - barycentric.y, barycentric.x, barycentric.y};
     PointLight out;
@@ -20,7 +21,8 @@ PointLight LiveScene::lightAt(uint32_t triangle, const Vec2& barycentric) const 
         if (!s.vertices.lit(v)) continue;
         const uint32_t origin = s.vertices.origin[v];
         const Rgb albedo = s.albedo(v);
-        out.fromEnvironment += share[k] * s.gain * (albedo * s.distantMatte[v] + (s.gloss.empty() ? Rgb(0) : s.gloss.distant()[v]));
+        out.fromEnvironment +=
+            share[k] * s.gain * (albedo * s.distantMatte[v] + (s.gloss.empty() ? Rgb(0) : s.gloss.distant()[v]));
         for (size_t e = 0; e < s.near.size(); ++e) {
             Rgb transport = albedo * s.near[e].factor[v];
             if (!s.gloss.empty()) transport += s.gloss.near(e)[v] * (s.gloss.shadowed(e, v) ? 1.0f : s.near[e].seen(v));
@@ -56,14 +58,17 @@ PointLight LiveScene::lightAt(uint32_t triangle, const Vec2& barycentric) const 
             front = facing;
         }
         if (!any) out.incident[c] = environment.cells[c];
-        else if (emitter >= 0 && (front || s.geometry.emitters[size_t(emitter)].surface.twoSided)) out.incident[c] = s.geometry.emitters[size_t(emitter)].radiance;
+        else if (emitter >= 0 && (front || s.geometry.emitters[size_t(emitter)].surface.twoSided))
+            out.incident[c] = s.geometry.emitters[size_t(emitter)].radiance;
     }
     // A lamp smaller than a cell falls between the rays: where it lies it counts with the share of the cell it covers.
     EmitterPieces pieces;
     for (size_t e = 0; e < s.near.size(); ++e) {
         const NearEmitter& emitter = s.near[e];
         const float distance = glm::length(emitter.centre - out.point);
-        if (!(maxChannel(s.geometry.emitters[e].radiance) > 0) || distance <= emitter.radius || pi * emitter.radius * emitter.radius > 4 * distance * distance * out.grid.cellSolidAngle()) continue;
+        if (!(maxChannel(s.geometry.emitters[e].radiance) > 0) || distance <= emitter.radius ||
+            pi * emitter.radius * emitter.radius > 4 * distance * distance * out.grid.cellSolidAngle())
+            continue;
         float open = 0;
         const float seen = nearFactor(emitter, s.occluders, out.point, out.normal, fineCut, 64, s.options.seed, open);
         const Vec3 toward = (emitter.centre - out.point) / distance;

@@ -12,9 +12,11 @@ namespace {
 using Clock = std::chrono::steady_clock;
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-/// Environments that terms of the transport are chosen against, beside the constant one and the sun: the recovered one and a sky over dark ground.
+/// Environments that terms of the transport are chosen against, beside the constant one and the sun: the recovered one
+/// and a sky over dark ground.
 TermTests testsFor(const Estimate& estimate, int side) {
-    const LiveLight recovered = liveLight(DistantLight(DirectionGrid{estimate.environmentSide}, estimate.environment), side);
+    const LiveLight recovered =
+        liveLight(DistantLight(DirectionGrid{estimate.environmentSide}, estimate.environment), side);
     const DirectionGrid grid{side};
     std::vector<float> captured(recovered.cells.size()), sky(recovered.cells.size());
     for (size_t c = 0; c < captured.size(); ++c) {
@@ -27,9 +29,15 @@ TermTests testsFor(const Estimate& estimate, int side) {
 
 }  // namespace
 
-LiveScene::State::State(std::shared_ptr<const Scene> scene_, std::shared_ptr<const Estimate> estimate_, const LiveOptions& options_)
-    : scene(std::move(scene_)), estimate(std::move(estimate_)), options(options_), grid(options.gridSide), matte(grid, testsFor(*estimate, options.gridSide), options.error),
-      carried(grid), gloss(grid, *estimate) {
+LiveScene::State::State(std::shared_ptr<const Scene> scene_, std::shared_ptr<const Estimate> estimate_,
+                        const LiveOptions& options_)
+    : scene(std::move(scene_)),
+      estimate(std::move(estimate_)),
+      options(options_),
+      grid(options.gridSide),
+      matte(grid, testsFor(*estimate, options.gridSide), options.error),
+      carried(grid),
+      gloss(grid, *estimate) {
     occluders.offset = scene->tracer->surfaceOffset();
 }
 
@@ -105,7 +113,9 @@ void LiveScene::State::coarse(Progress& progress) {
         carried.coarse(vertices, occluders, progress);
         for (size_t e = 0; e < near.size(); ++e) {
             gloss.markShadowed(e, near[e]);
-            nearCoarse(near[e], vertices, occluders, [&](size_t v) { return matte.groundClear(near[e].body, v); }, options.seed, progress);
+            nearCoarse(
+                near[e], vertices, occluders, [&](size_t v) { return matte.groundClear(near[e].body, v); },
+                options.seed, progress);
         }
     }
     if (newGeometry || newLight) sumLight();
@@ -128,10 +138,12 @@ bool LiveScene::State::refineBatch(Progress& progress) {
     return matte.bakeStale(vertices, occluders, progress);
 }
 
-LiveScene::LiveScene(std::shared_ptr<const Scene> scene, std::shared_ptr<const Estimate> estimate, const LiveOptions& options, Progress& progress)
+LiveScene::LiveScene(std::shared_ptr<const Scene> scene, std::shared_ptr<const Estimate> estimate,
+                     const LiveOptions& options, Progress& progress)
     : state_(std::make_unique<State>(std::move(scene), std::move(estimate), options)) {
     State& s = *state_;
-    if (options.gridSide < 8 || options.gridSide > 64 || (options.gridSide & (options.gridSide - 1))) throw Error("live relighting: the grid's side is {}, expected 8, 16, 32 or 64", options.gridSide);
+    if (options.gridSide < 8 || options.gridSide > 64 || (options.gridSide & (options.gridSide - 1)))
+        throw Error("live relighting: the grid's side is {}, expected 8, 16, 32 or 64", options.gridSide);
     const auto start = Clock::now();
     const BodiesApart apart = s.apartOf({});
     s.takeGeometry({}, editGeometry(*s.scene, *s.estimate, {}, apart), apart);
@@ -170,7 +182,8 @@ void LiveScene::setLook(const Look& look) {
 
 void LiveScene::setEye(const Eye& eye) {
     State& s = *state_;
-    const bool sameRays = s.eye.position == eye.position && s.eye.orthographic == eye.orthographic && (!eye.orthographic || s.eye.forward == eye.forward);
+    const bool sameRays = s.eye.position == eye.position && s.eye.orthographic == eye.orthographic &&
+                          (!eye.orthographic || s.eye.forward == eye.forward);
     const bool samePicture = s.eye.halfAngle == eye.halfAngle && (eye.halfAngle == 0 || s.eye.forward == eye.forward);
     if (sameRays && samePicture) return;
     s.eye = eye;

@@ -13,9 +13,9 @@ struct LiveScene::State {
     Look look;
     Eye eye;
 
-    BodiesApart apart;                              ///< pieces that were ever moved; they stay out of the bake
+    BodiesApart apart;  ///< pieces that were ever moved; they stay out of the bake
     EditedGeometry geometry;
-    std::vector<std::string> bodyNames;             ///< of the bodies: which one is the same through edits
+    std::vector<std::string> bodyNames;  ///< of the bodies: which one is the same through edits
     LiveVertices vertices;
     LiveOccluders occluders;
     std::shared_ptr<const std::vector<int>> emitterOfTriangle;
@@ -24,21 +24,21 @@ struct LiveScene::State {
     LiveCarried carried;
     std::vector<NearEmitter> near;
     LiveGloss gloss;
-    std::vector<Rgb> distantMatte;                  ///< per vertex, before exposure and tint
+    std::vector<Rgb> distantMatte;  ///< per vertex, before exposure and tint
 
-    BounceRays bounceRays;                          ///< of the capture's mesh; empty where the estimate holds no bounced light
-    std::vector<Rgb> bounced;                       ///< per vertex of the capture, follows the direct light a few steps a picture
+    BounceRays bounceRays;     ///< of the capture's mesh; empty where the estimate holds no bounced light
+    std::vector<Rgb> bounced;  ///< per vertex of the capture, follows the direct light a few steps a picture
 
-    std::shared_ptr<const DistantLight> unturned;   ///< the environment of the look's source alone
-    std::shared_ptr<const DistantLight> plain;      ///< turned, before exposure and tint
-    std::shared_ptr<const DistantLight> distant;    ///< with them
+    std::shared_ptr<const DistantLight> unturned;  ///< the environment of the look's source alone
+    std::shared_ptr<const DistantLight> plain;     ///< turned, before exposure and tint
+    std::shared_ptr<const DistantLight> distant;   ///< with them
     Rgb gain{1};
     LiveLight light;
     EnvironmentPyramid pyramid;
-    bool pyramidStale = true;                       ///< of another environment
+    bool pyramidStale = true;  ///< of another environment
 
-    std::vector<LiveBody> stirred;                  ///< where bodies moved from and to; empty when that does not tell what changed
-    std::vector<LiveBody> released;                 ///< spheres of pieces that just became movable
+    std::vector<LiveBody> stirred;   ///< where bodies moved from and to; empty when that does not tell what changed
+    std::vector<LiveBody> released;  ///< spheres of pieces that just became movable
     bool newGeometry = true, newLight = true, newEye = true, newValues = true;  ///< what the next slice has to answer
     bool finished = false;
     LiveReport report;
@@ -56,11 +56,12 @@ struct LiveScene::State {
     /// Builds the pyramid when it is needed: a matte scene never asks.
     GlossInputs glossInputs();
     void coarse(Progress& progress);
-    bool refineBatch(Progress& progress);           ///< false: nothing left
+    bool refineBatch(Progress& progress);  ///< false: nothing left
     /// Environment on matte vertices and what gloss has to take again.
     void sumLight();
     void makeFrame();
-    /// Takes bounced light on from the last picture's towards that of the given direct light (per vertex, as a white matte surface shows it).
+    /// Takes bounced light on from the last picture's towards that of the given direct light (per vertex, as a white
+    /// matte surface shows it).
     void followBounces(const std::vector<Rgb>& direct);
     Rgb albedo(size_t vertex) const;
     /// By which a vertex passes light on to others: matte part and most of the lobes.

@@ -9,7 +9,8 @@ namespace {
 template <class Answer>
 class Packets {
 public:
-    Packets(const Vec3& origin, const Occluded8& occluded, Answer answer) : origin_(origin), occluded_(occluded), answer_(std::move(answer)) {}
+    Packets(const Vec3& origin, const Occluded8& occluded, Answer answer)
+        : origin_(origin), occluded_(occluded), answer_(std::move(answer)) {}
     void add(const Vec3& direction, size_t place) {
         rays_[count_] = {origin_, direction, 0, 1e30f};
         place_[count_++] = place;
@@ -39,11 +40,14 @@ unsigned quartersAbove(const LiveGrid& grid, size_t cell, const Vec3& normal) {
     return mask;
 }
 
-/// Logarithm of the side: divisions by a number the compiler does not know would cost more than the rays of small cones.
+/// Logarithm of the side: divisions by a number the compiler does not know would cost more than the rays of small
+/// cones.
 unsigned bitsOf(const LiveGrid& grid) { return unsigned(std::countr_zero(unsigned(grid.grid().side))); }
 
-/// Whether a quarter that is not among `quarters` meets the cone. One with its middle below the horizon gives next to no light and does not count.
-bool hiddenInCone(const LiveGrid& grid, size_t cell, unsigned quarters, const Vec3& normal, const Vec3& axis, float angle) {
+/// Whether a quarter that is not among `quarters` meets the cone. One with its middle below the horizon gives next to
+/// no light and does not count.
+bool hiddenInCone(const LiveGrid& grid, size_t cell, unsigned quarters, const Vec3& normal, const Vec3& axis,
+                  float angle) {
     const float reach = angle + 0.75f * grid.radius(cell);  // a quarter's corners are nearer than that to its middle
     if (reach >= pi) return true;
     const float cosine = std::cos(reach);
@@ -59,7 +63,8 @@ constexpr uint8_t below = 2;  // beside 0: seen, 1: blocked
 
 }  // namespace
 
-void traceCells(const LiveGrid& grid, const Vec3& origin, const Vec3& normal, bool coarse, const Occluded8& occluded, std::span<uint8_t> masks) {
+void traceCells(const LiveGrid& grid, const Vec3& origin, const Vec3& normal, bool coarse, const Occluded8& occluded,
+                std::span<uint8_t> masks) {
     thread_local std::vector<uint8_t> state, above;
     state.assign(grid.cells(), below);
     above.assign(grid.cells(), 0);
@@ -112,8 +117,8 @@ void traceCells(const LiveGrid& grid, const Vec3& origin, const Vec3& normal, bo
     second.flush();
 }
 
-bool traceCone(const LiveGrid& grid, const Vec3& origin, const Vec3& normal, const Vec3& axis, float angle, std::span<const uint8_t> among, bool coarse,
-               const Occluded8& occluded, std::vector<uint16_t>& entries) {
+bool traceCone(const LiveGrid& grid, const Vec3& origin, const Vec3& normal, const Vec3& axis, float angle,
+               std::span<const uint8_t> among, bool coarse, const Occluded8& occluded, std::vector<uint16_t>& entries) {
     if (glm::dot(axis, normal) < -std::sin(std::min(angle, pi / 2)) && angle < pi / 2) return false;
     thread_local std::vector<uint8_t> found;
     thread_local std::vector<uint16_t> cells;
@@ -127,11 +132,14 @@ bool traceCone(const LiveGrid& grid, const Vec3& origin, const Vec3& normal, con
     if (cells.empty()) return false;
     found.assign(cells.size(), 0);
     if (coarse) {
-        // A wide cone gets a ray for four cells, a very wide one for sixteen: the first of each square that may be seen answers for the others.
+        // A wide cone gets a ray for four cells, a very wide one for sixteen: the first of each square that may be seen
+        // answers for the others.
         constexpr size_t few = 12, many = 160;
         const unsigned sideBits = bitsOf(grid), strideBits = cells.size() > many ? 2 : cells.size() > few ? 1 : 0;
         const uint32_t row = (1u << sideBits) - 1;
-        const auto squareOf = [&](uint32_t c) { return (c >> sideBits >> strideBits << sideBits) + ((c & row) >> strideBits); };
+        const auto squareOf = [&](uint32_t c) {
+            return (c >> sideBits >> strideBits << sideBits) + ((c & row) >> strideBits);
+        };
         enum : uint8_t { unasked, open, blocked };
         thread_local std::vector<uint8_t> answer;
         answer.resize(grid.cells());
@@ -154,7 +162,8 @@ bool traceCone(const LiveGrid& grid, const Vec3& origin, const Vec3& normal, con
         });
         for (size_t i = 0; i < cells.size(); ++i)
             for (int q = 0; q < 4; ++q)
-                if (nibbleOf(among.data(), cells[i]) >> q & 1) packets.add(grid.quarter(cells[i], q), i * 4 + size_t(q));
+                if (nibbleOf(among.data(), cells[i]) >> q & 1)
+                    packets.add(grid.quarter(cells[i], q), i * 4 + size_t(q));
         packets.flush();
     }
     for (size_t i = 0; i < cells.size(); ++i)

@@ -41,8 +41,10 @@ Mat4 matrixOf(const Json& value, const std::string& where, ActsOn on, const DVec
     if (!value.is_array() || value.size() != 4) throw Error("{}: expected four rows of four numbers", where);
     DMat4 m(1);
     for (int r = 0; r < 4; ++r) {
-        if (!value[size_t(r)].is_array() || value[size_t(r)].size() != 4) throw Error("{}[{}]: expected four numbers", where, r);
-        for (int c = 0; c < 4; ++c) m[c][r] = wideNumberOf(value[size_t(r)][size_t(c)], fmt::format("{}[{}][{}]", where, r, c));
+        if (!value[size_t(r)].is_array() || value[size_t(r)].size() != 4)
+            throw Error("{}[{}]: expected four numbers", where, r);
+        for (int c = 0; c < 4; ++c)
+            m[c][r] = wideNumberOf(value[size_t(r)][size_t(c)], fmt::format("{}[{}][{}]", where, r, c));
     }
     if (m[0][3] != 0 || m[1][3] != 0 || m[2][3] != 0 || m[3][3] != 1) throw Error("{}[3]: expected 0 0 0 1", where);
     if (!(std::abs(glm::determinant(glm::dmat3(glm::mat3(m)))) > 1e-18)) throw Error("{}: is singular", where);
@@ -114,7 +116,9 @@ std::string tidyName(const std::string& given) {
     if (from == std::string::npos) return {};
     std::string tidy = name.substr(from, longestName);
     if (from + longestName < name.size())
-        for (size_t end = from + longestName; end > from && (static_cast<unsigned char>(name[end]) & 0xC0) == 0x80; --end) tidy.pop_back();
+        for (size_t end = from + longestName; end > from && (static_cast<unsigned char>(name[end]) & 0xC0) == 0x80;
+             --end)
+            tidy.pop_back();
     return tidy.erase(tidy.find_last_not_of(' ') + 1);
 }
 
@@ -130,7 +134,8 @@ std::vector<std::string> emitterNames(const std::vector<std::string>& recoveredI
     std::vector<std::string> names;
     for (const std::string& name : wanted) {
         std::string own = name;
-        for (int n = 2; std::find(names.begin(), names.end(), own) != names.end(); ++n) own = fmt::format("{} ({})", name, n);
+        for (int n = 2; std::find(names.begin(), names.end(), own) != names.end(); ++n)
+            own = fmt::format("{} ({})", name, n);
         names.push_back(own);
     }
     return names;
@@ -138,7 +143,8 @@ std::vector<std::string> emitterNames(const std::vector<std::string>& recoveredI
 
 Look lookFromJson(const Json& document, const std::filesystem::path& folder, const DVec3& origin) {
     if (!document.is_object()) throw Error("expected an object");
-    if (const auto version = document.find("version"); version != document.end() && (!version->is_number_integer() || version->get<int>() != 1))
+    if (const auto version = document.find("version");
+        version != document.end() && (!version->is_number_integer() || version->get<int>() != 1))
         throw Error("version: is {}, expected 1", version->dump());
     Look look;
     if (const auto at = document.find("environment"); at != document.end()) {
@@ -148,9 +154,12 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
         else if (source == "none") look.environment.source = EnvironmentLook::Source::none;
         else if (source == "file") look.environment.source = EnvironmentLook::Source::file;
         else throw Error("environment.source: is {}, expected recovered, none or file", source);
-        if (look.environment.source == EnvironmentLook::Source::file) look.environment.file = folder / textOf(*at, "file", "environment");
-        if (at->contains("yaw_degrees")) look.environment.yawDegrees = numberOf((*at)["yaw_degrees"], "environment.yaw_degrees");
-        if (at->contains("exposure_stops")) look.environment.exposureStops = numberOf((*at)["exposure_stops"], "environment.exposure_stops");
+        if (look.environment.source == EnvironmentLook::Source::file)
+            look.environment.file = folder / textOf(*at, "file", "environment");
+        if (at->contains("yaw_degrees"))
+            look.environment.yawDegrees = numberOf((*at)["yaw_degrees"], "environment.yaw_degrees");
+        if (at->contains("exposure_stops"))
+            look.environment.exposureStops = numberOf((*at)["exposure_stops"], "environment.exposure_stops");
         if (at->contains("tint")) look.environment.tint = colourOf((*at)["tint"], "environment.tint");
     }
     size_t i = 0;
@@ -179,7 +188,8 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
         emitter.matrix = matrixOf(matrix, where + ".matrix", actsOn(emitter.shape), origin);
         if (e.contains("size")) {
             const Json& size = e["size"];
-            if (!size.is_array() || size.empty() || size.size() > 2) throw Error("{}.size: expected one or two numbers", where);
+            if (!size.is_array() || size.empty() || size.size() > 2)
+                throw Error("{}.size: expected one or two numbers", where);
             emitter.size = Vec2(numberOf(size[0], where + ".size[0]"));
             if (size.size() == 2) emitter.size.y = numberOf(size[1], where + ".size[1]");
             if (!(emitter.size.x > 0) || !(emitter.size.y > 0)) throw Error("{}.size: expected more than 0", where);
@@ -199,7 +209,8 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
     }
     if (const auto at = document.find("materials"); at != document.end()) {
         if (!at->is_object()) throw Error("materials: expected an object");
-        if (const auto neutral = at->find("neutral"); neutral != at->end()) look.neutralMaterials = flagOf(*neutral, "materials.neutral");
+        if (const auto neutral = at->find("neutral"); neutral != at->end())
+            look.neutralMaterials = flagOf(*neutral, "materials.neutral");
     }
     return look;
 }
@@ -223,12 +234,18 @@ Json lookToJson(const Look& look, const DVec3& origin) {
     environment["tint"] = {look.environment.tint.x, look.environment.tint.y, look.environment.tint.z};
     document["emitters"] = Json::array();
     for (const EmitterLook& e : look.emitters) {
-        document["emitters"].push_back({{"id", e.id}, {"enabled", e.enabled}, {"matrix", matrixToJson(e.matrix, ActsOn::world, origin)}, {"power_scale", {e.powerScale.x, e.powerScale.y, e.powerScale.z}}});
+        document["emitters"].push_back({{"id", e.id},
+                                        {"enabled", e.enabled},
+                                        {"matrix", matrixToJson(e.matrix, ActsOn::world, origin)},
+                                        {"power_scale", {e.powerScale.x, e.powerScale.y, e.powerScale.z}}});
         if (!e.name.empty()) document["emitters"].back()["name"] = e.name;
     }
     document["added_emitters"] = Json::array();
     for (const AddedEmitter& e : look.added) {
-        Json added{{"id", e.id}, {"shape", shapeNames[size_t(e.shape)]}, {"matrix", matrixToJson(e.matrix, actsOn(e.shape), origin)}, {"radiance", {e.radiance.x, e.radiance.y, e.radiance.z}}};
+        Json added{{"id", e.id},
+                   {"shape", shapeNames[size_t(e.shape)]},
+                   {"matrix", matrixToJson(e.matrix, actsOn(e.shape), origin)},
+                   {"radiance", {e.radiance.x, e.radiance.y, e.radiance.z}}};
         if (e.shape == AddedEmitter::Shape::part) added["seed_vertex"] = e.seedVertex;
         else if (e.shape == AddedEmitter::Shape::copy) added["source"] = e.source;
         else added["size"] = {e.size.x, e.size.y};
@@ -238,7 +255,8 @@ Json lookToJson(const Look& look, const DVec3& origin) {
     }
     document["parts"] = Json::array();
     for (const PartLook& p : look.parts) {
-        document["parts"].push_back({{"seed_vertex", p.seedVertex}, {"matrix", matrixToJson(p.matrix, ActsOn::world, origin)}});
+        document["parts"].push_back(
+            {{"seed_vertex", p.seedVertex}, {"matrix", matrixToJson(p.matrix, ActsOn::world, origin)}});
         if (!p.attachedTo.empty()) document["parts"].back()["attached_to"] = p.attachedTo;
     }
     document["materials"] = {{"neutral", look.neutralMaterials}};

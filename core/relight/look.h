@@ -1,4 +1,5 @@
-// What the artist has edited: emitters moved, scaled, recoloured, off or added; the environment replaced or turned. A small value.
+// What the artist has edited: emitters moved, scaled, recoloured, off or added; the environment replaced or turned. A
+// small value.
 #pragma once
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
@@ -12,8 +13,8 @@ namespace relamp {
 
 struct EnvironmentLook {
     enum class Source { recovered, none, file } source = Source::recovered;
-    std::filesystem::path file;     ///< latitude-longitude picture, when source is file
-    float yawDegrees = 0;           ///< about +Z, counter-clockwise from above
+    std::filesystem::path file;  ///< latitude-longitude picture, when source is file
+    float yawDegrees = 0;        ///< about +Z, counter-clockwise from above
     float exposureStops = 0;
     Rgb tint{1};
     bool operator==(const EnvironmentLook&) const = default;
@@ -22,24 +23,25 @@ struct EnvironmentLook {
 struct EmitterLook {
     std::string id;
     bool enabled = true;
-    Mat4 matrix{1};                 ///< applied to the emitter's world positions
-    Rgb powerScale{1};              ///< multiplies its radiance; its power also changes with its area
-    std::string name{};             ///< what the artist calls it; empty: its id
+    Mat4 matrix{1};      ///< applied to the emitter's world positions
+    Rgb powerScale{1};   ///< multiplies its radiance; its power also changes with its area
+    std::string name{};  ///< what the artist calls it; empty: its id
     bool operator==(const EmitterLook&) const = default;
 };
 
 struct AddedEmitter {
-    /// part: the connected piece of mesh that holds seedVertex shines and moves. copy: the geometry of a recovered emitter again,
-    /// shining on the same faces as that one does.
+    /// part: the connected piece of mesh that holds seedVertex shines and moves. copy: the geometry of a recovered
+    /// emitter again, shining on the same faces as that one does.
     enum class Shape { rectangle, disk, sphere, part, copy } shape = Shape::rectangle;
     std::string id;
-    Mat4 matrix{1};                 ///< rectangle, disk, sphere lie about the origin, facing -Z; part and copy: applied to world positions
-    Vec2 size{1};                   ///< metres: width and height, or diameter; rectangle, disk, sphere
+    Mat4 matrix{
+        1};  ///< rectangle, disk, sphere lie about the origin, facing -Z; part and copy: applied to world positions
+    Vec2 size{1};  ///< metres: width and height, or diameter; rectangle, disk, sphere
     Rgb radiance{1};
-    bool enabled = true;            ///< off: radiance 0, its body stays
-    uint32_t seedVertex = 0;        ///< part
-    std::string source{};           ///< copy: id of a recovered emitter
-    std::string name{};             ///< what the artist calls it; empty: its id
+    bool enabled = true;      ///< off: radiance 0, its body stays
+    uint32_t seedVertex = 0;  ///< part
+    std::string source{};     ///< copy: id of a recovered emitter
+    std::string name{};       ///< what the artist calls it; empty: its id
     bool operator==(const AddedEmitter&) const = default;
 };
 
@@ -47,7 +49,8 @@ struct AddedEmitter {
 struct PartLook {
     uint32_t seedVertex = 0;
     Mat4 matrix{1};
-    std::string attachedTo{};       ///< id of the emitter it follows in the window; empty: none. `matrix` alone says where it is
+    std::string
+        attachedTo{};  ///< id of the emitter it follows in the window; empty: none. `matrix` alone says where it is
     bool operator==(const PartLook&) const = default;
 };
 
@@ -56,18 +59,22 @@ struct Look {
     std::vector<EmitterLook> emitters;  ///< those not named stay as recovered
     std::vector<AddedEmitter> added;
     std::vector<PartLook> parts;
-    bool neutralMaterials = false;      ///< every surface at its own brightness without colour
+    bool neutralMaterials = false;  ///< every surface at its own brightness without colour
     bool operator==(const Look&) const = default;
 };
 
-/// A name as it is kept: without control characters and spaces around it, cut to `longestName` bytes between two characters.
+/// A name as it is kept: without control characters and spaces around it, cut to `longestName` bytes between two
+/// characters.
 inline constexpr size_t longestName = 120;
 std::string tidyName(const std::string& name);
-/// What the emitters are called: recovered ones by these ids, in order, then added ones. Two that are called alike are told apart by " (2)".
+/// What the emitters are called: recovered ones by these ids, in order, then added ones. Two that are called alike are
+/// told apart by " (2)".
 std::vector<std::string> emitterNames(const std::vector<std::string>& recoveredIds, const Look& look);
 
-/// The edits document of INTERFACE section 3. Relative file names are taken from `folder`. Throws Error naming the field
-/// ("emitters[2].matrix: is singular"). `origin`: what a Look's matrices count from (Capture::origin), metres; a document's count from 0.
+/// The edits document of INTERFACE section 3. Relative file names are taken from `folder`. Throws Error naming the
+/// field
+/// ("emitters[2].matrix: is singular"). `origin`: what a Look's matrices count from (Capture::origin), metres; a
+/// document's count from 0.
 Look lookFromJson(const nlohmann::json& document, const std::filesystem::path& folder, const DVec3& origin = DVec3(0));
 Look readLook(const std::filesystem::path& file, const DVec3& origin = DVec3(0));
 nlohmann::json lookToJson(const Look& look, const DVec3& origin = DVec3(0));

@@ -39,7 +39,9 @@ Mat4 blendMatrices(const Mat4& a, const Mat4& b, double t, const Vec3& pivot) {
 
 Rgb blendLight(const Rgb& a, const Rgb& b, float t) {
     Rgb out;
-    for (int c = 0; c < 3; ++c) out[c] = a[c] > 0 && b[c] > 0 ? std::exp2((1 - t) * std::log2(a[c]) + t * std::log2(b[c])) : (1 - t) * a[c] + t * b[c];
+    for (int c = 0; c < 3; ++c)
+        out[c] = a[c] > 0 && b[c] > 0 ? std::exp2((1 - t) * std::log2(a[c]) + t * std::log2(b[c]))
+                                      : (1 - t) * a[c] + t * b[c];
     return out;
 }
 
@@ -82,10 +84,14 @@ Mat4 partMatrix(const Look& look, uint32_t seed) {
 }
 
 /// A part goes with the emitter it is attached to, or with one that has the same movement.
-Vec3 pivotOfPart(const PartLook& part, const Look& a, const Look& b, const std::vector<EmitterLook>& emitters, const LookPivots& pivots) {
-    if (!part.attachedTo.empty() && find(emitters, [&](const EmitterLook& e) { return e.id == part.attachedTo; })) return pivots.emitter(part.attachedTo);
+Vec3 pivotOfPart(const PartLook& part, const Look& a, const Look& b, const std::vector<EmitterLook>& emitters,
+                 const LookPivots& pivots) {
+    if (!part.attachedTo.empty() && find(emitters, [&](const EmitterLook& e) { return e.id == part.attachedTo; }))
+        return pivots.emitter(part.attachedTo);
     for (const EmitterLook& e : emitters)
-        if (emitterNamed(a, e.id).matrix == partMatrix(a, part.seedVertex) && emitterNamed(b, e.id).matrix == partMatrix(b, part.seedVertex)) return pivots.emitter(e.id);
+        if (emitterNamed(a, e.id).matrix == partMatrix(a, part.seedVertex) &&
+            emitterNamed(b, e.id).matrix == partMatrix(b, part.seedVertex))
+            return pivots.emitter(e.id);
     return pivots.vertex(part.seedVertex);
 }
 
@@ -100,7 +106,8 @@ Look blendLooks(const Look& a, const Look& b, float t, const LookPivots& pivots)
     environment.exposureStops += t * (b.environment.exposureStops - a.environment.exposureStops);
     environment.tint = blendLight(a.environment.tint, b.environment.tint, t);
     for (const EmitterLook& e : b.emitters)
-        if (!find(out.emitters, [&](const EmitterLook& x) { return x.id == e.id; })) out.emitters.push_back(emitterNamed(a, e.id));
+        if (!find(out.emitters, [&](const EmitterLook& x) { return x.id == e.id; }))
+            out.emitters.push_back(emitterNamed(a, e.id));
     for (EmitterLook& e : out.emitters) {
         const EmitterLook other = emitterNamed(b, e.id);
         e.matrix = blendMatrices(e.matrix, other.matrix, t, pivots.emitter(e.id));
@@ -112,7 +119,9 @@ Look blendLooks(const Look& a, const Look& b, float t, const LookPivots& pivots)
     for (AddedEmitter& e : out.added) {
         const AddedEmitter* other = find(b.added, [&](const AddedEmitter& x) { return x.id == e.id; });
         if (!other || other->shape != e.shape) continue;
-        const Vec3 pivot = e.shape == AddedEmitter::Shape::part ? pivots.vertex(e.seedVertex) : e.shape == AddedEmitter::Shape::copy ? pivots.emitter(e.source) : Vec3(0);
+        const Vec3 pivot = e.shape == AddedEmitter::Shape::part   ? pivots.vertex(e.seedVertex)
+                           : e.shape == AddedEmitter::Shape::copy ? pivots.emitter(e.source)
+                                                                  : Vec3(0);
         e.matrix = blendMatrices(e.matrix, other->matrix, t, pivot);
         e.size += t * (other->size - e.size);
         if (e.enabled || other->enabled) {
@@ -121,8 +130,10 @@ Look blendLooks(const Look& a, const Look& b, float t, const LookPivots& pivots)
         }
     }
     for (const PartLook& p : b.parts)
-        if (!find(out.parts, [&](const PartLook& x) { return x.seedVertex == p.seedVertex; })) out.parts.push_back({p.seedVertex, Mat4(1), p.attachedTo});
-    for (PartLook& p : out.parts) p.matrix = blendMatrices(p.matrix, partMatrix(b, p.seedVertex), t, pivotOfPart(p, a, b, out.emitters, pivots));
+        if (!find(out.parts, [&](const PartLook& x) { return x.seedVertex == p.seedVertex; }))
+            out.parts.push_back({p.seedVertex, Mat4(1), p.attachedTo});
+    for (PartLook& p : out.parts)
+        p.matrix = blendMatrices(p.matrix, partMatrix(b, p.seedVertex), t, pivotOfPart(p, a, b, out.emitters, pivots));
     return out;
 }
 
@@ -139,7 +150,8 @@ Look LookTrack::at(int frame, const LookPivots& pivots) const {
     if (frame <= keys_.front().frame) return keys_.front().look;
     for (size_t i = 1; i < keys_.size(); ++i) {
         const LookKey &a = keys_[i - 1], &b = keys_[i];
-        if (frame <= b.frame) return blendLooks(a.look, b.look, float(frame - a.frame) / float(b.frame - a.frame), pivots);
+        if (frame <= b.frame)
+            return blendLooks(a.look, b.look, float(frame - a.frame) / float(b.frame - a.frame), pivots);
     }
     return keys_.back().look;
 }
@@ -153,7 +165,8 @@ LookTrack readLookTrack(const std::filesystem::path& file, const DVec3& origin) 
         using Json = nlohmann::json;
         Json document = Json::parse(readBytes(file, 64 << 20), nullptr, false);
         if (document.is_discarded()) throw Error("is not valid JSON");
-        if (!document.is_object() || !document.contains("keys")) return LookTrack(lookFromJson(document, file.parent_path(), origin));
+        if (!document.is_object() || !document.contains("keys"))
+            return LookTrack(lookFromJson(document, file.parent_path(), origin));
         const Json keys = document["keys"];
         document.erase("keys");
         if (!keys.is_array()) throw Error("keys: expected a list");
@@ -162,13 +175,16 @@ LookTrack readLookTrack(const std::filesystem::path& file, const DVec3& origin) 
             const std::string where = fmt::format("keys[{}]", looks.size());
             if (!key.is_object()) throw Error("{}: expected an object", where);
             const auto frame = key.find("frame");
-            if (frame == key.end() || !frame->is_number_integer() || frame->get<int64_t>() < 0 || frame->get<int64_t>() > 100'000'000)
+            if (frame == key.end() || !frame->is_number_integer() || frame->get<int64_t>() < 0 ||
+                frame->get<int64_t>() > 100'000'000)
                 throw Error("{}.frame: expected a frame number", where);
             const auto look = key.find("look");
             if (look == key.end() || !look->is_object()) throw Error("{}.look: expected an object", where);
             Json whole = document;
             whole.update(*look);
-            looks.push_back({frame->get<int>(), withContext(where + ".look", [&] { return lookFromJson(whole, file.parent_path(), origin); })});
+            looks.push_back({frame->get<int>(), withContext(where + ".look", [&] {
+                                 return lookFromJson(whole, file.parent_path(), origin);
+                             })});
         }
         return LookTrack(std::move(looks));
     });

@@ -13,17 +13,20 @@ struct LookKey {
     Look look;
 };
 
-/// Where a thing of a look stands as captured: its movement is taken apart about this point, so that a lamp that turns where it stands
-/// does not swing through the room.
+/// Where a thing of a look stands as captured: its movement is taken apart about this point, so that a lamp that turns
+/// where it stands does not swing through the room.
 struct LookPivots {
-    std::function<Vec3(const std::string& id)> emitter = [](const std::string&) { return Vec3(0); };  ///< centroid of a recovered emitter
-    std::function<Vec3(uint32_t vertex)> vertex = [](uint32_t) { return Vec3(0); };                   ///< a vertex of the capture's mesh
+    std::function<Vec3(const std::string& id)> emitter = [](const std::string&) {
+        return Vec3(0);
+    };  ///< centroid of a recovered emitter
+    std::function<Vec3(uint32_t vertex)> vertex = [](uint32_t) { return Vec3(0); };  ///< a vertex of the capture's mesh
 };
 
-/// The look between two, t in [0, 1]; 0 and 1 give the ends themselves. Matrices: the pivot's way is straight, the rotation takes the
-/// short way at even speed, stretch is linear. Power, radiance, tint: even steps in stops where both are above 0, else linear; off counts
-/// as 0. Yaw, exposure, size: linear. An emitter that only one look names stands as recovered in the other. What cannot be blended
-/// (source of the environment, shapes, neutral materials, emitters added in one look only) is the first look's until t is 1.
+/// The look between two, t in [0, 1]; 0 and 1 give the ends themselves. Matrices: the pivot's way is straight, the
+/// rotation takes the short way at even speed, stretch is linear. Power, radiance, tint: even steps in stops where both
+/// are above 0, else linear; off counts as 0. Yaw, exposure, size: linear. An emitter that only one look names stands
+/// as recovered in the other. What cannot be blended (source of the environment, shapes, neutral materials, emitters
+/// added in one look only) is the first look's until t is 1.
 Look blendLooks(const Look& a, const Look& b, float t, const LookPivots& pivots);
 
 class LookTrack {
@@ -43,8 +46,9 @@ private:
     std::vector<LookKey> keys_;
 };
 
-/// The edits document of INTERFACE section 3, or one with `"keys": [{"frame": 1, "look": {...}}, ...]`; what the document holds beside
-/// `keys` (environment, emitters, ...) is taken by each look that does not say otherwise. Throws Error naming file and field.
+/// The edits document of INTERFACE section 3, or one with `"keys": [{"frame": 1, "look": {...}}, ...]`; what the
+/// document holds beside `keys` (environment, emitters, ...) is taken by each look that does not say otherwise. Throws
+/// Error naming file and field.
 LookTrack readLookTrack(const std::filesystem::path& file, const DVec3& origin = DVec3(0));
 
 }  // namespace relamp

@@ -1,6 +1,5 @@
 #include "relight/point_shader.h"
 
-
 namespace relamp {
 
 SceneLights::SceneLights(const RelitScene& scene) : relit(scene), distant(*scene.distant) {
@@ -13,14 +12,17 @@ SceneLights::SceneLights(const RelitScene& scene) : relit(scene), distant(*scene
     triangleOnEmitter.assign(relit.emitterOfTriangle.size(), 0);
     for (size_t t = 0; t < relit.emitterOfTriangle.size(); ++t) {
         const int e = relit.emitterOfTriangle[t];
-        if (e >= 0 && relit.scene.mesh.triangleArea(t) > 0) triangleOnEmitter[t] = std::min(next[size_t(e)]++, uint32_t(std::max<size_t>(1, relit.emitters[size_t(e)].surface.areas.size()) - 1));
+        if (e >= 0 && relit.scene.mesh.triangleArea(t) > 0)
+            triangleOnEmitter[t] = std::min(
+                next[size_t(e)]++, uint32_t(std::max<size_t>(1, relit.emitters[size_t(e)].surface.areas.size()) - 1));
     }
 }
 
 PointShader::PointShader(const SceneLights& lights, const FrameOptions& options)
     : lights_(lights), relit_(lights.relit), options_(options), emitterProposal_(lights.relit.emitters.size()) {
     // The fewer lamps, the more samples for each.
-    emitterSamples_ = std::clamp(options.emitterSamples * 4 / int(std::max<size_t>(1, lights.lit.size())), 2, options.emitterSamples);
+    emitterSamples_ =
+        std::clamp(options.emitterSamples * 4 / int(std::max<size_t>(1, lights.lit.size())), 2, options.emitterSamples);
 }
 
 void PointShader::surfaceAt(const Hit& hit, const Vec3& direction, ShadedPoint& s) const {
@@ -65,18 +67,21 @@ void PointShader::gather(const ShadedPoint& s, uint32_t index, uint64_t seed, Ga
     }
     // A metal has nothing but its lobes: the samples a matte part would want go there.
     lobeCount_ = maxChannel(s.albedo) > 1e-3f ? options_.lobeSamples : 4 * options_.lobeSamples;
-    distantCount_ = !relit_.distant->black() && lights_.distant.prepare(s.normal, proposal_) ? options_.distantSamples : 0;
+    distantCount_ =
+        !relit_.distant->black() && lights_.distant.prepare(s.normal, proposal_) ? options_.distantSamples : 0;
     // A share from the cosine alone: where the bright part of the sky is hidden, the rest is not left to chance.
     cosineCount_ = distantCount_ > 0 && maxChannel(s.albedo) > 0 ? std::max(1, options_.distantSamples / 4) : 0;
     const Vec2 shift = randomShift(seed, 1, 0);
     const uint32_t total = uint32_t(options_.samplesPerPixel * options_.distantSamples);
     for (int i = 0; i < distantCount_; ++i) {
         const uint32_t n = permuted(index, uint32_t(i), total);
-        const Vec3 d = lights_.distant.sample(proposal_, {(float(n) + jitter(seed, n)) / float(total), r2Point(n, shift).y});
+        const Vec3 d =
+            lights_.distant.sample(proposal_, {(float(n) + jitter(seed, n)) / float(total), r2Point(n, shift).y});
         queue(s, origin, d, 1e30f, -1, 0, out);
     }
     for (int i = 0; i < cosineCount_; ++i) {
-        const Vec3 local = cosineHemisphere(r2Point(index * uint32_t(cosineCount_) + uint32_t(i), randomShift(seed, 3, 0)));
+        const Vec3 local =
+            cosineHemisphere(r2Point(index * uint32_t(cosineCount_) + uint32_t(i), randomShift(seed, 3, 0)));
         queue(s, origin, s.frame * local, 1e30f, -1, 0, out);
     }
     for (size_t e : lights_.lit) {
@@ -88,20 +93,24 @@ void PointShader::gather(const ShadedPoint& s, uint32_t index, uint64_t seed, Ga
             const uint32_t n = permuted(index, uint32_t(i), all);
             float density = 0;
             size_t t = 0;
-            const Vec3 target = lights_.emitters[e].sample(emitterProposal_[e], {(float(n) + jitter(seed + e + 1, n)) / float(all), r2Point(n, turn).y}, density, t);
+            const Vec3 target = lights_.emitters[e].sample(
+                emitterProposal_[e], {(float(n) + jitter(seed + e + 1, n)) / float(all), r2Point(n, turn).y}, density,
+                t);
             const Vec3 to = target - origin;
             const float distance = glm::length(to);
             if (!(distance > 2 * offset)) continue;
             const Vec3 d = to / distance;
             const float facing = -glm::dot(d, surface.normals[t]);
             if ((facing <= 1e-5f && !surface.twoSided) || glm::dot(d, s.normal) <= 0) continue;
-            queue(s, origin, d, distance * (1 - 1e-4f) - 2 * offset, int(e), density * distance * distance / std::max(std::abs(facing), 1e-5f), out);
+            queue(s, origin, d, distance * (1 - 1e-4f) - 2 * offset, int(e),
+                  density * distance * distance / std::max(std::abs(facing), 1e-5f), out);
         }
     }
     flushShadow(s, out);
     for (const auto& [k, w] : s.lobes)
         for (int i = 0; i < lobeCount_; ++i) {
-            const Vec3 local = sampleGgx(s.eye, relit_.basis.lobes[k].alpha, r2Point(index * uint32_t(lobeCount_) + uint32_t(i), randomShift(seed, 4, k)));
+            const Vec3 local = sampleGgx(s.eye, relit_.basis.lobes[k].alpha,
+                                         r2Point(index * uint32_t(lobeCount_) + uint32_t(i), randomShift(seed, 4, k)));
             if (local.z > 0) queueClosest(s, origin, s.frame * local, out);
         }
     flushClosest(s, out);
@@ -130,15 +139,18 @@ Rgb PointShader::reflectanceTimesCosine(const ShadedPoint& s, const Vec3& light)
 
 float PointShader::lobeDensity(const ShadedPoint& s, const Vec3& light) const {
     float d = 0;
-    for (const auto& [k, w] : s.lobes) d += float(lobeCount_) * ggxSampleDensity(light, s.eye, relit_.basis.lobes[k].alpha);
+    for (const auto& [k, w] : s.lobes)
+        d += float(lobeCount_) * ggxSampleDensity(light, s.eye, relit_.basis.lobes[k].alpha);
     return d;
 }
 
 float PointShader::distantDensity(const Vec3& direction, float cosine) const {
-    return float(distantCount_) * lights_.distant.density(proposal_, direction) + float(cosineCount_) * std::max(0.0f, cosine) / pi;
+    return float(distantCount_) * lights_.distant.density(proposal_, direction) +
+           float(cosineCount_) * std::max(0.0f, cosine) / pi;
 }
 
-void PointShader::queue(const ShadedPoint& s, const Vec3& origin, const Vec3& d, float far, int emitter, float density, Gather& out) {
+void PointShader::queue(const ShadedPoint& s, const Vec3& origin, const Vec3& d, float far, int emitter, float density,
+                        Gather& out) {
     if (glm::dot(d, s.geometric) <= 0 || glm::dot(d, s.normal) <= 0 || far <= 0) return;
     rays_[count_] = {origin, d, 0, far};
     emitter_[count_] = emitter;
@@ -154,7 +166,8 @@ void PointShader::flushShadow(const ShadedPoint& s, Gather& out) {
         const Vec3 light = glm::transpose(s.frame) * rays_[i].direction;
         const Rgb f = reflectanceTimesCosine(s, light);
         const float other = lobeDensity(s, light);
-        const float own = emitter_[i] < 0 ? distantDensity(rays_[i].direction, light.z) : float(emitterSamples_) * density_[i];
+        const float own =
+            emitter_[i] < 0 ? distantDensity(rays_[i].direction, light.z) : float(emitterSamples_) * density_[i];
         // A direction on the rim of its cell may round into a black neighbour, which is never drawn and sends nothing.
         if (!(own + other > 0)) continue;
         if (emitter_[i] < 0) out.world += f * relit_.distant->radiance(rays_[i].direction) / (own + other);
@@ -179,13 +192,16 @@ void PointShader::flushClosest(const ShadedPoint& s, Gather& out) {
         if (!hits[i]) {
             if (!distantCount_) continue;
             const float density = distantDensity(rays_[i].direction, light.z) + own;
-            if (density > 0) out.world += reflectanceTimesCosine(s, light) * relit_.distant->radiance(rays_[i].direction) / density;
+            if (density > 0)
+                out.world += reflectanceTimesCosine(s, light) * relit_.distant->radiance(rays_[i].direction) / density;
             continue;
         }
         const int e = relit_.emitterOfTriangle[hits[i].triangle];
         if (e < 0) {
             const BouncedLight& bounced = relit_.bounced;
-            if (bounced.empty() || !(own > 0) || glm::dot(relit_.scene.mesh.faceNormal(hits[i].triangle), rays_[i].direction) >= 0) continue;
+            if (bounced.empty() || !(own > 0) ||
+                glm::dot(relit_.scene.mesh.faceNormal(hits[i].triangle), rays_[i].direction) >= 0)
+                continue;
             // Reflections of other surfaces: what these send by reflecting light, as matte ones do.
             const Rgb f = lobesTimesCosine(s, light) / own;
             const Triangle& t = relit_.scene.mesh.triangles[hits[i].triangle];
@@ -201,8 +217,11 @@ void PointShader::flushClosest(const ShadedPoint& s, Gather& out) {
         const RelitEmitter& emitter = relit_.emitters[size_t(e)];
         const float facing = -glm::dot(relit_.scene.mesh.faceNormal(hits[i].triangle), rays_[i].direction);
         if (facing <= 1e-5f && !emitter.surface.twoSided) continue;
-        const float area = lights_.emitters[size_t(e)].areaDensity(emitterProposal_[size_t(e)], lights_.triangleOnEmitter[hits[i].triangle]);
-        const float density = float(emitterSamples_) * area * hits[i].distance * hits[i].distance / std::max(std::abs(facing), 1e-5f) + own;
+        const float area = lights_.emitters[size_t(e)].areaDensity(emitterProposal_[size_t(e)],
+                                                                   lights_.triangleOnEmitter[hits[i].triangle]);
+        const float density =
+            float(emitterSamples_) * area * hits[i].distance * hits[i].distance / std::max(std::abs(facing), 1e-5f) +
+            own;
         if (density > 0) out.byEmitter[size_t(e)] += reflectanceTimesCosine(s, light) * emitter.radiance / density;
     }
     count_ = 0;

@@ -1,5 +1,5 @@
-// Light that reaches one surface point and leaves it towards the eye: sampled directions, weighted by multiple importance sampling.
-// What frames and bounced light are made of.
+// Light that reaches one surface point and leaves it towards the eye: sampled directions, weighted by multiple
+// importance sampling. What frames and bounced light are made of.
 #pragma once
 #include "base/random.h"
 #include "relight/frame.h"
@@ -11,11 +11,11 @@ namespace relamp {
 struct ShadedPoint {
     Vec3 position, normal, geometric, towardEye;
     Mat3 frame;
-    Vec3 eye;               ///< towardEye in the frame
+    Vec3 eye;  ///< towardEye in the frame
     Rgb albedo;
     std::vector<std::pair<size_t, Rgb>> lobes;  ///< glossy lobes present
-    uint32_t triangle = Hit::none;              ///< with the barycentric weights of its corners: where bounced light is read
-    Vec3 corners{0};                            ///< all 0 on the back of a surface: none is known there
+    uint32_t triangle = Hit::none;  ///< with the barycentric weights of its corners: where bounced light is read
+    Vec3 corners{0};                ///< all 0 on the back of a surface: none is known there
 };
 
 /// Radiance by where it came from.
@@ -29,8 +29,8 @@ struct SceneLights {
     const RelitScene& relit;
     DistantSampler distant;
     std::vector<EmitterSampler> emitters;
-    std::vector<size_t> lit;                       ///< emitters that shine
-    std::vector<uint32_t> triangleOnEmitter;       ///< mesh triangle -> index on its emitter's surface
+    std::vector<size_t> lit;                  ///< emitters that shine
+    std::vector<uint32_t> triangleOnEmitter;  ///< mesh triangle -> index on its emitter's surface
     explicit SceneLights(const RelitScene& scene);
 };
 
@@ -62,7 +62,9 @@ private:
     int count_ = 0;
 
     /// Number of sample i of position `index` among all of the pixel: positions take every samplesPerPixel-th one.
-    uint32_t permuted(uint32_t index, uint32_t i, uint32_t total) const { return (i * uint32_t(options_.samplesPerPixel) + index) % total; }
+    uint32_t permuted(uint32_t index, uint32_t i, uint32_t total) const {
+        return (i * uint32_t(options_.samplesPerPixel) + index) % total;
+    }
     static float jitter(uint64_t seed, uint32_t n) { return unitFloat(mixBits(seed * 0x2545f491 + n)); }
 
     Rgb reflectanceTimesCosine(const ShadedPoint& s, const Vec3& light) const;
@@ -72,7 +74,8 @@ private:
     float lobeDensity(const ShadedPoint& s, const Vec3& light) const;
     /// Sum of count x density of the samples drawn for the environment.
     float distantDensity(const Vec3& direction, float cosine) const;
-    void queue(const ShadedPoint& s, const Vec3& origin, const Vec3& d, float far, int emitter, float density, Gather& out);
+    void queue(const ShadedPoint& s, const Vec3& origin, const Vec3& d, float far, int emitter, float density,
+               Gather& out);
     void flushShadow(const ShadedPoint& s, Gather& out);
     void queueClosest(const ShadedPoint& s, const Vec3& origin, const Vec3& d, Gather& out);
     void flushClosest(const ShadedPoint& s, Gather& out);

@@ -16,10 +16,13 @@ Mesh shapeMesh(const AddedEmitter& added) {
         m.normals.push_back(glm::normalize(glm::transpose(glm::inverse(Mat3(added.matrix))) * n));
     };
     const bool mirrored = glm::determinant(Mat3(added.matrix)) < 0;
-    const auto face = [&](uint32_t a, uint32_t b, uint32_t c) { m.triangles.push_back(mirrored ? Triangle{a, c, b} : Triangle{a, b, c}); };
+    const auto face = [&](uint32_t a, uint32_t b, uint32_t c) {
+        m.triangles.push_back(mirrored ? Triangle{a, c, b} : Triangle{a, b, c});
+    };
     const float w = added.size.x / 2, h = added.size.y / 2;
     if (added.shape == AddedEmitter::Shape::rectangle) {
-        for (const Vec2& c : {Vec2(-1, -1), Vec2(-1, 1), Vec2(1, 1), Vec2(1, -1)}) point(Vec3(c.x * w, c.y * h, 0), Vec3(0, 0, -1));
+        for (const Vec2& c : {Vec2(-1, -1), Vec2(-1, 1), Vec2(1, 1), Vec2(1, -1)})
+            point(Vec3(c.x * w, c.y * h, 0), Vec3(0, 0, -1));
         face(0, 1, 2);
         face(0, 2, 3);
     } else if (added.shape == AddedEmitter::Shape::disk) {
@@ -27,7 +30,9 @@ Mesh shapeMesh(const AddedEmitter& added) {
         // Corners a little outside the circle, so that the polygon has the disc's area.
         const float grow = std::sqrt((2 * pi / around) / std::sin(2 * pi / around));
         point(Vec3(0), Vec3(0, 0, -1));
-        for (uint32_t i = 0; i < around; ++i) point(grow * Vec3(w * std::cos(2 * pi * float(i) / around), h * std::sin(2 * pi * float(i) / around), 0), Vec3(0, 0, -1));
+        for (uint32_t i = 0; i < around; ++i)
+            point(grow * Vec3(w * std::cos(2 * pi * float(i) / around), h * std::sin(2 * pi * float(i) / around), 0),
+                  Vec3(0, 0, -1));
         for (uint32_t i = 0; i < around; ++i) face(0, 1 + (i + 1) % around, 1 + i);
     } else {
         constexpr uint32_t rings = 12, around = 24;
@@ -48,8 +53,8 @@ Mesh shapeMesh(const AddedEmitter& added) {
     return m;
 }
 
-/// Moves the triangles of bodies and doubles vertices whose triangles belong to different ones, so that nothing is stretched; of those
-/// the ground, else the first, keeps the number.
+/// Moves the triangles of bodies and doubles vertices whose triangles belong to different ones, so that nothing is
+/// stretched; of those the ground, else the first, keeps the number.
 void moveTriangles(const Mesh& captured, EditedGeometry& out) {
     constexpr uint32_t none = EditedBody::none;
     const size_t n = captured.vertexCount();
@@ -73,7 +78,8 @@ void moveTriangles(const Mesh& captured, EditedGeometry& out) {
             if (owner[origin] == none) {
                 owner[origin] = body;
             } else {
-                const auto [place, isNew] = copyOf.emplace(std::pair(origin, body), uint32_t(out.mesh.positions.size()));
+                const auto [place, isNew] =
+                    copyOf.emplace(std::pair(origin, body), uint32_t(out.mesh.positions.size()));
                 v = place->second;
                 if (!isNew) continue;
                 out.mesh.positions.emplace_back();
@@ -81,7 +87,8 @@ void moveTriangles(const Mesh& captured, EditedGeometry& out) {
                 out.vertexOrigin.push_back(origin);
             }
             const Mat4& matrix = out.bodies[body].matrix;
-            out.mesh.positions[v] = matrix == Mat4(1) ? captured.positions[origin] : Vec3(matrix * Vec4(captured.positions[origin], 1));
+            out.mesh.positions[v] =
+                matrix == Mat4(1) ? captured.positions[origin] : Vec3(matrix * Vec4(captured.positions[origin], 1));
             if (matrix == Mat4(1)) continue;
             Vec3& normal = out.mesh.normals[v];
             normal = normalMatrix[body] * captured.normals[origin];
@@ -98,13 +105,18 @@ size_t emitterNamed(const std::vector<EmitterCluster>& clusters, const std::stri
 }
 
 /// The triangles of a mesh piece that no emitter has yet.
-EmitterCluster clusterOfPiece(const Scene& scene, const AddedEmitter& added, const std::vector<int>& emitterOfTriangle) {
+EmitterCluster clusterOfPiece(const Scene& scene, const AddedEmitter& added,
+                              const std::vector<int>& emitterOfTriangle) {
     if (added.seedVertex >= scene.mesh.vertexCount())
-        throw Error("added_emitters: {}: seed_vertex {} does not exist, the mesh has {} vertices", added.id, added.seedVertex, scene.mesh.vertexCount());
+        throw Error("added_emitters: {}: seed_vertex {} does not exist, the mesh has {} vertices", added.id,
+                    added.seedVertex, scene.mesh.vertexCount());
     EmitterCluster cluster;
     for (uint32_t t = 0; t < scene.mesh.triangles.size(); ++t)
-        if (emitterOfTriangle[t] < 0 && scene.piece[scene.mesh.triangles[t][0]] == scene.piece[added.seedVertex]) cluster.triangles.push_back(t);
-    if (cluster.triangles.empty()) throw Error("added_emitters: {}: the piece of mesh at vertex {} shines already or has no triangles", added.id, added.seedVertex);
+        if (emitterOfTriangle[t] < 0 && scene.piece[scene.mesh.triangles[t][0]] == scene.piece[added.seedVertex])
+            cluster.triangles.push_back(t);
+    if (cluster.triangles.empty())
+        throw Error("added_emitters: {}: the piece of mesh at vertex {} shines already or has no triangles", added.id,
+                    added.seedVertex);
     return cluster;
 }
 
@@ -167,7 +179,8 @@ std::shared_ptr<const DistantLight> distantOfLook(const Estimate& estimate, cons
         cells = integrateOverCells(map, grid);
     } else {
         cells = estimate.environment;
-        if (look.yawDegrees != 0) cells = integrateOverCells(yawed(latLongFromCells(cells, grid, 1024), look.yawDegrees), grid);
+        if (look.yawDegrees != 0)
+            cells = integrateOverCells(yawed(latLongFromCells(cells, grid, 1024), look.yawDegrees), grid);
     }
     const Rgb gain = look.tint * std::exp2(look.exposureStops);
     for (Rgb& c : cells) c *= gain;
@@ -184,7 +197,8 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
         matrix[at] = e.matrix;
         radiance[at] = e.enabled ? radiance[at] * e.powerScale : Rgb(0);
     }
-    // Which body each triangle is of: its emitter's own, else that of the parts on its piece of the mesh, else the ground.
+    // Which body each triangle is of: its emitter's own, else that of the parts on its piece of the mesh, else the
+    // ground.
     out.bodies.emplace_back();
     std::vector<uint32_t> bodyOfPiece(scene.pieces, 0), bodyOfEmitter(clusters.size() + look.added.size(), 0);
     const auto addPiece = [&](uint32_t piece) -> uint32_t {
@@ -196,7 +210,9 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
     };
     for (uint32_t piece : apart.pieces) addPiece(piece);
     for (const PartLook& part : look.parts) {
-        if (part.seedVertex >= scene.mesh.vertexCount()) throw Error("parts: seed_vertex {} does not exist, the mesh has {} vertices", part.seedVertex, scene.mesh.vertexCount());
+        if (part.seedVertex >= scene.mesh.vertexCount())
+            throw Error("parts: seed_vertex {} does not exist, the mesh has {} vertices", part.seedVertex,
+                        scene.mesh.vertexCount());
         if (part.matrix == Mat4(1)) continue;
         Mat4& movement = out.bodies[addPiece(scene.piece[part.seedVertex])].matrix;
         movement = part.matrix * movement;
@@ -238,7 +254,8 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
     if (out.moved) {
         for (size_t t = 0; t < out.bodyOfTriangle.size(); ++t) {
             const int e = out.emitterOfTriangle[t];
-            out.bodyOfTriangle[t] = e >= 0 ? bodyOfEmitter[size_t(e)] : bodyOfPiece[scene.piece[scene.mesh.triangles[t][0]]];
+            out.bodyOfTriangle[t] =
+                e >= 0 ? bodyOfEmitter[size_t(e)] : bodyOfPiece[scene.piece[scene.mesh.triangles[t][0]]];
         }
         moveTriangles(scene.mesh, out);
     }
@@ -246,7 +263,10 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
         const AddedEmitter& added = look.added[i];
         if (added.shape == AddedEmitter::Shape::part) continue;
         const bool copy = added.shape == AddedEmitter::Shape::copy;
-        const Mesh shape = copy ? clusterMesh(scene.mesh, clusters[emitterNamed(clusters, added.source, "added_emitters")], added.matrix) : shapeMesh(added);
+        const Mesh shape =
+            copy ? clusterMesh(scene.mesh, clusters[emitterNamed(clusters, added.source, "added_emitters")],
+                               added.matrix)
+                 : shapeMesh(added);
         appendShape(shape, int(clusters.size() + i), added.matrix, out);
         if (!copy) {
             EmitterCluster all;
@@ -258,7 +278,8 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
     return out;
 }
 
-RelitScene applyLook(const Scene& scene, const Estimate& estimate, const Look& look, Progress& progress, std::shared_ptr<const DistantLight> distant) {
+RelitScene applyLook(const Scene& scene, const Estimate& estimate, const Look& look, Progress& progress,
+                     std::shared_ptr<const DistantLight> distant) {
     EditedGeometry geometry = editGeometry(scene, estimate, look);
     RelitScene out;
     out.basis = estimate.reflectance.basis;

@@ -8,8 +8,8 @@
 
 namespace relamp {
 
-std::filesystem::path writeComparison(const std::filesystem::path& captureFolder, const std::filesystem::path& folder, const CompareOptions& options,
-                                      Progress& progress) {
+std::filesystem::path writeComparison(const std::filesystem::path& captureFolder, const std::filesystem::path& folder,
+                                      const CompareOptions& options, Progress& progress) {
     std::error_code failed;
     std::filesystem::create_directories(folder, failed);
     if (failed) throw Error("{}: cannot be made ({})", folder.string(), failed.message());
@@ -38,9 +38,11 @@ std::filesystem::path writeComparison(const std::filesystem::path& captureFolder
         for (TimelineEntry& entry : shot.estimate.timeline) entry.seconds -= start;
         shot.resources = {progress.seconds() - start, peakMib(), availableThreads()};
         saveShot(shot, result.scene->mesh, folder / (mode.name + ".relamp"), true);
-        logInfo("{}: solved in {:.1f} s, {} emitter(s)", mode.name, shot.resources.seconds, shot.estimate.emitters.emitters.size());
+        logInfo("{}: solved in {:.1f} s, {} emitter(s)", mode.name, shot.resources.seconds,
+                shot.estimate.emitters.emitters.size());
     }
-    comparison.capture = std::filesystem::absolute(captureFolder / ".").lexically_normal().parent_path().filename().string();
+    comparison.capture =
+        std::filesystem::absolute(captureFolder / ".").lexically_normal().parent_path().filename().string();
     comparison.views = result.capture.views.size();
     comparison.vertices = result.scene->mesh.vertexCount();
     comparison.triangles = result.scene->mesh.triangles.size();
@@ -48,7 +50,8 @@ std::filesystem::path writeComparison(const std::filesystem::path& captureFolder
 
     const std::filesystem::path page = folder / "index.html";
     writeBytesAtomically(page, comparisonPage(comparison));
-    for (const ComparedMode& mode : comparison.modes) logInfo("{}: photographs reproduced at {:.1f} dB", mode.name, mode.psnr);
+    for (const ComparedMode& mode : comparison.modes)
+        logInfo("{}: photographs reproduced at {:.1f} dB", mode.name, mode.psnr);
     return page;
 }
 

@@ -16,8 +16,10 @@ struct CompareOptions {
     int maxViews = 3;                  ///< views with pictures
 };
 
-/// Solves the capture in both modes, renders views, writes DIR/index.html (pictures embedded, nothing else needed) and both shots,
-/// DIR/near-field.relamp and DIR/distant-only.relamp (replaced when they exist). Returns the page. Throws as runPipeline and saveShot.
-std::filesystem::path writeComparison(const std::filesystem::path& capture, const std::filesystem::path& folder, const CompareOptions& options, Progress& progress);
+/// Solves the capture in both modes, renders views, writes DIR/index.html (pictures embedded, nothing else needed) and
+/// both shots, DIR/near-field.relamp and DIR/distant-only.relamp (replaced when they exist). Returns the page. Throws
+/// as runPipeline and saveShot.
+std::filesystem::path writeComparison(const std::filesystem::path& capture, const std::filesystem::path& folder,
+                                      const CompareOptions& options, Progress& progress);
 
 }  // namespace relamp

@@ -10,37 +10,57 @@ namespace {
 
 using Modes = std::array<ComparedMode, 2>;
 
-std::string heading(const std::string& title, const std::string& explanation) { return "<h2>" + htmlText(title) + "</h2>\n<p>" + htmlText(explanation) + "</p>\n"; }
+std::string heading(const std::string& title, const std::string& explanation) {
+    return "<h2>" + htmlText(title) + "</h2>\n<p>" + htmlText(explanation) + "</p>\n";
+}
 
-std::string grid(const char* columns, const std::string& figures) { return fmt::format("<div class=\"grid {}\">\n{}</div>\n", columns, figures); }
+std::string grid(const char* columns, const std::string& figures) {
+    return fmt::format("<div class=\"grid {}\">\n{}</div>\n", columns, figures);
+}
 
 std::string stops(float value) { return fmt::format("{:+.1f} stops", value); }
 
 std::string figureRow(const char* what, const char* about, const std::string& near, const std::string& distant) {
-    return fmt::format("<tr><td>{}<small>{}</small></td><td class=\"number\">{}</td><td class=\"number\">{}</td></tr>\n", what, about, htmlText(near), htmlText(distant));
+    return fmt::format(
+        "<tr><td>{}<small>{}</small></td><td class=\"number\">{}</td><td class=\"number\">{}</td></tr>\n", what, about,
+        htmlText(near), htmlText(distant));
 }
 
 std::string figuresTable(const Comparison& c) {
     std::string rows;
-    const auto row = [&](const char* what, const char* about, auto&& value) { rows += figureRow(what, about, value(c.modes[0]), value(c.modes[1])); };
+    const auto row = [&](const char* what, const char* about, auto&& value) {
+        rows += figureRow(what, about, value(c.modes[0]), value(c.modes[1]));
+    };
     const auto estimate = [](const ComparedMode& m) -> const Estimate& { return m.shot.estimate; };
-    row("Likeness to the photographs", "PSNR of the model on the surfaces, as they appear on screen. A good likeness alone proves little: a wrong light can be painted into the surfaces.",
+    row("Likeness to the photographs",
+        "PSNR of the model on the surfaces, as they appear on screen. A good likeness alone proves little: a wrong "
+        "light can be painted into the surfaces.",
         [](const ComparedMode& m) { return fmt::format("{:.1f} dB", m.psnr); });
-    row("Worst photograph", "The view that is reproduced least well.", [](const ComparedMode& m) { return fmt::format("{:.1f} dB, {}", m.worstPsnr, m.worstView); });
-    row("Colour in the surfaces", "Mean angle between the surfaces' own colour and grey. Less is better only where it was the light's colour.",
+    row("Worst photograph", "The view that is reproduced least well.",
+        [](const ComparedMode& m) { return fmt::format("{:.1f} dB, {}", m.worstPsnr, m.worstView); });
+    row("Colour in the surfaces",
+        "Mean angle between the surfaces' own colour and grey. Less is better only where it was the light's colour.",
         [](const ComparedMode& m) { return fmt::format("{:.1f}\u00b0", m.tintDegrees); });
-    row("Lamps found", "Patches of the mesh that send light of their own.", [&](const ComparedMode& m) { return fmt::format("{}", estimate(m).emitters.emitters.size()); });
-    row("Distant light", "Number of patches of sky or room whose light was told apart.", [&](const ComparedMode& m) { return fmt::format("{}", estimate(m).lighting.leaves.size()); });
-    row("Time", "Seconds from the photographs to the answer.", [](const ComparedMode& m) { return fmt::format("{:.1f} s", m.shot.resources.seconds); });
-    row("Memory", "The most this run had used by then.", [](const ComparedMode& m) { return fmt::format("{:.0f} MiB", m.shot.resources.peakMib); });
+    row("Lamps found", "Patches of the mesh that send light of their own.",
+        [&](const ComparedMode& m) { return fmt::format("{}", estimate(m).emitters.emitters.size()); });
+    row("Distant light", "Number of patches of sky or room whose light was told apart.",
+        [&](const ComparedMode& m) { return fmt::format("{}", estimate(m).lighting.leaves.size()); });
+    row("Time", "Seconds from the photographs to the answer.",
+        [](const ComparedMode& m) { return fmt::format("{:.1f} s", m.shot.resources.seconds); });
+    row("Memory", "The most this run had used by then.",
+        [](const ComparedMode& m) { return fmt::format("{:.0f} MiB", m.shot.resources.peakMib); });
     row("KKT residual", "How exactly the lighting equations were solved; 1e-6 and less is exact for all purposes.",
         [&](const ComparedMode& m) { return fmt::format("{:.1e}", estimate(m).stability.kktResidual); });
-    row("Condition number", "How much the lighting equations magnify errors, and how many of the unknowns the photographs pin down.", [&](const ComparedMode& m) {
-        const StabilityReport& s = estimate(m).stability;
-        return fmt::format("{:.1e}, {} of {}", s.conditionNumber, s.effectiveRank, s.unknowns);
-    });
-    row("Brightness scale", "What decides between a bright lamp on dark surfaces and a dim lamp on bright ones.", [&](const ComparedMode& m) { return estimate(m).gauge.kind; });
-    return "<div class=\"wide\"><table><tr><th></th><th>Lamps in the scene</th><th>Distant light only</th></tr>\n" + rows + "</table></div>\n";
+    row("Condition number",
+        "How much the lighting equations magnify errors, and how many of the unknowns the photographs pin down.",
+        [&](const ComparedMode& m) {
+            const StabilityReport& s = estimate(m).stability;
+            return fmt::format("{:.1e}, {} of {}", s.conditionNumber, s.effectiveRank, s.unknowns);
+        });
+    row("Brightness scale", "What decides between a bright lamp on dark surfaces and a dim lamp on bright ones.",
+        [&](const ComparedMode& m) { return estimate(m).gauge.kind; });
+    return "<div class=\"wide\"><table><tr><th></th><th>Lamps in the scene</th><th>Distant light only</th></tr>\n" +
+           rows + "</table></div>\n";
 }
 
 std::string viewSection(const ComparedView& view) {
@@ -48,7 +68,8 @@ std::string viewSection(const ComparedView& view) {
     std::string figures = htmlPicture(view.photograph, "Photograph", "");
     for (size_t m = 0; m < 2; ++m) {
         if (m == 1) figures += "<div></div>\n";
-        figures += htmlPicture(view.model[m], fmt::format("Model, {}", names[m]), fmt::format("{:.1f} dB", view.psnr[m]));
+        figures +=
+            htmlPicture(view.model[m], fmt::format("Model, {}", names[m]), fmt::format("{:.1f} dB", view.psnr[m]));
         figures += htmlPicture(view.difference[m], "Difference", "");
         figures += htmlPicture(view.albedo[m], "Surfaces without light", "");
     }
@@ -59,25 +80,37 @@ std::string leftOutTable(const Modes& modes) {
     std::string rows;
     for (const ComparedMode& mode : modes)
         for (const LeftOut& l : mode.shot.estimate.leftOut)
-            rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td></tr>\n", htmlText(mode.name), htmlText(l.what), htmlText(l.why));
+            rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td></tr>\n", htmlText(mode.name), htmlText(l.what),
+                                htmlText(l.why));
     for (const ComparedMode& mode : modes) {
         const Estimate& e = mode.shot.estimate;
-        if (!e.stability.reason.empty()) rows += fmt::format("<tr><td>{}</td><td>full convergence</td><td>{}</td></tr>\n", htmlText(mode.name), htmlText(e.stability.reason));
-        if (e.cancelled) rows += fmt::format("<tr><td>{}</td><td>the rest of the solve</td><td>stopped early: the best answer until then</td></tr>\n", htmlText(mode.name));
+        if (!e.stability.reason.empty())
+            rows += fmt::format("<tr><td>{}</td><td>full convergence</td><td>{}</td></tr>\n", htmlText(mode.name),
+                                htmlText(e.stability.reason));
+        if (e.cancelled)
+            rows += fmt::format(
+                "<tr><td>{}</td><td>the rest of the solve</td><td>stopped early: the best answer until "
+                "then</td></tr>\n",
+                htmlText(mode.name));
     }
     if (rows.empty()) return "";
-    return "<div class=\"wide\"><table><tr><th>Mode</th><th>Left out</th><th>Why</th></tr>\n" + rows + "</table></div>\n";
+    return "<div class=\"wide\"><table><tr><th>Mode</th><th>Left out</th><th>Why</th></tr>\n" + rows +
+           "</table></div>\n";
 }
 
 std::string plotOf(const Modes& modes) {
     std::vector<PlotCurve> curves;
     for (size_t m = 0; m < 2; ++m) {
-        PlotCurve curve{m == 0 ? "lamps in the scene" : "distant light only", m == 0 ? "#e8a24a" : "#6fa8dc", m == 1, {}};
+        PlotCurve curve{
+            m == 0 ? "lamps in the scene" : "distant light only", m == 0 ? "#e8a24a" : "#6fa8dc", m == 1, {}};
         for (const TimelineEntry& t : modes[m].shot.estimate.timeline)
-            curve.points.push_back({t.seconds, t.rmse, fmt::format("{}, step {}: {:.2f} s, error {:.3g}", t.stage, t.iteration, t.seconds, t.rmse)});
+            curve.points.push_back(
+                {t.seconds, t.rmse,
+                 fmt::format("{}, step {}: {:.2f} s, error {:.3g}", t.stage, t.iteration, t.seconds, t.rmse)});
         curves.push_back(std::move(curve));
     }
-    return logPlotSvg(curves, "seconds since the photographs were opened", "relative difference of points with equal colour");
+    return logPlotSvg(curves, "seconds since the photographs were opened",
+                      "relative difference of points with equal colour");
 }
 
 }  // namespace
@@ -89,40 +122,57 @@ std::string comparisonPage(const Comparison& c) {
     };
     const char *near = "Lamps in the scene", *distant = "Distant light only";
     std::string body = "<h1>" + htmlText(c.capture) + ": two ways to explain the light</h1>\n";
-    body += fmt::format("<p>{} photographs, a mesh of {} vertices and {} triangles. The same photographs were explained twice: once with lamps that stand in the "
-                        "scene and light it from near (near-field), once as if all light came from far away (distant-only). What a lamp does and the second way "
-                        "cannot say ends up painted on the surfaces.</p>\n",
-                        c.views, c.vertices, c.triangles);
-    body += heading("Figures", fmt::format("Measured over {} of {} photographs.", c.measuredViews, c.views)) + figuresTable(c);
+    body += fmt::format(
+        "<p>{} photographs, a mesh of {} vertices and {} triangles. The same photographs were explained twice: once "
+        "with lamps that stand in the "
+        "scene and light it from near (near-field), once as if all light came from far away (distant-only). What a "
+        "lamp does and the second way "
+        "cannot say ends up painted on the surfaces.</p>\n",
+        c.views, c.vertices, c.triangles);
+    body += heading("Figures", fmt::format("Measured over {} of {} photographs.", c.measuredViews, c.views)) +
+            figuresTable(c);
     for (const ComparedMode& m : modes)
         if (!m.shot.estimate.gauge.evidence.empty())
-            body += fmt::format("<p>Brightness scale, {}: {}</p>\n", htmlText(m.name), htmlText(m.shot.estimate.gauge.evidence));
+            body += fmt::format("<p>Brightness scale, {}: {}</p>\n", htmlText(m.name),
+                                htmlText(m.shot.estimate.gauge.evidence));
 
     body += heading("Correction colours",
-                    "The tint of the surfaces with their brightness taken away. Neutral grey needs no correction; a stain that follows the light is light that was taken for paint.");
+                    "The tint of the surfaces with their brightness taken away. Neutral grey needs no correction; a "
+                    "stain that follows the light is light that was taken for paint.");
     std::string tints;
     for (size_t m = 0; m < 2; ++m)
         for (const ComparedView& view : c.shown) tints += htmlPicture(view.tint[m], m == 0 ? near : distant, view.name);
     body += grid(c.shown.size() == 3 ? "three" : c.shown.size() == 1 ? "one" : "two", tints);
 
     body += heading("View by view",
-                    "The photograph, what each model makes of it, and where they part: grey is equal, brighter means the model is too bright there, darker too dark. "
+                    "The photograph, what each model makes of it, and where they part: grey is equal, brighter means "
+                    "the model is too bright there, darker too dark. "
                     "Surfaces without light show each surface's own colour, on an absolute scale.");
     for (const ComparedView& view : c.shown) body += viewSection(view);
 
-    body += heading("Lamps off", fmt::format("What the distant light alone does. Exposed {} against the first photograph, both alike. Distant-only has no lamp to switch off, "
-                                             "so all light stays.", stops(c.offStops)));
+    body += heading("Lamps off", fmt::format("What the distant light alone does. Exposed {} against the first "
+                                             "photograph, both alike. Distant-only has no lamp to switch off, "
+                                             "so all light stays.",
+                                             stops(c.offStops)));
     body += grid("two", pair([](const ComparedMode& m) -> const Image& { return m.emittersOff; }, near, distant));
-    body += heading("Under a white sky", "Lamps off, the same light from everywhere. Shadows of the old light that still show were taken for paint.");
+    body += heading(
+        "Under a white sky",
+        "Lamps off, the same light from everywhere. Shadows of the old light that still show were taken for paint.");
     body += grid("two", pair([](const ComparedMode& m) -> const Image& { return m.white; }, near, distant));
-    body += heading("Surroundings", fmt::format("The recovered distant light in all directions, straight up at the top. Exposed {} against the first photograph, both alike. "
-                                                "A bright spot that is not in the room is a lamp in disguise.", stops(c.environmentStops)));
+    body += heading("Surroundings", fmt::format("The recovered distant light in all directions, straight up at the "
+                                                "top. Exposed {} against the first photograph, both alike. "
+                                                "A bright spot that is not in the room is a lamp in disguise.",
+                                                stops(c.environmentStops)));
     body += grid("two", pair([](const ComparedMode& m) -> const Image& { return m.environment; }, near, distant));
 
-    body += heading("Lamps", "What shines in the scene, and why it is believed to.") + lampsTable(modes[0].shot.estimate) + rejectedTable(modes[0].shot.estimate, modes[0].shot.capture.origin);
-    body += heading("Error against run time", "How fast each way closes in on the photographs, from the first guess on. Both axes are logarithmic; rest on a point for its stage.") +
+    body += heading("Lamps", "What shines in the scene, and why it is believed to.") +
+            lampsTable(modes[0].shot.estimate) + rejectedTable(modes[0].shot.estimate, modes[0].shot.capture.origin);
+    body += heading("Error against run time",
+                    "How fast each way closes in on the photographs, from the first guess on. Both axes are "
+                    "logarithmic; rest on a point for its stage.") +
             plotOf(modes);
-    body += heading("Left out", "What this scene did not need, and what this version does not do.") + leftOutTable(modes);
+    body +=
+        heading("Left out", "What this scene did not need, and what this version does not do.") + leftOutTable(modes);
     return htmlPage("relamp: " + c.capture, body);
 }
 

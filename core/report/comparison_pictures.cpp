@@ -56,7 +56,8 @@ struct Measures {
     std::string worstView;
 };
 
-void measureViews(const Capture& capture, const std::array<RelitScene, 2>& relit, int maxViews, Comparison& comparison, Progress& progress) {
+void measureViews(const Capture& capture, const std::array<RelitScene, 2>& relit, int maxViews, Comparison& comparison,
+                  Progress& progress) {
     const std::vector<size_t> shown = spread(capture.views.size(), size_t(std::max(0, maxViews)));
     const std::vector<size_t> spreadViews = spread(capture.views.size(), measuredAtMost);
     std::set<size_t> measured(spreadViews.begin(), spreadViews.end());
@@ -90,7 +91,8 @@ void measureViews(const Capture& capture, const std::array<RelitScene, 2>& relit
             pictures.model[m] = scaledBy(model, exposure);
             pictures.difference[m] = differenceOf(model, photograph, exposure);
             pictures.albedo[m] = over(frame.albedo, frame.alpha, frame.width, frame.height, pageGround);
-            pictures.tint[m] = over(tintsOf(frame.albedo, frame.alpha), frame.alpha, frame.width, frame.height, pageGround);
+            pictures.tint[m] =
+                over(tintsOf(frame.albedo, frame.alpha), frame.alpha, frame.width, frame.height, pageGround);
         }
         if (show) comparison.shown.push_back(std::move(pictures));
     }
@@ -104,13 +106,15 @@ void measureViews(const Capture& capture, const std::array<RelitScene, 2>& relit
 
 }  // namespace
 
-void drawComparison(const Capture& capture, const Scene& scene, int maxViews, Comparison& comparison, Progress& progress) {
+void drawComparison(const Capture& capture, const Scene& scene, int maxViews, Comparison& comparison,
+                    Progress& progress) {
     if (capture.views.empty()) return;
     const std::array<RelitScene, 2> relit{applyLook(scene, comparison.modes[0].shot.estimate, {}, progress),
                                           applyLook(scene, comparison.modes[1].shot.estimate, {}, progress)};
     measureViews(capture, relit, maxViews, comparison, progress);
 
-    // Both modes share one exposure in every pair, the near-field one's: a mode that is too dark or too bright must look so.
+    // Both modes share one exposure in every pair, the near-field one's: a mode that is too dark or too bright must
+    // look so.
     const View& first = capture.views.front();
     const Camera camera = smallerCamera(first.camera, longestSide);
     const float photographExposure = exposureFor(shrunk(first.image, camera.width, camera.height));

@@ -29,7 +29,8 @@ Image shrunk(const Image& image, int width, int height) {
             for (int v = int(top); v < std::min(image.height, int(std::ceil(bottom))); ++v)
                 for (int u = int(left); u < std::min(image.width, int(std::ceil(right))); ++u) {
                     if (!image.usableAt(u, v)) continue;
-                    const double share = (std::min(right, u + 1.0) - std::max(left, double(u))) * (std::min(bottom, v + 1.0) - std::max(top, double(v)));
+                    const double share = (std::min(right, u + 1.0) - std::max(left, double(u))) *
+                                         (std::min(bottom, v + 1.0) - std::max(top, double(v)));
                     if (share <= 0) continue;
                     sum += share * DVec3(image.at(u, v));
                     weight += share;
@@ -48,7 +49,8 @@ float exposureFor(const Image& image, float percentile) {
         for (int x = 0; x < image.width; ++x)
             if (image.usableAt(x, y)) values.push_back(luminance(image.at(x, y)));
     if (values.empty()) return 1;
-    const auto at = values.begin() + ptrdiff_t(std::min(values.size() - 1, size_t(percentile / 100 * float(values.size()))));
+    const auto at =
+        values.begin() + ptrdiff_t(std::min(values.size() - 1, size_t(percentile / 100 * float(values.size()))));
     std::nth_element(values.begin(), at, values.end());
     return *at > 0 && std::isfinite(*at) ? 1 / *at : 1;
 }
@@ -63,7 +65,9 @@ Image differenceOf(const Image& picture, const Image& reference, float exposure)
     for (size_t i = 0; i < out.pixels.size(); ++i)
         for (int c = 0; c < 3; ++c) {
             const bool usable = reference.usable.empty() || reference.usable[i];
-            const float step = usable ? srgbEncode(picture.pixels[i][c] * exposure) - srgbEncode(reference.pixels[i][c] * exposure) : 0.0f;
+            const float step =
+                usable ? srgbEncode(picture.pixels[i][c] * exposure) - srgbEncode(reference.pixels[i][c] * exposure)
+                       : 0.0f;
             out.pixels[i][c] = srgbDecode(0.5f + 2 * step);
         }
     return out;
@@ -84,7 +88,9 @@ Image over(const std::vector<Rgb>& pixels, const std::vector<float>& alpha, int 
     return out;
 }
 
-double DisplayError::psnr() const { return pixels ? std::min(100.0, -10 * std::log10(std::max(squares / double(pixels), 1e-10))) : 0.0; }
+double DisplayError::psnr() const {
+    return pixels ? std::min(100.0, -10 * std::log10(std::max(squares / double(pixels), 1e-10))) : 0.0;
+}
 
 double squaredDisplayStep(const Rgb& picture, const Rgb& reference, float exposure) {
     double sum = 0;
@@ -95,7 +101,8 @@ double squaredDisplayStep(const Rgb& picture, const Rgb& reference, float exposu
     return std::isfinite(sum) ? sum / 3 : 1;  // a pixel that is no number is as wrong as can be
 }
 
-DisplayError displayError(const Image& picture, const Image& reference, const std::vector<uint8_t>& mask, float exposure) {
+DisplayError displayError(const Image& picture, const Image& reference, const std::vector<uint8_t>& mask,
+                          float exposure) {
     DisplayError error;
     for (size_t i = 0; i < picture.pixels.size(); ++i) {
         if (!mask[i]) continue;

@@ -9,13 +9,21 @@ namespace relamp {
 namespace {
 
 /// Three digits, without exponents as long as people read numbers without them.
-std::string times(float value) { return std::abs(value) < 1e5f ? fmt::format("{:.{}f}", value, value < 10 ? 2 : value < 100 ? 1 : 0) : fmt::format("{:.0e}", value); }
+std::string times(float value) {
+    return std::abs(value) < 1e5f ? fmt::format("{:.{}f}", value,
+                                                value < 10    ? 2
+                                                : value < 100 ? 1
+                                                              : 0)
+                                  : fmt::format("{:.0e}", value);
+}
 
 std::string evidenceText(const EmitterEvidence& e) {
     std::string text = fmt::format("{} times as bright as the other surfaces", times(e.sceneContrast));
     if (e.localContrast > 0) text += fmt::format(", {} times its surroundings", times(e.localContrast));
-    text += fmt::format("; even within {:.1f} %, changes by {:.1f} % from view to view", 100 * e.uniformity, 100 * e.viewSpread);
-    if (e.demandedAlbedo > 0) text += fmt::format("; a surface would have to reflect {} times what reaches it", times(e.demandedAlbedo));
+    text += fmt::format("; even within {:.1f} %, changes by {:.1f} % from view to view", 100 * e.uniformity,
+                        100 * e.viewSpread);
+    if (e.demandedAlbedo > 0)
+        text += fmt::format("; a surface would have to reflect {} times what reaches it", times(e.demandedAlbedo));
     return text;
 }
 
@@ -25,25 +33,37 @@ std::string rgbText(const Rgb& c) { return fmt::format("{:.3g} {:.3g} {:.3g}", c
 
 std::string swatch(const Rgb& c) {
     const Rgb hue = c / std::max(maxChannel(c), 1e-12f);
-    return fmt::format("<span class=\"swatch\" style=\"background:rgb({:.0f},{:.0f},{:.0f})\"></span>", 255 * srgbEncode(hue.x), 255 * srgbEncode(hue.y), 255 * srgbEncode(hue.z));
+    return fmt::format("<span class=\"swatch\" style=\"background:rgb({:.0f},{:.0f},{:.0f})\"></span>",
+                       255 * srgbEncode(hue.x), 255 * srgbEncode(hue.y), 255 * srgbEncode(hue.z));
 }
 
 std::string lampsTable(const Estimate& e) {
-    if (e.emitters.emitters.empty()) return "<p>No patch of the scene shines on its own: everything is lit from far away.</p>\n";
+    if (e.emitters.emitters.empty())
+        return "<p>No patch of the scene shines on its own: everything is lit from far away.</p>\n";
     std::string rows;
     for (size_t i = 0; i < e.emitters.emitters.size(); ++i) {
         const EmitterCluster& lamp = e.emitters.emitters[i];
         const Rgb& radiance = e.lighting.emitterRadiance[i];
         const std::string sigma = i < e.emitterSigma.size() ? fmt::format("\u00b1 {}", rgbText(e.emitterSigma[i])) : "";
-        const std::string share = i < e.identifiability.size() ? fmt::format("{:.0f} %", 100 * e.identifiability[i]) : "";
-        const std::string clipped = lamp.evidence.clippedShare > 0 ? fmt::format("<small>{:.0f} % of the looks are clipped</small>", 100 * lamp.evidence.clippedShare) : "";
-        rows += fmt::format("<tr><td class=\"number\">{}{}</td><td class=\"number\">{}<small>{}</small></td><td class=\"number\">{:.3g} cm\u00b2</td><td class=\"number\">{}{}</td>"
-                            "<td class=\"number\">{}</td><td>{}<small>{}</small></td></tr>\n",
-                            swatch(radiance), htmlText(lamp.id), rgbText(radiance), sigma, lamp.area * 1e4, lamp.evidence.viewsSeen, clipped, share,
-                            htmlText(evidenceText(lamp.evidence)), fmt::format("{} look-ups", lamp.evidence.samples));
+        const std::string share =
+            i < e.identifiability.size() ? fmt::format("{:.0f} %", 100 * e.identifiability[i]) : "";
+        const std::string clipped =
+            lamp.evidence.clippedShare > 0
+                ? fmt::format("<small>{:.0f} % of the looks are clipped</small>", 100 * lamp.evidence.clippedShare)
+                : "";
+        rows += fmt::format(
+            "<tr><td class=\"number\">{}{}</td><td class=\"number\">{}<small>{}</small></td><td "
+            "class=\"number\">{:.3g} cm\u00b2</td><td class=\"number\">{}{}</td>"
+            "<td class=\"number\">{}</td><td>{}<small>{}</small></td></tr>\n",
+            swatch(radiance), htmlText(lamp.id), rgbText(radiance), sigma, lamp.area * 1e4, lamp.evidence.viewsSeen,
+            clipped, share, htmlText(evidenceText(lamp.evidence)), fmt::format("{} look-ups", lamp.evidence.samples));
     }
-    return "<div class=\"wide\"><table><tr><th>Lamp</th><th>Radiance R G B</th><th>Area</th><th>Views</th><th>Certain</th><th>Evidence</th></tr>\n" + rows + "</table></div>\n"
-           "<p>Certain: the share of the lamp's effect on the photographs that no distant light could imitate. Below 15 % its power is a guess.</p>\n";
+    return "<div class=\"wide\"><table><tr><th>Lamp</th><th>Radiance R G "
+           "B</th><th>Area</th><th>Views</th><th>Certain</th><th>Evidence</th></tr>\n" +
+           rows +
+           "</table></div>\n"
+           "<p>Certain: the share of the lamp's effect on the photographs that no distant light could imitate. Below "
+           "15 % its power is a guess.</p>\n";
 }
 
 std::string rejectedTable(const Estimate& e, const DVec3& origin) {
@@ -53,13 +73,16 @@ std::string rejectedTable(const Estimate& e, const DVec3& origin) {
     for (size_t i = 0; i < std::min(most, e.emitters.rejected.size()); ++i) {
         const RejectedPatch& patch = e.emitters.rejected[i];
         const DVec3 place = origin + DVec3(patch.centroid);
-        rows += fmt::format("<tr><td class=\"number\">{:.2f} {:.2f} {:.2f} m</td><td class=\"number\">{}{}</td><td>{}</td></tr>\n", place.x, place.y, place.z,
-                            swatch(patch.radiance), rgbText(patch.radiance), htmlText(patch.reason));
+        rows += fmt::format(
+            "<tr><td class=\"number\">{:.2f} {:.2f} {:.2f} m</td><td class=\"number\">{}{}</td><td>{}</td></tr>\n",
+            place.x, place.y, place.z, swatch(patch.radiance), rgbText(patch.radiance), htmlText(patch.reason));
     }
     std::string more;
-    if (e.emitters.rejected.size() > most) more = fmt::format("<p>and {} more.</p>\n", e.emitters.rejected.size() - most);
-    return "<h3>Bright, but no lamps</h3>\n<div class=\"wide\"><table><tr><th>Where</th><th>Radiance R G B</th><th>Why it was not taken for a lamp</th></tr>\n" + rows +
-           "</table></div>\n" + more;
+    if (e.emitters.rejected.size() > most)
+        more = fmt::format("<p>and {} more.</p>\n", e.emitters.rejected.size() - most);
+    return "<h3>Bright, but no lamps</h3>\n<div class=\"wide\"><table><tr><th>Where</th><th>Radiance R G B</th><th>Why "
+           "it was not taken for a lamp</th></tr>\n" +
+           rows + "</table></div>\n" + more;
 }
 
 }  // namespace relamp

@@ -35,8 +35,11 @@ std::string base64(const std::string& bytes) {
 }
 
 std::string htmlPicture(const Image& picture, const std::string& caption, const std::string& about) {
-    return fmt::format("<figure><img width=\"{}\" height=\"{}\" alt=\"{}\" src=\"data:image/png;base64,{}\"><figcaption><b>{}</b> {}</figcaption></figure>\n",
-                       picture.width, picture.height, htmlText(caption), base64(encodePng(picture)), htmlText(caption), htmlText(about));
+    return fmt::format(
+        "<figure><img width=\"{}\" height=\"{}\" alt=\"{}\" src=\"data:image/png;base64,{}\"><figcaption><b>{}</b> "
+        "{}</figcaption></figure>\n",
+        picture.width, picture.height, htmlText(caption), base64(encodePng(picture)), htmlText(caption),
+        htmlText(about));
 }
 
 std::string htmlPage(const std::string& title, const std::string& body) {
@@ -67,8 +70,10 @@ td.number { font-variant-numeric: tabular-nums; white-space: nowrap; color: #ece
 svg { max-width: 100%; height: auto; display: block; margin-top: 6px; }
 @media (max-width: 800px) { main { padding: 16px; } .four { grid-template-columns: repeat(2, minmax(0, 1fr)); } .two { grid-template-columns: 1fr; } }
 )";
-    return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><title>" +
-           htmlText(title) + "</title><style>" + style + "</style></head>\n<body><main>\n" + body + "</main></body></html>\n";
+    return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
+           "content=\"width=device-width, initial-scale=1\"><title>" +
+           htmlText(title) + "</title><style>" + style + "</style></head>\n<body><main>\n" + body +
+           "</main></body></html>\n";
 }
 
 }  // namespace relamp

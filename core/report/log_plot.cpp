@@ -64,16 +64,27 @@ std::string logPlotSvg(const std::vector<PlotCurve>& curves, const std::string& 
     if (x.high <= 0) return "";
     x.addAir();
     y.addAir();
-    std::string svg = fmt::format("<svg xmlns=\"http://www.w3.org/2000/svg\" font-family=\"system-ui, DejaVu Sans, sans-serif\" style=\"background:#1e1e1e\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" role=\"img\" font-size=\"12.5\" fill=\"#b4b4b4\">\n", width, height);
-    svg += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"#252525\"/>\n", left, top, width - left - right, height - top - bottom);
+    std::string svg = fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" font-family=\"system-ui, DejaVu Sans, sans-serif\" "
+        "style=\"background:#1e1e1e\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" role=\"img\" "
+        "font-size=\"12.5\" fill=\"#b4b4b4\">\n",
+        width, height);
+    svg += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"#252525\"/>\n", left, top,
+                       width - left - right, height - top - bottom);
     for (double value : x.ticks())
-        svg += fmt::format("<path d=\"M{0:.1f} {1}V{2}\" stroke=\"#3a3a3a\"/><text x=\"{0:.1f}\" y=\"{3}\" text-anchor=\"middle\">{4:.3g}</text>\n", x.at(value), top,
-                           height - bottom, height - bottom + 18, value);
+        svg += fmt::format(
+            "<path d=\"M{0:.1f} {1}V{2}\" stroke=\"#3a3a3a\"/><text x=\"{0:.1f}\" y=\"{3}\" "
+            "text-anchor=\"middle\">{4:.3g}</text>\n",
+            x.at(value), top, height - bottom, height - bottom + 18, value);
     for (double value : y.ticks())
-        svg += fmt::format("<path d=\"M{1} {0:.1f}H{2}\" stroke=\"#3a3a3a\"/><text x=\"{3}\" y=\"{4:.1f}\" text-anchor=\"end\">{5:.3g}</text>\n", y.at(value), left,
-                           width - right, left - 8, y.at(value) + 4, value);
-    svg += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n", (left + width - right) / 2, height - 12, htmlText(xLabel));
-    svg += fmt::format("<text transform=\"translate(18 {}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n", (top + height - bottom) / 2, htmlText(yLabel));
+        svg += fmt::format(
+            "<path d=\"M{1} {0:.1f}H{2}\" stroke=\"#3a3a3a\"/><text x=\"{3}\" y=\"{4:.1f}\" "
+            "text-anchor=\"end\">{5:.3g}</text>\n",
+            y.at(value), left, width - right, left - 8, y.at(value) + 4, value);
+    svg += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n", (left + width - right) / 2,
+                       height - 12, htmlText(xLabel));
+    svg += fmt::format("<text transform=\"translate(18 {}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
+                       (top + height - bottom) / 2, htmlText(yLabel));
     double legend = left, line = 18;
     for (const PlotCurve& curve : curves) {
         std::string path, dots;
@@ -81,15 +92,20 @@ std::string logPlotSvg(const std::vector<PlotCurve>& curves, const std::string& 
             if (!drawable(p)) continue;
             path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : "L", x.at(p.x), y.at(p.y));
             if (p.note.empty()) continue;
-            dots += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.2\" fill=\"{}\"><title>{}</title></circle>\n", x.at(p.x), y.at(p.y), curve.colour, htmlText(p.note));
+            dots +=
+                fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.2\" fill=\"{}\"><title>{}</title></circle>\n",
+                            x.at(p.x), y.at(p.y), curve.colour, htmlText(p.note));
         }
         if (path.empty()) continue;
         const char* dash = curve.dashed ? " stroke-dasharray=\"7 5\"" : "";
-        svg += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.8\"{}/>\n{}", path, curve.colour, dash, dots);
+        svg += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.8\"{}/>\n{}", path,
+                           curve.colour, dash, dots);
         if (curve.name.empty()) continue;
         if (legend > left && legend + legendWidth(curve) > width) legend = left, line += 20;
-        svg += fmt::format("<path d=\"M{} {}h34\" stroke=\"{}\" stroke-width=\"1.8\"{}/><text x=\"{}\" y=\"{}\" fill=\"#dcdcdc\">{}</text>\n", legend, line,
-                           curve.colour, dash, legend + 42, line + 4, htmlText(curve.name));
+        svg += fmt::format(
+            "<path d=\"M{} {}h34\" stroke=\"{}\" stroke-width=\"1.8\"{}/><text x=\"{}\" y=\"{}\" "
+            "fill=\"#dcdcdc\">{}</text>\n",
+            legend, line, curve.colour, dash, legend + 42, line + 4, htmlText(curve.name));
         legend += legendWidth(curve);
     }
     return svg + "</svg>\n";

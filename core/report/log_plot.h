@@ -7,13 +7,13 @@ namespace relamp {
 
 struct PlotPoint {
     double x = 0, y = 0;
-    std::string note;      ///< shown when the pointer rests on the point; empty: no dot either
+    std::string note;  ///< shown when the pointer rests on the point; empty: no dot either
 };
 
 struct PlotCurve {
-    std::string name;      ///< empty: not in the legend
-    std::string colour;    ///< as in CSS
-    bool dashed = false;   ///< so that colour alone need not tell curves apart
+    std::string name;     ///< empty: not in the legend
+    std::string colour;   ///< as in CSS
+    bool dashed = false;  ///< so that colour alone need not tell curves apart
     std::vector<PlotPoint> points;
 };
 

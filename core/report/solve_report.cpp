@@ -49,7 +49,8 @@ void measureViews(const Capture& capture, const Scene& scene, SolveReport& repor
         report.views.push_back({view.name, p.psnr, distant ? explain(*distant, view, progress).psnr : 0});
         if (p.psnr >= worst) continue;
         worst = p.psnr;
-        report.worst = ReportedWorst{view.name, scaledBy(p.photograph, p.exposure), scaledBy(p.model, p.exposure), differenceOf(p.model, p.photograph, p.exposure)};
+        report.worst = ReportedWorst{view.name, scaledBy(p.photograph, p.exposure), scaledBy(p.model, p.exposure),
+                                     differenceOf(p.model, p.photograph, p.exposure)};
     }
 }
 
@@ -58,12 +59,14 @@ std::string withoutDistant(const Shot& shot, const ReportOptions& options) {
     if (options.againstDistant == ReportOptions::Distant::off) return "it was not asked for";
     if (shot.estimate.mode == "distant-only") return "this shot is one itself";
     if (options.againstDistant == ReportOptions::Distant::automatic && shot.resources.seconds > options.mostSeconds)
-        return fmt::format("this shot took {:.0f} s, more than {:.0f} s; ask for it with --against-distant on", shot.resources.seconds, options.mostSeconds);
+        return fmt::format("this shot took {:.0f} s, more than {:.0f} s; ask for it with --against-distant on",
+                           shot.resources.seconds, options.mostSeconds);
     return "";
 }
 
 /// Solves the capture again as the shot was solved, and holds what stands after each large step against the truth.
-std::vector<TruthMoment> followTruth(const Shot& shot, const Scene& scene, const ReportOptions& options, Progress& progress) {
+std::vector<TruthMoment> followTruth(const Shot& shot, const Scene& scene, const ReportOptions& options,
+                                     Progress& progress) {
     PipelineOptions pipeline;
     pipeline.load.fix = shot.fix;
     pipeline.solve = solveOptionsFor(shot.quality);
@@ -76,7 +79,9 @@ std::vector<TruthMoment> followTruth(const Shot& shot, const Scene& scene, const
     std::vector<Moment> moments;
     const double start = progress.seconds();
     SolveListener listener;
-    listener.snapshot = [&](Estimate estimate) { moments.push_back({progress.seconds() - start, std::move(estimate)}); };
+    listener.snapshot = [&](Estimate estimate) {
+        moments.push_back({progress.seconds() - start, std::move(estimate)});
+    };
     Estimate last = runPipeline(shot.captureFolder, pipeline, progress, &listener).estimate;
     moments.push_back({progress.seconds() - start, std::move(last)});
     std::vector<TruthMoment> found;
@@ -122,7 +127,8 @@ void writeReport(const fs::path& folder, const fs::path& page, const ReportOptio
     }
     if (report.noViewsBecause.empty()) measureViews(shot.capture, scene, report, progress);
     if (!options.truth.empty()) report.truth = truthFigures(options.truth, shot, scene, progress);
-    if (report.truth && report.truth->meanPsnr > 0 && report.noViewsBecause.empty()) report.truthOverTime = followTruth(shot, scene, options, progress);
+    if (report.truth && report.truth->meanPsnr > 0 && report.noViewsBecause.empty())
+        report.truthOverTime = followTruth(shot, scene, options, progress);
 
     const fs::path stem = page.parent_path() / page.stem();
     const auto write = [&](const char* ending, const std::string& text) {

@@ -20,7 +20,9 @@ class Runner {
 public:
     Runner(const StressOptions& options, Progress& progress) : options_(options), progress_(progress) {}
 
-    bool wanted(const std::string& name) const { return options_.only.empty() || name.find(options_.only) != std::string::npos; }
+    bool wanted(const std::string& name) const {
+        return options_.only.empty() || name.find(options_.only) != std::string::npos;
+    }
 
     /// One case; the estimate, when there is one.
     std::optional<Estimate> run(const std::string& name, const std::function<Estimate(Progress&)>& body) {
@@ -32,22 +34,25 @@ public:
             Estimate found = body(progress_);
             c.finite = allFinite(found);
             c.kkt = found.stability.kktResidual;
-            c.reason = !c.finite ? "an answer holds numbers that are not finite" : c.kkt > kktWanted ? found.stability.reason : "";
-            c.figures = {{"emitters", double(found.emitters.emitters.size())}, {"unknowns", double(found.stability.unknowns)}, {"condition", found.stability.conditionNumber}};
+            c.reason = !c.finite           ? "an answer holds numbers that are not finite"
+                       : c.kkt > kktWanted ? found.stability.reason
+                                           : "";
+            c.figures = {{"emitters", double(found.emitters.emitters.size())},
+                         {"unknowns", double(found.stability.unknowns)},
+                         {"condition", found.stability.conditionNumber}};
             estimate = std::move(found);
         } catch (const Error& error) {
             c.finite = c.refused = true;
             c.reason = error.what();
-        } catch (const std::exception& error) {
-            c.reason = std::string("a fault in relamp: ") + error.what();
-        }
+        } catch (const std::exception& error) { c.reason = std::string("a fault in relamp: ") + error.what(); }
         c.figures.emplace_back("seconds", progress_.seconds() - start);
         report_.cases.push_back(std::move(c));
         return estimate;
     }
 
     /// A variant whose answer should be that of `base`. `because`: what is known to keep the two apart.
-    void hold(const std::string& name, const std::optional<Estimate>& base, const VariantOf& how, const std::function<Estimate(Progress&)>& body, const std::string& because = "") {
+    void hold(const std::string& name, const std::optional<Estimate>& base, const VariantOf& how,
+              const std::function<Estimate(Progress&)>& body, const std::string& because = "") {
         if (!wanted(name)) return;
         const std::optional<Estimate> found = run(name, body);
         if (!found || !base || !report_.cases.back().finite) return;
@@ -75,19 +80,24 @@ private:
     StressReport report_;
 };
 
-const char* const rounding = "positions are rounded otherwise and single rays and decisions flip; see lengths x 2^10, where nothing is rounded";
+const char* const rounding =
+    "positions are rounded otherwise and single rays and decisions flip; see lengths x 2^10, where nothing is rounded";
 
 /// What can be done to any capture.
 void variantsOf(const std::string& of, const Capture& capture, const SolveOptions& options, Runner& runner) {
     const auto named = [&](const char* what) { return of + ": " + what; };
     const auto solved = [&options](Capture variant) {
-        return [variant = std::move(variant), &options](Progress& progress) { return solveForStress(variant, nullptr, false, options, progress); };
+        return [variant = std::move(variant), &options](Progress& progress) {
+            return solveForStress(variant, nullptr, false, options, progress);
+        };
     };
     // The answer every invariance is held against is needed as soon as one of them is asked for.
     std::optional<Estimate> base;
     bool needed = false;
-    for (const char* what : {"as it is", "images x 1e-6", "images x 1e6", "images x 2^-20", "in millimetres", "in kilometres", "lengths x 2^10", "far from the origin", "turned by 90 degrees",
-                             "turned by 33 degrees", "turned about a slanting axis", "vertices in another order", "views in another order", "emitters in another order"})
+    for (const char* what : {"as it is", "images x 1e-6", "images x 1e6", "images x 2^-20", "in millimetres",
+                             "in kilometres", "lengths x 2^10", "far from the origin", "turned by 90 degrees",
+                             "turned by 33 degrees", "turned about a slanting axis", "vertices in another order",
+                             "views in another order", "emitters in another order"})
         needed |= runner.wanted(named(what));
     if (needed) base = runner.run(named("as it is"), solved(capture));
     const auto scaled = [&](const char* what, float factor) {
@@ -98,7 +108,8 @@ void variantsOf(const std::string& of, const Capture& capture, const SolveOption
     scaled("images x 1e-6", 1e-6f);
     scaled("images x 1e6", 1e6f);
     scaled("images x 2^-20", 0x1p-20f);
-    const auto moved = [&](const char* what, double scale, const glm::dmat3& turn, const DVec3& offset, const char* because) {
+    const auto moved = [&](const char* what, double scale, const glm::dmat3& turn, const DVec3& offset,
+                           const char* because) {
         VariantOf how;
         how.scale = scale;
         how.turn = turn;
@@ -113,13 +124,17 @@ void variantsOf(const std::string& of, const Capture& capture, const SolveOption
     moved("in kilometres", 1e-3, unturned, DVec3(0), rounding);
     moved("far from the origin", 1, unturned, 100.0 * extentOf(capture) * DVec3(1, -0.7, 0.2), rounding);
     moved("turned by 90 degrees", 1, glm::dmat3(DVec3(0, 1, 0), DVec3(-1, 0, 0), DVec3(0, 0, 1)), DVec3(0), rounding);
-    moved("turned by 33 degrees", 1, glm::dmat3(DVec3(0.8386705679, 0.5446390350, 0), DVec3(-0.5446390350, 0.8386705679, 0), DVec3(0, 0, 1)), DVec3(0), rounding);
-    moved("turned about a slanting axis", 1, glm::dmat3(glm::mat3_cast(glm::angleAxis(0.9, glm::normalize(DVec3(1, 2, -1))))), DVec3(0), rounding);
+    moved("turned by 33 degrees", 1,
+          glm::dmat3(DVec3(0.8386705679, 0.5446390350, 0), DVec3(-0.5446390350, 0.8386705679, 0), DVec3(0, 0, 1)),
+          DVec3(0), rounding);
+    moved("turned about a slanting axis", 1,
+          glm::dmat3(glm::mat3_cast(glm::angleAxis(0.9, glm::normalize(DVec3(1, 2, -1))))), DVec3(0), rounding);
     VariantOf shuffled;
     const Capture renumbered = withVerticesShuffled(capture, 7, shuffled.newIndex);
     runner.hold(named("vertices in another order"), base, shuffled, solved(renumbered));
     runner.hold(named("views in another order"), base, {}, solved(withViewsReversed(capture)));
-    runner.hold(named("emitters in another order"), base, {}, [&](Progress& progress) { return solveForStress(capture, nullptr, true, options, progress); });
+    runner.hold(named("emitters in another order"), base, {},
+                [&](Progress& progress) { return solveForStress(capture, nullptr, true, options, progress); });
 
     runner.solve(named("one view"), solved(withViews(capture, 1)));
     runner.solve(named("two clipped views"), solved(withClipping(withViews(capture, 2), 70)));
@@ -137,7 +152,8 @@ void worlds(Runner& runner) {
     const auto add = [&](const std::string& what, const StressWorld& world, bool given = false) {
         runner.solve("world: " + what, [world, given](Progress& progress) {
             const PaintedWorld painted = paintStressWorld(world, progress);
-            return solveForStress(painted.capture, given ? &painted.lamps : nullptr, false, solveOptionsFor("draft"), progress);
+            return solveForStress(painted.capture, given ? &painted.lamps : nullptr, false, solveOptionsFor("draft"),
+                                  progress);
         });
     };
     const Vec3 left(-0.45f, 0.3f, 1.1f), right(0.45f, 0.25f, 1.15f);
@@ -154,27 +170,60 @@ void worlds(Runner& runner) {
     };
     const float small = 2e-3f;
     with("emitter of 1e-3 of the scene", [&](StressWorld& w) { w.lamps = {lampAt(right, small, Rgb(1e6f))}; });
-    with("emitter of 1e-3 of the scene, told", [&](StressWorld& w) { w.lamps = {lampAt(right, small, Rgb(1e6f))}; }, true);
-    with("emitter touching a surface", [](StressWorld& w) { w.lamps = {lampAt({0, 0.5f, 0}, 0.2f, Rgb(30))}; }, true);
-    with("emitter inside a shade seen only by its light", [](StressWorld& w) { w.shade = true; w.views = 5; });
-    with("emitter inside a shade, told", [](StressWorld& w) { w.shade = true; }, true);
-    with("emitter five times as bright on one side", [&](StressWorld& w) { w.lamps = {lampAt(right, 0.4f, Rgb(30))}, w.lamps[0].uneven = 5; });
-    with("duplicated emitters", [&](StressWorld& w) { w.lamps = {lampAt(right, 0.3f, Rgb(30)), lampAt(right, 0.3f, Rgb(30))}; }, true);
-    with("coplanar emitters that touch", [&](StressWorld& w) { w.lamps = {lampAt(right, 0.3f, Rgb(30)), lampAt(right - Vec3(0.3f, 0, 0), 0.3f, Rgb(20))}; }, true);
-    with("fully hidden emitter", [](StressWorld& w) { w.shade = w.closed = true; }, true);
+    with(
+        "emitter of 1e-3 of the scene, told", [&](StressWorld& w) { w.lamps = {lampAt(right, small, Rgb(1e6f))}; },
+        true);
+    with(
+        "emitter touching a surface",
+        [](StressWorld& w) {
+            w.lamps = {lampAt({0, 0.5f, 0}, 0.2f, Rgb(30))};
+        },
+        true);
+    with("emitter inside a shade seen only by its light", [](StressWorld& w) {
+        w.shade = true;
+        w.views = 5;
+    });
+    with(
+        "emitter inside a shade, told", [](StressWorld& w) { w.shade = true; }, true);
+    with("emitter five times as bright on one side",
+         [&](StressWorld& w) { w.lamps = {lampAt(right, 0.4f, Rgb(30))}, w.lamps[0].uneven = 5; });
+    with(
+        "duplicated emitters",
+        [&](StressWorld& w) {
+            w.lamps = {lampAt(right, 0.3f, Rgb(30)), lampAt(right, 0.3f, Rgb(30))};
+        },
+        true);
+    with(
+        "coplanar emitters that touch",
+        [&](StressWorld& w) {
+            w.lamps = {lampAt(right, 0.3f, Rgb(30)), lampAt(right - Vec3(0.3f, 0, 0), 0.3f, Rgb(20))};
+        },
+        true);
+    with(
+        "fully hidden emitter", [](StressWorld& w) { w.shade = w.closed = true; }, true);
     with("no emitter", [](StressWorld& w) { w.lamps.clear(); });
     with("environment of zero", [](StressWorld& w) { w.sky = [](const Vec3&) { return Rgb(0); }; });
     with("environment constant", [](StressWorld& w) { w.sky = [](const Vec3&) { return Rgb(0.5f); }; });
-    with("environment constant, no emitter", [](StressWorld& w) { w.sky = [](const Vec3&) { return Rgb(0.5f); }; w.lamps.clear(); });
-    with("environment with a sun of 1e5", [](StressWorld& w) {
-        w.sky = [](const Vec3& d) { return Rgb(0.4f) + (glm::dot(d, glm::normalize(Vec3(0.5f, 0.3f, 0.8f))) > 0.9996f ? Rgb(1e5f) : Rgb(0)); };
+    with("environment constant, no emitter", [](StressWorld& w) {
+        w.sky = [](const Vec3&) { return Rgb(0.5f); };
+        w.lamps.clear();
     });
-    with("no light at all", [](StressWorld& w) { w.sky = [](const Vec3&) { return Rgb(0); }; w.lamps.clear(); });
+    with("environment with a sun of 1e5", [](StressWorld& w) {
+        w.sky = [](const Vec3& d) {
+            return Rgb(0.4f) + (glm::dot(d, glm::normalize(Vec3(0.5f, 0.3f, 0.8f))) > 0.9996f ? Rgb(1e5f) : Rgb(0));
+        };
+    });
+    with("no light at all", [](StressWorld& w) {
+        w.sky = [](const Vec3&) { return Rgb(0); };
+        w.lamps.clear();
+    });
     with("albedo 0", [](StressWorld& w) { w.albedo = Rgb(0); });
     with("albedo 1", [](StressWorld& w) { w.albedo = Rgb(1); });
     with("near-mirror", [](StressWorld& w) { w.mirrorAlpha = 0.01f; });
     with("needle triangles", [](StressWorld& w) { w.needles = true; });
-    runner.solve("world: 3 vertices", [](Progress& progress) { return solveForStress(oneTriangle(), nullptr, false, solveOptionsFor("draft"), progress); });
+    runner.solve("world: 3 vertices", [](Progress& progress) {
+        return solveForStress(oneTriangle(), nullptr, false, solveOptionsFor("draft"), progress);
+    });
 }
 
 }  // namespace
@@ -209,25 +258,36 @@ nlohmann::json stressJson(const StressReport& report) {
     for (const StressCase& c : report.cases) {
         nlohmann::json figures = nlohmann::json::object();
         for (const auto& [name, value] : c.figures) figures[name] = value;
-        cases.push_back({{"name", c.name}, {"finite", c.finite}, {"refused", c.refused}, {"kkt", c.kkt}, {"reason", c.reason}, {"figures", figures}});
+        cases.push_back({{"name", c.name},
+                         {"finite", c.finite},
+                         {"refused", c.refused},
+                         {"kkt", c.kkt},
+                         {"reason", c.reason},
+                         {"figures", figures}});
     }
     return {{"cases", cases}, {"finite_share", report.finiteShare()}, {"seconds", report.seconds}};
 }
 
 std::string stressText(const StressReport& report) {
-    std::string text = fmt::format("{:58} {:>7} {:>8} {:>10} {:>7}  {}\n", "case", "finite", "KKT", "difference", "s", "reason");
+    std::string text =
+        fmt::format("{:58} {:>7} {:>8} {:>10} {:>7}  {}\n", "case", "finite", "KKT", "difference", "s", "reason");
     for (const StressCase& c : report.cases) {
         const auto figure = [&](const char* name, const char* format) {
             for (const auto& [key, value] : c.figures)
                 if (key == name) return fmt::format(fmt::runtime(format), value);
             return std::string("-");
         };
-        text += fmt::format("{:58} {:>7} {:>8} {:>10} {:>7}  {}\n", c.name, c.refused ? "refused" : c.finite ? "yes" : "NO", c.refused ? "-" : fmt::format("{:.0e}", c.kkt),
-                            figure("difference", "{:.1e}"), figure("seconds", "{:.2f}"), c.reason);
+        text += fmt::format("{:58} {:>7} {:>8} {:>10} {:>7}  {}\n", c.name,
+                            c.refused  ? "refused"
+                            : c.finite ? "yes"
+                                       : "NO",
+                            c.refused ? "-" : fmt::format("{:.0e}", c.kkt), figure("difference", "{:.1e}"),
+                            figure("seconds", "{:.2f}"), c.reason);
     }
     size_t holding = 0;
     for (const StressCase& c : report.cases) holding += c.holds();
-    return text + fmt::format("{:.0f} % finite; {} of {} cases are solved to 1e-6 or say why not; {:.1f} s\n", 100 * report.finiteShare(), holding, report.cases.size(), report.seconds);
+    return text + fmt::format("{:.0f} % finite; {} of {} cases are solved to 1e-6 or say why not; {:.1f} s\n",
+                              100 * report.finiteShare(), holding, report.cases.size(), report.seconds);
 }
 
 }  // namespace relamp

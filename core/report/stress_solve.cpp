@@ -15,7 +15,8 @@ DVec3 irradianceOn(const Estimate& estimate, const DVec3& normal) {
     const DirectionGrid grid{estimate.environmentSide};
     DVec3 sum(0);
     for (int c = 0; c < grid.cells(); ++c)
-        if (const double cosine = glm::dot(DVec3(grid.direction(c)), normal); cosine > 0) sum += DVec3(estimate.environment[size_t(c)]) * cosine;
+        if (const double cosine = glm::dot(DVec3(grid.direction(c)), normal); cosine > 0)
+            sum += DVec3(estimate.environment[size_t(c)]) * cosine;
     return sum * double(grid.cellSolidAngle());
 }
 
@@ -23,7 +24,8 @@ double largest(const DVec3& v) { return std::max(v.x, std::max(v.y, v.z)); }
 
 }  // namespace
 
-Estimate solveForStress(const Capture& capture, const EmitterClusters* lamps, bool emittersReversed, const SolveOptions& options, Progress& progress) {
+Estimate solveForStress(const Capture& capture, const EmitterClusters* lamps, bool emittersReversed,
+                        const SolveOptions& options, Progress& progress) {
     const Scene scene = buildScene(capture.mesh, progress, ownAxes(capture));
     const RadianceSamples samples = gatherRadiance(capture, scene, {}, progress);
     EmitterClusters clusters = lamps ? *lamps : clusterEmitters(scene, capture, samples, {}, progress);
@@ -35,13 +37,16 @@ Estimate solveForStress(const Capture& capture, const EmitterClusters* lamps, bo
 }
 
 bool allFinite(const Estimate& e) {
-    bool finite = finiteAll(e.lighting.leafRadiance) && finiteAll(e.lighting.emitterRadiance) && finiteAll(e.environment) && finiteAll(e.emitterSigma);
+    bool finite = finiteAll(e.lighting.leafRadiance) && finiteAll(e.lighting.emitterRadiance) &&
+                  finiteAll(e.environment) && finiteAll(e.emitterSigma);
     for (const auto& lobe : e.reflectance.weight) finite = finite && finiteAll(lobe);
     for (float value : e.reflectance.confidence) finite = finite && std::isfinite(value);
     for (float value : e.identifiability) finite = finite && std::isfinite(value);
     for (const TimelineEntry& t : e.timeline) finite = finite && std::isfinite(t.objective) && std::isfinite(t.rmse);
-    for (const EmitterCluster& c : e.emitters.emitters) finite = finite && isFinite(c.radiance) && isFinite(c.centroid) && std::isfinite(c.area);
-    return finite && std::isfinite(e.stability.kktResidual) && std::isfinite(e.stability.conditionNumber) && isFinite(e.gauge.scale);
+    for (const EmitterCluster& c : e.emitters.emitters)
+        finite = finite && isFinite(c.radiance) && isFinite(c.centroid) && std::isfinite(c.area);
+    return finite && std::isfinite(e.stability.kktResidual) && std::isfinite(e.stability.conditionNumber) &&
+           isFinite(e.gauge.scale);
 }
 
 AnswerDifference differenceOf(const Estimate& base, const Estimate& variant, const VariantOf& how) {
@@ -49,7 +54,8 @@ AnswerDifference differenceOf(const Estimate& base, const Estimate& variant, con
     const size_t count = base.emitters.emitters.size();
     if (count != variant.emitters.emitters.size()) d.emitters = 1;
     double strongest = 0;
-    for (const Rgb& r : base.lighting.emitterRadiance) strongest = std::max(strongest, double(maxChannel(r * how.radiance)));
+    for (const Rgb& r : base.lighting.emitterRadiance)
+        strongest = std::max(strongest, double(maxChannel(r * how.radiance)));
     for (size_t e = 0; e < count && d.emitters < 1; ++e) {
         const DVec3 centre = how.scale * (how.turn * DVec3(base.emitters.emitters[e].centroid)) + how.offset;
         double nearest = 1e300;
@@ -58,11 +64,13 @@ AnswerDifference differenceOf(const Estimate& base, const Estimate& variant, con
             const double distance = glm::length(DVec3(variant.emitters.emitters[k].centroid) - centre);
             if (distance < nearest) nearest = distance, match = k;
         }
-        const DVec3 wanted(base.lighting.emitterRadiance[e] * how.radiance), found(variant.lighting.emitterRadiance[match]);
+        const DVec3 wanted(base.lighting.emitterRadiance[e] * how.radiance),
+            found(variant.lighting.emitterRadiance[match]);
         d.emitters = std::max(d.emitters, largest(glm::abs(wanted - found)) / std::max(strongest, 1e-300));
     }
     double brightest = 0, off = 0;
-    for (const DVec3& n : {DVec3(0, 0, 1), DVec3(0, 0, -1), DVec3(1, 0, 0), DVec3(-1, 0, 0), DVec3(0, 1, 0), DVec3(0, -1, 0)}) {
+    for (const DVec3& n :
+         {DVec3(0, 0, 1), DVec3(0, 0, -1), DVec3(1, 0, 0), DVec3(-1, 0, 0), DVec3(0, 1, 0), DVec3(0, -1, 0)}) {
         const DVec3 wanted = irradianceOn(base, n) * DVec3(how.radiance);
         brightest = std::max(brightest, largest(wanted));
         off = std::max(off, largest(glm::abs(wanted - irradianceOn(variant, how.turn * n))));

@@ -38,7 +38,8 @@ Capture withNoise(Capture capture, float relative, uint64_t seed) {
     for (size_t i = 0; i < capture.views.size(); ++i)
         for (size_t p = 0; p < capture.views[i].image.pixels.size(); ++p)
             for (int c = 0; c < 3; ++c)
-                capture.views[i].image.pixels[p][c] *= std::max(0.0f, 1 + relative * normalOf(mixBits(seed * 31 + i) ^ (uint64_t(p) * 3 + uint64_t(c))));
+                capture.views[i].image.pixels[p][c] *=
+                    std::max(0.0f, 1 + relative * normalOf(mixBits(seed * 31 + i) ^ (uint64_t(p) * 3 + uint64_t(c))));
     return capture;
 }
 
@@ -59,7 +60,8 @@ Capture withOutliers(Capture capture, float share, uint64_t seed) {
 
 Capture withViews(Capture capture, size_t count) {
     std::vector<View> kept;
-    for (size_t i = 0; i < std::min(count, capture.views.size()); ++i) kept.push_back(std::move(capture.views[i * capture.views.size() / count]));
+    for (size_t i = 0; i < std::min(count, capture.views.size()); ++i)
+        kept.push_back(std::move(capture.views[i * capture.views.size() / count]));
     capture.views = std::move(kept);
     return capture;
 }
@@ -109,7 +111,8 @@ Capture withVerticesShuffled(Capture capture, uint64_t seed, std::vector<uint32_
     const size_t n = capture.mesh.vertexCount();
     std::vector<uint32_t> order(n);
     std::iota(order.begin(), order.end(), 0u);
-    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return mixBits(seed ^ a) < mixBits(seed ^ b); });
+    std::sort(order.begin(), order.end(),
+              [&](uint32_t a, uint32_t b) { return mixBits(seed ^ a) < mixBits(seed ^ b); });
     newIndex.assign(n, 0);
     Mesh mesh = capture.mesh;
     for (uint32_t i = 0; i < n; ++i) {

@@ -19,8 +19,8 @@ Capture withOutliers(Capture capture, float share, uint64_t seed);
 Capture withViews(Capture capture, size_t count);
 /// All views clipped at this percentile (0 to 100) of their own luminance.
 Capture withClipping(Capture capture, float percentile);
-/// Mesh and cameras moved: p -> scale * turn * p + offset, in double and then placed as a capture is that is read from such files (Capture::origin).
-/// `offset` in units of the scaled scene.
+/// Mesh and cameras moved: p -> scale * turn * p + offset, in double and then placed as a capture is that is read from
+/// such files (Capture::origin). `offset` in units of the scaled scene.
 Capture movedBy(Capture capture, double scale, const glm::dmat3& turn, const DVec3& offset);
 /// The length of the mesh's bounding box.
 double extentOf(const Capture& capture);

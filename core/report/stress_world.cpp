@@ -57,12 +57,16 @@ void addBall(Mesh& mesh, const Vec3& centre, float radius, int rings, int around
 /// The open box about a lamp: four walls and a lid seen from both sides, wider than the lamp.
 void addShade(Mesh& mesh, const StressLamp& lamp, bool closed) {
     const float w = 0.75f * lamp.side, down = 0.35f, up = 0.08f;
-    const Vec3 low = lamp.centre - Vec3(w, w, down), d(2 * w, 2 * w, down + up), x(d.x, 0, 0), y(0, d.y, 0), z(0, 0, d.z);
+    const Vec3 low = lamp.centre - Vec3(w, w, down), d(2 * w, 2 * w, down + up), x(d.x, 0, 0), y(0, d.y, 0),
+               z(0, 0, d.z);
     const float wall = 0.01f;
     for (const float grow : {0.0f, wall}) {
         const bool outside = grow > 0;
-        const Vec3 l = low - Vec3(grow, grow, 0), gx = x + Vec3(2 * grow, 0, 0), gy = y + Vec3(0, 2 * grow, 0), gz = z + Vec3(0, 0, grow);
-        const auto sheet = [&](const Vec3& corner, const Vec3& u, const Vec3& v) { outside ? addSheet(mesh, corner, u, v, 5, 5) : addSheet(mesh, corner, v, u, 5, 5); };
+        const Vec3 l = low - Vec3(grow, grow, 0), gx = x + Vec3(2 * grow, 0, 0), gy = y + Vec3(0, 2 * grow, 0),
+                   gz = z + Vec3(0, 0, grow);
+        const auto sheet = [&](const Vec3& corner, const Vec3& u, const Vec3& v) {
+            outside ? addSheet(mesh, corner, u, v, 5, 5) : addSheet(mesh, corner, v, u, 5, 5);
+        };
         sheet(l + gz, gx, gy);
         sheet(l, gx, gz);
         sheet(l + gy, gz, gx);
@@ -84,7 +88,8 @@ Camera cameraAt(const DVec3& eye, const DVec3& target) {
     camera.focalX = camera.focalY = 72;
     camera.centreX = 36;
     camera.centreY = 27;
-    const DVec3 back = glm::normalize(eye - target), right = glm::normalize(glm::cross(DVec3(0, 0, 1), back)), up = glm::cross(back, right);
+    const DVec3 back = glm::normalize(eye - target), right = glm::normalize(glm::cross(DVec3(0, 0, 1), back)),
+                up = glm::cross(back, right);
     camera.worldFromCamera = DMat4(glm::dvec4(right, 0), glm::dvec4(up, 0), glm::dvec4(back, 0), glm::dvec4(eye, 1));
     return camera;
 }
@@ -110,23 +115,28 @@ EmitterCluster clusterOf(const Mesh& mesh, const std::vector<uint32_t>& triangle
 }
 
 /// What the painter shades: Lambert everywhere but on a metal ball.
-Estimate truthOf(const StressWorld& world, const Scene& scene, const EmitterClusters& lamps, size_t firstOnFloor, size_t firstOfBall, size_t afterBall) {
+Estimate truthOf(const StressWorld& world, const Scene& scene, const EmitterClusters& lamps, size_t firstOnFloor,
+                 size_t firstOfBall, size_t afterBall) {
     Estimate e;
     e.mode = "near-field";
     e.environmentSide = 64;
     const DirectionGrid grid{e.environmentSide};
-    for (int c = 0; c < grid.cells(); ++c) e.environment.push_back(world.sky ? world.sky(grid.direction(c)) : plainSky(grid.direction(c)));
+    for (int c = 0; c < grid.cells(); ++c)
+        e.environment.push_back(world.sky ? world.sky(grid.direction(c)) : plainSky(grid.direction(c)));
     e.lighting.leaves = LightLeaves::uniform(1);
     e.lighting.leafRadiance.assign(4, Rgb(0));
     e.emitters = lamps;
     for (const EmitterCluster& lamp : lamps.emitters) e.lighting.emitterRadiance.push_back(lamp.radiance);
     const size_t n = scene.mesh.vertexCount();
-    e.reflectance.basis.lobes = {Lobe{Lobe::Kind::lambert, 1, "lambert"}, Lobe{Lobe::Kind::ggx, std::max(world.mirrorAlpha, 1e-3f), "ggx"}};
+    e.reflectance.basis.lobes = {Lobe{Lobe::Kind::lambert, 1, "lambert"},
+                                 Lobe{Lobe::Kind::ggx, std::max(world.mirrorAlpha, 1e-3f), "ggx"}};
     e.reflectance.weight.assign(2, std::vector<Rgb>(n, Rgb(0)));
     for (size_t v = 0; v < n; ++v) {
         if (lamps.emitterOfVertex[v] >= 0) continue;
         if (world.mirrorAlpha > 0 && v >= firstOfBall && v < afterBall) e.reflectance.weight[1][v] = Rgb(0.9f);
-        else e.reflectance.weight[0][v] = v < firstOnFloor ? world.albedo : Rgb(world.albedo.z, world.albedo.y, world.albedo.x);
+        else
+            e.reflectance.weight[0][v] =
+                v < firstOnFloor ? world.albedo : Rgb(world.albedo.z, world.albedo.y, world.albedo.x);
     }
     return e;
 }
@@ -150,7 +160,9 @@ PaintedWorld paintStressWorld(const StressWorld& world, Progress& progress) {
         for (int i = 0; i < strips; ++i) {
             const size_t each = triangles.size() / size_t(strips);
             const float along = strips > 1 ? float(i) / float(strips - 1) : 0.5f;
-            lamps.emitters.push_back(clusterOf(mesh, {triangles.begin() + ptrdiff_t(each) * i, triangles.begin() + ptrdiff_t(each) * (i + 1)}, lamp.radiance * (2 * glm::mix(1.0f, lamp.uneven, along) / (1 + lamp.uneven))));
+            lamps.emitters.push_back(clusterOf(
+                mesh, {triangles.begin() + ptrdiff_t(each) * i, triangles.begin() + ptrdiff_t(each) * (i + 1)},
+                lamp.radiance * (2 * glm::mix(1.0f, lamp.uneven, along) / (1 + lamp.uneven))));
         }
     }
     const Scene scene = buildScene(mesh, progress);
@@ -170,7 +182,8 @@ PaintedWorld paintStressWorld(const StressWorld& world, Progress& progress) {
         const double a = 2 * piD * i / world.views + 0.3;
         View view;
         view.name = fmt::format("{:02}", i);
-        view.camera = cameraAt({2.3 * std::cos(a), 2.3 * std::sin(a), i % 2 ? 0.45 : 1.9}, {0.05, 0, i % 2 ? 0.6 : 0.15});
+        view.camera =
+            cameraAt({2.3 * std::cos(a), 2.3 * std::sin(a), i % 2 ? 0.45 : 1.9}, {0.05, 0, i % 2 ? 0.6 : 0.15});
         options.seed = uint64_t(i) + 1;
         view.image = Image(view.camera.width, view.camera.height);
         view.image.pixels = renderFrame(relit, view.camera, options, progress).beauty;

@@ -1,4 +1,5 @@
-// Small worlds with known light for the stress cases: a floor, a box and a ball under lamps and a sky, painted by the frame renderer.
+// Small worlds with known light for the stress cases: a floor, a box and a ball under lamps and a sky, painted by the
+// frame renderer.
 #pragma once
 #include <functional>
 
@@ -12,24 +13,25 @@ struct StressLamp {
     Vec3 centre{0.35f, 0.25f, 1.15f};
     float side = 0.3f;
     Rgb radiance{40, 34, 26};  ///< mean over it
-    float uneven = 1;          ///< how many times as bright one side is as the other, in eight strips; painted as an emitter each
+    float uneven =
+        1;  ///< how many times as bright one side is as the other, in eight strips; painted as an emitter each
 };
 
 struct StressWorld {
     std::vector<StressLamp> lamps{StressLamp{}};
-    std::function<Rgb(const Vec3&)> sky;      ///< radiance by direction; empty: bluish above with a warm glow
-    Rgb albedo{0.55f, 0.5f, 0.42f};           ///< of floor, and with red and blue exchanged of what stands on it
-    float mirrorAlpha = 0;                    ///< > 0: the ball is bare metal of this GGX width
-    bool shade = false;                       ///< an open box hangs about the first lamp
-    bool closed = false;                      ///< ... and is closed below as well
-    bool needles = false;                     ///< the floor is cut into strips of 1 : 2000
+    std::function<Rgb(const Vec3&)> sky;  ///< radiance by direction; empty: bluish above with a warm glow
+    Rgb albedo{0.55f, 0.5f, 0.42f};       ///< of floor, and with red and blue exchanged of what stands on it
+    float mirrorAlpha = 0;                ///< > 0: the ball is bare metal of this GGX width
+    bool shade = false;                   ///< an open box hangs about the first lamp
+    bool closed = false;                  ///< ... and is closed below as well
+    bool needles = false;                 ///< the floor is cut into strips of 1 : 2000
     int views = 6;
 };
 
 /// What the painter knows: the capture and where its lamps are.
 struct PaintedWorld {
     Capture capture;
-    EmitterClusters lamps;   ///< of the capture's mesh, indexed
+    EmitterClusters lamps;  ///< of the capture's mesh, indexed
 };
 
 /// Six views of 72 x 54, 900 vertices. Cost about 0.2 s. Throws Cancelled.

@@ -39,14 +39,16 @@ double medianOf(std::vector<double> values) {
 }
 
 /// The lamps found for the lamps there are: true number -> id. Fills the figures of both.
-std::map<int, std::string> matchEmitters(const Columns& truth, const std::vector<Rgb>& emission, const Shot& shot, const Scene& scene, TruthFigures& out) {
+std::map<int, std::string> matchEmitters(const Columns& truth, const std::vector<Rgb>& emission, const Shot& shot,
+                                         const Scene& scene, TruthFigures& out) {
     std::map<int, std::string> matched;
     const auto ids = truth.find("emitter_id");
     if (ids == truth.end() || emission.empty()) return matched;
     std::map<int, std::vector<uint32_t>> vertices;
     size_t both = 0, either = 0;
     for (uint32_t v = 0; v < emission.size(); ++v) {
-        const bool shines = ids->second[v] >= 0 && maxChannel(emission[v]) > 0, mine = shot.estimate.emitters.emitterOfVertex[v] >= 0;
+        const bool shines = ids->second[v] >= 0 && maxChannel(emission[v]) > 0,
+                   mine = shot.estimate.emitters.emitterOfVertex[v] >= 0;
         if (shines) vertices[int(ids->second[v])].push_back(v);
         both += shines && mine;
         either += shines || mine;
@@ -55,20 +57,31 @@ std::map<int, std::string> matchEmitters(const Columns& truth, const std::vector
     for (const auto& [id, members] : vertices) {
         Vec3 centre(0);
         Rgb radiance(0);
-        for (uint32_t v : members) centre += scene.mesh.positions[v] / float(members.size()), radiance += emission[v] / float(members.size());
+        for (uint32_t v : members)
+            centre += scene.mesh.positions[v] / float(members.size()), radiance += emission[v] / float(members.size());
         float nearest = 1e-3f;
         for (uint32_t v : members) nearest = std::max(nearest, glm::length(scene.mesh.positions[v] - centre));
         int match = -1;
         for (size_t e = 0; e < shot.estimate.emitters.emitters.size(); ++e)
-            if (const float d = glm::length(shot.estimate.emitters.emitters[e].centroid - centre); d <= nearest) nearest = d, match = int(e);
+            if (const float d = glm::length(shot.estimate.emitters.emitters[e].centroid - centre); d <= nearest)
+                nearest = d, match = int(e);
         if (match < 0) continue;
         matched[id] = shot.estimate.emitters.emitters[size_t(match)].id;
         for (int c = 0; c < 3; ++c)
-            if (radiance[c] > 0.02f * maxChannel(radiance)) errors.push_back(std::abs(double(shot.estimate.lighting.emitterRadiance[size_t(match)][c]) / radiance[c] - 1));
+            if (radiance[c] > 0.02f * maxChannel(radiance))
+                errors.push_back(
+                    std::abs(double(shot.estimate.lighting.emitterRadiance[size_t(match)][c]) / radiance[c] - 1));
     }
-    out.figures.push_back({"Lamps", fmt::format("{} of {} found, {} in all", matched.size(), vertices.size(), shot.estimate.emitters.emitters.size()), "Matched by where they are."});
-    if (either) out.figures.push_back({"Lamps' outline", fmt::format("{:.3f}", double(both) / double(either)), "Vertices taken for a lamp over those that are or were taken for one; 1 is exact."});
-    if (!errors.empty()) out.figures.push_back({"Lamps' radiance", fmt::format("{:.2f} % off", 100 * medianOf(errors)), "Median over lamps and channels."});
+    out.figures.push_back({"Lamps",
+                           fmt::format("{} of {} found, {} in all", matched.size(), vertices.size(),
+                                       shot.estimate.emitters.emitters.size()),
+                           "Matched by where they are."});
+    if (either)
+        out.figures.push_back({"Lamps' outline", fmt::format("{:.3f}", double(both) / double(either)),
+                               "Vertices taken for a lamp over those that are or were taken for one; 1 is exact."});
+    if (!errors.empty())
+        out.figures.push_back({"Lamps' radiance", fmt::format("{:.2f} % off", 100 * medianOf(errors)),
+                               "Median over lamps and channels."});
     return matched;
 }
 
@@ -78,17 +91,25 @@ void albedoFigures(const Columns& truth, const std::vector<Rgb>& emission, const
     double ab = 0, aa = 0, squares = 0, angle = 0, count = 0;
     for (size_t v = 0; v < albedo.size(); ++v) {
         const DVec3 t(albedo[v]), found(shot.estimate.reflectance.weight[0][v]);
-        if (std::min(t.x, std::min(t.y, t.z)) <= 0.02 || !shot.estimate.reflectance.observed[v] || (!emission.empty() && maxChannel(emission[v]) > 0)) continue;
+        if (std::min(t.x, std::min(t.y, t.z)) <= 0.02 || !shot.estimate.reflectance.observed[v] ||
+            (!emission.empty() && maxChannel(emission[v]) > 0))
+            continue;
         ab += glm::dot(t, found);
         aa += glm::dot(found, found);
         squares += glm::dot(t - found, t - found) / 3;
-        angle += std::acos(std::clamp(glm::dot(t, found) / std::max(glm::length(t) * glm::length(found), 1e-12), -1.0, 1.0)) * 180 / piD;
+        angle += std::acos(
+                     std::clamp(glm::dot(t, found) / std::max(glm::length(t) * glm::length(found), 1e-12), -1.0, 1.0)) *
+                 180 / piD;
         ++count;
     }
     if (!(count > 0)) return;
-    out.figures.push_back({"Surfaces' own colour", fmt::format("{:.1f} dB", -10 * std::log10(std::max(squares / count, 1e-10))), "PSNR of the albedo per vertex, raw."});
-    out.figures.push_back({"Scale of the albedo", fmt::format("{:.3f}", ab / std::max(aa, 1e-20)), "What it would have to be multiplied with; 1 is exact."});
-    out.figures.push_back({"Tint", fmt::format("{:.1f}\u00b0", angle / count), "Mean angle between the colour found and the true one."});
+    out.figures.push_back({"Surfaces' own colour",
+                           fmt::format("{:.1f} dB", -10 * std::log10(std::max(squares / count, 1e-10))),
+                           "PSNR of the albedo per vertex, raw."});
+    out.figures.push_back({"Scale of the albedo", fmt::format("{:.3f}", ab / std::max(aa, 1e-20)),
+                           "What it would have to be multiplied with; 1 is exact."});
+    out.figures.push_back(
+        {"Tint", fmt::format("{:.1f}\u00b0", angle / count), "Mean angle between the colour found and the true one."});
 }
 
 void environmentFigure(const fs::path& file, const Shot& shot, TruthFigures& out) {
@@ -98,17 +119,27 @@ void environmentFigure(const fs::path& file, const Shot& shot, TruthFigures& out
     const int step = shot.estimate.environmentSide / coarse.side;
     std::vector<DVec3> found(truth.size(), DVec3(0));
     for (int c = 0; c < shot.estimate.environmentSide * shot.estimate.environmentSide; ++c)
-        found[size_t(c / shot.estimate.environmentSide / step * coarse.side + c % shot.estimate.environmentSide / step)] += DVec3(shot.estimate.environment[size_t(c)]) / double(step * step);
+        found[size_t(c / shot.estimate.environmentSide / step * coarse.side +
+                     c % shot.estimate.environmentSide / step)] +=
+            DVec3(shot.estimate.environment[size_t(c)]) / double(step * step);
     double difference = 0, norm = 0;
-    for (size_t c = 0; c < truth.size(); ++c) difference += glm::dot(found[c] - DVec3(truth[c]), found[c] - DVec3(truth[c])), norm += glm::dot(DVec3(truth[c]), DVec3(truth[c]));
-    if (norm > 0) out.figures.push_back({"Surroundings", fmt::format("{:.2f}", std::sqrt(difference / norm)), "Relative error over 32 x 32 directions, raw; a few bright spots rule it."});
+    for (size_t c = 0; c < truth.size(); ++c)
+        difference += glm::dot(found[c] - DVec3(truth[c]), found[c] - DVec3(truth[c])),
+            norm += glm::dot(DVec3(truth[c]), DVec3(truth[c]));
+    if (norm > 0)
+        out.figures.push_back({"Surroundings", fmt::format("{:.2f}", std::sqrt(difference / norm)),
+                               "Relative error over 32 x 32 directions, raw; a few bright spots rule it."});
 }
 
 Look lookOf(const json& entry, const std::map<int, std::string>& emitters, const fs::path& folder) {
     json document{{"version", 1}, {"emitters", json::array()}};
     const std::string environment = entry.value("env", "unchanged");
     if (environment == "none") document["environment"] = {{"source", "none"}};
-    else if (environment != "unchanged") document["environment"] = {{"source", "file"}, {"file", (fs::exists(folder / environment) ? folder / environment : folder.parent_path() / environment).string()}};
+    else if (environment != "unchanged")
+        document["environment"] = {
+            {"source", "file"},
+            {"file",
+             (fs::exists(folder / environment) ? folder / environment : folder.parent_path() / environment).string()}};
     for (const json& edit : entry.value("edits", json::array())) {
         const auto id = emitters.find(edit.at("emitter_id").get<int>());
         if (id == emitters.end()) continue;
@@ -123,9 +154,11 @@ Look lookOf(const json& entry, const std::map<int, std::string>& emitters, const
 /// The entry's camera: a view's number, or an object as `render --camera FILE` takes it.
 Camera cameraOf(const json& entry, const Shot& shot) {
     const json& camera = entry.at("camera");
-    if (camera.is_number_integer() && camera.get<int>() >= 0 && camera.get<size_t>() < shot.capture.views.size()) return shot.capture.views[camera.get<size_t>()].camera;
+    if (camera.is_number_integer() && camera.get<int>() >= 0 && camera.get<size_t>() < shot.capture.views.size())
+        return shot.capture.views[camera.get<size_t>()].camera;
     if (!camera.is_object()) throw Error("camera: {} is no view", camera.dump());
-    const fs::path file = fs::temp_directory_path() / fmt::format("relamp-camera-{}.json", std::hash<std::string>{}(camera.dump()));
+    const fs::path file =
+        fs::temp_directory_path() / fmt::format("relamp-camera-{}.json", std::hash<std::string>{}(camera.dump()));
     writeBytesAtomically(file, camera.dump());
     Camera read = readCameraFile(file);
     read.worldFromCamera[3] -= glm::dvec4(shot.capture.origin, 0);
@@ -133,7 +166,8 @@ Camera cameraOf(const json& entry, const Shot& shot) {
     return read;
 }
 
-void editFigures(const fs::path& folder, const Shot& shot, const Scene& scene, const std::map<int, std::string>& emitters, TruthFigures& out, Progress& progress) {
+void editFigures(const fs::path& folder, const Shot& shot, const Scene& scene,
+                 const std::map<int, std::string>& emitters, TruthFigures& out, Progress& progress) {
     const fs::path file = folder / "relight.json";
     if (!fs::exists(file)) return;
     json entries = json::parse(readBytes(file));
@@ -153,13 +187,15 @@ void editFigures(const fs::path& folder, const Shot& shot, const Scene& scene, c
         options.samplesPerPixel = 4;
         Camera camera = smallerCamera(cameraOf(entry, shot), std::max(truth.width, truth.height));
         if (camera.width != truth.width || camera.height != truth.height) continue;
-        const Frame frame = renderFrame(applyLook(scene, shot.estimate, lookOf(entry, emitters, folder), progress), camera, options, progress);
+        const Frame frame = renderFrame(applyLook(scene, shot.estimate, lookOf(entry, emitters, folder), progress),
+                                        camera, options, progress);
         Image relit(frame.width, frame.height);
         relit.pixels = frame.beauty;
         truth.usable = mask;
         const double psnr = displayError(relit, truth, mask, exposureFor(truth, 99.5f)).psnr();
         out.edits.push_back({name, entry.value("about", ""), psnr});
-        const bool changes = !entry.value("edits", json::array()).empty() || entry.value("env", "unchanged") != "unchanged";
+        const bool changes =
+            !entry.value("edits", json::array()).empty() || entry.value("env", "unchanged") != "unchanged";
         if (changes) sum += psnr, ++counted;
     }
     if (counted) out.meanPsnr = sum / double(counted);
@@ -179,14 +215,16 @@ TruthFigures truthFigures(const fs::path& folder, const Shot& shot, const Scene&
             const std::vector<Rgb> emission = colours(truth, "emission");
             const auto x = truth.find("x");
             if (x == truth.end() || x->second.size() != scene.mesh.vertexCount())
-                throw Error("{}: has {} vertices, expected the capture's {}", vertices.string(), x == truth.end() ? 0 : x->second.size(), scene.mesh.vertexCount());
+                throw Error("{}: has {} vertices, expected the capture's {}", vertices.string(),
+                            x == truth.end() ? 0 : x->second.size(), scene.mesh.vertexCount());
             emitters = matchEmitters(truth, emission, shot, scene, out);
             albedoFigures(truth, emission, shot, out);
         }
         environmentFigure(folder / "env.exr", shot, out);
         editFigures(folder, shot, scene, emitters, out, progress);
     } catch (const json::exception& error) {
-        throw Error("{}: a field is missing or has the wrong kind ({})", (folder / "relight.json").string(), error.what());
+        throw Error("{}: a field is missing or has the wrong kind ({})", (folder / "relight.json").string(),
+                    error.what());
     }
     return out;
 }

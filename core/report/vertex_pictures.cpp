@@ -8,7 +8,7 @@
 namespace relamp {
 namespace {
 
-const Rgb unseen(0.18f, 0.19f, 0.22f);        // display
+const Rgb unseen(0.18f, 0.19f, 0.22f);  // display
 const Rgb unseenLinear(0.027f, 0.030f, 0.040f);
 
 /// Weighted mean of a vertex's look-ups; false when it has none.
@@ -50,8 +50,14 @@ std::vector<Rgb> correctionColours(const Estimate& estimate) {
 
 Rgb clusterColour(size_t emitter) {
     // Distinct in hue and in brightness, so that they can be told apart without colour vision.
-    static constexpr std::array<std::array<float, 3>, 8> palette{{{0.98f, 0.75f, 0.24f}, {0.35f, 0.65f, 0.95f}, {0.90f, 0.40f, 0.45f}, {0.40f, 0.82f, 0.60f},
-                                                                  {0.76f, 0.55f, 0.92f}, {0.95f, 0.93f, 0.55f}, {0.32f, 0.45f, 0.62f}, {0.72f, 0.46f, 0.28f}}};
+    static constexpr std::array<std::array<float, 3>, 8> palette{{{0.98f, 0.75f, 0.24f},
+                                                                  {0.35f, 0.65f, 0.95f},
+                                                                  {0.90f, 0.40f, 0.45f},
+                                                                  {0.40f, 0.82f, 0.60f},
+                                                                  {0.76f, 0.55f, 0.92f},
+                                                                  {0.95f, 0.93f, 0.55f},
+                                                                  {0.32f, 0.45f, 0.62f},
+                                                                  {0.72f, 0.46f, 0.28f}}};
     const auto& c = palette[emitter % palette.size()];
     return Rgb(c[0], c[1], c[2]);
 }
@@ -65,7 +71,11 @@ std::vector<Rgb> clusterColours(const Estimate& estimate) {
 
 Rgb confidenceColour(float confidence) {
     // Purple, blue, teal, green, yellow: brightness rises along the scale.
-    static constexpr std::array<std::array<float, 3>, 5> scale{{{0.27f, 0.00f, 0.33f}, {0.23f, 0.32f, 0.55f}, {0.13f, 0.57f, 0.55f}, {0.37f, 0.79f, 0.38f}, {0.99f, 0.91f, 0.14f}}};
+    static constexpr std::array<std::array<float, 3>, 5> scale{{{0.27f, 0.00f, 0.33f},
+                                                                {0.23f, 0.32f, 0.55f},
+                                                                {0.13f, 0.57f, 0.55f},
+                                                                {0.37f, 0.79f, 0.38f},
+                                                                {0.99f, 0.91f, 0.14f}}};
     const float x = std::clamp(confidence, 0.0f, 1.0f) * 4;
     const size_t i = std::min<size_t>(3, size_t(x));
     const float t = x - float(i);
@@ -90,7 +100,8 @@ std::vector<Rgb> differenceColours(const std::vector<Rgb>& model, const Radiance
         Rgb seen;
         if (!observed(samples, v, view, seen)) continue;
         const float floor = std::max(samples.noiseFloor, 1e-6f);
-        const float stops = std::clamp(std::log2((luminance(model[v]) + floor) / (luminance(seen) + floor)), -1.0f, 1.0f);
+        const float stops =
+            std::clamp(std::log2((luminance(model[v]) + floor) / (luminance(seen) + floor)), -1.0f, 1.0f);
         colours[v] = glm::mix(equal, stops > 0 ? tooBright : tooDark, std::abs(stops));
     }
     return colours;

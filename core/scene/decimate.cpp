@@ -20,7 +20,8 @@ struct Quadric {
     double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0, x = 0, y = 0, z = 0, rest = 0;
 
     void addPlane(const DVec3& n, double d, double w) {
-        xx += w * n.x * n.x, xy += w * n.x * n.y, xz += w * n.x * n.z, yy += w * n.y * n.y, yz += w * n.y * n.z, zz += w * n.z * n.z;
+        xx += w * n.x * n.x, xy += w * n.x * n.y, xz += w * n.x * n.z, yy += w * n.y * n.y, yz += w * n.y * n.z,
+            zz += w * n.z * n.z;
         x += w * n.x * d, y += w * n.y * d, z += w * n.z * d, rest += w * d * d;
     }
     void addPoint(const DVec3& p, double w) {
@@ -31,17 +32,21 @@ struct Quadric {
         }
     }
     void add(const Quadric& o) {
-        xx += o.xx, xy += o.xy, xz += o.xz, yy += o.yy, yz += o.yz, zz += o.zz, x += o.x, y += o.y, z += o.z, rest += o.rest;
+        xx += o.xx, xy += o.xy, xz += o.xz, yy += o.yy, yz += o.yz, zz += o.zz, x += o.x, y += o.y, z += o.z,
+            rest += o.rest;
     }
     double at(const DVec3& p) const {
-        return p.x * (xx * p.x + 2 * (xy * p.y + xz * p.z + x)) + p.y * (yy * p.y + 2 * (yz * p.z + y)) + p.z * (zz * p.z + 2 * z) + rest;
+        return p.x * (xx * p.x + 2 * (xy * p.y + xz * p.z + x)) + p.y * (yy * p.y + 2 * (yz * p.z + y)) +
+               p.z * (zz * p.z + 2 * z) + rest;
     }
 };
 
 struct Collapse {
     double cost;
     uint32_t from, to, fromStamp, toStamp;
-    bool operator>(const Collapse& o) const { return cost != o.cost ? cost > o.cost : from != o.from ? from > o.from : to > o.to; }
+    bool operator>(const Collapse& o) const {
+        return cost != o.cost ? cost > o.cost : from != o.from ? from > o.from : to > o.to;
+    }
 };
 
 class Decimator {
@@ -85,7 +90,9 @@ public:
                 progress.advance(told - left_);
                 told = left_;
             }
-            if (stamp_[c.from] != c.fromStamp || stamp_[c.to] != c.toStamp || into_[c.from] != c.from || into_[c.to] != c.to) continue;
+            if (stamp_[c.from] != c.fromStamp || stamp_[c.to] != c.toStamp || into_[c.from] != c.from ||
+                into_[c.to] != c.to)
+                continue;
             if (allowed(c.from, c.to)) collapse(c.from, c.to);
         }
     }
@@ -104,7 +111,9 @@ public:
             Triangle face{};
             for (size_t k = 0; k < 3; ++k) {
                 const auto& choices = at[faces_[f][k]];
-                face[k] = *std::max_element(choices.begin(), choices.end(), [&](uint32_t a, uint32_t b) { return std::abs(glm::dot(mesh_.normals[a], normal)) < std::abs(glm::dot(mesh_.normals[b], normal)); });
+                face[k] = *std::max_element(choices.begin(), choices.end(), [&](uint32_t a, uint32_t b) {
+                    return std::abs(glm::dot(mesh_.normals[a], normal)) < std::abs(glm::dot(mesh_.normals[b], normal));
+                });
                 number[face[k]] = 0;
             }
             faces.push_back(face);
@@ -126,7 +135,9 @@ private:
         const size_t n = mesh_.vertexCount();
         std::vector<uint32_t> order(n);
         std::iota(order.begin(), order.end(), 0u);
-        const auto key = [&](uint32_t v) { return std::array<float, 3>{mesh_.positions[v].x, mesh_.positions[v].y, mesh_.positions[v].z}; };
+        const auto key = [&](uint32_t v) {
+            return std::array<float, 3>{mesh_.positions[v].x, mesh_.positions[v].y, mesh_.positions[v].z};
+        };
         std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
             const auto ka = key(a), kb = key(b);
             return ka != kb ? ka < kb : a < b;
@@ -140,11 +151,14 @@ private:
         middle_ = 0.5 * (DVec3(low) + DVec3(high));
         weld_.assign(n, 0);
         for (size_t i = 0; i < n; ++i) {
-            if (i == 0 || key(order[i]) != key(order[i - 1])) place_.push_back(DVec3(mesh_.positions[order[i]]) - middle_);
+            if (i == 0 || key(order[i]) != key(order[i - 1]))
+                place_.push_back(DVec3(mesh_.positions[order[i]]) - middle_);
             weld_[order[i]] = uint32_t(place_.size() - 1);
         }
     }
-    DVec3 crossOf(const Triangle& f) const { return glm::cross(place_[f[1]] - place_[f[0]], place_[f[2]] - place_[f[0]]); }
+    DVec3 crossOf(const Triangle& f) const {
+        return glm::cross(place_[f[1]] - place_[f[0]], place_[f[2]] - place_[f[0]]);
+    }
 
     void countPieces() {
         pieceOf_.resize(place_.size());
@@ -196,7 +210,8 @@ private:
         for (const uint32_t f : facesOf_[v])
             for (const uint32_t w : faces_[f])
                 if (w != v) {
-                    const auto known = std::find_if(out.begin(), out.end(), [&](const auto& p) { return p.first == w; });
+                    const auto known =
+                        std::find_if(out.begin(), out.end(), [&](const auto& p) { return p.first == w; });
                     if (known == out.end()) out.emplace_back(w, 1);
                     else ++known->second;
                 }
@@ -226,7 +241,8 @@ private:
         // The link condition: what both know is what their common faces show.
         int common = 0;
         for (const auto& [w, faces] : near_)
-            if (w != to && std::any_of(other_.begin(), other_.end(), [w = w](const auto& p) { return p.first == w; })) ++common;
+            if (w != to && std::any_of(other_.begin(), other_.end(), [w = w](const auto& p) { return p.first == w; }))
+                ++common;
         if (common != shared) return false;
         if (pieceFaces_[pieceOf_[from]] <= smallestPiece) return false;
         const DVec3& target = place_[to];
@@ -280,7 +296,8 @@ private:
         return place;
     }
 
-    void setNormals(const std::vector<std::vector<uint32_t>>& at, const std::vector<uint32_t>& number, DecimatedMesh& out) {
+    void setNormals(const std::vector<std::vector<uint32_t>>& at, const std::vector<uint32_t>& number,
+                    DecimatedMesh& out) {
         std::vector<float> area(mesh_.vertexCount(), 0);
         for (size_t t = 0; t < mesh_.triangles.size(); ++t)
             for (const uint32_t v : mesh_.triangles[t]) area[v] += mesh_.triangleArea(t);
@@ -290,7 +307,9 @@ private:
             uint32_t best = SurfacePlace::none;
             float likest = 0.7f;
             for (const uint32_t w : at[finalOf(weld_[v])])
-                if (const float like = glm::dot(mesh_.normals[v], mesh_.normals[w]); number[w] != SurfacePlace::none && like > likest) likest = like, best = number[w];
+                if (const float like = glm::dot(mesh_.normals[v], mesh_.normals[w]);
+                    number[w] != SurfacePlace::none && like > likest)
+                    likest = like, best = number[w];
             if (best != SurfacePlace::none) sum[best] += area[v] * mesh_.normals[v];
         }
         for (size_t i = 0; i < sum.size(); ++i) {
@@ -300,7 +319,7 @@ private:
     }
 
     void findPlaces(DecimatedMesh& out) {
-        std::vector<std::vector<uint32_t>> triangles(place_.size());   // by place, of the decimated mesh
+        std::vector<std::vector<uint32_t>> triangles(place_.size());  // by place, of the decimated mesh
         for (uint32_t t = 0; t < out.mesh.triangles.size(); ++t)
             for (const uint32_t v : out.mesh.triangles[t]) triangles[weld_[out.vertex[v]]].push_back(t);
         std::vector<uint32_t> home(mesh_.vertexCount());
@@ -313,7 +332,8 @@ private:
                 for (const uint32_t t : triangles[place]) {
                     SurfacePlace found{t, Vec3(0)};
                     const double distance = nearestOn(out.mesh, t, mesh_.positions[v], found.weight);
-                    if (distance < least || (distance == least && t < out.places[v].triangle)) least = distance, out.places[v] = found;
+                    if (distance < least || (distance == least && t < out.places[v].triangle))
+                        least = distance, out.places[v] = found;
                 }
             };
             // Where the vertex went, and one ring further.
@@ -326,15 +346,18 @@ private:
     /// Squared distance of p from a triangle, and where on it the nearest point lies [Ericson05, 5.1.5].
     static double nearestOn(const Mesh& mesh, uint32_t t, const Vec3& p, Vec3& weight) {
         const Triangle& f = mesh.triangles[t];
-        const DVec3 a(mesh.positions[f[0]]), ab = DVec3(mesh.positions[f[1]]) - a, ac = DVec3(mesh.positions[f[2]]) - a, ap = DVec3(p) - a;
-        const double d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap), bb = glm::dot(ab, ab), bc = glm::dot(ab, ac), cc = glm::dot(ac, ac), det = bb * cc - bc * bc;
+        const DVec3 a(mesh.positions[f[0]]), ab = DVec3(mesh.positions[f[1]]) - a, ac = DVec3(mesh.positions[f[2]]) - a,
+                                             ap = DVec3(p) - a;
+        const double d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap), bb = glm::dot(ab, ab), bc = glm::dot(ab, ac),
+                     cc = glm::dot(ac, ac), det = bb * cc - bc * bc;
         double v = det > 0 ? (cc * d1 - bc * d2) / det : 0, w = det > 0 ? (bb * d2 - bc * d1) / det : 0;
         if (v < 0 || w < 0 || v + w > 1) {
             // Outside: the nearest point of the three edges.
             double least = std::numeric_limits<double>::infinity();
             const auto tryEdge = [&](double v0, double w0, double v1, double w1) {
                 const DVec3 from = v0 * ab + w0 * ac, along = v1 * ab + w1 * ac - from;
-                const double length2 = glm::dot(along, along), s = length2 > 0 ? std::clamp(glm::dot(ap - from, along) / length2, 0.0, 1.0) : 0;
+                const double length2 = glm::dot(along, along),
+                             s = length2 > 0 ? std::clamp(glm::dot(ap - from, along) / length2, 0.0, 1.0) : 0;
                 const DVec3 off = ap - from - s * along;
                 if (glm::dot(off, off) < least) {
                     least = glm::dot(off, off);
@@ -354,10 +377,10 @@ private:
     const Mesh& mesh_;
     size_t wanted_, left_ = 0;
     DVec3 middle_{0};
-    std::vector<uint32_t> weld_;          // place of each vertex
-    std::vector<uint8_t> used_;           // by a face
-    std::vector<DVec3> place_;            // about the middle
-    std::vector<Triangle> faces_;         // of places
+    std::vector<uint32_t> weld_;   // place of each vertex
+    std::vector<uint8_t> used_;    // by a face
+    std::vector<DVec3> place_;     // about the middle
+    std::vector<Triangle> faces_;  // of places
     std::vector<uint8_t> alive_;
     std::vector<std::vector<uint32_t>> facesOf_;
     std::vector<Quadric> quadric_;

@@ -17,7 +17,8 @@ VertexGraph buildVertexGraph(const Mesh& mesh, const Mat3& axes) {
     };
     for (const Triangle& t : mesh.triangles)
         for (int k = 0; k < 3; ++k) join(t[k], t[(k + 1) % 3]);
-    // Seams: vertices at the very same place belong together, about one that is chosen by where it faces, not by the file's order.
+    // Seams: vertices at the very same place belong together, about one that is chosen by where it faces, not by the
+    // file's order.
     std::unordered_map<uint64_t, uint32_t> centreAt;
     centreAt.reserve(mesh.vertexCount());
     const auto keyOf = [&](uint32_t v) {
@@ -26,10 +27,13 @@ VertexGraph buildVertexGraph(const Mesh& mesh, const Mat3& axes) {
         return mixBits(mixBits(mixBits(bits[0]) ^ bits[1]) ^ bits[2]);
     };
     const bool faces = mesh.normals.size() == mesh.vertexCount();
-    const auto facing = [&](uint32_t v) { return faces ? glm::dot(mesh.normals[v] * axes, Vec3(0.5569f, 0.6831f, 0.4725f)) : 0.0f; };
+    const auto facing = [&](uint32_t v) {
+        return faces ? glm::dot(mesh.normals[v] * axes, Vec3(0.5569f, 0.6831f, 0.4725f)) : 0.0f;
+    };
     for (uint32_t v = 0; v < mesh.vertexCount(); ++v) {
         const auto [place, isNew] = centreAt.emplace(keyOf(v), v);
-        if (!isNew && mesh.positions[place->second] == mesh.positions[v] && facing(v) < facing(place->second)) place->second = v;
+        if (!isNew && mesh.positions[place->second] == mesh.positions[v] && facing(v) < facing(place->second))
+            place->second = v;
     }
     for (uint32_t v = 0; v < mesh.vertexCount(); ++v)
         if (const uint32_t centre = centreAt.at(keyOf(v)); mesh.positions[centre] == mesh.positions[v]) join(v, centre);
@@ -73,7 +77,8 @@ std::vector<uint32_t> connectedPieces(const VertexGraph& graph, uint32_t* count)
 std::vector<Vec3> vertexNormalsFromFaces(const Mesh& mesh) {
     std::vector<Vec3> normals(mesh.vertexCount(), Vec3(0));
     for (const Triangle& t : mesh.triangles) {
-        const Vec3 n = glm::cross(mesh.positions[t[1]] - mesh.positions[t[0]], mesh.positions[t[2]] - mesh.positions[t[0]]);
+        const Vec3 n =
+            glm::cross(mesh.positions[t[1]] - mesh.positions[t[0]], mesh.positions[t[2]] - mesh.positions[t[0]]);
         for (uint32_t v : t) normals[v] += n;
     }
     for (Vec3& n : normals) {

@@ -13,8 +13,8 @@ using Triangle = std::array<uint32_t, 3>;
 
 /// Vertices in the file's order (reflectance.ply keeps that order); unusable ones stay as unreferenced places.
 struct Mesh {
-    std::vector<Vec3> positions;     ///< metres, world
-    std::vector<Vec3> normals;       ///< unit, per vertex; (0,0,1) where a vertex has no face
+    std::vector<Vec3> positions;  ///< metres, world
+    std::vector<Vec3> normals;    ///< unit, per vertex; (0,0,1) where a vertex has no face
     std::vector<Triangle> triangles;
     size_t vertexCount() const { return positions.size(); }
     Vec3 faceNormal(size_t t) const {
@@ -31,17 +31,18 @@ struct Mesh {
 
 /// What the loader found and repaired.
 struct MeshReport {
-    size_t vertices = 0, triangles = 0;     ///< kept
-    size_t nanVertices = 0;                 ///< not finite: their faces are dropped
-    size_t badIndexFaces = 0;               ///< faces naming a vertex that does not exist: dropped
-    size_t degenerateFaces = 0;             ///< zero area or repeated corner: dropped
-    size_t duplicateFaces = 0;              ///< same three corners: dropped
-    size_t polygons = 0;                    ///< faces of more than three corners, cut into fans
+    size_t vertices = 0, triangles = 0;  ///< kept
+    size_t nanVertices = 0;              ///< not finite: their faces are dropped
+    size_t badIndexFaces = 0;            ///< faces naming a vertex that does not exist: dropped
+    size_t degenerateFaces = 0;          ///< zero area or repeated corner: dropped
+    size_t duplicateFaces = 0;           ///< same three corners: dropped
+    size_t polygons = 0;                 ///< faces of more than three corners, cut into fans
     size_t unreferencedVertices = 0;
-    size_t nonManifoldEdges = 0;            ///< edges of three or more faces: kept, counted
-    size_t boundaryEdges = 0;               ///< edges of one face: holes
+    size_t nonManifoldEdges = 0;  ///< edges of three or more faces: kept, counted
+    size_t boundaryEdges = 0;     ///< edges of one face: holes
     bool normalsFromFile = false;
-    DVec3 origin{0};                        ///< of the file that the mesh's positions count from, file units: 0 unless the mesh lies far from it
+    DVec3 origin{
+        0};  ///< of the file that the mesh's positions count from, file units: 0 unless the mesh lies far from it
 };
 
 /// Vertices joined by an edge, in compressed rows: neighbours of v are `to[start[v]] ... to[start[v + 1] - 1]`, sorted.

@@ -44,13 +44,12 @@ TriangleSoup readWithOpenMesh(std::string_view bytes, const MeshLimits& limits) 
     bool good = false;
     try {
         good = OpenMesh::IO::read_mesh(mesh, checked, ".om", options);
-    } catch (const std::exception&) {
-        good = false;
-    }
+    } catch (const std::exception&) { good = false; }
     if (!good) throw Error("cannot be read as a mesh");
     TriangleSoup soup;
     soup.positions.reserve(mesh.n_vertices());
-    for (const auto v : mesh.vertices()) soup.positions.emplace_back(mesh.point(v)[0], mesh.point(v)[1], mesh.point(v)[2]);
+    for (const auto v : mesh.vertices())
+        soup.positions.emplace_back(mesh.point(v)[0], mesh.point(v)[1], mesh.point(v)[2]);
     std::vector<int64_t> corners;
     for (const auto f : mesh.faces()) {
         corners.clear();
@@ -64,7 +63,8 @@ TriangleSoup readWithOpenMesh(std::string_view bytes, const MeshLimits& limits) 
 TriangleSoup readSoup(const fs::path& file, std::string_view bytes, const MeshLimits& limits) {
     if (bytes.empty()) throw Error("is empty");
     const std::string extension = lowerExtension(file);
-    if (bytes.substr(0, 3) == "ply" && bytes.size() > 3 && TextScanner::isSpace(bytes[3])) return readPly(bytes, limits);
+    if (bytes.substr(0, 3) == "ply" && bytes.size() > 3 && TextScanner::isSpace(bytes[3]))
+        return readPly(bytes, limits);
     if (isOff(bytes)) return isBinaryOff(bytes) ? readBinaryOff(bytes, limits) : readOff(bytes, limits);
     if (extension == ".obj") return readObj(bytes, limits);
     if (extension == ".stl") return readStl(bytes, limits);
@@ -93,7 +93,8 @@ Mesh readMesh(const fs::path& file, MeshReport* report, const MeshLimits& limits
     });
 }
 
-void writeVertexPly(const fs::path& file, const Mesh& mesh, const std::vector<VertexProperty>& properties, const DVec3& origin) {
+void writeVertexPly(const fs::path& file, const Mesh& mesh, const std::vector<VertexProperty>& properties,
+                    const DVec3& origin) {
     const size_t vertices = mesh.vertexCount();
     std::string bytes = "ply\nformat binary_little_endian 1.0\n";
     bytes += fmt::format("element vertex {}\n", vertices);
@@ -104,13 +105,16 @@ void writeVertexPly(const fs::path& file, const Mesh& mesh, const std::vector<Ve
         const bool oneWord = !property.name.empty() && property.name.find_first_of(" \t\r\n") == std::string::npos;
         if (!oneWord) throw Error("{}: property \"{}\" is no name of one word", file.string(), property.name);
         if (property.values.size() != vertices)
-            throw Error("{}: property {} has {} values for {} vertices", file.string(), property.name, property.values.size(), vertices);
+            throw Error("{}: property {} has {} values for {} vertices", file.string(), property.name,
+                        property.values.size(), vertices);
         bytes += fmt::format("property {} {}\n", property.asInt ? "int" : "float", property.name);
     }
-    bytes += fmt::format("element face {}\nproperty list uchar int vertex_indices\nend_header\n", mesh.triangles.size());
+    bytes +=
+        fmt::format("element face {}\nproperty list uchar int vertex_indices\nend_header\n", mesh.triangles.size());
     bytes.reserve(bytes.size() + vertices * (36 + 4 * properties.size()) + mesh.triangles.size() * 13);
     const auto put = [&](const auto& value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
-    const std::vector<Vec3> fromFaces = mesh.normals.size() == vertices ? std::vector<Vec3>() : vertexNormalsFromFaces(mesh);
+    const std::vector<Vec3> fromFaces =
+        mesh.normals.size() == vertices ? std::vector<Vec3>() : vertexNormalsFromFaces(mesh);
     const std::vector<Vec3>& normals = mesh.normals.size() == vertices ? mesh.normals : fromFaces;
     for (size_t v = 0; v < vertices; ++v) {
         if (far) put(origin + DVec3(mesh.positions[v]));
@@ -139,7 +143,8 @@ std::vector<VertexProperty> readVertexPly(const fs::path& file) {
                 continue;
             }
             if (element.count > MeshLimits().maxVertices)
-                throw Error("element vertex has {} entries, expected at most {}", element.count, MeshLimits().maxVertices);
+                throw Error("element vertex has {} entries, expected at most {}", element.count,
+                            MeshLimits().maxVertices);
             std::vector<VertexProperty> properties;
             std::vector<size_t> place(element.properties.size());
             for (size_t p = 0; p < element.properties.size(); ++p) {

@@ -12,25 +12,26 @@ struct MeshLimits {
 };
 
 /// Reads a mesh and repairs what can be repaired (see MeshReport). Throws Error naming the file and the field: missing,
-/// not a mesh, counts beyond the limits or beyond what the file's size can hold, no triangles left. Files are read in double. With a
-/// `report` that can say so, a mesh that lies farther from the origin than twice its size is moved near it, so that single precision holds it
-/// (report->origin).
+/// not a mesh, counts beyond the limits or beyond what the file's size can hold, no triangles left. Files are read in
+/// double. With a `report` that can say so, a mesh that lies farther from the origin than twice its size is moved near
+/// it, so that single precision holds it (report->origin).
 Mesh readMesh(const std::filesystem::path& file, MeshReport* report = nullptr, const MeshLimits& limits = {});
 
-/// Where the positions of a mesh in this box are to count from: 0 for one about the origin; for one farther from it than twice its size its middle,
-/// in whole steps of a power of two, so that adding it again is exact.
+/// Where the positions of a mesh in this box are to count from: 0 for one about the origin; for one farther from it
+/// than twice its size its middle, in whole steps of a power of two, so that adding it again is exact.
 DVec3 originFor(const DVec3& low, const DVec3& high);
 
 /// One named float per vertex, to be written beside x y z.
 struct VertexProperty {
     std::string name;
     std::vector<float> values;
-    bool asInt = false;   ///< written as int
+    bool asInt = false;  ///< written as int
 };
 
-/// Writes a binary little-endian PLY with positions, normals, the properties in order, and the faces. Whole or not at all. `origin` is added to
-/// the positions, which are then written as doubles unless it is 0.
-void writeVertexPly(const std::filesystem::path& file, const Mesh& mesh, const std::vector<VertexProperty>& properties, const DVec3& origin = DVec3(0));
+/// Writes a binary little-endian PLY with positions, normals, the properties in order, and the faces. Whole or not at
+/// all. `origin` is added to the positions, which are then written as doubles unless it is 0.
+void writeVertexPly(const std::filesystem::path& file, const Mesh& mesh, const std::vector<VertexProperty>& properties,
+                    const DVec3& origin = DVec3(0));
 
 /// Reads the vertex properties of a PLY (binary little-endian or ascii) by name. Throws Error naming file and property.
 std::vector<VertexProperty> readVertexPly(const std::filesystem::path& file);

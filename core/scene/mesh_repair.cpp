@@ -12,7 +12,8 @@ namespace {
 constexpr double largestCoordinate = 1e15;
 
 bool isUsable(const DVec3& p) {
-    return std::abs(p.x) < largestCoordinate && std::abs(p.y) < largestCoordinate && std::abs(p.z) < largestCoordinate;  // false for what is no number
+    return std::abs(p.x) < largestCoordinate && std::abs(p.y) < largestCoordinate &&
+           std::abs(p.z) < largestCoordinate;  // false for what is no number
 }
 
 struct Box {
@@ -36,7 +37,8 @@ size_t dropDuplicates(std::vector<Triangle>& triangles) {
     for (Triangle& key : keys) std::sort(key.begin(), key.end());
     std::vector<uint32_t> order(triangles.size());
     std::iota(order.begin(), order.end(), 0u);
-    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; });
+    std::sort(order.begin(), order.end(),
+              [&](uint32_t a, uint32_t b) { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; });
     std::vector<uint8_t> drop(triangles.size(), 0);
     for (size_t i = 1; i < order.size(); ++i) drop[order[i]] = keys[order[i]] == keys[order[i - 1]];
     size_t kept = 0;
@@ -97,8 +99,10 @@ void setNormals(Mesh& mesh, std::vector<Vec3>&& fromFile, const std::vector<uint
     if (!report.normalsFromFile) return;
     // Faces turned against the normals of all their corners: lamps shine to the front only.
     for (Triangle& t : mesh.triangles) {
-        const Vec3 face = glm::cross(mesh.positions[t[1]] - mesh.positions[t[0]], mesh.positions[t[2]] - mesh.positions[t[0]]);
-        if (std::all_of(t.begin(), t.end(), [&](uint32_t v) { return glm::dot(face, mesh.normals[v]) < 0; })) std::swap(t[1], t[2]);
+        const Vec3 face =
+            glm::cross(mesh.positions[t[1]] - mesh.positions[t[0]], mesh.positions[t[2]] - mesh.positions[t[0]]);
+        if (std::all_of(t.begin(), t.end(), [&](uint32_t v) { return glm::dot(face, mesh.normals[v]) < 0; }))
+            std::swap(t[1], t[2]);
     }
 }
 
@@ -113,13 +117,15 @@ DVec3 originFor(const DVec3& low, const DVec3& high) {
 }
 
 void TriangleSoup::addFace(const std::vector<int64_t>& corners, size_t vertices, const MeshLimits& limits) {
-    const bool inside = std::all_of(corners.begin(), corners.end(), [&](int64_t c) { return c >= 0 && size_t(c) < vertices; });
+    const bool inside =
+        std::all_of(corners.begin(), corners.end(), [&](int64_t c) { return c >= 0 && size_t(c) < vertices; });
     if (corners.size() < 3 || !inside) {
         ++badIndexFaces;
         return;
     }
     polygons += corners.size() > 3;
-    if (triangles.size() + corners.size() - 2 > limits.maxTriangles) throw Error("has more than {} triangles", limits.maxTriangles);
+    if (triangles.size() + corners.size() - 2 > limits.maxTriangles)
+        throw Error("has more than {} triangles", limits.maxTriangles);
     for (size_t c = 2; c < corners.size(); ++c)
         triangles.push_back({uint32_t(corners[0]), uint32_t(corners[c - 1]), uint32_t(corners[c])});
 }
@@ -142,7 +148,8 @@ Mesh repairSoup(TriangleSoup&& soup, bool recentre, MeshReport& report) {
             if (v < usable.size() && usable[v]) surface.add(soup.positions[v]);
     if (recentre) report.origin = originFor(surface.low, surface.high);
     mesh.positions.reserve(usable.size());
-    for (size_t v = 0; v < usable.size(); ++v) mesh.positions.emplace_back((usable[v] ? soup.positions[v] : all.middle()) - report.origin);
+    for (size_t v = 0; v < usable.size(); ++v)
+        mesh.positions.emplace_back((usable[v] ? soup.positions[v] : all.middle()) - report.origin);
     soup.positions = {};
     size_t notFinite = 0;
     for (const Triangle& t : soup.triangles) {
@@ -153,9 +160,12 @@ Mesh repairSoup(TriangleSoup&& soup, bool recentre, MeshReport& report) {
     }
     report.duplicateFaces = dropDuplicates(mesh.triangles);
     if (mesh.triangles.empty()) {
-        if (facesInFile == 0) throw Error("holds {} vertices and no faces, expected a surface of triangles", mesh.vertexCount());
-        throw Error("holds no usable triangle: of {} faces {} touch a vertex that is not finite, {} name a vertex that does not exist, {} have no area",
-                    facesInFile, notFinite, report.badIndexFaces, report.degenerateFaces);
+        if (facesInFile == 0)
+            throw Error("holds {} vertices and no faces, expected a surface of triangles", mesh.vertexCount());
+        throw Error(
+            "holds no usable triangle: of {} faces {} touch a vertex that is not finite, {} name a vertex that does "
+            "not exist, {} have no area",
+            facesInFile, notFinite, report.badIndexFaces, report.degenerateFaces);
     }
     std::vector<uint8_t> referenced(mesh.vertexCount(), 0);
     for (const Triangle& t : mesh.triangles)

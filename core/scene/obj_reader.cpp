@@ -24,7 +24,8 @@ DVec3 threeNumbers(TextScanner& words, const char* what, size_t lineNumber) {
     for (int c = 0; c < 3; ++c) {
         const std::string_view word = words.word();
         const auto value = TextScanner::number(word);
-        if (!value) throw Error("line {}: {} holds \"{}\" where a number was expected", lineNumber, what, word.substr(0, 40));
+        if (!value)
+            throw Error("line {}: {} holds \"{}\" where a number was expected", lineNumber, what, word.substr(0, 40));
         v[c] = *value;
     }
     return v;
@@ -54,7 +55,8 @@ TriangleSoup readObj(std::string_view bytes, const MeshLimits& limits) {
         TextScanner words(logicalLine(scanner, joined));
         const std::string_view key = words.word('#');
         if (key == "v") {
-            if (soup.positions.size() >= limits.maxVertices) throw Error("has more than {} vertices", limits.maxVertices);
+            if (soup.positions.size() >= limits.maxVertices)
+                throw Error("has more than {} vertices", limits.maxVertices);
             soup.positions.push_back(threeNumbers(words, "v", lineNumber));
         } else if (key == "vn") {
             normals.emplace_back(threeNumbers(words, "vn", lineNumber));
@@ -67,7 +69,8 @@ TriangleSoup readObj(std::string_view bytes, const MeshLimits& limits) {
                 const size_t second = first == word.npos ? first : word.find('/', first + 1);
                 if (second == word.npos || vertex < 0 || vertex >= TriangleSoup::noVertex) continue;
                 const int64_t normal = fromOne(TextScanner::integer(word.substr(second + 1)), normals.size());
-                if (normal >= 0 && normal < TriangleSoup::noVertex) corners.push_back({uint32_t(vertex), uint32_t(normal)});
+                if (normal >= 0 && normal < TriangleSoup::noVertex)
+                    corners.push_back({uint32_t(vertex), uint32_t(normal)});
             }
             // Some writers put faces before their vertices, so indices are checked at the end where they are ahead.
             bool ahead = false;
@@ -93,20 +96,26 @@ TriangleSoup readOff(std::string_view bytes, const MeshLimits& limits) {
     std::string_view magic = scanner.word('#');
     if (magic.size() < 3 || magic.substr(magic.size() - 3) != "OFF") throw Error("is no OFF file");
     const std::string_view kinds = magic.substr(0, magic.size() - 3);
-    if (kinds.find_first_of("4n") != kinds.npos) throw Error("is an OFF file of four or more dimensions, expected three");
+    if (kinds.find_first_of("4n") != kinds.npos)
+        throw Error("is an OFF file of four or more dimensions, expected three");
     const bool hasNormals = kinds.find('N') != kinds.npos;
     int64_t counts[3];
     for (int c = 0; c < 3; ++c) {
         const std::string_view word = scanner.word('#');
         const auto value = TextScanner::integer(word);
         if (!value || *value < 0)
-            throw Error("has \"{}\" for its number of {}, expected 0 or more", word.substr(0, 40), c == 0 ? "vertices" : c == 1 ? "faces" : "edges");
+            throw Error("has \"{}\" for its number of {}, expected 0 or more", word.substr(0, 40),
+                        c == 0   ? "vertices"
+                        : c == 1 ? "faces"
+                                 : "edges");
         counts[c] = *value;
     }
     // A vertex takes at least three digits and three spaces, a face at least a digit and a space.
     const size_t vertices = size_t(counts[0]), faces = size_t(counts[1]), rest = scanner.remaining() + 1;
-    if (vertices > rest / 6 || faces > rest / 2) throw Error("claims {} vertices and {} faces, more than the file holds", vertices, faces);
-    if (vertices > limits.maxVertices) throw Error("has {} vertices, expected at most {}", vertices, limits.maxVertices);
+    if (vertices > rest / 6 || faces > rest / 2)
+        throw Error("claims {} vertices and {} faces, more than the file holds", vertices, faces);
+    if (vertices > limits.maxVertices)
+        throw Error("has {} vertices, expected at most {}", vertices, limits.maxVertices);
     if (faces > limits.maxTriangles) throw Error("has {} faces, expected at most {}", faces, limits.maxTriangles);
     const auto nextLine = [&]() -> std::string_view {
         while (!scanner.atEnd()) {
@@ -128,7 +137,8 @@ TriangleSoup readOff(std::string_view bytes, const MeshLimits& limits) {
     for (size_t f = 0; f < faces; ++f) {
         TextScanner words(nextLine());
         const auto corners = TextScanner::integer(words.word());
-        if (!corners || *corners < 0 || size_t(*corners) > words.remaining()) throw Error("face {} has no proper number of corners", f);
+        if (!corners || *corners < 0 || size_t(*corners) > words.remaining())
+            throw Error("face {} has no proper number of corners", f);
         face.clear();
         for (int64_t c = 0; c < *corners; ++c) face.push_back(TextScanner::integer(words.word()).value_or(-1));
         soup.addFace(face, vertices, limits);

@@ -1,5 +1,5 @@
-// Binary OFF. The format is big-endian with a colour count after each face; OpenMesh writes the machine's own byte order and no such count.
-// Nothing in the file says which, so the reading that uses up the file exactly is taken.
+// Binary OFF. The format is big-endian with a colour count after each face; OpenMesh writes the machine's own byte
+// order and no such count. Nothing in the file says which, so the reading that uses up the file exactly is taken.
 #include <bit>
 #include <cstring>
 #include <optional>
@@ -12,8 +12,8 @@ namespace relamp {
 namespace {
 
 struct OffLayout {
-    bool swapped = false;       ///< byte order other than this machine's
-    bool faceColours = false;   ///< a count of colour components after each face, and that many floats
+    bool swapped = false;      ///< byte order other than this machine's
+    bool faceColours = false;  ///< a count of colour components after each face, and that many floats
 };
 
 class Words {
@@ -37,14 +37,16 @@ private:
 };
 
 /// None when the bytes do not read like this to their very end.
-std::optional<TriangleSoup> readAs(const OffLayout& layout, std::string_view bytes, size_t wordsAfterPosition, bool hasNormals, const MeshLimits& limits) {
+std::optional<TriangleSoup> readAs(const OffLayout& layout, std::string_view bytes, size_t wordsAfterPosition,
+                                   bool hasNormals, const MeshLimits& limits) {
     Words words(bytes, layout.swapped);
     if (words.left() < 3) return {};
     const size_t vertices = words.next(), faces = words.next();
     words.skip(1);
     const size_t perVertex = 3 + (hasNormals ? 3 : 0) + wordsAfterPosition, perFace = layout.faceColours ? 2 : 1;
     if (vertices > words.left() / perVertex || faces > (words.left() - vertices * perVertex) / perFace) return {};
-    if (vertices > limits.maxVertices) throw Error("has {} vertices, expected at most {}", vertices, limits.maxVertices);
+    if (vertices > limits.maxVertices)
+        throw Error("has {} vertices, expected at most {}", vertices, limits.maxVertices);
     if (faces > limits.maxTriangles) throw Error("has {} faces, expected at most {}", faces, limits.maxTriangles);
     TriangleSoup soup;
     const auto three = [&] {
@@ -80,13 +82,16 @@ std::optional<TriangleSoup> readAs(const OffLayout& layout, std::string_view byt
 TriangleSoup readBinaryOff(std::string_view bytes, const MeshLimits& limits) {
     TextScanner scanner(bytes);
     const std::string_view magic = TextScanner(scanner.line()).word();
-    const std::string_view kinds = magic.substr(0, magic.size() - 3), rest = bytes.substr(bytes.size() - scanner.remaining());
-    if (kinds.find_first_of("4n") != kinds.npos) throw Error("is an OFF file of four or more dimensions, expected three");
+    const std::string_view kinds = magic.substr(0, magic.size() - 3),
+                           rest = bytes.substr(bytes.size() - scanner.remaining());
+    if (kinds.find_first_of("4n") != kinds.npos)
+        throw Error("is an OFF file of four or more dimensions, expected three");
     const bool hasNormals = kinds.find('N') != kinds.npos;
     const size_t colours = kinds.find('C') != kinds.npos ? 4 : 0, texture = kinds.find("ST") != kinds.npos ? 2 : 0;
     for (const bool swapped : {true, false})
         for (const bool faceColours : {true, false})
-            if (auto soup = readAs({swapped, faceColours}, rest, colours + texture, hasNormals, limits)) return std::move(*soup);
+            if (auto soup = readAs({swapped, faceColours}, rest, colours + texture, hasNormals, limits))
+                return std::move(*soup);
     throw Error("claims more than the file holds, or less: it does not read as a binary OFF file to its end");
 }
 

@@ -117,7 +117,9 @@ void keep(File& file, const Block& block) {
         if ((block.word >> 10 & 0x3f) != 5) throw Error("has positions that are not three 32-bit floats");
         place = &file.positions;
     } else if (block.kind() == topology) {
-        place = block.entity() == vertex ? &file.vertexTopology : block.entity() == face ? &file.faceTopology : &file.halfEdgeTopology;
+        place = block.entity() == vertex ? &file.vertexTopology
+                : block.entity() == face ? &file.faceTopology
+                                         : &file.halfEdgeTopology;
     }
     if (!place) return;
     if (place->data.data()) throw Error("holds its positions or its topology twice");
@@ -132,13 +134,17 @@ File walked(std::string_view bytes) {
     if (header.take(2) != "OM") throw Error("does not begin as OpenMesh's files do");
     file.kind = header.number<uint8_t>();
     file.version = header.number<uint8_t>();
-    if (file.kind != 'T' && file.kind != 'Q' && file.kind != 'P') throw Error("is of a kind that is not known, expected T, Q or P");
-    if (file.version > newest) throw Error("is of version {}.{}, expected at most 2.2", file.version >> 5, file.version & 31);
+    if (file.kind != 'T' && file.kind != 'Q' && file.kind != 'P')
+        throw Error("is of a kind that is not known, expected T, Q or P");
+    if (file.version > newest)
+        throw Error("is of version {}.{}, expected at most 2.2", file.version >> 5, file.version & 31);
     file.vertices = header.number<uint32_t>();
     file.faces = header.number<uint32_t>();
     const uint64_t edges = header.number<uint32_t>();
     for (const uint64_t count : {file.vertices, file.faces, edges})
-        if (count > bytes.size()) throw Error("claims {} vertices, {} faces and {} edges, more than the file holds", file.vertices, file.faces, edges);
+        if (count > bytes.size())
+            throw Error("claims {} vertices, {} faces and {} edges, more than the file holds", file.vertices,
+                        file.faces, edges);
     file.halfEdges = 2 * edges;
     while (!cursor.atEnd()) {
         Block block{cursor.number<uint16_t>(), {}};
@@ -178,7 +184,9 @@ void checkCorners(const File& file) {
     for (uint64_t f = 0; f < file.faces; ++f) {
         const uint64_t corners = cursor.number<uint16_t>();
         if (corners < 3) throw Error("face {} has {} corners", f, corners);
-        for (const int64_t corner : integers({file.faceTopology.word, cursor.take(corners * file.faceTopology.integerBytes())}, false)) check(corner);
+        for (const int64_t corner :
+             integers({file.faceTopology.word, cursor.take(corners * file.faceTopology.integerBytes())}, false))
+            check(corner);
     }
 }
 
@@ -188,7 +196,8 @@ void checkHalfEdges(const File& file) {
     const int64_t halfEdges = int64_t(file.halfEdges), vertices = int64_t(file.vertices), faces = int64_t(file.faces);
     const std::vector<int64_t> links = integers(file.halfEdgeTopology, true), first = integers(file.faceTopology, true);
     for (size_t h = 0; h < links.size(); h += 3)
-        if (links[h] < 0 || links[h] >= halfEdges || links[h + 1] < 0 || links[h + 1] >= vertices || links[h + 2] < -1 || links[h + 2] >= faces)
+        if (links[h] < 0 || links[h] >= halfEdges || links[h + 1] < 0 || links[h + 1] >= vertices ||
+            links[h + 2] < -1 || links[h + 2] >= faces)
             throw Error("half-edge {} names what is not there", h / 3);
     for (const int64_t h : integers(file.vertexTopology, true))
         if (h < -1 || h >= halfEdges) throw Error("a vertex names half-edge {} of {}", h, halfEdges);
@@ -198,7 +207,8 @@ void checkHalfEdges(const File& file) {
         if (begin < 0 || begin >= halfEdges) throw Error("face {} names half-edge {} of {}", f, begin, halfEdges);
         int64_t at = begin, steps = 0;
         do {
-            if (links[size_t(at) * 3 + 2] != f || ++steps > halfEdges) throw Error("the edges of face {} are not closed", f);
+            if (links[size_t(at) * 3 + 2] != f || ++steps > halfEdges)
+                throw Error("the edges of face {} are not closed", f);
             at = links[size_t(at) * 3];
         } while (at != begin);
     }
@@ -216,7 +226,8 @@ std::string openMeshEssentials(std::string_view bytes) {
         out.append(reinterpret_cast<const char*>(&block.word), sizeof block.word);
         out.append(block.data);
     };
-    for (const Block* block : {&file.positions, &file.halfEdgeTopology, &file.vertexTopology, &file.faceTopology}) put(*block);
+    for (const Block* block : {&file.positions, &file.halfEdgeTopology, &file.vertexTopology, &file.faceTopology})
+        put(*block);
     put({sentinel << 2, ""});
     return out;
 }

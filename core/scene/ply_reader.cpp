@@ -15,8 +15,9 @@ PlyType typeNamed(std::string_view name) {
     const struct {
         const char *shortName, *longName;
         PlyType type;
-    } known[] = {{"char", "int8", PlyType::int8},     {"uchar", "uint8", PlyType::uint8},   {"short", "int16", PlyType::int16},
-                 {"ushort", "uint16", PlyType::uint16}, {"int", "int32", PlyType::int32},     {"uint", "uint32", PlyType::uint32},
+    } known[] = {{"char", "int8", PlyType::int8},        {"uchar", "uint8", PlyType::uint8},
+                 {"short", "int16", PlyType::int16},     {"ushort", "uint16", PlyType::uint16},
+                 {"int", "int32", PlyType::int32},       {"uint", "uint32", PlyType::uint32},
                  {"float", "float32", PlyType::float32}, {"double", "float64", PlyType::float64}};
     for (const auto& k : known)
         if (name == k.shortName || name == k.longName) return k.type;
@@ -91,7 +92,8 @@ PlyHeader readPlyHeader(std::string_view bytes) {
             const std::string_view count = words.word();
             const auto value = TextScanner::integer(count);
             if (!value || *value < 0)
-                throw Error("header: element {} has count \"{}\", expected 0 or more", element.name.substr(0, 40), count.substr(0, 40));
+                throw Error("header: element {} has count \"{}\", expected 0 or more", element.name.substr(0, 40),
+                            count.substr(0, 40));
             element.count = size_t(*value);
             header.elements.push_back(std::move(element));
         } else if (key == "property") {
@@ -116,7 +118,8 @@ PlyHeader readPlyHeader(std::string_view bytes) {
         const size_t least = leastBytes(element, header.encoding);
         // The last value of an ascii file needs no space after it.
         if (least && element.count > (body + 1) / least)
-            throw Error("element {} claims {} entries, the file has {} bytes for them", element.name.substr(0, 40), element.count, body);
+            throw Error("element {} claims {} entries, the file has {} bytes for them", element.name.substr(0, 40),
+                        element.count, body);
     }
     return header;
 }
@@ -154,7 +157,8 @@ double PlyCursor::scalar(PlyType type) {
 void PlyCursor::list(const PlyProperty& property, std::vector<double>& values) {
     const double length = scalar(property.countType);
     const size_t each = encoding_ == PlyEncoding::ascii ? 2 : plySize(property.type);
-    if (!(length >= 0) || length != std::floor(length)) throw Error("list {} has length {}, expected 0 or more", property.name, length);
+    if (!(length >= 0) || length != std::floor(length))
+        throw Error("list {} has length {}, expected 0 or more", property.name, length);
     if (length > double((bytes_.size() - at_) / each + 1))
         throw Error("list {} claims {} values, more than the file holds", property.name, length);
     values.resize(size_t(length));
@@ -192,12 +196,11 @@ void readVertices(PlyCursor& cursor, const PlyElement& element, TriangleSoup& so
     }
 }
 
-int64_t indexOf(double value) {
-    return value >= -1e15 && value <= 1e15 ? int64_t(value) : -1;
-}
+int64_t indexOf(double value) { return value >= -1e15 && value <= 1e15 ? int64_t(value) : -1; }
 
 /// Faces, or the triangle strips of the Stanford scans (-1 starts a new strip).
-void readFaces(PlyCursor& cursor, const PlyElement& element, size_t vertices, bool strips, TriangleSoup& soup, const MeshLimits& limits) {
+void readFaces(PlyCursor& cursor, const PlyElement& element, size_t vertices, bool strips, TriangleSoup& soup,
+               const MeshLimits& limits) {
     int wanted = element.find("vertex_indices");
     if (wanted < 0) wanted = element.find("vertex_index");
     if (wanted < 0 || !element.properties[size_t(wanted)].isList) return cursor.skip(element);

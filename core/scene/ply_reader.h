@@ -37,7 +37,8 @@ PlyHeader readPlyHeader(std::string_view bytes);
 /// Reads the values of the elements one after another. Throws Error where the file ends early.
 class PlyCursor {
 public:
-    PlyCursor(std::string_view bytes, const PlyHeader& header) : bytes_(bytes), encoding_(header.encoding), at_(header.bodyAt) {}
+    PlyCursor(std::string_view bytes, const PlyHeader& header)
+        : bytes_(bytes), encoding_(header.encoding), at_(header.bodyAt) {}
 
     /// The next value as a double.
     double scalar(PlyType type);

@@ -22,12 +22,15 @@ struct RayTracer::Embree {
 RayTracer::RayTracer(const Mesh& mesh, float diagonal) : embree_(std::make_unique<Embree>()) {
     Embree& e = *embree_;
     e.device = rtcNewDevice("start_threads=0,set_affinity=0");
-    if (!e.device) throw Error("the ray tracer could not be started (Embree error {})", int(rtcGetDeviceError(nullptr)));
+    if (!e.device)
+        throw Error("the ray tracer could not be started (Embree error {})", int(rtcGetDeviceError(nullptr)));
     e.scene = rtcNewScene(e.device);
     rtcSetSceneFlags(e.scene, RTC_SCENE_FLAG_ROBUST);
     RTCGeometry geometry = rtcNewGeometry(e.device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* positions = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, std::max<size_t>(mesh.vertexCount(), 1)));
-    auto* indices = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, std::max<size_t>(mesh.triangles.size(), 1)));
+    auto* positions = static_cast<float*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, std::max<size_t>(mesh.vertexCount(), 1)));
+    auto* indices = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                                                   12, std::max<size_t>(mesh.triangles.size(), 1)));
     if (!positions || !indices) throw OutOfResources("the ray tracer ran out of memory");
     Vec3 low(1e30f), high(-1e30f);
     for (size_t v = 0; v < mesh.vertexCount(); ++v) {

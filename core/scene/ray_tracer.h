@@ -9,15 +9,15 @@ namespace relamp {
 
 struct Ray {
     Vec3 origin;
-    Vec3 direction;             ///< unit
+    Vec3 direction;               ///< unit
     float near = 0, far = 1e30f;  ///< metres along the direction
 };
 
 struct Hit {
     static constexpr uint32_t none = ~0u;
-    uint32_t triangle = none;   ///< index into the mesh's triangles; none: nothing was hit
-    float distance = 0;         ///< metres
-    Vec2 barycentric{0};        ///< weights of corners 1 and 2; corner 0 has the rest
+    uint32_t triangle = none;  ///< index into the mesh's triangles; none: nothing was hit
+    float distance = 0;        ///< metres
+    Vec2 barycentric{0};       ///< weights of corners 1 and 2; corner 0 has the rest
     explicit operator bool() const { return triangle != none; }
 };
 

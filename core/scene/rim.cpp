@@ -10,12 +10,15 @@ std::vector<uint8_t> rimVertices(const Mesh& mesh) {
     const size_t n = mesh.vertexCount();
     std::vector<uint32_t> order(n), place(n);
     std::iota(order.begin(), order.end(), 0u);
-    const auto key = [&](uint32_t v) { return std::array<float, 3>{mesh.positions[v].x, mesh.positions[v].y, mesh.positions[v].z}; };
+    const auto key = [&](uint32_t v) {
+        return std::array<float, 3>{mesh.positions[v].x, mesh.positions[v].y, mesh.positions[v].z};
+    };
     std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
         const auto ka = key(a), kb = key(b);
         return ka != kb ? ka < kb : a < b;
     });
-    for (size_t i = 0; i < n; ++i) place[order[i]] = i > 0 && key(order[i]) == key(order[i - 1]) ? place[order[i - 1]] : order[i];
+    for (size_t i = 0; i < n; ++i)
+        place[order[i]] = i > 0 && key(order[i]) == key(order[i - 1]) ? place[order[i - 1]] : order[i];
     std::vector<uint64_t> edges;
     edges.reserve(3 * mesh.triangles.size());
     for (const Triangle& t : mesh.triangles)

@@ -4,7 +4,8 @@
 
 namespace relamp {
 
-/// 1 for vertices on an edge that only one face has; vertices at one place count as one, so that seams are no rims. Cost: n log n.
+/// 1 for vertices on an edge that only one face has; vertices at one place count as one, so that seams are no rims.
+/// Cost: n log n.
 std::vector<uint8_t> rimVertices(const Mesh& mesh);
 
 }  // namespace relamp

@@ -47,23 +47,28 @@ Scene buildScene(Mesh mesh, Progress& progress, const Mat3& axes) {
     for (int step = 0; step < 3; ++step) {
         for (uint32_t v = 0; v < n; ++v) {
             wider[v] = 3 * joined[v];
-            for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e) wider[v] += mixBits(joined[scene.graph.to[e]]);
+            for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e)
+                wider[v] += mixBits(joined[scene.graph.to[e]]);
         }
         for (uint32_t v = 0; v < n; ++v) joined[v] = mixBits(wider[v]);
     }
-    // And the place, rounded to a 128th of the scene only, so that other units or another origin change it hardly anywhere: of 30000 vertices
-    // rounding moves a handful, where a 4096th moved a hundred and with their patterns the answer by 1e-3.
+    // And the place, rounded to a 128th of the scene only, so that other units or another origin change it hardly
+    // anywhere: of 30000 vertices rounding moves a handful, where a 4096th moved a hundred and with their patterns the
+    // answer by 1e-3.
     const double quantum = std::max(double(scene.diagonal) / 128, 1e-300);
     struct Place {
         uint64_t bits = 0;
         double along = 0, facing = 0;  // tell those apart that are alike otherwise, as exactly as they are written
         uint32_t vertex = 0;
-        bool operator<(const Place& o) const { return std::tie(bits, along, facing, vertex) < std::tie(o.bits, o.along, o.facing, o.vertex); }
+        bool operator<(const Place& o) const {
+            return std::tie(bits, along, facing, vertex) < std::tie(o.bits, o.along, o.facing, o.vertex);
+        }
     };
     std::vector<Place> places;
     for (uint32_t v = 0; v < n; ++v) {
         if (!scene.referenced[v]) continue;
-        const DVec3 p = (DVec3(scene.mesh.positions[v]) * own - low) / quantum, normal = DVec3(scene.mesh.normals[v]) * own;
+        const DVec3 p = (DVec3(scene.mesh.positions[v]) * own - low) / quantum,
+                    normal = DVec3(scene.mesh.normals[v]) * own;
         uint64_t bits = joined[v];
         for (int k = 0; k < 3; ++k) {
             bits = mixBits(bits ^ uint64_t(std::llround(p[k])));
@@ -82,7 +87,8 @@ Scene buildScene(Mesh mesh, Progress& progress, const Mat3& axes) {
     for (uint32_t v = 0; v < n; ++v) {
         const uint32_t begin = scene.graph.start[v], end = scene.graph.start[v + 1];
         float sum = 0;
-        for (uint32_t e = begin; e < end; ++e) sum += glm::length(scene.mesh.positions[scene.graph.to[e]] - scene.mesh.positions[v]);
+        for (uint32_t e = begin; e < end; ++e)
+            sum += glm::length(scene.mesh.positions[scene.graph.to[e]] - scene.mesh.positions[v]);
         scene.vertexSpacing[v] = end > begin ? sum / float(end - begin) : 0.0f;
     }
     progress.advance();

@@ -10,14 +10,17 @@ namespace relamp {
 
 struct Scene {
     Mesh mesh;
-    VertexGraph graph;                     ///< vertices joined by an edge
-    std::vector<uint32_t> piece;           ///< connected piece of each vertex
+    VertexGraph graph;            ///< vertices joined by an edge
+    std::vector<uint32_t> piece;  ///< connected piece of each vertex
     uint32_t pieces = 0;
-    Mat3 axes{1};                          ///< world from axes that turn with the scene: what squares of directions and random patterns of a solve lie along, so that its answer does not rest on how the world lies
-    std::vector<uint32_t> rank;            ///< a number drawn from where each vertex lies and which way it faces: what random patterns are numbered by, so that they rest neither on the file's order nor on its unit, origin or axes
-    std::vector<float> vertexSpacing;      ///< metres: mean edge length at the vertex
-    std::vector<uint8_t> referenced;       ///< 1 where a triangle uses the vertex
-    float diagonal = 0;                    ///< metres: of the bounding box
+    Mat3 axes{1};  ///< world from axes that turn with the scene: what squares of directions and random patterns of a
+                   ///< solve lie along, so that its answer does not rest on how the world lies
+    std::vector<uint32_t>
+        rank;  ///< a number drawn from where each vertex lies and which way it faces: what random patterns are numbered
+               ///< by, so that they rest neither on the file's order nor on its unit, origin or axes
+    std::vector<float> vertexSpacing;  ///< metres: mean edge length at the vertex
+    std::vector<uint8_t> referenced;   ///< 1 where a triangle uses the vertex
+    float diagonal = 0;                ///< metres: of the bounding box
     std::shared_ptr<const RayTracer> tracer;
 
     /// Point and shading normal of a hit.

@@ -24,7 +24,8 @@ public:
         for (;; ++key) {
             const auto [place, isNew] = at_.emplace(key, uint32_t(soup_.positions.size()));
             if (isNew) {
-                if (soup_.positions.size() >= limits_.maxVertices) throw Error("has more than {} vertices", limits_.maxVertices);
+                if (soup_.positions.size() >= limits_.maxVertices)
+                    throw Error("has more than {} vertices", limits_.maxVertices);
                 soup_.positions.push_back(position);
                 return place->second;
             }

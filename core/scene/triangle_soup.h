@@ -14,10 +14,10 @@ namespace relamp {
 struct TriangleSoup {
     static constexpr uint32_t noVertex = ~0u;  ///< a corner whose index lies outside the file's vertices
     std::vector<DVec3> positions;  ///< as the file has them: double, because scenes lie far from their origin
-    std::vector<Vec3> normals;   ///< as many as positions, or empty; not normalised, zero where the file gives none
+    std::vector<Vec3> normals;     ///< as many as positions, or empty; not normalised, zero where the file gives none
     std::vector<Triangle> triangles;
-    size_t polygons = 0;         ///< faces of more than three corners, cut into fans
-    size_t badIndexFaces = 0;    ///< faces with a corner outside the vertices, or fewer than three corners: dropped
+    size_t polygons = 0;       ///< faces of more than three corners, cut into fans
+    size_t badIndexFaces = 0;  ///< faces with a corner outside the vertices, or fewer than three corners: dropped
 
     /// Appends a face of any number of corners as a fan. Indices are checked against `vertices`.
     void addFace(const std::vector<int64_t>& corners, size_t vertices, const MeshLimits& limits);
@@ -31,9 +31,10 @@ TriangleSoup readOff(std::string_view bytes, const MeshLimits& limits);
 TriangleSoup readBinaryOff(std::string_view bytes, const MeshLimits& limits);
 TriangleSoup readStl(std::string_view bytes, const MeshLimits& limits);
 
-/// Drops faces that are no surface, fills in normals, turns faces round that are turned against the file's normals at all their corners, counts what is left
-/// (see MeshReport). Vertices keep their order; those that are not finite are moved to the middle of the others. `recentre`: a mesh far from its
-/// origin is moved near it (MeshReport::origin). Throws Error when no triangle is left.
+/// Drops faces that are no surface, fills in normals, turns faces round that are turned against the file's normals at
+/// all their corners, counts what is left (see MeshReport). Vertices keep their order; those that are not finite are
+/// moved to the middle of the others. `recentre`: a mesh far from its origin is moved near it (MeshReport::origin).
+/// Throws Error when no triangle is left.
 Mesh repairSoup(TriangleSoup&& soup, bool recentre, MeshReport& report);
 
 }  // namespace relamp

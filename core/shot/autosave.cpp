@@ -26,7 +26,7 @@ int lockFile(const fs::path& file) {
     const int handle = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
     if (handle < 0) return -1;
     // Without a name it is a file that its last owner has just removed.
-    struct stat opened{};
+    struct stat opened {};
     if (flock(handle, LOCK_EX | LOCK_NB) == 0 && fstat(handle, &opened) == 0 && opened.st_nlink > 0) return handle;
     close(handle);
     return -1;
@@ -60,7 +60,8 @@ void removeEstimates(const fs::path& stem, const fs::path& kept, bool processIsG
     for (fs::directory_iterator entry(stem.parent_path(), error), end; !error && entry != end; entry.increment(error)) {
         const std::string one = entry->path().filename().string();
         const bool unfinished = processIsGone && one.starts_with("." + name + ".");
-        if ((one.starts_with(name + ".estimate-") || unfinished) && entry->path() != kept) gone.push_back(entry->path());
+        if ((one.starts_with(name + ".estimate-") || unfinished) && entry->path() != kept)
+            gone.push_back(entry->path());
     }
     for (const fs::path& one : gone) fs::remove_all(one, error);
 }
@@ -95,7 +96,8 @@ void Autosave::keepEstimate(const fs::path& folder) {
 void Autosave::write(const AutosavedWork& work) {
     if (!working()) return;
     Json steps = Json::array();
-    for (const AutosavedStep& step : work.steps) steps.push_back({{"label", step.label}, {"look", lookToJson(step.look)}});
+    for (const AutosavedStep& step : work.steps)
+        steps.push_back({{"label", step.label}, {"look", lookToJson(step.look)}});
     const Json document{{"version", 1},
                         {"capture", work.captureFolder.string()},
                         {"shot", work.shotFolder.string()},
@@ -119,7 +121,8 @@ std::vector<FoundWork> Autosave::findLost() const {
     std::error_code error;
     std::set<std::string> stems;
     for (fs::directory_iterator entry(folder_, error), end; !error && entry != end; entry.increment(error))
-        if (const std::string stem = stemOf(entry->path()); stem.starts_with("work-") && folder_ / stem != stem_) stems.insert(stem);
+        if (const std::string stem = stemOf(entry->path()); stem.starts_with("work-") && folder_ / stem != stem_)
+            stems.insert(stem);
     for (const std::string& name : stems) {
         const fs::path stem = folder_ / name, file = with(stem, suffix);
         const int lock = lockFile(with(stem, ".lock"));
@@ -141,7 +144,8 @@ std::vector<FoundWork> Autosave::findLost() const {
             one.work.estimateShot = document.at("estimate").get<std::string>();
             one.work.look = lookFromJson(document.at("look"), {});
             if (document.contains("steps"))
-                for (const Json& step : document["steps"]) one.work.steps.push_back({step.at("label").get<std::string>(), lookFromJson(step.at("look"), {})});
+                for (const Json& step : document["steps"])
+                    one.work.steps.push_back({step.at("label").get<std::string>(), lookFromJson(step.at("look"), {})});
             one.work.stage = document.at("stage").get<std::string>();
             one.work.time = document.at("time").get<std::string>();
             std::error_code ignored;

@@ -1,5 +1,5 @@
-// Work that would be lost with the process: the look and where it belongs, written every few seconds while there are unsaved edits, and
-// found again after a crash. One file a process, locked while it lives.
+// Work that would be lost with the process: the look and where it belongs, written every few seconds while there are
+// unsaved edits, and found again after a crash. One file a process, locked while it lives.
 #pragma once
 #include <chrono>
 #include <filesystem>
@@ -21,12 +21,13 @@ struct AutosavedStep {
 /// What an autosave holds.
 struct AutosavedWork {
     std::filesystem::path captureFolder;
-    std::filesystem::path shotFolder;      ///< empty: never saved
-    std::filesystem::path estimateShot;    ///< a shot that holds the unsaved estimate; empty: none, or it is in shotFolder
+    std::filesystem::path shotFolder;  ///< empty: never saved
+    std::filesystem::path
+        estimateShot;  ///< a shot that holds the unsaved estimate; empty: none, or it is in shotFolder
     Look look;
-    std::vector<AutosavedStep> steps;      ///< that led to the look, oldest first, made on the same estimate; for undo
-    std::string stage;                     ///< what ran in the background ("estimating light"), or empty
-    std::string time;                      ///< local time of the save, "2026-11-21 14:03:11"
+    std::vector<AutosavedStep> steps;  ///< that led to the look, oldest first, made on the same estimate; for undo
+    std::string stage;                 ///< what ran in the background ("estimating light"), or empty
+    std::string time;                  ///< local time of the save, "2026-11-21 14:03:11"
 };
 
 /// A work found after a crash, with its file. While it lives no other process is offered the same work.
@@ -39,7 +40,8 @@ struct FoundWork {
 /// The autosave of this process. Thread-safe is not needed: the window's thread owns it.
 class Autosave {
 public:
-    /// Creates `folder` when needed. Throws nothing: a folder that cannot be written leaves autosaving off (see working()).
+    /// Creates `folder` when needed. Throws nothing: a folder that cannot be written leaves autosaving off (see
+    /// working()).
     explicit Autosave(std::filesystem::path folder);
     ~Autosave();
     Autosave(const Autosave&) = delete;
@@ -50,12 +52,14 @@ public:
     void write(const AutosavedWork& work);
     /// The work is safe elsewhere or was given up: nothing is left to recover.
     void clear();
-    /// Folder for a shot with an unsaved estimate. Each estimate has its own, so that the work on disk always goes with the one it names.
+    /// Folder for a shot with an unsaved estimate. Each estimate has its own, so that the work on disk always goes with
+    /// the one it names.
     std::filesystem::path estimateFolder(int number) const;
     /// Removes the estimates but this one.
     void keepEstimate(const std::filesystem::path& folder);
 
-    /// Works of processes that are gone, latest first. Damaged files are skipped and kept; what belongs to no work is removed.
+    /// Works of processes that are gone, latest first. Damaged files are skipped and kept; what belongs to no work is
+    /// removed.
     std::vector<FoundWork> findLost() const;
     /// Removes a found work and its estimates.
     static void discard(const FoundWork& found);

@@ -14,7 +14,8 @@ namespace {
 constexpr int maxFrames = 1'000'000;
 
 int countOf(const std::string& text, const std::string& option) {
-    if (text.empty() || text.size() > 7 || text.find_first_not_of("0123456789") != std::string::npos) throw BadOption("--camera {}: '{}' is not a number of frames", option, text);
+    if (text.empty() || text.size() > 7 || text.find_first_not_of("0123456789") != std::string::npos)
+        throw BadOption("--camera {}: '{}' is not a number of frames", option, text);
     const int count = std::stoi(text);
     if (count < 1 || count > maxFrames) throw BadOption("--camera {}: expected 1 to {} frames", option, maxFrames);
     return count;
@@ -57,7 +58,8 @@ std::vector<Camera> turntable(const Capture& capture, int count) {
 /// Catmull-Rom between b and c, t in [0, 1].
 template <class T>
 T spline(const T& a, const T& b, const T& c, const T& d, double t) {
-    return 0.5 * ((2.0 * b) + (c - a) * t + (2.0 * a - 5.0 * b + 4.0 * c - d) * (t * t) + (3.0 * b - a - 3.0 * c + d) * (t * t * t));
+    return 0.5 * ((2.0 * b) + (c - a) * t + (2.0 * a - 5.0 * b + 4.0 * c - d) * (t * t) +
+                  (3.0 * b - a - 3.0 * c + d) * (t * t * t));
 }
 
 struct Key {
@@ -85,18 +87,23 @@ Camera cameraOn(const std::vector<Key>& keys, const Camera& first, double at) {
     return camera;
 }
 
-std::vector<Camera> throughViews(const Capture& capture, const std::string& list, int count, const std::string& option) {
+std::vector<Camera> throughViews(const Capture& capture, const std::string& list, int count,
+                                 const std::string& option) {
     std::vector<Key> keys;
     const Camera* first = nullptr;
     for (size_t at = 0; at <= list.size();) {
         const size_t comma = std::min(list.find(',', at), list.size());
         const std::string number = list.substr(at, comma - at);
-        if (number.empty() || number.size() > 7 || number.find_first_not_of("0123456789") != std::string::npos) throw BadOption("--camera {}: '{}' is not a view's number", option, number);
+        if (number.empty() || number.size() > 7 || number.find_first_not_of("0123456789") != std::string::npos)
+            throw BadOption("--camera {}: '{}' is not a view's number", option, number);
         const size_t view = size_t(std::stoi(number));
-        if (view >= capture.views.size()) throw BadOption("--camera {}: view {} does not exist, expected 0 to {}", option, view, capture.views.size() - 1);
+        if (view >= capture.views.size())
+            throw BadOption("--camera {}: view {} does not exist, expected 0 to {}", option, view,
+                            capture.views.size() - 1);
         const Camera& camera = capture.views[view].camera;
         if (!first) first = &camera;
-        if (camera.model != first->model) throw BadOption("--camera {}: view {} has another kind of lens", option, view);
+        if (camera.model != first->model)
+            throw BadOption("--camera {}: view {} has another kind of lens", option, view);
         const glm::dquat q = glm::quat_cast(glm::dmat3(camera.worldFromCamera));
         Key key{camera.position(), glm::dvec4(q.x, q.y, q.z, q.w), {}};
         if (!keys.empty() && glm::dot(keys.back().turn, key.turn) < 0) key.turn = -key.turn;
@@ -108,7 +115,8 @@ std::vector<Camera> throughViews(const Capture& capture, const std::string& list
         at = comma + 1;
     }
     std::vector<Camera> cameras;
-    for (int i = 0; i < count; ++i) cameras.push_back(cameraOn(keys, *first, count > 1 ? double(i) * double(keys.size() - 1) / (count - 1) : 0));
+    for (int i = 0; i < count; ++i)
+        cameras.push_back(cameraOn(keys, *first, count > 1 ? double(i) * double(keys.size() - 1) / (count - 1) : 0));
     return cameras;
 }
 
@@ -120,7 +128,8 @@ std::vector<Camera> cameraPath(const Capture& capture, const std::string& text) 
     const size_t colon = text.find(':'), second = text.rfind(':');
     if (text.starts_with("turntable:")) return turntable(capture, countOf(text.substr(colon + 1), text));
     if (second == colon) throw BadOption("--camera {}: expected path:V,V,...:N", text);
-    return throughViews(capture, text.substr(colon + 1, second - colon - 1), countOf(text.substr(second + 1), text), text);
+    return throughViews(capture, text.substr(colon + 1, second - colon - 1), countOf(text.substr(second + 1), text),
+                        text);
 }
 
 CameraFile readCameraPath(const Capture& capture, const std::filesystem::path& file) {
@@ -137,7 +146,10 @@ CameraFile readCameraPath(const Capture& capture, const std::filesystem::path& f
                 for (auto& frame : document["frames"])
                     if (frame.is_object()) frame.emplace("file_path", "none");
             const auto noSize = [](const std::string&) -> std::pair<int, int> { throw Error("w or h is missing"); };
-            for (const TransformsFrame& frame : parseTransforms(document.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), noSize).frames) result.cameras.push_back(frame.camera);
+            for (const TransformsFrame& frame :
+                 parseTransforms(document.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), noSize)
+                     .frames)
+                result.cameras.push_back(frame.camera);
         });
         if (result.cameras.empty()) throw Error("{}: frames: is empty, expected a camera", file.string());
     } else {

@@ -37,7 +37,8 @@ public:
     }
     template <class T>
     void all(const std::vector<T>& values) {
-        static_assert(std::has_unique_object_representations_v<T> || std::is_same_v<T, Rgb> || std::is_same_v<T, float>);
+        static_assert(std::has_unique_object_representations_v<T> || std::is_same_v<T, Rgb> ||
+                      std::is_same_v<T, float>);
         bytes(values.data(), values.size() * sizeof(T));
     }
     void add(uint64_t word) { state_ = mixBits(state_ ^ word) + 0x9e3779b97f4a7c15ull; }
@@ -84,11 +85,16 @@ uint64_t solveFingerprint(const Capture& capture, const SolveOptions& o, bool ev
     f.all(capture.mesh.positions);
     f.all(capture.mesh.normals);
     f.all(capture.mesh.triangles);
-    for (const double value : {double(o.nearField), double(o.startLevel), double(o.refineRounds), double(o.maxLeaves), double(o.visibilitySide), double(o.startIterations),
-                               double(o.refineIterations), double(o.glossRounds), double(o.turns), double(o.splitShare), double(o.prior.step), double(o.prior.edge),
-                               double(o.prior.iterations), double(o.gauge.kind), double(o.gauge.view), double(o.gauge.pixel.x), double(o.gauge.pixel.y), double(o.gauge.whiteAlbedo),
-                               double(o.gauge.radiance.x), double(o.gauge.radiance.y), double(o.gauge.radiance.z), double(o.gauge.albedo), double(o.bounce), double(everything), double(o.lightSmoothness),
-                               double(o.albedoSmoothness), double(o.askForStrength), double(o.palette), double(o.mostLobes)})
+    for (const double value : {double(o.nearField),        double(o.startLevel),       double(o.refineRounds),
+                               double(o.maxLeaves),        double(o.visibilitySide),   double(o.startIterations),
+                               double(o.refineIterations), double(o.glossRounds),      double(o.turns),
+                               double(o.splitShare),       double(o.prior.step),       double(o.prior.edge),
+                               double(o.prior.iterations), double(o.gauge.kind),       double(o.gauge.view),
+                               double(o.gauge.pixel.x),    double(o.gauge.pixel.y),    double(o.gauge.whiteAlbedo),
+                               double(o.gauge.radiance.x), double(o.gauge.radiance.y), double(o.gauge.radiance.z),
+                               double(o.gauge.albedo),     double(o.bounce),           double(everything),
+                               double(o.lightSmoothness),  double(o.albedoSmoothness), double(o.askForStrength),
+                               double(o.palette),          double(o.mostLobes)})
         f.number(value);
     for (const Lobe& lobe : o.basis.lobes) {
         f.text(lobe.name);
@@ -132,7 +138,8 @@ FoundCheckpoint readCheckpoint(const fs::path& file, uint64_t fingerprint) {
         if (header.version != formatVersion) return refuse("was written by another version of relamp");
         const std::string payload = bytes.substr(sizeof header);
         if (payload.size() != header.size || hashOf(payload) != header.hash) return refuse("is damaged");
-        if (header.fingerprint != fingerprint) return refuse("belongs to another capture, to other options or to another version of relamp");
+        if (header.fingerprint != fingerprint)
+            return refuse("belongs to another capture, to other options or to another version of relamp");
         found.checkpoint = checkpointFromBytes(payload);
     } catch (const Error& error) {
         found.checkpoint.reset();

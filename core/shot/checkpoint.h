@@ -13,8 +13,8 @@ namespace relamp {
 /// Beside the shot that is being made: ".NAME.relamp.checkpoint".
 std::filesystem::path checkpointFile(const std::filesystem::path& shot);
 
-/// A number of everything the answer rests on: photographs, masks, cameras, mesh, options, the program's version. Not of threads and time. Reads
-/// all pixels once, about 10 ms.
+/// A number of everything the answer rests on: photographs, masks, cameras, mesh, options, the program's version. Not
+/// of threads and time. Reads all pixels once, about 10 ms.
 uint64_t solveFingerprint(const Capture& capture, const SolveOptions& options, bool everything);
 
 /// Whole or not at all, flushed to disk. Throws Error naming the file, OutOfResources.
@@ -22,17 +22,18 @@ void writeCheckpoint(const std::filesystem::path& file, uint64_t fingerprint, co
 
 struct FoundCheckpoint {
     std::optional<SolveCheckpoint> checkpoint;
-    std::string refused;   ///< why there is none: a sentence
+    std::string refused;  ///< why there is none: a sentence
 };
 
 /// Never throws for what stands in the file: damaged, of another version, or of other inputs or options, it is refused.
 FoundCheckpoint readCheckpoint(const std::filesystem::path& file, uint64_t fingerprint);
 
-/// Writes a solve's checkpoints as they come, not more often than every two seconds, and takes the file away in the end. A full disk stops the
-/// writing with one warning, not the solve.
+/// Writes a solve's checkpoints as they come, not more often than every two seconds, and takes the file away in the
+/// end. A full disk stops the writing with one warning, not the solve.
 class CheckpointKeeper {
 public:
-    CheckpointKeeper(std::filesystem::path file, uint64_t fingerprint) : file_(std::move(file)), fingerprint_(fingerprint) {}
+    CheckpointKeeper(std::filesystem::path file, uint64_t fingerprint)
+        : file_(std::move(file)), fingerprint_(fingerprint) {}
     void take(const SolveCheckpoint& checkpoint);
     /// The solve has ended well.
     void remove();

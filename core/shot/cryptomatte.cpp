@@ -39,7 +39,10 @@ std::map<std::string, std::string> cryptomatteHeader(const std::string& layer, c
     const std::string key = fmt::format("cryptomatte/{:08x}", cryptomatteHash(layer)).substr(0, 12 + 7);
     nlohmann::json manifest = nlohmann::json::object();
     for (const std::string& name : names) manifest[name] = fmt::format("{:08x}", floatBits(cryptomatteHash(name)));
-    return {{key + "/name", layer}, {key + "/hash", "MurmurHash3_32"}, {key + "/conversion", "uint32_to_float32"}, {key + "/manifest", manifest.dump()}};
+    return {{key + "/name", layer},
+            {key + "/hash", "MurmurHash3_32"},
+            {key + "/conversion", "uint32_to_float32"},
+            {key + "/manifest", manifest.dump()}};
 }
 
 }  // namespace relamp

@@ -1,5 +1,5 @@
-// Cryptomatte of the emitters, as its specification 1.2 has it: every name a number, every pixel a ranked list of numbers with
-// coverages, the names in the header.
+// Cryptomatte of the emitters, as its specification 1.2 has it: every name a number, every pixel a ranked list of
+// numbers with coverages, the names in the header.
 #pragma once
 #include <array>
 #include <cstdint>

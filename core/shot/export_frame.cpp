@@ -45,7 +45,8 @@ std::vector<std::string> namesOf(const RelitScene& relit) {
     return names;
 }
 
-double writeLayers(const std::filesystem::path& file, const Camera& camera, const FrameLayers& layers, const FrameFileOptions& options, const RowsOf& rowsOf, const std::function<void()>& between = {}) {
+double writeLayers(const std::filesystem::path& file, const Camera& camera, const FrameLayers& layers,
+                   const FrameFileOptions& options, const RowsOf& rowsOf, const std::function<void()>& between = {}) {
     std::map<std::string, std::string> header = options.header;
     Camera placed = camera;
     placed.worldFromCamera[3] += glm::dvec4(layers.origin(), 0);
@@ -53,33 +54,36 @@ double writeLayers(const std::filesystem::path& file, const Camera& camera, cons
     header.merge(layers.header());
     header.emplace("Software", "relamp " RELAMP_VERSION);
     GroupCheck groups{options.ratio != Ratio::none};
-    writeChannelRows(file, camera.width, camera.height, stripRowsOf(camera.width), layers.parts(options.multipart),
-                     [&](int first, int count, const std::vector<float*>& out) {
-                         FrameStrip strip = rowsOf(first, count);
-                         groups.add(strip);
-                         layers.fill(strip, out);
-                     },
-                     header, between);
+    writeChannelRows(
+        file, camera.width, camera.height, stripRowsOf(camera.width), layers.parts(options.multipart),
+        [&](int first, int count, const std::vector<float*>& out) {
+            FrameStrip strip = rowsOf(first, count);
+            groups.add(strip);
+            layers.fill(strip, out);
+        },
+        header, between);
     return groups.relative();
 }
 
-double writePicture(const std::filesystem::path& file, const Camera& camera, const FrameFileOptions& options, std::optional<float> exposure, const RowsOf& rowsOf) {
+double writePicture(const std::filesystem::path& file, const Camera& camera, const FrameFileOptions& options,
+                    std::optional<float> exposure, const RowsOf& rowsOf) {
     GroupCheck groups{options.ratio != Ratio::none};
     const DisplayView view = options.view;
     const bool hdr = extensionOf(file) == ".hdr";
-    writeColourRows(file, camera.width, camera.height, stripRowsOf(camera.width),
-                    [&](int first, int count, Rgb* out) {
-                        FrameStrip strip = rowsOf(first, count);
-                        groups.add(strip);
-                        if (view == DisplayView::automatic && !exposure) {
-                            Image seen(strip.frame.width, count);
-                            seen.pixels = strip.frame.beauty;
-                            exposure = exposureFor(seen);
-                        }
-                        const float factor = view == DisplayView::automatic && !hdr ? *exposure : 1.0f;
-                        for (size_t p = 0; p < strip.frame.beauty.size(); ++p) out[p] = strip.frame.beauty[p] * factor;
-                    },
-                    view == DisplayView::raw);
+    writeColourRows(
+        file, camera.width, camera.height, stripRowsOf(camera.width),
+        [&](int first, int count, Rgb* out) {
+            FrameStrip strip = rowsOf(first, count);
+            groups.add(strip);
+            if (view == DisplayView::automatic && !exposure) {
+                Image seen(strip.frame.width, count);
+                seen.pixels = strip.frame.beauty;
+                exposure = exposureFor(seen);
+            }
+            const float factor = view == DisplayView::automatic && !hdr ? *exposure : 1.0f;
+            for (size_t p = 0; p < strip.frame.beauty.size(); ++p) out[p] = strip.frame.beauty[p] * factor;
+        },
+        view == DisplayView::raw);
     return groups.relative();
 }
 
@@ -123,27 +127,35 @@ std::map<std::string, std::string> cameraHeader(const Camera& camera) {
     DMat4 ndcFromCamera(0.0);
     ndcFromCamera[0][0] = 2 * camera.focalX / camera.width;
     ndcFromCamera[1][1] = 2 * camera.focalY / camera.height;
-    ndcFromCamera[2] = {1 - 2 * camera.centreX / camera.width, 2 * camera.centreY / camera.height - 1, -(far + near) / (far - near), -1};
+    ndcFromCamera[2] = {1 - 2 * camera.centreX / camera.width, 2 * camera.centreY / camera.height - 1,
+                        -(far + near) / (far - near), -1};
     ndcFromCamera[3][2] = -2 * far * near / (far - near);
     return {{"worldtocamera", numbersOf(cameraFromWorld)}, {"worldtoNDC", numbersOf(ndcFromCamera * cameraFromWorld)}};
 }
 
-double writeFrameFile(const std::filesystem::path& file, const Camera& camera, const FrameSources& sources, const FrameOptions& options,
-                      const FrameFileOptions& fileOptions, Progress& progress) {
+double writeFrameFile(const std::filesystem::path& file, const Camera& camera, const FrameSources& sources,
+                      const FrameOptions& options, const FrameFileOptions& fileOptions, Progress& progress) {
     LayerWish wish = layerWish(fileOptions.layers);
     if (!sources.photograph) {
-        if (fileOptions.ratio != Ratio::none) throw BadOption("--ratio: the camera is not one of the capture's views at its own size, so there is no photograph");
-        if (wish.residual && !wish.all) throw BadOption("--layers residual: the camera is not one of the capture's views at its own size, so there is no photograph");
+        if (fileOptions.ratio != Ratio::none)
+            throw BadOption(
+                "--ratio: the camera is not one of the capture's views at its own size, so there is no photograph");
+        if (wish.residual && !wish.all)
+            throw BadOption(
+                "--layers residual: the camera is not one of the capture's views at its own size, so there is no "
+                "photograph");
         if (wish.residual) logInfo("{}: without residual, because the camera is none of the capture's", file.string());
         wish.residual = false;
     } else if (sources.photograph->width != camera.width || sources.photograph->height != camera.height) {
-        throw Error("{}: the photograph is {} x {} pixels, the camera {} x {}", file.string(), sources.photograph->width, sources.photograph->height, camera.width, camera.height);
+        throw Error("{}: the photograph is {} x {} pixels, the camera {} x {}", file.string(),
+                    sources.photograph->width, sources.photograph->height, camera.width, camera.height);
     }
     const bool exr = extensionOf(file) == ".exr";
     if (!exr) wish = {};
     const RelitScene& look = *sources.look;
     const RelitScene& captured = sources.captured ? *sources.captured : look;
-    const bool needsCaptured = &captured != &look && (fileOptions.ratio != Ratio::none || wish.residual || wish.correction);
+    const bool needsCaptured =
+        &captured != &look && (fileOptions.ratio != Ratio::none || wish.residual || wish.correction);
     const FrameRenderer renderer(look, camera, options);
     std::optional<FrameRenderer> before;
     if (needsCaptured) before.emplace(captured, camera, options);
@@ -168,12 +180,16 @@ double writeFrameFile(const std::filesystem::path& file, const Camera& camera, c
         }
         return strip;
     };
-    if (exr) return writeLayers(file, camera, FrameLayers(wish, fileOptions.naming, namesOf(look), sources.origin), fileOptions, rowsOf, [&] { progress.check(); });
-    const std::optional<float> exposure = sources.photograph ? std::optional<float>(exposureFor(*sources.photograph)) : std::nullopt;
+    if (exr)
+        return writeLayers(file, camera, FrameLayers(wish, fileOptions.naming, namesOf(look), sources.origin),
+                           fileOptions, rowsOf, [&] { progress.check(); });
+    const std::optional<float> exposure =
+        sources.photograph ? std::optional<float>(exposureFor(*sources.photograph)) : std::nullopt;
     return writePicture(file, camera, fileOptions, exposure, rowsOf);
 }
 
-double writeFrame(const std::filesystem::path& file, const Frame& frame, const RelitScene& relit, const Camera& camera, const std::string& layers, const DVec3& origin) {
+double writeFrame(const std::filesystem::path& file, const Frame& frame, const RelitScene& relit, const Camera& camera,
+                  const std::string& layers, const DVec3& origin) {
     LayerWish wish = layerWish(layers);
     if (wish.residual && !wish.all) throw BadOption("--layers residual: needs the photograph");
     wish.residual = false;
@@ -186,7 +202,8 @@ double writeFrame(const std::filesystem::path& file, const Frame& frame, const R
         if (wish.correction && !strip.frame.emittersSeen.empty()) strip.correction = bakedFactor(strip.frame);
         return strip;
     };
-    if (extensionOf(file) == ".exr") return writeLayers(file, sized, FrameLayers(wish, LayerNaming::blender, namesOf(relit), origin), {}, rowsOf);
+    if (extensionOf(file) == ".exr")
+        return writeLayers(file, sized, FrameLayers(wish, LayerNaming::blender, namesOf(relit), origin), {}, rowsOf);
     return writePicture(file, sized, {}, std::nullopt, rowsOf);
 }
 

@@ -1,5 +1,5 @@
-// One frame on disk (INTERFACE section 5): EXR with light groups and layers, or a picture to look at. Rendered and written strip by
-// strip, so that its size is not bounded by memory.
+// One frame on disk (INTERFACE section 5): EXR with light groups and layers, or a picture to look at. Rendered and
+// written strip by strip, so that its size is not bounded by memory.
 #pragma once
 #include <filesystem>
 #include <map>
@@ -15,7 +15,8 @@ namespace relamp {
 /// What PNG and JPEG show of scene-linear radiance.
 enum class DisplayView {
     standard,   ///< exposed by one stop-factor, clipped, sRGB curve
-    automatic,  ///< the same, exposed so that the 99th percentile of the photograph (else of the frame's first strip) is white
+    automatic,  ///< the same, exposed so that the 99th percentile of the photograph (else of the frame's first strip)
+                ///< is white
     raw         ///< clipped, no curve
 };
 
@@ -23,40 +24,43 @@ enum class DisplayView {
 DisplayView displayView(const std::string& name);
 
 struct FrameFileOptions {
-    std::string layers;                          ///< "", "all", or names (frame_layers.h)
+    std::string layers;  ///< "", "all", or names (frame_layers.h)
     LayerNaming naming = LayerNaming::blender;
     bool multipart = false;
     Ratio ratio = Ratio::none;
     DisplayView view = DisplayView::standard;
-    std::map<std::string, std::string> header;   ///< more entries for the EXR's header
+    std::map<std::string, std::string> header;  ///< more entries for the EXR's header
 };
 
-/// What a frame is made from. `captured` and `photograph` may be null: without them there is no residual and no ratio, and the correction is
-/// that of the look.
+/// What a frame is made from. `captured` and `photograph` may be null: without them there is no residual and no ratio,
+/// and the correction is that of the look.
 struct FrameSources {
     const RelitScene* look = nullptr;
-    const RelitScene* captured = nullptr;        ///< the light as photographed; may be the same scene as `look`
-    const Image* photograph = nullptr;           ///< of the camera, at its size
-    float saturation = 0;                        ///< of the photograph: clipped from here on; 0: none
-    DVec3 origin{0};                             ///< Capture::origin: added to positions and the header's cameras
+    const RelitScene* captured = nullptr;  ///< the light as photographed; may be the same scene as `look`
+    const Image* photograph = nullptr;     ///< of the camera, at its size
+    float saturation = 0;                  ///< of the photograph: clipped from here on; 0: none
+    DVec3 origin{0};                       ///< Capture::origin: added to positions and the header's cameras
 };
 
-/// Renders and writes the frame, whole or not at all. EXR: root RGBA and the layers asked for; PNG, JPEG, HDR: the beauty. Returns the largest
-/// difference between the beauty and the sum of its groups (a ratio frame: groups + rest), relative to the brightest value. Memory: about 400 bytes for each of half a million
-/// pixels, whatever the size (with 3 emitters); time: the rendering, twice when the captured light is needed beside the look's. Bits do not
-/// depend on threads. Throws BadOption when a layer or ratio needs a photograph and there is none, Error, OutOfResources, Cancelled.
-double writeFrameFile(const std::filesystem::path& file, const Camera& camera, const FrameSources& sources, const FrameOptions& options,
-                      const FrameFileOptions& fileOptions, Progress& progress);
+/// Renders and writes the frame, whole or not at all. EXR: root RGBA and the layers asked for; PNG, JPEG, HDR: the
+/// beauty. Returns the largest difference between the beauty and the sum of its groups (a ratio frame: groups + rest),
+/// relative to the brightest value. Memory: about 400 bytes for each of half a million pixels, whatever the size (with
+/// 3 emitters); time: the rendering, twice when the captured light is needed beside the look's. Bits do not depend on
+/// threads. Throws BadOption when a layer or ratio needs a photograph and there is none, Error, OutOfResources,
+/// Cancelled.
+double writeFrameFile(const std::filesystem::path& file, const Camera& camera, const FrameSources& sources,
+                      const FrameOptions& options, const FrameFileOptions& fileOptions, Progress& progress);
 
 /// Throws BadOption when `layers` names one that does not exist.
 void checkLayers(const std::string& layers);
 
-/// The same for a frame that is rendered already: root RGBA and the layers it can give (no residual; the correction is that of the frame's
-/// own light).
-double writeFrame(const std::filesystem::path& file, const Frame& frame, const RelitScene& relit, const Camera& camera, const std::string& layers, const DVec3& origin = DVec3(0));
+/// The same for a frame that is rendered already: root RGBA and the layers it can give (no residual; the correction is
+/// that of the frame's own light).
+double writeFrame(const std::filesystem::path& file, const Frame& frame, const RelitScene& relit, const Camera& camera,
+                  const std::string& layers, const DVec3& origin = DVec3(0));
 
-/// worldToCamera and worldToNDC for an EXR's header, as 16 numbers each, rows times matrix as OpenEXR has it. Camera axes: +X right, +Y up,
-/// looks down -Z; NDC in [-1, 1], y up, z from -1 (1 cm) to 1 (1 km); distortion is left out.
+/// worldToCamera and worldToNDC for an EXR's header, as 16 numbers each, rows times matrix as OpenEXR has it. Camera
+/// axes: +X right, +Y up, looks down -Z; NDC in [-1, 1], y up, z from -1 (1 cm) to 1 (1 km); distortion is left out.
 std::map<std::string, std::string> cameraHeader(const Camera& camera);
 
 }  // namespace relamp

@@ -7,7 +7,8 @@ namespace relamp {
 namespace {
 
 using Json = nlohmann::json;
-constexpr int floats = 5126, indices = 5125, vertexBuffer = 34962, indexBuffer = 34963;  // the specification's constants
+constexpr int floats = 5126, indices = 5125, vertexBuffer = 34962,
+              indexBuffer = 34963;  // the specification's constants
 
 struct Document {
     Json root{{"asset", {{"version", "2.0"}, {"generator", "relamp " RELAMP_VERSION}}},
@@ -17,12 +18,18 @@ struct Document {
 
     /// Appends `bytes` as a view and an accessor over it; returns the accessor's number.
     int add(const void* bytes, size_t size, size_t count, int component, const char* type, int target) {
-        root["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", buffer.size()}, {"byteLength", size}, {"target", target}});
-        root["accessors"].push_back({{"bufferView", root["bufferViews"].size() - 1}, {"componentType", component}, {"count", count}, {"type", type}});
+        root["bufferViews"].push_back(
+            {{"buffer", 0}, {"byteOffset", buffer.size()}, {"byteLength", size}, {"target", target}});
+        root["accessors"].push_back({{"bufferView", root["bufferViews"].size() - 1},
+                                     {"componentType", component},
+                                     {"count", count},
+                                     {"type", type}});
         buffer.append(static_cast<const char*>(bytes), size);
         return int(root["accessors"].size()) - 1;
     }
-    int vectors(const std::vector<Vec3>& values) { return add(values.data(), values.size() * sizeof(Vec3), values.size(), floats, "VEC3", vertexBuffer); }
+    int vectors(const std::vector<Vec3>& values) {
+        return add(values.data(), values.size() * sizeof(Vec3), values.size(), floats, "VEC3", vertexBuffer);
+    }
     void child(Json node) {
         root["nodes"].push_back(std::move(node));
         root["nodes"][0]["children"].push_back(root["nodes"].size() - 1);
@@ -49,7 +56,8 @@ Json materialOf(const ExportedPiece& piece) {
     }
     const float strength = maxChannel(piece.radiance) > 0 ? maxChannel(piece.radiance) : 1.0f;
     const Rgb factor = piece.radiance / strength;
-    material["pbrMetallicRoughness"] = {{"baseColorFactor", {0, 0, 0, 1}}, {"metallicFactor", 0}, {"roughnessFactor", 1}};
+    material["pbrMetallicRoughness"] = {
+        {"baseColorFactor", {0, 0, 0, 1}}, {"metallicFactor", 0}, {"roughnessFactor", 1}};
     material["emissiveFactor"] = {factor.x, factor.y, factor.z};
     material["extensions"] = {{"KHR_materials_emissive_strength", {{"emissiveStrength", strength}}}};
     return material;
@@ -60,18 +68,28 @@ void addPiece(Document& d, const ExportedPiece& piece, const DVec3& origin) {
     static_assert(sizeof(Vec3) == 12 && sizeof(Triangle) == 12);
     Json attributes{{"POSITION", positions(d, piece)}, {"NORMAL", d.vectors(piece.normals)}};
     if (!piece.emits) attributes["COLOR_0"] = d.vectors(piece.albedo);
-    const int faces = d.add(piece.triangles.data(), piece.triangles.size() * sizeof(Triangle), piece.triangles.size() * 3, indices, "SCALAR", indexBuffer);
+    const int faces = d.add(piece.triangles.data(), piece.triangles.size() * sizeof(Triangle),
+                            piece.triangles.size() * 3, indices, "SCALAR", indexBuffer);
     d.root["materials"].push_back(materialOf(piece));
-    d.root["meshes"].push_back({{"name", piece.name}, {"primitives", {{{"attributes", attributes}, {"indices", faces}, {"material", d.root["materials"].size() - 1}}}}});
+    d.root["meshes"].push_back(
+        {{"name", piece.name},
+         {"primitives",
+          {{{"attributes", attributes}, {"indices", faces}, {"material", d.root["materials"].size() - 1}}}}});
     const DVec3 place = origin + DVec3(piece.origin);
-    d.child({{"name", piece.name}, {"mesh", d.root["meshes"].size() - 1}, {"translation", {place.x, place.y, place.z}}});
+    d.child(
+        {{"name", piece.name}, {"mesh", d.root["meshes"].size() - 1}, {"translation", {place.x, place.y, place.z}}});
 }
 
 void addView(Document& d, const ExportedView& view, const DVec3& origin) {
     Camera c = view.camera;
     c.worldFromCamera[3] += glm::dvec4(origin, 0);
-    d.root["cameras"].push_back({{"name", view.name}, {"type", "perspective"},
-                                 {"perspective", {{"yfov", 2 * std::atan(0.5 * c.height / c.focalY)}, {"aspectRatio", double(c.width) / c.height * c.focalY / c.focalX}, {"znear", 0.01}, {"zfar", 1000}}}});
+    d.root["cameras"].push_back({{"name", view.name},
+                                 {"type", "perspective"},
+                                 {"perspective",
+                                  {{"yfov", 2 * std::atan(0.5 * c.height / c.focalY)},
+                                   {"aspectRatio", double(c.width) / c.height * c.focalY / c.focalX},
+                                   {"znear", 0.01},
+                                   {"zfar", 1000}}}});
     Json matrix = Json::array();
     for (int column = 0; column < 4; ++column)
         for (int row = 0; row < 4; ++row) matrix.push_back(c.worldFromCamera[column][row]);

@@ -16,7 +16,8 @@ Json listOf(const Vec3& v) { return {v.x, v.y, v.z}; }
 Json listOf(const DVec3& v) { return {v.x, v.y, v.z}; }
 
 /// The triangles of the mesh that belong to `emitter` (-1: to none), with their vertices numbered anew.
-ExportedPiece pieceOf(const RelitScene& relit, int emitter, const std::string& id, const std::string& name, const Vec3& origin) {
+ExportedPiece pieceOf(const RelitScene& relit, int emitter, const std::string& id, const std::string& name,
+                      const Vec3& origin) {
     const Mesh& mesh = relit.scene.mesh;
     ExportedPiece piece;
     piece.id = id;
@@ -46,19 +47,37 @@ Json lightsJson(const Shot& shot, const ExportedScene& scene) {
     for (const ExportedPiece& p : scene.pieces) {
         if (!p.emits) continue;
         Vec3 normal(0);
-        for (const Triangle& t : p.triangles) normal += glm::cross(p.positions[t[1]] - p.positions[t[0]], p.positions[t[2]] - p.positions[t[0]]) / 2.0f;
+        for (const Triangle& t : p.triangles)
+            normal += glm::cross(p.positions[t[1]] - p.positions[t[0]], p.positions[t[2]] - p.positions[t[0]]) / 2.0f;
         Json positions = Json::array(), triangles = Json::array();
         for (const Vec3& v : p.positions) positions.push_back(listOf(scene.origin + DVec3(v + p.origin)));
         for (const Triangle& t : p.triangles) triangles.push_back({t[0], t[1], t[2]});
-        lights.push_back({{"id", p.id}, {"name", p.name}, {"type", "mesh"}, {"radiance", listOf(p.radiance)}, {"two_sided", p.twoSided}, {"area_m2", p.area},
-                          {"flux", listOf(p.radiance * (pi * p.area * (p.twoSided ? 2.0f : 1.0f)))}, {"centroid", listOf(scene.origin + DVec3(p.origin))},
-                          {"mean_normal", listOf(p.area > 0 ? normal / p.area : Vec3(0))}, {"positions", positions}, {"triangles", triangles}});
+        lights.push_back({{"id", p.id},
+                          {"name", p.name},
+                          {"type", "mesh"},
+                          {"radiance", listOf(p.radiance)},
+                          {"two_sided", p.twoSided},
+                          {"area_m2", p.area},
+                          {"flux", listOf(p.radiance * (pi * p.area * (p.twoSided ? 2.0f : 1.0f)))},
+                          {"centroid", listOf(scene.origin + DVec3(p.origin))},
+                          {"mean_normal", listOf(p.area > 0 ? normal / p.area : Vec3(0))},
+                          {"positions", positions},
+                          {"triangles", triangles}});
     }
     const GaugeReport& gauge = shot.estimate.gauge;
     return {{"version", 1},
-            {"units", {{"length", "metre"}, {"up", "+Z"}, {"radiance", "linear Rec.709 in units of the photographs"}, {"flux", "pi x radiance x area"}}},
+            {"units",
+             {{"length", "metre"},
+              {"up", "+Z"},
+              {"radiance", "linear Rec.709 in units of the photographs"},
+              {"flux", "pi x radiance x area"}}},
             {"gauge", {{"kind", gauge.kind}, {"evidence", gauge.evidence}}},
-            {"environment", {{"file", "environment.exr"}, {"projection", "latitude-longitude"}, {"centre", "+X"}, {"right_of_centre", "-Y"}, {"top", "+Z"}}},
+            {"environment",
+             {{"file", "environment.exr"},
+              {"projection", "latitude-longitude"},
+              {"centre", "+X"},
+              {"right_of_centre", "-Y"},
+              {"top", "+Z"}}},
             {"lights", lights}};
 }
 
@@ -133,10 +152,21 @@ std::string transformsOf(const Capture& capture, const fs::path& folder, const s
         Camera c = view.camera;
         c.worldFromCamera[3] += glm::dvec4(capture.origin, 0);
         Json rows = Json::array();
-        for (int r = 0; r < 4; ++r) rows.push_back({c.worldFromCamera[0][r], c.worldFromCamera[1][r], c.worldFromCamera[2][r], c.worldFromCamera[3][r]});
-        const std::string picture = view.file.empty() ? view.name : fs::proximate(fs::absolute(view.file), fs::absolute(folder)).generic_string();
-        Json frame{{"file_path", picture}, {"camera_model", lensModelName(c.model)}, {"w", c.width}, {"h", c.height},
-                   {"fl_x", c.focalX}, {"fl_y", c.focalY}, {"cx", c.centreX}, {"cy", c.centreY}, {"transform_matrix", rows}};
+        for (int r = 0; r < 4; ++r)
+            rows.push_back(
+                {c.worldFromCamera[0][r], c.worldFromCamera[1][r], c.worldFromCamera[2][r], c.worldFromCamera[3][r]});
+        const std::string picture = view.file.empty()
+                                        ? view.name
+                                        : fs::proximate(fs::absolute(view.file), fs::absolute(folder)).generic_string();
+        Json frame{{"file_path", picture},
+                   {"camera_model", lensModelName(c.model)},
+                   {"w", c.width},
+                   {"h", c.height},
+                   {"fl_x", c.focalX},
+                   {"fl_y", c.focalY},
+                   {"cx", c.centreX},
+                   {"cy", c.centreY},
+                   {"transform_matrix", rows}};
         const auto names = coefficients(c.model);
         for (size_t i = 0; i < names.size(); ++i) frame[names[i]] = c.distortion[i];
         frames.push_back(std::move(frame));
@@ -146,7 +176,8 @@ std::string transformsOf(const Capture& capture, const fs::path& folder, const s
 
 void exportScene(const Shot& shot, const RelitScene& relit, const fs::path& folder, bool overwrite) {
     std::error_code failed;
-    if (fs::exists(folder, failed) && (!fs::is_directory(folder, failed) || (!overwrite && !fs::is_empty(folder, failed))))
+    if (fs::exists(folder, failed) &&
+        (!fs::is_directory(folder, failed) || (!overwrite && !fs::is_empty(folder, failed))))
         throw Error("{}: exists already, add --overwrite to write into it", folder.string());
     fs::create_directories(folder, failed);
     if (failed) throw Error("{}: cannot be made ({})", folder.string(), failed.message());

@@ -11,50 +11,52 @@ namespace relamp {
 
 /// A piece of the scene's surface, in metres about `origin`, which counts from the scene's; Z is up.
 struct ExportedPiece {
-    std::string id;                  ///< of the emitter; "surfaces" for the rest
-    std::string name;                ///< what the artist calls it, else its id
-    Vec3 origin{0};                  ///< the centroid of an emitter: what other programs turn it about
-    std::vector<Vec3> positions;     ///< relative to origin
+    std::string id;               ///< of the emitter; "surfaces" for the rest
+    std::string name;             ///< what the artist calls it, else its id
+    Vec3 origin{0};               ///< the centroid of an emitter: what other programs turn it about
+    std::vector<Vec3> positions;  ///< relative to origin
     std::vector<Vec3> normals;
-    std::vector<Rgb> albedo;         ///< diffuse
-    std::vector<Triangle> triangles; ///< counter-clockwise from outside
-    Rgb radiance{0};                 ///< emitted, linear Rec.709, the same in all outward directions
+    std::vector<Rgb> albedo;          ///< diffuse
+    std::vector<Triangle> triangles;  ///< counter-clockwise from outside
+    Rgb radiance{0};                  ///< emitted, linear Rec.709, the same in all outward directions
     bool emits = false, twoSided = false;
-    float area = 0;                  ///< square metres
+    float area = 0;  ///< square metres
 };
 
 struct ExportedView {
-    std::string name;                ///< of the photograph
+    std::string name;  ///< of the photograph
     Camera camera;
 };
 
 struct ExportedScene {
-    std::vector<ExportedPiece> pieces;   ///< the emitters in order, then the rest
-    std::vector<ExportedView> views;     ///< their cameras count from origin
-    DVec3 origin{0};                     ///< Capture::origin: double where single precision would not hold the places
+    std::vector<ExportedPiece> pieces;  ///< the emitters in order, then the rest
+    std::vector<ExportedView> views;    ///< their cameras count from origin
+    DVec3 origin{0};                    ///< Capture::origin: double where single precision would not hold the places
 };
 
 /// The pieces of a scene under a look. Cost: one pass over the mesh.
 ExportedScene exportedScene(const RelitScene& relit, const Capture& capture);
 
-/// USD as text: a Mesh with MeshLightAPI and an emissive UsdPreviewSurface per emitter, a DomeLight over `environmentFile`, a Camera per view, the
-/// rest of the mesh with its albedo as displayColor. Z up, metres. Prims are called after their emitters, channel-safe; ids stand in relamp:id.
+/// USD as text: a Mesh with MeshLightAPI and an emissive UsdPreviewSurface per emitter, a DomeLight over
+/// `environmentFile`, a Camera per view, the rest of the mesh with its albedo as displayColor. Z up, metres. Prims are
+/// called after their emitters, channel-safe; ids stand in relamp:id.
 std::string usdaOf(const ExportedScene& scene, const std::string& environmentFile);
 
-/// glTF 2.0 with its binary buffer, to be stored as `bufferFile` beside it: emitters are meshes whose material has emissiveFactor and
-/// KHR_materials_emissive_strength (radiance = factor x strength), the rest has its albedo as COLOR_0, cameras are nodes. The root turns Z up to
-/// glTF's Y up.
+/// glTF 2.0 with its binary buffer, to be stored as `bufferFile` beside it: emitters are meshes whose material has
+/// emissiveFactor and KHR_materials_emissive_strength (radiance = factor x strength), the rest has its albedo as
+/// COLOR_0, cameras are nodes. The root turns Z up to glTF's Y up.
 struct Gltf {
     std::string json, buffer;
 };
 Gltf gltfOf(const ExportedScene& scene, const std::string& bufferFile);
 
-/// The views as a transforms.json (axes of the scene, Z up); pictures are named relative to `folder`, the mesh is `meshFile`.
+/// The views as a transforms.json (axes of the scene, Z up); pictures are named relative to `folder`, the mesh is
+/// `meshFile`.
 std::string transformsOf(const Capture& capture, const std::filesystem::path& folder, const std::string& meshFile);
 
-/// Writes lights.json, lights.usda, lights.gltf with lights.bin, environment.exr (float, 1024 x 512), materials.ply (all vertices: albedo,
-/// weights of every lobe, emitter) and transforms.json into `folder`, each whole or not at all. Throws Error when the folder holds something
-/// already and `overwrite` is false; OutOfResources when the disk is full.
+/// Writes lights.json, lights.usda, lights.gltf with lights.bin, environment.exr (float, 1024 x 512), materials.ply
+/// (all vertices: albedo, weights of every lobe, emitter) and transforms.json into `folder`, each whole or not at all.
+/// Throws Error when the folder holds something already and `overwrite` is false; OutOfResources when the disk is full.
 void exportScene(const Shot& shot, const RelitScene& relit, const std::filesystem::path& folder, bool overwrite);
 
 }  // namespace relamp

@@ -38,65 +38,93 @@ std::string list(const std::vector<T>& values, Text&& text) {
 
 std::string matrix(const DMat4& m) {
     std::string out = "(";
-    for (int c = 0; c < 4; ++c) out += fmt::format("{}({}, {}, {}, {})", c ? ", " : " ", m[c][0], m[c][1], m[c][2], m[c][3]);
+    for (int c = 0; c < 4; ++c)
+        out += fmt::format("{}({}, {}, {}, {})", c ? ", " : " ", m[c][0], m[c][1], m[c][2], m[c][3]);
     return out + " )";
 }
 
 std::string meshOf(const ExportedPiece& p, const DVec3& origin, const std::string& name) {
-    std::string s = fmt::format("    def Mesh \"{}\" (\n        prepend apiSchemas = [{}\"MaterialBindingAPI\"]\n    )\n    {{\n", name, p.emits ? "\"MeshLightAPI\", " : "");
-    s += fmt::format("        string relamp:id = {}\n        uniform token subdivisionScheme = \"none\"\n        uniform bool doubleSided = {}\n", quoted(p.id), p.twoSided || !p.emits ? 1 : 0);
+    std::string s =
+        fmt::format("    def Mesh \"{}\" (\n        prepend apiSchemas = [{}\"MaterialBindingAPI\"]\n    )\n    {{\n",
+                    name, p.emits ? "\"MeshLightAPI\", " : "");
+    s += fmt::format(
+        "        string relamp:id = {}\n        uniform token subdivisionScheme = \"none\"\n        uniform bool "
+        "doubleSided = {}\n",
+        quoted(p.id), p.twoSided || !p.emits ? 1 : 0);
     s += "        point3f[] points = " + list(p.positions, tuple) + "\n";
-    s += "        int[] faceVertexCounts = " + list(p.triangles, [](const Triangle&) { return std::string("3"); }) + "\n";
-    s += "        int[] faceVertexIndices = " + list(p.triangles, [](const Triangle& t) { return fmt::format("{}, {}, {}", t[0], t[1], t[2]); }) + "\n";
-    s += fmt::format("        double3 xformOp:translate = {}\n        uniform token[] xformOpOrder = [\"xformOp:translate\"]\n", origin == DVec3(0) ? tuple(p.origin) : wideTuple(origin + DVec3(p.origin)));
+    s += "        int[] faceVertexCounts = " + list(p.triangles, [](const Triangle&) { return std::string("3"); }) +
+         "\n";
+    s += "        int[] faceVertexIndices = " +
+         list(p.triangles, [](const Triangle& t) { return fmt::format("{}, {}, {}", t[0], t[1], t[2]); }) + "\n";
+    s += fmt::format(
+        "        double3 xformOp:translate = {}\n        uniform token[] xformOpOrder = [\"xformOp:translate\"]\n",
+        origin == DVec3(0) ? tuple(p.origin) : wideTuple(origin + DVec3(p.origin)));
     if (p.emits) {
         const float intensity = maxChannel(p.radiance) > 0 ? maxChannel(p.radiance) : 0.0f;
-        s += fmt::format("        color3f inputs:color = {}\n        float inputs:intensity = {}\n        bool inputs:normalize = 0\n", tuple(intensity > 0 ? p.radiance / intensity : Rgb(1)), intensity);
+        s += fmt::format(
+            "        color3f inputs:color = {}\n        float inputs:intensity = {}\n        bool inputs:normalize = "
+            "0\n",
+            tuple(intensity > 0 ? p.radiance / intensity : Rgb(1)), intensity);
         s += fmt::format("        rel material:binding = </relamp/Materials/{}>\n", name);
     } else {
-        s += "        color3f[] primvars:displayColor = " + list(p.albedo, tuple) + " (\n            interpolation = \"vertex\"\n        )\n";
+        s += "        color3f[] primvars:displayColor = " + list(p.albedo, tuple) +
+             " (\n            interpolation = \"vertex\"\n        )\n";
     }
     return s + "    }\n\n";
 }
 
 std::string materialOf(const ExportedPiece& p, const std::string& name) {
     return fmt::format(
-        "        def Material \"{0}\"\n        {{\n            token outputs:surface.connect = </relamp/Materials/{0}/surface.outputs:surface>\n\n"
-        "            def Shader \"surface\"\n            {{\n                uniform token info:id = \"UsdPreviewSurface\"\n                color3f inputs:diffuseColor = (0, 0, 0)\n"
-        "                color3f inputs:emissiveColor = {1}\n                float inputs:roughness = 1\n                token outputs:surface\n            }}\n        }}\n\n",
+        "        def Material \"{0}\"\n        {{\n            token outputs:surface.connect = "
+        "</relamp/Materials/{0}/surface.outputs:surface>\n\n"
+        "            def Shader \"surface\"\n            {{\n                uniform token info:id = "
+        "\"UsdPreviewSurface\"\n                color3f inputs:diffuseColor = (0, 0, 0)\n"
+        "                color3f inputs:emissiveColor = {1}\n                float inputs:roughness = 1\n              "
+        "  token outputs:surface\n            }}\n        }}\n\n",
         name, tuple(p.radiance));
 }
 
-/// The film is 36 units wide; USD counts focal lengths and apertures in tenths of the scene's unit, which is the same for both.
+/// The film is 36 units wide; USD counts focal lengths and apertures in tenths of the scene's unit, which is the same
+/// for both.
 std::string cameraOf(const ExportedView& view, const DVec3& origin, const std::string& name) {
     Camera c = view.camera;
     c.worldFromCamera[3] += glm::dvec4(origin, 0);
     constexpr double width = 36;
     const double pixel = width / c.width, height = width * c.focalX / c.focalY * c.height / c.width;
     return fmt::format(
-        "    def Camera \"{}\"\n    {{\n        string relamp:photograph = {}\n        token projection = \"perspective\"\n        float focalLength = {}\n        float horizontalAperture = {}\n"
-        "        float verticalAperture = {}\n        float horizontalApertureOffset = {}\n        float verticalApertureOffset = {}\n        float2 clippingRange = (0.01, 1000)\n"
-        "        matrix4d xformOp:transform = {}\n        uniform token[] xformOpOrder = [\"xformOp:transform\"]\n    }}\n\n",
-        name, quoted(view.name), c.focalX * pixel, width, height, (0.5 * c.width - c.centreX) * pixel, (c.centreY - 0.5 * c.height) * height / c.height, matrix(c.worldFromCamera));
+        "    def Camera \"{}\"\n    {{\n        string relamp:photograph = {}\n        token projection = "
+        "\"perspective\"\n        float focalLength = {}\n        float horizontalAperture = {}\n"
+        "        float verticalAperture = {}\n        float horizontalApertureOffset = {}\n        float "
+        "verticalApertureOffset = {}\n        float2 clippingRange = (0.01, 1000)\n"
+        "        matrix4d xformOp:transform = {}\n        uniform token[] xformOpOrder = [\"xformOp:transform\"]\n    "
+        "}}\n\n",
+        name, quoted(view.name), c.focalX * pixel, width, height, (0.5 * c.width - c.centreX) * pixel,
+        (c.centreY - 0.5 * c.height) * height / c.height, matrix(c.worldFromCamera));
 }
 
 }  // namespace
 
 std::string usdaOf(const ExportedScene& scene, const std::string& environmentFile) {
     std::set<std::string> taken{"Materials", "environment"};
-    std::string s = "#usda 1.0\n(\n    defaultPrim = \"relamp\"\n    metersPerUnit = 1\n    upAxis = \"Z\"\n)\n\ndef Xform \"relamp\"\n{\n", materials;
+    std::string s = "#usda 1.0\n(\n    defaultPrim = \"relamp\"\n    metersPerUnit = 1\n    upAxis = \"Z\"\n)\n\ndef "
+                    "Xform \"relamp\"\n{\n",
+                materials;
     for (const ExportedPiece& piece : scene.pieces) {
         if (piece.triangles.empty()) continue;
         const std::string name = primName(piece.name, taken);
         s += meshOf(piece, scene.origin, name);
         if (piece.emits) materials += materialOf(piece, name);
     }
-    // A dome's picture has its centre towards +Z, its left towards +X, its top towards +Y; ours has +X, +Y and +Z there.
+    // A dome's picture has its centre towards +Z, its left towards +X, its top towards +Y; ours has +X, +Y and +Z
+    // there.
     s += fmt::format(
-        "    def DomeLight \"environment\"\n    {{\n        asset inputs:texture:file = @./{}@\n        token inputs:texture:format = \"latlong\"\n        float inputs:intensity = 1\n"
-        "        matrix4d xformOp:transform = ( (0, 1, 0, 0), (0, 0, 1, 0), (1, 0, 0, 0), (0, 0, 0, 1) )\n        uniform token[] xformOpOrder = [\"xformOp:transform\"]\n    }}\n\n",
+        "    def DomeLight \"environment\"\n    {{\n        asset inputs:texture:file = @./{}@\n        token "
+        "inputs:texture:format = \"latlong\"\n        float inputs:intensity = 1\n"
+        "        matrix4d xformOp:transform = ( (0, 1, 0, 0), (0, 0, 1, 0), (1, 0, 0, 0), (0, 0, 0, 1) )\n        "
+        "uniform token[] xformOpOrder = [\"xformOp:transform\"]\n    }}\n\n",
         environmentFile);
-    for (const ExportedView& view : scene.views) s += cameraOf(view, scene.origin, primName("view_" + view.name, taken));
+    for (const ExportedView& view : scene.views)
+        s += cameraOf(view, scene.origin, primName("view_" + view.name, taken));
     return s + "    def Scope \"Materials\"\n    {\n" + materials + "    }\n}\n";
 }
 

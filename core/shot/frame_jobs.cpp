@@ -13,7 +13,8 @@ std::string numbered(const std::filesystem::path& path, int number) {
     const std::string name = path.filename().string();
     const auto put = [&](size_t begin, size_t end, size_t width) {
         if (width > widest) throw BadOption("{}: a frame number of {} digits is too wide", path.string(), width);
-        return (path.parent_path() / (name.substr(0, begin) + fmt::format("{:0{}}", number, width) + name.substr(end))).string();
+        return (path.parent_path() / (name.substr(0, begin) + fmt::format("{:0{}}", number, width) + name.substr(end)))
+            .string();
     };
     if (const size_t hash = name.find('#'); hash != std::string::npos) {
         const size_t end = std::min(name.find_first_not_of('#', hash), name.size());
@@ -30,14 +31,16 @@ std::string numbered(const std::filesystem::path& path, int number) {
 }
 
 int wholeNumber(const std::string& text, const std::string& where) {
-    if (text.empty() || text.size() > 8 || text.find_first_not_of("0123456789") != std::string::npos) throw BadOption("{}: '{}' is not a number", where, text);
+    if (text.empty() || text.size() > 8 || text.find_first_not_of("0123456789") != std::string::npos)
+        throw BadOption("{}: '{}' is not a number", where, text);
     return std::stoi(text);
 }
 
 constexpr size_t maxFrames = 1'000'000;
 
 /// FrameJob of every wanted number out of cameras numbered from 1.
-std::vector<FrameJob> numberedJobs(std::vector<FrameJob> all, const std::string& frames, const std::filesystem::path& output) {
+std::vector<FrameJob> numberedJobs(std::vector<FrameJob> all, const std::string& frames,
+                                   const std::filesystem::path& output) {
     std::vector<int> wanted;
     if (frames.empty())
         for (size_t i = 1; i <= all.size(); ++i) wanted.push_back(int(i));
@@ -79,28 +82,33 @@ std::vector<int> parseFrameRange(const std::string& text) {
         const int first = wholeNumber(part.substr(0, dash), "--frames");
         const int last = dash == std::string::npos ? first : wholeNumber(part.substr(dash + 1), "--frames");
         if (last < first) throw BadOption("--frames: {} runs backwards", part);
-        if (size_t(last - first) / size_t(step) + numbers.size() >= maxFrames) throw BadOption("--frames: {} asks for more than {} frames", text, maxFrames);
+        if (size_t(last - first) / size_t(step) + numbers.size() >= maxFrames)
+            throw BadOption("--frames: {} asks for more than {} frames", text, maxFrames);
         for (int n = first; n <= last; n += step) numbers.push_back(n);
         at = comma + 1;
     }
     return numbers;
 }
 
-std::vector<FrameJob> frameJobs(const Capture& capture, const std::string& camera, const std::string& frames, const std::string& size,
-                                const std::filesystem::path& output) {
+std::vector<FrameJob> frameJobs(const Capture& capture, const std::string& camera, const std::string& frames,
+                                const std::string& size, const std::filesystem::path& output) {
     std::vector<FrameJob> jobs;
     const bool sequence = camera == "all" || isCameraPath(camera);
     if (!sequence && !frames.empty() && std::filesystem::path(camera).extension() != ".json")
         throw BadOption("--frames {}: needs --camera all or a camera path", frames);
     if (camera == "all") {
-        for (size_t i = 0; i < capture.views.size(); ++i) jobs.push_back({capture.views[i].camera, {}, int(i) + 1, int(i)});
+        for (size_t i = 0; i < capture.views.size(); ++i)
+            jobs.push_back({capture.views[i].camera, {}, int(i) + 1, int(i)});
         jobs = numberedJobs(std::move(jobs), frames, output);
     } else if (sequence) {
         for (const Camera& place : cameraPath(capture, camera)) jobs.push_back({place, {}, 1, -1});
         jobs = numberedJobs(std::move(jobs), frames, output);
     } else if (camera.find_first_not_of("0123456789") == std::string::npos && !camera.empty()) {
         const int n = wholeNumber(camera, "--camera");
-        if (size_t(n) >= capture.views.size()) throw BadOption("--camera {}: does not exist, expected 0 to {}, a camera file, turntable:N, path:V,V,...:N, or all", n, capture.views.size() - 1);
+        if (size_t(n) >= capture.views.size())
+            throw BadOption(
+                "--camera {}: does not exist, expected 0 to {}, a camera file, turntable:N, path:V,V,...:N, or all", n,
+                capture.views.size() - 1);
         jobs.push_back({capture.views[size_t(n)].camera, output, n + 1, n});
     } else {
         const CameraFile file = readCameraPath(capture, camera);
@@ -112,7 +120,8 @@ std::vector<FrameJob> frameJobs(const Capture& capture, const std::string& camer
         const size_t x = size.find('x');
         if (x == std::string::npos) throw BadOption("--size {}: expected WxH", size);
         const int w = wholeNumber(size.substr(0, x), "--size"), h = wholeNumber(size.substr(x + 1), "--size");
-        if (w < 1 || h < 1 || int64_t(w) * h > (int64_t(1) << 28)) throw BadOption("--size {}: expected 1 to 2^28 pixels", size);
+        if (w < 1 || h < 1 || int64_t(w) * h > (int64_t(1) << 28))
+            throw BadOption("--size {}: expected 1 to 2^28 pixels", size);
         for (FrameJob& job : jobs) {
             if (w != job.camera.width || h != job.camera.height) job.resized = true;
             const double sx = double(w) / job.camera.width, sy = double(h) / job.camera.height;

@@ -15,9 +15,14 @@ struct Named {
     const char* name;
     bool LayerWish::*wanted;
 };
-constexpr std::array<Named, 8> layerNames{{{"groups", &LayerWish::groups}, {"albedo", &LayerWish::albedo}, {"correction", &LayerWish::correction},
-                                           {"residual", &LayerWish::residual}, {"normal", &LayerWish::normal}, {"position", &LayerWish::position},
-                                           {"depth", &LayerWish::depth}, {"cryptomatte", &LayerWish::cryptomatte}}};
+constexpr std::array<Named, 8> layerNames{{{"groups", &LayerWish::groups},
+                                           {"albedo", &LayerWish::albedo},
+                                           {"correction", &LayerWish::correction},
+                                           {"residual", &LayerWish::residual},
+                                           {"normal", &LayerWish::normal},
+                                           {"position", &LayerWish::position},
+                                           {"depth", &LayerWish::depth},
+                                           {"cryptomatte", &LayerWish::cryptomatte}}};
 
 /// Nuke drops leading digits, other readers split at the first dot: letters, digits and underscores only.
 std::string channelSafe(const std::string& name) {
@@ -30,7 +35,9 @@ std::string channelSafe(const std::string& name) {
 /// Names of the light groups: channel-safe, and no two alike.
 std::vector<std::string> groupNames(const std::vector<std::string>& emitters) {
     std::vector<std::string> names{"world"};
-    const auto taken = [&](const std::string& name) { return name == "rest" || std::find(names.begin(), names.end(), name) != names.end(); };
+    const auto taken = [&](const std::string& name) {
+        return name == "rest" || std::find(names.begin(), names.end(), name) != names.end();
+    };
     for (const std::string& emitter : emitters) {
         const std::string safe = channelSafe(emitter);
         std::string name = safe;
@@ -65,9 +72,13 @@ LayerWish layerWish(const std::string& layers) {
     for (size_t at = 0; at < layers.size();) {
         const size_t comma = std::min(layers.find(',', at), layers.size());
         const std::string name = layers.substr(at, comma - at);
-        const auto known = std::find_if(layerNames.begin(), layerNames.end(), [&](const Named& layer) { return name == layer.name; });
+        const auto known =
+            std::find_if(layerNames.begin(), layerNames.end(), [&](const Named& layer) { return name == layer.name; });
         if (known == layerNames.end())
-            throw BadOption("--layers {}: unknown, expected groups, albedo, correction, residual, normal, position, depth, cryptomatte or all", name);
+            throw BadOption(
+                "--layers {}: unknown, expected groups, albedo, correction, residual, normal, position, depth, "
+                "cryptomatte or all",
+                name);
         wish.*known->wanted = true;
         at = comma + 1;
     }
@@ -82,7 +93,8 @@ double closeGroups(FrameStrip& strip, bool detail) {
         Rgb sum = frame.world[p];
         for (const auto& group : frame.byEmitter) sum += group[p];
         strip.rest[p] = frame.beauty[p] - sum;
-        worst = std::max(worst, double(maxChannel(glm::abs(detail ? strip.rest[p] + sum - frame.beauty[p] : strip.rest[p]))));
+        worst = std::max(worst,
+                         double(maxChannel(glm::abs(detail ? strip.rest[p] + sum - frame.beauty[p] : strip.rest[p]))));
     }
     return worst;
 }
@@ -100,7 +112,8 @@ std::vector<Rgb> bakedFactor(const Frame& captured) {
     return factor;
 }
 
-FrameLayers::FrameLayers(const LayerWish& wish, LayerNaming naming, const std::vector<std::string>& emitterNames, const DVec3& origin)
+FrameLayers::FrameLayers(const LayerWish& wish, LayerNaming naming, const std::vector<std::string>& emitterNames,
+                         const DVec3& origin)
     : wish_(wish), naming_(naming), names_(emitterNames), origin_(origin) {
     for (const std::string& name : names_) cryptomatteIds_.push_back(cryptomatteId(name));
 }
@@ -108,7 +121,8 @@ FrameLayers::FrameLayers(const LayerWish& wish, LayerNaming naming, const std::v
 std::vector<ChannelPart> FrameLayers::parts(bool multipart) const {
     std::vector<ChannelPart> parts{{"rgba", {{"R", true}, {"G", true}, {"B", true}, {"A", true}}}};
     if (wish_.groups)
-        for (const std::string& group : groupNames(names_)) parts.push_back(colours((naming_ == LayerNaming::arnold ? "RGBA_" : "Combined_") + group));
+        for (const std::string& group : groupNames(names_))
+            parts.push_back(colours((naming_ == LayerNaming::arnold ? "RGBA_" : "Combined_") + group));
     if (wish_.albedo) parts.push_back(colours("albedo"));
     if (wish_.correction) parts.push_back(colours("correction"));
     if (wish_.residual) parts.push_back(colours("residual"));
@@ -116,9 +130,11 @@ std::vector<ChannelPart> FrameLayers::parts(bool multipart) const {
     if (wish_.position) parts.push_back(colours("position", "XYZ", false));
     if (wish_.depth) parts.push_back(colours("depth", "Z", false));
     if (wish_.cryptomatte)
-        for (size_t level = 0; level < cryptomatteLevels; ++level) parts.push_back(colours(fmt::format("{}{:02}", cryptomatteLayer, level), "RGBA", false));
+        for (size_t level = 0; level < cryptomatteLevels; ++level)
+            parts.push_back(colours(fmt::format("{}{:02}", cryptomatteLayer, level), "RGBA", false));
     if (multipart) return parts;
-    for (size_t i = 1; i < parts.size(); ++i) parts[0].channels.insert(parts[0].channels.end(), parts[i].channels.begin(), parts[i].channels.end());
+    for (size_t i = 1; i < parts.size(); ++i)
+        parts[0].channels.insert(parts[0].channels.end(), parts[i].channels.begin(), parts[i].channels.end());
     parts.resize(1);
     return parts;
 }
@@ -131,7 +147,9 @@ void FrameLayers::fill(const FrameStrip& strip, const std::vector<float*>& out) 
         for (int c = 0; c < 3; ++c, ++channel)
             for (size_t p = 0; p < pixels; ++p) out[channel][p] = values.empty() ? 0.0f : values[p][c];
     };
-    const auto putOne = [&](const std::vector<float>& values) { std::copy(values.begin(), values.end(), out[channel++]); };
+    const auto putOne = [&](const std::vector<float>& values) {
+        std::copy(values.begin(), values.end(), out[channel++]);
+    };
     put(frame.beauty);
     putOne(frame.alpha);
     if (wish_.groups) {
@@ -145,7 +163,10 @@ void FrameLayers::fill(const FrameStrip& strip, const std::vector<float*>& out) 
     if (wish_.normal) put(frame.normal);
     if (wish_.position)
         for (int c = 0; c < 3; ++c, ++channel)
-            for (size_t p = 0; p < pixels; ++p) out[channel][p] = frame.position.empty() ? 0.0f : frame.depth[p] < 1e30f ? float(origin_[c] + double(frame.position[p][c])) : frame.position[p][c];
+            for (size_t p = 0; p < pixels; ++p)
+                out[channel][p] = frame.position.empty()   ? 0.0f
+                                  : frame.depth[p] < 1e30f ? float(origin_[c] + double(frame.position[p][c]))
+                                                           : frame.position[p][c];
     if (wish_.depth) putOne(frame.depth);
     if (!wish_.cryptomatte) return;
     for (size_t rank = 0; rank < Frame::ranks; ++rank, channel += 2)

@@ -17,12 +17,13 @@ LayerNaming layerNaming(const std::string& name);
 
 /// A layer group that may be asked for.
 struct LayerWish {
-    bool groups = false, albedo = false, correction = false, residual = false, normal = false, position = false, depth = false, cryptomatte = false;
-    bool all = false;     ///< everything there is was asked for, nothing by name
+    bool groups = false, albedo = false, correction = false, residual = false, normal = false, position = false,
+         depth = false, cryptomatte = false;
+    bool all = false;  ///< everything there is was asked for, nothing by name
 };
 
-/// "", "all" or a comma list of groups, albedo, correction, residual, normal, position, depth, cryptomatte. Throws BadOption naming what
-/// does not exist.
+/// "", "all" or a comma list of groups, albedo, correction, residual, normal, position, depth, cryptomatte. Throws
+/// BadOption naming what does not exist.
 LayerWish layerWish(const std::string& layers);
 
 /// A strip of a frame with what is derived from it; rest, correction and residual have a value a pixel or are empty.
@@ -33,21 +34,23 @@ struct FrameStrip {
     std::vector<Rgb> residual;    ///< photograph - model as captured
 };
 
-/// Fills `rest` and returns the largest difference over all pixels and channels between the beauty and the groups; with `detail` (the beauty
-/// is a photograph, whose detail no light group has) between the beauty and groups + rest.
+/// Fills `rest` and returns the largest difference over all pixels and channels between the beauty and the groups; with
+/// `detail` (the beauty is a photograph, whose detail no light group has) between the beauty and groups + rest.
 double closeGroups(FrameStrip& strip, bool detail);
 
-/// What a reading that knows distant light only would bake into the surface: the captured light divided by its part from the
-/// environment, per channel. 1 where no lamp reaches, at most 64, and 1 where an emitter itself or nothing is seen. Multiplied with the
-/// albedo it is the colour such a reading paints on the surface, the environment being the recovered one; a distant-only solve would move
-/// some of it into its environment, which takes a second solve to know (`relamp compare`).
+/// What a reading that knows distant light only would bake into the surface: the captured light divided by its part
+/// from the environment, per channel. 1 where no lamp reaches, at most 64, and 1 where an emitter itself or nothing is
+/// seen. Multiplied with the albedo it is the colour such a reading paints on the surface, the environment being the
+/// recovered one; a distant-only solve would move some of it into its environment, which takes a second solve to know
+/// (`relamp compare`).
 std::vector<Rgb> bakedFactor(const Frame& captured);
 
 /// The layers of a frame over emitters of these names, no two alike, in the order they are written.
 class FrameLayers {
 public:
     /// `origin` is added to the positions (Capture::origin).
-    FrameLayers(const LayerWish& wish, LayerNaming naming, const std::vector<std::string>& emitterNames, const DVec3& origin = DVec3(0));
+    FrameLayers(const LayerWish& wish, LayerNaming naming, const std::vector<std::string>& emitterNames,
+                const DVec3& origin = DVec3(0));
     const DVec3& origin() const { return origin_; }
 
     /// One part with every channel, or with `multipart` a part a layer (channel names are the same).

@@ -15,7 +15,8 @@ bool sameSurface(const Frame& a, const Frame& b, size_t p) {
 
 float ratioFloor(const Image& photograph) { return 1e-3f / exposureFor(photograph, 99); }
 
-void applyRatio(const RatioOptions& options, const Image& photograph, int firstRow, const Frame& captured, Frame& look) {
+void applyRatio(const RatioOptions& options, const Image& photograph, int firstRow, const Frame& captured,
+                Frame& look) {
     const size_t above = size_t(firstRow) * size_t(look.width);
     for (size_t p = 0; p < look.beauty.size(); ++p) {
         const size_t at = above + p;
@@ -29,9 +30,11 @@ void applyRatio(const RatioOptions& options, const Image& photograph, int firstR
         }
         Rgb factor(1);
         for (int c = 0; c < 3; ++c) {
-            const float old = before[c] + options.floor, next = after[c] + options.floor, detail = (photo[c] + options.floor) / old;
+            const float old = before[c] + options.floor, next = after[c] + options.floor,
+                        detail = (photo[c] + options.floor) / old;
             const float change = std::max(next / old, old / next);
-            const float relit = next * (change > options.limit ? std::pow(detail, options.limit / change) : detail) - options.floor;
+            const float relit =
+                next * (change > options.limit ? std::pow(detail, options.limit / change) : detail) - options.floor;
             look.beauty[p][c] = change == 1 ? photo[c] : std::max(relit, 0.0f);
             factor[c] = after[c] > 0 ? look.beauty[p][c] / after[c] : 0.0f;
         }

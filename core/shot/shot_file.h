@@ -22,9 +22,9 @@ struct Resources {
 struct Shot {
     std::filesystem::path folder;
     std::filesystem::path captureFolder;
-    Capture capture;              ///< cameras and mesh; photographs only when asked for; to save a shot its origin is enough
+    Capture capture;  ///< cameras and mesh; photographs only when asked for; to save a shot its origin is enough
     Estimate estimate;
-    CaptureFix fix;               ///< how the capture's files are to be read
+    CaptureFix fix;  ///< how the capture's files are to be read
     Look look;
     std::string quality = "standard";
     uint64_t seed = 1;
@@ -37,10 +37,10 @@ double peakMib();
 /// The object `info --json` prints, and what shot.json holds beside the look and the capture's place.
 nlohmann::json shotInfo(const Shot& shot);
 
-/// Writes shot.json, environment.exr (float, 1024 x 512), reflectance.ply into a new folder beside the target and exchanges the two,
-/// so that the old shot stays whole until the new one is. Unknown keys of an existing shot.json are kept. Throws Error when the
-/// folder exists and `overwrite` is false; OutOfResources when the disk is full. A process killed in the middle
-/// leaves a hidden folder beside the shot, which the next saveShot or openShot clears away.
+/// Writes shot.json, environment.exr (float, 1024 x 512), reflectance.ply into a new folder beside the target and
+/// exchanges the two, so that the old shot stays whole until the new one is. Unknown keys of an existing shot.json are
+/// kept. Throws Error when the folder exists and `overwrite` is false; OutOfResources when the disk is full. A process
+/// killed in the middle leaves a hidden folder beside the shot, which the next saveShot or openShot clears away.
 void saveShot(const Shot& shot, const Mesh& mesh, const std::filesystem::path& folder, bool overwrite);
 
 /// Throws Error when saveShot would find no place there that this user may write: asked before a long calculation.

@@ -23,7 +23,9 @@ struct Leftover {
 
 /// Whether `number` names a process that is gone.
 bool deadProcess(const std::string& number) {
-    if (number.empty() || number.size() > 9 || !std::all_of(number.begin(), number.end(), [](char c) { return c >= '0' && c <= '9'; })) return false;
+    if (number.empty() || number.size() > 9 ||
+        !std::all_of(number.begin(), number.end(), [](char c) { return c >= '0' && c <= '9'; }))
+        return false;
     const int process = std::stoi(number);
     return process > 0 && kill(process, 0) != 0 && errno != EPERM;
 }
@@ -63,7 +65,8 @@ bool takeBack(const fs::path& from, const fs::path& shot) {
     bool all = true;
     std::error_code failed;
     std::vector<fs::path> entries;
-    for (fs::directory_iterator entry(from, failed), end; !failed && entry != end; entry.increment(failed)) entries.push_back(entry->path());
+    for (fs::directory_iterator entry(from, failed), end; !failed && entry != end; entry.increment(failed))
+        entries.push_back(entry->path());
     if (failed) return false;
     for (const fs::path& entry : entries) {
         const std::string name = entry.filename().string();
@@ -78,7 +81,10 @@ bool takeBack(const fs::path& from, const fs::path& shot) {
 
 }  // namespace
 
-bool isPartOfShot(const std::string& name) { return name == "shot.json" || name == "environment.exr" || name == "environment_sigma.exr" || name == "reflectance.ply" || name == "cache"; }
+bool isPartOfShot(const std::string& name) {
+    return name == "shot.json" || name == "environment.exr" || name == "environment_sigma.exr" ||
+           name == "reflectance.ply" || name == "cache";
+}
 
 void mendShot(const fs::path& given) {
     std::error_code failed;
@@ -86,15 +92,19 @@ void mendShot(const fs::path& given) {
     if (!shot.has_filename()) shot = shot.parent_path();
     std::vector<Leftover> leftovers;
     std::vector<fs::path> unfinished;
-    for (fs::directory_iterator entry(shot.parent_path(), failed), end; !failed && entry != end; entry.increment(failed)) {
+    for (fs::directory_iterator entry(shot.parent_path(), failed), end; !failed && entry != end;
+         entry.increment(failed)) {
         if (auto one = leftoverOf(entry->path(), shot.filename().string())) leftovers.push_back(*one);
-        else if (unfinishedCheckpoint(entry->path().filename().string(), shot.filename().string())) unfinished.push_back(entry->path());
+        else if (unfinishedCheckpoint(entry->path().filename().string(), shot.filename().string()))
+            unfinished.push_back(entry->path());
     }
     for (const fs::path& file : unfinished) fs::remove(file, failed);
     if (leftovers.empty()) return;
-    // Killed between moving the old one aside and putting the new one there: shot.json is written last, so what has it is whole.
+    // Killed between moving the old one aside and putting the new one there: shot.json is written last, so what has it
+    // is whole.
     if (!fs::exists(fs::symlink_status(shot, failed))) {
-        std::stable_sort(leftovers.begin(), leftovers.end(), [](const Leftover& a, const Leftover& b) { return a.aside < b.aside; });
+        std::stable_sort(leftovers.begin(), leftovers.end(),
+                         [](const Leftover& a, const Leftover& b) { return a.aside < b.aside; });
         for (size_t i = 0; i < leftovers.size(); ++i) {
             if (!fs::exists(leftovers[i].folder / "shot.json", failed)) continue;
             fs::rename(leftovers[i].folder, shot, failed);
@@ -112,7 +122,8 @@ void mendShot(const fs::path& given) {
 }
 
 FolderHold::FolderHold(const fs::path& folder) : handle_(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
-    if (handle_ >= 0 && flock(handle_, LOCK_EX | LOCK_NB) != 0) errno = 0;  // a file system without locks: the process number has to do
+    if (handle_ >= 0 && flock(handle_, LOCK_EX | LOCK_NB) != 0)
+        errno = 0;  // a file system without locks: the process number has to do
 }
 
 FolderHold::~FolderHold() {

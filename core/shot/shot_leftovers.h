@@ -4,11 +4,12 @@
 
 namespace relamp {
 
-/// A shot is saved into .NAME.PID and exchanged with the old one, which is then removed. Where a killed process left such a folder, the files in
-/// it that relamp did not write move back into the shot, a shot that was only moved aside returns, and the rest is removed, and so are checkpoints
-/// that were not put in place; a whole checkpoint stays for `solve --resume`. Folders of processes
-/// that live are left alone, and so are those of other machines while they hold them. Never throws: a folder that cannot be read or written stays
-/// as it is. Cost: one listing of the folder around the shot.
+/// A shot is saved into .NAME.PID and exchanged with the old one, which is then removed. Where a killed process left
+/// such a folder, the files in it that relamp did not write move back into the shot, a shot that was only moved aside
+/// returns, and the rest is removed, and so are checkpoints that were not put in place; a whole checkpoint stays for
+/// `solve --resume`. Folders of processes that live are left alone, and so are those of other machines while they hold
+/// them. Never throws: a folder that cannot be read or written stays as it is. Cost: one listing of the folder around
+/// the shot.
 void mendShot(const std::filesystem::path& shot);
 
 /// Whether relamp wrote the entry of this name in a shot's folder.

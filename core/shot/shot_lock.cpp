@@ -25,7 +25,8 @@ std::string thisProcess() {
     localtime_r(&now, &parts);
     char time[32];
     std::strftime(time, sizeof time, "%Y-%m-%d %H:%M:%S", &parts);
-    return fmt::format("{} on {}, process {}, since {}", user ? user->pw_name : std::to_string(geteuid()), host, getpid(), time);
+    return fmt::format("{} on {}, process {}, since {}", user ? user->pw_name : std::to_string(geteuid()), host,
+                       getpid(), time);
 }
 
 /// The first line; a lock file says no more, and what else may stand in it is not shown.
@@ -40,8 +41,10 @@ std::string ownerIn(int handle) {
 }
 
 bool isStillAt(int handle, const fs::path& file) {
-    struct stat opened{}, named{};
-    return fstat(handle, &opened) == 0 && stat(file.c_str(), &named) == 0 && opened.st_ino == named.st_ino && opened.st_dev == named.st_dev;
+    struct stat opened {
+    }, named{};
+    return fstat(handle, &opened) == 0 && stat(file.c_str(), &named) == 0 && opened.st_ino == named.st_ino &&
+           opened.st_dev == named.st_dev;
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
-// Who has a shot open: a file beside it (.NAME.relamp.lock), locked while its process lives, so that two editors, or an editor and a
-// solve, cannot overwrite each other's work. A killed process frees its lock; the file it leaves is taken over by the next.
+// Who has a shot open: a file beside it (.NAME.relamp.lock), locked while its process lives, so that two editors, or an
+// editor and a solve, cannot overwrite each other's work. A killed process frees its lock; the file it leaves is taken
+// over by the next.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -13,8 +14,8 @@ public:
     ShotLock(ShotLock&& other) noexcept { *this = std::move(other); }
     ShotLock& operator=(ShotLock&& other) noexcept;
 
-    /// Tries to take the lock of a shot folder, which need not exist yet. Never waits and never throws: held() and owner() say how it went.
-    /// Not held and nobody's: the folder around the shot cannot be written, or is not there.
+    /// Tries to take the lock of a shot folder, which need not exist yet. Never waits and never throws: held() and
+    /// owner() say how it went. Not held and nobody's: the folder around the shot cannot be written, or is not there.
     static ShotLock take(const std::filesystem::path& shot);
 
     bool held() const { return handle_ >= 0; }

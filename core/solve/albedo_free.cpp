@@ -8,7 +8,8 @@ namespace relamp {
 using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using RowMap = Eigen::Map<const RowMajor>;
 
-Eigen::MatrixXd weightedGram(const InfluenceMatrix& influence, const std::function<void(size_t, float*)>& weighted, Progress& progress, bool symmetric) {
+Eigen::MatrixXd weightedGram(const InfluenceMatrix& influence, const std::function<void(size_t, float*)>& weighted,
+                             Progress& progress, bool symmetric) {
     const size_t n = influence.columns;
     constexpr size_t block = 512;
     constexpr Eigen::Index panel = 64;
@@ -27,8 +28,10 @@ Eigen::MatrixXd weightedGram(const InfluenceMatrix& influence, const std::functi
             const RowMap rows(influence.row(begin), Eigen::Index(count), Eigen::Index(n));
             // By panels of columns, each from its diagonal down where the rest is its mirror.
             for (Eigen::Index j = 0; j < Eigen::Index(n); j += panel) {
-                const Eigen::Index w = std::min(panel, Eigen::Index(n) - j), from = symmetric ? j : 0, down = Eigen::Index(n) - from;
-                product.topRows(down).leftCols(w).noalias() = rows.rightCols(down).transpose() * t.topRows(Eigen::Index(count)).middleCols(j, w);
+                const Eigen::Index w = std::min(panel, Eigen::Index(n) - j), from = symmetric ? j : 0,
+                                   down = Eigen::Index(n) - from;
+                product.topRows(down).leftCols(w).noalias() =
+                    rows.rightCols(down).transpose() * t.topRows(Eigen::Index(count)).middleCols(j, w);
                 partial[lane].block(from, j, down, w) += product.topRows(down).leftCols(w).cast<double>();
             }
         }
@@ -83,11 +86,13 @@ Adjacency adjacencyOf(size_t n, const std::vector<AlbedoPair>& pairs) {
 
 }  // namespace
 
-AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteObservations& matte, const std::vector<AlbedoPair>& pairs,
-                                 const LightAnchors& anchors, const ViewRows* viewRows, const AlbedoFreeOptions& options, Lighting& lighting,
+AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteObservations& matte,
+                                 const std::vector<AlbedoPair>& pairs, const LightAnchors& anchors,
+                                 const ViewRows* viewRows, const AlbedoFreeOptions& options, Lighting& lighting,
                                  Progress& progress, const std::function<void(int, double, double)>& each) {
     AlbedoFreeReport report;
-    const size_t rows = influence.rows, leafCount = lighting.leaves.size(), emitterCount = anchors.emitterRadiance.size();
+    const size_t rows = influence.rows, leafCount = lighting.leaves.size(),
+                 emitterCount = anchors.emitterRadiance.size();
     const Eigen::Index n = Eigen::Index(influence.columns);
     const Adjacency adjacency = adjacencyOf(rows, pairs);
     const RowMap b(influence.values.data(), Eigen::Index(rows), n);
@@ -109,14 +114,15 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
     };
     std::vector<std::array<Term, 3>> terms(pairs.size());
 
-    // One pair in one channel at the irradiances la, lb: r = 2 (p - q) / (p + q) with p = y_a lit_b, q = y_b lit_a, which is the
-    // difference of log albedo where that is small and stays finite in the dark.
+    // One pair in one channel at the irradiances la, lb: r = 2 (p - q) / (p + q) with p = y_a lit_b, q = y_b lit_a,
+    // which is the difference of log albedo where that is small and stays finite in the dark.
     const auto pairResidual = [&](const AlbedoPair& p, int c, float la, float lb) {
         const double pp = double(matte.radiance[p.a][c]) * lb, qq = double(matte.radiance[p.b][c]) * la;
         return 2 * (pp - qq) / std::max(pp + qq, 1e-30);
     };
-    // Its variance: noise, mismatch, shadow edges. It rests on the light, but stays as it is while a step is sought: an objective that can be
-    // lowered by making shadow edges harder (which raises their variance) leads away from the light.
+    // Its variance: noise, mismatch, shadow edges. It rests on the light, but stays as it is while a step is sought: an
+    // objective that can be lowered by making shadow edges harder (which raises their variance) leads away from the
+    // light.
     std::vector<PairVariance> variance(pairs.size());
     const auto takeVariance = [&](const Eigen::VectorXf* at) {
         parallelFor(rows, 1024, [&](size_t i) {
@@ -129,11 +135,13 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
         parallelFor(pairs.size(), 4096, [&](size_t k) {
             const AlbedoPair& p = pairs[k];
             for (int c = 0; c < 3; ++c) {
-                const double la = at[c](p.a), lb = at[c](p.b), ya = matte.radiance[p.a][c], yb = matte.radiance[p.b][c], sum = std::max(ya * lb + yb * la, 1e-30);
+                const double la = at[c](p.a), lb = at[c](p.b), ya = matte.radiance[p.a][c], yb = matte.radiance[p.b][c],
+                             sum = std::max(ya * lb + yb * la, 1e-30);
                 const double sa = matte.sigma[p.a][c] * lb, sb = matte.sigma[p.b][c] * la;
                 const double ma = options.mixing * mixing[p.a][c] * yb, mb = options.mixing * mixing[p.b][c] * ya;
                 variance[k].noise[c] = float(std::min(1e6, 4 * (sa * sa + sb * sb) / (sum * sum)) + 1e-12);
-                variance[k].model[c] = float(std::min(1e6, 4 * (ma * ma + mb * mb) / (sum * sum)) + 2 * double(options.mismatch) * options.mismatch);
+                variance[k].model[c] = float(std::min(1e6, 4 * (ma * ma + mb * mb) / (sum * sum)) +
+                                             2 * double(options.mismatch) * options.mismatch);
                 residual[k][c] = float(pairResidual(p, c, float(la), float(lb)));
             }
         });
@@ -145,7 +153,8 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
             out[c].resize(Eigen::Index(rows));
             const Eigen::VectorXf xf = light[c].cast<float>();
             parallelBlocks(rows, 1024, [&](size_t begin, size_t end) {
-                out[c].segment(Eigen::Index(begin), Eigen::Index(end - begin)).noalias() = b.middleRows(Eigen::Index(begin), Eigen::Index(end - begin)) * xf;
+                out[c].segment(Eigen::Index(begin), Eigen::Index(end - begin)).noalias() =
+                    b.middleRows(Eigen::Index(begin), Eigen::Index(end - begin)) * xf;
                 if (options.bounce)
                     for (size_t i = begin; i < end; ++i) out[c](Eigen::Index(i)) += (*options.bounce)[i][c];
             });
@@ -191,13 +200,15 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
             viewWeight[i] = float(1 / (s2 * (1 + mean / s2 / (scale * scale))));
             sums.objective += scale * scale * std::log1p(mean / s2 / (scale * scale));
         }
-        for (int c = 0; c < 3; ++c) sums.objective += prior.value(light[c], c) / 3;  // the data term is a mean over channels
+        for (int c = 0; c < 3; ++c)
+            sums.objective += prior.value(light[c], c) / 3;  // the data term is a mean over channels
         sums.objective += prior.hueValue(light) / 3;
         if (rmse) *rmse = std::sqrt(sums.squares / std::max(1.0, sums.counted));
         return sums.objective;
     };
 
-    // Directions that light no observation have columns of zeros, and some that light all alike are not worth being told apart.
+    // Directions that light no observation have columns of zeros, and some that light all alike are not worth being
+    // told apart.
     std::optional<FoldedColumns> fold;
     if (!options.fold.empty() || !options.emptyColumns) {
         fold = foldColumns(influence, options.fold.empty() ? rows : options.foldedRows, options.fold);
@@ -231,15 +242,18 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
     };
 
     Eigen::VectorXd lowest;  // bounds of the last model
-    // Where the quadratic model at x has its minimum, and how exactly that was found. Without a target only the model is formed.
+    // Where the quadratic model at x has its minimum, and how exactly that was found. Without a target only the model
+    // is formed.
     Eigen::MatrixXf products;  // B'WB of the last model that was worked out anew
     const auto modelMinimum = [&](bool fromPresent, bool anew, Eigen::VectorXd* target) {
         parallelFor(pairs.size(), 4096, [&](size_t k) {
             const AlbedoPair& p = pairs[k];
             for (int c = 0; c < 3; ++c) {
                 const float la = lit[c](p.a), lb = lit[c](p.b);
-                const double ya = matte.radiance[p.a][c], yb = matte.radiance[p.b][c], pp = ya * lb, qq = yb * la, sum = std::max(pp + qq, 1e-30);
-                terms[k][size_t(c)] = {pairResidual(p, c, la, lb), 4 * pp * yb / (sum * sum), 4 * qq * ya / (sum * sum)};
+                const double ya = matte.radiance[p.a][c], yb = matte.radiance[p.b][c], pp = ya * lb, qq = yb * la,
+                             sum = std::max(pp + qq, 1e-30);
+                terms[k][size_t(c)] = {pairResidual(p, c, la, lb), 4 * pp * yb / (sum * sum),
+                                       4 * qq * ya / (sum * sum)};
             }
         });
         Eigen::MatrixXd& all = report.information.all;
@@ -250,12 +264,14 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
         } else {
             products.resize(0, 0);
             weighPairs();
-            all = fold ? foldedGram(*fold, influence, weights, report.chroma.apart(), progress) : channelGram(influence, weights, report.chroma.apart(), progress);
+            all = fold ? foldedGram(*fold, influence, weights, report.chroma.apart(), progress)
+                       : channelGram(influence, weights, report.chroma.apart(), progress);
             products = all.cast<float>();
         }
         Eigen::VectorXd moments = Eigen::VectorXd::Zero(3 * n), lowers = Eigen::VectorXd::Zero(3 * n), present(3 * n);
         for (int c = 0; c < 3; ++c) present.segment(c * n, n) = x[c];
-        // The minimum is where the model's slope, Q (x' - x) plus the slope at x, is zero: rounding in Q then slows the way and does not move its end.
+        // The minimum is where the model's slope, Q (x' - x) plus the slope at x, is zero: rounding in Q then slows the
+        // way and does not move its end.
         moments.noalias() = all * present;
         for (int c = 0; c < 3; ++c) {
             std::vector<double> slope(rows, 0.0);
@@ -269,13 +285,17 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
                 }
             });
             Eigen::MatrixXd q = all.block(c * n, c * n, n, n);
-            Eigen::VectorXd moment = moments.segment(c * n, n) - transposedProduct(influence, slope), lower = Eigen::VectorXd::Zero(n);
+            Eigen::VectorXd moment = moments.segment(c * n, n) - transposedProduct(influence, slope),
+                            lower = Eigen::VectorXd::Zero(n);
             if (viewRows) {
                 const InfluenceMatrix& rows3 = viewRows->influence[c];
                 Eigen::MatrixXd& looks = report.information.looks[size_t(c)];
-                looks = weightedGram(rows3, [&](size_t i, float* out) {
-                    for (Eigen::Index k = 0; k < n; ++k) out[k] = viewWeight[i] * rows3.row(i)[k];
-                }, progress);
+                looks = weightedGram(
+                    rows3,
+                    [&](size_t i, float* out) {
+                        for (Eigen::Index k = 0; k < n; ++k) out[k] = viewWeight[i] * rows3.row(i)[k];
+                    },
+                    progress);
                 q += looks;
                 for (size_t i = 0; i < rows3.rows; ++i) {
                     const Eigen::Map<const Eigen::VectorXf> row(rows3.row(i), n);
@@ -304,22 +324,24 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
             }
         }
         lowest = lowers;
-        const QpResult solution = solveBoundedQp(anchored ? all : held, moments, lowers, fromPresent ? &present : nullptr, {&progress});
+        const QpResult solution =
+            solveBoundedQp(anchored ? all : held, moments, lowers, fromPresent ? &present : nullptr, {&progress});
         for (int c = 0; c < 3; ++c) target[c] = solution.usable ? Eigen::VectorXd(solution.x.segment(c * n, n)) : x[c];
         return solution.kktResidual;
     };
 
     progress.begin("Light from ratios", size_t(options.iterations));
     double scale = options.robustScale, objective = 0;
-    // Products are by far the most of an iteration, and the model's end is where its slope is zero, which is worked out anew each time: while the
-    // light moves little they stay as they are.
+    // Products are by far the most of an iteration, and the model's end is where its slope is zero, which is worked out
+    // anew each time: while the light moves little they stay as they are.
     double moved = 0;
     bool stale = false;
     const int settled = options.anneal ? 3 : 0;  // from then on the objective is one and the same
     const auto writeBack = [&] {
         for (int c = 0; c < 3; ++c) {
             for (size_t i = 0; i < leafCount; ++i) lighting.leafRadiance[i][c] = float(x[c](Eigen::Index(i)));
-            for (size_t e = 0; e < emitterCount; ++e) lighting.emitterRadiance[e][c] = float(x[c](Eigen::Index(leafCount + e)));
+            for (size_t e = 0; e < emitterCount; ++e)
+                lighting.emitterRadiance[e][c] = float(x[c](Eigen::Index(leafCount + e)));
         }
     };
     for (int iteration = 0; iteration < options.iterations; ++iteration) {
@@ -344,8 +366,8 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
             break;
         }
         dispensable.reset();
-        // A step that makes things worse is halved: the objective never rises. The robust loss is flatter than the parabola that its weights make of
-        // it, so twice a good step is often a better one.
+        // A step that makes things worse is halved: the objective never rises. The robust loss is flatter than the
+        // parabola that its weights make of it, so twice a good step is often a better one.
         double change = 0, gain = 0;
         bool accepted = false;
         Eigen::VectorXd trial[3], farther[3];
@@ -358,7 +380,8 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
             accepted = true;
             gain = objective - reached;
             if (step == 1 && !annealing) {
-                for (int c = 0; c < 3; ++c) farther[c] = (x[c] + 2 * (target[c] - x[c])).cwiseMax(lowest.segment(c * n, n));
+                for (int c = 0; c < 3; ++c)
+                    farther[c] = (x[c] + 2 * (target[c] - x[c])).cwiseMax(lowest.segment(c * n, n));
                 litBy(farther, fartherLit);
                 if (const double there = evaluate(farther, fartherLit, scale, nullptr); there < reached) {
                     gain = objective - there;
@@ -369,7 +392,9 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
             for (int c = 0; c < 3; ++c) {
                 // Relative at each look-up: a few that stand in a lamp must not speak for the rest.
                 double squares = 0;
-                for (Eigen::Index i = 0; i < trialLit[c].size(); ++i) squares += std::min(1.0, std::pow(double(trialLit[c](i) - lit[c](i)) / std::max(1e-30, double(trialLit[c](i))), 2));
+                for (Eigen::Index i = 0; i < trialLit[c].size(); ++i)
+                    squares += std::min(
+                        1.0, std::pow(double(trialLit[c](i) - lit[c](i)) / std::max(1e-30, double(trialLit[c](i))), 2));
                 change = std::max(change, std::sqrt(squares / double(std::max<size_t>(1, rows))));
                 x[c] = trial[c];
             }
@@ -391,8 +416,7 @@ AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteOb
         evaluate(x, lit, scale, nullptr);
         try {
             modelMinimum(true, true, nullptr);
-        } catch (const OutOfTime&) {
-        }
+        } catch (const OutOfTime&) {}
     }
     // Of the light found, with the weights that belong to it: what fits of other models can be held against.
     litBy(x, lit);

@@ -7,11 +7,15 @@
 
 namespace relamp {
 
-AlbedoSystem albedoSystem(const Scene& scene, const MatteObservations& matte, const std::vector<Rgb>& lit, const std::vector<Rgb>& litSigma, const AlbedoPrior& prior,
-                          const std::vector<Rgb>& logAlbedo, double edge, double typical, int c) {
+AlbedoSystem albedoSystem(const Scene& scene, const MatteObservations& matte, const std::vector<Rgb>& lit,
+                          const std::vector<Rgb>& litSigma, const AlbedoPrior& prior, const std::vector<Rgb>& logAlbedo,
+                          double edge, double typical, int c) {
     const size_t n = scene.mesh.vertexCount();
     constexpr double least = 1e-4;  // where nothing is known
-    AlbedoSystem system{Eigen::SparseMatrix<double>(Eigen::Index(n), Eigen::Index(n)), Eigen::VectorXd::Constant(Eigen::Index(n), least * typical), {}, std::vector<float>(n, 0)};
+    AlbedoSystem system{Eigen::SparseMatrix<double>(Eigen::Index(n), Eigen::Index(n)),
+                        Eigen::VectorXd::Constant(Eigen::Index(n), least * typical),
+                        {},
+                        std::vector<float>(n, 0)};
     std::vector<Eigen::Triplet<double>> triplets;
     triplets.reserve(scene.graph.to.size() + n);
     std::vector<double> diagonal(n, least);
@@ -20,7 +24,8 @@ AlbedoSystem albedoSystem(const Scene& scene, const MatteObservations& matte, co
             const uint32_t to = scene.graph.to[e];
             if (to <= v) continue;
             const Rgb d = logAlbedo[v] - logAlbedo[to];
-            const double d2 = double(glm::dot(d, d)) / 3, weight = 1.0 / (double(prior.step) * prior.step * (1 + d2 / (edge * edge)));
+            const double d2 = double(glm::dot(d, d)) / 3,
+                         weight = 1.0 / (double(prior.step) * prior.step * (1 + d2 / (edge * edge)));
             diagonal[v] += weight;
             diagonal[to] += weight;
             triplets.emplace_back(int(v), int(to), -weight);
@@ -29,7 +34,8 @@ AlbedoSystem albedoSystem(const Scene& scene, const MatteObservations& matte, co
     if (prior.towards)
         for (size_t v = 0; v < n; ++v) {
             const Rgb aim = glm::log(glm::max((*prior.towards)[v], Rgb(1e-4f))), d = logAlbedo[v] - aim;
-            const double weight = 1.0 / (double(prior.spread) * prior.spread * (1 + double(glm::dot(d, d)) / 3 / (edge * edge)));
+            const double weight =
+                1.0 / (double(prior.spread) * prior.spread * (1 + double(glm::dot(d, d)) / 3 / (edge * edge)));
             diagonal[v] += weight;
             system.moment(Eigen::Index(v)) += weight * double(aim[c]);
         }
@@ -40,7 +46,8 @@ AlbedoSystem albedoSystem(const Scene& scene, const MatteObservations& matte, co
         const double s2 = std::pow(double(matte.sigma[i][c]), 2) + std::pow(albedo * double(litSigma[i][c]), 2) + 1e-30;
         if (!(l > 0)) continue;
         const double model = albedo * l, p = model * model / s2;
-        const double step = y > 0.2 * model && y < 5 * model ? std::log(y / model) : std::clamp(y / model - 1, -1.0, 2.0);
+        const double step =
+            y > 0.2 * model && y < 5 * model ? std::log(y / model) : std::clamp(y / model - 1, -1.0, 2.0);
         diagonal[v] += p;
         system.moment(Eigen::Index(v)) += p * (double(logAlbedo[v][c]) + step);
         system.precision[i] = p;
@@ -51,8 +58,8 @@ AlbedoSystem albedoSystem(const Scene& scene, const MatteObservations& matte, co
     return system;
 }
 
-AlbedoResult solveAlbedo(const Scene& scene, const MatteObservations& matte, const std::vector<Rgb>& lit, const std::vector<Rgb>& litSigma,
-                         const AlbedoPrior& prior, Progress& progress) {
+AlbedoResult solveAlbedo(const Scene& scene, const MatteObservations& matte, const std::vector<Rgb>& lit,
+                         const std::vector<Rgb>& litSigma, const AlbedoPrior& prior, Progress& progress) {
     const size_t n = scene.mesh.vertexCount();
     AlbedoResult result;
     result.albedo.assign(n, Rgb(0.5f));
@@ -85,7 +92,8 @@ AlbedoResult solveAlbedo(const Scene& scene, const MatteObservations& matte, con
         std::vector<Rgb> next = logAlbedo;
         std::vector<std::array<float, 3>> own(n, {0, 0, 0});
         parallelFor(3, 1, [&](size_t c) {
-            const AlbedoSystem system = albedoSystem(scene, matte, lit, litSigma, prior, logAlbedo, annealed, std::log(double(typical[int(c)])), int(c));
+            const AlbedoSystem system = albedoSystem(scene, matte, lit, litSigma, prior, logAlbedo, annealed,
+                                                     std::log(double(typical[int(c)])), int(c));
             for (size_t v = 0; v < n; ++v) own[v][c] = system.own[v];
             if (!analysed[c]) factors[c].analyzePattern(system.matrix);
             analysed[c] = true;

@@ -1,4 +1,5 @@
-// The linear equations of one channel of log albedo, which the albedo step solves and the test of its prior's strength probes.
+// The linear equations of one channel of log albedo, which the albedo step solves and the test of its prior's strength
+// probes.
 #pragma once
 #include <Eigen/SparseCore>
 
@@ -13,7 +14,8 @@ struct AlbedoSystem {
     std::vector<double> precision;  ///< per observation: what it adds to its vertex's diagonal
     std::vector<float> own;         ///< per mesh vertex: share of that in its diagonal
 };
-AlbedoSystem albedoSystem(const Scene& scene, const MatteObservations& matte, const std::vector<Rgb>& lit, const std::vector<Rgb>& litSigma, const AlbedoPrior& prior,
-                          const std::vector<Rgb>& logAlbedo, double edge, double typical, int channel);
+AlbedoSystem albedoSystem(const Scene& scene, const MatteObservations& matte, const std::vector<Rgb>& lit,
+                          const std::vector<Rgb>& litSigma, const AlbedoPrior& prior, const std::vector<Rgb>& logAlbedo,
+                          double edge, double typical, int channel);
 
 }  // namespace relamp

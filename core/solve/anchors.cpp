@@ -11,7 +11,8 @@ std::vector<Rgb> firstRadiance(const EmitterClusters& clusters) {
 bool tiesScale(const LightAnchors& anchors, float darkness) {
     for (size_t e = 0; e < anchors.emitterRadiance.size(); ++e)
         if (!anchors.emitterClipped[e] || maxChannel(anchors.emitterRadiance[e]) > 0) return true;
-    // A surface that all of it lights from straight ahead sends at most this back; `darkness` is a thousandth of the brightest surfaces.
+    // A surface that all of it lights from straight ahead sends at most this back; `darkness` is a thousandth of the
+    // brightest surfaces.
     double light = 0;
     for (const LeafAnchor& a : anchors.leaves)
         if (a.coverage > 0.05f && !a.clipped) light += double(a.area * maxChannel(a.radiance)) / piD;
@@ -25,7 +26,8 @@ LightAnchors lightAnchors(const RadianceSamples& samples, const EmitterClusters&
     std::vector<Rgb> sum(leaves.size(), Rgb(0));
     std::vector<float> area(leaves.size(), 0);
     const DirectionGrid& grid = samples.backgroundGrid;
-    // A cell counts when pixels cover it, not when one touches its corner: sub-cells of a fine leaf share their cell's mean.
+    // A cell counts when pixels cover it, not when one touches its corner: sub-cells of a fine leaf share their cell's
+    // mean.
     const int parts = std::max(1, (1 << LightLeaves::maxLevel) / grid.side);
     const DirectionGrid fine{grid.side * parts, grid.axes};
     const std::vector<uint32_t> leafOf = leaves.leafOfCells(fine);
@@ -33,7 +35,8 @@ LightAnchors lightAnchors(const RadianceSamples& samples, const EmitterClusters&
     for (int c = 0; c < grid.cells(); ++c) {
         if (samples.backgroundPixels[size_t(c)] < 4) continue;
         for (int k = 0; k < parts * parts; ++k) {
-            const size_t leaf = leafOf[size_t((c / grid.side * parts + k / parts) * fine.side + c % grid.side * parts + k % parts)];
+            const size_t leaf =
+                leafOf[size_t((c / grid.side * parts + k / parts) * fine.side + c % grid.side * parts + k % parts)];
             sum[leaf] += share * samples.background[size_t(c)];
             area[leaf] += share;
             if (samples.backgroundClipped[size_t(c)]) anchors.leaves[leaf].clipped = true;

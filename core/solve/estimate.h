@@ -12,13 +12,15 @@
 
 namespace relamp {
 
-/// Non-negative weights of the basis lobes, per vertex and channel. Lobe 0 is Lambert: its weight is the diffuse albedo.
+/// Non-negative weights of the basis lobes, per vertex and channel. Lobe 0 is Lambert: its weight is the diffuse
+/// albedo.
 struct Reflectance {
     BrdfBasis basis;
     std::vector<std::vector<Rgb>> weight;  ///< weight[k][vertex]
     std::vector<uint8_t> observed;         ///< views that saw the vertex
     std::vector<float> confidence;         ///< in [0, 1]: share of the vertex's albedo that comes from its own look-ups
-    std::vector<float> sigma;              ///< relative standard deviation of the albedo, mean of the channels; empty where it was not assessed
+    std::vector<float>
+        sigma;  ///< relative standard deviation of the albedo, mean of the channels; empty where it was not assessed
 };
 
 /// One line of the timeline.
@@ -26,8 +28,10 @@ struct TimelineEntry {
     double seconds = 0;
     std::string stage;
     int iteration = 0;
-    double objective = 0;  ///< of the stage's own program; never rises while its unknowns stay the same; 0 where the stage has none
-    double rmse = 0;       ///< relative: how far points of probably equal albedo differ under the light found, robust; the same in all stages and modes
+    double objective =
+        0;  ///< of the stage's own program; never rises while its unknowns stay the same; 0 where the stage has none
+    double rmse = 0;  ///< relative: how far points of probably equal albedo differ under the light found, robust; the
+                      ///< same in all stages and modes
 };
 
 struct LeftOut {
@@ -40,7 +44,8 @@ struct GaugeReport {
     std::string evidence;  ///< one sentence
     Rgb scale{1};          ///< factor that was applied to the lighting by a --gauge option
     Rgb sigma{0};          ///< relative standard deviation of the scale; 0 where it was not assessed
-    Rgb fromEmitters{0}, fromBackground{0}, fromGloss{0}, fromBounces{0};  ///< shares of the evidence on the scale, together 1, or all 0
+    Rgb fromEmitters{0}, fromBackground{0}, fromGloss{0},
+        fromBounces{0};  ///< shares of the evidence on the scale, together 1, or all 0
 };
 
 /// How strong a prior was, as a factor on its usual strength.
@@ -51,43 +56,46 @@ struct PriorStrength {
         double error = 0;   ///< standard error of that ratio
     };
     float factor = 1;
-    std::string chosenBy = "usual";  ///< "usual", "photographs": those foretold what was left out clearly better with another one, or "artist"
+    std::string chosenBy = "usual";  ///< "usual", "photographs": those foretold what was left out clearly better with
+                                     ///< another one, or "artist"
     std::vector<Trial> trials{};     ///< empty where the photographs were not asked
 };
 
 struct StabilityReport {
-    double kktResidual = 0;       ///< worst channel of the last lighting program, relative
-    double conditionNumber = 0;   ///< of the column-scaled lighting Gram matrix
-    int effectiveRank = 0;        ///< its eigenvalues above 1e-6 of the largest
+    double kktResidual = 0;      ///< worst channel of the last lighting program, relative
+    double conditionNumber = 0;  ///< of the column-scaled lighting Gram matrix
+    int effectiveRank = 0;       ///< its eigenvalues above 1e-6 of the largest
     int unknowns = 0;
-    std::string reason;           ///< when a program did not converge
-    std::vector<float> spectrum{};  ///< eigenvalues of that matrix over the largest, falling; at most 256 of them, evenly spread
-    std::string weakest{};          ///< the change of light that the photographs tell least about, in words
-    float weakestSigma = 0;         ///< how much light on the surfaces it moves, root mean square, relative, one standard deviation
+    std::string reason;  ///< when a program did not converge
+    std::vector<float>
+        spectrum{};  ///< eigenvalues of that matrix over the largest, falling; at most 256 of them, evenly spread
+    std::string weakest{};  ///< the change of light that the photographs tell least about, in words
+    float weakestSigma =
+        0;  ///< how much light on the surfaces it moves, root mean square, relative, one standard deviation
 };
 
 struct Estimate {
     Lighting lighting;
     Reflectance reflectance;
-    EmitterClusters emitters;              ///< final: candidates confirmed or rejected
-    std::vector<Rgb> environment;          ///< mean radiance of each cell of the square of side environmentSide
+    EmitterClusters emitters;      ///< final: candidates confirmed or rejected
+    std::vector<Rgb> environment;  ///< mean radiance of each cell of the square of side environmentSide
     int environmentSide = 256;
-    std::vector<Rgb> environmentSigma;     ///< its standard deviation, per cell, radiance; empty where it was not assessed
-    std::vector<Rgb> emitterSigma;         ///< standard deviation of each emitter's radiance
-    std::vector<float> identifiability;    ///< per emitter: share of its effect that no distant light can imitate
+    std::vector<Rgb> environmentSigma;  ///< its standard deviation, per cell, radiance; empty where it was not assessed
+    std::vector<Rgb> emitterSigma;      ///< standard deviation of each emitter's radiance
+    std::vector<float> identifiability;  ///< per emitter: share of its effect that no distant light can imitate
     std::vector<TimelineEntry> timeline;
     std::vector<LeftOut> leftOut;
-    SolvePlan plan;                        ///< what was decided beforehand, and what the stages cost
+    SolvePlan plan;  ///< what was decided beforehand, and what the stages cost
     GaugeReport gauge;
     PriorStrength lightSmoothness, albedoSmoothness;
-    std::vector<PaletteColour> palette;    ///< materials, where the artist said how many; most used first
+    std::vector<PaletteColour> palette;  ///< materials, where the artist said how many; most used first
     StabilityReport stability;
-    Reproduction reproduction;             ///< how well it explains its photographs; measured by the pipeline
-    std::vector<HeldOutAlbedo> heldOut;    ///< for that measure, which takes them
-    std::string mode;                      ///< "near-field" or "distant-only"
-    bool interreflection = false;          ///< the photographs hold light bounced between surfaces: relit frames have it too
-    float bouncedShare = 0;                ///< of the light on the surfaces seen, 0 without interreflection
-    bool cancelled = false;                ///< stopped early: the best answer so far
+    Reproduction reproduction;           ///< how well it explains its photographs; measured by the pipeline
+    std::vector<HeldOutAlbedo> heldOut;  ///< for that measure, which takes them
+    std::string mode;                    ///< "near-field" or "distant-only"
+    bool interreflection = false;  ///< the photographs hold light bounced between surfaces: relit frames have it too
+    float bouncedShare = 0;        ///< of the light on the surfaces seen, 0 without interreflection
+    bool cancelled = false;        ///< stopped early: the best answer so far
 };
 
 }  // namespace relamp

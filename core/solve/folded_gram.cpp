@@ -9,9 +9,10 @@ namespace {
 
 using Eigen::Index;
 
-/// For each column, in its own 3 x 3 block of channels, the sum over folded rows of R'WR, R = what the shares do not explain of the column. 6 numbers a column, as
-/// ChannelWeights orders them.
-std::vector<std::array<double, 6>> leftOver(const FoldedColumns& fold, const InfluenceMatrix& rows, const ChannelWeights& weights, bool apart, Progress& progress) {
+/// For each column, in its own 3 x 3 block of channels, the sum over folded rows of R'WR, R = what the shares do not
+/// explain of the column. 6 numbers a column, as ChannelWeights orders them.
+std::vector<std::array<double, 6>> leftOver(const FoldedColumns& fold, const InfluenceMatrix& rows,
+                                            const ChannelWeights& weights, bool apart, Progress& progress) {
     constexpr size_t panel = 32;
     std::vector<size_t> size(fold.folded.columns, 0);
     for (const uint32_t g : fold.group)
@@ -26,7 +27,8 @@ std::vector<std::array<double, 6>> leftOver(const FoldedColumns& fold, const Inf
         for (size_t i = 0; i < count; ++i)
             for (size_t j = 0; j < width; ++j) {
                 const uint32_t k = columns[from + j];
-                remainder[i * panel + j] = rows.row(i)[k] - float(fold.share(Index(k))) * fold.folded.row(i)[fold.group[k]];
+                remainder[i * panel + j] =
+                    rows.row(i)[k] - float(fold.share(Index(k))) * fold.folded.row(i)[fold.group[k]];
             }
         double sum[6][panel] = {};
         for (size_t i = 0; i < count; ++i) {
@@ -83,7 +85,8 @@ FoldedColumns foldColumns(const InfluenceMatrix& rows, size_t count, std::vector
     return fold;
 }
 
-Eigen::MatrixXd foldedGram(const FoldedColumns& fold, const InfluenceMatrix& rows, const ChannelWeights& weights, bool apart, Progress& progress) {
+Eigen::MatrixXd foldedGram(const FoldedColumns& fold, const InfluenceMatrix& rows, const ChannelWeights& weights,
+                           bool apart, Progress& progress) {
     const Index n = Index(rows.columns), m = Index(fold.folded.columns);
     const Eigen::MatrixXd coarse = channelGram(fold.folded, weights, apart, progress);
     Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(3 * n, 3 * n);
@@ -93,10 +96,12 @@ Eigen::MatrixXd foldedGram(const FoldedColumns& fold, const InfluenceMatrix& row
         ChannelWeights restWeights;
         rest.columns = rows.columns;
         rest.rows = rows.rows - fold.folded.rows;
-        rest.values.assign(rows.values.begin() + ptrdiff_t(fold.folded.rows * rows.columns), rows.values.begin() + ptrdiff_t(rows.rows * rows.columns));
+        rest.values.assign(rows.values.begin() + ptrdiff_t(fold.folded.rows * rows.columns),
+                           rows.values.begin() + ptrdiff_t(rows.rows * rows.columns));
         const uint32_t first = weights.start[fold.folded.rows];
         for (size_t i = fold.folded.rows; i <= rows.rows; ++i) restWeights.start.push_back(weights.start[i] - first);
-        for (size_t e = first; e < weights.other.size(); ++e) restWeights.other.push_back(weights.other[e] - uint32_t(fold.folded.rows));
+        for (size_t e = first; e < weights.other.size(); ++e)
+            restWeights.other.push_back(weights.other[e] - uint32_t(fold.folded.rows));
         restWeights.weight.assign(weights.weight.begin() + first, weights.weight.end());
         gram = channelGram(rest, restWeights, apart, progress);
     }
@@ -108,7 +113,9 @@ Eigen::MatrixXd foldedGram(const FoldedColumns& fold, const InfluenceMatrix& row
         const Index j = filled[at];
         for (Index d = 0; d < 3; ++d)
             for (Index c = 0; c < 3; ++c)
-                for (const Index i : filled) gram(c * n + i, d * n + j) += fold.share(i) * fold.share(j) * coarse(c * m + fold.group[size_t(i)], d * m + fold.group[size_t(j)]);
+                for (const Index i : filled)
+                    gram(c * n + i, d * n + j) += fold.share(i) * fold.share(j) *
+                                                  coarse(c * m + fold.group[size_t(i)], d * m + fold.group[size_t(j)]);
         for (size_t block = 0; block < 6; ++block) {
             const auto [a, b] = ChannelWeights::blocks[block];
             gram(a * n + j, b * n + j) += left[size_t(j)][block];

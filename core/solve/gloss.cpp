@@ -8,7 +8,8 @@
 
 namespace relamp {
 
-std::vector<GlossyLook> glossyLooks(const Capture& capture, const Scene& scene, const RadianceSamples& samples, uint32_t piece, const GlossOptions& options) {
+std::vector<GlossyLook> glossyLooks(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
+                                    uint32_t piece, const GlossOptions& options) {
     std::vector<uint32_t> vertices;
     for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v)
         if (scene.piece[v] == piece && samples.countOf(v) >= 2) vertices.push_back(v);
@@ -33,17 +34,23 @@ std::vector<GlossyLook> glossyLooks(const Capture& capture, const Scene& scene, 
     return looks;
 }
 
-InfluenceMatrix glossyRows(const Scene& scene, const std::vector<EmitterSurface>& emitters, const std::vector<int>& emitterOfTriangle,
-                           const LightLeaves& leaves, const Lobe& lobe, const std::vector<GlossyLook>& looks, const LobeRowOptions& options, Progress& progress, std::vector<Rgb>* mirrored) {
+InfluenceMatrix glossyRows(const Scene& scene, const std::vector<EmitterSurface>& emitters,
+                           const std::vector<int>& emitterOfTriangle, const LightLeaves& leaves, const Lobe& lobe,
+                           const std::vector<GlossyLook>& looks, const LobeRowOptions& options, Progress& progress,
+                           std::vector<Rgb>* mirrored) {
     InfluenceMatrix matrix;
     matrix.rows = looks.size();
     matrix.columns = leaves.size() + emitters.size();
     matrix.values.assign(matrix.rows * matrix.columns, 0.0f);
     if (mirrored) mirrored->assign(looks.size(), Rgb(0));
     progress.begin("Glossy influence", looks.size());
-    parallelFor(looks.size(), 16, [&](size_t i) {
-        glossyInfluence(scene, emitters, emitterOfTriangle, leaves, lobe, looks[i].vertex, looks[i].towardEye, options, matrix.row(i), mirrored ? &(*mirrored)[i] : nullptr);
-    }, &progress);
+    parallelFor(
+        looks.size(), 16,
+        [&](size_t i) {
+            glossyInfluence(scene, emitters, emitterOfTriangle, leaves, lobe, looks[i].vertex, looks[i].towardEye,
+                            options, matrix.row(i), mirrored ? &(*mirrored)[i] : nullptr);
+        },
+        &progress);
     return matrix;
 }
 
@@ -52,8 +59,8 @@ namespace {
 /// Residual and weight of one lobe: per vertex the Lambert part is eliminated, held at zero where it would be negative.
 struct LobeFit {
     Rgb weight{0};
-    double residual = 0;    // mean squared, in sigmas, robust
-    double zeroShare = 0;   // vertices without a Lambert part
+    double residual = 0;   // mean squared, in sigmas, robust
+    double zeroShare = 0;  // vertices without a Lambert part
 };
 
 LobeFit fitLobe(const std::vector<GlossyLook>& looks, const std::vector<Rgb>& response, bool withLambert) {
@@ -103,10 +110,12 @@ LobeFit fitLobe(const std::vector<GlossyLook>& looks, const std::vector<Rgb>& re
                 zero[g * 3 + size_t(c)] = mean < 0;
                 zeros += mean < 0;
                 if (mean < 0 || !withLambert) mean = 0;
-                for (size_t i = starts[g]; i < starts[g + 1]; ++i) residual[i][c] = float(looks[i].radiance[c] - fit.weight[c] * response[i][c] - mean);
+                for (size_t i = starts[g]; i < starts[g + 1]; ++i)
+                    residual[i][c] = float(looks[i].radiance[c] - fit.weight[c] * response[i][c] - mean);
             }
             for (size_t i = starts[g]; i < starts[g + 1]; ++i) {
-                const double u = double(glm::dot(residual[i], residual[i])) / 3 / (double(looks[i].sigma) * looks[i].sigma);
+                const double u =
+                    double(glm::dot(residual[i], residual[i])) / 3 / (double(looks[i].sigma) * looks[i].sigma);
                 robust[i] = float(1 / (1 + u / 16));
                 sum += 16 * std::log1p(u / 16);
                 ++count;
@@ -135,32 +144,43 @@ std::vector<Rgb> responses(const InfluenceMatrix& rows, const Lighting& lighting
     return mirrored;
 }
 
-/// Residual of each lobe but the first with or without a Lambert part, whichever is less, from directions that all lobes share.
-std::vector<float> screenLobes(const Scene& scene, const std::vector<EmitterSurface>& emitters, const std::vector<int>& emitterOfTriangle, const Lighting& lighting,
-                               const std::vector<Lobe>& lobes, const std::vector<GlossyLook>& looks, const LobeRowOptions& options, Progress& progress) {
-    const std::vector<std::vector<Rgb>> response = lobeResponses(scene, emitters, emitterOfTriangle, lighting, lobes, looks, options, progress);
+/// Residual of each lobe but the first with or without a Lambert part, whichever is less, from directions that all
+/// lobes share.
+std::vector<float> screenLobes(const Scene& scene, const std::vector<EmitterSurface>& emitters,
+                               const std::vector<int>& emitterOfTriangle, const Lighting& lighting,
+                               const std::vector<Lobe>& lobes, const std::vector<GlossyLook>& looks,
+                               const LobeRowOptions& options, Progress& progress) {
+    const std::vector<std::vector<Rgb>> response =
+        lobeResponses(scene, emitters, emitterOfTriangle, lighting, lobes, looks, options, progress);
     std::vector<float> residual(lobes.size(), 0);
     parallelFor(lobes.size(), 1, [&](size_t k) {
-        if (k > 0) residual[k] = float(std::min(fitLobe(looks, response[k], true).residual, fitLobe(looks, response[k], false).residual));
+        if (k > 0)
+            residual[k] = float(
+                std::min(fitLobe(looks, response[k], true).residual, fitLobe(looks, response[k], false).residual));
     });
     return residual;
 }
 
 }  // namespace
 
-MetalEvidence metalEvidence(const InfluenceMatrix& rows, const Lighting& lighting, const std::vector<GlossyLook>& looks) {
+MetalEvidence metalEvidence(const InfluenceMatrix& rows, const Lighting& lighting,
+                            const std::vector<GlossyLook>& looks) {
     MetalEvidence evidence;
-    evidence.asMetal = fitLobe(looks, responses(rows, lighting, std::vector<Rgb>(looks.size(), Rgb(0))), false).residual;
+    evidence.asMetal =
+        fitLobe(looks, responses(rows, lighting, std::vector<Rgb>(looks.size(), Rgb(0))), false).residual;
     size_t vertices = 0;
     for (size_t i = 0; i < looks.size(); ++i) vertices += i == 0 || looks[i].vertex != looks[i - 1].vertex;
     const double without = fitLobe(looks, std::vector<Rgb>(looks.size(), Rgb(0)), true).residual;
-    evidence.alikeFromEverywhere = looks.size() > vertices ? without * double(looks.size()) / double(looks.size() - vertices) : 0;
+    evidence.alikeFromEverywhere =
+        looks.size() > vertices ? without * double(looks.size()) / double(looks.size() - vertices) : 0;
     return evidence;
 }
 
 Lobe withRoughness(const Lobe& lobe, float factor) {
     using enum Lobe::Kind;
-    if (lobe.kind == lafortuneBack || lobe.kind == lafortuneForward || lobe.kind == measured || lobe.kind == mixture || lobe.kind == lambert) return lobe;
+    if (lobe.kind == lafortuneBack || lobe.kind == lafortuneForward || lobe.kind == measured || lobe.kind == mixture ||
+        lobe.kind == lambert)
+        return lobe;
     Lobe result = lobe;
     const float roughness = std::clamp(std::sqrt(lobe.alpha) * factor, 0.06f, 0.9f);
     result.alpha = roughness * roughness;
@@ -168,9 +188,10 @@ Lobe withRoughness(const Lobe& lobe, float factor) {
     return result;
 }
 
-PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const std::vector<EmitterSurface>& emitters,
-                    const std::vector<int>& emitterOfTriangle, const Lighting& lighting, const BrdfBasis& basis, uint32_t piece,
-                    const GlossOptions& options, Progress& progress) {
+PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
+                    const std::vector<EmitterSurface>& emitters, const std::vector<int>& emitterOfTriangle,
+                    const Lighting& lighting, const BrdfBasis& basis, uint32_t piece, const GlossOptions& options,
+                    Progress& progress) {
     PieceGloss result;
     result.piece = piece;
     result.looks = glossyLooks(capture, scene, samples, piece, options);
@@ -181,7 +202,8 @@ PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSa
     float gain = 1;  // the residual must fall below this share of the best
     const auto attempt = [&](const Lobe& lobe) {
         std::vector<Rgb> mirrored;
-        const InfluenceMatrix rows = glossyRows(scene, emitters, emitterOfTriangle, lighting.leaves, lobe, result.looks, options.rows, progress, &mirrored);
+        const InfluenceMatrix rows = glossyRows(scene, emitters, emitterOfTriangle, lighting.leaves, lobe, result.looks,
+                                                options.rows, progress, &mirrored);
         const std::vector<Rgb> response = responses(rows, lighting, std::move(mirrored));
         const LobeFit both = fitLobe(result.looks, response, true), alone = fitLobe(result.looks, response, false);
         const bool metal = alone.residual < double(options.lambertGain) * both.residual;
@@ -194,10 +216,14 @@ PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSa
         result.residual = float(fit.residual);
         return true;
     };
-    const bool few = options.mostLobes <= 1 && std::all_of(basis.lobes.begin(), basis.lobes.end(), [](const Lobe& l) { return l.kind <= Lobe::Kind::ggxDielectric; });
+    const bool few = options.mostLobes <= 1 && std::all_of(basis.lobes.begin(), basis.lobes.end(), [](const Lobe& l) {
+                         return l.kind <= Lobe::Kind::ggxDielectric;
+                     });
     if (few) {
         const bool screen = options.screen && basis.lobes.size() > 2;
-        const std::vector<float> screened = screen ? screenLobes(scene, emitters, emitterOfTriangle, lighting, basis.lobes, result.looks, options.rows, progress) : std::vector<float>(basis.lobes.size(), 0);
+        const std::vector<float> screened = screen ? screenLobes(scene, emitters, emitterOfTriangle, lighting,
+                                                                 basis.lobes, result.looks, options.rows, progress)
+                                                   : std::vector<float>(basis.lobes.size(), 0);
         constexpr float beaten = 1.08f;
         const float least = *std::min_element(screened.begin() + 1, screened.end());
         const bool useful = options.lambertGain >= 1e6f || least < 0.92f * result.residualMatte;
@@ -205,11 +231,14 @@ PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSa
             if (screened[k] <= beaten * least) attempt(basis.lobes[k]);
     }
     if (!few) {
-        const auto response = lobeResponses(scene, emitters, emitterOfTriangle, lighting, basis.lobes, result.looks, options.rows, progress);
+        const auto response = lobeResponses(scene, emitters, emitterOfTriangle, lighting, basis.lobes, result.looks,
+                                            options.rows, progress);
         std::vector<LobeChoice> choices = chooseLobes(basis.lobes, response, result.looks, true, options.mostLobes);
-        for (LobeChoice& c : chooseLobes(basis.lobes, response, result.looks, false, options.mostLobes)) choices.push_back(std::move(c));
+        for (LobeChoice& c : chooseLobes(basis.lobes, response, result.looks, false, options.mostLobes))
+            choices.push_back(std::move(c));
         const auto size = [](const LobeChoice& c) { return c.lobe.parts.size(); };
-        std::stable_sort(choices.begin(), choices.end(), [&](const LobeChoice& a, const LobeChoice& b) { return size(a) < size(b); });
+        std::stable_sort(choices.begin(), choices.end(),
+                         [&](const LobeChoice& a, const LobeChoice& b) { return size(a) < size(b); });
         for (const LobeChoice& c : choices) {
             gain = c.lobe.kind == Lobe::Kind::mixture ? 0.95f : 1.0f;
             attempt(c.lobe);
@@ -221,11 +250,14 @@ PieceGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSa
         return result;
     }
     for (float step : {1.16f, 1.07f})
-        if (withRoughness(*result.lobe, step).alpha != result.lobe->alpha && !attempt(withRoughness(*result.lobe, step))) attempt(withRoughness(*result.lobe, 1 / step));
-    // A coat over a matte surface mirrors all colours alike [Shafer85]; where it seems coloured, the light is not yet right.
-    // A measured material's gloss has the colour it was measured with.
+        if (withRoughness(*result.lobe, step).alpha != result.lobe->alpha &&
+            !attempt(withRoughness(*result.lobe, step)))
+            attempt(withRoughness(*result.lobe, 1 / step));
+    // A coat over a matte surface mirrors all colours alike [Shafer85]; where it seems coloured, the light is not yet
+    // right. A measured material's gloss has the colour it was measured with.
     const Rgb own = glm::max(glossColour(*result.lobe), Rgb(1e-3f)), scaled = result.weight / own;
-    if (result.matte && scaled.x * scaled.y * scaled.z > 0) result.weight = own * std::cbrt(scaled.x * scaled.y * scaled.z);
+    if (result.matte && scaled.x * scaled.y * scaled.z > 0)
+        result.weight = own * std::cbrt(scaled.x * scaled.y * scaled.z);
     return result;
 }
 

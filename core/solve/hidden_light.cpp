@@ -30,7 +30,8 @@ Extent extentOf(const HiddenLightData& data) {
     return e;
 }
 
-/// A photograph shows that nothing shines there: the place is in view, in front of what is seen, and nothing about it is strikingly bright.
+/// A photograph shows that nothing shines there: the place is in view, in front of what is seen, and nothing about it
+/// is strikingly bright.
 bool seenEmpty(const Capture& capture, const RadianceSamples& samples, const Vec3& place, float bright) {
     for (size_t i = 0; i < capture.views.size(); ++i) {
         const View& view = capture.views[i];
@@ -46,7 +47,8 @@ bool seenEmpty(const Capture& capture, const RadianceSamples& samples, const Vec
         bool told = true;
         const int step = std::max(1, geometry.width / 50);
         for (int k = 0; k < 49 && told; ++k) {
-            const int nx = std::clamp(x + (k % 7 - 3) * step, 0, geometry.width - 1), ny = std::clamp(y + (k / 7 - 3) * step, 0, geometry.height - 1);
+            const int nx = std::clamp(x + (k % 7 - 3) * step, 0, geometry.width - 1),
+                      ny = std::clamp(y + (k / 7 - 3) * step, 0, geometry.height - 1);
             told = view.image.usableAt(nx, ny) && maxChannel(view.image.at(nx, ny)) <= bright;
         }
         if (told) return true;
@@ -58,7 +60,8 @@ std::vector<Vec3> placesAround(const Extent& extent) {
     std::vector<Vec3> places;
     const DirectionGrid directions{14};
     for (const float reach : {0.4f, 0.65f, 1.0f, 1.5f, 2.2f, 3.3f, 5.0f, 8.0f})
-        for (int c = 0; c < directions.cells(); ++c) places.push_back(extent.middle + reach * extent.radius * directions.direction(c));
+        for (int c = 0; c < directions.cells(); ++c)
+            places.push_back(extent.middle + reach * extent.radius * directions.direction(c));
     return places;
 }
 
@@ -97,10 +100,12 @@ std::string placeInWords(const Vec3& p, const DVec3& origin) {
 
 }  // namespace
 
-HiddenLightSearch findHiddenLight(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const EmitterClusters& clusters, const HiddenLightOptions& options,
+HiddenLightSearch findHiddenLight(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
+                                  const EmitterClusters& clusters, const HiddenLightOptions& options,
                                   Progress& progress) {
     HiddenLightSearch search;
-    HiddenLightData coarse = hiddenLightData(scene, samples, clusters, coarseLevel, options.pairs, options.seed, progress);
+    HiddenLightData coarse =
+        hiddenLightData(scene, samples, clusters, coarseLevel, options.pairs, options.seed, progress);
     if (coarse.pairs.size() < 200) {
         search.words = "no unseen lamp: too few matte points to tell";
         return search;
@@ -114,27 +119,33 @@ HiddenLightSearch findHiddenLight(const Capture& capture, const Scene& scene, co
     std::vector<Vec3> distant;
     std::optional<HiddenLightFit> best;
     HiddenLightFit without;
-    // What is too far to have a place is a detail of the surroundings that their leaves are too coarse for: it joins them, and the search begins again.
+    // What is too far to have a place is a detail of the surroundings that their leaves are too coarse for: it joins
+    // them, and the search begins again.
     for (size_t pass = 0; pass < 6 && !best; ++pass) {
         without = fitted(coarse);
         std::vector<double> misfit(places.size(), 1e301);
         progress.begin("Looking for an unseen lamp", places.size());
-        parallelFor(places.size(), 8, [&](size_t i) {
-            if (seenEmpty(capture, samples, places[i], bright)) return;
-            const Eigen::VectorXd column = pointLightColumn(scene, coarse, places[i], 0);
-            if (!(column.sum() > 0)) return;
-            misfit[i] = fitHiddenLight(coarse, &column, without.light, 5).misfit;
-        }, &progress);
+        parallelFor(
+            places.size(), 8,
+            [&](size_t i) {
+                if (seenEmpty(capture, samples, places[i], bright)) return;
+                const Eigen::VectorXd column = pointLightColumn(scene, coarse, places[i], 0);
+                if (!(column.sum() > 0)) return;
+                misfit[i] = fitHiddenLight(coarse, &column, without.light, 5).misfit;
+            },
+            &progress);
         const auto likely = bestPlaces(places, misfit, extent.middle);
         progress.begin("Following the shadows of an unseen lamp", likely.size());
         for (size_t i : likely) {
             progress.advance();
-            HiddenLightFit fit = searchAround(scene, coarse, places[i], extent.middle, without.light, 0.2f, 0.02f, false, progress);
+            HiddenLightFit fit =
+                searchAround(scene, coarse, places[i], extent.middle, without.light, 0.2f, 0.02f, false, progress);
             if (seenEmpty(capture, samples, fit.place, bright)) continue;
             if (!best || fit.misfit < best->misfit) best = std::move(fit);
         }
         if (!best) break;
-        logInfo("unseen lamp? at {}: misfit {:.4f}, without {:.4f}", placeInWords(best->place), best->misfit, without.misfit);
+        logInfo("unseen lamp? at {}: misfit {:.4f}, without {:.4f}", placeInWords(best->place), best->misfit,
+                without.misfit);
         if (glm::length(best->place - extent.middle) < farAway * extent.radius) continue;
         if (best->misfit > 0.97 * without.misfit) {
             best.reset();
@@ -146,11 +157,14 @@ HiddenLightSearch findHiddenLight(const Capture& capture, const Scene& scene, co
     }
     if (!best) {
         search.misfitWithout = search.misfitWith = without.misfit;
-        search.words = distant.empty() ? "no unseen lamp: every place for one is in view and dark" : "no unseen lamp: what the surroundings leave unexplained comes from afar";
+        search.words = distant.empty() ? "no unseen lamp: every place for one is in view and dark"
+                                       : "no unseen lamp: what the surroundings leave unexplained comes from afar";
         return search;
     }
-    // How far it is, is known worst: at every distance the best direction, by many more points, because shadows' edges tell it.
-    HiddenLightData dense = hiddenLightData(scene, samples, clusters, coarseLevel, options.finalPairs, options.seed + 1, progress);
+    // How far it is, is known worst: at every distance the best direction, by many more points, because shadows' edges
+    // tell it.
+    HiddenLightData dense =
+        hiddenLightData(scene, samples, clusters, coarseLevel, options.finalPairs, options.seed + 1, progress);
     for (const Vec3& place : distant) addKnownPlace(scene, place, dense);
     fitted(dense);
     std::vector<Vec3> along;
@@ -160,7 +174,8 @@ HiddenLightSearch findHiddenLight(const Capture& capture, const Scene& scene, co
     for (int k = -6; k <= 6; ++k) {
         progress.advance();
         const Vec3 place = extent.middle + std::exp(0.08f * float(k)) * (best->place - extent.middle);
-        HiddenLightFit fit = searchAround(scene, dense, place, extent.middle, best->light, 0.03f, 0.003f, true, progress);
+        HiddenLightFit fit =
+            searchAround(scene, dense, place, extent.middle, best->light, 0.03f, 0.003f, true, progress);
         along.push_back(fit.place);
         if (fit.misfit < nearest.misfit) nearest = std::move(fit);
     }
@@ -171,7 +186,8 @@ HiddenLightSearch findHiddenLight(const Capture& capture, const Scene& scene, co
     const glm::dmat3 covariance = positionCovariance(scene, dense, extent.middle, along, options.seed, *best, progress);
 
     // Would finer surroundings do as well?
-    HiddenLightData fine = hiddenLightData(scene, samples, clusters, finalLevel, options.finalPairs, options.seed + 2, progress);
+    HiddenLightData fine =
+        hiddenLightData(scene, samples, clusters, finalLevel, options.finalPairs, options.seed + 2, progress);
     for (const Vec3& place : distant) addKnownPlace(scene, place, fine);
     const HiddenLightFit fineWithout = fitted(fine);
     const Eigen::VectorXd column = pointLightColumn(scene, fine, best->place, 8);
@@ -188,10 +204,14 @@ HiddenLightSearch findHiddenLight(const Capture& capture, const Scene& scene, co
     light.distance = glm::length(away);
     const DVec3 outward(away / light.distance);
     light.distanceSigma = float(std::sqrt(glm::dot(outward, light.covariance * outward))) / light.distance;
-    const std::string what = fmt::format("at {} (+- {}) m, {:.0f} % of the light; it lowers the misfit of shading by {:.0f} % ({:.1f} standard errors)", placeInWords(light.position, capture.origin),
-                                         placeInWords(light.sigma()), 100 * light.share, 100 * gain, search.certainty);
-    if (gain < double(options.leastGain) || search.certainty < 2 || light.share < options.leastShare) search.words = "no unseen lamp: the likeliest one is " + what + ", which is too little to go by";
-    else if (!(light.distanceSigma < 0.5f)) search.words = "no unseen lamp: the likeliest one is " + what + ", too far to be told from the surroundings";
+    const std::string what = fmt::format(
+        "at {} (+- {}) m, {:.0f} % of the light; it lowers the misfit of shading by {:.0f} % ({:.1f} standard errors)",
+        placeInWords(light.position, capture.origin), placeInWords(light.sigma()), 100 * light.share, 100 * gain,
+        search.certainty);
+    if (gain < double(options.leastGain) || search.certainty < 2 || light.share < options.leastShare)
+        search.words = "no unseen lamp: the likeliest one is " + what + ", which is too little to go by";
+    else if (!(light.distanceSigma < 0.5f))
+        search.words = "no unseen lamp: the likeliest one is " + what + ", too far to be told from the surroundings";
     else {
         search.words = "an unseen lamp " + what;
         search.light = light;

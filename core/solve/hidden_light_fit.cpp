@@ -10,11 +10,11 @@
 namespace relamp {
 namespace {
 
-constexpr double robust = 2.5;     // Cauchy, in standard deviations
+constexpr double robust = 2.5;  // Cauchy, in standard deviations
 constexpr double modelError = 0.015;
 
-/// Pairs of points far apart on one piece of the mesh and of one hue: probably of one material, and what tells a fall-off over a wall. Their
-/// albedo may differ more than that of neighbours.
+/// Pairs of points far apart on one piece of the mesh and of one hue: probably of one material, and what tells a
+/// fall-off over a wall. Their albedo may differ more than that of neighbours.
 constexpr double farSpread = 0.1;
 constexpr float farWeight = 0.3f;
 
@@ -35,9 +35,12 @@ std::vector<AlbedoPair> farPairs(const Scene& scene, const MatteObservations& ma
         if (matte.pieceGlossy[scene.piece[matte.vertices[i]]] < 2) pieces[scene.piece[matte.vertices[i]]].push_back(i);
     std::vector<AlbedoPair> pairs;
     for (auto& [piece, points] : pieces) {
-        std::sort(points.begin(), points.end(), [&](uint32_t a, uint32_t b) { return scene.rank[matte.vertices[a]] < scene.rank[matte.vertices[b]]; });
+        std::sort(points.begin(), points.end(), [&](uint32_t a, uint32_t b) {
+            return scene.rank[matte.vertices[a]] < scene.rank[matte.vertices[b]];
+        });
         for (size_t k = 0; k < points.size(); ++k) {
-            const uint32_t i = points[k], j = points[size_t(mixBits(seed * 0x1000003 + scene.rank[matte.vertices[i]]) % points.size())];
+            const uint32_t i = points[k], j = points[size_t(mixBits(seed * 0x1000003 + scene.rank[matte.vertices[i]]) %
+                                                            points.size())];
             const float a = luminance(matte.radiance[i]), b = luminance(matte.radiance[j]);
             if (i == j || !(a > 0) || !(b > 0)) continue;
             // The hue of what lies in the dark cannot be told, and shadows are what is looked for.
@@ -49,8 +52,8 @@ std::vector<AlbedoPair> farPairs(const Scene& scene, const MatteObservations& ma
     return pairs;
 }
 
-/// Normals of a mesh that was measured are noisy, and an error of ten degrees is one of a sixth of the light: a mean over three rings, of those that
-/// face the same way.
+/// Normals of a mesh that was measured are noisy, and an error of ten degrees is one of a sixth of the light: a mean
+/// over three rings, of those that face the same way.
 std::vector<Vec3> smoothNormals(const Scene& scene) {
     std::vector<Vec3> normals = scene.mesh.normals;
     for (int round = 0; round < 3; ++round) {
@@ -108,7 +111,8 @@ Eigen::MatrixXd placeDerivatives(const HiddenLightData& data, const Vec3& place,
     return d;
 }
 
-/// One row a pair: the derivative of its relative difference by the light's unknowns (and by what `more` holds), times the root of its weight.
+/// One row a pair: the derivative of its relative difference by the light's unknowns (and by what `more` holds), times
+/// the root of its weight.
 struct Linear {
     Eigen::MatrixXd rows;
     Eigen::VectorXd residual;
@@ -121,7 +125,9 @@ Linear linearise(const HiddenLightData& data, const Eigen::MatrixXd& columns, co
     for (size_t k = 0; k < data.pairs.size(); ++k) {
         const AlbedoPair& p = data.pairs[k];
         const PairStep s = stepOf(data.radiance[p.a], data.radiance[p.b], lit(p.a), lit(p.b));
-        const double w = std::sqrt(double(p.weight) / (data.variance[k] * (1 + s.residual * s.residual / data.variance[k] / (robust * robust))));
+        const double w =
+            std::sqrt(double(p.weight) /
+                      (data.variance[k] * (1 + s.residual * s.residual / data.variance[k] / (robust * robust))));
         l.rows.row(Eigen::Index(k)) = w * (s.a * columns.row(p.a) + s.b * columns.row(p.b));
         l.residual(Eigen::Index(k)) = w * s.residual;
     }
@@ -134,18 +140,21 @@ struct HiddenLightProgram {
     Eigen::VectorXd moment, lower;
 };
 
-HiddenLightProgram programOf(const HiddenLightData& data, const LightPrior& prior, const Linear& l, const Eigen::MatrixXd& columns, const Eigen::VectorXd& x) {
+HiddenLightProgram programOf(const HiddenLightData& data, const LightPrior& prior, const Linear& l,
+                             const Eigen::MatrixXd& columns, const Eigen::VectorXd& x) {
     HiddenLightProgram p;
     const Eigen::Index lightCount = x.size();
     p.q = l.rows.transpose() * l.rows;
-    p.moment = -(l.rows.transpose() * l.residual);  // along the light itself the derivative is 0, so this is about x = 0
+    p.moment =
+        -(l.rows.transpose() * l.residual);  // along the light itself the derivative is 0, so this is about x = 0
     p.lower = Eigen::VectorXd::Zero(p.q.rows());
     prior.add(x, 0, p.q, p.moment, p.lower);
     if (!data.anchored) {
         // Nothing ties the scale down: the mean of the light on the points stays where it is.
         Eigen::VectorXd mean = Eigen::VectorXd::Zero(p.q.rows());
         mean.head(lightCount) = columns.leftCols(lightCount).colwise().mean().transpose();
-        const double hold = p.q.topLeftCorner(lightCount, lightCount).diagonal().maxCoeff() / std::max(mean.squaredNorm(), 1e-300);
+        const double hold =
+            p.q.topLeftCorner(lightCount, lightCount).diagonal().maxCoeff() / std::max(mean.squaredNorm(), 1e-300);
         p.moment += hold * mean.head(lightCount).dot(x) * mean;
         p.q += hold * mean * mean.transpose();
     }
@@ -169,7 +178,8 @@ Eigen::VectorXd startWith(const HiddenLightData& data, const Eigen::VectorXd& co
 
 }  // namespace
 
-HiddenLightData hiddenLightData(const Scene& measured, const RadianceSamples& samples, const EmitterClusters& clusters, int level, size_t pairs, uint64_t seed, Progress& progress) {
+HiddenLightData hiddenLightData(const Scene& measured, const RadianceSamples& samples, const EmitterClusters& clusters,
+                                int level, size_t pairs, uint64_t seed, Progress& progress) {
     HiddenLightData data;
     Scene scene = measured;
     scene.mesh.normals = smoothNormals(measured);
@@ -212,7 +222,8 @@ HiddenLightData hiddenLightData(const Scene& measured, const RadianceSamples& sa
         const AlbedoPair& p = all[k];
         double variance = 2 * modelError * modelError + (k < near ? 0.0 : farSpread * farSpread);
         for (uint32_t i : {p.a, p.b}) {
-            const double relative = double(luminance(matte.sigma[i])) / std::max(double(luminance(matte.radiance[i])), 1e-30);
+            const double relative =
+                double(luminance(matte.sigma[i])) / std::max(double(luminance(matte.radiance[i])), 1e-30);
             variance += relative * relative;
         }
         const uint32_t a = pointOf(p.a), b = pointOf(p.b);
@@ -234,11 +245,13 @@ HiddenLightData hiddenLightData(const Scene& measured, const RadianceSamples& sa
     data.parts = int(parts.size());
 
     data.leaves = LightLeaves::uniform(level, scene.axes);
-    const Visibility visibility = computeVisibility(scene, {.gridSide = 16, .only = &only, .axes = scene.axes}, progress);
+    const Visibility visibility =
+        computeVisibility(scene, {.gridSide = 16, .only = &only, .axes = scene.axes}, progress);
     NearFieldOptions nearOptions;
     nearOptions.seed = seed;
     nearOptions.only = &only;
-    const InfluenceMatrix rows = lambertInfluence(scene, visibility, computeNearField(scene, lamps, nearOptions, progress), data.leaves, vertices, progress);
+    const InfluenceMatrix rows = lambertInfluence(
+        scene, visibility, computeNearField(scene, lamps, nearOptions, progress), data.leaves, vertices, progress);
     data.rows.resize(Eigen::Index(rows.rows), Eigen::Index(rows.columns));
     for (size_t r = 0; r < rows.rows; ++r)
         for (size_t c = 0; c < rows.columns; ++c) data.rows(Eigen::Index(r), Eigen::Index(c)) = double(rows.row(r)[c]);
@@ -263,7 +276,8 @@ HiddenLightData hiddenLightData(const Scene& measured, const RadianceSamples& sa
     data.prior.darkness = float(1e-3 * middle);
     data.start = Eigen::VectorXd::Constant(data.rows.cols(), std::max(middle / 0.3, 1e-9));
     const std::vector<Rgb> first = firstRadiance(lamps);
-    for (size_t e = 0; e < first.size(); ++e) data.start(Eigen::Index(data.leaves.size() + e)) = double(luminance(first[e]));
+    for (size_t e = 0; e < first.size(); ++e)
+        data.start(Eigen::Index(data.leaves.size() + e)) = double(luminance(first[e]));
     return data;
 }
 
@@ -308,7 +322,8 @@ Eigen::VectorXd pointLightColumn(const Scene& scene, const HiddenLightData& data
     const double nearest = 0.01 * double(scene.diagonal), unit = double(scene.diagonal) * double(scene.diagonal) / piD;
     for (size_t i = 0; i < n; ++i) {
         const Vec3 to = place - data.positions[i];
-        const double d2 = std::max(double(glm::dot(to, to)), nearest * nearest), cosine = double(glm::dot(to, data.normals[i])) / std::sqrt(d2);
+        const double d2 = std::max(double(glm::dot(to, to)), nearest * nearest),
+                     cosine = double(glm::dot(to, data.normals[i])) / std::sqrt(d2);
         if (!(cosine > 0)) continue;
         const Vec3 origin = rayOrigin(scene, data.positions[i], data.normals[i]);
         float open = 0;
@@ -317,12 +332,15 @@ Eigen::VectorXd pointLightColumn(const Scene& scene, const HiddenLightData& data
             const float length = glm::length(straight);
             open = length > 0 && scene.tracer->occluded({origin, straight / length, 0, length}) ? 0.0f : 1.0f;
         } else {
-            // A ball of two hundredths of the distance: a soft edge, so that a small step of the lamp is a small change.
+            // A ball of two hundredths of the distance: a soft edge, so that a small step of the lamp is a small
+            // change.
             const float radius = 0.02f * std::sqrt(float(d2));
             Ray bundle[8];
             const int count = std::min(rays, 8);
             for (int k = 0; k < count; ++k) {
-                const Vec3 target = place + radius * Vec3(k & 1 ? 0.577f : -0.577f, k & 2 ? 0.577f : -0.577f, k & 4 ? 0.577f : -0.577f), straight = target - origin;
+                const Vec3 target = place + radius * Vec3(k & 1 ? 0.577f : -0.577f, k & 2 ? 0.577f : -0.577f,
+                                                          k & 4 ? 0.577f : -0.577f),
+                           straight = target - origin;
                 const float length = std::max(glm::length(straight), 1e-30f);
                 bundle[k] = {origin, straight / length, 0, length};
             }
@@ -334,14 +352,17 @@ Eigen::VectorXd pointLightColumn(const Scene& scene, const HiddenLightData& data
     return column;
 }
 
-HiddenLightFit fitHiddenLight(const HiddenLightData& data, const Eigen::VectorXd* column, const Eigen::VectorXd& start, int iterations) {
+HiddenLightFit fitHiddenLight(const HiddenLightData& data, const Eigen::VectorXd* column, const Eigen::VectorXd& start,
+                              int iterations) {
     HiddenLightFit fit;
     const LightPrior prior(data.leaves, data.anchors, data.prior);
     const Eigen::MatrixXd columns = withColumn(data, column);
     Eigen::VectorXd x = start.size() == 0 ? data.start : start;
     if (column && x.size() == data.rows.cols()) x = startWith(data, *column, x);
     const double weight = weightOf(data);
-    const auto objective = [&](const Eigen::VectorXd& light) { return sumOf(misfits(data, columns * light)) + prior.value(light, 0); };
+    const auto objective = [&](const Eigen::VectorXd& light) {
+        return sumOf(misfits(data, columns * light)) + prior.value(light, 0);
+    };
     double value = objective(x);
     for (int i = 0; i < iterations; ++i) {
         const Linear l = linearise(data, columns, columns * x);
@@ -371,8 +392,8 @@ HiddenLightFit fitHiddenLight(const HiddenLightData& data, const Eigen::VectorXd
     return fit;
 }
 
-HiddenLightFit searchAround(const Scene& scene, const HiddenLightData& data, const Vec3& first, const Vec3& middle, const Eigen::VectorXd& start, float reach, float least, bool sideways,
-                             Progress& progress) {
+HiddenLightFit searchAround(const Scene& scene, const HiddenLightData& data, const Vec3& first, const Vec3& middle,
+                            const Eigen::VectorXd& start, float reach, float least, bool sideways, Progress& progress) {
     const auto fitAt = [&](const Vec3& place, const Eigen::VectorXd& from) {
         const Eigen::VectorXd column = pointLightColumn(scene, data, place, 8);
         HiddenLightFit fit;
@@ -391,19 +412,25 @@ HiddenLightFit searchAround(const Scene& scene, const HiddenLightData& data, con
         parallelFor(tries.size(), 1, [&](size_t i) {
             // Eight ways about the line from the middle, or the six faces and the eight corners of a cube.
             const float turn = float(i) * pi / 4;
-            Vec3 d = sideways ? Vec3(std::cos(turn), std::sin(turn), 0) : i < 6 ? Vec3(0) : Vec3(i & 1 ? 0.577f : -0.577f, i & 2 ? 0.577f : -0.577f, i & 4 ? 0.577f : -0.577f);
+            Vec3 d = sideways ? Vec3(std::cos(turn), std::sin(turn), 0)
+                     : i < 6  ? Vec3(0)
+                              : Vec3(i & 1 ? 0.577f : -0.577f, i & 2 ? 0.577f : -0.577f, i & 4 ? 0.577f : -0.577f);
             if (i < 6 && !sideways) d[int(i / 2)] = i % 2 ? 1.0f : -1.0f;
             const Vec3 aside = away + step * distance * (frame * Vec3(d.x, d.y, 0));
-            tries[i] = fitAt(middle + std::exp(step * d.z) * distance / glm::length(aside) * aside, best.light.size() ? best.light : start);
+            tries[i] = fitAt(middle + std::exp(step * d.z) * distance / glm::length(aside) * aside,
+                             best.light.size() ? best.light : start);
         });
-        const auto bestTry = std::min_element(tries.begin(), tries.end(), [](const HiddenLightFit& a, const HiddenLightFit& b) { return a.misfit < b.misfit; });
+        const auto bestTry =
+            std::min_element(tries.begin(), tries.end(),
+                             [](const HiddenLightFit& a, const HiddenLightFit& b) { return a.misfit < b.misfit; });
         if (bestTry->misfit < best.misfit * (1 - 1e-4)) best = std::move(*bestTry);
         else step *= 0.5f;
     }
     return best;
 }
 
-HiddenLightFit refineHiddenLight(const Scene& scene, const HiddenLightData& data, const Vec3& first, const Eigen::VectorXd& start, int iterations, Progress& progress) {
+HiddenLightFit refineHiddenLight(const Scene& scene, const HiddenLightData& data, const Vec3& first,
+                                 const Eigen::VectorXd& start, int iterations, Progress& progress) {
     const LightPrior prior(data.leaves, data.anchors, data.prior);
     Vec3 place = first;
     Eigen::VectorXd column = pointLightColumn(scene, data, place, 8);
@@ -411,7 +438,9 @@ HiddenLightFit refineHiddenLight(const Scene& scene, const HiddenLightData& data
     Eigen::VectorXd x = fit.light;
     const Eigen::Index n = x.size();
     double damping = 1e-3;
-    const auto objective = [&](const Eigen::MatrixXd& columns, const Eigen::VectorXd& light) { return sumOf(misfits(data, columns * light)) + prior.value(light, 0); };
+    const auto objective = [&](const Eigen::MatrixXd& columns, const Eigen::VectorXd& light) {
+        return sumOf(misfits(data, columns * light)) + prior.value(light, 0);
+    };
     double value = objective(withColumn(data, &column), x);
     for (int i = 0; i < iterations; ++i) {
         progress.check();
@@ -454,7 +483,8 @@ HiddenLightFit refineHiddenLight(const Scene& scene, const HiddenLightData& data
     return fit;
 }
 
-glm::dmat3 positionCovariance(const Scene& scene, const HiddenLightData& data, const Vec3& middle, const std::vector<Vec3>& more, uint64_t seed, HiddenLightFit& best, Progress& progress) {
+glm::dmat3 positionCovariance(const Scene& scene, const HiddenLightData& data, const Vec3& middle,
+                              const std::vector<Vec3>& more, uint64_t seed, HiddenLightFit& best, Progress& progress) {
     constexpr size_t around = 128, replicates = 200;
     const size_t places = around + more.size();
     const Vec3 away = best.place - middle;
@@ -467,25 +497,31 @@ glm::dmat3 positionCovariance(const Scene& scene, const HiddenLightData& data, c
     // From half a hundredth of the distance to a fifth of it.
     std::vector<HiddenLightFit> tries(places);
     std::vector<std::vector<double>> lost(places);
-    parallelFor(places, 4, [&](size_t i) {
-        const float reach = i == 0 ? 0 : 0.005f * std::pow(40.0f, float(i) / float(around - 1));
-        const Vec3 d = reach * Vec3(normal(3 * i), normal(3 * i + 1), normal(3 * i + 2));
-        const Vec3 place = i < around ? middle + std::exp(d.z) * (away + distance * (frame * Vec3(d.x, d.y, 0))) : more[i - around];
-        const Eigen::VectorXd column = pointLightColumn(scene, data, place, 8);
-        if (!(column.sum() > 0)) return;
-        tries[i] = fitHiddenLight(data, &column, best.light, 4);
-        tries[i].place = place;
-        lost[i] = partsOf(data, misfits(data, withColumn(data, &column) * tries[i].light));
-    }, &progress);
+    parallelFor(
+        places, 4,
+        [&](size_t i) {
+            const float reach = i == 0 ? 0 : 0.005f * std::pow(40.0f, float(i) / float(around - 1));
+            const Vec3 d = reach * Vec3(normal(3 * i), normal(3 * i + 1), normal(3 * i + 2));
+            const Vec3 place = i < around ? middle + std::exp(d.z) * (away + distance * (frame * Vec3(d.x, d.y, 0)))
+                                          : more[i - around];
+            const Eigen::VectorXd column = pointLightColumn(scene, data, place, 8);
+            if (!(column.sum() > 0)) return;
+            tries[i] = fitHiddenLight(data, &column, best.light, 4);
+            tries[i].place = place;
+            lost[i] = partsOf(data, misfits(data, withColumn(data, &column) * tries[i].light));
+        },
+        &progress);
     std::vector<size_t> usable;
     for (size_t i = 0; i < places; ++i)
         if (!lost[i].empty()) usable.push_back(i);
     if (usable.empty()) return glm::dmat3(1e30);
-    const size_t found = *std::min_element(usable.begin(), usable.end(), [&](size_t x, size_t y) { return tries[x].misfit < tries[y].misfit; });
+    const size_t found = *std::min_element(usable.begin(), usable.end(),
+                                           [&](size_t x, size_t y) { return tries[x].misfit < tries[y].misfit; });
     glm::dmat3 covariance(0);
     for (size_t r = 0; r < replicates; ++r) {
         std::vector<double> times(size_t(data.parts), 0.0);
-        for (int k = 0; k < data.parts; ++k) ++times[mixBits(mixBits(seed ^ 0xb00757) + r * 1000003 + size_t(k)) % times.size()];
+        for (int k = 0; k < data.parts; ++k)
+            ++times[mixBits(mixBits(seed ^ 0xb00757) + r * 1000003 + size_t(k)) % times.size()];
         double least = 1e300;
         size_t chosen = found;
         for (size_t i : usable) {
@@ -503,7 +539,8 @@ glm::dmat3 positionCovariance(const Scene& scene, const HiddenLightData& data, c
 }
 
 double gainCertainty(const HiddenLightData& data, const HiddenLightFit& without, const HiddenLightFit& with) {
-    const std::vector<double> before = misfits(data, data.rows * without.light), after = misfits(data, withColumn(data, &with.column) * with.light);
+    const std::vector<double> before = misfits(data, data.rows * without.light),
+                              after = misfits(data, withColumn(data, &with.column) * with.light);
     std::vector<double> difference(before.size());
     for (size_t k = 0; k < before.size(); ++k) difference[k] = before[k] - after[k];
     const std::vector<double> gain = partsOf(data, difference);

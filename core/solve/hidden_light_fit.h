@@ -1,4 +1,5 @@
-// Fits of light with one point lamp more, on a few thousand pairs of points: the inner part of findHiddenLight. Not a door.
+// Fits of light with one point lamp more, on a few thousand pairs of points: the inner part of findHiddenLight. Not a
+// door.
 #pragma once
 #include <Eigen/Core>
 
@@ -12,52 +13,60 @@ namespace relamp {
 struct HiddenLightData {
     std::vector<Vec3> positions, normals;  ///< of the points
     std::vector<double> radiance;
-    std::vector<AlbedoPair> pairs;         ///< of places in these lists
-    std::vector<double> variance;          ///< of each pair's relative difference: noise, and 1.5 % of model error a point
-    std::vector<uint32_t> piece;           ///< of each pair: of the mesh
-    std::vector<uint8_t> far;              ///< of each pair: 1 when its points lie far apart on one piece
-    std::vector<int> part;                 ///< of each pair: one of `parts` boxes of the scene
+    std::vector<AlbedoPair> pairs;  ///< of places in these lists
+    std::vector<double> variance;   ///< of each pair's relative difference: noise, and 1.5 % of model error a point
+    std::vector<uint32_t> piece;    ///< of each pair: of the mesh
+    std::vector<uint8_t> far;       ///< of each pair: 1 when its points lie far apart on one piece
+    std::vector<int> part;          ///< of each pair: one of `parts` boxes of the scene
     int parts = 0;
-    Eigen::MatrixXd rows;                  ///< points x (leaves, lamps): radiance of a white matte point
+    Eigen::MatrixXd rows;  ///< points x (leaves, lamps): radiance of a white matte point
     LightLeaves leaves;
     LightAnchors anchors;
     LightPriorOptions prior;
-    Eigen::VectorXd start;                 ///< a first guess of the light
-    bool anchored = false;                 ///< some light is seen directly
+    Eigen::VectorXd start;  ///< a first guess of the light
+    bool anchored = false;  ///< some light is seen directly
 };
 
-HiddenLightData hiddenLightData(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& clusters, int level, size_t pairs, uint64_t seed, Progress& progress);
+HiddenLightData hiddenLightData(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& clusters,
+                                int level, size_t pairs, uint64_t seed, Progress& progress);
 
-/// What a point lamp at `place` gives each point, with shadows: `rays` to a small ball about it, or one to the place itself when 0.
+/// What a point lamp at `place` gives each point, with shadows: `rays` to a small ball about it, or one to the place
+/// itself when 0.
 Eigen::VectorXd pointLightColumn(const Scene& scene, const HiddenLightData& data, const Vec3& place, int rays);
 
 struct HiddenLightFit {
     Eigen::VectorXd light;   ///< leaves, lamps, and the lamp looked for if there is one
     Eigen::VectorXd column;  ///< its column; empty without
     Vec3 place{0};
-    double misfit = 0;       ///< robust, mean over the pairs, in variances
-    double share = 0;        ///< of the light on the points that comes from the lamp
+    double misfit = 0;  ///< robust, mean over the pairs, in variances
+    double share = 0;   ///< of the light on the points that comes from the lamp
 };
 
 /// A lamp at a place that is given joins the known ones; how bright it is, is not known.
 void addKnownPlace(const Scene& scene, const Vec3& place, HiddenLightData& data);
 
-/// Widens the pairs' variances, those of each piece of the mesh by a factor, to what is left of its near pairs under a fit: texture and errors of the mesh.
-/// Near pairs speak for far ones, because half of those may span the very shadows that the fit does not know.
+/// Widens the pairs' variances, those of each piece of the mesh by a factor, to what is left of its near pairs under a
+/// fit: texture and errors of the mesh. Near pairs speak for far ones, because half of those may span the very shadows
+/// that the fit does not know.
 void assessPairs(HiddenLightData& data, const HiddenLightFit& fit);
 
-/// Gauss-Newton on the pairs' relative differences, light not negative. `column` may be null; `start` empty: a first guess.
-HiddenLightFit fitHiddenLight(const HiddenLightData& data, const Eigen::VectorXd* column, const Eigen::VectorXd& start, int iterations);
-/// The best place about `first`, by trying 14 others about the best so far at a step that halves, from `reach` to `least` (shares of the distance from
-/// `middle`, angle and logarithm of distance alike; `sideways`: the distance stays): a shadow's edge moves in jumps that no derivative knows.
-HiddenLightFit searchAround(const Scene& scene, const HiddenLightData& data, const Vec3& first, const Vec3& middle, const Eigen::VectorXd& start, float reach, float least, bool sideways,
-                             Progress& progress);
+/// Gauss-Newton on the pairs' relative differences, light not negative. `column` may be null; `start` empty: a first
+/// guess.
+HiddenLightFit fitHiddenLight(const HiddenLightData& data, const Eigen::VectorXd* column, const Eigen::VectorXd& start,
+                              int iterations);
+/// The best place about `first`, by trying 14 others about the best so far at a step that halves, from `reach` to
+/// `least` (shares of the distance from `middle`, angle and logarithm of distance alike; `sideways`: the distance
+/// stays): a shadow's edge moves in jumps that no derivative knows.
+HiddenLightFit searchAround(const Scene& scene, const HiddenLightData& data, const Vec3& first, const Vec3& middle,
+                            const Eigen::VectorXd& start, float reach, float least, bool sideways, Progress& progress);
 /// Light and place together, from `place` on.
-HiddenLightFit refineHiddenLight(const Scene& scene, const HiddenLightData& data, const Vec3& place, const Eigen::VectorXd& start, int iterations, Progress& progress);
-/// Of the place found, square metres: the scatter of the best of some 140 places about it (and of `more`) when the parts of the scene are drawn anew with
-/// repetition, 200 times (a bootstrap). Shadows' edges take part in it, as they do not in a curvature. `best` moves when one of the places is better.
-glm::dmat3 positionCovariance(const Scene& scene, const HiddenLightData& data, const Vec3& middle, const std::vector<Vec3>& more, uint64_t seed, HiddenLightFit& best,
-                               Progress& progress);
+HiddenLightFit refineHiddenLight(const Scene& scene, const HiddenLightData& data, const Vec3& place,
+                                 const Eigen::VectorXd& start, int iterations, Progress& progress);
+/// Of the place found, square metres: the scatter of the best of some 140 places about it (and of `more`) when the
+/// parts of the scene are drawn anew with repetition, 200 times (a bootstrap). Shadows' edges take part in it, as they
+/// do not in a curvature. `best` moves when one of the places is better.
+glm::dmat3 positionCovariance(const Scene& scene, const HiddenLightData& data, const Vec3& middle,
+                              const std::vector<Vec3>& more, uint64_t seed, HiddenLightFit& best, Progress& progress);
 /// By how many standard errors, counted over the parts, the misfit of `with` is less.
 double gainCertainty(const HiddenLightData& data, const HiddenLightFit& without, const HiddenLightFit& with);
 

@@ -2,24 +2,30 @@
 
 namespace relamp {
 
-LightPrior::LightPrior(const LightLeaves& leaves, const LightAnchors& anchors, const LightPriorOptions& options, const InfluenceMatrix* rows)
+LightPrior::LightPrior(const LightLeaves& leaves, const LightAnchors& anchors, const LightPriorOptions& options,
+                       const InfluenceMatrix* rows)
     : anchors_(anchors), options_(options), neighbours_(leaves.neighbourPairs()), share_(Eigen::Index(leaves.size())) {
     // Along the common edge: the rim of a lamp costs the same however finely it is divided.
     edge_.reserve(neighbours_.size());
-    for (const auto& [i, j] : neighbours_) edge_.push_back(16.0 / double(1u << std::max(leaves[i].level, leaves[j].level)));
+    for (const auto& [i, j] : neighbours_)
+        edge_.push_back(16.0 / double(1u << std::max(leaves[i].level, leaves[j].level)));
     for (size_t i = 0; i < leaves.size(); ++i) share_(Eigen::Index(i)) = double(leaves[i].solidAngle()) / (4 * piD);
     if (!rows) return;
     Eigen::VectorXd received = Eigen::VectorXd::Zero(share_.size());
-    for (size_t r = 0; r < rows->rows; ++r) received += Eigen::Map<const Eigen::VectorXf>(rows->row(r), share_.size()).cast<double>();
+    for (size_t r = 0; r < rows->rows; ++r)
+        received += Eigen::Map<const Eigen::VectorXf>(rows->row(r), share_.size()).cast<double>();
     if (received.sum() > 0) share_ = received / received.sum();
 }
 
-double LightPrior::meanOf(const Eigen::VectorXd& x) const { return std::max({share_.dot(x.head(share_.size())), double(options_.darkness), 1e-30}); }
+double LightPrior::meanOf(const Eigen::VectorXd& x) const {
+    return std::max({share_.dot(x.head(share_.size())), double(options_.darkness), 1e-30});
+}
 
 double LightPrior::smoothness(size_t pair) const {
     const auto [i, j] = neighbours_[pair];
     // A seen leaf must not pull its unseen neighbours to its own brightness: that would fix the scale by a prior.
-    return double(options_.smoothness) * edge_[pair] * (1.02 - double(std::max(anchors_.leaves[i].coverage, anchors_.leaves[j].coverage)));
+    return double(options_.smoothness) * edge_[pair] *
+           (1.02 - double(std::max(anchors_.leaves[i].coverage, anchors_.leaves[j].coverage)));
 }
 
 double LightPrior::background(size_t leaf, int channel, double unit) const {
@@ -31,7 +37,8 @@ double LightPrior::background(size_t leaf, int channel, double unit) const {
 
 double LightPrior::emitter(size_t index, int channel, double data) const {
     const double value = anchors_.emitterRadiance[index][channel];
-    const double sigma = std::max(double(anchors_.emitterSigma[index]) * value, 1e-4 * double(maxChannel(anchors_.emitterRadiance[index])));
+    const double sigma = std::max(double(anchors_.emitterSigma[index]) * value,
+                                  1e-4 * double(maxChannel(anchors_.emitterRadiance[index])));
     return 1 / (sigma * sigma) + options_.emitterWeight * data;
 }
 
@@ -49,8 +56,10 @@ Eigen::VectorXd LightPrior::seenDirectly(const Eigen::VectorXd& x, int channel, 
 
 LightPrior::Difference LightPrior::difference(const Eigen::VectorXd& x, size_t pair, double unit, bool free) const {
     const auto [i, j] = neighbours_[pair];
-    const double middle = 0.5 * (x(i) + x(j)), d2 = unit * unit + middle * middle + 1e-300, d = std::sqrt(d2), r = (x(i) - x(j)) / d;
-    Difference result{r, {1 / d - r * middle / (2 * d2), -1 / d - r * middle / (2 * d2)}, free ? r * unit / d2 : 0.0, 0};
+    const double middle = 0.5 * (x(i) + x(j)), d2 = unit * unit + middle * middle + 1e-300, d = std::sqrt(d2),
+                 r = (x(i) - x(j)) / d;
+    Difference result{
+        r, {1 / d - r * middle / (2 * d2), -1 / d - r * middle / (2 * d2)}, free ? r * unit / d2 : 0.0, 0};
     // Along the whole light nothing changes.
     if (!free) result.atPresent = result.along[0] * x(i) + result.along[1] * x(j);
     return result;
@@ -59,8 +68,11 @@ LightPrior::Difference LightPrior::difference(const Eigen::VectorXd& x, size_t p
 double LightPrior::value(const Eigen::VectorXd& x, int channel) const {
     const double unit = meanOf(x);
     double sum = 0;
-    for (size_t k = 0; k < neighbours_.size(); ++k) sum += smoothness(k) * std::pow(difference(x, k, unit, true).value, 2);
-    for (Eigen::Index i = 0; i < share_.size(); ++i) sum += background(size_t(i), channel, unit) * std::pow(x(i) - double(anchors_.leaves[size_t(i)].radiance[channel]), 2);
+    for (size_t k = 0; k < neighbours_.size(); ++k)
+        sum += smoothness(k) * std::pow(difference(x, k, unit, true).value, 2);
+    for (Eigen::Index i = 0; i < share_.size(); ++i)
+        sum += background(size_t(i), channel, unit) *
+               std::pow(x(i) - double(anchors_.leaves[size_t(i)].radiance[channel]), 2);
     return sum;
 }
 
@@ -104,10 +116,13 @@ void LightPrior::addHue(const Eigen::VectorXd* x, Eigen::MatrixXd& q, Eigen::Vec
         for (size_t c = 0; c < 3; ++c) r[c] = difference(x[c], k, unit[c], unitIsFree(x[c], unit[c]));
         for (size_t c = 0; c < 3; ++c)
             for (size_t d = 0; d < 3; ++d) {
-                const double w = double(options_.hue) * smoothness(k) * m[c][d], residual = w * (r[d].value - r[d].atPresent);
+                const double w = double(options_.hue) * smoothness(k) * m[c][d],
+                             residual = w * (r[d].value - r[d].atPresent);
                 if (w == 0) continue;
                 for (int a = 0; a < 2; ++a) {
-                    for (int b = 0; b < 2; ++b) q(Eigen::Index(c) * n + at[a], Eigen::Index(d) * n + at[b]) += w * r[c].along[a] * r[d].along[b];
+                    for (int b = 0; b < 2; ++b)
+                        q(Eigen::Index(c) * n + at[a], Eigen::Index(d) * n + at[b]) +=
+                            w * r[c].along[a] * r[d].along[b];
                     along[c][d](at[a]) += w * r[d].beta * r[c].along[a];
                     moment(Eigen::Index(c) * n + at[a]) -= residual * r[c].along[a];
                 }
@@ -118,11 +133,14 @@ void LightPrior::addHue(const Eigen::VectorXd* x, Eigen::MatrixXd& q, Eigen::Vec
     for (Eigen::Index c = 0; c < 3; ++c) {
         moment.segment(c * n, leaves) += pull[c] * share_;
         for (Eigen::Index d = 0; d < 3; ++d)
-            q.block(c * n, d * n, leaves, leaves) += square[c][d] * share_ * share_.transpose() - along[c][d] * share_.transpose() - share_ * along[d][c].transpose();
+            q.block(c * n, d * n, leaves, leaves) += square[c][d] * share_ * share_.transpose() -
+                                                     along[c][d] * share_.transpose() -
+                                                     share_ * along[d][c].transpose();
     }
 }
 
-void LightPrior::add(const Eigen::VectorXd& x, int channel, Eigen::MatrixXd& q, Eigen::VectorXd& moment, Eigen::VectorXd& lower) const {
+void LightPrior::add(const Eigen::VectorXd& x, int channel, Eigen::MatrixXd& q, Eigen::VectorXd& moment,
+                     Eigen::VectorXd& lower) const {
     const Eigen::Index leaves = share_.size();
     const double unit = meanOf(x);
     Eigen::VectorXd along = Eigen::VectorXd::Zero(leaves);
@@ -141,7 +159,8 @@ void LightPrior::add(const Eigen::VectorXd& x, int channel, Eigen::MatrixXd& q, 
         pull += residual * r.beta;
     }
     moment.head(leaves) += pull * share_;
-    q.topLeftCorner(leaves, leaves) += square * share_ * share_.transpose() - along * share_.transpose() - share_ * along.transpose();
+    q.topLeftCorner(leaves, leaves) +=
+        square * share_ * share_.transpose() - along * share_.transpose() - share_ * along.transpose();
     for (Eigen::Index i = 0; i < leaves; ++i) {
         const double w = background(size_t(i), channel, unit);
         q(i, i) += w;

@@ -4,12 +4,15 @@
 
 namespace relamp {
 
-LightingStepReport lightingStep(const InfluenceMatrix& influence, const MatteObservations& matte, const std::vector<Rgb>& albedo, const std::vector<Rgb>& litSigma,
-                                const LightPrior& prior, const std::vector<Rgb>& bounce, Lighting& lighting, Progress& progress) {
+LightingStepReport lightingStep(const InfluenceMatrix& influence, const MatteObservations& matte,
+                                const std::vector<Rgb>& albedo, const std::vector<Rgb>& litSigma,
+                                const LightPrior& prior, const std::vector<Rgb>& bounce, Lighting& lighting,
+                                Progress& progress) {
     LightingStepReport report;
     const size_t rows = influence.rows, leaves = lighting.leaves.size(), emitters = lighting.emitterRadiance.size();
     const Eigen::Index n = Eigen::Index(influence.columns);
-    const Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> b(influence.values.data(), Eigen::Index(rows), n);
+    const Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> b(
+        influence.values.data(), Eigen::Index(rows), n);
     constexpr double scale2 = 9;  // Cauchy scale of three standard deviations, squared
     double squares = 0;
     for (int c = 0; c < 3; ++c) {
@@ -21,7 +24,8 @@ LightingStepReport lightingStep(const InfluenceMatrix& influence, const MatteObs
             const double a = albedo[matte.vertices[i]][c], y = matte.radiance[i][c];
             albedoOf(Eigen::Index(i)) = a;
             target[i] = y - (bounce.empty() ? 0.0 : a * double(bounce[i][c]));
-            variance[i] = std::pow(double(matte.sigma[i][c]), 2) + std::pow(a * double(litSigma[i][c]), 2) + std::pow(0.015 * y, 2) + 1e-30;
+            variance[i] = std::pow(double(matte.sigma[i][c]), 2) + std::pow(a * double(litSigma[i][c]), 2) +
+                          std::pow(0.015 * y, 2) + 1e-30;
         }
         const auto residuals = [&](const Eigen::VectorXd& at) -> Eigen::VectorXd {
             Eigen::VectorXd r = (b * at.cast<float>()).cast<double>().cwiseProduct(albedoOf);
@@ -30,7 +34,8 @@ LightingStepReport lightingStep(const InfluenceMatrix& influence, const MatteObs
         };
         const auto objective = [&](const Eigen::VectorXd& r, const Eigen::VectorXd& at) {
             double sum = 0;
-            for (size_t i = 0; i < rows; ++i) sum += scale2 * std::log1p(r(Eigen::Index(i)) * r(Eigen::Index(i)) / variance[i] / scale2);
+            for (size_t i = 0; i < rows; ++i)
+                sum += scale2 * std::log1p(r(Eigen::Index(i)) * r(Eigen::Index(i)) / variance[i] / scale2);
             return sum + prior.value(at, c);
         };
         Eigen::VectorXd r = residuals(x);
@@ -38,11 +43,15 @@ LightingStepReport lightingStep(const InfluenceMatrix& influence, const MatteObs
         std::vector<float> weight(rows);
         Eigen::VectorXf pull{Eigen::Index(rows)};
         for (size_t i = 0; i < rows; ++i) {
-            const double w = 1 / (variance[i] * (1 + r(Eigen::Index(i)) * r(Eigen::Index(i)) / variance[i] / scale2)), a = albedoOf(Eigen::Index(i));
+            const double w = 1 / (variance[i] * (1 + r(Eigen::Index(i)) * r(Eigen::Index(i)) / variance[i] / scale2)),
+                         a = albedoOf(Eigen::Index(i));
             weight[i] = float(w * a * a);
             pull(Eigen::Index(i)) = float(w * a * target[i]);
         }
-        Eigen::MatrixXd q = weightedGram(influence, [&](size_t i, float* out) { Eigen::Map<Eigen::RowVectorXf>(out, n) = weight[i] * b.row(Eigen::Index(i)); }, progress);
+        Eigen::MatrixXd q = weightedGram(
+            influence,
+            [&](size_t i, float* out) { Eigen::Map<Eigen::RowVectorXf>(out, n) = weight[i] * b.row(Eigen::Index(i)); },
+            progress);
         Eigen::VectorXd moment = (b.transpose() * pull).cast<double>(), lower = Eigen::VectorXd::Zero(n);
         prior.add(x, c, q, moment, lower);
         const QpResult solution = solveBoundedQp(q, moment, lower, &x, {&progress});

@@ -10,91 +10,104 @@
 
 namespace relamp {
 
-std::vector<std::vector<Rgb>> lobeResponses(const Scene& scene, const std::vector<EmitterSurface>& emitters, const std::vector<int>& emitterOfTriangle,
-                                            const Lighting& lighting, const std::vector<Lobe>& lobes, const std::vector<GlossyLook>& looks,
+std::vector<std::vector<Rgb>> lobeResponses(const Scene& scene, const std::vector<EmitterSurface>& emitters,
+                                            const std::vector<int>& emitterOfTriangle, const Lighting& lighting,
+                                            const std::vector<Lobe>& lobes, const std::vector<GlossyLook>& looks,
                                             const LobeRowOptions& options, Progress& progress) {
     std::vector<std::vector<Rgb>> responses(lobes.size(), std::vector<Rgb>(looks.size(), Rgb(0)));
     constexpr std::array<float, 4> widths{0.006f, 0.03f, 0.12f, 0.45f};
     const int each = std::max(8, options.lobeSamples / 3);
     progress.begin("Trying lobes", looks.size());
-    parallelFor(looks.size(), 16, [&](size_t at) {
-        struct Arriving {
-            Vec3 direction;   // local
-            Rgb radiance;     // times cosine over density
-        };
-        thread_local std::vector<Arriving> arriving;
-        thread_local std::vector<EmitterSample> samples;
-        thread_local std::vector<float> totals;
-        arriving.clear();
-        const GlossyLook& look = looks[at];
-        const Vec3 normal = scene.mesh.normals[look.vertex], position = scene.mesh.positions[look.vertex];
-        if (glm::dot(normal, look.towardEye) <= 1e-3f) return;
-        const Mat3 frame = frameAround(normal, lighting.leaves.axes());
-        const Vec3 eye = glm::transpose(frame) * look.towardEye, origin = rayOrigin(scene, position, normal);
-        const auto density = [&](const Vec3& light) {
-            float sum = light.z / pi * float(options.cosineSamples);
-            for (const float alpha : widths) sum += float(each) * ggxSampleDensity(light, eye, alpha);
-            return sum;
-        };
-        totals.assign(emitters.size(), 0);
-        const uint32_t rank = scene.rank[look.vertex];
-        for (size_t e = 0; e < emitters.size(); ++e) {
-            totals[e] = sampleEmitter(scene, emitters[e], position, normal, options.emitterSamples, mixBits(options.seed + rank) + e, samples);
-            for (const EmitterSample& s : samples) {
-                const Vec3 light = glm::transpose(frame) * s.direction;
-                if (s.visible == 0 || light.z <= 0) continue;
-                const float area = light.z / (pi * totals[e]) * float(samples.size()), evenness = s.formFactor * float(samples.size()) / totals[e];
-                arriving.push_back({light, lighting.emitterRadiance[e] * (evenness * light.z / (area + density(light)))});
-            }
-        }
-        Ray rays[8];
-        Hit hits[8];
-        Vec3 local[8];
-        size_t pending = 0;
-        const auto flush = [&] {
-            if (!pending) return;
-            scene.tracer->closest8({rays, pending}, {hits, pending});
-            for (size_t i = 0; i < pending; ++i) {
-                const float drawn = density(local[i]);
-                if (!(drawn > 0)) continue;
-                if (!hits[i]) {
-                    const float shape = options.shape ? (*options.shape)[size_t(options.shapeGrid.cellOf(rays[i].direction))] : 1.0f;
-                    arriving.push_back({local[i], lighting.leafRadiance[lighting.leaves.leafOf(rays[i].direction)] * (shape * local[i].z / drawn)});
-                    continue;
+    parallelFor(
+        looks.size(), 16,
+        [&](size_t at) {
+            struct Arriving {
+                Vec3 direction;  // local
+                Rgb radiance;    // times cosine over density
+            };
+            thread_local std::vector<Arriving> arriving;
+            thread_local std::vector<EmitterSample> samples;
+            thread_local std::vector<float> totals;
+            arriving.clear();
+            const GlossyLook& look = looks[at];
+            const Vec3 normal = scene.mesh.normals[look.vertex], position = scene.mesh.positions[look.vertex];
+            if (glm::dot(normal, look.towardEye) <= 1e-3f) return;
+            const Mat3 frame = frameAround(normal, lighting.leaves.axes());
+            const Vec3 eye = glm::transpose(frame) * look.towardEye, origin = rayOrigin(scene, position, normal);
+            const auto density = [&](const Vec3& light) {
+                float sum = light.z / pi * float(options.cosineSamples);
+                for (const float alpha : widths) sum += float(each) * ggxSampleDensity(light, eye, alpha);
+                return sum;
+            };
+            totals.assign(emitters.size(), 0);
+            const uint32_t rank = scene.rank[look.vertex];
+            for (size_t e = 0; e < emitters.size(); ++e) {
+                totals[e] = sampleEmitter(scene, emitters[e], position, normal, options.emitterSamples,
+                                          mixBits(options.seed + rank) + e, samples);
+                for (const EmitterSample& s : samples) {
+                    const Vec3 light = glm::transpose(frame) * s.direction;
+                    if (s.visible == 0 || light.z <= 0) continue;
+                    const float area = light.z / (pi * totals[e]) * float(samples.size()),
+                                evenness = s.formFactor * float(samples.size()) / totals[e];
+                    arriving.push_back(
+                        {light, lighting.emitterRadiance[e] * (evenness * light.z / (area + density(light)))});
                 }
-                const int e = emitterOfTriangle.empty() ? -1 : emitterOfTriangle[hits[i].triangle];
-                if (e < 0 && options.sent && glm::dot(scene.mesh.faceNormal(hits[i].triangle), rays[i].direction) < 0)
-                    arriving.push_back({local[i], sentAt(scene, hits[i], *options.sent) * (local[i].z / drawn)});
-                if (e < 0 || !(totals[size_t(e)] > 0)) continue;
-                if (!emitters[size_t(e)].twoSided && glm::dot(scene.mesh.faceNormal(hits[i].triangle), rays[i].direction) >= 0) continue;
-                const float area = local[i].z / (pi * totals[size_t(e)]) * float(options.emitterSamples);
-                arriving.push_back({local[i], lighting.emitterRadiance[size_t(e)] * (local[i].z / (area + drawn))});
             }
-            pending = 0;
-        };
-        const auto shoot = [&](const Vec3& light) {
-            if (light.z <= 0) return;
-            local[pending] = light;
-            rays[pending++] = {origin, frame * light, 0, 1e30f};
-            if (pending == 8) flush();
-        };
-        for (size_t w = 0; w < widths.size(); ++w) {
-            const Vec2 shift = randomShift(options.seed, rank, 11 + w);
-            for (int i = 0; i < each; ++i) shoot(sampleGgx(eye, widths[w], r2Point(uint32_t(i), shift)));
-        }
-        const Vec2 shift = randomShift(options.seed, rank, 8);
-        for (int i = 0; i < options.cosineSamples; ++i) {
-            const Vec2 u = r2Point(uint32_t(i), shift);
-            const float radius = std::sqrt(u.x), angle = 2 * pi * u.y;
-            shoot({radius * std::cos(angle), radius * std::sin(angle), std::sqrt(std::max(0.0f, 1 - u.x))});
-        }
-        flush();
-        for (size_t k = 1; k < lobes.size(); ++k) {
-            Rgb sum(0);
-            for (const Arriving& a : arriving) sum += evaluateLobe(lobes[k], a.direction, eye) * a.radiance;
-            responses[k][at] = sum;
-        }
-    }, &progress);
+            Ray rays[8];
+            Hit hits[8];
+            Vec3 local[8];
+            size_t pending = 0;
+            const auto flush = [&] {
+                if (!pending) return;
+                scene.tracer->closest8({rays, pending}, {hits, pending});
+                for (size_t i = 0; i < pending; ++i) {
+                    const float drawn = density(local[i]);
+                    if (!(drawn > 0)) continue;
+                    if (!hits[i]) {
+                        const float shape = options.shape
+                                                ? (*options.shape)[size_t(options.shapeGrid.cellOf(rays[i].direction))]
+                                                : 1.0f;
+                        arriving.push_back({local[i], lighting.leafRadiance[lighting.leaves.leafOf(rays[i].direction)] *
+                                                          (shape * local[i].z / drawn)});
+                        continue;
+                    }
+                    const int e = emitterOfTriangle.empty() ? -1 : emitterOfTriangle[hits[i].triangle];
+                    if (e < 0 && options.sent &&
+                        glm::dot(scene.mesh.faceNormal(hits[i].triangle), rays[i].direction) < 0)
+                        arriving.push_back({local[i], sentAt(scene, hits[i], *options.sent) * (local[i].z / drawn)});
+                    if (e < 0 || !(totals[size_t(e)] > 0)) continue;
+                    if (!emitters[size_t(e)].twoSided &&
+                        glm::dot(scene.mesh.faceNormal(hits[i].triangle), rays[i].direction) >= 0)
+                        continue;
+                    const float area = local[i].z / (pi * totals[size_t(e)]) * float(options.emitterSamples);
+                    arriving.push_back({local[i], lighting.emitterRadiance[size_t(e)] * (local[i].z / (area + drawn))});
+                }
+                pending = 0;
+            };
+            const auto shoot = [&](const Vec3& light) {
+                if (light.z <= 0) return;
+                local[pending] = light;
+                rays[pending++] = {origin, frame * light, 0, 1e30f};
+                if (pending == 8) flush();
+            };
+            for (size_t w = 0; w < widths.size(); ++w) {
+                const Vec2 shift = randomShift(options.seed, rank, 11 + w);
+                for (int i = 0; i < each; ++i) shoot(sampleGgx(eye, widths[w], r2Point(uint32_t(i), shift)));
+            }
+            const Vec2 shift = randomShift(options.seed, rank, 8);
+            for (int i = 0; i < options.cosineSamples; ++i) {
+                const Vec2 u = r2Point(uint32_t(i), shift);
+                const float radius = std::sqrt(u.x), angle = 2 * pi * u.y;
+                shoot({radius * std::cos(angle), radius * std::sin(angle), std::sqrt(std::max(0.0f, 1 - u.x))});
+            }
+            flush();
+            for (size_t k = 1; k < lobes.size(); ++k) {
+                Rgb sum(0);
+                for (const Arriving& a : arriving) sum += evaluateLobe(lobes[k], a.direction, eye) * a.radiance;
+                responses[k][at] = sum;
+            }
+        },
+        &progress);
     return responses;
 }
 
@@ -119,8 +132,8 @@ struct Equations {
 
 }  // namespace
 
-std::vector<LobeChoice> chooseLobes(const std::vector<Lobe>& lobes, const std::vector<std::vector<Rgb>>& responses, const std::vector<GlossyLook>& looks,
-                                    bool withLambert, size_t mostLobes) {
+std::vector<LobeChoice> chooseLobes(const std::vector<Lobe>& lobes, const std::vector<std::vector<Rgb>>& responses,
+                                    const std::vector<GlossyLook>& looks, bool withLambert, size_t mostLobes) {
     const size_t n = lobes.size(), count = looks.size();
     std::vector<size_t> starts;
     for (size_t i = 0; i < count; ++i)
@@ -139,7 +152,9 @@ std::vector<LobeChoice> chooseLobes(const std::vector<Lobe>& lobes, const std::v
             for (size_t g = 0; g + 1 < starts.size(); ++g) {
                 std::fill(mean.begin(), mean.end(), 0.0);
                 double meanY = 0, weight = 0;
-                const auto weightOf = [&](size_t i) { return double(robust[i]) / (double(looks[i].sigma) * double(looks[i].sigma)); };
+                const auto weightOf = [&](size_t i) {
+                    return double(robust[i]) / (double(looks[i].sigma) * double(looks[i].sigma));
+                };
                 if (withLambert) {
                     for (size_t i = starts[g]; i < starts[g + 1]; ++i) {
                         const double w = weightOf(i);
@@ -174,12 +189,14 @@ std::vector<LobeChoice> chooseLobes(const std::vector<Lobe>& lobes, const std::v
                 std::vector<size_t> tried = allowed;
                 tried.push_back(k);
                 error[k] = 0;
-                for (const Equations& q : channels) error[k] += q.objective(nonNegativeLeastSquares(q.gram, q.moment, tried));
+                for (const Equations& q : channels)
+                    error[k] += q.objective(nonNegativeLeastSquares(q.gram, q.moment, tried));
             });
             allowed.push_back(size_t(std::min_element(error.begin(), error.end()) - error.begin()));
             Lobe mixture{Lobe::Kind::mixture, 1, ""};
             float largest = 0;
-            for (size_t c = 0; c < 3; ++c) weights[c] = nonNegativeLeastSquares(channels[c].gram, channels[c].moment, allowed);
+            for (size_t c = 0; c < 3; ++c)
+                weights[c] = nonNegativeLeastSquares(channels[c].gram, channels[c].moment, allowed);
             for (const size_t k : allowed) {
                 const float share = float(weights[0][k] + weights[1][k] + weights[2][k]);
                 if (!(share > 0)) continue;

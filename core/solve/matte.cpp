@@ -15,7 +15,9 @@ float medianOf(std::vector<float>& v, double q = 0.5) {
 }  // namespace
 
 MatteValue robustMatteValue(std::vector<MatteLook>& looks, float quantile) {
-    std::sort(looks.begin(), looks.end(), [](const MatteLook& a, const MatteLook& b) { return a.radiance != b.radiance ? a.radiance < b.radiance : a.weight < b.weight; });
+    std::sort(looks.begin(), looks.end(), [](const MatteLook& a, const MatteLook& b) {
+        return a.radiance != b.radiance ? a.radiance < b.radiance : a.weight < b.weight;
+    });
     float total = 0, best = 0, run = 0;
     for (const MatteLook& l : looks) {
         total += l.weight;
@@ -44,7 +46,8 @@ MatteValue robustMatteValue(std::vector<MatteLook>& looks, float quantile) {
     return value;
 }
 
-MatteObservations matteObservations(const Scene& scene, const RadianceSamples& samples, const std::vector<uint8_t>& skip, const std::vector<uint8_t>* pieceGlossy) {
+MatteObservations matteObservations(const Scene& scene, const RadianceSamples& samples,
+                                    const std::vector<uint8_t>& skip, const std::vector<uint8_t>* pieceGlossy) {
     MatteObservations result;
     const size_t n = scene.mesh.vertexCount();
     // How much each piece's look changes with the view, beyond noise: the spread of the better look-ups.
@@ -63,7 +66,8 @@ MatteObservations matteObservations(const Scene& scene, const RadianceSamples& s
             ++count;
         }
         if (count < 2 || !(sum > 0)) continue;
-        const float mean = sum / weight, variance = std::max(0.0f, sum2 / weight - mean * mean) * float(count) / float(count - 1);
+        const float mean = sum / weight,
+                    variance = std::max(0.0f, sum2 / weight - mean * mean) * float(count) / float(count - 1);
         if (mean < 4 * samples.noiseFloor) continue;
         const float noise = samples.sigma(mean) / mean;
         spreads[scene.piece[v]].push_back(std::sqrt(std::max(0.0f, variance / (mean * mean) - noise * noise)));

@@ -7,11 +7,12 @@ namespace relamp {
 
 /// One matte observation per usable vertex: lists of equal length.
 struct MatteObservations {
-    std::vector<uint32_t> vertices;   ///< ascending
-    std::vector<Rgb> radiance;        ///< robust mean over views (lower quantile where the surface is glossy)
-    std::vector<Rgb> sigma;           ///< its standard deviation
-    std::vector<float> viewSpread;    ///< per mesh piece: median relative spread between views, 0 with one view
-    std::vector<uint8_t> pieceGlossy; ///< per mesh piece: 0 matte, 1 glazed (matte under gloss), 2 no matte signal (metal)
+    std::vector<uint32_t> vertices;  ///< ascending
+    std::vector<Rgb> radiance;       ///< robust mean over views (lower quantile where the surface is glossy)
+    std::vector<Rgb> sigma;          ///< its standard deviation
+    std::vector<float> viewSpread;   ///< per mesh piece: median relative spread between views, 0 with one view
+    std::vector<uint8_t>
+        pieceGlossy;  ///< per mesh piece: 0 matte, 1 glazed (matte under gloss), 2 no matte signal (metal)
 };
 
 /// One look at a vertex in one channel.
@@ -21,14 +22,18 @@ struct MatteLook {
 struct MatteValue {
     float radiance = 0, sigma = 0;
 };
-/// Mean of the looks about their weighted quantile, within three deviations or 6 % of it. Sorts `looks`, which must not be empty. O(n log n).
+/// Mean of the looks about their weighted quantile, within three deviations or 6 % of it. Sorts `looks`, which must not
+/// be empty. O(n log n).
 MatteValue robustMatteValue(std::vector<MatteLook>& looks, float quantile);
 
-/// `skip[v]` non-zero leaves vertex v out (emitters). `pieceGlossy`, if not null, is taken for MatteObservations::pieceGlossy instead of what the
-/// differences between views suggest.
-MatteObservations matteObservations(const Scene& scene, const RadianceSamples& samples, const std::vector<uint8_t>& skip, const std::vector<uint8_t>* pieceGlossy = nullptr);
+/// `skip[v]` non-zero leaves vertex v out (emitters). `pieceGlossy`, if not null, is taken for
+/// MatteObservations::pieceGlossy instead of what the differences between views suggest.
+MatteObservations matteObservations(const Scene& scene, const RadianceSamples& samples,
+                                    const std::vector<uint8_t>& skip,
+                                    const std::vector<uint8_t>* pieceGlossy = nullptr);
 
-/// Is the background black? Its brightest seen cell over the middle brightness of the surfaces; -1 where less than a hundredth of it is seen.
+/// Is the background black? Its brightest seen cell over the middle brightness of the surfaces; -1 where less than a
+/// hundredth of it is seen.
 double backgroundOverSurfaces(const RadianceSamples& samples, const MatteObservations& matte);
 
 /// Observations on each mesh piece.

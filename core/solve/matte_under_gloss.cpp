@@ -4,49 +4,56 @@
 
 namespace relamp {
 
-void matteUnderGloss(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const std::vector<EmitterSurface>& emitters,
-                     const std::vector<int>& emitterOfTriangle, const Lighting& lighting, const PieceGloss& gloss,
-                     const MatteUnderGlossOptions& options, MatteObservations& matte, Progress& progress) {
+void matteUnderGloss(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
+                     const std::vector<EmitterSurface>& emitters, const std::vector<int>& emitterOfTriangle,
+                     const Lighting& lighting, const PieceGloss& gloss, const MatteUnderGlossOptions& options,
+                     MatteObservations& matte, Progress& progress) {
     std::vector<size_t> here;
     for (size_t i = 0; i < matte.vertices.size(); ++i)
         if (scene.piece[matte.vertices[i]] == gloss.piece) here.push_back(i);
     progress.begin("Matte under gloss", here.size());
-    parallelFor(here.size(), 16, [&](size_t k) {
-        const uint32_t v = matte.vertices[here[k]];
-        std::vector<float> row(lighting.leaves.size() + emitters.size());
-        std::vector<Rgb> coat;
-        std::vector<uint32_t> usable;
-        float best = 0;
-        for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s)
-            if (!samples.samples[s].clipped) best = std::max(best, samples.samples[s].weight);
-        for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
-            const RadianceSample& r = samples.samples[s];
-            if (r.clipped || r.weight < 0.2f * best) continue;
-            const Vec3 towardEye = glm::normalize(Vec3(capture.views[r.view].camera.position()) - scene.mesh.positions[v]);
-            Rgb reflected(0);
-            glossyInfluence(scene, emitters, emitterOfTriangle, lighting.leaves, *gloss.lobe, v, towardEye, options.rows, row.data(), &reflected);
-            coat.push_back(gloss.weight * (lightOfRow(row.data(), lighting) + reflected));
-            usable.push_back(s);
-        }
-        Rgb value(0), sigma(0);
-        std::vector<MatteLook> looks(usable.size());
-        for (int c = 0; c < 3; ++c) {
-            float mean = 0, total = 0;
-            for (size_t i = 0; i < usable.size(); ++i) {
-                const RadianceSample& r = samples.samples[usable[i]];
-                const float y = r.radiance[c], noise = samples.sigma(y) + 1e-20f, doubt = options.doubt * coat[i][c] / noise;
-                looks[i] = {y - coat[i][c], r.weight / (1 + doubt * doubt), noise};
-                mean += looks[i].weight * coat[i][c];
-                total += looks[i].weight;
+    parallelFor(
+        here.size(), 16,
+        [&](size_t k) {
+            const uint32_t v = matte.vertices[here[k]];
+            std::vector<float> row(lighting.leaves.size() + emitters.size());
+            std::vector<Rgb> coat;
+            std::vector<uint32_t> usable;
+            float best = 0;
+            for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s)
+                if (!samples.samples[s].clipped) best = std::max(best, samples.samples[s].weight);
+            for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
+                const RadianceSample& r = samples.samples[s];
+                if (r.clipped || r.weight < 0.2f * best) continue;
+                const Vec3 towardEye =
+                    glm::normalize(Vec3(capture.views[r.view].camera.position()) - scene.mesh.positions[v]);
+                Rgb reflected(0);
+                glossyInfluence(scene, emitters, emitterOfTriangle, lighting.leaves, *gloss.lobe, v, towardEye,
+                                options.rows, row.data(), &reflected);
+                coat.push_back(gloss.weight * (lightOfRow(row.data(), lighting) + reflected));
+                usable.push_back(s);
             }
-            const MatteValue matteValue = robustMatteValue(looks, 0.5f);
-            if (!(matteValue.radiance > 0.05f * matte.radiance[here[k]][c])) return;
-            value[c] = matteValue.radiance;
-            sigma[c] = std::hypot(matteValue.sigma, 0.03f * value[c], options.doubt * mean / total);
-        }
-        matte.radiance[here[k]] = value;
-        matte.sigma[here[k]] = sigma;
-    }, &progress);
+            Rgb value(0), sigma(0);
+            std::vector<MatteLook> looks(usable.size());
+            for (int c = 0; c < 3; ++c) {
+                float mean = 0, total = 0;
+                for (size_t i = 0; i < usable.size(); ++i) {
+                    const RadianceSample& r = samples.samples[usable[i]];
+                    const float y = r.radiance[c], noise = samples.sigma(y) + 1e-20f,
+                                doubt = options.doubt * coat[i][c] / noise;
+                    looks[i] = {y - coat[i][c], r.weight / (1 + doubt * doubt), noise};
+                    mean += looks[i].weight * coat[i][c];
+                    total += looks[i].weight;
+                }
+                const MatteValue matteValue = robustMatteValue(looks, 0.5f);
+                if (!(matteValue.radiance > 0.05f * matte.radiance[here[k]][c])) return;
+                value[c] = matteValue.radiance;
+                sigma[c] = std::hypot(matteValue.sigma, 0.03f * value[c], options.doubt * mean / total);
+            }
+            matte.radiance[here[k]] = value;
+            matte.sigma[here[k]] = sigma;
+        },
+        &progress);
 }
 
 }  // namespace relamp

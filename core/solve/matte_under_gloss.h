@@ -9,11 +9,13 @@ struct MatteUnderGlossOptions {
     LobeRowOptions rows;
 };
 
-/// Replaces radiance and sigma of the observations on `gloss.piece` by those of the looks less the coat's part, gloss.weight x (lobe . light). What
-/// the lowest looks hold of the coat is else taken for albedo: 0.04 of a bright room is much on a dark colour. Observations of which
-/// nothing is left (median below a twentieth of what was seen) stay as they are. Cost: one lobe row a look.
-void matteUnderGloss(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const std::vector<EmitterSurface>& emitters,
-                     const std::vector<int>& emitterOfTriangle, const Lighting& lighting, const PieceGloss& gloss,
-                     const MatteUnderGlossOptions& options, MatteObservations& matte, Progress& progress);
+/// Replaces radiance and sigma of the observations on `gloss.piece` by those of the looks less the coat's part,
+/// gloss.weight x (lobe . light). What the lowest looks hold of the coat is else taken for albedo: 0.04 of a bright
+/// room is much on a dark colour. Observations of which nothing is left (median below a twentieth of what was seen)
+/// stay as they are. Cost: one lobe row a look.
+void matteUnderGloss(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
+                     const std::vector<EmitterSurface>& emitters, const std::vector<int>& emitterOfTriangle,
+                     const Lighting& lighting, const PieceGloss& gloss, const MatteUnderGlossOptions& options,
+                     MatteObservations& matte, Progress& progress);
 
 }  // namespace relamp

@@ -10,8 +10,9 @@ namespace relamp {
 namespace {
 
 constexpr float leastShare = 0.005f;
-/// Patterns of texture are larger than a pair, so errors of brightness go together from pair to pair, and a pair tells less of it than its variance
-/// says; errors of hue are mostly noise and do not. Measured on captures with truth: 4 to 10 is best for the scale and hue of all of them.
+/// Patterns of texture are larger than a pair, so errors of brightness go together from pair to pair, and a pair tells
+/// less of it than its variance says; errors of hue are mostly noise and do not. Measured on captures with truth: 4 to
+/// 10 is best for the scale and hue of all of them.
 constexpr double togetherness = 4;
 constexpr size_t leastPairs = 64;
 
@@ -26,7 +27,8 @@ float medianOf(std::vector<float>& v) {
 ChromaShare chromaShare(const std::vector<Rgb>& residual, const std::vector<PairVariance>& variance) {
     ChromaShare share;
     if (residual.size() < 8 * leastPairs) return share;
-    // Twice the variance of a channel's own error is that of the difference of two; a median of squares is 0.455 of their mean.
+    // Twice the variance of a channel's own error is that of the difference of two; a median of squares is 0.455 of
+    // their mean.
     struct Entry {
         float noise, model, square;
     };
@@ -45,7 +47,8 @@ ChromaShare chromaShare(const std::vector<Rgb>& residual, const std::vector<Pair
     for (size_t width = bins; width > 1; width /= 2)
         parallelFor(bins / width, 1, [&](size_t part) {
             const size_t from = part * width;
-            std::nth_element(edge(from), edge(from + width / 2), edge(from + width), [](const Entry& a, const Entry& b) { return a.noise < b.noise; });
+            std::nth_element(edge(from), edge(from + width / 2), edge(from + width),
+                             [](const Entry& a, const Entry& b) { return a.noise < b.noise; });
         });
     std::array<float, bins> noise{};
     parallelFor(bins, 1, [&](size_t bin) {
@@ -55,7 +58,9 @@ ChromaShare chromaShare(const std::vector<Rgb>& residual, const std::vector<Pair
     });
     share.noise = std::clamp(*std::min_element(noise.begin(), noise.end()), leastShare, 1.0f);
     std::vector<float> model(entries.size());
-    parallelFor(entries.size(), 8192, [&](size_t i) { model[i] = std::max(0.0f, entries[i].square - share.noise * entries[i].noise) / entries[i].model; });
+    parallelFor(entries.size(), 8192, [&](size_t i) {
+        model[i] = std::max(0.0f, entries[i].square - share.noise * entries[i].noise) / entries[i].model;
+    });
     share.model = std::clamp(medianOf(model), leastShare, 1.0f);
     return share;
 }
@@ -65,7 +70,10 @@ PairPrecision pairPrecision(const PairVariance& variance, const ChromaShare& sha
     double inverse[3], d[3], norm = 1;
     for (int c = 0; c < 3; ++c) {
         const double all = double(variance.noise[c]) + variance.model[c];
-        const double own = share.apart() ? all : (double(share.noise) * variance.noise[c] + double(share.model) * variance.model[c]) / togetherness;
+        const double own =
+            share.apart()
+                ? all
+                : (double(share.noise) * variance.noise[c] + double(share.model) * variance.model[c]) / togetherness;
         const double common = (all - own) / 3;
         inverse[c] = 1 / own;
         d[c] = std::sqrt(common) * inverse[c];

@@ -1,5 +1,5 @@
-// How exactly the three channels of a pair's ratio are known, and how far they err together: texture is mostly brighter and darker, rarely of another
-// hue, so differences between the channels are known much better than any channel.
+// How exactly the three channels of a pair's ratio are known, and how far they err together: texture is mostly brighter
+// and darker, rarely of another hue, so differences between the channels are known much better than any channel.
 #pragma once
 #include <vector>
 
@@ -28,17 +28,18 @@ struct PairPrecision {
     }
     /// r' P r
     double square(const double* r) const {
-        return xx * r[0] * r[0] + yy * r[1] * r[1] + zz * r[2] * r[2] + 2 * (xy * r[0] * r[1] + xz * r[0] * r[2] + yz * r[1] * r[2]);
+        return xx * r[0] * r[0] + yy * r[1] * r[1] + zz * r[2] * r[2] +
+               2 * (xy * r[0] * r[1] + xz * r[0] * r[2] + yz * r[1] * r[2]);
     }
 };
 
-/// From the residuals under the present light: robust medians of the differences between channels against the variances given. Within
-/// [0.005, 1]; 1 where there is little to go by. Cost O(pairs log pairs).
+/// From the residuals under the present light: robust medians of the differences between channels against the variances
+/// given. Within [0.005, 1]; 1 where there is little to go by. Cost O(pairs log pairs).
 ChromaShare chromaShare(const std::vector<Rgb>& residual, const std::vector<PairVariance>& variance);
 
-/// Channels err on their own with a quarter of the shares' part of the variance (all of it where the shares are 1), and with the rest together. The
-/// quarter: see the source. The common error counts once for each channel, as if they were independent, so that the brightness of a pair keeps its
-/// weight whatever the shares are.
+/// Channels err on their own with a quarter of the shares' part of the variance (all of it where the shares are 1), and
+/// with the rest together. The quarter: see the source. The common error counts once for each channel, as if they were
+/// independent, so that the brightness of a pair keeps its weight whatever the shares are.
 PairPrecision pairPrecision(const PairVariance& variance, const ChromaShare& share);
 
 }  // namespace relamp

@@ -29,7 +29,8 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
     // Walks choose among neighbours in an order that does not know the file's.
     std::vector<uint32_t> ways = graph.to;
     parallelFor(scene.mesh.vertexCount(), 1024, [&](size_t v) {
-        std::sort(ways.begin() + graph.start[v], ways.begin() + graph.start[v + 1], [&](uint32_t a, uint32_t b) { return scene.rank[a] < scene.rank[b]; });
+        std::sort(ways.begin() + graph.start[v], ways.begin() + graph.start[v + 1],
+                  [&](uint32_t a, uint32_t b) { return scene.rank[a] < scene.rank[b]; });
     });
     append([&](uint32_t i, std::vector<AlbedoPair>& out) {
         const uint32_t v = matte.vertices[i];
@@ -55,7 +56,9 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
     for (uint32_t i = 0; i < matte.vertices.size(); ++i)
         if (place[matte.vertices[i]] != none) ofPiece[scene.piece[matte.vertices[i]]].push_back(i);
     for (std::vector<uint32_t>& list : ofPiece)
-        std::sort(list.begin(), list.end(), [&](uint32_t a, uint32_t b) { return scene.rank[matte.vertices[a]] < scene.rank[matte.vertices[b]]; });
+        std::sort(list.begin(), list.end(), [&](uint32_t a, uint32_t b) {
+            return scene.rank[matte.vertices[a]] < scene.rank[matte.vertices[b]];
+        });
     append([&](uint32_t i, std::vector<AlbedoPair>& out) {
         constexpr int tries = 12;
         const uint32_t v = matte.vertices[i];
@@ -64,7 +67,8 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
         for (int k = 0, kept = 0; k < tries && kept < options.longPairs; ++k) {
             bits = mixBits(bits);
             const uint32_t j = list[bits % list.size()];
-            if (j == i || glm::dot(scene.mesh.normals[matte.vertices[j]], scene.mesh.normals[v]) < options.longCosine) continue;
+            if (j == i || glm::dot(scene.mesh.normals[matte.vertices[j]], scene.mesh.normals[v]) < options.longCosine)
+                continue;
             out.push_back({i, j, options.longWeight});
             ++kept;
         }
@@ -76,7 +80,8 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
     if (!(reach > 0)) return pairs;
     const auto keyOf = [&](const Vec3& p, int dx, int dy, int dz) {
         const auto cell = [&](float x) { return int64_t(std::floor(x / reach)); };
-        return mixBits(mixBits(mixBits(uint64_t(cell(p.x) + dx)) ^ uint64_t(cell(p.y) + dy)) ^ uint64_t(cell(p.z) + dz));
+        return mixBits(mixBits(mixBits(uint64_t(cell(p.x) + dx)) ^ uint64_t(cell(p.y) + dy)) ^
+                       uint64_t(cell(p.z) + dz));
     };
     // Most buckets are smooth: those whose normals all lie near the asking one hold no corner.
     struct Bucket {
@@ -95,12 +100,14 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
     for (auto& [key, bucket] : buckets) {
         const float length = glm::length(bucket.axis);
         bucket.axis = length > 0 ? bucket.axis / length : Vec3(0, 0, 1);
-        for (const uint32_t i : bucket.observations) bucket.spread = std::max(bucket.spread, angle(bucket.axis, scene.mesh.normals[matte.vertices[i]]));
+        for (const uint32_t i : bucket.observations)
+            bucket.spread = std::max(bucket.spread, angle(bucket.axis, scene.mesh.normals[matte.vertices[i]]));
     }
     const float corner = std::acos(options.cornerCosine) - 1e-3f;
     append([&](uint32_t i, std::vector<AlbedoPair>& out) {
         const uint32_t v = matte.vertices[i];
-        thread_local std::vector<std::pair<float, uint32_t>> near;  // squared distance and observation of those within reach
+        thread_local std::vector<std::pair<float, uint32_t>>
+            near;  // squared distance and observation of those within reach
         const Vec3 p = scene.mesh.positions[v], normal = scene.mesh.normals[v];
         near.clear();
         for (int k = 0; k < 27; ++k) {
@@ -108,22 +115,26 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
             if (at == buckets.end() || angle(normal, at->second.axis) + at->second.spread < corner) continue;
             for (uint32_t j : at->second.observations) {
                 const uint32_t u = matte.vertices[j];
-                if (scene.piece[u] != scene.piece[v] || glm::dot(scene.mesh.normals[u], normal) > options.cornerCosine) continue;
+                if (scene.piece[u] != scene.piece[v] || glm::dot(scene.mesh.normals[u], normal) > options.cornerCosine)
+                    continue;
                 const Vec3 d = scene.mesh.positions[u] - p;
                 if (const float d2 = glm::dot(d, d); d2 < reach * reach) near.emplace_back(d2, j);
             }
         }
-        // The two nearest such partners. Regular meshes hold many that are equally near, and rounding must not choose among them.
+        // The two nearest such partners. Regular meshes hold many that are equally near, and rounding must not choose
+        // among them.
         constexpr size_t few = 16;
         const auto sorted = near.begin() + ptrdiff_t(std::min(few, near.size()));
         std::partial_sort(near.begin(), sorted, near.end());
-        if (sorted != near.end() && !(near[few - 1].first > near[1].first * (1 + 1e-4f))) std::sort(near.begin(), near.end());
+        if (sorted != near.end() && !(near[few - 1].first > near[1].first * (1 + 1e-4f)))
+            std::sort(near.begin(), near.end());
         for (size_t kept = 0; kept < 2 && kept < near.size(); ++kept) {
             size_t last = kept + 1;
             while (last < near.size() && near[last].first <= near[kept].first * (1 + 1e-4f)) ++last;
-            const auto chosen = std::min_element(near.begin() + ptrdiff_t(kept), near.begin() + ptrdiff_t(last), [&](const auto& a, const auto& b) {
-                return scene.rank[matte.vertices[a.second]] < scene.rank[matte.vertices[b.second]];
-            });
+            const auto chosen = std::min_element(
+                near.begin() + ptrdiff_t(kept), near.begin() + ptrdiff_t(last), [&](const auto& a, const auto& b) {
+                    return scene.rank[matte.vertices[a.second]] < scene.rank[matte.vertices[b.second]];
+                });
             std::iter_swap(near.begin() + ptrdiff_t(kept), chosen);
             out.push_back({i, near[kept].second, options.cornerWeight});
         }
@@ -131,7 +142,8 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
     return pairs;
 }
 
-RatioObservations ratioObservations(const Scene& scene, const RadianceSamples& samples, std::vector<uint8_t> skip, uint64_t seed, bool noMetals) {
+RatioObservations ratioObservations(const Scene& scene, const RadianceSamples& samples, std::vector<uint8_t> skip,
+                                    uint64_t seed, bool noMetals) {
     RatioObservations result;
     result.matte = matteObservations(scene, samples, skip);
     if (noMetals && std::count(result.matte.pieceGlossy.begin(), result.matte.pieceGlossy.end(), 2)) {

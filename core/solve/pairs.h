@@ -16,23 +16,26 @@ struct PairOptions {
     float cornerCosine = 0.906f;  ///< normals more than 25 degrees apart
     int longPairs = 2;            ///< a vertex, on average twice as many
     float longWeight = 0.5f;
-    float longCosine = 0.7f;      ///< normals less than 45 degrees apart
+    float longCosine = 0.7f;  ///< normals less than 45 degrees apart
 };
 
-/// Square of a pair's relative difference, bent (Cauchy, 0.05) so that pairs across a real edge of albedo do not rule a mean.
+/// Square of a pair's relative difference, bent (Cauchy, 0.05) so that pairs across a real edge of albedo do not rule a
+/// mean.
 inline double robustStep(double difference) {
     constexpr double bend = 0.05 * 0.05;
     return bend * std::log1p(difference * difference / bend);
 }
 
-/// Mesh edges, the ends of short random walks on the mesh, corner pairs (near in space, differently oriented: decisive where
-/// faces are planar), and long pairs (anywhere on the same piece, facing alike). Errors of the model are as large over a metre as over a millimetre, while a lamp's light changes
-/// much over a metre: short pairs alone take errors for a lack of contrast and make ambient light too strong (attenuation, as in any regression with errors in its rows).
+/// Mesh edges, the ends of short random walks on the mesh, corner pairs (near in space, differently oriented: decisive
+/// where faces are planar), and long pairs (anywhere on the same piece, facing alike). Errors of the model are as large
+/// over a metre as over a millimetre, while a lamp's light changes much over a metre: short pairs alone take errors for
+/// a lack of contrast and make ambient light too strong (attenuation, as in any regression with errors in its rows).
 /// Where long pairs span two materials the robust loss lets them go. Vertices of metal pieces take no part.
 std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations& matte, const PairOptions& options);
 
-/// What ratios of radiance are taken from. `skip`: per vertex 1 where an emitter or a candidate lies. `noMetals`: no piece is a metal, however much it differs
-/// between the views; what it looks like is the median of the views, as on a matte surface.
+/// What ratios of radiance are taken from. `skip`: per vertex 1 where an emitter or a candidate lies. `noMetals`: no
+/// piece is a metal, however much it differs between the views; what it looks like is the median of the views, as on a
+/// matte surface.
 struct RatioObservations {
     std::vector<uint8_t> skip;
     uint64_t seed = 0;
@@ -40,6 +43,7 @@ struct RatioObservations {
     MatteObservations matte;
     std::vector<AlbedoPair> pairs;
 };
-RatioObservations ratioObservations(const Scene& scene, const RadianceSamples& samples, std::vector<uint8_t> skip, uint64_t seed, bool noMetals = false);
+RatioObservations ratioObservations(const Scene& scene, const RadianceSamples& samples, std::vector<uint8_t> skip,
+                                    uint64_t seed, bool noMetals = false);
 
 }  // namespace relamp

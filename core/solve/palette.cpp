@@ -67,7 +67,8 @@ Palette findPalette(const std::vector<Rgb>& albedo, const std::vector<float>& we
         std::vector<double> gathered(candidates.size(), 0);
         parallelFor(candidates.size(), 4, [&](size_t c) {
             for (size_t i = 0; i < points.size(); ++i)
-                if (far[i] > reach * reach && squareOf(points[i] - points[candidates[c]]) < reach * reach) gathered[c] += double(weight[used[i]]);
+                if (far[i] > reach * reach && squareOf(points[i] - points[candidates[c]]) < reach * reach)
+                    gathered[c] += double(weight[used[i]]);
         });
         const auto best = std::max_element(gathered.begin(), gathered.end());
         if (best == gathered.end() || *best < 1e-3 * total) break;
@@ -92,8 +93,9 @@ Palette findPalette(const std::vector<Rgb>& albedo, const std::vector<float>& we
     return palette;
 }
 
-AlbedoResult solveAlbedoWithPalette(const Scene& scene, const MatteObservations& matte, const std::vector<Rgb>& lit, const std::vector<Rgb>& litSigma, const AlbedoPrior& prior,
-                                    size_t count, AlbedoResult first, Palette& palette, Progress& progress) {
+AlbedoResult solveAlbedoWithPalette(const Scene& scene, const MatteObservations& matte, const std::vector<Rgb>& lit,
+                                    const std::vector<Rgb>& litSigma, const AlbedoPrior& prior, size_t count,
+                                    AlbedoResult first, Palette& palette, Progress& progress) {
     for (int round = 0; round < 3; ++round) {
         palette = findPalette(first.albedo, first.confidence, count);
         AlbedoPrior drawn = prior;

@@ -56,7 +56,8 @@ float medianOf(std::vector<float>& values) {
 }
 
 /// Residuals about each vertex's weighted mean; `robust`: per look and channel the weight of the last round.
-void residualsOf(const Looks& all, const Eigen::VectorXd& u, const std::vector<Rgb>& robust, std::vector<Rgb>& residual) {
+void residualsOf(const Looks& all, const Eigen::VectorXd& u, const std::vector<Rgb>& robust,
+                 std::vector<Rgb>& residual) {
     for (size_t v = 0; v + 1 < all.start.size(); ++v) {
         Rgb sum(0), weight(0);
         for (uint32_t k = all.start[v]; k < all.start[v + 1]; ++k) {
@@ -92,7 +93,8 @@ PhotometricEstimate fitted(const Capture& capture, const Looks& all, float noise
         for (const Rgb& r : residual)
             for (int c = 0; c < 3; ++c) size.push_back(std::abs(r[c]));
         const float scale = std::max(1.4826f * medianOf(size), 0.3f * noise) * 2;
-        for (size_t k = 0; k < robust.size(); ++k) robust[k] = 1.0f / (1.0f + residual[k] * residual[k] / (scale * scale));
+        for (size_t k = 0; k < robust.size(); ++k)
+            robust[k] = 1.0f / (1.0f + residual[k] * residual[k] / (scale * scale));
         if (round == 0) {
             residualsOf(all, u, robust, residual);
             result.spread = spreadOf(residual);
@@ -120,7 +122,9 @@ PhotometricEstimate fitted(const Capture& capture, const Looks& all, float noise
                 if (!(weight > 0)) continue;
                 for (uint32_t k = all.start[v]; k < all.start[v + 1]; ++k) {
                     const Eigen::Index i = 3 * Eigen::Index(all.looks[k].view) + c;
-                    for (uint32_t m = all.start[v]; m < all.start[v + 1]; ++m) q(i, 3 * Eigen::Index(all.looks[m].view) + c) -= mean(i) * mean(3 * Eigen::Index(all.looks[m].view) + c) / weight;
+                    for (uint32_t m = all.start[v]; m < all.start[v + 1]; ++m)
+                        q(i, 3 * Eigen::Index(all.looks[m].view) + c) -=
+                            mean(i) * mean(3 * Eigen::Index(all.looks[m].view) + c) / weight;
                     for (Eigen::Index f = gains; f < n; ++f) {
                         q(i, f) -= mean(i) * mean(f) / weight;
                         q(f, i) -= mean(f) * mean(i) / weight;
@@ -148,7 +152,8 @@ PhotometricEstimate fitted(const Capture& capture, const Looks& all, float noise
     for (size_t i = 0; i < views; ++i) {
         const Eigen::Vector3d g = u.segment<3>(3 * Eigen::Index(i));
         squares += g.squaredNorm();
-        result.fix.gains.push_back({capture.views[i].name, Rgb(std::exp(float(g.x())), std::exp(float(g.y())), std::exp(float(g.z())))});
+        result.fix.gains.push_back(
+            {capture.views[i].name, Rgb(std::exp(float(g.x())), std::exp(float(g.y())), std::exp(float(g.z())))});
     }
     result.gainRms = float(std::sqrt(squares / double(gains)));
     result.fix.falloff2 = float(u(gains));
@@ -158,10 +163,12 @@ PhotometricEstimate fitted(const Capture& capture, const Looks& all, float noise
 
 }  // namespace
 
-PhotometricEstimate estimatePhotometric(const Capture& capture, const Scene& scene, const RadianceSamples& samples, Progress& progress) {
+PhotometricEstimate estimatePhotometric(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
+                                        Progress& progress) {
     const Looks all = usableLooks(capture, scene, samples);
     if (capture.views.size() < 2 || all.looks.size() < 20 * capture.views.size()) return {};
-    const PhotometricEstimate gains = fitted(capture, all, samples.relativeNoise, false, progress), both = fitted(capture, all, samples.relativeNoise, true, progress);
+    const PhotometricEstimate gains = fitted(capture, all, samples.relativeNoise, false, progress),
+                              both = fitted(capture, all, samples.relativeNoise, true, progress);
     return both.spreadAfter < 0.95f * gains.spreadAfter ? both : gains;
 }
 
@@ -174,8 +181,11 @@ std::string toText(const PhotometricEstimate& e) {
         balance += double(glm::dot(log - mean, log - mean)) / 3;
     }
     const double count = double(std::max<size_t>(1, e.fix.gains.size()));
-    return fmt::format("exposures differ by {:.1f} %, white balance by {:.1f} %, the lens lets {:.1f} % less through in the corners; surfaces differ between the views by {:.1f} % without and {:.1f} % with that taken out",
-                       100 * std::sqrt(exposure / count), 100 * std::sqrt(balance / count), 100 * (1 - e.fix.falloffAt(1)), 100 * e.spread, 100 * e.spreadAfter);
+    return fmt::format(
+        "exposures differ by {:.1f} %, white balance by {:.1f} %, the lens lets {:.1f} % less through in the corners; "
+        "surfaces differ between the views by {:.1f} % without and {:.1f} % with that taken out",
+        100 * std::sqrt(exposure / count), 100 * std::sqrt(balance / count), 100 * (1 - e.fix.falloffAt(1)),
+        100 * e.spread, 100 * e.spreadAfter);
 }
 
 }  // namespace relamp

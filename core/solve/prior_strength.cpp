@@ -36,7 +36,8 @@ struct PartOfPairs {
     std::vector<Rgb> bounce;
 
     template <class Take>
-    PartOfPairs(const InfluenceMatrix& all, const MatteObservations& observations, const std::vector<AlbedoPair>& allPairs, const std::vector<Rgb>* bounces, Take&& take) {
+    PartOfPairs(const InfluenceMatrix& all, const MatteObservations& observations,
+                const std::vector<AlbedoPair>& allPairs, const std::vector<Rgb>* bounces, Take&& take) {
         std::vector<uint32_t> at(all.rows, ~0u);
         influence.columns = all.columns;
         for (size_t i = 0; i < all.rows; ++i) {
@@ -58,7 +59,8 @@ struct PartOfPairs {
 PriorStrength chooseStrength(const std::vector<std::vector<double>>& misfits) {
     PriorStrength result;
     const std::vector<float>& factors = strengthsTried();
-    const size_t usual = size_t(std::find(factors.begin(), factors.end(), 1.0f) - factors.begin()), blocks = misfits[usual].size();
+    const size_t usual = size_t(std::find(factors.begin(), factors.end(), 1.0f) - factors.begin()),
+                 blocks = misfits[usual].size();
     double whole = 0;
     for (const double m : misfits[usual]) whole += m;
     if (blocks < 2 || !(whole > 0)) return result;
@@ -69,7 +71,8 @@ PriorStrength chooseStrength(const std::vector<std::vector<double>>& misfits) {
         double mean = 0, squares = 0;
         for (size_t b = 0; b < blocks; ++b) mean += (misfits[k][b] - misfits[usual][b]) / double(blocks);
         for (size_t b = 0; b < blocks; ++b) squares += std::pow(misfits[k][b] - misfits[usual][b] - mean, 2);
-        const double n = double(blocks), ratio = 1 + mean * n / whole, error = std::sqrt(squares / (n - 1) / n) * n / whole;
+        const double n = double(blocks), ratio = 1 + mean * n / whole,
+                     error = std::sqrt(squares / (n - 1) / n) * n / whole;
         result.trials.push_back({factors[k], ratio, error});
         if (!(ratio < best) || ratio + surely * error >= 1) continue;
         best = ratio;
@@ -79,11 +82,14 @@ PriorStrength chooseStrength(const std::vector<std::vector<double>>& misfits) {
     return result;
 }
 
-PriorStrength testLightStrength(const InfluenceMatrix& influence, const MatteObservations& matte, const std::vector<AlbedoPair>& pairs, const std::vector<Vec3>& positions,
-                                const LightAnchors& anchors, const AlbedoFreeOptions& options, const Lighting& lighting, size_t maxRows, Progress& progress) {
+PriorStrength testLightStrength(const InfluenceMatrix& influence, const MatteObservations& matte,
+                                const std::vector<AlbedoPair>& pairs, const std::vector<Vec3>& positions,
+                                const LightAnchors& anchors, const AlbedoFreeOptions& options, const Lighting& lighting,
+                                size_t maxRows, Progress& progress) {
     const size_t thinning = std::max<size_t>(1, influence.rows / std::max<size_t>(1, maxRows));
     const std::vector<uint32_t> block = blocksOf(positions, 2 * blockCount * thinning, 0x5eed);
-    const PartOfPairs heard(influence, matte, pairs, options.bounce, [&](size_t i) { return block[i] >= blockCount && block[i] < 2 * blockCount; });
+    const PartOfPairs heard(influence, matte, pairs, options.bounce,
+                            [&](size_t i) { return block[i] >= blockCount && block[i] < 2 * blockCount; });
     std::vector<PartOfPairs> left;
     for (uint32_t b = 0; b < blockCount; ++b) {
         PartOfPairs part(influence, matte, pairs, options.bounce, [&](size_t i) { return block[i] == b; });
@@ -96,7 +102,9 @@ PriorStrength testLightStrength(const InfluenceMatrix& influence, const MatteObs
     AlbedoFreeOptions measure = options;
     measure.iterations = 0;
     measure.bounce = options.bounce ? &heard.bounce : nullptr;
-    const ChromaShare chroma = solveAlbedoFree(heard.influence, heard.matte, heard.pairs, anchors, nullptr, measure, present, progress, {}).chroma;
+    const ChromaShare chroma =
+        solveAlbedoFree(heard.influence, heard.matte, heard.pairs, anchors, nullptr, measure, present, progress, {})
+            .chroma;
     for (const float factor : strengthsTried()) {
         AlbedoFreeOptions fit = options;
         fit.iterations = 2;
@@ -112,14 +120,18 @@ PriorStrength testLightStrength(const InfluenceMatrix& influence, const MatteObs
         misfits.emplace_back();
         for (const PartOfPairs& part : left) {
             ask.bounce = options.bounce ? &part.bounce : nullptr;
-            misfits.back().push_back(solveAlbedoFree(part.influence, part.matte, part.pairs, anchors, nullptr, ask, light, progress, {}).objective);
+            misfits.back().push_back(
+                solveAlbedoFree(part.influence, part.matte, part.pairs, anchors, nullptr, ask, light, progress, {})
+                    .objective);
         }
     }
     return chooseStrength(misfits);
 }
 
-PriorStrength testAlbedoStrength(const Scene& scene, const RadianceSamples& samples, const MatteObservations& matte, const std::vector<Rgb>& lit, const std::vector<Rgb>& litSigma,
-                                 const AlbedoPrior& prior, const std::vector<Rgb>& albedo, uint64_t seed, Progress& progress) {
+PriorStrength testAlbedoStrength(const Scene& scene, const RadianceSamples& samples, const MatteObservations& matte,
+                                 const std::vector<Rgb>& lit, const std::vector<Rgb>& litSigma,
+                                 const AlbedoPrior& prior, const std::vector<Rgb>& albedo, uint64_t seed,
+                                 Progress& progress) {
     constexpr int channel = 1, probes = 6;
     const size_t n = scene.mesh.vertexCount();
     std::vector<Rgb> logAlbedo(n);
@@ -131,14 +143,16 @@ PriorStrength testAlbedoStrength(const Scene& scene, const RadianceSamples& samp
     parallelFor(strengthsTried().size(), 1, [&](size_t k) {
         AlbedoPrior stronger = prior;
         stronger.step = prior.step / std::sqrt(strengthsTried()[k]);
-        const AlbedoSystem system = albedoSystem(scene, matte, lit, litSigma, stronger, logAlbedo, double(prior.edge), std::log(0.5), channel);
+        const AlbedoSystem system =
+            albedoSystem(scene, matte, lit, litSigma, stronger, logAlbedo, double(prior.edge), std::log(0.5), channel);
         const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(system.matrix);
         if (factor.info() != Eigen::Success) return;
         progress.check();
         const Eigen::VectorXd x = factor.solve(system.moment);
         Eigen::VectorXd inverse = Eigen::VectorXd::Zero(Eigen::Index(n)), z{Eigen::Index(n)};
         for (int probe = 0; probe < probes; ++probe) {
-            for (size_t v = 0; v < n; ++v) z(Eigen::Index(v)) = mixBits(mixBits(seed + uint64_t(probe)) ^ scene.rank[v]) & 1 ? 1.0 : -1.0;
+            for (size_t v = 0; v < n; ++v)
+                z(Eigen::Index(v)) = mixBits(mixBits(seed + uint64_t(probe)) ^ scene.rank[v]) & 1 ? 1.0 : -1.0;
             inverse += z.cwiseProduct(factor.solve(z)) / probes;
             progress.check();
         }
@@ -146,14 +160,19 @@ PriorStrength testAlbedoStrength(const Scene& scene, const RadianceSamples& samp
             const uint32_t v = matte.vertices[i];
             if (matte.pieceGlossy[scene.piece[v]] || !(system.precision[i] > 0)) continue;
             float weights = 0;
-            for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) weights += samples.samples[s].clipped ? 0 : samples.samples[s].weight;
-            const double diagonal = system.matrix.coeff(int(v), int(v)), whole = std::clamp(system.precision[i] * inverse(Eigen::Index(v)), system.precision[i] / diagonal, 0.98);
+            for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s)
+                weights += samples.samples[s].clipped ? 0 : samples.samples[s].weight;
+            const double diagonal = system.matrix.coeff(int(v), int(v)),
+                         whole = std::clamp(system.precision[i] * inverse(Eigen::Index(v)),
+                                            system.precision[i] / diagonal, 0.98);
             for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
                 const RadianceSample& r = samples.samples[s];
                 const float y = r.radiance[channel];
                 if (r.clipped || !(y > 0)) continue;
-                const double share = double(r.weight / weights) * whole, residual = (std::log(double(y) / lit[i][channel]) - x(Eigen::Index(v))) / (1 - share);
-                const double sigma2 = std::pow(double(samples.sigma(y) / y), 2) / double(r.weight) + 4e-4 + std::pow(double(litSigma[i][channel] / lit[i][channel]), 2);
+                const double share = double(r.weight / weights) * whole,
+                             residual = (std::log(double(y) / lit[i][channel]) - x(Eigen::Index(v))) / (1 - share);
+                const double sigma2 = std::pow(double(samples.sigma(y) / y), 2) / double(r.weight) + 4e-4 +
+                                      std::pow(double(litSigma[i][channel] / lit[i][channel]), 2);
                 misfits[k][block[i]] += std::log1p(residual * residual / (9 * sigma2));
             }
         }

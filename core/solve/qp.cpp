@@ -15,7 +15,7 @@ using Eigen::VectorXd;
 /// min z'Az - 2 b'z over z >= 0, where A is Q with its columns scaled to a unit diagonal: never formed as a whole.
 struct Scaled {
     const MatrixXd& q;
-    VectorXd scale;    ///< 0 where a column is empty: that variable stays at its bound
+    VectorXd scale;  ///< 0 where a column is empty: that variable stays at its bound
     VectorXd b;
     double ridge = 1e-12;
     const QpWatch& watch;
@@ -31,14 +31,16 @@ struct Scaled {
         constexpr Index block = 256;
         // Q is symmetric: rows are columns, which lie together in memory.
         parallelBlocks(size_t(x.size()), size_t(block), [&](size_t begin, size_t end) {
-            y.segment(Index(begin), Index(end - begin)).noalias() = q.middleCols(Index(begin), Index(end - begin)).transpose() * x;
+            y.segment(Index(begin), Index(end - begin)).noalias() =
+                q.middleCols(Index(begin), Index(end - begin)).transpose() * x;
         });
         return scale.cwiseProduct(y) + ridge * z;
     }
     double element(Index i, Index j) const { return i == j ? 1 + ridge : scale(i) * q(i, j) * scale(j); }
 };
 
-/// Lower Cholesky factor in place, by panels, so that it can be stopped and spread over threads. False when not positive definite.
+/// Lower Cholesky factor in place, by panels, so that it can be stopped and spread over threads. False when not
+/// positive definite.
 template <class Matrix>
 bool factorInPlace(Matrix& a, const Scaled& problem) {
     constexpr Index panel = 128;
@@ -54,12 +56,16 @@ bool factorInPlace(Matrix& a, const Scaled& problem) {
         parallelFor(rows, 1, [&](size_t r) {
             const Index at = k + w + Index(r) * panel, height = std::min(panel, m - at);
             auto strip = a.block(at, k, height, w);
-            a.block(k, k, w, w).template triangularView<Eigen::Lower>().transpose().template solveInPlace<Eigen::OnTheRight>(strip);
+            a.block(k, k, w, w)
+                .template triangularView<Eigen::Lower>()
+                .transpose()
+                .template solveInPlace<Eigen::OnTheRight>(strip);
         });
         parallelFor(rows, 1, [&](size_t r) {
             problem.check();
             const Index at = k + w + Index(r) * panel, width = std::min(panel, m - at);
-            a.block(at, at, m - at, width).noalias() -= a.block(at, k, m - at, w) * a.block(at, k, width, w).transpose();
+            a.block(at, at, m - at, width).noalias() -=
+                a.block(at, k, m - at, w) * a.block(at, k, width, w).transpose();
         });
     }
     return true;
@@ -75,7 +81,8 @@ Vector solveFactored(const Matrix& l, Vector y) {
 /// The free variables and the point they are solved for.
 class Pivoting {
 public:
-    explicit Pivoting(const Scaled& scaled) : problem(scaled), free_(size_t(scaled.b.size()), 0), z(VectorXd::Zero(scaled.b.size())), gradient(z) {}
+    explicit Pivoting(const Scaled& scaled)
+        : problem(scaled), free_(size_t(scaled.b.size()), 0), z(VectorXd::Zero(scaled.b.size())), gradient(z) {}
     const Scaled& problem;
     std::vector<char> free_;
     VectorXd z, gradient;
@@ -100,7 +107,8 @@ private:
         const Index m = Index(index.size());
         factor.resize(m, m);
         parallelFor(size_t(m), 32, [&](size_t j) {
-            for (Index i = Index(j); i < m; ++i) factor(i, Index(j)) = Scalar(problem.element(index[size_t(i)], index[j]));
+            for (Index i = Index(j); i < m; ++i)
+                factor(i, Index(j)) = Scalar(problem.element(index[size_t(i)], index[j]));
             factor(Index(j), Index(j)) += Scalar(ridge);
         });
         return factorInPlace(factor, problem);
@@ -121,15 +129,16 @@ private:
         return true;
     }
 
-    /// A factor in single precision costs half; conjugate gradients in double, preconditioned by it, end where a factor in double would. False,
-    /// and nothing is said of z, where the matrix is too stiff for that.
+    /// A factor in single precision costs half; conjugate gradients in double, preconditioned by it, end where a factor
+    /// in double would. False, and nothing is said of z, where the matrix is too stiff for that.
     bool solveWithRoughFactor() {
         constexpr int most = 12;
         Eigen::MatrixXf factor;
         if (!factorOfFree(factor, 1e-6)) return false;
         const auto soften = [&](const VectorXd& r) {
             const double unit = std::max(r.cwiseAbs().maxCoeff(), 1e-300);
-            return VectorXd(unit * solveFactored(factor, Eigen::VectorXf((r / unit).cast<float>())).template cast<double>());
+            return VectorXd(unit *
+                            solveFactored(factor, Eigen::VectorXf((r / unit).cast<float>())).template cast<double>());
         };
         const double wanted = 1e-14 * ofFree(problem.b).cwiseAbs().maxCoeff();
         VectorXd r = ofFree(problem.b), s = soften(r), direction = s, whole = VectorXd::Zero(z.size());
@@ -160,15 +169,19 @@ private:
 double kktOf(const Scaled& p, const VectorXd& z, const VectorXd& gradient) {
     const VectorXd x = p.scale.cwiseProduct(z);
     VectorXd terms(z.size());
-    parallelFor(size_t(z.size()), 64, [&](size_t i) { terms(Index(i)) = p.scale(Index(i)) * p.q.col(Index(i)).cwiseAbs().dot(x) + std::abs(p.b(Index(i))); });
+    parallelFor(size_t(z.size()), 64, [&](size_t i) {
+        terms(Index(i)) = p.scale(Index(i)) * p.q.col(Index(i)).cwiseAbs().dot(x) + std::abs(p.b(Index(i)));
+    });
     const double magnitude = std::max(terms.maxCoeff(), 1e-300);
     double worst = 0;
     for (Index i = 0; i < z.size(); ++i)
-        if (p.scale(i) > 0) worst = std::max(worst, (z(i) > 0 ? std::abs(gradient(i)) : std::max(0.0, -gradient(i))) / magnitude);
+        if (p.scale(i) > 0)
+            worst = std::max(worst, (z(i) > 0 ? std::abs(gradient(i)) : std::max(0.0, -gradient(i))) / magnitude);
     return worst;
 }
 
-/// The scaled matrix in single precision: half the memory to read in each product, enough to find out which variables are free.
+/// The scaled matrix in single precision: half the memory to read in each product, enough to find out which variables
+/// are free.
 class Rough {
 public:
     explicit Rough(const Scaled& p) : problem_(p), a_(p.q.rows(), p.q.cols()) {
@@ -179,11 +192,13 @@ public:
         problem_.check();
         const Index n = z.size();
         Eigen::VectorXf y(n);
-        // Symmetric: rows are columns, which lie together in memory. Every element is summed by itself: the same bits on any number of threads.
+        // Symmetric: rows are columns, which lie together in memory. Every element is summed by itself: the same bits
+        // on any number of threads.
         if (n < block) y.noalias() = a_.transpose() * z;
         else
             parallelBlocks(size_t(n), size_t(block), [&](size_t begin, size_t end) {
-                y.segment(Index(begin), Index(end - begin)).noalias() = a_.middleCols(Index(begin), Index(end - begin)).transpose() * z;
+                y.segment(Index(begin), Index(end - begin)).noalias() =
+                    a_.middleCols(Index(begin), Index(end - begin)).transpose() * z;
             });
         return y;
     }
@@ -194,18 +209,21 @@ private:
     Eigen::MatrixXf a_;
     template <class Body>
     void columns(Body&& body) {
-        if (a_.cols() < block) for (Index j = 0; j < a_.cols(); ++j) body(j);
+        if (a_.cols() < block)
+            for (Index j = 0; j < a_.cols(); ++j) body(j);
         else parallelFor(size_t(a_.cols()), 64, [&](size_t j) { body(Index(j)); });
     }
 };
 
-/// Projected conjugate gradients from `z` in single precision, at most `steps` products: first as if there were no bounds, because most
-/// light is free, then with proportioning (MPRGP, Dostal and Schoeberl 2005) until the set of free variables rests.
+/// Projected conjugate gradients from `z` in single precision, at most `steps` products: first as if there were no
+/// bounds, because most light is free, then with proportioning (MPRGP, Dostal and Schoeberl 2005) until the set of free
+/// variables rests.
 void approach(const Scaled& p, int steps, VectorXd& z0, const VectorXd& lower) {
     using VectorXf = Eigen::VectorXf;
     const Index n = z0.size();
     const Rough a(p);
-    // Gradients in units of the largest element of b, so that single precision holds whatever the photographs' units are.
+    // Gradients in units of the largest element of b, so that single precision holds whatever the photographs' units
+    // are.
     const double unit = std::max(p.b.cwiseAbs().maxCoeff(), 1e-300);
     const VectorXf b = (p.b / unit).cast<float>();
     VectorXf z = (z0 / unit).cast<float>();
@@ -249,7 +267,9 @@ void approach(const Scaled& p, int steps, VectorXd& z0, const VectorXd& lower) {
             chopped(i) = loose || p.scale(i) == 0 ? 0 : std::min(0.0f, gradient(i));
         }
     };
-    const auto value = [&](const VectorXf& at, const VectorXf& slope) { return 0.5 * at.cast<double>().dot((slope - b).cast<double>()); };
+    const auto value = [&](const VectorXf& at, const VectorXf& slope) {
+        return 0.5 * at.cast<double>().dot((slope - b).cast<double>());
+    };
     split();
     direction = free;
     // Nothing met a bound: the factor does the rest better.
@@ -322,7 +342,8 @@ void descend(const Scaled& p, VectorXd& z, VectorXd& gradient, double& kkt) {
 
 }  // namespace
 
-QpResult solveBoundedQp(const MatrixXd& q, const VectorXd& c, const VectorXd& lower, const VectorXd* guess, const QpWatch& watch) {
+QpResult solveBoundedQp(const MatrixXd& q, const VectorXd& c, const VectorXd& lower, const VectorXd* guess,
+                        const QpWatch& watch) {
     const Index n = q.rows();
     QpResult result;
     result.x = lower;
@@ -344,14 +365,16 @@ QpResult solveBoundedQp(const MatrixXd& q, const VectorXd& c, const VectorXd& lo
     VectorXd start = VectorXd::Zero(n);
     if (guess)
         for (Index i = 0; i < n; ++i)
-            if (problem.scale(i) > 0 && std::isfinite((*guess)(i))) start(i) = std::max(0.0, ((*guess)(i) - lower(i)) / problem.scale(i));
+            if (problem.scale(i) > 0 && std::isfinite((*guess)(i)))
+                start(i) = std::max(0.0, ((*guess)(i)-lower(i)) / problem.scale(i));
     Pivoting p(problem);
     constexpr Index small = 48;  // below this a factor costs less than the way to it
     if (n > small) {
         approach(problem, int(8 + n / 512 + (n < 512 ? 0 : n / 64)), start, lower);
         for (Index i = 0; i < n; ++i) p.free_[size_t(i)] = start(i) > 0;
     } else {
-        for (Index i = 0; i < n; ++i) p.free_[size_t(i)] = problem.scale(i) > 0 && (guess ? start(i) > 0 : problem.b(i) > 0);
+        for (Index i = 0; i < n; ++i)
+            p.free_[size_t(i)] = problem.scale(i) > 0 && (guess ? start(i) > 0 : problem.b(i) > 0);
     }
     Index best = n + 1;
     int patience = 3;
@@ -382,7 +405,8 @@ QpResult solveBoundedQp(const MatrixXd& q, const VectorXd& c, const VectorXd& lo
         }
         for (Index i : wrong) p.free_[size_t(i)] ^= 1;
     }
-    if (!result.converged) result.reason = more > 1 ? "the normal equations are not positive definite" : "pivoting did not settle";
+    if (!result.converged)
+        result.reason = more > 1 ? "the normal equations are not positive definite" : "pivoting did not settle";
     p.z = p.z.cwiseMax(0.0);
     p.gradient = problem.times(p.z) - problem.b;
     result.kktResidual = kktOf(problem, p.z, p.gradient);

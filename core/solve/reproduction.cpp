@@ -17,7 +17,10 @@ std::optional<MisfitCause> causeNamed(const std::string& name) {
 }
 
 size_t Reproduction::worst() const {
-    return size_t(std::min_element(views.begin(), views.end(), [](const ViewReproduction& a, const ViewReproduction& b) { return a.psnr < b.psnr; }) - views.begin());
+    return size_t(
+        std::min_element(views.begin(), views.end(),
+                         [](const ViewReproduction& a, const ViewReproduction& b) { return a.psnr < b.psnr; }) -
+        views.begin());
 }
 
 }  // namespace relamp

@@ -2,7 +2,8 @@
 
 namespace relamp {
 
-std::vector<Rgb> sharesOfLight(const InfluenceMatrix& rows, const Lighting& lighting, const std::vector<Rgb>& lit, const std::vector<uint32_t>& of) {
+std::vector<Rgb> sharesOfLight(const InfluenceMatrix& rows, const Lighting& lighting, const std::vector<Rgb>& lit,
+                               const std::vector<uint32_t>& of) {
     std::vector<Rgb> shares(lighting.leaves.size(), Rgb(0));
     for (const uint32_t r : of) {
         const Rgb inverse = 1.0f / glm::max(lit[r], Rgb(1e-30f));

@@ -4,8 +4,9 @@
 
 namespace relamp {
 
-/// Per leaf the share it gives of the light `lit` of a row, a channel at a time, mean over the given rows (numbers of rows of `rows` and of entries of `lit`).
-/// Cost: their number times the leaves.
-std::vector<Rgb> sharesOfLight(const InfluenceMatrix& rows, const Lighting& lighting, const std::vector<Rgb>& lit, const std::vector<uint32_t>& of);
+/// Per leaf the share it gives of the light `lit` of a row, a channel at a time, mean over the given rows (numbers of
+/// rows of `rows` and of entries of `lit`). Cost: their number times the leaves.
+std::vector<Rgb> sharesOfLight(const InfluenceMatrix& rows, const Lighting& lighting, const std::vector<Rgb>& lit,
+                               const std::vector<uint32_t>& of);
 
 }  // namespace relamp

@@ -38,13 +38,16 @@ std::vector<SolveStep> stepsOf(const SolveOptions& options) {
     return steps;
 }
 
-Estimate solveScene(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const EmitterClusters& clusters,
-                    const SolveOptions& options, Progress& progress, const SolveListener* listener, const SolveCheckpoint* resume) {
-    if (options.gauge.kind == GaugeChoice::Kind::whitePatch && (options.gauge.view < 0 || size_t(options.gauge.view) >= capture.views.size()))
-        throw Error("--gauge white-patch: view {} does not exist, expected 0 to {}", options.gauge.view, capture.views.size() - 1);
+Estimate solveScene(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
+                    const EmitterClusters& clusters, const SolveOptions& options, Progress& progress,
+                    const SolveListener* listener, const SolveCheckpoint* resume) {
+    if (options.gauge.kind == GaugeChoice::Kind::whitePatch &&
+        (options.gauge.view < 0 || size_t(options.gauge.view) >= capture.views.size()))
+        throw Error("--gauge white-patch: view {} does not exist, expected 0 to {}", options.gauge.view,
+                    capture.views.size() - 1);
     SolveState s(capture, scene, samples, options, progress, listener);
     if (resume) s.goOnFrom(*resume);
-    else s.prepare(clusters);          // matte observations, pairs, visibility, near field: D and N
+    else s.prepare(clusters);  // matte observations, pairs, visibility, near field: D and N
     const std::vector<SolveStep> steps = stepsOf(options);
     for (size_t i = resume ? resume->step : 0; i < steps.size(); ++i) {
         s.run(steps[i], uint32_t(i));

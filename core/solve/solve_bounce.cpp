@@ -1,5 +1,6 @@
-// Light that surfaces send each other (METHOD 8). What a surface sends is in the photographs, so the light that arrives from other
-// surfaces is a sum of known radiances, with all its bounces, whatever the albedos are [Yu99]: an offset b in y = albedo (B x + b).
+// Light that surfaces send each other (METHOD 8). What a surface sends is in the photographs, so the light that arrives
+// from other surfaces is a sum of known radiances, with all its bounces, whatever the albedos are [Yu99]: an offset b
+// in y = albedo (B x + b).
 #include "base/log.h"
 #include "base/parallel.h"
 #include "solve/solve_state.h"
@@ -14,7 +15,8 @@ std::vector<Rgb> SolveState::directAt(const std::vector<uint32_t>& vertices) {
     std::vector<Rgb> out;
     constexpr size_t block = 2048;  // rows are as wide as there are leaves: not all at once
     for (size_t begin = 0; begin < vertices.size(); begin += block) {
-        const std::vector<uint32_t> some(vertices.begin() + ptrdiff_t(begin), vertices.begin() + ptrdiff_t(std::min(vertices.size(), begin + block)));
+        const std::vector<uint32_t> some(vertices.begin() + ptrdiff_t(begin),
+                                         vertices.begin() + ptrdiff_t(std::min(vertices.size(), begin + block)));
         const InfluenceMatrix rows = rowsOf(some);
         for (size_t i = 0; i < some.size(); ++i) out.push_back(lightOfRow(rows.row(i), lighting_));
     }
@@ -47,7 +49,9 @@ void SolveState::updateBounce() {
         // Hidden surfaces light each other too.
         for (int round = 0; round < 10; ++round) {
             const std::vector<Rgb> bounced = gatherBounce(bounceRays_, sent);
-            for (size_t i = 0; i < hidden.size(); ++i) sent[hidden[i]] = glm::clamp(albedo_.albedo[hidden[i]], Rgb(0), Rgb(0.95f)) * (direct[i] + bounced[hidden[i]]);
+            for (size_t i = 0; i < hidden.size(); ++i)
+                sent[hidden[i]] =
+                    glm::clamp(albedo_.albedo[hidden[i]], Rgb(0), Rgb(0.95f)) * (direct[i] + bounced[hidden[i]]);
         }
     }
     vertexBounce_ = gatherBounce(bounceRays_, sent);
@@ -85,7 +89,8 @@ void SolveState::forgetBounce(std::string why) {
 }
 
 void SolveState::joinLikelyBounce() {
-    if (options_.bounce != SolveOptions::Bounce::automatic || !plan_.choices.bounce || !plan_.choices.bounceLikely) return;
+    if (options_.bounce != SolveOptions::Bounce::automatic || !plan_.choices.bounce || !plan_.choices.bounceLikely)
+        return;
     const std::string stage = meter_.current();
     meter_.begin("bounced light");
     if (bounceRays_.rays == 0) traceBounceRays(fewBounceRays);
@@ -119,7 +124,8 @@ void SolveState::decideBounce(bool coarse) {
     Lighting start = lighting_;
     const bool joined = !bounce_.empty();
     std::vector<Rgb>().swap(bounce_);
-    const AlbedoFreeReport alone = runAlbedoFree(coarse ? "light from ratios, coarse" : "light from ratios", joined ? options_.startIterations : 1, nullptr);
+    const AlbedoFreeReport alone = runAlbedoFree(coarse ? "light from ratios, coarse" : "light from ratios",
+                                                 joined ? options_.startIterations : 1, nullptr);
     const double before = alone.objective;
     const Lighting without = joined ? lighting_ : start;
     lighting_ = std::move(start);
@@ -128,16 +134,22 @@ void SolveState::decideBounce(bool coarse) {
     for (int round = 0; round < (coarse || joined ? 2 : 4) && !stopped(); ++round) {
         updateBounce();
         const double earlier = after;
-        after = runAlbedoFree(coarse ? "light from ratios and bounces, coarse" : "light from ratios and bounces", round == 0 ? 8 : options_.startIterations, nullptr, nullptr, alone.chroma).objective;
+        after = runAlbedoFree(coarse ? "light from ratios and bounces, coarse" : "light from ratios and bounces",
+                              round == 0 ? 8 : options_.startIterations, nullptr, nullptr, alone.chroma)
+                    .objective;
         if (options_.bounce == Bounce::automatic && after > 1.05 * before) break;  // far from it
-        // What a round still gains falls from one to the next: ten times the last gain is out of reach, twenty times surely.
+        // What a round still gains falls from one to the next: ten times the last gain is out of reach, twenty times
+        // surely.
         const double reach = plan_.choices.lateBounce ? 20 : 10;
-        if (options_.bounce == Bounce::automatic && !plan_.choices.lastDigits && round > 0 && after - before > reach * (earlier - after)) break;
+        if (options_.bounce == Bounce::automatic && !plan_.choices.lastDigits && round > 0 &&
+            after - before > reach * (earlier - after))
+            break;
     }
     if (stopped()) throw OutOfTime{};
     computeLit();
     bouncedShare_ = bouncedShareOf();
-    logInfo("bounced light: enclosure {:.1f} %, share {:.1f} %, objective {:.5g} without, {:.5g} with", 100 * enclosure, 100 * bouncedShare_, before, after);
+    logInfo("bounced light: enclosure {:.1f} %, share {:.1f} %, objective {:.5g} without, {:.5g} with", 100 * enclosure,
+            100 * bouncedShare_, before, after);
     if (coarse && after < 1.03 * before) {  // coarse visibility alone can make as much of a difference
         // Finer light is to judge.
         lighting_ = without;
@@ -151,7 +163,8 @@ void SolveState::decideBounce(bool coarse) {
         return;
     }
     lighting_ = without;
-    forgetBounce(fmt::format("ratios of radiance are explained better without it (misfit {:.4g}, with it {:.4g})", before, after));
+    forgetBounce(fmt::format("ratios of radiance are explained better without it (misfit {:.4g}, with it {:.4g})",
+                             before, after));
     if (!coarse) return;
     plan_.choices.bounce = false;
     plan_.leftOut.push_back({"interreflection", noBounceBecause_, 0, 0});

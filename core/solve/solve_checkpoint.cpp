@@ -63,7 +63,8 @@ void fields(File& f, std::string& text) {
 }
 /// Nothing of it is padding, whose bytes would be anybody's.
 template <class T>
-constexpr bool gapless = std::has_unique_object_representations_v<T> || std::is_floating_point_v<T> || std::is_same_v<T, Rgb>;
+constexpr bool gapless =
+    std::has_unique_object_representations_v<T> || std::is_floating_point_v<T> || std::is_same_v<T, Rgb>;
 template <>
 constexpr bool gapless<GlossyLook> = sizeof(GlossyLook) == 2 * sizeof(uint32_t) + 7 * sizeof(float);
 template <>
@@ -83,7 +84,9 @@ void listOf(File& f, std::vector<T>& values, Each&& each) {
 
 template <class File>
 void fields(File& f, EmitterEvidence& e) {
-    for (float* value : {&e.sceneContrast, &e.localContrast, &e.uniformity, &e.viewSpread, &e.edgeDrop, &e.demandedAlbedo, &e.clippedShare}) f.plain(*value);
+    for (float* value : {&e.sceneContrast, &e.localContrast, &e.uniformity, &e.viewSpread, &e.edgeDrop,
+                         &e.demandedAlbedo, &e.clippedShare})
+        f.plain(*value);
     f.plain(e.viewsAgree);
     f.plain(e.viewsSeen);
     f.plain(e.samples);
@@ -118,7 +121,8 @@ template <class File>
 void fields(File& f, Lobe& lobe, bool insideMixture) {
     uint8_t kind = uint8_t(lobe.kind);
     f.plain(kind);
-    if (kind > uint8_t(Lobe::Kind::mixture) || (insideMixture && kind == uint8_t(Lobe::Kind::mixture))) throw Error("a lobe of an unknown kind");
+    if (kind > uint8_t(Lobe::Kind::mixture) || (insideMixture && kind == uint8_t(Lobe::Kind::mixture)))
+        throw Error("a lobe of an unknown kind");
     lobe.kind = Lobe::Kind(kind);
     f.plain(lobe.alpha);
     fields(f, lobe.name);
@@ -147,8 +151,9 @@ void fields(File& f, PieceGloss& g) {
 
 template <class File>
 void fields(File& f, PlanChoices& p) {
-    for (bool* choice : {&p.distantLight, &p.bounce, &p.lateBounce, &p.bounceLikely, &p.unseenVertices, &p.emptyColumns, &p.mattePieces, &p.lostLobes, &p.agreeingRays, &p.flatLevels, &p.lastDigits,
-                         &p.mattePointsInDetail})
+    for (bool* choice :
+         {&p.distantLight, &p.bounce, &p.lateBounce, &p.bounceLikely, &p.unseenVertices, &p.emptyColumns,
+          &p.mattePieces, &p.lostLobes, &p.agreeingRays, &p.flatLevels, &p.lastDigits, &p.mattePointsInDetail})
         f.plain(*choice);
     static_assert(sizeof(PlanChoices) == 12, "every choice has to come back");
 }
@@ -158,7 +163,8 @@ void fields(File& f, SolvePlan& p) {
     fields(f, p.choices);
     listOf(f, p.stages, [&](PlannedStage& s) {
         fields(f, s.name);
-        for (double* value : {&s.predictedSeconds, &s.measuredSeconds, &s.predictedMib, &s.measuredMib}) f.plain(*value);
+        for (double* value : {&s.predictedSeconds, &s.measuredSeconds, &s.predictedMib, &s.measuredMib})
+            f.plain(*value);
     });
     listOf(f, p.leftOut, [&](PlannedOmission& o) {
         fields(f, o.what);
@@ -238,12 +244,15 @@ SolveCheckpoint checkpointFromBytes(const std::string& bytes) {
     SolveCheckpoint checkpoint;
     fields(reader, checkpoint);
     if (!reader.atEnd()) throw Error("it goes on after its end");
-    if (checkpoint.leaves.size() != checkpoint.leafRadiance.size() || checkpoint.clusters.emitters.size() != checkpoint.emitterRadiance.size() ||
+    if (checkpoint.leaves.size() != checkpoint.leafRadiance.size() ||
+        checkpoint.clusters.emitters.size() != checkpoint.emitterRadiance.size() ||
         checkpoint.suspect.size() != checkpoint.clusters.emitters.size())
         throw Error("its lists do not fit each other");
     const size_t n = checkpoint.informationSeen[0].size();
     bool fit = checkpoint.information.size() == 3 * n * (3 * n + 1) / 2;
-    for (size_t k = 0; k < 3; ++k) fit &= checkpoint.informationSeen[k].size() == n && (checkpoint.informationOfLooks[k].empty() || checkpoint.informationOfLooks[k].size() == n * n);
+    for (size_t k = 0; k < 3; ++k)
+        fit &= checkpoint.informationSeen[k].size() == n &&
+               (checkpoint.informationOfLooks[k].empty() || checkpoint.informationOfLooks[k].size() == n * n);
     if (!fit) throw Error("its lists do not fit each other");
     return checkpoint;
 }

@@ -11,27 +11,28 @@
 namespace relamp {
 
 struct SolveCheckpoint {
-    uint32_t step = 0;                ///< the next one in the list of steps
-    bool between = true;              ///< false: taken inside that step, which then starts again from a better light
-    double seconds = 0;               ///< run time so far
-    EmitterClusters clusters;         ///< emitters and rejected patches; the indices are made again
+    uint32_t step = 0;         ///< the next one in the list of steps
+    bool between = true;       ///< false: taken inside that step, which then starts again from a better light
+    double seconds = 0;        ///< run time so far
+    EmitterClusters clusters;  ///< emitters and rejected patches; the indices are made again
     std::vector<uint8_t> suspect;
     std::vector<Leaf> leaves;
     std::vector<Rgb> leafRadiance, emitterRadiance;
     bool environmentBlack = false, refined = false, bounceKept = false;
     bool noMetals = false, backgroundRefuted = false;
-    uint32_t visibilityStep = 0;      ///< how far visibility was traced (Visibility::step); 0: not at all
+    uint32_t visibilityStep = 0;  ///< how far visibility was traced (Visibility::step); 0: not at all
     double refinedMisfit = 0;
     float bouncedShare = 0;
     std::string noBounceBecause;
-    std::vector<Rgb> vertexBounce, sent;              ///< empty: none
-    std::vector<Rgb> matteRadiance, matteSigma;       ///< of the observations, without what coats mirror; empty: as seen
+    std::vector<Rgb> vertexBounce, sent;         ///< empty: none
+    std::vector<Rgb> matteRadiance, matteSigma;  ///< of the observations, without what coats mirror; empty: as seen
     PriorStrength lightSmoothness, albedoSmoothness;
     std::vector<PieceGloss> gloss, firstGloss;
     bool metalsHeard = false, metalsJoined = false, lightUnfinished = false;
-    std::vector<double> information;  ///< what fixed the light (LightInformation): columns of `all` from the diagonal down
+    std::vector<double>
+        information;  ///< what fixed the light (LightInformation): columns of `all` from the diagonal down
     std::vector<double> informationOfLooks[3], informationSeen[3];
-    std::vector<Rgb> albedo;          ///< per vertex; empty: not solved yet
+    std::vector<Rgb> albedo;  ///< per vertex; empty: not solved yet
     std::vector<float> confidence;
     std::vector<PaletteColour> palette;
     std::vector<TimelineEntry> timeline;

@@ -1,4 +1,5 @@
-// The first answer: coarse light, which lamps are lamps, strong directions finer than the rest, and lobes by a few looks.
+// The first answer: coarse light, which lamps are lamps, strong directions finer than the rest, and lobes by a few
+// looks.
 #include "base/log.h"
 #include "solve/solve_state.h"
 
@@ -36,7 +37,8 @@ void SolveState::sharpenStrong() {
         const std::vector<Rgb> shares = sharesOfLight();
         std::vector<uint32_t> strong;
         for (uint32_t i = 0; i < shares.size(); ++i)
-            if (maxChannel(shares[i]) > StrongDirections::share && lighting_.leaves[i].level < StrongDirections::finest) strong.push_back(i);
+            if (maxChannel(shares[i]) > StrongDirections::share && lighting_.leaves[i].level < StrongDirections::finest)
+                strong.push_back(i);
         if (strong.empty()) return;
         splitLeaves(strong);
         runAlbedoFree("light from ratios, coarse", 4, nullptr, nullptr, {}, FitEnd::coarse);
@@ -59,7 +61,8 @@ void SolveState::firstSurfaces() {
         if (!matte_.pieceGlossy[p] || sizes[p] < 30) continue;
         const bool metal = matte_.pieceGlossy[p] == 2;
         options.lambertGain = metal ? 1e30f : 1.6f;
-        PieceGloss g = fitGloss(capture_, scene_, samples_, surfaces_, clusters_.emitterOfTriangle, lighting_, builtInBasis(), p, options, progress_);
+        PieceGloss g = fitGloss(capture_, scene_, samples_, surfaces_, clusters_.emitterOfTriangle, lighting_,
+                                builtInBasis(), p, options, progress_);
         if (g.lobe) firstGloss_.push_back(std::move(g));
     }
 }
@@ -83,7 +86,8 @@ bool SolveState::confirmEmitters() {
         EmitterCluster& cluster = clusters_.emitters[e];
         // Light that reaches the patch from everything but itself.
         std::vector<uint32_t> some, spread = cluster.vertices;
-        std::sort(spread.begin(), spread.end(), [&](uint32_t a, uint32_t b) { return scene_.rank[a] < scene_.rank[b]; });
+        std::sort(spread.begin(), spread.end(),
+                  [&](uint32_t a, uint32_t b) { return scene_.rank[a] < scene_.rank[b]; });
         const size_t step = std::max<size_t>(1, spread.size() / 64);
         for (size_t i = 0; i < spread.size(); i += step)
             if (samples_.countOf(spread[i]) > 0) some.push_back(spread[i]);
@@ -97,16 +101,18 @@ bool SolveState::confirmEmitters() {
                 if (o != e) lit += rows.row(i)[lighting_.leaves.size() + o] * lighting_.emitterRadiance[o];
             float worst = 0;
             for (int c = 0; c < 3; ++c)
-                if (cluster.radiance[c] > 0.2f * maxChannel(cluster.radiance)) worst = std::max(worst, cluster.radiance[c] / std::max(lit[c], 1e-12f));
+                if (cluster.radiance[c] > 0.2f * maxChannel(cluster.radiance))
+                    worst = std::max(worst, cluster.radiance[c] / std::max(lit[c], 1e-12f));
             demanded.push_back(worst);
         }
         std::nth_element(demanded.begin(), demanded.begin() + ptrdiff_t(demanded.size() / 2), demanded.end());
         cluster.evidence.demandedAlbedo = std::min(demanded[demanded.size() / 2], 1e6f);
-        logInfo("patch of radiance {:.3g} {:.3g} {:.3g}: reflection would need an albedo of {:.3g}", cluster.radiance.x, cluster.radiance.y, cluster.radiance.z, cluster.evidence.demandedAlbedo);
+        logInfo("patch of radiance {:.3g} {:.3g} {:.3g}: reflection would need an albedo of {:.3g}", cluster.radiance.x,
+                cluster.radiance.y, cluster.radiance.z, cluster.evidence.demandedAlbedo);
         if (suspect_[e] && cluster.evidence.demandedAlbedo < 1.5f)
-            clusters_.rejected.push_back({cluster.centroid, cluster.radiance, cluster.evidence, "the other lights explain it as a reflecting surface"});
-        else
-            kept.push_back(cluster);
+            clusters_.rejected.push_back({cluster.centroid, cluster.radiance, cluster.evidence,
+                                          "the other lights explain it as a reflecting surface"});
+        else kept.push_back(cluster);
     }
     const bool changed = kept.size() != clusters_.emitters.size();
     clusters_.emitters = std::move(kept);
@@ -125,7 +131,9 @@ void SolveState::leaveOutBlackEnvironment() {
     for (size_t r = 0; r < influence_.rows; ++r)
         for (size_t k = 0; k < influence_.columns; ++k) {
             const bool leaf = k < lighting_.leaves.size();
-            const double light = double(influence_.row(r)[k]) * luminance(leaf ? lighting_.leafRadiance[k] : lighting_.emitterRadiance[k - lighting_.leaves.size()]);
+            const double light =
+                double(influence_.row(r)[k]) *
+                luminance(leaf ? lighting_.leafRadiance[k] : lighting_.emitterRadiance[k - lighting_.leaves.size()]);
             all += light;
             if (leaf) distant += light;
         }

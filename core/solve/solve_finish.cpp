@@ -31,14 +31,13 @@ void SolveState::solveReflectance() {
         PieceGloss g;
         try {
             const Progress::Dispensable mayEnd(progress_);
-            g = fitGloss(capture_, scene_, samples_, surfaces_, clusters_.emitterOfTriangle, lighting_, basis_, p, glossOptions, progress_);
-        } catch (const OutOfTime&) {
-            break;
-        }
+            g = fitGloss(capture_, scene_, samples_, surfaces_, clusters_.emitterOfTriangle, lighting_, basis_, p,
+                         glossOptions, progress_);
+        } catch (const OutOfTime&) { break; }
         fitted[p] = 1;
         if (!g.lobe) continue;
-        logInfo("piece {}: {} weight {:.3f} {:.3f} {:.3f}{}, residual {:.2f} of {:.2f}", p, g.lobe->name, g.weight.x, g.weight.y, g.weight.z,
-                g.matte ? " over Lambert" : "", g.residual, g.residualMatte);
+        logInfo("piece {}: {} weight {:.3f} {:.3f} {:.3f}{}, residual {:.2f} of {:.2f}", p, g.lobe->name, g.weight.x,
+                g.weight.y, g.weight.z, g.matte ? " over Lambert" : "", g.residual, g.residualMatte);
         found.push_back(std::move(g));
     }
     // A piece that the time left unfitted stays as it was.
@@ -47,7 +46,9 @@ void SolveState::solveReflectance() {
         if (!fitted[g.piece]) found.push_back(std::move(g));
     firstGloss_.clear();
     gloss_ = std::move(found);
-    for (uint32_t p = 0; p < scene_.pieces; ++p) fitted[p] = fitted[p] && std::none_of(gloss_.begin(), gloss_.end(), [&](const PieceGloss& g) { return g.piece == p; });
+    for (uint32_t p = 0; p < scene_.pieces; ++p)
+        fitted[p] =
+            fitted[p] && std::none_of(gloss_.begin(), gloss_.end(), [&](const PieceGloss& g) { return g.piece == p; });
     if (hurry || !stopped()) takeCoatsOff(hurry, fitted);
     if (!metalsHeard_ && !stopped()) sharpenForMetals();
     metalsHeard_ = true;
@@ -68,7 +69,8 @@ void SolveState::takeCoatsOff(bool hurry, const std::vector<uint8_t>& matteAfter
         options.rows.lobeSamples = hurry ? 16 : 48;
         options.rows.cosineSamples = hurry ? 8 : 24;
         options.rows.emitterSamples = hurry ? 8 : 16;
-        matteUnderGloss(capture_, scene_, samples_, surfaces_, clusters_.emitterOfTriangle, lighting_, g, options, matte_, progress_);
+        matteUnderGloss(capture_, scene_, samples_, surfaces_, clusters_.emitterOfTriangle, lighting_, g, options,
+                        matte_, progress_);
     }
 }
 
@@ -97,28 +99,40 @@ void SolveState::takeStrengths(const PriorStrength& light, const PriorStrength& 
 }
 
 void SolveState::askLightStrength() {
-    if (!options_.askForStrength || options_.lightSmoothness > 0 || !hasMatte() || !options_.nearField || environmentBlack_ || stopped()) return;
+    if (!options_.askForStrength || options_.lightSmoothness > 0 || !hasMatte() || !options_.nearField ||
+        environmentBlack_ || stopped())
+        return;
     constexpr size_t maxRows = 6000;
     std::vector<Vec3> positions(matte_.vertices.size());
-    for (size_t i = 0; i < positions.size(); ++i) positions[i] = scene_.mesh.positions[matte_.vertices[i]] * scene_.axes;
+    for (size_t i = 0; i < positions.size(); ++i)
+        positions[i] = scene_.mesh.positions[matte_.vertices[i]] * scene_.axes;
     AlbedoFreeOptions o;
     o.light = lightPrior_;
     o.emptyColumns = plan_.choices.emptyColumns;
     o.bounce = bounce_.empty() ? nullptr : &bounce_;
-    takeStrengths(testLightStrength(influence_, matte_, pairs_, positions, anchors_, o, lighting_, maxRows, progress_), albedoSmoothness_);
-    for (const PriorStrength::Trial& t : lightSmoothness_.trials) logInfo("light {:.2g} times as smooth: misfit of pairs left out {:.4f} +- {:.4f}", t.factor, t.misfit, t.error);
+    takeStrengths(testLightStrength(influence_, matte_, pairs_, positions, anchors_, o, lighting_, maxRows, progress_),
+                  albedoSmoothness_);
+    for (const PriorStrength::Trial& t : lightSmoothness_.trials)
+        logInfo("light {:.2g} times as smooth: misfit of pairs left out {:.4f} +- {:.4f}", t.factor, t.misfit, t.error);
 }
 
 void SolveState::askAlbedoStrength() {
-    if (!options_.askForStrength || options_.albedoSmoothness > 0 || !albedoSmoothness_.trials.empty() || matte_.vertices.empty() || stopped()) return;
-    takeStrengths(lightSmoothness_, testAlbedoStrength(scene_, samples_, matte_, lit_, litSigma_, albedoPrior_, albedo_.albedo, options_.seed, progress_));
-    for (const PriorStrength::Trial& t : albedoSmoothness_.trials) logInfo("surfaces {:.2g} times as smooth: misfit of looks left out {:.4f} +- {:.4f}", t.factor, t.misfit, t.error);
+    if (!options_.askForStrength || options_.albedoSmoothness > 0 || !albedoSmoothness_.trials.empty() ||
+        matte_.vertices.empty() || stopped())
+        return;
+    takeStrengths(lightSmoothness_, testAlbedoStrength(scene_, samples_, matte_, lit_, litSigma_, albedoPrior_,
+                                                       albedo_.albedo, options_.seed, progress_));
+    for (const PriorStrength::Trial& t : albedoSmoothness_.trials)
+        logInfo("surfaces {:.2g} times as smooth: misfit of looks left out {:.4f} +- {:.4f}", t.factor, t.misfit,
+                t.error);
     if (albedoSmoothness_.factor != 1) updateAlbedo();
 }
 
 void SolveState::updateAlbedo() {
     albedo_ = solveAlbedo(scene_, matte_, lit_, litSigma_, albedoPrior_, progress_);
-    if (options_.palette > 0) albedo_ = solveAlbedoWithPalette(scene_, matte_, lit_, litSigma_, albedoPrior_, options_.palette, std::move(albedo_), palette_, progress_);
+    if (options_.palette > 0)
+        albedo_ = solveAlbedoWithPalette(scene_, matte_, lit_, litSigma_, albedoPrior_, options_.palette,
+                                         std::move(albedo_), palette_, progress_);
     withoutMetals(albedo_.albedo);
 }
 
@@ -140,20 +154,23 @@ void SolveState::alternate() {
     // The step changes one channel after the other: nothing is taken over before all are there.
     Lighting improved = lighting_;
     const LightPrior prior(lighting_.leaves, anchors_, lightPrior_, &influence_);
-    const LightingStepReport step = lightingStep(influence_, matte_, albedo_.albedo, litSigma_, prior, bounce_, improved, progress_);
+    const LightingStepReport step =
+        lightingStep(influence_, matte_, albedo_.albedo, litSigma_, prior, bounce_, improved, progress_);
     lighting_ = std::move(improved);
     stability_.kktResidual = step.kktResidual;
     computeLit();
     updateAlbedo();
     record("light and reflectance in turn", int(timeline_.size()), step.after, pairMismatch());
-    logInfo("light and reflectance in turn: objective {:.4g} -> {:.4g}, rmse {:.3g}", step.before, step.after, step.rmse);
+    logInfo("light and reflectance in turn: objective {:.4g} -> {:.4g}, rmse {:.3g}", step.before, step.after,
+            step.rmse);
 }
 
 double SolveState::pairMismatch() const {
     double sum = 0, counted = 0;
     for (const AlbedoPair& p : pairs_)
         for (int c = 0; c < 3; ++c) {
-            const double a = double(matte_.radiance[p.a][c]) * double(lit_[p.b][c]), b = double(matte_.radiance[p.b][c]) * double(lit_[p.a][c]);
+            const double a = double(matte_.radiance[p.a][c]) * double(lit_[p.b][c]),
+                         b = double(matte_.radiance[p.b][c]) * double(lit_[p.a][c]);
             sum += robustStep(2 * (a - b) / std::max(a + b, 1e-30));
             ++counted;
         }
@@ -169,8 +186,11 @@ void SolveState::assembleEnvironment(Estimate& estimate) const {
     for (int c = 0; c < fine.cells(); ++c) {
         const uint32_t leaf = leafOf[size_t(c)];
         const int coarse = (c / fine.side / step) * seen.side + (c % fine.side) / step;
-        const bool direct = !environmentBlack_ && samples_.backgroundPixels[size_t(coarse)] >= 4 && !samples_.backgroundClipped[size_t(coarse)];
-        estimate.environment[size_t(c)] = direct && anchors_.leaves[leaf].coverage > 0.05f ? samples_.background[size_t(coarse)] : lighting_.leafRadiance[leaf];
+        const bool direct = !environmentBlack_ && samples_.backgroundPixels[size_t(coarse)] >= 4 &&
+                            !samples_.backgroundClipped[size_t(coarse)];
+        estimate.environment[size_t(c)] = direct && anchors_.leaves[leaf].coverage > 0.05f
+                                              ? samples_.background[size_t(coarse)]
+                                              : lighting_.leafRadiance[leaf];
     }
 }
 
@@ -178,25 +198,34 @@ void SolveState::turnEnvironment(Estimate& estimate) const {
     if (scene_.axes == Mat3(1)) return;
     const DirectionGrid own{estimate.environmentSide, scene_.axes}, world{estimate.environmentSide};
     estimate.environment = turnedCells(estimate.environment, own, world, stopped() ? 4 : 8);
-    if (!estimate.environmentSigma.empty()) estimate.environmentSigma = turnedCells(estimate.environmentSigma, own, world, 2);
+    if (!estimate.environmentSigma.empty())
+        estimate.environmentSigma = turnedCells(estimate.environmentSigma, own, world, 2);
 }
 
 void SolveState::assess(Estimate& estimate) {
     // Gram of the lighting problem under the albedo found, on a spread of vertices.
     const size_t n = influence_.columns, leaves = lighting_.leaves.size();
     const InfluenceMatrix& rows = influence_;
-    Eigen::MatrixXd gram = weightedGram(rows, [&](size_t i, float* out) {
-        const Rgb albedo = albedo_.albedo[matte_.vertices[i]], sigma = matte_.sigma[i] + 0.01f * matte_.radiance[i];
-        const float w = scene_.rank[matte_.vertices[i]] % 4 == 0 ? albedo.y * albedo.y / std::max(sigma.y * sigma.y, 1e-20f) : 0.0f;
-        for (size_t k = 0; k < n; ++k) out[k] = w * rows.row(i)[k];
-    }, progress_);
+    Eigen::MatrixXd gram = weightedGram(
+        rows,
+        [&](size_t i, float* out) {
+            const Rgb albedo = albedo_.albedo[matte_.vertices[i]], sigma = matte_.sigma[i] + 0.01f * matte_.radiance[i];
+            const float w = scene_.rank[matte_.vertices[i]] % 4 == 0
+                                ? albedo.y * albedo.y / std::max(sigma.y * sigma.y, 1e-20f)
+                                : 0.0f;
+            for (size_t k = 0; k < n; ++k) out[k] = w * rows.row(i)[k];
+        },
+        progress_);
     if (hasGloss()) {
         // Glossy looks tell directions apart that matte ones cannot.
         const ViewRows glossy = viewRows(progress_);
-        gram += weightedGram(glossy.influence[1], [&](size_t i, float* out) {
-            const float w = 1 / std::max(glossy.sigma[i] * glossy.sigma[i], 1e-20f);
-            for (size_t k = 0; k < n; ++k) out[k] = w * glossy.influence[1].row(i)[k];
-        }, progress_);
+        gram += weightedGram(
+            glossy.influence[1],
+            [&](size_t i, float* out) {
+                const float w = 1 / std::max(glossy.sigma[i] * glossy.sigma[i], 1e-20f);
+                for (size_t k = 0; k < n; ++k) out[k] = w * glossy.influence[1].row(i)[k];
+            },
+            progress_);
     }
     Eigen::VectorXd scale(gram.rows());
     for (Eigen::Index i = 0; i < gram.rows(); ++i) scale(i) = gram(i, i) > 0 ? 1 / std::sqrt(gram(i, i)) : 0;
@@ -204,7 +233,9 @@ void SolveState::assess(Estimate& estimate) {
     Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled, Eigen::EigenvaluesOnly);
     estimate.stability = stability_;
     estimate.stability.unknowns = int(n);
-    if (stability_.kktResidual > 1e-6) estimate.stability.reason = fmt::format("a lighting program stopped at a relative KKT residual of {:.1e}", stability_.kktResidual);
+    if (stability_.kktResidual > 1e-6)
+        estimate.stability.reason =
+            fmt::format("a lighting program stopped at a relative KKT residual of {:.1e}", stability_.kktResidual);
     const double largest = std::max(eigen.eigenvalues().maxCoeff(), 1e-300);
     double smallest = largest;
     for (Eigen::Index i = 0; i < gram.rows(); ++i) {
@@ -214,7 +245,8 @@ void SolveState::assess(Estimate& estimate) {
     }
     estimate.stability.conditionNumber = largest / smallest;
     const Eigen::Index step = std::max<Eigen::Index>(1, (gram.rows() + 255) / 256);
-    for (Eigen::Index i = gram.rows() - 1; i >= 0; i -= step) estimate.stability.spectrum.push_back(float(std::max(0.0, eigen.eigenvalues()(i) / largest)));
+    for (Eigen::Index i = gram.rows() - 1; i >= 0; i -= step)
+        estimate.stability.spectrum.push_back(float(std::max(0.0, eigen.eigenvalues()(i) / largest)));
     const Eigen::Index m = Eigen::Index(leaves);
     Eigen::MatrixXd distant = scaled.topLeftCorner(m, m);
     distant.diagonal().array() += 1e-6;
@@ -222,9 +254,13 @@ void SolveState::assess(Estimate& estimate) {
     for (size_t e = 0; e < surfaces_.size(); ++e) {
         const Eigen::VectorXd column = scaled.block(0, m + Eigen::Index(e), m, 1);
         const double self = scaled(m + Eigen::Index(e), m + Eigen::Index(e));
-        const double imitated = self > 0 && factor.info() == Eigen::Success ? column.dot(factor.solve(column)) / self : 1;
+        const double imitated =
+            self > 0 && factor.info() == Eigen::Success ? column.dot(factor.solve(column)) / self : 1;
         estimate.identifiability.push_back(float(std::sqrt(std::clamp(1 - imitated, 0.0, 1.0))));
-        estimate.emitterSigma.push_back(lighting_.emitterRadiance[e] * (clusters_.emitters[e].unseen ? 1.0f : anchors_.emitterClipped[e] ? 0.5f : anchors_.emitterSigma[e]));
+        estimate.emitterSigma.push_back(lighting_.emitterRadiance[e] * (clusters_.emitters[e].unseen ? 1.0f
+                                                                        : anchors_.emitterClipped[e]
+                                                                            ? 0.5f
+                                                                            : anchors_.emitterSigma[e]));
     }
 }
 
@@ -247,7 +283,10 @@ Estimate SolveState::assemble() const {
     const auto give = [&](uint32_t piece, const Lobe& lobe, const Rgb& weight) {
         // Pieces of nearly the same roughness share a lobe.
         size_t at = 1;
-        const auto alike = [&](const Lobe& l) { return l.kind == lobe.kind && l.measured == lobe.measured && std::abs(std::log(l.alpha / lobe.alpha)) < 0.08f; };
+        const auto alike = [&](const Lobe& l) {
+            return l.kind == lobe.kind && l.measured == lobe.measured &&
+                   std::abs(std::log(l.alpha / lobe.alpha)) < 0.08f;
+        };
         while (at < r.basis.lobes.size() && !alike(r.basis.lobes[at])) ++at;
         if (at == r.basis.lobes.size()) {
             r.basis.lobes.push_back(lobe);
@@ -320,7 +359,8 @@ std::vector<HeldOutAlbedo> SolveState::holdOutViews() {
             lit.push_back(lit_[k]);
             litSigma.push_back(litSigma_[k]);
             // What coats mirror, as it was taken off the whole.
-            if (!matteSeen_.vertices.empty()) matte.radiance[i] *= matte_.radiance[k] / glm::max(matteSeen_.radiance[k], Rgb(1e-20f));
+            if (!matteSeen_.vertices.empty())
+                matte.radiance[i] *= matte_.radiance[k] / glm::max(matteSeen_.radiance[k], Rgb(1e-20f));
         }
         AlbedoResult albedo = solveAlbedo(scene_, matte, lit, litSigma, prior, progress_);
         withoutMetals(albedo.albedo);
@@ -341,13 +381,20 @@ Estimate SolveState::finish() {
     estimate.heldOut = holdOutViews();
     applyGauge(light, estimate);
     if (gloss_.empty()) estimate.leftOut.push_back({"glossy lobes", "no surface changes with the view beyond noise"});
-    if (clusters_.emitters.empty() && options_.nearField) estimate.leftOut.push_back({"near-field emitters", "no patch of the scene shines on its own"});
-    if (!options_.nearField) estimate.leftOut.push_back({"near-field emitters", "the distant-only baseline was asked for"});
-    if (environmentBlack_) estimate.leftOut.push_back({"distant light", "it gives less than half a percent of the light on the surfaces"});
+    if (clusters_.emitters.empty() && options_.nearField)
+        estimate.leftOut.push_back({"near-field emitters", "no patch of the scene shines on its own"});
+    if (!options_.nearField)
+        estimate.leftOut.push_back({"near-field emitters", "the distant-only baseline was asked for"});
+    if (environmentBlack_)
+        estimate.leftOut.push_back({"distant light", "it gives less than half a percent of the light on the surfaces"});
     if (!estimate.interreflection) estimate.leftOut.push_back({"interreflection", noBounceBecause_});
     if (refined_ && !environmentBlack_ && lighting_.leaves.size() < options_.maxLeaves && refinedMisfit_ > 0)
-        estimate.leftOut.push_back({"finer distant light", "the leaves that are left give too little light, or the last finer ones explained hardly more"});
-    if (lighting_.leaves.size() >= options_.maxLeaves) estimate.leftOut.push_back({"finer distant light", fmt::format("the limit of {} unknowns was reached", options_.maxLeaves)});
+        estimate.leftOut.push_back(
+            {"finer distant light",
+             "the leaves that are left give too little light, or the last finer ones explained hardly more"});
+    if (lighting_.leaves.size() >= options_.maxLeaves)
+        estimate.leftOut.push_back(
+            {"finer distant light", fmt::format("the limit of {} unknowns was reached", options_.maxLeaves)});
     record("done", 0, 0, pairMismatch());
     meter_.end();
     estimate.timeline = timeline_;

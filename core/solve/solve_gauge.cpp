@@ -12,8 +12,10 @@ LightUncertainty SolveState::uncertainty(bool scaleOnly) {
     std::vector<std::string> names;
     for (const EmitterCluster& e : clusters_.emitters) names.push_back(e.id);
     LightUncertainty light = lightUncertainty(information_, influence_, lit_, lighting_, names, options, progress_);
-    logInfo("scale known to {:.1f} {:.1f} {:.1f} %", 100 * light.scaleSigma.x, 100 * light.scaleSigma.y, 100 * light.scaleSigma.z);
-    if (!scaleOnly && !light.weakest.empty()) logInfo("least known: {} ({:.1f} %)", light.weakest, 100 * light.weakestSigma);
+    logInfo("scale known to {:.1f} {:.1f} {:.1f} %", 100 * light.scaleSigma.x, 100 * light.scaleSigma.y,
+            100 * light.scaleSigma.z);
+    if (!scaleOnly && !light.weakest.empty())
+        logInfo("least known: {} ({:.1f} %)", light.weakest, 100 * light.weakestSigma);
     return light;
 }
 
@@ -21,7 +23,8 @@ void SolveState::assessUncertainty(const LightUncertainty& light, Estimate& esti
     estimate.stability.weakest = light.weakest;
     estimate.stability.weakestSigma = light.weakestSigma;
     if (!(light.scaleSigma.y > 0)) return;
-    // Albedo: the light on the vertex, its own look-ups, and what its neighbours tell of it where those are weak or there are none.
+    // Albedo: the light on the vertex, its own look-ups, and what its neighbours tell of it where those are weak or
+    // there are none.
     constexpr float fromNeighbours = 0.06f, unseen = 0.15f, background = 0.02f, most = 10;
     double mean = 0;
     for (const Rgb& s : light.litSigma) mean += double(s.x + s.y + s.z) / 3;
@@ -34,30 +37,34 @@ void SolveState::assessUncertainty(const LightUncertainty& light, Estimate& esti
         float sum = 0;
         for (int c = 0; c < 3; ++c) {
             // Bounded, because nothing times infinity is not a number.
-            const float look = std::min(most, matte_.sigma[i][c] / std::max(matte_.radiance[i][c], 1e-20f)), edge = std::min(most, litSigma_[i][c] / std::max(lit_[i][c], 1e-20f));
-            const float variance = light.litSigma[i][c] * light.litSigma[i][c] + own * (look * look + edge * edge) + (1 - own) * fromNeighbours * fromNeighbours;
+            const float look = std::min(most, matte_.sigma[i][c] / std::max(matte_.radiance[i][c], 1e-20f)),
+                        edge = std::min(most, litSigma_[i][c] / std::max(lit_[i][c], 1e-20f));
+            const float variance = light.litSigma[i][c] * light.litSigma[i][c] + own * (look * look + edge * edge) +
+                                   (1 - own) * fromNeighbours * fromNeighbours;
             sum += std::min(std::sqrt(variance), most);
         }
         sigma[v] = sum / 3;
     }
     for (size_t e = 0; e < clusters_.emitters.size(); ++e)
-        if (clusters_.emitters[e].unseen && e < light.emitterSigma.size()) estimate.emitterSigma[e] = estimate.lighting.emitterRadiance[e] * light.emitterSigma[e];
+        if (clusters_.emitters[e].unseen && e < light.emitterSigma.size())
+            estimate.emitterSigma[e] = estimate.lighting.emitterRadiance[e] * light.emitterSigma[e];
     const DirectionGrid fine{estimate.environmentSide};
     const std::vector<uint32_t> leafOf = lighting_.leaves.leafOfCells(fine);
     estimate.environmentSigma.resize(size_t(fine.cells()));
     for (size_t c = 0; c < estimate.environmentSigma.size(); ++c) {
         const uint32_t leaf = leafOf[c];
-        const Rgb relative = estimate.environment[c] == lighting_.leafRadiance[leaf] ? light.leafSigma[leaf] : Rgb(background);
+        const Rgb relative =
+            estimate.environment[c] == lighting_.leafRadiance[leaf] ? light.leafSigma[leaf] : Rgb(background);
         estimate.environmentSigma[c] = relative * estimate.environment[c];
     }
 }
 
 namespace {
 
-constexpr float enoughSigma = 0.25f;    // what taking the brightest surfaces for white is off by
-constexpr float assumedSigma = 0.35f;   // plausible mean albedos of an object lie between .3 and .8
-constexpr double modelError = 0.02;     // of the light on the surfaces, relative
-constexpr float refutedShare = 0.1f;    // of the surfaces that would have to send back more light than they get
+constexpr float enoughSigma = 0.25f;   // what taking the brightest surfaces for white is off by
+constexpr float assumedSigma = 0.35f;  // plausible mean albedos of an object lie between .3 and .8
+constexpr double modelError = 0.02;    // of the light on the surfaces, relative
+constexpr float refutedShare = 0.1f;   // of the surfaces that would have to send back more light than they get
 
 float quantileOf(std::vector<float> values, double q) {
     if (values.empty()) return 0;
@@ -83,11 +90,15 @@ Rgb SolveState::toldGauge(GaugeReport& gauge) const {
     const GaugeChoice& choice = options_.gauge;
     if (choice.kind == GaugeChoice::Kind::whitePatch) {
         const View& view = capture_.views[size_t(choice.view)];
-        const Hit hit = scene_.tracer->closest({Vec3(view.camera.position()), view.camera.rayDirection(choice.pixel), 0, 1e30f});
-        if (!hit) throw Error("--gauge white-patch: pixel {:.0f},{:.0f} of view {} sees no surface", choice.pixel.x, choice.pixel.y, choice.view);
+        const Hit hit =
+            scene_.tracer->closest({Vec3(view.camera.position()), view.camera.rayDirection(choice.pixel), 0, 1e30f});
+        if (!hit)
+            throw Error("--gauge white-patch: pixel {:.0f},{:.0f} of view {} sees no surface", choice.pixel.x,
+                        choice.pixel.y, choice.view);
         const Triangle& t = scene_.mesh.triangles[hit.triangle];
         gauge.kind = "white-patch";
-        gauge.evidence = fmt::format("the surface at pixel {:.0f},{:.0f} of view {} was declared white", choice.pixel.x, choice.pixel.y, choice.view);
+        gauge.evidence = fmt::format("the surface at pixel {:.0f},{:.0f} of view {} was declared white", choice.pixel.x,
+                                     choice.pixel.y, choice.view);
         return (albedo_.albedo[t[0]] + albedo_.albedo[t[1]] + albedo_.albedo[t[2]]) / 3.0f / choice.whiteAlbedo;
     }
     if (choice.kind == GaugeChoice::Kind::emitter) {
@@ -119,14 +130,18 @@ Rgb SolveState::assumedGauge(const SeenLight& seen, GaugeReport& gauge) const {
     if (!seen.backdrop) {
         // Brightest surfaces are taken for white.
         if (gauge.evidence.empty())
-            gauge.evidence = fmt::format("only {:.0f} % of the light is seen directly: the brightest surfaces were taken for an albedo of 0.75{}; tell a white patch to be sure", 100 * seen.share,
-                                         white ? " under white light" : "");
+            gauge.evidence = fmt::format(
+                "only {:.0f} % of the light is seen directly: the brightest surfaces were taken for an albedo of "
+                "0.75{}; tell a white patch to be sure",
+                100 * seen.share, white ? " under white light" : "");
         std::vector<float> brightest;
         for (uint32_t v : matte_.vertices) brightest.push_back(maxChannel(albedo_.albedo[v] / scale));
         return scale * (quantileOf(brightest, 0.95) / 0.75f);
     }
     // An object before a backdrop or a mask: nothing of its light is seen.
-    gauge.evidence = "nothing of the light is seen (the background is black or masked, so the light comes from elsewhere): a mean albedo of 0.5 and white light were assumed; tell a white patch to be sure";
+    gauge.evidence =
+        "nothing of the light is seen (the background is black or masked, so the light comes from elsewhere): a mean "
+        "albedo of 0.5 and white light were assumed; tell a white patch to be sure";
     std::vector<float> albedo;
     for (uint32_t v : matte_.vertices) albedo.push_back(luminance(albedo_.albedo[v] / scale));
     scale *= quantileOf(albedo, 0.5) / 0.5f;
@@ -153,40 +168,53 @@ float SolveState::shareAboveOne(const Rgb& scale, float& upper) const {
 void SolveState::applyGauge(const LightUncertainty& light, Estimate& estimate) {
     GaugeReport& gauge = estimate.gauge;
     Rgb scale(1);
-    // How much of the light on the surfaces comes from where the background is seen: only that much ties the scale down.
+    // How much of the light on the surfaces comes from where the background is seen: only that much ties the scale
+    // down.
     const SeenLight seen = seenLight();
     const bool assessed = light.scaleSigma.x > 0 && light.scaleSigma.y > 0 && light.scaleSigma.z > 0;
     Rgb scaleSigma = light.scaleSigma;
-    // What gives a hundredth of the light cannot tell its scale better than the model is right to a hundredth of itself. Metal shows the background beside the rest.
-    if (luminance(light.fromBackground) > 0.5f && !metalsJoined_) scaleSigma = glm::sqrt(scaleSigma * scaleSigma + float(modelError * modelError / std::max(seen.share * seen.share, 1e-6)));
+    // What gives a hundredth of the light cannot tell its scale better than the model is right to a hundredth of
+    // itself. Metal shows the background beside the rest.
+    if (luminance(light.fromBackground) > 0.5f && !metalsJoined_)
+        scaleSigma = glm::sqrt(scaleSigma * scaleSigma +
+                               float(modelError * modelError / std::max(seen.share * seen.share, 1e-6)));
     float upper = 0;
     const float above = shareAboveOne(scale, upper);
     // Light so weak that much of the surface would have to be more than white is not what lights it.
     const bool refuted = above > refutedShare;
-    const bool unclipped = std::any_of(anchors_.emitterClipped.begin(), anchors_.emitterClipped.end(), [](uint8_t clipped) { return !clipped; });
+    const bool unclipped = std::any_of(anchors_.emitterClipped.begin(), anchors_.emitterClipped.end(),
+                                       [](uint8_t clipped) { return !clipped; });
     if (options_.gauge.kind != GaugeChoice::Kind::automatic) {
         scale = toldGauge(gauge);
     } else if (unclipped) {
         gauge.kind = "emitter";
-        gauge.evidence = fmt::format("{} lamp(s) are seen directly and unclipped; their light varies over the scene", clusters_.emitters.size());
+        gauge.evidence = fmt::format("{} lamp(s) are seen directly and unclipped; their light varies over the scene",
+                                     clusters_.emitters.size());
     } else if (!refuted && assessed && luminance(scaleSigma) < enoughSigma) {
         const float gloss = luminance(light.fromGloss), bounced = luminance(light.fromBounces);
         if (bounced > gloss && bounced > luminance(light.fromBackground)) {
             gauge.kind = "bounced light";
-            gauge.evidence = fmt::format("{:.0f} % of the light on the surfaces comes from other surfaces, whose brightness the photographs show", 100 * bouncedShare_);
+            gauge.evidence = fmt::format(
+                "{:.0f} % of the light on the surfaces comes from other surfaces, whose brightness the photographs "
+                "show",
+                100 * bouncedShare_);
         } else {
             gauge.kind = "background";
-            gauge.evidence = fmt::format("background that is seen directly gives {:.0f} % of the light on the surfaces{}", 100 * seen.share,
-                                         metalsJoined_ ? ", and metal mirrors it beside the rest" : "");
+            gauge.evidence =
+                fmt::format("background that is seen directly gives {:.0f} % of the light on the surfaces{}",
+                            100 * seen.share, metalsJoined_ ? ", and metal mirrors it beside the rest" : "");
         }
     } else if (!refuted && !assessed && !seen.backdrop && seen.share > 0.35) {
         gauge.kind = "background";
-        gauge.evidence = fmt::format("{:.0f} % of the light on the surfaces comes from background that is seen directly", 100 * seen.share);
+        gauge.evidence = fmt::format(
+            "{:.0f} % of the light on the surfaces comes from background that is seen directly", 100 * seen.share);
     } else {
         // Nothing ties light to albedo.
         if (refuted && !seen.backdrop)
-            gauge.evidence = fmt::format("what is seen of the light is refuted: {:.0f} % of the surfaces would need an albedo above 1; the brightest surfaces were taken for an albedo of 0.75; tell a white patch to be sure",
-                                         100 * above);
+            gauge.evidence = fmt::format(
+                "what is seen of the light is refuted: {:.0f} % of the surfaces would need an albedo above 1; the "
+                "brightest surfaces were taken for an albedo of 0.75; tell a white patch to be sure",
+                100 * above);
         scale = assumedGauge(seen, gauge);
         gauge.sigma = Rgb(assumedSigma);
     }
@@ -217,16 +245,20 @@ void SolveState::applyGauge(const LightUncertainty& light, Estimate& estimate) {
 }
 
 void SolveState::boundAlbedo(const Rgb& scale, Estimate& estimate) const {
-    // No surface sends back more than it gets: where light was missed an albedo stands in for it, and would glow under another light. But where much of the surface would be cut it is the
-    // scale that is off, and the bound would cost the photographs.
+    // No surface sends back more than it gets: where light was missed an albedo stands in for it, and would glow under
+    // another light. But where much of the surface would be cut it is the scale that is off, and the bound would cost
+    // the photographs.
     std::vector<float> bright;
     for (const Rgb& y : matte_.radiance) bright.push_back(luminance(y));
     const float exposure = 1 / std::max(quantileOf(bright, 0.995), 1e-20f);
     double own = 0, bounded = 0;
     for (size_t i = 0; i < matte_.vertices.size(); ++i) {
         const uint32_t v = matte_.vertices[i];
-        const Rgb white = lit_[i] * scale, coat = matteSeen_.vertices.empty() ? Rgb(0) : glm::max(matteSeen_.radiance[i] - matte_.radiance[i], Rgb(0));
-        const Rgb free = albedo_.albedo[v] / scale * white + coat, cut = glm::min(albedo_.albedo[v] / scale, Rgb(1)) * white + coat;
+        const Rgb white = lit_[i] * scale, coat = matteSeen_.vertices.empty()
+                                                      ? Rgb(0)
+                                                      : glm::max(matteSeen_.radiance[i] - matte_.radiance[i], Rgb(0));
+        const Rgb free = albedo_.albedo[v] / scale * white + coat,
+                  cut = glm::min(albedo_.albedo[v] / scale, Rgb(1)) * white + coat;
         for (uint32_t s = samples_.start[v]; s < samples_.start[v + 1]; ++s)
             for (int c = 0; c < 3; ++c) {
                 const auto display = [&](float y) { return std::pow(std::clamp(y * exposure, 0.0f, 1.0f), 1 / 2.2f); };
@@ -242,7 +274,8 @@ void SolveState::boundAlbedo(const Rgb& scale, Estimate& estimate) const {
         std::vector<float> needed;
         for (uint32_t v : matte_.vertices) needed.push_back(maxChannel(albedo_.albedo[v] / scale));
         upper = std::clamp(quantileOf(std::move(needed), 0.98), 1.0f, 2.0f);
-        logInfo("albedo is cut at {:.2f} where it was seen: at 1 the photographs would be explained {:.1f} dB worse", upper, 10 * std::log10(bounded / own));
+        logInfo("albedo is cut at {:.2f} where it was seen: at 1 the photographs would be explained {:.1f} dB worse",
+                upper, 10 * std::log10(bounded / own));
     }
     for (size_t v = 0; v < scene_.mesh.vertexCount(); ++v) {
         const Rgb most(samples_.countOf(uint32_t(v)) > 0 ? upper : 1.0f);

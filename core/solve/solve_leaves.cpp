@@ -8,10 +8,12 @@ namespace relamp {
 
 bool SolveState::refineLeaves() {
     if (refined_) return false;
-    const size_t limit = hasMatte() ? options_.maxLeaves : options_.maxLeaves + 3 * (size_t(1) << (2 * options_.startLevel));
+    const size_t limit =
+        hasMatte() ? options_.maxLeaves : options_.maxLeaves + 3 * (size_t(1) << (2 * options_.startLevel));
     if (environmentBlack_ || stopped() || lighting_.leaves.size() >= limit) return false;
     finishVisibility();
-    // What a leaf gives of the light at a vertex, on average over the vertices: a sky counts in the shadow of its sun, where lamps are told from it.
+    // What a leaf gives of the light at a vertex, on average over the vertices: a sky counts in the shadow of its sun,
+    // where lamps are told from it.
     computeLit();
     const double misfit = pairMismatch();
     // The measure is a root of squares: a fifth of a percent of the squares is nothing.
@@ -25,10 +27,13 @@ bool SolveState::refineLeaves() {
     std::vector<std::pair<float, uint32_t>> strong;
     for (uint32_t i = 0; i < lighting_.leaves.size(); ++i) {
         const Rgb share = shares[i];
-        if (maxChannel(share) > options_.splitShare && lighting_.leaves[i].level < LightLeaves::maxLevel) strong.emplace_back(maxChannel(share), i);
+        if (maxChannel(share) > options_.splitShare && lighting_.leaves[i].level < LightLeaves::maxLevel)
+            strong.emplace_back(maxChannel(share), i);
     }
     if (strong.empty()) return false;
-    std::sort(strong.begin(), strong.end(), [](const auto& a, const auto& b) { return a.first != b.first ? a.first > b.first : a.second < b.second; });
+    std::sort(strong.begin(), strong.end(), [](const auto& a, const auto& b) {
+        return a.first != b.first ? a.first > b.first : a.second < b.second;
+    });
     std::vector<uint32_t> chosen;
     for (const auto& [share, i] : strong)
         if (lighting_.leaves.size() + 3 * (chosen.size() + 1) <= limit) chosen.push_back(i);
@@ -92,7 +97,8 @@ void SolveState::splitLeaves(const std::vector<uint32_t>& chosen) {
     wider.values.assign(wider.rows * wider.columns, 0.0f);
     for (size_t r = 0; r < wider.rows; ++r) {
         std::copy(influence_.row(r), influence_.row(r) + before, wider.row(r));
-        std::copy(influence_.row(r) + before, influence_.row(r) + influence_.columns, wider.row(r) + finer.leaves.size());
+        std::copy(influence_.row(r) + before, influence_.row(r) + influence_.columns,
+                  wider.row(r) + finer.leaves.size());
     }
     if (visibility_.step > 1) traceFinerLeaves(finer.leaves, known_);
     lambertInfluenceOfLeaves(scene_, visibility_, finer.leaves, matte_.vertices, changed, wider, progress_);
@@ -102,11 +108,14 @@ void SolveState::splitLeaves(const std::vector<uint32_t>& chosen) {
     shapeLeaves();
     // What the background shows in detail is known at once.
     for (const uint32_t k : changed)
-        if (const LeafAnchor& a = anchors_.leaves[k]; a.coverage > 0.95f && !a.clipped) lighting_.leafRadiance[k] = a.radiance;
+        if (const LeafAnchor& a = anchors_.leaves[k]; a.coverage > 0.95f && !a.clipped)
+            lighting_.leafRadiance[k] = a.radiance;
 }
 
 void SolveState::sharpenForMetals() {
-    if (!hasMatte() || environmentBlack_ || std::none_of(gloss_.begin(), gloss_.end(), [](const PieceGloss& g) { return !g.matte; })) return;
+    if (!hasMatte() || environmentBlack_ ||
+        std::none_of(gloss_.begin(), gloss_.end(), [](const PieceGloss& g) { return !g.matte; }))
+        return;
     constexpr uint8_t wanted = 5;
     std::vector<uint8_t> differs(lighting_.leaves.size(), 0);
     for (const auto& [i, j] : lighting_.leaves.neighbourPairs()) {

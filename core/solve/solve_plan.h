@@ -1,4 +1,5 @@
-// What a solve leaves out because the scene does not need it, and what its stages cost: decided before the solve, measured while it runs.
+// What a solve leaves out because the scene does not need it, and what its stages cost: decided before the solve,
+// measured while it runs.
 #pragma once
 #include <memory>
 #include <string>
@@ -15,22 +16,28 @@ struct StrongDirections {
     static constexpr int rounds = 3, finest = 6;
 };
 
-/// What takes part. The default is what every solve may take for granted; the planner (pipeline/plan.h) switches off more.
+/// What takes part. The default is what every solve may take for granted; the planner (pipeline/plan.h) switches off
+/// more.
 struct PlanChoices {
-    bool distantLight = true;      ///< false: the surroundings are black, D is never built
-    bool bounce = true;            ///< false: light between surfaces is not tried (SolveOptions::Bounce::automatic only)
-    bool lateBounce = false;       ///< true: it is tried at the start level at once, not on coarse light first
-    bool bounceLikely = false;     ///< true: all speaks for it, so that it joins coarse light at once
-    bool unseenVertices = false;   ///< true: transport of vertices that no photograph shows, too
-    bool emptyColumns = false;     ///< true: directions that light no observed vertex take part in the equations' products, too
-    bool mattePieces = false;      ///< true: lobes are sought on pieces that do not change with the view, too
-    bool lostLobes = false;        ///< true: every lobe is tried on directions of its own, not only those that come near the best on shared ones
-    bool agreeingRays = false;     ///< true: visibility is traced where coarser rays all around agree, too
-    bool flatLevels = false;       ///< true: leaves are split on after a round that explained hardly more
-    bool lastDigits = false;       ///< true: a fit goes on after an iteration that lowered its objective by less than 3e-4
-    bool mattePointsInDetail = false; ///< true: in the equations' products matte points tell leaves apart that were split for what metals mirror
+    bool distantLight = true;     ///< false: the surroundings are black, D is never built
+    bool bounce = true;           ///< false: light between surfaces is not tried (SolveOptions::Bounce::automatic only)
+    bool lateBounce = false;      ///< true: it is tried at the start level at once, not on coarse light first
+    bool bounceLikely = false;    ///< true: all speaks for it, so that it joins coarse light at once
+    bool unseenVertices = false;  ///< true: transport of vertices that no photograph shows, too
+    bool emptyColumns =
+        false;  ///< true: directions that light no observed vertex take part in the equations' products, too
+    bool mattePieces = false;  ///< true: lobes are sought on pieces that do not change with the view, too
+    bool lostLobes = false;  ///< true: every lobe is tried on directions of its own, not only those that come near the
+                             ///< best on shared ones
+    bool agreeingRays = false;  ///< true: visibility is traced where coarser rays all around agree, too
+    bool flatLevels = false;    ///< true: leaves are split on after a round that explained hardly more
+    bool lastDigits = false;    ///< true: a fit goes on after an iteration that lowered its objective by less than 3e-4
+    bool mattePointsInDetail = false;  ///< true: in the equations' products matte points tell leaves apart that were
+                                       ///< split for what metals mirror
     /// Nothing is left out.
-    static PlanChoices everything() { return {true, true, true, false, true, true, true, true, true, true, true, true}; }
+    static PlanChoices everything() {
+        return {true, true, true, false, true, true, true, true, true, true, true, true};
+    }
 };
 
 /// A stage of the solve; a number below 0 is not known.
@@ -50,11 +57,13 @@ struct SolvePlan {
     std::vector<PlannedStage> stages;
     std::vector<PlannedOmission> leftOut;
     double planningSeconds = 0;
-    std::shared_ptr<const RatioObservations> observed;  ///< what planning worked out and the solve takes over; null: nothing
-    std::shared_ptr<const Lighting> light;              ///< the light planning found, strong directions finer: where the solve starts; null: nowhere
+    std::shared_ptr<const RatioObservations>
+        observed;  ///< what planning worked out and the solve takes over; null: nothing
+    std::shared_ptr<const Lighting>
+        light;  ///< the light planning found, strong directions finer: where the solve starts; null: nowhere
     /// The stage of that name, made if it is not there.
     PlannedStage& stage(const std::string& name);
-    double predictedSeconds() const;   ///< over the stages with a prediction
+    double predictedSeconds() const;  ///< over the stages with a prediction
     double savedSeconds() const;
 };
 

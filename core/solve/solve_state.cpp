@@ -7,9 +7,16 @@
 
 namespace relamp {
 
-SolveState::SolveState(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const SolveOptions& options, Progress& progress,
-                       const SolveListener* listener)
-    : capture_(capture), scene_(scene), samples_(samples), options_(options), progress_(progress), listener_(listener), meter_(progress), plan_(options.plan) {
+SolveState::SolveState(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
+                       const SolveOptions& options, Progress& progress, const SolveListener* listener)
+    : capture_(capture),
+      scene_(scene),
+      samples_(samples),
+      options_(options),
+      progress_(progress),
+      listener_(listener),
+      meter_(progress),
+      plan_(options.plan) {
     const auto strength = [](float told) { return told > 0 ? PriorStrength{told, "artist"} : PriorStrength{}; };
     takeStrengths(strength(options.lightSmoothness), strength(options.albedoSmoothness));
 }
@@ -17,7 +24,9 @@ SolveState::SolveState(const Capture& capture, const Scene& scene, const Radianc
 void SolveState::record(const std::string& stage, int iteration, double objective, double rmse) {
     timeline_.push_back({progress_.seconds(), stage, iteration, objective, rmse});
     if (listener_ && listener_->entry) listener_->entry(timeline_.back());
-    if (!stepMayBeCut_ || !listener_ || !listener_->checkpoint || progress_.seconds() - lastCheckpoint_ < listener_->checkpointSeconds) return;
+    if (!stepMayBeCut_ || !listener_ || !listener_->checkpoint ||
+        progress_.seconds() - lastCheckpoint_ < listener_->checkpointSeconds)
+        return;
     lastCheckpoint_ = progress_.seconds();
     listener_->checkpoint(checkpoint(step_, false));
 }
@@ -36,7 +45,8 @@ void SolveState::takeClusters(const EmitterClusters& clusters) {
     std::vector<Entry> all;
     for (EmitterCluster& c : clusters_.emitters) all.push_back({std::move(c), false});
     for (EmitterCluster& c : clusters_.candidates) all.push_back({std::move(c), true});
-    std::stable_sort(all.begin(), all.end(), [](const Entry& a, const Entry& b) { return emitterPower(a.cluster) > emitterPower(b.cluster); });
+    std::stable_sort(all.begin(), all.end(),
+                     [](const Entry& a, const Entry& b) { return emitterPower(a.cluster) > emitterPower(b.cluster); });
     clusters_.emitters.clear();
     clusters_.candidates.clear();
     suspect_.clear();
@@ -53,7 +63,8 @@ void SolveState::rebuildNearField() {
     // Transport of what no photograph shows is worked out when it is asked for.
     known_ = scene_.referenced;
     if (!plan_.choices.unseenVertices)
-        for (uint32_t v = 0; v < known_.size(); ++v) known_[v] = samples_.countOf(v) > 0 || clusters_.emitterOfVertex[v] >= 0;
+        for (uint32_t v = 0; v < known_.size(); ++v)
+            known_[v] = samples_.countOf(v) > 0 || clusters_.emitterOfVertex[v] >= 0;
     NearFieldOptions nearOptions;
     nearOptions.seed = options_.seed;
     nearOptions.only = &known_;
@@ -79,18 +90,25 @@ void SolveState::rebuildNearField() {
 }
 
 void SolveState::prepare(const EmitterClusters& clusters) {
-    if (samples_.samples.empty()) throw Error("no vertex of the mesh is seen by any photograph: check the cameras' poses and the mesh's scale with `relamp check`");
+    if (samples_.samples.empty())
+        throw Error(
+            "no vertex of the mesh is seen by any photograph: check the cameras' poses and the mesh's scale with "
+            "`relamp check`");
     meter_.begin("lamps' light, observations, pairs");
     takeClusters(clusters);
     rebuildNearField();
-    if (matte_.vertices.empty()) throw Error("no vertex has a usable look-up: every pixel on the mesh is clipped, or all of the mesh was taken for lamps; `relamp check` tells which");
+    if (matte_.vertices.empty())
+        throw Error(
+            "no vertex has a usable look-up: every pixel on the mesh is clipped, or all of the mesh was taken for "
+            "lamps; `relamp check` tells which");
     environmentBlack_ = !plan_.choices.distantLight && !surfaces_.empty();
     constexpr auto coarsest = [](const LightLeaves& leaves) {
         int level = LightLeaves::maxLevel;
         for (size_t i = 0; i < leaves.size(); ++i) level = std::min(level, int(leaves[i].level));
         return level;
     };
-    startsFromPlan_ = plan_.light && !environmentBlack_ && options_.nearField && hasMatte() && coarsest(plan_.light->leaves) == firstLevel() && firstLevel() < options_.startLevel;
+    startsFromPlan_ = plan_.light && !environmentBlack_ && options_.nearField && hasMatte() &&
+                      coarsest(plan_.light->leaves) == firstLevel() && firstLevel() < options_.startLevel;
     lighting_.leaves = startsFromPlan_ ? plan_.light->leaves : LightLeaves::uniform(firstLevel(), scene_.axes);
     rebuildRows();
     guessLight();
@@ -123,7 +141,8 @@ void SolveState::traceFinerLeaves(const LightLeaves& leaves, const std::vector<u
     std::vector<FinerDirections> blocks;
     for (size_t i = 0; i < leaves.size(); ++i) {
         const int side = visibility_.grid.side >> leaves[i].level, step = std::max(1, side / 2);
-        if (side >= 1 && step < visibility_.step) blocks.push_back({leaves[i].x * side, leaves[i].y * side, side, step});
+        if (side >= 1 && step < visibility_.step)
+            blocks.push_back({leaves[i].x * side, leaves[i].y * side, side, step});
     }
     if (!blocks.empty()) traceFiner(scene_, only, blocks, visibility_, progress_);
 }
@@ -160,13 +179,16 @@ void SolveState::anchorLight() {
 }
 
 bool SolveState::refuteBackground() {
-    if (backgroundRefuted_ || environmentBlack_ || matte_.vertices.empty() || !bounce_.empty() || !tiesScale(anchors_, lightPrior_.darkness)) return false;
+    if (backgroundRefuted_ || environmentBlack_ || matte_.vertices.empty() || !bounce_.empty() ||
+        !tiesScale(anchors_, lightPrior_.darkness))
+        return false;
     LightAnchors others = anchors_;
     others.leaves.clear();
     if (tiesScale(others, lightPrior_.darkness)) return false;
     std::vector<float> albedo;
     for (size_t i = 0; i < influence_.rows; ++i)
-        if (const float lit = luminance(lightOfRow(influence_.row(i), lighting_)); lit > 0) albedo.push_back(luminance(matte_.radiance[i]) / lit);
+        if (const float lit = luminance(lightOfRow(influence_.row(i), lighting_)); lit > 0)
+            albedo.push_back(luminance(matte_.radiance[i]) / lit);
     if (albedo.empty()) return false;
     std::nth_element(albedo.begin(), albedo.begin() + ptrdiff_t(albedo.size() / 2), albedo.end());
     const float middle = albedo[albedo.size() / 2];
@@ -184,14 +206,16 @@ InfluenceMatrix SolveState::rowsOf(const std::vector<uint32_t>& vertices) {
     bool any = false;
     for (uint32_t v : vertices) any |= unknown[v] = !known_[v];
     if (any) learnTransport(unknown);
-    if (!environmentBlack_ || !visibility_.bits.empty()) return lambertInfluence(scene_, visibility_, nearField_, lighting_.leaves, vertices, progress_);
+    if (!environmentBlack_ || !visibility_.bits.empty())
+        return lambertInfluence(scene_, visibility_, nearField_, lighting_.leaves, vertices, progress_);
     // Nothing comes from afar: columns of zeros.
     InfluenceMatrix matrix;
     matrix.rows = vertices.size();
     matrix.columns = lighting_.leaves.size() + nearField_.emitters;
     matrix.values.assign(matrix.rows * matrix.columns, 0.0f);
     for (size_t r = 0; r < matrix.rows; ++r)
-        for (size_t e = 0; e < nearField_.emitters; ++e) matrix.row(r)[lighting_.leaves.size() + e] = nearField_.at(vertices[r], e);
+        for (size_t e = 0; e < nearField_.emitters; ++e)
+            matrix.row(r)[lighting_.leaves.size() + e] = nearField_.at(vertices[r], e);
     return matrix;
 }
 
@@ -222,8 +246,8 @@ void SolveState::guessLight() {
     }
 }
 
-AlbedoFreeReport SolveState::runAlbedoFree(const std::string& stage, int iterations, const ViewRows* rows, const RatioProblem* problem,
-                                            std::optional<ChromaShare> chroma, FitEnd end) {
+AlbedoFreeReport SolveState::runAlbedoFree(const std::string& stage, int iterations, const ViewRows* rows,
+                                           const RatioProblem* problem, std::optional<ChromaShare> chroma, FitEnd end) {
     AlbedoFreeOptions o;
     o.chroma = chroma;
     o.iterations = iterations;
@@ -236,7 +260,8 @@ AlbedoFreeReport SolveState::runAlbedoFree(const std::string& stage, int iterati
     o.light = lightPrior_;
     o.emptyColumns = plan_.choices.emptyColumns;
     // Light that goes on to be made finer or tried out need not be fitted to the end.
-    o.leastGain = end != FitEnd::last && !rows && !plan_.choices.lastDigits ? (end == FitEnd::coarse ? 1e-2f : 3e-4f) : 0.0f;
+    o.leastGain =
+        end != FitEnd::last && !rows && !plan_.choices.lastDigits ? (end == FitEnd::coarse ? 1e-2f : 3e-4f) : 0.0f;
     o.closing = end != FitEnd::coarse;
     if (problem) {
         o.fold = problem->fold;
@@ -247,16 +272,19 @@ AlbedoFreeReport SolveState::runAlbedoFree(const std::string& stage, int iterati
     LightInformation earlier;
     std::swap(earlier, information_);
     if (!progress_.hasBudget()) earlier = {};  // as large as what takes its place
-    AlbedoFreeReport report = solveAlbedoFree(influence_, problem ? problem->observations : matte_, problem ? problem->pairs : pairs_, anchors_, rows, o, lighting_, progress_,
-                                                    [&](int i, double objective, double rmse) { record(stage, i, objective, rmse); });
+    AlbedoFreeReport report = solveAlbedoFree(
+        influence_, problem ? problem->observations : matte_, problem ? problem->pairs : pairs_, anchors_, rows, o,
+        lighting_, progress_, [&](int i, double objective, double rmse) { record(stage, i, objective, rmse); });
     stability_.kktResidual = report.kktResidual;
     // Cut before its first step, a fit says nothing of what fixes the light.
     const bool same = earlier.all.size() == report.information.all.size();
     information_ = same && report.iterations == 0 ? std::move(earlier) : std::move(report.information);
     lightUnfinished_ = report.endedEarly;
     if (refuteBackground()) return runAlbedoFree(stage, std::max(iterations, 4), rows, problem, chroma, end);
-    logInfo("{}: {} iterations, objective {:.4g}, {} unknowns, chroma {:.3f} of the noise and {:.3f} of the rest, {:.1f} s", stage, report.iterations, report.objective, lighting_.leaves.size() + surfaces_.size(),
-            report.chroma.noise, report.chroma.model, progress_.seconds());
+    logInfo(
+        "{}: {} iterations, objective {:.4g}, {} unknowns, chroma {:.3f} of the noise and {:.3f} of the rest, {:.1f} s",
+        stage, report.iterations, report.objective, lighting_.leaves.size() + surfaces_.size(), report.chroma.noise,
+        report.chroma.model, progress_.seconds());
     return report;
 }
 
@@ -281,7 +309,8 @@ bool SolveState::startFromConstantReflectance() {
     chosen.matte = false;
     chosen.looks = looks;
     const auto attempt = [&](const Lobe& lobe) {
-        const InfluenceMatrix rows = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves, lobe, looks, options.rows, progress_);
+        const InfluenceMatrix rows = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves, lobe,
+                                                looks, options.rows, progress_);
         const OneLobeFit fit = fitOneLobe(rows, looks, anchors_, lighting_, progress_);
         stability_.kktResidual = std::max(stability_.kktResidual, fit.kktResidual);
         if (!(fit.residual < best)) return false;
@@ -293,21 +322,26 @@ bool SolveState::startFromConstantReflectance() {
         return true;
     };
     for (size_t k = 1; k < basis_.lobes.size(); ++k)
-        if ((basis_.lobes[k].kind == Lobe::Kind::ggx || basis_.lobes[k].kind == Lobe::Kind::measured) && !(chosen.lobe && stopped())) attempt(basis_.lobes[k]);
+        if ((basis_.lobes[k].kind == Lobe::Kind::ggx || basis_.lobes[k].kind == Lobe::Kind::measured) &&
+            !(chosen.lobe && stopped()))
+            attempt(basis_.lobes[k]);
     if (!chosen.lobe) {
         runAlbedoFree("light from ratios", options_.startIterations, nullptr);
         return true;
     }
-    const InfluenceMatrix chosenRows = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves, *chosen.lobe, looks, options.rows, progress_);
+    const InfluenceMatrix chosenRows = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves,
+                                                  *chosen.lobe, looks, options.rows, progress_);
     const MetalEvidence evidence = metalEvidence(chosenRows, bestLighting, looks);
-    logInfo("one lobe explains the looks within {:.2f}, surfaces that look alike from everywhere within {:.2f}", evidence.asMetal, evidence.alikeFromEverywhere);
+    logInfo("one lobe explains the looks within {:.2f}, surfaces that look alike from everywhere within {:.2f}",
+            evidence.asMetal, evidence.alikeFromEverywhere);
     if (evidence.asMetal >= evidence.alikeFromEverywhere) {
         noMetals_ = true;
         return false;
     }
     lighting_ = bestLighting;
     gloss_.assign(1, chosen);
-    logInfo("one lobe, {}: residual {:.2f}, weight {:.3f} {:.3f} {:.3f}", chosen.lobe->name, best, chosen.weight.x, chosen.weight.y, chosen.weight.z);
+    logInfo("one lobe, {}: residual {:.2f}, weight {:.3f} {:.3f} {:.3f}", chosen.lobe->name, best, chosen.weight.x,
+            chosen.weight.y, chosen.weight.z);
     // A mirror-like surface shows the environment sharper than matte ones do: halve the leaves everywhere.
     std::vector<uint32_t> all(lighting_.leaves.size());
     for (uint32_t i = 0; i < all.size(); ++i) all[i] = i;
@@ -324,7 +358,9 @@ void SolveState::shapeLeaves() {
     for (int cell = 0; cell < grid.cells(); ++cell) {
         const uint32_t leaf = leafOf[size_t(cell)];
         const LeafAnchor& a = anchors_.leaves[leaf];
-        if (a.coverage < 0.95f || a.clipped || samples_.backgroundPixels[size_t(cell)] < 4 || !(luminance(a.radiance) > 0)) continue;
+        if (a.coverage < 0.95f || a.clipped || samples_.backgroundPixels[size_t(cell)] < 4 ||
+            !(luminance(a.radiance) > 0))
+            continue;
         leafShape_[size_t(cell)] = luminance(samples_.background[size_t(cell)]) / luminance(a.radiance);
     }
 }
@@ -359,7 +395,8 @@ void SolveState::improveLight(int iterations) {
             if (stopped() && best < 1e300) break;
             const Lobe lobe = withRoughness(start, factor);
             if (factor != 1 && lobe.alpha == start.alpha) continue;
-            const InfluenceMatrix rows = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves, lobe, g.looks, rowOptions(), progress_);
+            const InfluenceMatrix rows = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves,
+                                                    lobe, g.looks, rowOptions(), progress_);
             const OneLobeFit fit = fitOneLobe(rows, g.looks, anchors_, lighting_, progress_);
             stability_.kktResidual = std::max(stability_.kktResidual, fit.kktResidual);
             if (!(fit.residual < best)) continue;
@@ -371,8 +408,8 @@ void SolveState::improveLight(int iterations) {
         }
         lighting_ = bestLighting;
         record("light and one lobe", int(timeline_.size()), best, 0);
-        logInfo("one lobe, {}: residual {:.2f}, weight {:.3f} {:.3f} {:.3f}, {} unknowns, {:.1f} s", g.lobe->name, best, g.weight.x, g.weight.y, g.weight.z,
-                lighting_.leaves.size() + surfaces_.size(), progress_.seconds());
+        logInfo("one lobe, {}: residual {:.2f}, weight {:.3f} {:.3f} {:.3f}, {} unknowns, {:.1f} s", g.lobe->name, best,
+                g.weight.x, g.weight.y, g.weight.z, lighting_.leaves.size() + surfaces_.size(), progress_.seconds());
         return;
     }
     const ViewRows rows = viewRows(progress_);
@@ -387,7 +424,8 @@ void SolveState::improveLight(int iterations) {
     RatioProblem problem = ratiosWithMetals();
     problem.fold = std::move(fold);
     problem.foldedRows = ownRows;
-    runAlbedoFree("light from ratios and gloss", iterations, &rows, problem.observations.vertices.empty() ? nullptr : &problem);
+    runAlbedoFree("light from ratios and gloss", iterations, &rows,
+                  problem.observations.vertices.empty() ? nullptr : &problem);
 }
 
 RatioProblem SolveState::ratiosWithMetals() {
@@ -403,7 +441,8 @@ RatioProblem SolveState::ratiosWithMetals() {
     for (const PieceGloss& g : gloss_) {
         if (g.matte || g.looks.size() < 2) continue;
         std::vector<Rgb> mirrored;
-        const InfluenceMatrix lobe = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves, *g.lobe, g.looks, fine, progress_, &mirrored);
+        const InfluenceMatrix lobe = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves,
+                                                *g.lobe, g.looks, fine, progress_, &mirrored);
         const size_t first = all.observations.vertices.size(), count = g.looks.size();
         influence_.values.reserve(influence_.values.size() + lobe.values.size());
         influence_.values.insert(influence_.values.end(), lobe.values.begin(), lobe.values.end());
@@ -413,7 +452,8 @@ RatioProblem SolveState::ratiosWithMetals() {
             all.observations.radiance.push_back(g.looks[i].radiance);
             all.observations.sigma.push_back(Rgb(g.looks[i].sigma));
             if (!all.bounce.empty()) all.bounce.push_back(mirrored[i]);
-            // Four partners for each: a look stands in eight pairs, which together weigh as much as the look would with a known weight.
+            // Four partners for each: a look stands in eight pairs, which together weigh as much as the look would with
+            // a known weight.
             for (uint64_t k = 1; k <= 4; ++k) {
                 const size_t other = mixBits((options_.seed + k) * 0x1000003 + i) % count;
                 if (other != i) all.pairs.push_back({uint32_t(first + i), uint32_t(first + other), 0.25f});
@@ -439,7 +479,8 @@ ViewRows SolveState::viewRows(Progress& progress) {
     for (const PieceGloss& g : gloss_) {
         if (!g.matte) continue;
         std::vector<Rgb> mirrored;
-        const InfluenceMatrix lobe = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves, *g.lobe, g.looks, options.rows, progress, &mirrored);
+        const InfluenceMatrix lobe = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves,
+                                                *g.lobe, g.looks, options.rows, progress, &mirrored);
         std::vector<uint32_t> vertices;
         for (const GlossyLook& look : g.looks) vertices.push_back(look.vertex);
         const InfluenceMatrix lambert = rowsOf(vertices);
@@ -448,7 +489,8 @@ ViewRows SolveState::viewRows(Progress& progress) {
             for (int c = 0; c < 3; ++c)
                 for (size_t k = 0; k < columns; ++k)
                     result.influence[c].row(at)[k] = g.weight[c] * lobe.row(i)[k] + albedo[c] * lambert.row(i)[k];
-            result.radiance.push_back(g.looks[i].radiance - g.weight * mirrored[i] - (vertexBounce_.empty() ? Rgb(0) : albedo * vertexBounce_[g.looks[i].vertex]));
+            result.radiance.push_back(g.looks[i].radiance - g.weight * mirrored[i] -
+                                      (vertexBounce_.empty() ? Rgb(0) : albedo * vertexBounce_[g.looks[i].vertex]));
             result.sigma.push_back(2.0f * g.looks[i].sigma);
         }
     }

@@ -11,21 +11,22 @@ namespace relamp {
 
 /// A solve is a list of steps; between two of them it can be put aside and gone on with.
 enum class SolveStep {
-    firstLight,    ///< coarse light, which lamps are lamps
-    strongLight,   ///< where it is strong, finer at once
-    firstSurfaces, ///< lobes by a few looks
-    startLight,    ///< light at the start level
-    bounces,       ///< is there light between surfaces?
-    lightStrength, ///< how smooth is the light?
-    splitStrong,   ///< leaves that give much light are split
+    firstLight,     ///< coarse light, which lamps are lamps
+    strongLight,    ///< where it is strong, finer at once
+    firstSurfaces,  ///< lobes by a few looks
+    startLight,     ///< light at the start level
+    bounces,        ///< is there light between surfaces?
+    lightStrength,  ///< how smooth is the light?
+    splitStrong,    ///< leaves that give much light are split
     refineLight,
-    surfaces,      ///< lobes and albedo
-    glossLight,    ///< light with the lobes known
+    surfaces,    ///< lobes and albedo
+    glossLight,  ///< light with the lobes known
     glossSurfaces,
-    turn           ///< light and albedo in turn
+    turn  ///< light and albedo in turn
 };
 std::vector<SolveStep> stepsOf(const SolveOptions& options);
-/// How far a fit of the light goes: light that strong directions are told from, light that finer fits or a choice follow, light that stays.
+/// How far a fit of the light goes: light that strong directions are told from, light that finer fits or a choice
+/// follow, light that stays.
 enum class FitEnd { coarse, usual, last };
 
 /// What the albedo-free solve takes beside the rows.
@@ -39,7 +40,8 @@ struct RatioProblem {
 
 class SolveState {
 public:
-    SolveState(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const SolveOptions& options, Progress& progress, const SolveListener* listener);
+    SolveState(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const SolveOptions& options,
+               Progress& progress, const SolveListener* listener);
 
     /// Observations, pairs, transport and a first guess of the light.
     void prepare(const EmitterClusters& clusters);
@@ -60,26 +62,31 @@ private:
     /// METHOD 11, on leaves of half the start level's side, and then at the start level.
     void firstLight();
     void startLight();
-    /// Leaves that give much of the light are split down to a side of 64 before the others are: a sun or a window is in its place early, and all that follows starts from there.
+    /// Leaves that give much of the light are split down to a side of 64 before the others are: a sun or a window is in
+    /// its place early, and all that follows starts from there.
     void sharpenStrong();
-    /// Lobes of the pieces that change with the view, by a few looks: shown, and kept until `surfaces` finds better ones. Without them a metal is black. They have no say in the light:
-    /// coarse light with metals in it claims to know the scale to a tenth where it is off by half.
+    /// Lobes of the pieces that change with the view, by a few looks: shown, and kept until `surfaces` finds better
+    /// ones. Without them a metal is black. They have no say in the light: coarse light with metals in it claims to
+    /// know the scale to a tenth where it is off by half.
     void firstSurfaces();
     /// Where nothing is matte: one constant lobe, light first; the lobe that explains the looks best is kept.
-    /// False, and nothing is changed but noMetals_, where no lobe explains them better than a surface that looks alike from everywhere.
+    /// False, and nothing is changed but noMetals_, where no lobe explains them better than a surface that looks alike
+    /// from everywhere.
     bool startFromConstantReflectance();
-    /// Re-fit test: an uncertain patch that needs an albedo well above 1 (1.5) under the light found is a lamp, others are surfaces.
-    /// True when the set changed.
+    /// Re-fit test: an uncertain patch that needs an albedo well above 1 (1.5) under the light found is a lamp, others
+    /// are surfaces. True when the set changed.
     bool confirmEmitters();
-    /// Leaves the distant light out where it gives less than half a percent of what is seen (3 % where the background is seen and black): less than the photographs can tell.
+    /// Leaves the distant light out where it gives less than half a percent of what is seen (3 % where the background
+    /// is seen and black): less than the photographs can tell.
     void leaveOutBlackEnvironment();
-    /// Do the photographs hold light bounced between surfaces? Fits the light with and without it and keeps what explains ratios better.
-    /// `coarse`: a first, cheap try that can only leave it out.
+    /// Do the photographs hold light bounced between surfaces? Fits the light with and without it and keeps what
+    /// explains ratios better. `coarse`: a first, cheap try that can only leave it out.
     void decideBounce(bool coarse);
-    /// Where the plan finds bounced light likely: what the photographs show of its senders joins the light from the start, by few rays; finer light judges it (decideBounce).
+    /// Where the plan finds bounced light likely: what the photographs show of its senders joins the light from the
+    /// start, by few rays; finer light judges it (decideBounce).
     void joinLikelyBounce();
-    /// Bounced light, if it was kept, from what the photographs show of its senders; senders that no photograph shows send their albedo
-    /// times their light.
+    /// Bounced light, if it was kept, from what the photographs show of its senders; senders that no photograph shows
+    /// send their albedo times their light.
     void updateBounce();
     /// Splits strong leaves; false when there is nothing left to split.
     bool refineLeaves();
@@ -93,10 +100,11 @@ private:
     void solveReflectance();
     void askLightStrength();
     void askAlbedoStrength();
-    /// Takes what coats mirror off the matte observations. `hurry`: with a third of the directions, though the time is used up. `matteAfterAll`: per piece 1 where no lobe explains
-    /// its change with the view.
+    /// Takes what coats mirror off the matte observations. `hurry`: with a third of the directions, though the time is
+    /// used up. `matteAfterAll`: per piece 1 where no lobe explains its change with the view.
     void takeCoatsOff(bool hurry, const std::vector<uint8_t>& matteAfterAll);
-    /// What changes with the view and not as a lobe does differs by geometry or exposure: the median of the views tells it, not their darker quarter.
+    /// What changes with the view and not as a lobe does differs by geometry or exposure: the median of the views tells
+    /// it, not their darker quarter.
     void readAsMatte(const std::vector<uint8_t>& pieces);
     /// Gives the listener, if there is one, an estimate as things stand; the state is afterwards as it was.
     void showSnapshot();
@@ -116,57 +124,57 @@ private:
     Progress& progress_;
     const SolveListener* listener_;
     StageMeter meter_;
-    uint32_t step_ = 0;                      ///< that runs
-    bool stepMayBeCut_ = false;              ///< it can start again from a better light
+    uint32_t step_ = 0;          ///< that runs
+    bool stepMayBeCut_ = false;  ///< it can start again from a better light
     double lastCheckpoint_ = 0;
     SolvePlan plan_;
 
     EmitterClusters clusters_;
-    std::vector<uint8_t> suspect_;           ///< per emitter: 1 = only a light fit can decide
+    std::vector<uint8_t> suspect_;  ///< per emitter: 1 = only a light fit can decide
     std::vector<EmitterSurface> surfaces_;
     MatteObservations matte_;
-    MatteObservations matteSeen_;            ///< the same as seen, where what coats mirror has been taken off; empty: nothing was
+    MatteObservations matteSeen_;  ///< the same as seen, where what coats mirror has been taken off; empty: nothing was
     std::vector<AlbedoPair> pairs_;
     double matteShare_ = 0;
-    bool noMetals_ = false;                  ///< pieces that change with the view as metals do were not explained by being metals
+    bool noMetals_ = false;  ///< pieces that change with the view as metals do were not explained by being metals
     bool environmentBlack_ = false;
-    bool backgroundRefuted_ = false;         ///< what is seen of the background is not what lights the scene
-    bool startsFromPlan_ = false;            ///< the first light is that of the plan
-    bool refined_ = false;                   ///< no leaf is worth a split any more
-    double refinedMisfit_ = 0;               ///< of the pairs before the last split, 0: there was none
-    std::vector<uint8_t> known_;             ///< vertices whose transport is known
+    bool backgroundRefuted_ = false;  ///< what is seen of the background is not what lights the scene
+    bool startsFromPlan_ = false;     ///< the first light is that of the plan
+    bool refined_ = false;            ///< no leaf is worth a split any more
+    double refinedMisfit_ = 0;        ///< of the pairs before the last split, 0: there was none
+    std::vector<uint8_t> known_;      ///< vertices whose transport is known
     Visibility visibility_;
     NearField nearField_;
-    InfluenceMatrix influence_;              ///< of the matte observations: leaves, then emitters
+    InfluenceMatrix influence_;  ///< of the matte observations: leaves, then emitters
     LightAnchors anchors_;
     LightPriorOptions lightPrior_;
     AlbedoPrior albedoPrior_;
-    Palette palette_;                        ///< empty without one
+    Palette palette_;  ///< empty without one
     PriorStrength lightSmoothness_, albedoSmoothness_;
     void takeStrengths(const PriorStrength& light, const PriorStrength& albedo);
-    std::vector<float> leafShape_;           ///< per cell of the background grid: relative brightness inside its leaf
+    std::vector<float> leafShape_;  ///< per cell of the background grid: relative brightness inside its leaf
     Lighting lighting_;
     const BrdfBasis& basis_ = options_.basis;
-    std::vector<PieceGloss> gloss_;          ///< pieces with a lobe
-    std::vector<PieceGloss> firstGloss_;     ///< the same by a few looks, until gloss_ has them
-    bool metalsHeard_ = false;               ///< pieces that seem to be metal were taken for metal once,
-    bool lightUnfinished_ = false;           ///< its last fit was ended early, because finer ones were to follow
-    bool metalsJoined_ = false;              ///< and had a say in the light
+    std::vector<PieceGloss> gloss_;       ///< pieces with a lobe
+    std::vector<PieceGloss> firstGloss_;  ///< the same by a few looks, until gloss_ has them
+    bool metalsHeard_ = false;            ///< pieces that seem to be metal were taken for metal once,
+    bool lightUnfinished_ = false;        ///< its last fit was ended early, because finer ones were to follow
+    bool metalsJoined_ = false;           ///< and had a say in the light
     AlbedoResult albedo_;
     struct BeforeSplit {
         Lighting lighting;
         InfluenceMatrix influence;
         LightInformation information;
     };
-    BeforeSplit untold_;                     ///< with a time budget: the last light that a fit went through
+    BeforeSplit untold_;  ///< with a time budget: the last light that a fit went through
     /// Keeps the light as it is for takeBackUntold().
     void keepForCut();
     /// Finer directions whose fit was cut before it told anything: the coarser ones that are known are better.
     void takeBackUntold();
-    std::vector<Rgb> lit_, litSigma_;        ///< per matte observation
-    BounceRays bounceRays_;                  ///< empty: bounced light plays no part
-    std::vector<Rgb> sent_;                  ///< radiance that surfaces send each other, per vertex; empty likewise
-    std::vector<Rgb> vertexBounce_, bounce_; ///< bounced light per vertex and per matte observation, empty likewise
+    std::vector<Rgb> lit_, litSigma_;         ///< per matte observation
+    BounceRays bounceRays_;                   ///< empty: bounced light plays no part
+    std::vector<Rgb> sent_;                   ///< radiance that surfaces send each other, per vertex; empty likewise
+    std::vector<Rgb> vertexBounce_, bounce_;  ///< bounced light per vertex and per matte observation, empty likewise
     float bouncedShare_ = 0;
     std::string noBounceBecause_ = "nothing was matte";
     std::vector<TimelineEntry> timeline_;
@@ -184,14 +192,17 @@ private:
     void rebuildRows();
     /// anchors_ for the present leaves; without the background where it was refuted.
     void anchorLight();
-    /// Does the background seen, where nothing else ties the scale down, ask for surfaces that cannot be (a median albedo below .04 or above 1.3)? Then it is dropped, and the light is brought
-    /// to a median albedo of .5. True when that was so: the light is to be fitted again.
+    /// Does the background seen, where nothing else ties the scale down, ask for surfaces that cannot be (a median
+    /// albedo below .04 or above 1.3)? Then it is dropped, and the light is brought to a median albedo of .5. True when
+    /// that was so: the light is to be fitted again.
     bool refuteBackground();
     int firstLevel() const;
-    /// Coarse light makes do with four rays a leaf: an answer stands sooner, and black surroundings never need the rest.
+    /// Coarse light makes do with four rays a leaf: an answer stands sooner, and black surroundings never need the
+    /// rest.
     int visibilityStepFor(int level) const;
     void learnVisibility(int step);
-    /// Rays of those leaves of `leaves` that are finer than what visibility_ has a ray for, for the vertices that `only` marks.
+    /// Rays of those leaves of `leaves` that are finer than what visibility_ has a ray for, for the vertices that
+    /// `only` marks.
     void traceFinerLeaves(const LightLeaves& leaves, const std::vector<uint8_t>& only);
     /// The rays that coarse light did without, and the rows again.
     void finishVisibility();
@@ -199,26 +210,30 @@ private:
     void shapeLeaves();
     LobeRowOptions rowOptions() const;
     void splitLeaves(const std::vector<uint32_t>& leaves);
-    AlbedoFreeReport runAlbedoFree(const std::string& stage, int iterations, const ViewRows* rows, const RatioProblem* problem = nullptr,
-                                   std::optional<ChromaShare> chroma = {}, FitEnd end = FitEnd::usual);
+    AlbedoFreeReport runAlbedoFree(const std::string& stage, int iterations, const ViewRows* rows,
+                                   const RatioProblem* problem = nullptr, std::optional<ChromaShare> chroma = {},
+                                   FitEnd end = FitEnd::usual);
     /// What each leaf gives of the light at a vertex, on average over the vertices. Needs lit_.
     std::vector<Rgb> sharesOfLight() const;
-    /// Leaves that only metals tell apart: brothers that were split for them, and that give matte surfaces too little light for their split to matter. Per column of influence_ its group; empty: none.
+    /// Leaves that only metals tell apart: brothers that were split for them, and that give matte surfaces too little
+    /// light for their split to matter. Per column of influence_ its group; empty: none.
     std::vector<uint32_t> leavesAsMatteTellsThem() const;
     /// Looks at pieces that have a matte part too, with their reflectance as it is now.
     ViewRows viewRows(Progress& progress);
-    /// Looks at pieces without a matte part join the matte observations: the lobe's weight cancels between two looks at the same piece, as
-    /// albedo does, so the piece says how the light is spread and has no say in its scale.
-    /// Their rows are put behind those of influence_, where they are not held twice: whoever asks takes them back. None: no pairs.
+    /// Looks at pieces without a matte part join the matte observations: the lobe's weight cancels between two looks at
+    /// the same piece, as albedo does, so the piece says how the light is spread and has no say in its scale. Their
+    /// rows are put behind those of influence_, where they are not held twice: whoever asks takes them back. None: no
+    /// pairs.
     RatioProblem ratiosWithMetals();
-    /// A metal shows distant light sharper than matte surfaces do: leaves are halved to a side of 32 where neighbours differ.
+    /// A metal shows distant light sharper than matte surfaces do: leaves are halved to a side of 32 where neighbours
+    /// differ.
     void sharpenForMetals();
     void computeLit();
     /// Albedo of every vertex under the present light; metals have none.
     void updateAlbedo();
     void withoutMetals(std::vector<Rgb>& albedo) const;
-    /// Relative difference between points of probably equal albedo under the present light (robustStep): the same measure in every stage
-    /// and mode, because albedo cancels and cannot hide what the light gets wrong. Needs lit_.
+    /// Relative difference between points of probably equal albedo under the present light (robustStep): the same
+    /// measure in every stage and mode, because albedo cancels and cannot hide what the light gets wrong. Needs lit_.
     double pairMismatch() const;
     void record(const std::string& stage, int iteration, double objective, double rmse);
     /// Two views are held out in turn: albedo of all vertices without them, under the light that all views gave.
@@ -229,7 +244,8 @@ private:
     /// How sure the light, the albedo and the environment picture are.
     void assessUncertainty(const LightUncertainty& light, Estimate& estimate) const;
     void applyGauge(const LightUncertainty& light, Estimate& estimate);
-    /// Share of the light on the surfaces that comes from background seen directly. `backdrop`: what is seen is black or masked.
+    /// Share of the light on the surfaces that comes from background seen directly. `backdrop`: what is seen is black
+    /// or masked.
     struct SeenLight {
         double share = 0;
         bool backdrop = false;
@@ -238,7 +254,8 @@ private:
     /// What light is to be multiplied with: by the artist's word, and by what is usual where nothing tells.
     Rgb toldGauge(GaugeReport& gauge) const;
     Rgb assumedGauge(const SeenLight& seen, GaugeReport& gauge) const;
-    /// Share of the surfaces that need an albedo above 1 when light is multiplied by `scale`; `upper`: the 95th percentile of what they need.
+    /// Share of the surfaces that need an albedo above 1 when light is multiplied by `scale`; `upper`: the 95th
+    /// percentile of what they need.
     float shareAboveOne(const Rgb& scale, float& upper) const;
     /// Cuts albedo at 1; where the photographs would be explained clearly worse, higher, at 2 at most.
     void boundAlbedo(const Rgb& scale, Estimate& estimate) const;

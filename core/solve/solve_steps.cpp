@@ -27,8 +27,10 @@ const char* stageOf(SolveStep step) {
 void findMeasured(Lobe& lobe, const BrdfBasis& basis) {
     for (Lobe& part : lobe.parts) findMeasured(part, basis);
     if (lobe.kind != Lobe::Kind::measured) return;
-    const auto at = std::find_if(basis.lobes.begin(), basis.lobes.end(), [&](const Lobe& l) { return l.measured && l.name == lobe.name; });
-    if (at == basis.lobes.end()) throw Error("the checkpoint names the measured material {}, which is not in the basis", lobe.name);
+    const auto at = std::find_if(basis.lobes.begin(), basis.lobes.end(),
+                                 [&](const Lobe& l) { return l.measured && l.name == lobe.name; });
+    if (at == basis.lobes.end())
+        throw Error("the checkpoint names the measured material {}, which is not in the basis", lobe.name);
     lobe.measured = at->measured;
 }
 
@@ -41,7 +43,8 @@ void SolveState::run(SolveStep step, uint32_t index) {
     // Without anything to show nothing is given up.
     const bool dispensable = step != firstLight && step != surfaces;
     if (dispensable && stopped()) return;
-    stepMayBeCut_ = hasMatte() && options_.nearField && (step == firstLight || step == startLight || step == refineLight || step == glossLight);
+    stepMayBeCut_ = hasMatte() && options_.nearField &&
+                    (step == firstLight || step == startLight || step == refineLight || step == glossLight);
     const Lighting before = lighting_;
     std::array<std::vector<Rgb>, 3> joined;  // bounced light that coarse light has
     if (step == bounces) joined = {bounce_, vertexBounce_, sent_};
@@ -91,7 +94,9 @@ void SolveState::run(SolveStep step, uint32_t index) {
                 break;
             case surfaces:
                 // Where something shines, the light is fitted again with it.
-                if (options_.glossRounds == 0 || std::none_of(matte_.pieceGlossy.begin(), matte_.pieceGlossy.end(), [](uint8_t g) { return g > 0; })) finishLight();
+                if (options_.glossRounds == 0 ||
+                    std::none_of(matte_.pieceGlossy.begin(), matte_.pieceGlossy.end(), [](uint8_t g) { return g > 0; }))
+                    finishLight();
                 solveReflectance();
                 break;
             case glossLight:
@@ -113,8 +118,12 @@ void SolveState::run(SolveStep step, uint32_t index) {
         }
     } catch (const OutOfTime&) {
         // The fits keep what is best so far themselves; what stands half done here is taken back.
-        if (lighting_.leaves.size() == before.leaves.size() && lighting_.emitterRadiance.size() == before.emitterRadiance.size()) lighting_ = before;
-        if (!joined[0].empty()) std::tie(bounce_, vertexBounce_, sent_) = std::tuple(std::move(joined[0]), std::move(joined[1]), std::move(joined[2]));
+        if (lighting_.leaves.size() == before.leaves.size() &&
+            lighting_.emitterRadiance.size() == before.emitterRadiance.size())
+            lighting_ = before;
+        if (!joined[0].empty())
+            std::tie(bounce_, vertexBounce_, sent_) =
+                std::tuple(std::move(joined[0]), std::move(joined[1]), std::move(joined[2]));
         else if (step == bounces) forgetBounce("the time was used up before it could be tried");
         logInfo("{}: given up, the time is used up", stageOf(step));
     }
@@ -128,7 +137,9 @@ void SolveState::keepForCut() {
 
 void SolveState::takeBackUntold() {
     const bool told = size_t(information_.all.rows()) == 3 * influence_.columns && !information_.all.isZero(0);
-    if (environmentBlack_ || told || lighting_.leaves.size() == untold_.lighting.leaves.size() || lighting_.emitterRadiance.size() != untold_.lighting.emitterRadiance.size()) return;
+    if (environmentBlack_ || told || lighting_.leaves.size() == untold_.lighting.leaves.size() ||
+        lighting_.emitterRadiance.size() != untold_.lighting.emitterRadiance.size())
+        return;
     lighting_ = std::move(untold_.lighting);
     influence_ = std::move(untold_.influence);
     information_ = std::move(untold_.information);
@@ -142,7 +153,9 @@ void SolveState::finishedStep(uint32_t next, SolveStep finished) {
         lastCheckpoint_ = progress_.seconds();
         listener_->checkpoint(checkpoint(next, true));
     }
-    const bool shown = finished == firstLight || finished == firstSurfaces || finished == startLight || finished == bounces || finished == surfaces || finished == glossSurfaces || (finished == refineLight && !refined_);
+    const bool shown = finished == firstLight || finished == firstSurfaces || finished == startLight ||
+                       finished == bounces || finished == surfaces || finished == glossSurfaces ||
+                       (finished == refineLight && !refined_);
     if (shown) showSnapshot();
 }
 
@@ -179,7 +192,8 @@ SolveCheckpoint SolveState::checkpoint(uint32_t step, bool between) const {
     c.metalsJoined = metalsJoined_;
     c.lightUnfinished = lightUnfinished_;
     for (Eigen::Index j = 0; j < information_.all.cols(); ++j)
-        c.information.insert(c.information.end(), information_.all.col(j).data() + j, information_.all.col(j).data() + information_.all.rows());
+        c.information.insert(c.information.end(), information_.all.col(j).data() + j,
+                             information_.all.col(j).data() + information_.all.rows());
     for (size_t k = 0; k < 3; ++k) {
         const Eigen::MatrixXd& looks = information_.looks[k];
         const Eigen::VectorXd& seen = information_.seen[k];
@@ -217,7 +231,8 @@ void SolveState::goOnFrom(const SolveCheckpoint& c) {
     lighting_.leaves = LightLeaves::of(c.leaves, scene_.axes);
     lighting_.leafRadiance = c.leafRadiance;
     lighting_.emitterRadiance = c.emitterRadiance;
-    if (c.visibilityStep > uint32_t(options_.visibilitySide) || (c.visibilityStep & (c.visibilityStep - 1))) throw Error("the checkpoint's visibility has a step of {}", c.visibilityStep);
+    if (c.visibilityStep > uint32_t(options_.visibilitySide) || (c.visibilityStep & (c.visibilityStep - 1)))
+        throw Error("the checkpoint's visibility has a step of {}", c.visibilityStep);
     if (c.visibilityStep) {
         meter_.begin("visibility");
         learnVisibility(int(c.visibilityStep));
@@ -225,7 +240,8 @@ void SolveState::goOnFrom(const SolveCheckpoint& c) {
     rebuildRows();
     takeStrengths(c.lightSmoothness, c.albedoSmoothness);
     if (!c.matteRadiance.empty()) {
-        if (c.matteRadiance.size() != matte_.vertices.size() || c.matteSigma.size() != matte_.vertices.size()) throw Error("the checkpoint's observations are not those of the capture");
+        if (c.matteRadiance.size() != matte_.vertices.size() || c.matteSigma.size() != matte_.vertices.size())
+            throw Error("the checkpoint's observations are not those of the capture");
         matteSeen_ = matte_;
         matte_.radiance = c.matteRadiance;
         matte_.sigma = c.matteSigma;
@@ -271,7 +287,8 @@ void SolveState::goOnFrom(const SolveCheckpoint& c) {
 SolvePlan SolveState::measuredPlan() const {
     SolvePlan plan = plan_;
     for (const StageCost& cost : meter_.stages()) {
-        const bool foreseen = std::any_of(plan.stages.begin(), plan.stages.end(), [&](const PlannedStage& s) { return s.name == cost.name; });
+        const bool foreseen = std::any_of(plan.stages.begin(), plan.stages.end(),
+                                          [&](const PlannedStage& s) { return s.name == cost.name; });
         if (!foreseen && cost.seconds < 1e-3) continue;  // a step with nothing to do
         PlannedStage& stage = plan.stage(cost.name);
         stage.measuredSeconds = std::max(0.0, stage.measuredSeconds) + cost.seconds;

@@ -17,11 +17,14 @@ std::string directionInWords(const Vec3& d) {
     const char* names[] = {"+X", "+X+Y", "+Y", "-X+Y", "-X", "-X-Y", "-Y", "+X-Y"};
     const int sector = (int(std::lround(std::atan2(d.y, d.x) * 4 / pi)) + 8) % 8;
     if (std::abs(up) < 10) return fmt::format("the horizon towards {}", names[sector]);
-    return fmt::format("{:.0f} degrees {} the horizon towards {}", std::abs(up), up > 0 ? "above" : "below", names[sector]);
+    return fmt::format("{:.0f} degrees {} the horizon towards {}", std::abs(up), up > 0 ? "above" : "below",
+                       names[sector]);
 }
 
-/// What stands behind the unknowns of one sign: an emitter when it gives most of the effect, else where the distant light comes from.
-std::string sideInWords(const Eigen::VectorXd& effect, double sign, const Lighting& lighting, const std::vector<std::string>& emitterNames) {
+/// What stands behind the unknowns of one sign: an emitter when it gives most of the effect, else where the distant
+/// light comes from.
+std::string sideInWords(const Eigen::VectorXd& effect, double sign, const Lighting& lighting,
+                        const std::vector<std::string>& emitterNames) {
     const Eigen::Index leaves = Eigen::Index(lighting.leaves.size());
     double distant = 0, strongest = 0;
     Vec3 towards(0);
@@ -37,7 +40,8 @@ std::string sideInWords(const Eigen::VectorXd& effect, double sign, const Lighti
             emitter = i - leaves;
         }
     }
-    if (emitter >= 0 && strongest > 0.5 * distant) return size_t(emitter) < emitterNames.size() ? emitterNames[size_t(emitter)] : "an emitter";
+    if (emitter >= 0 && strongest > 0.5 * distant)
+        return size_t(emitter) < emitterNames.size() ? emitterNames[size_t(emitter)] : "an emitter";
     // Spread over more than a hemisphere it has no direction.
     if (glm::length(towards) < 0.3f * float(distant)) return "distant light from all around";
     return "distant light from " + directionInWords(glm::normalize(towards));
@@ -53,14 +57,18 @@ double scaleVariance(const Eigen::MatrixXd& information, const Eigen::VectorXd& 
 
 }  // namespace
 
-LightUncertainty lightUncertainty(const LightInformation& information, const InfluenceMatrix& b, const std::vector<Rgb>& lit, const Lighting& lighting,
-                                  const std::vector<std::string>& emitterNames, const UncertaintyOptions& options, Progress& progress) {
+LightUncertainty lightUncertainty(const LightInformation& information, const InfluenceMatrix& b,
+                                  const std::vector<Rgb>& lit, const Lighting& lighting,
+                                  const std::vector<std::string>& emitterNames, const UncertaintyOptions& options,
+                                  Progress& progress) {
     LightUncertainty result;
     const size_t leaves = lighting.leaves.size(), emitters = lighting.emitterRadiance.size(), n = leaves + emitters;
     result.leafSigma.assign(leaves, Rgb(0));
     result.emitterSigma.assign(emitters, Rgb(0));
     result.litSigma.assign(b.rows, Rgb(0));
-    const auto radiance = [&](size_t i, int c) { return double(i < leaves ? lighting.leafRadiance[i][c] : lighting.emitterRadiance[i - leaves][c]); };
+    const auto radiance = [&](size_t i, int c) {
+        return double(i < leaves ? lighting.leafRadiance[i][c] : lighting.emitterRadiance[i - leaves][c]);
+    };
     // Unknowns that are not held by their bound.
     const auto freeUnknowns = [&](int c) {
         double top = 0;
@@ -81,7 +89,8 @@ LightUncertainty lightUncertainty(const LightInformation& information, const Inf
                 for (Eigen::Index i : freeUnknowns(d)) others.push_back(d * m + i);
         Eigen::MatrixXd own = information.all.block(first, first, m, m);
         if (others.empty()) return own;
-        Eigen::MatrixXd between = information.all(others, Eigen::seqN(first, m)), rest = information.all(others, others);
+        Eigen::MatrixXd between = information.all(others, Eigen::seqN(first, m)),
+                        rest = information.all(others, others);
         rest.diagonal() *= 1 + 1e-9;
         const Eigen::LLT<Eigen::MatrixXd> factor(rest);
         if (factor.info() != Eigen::Success) return own;
@@ -127,15 +136,19 @@ LightUncertainty lightUncertainty(const LightInformation& information, const Inf
         }
         // The scale, and what fixes it: the evidence that is lost without each source.
         const double precision = 1 / scaleVariance(all, mean);
-        result.scaleSigma[c] = float(std::min(mostSigma, std::hypot(1 / std::sqrt(precision), double(options.scaleFloor))));
+        result.scaleSigma[c] =
+            float(std::min(mostSigma, std::hypot(1 / std::sqrt(precision), double(options.scaleFloor))));
         const auto lost = [&](const Eigen::MatrixXd& part) {
             Eigen::MatrixXd rest = all - part;
             rest.diagonal() += 1e-9 * all.diagonal();
             return std::max(0.0, precision - 1 / scaleVariance(rest, mean));
         };
         Eigen::VectorXd background = Eigen::VectorXd::Zero(m), lamps = Eigen::VectorXd::Zero(m);
-        for (Eigen::Index k = 0; k < m; ++k) (size_t(free[size_t(k)]) < leaves ? background : lamps)(k) = (options.backdrop && size_t(free[size_t(k)]) < leaves ? 0 : 1) * seen(free[size_t(k)]) / widening;
-        double parts[4] = {lost(lamps.asDiagonal()), lost(background.asDiagonal()), looks.size() ? lost(restricted(looks)) : 0.0, 0.0};
+        for (Eigen::Index k = 0; k < m; ++k)
+            (size_t(free[size_t(k)]) < leaves ? background : lamps)(k) =
+                (options.backdrop && size_t(free[size_t(k)]) < leaves ? 0 : 1) * seen(free[size_t(k)]) / widening;
+        double parts[4] = {lost(lamps.asDiagonal()), lost(background.asDiagonal()),
+                           looks.size() ? lost(restricted(looks)) : 0.0, 0.0};
         parts[3] = options.bounced ? std::max(0.0, precision - parts[0] - parts[1] - parts[2]) : 0.0;
         const double sum = parts[0] + parts[1] + parts[2] + parts[3];
         if (sum > 0) {
@@ -146,26 +159,37 @@ LightUncertainty lightUncertainty(const LightInformation& information, const Inf
         }
         if (options.scaleOnly) continue;
 
-        const auto relative = [&](size_t i, double sigma) { return float(std::min(mostSigma, sigma / std::max(radiance(i, c), 1e-30))); };
-        const Eigen::MatrixXd inverseFactor = factor.matrixL().solve(Eigen::MatrixXd::Identity(m, m));  // L^-1: covariance = L^-T L^-1
+        const auto relative = [&](size_t i, double sigma) {
+            return float(std::min(mostSigma, sigma / std::max(radiance(i, c), 1e-30)));
+        };
+        const Eigen::MatrixXd inverseFactor =
+            factor.matrixL().solve(Eigen::MatrixXd::Identity(m, m));  // L^-1: covariance = L^-T L^-1
         for (Eigen::Index k = 0; k < m; ++k) {
             const size_t i = size_t(free[size_t(k)]);
             const double sigma = inverseFactor.col(k).norm();
             (i < leaves ? result.leafSigma[i] : result.emitterSigma[i - leaves])[c] = relative(i, sigma);
         }
-        const Eigen::MatrixXd effect = weightedGram(some, [&](size_t i, float* out) { std::copy(some.row(i), some.row(i) + m, out); }, progress) / double(some.rows);
+        const Eigen::MatrixXd effect =
+            weightedGram(
+                some, [&](size_t i, float* out) { std::copy(some.row(i), some.row(i) + m, out); }, progress) /
+            double(some.rows);
         // Directions by how much they may change the light on the surfaces: eigenvectors of L^-1 E L^-T.
         const Eigen::MatrixXd product = inverseFactor * effect * inverseFactor.transpose();
         const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (product + product.transpose()));
         const Eigen::Index count = std::min<Eigen::Index>(m, options.directions);
-        const Eigen::MatrixXd directions = inverseFactor.transpose() * eigen.eigenvectors().rightCols(count).rowwise().reverse();
+        const Eigen::MatrixXd directions =
+            inverseFactor.transpose() * eigen.eigenvectors().rightCols(count).rowwise().reverse();
         Eigen::MatrixXf wide = Eigen::MatrixXf::Zero(Eigen::Index(n), count);
         for (Eigen::Index k = 0; k < m; ++k) wide.row(free[size_t(k)]) = directions.row(k).cast<float>();
         parallelBlocks(b.rows, 1024, [&](size_t begin, size_t end) {
-            const Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> rows(b.row(begin), Eigen::Index(end - begin), Eigen::Index(n));
+            const Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> rows(
+                b.row(begin), Eigen::Index(end - begin), Eigen::Index(n));
             const Eigen::VectorXf norm = (rows * wide).rowwise().norm();
             for (size_t r = begin; r < end; ++r)
-                result.litSigma[r][c] = lit[r][c] > 0 ? std::min(float(mostSigma), std::hypot(norm(Eigen::Index(r - begin)) / lit[r][c], options.scaleFloor)) : float(mostSigma);
+                result.litSigma[r][c] =
+                    lit[r][c] > 0 ? std::min(float(mostSigma),
+                                             std::hypot(norm(Eigen::Index(r - begin)) / lit[r][c], options.scaleFloor))
+                                  : float(mostSigma);
         });
 
         const double sigma = std::sqrt(std::max(0.0, eigen.eigenvalues()(m - 1)));
@@ -178,10 +202,16 @@ LightUncertainty lightUncertainty(const LightInformation& information, const Inf
         }
         if (change.sum() < 0) change = -change;
         const char* colour[] = {"red", "green", "blue"};
-        const double alike = change.dot(share) / std::max(1e-300, change.norm() * share.norm()), against = change.cwiseMin(0).sum() / std::max(1e-300, change.cwiseMax(0).sum());
+        const double alike = change.dot(share) / std::max(1e-300, change.norm() * share.norm()),
+                     against = change.cwiseMin(0).sum() / std::max(1e-300, change.cwiseMax(0).sum());
         if (alike > 0.9) result.weakest = fmt::format("{}: all light brighter and all surfaces darker", colour[c]);
-        else if (against > -0.25) result.weakest = fmt::format("{}: {} brighter and the surfaces it lights darker", colour[c], sideInWords(change, 1, lighting, emitterNames));
-        else result.weakest = fmt::format("{}: {} brighter and {} darker", colour[c], sideInWords(change, 1, lighting, emitterNames), sideInWords(change, -1, lighting, emitterNames));
+        else if (against > -0.25)
+            result.weakest = fmt::format("{}: {} brighter and the surfaces it lights darker", colour[c],
+                                         sideInWords(change, 1, lighting, emitterNames));
+        else
+            result.weakest =
+                fmt::format("{}: {} brighter and {} darker", colour[c], sideInWords(change, 1, lighting, emitterNames),
+                            sideInWords(change, -1, lighting, emitterNames));
     }
     return result;
 }

@@ -5,8 +5,8 @@
 
 namespace relamp {
 
-InfluenceMatrix lambertInfluence(const Scene& scene, const Visibility& visibility, const NearField& nearField, const LightLeaves& leaves,
-                                 const std::vector<uint32_t>& vertices, Progress& progress) {
+InfluenceMatrix lambertInfluence(const Scene& scene, const Visibility& visibility, const NearField& nearField,
+                                 const LightLeaves& leaves, const std::vector<uint32_t>& vertices, Progress& progress) {
     InfluenceMatrix matrix;
     matrix.rows = vertices.size();
     matrix.columns = leaves.size() + nearField.emitters;
@@ -19,8 +19,9 @@ InfluenceMatrix lambertInfluence(const Scene& scene, const Visibility& visibilit
     return matrix;
 }
 
-void lambertInfluenceOfLeaves(const Scene& scene, const Visibility& visibility, const LightLeaves& leaves, const std::vector<uint32_t>& vertices,
-                              const std::vector<uint32_t>& leafIndices, InfluenceMatrix& matrix, Progress& progress) {
+void lambertInfluenceOfLeaves(const Scene& scene, const Visibility& visibility, const LightLeaves& leaves,
+                              const std::vector<uint32_t>& vertices, const std::vector<uint32_t>& leafIndices,
+                              InfluenceMatrix& matrix, Progress& progress) {
     const DirectionGrid& grid = visibility.grid;
     std::vector<uint8_t> wanted(leaves.size(), 0);
     std::vector<uint32_t> fine;
@@ -41,35 +42,40 @@ void lambertInfluenceOfLeaves(const Scene& scene, const Visibility& visibility, 
     const float scale = grid.cellSolidAngle() / pi;
     constexpr int raysPerSide = 2;
     progress.begin("Distant influence", vertices.size());
-    parallelFor(vertices.size(), 32, [&](size_t r) {
-        const uint32_t v = vertices[r];
-        const Vec3 normal = scene.mesh.normals[v];
-        float* row = matrix.row(r);
-        for (uint32_t i : leafIndices) row[i] = 0;
-        for (size_t k = 0; k < cells.size(); ++k)
-            if (visibility.sees(v, int(cells[k]))) row[leafOfCell[cells[k]]] += scale * std::max(0.0f, glm::dot(normal, directions[k]));
-        if (fine.empty() || !scene.referenced[v]) return;
-        const Vec3 origin = rayOrigin(scene, scene.mesh.positions[v], normal);
-        Ray rays[8];
-        for (uint32_t i : fine) {
-            const Leaf& leaf = leaves[i];
-            int count = 0;
-            float cosines[8];
-            for (int s = 0; s < raysPerSide * raysPerSide; ++s) {
-                const Vec3 d = leaves.direction(i, Vec2(s % raysPerSide + 0.5f, s / raysPerSide + 0.5f) / float(raysPerSide));
-                const float cosine = glm::dot(d, normal);
-                if (cosine <= 0) continue;
-                cosines[count] = cosine;
-                rays[count++] = {origin, d, 0, 1e30f};
+    parallelFor(
+        vertices.size(), 32,
+        [&](size_t r) {
+            const uint32_t v = vertices[r];
+            const Vec3 normal = scene.mesh.normals[v];
+            float* row = matrix.row(r);
+            for (uint32_t i : leafIndices) row[i] = 0;
+            for (size_t k = 0; k < cells.size(); ++k)
+                if (visibility.sees(v, int(cells[k])))
+                    row[leafOfCell[cells[k]]] += scale * std::max(0.0f, glm::dot(normal, directions[k]));
+            if (fine.empty() || !scene.referenced[v]) return;
+            const Vec3 origin = rayOrigin(scene, scene.mesh.positions[v], normal);
+            Ray rays[8];
+            for (uint32_t i : fine) {
+                const Leaf& leaf = leaves[i];
+                int count = 0;
+                float cosines[8];
+                for (int s = 0; s < raysPerSide * raysPerSide; ++s) {
+                    const Vec3 d =
+                        leaves.direction(i, Vec2(s % raysPerSide + 0.5f, s / raysPerSide + 0.5f) / float(raysPerSide));
+                    const float cosine = glm::dot(d, normal);
+                    if (cosine <= 0) continue;
+                    cosines[count] = cosine;
+                    rays[count++] = {origin, d, 0, 1e30f};
+                }
+                if (!count) continue;
+                const uint32_t blocked = scene.tracer->occluded8({rays, size_t(count)});
+                float sum = 0;
+                for (int k = 0; k < count; ++k)
+                    if (!(blocked >> k & 1)) sum += cosines[k];
+                row[i] = sum * leaf.solidAngle() / (pi * raysPerSide * raysPerSide);
             }
-            if (!count) continue;
-            const uint32_t blocked = scene.tracer->occluded8({rays, size_t(count)});
-            float sum = 0;
-            for (int k = 0; k < count; ++k)
-                if (!(blocked >> k & 1)) sum += cosines[k];
-            row[i] = sum * leaf.solidAngle() / (pi * raysPerSide * raysPerSide);
-        }
-    }, &progress);
+        },
+        &progress);
 }
 
 Rgb sentAt(const Scene& scene, const Hit& hit, const std::vector<Rgb>& sent) {
@@ -86,8 +92,9 @@ Rgb lightOfRow(const float* row, const Lighting& lighting) {
     return sum;
 }
 
-void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emitters, const std::vector<int>& emitterOfTriangle, const LightLeaves& leaves,
-                     const Lobe& lobe, uint32_t vertex, const Vec3& towardEye, const LobeRowOptions& options, float* row, Rgb* mirrored) {
+void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emitters,
+                     const std::vector<int>& emitterOfTriangle, const LightLeaves& leaves, const Lobe& lobe,
+                     uint32_t vertex, const Vec3& towardEye, const LobeRowOptions& options, float* row, Rgb* mirrored) {
     const size_t columns = leaves.size() + emitters.size();
     std::fill(row, row + columns, 0.0f);
     if (mirrored) *mirrored = Rgb(0);
@@ -101,19 +108,24 @@ void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emit
     thread_local std::vector<EmitterSample> samples;
     thread_local std::vector<float> totals;
     totals.assign(emitters.size(), 0);
-    // Directions are drawn from the lobe, from the cosine, which reaches far from the lobe's peak where a bright sky still counts, and from emitters.
+    // Directions are drawn from the lobe, from the cosine, which reaches far from the lobe's peak where a bright sky
+    // still counts, and from emitters.
     const auto directionDensity = [&](const Vec3& light) {
-        return ggxSampleDensity(light, eye, lobe.alpha) * float(options.lobeSamples) + light.z / pi * float(options.cosineSamples);
+        return ggxSampleDensity(light, eye, lobe.alpha) * float(options.lobeSamples) +
+               light.z / pi * float(options.cosineSamples);
     };
     for (size_t e = 0; e < emitters.size(); ++e) {
-        totals[e] = sampleEmitter(scene, emitters[e], position, normal, options.emitterSamples, mixBits(options.seed + scene.rank[vertex]) + e, samples);
+        totals[e] = sampleEmitter(scene, emitters[e], position, normal, options.emitterSamples,
+                                  mixBits(options.seed + scene.rank[vertex]) + e, samples);
         for (const EmitterSample& s : samples) {
             if (s.visible == 0) continue;
             const Vec3 light = glm::transpose(frame) * s.direction;
             if (light.z <= 0) continue;
             const float areaDensity = light.z / (pi * totals[e]) * float(samples.size());
-            const float evenness = s.formFactor * float(samples.size()) / totals[e];  // 1 but for what a sample stands for more or less than its share
-            row[leaves.size() + e] += evenness * evaluateLobe(lobe, light, eye) * light.z / (areaDensity + directionDensity(light));
+            const float evenness = s.formFactor * float(samples.size()) /
+                                   totals[e];  // 1 but for what a sample stands for more or less than its share
+            row[leaves.size() + e] +=
+                evenness * evaluateLobe(lobe, light, eye) * light.z / (areaDensity + directionDensity(light));
         }
     }
     const Vec2 shift = randomShift(options.seed, scene.rank[vertex], 7);
@@ -129,16 +141,20 @@ void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emit
             if (!(density > 0)) continue;
             const float value = evaluateLobe(lobe, local[i], eye) * local[i].z;
             if (!hits[i]) {
-                const float shape = options.shape ? (*options.shape)[size_t(options.shapeGrid.cellOf(rays[i].direction))] : 1.0f;
+                const float shape =
+                    options.shape ? (*options.shape)[size_t(options.shapeGrid.cellOf(rays[i].direction))] : 1.0f;
                 row[leaves.leafOf(rays[i].direction)] += shape * value / density;
                 continue;
             }
             const int e = emitterOfTriangle.empty() ? -1 : emitterOfTriangle[hits[i].triangle];
-            if (e < 0 && mirrored && options.sent && glm::dot(scene.mesh.faceNormal(hits[i].triangle), rays[i].direction) < 0) {
+            if (e < 0 && mirrored && options.sent &&
+                glm::dot(scene.mesh.faceNormal(hits[i].triangle), rays[i].direction) < 0) {
                 *mirrored += value / density * sentAt(scene, hits[i], *options.sent);
             }
             if (e < 0 || !(totals[size_t(e)] > 0)) continue;
-            if (!emitters[size_t(e)].twoSided && glm::dot(scene.mesh.faceNormal(hits[i].triangle), rays[i].direction) >= 0) continue;
+            if (!emitters[size_t(e)].twoSided &&
+                glm::dot(scene.mesh.faceNormal(hits[i].triangle), rays[i].direction) >= 0)
+                continue;
             const float areaDensity = local[i].z / (pi * totals[size_t(e)]) * float(options.emitterSamples);
             row[leaves.size() + size_t(e)] += value / (areaDensity + density);
         }

@@ -28,7 +28,8 @@ LightLeaves LightLeaves::of(const std::vector<Leaf>& leaves, const Mat3& axes) {
     result.axes_ = axes;
     double area = 0;
     for (const Leaf& leaf : leaves) {
-        if (leaf.level > maxLevel || leaf.x >> leaf.level || leaf.y >> leaf.level) throw Error("a leaf of level {} at {},{} does not exist", leaf.level, leaf.x, leaf.y);
+        if (leaf.level > maxLevel || leaf.x >> leaf.level || leaf.y >> leaf.level)
+            throw Error("a leaf of level {} at {},{} does not exist", leaf.level, leaf.x, leaf.y);
         area += 1.0 / double(1u << (2 * leaf.level));
     }
     result.leaves_ = leaves;
@@ -89,7 +90,8 @@ std::vector<uint32_t> LightLeaves::leafOfCells(const DirectionGrid& grid) const 
     std::vector<uint32_t> result(size_t(grid.cells()));
     const int step = tableSide / grid.side;
     for (int c = 0; c < grid.cells(); ++c)
-        result[size_t(c)] = table_[size_t((c / grid.side) * step + step / 2) * tableSide + size_t((c % grid.side) * step + step / 2)];
+        result[size_t(c)] =
+            table_[size_t((c / grid.side) * step + step / 2) * tableSide + size_t((c % grid.side) * step + step / 2)];
     return result;
 }
 
@@ -110,7 +112,8 @@ std::array<SparseCoefs, 3> environmentCoefs(const Lighting& lighting, int side) 
             } else {
                 const int width = side / leafSide;
                 for (int y = leaf.y * width; y < (leaf.y + 1) * width; ++y)
-                    for (int x = leaf.x * width; x < (leaf.x + 1) * width; ++x) cells[size_t(y) * side + size_t(x)] = value;
+                    for (int x = leaf.x * width; x < (leaf.x + 1) * width; ++x)
+                        cells[size_t(y) * side + size_t(x)] = value;
             }
         }
         for (float& value : cells) value *= std::sqrt(grid.cellSolidAngle());

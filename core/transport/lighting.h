@@ -31,7 +31,9 @@ public:
     const Mat3& axes() const { return axes_; }
     size_t leafOf(const Vec3& direction) const;
     /// Direction of the point (u, v) in [0,1]^2 of leaf `i`.
-    Vec3 direction(size_t i, const Vec2& inside) const { return axes_ * squareToSphere((Vec2(leaves_[i].x, leaves_[i].y) + inside) / float(1u << leaves_[i].level)); }
+    Vec3 direction(size_t i, const Vec2& inside) const {
+        return axes_ * squareToSphere((Vec2(leaves_[i].x, leaves_[i].y) + inside) / float(1u << leaves_[i].level));
+    }
     /// All pairs of leaves that touch along an edge, across the square's folded edges too.
     std::vector<std::pair<uint32_t, uint32_t>> neighbourPairs() const;
     /// Per cell of `grid` the leaf that holds its centre (grid at most as fine as maxLevel, along the same axes).

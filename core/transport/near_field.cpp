@@ -33,7 +33,8 @@ EmitterSurface emitterSurface(const Mesh& mesh, const EmitterCluster& cluster, c
         centre += double(twice / 2) * DVec3(middle);
     }
     if (sum > 0) s.centroid = Vec3(centre / double(sum));
-    for (size_t t = 0; t < s.centres.size(); ++t) s.radius = std::max(s.radius, glm::length(s.centres[t] - s.centroid) + s.radii[t]);
+    for (size_t t = 0; t < s.centres.size(); ++t)
+        s.radius = std::max(s.radius, glm::length(s.centres[t] - s.centroid) + s.radii[t]);
     return s;
 }
 
@@ -59,7 +60,8 @@ float triangleFormFactor(const Vec3& point, const Vec3& normal, const std::array
     if (count < 3) return 0;
     for (int i = 0; i < count; ++i) {
         const float length = glm::length(kept[i]);
-        if (!(length > 1e-20f)) return 0;  // the point is a corner of the emitter: no solid angle is defined, none is taken
+        if (!(length > 1e-20f))
+            return 0;  // the point is a corner of the emitter: no solid angle is defined, none is taken
         kept[i] /= length;
     }
     float sum = 0;
@@ -75,17 +77,20 @@ float triangleFormFactor(const Vec3& point, const Vec3& normal, const std::array
 
 namespace {
 
-/// What an emitter shows to a point: triangles, near ones cut up so that the form factor is spread evenly over each piece.
+/// What an emitter shows to a point: triangles, near ones cut up so that the form factor is spread evenly over each
+/// piece.
 struct Pieces {
     std::vector<std::array<Vec3, 3>> corners;
     std::vector<float> factors;
-    float add(const Vec3& point, const Vec3& normal, const std::array<Vec3, 3>& c, const Vec3& centre, float radius, bool twoSided, int depth) {
+    float add(const Vec3& point, const Vec3& normal, const std::array<Vec3, 3>& c, const Vec3& centre, float radius,
+              bool twoSided, int depth) {
         const Vec3 to = centre - point;
         const float d2 = glm::dot(to, to);
         if (depth < 6 && d2 < 16 * radius * radius) {
             const Vec3 m[3] = {(c[0] + c[1]) / 2.0f, (c[1] + c[2]) / 2.0f, (c[2] + c[0]) / 2.0f};
             float sum = 0;
-            for (const auto& part : {std::array{c[0], m[0], m[2]}, std::array{m[0], c[1], m[1]}, std::array{m[2], m[1], c[2]}, std::array{m[0], m[1], m[2]}})
+            for (const auto& part : {std::array{c[0], m[0], m[2]}, std::array{m[0], c[1], m[1]},
+                                     std::array{m[2], m[1], c[2]}, std::array{m[0], m[1], m[2]}})
                 sum += add(point, normal, part, (part[0] + part[1] + part[2]) / 3.0f, radius / 2, twoSided, depth + 1);
             return sum;
         }
@@ -98,7 +103,8 @@ struct Pieces {
     }
 };
 
-/// Form factors to every triangle of the emitter that shines at the point: exact near, by its centre where it is small and far (within 0.3 %).
+/// Form factors to every triangle of the emitter that shines at the point: exact near, by its centre where it is small
+/// and far (within 0.3 %).
 float formFactors(const EmitterSurface& emitter, const Vec3& point, const Vec3& normal, Pieces& out) {
     out.corners.clear();
     out.factors.clear();
@@ -121,15 +127,17 @@ float formFactors(const EmitterSurface& emitter, const Vec3& point, const Vec3& 
 }
 
 Vec3 highestCorner(const std::array<Vec3, 3>& c, const Vec3& point, const Vec3& normal) {
-    return *std::max_element(c.begin(), c.end(), [&](const Vec3& a, const Vec3& b) { return glm::dot(a - point, normal) < glm::dot(b - point, normal); });
+    return *std::max_element(c.begin(), c.end(), [&](const Vec3& a, const Vec3& b) {
+        return glm::dot(a - point, normal) < glm::dot(b - point, normal);
+    });
 }
 
 }  // namespace
 
 int samplesForSolidAngle(float steradians) { return steradians < 0.06f ? 16 : steradians < 1 ? 64 : 256; }
 
-float sampleEmitter(const Scene& scene, const EmitterSurface& emitter, const Vec3& point, const Vec3& normal, int count, uint64_t seed,
-                    std::vector<EmitterSample>& samples) {
+float sampleEmitter(const Scene& scene, const EmitterSurface& emitter, const Vec3& point, const Vec3& normal, int count,
+                    uint64_t seed, std::vector<EmitterSample>& samples) {
     samples.clear();
     if (emitter.centres.empty() || glm::dot(emitter.centroid - point, normal) < -emitter.radius) return 0;
     thread_local Pieces pieces;
@@ -153,7 +161,8 @@ float sampleEmitter(const Scene& scene, const EmitterSurface& emitter, const Vec
     const auto flush = [&] {
         if (!pending) return;
         const uint32_t blocked = scene.tracer->occluded8({rays, size_t(pending)});
-        for (int i = 0; i < pending; ++i) samples[samples.size() - size_t(pending) + size_t(i)].visible = blocked >> i & 1 ? 0.0f : 1.0f;
+        for (int i = 0; i < pending; ++i)
+            samples[samples.size() - size_t(pending) + size_t(i)].visible = blocked >> i & 1 ? 0.0f : 1.0f;
         pending = 0;
     };
     const float first = unitFloat(mixBits(seed ^ 0x9d));
@@ -161,20 +170,24 @@ float sampleEmitter(const Scene& scene, const EmitterSurface& emitter, const Vec
     for (int i = 0; i < count; ++i) {
         // Stratified over the pieces' shares, low-discrepancy inside each piece.
         const float pick = (float(i) + first) / float(count) * sum;
-        const size_t t = std::min(size_t(std::upper_bound(factors.begin(), factors.end(), pick) - factors.begin()), factors.size() - 1);
+        const size_t t = std::min(size_t(std::upper_bound(factors.begin(), factors.end(), pick) - factors.begin()),
+                                  factors.size() - 1);
         const Vec2 u = r2Point(uint32_t(i), shift);
         const float root = std::sqrt(u.x);
         const auto& c = pieces.corners[t];
         Vec3 target = (1 - root) * c[0] + root * (1 - u.y) * c[1] + root * u.y * c[2];
         // Below the horizon: that part is clipped away, so a point above it stands for it.
-        for (int k = 0; k < 3 && glm::dot(target - point, normal) <= 0; ++k) target = (target + highestCorner(c, point, normal)) / 2.0f;
+        for (int k = 0; k < 3 && glm::dot(target - point, normal) <= 0; ++k)
+            target = (target + highestCorner(c, point, normal)) / 2.0f;
         const Vec3 to = target - origin;
         const float distance = glm::length(to);
         EmitterSample s;
-        // Points lie evenly over a piece's area, its form factor does not: cosines and distance at the point set that right.
+        // Points lie evenly over a piece's area, its form factor does not: cosines and distance at the point set that
+        // right.
         const Vec3 straight = target - point, twiceArea = glm::cross(c[1] - c[0], c[2] - c[0]);
         const float d2 = glm::dot(straight, straight), share = factors[t] - (t ? factors[t - 1] : 0.0f);
-        const float kernel = std::abs(glm::dot(twiceArea, straight)) * std::max(0.0f, glm::dot(straight, normal)) / (2 * pi * d2 * d2);
+        const float kernel =
+            std::abs(glm::dot(twiceArea, straight)) * std::max(0.0f, glm::dot(straight, normal)) / (2 * pi * d2 * d2);
         s.formFactor = d2 > 0 && share > 0 ? std::clamp(kernel / share, 0.25f, 4.0f) : 1.0f;
         weights += s.formFactor;
         s.direction = distance > 0 ? to / distance : normal;
@@ -187,7 +200,8 @@ float sampleEmitter(const Scene& scene, const EmitterSurface& emitter, const Vec
     return total;
 }
 
-NearField computeNearField(const Scene& scene, const EmitterClusters& clusters, const NearFieldOptions& options, Progress& progress) {
+NearField computeNearField(const Scene& scene, const EmitterClusters& clusters, const NearFieldOptions& options,
+                           Progress& progress) {
     NearField result;
     result.emitters = clusters.emitters.size();
     const size_t n = scene.mesh.vertexCount();
@@ -197,34 +211,42 @@ NearField computeNearField(const Scene& scene, const EmitterClusters& clusters, 
     return result;
 }
 
-void addNearField(const Scene& scene, const EmitterClusters& clusters, const NearFieldOptions& options, NearField& result, Progress& progress) {
+void addNearField(const Scene& scene, const EmitterClusters& clusters, const NearFieldOptions& options,
+                  NearField& result, Progress& progress) {
     const size_t n = scene.mesh.vertexCount();
     std::vector<EmitterSurface> surfaces;
     for (const EmitterCluster& e : clusters.emitters) surfaces.push_back(orderedEmitterSurface(scene, e));
     progress.begin("Near-field maps", n);
-    parallelBlocks(n, 64, [&](size_t begin, size_t end) {
-        std::vector<EmitterSample> samples;
-        for (size_t v = begin; v < end; ++v) {
-            if (!scene.referenced[v] || (options.only && !(*options.only)[v])) continue;
-            for (size_t e = 0; e < surfaces.size(); ++e) {
-                const float total = sampleEmitter(scene, surfaces[e], scene.mesh.positions[v], scene.mesh.normals[v], 0, mixBits(options.seed) ^ (uint64_t(scene.rank[v]) * 31 + e), samples);
-                float seen = 0;
-                for (const EmitterSample& s : samples) seen += s.formFactor * s.visible;
-                result.formFactor[v * result.emitters + e] = seen;
-                result.unshadowed[v * result.emitters + e] = total;
+    parallelBlocks(
+        n, 64,
+        [&](size_t begin, size_t end) {
+            std::vector<EmitterSample> samples;
+            for (size_t v = begin; v < end; ++v) {
+                if (!scene.referenced[v] || (options.only && !(*options.only)[v])) continue;
+                for (size_t e = 0; e < surfaces.size(); ++e) {
+                    const float total =
+                        sampleEmitter(scene, surfaces[e], scene.mesh.positions[v], scene.mesh.normals[v], 0,
+                                      mixBits(options.seed) ^ (uint64_t(scene.rank[v]) * 31 + e), samples);
+                    float seen = 0;
+                    for (const EmitterSample& s : samples) seen += s.formFactor * s.visible;
+                    result.formFactor[v * result.emitters + e] = seen;
+                    result.unshadowed[v * result.emitters + e] = total;
+                }
             }
-        }
-    }, &progress);
+        },
+        &progress);
 }
 
-SparseCoefs nearFieldCoefs(const Scene& scene, const EmitterSurface& emitter, uint32_t vertex, const DirectionGrid& grid, int count, float energyShare) {
+SparseCoefs nearFieldCoefs(const Scene& scene, const EmitterSurface& emitter, uint32_t vertex,
+                           const DirectionGrid& grid, int count, float energyShare) {
     std::vector<float> cells(size_t(grid.cells()), 0.0f);
     std::vector<EmitterSample> samples;
     const Vec3 normal = scene.mesh.normals[vertex];
     sampleEmitter(scene, emitter, scene.mesh.positions[vertex], normal, count, vertex, samples);
     for (const EmitterSample& s : samples) {
         const float cosine = glm::dot(s.direction, normal);
-        if (s.visible > 0 && cosine > 1e-4f) cells[size_t(grid.cellOf(s.direction))] += s.formFactor * pi / cosine / grid.cellSolidAngle();
+        if (s.visible > 0 && cosine > 1e-4f)
+            cells[size_t(grid.cellOf(s.direction))] += s.formFactor * pi / cosine / grid.cellSolidAngle();
     }
     const float scale = std::sqrt(grid.cellSolidAngle());
     for (float& value : cells) value = std::min(value, 1.0f) * scale;

@@ -97,7 +97,8 @@ void prune(const std::filesystem::path& folder, const std::filesystem::path& kee
         sum += bytes;
         all.push_back({entry.last_write_time(ec), entry.path(), bytes});
     }
-    std::sort(all.begin(), all.end(), [](const Old& a, const Old& b) { return a.used != b.used ? a.used < b.used : a.path < b.path; });
+    std::sort(all.begin(), all.end(),
+              [](const Old& a, const Old& b) { return a.used != b.used ? a.used < b.used : a.path < b.path; });
     for (const Old& old : all) {
         if (sum <= mostBytes) break;
         std::error_code ec;
@@ -133,11 +134,14 @@ uint64_t ByteSum::value() const {
 }
 
 size_t TransportCache::mostBytesOf(size_t chunk) const {
-    const size_t terms = size_t(layout_.side) * layout_.side, block = sizeof(uint32_t) + terms * (sizeof(uint16_t) + transportLanes * sizeof(int16_t)) + transportLanes * sizeof(float);
+    const size_t terms = size_t(layout_.side) * layout_.side,
+                 block = sizeof(uint32_t) + terms * (sizeof(uint16_t) + transportLanes * sizeof(int16_t)) +
+                         transportLanes * sizeof(float);
     return layout_.blocksOf(chunk) * (layout_.maskBytes + block);
 }
 
-TransportCache::TransportCache(const std::filesystem::path& folder, const Layout& layout, uint64_t mostBytes) : layout_(layout) {
+TransportCache::TransportCache(const std::filesystem::path& folder, const Layout& layout, uint64_t mostBytes)
+    : layout_(layout) {
     if (folder.empty() || layout.blocks == 0) return;
     std::error_code ec;
     std::filesystem::create_directories(folder, ec);
@@ -164,7 +168,8 @@ TransportCache::TransportCache(const std::filesystem::path& folder, const Layout
     wanted.blocksPerChunk = uint32_t(blocksPerChunk);
     wanted.sum = sumOf(wanted);
     FileHead found{};
-    if (bytes >= off_t(sizeof found) && readAt(file_, &found, sizeof found, 0) && !std::memcmp(&found, &wanted, sizeof found)) {
+    if (bytes >= off_t(sizeof found) && readAt(file_, &found, sizeof found, 0) &&
+        !std::memcmp(&found, &wanted, sizeof found)) {
         scan(uint64_t(bytes));
     } else {
         if (bytes > 0) logWarning("transport cache {}: not a bake of this scene; it is baked anew", path_.string());
@@ -190,12 +195,15 @@ void TransportCache::scan(uint64_t fileBytes) {
     uint64_t at = sizeof(FileHead);
     ChunkHead head;
     while (at + sizeof head <= fileBytes && readAt(file_, &head, sizeof head, at)) {
-        if (head.mark != chunkMark || head.sum != sumOf(head) || head.chunk >= record_.size() || head.bytes > mostBytesOf(head.chunk) || head.bytes > fileBytes - at - sizeof head) break;
+        if (head.mark != chunkMark || head.sum != sumOf(head) || head.chunk >= record_.size() ||
+            head.bytes > mostBytesOf(head.chunk) || head.bytes > fileBytes - at - sizeof head)
+            break;
         record_[head.chunk] = {at + sizeof head, head.bytes, head.payloadSum};
         at += sizeof head + head.bytes;
     }
     if (at != fileBytes) {
-        logWarning("transport cache {}: {} bytes at its end were left half written or are damaged; they are dropped", path_.string(), fileBytes - at);
+        logWarning("transport cache {}: {} bytes at its end were left half written or are damaged; they are dropped",
+                   path_.string(), fileBytes - at);
         if (::ftruncate(file_, off_t(at)) != 0) {
             record_.assign(record_.size(), {});
             close();
@@ -224,7 +232,9 @@ bool TransportCache::load(size_t chunk, std::span<uint8_t> masks, std::span<Tran
         if (!take(left, &terms, 1) || terms > cells) return damaged();
         b.index.resize(terms);
         b.value.resize(size_t(terms) * transportLanes);
-        if (!take(left, b.scale.data(), b.scale.size()) || !take(left, b.index.data(), b.index.size()) || !take(left, b.value.data(), b.value.size())) return damaged();
+        if (!take(left, b.scale.data(), b.scale.size()) || !take(left, b.index.data(), b.index.size()) ||
+            !take(left, b.value.data(), b.value.size()))
+            return damaged();
         for (size_t t = 0; t < terms; ++t)
             if (b.index[t] >= cells || (t && b.index[t] <= b.index[t - 1])) return damaged();
         for (const float s : b.scale)

@@ -33,7 +33,8 @@ std::array<std::vector<float>, 3> trialLight(size_t cells) {
     std::array<std::vector<float>, 3> coefs;
     for (size_t k = 0; k < 3; ++k) {
         coefs[k].assign(cells, 0);
-        for (size_t i = 0; i < cells; ++i) coefs[k][i] = float((i * 2654435761u >> 7 * k & 255)) / 255 / std::sqrt(float(i + 1));
+        for (size_t i = 0; i < cells; ++i)
+            coefs[k][i] = float((i * 2654435761u >> 7 * k & 255)) / 255 / std::sqrt(float(i + 1));
     }
     return coefs;
 }
@@ -53,7 +54,8 @@ float difference(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
 
 }  // namespace
 
-void TransportSums::choose(const TransportStore& store, size_t cells, std::shared_ptr<TransportDevice> device, bool force, Progress& progress) {
+void TransportSums::choose(const TransportStore& store, size_t cells, std::shared_ptr<TransportDevice> device,
+                           bool force, Progress& progress) {
     device_.reset();
     deviceMs_ = 0;
     const std::array<std::vector<float>, 3> light = trialLight(cells);
@@ -64,7 +66,8 @@ void TransportSums::choose(const TransportStore& store, size_t cells, std::share
     try {
         device->load(store);
         device->apply(light, there);
-        if (const float off = difference(here, there); !(off <= agreement)) throw Error("its sums are off by {:.2g} of the brightest point, expected {:.2g} at most", off, agreement);
+        if (const float off = difference(here, there); !(off <= agreement))
+            throw Error("its sums are off by {:.2g} of the brightest point, expected {:.2g} at most", off, agreement);
         deviceMs_ = medianOfThree([&] { device->apply(light, there); }, progress);
         if (force || deviceMs_ < processorMs_) device_ = std::move(device);
         else device->load(TransportStore());  // its memory is of use elsewhere
@@ -72,11 +75,13 @@ void TransportSums::choose(const TransportStore& store, size_t cells, std::share
         device_.reset();
         deviceMs_ = 0;
         if (device) device->giveUp();
-        logWarning("Light is summed on the processor: {}: {}", device ? device->name() : "the graphics card", error.what());
+        logWarning("Light is summed on the processor: {}: {}", device ? device->name() : "the graphics card",
+                   error.what());
     }
 }
 
-void TransportSums::apply(const TransportStore& store, const std::array<std::vector<float>, 3>& coefs, std::span<Rgb> out) {
+void TransportSums::apply(const TransportStore& store, const std::array<std::vector<float>, 3>& coefs,
+                          std::span<Rgb> out) {
     if (device_ && !device_->gaveUp()) {
         try {
             device_->load(store);

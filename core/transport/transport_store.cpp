@@ -10,7 +10,8 @@
 namespace relamp {
 namespace {
 
-/// Where a vertex gets less than this share of what an open one gets under constant light, errors are measured against it.
+/// Where a vertex gets less than this share of what an open one gets under constant light, errors are measured against
+/// it.
 constexpr float darkest = 0.1f;
 /// The sun is a harder test than any environment of pictures, and it is moved about: its error may be larger.
 constexpr float sunSlack = 4;
@@ -74,8 +75,11 @@ TransportBlock packTransport(std::span<float> cells, const TermTests& tests, flo
     for (size_t i = 0; i < n; ++i) importance[i] *= tests.spread()[i];
     std::vector<uint16_t> order(n);
     std::iota(order.begin(), order.end(), uint16_t(0));
-    std::sort(order.begin() + 1, order.end(), [&](uint16_t a, uint16_t b) { return importance[a] != importance[b] ? importance[a] < importance[b] : a < b; });
-    // Drop from the least important on, until a test would notice. The constant term is never dropped: constant light stays exact.
+    std::sort(order.begin() + 1, order.end(), [&](uint16_t a, uint16_t b) {
+        return importance[a] != importance[b] ? importance[a] < importance[b] : a < b;
+    });
+    // Drop from the least important on, until a test would notice. The constant term is never dropped: constant light
+    // stays exact.
     std::vector<float> residual(count * transportLanes, 0), bound(count * transportLanes), lost(transportLanes, 0);
     for (size_t j = 0; j < count; ++j)
         for (size_t lane = 0; lane < transportLanes; ++lane) {
@@ -107,7 +111,8 @@ TransportBlock packTransport(std::span<float> cells, const TermTests& tests, flo
     block.value.reserve(block.index.size() * transportLanes);
     for (uint16_t i : block.index)
         for (size_t lane = 0; lane < transportLanes; ++lane)
-            block.value.push_back(block.scale[lane] > 0 ? int16_t(std::lround(cells[lane * n + i] / block.scale[lane])) : int16_t(0));
+            block.value.push_back(block.scale[lane] > 0 ? int16_t(std::lround(cells[lane * n + i] / block.scale[lane]))
+                                                        : int16_t(0));
     return block;
 }
 
@@ -140,7 +145,8 @@ void TransportStore::replace(const std::vector<std::pair<uint32_t, TransportBloc
             scale_[b] = fresh[b]->scale;
         } else {
             index.insert(index.end(), index_.begin() + start_[b], index_.begin() + start_[b + 1]);
-            value.insert(value.end(), value_.begin() + long(start_[b] * transportLanes), value_.begin() + long(start_[b + 1] * transportLanes));
+            value.insert(value.end(), value_.begin() + long(start_[b] * transportLanes),
+                         value_.begin() + long(start_[b + 1] * transportLanes));
         }
         start.push_back(uint32_t(index.size()));
     }
@@ -151,7 +157,8 @@ void TransportStore::replace(const std::vector<std::pair<uint32_t, TransportBloc
 }
 
 size_t TransportStore::bytes() const {
-    return index_.size() * sizeof(uint16_t) + value_.size() * sizeof(int16_t) + start_.size() * sizeof(uint32_t) + scale_.size() * sizeof(scale_[0]);
+    return index_.size() * sizeof(uint16_t) + value_.size() * sizeof(int16_t) + start_.size() * sizeof(uint32_t) +
+           scale_.size() * sizeof(scale_[0]);
 }
 
 void TransportStore::apply(const std::array<std::vector<float>, 3>& coefs, std::span<Rgb> out) const {
@@ -170,7 +177,8 @@ void TransportStore::apply(const std::array<std::vector<float>, 3>& coefs, std::
                 bl += a * blue[i];
             }
             Rgb* place = &out[b * transportLanes];
-            for (size_t lane = 0; lane < transportLanes; ++lane) place[lane] = scale_[b][lane] * Rgb(r[lane], g[lane], bl[lane]);
+            for (size_t lane = 0; lane < transportLanes; ++lane)
+                place[lane] = scale_[b][lane] * Rgb(r[lane], g[lane], bl[lane]);
         }
     });
 }
@@ -178,7 +186,8 @@ void TransportStore::apply(const std::array<std::vector<float>, 3>& coefs, std::
 std::vector<float> TransportStore::coefsOf(size_t vertex, int side) const {
     std::vector<float> dense(size_t(side) * size_t(side), 0.0f);
     const size_t b = vertex / transportLanes, lane = vertex % transportLanes;
-    for (uint32_t t = start_[b]; t < start_[b + 1]; ++t) dense[index_[t]] = float(value_[size_t(t) * transportLanes + lane]) * scale_[b][lane];
+    for (uint32_t t = start_[b]; t < start_[b + 1]; ++t)
+        dense[index_[t]] = float(value_[size_t(t) * transportLanes + lane]) * scale_[b][lane];
     return dense;
 }
 

@@ -24,8 +24,12 @@ std::vector<float> cellsOf(const SparseCoefs& coefs, int side) {
 /// An interval in each of two directions.
 struct Box {
     DVec2 low{0}, high{0};
-    bool meets(const Box& o) const { return low.x < o.high.x && o.low.x < high.x && low.y < o.high.y && o.low.y < high.y; }
-    bool holds(const Box& o) const { return low.x <= o.low.x && low.y <= o.low.y && high.x >= o.high.x && high.y >= o.high.y; }
+    bool meets(const Box& o) const {
+        return low.x < o.high.x && o.low.x < high.x && low.y < o.high.y && o.low.y < high.y;
+    }
+    bool holds(const Box& o) const {
+        return low.x <= o.low.x && low.y <= o.low.y && high.x >= o.high.x && high.y >= o.high.y;
+    }
 };
 
 Box squareOf(const Node& n) {
@@ -41,7 +45,8 @@ AffineMap within(const AffineMap& map, const Node& n) {
 /// The smallest box about the image of a box.
 Box imageOf(const AffineMap& map, const Box& b) {
     const DVec2 middle = 0.5 * (b.low + b.high), half = 0.5 * (b.high - b.low);
-    const DVec2 centre = map.origin + middle.x * map.alongX + middle.y * map.alongY, reach = half.x * glm::abs(map.alongX) + half.y * glm::abs(map.alongY);
+    const DVec2 centre = map.origin + middle.x * map.alongX + middle.y * map.alongY,
+                reach = half.x * glm::abs(map.alongX) + half.y * glm::abs(map.alongY);
     return {centre - reach, centre + reach};
 }
 
@@ -70,16 +75,21 @@ struct Two {
 template <class Still>
 class Walk {
 public:
-    Walk(const Still& still, const HaarTree& moved, const AffineMap& map, double determinant) : still_(still), moved_(moved), map_(map), back_(inverseOf(map, determinant)), scale_(std::abs(determinant)) {}
+    Walk(const Still& still, const HaarTree& moved, const AffineMap& map, double determinant)
+        : still_(still), moved_(moved), map_(map), back_(inverseOf(map, determinant)), scale_(std::abs(determinant)) {}
     double pair(const Node& s, const Node& m) const {
         const bool evenStill = still_.constant(s), evenMoved = moved_.constant(m);
         if ((evenStill && still_.mean(s) == 0) || (evenMoved && moved_.mean(m) == 0)) return 0;
         // Two parallelograms are apart exactly when they are in one of their two frames.
-        const Box square = squareOf(s), source = squareOf(m), image = imageOf(map_, source), preimage = imageOf(back_, square);
+        const Box square = squareOf(s), source = squareOf(m), image = imageOf(map_, source),
+                  preimage = imageOf(back_, square);
         if (!square.meets(image) || !source.meets(preimage)) return 0;
-        if (evenMoved && source.holds(preimage) && still_.meanKnown(s)) return still_.mean(s) * double(moved_.mean(m)) * s.size() * s.size();
-        if (evenStill && square.holds(image)) return still_.mean(s) * double(moved_.mean(m)) * scale_ * m.size() * m.size();
-        if (evenStill && evenMoved) return still_.mean(s) * double(moved_.mean(m)) * sharedArea(within(map_, m), square.low, s.size());
+        if (evenMoved && source.holds(preimage) && still_.meanKnown(s))
+            return still_.mean(s) * double(moved_.mean(m)) * s.size() * s.size();
+        if (evenStill && square.holds(image))
+            return still_.mean(s) * double(moved_.mean(m)) * scale_ * m.size() * m.size();
+        if (evenStill && evenMoved)
+            return still_.mean(s) * double(moved_.mean(m)) * sharedArea(within(map_, m), square.low, s.size());
         const bool openStill = !evenStill && (evenMoved || s.size() * s.size() >= scale_ * m.size() * m.size());
         double sum = 0;
         for (int k = 0; k < 4; ++k) sum += openStill ? pair(s.child(k), m) : pair(s, m.child(k));
@@ -96,7 +106,8 @@ private:
 template <class Still>
 double product(const Still& still, const HaarTree& moved, const AffineMap& map) {
     const double determinant = cross(map.alongX, map.alongY);
-    if (!std::isfinite(determinant) || !std::isfinite(map.origin.x) || !std::isfinite(map.origin.y)) throw Error("affine product: the map is not finite");
+    if (!std::isfinite(determinant) || !std::isfinite(map.origin.x) || !std::isfinite(map.origin.y))
+        throw Error("affine product: the map is not finite");
     if (std::abs(determinant) < 1e-300) return 0;
     return Walk<Still>(still, moved, map, determinant).pair({}, {});
 }
@@ -104,8 +115,10 @@ double product(const Still& still, const HaarTree& moved, const AffineMap& map) 
 }  // namespace
 
 HaarTree::HaarTree(std::span<const float> cells, int side) {
-    if (side < 1 || !std::has_single_bit(unsigned(side))) throw Error("Haar tree: side is {}, expected a power of two", side);
-    if (cells.size() != size_t(side) * size_t(side)) throw Error("Haar tree: {} values, expected {} x {}", cells.size(), side, side);
+    if (side < 1 || !std::has_single_bit(unsigned(side)))
+        throw Error("Haar tree: side is {}, expected a power of two", side);
+    if (cells.size() != size_t(side) * size_t(side))
+        throw Error("Haar tree: {} values, expected {} x {}", cells.size(), side, side);
     const int depth = std::countr_zero(unsigned(side));
     mean_.resize(at({depth + 1, 0, 0}));
     constant_.assign(mean_.size(), 1);
@@ -135,7 +148,9 @@ double sharedArea(const AffineMap& map, const DVec2& low, double size) {
         const DVec2 extent = glm::min(glm::max(map.origin, far), high) - glm::max(glm::min(map.origin, far), low);
         return extent.x > 0 && extent.y > 0 ? extent.x * extent.y : 0;
     }
-    DVec2 polygon[20] = {map.origin, map.origin + map.alongX, map.origin + map.alongX + map.alongY, map.origin + map.alongY}, clipped[20];
+    DVec2 polygon[20] = {map.origin, map.origin + map.alongX, map.origin + map.alongX + map.alongY,
+                         map.origin + map.alongY},
+          clipped[20];
     int count = 4;
     for (int side = 0; side < 4 && count; ++side) {
         const int axis = side / 2;
@@ -155,11 +170,16 @@ double sharedArea(const AffineMap& map, const DVec2& low, double size) {
     return std::abs(twice) / 2;
 }
 
-double affineDoubleProduct(const HaarTree& still, const HaarTree& moved, const AffineMap& map) { return product(One{still}, moved, map); }
+double affineDoubleProduct(const HaarTree& still, const HaarTree& moved, const AffineMap& map) {
+    return product(One{still}, moved, map);
+}
 
-double affineTripleProduct(const HaarTree& a, const HaarTree& b, const HaarTree& moved, const AffineMap& map) { return product(Two{a, b}, moved, map); }
+double affineTripleProduct(const HaarTree& a, const HaarTree& b, const HaarTree& moved, const AffineMap& map) {
+    return product(Two{a, b}, moved, map);
+}
 
-std::optional<AffineMap> planarEmitterMap(const Vec3& point, const Vec3& towards, const Vec3& axisX, const Vec3& corner, const Vec3& edgeU, const Vec3& edgeV, float reach) {
+std::optional<AffineMap> planarEmitterMap(const Vec3& point, const Vec3& towards, const Vec3& axisX, const Vec3& corner,
+                                          const Vec3& edgeU, const Vec3& edgeV, float reach) {
     const DVec3 z(towards), x(axisX), y = glm::cross(z, x), to = DVec3(corner) - DVec3(point);
     const double distance = glm::dot(to, z);
     if (!(distance > 0)) return {};

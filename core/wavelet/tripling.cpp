@@ -76,7 +76,7 @@ private:
 float triplingCoefficient(uint32_t k, uint32_t l, uint32_t m, int side, float domainArea) {
     const float unit = 1 / std::sqrt(domainArea);
     if (k == 0 && l == 0 && m == 0) return unit;
-    if (l == m) std::swap(k, m);       // two equal indices come first
+    if (l == m) std::swap(k, m);  // two equal indices come first
     else if (k == m) std::swap(l, m);
     const Place first(k, uint32_t(side)), second(l, uint32_t(side)), third(m, uint32_t(side));
     if (first.type == 0 || second.type == 0) return 0;

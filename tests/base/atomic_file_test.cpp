@@ -55,7 +55,8 @@ TEST_F(AtomicFile, FailingWriterLeavesTheOldFileUntouchedAndNoTemporary) {
 }
 
 TEST_F(AtomicFile, FailingFirstWriteLeavesNothing) {
-    EXPECT_THROW(writeFileAtomically(target, [](const fs::path&) { throw std::runtime_error("no"); }), std::runtime_error);
+    EXPECT_THROW(writeFileAtomically(target, [](const fs::path&) { throw std::runtime_error("no"); }),
+                 std::runtime_error);
     EXPECT_EQ(filesInFolder(), 0u);
 }
 

@@ -64,9 +64,7 @@ TEST(Parallel, ExceptionOfABodyReachesTheCallerAsItself) {
         try {
             failAt(537);
             FAIL() << "expected an exception";
-        } catch (const OutOfResources& error) {
-            EXPECT_STREQ(error.what(), "index 537: no room");
-        }
+        } catch (const OutOfResources& error) { EXPECT_STREQ(error.what(), "index 537: no room"); }
     }
 }
 
@@ -101,7 +99,8 @@ TEST(Parallel, StopRequestedInABodyLetsEachOtherThreadFinishAtMostABlock) {
 TEST(Parallel, ProgressReachesOneWhenAllIsDone) {
     Progress progress;
     progress.begin("count", 1003);
-    parallelFor(1003, 10, [](size_t) {}, &progress);
+    parallelFor(
+        1003, 10, [](size_t) {}, &progress);
     EXPECT_EQ(progress.share(), 1);
 }
 
@@ -110,7 +109,9 @@ TEST(Parallel, WorkAlreadyStoppedIsCancelledInItsFirstBlocks) {
     Progress progress;
     progress.requestStop();
     size_t blocks = 0;
-    EXPECT_THROW(parallelBlocks(1000, 10, [&](size_t, size_t) { ++blocks; }, &progress), Cancelled);
+    EXPECT_THROW(parallelBlocks(
+                     1000, 10, [&](size_t, size_t) { ++blocks; }, &progress),
+                 Cancelled);
     EXPECT_LE(blocks, 1u);
 }
 

@@ -1,5 +1,5 @@
-// How well lobes reproduce measured reflectance: relamp's own basis, the dictionary pruned to a few lobes, and the best single
-// published models, on measured materials that are not part of this repository.
+// How well lobes reproduce measured reflectance: relamp's own basis, the dictionary pruned to a few lobes, and the best
+// single published models, on measured materials that are not part of this repository.
 //   brdf_fit FOLDER [MATERIAL.binary ...]
 // FOLDER holds nbrdf_merl_67.csv, sgd_merl_67.csv, abc_merl_100.csv (formulas in their headers); a MERL file
 // named after one of the networks and filled from it is compared with it: the reader's own error.
@@ -38,7 +38,8 @@ Rgb abc(const std::vector<double>& p, const Vec3& light, const Vec3& eye) {
     const double g = std::min({1.0, 2 * hz * li / dot, 2 * hz * le / dot});
     const double f = double(dielectricFresnel(float(dot), float(p[8])));
     Rgb out;
-    for (size_t c = 0; c < 3; ++c) out[int(c)] = float(p[c] / piD + f * p[3 + c] / std::pow(1 + p[6] * (1 - hz), p[7]) * g / (piD * li * le));
+    for (size_t c = 0; c < 3; ++c)
+        out[int(c)] = float(p[c] / piD + f * p[3 + c] / std::pow(1 + p[6] * (1 - hz), p[7]) * g / (piD * li * le));
     return out;
 }
 
@@ -53,11 +54,14 @@ int main(int argc, char** argv) {
     if (argc < 2) return std::fprintf(stderr, "brdf_fit FOLDER [MATERIAL.binary ...]\n"), 2;
     try {
         const std::string folder = argv[1];
-        const Rows networks = readTable(folder + "/nbrdf_merl_67.csv"), sgds = readTable(folder + "/sgd_merl_67.csv"), abcs = readTable(folder + "/abc_merl_100.csv");
+        const Rows networks = readTable(folder + "/nbrdf_merl_67.csv"), sgds = readTable(folder + "/sgd_merl_67.csv"),
+                   abcs = readTable(folder + "/abc_merl_100.csv");
         const std::vector<BrdfSample> samples = brdfSamples();
         const std::vector<NamedLobe> own = lobesOf(builtInBasis()), dictionary = lobeDictionary();
-        const char* names[] = {"SGD, published", "ABC, published", "built-in basis, 13 lobes", "the same, fitted to cube roots", "dictionary, best 3", "dictionary, best 5", "dictionary, best 8",
-                               "dictionary, whole", "best 5, cube roots", "whole, cube roots"};
+        const char* names[] = {
+            "SGD, published",     "ABC, published",     "built-in basis, 13 lobes", "the same, fitted to cube roots",
+            "dictionary, best 3", "dictionary, best 5", "dictionary, best 8",       "dictionary, whole",
+            "best 5, cube roots", "whole, cube roots"};
         constexpr size_t methods = std::size(names);
         std::array<std::vector<double>, methods> radiance, cube;
         std::vector<double> lobes;
@@ -73,14 +77,16 @@ int main(int argc, char** argv) {
             const auto published = [&](const Rows& rows, auto&& function) {
                 const auto row = rows.find(material);
                 if (row == rows.end()) throw Error("{}: is in no table", material);
-                for (size_t i = 0; i < samples.size(); ++i) model[i] = function(row->second, samples[i].towardLight, samples[i].towardEye);
+                for (size_t i = 0; i < samples.size(); ++i)
+                    model[i] = function(row->second, samples[i].towardLight, samples[i].towardEye);
                 return brdfErrors(samples, values, model);
             };
             e[0] = published(sgds, sgd);
             e[1] = published(abcs, abc);
             const auto fit = [&](const std::vector<NamedLobe>& basis, FitMetric metric, size_t most) {
                 const BrdfFit f = projectBrdf(truth, basis, samples, metric, most, progress);
-                if (most == 0 && &basis == &dictionary && metric == FitMetric::radiance) lobes.push_back(double(f.lobes));
+                if (most == 0 && &basis == &dictionary && metric == FitMetric::radiance)
+                    lobes.push_back(double(f.lobes));
                 return std::pair{f.radianceError, f.cubeRootError};
             };
             e[2] = fit(own, FitMetric::radiance, 0);
@@ -96,9 +102,13 @@ int main(int argc, char** argv) {
             for (const size_t m : {0, 1, 2, 5, 7}) std::printf("   %6.3f / %5.3f", e[m].first, e[m].second);
             std::puts("");
         }
-        std::printf("\n%zu materials                    relative L2: median, 90 %%, worst      cube root: median, 90 %%, worst\n", networks.size());
+        std::printf(
+            "\n%zu materials                    relative L2: median, 90 %%, worst      cube root: median, 90 %%, "
+            "worst\n",
+            networks.size());
         for (size_t m = 0; m < methods; ++m)
-            std::printf("%-32s %6.3f %6.3f %6.3f                    %6.4f %6.4f %6.4f\n", names[m], quantile(radiance[m], 0.5), quantile(radiance[m], 0.9), quantile(radiance[m], 1),
+            std::printf("%-32s %6.3f %6.3f %6.3f                    %6.4f %6.4f %6.4f\n", names[m],
+                        quantile(radiance[m], 0.5), quantile(radiance[m], 0.9), quantile(radiance[m], 1),
                         quantile(cube[m], 0.5), quantile(cube[m], 0.9), quantile(cube[m], 1));
         std::printf("lobes in use of the whole dictionary: median %.0f\n", quantile(lobes, 0.5));
         for (int i = 2; i < argc; ++i) {
@@ -112,10 +122,9 @@ int main(int argc, char** argv) {
                 looked.push_back(read.evaluate(s.towardLight, s.towardEye));
             }
             const auto [l2, cubeRoot] = brdfErrors(samples, values, looked);
-            std::printf("%s: read and interpolated, against its network: relative L2 %.4f, cube root %.5f\n", material.c_str(), l2, cubeRoot);
+            std::printf("%s: read and interpolated, against its network: relative L2 %.4f, cube root %.5f\n",
+                        material.c_str(), l2, cubeRoot);
         }
         return 0;
-    } catch (const std::exception& error) {
-        return std::fprintf(stderr, "brdf_fit: %s\n", error.what()), 1;
-    }
+    } catch (const std::exception& error) { return std::fprintf(stderr, "brdf_fit: %s\n", error.what()), 1; }
 }

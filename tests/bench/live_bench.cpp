@@ -1,6 +1,6 @@
-// Figures of live relighting on a solved shot: live_bench SHOT.relamp [PICTURE.exr]. Medians of several runs; copy bandwidth beside them, because
-// the machine is shared and only ratios mean something. PICTURE: view 0 as the first picture of a drag shows it that ends where the lamp stood;
-// PICTURE-refined.exr: the same at rest.
+// Figures of live relighting on a solved shot: live_bench SHOT.relamp [PICTURE.exr]. Medians of several runs; copy
+// bandwidth beside them, because the machine is shared and only ratios mean something. PICTURE: view 0 as the first
+// picture of a drag shows it that ends where the lamp stood; PICTURE-refined.exr: the same at rest.
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -18,11 +18,14 @@ namespace {
 using namespace relamp;
 using Clock = std::chrono::steady_clock;
 
-/// Processor time of this process over the number of cores: what the wall clock would say if nobody else worked here and no core idled.
+/// Processor time of this process over the number of cores: what the wall clock would say if nobody else worked here
+/// and no core idled.
 double processorMs() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
-    return (1e3 * double(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) + 1e-3 * double(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec)) / availableThreads();
+    return (1e3 * double(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+            1e-3 * double(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec)) /
+           availableThreads();
 }
 
 struct Cost {
@@ -57,7 +60,9 @@ void print(const char* what, const Cost& cost, const std::string& remark = "") {
 /// Bytes read a second when memory is copied by all cores.
 double copyBandwidth() {
     std::vector<char> from(size_t(256) << 20, 1), to(from.size());
-    const double ms = medianMs(5, [&](int) { parallelBlocks(from.size(), size_t(1) << 20, [&](size_t b, size_t e) { std::memcpy(&to[b], &from[b], e - b); }); });
+    const double ms = medianMs(5, [&](int) {
+        parallelBlocks(from.size(), size_t(1) << 20, [&](size_t b, size_t e) { std::memcpy(&to[b], &from[b], e - b); });
+    });
     return double(from.size()) / (ms / 1e3);
 }
 
@@ -84,11 +89,13 @@ void writePicture(const std::string& file, const LiveFrame& frame, const Camera&
     parallelFor(picture.pixels.size(), 64, [&](size_t i) {
         Rgb sum(0);
         for (int k = 0; k < 16; ++k) {
-            const Vec2 pixel(float(i % size_t(picture.width)) + (float(k % 4) + 0.5f) / 4, float(i / size_t(picture.width)) + (float(k / 4) + 0.5f) / 4);
+            const Vec2 pixel(float(i % size_t(picture.width)) + (float(k % 4) + 0.5f) / 4,
+                             float(i / size_t(picture.width)) + (float(k / 4) + 0.5f) / 4);
             const Hit hit = tracer.closest({Vec3(camera.position()), camera.rayDirection(2.0f * pixel), 0, 1e30f});
             if (!hit) continue;
             const Triangle& t = mesh.triangles[hit.triangle];
-            sum += (1 - hit.barycentric.x - hit.barycentric.y) * frame.radiance[t[0]] + hit.barycentric.x * frame.radiance[t[1]] + hit.barycentric.y * frame.radiance[t[2]];
+            sum += (1 - hit.barycentric.x - hit.barycentric.y) * frame.radiance[t[0]] +
+                   hit.barycentric.x * frame.radiance[t[1]] + hit.barycentric.y * frame.radiance[t[2]];
         }
         picture.pixels[i] = sum / 16.0f;
     });
@@ -115,14 +122,20 @@ int main(int argc, char** argv) {
     };
     Vec3 centre(0);
     for (const Vec3& p : scene->mesh.positions) centre += p / float(n);
-    const auto eyeAt = [&](float turn) { return Eye{centre + Vec3(0.7f, -0.7f + turn, 0.5f) * scene->diagonal, Vec3(0, 1, 0), false}; };
+    const auto eyeAt = [&](float turn) {
+        return Eye{centre + Vec3(0.7f, -0.7f + turn, 0.5f) * scene->diagonal, Vec3(0, 1, 0), false};
+    };
     live->setEye(eyeAt(0));
     const Cost rest = costOf(finish);
     const LiveReport report = live->frame()->report;
     const double bandwidth = copyBandwidth();
-    std::printf("%s: %zu vertices, %zu triangles, %zu emitters, %d threads\n", argv[1], n, scene->mesh.triangles.size(), estimate->emitters.emitters.size(), availableThreads());
-    std::printf("copy bandwidth %.1f GB/s; stored %zu bytes a vertex, %.0f terms, coefficients %.1f MB: %.2f ms at copy bandwidth\n", bandwidth / 1e9, report.bytesPerVertex,
-                report.termsPerVertex, double(report.storeBytes) / 1e6, 1e3 * double(report.storeBytes) / bandwidth);
+    std::printf("%s: %zu vertices, %zu triangles, %zu emitters, %d threads\n", argv[1], n, scene->mesh.triangles.size(),
+                estimate->emitters.emitters.size(), availableThreads());
+    std::printf(
+        "copy bandwidth %.1f GB/s; stored %zu bytes a vertex, %.0f terms, coefficients %.1f MB: %.2f ms at copy "
+        "bandwidth\n",
+        bandwidth / 1e9, report.bytesPerVertex, report.termsPerVertex, double(report.storeBytes) / 1e6,
+        1e3 * double(report.storeBytes) / bandwidth);
     print("bake", bake);
     print("first refinement", rest);
     double light = 0;
@@ -134,18 +147,18 @@ int main(int argc, char** argv) {
     print("environment turned", yaw, fmt::format("of that matte surfaces {:.2f} ms", light));
     print("refined", costOf(finish));
     print("exposure", medianCost(9, [&](int i) {
-        look.environment.exposureStops = 0.25f * float(i);
-        answer();
-    }));
+              look.environment.exposureStops = 0.25f * float(i);
+              answer();
+          }));
     look = {};
     answer();
     finish();
     if (!estimate->emitters.emitters.empty()) {
         look.emitters.push_back({estimate->emitters.emitters[0].id, true, Mat4(1), Rgb(1)});
         print("power", medianCost(9, [&](int i) {
-            look.emitters[0].powerScale = Rgb(1 + 0.1f * float(i));
-            answer();
-        }));
+                  look.emitters[0].powerScale = Rgb(1 + 0.1f * float(i));
+                  answer();
+              }));
         double setLook = 0;
         const Cost drag = medianCost(9, [&](int i) {
             look.emitters[0].matrix[3] = Vec4(0.01f * scene->diagonal * float(i + 1), 0, 0, 1);
@@ -155,7 +168,8 @@ int main(int argc, char** argv) {
         print("drag, first image", drag, fmt::format("of that setLook {:.2f}", setLook));
         const auto coarse = live->frame();
         const Cost refined = costOf(finish);
-        print("refined at rest", refined, fmt::format("coarse was off by {:.1f} %", 100 * rms(*coarse, *live->frame())));
+        print("refined at rest", refined,
+              fmt::format("coarse was off by {:.1f} %", 100 * rms(*coarse, *live->frame())));
         if (argc > 2) {
             const std::string file = argv[2];
             look.emitters[0].powerScale = Rgb(1);
@@ -163,7 +177,8 @@ int main(int argc, char** argv) {
             answer();
             writePicture(file, *live->frame(), shot.capture.views[0].camera);
             finish();
-            writePicture(file.substr(0, file.rfind('.')) + "-refined.exr", *live->frame(), shot.capture.views[0].camera);
+            writePicture(file.substr(0, file.rfind('.')) + "-refined.exr", *live->frame(),
+                         shot.capture.views[0].camera);
         }
         look.emitters[0].enabled = false;
         print("switched off", costOf(answer));
@@ -173,13 +188,15 @@ int main(int argc, char** argv) {
         for (uint32_t p : scene->piece) ++size[p];
         uint32_t seed = 0;
         for (uint32_t v = 0; v < n; ++v)
-            if (scene->referenced[v] && estimate->emitters.emitterOfVertex[v] < 0 && size[scene->piece[v]] > 100 && size[scene->piece[v]] < size[scene->piece[seed]]) seed = v;
+            if (scene->referenced[v] && estimate->emitters.emitterOfVertex[v] < 0 && size[scene->piece[v]] > 100 &&
+                size[scene->piece[v]] < size[scene->piece[seed]])
+                seed = v;
         look.parts.push_back({seed, Mat4(1), ""});
         print("part taken up", costOf(answer), fmt::format("{} vertices", size[scene->piece[seed]]));
         print("part, first image", medianCost(5, [&](int i) {
-            look.parts[0].matrix[3] = Vec4(0, 0, 0.01f * scene->diagonal * float(i + 1), 1);
-            answer();
-        }));
+                  look.parts[0].matrix[3] = Vec4(0, 0, 0.01f * scene->diagonal * float(i + 1), 1);
+                  answer();
+              }));
         print("refined at rest", costOf(finish));
     }
     const Cost eye = medianCost(7, [&](int i) {
@@ -188,7 +205,9 @@ int main(int argc, char** argv) {
     });
     const auto coarse = live->frame();
     const Cost refined = costOf(finish);
-    print("eye", eye, fmt::format("{} glossy vertices, off by {:.1f} %", live->frame()->report.glossyVertices, 100 * rms(*coarse, *live->frame())));
+    print("eye", eye,
+          fmt::format("{} glossy vertices, off by {:.1f} %", live->frame()->report.glossyVertices,
+                      100 * rms(*coarse, *live->frame())));
     print("refined at rest", refined);
     return 0;
 }

@@ -32,7 +32,12 @@ inline Rows readTable(const std::string& file) {
 inline BrdfFunction network(const std::vector<double>& w) {
     return [&w](const Vec3& light, const Vec3& eye) {
         const HalfAngles a = halfAngles(light, eye);
-        const double x[6] = {std::sin(a.half), 0, std::cos(a.half), std::sin(a.difference) * std::cos(a.azimuth), std::sin(a.difference) * std::sin(a.azimuth), std::cos(a.difference)};
+        const double x[6] = {std::sin(a.half),
+                             0,
+                             std::cos(a.half),
+                             std::sin(a.difference) * std::cos(a.azimuth),
+                             std::sin(a.difference) * std::sin(a.azimuth),
+                             std::cos(a.difference)};
         double first[21], second[21];
         for (int u = 0; u < 21; ++u) {
             double sum = w[size_t(126 + u)];

@@ -1,9 +1,12 @@
-// A capture with known truth made of four measured materials, and how well a solve found them. The materials are in the user's own folder (see
-// brdf_fit.cpp); the pictures are rendered here, straight from the networks and from closed forms of the shapes: nothing of relamp's light transport.
+// A capture with known truth made of four measured materials, and how well a solve found them. The materials are in the
+// user's own folder (see brdf_fit.cpp); the pictures are rendered here, straight from the networks and from closed
+// forms of the shapes: nothing of relamp's light transport.
 //   measured_scene tables FOLDER OUT MATERIAL...           MERL .binary files, filled from the networks
 //   measured_scene render FOLDER ENV OTHER-ENV OUT A B C D  the capture, with truth as evaluate-like scripts read it
-//   measured_scene score FOLDER SHOT A B C D                what each ball was taken for, colour and error of its reflectance
-// Four balls on a textured matte floor, a small lamp that is seen above them, a photographed environment. Direct light only.
+//   measured_scene score FOLDER SHOT A B C D                what each ball was taken for, colour and error of its
+//   reflectance
+// Four balls on a textured matte floor, a small lamp that is seen above them, a photographed environment. Direct light
+// only.
 #include <algorithm>
 #include <cstdio>
 #include <numeric>
@@ -29,7 +32,8 @@ struct Ball {
     float radius;
 };
 constexpr float floorHalf = 0.8f;
-const std::array<Ball, 4> balls{Ball{{-0.24f, -0.22f, 0.17f}, 0.17f}, Ball{{0.24f, -0.22f, 0.17f}, 0.17f}, Ball{{-0.24f, 0.22f, 0.17f}, 0.17f}, Ball{{0.24f, 0.22f, 0.17f}, 0.17f}};
+const std::array<Ball, 4> balls{Ball{{-0.24f, -0.22f, 0.17f}, 0.17f}, Ball{{0.24f, -0.22f, 0.17f}, 0.17f},
+                                Ball{{-0.24f, 0.22f, 0.17f}, 0.17f}, Ball{{0.24f, 0.22f, 0.17f}, 0.17f}};
 const Rgb lampRadiance(60, 44, 24);
 constexpr int rings = 56, sectors = 96, floorCells = 96;
 
@@ -55,7 +59,7 @@ float reach(const Ball& ball, const Vec3& from, const Vec3& d) {
 
 struct Met {
     float distance = 1e30f;
-    int what = -1;   // 0 to 3 a ball, 4 the floor, 5 the lamp
+    int what = -1;  // 0 to 3 a ball, 4 the floor, 5 the lamp
 };
 
 Met trace(const Vec3& from, const Vec3& d, const Lamp& lamp) {
@@ -79,33 +83,45 @@ struct Sky {
     explicit Sky(Image m) : map(std::move(m)) {
         double sum = 0;
         for (int y = 0; y < map.height; ++y)
-            for (int x = 0; x < map.width; ++x) upTo.push_back(sum += (double(luminance(map.at(x, y))) + 1e-3) * std::sin((y + 0.5) / map.height * piD));
+            for (int x = 0; x < map.width; ++x)
+                upTo.push_back(sum +=
+                               (double(luminance(map.at(x, y))) + 1e-3) * std::sin((y + 0.5) / map.height * piD));
     }
     Vec3 draw(const Vec2& u, float inside) const {
-        const size_t at = std::min(size_t(std::upper_bound(upTo.begin(), upTo.end(), double(u.x) * upTo.back()) - upTo.begin()), upTo.size() - 1);
-        return directionFromLatLong({(float(at % size_t(map.width)) + inside) / float(map.width), (float(at / size_t(map.width)) + u.y) / float(map.height)});
+        const size_t at =
+            std::min(size_t(std::upper_bound(upTo.begin(), upTo.end(), double(u.x) * upTo.back()) - upTo.begin()),
+                     upTo.size() - 1);
+        return directionFromLatLong({(float(at % size_t(map.width)) + inside) / float(map.width),
+                                     (float(at / size_t(map.width)) + u.y) / float(map.height)});
     }
     float density(const Vec3& d) const {
         const Vec2 uv = latLongFromDirection(d);
-        const size_t x = std::min(size_t(uv.x * float(map.width)), size_t(map.width) - 1), y = std::min(size_t(uv.y * float(map.height)), size_t(map.height) - 1), at = y * size_t(map.width) + x;
-        const double share = (upTo[at] - (at ? upTo[at - 1] : 0)) / upTo.back(), sine = std::max(1e-6, std::sqrt(1 - double(d.z) * double(d.z)));
+        const size_t x = std::min(size_t(uv.x * float(map.width)), size_t(map.width) - 1),
+                     y = std::min(size_t(uv.y * float(map.height)), size_t(map.height) - 1),
+                     at = y * size_t(map.width) + x;
+        const double share = (upTo[at] - (at ? upTo[at - 1] : 0)) / upTo.back(),
+                     sine = std::max(1e-6, std::sqrt(1 - double(d.z) * double(d.z)));
         return float(share * double(map.width) * double(map.height) / (2 * piD * piD * sine));
     }
 };
 
 using Materials = std::array<BrdfFunction, 4>;
 
-Rgb shade(const Materials& materials, const Sky* sky, const Lamp& lamp, const Vec3& from, const Vec3& ray, int samples, uint64_t seed) {
+Rgb shade(const Materials& materials, const Sky* sky, const Lamp& lamp, const Vec3& from, const Vec3& ray, int samples,
+          uint64_t seed) {
     const Met met = trace(from, ray, lamp);
     if (met.what < 0) return sky ? environmentRadiance(sky->map, ray) : Rgb(0);
     if (met.what == 5) return lamp.radiance;
     const Vec3 at = from + met.distance * ray;
-    const Vec3 normal = met.what == 4 ? Vec3(0, 0, 1) : (at - balls[size_t(met.what)].centre) / balls[size_t(met.what)].radius;
+    const Vec3 normal =
+        met.what == 4 ? Vec3(0, 0, 1) : (at - balls[size_t(met.what)].centre) / balls[size_t(met.what)].radius;
     const Mat3 frame = frameAround(normal), toLocal = glm::transpose(frame);
     const Vec3 eye = toLocal * -ray, start = at + 1e-4f * normal;
     const bool matte = met.what == 4;
     const Rgb albedo = matte ? floorAlbedo(at.x, at.y) : Rgb(0);
-    const auto reflected = [&](const Vec3& light) { return (matte ? albedo / pi : materials[size_t(met.what)](light, eye)) * light.z; };
+    const auto reflected = [&](const Vec3& light) {
+        return (matte ? albedo / pi : materials[size_t(met.what)](light, eye)) * light.z;
+    };
     constexpr std::array<float, 3> widths{0.02f, 0.08f, 0.3f};
     // Lobes of three widths, the cosine, the sky: one direction each; balance heuristic.
     const auto skyDensity = [&](const Vec3& light, const Vec3& world) {
@@ -127,15 +143,20 @@ Rgb shade(const Materials& materials, const Sky* sky, const Lamp& lamp, const Ve
             add(cosineHemisphere(r2Point(n, randomShift(seed, 1, 0))));
             add(toLocal * sky->draw(r2Point(n, randomShift(seed, 2, 0)), r2Point(n, randomShift(seed, 3, 0)).x));
             if (!matte)
-                for (const float a : widths) add(sampleGgx(eye, a, r2Point(n, randomShift(seed, 4, uint64_t(a * 1000)))));
+                for (const float a : widths)
+                    add(sampleGgx(eye, a, r2Point(n, randomShift(seed, 4, uint64_t(a * 1000)))));
         }
         if (maxChannel(lamp.radiance) > 0) {
             // Evenly over the cone that the lamp covers.
             const Vec3 to = lamp.ball.centre - at;
-            const float distance2 = glm::dot(to, to), cosine = std::sqrt(std::max(0.0f, 1 - lamp.ball.radius * lamp.ball.radius / distance2)), solid = 2 * pi * (1 - cosine);
+            const float distance2 = glm::dot(to, to),
+                        cosine = std::sqrt(std::max(0.0f, 1 - lamp.ball.radius * lamp.ball.radius / distance2)),
+                        solid = 2 * pi * (1 - cosine);
             const Vec2 u = r2Point(n, randomShift(seed, 5, 0));
             const float z = 1 - u.x * (1 - cosine), r = std::sqrt(std::max(0.0f, 1 - z * z));
-            const Vec3 world = frameAround(to / std::sqrt(distance2)) * Vec3(r * std::cos(2 * pi * u.y), r * std::sin(2 * pi * u.y), z), light = toLocal * world;
+            const Vec3 world = frameAround(to / std::sqrt(distance2)) *
+                               Vec3(r * std::cos(2 * pi * u.y), r * std::sin(2 * pi * u.y), z),
+                       light = toLocal * world;
             if (light.z > 0 && trace(start, world, lamp).what == 5) sum += reflected(light) * lamp.radiance * solid;
         }
     }
@@ -144,7 +165,7 @@ Rgb shade(const Materials& materials, const Sky* sky, const Lamp& lamp, const Ve
 
 struct Eye {
     Vec3 position;
-    Mat3 world;   // columns: right, up, back
+    Mat3 world;  // columns: right, up, back
     int width = 480, height = 360;
     float focal = 520;
 
@@ -165,15 +186,19 @@ Eye lookingFrom(float azimuth, float height, float distance) {
     return eye;
 }
 
-Image render(const Eye& eye, const Materials& materials, const Sky* sky, const Lamp& lamp, int across, int samples, uint64_t seed) {
+Image render(const Eye& eye, const Materials& materials, const Sky* sky, const Lamp& lamp, int across, int samples,
+             uint64_t seed) {
     Image image(eye.width, eye.height);
     parallelFor(size_t(eye.height), 1, [&](size_t y) {
         for (int x = 0; x < eye.width; ++x) {
             Rgb sum(0);
             for (int s = 0; s < across * across; ++s) {
-                const float px = float(x) + (float(s % across) + 0.5f) / float(across), py = float(y) + (float(s / across) + 0.5f) / float(across);
-                const Vec3 ray = glm::normalize(eye.world * Vec3((px - float(eye.width) / 2) / eye.focal, -(py - float(eye.height) / 2) / eye.focal, -1));
-                sum += shade(materials, sky, lamp, eye.position, ray, samples, mixBits(seed) + (y * size_t(eye.width) + size_t(x)) * 16 + size_t(s));
+                const float px = float(x) + (float(s % across) + 0.5f) / float(across),
+                            py = float(y) + (float(s / across) + 0.5f) / float(across);
+                const Vec3 ray = glm::normalize(eye.world * Vec3((px - float(eye.width) / 2) / eye.focal,
+                                                                 -(py - float(eye.height) / 2) / eye.focal, -1));
+                sum += shade(materials, sky, lamp, eye.position, ray, samples,
+                             mixBits(seed) + (y * size_t(eye.width) + size_t(x)) * 16 + size_t(s));
             }
             image.at(x, int(y)) = sum / float(across * across);
         }
@@ -188,7 +213,11 @@ Image objectMask(const Eye& eye, const Lamp& lamp) {
             bool all = true;
             for (int s = 0; s < 9; ++s) {
                 const float px = float(x + s % 3) - 0.5f, py = float(y + s / 3) - 0.5f;
-                const int what = trace(eye.position, glm::normalize(eye.world * Vec3((px - float(eye.width) / 2) / eye.focal, -(py - float(eye.height) / 2) / eye.focal, -1)), lamp).what;
+                const int what = trace(eye.position,
+                                       glm::normalize(eye.world * Vec3((px - float(eye.width) / 2) / eye.focal,
+                                                                       -(py - float(eye.height) / 2) / eye.focal, -1)),
+                                       lamp)
+                                     .what;
                 all &= what >= 0 && what < 5;
             }
             mask.at(x, y) = Rgb(all ? 1 : 0);
@@ -202,7 +231,9 @@ Image readSky(const fs::path& file, float mean) {
     while (map.width > 512) {
         Image half(map.width / 2, map.height / 2);
         for (int y = 0; y < half.height; ++y)
-            for (int x = 0; x < half.width; ++x) half.at(x, y) = 0.25f * (map.at(2 * x, 2 * y) + map.at(2 * x + 1, 2 * y) + map.at(2 * x, 2 * y + 1) + map.at(2 * x + 1, 2 * y + 1));
+            for (int x = 0; x < half.width; ++x)
+                half.at(x, y) = 0.25f * (map.at(2 * x, 2 * y) + map.at(2 * x + 1, 2 * y) + map.at(2 * x, 2 * y + 1) +
+                                         map.at(2 * x + 1, 2 * y + 1));
         map = std::move(half);
     }
     double sum = 0, area = 0;
@@ -218,7 +249,7 @@ Image readSky(const fs::path& file, float mean) {
 
 struct Truth {
     Mesh mesh;
-    std::vector<int> object;   // 0 to 3 a ball, 4 the floor, 5 the lamp
+    std::vector<int> object;  // 0 to 3 a ball, 4 the floor, 5 the lamp
 };
 
 Truth makeMesh() {
@@ -236,7 +267,11 @@ Truth makeMesh() {
         for (int i = 1; i < r; ++i)
             for (int k = 0; k < s; ++k) add(float(i) / float(r) * pi, float(k) / float(s) * 2 * pi);
         add(pi, 0);
-        const auto index = [&](int i, int k) { return i == 0 ? first : i == r ? first + 1 + uint32_t((r - 1) * s) : first + 1 + uint32_t((i - 1) * s + k % s); };
+        const auto index = [&](int i, int k) {
+            return i == 0   ? first
+                   : i == r ? first + 1 + uint32_t((r - 1) * s)
+                            : first + 1 + uint32_t((i - 1) * s + k % s);
+        };
         for (int i = 0; i < r; ++i)
             for (int k = 0; k < s; ++k) {
                 if (i + 1 < r) truth.mesh.triangles.push_back({index(i, k), index(i + 1, k), index(i + 1, k + 1)});
@@ -247,7 +282,8 @@ Truth makeMesh() {
     const uint32_t first = uint32_t(truth.mesh.positions.size());
     for (int y = 0; y <= floorCells; ++y)
         for (int x = 0; x <= floorCells; ++x) {
-            truth.mesh.positions.push_back({floorHalf * (2 * float(x) / floorCells - 1), floorHalf * (2 * float(y) / floorCells - 1), 0});
+            truth.mesh.positions.push_back(
+                {floorHalf * (2 * float(x) / floorCells - 1), floorHalf * (2 * float(y) / floorCells - 1), 0});
             truth.mesh.normals.push_back({0, 0, 1});
             truth.object.push_back(4);
         }
@@ -281,12 +317,16 @@ void writeTables(const Rows& networks, const fs::path& out, const std::vector<st
                 for (int p = 0; p < 180; ++p) {
                     const double th = double(h * h) / 8100 * piD / 2, td = d / 90.0 * piD / 2, pd = p / 180.0 * piD;
                     const DVec3 local(std::sin(td) * std::cos(pd), std::sin(td) * std::sin(pd), std::cos(td));
-                    const auto turned = [&](const DVec3& v) { return Vec3(DVec3(std::cos(th) * v.x + std::sin(th) * v.z, v.y, -std::sin(th) * v.x + std::cos(th) * v.z)); };
+                    const auto turned = [&](const DVec3& v) {
+                        return Vec3(DVec3(std::cos(th) * v.x + std::sin(th) * v.z, v.y,
+                                          -std::sin(th) * v.x + std::cos(th) * v.z));
+                    };
                     const Vec3 light = turned(local), eye = turned({-local.x, -local.y, local.z});
                     const Rgb value = light.z > 0 && eye.z > 0 ? truth(light, eye) : Rgb(-1);
                     for (size_t c = 0; c < 3; ++c) {
                         const double stored = value.x < 0 ? -1 : double(value[int(c)]) / scale[c];
-                        std::memcpy(bytes.data() + 12 + (c * cells + MeasuredBrdf::index(int(h), d, p)) * sizeof stored, &stored, sizeof stored);
+                        std::memcpy(bytes.data() + 12 + (c * cells + MeasuredBrdf::index(int(h), d, p)) * sizeof stored,
+                                    &stored, sizeof stored);
                     }
                 }
         });
@@ -303,9 +343,11 @@ void renderCapture(const Materials& materials, const Image& skyMap, const Image&
     const size_t n = truth.object.size();
     std::vector<VertexProperty> properties;
     for (int c = 0; c < 3; ++c) {
-        VertexProperty albedo{std::string("albedo_") + "rgb"[c], std::vector<float>(n, 0), false}, emission{std::string("emission_") + "rgb"[c], std::vector<float>(n, 0), false};
+        VertexProperty albedo{std::string("albedo_") + "rgb"[c], std::vector<float>(n, 0), false},
+            emission{std::string("emission_") + "rgb"[c], std::vector<float>(n, 0), false};
         for (size_t v = 0; v < n; ++v) {
-            if (truth.object[v] == 4) albedo.values[v] = floorAlbedo(truth.mesh.positions[v].x, truth.mesh.positions[v].y)[c];
+            if (truth.object[v] == 4)
+                albedo.values[v] = floorAlbedo(truth.mesh.positions[v].x, truth.mesh.positions[v].y)[c];
             if (truth.object[v] == 5) emission.values[v] = lampRadiance[c];
         }
         properties.push_back(albedo);
@@ -320,8 +362,11 @@ void renderCapture(const Materials& materials, const Image& skyMap, const Image&
     writeImage(out / "truth" / "env-other.exr", otherMap);
     writeImage(out / "truth" / "env-white.exr", white.map);
     std::vector<Eye> eyes;
-    for (int i = 0; i < 10; ++i) eyes.push_back(lookingFrom(float(i) * 2 * pi / 10 + 0.2f, i % 2 ? 0.95f : 0.55f, 1.5f));
-    Json capture{{"camera_model", "PINHOLE"}, {"w", eyes[0].width}, {"h", eyes[0].height}, {"fl_x", eyes[0].focal}, {"fl_y", eyes[0].focal}, {"cx", eyes[0].width / 2.0}, {"cy", eyes[0].height / 2.0}, {"mesh_path", "mesh.ply"}, {"frames", Json::array()}};
+    for (int i = 0; i < 10; ++i)
+        eyes.push_back(lookingFrom(float(i) * 2 * pi / 10 + 0.2f, i % 2 ? 0.95f : 0.55f, 1.5f));
+    Json capture{{"camera_model", "PINHOLE"},  {"w", eyes[0].width},      {"h", eyes[0].height},
+                 {"fl_x", eyes[0].focal},      {"fl_y", eyes[0].focal},   {"cx", eyes[0].width / 2.0},
+                 {"cy", eyes[0].height / 2.0}, {"mesh_path", "mesh.ply"}, {"frames", Json::array()}};
     for (size_t i = 0; i < eyes.size(); ++i) {
         const std::string name = fmt::format("images/{:04}.exr", i);
         writeImage(out / name, render(eyes[i], materials, &sky, lamp, 2, 16, i + 1));
@@ -334,16 +379,25 @@ void renderCapture(const Materials& materials, const Image& skyMap, const Image&
     novelCamera.erase("frames");
     novelCamera.erase("mesh_path");
     novelCamera["transform_matrix"] = novel.matrix();
-    const auto matrixOf = [](const Vec3& shift) { return Json{{1, 0, 0, shift.x}, {0, 1, 0, shift.y}, {0, 0, 1, shift.z}, {0, 0, 0, 1}}; };
+    const auto matrixOf = [](const Vec3& shift) {
+        return Json{{1, 0, 0, shift.x}, {0, 1, 0, shift.y}, {0, 0, 1, shift.z}, {0, 0, 0, 1}};
+    };
     Json entries = Json::array();
-    const auto add = [&](const std::string& name, const Eye& eye, const Json& camera, const Sky& light, const std::string& env, const Vec3& shift, const Rgb& power, bool edited) {
+    const auto add = [&](const std::string& name, const Eye& eye, const Json& camera, const Sky& light,
+                         const std::string& env, const Vec3& shift, const Rgb& power, bool edited) {
         Lamp moved = lamp;
         moved.ball.centre += shift;
         moved.radiance *= power;
         writeImage(out / "truth" / "relit" / (name + ".exr"), render(eye, materials, &light, moved, 2, 32, 99));
         writeImage(out / "truth" / "masks" / (name + ".png"), objectMask(eye, moved));
-        Json entry{{"name", name}, {"camera", camera}, {"image", "relit/" + name + ".exr"}, {"env", env}, {"edits", Json::array()}};
-        if (edited) entry["edits"].push_back({{"emitter_id", 0}, {"matrix", matrixOf(shift)}, {"power_scale", {power.x, power.y, power.z}}});
+        Json entry{{"name", name},
+                   {"camera", camera},
+                   {"image", "relit/" + name + ".exr"},
+                   {"env", env},
+                   {"edits", Json::array()}};
+        if (edited)
+            entry["edits"].push_back(
+                {{"emitter_id", 0}, {"matrix", matrixOf(shift)}, {"power_scale", {power.x, power.y, power.z}}});
         entries.push_back(entry);
         std::fprintf(stderr, "%s\n", name.c_str());
     };
@@ -354,7 +408,8 @@ void renderCapture(const Materials& materials, const Image& skyMap, const Image&
     add("other-environment", eyes[6], 6, other, "env-other.exr", Vec3(0), Rgb(1), false);
     add("white", eyes[0], 0, white, "env-white.exr", Vec3(0), Rgb(0), true);
     add("novel-view", novel, novelCamera, sky, "unchanged", Vec3(0), Rgb(1), false);
-    // A new camera under the old light counts as an edit: an entry that changes nothing would be taken for the reconstruction.
+    // A new camera under the old light counts as an edit: an entry that changes nothing would be taken for the
+    // reconstruction.
     entries.back()["edits"].push_back({{"emitter_id", 0}, {"matrix", matrixOf(Vec3(0))}, {"power_scale", {1, 1, 1}}});
     writeBytesAtomically(out / "truth" / "relight.json", entries.dump(1));
 }
@@ -379,20 +434,27 @@ void score(const Materials& materials, const std::vector<std::string>& names, co
         for (const BrdfSample& s : samples) {
             values.push_back(materials[size_t(b)](s.towardLight, s.towardEye));
             Rgb sum(0);
-            for (size_t k = 0; k < weight.size(); ++k) sum += weight[k] * evaluateLobe(r.basis.lobes[k], s.towardLight, s.towardEye);
+            for (size_t k = 0; k < weight.size(); ++k)
+                sum += weight[k] * evaluateLobe(r.basis.lobes[k], s.towardLight, s.towardEye);
             model.push_back(sum);
             if (s.towardEye.z < 0.7f) continue;  // albedo towards eyes within 45 degrees
             sent += values.back() * (s.solidAngle * s.towardLight.z / 4);
             found += sum * (s.solidAngle * s.towardLight.z / 4);
         }
         const auto [l2, cube] = brdfErrors(samples, values, model);
-        const float tint = std::acos(std::clamp(glm::dot(glm::normalize(sent), glm::normalize(found)), -1.0f, 1.0f)) * 180 / pi;
-        std::printf("%s: relative L2 %.3f, cube root %.4f; albedo %.3f %.3f %.3f, found %.3f %.3f %.3f, tint %.2f degrees\n", names[size_t(b)].c_str(), l2, cube, double(sent.x), double(sent.y), double(sent.z), double(found.x), double(found.y),
-                    double(found.z), double(tint));
+        const float tint =
+            std::acos(std::clamp(glm::dot(glm::normalize(sent), glm::normalize(found)), -1.0f, 1.0f)) * 180 / pi;
+        std::printf(
+            "%s: relative L2 %.3f, cube root %.4f; albedo %.3f %.3f %.3f, found %.3f %.3f %.3f, tint %.2f degrees\n",
+            names[size_t(b)].c_str(), l2, cube, double(sent.x), double(sent.y), double(sent.z), double(found.x),
+            double(found.y), double(found.z), double(tint));
         for (size_t k = 0; k < weight.size(); ++k) {
             if (!(maxChannel(weight[k]) > 0)) continue;
-            std::printf("    %-28s weight %.3f %.3f %.3f", r.basis.lobes[k].name.c_str(), double(weight[k].x), double(weight[k].y), double(weight[k].z));
-            if (const auto& m = r.basis.lobes[k].measured) std::printf("   of the material itself: %.3f %.3f %.3f", double(m->colour.x), double(m->colour.y), double(m->colour.z));
+            std::printf("    %-28s weight %.3f %.3f %.3f", r.basis.lobes[k].name.c_str(), double(weight[k].x),
+                        double(weight[k].y), double(weight[k].z));
+            if (const auto& m = r.basis.lobes[k].measured)
+                std::printf("   of the material itself: %.3f %.3f %.3f", double(m->colour.x), double(m->colour.y),
+                            double(m->colour.z));
             std::puts("");
         }
     }
@@ -403,7 +465,9 @@ void score(const Materials& materials, const std::vector<std::string>& names, co
 int main(int argc, char** argv) {
     const std::vector<std::string> a(argv + 1, argv + argc);
     try {
-        if (a.size() < 3) throw Error("tables FOLDER OUT MATERIAL..., render FOLDER ENV OTHER-ENV OUT A B C D, or score FOLDER SHOT A B C D");
+        if (a.size() < 3)
+            throw Error(
+                "tables FOLDER OUT MATERIAL..., render FOLDER ENV OTHER-ENV OUT A B C D, or score FOLDER SHOT A B C D");
         const Rows networks = readTable(a[1] + "/nbrdf_merl_67.csv");
         const auto four = [&](size_t from) {
             if (a.size() != from + 4) throw Error("expected four materials at the end");
@@ -416,7 +480,5 @@ int main(int argc, char** argv) {
         else if (a[0] == "score") score(four(3), {a.begin() + 3, a.end()}, a[2]);
         else throw Error("{}: unknown", a[0]);
         return 0;
-    } catch (const std::exception& error) {
-        return std::fprintf(stderr, "measured_scene: %s\n", error.what()), 1;
-    }
+    } catch (const std::exception& error) { return std::fprintf(stderr, "measured_scene: %s\n", error.what()), 1; }
 }

@@ -1,5 +1,6 @@
-// A planar emitter's light at a vertex: area sampling with rays (what live relighting does) against affine double and triple products of
-// visibility on the plane parallel to the emitter. planar_bench prints microseconds a vertex on one core and the error against 4096 rays.
+// A planar emitter's light at a vertex: area sampling with rays (what live relighting does) against affine double and
+// triple products of visibility on the plane parallel to the emitter. planar_bench prints microseconds a vertex on one
+// core and the error against 4096 rays.
 #include <benchmark/benchmark.h>
 
 #include <functional>
@@ -19,10 +20,13 @@ struct Panel {
     Vec3 corner, edgeU, edgeV;  // shines along cross(edgeU, edgeV)
     Vec3 normal() const { return glm::normalize(glm::cross(edgeU, edgeV)); }
 };
-Panel above(const char* name, float side, float height) { return {name, {0.3f - side / 2, -0.2f - side / 2, height}, {0, side, 0}, {side, 0, 0}}; }
+Panel above(const char* name, float side, float height) {
+    return {name, {0.3f - side / 2, -0.2f - side / 2, height}, {0, side, 0}, {side, 0, 0}};
+}
 const Panel panels[] = {
-    above("0.5 m at 3 m", 0.5f, 3), above("2 m at 3 m", 2, 3), above("2 m at 6 m", 2, 6), above("2 m at 12 m", 2, 12), above("4 m at 2.5 m", 4, 2.5f),
-    {"2 m upright, things behind", {-1.2f, -1.5f, 0.5f}, {0, 2, 0}, {0, 0, 2}},
+    above("0.5 m at 3 m", 0.5f, 3), above("2 m at 3 m", 2, 3),
+    above("2 m at 6 m", 2, 6),      above("2 m at 12 m", 2, 12),
+    above("4 m at 2.5 m", 4, 2.5f), {"2 m upright, things behind", {-1.2f, -1.5f, 0.5f}, {0, 2, 0}, {0, 0, 2}},
 };
 
 /// The bench's scene without its lamp, some of its vertices and what they show of one panel.
@@ -41,7 +45,9 @@ struct Stage {
 
     const Vec3& point(size_t k) const { return scene.mesh.positions[chosen[k]]; }
     const Vec3& normal(size_t k) const { return scene.mesh.normals[chosen[k]]; }
-    AffineMap map(size_t k) const { return *planarEmitterMap(point(k), -panel.normal(), axisX, panel.corner, panel.edgeU, panel.edgeV, reach); }
+    AffineMap map(size_t k) const {
+        return *planarEmitterMap(point(k), -panel.normal(), axisX, panel.corner, panel.edgeU, panel.edgeV, reach);
+    }
     Vec3 direction(const Vec2& square) const {
         const Vec3 z = -panel.normal(), y = glm::cross(z, axisX);
         return z + (2 * square.x - 1) * reach * axisX + (2 * square.y - 1) * reach * y;
@@ -59,7 +65,8 @@ Stage& stage(const Panel& panel) {
     Mesh mesh = world.scene->mesh, with = mesh;
     mesh.triangles.clear();
     for (size_t t = 0; t < with.triangles.size(); ++t)
-        if (world.estimate->emitters.emitterOfVertex[with.triangles[t][0]] < 0) mesh.triangles.push_back(with.triangles[t]);
+        if (world.estimate->emitters.emitterOfVertex[with.triangles[t][0]] < 0)
+            mesh.triangles.push_back(with.triangles[t]);
     s.scene = test::sceneOf(mesh);
     s.occluders.ground = std::shared_ptr<const RayTracer>(std::shared_ptr<void>(), s.scene.tracer.get());
     s.occluders.offset = s.scene.tracer->surfaceOffset();
@@ -86,7 +93,8 @@ Stage& stage(const Panel& panel) {
 }
 
 benchmark::Counter perVertex(const Stage& s, const benchmark::State& state) {
-    return benchmark::Counter(double(s.chosen.size()) * double(state.iterations()) / 1e6, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+    return benchmark::Counter(double(s.chosen.size()) * double(state.iterations()) / 1e6,
+                              benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
 /// Relative root mean square error of a method over the stage's vertices, and microseconds a vertex on one core.
@@ -103,7 +111,8 @@ void measure(benchmark::State& state, Stage& s, const std::function<float(size_t
     state.counters["us_vertex"] = perVertex(s, state);
 }
 
-/// Visibility per cell of the plane by a ray through its middle, as far as anything stands, or only up to the emitter's plane.
+/// Visibility per cell of the plane by a ray through its middle, as far as anything stands, or only up to the emitter's
+/// plane.
 HaarTree traced(const Stage& s, size_t k, int side, bool upToPanel) {
     const Vec3 origin = s.occluders.origin(s.point(k), s.normal(k));
     const float height = glm::dot(s.panel.corner - origin, -s.panel.normal());
@@ -127,18 +136,23 @@ const LiveGrid& liveGrid() {
 }
 std::vector<uint8_t> masksOf(const Stage& s, size_t k) {
     std::vector<uint8_t> masks(liveGrid().nibbleBytes());
-    traceCells(liveGrid(), s.occluders.origin(s.point(k), s.normal(k)), s.normal(k), false, [&](std::span<const Ray> r) { return s.occluders.groundOccluded8(r); }, masks);
+    traceCells(
+        liveGrid(), s.occluders.origin(s.point(k), s.normal(k)), s.normal(k), false,
+        [&](std::span<const Ray> r) { return s.occluders.groundOccluded8(r); }, masks);
     return masks;
 }
 /// Visibility on the plane from the baked quarter cells of the direction square.
 HaarTree fromMasks(const std::vector<uint8_t>& masks, const std::vector<uint16_t>& quarterOfCell, int side) {
     std::vector<float> cells(quarterOfCell.size());
-    for (size_t c = 0; c < cells.size(); ++c) cells[c] = nibbleOf(masks.data(), quarterOfCell[c] / 4) >> (quarterOfCell[c] % 4) & 1 ? 1.0f : 0.0f;
+    for (size_t c = 0; c < cells.size(); ++c)
+        cells[c] = nibbleOf(masks.data(), quarterOfCell[c] / 4) >> (quarterOfCell[c] % 4) & 1 ? 1.0f : 0.0f;
     return HaarTree(cells, side);
 }
 std::vector<uint16_t> quartersOnPlane(const Stage& s, int side) {
     std::vector<uint16_t> out(size_t(side * side));
-    for (int c = 0; c < side * side; ++c) out[size_t(c)] = uint16_t(liveGrid().quarterAt(sphereToSquare(glm::normalize(s.direction((Vec2(float(c % side), float(c / side)) + 0.5f) / float(side))))));
+    for (int c = 0; c < side * side; ++c)
+        out[size_t(c)] = uint16_t(liveGrid().quarterAt(sphereToSquare(
+            glm::normalize(s.direction((Vec2(float(c % side), float(c / side)) + 0.5f) / float(side))))));
     return out;
 }
 /// Cosine / (pi r^4) per cell: the reflectance of a matte vertex on the plane.
@@ -146,7 +160,9 @@ HaarTree lambertOnPlane(const Stage& s, size_t k, int side) {
     std::vector<float> cells(size_t(side * side));
     for (int c = 0; c < side * side; ++c)
         for (int q = 0; q < 4; ++q) {
-            const Vec3 d = s.direction((Vec2(float(c % side), float(c / side)) + Vec2(0.25f + 0.5f * float(q % 2), 0.25f + 0.5f * float(q / 2))) / float(side));
+            const Vec3 d = s.direction((Vec2(float(c % side), float(c / side)) +
+                                        Vec2(0.25f + 0.5f * float(q % 2), 0.25f + 0.5f * float(q / 2))) /
+                                       float(side));
             const float r2 = glm::dot(d, d);
             cells[size_t(c)] += std::max(0.0f, glm::dot(d, s.normal(k))) / (pi * r2 * r2) * reach * reach;
         }
@@ -168,7 +184,8 @@ void fill(Stage& s, int side) {
 
 float byDouble(const Stage& s, size_t k, const HaarTree& seen) {
     float open = 0;
-    for (const auto& c : s.emitter.tree.surface().corners) open += triangleFormFactor(s.point(k), s.normal(k), c, false);
+    for (const auto& c : s.emitter.tree.surface().corners)
+        open += triangleFormFactor(s.point(k), s.normal(k), c, false);
     const AffineMap map = s.map(k);
     const double covered = sharedArea(map, {0, 0}, 1);
     return covered > 0 ? open * float(affineDoubleProduct(seen, s.one, map) / covered) : 0;
@@ -177,19 +194,27 @@ float byDouble(const Stage& s, size_t k, const HaarTree& seen) {
 void registerAll() {
     for (const Panel& panel : panels) {
         const auto add = [&](const std::string& name, std::function<void(benchmark::State&)> body) {
-            benchmark::RegisterBenchmark((std::string(panel.name) + "/" + name).c_str(), std::move(body))->Unit(benchmark::kMillisecond)->MinTime(0.2);
+            benchmark::RegisterBenchmark((std::string(panel.name) + "/" + name).c_str(), std::move(body))
+                ->Unit(benchmark::kMillisecond)
+                ->MinTime(0.2);
         };
-        for (const auto& [count, coarse] : {std::pair{4, true}, {8, true}, {16, true}, {64, true}, {16, false}, {64, false}, {256, false}})
-            add(fmt::format("area sampling, {} rays{}", count, coarse ? ", coarse cut" : ""), [&panel, count = count, coarse = coarse](benchmark::State& state) {
-                Stage& s = stage(panel);
-                measure(state, s, [&](size_t k) {
-                    float open = 0;
-                    return nearFactor(s.emitter, s.occluders, s.point(k), s.normal(k), coarse ? coarseCut : fineCut, count, mixBits(s.chosen[k] + 77), open);
+        for (const auto& [count, coarse] :
+             {std::pair{4, true}, {8, true}, {16, true}, {64, true}, {16, false}, {64, false}, {256, false}})
+            add(fmt::format("area sampling, {} rays{}", count, coarse ? ", coarse cut" : ""),
+                [&panel, count = count, coarse = coarse](benchmark::State& state) {
+                    Stage& s = stage(panel);
+                    measure(state, s, [&](size_t k) {
+                        float open = 0;
+                        return nearFactor(s.emitter, s.occluders, s.point(k), s.normal(k), coarse ? coarseCut : fineCut,
+                                          count, mixBits(s.chosen[k] + 77), open);
+                    });
                 });
-            });
         add("closed form, no shadow", [&panel](benchmark::State& state) {
             Stage& s = stage(panel);
-            measure(state, s, [&](size_t k) { return triangleFormFactor(s.point(k), s.normal(k), s.emitter.tree.surface().corners[0], false) + triangleFormFactor(s.point(k), s.normal(k), s.emitter.tree.surface().corners[1], false); });
+            measure(state, s, [&](size_t k) {
+                return triangleFormFactor(s.point(k), s.normal(k), s.emitter.tree.surface().corners[0], false) +
+                       triangleFormFactor(s.point(k), s.normal(k), s.emitter.tree.surface().corners[1], false);
+            });
         });
         for (int side : {16, 32, 64}) {
             const auto with = [&](const std::string& name, std::function<float(Stage&, size_t)> factor) {
@@ -202,8 +227,12 @@ void registerAll() {
             with("double, baked masks", [](Stage& s, size_t k) { return byDouble(s, k, s.seenMask[k]); });
             with("double, own rays", [](Stage& s, size_t k) { return byDouble(s, k, s.seen[k]); });
             with("double, rays end at the panel", [](Stage& s, size_t k) { return byDouble(s, k, s.seenNear[k]); });
-            with("triple, baked masks", [](Stage& s, size_t k) { return float(affineTripleProduct(s.seenMask[k], s.lambert[k], s.one, s.map(k))); });
-            with("triple, own rays", [](Stage& s, size_t k) { return float(affineTripleProduct(s.seen[k], s.lambert[k], s.one, s.map(k))); });
+            with("triple, baked masks", [](Stage& s, size_t k) {
+                return float(affineTripleProduct(s.seenMask[k], s.lambert[k], s.one, s.map(k)));
+            });
+            with("triple, own rays", [](Stage& s, size_t k) {
+                return float(affineTripleProduct(s.seen[k], s.lambert[k], s.one, s.map(k)));
+            });
             add(fmt::format("set-up of reflectance, side {}", side), [&panel, side](benchmark::State& state) {
                 Stage& s = stage(panel);
                 for (auto _ : state)
@@ -215,7 +244,8 @@ void registerAll() {
                 const std::vector<uint16_t> quarters = quartersOnPlane(s, side);
                 const std::vector<uint8_t> masks = masksOf(s, 0);
                 for (auto _ : state)
-                    for (size_t k = 0; k < s.chosen.size(); ++k) benchmark::DoNotOptimize(fromMasks(masks, quarters, side));
+                    for (size_t k = 0; k < s.chosen.size(); ++k)
+                        benchmark::DoNotOptimize(fromMasks(masks, quarters, side));
                 state.counters["us_vertex"] = perVertex(s, state);
             });
         }

@@ -1,5 +1,5 @@
-// The other runners: what a textbook or a package would do with x'Qx - 2 c'x over x >= 0. All but IPOPT get the column-scaled problem,
-// as ours does; each tells its feasible points to a Recorder and stops when that says so.
+// The other runners: what a textbook or a package would do with x'Qx - 2 c'x over x >= 0. All but IPOPT get the
+// column-scaled problem, as ours does; each tells its feasible points to a Recorder and stops when that says so.
 #pragma once
 #include <time.h>
 
@@ -12,7 +12,8 @@ namespace relamp::bench {
 /// CPU seconds (all threads) and objective along a run, the time it takes to judge a point left out.
 class Recorder {
 public:
-    Recorder(const RaceProblem& problem, double limitSeconds) : problem_(problem), limit_(limitSeconds), start_(now()) {}
+    Recorder(const RaceProblem& problem, double limitSeconds)
+        : problem_(problem), limit_(limitSeconds), start_(now()) {}
     void goal(double objective) { goal_ = objective; }
     /// Takes a point; negative values count as zero.
     void operator()(const Eigen::VectorXd& x) {
@@ -21,7 +22,9 @@ public:
         if (points.empty() || value < points.back().second) points.emplace_back(at - start_ - judged_, value);
         judged_ += now() - at;
     }
-    bool stop() const { return now() - start_ - judged_ > limit_ || (!points.empty() && points.back().second <= goal_); }
+    bool stop() const {
+        return now() - start_ - judged_ > limit_ || (!points.empty() && points.back().second <= goal_);
+    }
     void finish() { ended_ = seconds(); }
     double best() const { return points.empty() ? 1e300 : points.back().second; }
     double seconds() const { return ended_ > 0 ? ended_ : now() - start_ - judged_; }
@@ -53,8 +56,8 @@ struct ScaledProblem {
     }
 };
 
-/// Lawson and Hanson 1974 on the normal equations: one variable enters at a time, the Cholesky factor grows by a row and is rebuilt
-/// from the first variable that leaves.
+/// Lawson and Hanson 1974 on the normal equations: one variable enters at a time, the Cholesky factor grows by a row
+/// and is rebuilt from the first variable that leaves.
 inline void lawsonHanson(const RaceProblem& problem, Recorder& record) {
     const ScaledProblem s(problem);
     const Eigen::Index n = s.b.size();
@@ -68,7 +71,8 @@ inline void lawsonHanson(const RaceProblem& problem, Recorder& record) {
             for (Eigen::Index k = 0; k < r; ++k) row(k) = s.a(passive[size_t(k)], passive[size_t(r)]);
             l.topLeftCorner(r, r).triangularView<Eigen::Lower>().solveInPlace(row);
             l.row(r).head(r) = row.transpose();
-            l(r, r) = std::sqrt(std::max(s.a(passive[size_t(r)], passive[size_t(r)]) * (1 + 1e-12) - row.squaredNorm(), 1e-13));
+            l(r, r) = std::sqrt(
+                std::max(s.a(passive[size_t(r)], passive[size_t(r)]) * (1 + 1e-12) - row.squaredNorm(), 1e-13));
         }
     };
     while (!record.stop()) {
@@ -110,7 +114,8 @@ inline void lawsonHanson(const RaceProblem& problem, Recorder& record) {
     }
 }
 
-/// Spectral projected gradient: Barzilai and Borwein's step lengths, projected (Birgin, Martinez, Raydan 2000, without the line search).
+/// Spectral projected gradient: Barzilai and Borwein's step lengths, projected (Birgin, Martinez, Raydan 2000, without
+/// the line search).
 inline void projectedGradient(const RaceProblem& problem, Recorder& record) {
     const ScaledProblem s(problem);
     const Eigen::Index n = s.b.size();

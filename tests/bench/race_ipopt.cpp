@@ -47,7 +47,8 @@ public:
     }
     bool eval_g(Index, const Number*, bool, Index, Number*) override { return true; }
     bool eval_jac_g(Index, const Number*, bool, Index, Index, Index*, Index*, Number*) override { return true; }
-    bool eval_h(Index n, const Number*, bool, Number factor, Index, const Number*, bool, Index, Index* rows, Index* columns, Number* values) override {
+    bool eval_h(Index n, const Number*, bool, Number factor, Index, const Number*, bool, Index, Index* rows,
+                Index* columns, Number* values) override {
         Index at = 0;
         for (Index j = 0; j < n; ++j)
             for (Index i = j; i < n; ++i, ++at) {
@@ -56,12 +57,13 @@ public:
             }
         return true;
     }
-    bool intermediate_callback(Ipopt::AlgorithmMode, Index, Number, Number, Number, Number, Number, Number, Number, Number, Index, const Ipopt::IpoptData*,
-                               Ipopt::IpoptCalculatedQuantities*) override {
+    bool intermediate_callback(Ipopt::AlgorithmMode, Index, Number, Number, Number, Number, Number, Number, Number,
+                               Number, Index, const Ipopt::IpoptData*, Ipopt::IpoptCalculatedQuantities*) override {
         return !record_.stop();
     }
-    void finalize_solution(Ipopt::SolverReturn, Index n, const Number* x, const Number*, const Number*, Index, const Number*, const Number*, Number,
-                           const Ipopt::IpoptData*, Ipopt::IpoptCalculatedQuantities*) override {
+    void finalize_solution(Ipopt::SolverReturn, Index n, const Number* x, const Number*, const Number*, Index,
+                           const Number*, const Number*, Number, const Ipopt::IpoptData*,
+                           Ipopt::IpoptCalculatedQuantities*) override {
         record_(s_.scale.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(x, n)));
     }
 

@@ -1,4 +1,5 @@
-// Lighting programs for the race: x'Qx - 2 c'x over x >= 0, from the forward model on a made world under a sky with a sun and lamps.
+// Lighting programs for the race: x'Qx - 2 c'x over x >= 0, from the forward model on a made world under a sky with a
+// sun and lamps.
 #pragma once
 #include <string>
 
@@ -17,8 +18,8 @@ struct RaceProblem {
     double objective(const Eigen::VectorXd& x) const { return x.dot(q * x) - 2 * c.dot(x) + constant; }
 };
 
-/// `level`: 4, 5, 6 for 256, 1024, 4096 leaves; three lamps beside. `stiff`: almost no prior, lamps of 1 : 1000 : 1e6, dark albedos
-/// weighted as exactly as bright ones.
+/// `level`: 4, 5, 6 for 256, 1024, 4096 leaves; three lamps beside. `stiff`: almost no prior, lamps of 1 : 1000 : 1e6,
+/// dark albedos weighted as exactly as bright ones.
 inline RaceProblem makeRaceProblem(int level, bool stiff) {
     Progress progress;
     const World world = makeWorld(level < 6 ? 4000 : 7000, false);
@@ -38,7 +39,9 @@ inline RaceProblem makeRaceProblem(int level, bool stiff) {
     for (size_t r = 0; r < rows; ++r) {
         std::copy(one.row(r), one.row(r) + leaves.size(), b.row(r));
         const Vec3 p = scene.mesh.positions[vertices[r]];
-        for (int k = 0; k < 3; ++k) b.row(r)[leaves.size() + size_t(k)] = one.row(r)[leaves.size()] * (0.5f + 0.5f * std::sin(float(k + 1) * p.x + float(k) * p.y));
+        for (int k = 0; k < 3; ++k)
+            b.row(r)[leaves.size() + size_t(k)] =
+                one.row(r)[leaves.size()] * (0.5f + 0.5f * std::sin(float(k + 1) * p.x + float(k) * p.y));
     }
     // Truth, then what photographs say of it with 1 % noise.
     Eigen::VectorXd truth = Eigen::VectorXd::Zero(Eigen::Index(n));
@@ -51,22 +54,28 @@ inline RaceProblem makeRaceProblem(int level, bool stiff) {
     }
     for (size_t i = 0; i < leaves.size(); ++i) truth(Eigen::Index(i)) /= std::max(1, cells[i]);
     for (int k = 0; k < 3; ++k) truth(Eigen::Index(leaves.size()) + k) = stiff ? 36 * std::pow(1e-3, k) : 20 + 8 * k;
-    const Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> matrix(b.values.data(), Eigen::Index(rows), Eigen::Index(n));
+    const Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> matrix(
+        b.values.data(), Eigen::Index(rows), Eigen::Index(n));
     const Eigen::VectorXd clean = matrix.cast<double>() * truth;
     std::vector<float> weight(rows);
     Eigen::VectorXd moment = Eigen::VectorXd::Zero(Eigen::Index(n));
     RaceProblem p;
     for (size_t r = 0; r < rows; ++r) {
-        const float noise = 2 * unitFloat(mixBits(r * 3)) + 2 * unitFloat(mixBits(r * 3 + 1)) - 2;  // standard deviation 0.82
-        const double y = clean(Eigen::Index(r)) * (1 + 0.012 * double(noise)), sigma = 0.01 * y + (stiff ? 1e-6 : 1e-2 * clean.mean());
+        const float noise =
+            2 * unitFloat(mixBits(r * 3)) + 2 * unitFloat(mixBits(r * 3 + 1)) - 2;  // standard deviation 0.82
+        const double y = clean(Eigen::Index(r)) * (1 + 0.012 * double(noise)),
+                     sigma = 0.01 * y + (stiff ? 1e-6 : 1e-2 * clean.mean());
         weight[r] = float(1 / (sigma * sigma));
         moment += (double(weight[r]) * y) * matrix.row(Eigen::Index(r)).cast<double>().transpose();
         p.constant += double(weight[r]) * y * y;
     }
     p.name = std::string(stiff ? "stiff" : "plain") + ", " + std::to_string(leaves.size()) + " leaves";
-    p.q = weightedGram(b, [&](size_t r, float* out) {
-        for (size_t k = 0; k < n; ++k) out[k] = weight[r] * b.row(r)[k];
-    }, progress);
+    p.q = weightedGram(
+        b,
+        [&](size_t r, float* out) {
+            for (size_t k = 0; k < n; ++k) out[k] = weight[r] * b.row(r)[k];
+        },
+        progress);
     p.c = moment;
     LightAnchors anchors;
     anchors.leaves.resize(leaves.size());

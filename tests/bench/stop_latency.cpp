@@ -1,6 +1,6 @@
-// How long after a request to stop each long function returns: stop_latency CAPTURE [QUALITY [MOMENTS]]. The work runs once undisturbed, which tells when
-// each of its stages begins; then anew for every moment, one in the middle of each stage and MOMENTS spread over the whole. Wall time, so a busy
-// machine makes it longer.
+// How long after a request to stop each long function returns: stop_latency CAPTURE [QUALITY [MOMENTS]]. The work runs
+// once undisturbed, which tells when each of its stages begins; then anew for every moment, one in the middle of each
+// stage and MOMENTS spread over the whole. Wall time, so a busy machine makes it longer.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -70,8 +70,7 @@ std::unique_ptr<Latency> latencyAt(const std::function<void(Progress&)>& work, d
     });
     try {
         work(progress);
-    } catch (const Cancelled&) {
-    }
+    } catch (const Cancelled&) {}
     const auto returned = Clock::now();
     {
         std::lock_guard lock(mutex);
@@ -100,8 +99,11 @@ void measure(const char* name, const std::function<void(Progress&)>& work, int s
         }
     if (all.empty()) return;
     std::sort(all.begin(), all.end());
-    std::printf("%s: %.1f s, stopped %zu times: median %.0f ms, worst %.0f ms\n", name, whole, all.size(), all[all.size() / 2], all.back());
-    for (auto& [stage, ms] : found) std::printf("  %-44s %3zu times, worst %5.0f ms\n", stage.c_str(), ms.size(), *std::max_element(ms.begin(), ms.end()));
+    std::printf("%s: %.1f s, stopped %zu times: median %.0f ms, worst %.0f ms\n", name, whole, all.size(),
+                all[all.size() / 2], all.back());
+    for (auto& [stage, ms] : found)
+        std::printf("  %-44s %3zu times, worst %5.0f ms\n", stage.c_str(), ms.size(),
+                    *std::max_element(ms.begin(), ms.end()));
     std::fflush(stdout);
 }
 
@@ -124,42 +126,54 @@ int main(int argc, char** argv) {
         const PipelineResult solved = runPipeline(capture, options, progress, &listener);
         const auto scene = solved.scene;
         const auto estimate = std::make_shared<const Estimate>(solved.estimate);
-        const std::filesystem::path folder = std::filesystem::temp_directory_path() / ("relamp-stop-latency-" + std::to_string(Clock::now().time_since_epoch().count()));
+        const std::filesystem::path folder =
+            std::filesystem::temp_directory_path() /
+            ("relamp-stop-latency-" + std::to_string(Clock::now().time_since_epoch().count()));
         std::filesystem::create_directories(folder);
-        measure("bake", [&](Progress& p) {
-            LiveScene live(scene, estimate, {}, p);
-            live.setLook({});
-            while (!live.refine(0.04, p)) {}
-        }, moments);
-        measure("export, 1500 x 1000, all layers", [&](Progress& p) {
-            const RelitScene relit = applyLook(*scene, *estimate, {}, p);
-            Camera camera = solved.capture.views.at(0).camera;
-            const double factor = 1500.0 / camera.width;
-            camera.width = 1500;
-            camera.height = 1000;
-            camera.focalX *= factor;
-            camera.focalY *= factor;
-            camera.centreX = 750;
-            camera.centreY = 500;
-            FrameSources sources;
-            sources.look = sources.captured = &relit;
-            FrameOptions frame;
-            FrameFileOptions file;
-            file.layers = "groups,albedo,correction,normal,position,depth,cryptomatte";
-            writeFrameFile(folder / "frame.exr", camera, sources, frame, file, p);
-        }, moments);
+        measure(
+            "bake",
+            [&](Progress& p) {
+                LiveScene live(scene, estimate, {}, p);
+                live.setLook({});
+                while (!live.refine(0.04, p)) {}
+            },
+            moments);
+        measure(
+            "export, 1500 x 1000, all layers",
+            [&](Progress& p) {
+                const RelitScene relit = applyLook(*scene, *estimate, {}, p);
+                Camera camera = solved.capture.views.at(0).camera;
+                const double factor = 1500.0 / camera.width;
+                camera.width = 1500;
+                camera.height = 1000;
+                camera.focalX *= factor;
+                camera.focalY *= factor;
+                camera.centreX = 750;
+                camera.centreY = 500;
+                FrameSources sources;
+                sources.look = sources.captured = &relit;
+                FrameOptions frame;
+                FrameFileOptions file;
+                file.layers = "groups,albedo,correction,normal,position,depth,cryptomatte";
+                writeFrameFile(folder / "frame.exr", camera, sources, frame, file, p);
+            },
+            moments);
         Image large(6000, 4000);
-        for (size_t i = 0; i < large.pixels.size(); ++i) large.pixels[i] = Rgb(float(i * 2654435761u >> 8 & 255) / 512 + float(i % 6000) / 12000);
+        for (size_t i = 0; i < large.pixels.size(); ++i)
+            large.pixels[i] = Rgb(float(i * 2654435761u >> 8 & 255) / 512 + float(i % 6000) / 12000);
         for (const std::string ending : {".exr", ".png", ".jpg"}) {
             const auto file = folder / ("large" + ending);
             writeImage(file, large);
-            measure(("reading 6000 x 4000 pixels, " + ending).c_str(), [&](Progress& p) {
-                p.begin("Reading", 1);
-                readImage(file, nullptr, false, size_t(1) << 28, [&] { p.check(); });
-            }, moments);
+            measure(("reading 6000 x 4000 pixels, " + ending).c_str(),
+                    [&](Progress& p) {
+                        p.begin("Reading", 1);
+                        readImage(file, nullptr, false, size_t(1) << 28, [&] { p.check(); });
+                    },
+                    moments);
         }
         std::filesystem::remove_all(folder);
-        measure("solve, reading included", [&](Progress& p) { runPipeline(capture, options, p, &listener); }, moments);
+        measure(
+            "solve, reading included", [&](Progress& p) { runPipeline(capture, options, p, &listener); }, moments);
         return 0;
     } catch (const std::exception& error) {
         std::fprintf(stderr, "%s\n", error.what());

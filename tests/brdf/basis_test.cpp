@@ -55,11 +55,13 @@ TEST(BasisNamed, KnowsThreeNames) {
 
 TEST(LobeAlbedo, IsTheShareOfLightSentBackTowardsTheNormal) {
     EXPECT_EQ(lobeAlbedo({Lobe::Kind::ggxDielectric, 0.1f, ""}), 0.04f);
-    for (const Lobe& lobe : {Lobe{Lobe::Kind::ward, 0.1f, ""}, Lobe{Lobe::Kind::cookTorrance, 0.2f, ""}, Lobe{Lobe::Kind::lafortuneBack, std::sqrt(0.5f), ""}}) {
+    for (const Lobe& lobe : {Lobe{Lobe::Kind::ward, 0.1f, ""}, Lobe{Lobe::Kind::cookTorrance, 0.2f, ""},
+                             Lobe{Lobe::Kind::lafortuneBack, std::sqrt(0.5f), ""}}) {
         const DirectionGrid grid{512};
         double sum = 0;
         for (int c = 0; c < grid.cells(); ++c)
-            if (const Vec3 d = grid.direction(c); d.z > 0) sum += double(evaluateLobe(lobe, d, {0, 0, 1})) * double(d.z);
+            if (const Vec3 d = grid.direction(c); d.z > 0)
+                sum += double(evaluateLobe(lobe, d, {0, 0, 1})) * double(d.z);
         sum *= double(grid.cellSolidAngle());
         EXPECT_NEAR(lobeAlbedo(lobe), sum, 0.03 * sum) << kindName(lobe.kind);
     }
@@ -73,13 +75,16 @@ TEST(EvaluateLobe, CallsTheModelOfItsKind) {
     EXPECT_EQ(evaluateLobe({Lobe::Kind::ggxGrazing, 0.3f, ""}, light, eye), ggxGrazing(light, eye, 0.3f));
     EXPECT_EQ(evaluateLobe({Lobe::Kind::ward, 0.3f, ""}, light, eye), ward(light, eye, 0.3f));
     EXPECT_EQ(evaluateLobe({Lobe::Kind::cookTorrance, 0.3f, ""}, light, eye), cookTorrance(light, eye, 0.3f));
-    EXPECT_NEAR(evaluateLobe({Lobe::Kind::lafortuneBack, 0.5f, ""}, light, eye), lafortune(light, eye, -1, 1, 6), 1e-6f);
-    EXPECT_NEAR(evaluateLobe({Lobe::Kind::lafortuneForward, 0.5f, ""}, light, eye), lafortune(light, eye, 1, 0, 6), 1e-6f);
+    EXPECT_NEAR(evaluateLobe({Lobe::Kind::lafortuneBack, 0.5f, ""}, light, eye), lafortune(light, eye, -1, 1, 6),
+                1e-6f);
+    EXPECT_NEAR(evaluateLobe({Lobe::Kind::lafortuneForward, 0.5f, ""}, light, eye), lafortune(light, eye, 1, 0, 6),
+                1e-6f);
     const Lobe a{Lobe::Kind::ggx, 0.3f, ""}, b{Lobe::Kind::ward, 0.2f, ""};
     Lobe mixture{Lobe::Kind::mixture, 0.3f, "both"};
     mixture.parts = {a, b};
     mixture.parts[1].share = 0.25f;
-    EXPECT_NEAR(evaluateLobe(mixture, light, eye), evaluateLobe(a, light, eye) + 0.25f * evaluateLobe(b, light, eye), 1e-6f);
+    EXPECT_NEAR(evaluateLobe(mixture, light, eye), evaluateLobe(a, light, eye) + 0.25f * evaluateLobe(b, light, eye),
+                1e-6f);
 }
 
 }  // namespace

@@ -5,10 +5,13 @@
 namespace relamp {
 namespace {
 
-TEST(LayeredAlbedo, OfAMatteLobeIsOne) { EXPECT_NEAR(hemisphericalAlbedo({Lobe::Kind::lambert, 1, "matte"}), 1, 0.005f); }
+TEST(LayeredAlbedo, OfAMatteLobeIsOne) {
+    EXPECT_NEAR(hemisphericalAlbedo({Lobe::Kind::lambert, 1, "matte"}), 1, 0.005f);
+}
 
 TEST(LayeredAlbedo, OfASmoothDielectricIsFresnelsMean) {
-    // Schlick's approximation, normal reflectance 0.04: 0.04 + 0.96 / 21 over cosine-distributed directions; roughness takes some of the grazing part.
+    // Schlick's approximation, normal reflectance 0.04: 0.04 + 0.96 / 21 over cosine-distributed directions; roughness
+    // takes some of the grazing part.
     const float mean = 0.04f + 0.96f / 21;
     const float glaze = hemisphericalAlbedo({Lobe::Kind::ggxDielectric, 0.05f, "glaze"});
     EXPECT_GT(glaze, 0.75f * mean);
@@ -20,7 +23,8 @@ TEST(LayeredAlbedo, UnderACoatIsReckonedByWhatGetsThrough) {
     BrdfBasis basis;
     basis.lobes = {{Lobe::Kind::lambert, 1, "matte"}, {Lobe::Kind::ggxDielectric, 0.1f, "glaze"}};
     const float back = hemisphericalAlbedo(basis.lobes[1]);
-    const std::vector<Rgb> albedo = albedoUnderCoat(basis, {{Rgb(0.4f, 0.1f, 0.05f), Rgb(0.4f), Rgb(0.99f), Rgb(0.2f)}, {Rgb(1), Rgb(0), Rgb(1), Rgb(50)}});
+    const std::vector<Rgb> albedo = albedoUnderCoat(
+        basis, {{Rgb(0.4f, 0.1f, 0.05f), Rgb(0.4f), Rgb(0.99f), Rgb(0.2f)}, {Rgb(1), Rgb(0), Rgb(1), Rgb(50)}});
     EXPECT_NEAR(albedo[0].x, 0.4f / (1 - back), 1e-6f);
     EXPECT_NEAR(albedo[0].z, 0.05f / (1 - back), 1e-6f);
     EXPECT_EQ(albedo[1], Rgb(0.4f));  // no coat

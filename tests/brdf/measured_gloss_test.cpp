@@ -27,7 +27,8 @@ TEST(MeasuredGloss, TakesAMaterialApartIntoMattePartAndGloss) {
     // Put together again it is the material.
     for (const float angle : {0.0f, 0.4f, 0.8f}) {
         const Vec3 eye(std::sin(angle), 0, std::cos(angle));
-        for (const Vec3& light : {Vec3(-eye.x, eye.y, eye.z), glm::normalize(Vec3(0.3f, 0.2f, 1)), glm::normalize(Vec3(-0.5f, 0.1f, 1))}) {
+        for (const Vec3& light :
+             {Vec3(-eye.x, eye.y, eye.z), glm::normalize(Vec3(0.3f, 0.2f, 1)), glm::normalize(Vec3(-0.5f, 0.1f, 1))}) {
             const Rgb wanted = coated(light, eye), found = gloss.matte / pi + gloss.colour * gloss.evaluate(light, eye);
             for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], wanted[c], 0.06f * wanted[c]) << angle;
         }
@@ -37,8 +38,10 @@ TEST(MeasuredGloss, TakesAMaterialApartIntoMattePartAndGloss) {
 
 TEST(MeasuredLobes, AreReadFromAFolderInTheOrderOfTheirNames) {
     test::TemporaryFolder folder;
-    EXPECT_NE(test::messageOf([&] { readMeasuredLobes(folder.path()); }).find("holds no measured reflectance"), std::string::npos);
-    EXPECT_NE(test::messageOf([&] { readMeasuredLobes(folder / "nowhere"); }).find("nowhere: cannot be read"), std::string::npos);
+    EXPECT_NE(test::messageOf([&] { readMeasuredLobes(folder.path()); }).find("holds no measured reflectance"),
+              std::string::npos);
+    EXPECT_NE(test::messageOf([&] { readMeasuredLobes(folder / "nowhere"); }).find("nowhere: cannot be read"),
+              std::string::npos);
     folder.write("b-paint.binary", test::merlBytes(coated));
     folder.write("a-cloth.binary", test::merlBytes([](const Vec3&, const Vec3&) { return Rgb(0.1f); }));
     folder.write("notes.txt", "not a material");
@@ -51,7 +54,8 @@ TEST(MeasuredLobes, AreReadFromAFolderInTheOrderOfTheirNames) {
     EXPECT_NEAR(evaluateLobe(lobes[0], {0, 0, 1}, {0, 0, 1}), 0, 1e-6);
     EXPECT_NEAR(lobes[0].measured->matte.x, 0.1f * pi, 1e-3);
     folder.write("c-short.binary", "too short");
-    EXPECT_NE(test::messageOf([&] { readMeasuredLobes(folder.path()); }).find("c-short.binary: is 9 bytes long"), std::string::npos);
+    EXPECT_NE(test::messageOf([&] { readMeasuredLobes(folder.path()); }).find("c-short.binary: is 9 bytes long"),
+              std::string::npos);
 }
 
 }  // namespace

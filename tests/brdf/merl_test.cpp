@@ -13,7 +13,9 @@ namespace {
 
 constexpr size_t cells = 90 * 90 * 180;
 
-Vec3 direction(double theta, double phi) { return Vec3(float(std::sin(theta) * std::cos(phi)), float(std::sin(theta) * std::sin(phi)), float(std::cos(theta))); }
+Vec3 direction(double theta, double phi) {
+    return Vec3(float(std::sin(theta) * std::cos(phi)), float(std::sin(theta) * std::sin(phi)), float(std::cos(theta)));
+}
 
 /// A file whose cells hold value(channel, half, difference, azimuth), stored as MERL stores them.
 std::string merlBytes(const std::function<double(int, int, int, int)>& value) {
@@ -52,8 +54,10 @@ TEST(HalfAngles, AreThoseWorkedOutByHand) {
 TEST(HalfAngles, AreTheSameWhenTheTwoAreExchangedTurnedOrMirrored) {
     for (int i = 0; i < 40; ++i) {
         const double t1 = 0.1 + 0.03 * i, p1 = 0.7 * i, t2 = 1.3 - 0.02 * i, p2 = 2.1 * i + 0.4;
-        const HalfAngles a = halfAngles(direction(t1, p1), direction(t2, p2)), b = halfAngles(direction(t2, p2), direction(t1, p1));
-        const HalfAngles turned = halfAngles(direction(t1, p1 + 1), direction(t2, p2 + 1)), mirrored = halfAngles(direction(t1, -p1), direction(t2, -p2));
+        const HalfAngles a = halfAngles(direction(t1, p1), direction(t2, p2)),
+                         b = halfAngles(direction(t2, p2), direction(t1, p1));
+        const HalfAngles turned = halfAngles(direction(t1, p1 + 1), direction(t2, p2 + 1)),
+                         mirrored = halfAngles(direction(t1, -p1), direction(t2, -p2));
         for (const HalfAngles& other : {b, turned, mirrored}) {
             EXPECT_NEAR(other.half, a.half, 1e-6);
             EXPECT_NEAR(other.difference, a.difference, 1e-6);
@@ -77,7 +81,8 @@ protected:
 };
 
 TEST_F(Merl, CellsLieWhereTheFormatPutsThemAndChannelsAreScaled) {
-    const MeasuredBrdf brdf = read(merlBytes([](int c, int h, int d, int a) { return c + 1 + 0.01 * h + 0.0001 * d + 0.000001 * a; }));
+    const MeasuredBrdf brdf =
+        read(merlBytes([](int c, int h, int d, int a) { return c + 1 + 0.01 * h + 0.0001 * d + 0.000001 * a; }));
     EXPECT_EQ(brdf.name, "paint");
     EXPECT_EQ(brdf.missing, 0u);
     EXPECT_NEAR(brdf.cells[MeasuredBrdf::index(3, 5, 7)].x, 1.030507f, 1e-6);
@@ -90,7 +95,9 @@ TEST_F(Merl, CellsLieWhereTheFormatPutsThemAndChannelsAreScaled) {
 TEST_F(Merl, LooksUpBetweenTheCells) {
     // Linear in the place along each axis, so interpolation is exact.
     const MeasuredBrdf brdf = read(merlBytes([](int, int h, int d, int) { return 1 + h + 0.01 * d; }));
-    for (const auto& [l, e] : {std::pair{direction(0.5, 0.2), direction(0.3, 1.9)}, std::pair{direction(1.1, 0), direction(0.2, 0.1)}, std::pair{Vec3(0, 0, 1), direction(0.9, 2)}}) {
+    for (const auto& [l, e] :
+         {std::pair{direction(0.5, 0.2), direction(0.3, 1.9)}, std::pair{direction(1.1, 0), direction(0.2, 0.1)},
+          std::pair{Vec3(0, 0, 1), direction(0.9, 2)}}) {
         const HalfAngles a = halfAngles(l, e);
         const double expected = 1 + 90 * std::sqrt(a.half / (piD / 2)) + 0.01 * 90 * a.difference / (piD / 2);
         EXPECT_NEAR(brdf.evaluate(l, e).x, expected, 1e-4 * expected);
@@ -123,14 +130,16 @@ TEST_F(Merl, CellsWithoutAMeasurementAreLeftOut) {
 
 TEST_F(Merl, BadFilesAreNamedWithWhatIsWrong) {
     EXPECT_EQ(error("short"), file() + ": is 5 bytes long, a MERL file has 34992012");
-    EXPECT_EQ(test::messageOf([&] { readMerl(folder / "none.binary"); }), (folder / "none.binary").string() + ": cannot be read");
+    EXPECT_EQ(test::messageOf([&] { readMerl(folder / "none.binary"); }),
+              (folder / "none.binary").string() + ": cannot be read");
     std::string bytes = merlBytes([](int, int, int, int) { return 0.5; });
     const int32_t huge = 1 << 30;
     std::memcpy(bytes.data() + 4, &huge, 4);
     EXPECT_EQ(error(bytes), file() + ": its first numbers are 90 1073741824 180, expected 90 90 180");
     bytes = merlBytes([](int c, int h, int, int) { return c == 1 && h == 2 ? std::nan("") : 0.5; });
     EXPECT_EQ(error(bytes), file() + ": cell 32400 of channel 1 is nan, expected a finite number");
-    EXPECT_EQ(error(merlBytes([](int, int, int, int) { return -1.0; })), file() + ": holds no measurement, every cell is negative");
+    EXPECT_EQ(error(merlBytes([](int, int, int, int) { return -1.0; })),
+              file() + ": holds no measurement, every cell is negative");
 }
 
 }  // namespace

@@ -36,8 +36,8 @@ double albedo(const Brdf& brdf, const Vec3& towardEye) {
     return overHemisphere([&](const Vec3& l) { return double(brdf(l, towardEye)) * double(l.z); });
 }
 
-/// The same for a lobe too narrow for uniform steps: over half vectors with tangent width w / (1 - w), in double, so that
-/// steps are fine where the lobe is. d(light) = 4 (e . h) d(half vector).
+/// The same for a lobe too narrow for uniform steps: over half vectors with tangent width w / (1 - w), in double, so
+/// that steps are fine where the lobe is. d(light) = 4 (e . h) d(half vector).
 double albedoOfNarrowLobe(const Brdf& brdf, const Vec3& towardEye, double width) {
     const int steps = 800, azimuths = 256;
     const DVec3 eye(towardEye);
@@ -163,7 +163,8 @@ TEST(GgxSampling, ReflectedEnergyFromSamplesIsThatOfUniformQuadrature) {
 TEST(GgxSampling, SamplesStayFiniteAtGrazingAndAtTheEdgesOfTheUnitSquare) {
     for (const float alpha : {0.0f, 1e-3f, 0.5f, 1.0f})
         for (const Vec3& eye : {Vec3(0, 0, 1), Vec3(1, 0, 1e-7f), Vec3(0, -1, 1e-30f)})
-            for (const Vec2& u : {Vec2(0, 0), Vec2(0x1.fffffep-1f, 0), Vec2(0x1.fffffep-1f, 0.25f), Vec2(0.5f, 0x1.fffffep-1f)}) {
+            for (const Vec2& u :
+                 {Vec2(0, 0), Vec2(0x1.fffffep-1f, 0), Vec2(0x1.fffffep-1f, 0.25f), Vec2(0.5f, 0x1.fffffep-1f)}) {
                 const Vec3 l = sampleGgx(eye, alpha, u);
                 EXPECT_TRUE(isFinite(l));
                 EXPECT_NEAR(glm::length(l), 1, 1e-5);

@@ -14,7 +14,8 @@ TEST(NonNegativeLeastSquares, SolvesSmallProblemsWorkedOutByHand) {
     const auto apart = nonNegativeLeastSquares({1, 0, 0, 1}, {3, -1});
     EXPECT_NEAR(apart[0], 3, 1e-9);
     EXPECT_EQ(apart[1], 0);
-    // Coupled: without the bound (4, -1) ... A = [2 1; 1 2], b = (7, 2): the free answer is (4, -1), the bound one (3.5, 0).
+    // Coupled: without the bound (4, -1) ... A = [2 1; 1 2], b = (7, 2): the free answer is (4, -1), the bound one
+    // (3.5, 0).
     const auto x = nonNegativeLeastSquares({2, 1, 1, 2}, {7, 2});
     EXPECT_NEAR(x[0], 3.5, 1e-9);
     EXPECT_EQ(x[1], 0);
@@ -29,7 +30,9 @@ TEST(NonNegativeLeastSquares, SolvesSmallProblemsWorkedOutByHand) {
 TEST(NonNegativeLeastSquares, MeetsTheConditionsOfTheOptimum) {
     for (uint32_t seed = 1; seed < 30; ++seed) {
         constexpr size_t n = 8, m = 12;
-        const auto noise = [&](size_t i) { return std::sin(double(seed) * 12.9898 + double(i) * 78.233 + double(i * i % 17)); };
+        const auto noise = [&](size_t i) {
+            return std::sin(double(seed) * 12.9898 + double(i) * 78.233 + double(i * i % 17));
+        };
         std::vector<double> a(m * n), b(m), gram(n * n, 0), moment(n, 0);
         for (size_t i = 0; i < m * n; ++i) a[i] = noise(i);
         for (size_t i = 0; i < m; ++i) b[i] = noise(1000 + i);
@@ -69,7 +72,8 @@ TEST(BrdfSamples, ErrorsAreThoseWorkedOutByHand) {
 TEST(Projection, FindsTheWeightsOfAMixtureOfItsOwnLobes) {
     const BrdfBasis basis = builtInBasis();
     const auto mixture = [&](const Vec3& l, const Vec3& e) {
-        return Rgb(0.3f, 0.2f, 0.1f) * evaluateLobe(basis.lobes[0], l, e) + Rgb(0.5f) * evaluateLobe(basis.lobes[3], l, e) + Rgb(0, 0.4f, 0) * evaluateLobe(basis.lobes[11], l, e);
+        return Rgb(0.3f, 0.2f, 0.1f) * evaluateLobe(basis.lobes[0], l, e) +
+               Rgb(0.5f) * evaluateLobe(basis.lobes[3], l, e) + Rgb(0, 0.4f, 0) * evaluateLobe(basis.lobes[11], l, e);
     };
     Progress progress;
     for (const FitMetric metric : {FitMetric::radiance, FitMetric::cubeRoot}) {
@@ -84,7 +88,9 @@ TEST(Projection, FindsTheWeightsOfAMixtureOfItsOwnLobes) {
 
 TEST(Projection, PruningFindsTheTwoLobesThatAreThere) {
     const std::vector<NamedLobe> dictionary = lobeDictionary();
-    const auto mixture = [&](const Vec3& l, const Vec3& e) { return Rgb(0.6f, 0.3f, 0.2f) * dictionary[0].value(l, e) + Rgb(0.2f) * dictionary[17].value(l, e); };
+    const auto mixture = [&](const Vec3& l, const Vec3& e) {
+        return Rgb(0.6f, 0.3f, 0.2f) * dictionary[0].value(l, e) + Rgb(0.2f) * dictionary[17].value(l, e);
+    };
     Progress progress;
     const BrdfFit fit = projectBrdf(mixture, dictionary, brdfSamples(), FitMetric::radiance, 2, progress);
     EXPECT_LE(fit.lobes, 2u);
@@ -105,7 +111,9 @@ TEST(Projection, SameBitsOnOneAndManyThreads) {
 TEST(Projection, CanBeCancelled) {
     Progress progress;
     progress.requestStop();
-    EXPECT_THROW(projectBrdf([](const Vec3&, const Vec3&) { return Rgb(1); }, lobeDictionary(), brdfSamples(24), FitMetric::radiance, 4, progress), Cancelled);
+    EXPECT_THROW(projectBrdf([](const Vec3&, const Vec3&) { return Rgb(1); }, lobeDictionary(), brdfSamples(24),
+                             FitMetric::radiance, 4, progress),
+                 Cancelled);
 }
 
 TEST(LobeDictionary, HasLambertFirstAndEachNameOnce) {

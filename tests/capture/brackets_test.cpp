@@ -48,7 +48,8 @@ struct PhotographedWorld {
     std::vector<CodePicture> pictures;
     Image truth;
 
-    explicit PhotographedWorld(const KnownCamera& camera = {}, int width = 192, int height = 96, double scale = 1) : truth(width, height) {
+    explicit PhotographedWorld(const KnownCamera& camera = {}, int width = 192, int height = 96, double scale = 1)
+        : truth(width, height) {
         for (int y = 0; y < height; ++y)
             for (int x = 0; x < width; ++x) truth.at(x, y) = float(scale) * radianceAt(x, y, width, height);
         for (size_t i = 0; i < times.size(); ++i) pictures.push_back(photograph(camera, times[i], i));
@@ -58,21 +59,26 @@ struct PhotographedWorld {
         for (size_t p = 0; p < truth.pixels.size(); ++p)
             for (int c = 0; c < 3; ++c) {
                 const double x = double(truth.pixels[p][c]) * time;
-                const double noisy = x + std::sqrt(0.004 * 0.004 * std::min(x, 1.0) + 0.0006 * 0.0006) * noise(seed, p * 3 + uint64_t(c));
+                const double noisy = x + std::sqrt(0.004 * 0.004 * std::min(x, 1.0) + 0.0006 * 0.0006) *
+                                             noise(seed, p * 3 + uint64_t(c));
                 picture.codes[p * 3 + size_t(c)] = uint16_t(257 * std::lround(camera.code(c, noisy)));
             }
         return picture;
     }
-    ResponseCurve response(double smoothness = 1) const { return fitResponse(sampleBracket(pictures, times, 3000), smoothness); }
+    ResponseCurve response(double smoothness = 1) const {
+        return fitResponse(sampleBracket(pictures, times, 3000), smoothness);
+    }
 };
 
-/// Median over the pixels of |a / b - 1|, one scale a channel taken out; pixels clipped in the shortest exposure left out.
+/// Median over the pixels of |a / b - 1|, one scale a channel taken out; pixels clipped in the shortest exposure left
+/// out.
 double medianError(const MergedBracket& merged, const PhotographedWorld& world) {
     double worst = 0;
     for (int c = 0; c < 3; ++c) {
         std::vector<double> ratios;
         for (size_t p = 0; p < world.truth.pixels.size(); ++p)
-            if (!merged.clipped[p]) ratios.push_back(double(merged.image.pixels[p][c]) / double(world.truth.pixels[p][c]));
+            if (!merged.clipped[p])
+                ratios.push_back(double(merged.image.pixels[p][c]) / double(world.truth.pixels[p][c]));
         const auto median = [](std::vector<double>& v) {
             std::nth_element(v.begin(), v.begin() + std::ptrdiff_t(v.size() / 2), v.end());
             return v[v.size() / 2];
@@ -92,7 +98,8 @@ TEST(Brackets, TheResponseOfAKnownCameraIsFound) {
         EXPECT_EQ(curve.logExposure[size_t(c)][255], 0);
         double squares = 0, mean = 0;
         int count = 0;
-        for (int z = 8; z <= 248; ++z, ++count) mean += curve.logExposure[size_t(c)][size_t(z)] - std::log(camera.exposure(c, z));
+        for (int z = 8; z <= 248; ++z, ++count)
+            mean += curve.logExposure[size_t(c)][size_t(z)] - std::log(camera.exposure(c, z));
         mean /= count;
         for (int z = 8; z <= 248; ++z) {
             const double d = curve.logExposure[size_t(c)][size_t(z)] - std::log(camera.exposure(c, z)) - mean;
@@ -107,7 +114,8 @@ TEST(Brackets, TheResponseOfAKnownCameraIsFound) {
 TEST(Brackets, CurvesNeverFallAndInvert) {
     const ResponseCurve curve = PhotographedWorld().response();
     for (int c = 0; c < 3; ++c) {
-        for (size_t z = 1; z < 256; ++z) EXPECT_GE(curve.logExposure[size_t(c)][z], curve.logExposure[size_t(c)][z - 1]);
+        for (size_t z = 1; z < 256; ++z)
+            EXPECT_GE(curve.logExposure[size_t(c)][z], curve.logExposure[size_t(c)][z - 1]);
         for (double z = 5; z < 250; z += 7.3) EXPECT_NEAR(curve.code(c, curve.exposure(c, z)), z, 1e-6);
         EXPECT_EQ(curve.code(c, 0), 0);
         EXPECT_EQ(curve.code(c, 5), 255);
@@ -144,7 +152,8 @@ TEST(Brackets, ClippedInTheShortestIsFlaggedAndALowerBound) {
     EXPECT_TRUE(merged.clipped[p]);
     EXPECT_GE(maxChannel(merged.image.pixels[p]), merged.saturation);
     EXPECT_NEAR(merged.saturation, 1 / 0.004, 25);
-    for (size_t q = 0; q < merged.clipped.size(); ++q) EXPECT_EQ(maxChannel(merged.image.pixels[q]) >= merged.saturation, merged.clipped[q] != 0);
+    for (size_t q = 0; q < merged.clipped.size(); ++q)
+        EXPECT_EQ(maxChannel(merged.image.pixels[q]) >= merged.saturation, merged.clipped[q] != 0);
 }
 
 TEST(Brackets, WhatMovedIsFlaggedLeftOutAndShownOnce) {
@@ -163,7 +172,8 @@ TEST(Brackets, WhatMovedIsFlaggedLeftOutAndShownOnce) {
     EXPECT_LE(merged.ghosts, 20u * 20u);
     EXPECT_FALSE(merged.image.usableAt(100, 40));
     EXPECT_TRUE(merged.image.usableAt(80, 40));
-    const Rgb ratio = merged.image.at(100, 40) / world.truth.at(100, 40), beside = merged.image.at(80, 40) / world.truth.at(80, 40);
+    const Rgb ratio = merged.image.at(100, 40) / world.truth.at(100, 40),
+              beside = merged.image.at(80, 40) / world.truth.at(80, 40);
     EXPECT_NEAR(ratio.y / beside.y, 1, 0.1);
     BracketOptions keep;
     keep.rejectGhosts = false;
@@ -218,14 +228,16 @@ TEST(RegisterBracket, ShiftedExposuresMergeAsWellAsStillOnes) {
     keep.rejectGhosts = false;
     const auto merge = [&](const PhotographedWorld& world, bool align) {
         std::vector<CodePicture> pictures = world.pictures;
-        const std::vector<PixelShift> found = align ? bracketShifts(pictures, world.times, 2) : std::vector<PixelShift>{};
+        const std::vector<PixelShift> found =
+            align ? bracketShifts(pictures, world.times, 2) : std::vector<PixelShift>{};
         for (size_t i = 0; i < found.size(); ++i) pictures[i] = shifted(pictures[i], found[i]);
         return mergeCodes(pictures, world.times, curve, keep, progress, found);
     };
     const auto meanError = [](const MergedBracket& merged, const PhotographedWorld& world) {
         double sum = 0, count = 0;
         for (size_t p = 0; p < world.truth.pixels.size(); ++p)
-            if (!merged.clipped[p]) sum += std::abs(std::log(double(merged.image.pixels[p].y) / double(world.truth.pixels[p].y))), ++count;
+            if (!merged.clipped[p])
+                sum += std::abs(std::log(double(merged.image.pixels[p].y) / double(world.truth.pixels[p].y))), ++count;
         return sum / count;
     };
     const MergedBracket good = merge(still, true), aligned = merge(moved, true), crossed = merge(moved, false);
@@ -265,7 +277,9 @@ TEST(Brackets, SameBitsOnOneAndManyThreads) {
 
 TEST(Brackets, ExposuresThatTellNothingAreRefused) {
     PhotographedWorld world;
-    EXPECT_EQ(test::messageOf([&] { fitResponse(sampleBracket(world.pictures, {1, 1, 1, 1, 1}, 500)); }),
+    EXPECT_EQ(test::messageOf([&] {
+                  fitResponse(sampleBracket(world.pictures, {1, 1, 1, 1, 1}, 500));
+              }),
               "the exposures do not differ, expected brackets of different exposure times");
     for (CodePicture& p : world.pictures) std::fill(p.codes.begin(), p.codes.end(), uint16_t(0));
     EXPECT_THROW(fitResponse(sampleBracket(world.pictures, world.times, 500)), Error);
@@ -279,7 +293,10 @@ TEST(Brackets, ApertureAndSensitivityCountAgainstTheFirst) {
     EXPECT_DOUBLE_EQ(bracketPhoto("a.jpg", {0.5, 8, 100}, reference).exposure, 0.5);
     EXPECT_DOUBLE_EQ(bracketPhoto("b.jpg", {0.5, 4, 200}, reference).exposure, 4);
     EXPECT_DOUBLE_EQ(bracketPhoto("c.jpg", {0.25, 0, 0}, reference).exposure, 0.25);
-    EXPECT_EQ(test::messageOf([&] { bracketPhoto("d.jpg", {0, 8, 100}, reference); }), "d.jpg: its exposure time is not given, and its EXIF has none");
+    EXPECT_EQ(test::messageOf([&] {
+                  bracketPhoto("d.jpg", {0, 8, 100}, reference);
+              }),
+              "d.jpg: its exposure time is not given, and its EXIF has none");
 }
 
 /// Two views of one wall, the second three times as bright, as brackets of 8-bit files.
@@ -294,13 +311,16 @@ protected:
             nlohmann::json exposures = nlohmann::json::array();
             for (size_t i = 0; i < world.times.size(); ++i) {
                 const std::string name = fmt::format("images/{}-{}.png", v, i);
-                Image picture(96, 64);  // written through the sRGB curve, so decoded first: the file then holds the codes
+                Image picture(96,
+                              64);  // written through the sRGB curve, so decoded first: the file then holds the codes
                 for (size_t p = 0; p < picture.pixels.size(); ++p)
-                    for (size_t c = 0; c < 3; ++c) picture.pixels[p][int(c)] = srgbDecode(float(world.pictures[i].codes[p * 3 + c]) / 65535);
+                    for (size_t c = 0; c < 3; ++c)
+                        picture.pixels[p][int(c)] = srgbDecode(float(world.pictures[i].codes[p * 3 + c]) / 65535);
                 writeImage(folder / name, picture);
                 exposures.push_back({{"file_path", name}, {"exposure_time", world.times[i]}});
             }
-            file["frames"].push_back({{"file_path", fmt::format("images/{}-2.png", v)}, {"exposures", exposures},
+            file["frames"].push_back({{"file_path", fmt::format("images/{}-2.png", v)},
+                                      {"exposures", exposures},
                                       {"transform_matrix", {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 2}, {0, 0, 0, 1}}}});
         }
     }
@@ -323,7 +343,8 @@ TEST_F(BracketCapture, ViewsShareOneScale) {
     // The same place is three times as bright in the second view.
     std::vector<float> ratios;
     for (int y = 8; y < 56; ++y)
-        for (int x = 20; x < 70; ++x) ratios.push_back(capture.views[1].image.at(x, y).y / capture.views[0].image.at(x, y).y);
+        for (int x = 20; x < 70; ++x)
+            ratios.push_back(capture.views[1].image.at(x, y).y / capture.views[0].image.at(x, y).y);
     std::nth_element(ratios.begin(), ratios.begin() + 1200, ratios.end());
     EXPECT_NEAR(ratios[1200], 3, 0.05);
     EXPECT_GT(capture.views[0].saturation, 100);
@@ -353,14 +374,17 @@ TEST_F(BracketCapture, WrongExposuresNameFrameAndEntry) {
     CaptureFix fix;
     fix.fromBrackets = true;
     file["frames"][0].erase("exposures");
-    EXPECT_EQ(error(), "transforms.json: frame 0: exposures is missing, though other frames are merged from brackets: one scale for all needs them");
+    EXPECT_EQ(error(),
+              "transforms.json: frame 0: exposures is missing, though other frames are merged from brackets: one scale "
+              "for all needs them");
     file["frames"][1].erase("exposures");
     EXPECT_EQ(error(fix), "transforms.json: no frame has exposures, so there are no brackets to merge");
 }
 
 TEST_F(BracketCapture, AMissingTimeIsLookedForInTheFile) {
     file["frames"][1]["exposures"][2].erase("exposure_time");
-    EXPECT_EQ(error(), "transforms.json: frame 1: exposures entry 2: " + (folder / "images/1-2.png").string() + ": its exposure time is not given, and its EXIF has none");
+    EXPECT_EQ(error(), "transforms.json: frame 1: exposures entry 2: " + (folder / "images/1-2.png").string() +
+                           ": its exposure time is not given, and its EXIF has none");
 }
 
 TEST_F(BracketCapture, ExposuresOfAnotherSizeAreRefused) {

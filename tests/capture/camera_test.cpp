@@ -17,8 +17,8 @@ Camera cameraOf(LensModel model, std::array<double, 8> distortion) {
 }
 
 TEST(Camera, NamesOfLensModelsGoThereAndBack) {
-    for (const char* name : {"SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV", "OPENCV_FISHEYE", "FULL_OPENCV", "FOV",
-                             "SIMPLE_RADIAL_FISHEYE", "RADIAL_FISHEYE", "THIN_PRISM_FISHEYE"}) {
+    for (const char* name : {"SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV", "OPENCV_FISHEYE",
+                             "FULL_OPENCV", "FOV", "SIMPLE_RADIAL_FISHEYE", "RADIAL_FISHEYE", "THIN_PRISM_FISHEYE"}) {
         const auto model = lensModelFromName(name);
         ASSERT_TRUE(model) << name;
         EXPECT_EQ(lensModelName(*model), name);

@@ -32,10 +32,11 @@ public:
     std::string text;
 };
 
-/// Two cameras, one turned, and two points. Ids fall and have gaps; carriage returns and comments as other tools write them.
-/// camera 7: x right, y down, z forward, at (0, 0, -2) of the model. "a.png" is image 40, "b two.png" image 3 at (2, 0, 0) looking
-/// along -x: rotated by +90 degrees about y (x_cam = -z.., see the pinned values).
-const char* const camerasText = "# Camera list\r\n7 SIMPLE_RADIAL 16 12 10 8 6 0.1\r\n\r\n2 OPENCV_FISHEYE 16 12 10 11 8 6 0 0 0 0\r\n";
+/// Two cameras, one turned, and two points. Ids fall and have gaps; carriage returns and comments as other tools write
+/// them. camera 7: x right, y down, z forward, at (0, 0, -2) of the model. "a.png" is image 40, "b two.png" image 3 at
+/// (2, 0, 0) looking along -x: rotated by +90 degrees about y (x_cam = -z.., see the pinned values).
+const char* const camerasText =
+    "# Camera list\r\n7 SIMPLE_RADIAL 16 12 10 8 6 0.1\r\n\r\n2 OPENCV_FISHEYE 16 12 10 11 8 6 0 0 0 0\r\n";
 const char* const imagesText =
     "# Image list with two lines of data per image:\r\n"
     "40 1 0 0 0 0 0 2 7 b two.png\r\n"
@@ -69,13 +70,34 @@ protected:
     static std::string images() {
         Bytes b = oneImage();
         b.put({8, 6}).put(uint64_t(900)).put({13, 6.5}).put(uint64_t(11)).put({1, 1}).put(~uint64_t(0));
-        b.put(uint32_t(3)).put({std::sqrt(0.5), 0, std::sqrt(0.5), 0, 0, 0, 2}).put(uint32_t(2)).name("a.png").put(uint64_t(0));
+        b.put(uint32_t(3))
+            .put({std::sqrt(0.5), 0, std::sqrt(0.5), 0, 0, 0, 2})
+            .put(uint32_t(2))
+            .name("a.png")
+            .put(uint64_t(0));
         return b.text;
     }
     static std::string points(uint64_t count = 2, uint64_t track = 1) {
         Bytes b;
-        b.put(count).put(uint64_t(900)).put({0, 0, 0}).put(uint8_t(10)).put(uint8_t(20)).put(uint8_t(30)).put(0.25).put(track).put(uint32_t(40)).put(uint32_t(0));
-        b.put(uint64_t(11)).put({1, 0, 0}).put(uint8_t(1)).put(uint8_t(1)).put(uint8_t(1)).put(0.75).put(uint64_t(1)).put(uint32_t(40)).put(uint32_t(1));
+        b.put(count)
+            .put(uint64_t(900))
+            .put({0, 0, 0})
+            .put(uint8_t(10))
+            .put(uint8_t(20))
+            .put(uint8_t(30))
+            .put(0.25)
+            .put(track)
+            .put(uint32_t(40))
+            .put(uint32_t(0));
+        b.put(uint64_t(11))
+            .put({1, 0, 0})
+            .put(uint8_t(1))
+            .put(uint8_t(1))
+            .put(uint8_t(1))
+            .put(0.75)
+            .put(uint64_t(1))
+            .put(uint32_t(40))
+            .put(uint32_t(1));
         return b.text;
     }
     void writeBinary() {
@@ -105,11 +127,12 @@ protected:
         EXPECT_NEAR(glm::distance(b.camera.forward(), DVec3(0, 0, 1)), 0, 1e-12);
         EXPECT_NEAR(glm::distance(DVec3(b.camera.worldFromCamera[1]), DVec3(0, -1, 0)), 0, 1e-12);
         EXPECT_NEAR(glm::determinant(glm::dmat3(b.camera.worldFromCamera)), 1, 1e-12);
-        // A turn by 90 degrees about y sends x to -z and z to x, so the camera looks along -x; it stands at -R^T t = (2, 0, 0).
+        // A turn by 90 degrees about y sends x to -z and z to x, so the camera looks along -x; it stands at -R^T t =
+        // (2, 0, 0).
         EXPECT_NEAR(glm::distance(a.camera.forward(), DVec3(-1, 0, 0)), 0, 1e-7);
         EXPECT_NEAR(glm::distance(a.camera.position(), DVec3(2, 0, 0)), 0, 1e-7);
-        // Point 900 is seen where it projects, at the centre. Point 11: x / z = 0.5, 0.5 (1 + 0.1 / 4) = 0.5125, pixel 13.125, 6:
-        // off by (0.125, 0.5).
+        // Point 900 is seen where it projects, at the centre. Point 11: x / z = 0.5, 0.5 (1 + 0.1 / 4) = 0.5125,
+        // pixel 13.125, 6: off by (0.125, 0.5).
         EXPECT_EQ(model.observations, 2u);
         EXPECT_NEAR(model.errorPixels, 0.5 * std::hypot(0.125, 0.5), 1e-9);
         EXPECT_NEAR(b.errorPixels, 0.5 * std::hypot(0.125, 0.5), 1e-9);
@@ -152,23 +175,25 @@ TEST_F(Colmap, EveryLensModelPutsItsParametersWhereColmapDoes) {
         const char* line;
         double focalX, focalY, centreX, centreY;
         std::array<double, 8> distortion;
-    } lenses[] = {{"SIMPLE_PINHOLE 9 9 1 2 3", 1, 1, 2, 3, {}},
-                  {"PINHOLE 9 9 1 2 3 4", 1, 2, 3, 4, {}},
-                  {"SIMPLE_RADIAL 9 9 1 2 3 .4", 1, 1, 2, 3, {.4}},
-                  {"RADIAL 9 9 1 2 3 .4 .5", 1, 1, 2, 3, {.4, .5}},
-                  {"OPENCV 9 9 1 2 3 4 .5 .6 .7 .8", 1, 2, 3, 4, {.5, .6, .7, .8}},
-                  {"OPENCV_FISHEYE 9 9 1 2 3 4 .5 .6 .7 .8", 1, 2, 3, 4, {.5, .6, .7, .8}},
-                  {"FULL_OPENCV 9 9 1 2 3 4 .1 .2 .3 .4 .5 .6 .7 .8", 1, 2, 3, 4, {.1, .2, .3, .4, .5, .6, .7, .8}},
-                  {"FOV 9 9 1 2 3 4 .5", 1, 2, 3, 4, {.5}},
-                  {"SIMPLE_RADIAL_FISHEYE 9 9 1 2 3 .4", 1, 1, 2, 3, {.4}},
-                  {"RADIAL_FISHEYE 9 9 1 2 3 .4 .5", 1, 1, 2, 3, {.4, .5}},
-                  {"THIN_PRISM_FISHEYE 9 9 1 2 3 4 .1 .2 .3 .4 .5 .6 .7 .8", 1, 2, 3, 4, {.1, .2, .3, .4, .5, .6, .7, .8}}};
+    } lenses[] = {
+        {"SIMPLE_PINHOLE 9 9 1 2 3", 1, 1, 2, 3, {}},
+        {"PINHOLE 9 9 1 2 3 4", 1, 2, 3, 4, {}},
+        {"SIMPLE_RADIAL 9 9 1 2 3 .4", 1, 1, 2, 3, {.4}},
+        {"RADIAL 9 9 1 2 3 .4 .5", 1, 1, 2, 3, {.4, .5}},
+        {"OPENCV 9 9 1 2 3 4 .5 .6 .7 .8", 1, 2, 3, 4, {.5, .6, .7, .8}},
+        {"OPENCV_FISHEYE 9 9 1 2 3 4 .5 .6 .7 .8", 1, 2, 3, 4, {.5, .6, .7, .8}},
+        {"FULL_OPENCV 9 9 1 2 3 4 .1 .2 .3 .4 .5 .6 .7 .8", 1, 2, 3, 4, {.1, .2, .3, .4, .5, .6, .7, .8}},
+        {"FOV 9 9 1 2 3 4 .5", 1, 2, 3, 4, {.5}},
+        {"SIMPLE_RADIAL_FISHEYE 9 9 1 2 3 .4", 1, 1, 2, 3, {.4}},
+        {"RADIAL_FISHEYE 9 9 1 2 3 .4 .5", 1, 1, 2, 3, {.4, .5}},
+        {"THIN_PRISM_FISHEYE 9 9 1 2 3 4 .1 .2 .3 .4 .5 .6 .7 .8", 1, 2, 3, 4, {.1, .2, .3, .4, .5, .6, .7, .8}}};
     folder.write("images.txt", "1 1 0 0 0 0 0 0 5 a.png\n\n");
     for (const auto& lens : lenses) {
         folder.write("cameras.txt", std::string("5 ") + lens.line + "\n");
         const Camera camera = read().views[0].camera;
         EXPECT_EQ(lensModelName(camera.model), std::string(lens.line).substr(0, std::string(lens.line).find(' ')));
-        EXPECT_EQ(DVec3(camera.focalX, camera.focalY, camera.centreX), DVec3(lens.focalX, lens.focalY, lens.centreX)) << lens.line;
+        EXPECT_EQ(DVec3(camera.focalX, camera.focalY, camera.centreX), DVec3(lens.focalX, lens.focalY, lens.centreX))
+            << lens.line;
         EXPECT_EQ(camera.centreY, lens.centreY) << lens.line;
         EXPECT_EQ(camera.distortion, lens.distortion) << lens.line;
     }
@@ -181,25 +206,43 @@ TEST_F(Colmap, WrongTextNamesFileEntryAndField) {
         folder.write(file, text);
         return error();
     };
-    EXPECT_EQ(with("cameras.txt", "7 FISH 16 12 10\n"), "cameras.txt: camera 7: model is \"FISH\", expected SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, OPENCV or another of COLMAP's");
-    EXPECT_EQ(with("cameras.txt", "7 PINHOLE 16 12 10 10 8\n"), "cameras.txt: camera 7: parameter 3 of PINHOLE is missing");
-    EXPECT_EQ(with("cameras.txt", "7 PINHOLE 16 12 10 10 8 6 1\n"), "cameras.txt: camera 7: has more than the 4 parameters of PINHOLE");
-    EXPECT_EQ(with("cameras.txt", "7 PINHOLE 16 12 10 nan 8 6\n"), "cameras.txt: camera 7: parameter 1 is nan, expected a finite number");
-    EXPECT_EQ(with("cameras.txt", "7 PINHOLE 16 12 10 -3 8 6\n"), "cameras.txt: camera 7: the focal length is 10 x -3, expected more than 0");
-    EXPECT_EQ(with("cameras.txt", "7 PINHOLE 0 12 10 10 8 6\n"), "cameras.txt: camera 7: width is 0, expected 1 to 131072 pixels");
-    EXPECT_EQ(with("cameras.txt", "-7 PINHOLE 16 12 10 10 8 6\n"), "cameras.txt: camera_id is \"-7\", expected a whole number from 0 to 4294967295");
-    EXPECT_EQ(with("cameras.txt", "7 PINHOLE 16 12 10 10 8 6\n7 PINHOLE 16 12 10 10 8 6\n"), "cameras.txt: camera 7: is there twice");
-    EXPECT_EQ(with("images.txt", "40 0 0 0 0 0 0 2 7 a.png\n\n"), "images.txt: image 40: qw qx qy qz are 0 0 0 0, expected a rotation");
-    EXPECT_EQ(with("images.txt", "40 1 0 0 0 0 inf 2 7 a.png\n\n"), "images.txt: image 40: ty is inf, expected a finite number");
-    EXPECT_EQ(with("images.txt", "40 1 0 0 0 0 0 2 8 a.png\n\n"), "images.txt: image 40: camera_id is 8, which the cameras file does not hold");
+    EXPECT_EQ(with("cameras.txt", "7 FISH 16 12 10\n"),
+              "cameras.txt: camera 7: model is \"FISH\", expected SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, OPENCV or "
+              "another of COLMAP's");
+    EXPECT_EQ(with("cameras.txt", "7 PINHOLE 16 12 10 10 8\n"),
+              "cameras.txt: camera 7: parameter 3 of PINHOLE is missing");
+    EXPECT_EQ(with("cameras.txt", "7 PINHOLE 16 12 10 10 8 6 1\n"),
+              "cameras.txt: camera 7: has more than the 4 parameters of PINHOLE");
+    EXPECT_EQ(with("cameras.txt", "7 PINHOLE 16 12 10 nan 8 6\n"),
+              "cameras.txt: camera 7: parameter 1 is nan, expected a finite number");
+    EXPECT_EQ(with("cameras.txt", "7 PINHOLE 16 12 10 -3 8 6\n"),
+              "cameras.txt: camera 7: the focal length is 10 x -3, expected more than 0");
+    EXPECT_EQ(with("cameras.txt", "7 PINHOLE 0 12 10 10 8 6\n"),
+              "cameras.txt: camera 7: width is 0, expected 1 to 131072 pixels");
+    EXPECT_EQ(with("cameras.txt", "-7 PINHOLE 16 12 10 10 8 6\n"),
+              "cameras.txt: camera_id is \"-7\", expected a whole number from 0 to 4294967295");
+    EXPECT_EQ(with("cameras.txt", "7 PINHOLE 16 12 10 10 8 6\n7 PINHOLE 16 12 10 10 8 6\n"),
+              "cameras.txt: camera 7: is there twice");
+    EXPECT_EQ(with("images.txt", "40 0 0 0 0 0 0 2 7 a.png\n\n"),
+              "images.txt: image 40: qw qx qy qz are 0 0 0 0, expected a rotation");
+    EXPECT_EQ(with("images.txt", "40 1 0 0 0 0 inf 2 7 a.png\n\n"),
+              "images.txt: image 40: ty is inf, expected a finite number");
+    EXPECT_EQ(with("images.txt", "40 1 0 0 0 0 0 2 8 a.png\n\n"),
+              "images.txt: image 40: camera_id is 8, which the cameras file does not hold");
     EXPECT_EQ(with("images.txt", "40 1 0 0 0 0 0 2 7\n\n"), "images.txt: image 40: name is empty");
-    EXPECT_EQ(with("images.txt", "40 1 0 0 0 0 0 two 7 a.png\n\n"), "images.txt: image 40: tz is \"two\", expected a number");
-    EXPECT_EQ(with("images.txt", "40 1 0 0 0 0 0 2 7 a.png\n1 1 77\n"), "images.txt: image 40: a 2D point names point 77, which the points file does not hold");
-    EXPECT_EQ(with("images.txt", "40 1 0 0 0 0 0 2 7 a.png\n1 900\n"), "images.txt: image 40: the line of 2D points holds something else than X Y POINT3D_ID");
-    EXPECT_EQ(with("images.txt", "40 1 0 0 0 0 0 2 7 a.png\nnan 1 900\n"), "images.txt: image 40: a 2D point is at nan 1, expected finite numbers");
-    EXPECT_EQ(with("images.txt", "1 1 0 0 0 0 0 2 7 a.png\n\n2 1 0 0 0 0 0 2 7 a.png\n\n"), "images.txt: a.png is there twice");
+    EXPECT_EQ(with("images.txt", "40 1 0 0 0 0 0 two 7 a.png\n\n"),
+              "images.txt: image 40: tz is \"two\", expected a number");
+    EXPECT_EQ(with("images.txt", "40 1 0 0 0 0 0 2 7 a.png\n1 1 77\n"),
+              "images.txt: image 40: a 2D point names point 77, which the points file does not hold");
+    EXPECT_EQ(with("images.txt", "40 1 0 0 0 0 0 2 7 a.png\n1 900\n"),
+              "images.txt: image 40: the line of 2D points holds something else than X Y POINT3D_ID");
+    EXPECT_EQ(with("images.txt", "40 1 0 0 0 0 0 2 7 a.png\nnan 1 900\n"),
+              "images.txt: image 40: a 2D point is at nan 1, expected finite numbers");
+    EXPECT_EQ(with("images.txt", "1 1 0 0 0 0 0 2 7 a.png\n\n2 1 0 0 0 0 0 2 7 a.png\n\n"),
+              "images.txt: a.png is there twice");
     EXPECT_EQ(with("images.txt", "# nothing\n"), "images.txt: holds no image");
-    EXPECT_EQ(with("points3D.txt", "900 0 0 inf 1 1 1 0\n"), "points3D.txt: point 900: z is inf, expected a finite number");
+    EXPECT_EQ(with("points3D.txt", "900 0 0 inf 1 1 1 0\n"),
+              "points3D.txt: point 900: z is inf, expected a finite number");
     EXPECT_EQ(with("points3D.txt", "900 0 0\n"), "points3D.txt: point 900: z is missing");
 }
 
@@ -241,10 +284,12 @@ TEST_F(Colmap, BinaryFilesCutAnywhereAreRefused) {
 }
 
 TEST_F(Colmap, RandomBytesNeverCrash) {
-    for (const char* file : {"cameras.bin", "images.bin", "points3D.bin", "cameras.txt", "images.txt", "points3D.txt"}) {
+    for (const char* file :
+         {"cameras.bin", "images.bin", "points3D.bin", "cameras.txt", "images.txt", "points3D.txt"}) {
         for (uint64_t seed = 0; seed < 150; ++seed) {
             const bool binary = std::string(file).ends_with("bin");
-            for (const char* name : {"cameras", "images", "points3D"}) std::filesystem::remove(folder / (std::string(name) + ".bin"));
+            for (const char* name : {"cameras", "images", "points3D"})
+                std::filesystem::remove(folder / (std::string(name) + ".bin"));
             binary ? writeBinary() : writeText();
             std::string bytes = test::TemporaryFolder::read(folder / file);
             for (uint64_t k = 0; k < 1 + seed % 5; ++k) {
@@ -284,7 +329,8 @@ TEST(ColmapUp, HorizonsAboutAnAxisGiveThatAxis) {
         const DVec3 side = std::cos(a) * DVec3(1, 0, 0) + std::sin(a) * glm::cross(axis, DVec3(1, 0, 0));
         const DVec3 ahead = glm::normalize(-side - 0.9 * axis), right = glm::normalize(glm::cross(ahead, axis));
         Camera camera;
-        camera.worldFromCamera = DMat4(glm::dvec4(right, 0), glm::dvec4(glm::cross(right, ahead), 0), glm::dvec4(-ahead, 0), glm::dvec4(3.0 * side, 1));
+        camera.worldFromCamera = DMat4(glm::dvec4(right, 0), glm::dvec4(glm::cross(right, ahead), 0),
+                                       glm::dvec4(-ahead, 0), glm::dvec4(3.0 * side, 1));
         cameras.push_back(camera);
     }
     EXPECT_NEAR(glm::distance(*guessUp(cameras), axis), 0, 1e-5);
@@ -301,7 +347,8 @@ protected:
         folder.write("sparse/0/cameras.txt", "1 SIMPLE_RADIAL 16 12 12 8 6 0.05\n");
         folder.write("sparse/0/images.txt", "5 1 0 0 0 0.1 0 2 1 b.png\n\n9 1 0 0 0 -0.1 0 2 1 a.png\n\n");
         std::string points;
-        for (int i = 0; i < 40; ++i) points += fmt::format("{} {} {} 0 1 1 1 0.1\n", i + 1, -0.9 + 0.045 * i, 0.5 * std::sin(double(i)));
+        for (int i = 0; i < 40; ++i)
+            points += fmt::format("{} {} {} 0 1 1 1 0.1\n", i + 1, -0.9 + 0.045 * i, 0.5 * std::sin(double(i)));
         folder.write("sparse/0/points3D.txt", points);
         folder.write("mesh.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 4 3 2\n");
         std::filesystem::create_directories(folder / "images");
@@ -322,7 +369,8 @@ TEST_F(ColmapCapture, AFolderWithASparseModelIsRecognisedAndStandsUpright) {
     EXPECT_EQ(capture.views[0].name, "a.png");
     EXPECT_EQ(capture.up, Vec3(0, -1, 0));
     // -y goes to +z; x stays. The model's z becomes +y... with the sign that keeps the world right-handed.
-    EXPECT_NEAR(glm::distance(capture.views[0].camera.position(), DVec3(capture.worldFromFile * Vec3(0.1f, 0, -2))), 0, 1e-6);
+    EXPECT_NEAR(glm::distance(capture.views[0].camera.position(), DVec3(capture.worldFromFile * Vec3(0.1f, 0, -2))), 0,
+                1e-6);
     EXPECT_NEAR(capture.views[0].camera.worldFromCamera[1].z, 1, 1e-6);
     ASSERT_TRUE(capture.reconstruction);
     EXPECT_EQ(capture.reconstruction->points, 40u);
@@ -348,7 +396,8 @@ TEST_F(ColmapCapture, PlacesAreTakenAsGiven) {
     fix.images = (folder / "photos").string();
     EXPECT_EQ(load(fix).views.size(), 2u);
     fix.colmap = "nowhere";
-    EXPECT_NE(test::messageOf([&] { load(fix); }).find("nowhere: holds no cameras.bin or cameras.txt"), std::string::npos);
+    EXPECT_NE(test::messageOf([&] { load(fix); }).find("nowhere: holds no cameras.bin or cameras.txt"),
+              std::string::npos);
 }
 
 TEST_F(ColmapCapture, ScaleTurnsUnitsIntoMetresAndTheMeshIntoTheCamerasUnit) {
@@ -374,7 +423,8 @@ TEST_F(ColmapCapture, AMeshInAnotherUnitIsNamedWithItsFix) {
     folder.write("mesh.obj", "v 9 9 0\nv 209 9 0\nv 209 209 0\nv 9 209 0\nf 1 4 3 2\n");
     Progress progress;
     const CaptureCheck check = checkCapture(load(), progress);
-    EXPECT_TRUE(std::any_of(check.warnings.begin(), check.warnings.end(), [](const std::string& w) { return w.find("--mesh-scale 0.0") != std::string::npos; }));
+    EXPECT_TRUE(std::any_of(check.warnings.begin(), check.warnings.end(),
+                            [](const std::string& w) { return w.find("--mesh-scale 0.0") != std::string::npos; }));
 }
 
 TEST_F(ColmapCapture, SmallerPicturesOfTheSameShapeScaleTheCamera) {
@@ -392,11 +442,14 @@ TEST_F(ColmapCapture, ExposuresBesideAViewAreMerged) {
     const auto photograph = [&](const std::string& name, double seconds) {
         Image image(64, 48);
         for (int y = 0; y < 48; ++y)
-            for (int x = 0; x < 64; ++x) image.at(x, y) = Rgb(float(std::min(1.0, seconds * std::exp2(-4 + 0.1 * x + 0.01 * y))));   // written as sRGB: about a square root
+            for (int x = 0; x < 64; ++x)
+                image.at(x, y) = Rgb(float(std::min(
+                    1.0, seconds * std::exp2(-4 + 0.1 * x + 0.01 * y))));  // written as sRGB: about a square root
         writeImage(folder / ("images/" + name), image);
     };
     for (const std::string stem : {"a", "b"})
-        for (const auto& [ending, stops] : {std::pair{"_ev-2", -2.0}, std::pair{"", 0.0}, std::pair{"_ev+1.5", 1.5}}) photograph(stem + ending + ".png", std::exp2(stops));
+        for (const auto& [ending, stops] : {std::pair{"_ev-2", -2.0}, std::pair{"", 0.0}, std::pair{"_ev+1.5", 1.5}})
+            photograph(stem + ending + ".png", std::exp2(stops));
     const Capture capture = load();
     ASSERT_EQ(capture.views.size(), 2u);
     EXPECT_EQ(capture.views[0].name, "a.png");
@@ -405,7 +458,9 @@ TEST_F(ColmapCapture, ExposuresBesideAViewAreMerged) {
     const Image& image = capture.views[0].image;
     EXPECT_NEAR(std::log2(double(image.at(54, 24).y) / double(image.at(14, 24).y)), 4, 0.5);
     // The model may hold the exposures themselves: one view stays, with the pose of that nearest to +0.
-    folder.write("sparse/0/images.txt", "5 1 0 0 0 0.1 0 2 1 b_ev-2.png\n\n6 1 0 0 0 0.2 0 2 1 b.png\n\n7 1 0 0 0 0.3 0 2 1 b_ev+1.5.png\n\n9 1 0 0 0 -0.1 0 2 1 a_ev+1.5.png\n\n");
+    folder.write("sparse/0/images.txt",
+                 "5 1 0 0 0 0.1 0 2 1 b_ev-2.png\n\n6 1 0 0 0 0.2 0 2 1 b.png\n\n7 1 0 0 0 0.3 0 2 1 b_ev+1.5.png\n\n9 "
+                 "1 0 0 0 -0.1 0 2 1 a_ev+1.5.png\n\n");
     const Capture grouped = load();
     ASSERT_EQ(grouped.views.size(), 2u);
     EXPECT_EQ(grouped.views[1].name, "b.png");

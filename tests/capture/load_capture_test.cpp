@@ -24,7 +24,8 @@ protected:
         for (const char* name : {"images/a.exr", "images/b.exr"}) writeImage(folder / name, Image(16, 12, Rgb(0.5f)));
         file = {{"w", 16}, {"h", 12}, {"fl_x", 12}, {"frames", json::array()}};
         for (const char* name : {"images/a.exr", "images/b.exr"})
-            file["frames"].push_back({{"file_path", name}, {"transform_matrix", {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 2}, {0, 0, 0, 1}}}});
+            file["frames"].push_back(
+                {{"file_path", name}, {"transform_matrix", {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 2}, {0, 0, 0, 1}}}});
     }
     Capture load(const LoadOptions& options = {}) {
         folder.write("transforms.json", file.dump());
@@ -35,7 +36,8 @@ protected:
         return test::messageOf([&] { load(); });
     }
     static bool anyHolds(const std::vector<std::string>& sentences, const std::string& text) {
-        return std::any_of(sentences.begin(), sentences.end(), [&](const std::string& s) { return s.find(text) != std::string::npos; });
+        return std::any_of(sentences.begin(), sentences.end(),
+                           [&](const std::string& s) { return s.find(text) != std::string::npos; });
     }
 
     test::TemporaryFolder folder;
@@ -60,12 +62,15 @@ TEST_F(LoadCapture, NamesTheFrameWhoseImageIsMissing) {
 
 TEST_F(LoadCapture, NamesTheFrameWhoseImageIsUnreadable) {
     folder.write("images/b.exr", "no picture");
-    EXPECT_NE(error().find("transforms.json: frame 1: " + (folder / "images/b.exr").string() + ": is not a readable picture"), std::string::npos);
+    EXPECT_NE(
+        error().find("transforms.json: frame 1: " + (folder / "images/b.exr").string() + ": is not a readable picture"),
+        std::string::npos);
 }
 
 TEST_F(LoadCapture, NamesTheSizesWhenAnImageHasAnother) {
     writeImage(folder / "images/b.exr", Image(12, 16));
-    EXPECT_EQ(error(), "transforms.json: frame 1: " + (folder / "images/b.exr").string() + ": is 12 x 16 pixels, w and h say 16 x 12");
+    EXPECT_EQ(error(), "transforms.json: frame 1: " + (folder / "images/b.exr").string() +
+                           ": is 12 x 16 pixels, w and h say 16 x 12");
 }
 
 TEST_F(LoadCapture, FindsPicturesWithoutEndingAndWithBackslashes) {
@@ -133,17 +138,21 @@ TEST_F(LoadCapture, OnePhotographIsReadAsAllAre) {
     EXPECT_EQ(view.saturation, capture.views[1].saturation);
     EXPECT_GT(view.saturation, 0.9f);
     EXPECT_EQ(notes, capture.notes);
-    EXPECT_EQ(test::messageOf([&] { reader.read(0, notes, progress); }), "transforms.json: frame 0: " + (folder / "images/a.exr").string() + ": does not exist");
+    EXPECT_EQ(test::messageOf([&] { reader.read(0, notes, progress); }),
+              "transforms.json: frame 0: " + (folder / "images/a.exr").string() + ": does not exist");
     progress.requestStop();
     EXPECT_THROW(reader.read(1, notes, progress), Cancelled);
 }
 
 TEST_F(LoadCapture, MissingFilesAreNamed) {
     Progress progress;
-    EXPECT_EQ(test::messageOf([&] { loadCapture(folder.path(), {}, progress); }), (folder / "transforms.json").string() + ": does not exist");
-    EXPECT_EQ(test::messageOf([&] { loadCapture(folder / "none", {}, progress); }), (folder / "none").string() + ": is not a folder");
+    EXPECT_EQ(test::messageOf([&] { loadCapture(folder.path(), {}, progress); }),
+              (folder / "transforms.json").string() + ": does not exist");
+    EXPECT_EQ(test::messageOf([&] { loadCapture(folder / "none", {}, progress); }),
+              (folder / "none").string() + ": is not a folder");
     file["mesh_path"] = "model.ply";
-    EXPECT_EQ(error(), "transforms.json: mesh_path names " + (folder / "model.ply").string() + ", which does not exist");
+    EXPECT_EQ(error(),
+              "transforms.json: mesh_path names " + (folder / "model.ply").string() + ", which does not exist");
     file.erase("mesh_path");
     std::filesystem::remove(folder / "mesh.obj");
     EXPECT_NE(error().find("mesh_path is missing"), std::string::npos);
@@ -175,7 +184,8 @@ TEST_F(LoadCapture, TheDoctorFindsTheViewOfAnotherExposure) {
     for (int y = 0; y < 20; ++y)
         for (int x = 0; x < 20; ++x) mesh += fmt::format("v {} {} 0\n", x / 10.0 - 0.95, y / 16.0 - 0.6);
     for (int y = 1; y < 20; ++y)
-        for (int x = 1; x < 20; ++x) mesh += fmt::format("f {} {} {} {}\n", y * 20 + x - 20, y * 20 + x - 19, y * 20 + x + 1, y * 20 + x);
+        for (int x = 1; x < 20; ++x)
+            mesh += fmt::format("f {} {} {} {}\n", y * 20 + x - 20, y * 20 + x - 19, y * 20 + x + 1, y * 20 + x);
     folder.write("mesh.obj", mesh);
     file["frames"].push_back(file["frames"][0]);
     writeImage(folder / "images/b.exr", Image(16, 12, Rgb(1.0f)));
@@ -202,7 +212,8 @@ TEST_F(LoadCapture, TheDoctorKnowsAnObjectBeforeABlackBackground) {
 }
 
 TEST_F(LoadCapture, TheDoctorSeesCamerasWithOpenCvAxes) {
-    for (auto& frame : file["frames"]) frame["transform_matrix"] = {{1, 0, 0, 0}, {0, -1, 0, 0}, {0, 0, -1, 2}, {0, 0, 0, 1}};
+    for (auto& frame : file["frames"])
+        frame["transform_matrix"] = {{1, 0, 0, 0}, {0, -1, 0, 0}, {0, 0, -1, 2}, {0, 0, 0, 1}};
     Progress progress;
     const CaptureCheck check = checkCapture(load(), progress);
     EXPECT_TRUE(check.lookBackwards);

@@ -18,12 +18,14 @@ TEST(Orientation, everyAxisTurnsToZAndNothingIsMirrored) {
         EXPECT_FLOAT_EQ(glm::determinant(turn), 1) << name;
     }
     EXPECT_THROW(axisFromName("w"), Error);
-    for (const char* name : {"1,2", "1,2,3,4", "0,0,0", "nan,1,1", "1,inf,0", "a,b,c"}) EXPECT_THROW(axisFromName(name), Error) << name;
+    for (const char* name : {"1,2", "1,2,3,4", "0,0,0", "nan,1,1", "1,inf,0", "a,b,c"})
+        EXPECT_THROW(axisFromName(name), Error) << name;
     EXPECT_THROW(axisFromName(""), Error);
 }
 
 TEST(Orientation, anyDirectionTurnsToZAndNothingIsMirrored) {
-    for (const Vec3 given : {Vec3(1, 2, 3), Vec3(-1, 2, -3), Vec3(0.01f, 0.02f, -1), Vec3(1, -1, 0), Vec3(0, 0.1f, 1)}) {
+    for (const Vec3 given :
+         {Vec3(1, 2, 3), Vec3(-1, 2, -3), Vec3(0.01f, 0.02f, -1), Vec3(1, -1, 0), Vec3(0, 0.1f, 1)}) {
         const Vec3 up = axisFromName(fmt::format("{},{},{}", given.x, given.y, given.z));
         EXPECT_NEAR(glm::distance(up, glm::normalize(given)), 0, 1e-6);
         const Mat3 turn = rotationToZUp(up);
@@ -49,7 +51,8 @@ TEST(Orientation, aCaptureWithYUpLoadsAsTheSameWorld) {
     for (auto& frame : file["frames"])
         for (int c = 0; c < 4; ++c) {
             auto& m = frame["transform_matrix"];
-            const Vec3 column = fileFromWorld * Vec3(m[0][size_t(c)].get<float>(), m[1][size_t(c)].get<float>(), m[2][size_t(c)].get<float>());
+            const Vec3 column = fileFromWorld * Vec3(m[0][size_t(c)].get<float>(), m[1][size_t(c)].get<float>(),
+                                                     m[2][size_t(c)].get<float>());
             for (int r = 0; r < 3; ++r) m[size_t(r)][size_t(c)] = column[r];
         }
     Mesh turned = upright.mesh;
@@ -58,9 +61,13 @@ TEST(Orientation, aCaptureWithYUpLoadsAsTheSameWorld) {
     writeVertexPly(folder / "room/mesh.ply", turned, {});
     folder.write("room/transforms.json", file.dump());
     const Capture again = loadCapture(folder / "room", {}, progress);
-    for (size_t v = 0; v < turned.vertexCount(); ++v) EXPECT_LT(glm::distance(again.mesh.positions[v], upright.mesh.positions[v]), 1e-6f);
+    for (size_t v = 0; v < turned.vertexCount(); ++v)
+        EXPECT_LT(glm::distance(again.mesh.positions[v], upright.mesh.positions[v]), 1e-6f);
     for (size_t i = 0; i < 3; ++i)
-        for (int c = 0; c < 4; ++c) EXPECT_LT(glm::length(again.views[i].camera.worldFromCamera[c] - upright.views[i].camera.worldFromCamera[c]), 1e-6);
+        for (int c = 0; c < 4; ++c)
+            EXPECT_LT(
+                glm::length(again.views[i].camera.worldFromCamera[c] - upright.views[i].camera.worldFromCamera[c]),
+                1e-6);
     EXPECT_EQ(again.up, Vec3(0, 1, 0));
 
     // Without the key the doctor names the file's axis, and saying so sets it right.

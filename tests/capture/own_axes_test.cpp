@@ -14,9 +14,11 @@ Capture table() {
     for (int i = 0; i < 4; ++i) {
         View view;
         view.name = "image" + std::to_string(i);
-        const DVec3 at(2 * std::cos(1.1 * i), 2 * std::sin(1.1 * i), 1 + 0.1 * i), back = glm::normalize(at), tilted = glm::normalize(DVec3(0.02 * i, 0.03, 1));
+        const DVec3 at(2 * std::cos(1.1 * i), 2 * std::sin(1.1 * i), 1 + 0.1 * i),
+            back = glm::normalize(at), tilted = glm::normalize(DVec3(0.02 * i, 0.03, 1));
         const DVec3 right = glm::normalize(glm::cross(tilted, back));
-        view.camera.worldFromCamera = DMat4(glm::dvec4(right, 0), glm::dvec4(glm::cross(back, right), 0), glm::dvec4(back, 0), glm::dvec4(at, 1));
+        view.camera.worldFromCamera =
+            DMat4(glm::dvec4(right, 0), glm::dvec4(glm::cross(back, right), 0), glm::dvec4(back, 0), glm::dvec4(at, 1));
         capture.views.push_back(view);
     }
     return capture;
@@ -30,7 +32,11 @@ double apart(const Mat3& a, const Mat3& b) {
 
 void turn(Capture& capture, const glm::dmat3& by, double scale = 1, const DVec3& offset = DVec3(0)) {
     for (View& view : capture.views)
-        for (int k = 0; k < 4; ++k) view.camera.worldFromCamera[k] = glm::dvec4(k < 3 ? by * DVec3(view.camera.worldFromCamera[k]) : scale * (by * DVec3(view.camera.worldFromCamera[k])) + offset, k == 3);
+        for (int k = 0; k < 4; ++k)
+            view.camera.worldFromCamera[k] =
+                glm::dvec4(k < 3 ? by * DVec3(view.camera.worldFromCamera[k])
+                                 : scale * (by * DVec3(view.camera.worldFromCamera[k])) + offset,
+                           k == 3);
 }
 
 TEST(OwnAxes, AreARotationWithUpwardsZ) {
@@ -59,7 +65,8 @@ TEST(OwnAxes, AreDefinedWhateverTheCamerasDo) {
     down.views.resize(1);
     down.views[0].camera.worldFromCamera = DMat4(1.0);
     opposed.views.resize(2);
-    opposed.views[1].camera.worldFromCamera = opposed.views[0].camera.worldFromCamera * DMat4(glm::mat4_cast(glm::angleAxis(piD, DVec3(0, 0, 1))));
+    opposed.views[1].camera.worldFromCamera =
+        opposed.views[0].camera.worldFromCamera * DMat4(glm::mat4_cast(glm::angleAxis(piD, DVec3(0, 0, 1))));
     for (const Capture& capture : {down, opposed}) {
         const Mat3 axes = ownAxes(capture);
         EXPECT_LT(apart(glm::transpose(axes) * axes, Mat3(1)), 1e-6);

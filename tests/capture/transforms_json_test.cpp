@@ -17,10 +17,20 @@ using testing::Test;
 json goodFile() {
     const json matrix = {{1, 0, 0, 0.5}, {0, 1, 0, 0}, {0, 0, 1, 2}, {0, 0, 0, 1}};
     return {{"camera_model", "OPENCV"},
-            {"w", 64}, {"h", 48}, {"fl_x", 50.0}, {"fl_y", 51.0}, {"cx", 32.0}, {"cy", 24.0},
-            {"k1", 0.1}, {"k2", 0.2}, {"p1", 0.3}, {"p2", 0.4},
+            {"w", 64},
+            {"h", 48},
+            {"fl_x", 50.0},
+            {"fl_y", 51.0},
+            {"cx", 32.0},
+            {"cy", 24.0},
+            {"k1", 0.1},
+            {"k2", 0.2},
+            {"p1", 0.3},
+            {"p2", 0.4},
             {"mesh_path", "mesh.ply"},
-            {"frames", {{{"file_path", "a.exr"}, {"transform_matrix", matrix}}, {{"file_path", "b.exr"}, {"transform_matrix", matrix}}}}};
+            {"frames",
+             {{{"file_path", "a.exr"}, {"transform_matrix", matrix}},
+              {{"file_path", "b.exr"}, {"transform_matrix", matrix}}}}};
 }
 
 Transforms parse(const json& file) {
@@ -104,7 +114,8 @@ TEST(TransformsJson, NamesTheFrameAndTheFieldWhenAFocalLengthIsZero) {
     EXPECT_EQ(errorOf(file), "frame 1: fl_x is 0, expected more than 0");
     test::TemporaryFolder folder;
     const auto path = folder.write("transforms.json", file.dump());
-    EXPECT_EQ(test::messageOf([&] { readTransforms(path, {}); }), "transforms.json: frame 1: fl_x is 0, expected more than 0");
+    EXPECT_EQ(test::messageOf([&] { readTransforms(path, {}); }),
+              "transforms.json: frame 1: fl_x is 0, expected more than 0");
 }
 
 TEST(TransformsJson, EachNumberBrokenInTurnIsNamed) {
@@ -178,7 +189,8 @@ TEST(TransformsJson, MatricesThatAreNoPoseAreRefused) {
         return errorOf(file);
     };
     EXPECT_EQ(withMatrix({{1, 0}, {0, 1}}), "frame 1: transform_matrix is no 4 x 4 matrix (rows of numbers)");
-    EXPECT_EQ(withMatrix({{1, 0, 0, 0}, {0, 1, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}), "frame 1: transform_matrix row 1 is no list of 4 numbers");
+    EXPECT_EQ(withMatrix({{1, 0, 0, 0}, {0, 1, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}),
+              "frame 1: transform_matrix row 1 is no list of 4 numbers");
     EXPECT_EQ(withMatrix({{1, 0, 0, "x"}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}),
               "frame 1: transform_matrix row 0 column 3 is text, expected a number");
     EXPECT_EQ(withMatrix({{1, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}),
@@ -217,7 +229,8 @@ TEST(TransformsJson, UnknownKeysAreIgnored) {
 TEST(TransformsJson, ExposuresAreReadAndChecked) {
     json file = goodFile();
     json& frame = file["frames"][1];
-    frame["exposures"] = {{{"file_path", "b0.jpg"}, {"exposure_time", 0.5}, {"iso", 100}}, {{"file_path", "b1.jpg"}, {"exposure_time", 2}}};
+    frame["exposures"] = {{{"file_path", "b0.jpg"}, {"exposure_time", 0.5}, {"iso", 100}},
+                          {{"file_path", "b1.jpg"}, {"exposure_time", 2}}};
     const std::vector<Exposure> exposures = parse(file).frames[1].exposures;
     ASSERT_EQ(exposures.size(), 2u);
     EXPECT_EQ(exposures[0].filePath, "b0.jpg");
@@ -255,7 +268,8 @@ TEST(TransformsJson, BracketsInsideTextAreNoNesting) {
 TEST(TransformsJson, HostileNestingAndCountsAreRefused) {
     const auto error = [](const std::string& text) { return test::messageOf([&] { parseTransforms(text, {}); }); };
     EXPECT_EQ(error(std::string(1'000'000, '[')), "is nested deeper than 32 levels");
-    EXPECT_EQ(error("{\"a\":" + std::string(100, '[') + std::string(100, ']') + "}"), "is nested deeper than 32 levels");
+    EXPECT_EQ(error("{\"a\":" + std::string(100, '[') + std::string(100, ']') + "}"),
+              "is nested deeper than 32 levels");
     EXPECT_EQ(error("{\"a\":[" + std::string(9'000'000, ',') + "]}"), "holds more than 8000000 values");
     std::string many = "{\"frames\":[";
     for (int i = 0; i < 100'001; ++i) many += i ? ",{}" : "{}";

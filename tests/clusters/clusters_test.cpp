@@ -35,14 +35,18 @@ EmitterClusters clusters(const Scene& scene, const RadianceSamples& samples) {
 /// Shaded floor: between 0.6 and 1.4 with a little noise that differs between views.
 Rgb shaded(const Scene& scene, uint32_t v, uint32_t view) {
     const Vec3 p = scene.mesh.positions[v];
-    return Rgb((1 + 0.4f * std::sin(2 * p.x) * std::cos(1.5f * p.y)) * (1 + 0.02f * (unitFloat(mixBits(v * 31 + view)) - 0.5f)));
+    return Rgb((1 + 0.4f * std::sin(2 * p.x) * std::cos(1.5f * p.y)) *
+               (1 + 0.02f * (unitFloat(mixBits(v * 31 + view)) - 0.5f)));
 }
 
-bool inSquare(const Vec3& p, float x, float y, float half) { return std::max(std::abs(p.x - x), std::abs(p.y - y)) < half + 1e-4f; }
+bool inSquare(const Vec3& p, float x, float y, float half) {
+    return std::max(std::abs(p.x - x), std::abs(p.y - y)) < half + 1e-4f;
+}
 
 TEST(Clusters, FindNoEmitterWhereThereIsNone) {
     const Scene scene = floorScene();
-    const EmitterClusters found = clusters(scene, looks(scene, 3, [&](uint32_t v, uint32_t i) { return shaded(scene, v, i); }));
+    const EmitterClusters found =
+        clusters(scene, looks(scene, 3, [&](uint32_t v, uint32_t i) { return shaded(scene, v, i); }));
     EXPECT_EQ(found.emitters.size(), 0u);
     EXPECT_EQ(found.candidates.size(), 0u);
     for (const int e : found.emitterOfVertex) EXPECT_EQ(e, -1);
@@ -52,7 +56,12 @@ TEST(Clusters, FindNoEmitterWhereThereIsNone) {
 TEST(Clusters, FindAUniformBrightPatchWithItsVertices) {
     const Scene scene = floorScene();
     const Rgb lamp(60, 50, 40);
-    const EmitterClusters found = clusters(scene, looks(scene, 3, [&](uint32_t v, uint32_t i) { return inSquare(scene.mesh.positions[v], 0.3f, -0.2f, 0.15f) ? lamp * (1 + 0.01f * (unitFloat(mixBits(v + i * 7919)) - 0.5f)) : shaded(scene, v, i); }));
+    const EmitterClusters found =
+        clusters(scene, looks(scene, 3, [&](uint32_t v, uint32_t i) {
+                     return inSquare(scene.mesh.positions[v], 0.3f, -0.2f, 0.15f)
+                                ? lamp * (1 + 0.01f * (unitFloat(mixBits(v + i * 7919)) - 0.5f))
+                                : shaded(scene, v, i);
+                 }));
     ASSERT_EQ(found.emitters.size(), 1u);
     const EmitterCluster& e = found.emitters[0];
     EXPECT_EQ(e.id, "emitter-1");
@@ -74,9 +83,12 @@ TEST(Clusters, FindAUniformBrightPatchWithItsVertices) {
 }
 
 TEST(Clusters, ASpeckOfAPixelIsNoLampThoughManyVerticesShowIt) {
-    // A very fine mesh under coarse cameras: the bright spot of 49 vertices is one pixel in each of three views, or, seen from near, many.
+    // A very fine mesh under coarse cameras: the bright spot of 49 vertices is one pixel in each of three views, or,
+    // seen from near, many.
     const Scene scene = test::sceneOf(test::sheet({-0.1f, -0.1f, 0}, {0.2f, 0, 0}, {0, 0.2f, 0}, 40, 40));
-    const RadianceSamples samples = looks(scene, 3, [&](uint32_t v, uint32_t i) { return inSquare(scene.mesh.positions[v], 0.03f, -0.02f, 0.015f) ? Rgb(60) : shaded(scene, v, i); });
+    const RadianceSamples samples = looks(scene, 3, [&](uint32_t v, uint32_t i) {
+        return inSquare(scene.mesh.positions[v], 0.03f, -0.02f, 0.015f) ? Rgb(60) : shaded(scene, v, i);
+    });
     for (const double focal : {20.0, 2000.0}) {
         Capture capture;
         for (int i = 0; i < 3; ++i) {
@@ -88,34 +100,44 @@ TEST(Clusters, ASpeckOfAPixelIsNoLampThoughManyVerticesShowIt) {
             capture.views.push_back(view);
         }
         Progress progress;
-        EXPECT_EQ(clusterEmitters(scene, capture, samples, {}, progress).emitters.size(), focal > 100 ? 1u : 0u) << focal;
+        EXPECT_EQ(clusterEmitters(scene, capture, samples, {}, progress).emitters.size(), focal > 100 ? 1u : 0u)
+            << focal;
     }
 }
 
 TEST(Clusters, ABrightRimOfAHoleIsNoLampButABrightSheetIs) {
     // The floor with a hole, a window behind it: the two rows of vertices at the hole's left rim see the window.
     Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 40, 40);
-    std::erase_if(mesh.triangles, [&](const Triangle& t) { return std::all_of(t.begin(), t.end(), [&](uint32_t v) { return inSquare(mesh.positions[v], 0.3f, 0.3f, 0.2f); }); });
+    std::erase_if(mesh.triangles, [&](const Triangle& t) {
+        return std::all_of(t.begin(), t.end(),
+                           [&](uint32_t v) { return inSquare(mesh.positions[v], 0.3f, 0.3f, 0.2f); });
+    });
     const Mesh lamp = test::sheet({-0.7f, -0.7f, 0.5f}, {0.2f, 0, 0}, {0, 0.1f, 0}, 4, 2);
     const size_t ofFloor = mesh.vertexCount();
     test::append(mesh, lamp);
     const Scene scene = test::sceneOf(mesh);
-    const auto atRim = [&](const Vec3& p) { return p.z < 0.1f && p.x > 0.04f && p.x < 0.11f && std::abs(p.y - 0.3f) < 0.16f; };
+    const auto atRim = [&](const Vec3& p) {
+        return p.z < 0.1f && p.x > 0.04f && p.x < 0.11f && std::abs(p.y - 0.3f) < 0.16f;
+    };
     const EmitterClusters found = clusters(scene, looks(scene, 3, [&](uint32_t v, uint32_t i) {
-        const Vec3 p = scene.mesh.positions[v];
-        return v >= ofFloor ? Rgb(80) : atRim(p) ? Rgb(60) : shaded(scene, v, i);
-    }));
+                                               const Vec3 p = scene.mesh.positions[v];
+                                               return v >= ofFloor ? Rgb(80) : atRim(p) ? Rgb(60) : shaded(scene, v, i);
+                                           }));
     ASSERT_EQ(found.emitters.size(), 1u);
     EXPECT_EQ(found.emitters[0].vertices.size(), lamp.vertexCount());
-    EXPECT_TRUE(std::any_of(found.rejected.begin(), found.rejected.end(), [](const RejectedPatch& r) { return r.reason.find("rim of a hole") != std::string::npos; }));
+    EXPECT_TRUE(std::any_of(found.rejected.begin(), found.rejected.end(), [](const RejectedPatch& r) {
+        return r.reason.find("rim of a hole") != std::string::npos;
+    }));
 }
 
 TEST(Clusters, RejectAHighlightThatMovesWithTheView) {
     const Scene scene = floorScene();
     // A bright spot of 0.3 m that each view sees half a spot further.
-    const EmitterClusters found = clusters(scene, looks(scene, 4, [&](uint32_t v, uint32_t i) {
-        return inSquare(scene.mesh.positions[v], -0.2f + 0.15f * float(i), 0, 0.15f) ? Rgb(60) : shaded(scene, v, i);
-    }));
+    const EmitterClusters found =
+        clusters(scene, looks(scene, 4, [&](uint32_t v, uint32_t i) {
+                     return inSquare(scene.mesh.positions[v], -0.2f + 0.15f * float(i), 0, 0.15f) ? Rgb(60)
+                                                                                                  : shaded(scene, v, i);
+                 }));
     EXPECT_EQ(found.emitters.size(), 0u);
     EXPECT_EQ(found.candidates.size(), 0u);
 }
@@ -124,16 +146,18 @@ TEST(Clusters, KeepALampThatSomePhotographsShowBrighterForTheLightFit) {
     const Scene scene = floorScene();
     const auto look = [&](const std::function<float(const Vec3&, uint32_t)>& change) {
         return clusters(scene, looks(scene, 4, [&](uint32_t v, uint32_t i) {
-            const Vec3 p = scene.mesh.positions[v];
-            return inSquare(p, 0.3f, -0.2f, 0.15f) ? Rgb(60, 50, 40) * change(p, i) : shaded(scene, v, i);
-        }));
+                            const Vec3 p = scene.mesh.positions[v];
+                            return inSquare(p, 0.3f, -0.2f, 0.15f) ? Rgb(60, 50, 40) * change(p, i)
+                                                                   : shaded(scene, v, i);
+                        }));
     };
     const EmitterClusters exposed = look([](const Vec3&, uint32_t i) { return 1 + 0.1f * float(i); });
     EXPECT_EQ(exposed.emitters.size(), 0u);
     ASSERT_EQ(exposed.candidates.size(), 1u);
     EXPECT_GT(exposed.candidates[0].evidence.viewSpread, 0.2f);
     // As much change in all, but another one at every vertex; and one that no exposure makes.
-    const EmitterClusters wandering = look([](const Vec3& p, uint32_t i) { return 1.15f + 0.15f * std::sin(40 * p.x + 1.6f * float(i)); });
+    const EmitterClusters wandering =
+        look([](const Vec3& p, uint32_t i) { return 1.15f + 0.15f * std::sin(40 * p.x + 1.6f * float(i)); });
     EXPECT_EQ(wandering.emitters.size() + wandering.candidates.size(), 0u);
     const EmitterClusters mirrored = look([](const Vec3&, uint32_t i) { return i == 0 ? 1.0f : 0.4f; });
     EXPECT_EQ(mirrored.emitters.size() + mirrored.candidates.size(), 0u);
@@ -142,9 +166,9 @@ TEST(Clusters, KeepALampThatSomePhotographsShowBrighterForTheLightFit) {
 TEST(Clusters, RejectAGlowThatFadesOutWithoutAnEdge) {
     const Scene scene = floorScene();
     const EmitterClusters found = clusters(scene, looks(scene, 3, [&](uint32_t v, uint32_t i) {
-        const Vec3 p = scene.mesh.positions[v];
-        return shaded(scene, v, i) * (1 + 40 * std::exp(-12 * glm::dot(p, p)));
-    }));
+                                               const Vec3 p = scene.mesh.positions[v];
+                                               return shaded(scene, v, i) * (1 + 40 * std::exp(-12 * glm::dot(p, p)));
+                                           }));
     EXPECT_EQ(found.emitters.size(), 0u);
     EXPECT_EQ(found.candidates.size(), 0u);
 }
@@ -160,12 +184,12 @@ TEST(Clusters, TakeABodyOfUnevenRadianceForOneLampOfItsMean) {
     const auto ramp = [](float along) { return Rgb(40, 30, 20) * (1 + 0.5f * along); };  // 1 : 3 from -1 to 1
     const auto look = [&](bool lampOn) {
         return clusters(scene, looks(scene, 3, [&](uint32_t v, uint32_t i) {
-            const Vec3 p = scene.mesh.positions[v];
-            if (onLamp[v]) return Rgb(lampOn ? 2000.0f : 1.0f);
-            for (const float centre : {0.6f, -0.6f})
-                if (inSquare(p, centre, centre, 0.25f)) return ramp((p.x - centre) / 0.25f);
-            return shaded(scene, v, i);
-        }));
+                            const Vec3 p = scene.mesh.positions[v];
+                            if (onLamp[v]) return Rgb(lampOn ? 2000.0f : 1.0f);
+                            for (const float centre : {0.6f, -0.6f})
+                                if (inSquare(p, centre, centre, 0.25f)) return ramp((p.x - centre) / 0.25f);
+                            return shaded(scene, v, i);
+                        }));
     };
     const EmitterClusters both = look(false), one = look(true);
     EXPECT_EQ(both.emitters.size(), 0u);
@@ -183,9 +207,11 @@ TEST(Clusters, TakeABodyOfUnevenRadianceForOneLampOfItsMean) {
 TEST(Clusters, FindAPairOfOneToAThousandBoth) {
     const Scene scene = floorScene();
     const EmitterClusters found = clusters(scene, looks(scene, 3, [&](uint32_t v, uint32_t i) {
-        const Vec3 p = scene.mesh.positions[v];
-        return inSquare(p, 0.5f, 0.5f, 0.15f) ? Rgb(30000) : inSquare(p, -0.5f, -0.5f, 0.15f) ? Rgb(30) : shaded(scene, v, i);
-    }));
+                                               const Vec3 p = scene.mesh.positions[v];
+                                               return inSquare(p, 0.5f, 0.5f, 0.15f)     ? Rgb(30000)
+                                                      : inSquare(p, -0.5f, -0.5f, 0.15f) ? Rgb(30)
+                                                                                         : shaded(scene, v, i);
+                                           }));
     ASSERT_EQ(found.emitters.size() + found.candidates.size(), 2u);
     ASSERT_EQ(found.emitters.size(), 2u);
     EXPECT_EQ(found.emitters[0].radiance, Rgb(30000)) << "the strongest comes first";
@@ -195,7 +221,10 @@ TEST(Clusters, FindAPairOfOneToAThousandBoth) {
 
 TEST(Clusters, KeepAModeratelyBrightPatchAsACandidateForTheLightFit) {
     const Scene scene = floorScene();
-    const EmitterClusters found = clusters(scene, looks(scene, 3, [&](uint32_t v, uint32_t i) { return inSquare(scene.mesh.positions[v], 0.3f, -0.2f, 0.15f) ? Rgb(5) : shaded(scene, v, i); }));
+    const EmitterClusters found =
+        clusters(scene, looks(scene, 3, [&](uint32_t v, uint32_t i) {
+                     return inSquare(scene.mesh.positions[v], 0.3f, -0.2f, 0.15f) ? Rgb(5) : shaded(scene, v, i);
+                 }));
     EXPECT_EQ(found.emitters.size(), 0u);
     EXPECT_EQ(found.candidates.size(), 1u);
 }
@@ -210,7 +239,8 @@ TEST(Clusters, TakeAWholeBulbWhenItsSeenSideShines) {
         samples.start.push_back(uint32_t(samples.samples.size()));
         const bool onBulb = v >= floorVertices;
         if (onBulb && scene.mesh.normals[v].x < 0.1f) continue;  // the far side was not seen
-        for (uint32_t i = 0; i < 2; ++i) samples.samples.push_back({i, onBulb ? Rgb(80, 70, 60) : shaded(scene, v, i), 1, false});
+        for (uint32_t i = 0; i < 2; ++i)
+            samples.samples.push_back({i, onBulb ? Rgb(80, 70, 60) : shaded(scene, v, i), 1, false});
     }
     samples.start.push_back(uint32_t(samples.samples.size()));
     const EmitterClusters found = clusters(scene, samples);
@@ -244,7 +274,9 @@ TEST(Clusters, DoNotCareForTheOrderOfTheFile) {
     // A lamp that is brighter in the middle, so that what joins it rests on what joined before, in a file turned round.
     Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 30, 30);
     const uint32_t count = uint32_t(mesh.vertexCount());
-    const auto radianceAt = [](const Vec3& p) { return Rgb(p.x * p.x + p.y * p.y < 0.16f ? 60 + 6 * p.x + 4 * p.y * p.y : 1.0f); };
+    const auto radianceAt = [](const Vec3& p) {
+        return Rgb(p.x * p.x + p.y * p.y < 0.16f ? 60 + 6 * p.x + 4 * p.y * p.y : 1.0f);
+    };
     const auto found = [&](const Mesh& m) {
         const Scene scene = test::sceneOf(m);
         RadianceSamples samples;
@@ -256,8 +288,12 @@ TEST(Clusters, DoNotCareForTheOrderOfTheFile) {
         const EmitterClusters lamps = clusters(scene, samples);
         std::vector<Vec3> middles;
         for (const EmitterCluster& e : lamps.emitters)
-            for (const uint32_t t : e.triangles) middles.push_back((m.positions[m.triangles[t][0]] + m.positions[m.triangles[t][1]] + m.positions[m.triangles[t][2]]) / 3.0f);
-        std::sort(middles.begin(), middles.end(), [](const Vec3& a, const Vec3& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); });
+            for (const uint32_t t : e.triangles)
+                middles.push_back(
+                    (m.positions[m.triangles[t][0]] + m.positions[m.triangles[t][1]] + m.positions[m.triangles[t][2]]) /
+                    3.0f);
+        std::sort(middles.begin(), middles.end(),
+                  [](const Vec3& a, const Vec3& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); });
         return middles;
     };
     Mesh turned = mesh;

@@ -1,4 +1,5 @@
-// What meshes that are not exact make of a lamp: several patches, patches past its edge, and surfaces that it lights brightly.
+// What meshes that are not exact make of a lamp: several patches, patches past its edge, and surfaces that it lights
+// brightly.
 #include "clusters/false_lamps.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +20,9 @@ EmitterCluster clusterOf(const Scene& scene, const Rgb& radiance, Inside&& insid
     Vec3 sum(0);
     for (uint32_t t = 0; t < scene.mesh.triangles.size(); ++t) {
         const Triangle& c = scene.mesh.triangles[t];
-        if (!inside(scene.mesh.positions[c[0]]) || !inside(scene.mesh.positions[c[1]]) || !inside(scene.mesh.positions[c[2]])) continue;
+        if (!inside(scene.mesh.positions[c[0]]) || !inside(scene.mesh.positions[c[1]]) ||
+            !inside(scene.mesh.positions[c[2]]))
+            continue;
         cluster.triangles.push_back(t);
         const float area = scene.mesh.triangleArea(t);
         cluster.area += area;
@@ -39,13 +42,18 @@ bool onLamp(const Vec3& p) { return p.z > 0.4f; }
 
 TEST(FalseLamps, PatchesOfOneRadianceAHairApartAreOneLamp) {
     const Scene scene = test::sceneOf(test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 200, 200));
-    const auto strip = [&](float from, float to, const Rgb& radiance) { return clusterOf(scene, radiance, [&](const Vec3& p) { return p.x > from && p.x < to && std::abs(p.y) < 0.2f; }); };
+    const auto strip = [&](float from, float to, const Rgb& radiance) {
+        return clusterOf(scene, radiance,
+                         [&](const Vec3& p) { return p.x > from && p.x < to && std::abs(p.y) < 0.2f; });
+    };
     // 1 cm apart where the scene is 2.8 m across; then 10 cm; then of another radiance.
-    std::vector<EmitterCluster> lamps{strip(0, 0.205f, Rgb(9, 5, 4)), strip(0.205f, 0.3f, Rgb(9.01f, 5, 4)), strip(0.4f, 0.5f, Rgb(9, 5, 4)), strip(-0.1f, -0.005f, Rgb(9, 7, 4))};
+    std::vector<EmitterCluster> lamps{strip(0, 0.205f, Rgb(9, 5, 4)), strip(0.205f, 0.3f, Rgb(9.01f, 5, 4)),
+                                      strip(0.4f, 0.5f, Rgb(9, 5, 4)), strip(-0.1f, -0.005f, Rgb(9, 7, 4))};
     const float whole = lamps[0].area + lamps[1].area;
     joinSplitLamps(scene, lamps);
     ASSERT_EQ(lamps.size(), 3u);
-    const auto joined = std::find_if(lamps.begin(), lamps.end(), [&](const EmitterCluster& e) { return std::abs(e.area - whole) < 1e-6f; });
+    const auto joined = std::find_if(lamps.begin(), lamps.end(),
+                                     [&](const EmitterCluster& e) { return std::abs(e.area - whole) < 1e-6f; });
     ASSERT_NE(joined, lamps.end());
     EXPECT_NEAR(joined->centroid.x, 0.15f, 0.01f);
     EXPECT_TRUE(std::is_sorted(joined->triangles.begin(), joined->triangles.end()));
@@ -59,7 +67,10 @@ TEST(FalseLamps, WhatALampLightsWithAPlausibleAlbedoIsNamedAndALampOfItsOwnIsNot
     const float half = albedoBesideLamps(scene, lamps, clusterOf(scene, 0.17f * 0.5f * lamps[0].radiance, under));
     EXPECT_NEAR(half, 0.5f, 0.06f);
     EXPECT_GT(albedoBesideLamps(scene, lamps, clusterOf(scene, 0.5f * lamps[0].radiance, under)), 2.0f);
-    EXPECT_GT(albedoBesideLamps(scene, lamps, clusterOf(scene, 0.1f * lamps[0].radiance, [](const Vec3& p) { return p.x > 1.8f && p.z < 0.1f; })), 5.0f);
+    EXPECT_GT(albedoBesideLamps(
+                  scene, lamps,
+                  clusterOf(scene, 0.1f * lamps[0].radiance, [](const Vec3& p) { return p.x > 1.8f && p.z < 0.1f; })),
+              5.0f);
     // Of another hue than the lamp can light it with.
     EXPECT_GT(albedoBesideLamps(scene, lamps, clusterOf(scene, Rgb(5, 5, 20), under)), 1.5f);
 }
@@ -76,17 +87,21 @@ TEST(FalseLamps, WhatShowsTheLampPastItsEdgeInEveryPhotographIsNoLamp) {
     Progress progress;
     RadianceSamples samples = gatherRadiance(capture, scene, {}, progress);
     const EmitterCluster lamp = clusterOf(scene, Rgb(9, 5, 4), onLamp);
-    // Floor vertices whose looks are the lamp's radiance: behind the lamp's image in one case, at the camera's feet in the other.
+    // Floor vertices whose looks are the lamp's radiance: behind the lamp's image in one case, at the camera's feet in
+    // the other.
     const auto patchOf = [&](bool beside) {
         EmitterCluster patch;
         patch.radiance = lamp.radiance;
         patch.area = 0.01f;
         for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v)
             for (uint32_t s = samples.start[v]; s < samples.start[v + 1] && !onLamp(scene.mesh.positions[v]); ++s) {
-                const Vec2 pixel = *capture.views[samples.samples[s].view].camera.project(DVec3(scene.mesh.positions[v]));
+                const Vec2 pixel =
+                    *capture.views[samples.samples[s].view].camera.project(DVec3(scene.mesh.positions[v]));
                 float nearest = 1e9f;
                 for (uint32_t u : lamp.vertices)
-                    if (const auto p = capture.views[samples.samples[s].view].camera.project(DVec3(scene.mesh.positions[u]))) nearest = std::min(nearest, glm::length(*p - pixel));
+                    if (const auto p =
+                            capture.views[samples.samples[s].view].camera.project(DVec3(scene.mesh.positions[u])))
+                        nearest = std::min(nearest, glm::length(*p - pixel));
                 if (beside ? nearest > 4 : nearest < 30) continue;
                 samples.samples[s].radiance = lamp.radiance;
                 if (patch.vertices.empty() || patch.vertices.back() != v) patch.vertices.push_back(v);

@@ -29,9 +29,13 @@ const Room& room() {
     return one;
 }
 
-EmitterState stateOf(const Look& look, const std::string& id) { return findEmitter(room().scene, room().estimate, look, id).value(); }
+EmitterState stateOf(const Look& look, const std::string& id) {
+    return findEmitter(room().scene, room().estimate, look, id).value();
+}
 
-void expectNear(const Vec3& a, const Vec3& b, float tolerance = 1e-5f) { EXPECT_LT(glm::distance(a, b), tolerance) << a.x << ' ' << a.y << ' ' << a.z; }
+void expectNear(const Vec3& a, const Vec3& b, float tolerance = 1e-5f) {
+    EXPECT_LT(glm::distance(a, b), tolerance) << a.x << ' ' << a.y << ' ' << a.z;
+}
 
 TEST(EmitterEdits, anUntouchedLookShowsWhatWasRecovered) {
     const EmitterState s = stateOf({}, "emitter-1");

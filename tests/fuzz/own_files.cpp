@@ -1,4 +1,5 @@
-// The readers of relamp's own files, which people edit by hand: looks, shots, works found after a crash; and brackets as numbers.
+// The readers of relamp's own files, which people edit by hand: looks, shots, works found after a crash; and brackets
+// as numbers.
 #include "capture/brackets.h"
 #include "fuzz/target.h"
 #include "image/image_io.h"
@@ -18,7 +19,8 @@ const Target look("look", [](std::string_view bytes) {
     const LookTrack track = readLookTrack(file);
     for (const int frame : {-3, 1, 7, 1000}) {
         const Look between = track.at(frame, {});
-        if (!(lookFromJson(lookToJson(between), {}) == between)) throw std::logic_error("a look that does not survive being written");
+        if (!(lookFromJson(lookToJson(between), {}) == between))
+            throw std::logic_error("a look that does not survive being written");
     }
 });
 
@@ -30,14 +32,17 @@ const std::filesystem::path& goodShot() {
         const Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 1, 1);
         writeVertexPly(capture / "mesh.ply", mesh, {});
         writeImage(capture / "a.png", Image(8, 6, Rgb(0.5f)));
-        fileWith("shot-capture/transforms.json",
-                 R"({"w": 8, "h": 6, "fl_x": 8, "mesh_path": "mesh.ply", "frames": [{"file_path": "a.png", "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,3],[0,0,0,1]]}]})");
+        fileWith(
+            "shot-capture/transforms.json",
+            R"({"w": 8, "h": 6, "fl_x": 8, "mesh_path": "mesh.ply", "frames": [{"file_path": "a.png", "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,3],[0,0,0,1]]}]})");
         Progress progress;
         Shot shot;
         shot.captureFolder = capture;
         shot.estimate = test::matteEstimate(buildScene(mesh, progress), Rgb(0.5f), Rgb(1));
-        shot.estimate.environmentSide = Estimate().environmentSide;  // the side that is kept beside the picture, so that opening is quick
-        shot.estimate.environment.assign(size_t(shot.estimate.environmentSide) * size_t(shot.estimate.environmentSide), Rgb(1));
+        shot.estimate.environmentSide =
+            Estimate().environmentSide;  // the side that is kept beside the picture, so that opening is quick
+        shot.estimate.environment.assign(size_t(shot.estimate.environmentSide) * size_t(shot.estimate.environmentSide),
+                                         Rgb(1));
         saveShot(shot, mesh, folder() / "good.relamp", true);
         return folder() / "good.relamp";
     }();
@@ -70,10 +75,12 @@ const Target autosave("autosave", [](std::string_view bytes) {
 /// What stands in a checkpoint behind its sum.
 const Target checkpoint("checkpoint", [](std::string_view bytes) {
     const std::string again = checkpointBytes(checkpointFromBytes(std::string(bytes)));
-    if (checkpointBytes(checkpointFromBytes(again)) != again) throw std::logic_error("a checkpoint that does not survive being written");
+    if (checkpointBytes(checkpointFromBytes(again)) != again)
+        throw std::logic_error("a checkpoint that does not survive being written");
 });
 
-/// Codes and exposures as they come: two to five pictures of 12 x 12. The response is fitted for one input in eight, because that takes most of the time.
+/// Codes and exposures as they come: two to five pictures of 12 x 12. The response is fitted for one input in eight,
+/// because that takes most of the time.
 const Target brackets("brackets", [](std::string_view bytes) {
     constexpr int side = 12;
     if (bytes.size() < 8) return;

@@ -27,13 +27,15 @@ void mesh(std::string_view bytes) {
     for (const Vec3& p : read.positions)
         if (!std::isfinite(p.x + p.y + p.z)) throw std::logic_error("a position that is no number");
 }
-const Target ply("mesh-ply", mesh<0>), obj("mesh-obj", mesh<1>), off("mesh-off", mesh<2>), stl("mesh-stl", mesh<3>), om("mesh-om", mesh<4>);
+const Target ply("mesh-ply", mesh<0>), obj("mesh-obj", mesh<1>), off("mesh-off", mesh<2>), stl("mesh-stl", mesh<3>),
+    om("mesh-om", mesh<4>);
 const Target vertexPly("vertex-ply", [](std::string_view bytes) { readVertexPly(fileWith("vertices.ply", bytes)); });
 
 /// cameras, images and points3D, one after the other.
 void colmap(std::string_view bytes, const char* ending) {
     const char* names[] = {"cameras", "images", "points3D"};
-    for (size_t i = 0; i < 3; ++i) fileWith(std::string("model-") + ending + "/" + names[i] + "." + ending, part(bytes, i));
+    for (size_t i = 0; i < 3; ++i)
+        fileWith(std::string("model-") + ending + "/" + names[i] + "." + ending, part(bytes, i));
     Progress progress;
     const ColmapModel model = readColmapModel(folder() / (std::string("model-") + ending), {}, progress);
     std::vector<Camera> cameras;
@@ -51,8 +53,7 @@ void picture(std::string_view bytes) {
     const auto tolerant = [](auto&& body) {
         try {
             body();
-        } catch (const Error&) {
-        }
+        } catch (const Error&) {}
     };
     tolerant([&] { readImageSize(file); });
     tolerant([&] { readExposureTags(file); });
@@ -63,8 +64,8 @@ void picture(std::string_view bytes) {
     for (const Rgb& p : image.pixels)
         if (!isFinite(p)) throw std::logic_error("a pixel that is no number");
 }
-const Target exr("image-exr", picture<0>), hdr("image-hdr", picture<1>), jpeg("image-jpeg", picture<2>), png("image-png", picture<3>), tiff("image-tiff", picture<4>),
-    dpx("image-dpx", picture<5>);
+const Target exr("image-exr", picture<0>), hdr("image-hdr", picture<1>), jpeg("image-jpeg", picture<2>),
+    png("image-png", picture<3>), tiff("image-tiff", picture<4>), dpx("image-dpx", picture<5>);
 
 /// A file of the right size with the bytes at its beginning and end: the whole would be 35 MB.
 const Target merl("merl", [](std::string_view bytes) {

@@ -1,5 +1,6 @@
-// Runs targets without libFuzzer: every file of the corpus, then a fixed number of seeded mutations of them. What a target throws that is no
-// relamp::Error ends the run, with the input kept; so does a corpus none of which is good any more, because its mutations would not get past the first lines.
+// Runs targets without libFuzzer: every file of the corpus, then a fixed number of seeded mutations of them. What a
+// target throws that is no relamp::Error ends the run, with the input kept; so does a corpus none of which is good any
+// more, because its mutations would not get past the first lines.
 //
 //   relamp_fuzz TARGET CORPUS [MUTATIONS [SEED]]
 #include <sys/resource.h>
@@ -38,8 +39,29 @@ private:
     size_t below(size_t n) { return n ? std::uniform_int_distribution<size_t>(0, n - 1)(random_) : 0; }
 
     void change(std::string& bytes) {
-        static const std::vector<std::string> words{"0", "-1", "1e308", "-1e-320", "nan", "inf", "4294967295", "18446744073709551615", "99999999999999999999999", "null", "[]", "{}", "\"\"",
-                                                    "true", "\n", " ", "\r\n", "#", ",", std::string(1, '\0'), std::string(4, '\xff'), std::string(8, '\xff'), std::string("\0\0\x80\x7f", 4)};
+        static const std::vector<std::string> words{"0",
+                                                    "-1",
+                                                    "1e308",
+                                                    "-1e-320",
+                                                    "nan",
+                                                    "inf",
+                                                    "4294967295",
+                                                    "18446744073709551615",
+                                                    "99999999999999999999999",
+                                                    "null",
+                                                    "[]",
+                                                    "{}",
+                                                    "\"\"",
+                                                    "true",
+                                                    "\n",
+                                                    " ",
+                                                    "\r\n",
+                                                    "#",
+                                                    ",",
+                                                    std::string(1, '\0'),
+                                                    std::string(4, '\xff'),
+                                                    std::string(8, '\xff'),
+                                                    std::string("\0\0\x80\x7f", 4)};
         const size_t at = below(bytes.size() + 1);
         switch (below(8)) {
             case 0:
@@ -78,7 +100,8 @@ bool good(const std::string& target, const std::string& bytes, const std::string
     } catch (const std::exception& error) {
         const fs::path kept = fs::temp_directory_path() / ("relamp-fuzz-" + target);
         std::ofstream(kept, std::ios::binary) << bytes;
-        std::fprintf(stderr, "%s: %s throws \"%s\"; the input is kept in %s\n", target.c_str(), from.c_str(), error.what(), kept.c_str());
+        std::fprintf(stderr, "%s: %s throws \"%s\"; the input is kept in %s\n", target.c_str(), from.c_str(),
+                     error.what(), kept.c_str());
         return false;
     }
 }
@@ -114,12 +137,14 @@ int main(int argc, char** argv) {
         return 1;
     }
     if (whole == 0) {
-        std::fprintf(stderr, "%s: none of %zu files in %s is read to its end, so they test little\n", target.c_str(), seeds.size(), argv[2]);
+        std::fprintf(stderr, "%s: none of %zu files in %s is read to its end, so they test little\n", target.c_str(),
+                     seeds.size(), argv[2]);
         return 1;
     }
     Mutator mutator(seeds, argc > 4 ? unsigned(std::atoi(argv[4])) : 1);
     for (int i = 0; i < mutations; ++i)
         if (!good(target, mutator.next(), "mutation " + std::to_string(i), wholeMutations)) return 1;
-    std::printf("%s: %zu files, %zu of them good; %d mutations, %zu of them good\n", target.c_str(), seeds.size(), whole, mutations, wholeMutations);
+    std::printf("%s: %zu files, %zu of them good; %d mutations, %zu of them good\n", target.c_str(), seeds.size(),
+                whole, mutations, wholeMutations);
     return 0;
 }

@@ -20,7 +20,8 @@ std::map<std::string, Run>& registered() {
 struct OwnFolder {
     fs::path path;
     OwnFolder() {
-        std::string name = (access("/dev/shm", W_OK) == 0 ? fs::path("/dev/shm") : fs::temp_directory_path()) / "relamp-fuzz-XXXXXX";
+        std::string name =
+            (access("/dev/shm", W_OK) == 0 ? fs::path("/dev/shm") : fs::temp_directory_path()) / "relamp-fuzz-XXXXXX";
         if (!mkdtemp(name.data())) throw std::runtime_error("no folder can be made");
         path = name;
     }
@@ -41,9 +42,7 @@ bool runTarget(const std::string& target, std::string_view bytes) {
     try {
         run(bytes);
         return true;
-    } catch (const Error&) {
-        return false;
-    }
+    } catch (const Error&) { return false; }
 }
 
 const fs::path& folder() {

@@ -1,5 +1,6 @@
-// A reader that is fed with anything. Each target is a function of bytes that registers itself by name; replay.cpp runs them on the corpus and
-// on mutations of it, libFuzzer (libfuzzer.cpp) on what it makes up. A relamp::Error is a good answer; whatever else is thrown is a finding.
+// A reader that is fed with anything. Each target is a function of bytes that registers itself by name; replay.cpp runs
+// them on the corpus and on mutations of it, libFuzzer (libfuzzer.cpp) on what it makes up. A relamp::Error is a good
+// answer; whatever else is thrown is a finding.
 #pragma once
 #include <filesystem>
 #include <map>
@@ -10,7 +11,8 @@ namespace relamp::fuzz {
 
 using Run = void (*)(std::string_view bytes);
 
-/// Runs `bytes` through the target; whether it was read to its end. Throws what is no relamp::Error; std::out_of_range when there is no such target.
+/// Runs `bytes` through the target; whether it was read to its end. Throws what is no relamp::Error; std::out_of_range
+/// when there is no such target.
 bool runTarget(const std::string& target, std::string_view bytes);
 const std::map<std::string, Run>& targets();
 

@@ -1,5 +1,5 @@
-// A real desktop for the real program: Xvfb, relamp-editor, xdotool for mouse and keys, screenshots. What the program shows and does is
-// read from the map it writes when RELAMP_ITEM_MAP is set.
+// A real desktop for the real program: Xvfb, relamp-editor, xdotool for mouse and keys, screenshots. What the program
+// shows and does is read from the map it writes when RELAMP_ITEM_MAP is set.
 #pragma once
 #include <signal.h>
 #include <sys/wait.h>
@@ -28,7 +28,8 @@ public:
         if (xvfb_ == 0) {
             dup2(ends[1], 3);
             if (!std::freopen("/dev/null", "w", stderr)) _exit(127);
-            execlp("Xvfb", "Xvfb", "-displayfd", "3", "-screen", "0", screen.c_str(), "-nolisten", "tcp", "-noreset", static_cast<char*>(nullptr));
+            execlp("Xvfb", "Xvfb", "-displayfd", "3", "-screen", "0", screen.c_str(), "-nolisten", "tcp", "-noreset",
+                   static_cast<char*>(nullptr));
             _exit(127);
         }
         close(ends[1]);
@@ -93,7 +94,8 @@ public:
 
     /// The program's map of its latest frame.
     nlohmann::json map() const {
-        const nlohmann::json document = nlohmann::json::parse(TemporaryFolder::read(home_ / "map.json"), nullptr, false);
+        const nlohmann::json document =
+            nlohmann::json::parse(TemporaryFolder::read(home_ / "map.json"), nullptr, false);
         return document.is_object() ? document : nlohmann::json{{"items", nlohmann::json::object()}, {"frame", 0}};
     }
     /// Looks at the map until `done`; false after `seconds`, ten times as many under a sanitizer.
@@ -114,12 +116,15 @@ public:
     }
     /// Nothing runs and the picture is refined.
     bool settled(double seconds = 90) const {
-        return until([](const nlohmann::json& m) { return m["job"] == "" && m["refined"] == true && m["busy"] == false; }, seconds);
+        return until(
+            [](const nlohmann::json& m) { return m["job"] == "" && m["refined"] == true && m["busy"] == false; },
+            seconds);
     }
     std::pair<int, int> middleOf(const std::string& name) const {
         const nlohmann::json item = map()["items"].value(name, nlohmann::json{});
         if (!item.is_array()) throw std::runtime_error("the window shows no " + name);
-        return {int((item[0].get<double>() + item[2].get<double>()) / 2), int((item[1].get<double>() + item[3].get<double>()) / 2)};
+        return {int((item[0].get<double>() + item[2].get<double>()) / 2),
+                int((item[1].get<double>() + item[3].get<double>()) / 2)};
     }
 
     // ---- mouse and keys
@@ -167,16 +172,19 @@ public:
     void pause() const {
         std::this_thread::sleep_for(std::chrono::milliseconds(120));
         const int frame = map()["frame"];
-        for (int i = 0; i < 20 && map()["frame"] < frame + 2; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(30));
+        for (int i = 0; i < 20 && map()["frame"] < frame + 2; ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(30));
     }
 
     Image screenshot(const std::string& name) const {
         const std::filesystem::path file = home_ / (name + ".png");
-        const std::string command = "DISPLAY=:" + display_ + " import -window root png24:" + file.string() + " 2>/dev/null";
+        const std::string command =
+            "DISPLAY=:" + display_ + " import -window root png24:" + file.string() + " 2>/dev/null";
         if (std::system(command.c_str()) != 0) throw std::runtime_error("no screenshot: is ImageMagick installed?");
         if (const char* keep = std::getenv("RELAMP_KEEP_SCREENSHOTS")) {
             std::error_code ignored;
-            std::filesystem::copy_file(file, std::filesystem::path(keep) / (name + ".png"), std::filesystem::copy_options::overwrite_existing, ignored);
+            std::filesystem::copy_file(file, std::filesystem::path(keep) / (name + ".png"),
+                                       std::filesystem::copy_options::overwrite_existing, ignored);
         }
         return readImage(file);
     }

@@ -32,7 +32,9 @@ Box pictureOf(const Desktop& desk) {
     const Json item = desk.map()["items"].at("viewport");
     return {item[0].get<int>() + 2, item[1].get<int>() + 2, item[2].get<int>() - 2, item[3].get<int>() - 2};
 }
-double differenceIn(const Image& a, const Image& b, const Box& box) { return test::differenceIn(a, b, box.x0, box.y0, box.x1, box.y1); }
+double differenceIn(const Image& a, const Image& b, const Box& box) {
+    return test::differenceIn(a, b, box.x0, box.y0, box.x1, box.y1);
+}
 
 /// A picture with more than one colour in it.
 double contrastIn(const Image& image, const Box& box) {
@@ -54,7 +56,8 @@ TEST(GuiWindow, anArtistOpensEstimatesMovesTheLampSwapsTheSkyAndExports) {
     desk.moveTo(width / 2, height / 2);
     desk.key("ctrl+Return");
     ASSERT_TRUE(desk.until([](const Json& m) { return m["job"] != ""; }, 10)) << state(desk);
-    EXPECT_TRUE(desk.until([](const Json& m) { return m["job"] != "" && m["live"] == true; }, 100)) << "no intermediate picture";
+    EXPECT_TRUE(desk.until([](const Json& m) { return m["job"] != "" && m["live"] == true; }, 100))
+        << "no intermediate picture";
     ASSERT_TRUE(desk.until([](const Json& m) { return m["job"] == "" && m["estimate"] == true; }, 200)) << state(desk);
     ASSERT_TRUE(desk.settled());
     Json map = desk.map();
@@ -116,7 +119,8 @@ TEST(GuiWindow, anArtistOpensEstimatesMovesTheLampSwapsTheSkyAndExports) {
     ASSERT_TRUE(desk.until([](const Json& m) { return m["gesture"] == true; }, 10)) << state(desk);
     desk.type("z0.1");
     desk.key("Return");
-    ASSERT_TRUE(desk.until([&](const Json& m) { return m["gesture"] == false && m["entry"] == entries + 1; }, 10)) << state(desk);
+    ASSERT_TRUE(desk.until([&](const Json& m) { return m["gesture"] == false && m["entry"] == entries + 1; }, 10))
+        << state(desk);
 
     // Another environment by its panel and the file browser.
     Image sky(64, 32);
@@ -162,8 +166,12 @@ TEST(GuiWindow, anArtistOpensEstimatesMovesTheLampSwapsTheSkyAndExports) {
     desk.key("Tab");
     desk.screenshot("07-export");
     desk.click("Export");
-    ASSERT_TRUE(desk.until([&](const Json& m) { return m["job"] == "" && std::filesystem::exists(desk.home() / "window.exr"); }, 60)) << state(desk);
-    const test::ProgramResult line = test::runProgram({RELAMP_BINARY, "render", shot.string(), "-o", (desk.home() / "line.exr").string(), "--camera", std::to_string(desk.map()["view"].get<int>()), "--layers", "groups"});
+    ASSERT_TRUE(desk.until(
+        [&](const Json& m) { return m["job"] == "" && std::filesystem::exists(desk.home() / "window.exr"); }, 60))
+        << state(desk);
+    const test::ProgramResult line =
+        test::runProgram({RELAMP_BINARY, "render", shot.string(), "-o", (desk.home() / "line.exr").string(), "--camera",
+                          std::to_string(desk.map()["view"].get<int>()), "--layers", "groups"});
     ASSERT_EQ(line.exitCode, 0) << line.error;
     const Image byWindow = readImage(desk.home() / "window.exr"), byLine = readImage(desk.home() / "line.exr");
     ASSERT_EQ(byWindow.pixels.size(), byLine.pixels.size());
@@ -185,20 +193,24 @@ TEST(GuiWindow, aKilledEditorOffersTheWorkAgain) {
     Desktop desk(1024, 640);
     const test::TemporaryFolder folder;
     test::paintKnownWorld(folder / "room", true, 6, 10);
-    const std::vector<std::string> arguments{"--solve", "--quality", "draft", "--width", "1024", "--height", "640", (folder / "room").string()};
+    const std::vector<std::string> arguments{"--solve", "--quality", "draft", "--width",
+                                             "1024",    "--height",  "640",   (folder / "room").string()};
     desk.start(arguments);
     ASSERT_TRUE(desk.until([](const Json& m) { return m["estimate"] == true && m["job"] == ""; }, 60)) << state(desk);
     ASSERT_TRUE(desk.settled());
     desk.moveTo(512, 250);
     desk.key("ctrl+a");
     desk.key("m");
-    ASSERT_TRUE(desk.until([](const Json& m) { return m["label"].get<std::string>().find("Switch off") != std::string::npos; }, 10)) << state(desk);
+    ASSERT_TRUE(desk.until(
+        [](const Json& m) { return m["label"].get<std::string>().find("Switch off") != std::string::npos; }, 10))
+        << state(desk);
     const auto edited = std::chrono::steady_clock::now();
     // Within 30 seconds the edit is on disk.
     bool kept = false;
     while (!kept && std::chrono::steady_clock::now() - edited < std::chrono::seconds(30)) {
         for (const auto& entry : std::filesystem::recursive_directory_iterator(desk.home() / "state"))
-            kept = kept || (entry.path().string().ends_with(".autosave.json") && test::TemporaryFolder::read(entry.path()).find("\"enabled\": false") != std::string::npos);
+            kept = kept || (entry.path().string().ends_with(".autosave.json") &&
+                            test::TemporaryFolder::read(entry.path()).find("\"enabled\": false") != std::string::npos);
         desk.pause();
     }
     ASSERT_TRUE(kept);
@@ -237,7 +249,8 @@ TEST(GuiWindow, aLostContextAndBadFilesLeaveTheWindowStanding) {
     desk.screenshot("12-broken");
     // Both notices come up, one after the other, and the window goes on.
     for (int i = 0; i < 2; ++i) {
-        ASSERT_TRUE(desk.until([](const Json& m) { return m["notice"] != "" && m["items"].contains("OK"); }, 30)) << i << state(desk);
+        ASSERT_TRUE(desk.until([](const Json& m) { return m["notice"] != "" && m["items"].contains("OK"); }, 30))
+            << i << state(desk);
         desk.click("OK");
     }
     ASSERT_TRUE(desk.until([](const Json& m) { return m["notice"] == ""; }, 10)) << state(desk);

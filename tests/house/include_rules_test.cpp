@@ -1,5 +1,5 @@
-// Holds every #include of core, ui and app against the table of rooms: which room may know which, and which file may name a
-// library. RELAMP_SOURCE_DIR is the root of the source tree.
+// Holds every #include of core, ui and app against the table of rooms: which room may know which, and which file may
+// name a library. RELAMP_SOURCE_DIR is the root of the source tree.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 using Names = std::set<std::string>;
 
 /// The conductor, the back rooms that look at everything, and the program may know every room of the core.
-const Names coreRooms{"base",      "image", "wavelet", "brdf", "capture", "scene", "radiance", "clusters",
+const Names coreRooms{"base",      "image", "wavelet", "brdf", "capture", "scene",  "radiance", "clusters",
                       "transport", "solve", "relight", "edit", "shot",    "report", "pipeline"};
 
 /// Ground floor and the rooms of the walk before `room`: what a room on the walk may include.
@@ -98,12 +98,14 @@ std::optional<std::string> violation(const std::string& file, const Include& inc
         if (!include.name.starts_with(library.headers)) continue;
         for (const std::string& home : library.homes)
             if (home.ends_with('/') ? file.starts_with(home) : file == home) return {};
-        return library.homes.empty() ? "nothing may include this library" : "only " + library.homes.front() + " may include this library";
+        return library.homes.empty() ? "nothing may include this library"
+                                     : "only " + library.homes.front() + " may include this library";
     }
     if (include.angled) return {};
     const std::string room = file.substr(0, file.find('/'));
     if (include.name.find('/') == std::string::npos)
-        return room == "app" || room == "ui" ? std::nullopt : std::optional<std::string>("expected the form \"room/header.h\"");
+        return room == "app" || room == "ui" ? std::nullopt
+                                             : std::optional<std::string>("expected the form \"room/header.h\"");
     const std::string other = include.name.substr(0, include.name.find('/'));
     const auto row = table().find(room);
     if (row == table().end()) return "the room " + room + " is not in the table";
@@ -158,7 +160,8 @@ TEST(IncludeRules, EveryHeaderThatIsIncludedByRoomExists) {
     const fs::path root = RELAMP_SOURCE_DIR;
     for (const Source& source : sourcesIn("core", ""))
         for (const Include& include : source.includes)
-            EXPECT_TRUE(include.angled || fs::exists(root / "core" / include.name)) << source.name << ": " << include.name;
+            EXPECT_TRUE(include.angled || fs::exists(root / "core" / include.name))
+                << source.name << ": " << include.name;
 }
 
 TEST(IncludeRules, EveryHeaderHasPragmaOnce) {
@@ -183,7 +186,8 @@ TEST(IncludeRules, EveryTypeHasANameOfItsOwn) {
     static const std::regex definition(R"(^(?:struct|class|enum class|union)\s+(\w+)\b(?!::)[^;]*\{.*)");
     for (const char* folder : {"core", "ui"}) {
         std::map<std::string, std::string> home;
-        for (const fs::directory_entry& entry : fs::recursive_directory_iterator(fs::path(RELAMP_SOURCE_DIR) / folder)) {
+        for (const fs::directory_entry& entry :
+             fs::recursive_directory_iterator(fs::path(RELAMP_SOURCE_DIR) / folder)) {
             if (entry.path().extension() != ".h") continue;
             std::ifstream in(entry.path());
             std::smatch match;

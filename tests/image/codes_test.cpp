@@ -14,11 +14,13 @@ std::string tinyTiff(uint32_t numerator, uint32_t denominator) {
     const auto put = [&](uint32_t value, int count) {
         for (int i = 0; i < count; ++i) bytes += char(value >> (8 * i));
     };
-    put(8 + 6, 4);                                       // the directory lies behind the pixels
+    put(8 + 6, 4);  // the directory lies behind the pixels
     for (const int v : {1, 2, 3, 253, 254, 255}) bytes += char(v);
     const uint32_t entries = 10, after = 14 + 2 + entries * 12 + 4;
     put(entries, 2);
-    const auto entry = [&](uint32_t tag, uint32_t type, uint32_t count, uint32_t value) { put(tag, 2), put(type, 2), put(count, 4), put(value, 4); };
+    const auto entry = [&](uint32_t tag, uint32_t type, uint32_t count, uint32_t value) {
+        put(tag, 2), put(type, 2), put(count, 4), put(value, 4);
+    };
     entry(256, 3, 1, 2), entry(257, 3, 1, 1), entry(258, 3, 3, after), entry(259, 3, 1, 1), entry(262, 3, 1, 2);
     entry(273, 4, 1, 8), entry(277, 3, 1, 3), entry(278, 3, 1, 1), entry(279, 4, 1, 6), entry(34665, 4, 1, after + 6);
     put(0, 4);
@@ -47,7 +49,8 @@ TEST(Codes, ExposureComesFromExif) {
     const auto with = [&](uint32_t numerator, uint32_t denominator) {
         const std::string exif = std::string("Exif\0\0", 6) + tinyTiff(numerator, denominator);
         const size_t length = exif.size() + 2;
-        return readExposureTags(folder.write("a.jpg", plain.substr(0, 2) + "\xff\xe1" + char(length >> 8) + char(length) + exif + plain.substr(2)));
+        return readExposureTags(folder.write(
+            "a.jpg", plain.substr(0, 2) + "\xff\xe1" + char(length >> 8) + char(length) + exif + plain.substr(2)));
     };
     const ExposureTags tags = with(1, 250);
     EXPECT_NEAR(tags.seconds, 0.004, 1e-7);
@@ -60,9 +63,11 @@ TEST(Codes, ExposureComesFromExif) {
 TEST(Codes, RadianceAndTooManyPixelsAreRefused) {
     const test::TemporaryFolder folder;
     writeImage(folder / "a.exr", Image(4, 4, Rgb(0.5f)));
-    EXPECT_EQ(test::messageOf([&] { readCodes(folder / "a.exr"); }), (folder / "a.exr").string() + ": is no 8 or 16 bit picture, so it is radiance already");
+    EXPECT_EQ(test::messageOf([&] { readCodes(folder / "a.exr"); }),
+              (folder / "a.exr").string() + ": is no 8 or 16 bit picture, so it is radiance already");
     writeImage(folder / "a.png", Image(4, 4, Rgb(0.5f)));
-    EXPECT_EQ(test::messageOf([&] { readCodes(folder / "a.png", 15); }), (folder / "a.png").string() + ": has 16 pixels, expected at most 15");
+    EXPECT_EQ(test::messageOf([&] { readCodes(folder / "a.png", 15); }),
+              (folder / "a.png").string() + ": has 16 pixels, expected at most 15");
     const CodePicture picture = readCodes(folder / "a.png");
     EXPECT_EQ(picture.codes[0], 188 * 257);
     EXPECT_EQ(readExposureTags(folder / "a.png").seconds, 0);

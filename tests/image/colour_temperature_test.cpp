@@ -9,9 +9,12 @@ TEST(ColourTemperature, MeetsPublishedChromaticities) {
     const struct {
         float kelvin, x, y, tolerance;
         const char* name;
-    } known[] = {{2856, 0.4476f, 0.4074f, 6e-4f, "CIE illuminant A"},     {6504, 0.3127f, 0.3290f, 2e-4f, "CIE D65"},
-                 {5003, 0.3457f, 0.3585f, 4e-4f, "CIE D50"},              {7504, 0.2990f, 0.3149f, 2e-4f, "CIE D75"},
-                 {2000, 0.5267f, 0.4133f, 8e-4f, "glowing body, 2000 K"}, {3000, 0.4369f, 0.4041f, 8e-4f, "glowing body, 3000 K"}};
+    } known[] = {{2856, 0.4476f, 0.4074f, 6e-4f, "CIE illuminant A"},
+                 {6504, 0.3127f, 0.3290f, 2e-4f, "CIE D65"},
+                 {5003, 0.3457f, 0.3585f, 4e-4f, "CIE D50"},
+                 {7504, 0.2990f, 0.3149f, 2e-4f, "CIE D75"},
+                 {2000, 0.5267f, 0.4133f, 8e-4f, "glowing body, 2000 K"},
+                 {3000, 0.4369f, 0.4041f, 8e-4f, "glowing body, 3000 K"}};
     for (const auto& k : known) {
         const Vec2 xy = kelvinChromaticity(k.kelvin);
         EXPECT_NEAR(xy.x, k.x, k.tolerance) << k.name;
@@ -37,7 +40,8 @@ TEST(ColourTemperature, TintsHaveLuminanceOneAndGoFromRedToBlue) {
 }
 
 TEST(ColourTemperature, ComesBackFromItsTint) {
-    for (const float kelvin : {2000.0f, 2400.0f, 2700.0f, 3200.0f, 4000.0f, 4300.0f, 5000.0f, 5600.0f, 6504.0f, 9000.0f, 15000.0f, 24000.0f}) {
+    for (const float kelvin : {2000.0f, 2400.0f, 2700.0f, 3200.0f, 4000.0f, 4300.0f, 5000.0f, 5600.0f, 6504.0f, 9000.0f,
+                               15000.0f, 24000.0f}) {
         const NearestKelvin back = nearestKelvin(kelvinTint(kelvin) * 7.0f);
         EXPECT_NEAR(back.kelvin / kelvin, 1, 5e-3) << kelvin;
         EXPECT_LT(back.distance, 1e-4f) << kelvin;

@@ -34,14 +34,16 @@ TEST(DirectionGrid, LiesAlongItsAxes) {
 /// Light from `cells` on a surface that faces `normal`, up to a constant.
 double lightOn(const std::vector<Rgb>& cells, const DirectionGrid& grid, const Vec3& normal) {
     double sum = 0;
-    for (int c = 0; c < grid.cells(); ++c) sum += double(cells[size_t(c)].x) * std::max(0.0f, glm::dot(grid.direction(c), normal));
+    for (int c = 0; c < grid.cells(); ++c)
+        sum += double(cells[size_t(c)].x) * std::max(0.0f, glm::dot(grid.direction(c), normal));
     return sum;
 }
 
 TEST(DirectionGrid, CellsTurnedToOtherAxesGiveTheSameLight) {
     const DirectionGrid own{128, frameAround(glm::normalize(Vec3(1, 2, -1)))}, world{128};
     std::vector<Rgb> cells(size_t(own.cells()));
-    for (int c = 0; c < own.cells(); ++c) cells[size_t(c)] = Rgb(0.2f + std::abs(std::sin(0.3f * float(c % 128)) * float(c / 128) / 128));
+    for (int c = 0; c < own.cells(); ++c)
+        cells[size_t(c)] = Rgb(0.2f + std::abs(std::sin(0.3f * float(c % 128)) * float(c / 128) / 128));
     const std::vector<Rgb> constant(cells.size(), Rgb(0.7f, 0.2f, 3));
     for (const Rgb& c : turnedCells(constant, own, world)) EXPECT_LT(glm::distance(c, constant[0]), 1e-5f);
     cells[4711] = Rgb(30000);  // a sun: half of all light
@@ -52,7 +54,8 @@ TEST(DirectionGrid, CellsTurnedToOtherAxesGiveTheSameLight) {
     const double most = lightOn(cells, own, own.direction(4711));
     for (uint64_t n = 0; n < 20; ++n) {
         const Vec3 normal = randomDirection(n);
-        EXPECT_NEAR(lightOn(turned, world, normal) / most, lightOn(cells, own, normal) / most, 2e-3) << n;  // the sun moves by less than a cell
+        EXPECT_NEAR(lightOn(turned, world, normal) / most, lightOn(cells, own, normal) / most, 2e-3)
+            << n;  // the sun moves by less than a cell
     }
 }
 
@@ -63,7 +66,8 @@ TEST(DirectionGrid, MapStretchesAreaByFourPiEverywhere) {
         const Vec2 p = randomShift(9, n, 0);
         const float u = std::abs(2 * p.x - 1), v = std::abs(2 * p.y - 1);
         const float toCrease = std::min({u, v, std::abs(1 - u - v), 1 - u, 1 - v});
-        if (toCrease < 6 * step || 2 - u - v < 0.05f || u + v < 0.05f) continue;  // differences across a crease or pole mean nothing
+        if (toCrease < 6 * step || 2 - u - v < 0.05f || u + v < 0.05f)
+            continue;  // differences across a crease or pole mean nothing
         const Vec3 alongU = (squareToSphere(p + Vec2(step, 0)) - squareToSphere(p - Vec2(step, 0))) / (2 * step);
         const Vec3 alongV = (squareToSphere(p + Vec2(0, step)) - squareToSphere(p - Vec2(0, step))) / (2 * step);
         ASSERT_NEAR(glm::length(glm::cross(alongU, alongV)), 4 * pi, 0.01f * 4 * pi) << p.x << " " << p.y;
@@ -134,9 +138,10 @@ TEST(DirectionGrid, UpperHemisphereIsTheInnerDiamond) {
 
 TEST(DirectionGrid, ConstantEnvironmentOfRadianceOneGivesIrradiancePi) {
     const DirectionGrid grid{64};
-    for (const Vec3& normal : {Vec3(0, 0, 1), Vec3(0, 0, -1), Vec3(1, 0, 0), Vec3(0, -1, 0), glm::normalize(Vec3(1, 2, 3)),
-                               glm::normalize(Vec3(-3, 1, -0.5f))}) {
-        // Cell centres alone, then 4 x 4 points a cell: cells cut by the horizon leave an error that falls with the square.
+    for (const Vec3& normal : {Vec3(0, 0, 1), Vec3(0, 0, -1), Vec3(1, 0, 0), Vec3(0, -1, 0),
+                               glm::normalize(Vec3(1, 2, 3)), glm::normalize(Vec3(-3, 1, -0.5f))}) {
+        // Cell centres alone, then 4 x 4 points a cell: cells cut by the horizon leave an error that falls with the
+        // square.
         for (const int fine : {1, 4}) {
             double irradiance = 0;
             for (int cell = 0; cell < grid.cells(); ++cell)

@@ -28,7 +28,8 @@ TEST(EnvironmentMap, CentreIsPlusXRightIsMinusYTopIsPlusZ) {
 
 TEST(EnvironmentMap, DirectionsGoThereAndBack) {
     for (float v = 0.05f; v < 1; v += 0.1f)
-        for (float u = 0.02f; u < 1; u += 0.07f) EXPECT_LT(glm::distance(latLongFromDirection(directionFromLatLong({u, v})), Vec2(u, v)), 1e-5f);
+        for (float u = 0.02f; u < 1; u += 0.07f)
+            EXPECT_LT(glm::distance(latLongFromDirection(directionFromLatLong({u, v})), Vec2(u, v)), 1e-5f);
 }
 
 TEST(EnvironmentMap, ConstantMapIsThatConstantInEveryCell) {
@@ -61,7 +62,10 @@ TEST(EnvironmentMap, BrightTexelLandsInTheCellOfItsDirection) {
     map.at(190, 40) = Rgb(1);
     const auto cells = integrateOverCells(map, grid);
     const size_t wanted = size_t(grid.cellOf(directionFromLatLong({190.5f / 256, 40.5f / 128})));
-    EXPECT_EQ(size_t(std::max_element(cells.begin(), cells.end(), [](const Rgb& a, const Rgb& b) { return a.x < b.x; }) - cells.begin()), wanted);
+    EXPECT_EQ(
+        size_t(std::max_element(cells.begin(), cells.end(), [](const Rgb& a, const Rgb& b) { return a.x < b.x; }) -
+               cells.begin()),
+        wanted);
 }
 
 TEST(EnvironmentMap, LookupIsBilinearAndWrapsInLongitude) {
@@ -100,7 +104,8 @@ TEST(EnvironmentMap, FilesMustBeTwiceAsWideAsHigh) {
     test::TemporaryFolder folder;
     writeImage(folder / "square.exr", Image(8, 8, Rgb(1)));
     EXPECT_EQ(test::messageOf([&] { readEnvironment(folder / "square.exr"); }),
-              (folder / "square.exr").string() + ": is 8 x 8 pixels, expected a latitude-longitude picture twice as wide as high");
+              (folder / "square.exr").string() +
+                  ": is 8 x 8 pixels, expected a latitude-longitude picture twice as wide as high");
     Image map(8, 4, Rgb(1));
     map.at(3, 1) = Rgb(-5, 0, 0);
     map.at(4, 1) = Rgb(2e6f);

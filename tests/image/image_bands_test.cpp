@@ -63,7 +63,8 @@ std::string tiledExr(const Image& image, int tile, int left, int top) {
         for (int tx = 0; tx < across; ++tx) {
             put(bytes, uint64_t(begin + body.size()));
             const int right = std::min((tx + 1) * tile, image.width), bottom = std::min((ty + 1) * tile, image.height);
-            for (const int32_t value : {tx, ty, 0, 0, (right - tx * tile) * (bottom - ty * tile) * 12}) put(body, value);
+            for (const int32_t value : {tx, ty, 0, 0, (right - tx * tile) * (bottom - ty * tile) * 12})
+                put(body, value);
             for (int y = ty * tile; y < bottom; ++y)
                 for (int c = 2; c >= 0; --c)
                     for (int x = tx * tile; x < right; ++x) put(body, image.at(x, y)[c]);
@@ -83,14 +84,20 @@ TEST(ImageBands, EveryFormatIsReadAsAWholeAndCanBeStopped) {
         for (size_t i = 0; i < image.pixels.size(); ++i) off += glm::distance(back.pixels[i], image.pixels[i]);
         EXPECT_LT(off / double(image.pixels.size()), 0.02) << name;
         asked = 0;
-        EXPECT_THROW(readImage(folder / name, nullptr, false, size_t(1) << 20, [&] { if (++asked == 2) throw Cancelled{}; }), Cancelled) << name;
+        EXPECT_THROW(readImage(folder / name, nullptr, false, size_t(1) << 20,
+                               [&] {
+                                   if (++asked == 2) throw Cancelled{};
+                               }),
+                     Cancelled)
+            << name;
         EXPECT_EQ(asked, 2) << name;
     }
     int asked = 0;
     const CodePicture codes = readCodes(folder / "a.png", size_t(1) << 20, [&] { ++asked; });
     EXPECT_EQ(asked, 3);
     ASSERT_EQ(codes.codes.size(), size_t(20 * 700 * 3));
-    for (const int y : {0, 255, 256, 511, 512, 699}) EXPECT_NEAR(double(codes.codes[size_t(y) * 60 + 10]) / 65535, double(srgbEncode(image.at(3, y).y)), 0.003) << y;
+    for (const int y : {0, 255, 256, 511, 512, 699})
+        EXPECT_NEAR(double(codes.codes[size_t(y) * 60 + 10]) / 65535, double(srgbEncode(image.at(3, y).y)), 0.003) << y;
     EXPECT_THROW(readCodes(folder / "a.png", size_t(1) << 20, [] { throw Cancelled{}; }), Cancelled);
 }
 
@@ -105,9 +112,12 @@ TEST(ImageBands, TilesAreReadRowByRow) {
         EXPECT_EQ(back.pixels, image.pixels);
         EXPECT_TRUE(back.usable.empty());
     }
-    const auto refusal = [&](const std::string& bytes) { return test::messageOf([&] { readImage(folder.write("bad.exr", bytes)); }); };
+    const auto refusal = [&](const std::string& bytes) {
+        return test::messageOf([&] { readImage(folder.write("bad.exr", bytes)); });
+    };
     const std::string bad = (folder / "bad.exr").string();
-    EXPECT_EQ(refusal(tiledExr(image, 1 << 16, 0, 0)), bad + ": packs 65536 x 65536 pixels of 3 channels together, expected at most 134217728 numbers");
+    EXPECT_EQ(refusal(tiledExr(image, 1 << 16, 0, 0)),
+              bad + ": packs 65536 x 65536 pixels of 3 channels together, expected at most 134217728 numbers");
     std::string half = tiledExr(image, 32, 0, 0);
     half.resize(half.size() - 8000);
     EXPECT_NE(test::messageOf([&] { readImage(folder.write("half.exr", half)); }).find("half.exr"), std::string::npos);

@@ -35,7 +35,8 @@ TEST(ImageIo, ExrAndHdrComeBackTopRowFirst) {
         ASSERT_EQ(back.width, 70);
         ASSERT_EQ(back.height, 150);
         for (size_t i = 0; i < image.pixels.size(); ++i)
-            EXPECT_LT(glm::distance(back.pixels[i], image.pixels[i]), 0.01f * (0.1f + maxChannel(image.pixels[i]))) << name << i;
+            EXPECT_LT(glm::distance(back.pixels[i], image.pixels[i]), 0.01f * (0.1f + maxChannel(image.pixels[i])))
+                << name << i;
         EXPECT_FALSE(report.integer);
         EXPECT_EQ(report.clipLevel, 0);
         EXPECT_TRUE(back.usable.empty());
@@ -48,7 +49,8 @@ TEST(ImageIo, SunsBeyondHalfFloatsKeepTheirRadiance) {
     image.at(2, 1) = Rgb(3e6f, 2e6f, 1e6f);
     writeImage(folder / "sun.exr", image);
     EXPECT_EQ(readImage(folder / "sun.exr").at(2, 1), Rgb(3e6f, 2e6f, 1e6f));
-    writeChannels(folder / "sun2.exr", 4, 2, {{"R", true, plane(image, 0)}, {"G", true, plane(image, 1)}, {"B", true, plane(image, 2)}});
+    writeChannels(folder / "sun2.exr", 4, 2,
+                  {{"R", true, plane(image, 0)}, {"G", true, plane(image, 1)}, {"B", true, plane(image, 2)}});
     EXPECT_EQ(readImage(folder / "sun2.exr").at(2, 1), Rgb(3e6f, 2e6f, 1e6f));
 }
 
@@ -106,7 +108,8 @@ TEST(ImageIo, PixelsThatAreNoRadianceAreCountedAndEmptied) {
 TEST(ImageIo, TransparentPixelsAreNotUsableAndKeepTheirColour) {
     test::TemporaryFolder folder;
     const std::vector<float> half(4, 0.25f);
-    writeChannels(folder / "a.exr", 2, 2, {{"R", true, half}, {"G", true, half}, {"B", true, half}, {"A", true, {1, 0, 0.75f, 0.25f}}});
+    writeChannels(folder / "a.exr", 2, 2,
+                  {{"R", true, half}, {"G", true, half}, {"B", true, half}, {"A", true, {1, 0, 0.75f, 0.25f}}});
     ImageReport report;
     const Image image = readImage(folder / "a.exr", &report);
     EXPECT_EQ(report.transparent, 2u);
@@ -122,7 +125,11 @@ TEST(ImageIo, GreyIsSpreadOverThreeChannelsAndLayersArePassedOver) {
     writeChannels(folder / "grey.exr", 2, 1, {{"Y", true, {0.5f, 2}}});
     EXPECT_EQ(readImage(folder / "grey.exr").at(1, 0), Rgb(2));
     writeChannels(folder / "layers.exr", 1, 1,
-                  {{"B", true, {3}}, {"Combined_world.B", true, {8}}, {"G", true, {2}}, {"R", true, {1}}, {"depth.Z", false, {9}}});
+                  {{"B", true, {3}},
+                   {"Combined_world.B", true, {8}},
+                   {"G", true, {2}},
+                   {"R", true, {1}},
+                   {"depth.Z", false, {9}}});
     EXPECT_EQ(readImage(folder / "layers.exr").at(0, 0), Rgb(1, 2, 3));
 }
 
@@ -131,13 +138,16 @@ TEST(ImageIo, UnreadableFilesAreNamed) {
     const auto error = [&](const std::filesystem::path& file) { return test::messageOf([&] { readImage(file); }); };
     EXPECT_EQ(error(folder / "none.exr"), (folder / "none.exr").string() + ": does not exist");
     EXPECT_EQ(error(folder.path()), folder.path().string() + ": is not a file");
-    EXPECT_NE(error(folder.write("text.exr", "no picture")).find("text.exr: is not a readable picture"), std::string::npos);
+    EXPECT_NE(error(folder.write("text.exr", "no picture")).find("text.exr: is not a readable picture"),
+              std::string::npos);
     EXPECT_NE(error(folder.write("empty.png", "")).find("empty.png: is not a readable picture"), std::string::npos);
     EXPECT_THROW(readImageSize(folder / "text.exr"), Error);
     writeImage(folder / "good.exr", ramp(64, 64));
     const std::string bytes = test::TemporaryFolder::read(folder / "good.exr");
     EXPECT_NE(error(folder.write("cut.exr", bytes.substr(0, bytes.size() / 2))).find("cut.exr: "), std::string::npos);
-    EXPECT_NE(test::messageOf([&] { readImage(folder / "good.exr", nullptr, false, 1000); }).find("has 4096 pixels, expected at most 1000"),
+    EXPECT_NE(test::messageOf([&] {
+                  readImage(folder / "good.exr", nullptr, false, 1000);
+              }).find("has 4096 pixels, expected at most 1000"),
               std::string::npos);
 }
 
@@ -161,7 +171,9 @@ TEST(ImageIo, WhatIsNoPictureByItsNameOrBeginningIsNotTriedInOtherFormats) {
     // A portable pixmap, which the library would read under its own name.
     const std::string pixmap = "P3\n1 1\n255\n255 0 0\n";
     EXPECT_EQ(readImage(folder.write("a.ppm", pixmap)).pixels.size(), 1u);
-    EXPECT_NE(test::messageOf([&] { readImage(folder.write("a.png", pixmap)); }).find("a.png: is not a readable picture"), std::string::npos);
+    EXPECT_NE(
+        test::messageOf([&] { readImage(folder.write("a.png", pixmap)); }).find("a.png: is not a readable picture"),
+        std::string::npos);
 }
 
 TEST(ImageIo, AnExrWhoseHeaderClaimsMoreThanTheFileHoldsIsNotBelieved) {
@@ -186,16 +198,19 @@ TEST(ImageIo, ADpxWhoseHeaderClaimsMoreThanTheFileHoldsIsNotBelieved) {
     std::string bytes(2048, '\0');
     bytes.replace(0, 4, "SDPX");
     bytes.replace(32, 4, "\x7f\xff\xff\xff");
-    EXPECT_EQ(test::messageOf([&] { readImage(folder.write("a.dpx", bytes)); }), (folder / "a.dpx").string() + ": the header's user data is 2147483647 bytes large, the file 2048");
+    EXPECT_EQ(test::messageOf([&] { readImage(folder.write("a.dpx", bytes)); }),
+              (folder / "a.dpx").string() + ": the header's user data is 2147483647 bytes large, the file 2048");
     bytes.replace(0, 4, "XPDS");
-    EXPECT_EQ(test::messageOf([&] { readImage(folder.write("a.dpx", bytes)); }), (folder / "a.dpx").string() + ": the header's user data is 4294967167 bytes large, the file 2048");
+    EXPECT_EQ(test::messageOf([&] { readImage(folder.write("a.dpx", bytes)); }),
+              (folder / "a.dpx").string() + ": the header's user data is 4294967167 bytes large, the file 2048");
 }
 
 TEST(ImageIo, FailedWritesNameTheFileAndLeaveTheOldOne) {
     test::TemporaryFolder folder;
     const auto missing = folder / "no/such/folder/a.exr";
     EXPECT_NE(test::messageOf([&] { writeImage(missing, ramp(4, 4)); }).find(missing.string()), std::string::npos);
-    EXPECT_NE(test::messageOf([&] { writeImage(folder / "a.bmp", ramp(4, 4)); }).find("expected .exr"), std::string::npos);
+    EXPECT_NE(test::messageOf([&] { writeImage(folder / "a.bmp", ramp(4, 4)); }).find("expected .exr"),
+              std::string::npos);
     EXPECT_THROW(writeImage(folder / "a.exr", Image()), Error);
     const auto old = folder.write("old.exr", "as it was");
     EXPECT_THROW(writeChannels(old, 2, 2, {{"R", true, {1, 2, 3}}}), Error);
@@ -216,7 +231,11 @@ TEST(ImageIo, WritingRowsCanBeStoppedBetweenThem) {
     int asked = 0;
     writeChannelRows(folder / "a.exr", 8, 64, 32, parts, fill, {}, [&] { ++asked; });
     EXPECT_EQ(asked, 4);
-    EXPECT_THROW(writeChannelRows(folder / "b.exr", 8, 64, 32, parts, fill, {}, [&] { if (++asked == 7) throw Cancelled{}; }), Cancelled);
+    EXPECT_THROW(writeChannelRows(folder / "b.exr", 8, 64, 32, parts, fill, {},
+                                  [&] {
+                                      if (++asked == 7) throw Cancelled{};
+                                  }),
+                 Cancelled);
     EXPECT_EQ(asked, 7);
     EXPECT_EQ(folder.entries(), 1u);
 }

@@ -1,5 +1,5 @@
-// Programs killed without warning at random moments: what is on disk afterwards is whole, and opens. A few kills of each kind here; all of them
-// with tests/kill/run.
+// Programs killed without warning at random moments: what is on disk afterwards is whole, and opens. A few kills of
+// each kind here; all of them with tests/kill/run.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -25,7 +25,8 @@ int numberFrom(const char* variable, int otherwise) {
 int kills() { return numberFrom("RELAMP_KILLS", 3); }
 unsigned seed() { return unsigned(numberFrom("RELAMP_KILL_SEED", 1)); }
 
-/// Starts a program and kills it after `milliseconds`, counted from when `begun` holds; true when it was still running then.
+/// Starts a program and kills it after `milliseconds`, counted from when `begun` holds; true when it was still running
+/// then.
 bool runAndKill(const std::vector<std::string>& arguments, int milliseconds, const std::function<bool()>& begun = {}) {
     std::vector<char*> words;
     for (const std::string& a : arguments) words.push_back(const_cast<char*>(a.c_str()));
@@ -39,7 +40,8 @@ bool runAndKill(const std::vector<std::string>& arguments, int milliseconds, con
         execv(words[0], words.data());
         _exit(127);
     }
-    for (int i = 0; begun && !begun() && i < 120'000 && kill(child, 0) == 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    for (int i = 0; begun && !begun() && i < 120'000 && kill(child, 0) == 0; ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
     std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
     kill(child, SIGKILL);
     int status = 0;
@@ -62,7 +64,8 @@ protected:
         solveTime = millisecondsOf(solve(1));
     }
     std::vector<std::string> solve(int number) const {
-        return {RELAMP_BINARY, "solve", folder / "room", "-o", shot(), "--quality", "draft", "--overwrite", "--seed", std::to_string(number)};
+        return {RELAMP_BINARY, "solve", folder / "room", "-o",     shot(),
+                "--quality",   "draft", "--overwrite",   "--seed", std::to_string(number)};
     }
     fs::path shot() const { return folder / "room.relamp"; }
     fs::path checkpoint() const { return checkpointFile(shot()); }
@@ -74,7 +77,9 @@ protected:
     std::vector<std::string> leftovers() const {
         std::vector<std::string> names;
         for (const auto& entry : fs::directory_iterator(folder.path()))
-            if (const std::string name = entry.path().filename().string(); name != "room" && name != "room.relamp" && entry.path() != checkpoint() && !name.ends_with(".lock")) names.push_back(name);
+            if (const std::string name = entry.path().filename().string();
+                name != "room" && name != "room.relamp" && entry.path() != checkpoint() && !name.ends_with(".lock"))
+                names.push_back(name);
         return names;
     }
     TemporaryFolder folder;
@@ -105,7 +110,10 @@ TEST_F(KilledPrograms, aSolveLeavesTheOldShotOrTheNewOne) {
 TEST_F(KilledPrograms, framesAreWholeOrNotThere) {
     std::mt19937 random(seed() + 1);
     const auto render = [&](const std::string& into) {
-        return std::vector<std::string>{RELAMP_BINARY, "render", shot(), "-o", folder / (into + "/f.##.exr"), "--camera", "turntable:12", "--size", "160x120", "--samples", "1", "--layers", "all"};
+        return std::vector<std::string>{
+            RELAMP_BINARY, "render",       shot(),   "-o",      folder / (into + "/f.##.exr"),
+            "--camera",    "turntable:12", "--size", "160x120", "--samples",
+            "1",           "--layers",     "all"};
     };
     fs::create_directories(folder / "reference");
     const int time = millisecondsOf(render("reference"));
@@ -119,15 +127,21 @@ TEST_F(KilledPrograms, framesAreWholeOrNotThere) {
             const std::string name = entry.path().filename().string();
             if (name[0] == '.') continue;
             ++frames;
-            EXPECT_EQ(TemporaryFolder::read(entry.path()), TemporaryFolder::read(folder / ("reference/" + name))) << "torn: " << name;
+            EXPECT_EQ(TemporaryFolder::read(entry.path()), TemporaryFolder::read(folder / ("reference/" + name)))
+                << "torn: " << name;
         }
     }
-    std::printf("kill: frames: %d kills, %d while it ran; %zu frames there, each byte for byte what an undisturbed run writes\n", kills(), running, frames);
+    std::printf(
+        "kill: frames: %d kills, %d while it ran; %zu frames there, each byte for byte what an undisturbed run "
+        "writes\n",
+        kills(), running, frames);
 }
 
 TEST_F(KilledPrograms, exportedScenesAreMadeOfWholeFiles) {
     std::mt19937 random(seed() + 2);
-    const auto exported = [&](const std::string& into) { return std::vector<std::string>{RELAMP_BINARY, "export", shot(), "-o", folder / into, "--overwrite"}; };
+    const auto exported = [&](const std::string& into) {
+        return std::vector<std::string>{RELAMP_BINARY, "export", shot(), "-o", folder / into, "--overwrite"};
+    };
     const int time = millisecondsOf(exported("reference"));
     int running = 0;
     size_t files = 0;
@@ -148,7 +162,7 @@ TEST_F(KilledPrograms, exportedScenesAreMadeOfWholeFiles) {
 
 /// What a session's journal says.
 struct Journal {
-    long opened = -1, last = 0, old = 0;   ///< old: the last edit made 30 s or more before the last entry
+    long opened = -1, last = 0, old = 0;  ///< old: the last edit made 30 s or more before the last entry
     double seconds = 0;
     std::vector<std::string> notices;
     explicit Journal(const std::string& text) {
@@ -179,8 +193,9 @@ TEST_F(KilledPrograms, noEditOlderThanThirtySecondsIsLost) {
         fs::remove(journal);
         // One in three falls while it opens or restores, the others while it works.
         const auto works = [&] { return TemporaryFolder::read(journal).find("edit") != std::string::npos; };
-        ASSERT_TRUE(runAndKill({RELAMP_KILL_SESSION, shot(), folder / "home", journal, std::to_string(seed() * 1000 + unsigned(n))}, int(random() % (n % 3 == 1 ? 300 : 1500)),
-                               n % 3 == 1 ? std::function<bool()>() : works))
+        ASSERT_TRUE(runAndKill(
+            {RELAMP_KILL_SESSION, shot(), folder / "home", journal, std::to_string(seed() * 1000 + unsigned(n))},
+            int(random() % (n % 3 == 1 ? 300 : 1500)), n % 3 == 1 ? std::function<bool()>() : works))
             << "the session ended by itself";
         Progress progress;
         ASSERT_NO_THROW(openShot(shot(), false, progress)) << "kill " << n;
@@ -198,7 +213,9 @@ TEST_F(KilledPrograms, noEditOlderThanThirtySecondsIsLost) {
         edits += said.last - said.opened;
     }
     EXPECT_GT(edits, 0);
-    std::printf("kill: editor: %d kills, %d while it was opening or restoring; %ld edits, none lost that was older than 30 s\n", kills() + 1, notYet, edits);
+    std::printf(
+        "kill: editor: %d kills, %d while it was opening or restoring; %ld edits, none lost that was older than 30 s\n",
+        kills() + 1, notYet, edits);
 }
 
 /// The real window, killed while the mouse drags; a minute each, so it is left to tests/kill/run.
@@ -217,7 +234,10 @@ TEST(KilledWindow, DISABLED_comesBackWithEverythingOlderThanThirtySeconds) {
     ASSERT_TRUE(desk.settled());
     const auto movedBy = [&] {
         for (const auto& entry : fs::recursive_directory_iterator(desk.home() / "state"))
-            if (entry.path().string().ends_with(".autosave.json")) return nlohmann::json::parse(TemporaryFolder::read(entry.path()))["look"].value("emitters", nlohmann::json::array()).dump();
+            if (entry.path().string().ends_with(".autosave.json"))
+                return nlohmann::json::parse(TemporaryFolder::read(entry.path()))["look"]
+                    .value("emitters", nlohmann::json::array())
+                    .dump();
         return std::string();
     };
     const int rounds = std::max(1, kills() / 10);
@@ -247,7 +267,8 @@ TEST(KilledWindow, DISABLED_comesBackWithEverythingOlderThanThirtySeconds) {
         ASSERT_TRUE(desk.settled());
         EXPECT_NE(kept.find("matrix"), std::string::npos) << kept;
     }
-    std::printf("kill: window: %d kills in the middle of a drag; the edit before it and the drag itself came back\n", rounds);
+    std::printf("kill: window: %d kills in the middle of a drag; the edit before it and the drag itself came back\n",
+                rounds);
 }
 
 }  // namespace

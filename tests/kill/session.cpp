@@ -1,9 +1,10 @@
-// An editor without a window that works until it is killed: edits, drags and saves, by a clock of its own that runs faster than ours. It says
-// in a journal what it did and when, so that the next session can be held against it.
+// An editor without a window that works until it is killed: edits, drags and saves, by a clock of its own that runs
+// faster than ours. It says in a journal what it did and when, so that the next session can be held against it.
 //
 //   relamp_kill_session SHOT HOME JOURNAL SEED
 //
-// Journal lines: "opened N" (the edit the work came back with), "edit N SECONDS", "notice TEXT". Edit N turns the environment to N degrees.
+// Journal lines: "opened N" (the edit the work came back with), "edit N SECONDS", "notice TEXT". Edit N turns the
+// environment to N degrees.
 #include <unistd.h>
 
 #include <chrono>
@@ -18,7 +19,8 @@ namespace {
 
 using namespace relamp;
 
-int run(const std::filesystem::path& shot, const std::filesystem::path& home, const std::string& journalFile, unsigned seed) {
+int run(const std::filesystem::path& shot, const std::filesystem::path& home, const std::string& journalFile,
+        unsigned seed) {
     std::mt19937 random(seed);
     const auto chance = [&](double share) { return std::uniform_real_distribution<>(0, 1)(random) < share; };
     double clock = 1000;

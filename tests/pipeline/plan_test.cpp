@@ -39,7 +39,8 @@ struct Planned {
         return solveScene(capture, scene, samples, clusters, planned, progress);
     }
     bool leavesOut(const std::string& what) const {
-        return std::any_of(plan.leftOut.begin(), plan.leftOut.end(), [&](const PlannedOmission& o) { return o.what == what; });
+        return std::any_of(plan.leftOut.begin(), plan.leftOut.end(),
+                           [&](const PlannedOmission& o) { return o.what == what; });
     }
 };
 
@@ -142,7 +143,8 @@ TEST(Plan, CostsFollowTheCounts) {
         return sum;
     };
     const double all = total(PlanChoices::everything());
-    for (bool PlanChoices::*part : {&PlanChoices::distantLight, &PlanChoices::bounce, &PlanChoices::unseenVertices, &PlanChoices::mattePieces}) {
+    for (bool PlanChoices::*part :
+         {&PlanChoices::distantLight, &PlanChoices::bounce, &PlanChoices::unseenVertices, &PlanChoices::mattePieces}) {
         PlanChoices fewer = PlanChoices::everything();
         fewer.*part = false;
         EXPECT_LT(total(fewer), all);
@@ -162,7 +164,8 @@ TEST(Plan, SpeaksInJsonAndInWords) {
     EXPECT_EQ(j["left_out"][0]["reason"], "it is black");
     EXPECT_EQ(j["saved_s"], 2.0);
     const std::string text = planText(plan);
-    for (const char* word : {"visibility", "distant light", "it is black"}) EXPECT_NE(text.find(word), std::string::npos) << word;
+    for (const char* word : {"visibility", "distant light", "it is black"})
+        EXPECT_NE(text.find(word), std::string::npos) << word;
 }
 
 }  // namespace

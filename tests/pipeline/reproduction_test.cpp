@@ -29,7 +29,8 @@ const PipelineResult& solved() {
 Reproduction measured(const Estimate& estimate, int threads = 0) {
     const ThreadLimit limit(threads);
     Progress progress;
-    return measureReproduction(solved().capture, *solved().scene, estimate, *solved().scene, *solved().samples, {800, true}, progress);
+    return measureReproduction(solved().capture, *solved().scene, estimate, *solved().scene, *solved().samples,
+                               {800, true}, progress);
 }
 
 TEST(Reproduction, ASolveOfAKnownWorldExplainsItsPhotographs) {
@@ -40,7 +41,8 @@ TEST(Reproduction, ASolveOfAKnownWorldExplainsItsPhotographs) {
     EXPECT_FALSE(r.poor());
     EXPECT_EQ(r.cause, MisfitCause::none);
     EXPECT_EQ(r.advice, "");
-    EXPECT_EQ(std::count_if(r.views.begin(), r.views.end(), [](const ViewReproduction& v) { return v.heldOut > 0; }), 2);
+    EXPECT_EQ(std::count_if(r.views.begin(), r.views.end(), [](const ViewReproduction& v) { return v.heldOut > 0; }),
+              2);
     EXPECT_NEAR(r.heldOut, r.median, 6);
     EXPECT_NE(toText(r).find(fmt::format("{:.1f} dB", r.median)), std::string::npos);
 }
@@ -78,7 +80,9 @@ TEST(Reproduction, OfACaptureWithoutPhotographsIsNotMeasured) {
     Capture bare = solved().capture;
     for (View& v : bare.views) v.image = {};
     Progress progress;
-    EXPECT_FALSE(measureReproduction(bare, *solved().scene, solved().estimate, *solved().scene, *solved().samples, {}, progress).measured());
+    EXPECT_FALSE(
+        measureReproduction(bare, *solved().scene, solved().estimate, *solved().scene, *solved().samples, {}, progress)
+            .measured());
 }
 
 TEST(Reproduction, CausesHaveNamesThatComeBack) {

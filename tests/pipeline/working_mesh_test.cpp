@@ -45,9 +45,11 @@ TEST(WorkingMesh, WhatIsFoundOnItIsCarriedBack) {
         if (t >= working->mesh.triangles.size() - proxyTriangles) ball.push_back(t);
         else if (p.z > 0.7f) square.push_back(t);
     }
-    Estimate found = test::matteEstimate(scene, Rgb(0.5f), Rgb(0), test::emittersOf(scene, {square, ball}, {Rgb(9), Rgb(4)}));
+    Estimate found =
+        test::matteEstimate(scene, Rgb(0.5f), Rgb(0), test::emittersOf(scene, {square, ball}, {Rgb(9), Rgb(4)}));
     for (size_t v = 0; v < scene.mesh.vertexCount(); ++v)
-        if (found.emitters.emitterOfVertex[v] < 0) found.reflectance.weight[0][v] = Rgb(0.5f + 0.3f * scene.mesh.positions[v].x);
+        if (found.emitters.emitterOfVertex[v] < 0)
+            found.reflectance.weight[0][v] = Rgb(0.5f + 0.3f * scene.mesh.positions[v].x);
     const Estimate whole = carriedBack(found, *working, room.capture.mesh);
     const size_t n = room.capture.mesh.vertexCount();
     ASSERT_EQ(whole.reflectance.weight[0].size(), n);
@@ -64,7 +66,8 @@ TEST(WorkingMesh, WhatIsFoundOnItIsCarriedBack) {
     double area = 0;
     for (const EmitterCluster& e : whole.emitters.emitters) area = std::max(area, double(e.area));
     EXPECT_NEAR(area, 0.16, 1e-4);
-    EXPECT_EQ(std::count(whole.emitters.emitterOfTriangle.begin(), whole.emitters.emitterOfTriangle.end(), -1), 2 * 120 * 120);
+    EXPECT_EQ(std::count(whole.emitters.emitterOfTriangle.begin(), whole.emitters.emitterOfTriangle.end(), -1),
+              2 * 120 * 120);
 }
 
 }  // namespace

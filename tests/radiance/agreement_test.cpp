@@ -84,7 +84,8 @@ TEST(Agreement, LightThatTurnsWithTheCameraIsFoundWithItsDirection) {
         for (uint32_t s = p.samples.start[v]; s < p.samples.start[v + 1]; ++s) {
             RadianceSample& r = p.samples.samples[s];
             const Vec3 inWorld = Mat3(glm::dmat3(p.capture.views[r.view].camera.worldFromCamera)) * light;
-            r.radiance = test::KnownWorld::albedoAt(p.scene.mesh.positions[v]) * (0.1f + std::max(0.0f, glm::dot(inWorld, p.scene.mesh.normals[v])));
+            r.radiance = test::KnownWorld::albedoAt(p.scene.mesh.positions[v]) *
+                         (0.1f + std::max(0.0f, glm::dot(inWorld, p.scene.mesh.normals[v])));
         }
     const MovingLight found = p.agreement().movingLight;
     EXPECT_TRUE(found.found()) << found.spreadStatic << " " << found.spreadMoving;
@@ -94,7 +95,8 @@ TEST(Agreement, LightThatTurnsWithTheCameraIsFoundWithItsDirection) {
 TEST(Agreement, TheMedianLeavesOutClippedOnesAndTheViewNamed) {
     RadianceSamples samples;
     samples.start = {0, 4};
-    samples.samples = {{0, Rgb(1, 4, 2), 1, false}, {1, Rgb(2, 3, 2), 1, false}, {2, Rgb(9, 1, 2), 1, false}, {3, Rgb(100), 1, true}};
+    samples.samples = {
+        {0, Rgb(1, 4, 2), 1, false}, {1, Rgb(2, 3, 2), 1, false}, {2, Rgb(9, 1, 2), 1, false}, {3, Rgb(100), 1, true}};
     EXPECT_EQ(medianObservation(samples, 0), Rgb(2, 3, 2));
     EXPECT_EQ(medianObservation(samples, 0, 2), Rgb(1.5f, 3.5f, 2));
     samples.samples.resize(1);

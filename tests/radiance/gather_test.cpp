@@ -54,7 +54,9 @@ struct Shelf {
 
 TEST(Gather, GivesNoSampleToWhatIsHidden) {
     const Shelf shelf;
-    const RadianceSamples samples = gather(shelf.scene, {viewOf(shelf.scene, shelf.above(), [](const Vec3&, uint32_t) { return Rgb(1); }, blackSky)});
+    const RadianceSamples samples =
+        gather(shelf.scene, {viewOf(
+                                shelf.scene, shelf.above(), [](const Vec3&, uint32_t) { return Rgb(1); }, blackSky)});
     ASSERT_EQ(samples.start.size(), shelf.scene.mesh.vertexCount() + 1);
     size_t hidden = 0, seen = 0;
     for (uint32_t v = 0; v < shelf.floorVertices; ++v) {
@@ -73,13 +75,17 @@ TEST(Gather, GivesNoSampleToWhatIsHidden) {
 
 TEST(Gather, DoesNotMixAcrossDepthEdges) {
     const Shelf shelf;
-    const View view = viewOf(shelf.scene, shelf.above(), [&](const Vec3&, uint32_t t) { return t >= shelf.firstShelfTriangle ? Rgb(1000, 0, 0) : Rgb(0, 1, 0); }, blackSky);
+    const View view = viewOf(
+        shelf.scene, shelf.above(),
+        [&](const Vec3&, uint32_t t) { return t >= shelf.firstShelfTriangle ? Rgb(1000, 0, 0) : Rgb(0, 1, 0); },
+        blackSky);
     const RadianceSamples samples = gather(shelf.scene, {view});
     size_t floor = 0, above = 0;
     for (uint32_t v = 0; v < shelf.scene.mesh.vertexCount(); ++v)
         for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
             const bool isFloor = v < shelf.floorVertices;
-            EXPECT_LT(glm::length(samples.samples[s].radiance - (isFloor ? Rgb(0, 1, 0) : Rgb(1000, 0, 0))), 1e-3f) << shelf.scene.mesh.positions[v].x;
+            EXPECT_LT(glm::length(samples.samples[s].radiance - (isFloor ? Rgb(0, 1, 0) : Rgb(1000, 0, 0))), 1e-3f)
+                << shelf.scene.mesh.positions[v].x;
             (isFloor ? floor : above) += 1;
         }
     EXPECT_GT(floor, 500u);
@@ -90,7 +96,9 @@ TEST(Gather, ReadsBetweenPixelsBilinearly) {
     const Scene scene = test::sceneOf(test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 12, 12));
     const Camera camera = test::cameraAt({0, 0, 4}, {0, 0, 0}, 120, 120, 200, {0, 1, 0});
     const auto ramp = [](const Vec3& p) { return Rgb(2 + p.x, 3 - p.y, 2 + 0.5f * p.x + 0.5f * p.y); };
-    const RadianceSamples samples = gather(scene, {viewOf(scene, camera, [&](const Vec3& p, uint32_t) { return ramp(p); }, blackSky)});
+    const RadianceSamples samples =
+        gather(scene, {viewOf(
+                          scene, camera, [&](const Vec3& p, uint32_t) { return ramp(p); }, blackSky)});
     for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v) {
         const Vec3 p = scene.mesh.positions[v];
         if (std::max(std::abs(p.x), std::abs(p.y)) > 0.9f) continue;
@@ -104,7 +112,8 @@ TEST(Gather, ReadsBetweenPixelsBilinearly) {
 TEST(Gather, MarksClippedPixelsAndLeavesOutUnusableOnes) {
     const Scene scene = test::sceneOf(test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 12, 12));
     const Camera camera = test::cameraAt({0, 0, 4}, {0, 0, 0}, 120, 120, 200, {0, 1, 0});
-    View view = viewOf(scene, camera, [](const Vec3& p, uint32_t) { return Rgb(p.x > 0 ? 1.0f : 0.5f); }, blackSky);
+    View view = viewOf(
+        scene, camera, [](const Vec3& p, uint32_t) { return Rgb(p.x > 0 ? 1.0f : 0.5f); }, blackSky);
     view.saturation = 0.99f;
     view.image.usable.assign(view.image.pixels.size(), 1);
     for (int y = 0; y < 120; ++y)
@@ -115,18 +124,18 @@ TEST(Gather, MarksClippedPixelsAndLeavesOutUnusableOnes) {
         const Vec3 p = scene.mesh.positions[v];
         if (std::min(std::abs(p.x), std::abs(p.y)) < 0.1f || std::max(std::abs(p.x), std::abs(p.y)) > 0.9f) continue;
         ASSERT_EQ(samples.countOf(v), p.y > 0 ? 0u : 1u);
-        if (p.y < 0) {
-            EXPECT_EQ(samples.samples[samples.start[v]].clipped, p.x > 0);
-        }
+        if (p.y < 0) { EXPECT_EQ(samples.samples[samples.start[v]].clipped, p.x > 0); }
     }
 }
 
 TEST(Gather, LeavesOutGrazingLooksAndBacks) {
     const Scene scene = test::sceneOf(test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 12, 12));
     const OnSurface grey = [](const Vec3&, uint32_t) { return Rgb(1); };
-    const RadianceSamples grazing = gather(scene, {viewOf(scene, test::cameraAt({5, 0, 0.2}, {0, 0, 0}, 120, 120, 200), grey, blackSky)});
+    const RadianceSamples grazing =
+        gather(scene, {viewOf(scene, test::cameraAt({5, 0, 0.2}, {0, 0, 0}, 120, 120, 200), grey, blackSky)});
     EXPECT_EQ(grazing.samples.size(), 0u);
-    const RadianceSamples back = gather(scene, {viewOf(scene, test::cameraAt({0, 0.1, -4}, {0, 0, 0}, 120, 120, 200), grey, blackSky)});
+    const RadianceSamples back =
+        gather(scene, {viewOf(scene, test::cameraAt({0, 0.1, -4}, {0, 0, 0}, 120, 120, 200), grey, blackSky)});
     EXPECT_EQ(back.samples.size(), 0u);
 }
 
@@ -136,7 +145,9 @@ TEST(Gather, TakesTheBackgroundForTheEnvironment) {
     std::vector<View> views;
     for (int i = 0; i < 6; ++i) {
         const double a = i * piD / 3;
-        views.push_back(viewOf(scene, test::cameraAt({3 * std::cos(a), 3 * std::sin(a), 1.0}, {0, 0, 0.5}, 80, 60, 60), [](const Vec3&, uint32_t) { return Rgb(500); }, sky));
+        views.push_back(viewOf(
+            scene, test::cameraAt({3 * std::cos(a), 3 * std::sin(a), 1.0}, {0, 0, 0.5}, 80, 60, 60),
+            [](const Vec3&, uint32_t) { return Rgb(500); }, sky));
     }
     const RadianceSamples samples = gather(scene, views);
     size_t seen = 0;
@@ -156,7 +167,8 @@ TEST(Gather, EstimatesTheNoiseThatIsThere) {
     const Scene scene = test::sceneOf(test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 12, 12));
     const Camera camera = test::cameraAt({0, 0, 4}, {0, 0, 0}, 160, 160, 400, {0, 1, 0});
     for (const float noise : {0.0f, 0.05f}) {
-        View view = viewOf(scene, camera, [](const Vec3&, uint32_t) { return Rgb(2); }, blackSky);
+        View view = viewOf(
+            scene, camera, [](const Vec3&, uint32_t) { return Rgb(2); }, blackSky);
         for (size_t p = 0; p < view.image.pixels.size(); ++p) {
             // Sum of four uniform numbers: standard deviation 1 / sqrt(3).
             float sum = -2;
@@ -171,7 +183,10 @@ TEST(Gather, EstimatesTheNoiseThatIsThere) {
 TEST(Gather, HasTheSameBitsOnOneAndManyThreads) {
     const Shelf shelf;
     std::vector<View> views;
-    for (int i = 0; i < 3; ++i) views.push_back(viewOf(shelf.scene, test::cameraAt({1.0 - i, -2, 3}, {0, 0, 0}, 60, 50, 60), [](const Vec3& p, uint32_t) { return Rgb(1.1f + p.x); }, blackSky));
+    for (int i = 0; i < 3; ++i)
+        views.push_back(viewOf(
+            shelf.scene, test::cameraAt({1.0 - i, -2, 3}, {0, 0, 0}, 60, 50, 60),
+            [](const Vec3& p, uint32_t) { return Rgb(1.1f + p.x); }, blackSky));
     const auto bits = [&](int threads) {
         const ThreadLimit limit(threads);
         std::vector<float> all;

@@ -10,7 +10,8 @@
 namespace relamp {
 namespace {
 
-/// The inside of a ball whose skin reflects half of a green and a quarter of a red lamp's light, with a small ball lamp in the middle.
+/// The inside of a ball whose skin reflects half of a green and a quarter of a red lamp's light, with a small ball lamp
+/// in the middle.
 struct LampInABall {
     Scene scene;
     Estimate estimate;
@@ -36,7 +37,8 @@ TEST(BouncedLight, ALampInABallIsBrighterByTheGeometricSeries) {
     Progress progress;
     const RelitScene relit = applyLook(world.scene, world.estimate, {}, progress);
     ASSERT_FALSE(relit.bounced.empty());
-    // Direct: form factor r^2 of the lamp seen from the skin, and the lamp hides r^2 of what the skin would see of itself.
+    // Direct: form factor r^2 of the lamp seen from the skin, and the lamp hides r^2 of what the skin would see of
+    // itself.
     const double formFactor = 0.2 * 0.2, hidden = 1 - formFactor;
     const Frame frame = frameOf(relit);
     Rgb mean(0);

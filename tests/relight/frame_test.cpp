@@ -19,7 +19,9 @@ Frame render(const RelitScene& relit, const Camera& camera, int samples = 8) {
 }
 
 /// Straight down on the plane z = 0 from 3 m.
-Camera fromAbove(int side = 24, double focal = 30) { return test::cameraAt({0, 0, 3}, {0, 0, 0}, side, side, focal, {0, 1, 0}); }
+Camera fromAbove(int side = 24, double focal = 30) {
+    return test::cameraAt({0, 0, 3}, {0, 0, 0}, side, side, focal, {0, 1, 0});
+}
 
 /// Mean over the picture of value / expected(position), for pixels on the plane z = 0.
 template <class Expected>
@@ -57,11 +59,16 @@ TEST(Frame, OfAPlaneUnderAConstantEnvironmentIsItsAlbedo) {
 
 TEST(Frame, OfAPlaneUnderASquareLampIsAlbedoTimesRadianceTimesFormFactor) {
     const Scene scene = test::sceneOf(test::sheet({-4, -4, 0}, {8, 0, 0}, {0, 8, 0}, 2, 2));
-    const RelitScene relit = test::relitOf(scene, test::matteEstimate(scene, Rgb(0.5f), Rgb(0)), onlyAdded({AddedEmitter::Shape::rectangle, "lamp", test::translation({0.5f, 0, 3.5f}), Vec2(0.5f), Rgb(100)}));
+    const RelitScene relit = test::relitOf(
+        scene, test::matteEstimate(scene, Rgb(0.5f), Rgb(0)),
+        onlyAdded({AddedEmitter::Shape::rectangle, "lamp", test::translation({0.5f, 0, 3.5f}), Vec2(0.5f), Rgb(100)}));
     const Frame frame = render(relit, fromAbove(), 16);
-    const auto expected = [](const Vec3& p) { return 50 * test::rectangleFormFactor(0.25 - p.x, 0.75 - p.x, -0.25 - p.y, 0.25 - p.y, 3.5); };
+    const auto expected = [](const Vec3& p) {
+        return 50 * test::rectangleFormFactor(0.25 - p.x, 0.75 - p.x, -0.25 - p.y, 0.25 - p.y, 3.5);
+    };
     EXPECT_NEAR(meanRatio(frame, frame.beauty, expected), 1, 0.003);
-    for (size_t p = 0; p < frame.beauty.size(); ++p) EXPECT_NEAR(frame.beauty[p].y / expected(frame.position[p]), 1, 0.04);
+    for (size_t p = 0; p < frame.beauty.size(); ++p)
+        EXPECT_NEAR(frame.beauty[p].y / expected(frame.position[p]), 1, 0.04);
 }
 
 TEST(Frame, OfAPlaneUnderALargeNearLampIsRightTooAndShadowsAreBlack) {
@@ -89,7 +96,9 @@ TEST(Frame, OfAPlaneUnderALargeNearLampIsRightTooAndShadowsAreBlack) {
 
 TEST(Frame, OfAPlaneUnderASphereIsTheSquareOfTheSineOfItsHalfAngle) {
     const Scene scene = test::sceneOf(test::sheet({-4, -4, 0}, {8, 0, 0}, {0, 8, 0}, 2, 2));
-    const RelitScene relit = test::relitOf(scene, test::matteEstimate(scene, Rgb(1), Rgb(0)), onlyAdded({AddedEmitter::Shape::sphere, "bulb", test::translation({0, 0, 4}), Vec2(0.6f), Rgb(30)}));
+    const RelitScene relit = test::relitOf(
+        scene, test::matteEstimate(scene, Rgb(1), Rgb(0)),
+        onlyAdded({AddedEmitter::Shape::sphere, "bulb", test::translation({0, 0, 4}), Vec2(0.6f), Rgb(30)}));
     const Frame frame = render(relit, fromAbove(), 16);
     // Form factor of a sphere wholly above the horizon: (r / d)^2 cos.
     const auto expected = [](const Vec3& p) {
@@ -101,8 +110,11 @@ TEST(Frame, OfAPlaneUnderASphereIsTheSquareOfTheSineOfItsHalfAngle) {
 
 TEST(Frame, ShowsEmittersTheirFrontOnlyAndTheEnvironmentBehind) {
     const Scene scene = test::sceneOf(test::sheet({-0.2f, -0.2f, -9}, {0.4f, 0, 0}, {0, 0.4f, 0}));
-    const RelitScene relit = test::relitOf(scene, test::matteEstimate(scene, Rgb(0), Rgb(0.25f, 0.5f, 1)), onlyAdded({AddedEmitter::Shape::rectangle, "lamp", test::translation({0, 0, 0}), Vec2(1), Rgb(7)}));
-    const Frame below = render(relit, test::cameraAt({0, 0, -3}, {0, 0, 0}, 24, 24, 30, {0, 1, 0}), 2), above = render(relit, fromAbove(), 2);
+    const RelitScene relit = test::relitOf(
+        scene, test::matteEstimate(scene, Rgb(0), Rgb(0.25f, 0.5f, 1)),
+        onlyAdded({AddedEmitter::Shape::rectangle, "lamp", test::translation({0, 0, 0}), Vec2(1), Rgb(7)}));
+    const Frame below = render(relit, test::cameraAt({0, 0, -3}, {0, 0, 0}, 24, 24, 30, {0, 1, 0}), 2),
+                above = render(relit, fromAbove(), 2);
     const size_t middle = 12 * 24 + 12, corner = 0;
     EXPECT_EQ(below.beauty[middle], Rgb(7));
     EXPECT_EQ(below.byEmitter[0][middle], Rgb(7));
@@ -129,7 +141,9 @@ TEST(Frame, OfAGlossyPlaneMirrorsTheLamp) {
     // Seen at 45 degrees from -x; the mirror image of the lamp is met at the origin.
     Mat4 facing(1);
     facing[3] = Vec4(2, 0, 2, 1);
-    const RelitScene relit = test::relitOf(scene, glossyEstimate(scene, 0.005f, Rgb(0)), onlyAdded({AddedEmitter::Shape::rectangle, "lamp", facing, Vec2(1), Rgb(5)}));
+    const RelitScene relit =
+        test::relitOf(scene, glossyEstimate(scene, 0.005f, Rgb(0)),
+                      onlyAdded({AddedEmitter::Shape::rectangle, "lamp", facing, Vec2(1), Rgb(5)}));
     const Frame frame = render(relit, test::cameraAt({-2, 0, 2}, {0, 0, 0}, 33, 33, 60), 16);
     EXPECT_NEAR(frame.beauty[16 * 33 + 16].y, 5, 0.1) << "the lamp's image has the lamp's radiance";
     EXPECT_LT(frame.beauty[1 * 33 + 1].y, 0.3f) << "away from the image there is little";
@@ -143,7 +157,8 @@ TEST(Frame, OfAGlossyPlaneUnderAConstantEnvironmentIsTheAlbedoOfTheLobe) {
         const DirectionGrid grid{512};
         double albedo = 0;
         for (int c = 0; c < grid.cells(); ++c)
-            if (const Vec3 d = grid.direction(c); d.z > 0) albedo += double(evaluateLobe(lobe, d, {0, 0, 1})) * d.z * grid.cellSolidAngle();
+            if (const Vec3 d = grid.direction(c); d.z > 0)
+                albedo += double(evaluateLobe(lobe, d, {0, 0, 1})) * d.z * grid.cellSolidAngle();
         EXPECT_NEAR(meanRatio(frame, frame.beauty, [&](const Vec3&) { return albedo; }), 1, 0.01) << alpha;
     }
 }
@@ -153,11 +168,13 @@ RelitScene clutter() {
     append(mesh, test::ball({0, 0, 0.5f}, 0.4f, 10, 16));
     const std::vector<uint32_t> lamp = append(mesh, test::squareAbove(0.5f, 1, 1, 2, 2));
     const Scene scene = test::sceneOf(mesh);
-    Estimate estimate = test::matteEstimate(scene, Rgb(0.6f, 0.5f, 0.4f), Rgb(0.3f, 0.4f, 0.5f), test::emittersOf(scene, {lamp}, {Rgb(20, 15, 10)}));
+    Estimate estimate = test::matteEstimate(scene, Rgb(0.6f, 0.5f, 0.4f), Rgb(0.3f, 0.4f, 0.5f),
+                                            test::emittersOf(scene, {lamp}, {Rgb(20, 15, 10)}));
     estimate.reflectance.basis.lobes.push_back({Lobe::Kind::ggxDielectric, 0.2f, "glaze"});
     estimate.reflectance.weight.push_back(std::vector<Rgb>(scene.mesh.vertexCount(), Rgb(1)));
     Look look;
-    look.added.push_back({AddedEmitter::Shape::sphere, "bulb", test::translation({-1, 0.5f, 1}), Vec2(0.2f), Rgb(9, 9, 30)});
+    look.added.push_back(
+        {AddedEmitter::Shape::sphere, "bulb", test::translation({-1, 0.5f, 1}), Vec2(0.2f), Rgb(9, 9, 30)});
     return test::relitOf(scene, estimate, look);
 }
 
@@ -180,7 +197,9 @@ TEST(Frame, LightGroupsAddUpToTheBeauty) {
 
 TEST(Frame, PixelsAloneHaveTheSameBitsAsInTheWhole) {
     const Scene scene = test::sceneOf(test::sheet({-4, -4, 0}, {8, 0, 0}, {0, 8, 0}, 2, 2));
-    const RelitScene relit = test::relitOf(scene, test::matteEstimate(scene, Rgb(0.5f), Rgb(1, 2, 3)), onlyAdded({AddedEmitter::Shape::rectangle, "lamp", test::translation({0.5f, 0, 2.5f}), Vec2(0.5f), Rgb(100)}));
+    const RelitScene relit = test::relitOf(
+        scene, test::matteEstimate(scene, Rgb(0.5f), Rgb(1, 2, 3)),
+        onlyAdded({AddedEmitter::Shape::rectangle, "lamp", test::translation({0.5f, 0, 2.5f}), Vec2(0.5f), Rgb(100)}));
     const Camera camera = fromAbove();
     const Frame whole = render(relit, camera);
     Progress progress;
@@ -188,7 +207,8 @@ TEST(Frame, PixelsAloneHaveTheSameBitsAsInTheWhole) {
     for (int i = 0; i < camera.width * camera.height; i += 5) at.push_back({i % camera.width, i / camera.width});
     const std::vector<Rgb> some = FrameRenderer(relit, camera, FrameOptions{}).pixels(camera, at, progress);
     ASSERT_EQ(some.size(), at.size());
-    for (size_t i = 0; i < at.size(); ++i) EXPECT_EQ(some[i], whole.beauty[size_t(at[i].y) * size_t(camera.width) + size_t(at[i].x)]);
+    for (size_t i = 0; i < at.size(); ++i)
+        EXPECT_EQ(some[i], whole.beauty[size_t(at[i].y) * size_t(camera.width) + size_t(at[i].x)]);
 }
 
 TEST(Frame, HasTheSameBitsOnOneAndManyThreads) {

@@ -18,8 +18,12 @@ TEST(DistantSampler, DrawsDirectionsInProportionToItsDensity) {
     const DirectionGrid coarse{8};
     std::vector<double> drawn(size_t(coarse.cells()), 0), expected(drawn);
     constexpr int n = 200000;
-    for (int i = 0; i < n; ++i) drawn[size_t(coarse.cellOf(sampler.sample(proposal, {(float(i) + 0.5f) / n, r2Point(uint32_t(i), {0.3f, 0.7f}).y})))] += 1.0 / n;
-    for (int c = 0; c < grid.cells(); ++c) expected[size_t(coarse.cellOf(grid.direction(c)))] += double(sampler.density(proposal, grid.direction(c))) * grid.cellSolidAngle();
+    for (int i = 0; i < n; ++i)
+        drawn[size_t(coarse.cellOf(
+            sampler.sample(proposal, {(float(i) + 0.5f) / n, r2Point(uint32_t(i), {0.3f, 0.7f}).y})))] += 1.0 / n;
+    for (int c = 0; c < grid.cells(); ++c)
+        expected[size_t(coarse.cellOf(grid.direction(c)))] +=
+            double(sampler.density(proposal, grid.direction(c))) * grid.cellSolidAngle();
     double total = 0;
     for (size_t c = 0; c < drawn.size(); ++c) {
         EXPECT_NEAR(drawn[c], expected[c], 0.01 * expected[c] + 2e-4) << c;
@@ -42,8 +46,8 @@ TEST(DistantSampler, CoversEveryDirectionThatCanLightTheSurface) {
 }
 
 TEST(EmitterSampler, IntegratesItsAreaWhateverThePointItServes) {
-    // A closed box of two triangles a face; points are drawn for a point beside it, and 1 / density must average to the area of
-    // what can be seen from there.
+    // A closed box of two triangles a face; points are drawn for a point beside it, and 1 / density must average to the
+    // area of what can be seen from there.
     EmitterSurface s;
     const auto face = [&](Vec3 a, Vec3 b, Vec3 c) {
         s.corners.push_back({a, b, c});
@@ -68,7 +72,8 @@ TEST(EmitterSampler, IntegratesItsAreaWhateverThePointItServes) {
     for (int i = 0; i < n; ++i) {
         float density = 0;
         size_t triangle = 0;
-        const Vec3 p = sampler.sample(proposal, {(float(i) + 0.5f) / n, r2Point(uint32_t(i), {0.1f, 0.2f}).y}, density, triangle);
+        const Vec3 p =
+            sampler.sample(proposal, {(float(i) + 0.5f) / n, r2Point(uint32_t(i), {0.1f, 0.2f}).y}, density, triangle);
         EXPECT_FLOAT_EQ(density, sampler.areaDensity(proposal, triangle));
         if (s.normals[triangle].z > 0) {
             sum += 1 / density / n;

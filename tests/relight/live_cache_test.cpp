@@ -23,7 +23,8 @@ Room room(float boxHeight = 0.8f, int cuts = 40) {
     const std::vector<uint32_t> lamp = test::append(mesh, test::squareAbove(0.4f, 0.9f, 0.5f, 2, 2));
     Room r;
     r.scene = std::make_shared<const Scene>(test::sceneOf(mesh));
-    r.estimate = std::make_shared<Estimate>(test::matteEstimate(*r.scene, Rgb(0.5f, 0.4f, 0.3f), Rgb(1), test::emittersOf(*r.scene, {lamp}, {Rgb(20, 24, 30)})));
+    r.estimate = std::make_shared<Estimate>(test::matteEstimate(*r.scene, Rgb(0.5f, 0.4f, 0.3f), Rgb(1),
+                                                                test::emittersOf(*r.scene, {lamp}, {Rgb(20, 24, 30)})));
     return r;
 }
 
@@ -66,7 +67,8 @@ TEST(LiveCache, AStoppedBakeGoesOnWhereItStood) {
     const Room r = room(0.8f, 110);
     LiveOptions options;
     options.cacheFolder = folder.path();
-    test::expectStopsHalfWay([&](Progress& progress) { LiveScene live(r.scene, r.estimate, options, progress); }, "Transport of the environment", 0.4);
+    test::expectStopsHalfWay([&](Progress& progress) { LiveScene live(r.scene, r.estimate, options, progress); },
+                             "Transport of the environment", 0.4);
     const auto rest = frameOf(r, options);
     EXPECT_GT(rest->report.cachedBlocks, 0u);
     EXPECT_LT(rest->report.cachedBlocks * 16, r.scene->mesh.vertexCount());

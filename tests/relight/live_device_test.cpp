@@ -43,7 +43,8 @@ Shown show(const std::shared_ptr<TransportDevice>& device, bool force = true) {
     test::append(mesh, test::box({-0.4f, -0.4f, 0.01f}, {0.4f, 0.4f, 0.8f}, 4));
     const std::vector<uint32_t> lamp = test::append(mesh, test::squareAbove(0.4f, 0.9f, 0.5f, 2, 2));
     const auto scene = std::make_shared<const Scene>(test::sceneOf(mesh));
-    const auto estimate = std::make_shared<Estimate>(test::matteEstimate(*scene, Rgb(0.5f, 0.4f, 0.3f), Rgb(1), test::emittersOf(*scene, {lamp}, {Rgb(20, 24, 30)})));
+    const auto estimate = std::make_shared<Estimate>(test::matteEstimate(
+        *scene, Rgb(0.5f, 0.4f, 0.3f), Rgb(1), test::emittersOf(*scene, {lamp}, {Rgb(20, 24, 30)})));
     LiveOptions options;
     options.device = device;
     options.forceDevice = force;

@@ -50,7 +50,8 @@ TEST(LiveGeometry, APartThatShinesBelongsToItsEmitterAndMovesWithIt) {
     EXPECT_EQ(relit.scene.mesh.triangles.size(), w.scene.mesh.triangles.size()) << "nothing is added";
     for (uint32_t t : w.boxTriangles) {
         EXPECT_EQ(relit.emitterOfTriangle[t], 1);
-        const Vec3 before = w.scene.mesh.positions[w.scene.mesh.triangles[t][0]], now = relit.scene.mesh.positions[relit.scene.mesh.triangles[t][0]];
+        const Vec3 before = w.scene.mesh.positions[w.scene.mesh.triangles[t][0]],
+                   now = relit.scene.mesh.positions[relit.scene.mesh.triangles[t][0]];
         EXPECT_LT(glm::length(now - before - Vec3(0, 0, 1)), 1e-5f);
     }
     EXPECT_EQ(relit.emitterOfTriangle[0], -1);
@@ -94,17 +95,22 @@ TEST(LiveGeometry, NamesAPartThatShinesAlreadyAndASourceThatDoesNotExist) {
     const World w = world();
     Look twice, lamp, outside, noSource;
     twice.added = {shiningPart(w, Mat4(1)), shiningPart(w, Mat4(1))};
-    EXPECT_NE(test::messageOf([&] { test::relitOf(w.scene, w.estimate, twice); }).find("shines already"), std::string::npos);
+    EXPECT_NE(test::messageOf([&] { test::relitOf(w.scene, w.estimate, twice); }).find("shines already"),
+              std::string::npos);
     lamp.added = {shiningPart(w, Mat4(1))};
     lamp.added[0].seedVertex = w.scene.mesh.triangles[w.lampTriangles[0]][0];
-    EXPECT_NE(test::messageOf([&] { test::relitOf(w.scene, w.estimate, lamp); }).find("shines already"), std::string::npos);
+    EXPECT_NE(test::messageOf([&] { test::relitOf(w.scene, w.estimate, lamp); }).find("shines already"),
+              std::string::npos);
     outside.added = {shiningPart(w, Mat4(1))};
     outside.added[0].seedVertex = 100000;
-    EXPECT_NE(test::messageOf([&] { test::relitOf(w.scene, w.estimate, outside); }).find("seed_vertex 100000 does not exist"), std::string::npos);
+    EXPECT_NE(
+        test::messageOf([&] { test::relitOf(w.scene, w.estimate, outside); }).find("seed_vertex 100000 does not exist"),
+        std::string::npos);
     noSource.added = {shiningPart(w, Mat4(1))};
     noSource.added[0].shape = AddedEmitter::Shape::copy;
     noSource.added[0].source = "emitter-9";
-    EXPECT_EQ(test::messageOf([&] { test::relitOf(w.scene, w.estimate, noSource); }), "added_emitters: there is no emitter named emitter-9");
+    EXPECT_EQ(test::messageOf([&] { test::relitOf(w.scene, w.estimate, noSource); }),
+              "added_emitters: there is no emitter named emitter-9");
 }
 
 TEST(LiveGeometry, BodiesKeptApartDoubleTheSameVerticesWhereverTheyStand) {
@@ -113,12 +119,14 @@ TEST(LiveGeometry, BodiesKeptApartDoubleTheSameVerticesWhereverTheyStand) {
     moved.emitters.push_back({"emitter-1", true, test::translation({0, 1, 0}), Rgb(1)});
     moved.parts.push_back({w.boxVertex, test::translation({0, 0, 1})});
     const BodiesApart apart{true, {w.scene.piece[w.boxVertex]}};
-    const EditedGeometry a = editGeometry(w.scene, w.estimate, {}, apart), b = editGeometry(w.scene, w.estimate, moved, apart);
+    const EditedGeometry a = editGeometry(w.scene, w.estimate, {}, apart),
+                         b = editGeometry(w.scene, w.estimate, moved, apart);
     ASSERT_EQ(a.bodies.size(), 3u);
     EXPECT_EQ(a.mesh.triangles, b.mesh.triangles);
     EXPECT_EQ(a.vertexOrigin, b.vertexOrigin);
     EXPECT_EQ(a.bodyOfTriangle, b.bodyOfTriangle);
-    for (size_t v = 0; v < a.mesh.vertexCount(); ++v) EXPECT_EQ(a.mesh.positions[v], w.scene.mesh.positions[a.vertexOrigin[v]]);
+    for (size_t v = 0; v < a.mesh.vertexCount(); ++v)
+        EXPECT_EQ(a.mesh.positions[v], w.scene.mesh.positions[a.vertexOrigin[v]]);
     EXPECT_FALSE(editGeometry(w.scene, w.estimate, {}).moved);
 }
 

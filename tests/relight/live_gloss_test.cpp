@@ -15,7 +15,8 @@ DistantLight skyOf(int side, bool sun) {
     std::vector<Rgb> cells(size_t(grid.cells()));
     for (int c = 0; c < grid.cells(); ++c) {
         const Vec3 d = grid.direction(c);
-        cells[size_t(c)] = Rgb(0.3f, 0.4f, 0.6f) * (1 + d.z) + (glm::dot(d, glm::normalize(Vec3(1, 1, 1))) > 0.95f ? Rgb(3, 2, 1) : Rgb(0));
+        cells[size_t(c)] = Rgb(0.3f, 0.4f, 0.6f) * (1 + d.z) +
+                           (glm::dot(d, glm::normalize(Vec3(1, 1, 1))) > 0.95f ? Rgb(3, 2, 1) : Rgb(0));
         if (sun && glm::dot(d, glm::normalize(Vec3(-1, 0.3f, 1))) > 0.999f) cells[size_t(c)] += Rgb(800, 700, 600);
     }
     return DistantLight(grid, std::move(cells));
@@ -40,7 +41,8 @@ struct Point {
 };
 
 /// Every cell of the environment behind the masks of its quarter.
-Rgb everyCell(const DistantLight& distant, const BrdfBasis& basis, const std::vector<LobeWeight>& lobes, const Point& p, const LiveGrid& grid, const std::vector<uint8_t>& masks) {
+Rgb everyCell(const DistantLight& distant, const BrdfBasis& basis, const std::vector<LobeWeight>& lobes, const Point& p,
+              const LiveGrid& grid, const std::vector<uint8_t>& masks) {
     Rgb sum(0);
     for (int c = 0; c < distant.grid().cells(); ++c) {
         const Vec3 d = distant.grid().direction(c), light = glm::transpose(p.frame) * d;
@@ -63,7 +65,8 @@ TEST(LiveGlossTriple, FullTermsGiveTheSumOverTheGrid) {
     const SparseCoefs seen = triple.visibility(masks.data());
     for (const uint8_t k : {uint8_t(3), uint8_t(6), uint8_t(10)}) {
         const std::vector<LobeWeight> lobes{{k, Rgb(1)}};
-        const Rgb whole = triple.onGrid(basis, lobes, p.frame, p.eye, masks.data()), walked = triple.light(seen, triple.reflectance(basis.lobes[k], p.frame, p.eye));
+        const Rgb whole = triple.onGrid(basis, lobes, p.frame, p.eye, masks.data()),
+                  walked = triple.light(seen, triple.reflectance(basis.lobes[k], p.frame, p.eye));
         for (int c = 0; c < 3; ++c) EXPECT_NEAR(walked[c], whole[c], 2e-5f * whole[c]) << int(k);
     }
 }
@@ -79,7 +82,11 @@ TEST(LiveGlossTriple, FewerTermsComeCloserAsTheyGrow) {
     for (const size_t terms : {8, 64, 1024}) {
         const TripleGloss triple(grid, sky, {terms, terms, terms});
         const float whole = triple.onGrid(basis, lobes, p.frame, p.eye, masks.data()).y;
-        const float off = std::abs(triple.light(triple.visibility(masks.data()), triple.reflectance(basis.lobes[5], p.frame, p.eye)).y - whole) / whole;
+        const float off =
+            std::abs(
+                triple.light(triple.visibility(masks.data()), triple.reflectance(basis.lobes[5], p.frame, p.eye)).y -
+                whole) /
+            whole;
         EXPECT_LE(off, before);
         before = std::max(off, 1e-5f);
     }
@@ -95,11 +102,16 @@ TEST(LiveGlossTaps, MeetTheSumOverEveryCellOfTheEnvironment) {
         const DistantLight sky = skyOf(256, sun);
         const EnvironmentPyramid pyramid(sky);
         EXPECT_EQ(pyramid.suns().count > 0, sun);
-        for (const std::vector<LobeWeight>& lobes : {std::vector<LobeWeight>{{4, Rgb(1)}}, std::vector<LobeWeight>{{9, Rgb(1, 0.5f, 0.2f)}}, std::vector<LobeWeight>{{2, Rgb(0.5f)}, {11, Rgb(0.3f, 0.2f, 0.1f)}}}) {
+        for (const std::vector<LobeWeight>& lobes :
+             {std::vector<LobeWeight>{{4, Rgb(1)}}, std::vector<LobeWeight>{{9, Rgb(1, 0.5f, 0.2f)}},
+              std::vector<LobeWeight>{{2, Rgb(0.5f)}, {11, Rgb(0.3f, 0.2f, 0.1f)}}}) {
             const Rgb whole = everyCell(sky, basis, lobes, p, grid, masks);
             for (const auto& [taps, bound] : {std::pair(64, 0.03f), std::pair(256, 0.015f)}) {
-                const Rgb tapped = tapEnvironment(pyramid, basis, lobes, TapPattern(taps), p.frame, p.eye, grid, masks.data());
-                for (int c = 0; c < 3; ++c) EXPECT_NEAR(tapped[c], whole[c], bound * whole[c]) << taps << " taps, lobe " << int(lobes[0].lobe) << ", sun " << sun;
+                const Rgb tapped =
+                    tapEnvironment(pyramid, basis, lobes, TapPattern(taps), p.frame, p.eye, grid, masks.data());
+                for (int c = 0; c < 3; ++c)
+                    EXPECT_NEAR(tapped[c], whole[c], bound * whole[c])
+                        << taps << " taps, lobe " << int(lobes[0].lobe) << ", sun " << sun;
             }
         }
     }
@@ -174,9 +186,11 @@ double relativeRms(const std::vector<Rgb>& a, const std::vector<Rgb>& b, size_t 
 TEST(LiveGloss, WhatStaysWhileALampIsDraggedIsRightAtRest) {
     Mesh mesh = test::sheet({-2, -2, 0}, {4, 0, 0}, {0, 4, 0}, 30, 30);
     const size_t floor = mesh.vertexCount();
-    const std::vector<uint32_t> one = test::append(mesh, test::squareAbove(0.6f, 0.9f, 0.5f, 2, 2)), two = test::append(mesh, test::squareAbove(0.5f, -0.9f, -0.5f, 1.5f, 2));
+    const std::vector<uint32_t> one = test::append(mesh, test::squareAbove(0.6f, 0.9f, 0.5f, 2, 2)),
+                                two = test::append(mesh, test::squareAbove(0.5f, -0.9f, -0.5f, 1.5f, 2));
     const auto scene = std::make_shared<const Scene>(test::sceneOf(mesh));
-    auto estimate = std::make_shared<Estimate>(test::matteEstimate(*scene, Rgb(0.2f), Rgb(1), test::emittersOf(*scene, {one, two}, {Rgb(9), Rgb(6)})));
+    auto estimate = std::make_shared<Estimate>(
+        test::matteEstimate(*scene, Rgb(0.2f), Rgb(1), test::emittersOf(*scene, {one, two}, {Rgb(9), Rgb(6)})));
     estimate->environmentSide = 256;
     estimate->environment = skyOf(256, true).cells();
     estimate->reflectance.basis = builtInBasis();

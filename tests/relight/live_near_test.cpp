@@ -16,17 +16,23 @@ TEST(LiveNear, AConeIsWholeOnlyWhereNoHiddenQuarterMeetsIt) {
         const LiveGrid grid(side);
         int whole = 0;
         for (uint64_t i = 0; i < 400; ++i) {
-            const Vec3 normal = anyDirection(mixBits(i) + 2), hole = anyDirection(mixBits(i) + 4), axis = anyDirection(mixBits(i) + 6);
-            const float angle = 0.05f + 0.5f * unitFloat(mixBits(i + 1000)), holeAngle = 0.1f + 0.6f * unitFloat(mixBits(i + 2000));
+            const Vec3 normal = anyDirection(mixBits(i) + 2), hole = anyDirection(mixBits(i) + 4),
+                       axis = anyDirection(mixBits(i) + 6);
+            const float angle = 0.05f + 0.5f * unitFloat(mixBits(i + 1000)),
+                        holeAngle = 0.1f + 0.6f * unitFloat(mixBits(i + 2000));
             std::vector<uint8_t> masks(grid.nibbleBytes(), 0);
             for (size_t c = 0; c < grid.cells(); ++c) {
                 unsigned seen = 0;
                 for (int q = 0; q < 4; ++q)
-                    if (glm::dot(grid.quarter(c, q), normal) > 0 && glm::dot(grid.quarter(c, q), hole) < std::cos(holeAngle)) seen |= 1u << q;
+                    if (glm::dot(grid.quarter(c, q), normal) > 0 &&
+                        glm::dot(grid.quarter(c, q), hole) < std::cos(holeAngle))
+                        seen |= 1u << q;
                 setNibble(masks.data(), c, seen);
             }
             std::vector<uint16_t> entries;
-            if (!traceCone(grid, Vec3(0), normal, axis, angle, masks, true, [](std::span<const Ray>) { return 0u; }, entries)) continue;
+            if (!traceCone(
+                    grid, Vec3(0), normal, axis, angle, masks, true, [](std::span<const Ray>) { return 0u; }, entries))
+                continue;
             ++whole;
             const Mat3 frame = frameAround(axis);
             for (uint32_t k = 0; k < 400; ++k) {
@@ -43,7 +49,8 @@ TEST(LiveNear, AConeIsWholeOnlyWhereNoHiddenQuarterMeetsIt) {
 }
 
 TEST(LiveNear, AVertexThatSeesAllOfALampNeedsNoRays) {
-    const Scene wall = test::sceneOf(test::squareAbove(4, 0, 0, 0.5f));  // hides everything, so that rays would be noticed
+    const Scene wall =
+        test::sceneOf(test::squareAbove(4, 0, 0, 0.5f));  // hides everything, so that rays would be noticed
     LiveOccluders occluders;
     occluders.ground = std::shared_ptr<const RayTracer>(std::shared_ptr<void>(), wall.tracer.get());
     occluders.offset = wall.tracer->surfaceOffset();

@@ -12,14 +12,17 @@
 namespace relamp {
 namespace {
 
-/// A floor, a box standing on it, a panel in the air and a square lamp above; light from everywhere, more from one side.
+/// A floor, a box standing on it, a panel in the air and a square lamp above; light from everywhere, more from one
+/// side.
 struct World {
     std::shared_ptr<const Scene> scene;
     std::shared_ptr<Estimate> estimate;
     uint32_t boxVertex = 0, panelVertex = 0;
 };
 
-Rgb skyTowards(const Vec3& d) { return Rgb(0.5f) + Rgb(0.6f, 0.4f, 0.2f) * std::max(0.0f, glm::dot(d, glm::normalize(Vec3(1, 0.3f, 0.8f)))); }
+Rgb skyTowards(const Vec3& d) {
+    return Rgb(0.5f) + Rgb(0.6f, 0.4f, 0.2f) * std::max(0.0f, glm::dot(d, glm::normalize(Vec3(1, 0.3f, 0.8f))));
+}
 
 World world(int cuts = 20) {
     World w;
@@ -30,7 +33,8 @@ World world(int cuts = 20) {
     test::append(mesh, test::sheet({0.6f, -1, 1.1f}, {0.8f, 0, 0.1f}, {0, 0.8f, 0}, 4, 4));
     const std::vector<uint32_t> lamp = test::append(mesh, test::squareAbove(0.4f, 0.9f, 0.5f, 2, 2));
     w.scene = std::make_shared<const Scene>(test::sceneOf(mesh));
-    w.estimate = std::make_shared<Estimate>(test::matteEstimate(*w.scene, Rgb(0.5f, 0.4f, 0.3f), Rgb(1), test::emittersOf(*w.scene, {lamp}, {Rgb(20, 24, 30)})));
+    w.estimate = std::make_shared<Estimate>(test::matteEstimate(*w.scene, Rgb(0.5f, 0.4f, 0.3f), Rgb(1),
+                                                                test::emittersOf(*w.scene, {lamp}, {Rgb(20, 24, 30)})));
     const DirectionGrid grid{w.estimate->environmentSide};
     for (int c = 0; c < grid.cells(); ++c) w.estimate->environment[size_t(c)] = skyTowards(grid.direction(c));
     return w;
@@ -48,7 +52,8 @@ std::shared_ptr<const LiveFrame> refined(LiveScene& live) {
     return live.frame();
 }
 
-/// Radiance of the capture's vertices by brute force: many rays from each, through the scene that a final frame would use.
+/// Radiance of the capture's vertices by brute force: many rays from each, through the scene that a final frame would
+/// use.
 std::vector<Rgb> reference(const World& w, const Look& look) {
     const RelitScene relit = test::relitOf(*w.scene, *w.estimate, look);
     const Mesh& mesh = relit.scene.mesh;
@@ -126,13 +131,16 @@ Look boxMoved(const World& w) {
 
 Look sphereAdded() {
     Look look;
-    look.added.push_back({AddedEmitter::Shape::sphere, "bulb", test::translation({-1, 0.8f, 0.6f}), Vec2(0.3f), Rgb(8, 6, 4)});
+    look.added.push_back(
+        {AddedEmitter::Shape::sphere, "bulb", test::translation({-1, 0.8f, 0.6f}), Vec2(0.3f), Rgb(8, 6, 4)});
     return look;
 }
 
 TEST(LiveScene, ConstantLightOnAnOpenPlaneGivesItsAlbedo) {
-    const auto scene = std::make_shared<const Scene>(test::sceneOf(test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 6, 6)));
-    const auto estimate = std::make_shared<const Estimate>(test::matteEstimate(*scene, Rgb(0.25f, 0.5f, 0.75f), Rgb(1)));
+    const auto scene =
+        std::make_shared<const Scene>(test::sceneOf(test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 6, 6)));
+    const auto estimate =
+        std::make_shared<const Estimate>(test::matteEstimate(*scene, Rgb(0.25f, 0.5f, 0.75f), Rgb(1)));
     Progress progress;
     LiveScene live(scene, estimate, {}, progress);
     const auto frame = refined(live);
@@ -145,7 +153,8 @@ TEST(LiveScene, ConstantLightOnAnOpenPlaneGivesItsAlbedo) {
 }
 
 TEST(LiveScene, ADiskAboveAPlaneHasItsClosedFormFactor) {
-    const auto scene = std::make_shared<const Scene>(test::sceneOf(test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 4, 4)));
+    const auto scene =
+        std::make_shared<const Scene>(test::sceneOf(test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 4, 4)));
     const auto estimate = std::make_shared<const Estimate>(test::matteEstimate(*scene, Rgb(1), Rgb(0)));
     Progress progress;
     LiveScene live(scene, estimate, {}, progress);
@@ -157,7 +166,9 @@ TEST(LiveScene, ADiskAboveAPlaneHasItsClosedFormFactor) {
         const double h = 1.5, r = 0.5, a = glm::length(Vec2(scene->mesh.positions[v]));
         // Howell's catalogue, B-12: a small plane parallel to a disk, off its axis.
         const double z = 1 + (h / a) * (h / a) + (r / a) * (r / a);
-        const double expected = a > 0 ? 0.5 * (1 - (z - 2 * (r / a) * (r / a)) / std::sqrt(z * z - 4 * (r / a) * (r / a))) : r * r / (h * h + r * r);
+        const double expected = a > 0
+                                    ? 0.5 * (1 - (z - 2 * (r / a) * (r / a)) / std::sqrt(z * z - 4 * (r / a) * (r / a)))
+                                    : r * r / (h * h + r * r);
         EXPECT_NEAR(frame->formFactor[0][v], expected, 0.01 * expected);
         EXPECT_NEAR(frame->radiance[v].x, 2 * expected, 0.02 * expected);
     }
@@ -171,7 +182,8 @@ TEST(LiveScene, AgreesWithBruteForceBeforeAndAfterEdits) {
     const test::TemporaryFolder folder;
     Image map(128, 64);
     for (int y = 0; y < 64; ++y)
-        for (int x = 0; x < 128; ++x) map.at(x, y) = Rgb(0.2f + 0.8f * float(y < 20), 0.3f, 0.2f + 0.5f * float(x) / 128);
+        for (int x = 0; x < 128; ++x)
+            map.at(x, y) = Rgb(0.2f + 0.8f * float(y < 20), 0.3f, 0.2f + 0.5f * float(x) / 128);
     writeImage(folder / "sky.exr", map);
     Look sky;
     sky.environment.source = EnvironmentLook::Source::file;
@@ -183,7 +195,9 @@ TEST(LiveScene, AgreesWithBruteForceBeforeAndAfterEdits) {
     all.environment = sky.environment;
     all.emitters = lampMoved().emitters;
     all.added = sphereAdded().added;
-    for (const auto& [name, look] : {std::pair{"lamp moved", lampMoved()}, std::pair{"sphere added", sphereAdded()}, std::pair{"other environment", sky}, std::pair{"box moved", boxMoved(w)}, std::pair{"all of it", all}}) {
+    for (const auto& [name, look] :
+         {std::pair{"lamp moved", lampMoved()}, std::pair{"sphere added", sphereAdded()},
+          std::pair{"other environment", sky}, std::pair{"box moved", boxMoved(w)}, std::pair{"all of it", all}}) {
         live.setLook(look);
         EXPECT_FALSE(live.refine(0, progress)) << name;
         const auto coarse = live.frame();
@@ -285,12 +299,14 @@ TEST(LiveScene, PowerAndExposureScaleWhatIsKnown) {
     const auto after = live.frame();
     EXPECT_EQ(after->formFactor, before->formFactor);
     EXPECT_EQ(after->mesh, before->mesh) << "geometry did not change";
-    for (size_t v = 0; v < 81; ++v) EXPECT_NEAR(after->radiance[v].x, 0.5f * 2 * (before->distantMatte[v].x + before->formFactor[0][v] * 20), 1e-4);
+    for (size_t v = 0; v < 81; ++v)
+        EXPECT_NEAR(after->radiance[v].x, 0.5f * 2 * (before->distantMatte[v].x + before->formFactor[0][v] * 20), 1e-4);
     look.emitters[0].enabled = false;
     live.setLook(look);
     live.refine(0, progress);
     EXPECT_EQ(live.frame()->emitterRadiance[0], Rgb(0));
-    for (size_t v = 0; v < 81; ++v) EXPECT_NEAR(live.frame()->radiance[v].x, 0.5f * 2 * before->distantMatte[v].x, 1e-4);
+    for (size_t v = 0; v < 81; ++v)
+        EXPECT_NEAR(live.frame()->radiance[v].x, 0.5f * 2 * before->distantMatte[v].x, 1e-4);
 }
 
 TEST(LiveScene, APartThatShinesLightsTheRest) {
@@ -323,7 +339,8 @@ World glossyWorld() {
     const uint32_t last = uint32_t(mesh.vertexCount());
     const std::vector<uint32_t> lamp = test::append(mesh, test::squareAbove(0.8f, 0.2f, -0.6f, 2, 4));
     w.scene = std::make_shared<const Scene>(test::sceneOf(mesh));
-    w.estimate = std::make_shared<Estimate>(test::matteEstimate(*w.scene, Rgb(0), Rgb(1), test::emittersOf(*w.scene, {lamp}, {Rgb(10, 12, 15)})));
+    w.estimate = std::make_shared<Estimate>(
+        test::matteEstimate(*w.scene, Rgb(0), Rgb(1), test::emittersOf(*w.scene, {lamp}, {Rgb(10, 12, 15)})));
     const DirectionGrid grid{w.estimate->environmentSide};
     for (int c = 0; c < grid.cells(); ++c) w.estimate->environment[size_t(c)] = skyTowards(grid.direction(c));
     Reflectance& r = w.estimate->reflectance;
@@ -343,9 +360,12 @@ std::vector<Rgb> glossyReference(const World& w, const Look& look, const Vec3& e
     const Mesh& mesh = relit.scene.mesh;
     std::vector<Rgb> out(w.scene->mesh.vertexCount(), Rgb(0));
     parallelFor(out.size(), 4, [&](size_t v) {
-        if (!(maxChannel(relit.weight[1][v]) > 0) || !(glm::dot(eye - mesh.positions[v], mesh.normals[v]) > 1e-3f * glm::length(eye - mesh.positions[v]))) return;
+        if (!(maxChannel(relit.weight[1][v]) > 0) ||
+            !(glm::dot(eye - mesh.positions[v], mesh.normals[v]) > 1e-3f * glm::length(eye - mesh.positions[v])))
+            return;
         const Mat3 frame = frameAround(mesh.normals[v]);
-        const Vec3 toEye = glm::transpose(frame) * glm::normalize(eye - mesh.positions[v]), origin = rayOrigin(relit.scene, mesh.positions[v], mesh.normals[v]);
+        const Vec3 toEye = glm::transpose(frame) * glm::normalize(eye - mesh.positions[v]),
+                   origin = rayOrigin(relit.scene, mesh.positions[v], mesh.normals[v]);
         constexpr int rays = 4096;
         for (size_t k = 1; k < 3; ++k)
             for (uint32_t i = 0; i < rays; ++i) {
@@ -356,9 +376,12 @@ std::vector<Rgb> glossyReference(const World& w, const Look& look, const Vec3& e
                 Rgb light = relit.distant->radiance(d);
                 if (hit) {
                     const int e = relit.emitterOfTriangle[hit.triangle];
-                    light = e >= 0 && glm::dot(mesh.faceNormal(hit.triangle), d) < 0 ? relit.emitters[size_t(e)].radiance : Rgb(0);
+                    light = e >= 0 && glm::dot(mesh.faceNormal(hit.triangle), d) < 0
+                                ? relit.emitters[size_t(e)].radiance
+                                : Rgb(0);
                 }
-                out[v] += relit.weight[k][v] * light * evaluateLobe(relit.basis.lobes[k], local, toEye) * local.z / (ggxSampleDensity(local, toEye, alpha) * rays);
+                out[v] += relit.weight[k][v] * light * evaluateLobe(relit.basis.lobes[k], local, toEye) * local.z /
+                          (ggxSampleDensity(local, toEye, alpha) * rays);
             }
     });
     return out;
@@ -395,7 +418,9 @@ TEST(LiveScene, LightAtAPointAddsUpToItsRadiance) {
     EXPECT_LT(glm::length(sum - expected), 1e-5f);
     // What arrives, gathered over the square, is what leaves.
     Rgb gathered(0);
-    for (int c = 0; c < at.grid.cells(); ++c) gathered += at.incident[size_t(c)] * std::max(0.0f, glm::dot(at.grid.direction(c), at.normal)) * at.grid.cellSolidAngle() / pi;
+    for (int c = 0; c < at.grid.cells(); ++c)
+        gathered += at.incident[size_t(c)] * std::max(0.0f, glm::dot(at.grid.direction(c), at.normal)) *
+                    at.grid.cellSolidAngle() / pi;
     EXPECT_NEAR(gathered.x * at.weights[0].x, expected.x, 0.1f * expected.x);
 }
 

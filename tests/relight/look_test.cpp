@@ -83,7 +83,8 @@ TEST(Look, TwoEmittersThatAreCalledAlikeAreToldApart) {
     look.added.push_back({AddedEmitter::Shape::disk, "disk-1"});
     look.added.push_back({AddedEmitter::Shape::disk, "disk-2"});
     look.added.back().name = "Key";
-    EXPECT_EQ(emitterNames({"emitter-1", "emitter-2"}, look), (std::vector<std::string>{"emitter-1", "Key", "disk-1", "Key (2)"}));
+    EXPECT_EQ(emitterNames({"emitter-1", "emitter-2"}, look),
+              (std::vector<std::string>{"emitter-1", "Key", "disk-1", "Key (2)"}));
 }
 
 TEST(Look, NamesTheFieldThatIsBad) {
@@ -136,9 +137,7 @@ TEST(Look, NamesTheFieldThatIsBad) {
         std::string message;
         try {
             lookFromJson(document, "");
-        } catch (const Error& error) {
-            message = error.what();
-        } catch (const std::exception& error) {
+        } catch (const Error& error) { message = error.what(); } catch (const std::exception& error) {
             message = std::string("not an Error: ") + error.what();
         }
         EXPECT_EQ(message.substr(0, std::strlen(c.message)), c.message) << c.pointer << " = " << c.value;
@@ -147,8 +146,11 @@ TEST(Look, NamesTheFieldThatIsBad) {
 }
 
 TEST(Look, MissingNeedsAreNamed) {
-    for (const auto& [remove, message] : {std::pair{"/environment/file", "environment.file: expected a text"}, std::pair{"/emitters/0/id", "emitters[0].id: expected a text"},
-                                          std::pair{"/added_emitters/0/shape", "added_emitters[0].shape: expected a text"}, std::pair{"/parts/0/seed_vertex", "parts[0].seed_vertex: expected a vertex number"}}) {
+    for (const auto& [remove, message] :
+         {std::pair{"/environment/file", "environment.file: expected a text"},
+          std::pair{"/emitters/0/id", "emitters[0].id: expected a text"},
+          std::pair{"/added_emitters/0/shape", "added_emitters[0].shape: expected a text"},
+          std::pair{"/parts/0/seed_vertex", "parts[0].seed_vertex: expected a vertex number"}}) {
         json document = whole();
         const json::json_pointer pointer(remove);
         document[pointer.parent_pointer()].erase(pointer.back());

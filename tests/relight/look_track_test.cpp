@@ -103,7 +103,9 @@ TEST(LookTrack, CallsAnEmitterTheSameInEveryFrame) {
     last.added[0].name = "Rim";
     const LookTrack track({{1, first}, {10, last}});
     for (const int frame : {1, 5, 10})
-        EXPECT_EQ(emitterNames({"emitter-1", "emitter-2"}, track.at(frame, {})), (std::vector<std::string>{"Key", "Fill", "Rim"})) << frame;
+        EXPECT_EQ(emitterNames({"emitter-1", "emitter-2"}, track.at(frame, {})),
+                  (std::vector<std::string>{"Key", "Fill", "Rim"}))
+            << frame;
 }
 
 TEST(LookTrack, NamesTheKeyThatIsWrong) {
@@ -112,15 +114,17 @@ TEST(LookTrack, NamesTheKeyThatIsWrong) {
         const auto file = folder.write("k.json", "{\"keys\": " + keys + "}");
         return test::messageOf([&] { readLookTrack(file); });
     };
-    const std::vector<std::pair<std::string, std::string>> wrong{{"3", "k.json: keys: "},
-                                                                 {"[]", "k.json: keys: is empty"},
-                                                                 {"[1]", "k.json: keys[0]: "},
-                                                                 {R"([{"look": {}}])", "k.json: keys[0].frame: "},
-                                                                 {R"([{"frame": 1.5, "look": {}}])", "k.json: keys[0].frame: "},
-                                                                 {R"([{"frame": 1}])", "k.json: keys[0].look: "},
-                                                                 {R"([{"frame": 1, "look": {}}, {"frame": 1, "look": {}}])", "k.json: keys: frame 1 has two"},
-                                                                 {R"([{"frame": 1, "look": {"emitters": [{"id": 3}]}}])", "k.json: keys[0].look: emitters[0].id"}};
-    for (const auto& [keys, message] : wrong) EXPECT_NE(messageFor(keys).find("/" + message), std::string::npos) << keys << "\n" << messageFor(keys);
+    const std::vector<std::pair<std::string, std::string>> wrong{
+        {"3", "k.json: keys: "},
+        {"[]", "k.json: keys: is empty"},
+        {"[1]", "k.json: keys[0]: "},
+        {R"([{"look": {}}])", "k.json: keys[0].frame: "},
+        {R"([{"frame": 1.5, "look": {}}])", "k.json: keys[0].frame: "},
+        {R"([{"frame": 1}])", "k.json: keys[0].look: "},
+        {R"([{"frame": 1, "look": {}}, {"frame": 1, "look": {}}])", "k.json: keys: frame 1 has two"},
+        {R"([{"frame": 1, "look": {"emitters": [{"id": 3}]}}])", "k.json: keys[0].look: emitters[0].id"}};
+    for (const auto& [keys, message] : wrong)
+        EXPECT_NE(messageFor(keys).find("/" + message), std::string::npos) << keys << "\n" << messageFor(keys);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Frames against pictures path traced by Mitsuba's authors (direct light only). The folder is test data beside the source tree;
-// MANIFEST.md there describes the scenes.
+// Frames against pictures path traced by Mitsuba's authors (direct light only). The folder is test data beside the
+// source tree; MANIFEST.md there describes the scenes.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -17,18 +17,23 @@ namespace fs = std::filesystem;
 class References : public testing::Test {
 protected:
     void SetUp() override {
-        if (!fs::exists(folder)) GTEST_SKIP() << folder << " does not exist: the reference pictures are test data that is not shipped.";
+        if (!fs::exists(folder))
+            GTEST_SKIP() << folder << " does not exist: the reference pictures are test data that is not shipped.";
     }
     /// Origin (0, 0, 4), looks at the origin, tan of half the field of view 0.305941.
-    static Camera camera(int side) { return test::cameraAt({0, 0, 4}, {0, 0, 0}, side, side, side / 2 / 0.305941, {0, 1, 0}); }
-    static Frame render(const Scene& scene, const Estimate& estimate, const Look& look, int side, bool background = false) {
+    static Camera camera(int side) {
+        return test::cameraAt({0, 0, 4}, {0, 0, 0}, side, side, side / 2 / 0.305941, {0, 1, 0});
+    }
+    static Frame render(const Scene& scene, const Estimate& estimate, const Look& look, int side,
+                        bool background = false) {
         FrameOptions options;
         options.samplesPerPixel = 16;
         options.background = background;
         Progress progress;
         return renderFrame(test::relitOf(scene, estimate, look), camera(side), options, progress);
     }
-    /// Differences over the picture, relative to the reference's mean: of the means, and the median and 95th percentile of pixels.
+    /// Differences over the picture, relative to the reference's mean: of the means, and the median and 95th percentile
+    /// of pixels.
     struct Difference {
         double mean = 0, median = 0, p95 = 0;
     };
@@ -46,7 +51,8 @@ protected:
         std::sort(off.begin(), off.end());
         const double scale = sumB / double(off.size());
         const Difference d{sumA / sumB - 1, off[off.size() / 2] / scale, off[off.size() * 95 / 100] / scale};
-        std::printf("%s: means differ by %.2f %%, pixels by %.2f %% (median), %.2f %% (95th percentile)\n", name.c_str(), d.mean * 100, d.median * 100, d.p95 * 100);
+        std::printf("%s: means differ by %.2f %%, pixels by %.2f %% (median), %.2f %% (95th percentile)\n",
+                    name.c_str(), d.mean * 100, d.median * 100, d.p95 * 100);
         return d;
     }
     static Mesh plane(float half) { return test::sheet({-half, -half, 0}, {2 * half, 0, 0}, {0, 2 * half, 0}, 2, 2); }
@@ -75,7 +81,8 @@ TEST_F(References, ConstantEnvironmentOverAPlaneAndASphere) {
     Mesh mesh = plane(1);
     test::append(mesh, test::ball({0, 0, 0}, 0.25f, 64, 128));
     const Scene scene = test::sceneOf(mesh);
-    const Difference d = compare(render(scene, test::matteEstimate(scene, Rgb(0.5f), Rgb(1)), {}, 128, true), "mitsuba_constant_emitter_radiance.exr");
+    const Difference d = compare(render(scene, test::matteEstimate(scene, Rgb(0.5f), Rgb(1)), {}, 128, true),
+                                 "mitsuba_constant_emitter_radiance.exr");
     EXPECT_NEAR(d.mean, 0, 0.005);
     EXPECT_LT(d.median, 0.02);
     EXPECT_LT(d.p95, 0.2);
@@ -87,7 +94,8 @@ TEST_F(References, ShadowOfASphereUnderASmallFarBulb) {
     const Scene scene = test::sceneOf(mesh);
     Look look;
     look.added.push_back({AddedEmitter::Shape::sphere, "bulb", test::translation({4, 0, 4}), Vec2(0.1f), Rgb(1000)});
-    const Difference d = compare(render(scene, test::matteEstimate(scene, Rgb(0.5f), Rgb(0)), look, 128), "mitsuba_translate_occluder_area_light.exr");
+    const Difference d = compare(render(scene, test::matteEstimate(scene, Rgb(0.5f), Rgb(0)), look, 128),
+                                 "mitsuba_translate_occluder_area_light.exr");
     EXPECT_NEAR(d.mean, 0, 0.01);
     EXPECT_LT(d.median, 0.02);
     EXPECT_LT(d.p95, 0.2);
@@ -102,7 +110,9 @@ TEST_F(References, PlaneUnderAPhotographedEnvironment) {
             const Vec3 d = directionFromLatLong({(x + 0.5f) / ours.width, (y + 0.5f) / ours.height});
             float p = std::atan2(d.x, -d.z) / (2 * pi);
             p -= std::floor(p);
-            const int u = std::min(int(p * theirs.width), theirs.width - 1), v = std::min(int(std::acos(std::clamp(d.y, -1.0f, 1.0f)) / pi * theirs.height), theirs.height - 1);
+            const int u = std::min(int(p * theirs.width), theirs.width - 1),
+                      v = std::min(int(std::acos(std::clamp(d.y, -1.0f, 1.0f)) / pi * theirs.height),
+                                   theirs.height - 1);
             ours.at(x, y) = theirs.at(u, v);
         }
     const Scene scene = test::sceneOf(plane(3));

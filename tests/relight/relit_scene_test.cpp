@@ -12,7 +12,8 @@ namespace {
 
 using test::append;
 
-/// A sheet of 4 x 4 quads at z = 0 whose middle four quads are a lamp that shares its rim with the rest, and a floor below.
+/// A sheet of 4 x 4 quads at z = 0 whose middle four quads are a lamp that shares its rim with the rest, and a floor
+/// below.
 struct World {
     Scene scene;
     EmitterClusters clusters;
@@ -26,7 +27,9 @@ World world() {
     w.sheetVertices = mesh.vertexCount();
     std::vector<uint32_t> lamp;
     for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-        const Vec3 c = (mesh.positions[mesh.triangles[t][0]] + mesh.positions[mesh.triangles[t][1]] + mesh.positions[mesh.triangles[t][2]]) / 3.0f;
+        const Vec3 c = (mesh.positions[mesh.triangles[t][0]] + mesh.positions[mesh.triangles[t][1]] +
+                        mesh.positions[mesh.triangles[t][2]]) /
+                       3.0f;
         if (std::abs(c.x) < 1 && std::abs(c.y) < 1) lamp.push_back(t);
     }
     append(mesh, test::sheet({-2, -2, -3}, {4, 0, 0}, {0, 4, 0}, 2, 2));
@@ -63,9 +66,11 @@ TEST(ApplyLook, MovesAnEmitterAndDoublesTheVerticesItShares) {
     for (size_t t = 0; t < relit.scene.mesh.triangles.size(); ++t) {
         const bool lamp = relit.emitterOfTriangle[t] == 0;
         EXPECT_EQ(relit.emitterOfTriangle[t], w.clusters.emitterOfTriangle[t]);
-        EXPECT_NEAR(relit.scene.mesh.triangleArea(t), w.scene.mesh.triangleArea(t), 1e-5) << "triangle " << t << " was stretched";
+        EXPECT_NEAR(relit.scene.mesh.triangleArea(t), w.scene.mesh.triangleArea(t), 1e-5)
+            << "triangle " << t << " was stretched";
         for (int k = 0; k < 3; ++k) {
-            const Vec3 before = w.scene.mesh.positions[w.scene.mesh.triangles[t][size_t(k)]], now = relit.scene.mesh.positions[relit.scene.mesh.triangles[t][size_t(k)]];
+            const Vec3 before = w.scene.mesh.positions[w.scene.mesh.triangles[t][size_t(k)]],
+                       now = relit.scene.mesh.positions[relit.scene.mesh.triangles[t][size_t(k)]];
             EXPECT_LT(glm::length(now - before - Vec3(0, 0, lamp ? -1 : 0)), 1e-5f);
         }
     }
@@ -86,7 +91,8 @@ TEST(ApplyLook, TakesTheEmitterAlongWithItsPartOnlyByItsOwnMatrix) {
         for (size_t t = 0; t < relit.scene.mesh.triangles.size(); ++t) {
             const bool moves = t < 32 && relit.emitterOfTriangle[t] < 0;
             for (int k = 0; k < 3; ++k) {
-                const Vec3 before = w.scene.mesh.positions[w.scene.mesh.triangles[t][size_t(k)]], now = relit.scene.mesh.positions[relit.scene.mesh.triangles[t][size_t(k)]];
+                const Vec3 before = w.scene.mesh.positions[w.scene.mesh.triangles[t][size_t(k)]],
+                           now = relit.scene.mesh.positions[relit.scene.mesh.triangles[t][size_t(k)]];
                 EXPECT_LT(glm::length(now - before - Vec3(0, 0, moves ? -1 : 0)), 1e-5f) << t;
             }
         }
@@ -96,7 +102,8 @@ TEST(ApplyLook, TakesTheEmitterAlongWithItsPartOnlyByItsOwnMatrix) {
     const RelitScene relit = test::relitOf(w.scene, w.estimate, look);
     for (size_t t = 0; t < relit.scene.mesh.triangles.size(); ++t)
         for (int k = 0; k < 3; ++k) {
-            const Vec3 before = w.scene.mesh.positions[w.scene.mesh.triangles[t][size_t(k)]], now = relit.scene.mesh.positions[relit.scene.mesh.triangles[t][size_t(k)]];
+            const Vec3 before = w.scene.mesh.positions[w.scene.mesh.triangles[t][size_t(k)]],
+                       now = relit.scene.mesh.positions[relit.scene.mesh.triangles[t][size_t(k)]];
             EXPECT_LT(glm::length(now - before - Vec3(0, 0, t < 32 ? -1 : 0)), 1e-5f) << t;
         }
 }
@@ -110,9 +117,7 @@ TEST(ApplyLook, KeepsAMirroredEmitterFacingAsItsSurfaceDoes) {
     const RelitScene relit = test::relitOf(w.scene, w.estimate, look);
     for (const Vec3& n : relit.emitters[0].surface.normals) EXPECT_LT(n.z, -0.99f);
     for (size_t t = 0; t < relit.scene.mesh.triangles.size(); ++t)
-        if (relit.emitterOfTriangle[t] == 0) {
-            EXPECT_LT(relit.scene.mesh.faceNormal(t).z, -0.99f);
-        }
+        if (relit.emitterOfTriangle[t] == 0) { EXPECT_LT(relit.scene.mesh.faceNormal(t).z, -0.99f); }
 }
 
 TEST(ApplyLook, SwitchesAnEmitterOffWithoutTakingItAway) {
@@ -139,7 +144,8 @@ TEST(ApplyLook, AddsEmittersOfTheSizeAskedForThatFaceDown) {
     for (const size_t e : {1u, 2u})
         for (const Vec3& n : relit.emitters[e].surface.normals) EXPECT_LT(n.z, -0.99f);
     for (size_t t = 0; t < relit.emitters[3].surface.centres.size(); ++t)
-        EXPECT_GT(glm::dot(relit.emitters[3].surface.normals[t], relit.emitters[3].surface.centres[t] - Vec3(6, 0, 2)), 0.9f);
+        EXPECT_GT(glm::dot(relit.emitters[3].surface.normals[t], relit.emitters[3].surface.centres[t] - Vec3(6, 0, 2)),
+                  0.9f);
     EXPECT_EQ(relit.emitterOfTriangle.size(), relit.scene.mesh.triangles.size());
     EXPECT_EQ(relit.weight[0].size(), relit.scene.mesh.vertexCount());
     EXPECT_EQ(relit.emitterOfTriangle.back(), 3);
@@ -159,12 +165,15 @@ TEST(ApplyLook, NamesWhatDoesNotExist) {
     const World w = world();
     Look unknown, outside, noFile;
     unknown.emitters.push_back({"emitter-7", true, Mat4(1), Rgb(1)});
-    EXPECT_EQ(test::messageOf([&] { test::relitOf(w.scene, w.estimate, unknown); }), "emitters: there is no emitter named emitter-7");
+    EXPECT_EQ(test::messageOf([&] { test::relitOf(w.scene, w.estimate, unknown); }),
+              "emitters: there is no emitter named emitter-7");
     outside.parts.push_back({34, Mat4(1)});
-    EXPECT_EQ(test::messageOf([&] { test::relitOf(w.scene, w.estimate, outside); }), "parts: seed_vertex 34 does not exist, the mesh has 34 vertices");
+    EXPECT_EQ(test::messageOf([&] { test::relitOf(w.scene, w.estimate, outside); }),
+              "parts: seed_vertex 34 does not exist, the mesh has 34 vertices");
     noFile.environment.source = EnvironmentLook::Source::file;
     noFile.environment.file = "/nowhere/sky.exr";
-    EXPECT_NE(test::messageOf([&] { test::relitOf(w.scene, w.estimate, noFile); }).find("/nowhere/sky.exr"), std::string::npos);
+    EXPECT_NE(test::messageOf([&] { test::relitOf(w.scene, w.estimate, noFile); }).find("/nowhere/sky.exr"),
+              std::string::npos);
 }
 
 TEST(ApplyLook, EnvironmentIsScaledTintedTurnedOrReplaced) {

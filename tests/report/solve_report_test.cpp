@@ -14,7 +14,8 @@ SolveReport byHand() {
     r.shot = "a & b.relamp";
     r.capture = "room";
     r.estimate.mode = "near-field";
-    r.estimate.timeline = {{0.5, "light from ratios", 0, 9, 0.4}, {0.8, "light from ratios", 1, 5, 0.2}, {1.5, "reflectance", 2, 0, 0.1}};
+    r.estimate.timeline = {
+        {0.5, "light from ratios", 0, 9, 0.4}, {0.8, "light from ratios", 1, 5, 0.2}, {1.5, "reflectance", 2, 0, 0.1}};
     r.estimate.stability = {1e-9, 1e4, 3, 4, "", {1, 0.1f, 1e-3f, 1e-7f}};
     r.estimate.leftOut = {{"glossy lobes", "no surface changes with the view"}};
     r.views = {{"one, two.exr", 31.25, 0}};
@@ -24,7 +25,8 @@ SolveReport byHand() {
 TEST(SolveReport, IsOnePageWithoutAnythingFromElsewhere) {
     const std::string page = reportPage(byHand());
     EXPECT_NE(page.find("a &amp; b.relamp"), std::string::npos);
-    for (const char* word : {"light from ratios", "glossy lobes", "3 of 4", "31.2 dB", "<svg"}) EXPECT_NE(page.find(word), std::string::npos) << word;
+    for (const char* word : {"light from ratios", "glossy lobes", "3 of 4", "31.2 dB", "<svg"})
+        EXPECT_NE(page.find(word), std::string::npos) << word;
     EXPECT_EQ(page.find("<script"), std::string::npos);
     EXPECT_EQ(page.find("src=\"http"), std::string::npos);
     EXPECT_EQ(reportPage(byHand()), page);
@@ -36,7 +38,9 @@ TEST(SolveReport, ShowsThePlanBesideWhatWasMeasured) {
     r.estimate.plan.stages.push_back({"visibility & more", 2.5, 3.25, 40, 41});
     r.estimate.plan.leftOut.push_back({"distant light", "the surroundings are black", 7, 30});
     const std::string page = reportPage(r);
-    for (const char* word : {"visibility &amp; more", "2.50 s", "3.25 s", "40 MiB", "the surroundings are black", "7.00 s"}) EXPECT_NE(page.find(word), std::string::npos) << word;
+    for (const char* word :
+         {"visibility &amp; more", "2.50 s", "3.25 s", "40 MiB", "the surroundings are black", "7.00 s"})
+        EXPECT_NE(page.find(word), std::string::npos) << word;
 }
 
 TEST(SolveReport, ShowsTheTruthOverTime) {
@@ -51,24 +55,36 @@ TEST(SolveReport, ShowsTheTruthOverTime) {
 
 TEST(SolveReport, QuotesWhatACommaWouldSplit) {
     EXPECT_EQ(viewsCsv(byHand()), "view,psnr_db,distant_only_psnr_db\n\"one, two.exr\",31.250,\n");
-    EXPECT_EQ(timelineCsv(byHand()).substr(0, 89), "mode,seconds,stage,iteration,objective,error\nnear-field,0.5000,light from ratios,0,9,0.4\n");
+    EXPECT_EQ(timelineCsv(byHand()).substr(0, 89),
+              "mode,seconds,stage,iteration,objective,error\nnear-field,0.5000,light from ratios,0,9,0.4\n");
 }
 
 TEST(SolveReport, IsWrittenForAShotWithDistantOnlyBesideIt) {
     const test::TemporaryFolder folder;
     test::paintKnownWorld(folder / "capture", true, 6, 12);
-    ASSERT_EQ(test::runProgram({RELAMP_BINARY, "solve", folder / "capture", "-o", folder / "x.relamp", "--quality", "draft", "--quiet"}).exitCode, 0);
-    const test::ProgramResult r = test::runProgram({RELAMP_BINARY, "report", folder / "x.relamp", "-o", folder / "r.html", "--against-distant", "on", "--quiet"});  // by itself only after a quick solve
+    ASSERT_EQ(test::runProgram({RELAMP_BINARY, "solve", folder / "capture", "-o", folder / "x.relamp", "--quality",
+                                "draft", "--quiet"})
+                  .exitCode,
+              0);
+    const test::ProgramResult r =
+        test::runProgram({RELAMP_BINARY, "report", folder / "x.relamp", "-o", folder / "r.html", "--against-distant",
+                          "on", "--quiet"});  // by itself only after a quick solve
     ASSERT_EQ(r.exitCode, 0) << r.error;
     EXPECT_NE(r.out.find("r.html"), std::string::npos);
-    for (const char* file : {"r.html", "r-timeline.csv", "r-views.csv", "r-error.svg", "r-spectrum.svg"}) EXPECT_TRUE(std::filesystem::exists(folder / file)) << file;
+    for (const char* file : {"r.html", "r-timeline.csv", "r-views.csv", "r-error.svg", "r-spectrum.svg"})
+        EXPECT_TRUE(std::filesystem::exists(folder / file)) << file;
     EXPECT_NE(test::TemporaryFolder::read(folder / "r-timeline.csv").find("distant-only,"), std::string::npos);
     // Without its photographs the report says so and has the rest.
     std::filesystem::remove_all(folder / "capture/images");
-    EXPECT_EQ(test::runProgram({RELAMP_BINARY, "report", folder / "x.relamp", "-o", folder / "s.html", "--quiet"}).exitCode, 0);
+    EXPECT_EQ(
+        test::runProgram({RELAMP_BINARY, "report", folder / "x.relamp", "-o", folder / "s.html", "--quiet"}).exitCode,
+        0);
     EXPECT_NE(test::TemporaryFolder::read(folder / "s.html").find("Not measured"), std::string::npos);
     EXPECT_EQ(test::runProgram({RELAMP_BINARY, "report", folder / "x.relamp", "-o", folder / "page"}).exitCode, 2);
-    EXPECT_EQ(test::runProgram({RELAMP_BINARY, "report", folder / "x.relamp", "-o", folder / "t.html", "--truth", folder / "absent"}).exitCode, 3);
+    EXPECT_EQ(test::runProgram(
+                  {RELAMP_BINARY, "report", folder / "x.relamp", "-o", folder / "t.html", "--truth", folder / "absent"})
+                  .exitCode,
+              3);
 }
 
 }  // namespace

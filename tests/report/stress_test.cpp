@@ -50,9 +50,11 @@ TEST(Stress, UnitsOrderAndAxesDoNotMatter) {
         ASSERT_TRUE(named(name)) << name;
         EXPECT_EQ(figure(*named(name), "difference"), 0) << name;
     }
-    for (const char* name : {"world: images x 1e-6", "world: images x 1e6", "world: in millimetres", "world: in kilometres", "world: far from the origin", "world: views in another order",
-                             "world: vertices in another order", "world: emitters in another order", "world: turned by 90 degrees", "world: turned by 33 degrees",
-                             "world: turned about a slanting axis"}) {
+    for (const char* name :
+         {"world: images x 1e-6", "world: images x 1e6", "world: in millimetres", "world: in kilometres",
+          "world: far from the origin", "world: views in another order", "world: vertices in another order",
+          "world: emitters in another order", "world: turned by 90 degrees", "world: turned by 33 degrees",
+          "world: turned about a slanting axis"}) {
         ASSERT_TRUE(named(name)) << name;
         EXPECT_LT(figure(*named(name), "difference"), 1e-4) << name;
     }
@@ -89,9 +91,11 @@ TEST(Stress, ALampIsFoundThoughExposuresDiffer) {
     const StressWorld world;
     const Capture painted = paintStressWorld(world, progress).capture;
     for (const uint64_t seed : {1, 2, 3}) {
-        const Estimate found = solveForStress(withExposures(painted, 0.1f, seed), nullptr, false, solveOptionsFor("draft"), progress);
+        const Estimate found =
+            solveForStress(withExposures(painted, 0.1f, seed), nullptr, false, solveOptionsFor("draft"), progress);
         ASSERT_EQ(found.emitters.emitters.size(), 1u) << seed;
-        for (int c = 0; c < 3; ++c) EXPECT_NEAR(found.lighting.emitterRadiance[0][c] / world.lamps[0].radiance[c], 1, 0.15) << seed;
+        for (int c = 0; c < 3; ++c)
+            EXPECT_NEAR(found.lighting.emitterRadiance[0][c] / world.lamps[0].radiance[c], 1, 0.15) << seed;
     }
 }
 

@@ -48,7 +48,8 @@ TEST(VertexPictures, clustersAreGreyButForEmitters) {
     Mesh mesh = test::sheet({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 2, 2);
     const std::vector<uint32_t> lamp = test::append(mesh, test::squareAbove(0.2f, 0, 0, 1));
     const Scene scene = test::sceneOf(mesh);
-    const Estimate e = test::matteEstimate(scene, Rgb(0.2f, 0.4f, 0.2f), Rgb(1), test::emittersOf(scene, {lamp}, {Rgb(3)}));
+    const Estimate e =
+        test::matteEstimate(scene, Rgb(0.2f, 0.4f, 0.2f), Rgb(1), test::emittersOf(scene, {lamp}, {Rgb(3)}));
     const std::vector<Rgb> colours = clusterColours(e);
     ASSERT_EQ(colours.size(), mesh.vertexCount());
     EXPECT_EQ(colours[0].x, colours[0].y);

@@ -1,4 +1,5 @@
-// Two tasks write one number: what ThreadSanitizer must find in spite of the suppressions, or it would find nothing in relamp's tasks either.
+// Two tasks write one number: what ThreadSanitizer must find in spite of the suppressions, or it would find nothing in
+// relamp's tasks either.
 #include <cstdio>
 #include <thread>
 

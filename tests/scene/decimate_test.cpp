@@ -13,7 +13,8 @@ namespace {
 Mesh squareWithHole(int cells) {
     Mesh mesh;
     for (int y = 0; y <= cells; ++y)
-        for (int x = 0; x <= cells; ++x) mesh.positions.push_back({float(x) / float(cells), float(y) / float(cells), 0});
+        for (int x = 0; x <= cells; ++x)
+            mesh.positions.push_back({float(x) / float(cells), float(y) / float(cells), 0});
     const auto at = [&](int x, int y) { return uint32_t(y * (cells + 1) + x); };
     for (int y = 0; y < cells; ++y)
         for (int x = 0; x < cells; ++x) {
@@ -30,8 +31,9 @@ Mesh ball(int rings, int sectors, Vec3 centre = Vec3(0), float radius = 1) {
     for (int i = 0; i <= rings; ++i)
         for (int k = 0; k < sectors; ++k) {
             const float theta = float(i) / float(rings) * pi, phi = float(k) / float(sectors) * 2 * pi;
-            const float across = i == 0 || i == rings ? 0.0f : std::sin(theta);   // the poles' vertices lie at one place
-            mesh.positions.push_back(centre + radius * Vec3(across * std::cos(phi), across * std::sin(phi), std::cos(theta)));
+            const float across = i == 0 || i == rings ? 0.0f : std::sin(theta);  // the poles' vertices lie at one place
+            mesh.positions.push_back(centre +
+                                     radius * Vec3(across * std::cos(phi), across * std::sin(phi), std::cos(theta)));
         }
     const auto at = [&](int i, int k) { return uint32_t(i * sectors + k % sectors); };
     for (int i = 0; i < rings; ++i)
@@ -71,7 +73,8 @@ TEST(Decimate, KeepsTheShapeOfABall) {
         EXPECT_EQ(d.mesh.positions[v], mesh.positions[d.vertex[v]]);
         EXPECT_GT(glm::dot(d.mesh.normals[v], d.mesh.positions[v]), 0.995f);
     }
-    for (size_t t = 0; t < d.mesh.triangles.size(); ++t) EXPECT_GT(glm::dot(d.mesh.faceNormal(t), d.mesh.positions[d.mesh.triangles[t][0]]), 0.8f);
+    for (size_t t = 0; t < d.mesh.triangles.size(); ++t)
+        EXPECT_GT(glm::dot(d.mesh.faceNormal(t), d.mesh.positions[d.mesh.triangles[t][0]]), 0.8f);
 }
 
 TEST(Decimate, KeepsTheRimsOfHoles) {
@@ -89,7 +92,8 @@ TEST(Decimate, PlacesLieOnTheDecimatedMeshWhereTheVertexWas) {
     for (size_t v = 0; v < mesh.vertexCount(); ++v) {
         ASSERT_NE(d.places[v].triangle, SurfacePlace::none);
         Vec3 p(0);
-        for (int k = 0; k < 3; ++k) p += d.places[v].weight[k] * d.mesh.positions[d.mesh.triangles[d.places[v].triangle][size_t(k)]];
+        for (int k = 0; k < 3; ++k)
+            p += d.places[v].weight[k] * d.mesh.positions[d.mesh.triangles[d.places[v].triangle][size_t(k)]];
         EXPECT_LT(glm::length(p - mesh.positions[v]), 0.012f);
     }
 }

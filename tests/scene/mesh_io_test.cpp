@@ -35,7 +35,8 @@ std::string asciiPly(const std::string& vertices, const std::string& faces, cons
 }
 
 /// A mesh from the text of vertices and faces, in a file of its own.
-Mesh fromAscii(const std::string& vertices, const std::string& faces, const std::string& body, MeshReport* report = nullptr) {
+Mesh fromAscii(const std::string& vertices, const std::string& faces, const std::string& body,
+               MeshReport* report = nullptr) {
     test::TemporaryFolder folder;
     return readMesh(folder.write("mesh.ply", asciiPly(vertices, faces, body)), report);
 }
@@ -80,9 +81,12 @@ TEST(MeshIo, BinaryPlyOfEitherByteOrderIsRead) {
 
 TEST(MeshIo, PlyWithUnknownElementsAndPropertiesIsRead) {
     std::string bytes =
-        "ply\r\nformat binary_little_endian 1.0\r\nobj_info scanner\r\nelement camera 2\r\nproperty list int double pose\r\n"
-        "property uchar flag\r\nelement vertex 4\r\nproperty list uchar short neighbours\r\nproperty double z\r\nproperty uchar red\r\n"
-        "property double y\r\nproperty float x\r\nelement face 1\r\nproperty float quality\r\nproperty list uint ushort vertex_index\r\n"
+        "ply\r\nformat binary_little_endian 1.0\r\nobj_info scanner\r\nelement camera 2\r\nproperty list int double "
+        "pose\r\n"
+        "property uchar flag\r\nelement vertex 4\r\nproperty list uchar short neighbours\r\nproperty double "
+        "z\r\nproperty uchar red\r\n"
+        "property double y\r\nproperty float x\r\nelement face 1\r\nproperty float quality\r\nproperty list uint "
+        "ushort vertex_index\r\n"
         "element edge 1\r\nproperty int a\r\nend_header\r\n";
     for (const int32_t count : {2, 0}) {
         put(bytes, count);
@@ -133,12 +137,18 @@ TEST(MeshIo, AsciiPlyObjAndOffAreRead) {
     test::TemporaryFolder folder;
     MeshReport report;
     expectSquare(fromAscii("4", "1", "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3", &report), report);
-    const Mesh obj = readMesh(folder.write("a.obj", "# a square\r\nmtllib x.mtl\r\nv 0 0 0\r\nv 1 0 0 1\r\nv +1 1 0 0.5 0.5 0.5\r\nv 0 1 0\r\n"
-                                                    "vt 0 0\r\ng one\r\nf 1/1 2/1 \\\r\n3/1 -1/1\r\n"), &report);
+    const Mesh obj = readMesh(
+        folder.write("a.obj",
+                     "# a square\r\nmtllib x.mtl\r\nv 0 0 0\r\nv 1 0 0 1\r\nv +1 1 0 0.5 0.5 0.5\r\nv 0 1 0\r\n"
+                     "vt 0 0\r\ng one\r\nf 1/1 2/1 \\\r\n3/1 -1/1\r\n"),
+        &report);
     expectSquare(obj, report);
-    const Mesh off = readMesh(folder.write("a.off", "# comment\nOFF\n4 1 0\n0 0 0\n1 0 0 # here\n\n1 1 0\n0 1 0\n4 0 1 2 3 255 0 0\n"), &report);
+    const Mesh off = readMesh(
+        folder.write("a.off", "# comment\nOFF\n4 1 0\n0 0 0\n1 0 0 # here\n\n1 1 0\n0 1 0\n4 0 1 2 3 255 0 0\n"),
+        &report);
     expectSquare(off, report);
-    const Mesh coff = readMesh(folder.write("b.off", "COFF 4 1 0\n0 0 0 9 9 9\n1 0 0 9 9 9\n1 1 0 9 9 9\n0 1 0 9 9 9\n4 0 1 2 3\n"), &report);
+    const Mesh coff = readMesh(
+        folder.write("b.off", "COFF 4 1 0\n0 0 0 9 9 9\n1 0 0 9 9 9\n1 1 0 9 9 9\n0 1 0 9 9 9\n4 0 1 2 3\n"), &report);
     expectSquare(coff, report);
 }
 
@@ -190,7 +200,8 @@ TEST(MeshIo, SeamsAreNoHoles) {
 
 TEST(MeshIo, VerticesThatAreNotFiniteLoseTheirFacesAndKeepTheirPlace) {
     MeshReport report;
-    const Mesh mesh = fromAscii("6", "4", "0 0 0\nnan 0 0\n1 0 0\n0 1 0\n0 inf 0\n1e30 0 0\n3 0 1 2\n3 0 2 3\n3 0 2 4\n3 0 3 5\n", &report);
+    const Mesh mesh = fromAscii(
+        "6", "4", "0 0 0\nnan 0 0\n1 0 0\n0 1 0\n0 inf 0\n1e30 0 0\n3 0 1 2\n3 0 2 3\n3 0 2 4\n3 0 3 5\n", &report);
     EXPECT_EQ(report.nanVertices, 3u);
     EXPECT_EQ(mesh.vertexCount(), 6u);
     ASSERT_EQ(mesh.triangles.size(), 1u);
@@ -202,7 +213,8 @@ TEST(MeshIo, VerticesThatAreNotFiniteLoseTheirFacesAndKeepTheirPlace) {
 
 TEST(MeshIo, FacesWithoutAreaAndRepeatedFacesAreDroppedAndCounted) {
     MeshReport report;
-    const Mesh mesh = fromAscii("4", "6", "0 0 0\n1 0 0\n2 0 0\n0 1 0\n3 0 1 3\n3 0 1 2\n3 0 0 1\n3 1 3 0\n3 3 1 0\n2 0 1\n", &report);
+    const Mesh mesh = fromAscii(
+        "4", "6", "0 0 0\n1 0 0\n2 0 0\n0 1 0\n3 0 1 3\n3 0 1 2\n3 0 0 1\n3 1 3 0\n3 3 1 0\n2 0 1\n", &report);
     EXPECT_EQ(mesh.triangles.size(), 1u);
     EXPECT_EQ(report.degenerateFaces, 2u);
     EXPECT_EQ(report.duplicateFaces, 2u);
@@ -211,20 +223,28 @@ TEST(MeshIo, FacesWithoutAreaAndRepeatedFacesAreDroppedAndCounted) {
 
 TEST(MeshIo, FacesThatNameNoVertexAreDroppedAndCounted) {
     MeshReport report;
-    const Mesh mesh = fromAscii("3", "4", "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 1 3\n3 0 -1 2\n3 0 1 4000000000\n", &report);
+    const Mesh mesh =
+        fromAscii("3", "4", "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 1 3\n3 0 -1 2\n3 0 1 4000000000\n", &report);
     EXPECT_EQ(mesh.triangles.size(), 1u);
     EXPECT_EQ(report.badIndexFaces, 3u);
     test::TemporaryFolder folder;
-    readMesh(folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 0 1 2\nf 1 2 9\nf -4 1 2\nf 1 2 99999999999999999999\nf a b c\n"), &report);
+    readMesh(
+        folder.write(
+            "a.obj",
+            "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 0 1 2\nf 1 2 9\nf -4 1 2\nf 1 2 99999999999999999999\nf a b c\n"),
+        &report);
     EXPECT_EQ(report.triangles, 1u);
     EXPECT_EQ(report.badIndexFaces, 5u);
 }
 
 TEST(MeshIo, MeshesWithoutASurfaceAreRefused) {
-    EXPECT_EQ(errorFor("a.ply", asciiPly("2", "0", "0 0 0\n1 1 1\n")), "holds 2 vertices and no faces, expected a surface of triangles");
-    EXPECT_NE(errorFor("a.ply", asciiPly("3", "1", "0 0 0\n1 0 0\n2 0 0\n3 0 1 2\n")).find("holds no usable triangle: of 1 faces 0 touch"),
+    EXPECT_EQ(errorFor("a.ply", asciiPly("2", "0", "0 0 0\n1 1 1\n")),
+              "holds 2 vertices and no faces, expected a surface of triangles");
+    EXPECT_NE(errorFor("a.ply", asciiPly("3", "1", "0 0 0\n1 0 0\n2 0 0\n3 0 1 2\n"))
+                  .find("holds no usable triangle: of 1 faces 0 touch"),
               std::string::npos);
-    EXPECT_NE(errorFor("a.ply", asciiPly("3", "1", "nan 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")).find("1 touch a vertex that is not finite"),
+    EXPECT_NE(errorFor("a.ply", asciiPly("3", "1", "nan 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"))
+                  .find("1 touch a vertex that is not finite"),
               std::string::npos);
     EXPECT_EQ(errorFor("a.obj", "v 0 0 0\n"), "holds 1 vertices and no faces, expected a surface of triangles");
 }
@@ -232,10 +252,15 @@ TEST(MeshIo, MeshesWithoutASurfaceAreRefused) {
 TEST(MeshIo, CountsBeyondTheFileAreRefusedBeforeMemoryIsAskedFor) {
     const std::string huge = "1152921504606846976";  // 2^60
     for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
-        EXPECT_NE(errorFor("a.ply", plyHeader(format, huge, "1") + "0 0 0\n").find("element vertex claims " + huge), std::string::npos);
-        EXPECT_NE(errorFor("a.ply", plyHeader(format, "1", huge) + "0 0 0\n0 0 0\n").find("element face claims " + huge), std::string::npos);
-        EXPECT_EQ(errorFor("a.ply", plyHeader(format, "-1", "1")), "header: element vertex has count \"-1\", expected 0 or more");
-        EXPECT_EQ(errorFor("a.ply", plyHeader(format, "many", "1")), "header: element vertex has count \"many\", expected 0 or more");
+        EXPECT_NE(errorFor("a.ply", plyHeader(format, huge, "1") + "0 0 0\n").find("element vertex claims " + huge),
+                  std::string::npos);
+        EXPECT_NE(
+            errorFor("a.ply", plyHeader(format, "1", huge) + "0 0 0\n0 0 0\n").find("element face claims " + huge),
+            std::string::npos);
+        EXPECT_EQ(errorFor("a.ply", plyHeader(format, "-1", "1")),
+                  "header: element vertex has count \"-1\", expected 0 or more");
+        EXPECT_EQ(errorFor("a.ply", plyHeader(format, "many", "1")),
+                  "header: element vertex has count \"many\", expected 0 or more");
         EXPECT_NE(errorFor("a.ply", plyHeader(format, "99999999999999999999999", "1")), "");
     }
     EXPECT_NE(errorFor("a.off", "OFF\n" + huge + " 1 0\n0 0 0\n").find("claims " + huge), std::string::npos);
@@ -245,13 +270,16 @@ TEST(MeshIo, CountsBeyondTheFileAreRefusedBeforeMemoryIsAskedFor) {
     put(stl, uint32_t(0xffffffff));
     EXPECT_EQ(errorFor("a.stl", stl + "rest"), "claims 4294967295 triangles, the file holds 0");
     // A list inside the body can lie as well.
-    std::string list = "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
-                       "element face 1\nproperty list uint int vertex_indices\nend_header\n";
+    std::string list =
+        "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 1\nproperty list uint int vertex_indices\nend_header\n";
     for (int i = 0; i < 3; ++i) put(list, 0.0f);
     put(list, uint32_t(0xfffffff0));
     EXPECT_NE(errorFor("a.ply", list).find("list vertex_indices claims"), std::string::npos);
-    EXPECT_NE(errorFor("a.ply", asciiPly("1", "1", "0 0 0\n-3 0\n")).find("list vertex_indices has length -3"), std::string::npos);
-    EXPECT_NE(errorFor("a.off", "OFF\n1 1 0\n0 0 0\n1000000000 1\n").find("face 0 has no proper number"), std::string::npos);
+    EXPECT_NE(errorFor("a.ply", asciiPly("1", "1", "0 0 0\n-3 0\n")).find("list vertex_indices has length -3"),
+              std::string::npos);
+    EXPECT_NE(errorFor("a.off", "OFF\n1 1 0\n0 0 0\n1000000000 1\n").find("face 0 has no proper number"),
+              std::string::npos);
     std::string binaryOff = "OFF BINARY\n";
     put(binaryOff, uint32_t(0xf0000000));
     put(binaryOff, uint32_t(1));
@@ -293,7 +321,8 @@ TEST(MeshIo, EveryTruncationIsAnErrorOrASmallerMeshButNeverACrash) {
 
 TEST(MeshIo, FilesThatAreNoMeshAreNamed) {
     test::TemporaryFolder folder;
-    EXPECT_EQ(test::messageOf([&] { readMesh(folder / "none.ply"); }), (folder / "none.ply").string() + ": does not exist");
+    EXPECT_EQ(test::messageOf([&] { readMesh(folder / "none.ply"); }),
+              (folder / "none.ply").string() + ": does not exist");
     EXPECT_EQ(errorFor("a.ply", ""), "is empty");
     EXPECT_EQ(errorFor("a.ply", "hello"), "is no PLY file");
     EXPECT_EQ(errorFor("a.txt", "hello"), "is no mesh relamp reads, expected PLY, OBJ, STL, OFF or OM");
@@ -307,9 +336,11 @@ TEST(MeshIo, FilesThatAreNoMeshAreNamed) {
 }
 
 TEST(MeshIo, NormalsOfTheFileAreUsedWhereTheyAreFinite) {
-    std::string bytes = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\n"
-                        "property float ny\nproperty float nz\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
-                        "0 0 0 2 0 0\n1 0 0 nan 0 0\n0 1 0 0 3 0\n3 0 1 2\n";
+    std::string bytes =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float "
+        "nx\n"
+        "property float ny\nproperty float nz\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0 2 0 0\n1 0 0 nan 0 0\n0 1 0 0 3 0\n3 0 1 2\n";
     test::TemporaryFolder folder;
     MeshReport report;
     const Mesh mesh = readMesh(folder.write("a.ply", bytes), &report);
@@ -317,14 +348,16 @@ TEST(MeshIo, NormalsOfTheFileAreUsedWhereTheyAreFinite) {
     EXPECT_EQ(mesh.normals[0], Vec3(1, 0, 0));
     EXPECT_EQ(mesh.normals[1], Vec3(0, 0, 1));
     EXPECT_EQ(mesh.normals[2], Vec3(0, 1, 0));
-    const Mesh obj = readMesh(folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 -1 0\nf 1//1 2//1 3//1\n"), &report);
+    const Mesh obj =
+        readMesh(folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 -1 0\nf 1//1 2//1 3//1\n"), &report);
     EXPECT_TRUE(report.normalsFromFile);
     EXPECT_EQ(obj.normals[1], Vec3(0, -1, 0));
 }
 
 TEST(MeshIo, FacesTurnedAgainstTheFilesNormalsAreTurnedRound) {
     test::TemporaryFolder folder;
-    const Mesh mesh = readMesh(folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\nf 2//1 3//1 4//1\n"));
+    const Mesh mesh = readMesh(
+        folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\nf 2//1 3//1 4//1\n"));
     ASSERT_EQ(mesh.triangles.size(), 2u);
     for (size_t t = 0; t < 2; ++t) EXPECT_EQ(mesh.faceNormal(t), Vec3(0, 0, 1));
     // Without normals in the file the winding is all there is.
@@ -354,14 +387,20 @@ TEST(VertexPly, BadInputIsNamedAndTheOldFileStays) {
     test::TemporaryFolder folder;
     const Mesh mesh = fromAscii("3", "1", "0 0 0\n1 0 0\n1 1 0\n3 0 1 2\n");
     const auto file = folder.write("r.ply", "as it was");
-    EXPECT_EQ(test::messageOf([&] { writeVertexPly(file, mesh, {{"albedo_r", {1}}}); }),
+    EXPECT_EQ(test::messageOf([&] {
+                  writeVertexPly(file, mesh, {{"albedo_r", {1}}});
+              }),
               file.string() + ": property albedo_r has 1 values for 3 vertices");
-    EXPECT_NE(test::messageOf([&] { writeVertexPly(file, mesh, {{"two words", {1, 2, 3}}}); }).find("no name of one word"), std::string::npos);
+    EXPECT_NE(test::messageOf([&] {
+                  writeVertexPly(file, mesh, {{"two words", {1, 2, 3}}});
+              }).find("no name of one word"),
+              std::string::npos);
     EXPECT_EQ(test::TemporaryFolder::read(file), "as it was");
     EXPECT_THROW(writeVertexPly(folder / "no/folder/r.ply", mesh, {}), Error);
     EXPECT_EQ(test::messageOf([&] { readVertexPly(file); }), file.string() + ": is no PLY file");
     folder.write("r.ply", plyHeader("binary_little_endian", "1152921504606846976"));
-    EXPECT_NE(test::messageOf([&] { readVertexPly(file); }).find("element vertex claims 1152921504606846976"), std::string::npos);
+    EXPECT_NE(test::messageOf([&] { readVertexPly(file); }).find("element vertex claims 1152921504606846976"),
+              std::string::npos);
     folder.write("r.ply", "ply\nformat ascii 1.0\nelement face 0\nend_header\n");
     EXPECT_EQ(test::messageOf([&] { readVertexPly(file); }), file.string() + ": has no element vertex");
 }

@@ -16,10 +16,13 @@ std::string bytesOf(const std::string& hex) {
     return bytes;
 }
 
-/// A square of one face with four corners, as OpenMesh 11 writes it: positions, half-edges (next, vertex, face), vertices, faces.
-const std::string square = bytesOf("4f4d504204000000010000000400000000160000000000000000000000000000803f0000000000000000000000000000803f0000000000000000000000000000803f"
-                                   "f8160201000700ff0403000101ff0602000303ff0000000502ff"
-                                   "e00607010503e806061c00");
+/// A square of one face with four corners, as OpenMesh 11 writes it: positions, half-edges (next, vertex, face),
+/// vertices, faces.
+const std::string square = bytesOf(
+    "4f4d504204000000010000000400000000160000000000000000000000000000803f0000000000000000000000000000803f00000000000000"
+    "00000000000000803f"
+    "f8160201000700ff0403000101ff0602000303ff0000000502ff"
+    "e00607010503e806061c00");
 
 std::string errorOf(const std::string& bytes) {
     const TemporaryFolder folder;
@@ -44,9 +47,10 @@ TEST(OpenMeshFile, AFaceOfFourCornersIsTwoTriangles) {
 
 TEST(OpenMeshFile, TheFuzzingCorpusHoldsFilesOfEveryVersion) {
     const std::filesystem::path corpus = RELAMP_SOURCE_DIR "/tests/fuzz/corpus/mesh-om";
-    EXPECT_EQ(readMesh(corpus / "corners.om").triangles.size(), 2u);     // 1.2: faces by their corners
-    EXPECT_EQ(readMesh(corpus / "triangles.om").triangles.size(), 4u);   // 2.2
-    EXPECT_EQ(readMesh(corpus / "properties.om").triangles.size(), 4u);  // with normals, colours, states and custom properties
+    EXPECT_EQ(readMesh(corpus / "corners.om").triangles.size(), 2u);    // 1.2: faces by their corners
+    EXPECT_EQ(readMesh(corpus / "triangles.om").triangles.size(), 4u);  // 2.2
+    EXPECT_EQ(readMesh(corpus / "properties.om").triangles.size(),
+              4u);  // with normals, colours, states and custom properties
 }
 
 TEST(OpenMeshFile, WhatDoesNotFitTogetherIsRefused) {
@@ -55,7 +59,8 @@ TEST(OpenMeshFile, WhatDoesNotFitTogetherIsRefused) {
     EXPECT_EQ(errorOf(with(halfEdges, 8)), "half-edge 0 names what is not there");
     EXPECT_EQ(errorOf(with(halfEdges + 1, 4)), "half-edge 0 names what is not there");
     EXPECT_EQ(errorOf(with(halfEdges + 2, 1)), "half-edge 0 names what is not there");
-    EXPECT_EQ(errorOf(with(halfEdges + 6, 2)), "the edges of face 0 are not closed");  // a ring that never comes back to where it began
+    EXPECT_EQ(errorOf(with(halfEdges + 6, 2)),
+              "the edges of face 0 are not closed");  // a ring that never comes back to where it began
     EXPECT_EQ(errorOf(with(halfEdges + 24 + 2, 9)), "a vertex names half-edge 9 of 8");
     EXPECT_EQ(errorOf(with(faces, 8)), "face 0 names half-edge 8 of 8");
     EXPECT_EQ(errorOf(with(faces, 1)), "the edges of face 0 are not closed");

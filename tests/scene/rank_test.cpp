@@ -1,4 +1,5 @@
-// The numbers that random patterns are drawn by: they rest on where vertices lie, not on units, origin, axes or the file's order.
+// The numbers that random patterns are drawn by: they rest on where vertices lie, not on units, origin, axes or the
+// file's order.
 #include <gtest/gtest.h>
 
 #include <numeric>

@@ -21,7 +21,7 @@ TEST(Rim, OfASheetIsItsOutlineAndSeamsAreNone) {
         }
     const std::vector<uint8_t> rim = rimVertices(mesh);
     EXPECT_EQ(std::accumulate(rim.begin(), rim.end(), 0), 10);
-    EXPECT_FALSE(rim[3]);   // the middle, on either side of the seam
+    EXPECT_FALSE(rim[3]);  // the middle, on either side of the seam
     EXPECT_FALSE(rim[8]);
 }
 

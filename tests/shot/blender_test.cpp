@@ -25,11 +25,14 @@ protected:
         view.camera = test::cameraAt({0, -2, 1.5}, {0, 0, 0}, 24, 18, 20);
         shot.capture.views.push_back(view);
         Look look;
-        look.added.push_back({AddedEmitter::Shape::rectangle, "lamp", test::translation({0.25f, 0.5f, 1}), Vec2(0.5f, 0.25f), Rgb(150, 98, 50)});
+        look.added.push_back({AddedEmitter::Shape::rectangle, "lamp", test::translation({0.25f, 0.5f, 1}),
+                              Vec2(0.5f, 0.25f), Rgb(150, 98, 50)});
         relit = test::relitOf(scene, shot.estimate, look);
     }
     nlohmann::json opened(const std::filesystem::path& file) {
-        const test::ProgramResult r = test::runProgram({blender, "-b", "--factory-startup", "--python", RELAMP_SOURCE_DIR "/tests/shot/blender_import.py", "--", file.string()});
+        const test::ProgramResult r =
+            test::runProgram({blender, "-b", "--factory-startup", "--python",
+                              RELAMP_SOURCE_DIR "/tests/shot/blender_import.py", "--", file.string()});
         const size_t at = r.out.find("RELAMP ");
         if (at == std::string::npos) {
             ADD_FAILURE() << r.out << r.error;
@@ -63,12 +66,14 @@ TEST_F(Blender, OpensEveryLayerOfAFrame) {
         FrameOptions options;
         options.samplesPerPixel = 1;
         Progress progress;
-        writeFrameFile(folder / "frame.exr", shot.capture.views[0].camera, {&relit, nullptr, nullptr, 0}, options, how, progress);
+        writeFrameFile(folder / "frame.exr", shot.capture.views[0].camera, {&relit, nullptr, nullptr, 0}, options, how,
+                       progress);
         const nlohmann::json image = opened(folder / "frame.exr");
         EXPECT_EQ(image["type"], "MULTILAYER");
         std::set<std::string> layers;
         for (const auto& name : image["layers"]) layers.insert(name.get<std::string>());
-        for (const char* name : {"Combined", "Combined_world", "Combined_lamp", "Combined_rest", "albedo", "correction", "normal", "position", "depth", "CryptoEmitter00"})
+        for (const char* name : {"Combined", "Combined_world", "Combined_lamp", "Combined_rest", "albedo", "correction",
+                                 "normal", "position", "depth", "CryptoEmitter00"})
             EXPECT_TRUE(layers.contains(name)) << name << (multipart ? " of a multi-part file" : "");
     }
 }

@@ -22,7 +22,9 @@ Capture fourViews() {
     return capture;
 }
 
-void expectNear(const DVec3& a, const DVec3& b, double within = 1e-9) { EXPECT_LT(glm::distance(a, b), within) << a.x << " " << a.y << " " << a.z; }
+void expectNear(const DVec3& a, const DVec3& b, double within = 1e-9) {
+    EXPECT_LT(glm::distance(a, b), within) << a.x << " " << a.y << " " << a.z;
+}
 
 TEST(CameraPath, TurntableGoesRoundWhatTheViewsLookAt) {
     const std::vector<Camera> cameras = cameraPath(fourViews(), "turntable:4");
@@ -50,7 +52,8 @@ TEST(CameraPath, SplineGoesThroughTheViews) {
 }
 
 TEST(CameraPath, RefusesWhatItCannotMean) {
-    for (const char* text : {"turntable:", "turntable:0", "turntable:x", "turntable:99999999", "path:0,1", "path::5", "path:0,9:5", "path:0,,1:5", "path:0,1:0"})
+    for (const char* text : {"turntable:", "turntable:0", "turntable:x", "turntable:99999999", "path:0,1", "path::5",
+                             "path:0,9:5", "path:0,,1:5", "path:0,1:0"})
         EXPECT_EQ(test::messageOf([&] { cameraPath(fourViews(), text); }).substr(0, 8), "--camera") << text;
     EXPECT_FALSE(isCameraPath("camera.json"));
 }
@@ -72,7 +75,8 @@ TEST(CameraPath, OfAFileIsASequenceOfItsFrames) {
     EXPECT_NE(message.find("path.json"), std::string::npos) << message;
     EXPECT_NE(message.find("transform_matrix"), std::string::npos) << message;
     folder.write("path.json", R"({"w": 64, "h": 48, "fl_x": 70, "frames": []})");
-    EXPECT_NE(test::messageOf([&] { frameJobs(fourViews(), file.string(), "", "", "f.##.exr"); }).find("frames"), std::string::npos);
+    EXPECT_NE(test::messageOf([&] { frameJobs(fourViews(), file.string(), "", "", "f.##.exr"); }).find("frames"),
+              std::string::npos);
 }
 
 TEST(CameraPath, MakesNumberedFramesOfWhichARangeCanBeChosen) {

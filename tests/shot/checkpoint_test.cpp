@@ -39,7 +39,8 @@ TEST(Checkpoint, IsReadBackAsItWasWritten) {
     EXPECT_EQ(found.checkpoint->timeline[0].stage, "light");
     EXPECT_EQ(found.checkpoint->noBounceBecause, "an open scene");
     EXPECT_FALSE(found.checkpoint->plan.choices.bounce);
-    EXPECT_TRUE(found.checkpoint->plan.choices.lastDigits && found.checkpoint->plan.choices.mattePointsInDetail && found.checkpoint->lightUnfinished);
+    EXPECT_TRUE(found.checkpoint->plan.choices.lastDigits && found.checkpoint->plan.choices.mattePointsInDetail &&
+                found.checkpoint->lightUnfinished);
     EXPECT_EQ(found.checkpoint->plan.leftOut[0].savedMib, 40);
 }
 

@@ -23,7 +23,8 @@ TEST(FrameRange, ReadsNumbersSpansAndSteps) {
 }
 
 TEST(FrameRange, RefusesWhatItCannotMean) {
-    for (const char* text : {"", ",", "1,", "a", "1-", "-3", "1--3", "3-1", "1-9:0", "1-9:", "1-9:x", "1.5", "1 2", "999999999", "1-99999999", "0-999999,5"})
+    for (const char* text : {"", ",", "1,", "a", "1-", "-3", "1--3", "3-1", "1-9:0", "1-9:", "1-9:x", "1.5", "1 2",
+                             "999999999", "1-99999999", "0-999999,5"})
         EXPECT_EQ(test::messageOf([&] { parseFrameRange(text); }).substr(0, 8), "--frames") << text;
 }
 
@@ -58,7 +59,8 @@ TEST(FrameJobs, PutTheNumberIntoTheFileNameNotIntoItsFolder) {
 TEST(FrameJobs, OutsideTheShotAreSkippedAndARangeNeedsAPlaceForTheNumber) {
     EXPECT_EQ(frameJobs(threeViews(), "all", "2-9", "", "f.##.exr").size(), 2u);
     EXPECT_EQ(frameJobs(threeViews(), "all", "7", "", "f.##.exr").size(), 0u);
-    EXPECT_EQ(test::messageOf([] { frameJobs(threeViews(), "all", "1-2", "", "frame.exr"); }), "frame.exr: several frames need a name with #### or %04d");
+    EXPECT_EQ(test::messageOf([] { frameJobs(threeViews(), "all", "1-2", "", "frame.exr"); }),
+              "frame.exr: several frames need a name with #### or %04d");
     EXPECT_EQ(frameJobs(threeViews(), "all", "2", "", "frame.exr")[0].file, "frame.exr");
     EXPECT_NE(test::messageOf([] { frameJobs(threeViews(), "all", "1", "", "f%99999999999999999999d.exr"); }), "");
     EXPECT_NE(test::messageOf([] { frameJobs(threeViews(), "1", "1-2", "", "f.##.exr"); }), "");
@@ -81,18 +83,28 @@ TEST(FrameJobs, SizeScalesTheCamera) {
     EXPECT_DOUBLE_EQ(camera.centreX, 40);
     EXPECT_DOUBLE_EQ(camera.centreY, 45);
     for (const char* size : {"80", "x", "80x", "0x5", "80x-1", "a x b", "99999999x99999999"})
-        EXPECT_EQ(test::messageOf([&] { frameJobs(threeViews(), "0", "", size, "frame.exr"); }).substr(0, 6), "--size") << size;
+        EXPECT_EQ(test::messageOf([&] { frameJobs(threeViews(), "0", "", size, "frame.exr"); }).substr(0, 6), "--size")
+            << size;
 }
 
 TEST(FrameJobs, TakeACameraFromAFile) {
     const test::TemporaryFolder folder;
-    const auto file = folder.write("camera.json", R"({"w": 64, "h": 48, "fl_x": 70, "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,9],[0,0,0,1]]})");
+    const auto file = folder.write(
+        "camera.json",
+        R"({"w": 64, "h": 48, "fl_x": 70, "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,9],[0,0,0,1]]})");
     const Camera camera = frameJobs(threeViews(), file.string(), "", "", "frame.exr")[0].camera;
     EXPECT_EQ(camera.width, 64);
     EXPECT_EQ(camera.position(), DVec3(0, 0, 9));
-    EXPECT_NE(test::messageOf([&] { frameJobs(threeViews(), (folder / "absent.json").string(), "", "", "frame.exr"); }).find("absent.json"), std::string::npos);
-    folder.write("camera.json", R"({"w": 64, "h": 48, "fl_x": 0, "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,9],[0,0,0,1]]})");
-    EXPECT_NE(test::messageOf([&] { frameJobs(threeViews(), file.string(), "", "", "frame.exr"); }).find("camera.json: fl_x is 0"), std::string::npos);
+    EXPECT_NE(test::messageOf([&] {
+                  frameJobs(threeViews(), (folder / "absent.json").string(), "", "", "frame.exr");
+              }).find("absent.json"),
+              std::string::npos);
+    folder.write("camera.json",
+                 R"({"w": 64, "h": 48, "fl_x": 0, "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,9],[0,0,0,1]]})");
+    EXPECT_NE(test::messageOf([&] {
+                  frameJobs(threeViews(), file.string(), "", "", "frame.exr");
+              }).find("camera.json: fl_x is 0"),
+              std::string::npos);
 }
 
 /// A small frame with a world group and two emitters, one of them with a name no channel may have.
@@ -104,7 +116,8 @@ protected:
         Look look;
         look.added.push_back({AddedEmitter::Shape::disk, "disk-1", test::translation({0, 0, 1}), Vec2(0.5f), Rgb(10)});
         look.added.back().name = "Key light";
-        look.added.push_back({AddedEmitter::Shape::disk, "7 of.9", test::translation({0.5f, 0, 1}), Vec2(0.5f), Rgb(200000, 1, 1)});
+        look.added.push_back(
+            {AddedEmitter::Shape::disk, "7 of.9", test::translation({0.5f, 0, 1}), Vec2(0.5f), Rgb(200000, 1, 1)});
         relit = test::relitOf(scene, test::matteEstimate(scene, Rgb(0.5f), Rgb(1)), look);
         camera = test::cameraAt({0, -2, 1.5}, {0, 0, 0}, 24, 16, 20);
         FrameOptions options;
@@ -134,16 +147,20 @@ TEST_F(WrittenFrame, HasEveryLayerWithNamesThatOtherProgramsRead) {
     const std::regex form("([A-Za-z][A-Za-z0-9_]*\\.)?[A-Za-z]");
     for (const auto& [name, type] : header.channels) {
         EXPECT_TRUE(std::regex_match(name, form)) << name;
-        const bool geometry = name.starts_with("normal") || name.starts_with("position") || name.starts_with("depth") || name.starts_with("Crypto");
+        const bool geometry = name.starts_with("normal") || name.starts_with("position") || name.starts_with("depth") ||
+                              name.starts_with("Crypto");
         EXPECT_EQ(type, geometry ? "float" : "half") << name;
     }
-    for (const char* name : {"R", "G", "B", "A", "Combined_world.R", "Combined_Key_light.G", "Combined_L_7_of_9.B", "Combined_rest.G", "correction.B", "CryptoEmitter00.R", "CryptoEmitter02.A", "albedo.R", "normal.X", "normal.Z", "position.Y", "depth.Z"})
+    for (const char* name : {"R", "G", "B", "A", "Combined_world.R", "Combined_Key_light.G", "Combined_L_7_of_9.B",
+                             "Combined_rest.G", "correction.B", "CryptoEmitter00.R", "CryptoEmitter02.A", "albedo.R",
+                             "normal.X", "normal.Z", "position.Y", "depth.Z"})
         EXPECT_TRUE(header.channels.contains(name)) << name;
     EXPECT_EQ(header.channels.size(), 4u + 4 * 3 + 3 + 3 + 3 + 3 + 1 + 3 * 4);
 }
 
 TEST_F(WrittenFrame, HoldsOnlyTheLayersNamed) {
-    EXPECT_EQ(write("depth,albedo").channelNames(), (std::set<std::string>{"R", "G", "B", "A", "albedo.R", "albedo.G", "albedo.B", "depth.Z"}));
+    EXPECT_EQ(write("depth,albedo").channelNames(),
+              (std::set<std::string>{"R", "G", "B", "A", "albedo.R", "albedo.G", "albedo.B", "depth.Z"}));
     EXPECT_NE(test::messageOf([] { checkLayers("depth,beauty"); }).find("beauty"), std::string::npos);
     checkLayers("all");
     checkLayers("");
@@ -157,7 +174,8 @@ TEST_F(WrittenFrame, KeepsItsColoursAndNeverWritesInfinity) {
     EXPECT_EQ(report.infinite + report.nan + report.negative, 0u);
     EXPECT_EQ(image.pixels[5].x, 65504);
     for (size_t p = 6; p < image.pixels.size(); ++p)
-        for (int c = 0; c < 3; ++c) ASSERT_NEAR(image.pixels[p][c], frame.beauty[p][c], 1e-3 * frame.beauty[p][c] + 1e-6);
+        for (int c = 0; c < 3; ++c)
+            ASSERT_NEAR(image.pixels[p][c], frame.beauty[p][c], 1e-3 * frame.beauty[p][c] + 1e-6);
 }
 
 TEST_F(WrittenFrame, ReportsGroupsThatDoNotAddUp) {
@@ -172,7 +190,9 @@ TEST_F(WrittenFrame, AsPngIsTheBeautyInSrgb) {
 }
 
 TEST_F(WrittenFrame, IsWrittenWholeOrNotAtAll) {
-    EXPECT_NE(test::messageOf([&] { writeFrame(folder / "absent/frame.exr", frame, relit, camera, ""); }).find("absent"), std::string::npos);
+    EXPECT_NE(
+        test::messageOf([&] { writeFrame(folder / "absent/frame.exr", frame, relit, camera, ""); }).find("absent"),
+        std::string::npos);
     folder.write("frame.exr", "what was there");
     EXPECT_NE(test::messageOf([&] { writeFrame(folder / "frame.exr", frame, relit, camera, "nonsense"); }), "");
     EXPECT_EQ(test::TemporaryFolder::read(folder / "frame.exr"), "what was there");

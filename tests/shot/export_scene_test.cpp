@@ -27,13 +27,16 @@ protected:
         view.camera = test::cameraAt({0, -2, 1.5}, {0, 0, 0}, 40, 30, 50);
         shot.capture.views.push_back(view);
         Look look;
-        look.added.push_back({AddedEmitter::Shape::rectangle, "rectangle-1", test::translation({1, 2, 3}), Vec2(2, 0.5f), Rgb(40, 20, 10)});
+        look.added.push_back({AddedEmitter::Shape::rectangle, "rectangle-1", test::translation({1, 2, 3}),
+                              Vec2(2, 0.5f), Rgb(40, 20, 10)});
         look.added.back().name = "lamp 1";
         relit = test::relitOf(scene, shot.estimate, look);
         exportScene(shot, relit, out(), false);
     }
     std::filesystem::path out() const { return folder / "out"; }
-    nlohmann::json parsed(const char* name) const { return nlohmann::json::parse(test::TemporaryFolder::read(out() / name)); }
+    nlohmann::json parsed(const char* name) const {
+        return nlohmann::json::parse(test::TemporaryFolder::read(out() / name));
+    }
     test::TemporaryFolder folder;
     Shot shot;
     RelitScene relit;
@@ -78,8 +81,11 @@ TEST_F(ExportedShot, HasMeshLightsInGltf) {
 TEST_F(ExportedShot, HasMeshLightsInUsd) {
     const std::string usd = test::TemporaryFolder::read(out() / "lights.usda");
     EXPECT_EQ(usd.substr(0, 9), "#usda 1.0");
-    for (const char* text : {"def Mesh \"lamp_1\"", "\"MeshLightAPI\"", "string relamp:id = \"rectangle-1\"", "double3 xformOp:translate = (1, 2, 3)", "color3f inputs:color = (1, 0.5, 0.25)",
-                             "float inputs:intensity = 40", "color3f inputs:emissiveColor = (40, 20, 10)", "upAxis = \"Z\"", "def DomeLight", "def Camera \"view_images_0_exr\"", "@./environment.exr@"})
+    for (const char* text :
+         {"def Mesh \"lamp_1\"", "\"MeshLightAPI\"", "string relamp:id = \"rectangle-1\"",
+          "double3 xformOp:translate = (1, 2, 3)", "color3f inputs:color = (1, 0.5, 0.25)",
+          "float inputs:intensity = 40", "color3f inputs:emissiveColor = (40, 20, 10)", "upAxis = \"Z\"",
+          "def DomeLight", "def Camera \"view_images_0_exr\"", "@./environment.exr@"})
         EXPECT_NE(usd.find(text), std::string::npos) << text;
     EXPECT_EQ(std::count(usd.begin(), usd.end(), '{'), std::count(usd.begin(), usd.end(), '}'));
     EXPECT_EQ(std::count(usd.begin(), usd.end(), '('), std::count(usd.begin(), usd.end(), ')'));
@@ -94,7 +100,8 @@ TEST_F(ExportedShot, HasEnvironmentMaterialsAndCameras) {
     for (VertexProperty& p : readVertexPly(out() / "materials.ply")) properties[p.name] = std::move(p.values);
     EXPECT_NEAR(properties.at("albedo_g")[0], 0.25, 1e-6);
     EXPECT_EQ(properties.at("emitter").back(), 0);
-    const Transforms transforms = readTransforms(out() / "transforms.json", [](const std::string&) { return std::pair(0, 0); });
+    const Transforms transforms =
+        readTransforms(out() / "transforms.json", [](const std::string&) { return std::pair(0, 0); });
     EXPECT_EQ(transforms.frames.at(0).filePath, "../images/0.exr");
     EXPECT_LT(glm::distance(transforms.frames[0].camera.position(), DVec3(0, -2, 1.5)), 1e-9);
     EXPECT_EQ(transforms.frames[0].camera.focalX, 50);

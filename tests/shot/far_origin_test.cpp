@@ -1,4 +1,5 @@
-// A capture whose files lie far from their origin: inside, positions count from near the scene; what comes in and goes out counts from the files' origin.
+// A capture whose files lie far from their origin: inside, positions count from near the scene; what comes in and goes
+// out counts from the files' origin.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -21,7 +22,9 @@ namespace {
 using nlohmann::json;
 const DVec3 away(448256.25, -5411904.5, 317.125);
 
-DVec3 placeOf(const json& list) { return {list.at(0).get<double>(), list.at(1).get<double>(), list.at(2).get<double>()}; }
+DVec3 placeOf(const json& list) {
+    return {list.at(0).get<double>(), list.at(1).get<double>(), list.at(2).get<double>()};
+}
 
 /// The same world in two folders, in the second moved by `away`.
 class FarOrigin : public testing::Test {
@@ -51,10 +54,13 @@ TEST_F(FarOrigin, LoadsAsTheSameWorldButForTheOrigin) {
     EXPECT_LT(glm::distance(far.origin, away), 4);
     const DVec3 moved = away - far.origin;
     ASSERT_EQ(far.mesh.vertexCount(), near.mesh.vertexCount());
-    for (size_t v = 0; v < near.mesh.vertexCount(); ++v) ASSERT_LT(glm::distance(DVec3(far.mesh.positions[v]), DVec3(near.mesh.positions[v]) + moved), 1e-6) << v;
+    for (size_t v = 0; v < near.mesh.vertexCount(); ++v)
+        ASSERT_LT(glm::distance(DVec3(far.mesh.positions[v]), DVec3(near.mesh.positions[v]) + moved), 1e-6) << v;
     EXPECT_EQ(far.mesh.triangles, near.mesh.triangles);
-    for (size_t i = 0; i < near.views.size(); ++i) EXPECT_LT(glm::distance(far.views[i].camera.position(), near.views[i].camera.position() + moved), 1e-8);
-    const json box = toJson(checkCapture(far, progress)).at("mesh"), nearBox = toJson(checkCapture(near, progress)).at("mesh");
+    for (size_t i = 0; i < near.views.size(); ++i)
+        EXPECT_LT(glm::distance(far.views[i].camera.position(), near.views[i].camera.position() + moved), 1e-8);
+    const json box = toJson(checkCapture(far, progress)).at("mesh"),
+               nearBox = toJson(checkCapture(near, progress)).at("mesh");
     EXPECT_LT(glm::distance(placeOf(box.at("min")), placeOf(nearBox.at("min")) + away), 1e-6);
     EXPECT_LT(glm::distance(placeOf(box.at("max")), placeOf(nearBox.at("max")) + away), 1e-6);
 }
@@ -65,7 +71,8 @@ TEST_F(FarOrigin, AnotherUnitAndAnotherAxisMoveItToo) {
     fixed.fix.scale = 0.01;
     const Capture a = loadCapture(folder / "near", fixed, progress), b = loadCapture(folder / "far", fixed, progress);
     const DVec3 turned = 0.01 * DVec3(away.x, -away.z, away.y);
-    for (size_t v = 0; v < a.mesh.vertexCount(); v += 7) ASSERT_LT(glm::distance(b.origin + DVec3(b.mesh.positions[v]), DVec3(a.mesh.positions[v]) + turned), 1e-8) << v;
+    for (size_t v = 0; v < a.mesh.vertexCount(); v += 7)
+        ASSERT_LT(glm::distance(b.origin + DVec3(b.mesh.positions[v]), DVec3(a.mesh.positions[v]) + turned), 1e-8) << v;
     EXPECT_LT(glm::distance(b.origin + b.views[0].camera.position(), a.views[0].camera.position() + turned), 1e-8);
 }
 
@@ -90,12 +97,16 @@ TEST_F(FarOrigin, LooksAreWrittenForTheFilesOrigin) {
     inside.parts.push_back({3, test::translation({0, 0.125f, 0})});
     const json document = lookToJson(inside, far.origin);
     EXPECT_EQ(lookFromJson(document, "", far.origin), inside);
-    const auto column = [](const json& m) { return DVec3(m[0][3].get<double>(), m[1][3].get<double>(), m[2][3].get<double>()); };
+    const auto column = [](const json& m) {
+        return DVec3(m[0][3].get<double>(), m[1][3].get<double>(), m[2][3].get<double>());
+    };
     EXPECT_LT(glm::distance(column(document["added_emitters"][0]["matrix"]), far.origin + DVec3(0.25, 0.5, 1)), 1e-9);
-    EXPECT_LT(glm::distance(column(document["parts"][0]["matrix"]), DVec3(0, 0.125, 0)), 1e-9) << "a shift is a shift everywhere";
+    EXPECT_LT(glm::distance(column(document["parts"][0]["matrix"]), DVec3(0, 0.125, 0)), 1e-9)
+        << "a shift is a shift everywhere";
     const DVec3 p(0.75, 0.5, 0.25), place = far.origin + p;
     const DVec3 went = glm::dmat3(glm::mat3(turn)) * place + column(document["emitters"][0]["matrix"]);
-    EXPECT_LT(glm::distance(went, far.origin + DVec3(Vec3(turn * Vec4(Vec3(p), 1)))), 1e-8) << "the same point of the scene goes to the same place";
+    EXPECT_LT(glm::distance(went, far.origin + DVec3(Vec3(turn * Vec4(Vec3(p), 1)))), 1e-8)
+        << "the same point of the scene goes to the same place";
 }
 
 TEST_F(FarOrigin, ShotsAndWhatIsExportedLieWhereTheFilesDo) {
@@ -115,7 +126,8 @@ TEST_F(FarOrigin, ShotsAndWhatIsExportedLieWhereTheFilesDo) {
     EXPECT_LT(glm::distance(placeOf(document["emitters"][0]["centroid"]), centroid), 1e-8);
     MeshReport report;
     const Mesh reflectance = readMesh(folder / "a.relamp/reflectance.ply", &report);
-    EXPECT_LT(glm::distance(report.origin + DVec3(reflectance.positions[5]), far.origin + DVec3(far.mesh.positions[5])), 1e-7);
+    EXPECT_LT(glm::distance(report.origin + DVec3(reflectance.positions[5]), far.origin + DVec3(far.mesh.positions[5])),
+              1e-7);
     const Shot back = openShot(folder / "a.relamp", false, progress);
     EXPECT_EQ(back.capture.origin, far.origin);
     EXPECT_EQ(back.look, shot.look);
@@ -130,7 +142,8 @@ TEST_F(FarOrigin, ShotsAndWhatIsExportedLieWhereTheFilesDo) {
     const json gltf = json::parse(test::TemporaryFolder::read(folder / "out/lights.gltf"));
     EXPECT_LT(glm::distance(placeOf(gltf["nodes"][1]["translation"]), lampAt), 1e-8);
     const std::string usd = test::TemporaryFolder::read(folder / "out/lights.usda");
-    EXPECT_NE(usd.find(fmt::format("xformOp:translate = ({}, {}, {})", lampAt.x, lampAt.y, lampAt.z)), std::string::npos);
+    EXPECT_NE(usd.find(fmt::format("xformOp:translate = ({}, {}, {})", lampAt.x, lampAt.y, lampAt.z)),
+              std::string::npos);
     // What was exported is a capture of the same place.
     const CameraFile cameras = readCameraPath(far, folder / "out/transforms.json");
     EXPECT_LT(glm::distance(cameras.cameras[0].position(), far.views[0].camera.position()), 1e-8);
@@ -141,12 +154,15 @@ TEST_F(FarOrigin, ShotsAndWhatIsExportedLieWhereTheFilesDo) {
     options.samplesPerPixel = 1;
     FrameStrip strip;
     strip.frame = renderFrame(relit, far.views[0].camera, options, progress);
-    const size_t pixels = strip.frame.beauty.size(), hit = size_t(std::max_element(strip.frame.alpha.begin(), strip.frame.alpha.end()) - strip.frame.alpha.begin());
+    const size_t pixels = strip.frame.beauty.size(),
+                 hit = size_t(std::max_element(strip.frame.alpha.begin(), strip.frame.alpha.end()) -
+                              strip.frame.alpha.begin());
     std::vector<std::vector<float>> channels(7, std::vector<float>(pixels));
     std::vector<float*> out;
     for (auto& channel : channels) out.push_back(channel.data());
     FrameLayers(layerWish("position"), LayerNaming::blender, {}, far.origin).fill(strip, out);
-    for (int c = 0; c < 3; ++c) EXPECT_EQ(channels[size_t(4 + c)][hit], float(far.origin[c] + double(strip.frame.position[hit][c]))) << c;
+    for (int c = 0; c < 3; ++c)
+        EXPECT_EQ(channels[size_t(4 + c)][hit], float(far.origin[c] + double(strip.frame.position[hit][c]))) << c;
 }
 
 }  // namespace

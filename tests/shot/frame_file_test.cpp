@@ -24,7 +24,9 @@ struct ReadBack {
         spec = in->spec();
         for (int part = 0; in->seek_subimage(part, 0); ++part) {
             const OIIO::ImageSpec at = in->spec();
-            parts.push_back(at.get_string_attribute("oiio:subimagename").empty() ? "" : std::string(at.get_string_attribute("oiio:subimagename")));
+            parts.push_back(at.get_string_attribute("oiio:subimagename").empty()
+                                ? ""
+                                : std::string(at.get_string_attribute("oiio:subimagename")));
             std::vector<float> pixels(size_t(at.width) * size_t(at.height) * size_t(at.nchannels));
             EXPECT_TRUE(in->read_image(part, 0, 0, at.nchannels, OIIO::TypeDesc(OIIO::TypeDesc::FLOAT), pixels.data()));
             for (int c = 0; c < at.nchannels; ++c) {
@@ -43,7 +45,8 @@ protected:
         scene = test::sceneOf(test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 2, 2));
         const Estimate estimate = test::matteEstimate(scene, Rgb(0.5f, 0.4f, 0.3f), Rgb(1));
         Look lamp;
-        lamp.added.push_back({AddedEmitter::Shape::disk, "emitter-1", test::translation({0, 0, 1}), Vec2(0.5f), Rgb(10)});
+        lamp.added.push_back(
+            {AddedEmitter::Shape::disk, "emitter-1", test::translation({0, 0, 1}), Vec2(0.5f), Rgb(10)});
         captured = test::relitOf(scene, estimate, lamp);
         lamp.added[0].radiance = Rgb(30, 10, 5);
         look = test::relitOf(scene, estimate, lamp);
@@ -53,7 +56,8 @@ protected:
         options.samplesPerPixel = 2;
         frame = renderFrame(captured, camera, options, progress);
         photograph.pixels = frame.beauty;
-        for (size_t p = 0; p < photograph.pixels.size(); ++p) photograph.pixels[p] *= p % 2 ? 1.25f : 0.75f;  // detail no mesh has
+        for (size_t p = 0; p < photograph.pixels.size(); ++p)
+            photograph.pixels[p] *= p % 2 ? 1.25f : 0.75f;  // detail no mesh has
     }
     FrameSources sources() { return {&look, &captured, &photograph, 0}; }
     ReadBack write(const FrameFileOptions& how, FrameSources from) {
@@ -81,7 +85,9 @@ TEST_F(FrameFile, GroupsAndRestAreTheBeautyAsRead) {
     const ReadBack file = write(with("all"), sources());
     for (const char* c : {"R", "G", "B"})
         for (size_t p = 0; p < frame.beauty.size(); ++p) {
-            const float sum = file[std::string("Combined_world.") + c][p] + file[std::string("Combined_emitter_1.") + c][p] + file[std::string("Combined_rest.") + c][p];
+            const float sum = file[std::string("Combined_world.") + c][p] +
+                              file[std::string("Combined_emitter_1.") + c][p] +
+                              file[std::string("Combined_rest.") + c][p];
             ASSERT_NEAR(sum, file[c][p], 1.5f * halfRounding * file[c][p] + 1e-6f);
         }
 }
@@ -106,7 +112,8 @@ TEST_F(FrameFile, CryptomatteHoldsTheCoverageOfTheEmitter) {
     for (size_t p = 0; p < frame.beauty.size(); ++p) {
         const float share = frame.emittersSeen[p][0].share;
         ASSERT_EQ(file["CryptoEmitter00.G"][p], share);
-        ASSERT_EQ(std::bit_cast<uint32_t>(file["CryptoEmitter00.R"][p]), share > 0 ? std::bit_cast<uint32_t>(cryptomatteId("emitter-1")) : 0u);
+        ASSERT_EQ(std::bit_cast<uint32_t>(file["CryptoEmitter00.R"][p]),
+                  share > 0 ? std::bit_cast<uint32_t>(cryptomatteId("emitter-1")) : 0u);
         ASSERT_EQ(file["CryptoEmitter02.A"][p], 0);
         whole += share == 1;
     }
@@ -125,7 +132,8 @@ TEST_F(FrameFile, HeaderHoldsTheCamera) {
     EXPECT_TRUE(file.spec.find_attribute("chromaticities"));
     const auto matrix = [&](const char* name) {
         const auto* attribute = file.spec.find_attribute(name);
-        if (!attribute || attribute->type().basetype != OIIO::TypeDesc::FLOAT) throw std::runtime_error(std::string("no matrix ") + name);
+        if (!attribute || attribute->type().basetype != OIIO::TypeDesc::FLOAT)
+            throw std::runtime_error(std::string("no matrix ") + name);
         const float* m = static_cast<const float*>(attribute->data());
         Mat4 out;
         for (int i = 0; i < 16; ++i) out[i / 4][i % 4] = m[i];
@@ -176,7 +184,8 @@ TEST_F(FrameFile, RatioKeepsThePhotographsDetail) {
     FrameSources unchanged = sources();
     unchanged.look = &captured;
     const ReadBack same = write(how, unchanged);
-    for (size_t p = 0; p < frame.beauty.size(); ++p) ASSERT_NEAR(same["G"][p], photograph.pixels[p].y, halfRounding * photograph.pixels[p].y);
+    for (size_t p = 0; p < frame.beauty.size(); ++p)
+        ASSERT_NEAR(same["G"][p], photograph.pixels[p].y, halfRounding * photograph.pixels[p].y);
 }
 
 TEST_F(FrameFile, WithoutAPhotographHasNoResidualAndNoRatio) {
@@ -184,10 +193,16 @@ TEST_F(FrameFile, WithoutAPhotographHasNoResidualAndNoRatio) {
     without.photograph = nullptr;
     EXPECT_FALSE(write(with("all"), without).channels.contains("residual.R"));
     Progress progress;
-    EXPECT_NE(test::messageOf([&] { writeFrameFile(folder / "g.exr", camera, without, options, with("residual"), progress); }).find("residual"), std::string::npos);
+    EXPECT_NE(test::messageOf([&] {
+                  writeFrameFile(folder / "g.exr", camera, without, options, with("residual"), progress);
+              }).find("residual"),
+              std::string::npos);
     FrameFileOptions how;
     how.ratio = Ratio::difference;
-    EXPECT_NE(test::messageOf([&] { writeFrameFile(folder / "g.exr", camera, without, options, how, progress); }).find("--ratio"), std::string::npos);
+    EXPECT_NE(test::messageOf([&] {
+                  writeFrameFile(folder / "g.exr", camera, without, options, how, progress);
+              }).find("--ratio"),
+              std::string::npos);
     EXPECT_FALSE(std::filesystem::exists(folder / "g.exr"));
 }
 
@@ -207,7 +222,8 @@ TEST_F(FrameFile, OfTwoEmittersWithOneNameAreTwoGroups) {
     const FrameLayers layers(layerWish("groups"), LayerNaming::blender, {"a b", "a-b", "world"});
     std::vector<std::string> names;
     for (const ChannelPart& part : layers.parts(true)) names.push_back(part.name);
-    EXPECT_EQ(names, (std::vector<std::string>{"rgba", "Combined_world", "Combined_a_b", "Combined_a_b_2", "Combined_world_2", "Combined_rest"}));
+    EXPECT_EQ(names, (std::vector<std::string>{"rgba", "Combined_world", "Combined_a_b", "Combined_a_b_2",
+                                               "Combined_world_2", "Combined_rest"}));
 }
 
 }  // namespace

@@ -29,11 +29,19 @@ protected:
         fs::create_directories(folder / "capture/images");
         writeVertexPly(folder / "capture/mesh.ply", mesh, {});
         writeImage(folder / "capture/images/0.exr", Image(16, 12, Rgb(0.5f)));
-        folder.write("capture/transforms.json", json{{"w", 16}, {"h", 12}, {"fl_x", 12}, {"mesh_path", "mesh.ply"},
-            {"frames", {{{"file_path", "images/0.exr"}, {"transform_matrix", {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 2}, {0, 0, 0, 1}}}}}}}.dump());
+        folder.write("capture/transforms.json",
+                     json{{"w", 16},
+                          {"h", 12},
+                          {"fl_x", 12},
+                          {"mesh_path", "mesh.ply"},
+                          {"frames",
+                           {{{"file_path", "images/0.exr"},
+                             {"transform_matrix", {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 2}, {0, 0, 0, 1}}}}}}}
+                         .dump());
         scene = test::sceneOf(mesh);
         shot.captureFolder = folder / "capture";
-        shot.estimate = test::matteEstimate(scene, Rgb(0.5f, 0.25f, 0.125f), Rgb(0), test::emittersOf(scene, {lamp}, {Rgb(12, 11, 10)}));
+        shot.estimate = test::matteEstimate(scene, Rgb(0.5f, 0.25f, 0.125f), Rgb(0),
+                                            test::emittersOf(scene, {lamp}, {Rgb(12, 11, 10)}));
         Estimate& e = shot.estimate;
         e.reflectance.basis.lobes.push_back({Lobe::Kind::ggxDielectric, 0.1024f, "ggx dielectric roughness 0.32"});
         e.reflectance.weight.push_back(std::vector<Rgb>(mesh.vertexCount(), Rgb(0.75f, 0.5f, 0.25f)));
@@ -58,9 +66,7 @@ protected:
     std::string openError() {
         try {
             open();
-        } catch (const Error& error) {
-            return error.what();
-        } catch (const std::exception& error) {
+        } catch (const Error& error) { return error.what(); } catch (const std::exception& error) {
             return std::string("not an Error: ") + error.what();
         }
         return "";
@@ -118,7 +124,9 @@ TEST_F(ShotFile, SurvivesARoundTrip) {
 }
 
 TEST_F(ShotFile, NamesTheMeasuredReflectanceItNeeds) {
-    const auto coated = [](const Vec3& light, const Vec3& eye) { return Rgb(0.1f) + Rgb(0.3f) * ggx(light, eye, 0.1f); };
+    const auto coated = [](const Vec3& light, const Vec3& eye) {
+        return Rgb(0.1f) + Rgb(0.3f) * ggx(light, eye, 0.1f);
+    };
     folder.write("merl/paint.binary", test::merlBytes(coated));
     Reflectance& r = shot.estimate.reflectance;
     r.basis.lobes[1] = readMeasuredLobes(folder / "merl").at(0);
@@ -135,7 +143,8 @@ TEST_F(ShotFile, NamesTheMeasuredReflectanceItNeeds) {
         EXPECT_EQ(evaluateLobe(lobes[1], light, eye), evaluateLobe(r.basis.lobes[1], light, eye));
     };
     same(open());
-    // Away from its folder it says what it lacks; a copy in the shot's own folder does as well, and stays when the shot is saved again.
+    // Away from its folder it says what it lacks; a copy in the shot's own folder does as well, and stays when the shot
+    // is saved again.
     std::filesystem::create_directories(target / "merl");
     std::filesystem::rename(folder / "merl/paint.binary", folder / "paint");
     EXPECT_NE(openError().find("basis[1].file: "), std::string::npos);
@@ -151,9 +160,11 @@ TEST_F(ShotFile, KeepsTheEnergyOfTheEnvironmentSunIncluded) {
     for (const auto& [width, bound] : {std::pair{0, 1e-3}, {1, 1e-3}, {4, 1e-3}}) {
         shot.estimate.environment.assign(256 * 256, Rgb(0.1f, 0.2f, 0.4f));
         for (int y = 100; y < 100 + width; ++y)
-            for (int x = 30; x < 30 + width; ++x) shot.estimate.environment[size_t(y) * 256 + size_t(x)] = Rgb(90000, 70000, 50000);
+            for (int x = 30; x < 30 + width; ++x)
+                shot.estimate.environment[size_t(y) * 256 + size_t(x)] = Rgb(90000, 70000, 50000);
         save(true);
-        const Rgb before = energy(shot.estimate.environment), after = (fs::remove_all(target / "cache"), energy(open().estimate.environment));
+        const Rgb before = energy(shot.estimate.environment),
+                  after = (fs::remove_all(target / "cache"), energy(open().estimate.environment));
         for (int c = 0; c < 3; ++c) EXPECT_NEAR(after[c] / before[c], 1, bound) << "sun of " << width << " cells";
     }
 }
@@ -169,14 +180,21 @@ TEST_F(ShotFile, IsThreeFilesInOpenFormatsAndACache) {
     EXPECT_EQ(readImageSize(target / "environment.exr"), std::pair(1024, 512));
     std::set<std::string> names;
     for (const VertexProperty& p : readVertexPly(target / "reflectance.ply")) names.insert(p.name);
-    for (const char* name : {"albedo_r", "albedo_g", "albedo_b", "weight_0_r", "weight_1_b", "observed", "emitter", "confidence"}) EXPECT_TRUE(names.contains(name)) << name;
-    EXPECT_EQ(readMesh(target / "reflectance.ply").positions, scene.mesh.positions) << "the capture's vertices in order";
+    for (const char* name :
+         {"albedo_r", "albedo_g", "albedo_b", "weight_0_r", "weight_1_b", "observed", "emitter", "confidence"})
+        EXPECT_TRUE(names.contains(name)) << name;
+    EXPECT_EQ(readMesh(target / "reflectance.ply").positions, scene.mesh.positions)
+        << "the capture's vertices in order";
 }
 
 TEST_F(ShotFile, InfoHasWhatIsPromised) {
     const json info = shotInfo(shot);
-    for (const char* key : {"emitters", "environment", "gauge", "basis", "left_out", "timeline", "stability", "resources"}) EXPECT_TRUE(info.contains(key)) << key;
-    for (const char* key : {"id", "name", "centroid", "normal", "area_m2", "triangles", "power", "power_stddev", "identifiability", "views_seen", "clipped_share"}) EXPECT_TRUE(info["emitters"][0].contains(key)) << key;
+    for (const char* key :
+         {"emitters", "environment", "gauge", "basis", "left_out", "timeline", "stability", "resources"})
+        EXPECT_TRUE(info.contains(key)) << key;
+    for (const char* key : {"id", "name", "centroid", "normal", "area_m2", "triangles", "power", "power_stddev",
+                            "identifiability", "views_seen", "clipped_share"})
+        EXPECT_TRUE(info["emitters"][0].contains(key)) << key;
     EXPECT_EQ(info["emitters"][0]["power"], (json{12, 11, 10}));
     EXPECT_EQ(info["environment"]["grid_side"], 256);
     EXPECT_TRUE(info["environment"].contains("kept_coefficients"));

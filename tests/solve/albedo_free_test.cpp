@@ -28,7 +28,8 @@ TEST(AlbedoFree, FindsTheAbsoluteLightFromRatiosAndOneLampOfKnownRadiance) {
 
 TEST(AlbedoFree, BouncedLightAloneFixesTheScale) {
     test::SmallProblem p = test::smallProblem();
-    // No lamp is known, nothing is seen directly; every vertex gets some light from surfaces whose radiance the photographs show.
+    // No lamp is known, nothing is seen directly; every vertex gets some light from surfaces whose radiance the
+    // photographs show.
     std::vector<Rgb> bounce;
     for (size_t i = 0; i < p.matte.radiance.size(); ++i) {
         bounce.push_back(Rgb(0.02f, 0.03f, 0.01f) * (1 + float(i * 7 % 13)));
@@ -81,8 +82,10 @@ TEST(AlbedoFree, CurvatureOnFoldedLeavesEndsAtTheSameLight) {
     for (uint32_t k = 0; k < p.influence.columns; ++k) folded.fold.push_back(k / 4);
     Lighting whole = p.start, found = p.start;
     Progress progress;
-    const AlbedoFreeReport a = solveAlbedoFree(p.influence, p.matte, p.pairs, p.anchors, nullptr, o, whole, progress, nullptr);
-    const AlbedoFreeReport b = solveAlbedoFree(p.influence, p.matte, p.pairs, p.anchors, nullptr, folded, found, progress, nullptr);
+    const AlbedoFreeReport a =
+        solveAlbedoFree(p.influence, p.matte, p.pairs, p.anchors, nullptr, o, whole, progress, nullptr);
+    const AlbedoFreeReport b =
+        solveAlbedoFree(p.influence, p.matte, p.pairs, p.anchors, nullptr, folded, found, progress, nullptr);
     EXPECT_LT(test::litDifference(p, found, whole), 2e-3);
     EXPECT_NEAR(b.objective, a.objective, 2e-3 * a.objective);
 }
@@ -93,8 +96,10 @@ TEST(AlbedoFree, EndsEarlyWhereAnIterationGainsTooLittle) {
     rough.leastGain = 0.01f;
     Lighting whole = p.start, found = p.start;
     Progress progress;
-    const AlbedoFreeReport a = solveAlbedoFree(p.influence, p.matte, p.pairs, p.anchors, nullptr, o, whole, progress, nullptr);
-    const AlbedoFreeReport b = solveAlbedoFree(p.influence, p.matte, p.pairs, p.anchors, nullptr, rough, found, progress, nullptr);
+    const AlbedoFreeReport a =
+        solveAlbedoFree(p.influence, p.matte, p.pairs, p.anchors, nullptr, o, whole, progress, nullptr);
+    const AlbedoFreeReport b =
+        solveAlbedoFree(p.influence, p.matte, p.pairs, p.anchors, nullptr, rough, found, progress, nullptr);
     EXPECT_LT(b.iterations, a.iterations);
     EXPECT_LT(b.objective, 1.02 * a.objective);
 }
@@ -106,7 +111,8 @@ TEST(AlbedoFree, NeverLetsItsObjectiveRise) {
     o.anneal = false;
     std::vector<double> objectives;
     Progress progress;
-    solveAlbedoFree(p.influence, p.matte, p.pairs, p.anchors, nullptr, o, found, progress, [&](int, double objective, double) { objectives.push_back(objective); });
+    solveAlbedoFree(p.influence, p.matte, p.pairs, p.anchors, nullptr, o, found, progress,
+                    [&](int, double objective, double) { objectives.push_back(objective); });
     ASSERT_GT(objectives.size(), 3u);
     for (size_t i = 1; i < objectives.size(); ++i) EXPECT_LE(objectives[i], objectives[i - 1] * (1 + 1e-5)) << i;
     EXPECT_LT(objectives.back(), 0.5 * objectives.front());
@@ -140,7 +146,8 @@ TEST(AlbedoFree, StaysFiniteWhereVerticesAreBlack) {
     }
     Lighting found = p.start;
     Progress progress;
-    const AlbedoFreeReport report = solveAlbedoFree(p.influence, p.matte, p.pairs, p.anchors, nullptr, manyIterations(), found, progress, nullptr);
+    const AlbedoFreeReport report =
+        solveAlbedoFree(p.influence, p.matte, p.pairs, p.anchors, nullptr, manyIterations(), found, progress, nullptr);
     EXPECT_TRUE(std::isfinite(report.objective));
     for (const Rgb& l : found.leafRadiance) EXPECT_TRUE(isFinite(l));
 }
@@ -161,7 +168,8 @@ TEST(AlbedoFree, KeepsTheLightUpWhenNothingFixesItsScale) {
     // Distant light only, and none of it seen: right up to one scale a channel, never black.
     const size_t leaves = p.truth.leaves.size();
     InfluenceMatrix distant{p.influence.rows, leaves, {}};
-    for (size_t r = 0; r < p.influence.rows; ++r) distant.values.insert(distant.values.end(), p.influence.row(r), p.influence.row(r) + leaves);
+    for (size_t r = 0; r < p.influence.rows; ++r)
+        distant.values.insert(distant.values.end(), p.influence.row(r), p.influence.row(r) + leaves);
     p.influence = distant;
     p.truth.emitterRadiance.clear();
     p.start.emitterRadiance.clear();
@@ -197,7 +205,8 @@ TEST(AlbedoFree, GivesTheSameBitsOnOneAndFourThreads) {
         Progress progress;
         solveAlbedoFree(p.influence, p.matte, p.pairs, p.anchors, nullptr, {}, found[size_t(k)], progress, nullptr);
     }
-    for (size_t i = 0; i < p.truth.leaves.size(); ++i) EXPECT_EQ(found[0].leafRadiance[i], found[1].leafRadiance[i]) << i;
+    for (size_t i = 0; i < p.truth.leaves.size(); ++i)
+        EXPECT_EQ(found[0].leafRadiance[i], found[1].leafRadiance[i]) << i;
 }
 
 }  // namespace

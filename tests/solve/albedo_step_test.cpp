@@ -56,8 +56,8 @@ TEST(AlbedoStep, KeepsATextureEdgeThatIsWellSeen) {
 TEST(AlbedoStep, FillsUnseenAndUnlitVerticesFromTheirNeighbours) {
     Surface s;
     for (uint32_t v = 0; v < 400; ++v) {
-        if (v % 20 > 14) continue;                              // never seen
-        if (v % 20 > 9) s.see(v, 0.0f, 0.0f);                   // seen, but no light falls on it
+        if (v % 20 > 14) continue;             // never seen
+        if (v % 20 > 9) s.see(v, 0.0f, 0.0f);  // seen, but no light falls on it
         else s.see(v, 0.6f, 1.0f);
     }
     Progress progress;
@@ -77,7 +77,8 @@ TEST(AlbedoStep, DoesNotPreferAScale) {
         t.litSigma.back() *= 4.0f;
     }
     Progress progress;
-    const AlbedoResult a = solveAlbedo(s.scene, s.matte, s.lit, s.litSigma, {}, progress), b = solveAlbedo(t.scene, t.matte, t.lit, t.litSigma, {}, progress);
+    const AlbedoResult a = solveAlbedo(s.scene, s.matte, s.lit, s.litSigma, {}, progress),
+                       b = solveAlbedo(t.scene, t.matte, t.lit, t.litSigma, {}, progress);
     for (uint32_t v = 0; v < 400; v += 13) EXPECT_NEAR(b.albedo[v].x * 4, a.albedo[v].x, 2e-3f * a.albedo[v].x) << v;
 }
 
@@ -121,7 +122,9 @@ TEST(AlbedoPairs, SomeSpanTheWholePieceWhereItFacesAlike) {
     none.longPairs = 0;
     // A walk of 36 steps gets that far now and then.
     size_t withoutThem = 0;
-    for (const AlbedoPair& p : albedoPairs(scene, matte, none)) withoutThem += glm::length(scene.mesh.positions[matte.vertices[p.a]] - scene.mesh.positions[matte.vertices[p.b]]) >= 1;
+    for (const AlbedoPair& p : albedoPairs(scene, matte, none))
+        withoutThem +=
+            glm::length(scene.mesh.positions[matte.vertices[p.a]] - scene.mesh.positions[matte.vertices[p.b]]) >= 1;
     EXPECT_LT(withoutThem * 10, spanning);
 }
 

@@ -35,7 +35,8 @@ TEST(FoldedGram, IsTheWholeOneWhereTheColumnsOfAGroupAreProportional) {
         const FoldedColumns fold = foldColumns(p.rows, p.rows.rows, twoQuads(40));
         ASSERT_EQ(fold.folded.columns, 34u);
         EXPECT_NEAR(fold.share(6), 0.3, 1e-6);
-        const Eigen::MatrixXd wanted = channelGram(p.rows, p.weights, apart, progress), found = foldedGram(fold, p.rows, p.weights, apart, progress);
+        const Eigen::MatrixXd wanted = channelGram(p.rows, p.weights, apart, progress),
+                              found = foldedGram(fold, p.rows, p.weights, apart, progress);
         EXPECT_LT((found - wanted).norm(), 1e-5 * wanted.norm());
         EXPECT_LT((found - found.transpose()).norm(), 1e-12 * wanted.norm());
     }
@@ -48,14 +49,17 @@ TEST(FoldedGram, LeavesEmptyColumnsOutAndChangesNothing) {
     Progress progress;
     const FoldedColumns fold = foldColumns(p.rows, p.rows.rows, {});
     EXPECT_EQ(fold.folded.columns, 20u);
-    const Eigen::MatrixXd wanted = channelGram(p.rows, p.weights, false, progress), found = foldedGram(fold, p.rows, p.weights, false, progress);
+    const Eigen::MatrixXd wanted = channelGram(p.rows, p.weights, false, progress),
+                          found = foldedGram(fold, p.rows, p.weights, false, progress);
     EXPECT_LT((found - wanted).norm(), 2e-6 * wanted.norm());
 }
 
 TEST(FoldedGram, IsNeverNegativeAndHoldsWhatTheFoldingLeftOut) {
     const test::PairProblem p = test::randomPairs(600, 24);
     Progress progress;
-    const Eigen::MatrixXd whole = channelGram(p.rows, p.weights, false, progress), found = foldedGram(foldColumns(p.rows, p.rows.rows, twoQuads(24)), p.rows, p.weights, false, progress);
+    const Eigen::MatrixXd whole = channelGram(p.rows, p.weights, false, progress),
+                          found = foldedGram(foldColumns(p.rows, p.rows.rows, twoQuads(24)), p.rows, p.weights, false,
+                                             progress);
     const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(found).eigenvalues();
     EXPECT_GT(values(0), -1e-6 * values(values.size() - 1));
     // Brothers against each other, in one channel: what the shares alone would call free.
@@ -76,18 +80,23 @@ TEST(FoldedGram, TakesTheRowsBehindAsTheyAre) {
     const uint32_t rows = uint32_t(p.rows.rows), weights = uint32_t(p.weights.other.size());
     p.rows.values.insert(p.rows.values.end(), behind.rows.values.begin(), behind.rows.values.end());
     p.rows.rows += behind.rows.rows;
-    for (size_t i = 1; i < behind.weights.start.size(); ++i) p.weights.start.push_back(behind.weights.start[i] + weights);
+    for (size_t i = 1; i < behind.weights.start.size(); ++i)
+        p.weights.start.push_back(behind.weights.start[i] + weights);
     for (const uint32_t other : behind.weights.other) p.weights.other.push_back(other + rows);
     p.weights.weight.insert(p.weights.weight.end(), behind.weights.weight.begin(), behind.weights.weight.end());
     Progress progress;
-    const Eigen::MatrixXd wanted = channelGram(p.rows, p.weights, false, progress), found = foldedGram(foldColumns(p.rows, rows, twoQuads(40)), p.rows, p.weights, false, progress);
+    const Eigen::MatrixXd wanted = channelGram(p.rows, p.weights, false, progress),
+                          found =
+                              foldedGram(foldColumns(p.rows, rows, twoQuads(40)), p.rows, p.weights, false, progress);
     EXPECT_LT((found - wanted).norm(), 1e-5 * wanted.norm());
 }
 
 TEST(FoldedGram, HasTheSameBitsOnAnyNumberOfThreads) {
     const test::PairProblem p = test::randomPairs(900, 80);
     Progress progress;
-    const auto gram = [&] { return foldedGram(foldColumns(p.rows, 900, twoQuads(80)), p.rows, p.weights, false, progress); };
+    const auto gram = [&] {
+        return foldedGram(foldColumns(p.rows, 900, twoQuads(80)), p.rows, p.weights, false, progress);
+    };
     const Eigen::MatrixXd many = gram();
     const ThreadLimit one(1);
     EXPECT_EQ((many - gram()).norm(), 0);

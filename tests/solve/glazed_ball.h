@@ -16,7 +16,8 @@ struct GlazedBall {
     GlazedBall() {
         const Rgb albedo(0.4f, 0.08f, 0.05f);
         lighting.leaves = LightLeaves::uniform(3);
-        for (size_t i = 0; i < lighting.leaves.size(); ++i) lighting.leafRadiance.push_back(Rgb(0.5f + 4 * std::max(0.0f, lighting.leaves.direction(i, Vec2(0.5f)).x)));
+        for (size_t i = 0; i < lighting.leaves.size(); ++i)
+            lighting.leafRadiance.push_back(Rgb(0.5f + 4 * std::max(0.0f, lighting.leaves.direction(i, Vec2(0.5f)).x)));
         gloss.lobe = Lobe{Lobe::Kind::ggxDielectric, 0.05f, "glaze"};
         gloss.weight = Rgb(1);
         for (const DVec3& eye : {DVec3(3, 0, 1), DVec3(0, 3, 1), DVec3(-3, 0, 1), DVec3(0, -3, 1)}) {
@@ -36,10 +37,12 @@ struct GlazedBall {
             const DirectionGrid grid{fineness};
             for (int c = 0; c < grid.cells(); ++c)
                 if (const float cosine = glm::dot(scene.mesh.normals[v], grid.direction(c)); cosine > 0)
-                    lit += lighting.leafRadiance[lighting.leaves.leafOf(grid.direction(c))] * (cosine * grid.cellSolidAngle() / pi);
+                    lit += lighting.leafRadiance[lighting.leaves.leafOf(grid.direction(c))] *
+                           (cosine * grid.cellSolidAngle() / pi);
             matte.push_back(albedo * lit);
             for (uint32_t view = 0; view < capture.views.size(); ++view) {
-                const Vec3 toward = glm::normalize(Vec3(capture.views[view].camera.position()) - scene.mesh.positions[v]);
+                const Vec3 toward =
+                    glm::normalize(Vec3(capture.views[view].camera.position()) - scene.mesh.positions[v]);
                 if (glm::dot(toward, scene.mesh.normals[v]) < 0.25f) continue;
                 glossyInfluence(scene, {}, {}, lighting.leaves, *gloss.lobe, v, toward, fine, row.data());
                 samples.samples.push_back({view, matte[v] + gloss.weight * lightOfRow(row.data(), lighting), 1, false});

@@ -14,7 +14,8 @@ TEST(FitGloss, FirstGlanceLosesNoLobe) {
     PieceGloss found[2];
     for (const bool screen : {false, true}) {
         options.screen = screen;
-        found[screen] = fitGloss(ball.capture, ball.scene, ball.samples, {}, {}, ball.lighting, builtInBasis(), 0, options, progress);
+        found[screen] = fitGloss(ball.capture, ball.scene, ball.samples, {}, {}, ball.lighting, builtInBasis(), 0,
+                                 options, progress);
         ASSERT_TRUE(found[screen].lobe) << screen;
     }
     EXPECT_EQ(found[1].lobe->kind, Lobe::Kind::ggxDielectric);
@@ -29,12 +30,16 @@ TEST(FitGloss, FirstGlanceLosesNoLobe) {
 TEST(FitGloss, AMatteBallHasNone) {
     test::GlazedBall ball;
     for (size_t v = 0; v + 1 < ball.samples.start.size(); ++v)
-        for (uint32_t s = ball.samples.start[v]; s < ball.samples.start[v + 1]; ++s) ball.samples.samples[s].radiance = ball.matte[v];
+        for (uint32_t s = ball.samples.start[v]; s < ball.samples.start[v + 1]; ++s)
+            ball.samples.samples[s].radiance = ball.matte[v];
     Progress progress;
     for (const bool screen : {false, true}) {
         GlossOptions options;
         options.screen = screen;
-        EXPECT_FALSE(fitGloss(ball.capture, ball.scene, ball.samples, {}, {}, ball.lighting, builtInBasis(), 0, options, progress).lobe) << screen;
+        EXPECT_FALSE(fitGloss(ball.capture, ball.scene, ball.samples, {}, {}, ball.lighting, builtInBasis(), 0, options,
+                              progress)
+                         .lobe)
+            << screen;
     }
 }
 

@@ -10,7 +10,8 @@ namespace {
 Eigen::VectorXd unknowns(const Lighting& light, int c) {
     Eigen::VectorXd x(Eigen::Index(light.leaves.size() + light.emitterRadiance.size()));
     for (size_t i = 0; i < light.leaves.size(); ++i) x(Eigen::Index(i)) = light.leafRadiance[i][c];
-    for (size_t e = 0; e < light.emitterRadiance.size(); ++e) x(Eigen::Index(light.leaves.size() + e)) = light.emitterRadiance[e][c];
+    for (size_t e = 0; e < light.emitterRadiance.size(); ++e)
+        x(Eigen::Index(light.leaves.size() + e)) = light.emitterRadiance[e][c];
     return x;
 }
 
@@ -84,7 +85,8 @@ TEST(LightPrior, ItsModelHasTheGradientOfItsValue) {
         Eigen::VectorXd up = x, down = x;
         up(i) += 1e-5;
         down(i) -= 1e-5;
-        EXPECT_NEAR((prior.value(up, 2) - prior.value(down, 2)) / 2e-5, slope(i), 1e-3 * slope.cwiseAbs().maxCoeff()) << i;
+        EXPECT_NEAR((prior.value(up, 2) - prior.value(down, 2)) / 2e-5, slope(i), 1e-3 * slope.cwiseAbs().maxCoeff())
+            << i;
     }
 }
 

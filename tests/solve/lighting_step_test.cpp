@@ -14,7 +14,8 @@ TEST(LightingStep, FindsTheLightWhenTheReflectanceIsKnown) {
     const std::vector<Rgb> litSigma(p.influence.rows, Rgb(0));
     Progress progress;
     LightingStepReport report;
-    for (int i = 0; i < 4; ++i) report = lightingStep(p.influence, p.matte, p.albedo, litSigma, prior, {}, found, progress);
+    for (int i = 0; i < 4; ++i)
+        report = lightingStep(p.influence, p.matte, p.albedo, litSigma, prior, {}, found, progress);
     EXPECT_LT(test::litDifference(p, found, p.truth), 0.01);
     EXPECT_LT(report.kktResidual, 1e-6);
 }
@@ -28,7 +29,8 @@ TEST(LightingStep, NeverLetsItsObjectiveRise) {
     Progress progress;
     double last = 1e300;
     for (int i = 0; i < 5; ++i) {
-        const LightingStepReport report = lightingStep(p.influence, p.matte, p.albedo, litSigma, prior, {}, found, progress);
+        const LightingStepReport report =
+            lightingStep(p.influence, p.matte, p.albedo, litSigma, prior, {}, found, progress);
         EXPECT_LE(report.after, report.before);
         EXPECT_LE(report.before, last * (1 + 1e-4));
         last = report.after;

@@ -27,7 +27,8 @@ struct Problem {
             for (size_t i = 0; i < looks.size(); ++i)
                 for (uint64_t l = 0; l < 12; ++l) {
                     const auto direction = [&](uint64_t salt) {
-                        const float z = 0.25f + 0.75f * random(salt, 1), phi = 2 * pi * random(salt, 2), r = std::sqrt(1 - z * z);
+                        const float z = 0.25f + 0.75f * random(salt, 1), phi = 2 * pi * random(salt, 2),
+                                    r = std::sqrt(1 - z * z);
                         return Vec3(r * std::cos(phi), r * std::sin(phi), z);
                     };
                     const Vec3 eye = direction(i * 977 + 5), light = direction(i / looksEach * 31337 + l);
@@ -69,8 +70,11 @@ TEST(ChooseLobes, FindsAMixtureWithItsShares) {
     const Lobe& mixture = choices[1].lobe;
     ASSERT_EQ(mixture.parts.size(), 2u);
     EXPECT_LT(choices[1].residual, 0.3 * choices[0].residual);
-    EXPECT_TRUE(std::any_of(mixture.parts.begin(), mixture.parts.end(), [](const Lobe& s) { return s.name == "ggx roughness 0.17" && s.share == 1; }));
-    EXPECT_TRUE(std::any_of(mixture.parts.begin(), mixture.parts.end(), [](const Lobe& s) { return s.name == "lafortune back 2" && std::abs(s.share - 0.5f) < 0.1f; }));
+    EXPECT_TRUE(std::any_of(mixture.parts.begin(), mixture.parts.end(),
+                            [](const Lobe& s) { return s.name == "ggx roughness 0.17" && s.share == 1; }));
+    EXPECT_TRUE(std::any_of(mixture.parts.begin(), mixture.parts.end(), [](const Lobe& s) {
+        return s.name == "lafortune back 2" && std::abs(s.share - 0.5f) < 0.1f;
+    }));
 }
 
 TEST(ChooseLobes, AMetalNeedsNoMattePart) {
@@ -97,7 +101,8 @@ struct Ball {
         for (int i = 0; i < 300; ++i) {
             const Vec2 u = r2Point(uint32_t(i), Vec2(0));
             const float z = 2 * u.x - 1, phi = 2 * pi * u.y, r = std::sqrt(1 - z * z);
-            const Vec3 n(r * std::cos(phi), r * std::sin(phi), z), side = glm::normalize(glm::cross(n, std::abs(n.z) < 0.9f ? Vec3(0, 0, 1) : Vec3(1, 0, 0)));
+            const Vec3 n(r * std::cos(phi), r * std::sin(phi), z),
+                side = glm::normalize(glm::cross(n, std::abs(n.z) < 0.9f ? Vec3(0, 0, 1) : Vec3(1, 0, 0)));
             // Small triangles, apart from each other.
             const uint32_t first = uint32_t(mesh.positions.size());
             for (const Vec3& p : {n, n + 1e-3f * side, n + 1e-3f * glm::cross(n, side)}) {
@@ -116,7 +121,8 @@ struct Ball {
             GlossyLook look;
             look.vertex = 3 * v;
             look.sigma = 0.01f;
-            look.towardEye = glm::normalize(scene.mesh.normals[3 * v] + 0.7f * Vec3(random(v, 1) - 0.5f, random(v, 2) - 0.5f, random(v, 3) - 0.5f));
+            look.towardEye = glm::normalize(scene.mesh.normals[3 * v] +
+                                            0.7f * Vec3(random(v, 1) - 0.5f, random(v, 2) - 0.5f, random(v, 3) - 0.5f));
             looks.push_back(look);
         }
     }
@@ -130,14 +136,18 @@ TEST(LobeResponses, AreWhatTheRowsOfEachLobeSay) {
     options.cosineSamples = 256;
     const std::vector<Lobe> lobes = wideBasis().lobes;
     const auto responses = lobeResponses(ball.scene, {}, {}, ball.lighting, lobes, ball.looks, options, progress);
-    for (const char* name : {"ggx roughness 0.17", "ggx dielectric roughness 0.38", "ward roughness 0.25", "lafortune back 2"}) {
-        const auto k = size_t(std::find_if(lobes.begin(), lobes.end(), [&](const Lobe& l) { return l.name == name; }) - lobes.begin());
+    for (const char* name :
+         {"ggx roughness 0.17", "ggx dielectric roughness 0.38", "ward roughness 0.25", "lafortune back 2"}) {
+        const auto k = size_t(std::find_if(lobes.begin(), lobes.end(), [&](const Lobe& l) { return l.name == name; }) -
+                              lobes.begin());
         ASSERT_LT(k, lobes.size()) << name;
-        const InfluenceMatrix rows = glossyRows(ball.scene, {}, {}, ball.lighting.leaves, lobes[k], ball.looks, options, progress);
+        const InfluenceMatrix rows =
+            glossyRows(ball.scene, {}, {}, ball.lighting.leaves, lobes[k], ball.looks, options, progress);
         double difference = 0, size = 0;
         for (size_t i = 0; i < ball.looks.size(); ++i) {
             Rgb y(0);
-            for (size_t j = 0; j < ball.lighting.leaves.size(); ++j) y += rows.row(i)[j] * ball.lighting.leafRadiance[j];
+            for (size_t j = 0; j < ball.lighting.leaves.size(); ++j)
+                y += rows.row(i)[j] * ball.lighting.leafRadiance[j];
             difference += double(glm::dot(y - responses[k][i], y - responses[k][i]));
             size += double(glm::dot(y, y));
         }

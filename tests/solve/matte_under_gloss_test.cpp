@@ -17,7 +17,8 @@ TEST(MatteUnderGloss, TakesOffWhatTheCoatMirrors) {
     matteUnderGloss(ball.capture, ball.scene, ball.samples, {}, {}, ball.lighting, ball.gloss, {}, under, progress);
     const auto medianError = [&](const MatteObservations& m) {
         std::vector<float> errors;
-        for (size_t i = 0; i < m.vertices.size(); ++i) errors.push_back(std::abs(m.radiance[i].y / ball.matte[m.vertices[i]].y - 1));
+        for (size_t i = 0; i < m.vertices.size(); ++i)
+            errors.push_back(std::abs(m.radiance[i].y / ball.matte[m.vertices[i]].y - 1));
         std::nth_element(errors.begin(), errors.begin() + ptrdiff_t(errors.size() / 2), errors.end());
         return errors[errors.size() / 2];
     };

@@ -16,8 +16,10 @@ Eigen::MatrixXd bruteForce(const test::PairProblem& p, bool apart) {
         for (uint32_t e = p.weights.start[i]; e < p.weights.start[i + 1]; ++e)
             for (size_t block = 0; block < (apart ? 3u : 6u); ++block) {
                 const auto [c, d] = ChannelWeights::blocks[block];
-                const Eigen::Map<const Eigen::VectorXf> mine(p.rows.row(i), n), other(p.rows.row(p.weights.other[e]), n);
-                const Eigen::MatrixXd part = double(p.weights.weight[e][block]) * mine.cast<double>() * other.cast<double>().transpose();
+                const Eigen::Map<const Eigen::VectorXf> mine(p.rows.row(i), n),
+                    other(p.rows.row(p.weights.other[e]), n);
+                const Eigen::MatrixXd part =
+                    double(p.weights.weight[e][block]) * mine.cast<double>() * other.cast<double>().transpose();
                 all.block(c * n, d * n, n, n) += part;
                 if (c != d) all.block(d * n, c * n, n, n) += part.transpose();
             }
@@ -30,9 +32,11 @@ TEST(PairGram, IsTheSumOverRowsAndPartners) {
         for (const bool apart : {false, true}) {
             const test::PairProblem p = test::randomPairs(size_t(count), size_t(columns));
             Progress progress;
-            const Eigen::MatrixXd found = channelGram(p.rows, p.weights, apart, progress), wanted = bruteForce(p, apart);
+            const Eigen::MatrixXd found = channelGram(p.rows, p.weights, apart, progress),
+                                  wanted = bruteForce(p, apart);
             ASSERT_EQ(found.rows(), wanted.rows());
-            EXPECT_LT((found - wanted).norm(), 2e-6 * wanted.norm()) << count << " x " << columns << (apart ? ", apart" : "");
+            EXPECT_LT((found - wanted).norm(), 2e-6 * wanted.norm())
+                << count << " x " << columns << (apart ? ", apart" : "");
             EXPECT_EQ((found - found.transpose()).norm(), 0);
         }
 }

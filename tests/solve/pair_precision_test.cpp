@@ -25,7 +25,8 @@ TEST(PairPrecision, IsTheInverseOfTheCovariance) {
     for (int c = 0; c < 3; ++c) own[c] = (0.5 * double(v.noise[c]) + 0.1 * double(v.model[c])) / 4;
     for (int c = 0; c < 3; ++c)
         for (int d = 0; d < 3; ++d) {
-            const double common = std::sqrt((double(v.noise[c]) + v.model[c] - own[c]) / 3 * (double(v.noise[d]) + v.model[d] - own[d]) / 3);
+            const double common = std::sqrt((double(v.noise[c]) + v.model[c] - own[c]) / 3 *
+                                            (double(v.noise[d]) + v.model[d] - own[d]) / 3);
             covariance(c, d) = (c == d ? own[c] : 0.0) + common;
             precision(c, d) = p(c, d);
         }
@@ -51,7 +52,8 @@ TEST(ChromaShare, IsMeasuredFromResiduals) {
         const PairVariance v{Rgb(1e-4f * std::pow(1000.0f, float(i % 100) / 100)), Rgb(0.01f)};
         const float common = normal(random);
         Rgb r(0);
-        for (int c = 0; c < 3; ++c) r[c] = std::sqrt(0.3f * v.noise[c] + 0.04f * v.model[c]) * normal(random) + 0.1f * common;
+        for (int c = 0; c < 3; ++c)
+            r[c] = std::sqrt(0.3f * v.noise[c] + 0.04f * v.model[c]) * normal(random) + 0.1f * common;
         residual.push_back(r);
         variance.push_back(v);
     }
@@ -60,7 +62,9 @@ TEST(ChromaShare, IsMeasuredFromResiduals) {
     EXPECT_NEAR(share.model, 0.04f, 0.015f);
 }
 
-TEST(ChromaShare, OfTooFewPairsIsOne) { EXPECT_TRUE(chromaShare(std::vector<Rgb>(20, Rgb(0.1f)), std::vector<PairVariance>(20)).apart()); }
+TEST(ChromaShare, OfTooFewPairsIsOne) {
+    EXPECT_TRUE(chromaShare(std::vector<Rgb>(20, Rgb(0.1f)), std::vector<PairVariance>(20)).apart());
+}
 
 // Texture of 20 % leaves the light uncertain in each channel alone, and hardly in their ratios.
 TEST(AlbedoFree, BrightAndDarkTextureHardlyDisturbsTheHueOfTheLight) {

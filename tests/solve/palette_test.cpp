@@ -28,7 +28,8 @@ TEST(Palette, FindsThePaintsThatPointsGatherAbout) {
         const Palette palette = findPalette(albedo, weight, count);
         ASSERT_GE(palette.colours.size(), 3u);
         for (int k = 0; k < 3; ++k)
-            for (int c = 0; c < 3; ++c) EXPECT_NEAR(palette.colours[size_t(k)].albedo[c] / paints[k][c], 1, 0.02f) << k << " of " << count;
+            for (int c = 0; c < 3; ++c)
+                EXPECT_NEAR(palette.colours[size_t(k)].albedo[c] / paints[k][c], 1, 0.02f) << k << " of " << count;
         EXPECT_NEAR(palette.colours[0].share, 0.6f, 0.02f);
         EXPECT_NEAR(palette.colours[2].share, 0.1f, 0.02f);
         EXPECT_EQ(palette.nearest[9], palette.colours[2].albedo);
@@ -45,7 +46,8 @@ TEST(Palette, MakesPaintedSurfacesEvenAndLeavesOtherColoursAlone) {
     for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v) {
         const Vec3 p = scene.mesh.positions[v];
         truth.push_back(p.x < 0.5f ? Rgb(0.7f, 0.6f, 0.5f) : Rgb(0.2f, 0.4f, 0.3f));
-        if (glm::distance(p, Vec3(0.2f, 0.2f, 0)) < 0.08f) truth.back() = Rgb(0.05f, 0.05f, 0.4f);  // a spot that is no paint of two
+        if (glm::distance(p, Vec3(0.2f, 0.2f, 0)) < 0.08f)
+            truth.back() = Rgb(0.05f, 0.05f, 0.4f);  // a spot that is no paint of two
         matte.vertices.push_back(v);
         matte.radiance.push_back(truth[v] * std::exp(0.1f * normal(random)));
         matte.sigma.push_back(0.1f * truth[v]);

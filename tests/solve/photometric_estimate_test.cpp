@@ -1,4 +1,5 @@
-// Exposures, white balance and fall-off put into a world's photographs are found again; where there are none nothing is done.
+// Exposures, white balance and fall-off put into a world's photographs are found again; where there are none nothing is
+// done.
 #include "solve/photometric_estimate.h"
 
 #include <gtest/gtest.h>
@@ -31,8 +32,11 @@ struct Photographed {
 /// What automatic cameras do: exposures 20 % apart, white balance 5 %, corners a quarter darker.
 PhotometricFix automatic(const Capture& capture) {
     PhotometricFix fix;
-    const float exposure[6] = {0.2f, -0.1f, 0.15f, -0.2f, 0.05f, -0.1f}, balance[6] = {0.05f, 0, -0.05f, 0.02f, -0.04f, 0.02f};
-    for (size_t i = 0; i < 6; ++i) fix.gains.push_back({capture.views[i].name, glm::exp(Rgb(exposure[i] + balance[i], exposure[i], exposure[i] - balance[i]))});
+    const float exposure[6] = {0.2f, -0.1f, 0.15f, -0.2f, 0.05f, -0.1f},
+                balance[6] = {0.05f, 0, -0.05f, 0.02f, -0.04f, 0.02f};
+    for (size_t i = 0; i < 6; ++i)
+        fix.gains.push_back(
+            {capture.views[i].name, glm::exp(Rgb(exposure[i] + balance[i], exposure[i], exposure[i] - balance[i]))});
     fix.falloff2 = -0.2f;
     fix.falloff4 = -0.1f;
     return fix;
@@ -59,7 +63,8 @@ TEST(PhotometricEstimate, FindsGainsAndFalloffOfAnAutomaticCamera) {
     const PhotometricEstimate found = p.estimate();
     EXPECT_TRUE(found.needed()) << toText(found);
     ASSERT_EQ(found.fix.gains.size(), 6u);
-    for (size_t i = 0; i < 6; ++i) EXPECT_LT(maxChannel(glm::abs(glm::log(found.fix.gains[i].gain / put.gains[i].gain))), 0.015f) << i;
+    for (size_t i = 0; i < 6; ++i)
+        EXPECT_LT(maxChannel(glm::abs(glm::log(found.fix.gains[i].gain / put.gains[i].gain))), 0.015f) << i;
     EXPECT_NEAR(found.fix.falloffAt(1), put.falloffAt(1), 0.03f);
     EXPECT_NEAR(found.fix.falloffAt(0.5f), put.falloffAt(0.5f), 0.015f);
     // With it taken out nothing is left to do.

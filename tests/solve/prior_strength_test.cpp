@@ -2,15 +2,16 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/solve/small_problem.h"
 #include "support/shapes.h"
+#include "tests/solve/small_problem.h"
 
 namespace relamp {
 namespace {
 
 TEST(PriorStrength, IsTheUsualOneUnlessAnotherIsClearlyBetter) {
     EXPECT_EQ(chooseStrength({{9, 8, 9, 7}, {10, 10, 10, 10}, {11, 12, 11, 10}}).factor, 0.25f);
-    EXPECT_EQ(chooseStrength({{9, 12, 9, 9.5}, {10, 10, 10, 10}, {11, 12, 11, 10}}).factor, 1);  // better by less than its error
+    EXPECT_EQ(chooseStrength({{9, 12, 9, 9.5}, {10, 10, 10, 10}, {11, 12, 11, 10}}).factor,
+              1);  // better by less than its error
     EXPECT_EQ(chooseStrength({{10, 10, 10, 10}, {10, 10, 10, 10}, {9, 8.9, 9.1, 9}}).chosenBy, "photographs");
     EXPECT_EQ(chooseStrength({{1}, {10}, {100}}).factor, 1);  // one block tells no error
     EXPECT_EQ(chooseStrength({{0, 0}, {0, 0}, {0, 0}}).factor, 1);
@@ -30,7 +31,8 @@ struct NoisySheet {
         for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v) {
             const Rgb a(0.5f * std::exp(texture * normal(random)));
             samples.start.push_back(uint32_t(samples.samples.size()));
-            for (uint32_t view = 0; view < 3; ++view) samples.samples.push_back({view, a * std::exp(noise * normal(random)), 1, false});
+            for (uint32_t view = 0; view < 3; ++view)
+                samples.samples.push_back({view, a * std::exp(noise * normal(random)), 1, false});
             lit.push_back(Rgb(1));
             litSigma.push_back(Rgb(0));
         }
@@ -58,7 +60,8 @@ TEST(PriorStrength, OfSurfacesFollowsTheirTexture) {
 TEST(PriorStrength, OfLightTellsRoughLightFromSmooth) {
     // Light that changes wildly from leaf to leaf, hardly any noise: a strong prior foretells the pairs left out worse.
     test::SmallProblem p = test::smallProblem(3000, 0.002f);
-    for (size_t i = 0; i < p.truth.leafRadiance.size(); ++i) p.truth.leafRadiance[i] = Rgb(i * 7 % 5 == 0 ? 6.0f : 0.2f);
+    for (size_t i = 0; i < p.truth.leafRadiance.size(); ++i)
+        p.truth.leafRadiance[i] = Rgb(i * 7 % 5 == 0 ? 6.0f : 0.2f);
     std::vector<Vec3> positions;
     for (size_t r = 0; r < p.influence.rows; ++r) {
         p.matte.radiance[r] = p.albedo[r] * lightOfRow(p.influence.row(r), p.truth);
@@ -70,14 +73,16 @@ TEST(PriorStrength, OfLightTellsRoughLightFromSmooth) {
     options.mismatch = 0.002f;
     options.light.smoothness *= 1000;
     Lighting found = p.truth;
-    const PriorStrength strength = testLightStrength(p.influence, p.matte, p.pairs, positions, p.anchors, options, found, 3000, progress);
+    const PriorStrength strength =
+        testLightStrength(p.influence, p.matte, p.pairs, positions, p.anchors, options, found, 3000, progress);
     ASSERT_EQ(strength.trials.size(), 3u);
     EXPECT_LT(strength.trials[0].misfit, 1);
     EXPECT_GT(strength.trials[2].misfit, 1);
     EXPECT_EQ(strength.factor, 0.25f);
     // Too little to ask.
     p.pairs.resize(50);
-    EXPECT_TRUE(testLightStrength(p.influence, p.matte, p.pairs, positions, p.anchors, options, found, 3000, progress).trials.empty());
+    EXPECT_TRUE(testLightStrength(p.influence, p.matte, p.pairs, positions, p.anchors, options, found, 3000, progress)
+                    .trials.empty());
 }
 
 }  // namespace

@@ -111,9 +111,11 @@ TEST(BoundedQp, EndsExactlyOnLargeStiffProgramsOnAnyNumberOfThreads) {
     Eigen::VectorXd truth(n);
     for (int i = 0; i < n; ++i) {
         truth(i) = i % 97 < 40 ? 0.0 : 1 + std::sin(i * 0.05);
-        for (int j = 0; j < n; ++j) q(i, j) = std::exp(-0.1 * (i - j) * (i - j)) * std::pow(10.0, (i % 3 - 1) + (j % 3 - 1));
+        for (int j = 0; j < n; ++j)
+            q(i, j) = std::exp(-0.1 * (i - j) * (i - j)) * std::pow(10.0, (i % 3 - 1) + (j % 3 - 1));
     }
-    const Eigen::VectorXd c = q * truth - Eigen::VectorXd::LinSpaced(n, 0, 0.5).cwiseMax(0.0), zero = Eigen::VectorXd::Zero(n);
+    const Eigen::VectorXd c = q * truth - Eigen::VectorXd::LinSpaced(n, 0, 0.5).cwiseMax(0.0),
+                          zero = Eigen::VectorXd::Zero(n);
     QpResult one;
     {
         const ThreadLimit limit(1);
@@ -125,7 +127,8 @@ TEST(BoundedQp, EndsExactlyOnLargeStiffProgramsOnAnyNumberOfThreads) {
 }
 
 TEST(BoundedQp, EndsWhereAFactorInDoubleEndsHoweverStiffALargeProgramIs) {
-    // Large programs are factored in single precision first; a diagonal of 1 to 1e-12 beside neighbours that pull on each other is too stiff for that.
+    // Large programs are factored in single precision first; a diagonal of 1 to 1e-12 beside neighbours that pull on
+    // each other is too stiff for that.
     constexpr int n = 700;
     for (const double weakest : {1e-2, 1e-6, 1e-9}) {
         Eigen::MatrixXd q = Eigen::MatrixXd::Zero(n, n);
@@ -137,7 +140,8 @@ TEST(BoundedQp, EndsWhereAFactorInDoubleEndsHoweverStiffALargeProgramIs) {
                 q(i, i + 1) = q(i + 1, i) = -1;
             }
         }
-        const Eigen::VectorXd truth = Eigen::VectorXd::LinSpaced(n, 1, 2), c = q * truth, zero = Eigen::VectorXd::Zero(n);
+        const Eigen::VectorXd truth = Eigen::VectorXd::LinSpaced(n, 1, 2), c = q * truth,
+                              zero = Eigen::VectorXd::Zero(n);
         const QpResult r = solveBoundedQp(q, c, zero);
         EXPECT_TRUE(r.converged) << r.reason;
         EXPECT_LT(r.kktResidual, 1e-12) << weakest;

@@ -10,7 +10,8 @@ struct PairProblem {
     ChannelWeights weights;
 };
 
-/// Pairs of rows with a residual b_c B_b - a_c B_a in each channel and a precision between the channels, as the ratio fit has them.
+/// Pairs of rows with a residual b_c B_b - a_c B_a in each channel and a precision between the channels, as the ratio
+/// fit has them.
 inline PairProblem randomPairs(size_t count, size_t columns) {
     PairProblem p;
     p.rows.rows = count;
@@ -22,7 +23,8 @@ inline PairProblem randomPairs(size_t count, size_t columns) {
         const uint32_t a = uint32_t(mixBits(k * 7) % count), b = uint32_t(mixBits(k * 7 + 1) % count);
         if (a == b) continue;
         float ta[3], tb[3];
-        for (uint64_t c = 0; c < 3; ++c) ta[c] = 0.5f + unitFloat(mixBits(k * 11 + c)), tb[c] = 0.5f + unitFloat(mixBits(k * 13 + c));
+        for (uint64_t c = 0; c < 3; ++c)
+            ta[c] = 0.5f + unitFloat(mixBits(k * 11 + c)), tb[c] = 0.5f + unitFloat(mixBits(k * 13 + c));
         std::array<float, 6> aa, ab, ba, bb;
         for (size_t block = 0; block < 6; ++block) {
             const auto [c, d] = ChannelWeights::blocks[block];

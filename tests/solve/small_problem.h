@@ -22,7 +22,8 @@ inline SmallProblem smallProblem(size_t rows = 400, float noise = 0) {
     std::uniform_real_distribution<float> uniform(0, 1);
     p.truth.leaves = LightLeaves::uniform(3);
     const size_t leaves = p.truth.leaves.size();
-    for (size_t i = 0; i < leaves; ++i) p.truth.leafRadiance.push_back(Rgb(0.5f + float(i % 8) * 0.2f, 0.8f, 1.2f - float(i / 8) * 0.1f));
+    for (size_t i = 0; i < leaves; ++i)
+        p.truth.leafRadiance.push_back(Rgb(0.5f + float(i % 8) * 0.2f, 0.8f, 1.2f - float(i / 8) * 0.1f));
     p.truth.emitterRadiance.push_back({20, 10, 4});
     p.start = p.truth;
     for (Rgb& l : p.start.leafRadiance) l = Rgb(3);
@@ -30,7 +31,8 @@ inline SmallProblem smallProblem(size_t rows = 400, float noise = 0) {
     p.influence.columns = leaves + 1;
     p.influence.values.resize(rows * p.influence.columns);
     for (size_t r = 0; r < rows; ++r) {
-        for (size_t i = 0; i < leaves; ++i) p.influence.row(r)[i] = uniform(random) < 0.5f ? 0.0f : uniform(random) * 2 / float(leaves);
+        for (size_t i = 0; i < leaves; ++i)
+            p.influence.row(r)[i] = uniform(random) < 0.5f ? 0.0f : uniform(random) * 2 / float(leaves);
         p.influence.row(r)[leaves] = uniform(random) < 0.4f ? 0.0f : 0.1f * uniform(random);
         const float a = 0.2f + 0.6f * float((r / 10 * 7) % 10) / 10;
         p.albedo.push_back(Rgb(a, 0.8f * a, 0.5f * a));

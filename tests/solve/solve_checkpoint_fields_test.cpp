@@ -1,4 +1,5 @@
-// Every field of a checkpoint comes back. A field that is added to one of these structs does not compile here until it is told of.
+// Every field of a checkpoint comes back. A field that is added to one of these structs does not compile here until it
+// is told of.
 #include <gtest/gtest.h>
 
 #include <tuple>
@@ -15,7 +16,8 @@ auto fieldsOf(EmitterEvidence& e) {
 }
 auto fieldsOf(EmitterCluster& e) {
     auto& [id, vertices, triangles, radiance, sigma, twoSided, unseen, position, centroid, normal, area, evidence] = e;
-    return std::tie(id, vertices, triangles, radiance, sigma, twoSided, unseen, position, centroid, normal, area, evidence);
+    return std::tie(id, vertices, triangles, radiance, sigma, twoSided, unseen, position, centroid, normal, area,
+                    evidence);
 }
 auto fieldsOf(RejectedPatch& r) {
     auto& [centroid, radiance, evidence, reason] = r;
@@ -74,12 +76,16 @@ auto fieldsOf(SolvePlan& p) {
     return std::tie(choices, stages, leftOut, planningSeconds);
 }
 auto fieldsOf(SolveCheckpoint& c) {
-    auto& [step, between, seconds, clusters, suspect, leaves, leafRadiance, emitterRadiance, environmentBlack, refined, bounceKept, noMetals, backgroundRefuted, visibilityStep, refinedMisfit, bouncedShare,
-           noBounceBecause, vertexBounce, sent, matteRadiance, matteSigma, lightSmoothness, albedoSmoothness, gloss, firstGloss, metalsHeard, metalsJoined, lightUnfinished, information,
-           informationOfLooks, informationSeen, albedo, confidence, palette, timeline, kktResidual, plan] = c;
-    return std::tie(step, between, seconds, clusters, suspect, leaves, leafRadiance, emitterRadiance, environmentBlack, refined, bounceKept, noMetals, backgroundRefuted, visibilityStep, refinedMisfit, bouncedShare,
-                    noBounceBecause, vertexBounce, sent, matteRadiance, matteSigma, lightSmoothness, albedoSmoothness, gloss, firstGloss, metalsHeard, metalsJoined, lightUnfinished, information,
-                    informationOfLooks, informationSeen, albedo, confidence, palette, timeline, kktResidual, plan);
+    auto& [step, between, seconds, clusters, suspect, leaves, leafRadiance, emitterRadiance, environmentBlack, refined,
+           bounceKept, noMetals, backgroundRefuted, visibilityStep, refinedMisfit, bouncedShare, noBounceBecause,
+           vertexBounce, sent, matteRadiance, matteSigma, lightSmoothness, albedoSmoothness, gloss, firstGloss,
+           metalsHeard, metalsJoined, lightUnfinished, information, informationOfLooks, informationSeen, albedo,
+           confidence, palette, timeline, kktResidual, plan] = c;
+    return std::tie(step, between, seconds, clusters, suspect, leaves, leafRadiance, emitterRadiance, environmentBlack,
+                    refined, bounceKept, noMetals, backgroundRefuted, visibilityStep, refinedMisfit, bouncedShare,
+                    noBounceBecause, vertexBounce, sent, matteRadiance, matteSigma, lightSmoothness, albedoSmoothness,
+                    gloss, firstGloss, metalsHeard, metalsJoined, lightUnfinished, information, informationOfLooks,
+                    informationSeen, albedo, confidence, palette, timeline, kktResidual, plan);
 }
 
 /// Makes every field another than it is by default: lists get one entry.
@@ -116,7 +122,7 @@ struct Fill {
         for (T& value : values) (*this)(value);
     }
     template <class T>
-        requires std::is_aggregate_v<T>
+    requires std::is_aggregate_v<T>
     void operator()(T& value) {
         std::apply([&](auto&... field) { ((*this)(field), ...); }, fieldsOf(value));
     }
@@ -128,24 +134,25 @@ struct Compare {
     std::vector<std::string> differ;
     template <class T>
     void operator()(T& a, T& b, const std::string& where) {
-        if constexpr (std::is_same_v<T, Vec3> || std::is_same_v<T, std::string> || std::is_arithmetic_v<T> || std::is_enum_v<T>) {
-            if (a == b)
-                ++equal;
-            else
-                differ.push_back(where);
+        if constexpr (std::is_same_v<T, Vec3> || std::is_same_v<T, std::string> || std::is_arithmetic_v<T> ||
+                      std::is_enum_v<T>) {
+            if (a == b) ++equal;
+            else differ.push_back(where);
         } else if constexpr (std::is_array_v<T>) {
             for (size_t i = 0; i < std::extent_v<T>; ++i) (*this)(a[i], b[i], fmt::format("{}[{}]", where, i));
         } else if constexpr (requires { a.has_value(); }) {
-            if (a && b)
-                (*this)(*a, *b, where);
-            else
-                differ.push_back(where);
+            if (a && b) (*this)(*a, *b, where);
+            else differ.push_back(where);
         } else if constexpr (requires { a.push_back(a[0]); }) {
             if (a.size() != b.size()) differ.push_back(where + ".size");
-            for (size_t i = 0; i < std::min(a.size(), b.size()); ++i) (*this)(a[i], b[i], fmt::format("{}[{}]", where, i));
+            for (size_t i = 0; i < std::min(a.size(), b.size()); ++i)
+                (*this)(a[i], b[i], fmt::format("{}[{}]", where, i));
         } else {
             auto x = fieldsOf(a), y = fieldsOf(b);
-            [&]<size_t... I>(std::index_sequence<I...>) { ((*this)(std::get<I>(x), std::get<I>(y), fmt::format("{}.{}", where, I)), ...); }(std::make_index_sequence<std::tuple_size_v<decltype(x)>>());
+            [&]<size_t... I>(std::index_sequence<I...>) {
+                ((*this)(std::get<I>(x), std::get<I>(y), fmt::format("{}.{}", where, I)), ...);
+            }
+            (std::make_index_sequence<std::tuple_size_v<decltype(x)>>());
         }
     }
 };

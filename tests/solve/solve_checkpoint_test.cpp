@@ -27,7 +27,8 @@ struct Problem {
         clusters = clusterEmitters(scene, capture, samples, {}, progress);
         options.startIterations = 6;
     }
-    Estimate solve(const SolveListener* listener = nullptr, const SolveCheckpoint* resume = nullptr, double budget = 0) const {
+    Estimate solve(const SolveListener* listener = nullptr, const SolveCheckpoint* resume = nullptr,
+                   double budget = 0) const {
         Progress progress;
         progress.setBudget(budget);
         return solveScene(capture, scene, samples, clusters, options, progress, listener, resume);
@@ -61,7 +62,8 @@ void expectSameBits(const Estimate& a, const Estimate& b, const std::string& whe
     EXPECT_EQ(a.reflectance.confidence, b.reflectance.confidence) << where;
     EXPECT_EQ(a.identifiability, b.identifiability) << where;
     ASSERT_EQ(a.timeline.size(), b.timeline.size()) << where;
-    for (size_t i = 0; i < a.timeline.size(); ++i) EXPECT_EQ(a.timeline[i].objective, b.timeline[i].objective) << where << ", entry " << i;
+    for (size_t i = 0; i < a.timeline.size(); ++i)
+        EXPECT_EQ(a.timeline[i].objective, b.timeline[i].objective) << where << ", entry " << i;
     ASSERT_EQ(a.leftOut.size(), b.leftOut.size()) << where;
     for (size_t i = 0; i < a.leftOut.size(); ++i) EXPECT_EQ(a.leftOut[i].why, b.leftOut[i].why) << where;
 }
@@ -76,8 +78,8 @@ void expectSameCheckpoint(SolveCheckpoint a, SolveCheckpoint b, const std::strin
     EXPECT_TRUE(checkpointBytes(a) == checkpointBytes(b)) << where;
 }
 
-// From each step only as far as the next one, whose checkpoint has to be the uninterrupted solve's; all the way from the first, through
-// all the others, and from the last.
+// From each step only as far as the next one, whose checkpoint has to be the uninterrupted solve's; all the way from
+// the first, through all the others, and from the last.
 TEST(SolveCheckpoint, EveryStepCanBeGoneOnFromWithTheSameBits) {
     Estimate whole;
     const std::vector<SolveCheckpoint> checkpoints = checkpointsOf(glossyProblem(), &whole);
@@ -131,12 +133,14 @@ TEST(SolveCheckpoint, InsideLongStepsTheLightSoFarIsKept) {
     const Estimate again = glossyProblem().solve(nullptr, &read);
     EXPECT_EQ(again.emitters.emitters.size(), whole.emitters.emitters.size());
     for (size_t e = 0; e < whole.lighting.emitterRadiance.size(); ++e)
-        EXPECT_LT(maxChannel(glm::abs(again.lighting.emitterRadiance[e] - whole.lighting.emitterRadiance[e])), 1e-2f * maxChannel(whole.lighting.emitterRadiance[e]));
+        EXPECT_LT(maxChannel(glm::abs(again.lighting.emitterRadiance[e] - whole.lighting.emitterRadiance[e])),
+                  1e-2f * maxChannel(whole.lighting.emitterRadiance[e]));
 }
 
 TEST(SolveCheckpoint, BytesThatEndEarlyOrGoOnAreRefused) {
     const std::string bytes = checkpointBytes(checkpointsOf(glossyProblem()).back());
-    for (const size_t kept : {size_t(0), size_t(3), bytes.size() / 3, bytes.size() - 1}) EXPECT_THROW(checkpointFromBytes(bytes.substr(0, kept)), Error) << kept;
+    for (const size_t kept : {size_t(0), size_t(3), bytes.size() / 3, bytes.size() - 1})
+        EXPECT_THROW(checkpointFromBytes(bytes.substr(0, kept)), Error) << kept;
     EXPECT_THROW(checkpointFromBytes(bytes + "x"), Error);
     EXPECT_NO_THROW(checkpointFromBytes(bytes));
 }
@@ -197,7 +201,8 @@ TEST(TimeBudget, ACutAnswerHasLobesAndKnowsItsScale) {
     };
     const Problem& p = glossyProblem();
     progress.setBudget(1e6);
-    const Estimate cut = solveScene(p.capture, p.scene, p.samples, p.clusters, p.options, progress, &listener), whole = p.solve();
+    const Estimate cut = solveScene(p.capture, p.scene, p.samples, p.clusters, p.options, progress, &listener),
+                   whole = p.solve();
     ASSERT_TRUE(cut.cancelled);
     ASSERT_GT(whole.reflectance.basis.lobes.size(), 1u);
     EXPECT_GT(cut.reflectance.basis.lobes.size(), 1u);

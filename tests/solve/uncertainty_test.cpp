@@ -12,14 +12,17 @@ std::vector<Rgb> litBy(const test::SmallProblem& p, const Lighting& light) {
     std::vector<Rgb> lit(p.influence.rows, Rgb(0));
     for (size_t r = 0; r < lit.size(); ++r) {
         for (size_t i = 0; i < light.leaves.size(); ++i) lit[r] += p.influence.row(r)[i] * light.leafRadiance[i];
-        for (size_t e = 0; e < light.emitterRadiance.size(); ++e) lit[r] += p.influence.row(r)[light.leaves.size() + e] * light.emitterRadiance[e];
+        for (size_t e = 0; e < light.emitterRadiance.size(); ++e)
+            lit[r] += p.influence.row(r)[light.leaves.size() + e] * light.emitterRadiance[e];
     }
     return lit;
 }
 
-LightUncertainty solved(const test::SmallProblem& p, const AlbedoFreeOptions& o, const UncertaintyOptions& u, Lighting& found) {
+LightUncertainty solved(const test::SmallProblem& p, const AlbedoFreeOptions& o, const UncertaintyOptions& u,
+                        Lighting& found) {
     Progress progress;
-    const AlbedoFreeReport report = solveAlbedoFree(p.influence, p.matte, p.pairs, p.anchors, nullptr, o, found, progress, nullptr);
+    const AlbedoFreeReport report =
+        solveAlbedoFree(p.influence, p.matte, p.pairs, p.anchors, nullptr, o, found, progress, nullptr);
     return lightUncertainty(report.information, p.influence, litBy(p, found), found, {"lamp-1"}, u, progress);
 }
 
@@ -43,7 +46,9 @@ TEST(LightUncertainty, ALampSeenDirectlyFixesTheScaleAndNothingSeenLeavesItOpen)
     const size_t leaves = p.start.leaves.size();
     without.influence.columns = leaves;
     without.influence.values.clear();
-    for (size_t r = 0; r < p.influence.rows; ++r) without.influence.values.insert(without.influence.values.end(), p.influence.row(r), p.influence.row(r) + leaves);
+    for (size_t r = 0; r < p.influence.rows; ++r)
+        without.influence.values.insert(without.influence.values.end(), p.influence.row(r),
+                                        p.influence.row(r) + leaves);
     without.start.emitterRadiance.clear();
     Lighting open = without.start;
     EXPECT_GT(solved(without, {}, bare(), open).scaleSigma.y, 1.0f);

@@ -7,7 +7,8 @@
 namespace relamp::test {
 
 /// Lambert everywhere, the environment constant, the emitters as given (their vertices reflect nothing).
-inline Estimate matteEstimate(const Scene& scene, const Rgb& albedo, const Rgb& environment, const EmitterClusters& clusters = {}) {
+inline Estimate matteEstimate(const Scene& scene, const Rgb& albedo, const Rgb& environment,
+                              const EmitterClusters& clusters = {}) {
     Estimate e;
     const size_t n = scene.mesh.vertexCount();
     e.mode = "near-field";
@@ -41,18 +42,22 @@ inline RelitScene relitOf(const Scene& scene, const Estimate& estimate, const Lo
 }
 
 /// A pinhole camera at `eye` that looks at `target`.
-inline Camera cameraAt(const DVec3& eye, const DVec3& target, int width, int height, double focalPixels, const DVec3& upHint = {0, 0, 1}) {
+inline Camera cameraAt(const DVec3& eye, const DVec3& target, int width, int height, double focalPixels,
+                       const DVec3& upHint = {0, 0, 1}) {
     Camera camera;
     camera.width = width;
     camera.height = height;
     camera.focalX = camera.focalY = focalPixels;
     camera.centreX = width / 2.0;
     camera.centreY = height / 2.0;
-    const DVec3 back = glm::normalize(eye - target), right = glm::normalize(glm::cross(upHint, back)), up = glm::cross(back, right);
+    const DVec3 back = glm::normalize(eye - target), right = glm::normalize(glm::cross(upHint, back)),
+                up = glm::cross(back, right);
     camera.worldFromCamera = DMat4(glm::dvec4(right, 0), glm::dvec4(up, 0), glm::dvec4(back, 0), glm::dvec4(eye, 1));
     return camera;
 }
 
-inline Mat4 translation(const Vec3& by) { return Mat4(Vec4(1, 0, 0, 0), Vec4(0, 1, 0, 0), Vec4(0, 0, 1, 0), Vec4(by, 1)); }
+inline Mat4 translation(const Vec3& by) {
+    return Mat4(Vec4(1, 0, 0, 0), Vec4(0, 1, 0, 0), Vec4(0, 0, 1, 0), Vec4(by, 1));
+}
 
 }  // namespace relamp::test

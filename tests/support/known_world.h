@@ -1,6 +1,6 @@
-// Paints a small capture from lighting and reflectance that are known, by brute force: none of the code under test shades here.
-// A floor and a box and a ball on it, matte, under a square lamp and an analytic sky; direct light only, but for the room with two walls
-// whose surfaces light each other.
+// Paints a small capture from lighting and reflectance that are known, by brute force: none of the code under test
+// shades here. A floor and a box and a ball on it, matte, under a square lamp and an analytic sky; direct light only,
+// but for the room with two walls whose surfaces light each other.
 #pragma once
 #include <filesystem>
 
@@ -21,7 +21,7 @@ struct KnownWorld {
     Rgb lampRadiance{40, 34, 26};
     Vec3 lampCentre{0.35f, 0.25f, 1.15f};
     float lampSide = 0.3f;
-    std::vector<Rgb> albedo;       ///< per vertex
+    std::vector<Rgb> albedo;  ///< per vertex
     size_t floorVertices = 0;
     size_t ballBegin = 0, ballEnd = 0;  ///< its vertices
     Rgb ballTint{0.9f, 0.7f, 0.45f};
@@ -34,7 +34,8 @@ struct KnownWorld {
     }
     /// Albedo at a point: a slow pattern on the floor, plain colours on the things on it.
     static Rgb albedoAt(const Vec3& p) {
-        if (p.z < 1e-3f) return Rgb(0.5f, 0.45f, 0.4f) + Rgb(0.2f, 0.15f, -0.1f) * std::sin(4 * p.x) * std::cos(3 * p.y + 1);
+        if (p.z < 1e-3f)
+            return Rgb(0.5f, 0.45f, 0.4f) + Rgb(0.2f, 0.15f, -0.1f) * std::sin(4 * p.x) * std::cos(3 * p.y + 1);
         if (p.x < -0.999f || p.y > 0.999f) return Rgb(0.8f, 0.72f, 0.6f);  // walls
         return p.x < 0 ? Rgb(0.55f, 0.3f, 0.25f) : Rgb(0.3f, 0.45f, 0.6f);
     }
@@ -52,7 +53,8 @@ inline Rgb skyIrradiance(const std::function<Rgb(const Vec3&)>& radiance, const 
 }
 
 /// Light that leaves a matte point: 8 x 8 points on the lamp, 16 x 16 directions of the sky, each with one ray.
-inline Rgb paintPoint(const KnownWorld& world, const RayTracer& tracer, const Vec3& position, const Vec3& normal, uint64_t seed, bool lamp) {
+inline Rgb paintPoint(const KnownWorld& world, const RayTracer& tracer, const Vec3& position, const Vec3& normal,
+                      uint64_t seed, bool lamp) {
     const Vec3 origin = position + normal * 1e-4f;
     const Vec2 shift = randomShift(seed, 1, 2), lampShift = randomShift(seed, 3, 4);
     const Mat3 frame = frameAround(normal);
@@ -70,27 +72,36 @@ inline Rgb paintPoint(const KnownWorld& world, const RayTracer& tracer, const Ve
         const Vec3 d = to / std::sqrt(d2);
         const float cosine = glm::dot(d, normal), facing = d.z;
         if (cosine <= 0 || facing <= 0 || tracer.occluded({origin, d, 0, std::sqrt(d2) * 0.999f})) continue;
-        irradiance += DVec3(world.lampRadiance) * double(cosine * facing / d2 * world.lampSide * world.lampSide / (lampSide * lampSide));
+        irradiance += DVec3(world.lampRadiance) *
+                      double(cosine * facing / d2 * world.lampSide * world.lampSide / (lampSide * lampSide));
     }
     return KnownWorld::albedoAt(position) * Rgb(irradiance) / pi;
 }
 
-/// Light that surfaces send each other, at the vertices: 256 rays each, three bounces. Radiance a white matte surface shows.
-inline std::vector<Rgb> paintBounces(const KnownWorld& world, const Scene& scene, const std::vector<uint8_t>& shines, bool lamp) {
+/// Light that surfaces send each other, at the vertices: 256 rays each, three bounces. Radiance a white matte surface
+/// shows.
+inline std::vector<Rgb> paintBounces(const KnownWorld& world, const Scene& scene, const std::vector<uint8_t>& shines,
+                                     bool lamp) {
     const Mesh& mesh = scene.mesh;
     std::vector<Rgb> direct(mesh.vertexCount()), bounced(mesh.vertexCount(), Rgb(0));
-    for (size_t v = 0; v < direct.size(); ++v) direct[v] = paintPoint(world, *scene.tracer, mesh.positions[v], mesh.normals[v], 900000 + v, lamp);
+    for (size_t v = 0; v < direct.size(); ++v)
+        direct[v] = paintPoint(world, *scene.tracer, mesh.positions[v], mesh.normals[v], 900000 + v, lamp);
     for (int bounce = 0; bounce < 3; ++bounce) {
         std::vector<Rgb> next(mesh.vertexCount(), Rgb(0));
         parallelFor(next.size(), 16, [&](size_t v) {
             const Mat3 frame = frameAround(mesh.normals[v]);
             for (int i = 0; i < 256; ++i) {
                 const Vec2 u = (Vec2(float(i % 16), float(i / 16)) + randomShift(v, 5, size_t(i))) / 16.0f;
-                const Hit hit = scene.tracer->closest({mesh.positions[v] + mesh.normals[v] * 1e-4f, frame * cosineHemisphere(u), 0, 1e30f});
-                if (!hit || shines[hit.triangle] || glm::dot(mesh.faceNormal(hit.triangle), frame * cosineHemisphere(u)) > 0) continue;
+                const Hit hit = scene.tracer->closest(
+                    {mesh.positions[v] + mesh.normals[v] * 1e-4f, frame * cosineHemisphere(u), 0, 1e30f});
+                if (!hit || shines[hit.triangle] ||
+                    glm::dot(mesh.faceNormal(hit.triangle), frame * cosineHemisphere(u)) > 0)
+                    continue;
                 const Triangle& t = mesh.triangles[hit.triangle];
-                const float weight[3] = {1 - hit.barycentric.x - hit.barycentric.y, hit.barycentric.x, hit.barycentric.y};
-                for (size_t k = 0; k < 3; ++k) next[v] += weight[k] / 256 * (direct[t[k]] + world.albedo[t[k]] * bounced[t[k]]);
+                const float weight[3] = {1 - hit.barycentric.x - hit.barycentric.y, hit.barycentric.x,
+                                         hit.barycentric.y};
+                for (size_t k = 0; k < 3; ++k)
+                    next[v] += weight[k] / 256 * (direct[t[k]] + world.albedo[t[k]] * bounced[t[k]]);
             }
         });
         bounced = next;
@@ -98,9 +109,11 @@ inline std::vector<Rgb> paintBounces(const KnownWorld& world, const Scene& scene
     return bounced;
 }
 
-/// Writes transforms.json, mesh.ply and the photographs (96 x 72, EXR) into `folder`; `lamp` false leaves the lamp dark and out. `room`: two
-/// walls behind the floor, and surfaces light each other. `metalBall`: the ball mirrors the sky, tinted, and has no albedo.
-inline KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool lamp = true, int views = 10, int floorCuts = 24, bool room = false, bool metalBall = false) {
+/// Writes transforms.json, mesh.ply and the photographs (96 x 72, EXR) into `folder`; `lamp` false leaves the lamp dark
+/// and out. `room`: two walls behind the floor, and surfaces light each other. `metalBall`: the ball mirrors the sky,
+/// tinted, and has no albedo.
+inline KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool lamp = true, int views = 10,
+                                  int floorCuts = 24, bool room = false, bool metalBall = false) {
     KnownWorld world;
     world.views = views;
     world.mesh = sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, floorCuts, floorCuts);
@@ -113,21 +126,26 @@ inline KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool lamp
         append(world.mesh, sheet({-1, 1, 0.002f}, {2, 0, 0}, {0, 0, 1.3f}, 16, 10));
         append(world.mesh, sheet({-1, -1, 0.002f}, {0, 2, 0}, {0, 0, 1.3f}, 16, 10));
     }
-    if (lamp) world.lampTriangles = append(world.mesh, squareAbove(world.lampSide, world.lampCentre.x, world.lampCentre.y, world.lampCentre.z, 4));
+    if (lamp)
+        world.lampTriangles = append(
+            world.mesh, squareAbove(world.lampSide, world.lampCentre.x, world.lampCentre.y, world.lampCentre.z, 4));
     for (const Vec3& p : world.mesh.positions) world.albedo.push_back(KnownWorld::albedoAt(p));
     std::vector<uint8_t> shines(world.mesh.triangles.size(), 0);
     for (uint32_t t : world.lampTriangles) shines[t] = 1;
 
     const Scene scene = sceneOf(world.mesh);
-    const std::vector<Rgb> bounced = room ? paintBounces(world, scene, shines, lamp) : std::vector<Rgb>(world.mesh.vertexCount(), Rgb(0));
+    const std::vector<Rgb> bounced =
+        room ? paintBounces(world, scene, shines, lamp) : std::vector<Rgb>(world.mesh.vertexCount(), Rgb(0));
     std::filesystem::create_directories(folder / "images");
     writeVertexPly(folder / "mesh.ply", world.mesh, {});
-    nlohmann::json file{{"w", 96}, {"h", 72}, {"fl_x", 95}, {"mesh_path", "mesh.ply"}, {"frames", nlohmann::json::array()}};
+    nlohmann::json file{
+        {"w", 96}, {"h", 72}, {"fl_x", 95}, {"mesh_path", "mesh.ply"}, {"frames", nlohmann::json::array()}};
     for (int i = 0; i < views; ++i) {
         // High ones look down, low ones see the underside of the lamp and the sky.
         const double a = room ? -1.5 + 1.5 * i / (views - 1) : 2 * piD * i / views + 0.3;  // before the open sides
         const bool low = i % 2;
-        const Camera camera = cameraAt({2.3 * std::cos(a), 2.3 * std::sin(a), low ? 0.45 : 1.9}, {0.05, 0, low ? 0.6 : 0.15}, 96, 72, 95);
+        const Camera camera =
+            cameraAt({2.3 * std::cos(a), 2.3 * std::sin(a), low ? 0.45 : 1.9}, {0.05, 0, low ? 0.6 : 0.15}, 96, 72, 95);
         Image image(96, 72);
         parallelFor(size_t(96 * 72), 96, [&](size_t p) {
             const Vec3 d = camera.rayDirection(Vec2(p % 96 + 0.5f, p / 96 + 0.5f));
@@ -148,18 +166,23 @@ inline KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool lamp
             const Triangle& t = scene.mesh.triangles[hit.triangle];
             if (metalBall && t[0] >= world.ballBegin && t[0] < world.ballEnd) {
                 const Vec3 mirrored = glm::reflect(d, normal);
-                image.pixels[p] = scene.tracer->occluded({scene.pointOf(hit) + normal * 1e-4f, mirrored, 0, 1e30f}) ? Rgb(0) : world.ballTint * KnownWorld::sky(mirrored);
+                image.pixels[p] = scene.tracer->occluded({scene.pointOf(hit) + normal * 1e-4f, mirrored, 0, 1e30f})
+                                      ? Rgb(0)
+                                      : world.ballTint * KnownWorld::sky(mirrored);
                 return;
             }
             const Vec2 b = hit.barycentric;
             const Rgb indirect = (1 - b.x - b.y) * bounced[t[0]] + b.x * bounced[t[1]] + b.y * bounced[t[2]];
             const Vec3 point = scene.pointOf(hit);
-            image.pixels[p] = paintPoint(world, *scene.tracer, point, normal, size_t(i) * 10000 + p, lamp) + KnownWorld::albedoAt(point) * indirect;
+            image.pixels[p] = paintPoint(world, *scene.tracer, point, normal, size_t(i) * 10000 + p, lamp) +
+                              KnownWorld::albedoAt(point) * indirect;
         });
         const std::string name = fmt::format("images/{:02}.exr", i);
         writeImage(folder / name, image);
         nlohmann::json rows = nlohmann::json::array();
-        for (int r = 0; r < 4; ++r) rows.push_back({camera.worldFromCamera[0][r], camera.worldFromCamera[1][r], camera.worldFromCamera[2][r], camera.worldFromCamera[3][r]});
+        for (int r = 0; r < 4; ++r)
+            rows.push_back({camera.worldFromCamera[0][r], camera.worldFromCamera[1][r], camera.worldFromCamera[2][r],
+                            camera.worldFromCamera[3][r]});
         file["frames"].push_back({{"file_path", name}, {"transform_matrix", rows}});
     }
     std::ofstream(folder / "transforms.json") << file.dump(1);

@@ -14,7 +14,9 @@ using Material = std::function<Rgb(const Vec3& towardLight, const Vec3& towardEy
 inline std::pair<Vec3, Vec3> pairOfCell(int half, int difference, int azimuth) {
     const double th = half * half / 8100.0 * piD / 2, td = difference / 90.0 * piD / 2, pd = azimuth / 180.0 * piD;
     const DVec3 local(std::sin(td) * std::cos(pd), std::sin(td) * std::sin(pd), std::cos(td));
-    const auto turned = [&](const DVec3& v) { return Vec3(DVec3(std::cos(th) * v.x + std::sin(th) * v.z, v.y, -std::sin(th) * v.x + std::cos(th) * v.z)); };
+    const auto turned = [&](const DVec3& v) {
+        return Vec3(DVec3(std::cos(th) * v.x + std::sin(th) * v.z, v.y, -std::sin(th) * v.x + std::cos(th) * v.z));
+    };
     return {turned(local), turned({-local.x, -local.y, local.z})};
 }
 

@@ -15,12 +15,13 @@
 namespace relamp::test {
 
 struct ProgramResult {
-    int exitCode = -1;      ///< 128 + signal when it was killed
+    int exitCode = -1;  ///< 128 + signal when it was killed
     std::string out, error;
 };
 
 /// Runs `arguments[0]`. With `interruptOn` it is sent `signalNumber` as soon as that text stands in its stderr.
-inline ProgramResult runProgram(const std::vector<std::string>& arguments, const std::string& interruptOn = "", int signalNumber = SIGINT) {
+inline ProgramResult runProgram(const std::vector<std::string>& arguments, const std::string& interruptOn = "",
+                                int signalNumber = SIGINT) {
     const TemporaryFolder folder;
     const std::filesystem::path out = folder / "out", error = folder / "error";
     std::vector<char*> argv;

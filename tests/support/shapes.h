@@ -73,7 +73,11 @@ inline Mesh ball(const Vec3& centre, float radius, int rings, int around) {
             add({std::sin(t) * std::cos(p), std::sin(t) * std::sin(p), std::cos(t)});
         }
     add({0, 0, -1});
-    const auto at = [&](int r, int i) { return r == 0 ? 0u : r == rings ? uint32_t(mesh.positions.size() - 1) : uint32_t(1 + (r - 1) * around + i % around); };
+    const auto at = [&](int r, int i) {
+        return r == 0       ? 0u
+               : r == rings ? uint32_t(mesh.positions.size() - 1)
+                            : uint32_t(1 + (r - 1) * around + i % around);
+    };
     for (int r = 0; r < rings; ++r)
         for (int i = 0; i < around; ++i) {
             if (r > 0) mesh.triangles.push_back({at(r, i), at(r + 1, i), at(r, i + 1)});
@@ -101,7 +105,8 @@ inline Scene sceneOf(const Mesh& mesh) {
 }
 
 /// Emitters that are the given triangles, indexed as room 4 leaves them (strongest first).
-inline EmitterClusters emittersOf(const Scene& scene, const std::vector<std::vector<uint32_t>>& triangles, const std::vector<Rgb>& radiance) {
+inline EmitterClusters emittersOf(const Scene& scene, const std::vector<std::vector<uint32_t>>& triangles,
+                                  const std::vector<Rgb>& radiance) {
     EmitterClusters clusters;
     for (size_t i = 0; i < triangles.size(); ++i) {
         EmitterCluster cluster;
@@ -111,7 +116,8 @@ inline EmitterClusters emittersOf(const Scene& scene, const std::vector<std::vec
             for (uint32_t v : scene.mesh.triangles[t]) mine[v] = 1;
             cluster.area += scene.mesh.triangleArea(t);
             cluster.normal += scene.mesh.faceNormal(t) * scene.mesh.triangleArea(t);
-            for (uint32_t v : scene.mesh.triangles[t]) cluster.centroid += scene.mesh.positions[v] * (scene.mesh.triangleArea(t) / 3);
+            for (uint32_t v : scene.mesh.triangles[t])
+                cluster.centroid += scene.mesh.positions[v] * (scene.mesh.triangleArea(t) / 3);
         }
         cluster.centroid /= cluster.area;
         cluster.normal = glm::length(cluster.normal) > 0.1f * cluster.area ? glm::normalize(cluster.normal) : Vec3(0);
@@ -135,9 +141,12 @@ inline double rayTriangle(const DVec3& origin, const DVec3& direction, const DVe
 }
 
 /// Whether a ray hits any triangle, by asking each of them.
-inline bool blockedByBruteForce(const Mesh& mesh, const Vec3& origin, const Vec3& direction, double far = std::numeric_limits<double>::infinity()) {
+inline bool blockedByBruteForce(const Mesh& mesh, const Vec3& origin, const Vec3& direction,
+                                double far = std::numeric_limits<double>::infinity()) {
     for (const Triangle& t : mesh.triangles)
-        if (rayTriangle(DVec3(origin), DVec3(direction), DVec3(mesh.positions[t[0]]), DVec3(mesh.positions[t[1]]), DVec3(mesh.positions[t[2]])) < far) return true;
+        if (rayTriangle(DVec3(origin), DVec3(direction), DVec3(mesh.positions[t[0]]), DVec3(mesh.positions[t[1]]),
+                        DVec3(mesh.positions[t[2]])) < far)
+            return true;
     return false;
 }
 
@@ -147,10 +156,14 @@ inline double cornerFormFactor(double a, double b, double c) {
     return (x / rx * std::atan(y / rx) + y / ry * std::atan(x / ry)) / (2 * piD);
 }
 /// ... to a parallel square centred over the point.
-inline double centredSquareFormFactor(double side, double height) { return 4 * cornerFormFactor(side / 2, side / 2, height); }
+inline double centredSquareFormFactor(double side, double height) {
+    return 4 * cornerFormFactor(side / 2, side / 2, height);
+}
 /// ... to a parallel rectangle [x0, x1] x [y0, y1] at height c over a point at the origin.
 inline double rectangleFormFactor(double x0, double x1, double y0, double y1, double c) {
-    const auto corner = [&](double x, double y) { return std::copysign(1.0, x * y) * cornerFormFactor(std::abs(x), std::abs(y), c); };
+    const auto corner = [&](double x, double y) {
+        return std::copysign(1.0, x * y) * cornerFormFactor(std::abs(x), std::abs(y), c);
+    };
     return corner(x1, y1) - corner(x0, y1) - corner(x1, y0) + corner(x0, y0);
 }
 /// ... to an upright rectangle of height a and width b that stands on the plane of the point at distance c, one of its

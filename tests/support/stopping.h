@@ -11,15 +11,18 @@
 
 namespace relamp::test {
 
-/// The promise is 100 ms from the request to the return; the bound is wide because a busy machine may run us late, and sanitizers ten times slower.
+/// The promise is 100 ms from the request to the return; the bound is wide because a busy machine may run us late, and
+/// sanitizers ten times slower.
 #ifdef RELAMP_SANITIZED
 inline constexpr double stopBoundSeconds = 5;
 #else
 inline constexpr double stopBoundSeconds = 0.5;
 #endif
 
-/// Runs `body`, asks it to stop once it is at `share` of the stage named `stage` (empty: of any), and expects Cancelled soon.
-inline void expectStopsHalfWay(const std::function<void(Progress&)>& body, const std::string& stage = "", double share = 0.3) {
+/// Runs `body`, asks it to stop once it is at `share` of the stage named `stage` (empty: of any), and expects Cancelled
+/// soon.
+inline void expectStopsHalfWay(const std::function<void(Progress&)>& body, const std::string& stage = "",
+                               double share = 0.3) {
     using Clock = std::chrono::steady_clock;
     Progress progress;
     std::atomic<bool> ended{false};
@@ -38,13 +41,12 @@ inline void expectStopsHalfWay(const std::function<void(Progress&)>& body, const
     Clock::time_point returned{};
     try {
         body(progress);
-    } catch (const Cancelled&) {
-        cancelled = true;
-    }
+    } catch (const Cancelled&) { cancelled = true; }
     returned = Clock::now();
     ended = true;
     watcher.join();
-    ASSERT_TRUE(progress.stopRequested()) << "the function ended before it could be stopped: make the test's input larger";
+    ASSERT_TRUE(progress.stopRequested())
+        << "the function ended before it could be stopped: make the test's input larger";
     EXPECT_TRUE(cancelled);
     EXPECT_LT(std::chrono::duration<double>(returned - asked).count(), stopBoundSeconds);
 }

@@ -55,9 +55,7 @@ template <class Body>
 std::string messageOf(Body&& body) {
     try {
         body();
-    } catch (const std::exception& error) {
-        return error.what();
-    }
+    } catch (const std::exception& error) { return error.what(); }
     return "";
 }
 

@@ -33,7 +33,8 @@ TEST(Bounce, InsideABallLightAddsUpToTheGeometricSeries) {
     const BounceRays rays = traced(scene, 64);
     const size_t n = scene.mesh.vertexCount();
     // direct 1, albedo a: bounced = a + a^2 + ... = a / (1 - a)
-    const std::vector<Rgb> bounced = bounceOf(rays, std::vector<Rgb>(n, Rgb(0.25f, 0.5f, 0.75f)), std::vector<Rgb>(n, Rgb(1, 2, 1)));
+    const std::vector<Rgb> bounced =
+        bounceOf(rays, std::vector<Rgb>(n, Rgb(0.25f, 0.5f, 0.75f)), std::vector<Rgb>(n, Rgb(1, 2, 1)));
     for (size_t v = 0; v < n; ++v) {
         EXPECT_NEAR(bounced[v].x, 1.0f / 3, 0.001);
         EXPECT_NEAR(bounced[v].y, 2, 0.01);
@@ -65,7 +66,8 @@ TEST(Bounce, RaysAreNotSharedAroundACornerNorNearWhatTheyMeet) {
     const Scene scene = test::sceneOf(mesh);
     const BounceRays rays = traced(scene);
     for (uint32_t v = 0; v < rays.vertexCount(); ++v)
-        for (uint32_t i = rays.sharedStart[v]; i < rays.sharedStart[v + 1]; ++i) EXPECT_GT(glm::dot(scene.mesh.normals[v], scene.mesh.normals[rays.shared[i]]), 0.9f);
+        for (uint32_t i = rays.sharedStart[v]; i < rays.sharedStart[v + 1]; ++i)
+            EXPECT_GT(glm::dot(scene.mesh.normals[v], scene.mesh.normals[rays.shared[i]]), 0.9f);
     const uint32_t far = 10, near = 20 * 21 + 10;  // middle of the front edge; at the foot of the wall
     EXPECT_GT(rays.sharedStart[far + 1] - rays.sharedStart[far], 2u);
     EXPECT_EQ(rays.sharedStart[near + 1] - rays.sharedStart[near], 0u);

@@ -21,7 +21,8 @@ struct Rows {
     InfluenceMatrix matrix;
 };
 
-Rows rowsOf(const Scene& scene, const LightLeaves& leaves, int side, const std::vector<uint32_t>& vertices, const EmitterClusters& clusters = {}) {
+Rows rowsOf(const Scene& scene, const LightLeaves& leaves, int side, const std::vector<uint32_t>& vertices,
+            const EmitterClusters& clusters = {}) {
     Progress progress;
     Rows rows;
     rows.visibility = computeVisibility(scene, {side}, progress);
@@ -43,12 +44,14 @@ TEST(LambertInfluence, OfAConstantEnvironmentOnAnOpenPlaneGivesIrradiancePi) {
     for (const int side : {32, 64}) {
         const Rows rows = rowsOf(scene, LightLeaves::uniform(4), side, allOf(scene));
         // Cells that the horizon halves are the error: 4 / side^2, 0.1 % at the standard side of 64.
-        for (size_t r = 0; r < rows.matrix.rows; ++r) EXPECT_NEAR(sumOfRow(rows.matrix, r), 1, 4.2 / (side * side)) << side;
+        for (size_t r = 0; r < rows.matrix.rows; ++r)
+            EXPECT_NEAR(sumOfRow(rows.matrix, r), 1, 4.2 / (side * side)) << side;
     }
 }
 
 TEST(LambertInfluence, IsTheSameForAnyOrientationOfThePlane) {
-    for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, -1, 0), glm::normalize(Vec3(1, 2, -2)), glm::normalize(Vec3(-3, 1, 0.2f))}) {
+    for (const Vec3& axis :
+         {Vec3(1, 0, 0), Vec3(0, -1, 0), glm::normalize(Vec3(1, 2, -2)), glm::normalize(Vec3(-3, 1, 0.2f))}) {
         const Mat3 frame = frameAround(axis);
         const Scene scene = test::sceneOf(test::sheet(-frame[0] - frame[1], 2.0f * frame[0], 2.0f * frame[1]));
         EXPECT_NEAR(sumOfRow(rowsOf(scene, LightLeaves::uniform(3), 64, {0}).matrix, 0), 1, 2e-3);
@@ -84,7 +87,7 @@ TEST(LambertInfluence, OfFineLeavesIsTracedAndAddsUpToTheirParents) {
     const Scene scene = test::sceneOf(mesh);
     LightLeaves coarse = LightLeaves::uniform(5), fine = coarse;
     const size_t count = coarse.size();
-    for (size_t i = 0; i < count; ++i) fine.split(i);   // side 64
+    for (size_t i = 0; i < count; ++i) fine.split(i);  // side 64
     const std::vector<uint32_t> vertices{0, 4, 8};
     const Rows a = rowsOf(scene, coarse, 32, vertices), b = rowsOf(scene, fine, 32, vertices);
     for (size_t r = 0; r < vertices.size(); ++r) {
@@ -118,20 +121,28 @@ TEST(LambertInfluence, TimesTheLightIsTheTripleProductOfVisibilityCosineAndEnvir
         if (leaves[pick].level < 5) leaves.split(pick);
     }
     Lighting lighting{leaves, {}, {}};
-    for (size_t i = 0; i < leaves.size(); ++i) lighting.leafRadiance.push_back(Rgb(unitFloat(mixBits(i)), 10 * unitFloat(mixBits(i + 1000)), i % 7 == 0 ? 100.0f : 0.0f));
+    for (size_t i = 0; i < leaves.size(); ++i)
+        lighting.leafRadiance.push_back(
+            Rgb(unitFloat(mixBits(i)), 10 * unitFloat(mixBits(i + 1000)), i % 7 == 0 ? 100.0f : 0.0f));
     const auto environment = environmentCoefs(lighting, side);
     const std::vector<uint32_t> vertices = allOf(scene);
     const Rows rows = rowsOf(scene, leaves, side, vertices);
     const DirectionGrid grid{side};
     std::vector<float> cosine(size_t(grid.cells()));
     for (const uint32_t v : vertices) {
-        for (int c = 0; c < grid.cells(); ++c) cosine[size_t(c)] = std::max(0.0f, glm::dot(scene.mesh.normals[v], grid.direction(c))) * std::sqrt(grid.cellSolidAngle());
+        for (int c = 0; c < grid.cells(); ++c)
+            cosine[size_t(c)] =
+                std::max(0.0f, glm::dot(scene.mesh.normals[v], grid.direction(c))) * std::sqrt(grid.cellSolidAngle());
         haarForward(cosine, side);
-        const SparseCoefs lobe = sparsify(cosine), seen = visibilityCoefs(rows.visibility, v, 1), product = visibilityCosineCoefs(scene, rows.visibility, v, 1);
+        const SparseCoefs lobe = sparsify(cosine), seen = visibilityCoefs(rows.visibility, v, 1),
+                          product = visibilityCosineCoefs(scene, rows.visibility, v, 1);
         for (int channel = 0; channel < 3; ++channel) {
             double direct = 0;
-            for (size_t i = 0; i < leaves.size(); ++i) direct += double(rows.matrix.row(v)[i]) * lighting.leafRadiance[i][channel];
-            EXPECT_NEAR(tripleProduct(seen, lobe, environment[size_t(channel)], side, 4 * pi) / pi, direct, 1e-5 * direct + 1e-6) << v;
+            for (size_t i = 0; i < leaves.size(); ++i)
+                direct += double(rows.matrix.row(v)[i]) * lighting.leafRadiance[i][channel];
+            EXPECT_NEAR(tripleProduct(seen, lobe, environment[size_t(channel)], side, 4 * pi) / pi, direct,
+                        1e-5 * direct + 1e-6)
+                << v;
             EXPECT_NEAR(dot(product, environment[size_t(channel)]) / pi, direct, 2e-5 * direct + 1e-6) << v;
         }
     }
@@ -156,7 +167,8 @@ TEST(LambertInfluence, StopsHalfWayWhenAsked) {
     Progress quiet;
     const Visibility visibility = computeVisibility(scene, {64}, quiet);
     const NearField none;
-    test::expectStopsHalfWay([&](Progress& progress) { lambertInfluence(scene, visibility, none, leaves, allOf(scene), progress); });
+    test::expectStopsHalfWay(
+        [&](Progress& progress) { lambertInfluence(scene, visibility, none, leaves, allOf(scene), progress); });
 }
 
 /// Directional albedo of a lobe by a fine sum over the hemisphere.
@@ -182,7 +194,8 @@ TEST(GlossyInfluence, OfAConstantEnvironmentIsTheAlbedoOfTheLobe) {
             const Vec3 eye(std::sin(glm::radians(degrees)), 0, std::cos(glm::radians(degrees)));
             glossyInfluence(scene, {}, {}, leaves, lobe, 0, eye, options, row.data());
             const double expected = albedoOf(lobe, eye);
-            EXPECT_NEAR(std::accumulate(row.begin(), row.end(), 0.0), expected, 0.01 * expected) << lobe.name << " at " << degrees;
+            EXPECT_NEAR(std::accumulate(row.begin(), row.end(), 0.0), expected, 0.01 * expected)
+                << lobe.name << " at " << degrees;
         }
     }
 }
@@ -198,8 +211,8 @@ TEST(GlossyInfluence, PutsASharpLobeIntoTheLeafOfTheMirrorDirection) {
     EXPECT_GT(row[brightest], 0.7f);
 }
 
-/// Integral of lobe x cosine over the solid angle of a square facing down, by a fine sum over its area; `hidden` tells what
-/// is blocked.
+/// Integral of lobe x cosine over the solid angle of a square facing down, by a fine sum over its area; `hidden` tells
+/// what is blocked.
 template <class Hidden>
 double lobeTimesSquare(const Lobe& lobe, const Vec3& eye, float side, float x, float y, float z, Hidden&& hidden) {
     constexpr int n = 600;
@@ -220,8 +233,10 @@ TEST(GlossyInfluence, OfAnEmitterAgreesWithASumOverItsArea) {
         float side, x, y, z, bound;
         int cuts;
     };
-    // A small far lamp, one of half a steradian, and one so near and large that its middle counts many times its corners.
-    for (const Case& c : {Case{0.2f, 0.8f, 0, 1.5f, 0.02f, 2}, Case{1, 0.5f, 0.2f, 1, 0.02f, 3}, Case{3, 0.4f, 0, 0.6f, 0.03f, 1}}) {
+    // A small far lamp, one of half a steradian, and one so near and large that its middle counts many times its
+    // corners.
+    for (const Case& c :
+         {Case{0.2f, 0.8f, 0, 1.5f, 0.02f, 2}, Case{1, 0.5f, 0.2f, 1, 0.02f, 3}, Case{3, 0.4f, 0, 0.6f, 0.03f, 1}}) {
         Mesh mesh = test::sheet({-3, -3, 0}, {6, 0, 0}, {0, 6, 0}, 2, 2);
         const std::vector<uint32_t> lamp = append(mesh, test::squareAbove(c.side, c.x, c.y, c.z, c.cuts));
         const Scene scene = test::sceneOf(mesh);
@@ -233,11 +248,16 @@ TEST(GlossyInfluence, OfAnEmitterAgreesWithASumOverItsArea) {
         options.lobeSamples = 2048;
         options.emitterSamples = 2048;
         const uint32_t middle = 4;
-        for (const Lobe& lobe : {Lobe{Lobe::Kind::ggx, 0.05f, "sharp"}, Lobe{Lobe::Kind::ggx, 0.3f, "wide"}, Lobe{Lobe::Kind::ggxDielectric, 0.5f, "glaze"}})
-            for (const Vec3& eye : {Vec3(0, 0, 1), glm::normalize(Vec3(-0.5f, -0.1f, 1)), glm::normalize(Vec3(1, 1, 0.5f))}) {
-                glossyInfluence(scene, surfaces, clusters.emitterOfTriangle, leaves, lobe, middle, eye, options, row.data());
-                const double expected = lobeTimesSquare(lobe, eye, c.side, c.x, c.y, c.z, [](const Vec3&) { return false; });
-                EXPECT_NEAR(row[leaves.size()], expected, c.bound * expected + 1e-4) << lobe.name << ", lamp of side " << c.side << ", eye " << eye.x << " " << eye.y << " " << eye.z;
+        for (const Lobe& lobe : {Lobe{Lobe::Kind::ggx, 0.05f, "sharp"}, Lobe{Lobe::Kind::ggx, 0.3f, "wide"},
+                                 Lobe{Lobe::Kind::ggxDielectric, 0.5f, "glaze"}})
+            for (const Vec3& eye :
+                 {Vec3(0, 0, 1), glm::normalize(Vec3(-0.5f, -0.1f, 1)), glm::normalize(Vec3(1, 1, 0.5f))}) {
+                glossyInfluence(scene, surfaces, clusters.emitterOfTriangle, leaves, lobe, middle, eye, options,
+                                row.data());
+                const double expected =
+                    lobeTimesSquare(lobe, eye, c.side, c.x, c.y, c.z, [](const Vec3&) { return false; });
+                EXPECT_NEAR(row[leaves.size()], expected, c.bound * expected + 1e-4)
+                    << lobe.name << ", lamp of side " << c.side << ", eye " << eye.x << " " << eye.y << " " << eye.z;
             }
     }
 }
@@ -293,7 +313,8 @@ TEST(GlossyInfluence, IsZeroForAnEyeBelowTheHorizon) {
     const Scene scene = test::sceneOf(test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}));
     const LightLeaves leaves = LightLeaves::uniform(2);
     std::vector<float> row(leaves.size(), 9.0f);
-    glossyInfluence(scene, {}, {}, leaves, {Lobe::Kind::ggx, 0.3f, "wide"}, 0, glm::normalize(Vec3(1, 0, -0.5f)), {}, row.data());
+    glossyInfluence(scene, {}, {}, leaves, {Lobe::Kind::ggx, 0.3f, "wide"}, 0, glm::normalize(Vec3(1, 0, -0.5f)), {},
+                    row.data());
     for (const float value : row) EXPECT_EQ(value, 0);
 }
 

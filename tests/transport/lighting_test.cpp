@@ -18,7 +18,8 @@ LightLeaves mixedLeaves() {
 }
 
 Vec3 someDirection(uint64_t i) {
-    const float z = 2 * unitFloat(mixBits(2 * i)) - 1, p = 2 * pi * unitFloat(mixBits(2 * i + 1)), r = std::sqrt(1 - z * z);
+    const float z = 2 * unitFloat(mixBits(2 * i)) - 1, p = 2 * pi * unitFloat(mixBits(2 * i + 1)),
+                r = std::sqrt(1 - z * z);
     return {r * std::cos(p), r * std::sin(p), z};
 }
 
@@ -107,7 +108,8 @@ TEST(EnvironmentCoefs, OfAConstantAreOneCoefficient) {
             ASSERT_GE(coefs[size_t(channel)].size(), 1u);
             EXPECT_EQ(coefs[size_t(channel)].index[0], 0u);
             EXPECT_NEAR(coefs[size_t(channel)].value[0], (channel ? 3 : 2) * std::sqrt(4 * piD), 1e-4);
-            for (size_t i = 1; i < coefs[size_t(channel)].size(); ++i) rest = std::max(rest, double(std::abs(coefs[size_t(channel)].value[i])));
+            for (size_t i = 1; i < coefs[size_t(channel)].size(); ++i)
+                rest = std::max(rest, double(std::abs(coefs[size_t(channel)].value[i])));
             EXPECT_LT(rest, 1e-5);
         }
         EXPECT_EQ(coefs[2].size(), 0u);
@@ -116,7 +118,8 @@ TEST(EnvironmentCoefs, OfAConstantAreOneCoefficient) {
 
 TEST(EnvironmentCoefs, OfUniformLeavesAreOneForEachLeaf) {
     Lighting lighting{LightLeaves::uniform(3), {}, {}};
-    for (size_t i = 0; i < lighting.leaves.size(); ++i) lighting.leafRadiance.push_back(Rgb(unitFloat(mixBits(i)), 1, 0));
+    for (size_t i = 0; i < lighting.leaves.size(); ++i)
+        lighting.leafRadiance.push_back(Rgb(unitFloat(mixBits(i)), 1, 0));
     const auto coefs = environmentCoefs(lighting, 64);
     EXPECT_LE(coefs[0].size(), 64u);
     EXPECT_GT(coefs[0].size(), 50u);

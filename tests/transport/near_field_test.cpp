@@ -18,7 +18,9 @@ const Vec3 up(0, 0, 1);
 /// Sum of exact form factors over the triangles of a mesh.
 double exactFormFactor(const Mesh& mesh, const Vec3& point, const Vec3& normal, bool twoSided = false) {
     double sum = 0;
-    for (const Triangle& t : mesh.triangles) sum += triangleFormFactor(point, normal, {mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]}, twoSided);
+    for (const Triangle& t : mesh.triangles)
+        sum += triangleFormFactor(point, normal, {mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]},
+                                  twoSided);
     return sum;
 }
 
@@ -29,14 +31,16 @@ EmitterCluster wholeMesh(const Mesh& mesh) {
 }
 
 TEST(EmitterSurface, KeepsTheOrderOfTheClustersTriangles) {
-    // Samplers go from the n-th triangle of a cluster to the n-th of its surface: another order gives wrong densities and bright specks.
+    // Samplers go from the n-th triangle of a cluster to the n-th of its surface: another order gives wrong densities
+    // and bright specks.
     Mesh mesh = test::sheet({1, 0, 0}, {-2, 0, 0}, {0, 2, 0}, 4, 4);
     EmitterCluster cluster = wholeMesh(mesh);
     std::swap(cluster.triangles[3], cluster.triangles[20]);
     const EmitterSurface surface = emitterSurface(mesh, cluster);
     ASSERT_EQ(surface.corners.size(), cluster.triangles.size());
     for (size_t i = 0; i < surface.corners.size(); ++i)
-        for (size_t k = 0; k < 3; ++k) EXPECT_EQ(surface.corners[i][k], mesh.positions[mesh.triangles[cluster.triangles[i]][k]]) << i;
+        for (size_t k = 0; k < 3; ++k)
+            EXPECT_EQ(surface.corners[i][k], mesh.positions[mesh.triangles[cluster.triangles[i]][k]]) << i;
 }
 
 TEST(EmitterSurface, ForSolvingDoesNotKnowTheOrderOfTheFile) {
@@ -54,15 +58,20 @@ TEST(EmitterSurface, ForSolvingDoesNotKnowTheOrderOfTheFile) {
 TEST(FormFactor, OfADiscAbovePlaneIsItsRadiusSquaredOverTheDistanceToItsRimSquared) {
     for (const float height : {0.05f, 0.3f, 1.0f, 4.0f, 20.0f}) {
         // The polygon of 720 sides lacks 1.3e-5 of the disc's area.
-        EXPECT_NEAR(exactFormFactor(test::discAbove(1, height, 720), Vec3(0), up) / (1 / (1 + double(height) * height)), 1, 2e-4) << height;
+        EXPECT_NEAR(exactFormFactor(test::discAbove(1, height, 720), Vec3(0), up) / (1 / (1 + double(height) * height)),
+                    1, 2e-4)
+            << height;
     }
 }
 
 TEST(FormFactor, OfASquareAbovePlaneIsTheCatalogueValueAtSeveralHeights) {
     for (const float height : {0.02f, 0.1f, 0.5f, 1.0f, 3.0f, 8.0f}) {
         const double expected = test::centredSquareFormFactor(1, height);
-        EXPECT_NEAR(exactFormFactor(test::squareAbove(1, 0, 0, height), Vec3(0), up), expected, 1e-4 * expected + 1e-7) << height;
-        EXPECT_NEAR(exactFormFactor(test::squareAbove(1, 0, 0, height, 7), Vec3(0), up), expected, 2e-4 * expected + 1e-7) << height;
+        EXPECT_NEAR(exactFormFactor(test::squareAbove(1, 0, 0, height), Vec3(0), up), expected, 1e-4 * expected + 1e-7)
+            << height;
+        EXPECT_NEAR(exactFormFactor(test::squareAbove(1, 0, 0, height, 7), Vec3(0), up), expected,
+                    2e-4 * expected + 1e-7)
+            << height;
     }
 }
 
@@ -89,12 +98,15 @@ TEST(FormFactor, AveragedOverASquareGivesTheExchangeOfParallelUnitSquares) {
     double sum = 0;
     constexpr int n = 40;
     for (int y = 0; y < n; ++y)
-        for (int x = 0; x < n; ++x) sum += exactFormFactor(above, Vec3((x + 0.5f) / n - 0.5f, (y + 0.5f) / n - 0.5f, 0), up);
+        for (int x = 0; x < n; ++x)
+            sum += exactFormFactor(above, Vec3((x + 0.5f) / n - 0.5f, (y + 0.5f) / n - 0.5f, 0), up);
     // Howell's catalogue C-11 for X = Y = 1.
     EXPECT_NEAR(sum / (n * n), 0.19982, 5e-5);
 }
 
-TEST(FormFactor, OfAHugeSheetCloseAboveIsOne) { EXPECT_NEAR(exactFormFactor(test::squareAbove(2000, 0, 0, 0.1f), Vec3(0.3f, 0.1f, 0), up), 1, 1e-4); }
+TEST(FormFactor, OfAHugeSheetCloseAboveIsOne) {
+    EXPECT_NEAR(exactFormFactor(test::squareAbove(2000, 0, 0, 0.1f), Vec3(0.3f, 0.1f, 0), up), 1, 1e-4);
+}
 
 TEST(FormFactor, CountsOnlyTheFrontUnlessTwoSided) {
     const Mesh away = test::sheet({-0.5f, -0.5f, 1}, {1, 0, 0}, {0, 1, 0});
@@ -160,9 +172,7 @@ TEST(SampleEmitter, SumsToTheUnshadowedFormFactor) {
                 EXPECT_LT(std::max(std::abs(end.x), std::abs(end.y)), 0.502f);
             }
             EXPECT_NEAR(sum, total, 1e-5 * total);
-            if (count) {
-                EXPECT_EQ(samples.size(), size_t(count));
-            }
+            if (count) { EXPECT_EQ(samples.size(), size_t(count)); }
         }
     EXPECT_EQ(sampleEmitter(scene, surface, Vec3(0, 0, 2), up, 16, 5, samples), 0) << "the lamp is below the horizon";
     EXPECT_TRUE(samples.empty());
@@ -203,8 +213,8 @@ TEST(SampleEmitter, IsBlindBehindAnOccluderAndSeesHalfBesideAnEdge) {
 }
 
 TEST(SampleEmitter, DoesNotSpreadFormFactorByAreaWhereALampIsLargeAndNear) {
-    // Over a sheet of 4 x 4 m half a metre away most light comes from close by: what an occluder over x < -0.5 hides is far
-    // less than its share of the area.
+    // Over a sheet of 4 x 4 m half a metre away most light comes from close by: what an occluder over x < -0.5 hides is
+    // far less than its share of the area.
     Mesh mesh = test::sheet({-3, -3, 0}, {6, 0, 0}, {0, 6, 0});
     const std::vector<uint32_t> triangles = append(mesh, test::squareAbove(4, 0, 0, 0.5f));
     append(mesh, test::sheet({-3, -3, 0.45f}, {2.5f, 0, 0}, {0, 6, 0}));
@@ -224,7 +234,8 @@ TEST(SampleEmitter, DoesNotSpreadFormFactorByAreaWhereALampIsLargeAndNear) {
 TEST(NearField, HoldsTheShadowedAndTheUnshadowedFormFactorOfEachVertex) {
     Mesh mesh = test::sheet({-4, -1, 0}, {8, 0, 0}, {0, 2, 0}, 16, 2);
     const size_t floorVertices = mesh.vertexCount();
-    const std::vector<uint32_t> first = append(mesh, test::squareAbove(1, -2, 0, 2, 3)), second = append(mesh, test::squareAbove(0.5f, 2, 0, 1, 3));
+    const std::vector<uint32_t> first = append(mesh, test::squareAbove(1, -2, 0, 2, 3)),
+                                second = append(mesh, test::squareAbove(0.5f, 2, 0, 1, 3));
     append(mesh, test::sheet({-0.01f, -5, 0.1f}, {0, 10, 0}, {0, 0, 6}));  // a wall between the two halves
     const Scene scene = test::sceneOf(mesh);
     const EmitterClusters clusters = test::emittersOf(scene, {first, second}, {Rgb(1), Rgb(1)});
@@ -233,7 +244,8 @@ TEST(NearField, HoldsTheShadowedAndTheUnshadowedFormFactorOfEachVertex) {
     ASSERT_EQ(field.emitters, 2u);
     for (uint32_t v = 0; v < floorVertices; ++v) {
         const Vec3 p = scene.mesh.positions[v];
-        const double a = test::rectangleFormFactor(-2.5 - p.x, -1.5 - p.x, -0.5 - p.y, 0.5 - p.y, 2), b = test::rectangleFormFactor(1.75 - p.x, 2.25 - p.x, -0.25 - p.y, 0.25 - p.y, 1);
+        const double a = test::rectangleFormFactor(-2.5 - p.x, -1.5 - p.x, -0.5 - p.y, 0.5 - p.y, 2),
+                     b = test::rectangleFormFactor(1.75 - p.x, 2.25 - p.x, -0.25 - p.y, 0.25 - p.y, 1);
         EXPECT_NEAR(field.unshadowed[v * 2], a, 0.008 * a);
         EXPECT_NEAR(field.unshadowed[v * 2 + 1], b, 0.008 * b);
         if (std::abs(p.x) < 1.6f) continue;  // light that slips under the wall
@@ -266,7 +278,8 @@ TEST(NearFieldCoefs, TimesTheCosineAreThePiFoldFormFactor) {
     const EmitterSurface surface = emitterSurface(scene.mesh, cluster);
     const DirectionGrid grid{32};
     std::vector<float> cosine(size_t(grid.cells()));
-    for (int c = 0; c < grid.cells(); ++c) cosine[size_t(c)] = std::max(0.0f, grid.direction(c).z) * std::sqrt(grid.cellSolidAngle());
+    for (int c = 0; c < grid.cells(); ++c)
+        cosine[size_t(c)] = std::max(0.0f, grid.direction(c).z) * std::sqrt(grid.cellSolidAngle());
     haarForward(cosine, grid.side);
     const uint32_t vertex = 4;  // the middle of the floor
     ASSERT_EQ(scene.mesh.positions[vertex], Vec3(0));

@@ -19,7 +19,8 @@ TransportBlock blockOf(uint64_t seed) {
     for (uint32_t i = 0; i < side * side; ++i)
         if (i == 0 || mixBits(seed ^ i) % 5 == 0) {
             b.index.push_back(uint16_t(i));
-            for (size_t lane = 0; lane < transportLanes; ++lane) b.value.push_back(int16_t(mixBits(seed + 7 * i + lane)));
+            for (size_t lane = 0; lane < transportLanes; ++lane)
+                b.value.push_back(int16_t(mixBits(seed + 7 * i + lane)));
         }
     for (size_t lane = 0; lane < transportLanes; ++lane) b.scale[lane] = 1e-4f * float(lane + seed);
     return b;
@@ -65,7 +66,9 @@ std::string contents(const std::filesystem::path& path) {
     std::ifstream in(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
 }
-void put(const std::filesystem::path& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
+void put(const std::filesystem::path& path, const std::string& bytes) {
+    std::ofstream(path, std::ios::binary) << bytes;
+}
 
 /// Log lines while it lives.
 struct Listening {
@@ -187,7 +190,8 @@ TEST(TransportCache, OldBakesGoWhenTheFolderIsFull) {
         l.key = key;
         write(l, folder.path(), {0, 1, 2});
         paths.push_back(TransportCache(folder.path(), l).path());
-        std::filesystem::last_write_time(paths.back(), std::filesystem::file_time_type::clock::now() - std::chrono::hours(10 - int(key)));
+        std::filesystem::last_write_time(
+            paths.back(), std::filesystem::file_time_type::clock::now() - std::chrono::hours(10 - int(key)));
     }
     TransportCache::Layout l = layout;
     l.key = 4;

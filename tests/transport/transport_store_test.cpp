@@ -19,7 +19,8 @@ std::vector<float> blockCells() {
         for (int c = 0; c < grid.cells(); ++c) {
             const Vec3 d = grid.direction(c);
             const bool blocked = lane % 2 && d.x > 0.2f;
-            cells[lane * size_t(grid.cells()) + size_t(c)] = blocked ? 0.0f : std::max(0.0f, glm::dot(normal, d)) * grid.cellSolidAngle() / pi;
+            cells[lane * size_t(grid.cells()) + size_t(c)] =
+                blocked ? 0.0f : std::max(0.0f, glm::dot(normal, d)) * grid.cellSolidAngle() / pi;
         }
     }
     return cells;
@@ -28,7 +29,8 @@ std::vector<float> blockCells() {
 std::vector<float> gradient() {
     const DirectionGrid grid{side};
     std::vector<float> cells(size_t(grid.cells()));
-    for (int c = 0; c < grid.cells(); ++c) cells[size_t(c)] = 1 + 5 * std::max(0.0f, grid.direction(c).y) + (c == 77 ? 30.0f : 0.0f);
+    for (int c = 0; c < grid.cells(); ++c)
+        cells[size_t(c)] = 1 + 5 * std::max(0.0f, grid.direction(c).y) + (c == 77 ? 30.0f : 0.0f);
     return cells;
 }
 
@@ -50,7 +52,8 @@ TEST(TransportStore, ConstantLightIsExactHoweverFewTermsAreKept) {
     std::vector<Rgb> out(transportLanes);
     const std::vector<float> constant(size_t(side * side), 2.0f);
     store.apply(coefsOf(constant), out);
-    for (size_t lane = 0; lane < transportLanes; ++lane) EXPECT_NEAR(out[lane].y, directSum(cells, lane, constant), 2e-4f);
+    for (size_t lane = 0; lane < transportLanes; ++lane)
+        EXPECT_NEAR(out[lane].y, directSum(cells, lane, constant), 2e-4f);
 }
 
 TEST(TransportStore, TestEnvironmentsAreMetWithinTheErrorAskedFor) {
@@ -79,7 +82,8 @@ TEST(TransportStore, AllTermsGiveTheCellsBack) {
         light[size_t(sun)] = 100;
         std::vector<Rgb> out(transportLanes);
         store.apply(coefsOf(light), out);
-        for (size_t lane = 0; lane < transportLanes; ++lane) EXPECT_NEAR(out[lane].z, directSum(cells, lane, light), 2e-3f);
+        for (size_t lane = 0; lane < transportLanes; ++lane)
+            EXPECT_NEAR(out[lane].z, directSum(cells, lane, light), 2e-3f);
     }
 }
 

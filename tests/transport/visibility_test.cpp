@@ -30,7 +30,8 @@ TEST(Visibility, BitsAreThoseOfBruteForceRays) {
         const Vec3 normal = scene.mesh.normals[v], origin = rayOrigin(scene, scene.mesh.positions[v], normal);
         for (int c = 0; c < visibility.grid.cells(); ++c) {
             const Vec3 d = visibility.grid.direction(c);
-            const bool above = glm::dot(d, normal) > 0, open = above && !test::blockedByBruteForce(scene.mesh, origin, d);
+            const bool above = glm::dot(d, normal) > 0,
+                       open = above && !test::blockedByBruteForce(scene.mesh, origin, d);
             ASSERT_EQ(visibility.sees(v, c), open) << "vertex " << v << " cell " << c;
             seen += open;
             blocked += above && !open;
@@ -48,10 +49,12 @@ TEST(Visibility, PassesGiveTheBitsOfOneGo) {
         size_t sent = 0;
         for (const int step : {2, 1}) {
             sent += refineVisibility(scene, scene.referenced, step, agreeing, passes, progress);
-            EXPECT_EQ(passes.bits, computeVisibility(scene, {64, nullptr, step, agreeing}, progress).bits) << "step " << step;
+            EXPECT_EQ(passes.bits, computeVisibility(scene, {64, nullptr, step, agreeing}, progress).bits)
+                << "step " << step;
         }
         EXPECT_EQ(passes.step, 1);
-        EXPECT_EQ(refineVisibility(scene, scene.referenced, 1, agreeing, passes, progress), 0u) << "rays were sent again";
+        EXPECT_EQ(refineVisibility(scene, scene.referenced, 1, agreeing, passes, progress), 0u)
+            << "rays were sent again";
         Visibility anew = passes;
         const size_t whole = addVisibility(scene, scene.referenced, anew, progress);
         EXPECT_LT(sent, whole);
@@ -62,7 +65,8 @@ TEST(Visibility, PassesGiveTheBitsOfOneGo) {
 TEST(Visibility, SomeDirectionsCanBeTracedFiner) {
     const Scene scene = test::sceneOf(clutter());
     Progress progress;
-    const Visibility coarse = computeVisibility(scene, {64, nullptr, 4}, progress), half = computeVisibility(scene, {64, nullptr, 2}, progress), full = visibilityOf(scene, 64);
+    const Visibility coarse = computeVisibility(scene, {64, nullptr, 4}, progress),
+                     half = computeVisibility(scene, {64, nullptr, 2}, progress), full = visibilityOf(scene, 64);
     Visibility some = coarse;
     const std::vector<FinerDirections> blocks{{16, 8, 8, 1}, {40, 40, 4, 2}};
     EXPECT_GT(traceFiner(scene, scene.referenced, blocks, some, progress), 0u);
@@ -70,7 +74,9 @@ TEST(Visibility, SomeDirectionsCanBeTracedFiner) {
     for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v)
         for (int c = 0; c < some.grid.cells(); ++c) {
             const int x = c % 64, y = c / 64;
-            const Visibility& expected = x >= 16 && x < 24 && y >= 8 && y < 16 ? full : x >= 40 && x < 44 && y >= 40 && y < 44 ? half : coarse;
+            const Visibility& expected = x >= 16 && x < 24 && y >= 8 && y < 16    ? full
+                                         : x >= 40 && x < 44 && y >= 40 && y < 44 ? half
+                                                                                  : coarse;
             ASSERT_EQ(some.sees(v, c), expected.sees(v, c)) << "vertex " << v << " cell " << x << " " << y;
             gained += some.sees(v, c) != coarse.sees(v, c);
         }
@@ -82,7 +88,8 @@ TEST(Visibility, SomeDirectionsCanBeTracedFiner) {
 TEST(Visibility, RaysAmidAgreeingOnesAreLeftOutWithoutLoss) {
     const Scene scene = test::sceneOf(clutter());
     Progress progress;
-    const Visibility full = visibilityOf(scene, 64), fewer = computeVisibility(scene, {64, nullptr, 1, false}, progress);
+    const Visibility full = visibilityOf(scene, 64),
+                     fewer = computeVisibility(scene, {64, nullptr, 1, false}, progress);
     double wrong = 0, seen = 0;
     for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v)
         for (int c = 0; c < full.grid.cells(); ++c) {
@@ -91,15 +98,14 @@ TEST(Visibility, RaysAmidAgreeingOnesAreLeftOutWithoutLoss) {
         }
     EXPECT_LT(wrong, 0.003 * seen);
     Visibility a = full, b = fewer;
-    const size_t all = addVisibility(scene, scene.referenced, a, progress), some = addVisibility(scene, scene.referenced, b, progress);
+    const size_t all = addVisibility(scene, scene.referenced, a, progress),
+                 some = addVisibility(scene, scene.referenced, b, progress);
     EXPECT_LT(some, all * 7 / 10);
     // The coarsest lattice keeps every block's answer in all its cells above the horizon.
     const Visibility coarse = computeVisibility(scene, {64, nullptr, 4}, progress);
     for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v)
         for (int c = 0; c < full.grid.cells(); ++c)
-            if (coarse.sees(v, c)) {
-                ASSERT_GT(glm::dot(full.grid.direction(c), scene.mesh.normals[v]), 0);
-            }
+            if (coarse.sees(v, c)) { ASSERT_GT(glm::dot(full.grid.direction(c), scene.mesh.normals[v]), 0); }
 }
 
 TEST(Visibility, OfAnOpenPlaneIsTheUpperHemisphere) {
@@ -107,7 +113,8 @@ TEST(Visibility, OfAnOpenPlaneIsTheUpperHemisphere) {
     for (const int side : {8, 64}) {
         const Visibility visibility = visibilityOf(scene, side);
         for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v)
-            for (int c = 0; c < visibility.grid.cells(); ++c) ASSERT_EQ(visibility.sees(v, c), visibility.grid.direction(c).z > 0);
+            for (int c = 0; c < visibility.grid.cells(); ++c)
+                ASSERT_EQ(visibility.sees(v, c), visibility.grid.direction(c).z > 0);
     }
 }
 
@@ -126,7 +133,8 @@ TEST(Visibility, CoefficientsHoldTheFunctionAndTheirEnergyItsSquare) {
         std::vector<float> cells(size_t(visibility.grid.cells()));
         scatter(visibilityCoefs(visibility, v, 1), cells);
         haarInverse(cells, 32);
-        for (int c = 0; c < visibility.grid.cells(); ++c) ASSERT_NEAR(cells[size_t(c)] / std::sqrt(visibility.grid.cellSolidAngle()), visibility.sees(v, c), 1e-4);
+        for (int c = 0; c < visibility.grid.cells(); ++c)
+            ASSERT_NEAR(cells[size_t(c)] / std::sqrt(visibility.grid.cellSolidAngle()), visibility.sees(v, c), 1e-4);
         scatter(visibilityCosineCoefs(scene, visibility, v, 1), cells);
         double energy = 0, expected = 0;
         for (const float value : cells) energy += double(value) * value;

@@ -189,7 +189,9 @@ TEST(Editor, anUnsavedEditSurvivesAKilledProcess) {
     s.editor->edit("Brighter", [](Look& look) { look.environment.exposureStops = 2; });
     s.until([&] {
         for (const auto& entry : std::filesystem::directory_iterator(s.folder / "state"))
-            if (entry.path().string().ends_with(".autosave.json") && TemporaryFolder::read(entry.path()).find("\"exposure_stops\": 2") != std::string::npos) return true;
+            if (entry.path().string().ends_with(".autosave.json") &&
+                TemporaryFolder::read(entry.path()).find("\"exposure_stops\": 2") != std::string::npos)
+                return true;
         return false;
     });
     s.editor.reset();  // without quitting: as if killed, the autosave stays
@@ -345,7 +347,8 @@ TEST(Editor, aFullDiskIsToldOnceAndAutosavingGoesOnWhenThereIsRoom) {
     }
     setrlimit(RLIMIT_FSIZE, &before);
     ASSERT_EQ(s.editor->state.notices.size(), 1u);
-    EXPECT_NE(s.editor->state.notices[0].text.find(".autosave.json"), std::string::npos) << s.editor->state.notices[0].text;
+    EXPECT_NE(s.editor->state.notices[0].text.find(".autosave.json"), std::string::npos)
+        << s.editor->state.notices[0].text;
     now += 20;
     s.editor->poll();
     s.editor.reset();
@@ -443,7 +446,9 @@ TEST(Editor, theViewportFollowsEditsAndSolo) {
     s.editor->pick(point);
     s.until([&] { return s.editor->state.pointLight.has_value(); });
     EXPECT_EQ(s.editor->state.pointLight->fromEmitter.size(), 1u);
-    EXPECT_GT(luminance(s.editor->state.pointLight->fromEmitter[0]) + luminance(s.editor->state.pointLight->fromEnvironment), 0);
+    EXPECT_GT(
+        luminance(s.editor->state.pointLight->fromEmitter[0]) + luminance(s.editor->state.pointLight->fromEnvironment),
+        0);
 }
 
 TEST(Editor, exportsWhatTheCommandLineWouldRender) {
@@ -458,11 +463,13 @@ TEST(Editor, exportsWhatTheCommandLineWouldRender) {
     s.until([&] { return !s.editor->job(); });
     ASSERT_TRUE(s.editor->state.notices.empty()) << s.editor->state.notices[0].text;
     Progress progress;
-    const RelitScene relit = applyLook(*s.editor->state.document.scene, *s.editor->estimate(), s.editor->look(), progress);
+    const RelitScene relit =
+        applyLook(*s.editor->state.document.scene, *s.editor->estimate(), s.editor->look(), progress);
     const Frame frame = renderFrame(relit, s.editor->state.document.capture->views[0].camera, {}, progress);
     const Image written = readImage(s.folder / "frame.exr");
     ASSERT_EQ(written.pixels.size(), frame.beauty.size());
-    for (size_t i = 0; i < frame.beauty.size(); i += 17) EXPECT_NEAR(written.pixels[i].x, frame.beauty[i].x, 2e-3f * frame.beauty[i].x + 1e-6f);
+    for (size_t i = 0; i < frame.beauty.size(); i += 17)
+        EXPECT_NEAR(written.pixels[i].x, frame.beauty[i].x, 2e-3f * frame.beauty[i].x + 1e-6f);
     // Bad names are told before anything runs.
     request.views = ExportRequest::Views::all;
     s.editor->exportFrames(request);

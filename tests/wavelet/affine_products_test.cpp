@@ -25,24 +25,26 @@ DVec2 before(const AffineMap& m, const DVec2& q) {
 }
 
 /// Sums over points of the unit square: n a side.
-double bruteForce(const std::vector<float>& a, const std::vector<float>& b, int side, const std::vector<float>& moved, int movedSide, const AffineMap& map, int n) {
+double bruteForce(const std::vector<float>& a, const std::vector<float>& b, int side, const std::vector<float>& moved,
+                  int movedSide, const AffineMap& map, int n) {
     double sum = 0;
     for (int y = 0; y < n; ++y)
         for (int x = 0; x < n; ++x) {
             const DVec2 q((x + 0.5) / n, (y + 0.5) / n);
-            sum += valueAt(a, side, q) * (b.empty() ? 1 : valueAt(b, side, q)) * valueAt(moved, movedSide, before(map, q));
+            sum +=
+                valueAt(a, side, q) * (b.empty() ? 1 : valueAt(b, side, q)) * valueAt(moved, movedSide, before(map, q));
         }
     return sum / (double(n) * n);
 }
 
 const AffineMap maps[] = {
-    {{0, 0}, {1, 0}, {0, 1}},                    // as it stands
-    {{0.25, 0.5}, {0.25, 0}, {0, 0.5}},          // scaled and shifted onto cells
-    {{0.21, 0.13}, {0.37, 0}, {0, 0.61}},        // ... and across them
-    {{0.9, 0.2}, {-0.5, 0}, {0, 0.3}},           // mirrored
-    {{0.3, 0.1}, {0.5, 0.2}, {-0.15, 0.4}},      // turned and sheared
-    {{0.7, 0.8}, {0, -0.55}, {-0.6, 0}},         // a quarter turn
-    {{-0.8, -0.3}, {2.3, 0.4}, {-0.2, 1.9}},     // larger than the square, clipped
+    {{0, 0}, {1, 0}, {0, 1}},                        // as it stands
+    {{0.25, 0.5}, {0.25, 0}, {0, 0.5}},              // scaled and shifted onto cells
+    {{0.21, 0.13}, {0.37, 0}, {0, 0.61}},            // ... and across them
+    {{0.9, 0.2}, {-0.5, 0}, {0, 0.3}},               // mirrored
+    {{0.3, 0.1}, {0.5, 0.2}, {-0.15, 0.4}},          // turned and sheared
+    {{0.7, 0.8}, {0, -0.55}, {-0.6, 0}},             // a quarter turn
+    {{-0.8, -0.3}, {2.3, 0.4}, {-0.2, 1.9}},         // larger than the square, clipped
     {{0.6181, 0.4142}, {0.003, 0.001}, {0, 0.004}},  // inside one cell
 };
 
@@ -55,13 +57,15 @@ TEST(AffineProducts, EqualSumsOverPoints) {
         // Sums err where cells' edges cross the points: less than their length over the points a side.
         const double slack = 2e-3 * std::sqrt(std::min(area, 1.0)) + 1e-6;
         EXPECT_NEAR(affineDoubleProduct(treeA, treeF, map), bruteForce(a, {}, side, f, movedSide, map, 2048), slack);
-        EXPECT_NEAR(affineTripleProduct(treeA, treeB, treeF, map), bruteForce(a, b, side, f, movedSide, map, 2048), slack);
+        EXPECT_NEAR(affineTripleProduct(treeA, treeB, treeF, map), bruteForce(a, b, side, f, movedSide, map, 2048),
+                    slack);
     }
 }
 
 TEST(AffineProducts, AreTheDotProductOfCoefficientsWhereNothingMoves) {
     const int side = 32;
-    const SparseCoefs a = coefsOfCells(randomValues(1024, 5), side, 1), b = coefsOfCells(randomValues(1024, 6), side, 1);
+    const SparseCoefs a = coefsOfCells(randomValues(1024, 5), side, 1),
+                      b = coefsOfCells(randomValues(1024, 6), side, 1);
     EXPECT_NEAR(affineDoubleProduct(HaarTree(a, side), HaarTree(b, side), {}), dot(a, b), 1e-5);
 }
 
@@ -91,14 +95,15 @@ TEST(AffineProducts, FlatMapsGiveNothingAndBadNumbersAreNamed) {
     EXPECT_THROW(HaarTree(std::vector<float>(9), 3), Error);
 }
 
-/// cosine / (pi r^4) per cell of the plane at distance 1, [-reach, reach]^2, for a Lambert patch whose normal is (n.x, n.y, n.z) there: what
-/// sums to a form factor. Sixteen points a cell.
+/// cosine / (pi r^4) per cell of the plane at distance 1, [-reach, reach]^2, for a Lambert patch whose normal is (n.x,
+/// n.y, n.z) there: what sums to a form factor. Sixteen points a cell.
 std::vector<float> lambertOnPlane(int side, float reach, const Vec3& n) {
     std::vector<float> cells(size_t(side) * size_t(side));
     for (int c = 0; c < side * side; ++c) {
         double sum = 0;
         for (int k = 0; k < 16; ++k) {
-            const double x = ((c % side + (k % 4 + 0.5) / 4) / side * 2 - 1) * double(reach), y = ((c / side + (k / 4 + 0.5) / 4) / side * 2 - 1) * double(reach);
+            const double x = ((c % side + (k % 4 + 0.5) / 4) / side * 2 - 1) * double(reach),
+                         y = ((c / side + (k / 4 + 0.5) / 4) / side * 2 - 1) * double(reach);
             const double r2 = 1 + x * x + y * y;
             sum += std::max(0.0, x * double(n.x) + y * double(n.y) + double(n.z)) / (piD * r2 * r2) / 16;
         }
@@ -127,7 +132,8 @@ TEST(AffineProducts, HalfTheSkyHiddenHidesHalfTheSquare) {
     const int side = 128;
     std::vector<float> seen(size_t(side * side));
     for (int c = 0; c < side * side; ++c) seen[size_t(c)] = c % side < side / 2;
-    const HaarTree visibility(seen, side), lambert(lambertOnPlane(side, 4, {0, 0, 1}), side), one(std::vector<float>{1}, 1);
+    const HaarTree visibility(seen, side), lambert(lambertOnPlane(side, 4, {0, 0, 1}), side),
+        one(std::vector<float>{1}, 1);
     const auto map = planarEmitterMap({0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {-1, -1, 1}, {2, 0, 0}, {0, 2, 0}, 4);
     EXPECT_NEAR(affineTripleProduct(visibility, lambert, one, *map), 0.554133 / 2, 1e-4);
     EXPECT_NEAR(affineDoubleProduct(visibility, one, *map), 0.5 * 4 / 64, 1e-9);  // half of 2 x 2 in a window of 8 x 8

@@ -43,19 +43,22 @@ TEST(Tripling, CoefficientsAreTheIntegralsOfThreeBasisFunctions) {
     const uint32_t count = 64;
     std::vector<std::vector<double>> basis(count, std::vector<double>(count));
     for (uint32_t k = 0; k < count; ++k)
-        for (int cell = 0; cell < 64; ++cell) basis[k][size_t(cell)] = haarValue(k, cell % side, cell / side, side, sphere);
+        for (int cell = 0; cell < 64; ++cell)
+            basis[k][size_t(cell)] = haarValue(k, cell % side, cell / side, side, sphere);
     size_t nonZero = 0;
     for (uint32_t k = 0; k < count; ++k)
         for (uint32_t l = 0; l < count; ++l)
             for (uint32_t m = 0; m < count; ++m) {
                 double integral = 0;
-                for (size_t cell = 0; cell < count; ++cell) integral += basis[k][cell] * basis[l][cell] * basis[m][cell];
+                for (size_t cell = 0; cell < count; ++cell)
+                    integral += basis[k][cell] * basis[l][cell] * basis[m][cell];
                 integral *= sphere / count;
                 const float coefficient = triplingCoefficient(k, l, m, side, float(sphere));
                 ASSERT_NEAR(coefficient, integral, 1e-6) << k << " " << l << " " << m;
                 nonZero += coefficient != 0;
             }
-    // 1 of case 1; three orders of a wavelet twice and the scaling function or one of its 3 l ancestors; six orders a square.
+    // 1 of case 1; three orders of a wavelet twice and the scaling function or one of its 3 l ancestors; six orders a
+    // square.
     EXPECT_EQ(nonZero, 1u + 3 * (3 * 1 + 12 * 4 + 48 * 7) + 6 * 21);
 }
 

@@ -12,7 +12,8 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-test::ProgramResult relamp(std::vector<std::string> arguments, const std::string& interruptOn = "", int signalNumber = SIGINT) {
+test::ProgramResult relamp(std::vector<std::string> arguments, const std::string& interruptOn = "",
+                           int signalNumber = SIGINT) {
     arguments.insert(arguments.begin(), RELAMP_BINARY);
     return test::runProgram(arguments, interruptOn, signalNumber);
 }
@@ -28,29 +29,31 @@ void expectBadInput(const test::ProgramResult& r, const std::vector<std::string>
     ASSERT_NE(begin, std::string::npos) << r.error;
     const std::string last = r.error.substr(begin);
     EXPECT_EQ(linesOf(last), 1u) << last;
-    for (const std::string& word : words) EXPECT_NE(last.find(word), std::string::npos) << "expected " << word << " in: " << last;
+    for (const std::string& word : words)
+        EXPECT_NE(last.find(word), std::string::npos) << "expected " << word << " in: " << last;
 }
 
 TEST(CommandLine, WrongUsageIsExitCodeTwoWithNothingOnStdout) {
-    const std::vector<std::vector<std::string>> wrong{{},
-                                                      {"dance"},
-                                                      {"solve"},
-                                                      {"solve", "capture"},
-                                                      {"check"},
-                                                      {"solve", "capture", "-o", "x.relamp", "--quality", "best"},
-                                                      {"solve", "capture", "-o", "x.relamp", "--mode", "both"},
-                                                      {"solve", "capture", "-o", "x.relamp", "--threads", "-2"},
-                                                      {"solve", "capture", "-o", "x.relamp", "--time-budget", "soon"},
-                                                      {"solve", "capture", "-o", "x.relamp", "--grid-side", "33"},
-                                                      {"solve", "capture", "-o", "x.relamp", "--gauge", "sunny"},
-                                                      {"solve", "capture", "-o", "x.relamp", "--gauge", "albedo=0"},
-                                                      {"solve", "capture", "-o", "x.relamp", "--proxy-light", "1,2"},
-                                                      {"check", "capture", "--proxy-light", "1,2,up"},
-                                                      {"check", "capture", "--proxy-light", "1,2,3,-1"},
-                                                      {"solve", "capture", "-o", "x.relamp", "--gauge", "white-patch=1,2"},
-                                                      {"solve", "capture", "-o", "x.relamp", "--nonsense"},
-                                                      {"render", "shot", "-o", "f.exr", "--samples", "0"},
-                                                      {"info", "x", "--progress", "loud"}};
+    const std::vector<std::vector<std::string>> wrong{
+        {},
+        {"dance"},
+        {"solve"},
+        {"solve", "capture"},
+        {"check"},
+        {"solve", "capture", "-o", "x.relamp", "--quality", "best"},
+        {"solve", "capture", "-o", "x.relamp", "--mode", "both"},
+        {"solve", "capture", "-o", "x.relamp", "--threads", "-2"},
+        {"solve", "capture", "-o", "x.relamp", "--time-budget", "soon"},
+        {"solve", "capture", "-o", "x.relamp", "--grid-side", "33"},
+        {"solve", "capture", "-o", "x.relamp", "--gauge", "sunny"},
+        {"solve", "capture", "-o", "x.relamp", "--gauge", "albedo=0"},
+        {"solve", "capture", "-o", "x.relamp", "--proxy-light", "1,2"},
+        {"check", "capture", "--proxy-light", "1,2,up"},
+        {"check", "capture", "--proxy-light", "1,2,3,-1"},
+        {"solve", "capture", "-o", "x.relamp", "--gauge", "white-patch=1,2"},
+        {"solve", "capture", "-o", "x.relamp", "--nonsense"},
+        {"render", "shot", "-o", "f.exr", "--samples", "0"},
+        {"info", "x", "--progress", "loud"}};
     for (const auto& arguments : wrong) {
         const test::ProgramResult r = relamp(arguments);
         std::string line;
@@ -66,15 +69,18 @@ TEST(CommandLine, HelpAndVersionAreResults) {
     EXPECT_EQ(relamp({"--version"}).out.substr(0, 7), "relamp ");
     const test::ProgramResult help = relamp({"--help"});
     EXPECT_EQ(help.exitCode, 0);
-    for (const char* verb : {"check", "solve", "render", "export", "compare", "info"}) EXPECT_NE(help.out.find(verb), std::string::npos) << verb;
+    for (const char* verb : {"check", "solve", "render", "export", "compare", "info"})
+        EXPECT_NE(help.out.find(verb), std::string::npos) << verb;
     EXPECT_EQ(help.error, "");
 }
 
 TEST(CommandLine, WhatIsNotThereIsBadInput) {
     const test::TemporaryFolder folder;
-    for (const char* verb : {"check", "info"}) expectBadInput(relamp({verb, folder / "absent"}), {(folder / "absent").string()});
+    for (const char* verb : {"check", "info"})
+        expectBadInput(relamp({verb, folder / "absent"}), {(folder / "absent").string()});
     // A name longer than any may be.
-    for (const char* verb : {"check", "info", "stress"}) expectBadInput(relamp({verb, folder / std::string(300, 'x')}), {"xxx"});
+    for (const char* verb : {"check", "info", "stress"})
+        expectBadInput(relamp({verb, folder / std::string(300, 'x')}), {"xxx"});
     expectBadInput(relamp({"solve", folder / "absent", "-o", folder / "x.relamp"}), {"absent"});
     expectBadInput(relamp({"check", folder.path()}), {"transforms.json"});
     expectBadInput(relamp({"render", folder / "absent.relamp", "-o", folder / "f.exr"}), {"absent.relamp"});
@@ -98,7 +104,8 @@ TEST(CommandLine, SolvesRendersAndTellsWhatIsInAShot) {
     EXPECT_EQ(solve.error.find('\r'), std::string::npos);
     expectBadInput(relamp({"solve", capture, "-o", shot, "--quality", "draft"}), {"--overwrite", shot});
 
-    const test::ProgramResult progress = relamp({"solve", capture, "-o", shot, "--overwrite", "--quality", "draft", "--quiet", "--progress", "json"});
+    const test::ProgramResult progress =
+        relamp({"solve", capture, "-o", shot, "--overwrite", "--quality", "draft", "--quiet", "--progress", "json"});
     EXPECT_EQ(progress.exitCode, 0);
     size_t lines = 0;
     std::istringstream stream(progress.error);
@@ -113,39 +120,67 @@ TEST(CommandLine, SolvesRendersAndTellsWhatIsInAShot) {
     const json found = json::parse(info.out, nullptr, false);
     ASSERT_TRUE(found.is_object()) << info.out;
     EXPECT_EQ(found["emitters"].size(), 1u);
-    for (const char* key : {"environment", "gauge", "basis", "left_out", "timeline", "stability", "resources"}) EXPECT_TRUE(found.contains(key)) << key;
+    for (const char* key : {"environment", "gauge", "basis", "left_out", "timeline", "stability", "resources"})
+        EXPECT_TRUE(found.contains(key)) << key;
     EXPECT_EQ(relamp({"info", shot}).exitCode, 0);
     EXPECT_EQ(json::parse(relamp({"info", capture, "--json"}).out)["views"], 6);
 
     // Frames.
     const std::string frames = folder / "frames.##.exr";
-    EXPECT_EQ(relamp({"render", shot, "-o", frames, "--camera", "all", "--frames", "2-3,9", "--samples", "1", "--size", "24x18"}).exitCode, 0);
+    EXPECT_EQ(relamp({"render", shot, "-o", frames, "--camera", "all", "--frames", "2-3,9", "--samples", "1", "--size",
+                      "24x18"})
+                  .exitCode,
+              0);
     EXPECT_TRUE(fs::exists(folder / "frames.02.exr") && fs::exists(folder / "frames.03.exr"));
     EXPECT_FALSE(fs::exists(folder / "frames.09.exr") || fs::exists(folder / "frames.01.exr"));
     EXPECT_EQ(readImageSize(folder / "frames.02.exr"), std::pair(24, 18));
     // --skip-existing leaves what is there and fills in what is missing.
     folder.write("frames.02.exr", "mine");
     fs::remove(folder / "frames.03.exr");
-    EXPECT_EQ(relamp({"render", shot, "-o", frames, "--camera", "all", "--frames", "2-3", "--samples", "1", "--size", "24x18", "--skip-existing"}).exitCode, 0);
+    EXPECT_EQ(relamp({"render", shot, "-o", frames, "--camera", "all", "--frames", "2-3", "--samples", "1", "--size",
+                      "24x18", "--skip-existing"})
+                  .exitCode,
+              0);
     EXPECT_EQ(test::TemporaryFolder::read(folder / "frames.02.exr"), "mine");
     EXPECT_TRUE(fs::exists(folder / "frames.03.exr"));
     // Cameras and looks that move; the photograph itself relit; the scene for other programs.
-    folder.write("keys.json", R"({"keys": [{"frame": 1, "look": {}}, {"frame": 3, "look": {"emitters": [{"id": "emitter-1", "enabled": false}]}}]})");
+    folder.write(
+        "keys.json",
+        R"({"keys": [{"frame": 1, "look": {}}, {"frame": 3, "look": {"emitters": [{"id": "emitter-1", "enabled": false}]}}]})");
     const std::string moving = folder / "turn.#.exr", keys = folder / "keys.json";
-    EXPECT_EQ(relamp({"render", shot, "-o", moving, "--camera", "turntable:3", "--frames", "2-5", "--edits", keys, "--samples", "1", "--size", "24x18"}).exitCode, 0);
+    EXPECT_EQ(relamp({"render", shot, "-o", moving, "--camera", "turntable:3", "--frames", "2-5", "--edits", keys,
+                      "--samples", "1", "--size", "24x18"})
+                  .exitCode,
+              0);
     EXPECT_TRUE(fs::exists(folder / "turn.2.exr") && fs::exists(folder / "turn.3.exr"));
     EXPECT_FALSE(fs::exists(folder / "turn.1.exr") || fs::exists(folder / "turn.4.exr"));
-    const test::ProgramResult ratio = relamp({"render", shot, "-o", folder / "ratio.exr", "--ratio", "--edits", keys, "--camera", "0", "--samples", "1", "--layers", "all", "--multipart"});
+    const test::ProgramResult ratio = relamp({"render", shot, "-o", folder / "ratio.exr", "--ratio", "--edits", keys,
+                                              "--camera", "0", "--samples", "1", "--layers", "all", "--multipart"});
     EXPECT_EQ(ratio.exitCode, 0) << ratio.error;
     EXPECT_EQ(relamp({"render", shot, "-o", folder / "same.exr", "--ratio", "--samples", "1"}).exitCode, 0);
     const Image photograph = readImage(folder / "capture/images/00.exr"), same = readImage(folder / "same.exr");
-    for (size_t p = 0; p < same.pixels.size(); ++p) ASSERT_NEAR(same.pixels[p].x, photograph.pixels[p].x, 1e-3 * photograph.pixels[p].x + 1e-6);
+    for (size_t p = 0; p < same.pixels.size(); ++p)
+        ASSERT_NEAR(same.pixels[p].x, photograph.pixels[p].x, 1e-3 * photograph.pixels[p].x + 1e-6);
     EXPECT_EQ(relamp({"export", shot, "-o", folder / "scene"}).exitCode, 0);
     EXPECT_EQ(json::parse(test::TemporaryFolder::read(folder / "scene/lights.json"))["lights"][0]["id"], "emitter-1");
     EXPECT_EQ(relamp({"check", folder / "scene"}).exitCode, 0) << "what is exported is a capture again";
     expectBadInput(relamp({"export", shot, "-o", folder / "scene"}), {"scene", "--overwrite"});
     // Options that cannot be meant.
-    for (const std::vector<std::string>& extra : std::vector<std::vector<std::string>>{{"--camera", "all", "--frames", "1-3"}, {"--camera", "all", "--frames", "3-1"}, {"--camera", "99"}, {"--size", "12"}, {"--layers", "beauty"}, {"--frames", "1"}, {"--ratio=quotient", "--size=24x18"}, {"--ratio", "--camera=turntable:1"}, {"--ratio=cubed", "--samples=1"}, {"--layers=residual", "--size=24x18"}, {"--camera", "turntable:0"}, {"--camera", "path:0,77:4"}, {"--naming", "nuke"}, {"--view", "film"}}) {
+    for (const std::vector<std::string>& extra :
+         std::vector<std::vector<std::string>>{{"--camera", "all", "--frames", "1-3"},
+                                               {"--camera", "all", "--frames", "3-1"},
+                                               {"--camera", "99"},
+                                               {"--size", "12"},
+                                               {"--layers", "beauty"},
+                                               {"--frames", "1"},
+                                               {"--ratio=quotient", "--size=24x18"},
+                                               {"--ratio", "--camera=turntable:1"},
+                                               {"--ratio=cubed", "--samples=1"},
+                                               {"--layers=residual", "--size=24x18"},
+                                               {"--camera", "turntable:0"},
+                                               {"--camera", "path:0,77:4"},
+                                               {"--naming", "nuke"},
+                                               {"--view", "film"}}) {
         std::vector<std::string> arguments{"render", shot, "-o", folder / "one.exr", "--samples", "1"};
         arguments.insert(arguments.end(), extra.begin(), extra.end());
         const test::ProgramResult r = relamp(arguments);
@@ -156,10 +191,13 @@ TEST(CommandLine, SolvesRendersAndTellsWhatIsInAShot) {
     folder.write("edits.json", R"({"emitters": [{"id": "emitter-9"}]})");
     expectBadInput(relamp({"render", shot, "-o", folder / "one.exr", "--edits", folder / "edits.json"}), {"emitter-9"});
     folder.write("edits.json", R"({"environment": {"tint": [1]}})");
-    expectBadInput(relamp({"render", shot, "-o", folder / "one.exr", "--edits", folder / "edits.json"}), {"edits.json", "environment.tint"});
+    expectBadInput(relamp({"render", shot, "-o", folder / "one.exr", "--edits", folder / "edits.json"}),
+                   {"edits.json", "environment.tint"});
     expectBadInput(relamp({"render", shot, "-o", folder / "one.exr", "--env", folder / "absent.hdr"}), {"absent.hdr"});
-    expectBadInput(relamp({"render", shot, "-o", folder / "one.exr", "--camera", folder / "absent.json"}), {"absent.json"});
-    expectBadInput(relamp({"render", shot, "-o", folder / "nowhere/one.exr", "--samples", "1", "--size", "8x6"}), {"nowhere"});
+    expectBadInput(relamp({"render", shot, "-o", folder / "one.exr", "--camera", folder / "absent.json"}),
+                   {"absent.json"});
+    expectBadInput(relamp({"render", shot, "-o", folder / "nowhere/one.exr", "--samples", "1", "--size", "8x6"}),
+                   {"nowhere"});
     json broken = json::parse(test::TemporaryFolder::read(folder / "x.relamp/shot.json"));
     broken["emitters"][0]["power"] = "bright";
     folder.write("x.relamp/shot.json", broken.dump());
@@ -189,8 +227,10 @@ TEST(CommandLine, AColmapCaptureIsSolvedAndItsShotOpensByItself) {
             }
         const double w = std::sqrt(std::max(0.0, 1 + r[0][0] + r[1][1] + r[2][2])) / 2;
         ASSERT_GT(w, 1e-3);
-        images += fmt::format("{} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} 4 {}\r\n\r\n", 90 - 7 * i, w, (r[1][2] - r[2][1]) / (4 * w), (r[2][0] - r[0][2]) / (4 * w),
-                              (r[0][1] - r[1][0]) / (4 * w), t.x, t.y, t.z, file["frames"][i]["file_path"].get<std::string>());
+        images +=
+            fmt::format("{} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} 4 {}\r\n\r\n", 90 - 7 * i, w,
+                        (r[1][2] - r[2][1]) / (4 * w), (r[2][0] - r[0][2]) / (4 * w), (r[0][1] - r[1][0]) / (4 * w),
+                        t.x, t.y, t.z, file["frames"][i]["file_path"].get<std::string>());
     }
     folder.write("room/recon/cameras.txt", "4 PINHOLE 96 72 95 95 48 36\r\n");
     folder.write("room/recon/images.txt", images);
@@ -220,11 +260,13 @@ TEST(CommandLine, BracketsAreMergedFromTheirTimes) {
     for (size_t i = 0; i < times.size(); ++i) {
         Image picture(120, 90);
         for (int y = 0; y < 90; ++y)
-            for (int x = 0; x < 120; ++x) picture.at(x, y) = Rgb(std::pow(10.0f, -2.2f + 2.2f * float(x) / 119)) * float(times[i]);
+            for (int x = 0; x < 120; ++x)
+                picture.at(x, y) = Rgb(std::pow(10.0f, -2.2f + 2.2f * float(x) / 119)) * float(times[i]);
         writeImage(folder / fmt::format("{}.png", i), picture);
     }
     const std::string a = folder / "0.png", b = folder / "1.png", c = folder / "2.png", out = folder / "out.exr";
-    const test::ProgramResult merged = relamp({"merge-hdr", a, b, c, "-o", out, "--times", "0.25,1,4", "--response", folder / "curve.json", "--ghosts", folder / "ghosts.png"});
+    const test::ProgramResult merged = relamp({"merge-hdr", a, b, c, "-o", out, "--times", "0.25,1,4", "--response",
+                                               folder / "curve.json", "--ghosts", folder / "ghosts.png"});
     ASSERT_EQ(merged.exitCode, 0) << merged.error;
     EXPECT_EQ(merged.out, "");
     const Image image = readImage(out);
@@ -237,10 +279,16 @@ TEST(CommandLine, BracketsAreMergedFromTheirTimes) {
     const std::string curve = folder / "curve.json", again = folder / "again.exr";
     ASSERT_EQ(relamp({"merge-hdr", a, b, "-o", again, "--times", "0.25,1", "--use-response", curve}).exitCode, 0);
     EXPECT_NEAR(readImage(again).at(80, 40).y / image.at(80, 40).y, 1, 0.05);
-    for (const char* bad : {"[1, 2]", "{\"log_exposure\": 5}", "{\"log_exposure\": {\"r\": [1]}}", "{\"log_exposure\": {\"r\": [[[[", ""})
-        expectBadInput(relamp({"merge-hdr", a, b, "-o", again, "--times", "0.25,1", "--use-response", folder.write("bad.json", bad)}), {"bad.json"});
-    for (const std::vector<std::string>& wrong : std::vector<std::vector<std::string>>{
-             {"merge-hdr", a, "-o", out}, {"merge-hdr", a, b, "-o", out, "--times", "1"}, {"merge-hdr", a, b, "-o", out, "--times", "1,0"}, {"merge-hdr", a, b, "-o", folder / "x.png", "--times", "1,2"}})
+    for (const char* bad :
+         {"[1, 2]", "{\"log_exposure\": 5}", "{\"log_exposure\": {\"r\": [1]}}", "{\"log_exposure\": {\"r\": [[[[", ""})
+        expectBadInput(relamp({"merge-hdr", a, b, "-o", again, "--times", "0.25,1", "--use-response",
+                               folder.write("bad.json", bad)}),
+                       {"bad.json"});
+    for (const std::vector<std::string>& wrong :
+         std::vector<std::vector<std::string>>{{"merge-hdr", a, "-o", out},
+                                               {"merge-hdr", a, b, "-o", out, "--times", "1"},
+                                               {"merge-hdr", a, b, "-o", out, "--times", "1,0"},
+                                               {"merge-hdr", a, b, "-o", folder / "x.png", "--times", "1,2"}})
         EXPECT_EQ(relamp(wrong).exitCode, 2) << wrong.back();
 }
 
@@ -248,7 +296,9 @@ TEST(CommandLine, AnInterruptEndsASolveWithItsOwnCodeAndLeavesNothingBehind) {
     const test::TemporaryFolder folder;
     test::paintKnownWorld(folder / "capture", true, 4, 60);
     for (const auto& [number, code] : {std::pair{SIGINT, 130}, std::pair{SIGTERM, 143}}) {
-        const test::ProgramResult r = relamp({"solve", folder / "capture", "-o", folder / "x.relamp", "--quality", "fine", "--progress", "json"}, "Visibility", number);
+        const test::ProgramResult r =
+            relamp({"solve", folder / "capture", "-o", folder / "x.relamp", "--quality", "fine", "--progress", "json"},
+                   "Visibility", number);
         EXPECT_EQ(r.exitCode, code) << r.error;
         EXPECT_EQ(r.out, "");
         EXPECT_EQ(folder.entries(), 1u) << "the capture alone";
@@ -267,7 +317,8 @@ protected:
         return relamp({"solve", folder / "capture", "-o", folder / "x.relamp", "--quality", "draft"});
     }
     void fillImages(const Rgb& value) {
-        for (int i = 0; i < 5; ++i) writeImage(folder / fmt::format("capture/images/{:02}.exr", i), Image(96, 72, value));
+        for (int i = 0; i < 5; ++i)
+            writeImage(folder / fmt::format("capture/images/{:02}.exr", i), Image(96, 72, value));
     }
     /// One sentence and exit code 3, or a finished shot that says what was wrong: never a crash, never silence.
     void expectSentenceOrNote() {
@@ -278,7 +329,10 @@ protected:
             EXPECT_NE(r.error, "");
             // The shot can be read back.
             EXPECT_EQ(relamp({"info", folder / "x.relamp", "--json"}).exitCode, 0);
-            EXPECT_EQ(relamp({"render", folder / "x.relamp", "-o", folder / "f.exr", "--samples", "1", "--size", "16x12"}).exitCode, 0);
+            EXPECT_EQ(
+                relamp({"render", folder / "x.relamp", "-o", folder / "f.exr", "--samples", "1", "--size", "16x12"})
+                    .exitCode,
+                0);
         } else {
             expectBadInput(r, {});
             EXPECT_FALSE(fs::exists(folder / "x.relamp"));
@@ -309,7 +363,9 @@ TEST_F(BadCapture, WithZeroFocalLength) {
 }
 
 TEST_F(BadCapture, WithNoTriangles) {
-    folder.write("capture/mesh.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n");
+    folder.write("capture/mesh.ply",
+                 "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float "
+                 "z\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n");
     expectBadInput(solve(), {"mesh.ply"});
 }
 
@@ -349,12 +405,14 @@ TEST_F(BadCapture, WithOneViewOnly) {
 
 TEST_F(BadCapture, WhoseCamerasSeeNothing) {
     // All stand far away and look away from the scene.
-    for (auto& frame : file["frames"]) frame["transform_matrix"] = {{1, 0, 0, 500}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
+    for (auto& frame : file["frames"])
+        frame["transform_matrix"] = {{1, 0, 0, 500}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
     expectSentenceOrNote();
 }
 
 TEST_F(BadCapture, WithCamerasInsideTheGround) {
-    for (auto& frame : file["frames"]) frame["transform_matrix"] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, -0.5}, {0, 0, 0, 1}};
+    for (auto& frame : file["frames"])
+        frame["transform_matrix"] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, -0.5}, {0, 0, 0, 1}};
     expectSentenceOrNote();
 }
 

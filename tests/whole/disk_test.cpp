@@ -1,4 +1,5 @@
-// Disks that are full or may not be written, photographs that go away: a sentence that names the file, and nothing lost.
+// Disks that are full or may not be written, photographs that go away: a sentence that names the file, and nothing
+// lost.
 #include <gtest/gtest.h>
 
 #include <thread>
@@ -50,23 +51,28 @@ protected:
 
 TEST_F(Disk, filesThatMayNotGrowAreNamedAndTheOldOnesStay) {
     const std::string limit = "ulimit -f 8";
-    const ProgramResult solved = after(limit, {"solve", folder / "room", "-o", shot(), "--quality", "draft", "--overwrite", "--seed", "2"});
+    const ProgramResult solved =
+        after(limit, {"solve", folder / "room", "-o", shot(), "--quality", "draft", "--overwrite", "--seed", "2"});
     EXPECT_EQ(solved.exitCode, 6) << solved.error;
     EXPECT_NE(solved.error.find("room.relamp"), std::string::npos) << solved.error;
     expectTheOldShot();
-    const ProgramResult frame = after(limit, {"render", shot(), "-o", folder / "f.exr", "--samples", "1", "--layers", "all"});
+    const ProgramResult frame =
+        after(limit, {"render", shot(), "-o", folder / "f.exr", "--samples", "1", "--layers", "all"});
     EXPECT_EQ(frame.exitCode, 6) << frame.error;
     EXPECT_NE(frame.error.find("f.exr: cannot be written"), std::string::npos) << frame.error;
-    const ProgramResult layered = after(limit, {"render", shot(), "-o", folder / "m.exr", "--samples", "1", "--layers", "all", "--multipart"});
+    const ProgramResult layered =
+        after(limit, {"render", shot(), "-o", folder / "m.exr", "--samples", "1", "--layers", "all", "--multipart"});
     EXPECT_EQ(layered.exitCode, 6) << layered.error;
     EXPECT_NE(layered.error.find("m.exr"), std::string::npos) << layered.error;
-    const ProgramResult picture = after(limit, {"render", shot(), "-o", folder / "p.png", "--samples", "1", "--size", "320x240"});
+    const ProgramResult picture =
+        after(limit, {"render", shot(), "-o", folder / "p.png", "--samples", "1", "--size", "320x240"});
     EXPECT_EQ(picture.exitCode, 6) << picture.error;
     EXPECT_NE(picture.error.find("p.png"), std::string::npos) << picture.error;
     const ProgramResult exported = after(limit, {"export", shot(), "-o", folder / "scene"});
     EXPECT_EQ(exported.exitCode, 6) << exported.error;
     EXPECT_NE(exported.error.find("scene/"), std::string::npos) << exported.error;
-    for (const auto& entry : fs::recursive_directory_iterator(folder.path())) EXPECT_NE(entry.path().filename().string()[0], '.') << "left behind: " << entry.path();
+    for (const auto& entry : fs::recursive_directory_iterator(folder.path()))
+        EXPECT_NE(entry.path().filename().string()[0], '.') << "left behind: " << entry.path();
     EXPECT_EQ(folder.entries(), size_t(fs::exists(folder / "scene") ? 3 : 2));
 }
 
@@ -74,10 +80,14 @@ TEST_F(Disk, aFullDiskEndsASequenceWithWhatFits) {
     // A small file system of its own, where this user may make one.
     const std::string own = "mount -t tmpfs -o size=600k none '" + (folder / "small").string() + "'";
     fs::create_directories(folder / "small");
-    if (test::runProgram({"/usr/bin/unshare", "--map-root-user", "--mount", "/bin/sh", "-c", own}).exitCode != 0) GTEST_SKIP() << "no file system of one's own can be mounted here";
-    const std::string line = own + " && '" RELAMP_BINARY "' render '" + shot() + "' -o '" + (folder / "small/f.##.exr").string() +
-                             "' --camera turntable:8 --samples 1 --layers all --size 160x120; code=$?; cp -r '" + (folder / "small").string() + "' '" + (folder / "copy").string() + "'; exit $code";
-    const ProgramResult result = test::runProgram({"/usr/bin/unshare", "--map-root-user", "--mount", "/bin/sh", "-c", line});
+    if (test::runProgram({"/usr/bin/unshare", "--map-root-user", "--mount", "/bin/sh", "-c", own}).exitCode != 0)
+        GTEST_SKIP() << "no file system of one's own can be mounted here";
+    const std::string line = own + " && '" RELAMP_BINARY "' render '" + shot() + "' -o '" +
+                             (folder / "small/f.##.exr").string() +
+                             "' --camera turntable:8 --samples 1 --layers all --size 160x120; code=$?; cp -r '" +
+                             (folder / "small").string() + "' '" + (folder / "copy").string() + "'; exit $code";
+    const ProgramResult result =
+        test::runProgram({"/usr/bin/unshare", "--map-root-user", "--mount", "/bin/sh", "-c", line});
     EXPECT_EQ(result.exitCode, 5) << result.error;
     EXPECT_NE(result.error.find("No space left"), std::string::npos) << result.error;
     EXPECT_NE(result.error.find("small/f."), std::string::npos) << result.error;
@@ -102,7 +112,8 @@ TEST_F(Disk, foldersThatMayNotBeWrittenAreToldBeforeTheWork) {
         return test::runProgram(line);
     };
     if (as({"--version"}).exitCode != 0) GTEST_SKIP() << "another user cannot run the program here";
-    const ProgramResult solved = as({"--progress", "json", "solve", folder / "room", "-o", folder / "new.relamp", "--quality", "draft"});
+    const ProgramResult solved =
+        as({"--progress", "json", "solve", folder / "room", "-o", folder / "new.relamp", "--quality", "draft"});
     EXPECT_EQ(solved.exitCode, 3) << solved.error;
     EXPECT_NE(solved.error.find("new.relamp: cannot be written"), std::string::npos) << solved.error;
     EXPECT_EQ(solved.error.find("\"stage\""), std::string::npos) << "nothing was calculated first";
@@ -118,8 +129,11 @@ TEST_F(Disk, foldersThatMayNotBeWrittenAreToldBeforeTheWork) {
 
 TEST_F(Disk, photographsThatGoAwayAreNamed) {
     // The disk is pulled after a while, longer each time, until it comes too late to matter.
-    for (const std::vector<std::string>& job : {std::vector<std::string>{"solve", folder / "room", "-o", folder / "new.relamp", "--quality", "draft", "--overwrite"},
-                                                std::vector<std::string>{"render", shot(), "-o", folder / "f.##.exr", "--camera", "all", "--ratio", "--samples", "1"}}) {
+    for (const std::vector<std::string>& job :
+         {std::vector<std::string>{"solve", folder / "room", "-o", folder / "new.relamp", "--quality", "draft",
+                                   "--overwrite"},
+          std::vector<std::string>{"render", shot(), "-o", folder / "f.##.exr", "--camera", "all", "--ratio",
+                                   "--samples", "1"}}) {
         int failed = 0, done = 0;
         for (int delay = 0; delay < 600'000 && !done; delay = delay * 2 + 4) {
             std::thread pulls([&] {
@@ -146,9 +160,13 @@ TEST_F(Disk, photographsThatGoAwayAreNamed) {
 }
 
 TEST_F(Disk, twoSolvesOfOneShotDoNotOverwriteEachOther) {
-    std::thread first([&] { EXPECT_EQ(relamp({"solve", folder / "room", "-o", folder / "twice.relamp", "--quality", "standard"}).exitCode, 0); });
+    std::thread first([&] {
+        EXPECT_EQ(relamp({"solve", folder / "room", "-o", folder / "twice.relamp", "--quality", "standard"}).exitCode,
+                  0);
+    });
     while (!fs::exists(folder / ".twice.relamp.lock")) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    const ProgramResult second = relamp({"solve", folder / "room", "-o", folder / "twice.relamp", "--quality", "draft", "--overwrite"});
+    const ProgramResult second =
+        relamp({"solve", folder / "room", "-o", folder / "twice.relamp", "--quality", "draft", "--overwrite"});
     first.join();
     EXPECT_EQ(second.exitCode, 3) << second.error;
     EXPECT_NE(second.error.find("is open elsewhere"), std::string::npos) << second.error;

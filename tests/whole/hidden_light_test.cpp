@@ -12,7 +12,8 @@
 namespace relamp {
 namespace {
 
-/// The known world, from whose mesh its lamp is taken and whose pixels on the lamp are unusable: its light is all that is left of it.
+/// The known world, from whose mesh its lamp is taken and whose pixels on the lamp are unusable: its light is all that
+/// is left of it.
 struct DarkenedWorld {
     test::TemporaryFolder folder;
     test::KnownWorld truth;
@@ -46,7 +47,9 @@ struct DarkenedWorld {
     double albedoError(const PipelineResult& r) const {
         std::vector<double> ratio, off;
         for (size_t v = 0; v < truth.albedo.size(); ++v)
-            if (r.estimate.reflectance.observed[v] >= 3) ratio.push_back(double(luminance(r.estimate.reflectance.weight[0][v])) / double(luminance(truth.albedo[v])));
+            if (r.estimate.reflectance.observed[v] >= 3)
+                ratio.push_back(double(luminance(r.estimate.reflectance.weight[0][v])) /
+                                double(luminance(truth.albedo[v])));
         std::vector<double> sorted = ratio;
         std::nth_element(sorted.begin(), sorted.begin() + ptrdiff_t(sorted.size() / 2), sorted.end());
         for (double x : ratio) off.push_back(std::abs(x / sorted[sorted.size() / 2] - 1));
@@ -65,9 +68,11 @@ TEST(HiddenLight, ALampThatNoPhotographShowsIsFoundWhereItStands) {
     const float off = glm::length(light.position - world.truth.lampCentre);
     const DVec3 away(light.position - world.truth.lampCentre);
     const double standard = std::sqrt(glm::dot(away, glm::inverse(light.covariance) * away));
-    std::printf("%s\noff by %.3f m, %.1f of its own deviations; albedo off by %.1f %% with it, %.1f %% without\n", found.search->words.c_str(), double(off), standard,
-                100 * world.albedoError(found), 100 * world.albedoError(without));
-    // A panel of 0.3 m that shines downwards only, taken for a point that shines everywhere: it seems nearer. Measured 0.106 m, 4.3.
+    std::printf("%s\noff by %.3f m, %.1f of its own deviations; albedo off by %.1f %% with it, %.1f %% without\n",
+                found.search->words.c_str(), double(off), standard, 100 * world.albedoError(found),
+                100 * world.albedoError(without));
+    // A panel of 0.3 m that shines downwards only, taken for a point that shines everywhere: it seems nearer. Measured
+    // 0.106 m, 4.3.
     EXPECT_LT(off, 0.13f);
     EXPECT_LT(standard, 6);
     EXPECT_LT(world.albedoError(found), 0.6 * world.albedoError(without));
@@ -109,8 +114,10 @@ TEST(HiddenLight, AProxyThatWasToldIsALampLikeAnyOtherAndComesBackWithTheShot) {
     const EmitterCluster& lamp = r.estimate.emitters.emitters[0];
     EXPECT_LT(glm::length(lamp.centroid - world.truth.lampCentre), 1e-3f);
     EXPECT_NEAR(lamp.area, 4 * pi * 0.05f * 0.05f, 1e-4f);
-    // The sky that is seen ties the scale down, so the lamp's light is known in watts: that of the square, from straight below.
-    const float told = luminance(r.estimate.lighting.emitterRadiance[0]) * pi * 0.05f * 0.05f, truth = luminance(world.truth.lampRadiance) * world.truth.lampSide * world.truth.lampSide;
+    // The sky that is seen ties the scale down, so the lamp's light is known in watts: that of the square, from
+    // straight below.
+    const float told = luminance(r.estimate.lighting.emitterRadiance[0]) * pi * 0.05f * 0.05f,
+                truth = luminance(world.truth.lampRadiance) * world.truth.lampSide * world.truth.lampSide;
     std::printf("intensity %.3f, truth %.3f straight below\n", double(told), double(truth));
     EXPECT_NEAR(told / truth, 1, 0.35);
     Shot shot;

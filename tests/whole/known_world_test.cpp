@@ -13,7 +13,9 @@ namespace {
 struct World {
     test::TemporaryFolder folder;
     test::KnownWorld truth;
-    explicit World(bool lamp = true, bool metalBall = false) { truth = test::paintKnownWorld(folder.path(), lamp, 10, 24, false, metalBall); }
+    explicit World(bool lamp = true, bool metalBall = false) {
+        truth = test::paintKnownWorld(folder.path(), lamp, 10, 24, false, metalBall);
+    }
     PipelineResult solve(bool nearField = true, int threads = 0, double budget = 0) const {
         const ThreadLimit limit(threads);
         PipelineOptions options;
@@ -27,12 +29,17 @@ struct World {
 
 double relative(const Rgb& a, const Rgb& b) { return maxChannel(glm::abs(a - b)) / maxChannel(b); }
 
-/// Largest relative error of the irradiance of the distant light found, over a few orientations that surfaces of the scene have.
+/// Largest relative error of the irradiance of the distant light found, over a few orientations that surfaces of the
+/// scene have.
 double irradianceError(const Estimate& estimate) {
     const DirectionGrid grid{estimate.environmentSide};
     double worst = 0;
-    for (const Vec3& n : {Vec3(0, 0, 1), glm::normalize(Vec3(1, 0, 1)), glm::normalize(Vec3(-1, 0, 1)), glm::normalize(Vec3(0, 1, 1)), glm::normalize(Vec3(0, -1, 1))})
-        worst = std::max(worst, relative(test::skyIrradiance([&](const Vec3& d) { return estimate.environment[size_t(grid.cellOf(d))]; }, n), test::skyIrradiance(test::KnownWorld::sky, n)));
+    for (const Vec3& n : {Vec3(0, 0, 1), glm::normalize(Vec3(1, 0, 1)), glm::normalize(Vec3(-1, 0, 1)),
+                          glm::normalize(Vec3(0, 1, 1)), glm::normalize(Vec3(0, -1, 1))})
+        worst = std::max(worst,
+                         relative(test::skyIrradiance(
+                                      [&](const Vec3& d) { return estimate.environment[size_t(grid.cellOf(d))]; }, n),
+                                  test::skyIrradiance(test::KnownWorld::sky, n)));
     return worst;
 }
 
@@ -40,7 +47,8 @@ double irradianceError(const Estimate& estimate) {
 std::pair<double, double> albedoErrors(const PipelineResult& r, const test::KnownWorld& truth) {
     std::vector<double> off;
     for (size_t v = 0; v < truth.albedo.size(); ++v)
-        if (r.estimate.reflectance.observed[v] >= 3 && r.estimate.emitters.emitterOfVertex[v] < 0) off.push_back(relative(r.estimate.reflectance.weight[0][v], truth.albedo[v]));
+        if (r.estimate.reflectance.observed[v] >= 3 && r.estimate.emitters.emitterOfVertex[v] < 0)
+            off.push_back(relative(r.estimate.reflectance.weight[0][v], truth.albedo[v]));
     std::sort(off.begin(), off.end());
     return {off[off.size() / 2], off[off.size() * 9 / 10]};
 }
@@ -62,7 +70,9 @@ TEST(KnownWorld, ItsLampSkyAndAlbedoAreFound) {
     const Rgb radiance = r.estimate.lighting.emitterRadiance[0];
     const auto [median, p90] = albedoErrors(r, world.truth);
     const double irradiance = irradianceError(r.estimate);
-    std::printf("lamp radiance off by %.2f %%, sky irradiance %.1f %%, albedo %.1f %% (median) %.1f %% (90th percentile)\n", 100 * relative(radiance, world.truth.lampRadiance), 100 * irradiance, 100 * median, 100 * p90);
+    std::printf(
+        "lamp radiance off by %.2f %%, sky irradiance %.1f %%, albedo %.1f %% (median) %.1f %% (90th percentile)\n",
+        100 * relative(radiance, world.truth.lampRadiance), 100 * irradiance, 100 * median, 100 * p90);
     EXPECT_LT(relative(radiance, world.truth.lampRadiance), 0.01);
     EXPECT_LT(glm::length(lamp.centroid - world.truth.lampCentre), 0.02f);
     EXPECT_NEAR(lamp.area, world.truth.lampSide * world.truth.lampSide, 0.001);
@@ -99,7 +109,8 @@ TEST(KnownWorld, BouncedLightInARoomIsSeenAndAlbedoSaved) {
     EXPECT_TRUE(kept.estimate.interreflection);
     EXPECT_FALSE(off.estimate.interreflection);
     const double with = albedoErrors(kept, truth).first, without = albedoErrors(off, truth).first;
-    std::printf("bounced share %.1f %%, albedo off by %.1f %% with it, %.1f %% without\n", 100 * double(kept.estimate.bouncedShare), 100 * with, 100 * without);
+    std::printf("bounced share %.1f %%, albedo off by %.1f %% with it, %.1f %% without\n",
+                100 * double(kept.estimate.bouncedShare), 100 * with, 100 * without);
     EXPECT_GT(kept.estimate.bouncedShare, 0.1f);
     EXPECT_LT(with, 0.5 * without);
     EXPECT_LT(with, 0.07);
@@ -114,11 +125,15 @@ TEST(KnownWorld, AMetalBallIsFoundAndMirrorsWithItsOwnColour) {
     EXPECT_EQ(maxChannel(reflectance.weight[0][v]), 0.0f);
     EXPECT_LT(relative(reflectance.weight[1][v], world.truth.ballTint), 0.12);
     EXPECT_NE(r.estimate.gauge.kind, "assumed");
-    EXPECT_LT(albedoErrors(r, [&] {
-                  test::KnownWorld t = world.truth;
-                  for (size_t i = t.ballBegin; i < t.ballEnd; ++i) t.albedo[i] = reflectance.weight[0][i] + Rgb(1e-6f);
-                  return t;
-              }()).first, 0.12);
+    EXPECT_LT(albedoErrors(r,
+                           [&] {
+                               test::KnownWorld t = world.truth;
+                               for (size_t i = t.ballBegin; i < t.ballEnd; ++i)
+                                   t.albedo[i] = reflectance.weight[0][i] + Rgb(1e-6f);
+                               return t;
+                           }())
+                  .first,
+              0.12);
 }
 
 TEST(KnownWorld, SaysHowSureItIs) {
@@ -136,7 +151,8 @@ TEST(KnownWorld, SaysHowSureItIs) {
     EXPECT_GT(double(within), 0.85 * double(counted));
     EXPECT_FALSE(e.stability.weakest.empty());
     EXPECT_GT(e.stability.weakestSigma, 0);
-    EXPECT_NEAR(e.gauge.fromEmitters.y + e.gauge.fromBackground.y + e.gauge.fromGloss.y + e.gauge.fromBounces.y, 1, 1e-3);
+    EXPECT_NEAR(e.gauge.fromEmitters.y + e.gauge.fromBackground.y + e.gauge.fromGloss.y + e.gauge.fromBounces.y, 1,
+                1e-3);
     EXPECT_GT(e.gauge.sigma.y, 0.04f);
     EXPECT_LT(e.gauge.sigma.y, 0.2f);
 }
@@ -148,7 +164,8 @@ TEST(KnownWorld, WithoutItsLampHasNoEmitter) {
     EXPECT_EQ(r.estimate.emitters.emitters.size(), 0u);
     const auto [median, p90] = albedoErrors(r, world.truth);
     const double irradiance = irradianceError(r.estimate);
-    std::printf("sky irradiance off by %.1f %%, albedo %.1f %% (median) %.1f %% (90th percentile)\n", 100 * irradiance, 100 * median, 100 * p90);
+    std::printf("sky irradiance off by %.1f %%, albedo %.1f %% (median) %.1f %% (90th percentile)\n", 100 * irradiance,
+                100 * median, 100 * p90);
     // Without a lamp only the sky that is seen ties light to albedo; measured 15 % and 18 % at draft quality.
     EXPECT_LT(irradiance, 0.22);
     EXPECT_LT(median, 0.25);
@@ -208,11 +225,11 @@ TEST(KnownWorld, StopsInEachStageWhenAsked) {
         bool cancelled = false;
         try {
             runPipeline(world.folder.path(), options, progress);
-        } catch (const Cancelled&) {
-            cancelled = true;
-        }
+        } catch (const Cancelled&) { cancelled = true; }
         EXPECT_TRUE(cancelled) << stage;
-        EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - asked).count(), test::stopBoundSeconds) << stage;
+        EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - asked).count(),
+                  test::stopBoundSeconds)
+            << stage;
     }
 }
 
@@ -220,7 +237,8 @@ TEST(KnownWorld, StopsHalfWayWhenAskedFromAnotherThread) {
     const World world;
     PipelineOptions options;
     options.solve = solveOptionsFor("draft");
-    test::expectStopsHalfWay([&](Progress& progress) { runPipeline(world.folder.path(), options, progress); }, "Visibility");
+    test::expectStopsHalfWay([&](Progress& progress) { runPipeline(world.folder.path(), options, progress); },
+                             "Visibility");
 }
 
 TEST(KnownWorld, KeepsTheBestAnswerSoFarWhenTheTimeIsUp) {

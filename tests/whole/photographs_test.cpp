@@ -26,7 +26,9 @@ TEST(Photographs, OfTheRealWorldAreExplained) {
     EXPECT_EQ(r.exitCode, 0) << r.error;
     EXPECT_NE(r.error.find("photographs reproduced at"), std::string::npos) << r.error;
     const json reproduction = infoOf(shot)["reproduction"];
-    std::printf("reproduced at %.2f dB, left out %.2f dB, median of the observations %.2f dB\n", reproduction["psnr"].get<double>(), reproduction["held_out_psnr"].get<double>(), reproduction["observed_psnr"].get<double>());
+    std::printf("reproduced at %.2f dB, left out %.2f dB, median of the observations %.2f dB\n",
+                reproduction["psnr"].get<double>(), reproduction["held_out_psnr"].get<double>(),
+                reproduction["observed_psnr"].get<double>());
     // Measured 21.0, 19.1 and 21.6.
     EXPECT_GT(reproduction["psnr"].get<double>(), 20.5);
     EXPECT_GT(reproduction["held_out_psnr"].get<double>(), 18);
@@ -41,15 +43,20 @@ TEST(Photographs, WithShuffledCamerasMissTheQualityGate) {
     fs::copy(buddha, folder / "shuffled", fs::copy_options::recursive);
     json capture = json::parse(std::ifstream(buddha / "transforms.json"));
     const json frames = capture["frames"];
-    for (size_t i = 0; i < frames.size(); ++i) capture["frames"][i]["file_path"] = frames[(i + 3) % frames.size()]["file_path"];
+    for (size_t i = 0; i < frames.size(); ++i)
+        capture["frames"][i]["file_path"] = frames[(i + 3) % frames.size()]["file_path"];
     std::ofstream(folder / "shuffled/transforms.json") << capture.dump();
-    const auto solve = [&](const char* option) { return test::runProgram({RELAMP_BINARY, "solve", folder / "shuffled", "-o", folder / "s.relamp", "--quality", "draft", "--overwrite", option}); };
+    const auto solve = [&](const char* option) {
+        return test::runProgram({RELAMP_BINARY, "solve", folder / "shuffled", "-o", folder / "s.relamp", "--quality",
+                                 "draft", "--overwrite", option});
+    };
     const test::ProgramResult r = solve("--progress=none");
     EXPECT_EQ(r.exitCode, 4) << r.error;
     EXPECT_NE(r.error.find("quality gate missed"), std::string::npos) << r.error;
     EXPECT_NE(r.error.find("poses"), std::string::npos) << r.error;
     EXPECT_EQ(infoOf(folder / "s.relamp")["reproduction"]["cause"], "poses");
-    EXPECT_NE(test::runProgram({RELAMP_BINARY, "info", folder / "s.relamp"}).out.find("QUALITY GATE MISSED"), std::string::npos);
+    EXPECT_NE(test::runProgram({RELAMP_BINARY, "info", folder / "s.relamp"}).out.find("QUALITY GATE MISSED"),
+              std::string::npos);
     EXPECT_EQ(solve("--accept-poor").exitCode, 0);
 }
 
@@ -67,7 +74,8 @@ TEST(Photographs, OfAnObjectBeforeBlackHaveAnAssumedScaleAndPlausibleSurfaces) {
             for (int x = mask.width / 5; x < mask.width * 4 / 5; ++x) mask.at(x, y) = Rgb(1);
         writeImage(folder / "masked/masks" / (name + ".png"), mask);
     }
-    const test::ProgramResult r = test::runProgram({RELAMP_BINARY, "solve", folder / "masked", "-o", folder / "m.relamp", "--quality", "draft", "--accept-poor"});
+    const test::ProgramResult r = test::runProgram(
+        {RELAMP_BINARY, "solve", folder / "masked", "-o", folder / "m.relamp", "--quality", "draft", "--accept-poor"});
     ASSERT_EQ(r.exitCode, 0) << r.error;
     const json info = infoOf(folder / "m.relamp");
     EXPECT_EQ(info["gauge"]["kind"], "assumed") << info["gauge"];

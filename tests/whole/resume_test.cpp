@@ -12,7 +12,8 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using test::TemporaryFolder;
 
-test::ProgramResult relamp(std::vector<std::string> arguments, const std::string& interruptOn = "", int signalNumber = SIGINT) {
+test::ProgramResult relamp(std::vector<std::string> arguments, const std::string& interruptOn = "",
+                           int signalNumber = SIGINT) {
     arguments.insert(arguments.begin(), RELAMP_BINARY);
     return test::runProgram(arguments, interruptOn, signalNumber);
 }
@@ -47,11 +48,14 @@ TEST(Killed, AResumedSolveEndsInTheSameBytes) {
     EXPECT_NE(resumed.error.find("going on after"), std::string::npos) << resumed.error;
     EXPECT_FALSE(fs::exists(s.checkpoint));
     for (const char* file : {"reflectance.ply", "environment.exr"})
-        EXPECT_TRUE(TemporaryFolder::read(fs::path(s.shot) / file) == TemporaryFolder::read(fs::path(s.whole) / file)) << file;
-    const json a = json::parse(TemporaryFolder::read(fs::path(s.shot) / "shot.json")), b = json::parse(TemporaryFolder::read(fs::path(s.whole) / "shot.json"));
+        EXPECT_TRUE(TemporaryFolder::read(fs::path(s.shot) / file) == TemporaryFolder::read(fs::path(s.whole) / file))
+            << file;
+    const json a = json::parse(TemporaryFolder::read(fs::path(s.shot) / "shot.json")),
+               b = json::parse(TemporaryFolder::read(fs::path(s.whole) / "shot.json"));
     EXPECT_EQ(a["emitters"], b["emitters"]);
     ASSERT_EQ(a["timeline"].size(), b["timeline"].size());
-    for (size_t i = 0; i < a["timeline"].size(); ++i) EXPECT_EQ(a["timeline"][i]["objective"], b["timeline"][i]["objective"]);
+    for (size_t i = 0; i < a["timeline"].size(); ++i)
+        EXPECT_EQ(a["timeline"][i]["objective"], b["timeline"][i]["objective"]);
 }
 
 TEST(Killed, AnInterruptedOneSaysSoAndLeavesACheckpointToo) {
@@ -82,18 +86,22 @@ TEST(Killed, ADamagedOrForeignCheckpointIsRefusedAndTheSolveStartsAnew) {
 TEST(PlanCommand, SaysWhatIsKeptAndLeftOut) {
     const TemporaryFolder folder;
     test::paintKnownWorld(folder / "capture", false, 5, 10);
-    const test::ProgramResult words = relamp({"plan", folder / "capture", "--quality", "draft"}), data = relamp({"plan", folder / "capture", "--quality", "draft", "--json"});
+    const test::ProgramResult words = relamp({"plan", folder / "capture", "--quality", "draft"}),
+                              data = relamp({"plan", folder / "capture", "--quality", "draft", "--json"});
     ASSERT_EQ(words.exitCode, 0) << words.error;
     EXPECT_NE(words.out.find("left out"), std::string::npos) << words.out;
     ASSERT_EQ(data.exitCode, 0);
     const json plan = json::parse(data.out);
-    for (const char* key : {"stages", "left_out", "predicted_s", "saved_s", "planning_s"}) EXPECT_TRUE(plan.contains(key)) << key;
+    for (const char* key : {"stages", "left_out", "predicted_s", "saved_s", "planning_s"})
+        EXPECT_TRUE(plan.contains(key)) << key;
     const auto leavesOut = [&](const std::string& what) {
-        return std::any_of(plan["left_out"].begin(), plan["left_out"].end(), [&](const json& o) { return o["what"] == what && !o["reason"].get<std::string>().empty(); });
+        return std::any_of(plan["left_out"].begin(), plan["left_out"].end(),
+                           [&](const json& o) { return o["what"] == what && !o["reason"].get<std::string>().empty(); });
     };
     EXPECT_TRUE(leavesOut("near-field emitters"));
     EXPECT_EQ(fs::exists(folder / "capture.relamp"), false);
-    const json everything = json::parse(relamp({"plan", folder / "capture", "--quality", "draft", "--json", "--everything"}).out);
+    const json everything =
+        json::parse(relamp({"plan", folder / "capture", "--quality", "draft", "--json", "--everything"}).out);
     EXPECT_GE(plan["left_out"].size(), everything["left_out"].size() + 1);
     // A solve keeps both what was foreseen and what it took.
     ASSERT_EQ(relamp({"solve", folder / "capture", "-o", folder / "x.relamp", "--quality", "draft"}).exitCode, 0);

@@ -22,7 +22,8 @@ void drawBottomPanel(Editor& editor) {
     const int asked = wanted;
     const bool fromOutside = asked != shownTab;
     for (int i = 0; i < 5; ++i) {
-        const bool open = ImGui::BeginTabItem(tabs[i].label, nullptr, fromOutside && asked == i ? ImGuiTabItemFlags_SetSelected : 0);
+        const bool open =
+            ImGui::BeginTabItem(tabs[i].label, nullptr, fromOutside && asked == i ? ImGuiTabItemFlags_SetSelected : 0);
         noteItem(std::string("tab ") + tabs[i].label);
         tooltip(tabs[i].explanation);
         if (!open) continue;

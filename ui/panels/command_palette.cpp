@@ -45,7 +45,8 @@ int fuzzyScore(const std::string& label, const std::string& words) {
 namespace {
 bool mentions(const std::string& sentence, const std::string& words) {
     const auto low = [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; };
-    return words.size() > 2 && std::search(sentence.begin(), sentence.end(), words.begin(), words.end(), [&](char a, char b) { return low(a) == low(b); }) != sentence.end();
+    return words.size() > 2 && std::search(sentence.begin(), sentence.end(), words.begin(), words.end(),
+                                           [&](char a, char b) { return low(a) == low(b); }) != sentence.end();
 }
 }  // namespace
 
@@ -69,7 +70,10 @@ bool drawCommandPalette(Editor& editor) {
         const int score = byLabel >= 0 ? byLabel + 1000 : mentions(action.explanation, words) ? 1 : -1;
         if (words.empty() || score > 0) rows.push_back({&action, score, !action.enabled || action.enabled(editor)});
     }
-    if (!words.empty()) std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.enabled != b.enabled ? a.enabled : a.score > b.score; });
+    if (!words.empty())
+        std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) {
+            return a.enabled != b.enabled ? a.enabled : a.score > b.score;
+        });
     bool moved = false;
     if (!rows.empty()) {
         const int last = int(rows.size()) - 1;
@@ -78,20 +82,24 @@ bool drawCommandPalette(Editor& editor) {
         selected = std::clamp(selected, 0, last);
     }
     const Action* wanted = nullptr;
-    if (enterPressed() && !fresh && !rows.empty() && rows[size_t(selected)].enabled) wanted = rows[size_t(selected)].action;
+    if (enterPressed() && !fresh && !rows.empty() && rows[size_t(selected)].enabled)
+        wanted = rows[size_t(selected)].action;
     if (beginChild("##rows", {0, 0})) {
         if (rows.empty()) dimText("No command has these letters.");
         for (int i = 0; i < int(rows.size()); ++i) {
             const Action& action = *rows[size_t(i)].action;
             const std::string keys = action.keys.empty() ? "" : action.keys.front().text();
-            const float room = ImGui::GetContentRegionAvail().x, keyWidth = keys.empty() ? 0 : ImGui::CalcTextSize(keys.c_str()).x + em(0.8f), left = ImGui::GetCursorPosX();
+            const float room = ImGui::GetContentRegionAvail().x,
+                        keyWidth = keys.empty() ? 0 : ImGui::CalcTextSize(keys.c_str()).x + em(0.8f),
+                        left = ImGui::GetCursorPosX();
             ImGui::PushID(i);
             ImGui::BeginDisabled(!rows[size_t(i)].enabled);
             if (ImGui::Selectable("##row", i == selected, ImGuiSelectableFlags_DontClosePopups)) wanted = &action;
             tooltip(action.explanation);
             if (moved && i == selected) ImGui::SetScrollHereY();
             ImGui::SameLine(left);
-            text(elided(action.menu.empty() ? action.label : action.menu + ": " + action.label, room - keyWidth, false));
+            text(
+                elided(action.menu.empty() ? action.label : action.menu + ": " + action.label, room - keyWidth, false));
             if (keyWidth > 0) {
                 ImGui::SameLine(left + room - keyWidth + em(0.8f));
                 dimText(keys);

@@ -41,7 +41,8 @@ void takeBrowserFlags(Editor& editor) {
         request.title = "Open a capture or a shot";
         request.captures = true;
         request.extensions = {".json", ".exr", ".hdr"};
-        request.note = "A capture is a folder with transforms.json, photographs and a mesh; a shot is what relamp has saved.";
+        request.note =
+            "A capture is a folder with transforms.json, photographs and a mesh; a shot is what relamp has saved.";
         if (!document.captureFolder.empty()) request.start = document.captureFolder.parent_path();
         else if (!editor.state.recent.empty()) request.start = editor.state.recent.front().parent_path();
         else request.start = demoCaptures();
@@ -54,9 +55,11 @@ void takeBrowserFlags(Editor& editor) {
         request.confirm = "Save";
         request.replacesShots = true;
         request.extensions = {".relamp"};
-        request.start = !document.shotFolder.empty() ? document.shotFolder.parent_path() : document.captureFolder.parent_path();
+        request.start =
+            !document.shotFolder.empty() ? document.shotFolder.parent_path() : document.captureFolder.parent_path();
         request.name = document.name() + ".relamp";
-        request.note = "A shot is a folder that holds the recovered light, the surfaces and your edits in open formats.";
+        request.note =
+            "A shot is a folder that holds the recovered light, the surfaces and your edits in open formats.";
         browse(request, [](Editor& e, const fs::path& path) { e.saveAs(path); });
     }
     if (std::exchange(panels.environmentBrowser, false)) {
@@ -71,8 +74,8 @@ void takeBrowserFlags(Editor& editor) {
 }
 
 struct Dialog {
-    const char* title;            ///< with a fixed id after ###
-    float width, height;          ///< in font sizes; height 0: as high as its contents
+    const char* title;    ///< with a fixed id after ###
+    float width, height;  ///< in font sizes; height 0: as high as its contents
     bool modal;
     bool (*draw)(Editor&);
 };
@@ -111,7 +114,10 @@ void browse(const BrowserRequest& request, std::function<void(Editor&, const fs:
     b.editor = nullptr;  // the next drawDialogs takes it
 }
 
-bool dialogOpen(const Editor& editor) { return mostUrgent(editor) != nullptr || editor.state.panels.openBrowser || editor.state.panels.saveBrowser || editor.state.panels.environmentBrowser; }
+bool dialogOpen(const Editor& editor) {
+    return mostUrgent(editor) != nullptr || editor.state.panels.openBrowser || editor.state.panels.saveBrowser ||
+           editor.state.panels.environmentBrowser;
+}
 
 void drawDialogs(Editor& editor) {
     static const Dialog* drawn = nullptr;
@@ -121,7 +127,8 @@ void drawDialogs(Editor& editor) {
     const Dialog* dialog = mostUrgent(editor);
     if (drawn && drawn != dialog && ImGui::IsPopupOpen(drawn->title)) {
         // Its reason has gone, or something more urgent came.
-        if (drawn->modal ? ImGui::BeginPopupModal(drawn->title, nullptr, ImGuiWindowFlags_NoSavedSettings) : ImGui::BeginPopup(drawn->title)) {
+        if (drawn->modal ? ImGui::BeginPopupModal(drawn->title, nullptr, ImGuiWindowFlags_NoSavedSettings)
+                         : ImGui::BeginPopup(drawn->title)) {
             ImGui::CloseCurrentPopup();
             ImGui::EndPopup();
         }
@@ -130,15 +137,21 @@ void drawDialogs(Editor& editor) {
     if (dialog) {
         if (!ImGui::IsPopupOpen(dialog->title)) ImGui::OpenPopup(dialog->title);
         const ImVec2 screen = ImGui::GetIO().DisplaySize;
-        const float width = std::min(em(dialog->width), screen.x - em(1)), height = dialog->height > 0 ? std::min(em(dialog->height), screen.y - em(2)) : 0;
+        const float width = std::min(em(dialog->width), screen.x - em(1)),
+                    height = dialog->height > 0 ? std::min(em(dialog->height), screen.y - em(2)) : 0;
         ImGui::SetNextWindowSize({width, height}, height > 0 && dialog->modal ? ImGuiCond_Appearing : ImGuiCond_Always);
-        ImGui::SetNextWindowPos({screen.x / 2, dialog->modal ? screen.y / 2 : em(4)}, dialog->modal ? ImGuiCond_Appearing : ImGuiCond_Always, {0.5f, dialog->modal ? 0.5f : 0.0f});
-        ImGui::SetNextWindowSizeConstraints({std::min(width, em(18)), std::min(em(6), screen.y)}, {screen.x, screen.y - em(1)});
+        ImGui::SetNextWindowPos({screen.x / 2, dialog->modal ? screen.y / 2 : em(4)},
+                                dialog->modal ? ImGuiCond_Appearing : ImGuiCond_Always,
+                                {0.5f, dialog->modal ? 0.5f : 0.0f});
+        ImGui::SetNextWindowSizeConstraints({std::min(width, em(18)), std::min(em(6), screen.y)},
+                                            {screen.x, screen.y - em(1)});
         std::string title = dialog->title;
         if (dialog == &browserDialog) title = browsing().browser.request().title + title;
         if (dialog == &noticeDialog) title = shown(editor.state.notices.front().title) + title;
-        const ImGuiWindowFlags flags = ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse | (height > 0 ? 0 : ImGuiWindowFlags_NoResize);
-        const bool visible = dialog->modal ? ImGui::BeginPopupModal(title.c_str(), nullptr, flags) : ImGui::BeginPopup(title.c_str(), flags);
+        const ImGuiWindowFlags flags = ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse |
+                                       (height > 0 ? 0 : ImGuiWindowFlags_NoResize);
+        const bool visible = dialog->modal ? ImGui::BeginPopupModal(title.c_str(), nullptr, flags)
+                                           : ImGui::BeginPopup(title.c_str(), flags);
         if (visible) {
             if (dialog->draw(editor)) ImGui::CloseCurrentPopup();
             ImGui::EndPopup();
@@ -174,7 +187,9 @@ bool drawNotice(Editor& editor) {
 bool drawUnsavedQuestion(Editor& editor) {
     if (!editor.state.unsaved) return true;
     const UnsavedQuestion question = *editor.state.unsaved;
-    const char* then = question.then == UnsavedQuestion::Then::open ? "before opening something else" : question.then == UnsavedQuestion::Then::quit ? "before you leave" : "before closing";
+    const char* then = question.then == UnsavedQuestion::Then::open   ? "before opening something else"
+                       : question.then == UnsavedQuestion::Then::quit ? "before you leave"
+                                                                      : "before closing";
     wrapped(fmt::format("{} has edits that are not saved. Save them {}?", shown(editor.state.document.name()), then));
     ImGui::Spacing();
     const auto answer = [&](bool save, bool proceed) {
@@ -202,7 +217,9 @@ bool drawLockedQuestion(Editor& editor) {
         editor.answerLocked(given);
         return true;
     };
-    if (primaryButton("Open read-only", "Shows it; saving asks for another place", em(9)) || (enterPressed() && !ImGui::IsWindowAppearing())) return answer(LockedAnswer::readOnly);
+    if (primaryButton("Open read-only", "Shows it; saving asks for another place", em(9)) ||
+        (enterPressed() && !ImGui::IsWindowAppearing()))
+        return answer(LockedAnswer::readOnly);
     sameLineIfFits(em(9));
     if (button("Open a copy", "Saves a copy beside it and opens that", em(9))) return answer(LockedAnswer::copy);
     sameLineIfFits(em(7));
@@ -219,7 +236,8 @@ bool drawRecoveryOffer(Editor& editor) {
     if (!offer.time.empty()) fact("Last kept", shown(offer.time));
     if (!offer.stage.empty()) fact("Was running", shown(offer.stage), "What was being calculated when it ended");
     ImGui::Spacing();
-    if (primaryButton("Restore", "Opens the project with the edits that were kept", em(8)) || (enterPressed() && !ImGui::IsWindowAppearing())) {
+    if (primaryButton("Restore", "Opens the project with the edits that were kept", em(8)) ||
+        (enterPressed() && !ImGui::IsWindowAppearing())) {
         editor.answerRecovery(true);
         return true;
     }
@@ -239,14 +257,17 @@ bool drawKeysDialog(Editor& editor) {
     const float below = ImGui::GetFrameHeightWithSpacing();
     if (beginChild("##keys", {0, -below})) {
         std::string menu;
-        const auto matches = [&](const std::string& a, const std::string& b) { return filter.empty() || fuzzyScore(a, filter) > 0 || fuzzyScore(b, filter) > 0; };
+        const auto matches = [&](const std::string& a, const std::string& b) {
+            return filter.empty() || fuzzyScore(a, filter) > 0 || fuzzyScore(b, filter) > 0;
+        };
         const auto keysOf = [](const Action& action) {
             std::string keys;
             for (const KeyChord& chord : action.keys) keys += (keys.empty() ? "" : ", ") + chord.text();
             return keys;
         };
         float column = em(10);
-        for (const Action& action : actions()) column = std::max(column, ImGui::CalcTextSize(keysOf(action).c_str()).x + em(1.5f));
+        for (const Action& action : actions())
+            column = std::max(column, ImGui::CalcTextSize(keysOf(action).c_str()).x + em(1.5f));
         const auto row = [&](const std::string& keys, const std::string& label, const std::string& explanation) {
             const float left = ImGui::GetCursorPosX();
             text(keys);
@@ -263,8 +284,15 @@ bool drawKeysDialog(Editor& editor) {
         const struct {
             const char* keys;
             const char* label;
-        } hands[] = {{"G, R, S", "Move, turn or scale the selected lights with the hand"}, {"X, Y, Z", "while moving: along this axis only"}, {"0-9", "while moving: type the amount"}, {"Ctrl", "while moving: snap"},
-                     {"Shift", "while moving: fine"}, {"Esc", "while dragging anything: take it back"}, {"Middle drag", "Turn the view (or Alt and left)"}, {"Shift+Middle", "Shift the view"}, {"Wheel", "Nearer or farther"}};
+        } hands[] = {{"G, R, S", "Move, turn or scale the selected lights with the hand"},
+                     {"X, Y, Z", "while moving: along this axis only"},
+                     {"0-9", "while moving: type the amount"},
+                     {"Ctrl", "while moving: snap"},
+                     {"Shift", "while moving: fine"},
+                     {"Esc", "while dragging anything: take it back"},
+                     {"Middle drag", "Turn the view (or Alt and left)"},
+                     {"Shift+Middle", "Shift the view"},
+                     {"Wheel", "Nearer or farther"}};
         heading("In the viewport");
         for (const auto& hand : hands)
             if (matches(hand.label, hand.keys)) row(hand.keys, hand.label, "");
@@ -285,9 +313,13 @@ bool drawAboutDialog(Editor& editor) {
     text("relamp " RELAMP_VERSION);
     dimWrapped("To relamp is to change the lamps of a fixture; here, of a captured scene.");
     ImGui::Spacing();
-    wrapped("It separates photographs of a scene into the light, near and far, and the reflectance of the surfaces, and lets you light the scene anew.");
+    wrapped(
+        "It separates photographs of a scene into the light, near and far, and the reflectance of the surfaces, and "
+        "lets you light the scene anew.");
     ImGui::Spacing();
-    dimWrapped("After J. Put, N. Michiels, P. Bekaert: Using near-field light sources to separate illumination from BRDF, BMVC 2015. The full bibliography is in core/README.md.");
+    dimWrapped(
+        "After J. Put, N. Michiels, P. Bekaert: Using near-field light sources to separate illumination from BRDF, "
+        "BMVC 2015. The full bibliography is in core/README.md.");
     if (!editor.state.gpu.empty()) fact("Graphics", shown(editor.state.gpu));
     fact("Dear ImGui", ImGui::GetVersion());
     ImGui::Spacing();

@@ -22,8 +22,8 @@ void drawImportDoctor(Editor& editor);
 /// Opens the file browser for a panel; `chosen` runs when something was chosen.
 void browse(const BrowserRequest& request, std::function<void(Editor&, const std::filesystem::path&)> chosen);
 
-/// Score of `words` as a loose match of a label, the larger the better; negative: no match. All letters must occur in order; starts of
-/// words and runs count more. Capitals do not matter.
+/// Score of `words` as a loose match of a label, the larger the better; negative: no match. All letters must occur in
+/// order; starts of words and runs count more. Capitals do not matter.
 int fuzzyScore(const std::string& label, const std::string& words);
 
 }  // namespace relamp::ui

@@ -20,9 +20,13 @@ const AddedEmitter* addedOf(const Editor& editor, const EmitterState& emitter) {
     return &editor.look().added[size_t(emitter.index)];
 }
 
-bool isFlat(const AddedEmitter& added) { return added.shape == AddedEmitter::Shape::rectangle || added.shape == AddedEmitter::Shape::disk; }
+bool isFlat(const AddedEmitter& added) {
+    return added.shape == AddedEmitter::Shape::rectangle || added.shape == AddedEmitter::Shape::disk;
+}
 
-std::string describe(const Editor& editor, const char* verb, const std::vector<std::string>& ids) { return fmt::format("{} {}", verb, editor.namesOf(ids)); }
+std::string describe(const Editor& editor, const char* verb, const std::vector<std::string>& ids) {
+    return fmt::format("{} {}", verb, editor.namesOf(ids));
+}
 
 }  // namespace
 
@@ -36,7 +40,10 @@ void selectEmitter(Editor& editor, const std::string& id, bool toggle, bool exte
     editor.pick(std::nullopt);
     if (extend && !chosen.empty() && chosen.back() != id) {
         const auto& all = editor.emitters();
-        const auto at = [&](const std::string& name) { return std::find_if(all.begin(), all.end(), [&](const EmitterState& e) { return e.id == name; }) - all.begin(); };
+        const auto at = [&](const std::string& name) {
+            return std::find_if(all.begin(), all.end(), [&](const EmitterState& e) { return e.id == name; }) -
+                   all.begin();
+        };
         const std::string anchor = chosen.back();
         const auto from = at(anchor), to = at(id);
         if (from < std::ptrdiff_t(all.size()) && to < std::ptrdiff_t(all.size())) {
@@ -75,7 +82,8 @@ float referenceBrightness(const Editor& editor) {
 }
 
 float stopsOf(const Editor& editor, const EmitterState& emitter) {
-    const float reference = emitter.recovered ? luminance(emitter.recoveredRadiance) : referenceBrightness(editor), now = luminance(emitter.radiance);
+    const float reference = emitter.recovered ? luminance(emitter.recoveredRadiance) : referenceBrightness(editor),
+                now = luminance(emitter.radiance);
     if (!(reference > 0) || !(now > 0)) return -20;
     return std::log2(now / reference);
 }
@@ -88,26 +96,38 @@ float areaOf(const Editor& editor, const EmitterState& emitter) {
     if (const EmitterCluster* cluster = clusterOf(editor, emitter)) normal = cluster->normal;
     else if (const AddedEmitter* added = addedOf(editor, emitter); added && isFlat(*added)) normal = Vec3(0, 0, -1);
     // A flat surface grows by the two directions it lies in; a body by all three, taken together.
-    if (glm::dot(normal, normal) > 0.5f) return emitter.area * volume * glm::length(glm::transpose(glm::inverse(m)) * normal);
+    if (glm::dot(normal, normal) > 0.5f)
+        return emitter.area * volume * glm::length(glm::transpose(glm::inverse(m)) * normal);
     return emitter.area * std::pow(volume, 2.0f / 3);
 }
 
-float powerOf(const Editor& editor, const EmitterState& emitter) { return emitter.enabled ? pi * luminance(emitter.radiance) * areaOf(editor, emitter) : 0; }
+float powerOf(const Editor& editor, const EmitterState& emitter) {
+    return emitter.enabled ? pi * luminance(emitter.radiance) * areaOf(editor, emitter) : 0;
+}
 
 void stopsControl(Editor& editor, const EmitterState& emitter, const char* id) {
     const auto targets = targetsOf(editor, emitter.id);
-    const std::string what = emitter.recovered ? "Brightness against what was recovered, in stops: +1 is twice as bright, -1 half." : "Brightness against the strongest recovered lamp, in stops: +1 is twice as bright.";
-    dragLook(editor, id, describe(editor, "Brightness of", targets), stopsOf(editor, emitter), {0.02f, -20, 20, "%+.2f"}, targets.size() > 1 ? what + " All selected ones change by the same factor." : what,
+    const std::string what = emitter.recovered
+                                 ? "Brightness against what was recovered, in stops: +1 is twice as bright, -1 half."
+                                 : "Brightness against the strongest recovered lamp, in stops: +1 is twice as bright.";
+    dragLook(editor, id, describe(editor, "Brightness of", targets), stopsOf(editor, emitter),
+             {0.02f, -20, 20, "%+.2f"},
+             targets.size() > 1 ? what + " All selected ones change by the same factor." : what,
              [&](Look& look, float stops) {
                  const auto first = emitterAtStart(editor, emitter.id);
                  if (!first) return;
-                 const float reference = first->recovered ? luminance(first->recoveredRadiance) : referenceBrightness(editor), before = luminance(first->radiance);
+                 const float reference =
+                                 first->recovered ? luminance(first->recoveredRadiance) : referenceBrightness(editor),
+                             before = luminance(first->radiance);
                  const float wanted = reference * std::exp2(stops);
                  for (const std::string& target : targets)
                      if (const auto start = emitterAtStart(editor, target)) {
                          // Something that is black gets its brightness from what it was before.
                          const bool black = !(luminance(start->radiance) > 0) || !(before > 0);
-                         const Rgb base = !black ? start->radiance : luminance(start->recoveredRadiance) > 0 ? start->recoveredRadiance / luminance(start->recoveredRadiance) : Rgb(1);
+                         const Rgb base = !black ? start->radiance
+                                          : luminance(start->recoveredRadiance) > 0
+                                              ? start->recoveredRadiance / luminance(start->recoveredRadiance)
+                                              : Rgb(1);
                          setRadiance(look, *editor.estimate(), target, base * (black ? wanted : wanted / before));
                      }
              });
@@ -117,25 +137,31 @@ namespace {
 void setColour(Editor& editor, Look& look, const std::vector<std::string>& targets, const Rgb& colour) {
     const Rgb tint = colour / std::max(luminance(colour), 1e-12f);
     for (const std::string& target : targets)
-        if (const auto start = emitterAtStart(editor, target)) setRadiance(look, *editor.estimate(), target, tint * luminance(start->radiance));
+        if (const auto start = emitterAtStart(editor, target))
+            setRadiance(look, *editor.estimate(), target, tint * luminance(start->radiance));
 }
 }  // namespace
 
 void kelvinControl(Editor& editor, const EmitterState& emitter, const char* id) {
     const auto targets = targetsOf(editor, emitter.id);
-    kelvinLook(editor, id, describe(editor, "Colour temperature of", targets), emitter.radiance, "Colour temperature: 2700 K is a warm bulb, 6504 K is white, more is bluish. The brightness stays.",
+    kelvinLook(editor, id, describe(editor, "Colour temperature of", targets), emitter.radiance,
+               "Colour temperature: 2700 K is a warm bulb, 6504 K is white, more is bluish. The brightness stays.",
                [&](Look& look, const Rgb& tint) { setColour(editor, look, targets, tint); });
 }
 
 void colourControl(Editor& editor, const EmitterState& emitter, const char* id, float size) {
     const auto targets = targetsOf(editor, emitter.id);
-    colourLook(editor, id, describe(editor, "Colour of", targets), emitter.radiance, size, "Colour of its light; click to change. The brightness stays.",
+    colourLook(editor, id, describe(editor, "Colour of", targets), emitter.radiance, size,
+               "Colour of its light; click to change. The brightness stays.",
                [&](Look& look, const Rgb& colour) { setColour(editor, look, targets, colour); });
 }
 
 void muteButton(Editor& editor, const EmitterState& emitter, float size) {
     const bool on = emitter.enabled;
-    if (iconButton("##mute", on ? Icon::eyeOpen : Icon::eyeShut, on ? "Shines. Click to switch it off (M); its body stays and still casts shadows." : "Is off. Click to switch it on (M).", !on, size)) {
+    if (iconButton("##mute", on ? Icon::eyeOpen : Icon::eyeShut,
+                   on ? "Shines. Click to switch it off (M); its body stays and still casts shadows."
+                      : "Is off. Click to switch it on (M).",
+                   !on, size)) {
         const auto targets = targetsOf(editor, emitter.id);
         editor.edit(describe(editor, on ? "Switch off" : "Switch on", targets), [&](Look& look) {
             for (const std::string& target : targets) setEnabled(look, target, !on);
@@ -147,7 +173,10 @@ void muteButton(Editor& editor, const EmitterState& emitter, float size) {
 void soloButton(Editor& editor, const EmitterState& emitter, float size) {
     auto& solo = editor.state.viewport.solo;
     const bool on = std::find(solo.begin(), solo.end(), emitter.id) != solo.end();
-    if (iconButton("##solo", Icon::solo, on ? "Shown alone. Click to show all lights again." : "Shows this light alone in the viewport (Shift+M). Files and exports are not touched.", on, size)) {
+    if (iconButton("##solo", Icon::solo,
+                   on ? "Shown alone. Click to show all lights again."
+                      : "Shows this light alone in the viewport (Shift+M). Files and exports are not touched.",
+                   on, size)) {
         for (const std::string& target : targetsOf(editor, emitter.id)) {
             std::erase(solo, target);
             if (!on) solo.push_back(target);
@@ -157,7 +186,10 @@ void soloButton(Editor& editor, const EmitterState& emitter, float size) {
 }
 
 void resetEmitters(Editor& editor, const std::vector<std::string>& ids, EmitterValue value) {
-    const char* what = value == EmitterValue::place ? "Reset place of" : value == EmitterValue::radiance ? "Reset brightness and colour of" : value == EmitterValue::enabled ? "Switch back" : "Reset";
+    const char* what = value == EmitterValue::place      ? "Reset place of"
+                       : value == EmitterValue::radiance ? "Reset brightness and colour of"
+                       : value == EmitterValue::enabled  ? "Switch back"
+                                                         : "Reset";
     editor.edit(describe(editor, what, ids), [&](Look& look) {
         for (const std::string& id : ids) resetEmitter(look, id, value);
     });
@@ -171,7 +203,8 @@ void duplicateEmitters(Editor& editor, const std::vector<std::string>& ids) {
     editor.edit(describe(editor, "Duplicate", ids), [&](Look& look) {
         copies.clear();
         for (const std::string& id : ids)
-            if (std::string copy = duplicateEmitter(look, *estimate, id, offset); !copy.empty()) copies.push_back(std::move(copy));
+            if (std::string copy = duplicateEmitter(look, *estimate, id, offset); !copy.empty())
+                copies.push_back(std::move(copy));
     });
     if (!copies.empty()) editor.state.selection.emitters = copies;
 }
@@ -200,7 +233,8 @@ AddedEmitter newEmitter(const Editor& editor, AddedEmitter::Shape shape) {
     if (scene && scene->tracer) {
         // Nearer when a wall stands between.
         const float start = 0.5f * distance;
-        if (const Hit hit = scene->tracer->closest({camera.target + away * start, away, 0, distance - start + size})) distance = std::max(0.25f * distance, start + hit.distance - 1.5f * size);
+        if (const Hit hit = scene->tracer->closest({camera.target + away * start, away, 0, distance - start + size}))
+            distance = std::max(0.25f * distance, start + hit.distance - 1.5f * size);
     }
     added.matrix = Mat4(frameAround(away));
     added.matrix[3] = Vec4(camera.target + away * distance, 1);
@@ -227,12 +261,15 @@ void addNewEmitter(Editor& editor, AddedEmitter::Shape shape) {
     if (!estimate) return;
     std::string id;
     const AddedEmitter added = newEmitter(editor, shape);
-    const char* names[] = {"Add rectangle light", "Add disk light", "Add sphere light", "Add light from a part", "Add copy"};
+    const char* names[] = {"Add rectangle light", "Add disk light", "Add sphere light", "Add light from a part",
+                           "Add copy"};
     editor.edit(names[int(shape)], [&](Look& look) { id = addEmitter(look, *estimate, added); });
     if (!id.empty()) selectEmitter(editor, id, false, false);
 }
 
-void armClick(Editor& editor, ClickTask task) { editor.state.viewport.clickTask = editor.state.viewport.clickTask == task ? ClickTask::none : task; }
+void armClick(Editor& editor, ClickTask task) {
+    editor.state.viewport.clickTask = editor.state.viewport.clickTask == task ? ClickTask::none : task;
+}
 
 const char* clickHint(ClickTask task) {
     switch (task) {
@@ -259,13 +296,17 @@ void emitterMenu(Editor& editor, const std::string& id) {
         return pressed;
     };
     if (ImGui::BeginMenu("Reset to recovered")) {
-        if (item("Place", "Back to where it stood when the photographs were taken (added lights: to the middle of the world)")) resetEmitters(editor, targets, EmitterValue::place);
-        if (item("Brightness and colour", "Back to the light that was recovered")) resetEmitters(editor, targets, EmitterValue::radiance);
+        if (item("Place",
+                 "Back to where it stood when the photographs were taken (added lights: to the middle of the world)"))
+            resetEmitters(editor, targets, EmitterValue::place);
+        if (item("Brightness and colour", "Back to the light that was recovered"))
+            resetEmitters(editor, targets, EmitterValue::radiance);
         if (item("Colour only", "Back to the recovered colour, at the present brightness"))
             editor.edit(describe(editor, "Reset colour of", targets), [&](Look& look) {
                 for (const std::string& target : targets)
                     if (const EmitterState* e = editor.emitter(target); e && luminance(e->recoveredRadiance) > 0)
-                        setRadiance(look, *estimate, target, e->recoveredRadiance * (luminance(e->radiance) / luminance(e->recoveredRadiance)));
+                        setRadiance(look, *estimate, target,
+                                    e->recoveredRadiance * (luminance(e->radiance) / luminance(e->recoveredRadiance)));
             });
         if (item("On or off", "Back to shining")) resetEmitters(editor, targets, EmitterValue::enabled);
         ImGui::Separator();
@@ -273,11 +314,16 @@ void emitterMenu(Editor& editor, const std::string& id) {
         ImGui::EndMenu();
     }
     if (item("Duplicate", "Makes a copy beside it")) duplicateEmitters(editor, targets);
-    if (item("Delete", emitter->recovered ? "Switches it off: its body is part of the capture and stays" : "Removes it")) deleteEmitters(editor, targets);
+    if (item("Delete",
+             emitter->recovered ? "Switches it off: its body is part of the capture and stays" : "Removes it"))
+        deleteEmitters(editor, targets);
     ImGui::Separator();
-    if (item("Aim...", "Then click the spot it shall point at")) selectEmitter(editor, id, false, false), editor.state.viewport.clickTask = ClickTask::aim;
-    if (item("Place by reflection...", "Then click where its mirror image shall be seen")) selectEmitter(editor, id, false, false), editor.state.viewport.clickTask = ClickTask::reflect;
-    if (item("Place by light...", "Then click the spot it shall light")) selectEmitter(editor, id, false, false), editor.state.viewport.clickTask = ClickTask::illuminate;
+    if (item("Aim...", "Then click the spot it shall point at"))
+        selectEmitter(editor, id, false, false), editor.state.viewport.clickTask = ClickTask::aim;
+    if (item("Place by reflection...", "Then click where its mirror image shall be seen"))
+        selectEmitter(editor, id, false, false), editor.state.viewport.clickTask = ClickTask::reflect;
+    if (item("Place by light...", "Then click the spot it shall light"))
+        selectEmitter(editor, id, false, false), editor.state.viewport.clickTask = ClickTask::illuminate;
     if (ImGui::BeginMenu("Attach geometry")) {
         if (editor.state.document.scene) {
             const Scene& scene = *editor.state.document.scene;
@@ -285,8 +331,10 @@ void emitterMenu(Editor& editor, const std::string& id) {
             if (parts.empty()) dimText("Nothing stands close to it");
             for (const uint32_t seed : parts) {
                 const auto vertices = size_t(std::count(scene.piece.begin(), scene.piece.end(), scene.piece[seed]));
-                if (item(fmt::format("Piece of {} points##{}", count(vertices), seed).c_str(), "This piece follows the light when it moves, and its old shadow goes with it"))
-                    editor.edit(fmt::format("Attach a piece to {}", emitter->name), [&](Look& look) { attachPart(look, scene, seed, id); });
+                if (item(fmt::format("Piece of {} points##{}", count(vertices), seed).c_str(),
+                         "This piece follows the light when it moves, and its old shadow goes with it"))
+                    editor.edit(fmt::format("Attach a piece to {}", emitter->name),
+                                [&](Look& look) { attachPart(look, scene, seed, id); });
             }
             if (parts.size() > 1 && item("All of these", "All pieces that stand close to it"))
                 editor.edit(fmt::format("Attach {} pieces to {}", parts.size(), id), [&](Look& look) {
@@ -294,14 +342,19 @@ void emitterMenu(Editor& editor, const std::string& id) {
                 });
         }
         ImGui::Separator();
-        if (item("Click a piece...", "Then click the piece of the scene that shall follow it")) selectEmitter(editor, id, false, false), editor.state.viewport.clickTask = ClickTask::attach;
+        if (item("Click a piece...", "Then click the piece of the scene that shall follow it"))
+            selectEmitter(editor, id, false, false), editor.state.viewport.clickTask = ClickTask::attach;
         ImGui::EndMenu();
     }
 }
 
 void addEmitterButton(Editor& editor, float width) {
     ImGui::BeginDisabled(!editor.estimate());
-    if (iconTextButton("Add light", Icon::plus, editor.estimate() ? "Adds a light that was not there: a rectangle, a disk, a sphere, or a piece of the scene that begins to shine" : "Estimate first: new lights need to know the surfaces", false, width))
+    if (iconTextButton("Add light", Icon::plus,
+                       editor.estimate() ? "Adds a light that was not there: a rectangle, a disk, a sphere, or a piece "
+                                           "of the scene that begins to shine"
+                                         : "Estimate first: new lights need to know the surfaces",
+                       false, width))
         ImGui::OpenPopup("##add light");
     ImGui::EndDisabled();
     if (ImGui::BeginPopup("##add light")) {
@@ -310,10 +363,13 @@ void addEmitterButton(Editor& editor, float width) {
             tooltip(explanation);
             return pressed;
         };
-        if (item("Rectangle", "A flat light like a softbox, shining to one side")) addNewEmitter(editor, AddedEmitter::Shape::rectangle);
+        if (item("Rectangle", "A flat light like a softbox, shining to one side"))
+            addNewEmitter(editor, AddedEmitter::Shape::rectangle);
         if (item("Disk", "A flat round light, shining to one side")) addNewEmitter(editor, AddedEmitter::Shape::disk);
-        if (item("Sphere", "A ball that shines to all sides, like a bulb")) addNewEmitter(editor, AddedEmitter::Shape::sphere);
-        if (item("Piece of the scene...", "Then click the piece that shall shine")) editor.state.viewport.clickTask = ClickTask::newPart;
+        if (item("Sphere", "A ball that shines to all sides, like a bulb"))
+            addNewEmitter(editor, AddedEmitter::Shape::sphere);
+        if (item("Piece of the scene...", "Then click the piece that shall shine"))
+            editor.state.viewport.clickTask = ClickTask::newPart;
         ImGui::EndPopup();
     }
 }
@@ -321,10 +377,12 @@ void addEmitterButton(Editor& editor, float width) {
 std::string evidenceInShort(const Editor& editor, const EmitterState& emitter) {
     const EmitterCluster* cluster = clusterOf(editor, emitter);
     if (!cluster) return {};
-    std::string words = fmt::format("{} view{}", cluster->evidence.viewsSeen, cluster->evidence.viewsSeen == 1 ? "" : "s");
+    std::string words =
+        fmt::format("{} view{}", cluster->evidence.viewsSeen, cluster->evidence.viewsSeen == 1 ? "" : "s");
     // A shot that was opened again does not know how many there were.
     if (cluster->evidence.samples > 0) words += fmt::format(", {} look-ups", count(cluster->evidence.samples));
-    if (cluster->evidence.clippedShare > 0.005f) words += fmt::format(", {} clipped", percent(double(cluster->evidence.clippedShare)));
+    if (cluster->evidence.clippedShare > 0.005f)
+        words += fmt::format(", {} clipped", percent(double(cluster->evidence.clippedShare)));
     return words;
 }
 

@@ -1,4 +1,5 @@
-// What the table of emitters and the inspector share: selecting, editing several at once, adding new ones, and the evidence in words.
+// What the table of emitters and the inspector share: selecting, editing several at once, adding new ones, and the
+// evidence in words.
 #pragma once
 #include <functional>
 #include <string>

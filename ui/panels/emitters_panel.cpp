@@ -21,8 +21,13 @@ void evidenceCell(Editor& editor, const EmitterState& emitter) {
     text(spread + evidenceInShort(editor, emitter));
     std::string words = "What its brightness rests on: " + evidenceInShort(editor, emitter) + ".";
     if (sigma >= 0) words += fmt::format("\nIts brightness is known to about {}.", percent(double(sigma)));
-    if (identifiability >= 0) words += fmt::format("\n{} of its effect on the photographs could not come from far away.", percent(double(identifiability)));
-    if (weak) words += "\nHard to tell from distant light: its share and the environment's may have been mixed up. Photographs with its shadows in them would help.";
+    if (identifiability >= 0)
+        words += fmt::format("\n{} of its effect on the photographs could not come from far away.",
+                             percent(double(identifiability)));
+    if (weak)
+        words +=
+            "\nHard to tell from distant light: its share and the environment's may have been mixed up. Photographs "
+            "with its shadows in them would help.";
     tooltip(words);
 }
 
@@ -32,7 +37,11 @@ void drawEmittersPanel(Editor& editor) {
     // A copy, because a click may change the look, and with it the list.
     const std::vector<EmitterState> emitters = editor.emitters();
     if (emitters.empty()) {
-        dimWrapped(!editor.state.document.capture ? "Nothing is open." : !editor.estimate() ? "Lamps in the scene appear here after the estimate." : "No surface of this scene shines on its own; all light comes from far away. You can add lights.");
+        dimWrapped(
+            !editor.state.document.capture ? "Nothing is open."
+            : !editor.estimate()
+                ? "Lamps in the scene appear here after the estimate."
+                : "No surface of this scene shines on its own; all light comes from far away. You can add lights.");
         addEmitterButton(editor, ImGui::GetContentRegionAvail().x);
         return;
     }
@@ -40,7 +49,8 @@ void drawEmittersPanel(Editor& editor) {
     const bool colour = room > em(17), kelvin = room > em(26), power = room > em(31), evidence = room > em(38);
     const int columns = 4 + colour + kelvin + power + evidence;
     const float side = ImGui::GetFrameHeight();
-    if (ImGui::BeginTable("##emitters", columns, ImGuiTableFlags_RowBg | ImGuiTableFlags_NoPadOuterX | ImGuiTableFlags_SizingFixedFit)) {
+    if (ImGui::BeginTable("##emitters", columns,
+                          ImGuiTableFlags_RowBg | ImGuiTableFlags_NoPadOuterX | ImGuiTableFlags_SizingFixedFit)) {
         ImGui::TableSetupColumn("Light", ImGuiTableColumnFlags_WidthStretch, 1);
         ImGui::TableSetupColumn("On", ImGuiTableColumnFlags_WidthFixed, side);
         ImGui::TableSetupColumn("S", ImGuiTableColumnFlags_WidthFixed, side);
@@ -59,25 +69,38 @@ void drawEmittersPanel(Editor& editor) {
             const ImVec2 start = ImGui::GetCursorPos();
             const float nameEnds = ImGui::GetCursorScreenPos().x + ImGui::GetContentRegionAvail().x;
             ImGui::AlignTextToFramePadding();
-            if (ImGui::Selectable("##row", selected, ImGuiSelectableFlags_SpanAllColumns | ImGuiSelectableFlags_AllowItemOverlap, {0, side}))
+            if (ImGui::Selectable("##row", selected,
+                                  ImGuiSelectableFlags_SpanAllColumns | ImGuiSelectableFlags_AllowItemOverlap,
+                                  {0, side}))
                 selectEmitter(editor, emitter.id, ImGui::GetIO().KeyCtrl, ImGui::GetIO().KeyShift);
             noteItem("row " + emitter.id);
-            if (ImGui::IsItemHovered() && ImGui::GetMousePos().x < nameEnds && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left))
+            if (ImGui::IsItemHovered() && ImGui::GetMousePos().x < nameEnds &&
+                ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left))
                 selectEmitter(editor, emitter.id, false, false), editor.state.panels.renameLight = true;
-            const bool weak = emitter.recovered && identifiabilityOf(editor, emitter) >= 0 && identifiabilityOf(editor, emitter) < weakIdentifiability;
-            tooltip(fmt::format("{}{}\nClick selects it; Ctrl and Shift select several, and an edit then goes to all of them. Double click renames it, right click for more.", shown(emitter.name),
-                                weak ? "\nHard to tell from distant light" : ""));
+            const bool weak = emitter.recovered && identifiabilityOf(editor, emitter) >= 0 &&
+                              identifiabilityOf(editor, emitter) < weakIdentifiability;
+            tooltip(
+                fmt::format("{}{}\nClick selects it; Ctrl and Shift select several, and an edit then goes to all of "
+                            "them. Double click renames it, right click for more.",
+                            shown(emitter.name), weak ? "\nHard to tell from distant light" : ""));
             if (ImGui::IsItemClicked(ImGuiMouseButton_Right)) menuOf = emitter.id;
             ImGui::SetCursorPos(start);
             const float dot = em(0.85f);
             const ImVec2 at = ImGui::GetCursorScreenPos();
-            const ImVec4 mark = emitter.recovered ? toScreen(clusterColour(size_t(emitter.index))) : ImVec4(0.5f, 0.5f, 0.5f, 1);
-            ImGui::GetWindowDrawList()->AddRectFilled({at.x, at.y + (side - dot) / 2}, {at.x + dot * 0.45f, at.y + (side + dot) / 2}, ImGui::GetColorU32(mark), em(0.15f));
-            drawIcon(ImGui::GetWindowDrawList(), weak ? Icon::warning : iconOf(editor, emitter), {at.x + em(0.6f), at.y + (side - em(0.95f)) / 2}, em(0.95f),
-                     ImGui::GetColorU32(weak ? warningColour : emitter.enabled ? ImGui::GetStyleColorVec4(ImGuiCol_Text) : dimColour));
+            const ImVec4 mark =
+                emitter.recovered ? toScreen(clusterColour(size_t(emitter.index))) : ImVec4(0.5f, 0.5f, 0.5f, 1);
+            ImGui::GetWindowDrawList()->AddRectFilled({at.x, at.y + (side - dot) / 2},
+                                                      {at.x + dot * 0.45f, at.y + (side + dot) / 2},
+                                                      ImGui::GetColorU32(mark), em(0.15f));
+            drawIcon(ImGui::GetWindowDrawList(), weak ? Icon::warning : iconOf(editor, emitter),
+                     {at.x + em(0.6f), at.y + (side - em(0.95f)) / 2}, em(0.95f),
+                     ImGui::GetColorU32(weak              ? warningColour
+                                        : emitter.enabled ? ImGui::GetStyleColorVec4(ImGuiCol_Text)
+                                                          : dimColour));
             ImGui::SetCursorPosX(start.x + em(1.8f));
             ImGui::AlignTextToFramePadding();
-            const std::string name = elided(shown(emitter.name) + (emitter.recovered && emitter.changed ? " *" : ""), ImGui::GetContentRegionAvail().x);
+            const std::string name = elided(shown(emitter.name) + (emitter.recovered && emitter.changed ? " *" : ""),
+                                            ImGui::GetContentRegionAvail().x);
             if (emitter.enabled) text(name);
             else dimText(name);
             ImGui::TableNextColumn();
@@ -100,7 +123,9 @@ void drawEmittersPanel(Editor& editor) {
                 ImGui::TableNextColumn();
                 ImGui::AlignTextToFramePadding();
                 text(number(double(powerOf(editor, emitter))));
-                tooltip("All light it sends out: its radiance times its area, in image units times square metres. A larger lamp of the same brightness sends more.");
+                tooltip(
+                    "All light it sends out: its radiance times its area, in image units times square metres. A larger "
+                    "lamp of the same brightness sends more.");
             }
             if (evidence) {
                 ImGui::TableNextColumn();
@@ -124,7 +149,8 @@ void drawEmittersPanel(Editor& editor) {
         sameLineIfFits(buttonWidth("Show all"));
         if (button("Show all", "Ends solo: all lights are shown again")) editor.state.viewport.solo.clear();
     }
-    if (editor.state.selection.emitters.size() > 1) dimWrapped(fmt::format("{} selected: an edit goes to all of them.", editor.state.selection.emitters.size()));
+    if (editor.state.selection.emitters.size() > 1)
+        dimWrapped(fmt::format("{} selected: an edit goes to all of them.", editor.state.selection.emitters.size()));
     if (editor.state.viewport.clickTask == ClickTask::newPart) dimWrapped(clickHint(ClickTask::newPart));
 }
 

@@ -15,7 +15,9 @@ struct Choice {
 constexpr Choice qualities[] = {
     {"draft", "Draft", "For a first look, in a fraction of the time: coarse environment, soft contact shadows."},
     {"standard", "Standard", "The usual choice: fine enough for production frames."},
-    {"fine", "Fine", "For the final shot: more detail in the environment and more rounds for glossy surfaces; takes two to four times as long."},
+    {"fine", "Fine",
+     "For the final shot: more detail in the environment and more rounds for glossy surfaces; takes two to four times "
+     "as long."},
 };
 
 /// The photograph's pixel that shows the picked point, for the white patch.
@@ -28,9 +30,11 @@ bool pixelOfPick(const Editor& editor, int& view, Vec2& pixel) {
         const Camera& camera = capture->views[size_t(v)].camera;
         if (glm::dot(Vec3(camera.position()) - point->position, point->normal) <= 0) return false;
         const auto at = camera.project(DVec3(point->position));
-        if (!at || at->x < 0 || at->y < 0 || at->x >= float(camera.width) || at->y >= float(camera.height)) return false;
+        if (!at || at->x < 0 || at->y < 0 || at->x >= float(camera.width) || at->y >= float(camera.height))
+            return false;
         if (const Scene* scene = editor.state.document.scene.get(); scene && scene->tracer) {
-            const Vec3 from = point->position + point->normal * 2.0f * scene->tracer->surfaceOffset(), to = Vec3(camera.position());
+            const Vec3 from = point->position + point->normal * 2.0f * scene->tracer->surfaceOffset(),
+                       to = Vec3(camera.position());
             const float distance = glm::distance(from, to);
             if (scene->tracer->occluded({from, (to - from) / distance, 0, distance})) return false;
         }
@@ -49,7 +53,8 @@ void gaugeSettings(Editor& editor) {
     using Kind = GaugeChoice::Kind;
     constexpr const char* labels[] = {"Automatic", "White patch", "Known lamp", "Known surfaces"};
     constexpr const char* explanations[] = {
-        "A bright lamp on a dark wall looks like a dim lamp on a bright wall. Light that is seen directly in the photographs settles it; where none is seen, an ordinary brightness of the surfaces is assumed.",
+        "A bright lamp on a dark wall looks like a dim lamp on a bright wall. Light that is seen directly in the "
+        "photographs settles it; where none is seen, an ordinary brightness of the surfaces is assumed.",
         "You know one spot that is white: a sheet of paper, a grey card. Its brightness then settles everything else.",
         "You know how bright one lamp is, in the units of the photographs.",
         "You know how bright the surfaces are on average: 0.2 is a dark room, 0.5 an ordinary one, 0.8 a white one."};
@@ -66,11 +71,13 @@ void gaugeSettings(Editor& editor) {
     tooltip(explanations[int(gauge.kind)]);
     if (gauge.kind == Kind::albedo) {
         ImGui::SetNextItemWidth(-FLT_MIN);
-        ImGui::SliderFloat("##albedo", &gauge.albedo, 0.02f, 0.98f, "mean surface brightness %.2f", ImGuiSliderFlags_AlwaysClamp);
+        ImGui::SliderFloat("##albedo", &gauge.albedo, 0.02f, 0.98f, "mean surface brightness %.2f",
+                           ImGuiSliderFlags_AlwaysClamp);
         tooltip("Share of the light that the surfaces send back on average: 0 is black, 1 is white");
     } else if (gauge.kind == Kind::emitter) {
         ImGui::SetNextItemWidth(-FLT_MIN);
-        if (ImGui::BeginCombo("##lamp", gauge.emitter.empty() ? "choose a lamp" : shown(editor.namesOf({gauge.emitter})).c_str())) {
+        if (ImGui::BeginCombo(
+                "##lamp", gauge.emitter.empty() ? "choose a lamp" : shown(editor.namesOf({gauge.emitter})).c_str())) {
             for (const EmitterState& e : editor.emitters())
                 if (e.recovered && ImGui::Selectable((shown(e.name) + "##" + e.id).c_str(), e.id == gauge.emitter)) {
                     gauge.emitter = e.id;
@@ -81,14 +88,19 @@ void gaugeSettings(Editor& editor) {
         }
         tooltip("The lamp whose brightness you know");
         ImGui::SetNextItemWidth(-FLT_MIN);
-        if (ImGui::DragFloat3("##radiance", &gauge.radiance.x, 0.05f, 0, 1e6f, "%.3g")) gauge.radiance = glm::max(gauge.radiance, Rgb(0));
+        if (ImGui::DragFloat3("##radiance", &gauge.radiance.x, 0.05f, 0, 1e6f, "%.3g"))
+            gauge.radiance = glm::max(gauge.radiance, Rgb(0));
         tooltip("Its radiance, red green blue: the value a pixel has that sees the lamp directly and unclipped");
     } else if (gauge.kind == Kind::whitePatch) {
         const int views = editor.state.document.capture ? int(editor.state.document.capture->views.size()) : 0;
         int view = gauge.view;
         ImGui::SetNextItemWidth(-FLT_MIN);
-        if (ImGui::SliderInt("##view", &view, 0, std::max(0, views - 1), "view %d", ImGuiSliderFlags_AlwaysClamp)) gauge.view = view;
-        tooltip(views > 0 && gauge.view < views ? "Photograph in which the patch is seen, counted from 0: " + shown(editor.state.document.capture->views[size_t(gauge.view)].name) : "Photograph in which the patch is seen");
+        if (ImGui::SliderInt("##view", &view, 0, std::max(0, views - 1), "view %d", ImGuiSliderFlags_AlwaysClamp))
+            gauge.view = view;
+        tooltip(views > 0 && gauge.view < views
+                    ? "Photograph in which the patch is seen, counted from 0: " +
+                          shown(editor.state.document.capture->views[size_t(gauge.view)].name)
+                    : "Photograph in which the patch is seen");
         ImGui::SetNextItemWidth(-FLT_MIN);
         ImGui::DragFloat2("##pixel", &gauge.pixel.x, 1, 0, 65536, "pixel %.0f");
         tooltip("Where it is seen: pixels from the left and from the top");
@@ -96,7 +108,10 @@ void gaugeSettings(Editor& editor) {
         Vec2 pixel{0};
         const bool usable = pixelOfPick(editor, seenIn, pixel);
         ImGui::BeginDisabled(!usable);
-        if (iconTextButton("Use the picked point", Icon::dropper, usable ? "Takes the surface point that you clicked in the viewport" : "Click the white surface in the viewport first", false, ImGui::GetContentRegionAvail().x)) {
+        if (iconTextButton("Use the picked point", Icon::dropper,
+                           usable ? "Takes the surface point that you clicked in the viewport"
+                                  : "Click the white surface in the viewport first",
+                           false, ImGui::GetContentRegionAvail().x)) {
             gauge.view = seenIn;
             gauge.pixel = pixel;
         }
@@ -108,17 +123,24 @@ void gaugeSettings(Editor& editor) {
 }
 
 /// A prior's strength: as the photographs say, or the artist. `chosen`: what the last estimate took, null before one.
-void strengthSetting(const char* label, const char* id, float& factor, const PriorStrength* chosen, const char* explanation) {
+void strengthSetting(const char* label, const char* id, float& factor, const PriorStrength* chosen,
+                     const char* explanation) {
     ImGui::PushID(id);
     bool automatic = factor == 0;
-    const std::string words = std::string(explanation) + " Normally photographs that are left out decide: what foretells them best is taken.";
+    const std::string words =
+        std::string(explanation) + " Normally photographs that are left out decide: what foretells them best is taken.";
     if (checkbox(label, automatic, words)) factor = automatic ? 0.0f : chosen ? chosen->factor : 1.0f;
     if (factor > 0) {
         ImGui::SetNextItemWidth(-FLT_MIN);
-        ImGui::SliderFloat("##factor", &factor, 0.05f, 20, "%.2f x the usual", ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_Logarithmic);
+        ImGui::SliderFloat("##factor", &factor, 0.05f, 20, "%.2f x the usual",
+                           ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_Logarithmic);
         tooltip(words);
     } else if (chosen) {
-        dimText(fmt::format("  {:.3g} x the usual{}", chosen->factor, chosen->chosenBy == "photographs" ? ", chosen by the photographs" : chosen->trials.empty() ? "" : ", confirmed by the photographs").c_str());
+        dimText(fmt::format("  {:.3g} x the usual{}", chosen->factor,
+                            chosen->chosenBy == "photographs" ? ", chosen by the photographs"
+                            : chosen->trials.empty()          ? ""
+                                                              : ", confirmed by the photographs")
+                    .c_str());
     }
     ImGui::PopID();
 }
@@ -130,14 +152,20 @@ void drawUnseenLamps(Editor& editor) {
     const auto& job = editor.job();
     const bool searching = job && job->kind == JobStatus::Kind::search;
     if (searching) {
-        bar(job->share, {0.28f, 0.42f, 0.58f, 1}, job->stopping ? "stopping..." : job->stage.empty() ? job->title : job->stage);
+        bar(job->share, {0.28f, 0.42f, 0.58f, 1},
+            job->stopping        ? "stopping..."
+            : job->stage.empty() ? job->title
+                                 : job->stage);
         ImGui::BeginDisabled(job->stopping);
         if (button("Stop looking", "Stops; nothing changes", -FLT_MIN)) editor.cancelJob();
         ImGui::EndDisabled();
     } else {
         ImGui::BeginDisabled(!document.samples || job);
-        if (button("Look for an unseen lamp", "A lamp outside all photographs leaves shading that falls off and shadows: tries places for it, up to a minute. Where one is found, a small sphere joins the scene, "
-                                              "and its power is estimated with the rest. The present estimate and its edits then go.", -FLT_MIN))
+        if (button("Look for an unseen lamp",
+                   "A lamp outside all photographs leaves shading that falls off and shadows: tries places for it, up "
+                   "to a minute. Where one is found, a small sphere joins the scene, "
+                   "and its power is estimated with the rest. The present estimate and its edits then go.",
+                   -FLT_MIN))
             editor.findUnseenLamp();
         ImGui::EndDisabled();
     }
@@ -147,10 +175,17 @@ void drawUnseenLamps(Editor& editor) {
     for (size_t i = 0; i < document.fix.proxies.size(); ++i) {
         const ProxyLight& proxy = document.fix.proxies[i];
         ImGui::PushID(int(i));
-        wrapped(fmt::format("Lamp at {:.3f} {:.3f} {:.3f} m{}", proxy.centre.x, proxy.centre.y, proxy.centre.z, proxy.found ? fmt::format(", +- {:.3f} {:.3f} {:.3f}", proxy.sigma.x, proxy.sigma.y, proxy.sigma.z) : std::string(", as you said")));
-        tooltip(told && proxy.found && i + 1 == document.fix.proxies.size() ? shown(last.words) : "It stands in the mesh as a small sphere; the estimate finds its power");
+        wrapped(fmt::format("Lamp at {:.3f} {:.3f} {:.3f} m{}", proxy.centre.x, proxy.centre.y, proxy.centre.z,
+                            proxy.found
+                                ? fmt::format(", +- {:.3f} {:.3f} {:.3f}", proxy.sigma.x, proxy.sigma.y, proxy.sigma.z)
+                                : std::string(", as you said")));
+        tooltip(told && proxy.found && i + 1 == document.fix.proxies.size()
+                    ? shown(last.words)
+                    : "It stands in the mesh as a small sphere; the estimate finds its power");
         ImGui::BeginDisabled(job.has_value());
-        if (button("Take it away", "Reads the capture again without this lamp; the present estimate and its edits then go", -FLT_MIN)) editor.removeProxy(i);
+        if (button("Take it away",
+                   "Reads the capture again without this lamp; the present estimate and its edits then go", -FLT_MIN))
+            editor.removeProxy(i);
         ImGui::EndDisabled();
         ImGui::PopID();
     }
@@ -167,8 +202,12 @@ void drawEstimateButton(Editor& editor) {
     const bool solving = job && job->kind == JobStatus::Kind::solve;
     const bool open = editor.state.document.capture != nullptr;
     if (solving) {
-        bar(job->share, {0.28f, 0.42f, 0.58f, 1}, job->stopping ? "stopping..." : job->stage.empty() ? job->title : job->stage);
-        tooltip(fmt::format("{}: {} of this stage, {} so far", job->title, percent(job->share), duration(job->seconds)));
+        bar(job->share, {0.28f, 0.42f, 0.58f, 1},
+            job->stopping        ? "stopping..."
+            : job->stage.empty() ? job->title
+                                 : job->stage);
+        tooltip(
+            fmt::format("{}: {} of this stage, {} so far", job->title, percent(job->share), duration(job->seconds)));
         ImGui::BeginDisabled(job->stopping);
         if (button("Stop", "Stops and keeps the best answer so far", -FLT_MIN)) editor.cancelJob();
         ImGui::EndDisabled();
@@ -176,7 +215,9 @@ void drawEstimateButton(Editor& editor) {
         ImGui::BeginDisabled(!open || job);
         ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {ImGui::GetStyle().FramePadding.x, em(0.45f)});
         const bool again = editor.estimate() != nullptr;
-        const char* why = !open ? "Open a capture first" : job ? "Wait until the running job is finished" : "Separates the photographs into light and surfaces, in the background (Ctrl+Enter)";
+        const char* why = !open ? "Open a capture first"
+                          : job ? "Wait until the running job is finished"
+                                : "Separates the photographs into light and surfaces, in the background (Ctrl+Enter)";
         if (primaryButton(again ? "Estimate again" : "Estimate", why, -FLT_MIN)) editor.solve(solve);
         ImGui::PopStyleVar();
         ImGui::EndDisabled();
@@ -200,29 +241,46 @@ void drawEstimateSettings(Editor& editor) {
     tooltip(qualities[quality].explanation);
     gaugeSettings(editor);
     dimText("Kinds of light");
-    if (radio("Lamps and distant light", solve.nearField, "Finds lamps that stand in the scene as well as light from far away. This is what you want.")) solve.nearField = true;
-    if (radio("Distant only, to compare", !solve.nearField, "The older way, which knows no lamps in the scene: for comparison. Its result is shown beside the other one (view modes 5 and 9) and replaces nothing.")) solve.nearField = false;
+    if (radio("Lamps and distant light", solve.nearField,
+              "Finds lamps that stand in the scene as well as light from far away. This is what you want."))
+        solve.nearField = true;
+    if (radio("Distant only, to compare", !solve.nearField,
+              "The older way, which knows no lamps in the scene: for comparison. Its result is shown beside the other "
+              "one (view modes 5 and 9) and replaces nothing."))
+        solve.nearField = false;
     if (ImGui::TreeNode("Smoothness")) {
         const Estimate* found = editor.estimate().get();
-        strengthSetting("Distant light: automatic", "light", solve.lightSmoothness, found ? &found->lightSmoothness : nullptr,
-                        "How alike neighbouring parts of the surroundings are taken to be. More where photographs are noisy or few, less for skies with small bright spots.");
-        strengthSetting("Surface colours: automatic", "surfaces", solve.albedoSmoothness, found ? &found->albedoSmoothness : nullptr,
-                        "How alike neighbouring points of a surface are taken to be; edges are kept. More where photographs are noisy, less for fine texture.");
+        strengthSetting("Distant light: automatic", "light", solve.lightSmoothness,
+                        found ? &found->lightSmoothness : nullptr,
+                        "How alike neighbouring parts of the surroundings are taken to be. More where photographs are "
+                        "noisy or few, less for skies with small bright spots.");
+        strengthSetting("Surface colours: automatic", "surfaces", solve.albedoSmoothness,
+                        found ? &found->albedoSmoothness : nullptr,
+                        "How alike neighbouring points of a surface are taken to be; edges are kept. More where "
+                        "photographs are noisy, less for fine texture.");
         ImGui::SetNextItemWidth(-FLT_MIN);
-        ImGui::SliderInt("##palette", &solve.palette, 0, 24, solve.palette > 0 ? "palette of %d materials" : "no palette", ImGuiSliderFlags_AlwaysClamp);
-        tooltip("Where the scene has few paints and no texture: how many. Every point is then drawn towards one of them. 0: nothing is said.");
+        ImGui::SliderInt("##palette", &solve.palette, 0, 24,
+                         solve.palette > 0 ? "palette of %d materials" : "no palette", ImGuiSliderFlags_AlwaysClamp);
+        tooltip(
+            "Where the scene has few paints and no texture: how many. Every point is then drawn towards one of them. "
+            "0: nothing is said.");
         ImGui::TreePop();
     }
     dimText("Time limit");
     float minutes = float(solve.budgetSeconds / 60);
     ImGui::SetNextItemWidth(-FLT_MIN);
-    if (ImGui::DragFloat("##budget", &minutes, 0.05f, 0, 24 * 60, minutes > 0 ? "%.1f min" : "none", ImGuiSliderFlags_AlwaysClamp)) solve.budgetSeconds = double(std::max(0.0f, minutes)) * 60;
+    if (ImGui::DragFloat("##budget", &minutes, 0.05f, 0, 24 * 60, minutes > 0 ? "%.1f min" : "none",
+                         ImGuiSliderFlags_AlwaysClamp))
+        solve.budgetSeconds = double(std::max(0.0f, minutes)) * 60;
     tooltip("Ends after this time with the best answer so far. 0: as long as it takes.");
     dimText("Seed");
     int seed = int(solve.seed);
     ImGui::SetNextItemWidth(-FLT_MIN);
-    if (ImGui::DragInt("##seed", &seed, 0.1f, 1, 1000000, "%d", ImGuiSliderFlags_AlwaysClamp)) solve.seed = uint64_t(std::max(1, seed));
-    tooltip("Pattern of the random samples. The same seed gives the same result; another one shows how much of it is chance.");
+    if (ImGui::DragInt("##seed", &seed, 0.1f, 1, 1000000, "%d", ImGuiSliderFlags_AlwaysClamp))
+        solve.seed = uint64_t(std::max(1, seed));
+    tooltip(
+        "Pattern of the random samples. The same seed gives the same result; another one shows how much of it is "
+        "chance.");
 }
 
 }  // namespace relamp::ui

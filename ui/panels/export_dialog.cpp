@@ -23,7 +23,9 @@ std::pair<size_t, size_t> tokenOf(const std::string& name, size_t& width) {
     if (const size_t percentSign = name.find('%'); percentSign != std::string::npos) {
         const size_t end = name.find_first_not_of("0123456789", percentSign + 1);
         if (end != std::string::npos && name[end] == 'd') {
-            width = end > percentSign + 1 && end - percentSign < 5 ? size_t(std::stoi(name.substr(percentSign + 1, end - percentSign - 1))) : 1;
+            width = end > percentSign + 1 && end - percentSign < 5
+                        ? size_t(std::stoi(name.substr(percentSign + 1, end - percentSign - 1)))
+                        : 1;
             return {percentSign, end + 1 - percentSign};
         }
     }
@@ -71,13 +73,20 @@ ExportProblems checkExport(const ExportRequest& request, size_t views, int selec
     std::error_code failed;
     const fs::path parent = request.file.parent_path();
     if (name.empty()) problems.file = "Choose where the frames go.";
-    else if (extension != ".exr" && extension != ".png" && extension != ".jpg" && extension != ".jpeg") problems.file = "The name must end in .exr (for compositing), .png or .jpg (to look at).";
-    else if (problems.frames > 1 && length == 0) problems.file = "Several frames need a place for the number: name.####.exr becomes name.0001.exr, name.0002.exr and so on.";
-    else if (!parent.empty() && !fs::is_directory(parent, failed)) problems.file = fmt::format("The folder {} does not exist.", shown(parent));
-    else if (::access(parent.empty() ? "." : parent.c_str(), W_OK) != 0) problems.file = fmt::format("You may not write into {}.", shown(parent));
-    if (extension != ".exr" && !extension.empty() && !request.layers.empty() && problems.file.empty()) problems.layers = "PNG and JPEG hold the picture only; layers need .exr.";
+    else if (extension != ".exr" && extension != ".png" && extension != ".jpg" && extension != ".jpeg")
+        problems.file = "The name must end in .exr (for compositing), .png or .jpg (to look at).";
+    else if (problems.frames > 1 && length == 0)
+        problems.file =
+            "Several frames need a place for the number: name.####.exr becomes name.0001.exr, name.0002.exr and so on.";
+    else if (!parent.empty() && !fs::is_directory(parent, failed))
+        problems.file = fmt::format("The folder {} does not exist.", shown(parent));
+    else if (::access(parent.empty() ? "." : parent.c_str(), W_OK) != 0)
+        problems.file = fmt::format("You may not write into {}.", shown(parent));
+    if (extension != ".exr" && !extension.empty() && !request.layers.empty() && problems.file.empty())
+        problems.layers = "PNG and JPEG hold the picture only; layers need .exr.";
     std::string firstName = name;
-    if (length && width <= 32 && request.views != Views::present && request.views != Views::capture) firstName = name.substr(0, at) + fmt::format("{:0{}}", first, width) + name.substr(at + length);
+    if (length && width <= 32 && request.views != Views::present && request.views != Views::capture)
+        firstName = name.substr(0, at) + fmt::format("{:0{}}", first, width) + name.substr(at + length);
     problems.firstFile = firstName;
     return problems;
 }
@@ -99,10 +108,17 @@ bool drawExportDialog(Editor& editor) {
     ImGui::BeginDisabled(exporting);
     row("What");
     ImGui::BeginGroup();
-    if (radio("What the viewport shows", request.views == Views::present, "One frame from where you look now")) request.views = Views::present;
-    if (radio(fmt::format("The selected view ({})###view", editor.state.selection.view + 1).c_str(), request.views == Views::capture, "One frame from the camera of the selected photograph")) request.views = Views::capture;
-    if (radio(fmt::format("All {} views###all", views).c_str(), request.views == Views::all, "A frame from the camera of every photograph")) request.views = Views::all;
-    if (radio("Some views:", request.views == Views::range, "Frames from the cameras of these photographs, counted from 1")) request.views = Views::range;
+    if (radio("What the viewport shows", request.views == Views::present, "One frame from where you look now"))
+        request.views = Views::present;
+    if (radio(fmt::format("The selected view ({})###view", editor.state.selection.view + 1).c_str(),
+              request.views == Views::capture, "One frame from the camera of the selected photograph"))
+        request.views = Views::capture;
+    if (radio(fmt::format("All {} views###all", views).c_str(), request.views == Views::all,
+              "A frame from the camera of every photograph"))
+        request.views = Views::all;
+    if (radio("Some views:", request.views == Views::range,
+              "Frames from the cameras of these photographs, counted from 1"))
+        request.views = Views::range;
     ImGui::SameLine();
     ImGui::SetNextItemWidth(-FLT_MIN);
     if (inputText("##range", request.range, "1-3,5,7-20:2")) request.views = Views::range;
@@ -114,7 +130,8 @@ bool drawExportDialog(Editor& editor) {
     row("Size");
     int size[2] = {request.width, request.height};
     ImGui::SetNextItemWidth(em(8));
-    if (ImGui::DragInt2("##size", size, 4, 0, 16384, size[0] > 0 ? "%d" : "own", ImGuiSliderFlags_AlwaysClamp)) request.width = std::max(0, size[0]), request.height = std::max(0, size[1]);
+    if (ImGui::DragInt2("##size", size, 4, 0, 16384, size[0] > 0 ? "%d" : "own", ImGuiSliderFlags_AlwaysClamp))
+        request.width = std::max(0, size[0]), request.height = std::max(0, size[1]);
     tooltip("Width and height in pixels. 0: the size of the photograph, or of the viewport.");
     for (const auto& [name, w, h] : {std::tuple{"Own size", 0, 0}, {"1080p", 1920, 1080}, {"4K", 3840, 2160}}) {
         sameLineIfFits(buttonWidth(name));
@@ -131,16 +148,20 @@ bool drawExportDialog(Editor& editor) {
     row("Layers");
     ImGui::BeginGroup();
     std::string layers = request.layers == "all" ? "groups,albedo,normal,position,depth" : request.layers;
-    const auto has = [&](const std::string& name) { return ("," + layers + ",").find("," + name + ",") != std::string::npos; };
+    const auto has = [&](const std::string& name) {
+        return ("," + layers + ",").find("," + name + ",") != std::string::npos;
+    };
     const struct {
         const char* name;
         const char* label;
         const char* explanation;
-    } known[] = {{"groups", "Light groups", "The part of each light by itself: their sum is the picture, so that lights can be graded in compositing"},
-                 {"albedo", "Surface colour", "Colour of the surfaces in white light"},
-                 {"normal", "Normals", "Direction of the surface, for relighting tricks in compositing"},
-                 {"position", "Positions", "Place of the surface in the world, metres"},
-                 {"depth", "Depth", "Distance along the camera's axis, metres"}};
+    } known[] = {
+        {"groups", "Light groups",
+         "The part of each light by itself: their sum is the picture, so that lights can be graded in compositing"},
+        {"albedo", "Surface colour", "Colour of the surfaces in white light"},
+        {"normal", "Normals", "Direction of the surface, for relighting tricks in compositing"},
+        {"position", "Positions", "Place of the surface in the world, metres"},
+        {"depth", "Depth", "Distance along the camera's axis, metres"}};
     std::string chosen;
     int index = 0;
     for (const auto& layer : known) {
@@ -158,9 +179,12 @@ bool drawExportDialog(Editor& editor) {
     static std::string field;
     if (fieldOf != request.file) fieldOf = request.file, field = request.file.string();
     const float browseWidth = buttonWidth("Browse...");
-    ImGui::SetNextItemWidth(std::max(em(4), ImGui::GetContentRegionAvail().x - browseWidth - ImGui::GetStyle().ItemSpacing.x));
+    ImGui::SetNextItemWidth(
+        std::max(em(4), ImGui::GetContentRegionAvail().x - browseWidth - ImGui::GetStyle().ItemSpacing.x));
     if (inputText("##file", field, "name.####.exr")) fieldOf = request.file = field;
-    tooltip("#### stands for the number of the frame with that many digits: name.####.exr becomes name.0001.exr. Ends in .exr, .png or .jpg.");
+    tooltip(
+        "#### stands for the number of the frame with that many digits: name.####.exr becomes name.0001.exr. Ends in "
+        ".exr, .png or .jpg.");
     ImGui::SameLine();
     if (button("Browse...", "Chooses the folder and the name")) {
         BrowserRequest ask;
@@ -168,7 +192,8 @@ bool drawExportDialog(Editor& editor) {
         ask.title = "Export frames";
         ask.confirm = "Use this name";
         ask.start = request.file.parent_path();
-        ask.name = request.file.filename().string().empty() ? editor.state.document.name() + ".####.exr" : request.file.filename().string();
+        ask.name = request.file.filename().string().empty() ? editor.state.document.name() + ".####.exr"
+                                                            : request.file.filename().string();
         ask.extensions = {".exr", ".png", ".jpg", ".jpeg"};
         ask.note = "#### in the name becomes the number of the frame.";
         browse(ask, [](Editor& e, const fs::path& file) {
@@ -177,12 +202,15 @@ bool drawExportDialog(Editor& editor) {
         });
     }
     if (!problems.file.empty()) warningText(problems.file);
-    else if (!problems.firstFile.empty()) dimWrapped(fmt::format("{} frame{}, {}{}", problems.frames, problems.frames == 1 ? "" : "s", shown(problems.firstFile), problems.frames > 1 ? " and so on" : ""));
+    else if (!problems.firstFile.empty())
+        dimWrapped(fmt::format("{} frame{}, {}{}", problems.frames, problems.frames == 1 ? "" : "s",
+                               shown(problems.firstFile), problems.frames > 1 ? " and so on" : ""));
     ImGui::EndDisabled();
 
     ImGui::Spacing();
     if (exporting) {
-        bar(job->share, {0.28f, 0.42f, 0.58f, 1}, job->stopping ? "stopping..." : fmt::format("{}: {}", job->title, job->stage));
+        bar(job->share, {0.28f, 0.42f, 0.58f, 1},
+            job->stopping ? "stopping..." : fmt::format("{}: {}", job->title, job->stage));
         ImGui::BeginDisabled(job->stopping);
         if (button("Stop", "Frames that are finished stay", em(7))) editor.cancelJob();
         ImGui::EndDisabled();
@@ -191,7 +219,12 @@ bool drawExportDialog(Editor& editor) {
     } else {
         const bool sizes = (request.width > 0) == (request.height > 0);
         ImGui::BeginDisabled(!problems.ok() || !sizes || !editor.estimate() || job);
-        if (primaryButton("Export", !editor.estimate() ? "Estimate first" : job ? "Wait until the running job is finished" : "Renders the frames in the background", em(8))) editor.exportFrames(request);
+        if (primaryButton("Export",
+                          !editor.estimate() ? "Estimate first"
+                          : job              ? "Wait until the running job is finished"
+                                             : "Renders the frames in the background",
+                          em(8)))
+            editor.exportFrames(request);
         ImGui::EndDisabled();
         ImGui::SameLine();
         if (button("Close", "Closes this page (Esc)", em(7))) done = true;

@@ -7,8 +7,8 @@
 namespace relamp::ui {
 
 struct ExportProblems {
-    std::string range, file, layers;     ///< empty: nothing wrong
-    std::string firstFile;               ///< what the first frame will be called
+    std::string range, file, layers;  ///< empty: nothing wrong
+    std::string firstFile;            ///< what the first frame will be called
     size_t frames = 0;
     bool ok() const { return range.empty() && file.empty() && layers.empty() && frames > 0; }
 };

@@ -42,8 +42,11 @@ void drawHistoryPanel(Editor& editor) {
                 const std::string time = clockTime(entry.time);
                 const float timeWidth = room > em(14) ? ImGui::CalcTextSize(time.c_str()).x + em(0.8f) : 0;
                 const float left = ImGui::GetCursorPosX();
-                if (ImGui::Selectable(("##" + std::to_string(i)).c_str(), size_t(i) == history.index())) wanted = size_t(i);
-                tooltip(undone ? "Click to bring this back, and everything before it" : size_t(i) == history.index() ? "This is how it is now" : "Click to go back to here");
+                if (ImGui::Selectable(("##" + std::to_string(i)).c_str(), size_t(i) == history.index()))
+                    wanted = size_t(i);
+                tooltip(undone                         ? "Click to bring this back, and everything before it"
+                        : size_t(i) == history.index() ? "This is how it is now"
+                                                       : "Click to go back to here");
                 ImGui::SameLine(left);
                 if (timeWidth > 0) {
                     dimText(time);
@@ -55,7 +58,9 @@ void drawHistoryPanel(Editor& editor) {
             }
         if (lastIndex != history.index() || lastCount != entries.size()) {
             const float y = float(history.index()) * ImGui::GetTextLineHeightWithSpacing();
-            if (y < ImGui::GetScrollY() || y > ImGui::GetScrollY() + ImGui::GetWindowHeight() - 2 * ImGui::GetTextLineHeightWithSpacing()) ImGui::SetScrollY(std::max(0.0f, y - ImGui::GetWindowHeight() / 2));
+            if (y < ImGui::GetScrollY() ||
+                y > ImGui::GetScrollY() + ImGui::GetWindowHeight() - 2 * ImGui::GetTextLineHeightWithSpacing())
+                ImGui::SetScrollY(std::max(0.0f, y - ImGui::GetWindowHeight() / 2));
             lastIndex = history.index();
             lastCount = entries.size();
         }

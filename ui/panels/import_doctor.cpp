@@ -1,4 +1,5 @@
-// The import doctor: what was noticed about cameras, exposure and mesh before anything is estimated, and what to do about it.
+// The import doctor: what was noticed about cameras, exposure and mesh before anything is estimated, and what to do
+// about it.
 #include <cmath>
 #include <optional>
 
@@ -14,10 +15,14 @@ namespace {
 std::string adviceFor(const std::string& warning) {
     const auto has = [&](const char* part) { return warning.find(part) != std::string::npos; };
     if (has("OpenCV axes")) return "Flip the cameras' axes below, or export with OpenGL axes.";
-    if (has("set \"up\"")) return "Turn the world below when it stands on its side; ignore this when the cameras were really tilted.";
-    if (has("clipped")) return "Add darker exposures of the same view, or accept that what is clipped is known only as \"at least this bright\".";
+    if (has("set \"up\""))
+        return "Turn the world below when it stands on its side; ignore this when the cameras were really tilted.";
+    if (has("clipped"))
+        return "Add darker exposures of the same view, or accept that what is clipped is known only as \"at least this "
+               "bright\".";
     if (has("stops")) return "Develop all photographs with the same settings, or leave this one out.";
-    if (has("covers")) return "Turn on the mesh overlay and look through this camera: mesh and photograph should lie on each other.";
+    if (has("covers"))
+        return "Turn on the mesh overlay and look through this camera: mesh and photograph should lie on each other.";
     if (has("left out")) return "Look at its mask: black is ignored.";
     if (has("NaN")) return "These pixels are ignored. Write the file again if there are many.";
     if (has("black")) return "Leave this view out, or check its file.";
@@ -41,11 +46,15 @@ void axes(Editor& editor, const CaptureCheck& check) {
     ImGui::BeginDisabled(editor.job().has_value());
     if (!check.upGuess.empty() && check.upGuess != check.up) {
         warningText(fmt::format("The world may stand on its side. The cameras think that {} is up.", check.upGuess));
-        if (button(fmt::format("Turn it: {} is up", check.upGuess).c_str(), "Reads the capture again with this axis up. The files are not touched.")) change(check.upGuess, now.flipCameras);
+        if (button(fmt::format("Turn it: {} is up", check.upGuess).c_str(),
+                   "Reads the capture again with this axis up. The files are not touched."))
+            change(check.upGuess, now.flipCameras);
     }
     if (check.lookBackwards) {
         warningText("The cameras look away from the mesh.");
-        if (button("Flip the cameras", "Reads the matrices as OpenCV's (Y down, looking along +Z). The files are not touched.")) change(now.up, !now.flipCameras);
+        if (button("Flip the cameras",
+                   "Reads the matrices as OpenCV's (Y down, looking along +Z). The files are not touched."))
+            change(now.up, !now.flipCameras);
     }
     ImGui::AlignTextToFramePadding();
     dimText("Up in the files");
@@ -53,22 +62,31 @@ void axes(Editor& editor, const CaptureCheck& check) {
     ImGui::SetNextItemWidth(em(8));
     if (ImGui::BeginCombo("##up", now.up.empty() ? "as they say" : now.up.c_str())) {
         for (const char* axis : {"", "z", "-z", "y", "-y", "x", "-x"})
-            if (ImGui::Selectable(*axis ? axis : "as they say", now.up == axis) && now.up != axis) change(axis, now.flipCameras);
+            if (ImGui::Selectable(*axis ? axis : "as they say", now.up == axis) && now.up != axis)
+                change(axis, now.flipCameras);
         ImGui::EndCombo();
     }
-    tooltip("The axis that points up in the capture's files. The scene is turned so that it stands upright; the files are not touched.");
+    tooltip(
+        "The axis that points up in the capture's files. The scene is turned so that it stands upright; the files are "
+        "not touched.");
     bool flip = now.flipCameras;
     sameLineIfFits(em(12));
-    if (checkbox("Cameras flipped", flip, "Reads the camera matrices as OpenCV's: Y down, looking along +Z. For cameras that look away from the mesh.")) change(now.up, flip);
+    if (checkbox("Cameras flipped", flip,
+                 "Reads the camera matrices as OpenCV's: Y down, looking along +Z. For cameras that look away from the "
+                 "mesh."))
+        change(now.up, flip);
     ImGui::EndDisabled();
-    if (editor.estimate()) dimWrapped("A change here reads the capture again; the present estimate and its edits then go.");
+    if (editor.estimate())
+        dimWrapped("A change here reads the capture again; the present estimate and its edits then go.");
     if (wanted) editor.fixCapture(*wanted);
 }
 
 void viewTable(Editor& editor, const CaptureCheck& check, float height) {
     const float room = ImGui::GetContentRegionAvail().x;
     const bool pictures = room > em(30), masked = room > em(36);
-    if (!ImGui::BeginTable("##views", 4 + pictures + masked, ImGuiTableFlags_RowBg | ImGuiTableFlags_ScrollY | ImGuiTableFlags_NoPadOuterX, {0, height})) return;
+    if (!ImGui::BeginTable("##views", 4 + pictures + masked,
+                           ImGuiTableFlags_RowBg | ImGuiTableFlags_ScrollY | ImGuiTableFlags_NoPadOuterX, {0, height}))
+        return;
     ImGui::TableSetupScrollFreeze(0, 1);
     if (pictures) ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed, em(3.6f));
     ImGui::TableSetupColumn("View", ImGuiTableColumnFlags_WidthStretch);
@@ -98,7 +116,8 @@ void viewTable(Editor& editor, const CaptureCheck& check, float height) {
                 tooltip(shown(v.name));
             }
             ImGui::TableNextColumn();
-            if (ImGui::Selectable((elided(shown(v.name), ImGui::GetContentRegionAvail().x) + "##row").c_str(), editor.state.selection.view == i, ImGuiSelectableFlags_AllowDoubleClick)) {
+            if (ImGui::Selectable((elided(shown(v.name), ImGui::GetContentRegionAvail().x) + "##row").c_str(),
+                                  editor.state.selection.view == i, ImGuiSelectableFlags_AllowDoubleClick)) {
                 editor.state.selection.view = i;
                 if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) editor.state.viewport.throughView = true;
             }
@@ -106,8 +125,11 @@ void viewTable(Editor& editor, const CaptureCheck& check, float height) {
             cell(percent(v.meshShare), v.meshShare < 0.02, "Share of the picture that sees the mesh");
             cell(percent(v.clippedShare), v.clippedShare > 0.01, "Pixels too bright for the file");
             if (masked) cell(percent(v.maskedShare), v.maskedShare > 0.9, "Pixels that are masked, broken or negative");
-            const bool odd = v.comparedVertices >= 100 && std::abs(v.exposureStops) > std::max(0.25, v.exposureScatterStops);
-            cell(v.comparedVertices ? signedStops(float(v.exposureStops)) + " st." : "-", odd, fmt::format("Stops brighter or darker than the other views of the same surfaces, from {} points", count(v.comparedVertices)));
+            const bool odd =
+                v.comparedVertices >= 100 && std::abs(v.exposureStops) > std::max(0.25, v.exposureScatterStops);
+            cell(v.comparedVertices ? signedStops(float(v.exposureStops)) + " st." : "-", odd,
+                 fmt::format("Stops brighter or darker than the other views of the same surfaces, from {} points",
+                             count(v.comparedVertices)));
             ImGui::PopID();
         }
     ImGui::EndTable();
@@ -120,13 +142,17 @@ void normalsSetting(Editor& editor) {
     if (!ImGui::IsAnyItemActive()) wanted = std::max(0, fix.smoothNormals);
     ImGui::BeginDisabled(editor.job().has_value());
     ImGui::SetNextItemWidth(em(16));
-    ImGui::SliderInt("##normals", &wanted, 0, 12, wanted > 0 ? "normals smoothed %d times" : "normals as the mesh has them", ImGuiSliderFlags_AlwaysClamp);
+    ImGui::SliderInt("##normals", &wanted, 0, 12,
+                     wanted > 0 ? "normals smoothed %d times" : "normals as the mesh has them",
+                     ImGuiSliderFlags_AlwaysClamp);
     if (ImGui::IsItemDeactivatedAfterEdit() && wanted != std::max(0, fix.smoothNormals)) {
         CaptureFix changed = fix;
         changed.smoothNormals = wanted;
         editor.fixCapture(changed);
     }
-    tooltip("Meshes made from photographs often have good places and bad directions: speckled shading, lamps that are not there. Smoothing averages directions over neighbours; creases stay. Let go to read the capture again.");
+    tooltip(
+        "Meshes made from photographs often have good places and bad directions: speckled shading, lamps that are not "
+        "there. Smoothing averages directions over neighbours; creases stay. Let go to read the capture again.");
     ImGui::EndDisabled();
 }
 
@@ -139,7 +165,8 @@ void drawImportDoctor(Editor& editor) {
     ImGui::SetNextWindowSize(size, ImGuiCond_Appearing);
     ImGui::SetNextWindowPos({(screen.x - size.x) / 2, (screen.y - size.y) / 2}, ImGuiCond_Appearing);
     bool open = true;
-    if (ImGui::Begin("Check of the capture###doctor", &open, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings)) {
+    if (ImGui::Begin("Check of the capture###doctor", &open,
+                     ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings)) {
         const auto check = editor.state.document.check;
         const float below = 2 * ImGui::GetFrameHeightWithSpacing() + em(0.4f);
         if (!check) {
@@ -159,17 +186,27 @@ void drawImportDoctor(Editor& editor) {
                 }
             }
             heading("Axes");
-            wrapped(fmt::format("Up is {} by the file{}.", check->up.empty() ? "z" : check->up, check->upGuess.empty() ? "" : check->upGuess == check->up ? ", and the cameras agree" : ", but the cameras' own up is nearest to " + check->upGuess));
+            wrapped(fmt::format("Up is {} by the file{}.", check->up.empty() ? "z" : check->up,
+                                check->upGuess.empty() ? ""
+                                : check->upGuess == check->up
+                                    ? ", and the cameras agree"
+                                    : ", but the cameras' own up is nearest to " + check->upGuess));
             axes(editor, *check);
             heading("Lamps that no photograph shows");
             drawUnseenLamps(editor);
             heading("Surface");
-            fact("Seen", fmt::format("{} of the surface, {} twice or more", percent(check->seenShare), percent(check->seenTwiceShare)), "Surfaces that no photograph shows are guessed from those around them");
+            fact("Seen",
+                 fmt::format("{} of the surface, {} twice or more", percent(check->seenShare),
+                             percent(check->seenTwiceShare)),
+                 "Surfaces that no photograph shows are guessed from those around them");
             normalsSetting(editor);
-            fact("Views a point", fmt::format("{:.1f}", check->meanViewsPerVertex), "Photographs that show a point of the surface, on average");
+            fact("Views a point", fmt::format("{:.1f}", check->meanViewsPerVertex),
+                 "Photographs that show a point of the surface, on average");
             const Vec3 extent = check->meshMax - check->meshMin;
-            fact("Size", fmt::format("{:.3g} x {:.3g} x {:.3g} m", extent.x, extent.y, extent.z), "A table that is 75 m high means that the units are wrong");
-            fact("Exposure", fmt::format("{:.2f} stops between the views", check->exposureSpreadStops), "All views must share one exposure scale; below a quarter of a stop is fine");
+            fact("Size", fmt::format("{:.3g} x {:.3g} x {:.3g} m", extent.x, extent.y, extent.z),
+                 "A table that is 75 m high means that the units are wrong");
+            fact("Exposure", fmt::format("{:.2f} stops between the views", check->exposureSpreadStops),
+                 "All views must share one exposure scale; below a quarter of a stop is fine");
             for (const std::string& note : check->notes) dimWrapped(shown(note));
             heading("Views");
             viewTable(editor, *check, std::max(em(11), std::min(ImGui::GetContentRegionAvail().y, em(24))));
@@ -177,7 +214,8 @@ void drawImportDoctor(Editor& editor) {
         if (check) ImGui::EndChild();
         checkbox("Cameras", editor.state.viewport.frusta, "Shows in the viewport where the photographs were taken");
         sameLineIfFits(em(12));
-        checkbox("Mesh over the photograph", editor.state.viewport.meshOverlay, "Draws the mesh's edges over the photograph: they should lie on what they belong to");
+        checkbox("Mesh over the photograph", editor.state.viewport.meshOverlay,
+                 "Draws the mesh's edges over the photograph: they should lie on what they belong to");
         if (button("Close", "Closes this page; File, Check the capture brings it back", em(6))) open = false;
         ImGui::SameLine();
         ImGui::BeginDisabled(!editor.state.document.capture || editor.job());

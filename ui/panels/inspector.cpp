@@ -12,42 +12,58 @@ void inspectView(Editor& editor, int index) {
     const View& view = document.capture->views[size_t(index)];
     const Camera& camera = view.camera;
     const float width = std::min(ImGui::GetContentRegionAvail().x, em(18));
-    picture("##picture", viewPicture(document, size_t(index)), width, camera.width > 0 ? width * float(camera.height) / float(camera.width) : width * 0.75f, "no picture");
+    picture("##picture", viewPicture(document, size_t(index)), width,
+            camera.width > 0 ? width * float(camera.height) / float(camera.width) : width * 0.75f, "no picture");
     fact("Photograph", fmt::format("{} ({} of {})", shown(view.name), index + 1, document.capture->views.size()));
     fact("Size", fmt::format("{} x {} pixels", camera.width, camera.height));
-    fact("Lens", fmt::format("{:.0f} pixels, {:.0f}\u00b0 wide", camera.focalX, 2 * std::atan(camera.width / 2.0 / std::max(1e-9, camera.focalX)) * 180 / piD), "Focal length in pixels, and the angle from the left to the right edge");
-    fact("Lens model", lensModelName(camera.model), "How the lens bends straight lines; SIMPLE_PINHOLE and PINHOLE do not");
+    fact("Lens",
+         fmt::format("{:.0f} pixels, {:.0f}\u00b0 wide", camera.focalX,
+                     2 * std::atan(camera.width / 2.0 / std::max(1e-9, camera.focalX)) * 180 / piD),
+         "Focal length in pixels, and the angle from the left to the right edge");
+    fact("Lens model", lensModelName(camera.model),
+         "How the lens bends straight lines; SIMPLE_PINHOLE and PINHOLE do not");
     const DVec3 p = document.capture->origin + camera.position();
     fact("Stands at", fmt::format("{:.2f}  {:.2f}  {:.2f} m", p.x, p.y, p.z));
     if (document.check && size_t(index) < document.check->views.size()) {
         const ViewCheck& check = document.check->views[size_t(index)];
         fact("Shows the mesh", percent(check.meshShare), "Share of its pixels that see the mesh");
-        fact("Clipped", percent(check.clippedShare), "Pixels too bright for the file: they say \"at least this bright\"");
+        fact("Clipped", percent(check.clippedShare),
+             "Pixels too bright for the file: they say \"at least this bright\"");
         if (check.maskedShare > 0) fact("Left out", percent(check.maskedShare), "Pixels that are masked or broken");
         if (check.comparedVertices > 0)
-            fact("Exposure", fmt::format("{} stops against the others", signedStops(float(check.exposureStops))), "How much brighter or darker it is than the other views of the same surfaces. All views must share one scale.");
+            fact("Exposure", fmt::format("{} stops against the others", signedStops(float(check.exposureStops))),
+                 "How much brighter or darker it is than the other views of the same surfaces. All views must share "
+                 "one scale.");
     }
     bool through = editor.state.viewport.throughView;
-    if (checkbox("Look through it", through, "The viewport takes the place of this camera (C)")) editor.state.viewport.throughView = through;
-    checkbox("Mesh over the photograph", editor.state.viewport.meshOverlay, "Draws the mesh's edges over the photograph: they should lie on what they belong to");
+    if (checkbox("Look through it", through, "The viewport takes the place of this camera (C)"))
+        editor.state.viewport.throughView = through;
+    checkbox("Mesh over the photograph", editor.state.viewport.meshOverlay,
+             "Draws the mesh's edges over the photograph: they should lie on what they belong to");
 }
 
 void inspectScene(Editor& editor) {
     const Document& document = editor.state.document;
-    if (!document.capture) return dimWrapped("Nothing is open. Drop a capture folder or a shot on the window, or press Ctrl+O.");
+    if (!document.capture)
+        return dimWrapped("Nothing is open. Drop a capture folder or a shot on the window, or press Ctrl+O.");
     const auto estimate = editor.estimate();
     fact("Capture", shown(document.name()), shown(document.captureFolder));
     if (!document.shotFolder.empty()) fact("Shot", shown(document.shotFolder.filename()), shown(document.shotFolder));
     fact("Views", count(document.capture->views.size()));
     if (document.scene) {
-        fact("Mesh", fmt::format("{} points, {} triangles", count(document.scene->mesh.vertexCount()), count(document.scene->mesh.triangles.size())));
+        fact("Mesh", fmt::format("{} points, {} triangles", count(document.scene->mesh.vertexCount()),
+                                 count(document.scene->mesh.triangles.size())));
         fact("Pieces", count(document.scene->pieces), "Parts of the mesh that do not touch each other");
     }
     if (document.check) {
-        fact("Seen twice", percent(document.check->seenTwiceShare), "Share of the surface that two photographs or more show; the more, the better light and surface can be told apart");
+        fact("Seen twice", percent(document.check->seenTwiceShare),
+             "Share of the surface that two photographs or more show; the more, the better light and surface can be "
+             "told apart");
         if (!document.check->warnings.empty()) {
-            warningText(fmt::format("{} thing{} to look at in the capture.", document.check->warnings.size(), document.check->warnings.size() == 1 ? "" : "s"));
-            if (button("Check the capture...", "Shows what was noticed about cameras, exposure and mesh")) editor.state.panels.doctor = true;
+            warningText(fmt::format("{} thing{} to look at in the capture.", document.check->warnings.size(),
+                                    document.check->warnings.size() == 1 ? "" : "s"));
+            if (button("Check the capture...", "Shows what was noticed about cameras, exposure and mesh"))
+                editor.state.panels.doctor = true;
         }
     }
     if (!estimate) {
@@ -56,26 +72,39 @@ void inspectScene(Editor& editor) {
     }
     heading("Estimate");
     fact("Lights", fmt::format("{} recovered", estimate->emitters.emitters.size()));
-    if (estimate->lighting.leaves.size() > 0) fact("Distant light", fmt::format("{} patches of sky", estimate->lighting.leaves.size()), "Unknowns of the environment: bright parts are divided more finely");
-    fact("Brightness", estimate->gauge.kind == "assumed" ? "assumed" : "measured", "Brightness scale: how light and surface brightness were told apart");
+    if (estimate->lighting.leaves.size() > 0)
+        fact("Distant light", fmt::format("{} patches of sky", estimate->lighting.leaves.size()),
+             "Unknowns of the environment: bright parts are divided more finely");
+    fact("Brightness", estimate->gauge.kind == "assumed" ? "assumed" : "measured",
+         "Brightness scale: how light and surface brightness were told apart");
     dimWrapped(estimate->gauge.evidence);
-    if (estimate->gauge.kind == "assumed") warningText("All lights may be too bright and all surfaces too dark by one factor, or the other way round.");
+    if (estimate->gauge.kind == "assumed")
+        warningText("All lights may be too bright and all surfaces too dark by one factor, or the other way round.");
     if (estimate->cancelled) warningText("It was stopped early: this is the best answer so far.");
-    if (!estimate->timeline.empty()) fact("Error", fmt::format("{:.3g}", estimate->timeline.back().rmse), "Mean difference between photographs and model, in the radiance units of the photographs");
+    if (!estimate->timeline.empty())
+        fact("Error", fmt::format("{:.3g}", estimate->timeline.back().rmse),
+             "Mean difference between photographs and model, in the radiance units of the photographs");
     if (section("How sure", "Figures about the calculation itself", false)) {
         const StabilityReport& s = estimate->stability;
-        fact("Unknowns", fmt::format("{}, {} of them determined", s.unknowns, s.effectiveRank), "Unknown lights, and how many the photographs pin down by themselves");
-        fact("Stiffness", fmt::format("{:.2g}", s.conditionNumber), "Condition number: how much noise in the photographs may be amplified. Below a million is harmless.");
-        fact("Residual", fmt::format("{:.1g}", s.kktResidual), "How far the last calculation was from its optimum; near 0 is good");
+        fact("Unknowns", fmt::format("{}, {} of them determined", s.unknowns, s.effectiveRank),
+             "Unknown lights, and how many the photographs pin down by themselves");
+        fact("Stiffness", fmt::format("{:.2g}", s.conditionNumber),
+             "Condition number: how much noise in the photographs may be amplified. Below a million is harmless.");
+        fact("Residual", fmt::format("{:.1g}", s.kktResidual),
+             "How far the last calculation was from its optimum; near 0 is good");
         if (!s.reason.empty()) warningText(s.reason);
-        if (document.resources.seconds > 0) fact("Took", fmt::format("{}, {}, {} threads", duration(document.resources.seconds), mebibytes(document.resources.peakMib), document.resources.threads));
+        if (document.resources.seconds > 0)
+            fact("Took", fmt::format("{}, {}, {} threads", duration(document.resources.seconds),
+                                     mebibytes(document.resources.peakMib), document.resources.threads));
     }
-    if (!estimate->leftOut.empty() && section("What was left out", "Effects that the estimate does not model, and why", false))
+    if (!estimate->leftOut.empty() &&
+        section("What was left out", "Effects that the estimate does not model, and why", false))
         for (const LeftOut& left : estimate->leftOut) {
             text(left.what);
             dimWrapped(left.why);
         }
-    if (const auto frame = editor.liveFrame(); frame && section("Viewport", "What the picture on screen costs", false)) {
+    if (const auto frame = editor.liveFrame();
+        frame && section("Viewport", "What the picture on screen costs", false)) {
         fact("Prepared in", duration(frame->report.bakeSeconds));
         fact("Light change", fmt::format("{:.1f} ms", frame->report.lightMs));
         fact("Moved light", fmt::format("{:.1f} ms", frame->report.moveMs));
@@ -94,7 +123,9 @@ void drawInspectorPanel(Editor& editor) {
         inspectPoint(editor, *selection.point);
     }
     const bool other = found || point;
-    if (editor.state.document.capture && !point && section(fmt::format("View {}###view", selection.view + 1).c_str(), "The selected photograph", !other)) inspectView(editor, selection.view);
+    if (editor.state.document.capture && !point &&
+        section(fmt::format("View {}###view", selection.view + 1).c_str(), "The selected photograph", !other))
+        inspectView(editor, selection.view);
     if (other) {
         ImGui::PushID("folded");
         if (section("Scene", "The capture and its estimate in figures", false)) inspectScene(editor);

@@ -10,8 +10,11 @@ namespace relamp::ui {
 
 Mat3 rotationOf(const Vec3& degrees) {
     const Vec3 r = degrees * (pi / 180);
-    const float cx = std::cos(r.x), sx = std::sin(r.x), cy = std::cos(r.y), sy = std::sin(r.y), cz = std::cos(r.z), sz = std::sin(r.z);
-    return Mat3(Vec3(cz, sz, 0), Vec3(-sz, cz, 0), Vec3(0, 0, 1)) * Mat3(Vec3(cy, 0, -sy), Vec3(0, 1, 0), Vec3(sy, 0, cy)) * Mat3(Vec3(1, 0, 0), Vec3(0, cx, sx), Vec3(0, -sx, cx));
+    const float cx = std::cos(r.x), sx = std::sin(r.x), cy = std::cos(r.y), sy = std::sin(r.y), cz = std::cos(r.z),
+                sz = std::sin(r.z);
+    return Mat3(Vec3(cz, sz, 0), Vec3(-sz, cz, 0), Vec3(0, 0, 1)) *
+           Mat3(Vec3(cy, 0, -sy), Vec3(0, 1, 0), Vec3(sy, 0, cy)) *
+           Mat3(Vec3(1, 0, 0), Vec3(0, cx, sx), Vec3(0, -sx, cx));
 }
 
 Placement placementOf(const Mat4& matrix) {
@@ -55,8 +58,9 @@ Mat4 shift(const Vec3& by) {
 Mat3 diagonal(const Vec3& d) { return Mat3(Vec3(d.x, 0, 0), Vec3(0, d.y, 0), Vec3(0, 0, d.z)); }
 
 /// Three numbers in a row under one name.
-void triple(Editor& editor, const char* name, const std::string& label, const Vec3& value, const DragRange& range, const std::string& explanation,
-            const std::function<void(Look&, int, float)>& apply, const DVec3& offset = DVec3(0)) {
+void triple(Editor& editor, const char* name, const std::string& label, const Vec3& value, const DragRange& range,
+            const std::string& explanation, const std::function<void(Look&, int, float)>& apply,
+            const DVec3& offset = DVec3(0)) {
     ImGui::PushID(name);
     dimText(name);
     tooltip(explanation);
@@ -70,9 +74,11 @@ void triple(Editor& editor, const char* name, const std::string& label, const Ve
         ImGui::SetNextItemWidth(std::floor(width));
         DragRange own = range;
         own.offset = offset[k];
-        dragLook(editor, ids[k], label, value[k], own, axes[k] + explanation, [&](Look& look, float number) { apply(look, k, number); });
+        dragLook(editor, ids[k], label, value[k], own, axes[k] + explanation,
+                 [&](Look& look, float number) { apply(look, k, number); });
         const ImVec2 a = ImGui::GetItemRectMin(), b = ImGui::GetItemRectMax();
-        ImGui::GetWindowDrawList()->AddRectFilled(a, {a.x + std::max(2.0f, em(0.14f)), b.y}, marks[k], ImGui::GetStyle().FrameRounding);
+        ImGui::GetWindowDrawList()->AddRectFilled(a, {a.x + std::max(2.0f, em(0.14f)), b.y}, marks[k],
+                                                  ImGui::GetStyle().FrameRounding);
     }
     ImGui::PopID();
 }
@@ -81,17 +87,21 @@ void place(Editor& editor, const EmitterState& emitter, const std::vector<std::s
     const std::string who = editor.namesOf(targets);
     const float size = editor.state.document.scene ? editor.state.document.scene->diagonal : 2;
     const auto startOf = [&editor](const std::string& id) { return emitterAtStart(editor, id); };
-    triple(editor, "Position (m)", "Move " + who, emitter.pivot, {size / 800, 0, 0, "%.3f"}, "Where the middle of the light is, in metres. Its shadows and its body move along; so do attached parts.",
-           [&](Look& look, int axis, float value) {
-               const auto active = startOf(emitter.id);
-               if (!active) return;
-               Vec3 by(0);
-               by[axis] = value - active->pivot[axis];
-               for (const std::string& id : targets) moveEmitter(look, id, shift(by));
-           },
-           editor.state.document.capture ? editor.state.document.capture->origin : DVec3(0));
+    triple(
+        editor, "Position (m)", "Move " + who, emitter.pivot, {size / 800, 0, 0, "%.3f"},
+        "Where the middle of the light is, in metres. Its shadows and its body move along; so do attached parts.",
+        [&](Look& look, int axis, float value) {
+            const auto active = startOf(emitter.id);
+            if (!active) return;
+            Vec3 by(0);
+            by[axis] = value - active->pivot[axis];
+            for (const std::string& id : targets) moveEmitter(look, id, shift(by));
+        },
+        editor.state.document.capture ? editor.state.document.capture->origin : DVec3(0));
     const Placement now = placementOf(emitter.matrix);
-    triple(editor, "Rotation (degrees)", "Turn " + who, now.degrees, {0.5f, 0, 0, "%.1f\u00b0"}, emitter.recovered ? "Turn about its middle, in degrees, against how it was recovered." : "Turn about its middle, in degrees.",
+    triple(editor, "Rotation (degrees)", "Turn " + who, now.degrees, {0.5f, 0, 0, "%.1f\u00b0"},
+           emitter.recovered ? "Turn about its middle, in degrees, against how it was recovered."
+                             : "Turn about its middle, in degrees.",
            [&](Look& look, int axis, float value) {
                const auto active = startOf(emitter.id);
                if (!active) return;
@@ -102,12 +112,14 @@ void place(Editor& editor, const EmitterState& emitter, const std::vector<std::s
                for (const std::string& id : targets)
                    if (const auto start = startOf(id)) moveEmitter(look, id, around(start->pivot, change));
            });
-    triple(editor, "Scale", "Scale " + who, now.scale, {0.005f, 0.001f, 1000, "%.3f", true}, "Size against how it was recovered. A larger light sends more light, because its brightness stays.",
+    triple(editor, "Scale", "Scale " + who, now.scale, {0.005f, 0.001f, 1000, "%.3f", true},
+           "Size against how it was recovered. A larger light sends more light, because its brightness stays.",
            [&](Look& look, int axis, float value) {
                for (const std::string& id : targets)
                    if (const auto start = startOf(id)) {
                        const Placement before = placementOf(start->matrix);
-                       const float factor = std::max(value, 1e-3f) / std::abs(placementOf(startOf(emitter.id)->matrix).scale[axis]);
+                       const float factor =
+                           std::max(value, 1e-3f) / std::abs(placementOf(startOf(emitter.id)->matrix).scale[axis]);
                        Vec3 scale(1);
                        scale[axis] = factor;
                        const Mat3 r = rotationOf(before.degrees);
@@ -121,16 +133,19 @@ void place(Editor& editor, const EmitterState& emitter, const std::vector<std::s
             const Vec2 before = added.size;
             const bool two = added.shape == Shape::rectangle;
             dimText(two ? "Width and height (m)" : "Diameter (m)");
-            const float width = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemInnerSpacing.x) / (two ? 2.0f : 1.0f);
+            const float width =
+                (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemInnerSpacing.x) / (two ? 2.0f : 1.0f);
             for (int k = 0; k < (two ? 2 : 1); ++k) {
                 if (k) ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
                 ImGui::SetNextItemWidth(std::floor(width));
-                dragLook(editor, k ? "##height" : "##width", "Size of " + emitter.name, before[k], {size / 2000, 1e-4f, 1e4f, "%.3f m"}, "Size of the light before Scale. Larger gives softer shadows.", [&](Look& look, float value) {
-                    Vec2 changed = before;
-                    changed[k] = std::max(value, 1e-4f);
-                    if (!two) changed = Vec2(changed[0]);
-                    setSize(look, emitter.id, changed);
-                });
+                dragLook(editor, k ? "##height" : "##width", "Size of " + emitter.name, before[k],
+                         {size / 2000, 1e-4f, 1e4f, "%.3f m"},
+                         "Size of the light before Scale. Larger gives softer shadows.", [&](Look& look, float value) {
+                             Vec2 changed = before;
+                             changed[k] = std::max(value, 1e-4f);
+                             if (!two) changed = Vec2(changed[0]);
+                             setSize(look, emitter.id, changed);
+                         });
             }
         }
     }
@@ -147,12 +162,15 @@ void light(Editor& editor, const EmitterState& emitter, const std::vector<std::s
     row("Brightness");
     stopsControl(editor, emitter, "##stops");
     row("Temperature");
-    ImGui::SetNextItemWidth(std::max(em(3), ImGui::GetContentRegionAvail().x - ImGui::GetFrameHeight() - ImGui::GetStyle().ItemSpacing.x));
+    ImGui::SetNextItemWidth(
+        std::max(em(3), ImGui::GetContentRegionAvail().x - ImGui::GetFrameHeight() - ImGui::GetStyle().ItemSpacing.x));
     kelvinControl(editor, emitter, "##kelvin");
     ImGui::SameLine();
     colourControl(editor, emitter, "##colour", ImGui::GetFrameHeight());
-    triple(editor, "Radiance (red, green, blue)", "Radiance of " + editor.namesOf(targets), emitter.radiance, {std::max(1e-4f, maxChannel(emitter.radiance) / 300), 0, 1e9f, "%.4g"},
-           "The value of a pixel that sees the light directly, linear, in the units of the photographs.", [&](Look& look, int axis, float value) {
+    triple(editor, "Radiance (red, green, blue)", "Radiance of " + editor.namesOf(targets), emitter.radiance,
+           {std::max(1e-4f, maxChannel(emitter.radiance) / 300), 0, 1e9f, "%.4g"},
+           "The value of a pixel that sees the light directly, linear, in the units of the photographs.",
+           [&](Look& look, int axis, float value) {
                for (const std::string& id : targets)
                    if (const auto start = emitterAtStart(editor, id)) {
                        Rgb changed = start->radiance;
@@ -160,9 +178,11 @@ void light(Editor& editor, const EmitterState& emitter, const std::vector<std::s
                        setRadiance(look, *editor.estimate(), id, changed);
                    }
            });
-    fact("Power", number(double(powerOf(editor, emitter))) + (emitter.enabled ? "" : " (off)"), "All light it sends out: radiance times area, in image units times square metres");
+    fact("Power", number(double(powerOf(editor, emitter))) + (emitter.enabled ? "" : " (off)"),
+         "All light it sends out: radiance times area, in image units times square metres");
     const float area = areaOf(editor, emitter);
-    fact("Area", area < 0.1f ? fmt::format("{:.3g} cm\u00b2", area * 1e4f) : fmt::format("{:.3g} m\u00b2", area), "Surface that shines");
+    fact("Area", area < 0.1f ? fmt::format("{:.3g} cm\u00b2", area * 1e4f) : fmt::format("{:.3g} m\u00b2", area),
+         "Surface that shines");
 }
 
 void parts(Editor& editor, const EmitterState& emitter) {
@@ -177,48 +197,69 @@ void parts(Editor& editor, const EmitterState& emitter) {
         iconText(Icon::link, dimColour);
         ImGui::SameLine(0, em(0.4f));
         ImGui::AlignTextToFramePadding();
-        text(fmt::format("Piece of {} points", count(size_t(std::count(scene->piece.begin(), scene->piece.end(), scene->piece[part.seedVertex])))));
+        text(fmt::format("Piece of {} points", count(size_t(std::count(scene->piece.begin(), scene->piece.end(),
+                                                                       scene->piece[part.seedVertex])))));
         sameLineIfFits(buttonWidth("Detach"));
         if (button("Detach", "It stays where it is and follows the light no more")) detach = part.seedVertex;
         sameLineIfFits(buttonWidth("Put back"));
         if (button("Put back", "It goes back to where it was when the photographs were taken")) reset = part.seedVertex;
         ImGui::PopID();
     }
-    if (!any) dimWrapped("Nothing follows this light. Attach its shade and its stand, and they move along with their shadows.");
-    if (detach != ~0u) editor.edit("Detach a piece from " + emitter.name, [&](Look& look) { detachPart(look, *scene, detach); });
-    if (reset != ~0u) editor.edit("Put a piece of " + emitter.name + " back", [&](Look& look) { resetPart(look, *scene, reset); });
+    if (!any)
+        dimWrapped(
+            "Nothing follows this light. Attach its shade and its stand, and they move along with their shadows.");
+    if (detach != ~0u)
+        editor.edit("Detach a piece from " + emitter.name, [&](Look& look) { detachPart(look, *scene, detach); });
+    if (reset != ~0u)
+        editor.edit("Put a piece of " + emitter.name + " back", [&](Look& look) { resetPart(look, *scene, reset); });
     const auto likely = [&] {
         std::vector<uint32_t> seeds = likelyParts(*scene, *editor.estimate(), emitter.id);
         std::erase_if(seeds, [&](uint32_t seed) {
             for (const PartLook& part : editor.look().parts)
-                if (part.attachedTo == emitter.id && part.seedVertex < scene->piece.size() && scene->piece[part.seedVertex] == scene->piece[seed]) return true;
+                if (part.attachedTo == emitter.id && part.seedVertex < scene->piece.size() &&
+                    scene->piece[part.seedVertex] == scene->piece[seed])
+                    return true;
             return false;
         });
         return seeds;
     };
-    if (emitter.recovered && button("Attach what is near", "Attaches the pieces that touch the light or stand close to it"))
+    if (emitter.recovered &&
+        button("Attach what is near", "Attaches the pieces that touch the light or stand close to it"))
         if (const auto seeds = likely(); !seeds.empty())
-            editor.edit(fmt::format("Attach {} piece{} to {}", seeds.size(), seeds.size() == 1 ? "" : "s", emitter.name), [&](Look& look) {
-                for (const uint32_t seed : seeds) attachPart(look, *scene, seed, emitter.id);
-            });
+            editor.edit(
+                fmt::format("Attach {} piece{} to {}", seeds.size(), seeds.size() == 1 ? "" : "s", emitter.name),
+                [&](Look& look) {
+                    for (const uint32_t seed : seeds) attachPart(look, *scene, seed, emitter.id);
+                });
     if (emitter.recovered) sameLineIfFits(buttonWidth("Click a piece"));
-    if (iconTextButton("Click a piece", Icon::link, "Then click the piece of the scene that shall follow it", editor.state.viewport.clickTask == ClickTask::attach)) armClick(editor, ClickTask::attach);
+    if (iconTextButton("Click a piece", Icon::link, "Then click the piece of the scene that shall follow it",
+                       editor.state.viewport.clickTask == ClickTask::attach))
+        armClick(editor, ClickTask::attach);
 }
 
 void evidence(Editor& editor, const EmitterState& emitter) {
-    if (!emitter.recovered) return dimWrapped("Added by you: this light was not there when the photographs were taken.");
+    if (!emitter.recovered)
+        return dimWrapped("Added by you: this light was not there when the photographs were taken.");
     const auto estimate = editor.estimate();
     const EmitterCluster& cluster = estimate->emitters.emitters[size_t(emitter.index)];
     const EmitterEvidence& e = cluster.evidence;
     const float sigma = uncertaintyOf(editor, emitter), identifiability = identifiabilityOf(editor, emitter);
-    wrapped(fmt::format("Seen in {} photograph{}, {}{} triangles.", e.viewsSeen, e.viewsSeen == 1 ? "" : "s", e.samples ? count(e.samples) + " look-ups on " : "", count(cluster.triangles.size())));
-    if (e.sceneContrast > 0) wrapped(fmt::format("It is {:.3g} times as bright as the brightest other surfaces.", e.sceneContrast));
+    wrapped(fmt::format("Seen in {} photograph{}, {}{} triangles.", e.viewsSeen, e.viewsSeen == 1 ? "" : "s",
+                        e.samples ? count(e.samples) + " look-ups on " : "", count(cluster.triangles.size())));
+    if (e.sceneContrast > 0)
+        wrapped(fmt::format("It is {:.3g} times as bright as the brightest other surfaces.", e.sceneContrast));
     if (sigma >= 0) wrapped(fmt::format("Its brightness is known to about {}.", percent(double(sigma))));
-    if (e.uniformity > 0.12f) wrapped(fmt::format("It glows unevenly, by {} either way. It is given one brightness, the mean.", percent(double(e.uniformity))));
-    if (e.clippedShare > 0.005f) warningText(fmt::format("{} of the pixels that see it are clipped: it may be brighter than it looks.", percent(double(e.clippedShare))));
+    if (e.uniformity > 0.12f)
+        wrapped(fmt::format("It glows unevenly, by {} either way. It is given one brightness, the mean.",
+                            percent(double(e.uniformity))));
+    if (e.clippedShare > 0.005f)
+        warningText(fmt::format("{} of the pixels that see it are clipped: it may be brighter than it looks.",
+                                percent(double(e.clippedShare))));
     if (identifiability >= 0) {
-        wrapped(fmt::format("{} of its effect on the photographs could not come from far away.", percent(double(identifiability))));
-        if (identifiability < weakIdentifiability) warningText("Hard to tell from distant light: its share and the environment's may have been mixed up.");
+        wrapped(fmt::format("{} of its effect on the photographs could not come from far away.",
+                            percent(double(identifiability))));
+        if (identifiability < weakIdentifiability)
+            warningText("Hard to tell from distant light: its share and the environment's may have been mixed up.");
     }
 }
 
@@ -230,12 +271,19 @@ void nameField(Editor& editor, const EmitterState& emitter, float width) {
     asked = false;
     ImGui::SetNextItemWidth(std::max(em(4), width));
     if (typedFor != emitter.id) typed = emitter.name;
-    const bool entered = inputText("##name", typed, emitter.id.c_str(), ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
+    const bool entered = inputText("##name", typed, emitter.id.c_str(),
+                                   ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
     const bool done = entered || ImGui::IsItemDeactivatedAfterEdit();
-    tooltip(fmt::format("What this light is called: in the lists, as a light group of exported frames and in exported scenes (F2). Empty: {}", emitter.id));
+    tooltip(
+        fmt::format("What this light is called: in the lists, as a light group of exported frames and in exported "
+                    "scenes (F2). Empty: {}",
+                    emitter.id));
     // While it is being typed into, what it is called elsewhere does not matter.
     typedFor = ImGui::IsItemActive() ? emitter.id : std::string();
-    if (done && typed != emitter.name) editor.edit(fmt::format("Rename {} to {}", emitter.name, tidyName(typed).empty() ? emitter.id : tidyName(typed)), [&](Look& look) { renameEmitter(look, emitter.id, typed); });
+    if (done && typed != emitter.name)
+        editor.edit(
+            fmt::format("Rename {} to {}", emitter.name, tidyName(typed).empty() ? emitter.id : tidyName(typed)),
+            [&](Look& look) { renameEmitter(look, emitter.id, typed); });
 }
 
 }  // namespace
@@ -245,12 +293,14 @@ void inspectEmitter(Editor& editor, const EmitterState& emitter) {
     const float side = ImGui::GetFrameHeight();
     // Name and switches.
     const ImVec2 at = ImGui::GetCursorScreenPos();
-    const ImVec4 mark = emitter.recovered ? toScreen(clusterColour(size_t(emitter.index))) : ImVec4(0.5f, 0.5f, 0.5f, 1);
+    const ImVec4 mark =
+        emitter.recovered ? toScreen(clusterColour(size_t(emitter.index))) : ImVec4(0.5f, 0.5f, 0.5f, 1);
     ImGui::GetWindowDrawList()->AddRectFilled(at, {at.x + em(0.4f), at.y + side}, ImGui::GetColorU32(mark), em(0.15f));
     ImGui::SetCursorPosX(ImGui::GetCursorPosX() + em(0.7f));
     ImGui::AlignTextToFramePadding();
     const float room = ImGui::GetContentRegionAvail().x - 4 * (side + ImGui::GetStyle().ItemSpacing.x);
-    if (targets.size() > 1) text(elided(fmt::format("{} (and {} more)", shown(emitter.name), targets.size() - 1), room));
+    if (targets.size() > 1)
+        text(elided(fmt::format("{} (and {} more)", shown(emitter.name), targets.size() - 1), room));
     else nameField(editor, emitter, room);
     ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - 4 * side - 3 * ImGui::GetStyle().ItemSpacing.x);
     muteButton(editor, emitter, side);
@@ -258,7 +308,8 @@ void inspectEmitter(Editor& editor, const EmitterState& emitter) {
     soloButton(editor, emitter, side);
     ImGui::SameLine();
     ImGui::BeginDisabled(!emitter.changed || !emitter.recovered);
-    if (iconButton("##reset", Icon::reset, "Everything back to what was recovered")) resetEmitters(editor, targets, EmitterValue::all);
+    if (iconButton("##reset", Icon::reset, "Everything back to what was recovered"))
+        resetEmitters(editor, targets, EmitterValue::all);
     ImGui::EndDisabled();
     ImGui::SameLine();
     if (iconButton("##more", Icon::dots, "Reset, duplicate, delete, attach")) ImGui::OpenPopup("##menu");
@@ -275,22 +326,28 @@ void inspectEmitter(Editor& editor, const EmitterState& emitter) {
         ClickTask task;
         const char* explanation;
     } tasks[] = {{"Aim", Icon::aim, ClickTask::aim, "Then click the spot the light shall point at"},
-                 {"Reflect", Icon::mirror, ClickTask::reflect, "Place by reflection: then click where its mirror image shall be seen on a glossy surface"},
-                 {"Light", Icon::spot, ClickTask::illuminate, "Place by light: then click the spot it shall light; it moves straight above it"}};
+                 {"Reflect", Icon::mirror, ClickTask::reflect,
+                  "Place by reflection: then click where its mirror image shall be seen on a glossy surface"},
+                 {"Light", Icon::spot, ClickTask::illuminate,
+                  "Place by light: then click the spot it shall light; it moves straight above it"}};
     const float third = std::floor((ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3);
     for (int k = 0; k < 3; ++k) {
         if (k) ImGui::SameLine();
-        if (iconTextButton(tasks[k].label, tasks[k].icon, tasks[k].explanation, armed == tasks[k].task, third)) armClick(editor, tasks[k].task);
+        if (iconTextButton(tasks[k].label, tasks[k].icon, tasks[k].explanation, armed == tasks[k].task, third))
+            armClick(editor, tasks[k].task);
     }
     if (armed != ClickTask::none) dimWrapped(clickHint(armed));
 
     if (section("Light", "Brightness and colour")) light(editor, emitter, targets);
     if (section("Place", "Where it stands, how it is turned, how large it is")) {
         place(editor, emitter, targets);
-        if (emitter.changed && button("Reset place", "Back to where it stood when the photographs were taken")) resetEmitters(editor, targets, EmitterValue::place);
+        if (emitter.changed && button("Reset place", "Back to where it stood when the photographs were taken"))
+            resetEmitters(editor, targets, EmitterValue::place);
     }
-    if (section("Attached geometry", "Pieces of the scene that follow it: its shade, its stand", false)) parts(editor, emitter);
-    if (section("What this rests on", "The evidence for this light in the photographs", false)) evidence(editor, emitter);
+    if (section("Attached geometry", "Pieces of the scene that follow it: its shade, its stand", false))
+        parts(editor, emitter);
+    if (section("What this rests on", "The evidence for this light in the photographs", false))
+        evidence(editor, emitter);
 }
 
 }  // namespace relamp::ui

@@ -39,7 +39,9 @@ void directionDisc(const PointLight& light, float diameter) {
             const size_t cell = size_t(light.grid.cellOf(d));
             if (cell >= light.incident.size()) continue;
             const Rgb c = light.incident[cell] * exposure;
-            const ImU32 colour = ImGui::GetColorU32(ImVec4(srgbEncode(std::clamp(c.x, 0.0f, 1.0f)), srgbEncode(std::clamp(c.y, 0.0f, 1.0f)), srgbEncode(std::clamp(c.z, 0.0f, 1.0f)), 1));
+            const ImU32 colour = ImGui::GetColorU32(ImVec4(srgbEncode(std::clamp(c.x, 0.0f, 1.0f)),
+                                                           srgbEncode(std::clamp(c.y, 0.0f, 1.0f)),
+                                                           srgbEncode(std::clamp(c.z, 0.0f, 1.0f)), 1));
             ImVec2 corner[4];
             int k = 0;
             for (const auto& [dr, ds] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}}) {
@@ -50,11 +52,16 @@ void directionDisc(const PointLight& light, float diameter) {
         }
     }
     list->AddCircle(centre, radius, ImGui::GetColorU32(ImGuiCol_Border), 48);
-    tooltip("What this spot sees of the lights. The middle is straight away from the surface, the rim along it; black is blocked or dark. Up in the world is up here.");
+    tooltip(
+        "What this spot sees of the lights. The middle is straight away from the surface, the rim along it; black is "
+        "blocked or dark. Up in the world is up here.");
 }
 
 std::string inWords(float confidence) {
-    return confidence > 0.75f ? "sure: mostly from its own photographs" : confidence > 0.4f ? "fair: helped by the surfaces around it" : confidence > 0.1f ? "unsure: mostly guessed from the surfaces around it" : "guessed from the surfaces around it";
+    return confidence > 0.75f  ? "sure: mostly from its own photographs"
+           : confidence > 0.4f ? "fair: helped by the surfaces around it"
+           : confidence > 0.1f ? "unsure: mostly guessed from the surfaces around it"
+                               : "guessed from the surfaces around it";
 }
 
 }  // namespace
@@ -77,20 +84,29 @@ void inspectPoint(Editor& editor, const PickedPoint& point) {
             };
             std::vector<Part> parts{{"Environment", light->fromEnvironment, ""}};
             const auto& emitters = editor.emitters();
-            for (size_t e = 0; e < light->fromEmitter.size(); ++e) parts.push_back({e < emitters.size() ? emitters[e].id : fmt::format("light {}", e + 1), light->fromEmitter[e], e < emitters.size() ? emitters[e].id : ""});
+            for (size_t e = 0; e < light->fromEmitter.size(); ++e)
+                parts.push_back({e < emitters.size() ? emitters[e].id : fmt::format("light {}", e + 1),
+                                 light->fromEmitter[e], e < emitters.size() ? emitters[e].id : ""});
             float total = 0;
             for (const Part& part : parts) total += std::max(0.0f, luminance(part.radiance));
-            std::stable_sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return luminance(a.radiance) > luminance(b.radiance); });
+            std::stable_sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) {
+                return luminance(a.radiance) > luminance(b.radiance);
+            });
             const float box = ImGui::GetTextLineHeight() + em(0.25f);
             std::string wanted;
             for (size_t i = 0; i < parts.size(); ++i) {
                 const Part& part = parts[i];
                 const float share = total > 0 ? luminance(part.radiance) / total : 0;
                 ImGui::PushID(int(i));
-                if (swatch("##colour", lightColour(part.radiance), box, part.id.empty() ? "Colour of this part of the light" : "Colour of this part of the light. Click selects the lamp.")) wanted = part.id;
+                if (swatch("##colour", lightColour(part.radiance), box,
+                           part.id.empty() ? "Colour of this part of the light"
+                                           : "Colour of this part of the light. Click selects the lamp."))
+                    wanted = part.id;
                 ImGui::SameLine(0, em(0.3f));
                 bar(double(share), {0.38f, 0.38f, 0.38f, 1}, fmt::format("{}  {}", part.name, percent(double(share))));
-                tooltip(fmt::format("{}: {} of the light this spot sends towards the eye\nradiance {:.3g} {:.3g} {:.3g}", part.name, percent(double(share)), part.radiance.x, part.radiance.y, part.radiance.z));
+                tooltip(
+                    fmt::format("{}: {} of the light this spot sends towards the eye\nradiance {:.3g} {:.3g} {:.3g}",
+                                part.name, percent(double(share)), part.radiance.x, part.radiance.y, part.radiance.z));
                 ImGui::PopID();
             }
             if (total <= 0) dimText("No light arrives here.");
@@ -107,24 +123,39 @@ void inspectPoint(Editor& editor, const PickedPoint& point) {
         const Reflectance& r = estimate->reflectance;
         // The picture's mesh has the capture's vertices first; others say which one they were copied from.
         uint32_t vertex = point.vertex;
-        if (const auto frame = editor.liveFrame(); frame && frame->origin && vertex < frame->origin->size()) vertex = (*frame->origin)[vertex];
-        if (vertex >= r.observed.size() || r.weight.empty() || vertex >= r.weight[0].size()) return dimText("This was not part of the capture.");
+        if (const auto frame = editor.liveFrame(); frame && frame->origin && vertex < frame->origin->size())
+            vertex = (*frame->origin)[vertex];
+        if (vertex >= r.observed.size() || r.weight.empty() || vertex >= r.weight[0].size())
+            return dimText("This was not part of the capture.");
         const Rgb albedo = r.weight[0][vertex];
-        fact("Albedo", fmt::format("{:.3f}  {:.3f}  {:.3f}", albedo.x, albedo.y, albedo.z), "Share of the light that it sends back to all sides, red green blue");
-        if (vertex < r.sigma.size()) fact("Known within", percent(double(std::min(r.sigma[vertex], 1.0f))), "Two times in three its albedo is off by less than this share, as far as the photographs can tell");
+        fact("Albedo", fmt::format("{:.3f}  {:.3f}  {:.3f}", albedo.x, albedo.y, albedo.z),
+             "Share of the light that it sends back to all sides, red green blue");
+        if (vertex < r.sigma.size())
+            fact("Known within", percent(double(std::min(r.sigma[vertex], 1.0f))),
+                 "Two times in three its albedo is off by less than this share, as far as the photographs can tell");
         const float box = ImGui::GetTextLineHeight();
-        swatch("##albedo", ImVec4(srgbEncode(std::min(1.0f, albedo.x)), srgbEncode(std::min(1.0f, albedo.y)), srgbEncode(std::min(1.0f, albedo.z)), 1), box, "Its colour in white light");
+        swatch("##albedo",
+               ImVec4(srgbEncode(std::min(1.0f, albedo.x)), srgbEncode(std::min(1.0f, albedo.y)),
+                      srgbEncode(std::min(1.0f, albedo.z)), 1),
+               box, "Its colour in white light");
         for (size_t k = 1; k < r.weight.size() && k < r.basis.lobes.size(); ++k)
             if (vertex < r.weight[k].size() && maxChannel(r.weight[k][vertex]) > 1e-4f) {
                 const Rgb w = r.weight[k][vertex];
                 const Lobe& lobe = r.basis.lobes[k];
                 const bool common = lobe.kind == Lobe::Kind::ggx || lobe.kind == Lobe::Kind::ggxDielectric;
-                fact(common ? fmt::format("{} {:.2f}", lobe.kind == Lobe::Kind::ggx ? "Metallic" : "Glaze", std::sqrt(lobe.alpha)) : lobe.name, fmt::format("{:.3f}  {:.3f}  {:.3f}", w.x, w.y, w.z), "Glossy reflection with this roughness: its strength, red green blue");
+                fact(common ? fmt::format("{} {:.2f}", lobe.kind == Lobe::Kind::ggx ? "Metallic" : "Glaze",
+                                          std::sqrt(lobe.alpha))
+                            : lobe.name,
+                     fmt::format("{:.3f}  {:.3f}  {:.3f}", w.x, w.y, w.z),
+                     "Glossy reflection with this roughness: its strength, red green blue");
             }
-        fact("Seen by", fmt::format("{} view{}", r.observed[vertex], r.observed[vertex] == 1 ? "" : "s"), "Photographs that show this spot");
+        fact("Seen by", fmt::format("{} view{}", r.observed[vertex], r.observed[vertex] == 1 ? "" : "s"),
+             "Photographs that show this spot");
         if (vertex < r.confidence.size()) {
-            bar(double(r.confidence[vertex]), toScreen(confidenceColour(r.confidence[vertex]) * 0.7f), fmt::format("confidence {}", percent(double(r.confidence[vertex]))));
-            dimWrapped(r.observed[vertex] ? inWords(r.confidence[vertex]) : "no photograph shows it: guessed from the surfaces around it");
+            bar(double(r.confidence[vertex]), toScreen(confidenceColour(r.confidence[vertex]) * 0.7f),
+                fmt::format("confidence {}", percent(double(r.confidence[vertex]))));
+            dimWrapped(r.observed[vertex] ? inWords(r.confidence[vertex])
+                                          : "no photograph shows it: guessed from the surfaces around it");
         }
     }
 }

@@ -12,7 +12,10 @@ void drawLogPanel(Editor& editor) {
     ImGui::SameLine();
     checkbox("Warnings only", warningsOnly, "Hides ordinary messages");
     const auto& log = editor.state.log;
-    const auto visible = [&](const LogEntry& entry) { return (!warningsOnly || entry.level == LogLevel::warning) && (filter.empty() || entry.text.find(filter) != std::string::npos); };
+    const auto visible = [&](const LogEntry& entry) {
+        return (!warningsOnly || entry.level == LogLevel::warning) &&
+               (filter.empty() || entry.text.find(filter) != std::string::npos);
+    };
     sameLineIfFits(buttonWidth("Copy"));
     if (button("Copy", "Copies the lines shown to the clipboard")) {
         std::string all;

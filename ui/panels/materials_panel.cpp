@@ -22,8 +22,8 @@ std::string nameOf(const Lobe& lobe) {
 
 struct LobeUse {
     std::string name;
-    float share = 0;      ///< of all reflectance, mean over the observed vertices
-    float vertices = 0;   ///< share of the observed vertices that use it
+    float share = 0;     ///< of all reflectance, mean over the observed vertices
+    float vertices = 0;  ///< share of the observed vertices that use it
 };
 
 /// Cost O(lobes x vertices), once an estimate.
@@ -48,7 +48,9 @@ const std::vector<LobeUse>& usesOf(const std::shared_ptr<const Estimate>& estima
         total += sums[k];
     }
     for (size_t k = 0; k < r.weight.size() && k < r.basis.lobes.size(); ++k)
-        if (users[k] > 0) uses.push_back({nameOf(r.basis.lobes[k]), float(sums[k] / std::max(total, 1e-12)), float(users[k] / double(std::max<size_t>(1, observed)))});
+        if (users[k] > 0)
+            uses.push_back({nameOf(r.basis.lobes[k]), float(sums[k] / std::max(total, 1e-12)),
+                            float(users[k] / double(std::max<size_t>(1, observed)))});
     return uses;
 }
 
@@ -58,27 +60,37 @@ void drawMaterialsPanel(Editor& editor) {
     const auto estimate = editor.estimate();
     ImGui::BeginDisabled(!estimate);
     bool neutral = editor.look().neutralMaterials;
-    if (checkbox("Neutral surfaces", neutral, "Every surface keeps its brightness but loses its colour: what is coloured then is the light"))
-        editor.edit(neutral ? "Neutral surfaces" : "Coloured surfaces", [&](Look& look) { look.neutralMaterials = neutral; });
+    if (checkbox("Neutral surfaces", neutral,
+                 "Every surface keeps its brightness but loses its colour: what is coloured then is the light"))
+        editor.edit(neutral ? "Neutral surfaces" : "Coloured surfaces",
+                    [&](Look& look) { look.neutralMaterials = neutral; });
     ImGui::EndDisabled();
     if (!estimate) return dimWrapped("After the estimate: how matte and how glossy the surfaces were found to be.");
     dimText("Kinds of reflection in use");
-    tooltip("Each point of the surface mixes these. The bar shows how much of all reflected light a kind accounts for.");
+    tooltip(
+        "Each point of the surface mixes these. The bar shows how much of all reflected light a kind accounts for.");
     for (const LobeUse& use : usesOf(estimate)) {
         bar(double(use.share), {0.36f, 0.36f, 0.36f, 1}, fmt::format("{}  {}", use.name, percent(double(use.share))));
-        tooltip(fmt::format("{}: {} of the reflectance, used on {} of the surface points that the photographs show.\n{}", use.name, percent(double(use.share)), percent(double(use.vertices)),
-                            use.name == "matte" ? "Looks the same from every side." : "Mirrors its surroundings: blurred when the roughness is near 1, sharp when it is near 0."));
+        tooltip(fmt::format(
+            "{}: {} of the reflectance, used on {} of the surface points that the photographs show.\n{}", use.name,
+            percent(double(use.share)), percent(double(use.vertices)),
+            use.name == "matte"
+                ? "Looks the same from every side."
+                : "Mirrors its surroundings: blurred when the roughness is near 1, sharp when it is near 0."));
     }
     if (estimate->palette.empty()) return;
     dimText("Palette");
-    tooltip("The materials that you said the scene has, most used first: hover over one for its colour and its share of the surfaces.");
+    tooltip(
+        "The materials that you said the scene has, most used first: hover over one for its colour and its share of "
+        "the surfaces.");
     int column = 0;
     for (const PaletteColour& colour : estimate->palette) {
         if (column++ % 8) ImGui::SameLine(0, em(0.25f));
         const Rgb shown = glm::pow(glm::clamp(colour.albedo, Rgb(0), Rgb(1)), Rgb(1 / 2.2f));
         ImGui::PushID(column);
         ImGui::ColorButton("##material", {shown.x, shown.y, shown.z, 1}, ImGuiColorEditFlags_NoTooltip);
-        tooltip(fmt::format("Reflects {:.2f} {:.2f} {:.2f} of red, green and blue; {} of the surfaces", colour.albedo.x, colour.albedo.y, colour.albedo.z, percent(double(colour.share))));
+        tooltip(fmt::format("Reflects {:.2f} {:.2f} {:.2f} of red, green and blue; {} of the surfaces", colour.albedo.x,
+                            colour.albedo.y, colour.albedo.z, percent(double(colour.share))));
         ImGui::PopID();
     }
 }

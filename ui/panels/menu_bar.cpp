@@ -26,7 +26,8 @@ void drawRecent(Editor& editor) {
 void drawMenuBar(Editor& editor) {
     std::vector<std::string> menus;
     for (const Action& action : actions())
-        if (!action.menu.empty() && std::find(menus.begin(), menus.end(), action.menu) == menus.end()) menus.push_back(action.menu);
+        if (!action.menu.empty() && std::find(menus.begin(), menus.end(), action.menu) == menus.end())
+            menus.push_back(action.menu);
     const Action* wanted = nullptr;
     for (const std::string& menu : menus) {
         if (!ImGui::BeginMenu(menu.c_str())) continue;
@@ -36,8 +37,10 @@ void drawMenuBar(Editor& editor) {
             if (action.separatorBefore && !first) ImGui::Separator();
             first = false;
             const std::string keys = action.keys.empty() ? "" : action.keys.front().text();
-            const bool enabled = !action.enabled || action.enabled(editor), checked = action.checked && action.checked(editor);
-            if (ImGui::MenuItem((action.label + "##" + action.id).c_str(), keys.c_str(), checked, enabled)) wanted = &action;
+            const bool enabled = !action.enabled || action.enabled(editor),
+                       checked = action.checked && action.checked(editor);
+            if (ImGui::MenuItem((action.label + "##" + action.id).c_str(), keys.c_str(), checked, enabled))
+                wanted = &action;
             noteItem("menu " + action.id);
             tooltip(action.explanation);
             if (action.id == "file.open") drawRecent(editor);

@@ -1,5 +1,5 @@
-// The panels and dialogs of the window. Each draws into the present ImGui window or child and knows no other panel; what they share is
-// the editor. Dialogs open their own windows. layout.cpp puts them together.
+// The panels and dialogs of the window. Each draws into the present ImGui window or child and knows no other panel;
+// what they share is the editor. Dialogs open their own windows. layout.cpp puts them together.
 #pragma once
 #include "editor.h"
 
@@ -8,29 +8,31 @@ namespace relamp::ui {
 // ---- areas
 /// Inside BeginMenuBar or BeginMainMenuBar: menus from the table of actions.
 void drawMenuBar(Editor& editor);
-/// Left column: views, emitters, environment, materials, settings of the estimate, one under the other; below them, always in sight, the
-/// button that estimates.
+/// Left column: views, emitters, environment, materials, settings of the estimate, one under the other; below them,
+/// always in sight, the button that estimates.
 void drawScenePanel(Editor& editor);
 /// Right column: what is selected, else the scene in figures.
 void drawInspectorPanel(Editor& editor);
-/// Bottom: timeline, emitters, log and history as tabs, and the plan of the estimate; state.panels.bottomTab is the tab shown, 0 to 4, and may be set from outside.
+/// Bottom: timeline, emitters, log and history as tabs, and the plan of the estimate; state.panels.bottomTab is the tab
+/// shown, 0 to 4, and may be set from outside.
 void drawBottomPanel(Editor& editor);
 /// One line of text high (statusBarHeight()).
 void drawStatusBar(Editor& editor);
 float statusBarHeight();
 
-/// Above the viewport, while the estimate shown explains its photographs too badly to be trusted and the user has not closed it.
+/// Above the viewport, while the estimate shown explains its photographs too badly to be trusted and the user has not
+/// closed it.
 bool qualityBannerShown(const Editor& editor);
 float qualityBannerHeight(const Editor& editor, float width);
 void drawQualityBanner(Editor& editor);
 
 // ---- parts of the left column, each usable alone
 void drawViewsPanel(Editor& editor);
-void drawEmittersPanel(Editor& editor);       ///< shows as many columns as fit
+void drawEmittersPanel(Editor& editor);  ///< shows as many columns as fit
 void drawEnvironmentPanel(Editor& editor);
 void drawMaterialsPanel(Editor& editor);
-void drawEstimatePanel(Editor& editor);       ///< button and settings
-void drawEstimateButton(Editor& editor);      ///< or, while it runs, how far it is
+void drawEstimatePanel(Editor& editor);   ///< button and settings
+void drawEstimateButton(Editor& editor);  ///< or, while it runs, how far it is
 void drawEstimateSettings(Editor& editor);
 /// The search for a lamp that no photograph shows, and those that stand in its place.
 void drawUnseenLamps(Editor& editor);
@@ -39,10 +41,11 @@ void drawUnseenLamps(Editor& editor);
 void drawTimelinePanel(Editor& editor);
 void drawLogPanel(Editor& editor);
 void drawHistoryPanel(Editor& editor);
-void drawPlanPanel(Editor& editor);           ///< what an estimate does and leaves out
+void drawPlanPanel(Editor& editor);  ///< what an estimate does and leaves out
 
-/// Every dialog that the state asks for: notices, unsaved work, recovery, file browsers, export, keys, about, command palette, import
-/// doctor. Called once a frame outside other windows, after all panels. Also closes drags whose control has disappeared.
+/// Every dialog that the state asks for: notices, unsaved work, recovery, file browsers, export, keys, about, command
+/// palette, import doctor. Called once a frame outside other windows, after all panels. Also closes drags whose control
+/// has disappeared.
 void drawDialogs(Editor& editor);
 /// A dialog is open that takes the keyboard: the window's own keys rest.
 bool dialogOpen(const Editor& editor);

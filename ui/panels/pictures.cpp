@@ -31,7 +31,8 @@ std::map<std::filesystem::path, std::shared_ptr<Reading>>& readings() {
 Image displayPicture(const Image& linear, int longestSide, float exposure) {
     if (linear.width < 1 || linear.height < 1) return {};
     const float scale = std::min(1.0f, float(longestSide) / float(std::max(linear.width, linear.height)));
-    Image small = shrunk(linear, std::max(1, int(float(linear.width) * scale)), std::max(1, int(float(linear.height) * scale)));
+    Image small =
+        shrunk(linear, std::max(1, int(float(linear.width) * scale)), std::max(1, int(float(linear.height) * scale)));
     if (!(exposure > 0)) exposure = exposureFor(small);
     for (Rgb& c : small.pixels)
         for (int k = 0; k < 3; ++k) c[k] = srgbEncode(std::clamp(c[k] * exposure, 0.0f, 1.0f));
@@ -49,7 +50,11 @@ uint64_t viewPicture(const Document& document, size_t view) {
     }
     return thumbnail(fmt::format("view:{}", view), [&] {
         // One exposure for all, so that a view that is too dark looks too dark.
-        if (!(exposure > 0)) exposure = exposureFor(shrunk(document.capture->views[0].image, std::min(128, document.capture->views[0].image.width), std::min(96, document.capture->views[0].image.height)), 97);
+        if (!(exposure > 0))
+            exposure = exposureFor(
+                shrunk(document.capture->views[0].image, std::min(128, document.capture->views[0].image.width),
+                       std::min(96, document.capture->views[0].image.height)),
+                97);
         return displayPicture(document.capture->views[view].image, 256, exposure);
     });
 }
@@ -61,7 +66,14 @@ EnvironmentPicture recoveredEnvironmentPicture(const std::shared_ptr<const Estim
         shownEstimate = estimate;
         dropThumbnails("env:recovered");
     }
-    return {thumbnail("env:recovered", [&] { return displayPicture(latLongFromCells(estimate->environment, DirectionGrid{estimate->environmentSide}, 256), 256); }), false, {}};
+    return {thumbnail("env:recovered",
+                      [&] {
+                          return displayPicture(
+                              latLongFromCells(estimate->environment, DirectionGrid{estimate->environmentSide}, 256),
+                              256);
+                      }),
+            false,
+            {}};
 }
 
 EnvironmentPicture environmentPicture(const std::filesystem::path& file) {
@@ -73,9 +85,7 @@ EnvironmentPicture environmentPicture(const std::filesystem::path& file) {
         std::thread([reading, file] {
             try {
                 reading->display = displayPicture(readEnvironment(file), 256);
-            } catch (const std::exception& error) {
-                reading->error = error.what();
-            } catch (...) {
+            } catch (const std::exception& error) { reading->error = error.what(); } catch (...) {
                 reading->error = "It cannot be read.";
             }
             reading->done = true;

@@ -13,14 +13,14 @@ uint64_t viewPicture(const Document& document, size_t view);
 struct EnvironmentPicture {
     uint64_t texture = 0;
     bool loading = false;
-    std::string error;        ///< why the file cannot be shown
+    std::string error;  ///< why the file cannot be shown
 };
 EnvironmentPicture recoveredEnvironmentPicture(const std::shared_ptr<const Estimate>& estimate);
 /// Of a file; the first call starts to read it.
 EnvironmentPicture environmentPicture(const std::filesystem::path& file);
 
-/// Display values (sRGB, 0 to 1) of a linear picture, at most `longestSide` pixels, exposed so that its brightest percent just clips
-/// unless `exposure` is given.
+/// Display values (sRGB, 0 to 1) of a linear picture, at most `longestSide` pixels, exposed so that its brightest
+/// percent just clips unless `exposure` is given.
 Image displayPicture(const Image& linear, int longestSide, float exposure = 0);
 
 }  // namespace relamp::ui

@@ -8,7 +8,8 @@ namespace {
 std::string secondsOf(double value) { return value < 0 ? "-" : value < 0.05 ? "0 s" : duration(value); }
 
 void stagesKept(const SolvePlan& plan) {
-    if (!ImGui::BeginTable("##kept", 4, ImGuiTableFlags_RowBg | ImGuiTableFlags_NoPadOuterX | ImGuiTableFlags_ScrollY)) return;
+    if (!ImGui::BeginTable("##kept", 4, ImGuiTableFlags_RowBg | ImGuiTableFlags_NoPadOuterX | ImGuiTableFlags_ScrollY))
+        return;
     ImGui::TableSetupScrollFreeze(0, 1);
     ImGui::TableSetupColumn("What is done", ImGuiTableColumnFlags_WidthStretch);
     ImGui::TableSetupColumn("Expected", ImGuiTableColumnFlags_WidthFixed, em(5));
@@ -36,7 +37,8 @@ void partsLeftOut(const SolvePlan& plan) {
     for (const PlannedOmission& o : plan.leftOut) {
         ImGui::Bullet();
         ImGui::SameLine();
-        dimWrapped(o.savedSeconds >= 0.05 ? fmt::format("{} ({}): {}", o.what, secondsOf(o.savedSeconds), o.reason) : fmt::format("{}: {}", o.what, o.reason));
+        dimWrapped(o.savedSeconds >= 0.05 ? fmt::format("{} ({}): {}", o.what, secondsOf(o.savedSeconds), o.reason)
+                                          : fmt::format("{}: {}", o.what, o.reason));
     }
 }
 
@@ -44,10 +46,14 @@ void partsLeftOut(const SolvePlan& plan) {
 
 void drawPlanPanel(Editor& editor) {
     const SolvePlan& plan = editor.state.plan;
-    if (plan.stages.empty() && plan.leftOut.empty()) return dimWrapped("What an estimate does, what it leaves out and what each part takes appears here when one starts.");
+    if (plan.stages.empty() && plan.leftOut.empty())
+        return dimWrapped(
+            "What an estimate does, what it leaves out and what each part takes appears here when one starts.");
     const ImVec2 room = ImGui::GetContentRegionAvail();
     const float side = room.x > em(44) ? room.x * 0.5f : 0;
-    if (beginChild("##stages", {side > 0 ? room.x - side - ImGui::GetStyle().ItemSpacing.x : 0, side > 0 ? 0 : room.y * 0.5f})) stagesKept(plan);
+    if (beginChild("##stages",
+                   {side > 0 ? room.x - side - ImGui::GetStyle().ItemSpacing.x : 0, side > 0 ? 0 : room.y * 0.5f}))
+        stagesKept(plan);
     ImGui::EndChild();
     if (side > 0) ImGui::SameLine();
     if (beginChild("##omissions", {0, 0})) partsLeftOut(plan);

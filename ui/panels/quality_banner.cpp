@@ -6,7 +6,9 @@ namespace relamp::ui {
 namespace {
 
 std::string wordsOf(const Reproduction& r) {
-    return fmt::format("This estimate explains its photographs badly ({:.1f} dB; {:.0f} dB and more can be trusted). {}", r.median, Reproduction::gateDb, r.advice);
+    return fmt::format(
+        "This estimate explains its photographs badly ({:.1f} dB; {:.0f} dB and more can be trusted). {}", r.median,
+        Reproduction::gateDb, r.advice);
 }
 
 float buttonWidth() { return em(5); }
@@ -15,7 +17,8 @@ float buttonWidth() { return em(5); }
 
 bool qualityBannerShown(const Editor& editor) {
     const auto estimate = editor.estimate();
-    return estimate && !editor.job() && estimate->reproduction.poor() && editor.state.bannerClosedFor.lock() != estimate;
+    return estimate && !editor.job() && estimate->reproduction.poor() &&
+           editor.state.bannerClosedFor.lock() != estimate;
 }
 
 float qualityBannerHeight(const Editor& editor, float width) {
@@ -25,7 +28,8 @@ float qualityBannerHeight(const Editor& editor, float width) {
 
 void drawQualityBanner(Editor& editor) {
     const auto estimate = editor.estimate();
-    const float width = ImGui::GetContentRegionAvail().x, room = std::max(em(8), width - buttonWidth() - 2 * ImGui::GetStyle().ItemSpacing.x);
+    const float width = ImGui::GetContentRegionAvail().x,
+                room = std::max(em(8), width - buttonWidth() - 2 * ImGui::GetStyle().ItemSpacing.x);
     ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + room);
     ImGui::PushStyleColor(ImGuiCol_Text, warningColour);
     text(wordsOf(estimate->reproduction));
@@ -33,7 +37,8 @@ void drawQualityBanner(Editor& editor) {
     ImGui::PopTextWrapPos();
     tooltip("The views list shows how well each photograph is explained; mode 3 shows where they differ.");
     ImGui::SameLine(ImGui::GetCursorPosX() + width - buttonWidth());
-    if (button("Close", "Hides this until the next estimate; the figure stays in the status bar", buttonWidth())) editor.state.bannerClosedFor = estimate;
+    if (button("Close", "Hides this until the next estimate; the figure stays in the status bar", buttonWidth()))
+        editor.state.bannerClosedFor = estimate;
 }
 
 }  // namespace relamp::ui

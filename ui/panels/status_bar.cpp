@@ -1,5 +1,5 @@
-// One line that says how things stand: the job at the left, figures and marks at the right; the less important ones go first when
-// there is no room.
+// One line that says how things stand: the job at the left, figures and marks at the right; the less important ones go
+// first when there is no room.
 #include <unistd.h>
 
 #include <fstream>
@@ -16,14 +16,15 @@ double residentMib() {
     if (const double now = ImGui::GetTime(); now - read > 1) {
         read = now;
         long pages = 0, resident = 0;
-        if (std::ifstream in("/proc/self/statm"); in >> pages >> resident) value = double(resident) * double(sysconf(_SC_PAGESIZE)) / 1048576;
+        if (std::ifstream in("/proc/self/statm"); in >> pages >> resident)
+            value = double(resident) * double(sysconf(_SC_PAGESIZE)) / 1048576;
     }
     return value;
 }
 
 struct Piece {
     std::string words, explanation;
-    int rank = 0;               ///< lower goes first
+    int rank = 0;  ///< lower goes first
     bool badge = false;
     ImVec4 colour = dimColour;
 };
@@ -41,8 +42,12 @@ std::string lightSums(const Editor& editor) {
     const auto frame = editor.liveFrame();
     if (!frame) return {};
     const LiveReport& report = frame->report;
-    if (!report.device.empty()) return fmt::format("\nLight sums: on the graphics card ({:.1f} ms, the processor would take {:.1f} ms)", report.deviceApplyMs, report.cpuApplyMs);
-    if (report.deviceApplyMs > 0) return fmt::format("\nLight sums: on the processor ({:.1f} ms, the graphics card would take {:.1f} ms)", report.cpuApplyMs, report.deviceApplyMs);
+    if (!report.device.empty())
+        return fmt::format("\nLight sums: on the graphics card ({:.1f} ms, the processor would take {:.1f} ms)",
+                           report.deviceApplyMs, report.cpuApplyMs);
+    if (report.deviceApplyMs > 0)
+        return fmt::format("\nLight sums: on the processor ({:.1f} ms, the graphics card would take {:.1f} ms)",
+                           report.cpuApplyMs, report.deviceApplyMs);
     return fmt::format("\nLight sums: on the processor ({:.1f} ms)", report.cpuApplyMs);
 }
 
@@ -50,34 +55,66 @@ std::vector<Piece> piecesOf(const Editor& editor) {
     const EditorState& state = editor.state;
     std::vector<Piece> pieces;
     const auto estimate = editor.estimate();
-    if (!state.viewport.solo.empty()) pieces.push_back({"solo", "Only some lights are shown in the viewport; files and exports are not touched. Shift+M ends it.", 95, true, warningColour});
-    if (editor.stale()) pieces.push_back({"settings changed", "The settings have changed since the last estimate: estimate again to use them.", 90, true, warningColour});
-    if (estimate && estimate->cancelled && !editor.job()) pieces.push_back({"stopped early", "The estimate was stopped before its end: this is the best answer so far.", 70, true, warningColour});
-    if (editor.refining()) pieces.push_back({"refining", "The picture gets better while you wait", 30, false, dimColour});
+    if (!state.viewport.solo.empty())
+        pieces.push_back(
+            {"solo", "Only some lights are shown in the viewport; files and exports are not touched. Shift+M ends it.",
+             95, true, warningColour});
+    if (editor.stale())
+        pieces.push_back({"settings changed",
+                          "The settings have changed since the last estimate: estimate again to use them.", 90, true,
+                          warningColour});
+    if (estimate && estimate->cancelled && !editor.job())
+        pieces.push_back({"stopped early", "The estimate was stopped before its end: this is the best answer so far.",
+                          70, true, warningColour});
+    if (editor.refining())
+        pieces.push_back({"refining", "The picture gets better while you wait", 30, false, dimColour});
     if (estimate && estimate->reproduction.measured()) {
         const Reproduction& r = estimate->reproduction;
         const ViewReproduction& worst = r.views[r.worst()];
-        std::string words = fmt::format("How well frames through the photographs' cameras match the photographs, on the surfaces: median of {} views, in decibels. "
-                                        "35 is very good, below {:.0f} is not to be trusted.\nWorst: {}, {:.1f} dB.", r.views.size(), Reproduction::gateDb, shown(worst.name), worst.psnr);
-        if (r.heldOut > 0) words += fmt::format("\nViews left out of the estimate are predicted at {:.1f} dB: so good will new views be.", r.heldOut);
+        std::string words = fmt::format(
+            "How well frames through the photographs' cameras match the photographs, on the surfaces: median of {} "
+            "views, in decibels. "
+            "35 is very good, below {:.0f} is not to be trusted.\nWorst: {}, {:.1f} dB.",
+            r.views.size(), Reproduction::gateDb, shown(worst.name), worst.psnr);
+        if (r.heldOut > 0)
+            words += fmt::format(
+                "\nViews left out of the estimate are predicted at {:.1f} dB: so good will new views be.", r.heldOut);
         if (!r.advice.empty()) words += "\n" + r.advice;
-        pieces.push_back({fmt::format("photographs {:.1f} dB", r.median), words, 80, r.poor(), r.poor() ? warningColour : dimColour});
+        pieces.push_back({fmt::format("photographs {:.1f} dB", r.median), words, 80, r.poor(),
+                          r.poor() ? warningColour : dimColour});
     }
     if (estimate && !estimate->gauge.kind.empty()) {
         const bool assumed = estimate->gauge.kind == "assumed";
-        pieces.push_back({assumed ? "scale: assumed" : "scale: measured", gaugeExplanation(estimate->gauge), 60, false, assumed ? warningColour : dimColour});
+        pieces.push_back({assumed ? "scale: assumed" : "scale: measured", gaugeExplanation(estimate->gauge), 60, false,
+                          assumed ? warningColour : dimColour});
     }
-    pieces.push_back({state.viewport.displayView + (state.viewport.exposureStops != 0 ? " " + signedStops(state.viewport.exposureStops) : ""),
-                      "How linear light becomes screen colours, and the exposure of the screen in stops. Files are not touched.", 50, false, dimColour});
+    pieces.push_back(
+        {state.viewport.displayView +
+             (state.viewport.exposureStops != 0 ? " " + signedStops(state.viewport.exposureStops) : ""),
+         "How linear light becomes screen colours, and the exposure of the screen in stops. Files are not touched.", 50,
+         false, dimColour});
     if (state.framesPerSecond > 0)
-        pieces.push_back({fmt::format("{:.0f} fps {:.1f} ms", state.framesPerSecond, state.frameCpuMs), "Frames a second while something moves, and relamp's own work for each frame", 40, false, dimColour});
+        pieces.push_back({fmt::format("{:.0f} fps {:.1f} ms", state.framesPerSecond, state.frameCpuMs),
+                          "Frames a second while something moves, and relamp's own work for each frame", 40, false,
+                          dimColour});
     const double resident = residentMib();
     const double peak = std::max(peakMib(), state.document.resources.peakMib);
-    pieces.push_back({mebibytes(resident), fmt::format("Memory in use now. The most so far was {}.", mebibytes(peak)), 45, false, dimColour});
-    if (!state.gpu.empty()) pieces.push_back({elided(state.gpu, em(12)), "Graphics: " + state.gpu + lightSums(editor), 10, false, dimColour});
+    pieces.push_back({mebibytes(resident), fmt::format("Memory in use now. The most so far was {}.", mebibytes(peak)),
+                      45, false, dimColour});
+    if (!state.gpu.empty())
+        pieces.push_back(
+            {elided(state.gpu, em(12)), "Graphics: " + state.gpu + lightSums(editor), 10, false, dimColour});
     if (state.document.capture)
-        pieces.push_back(editor.unsavedChanges() ? Piece{"unsaved", "There are edits that are not in the shot's folder yet (Ctrl+S). They are saved by themselves every few seconds, for the case of a crash.", 85, false, warningColour}
-                                                 : Piece{state.document.shotFolder.empty() ? "no edits" : "saved", state.document.shotFolder.empty() ? "Nothing to save yet" : "Everything is in " + shown(state.document.shotFolder), 20, false, dimColour});
+        pieces.push_back(editor.unsavedChanges()
+                             ? Piece{"unsaved",
+                                     "There are edits that are not in the shot's folder yet (Ctrl+S). They are saved "
+                                     "by themselves every few seconds, for the case of a crash.",
+                                     85, false, warningColour}
+                             : Piece{state.document.shotFolder.empty() ? "no edits" : "saved",
+                                     state.document.shotFolder.empty()
+                                         ? "Nothing to save yet"
+                                         : "Everything is in " + shown(state.document.shotFolder),
+                                     20, false, dimColour});
     return pieces;
 }
 
@@ -97,27 +134,37 @@ void drawStatusBar(Editor& editor) {
         for (const Piece& piece : pieces) sum += widthOf(piece) + gap;
         return sum;
     };
-    while (!pieces.empty() && total() > room - reserved) pieces.erase(std::min_element(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) { return a.rank < b.rank; }));
+    while (!pieces.empty() && total() > room - reserved)
+        pieces.erase(std::min_element(pieces.begin(), pieces.end(),
+                                      [](const Piece& a, const Piece& b) { return a.rank < b.rank; }));
     const float own = room - total();
 
     ImGui::AlignTextToFramePadding();
     if (job) {
         const float buttons = 2 * (ImGui::GetFrameHeight() + ImGui::GetStyle().ItemSpacing.x);
-        const std::string left = job->stopping ? "stopping..." : job->paused ? "paused" : job->secondsLeft ? "about " + duration(*job->secondsLeft) + " left" : duration(job->seconds);
+        const std::string left = job->stopping      ? "stopping..."
+                                 : job->paused      ? "paused"
+                                 : job->secondsLeft ? "about " + duration(*job->secondsLeft) + " left"
+                                                    : duration(job->seconds);
         const std::string stage = job->stage.empty() ? left : job->stage + ", " + left;
         const float barWidth = std::min(em(7), own * 0.25f);
         ImGui::BeginDisabled(job->stopping);
-        if (iconButton("##stop", Icon::stop, "Stops this job (Ctrl+.). An estimate keeps its best answer so far.")) editor.cancelJob();
+        if (iconButton("##stop", Icon::stop, "Stops this job (Ctrl+.). An estimate keeps its best answer so far."))
+            editor.cancelJob();
         ImGui::SameLine();
-        if (iconButton("##pause", job->paused ? Icon::play : Icon::pause, job->paused ? "Goes on" : "Pauses, to give the processor to something else")) editor.pauseJob(!job->paused);
+        if (iconButton("##pause", job->paused ? Icon::play : Icon::pause,
+                       job->paused ? "Goes on" : "Pauses, to give the processor to something else"))
+            editor.pauseJob(!job->paused);
         ImGui::EndDisabled();
         ImGui::SameLine();
         // The buttons may have ended the job.
         if (editor.job()) {
             bar(job->share, {0.28f, 0.42f, 0.58f, 1}, percent(job->share), barWidth);
-            tooltip(fmt::format("{}: {} of this stage, {} so far", job->stage, percent(job->share), duration(job->seconds)));
+            tooltip(fmt::format("{}: {} of this stage, {} so far", job->stage, percent(job->share),
+                                duration(job->seconds)));
             ImGui::SameLine();
-            const float rest = std::max(em(2), own - buttons - barWidth - 2 * ImGui::GetStyle().ItemSpacing.x - em(0.5f));
+            const float rest =
+                std::max(em(2), own - buttons - barWidth - 2 * ImGui::GetStyle().ItemSpacing.x - em(0.5f));
             const std::string whole = job->title + ": " + stage;
             const auto fits = [&](const std::string& words) { return ImGui::CalcTextSize(words.c_str()).x <= rest; };
             text(fits(whole) ? whole : fits(stage) ? stage : elided(left, rest, false));
@@ -125,9 +172,12 @@ void drawStatusBar(Editor& editor) {
         }
     } else {
         const EditorState& state = editor.state;
-        std::string words = !state.document.capture ? "Drop a capture here, or press Ctrl+O" : !editor.estimate() ? "Ready to estimate (Ctrl+Enter)" : shown(state.document.name());
+        std::string words = !state.document.capture ? "Drop a capture here, or press Ctrl+O"
+                            : !editor.estimate()    ? "Ready to estimate (Ctrl+Enter)"
+                                                    : shown(state.document.name());
         if (state.selection.emitters.size() == 1) words = shown(editor.namesOf(state.selection.emitters));
-        else if (!state.selection.emitters.empty()) words = fmt::format("{} lights selected", state.selection.emitters.size());
+        else if (!state.selection.emitters.empty())
+            words = fmt::format("{} lights selected", state.selection.emitters.size());
         dimText(elided(words, own - em(0.5f), false));
         tooltip("What is open and selected");
     }

@@ -39,13 +39,16 @@ void saveAs(Editor& editor, const char* title, const char* extension, std::strin
             writeBytesAtomically(file, bytes);
             e.log(LogLevel::info, shown(file) + ": written");
         } catch (const std::exception& error) {
-            e.fail("The plot could not be saved", error.what(), "Choose another folder, or free some space, and save again.");
+            e.fail("The plot could not be saved", error.what(),
+                   "Choose another folder, or free some space, and save again.");
         }
     });
 }
 
 void stageTable(const EditorState& state) {
-    if (!ImGui::BeginTable("##stages", 3, ImGuiTableFlags_RowBg | ImGuiTableFlags_NoPadOuterX | ImGuiTableFlags_ScrollY)) return;
+    if (!ImGui::BeginTable("##stages", 3,
+                           ImGuiTableFlags_RowBg | ImGuiTableFlags_NoPadOuterX | ImGuiTableFlags_ScrollY))
+        return;
     ImGui::TableSetupScrollFreeze(0, 1);
     ImGui::TableSetupColumn("Stage", ImGuiTableColumnFlags_WidthStretch);
     ImGui::TableSetupColumn("Took", ImGuiTableColumnFlags_WidthFixed, em(4.4f));
@@ -62,7 +65,8 @@ void stageTable(const EditorState& state) {
             ImGui::TableNextRow();
             ImGui::TableNextColumn();
             text(elided(s.stage, ImGui::GetContentRegionAvail().x, false));
-            tooltip(fmt::format("{}: {} step{}, from {} to {}", s.stage, s.steps, s.steps == 1 ? "" : "s", duration(s.begin), duration(s.end)));
+            tooltip(fmt::format("{}: {} step{}, from {} to {}", s.stage, s.steps, s.steps == 1 ? "" : "s",
+                                duration(s.begin), duration(s.end)));
             ImGui::TableNextColumn();
             text(duration(s.end - s.begin));
             ImGui::TableNextColumn();
@@ -81,7 +85,8 @@ void drawTimelinePanel(Editor& editor) {
     const float side = room.x > em(40) ? std::min(em(20), room.x * 0.36f) : 0;
     if (beginChild("##plot", {side > 0 ? room.x - side - ImGui::GetStyle().ItemSpacing.x : 0, 0})) {
         const ImVec2 inner = ImGui::GetContentRegionAvail();
-        drawLogPlot("##error", timelineCurves(curves), "seconds since the start", "Difference of points with equal colour (relative)", inner,
+        drawLogPlot("##error", timelineCurves(curves), "seconds since the start",
+                    "Difference of points with equal colour (relative)", inner,
                     "Error against run time appears here while an estimate runs.");
     }
     ImGui::EndChild();
@@ -89,9 +94,11 @@ void drawTimelinePanel(Editor& editor) {
     ImGui::SameLine();
     if (beginChild("##right", {0, 0})) {
         ImGui::BeginDisabled(!any);
-        if (button("Save CSV...", "Writes all values as a table for a spreadsheet")) saveAs(editor, "Save the values", ".csv", timelineCsv(curves));
+        if (button("Save CSV...", "Writes all values as a table for a spreadsheet"))
+            saveAs(editor, "Save the values", ".csv", timelineCsv(curves));
         ImGui::SameLine();
-        if (button("Save SVG...", "Writes the plot as a drawing for a page")) saveAs(editor, "Save the plot", ".svg", timelineSvg(curves));
+        if (button("Save SVG...", "Writes the plot as a drawing for a page"))
+            saveAs(editor, "Save the plot", ".svg", timelineSvg(curves));
         ImGui::EndDisabled();
         if (any) stageTable(editor.state);
         else dimWrapped("The stages of an estimate and their times appear here.");

@@ -10,25 +10,34 @@ namespace relamp::ui {
 namespace {
 
 /// As the import doctor warns: only where enough vertices were compared and they agree among themselves.
-bool exposureIsOdd(const ViewCheck& v) { return v.comparedVertices >= 100 && std::abs(v.exposureStops) > std::max(0.25, v.exposureScatterStops); }
+bool exposureIsOdd(const ViewCheck& v) {
+    return v.comparedVertices >= 100 && std::abs(v.exposureStops) > std::max(0.25, v.exposureScatterStops);
+}
 
 /// How well the estimate explains one view, if that was measured.
 const ViewReproduction* explained(const Estimate* estimate, const View& view) {
     if (!estimate) return nullptr;
     const auto& views = estimate->reproduction.views;
-    const auto at = std::find_if(views.begin(), views.end(), [&](const ViewReproduction& v) { return v.name == view.name; });
+    const auto at =
+        std::find_if(views.begin(), views.end(), [&](const ViewReproduction& v) { return v.name == view.name; });
     return at == views.end() ? nullptr : &*at;
 }
 
 std::string describe(const View& view, const ViewCheck* check, const ViewReproduction* found) {
     std::string words = fmt::format("{}\n{} x {} pixels", shown(view.name), view.camera.width, view.camera.height);
     if (found) words += fmt::format("\nThe estimate explains it at {:.1f} dB", found->psnr);
-    if (found && found->heldOut > 0) words += fmt::format(", and predicts it at {:.1f} dB from the others", found->heldOut);
+    if (found && found->heldOut > 0)
+        words += fmt::format(", and predicts it at {:.1f} dB from the others", found->heldOut);
     if (check) {
         words += fmt::format("\nThe mesh covers {} of the picture", percent(check->meshShare));
-        if (check->clippedShare > 0) words += fmt::format("\n{} of the pixels are clipped (too bright for the file)", percent(check->clippedShare));
-        if (check->maskedShare > 0) words += fmt::format("\n{} of the pixels are left out (masked or broken)", percent(check->maskedShare));
-        if (exposureIsOdd(*check)) words += fmt::format("\n{:.2f} stops {} than the other views of the same surfaces", std::abs(check->exposureStops), check->exposureStops > 0 ? "brighter" : "darker");
+        if (check->clippedShare > 0)
+            words +=
+                fmt::format("\n{} of the pixels are clipped (too bright for the file)", percent(check->clippedShare));
+        if (check->maskedShare > 0)
+            words += fmt::format("\n{} of the pixels are left out (masked or broken)", percent(check->maskedShare));
+        if (exposureIsOdd(*check))
+            words += fmt::format("\n{:.2f} stops {} than the other views of the same surfaces",
+                                 std::abs(check->exposureStops), check->exposureStops > 0 ? "brighter" : "darker");
     }
     return words + "\n\nClick selects it, double click looks through its camera.";
 }
@@ -38,14 +47,19 @@ void badges(const ImVec2& corner, const ViewCheck* check, bool worst, bool poor)
         const char* word;
         bool shown;
     };
-    const Mark marks[] = {{"clipped", check && check->clippedShare > 0.01}, {"exposure", check && exposureIsOdd(*check)}, {"masked", check && check->maskedShare > 0.9},
-                          {"off mesh", check && check->meshShare < 0.02}, {"worst", worst}, {"poor", poor && !worst}};
+    const Mark marks[] = {{"clipped", check && check->clippedShare > 0.01},
+                          {"exposure", check && exposureIsOdd(*check)},
+                          {"masked", check && check->maskedShare > 0.9},
+                          {"off mesh", check && check->meshShare < 0.02},
+                          {"worst", worst},
+                          {"poor", poor && !worst}};
     ImDrawList* list = ImGui::GetWindowDrawList();
     float y = corner.y + em(0.2f);
     for (const Mark& mark : marks) {
         if (!mark.shown) continue;
         const ImVec2 size = ImGui::CalcTextSize(mark.word);
-        list->AddRectFilled({corner.x + em(0.2f), y}, {corner.x + em(0.7f) + size.x, y + size.y}, IM_COL32(20, 20, 20, 210), em(0.2f));
+        list->AddRectFilled({corner.x + em(0.2f), y}, {corner.x + em(0.7f) + size.x, y + size.y},
+                            IM_COL32(20, 20, 20, 210), em(0.2f));
         list->AddText({corner.x + em(0.45f), y}, ImGui::GetColorU32(warningColour), mark.word);
         y += size.y + em(0.15f);
     }
@@ -57,11 +71,13 @@ void drawViewsPanel(Editor& editor) {
     const Document& document = editor.state.document;
     if (!document.capture) {
         dimWrapped("Drop a capture here: a folder with transforms.json, photographs and a mesh. Or open one:");
-        if (primaryButton("Open...", "Chooses a capture folder or a saved shot", -FLT_MIN)) editor.state.panels.openBrowser = true;
+        if (primaryButton("Open...", "Chooses a capture folder or a saved shot", -FLT_MIN))
+            editor.state.panels.openBrowser = true;
         for (size_t i = 0; i < std::min<size_t>(4, editor.state.recent.size()); ++i) {
             const std::filesystem::path path = editor.state.recent[i];
             ImGui::PushID(int(i));
-            if (ImGui::Selectable(elided(shown(path.filename()), ImGui::GetContentRegionAvail().x).c_str())) editor.open(path);
+            if (ImGui::Selectable(elided(shown(path.filename()), ImGui::GetContentRegionAvail().x).c_str()))
+                editor.open(path);
             tooltip(shown(path));
             ImGui::PopID();
         }
@@ -71,10 +87,13 @@ void drawViewsPanel(Editor& editor) {
     if (views.empty()) return dimText("There are no views.");
     const float spacing = ImGui::GetStyle().ItemSpacing.x;
     const auto estimate = editor.estimate();
-    const ViewReproduction* worst = estimate && estimate->reproduction.measured() ? &estimate->reproduction.views[estimate->reproduction.worst()] : nullptr;
+    const ViewReproduction* worst = estimate && estimate->reproduction.measured()
+                                        ? &estimate->reproduction.views[estimate->reproduction.worst()]
+                                        : nullptr;
     // All cells have one height, so that thousands of views cost no more than those on screen.
     float aspect = 0.1f;
-    for (const View& view : views) aspect = std::max(aspect, view.camera.width > 0 ? float(view.camera.height) / float(view.camera.width) : 0.75f);
+    for (const View& view : views)
+        aspect = std::max(aspect, view.camera.width > 0 ? float(view.camera.height) / float(view.camera.width) : 0.75f);
     struct Grid {
         int columns, rows;
         float width, height, cell, whole;
@@ -90,7 +109,8 @@ void drawViewsPanel(Editor& editor) {
         return g;
     };
     // A third of the column at least is left to what comes below.
-    const float most = std::clamp(0.45f * ImGui::GetWindowHeight(), em(8), em(19)), room = ImGui::GetContentRegionAvail().x;
+    const float most = std::clamp(0.45f * ImGui::GetWindowHeight(), em(8), em(19)),
+                room = ImGui::GetContentRegionAvail().x;
     Grid grid = gridFor(room);
     if (grid.whole > most) grid = gridFor(room - ImGui::GetStyle().ScrollbarSize - em(0.2f));
     const auto [columns, rows, width, height, cell, whole] = grid;
@@ -103,17 +123,23 @@ void drawViewsPanel(Editor& editor) {
                     const int i = row * columns + column;
                     if (i >= int(views.size())) break;
                     const View& view = views[size_t(i)];
-                    const ViewCheck* check = document.check && size_t(i) < document.check->views.size() ? &document.check->views[size_t(i)] : nullptr;
+                    const ViewCheck* check = document.check && size_t(i) < document.check->views.size()
+                                                 ? &document.check->views[size_t(i)]
+                                                 : nullptr;
                     if (column > 0) ImGui::SameLine();
                     ImGui::PushID(i);
                     ImGui::BeginGroup();
                     const bool selected = editor.state.selection.view == i;
-                    const float own = view.camera.width > 0 ? width * float(view.camera.height) / float(view.camera.width) : height;
-                    const float drawnWidth = own > height ? width * height / own : width, drawnHeight = std::min(own, height);
+                    const float own =
+                        view.camera.width > 0 ? width * float(view.camera.height) / float(view.camera.width) : height;
+                    const float drawnWidth = own > height ? width * height / own : width,
+                                drawnHeight = std::min(own, height);
                     const ImVec2 corner = ImGui::GetCursorScreenPos();
                     ImGui::Dummy({width, height});
-                    ImGui::SetCursorScreenPos({corner.x + std::floor((width - drawnWidth) / 2), corner.y + std::floor((height - drawnHeight) / 2)});
-                    if (picture("##picture", viewPicture(document, size_t(i)), drawnWidth, drawnHeight, "no picture", selected)) {
+                    ImGui::SetCursorScreenPos({corner.x + std::floor((width - drawnWidth) / 2),
+                                               corner.y + std::floor((height - drawnHeight) / 2)});
+                    if (picture("##picture", viewPicture(document, size_t(i)), drawnWidth, drawnHeight, "no picture",
+                                selected)) {
                         editor.state.selection.view = i;
                         editor.state.selection.emitters.clear();
                         editor.pick(std::nullopt);
@@ -136,8 +162,10 @@ void drawViewsPanel(Editor& editor) {
     }
     ImGui::EndChild();
     if (editor.state.viewport.throughView) {
-        if (button("Leave the camera", "Back to the free camera of the viewport (C)", -FLT_MIN)) editor.state.viewport.throughView = false;
-    } else if (button("Look through this camera", "The viewport takes the place of the camera that took the selected photograph (C)", -FLT_MIN)) {
+        if (button("Leave the camera", "Back to the free camera of the viewport (C)", -FLT_MIN))
+            editor.state.viewport.throughView = false;
+    } else if (button("Look through this camera",
+                      "The viewport takes the place of the camera that took the selected photograph (C)", -FLT_MIN)) {
         editor.state.viewport.throughView = true;
     }
 }

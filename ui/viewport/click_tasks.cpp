@@ -5,13 +5,15 @@
 namespace relamp::ui {
 namespace {
 
-/// A piece that is made to shine sends as much as the strongest light found, so that its effect is seen at once and nothing is burnt out.
+/// A piece that is made to shine sends as much as the strongest light found, so that its effect is seen at once and
+/// nothing is burnt out.
 Rgb radianceForPart(const Scene& scene, const Estimate& estimate, uint32_t vertex) {
     Rgb strongest(0);
     float power = 0;
     for (size_t i = 0; i < estimate.emitters.emitters.size() && i < estimate.lighting.emitterRadiance.size(); ++i) {
         const Rgb& radiance = estimate.lighting.emitterRadiance[i];
-        if (luminance(radiance) * estimate.emitters.emitters[i].area > power) power = luminance(radiance) * estimate.emitters.emitters[i].area, strongest = radiance;
+        if (luminance(radiance) * estimate.emitters.emitters[i].area > power)
+            power = luminance(radiance) * estimate.emitters.emitters[i].area, strongest = radiance;
     }
     if (!(power > 0)) return Rgb(1);
     float area = 0;
@@ -31,7 +33,8 @@ std::string emitterOfTriangle(const Editor& editor, uint32_t triangle) {
     const auto estimate = editor.estimate();
     if (!estimate || triangle >= estimate->emitters.emitterOfTriangle.size()) return {};
     const int i = estimate->emitters.emitterOfTriangle[triangle];
-    return i >= 0 && size_t(i) < estimate->emitters.emitters.size() ? estimate->emitters.emitters[size_t(i)].id : std::string();
+    return i >= 0 && size_t(i) < estimate->emitters.emitters.size() ? estimate->emitters.emitters[size_t(i)].id
+                                                                    : std::string();
 }
 
 void selectInViewport(Editor& editor, const std::string& id, bool toggle) {
@@ -74,26 +77,37 @@ bool runClickTask(Editor& editor, const std::optional<PickedPoint>& point, const
     };
     const auto captureVertex = [&]() -> std::optional<uint32_t> {
         uint32_t v = point->vertex;
-        if (const auto live = editor.liveFrame(); live && live->origin) v = v < live->origin->size() ? (*live->origin)[v] : ~0u;
+        if (const auto live = editor.liveFrame(); live && live->origin)
+            v = v < live->origin->size() ? (*live->origin)[v] : ~0u;
         return v < scene->mesh.vertexCount() ? std::optional<uint32_t>(v) : std::nullopt;
     };
     // The side of the surface that is seen.
     const Vec3 toward = eye.towardEye(point->position);
     const Vec3 normal = glm::dot(point->normal, toward) < 0 ? -point->normal : point->normal;
     switch (task) {
-        case ClickTask::aim: each("Aim", [&](Look& look, const std::string& id) { aimEmitter(look, *scene, *estimate, id, point->position); }); break;
+        case ClickTask::aim:
+            each("Aim",
+                 [&](Look& look, const std::string& id) { aimEmitter(look, *scene, *estimate, id, point->position); });
+            break;
         case ClickTask::reflect: {
-            const Vec3 from = eye.orthographic ? point->position + toward * (2 * sceneExtent(editor).wholeRadius) : eye.position;
-            each("Place by reflection", [&](Look& look, const std::string& id) { placeByReflection(look, *scene, *estimate, id, point->position, normal, from); });
+            const Vec3 from =
+                eye.orthographic ? point->position + toward * (2 * sceneExtent(editor).wholeRadius) : eye.position;
+            each("Place by reflection", [&](Look& look, const std::string& id) {
+                placeByReflection(look, *scene, *estimate, id, point->position, normal, from);
+            });
             break;
         }
         case ClickTask::illuminate:
-            each("Place by its light", [&](Look& look, const std::string& id) { placeByLight(look, *scene, *estimate, id, point->position, normal); });
+            each("Place by its light", [&](Look& look, const std::string& id) {
+                placeByLight(look, *scene, *estimate, id, point->position, normal);
+            });
             break;
         case ClickTask::attach: {
             const auto vertex = captureVertex();
             if (!vertex) return true;
-            if (!ids.empty()) editor.edit("Attach a part to " + editor.namesOf({ids.back()}), [&](Look& look) { attachPart(look, *scene, *vertex, ids.back()); });
+            if (!ids.empty())
+                editor.edit("Attach a part to " + editor.namesOf({ids.back()}),
+                            [&](Look& look) { attachPart(look, *scene, *vertex, ids.back()); });
             break;
         }
         case ClickTask::newPart: {

@@ -1,4 +1,5 @@
-// What a click in the viewport does: selecting, picking a point, and the tasks that the inspector arms. Knows no GL and no ImGui.
+// What a click in the viewport does: selecting, picking a point, and the tasks that the inspector arms. Knows no GL and
+// no ImGui.
 #pragma once
 #include "editor.h"
 #include "viewport/eye_view.h"

@@ -16,12 +16,34 @@ namespace relamp::ui {
 namespace {
 
 /// ACES2065-1 from linear Rec.709 (D65 adapted to the ACES white, Bradford), rows.
-constexpr double acesFromRec709[16] = {0.439632981919491,  0.382988698151554, 0.177378319928955, 0, 0.0897764429588424, 0.813439428748981, 0.0967841282921771, 0,
-                                       0.0175411703831727, 0.111546553302387, 0.87091227631444,  0, 0,                  0,                 0,                  1};
+constexpr double acesFromRec709[16] = {0.439632981919491,
+                                       0.382988698151554,
+                                       0.177378319928955,
+                                       0,
+                                       0.0897764429588424,
+                                       0.813439428748981,
+                                       0.0967841282921771,
+                                       0,
+                                       0.0175411703831727,
+                                       0.111546553302387,
+                                       0.87091227631444,
+                                       0,
+                                       0,
+                                       0,
+                                       0,
+                                       1};
 
 /// What configurations call linear Rec.709.
-constexpr const char* rec709Names[] = {"lin_rec709",          "Linear Rec.709 (sRGB)", "lin_rec709_scene",        "lin_rec709_srgb", "Linear Rec.709",
-                                       "Utility - Linear - sRGB", "Utility - Linear - Rec.709", "Linear BT.709", "lin_srgb",        "Linear"};
+constexpr const char* rec709Names[] = {"lin_rec709",
+                                       "Linear Rec.709 (sRGB)",
+                                       "lin_rec709_scene",
+                                       "lin_rec709_srgb",
+                                       "Linear Rec.709",
+                                       "Utility - Linear - sRGB",
+                                       "Utility - Linear - Rec.709",
+                                       "Linear BT.709",
+                                       "lin_srgb",
+                                       "Linear"};
 
 }  // namespace
 
@@ -69,7 +91,8 @@ DisplayTransform::DisplayTransform(const std::string& file) : impl_(std::make_un
         impl_->config->validate();
         impl_->display = impl_->config->getDefaultDisplay();
         const char* display = impl_->display.c_str();
-        for (int i = 0; i < impl_->config->getNumViews(display); ++i) impl_->views.emplace_back(impl_->config->getView(display, i));
+        for (int i = 0; i < impl_->config->getNumViews(display); ++i)
+            impl_->views.emplace_back(impl_->config->getView(display, i));
         impl_->defaultView = impl_->config->getDefaultView(display);
         if (impl_->views.empty()) throw Error("{}: the display {} has no views", file, impl_->display);
         impl_->processor(impl_->defaultView);
@@ -99,7 +122,8 @@ DisplayShader DisplayTransform::shader(const std::string& view) const {
             description->get3DTexture(i, texture, sampler, edge, interpolation);
             const float* values = nullptr;
             description->get3DTextureValues(i, values);
-            shader.luts.push_back({sampler, int(edge), int(edge), int(edge), 3, 3, interpolation == OCIO::INTERP_NEAREST,
+            shader.luts.push_back({sampler, int(edge), int(edge), int(edge), 3, 3,
+                                   interpolation == OCIO::INTERP_NEAREST,
                                    std::vector<float>(values, values + size_t(3) * edge * edge * edge)});
         }
         for (unsigned i = 0; i < description->getNumTextures(); ++i) {
@@ -113,13 +137,12 @@ DisplayShader DisplayTransform::shader(const std::string& view) const {
             const int channels = channel == OCIO::GpuShaderDesc::TEXTURE_RED_CHANNEL ? 1 : 3;
             // A table of one row is a 1D sampler in the shader text.
             const bool flat = shader.source.find("sampler1D " + std::string(sampler)) != std::string::npos;
-            shader.luts.push_back({sampler, int(width), int(height), 1, flat ? 1 : 2, channels, interpolation == OCIO::INTERP_NEAREST,
+            shader.luts.push_back({sampler, int(width), int(height), 1, flat ? 1 : 2, channels,
+                                   interpolation == OCIO::INTERP_NEAREST,
                                    std::vector<float>(values, values + size_t(channels) * width * height)});
         }
         return shader;
-    } catch (const OCIO::Exception& error) {
-        throw Error("{}: view {}: {}", impl_->source, view, error.what());
-    }
+    } catch (const OCIO::Exception& error) { throw Error("{}: view {}: {}", impl_->source, view, error.what()); }
 }
 
 void DisplayTransform::apply(const std::string& view, float stops, Rgb* pixels, size_t count) const {
@@ -132,9 +155,7 @@ void DisplayTransform::apply(const std::string& view, float stops, Rgb* pixels, 
             OCIO::PackedImageDesc description(&pixels[begin], long(end - begin), 1, 3);
             cpu->apply(description);
         });
-    } catch (const OCIO::Exception& error) {
-        throw Error("{}: view {}: {}", impl_->source, view, error.what());
-    }
+    } catch (const OCIO::Exception& error) { throw Error("{}: view {}: {}", impl_->source, view, error.what()); }
 }
 
 Image DisplayTransform::apply(const std::string& view, float stops, Image picture) const {
@@ -148,7 +169,8 @@ const DisplayTransform& displayTransform() {
         if (file && *file) try {
                 return DisplayTransform(file);
             } catch (const Error& error) {
-                logWarning("The colour configuration in $OCIO cannot be used, the built-in one serves instead. {}", error.what());
+                logWarning("The colour configuration in $OCIO cannot be used, the built-in one serves instead. {}",
+                           error.what());
             }
         return DisplayTransform("");
     }();
@@ -157,11 +179,22 @@ const DisplayTransform& displayTransform() {
 
 Rgb falseColour(float light) {
     // Cold below middle grey, green on it, warm above; black and white at the ends.
-    static const Rgb bands[] = {{0.05f, 0.02f, 0.10f}, {0.22f, 0.05f, 0.38f}, {0.20f, 0.16f, 0.60f}, {0.13f, 0.33f, 0.70f}, {0.10f, 0.50f, 0.66f}, {0.16f, 0.60f, 0.52f},
-                                {0.33f, 0.66f, 0.30f}, {0.62f, 0.72f, 0.20f}, {0.86f, 0.74f, 0.16f}, {0.93f, 0.57f, 0.13f}, {0.90f, 0.36f, 0.12f}, {0.82f, 0.15f, 0.14f},
+    static const Rgb bands[] = {{0.05f, 0.02f, 0.10f},
+                                {0.22f, 0.05f, 0.38f},
+                                {0.20f, 0.16f, 0.60f},
+                                {0.13f, 0.33f, 0.70f},
+                                {0.10f, 0.50f, 0.66f},
+                                {0.16f, 0.60f, 0.52f},
+                                {0.33f, 0.66f, 0.30f},
+                                {0.62f, 0.72f, 0.20f},
+                                {0.86f, 0.74f, 0.16f},
+                                {0.93f, 0.57f, 0.13f},
+                                {0.90f, 0.36f, 0.12f},
+                                {0.82f, 0.15f, 0.14f},
                                 {1, 1, 1}};
     const float stops = light > 0 ? std::log2(light / 0.18f) : -100.0f;
-    return bands[int(std::clamp(std::floor(stops + 0.5f), float(falseColourLow), float(falseColourHigh))) - falseColourLow];
+    return bands[int(std::clamp(std::floor(stops + 0.5f), float(falseColourLow), float(falseColourHigh))) -
+                 falseColourLow];
 }
 
 }  // namespace relamp::ui

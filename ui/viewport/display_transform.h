@@ -1,5 +1,5 @@
-// From scene-linear radiance to display values: OpenColorIO's views. `$OCIO` when it is set and can be read, else the configuration that is
-// part of the program. OpenColorIO is named only in the .cpp.
+// From scene-linear radiance to display values: OpenColorIO's views. `$OCIO` when it is set and can be read, else the
+// configuration that is part of the program. OpenColorIO is named only in the .cpp.
 #pragma once
 #include <memory>
 #include <string>
@@ -12,9 +12,9 @@ namespace relamp::ui {
 
 /// A look-up table that a view's shader reads.
 struct DisplayLut {
-    std::string sampler;             ///< name in the shader
+    std::string sampler;  ///< name in the shader
     int width = 0, height = 1, depth = 1;
-    int dimensions = 2;              ///< 1, 2 or 3
+    int dimensions = 2;  ///< 1, 2 or 3
     int channels = 3;
     bool nearest = false;
     std::vector<float> values;

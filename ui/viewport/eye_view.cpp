@@ -41,7 +41,8 @@ Ray EyeView::rayAt(const Vec2& screen) const {
         const Vec2 half(1 / clipFromView[0][0], 1 / clipFromView[1][1]);
         // From the near plane, which may lie behind the eye.
         const float near = (1 + clipFromView[3][2]) / clipFromView[2][2];
-        return {position + forward * near + right * ((2 * share.x - 1) * half.x) + up * ((1 - 2 * share.y) * half.y), forward};
+        return {position + forward * near + right * ((2 * share.x - 1) * half.x) + up * ((1 - 2 * share.y) * half.y),
+                forward};
     }
     const Vec2 pixel(share.x * float(camera.width), share.y * float(camera.height));
     return {position, camera.rayDirection(pixel)};
@@ -52,7 +53,8 @@ float EyeView::metresPerPoint(const Vec3& world) const {
     return orthographic ? tall : tall * std::max(glm::dot(world - position, forward), 1e-5f);
 }
 
-EyeView eyeOf(const OrbitCamera& orbit, const Vec2& corner, const Vec2& size, const Vec2& pixelsPerPoint, const Vec3& sceneCentre, float sceneRadius) {
+EyeView eyeOf(const OrbitCamera& orbit, const Vec2& corner, const Vec2& size, const Vec2& pixelsPerPoint,
+              const Vec3& sceneCentre, float sceneRadius) {
     EyeView eye;
     eye.corner = corner, eye.size = glm::max(size, Vec2(1));
     eye.width = std::max(1, int(std::lround(size.x * pixelsPerPoint.x)));
@@ -65,7 +67,8 @@ EyeView eyeOf(const OrbitCamera& orbit, const Vec2& corner, const Vec2& size, co
     return eye;
 }
 
-EyeView eyeOf(const Camera& camera, const Vec2& corner, const Vec2& size, const Vec2& pixelsPerPoint, const Vec3& sceneCentre, float sceneRadius) {
+EyeView eyeOf(const Camera& camera, const Vec2& corner, const Vec2& size, const Vec2& pixelsPerPoint,
+              const Vec3& sceneCentre, float sceneRadius) {
     EyeView eye;
     const Vec2 area = glm::max(size, Vec2(1)) * pixelsPerPoint;
     const float scale = std::min(area.x / float(camera.width), area.y / float(camera.height));
@@ -83,9 +86,11 @@ EyeView eyeOf(const Camera& camera, const Vec2& corner, const Vec2& size, const 
     const Camera& c = eye.camera;
     eye.viewFromWorld = Mat4(glm::inverse(c.worldFromCamera));
     const float depth = -(eye.viewFromWorld * Vec4(sceneCentre, 1)).z;
-    const float far = std::max(depth + sceneRadius, sceneRadius * 0.1f), near = std::clamp(depth - sceneRadius, far * 1e-4f, far * 0.5f);
-    eye.clipFromView = glm::frustum(float(-c.centreX / c.focalX) * near, float((c.width - c.centreX) / c.focalX) * near,
-                                    float((c.centreY - c.height) / c.focalY) * near, float(c.centreY / c.focalY) * near, near, far);
+    const float far = std::max(depth + sceneRadius, sceneRadius * 0.1f),
+                near = std::clamp(depth - sceneRadius, far * 1e-4f, far * 0.5f);
+    eye.clipFromView =
+        glm::frustum(float(-c.centreX / c.focalX) * near, float((c.width - c.centreX) / c.focalX) * near,
+                     float((c.centreY - c.height) / c.focalY) * near, float(c.centreY / c.focalY) * near, near, far);
     finish(eye);
     return eye;
 }

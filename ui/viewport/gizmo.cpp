@@ -9,7 +9,9 @@ namespace {
 
 int axisOf(GizmoHandle h) { return h == GizmoHandle::x ? 0 : h == GizmoHandle::y ? 1 : h == GizmoHandle::z ? 2 : -1; }
 /// The axis that stands on a plane handle.
-int planeNormalOf(GizmoHandle h) { return h == GizmoHandle::yz ? 0 : h == GizmoHandle::zx ? 1 : h == GizmoHandle::xy ? 2 : -1; }
+int planeNormalOf(GizmoHandle h) {
+    return h == GizmoHandle::yz ? 0 : h == GizmoHandle::zx ? 1 : h == GizmoHandle::xy ? 2 : -1;
+}
 GizmoHandle axisHandle(int axis) { return GizmoHandle(int(GizmoHandle::x) + axis); }
 GizmoHandle planeHandle(int axis) { return GizmoHandle(int(GizmoHandle::yz) + axis); }
 
@@ -43,7 +45,9 @@ float angleAbout(const Vec3& origin, const Vec3& axis, const Vec3& from, const V
     return std::atan2(glm::dot(axis, glm::cross(a, b)), glm::dot(a, b) - glm::dot(a, axis) * glm::dot(b, axis));
 }
 
-Mat4 about(const Vec3& pivot, const Mat4& change) { return glm::translate(Mat4(1), pivot) * change * glm::translate(Mat4(1), -pivot); }
+Mat4 about(const Vec3& pivot, const Mat4& change) {
+    return glm::translate(Mat4(1), pivot) * change * glm::translate(Mat4(1), -pivot);
+}
 
 const char* axisNames(GizmoHandle h) {
     static const char* const names[] = {"", "X", "Y", "Z", "YZ", "ZX", "XY", ""};
@@ -52,7 +56,8 @@ const char* axisNames(GizmoHandle h) {
 
 float cleared(float value) { return std::abs(value) < 5e-7f ? 0.0f : value; }
 
-GizmoMotion moved(const GizmoDrag& d, const Ray& now, const EyeView& eye, const GizmoSnap& snap, std::optional<float> typed) {
+GizmoMotion moved(const GizmoDrag& d, const Ray& now, const EyeView& eye, const GizmoSnap& snap,
+                  std::optional<float> typed) {
     const GizmoFrame& f = d.frame;
     const int axis = axisOf(d.handle), normal = planeNormalOf(d.handle);
     GizmoMotion motion;
@@ -74,21 +79,25 @@ GizmoMotion moved(const GizmoDrag& d, const Ray& now, const EyeView& eye, const 
             // To the grid of absolute coordinates along the frame's axes, from where the pivot started.
             const Vec3 at = glm::transpose(f.axes) * f.origin;
             for (int k = 0; k < 3; ++k)
-                if (d.handle == GizmoHandle::screen || k == axis || (normal >= 0 && k != normal)) motion.offset[k] = snapped(at[k] + motion.offset[k], snap.metres) - at[k];
+                if (d.handle == GizmoHandle::screen || k == axis || (normal >= 0 && k != normal))
+                    motion.offset[k] = snapped(at[k] + motion.offset[k], snap.metres) - at[k];
             world = f.axes * motion.offset;
         }
     }
     motion.change = glm::translate(Mat4(1), world);
     const Vec3 o(cleared(motion.offset.x), cleared(motion.offset.y), cleared(motion.offset.z));
     motion.readout = axis >= 0 ? fmt::format("Move {} {:.3f} m", axisNames(d.handle), o[axis])
-                               : fmt::format("Move {}{}{:.3f}, {:.3f}, {:.3f} m ({:.3f} m)", axisNames(d.handle), normal >= 0 ? " " : "", o.x, o.y, o.z, glm::length(o));
+                               : fmt::format("Move {}{}{:.3f}, {:.3f}, {:.3f} m ({:.3f} m)", axisNames(d.handle),
+                                             normal >= 0 ? " " : "", o.x, o.y, o.z, glm::length(o));
     return motion;
 }
 
-GizmoMotion turned(const GizmoDrag& d, const Ray& now, const EyeView& eye, const GizmoSnap& snap, std::optional<float> typed) {
+GizmoMotion turned(const GizmoDrag& d, const Ray& now, const EyeView& eye, const GizmoSnap& snap,
+                   std::optional<float> typed) {
     const GizmoFrame& f = d.frame;
     const int own = axisOf(d.handle);
-    // About the line of sight: a turn to the left on screen counts as positive, as about an axis that points at the eye.
+    // About the line of sight: a turn to the left on screen counts as positive, as about an axis that points at the
+    // eye.
     const Vec3 sight = eye.towardEye(f.origin);
     const Vec3 axis = own >= 0 ? f.axes[own] : sight;
     float radians = 0;
@@ -105,11 +114,13 @@ GizmoMotion turned(const GizmoDrag& d, const Ray& now, const EyeView& eye, const
     GizmoMotion motion;
     motion.degrees = glm::degrees(radians);
     motion.change = about(f.origin, glm::rotate(Mat4(1), radians, axis));
-    motion.readout = fmt::format("Turn {}{}{:.1f} degrees", axisNames(d.handle), own >= 0 ? " " : "", cleared(motion.degrees));
+    motion.readout =
+        fmt::format("Turn {}{}{:.1f} degrees", axisNames(d.handle), own >= 0 ? " " : "", cleared(motion.degrees));
     return motion;
 }
 
-GizmoMotion scaled(const GizmoDrag& d, const Ray& now, const EyeView& eye, const GizmoSnap& snap, std::optional<float> typed) {
+GizmoMotion scaled(const GizmoDrag& d, const Ray& now, const EyeView& eye, const GizmoSnap& snap,
+                   std::optional<float> typed) {
     const GizmoFrame& f = d.frame;
     const int axis = axisOf(d.handle), normal = planeNormalOf(d.handle);
     float factor = 1;
@@ -123,7 +134,8 @@ GizmoMotion scaled(const GizmoDrag& d, const Ray& now, const EyeView& eye, const
         const auto from = onPlane(d.start, f.origin, sight), to = onPlane(now, f.origin, sight);
         if (from && to) {
             const Vec3 a = *from - f.origin, b = *to - f.origin;
-            // From the very centre a handle's drag counts as if it had begun at the gizmo's length: to the right is larger.
+            // From the very centre a handle's drag counts as if it had begun at the gizmo's length: to the right is
+            // larger.
             const float reach = glm::length(a);
             factor = reach > 0.25f * f.size ? glm::length(b) / reach : 1 + glm::dot(b - a, eye.right) / f.size;
         }
@@ -136,13 +148,16 @@ GizmoMotion scaled(const GizmoDrag& d, const Ray& now, const EyeView& eye, const
         if (d.handle == GizmoHandle::screen || k == axis || (normal >= 0 && k != normal)) motion.factor[k] = factor;
     const Mat4 axes(f.axes);
     motion.change = about(f.origin, axes * glm::scale(Mat4(1), motion.factor) * glm::transpose(axes));
-    motion.readout = fmt::format("Scale {}{}{:.3f}", axisNames(d.handle), d.handle == GizmoHandle::screen ? "" : " ", factor);
+    motion.readout =
+        fmt::format("Scale {}{}{:.3f}", axisNames(d.handle), d.handle == GizmoHandle::screen ? "" : " ", factor);
     return motion;
 }
 
 }  // namespace
 
-GizmoFrame gizmoFrameAt(const Vec3& origin, const Mat3& axes, const EyeView& eye, float points) { return {origin, axes, eye.metresPerPoint(origin) * points}; }
+GizmoFrame gizmoFrameAt(const Vec3& origin, const Mat3& axes, const EyeView& eye, float points) {
+    return {origin, axes, eye.metresPerPoint(origin) * points};
+}
 
 bool handleVisible(GizmoKind kind, GizmoHandle handle, const GizmoFrame& frame, const EyeView& eye) {
     const Vec3 sight = eye.towardEye(frame.origin);
@@ -151,7 +166,8 @@ bool handleVisible(GizmoKind kind, GizmoHandle handle, const GizmoFrame& frame, 
         const float along = std::abs(glm::dot(frame.axes[axis], sight));
         return kind == GizmoKind::rotate ? along > std::sin(limit) : along < std::cos(limit);
     }
-    if (const int normal = planeNormalOf(handle); normal >= 0) return kind != GizmoKind::rotate && std::abs(glm::dot(frame.axes[normal], sight)) > std::sin(limit);
+    if (const int normal = planeNormalOf(handle); normal >= 0)
+        return kind != GizmoKind::rotate && std::abs(glm::dot(frame.axes[normal], sight)) > std::sin(limit);
     return handle != GizmoHandle::none;
 }
 
@@ -167,9 +183,11 @@ GizmoHandle hitTest(const Ray& ray, const GizmoFrame& f, const EyeView& eye, Giz
         for (int axis = 0; axis < 3; ++axis) {
             const auto point = onPlane(ray, f.origin, f.axes[axis]);
             // The half of a ring behind the pivot is not drawn.
-            if (point && glm::dot(*point - f.origin, sight) > -0.05f * f.size) offer(axisHandle(axis), std::abs(glm::length(*point - f.origin) - ringRadius * f.size));
+            if (point && glm::dot(*point - f.origin, sight) > -0.05f * f.size)
+                offer(axisHandle(axis), std::abs(glm::length(*point - f.origin) - ringRadius * f.size));
         }
-        if (const auto point = onPlane(ray, f.origin, sight)) offer(GizmoHandle::screen, std::abs(glm::length(*point - f.origin) - screenRingRadius * f.size));
+        if (const auto point = onPlane(ray, f.origin, sight))
+            offer(GizmoHandle::screen, std::abs(glm::length(*point - f.origin) - screenRingRadius * f.size));
         return best;
     }
     if (distanceToRay(ray, f.origin) < centreRadius * f.size) return GizmoHandle::screen;
@@ -190,7 +208,8 @@ GizmoHandle hitTest(const Ray& ray, const GizmoFrame& f, const EyeView& eye, Giz
     return best;
 }
 
-GizmoMotion drag(const GizmoDrag& d, const Ray& now, const EyeView& eye, const GizmoSnap& snap, std::optional<float> typed) {
+GizmoMotion drag(const GizmoDrag& d, const Ray& now, const EyeView& eye, const GizmoSnap& snap,
+                 std::optional<float> typed) {
     switch (d.kind) {
         case GizmoKind::move: return moved(d, now, eye, snap, typed);
         case GizmoKind::rotate: return turned(d, now, eye, snap, typed);

@@ -20,7 +20,8 @@ void line(const Canvas& canvas, const Vec3& a, const Vec3& b, ImU32 colour, floa
 }
 
 /// A ring, or the half of it on the eye's side of the pivot.
-void ring(const Canvas& canvas, const GizmoFrame& f, const Vec3& axis, float radius, bool half, ImU32 colour, float width) {
+void ring(const Canvas& canvas, const GizmoFrame& f, const Vec3& axis, float radius, bool half, ImU32 colour,
+          float width) {
     const Mat3 frame = frameAround(axis);
     const Vec3 sight = canvas.eye->towardEye(f.origin);
     std::vector<ImVec2> points;
@@ -35,10 +36,8 @@ void ring(const Canvas& canvas, const GizmoFrame& f, const Vec3& axis, float rad
         const float angle = start + 2 * pi * float(i) / ringPieces;
         const Vec3 offset = frame[0] * std::cos(angle) + frame[1] * std::sin(angle);
         const auto at = canvas.eye->toScreen(f.origin + radius * f.size * offset);
-        if (!at || (half && glm::dot(offset, sight) < -0.03f))
-            flush();
-        else
-            points.push_back(toIm(*at));
+        if (!at || (half && glm::dot(offset, sight) < -0.03f)) flush();
+        else points.push_back(toIm(*at));
     }
     flush();
 }
@@ -49,7 +48,8 @@ void drawGizmo(const Canvas& canvas, GizmoKind kind, const GizmoFrame& f, GizmoH
     const float width = 2.2f * canvas.scale;
     const auto shown = [&](GizmoHandle handle) { return handleVisible(kind, handle, f, *canvas.eye); };
     if (kind == GizmoKind::rotate) {
-        ring(canvas, f, canvas.eye->towardEye(f.origin), screenRingRadius, false, colourOf(-1, active == GizmoHandle::screen, 0.75f), width * 0.75f);
+        ring(canvas, f, canvas.eye->towardEye(f.origin), screenRingRadius, false,
+             colourOf(-1, active == GizmoHandle::screen, 0.75f), width * 0.75f);
         for (int axis = 0; axis < 3; ++axis) {
             const GizmoHandle handle = GizmoHandle(int(GizmoHandle::x) + axis);
             if (shown(handle)) ring(canvas, f, f.axes[axis], ringRadius, true, colourOf(axis, active == handle), width);
@@ -70,7 +70,8 @@ void drawGizmo(const Canvas& canvas, GizmoKind kind, const GizmoFrame& f, GizmoH
         }
         if (!whole) continue;
         canvas.list->AddConvexPolyFilled(corners, 4, colourOf(axis, active == handle, 0.35f));
-        canvas.list->AddPolyline(corners, 4, colourOf(axis, active == handle, 0.9f), ImDrawFlags_Closed, 1.2f * canvas.scale);
+        canvas.list->AddPolyline(corners, 4, colourOf(axis, active == handle, 0.9f), ImDrawFlags_Closed,
+                                 1.2f * canvas.scale);
     }
     for (int axis = 0; axis < 3; ++axis) {
         const GizmoHandle handle = GizmoHandle(int(GizmoHandle::x) + axis);
@@ -78,15 +79,19 @@ void drawGizmo(const Canvas& canvas, GizmoKind kind, const GizmoFrame& f, GizmoH
         const ImU32 colour = colourOf(axis, active == handle);
         const Vec3 tip = f.origin + f.axes[axis] * f.size;
         line(canvas, f.origin + f.axes[axis] * (f.size * centreRadius), tip, colour, width);
-        const auto end = canvas.eye->toScreen(tip), before = canvas.eye->toScreen(f.origin + f.axes[axis] * (f.size * 0.82f));
+        const auto end = canvas.eye->toScreen(tip),
+                   before = canvas.eye->toScreen(f.origin + f.axes[axis] * (f.size * 0.82f));
         if (!end || !before) continue;
         notePoint(std::string("gizmo:") + "xyz"[axis], *end);
         const float half = 5.0f * canvas.scale;
         if (kind == GizmoKind::scale) {
             canvas.list->AddRectFilled({end->x - half, end->y - half}, {end->x + half, end->y + half}, colour);
         } else {
-            const Vec2 along = *end - *before, side = glm::length(along) > 0.5f ? Vec2(-along.y, along.x) / glm::length(along) * half : Vec2(half, 0);
-            canvas.list->AddTriangleFilled(toIm(*end + along * 0.25f), toIm(*before + side), toIm(*before - side), colour);
+            const Vec2 along = *end - *before, side = glm::length(along) > 0.5f
+                                                          ? Vec2(-along.y, along.x) / glm::length(along) * half
+                                                          : Vec2(half, 0);
+            canvas.list->AddTriangleFilled(toIm(*end + along * 0.25f), toIm(*before + side), toIm(*before - side),
+                                           colour);
         }
     }
     if (const auto centre = canvas.eye->toScreen(f.origin)) {
@@ -102,8 +107,11 @@ void drawConstraint(const Canvas& canvas, const GizmoDrag& drag) {
     const float reach = 200 * drag.frame.size;
     for (int axis = 0; axis < 3; ++axis) {
         const bool alone = drag.handle == GizmoHandle(int(GizmoHandle::x) + axis);
-        const bool inPlane = int(drag.handle) >= int(GizmoHandle::yz) && int(drag.handle) <= int(GizmoHandle::xy) && drag.handle != GizmoHandle(int(GizmoHandle::yz) + axis);
-        if (alone || inPlane) line(canvas, drag.frame.origin - reach * drag.frame.axes[axis], drag.frame.origin + reach * drag.frame.axes[axis], colourOf(axis, false, 0.7f), 1.3f * canvas.scale);
+        const bool inPlane = int(drag.handle) >= int(GizmoHandle::yz) && int(drag.handle) <= int(GizmoHandle::xy) &&
+                             drag.handle != GizmoHandle(int(GizmoHandle::yz) + axis);
+        if (alone || inPlane)
+            line(canvas, drag.frame.origin - reach * drag.frame.axes[axis],
+                 drag.frame.origin + reach * drag.frame.axes[axis], colourOf(axis, false, 0.7f), 1.3f * canvas.scale);
     }
 }
 

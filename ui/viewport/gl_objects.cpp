@@ -80,13 +80,16 @@ void GlTarget::resize(int newWidth, int newHeight, GLenum format, GLuint depthTe
     width = newWidth, height = newHeight;
     glBindTexture(GL_TEXTURE_2D, colour.id());
     const bool half = format == GL_RGBA16F;
-    glTexImage2D(GL_TEXTURE_2D, 0, GLint(format), width, height, 0, GL_RGBA, half ? GL_HALF_FLOAT : GL_UNSIGNED_BYTE, nullptr);
+    glTexImage2D(GL_TEXTURE_2D, 0, GLint(format), width, height, 0, GL_RGBA, half ? GL_HALF_FLOAT : GL_UNSIGNED_BYTE,
+                 nullptr);
     setSampling(filter, GL_CLAMP_TO_EDGE);
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.id());
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, colour.id(), 0);
     if (depthTexture) glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depthTexture, 0);
     const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
-    if (status != GL_FRAMEBUFFER_COMPLETE) throw Error("the graphics driver cannot draw into a picture of {} x {} pixels (status {:#x})", width, height, status);
+    if (status != GL_FRAMEBUFFER_COMPLETE)
+        throw Error("the graphics driver cannot draw into a picture of {} x {} pixels (status {:#x})", width, height,
+                    status);
 }
 
 void uploadRgba8(GlTexture& texture, int width, int height, const uint8_t* rgba) {
@@ -108,8 +111,10 @@ void requireOpenGl43() {
     const char* renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
     if (!version) throw Error("there is no OpenGL context; relamp needs OpenGL 4.3");
     if (epoxy_gl_version() < 43)
-        throw Error("OpenGL 4.3 is needed, this driver has {} ({}). A newer graphics driver helps, or Mesa's software renderer: LIBGL_ALWAYS_SOFTWARE=1", version,
-                    renderer ? renderer : "unknown");
+        throw Error(
+            "OpenGL 4.3 is needed, this driver has {} ({}). A newer graphics driver helps, or Mesa's software "
+            "renderer: LIBGL_ALWAYS_SOFTWARE=1",
+            version, renderer ? renderer : "unknown");
 }
 
 }  // namespace relamp::ui

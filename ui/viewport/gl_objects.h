@@ -1,4 +1,5 @@
-// OpenGL objects that free themselves, with the driver's own words in errors. Needs a current context, also when they go away.
+// OpenGL objects that free themselves, with the driver's own words in errors. Needs a current context, also when they
+// go away.
 #pragma once
 #include <epoxy/gl.h>
 
@@ -65,7 +66,8 @@ private:
     size_t bytes_ = 0;
 };
 
-/// A vertex and a fragment shader, linked. Sources are files of shaders/; `extra` is put where the fragment shader says //EXTRA.
+/// A vertex and a fragment shader, linked. Sources are files of shaders/; `extra` is put where the fragment shader says
+/// //EXTRA.
 class GlProgram {
 public:
     GlProgram() = default;

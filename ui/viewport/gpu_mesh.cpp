@@ -2,11 +2,13 @@
 
 namespace relamp::ui {
 
-void GpuMesh::upload(const std::shared_ptr<const Mesh>& mesh, const std::vector<uint8_t>& visible, uint64_t visibleVersion) {
+void GpuMesh::upload(const std::shared_ptr<const Mesh>& mesh, const std::vector<uint8_t>& visible,
+                     uint64_t visibleVersion) {
     const bool otherMesh = mesh != mesh_, otherTriangles = otherMesh || visibleVersion != visibleVersion_;
     if (!otherTriangles) return;
     // A lamp that moves brings a new mesh with the same triangles: then only places travel.
-    const bool sameTopology = otherMesh && mesh_ && visibleVersion == visibleVersion_ && mesh->triangles == mesh_->triangles;
+    const bool sameTopology =
+        otherMesh && mesh_ && visibleVersion == visibleVersion_ && mesh->triangles == mesh_->triangles;
     glBindVertexArray(array_.id());
     if (otherMesh) {
         positions_.upload(GL_ARRAY_BUFFER, mesh->positions);

@@ -1,5 +1,5 @@
-// Meshes and per-vertex colours on the graphics card. Positions, normals and colours lie apart: when only light changes, only colours
-// travel.
+// Meshes and per-vertex colours on the graphics card. Positions, normals and colours lie apart: when only light
+// changes, only colours travel.
 #pragma once
 #include <memory>
 #include <vector>
@@ -11,7 +11,8 @@ namespace relamp::ui {
 
 class GpuMesh {
 public:
-    /// Uploads geometry; `visible` per triangle, empty: all. Nothing happens when mesh and `visibleVersion` are those of the last call.
+    /// Uploads geometry; `visible` per triangle, empty: all. Nothing happens when mesh and `visibleVersion` are those
+    /// of the last call.
     void upload(const std::shared_ptr<const Mesh>& mesh, const std::vector<uint8_t>& visible, uint64_t visibleVersion);
     const std::shared_ptr<const Mesh>& mesh() const { return mesh_; }
     size_t vertexCount() const { return mesh_ ? mesh_->vertexCount() : 0; }

@@ -17,7 +17,7 @@ namespace {
 /// Displays are never terminated: there is one for each device in a process, and the window may have the same.
 struct Candidate {
     EGLDisplay display = EGL_NO_DISPLAY;
-    bool software = false;   ///< known before the driver is started
+    bool software = false;  ///< known before the driver is started
 };
 
 bool listed(const char* extensions, const char* name) {
@@ -27,24 +27,29 @@ bool listed(const char* extensions, const char* name) {
     return false;
 }
 
-/// Where a context may be made, graphics cards first. The surfaceless platform is Mesa's alone: where devices can be listed it adds software
-/// at most.
+/// Where a context may be made, graphics cards first. The surfaceless platform is Mesa's alone: where devices can be
+/// listed it adds software at most.
 std::vector<Candidate> candidates() {
     std::vector<Candidate> found;
     const char* client = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
     eglGetError();
     if (listed(client, "EGL_EXT_platform_base")) {
-        const bool enumerates = listed(client, "EGL_EXT_device_base") || (listed(client, "EGL_EXT_device_enumeration") && listed(client, "EGL_EXT_device_query"));
+        const bool enumerates =
+            listed(client, "EGL_EXT_device_base") ||
+            (listed(client, "EGL_EXT_device_enumeration") && listed(client, "EGL_EXT_device_query"));
         if (enumerates && listed(client, "EGL_EXT_platform_device")) {
             EGLint count = 0;
             EGLDeviceEXT devices[16];
             if (eglQueryDevicesEXT(16, devices, &count))
                 for (EGLint d = 0; d < count; ++d) {
-                    const bool software = listed(eglQueryDeviceStringEXT(devices[d], EGL_EXTENSIONS), "EGL_MESA_device_software");
+                    const bool software =
+                        listed(eglQueryDeviceStringEXT(devices[d], EGL_EXTENSIONS), "EGL_MESA_device_software");
                     found.push_back({eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices[d], nullptr), software});
                 }
         }
-        if (listed(client, "EGL_MESA_platform_surfaceless")) found.push_back({eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr), !found.empty()});
+        if (listed(client, "EGL_MESA_platform_surfaceless"))
+            found.push_back({eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr),
+                             !found.empty()});
     }
     if (found.empty()) found.push_back({eglGetDisplay(EGL_DEFAULT_DISPLAY), false});
     std::erase_if(found, [](const Candidate& c) { return c.display == EGL_NO_DISPLAY; });
@@ -56,21 +61,29 @@ public:
     /// Throws Error when the display has no OpenGL 4.3 without a window. It is current on no thread.
     explicit Context(EGLDisplay display) : display_(display) {
         EGLint major = 0, minor = 0;
-        if (!eglInitialize(display, &major, &minor)) throw Error("the driver does not start (EGL error {:#x})", eglGetError());
-        if (!epoxy_has_egl_extension(display, "EGL_KHR_surfaceless_context")) throw Error("the driver offers no context without a window");
+        if (!eglInitialize(display, &major, &minor))
+            throw Error("the driver does not start (EGL error {:#x})", eglGetError());
+        if (!epoxy_has_egl_extension(display, "EGL_KHR_surfaceless_context"))
+            throw Error("the driver offers no context without a window");
         if (!eglBindAPI(EGL_OPENGL_API)) throw Error("the driver offers no OpenGL");
         const EGLint wanted[] = {EGL_SURFACE_TYPE, 0, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
         EGLConfig config = nullptr;
         EGLint configs = 0;
         if (!eglChooseConfig(display, wanted, &config, 1, &configs)) configs = 0;
-        if (!configs && !epoxy_has_egl_extension(display, "EGL_KHR_no_config_context")) throw Error("the driver offers no OpenGL");
+        if (!configs && !epoxy_has_egl_extension(display, "EGL_KHR_no_config_context"))
+            throw Error("the driver offers no OpenGL");
         const bool tells = major > 1 || minor >= 5;
         for (const bool reset : {true, false}) {
             if (reset && !tells) continue;
-            std::vector<EGLint> attributes{EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 3, EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT};
-            if (reset) attributes.insert(attributes.end(), {EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY, EGL_LOSE_CONTEXT_ON_RESET});
+            std::vector<EGLint> attributes{EGL_CONTEXT_MAJOR_VERSION,       4,
+                                           EGL_CONTEXT_MINOR_VERSION,       3,
+                                           EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT};
+            if (reset)
+                attributes.insert(attributes.end(),
+                                  {EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY, EGL_LOSE_CONTEXT_ON_RESET});
             attributes.push_back(EGL_NONE);
-            context_ = eglCreateContext(display, configs ? config : EGLConfig(nullptr), EGL_NO_CONTEXT, attributes.data());
+            context_ =
+                eglCreateContext(display, configs ? config : EGLConfig(nullptr), EGL_NO_CONTEXT, attributes.data());
             if (context_ != EGL_NO_CONTEXT) break;
         }
         if (context_ == EGL_NO_CONTEXT) throw Error("the driver offers no OpenGL 4.3 (EGL error {:#x})", eglGetError());
@@ -93,11 +106,13 @@ public:
     void makeCurrent() {
         eglBindAPI(EGL_OPENGL_API);
         if (eglGetCurrentContext() == context_) return;
-        if (!eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_)) throw Error("the graphics driver refused its context (EGL error {:#x})", eglGetError());
+        if (!eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_))
+            throw Error("the graphics driver refused its context (EGL error {:#x})", eglGetError());
     }
     void release() {
         eglBindAPI(EGL_OPENGL_API);
-        if (eglGetCurrentContext() == context_) eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+        if (eglGetCurrentContext() == context_)
+            eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     }
     const std::string& renderer() const { return renderer_; }
     bool software() const {
@@ -126,7 +141,8 @@ public:
     std::string name() const override { return context_->renderer(); }
 
     void apply(const std::array<std::vector<float>, 3>& coefs, std::span<Rgb> out) override {
-        if (out.size() != blocks_ * transportLanes) throw Error("{} places for the light of {} points", out.size(), blocks_ * transportLanes);
+        if (out.size() != blocks_ * transportLanes)
+            throw Error("{} places for the light of {} points", out.size(), blocks_ * transportLanes);
         if (!blocks_) return;
         context_->makeCurrent();
         interleaved_.resize(coefs[0].size() * 4);
@@ -134,7 +150,8 @@ public:
             for (size_t k = 0; k < 3; ++k) interleaved_[4 * i + k] = coefs[k][i];
         glUseProgram(program_);
         put(coefsPlace, interleaved_.data(), interleaved_.size() * sizeof(float), GL_STREAM_DRAW);
-        for (GLuint place = 0; place < places; ++place) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, place, buffers_[place]);
+        for (GLuint place = 0; place < places; ++place)
+            glBindBufferBase(GL_SHADER_STORAGE_BUFFER, place, buffers_[place]);
         glUniform1ui(blocksUniform_, GLuint(blocks_));
         glDispatchCompute(GLuint((blocks_ * transportLanes + groupSize - 1) / groupSize), 1, 1);
         glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
@@ -167,7 +184,15 @@ protected:
     }
 
 private:
-    enum Place : GLuint { indexPlace, valuePlace, startPlace, scalePlace, coefsPlace, lightPlace, places };   // as bound in transport.comp
+    enum Place : GLuint {
+        indexPlace,
+        valuePlace,
+        startPlace,
+        scalePlace,
+        coefsPlace,
+        lightPlace,
+        places
+    };  // as bound in transport.comp
     static constexpr size_t groupSize = 64;
     std::unique_ptr<Context> context_;
     GLuint program_ = 0;
@@ -212,7 +237,8 @@ private:
 
     /// Throws Error with what went wrong since the last check, a reset of the driver included.
     void check() {
-        if (const bool tells = epoxy_gl_version() >= 45 || epoxy_has_gl_extension("GL_KHR_robustness"); tells && glGetGraphicsResetStatus() != GL_NO_ERROR)
+        if (const bool tells = epoxy_gl_version() >= 45 || epoxy_has_gl_extension("GL_KHR_robustness");
+            tells && glGetGraphicsResetStatus() != GL_NO_ERROR)
             throw Error("the graphics driver was reset");
         const GLenum error = glGetError();
         if (error == GL_NO_ERROR) return;
@@ -239,9 +265,7 @@ std::shared_ptr<TransportDevice> makeGpuTransport(bool force, std::string* why) 
                 auto context = std::make_unique<Context>(candidate.display);
                 if (!context->software() || force) return std::make_shared<GpuTransport>(std::move(context));
                 note(context->renderer() + " runs on the processor");
-            } catch (const Error& error) {
-                note(error.what());
-            }
+            } catch (const Error& error) { note(error.what()); }
         }
         if (reasons.empty()) note("EGL offers no display");
     }

@@ -1,5 +1,5 @@
-// Stored transport summed on the graphics card: compute shaders of OpenGL 4.3 over shader storage buffers, in a context of its own that
-// needs no window and no display.
+// Stored transport summed on the graphics card: compute shaders of OpenGL 4.3 over shader storage buffers, in a context
+// of its own that needs no window and no display.
 #pragma once
 #include <memory>
 #include <string>
@@ -8,9 +8,9 @@
 
 namespace relamp::ui {
 
-/// The first graphics card that offers OpenGL 4.3 through EGL; null where there is none. Software renderers sum no faster than the processor
-/// does and are passed over unless `force`. The thread that makes the first call of it keeps it: not the window's, whose context it would
-/// push aside. `why`: for a null answer, in words.
+/// The first graphics card that offers OpenGL 4.3 through EGL; null where there is none. Software renderers sum no
+/// faster than the processor does and are passed over unless `force`. The thread that makes the first call of it keeps
+/// it: not the window's, whose context it would push aside. `why`: for a null answer, in words.
 std::shared_ptr<TransportDevice> makeGpuTransport(bool force = false, std::string* why = nullptr);
 
 }  // namespace relamp::ui

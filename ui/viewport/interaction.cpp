@@ -12,7 +12,9 @@ Vec2 mousePosition() { return {ImGui::GetIO().MousePos.x, ImGui::GetIO().MousePo
 
 bool popupOpen() { return ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel); }
 
-GizmoKind kindOf(Tool tool) { return tool == Tool::rotate ? GizmoKind::rotate : tool == Tool::scale ? GizmoKind::scale : GizmoKind::move; }
+GizmoKind kindOf(Tool tool) {
+    return tool == Tool::rotate ? GizmoKind::rotate : tool == Tool::scale ? GizmoKind::scale : GizmoKind::move;
+}
 
 }  // namespace
 
@@ -21,7 +23,8 @@ std::optional<std::pair<GizmoKind, GizmoFrame>> Interaction::gizmo(const Editor&
     if (viewport.tool == Tool::select || viewport.clickTask != ClickTask::none) return std::nullopt;
     const auto pivot = transformPivot(editor);
     if (!pivot || !canvas.eye->toScreen(pivot->origin)) return std::nullopt;
-    return std::pair(kindOf(viewport.tool), gizmoFrameAt(pivot->origin, viewport.localAxes ? pivot->local : Mat3(1), *canvas.eye, gizmoPoints * canvas.scale));
+    return std::pair(kindOf(viewport.tool), gizmoFrameAt(pivot->origin, viewport.localAxes ? pivot->local : Mat3(1),
+                                                         *canvas.eye, gizmoPoints * canvas.scale));
 }
 
 void Interaction::moveCamera(Editor& editor, const Canvas& canvas, bool hovered, bool active) {
@@ -56,7 +59,8 @@ void Interaction::findHovered(Editor& editor, const Canvas& canvas, const Pictur
     hoveredEmitter_.clear();
     hoveredDivider_ = hoveredView_ = -1;
     if (!hovered_ || drag_ != Drag::none || gesture_.running() || axisAt(canvas, mouse)) return;
-    if (const auto g = gizmo(editor, canvas)) hoveredHandle_ = hitTest(canvas.eye->rayAt(mouse), g->second, *canvas.eye, g->first);
+    if (const auto g = gizmo(editor, canvas))
+        hoveredHandle_ = hitTest(canvas.eye->rayAt(mouse), g->second, *canvas.eye, g->first);
     if (hoveredHandle_ != GizmoHandle::none) return;
     hoveredDivider_ = dividerAt(canvas, picture.strips(), mouse);
     if (hoveredDivider_ >= 0) return;
@@ -76,10 +80,15 @@ void Interaction::keys(Editor& editor, const Canvas& canvas, const Vec2& mouse) 
         if (in.pressed || !in.typed.empty()) gesture_.keys(editor, in.pressed, in.typed, in.shift, *canvas.eye);
         return;
     }
-    if (const auto wanted = takeTransformRequest()) gesture_.begin(editor, *wanted, GizmoHandle::screen, true, *canvas.eye, mouse, points);
+    if (const auto wanted = takeTransformRequest())
+        gesture_.begin(editor, *wanted, GizmoHandle::screen, true, *canvas.eye, mouse, points);
     if (popupOpen() || ImGui::GetIO().WantTextInput || editor.inGesture() || in.control || in.alt || in.shift) return;
     if (in.pressed == 'G' || in.pressed == 'R' || in.pressed == 'S')
-        gesture_.begin(editor, in.pressed == 'G' ? GizmoKind::move : in.pressed == 'R' ? GizmoKind::rotate : GizmoKind::scale, GizmoHandle::screen, true, *canvas.eye, mouse, points);
+        gesture_.begin(editor,
+                       in.pressed == 'G'   ? GizmoKind::move
+                       : in.pressed == 'R' ? GizmoKind::rotate
+                                           : GizmoKind::scale,
+                       GizmoHandle::screen, true, *canvas.eye, mouse, points);
 }
 
 void Interaction::press(Editor& editor, const Canvas& canvas, const Picture& picture, const Vec2& mouse) {
@@ -98,14 +107,16 @@ void Interaction::press(Editor& editor, const Canvas& canvas, const Picture& pic
             return;
         }
     }
-    if (const int divider = dividerAt(canvas, picture.strips(), mouse); divider >= 0) drag_ = Drag::divider, divider_ = divider;
+    if (const int divider = dividerAt(canvas, picture.strips(), mouse); divider >= 0)
+        drag_ = Drag::divider, divider_ = divider;
 }
 
 void Interaction::click(Editor& editor, const Canvas& canvas, const Picture& picture, const Vec2& mouse) {
     const bool toggle = input().control || ImGui::GetIO().KeyCtrl;
     const bool inside = canvas.eye->contains(mouse);
     const auto surface = [&]() -> std::optional<PickedPoint> {
-        return inside && picture.mesh() ? pickSurface(*picture.mesh(), canvas.eye->rayAt(mouse), picture.visible()) : std::nullopt;
+        return inside && picture.mesh() ? pickSurface(*picture.mesh(), canvas.eye->rayAt(mouse), picture.visible())
+                                        : std::nullopt;
     };
     if (editor.state.viewport.clickTask != ClickTask::none) {
         if (runClickTask(editor, surface(), *canvas.eye)) return;
@@ -139,8 +150,10 @@ void Interaction::act(Editor& editor, const Canvas& canvas, const Picture& pictu
         if (ImGui::IsMouseClicked(ImGuiMouseButton_Right)) gesture_.abandon(editor), drag_ = Drag::none;
         return;
     }
-    if (active && drag_ == Drag::none && ImGui::IsMouseClicked(ImGuiMouseButton_Left)) press(editor, canvas, picture, mouse);
-    if (hovered && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left) && editor.state.viewport.clickTask == ClickTask::none)
+    if (active && drag_ == Drag::none && ImGui::IsMouseClicked(ImGuiMouseButton_Left))
+        press(editor, canvas, picture, mouse);
+    if (hovered && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left) &&
+        editor.state.viewport.clickTask == ClickTask::none)
         if (const int view = frustumAt(canvas, mouse); view >= 0) {
             lookThrough(editor, view);
             drag_ = Drag::none;
@@ -194,14 +207,16 @@ void Interaction::draw(const Canvas& canvas, const Picture& picture) {
     drawFrustumName(canvas, hoveredView_);
     if (gesture_.running()) {
         labelAt(canvas, mouse + Vec2(18, 18) * canvas.scale, gesture_.readout());
-        if (const auto pivot = canvas.eye->toScreen(gesture_.state().frame.origin); pivot && gesture_.byKey() && gesture_.state().kind != GizmoKind::move)
+        if (const auto pivot = canvas.eye->toScreen(gesture_.state().frame.origin);
+            pivot && gesture_.byKey() && gesture_.state().kind != GizmoKind::move)
             canvas.list->AddLine(toIm(*pivot), toIm(mouse), IM_COL32(230, 230, 230, 110), canvas.scale);
     } else if (hovered_ && editor.state.viewport.clickTask != ClickTask::none) {
         labelAt(canvas, mouse + Vec2(18, 18) * canvas.scale, hintOf(editor.state.viewport.clickTask));
     }
     if (hovered_ || drag_ == Drag::divider) {
         if (drag_ == Drag::divider || hoveredDivider_ >= 0) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
-        if (editor.state.viewport.clickTask != ClickTask::none || hoveredHandle_ != GizmoHandle::none) ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
+        if (editor.state.viewport.clickTask != ClickTask::none || hoveredHandle_ != GizmoHandle::none)
+            ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
     }
 }
 

@@ -1,4 +1,5 @@
-// Mouse and keys over the picture: camera, picking, dividers, gizmo and gestures. Reads Dear ImGui's mouse and keys.h; changes the editor.
+// Mouse and keys over the picture: camera, picking, dividers, gizmo and gestures. Reads Dear ImGui's mouse and keys.h;
+// changes the editor.
 #pragma once
 #include "viewport/overlays.h"
 #include "viewport/picture.h"
@@ -8,7 +9,8 @@ namespace relamp::ui {
 
 class Interaction {
 public:
-    /// Moves the orbit camera before the picture is drawn. `hovered`, `active`: the viewport's own item under the mouse, or held.
+    /// Moves the orbit camera before the picture is drawn. `hovered`, `active`: the viewport's own item under the
+    /// mouse, or held.
     void moveCamera(Editor& editor, const Canvas& canvas, bool hovered, bool active);
     /// Everything else, after it: `picture` says what can be picked.
     void act(Editor& editor, const Canvas& canvas, const Picture& picture, bool hovered, bool active);

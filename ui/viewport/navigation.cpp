@@ -47,7 +47,8 @@ void frameSelected(Editor& editor) {
             if (live->emitterIds[i] != id) continue;
             for (size_t t = 0; t < live->mesh->triangles.size(); ++t)
                 if ((*live->emitterOfTriangle)[t] == int(i))
-                    for (uint32_t v : live->mesh->triangles[t]) low = glm::min(low, live->mesh->positions[v]), high = glm::max(high, live->mesh->positions[v]);
+                    for (uint32_t v : live->mesh->triangles[t])
+                        low = glm::min(low, live->mesh->positions[v]), high = glm::max(high, live->mesh->positions[v]);
         }
     }
     const float scene = sceneExtent(editor).radius;
@@ -78,19 +79,20 @@ void leaveView(Editor& editor) {
     const SceneExtent& extent = sceneExtent(editor);
     float distance = float(camera.depthOf(DVec3(extent.centre)));
     if (const auto& scene = editor.state.document.scene; scene && scene->tracer)
-        if (const Hit hit = scene->tracer->closest({Vec3(camera.position()), Vec3(camera.forward())})) distance = hit.distance;
+        if (const Hit hit = scene->tracer->closest({Vec3(camera.position()), Vec3(camera.forward())}))
+            distance = hit.distance;
     viewport.camera.matchCamera(camera, distance > 0 ? distance : extent.radius);
     // In a viewport narrower than the photograph the letterbox made the picture smaller: more is seen above and below.
     const float pictureAspect = float(camera.width) / float(std::max(camera.height, 1));
     if (viewport.aspect < pictureAspect)
-        viewport.camera.verticalFov = std::min(2 * std::atan(std::tan(viewport.camera.verticalFov / 2) * pictureAspect / std::max(viewport.aspect, 0.05f)), 2.6f);
+        viewport.camera.verticalFov = std::min(
+            2 * std::atan(std::tan(viewport.camera.verticalFov / 2) * pictureAspect / std::max(viewport.aspect, 0.05f)),
+            2.6f);
 }
 
 void toggleLookThrough(Editor& editor) {
-    if (editor.state.viewport.throughView)
-        leaveView(editor);
-    else
-        lookThrough(editor, std::max(editor.state.selection.view, 0));
+    if (editor.state.viewport.throughView) leaveView(editor);
+    else lookThrough(editor, std::max(editor.state.selection.view, 0));
 }
 
 void stepView(Editor& editor, int step) {

@@ -40,9 +40,11 @@ void OrbitCamera::frameBox(const Vec3& low, const Vec3& high, float aspect) {
     const float tall = std::tan(verticalFov / 2) * 0.92f, wide = tall * std::max(aspect, 0.05f);
     float wanted = 1e-4f;
     for (int corner = 0; corner < 8; ++corner) {
-        const Vec3 p = Vec3(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y, corner & 4 ? high.z : low.z) - target;
+        const Vec3 p =
+            Vec3(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y, corner & 4 ? high.z : low.z) - target;
         const float toward = orthographic ? 0.0f : glm::dot(p, back);
-        wanted = std::max(wanted, toward + std::max(std::abs(glm::dot(p, right)) / wide, std::abs(glm::dot(p, up)) / tall));
+        wanted =
+            std::max(wanted, toward + std::max(std::abs(glm::dot(p, right)) / wide, std::abs(glm::dot(p, up)) / tall));
     }
     distance = wanted;
 }
@@ -52,7 +54,9 @@ void OrbitCamera::matchCamera(const Camera& camera, float distanceToTarget) {
     distance = std::max(distanceToTarget, 1e-4f);
     elevation = std::clamp(std::asin(std::clamp(-forward.z, -1.0f, 1.0f)), -steepest, steepest);
     // Looking straight down, the picture's own up says where north is.
-    const Vec3 level = std::hypot(forward.x, forward.y) > 1e-3f ? forward : Vec3(DVec3(camera.worldFromCamera[1])) * (forward.z < 0 ? 1.0f : -1.0f);
+    const Vec3 level = std::hypot(forward.x, forward.y) > 1e-3f
+                           ? forward
+                           : Vec3(DVec3(camera.worldFromCamera[1])) * (forward.z < 0 ? 1.0f : -1.0f);
     azimuth = std::atan2(-level.y, -level.x);
     target = Vec3(camera.position()) - distance * towardEye(azimuth, elevation);
     verticalFov = float(std::clamp(2 * std::atan(camera.height / (2 * std::max(camera.focalY, 1e-6))), 0.02, 2.6));

@@ -6,17 +6,17 @@
 namespace relamp::ui {
 
 struct OrbitCamera {
-    Vec3 target{0};               ///< metres
-    float distance = 3;           ///< metres from the target
-    float azimuth = 0.6f;         ///< radians about +Z, 0 looks along -X
-    float elevation = 0.4f;       ///< radians above the horizon
-    float verticalFov = 0.7f;     ///< radians
+    Vec3 target{0};            ///< metres
+    float distance = 3;        ///< metres from the target
+    float azimuth = 0.6f;      ///< radians about +Z, 0 looks along -X
+    float elevation = 0.4f;    ///< radians above the horizon
+    float verticalFov = 0.7f;  ///< radians
     bool orthographic = false;
 
     Vec3 position() const;
-    void orbit(const Vec2& pixels);                          ///< a drag
-    void pan(const Vec2& pixels, float viewportHeight);      ///< the target follows the hand
-    void zoom(float notches);                                ///< towards the target, positive is closer
+    void orbit(const Vec2& pixels);                      ///< a drag
+    void pan(const Vec2& pixels, float viewportHeight);  ///< the target follows the hand
+    void zoom(float notches);                            ///< towards the target, positive is closer
     /// Looks at a sphere so that it fills the viewport.
     void frame(const Vec3& centre, float radius);
     /// Looks at a box so that its corners fill the viewport from the present direction.

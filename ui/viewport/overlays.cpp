@@ -2,8 +2,8 @@
 
 #include "item_map.h"
 #include "report/vertex_pictures.h"
-#include "viewport/navigation.h"
 #include "viewport/display_transform.h"
+#include "viewport/navigation.h"
 #include "viewport/space_lines.h"
 #include "widgets.h"
 
@@ -20,12 +20,16 @@ constexpr float markRadius = 8;
 float dividerX(const Canvas& canvas, float share) { return canvas.eye->corner.x + share * canvas.eye->size.x; }
 
 /// Where the corner axes sit, and how long they are.
-Vec2 axesCentre(const Canvas& canvas) { return canvas.corner + Vec2(canvas.size.x - 46 * canvas.scale, 46 * canvas.scale); }
+Vec2 axesCentre(const Canvas& canvas) {
+    return canvas.corner + Vec2(canvas.size.x - 46 * canvas.scale, 46 * canvas.scale);
+}
 Vec2 axisTip(const Canvas& canvas, int axis, int sign) {
     const Vec3 d = Mat3(canvas.eye->viewFromWorld)[axis] * float(sign);
     return axesCentre(canvas) + Vec2(d.x, -d.y) * (28 * canvas.scale);
 }
-bool roomForAxes(const Canvas& canvas) { return canvas.size.x > 220 * canvas.scale && canvas.size.y > 160 * canvas.scale; }
+bool roomForAxes(const Canvas& canvas) {
+    return canvas.size.x > 220 * canvas.scale && canvas.size.y > 160 * canvas.scale;
+}
 
 float distanceToSegment(const Vec2& p, const Vec2& a, const Vec2& b) {
     const Vec2 ab = b - a;
@@ -42,10 +46,13 @@ void labelAt(const Canvas& canvas, const Vec2& at, const std::string& text, cons
     const Vec2 pad = Vec2(6, 3) * canvas.scale;
     Vec2 corner = at - anchor * (Vec2(size.x, size.y) + 2.0f * pad);
     // Inside the viewport, whatever the place.
-    corner = glm::max(glm::min(corner, canvas.corner + canvas.size - Vec2(size.x, size.y) - 2.0f * pad - 2.0f), canvas.corner + 2.0f);
+    corner = glm::max(glm::min(corner, canvas.corner + canvas.size - Vec2(size.x, size.y) - 2.0f * pad - 2.0f),
+                      canvas.corner + 2.0f);
     corner = glm::floor(corner);
-    canvas.list->AddRectFilled(toIm(corner), {corner.x + size.x + 2 * pad.x, corner.y + size.y + 2 * pad.y}, IM_COL32(18, 18, 18, 185), 3 * canvas.scale);
-    canvas.list->AddText(ImGui::GetFont(), ImGui::GetFontSize(), toIm(corner + pad), IM_COL32(235, 235, 235, 255), text.c_str(), nullptr, wrap);
+    canvas.list->AddRectFilled(toIm(corner), {corner.x + size.x + 2 * pad.x, corner.y + size.y + 2 * pad.y},
+                               IM_COL32(18, 18, 18, 185), 3 * canvas.scale);
+    canvas.list->AddText(ImGui::GetFont(), ImGui::GetFontSize(), toIm(corner + pad), IM_COL32(235, 235, 235, 255),
+                         text.c_str(), nullptr, wrap);
 }
 
 void drawEmitterMarks(const Canvas& canvas, const std::string& hovered) {
@@ -54,19 +61,25 @@ void drawEmitterMarks(const Canvas& canvas, const std::string& hovered) {
     for (const EmitterState& emitter : canvas.editor->emitters()) {
         const auto at = canvas.eye->toScreen(emitter.pivot);
         if (!at || !canvas.eye->contains(*at)) continue;
-        const bool selected = canvas.editor->state.selection.has(emitter.id), active = canvas.editor->state.selection.active() == emitter.id;
-        const bool lit = emitter.enabled && (solo.empty() || std::find(solo.begin(), solo.end(), emitter.id) != solo.end());
-        const ImU32 stroke = selected ? (active ? IM_COL32(255, 178, 64, 255) : IM_COL32(226, 138, 40, 255)) : hovered == emitter.id ? IM_COL32(255, 255, 255, 255) : IM_COL32(205, 205, 205, 235);
+        const bool selected = canvas.editor->state.selection.has(emitter.id),
+                   active = canvas.editor->state.selection.active() == emitter.id;
+        const bool lit =
+            emitter.enabled && (solo.empty() || std::find(solo.begin(), solo.end(), emitter.id) != solo.end());
+        const ImU32 stroke = selected ? (active ? IM_COL32(255, 178, 64, 255) : IM_COL32(226, 138, 40, 255))
+                             : hovered == emitter.id ? IM_COL32(255, 255, 255, 255)
+                                                     : IM_COL32(205, 205, 205, 235);
         const float r = markRadius * 0.62f * s;
         // Where it faces; bodies that shine to all sides have no arrow of meaning and get one only when selected.
         if (selected || hovered == emitter.id) {
             const float length = canvas.eye->metresPerPoint(emitter.pivot) * 46 * s;
             Vec2 a, b;
-            if (canvas.eye->segmentToScreen(emitter.pivot, emitter.pivot + emitter.axes[2] * length, a, b) && glm::length(b - a) > 4 * s) {
+            if (canvas.eye->segmentToScreen(emitter.pivot, emitter.pivot + emitter.axes[2] * length, a, b) &&
+                glm::length(b - a) > 4 * s) {
                 const Vec2 d = glm::normalize(b - a), side(-d.y, d.x);
                 canvas.list->AddLine(toIm(a + d * (r + 3 * s)), toIm(b), IM_COL32(0, 0, 0, 120), 4 * s);
                 canvas.list->AddLine(toIm(a + d * (r + 3 * s)), toIm(b), stroke, 2 * s);
-                canvas.list->AddTriangleFilled(toIm(b + d * (6 * s)), toIm(b + side * (4 * s) - d * s), toIm(b - side * (4 * s) - d * s), stroke);
+                canvas.list->AddTriangleFilled(toIm(b + d * (6 * s)), toIm(b + side * (4 * s) - d * s),
+                                               toIm(b - side * (4 * s) - d * s), stroke);
             }
         }
         canvas.list->AddCircleFilled(toIm(*at), r + 5 * s, IM_COL32(0, 0, 0, 70));
@@ -83,9 +96,14 @@ void drawEmitterMarks(const Canvas& canvas, const std::string& hovered) {
                 canvas.list->AddLine(toIm(*at + d * (r + 2 * s)), toIm(*at + d * (r + 4.5f * s)), stroke, 1.3f * s);
             }
         } else {
-            canvas.list->AddLine(toIm(*at + Vec2(-1, 1) * (r + 3 * s)), toIm(*at + Vec2(1, -1) * (r + 3 * s)), stroke, 1.6f * s);
+            canvas.list->AddLine(toIm(*at + Vec2(-1, 1) * (r + 3 * s)), toIm(*at + Vec2(1, -1) * (r + 3 * s)), stroke,
+                                 1.6f * s);
         }
-        if (hovered == emitter.id) labelAt(canvas, *at + Vec2(14, 10) * s, shown(emitter.name) + (lit ? "" : emitter.enabled ? " (another is solo)" : " (off)"));
+        if (hovered == emitter.id)
+            labelAt(canvas, *at + Vec2(14, 10) * s,
+                    shown(emitter.name) + (lit               ? ""
+                                           : emitter.enabled ? " (another is solo)"
+                                                             : " (off)"));
     }
 }
 
@@ -93,7 +111,8 @@ std::string emitterMarkAt(const Canvas& canvas, const Vec2& mouse) {
     std::string best;
     float nearest = (markRadius + 3) * canvas.scale;
     for (const EmitterState& emitter : canvas.editor->emitters())
-        if (const auto at = canvas.eye->toScreen(emitter.pivot); at && glm::length(*at - mouse) < nearest) nearest = glm::length(*at - mouse), best = emitter.id;
+        if (const auto at = canvas.eye->toScreen(emitter.pivot); at && glm::length(*at - mouse) < nearest)
+            nearest = glm::length(*at - mouse), best = emitter.id;
     return best;
 }
 
@@ -108,8 +127,11 @@ int frustumAt(const Canvas& canvas, const Vec2& mouse) {
         const Vec3 eye(capture->views[i].camera.position());
         for (size_t k = 0; k < 4; ++k) {
             Vec2 a, b;
-            if (canvas.eye->segmentToScreen(eye, corners[k], a, b) && distanceToSegment(mouse, a, b) < nearest) nearest = distanceToSegment(mouse, a, b), best = int(i);
-            if (canvas.eye->segmentToScreen(corners[k], corners[(k + 1) % 4], a, b) && distanceToSegment(mouse, a, b) < nearest) nearest = distanceToSegment(mouse, a, b), best = int(i);
+            if (canvas.eye->segmentToScreen(eye, corners[k], a, b) && distanceToSegment(mouse, a, b) < nearest)
+                nearest = distanceToSegment(mouse, a, b), best = int(i);
+            if (canvas.eye->segmentToScreen(corners[k], corners[(k + 1) % 4], a, b) &&
+                distanceToSegment(mouse, a, b) < nearest)
+                nearest = distanceToSegment(mouse, a, b), best = int(i);
         }
     }
     return best;
@@ -119,20 +141,25 @@ void drawFrustumName(const Canvas& canvas, int view) {
     const auto& capture = canvas.editor->state.document.capture;
     if (!capture || view < 0 || view >= int(capture->views.size())) return;
     if (const auto at = canvas.eye->toScreen(Vec3(capture->views[size_t(view)].camera.position())))
-        labelAt(canvas, *at + Vec2(10, 8) * canvas.scale, capture->views[size_t(view)].name + "  (double click looks through it)");
+        labelAt(canvas, *at + Vec2(10, 8) * canvas.scale,
+                capture->views[size_t(view)].name + "  (double click looks through it)");
 }
 
 void drawAxes(const Canvas& canvas, const Vec2& mouse) {
     if (!roomForAxes(canvas)) return;
     static const char* const names[] = {"X", "Y", "Z"};
-    static const ImU32 colours[] = {IM_COL32(222, 84, 88, 255), IM_COL32(124, 188, 74, 255), IM_COL32(84, 140, 236, 255)};
+    static const ImU32 colours[] = {IM_COL32(222, 84, 88, 255), IM_COL32(124, 188, 74, 255),
+                                    IM_COL32(84, 140, 236, 255)};
     const Vec2 centre = axesCentre(canvas);
     const float s = canvas.scale;
     const auto under = axisAt(canvas, mouse);
-    if (glm::length(mouse - centre) < 40 * s) canvas.list->AddCircleFilled(toIm(centre), 40 * s, IM_COL32(255, 255, 255, 22));
+    if (glm::length(mouse - centre) < 40 * s)
+        canvas.list->AddCircleFilled(toIm(centre), 40 * s, IM_COL32(255, 255, 255, 22));
     // From the furthest to the nearest.
     std::array<std::pair<int, int>, 6> ends{{{0, 1}, {1, 1}, {2, 1}, {0, -1}, {1, -1}, {2, -1}}};
-    const auto towardEye = [&](const std::pair<int, int>& e) { return float(e.second) * Mat3(canvas.eye->viewFromWorld)[e.first].z; };
+    const auto towardEye = [&](const std::pair<int, int>& e) {
+        return float(e.second) * Mat3(canvas.eye->viewFromWorld)[e.first].z;
+    };
     std::sort(ends.begin(), ends.end(), [&](const auto& a, const auto& b) { return towardEye(a) < towardEye(b); });
     for (const auto& [axis, sign] : ends) {
         const Vec2 tip = axisTip(canvas, axis, sign);
@@ -142,9 +169,12 @@ void drawAxes(const Canvas& canvas, const Vec2& mouse) {
             canvas.list->AddCircleFilled(toIm(tip), 7.5f * s, bright ? IM_COL32(255, 255, 255, 255) : colours[axis]);
             const ImVec2 size = ImGui::CalcTextSize(names[axis]);
             const float font = ImGui::GetFontSize() * 0.8f;
-            canvas.list->AddText(ImGui::GetFont(), font, {tip.x - size.x * 0.4f, tip.y - font * 0.5f}, IM_COL32(20, 20, 20, 255), names[axis]);
+            canvas.list->AddText(ImGui::GetFont(), font, {tip.x - size.x * 0.4f, tip.y - font * 0.5f},
+                                 IM_COL32(20, 20, 20, 255), names[axis]);
         } else {
-            canvas.list->AddCircleFilled(toIm(tip), 5 * s, bright ? IM_COL32(255, 255, 255, 255) : (colours[axis] & ~IM_COL32_A_MASK) | IM_COL32(0, 0, 0, 110));
+            canvas.list->AddCircleFilled(
+                toIm(tip), 5 * s,
+                bright ? IM_COL32(255, 255, 255, 255) : (colours[axis] & ~IM_COL32_A_MASK) | IM_COL32(0, 0, 0, 110));
         }
     }
 }
@@ -156,7 +186,8 @@ std::optional<std::pair<int, int>> axisAt(const Canvas& canvas, const Vec2& mous
     for (int axis = 0; axis < 3; ++axis)
         for (int sign : {1, -1}) {
             const float depth = float(sign) * Mat3(canvas.eye->viewFromWorld)[axis].z;
-            if (glm::length(mouse - axisTip(canvas, axis, sign)) < 8 * canvas.scale && depth > front) front = depth, best = {axis, sign};
+            if (glm::length(mouse - axisTip(canvas, axis, sign)) < 8 * canvas.scale && depth > front)
+                front = depth, best = {axis, sign};
         }
     return best;
 }
@@ -168,21 +199,27 @@ void drawStrips(const Canvas& canvas, const std::vector<Strip>& strips, int acti
     for (size_t i = 0; i < strips.size(); ++i) {
         const float left = dividerX(canvas, strips[i].left), right = dividerX(canvas, strips[i].right);
         if (!strips[i].missing.empty() && right - left > 30 * s) {
-            labelAt(canvas, {(left + right) / 2, eye.corner.y + eye.size.y / 2 - 20 * s}, strips[i].missing, {0.5f, 0.5f}, std::min(right - left - 24 * s, 360 * s));
+            labelAt(canvas, {(left + right) / 2, eye.corner.y + eye.size.y / 2 - 20 * s}, strips[i].missing,
+                    {0.5f, 0.5f}, std::min(right - left - 24 * s, 360 * s));
         }
         if (!strips[i].caption.empty()) {
             const float width = ImGui::CalcTextSize(strips[i].caption.c_str()).x + 12 * s;
-            if (right - left > width + 12 * s) labelAt(canvas, {(left + right) / 2, eye.corner.y + eye.size.y - 10 * s}, strips[i].caption, {0.5f, 1});
+            if (right - left > width + 12 * s)
+                labelAt(canvas, {(left + right) / 2, eye.corner.y + eye.size.y - 10 * s}, strips[i].caption, {0.5f, 1});
         }
         if (i > 0) {
             const bool bright = active == int(i) - 1;
             const float middle = eye.corner.y + eye.size.y / 2;
-            canvas.list->AddLine({left, eye.corner.y}, {left, eye.corner.y + eye.size.y}, IM_COL32(0, 0, 0, 140), 3.5f * s);
-            canvas.list->AddLine({left, eye.corner.y}, {left, eye.corner.y + eye.size.y}, bright ? IM_COL32(255, 200, 90, 255) : IM_COL32(235, 235, 235, 220), 1.5f * s);
+            canvas.list->AddLine({left, eye.corner.y}, {left, eye.corner.y + eye.size.y}, IM_COL32(0, 0, 0, 140),
+                                 3.5f * s);
+            canvas.list->AddLine({left, eye.corner.y}, {left, eye.corner.y + eye.size.y},
+                                 bright ? IM_COL32(255, 200, 90, 255) : IM_COL32(235, 235, 235, 220), 1.5f * s);
             const ImU32 fill = bright ? IM_COL32(255, 200, 90, 255) : IM_COL32(235, 235, 235, 235);
             canvas.list->AddCircleFilled({left, middle}, 9 * s, IM_COL32(20, 20, 20, 200));
-            canvas.list->AddTriangleFilled({left - 6.5f * s, middle}, {left - 2 * s, middle - 4 * s}, {left - 2 * s, middle + 4 * s}, fill);
-            canvas.list->AddTriangleFilled({left + 6.5f * s, middle}, {left + 2 * s, middle - 4 * s}, {left + 2 * s, middle + 4 * s}, fill);
+            canvas.list->AddTriangleFilled({left - 6.5f * s, middle}, {left - 2 * s, middle - 4 * s},
+                                           {left - 2 * s, middle + 4 * s}, fill);
+            canvas.list->AddTriangleFilled({left + 6.5f * s, middle}, {left + 2 * s, middle - 4 * s},
+                                           {left + 2 * s, middle + 4 * s}, fill);
         }
     }
     canvas.list->PopClipRect();
@@ -194,7 +231,9 @@ int dividerAt(const Canvas& canvas, const std::vector<Strip>& strips, const Vec2
     for (size_t i = 1; i < strips.size(); ++i) {
         const float x = dividerX(canvas, strips[i].left);
         // Two that lie together: the one that can still move.
-        if (const float distance = std::abs(mouse.x - x); distance < nearest || (best >= 0 && distance == nearest && mouse.x > x)) nearest = distance, best = int(i) - 1;
+        if (const float distance = std::abs(mouse.x - x);
+            distance < nearest || (best >= 0 && distance == nearest && mouse.x > x))
+            nearest = distance, best = int(i) - 1;
     }
     return best;
 }
@@ -213,34 +252,46 @@ void drawLegend(const Canvas& canvas) {
     std::vector<std::pair<Rgb, std::string>> entries;
     std::string title;
     const auto estimate = canvas.editor->estimate();
-    const bool display = viewport.mode == ViewMode::confidence || viewport.mode == ViewMode::difference || viewport.mode == ViewMode::clusters;
+    const bool display = viewport.mode == ViewMode::confidence || viewport.mode == ViewMode::difference ||
+                         viewport.mode == ViewMode::clusters;
     if (viewport.falseColour && !display) {
         title = "Stops from grey";
         for (int stop = falseColourHigh; stop >= falseColourLow; stop -= 2)
-            entries.push_back({falseColour(0.18f * std::exp2(float(stop))), (stop > 0 ? "+" : "") + std::to_string(stop) + (stop == falseColourHigh ? " and more" : stop == falseColourLow ? " and less" : "")});
+            entries.push_back({falseColour(0.18f * std::exp2(float(stop))), (stop > 0 ? "+" : "") +
+                                                                                std::to_string(stop) +
+                                                                                (stop == falseColourHigh  ? " and more"
+                                                                                 : stop == falseColourLow ? " and less"
+                                                                                                          : "")});
     } else if (!estimate) {
         return;
     } else if (viewport.mode == ViewMode::confidence) {
         title = "Surface colour";
-        static const char* const words[] = {"own photographs", "mostly seen", "half and half", "mostly filled in", "filled in"};
+        static const char* const words[] = {"own photographs", "mostly seen", "half and half", "mostly filled in",
+                                            "filled in"};
         for (int i = 0; i < 5; ++i) entries.push_back({confidenceColour(1 - float(i) / 4), words[i]});
         entries.push_back({Rgb(0.18f, 0.19f, 0.22f), "never seen"});
     } else if (viewport.mode == ViewMode::difference) {
         title = "Model, photographs";
         const Rgb equal(0.5f), tooBright(0.95f, 0.52f, 0.15f), tooDark(0.20f, 0.50f, 0.95f);  // as differenceColours
-        entries = {{tooBright, "2 x too bright"}, {glm::mix(equal, tooBright, 0.5f), "1.4 x too bright"}, {equal, "equal"},
-                   {glm::mix(equal, tooDark, 0.5f), "1.4 x too dark"}, {tooDark, "2 x too dark"}, {Rgb(0.18f, 0.19f, 0.22f), "not seen"}};
+        entries = {{tooBright, "2 x too bright"},
+                   {glm::mix(equal, tooBright, 0.5f), "1.4 x too bright"},
+                   {equal, "equal"},
+                   {glm::mix(equal, tooDark, 0.5f), "1.4 x too dark"},
+                   {tooDark, "2 x too dark"},
+                   {Rgb(0.18f, 0.19f, 0.22f), "not seen"}};
     } else if (viewport.mode == ViewMode::clusters) {
         title = "Emitters";
         const auto& found = estimate->emitters.emitters;
-        for (size_t i = 0; i < found.size() && i < 10; ++i) entries.push_back({clusterColour(i), shown(canvas.editor->namesOf({found[i].id}))});
+        for (size_t i = 0; i < found.size() && i < 10; ++i)
+            entries.push_back({clusterColour(i), shown(canvas.editor->namesOf({found[i].id}))});
         if (found.size() > 10) entries.push_back({Rgb(0.35f), "and " + std::to_string(found.size() - 10) + " more"});
         if (found.empty()) entries.push_back({Rgb(0.35f), "none found"});
     } else if (viewport.mode == ViewMode::irradiance) {
         const auto live = canvas.editor->liveFrame();
         const int i = live ? irradianceEmitter(*canvas.editor, *live) : -1;
         if (i < 0) return;
-        labelAt(canvas, canvas.corner + Vec2(10, canvas.size.y - 10 * canvas.scale), "Light of " + shown(canvas.editor->namesOf({live->emitterIds[size_t(i)]})) + " alone", {0, 1});
+        labelAt(canvas, canvas.corner + Vec2(10, canvas.size.y - 10 * canvas.scale),
+                "Light of " + shown(canvas.editor->namesOf({live->emitterIds[size_t(i)]})) + " alone", {0, 1});
         return;
     }
     if (entries.empty()) return;
@@ -254,7 +305,8 @@ void drawLegend(const Canvas& canvas) {
     canvas.list->AddText(toIm(at + Vec2(8, 5) * s), IM_COL32(190, 190, 190, 255), title.c_str());
     for (size_t i = 0; i < entries.size(); ++i) {
         const Vec2 p = at + Vec2(8 * s, 6 * s + row * float(i + 1));
-        canvas.list->AddRectFilled(toIm(p + Vec2(0, 2 * s)), toIm(p + Vec2(12 * s, row - 4 * s)), colourOf(entries[i].first), 2 * s);
+        canvas.list->AddRectFilled(toIm(p + Vec2(0, 2 * s)), toIm(p + Vec2(12 * s, row - 4 * s)),
+                                   colourOf(entries[i].first), 2 * s);
         canvas.list->AddText(toIm(p + Vec2(20 * s, 0)), IM_COL32(225, 225, 225, 255), entries[i].second.c_str());
     }
 }
@@ -264,7 +316,8 @@ void drawEmpty(const Canvas& canvas) {
     const float wrap = std::max(canvas.size.x - 40 * canvas.scale, 60.0f);
     const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
     const Vec2 at = glm::floor(canvas.corner + (canvas.size - Vec2(size.x, size.y)) / 2.0f);
-    canvas.list->AddText(ImGui::GetFont(), ImGui::GetFontSize(), toIm(at), IM_COL32(170, 170, 170, 255), text.c_str(), nullptr, wrap);
+    canvas.list->AddText(ImGui::GetFont(), ImGui::GetFontSize(), toIm(at), IM_COL32(170, 170, 170, 255), text.c_str(),
+                         nullptr, wrap);
 }
 
 void drawPickedPoint(const Canvas& canvas) {
@@ -274,7 +327,9 @@ void drawPickedPoint(const Canvas& canvas) {
     if (!at || !canvas.eye->contains(*at)) return;
     const float s = canvas.scale;
     Vec2 a, b;
-    if (canvas.eye->segmentToScreen(point->position, point->position + point->normal * (canvas.eye->metresPerPoint(point->position) * 26 * s), a, b)) {
+    if (canvas.eye->segmentToScreen(
+            point->position, point->position + point->normal * (canvas.eye->metresPerPoint(point->position) * 26 * s),
+            a, b)) {
         canvas.list->AddLine(toIm(a), toIm(b), IM_COL32(0, 0, 0, 140), 3.5f * s);
         canvas.list->AddLine(toIm(a), toIm(b), IM_COL32(120, 210, 255, 255), 1.6f * s);
     }

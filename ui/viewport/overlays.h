@@ -1,5 +1,5 @@
-// What lies over the picture: emitter icons, dividers with captions, legends, the axes in the corner, hints. Drawn as strokes with
-// ImDrawList, sharp at every scale. Each thing that can be clicked has its hit test beside its drawing.
+// What lies over the picture: emitter icons, dividers with captions, legends, the axes in the corner, hints. Drawn as
+// strokes with ImDrawList, sharp at every scale. Each thing that can be clicked has its hit test beside its drawing.
 #pragma once
 #include <imgui.h>
 
@@ -15,13 +15,15 @@ struct Canvas {
     ImDrawList* list = nullptr;
     Editor* editor = nullptr;
     const EyeView* eye = nullptr;
-    Vec2 corner{0}, size{0};      ///< of the whole viewport; the picture may be smaller
-    float scale = 1;              ///< of the interface
+    Vec2 corner{0}, size{0};  ///< of the whole viewport; the picture may be smaller
+    float scale = 1;          ///< of the interface
 };
 
 inline ImVec2 toIm(const Vec2& p) { return {p.x, p.y}; }
-/// Text on a soft dark ground, so that it can be read over any picture. `anchor`: which part of it lies at `at`, (0, 0) its top left.
-void labelAt(const Canvas& canvas, const Vec2& at, const std::string& text, const Vec2& anchor = Vec2(0), float widest = 1e9f);
+/// Text on a soft dark ground, so that it can be read over any picture. `anchor`: which part of it lies at `at`, (0, 0)
+/// its top left.
+void labelAt(const Canvas& canvas, const Vec2& at, const std::string& text, const Vec2& anchor = Vec2(0),
+             float widest = 1e9f);
 
 void drawEmitterMarks(const Canvas& canvas, const std::string& hovered);
 /// Id of the emitter whose icon is under the mouse; empty: none.
@@ -35,7 +37,8 @@ void drawFrustumName(const Canvas& canvas, int view);
 void drawAxes(const Canvas& canvas, const Vec2& mouse);
 std::optional<std::pair<int, int>> axisAt(const Canvas& canvas, const Vec2& mouse);
 
-/// Lines between strips, captions and what is missing. `active`: number of the divider under the mouse or held, -1: none.
+/// Lines between strips, captions and what is missing. `active`: number of the divider under the mouse or held, -1:
+/// none.
 void drawStrips(const Canvas& canvas, const std::vector<Strip>& strips, int active);
 int dividerAt(const Canvas& canvas, const std::vector<Strip>& strips, const Vec2& mouse);
 /// Moves divider `index` of the present mode to a screen position.

@@ -27,7 +27,9 @@ std::vector<Rgb> mapped(std::vector<Rgb> colours, const PaintedMesh& painted, co
     return out;
 }
 
-bool usable(const std::shared_ptr<const LiveFrame>& live) { return live && live->mesh && live->radiance.size() == live->mesh->vertexCount(); }
+bool usable(const std::shared_ptr<const LiveFrame>& live) {
+    return live && live->mesh && live->radiance.size() == live->mesh->vertexCount();
+}
 
 std::string nameOfPaint(const Editor& editor, Paint paint) {
     if (paint != Paint::irradiance) return {};
@@ -49,9 +51,12 @@ int irradianceEmitter(const Editor& editor, const LiveFrame& live) {
 std::vector<Strip> stripsOf(const Editor& editor) {
     const ViewportState& viewport = editor.state.viewport;
     const std::string estimateMissing = editor.estimate() ? "" : needsEstimate;
-    const std::string photographsMissing = editor.state.document.samples || viewport.throughView ? "" : "The photographs are being read";
+    const std::string photographsMissing =
+        editor.state.document.samples || viewport.throughView ? "" : "The photographs are being read";
     const std::string distantMissing = editor.distantOnly() ? "" : needsDistant;
-    const auto one = [&](Paint paint, const std::string& missing) { return std::vector<Strip>{{0, 1, paint, "", missing}}; };
+    const auto one = [&](Paint paint, const std::string& missing) {
+        return std::vector<Strip>{{0, 1, paint, "", missing}};
+    };
     switch (viewport.mode) {
         case ViewMode::photograph: return one(Paint::photographs, photographsMissing);
         case ViewMode::relit: return one(Paint::model, "");  // photographs or grey stand in until there is an estimate
@@ -66,7 +71,8 @@ std::vector<Strip> stripsOf(const Editor& editor) {
         }
         case ViewMode::correction: {
             const float at = std::clamp(viewport.splitAt, 0.0f, 1.0f);
-            return {{0, at, Paint::correction, "Correction, near-field", estimateMissing}, {at, 1, Paint::distantCorrection, "Correction, distant-only", distantMissing}};
+            return {{0, at, Paint::correction, "Correction, near-field", estimateMissing},
+                    {at, 1, Paint::distantCorrection, "Correction, distant-only", distantMissing}};
         }
         case ViewMode::wipe: break;
     }
@@ -84,11 +90,14 @@ PaintKey paintKey(const Editor& editor, Paint paint) {
     key.live = paint == Paint::distantModel ? editor.distantOnlyFrame() : editor.liveFrame();
     key.estimate = paint == Paint::distantCorrection ? editor.distantOnly() : editor.estimate();
     key.emitter = nameOfPaint(editor, paint);
-    if (paint == Paint::photographs || paint == Paint::difference || paint == Paint::model) key.samples = document.samples;
+    if (paint == Paint::photographs || paint == Paint::difference || paint == Paint::model)
+        key.samples = document.samples;
     // Through a view the comparison is with that one photograph.
     if (paint == Paint::difference && editor.state.viewport.throughView) key.view = editor.state.selection.view;
-    // Colours that do not follow the light need not be made again with every picture of it: the mesh is all they take from it.
-    const bool followsLight = paint == Paint::model || paint == Paint::distantModel || paint == Paint::difference || paint == Paint::irradiance;
+    // Colours that do not follow the light need not be made again with every picture of it: the mesh is all they take
+    // from it.
+    const bool followsLight = paint == Paint::model || paint == Paint::distantModel || paint == Paint::difference ||
+                              paint == Paint::irradiance;
     if (!followsLight) {
         const auto live = editor.liveFrame();
         key.live = live ? std::shared_ptr<const void>(live->mesh) : nullptr;
@@ -103,14 +112,18 @@ PaintedMesh paintMesh(const Editor& editor, Paint paint) {
     if (!painted.mesh) return painted;
     auto live = paint == Paint::distantModel ? editor.distantOnlyFrame() : editor.liveFrame();
     if (!usable(live)) live = nullptr;
-    if (live && (live->origin || live->mesh->vertexCount() == painted.mesh->vertexCount())) painted.mesh = live->mesh, painted.origin = live->origin;
+    if (live && (live->origin || live->mesh->vertexCount() == painted.mesh->vertexCount()))
+        painted.mesh = live->mesh, painted.origin = live->origin;
     const auto estimate = paint == Paint::distantCorrection ? editor.distantOnly() : editor.estimate();
     const auto& samples = document.samples;
     const size_t captured = document.scene->mesh.vertexCount();
     const bool haveSamples = samples && samples->start.size() == captured + 1;
-    const bool haveEstimate = estimate && !estimate->reflectance.weight.empty() && estimate->reflectance.weight.front().size() == captured;
+    const bool haveEstimate =
+        estimate && !estimate->reflectance.weight.empty() && estimate->reflectance.weight.front().size() == captured;
 
-    const auto linear = [&](std::vector<Rgb> colours, const Rgb& foreign) { painted.colours = mapped(std::move(colours), painted, foreign); };
+    const auto linear = [&](std::vector<Rgb> colours, const Rgb& foreign) {
+        painted.colours = mapped(std::move(colours), painted, foreign);
+    };
     const auto display = [&](std::vector<Rgb> colours) {
         painted.colours = mapped(std::move(colours), painted, foreignGrey);
         painted.display = painted.shading = true;
@@ -135,9 +148,11 @@ PaintedMesh paintMesh(const Editor& editor, Paint paint) {
         case Paint::photographs: haveSamples ? linear(photographColours(*samples), Rgb(0.05f)) : plain(); break;
         case Paint::difference:
             if (haveSamples && live) {
-                std::vector<Rgb> model(live->radiance.begin(), live->radiance.begin() + ptrdiff_t(std::min(captured, live->radiance.size())));
+                std::vector<Rgb> model(live->radiance.begin(),
+                                       live->radiance.begin() + ptrdiff_t(std::min(captured, live->radiance.size())));
                 model.resize(captured, Rgb(0));
-                display(differenceColours(model, *samples, editor.state.viewport.throughView ? editor.state.selection.view : -1));
+                display(differenceColours(model, *samples,
+                                          editor.state.viewport.throughView ? editor.state.selection.view : -1));
             } else {
                 plain();
             }
@@ -156,14 +171,16 @@ PaintedMesh paintMesh(const Editor& editor, Paint paint) {
         case Paint::confidence: haveEstimate ? display(confidenceColours(*estimate)) : plain(); break;
         case Paint::irradiance: {
             const int i = live ? irradianceEmitter(editor, *live) : -1;
-            if (i >= 0 && live->formFactor[size_t(i)].size() == live->mesh->vertexCount() && size_t(i) < live->emitterRadiance.size()) {
+            if (i >= 0 && live->formFactor[size_t(i)].size() == live->mesh->vertexCount() &&
+                size_t(i) < live->emitterRadiance.size()) {
                 painted.mesh = live->mesh, painted.origin = live->origin;
                 painted.colours = irradianceColours(live->formFactor[size_t(i)], live->emitterRadiance[size_t(i)]);
                 // The lamp itself shows what it sends.
                 if (live->emitterOfTriangle && live->emitterOfTriangle->size() == live->mesh->triangles.size())
                     for (size_t t = 0; t < live->mesh->triangles.size(); ++t)
                         if ((*live->emitterOfTriangle)[t] == i)
-                            for (uint32_t v : live->mesh->triangles[t]) painted.colours[v] = live->emitterRadiance[size_t(i)];
+                            for (uint32_t v : live->mesh->triangles[t])
+                                painted.colours[v] = live->emitterRadiance[size_t(i)];
             } else {
                 plain();
             }

@@ -7,14 +7,25 @@
 namespace relamp::ui {
 
 /// What can be painted.
-enum class Paint { photographs, model, distantModel, difference, clusters, correction, distantCorrection, albedo, confidence, irradiance };
+enum class Paint {
+    photographs,
+    model,
+    distantModel,
+    difference,
+    clusters,
+    correction,
+    distantCorrection,
+    albedo,
+    confidence,
+    irradiance
+};
 
 /// One vertical strip of the picture.
 struct Strip {
-    float left = 0, right = 1;     ///< share of the width
+    float left = 0, right = 1;  ///< share of the width
     Paint paint = Paint::model;
-    std::string caption;           ///< what is seen, when there are several strips
-    std::string missing;           ///< what to do to see it; empty: it can be painted
+    std::string caption;  ///< what is seen, when there are several strips
+    std::string missing;  ///< what to do to see it; empty: it can be painted
     bool operator==(const Strip&) const = default;
 };
 
@@ -22,11 +33,11 @@ struct Strip {
 std::vector<Strip> stripsOf(const Editor& editor);
 
 struct PaintedMesh {
-    std::shared_ptr<const Mesh> mesh;                        ///< null: nothing to draw
-    std::shared_ptr<const std::vector<uint32_t>> origin;     ///< null: the capture's own vertices
-    std::vector<Rgb> colours;                                ///< per vertex
-    bool display = false;                                    ///< display values, else scene-linear
-    bool shading = false;                                    ///< with a soft light at the eye
+    std::shared_ptr<const Mesh> mesh;                     ///< null: nothing to draw
+    std::shared_ptr<const std::vector<uint32_t>> origin;  ///< null: the capture's own vertices
+    std::vector<Rgb> colours;                             ///< per vertex
+    bool display = false;                                 ///< display values, else scene-linear
+    bool shading = false;                                 ///< with a soft light at the eye
 };
 
 /// Everything the colours depend on; equal keys give equal colours.

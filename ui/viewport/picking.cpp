@@ -40,7 +40,9 @@ std::optional<PickedPoint> pickSurface(const Mesh& mesh, const Ray& ray, std::sp
             const Triangle& i = mesh.triangles[t];
             float distance;
             Vec2 barycentric;
-            if (intersect(ray, mesh.positions[i[0]], mesh.positions[i[1]], mesh.positions[i[2]], distance, barycentric) && distance < best.distance)
+            if (intersect(ray, mesh.positions[i[0]], mesh.positions[i[1]], mesh.positions[i[2]], distance,
+                          barycentric) &&
+                distance < best.distance)
                 best = {distance, uint32_t(t), barycentric};
         }
         nearest[begin / block] = best;
@@ -68,7 +70,8 @@ std::optional<PickedPoint> pickSurface(const Mesh& mesh, const Ray& ray, std::sp
     return point;
 }
 
-std::vector<uint8_t> visibleTriangles(const Mesh& mesh, const std::vector<uint32_t>* origin, const Scene& scene, const std::set<uint32_t>& hiddenPieces) {
+std::vector<uint8_t> visibleTriangles(const Mesh& mesh, const std::vector<uint32_t>* origin, const Scene& scene,
+                                      const std::set<uint32_t>& hiddenPieces) {
     if (hiddenPieces.empty()) return {};
     std::vector<uint8_t> visible(mesh.triangles.size(), 1);
     for (size_t t = 0; t < visible.size(); ++t) {

@@ -1,4 +1,5 @@
-// What lies under the mouse: rays against the mesh that is drawn, on the CPU, so that it works without a window and inside wipes.
+// What lies under the mouse: rays against the mesh that is drawn, on the CPU, so that it works without a window and
+// inside wipes.
 #pragma once
 #include <optional>
 #include <span>
@@ -7,10 +8,13 @@
 
 namespace relamp::ui {
 
-/// First triangle along the ray. `visible` (per triangle; empty: all) leaves hidden pieces out. Cost: about 5 ns a triangle and core.
+/// First triangle along the ray. `visible` (per triangle; empty: all) leaves hidden pieces out. Cost: about 5 ns a
+/// triangle and core.
 std::optional<PickedPoint> pickSurface(const Mesh& mesh, const Ray& ray, std::span<const uint8_t> visible = {});
 
-/// Which triangles are drawn: those whose piece is not hidden. Empty: all. `origin` maps vertices to the capture's (null: they are).
-std::vector<uint8_t> visibleTriangles(const Mesh& mesh, const std::vector<uint32_t>* origin, const Scene& scene, const std::set<uint32_t>& hiddenPieces);
+/// Which triangles are drawn: those whose piece is not hidden. Empty: all. `origin` maps vertices to the capture's
+/// (null: they are).
+std::vector<uint8_t> visibleTriangles(const Mesh& mesh, const std::vector<uint32_t>* origin, const Scene& scene,
+                                      const std::set<uint32_t>& hiddenPieces);
 
 }  // namespace relamp::ui

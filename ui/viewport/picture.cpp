@@ -13,12 +13,16 @@ namespace {
 
 bool looksThrough(const Editor& editor) {
     const auto& capture = editor.state.document.capture;
-    return editor.state.viewport.throughView && capture && editor.state.selection.view >= 0 && editor.state.selection.view < int(capture->views.size());
+    return editor.state.viewport.throughView && capture && editor.state.selection.view >= 0 &&
+           editor.state.selection.view < int(capture->views.size());
 }
 
 bool sameAspect(const Frame& frame, const EyeView& eye) {
-    const float a = float(frame.width) / float(std::max(frame.height, 1)), b = float(eye.width) / float(std::max(eye.height, 1));
-    return frame.width > 0 && std::abs(a / b - 1) < 0.02f && frame.beauty.size() == size_t(frame.width) * size_t(frame.height) && frame.alpha.size() == frame.beauty.size();
+    const float a = float(frame.width) / float(std::max(frame.height, 1)),
+                b = float(eye.width) / float(std::max(eye.height, 1));
+    return frame.width > 0 && std::abs(a / b - 1) < 0.02f &&
+           frame.beauty.size() == size_t(frame.width) * size_t(frame.height) &&
+           frame.alpha.size() == frame.beauty.size();
 }
 
 /// Edges that lie close together on screen are drawn fainter, so that the photograph stays visible under a dense mesh.
@@ -64,7 +68,9 @@ Picture::Key Picture::keyOf(const Editor& editor, const EyeView& eye, float pixe
     }
     bool model = false;
     for (const Strip& strip : key.strips) model = model || strip.paint == Paint::model;
-    if (const auto rest = editor.restFrame(); rest && model && live && key.hidden.empty() && !editor.inGesture() && sameAspect(*rest, eye)) key.rest = rest;
+    if (const auto rest = editor.restFrame();
+        rest && model && live && key.hidden.empty() && !editor.inGesture() && sameAspect(*rest, eye))
+        key.rest = rest;
     return key;
 }
 
@@ -89,7 +95,8 @@ void Picture::compose(Editor& editor, const EyeView& eye) {
         renderer_.setDisplay(displayTransform().shader(key_.displayView));
         displayView_ = key_.displayView;
     }
-    if (hiddenShown_ != key_.hidden || meshes_[0].geometry.mesh() == nullptr) hiddenShown_ = key_.hidden, ++visibleVersion_;
+    if (hiddenShown_ != key_.hidden || meshes_[0].geometry.mesh() == nullptr)
+        hiddenShown_ = key_.hidden, ++visibleVersion_;
     job_.eye = eye;
     job_.layers.clear();
     job_.stops = key_.stops;
@@ -109,10 +116,11 @@ void Picture::compose(Editor& editor, const EyeView& eye) {
             const bool photographShows = photograph && key_.photographBehind && model && key_.ownEnvironment;
             if (photographShows) {
                 const auto& samples = editor.state.document.samples;
-                const GLuint backdrop = live && samples ? photographs_.backdrop(editor.state.document.capture, key_.view, *samples, live->distant) : 0;
+                const GLuint backdrop = live && samples ? photographs_.backdrop(editor.state.document.capture,
+                                                                                key_.view, *samples, live->distant)
+                                                        : 0;
                 layer.behind = backdrop ? backdrop : photograph;
-            } else if (key_.distant && model)
-                layer.environment = environmentTexture(live ? live->distant : nullptr);
+            } else if (key_.distant && model) layer.environment = environmentTexture(live ? live->distant : nullptr);
             if (mesh.drawable) {
                 layer.mesh = &mesh.geometry;
                 layer.colours = &mesh.colours;
@@ -142,7 +150,8 @@ Picture::Painted& Picture::painted(const Editor& editor, size_t slot, const Pain
         p.origin = fresh.origin;
         const auto& scene = editor.state.document.scene;
         const std::vector<uint8_t> visible =
-            hiddenShown_.empty() || !scene ? std::vector<uint8_t>{} : visibleTriangles(*fresh.mesh, fresh.origin.get(), *scene, hiddenShown_);
+            hiddenShown_.empty() || !scene ? std::vector<uint8_t>{}
+                                           : visibleTriangles(*fresh.mesh, fresh.origin.get(), *scene, hiddenShown_);
         p.geometry.upload(fresh.mesh, visible, visibleVersion_);
         p.colours.upload(GL_ARRAY_BUFFER, fresh.colours, GL_STREAM_DRAW);
         if (slot == 0) visible_ = visible;
@@ -150,7 +159,9 @@ Picture::Painted& Picture::painted(const Editor& editor, size_t slot, const Pain
         // Only what is hidden can have changed.
         const auto& scene = editor.state.document.scene;
         const auto mesh = p.geometry.mesh();
-        const std::vector<uint8_t> visible = hiddenShown_.empty() || !scene ? std::vector<uint8_t>{} : visibleTriangles(*mesh, p.origin.get(), *scene, hiddenShown_);
+        const std::vector<uint8_t> visible = hiddenShown_.empty() || !scene
+                                                 ? std::vector<uint8_t>{}
+                                                 : visibleTriangles(*mesh, p.origin.get(), *scene, hiddenShown_);
         p.geometry.upload(mesh, visible, visibleVersion_);
         if (slot == 0) visible_ = visible;
     }
@@ -166,7 +177,8 @@ void Picture::makeLines(const Editor& editor) {
     if (wanted.grid && editor.state.document.scene) addGrid(lines, extent);
     if (wanted.frusta && editor.state.document.capture)
         for (size_t i = 0; i < editor.state.document.capture->views.size(); ++i)
-            addFrustum(lines, editor.state.document.capture->views[i].camera, frustumDepth(extent.radius), int(i) == wanted.view);
+            addFrustum(lines, editor.state.document.capture->views[i].camera, frustumDepth(extent.radius),
+                       int(i) == wanted.view);
     lineVertices_ = lines.size();
     if (lineVertices_) lines_.upload(GL_ARRAY_BUFFER, lines);
 }
@@ -175,7 +187,9 @@ void Picture::makeOutline(const Editor& editor, const EyeView& eye, float pixels
     outlineCount_ = 0;
     job_.outlined = nullptr;
     const auto live = editor.liveFrame();
-    if (key_.selected.empty() || !live || !live->emitterOfTriangle || !meshes_[0].drawable || meshes_[0].geometry.mesh() != live->mesh) return;
+    if (key_.selected.empty() || !live || !live->emitterOfTriangle || !meshes_[0].drawable ||
+        meshes_[0].geometry.mesh() != live->mesh)
+        return;
     std::vector<uint8_t> wanted(live->emitterIds.size(), 0);
     for (size_t i = 0; i < wanted.size(); ++i) wanted[i] = editor.state.selection.has(live->emitterIds[i]);
     std::vector<Triangle> triangles;
@@ -188,10 +202,8 @@ void Picture::makeOutline(const Editor& editor, const EyeView& eye, float pixels
         triangles.push_back(live->mesh->triangles[t]);
         for (uint32_t v : live->mesh->triangles[t]) {
             const auto at = eye.toScreen(live->mesh->positions[v]);
-            if (at)
-                low = glm::min(low, *at), high = glm::max(high, *at);
-            else
-                whole = true;
+            if (at) low = glm::min(low, *at), high = glm::max(high, *at);
+            else whole = true;
         }
     }
     if (triangles.empty()) return;
@@ -205,7 +217,8 @@ void Picture::makeOutline(const Editor& editor, const EyeView& eye, float pixels
     const Vec2 pad(float(job_.outlineRadius + 2));
     Vec2 from = (low - eye.corner) * scale - pad, to = (high - eye.corner) * scale + pad;
     if (whole) from = Vec2(0), to = Vec2(eye.width, eye.height);
-    from = glm::clamp(from, Vec2(0), Vec2(eye.width, eye.height)), to = glm::clamp(to, Vec2(0), Vec2(eye.width, eye.height));
+    from = glm::clamp(from, Vec2(0), Vec2(eye.width, eye.height)),
+    to = glm::clamp(to, Vec2(0), Vec2(eye.width, eye.height));
     job_.outlineBox[0] = int(from.x), job_.outlineBox[1] = std::max(0, eye.height - int(std::ceil(to.y)));
     job_.outlineBox[2] = int(std::ceil(to.x)) - int(from.x), job_.outlineBox[3] = int(std::ceil(to.y)) - int(from.y);
 }
@@ -218,7 +231,8 @@ GLuint Picture::environmentTexture(const std::shared_ptr<const DistantLight>& di
         parallelFor(size_t(height), 8, [&](size_t y) {
             for (int x = 0; x < width; ++x) {
                 const Vec3 direction = directionFromLatLong({(float(x) + 0.5f) / width, (float(y) + 0.5f) / height});
-                texels[y * width + size_t(x)] = Vec4(glm::clamp(distant->smoothRadiance(direction), Rgb(0), Rgb(60000)), 1);
+                texels[y * width + size_t(x)] =
+                    Vec4(glm::clamp(distant->smoothRadiance(direction), Rgb(0), Rgb(60000)), 1);
             }
         });
         uploadHalf(environment_, width, height, &texels[0].x, true);
@@ -231,7 +245,9 @@ GLuint Picture::restTexture(const std::shared_ptr<const Frame>& frame) {
     if (!frame) return 0;
     if (frame != restShown_) {
         std::vector<Vec4> texels(frame->beauty.size());
-        parallelFor(texels.size(), 1 << 14, [&](size_t i) { texels[i] = Vec4(glm::clamp(frame->beauty[i], Rgb(0), Rgb(60000)), std::clamp(frame->alpha[i], 0.0f, 1.0f)); });
+        parallelFor(texels.size(), 1 << 14, [&](size_t i) {
+            texels[i] = Vec4(glm::clamp(frame->beauty[i], Rgb(0), Rgb(60000)), std::clamp(frame->alpha[i], 0.0f, 1.0f));
+        });
         uploadHalf(rest_, frame->width, frame->height, &texels[0].x, false);
         restShown_ = frame;
     }

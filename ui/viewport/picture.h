@@ -1,4 +1,5 @@
-// Turns the editor's state into the one texture that the viewport shows, and redraws it only when something it depends on has changed.
+// Turns the editor's state into the one texture that the viewport shows, and redraws it only when something it depends
+// on has changed.
 #pragma once
 #include <array>
 #include <memory>
@@ -33,7 +34,8 @@ private:
         std::vector<PaintKey> paints;
         float stops = 0, pixelsPerPoint = 1;
         std::string displayView;
-        bool falseColour = false, wires = false, through = false, photographBehind = false, dome = false, grid = false, frusta = false, ownEnvironment = false;
+        bool falseColour = false, wires = false, through = false, photographBehind = false, dome = false, grid = false,
+             frusta = false, ownEnvironment = false;
         int view = -1;
         std::set<uint32_t> hidden;
         std::vector<std::string> selected;

@@ -13,8 +13,12 @@ Vec2 shiftOf(int sample) {
     return p - 0.5f;
 }
 
-void setMatrix(const GlProgram& program, const char* name, const Mat4& m) { glUniformMatrix4fv(program.uniform(name), 1, GL_FALSE, glm::value_ptr(m)); }
-void setVector(const GlProgram& program, const char* name, const Vec3& v) { glUniform3f(program.uniform(name), v.x, v.y, v.z); }
+void setMatrix(const GlProgram& program, const char* name, const Mat4& m) {
+    glUniformMatrix4fv(program.uniform(name), 1, GL_FALSE, glm::value_ptr(m));
+}
+void setVector(const GlProgram& program, const char* name, const Vec3& v) {
+    glUniform3f(program.uniform(name), v.x, v.y, v.z);
+}
 void setInt(const GlProgram& program, const char* name, int value) { glUniform1i(program.uniform(name), value); }
 
 void bindTexture(int unit, GLuint texture, GLenum kind = GL_TEXTURE_2D) {
@@ -22,13 +26,20 @@ void bindTexture(int unit, GLuint texture, GLenum kind = GL_TEXTURE_2D) {
     glBindTexture(kind, texture);
 }
 
-GLenum kindOf(const DisplayLut& lut) { return lut.dimensions == 3 ? GL_TEXTURE_3D : lut.dimensions == 2 ? GL_TEXTURE_2D : GL_TEXTURE_1D; }
+GLenum kindOf(const DisplayLut& lut) {
+    return lut.dimensions == 3 ? GL_TEXTURE_3D : lut.dimensions == 2 ? GL_TEXTURE_2D : GL_TEXTURE_1D;
+}
 
 }  // namespace
 
 Renderer::Renderer()
-    : mesh_("mesh.vert", "mesh.frag"), picture_("whole.vert", "picture.frag"), environment_("whole.vert", "environment.frag"),
-      lines_("lines.vert", "lines.frag"), flat_("flat.vert", "flat.frag"), outline_("whole.vert", "outline.frag"), averaging_("whole.vert", "average.frag") {
+    : mesh_("mesh.vert", "mesh.frag"),
+      picture_("whole.vert", "picture.frag"),
+      environment_("whole.vert", "environment.frag"),
+      lines_("lines.vert", "lines.frag"),
+      flat_("flat.vert", "flat.frag"),
+      outline_("whole.vert", "outline.frag"),
+      averaging_("whole.vert", "average.frag") {
     setDisplay(displayTransform().shader(displayTransform().defaultView()));
 }
 
@@ -46,11 +57,11 @@ void Renderer::setDisplay(const DisplayShader& shader) {
             glTexImage3D(kind, 0, stored, lut.width, lut.height, lut.depth, 0, format, GL_FLOAT, lut.values.data());
         else if (lut.dimensions == 2)
             glTexImage2D(kind, 0, stored, lut.width, lut.height, 0, format, GL_FLOAT, lut.values.data());
-        else
-            glTexImage1D(kind, 0, stored, lut.width, 0, format, GL_FLOAT, lut.values.data());
+        else glTexImage1D(kind, 0, stored, lut.width, 0, format, GL_FLOAT, lut.values.data());
         glTexParameteri(kind, GL_TEXTURE_MIN_FILTER, filter);
         glTexParameteri(kind, GL_TEXTURE_MAG_FILTER, filter);
-        for (GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R}) glTexParameteri(kind, wrap, GL_CLAMP_TO_EDGE);
+        for (GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
+            glTexParameteri(kind, wrap, GL_CLAMP_TO_EDGE);
         lut.values.clear();
         luts_.push_back(std::move(texture));
     }
@@ -59,7 +70,8 @@ void Renderer::setDisplay(const DisplayShader& shader) {
 void Renderer::resize(int width, int height) {
     if (width != depthWidth_ || height != depthHeight_) {
         glBindTexture(GL_TEXTURE_2D, depth_.id());
-        glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, width, height, 0, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, nullptr);
+        glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, width, height, 0, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT,
+                     nullptr);
         glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
         glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
         depthWidth_ = width, depthHeight_ = height;
@@ -76,7 +88,8 @@ void Renderer::drawWhole() {
 
 void Renderer::drawLayer(const PictureJob& job, const SceneLayer& layer, const Mat4& clipFromWorld) {
     const EyeView& eye = job.eye;
-    const int left = int(std::lround(layer.left * float(eye.width))), right = int(std::lround(layer.right * float(eye.width)));
+    const int left = int(std::lround(layer.left * float(eye.width))),
+              right = int(std::lround(layer.right * float(eye.width)));
     if (right <= left) return;
     glEnable(GL_SCISSOR_TEST);
     glScissor(left, 0, right - left, eye.height);
@@ -162,7 +175,8 @@ void Renderer::drawLines(const PictureJob& job, const Mat4& clipFromWorld) {
     glEnableVertexAttribArray(0);
     glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(LineVertex), nullptr);
     glEnableVertexAttribArray(1);
-    glVertexAttribPointer(1, 4, GL_FLOAT, GL_FALSE, sizeof(LineVertex), reinterpret_cast<const void*>(offsetof(LineVertex, colour)));
+    glVertexAttribPointer(1, 4, GL_FLOAT, GL_FALSE, sizeof(LineVertex),
+                          reinterpret_cast<const void*>(offsetof(LineVertex, colour)));
     glDrawArrays(GL_LINES, 0, GLsizei(job.lineVertices));
     glBindVertexArray(0);
     glDepthMask(GL_TRUE);
@@ -266,7 +280,9 @@ std::vector<uint8_t> Renderer::readBack(int& width, int& height) {
     glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     const size_t row = size_t(width) * 4;
-    for (size_t y = 0; y < size_t(height); ++y) std::copy_n(pixels.begin() + ptrdiff_t((size_t(height) - 1 - y) * row), row, turned.begin() + ptrdiff_t(y * row));
+    for (size_t y = 0; y < size_t(height); ++y)
+        std::copy_n(pixels.begin() + ptrdiff_t((size_t(height) - 1 - y) * row), row,
+                    turned.begin() + ptrdiff_t(y * row));
     return turned;
 }
 

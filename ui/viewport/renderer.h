@@ -1,5 +1,6 @@
-// Draws one picture of the scene into a texture: scene-linear layers with depth, then the display transform, then lines and outlines in
-// display colours. Called only when something changed; at rest a few pictures with shifted pixels are averaged, which smooths edges.
+// Draws one picture of the scene into a texture: scene-linear layers with depth, then the display transform, then lines
+// and outlines in display colours. Called only when something changed; at rest a few pictures with shifted pixels are
+// averaged, which smooths edges.
 #pragma once
 #include <vector>
 
@@ -11,14 +12,14 @@ namespace relamp::ui {
 
 /// What fills a vertical strip of the picture.
 struct SceneLayer {
-    float left = 0, right = 1;        ///< share of the picture's width
-    GLuint environment = 0;           ///< latitude-longitude texture behind everything; 0: none
-    GLuint behind = 0;                ///< picture behind the mesh: the photograph
+    float left = 0, right = 1;  ///< share of the picture's width
+    GLuint environment = 0;     ///< latitude-longitude texture behind everything; 0: none
+    GLuint behind = 0;          ///< picture behind the mesh: the photograph
     GpuMesh* mesh = nullptr;
     GlBuffer* colours = nullptr;
-    bool display = false;             ///< the colours are display values
-    bool shading = false;             ///< a soft light at the eye
-    GLuint instead = 0;               ///< picture shown in place of the mesh, which then gives depth only
+    bool display = false;  ///< the colours are display values
+    bool shading = false;  ///< a soft light at the eye
+    GLuint instead = 0;    ///< picture shown in place of the mesh, which then gives depth only
 };
 
 struct LineVertex {
@@ -33,13 +34,13 @@ struct PictureJob {
     bool falseColour = false;
     GlBuffer* lines = nullptr;
     size_t lineVertices = 0;
-    GpuMesh* wires = nullptr;                ///< its edges, half transparent
+    GpuMesh* wires = nullptr;  ///< its edges, half transparent
     float wireStrength = 0.3f;
-    GpuMesh* outlined = nullptr;             ///< with `outlineIndices`: the triangles of the selected emitters
+    GpuMesh* outlined = nullptr;  ///< with `outlineIndices`: the triangles of the selected emitters
     GlBuffer* outlineIndices = nullptr;
     size_t outlineCount = 0;
-    int outlineRadius = 2;                   ///< framebuffer pixels
-    int outlineBox[4] = {0, 0, 0, 0};        ///< framebuffer pixels that may show a line: left, bottom, width, height
+    int outlineRadius = 2;             ///< framebuffer pixels
+    int outlineBox[4] = {0, 0, 0, 0};  ///< framebuffer pixels that may show a line: left, bottom, width, height
 };
 
 class Renderer {

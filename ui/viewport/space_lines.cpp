@@ -14,7 +14,8 @@ void addGrid(std::vector<LineVertex>& lines, const SceneExtent& extent) {
             // The lines through the world's origin carry the colours of the axes.
             Vec3 colour(multiple % 10 == 0 ? 0.52f : 0.42f);
             float strength = multiple % 10 == 0 ? 0.55f : 0.34f;
-            if (multiple == 0) colour = axis == 0 ? Vec3(0.72f, 0.30f, 0.32f) : Vec3(0.42f, 0.62f, 0.30f), strength = 0.8f;
+            if (multiple == 0)
+                colour = axis == 0 ? Vec3(0.72f, 0.30f, 0.32f) : Vec3(0.42f, 0.62f, 0.30f), strength = 0.8f;
             for (int k = 0; k < pieces; ++k)
                 for (int end = 0; end < 2; ++end) {
                     const float along = (axis == 0 ? middle.x : middle.y) + reach * (2 * float(k + end) / pieces - 1);
@@ -33,7 +34,8 @@ std::array<Vec3, 4> frustumCorners(const Camera& camera, float depth) {
     const double place[4][2] = {{left, top}, {right, top}, {right, bottom}, {left, bottom}};
     // A very wide lens would spread its corners over the whole scene.
     for (size_t i = 0; i < 4; ++i)
-        corners[i] = Vec3(camera.position() + double(depth) * (x * std::clamp(place[i][0], -1.5, 1.5) + y * std::clamp(place[i][1], -1.5, 1.5) - z));
+        corners[i] = Vec3(camera.position() + double(depth) * (x * std::clamp(place[i][0], -1.5, 1.5) +
+                                                               y * std::clamp(place[i][1], -1.5, 1.5) - z));
     return corners;
 }
 

@@ -12,7 +12,8 @@ namespace relamp::ui {
 class ThumbnailTextures {
 public:
     static constexpr int longestSide = 256;
-    /// Texture for the key; `make` gives display values (sRGB, 0 to 1) when it is asked for the first time. 0: an empty picture.
+    /// Texture for the key; `make` gives display values (sRGB, 0 to 1) when it is asked for the first time. 0: an empty
+    /// picture.
     uint64_t texture(const std::string& key, const std::function<Image()>& make);
     void drop(const std::string& prefix);
 

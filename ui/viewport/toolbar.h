@@ -1,4 +1,5 @@
-// The bar above the picture: view modes, tools, axes, exposure, view transform. Wraps and shortens itself in narrow viewports.
+// The bar above the picture: view modes, tools, axes, exposure, view transform. Wraps and shortens itself in narrow
+// viewports.
 #pragma once
 #include "editor.h"
 

@@ -16,7 +16,9 @@ std::optional<float> numberIn(const std::string& text) {
     return std::strtof(text.c_str(), nullptr);
 }
 
-const char* verbOf(GizmoKind kind) { return kind == GizmoKind::move ? "Move" : kind == GizmoKind::rotate ? "Turn" : "Scale"; }
+const char* verbOf(GizmoKind kind) {
+    return kind == GizmoKind::move ? "Move" : kind == GizmoKind::rotate ? "Turn" : "Scale";
+}
 
 }  // namespace
 
@@ -29,14 +31,16 @@ std::optional<TransformPivot> transformPivot(const Editor& editor) {
     return TransformPivot{active->pivot, active->axes};
 }
 
-void TransformGesture::begin(Editor& editor, GizmoKind kind, GizmoHandle handle, bool byKey, const EyeView& eye, const Vec2& mouse, float points) {
+void TransformGesture::begin(Editor& editor, GizmoKind kind, GizmoHandle handle, bool byKey, const EyeView& eye,
+                             const Vec2& mouse, float points) {
     if (running_) abandon(editor);
     const auto pivot = transformPivot(editor);
     if (!pivot) return;
     pivot_ = *pivot;
     local_ = editor.state.viewport.localAxes;
     emitters_ = editor.state.selection.emitters;
-    drag_ = {kind, handle, gizmoFrameAt(pivot_.origin, local_ ? pivot_.local : Mat3(1), eye, points), eye.rayAt(mouse), byKey};
+    drag_ = {kind, handle, gizmoFrameAt(pivot_.origin, local_ ? pivot_.local : Mat3(1), eye, points), eye.rayAt(mouse),
+             byKey};
     lastMouse_ = effective_ = mouse;
     number_.clear();
     readout_.clear();
@@ -48,12 +52,9 @@ void TransformGesture::begin(Editor& editor, GizmoKind kind, GizmoHandle handle,
 void TransformGesture::lock(GizmoHandle handle, const Editor& editor) {
     // The same lock again means the other axes, a third time none.
     const bool preferred = editor.state.viewport.localAxes;
-    if (drag_.handle != handle)
-        local_ = preferred, drag_.handle = handle;
-    else if (local_ == preferred)
-        local_ = !preferred;
-    else
-        local_ = preferred, drag_.handle = GizmoHandle::screen;
+    if (drag_.handle != handle) local_ = preferred, drag_.handle = handle;
+    else if (local_ == preferred) local_ = !preferred;
+    else local_ = preferred, drag_.handle = GizmoHandle::screen;
     drag_.frame.axes = local_ ? pivot_.local : Mat3(1);
 }
 
@@ -85,10 +86,8 @@ bool TransformGesture::keys(Editor& editor, int pressed, const std::string& type
     for (const char c : typed) {
         if (c == '-')  // turns the sign, wherever it is typed
             number_ = number_.starts_with('-') ? number_.substr(1) : "-" + number_;
-        else if ((c >= '0' && c <= '9') || (c == '.' && number_.find('.') == std::string::npos))
-            number_ += c;
-        else if (c == ',' && number_.find('.') == std::string::npos)
-            number_ += '.';
+        else if ((c >= '0' && c <= '9') || (c == '.' && number_.find('.') == std::string::npos)) number_ += c;
+        else if (c == ',' && number_.find('.') == std::string::npos) number_ += '.';
     }
     apply(editor, eye);
     return true;

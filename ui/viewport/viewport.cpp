@@ -20,7 +20,7 @@ struct Viewport::Impl {
     Interaction interaction;
     ThumbnailTextures thumbnails;
     std::weak_ptr<const Scene> framedScene;
-    bool broken = false;          ///< the driver refused something: said once
+    bool broken = false;  ///< the driver refused something: said once
     double cpuMs = 0;
 
     EyeView eyeFor(const Editor& editor, const Vec2& corner, const Vec2& size, const Vec2& density) const;
@@ -33,7 +33,8 @@ EyeView Viewport::Impl::eyeFor(const Editor& editor, const Vec2& corner, const V
     const int view = editor.state.selection.view;
     // Depths enclose the cameras' drawings and lights that were moved outside.
     const float reach = 3.2f * extent.wholeRadius;
-    if (editor.state.viewport.throughView && capture && view >= 0 && view < int(capture->views.size()) && capture->views[size_t(view)].camera.width > 0)
+    if (editor.state.viewport.throughView && capture && view >= 0 && view < int(capture->views.size()) &&
+        capture->views[size_t(view)].camera.width > 0)
         return eyeOf(capture->views[size_t(view)].camera, corner, size, density, extent.wholeCentre, reach);
     return eyeOf(editor.state.viewport.camera, corner, size, density, extent.wholeCentre, reach);
 }
@@ -49,7 +50,9 @@ void Viewport::Impl::draw(Editor& editor) {
         framedScene = scene;
         frameAll(editor);
     }
-    ImGui::InvisibleButton("picture", area, ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight | ImGuiButtonFlags_MouseButtonMiddle);
+    ImGui::InvisibleButton(
+        "picture", area,
+        ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight | ImGuiButtonFlags_MouseButtonMiddle);
     noteItem("viewport");
     const bool hovered = ImGui::IsItemHovered(), active = ImGui::IsItemActive();
     const ImVec2 density = ImGui::GetIO().DisplayFramebufferScale;
@@ -76,9 +79,12 @@ void Viewport::Impl::draw(Editor& editor) {
         // Not while something moves: the next change starts anew.
         if (!picture.settled()) stayAwake();
         canvas.list->AddRectFilled(at, {at.x + area.x, at.y + area.y}, IM_COL32(24, 24, 24, 255));
-        canvas.list->AddImage(textureId(picture.texture()), toIm(eye.corner), toIm(eye.corner + eye.size), {0, 1}, {1, 0});
+        canvas.list->AddImage(textureId(picture.texture()), toIm(eye.corner), toIm(eye.corner + eye.size), {0, 1},
+                              {1, 0});
     } else {
-        canvas.list->AddRectFilledMultiColor(at, {at.x + area.x, at.y + area.y}, IM_COL32(47, 47, 47, 255), IM_COL32(47, 47, 47, 255), IM_COL32(32, 32, 32, 255), IM_COL32(32, 32, 32, 255));
+        canvas.list->AddRectFilledMultiColor(at, {at.x + area.x, at.y + area.y}, IM_COL32(47, 47, 47, 255),
+                                             IM_COL32(47, 47, 47, 255), IM_COL32(32, 32, 32, 255),
+                                             IM_COL32(32, 32, 32, 255));
     }
     canvas.list->PushClipRect(at, {at.x + area.x, at.y + area.y}, true);
     interaction.draw(canvas, picture);
@@ -94,12 +100,16 @@ void Viewport::draw(Editor& editor) {
     try {
         impl_->draw(editor);
     } catch (const Error& error) {
-        if (!std::exchange(impl_->broken, true)) editor.fail("The picture could not be drawn", error.what(), "Another view transform or a newer graphics driver may help.");
+        if (!std::exchange(impl_->broken, true))
+            editor.fail("The picture could not be drawn", error.what(),
+                        "Another view transform or a newer graphics driver may help.");
     }
 }
 
 double Viewport::cpuMs() const { return impl_->cpuMs; }
-uint64_t Viewport::thumbnail(const std::string& key, const std::function<Image()>& make) { return impl_->thumbnails.texture(key, make); }
+uint64_t Viewport::thumbnail(const std::string& key, const std::function<Image()>& make) {
+    return impl_->thumbnails.texture(key, make);
+}
 void Viewport::dropThumbnails(const std::string& prefix) { impl_->thumbnails.drop(prefix); }
 
 }  // namespace relamp::ui

@@ -1,5 +1,5 @@
-// The viewport as a widget: draws the scene in the present view mode, moves the camera, picks, and runs the gizmo. The only folder with
-// GL calls besides window.cpp.
+// The viewport as a widget: draws the scene in the present view mode, moves the camera, picks, and runs the gizmo. The
+// only folder with GL calls besides window.cpp.
 #pragma once
 #include <memory>
 
@@ -12,7 +12,8 @@ public:
     /// Needs a current OpenGL 4.3 context. Throws Error naming what the driver lacks.
     Viewport();
     ~Viewport();
-    /// Fills the present ImGui window's content region: toolbar on top, picture, overlays. Mouse and keys inside it act on `editor`.
+    /// Fills the present ImGui window's content region: toolbar on top, picture, overlays. Mouse and keys inside it act
+    /// on `editor`.
     void draw(Editor& editor);
     /// CPU time of the last draw() without what the rasteriser took, milliseconds.
     double cpuMs() const;

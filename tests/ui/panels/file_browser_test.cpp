@@ -13,7 +13,8 @@ namespace fs = std::filesystem;
 
 std::vector<std::string> collapsed(const std::vector<std::string>& names) {
     std::vector<FileEntry> entries;
-    for (const std::string& name : names) entries.push_back({FileEntry::Kind::file, "/x/" + name, shown(name), 0, 0, 1});
+    for (const std::string& name : names)
+        entries.push_back({FileEntry::Kind::file, "/x/" + name, shown(name), 0, 0, 1});
     std::vector<std::string> out;
     for (const FileEntry& e : collapseSequences(entries)) out.push_back(e.name);
     return out;
@@ -42,13 +43,16 @@ TEST(FileBrowserSequences, numberedRunsBecomeOneEntry) {
 }
 
 TEST(FileBrowserSequences, differentWidthsAndExtensionsStayApart) {
-    EXPECT_EQ(collapsed({"a.001.exr", "a.002.exr", "a.003.exr", "a.0001.exr", "a.0002.exr", "a.0003.exr"}), (Names{"a.0001-0003.exr", "a.001-003.exr"}));
+    EXPECT_EQ(collapsed({"a.001.exr", "a.002.exr", "a.003.exr", "a.0001.exr", "a.0002.exr", "a.0003.exr"}),
+              (Names{"a.0001-0003.exr", "a.001-003.exr"}));
     EXPECT_EQ(collapsed({"a.1.exr", "a.2.exr", "a.3.exr", "a.1.png", "a.2.png", "a.3.png"}).size(), 2u);
 }
 
 TEST(FileBrowserSequences, gapsAreCounted) {
     std::vector<FileEntry> entries;
-    for (const int i : {1, 2, 5}) entries.push_back({FileEntry::Kind::file, fmt::format("/x/f.{:03}.exr", i), fmt::format("f.{:03}.exr", i), 0, 0, 1});
+    for (const int i : {1, 2, 5})
+        entries.push_back(
+            {FileEntry::Kind::file, fmt::format("/x/f.{:03}.exr", i), fmt::format("f.{:03}.exr", i), 0, 0, 1});
     const auto out = collapseSequences(entries);
     ASSERT_EQ(out.size(), 1u);
     EXPECT_EQ(out[0].members, 3u);
@@ -57,7 +61,9 @@ TEST(FileBrowserSequences, gapsAreCounted) {
 }
 
 TEST(FileBrowserSequences, oddNamesSurvive) {
-    for (const std::string name : {"", ".", ".hidden", "12345678901234567890.exr", "no number.exr", "\xff\xfe.exr", "a\nb", "####.exr", "ünï.exr", "-1.exr"}) EXPECT_EQ(collapsed({name}).size(), 1u) << name;
+    for (const std::string name : {"", ".", ".hidden", "12345678901234567890.exr", "no number.exr", "\xff\xfe.exr",
+                                   "a\nb", "####.exr", "ünï.exr", "-1.exr"})
+        EXPECT_EQ(collapsed({name}).size(), 1u) << name;
     EXPECT_EQ(collapsed({"\xff.1.exr", "\xff.2.exr", "\xff.3.exr"}), Names{"?.1-3.exr"});
 }
 
@@ -113,7 +119,9 @@ struct Browsing : Panels {
     explicit Browsing(const BrowserRequest& request) {
         browser.begin(request);
         windowSize(800, 560);
-        frame([this] { if (const auto a = browser.draw({}); a != FileBrowser::Answer::none) answer = a; });
+        frame([this] {
+            if (const auto a = browser.draw({}); a != FileBrowser::Answer::none) answer = a;
+        });
         for (int i = 0; i < 500 && browser.reading(); ++i) {
             std::this_thread::sleep_for(std::chrono::milliseconds(2));
             frames(1);
@@ -201,7 +209,9 @@ TEST(FileBrowserKeys, escCancels) {
 
 TEST(FileBrowserKeys, manyFilesDoNotSlowTheWindowDown) {
     const TemporaryFolder folder;
-    for (int i = 0; i < 20000; ++i) std::ofstream(folder / fmt::format("{}{}{}{}.txt", char('a' + i % 26), char('a' + i / 26 % 26), char('a' + i / 676 % 26), char('a' + i / 17576)));
+    for (int i = 0; i < 20000; ++i)
+        std::ofstream(folder / fmt::format("{}{}{}{}.txt", char('a' + i % 26), char('a' + i / 26 % 26),
+                                           char('a' + i / 676 % 26), char('a' + i / 17576)));
     BrowserRequest request;
     request.start = folder.path();
     Browsing b(request);

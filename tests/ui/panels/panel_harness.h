@@ -1,4 +1,5 @@
-// Dear ImGui without a window, with a mouse and keys that tests move, and an editor with a small solved scene behind it.
+// Dear ImGui without a window, with a mouse and keys that tests move, and an editor with a small solved scene behind
+// it.
 #pragma once
 #include <gtest/gtest.h>
 
@@ -26,7 +27,9 @@ using relamp::test::TemporaryFolder;
 struct PaintedRoom {
     TemporaryFolder folder;
     std::filesystem::path capture, shot;
-    PaintedRoom() : capture(folder / "room"), shot(folder / "room.relamp") { relamp::test::paintKnownWorld(capture, true, 6, 10); }
+    PaintedRoom() : capture(folder / "room"), shot(folder / "room.relamp") {
+        relamp::test::paintKnownWorld(capture, true, 6, 10);
+    }
     static PaintedRoom& get() {
         static PaintedRoom room;
         return room;
@@ -43,8 +46,13 @@ public:
         ImGuiIO& io = ImGui::GetIO();
         io.DeltaTime = 1.0f / 60;
 #if IMGUI_VERSION_NUM < 18700
-        for (const auto& [name, key] : {std::pair{ImGuiKey_Escape, int(keyEscape)}, {ImGuiKey_Enter, int(keyEnter)}, {ImGuiKey_UpArrow, int(keyUp)}, {ImGuiKey_DownArrow, int(keyDown)},
-                                        {ImGuiKey_Backspace, int(keyBackspace)}, {ImGuiKey_LeftArrow, int(keyLeft)}, {ImGuiKey_RightArrow, int(keyRight)}})
+        for (const auto& [name, key] : {std::pair{ImGuiKey_Escape, int(keyEscape)},
+                                        {ImGuiKey_Enter, int(keyEnter)},
+                                        {ImGuiKey_UpArrow, int(keyUp)},
+                                        {ImGuiKey_DownArrow, int(keyDown)},
+                                        {ImGuiKey_Backspace, int(keyBackspace)},
+                                        {ImGuiKey_LeftArrow, int(keyLeft)},
+                                        {ImGuiKey_RightArrow, int(keyRight)}})
             io.KeyMap[name] = key;
 #endif
         EditorOptions options;
@@ -96,7 +104,9 @@ public:
         beginPanelFrame();
         ImGui::SetNextWindowPos({0, 0});
         ImGui::SetNextWindowSize(size_.x > 0 ? size_ : ImGui::GetIO().DisplaySize);
-        ImGui::Begin("test", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus);
+        ImGui::Begin("test", nullptr,
+                     ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+                         ImGuiWindowFlags_NoBringToFrontOnFocus);
         window_ = ImGui::GetCurrentWindow();
         if (draw) draw();
         ImGui::End();

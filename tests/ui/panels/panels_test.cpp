@@ -16,7 +16,10 @@ namespace {
 /// All areas, at widths from the narrowest column to a wide screen, at three scales of the screen.
 void drawEverything(Panels& p) {
     Editor& editor = *p.editor;
-    void (*const areas[])(Editor&) = {drawScenePanel, drawInspectorPanel, drawBottomPanel, drawStatusBar, drawViewsPanel, drawEmittersPanel, drawEnvironmentPanel, drawMaterialsPanel, drawEstimatePanel, drawTimelinePanel, drawLogPanel, drawHistoryPanel, drawPlanPanel};
+    void (*const areas[])(Editor&) = {drawScenePanel,    drawInspectorPanel, drawBottomPanel,      drawStatusBar,
+                                      drawViewsPanel,    drawEmittersPanel,  drawEnvironmentPanel, drawMaterialsPanel,
+                                      drawEstimatePanel, drawTimelinePanel,  drawLogPanel,         drawHistoryPanel,
+                                      drawPlanPanel};
     for (const float scale : {1.0f, 2.0f})
         for (const float width : {200.0f, 240.0f, 520.0f, 990.0f}) {
             applyTheme(scale);
@@ -47,7 +50,9 @@ void drawEverything(Panels& p) {
 
 void drawEveryDialog(Panels& p) {
     PanelState& panels = p.editor->state.panels;
-    for (bool PanelState::*flag : {&PanelState::doctor, &PanelState::keys, &PanelState::palette, &PanelState::exportFrames, &PanelState::about, &PanelState::openBrowser, &PanelState::saveBrowser, &PanelState::environmentBrowser}) {
+    for (bool PanelState::*flag :
+         {&PanelState::doctor, &PanelState::keys, &PanelState::palette, &PanelState::exportFrames, &PanelState::about,
+          &PanelState::openBrowser, &PanelState::saveBrowser, &PanelState::environmentBrowser}) {
         panels.*flag = true;
         p.frame({});
         p.frames(4);
@@ -71,7 +76,8 @@ TEST(QualityBanner, namesTheCauseOfAPoorEstimateUntilItIsClosed) {
     nlohmann::json document = nlohmann::json::parse(std::ifstream(shot / "shot.json"));
     document["capture"] = PaintedRoom::get().capture.string();
     document["reproduction"]["psnr"] = 13;
-    document["reproduction"]["advice"] = "The cameras' poses do not belong to the photographs: check that they are in the same order.";
+    document["reproduction"]["advice"] =
+        "The cameras' poses do not belong to the photographs: check that they are in the same order.";
     std::ofstream(shot / "shot.json") << document.dump();
     editor.openNow(shot);
     p.until([&] { return !editor.job(); });
@@ -260,7 +266,8 @@ TEST(EmitterTable, anEditGoesToAllSelectedAsOneEntry) {
     t.press(false);
     EXPECT_EQ(t.editor->history().entries().size(), entries + 2);
     const EmitterState& first = *t.editor->emitter(t.id);
-    EXPECT_NEAR(luminance(t.editor->emitter(added)->radiance) / before, luminance(first.radiance) / luminance(first.recoveredRadiance), 1e-3);
+    EXPECT_NEAR(luminance(t.editor->emitter(added)->radiance) / before,
+                luminance(first.radiance) / luminance(first.recoveredRadiance), 1e-3);
 }
 
 TEST(EmitterTable, shiftExtendsAndCtrlToggles) {
@@ -325,7 +332,9 @@ TEST(Inspector, positionRotationAndScaleComeBackFromAMatrix) {
         const Placement back = placementOf(Mat4(m));
         EXPECT_LT(glm::distance(back.scale, scale), 1e-4f);
         const Mat3 again = rotationOf(back.degrees);
-        for (int k = 0; k < 3; ++k) EXPECT_LT(glm::distance(again[k], m[k] / scale[k]), 1e-4f) << degrees.x << " " << degrees.y << " " << degrees.z;
+        for (int k = 0; k < 3; ++k)
+            EXPECT_LT(glm::distance(again[k], m[k] / scale[k]), 1e-4f)
+                << degrees.x << " " << degrees.y << " " << degrees.z;
     }
 }
 
@@ -518,7 +527,8 @@ TEST(PlanPanel, holdsWhatTheEstimateWasPlannedToBeAndWhatItTook) {
     p.openSolved();
     const SolvePlan& plan = p.editor->state.plan;
     ASSERT_FALSE(plan.stages.empty());
-    EXPECT_TRUE(std::any_of(plan.stages.begin(), plan.stages.end(), [](const PlannedStage& s) { return s.predictedSeconds >= 0 && s.measuredSeconds >= 0; }));
+    EXPECT_TRUE(std::any_of(plan.stages.begin(), plan.stages.end(),
+                            [](const PlannedStage& s) { return s.predictedSeconds >= 0 && s.measuredSeconds >= 0; }));
     for (const float width : {900.0f, 300.0f}) {
         p.windowSize(width, 200);
         p.frame([&] { drawPlanPanel(*p.editor); });
@@ -537,7 +547,8 @@ TEST(HistoryPanel, aClickGoesThere) {
     p.frame([&] { drawHistoryPanel(*p.editor); });
     p.frames(2);
     // Rows follow the line of buttons.
-    const float line = ImGui::GetTextLineHeightWithSpacing(), top = ImGui::GetStyle().WindowPadding.y * 2 + ImGui::GetFrameHeightWithSpacing();
+    const float line = ImGui::GetTextLineHeightWithSpacing(),
+                top = ImGui::GetStyle().WindowPadding.y * 2 + ImGui::GetFrameHeightWithSpacing();
     p.click({60, top + line * (float(start) + 0.4f)});
     EXPECT_EQ(p.editor->history().index(), start);
     EXPECT_EQ(p.editor->history().entries().size(), start + 3);

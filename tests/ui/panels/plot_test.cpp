@@ -7,7 +7,8 @@ namespace {
 
 std::array<RunCurve, 2> curves() {
     std::array<RunCurve, 2> c;
-    c[0].entries = {{0.5, "ratios", 1, 0, 0.2}, {1.5, "lighting, first", 1, 12.5, 0.05}, {4, "lighting, first", 2, 11, 0.02}};
+    c[0].entries = {
+        {0.5, "ratios", 1, 0, 0.2}, {1.5, "lighting, first", 1, 12.5, 0.05}, {4, "lighting, first", 2, 11, 0.02}};
     c[1].entries = {{1, "lighting", 1, 3, 0.4}};
     return c;
 }
@@ -30,7 +31,8 @@ TEST(Plot, rangesHoldAllPointsAndIgnoreWhatHasNoPlaceOnALogarithm) {
 TEST(Plot, ticksAreRoundNumbersAndNoMoreThanAskedFor) {
     EXPECT_EQ(plotTicks({0.9, 11}, 4), (std::vector<double>{1, 2, 5, 10}));
     for (const int most : {2, 3, 5, 9})
-        for (const double high : {1.5, 20.0, 1e5, 1e30}) EXPECT_LE(int(plotTicks({1e-4, high}, most).size()), most) << most << " " << high;
+        for (const double high : {1.5, 20.0, 1e5, 1e30})
+            EXPECT_LE(int(plotTicks({1e-4, high}, most).size()), most) << most << " " << high;
 }
 
 TEST(Plot, csvHasALineForEachStepAndQuotesWhatNeedsIt) {

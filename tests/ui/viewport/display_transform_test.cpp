@@ -37,7 +37,8 @@ TEST(DisplayTransform, ExposureComesFirstAndUnknownViewsFallBack) {
 
 TEST(DisplayTransform, EveryViewHasAShaderOfTheAgreedName) {
     const DisplayTransform t("");
-    for (const std::string& view : t.views()) EXPECT_NE(t.shader(view).source.find("vec4 displayTransform("), std::string::npos) << view;
+    for (const std::string& view : t.views())
+        EXPECT_NE(t.shader(view).source.find("vec4 displayTransform("), std::string::npos) << view;
 }
 
 TEST(DisplayTransform, AConfigurationThatCannotBeReadNamesItself) {

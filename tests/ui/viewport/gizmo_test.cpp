@@ -12,7 +12,8 @@ EyeView slanted(bool orthographic = false) {
     return eyeOf(camera, Vec2(0), {800, 600}, Vec2(1), Vec3(0), 3);
 }
 
-GizmoDrag dragOf(const EyeView& eye, GizmoKind kind, GizmoHandle handle, const GizmoFrame& frame, const Vec3& from, bool byKey = false) {
+GizmoDrag dragOf(const EyeView& eye, GizmoKind kind, GizmoHandle handle, const GizmoFrame& frame, const Vec3& from,
+                 bool byKey = false) {
     return {kind, handle, frame, eye.rayAt(*eye.toScreen(from)), byKey};
 }
 
@@ -28,7 +29,9 @@ TEST(Gizmo, EveryVisibleHandleIsHitWhereItIsDrawn) {
     for (const bool orthographic : {false, true}) {
         const EyeView eye = slanted(orthographic);
         const GizmoFrame frame = gizmoFrameAt({0.1f, 0.2f, -0.1f}, Mat3(1), eye, 80);
-        const auto hit = [&](GizmoKind kind, const Vec3& offset) { return hitTest(eye.rayAt(*eye.toScreen(frame.origin + offset * frame.size)), frame, eye, kind); };
+        const auto hit = [&](GizmoKind kind, const Vec3& offset) {
+            return hitTest(eye.rayAt(*eye.toScreen(frame.origin + offset * frame.size)), frame, eye, kind);
+        };
         for (const GizmoKind kind : {GizmoKind::move, GizmoKind::scale}) {
             EXPECT_EQ(hit(kind, {0.7f, 0, 0}), GizmoHandle::x);
             EXPECT_EQ(hit(kind, {0, 0.7f, 0}), GizmoHandle::y);
@@ -50,7 +53,7 @@ TEST(Gizmo, HandlesHideWithinTenDegreesOfTheLineOfSight) {
     camera.azimuth = 0, camera.elevation = glm::radians(4.0f);
     const EyeView eye = eyeOf(camera, Vec2(0), {800, 600}, Vec2(1), Vec3(0), 3);
     const GizmoFrame frame = gizmoFrameAt(Vec3(0), Mat3(1), eye, 80);
-    EXPECT_FALSE(handleVisible(GizmoKind::move, GizmoHandle::x, frame, eye));   // points at the eye
+    EXPECT_FALSE(handleVisible(GizmoKind::move, GizmoHandle::x, frame, eye));  // points at the eye
     EXPECT_TRUE(handleVisible(GizmoKind::move, GizmoHandle::y, frame, eye));
     EXPECT_FALSE(handleVisible(GizmoKind::move, GizmoHandle::xy, frame, eye));  // seen edge on
     EXPECT_TRUE(handleVisible(GizmoKind::move, GizmoHandle::yz, frame, eye));
@@ -64,7 +67,8 @@ TEST(Gizmo, MovesAlongAxisInPlaneAndOnScreen) {
         const Vec3 origin(0.1f, 0, 0.2f);
         const GizmoFrame frame = gizmoFrameAt(origin, Mat3(1), eye, 80);
         const auto moved = [&](GizmoHandle handle, const Vec3& by) {
-            const GizmoMotion m = drag(dragOf(eye, GizmoKind::move, handle, frame, origin), eye.rayAt(*eye.toScreen(origin + by)), eye, {});
+            const GizmoMotion m = drag(dragOf(eye, GizmoKind::move, handle, frame, origin),
+                                       eye.rayAt(*eye.toScreen(origin + by)), eye, {});
             return Vec3(m.change * Vec4(origin, 1)) - origin;
         };
         EXPECT_NEAR(glm::distance(moved(GizmoHandle::y, {0, 0.35f, 0}), Vec3(0, 0.35f, 0)), 0, 1e-3f);
@@ -91,7 +95,9 @@ TEST(Gizmo, TurnsTheWayTheMouseGoesAboutThePivot) {
     const EyeView eye = slanted();
     const Vec3 origin(0.2f, -0.1f, 0.1f);
     const GizmoFrame frame = gizmoFrameAt(origin, Mat3(1), eye, 80);
-    const auto onRing = [&](float degrees) { return origin + frame.size * Vec3(std::cos(glm::radians(degrees)), std::sin(glm::radians(degrees)), 0); };
+    const auto onRing = [&](float degrees) {
+        return origin + frame.size * Vec3(std::cos(glm::radians(degrees)), std::sin(glm::radians(degrees)), 0);
+    };
     const GizmoDrag d = dragOf(eye, GizmoKind::rotate, GizmoHandle::z, frame, onRing(20));
     const GizmoMotion m = drag(d, eye.rayAt(*eye.toScreen(onRing(57))), eye, {});
     EXPECT_NEAR(m.degrees, 37, 0.05f);
@@ -117,7 +123,8 @@ TEST(Gizmo, ScalesOneAxisOrAllAndNeverToNothing) {
 TEST(Gizmo, LocalAxesAreTheFramesOwn) {
     const EyeView eye = slanted();
     const GizmoFrame frame = gizmoFrameAt(Vec3(0), frameAround(glm::normalize(Vec3(1, 1, 1))), eye, 80);
-    const GizmoMotion m = drag({GizmoKind::move, GizmoHandle::z, frame, eye.rayAt(*eye.toScreen(Vec3(0))), true}, eye.rayAt({0, 0}), eye, {}, 0.5f);
+    const GizmoMotion m = drag({GizmoKind::move, GizmoHandle::z, frame, eye.rayAt(*eye.toScreen(Vec3(0))), true},
+                               eye.rayAt({0, 0}), eye, {}, 0.5f);
     EXPECT_NEAR(glm::distance(Vec3(m.change[3]), 0.5f * glm::normalize(Vec3(1, 1, 1))), 0, 1e-5f);
     EXPECT_EQ(m.readout, "Move Z 0.500 m");
 }

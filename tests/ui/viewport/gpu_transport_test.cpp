@@ -20,7 +20,8 @@ TransportBlock randomBlock(std::mt19937& random) {
     const double share = std::uniform_real_distribution<>(0, 0.6)(random);
     for (size_t i = 0; i < cells; ++i)
         if (i == 0 || std::uniform_real_distribution<>(0, 1)(random) < share) block.index.push_back(uint16_t(i));
-    for (size_t v = 0; v < block.index.size() * transportLanes; ++v) block.value.push_back(int16_t(int(random() % 65535) - 32767));
+    for (size_t v = 0; v < block.index.size() * transportLanes; ++v)
+        block.value.push_back(int16_t(int(random() % 65535) - 32767));
     for (float& s : block.scale) s = std::uniform_real_distribution<float>(0, 3e-5f)(random);
     return block;
 }
@@ -61,14 +62,16 @@ protected:
     std::string why;
     std::shared_ptr<TransportDevice> device = makeGpuTransport(true, &why);
     void SetUp() override {
-        if (why.find("EGL is not installed") != std::string::npos || why == "EGL offers no display") GTEST_SKIP() << why;
+        if (why.find("EGL is not installed") != std::string::npos || why == "EGL offers no display")
+            GTEST_SKIP() << why;
         ASSERT_TRUE(device) << "EGL is here but no context with OpenGL 4.3 could be made: " << why;
     }
 };
 
 TEST_F(GpuTransport, SumsAsTheProcessorDoesWhateverTheSize) {
     for (const size_t vertices : {1u, 16u, 17u, 64u, 100u, 1000u, 5000u})
-        EXPECT_LT(difference(*device, randomStore(vertices, uint32_t(vertices)), randomLight(3)), 1e-5f) << vertices << " vertices on " << device->name();
+        EXPECT_LT(difference(*device, randomStore(vertices, uint32_t(vertices)), randomLight(3)), 1e-5f)
+            << vertices << " vertices on " << device->name();
 }
 
 TEST_F(GpuTransport, GivesTheSameBitsEveryTime) {
@@ -121,7 +124,8 @@ TEST_F(GpuTransport, RefusesAWrongNumberOfPlaces) {
 }
 
 TEST_F(GpuTransport, UnforcedASoftwareRendererIsPassedOver) {
-    if (device->name().find("llvmpipe") == std::string::npos) GTEST_SKIP() << "this machine has a graphics card: " << device->name();
+    if (device->name().find("llvmpipe") == std::string::npos)
+        GTEST_SKIP() << "this machine has a graphics card: " << device->name();
     std::string reason;
     EXPECT_FALSE(makeGpuTransport(false, &reason));
     EXPECT_NE(reason.find("software"), std::string::npos) << reason;
@@ -137,7 +141,8 @@ TEST_F(GpuTransport, ChoiceKeepsTheFasterOneAndForceTheDevice) {
     EXPECT_EQ(sums.device().empty(), sums.deviceMs() >= sums.processorMs());
     sums.choose(store, cells, device, true, progress);
     EXPECT_EQ(sums.device(), device->name());
-    std::printf("sums of 5008 vertices, %.1f MB: processor %.2f ms, %s %.2f ms\n", double(store.bytes()) * 1e-6, sums.processorMs(), device->name().c_str(), sums.deviceMs());
+    std::printf("sums of 5008 vertices, %.1f MB: processor %.2f ms, %s %.2f ms\n", double(store.bytes()) * 1e-6,
+                sums.processorMs(), device->name().c_str(), sums.deviceMs());
 }
 
 }  // namespace

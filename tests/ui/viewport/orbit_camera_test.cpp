@@ -68,9 +68,11 @@ TEST(OrbitCamera, FramedSphereAndBoxFillTheViewportButStayInside) {
             const EyeView framed = eyeOf(camera, Vec2(0), Vec2(400 * aspect, 400), Vec2(1), Vec3(0), 4);
             float nearest = 1e9f;
             for (int corner = 0; corner < 8; ++corner) {
-                const auto at = framed.toScreen({corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y, corner & 4 ? high.z : low.z});
+                const auto at = framed.toScreen(
+                    {corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y, corner & 4 ? high.z : low.z});
                 ASSERT_TRUE(at && framed.contains(*at)) << aspect << " " << corner;
-                nearest = std::min({nearest, at->x / framed.size.x, 1 - at->x / framed.size.x, at->y / 400, 1 - at->y / 400});
+                nearest =
+                    std::min({nearest, at->x / framed.size.x, 1 - at->x / framed.size.x, at->y / 400, 1 - at->y / 400});
             }
             EXPECT_LT(nearest, 0.06f) << aspect;
         }
@@ -108,7 +110,8 @@ TEST(EyeView, ScreenAndRaysAgreeForBothProjections) {
 
 TEST(EyeView, PhotographKeepsItsAspectAndItsProjection) {
     Camera camera;
-    camera.width = 640, camera.height = 480, camera.focalX = 500, camera.focalY = 510, camera.centreX = 330, camera.centreY = 200;
+    camera.width = 640, camera.height = 480, camera.focalX = 500, camera.focalY = 510, camera.centreX = 330,
+    camera.centreY = 200;
     camera.worldFromCamera[3] = glm::dvec4(0, 0, 4, 1);
     const EyeView eye = eyeOf(camera, {10, 20}, {1000, 300}, Vec2(1), Vec3(0), 2);
     EXPECT_EQ(eye.width, 400);
@@ -126,7 +129,8 @@ TEST(EyeView, PhotographKeepsItsAspectAndItsProjection) {
 
 TEST(SceneExtent, StrayPointsDoNotCountForTheFraming) {
     Mesh mesh;
-    for (uint32_t i = 0; i < 999; ++i) mesh.positions.push_back({float(i % 10) / 9, float(i / 10 % 10) / 9, float(i / 100) / 9});
+    for (uint32_t i = 0; i < 999; ++i)
+        mesh.positions.push_back({float(i % 10) / 9, float(i / 10 % 10) / 9, float(i / 100) / 9});
     mesh.positions.push_back({500, 500, 500});
     mesh.normals.assign(mesh.positions.size(), {0, 0, 1});
     for (uint32_t i = 0; i + 2 < mesh.positions.size(); ++i) mesh.triangles.push_back({i, i + 1, i + 2});

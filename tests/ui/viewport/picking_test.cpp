@@ -30,7 +30,8 @@ TEST(Picking, TakesTheNearestSurfaceWithItsNearestCorner) {
     EXPECT_NEAR(glm::distance(point->position, Vec3(0.9f, 0.2f, 1)), 0, 1e-5f);
     EXPECT_NEAR(point->normal.z, 1, 1e-6f);
     const Triangle& t = mesh.triangles[point->triangle];
-    const Vec3 again = (1 - point->barycentric.x - point->barycentric.y) * mesh.positions[t[0]] + point->barycentric.x * mesh.positions[t[1]] + point->barycentric.y * mesh.positions[t[2]];
+    const Vec3 again = (1 - point->barycentric.x - point->barycentric.y) * mesh.positions[t[0]] +
+                       point->barycentric.x * mesh.positions[t[1]] + point->barycentric.y * mesh.positions[t[2]];
     EXPECT_NEAR(glm::distance(again, point->position), 0, 1e-5f);
     EXPECT_FALSE(pickSurface(mesh, {{2, 2, 5}, {0, 0, -1}}));
 }
@@ -74,7 +75,9 @@ TEST(Photograph, IsLaidStraightForADistortedLens) {
     ASSERT_EQ(width, 200);
     ASSERT_EQ(height, 150);
     for (int y = 30; y < 120; y += 15)
-        for (int x = 40; x < 160; x += 20) EXPECT_NEAR(straight[size_t(y) * 200 + size_t(x)].x, 1 + (float(x) + 0.5f - 100) / 180, 2e-3f) << x << " " << y;
+        for (int x = 40; x < 160; x += 20)
+            EXPECT_NEAR(straight[size_t(y) * 200 + size_t(x)].x, 1 + (float(x) + 0.5f - 100) / 180, 2e-3f)
+                << x << " " << y;
 }
 
 }  // namespace
