@@ -29,12 +29,12 @@ extern "C" void onSignal(int number) {
 void showProgress(relamp::Progress& progress, std::string mode) {
     if (mode == "auto") mode = isatty(2) ? "bar" : "none";
     if (mode == "bar")
-        progress.setListener([](const std::string& label, double share) {
-            std::fprintf(stderr, "\r\033[K%s %3.0f %%", label.c_str(), share * 100);
+        progress.setListener([](const std::string& label, double fraction) {
+            std::fprintf(stderr, "\r\033[K%s %3.0f %%", label.c_str(), fraction * 100);
         });
     else if (mode == "json")
-        progress.setListener([](const std::string& label, double share) {
-            std::fprintf(stderr, "%s\n", nlohmann::json{{"stage", label}, {"share", share}}.dump().c_str());
+        progress.setListener([](const std::string& label, double fraction) {
+            std::fprintf(stderr, "%s\n", nlohmann::json{{"stage", label}, {"share", fraction}}.dump().c_str());
         });
 }
 
@@ -59,11 +59,11 @@ void addCaptureOptions(CLI::App& verb, relamp::CaptureFix& fix) {
                     for (const std::string& light : lights) fix.proxies.push_back(relamp::cli::proxyLightOf(light));
                 } catch (const relamp::cli::UsageError& error) { throw CLI::ValidationError(error.what()); }
             },
-            "A lamp that the mesh does not hold: X,Y,Z or X,Y,Z,RADIUS in metres of relamp's world (Z up); its power "
+            "A light that the mesh does not hold: X,Y,Z or X,Y,Z,RADIUS in metres of relamp's world (Z up); its power "
             "is solved for. May be given more than once")
         ->allow_extra_args(false)
         ->take_all();
-    verb.add_flag("--from-brackets", fix.fromBrackets, "Merge the frames' exposures even where HDR pictures are named");
+    verb.add_flag("--from-brackets", fix.fromBrackets, "Merge the frames' exposures even where HDR images are named");
 }
 
 }  // namespace
@@ -103,7 +103,7 @@ int main(int argc, char** argv) {
     // What is to be estimated and how: the same options for `solve` and `plan`.
     const auto addSolveOptions = [&solve](CLI::App& verb) {
         verb.add_option("capture", solve.capture, "Capture folder with transforms.json or a COLMAP model")->required();
-        verb.add_option("--mode", solve.mode, "near-field, or distant-only: the baseline that knows no lamps")
+        verb.add_option("--mode", solve.mode, "near-field, or distant-only: the baseline that knows no lights")
             ->check(CLI::IsMember({"near-field", "distant-only"}))
             ->capture_default_str();
         verb.add_option("--quality", solve.quality, "draft, standard or fine")
@@ -121,7 +121,7 @@ int main(int argc, char** argv) {
             ->capture_default_str();
         verb.add_option(
                 "--basis", solve.basis,
-                "Lobes that surfaces may have: built-in (13), wide (55, a piece takes up to three), lambert (none)")
+                "Lobes that surfaces may have: built-in (13), wide (55, a component takes up to three), lambert (none)")
             ->check(CLI::IsMember({"built-in", "wide", "lambert"}))
             ->capture_default_str();
         verb.add_option("--merl", solve.merl,
@@ -143,7 +143,7 @@ int main(int argc, char** argv) {
         verb.add_option("--threads", solve.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
         verb.add_option("--seed", solve.seed, "Seed of every random choice")->capture_default_str();
         verb.add_flag("--find-light", solve.findLight,
-                      "Look for a lamp that no photograph shows, by its shading and shadows");
+                      "Look for a light that no photograph shows, by its shading and shadows");
         verb.add_flag("--everything", solve.everything,
                       "Leave nothing out beforehand: every part of the model is fitted");
         addCaptureOptions(verb, solve.fix);
@@ -173,7 +173,7 @@ int main(int argc, char** argv) {
     renderVerb->add_option("shot", render.shot, "Shot folder")->required();
     renderVerb
         ->add_option("-o,--output", render.output,
-                     "Picture (EXR, or PNG/JPEG for a look); with several frames a name with #### or %04d")
+                     "Image (EXR, or PNG/JPEG for a look); with several frames a name with #### or %04d")
         ->required();
     renderVerb->add_option(
         "--edits", render.edits,
@@ -216,7 +216,7 @@ int main(int argc, char** argv) {
     exportVerb->add_flag("--overwrite", exported.overwrite, "Write into a folder that holds something");
 
     CLI::App* compareVerb =
-        app.add_subcommand("compare", "Near-field against distant-only: figures and pictures in one HTML page");
+        app.add_subcommand("compare", "Near-field against distant-only: figures and images in one HTML page");
     compareVerb->add_option("capture", compare.capture, "Capture folder")->required();
     compareVerb->add_option("-o,--output", compare.output, "Folder for the page")->required();
     compareVerb->add_option("--quality", compare.quality, "draft, standard or fine")
@@ -229,7 +229,7 @@ int main(int argc, char** argv) {
 
     CLI::App* mergeVerb = app.add_subcommand("merge-hdr", "Radiance from photographs of one view at several exposures");
     mergeVerb->add_option("images", merge.images, "Photographs, 8 or 16 bit, or camera raw")->required()->expected(-2);
-    mergeVerb->add_option("-o,--output", merge.output, "Picture, .exr or .hdr")->required();
+    mergeVerb->add_option("-o,--output", merge.output, "Image, .exr or .hdr")->required();
     mergeVerb->add_option("--times", merge.times, "Exposure times in seconds, with commas, in place of EXIF's");
     mergeVerb->add_option("--response", merge.response, "Write the camera's response curve (JSON)");
     mergeVerb->add_option("--use-response", merge.useResponse,

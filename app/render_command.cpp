@@ -116,20 +116,20 @@ private:
 
 int render(const RenderArguments& a, Progress& progress) {
     const ThreadLimit limit(a.threads);
-    LayerWish wish;
+    LayerRequest request;
     FrameFileOptions fileOptions;
     try {
-        wish = layerWish(a.layers);
+        request = layerRequest(a.layers);
         fileOptions = fileOptionsOf(a);
     } catch (const BadOption& error) { throw UsageError(error.what()); }
     const bool photographs =
-        fileOptions.ratio != Ratio::none || wish.residual || fileOptions.view == DisplayView::automatic;
+        fileOptions.ratio != Ratio::none || request.residual || fileOptions.view == DisplayView::automatic;
     const Shot shot = openShot(a.shot, false, progress);
     const LookTrack track = trackOf(a, shot);
     std::vector<FrameJob> jobs;
     try {
         jobs = frameJobs(shot.capture, a.camera, a.frames, a.size, a.output);
-        const bool needsPhotograph = fileOptions.ratio != Ratio::none || (wish.residual && !wish.all);
+        const bool needsPhotograph = fileOptions.ratio != Ratio::none || (request.residual && !request.all);
         for (const FrameJob& job : jobs)
             if (needsPhotograph && (job.view < 0 || job.resized))
                 throw BadOption("{}: needs a photograph: --camera a view's number or all, without --size",
@@ -159,7 +159,7 @@ int render(const RenderArguments& a, Progress& progress) {
                 sources.photograph = &view->image;
                 sources.saturation = view->saturation;
             }
-            if (fileOptions.ratio != Ratio::none || wish.residual || wish.correction)
+            if (fileOptions.ratio != Ratio::none || request.residual || request.correction)
                 sources.captured = &looks.captured(progress);
             const double groupError = writeFrameFile(job.file, job.camera, sources, options, fileOptions, progress);
             ++written;

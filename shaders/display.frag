@@ -1,5 +1,5 @@
 #version 430 core
-// From the scene picture to the screen. Alpha of the scene picture: 0 to 1 coverage of scene-linear colour (premultiplied) over the grey
+// From the scene image to the screen. Alpha of the scene image: 0 to 1 coverage of scene-linear colour (premultiplied) over the grey
 // backdrop, 2 display values that are shown as they are.
 in vec2 place;
 uniform sampler2D scene;

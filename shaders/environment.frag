@@ -1,5 +1,5 @@
 #version 430 core
-// The distant environment as backdrop, from a latitude-longitude picture (centre +X, to the right -Y, top +Z).
+// The distant environment as backdrop, from a latitude-longitude image (centre +X, to the right -Y, top +Z).
 in vec2 place;
 uniform mat4 worldFromClip;
 uniform vec3 forward;

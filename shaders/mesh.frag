@@ -1,6 +1,6 @@
 #version 430 core
 in vec3 vertexColour;
-uniform float kind;      // alpha of the scene picture: 1 scene-linear, 2 display values
+uniform float kind;      // alpha of the scene image: 1 scene-linear, 2 display values
 layout(location = 0) out vec4 scene;
 
 void main() {

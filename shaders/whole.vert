@@ -1,5 +1,5 @@
 #version 430 core
-// One triangle that covers the picture; `place` runs from (0, 0) bottom left to (1, 1) top right.
+// One triangle that covers the image; `place` runs from (0, 0) bottom left to (1, 1) top right.
 out vec2 place;
 
 void main() {

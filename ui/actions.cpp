@@ -168,17 +168,17 @@ std::vector<Action> makeActions() {
          {},
          false});
     add({"light.unseen",
-         "Look for an unseen lamp",
-         "A lamp outside all photographs leaves shading and shadows: finds its place. Runs in the background.",
+         "Look for an unobserved light",
+         "A light outside all photographs leaves shading and shadows: finds its place. Runs in the background.",
          "Light",
          {},
-         [](Editor& e) { e.findUnseenLamp(); },
+         [](Editor& e) { e.findUnobservedLight(); },
          canSolve,
          {},
          false});
     add({"light.solveDistant",
          "Estimate with distant light only",
-         "The older way, without lamps in the scene, to compare with.",
+         "The older way, without lights in the scene, to compare with.",
          "Light",
          {},
          [](Editor& e) {
@@ -255,7 +255,7 @@ std::vector<Action> makeActions() {
          false});
     add({"light.delete",
          "Delete",
-         "Removes added lights; recovered ones are switched off, because their body is part of the scene.",
+         "Removes added lights; recovered ones are switched off, because their geometry is part of the scene.",
          "Light",
          {{keyDelete}, {'X', false, true}},
          [](Editor& e) { deleteEmitters(e, e.state.selection.emitters); },
@@ -315,7 +315,7 @@ std::vector<Action> makeActions() {
          {},
          false});
     add({"light.environmentBrowse",
-         "Environment picture...",
+         "Environment image...",
          "Replace the distant environment with a panorama (EXR or HDR).",
          "Light",
          {},
@@ -359,7 +359,7 @@ std::vector<Action> makeActions() {
     for (int n = 1; n <= 9; ++n) add(modeAction(n));
     add({"view.frame",
          "Frame what is selected",
-         "Moves the camera so that the selection fills the picture.",
+         "Moves the camera so that the selection fills the image.",
          "View",
          {{'F'}},
          [](Editor& e) { frameSelected(e); },
@@ -368,7 +368,7 @@ std::vector<Action> makeActions() {
          true});
     add({"view.frameAll",
          "Frame everything",
-         "Moves the camera so that the whole scene fills the picture.",
+         "Moves the camera so that the whole scene fills the image.",
          "View",
          {{keyHome}},
          [](Editor& e) { frameAll(e); },
@@ -413,7 +413,7 @@ std::vector<Action> makeActions() {
          false});
     add({"view.brighter",
          "Brighter",
-         "The picture on screen, half a stop brighter. Files are not affected.",
+         "The image on screen, half a stop brighter. Files are not affected.",
          "View",
          {{'E'}},
          [](Editor& e) { changeExposure(e, 0.5f); },
@@ -422,7 +422,7 @@ std::vector<Action> makeActions() {
          true});
     add({"view.darker",
          "Darker",
-         "The picture on screen, half a stop darker. Files are not affected.",
+         "The image on screen, half a stop darker. Files are not affected.",
          "View",
          {{'E', false, true}},
          [](Editor& e) { changeExposure(e, -0.5f); },

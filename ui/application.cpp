@@ -63,7 +63,7 @@ private:
 double patience(const Editor& editor, const Window& window, const Gui& gui, const KeyQueue& keys, int extraFrames) {
     if (extraFrames > 0 || keys.waiting() || window.keysWaiting()) return 0;
     if (editor.inGesture() || panelsBusy()) return 1.0 / 60;
-    if (editor.busy()) return 0.1;          // stages and times; pictures wake the window themselves
+    if (editor.busy()) return 0.1;          // stages and times; images wake the window themselves
     if (gui.typing()) return 0.5;           // the caret blinks
     if (editor.unsavedChanges()) return 5;  // autosave
     return -1;

@@ -136,7 +136,7 @@ std::string Editor::namesOf(const std::vector<std::string>& ids) const {
     return known ? known->name : ids[0];
 }
 
-// ---- the picture
+// ---- the image
 
 std::shared_ptr<const LiveFrame> Editor::liveFrame() const { return impl_->relight.frame(); }
 std::shared_ptr<const LiveFrame> Editor::distantOnlyFrame() const { return impl_->relightDistant.frame(); }
@@ -168,26 +168,26 @@ Look Editor::Impl::shownLook(const Estimate& estimate) const {
     return look;
 }
 
-void Editor::Impl::pollPicture() {
+void Editor::Impl::pollImage() {
     const std::shared_ptr<const Estimate> estimate = self.estimate();
-    RelightWish wish;
+    RelightRequest request;
     if (estimate && self.state.document.scene) {
-        wish.scene = self.state.document.scene;
-        wish.estimate = estimate;
-        wish.look = shownLook(*estimate);
-        wish.eye = eye;
-        wish.orthographic = orthographic;
-        wish.cacheFolder = options.cacheFolder;
-        wish.restPicture = eye.width > 0 && eye.height > 0 && self.state.viewport.mode == ViewMode::relit &&
-                           !history.inGesture() && !job;
+        request.scene = self.state.document.scene;
+        request.estimate = estimate;
+        request.look = shownLook(*estimate);
+        request.eye = eye;
+        request.orthographic = orthographic;
+        request.cacheFolder = options.cacheFolder;
+        request.restImage = eye.width > 0 && eye.height > 0 && self.state.viewport.mode == ViewMode::relit &&
+                            !history.inGesture() && !job;
         if (self.state.selection.point) {
-            wish.pickSerial = pickSerial;
-            wish.pickTriangle = self.state.selection.point->triangle;
-            wish.pickBarycentric = self.state.selection.point->barycentric;
+            request.pickSerial = pickSerial;
+            request.pickTriangle = self.state.selection.point->triangle;
+            request.pickBarycentric = self.state.selection.point->barycentric;
         }
     }
-    relight.wish(std::move(wish));
-    RelightWish distant;
+    relight.request(std::move(request));
+    RelightRequest distant;
     const std::shared_ptr<const Estimate> distantOnly = self.distantOnly();
     if (distantOnly && self.state.document.scene && self.state.viewport.mode == ViewMode::wipe) {
         distant.scene = self.state.document.scene;
@@ -195,7 +195,7 @@ void Editor::Impl::pollPicture() {
         distant.look.environment = self.look().environment;
         distant.eye = eye;
         distant.orthographic = orthographic;
-        relightDistant.wish(std::move(distant));
+        relightDistant.request(std::move(distant));
     } else if (!distantOnly) {
         relightDistant.clear();
     }
@@ -221,7 +221,7 @@ void Editor::poll() {
     impl_->takeSnapshots();
     impl_->pollJob();
     impl_->pollSaving();
-    impl_->pollPicture();
+    impl_->pollImage();
     impl_->pollAutosave();
 }
 

@@ -32,7 +32,7 @@ public:
     EditorState state;
 
     // ---- documents; loading and saving run in the background
-    /// A capture folder, a transforms.json, a shot folder, or an environment picture (then the look's environment).
+    /// A capture folder, a transforms.json, a shot folder, or an environment image (then the look's environment).
     /// Asks first when edits are unsaved.
     void open(const std::filesystem::path& path);
     void openNow(const std::filesystem::path& path);
@@ -74,9 +74,9 @@ public:
 
     // ---- background work
     void solve(const SolveRequest& request);
-    /// Looks for a lamp that no photograph shows. Where there is one, the capture is read again with a small sphere in
-    /// its place; state.unseenSearch has the words.
-    void findUnseenLamp();
+    /// Looks for an emitter that no photograph shows. Where there is one, the capture is read again with a small sphere
+    /// in its place; state.unseenSearch has the words.
+    void findUnobservedLight();
     /// Takes one of document.fix.proxies away again.
     void removeProxy(size_t index);
     void exportFrames(const ExportRequest& request);
@@ -84,12 +84,12 @@ public:
     void pauseJob(bool paused);
     const std::optional<JobStatus>& job() const;
 
-    // ---- the picture
-    /// Latest picture of the look; null before the first.
+    // ---- the image
+    /// Latest image of the look; null before the first.
     std::shared_ptr<const LiveFrame> liveFrame() const;
     /// The same for the distant-only estimate (modes correction and wipe); null when it was not solved.
     std::shared_ptr<const LiveFrame> distantOnlyFrame() const;
-    /// A per-pixel picture from the present eye, rendered at rest; null while something moves.
+    /// A per-pixel image from the present eye, rendered at rest; null while something moves.
     std::shared_ptr<const Frame> restFrame() const;
     /// The viewport tells where it is seen from, and how large it is; cheap when nothing changed.
     void setEye(const Camera& eye, bool orthographic);

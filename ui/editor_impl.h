@@ -1,4 +1,4 @@
-// The insides of Editor, shared by editor.cpp (look, picture, polling) and editor_jobs.cpp (open, solve, save, export).
+// The insides of Editor, shared by editor.cpp (look, image, polling) and editor_jobs.cpp (open, solve, save, export).
 #pragma once
 #include <chrono>
 #include <mutex>
@@ -45,7 +45,7 @@ struct Editor::Impl {
     std::mutex logMutex;
     std::vector<LogEntry> newLog;
 
-    // ---- the picture
+    // ---- the image
     RelightWorker relight, relightDistant;
     Camera eye;
     bool orthographic = false;
@@ -90,7 +90,7 @@ struct Editor::Impl {
     void takeSnapshots();
     void pollJob();
     void pollSaving();
-    void pollPicture();
+    void pollImage();
     void pollAutosave();
     /// The present look without emitters the shown estimate does not have, with solo applied.
     Look shownLook(const Estimate& estimate) const;

@@ -18,7 +18,7 @@
 #include "settings.h"
 #include "shot/export_frame.h"
 #include "shot/shot_leftovers.h"
-#include "solve/hidden_light.h"
+#include "solve/unobserved/unobserved_light.h"
 #include "thumbnails.h"
 
 namespace relamp::ui {
@@ -103,7 +103,7 @@ void Editor::Impl::pollJob() {
     if (!job) return;
     Progress& progress = job->progress();
     status->stage = progress.label();
-    status->share = progress.share();
+    status->fraction = progress.fraction();
     status->seconds = progress.seconds();
     if (expectedSeconds > 0) status->secondsLeft = std::max(0.0, expectedSeconds - status->seconds);
     if (!job->done()) return;
@@ -132,7 +132,7 @@ void Editor::Impl::pollJob() {
 // ---- open
 
 void Editor::open(const fs::path& path) {
-    // An environment picture becomes the look's environment.
+    // An environment image becomes the look's environment.
     std::error_code error;
     if (fs::is_regular_file(path, error) && path.filename() != "transforms.json" && path.filename() != "shot.json" &&
         path.extension() != ".relamp") {
@@ -140,7 +140,7 @@ void Editor::open(const fs::path& path) {
             fail("Open a capture first",
                  path.filename().string() +
                      " is a file. A capture is a folder with transforms.json, photographs and a mesh.",
-                 "Drop the capture's folder here; a picture dropped afterwards becomes its environment.");
+                 "Drop the capture's folder here; an image dropped afterwards becomes its environment.");
             return;
         }
         const fs::path file = cleaned(path);
@@ -209,7 +209,7 @@ void Editor::Impl::setDocument(Document document, Version version, const std::st
     ours.selection = {};
     ours.pointLight.reset();
     ours.viewport.solo.clear();
-    ours.viewport.hiddenPieces.clear();
+    ours.viewport.hiddenComponents.clear();
     ours.viewport.throughView = false;
     ours.viewport.mode = solved ? ViewMode::relit : ViewMode::photograph;
     autosave.clear();
@@ -242,7 +242,8 @@ void Editor::Impl::setDocument(Document document, Version version, const std::st
     if (ours.document.check && !solved) {
         // Only what would spoil an estimate interrupts; the rest stands in the inspector and under File.
         const CaptureCheck& check = *ours.document.check;
-        if (check.lookBackwards || check.upAgreement < 0.3 || check.seenShare < 0.3 || check.exposureSpreadStops > 0.5)
+        if (check.lookBackwards || check.upAgreement < 0.3 || check.seenFraction < 0.3 ||
+            check.exposureSpreadStops > 0.5)
             ours.panels.doctor = true;
         for (const std::string& warning : check.warnings) self.log(LogLevel::warning, warning);
     }
@@ -274,10 +275,10 @@ void Editor::Impl::openCapture(const fs::path& folder, const CaptureFix& fix, st
               if (fix.smoothNormals < 0 && document->capture->mesh.triangles.size() <= largestWorkingMesh &&
                   normalsLookNoisy(*document->scene)) {
                   progress.begin("Are the mesh's normals good enough?", 1);
-                  const EmitterClusters lamps =
+                  const EmitterClusters clusters =
                       clusterEmitters(*document->scene, *document->capture, *document->samples, {}, progress);
                   if (const NormalsChoice choice =
-                          chooseNormals(*document->scene, *document->samples, lamps, {}, progress);
+                          chooseNormals(*document->scene, *document->samples, clusters, {}, progress);
                       choice.rounds > 0) {
                       load.fix.smoothNormals = choice.rounds;
                       *document = documentOf(loadCapture(folder, load, progress), folder, progress);
@@ -630,12 +631,12 @@ void Editor::solve(const SolveRequest& request) {
     if (request.budgetSeconds > 0) impl_->expectedSeconds = std::min(impl_->expectedSeconds, request.budgetSeconds);
 }
 
-void Editor::findUnseenLamp() {
+void Editor::findUnobservedLight() {
     const Document& document = state.document;
     if (!document.samples || impl_->job) return;
-    state.unseenSearch = {};
+    state.unobservedSearch = {};
     impl_->start(
-        JobStatus::Kind::search, "Looking for an unseen lamp",
+        JobStatus::Kind::search, "Looking for an unobserved light",
         [impl = impl_.get(), capture = document.capture, scene = document.scene, samples = document.samples,
          folder = document.captureFolder, fix = document.fix, seed = state.solve.seed](Progress& progress) -> Finish {
             const std::optional<DecimatedMesh> working = workingMesh(*capture, {}, progress);
@@ -645,13 +646,14 @@ void Editor::findUnseenLamp() {
                 working ? std::make_shared<const RadianceSamples>(gatherRadiance(*capture, *searched, {}, progress))
                         : samples;
             const EmitterClusters clusters = clusterEmitters(*searched, *capture, *seen, {}, progress);
-            HiddenLightOptions options;
+            UnobservedLightOptions options;
             options.seed = seed;
-            const HiddenLightSearch search = findHiddenLight(*capture, *searched, *seen, clusters, options, progress);
+            const UnobservedLightSearch search =
+                relamp::findUnobservedLight(*capture, *searched, *seen, clusters, options, progress);
             CaptureFix wanted = fix;
             if (search.light) wanted.proxies.push_back(proxyOf(*search.light));
             return [impl, search, folder, wanted] {
-                impl->self.state.unseenSearch = {folder, search.words};
+                impl->self.state.unobservedSearch = {folder, search.words};
                 impl->self.log(LogLevel::info, search.words);
                 if (search.light) impl->self.fixCapture(wanted);
             };
@@ -662,7 +664,7 @@ void Editor::removeProxy(size_t index) {
     CaptureFix fix = state.document.fix;
     if (index >= fix.proxies.size()) return;
     fix.proxies.erase(fix.proxies.begin() + std::ptrdiff_t(index));
-    state.unseenSearch = {};
+    state.unobservedSearch = {};
     fixCapture(fix);
 }
 

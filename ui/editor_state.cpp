@@ -18,8 +18,8 @@ const char* explain(ViewMode mode) {
         "Model against photographs: grey is equal, orange the model is too bright, blue too dark. Full colour at a "
         "factor of two.",
         "Surfaces that were found to shine, a colour for each light.",
-        "Surface colour without its brightness. Lamp colour that was mistaken for paint shows up here. Left: with "
-        "lamps as lights; right: distant light only.",
+        "Surface colour without its brightness. Light colour that was mistaken for paint shows up here. Left: with "
+        "lights as lights; right: distant light only.",
         "Surface colour under white light, with all light and shadow taken out.",
         "How sure the surface colour is: yellow rests on its own photographs, purple was filled in from around it.",
         "Light of the selected emitter alone on a white surface, with its shadows.",

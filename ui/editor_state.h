@@ -13,7 +13,7 @@
 #include "base/log.h"
 #include "capture/check.h"
 #include "radiance/samples.h"
-#include "relight/live_scene.h"
+#include "relight/live/live_scene.h"
 #include "scene/scene.h"
 #include "shot/shot_file.h"
 #include "solve/solve.h"
@@ -73,14 +73,14 @@ struct ViewportState {
     float exposureStops = 0;
     std::string displayView = "Standard";
     bool falseColour = false;
-    float wipeLeft = 1.0f / 3, wipeRight = 2.0f / 3;  ///< dividers of the wipe, share of the width
+    float wipeLeft = 1.0f / 3, wipeRight = 2.0f / 3;  ///< dividers of the wipe, fraction of the width
     float splitAt = 0.5f;                             ///< divider of the correction colours
     Tool tool = Tool::select;
     bool localAxes = false;
     ClickTask clickTask = ClickTask::none;
-    std::set<uint32_t> hiddenPieces;  ///< pieces of the mesh the user has hidden
-    std::vector<std::string> solo;    ///< emitters that alone are lit on screen; empty: all
-    float aspect = 16.0f / 9;         ///< of the last drawn viewport
+    std::set<uint32_t> hiddenComponents;  ///< components of the mesh the user has hidden
+    std::vector<std::string> solo;        ///< emitters that alone are lit on screen; empty: all
+    float aspect = 16.0f / 9;             ///< of the last drawn viewport
 };
 
 /// A background job as the panels see it.
@@ -88,7 +88,7 @@ struct JobStatus {
     enum class Kind { open, solve, search, save, exportFrames } kind = Kind::open;
     std::string title;  ///< "Estimating light"
     std::string stage;
-    double share = 0;  ///< of the stage
+    double fraction = 0;  ///< of the stage
     double seconds = 0;
     std::optional<double> secondsLeft;
     bool paused = false, stopping = false;
@@ -142,8 +142,8 @@ struct ExportRequest {
     std::filesystem::path file;     ///< #### is the frame's number
 };
 
-/// What the last search for a lamp that no photograph shows said, and of which capture.
-struct UnseenSearch {
+/// What the last search for an emitter that no photograph shows said, and of which capture.
+struct UnobservedSearch {
     std::filesystem::path capture;
     std::string words;
 };
@@ -179,7 +179,7 @@ struct EditorState {
     std::optional<UnsavedQuestion> unsaved;
     std::optional<RecoveryOffer> recovery;
     std::optional<LockedQuestion> locked;
-    UnseenSearch unseenSearch;
+    UnobservedSearch unobservedSearch;
     std::weak_ptr<const Estimate> bannerClosedFor;  ///< the estimate whose quality banner the user has closed
     std::array<RunCurve, 2> curves;                 ///< near-field, distant-only
     SolvePlan plan;                                 ///< of the estimate that runs or was made last; empty: none

@@ -611,7 +611,7 @@ FileBrowser::Answer FileBrowser::draw(const std::vector<fs::path>& recent) {
                         : entry.kind == FileEntry::Kind::folder   ? Icon::folder
                         : entry.kind == FileEntry::Kind::sequence ? Icon::film
                         : hasExtension(entry.path, {".exr", ".hdr", ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".dpx"})
-                            ? Icon::picture
+                            ? Icon::image
                             : Icon::file;
                     iconText(icon, detail.capture || detail.shot ? accentColour : dimColour);
                     ImGui::SameLine(0, em(0.4f));

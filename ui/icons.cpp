@@ -77,7 +77,7 @@ void drawIcon(ImDrawList* list, Icon icon, const ImVec2& at, float size, ImU32 c
             pen.box(0.22f, 0.1f, 0.78f, 0.9f), pen.line(0.35f, 0.35f, 0.65f, 0.35f),
                 pen.line(0.35f, 0.52f, 0.65f, 0.52f), pen.line(0.35f, 0.69f, 0.55f, 0.69f);
             break;
-        case Icon::picture:
+        case Icon::image:
             pen.box(0.1f, 0.18f, 0.9f, 0.82f), pen.triangle(0.2f, 0.74f, 0.42f, 0.42f, 0.62f, 0.74f),
                 pen.ring(0.7f, 0.36f, 0.07f, true);
             break;
@@ -90,7 +90,7 @@ void drawIcon(ImDrawList* list, Icon icon, const ImVec2& at, float size, ImU32 c
                 pen.line(0.32f, 0.2f, 0.28f, 0.3f), pen.line(0.5f, 0.2f, 0.54f, 0.3f);
             break;
         case Icon::shot:
-        case Icon::lamp:
+        case Icon::emitter:
             pen.triangle(0.28f, 0.5f, 0.72f, 0.5f, 0.5f, 0.1f, false);
             pen.ring(0.5f, 0.56f, 0.08f, true), pen.line(0.3f, 0.68f, 0.2f, 0.88f), pen.line(0.5f, 0.72f, 0.5f, 0.92f),
                 pen.line(0.7f, 0.68f, 0.8f, 0.88f);

@@ -37,7 +37,7 @@ void drawLayout(Editor& editor, Viewport* viewport, const std::string& reason) {
     }
     const ImVec2 screen = ImGui::GetIO().DisplaySize;
     const float top = ImGui::GetFrameHeight(), status = statusBarHeight(), gap = std::max(4.0f, std::floor(5 * scale));
-    // Side columns leave the picture at least 320 pixels (at scale 1); the bottom strip takes a third of the height at
+    // Side columns leave the image at least 320 pixels (at scale 1); the bottom strip takes a third of the height at
     // most.
     const float spare = std::max(0.0f, screen.x - 320 * scale - 2 * gap);
     float left = std::min(p.leftWidth * scale, spare * 0.5f), right = std::min(p.rightWidth * scale, spare * 0.5f);

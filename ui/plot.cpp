@@ -9,7 +9,7 @@ namespace {
 
 bool drawable(const PlotPoint& p) { return p.x > 0 && p.y > 0 && std::isfinite(p.x) && std::isfinite(p.y); }
 
-constexpr const char* modeNames[2] = {"lamps in the scene", "distant light only"};
+constexpr const char* modeNames[2] = {"lights in the scene", "distant light only"};
 constexpr const char* modeKeys[2] = {"near-field", "distant-only"};
 constexpr const char* modeColours[2] = {"#e8a24a", "#6fa8dc"};
 constexpr const char* xTitle = "seconds since the start";

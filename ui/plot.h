@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "display/log_plot.h"
 #include "editor_state.h"
-#include "report/log_plot.h"
 
 namespace relamp::ui {
 

@@ -6,17 +6,17 @@
 namespace relamp::ui {
 namespace {
 
-bool sameEye(const RelightWish& a, const RelightWish& b) {
+bool sameEye(const RelightRequest& a, const RelightRequest& b) {
     return a.eye.worldFromCamera == b.eye.worldFromCamera && a.eye.width == b.eye.width &&
            a.eye.height == b.eye.height && a.eye.focalX == b.eye.focalX && a.eye.focalY == b.eye.focalY &&
            a.eye.centreX == b.eye.centreX && a.eye.centreY == b.eye.centreY && a.orthographic == b.orthographic;
 }
 
-bool samePicture(const RelightWish& a, const RelightWish& b) {
+bool sameImage(const RelightRequest& a, const RelightRequest& b) {
     return a.scene == b.scene && a.estimate == b.estimate && a.look == b.look && sameEye(a, b);
 }
 
-/// From the axis to the farthest corner of the picture, with a little to spare for a turn of the head; radians.
+/// From the axis to the farthest corner of the image, with a little to spare for a turn of the head; radians.
 float halfAngleOf(const Camera& camera) {
     if (!(camera.focalX > 0) || !(camera.focalY > 0)) return 0;
     const double x = std::max(camera.centreX, camera.width - camera.centreX) / camera.focalX,
@@ -52,18 +52,18 @@ RelightWorker::~RelightWorker() {
     changed_.notify_all();
 }
 
-void RelightWorker::wish(RelightWish wish) {
+void RelightWorker::request(RelightRequest request) {
     {
         std::lock_guard lock(mutex_);
-        const bool same = samePicture(wish, wish_);
-        if (same && wish.restPicture == wish_.restPicture && wish.pickSerial == wish_.pickSerial) return;
-        const bool sameScene = wish.scene == wish_.scene && wish.estimate == wish_.estimate;
-        // A picture at rest ends at once. A slice is finished first, or a steady drag would never show anything; so is
+        const bool same = sameImage(request, request_);
+        if (same && request.restImage == request_.restImage && request.pickSerial == request_.pickSerial) return;
+        const bool sameScene = request.scene == request_.scene && request.estimate == request_.estimate;
+        // An image at rest ends at once. A slice is finished first, or a steady drag would never show anything; so is
         // a bake, unless another scene is wanted.
         if (running_ && (runningIsRest_ || !sameScene)) running_->requestStop();
         if (!same) rest_.reset();
-        if (wish.scene != wish_.scene) frame_.reset();
-        wish_ = std::move(wish);
+        if (request.scene != request_.scene) frame_.reset();
+        request_ = std::move(request);
         ++serial_;
         working_ = true;
         refining_ = refining_ || !same;
@@ -71,7 +71,7 @@ void RelightWorker::wish(RelightWish wish) {
     changed_.notify_all();
 }
 
-void RelightWorker::clear() { wish({}); }
+void RelightWorker::clear() { request({}); }
 
 std::shared_ptr<const LiveFrame> RelightWorker::frame() const {
     std::lock_guard lock(mutex_);
@@ -99,7 +99,7 @@ bool RelightWorker::refining() const {
     return refining_;
 }
 
-void RelightWorker::renderAtRest(const RelightWish& wish, uint64_t serial, const std::stop_token& stop) {
+void RelightWorker::renderAtRest(const RelightRequest& request, uint64_t serial, const std::stop_token& stop) {
     const auto progress = std::make_shared<Progress>();
     {
         std::lock_guard lock(mutex_);
@@ -107,21 +107,21 @@ void RelightWorker::renderAtRest(const RelightWish& wish, uint64_t serial, const
         running_ = progress;
         runningIsRest_ = true;
     }
-    const bool file = wish.look.environment.source == EnvironmentLook::Source::file;
-    if (!file || !(restEnvironment_ == wish.look.environment)) restDistant_.reset();
-    restEnvironment_ = wish.look.environment;
-    if (file && !restDistant_) restDistant_ = distantOfLook(*wish.estimate, restEnvironment_);
-    const RelitScene relit = applyLook(*wish.scene, *wish.estimate, wish.look, *progress, restDistant_);
+    const bool file = request.look.environment.source == EnvironmentLook::Source::file;
+    if (!file || !(restEnvironment_ == request.look.environment)) restDistant_.reset();
+    restEnvironment_ = request.look.environment;
+    if (file && !restDistant_) restDistant_ = distantOfLook(*request.estimate, restEnvironment_);
+    const RelitScene relit = applyLook(*request.scene, *request.estimate, request.look, *progress, restDistant_);
     FrameOptions options;
     options.background = false;
     options.samplesPerPixel = 1;
     constexpr int passes = 8;
     Frame sum;
-    // A first picture at half the size, then whole passes that add up.
+    // A first image at half the size, then whole passes that add up.
     for (int pass = -1; pass < passes; ++pass) {
         options.seed = uint64_t(pass + 2);
         options.samplesPerPixel = pass < 0 ? 4 : 1;
-        Frame frame = renderFrame(relit, pass < 0 ? scaled(wish.eye, 0.5) : wish.eye, options, *progress);
+        Frame frame = renderFrame(relit, pass < 0 ? scaled(request.eye, 0.5) : request.eye, options, *progress);
         const auto shown = std::make_shared<Frame>();
         shown->width = frame.width;
         shown->height = frame.height;
@@ -137,18 +137,18 @@ void RelightWorker::renderAtRest(const RelightWish& wish, uint64_t serial, const
                     sum.alpha[i] += frame.alpha[i];
                 }
             }
-            const float share = 1.0f / float(pass + 1);
+            const float fraction = 1.0f / float(pass + 1);
             shown->beauty.resize(sum.beauty.size());
             shown->alpha.resize(sum.alpha.size());
             for (size_t i = 0; i < sum.beauty.size(); ++i) {
-                shown->beauty[i] = sum.beauty[i] * share;
-                shown->alpha[i] = sum.alpha[i] * share;
+                shown->beauty[i] = sum.beauty[i] * fraction;
+                shown->alpha[i] = sum.alpha[i] * fraction;
             }
         }
         {
             std::lock_guard lock(mutex_);
             if (serial_ != serial) return;
-            // The few samples of the first whole passes are noisier than the small picture.
+            // The few samples of the first whole passes are noisier than the small image.
             if (pass < 0 || pass >= 2) rest_ = shown;
         }
         if (wake_) wake_();
@@ -159,11 +159,11 @@ void RelightWorker::run(std::stop_token stop) {
     LiveOptions options;
     options.forceDevice = forceDevice_;
     std::unique_ptr<LiveScene> live;
-    RelightWish held;   // what `live` shows
-    uint64_t done = 0;  // serial of the wish that was finished
+    RelightRequest held;  // what `live` shows
+    uint64_t done = 0;    // serial of the request that was finished
     bool refined = false;
     while (!stop.stop_requested()) {
-        RelightWish wish;
+        RelightRequest request;
         uint64_t serial;
         const auto progress = std::make_shared<Progress>();
         {
@@ -174,13 +174,13 @@ void RelightWorker::run(std::stop_token stop) {
             }
             // Under the lock, so that a step that starts is always one that the destructor can end.
             if (stop.stop_requested()) return;
-            wish = wish_;
+            request = request_;
             serial = serial_;
             running_ = progress;
             runningIsRest_ = false;
         }
         try {
-            if (!wish.scene || !wish.estimate) {
+            if (!request.scene || !request.estimate) {
                 live.reset();
                 held = {};
                 std::lock_guard lock(mutex_);
@@ -191,37 +191,37 @@ void RelightWorker::run(std::stop_token stop) {
                 done = serial;
                 continue;
             }
-            if (!live || wish.scene != held.scene || wish.estimate != held.estimate) {
+            if (!live || request.scene != held.scene || request.estimate != held.estimate) {
                 live.reset();
                 if (makeDevice_) options.device = std::exchange(makeDevice_, {})();
-                options.cacheFolder = wish.cacheFolder;
-                live = std::make_unique<LiveScene>(wish.scene, wish.estimate, options, *progress);
+                options.cacheFolder = request.cacheFolder;
+                live = std::make_unique<LiveScene>(request.scene, request.estimate, options, *progress);
                 held = {};
-                held.scene = wish.scene;
-                held.estimate = wish.estimate;
+                held.scene = request.scene;
+                held.estimate = request.estimate;
                 live->setLook(Look{});
                 refined = false;
                 std::lock_guard lock(mutex_);
                 if (serial_ != serial) continue;  // the bake stays, the look may be newer
             }
-            if (!(wish.look == held.look)) {
-                live->setLook(wish.look);
-                held.look = wish.look;
+            if (!(request.look == held.look)) {
+                live->setLook(request.look);
+                held.look = request.look;
                 refined = false;
             }
-            if (!sameEye(wish, held) || !refined) {
-                const Vec3 forward(wish.eye.forward());
-                live->setEye({Vec3(wish.eye.position()), forward, wish.orthographic, halfAngleOf(wish.eye)});
-                if (!sameEye(wish, held)) refined = false;
-                held.eye = wish.eye;
-                held.orthographic = wish.orthographic;
+            if (!sameEye(request, held) || !refined) {
+                const Vec3 forward(request.eye.forward());
+                live->setEye({Vec3(request.eye.position()), forward, request.orthographic, halfAngleOf(request.eye)});
+                if (!sameEye(request, held)) refined = false;
+                held.eye = request.eye;
+                held.orthographic = request.orthographic;
             }
             if (!refined) {
                 refined = live->refine(0.04, *progress);
                 std::shared_ptr<const LiveFrame> frame = live->frame();
                 {
                     std::lock_guard lock(mutex_);
-                    if (wish_.scene == wish.scene) frame_ = std::move(frame);
+                    if (request_.scene == request.scene) frame_ = std::move(frame);
                     refining_ = !refined || serial_ != serial;
                 }
                 if (wake_) wake_();
@@ -230,27 +230,27 @@ void RelightWorker::run(std::stop_token stop) {
             bool asked;
             {
                 std::lock_guard lock(mutex_);
-                asked = wish.pickSerial != answered_;
+                asked = request.pickSerial != answered_;
             }
-            if (wish.pickSerial && asked) {
-                PointLight light = live->lightAt(wish.pickTriangle, wish.pickBarycentric);
+            if (request.pickSerial && asked) {
+                PointLight light = live->lightAt(request.pickTriangle, request.pickBarycentric);
                 {
                     std::lock_guard lock(mutex_);
                     pointLight_ = std::move(light);
-                    answered_ = wish.pickSerial;
+                    answered_ = request.pickSerial;
                 }
                 if (wake_) wake_();
             }
             {
-                // Rest: a new wish ends this wait.
+                // Rest: a new request ends this wait.
                 std::unique_lock lock(mutex_);
                 refining_ = false;
-                if (wish.restPicture && !rest_)
+                if (request.restImage && !rest_)
                     changed_.wait_for(lock, stop, std::chrono::milliseconds(400), [&] { return serial_ != serial; });
                 if (serial_ != serial) continue;
             }
             if (stop.stop_requested()) return;
-            if (wish.restPicture && !wish.orthographic && !restFrame()) renderAtRest(wish, serial, stop);
+            if (request.restImage && !request.orthographic && !restFrame()) renderAtRest(request, serial, stop);
             done = serial;
             {
                 std::lock_guard lock(mutex_);
@@ -258,7 +258,7 @@ void RelightWorker::run(std::stop_token stop) {
             }
             if (wake_) wake_();
         } catch (const Cancelled&) {
-            if (live && !(held.scene == wish.scene && held.estimate == wish.estimate)) live.reset();
+            if (live && !(held.scene == request.scene && held.estimate == request.estimate)) live.reset();
         } catch (const std::exception& error) {
             {
                 std::lock_guard lock(mutex_);

@@ -1,5 +1,5 @@
-// One thread that relights: it owns the live scene and always works on the latest wish, never on a queue, so that the
-// window never waits. At rest it renders a per-pixel picture from the same eye, sharper with every pass.
+// One thread that relights: it owns the live scene and always works on the latest request, never on a queue, so that
+// the window never waits. At rest it renders a per-pixel image from the same eye, sharper with every pass.
 #pragma once
 #include <functional>
 #include <memory>
@@ -8,20 +8,20 @@
 #include <thread>
 
 #include "relight/frame.h"
-#include "relight/live_scene.h"
+#include "relight/live/live_scene.h"
 #include "relight/relit_scene.h"
 
 namespace relamp::ui {
 
 /// What the window wants to see.
-struct RelightWish {
+struct RelightRequest {
     std::shared_ptr<const Scene> scene;
     std::shared_ptr<const Estimate> estimate;
     Look look;
     Camera eye;
     bool orthographic = false;
     std::filesystem::path cacheFolder;  ///< of baked transport; empty: none
-    bool restPicture = false;           ///< per-pixel picture once nothing moves
+    bool restImage = false;             ///< per-pixel image once nothing moves
     uint64_t pickSerial = 0;            ///< a new number asks about a new point
     uint32_t pickTriangle = 0;
     Vec2 pickBarycentric{0};
@@ -36,8 +36,8 @@ public:
                            std::function<std::shared_ptr<TransportDevice>()> makeDevice = {}, bool forceDevice = false);
     ~RelightWorker();
 
-    /// The latest wish wins; what did not change is kept.
-    void wish(RelightWish wish);
+    /// The latest request wins; what did not change is kept.
+    void request(RelightRequest request);
     /// Drops everything that belongs to the open document.
     void clear();
 
@@ -45,11 +45,11 @@ public:
     std::shared_ptr<const Frame> restFrame() const;
     /// The answer to the pick with this serial, once.
     std::optional<PointLight> takePointLight(uint64_t serial);
-    /// What went wrong with the latest wish, once ("" when nothing).
+    /// What went wrong with the latest request, once ("" when nothing).
     std::string takeError();
-    /// Work is left for the present wish.
+    /// Work is left for the present request.
     bool working() const;
-    /// Coarse pictures are on their way: not counting the per-pixel picture at rest.
+    /// Coarse images are on their way: not counting the per-pixel image at rest.
     bool refining() const;
 
 private:
@@ -58,23 +58,23 @@ private:
     std::function<void()> wake_;
     std::function<std::shared_ptr<TransportDevice>()> makeDevice_;
     bool forceDevice_;
-    RelightWish wish_;
-    uint64_t serial_ = 0;                ///< of the latest wish
-    std::shared_ptr<Progress> running_;  ///< of the step in work, so that a new wish can end it
+    RelightRequest request_;
+    uint64_t serial_ = 0;                ///< of the latest request
+    std::shared_ptr<Progress> running_;  ///< of the step in work, so that a new request can end it
     bool runningIsRest_ = false;
     std::shared_ptr<const LiveFrame> frame_;
     std::shared_ptr<const Frame> rest_;
     std::optional<PointLight> pointLight_;
     uint64_t answered_ = 0;
     std::string error_;
-    /// Of the last picture at rest, used by the thread alone: a large file is not read again for each.
+    /// Of the last image at rest, used by the thread alone: a large file is not read again for each.
     EnvironmentLook restEnvironment_;
     std::shared_ptr<const DistantLight> restDistant_;
     bool working_ = false, refining_ = false;
     std::jthread thread_;
 
     void run(std::stop_token stop);
-    void renderAtRest(const RelightWish& wish, uint64_t serial, const std::stop_token& stop);
+    void renderAtRest(const RelightRequest& request, uint64_t serial, const std::stop_token& stop);
 };
 
 }  // namespace relamp::ui

@@ -1,4 +1,4 @@
-// Small pictures in panels. The window sets the maker; without a window (tests) there is none and panels draw a grey
+// Small images in panels. The window sets the maker; without a window (tests) there is none and panels draw a grey
 // box.
 #pragma once
 #include <cstdint>

@@ -212,8 +212,8 @@ std::string count(size_t n) {
     return out;
 }
 
-std::string percent(double share) {
-    const double p = 100 * share;
+std::string percent(double fraction) {
+    const double p = 100 * fraction;
     return p > 0 && p < 0.95 ? fmt::format("{:.1f} %", p) : fmt::format("{:.0f} %", p);
 }
 
@@ -368,13 +368,13 @@ void badge(const std::string& label, const ImVec4& colour, const std::string& ex
     tooltip(explanation);
 }
 
-void bar(double share, const ImVec4& colour, const std::string& label, float width) {
+void bar(double fraction, const ImVec4& colour, const std::string& label, float width) {
     if (width <= 0) width = std::max(1.0f, ImGui::GetContentRegionAvail().x);
     const float height = ImGui::GetTextLineHeight() + em(0.25f);
     const ImVec2 at = ImGui::GetCursorScreenPos();
     ImGui::Dummy({width, height});
     ImDrawList* list = ImGui::GetWindowDrawList();
-    const float filled = width * float(std::clamp(std::isfinite(share) ? share : 0.0, 0.0, 1.0)),
+    const float filled = width * float(std::clamp(std::isfinite(fraction) ? fraction : 0.0, 0.0, 1.0)),
                 rounding = ImGui::GetStyle().FrameRounding;
     list->AddRectFilled(at, {at.x + width, at.y + height}, colourOf(ImGuiCol_FrameBg), rounding);
     if (filled >= 1) list->AddRectFilled(at, {at.x + filled, at.y + height}, ImGui::GetColorU32(colour), rounding);
@@ -396,7 +396,7 @@ bool swatch(const char* id, const ImVec4& colour, float size, const std::string&
     return pressed;
 }
 
-bool picture(const char* id, uint64_t texture, float width, float height, const std::string& missing, bool selected) {
+bool image(const char* id, uint64_t texture, float width, float height, const std::string& missing, bool selected) {
     const ImVec2 at = ImGui::GetCursorScreenPos(), end{at.x + width, at.y + height};
     const bool pressed = ImGui::InvisibleButton(id, {std::max(1.0f, width), std::max(1.0f, height)});
     ImDrawList* list = ImGui::GetWindowDrawList();

@@ -46,7 +46,7 @@ std::string duration(double seconds);
 std::string mebibytes(double mib);
 /// "12 345".
 std::string count(size_t n);
-std::string percent(double share);
+std::string percent(double fraction);
 /// "+1.5", "0.0".
 std::string signedStops(float stops);
 /// Three digits, never "-0".
@@ -78,12 +78,12 @@ void iconText(Icon icon, const ImVec4& colour);
 /// A small rounded label.
 void badge(const std::string& label, const ImVec4& colour, const std::string& explanation);
 /// A bar of `share` of the width with text over it.
-void bar(double share, const ImVec4& colour, const std::string& label, float width = -1);
+void bar(double fraction, const ImVec4& colour, const std::string& label, float width = -1);
 /// A filled square; true when clicked.
 bool swatch(const char* id, const ImVec4& colour, float size, const std::string& explanation);
-/// A picture of `width` by `height` pixels, or a grey box with `missing` where there is no texture. True when clicked.
-bool picture(const char* id, uint64_t texture, float width, float height, const std::string& missing,
-             bool selected = false);
+/// An image of `width` by `height` pixels, or a grey box with `missing` where there is no texture. True when clicked.
+bool image(const char* id, uint64_t texture, float width, float height, const std::string& missing,
+           bool selected = false);
 
 // ---- colours
 ImVec4 toScreen(const Rgb& display, float alpha = 1);  ///< display values as they are

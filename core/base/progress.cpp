@@ -53,14 +53,14 @@ std::string Progress::label() const {
     return label_;
 }
 
-double Progress::share() const {
+double Progress::fraction() const {
     const size_t count = count_;
     return count ? std::min(1.0, double(done_) / double(count)) : 0.0;
 }
 
 void Progress::tell() {
     std::lock_guard lock(mutex_);
-    if (listener_) listener_(label_, share());
+    if (listener_) listener_(label_, fraction());
 }
 
 }  // namespace relamp

@@ -16,7 +16,7 @@ namespace relamp {
 /// stage says so, the stage itself asks outOfTime() and returns its best answer so far.
 class Progress {
 public:
-    using Listener = std::function<void(const std::string& label, double share)>;
+    using Listener = std::function<void(const std::string& label, double fraction)>;
 
     /// Starts a stage of `count` steps. The listener, if any, is told.
     void begin(const std::string& label, size_t count);
@@ -58,7 +58,7 @@ public:
 
     void setListener(Listener listener);
     std::string label() const;
-    double share() const;
+    double fraction() const;
 
 private:
     using Clock = std::chrono::steady_clock;

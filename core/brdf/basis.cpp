@@ -86,7 +86,7 @@ float evaluateLobe(const Lobe& lobe, const Vec3& towardLight, const Vec3& toward
         case Lobe::Kind::measured: return lobe.measured ? lobe.measured->evaluate(towardLight, towardEye) : 0.0f;
         case Lobe::Kind::mixture: {
             float sum = 0;
-            for (const Lobe& part : lobe.parts) sum += part.share * evaluateLobe(part, towardLight, towardEye);
+            for (const Lobe& part : lobe.parts) sum += part.fraction * evaluateLobe(part, towardLight, towardEye);
             return sum;
         }
     }
@@ -100,9 +100,9 @@ float lobeAlbedo(const Lobe& lobe) {
     constexpr int rings = 64;
     float sum = 0;
     for (int i = 0; i < rings; ++i) {
-        const float share = (float(i) + 0.5f) / rings, half = share * share * 0.25f * pi, theta = 2 * half;
+        const float fraction = (float(i) + 0.5f) / rings, half = fraction * fraction * 0.25f * pi, theta = 2 * half;
         sum += evaluateLobe(lobe, {std::sin(theta), 0, std::cos(theta)}, {0, 0, 1}) * std::cos(theta) *
-               std::sin(theta) * 2 * pi * (pi * share / rings);
+               std::sin(theta) * 2 * pi * (pi * fraction / rings);
     }
     return sum;
 }

@@ -28,7 +28,7 @@ struct Lobe {
     std::string name;  ///< for info, for example "ggx roughness 0.3"; of a measured lobe the material's name
     std::shared_ptr<const MeasuredGloss> measured = {};
     std::vector<Lobe> parts = {};  ///< of a mixture
-    float share = 1;               ///< in the mixture that it is part of: more than 0, the largest there is 1
+    float fraction = 1;            ///< in the mixture that it is part of: more than 0, the largest there is 1
 };
 
 /// Lobe 0 is always Lambert, so weight 0 is the diffuse albedo.
@@ -36,7 +36,7 @@ struct BrdfBasis {
     std::vector<Lobe> lobes;
 };
 
-/// Lambert, bare GGX (metal) and GGX under a dielectric Fresnel term of index 1.5 (plastic, glaze); both GGX kinds at
+/// Lambert, bare GGX (metal) and GGX under a dielectric Fresnel term of index 1.5 (plastic, coating); both GGX kinds at
 /// six roughnesses in a geometric ladder 0.10, 0.15, 0.22, 0.32, 0.47, 0.70. 13 lobes.
 BrdfBasis builtInBasis();
 
@@ -58,8 +58,8 @@ std::vector<Lobe> readMeasuredLobes(const std::filesystem::path& folder);
 /// BRDF of a lobe (per steradian, without the cosine), local directions.
 float evaluateLobe(const Lobe& lobe, const Vec3& towardLight, const Vec3& towardEye);
 
-/// About what share of light a lobe of weight 1 sends back at right angles: a glaze of index 1.5 reflects 4 %, whatever
-/// its weight looks like.
+/// About what fraction of light a lobe of weight 1 sends back at right angles: a coating of index 1.5 reflects 4 %,
+/// whatever its weight looks like.
 float lobeAlbedo(const Lobe& lobe);
 
 /// What files and people call a kind: "ggx_dielectric".

@@ -19,7 +19,7 @@ float hemisphericalAlbedo(const Lobe& lobe) {
     return float(sum * grid.cellSolidAngle() / eyes);
 }
 
-std::vector<Rgb> albedoUnderCoat(const BrdfBasis& basis, const std::vector<std::vector<Rgb>>& weight) {
+std::vector<Rgb> albedoUnderCoating(const BrdfBasis& basis, const std::vector<std::vector<Rgb>>& weight) {
     std::vector<Rgb> through(weight[0].size(), Rgb(1));
     for (size_t k = 1; k < weight.size(); ++k) {
         const float back = hemisphericalAlbedo(basis.lobes[k]);

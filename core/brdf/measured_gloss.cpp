@@ -22,13 +22,13 @@ std::vector<Pair> somePairs() {
         for (int i = 0; i < rings; ++i)
             for (int k = 0; k < azimuths; ++k) {
                 // Half vectors, dense about the normal.
-                const float share = (float(i) + 0.5f) / rings, theta = share * share * 0.5f * pi,
+                const float fraction = (float(i) + 0.5f) / rings, theta = fraction * fraction * 0.5f * pi,
                             phi = (float(k) + 0.5f) / azimuths * pi;
                 const Vec3 h(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta));
                 const float cosine = glm::dot(eye, h);
                 const Vec3 light = 2 * cosine * h - eye;
                 if (cosine <= 0 || light.z < 0.2f) continue;
-                pairs.push_back({light, eye, 8 * cosine * std::sin(theta) * share * pi / rings * pi / azimuths});
+                pairs.push_back({light, eye, 8 * cosine * std::sin(theta) * fraction * pi / rings * pi / azimuths});
             }
     }
     return pairs;

@@ -11,10 +11,10 @@ namespace {
 
 constexpr double channelScale[3] = {1.0 / 1500, 1.15 / 1500, 1.66 / 1500};
 
-/// The two cells around a place on an axis, and the share of the second.
+/// The two cells around a place on an axis, and the fraction of the second.
 struct Between {
     int low, high;
-    double share;
+    double fraction;
 };
 
 Between clamped(double place, int steps) {
@@ -59,8 +59,9 @@ std::array<MerlCorner, 8> merlCorners(const Vec3& towardLight, const Vec3& towar
     std::array<MerlCorner, 8> corners;
     for (size_t corner = 0; corner < 8; ++corner) {
         const bool i = corner & 1, j = corner & 2, k = corner & 4;
-        corners[corner] = {MeasuredBrdf::index(i ? h.high : h.low, j ? d.high : d.low, k ? a.high : a.low),
-                           (i ? h.share : 1 - h.share) * (j ? d.share : 1 - d.share) * (k ? a.share : 1 - a.share)};
+        corners[corner] = {
+            MeasuredBrdf::index(i ? h.high : h.low, j ? d.high : d.low, k ? a.high : a.low),
+            (i ? h.fraction : 1 - h.fraction) * (j ? d.fraction : 1 - d.fraction) * (k ? a.fraction : 1 - a.fraction)};
     }
     return corners;
 }

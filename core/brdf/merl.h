@@ -39,7 +39,7 @@ struct HalfAngles {
 };
 HalfAngles halfAngles(const Vec3& towardLight, const Vec3& towardEye);
 
-/// A cell of the grid and its share in an interpolated value.
+/// A cell of the grid and its fraction in an interpolated value.
 struct MerlCorner {
     size_t cell = 0;
     double weight = 0;

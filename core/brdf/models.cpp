@@ -116,9 +116,9 @@ Vec3 sampleGgx(const Vec3& towardEye, float alpha, const Vec2& u) {
     const float across2 = stretched.x * stretched.x + stretched.y * stretched.y;
     const Vec3 first = across2 > 0 ? Vec3(-stretched.y, stretched.x, 0) / std::sqrt(across2) : Vec3(1, 0, 0);
     const Vec3 second = glm::cross(stretched, first);
-    const float r = std::sqrt(u.x), phi = 2 * pi * u.y, share = 0.5f * (1 + stretched.z);
+    const float r = std::sqrt(u.x), phi = 2 * pi * u.y, fraction = 0.5f * (1 + stretched.z);
     const float x = r * std::cos(phi);
-    const float y = (1 - share) * std::sqrt(std::max(0.0f, 1 - x * x)) + share * r * std::sin(phi);
+    const float y = (1 - fraction) * std::sqrt(std::max(0.0f, 1 - x * x)) + fraction * r * std::sin(phi);
     const Vec3 n = x * first + y * second + std::sqrt(std::max(0.0f, 1 - x * x - y * y)) * stretched;
     const Vec3 halfVector = glm::normalize(Vec3(a * n.x, a * n.y, std::max(n.z, minimumCosine)));
     return glm::normalize(2 * glm::dot(eye, halfVector) * halfVector - eye);

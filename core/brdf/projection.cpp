@@ -157,7 +157,7 @@ std::vector<BrdfSample> brdfSamples(int detail) {
             const auto angle = [&](double place) { return place * place / (double(detail) * detail) * 0.5 * piD; };
             const double low = angle(i), high = angle(i + 1), theta = angle(i + 0.5);
             for (int k = 0; k < azimuths; ++k) {
-                const double phi = (k + 0.5) / azimuths * piD;  // the other half is its mirror picture
+                const double phi = (k + 0.5) / azimuths * piD;  // the other half is its mirror image
                 const DVec3 h(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta));
                 const double cosine = glm::dot(eye, h);
                 if (!(cosine > 0)) continue;

@@ -280,11 +280,11 @@ ResponseCurve fitResponse(const std::vector<ResponseSample>& samples, double smo
     return curve;
 }
 
-std::vector<ResponseSample> sampleBracket(const std::vector<CodePicture>& pictures,
-                                          const std::vector<double>& exposures, size_t count) {
+std::vector<ResponseSample> sampleBracket(const std::vector<CodeImage>& images, const std::vector<double>& exposures,
+                                          size_t count) {
     std::vector<ResponseSample> samples;
-    if (pictures.empty() || count == 0) return samples;
-    const int width = pictures[0].width, height = pictures[0].height;
+    if (images.empty() || count == 0) return samples;
+    const int width = images[0].width, height = images[0].height;
     if (width < 8 || height < 8) return samples;
     const int across = std::max(1, int(std::sqrt(double(count) * width / height))),
               down = std::max(1, int(double(count) / across));
@@ -293,7 +293,7 @@ std::vector<ResponseSample> sampleBracket(const std::vector<CodePicture>& pictur
         float score = 1e9f;
     };
     std::vector<Place> places(size_t(across) * down);
-    const auto summary = [&](const CodePicture& p, int x, int y, size_t c, float& mean, float& spread, float& range) {
+    const auto summary = [&](const CodeImage& p, int x, int y, size_t c, float& mean, float& spread, float& range) {
         float sum = 0, squares = 0, low = 255, high = 0;
         for (int dy = -1; dy <= 1; ++dy)
             for (int dx = -1; dx <= 1; ++dx) {
@@ -316,7 +316,7 @@ std::vector<ResponseSample> sampleBracket(const std::vector<CodePicture>& pictur
             if (x >= x1 || y >= y1) continue;
             float worst = 0;
             int good = 0;
-            for (const CodePicture& p : pictures) {
+            for (const CodeImage& p : images) {
                 bool well = false;
                 for (size_t c = 0; c < 3; ++c) {
                     float mean, spread, range;
@@ -333,12 +333,12 @@ std::vector<ResponseSample> sampleBracket(const std::vector<CodePicture>& pictur
     for (const Place& place : places) {
         if (place.x < 0 || place.score > 40) continue;
         ResponseSample sample;
-        for (size_t i = 0; i < pictures.size(); ++i) {
+        for (size_t i = 0; i < images.size(); ++i) {
             ResponseSample::Look look;
             look.logExposure = std::log(exposures[i]);
             for (size_t c = 0; c < 3; ++c) {
                 float range;
-                summary(pictures[i], place.x, place.y, c, look.code[c], look.spread[c], range);
+                summary(images[i], place.x, place.y, c, look.code[c], look.spread[c], range);
                 // A clipped pixel among the nine pulls the mean: outside the range that counts.
                 if (look.code[c] + 0.5f * range > float(highestCode) + 3) look.code[c] = 255;
                 if (look.code[c] - 0.5f * range < 0.5f) look.code[c] = 0;
@@ -353,19 +353,19 @@ std::vector<ResponseSample> sampleBracket(const std::vector<CodePicture>& pictur
 namespace {
 
 struct ReadSet {
-    std::vector<CodePicture> pictures;
+    std::vector<CodeImage> images;
     std::vector<double> exposures;
     std::vector<PixelShift> shifts;  // empty: none was moved
 };
 
 /// The exposure most pixels of which are neither bright nor dark.
-size_t bestExposed(const std::vector<CodePicture>& pictures, const std::vector<size_t>& order) {
-    const size_t pixels = pictures[0].codes.size() / 3;
+size_t bestExposed(const std::vector<CodeImage>& images, const std::vector<size_t>& order) {
+    const size_t pixels = images[0].codes.size() / 3;
     size_t best = order[0], most = 0;
     for (const size_t i : order) {
         size_t well = 0;
         for (size_t p = 0; p < pixels; p += std::max<size_t>(1, pixels / 50000)) {
-            const uint16_t* z = &pictures[i].codes[p * 3];
+            const uint16_t* z = &images[i].codes[p * 3];
             well += std::max({z[0], z[1], z[2]}) < 230 * 257 && std::min({z[0], z[1], z[2]}) > 25 * 257;
         }
         if (well > most) {
@@ -385,25 +385,25 @@ std::vector<size_t> fromShortest(const std::vector<double>& exposures) {
 
 ReadSet readSet(const Bracket& set, const BracketOptions& options, const Progress& progress) {
     ReadSet read;
-    read.pictures.resize(set.size());
+    read.images.resize(set.size());
     parallelFor(set.size(), 1, [&](size_t i) {
-        read.pictures[i] = readCodes(set[i].file, options.maxPixels, [&] { progress.check(); });
+        read.images[i] = readCodes(set[i].file, options.maxPixels, [&] { progress.check(); });
     });
     for (size_t i = 0; i < set.size(); ++i) {
-        const CodePicture &p = read.pictures[i], &first = read.pictures[0];
+        const CodeImage &p = read.images[i], &first = read.images[0];
         if (p.width != first.width || p.height != first.height)
             throw Error("{}: is {} x {} pixels, {} is {} x {}", set[i].file.string(), p.width, p.height,
                         set[0].file.string(), first.width, first.height);
         read.exposures.push_back(set[i].exposure);
     }
     if (!options.align || set.size() < 2) return read;
-    size_t reference = bestExposed(read.pictures, fromShortest(read.exposures));
+    size_t reference = bestExposed(read.images, fromShortest(read.exposures));
     for (size_t i = 0; i < set.size(); ++i)
         if (set[i].reference) reference = i;
-    read.shifts = bracketShifts(read.pictures, read.exposures, reference);
+    read.shifts = bracketShifts(read.images, read.exposures, reference);
     if (std::all_of(read.shifts.begin(), read.shifts.end(), [](const PixelShift& s) { return s == PixelShift{}; }))
         read.shifts.clear();
-    for (size_t i = 0; i < read.shifts.size(); ++i) read.pictures[i] = shifted(read.pictures[i], read.shifts[i]);
+    for (size_t i = 0; i < read.shifts.size(); ++i) read.images[i] = shifted(read.images[i], read.shifts[i]);
     return read;
 }
 
@@ -420,8 +420,8 @@ ResponseCurve responseOf(const std::vector<Bracket>& sets, const BracketOptions&
         progress.advance();
         if (i % stride != 0 || sets[i].empty()) continue;
         const ReadSet read = readSet(sets[i], options, progress);
-        for (const CodePicture& p : read.pictures) linear += p.linear, ++looked;
-        for (ResponseSample& s : sampleBracket(read.pictures, read.exposures, each)) samples.push_back(std::move(s));
+        for (const CodeImage& p : read.images) linear += p.linear, ++looked;
+        for (ResponseSample& s : sampleBracket(read.images, read.exposures, each)) samples.push_back(std::move(s));
     }
     if (linear && linear != looked)
         throw Error("{}: some exposures are linear (camera raw) and others are not", sets[0][0].file.string());
@@ -432,16 +432,16 @@ ResponseCurve responseOf(const std::vector<Bracket>& sets, const BracketOptions&
 
 namespace {
 
-/// What is left of the exposures' shifts, and the variance that adds to ln radiance where the picture has a gradient.
+/// What is left of the exposures' shifts, and the variance that adds to ln radiance where the image has a gradient.
 class EdgeNoise {
 public:
     /// `slope(channel, code)`: of ln exposure over the code.
     template <class Slope>
-    EdgeNoise(const std::vector<CodePicture>& pictures, const std::vector<double>& exposures,
-              const ResponseCurve& response, const Slope& slope)
-        : pictures_(pictures), slope_(slope) {
-        const int width = pictures[0].width, height = pictures[0].height;
-        if (pictures.size() < 2 || width < 8 || height < 8) return;
+    EdgeNoise(const std::vector<CodeImage>& images, const std::vector<double>& exposures, const ResponseCurve& response,
+              const Slope& slope)
+        : images_(images), slope_(slope) {
+        const int width = images[0].width, height = images[0].height;
+        if (images.size() < 2 || width < 8 || height < 8) return;
         std::vector<double> found;
         const int step = std::max(1, int(std::sqrt(double(width) * height / 60000)));
         for (int y = 1; y + 1 < height; y += step)
@@ -450,7 +450,7 @@ public:
                     const size_t a = middleOf(x, y, c);
                     const double za = codeAt(a, x, y, c), steep2 = gradient2(a, x, y, c);
                     if (za < 40 || za > 220 || steep2 < 0.05 * 0.05) continue;
-                    for (size_t i = 0; i < pictures.size(); ++i) {
+                    for (size_t i = 0; i < images.size(); ++i) {
                         const double z = codeAt(i, x, y, c);
                         if (i == a || z < 30 || z > 225) continue;
                         const double r = std::log(response.exposure(int(c), z) * exposures[a] /
@@ -470,19 +470,19 @@ public:
     /// Of ln radiance, each exposure.
     double at(int x, int y, size_t c) const {
         if (variance < 1e-6) return 0;
-        x = std::clamp(x, 1, pictures_[0].width - 2);
-        y = std::clamp(y, 1, pictures_[0].height - 2);
+        x = std::clamp(x, 1, images_[0].width - 2);
+        y = std::clamp(y, 1, images_[0].height - 2);
         return variance * gradient2(middleOf(x, y, c), x, y, c);
     }
 
     double variance = 0;  ///< square pixels, an axis
 
 private:
-    double codeAt(size_t i, int x, int y, size_t c) const { return double(pictures_[i].at(x, y)[c]) / 257; }
+    double codeAt(size_t i, int x, int y, size_t c) const { return double(images_[i].at(x, y)[c]) / 257; }
     /// The exposure that shows the pixel nearest to mid scale.
     size_t middleOf(int x, int y, size_t c) const {
         size_t best = 0;
-        for (size_t i = 1; i < pictures_.size(); ++i)
+        for (size_t i = 1; i < images_.size(); ++i)
             if (std::abs(codeAt(i, x, y, c) - 128) < std::abs(codeAt(best, x, y, c) - 128)) best = i;
         return best;
     }
@@ -492,19 +492,19 @@ private:
         const double s = slope_(c, std::clamp(codeAt(i, x, y, c), 4.0, 250.0));
         return s * s * (gx * gx + gy * gy);
     }
-    const std::vector<CodePicture>& pictures_;
+    const std::vector<CodeImage>& images_;
     std::function<double(size_t, double)> slope_;
 };
 
 }  // namespace
 
-MergedBracket mergeCodes(const std::vector<CodePicture>& pictures, const std::vector<double>& exposures,
+MergedBracket mergeCodes(const std::vector<CodeImage>& images, const std::vector<double>& exposures,
                          const ResponseCurve& response, const BracketOptions& options, Progress& progress,
                          const std::vector<PixelShift>& shifts) {
     MergedBracket merged;
-    if (pictures.empty()) return merged;
-    const int width = pictures[0].width, height = pictures[0].height;
-    const size_t count = pictures.size(), pixels = size_t(width) * height;
+    if (images.empty()) return merged;
+    const int width = images[0].width, height = images[0].height;
+    const size_t count = images.size(), pixels = size_t(width) * height;
     merged.image = Image(width, height);
     merged.ghost.assign(pixels, 0);
     merged.clipped.assign(pixels, 0);
@@ -526,15 +526,15 @@ MergedBracket mergeCodes(const std::vector<CodePicture>& pictures, const std::ve
     const auto slope = [&](size_t c, double z) {
         return response.linear ? 1 / std::max(z, 1.0) : slopeAt(response.logExposure[c], z);
     };
-    const EdgeNoise edges(pictures, exposures, response, slope);
+    const EdgeNoise edges(images, exposures, response, slope);
     merged.misfit = float(std::sqrt(edges.variance));
     double full = std::numeric_limits<double>::infinity();
     for (int c = 0; c < 3; ++c) full = std::min(full, response.exposure(c, top));
     merged.saturation = float(full / exposures[order[0]]);
 
     // What moved is shown as it was in the best exposure.
-    const size_t best = size_t(std::find(order.begin(), order.end(), bestExposed(pictures, order)) -
-                               order.begin());  // place in `order`
+    const size_t best =
+        size_t(std::find(order.begin(), order.end(), bestExposed(images, order)) - order.begin());  // place in `order`
 
     progress.begin("Merging exposures", size_t(height));
     parallelFor(
@@ -546,7 +546,7 @@ MergedBracket mergeCodes(const std::vector<CodePicture>& pictures, const std::ve
             for (int x = 0; x < width; ++x) {
                 const size_t pixel = size_t(y) * width + x;
                 for (size_t i = 0; i < count; ++i) {
-                    const uint16_t* z = pictures[i].at(x, y);
+                    const uint16_t* z = images[i].at(x, y);
                     for (size_t c = 0; c < 3; ++c) {
                         code[i][c] = double(z[c]) / 257;
                         radiance[i][c] = response.exposure(int(c), code[i][c]) / exposures[i];
@@ -591,7 +591,7 @@ MergedBracket mergeCodes(const std::vector<CodePicture>& pictures, const std::ve
                                 for (int dx = -1; dx <= 1; ++dx) {
                                     const int nx = std::clamp(x + dx, 0, width - 1),
                                               ny = std::clamp(y + dy, 0, height - 1);
-                                    const double z = double(pictures[i].at(nx, ny)[c]) / 257;
+                                    const double z = double(images[i].at(nx, ny)[c]) / 257;
                                     low = std::min(low, z), high = std::max(high, z);
                                 }
                             if (std::abs(code[i][c] - predicted) <= allowed + (high - low)) continue;
@@ -665,7 +665,7 @@ MergedBracket mergeCodes(const std::vector<CodePicture>& pictures, const std::ve
     for (size_t p = 0; p < pixels; ++p) {
         merged.ghosts += merged.ghost[p];
         merged.clippedPixels += merged.clipped[p];
-        const uint16_t* z = &pictures[longest].codes[p * 3];
+        const uint16_t* z = &images[longest].codes[p * 3];
         merged.dark += std::max({z[0], z[1], z[2]}) < uint16_t(lowestCode * 257);
     }
     if (merged.ghosts) {
@@ -678,7 +678,7 @@ MergedBracket mergeCodes(const std::vector<CodePicture>& pictures, const std::ve
 MergedBracket mergeBracket(const Bracket& set, const ResponseCurve& response, const BracketOptions& options,
                            Progress& progress) {
     const ReadSet read = readSet(set, options, progress);
-    return mergeCodes(read.pictures, read.exposures, response, options, progress, read.shifts);
+    return mergeCodes(read.images, read.exposures, response, options, progress, read.shifts);
 }
 
 BracketPhoto bracketPhoto(const std::filesystem::path& file, ExposureTags tags, ExposureReference& reference) {

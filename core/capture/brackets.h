@@ -40,7 +40,7 @@ struct BracketPhoto {
 };
 using Bracket = std::vector<BracketPhoto>;
 
-/// One pixel through the exposures of its set, in one place of the picture.
+/// One pixel through the exposures of its set, in one place of the image.
 struct ResponseSample {
     struct Look {
         double logExposure = 0;         ///< ln of BracketPhoto::exposure
@@ -77,8 +77,8 @@ struct MergedBracket {
 ResponseCurve fitResponse(const std::vector<ResponseSample>& samples, double smoothness = 1);
 
 /// Smooth, well exposed places of the photographs of one set; `count` at most. Same sizes expected.
-std::vector<ResponseSample> sampleBracket(const std::vector<CodePicture>& pictures,
-                                          const std::vector<double>& exposures, size_t count);
+std::vector<ResponseSample> sampleBracket(const std::vector<CodeImage>& images, const std::vector<double>& exposures,
+                                          size_t count);
 
 /// Reads all sets and fits one curve; where every file is linear (camera raw), linearResponse(). Throws Error naming
 /// the file.
@@ -86,10 +86,10 @@ ResponseCurve responseOf(const std::vector<Bracket>& sets, const BracketOptions&
 
 /// Weighted mean of code^-1(z) / exposure over the exposures that saw the pixel well; weights are inverse variances at
 /// the code that the mean predicts, because weights from the measured code itself would lean to the dark. Where the
-/// picture has edges, what is left of the exposures' shifts adds to the variance of each (its size is measured on the
-/// set itself), so that they count alike there. `shifts`, where not empty: what the pictures were shifted by already;
+/// image has edges, what is left of the exposures' shifts adds to the variance of each (its size is measured on the
+/// set itself), so that they count alike there. `shifts`, where not empty: what the images were shifted by already;
 /// beyond their rims they count nothing. Same bits on any number of threads.
-MergedBracket mergeCodes(const std::vector<CodePicture>& pictures, const std::vector<double>& exposures,
+MergedBracket mergeCodes(const std::vector<CodeImage>& images, const std::vector<double>& exposures,
                          const ResponseCurve& response, const BracketOptions& options, Progress& progress,
                          const std::vector<PixelShift>& shifts = {});
 

@@ -42,7 +42,7 @@ struct Camera {
     /// Unit direction the camera looks in, world space.
     DVec3 forward() const { return -glm::normalize(DVec3(worldFromCamera[2])); }
     /// Pixel position of a world point; none when it is behind the camera or outside the lens model's valid field
-    /// (where the distortion stops growing with the angle). The point may fall outside the picture.
+    /// (where the distortion stops growing with the angle). The point may fall outside the image.
     std::optional<Vec2> project(const DVec3& world) const;
     /// The lens formula alone, pixels, in double: without the test of the valid field, none behind the camera only. For
     /// comparing with what other programs state; may fold back.

@@ -26,7 +26,7 @@ struct View {
 /// What a COLMAP model says of its own fit; absent for other captures.
 struct ReconstructionFigures {
     size_t points = 0, observations = 0;
-    double errorPixels = 0;        ///< mean reprojection error of the points, worked out with our lens models
+    double errorPixels = 0;        ///< mean reprojection error of the points, computed with our lens models
     double statedErrorPixels = 0;  ///< the same as the model states it
     size_t behind = 0;             ///< observations that do not project at all
 };

@@ -23,11 +23,11 @@ fs::path findMesh(const fs::path& folder, const std::string& meshPath) {
 CaptureSource fromTransforms(const fs::path& folder, const CaptureFix& fix) {
     const fs::path file = folder / "transforms.json";
     if (!isFile(file)) throw Error("{}: does not exist", file.string());
-    const auto pictures = [&](const std::string& filePath) {
-        return findPicture(fix.images.empty() ? folder : placeOf(folder, fix.images), filePath);
+    const auto images = [&](const std::string& filePath) {
+        return findImage(fix.images.empty() ? folder : placeOf(folder, fix.images), filePath);
     };
     Transforms transforms =
-        readTransforms(file, [&](const std::string& filePath) { return readImageSize(pictures(filePath)); });
+        readTransforms(file, [&](const std::string& filePath) { return readImageSize(images(filePath)); });
     CaptureSource source;
     source.notes = std::move(transforms.notes);
     source.up = transforms.up;
@@ -35,7 +35,7 @@ CaptureSource fromTransforms(const fs::path& folder, const CaptureFix& fix) {
     for (size_t i = 0; i < transforms.frames.size(); ++i) {
         TransformsFrame& frame = transforms.frames[i];
         const std::string& name = frame.filePath.empty() ? frame.exposures[0].filePath : frame.filePath;
-        source.frames.push_back({fmt::format("transforms.json: frame {}", i), name, pictures(name), frame.camera,
+        source.frames.push_back({fmt::format("transforms.json: frame {}", i), name, images(name), frame.camera,
                                  std::move(frame.exposures)});
     }
     return source;
@@ -53,7 +53,7 @@ fs::path findColmapMesh(const fs::path& folder, const fs::path& model) {
         folder.string());
 }
 
-fs::path findColmapPictures(const fs::path& folder, const fs::path& model, const std::string& first) {
+fs::path findColmapImages(const fs::path& folder, const fs::path& model, const std::string& first) {
     for (const fs::path& place :
          {folder / "images", folder, model / "images", model / "../images", model / "../../images"})
         if (isFile(place / first)) return place.lexically_normal();
@@ -68,13 +68,13 @@ CaptureSource fromColmap(const fs::path& folder, const fs::path& modelFolder, co
     CaptureSource source;
     source.where = modelFolder.string();
     source.mesh = fix.mesh.empty() ? findColmapMesh(folder, modelFolder) : placeOf(folder, fix.mesh);
-    const fs::path pictures =
-        fix.images.empty() ? findColmapPictures(folder, modelFolder, model.views[0].name) : placeOf(folder, fix.images);
+    const fs::path images =
+        fix.images.empty() ? findColmapImages(folder, modelFolder, model.views[0].name) : placeOf(folder, fix.images);
     std::vector<Camera> cameras;
     for (const ColmapView& view : model.views) cameras.push_back(view.camera);
-    for (const ColmapBracket& b : colmapBrackets(pictures, model.views))
+    for (const ColmapBracket& b : colmapBrackets(images, model.views))
         source.frames.push_back(
-            {b.view.name, b.view.name, findPicture(pictures, b.view.name), b.view.camera, b.exposures, true});
+            {b.view.name, b.view.name, findImage(images, b.view.name), b.view.camera, b.exposures, true});
     if (source.frames.size() < model.views.size())
         source.notes.push_back(
             fmt::format("{} images are exposures of views that the model holds already; of each view the pose of the "
@@ -105,7 +105,7 @@ CaptureSource fromColmap(const fs::path& folder, const fs::path& modelFolder, co
 
 }  // namespace
 
-fs::path findPicture(const fs::path& folder, const std::string& filePath) {
+fs::path findImage(const fs::path& folder, const std::string& filePath) {
     const fs::path plain = folder / filePath;
     if (isFile(plain)) return plain;
     std::string slashes = filePath;

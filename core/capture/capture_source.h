@@ -1,4 +1,4 @@
-// What the files of a capture folder say before pictures and mesh are opened: of transforms.json or of a COLMAP model.
+// What the files of a capture folder say before images and mesh are opened: of transforms.json or of a COLMAP model.
 #pragma once
 #include <optional>
 
@@ -16,7 +16,7 @@ struct FrameSource {
     std::filesystem::path file;
     Camera camera;
     std::vector<Exposure> exposures;
-    bool fitSize = false;  ///< a picture of the same shape and another size scales the camera
+    bool fitSize = false;  ///< an image of the same shape and another size scales the camera
 };
 
 struct CaptureSource {
@@ -33,9 +33,9 @@ struct CaptureSource {
 /// field.
 CaptureSource captureSource(const std::filesystem::path& folder, const CaptureFix& fix, Progress& progress);
 
-/// The picture a file_path names: relative to the capture folder, backslashes allowed, and, as in some NeRF data sets,
+/// The image a file_path names: relative to the capture folder, backslashes allowed, and, as in some NeRF data sets,
 /// without its ending. Where nothing is found the path is returned as written, for the error message.
-std::filesystem::path findPicture(const std::filesystem::path& folder, const std::string& filePath);
+std::filesystem::path findImage(const std::filesystem::path& folder, const std::string& filePath);
 
 /// A place the user names: in the capture folder, in the current one, or absolute.
 std::filesystem::path placeOf(const std::filesystem::path& folder, const std::string& named);

@@ -12,8 +12,8 @@ namespace {
 /// Fewest vertices on which a statement about a view's exposure rests.
 constexpr size_t enoughVertices = 50;
 
-/// Distance along the view axis of the nearest surface, on a small picture.
-struct DepthPicture {
+/// Distance along the view axis of the nearest surface, on a small image.
+struct DepthImage {
     int width = 0, height = 0;
     float pixelsPerCell = 1;  ///< pixels of the photograph along one edge of a cell
     std::vector<float> depth;
@@ -40,34 +40,34 @@ std::vector<Projected> projectVertices(const Camera& camera, const Mesh& mesh, c
     return result;
 }
 
-DepthPicture rasterise(const Camera& camera, const Mesh& mesh, const std::vector<Projected>& vertices,
-                       const Progress& progress) {
+DepthImage rasterise(const Camera& camera, const Mesh& mesh, const std::vector<Projected>& vertices,
+                     const Progress& progress) {
     constexpr int longestSide = 320;
-    DepthPicture picture;
-    picture.pixelsPerCell = std::max(1.0f, float(std::max(camera.width, camera.height)) / longestSide);
-    picture.width = std::max(1, int(std::ceil(float(camera.width) / picture.pixelsPerCell)));
-    picture.height = std::max(1, int(std::ceil(float(camera.height) / picture.pixelsPerCell)));
-    picture.depth.assign(size_t(picture.width) * picture.height, std::numeric_limits<float>::infinity());
+    DepthImage image;
+    image.pixelsPerCell = std::max(1.0f, float(std::max(camera.width, camera.height)) / longestSide);
+    image.width = std::max(1, int(std::ceil(float(camera.width) / image.pixelsPerCell)));
+    image.height = std::max(1, int(std::ceil(float(camera.height) / image.pixelsPerCell)));
+    image.depth.assign(size_t(image.width) * image.height, std::numeric_limits<float>::infinity());
     for (size_t t = 0; t < mesh.triangles.size(); ++t) {
         if (t % 4096 == 0) progress.check();
         const Projected corner[3] = {vertices[mesh.triangles[t][0]], vertices[mesh.triangles[t][1]],
                                      vertices[mesh.triangles[t][2]]};
         if (corner[0].depth <= 0 || corner[1].depth <= 0 || corner[2].depth <= 0) continue;
-        const Vec2 a = corner[0].pixel / picture.pixelsPerCell, b = corner[1].pixel / picture.pixelsPerCell,
-                   c = corner[2].pixel / picture.pixelsPerCell;
+        const Vec2 a = corner[0].pixel / image.pixelsPerCell, b = corner[1].pixel / image.pixelsPerCell,
+                   c = corner[2].pixel / image.pixelsPerCell;
         const Vec2 low = glm::min(a, glm::min(b, c)), high = glm::max(a, glm::max(b, c));
-        if (!(high.x >= 0 && high.y >= 0 && low.x < float(picture.width) && low.y < float(picture.height))) continue;
-        const int x0 = int(std::max(low.x, 0.0f)), x1 = int(std::min(high.x, float(picture.width - 1)));
-        const int y0 = int(std::max(low.y, 0.0f)), y1 = int(std::min(high.y, float(picture.height - 1)));
+        if (!(high.x >= 0 && high.y >= 0 && low.x < float(image.width) && low.y < float(image.height))) continue;
+        const int x0 = int(std::max(low.x, 0.0f)), x1 = int(std::min(high.x, float(image.width - 1)));
+        const int y0 = int(std::max(low.y, 0.0f)), y1 = int(std::min(high.y, float(image.height - 1)));
         const float area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
         const auto put = [&](int x, int y, float depth) {
-            float& stored = picture.depth[size_t(y) * picture.width + x];
+            float& stored = image.depth[size_t(y) * image.width + x];
             stored = std::min(stored, depth);
         };
         // Triangles smaller than a cell would slip between the centres.
         if (x1 - x0 <= 1 && y1 - y0 <= 1) {
             const Vec2 middle = (a + b + c) / 3.0f;
-            if (middle.x >= 0 && middle.y >= 0 && middle.x < float(picture.width) && middle.y < float(picture.height))
+            if (middle.x >= 0 && middle.y >= 0 && middle.x < float(image.width) && middle.y < float(image.height))
                 put(int(middle.x), int(middle.y), (corner[0].depth + corner[1].depth + corner[2].depth) / 3);
         }
         if (area == 0) continue;
@@ -80,17 +80,17 @@ DepthPicture rasterise(const Camera& camera, const Mesh& mesh, const std::vector
                 put(x, y, 1 / ((1 - wb - wc) / corner[0].depth + wb / corner[1].depth + wc / corner[2].depth));
             }
     }
-    return picture;
+    return image;
 }
 
 bool isInside(const Camera& camera, const Vec2& pixel) {
     return pixel.x >= 0 && pixel.y >= 0 && pixel.x < float(camera.width) && pixel.y < float(camera.height);
 }
 
-/// The value below which a share of the values lies; 0 when there are none.
-float quantile(std::vector<float>& values, double share) {
+/// The value below which a fraction of the values lies; 0 when there are none.
+float quantile(std::vector<float>& values, double fraction) {
     if (values.empty()) return 0;
-    const auto place = values.begin() + std::ptrdiff_t(double(values.size() - 1) * share + 0.5);
+    const auto place = values.begin() + std::ptrdiff_t(double(values.size() - 1) * fraction + 0.5);
     std::nth_element(values.begin(), place, values.end());
     return *place;
 }
@@ -109,13 +109,13 @@ void imageFigures(const View& view, ViewCheck& check) {
         clipped += view.saturation > 0 && maxChannel(view.image.pixels[i]) >= view.saturation;
     }
     const double all = double(std::max<size_t>(1, view.image.pixels.size()));
-    check.maskedShare = view.image.pixels.empty() ? 0 : 1 - double(usable) / all;
-    check.clippedShare = double(clipped) / all;
+    check.maskedFraction = view.image.pixels.empty() ? 0 : 1 - double(usable) / all;
+    check.clippedFraction = double(clipped) / all;
     check.meanRadiance = usable ? sum / double(usable) : 0;
 }
 
 /// What the pixels beside the mesh show: light, or a mask or black cloth. At one pixel a cell.
-void judgeBackground(const View& view, const DepthPicture& depth, ViewCheck& check) {
+void judgeBackground(const View& view, const DepthImage& depth, ViewCheck& check) {
     if (view.image.pixels.empty()) return;
     constexpr float black = 0.05f;  // of the brightness of the brighter surfaces
     std::vector<float> surface;
@@ -138,8 +138,8 @@ void judgeBackground(const View& view, const DepthPicture& depth, ViewCheck& che
         ++open;
         light += usable && y > least;
     });
-    check.openShare = double(open) / double(std::max<size_t>(1, depth.depth.size()));
-    check.lightShare = open ? double(light) / double(open) : 0;
+    check.openFraction = double(open) / double(std::max<size_t>(1, depth.depth.size()));
+    check.lightFraction = open ? double(light) / double(open) : 0;
 }
 
 /// What one view says of the mesh: which vertices it sees, and how bright some of them are.
@@ -151,10 +151,10 @@ struct ViewSight {
 ViewSight lookAt(const View& view, const Mesh& mesh, const std::vector<uint8_t>& referenced, size_t stride,
                  ViewCheck& check, const Progress& progress) {
     const std::vector<Projected> vertices = projectVertices(view.camera, mesh, progress);
-    const DepthPicture depth = rasterise(view.camera, mesh, vertices, progress);
+    const DepthImage depth = rasterise(view.camera, mesh, vertices, progress);
     size_t covered = 0, inside = 0;
     for (const float d : depth.depth) covered += std::isfinite(d);
-    check.meshShare = double(covered) / double(depth.depth.size());
+    check.meshFraction = double(covered) / double(depth.depth.size());
     judgeBackground(view, depth, check);
     ViewSight sight;
     sight.sees.assign(mesh.vertexCount(), 0);
@@ -257,7 +257,7 @@ void guessAxes(const Capture& capture, CaptureCheck& check) {
                         : axisName(glm::transpose(capture.worldFromFile) * Vec3(cameraUp / length));
 }
 
-/// Share of the points within about two hundredths of the mesh's size from its surface, and the sizes' ratio: a mesh
+/// Fraction of the points within about two hundredths of the mesh's size from its surface, and the sizes' ratio: a mesh
 /// from another run, or in another unit, shows here.
 void comparePoints(const Capture& capture, CaptureCheck& check) {
     const Mesh& mesh = capture.mesh;
@@ -301,7 +301,7 @@ void comparePoints(const Capture& capture, CaptureCheck& check) {
         check.meshToPoints = double(glm::length(check.meshMax - check.meshMin) / size);
 }
 
-std::string percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
+std::string percent(double fraction) { return fmt::format("{:.1f} %", 100 * fraction); }
 
 void warn(const Capture& capture, CaptureCheck& check) {
     const auto say = [&](std::string sentence) { check.warnings.push_back(std::move(sentence)); };
@@ -316,13 +316,14 @@ void warn(const Capture& capture, CaptureCheck& check) {
     if (check.views.size() < 3)
         say(fmt::format("There are only {} views; light and reflectance are hard to tell apart.", check.views.size()));
     for (const ViewCheck& v : check.views) {
-        if (v.meshShare < 0.02)
-            say(fmt::format("{}: the mesh covers {} of the picture; pose, up or scale may be wrong.", v.name,
-                            percent(v.meshShare)));
-        if (v.maskedShare > 0.9) say(fmt::format("{}: {} of the pixels are left out.", v.name, percent(v.maskedShare)));
-        if (v.clippedShare > 0.01)
+        if (v.meshFraction < 0.02)
+            say(fmt::format("{}: the mesh covers {} of the image; pose, up or scale may be wrong.", v.name,
+                            percent(v.meshFraction)));
+        if (v.maskedFraction > 0.9)
+            say(fmt::format("{}: {} of the pixels are left out.", v.name, percent(v.maskedFraction)));
+        if (v.clippedFraction > 0.01)
             say(fmt::format("{}: {} of the pixels are clipped; brackets would recover them.", v.name,
-                            percent(v.clippedShare)));
+                            percent(v.clippedFraction)));
         if (v.nan + v.infinite > 0) say(fmt::format("{}: {} pixels are NaN or infinite.", v.name, v.nan + v.infinite));
         // Where the vertices disagree among themselves the surface is glossy, and nothing can be said.
         if (v.comparedVertices >= enoughVertices && std::abs(v.exposureStops) > std::max(0.25, v.exposureScatterStops))
@@ -330,7 +331,7 @@ void warn(const Capture& capture, CaptureCheck& check) {
                 fmt::format("{}: is {:.2f} stops {} than the other views of the same surface; all views must share one "
                             "exposure scale.",
                             v.name, std::abs(v.exposureStops), v.exposureStops > 0 ? "brighter" : "darker"));
-        if (v.maskedShare < 1 && v.meanRadiance == 0 && !capture.views.empty() &&
+        if (v.maskedFraction < 1 && v.meanRadiance == 0 && !capture.views.empty() &&
             !capture.views[0].image.pixels.empty())
             say(fmt::format("{}: is black all over.", v.name));
     }
@@ -338,9 +339,9 @@ void warn(const Capture& capture, CaptureCheck& check) {
         say("An object before a masked or black background: none of its light is seen. The light and the brightness "
             "scale are assumed (a mean albedo of 0.5 under white light); "
             "--gauge white-patch or --gauge albedo tells them. The light must stand still while the camera moves: an "
-            "object that turns before a fixed camera and lamp is lit from elsewhere in each photograph.");
-    if (check.seenTwiceShare < 0.3)
-        say(fmt::format("Only {} of the vertices are seen by two views or more.", percent(check.seenTwiceShare)));
+            "object that turns before a fixed camera and light is lit from elsewhere in each photograph.");
+    if (check.seenTwiceFraction < 0.3)
+        say(fmt::format("Only {} of the vertices are seen by two views or more.", percent(check.seenTwiceFraction)));
     const MeshReport& m = check.mesh;
     if (m.nanVertices)
         say(fmt::format("The mesh has {} vertices that are not finite; their faces were dropped.", m.nanVertices));
@@ -357,7 +358,7 @@ void warn(const Capture& capture, CaptureCheck& check) {
             say(fmt::format("COLMAP's points miss their pixels by {:.1f} on average; poses or lens model are poor.",
                             r.errorPixels));
         if (r.behind * 100 > r.observations)
-            say(fmt::format("{} of COLMAP's observations do not project; the lens model folds back inside the picture.",
+            say(fmt::format("{} of COLMAP's observations do not project; the lens model folds back inside the image.",
                             percent(double(r.behind) / double(r.observations))));
     }
     if (check.pointsOnMesh >= 0 && check.pointsOnMesh < 0.3) {
@@ -427,8 +428,8 @@ CaptureCheck checkCapture(const Capture& capture, Progress& progress) {
         sum += viewsOf[v];
     }
     const double count = double(std::max<size_t>(1, surface));
-    check.seenShare = double(once) / count;
-    check.seenTwiceShare = double(twice) / count;
+    check.seenFraction = double(once) / count;
+    check.seenTwiceFraction = double(twice) / count;
     check.meanViewsPerVertex = double(sum) / count;
     check.reconstruction = capture.reconstruction;
     std::vector<float> distances;
@@ -437,7 +438,7 @@ CaptureCheck checkCapture(const Capture& capture, Progress& progress) {
             float(glm::distance(view.camera.position(), DVec3(0.5f * (check.meshMin + check.meshMax)))));
     check.cameraDistance = double(median(distances));
     double open = 0, light = 0;
-    for (const ViewCheck& v : check.views) open += v.openShare, light += v.openShare * v.lightShare;
+    for (const ViewCheck& v : check.views) open += v.openFraction, light += v.openFraction * v.lightFraction;
     check.backdrop = open > 0.1 * double(check.views.size()) && light < 0.05 * open;
     comparePoints(capture, check);
     compareExposures(sights, check);

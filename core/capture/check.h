@@ -1,5 +1,5 @@
 // The import doctor: figures about a capture that tell before a solve what is wrong with it. Projection and a small
-// depth picture only, no ray tracer, so it takes seconds.
+// depth image only, no ray tracer, so it takes seconds.
 #pragma once
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -15,14 +15,14 @@ namespace relamp {
 struct ViewCheck {
     std::string name;
     int width = 0, height = 0;                   ///< pixels
-    double meshShare = 0;                        ///< pixels that see the mesh
-    double clippedShare = 0;                     ///< usable pixels at or above the clip level
-    double maskedShare = 0;                      ///< pixels left out: masks, alpha, NaN, Inf, negative
-    double openShare = 0;                        ///< pixels beside the mesh
-    double lightShare = 0;                       ///< of those: neither left out nor black beside the surfaces
+    double meshFraction = 0;                     ///< pixels that see the mesh
+    double clippedFraction = 0;                  ///< usable pixels at or above the clip level
+    double maskedFraction = 0;                   ///< pixels left out: masks, alpha, NaN, Inf, negative
+    double openFraction = 0;                     ///< pixels beside the mesh
+    double lightFraction = 0;                    ///< of those: neither left out nor black beside the surfaces
     size_t nan = 0, infinite = 0, negative = 0;  ///< pixels
     double meanRadiance = 0;                     ///< mean luminance of the usable pixels, image units
-    double verticesInside = 0;                   ///< share of the mesh's vertices that project into the picture
+    double verticesInside = 0;                   ///< fraction of the mesh's vertices that project into the image
     double exposureStops = 0;         ///< brightness against the other views of the same vertices, log2; 0: as they
     double exposureScatterStops = 0;  ///< half the vertices lie within this span around it; large on glossy surfaces
     size_t comparedVertices = 0;      ///< vertices that exposureStops rests on
@@ -33,15 +33,15 @@ struct CaptureCheck {
     MeshReport mesh;
     Vec3 meshMin{0}, meshMax{0};     ///< metres from origin, bounding box of the triangles
     DVec3 origin{0};                 ///< Capture::origin
-    double seenShare = 0;            ///< vertices seen by at least one view
-    double seenTwiceShare = 0;       ///< vertices seen by at least two views
+    double seenFraction = 0;         ///< vertices seen by at least one view
+    double seenTwiceFraction = 0;    ///< vertices seen by at least two views
     double meanViewsPerVertex = 0;   ///< of all vertices of triangles
     double exposureSpreadStops = 0;  ///< largest minus smallest exposureStops
     bool backdrop = false;           ///< an object before a masked or black background: none of its light is seen
     std::string up;                  ///< axis the file says is up: "z", "-y", ..., or three numbers where it is none
     std::string upGuess;             ///< axis closest to the cameras' own up directions
     double cameraDistance = 0;       ///< metres, median distance of the cameras from the middle of the mesh
-    double pointsOnMesh = -1;  ///< share of a reconstruction's points that lie on the mesh; negative: there are none
+    double pointsOnMesh = -1;  ///< fraction of a reconstruction's points that lie on the mesh; negative: there are none
     double meshToPoints = 0;   ///< size of the mesh over the size of the points' cloud; 0: there are none
     std::optional<ReconstructionFigures> reconstruction;
     double upAgreement = 0;             ///< cosine between the mean camera up and the file's up
@@ -50,7 +50,7 @@ struct CaptureCheck {
     std::vector<std::string> warnings;  ///< what should be looked at before a solve, one sentence each
 };
 
-/// Cost: a small picture is rasterised for each view, O(views x triangles). Throws Cancelled only.
+/// Cost: a small image is rasterised for each view, O(views x triangles). Throws Cancelled only.
 CaptureCheck checkCapture(const Capture& capture, Progress& progress);
 
 nlohmann::json toJson(const CaptureCheck& check);

@@ -10,10 +10,10 @@ nlohmann::json toJson(const CaptureCheck& check) {
         views.push_back({{"name", v.name},
                          {"width", v.width},
                          {"height", v.height},
-                         {"mesh_share", v.meshShare},
-                         {"light_share_of_background", v.lightShare},
-                         {"clipped_share", v.clippedShare},
-                         {"masked_share", v.maskedShare},
+                         {"mesh_share", v.meshFraction},
+                         {"light_share_of_background", v.lightFraction},
+                         {"clipped_share", v.clippedFraction},
+                         {"masked_share", v.maskedFraction},
                          {"nan", v.nan},
                          {"infinite", v.infinite},
                          {"negative", v.negative},
@@ -43,9 +43,9 @@ nlohmann::json toJson(const CaptureCheck& check) {
                      {"min", point(check.meshMin)},
                      {"max", point(check.meshMax)}}},
                    {"coverage",
-                    {{"seen_share", check.seenShare},
+                    {{"seen_share", check.seenFraction},
                      {"backdrop", check.backdrop},
-                     {"seen_twice_share", check.seenTwiceShare},
+                     {"seen_twice_share", check.seenTwiceFraction},
                      {"views_per_vertex", check.meanViewsPerVertex}}},
                    {"exposure_spread_stops", check.exposureSpreadStops},
                    {"axes",
@@ -74,8 +74,9 @@ std::string toText(const CaptureCheck& check) {
                                    "size", "mesh", "clipped", "masked", "mean", "inside", "stops");
     for (const ViewCheck& v : check.views)
         text += fmt::format("{:<{}}  {:>11}  {:>6.1f}%  {:>6.2f}%  {:>6.1f}%  {:>9.4g}  {:>6.1f}%  {:>+6.2f}\n", v.name,
-                            longest, fmt::format("{} x {}", v.width, v.height), 100 * v.meshShare, 100 * v.clippedShare,
-                            100 * v.maskedShare, v.meanRadiance, 100 * v.verticesInside, v.exposureStops);
+                            longest, fmt::format("{} x {}", v.width, v.height), 100 * v.meshFraction,
+                            100 * v.clippedFraction, 100 * v.maskedFraction, v.meanRadiance, 100 * v.verticesInside,
+                            v.exposureStops);
     const MeshReport& m = check.mesh;
     const Vec3 size = check.meshMax - check.meshMin;
     text += fmt::format("\nmesh: {} vertices, {} triangles, {:.3g} x {:.3g} x {:.3g} m\n", m.vertices, m.triangles,
@@ -94,7 +95,7 @@ std::string toText(const CaptureCheck& check) {
     for (const auto& defect : defects)
         if (defect.count) text += fmt::format("  {} {}\n", defect.count, defect.what);
     text += fmt::format("coverage: {:.1f} % of the vertices seen, {:.1f} % twice or more, {:.2f} views each\n",
-                        100 * check.seenShare, 100 * check.seenTwiceShare, check.meanViewsPerVertex);
+                        100 * check.seenFraction, 100 * check.seenTwiceFraction, check.meanViewsPerVertex);
     text += fmt::format("exposure: {:.2f} stops between the views\n", check.exposureSpreadStops);
     if (const auto& r = check.reconstruction)
         text += fmt::format(

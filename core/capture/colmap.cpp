@@ -461,7 +461,7 @@ ColmapModel readColmapModel(const fs::path& folder, const ColmapLimits& limits, 
     const fs::path cameraFile = pick("cameras"), imageFile = pick("images"), pointFile = pick("points3D");
     if (cameraFile.empty()) throw Error("{}: holds no cameras.bin or cameras.txt", folder.string());
     if (imageFile.empty()) throw Error("{}: holds no images.bin or images.txt", folder.string());
-    const auto in = [](const fs::path& file, auto&& body) { return withContext(file.filename().string(), body); };
+    const auto in = [](const fs::path& file, auto&& part) { return withContext(file.filename().string(), part); };
     const auto binary = [](const fs::path& file) { return file.extension() == ".bin"; };
 
     ColmapModel model;

@@ -25,7 +25,7 @@ struct ColmapModel {
     std::vector<ColmapView> views;  ///< by name, because ids hang on the run
     std::vector<DVec3> points;      ///< world of the model, its own unit
     size_t cameras = 0, observations = 0;
-    /// Mean over the points of the mean distance between an observation and the projected point, pixels: worked out
+    /// Mean over the points of the mean distance between an observation and the projected point, pixels: computed
     /// here, and as the model itself states it (what COLMAP's model_analyzer prints). 0 without points.
     double errorPixels = 0, statedErrorPixels = 0;
     size_t behind = 0;  ///< observations whose point does not project: behind the camera, or outside the lens's field

@@ -36,7 +36,7 @@ Named takeApart(const std::string& name) {
 
 }  // namespace
 
-std::vector<ColmapBracket> colmapBrackets(const fs::path& pictures, const std::vector<ColmapView>& views) {
+std::vector<ColmapBracket> colmapBrackets(const fs::path& images, const std::vector<ColmapView>& views) {
     // Every folder that holds a view is listed once.
     std::map<std::string, std::map<std::string, std::vector<std::pair<double, fs::path>>>>
         folders;  // folder, stem + ending -> exposures
@@ -45,7 +45,7 @@ std::vector<ColmapBracket> colmapBrackets(const fs::path& pictures, const std::v
         const auto [at, fresh] = folders.try_emplace(folder);
         std::error_code failed;
         if (fresh)
-            for (fs::directory_iterator entry(pictures / folder, failed), end; !failed && entry != end;
+            for (fs::directory_iterator entry(images / folder, failed), end; !failed && entry != end;
                  entry.increment(failed)) {
                 const Named other = takeApart((fs::path(folder) / entry->path().filename()).string());
                 at->second[other.stem + other.ending].emplace_back(other.stops, entry->path());

@@ -14,11 +14,11 @@ struct ColmapBracket {
     std::vector<Exposure> exposures;
 };
 
-/// Exposures of the view STEM.EXT are the pictures of the same ending STEM_evN.EXT beside it, N a number of stops with
+/// Exposures of the view STEM.EXT are the images of the same ending STEM_evN.EXT beside it, N a number of stops with
 /// or without sign and fraction (IMG_7_ev-2.JPG, IMG_7_ev+1.5.JPG); STEM.EXT itself counts as +0 where it exists.
 /// Registered images that differ in nothing but _evN are one view: that nearest to +0 is kept. Exposure times are
-/// EXIF's; where one picture of a view has none, the stops are taken for all of it, a second at +0. In the order of the
+/// EXIF's; where one image of a view has none, the stops are taken for all of it, a second at +0. In the order of the
 /// views; exposures from the shortest by name.
-std::vector<ColmapBracket> colmapBrackets(const std::filesystem::path& pictures, const std::vector<ColmapView>& views);
+std::vector<ColmapBracket> colmapBrackets(const std::filesystem::path& images, const std::vector<ColmapView>& views);
 
 }  // namespace relamp

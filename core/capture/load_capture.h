@@ -13,7 +13,7 @@ struct LoadOptions {
 };
 
 /// Reads FOLDER/transforms.json, or a COLMAP model where there is none or `fix` names one (format:
-/// core/capture/FORMAT.md), the mesh and the photographs in parallel. Frames with `exposures` and no HDR picture are
+/// core/capture/FORMAT.md), the mesh and the photographs in parallel. Frames with `exposures` and no HDR image are
 /// merged, all with one response curve. Masks by convention (alpha, masks/<image file name>.png, <stem>_mask.png; black
 /// is ignored). Throws Error naming file and field ("transforms.json: frame 12: fl_x is 0, expected more than 0").
 Capture loadCapture(const std::filesystem::path& folder, const LoadOptions& options, Progress& progress);

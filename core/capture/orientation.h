@@ -15,13 +15,13 @@ struct CaptureFix {
         false;         ///< the matrices have OpenCV's axes (Y down, looks along +Z) though they should have OpenGL's
     double scale = 1;  ///< metres one unit of the files is long; more than 0
     double meshScale = 1;  ///< units of the cameras one unit of the mesh is long; more than 0
-    /// A COLMAP model's folder, its pictures' folder, the mesh: in the capture folder, in the current one, or absolute;
+    /// A COLMAP model's folder, its images' folder, the mesh: in the capture folder, in the current one, or absolute;
     /// empty: found by their usual names.
     std::string colmap{}, images{}, mesh{};
     int smoothNormals = -1;     ///< rounds of smoothing of the mesh's normals; below 0: as the photographs say, where a
                                 ///< solve asks them (otherwise none)
-    bool fromBrackets = false;  ///< merge `exposures` even where an HDR picture is named
-    std::vector<ProxyLight> proxies{};  ///< lamps that the mesh does not hold
+    bool fromBrackets = false;  ///< merge `exposures` even where an HDR image is named
+    std::vector<ProxyLight> proxies{};  ///< emitters that the mesh does not hold
     PhotometricFix photometric{};       ///< what the photographs' exposures differ by; found by a solve
     bool operator==(const CaptureFix&) const = default;
 };

@@ -6,12 +6,12 @@ namespace relamp {
 namespace fs = std::filesystem;
 namespace {
 
-/// Mask files that belong to a picture by convention, black is ignored.
-std::vector<fs::path> masksOf(const fs::path& folder, const fs::path& picture) {
-    const std::string name = picture.filename().string(), stem = picture.stem().string();
+/// Mask files that belong to an image by convention, black is ignored.
+std::vector<fs::path> masksOf(const fs::path& folder, const fs::path& image) {
+    const std::string name = image.filename().string(), stem = image.stem().string();
     std::vector<fs::path> found;
-    for (const fs::path& mask : {folder / "masks" / (name + ".png"), picture.parent_path() / "masks" / (name + ".png"),
-                                 picture.parent_path() / (stem + "_mask.png")})
+    for (const fs::path& mask : {folder / "masks" / (name + ".png"), image.parent_path() / "masks" / (name + ".png"),
+                                 image.parent_path() / (stem + "_mask.png")})
         if (isFile(mask)) found.push_back(mask);
     return found;
 }
@@ -19,8 +19,8 @@ std::vector<fs::path> masksOf(const fs::path& folder, const fs::path& picture) {
 size_t applyMask(Image& image, const fs::path& file, size_t maxPixels, const Progress& progress) {
     const Image mask = readImage(file, nullptr, true, maxPixels, [&] { progress.check(); });
     if (mask.width != image.width || mask.height != image.height)
-        throw Error("{}: is {} x {} pixels, its picture is {} x {}", file.string(), mask.width, mask.height,
-                    image.width, image.height);
+        throw Error("{}: is {} x {} pixels, its image is {} x {}", file.string(), mask.width, mask.height, image.width,
+                    image.height);
     if (image.usable.empty()) image.usable.assign(image.pixels.size(), 1);
     size_t masked = 0;
     for (size_t i = 0; i < mask.pixels.size(); ++i)
@@ -31,8 +31,8 @@ size_t applyMask(Image& image, const fs::path& file, size_t maxPixels, const Pro
     return masked;
 }
 
-/// Share of full scale from which an integer file counts as clipped: encoders round the last codes.
-constexpr float clippedShare = 0.99f;
+/// Fraction of full scale from which an integer file counts as clipped: encoders round the last codes.
+constexpr float clippedFraction = 0.99f;
 
 void describe(const View& view, size_t masked, std::vector<std::string>& notes) {
     const ImageReport& r = view.imageReport;
@@ -55,7 +55,7 @@ void describe(const View& view, size_t masked, std::vector<std::string>& notes) 
     else if (clipped == usable) notes.push_back(fmt::format("{}: is clipped all over.", view.name));
 }
 
-/// Whether the frames' exposures are to be merged: asked for, or there is no HDR picture to read instead.
+/// Whether the frames' exposures are to be merged: asked for, or there is no HDR image to read instead.
 bool wantsBrackets(const CaptureSource& source, const CaptureFix& fix) {
     size_t with = 0;
     bool wanted = fix.fromBrackets;
@@ -84,9 +84,8 @@ std::vector<Bracket> bracketsOf(const fs::path& folder, const CaptureSource& sou
             const Exposure& e = frame.exposures[i];
             const fs::path named = e.filePath;
             const fs::path file =
-                named.is_absolute()
-                    ? named
-                    : findPicture(fix.images.empty() ? folder : placeOf(folder, fix.images), e.filePath);
+                named.is_absolute() ? named
+                                    : findImage(fix.images.empty() ? folder : placeOf(folder, fix.images), e.filePath);
             set.push_back(withContext(fmt::format("{}: exposures entry {}", frame.where, i), [&] {
                 // What the capture says wins; EXIF is asked only where it says nothing of the time.
                 const ExposureTags tags =
@@ -178,7 +177,7 @@ View PhotographReader::read(size_t i, std::vector<std::string>& notes, Progress&
                                             merged.clippedPixels));
         } else {
             view.image = readImage(view.file, &view.imageReport, false, options_.maxPixels, [&] { progress.check(); });
-            view.saturation = clippedShare * view.imageReport.clipLevel;
+            view.saturation = clippedFraction * view.imageReport.clipLevel;
         }
         checkSize(view.image, view, frame, notes);
         size_t masked = 0;

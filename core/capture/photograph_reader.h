@@ -21,10 +21,10 @@ public:
     /// What is to be said of all of them.
     const std::vector<std::string>& notes() const { return notes_; }
     /// View `i` with its pixels, masks applied; the camera as the files have it. Bits do not depend on what else is
-    /// read. Stops within 256 rows of pixels. Memory: that picture; merged, its exposures. Throws Error naming frame
+    /// read. Stops within 256 rows of pixels. Memory: that image; merged, its exposures. Throws Error naming frame
     /// and file, Cancelled.
     View read(size_t i, std::vector<std::string>& notes, Progress& progress) const;
-    /// The same without pixels: a camera that fits the picture's size.
+    /// The same without pixels: a camera that fits the image's size.
     View readCamera(size_t i, std::vector<std::string>& notes) const;
 
 private:

@@ -18,7 +18,7 @@ struct PhotometricFix {
         bool operator==(const ViewGain&) const = default;
     };
     std::vector<ViewGain> gains{};  ///< views that are not named have 1
-    /// The lens lets through exp(falloff2 r^2 + falloff4 r^4), r = 0 in the middle of the picture and 1 in its corners.
+    /// The lens lets through exp(falloff2 r^2 + falloff4 r^4), r = 0 in the middle of the image and 1 in its corners.
     float falloff2 = 0, falloff4 = 0;
     bool empty() const { return gains.empty() && falloff2 == 0 && falloff4 == 0; }
     Rgb gainOf(const std::string& view) const;
@@ -26,7 +26,7 @@ struct PhotometricFix {
     bool operator==(const PhotometricFix&) const = default;
 };
 
-/// Squared distance of a pixel position from the middle of the picture, 1 in the corners.
+/// Squared distance of a pixel position from the middle of the image, 1 in the corners.
 float radiusSquared(const Camera& camera, const Vec2& pixel);
 
 /// Brings a view's pixels and its clip level to the common exposure; where the lens darkens the corners, clipped pixels

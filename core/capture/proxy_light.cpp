@@ -8,7 +8,7 @@ namespace relamp {
 namespace {
 
 constexpr float farthest =
-    1000;  ///< times the mesh's diagonal: beyond, a lamp has no place in single precision, and is distant light
+    1000;  ///< times the mesh's diagonal: beyond, an emitter has no place in single precision, and is distant light
 
 struct UnitSphere {
     std::vector<Vec3> points{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};

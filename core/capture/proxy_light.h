@@ -1,5 +1,5 @@
-// A lamp that the capture's mesh does not hold: a small sphere put in its place, so that it is lit, moved and exported
-// as any lamp.
+// An emitter that the capture's mesh does not hold: a small sphere put in its place, so that it is lit, moved and
+// exported as any emitter.
 #pragma once
 #include <vector>
 

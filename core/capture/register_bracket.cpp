@@ -10,7 +10,7 @@
 namespace relamp {
 namespace {
 
-/// A picture as brighter (1) or darker (0) than its threshold, and where that is too close to call (2).
+/// An image as brighter (1) or darker (0) than its threshold, and where that is too close to call (2).
 struct Bitmap {
     int width = 0, height = 0;
     std::vector<uint8_t> value;
@@ -21,7 +21,7 @@ struct Grey {
     std::vector<uint8_t> value;
 };
 
-Grey greyOf(const CodePicture& p) {
+Grey greyOf(const CodeImage& p) {
     Grey grey{p.width, p.height, std::vector<uint8_t>(size_t(p.width) * size_t(p.height))};
     // Ward's weights in 256ths.
     for (size_t i = 0; i < grey.value.size(); ++i)
@@ -43,13 +43,13 @@ Grey halved(const Grey& g) {
     return half;
 }
 
-/// The code with the given share of the pixels below it.
-int quantileOf(const Grey& g, double share) {
+/// The code with the given fraction of the pixels below it.
+int quantileOf(const Grey& g, double fraction) {
     std::array<size_t, 256> counts{};
     for (const uint8_t v : g.value) ++counts[v];
     size_t sum = 0;
     for (int z = 0; z < 256; ++z)
-        if ((sum += counts[size_t(z)]) > size_t(share * double(g.value.size()))) return z;
+        if ((sum += counts[size_t(z)]) > size_t(fraction * double(g.value.size()))) return z;
     return 255;
 }
 
@@ -61,7 +61,7 @@ Bitmap thresholded(const Grey& g, int threshold) {
     return b;
 }
 
-/// Share of the pixels that disagree, of those that both can tell.
+/// Fraction of the pixels that disagree, of those that both can tell.
 double disagreement(const Bitmap& a, const Bitmap& b, int dx, int dy) {
     size_t differ = 0, told = 0;
     for (int y = std::max(0, -dy); y < std::min(a.height, b.height - dy); ++y)
@@ -75,28 +75,28 @@ double disagreement(const Bitmap& a, const Bitmap& b, int dx, int dy) {
     return told ? double(differ) / double(told) : 1;
 }
 
-PixelShift shiftBetween(const CodePicture& from, const CodePicture& to) {
+PixelShift shiftBetween(const CodeImage& from, const CodeImage& to) {
     std::vector<Grey> a{greyOf(from)}, b{greyOf(to)};
     const int reach = std::max(1, from.width / 25);
     while ((1 << a.size()) <= 2 * reach && std::min(a.back().width, a.back().height) >= 32) {
         a.push_back(halved(a.back()));
         b.push_back(halved(b.back()));
     }
-    // The same share of the picture on either side in both; another share than a half where the median is clipped in
+    // The same fraction of the image on either side in both; another share than a half where the median is clipped in
     // one of them.
-    double share = 0.5;
+    double fraction = 0.5;
     for (const double other : {0.5, 0.7, 0.3, 0.85, 0.15}) {
         const int p = quantileOf(a[0], other), q = quantileOf(b[0], other);
         if (std::min(p, q) > 12 && std::max(p, q) < 243) {
-            share = other;
+            fraction = other;
             break;
         }
     }
     PixelShift shift;
     double still = 1, best = 1;
     for (size_t level = a.size(); level-- > 0;) {
-        const Bitmap p = thresholded(a[level], quantileOf(a[level], share)),
-                     q = thresholded(b[level], quantileOf(b[level], share));
+        const Bitmap p = thresholded(a[level], quantileOf(a[level], fraction)),
+                     q = thresholded(b[level], quantileOf(b[level], fraction));
         const PixelShift middle{2 * shift.x, 2 * shift.y};
         std::array<double, 9> error{};
         parallelFor(9, 1, [&](size_t i) {
@@ -114,15 +114,15 @@ PixelShift shiftBetween(const CodePicture& from, const CodePicture& to) {
 
 }  // namespace
 
-std::vector<PixelShift> bracketShifts(const std::vector<CodePicture>& pictures, const std::vector<double>& exposures,
+std::vector<PixelShift> bracketShifts(const std::vector<CodeImage>& images, const std::vector<double>& exposures,
                                       size_t reference) {
-    std::vector<PixelShift> shifts(pictures.size());
-    std::vector<size_t> order(pictures.size());
+    std::vector<PixelShift> shifts(images.size());
+    std::vector<size_t> order(images.size());
     std::iota(order.begin(), order.end(), size_t(0));
     std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return exposures[a] < exposures[b]; });
     const size_t start = size_t(std::find(order.begin(), order.end(), reference) - order.begin());
     const auto link = [&](size_t from, size_t to) {
-        const PixelShift step = shiftBetween(pictures[from], pictures[to]);
+        const PixelShift step = shiftBetween(images[from], images[to]);
         shifts[to] = {shifts[from].x + step.x, shifts[from].y + step.y};
     };
     for (size_t k = start; k + 1 < order.size(); ++k) link(order[k], order[k + 1]);
@@ -130,13 +130,13 @@ std::vector<PixelShift> bracketShifts(const std::vector<CodePicture>& pictures, 
     return shifts;
 }
 
-CodePicture shifted(const CodePicture& picture, const PixelShift& shift) {
-    if (shift == PixelShift{}) return picture;
-    CodePicture result{picture.width, picture.height, picture.linear, std::vector<uint16_t>(picture.codes.size(), 0)};
-    const int first = std::max(0, -shift.x), last = std::min(picture.width, picture.width - shift.x);
-    for (int y = std::max(0, -shift.y); y < std::min(picture.height, picture.height - shift.y) && first < last; ++y)
-        std::copy(picture.at(first + shift.x, y + shift.y), picture.at(last - 1 + shift.x, y + shift.y) + 3,
-                  &result.codes[(size_t(y) * size_t(picture.width) + size_t(first)) * 3]);
+CodeImage shifted(const CodeImage& image, const PixelShift& shift) {
+    if (shift == PixelShift{}) return image;
+    CodeImage result{image.width, image.height, image.linear, std::vector<uint16_t>(image.codes.size(), 0)};
+    const int first = std::max(0, -shift.x), last = std::min(image.width, image.width - shift.x);
+    for (int y = std::max(0, -shift.y); y < std::min(image.height, image.height - shift.y) && first < last; ++y)
+        std::copy(image.at(first + shift.x, y + shift.y), image.at(last - 1 + shift.x, y + shift.y) + 3,
+                  &result.codes[(size_t(y) * size_t(image.width) + size_t(first)) * 3]);
     return result;
 }
 

@@ -290,7 +290,7 @@ Vec3 readUp(const json& root) {
 
 }  // namespace
 
-Transforms parseTransforms(const std::string& text, const PictureSize& sizeOf) {
+Transforms parseTransforms(const std::string& text, const ImageSize& sizeOf) {
     const json root = parseLimited(text);
     if (!root.is_object()) throw Error("is {}, expected an object with frames", kindOf(root));
     Transforms result;
@@ -336,7 +336,7 @@ Transforms parseTransforms(const std::string& text, const PictureSize& sizeOf) {
     return result;
 }
 
-Transforms readTransforms(const std::filesystem::path& file, const PictureSize& sizeOf) {
+Transforms readTransforms(const std::filesystem::path& file, const ImageSize& sizeOf) {
     const std::string text = readBytes(file, maxFileBytes);
     return withContext(file.filename().string(), [&] { return parseTransforms(text, sizeOf); });
 }

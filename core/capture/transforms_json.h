@@ -1,5 +1,5 @@
-// transforms.json: cameras and file names of a capture (FORMAT.md). Parsing only: no picture or mesh is opened here,
-// but for the size of a picture whose `w` and `h` are not given.
+// transforms.json: cameras and file names of a capture (FORMAT.md). Parsing only: no image or mesh is opened here,
+// but for the size of an image whose `w` and `h` are not given.
 #pragma once
 #include <filesystem>
 #include <functional>
@@ -32,14 +32,14 @@ struct Transforms {
     std::vector<std::string> notes;  ///< what was set right or ignored, one sentence each
 };
 
-/// Width and height of the picture with this file_path.
-using PictureSize = std::function<std::pair<int, int>(const std::string& filePath)>;
+/// Width and height of the image with this file_path.
+using ImageSize = std::function<std::pair<int, int>(const std::string& filePath)>;
 
 /// Parses the text of a transforms.json. `sizeOf` is asked where w and h are missing. Limits: nesting of 32, 100000
 /// frames, 8 million values. Throws Error naming frame and field, without the file's name.
-Transforms parseTransforms(const std::string& text, const PictureSize& sizeOf);
+Transforms parseTransforms(const std::string& text, const ImageSize& sizeOf);
 
 /// The same for a file of at most 64 MiB; errors begin with its name.
-Transforms readTransforms(const std::filesystem::path& file, const PictureSize& sizeOf);
+Transforms readTransforms(const std::filesystem::path& file, const ImageSize& sizeOf);
 
 }  // namespace relamp

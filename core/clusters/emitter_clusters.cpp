@@ -6,7 +6,7 @@
 #include <set>
 
 #include "base/log.h"
-#include "clusters/false_lamps.h"
+#include "clusters/false_emitters.h"
 #include "scene/rim.h"
 
 namespace relamp {
@@ -23,14 +23,14 @@ float medianOf(std::vector<float> v, double quantile = 0.5) {
 struct VertexRadiance {
     Rgb radiance{0};
     float spread = 0;  ///< relative difference between views; -1 with one view
-    float weight = 0;  ///< best look-up weight; 0: unseen
+    float weight = 0;  ///< best observation weight; 0: unobserved
 };
 
 std::vector<VertexRadiance> summarise(const Scene& scene, const RadianceSamples& samples) {
     std::vector<VertexRadiance> result(scene.mesh.vertexCount());
     for (uint32_t v = 0; v < result.size(); ++v) {
         VertexRadiance& r = result[v];
-        // Clipped look-ups are lower bounds: they count only where there is nothing else.
+        // Clipped observations are lower bounds: they count only where there is nothing else.
         float best = 0, bestOpen = 0;
         for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
             best = std::max(best, samples.samples[s].weight);
@@ -64,12 +64,12 @@ struct Patch {
     Rgb radiance{0};
     EmitterEvidence evidence;
     float commonSpread = 0;  ///< relative difference between views of the patch as a whole: an exposure that is off, a
-                             ///< lamp that shines more one way
+                             ///< emitter that shines more one way
     float ownSpread = 0;     ///< what is left of viewSpread without that: a reflection that wanders over the patch
     std::string reject;
 };
 
-constexpr size_t smallestPatch = 4;
+constexpr size_t minPatch = 4;
 
 bool alike(const Rgb& a, const Rgb& b, float tolerance) {
     return glm::length(a - b) <= tolerance * std::max(glm::length(a), glm::length(b));
@@ -111,21 +111,22 @@ std::vector<Patch> growPatches(const Scene& scene, const std::vector<VertexRadia
                 stack.push_back(u);
             }
         }
-        if (patch.vertices.size() < smallestPatch) continue;
+        if (patch.vertices.size() < minPatch) continue;
         std::sort(patch.vertices.begin(), patch.vertices.end());
         patches.push_back(std::move(patch));
     }
     return patches;
 }
 
-/// Patches of one radiance on one connected piece are one lamp seen in parts.
+/// Patches of one radiance on one connected component are one emitter seen in parts.
 void mergeLikePatches(const Scene& scene, std::vector<Patch>& patches, const std::vector<VertexRadiance>& seen) {
     for (size_t i = 0; i < patches.size(); ++i)
         for (size_t j = i + 1; j < patches.size();) {
             Rgb a(0), b(0);
             for (uint32_t v : patches[i].vertices) a += seen[v].radiance / float(patches[i].vertices.size());
             for (uint32_t v : patches[j].vertices) b += seen[v].radiance / float(patches[j].vertices.size());
-            if (scene.piece[patches[i].vertices[0]] == scene.piece[patches[j].vertices[0]] && alike(a, b, 0.1f)) {
+            if (scene.component[patches[i].vertices[0]] == scene.component[patches[j].vertices[0]] &&
+                alike(a, b, 0.1f)) {
                 patches[i].vertices.insert(patches[i].vertices.end(), patches[j].vertices.begin(),
                                            patches[j].vertices.end());
                 std::sort(patches[i].vertices.begin(), patches[i].vertices.end());
@@ -141,8 +142,9 @@ void splitSpread(const RadianceSamples& samples, const std::vector<VertexRadianc
     const auto ratios = [&](uint32_t v, const auto& each) {
         const float own = maxChannel(seen[v].radiance);
         for (uint32_t s = samples.start[v]; own > 0 && s < samples.start[v + 1]; ++s)
-            if (const RadianceSample& look = samples.samples[s]; look.weight >= 0.4f * seen[v].weight && !look.clipped)
-                each(look.view, maxChannel(look.radiance) / own);
+            if (const RadianceSample& observation = samples.samples[s];
+                observation.weight >= 0.4f * seen[v].weight && !observation.clipped)
+                each(observation.view, maxChannel(observation.radiance) / own);
     };
     std::vector<std::vector<float>> ofView;
     for (const uint32_t v : patch.vertices)
@@ -153,7 +155,7 @@ void splitSpread(const RadianceSamples& samples, const std::vector<VertexRadianc
     std::vector<float> common(ofView.size(), 0);
     float low = 1e30f, high = 0;
     for (size_t view = 0; view < ofView.size(); ++view) {
-        if (ofView[view].size() < smallestPatch) continue;
+        if (ofView[view].size() < minPatch) continue;
         common[view] = medianOf(ofView[view]);
         low = std::min(low, common[view]);
         high = std::max(high, common[view]);
@@ -172,7 +174,8 @@ void splitSpread(const RadianceSamples& samples, const std::vector<VertexRadianc
     patch.ownSpread = medianOf(own);
 }
 
-/// A reflection moves with the view. What is very bright and changes as a whole, and not much, is a lamp all the same.
+/// A reflection moves with the view. What is very bright and changes as a whole, and not much, is an emitter all the
+/// same.
 bool changesWithView(const Patch& patch, const ClusterOptions& options) {
     const EmitterEvidence& e = patch.evidence;
     return e.viewSpread > 0.12f &&
@@ -201,7 +204,7 @@ void judge(const Scene& scene, const RadianceSamples& samples, const std::vector
     }
     for (int c = 0; c < 3; ++c) patch.radiance[c] = medianOf(channel[c]);
     e.viewsSeen = int(std::accumulate(views.begin(), views.end(), 0));
-    e.clippedShare = e.samples ? float(clipped) / float(e.samples) : 0;
+    e.clippedFraction = e.samples ? float(clipped) / float(e.samples) : 0;
     e.viewSpread = medianOf(spreads);
     e.viewsAgree = spreads.size() * 4 >= patch.vertices.size();
     std::vector<float> off;
@@ -239,14 +242,14 @@ std::vector<uint8_t> withinOneRing(const Scene& scene, const std::vector<uint8_t
     return result;
 }
 
-/// Where a reconstruction ends, its rim is off by a pixel or more, and look-ups there mix in what lies behind: a
+/// Where a reconstruction ends, its rim is off by a pixel or more, and observations there mix in what lies behind: a
 /// window, a bright wall. A patch needs vertices away from rims, as many as the smallest patch has; one that is most of
-/// its piece is a sheet of its own, and its rim is its outline.
-bool onlyRim(const Scene& scene, const std::vector<uint8_t>& nearRim, const std::vector<uint32_t>& seenOfPiece,
+/// its component is a sheet of its own, and its rim is its outline.
+bool onlyRim(const Scene& scene, const std::vector<uint8_t>& nearRim, const std::vector<uint32_t>& seenOfComponent,
              const Patch& patch) {
-    if (2 * patch.vertices.size() > seenOfPiece[scene.piece[patch.vertices[0]]]) return false;
+    if (2 * patch.vertices.size() > seenOfComponent[scene.component[patch.vertices[0]]]) return false;
     return std::count_if(patch.vertices.begin(), patch.vertices.end(), [&](uint32_t v) { return !nearRim[v]; }) <
-           ptrdiff_t(smallestPatch);
+           ptrdiff_t(minPatch);
 }
 
 /// Vertices that fall on one pixel agree because they are one measurement. What a patch is told by, that it is uniform,
@@ -269,24 +272,24 @@ bool tooFewPixels(const Scene& scene, const Capture& capture, const RadianceSamp
     return second < inTwoViews && most < inOneView;
 }
 
-/// Lets a patch take the unseen and half-seen rest of its own body.
+/// Lets a patch take the unobserved and half-seen rest of its own part.
 /// Vertices that belong to another patch stay there.
 void complete(const Scene& scene, const std::vector<VertexRadiance>& seen, const std::vector<uint8_t>& ofOthers,
               EmitterCluster& cluster) {
     std::vector<uint8_t> mine(seen.size(), 0);
     for (uint32_t v : cluster.vertices) mine[v] = 1;
-    // A connected piece whose clearly seen vertices nearly all shine is a lamp as a whole.
-    std::vector<float> shining(scene.pieces, 0), clear(scene.pieces, 0);
+    // A connected component whose clearly seen vertices nearly all shine is an emitter as a whole.
+    std::vector<float> shining(scene.components, 0), clear(scene.components, 0);
     for (uint32_t v = 0; v < seen.size(); ++v) {
         if (seen[v].weight <= 0) continue;
-        clear[scene.piece[v]] += seen[v].weight;
-        if (mine[v]) shining[scene.piece[v]] += seen[v].weight;
+        clear[scene.component[v]] += seen[v].weight;
+        if (mine[v]) shining[scene.component[v]] += seen[v].weight;
     }
     for (uint32_t v = 0; v < seen.size(); ++v) {
-        const uint32_t p = scene.piece[v];
+        const uint32_t p = scene.component[v];
         if (!mine[v] && !ofOthers[v] && shining[p] > 0.7f * clear[p]) mine[v] = 1;
     }
-    // Elsewhere unseen neighbours of similar orientation join, a few rings far.
+    // Elsewhere unobserved neighbours of similar orientation join, a few rings far.
     std::vector<uint32_t> ring = cluster.vertices;
     for (int step = 0; step < 3; ++step) {
         std::vector<uint32_t> next;
@@ -338,8 +341,8 @@ Vec3 middleOf(const Scene& scene, size_t vertices) {
     return scene.axes * ((low + high) / 2.0f);
 }
 
-/// The spheres that stand for lamps without geometry: they are lamps because somebody said so, and how bright they are
-/// is solved for.
+/// The spheres that stand for emitters without geometry: they are emitters because somebody said so, and how bright
+/// they are is solved for.
 void addProxyEmitters(const Scene& scene, const Capture& capture, float brightness, EmitterClusters& result) {
     for (size_t i = 0; i < capture.proxies.size(); ++i) {
         const ProxyLight& proxy = capture.proxies[i];
@@ -348,7 +351,7 @@ void addProxyEmitters(const Scene& scene, const Capture& capture, float brightne
         EmitterCluster cluster;
         for (size_t v = 0; v < proxyVertices; ++v) cluster.vertices.push_back(uint32_t(firstVertex + v));
         measure(scene, cluster);
-        cluster.unseen = true;
+        cluster.unobserved = true;
         cluster.positionSigma = proxy.sigma;
         // A guess: half of what lights the middle of the scene, on an albedo of 0.3.
         const float distance = glm::length(Vec3(proxy.centre) - middleOf(scene, firstVertex));
@@ -359,11 +362,11 @@ void addProxyEmitters(const Scene& scene, const Capture& capture, float brightne
     }
 }
 
-/// Bodies of connected vertices above `floor`, in an order that does not know the file's; none that has a vertex in
+/// Parts of connected vertices above `floor`, in an order that does not know the file's; none that has a vertex in
 /// `except`.
-std::vector<Patch> brightBodies(const Scene& scene, const std::vector<VertexRadiance>& seen, float floor,
-                                const std::vector<uint8_t>& except) {
-    std::vector<Patch> bodies;
+std::vector<Patch> brightPatches(const Scene& scene, const std::vector<VertexRadiance>& seen, float floor,
+                                 const std::vector<uint8_t>& except) {
+    std::vector<Patch> parts;
     std::vector<uint8_t> taken(seen.size(), 0);
     std::vector<uint32_t> order(seen.size()), stack;
     std::iota(order.begin(), order.end(), 0u);
@@ -373,14 +376,14 @@ std::vector<Patch> brightBodies(const Scene& scene, const std::vector<VertexRadi
     };
     for (const uint32_t seed : order) {
         if (!bright(seed)) continue;
-        Patch body;
+        Patch part;
         bool whole = true;
         stack.assign(1, seed);
         taken[seed] = 1;
         while (!stack.empty()) {
             const uint32_t v = stack.back();
             stack.pop_back();
-            body.vertices.push_back(v);
+            part.vertices.push_back(v);
             whole &= !except[v];
             for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e)
                 if (const uint32_t u = scene.graph.to[e]; bright(u)) {
@@ -388,29 +391,29 @@ std::vector<Patch> brightBodies(const Scene& scene, const std::vector<VertexRadi
                     stack.push_back(u);
                 }
         }
-        if (!whole || body.vertices.size() < smallestPatch) continue;
-        std::sort(body.vertices.begin(), body.vertices.end());
-        bodies.push_back(std::move(body));
+        if (!whole || part.vertices.size() < minPatch) continue;
+        std::sort(part.vertices.begin(), part.vertices.end());
+        parts.push_back(std::move(part));
     }
-    return bodies;
+    return parts;
 }
 
-/// Whether the body could be what these lamps, of known radiance, light: its median vertex would need an albedo
+/// Whether the part could be what these emitters, of known radiance, light: its median vertex would need an albedo
 /// below 1.5 if nothing stood between. O(64 x their triangles).
-bool litByLamps(const Scene& scene, const std::vector<VertexRadiance>& seen, const std::vector<EmitterCluster>& lamps,
-                const Patch& body) {
+bool litByEmitters(const Scene& scene, const std::vector<VertexRadiance>& seen,
+                   const std::vector<EmitterCluster>& emitters, const Patch& part) {
     constexpr size_t mostVertices = 64;
     std::vector<float> demanded;
-    std::vector<uint32_t> vertices = body.vertices;
+    std::vector<uint32_t> vertices = part.vertices;
     std::sort(vertices.begin(), vertices.end(), [&](uint32_t a, uint32_t b) { return scene.rank[a] < scene.rank[b]; });
     const size_t step = std::max<size_t>(1, vertices.size() / mostVertices);
     for (size_t i = 0; i < vertices.size(); i += step) {
         const uint32_t v = vertices[i];
         Rgb lit(0);
-        for (const EmitterCluster& lamp : lamps) {
-            if (lamp.unseen) continue;  // its radiance is a guess yet
-            float factor = 0;           // form factor; whichever way the surfaces face
-            for (const uint32_t t : lamp.triangles) {
+        for (const EmitterCluster& emitter : emitters) {
+            if (emitter.unobserved) continue;  // its radiance is a guess yet
+            float factor = 0;                  // form factor; whichever way the surfaces face
+            for (const uint32_t t : emitter.triangles) {
                 const Triangle& corners = scene.mesh.triangles[t];
                 const Vec3 to = (scene.mesh.positions[corners[0]] + scene.mesh.positions[corners[1]] +
                                  scene.mesh.positions[corners[2]]) /
@@ -421,14 +424,14 @@ bool litByLamps(const Scene& scene, const std::vector<VertexRadiance>& seen, con
                           std::abs(glm::dot(to, scene.mesh.normals[v]) * glm::dot(to, scene.mesh.faceNormal(t))) /
                           (pi * squared * squared);
             }
-            lit += lamp.radiance * std::min(factor, 1.0f);
+            lit += emitter.radiance * std::min(factor, 1.0f);
         }
         demanded.push_back(maxChannel(seen[v].radiance) / std::max(maxChannel(lit), 1e-20f));
     }
     return medianOf(demanded) < 1.5f;
 }
 
-/// What a body of uneven radiance sends on the whole: the mean over its surface.
+/// What a part of uneven radiance sends on the whole: the mean over its surface.
 Rgb meanRadiance(const Scene& scene, const std::vector<VertexRadiance>& seen, const EmitterCluster& cluster) {
     DVec3 sum(0);
     double area = 0;
@@ -494,8 +497,8 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
     const float reference = ordinary.size() > 20 ? medianOf(ordinary, 0.95) : median;
 
     const std::vector<uint8_t> nearRim = withinOneRing(scene, rimVertices(scene.mesh));
-    std::vector<uint32_t> seenOfPiece(scene.pieces, 0);
-    for (uint32_t v = 0; v < seen.size(); ++v) seenOfPiece[scene.piece[v]] += seen[v].weight > 0.1f;
+    std::vector<uint32_t> seenOfComponent(scene.components, 0);
+    for (uint32_t v = 0; v < seen.size(); ++v) seenOfComponent[scene.component[v]] += seen[v].weight > 0.1f;
     std::vector<uint8_t> taken(seen.size(), 0),
         accepted(seen.size(), 0);       // by accepted patches, with what completes them and without
     std::vector<size_t> rejectedPatch;  // of each in result.rejected
@@ -513,8 +516,8 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
         else if (e.uniformity > 0.12f) patch.reject = "its radiance varies as shading does";
         else if (e.edgeDrop > 0.8f) patch.reject = "fades out without an edge";
         else if (tooFewPixels(scene, capture, samples, patch))
-            patch.reject = "is seen by too few pixels to tell a lamp from a bright speck";
-        else if (onlyRim(scene, nearRim, seenOfPiece, patch))
+            patch.reject = "is seen by too few pixels to tell a light from a bright speck";
+        else if (onlyRim(scene, nearRim, seenOfComponent, patch))
             patch.reject = "lies at the rim of a hole, where a pixel may show what is behind";
         EmitterCluster cluster;
         cluster.vertices = patch.vertices;
@@ -541,19 +544,19 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
              : result.candidates)
             .push_back(std::move(cluster));
     }
-    // Bright bodies none of whose patches is a lamp by itself, but which are one as a whole.
-    for (Patch& body : brightBodies(scene, seen, 0.75f * options.unevenContrast * reference, accepted)) {
-        std::vector<int> inBody(seen.size(), -1);
-        for (uint32_t v : body.vertices) inBody[v] = 0;
-        judge(scene, samples, seen, inBody, 0, reference, body);
-        const EmitterEvidence& e = body.evidence;
-        if (e.sceneContrast < options.unevenContrast || changesWithView(body, options) || !e.viewsAgree ||
-            e.edgeDrop > 0.5f || tooFewPixels(scene, capture, samples, body) ||
-            onlyRim(scene, nearRim, seenOfPiece, body) || litByLamps(scene, seen, result.emitters, body))
+    // Bright parts none of whose patches is an emitter by itself, but which are one as a whole.
+    for (Patch& part : brightPatches(scene, seen, 0.75f * options.unevenContrast * reference, accepted)) {
+        std::vector<int> inPatch(seen.size(), -1);
+        for (uint32_t v : part.vertices) inPatch[v] = 0;
+        judge(scene, samples, seen, inPatch, 0, reference, part);
+        const EmitterEvidence& e = part.evidence;
+        if (e.sceneContrast < options.unevenContrast || changesWithView(part, options) || !e.viewsAgree ||
+            e.edgeDrop > 0.5f || tooFewPixels(scene, capture, samples, part) ||
+            onlyRim(scene, nearRim, seenOfComponent, part) || litByEmitters(scene, seen, result.emitters, part))
             continue;
         EmitterCluster cluster;
-        cluster.vertices = body.vertices;
-        cluster.radiance = body.radiance;
+        cluster.vertices = part.vertices;
+        cluster.radiance = part.radiance;
         cluster.evidence = e;
         complete(scene, seen, taken, cluster);
         measure(scene, cluster);
@@ -564,7 +567,7 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
             std::max(0.02f, 0.1f * e.uniformity);  // what it sends one way is not what it sends another
         size_t kept = 0;
         for (size_t r = 0; r < result.rejected.size(); ++r) {
-            if (inBody[patches[rejectedPatch[r]].vertices[0]] == 0) continue;  // a part of this one
+            if (inPatch[patches[rejectedPatch[r]].vertices[0]] == 0) continue;  // a part of this one
             if (kept != r) {
                 result.rejected[kept] = result.rejected[r];
                 rejectedPatch[kept] = rejectedPatch[r];
@@ -575,20 +578,21 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
         rejectedPatch.resize(kept);
         result.candidates.push_back(std::move(cluster));
     }
-    // What a mesh that is not exact makes of a lamp.
-    joinSplitLamps(scene, result.emitters);
-    const std::vector<EmitterCluster> lamps = result.emitters;
+    // What a mesh that is not exact makes of an emitter.
+    joinSplitEmitters(scene, result.emitters);
+    const std::vector<EmitterCluster> emitters = result.emitters;
     const auto dropFalse = [&](std::vector<EmitterCluster>& clusters) {
         std::erase_if(clusters, [&](EmitterCluster& e) {
-            if (e.unseen) return false;
+            if (e.unobserved) return false;
             const char* reason = nullptr;
-            for (const EmitterCluster& lamp : lamps)
-                if (emitterPower(lamp) > emitterPower(e) && showsLampPastEdge(scene, capture, samples, lamp, e))
-                    reason = "shows a lamp past the edge of the mesh";
+            for (const EmitterCluster& emitter : emitters)
+                if (emitterPower(emitter) > emitterPower(e) &&
+                    showsEmitterPastEdge(scene, capture, samples, emitter, e))
+                    reason = "shows a light past the edge of the mesh";
             constexpr float plausible = 0.9f;
-            if (const float albedo = albedoBesideLamps(scene, lamps, e); !reason && albedo < plausible) {
+            if (const float albedo = albedoBesideEmitters(scene, emitters, e); !reason && albedo < plausible) {
                 e.evidence.demandedAlbedo = albedo;
-                reason = "a lamp beside it lights it as brightly";
+                reason = "a light beside it lights it as brightly";
             }
             if (reason) result.rejected.push_back({e.centroid, e.radiance, e.evidence, reason});
             return reason != nullptr;

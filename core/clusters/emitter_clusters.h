@@ -10,7 +10,7 @@
 
 namespace relamp {
 
-/// Why a patch is taken for a lamp.
+/// Why a patch is taken for an emitter.
 struct EmitterEvidence {
     float sceneContrast = 0;  ///< its radiance over the 95th percentile of the other surfaces
     float localContrast = 0;  ///< its radiance over the median of the surfaces around it
@@ -21,8 +21,8 @@ struct EmitterEvidence {
     float edgeDrop = 0;        ///< median radiance just outside over inside; 0 when it is an object of its own
     float demandedAlbedo = 0;  ///< albedo needed to explain it by reflection, 0 until a light fit has tested it
     int viewsSeen = 0;
-    size_t samples = 0;      ///< look-ups on it
-    float clippedShare = 0;  ///< share of them at the clip level
+    size_t samples = 0;         ///< observations on it
+    float clippedFraction = 0;  ///< fraction of them at the clip level
 };
 
 /// A patch of emitting triangles of one radiance.
@@ -30,14 +30,14 @@ struct EmitterCluster {
     std::string id;                   ///< "emitter-1", strongest power first
     std::vector<uint32_t> vertices;   ///< sorted
     std::vector<uint32_t> triangles;  ///< sorted
-    Rgb radiance{0};                  ///< seen directly, image units (median of unclipped look-ups)
+    Rgb radiance{0};                  ///< seen directly, image units (median of unclipped observations)
     float radianceSigma = 0;          ///< relative standard deviation of that
     bool twoSided = false;            ///< its back was seen shining as well
-    bool unseen = false;    ///< a proxy: no pixel tells its radiance, which is a guess until the light is solved
-    Vec3 positionSigma{0};  ///< standard deviation of its centre, metres; 0 where the mesh says where it is
-    Vec3 centroid{0};       ///< metres, area-weighted
-    Vec3 normal{0};         ///< area-weighted mean, unit; 0 for closed bodies
-    float area = 0;         ///< square metres
+    bool unobserved = false;  ///< a proxy: no pixel tells its radiance, which is a guess until the light is solved
+    Vec3 positionSigma{0};    ///< standard deviation of its centre, metres; 0 where the mesh says where it is
+    Vec3 centroid{0};         ///< metres, area-weighted
+    Vec3 normal{0};           ///< area-weighted mean, unit; 0 for closed parts
+    float area = 0;           ///< square metres
     EmitterEvidence evidence;
 };
 
@@ -60,14 +60,14 @@ struct ClusterOptions {
     float tolerance = 0.15f;     ///< relative radiance step inside a patch
     float certainContrast = 12;  ///< scene contrast above which no light fit is needed
     float minContrast = 1.6f;    ///< scene or local contrast below which a patch is no candidate
-    float unevenContrast = 4;    ///< scene contrast above which a bright body of uneven radiance is a candidate
+    float unevenContrast = 4;    ///< scene contrast above which a bright part of uneven radiance is a candidate
 };
 
 /// High-radiance patches: view-independent, uniform, with a sharp edge. Specular highlights move with the view and
-/// fail; bright walls stay candidates until confirmEmitters has fitted the light. So do bright bodies with a sharp edge
+/// fail; bright walls stay candidates until confirmEmitters has fitted the light. So do bright parts with a sharp edge
 /// that are not uniform (a shade that glows more where the bulb is near, a window): as emitters they have one radiance,
 /// their mean. And so do very bright ones that differ between the views as a whole and by less than half: photographs
-/// whose exposures differ, lamps that shine more one way.
+/// whose exposures differ, emitters that shine more one way.
 EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                                 const ClusterOptions& options, Progress& progress);
 

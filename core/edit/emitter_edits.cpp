@@ -49,28 +49,28 @@ Mat3 axesFrom(const Mat4& matrix, const Vec3& facing) {
     return Mat3(x, glm::cross(z, x), z);
 }
 
-struct Body {
+struct Part {
     Vec3 centroid{0}, facing{0, 0, -1};
     float area = 0;
 };
 
-/// The capture's triangles of the piece that holds the vertex.
-Body bodyOfPiece(const Scene& scene, uint32_t seed) {
-    Body body;
-    if (seed >= scene.mesh.vertexCount()) return body;
+/// The capture's triangles of the component that holds the vertex.
+Part partOfComponent(const Scene& scene, uint32_t seed) {
+    Part part;
+    if (seed >= scene.mesh.vertexCount()) return part;
     Vec3 normal(0);
     for (size_t t = 0; t < scene.mesh.triangles.size(); ++t) {
         const Triangle& i = scene.mesh.triangles[t];
-        if (scene.piece[i[0]] != scene.piece[seed]) continue;
+        if (scene.component[i[0]] != scene.component[seed]) continue;
         const float area = scene.mesh.triangleArea(t);
-        body.centroid +=
+        part.centroid +=
             area / 3 * (scene.mesh.positions[i[0]] + scene.mesh.positions[i[1]] + scene.mesh.positions[i[2]]);
         normal += area * scene.mesh.faceNormal(t);
-        body.area += area;
+        part.area += area;
     }
-    if (body.area > 0) body.centroid /= body.area;
-    if (glm::length(normal) > 0.1f * body.area) body.facing = glm::normalize(normal);
-    return body;
+    if (part.area > 0) part.centroid /= part.area;
+    if (glm::length(normal) > 0.1f * part.area) part.facing = glm::normalize(normal);
+    return part;
 }
 
 Vec3 facingOf(const EmitterCluster& cluster) {
@@ -140,17 +140,17 @@ std::vector<EmitterState> emittersOf(const Scene& scene, const Estimate& estimat
         s.matrix = e.matrix;
         s.radiance = s.recoveredRadiance = e.radiance;
         s.changed = true;
-        Body body;
-        if (e.shape == AddedEmitter::Shape::part) body = bodyOfPiece(scene, e.seedVertex);
+        Part part;
+        if (e.shape == AddedEmitter::Shape::part) part = partOfComponent(scene, e.seedVertex);
         else if (e.shape == AddedEmitter::Shape::copy) {
             if (const int c = clusterIndex(estimate, e.source); c >= 0)
-                body = {clusters[size_t(c)].centroid, facingOf(clusters[size_t(c)]), clusters[size_t(c)].area};
-        } else if (e.shape == AddedEmitter::Shape::rectangle) body.area = e.size.x * e.size.y;
-        else if (e.shape == AddedEmitter::Shape::disk) body.area = pi * e.size.x * e.size.y / 4;
-        else body.area = pi * e.size.x * e.size.y;
-        s.pivot = Vec3(s.matrix * Vec4(body.centroid, 1));
-        s.axes = axesFrom(s.matrix, body.facing);
-        s.area = body.area;
+                part = {clusters[size_t(c)].centroid, facingOf(clusters[size_t(c)]), clusters[size_t(c)].area};
+        } else if (e.shape == AddedEmitter::Shape::rectangle) part.area = e.size.x * e.size.y;
+        else if (e.shape == AddedEmitter::Shape::disk) part.area = pi * e.size.x * e.size.y / 4;
+        else part.area = pi * e.size.x * e.size.y;
+        s.pivot = Vec3(s.matrix * Vec4(part.centroid, 1));
+        s.axes = axesFrom(s.matrix, part.facing);
+        s.area = part.area;
         out.push_back(s);
     }
     return out;
@@ -251,7 +251,7 @@ std::string duplicateEmitter(Look& look, const Estimate& estimate, const std::st
     const Mat4 aside = glm::translate(Mat4(1), offset);
     if (const AddedEmitter* added = addedLook(look, id)) {
         AddedEmitter copy = *added;
-        if (copy.shape == AddedEmitter::Shape::part) return {};  // a piece of mesh exists once
+        if (copy.shape == AddedEmitter::Shape::part) return {};  // a component of mesh exists once
         copy.matrix = aside * copy.matrix;
         copy.name.clear();
         return addEmitter(look, estimate, std::move(copy));
@@ -283,7 +283,8 @@ void removeEmitter(Look& look, const std::string& id) {
 void attachPart(Look& look, const Scene& scene, uint32_t seedVertex, const std::string& id) {
     if (seedVertex >= scene.mesh.vertexCount()) return;
     for (PartLook& part : look.parts)
-        if (part.seedVertex < scene.mesh.vertexCount() && scene.piece[part.seedVertex] == scene.piece[seedVertex]) {
+        if (part.seedVertex < scene.mesh.vertexCount() &&
+            scene.component[part.seedVertex] == scene.component[seedVertex]) {
             part.attachedTo = id;
             return;
         }
@@ -292,13 +293,14 @@ void attachPart(Look& look, const Scene& scene, uint32_t seedVertex, const std::
 
 void detachPart(Look& look, const Scene& scene, uint32_t seedVertex) {
     for (PartLook& part : look.parts)
-        if (scene.piece[part.seedVertex] == scene.piece[seedVertex]) part.attachedTo.clear();
+        if (scene.component[part.seedVertex] == scene.component[seedVertex]) part.attachedTo.clear();
     std::erase_if(look.parts, [](const PartLook& part) { return part.attachedTo.empty() && part.matrix == Mat4(1); });
 }
 
 void resetPart(Look& look, const Scene& scene, uint32_t seedVertex) {
-    std::erase_if(look.parts,
-                  [&](const PartLook& part) { return scene.piece[part.seedVertex] == scene.piece[seedVertex]; });
+    std::erase_if(look.parts, [&](const PartLook& part) {
+        return scene.component[part.seedVertex] == scene.component[seedVertex];
+    });
 }
 
 std::vector<uint32_t> likelyParts(const Scene& scene, const Estimate& estimate, const std::string& id) {
@@ -310,25 +312,26 @@ std::vector<uint32_t> likelyParts(const Scene& scene, const Estimate& estimate, 
     for (uint32_t v : cluster.vertices) {
         low = glm::min(low, scene.mesh.positions[v]);
         high = glm::max(high, scene.mesh.positions[v]);
-        own.insert(scene.piece[v]);
+        own.insert(scene.component[v]);
     }
     const float grow = extentOf(scene.mesh, cluster);
     low -= grow;
     high += grow;
-    std::vector<uint32_t> size(scene.pieces, 0), inside(scene.pieces, ~0u);
+    std::vector<uint32_t> size(scene.components, 0), inside(scene.components, ~0u);
     for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v) {
         if (!scene.referenced[v]) continue;
-        const uint32_t piece = scene.piece[v];
-        ++size[piece];
+        const uint32_t component = scene.component[v];
+        ++size[component];
         const Vec3& p = scene.mesh.positions[v];
         const bool in = glm::all(glm::greaterThanEqual(p, low)) && glm::all(glm::lessThanEqual(p, high));
-        if (in && inside[piece] == ~0u && estimate.emitters.emitterOfVertex[v] < 0) inside[piece] = v;
+        if (in && inside[component] == ~0u && estimate.emitters.emitterOfVertex[v] < 0) inside[component] = v;
     }
-    // The floor also passes near many lamps: the largest piece stays where it is, unless the lamp is a patch of it.
+    // The floor also passes near many emitters: the largest component stays where it is, unless the emitter is a patch
+    // of it.
     const uint32_t largest = uint32_t(std::max_element(size.begin(), size.end()) - size.begin());
     std::vector<uint32_t> seeds;
-    for (uint32_t piece = 0; piece < scene.pieces; ++piece)
-        if (inside[piece] != ~0u && piece != largest) seeds.push_back(inside[piece]);
+    for (uint32_t component = 0; component < scene.components; ++component)
+        if (inside[component] != ~0u && component != largest) seeds.push_back(inside[component]);
     return seeds;
 }
 

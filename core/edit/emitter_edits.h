@@ -55,17 +55,17 @@ void resetLook(Look& look);
 std::string addEmitter(Look& look, const Estimate& estimate, AddedEmitter emitter);
 /// A copy beside the original, `offset` metres away. Empty when the id is unknown.
 std::string duplicateEmitter(Look& look, const Estimate& estimate, const std::string& id, const Vec3& offset);
-/// Added ones disappear; recovered ones are switched off, because their body is part of the capture.
+/// Added ones disappear; recovered ones are switched off, because their part is part of the capture.
 void removeEmitter(Look& look, const std::string& id);
 
-/// The connected piece of mesh follows the emitter from now on. A piece follows one emitter at most.
+/// The connected component of mesh follows the emitter from now on. A component follows one emitter at most.
 void attachPart(Look& look, const Scene& scene, uint32_t seedVertex, const std::string& id);
-/// The piece stays where it is from now on.
+/// The component stays where it is from now on.
 void detachPart(Look& look, const Scene& scene, uint32_t seedVertex);
-/// The piece goes back to where it was captured and belongs to nothing.
+/// The component goes back to where it was captured and belongs to nothing.
 void resetPart(Look& look, const Scene& scene, uint32_t seedVertex);
-/// Pieces near the emitter that would plausibly follow it (touch its bounding box grown by its radius, and are not the
-/// largest piece of the scene), as seed vertices.
+/// Components near the emitter that would plausibly follow it (touch its bounding box grown by its radius, and are not
+/// the largest component of the scene), as seed vertices.
 std::vector<uint32_t> likelyParts(const Scene& scene, const Estimate& estimate, const std::string& id);
 
 /// Turns the emitter about its pivot so that its facing axis points at `target`; parts follow.

@@ -8,7 +8,7 @@ DVec2 uvOf(const DVec2& xy) { return DVec2(4 * xy.x, 6 * xy.y) / (-2 * xy.x + 12
 DVec2 xyOf(const DVec2& uv) { return DVec2(3 * uv.x, 2 * uv.y) / (2 * uv.x - 8 * uv.y + 4); }
 
 /// [Krystek85], 1000 to 15000 K, CIE 1960 uv.
-DVec2 glowingBody(double t) {
+DVec2 radiator(double t) {
     return {
         (0.860117757 + 1.54118254e-4 * t + 1.28641212e-7 * t * t) / (1 + 8.42420235e-4 * t + 7.08145163e-7 * t * t),
         (0.317398726 + 4.22806245e-5 * t + 4.20481691e-8 * t * t) / (1 - 2.89741816e-5 * t + 1.61456053e-7 * t * t)};
@@ -24,9 +24,9 @@ DVec2 daylight(double t) {
 
 DVec2 uvOfKelvin(double kelvin) {
     const double t = std::clamp(kelvin, double(lowestKelvin), double(highestKelvin));
-    if (t <= 4000) return glowingBody(t);
+    if (t <= 4000) return radiator(t);
     if (t >= 5000) return daylight(t);
-    return glm::mix(glowingBody(t), daylight(t), (t - 4000) / 1000);
+    return glm::mix(radiator(t), daylight(t), (t - 4000) / 1000);
 }
 
 /// IEC 61966-2-1 primaries, white D65 = (0.3127, 0.3290).

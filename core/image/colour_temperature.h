@@ -8,7 +8,7 @@ inline constexpr float lowestKelvin = 1000, highestKelvin = 25000;
 /// Daylight that Rec.709 calls white (D65).
 inline constexpr float whiteKelvin = 6504;
 
-/// CIE 1931 xy of a light of this temperature, clamped to the range above. Up to 4000 K a glowing body, [Krystek85]
+/// CIE 1931 xy of a light of this temperature, clamped to the range above. Up to 4000 K a glowing part, [Krystek85]
 /// equations 3 and 4 (off by at most 9e-5 in CIE 1960 uv); from 5000 K daylight, [CIE15] section 3; between them a
 /// straight blend in uv, as [TM30] blends its reference lights. So 2856 K is CIE illuminant A and 6504 K is D65.
 Vec2 kelvinChromaticity(float kelvin);

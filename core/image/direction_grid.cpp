@@ -30,7 +30,7 @@ Vec2 sphereToSquare(const Vec3& direction) {
 
 namespace {
 constexpr double brightOverMean = 4;
-constexpr int sentPoints = 8;  // a side of a cell
+constexpr int outgoingPoints = 8;  // a side of a cell
 }  // namespace
 
 std::vector<Rgb> turnedCells(const std::vector<Rgb>& cells, const DirectionGrid& from, const DirectionGrid& to,
@@ -61,12 +61,12 @@ std::vector<Rgb> turnedCells(const std::vector<Rgb>& cells, const DirectionGrid&
         fetch(std::max(1, points / 2));
         if (points > 1 && glm::any(glm::lessThan(low, 0.95f * high))) fetch(points);
     });
-    const double share = double(to.cells()) / double(from.cells()) / double(sentPoints * sentPoints);
+    const double fraction = double(to.cells()) / double(from.cells()) / double(outgoingPoints * outgoingPoints);
     for (size_t c = 0; c < cells.size(); ++c) {
         if (cells[c] == even[c]) continue;
-        const Rgb part = float(share) * (cells[c] - even[c]);
-        for (int k = 0; k < sentPoints * sentPoints; ++k)
-            out[size_t(to.cellOf(from.direction(int(c), inside(k, sentPoints))))] += part;
+        const Rgb part = float(fraction) * (cells[c] - even[c]);
+        for (int k = 0; k < outgoingPoints * outgoingPoints; ++k)
+            out[size_t(to.cellOf(from.direction(int(c), inside(k, outgoingPoints))))] += part;
     }
     return out;
 }

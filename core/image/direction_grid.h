@@ -33,8 +33,8 @@ struct DirectionGrid {
 
 /// What `cells` of `from` hold, on `to` (any side, any axes): the mean of `points` x `points` points in each cell, of a
 /// quarter of them where those differ by less than a twentieth. What is brighter than four times the mean, a sun or a
-/// lamp, keeps its energy exactly. With 8, light on surfaces stays the same to about 1e-4; 0.05 to 0.15 s for a side of
-/// 256 on two cores.
+/// emitter, keeps its energy exactly. With 8, light on surfaces stays the same to about 1e-4; 0.05 to 0.15 s for a side
+/// of 256 on two cores.
 std::vector<Rgb> turnedCells(const std::vector<Rgb>& cells, const DirectionGrid& from, const DirectionGrid& to,
                              int points = 8);
 

@@ -38,7 +38,7 @@ Vec3 directionFromLatLong(const Vec2& uv) {
 Image readEnvironment(const std::filesystem::path& file) {
     Image image = readImage(file);
     if (std::abs(double(image.width) / image.height - 2) > 0.02)
-        throw Error("{}: is {} x {} pixels, expected a latitude-longitude picture twice as wide as high", file.string(),
+        throw Error("{}: is {} x {} pixels, expected a latitude-longitude image twice as wide as high", file.string(),
                     image.width, image.height);
     image.usable.clear();  // alpha says nothing about a surrounding; what was not finite is 0 by now
     return image;
@@ -55,10 +55,10 @@ Rgb environmentRadiance(const Image& latLong, const Vec3& direction) {
 }
 
 std::vector<Rgb> integrateOverCells(const Image& latLong, const DirectionGrid& grid) {
-    // A texel is split into pieces much smaller than a cell, at least 4 x 4. Pieces of a row have equal solid angle, so
-    // every texel gives away exactly its energy. The pieces that land in a cell do not add up to exactly its solid
-    // angle; the difference is taken to be of the cell's darkest radiance, so that a constant map stays constant in
-    // every cell while a bright spot keeps its energy.
+    // A texel is split into components much smaller than a cell, at least 4 x 4. Components of a row have equal solid
+    // angle, so every texel gives away exactly its energy. The components that land in a cell do not add up to exactly
+    // its solid angle; the difference is taken to be of the cell's darkest radiance, so that a constant map stays
+    // constant in every cell while a bright spot keeps its energy.
     const double cellEdge = std::sqrt(4 * piD / grid.cells()), texelEdge = piD / latLong.height;
     const int split = std::clamp(int(std::ceil(16 * texelEdge / cellEdge)), 4, 256);
     struct Sum {
@@ -89,7 +89,7 @@ std::vector<Rgb> integrateOverCells(const Image& latLong, const DirectionGrid& g
             sines[i] = std::sin(azimuth);
         }
         for (size_t y = begin; y < end; ++y) {
-            const double piece = texelSolidAngle(latLong, int(y)) / (double(split) * split);
+            const double component = texelSolidAngle(latLong, int(y)) / (double(split) * split);
             const double zTop = std::sin(piD * (0.5 - double(y) / latLong.height));
             const double zBottom = std::sin(piD * (0.5 - double(y + 1) / latLong.height));
             for (int s = 0; s < split; ++s) {
@@ -98,8 +98,8 @@ std::vector<Rgb> integrateOverCells(const Image& latLong, const DirectionGrid& g
                 for (size_t i = 0; i < cosines.size(); ++i) {
                     const size_t cell = size_t(grid.cellOf(Vec3(float(r * cosines[i]), float(r * sines[i]), float(z))));
                     const Rgb& radiance = latLong.at(int(i / size_t(split)), int(y));
-                    part.energy[cell] += DVec3(radiance) * piece;
-                    part.angle[cell] += piece;
+                    part.energy[cell] += DVec3(radiance) * component;
+                    part.angle[cell] += component;
                     part.darkest[cell] = glm::min(part.darkest[cell], radiance);
                 }
             }
@@ -116,8 +116,8 @@ std::vector<Rgb> integrateOverCells(const Image& latLong, const DirectionGrid& g
 
 namespace {
 
-/// Which cell of the square of directions lies under a point of a latitude-longitude picture whose texels are cut into
-/// split x split parts. Azimuth and height are those of a column and a row of parts, so no angle is worked out twice
+/// Which cell of the square of directions lies under a point of a latitude-longitude image whose texels are cut into
+/// split x split parts. Azimuth and height are those of a column and a row of parts, so no angle is computed twice
 /// (sphereToSquare).
 class LatLongRaster {
 public:

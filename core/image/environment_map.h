@@ -1,4 +1,4 @@
-// Distant light as a latitude-longitude picture, and its integration over the cells of a direction grid.
+// Distant light as a latitude-longitude image, and its integration over the cells of a direction grid.
 // Convention (Blender's): centre of the image is +X, going right is towards -Y, top is +Z.
 #pragma once
 #include <filesystem>
@@ -23,7 +23,7 @@ Rgb environmentRadiance(const Image& latLong, const Vec3& direction);
 /// it falls in, so a sun keeps its energy to 1e-3. Returns grid.cells() values.
 std::vector<Rgb> integrateOverCells(const Image& latLong, const DirectionGrid& grid);
 
-/// A latitude-longitude picture of a piecewise constant environment, texels box-filtered 2 x 2, at bright edges 16 x
+/// A latitude-longitude image of a piecewise constant environment, texels box-filtered 2 x 2, at bright edges 16 x
 /// 16: a sun keeps its energy to 1e-3.
 Image latLongFromCells(const std::vector<Rgb>& cells, const DirectionGrid& grid, int width);
 

@@ -87,7 +87,7 @@ struct PartShape {
             linesTogether = kind >= 0 && kind < 10 ? lines[kind] : 256;
         }
     }
-    /// OpenEXR asks for whole tiles, however small the picture, and for as many lines as are packed together.
+    /// OpenEXR asks for whole tiles, however small the image, and for as many lines as are packed together.
     void check(const std::filesystem::path& file) const {
         constexpr int64_t mostSide = 1 << 20, mostSamples = 1 << 27;
         const int64_t across = tileWidth > 0 ? tileWidth : width, down = tileWidth > 0 ? tileHeight : linesTogether;

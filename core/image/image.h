@@ -1,4 +1,4 @@
-// A picture in memory: linear radiance, row 0 at the top.
+// An image in memory: linear radiance, row 0 at the top.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -21,8 +21,8 @@ struct Image {
     bool usableAt(int x, int y) const { return usable.empty() || usable[size_t(y) * width + x]; }
 };
 
-/// A picture as its file stores it, before any transfer curve: codes on a scale of 0 to 65535 (8-bit ones times 257).
-struct CodePicture {
+/// An image as its file stores it, before any transfer curve: codes on a scale of 0 to 65535 (8-bit ones times 257).
+struct CodeImage {
     int width = 0, height = 0;
     bool linear = false;  ///< codes are proportional to exposure: camera raw, or the header says so
     std::vector<uint16_t>

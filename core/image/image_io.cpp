@@ -26,13 +26,13 @@ namespace {
 
 const OIIO::TypeDesc floatType(OIIO::TypeDesc::FLOAT);
 
-/// The library's own threads are off because callers already read several pictures at once.
+/// The library's own threads are off because callers already read several images at once.
 void setUpLibrary() {
     static std::once_flag once;
     std::call_once(once, [] {
         OIIO::attribute("threads", 1);
         OIIO::attribute("exr_threads", -1);
-        // What is no picture by its ending and beginning is not shown to the decoders of forty other formats.
+        // What is no image by its ending and beginning is not shown to the decoders of forty other formats.
         OIIO::attribute("try_all_readers", 0);
     });
 }
@@ -66,7 +66,7 @@ std::string formatByContent(const fs::path& file) {
     return "";
 }
 
-std::unique_ptr<OIIO::ImageInput> openPicture(const fs::path& file) {
+std::unique_ptr<OIIO::ImageInput> openImage(const fs::path& file) {
     setUpLibrary();
     std::error_code ignored;
     if (!fs::exists(file, ignored)) throw Error("{}: does not exist", file.string());
@@ -89,20 +89,20 @@ std::unique_ptr<OIIO::ImageInput> openPicture(const fs::path& file) {
     }
     if (!input) {
         if (reason.empty()) reason = OIIO::geterror();
-        throw Error("{}: is not a readable picture ({})", file.string(), reason.empty() ? "unknown format" : reason);
+        throw Error("{}: is not a readable image ({})", file.string(), reason.empty() ? "unknown format" : reason);
     }
     const OIIO::ImageSpec& spec = input->spec();
     if (spec.width <= 0 || spec.height <= 0 || spec.nchannels <= 0) throw Error("{}: has no pixels", file.string());
-    if (spec.depth > 1) throw Error("{}: is a volume, expected a flat picture", file.string());
+    if (spec.depth > 1) throw Error("{}: is a volume, expected a flat image", file.string());
     for (const int corner : {spec.x, spec.y, spec.full_x, spec.full_y})
         if (std::abs(double(corner)) > 1 << 29)
             throw Error("{}: a corner of its window lies at {}, too far out", file.string(), corner);
-    if (spec.deep) throw Error("{}: is a deep picture, expected a flat one", file.string());
+    if (spec.deep) throw Error("{}: is a deep image, expected a flat one", file.string());
     return input;
 }
 
 /// The display window; a crop (data window) is put into it.
-std::pair<int, int> pictureSize(const OIIO::ImageSpec& spec) {
+std::pair<int, int> imageSize(const OIIO::ImageSpec& spec) {
     if (spec.full_width > 0 && spec.full_height > 0) return {spec.full_width, spec.full_height};
     return {spec.width, spec.height};
 }
@@ -189,11 +189,11 @@ std::optional<Mat3> primariesMatrix(const OIIO::ImageSpec& spec) {
     return rec709From(c);
 }
 
-/// Reads channels [first, end) in bands from top to bottom, and gives each to body(row, count, samples); a band is a
+/// Reads channels [first, end) in bands from top to bottom, and gives each to part(row, count, samples); a band is a
 /// whole number of the blocks that files are packed in.
-template <class Sample, class Body>
+template <class Sample, class Part>
 void readBands(OIIO::ImageInput& input, const fs::path& file, int first, int end, OIIO::TypeDesc type,
-               const std::function<void()>& between, Body&& body) {
+               const std::function<void()>& between, Part&& part) {
     const OIIO::ImageSpec spec = input.spec();
     const bool tiled = spec.tile_width > 0 && spec.tile_height > 0;
     const int band = tiled ? spec.tile_height : 256;
@@ -206,7 +206,7 @@ void readBands(OIIO::ImageInput& input, const fs::path& file, int first, int end
                                                  spec.z + 1, first, end, type, samples.data())
                               : input.read_scanlines(0, 0, top, top + count, spec.z, first, end, type, samples.data());
         if (!good) throw Error("{}: cannot be read to its end ({})", file.string(), input.geterror());
-        body(y, count, samples);
+        part(y, count, samples);
     }
 }
 
@@ -244,36 +244,36 @@ float srgbDecode(float encoded) {
     return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
 }
 
-std::pair<int, int> readImageSize(const fs::path& file) { return pictureSize(openPicture(file)->spec()); }
+std::pair<int, int> readImageSize(const fs::path& file) { return imageSize(openImage(file)->spec()); }
 
-CodePicture readCodes(const fs::path& file, size_t maxPixels, const std::function<void()>& between) {
-    auto input = openPicture(file);
+CodeImage readCodes(const fs::path& file, size_t maxPixels, const std::function<void()>& between) {
+    auto input = openImage(file);
     const OIIO::ImageSpec spec = input->spec();
     if (const size_t pixels = size_t(spec.width) * spec.height; pixels > maxPixels)
         throw Error("{}: has {} pixels, expected at most {}", file.string(), pixels, maxPixels);
     if (spec.format.basetype != OIIO::TypeDesc::UINT8 && spec.format.basetype != OIIO::TypeDesc::UINT16)
-        throw Error("{}: is no 8 or 16 bit picture, so it is radiance already", file.string());
-    CodePicture picture;
-    picture.width = spec.width, picture.height = spec.height;
-    picture.linear = transferOf(spec, true).curve == Curve::linear;
+        throw Error("{}: is no 8 or 16 bit image, so it is radiance already", file.string());
+    CodeImage image;
+    image.width = spec.width, image.height = spec.height;
+    image.linear = transferOf(spec, true).curve == Curve::linear;
     const ChannelChoice choice = chooseChannels(spec, file);
     const int chosen[] = {choice.r, choice.g, choice.b};
     const OIIO::TypeDesc word(OIIO::TypeDesc::UINT16);
-    picture.codes.resize(size_t(spec.width) * spec.height * 3);
+    image.codes.resize(size_t(spec.width) * spec.height * 3);
     const int first = *std::min_element(chosen, chosen + 3), end = *std::max_element(chosen, chosen + 3) + 1;
     const size_t channels = size_t(end - first);
     readBands<uint16_t>(*input, file, first, end, word, between,
                         [&](int y, int count, const std::vector<uint16_t>& codes) {
-                            uint16_t* to = &picture.codes[size_t(y) * size_t(spec.width) * 3];
+                            uint16_t* to = &image.codes[size_t(y) * size_t(spec.width) * 3];
                             for (size_t i = 0; i < size_t(count) * size_t(spec.width); ++i)
                                 for (size_t c = 0; c < 3; ++c)
                                     to[i * 3 + c] = codes[i * channels + size_t(chosen[c] - first)];
                         });
-    return picture;
+    return image;
 }
 
 ExposureTags readExposureTags(const fs::path& file) {
-    const auto input = openPicture(file);
+    const auto input = openImage(file);
     const OIIO::ImageSpec& spec = input->spec();
     const auto number = [&](const char* name) {
         double value = double(spec.get_float_attribute(name, 0.0f));
@@ -287,9 +287,9 @@ ExposureTags readExposureTags(const fs::path& file) {
 
 Image readImage(const fs::path& file, ImageReport* report, bool dataFile, size_t maxPixels,
                 const std::function<void()>& between) {
-    auto input = openPicture(file);
+    auto input = openImage(file);
     const OIIO::ImageSpec spec = input->spec();
-    const std::pair<int, int> whole = pictureSize(spec);
+    const std::pair<int, int> whole = imageSize(spec);
     const int width = whole.first, height = whole.second;
     for (const size_t pixels : {size_t(width) * height, size_t(spec.width) * spec.height})
         if (pixels > maxPixels) throw Error("{}: has {} pixels, expected at most {}", file.string(), pixels, maxPixels);
@@ -370,7 +370,7 @@ void putHeader(OIIO::ImageSpec& spec, const std::map<std::string, std::string>& 
 
 void putExrDefaults(OIIO::ImageSpec& spec) {
     spec.attribute("compression", "zip");
-    spec.attribute("DateTime", "");  // else the time of writing goes in, and equal pictures get unequal files
+    spec.attribute("DateTime", "");  // else the time of writing goes in, and equal images get unequal files
     spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), rec709Chromaticities.data());
 }
 
@@ -400,7 +400,7 @@ std::string encode(const fs::path& file, const OIIO::ImageSpec& spec, FillRows&&
     return std::string(bytes.begin(), bytes.end());
 }
 
-/// Three channels of a picture, through the sRGB curve where the format is for display.
+/// Three channels of an image, through the sRGB curve where the format is for display.
 std::string encodeColours(const fs::path& file, const OIIO::ImageSpec& spec, const Image& image, bool display) {
     return encode(file, spec, [&](int y, int rows, float* out) {
         const Rgb* from = &image.pixels[size_t(y) * image.width];
@@ -555,7 +555,7 @@ private:
     int64_t end_ = 0;
 };
 
-/// A picture being written to `temporary`, which will become `target`. Multi-part files are opened by name, because the
+/// An image being written to `temporary`, which will become `target`. Multi-part files are opened by name, because the
 /// library cannot write them through a file of ours.
 struct Encoder {
     fs::path target, opened;
@@ -650,8 +650,8 @@ void writeChannelRows(const fs::path& file, int width, int height, int stripRows
     writeFileAtomically(file, [&](const fs::path& temporary) {
         Encoder encoder(temporary, file, parts.size() > 1);
         Strip strip(all.size(), pixels);
-        const auto strips = [&](const auto& body) {
-            for (int y = 0; y < height; y += stripRows) body(y, std::min(stripRows, height - y));
+        const auto strips = [&](const auto& part) {
+            for (int y = 0; y < height; y += stripRows) part(y, std::min(stripRows, height - y));
         };
         const auto filled = [&](int first, int count) {
             fill(first, count, strip.places());

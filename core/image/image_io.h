@@ -1,4 +1,4 @@
-// Pictures on disk. OpenImageIO is named only in image_io.cpp.
+// Images on disk. OpenImageIO is named only in image_io.cpp.
 #pragma once
 #include <filesystem>
 #include <functional>
@@ -21,14 +21,14 @@ struct ImageReport {
 /// Reads EXR, HDR, TIFF, PNG, JPEG, DPX or camera raw to linear Rec.709. Integer files are decoded as sRGB, except with
 /// `dataFile` (masks). Grey is spread over three channels. `between` is called before every 256 rows or row of tiles
 /// and may throw, which ends the reading (interlaced PNG, progressive JPEG and camera raw are decoded as a whole).
-/// Memory: the picture and one such band. Throws Error naming the file: missing, unreadable, no pixels, more than
+/// Memory: the image and one such band. Throws Error naming the file: missing, unreadable, no pixels, more than
 /// `maxPixels`; whatever `between` throws.
 Image readImage(const std::filesystem::path& file, ImageReport* report = nullptr, bool dataFile = false,
                 size_t maxPixels = size_t(1) << 28, const std::function<void()>& between = {});
 
-/// The codes of an 8 or 16 bit picture as stored. Throws Error as readImage, and for floating-point files.
-CodePicture readCodes(const std::filesystem::path& file, size_t maxPixels = size_t(1) << 28,
-                      const std::function<void()>& between = {});
+/// The codes of an 8 or 16 bit image as stored. Throws Error as readImage, and for floating-point files.
+CodeImage readCodes(const std::filesystem::path& file, size_t maxPixels = size_t(1) << 28,
+                    const std::function<void()>& between = {});
 
 /// Exposure time, f-number and sensitivity from EXIF. Throws Error as readImage.
 ExposureTags readExposureTags(const std::filesystem::path& file);
@@ -41,14 +41,14 @@ std::pair<int, int> readImageSize(const std::filesystem::path& file);
 void writeImage(const std::filesystem::path& file, const Image& image,
                 const std::map<std::string, std::string>& header = {});
 
-/// An sRGB-encoded 8-bit PNG in memory, for pages that carry their pictures. Throws Error when there are no pixels.
+/// An sRGB-encoded 8-bit PNG in memory, for pages that carry their images. Throws Error when there are no pixels.
 std::string encodePng(const Image& image);
 
 /// Writes a single-part EXR with the channels in the order given (ZIP). Same errors.
 void writeChannels(const std::filesystem::path& file, int width, int height, const std::vector<Channel>& channels,
                    const std::map<std::string, std::string>& header = {});
 
-/// How a channel of a file that is written in pieces is kept.
+/// How a channel of a file that is written in components is kept.
 struct ChannelFormat {
     std::string name;  ///< as written, for example "Combined_world.R"
     bool half = true;  ///< half float; what exceeds it is written as its largest number
@@ -72,7 +72,7 @@ void writeChannelRows(const std::filesystem::path& file, int width, int height, 
                       const std::vector<ChannelPart>& parts, const FillChannelRows& fill,
                       const std::map<std::string, std::string>& header = {}, const std::function<void()>& between = {});
 
-/// Fills rows [first, first + count) of a picture.
+/// Fills rows [first, first + count) of an image.
 using FillColourRows = std::function<void(int first, int count, Rgb* out)>;
 
 /// Writes a PNG, JPEG or HDR strip by strip, as writeImage does; `encoded`: PNG and JPEG values are display values

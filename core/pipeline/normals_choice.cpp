@@ -18,16 +18,16 @@ bool normalsLookNoisy(const Scene& scene) {
     return change[change.size() / 2] >= noise;
 }
 
-NormalsChoice chooseNormals(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps,
+NormalsChoice chooseNormals(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& emitters,
                             const SolveOptions& options, Progress& progress) {
     NormalsChoice choice;
     if (!normalsLookNoisy(scene)) return choice;
     std::vector<uint8_t> skip(scene.mesh.vertexCount(), 0);
-    for (size_t v = 0; v < skip.size(); ++v) skip[v] = lamps.emitterOfVertex[v] >= 0;
+    for (size_t v = 0; v < skip.size(); ++v) skip[v] = emitters.emitterOfVertex[v] >= 0;
     const RatioObservations observed = ratioObservations(scene, samples, std::move(skip), options.seed);
     if (observed.pairs.size() < 1000) return choice;
     const std::vector<double> asTheyAre =
-        pilotMisfits(scene, samples, lamps, observed.matte, observed.pairs, options, progress);
+        pilotMisfits(scene, samples, emitters, observed.matte, observed.pairs, options, progress);
     std::vector<double> best = asTheyAre;
     double whole = 0;
     for (const double m : asTheyAre) whole += m;
@@ -35,7 +35,7 @@ NormalsChoice chooseNormals(const Scene& scene, const RadianceSamples& samples, 
         Scene smoother = scene;
         smoother.mesh.normals = smoothedNormals(scene.mesh, rounds);
         const std::vector<double> misfits =
-            pilotMisfits(smoother, samples, lamps, observed.matte, observed.pairs, options, progress);
+            pilotMisfits(smoother, samples, emitters, observed.matte, observed.pairs, options, progress);
         double fall = 0, squares = 0, sinceBest = 0;
         for (size_t k = 0; k < misfits.size(); ++k) {
             fall += asTheyAre[k] - misfits[k];

@@ -10,7 +10,7 @@ namespace relamp {
 
 struct NormalsChoice {
     int rounds = 0;     ///< of smoothedNormals; 0: the normals stay
-    double better = 0;  ///< share of the misfit of some thousand pairs that goes away
+    double better = 0;  ///< fraction of the misfit of some thousand pairs that goes away
 };
 
 /// Half of the normals or more turn by 0.02 or more when they are averaged over their neighbours.
@@ -20,7 +20,7 @@ bool normalsLookNoisy(const Scene& scene);
 /// by 1.5 % or more and by four standard errors: real detail lost makes it rise. Meshes that do not look noisy are left
 /// alone without asking. Cost otherwise: one or two coarse fits, about half a second on a mesh of 30000 vertices.
 /// Throws Cancelled.
-NormalsChoice chooseNormals(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps,
+NormalsChoice chooseNormals(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& emitters,
                             const SolveOptions& options, Progress& progress);
 
 }  // namespace relamp

@@ -11,19 +11,21 @@
 
 namespace relamp {
 
-ProxyLight proxyOf(const HiddenLight& light) { return {light.position, 0.015f * light.distance, light.sigma(), true}; }
+ProxyLight proxyOf(const UnobservedLight& light) {
+    return {light.position, 0.015f * light.distance, light.sigma(), true};
+}
 
 namespace {
 
-/// Looks for a lamp that no photograph shows; where there is one, a proxy joins the capture.
-void addHiddenLight(PipelineResult& r, const PipelineOptions& options, Progress& progress) {
+/// Looks for an emitter that no photograph shows; where there is one, a proxy joins the capture.
+void addUnobservedLight(PipelineResult& r, const PipelineOptions& options, Progress& progress) {
     const std::optional<DecimatedMesh> working = workingMesh(r.capture, options.meshTriangles, progress);
     const Scene scene = buildScene(working ? working->mesh : r.capture.mesh, progress, ownAxes(r.capture));
     const RadianceSamples samples = gatherRadiance(r.capture, scene, options.gather, progress);
     const EmitterClusters clusters = clusterEmitters(scene, r.capture, samples, options.clusters, progress);
-    HiddenLightOptions search;
+    UnobservedLightOptions search;
     search.seed = options.solve.seed;
-    r.search = findHiddenLight(r.capture, scene, samples, clusters, search, progress);
+    r.search = findUnobservedLight(r.capture, scene, samples, clusters, search, progress);
     logInfo("{}", r.search->words);
     if (!r.search->light) return;
     const ProxyLight proxy = proxyOf(*r.search->light);
@@ -48,7 +50,7 @@ Prepared prepare(const Capture& capture, const PipelineOptions& options, StageMe
         samples = std::make_shared<const RadianceSamples>(gatherRadiance(capture, *p.scene, options.gather, progress));
     p.samples = std::move(samples);
     // High-radiance components become emitting patches ([Put15] 3.3).
-    meter.begin("finding lamps");
+    meter.begin("finding lights");
     p.clusters = clusterEmitters(*p.scene, capture, *p.samples, options.clusters, progress);
     return p;
 }
@@ -129,8 +131,8 @@ PipelineResult runPipeline(const std::filesystem::path& captureFolder, const Pip
     meter.begin("photographs");
     r.capture = loadCapture(captureFolder, options.load, progress);
     if (options.findLight) {
-        meter.begin("looking for an unseen lamp");
-        addHiddenLight(r, options, progress);
+        meter.begin("looking for an unobserved light");
+        addUnobservedLight(r, options, progress);
     }
     const std::optional<SolveCheckpoint> earlier = options.resume ? options.resume(r.capture) : std::nullopt;
     Prepared prepared = prepare(r.capture, options, meter, progress);
@@ -166,7 +168,7 @@ PipelineResult runPipeline(const std::filesystem::path& captureFolder, const Pip
         solvePrepared(r.capture, *r.scene, prepared, options, meter, progress, listener, earlier ? &*earlier : nullptr);
     r.samples = std::move(prepared.samples);
     r.clusters = std::move(prepared.clusters);
-    if (r.search && !r.search->light) r.estimate.leftOut.push_back({"unseen lamp", r.search->words});
+    if (r.search && !r.search->light) r.estimate.leftOut.push_back({"unobserved light", r.search->words});
     return r;
 }
 

@@ -10,8 +10,8 @@
 #include "radiance/gather.h"
 #include "scene/decimate.h"
 #include "scene/scene.h"
-#include "solve/hidden_light.h"
 #include "solve/solve.h"
+#include "solve/unobserved/unobserved_light.h"
 
 namespace relamp {
 
@@ -23,7 +23,7 @@ struct PipelineOptions {
     bool everything = false;  ///< the planner leaves nothing out
     bool photometric =
         true;  ///< exposure, white balance and fall-off are taken out of the photographs where they differ clearly
-    bool findLight = false;  ///< looks for a lamp that no photograph shows and puts a proxy in its place
+    bool findLight = false;  ///< looks for an emitter that no photograph shows and puts a proxy in its place
     std::optional<size_t> meshTriangles = {};  ///< that the mesh may have in the solve (pipeline/working_mesh.h); 0: as
                                                ///< it is, none: large meshes are decimated
     bool onlyPlan = false;                     ///< stops before the solve: the estimate holds the plan alone
@@ -60,14 +60,14 @@ struct PipelineResult {
     std::shared_ptr<const RadianceSamples> samples;
     EmitterClusters clusters;
     Estimate estimate;
-    PhotometricFix photometric;               ///< what was taken out of the photographs of `capture`
-    int smoothedNormals = 0;                  ///< rounds of smoothing that the normals of `capture` have had
-    std::optional<HiddenLightSearch> search;  ///< when it was asked for; what it found is among capture.proxies
+    PhotometricFix photometric;                   ///< what was taken out of the photographs of `capture`
+    int smoothedNormals = 0;                      ///< rounds of smoothing that the normals of `capture` have had
+    std::optional<UnobservedLightSearch> search;  ///< when it was asked for; what it found is among capture.proxies
 };
 
-/// What stands in the mesh for a lamp that was found: a sphere, small beside its distance, so that its shadows are
+/// What stands in the mesh for an emitter that was found: a sphere, small beside its distance, so that its shadows are
 /// those of the point it was found as.
-ProxyLight proxyOf(const HiddenLight& light);
+ProxyLight proxyOf(const UnobservedLight& light);
 
 /// How the capture's files are to be read so that they give what was solved: as asked for, and what the pipeline found.
 CaptureFix fixOf(const PipelineResult& result, CaptureFix asked);

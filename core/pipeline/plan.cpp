@@ -20,66 +20,69 @@ double most(const std::vector<StageEstimate>& stages) {
     return most;
 }
 
-/// Looks that a lobe fit of the pieces would use, by whether they change with the view; and what one row costs, from a
-/// few of them.
-void countLooks(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
-                const EmitterClusters& lamps, const MatteObservations& matte, const SolveOptions& options,
-                WorkCounts& counts, Progress& progress) {
-    const std::vector<size_t> sizes = observationsOfPieces(scene, matte);
+/// Looks that a lobe fit of the components would use, by whether they change with the view; and what one row costs,
+/// from a few of them.
+void countObservations(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
+                       const EmitterClusters& emitters, const MatteObservations& matte, const SolveOptions& options,
+                       WorkCounts& counts, Progress& progress) {
+    const std::vector<size_t> sizes = observationsOfComponents(scene, matte);
     GlossOptions gloss;
     gloss.seed = options.seed;
     std::vector<EmitterSurface> surfaces;
-    for (const EmitterCluster& e : lamps.emitters) surfaces.push_back(orderedEmitterSurface(scene, e));
+    for (const EmitterCluster& e : emitters.emitters) surfaces.push_back(orderedEmitterSurface(scene, e));
     const BrdfBasis basis = builtInBasis();
     counts.lobes = double(basis.lobes.size()) - 1;
-    for (uint32_t p = 0; p < scene.pieces; ++p) {
+    for (uint32_t p = 0; p < scene.components; ++p) {
         if (sizes[p] < 30) continue;
-        std::vector<GlossyLook> looks = glossyLooks(capture, scene, samples, p, gloss);
-        if (looks.size() < 40) continue;
-        counts.metals |= matte.pieceGlossy[p] == 2;
-        (matte.pieceGlossy[p] ? counts.glossyLooks : counts.matteLooks) += double(looks.size());
-        if (counts.lookSeconds > 0 && !matte.pieceGlossy[p]) continue;
+        std::vector<GlossyObservation> observations = glossyObservations(capture, scene, samples, p, gloss);
+        if (observations.size() < 40) continue;
+        counts.metals |= matte.componentGlossy[p] == 2;
+        (matte.componentGlossy[p] ? counts.glossyObservations : counts.matteObservations) +=
+            double(observations.size());
+        if (counts.observationSeconds > 0 && !matte.componentGlossy[p]) continue;
         // Every so many of them, through a sharp and a wide lobe.
-        std::vector<GlossyLook> some;
-        for (size_t i = 0; i < looks.size(); i += std::max<size_t>(1, looks.size() / 160)) some.push_back(looks[i]);
+        std::vector<GlossyObservation> some;
+        for (size_t i = 0; i < observations.size(); i += std::max<size_t>(1, observations.size() / 160))
+            some.push_back(observations[i]);
         const double start = progress.seconds();
         for (const size_t lobe : {size_t(2), size_t(5)})
-            glossyRows(scene, surfaces, lamps.emitterOfTriangle, LightLeaves::uniform(options.startLevel, scene.axes),
-                       basis.lobes[lobe], some, gloss.rows, progress);
-        counts.lookSeconds = std::max(progress.seconds() - start, 1e-7) / double(2 * some.size());
+            glossyRows(scene, surfaces, emitters.emitterOfTriangle,
+                       LightLeaves::uniform(options.startLevel, scene.axes), basis.lobes[lobe], some, gloss.rows,
+                       progress);
+        counts.observationSeconds = std::max(progress.seconds() - start, 1e-7) / double(2 * some.size());
     }
 }
 
-/// Fits all lobes to a few dozen vertices of each piece that changes with the view: is there one that explains the
+/// Fits all lobes to a few dozen vertices of each component that changes with the view: is there one that explains the
 /// change?
 bool lobeLikely(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
-                const EmitterClusters& lamps, const MatteObservations& matte, const Lighting& lighting,
+                const EmitterClusters& emitters, const MatteObservations& matte, const Lighting& lighting,
                 const SolveOptions& options, Progress& progress) {
     GlossOptions gloss;
     gloss.seed = options.seed;
     gloss.maxVertices = 60;
     gloss.rows.lobeSamples = 64;
     std::vector<EmitterSurface> surfaces;
-    for (const EmitterCluster& e : lamps.emitters) surfaces.push_back(orderedEmitterSurface(scene, e));
-    for (uint32_t p = 0; p < scene.pieces; ++p)
-        if (matte.pieceGlossy[p]) {
+    for (const EmitterCluster& e : emitters.emitters) surfaces.push_back(orderedEmitterSurface(scene, e));
+    for (uint32_t p = 0; p < scene.components; ++p)
+        if (matte.componentGlossy[p]) {
             // The light is coarse here: what the solve will explain better is hinted at only.
-            const PieceGloss g = fitGloss(capture, scene, samples, surfaces, lamps.emitterOfTriangle, lighting,
-                                          builtInBasis(), p, gloss, progress);
+            const ComponentGloss g = fitGloss(capture, scene, samples, surfaces, emitters.emitterOfTriangle, lighting,
+                                              builtInBasis(), p, gloss, progress);
             if (g.residual < 0.92f * g.residualMatte) return true;
         }
     return false;
 }
 
-/// Lamps and candidates, as the solve will take them.
-EmitterClusters allLamps(const Scene& scene, const EmitterClusters& clusters, bool nearField) {
-    EmitterClusters lamps;
+/// Emitters and candidates, as the solve will take them.
+EmitterClusters allEmitters(const Scene& scene, const EmitterClusters& clusters, bool nearField) {
+    EmitterClusters emitters;
     if (nearField) {
-        lamps.emitters = clusters.emitters;
-        lamps.emitters.insert(lamps.emitters.end(), clusters.candidates.begin(), clusters.candidates.end());
+        emitters.emitters = clusters.emitters;
+        emitters.emitters.insert(emitters.emitters.end(), clusters.candidates.begin(), clusters.candidates.end());
     }
-    indexEmitters(scene, lamps);
-    return lamps;
+    indexEmitters(scene, emitters);
+    return emitters;
 }
 
 }  // namespace
@@ -89,13 +92,13 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
     SolvePlan plan;
     const double start = progress.seconds();
     progress.begin("Planning", 1);
-    const EmitterClusters lamps = allLamps(scene, clusters, options.nearField);
+    const EmitterClusters emitters = allEmitters(scene, clusters, options.nearField);
     WorkCounts counts;
     counts.vertices = double(std::count(scene.referenced.begin(), scene.referenced.end(), 1));
-    counts.lamps = double(lamps.emitters.size());
+    counts.emitters = double(emitters.emitters.size());
     std::vector<uint8_t> skip(scene.mesh.vertexCount(), 0);
     for (size_t v = 0; v < skip.size(); ++v) {
-        skip[v] = lamps.emitterOfVertex[v] >= 0;
+        skip[v] = emitters.emitterOfVertex[v] >= 0;
         counts.seen += samples.countOf(uint32_t(v)) > 0 || skip[v];
     }
     const auto observed =
@@ -106,13 +109,13 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
     counts.rows = double(matte.vertices.size());
     counts.pairs = double(pairs.size());
     size_t usable = 0;
-    for (uint32_t v : matte.vertices) usable += matte.pieceGlossy[scene.piece[v]] < 2;
+    for (uint32_t v : matte.vertices) usable += matte.componentGlossy[scene.component[v]] < 2;
     counts.matte = matte.vertices.empty() || double(usable) > 0.15 * double(matte.vertices.size());
-    countLooks(capture, scene, samples, lamps, matte, options, counts, progress);
-    const PilotFindings pilot = runPilot(scene, samples, lamps, matte, pairs, options, progress);
+    countObservations(capture, scene, samples, emitters, matte, options, counts, progress);
+    const PilotFindings pilot = runPilot(scene, samples, emitters, matte, pairs, options, progress);
     // Metals have nothing but lobes: there it need not be tried.
-    if (counts.glossyLooks > 0 && pilot.ran && !counts.metals)
-        counts.lobeLikely = lobeLikely(capture, scene, samples, lamps, matte, pilot.lighting, options, progress);
+    if (counts.glossyObservations > 0 && pilot.ran && !counts.metals)
+        counts.lobeLikely = lobeLikely(capture, scene, samples, emitters, matte, pilot.lighting, options, progress);
     if (pilot.ran) plan.light = std::make_shared<const Lighting>(pilot.lighting);
     const MachineSpeed speed = measureMachine(progress);
 
@@ -128,22 +131,22 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
         stages = std::move(fewer);
     };
     const bool judged = pilot.ran && options.nearField && counts.matte;
-    if (judged && !lamps.emitters.empty() && pilot.distantShare < 0.003 && pilot.background < 0.05)
+    if (judged && !emitters.emitters.empty() && pilot.distantFraction < 0.003 && pilot.background < 0.05)
         leaveOut("distant light",
                  fmt::format(
                      "of the light on {} points {:.2g} % comes from afar, and the background is black where it is seen",
-                     pilot.points, 100 * pilot.distantShare),
+                     pilot.points, 100 * pilot.distantFraction),
                  &PlanChoices::distantLight);
     if (judged && options.bounce == SolveOptions::Bounce::automatic) {
         if (pilot.enclosure < 0.01)
             leaveOut("interreflection",
                      fmt::format("other surfaces fill only {:.1f} % of what a surface sees", 100 * pilot.enclosure),
                      &PlanChoices::bounce);
-        else if (pilot.bouncedShare < 0.5 * double(samples.relativeNoise))
+        else if (pilot.bouncedFraction < 0.5 * double(samples.relativeNoise))
             leaveOut(
                 "interreflection",
                 fmt::format("it would be {:.1f} % of the light, less than half of the photographs' noise of {:.1f} %",
-                            100 * pilot.bouncedShare, 100 * samples.relativeNoise),
+                            100 * pilot.bouncedFraction, 100 * samples.relativeNoise),
                 &PlanChoices::bounce);
         else if (pilot.bounceWorse > 4)
             leaveOut("interreflection",
@@ -159,18 +162,18 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
     }
     if (counts.seen < counts.vertices)
         leaveOut("vertices that no photograph shows",
-                 fmt::format("{:.0f} of {:.0f}: their light is worked out when something needs it",
+                 fmt::format("{:.0f} of {:.0f}: their light is computed when something needs it",
                              counts.vertices - counts.seen, counts.vertices),
-                 &PlanChoices::unseenVertices);
+                 &PlanChoices::unobservedVertices);
     if (kept.distantLight && options.visibilitySide >= 4)
         leaveOut("rays between rays that agree", "visibility is traced finer only where an edge is near",
                  &PlanChoices::agreeingRays);
-    if (counts.matteLooks > 0)
-        leaveOut(counts.glossyLooks > 0 ? "lobes on matte pieces" : "glossy lobes",
-                 counts.glossyLooks > 0 ? "those pieces do not change with the view beyond noise"
-                                        : "no surface changes with the view beyond noise",
-                 &PlanChoices::mattePieces);
-    if (counts.glossyLooks > 0 && options.glossRounds > 0)
+    if (counts.matteObservations > 0)
+        leaveOut(counts.glossyObservations > 0 ? "lobes on matte components" : "glossy lobes",
+                 counts.glossyObservations > 0 ? "those components do not change with the view beyond noise"
+                                               : "no surface changes with the view beyond noise",
+                 &PlanChoices::matteComponents);
+    if (counts.glossyObservations > 0 && options.glossRounds > 0)
         leaveOut("lobes that lose at first glance",
                  "all are tried on directions they share, and on their own only where they come within a twelfth of "
                  "the best",
@@ -192,7 +195,7 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
         leaveOut("finer light that explains nothing",
                  "splitting ends after a round that explains less than a fifth of a percent more",
                  &PlanChoices::flatLevels);
-    if (options.nearField && lamps.emitters.empty())
+    if (options.nearField && emitters.emitters.empty())
         plan.leftOut.push_back({"near-field emitters", "no patch of the scene shines on its own",
                                 16 * counts.seen * pilot.visibilitySecondsPerRay, counts.vertices * 8 / (1 << 20)});
     plan.choices = kept;
@@ -203,7 +206,7 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
     logInfo(
         "plan: {:.1f} s to come, {:.1f} s left out; distant light {:.2g} %, bounced light {:.1f} % (misfit {:+.1f} "
         "standard errors), planned in {:.2f} s",
-        plan.predictedSeconds(), plan.savedSeconds(), 100 * pilot.distantShare, 100 * pilot.bouncedShare,
+        plan.predictedSeconds(), plan.savedSeconds(), 100 * pilot.distantFraction, 100 * pilot.bouncedFraction,
         pilot.bounceWorse, plan.planningSeconds);
     return plan;
 }

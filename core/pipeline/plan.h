@@ -12,9 +12,9 @@
 
 namespace relamp {
 
-/// Looks at the products of rooms 1 to 4, fits coarse light to a few thousand pairs of points, times small pieces of
-/// the work on this machine, and says what `solveScene` may leave out, why, and what that saves. `everything`: nothing
-/// is left out, only costs are predicted. Cost: about half a second. Never decides on hope: what is not clearly
+/// Looks at the products of rooms 1 to 4, fits coarse light to a few thousand pairs of points, times small components
+/// of the work on this machine, and says what `solveScene` may leave out, why, and what that saves. `everything`:
+/// nothing is left out, only costs are predicted. Cost: about half a second. Never decides on hope: what is not clearly
 /// unneeded takes part, and the solve's own tests still judge it. Throws Cancelled.
 SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
                     const EmitterClusters& clusters, const SolveOptions& options, bool everything, Progress& progress);

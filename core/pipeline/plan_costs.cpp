@@ -6,11 +6,11 @@ std::vector<StageEstimate> predictStages(const WorkCounts& n, const MachineSpeed
                                          const SolveOptions& options, const PlanChoices& choices) {
     std::vector<StageEstimate> stages;
     constexpr double mib = 1 << 20;
-    const double known = choices.unseenVertices ? n.vertices : n.seen;
+    const double known = choices.unobservedVertices ? n.vertices : n.seen;
     const double cells = double(options.visibilitySide) * options.visibilitySide;
     const bool distant = choices.distantLight;
-    // A solve that builds the distant light of black surroundings finds that out after the coarse fit.
-    const bool black = pilot.ran && pilot.distantShare < 0.005 && n.lamps > 0;
+    // A solve that builds the distant light of black environment finds that out after the coarse fit.
+    const bool black = pilot.ran && pilot.distantFraction < 0.005 && n.emitters > 0;
     const double leavesStart = distant ? double(size_t(1) << (2 * options.startLevel)) : 1,
                  leavesCoarse = distant ? std::max(16.0, leavesStart / 4) : 1;
 
@@ -38,22 +38,22 @@ std::vector<StageEstimate> predictStages(const WorkCounts& n, const MachineSpeed
         n.vertices * std::log2(std::max(2.0, n.vertices)) * speed.sparse * double(options.prior.iterations) / 2;
     const double albedoMib = n.vertices * (3 * 20 * 12 * 2 + 3 * 7 * 16) / mib;
 
-    stages.push_back({"lamps' light, observations, pairs", known * pilot.nearSecondsPerPoint,
-                      (n.pairs * 12 + n.rows * 40 + n.vertices * n.lamps * 8) / mib});
+    stages.push_back({"lights' light, observations, pairs", known * pilot.nearSecondsPerPoint,
+                      (n.pairs * 12 + n.rows * 40 + n.vertices * n.emitters * 8) / mib});
     // Rays of a lattice of 2 x 2 cells, and then all the others or those near edges.
     const double visibility =
         known * (choices.agreeingRays ? cells / 2 * pilot.visibilitySecondsPerRay
                                       : cells / 8 * pilot.visibilitySecondsPerRay + pilot.edgeSecondsPerPoint);
     if (distant) stages.push_back({"visibility", visibility, n.vertices * cells / 8 / mib});
     stages.push_back({"rows of the observations", distant ? n.rows * cells * pilot.rowSecondsPerCell : 0.0,
-                      n.rows * (leavesCoarse + n.lamps) * 4 / mib});
+                      n.rows * (leavesCoarse + n.emitters) * 4 / mib});
 
     const bool near = options.nearField && n.matte;
     const bool started = pilot.ran && near && distant && !black &&
                          leavesCoarse < leavesStart;  // from the pilot's light, strong directions divided
     const double coarseRounds =
         started ? 2.5 : std::clamp(0.7 * double(pilot.iterations), 4.0, double(options.startIterations));
-    double leaves = leavesCoarse + n.lamps;
+    double leaves = leavesCoarse + n.emitters;
     // Strong directions are divided once more or twice, with an iteration or two each.
     const double strongLeaves = leaves + 40,
                  strong = distant && !black && leavesCoarse < leavesStart
@@ -62,13 +62,13 @@ std::vector<StageEstimate> predictStages(const WorkCounts& n, const MachineSpeed
     if (near)
         stages.push_back({"coarse light", coarseRounds * roundSeconds(leaves) + strong,
                           roundMib(strong > 0 ? strongLeaves : leaves)});
-    // A few looks a piece, three eighths of the directions.
-    const double firstLooks = n.glossyLooks * 120 / 700;
-    if (near && n.glossyLooks > 0)
-        stages.push_back(
-            {"first surfaces", n.lookSeconds * 0.375 * firstLooks * 6, firstLooks * strongLeaves * 4 / mib});
+    // A few looks a component, three eighths of the directions.
+    const double firstObservations = n.glossyObservations * 120 / 700;
+    if (near && n.glossyObservations > 0)
+        stages.push_back({"first surfaces", n.observationSeconds * 0.375 * firstObservations * 6,
+                          firstObservations * strongLeaves * 4 / mib});
     if (near && distant && !black) {
-        leaves = leavesStart + n.lamps;
+        leaves = leavesStart + n.emitters;
         stages.push_back({"light", n.rows * cells * pilot.rowSecondsPerCell + 4 * roundSeconds(leaves),
                           n.rows * leaves * 4 / mib + roundMib(leaves)});
     }
@@ -79,7 +79,7 @@ std::vector<StageEstimate> predictStages(const WorkCounts& n, const MachineSpeed
         const bool automatic = options.bounce == SolveOptions::Bounce::automatic;
         const double rounds = pilot.bounceWorse > 10 && automatic ? 9 : 22;
         const double rays = std::min(256.0, double(1 << 25) / std::max(1.0, n.vertices));
-        const double trace = n.vertices * rays * pilot.bounceSecondsPerRay, coarse = leavesCoarse + n.lamps;
+        const double trace = n.vertices * rays * pilot.bounceSecondsPerRay, coarse = leavesCoarse + n.emitters;
         // Tried on coarse light and, as likely as not, ruled out there.
         // Where it is likely, by few rays from the start.
         const double trySeconds = choices.bounceLikely               ? 12 * roundSeconds(leaves) + 4 * albedo
@@ -102,29 +102,30 @@ std::vector<StageEstimate> predictStages(const WorkCounts& n, const MachineSpeed
         stages.push_back({"finer light", seconds,
                           2 * n.rows * leaves * 4 / mib - n.rows * leavesStart * 4 / mib + roundMib(leaves)});
     }
-    const double looks = n.glossyLooks + (choices.mattePieces ? n.matteLooks : 0.0), fitSeconds = n.lookSeconds * looks;
+    const double observations = n.glossyObservations + (choices.matteComponents ? n.matteObservations : 0.0),
+                 fitSeconds = n.observationSeconds * observations;
     // Where no lobe is likely the first glance at all of them is all there is.
     const double tried = choices.lostLobes ? n.lobes + 4 : n.lobeLikely ? 6 : 1.5;
-    stages.push_back({"surfaces", fitSeconds * tried + albedo, std::max(albedoMib, looks * leaves * 4 / mib)});
-    if (looks > 0 && n.lobeLikely && options.glossRounds > 0) {
+    stages.push_back({"surfaces", fitSeconds * tried + albedo, std::max(albedoMib, observations * leaves * 4 / mib)});
+    if (observations > 0 && n.lobeLikely && options.glossRounds > 0) {
         const double rounds = options.glossRounds;
-        if (n.glossyLooks > 0) {
-            const double glossy = n.glossyLooks;
-            if (n.metals) leaves = std::max(leaves, 1024 + n.lamps);  // what they mirror is divided to a side of 32
+        if (n.glossyObservations > 0) {
+            const double glossy = n.glossyObservations;
+            if (n.metals) leaves = std::max(leaves, 1024 + n.emitters);  // what they mirror is divided to a side of 32
             stages.push_back(
                 {"light with gloss",
                  rounds * (3 * (distant && !black ? roundSeconds(leaves) + productSeconds(glossy, leaves) / 3 : 0.0) +
-                           glossy * (n.lookSeconds + cells * pilot.rowSecondsPerCell)),
+                           glossy * (n.observationSeconds + cells * pilot.rowSecondsPerCell)),
                  glossy * leaves * 4 * 5 / mib + roundMib(leaves)});
             stages.push_back({"surfaces again", rounds * (fitSeconds * tried + albedo),
-                              std::max(albedoMib, looks * leaves * 4 / mib)});
+                              std::max(albedoMib, observations * leaves * 4 / mib)});
         }
     }
     // Looks that no lobe explains: the light that was to be fitted with them is fitted to its end without.
-    else if (near && distant && !black && n.glossyLooks > 0 && options.glossRounds > 0)
+    else if (near && distant && !black && n.glossyObservations > 0 && options.glossRounds > 0)
         stages.push_back(
             {"light with gloss", 3 * roundSeconds(leaves) + fitSeconds * tried + albedo, roundMib(leaves)});
-    if (near && (n.glossyLooks == 0 || !n.lobeLikely) && distant && !black)
+    if (near && (n.glossyObservations == 0 || !n.lobeLikely) && distant && !black)
         stages.push_back({"light and surfaces in turn",
                           double(options.turns) *
                               (productSeconds(n.rows, leaves) / 3 + 6 * n.rows * leaves * 4 * speed.bytes + albedo),

@@ -11,15 +11,16 @@ namespace relamp {
 struct WorkCounts {
     double vertices = 0, seen = 0;  ///< of the mesh; those that a photograph shows
     double rows = 0, pairs = 0;     ///< matte observations, and pairs of them
-    double lamps = 0;
-    double litColumnShare = 1;
-    double glossyLooks = 0,
-           matteLooks = 0;   ///< that lobes would be fitted to, on pieces that change with the view and on the others
-    double lobes = 0;        ///< of the basis, without Lambert
-    double lookSeconds = 0;  ///< one row of one lobe
-    bool matte = true;       ///< the scene has a matte signal
-    bool lobeLikely = true;  ///< some lobe will be found
-    bool metals = false;     ///< some pieces have no matte part
+    double emitters = 0;
+    double litColumnFraction = 1;
+    double glossyObservations = 0,
+           matteObservations =
+               0;      ///< that lobes would be fitted to, on components that change with the view and on the others
+    double lobes = 0;  ///< of the basis, without Lambert
+    double observationSeconds = 0;  ///< one row of one lobe
+    bool matte = true;              ///< the scene has a matte signal
+    bool lobeLikely = true;         ///< some lobe will be found
+    bool metals = false;            ///< some components have no matte part
 };
 
 struct StageEstimate {

@@ -3,8 +3,8 @@
 #include <numeric>
 
 #include "base/random.h"
-#include "solve/albedo_free.h"
-#include "solve/shares_of_light.h"
+#include "solve/light/contributions.h"
+#include "solve/ratio/albedo_free.h"
 #include "transport/bounce.h"
 
 namespace relamp {
@@ -39,7 +39,7 @@ std::vector<Rgb> litBy(const InfluenceMatrix& rows, const Lighting& lighting) {
     return lit;
 }
 
-/// A share of the pairs, drawn by where their points lie, and those points.
+/// A fraction of the pairs, drawn by where their points lie, and those points.
 struct PilotPairs {
     std::vector<uint8_t> wanted;  ///< per mesh vertex
     std::vector<AlbedoPair> pairs;
@@ -47,15 +47,15 @@ struct PilotPairs {
 
     PilotPairs(const Scene& scene, const MatteObservations& all, const std::vector<AlbedoPair>& allPairs, uint64_t seed)
         : wanted(scene.mesh.vertexCount(), 0) {
-        const double share = std::min(1.0, double(pairsWanted) / double(allPairs.size()));
+        const double fraction = std::min(1.0, double(pairsWanted) / double(allPairs.size()));
         for (const AlbedoPair& p : allPairs) {
             const uint64_t a = scene.rank[all.vertices[p.a]], b = scene.rank[all.vertices[p.b]];
-            if (double(unitFloat(mixBits(mixBits(seed ^ a) ^ b))) >= share) continue;
+            if (double(unitFloat(mixBits(mixBits(seed ^ a) ^ b))) >= fraction) continue;
             pairs.push_back(p);
             wanted[all.vertices[p.a]] = wanted[all.vertices[p.b]] = 1;
         }
         matte.viewSpread = all.viewSpread;
-        matte.pieceGlossy = all.pieceGlossy;
+        matte.componentGlossy = all.componentGlossy;
         std::vector<uint32_t> place(all.vertices.size(), 0);
         for (uint32_t i = 0; i < all.vertices.size(); ++i) {
             if (!wanted[all.vertices[i]]) continue;
@@ -72,24 +72,24 @@ struct PilotPairs {
 };
 
 /// The fit's options and its start: even light.
-AlbedoFreeOptions pilotFit(const MatteObservations& matte, const EmitterClusters& lamps, double& middle,
+AlbedoFreeOptions pilotFit(const MatteObservations& matte, const EmitterClusters& emitters, double& middle,
                            Lighting& lighting) {
     std::vector<float> brightness;
     for (const Rgb& y : matte.radiance) brightness.push_back(maxChannel(y));
     middle = median(brightness);
-    lighting.emitterRadiance = firstRadiance(lamps);
+    lighting.emitterRadiance = firstRadiance(emitters);
     lighting.leafRadiance.assign(lighting.leaves.size(), Rgb(float(std::max(middle / 0.3, 1e-9))));
     AlbedoFreeOptions fit;
     fit.iterations = 12;
     fit.light.darkness = float(1e-3 * middle);
-    fit.chroma = ChromaShare{};  // each channel by itself: that is enough to judge by
+    fit.chroma = ChromaFraction{};  // each channel by itself: that is enough to judge by
     return fit;
 }
 
 /// Divides strong directions down to a side of 64, as the solve does (SolveState::sharpenStrong), so that it can begin
 /// with them.
 void sharpenStrong(const Scene& scene, const Visibility& visibility, const NearField& nearField,
-                   const RadianceSamples& samples, const EmitterClusters& lamps, const PilotPairs& part,
+                   const RadianceSamples& samples, const EmitterClusters& emitters, const PilotPairs& part,
                    const AlbedoFreeOptions& fit, Lighting& lighting, Progress& progress) {
     const std::vector<uint32_t>& vertices = part.matte.vertices;
     Visibility none;  // of a grid so coarse that divided directions get rays of their own
@@ -98,10 +98,10 @@ void sharpenStrong(const Scene& scene, const Visibility& visibility, const NearF
     std::iota(every.begin(), every.end(), 0u);
     InfluenceMatrix rows = lambertInfluence(scene, visibility, nearField, lighting.leaves, vertices, progress);
     for (int round = 0; round < StrongDirections::rounds; ++round) {
-        const std::vector<Rgb> share = sharesOfLight(rows, lighting, litBy(rows, lighting), every);
+        const std::vector<Rgb> fraction = lightContributions(rows, lighting, litBy(rows, lighting), every);
         bool any = false;
-        for (uint32_t k = 0; k < share.size(); ++k) {
-            if (!(maxChannel(share[k]) > StrongDirections::share) ||
+        for (uint32_t k = 0; k < fraction.size(); ++k) {
+            if (!(maxChannel(fraction[k]) > StrongDirections::fraction) ||
                 lighting.leaves[k].level >= StrongDirections::finest)
                 continue;
             lighting.leaves.split(k);
@@ -114,14 +114,14 @@ void sharpenStrong(const Scene& scene, const Visibility& visibility, const NearF
         for (uint32_t k = 0; k < lighting.leaves.size(); ++k)
             if (lighting.leaves[k].level > pilotLevel) fine.push_back(k);
         lambertInfluenceOfLeaves(scene, none, lighting.leaves, vertices, fine, rows, progress);
-        solveAlbedoFree(rows, part.matte, part.pairs, lightAnchors(samples, lamps, lighting.leaves), nullptr, fit,
+        solveAlbedoFree(rows, part.matte, part.pairs, lightAnchors(samples, emitters, lighting.leaves), nullptr, fit,
                         lighting, progress, {});
     }
 }
 
 }  // namespace
 
-PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps,
+PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& emitters,
                        const MatteObservations& all, const std::vector<AlbedoPair>& pairs, const SolveOptions& options,
                        Progress& progress) {
     PilotFindings found;
@@ -155,14 +155,14 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
     sample.bits.assign(scene.mesh.vertexCount() * sample.wordsPerVertex, 0);
     sample.step = std::max(1, options.visibilitySide >> (options.startLevel + 1));
     took();
-    const size_t raysSent = addVisibility(scene, blocks, sample, progress);
-    found.visibilitySecondsPerRay = took() / double(std::max<size_t>(1, raysSent));
+    const size_t raysTraced = addVisibility(scene, blocks, sample, progress);
+    found.visibilitySecondsPerRay = took() / double(std::max<size_t>(1, raysTraced));
     refineVisibility(scene, blocks, 1, false, sample, progress);
     found.edgeSecondsPerPoint = took() / double(std::max<size_t>(1, inBlocks));
     NearFieldOptions nearOptions;
     nearOptions.seed = options.seed;
     nearOptions.only = &wanted;
-    const NearField nearField = computeNearField(scene, lamps, nearOptions, progress);
+    const NearField nearField = computeNearField(scene, emitters, nearOptions, progress);
     found.nearSecondsPerPoint = took() / double(found.points);
     Lighting lighting;
     lighting.leaves = LightLeaves::uniform(pilotLevel, scene.axes);
@@ -172,9 +172,9 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
     found.rows = rows.rows;
     found.columns = rows.columns;
 
-    const LightAnchors anchors = lightAnchors(samples, lamps, lighting.leaves);
+    const LightAnchors anchors = lightAnchors(samples, emitters, lighting.leaves);
     double middle = 0;
-    AlbedoFreeOptions fit = pilotFit(matte, lamps, middle, lighting);
+    AlbedoFreeOptions fit = pilotFit(matte, emitters, middle, lighting);
     found.background = backgroundOverSurfaces(samples, all);
     took();
     const AlbedoFreeReport without =
@@ -188,7 +188,7 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
         for (size_t k = 0; k < lighting.leaves.size(); ++k)
             distant += double(rows.row(i)[k]) * luminance(lighting.leafRadiance[k]);
     }
-    found.distantShare = light > 0 ? distant / light : 1;
+    found.distantFraction = light > 0 ? distant / light : 1;
 
     took();
     BounceOptions rays;
@@ -200,9 +200,9 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
     found.enclosure = 0;
     for (uint32_t v : matte.vertices) found.enclosure += double(met.enclosure(v)) / double(found.points);
     // What surfaces send is in the photographs; those that no photograph shows are left dark here.
-    std::vector<Rgb> sent(scene.mesh.vertexCount(), Rgb(0)), bounce;
-    for (size_t i = 0; i < all.vertices.size(); ++i) sent[all.vertices[i]] = all.radiance[i];
-    const std::vector<Rgb> gathered = gatherBounce(met, sent);
+    std::vector<Rgb> outgoing(scene.mesh.vertexCount(), Rgb(0)), bounce;
+    for (size_t i = 0; i < all.vertices.size(); ++i) outgoing[all.vertices[i]] = all.radiance[i];
+    const std::vector<Rgb> gathered = gatherBounce(met, outgoing);
     for (uint32_t v : matte.vertices) bounce.push_back(gathered[v]);
     Lighting bounced = lighting;
     fit.anneal = false;
@@ -215,7 +215,7 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
         fromSurfaces += luminance(bounce[i]);
         whole += luminance(bouncedLit[i]);
     }
-    found.bouncedShare = whole > 0 ? fromSurfaces / whole : 0;
+    found.bouncedFraction = whole > 0 ? fromSurfaces / whole : 0;
     double sum = 0, squares = 0;
     for (const AlbedoPair& p : chosen) {
         const double rise = misfitOf(matte, p, bouncedLit) - misfitOf(matte, p, lit);
@@ -230,11 +230,11 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
     found.lighting = withBounce ? bounced : lighting;
     if (!withBounce) fit.bounce = nullptr;
     fit.iterations = 4;
-    sharpenStrong(scene, visibility, nearField, samples, lamps, part, fit, found.lighting, progress);
+    sharpenStrong(scene, visibility, nearField, samples, emitters, part, fit, found.lighting, progress);
     return found;
 }
 
-std::vector<double> pilotMisfits(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps,
+std::vector<double> pilotMisfits(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& emitters,
                                  const MatteObservations& all, const std::vector<AlbedoPair>& pairs,
                                  const SolveOptions& options, Progress& progress) {
     const PilotPairs part(scene, all, pairs, options.seed);
@@ -243,15 +243,15 @@ std::vector<double> pilotMisfits(const Scene& scene, const RadianceSamples& samp
     NearFieldOptions nearOptions;
     nearOptions.seed = options.seed;
     nearOptions.only = &part.wanted;
-    const NearField nearField = computeNearField(scene, lamps, nearOptions, progress);
+    const NearField nearField = computeNearField(scene, emitters, nearOptions, progress);
     Lighting lighting;
     lighting.leaves = LightLeaves::uniform(pilotLevel, scene.axes);
     const InfluenceMatrix rows =
         lambertInfluence(scene, visibility, nearField, lighting.leaves, part.matte.vertices, progress);
     double middle = 0;
-    const AlbedoFreeOptions fit = pilotFit(part.matte, lamps, middle, lighting);
-    solveAlbedoFree(rows, part.matte, part.pairs, lightAnchors(samples, lamps, lighting.leaves), nullptr, fit, lighting,
-                    progress, {});
+    const AlbedoFreeOptions fit = pilotFit(part.matte, emitters, middle, lighting);
+    solveAlbedoFree(rows, part.matte, part.pairs, lightAnchors(samples, emitters, lighting.leaves), nullptr, fit,
+                    lighting, progress, {});
     const std::vector<Rgb> lit = litBy(rows, lighting);
     std::vector<double> misfits;
     for (const AlbedoPair& p : part.pairs) misfits.push_back(misfitOf(part.matte, p, lit));

@@ -6,7 +6,7 @@
 #include "clusters/emitter_clusters.h"
 #include "radiance/samples.h"
 #include "scene/scene.h"
-#include "solve/pairs.h"
+#include "solve/ratio/pairs.h"
 #include "solve/solve.h"
 
 namespace relamp {
@@ -17,16 +17,16 @@ constexpr double likelyBounce = -2;
 struct PilotFindings {
     bool ran = false;              ///< false: too few matte points
     size_t pairs = 0, points = 0;  ///< looked at
-    double distantShare = 1;       ///< of the light on the points that comes from afar
+    double distantFraction = 1;    ///< of the light on the points that comes from afar
     double background = -1;        ///< backgroundOverSurfaces
-    double enclosure = 1;          ///< share of what the points see that other surfaces fill
-    double bouncedShare = 0;       ///< light from other surfaces over all light, if it were in the photographs
+    double enclosure = 1;          ///< fraction of what the points see that other surfaces fill
+    double bouncedFraction = 0;    ///< light from other surfaces over all light, if it were in the photographs
     double bounceWorse =
         0;  ///< mean rise of the pairs' misfit when bounced light is taken for real, in standard errors of that mean
     int iterations = 0;  ///< of the coarse fit
     Lighting lighting;   ///< the light found, coarse but for strong directions; with bounced light where that is
                          ///< explained better
-    // What pieces of the work took, for the cost model.
+    // What components of the work took, for the cost model.
     double visibilitySecondsPerRay = 0, edgeSecondsPerPoint = 0, nearSecondsPerPoint = 0, rowSecondsPerCell = 0,
            bounceSecondsPerRay = 0, iterationSeconds = 0;
     size_t rows = 0, columns = 0;
@@ -34,13 +34,13 @@ struct PilotFindings {
 
 /// `pairs` of all matte observations; every random choice goes by the points' places, not by their order. Cost: about
 /// 0.4 s on a mesh of 30000 vertices. Throws Cancelled.
-PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps,
+PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& emitters,
                        const MatteObservations& matte, const std::vector<AlbedoPair>& pairs,
                        const SolveOptions& options, Progress& progress);
 
 /// Misfit of each of the pilot's pairs, bent, under the coarse light fitted to them: what fits with other normals can
 /// be held against, pair by pair.
-std::vector<double> pilotMisfits(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& lamps,
+std::vector<double> pilotMisfits(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& emitters,
                                  const MatteObservations& matte, const std::vector<AlbedoPair>& pairs,
                                  const SolveOptions& options, Progress& progress);
 

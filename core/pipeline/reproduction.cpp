@@ -5,9 +5,9 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "display/display_image.h"
 #include "radiance/agreement.h"
 #include "relight/frame.h"
-#include "report/display_picture.h"
 
 namespace relamp {
 namespace {
@@ -172,7 +172,7 @@ void explainMisfit(const Estimate& estimate, const PhotographAgreement& agreemen
             r.observed);
     }
     if (estimate.mode == "distant-only" && r.cause == MisfitCause::model)
-        r.advice += " Distant light alone was asked for: lamps in the scene are not explained by it.";
+        r.advice += " Distant light alone was asked for: lights in the scene are not explained by it.";
 }
 
 }  // namespace

@@ -9,15 +9,15 @@ std::optional<DecimatedMesh> workingMesh(const Capture& capture, std::optional<s
     const size_t own = capture.mesh.triangles.size() - tail;
     const size_t wanted = triangles.value_or(own > largestWorkingMesh ? largestWorkingMesh / 2 : 0);
     if (wanted == 0 || own <= wanted) return {};
-    Mesh body = capture.mesh;
-    body.triangles.resize(own);
-    body.positions.resize(body.positions.size() - tailVertices);
-    body.normals.resize(body.positions.size());
-    DecimatedMesh working = decimate(body, wanted, progress);
+    Mesh part = capture.mesh;
+    part.triangles.resize(own);
+    part.positions.resize(part.positions.size() - tailVertices);
+    part.normals.resize(part.positions.size());
+    DecimatedMesh working = decimate(part, wanted, progress);
     logInfo("solving on {} of {} triangles", working.mesh.triangles.size(), own);
     const auto firstVertex = uint32_t(working.mesh.vertexCount()),
                firstTriangle = uint32_t(working.mesh.triangles.size());
-    const auto before = uint32_t(body.positions.size());
+    const auto before = uint32_t(part.positions.size());
     for (size_t v = before; v < capture.mesh.vertexCount(); ++v) {
         working.mesh.positions.push_back(capture.mesh.positions[v]);
         working.mesh.normals.push_back(capture.mesh.normals[v]);
@@ -40,7 +40,7 @@ std::optional<DecimatedMesh> workingMesh(const Capture& capture, std::optional<s
 Estimate carriedBack(const Estimate& found, const DecimatedMesh& working, const Mesh& mesh) {
     Estimate result = found;
     const size_t n = mesh.vertexCount();
-    const EmitterClusters& lamps = found.emitters;
+    const EmitterClusters& emitters = found.emitters;
     // Which emitter a vertex lies on, and what its other corners say.
     EmitterClusters& carried = result.emitters;
     carried.emitterOfVertex.assign(n, -1);
@@ -53,7 +53,7 @@ Estimate carriedBack(const Estimate& found, const DecimatedMesh& working, const 
         int emitter = -2;
         Vec3 own(0);
         for (int k = 0; k < 3; ++k) {
-            const int e = lamps.emitterOfVertex[t[size_t(k)]];
+            const int e = emitters.emitterOfVertex[t[size_t(k)]];
             if (place.weight[k] > place.weight[nearest[v]]) nearest[v] = uint8_t(k);
             if (place.weight[k] > 0.01f) emitter = emitter == -2 || emitter == e ? e : -1;
             if (e < 0) own[k] = place.weight[k];

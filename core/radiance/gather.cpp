@@ -121,7 +121,7 @@ void estimateNoise(const Capture& capture, RadianceSamples& result) {
         std::nth_element(v.begin(), v.begin() + ptrdiff_t(q * double(v.size() - 1)), v.end());
         return v[size_t(q * double(v.size() - 1))];
     };
-    // A bilinear look-up averages about two pixels.
+    // A bilinear observation averages about two pixels.
     result.relativeNoise = std::clamp(1.4826f * quantile(relative, 0.5) * 0.7f, 0.003f, 0.2f);
     result.noiseFloor = std::max(quantile(dark, 0.5) * 2e-3f, 1e-12f);
 }
@@ -192,7 +192,7 @@ RadianceSamples gatherRadiance(const Capture& capture, const Scene& scene, const
     estimateNoise(capture, result);
     size_t seen = 0;
     for (size_t v = 0; v < n; ++v) seen += count[v] > 0;
-    logInfo("{} of {} vertices are seen, {} look-ups, noise {:.1f} % + {:.2g}", seen, n, result.samples.size(),
+    logInfo("{} of {} vertices are seen, {} observations, noise {:.1f} % + {:.2g}", seen, n, result.samples.size(),
             result.relativeNoise * 100, result.noiseFloor);
     return result;
 }

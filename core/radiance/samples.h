@@ -7,11 +7,12 @@
 
 namespace relamp {
 
-/// One look-up of a vertex in a view.
+/// One observation of a vertex in a view.
 struct RadianceSample {
     uint32_t view = 0;
-    Rgb radiance{0};   ///< linear Rec.709, gauge of the photographs
-    float weight = 0;  ///< in (0, 1]: grazing angle, distance from depth edges, share of the footprint on the surface
+    Rgb radiance{0};  ///< linear Rec.709, gauge of the photographs
+    float weight =
+        0;  ///< in (0, 1]: grazing angle, distance from depth edges, fraction of the footprint on the surface
     bool clipped = false;  ///< at or above the view's clip level: a lower bound only
 };
 
@@ -27,7 +28,7 @@ struct RadianceSamples {
     std::vector<uint32_t> start;
     std::vector<RadianceSample> samples;
     std::vector<ViewGeometry> geometry;  ///< per view
-    /// Distant light seen directly: mean radiance of background pixels per cell, and how many saw it (0: unseen).
+    /// Distant light seen directly: mean radiance of background pixels per cell, and how many saw it (0: unobserved).
     DirectionGrid backgroundGrid{128};
     std::vector<Rgb> background;
     std::vector<uint32_t> backgroundPixels;
@@ -36,7 +37,7 @@ struct RadianceSamples {
     float noiseFloor = 0;         ///< radiance: standard deviation of a dark sample
 
     size_t countOf(uint32_t v) const { return start[v + 1] - start[v]; }
-    /// Standard deviation of a look-up of this radiance (one channel).
+    /// Standard deviation of an observation of this radiance (one channel).
     float sigma(float radiance) const {
         return std::sqrt(relativeNoise * relativeNoise * radiance * radiance + noiseFloor * noiseFloor);
     }

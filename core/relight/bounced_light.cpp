@@ -15,21 +15,21 @@ std::vector<Rgb> bouncingAlbedo(const std::vector<std::vector<Rgb>>& weight, con
 
 BouncedLight bouncedLight(const BounceRays& rays, const std::vector<Rgb>& albedo, const std::vector<Rgb>& directWorld,
                           const std::vector<std::vector<Rgb>>& directByEmitter) {
-    const auto send = [&](const std::vector<Rgb>& direct, std::vector<Rgb>& bounced, std::vector<Rgb>& sent) {
-        sent.assign(albedo.size(), Rgb(0));
+    const auto send = [&](const std::vector<Rgb>& direct, std::vector<Rgb>& bounced, std::vector<Rgb>& outgoing) {
+        outgoing.assign(albedo.size(), Rgb(0));
         if (direct.empty()) {
             bounced.assign(albedo.size(), Rgb(0));
             return;
         }
         bounced = bounceOf(rays, albedo, direct);
-        for (size_t v = 0; v < sent.size(); ++v) sent[v] = albedo[v] * (direct[v] + bounced[v]);
+        for (size_t v = 0; v < outgoing.size(); ++v) outgoing[v] = albedo[v] * (direct[v] + bounced[v]);
     };
     BouncedLight out;
-    send(directWorld, out.world, out.sentWorld);
+    send(directWorld, out.world, out.outgoingWorld);
     out.byEmitter.resize(directByEmitter.size());
-    out.sentByEmitter.resize(directByEmitter.size());
+    out.outgoingByEmitter.resize(directByEmitter.size());
     for (size_t e = 0; e < directByEmitter.size(); ++e)
-        send(directByEmitter[e], out.byEmitter[e], out.sentByEmitter[e]);
+        send(directByEmitter[e], out.byEmitter[e], out.outgoingByEmitter[e]);
     return out;
 }
 
@@ -61,9 +61,9 @@ BouncedLight bouncedLightOf(const RelitScene& relit, const BouncedLightOptions& 
                 gather.byEmitter.assign(relit.emitters.size(), Rgb(0));
                 for (int i = 0; i < options.samples; ++i)
                     shader.gather(point, uint32_t(i), mixBits(options.rays.seed * 0x51ed + v), gather);
-                const float share = 1 / float(options.samples);
-                world[v] = share * gather.world;
-                for (size_t e : lights.lit) byEmitter[e][v] = share * gather.byEmitter[e];
+                const float fraction = 1 / float(options.samples);
+                world[v] = fraction * gather.world;
+                for (size_t e : lights.lit) byEmitter[e][v] = fraction * gather.byEmitter[e];
             }
         },
         &progress);

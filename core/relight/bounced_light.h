@@ -10,15 +10,15 @@ struct RelitScene;
 /// Per vertex, radiance: `world`, `byEmitter` as a white matte surface there shows it; `sent...` what the vertex itself
 /// sends by reflection, direct light included. Every source apart, so that light groups add up.
 struct BouncedLight {
-    std::vector<Rgb> world, sentWorld;
-    std::vector<std::vector<Rgb>> byEmitter, sentByEmitter;
+    std::vector<Rgb> world, outgoingWorld;
+    std::vector<std::vector<Rgb>> byEmitter, outgoingByEmitter;
     bool empty() const { return world.empty(); }
 };
 
 /// Albedo by which a vertex passes light on: its matte part and most of its lobes. Emitters only emit.
 std::vector<Rgb> bouncingAlbedo(const std::vector<std::vector<Rgb>>& weight, const std::vector<uint8_t>& emitting);
 
-/// All bounces from the direct light of each source (`directByEmitter` may have empty entries: lamps that are off).
+/// All bounces from the direct light of each source (`directByEmitter` may have empty entries: emitters that are off).
 BouncedLight bouncedLight(const BounceRays& rays, const std::vector<Rgb>& albedo, const std::vector<Rgb>& directWorld,
                           const std::vector<std::vector<Rgb>>& directByEmitter);
 

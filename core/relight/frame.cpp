@@ -9,12 +9,12 @@ namespace relamp {
 namespace {
 
 /// Counts of samples by emitter, largest first.
-void rank(const std::vector<int>& hits, float share, std::array<EmitterShare, Frame::ranks>& seen) {
+void rank(const std::vector<int>& hits, float fraction, std::array<EmitterContribution, Frame::ranks>& seen) {
     for (size_t e = 0; e < hits.size(); ++e) {
         if (!hits[e]) continue;
-        EmitterShare next{int(e), float(hits[e]) * share};
-        for (EmitterShare& place : seen)
-            if (place.emitter < 0 || next.share > place.share) std::swap(place, next);
+        EmitterContribution next{int(e), float(hits[e]) * fraction};
+        for (EmitterContribution& place : seen)
+            if (place.emitter < 0 || next.fraction > place.fraction) std::swap(place, next);
     }
 }
 
@@ -39,7 +39,7 @@ public:
     /// Renders pixel (x, y).
     void render(int x, int y) {
         const uint64_t seed = mixBits(options_.seed * 0x9e37 + size_t(y) * size_t(camera_.width) + size_t(x));
-        const float share = 1 / float(options_.samplesPerPixel);
+        const float fraction = 1 / float(options_.samplesPerPixel);
         emitterSeen = false;
         alpha = 0;
         albedo = Rgb(0);
@@ -54,7 +54,7 @@ public:
                 if (options_.background) gather.world += relit_.distant->smoothRadiance(d);
                 continue;
             }
-            alpha += share;
+            alpha += fraction;
             const int e = relit_.emitterOfTriangle[hit.triangle];
             if (e >= 0) {
                 const RelitEmitter& emitter = relit_.emitters[size_t(e)];
@@ -65,13 +65,13 @@ public:
                 continue;
             }
             shader_.surfaceAt(hit, d, surface_);
-            albedo += surface_.albedo * share;
+            albedo += surface_.albedo * fraction;
             shader_.gather(surface_, uint32_t(i), seed, gather);
         }
-        world = gather.world * share;
+        world = gather.world * fraction;
         beauty = world;
         for (Rgb& light : gather.byEmitter) {
-            light *= share;
+            light *= fraction;
             beauty += light;
         }
     }

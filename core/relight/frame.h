@@ -19,9 +19,9 @@ struct FrameOptions {
 };
 
 /// How much of a pixel shows one emitter's surface.
-struct EmitterShare {
-    int emitter = -1;  ///< index into the scene's emitters; -1: none
-    float share = 0;   ///< of the pixel's samples, in [0, 1]
+struct EmitterContribution {
+    int emitter = -1;    ///< index into the scene's emitters; -1: none
+    float fraction = 0;  ///< of the pixel's samples, in [0, 1]
 };
 
 /// Linear radiance per pixel; the groups (world, each emitter, what is seen directly) add up to the beauty.
@@ -35,16 +35,16 @@ struct Frame {
     std::vector<Rgb> albedo;
     std::vector<Vec3> normal, position;  ///< of the pixel's centre
     std::vector<float> depth;            ///< along the camera's axis, metres; 1e30 where nothing is
-    /// The emitters seen, largest share first; at most six a pixel, as Cryptomatte has it.
-    std::vector<std::array<EmitterShare, ranks>> emittersSeen;
+    /// The emitters seen, largest fraction first; at most six a pixel, as Cryptomatte has it.
+    std::vector<std::array<EmitterContribution, ranks>> emittersSeen;
 };
 
 struct PixelAt {
     int x = 0, y = 0;
 };
 
-/// Renders a frame in pieces, so that a picture of any size needs the memory of a few rows. Keeps references to scene
-/// and camera.
+/// Renders a frame in components, so that an image of any size needs the memory of a few rows. Keeps references to
+/// scene and camera.
 class FrameRenderer {
 public:
     FrameRenderer(const RelitScene& relit, const Camera& camera, const FrameOptions& options);

@@ -13,7 +13,7 @@ namespace relamp {
 
 struct EnvironmentLook {
     enum class Source { recovered, none, file } source = Source::recovered;
-    std::filesystem::path file;  ///< latitude-longitude picture, when source is file
+    std::filesystem::path file;  ///< latitude-longitude image, when source is file
     float yawDegrees = 0;        ///< about +Z, counter-clockwise from above
     float exposureStops = 0;
     Rgb tint{1};
@@ -30,7 +30,7 @@ struct EmitterLook {
 };
 
 struct AddedEmitter {
-    /// part: the connected piece of mesh that holds seedVertex shines and moves. copy: the geometry of a recovered
+    /// part: the connected component of mesh that holds seedVertex shines and moves. copy: the geometry of a recovered
     /// emitter again, shining on the same faces as that one does.
     enum class Shape { rectangle, disk, sphere, part, copy } shape = Shape::rectangle;
     std::string id;
@@ -38,14 +38,14 @@ struct AddedEmitter {
         1};  ///< rectangle, disk, sphere lie about the origin, facing -Z; part and copy: applied to world positions
     Vec2 size{1};  ///< metres: width and height, or diameter; rectangle, disk, sphere
     Rgb radiance{1};
-    bool enabled = true;      ///< off: radiance 0, its body stays
+    bool enabled = true;      ///< off: radiance 0, its part stays
     uint32_t seedVertex = 0;  ///< part
     std::string source{};     ///< copy: id of a recovered emitter
     std::string name{};       ///< what the artist calls it; empty: its id
     bool operator==(const AddedEmitter&) const = default;
 };
 
-/// The connected piece of mesh that holds the vertex moves too: a lamp's shade and stand.
+/// The connected component of mesh that holds the vertex moves too: an emitter's shade and stand.
 struct PartLook {
     uint32_t seedVertex = 0;
     Mat4 matrix{1};

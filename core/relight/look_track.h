@@ -13,8 +13,8 @@ struct LookKey {
     Look look;
 };
 
-/// Where a thing of a look stands as captured: its movement is taken apart about this point, so that a lamp that turns
-/// where it stands does not swing through the room.
+/// Where a thing of a look stands as captured: its movement is taken apart about this point, so that an emitter that
+/// turns where it stands does not swing through the room.
 struct LookPivots {
     std::function<Vec3(const std::string& id)> emitter = [](const std::string&) {
         return Vec3(0);

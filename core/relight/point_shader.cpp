@@ -20,7 +20,7 @@ SceneLights::SceneLights(const RelitScene& scene) : relit(scene), distant(*scene
 
 PointShader::PointShader(const SceneLights& lights, const FrameOptions& options)
     : lights_(lights), relit_(lights.relit), options_(options), emitterProposal_(lights.relit.emitters.size()) {
-    // The fewer lamps, the more samples for each.
+    // The fewer emitters, the more samples for each.
     emitterSamples_ =
         std::clamp(options.emitterSamples * 4 / int(std::max<size_t>(1, lights.lit.size())), 2, options.emitterSamples);
 }
@@ -60,16 +60,16 @@ void PointShader::gather(const ShadedPoint& s, uint32_t index, uint64_t seed, Ga
     if (const BouncedLight& bounced = relit_.bounced; !bounced.empty() && s.triangle != Hit::none) {
         const Triangle& t = relit_.scene.mesh.triangles[s.triangle];
         for (int k = 0; k < 3; ++k) {
-            const Rgb share = s.albedo * s.corners[k];
-            out.world += share * bounced.world[t[size_t(k)]];
-            for (size_t e : lights_.lit) out.byEmitter[e] += share * bounced.byEmitter[e][t[size_t(k)]];
+            const Rgb fraction = s.albedo * s.corners[k];
+            out.world += fraction * bounced.world[t[size_t(k)]];
+            for (size_t e : lights_.lit) out.byEmitter[e] += fraction * bounced.byEmitter[e][t[size_t(k)]];
         }
     }
     // A metal has nothing but its lobes: the samples a matte part would want go there.
     lobeCount_ = maxChannel(s.albedo) > 1e-3f ? options_.lobeSamples : 4 * options_.lobeSamples;
     distantCount_ =
         !relit_.distant->black() && lights_.distant.prepare(s.normal, proposal_) ? options_.distantSamples : 0;
-    // A share from the cosine alone: where the bright part of the sky is hidden, the rest is not left to chance.
+    // A fraction from the cosine alone: where the bright part of the sky is hidden, the rest is not left to chance.
     cosineCount_ = distantCount_ > 0 && maxChannel(s.albedo) > 0 ? std::max(1, options_.distantSamples / 4) : 0;
     const Vec2 shift = randomShift(seed, 1, 0);
     const uint32_t total = uint32_t(options_.samplesPerPixel * options_.distantSamples);
@@ -208,8 +208,8 @@ void PointShader::flushClosest(const ShadedPoint& s, Gather& out) {
             const Vec2 b = hits[i].barycentric;
             const float corners[3] = {1 - b.x - b.y, b.x, b.y};
             for (size_t k = 0; k < 3; ++k) {
-                out.world += f * corners[k] * bounced.sentWorld[t[k]];
-                for (size_t l : lights_.lit) out.byEmitter[l] += f * corners[k] * bounced.sentByEmitter[l][t[k]];
+                out.world += f * corners[k] * bounced.outgoingWorld[t[k]];
+                for (size_t l : lights_.lit) out.byEmitter[l] += f * corners[k] * bounced.outgoingByEmitter[l][t[k]];
             }
             continue;
         }

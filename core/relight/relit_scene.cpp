@@ -53,48 +53,48 @@ Mesh shapeMesh(const AddedEmitter& added) {
     return m;
 }
 
-/// Moves the triangles of bodies and doubles vertices whose triangles belong to different ones, so that nothing is
+/// Moves the triangles of parts and doubles vertices whose triangles belong to different ones, so that nothing is
 /// stretched; of those the ground, else the first, keeps the number.
 void moveTriangles(const Mesh& captured, EditedGeometry& out) {
-    constexpr uint32_t none = EditedBody::none;
+    constexpr uint32_t none = EditedPart::none;
     const size_t n = captured.vertexCount();
     std::vector<uint32_t> owner(n, none);
-    for (size_t t = 0; t < out.bodyOfTriangle.size(); ++t)
-        if (!out.bodyOfTriangle[t])
+    for (size_t t = 0; t < out.partOfTriangle.size(); ++t)
+        if (!out.partOfTriangle[t])
             for (uint32_t v : captured.triangles[t]) owner[v] = 0;
     std::vector<Mat3> normalMatrix;
     std::vector<uint8_t> mirrored;
-    for (const EditedBody& b : out.bodies) {
+    for (const EditedPart& b : out.parts) {
         normalMatrix.push_back(glm::transpose(glm::inverse(Mat3(b.matrix))));
         mirrored.push_back(glm::determinant(Mat3(b.matrix)) < 0);
     }
     std::map<std::pair<uint32_t, uint32_t>, uint32_t> copyOf;
-    for (size_t t = 0; t < out.bodyOfTriangle.size(); ++t) {
-        const uint32_t body = out.bodyOfTriangle[t];
-        if (!body) continue;
+    for (size_t t = 0; t < out.partOfTriangle.size(); ++t) {
+        const uint32_t part = out.partOfTriangle[t];
+        if (!part) continue;
         for (uint32_t& v : out.mesh.triangles[t]) {
             const uint32_t origin = v;
-            if (owner[origin] == body) continue;
+            if (owner[origin] == part) continue;
             if (owner[origin] == none) {
-                owner[origin] = body;
+                owner[origin] = part;
             } else {
                 const auto [place, isNew] =
-                    copyOf.emplace(std::pair(origin, body), uint32_t(out.mesh.positions.size()));
+                    copyOf.emplace(std::pair(origin, part), uint32_t(out.mesh.positions.size()));
                 v = place->second;
                 if (!isNew) continue;
                 out.mesh.positions.emplace_back();
                 out.mesh.normals.push_back(captured.normals[origin]);
                 out.vertexOrigin.push_back(origin);
             }
-            const Mat4& matrix = out.bodies[body].matrix;
+            const Mat4& matrix = out.parts[part].matrix;
             out.mesh.positions[v] =
                 matrix == Mat4(1) ? captured.positions[origin] : Vec3(matrix * Vec4(captured.positions[origin], 1));
             if (matrix == Mat4(1)) continue;
             Vec3& normal = out.mesh.normals[v];
-            normal = normalMatrix[body] * captured.normals[origin];
+            normal = normalMatrix[part] * captured.normals[origin];
             if (const float length = glm::length(normal); length > 0) normal /= length;
         }
-        if (mirrored[body]) std::swap(out.mesh.triangles[t][1], out.mesh.triangles[t][2]);
+        if (mirrored[part]) std::swap(out.mesh.triangles[t][1], out.mesh.triangles[t][2]);
     }
 }
 
@@ -104,34 +104,35 @@ size_t emitterNamed(const std::vector<EmitterCluster>& clusters, const std::stri
     throw Error("{}: there is no emitter named {}", where, id);
 }
 
-/// The triangles of a mesh piece that no emitter has yet.
-EmitterCluster clusterOfPiece(const Scene& scene, const AddedEmitter& added,
-                              const std::vector<int>& emitterOfTriangle) {
+/// The triangles of a mesh component that no emitter has yet.
+EmitterCluster clusterOfComponent(const Scene& scene, const AddedEmitter& added,
+                                  const std::vector<int>& emitterOfTriangle) {
     if (added.seedVertex >= scene.mesh.vertexCount())
         throw Error("added_emitters: {}: seed_vertex {} does not exist, the mesh has {} vertices", added.id,
                     added.seedVertex, scene.mesh.vertexCount());
     EmitterCluster cluster;
     for (uint32_t t = 0; t < scene.mesh.triangles.size(); ++t)
-        if (emitterOfTriangle[t] < 0 && scene.piece[scene.mesh.triangles[t][0]] == scene.piece[added.seedVertex])
+        if (emitterOfTriangle[t] < 0 &&
+            scene.component[scene.mesh.triangles[t][0]] == scene.component[added.seedVertex])
             cluster.triangles.push_back(t);
     if (cluster.triangles.empty())
-        throw Error("added_emitters: {}: the piece of mesh at vertex {} shines already or has no triangles", added.id,
-                    added.seedVertex);
+        throw Error("added_emitters: {}: the component of mesh at vertex {} shines already or has no triangles",
+                    added.id, added.seedVertex);
     return cluster;
 }
 
-/// Puts the triangles of an added shape behind the mesh as a new body.
+/// Puts the triangles of an added shape behind the mesh as a new part.
 void appendShape(const Mesh& shape, int emitter, const Mat4& matrix, EditedGeometry& out) {
     const uint32_t first = uint32_t(out.mesh.positions.size());
     for (const Triangle& t : shape.triangles) {
         out.mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
         out.emitterOfTriangle.push_back(emitter);
-        out.bodyOfTriangle.push_back(uint32_t(out.bodies.size()));
+        out.partOfTriangle.push_back(uint32_t(out.parts.size()));
     }
     out.mesh.positions.insert(out.mesh.positions.end(), shape.positions.begin(), shape.positions.end());
     out.mesh.normals.insert(out.mesh.normals.end(), shape.normals.begin(), shape.normals.end());
-    out.vertexOrigin.resize(out.mesh.positions.size(), EditedBody::none);
-    out.bodies.push_back({emitter, EditedBody::none, matrix});
+    out.vertexOrigin.resize(out.mesh.positions.size(), EditedPart::none);
+    out.parts.push_back({emitter, EditedPart::none, matrix});
     out.moved = true;
 }
 
@@ -187,7 +188,7 @@ std::shared_ptr<const DistantLight> distantOfLook(const Estimate& estimate, cons
     return std::make_shared<const DistantLight>(grid, std::move(cells));
 }
 
-EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const Look& look, const BodiesApart& apart) {
+EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const Look& look, const PartsApart& apart) {
     const std::vector<EmitterCluster>& clusters = estimate.emitters.emitters;
     EditedGeometry out;
     std::vector<Mat4> matrix(clusters.size(), Mat4(1));
@@ -197,30 +198,30 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
         matrix[at] = e.matrix;
         radiance[at] = e.enabled ? radiance[at] * e.powerScale : Rgb(0);
     }
-    // Which body each triangle is of: its emitter's own, else that of the parts on its piece of the mesh, else the
+    // Which part each triangle is of: its emitter's own, else that of the parts on its component of the mesh, else the
     // ground.
-    out.bodies.emplace_back();
-    std::vector<uint32_t> bodyOfPiece(scene.pieces, 0), bodyOfEmitter(clusters.size() + look.added.size(), 0);
-    const auto addPiece = [&](uint32_t piece) -> uint32_t {
-        if (!bodyOfPiece[piece]) {
-            bodyOfPiece[piece] = uint32_t(out.bodies.size());
-            out.bodies.push_back({-1, piece, Mat4(1)});
+    out.parts.emplace_back();
+    std::vector<uint32_t> partOfComponent(scene.components, 0), partOfEmitter(clusters.size() + look.added.size(), 0);
+    const auto addComponent = [&](uint32_t component) -> uint32_t {
+        if (!partOfComponent[component]) {
+            partOfComponent[component] = uint32_t(out.parts.size());
+            out.parts.push_back({-1, component, Mat4(1)});
         }
-        return bodyOfPiece[piece];
+        return partOfComponent[component];
     };
-    for (uint32_t piece : apart.pieces) addPiece(piece);
+    for (uint32_t component : apart.components) addComponent(component);
     for (const PartLook& part : look.parts) {
         if (part.seedVertex >= scene.mesh.vertexCount())
             throw Error("parts: seed_vertex {} does not exist, the mesh has {} vertices", part.seedVertex,
                         scene.mesh.vertexCount());
         if (part.matrix == Mat4(1)) continue;
-        Mat4& movement = out.bodies[addPiece(scene.piece[part.seedVertex])].matrix;
+        Mat4& movement = out.parts[addComponent(scene.component[part.seedVertex])].matrix;
         movement = part.matrix * movement;
     }
     const auto addEmitter = [&](size_t e, const Mat4& movement) {
         if (movement == Mat4(1) && !apart.emitters) return;
-        bodyOfEmitter[e] = uint32_t(out.bodies.size());
-        out.bodies.push_back({int(e), EditedBody::none, movement});
+        partOfEmitter[e] = uint32_t(out.parts.size());
+        out.parts.push_back({int(e), EditedPart::none, movement});
     };
     out.emitterOfTriangle = estimate.emitters.emitterOfTriangle;
     for (size_t e = 0; e < clusters.size(); ++e) {
@@ -232,7 +233,7 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
         const int e = int(clusters.size() + i);
         RelitEmitter emitter{added.id, {}, added.enabled ? added.radiance : Rgb(0)};
         if (added.shape == AddedEmitter::Shape::part) {
-            const EmitterCluster cluster = clusterOfPiece(scene, added, out.emitterOfTriangle);
+            const EmitterCluster cluster = clusterOfComponent(scene, added, out.emitterOfTriangle);
             for (uint32_t t : cluster.triangles) out.emitterOfTriangle[t] = e;
             emitter.surface = emitterSurface(scene.mesh, cluster, added.matrix);
             addEmitter(size_t(e), added.matrix);
@@ -249,13 +250,13 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
     out.mesh = scene.mesh;
     out.vertexOrigin.resize(scene.mesh.vertexCount());
     std::iota(out.vertexOrigin.begin(), out.vertexOrigin.end(), 0u);
-    out.moved = out.bodies.size() > 1;
-    out.bodyOfTriangle.assign(scene.mesh.triangles.size(), 0);
+    out.moved = out.parts.size() > 1;
+    out.partOfTriangle.assign(scene.mesh.triangles.size(), 0);
     if (out.moved) {
-        for (size_t t = 0; t < out.bodyOfTriangle.size(); ++t) {
+        for (size_t t = 0; t < out.partOfTriangle.size(); ++t) {
             const int e = out.emitterOfTriangle[t];
-            out.bodyOfTriangle[t] =
-                e >= 0 ? bodyOfEmitter[size_t(e)] : bodyOfPiece[scene.piece[scene.mesh.triangles[t][0]]];
+            out.partOfTriangle[t] =
+                e >= 0 ? partOfEmitter[size_t(e)] : partOfComponent[scene.component[scene.mesh.triangles[t][0]]];
         }
         moveTriangles(scene.mesh, out);
     }
@@ -286,7 +287,7 @@ RelitScene applyLook(const Scene& scene, const Estimate& estimate, const Look& l
     for (const std::vector<Rgb>& captured : estimate.reflectance.weight) {
         std::vector<Rgb> weight(geometry.vertexOrigin.size(), Rgb(0));
         for (size_t v = 0; v < weight.size(); ++v)
-            if (geometry.vertexOrigin[v] != EditedBody::none) weight[v] = captured[geometry.vertexOrigin[v]];
+            if (geometry.vertexOrigin[v] != EditedPart::none) weight[v] = captured[geometry.vertexOrigin[v]];
         out.weight.push_back(std::move(weight));
     }
     if (look.neutralMaterials)

@@ -21,34 +21,35 @@ struct RelitEmitter {
 };
 
 /// Triangles that move as one. Body 0 of a geometry is what stays; its matrix is the identity.
-struct EditedBody {
+struct EditedPart {
     static constexpr uint32_t none = ~0u;
-    int emitter = -1;       ///< index into the emitters; -1: no lamp
-    uint32_t piece = none;  ///< connected piece of the capture's mesh; none: of an emitter's own or an added shape
-    Mat4 matrix{1};         ///< applied to the capture's positions, to a shape's own about the origin
+    int emitter = -1;  ///< index into the emitters; -1: no emitter
+    uint32_t component =
+        none;        ///< connected component of the capture's mesh; none: of an emitter's own or an added shape
+    Mat4 matrix{1};  ///< applied to the capture's positions, to a shape's own about the origin
 };
 
 /// The mesh of a look, without the costly ray tracer.
 struct EditedGeometry {
     Mesh mesh;                           ///< the capture's vertices in order, then copies, then added shapes
     std::vector<uint32_t> vertexOrigin;  ///< per vertex the capture's it stands for; EditedBody::none on added shapes
-    std::vector<EditedBody> bodies;
-    std::vector<uint32_t> bodyOfTriangle;  ///< index into bodies
+    std::vector<EditedPart> parts;
+    std::vector<uint32_t> partOfTriangle;  ///< index into parts
     std::vector<int> emitterOfTriangle;    ///< index into emitters, -1: none
     std::vector<RelitEmitter> emitters;    ///< recovered ones in order, then added ones
     bool moved = false;                    ///< false: the capture's own mesh
 };
 
-/// Which bodies are kept apart although they stand where they were captured. A vertex that a body shares with its
-/// surroundings is doubled, so the numbering of vertices depends on the list of bodies alone and not on where they are.
-struct BodiesApart {
-    bool emitters = false;         ///< every recovered emitter
-    std::vector<uint32_t> pieces;  ///< these pieces of the mesh
+/// Which parts are kept apart although they stand where they were captured. A vertex that a part shares with its
+/// environment is doubled, so the numbering of vertices depends on the list of parts alone and not on where they are.
+struct PartsApart {
+    bool emitters = false;             ///< every recovered emitter
+    std::vector<uint32_t> components;  ///< these components of the mesh
 };
 
 /// Applies the geometry and the emitters of a look. Cost: one pass over the mesh. Throws Error as applyLook does.
 EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const Look& look,
-                            const BodiesApart& apart = {});
+                            const PartsApart& apart = {});
 
 /// The environment of a look. Throws Error naming an unreadable file.
 std::shared_ptr<const DistantLight> distantOfLook(const Estimate& estimate, const EnvironmentLook& look);
@@ -64,7 +65,7 @@ struct RelitScene {
 };
 
 /// `scene` is the capture's. Cost: a rebuild of the ray tracer when something moved (tens of ms). Throws Error naming
-/// an unknown emitter id, a part's vertex out of range, a piece of mesh that shines already, or an unreadable
+/// an unknown emitter id, a part's vertex out of range, a component of mesh that shines already, or an unreadable
 /// environment file. `distant`: what distantOfLook gives for this look, where it is known already.
 RelitScene applyLook(const Scene& scene, const Estimate& estimate, const Look& look, Progress& progress,
                      std::shared_ptr<const DistantLight> distant = {});

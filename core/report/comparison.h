@@ -1,4 +1,4 @@
-// What both modes found on one capture, with the pictures that show it: what the comparison page is made from.
+// What both modes found on one capture, with the images that show it: what the comparison page is made from.
 #pragma once
 #include <array>
 #include <string>
@@ -24,7 +24,7 @@ struct ComparedMode {
     Image emittersOff, white;  ///< in the first view, exposed
 };
 
-/// One view with pictures, exposed and ready to be encoded.
+/// One view with images, exposed and ready to be encoded.
 struct ComparedView {
     std::string name;
     Image photograph;
@@ -41,7 +41,7 @@ struct Comparison {
     float environmentStops = 0, offStops = 0;  ///< exposure against the first view's photograph
 };
 
-/// Renders both modes from the capture's cameras and fills everything of `comparison` that is a picture or measured on
+/// Renders both modes from the capture's cameras and fills everything of `comparison` that is an image or measured on
 /// one. `capture` has its photographs, `scene` is its geometry. At most 12 views are measured and `maxViews` shown,
 /// spread evenly. Cost: a frame of at most 400 x 400 pixels, 4 positions a pixel, a view and mode. Throws Cancelled.
 void drawComparison(const Capture& capture, const Scene& scene, int maxViews, Comparison& comparison,

@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
+#include "display/log_plot.h"
 #include "report/comparison.h"
 #include "report/estimate_tables.h"
 #include "report/html.h"
-#include "report/log_plot.h"
 
 namespace relamp {
 namespace {
@@ -41,7 +41,7 @@ std::string figuresTable(const Comparison& c) {
     row("Colour in the surfaces",
         "Mean angle between the surfaces' own colour and grey. Less is better only where it was the light's colour.",
         [](const ComparedMode& m) { return fmt::format("{:.1f}\u00b0", m.tintDegrees); });
-    row("Lamps found", "Patches of the mesh that send light of their own.",
+    row("Lights found", "Patches of the mesh that send light of their own.",
         [&](const ComparedMode& m) { return fmt::format("{}", estimate(m).emitters.emitters.size()); });
     row("Distant light", "Number of patches of sky or room whose light was told apart.",
         [&](const ComparedMode& m) { return fmt::format("{}", estimate(m).lighting.leaves.size()); });
@@ -57,21 +57,20 @@ std::string figuresTable(const Comparison& c) {
             const StabilityReport& s = estimate(m).stability;
             return fmt::format("{:.1e}, {} of {}", s.conditionNumber, s.effectiveRank, s.unknowns);
         });
-    row("Brightness scale", "What decides between a bright lamp on dark surfaces and a dim lamp on bright ones.",
+    row("Brightness scale", "What decides between a bright light on dark surfaces and a dim light on bright ones.",
         [&](const ComparedMode& m) { return estimate(m).gauge.kind; });
-    return "<div class=\"wide\"><table><tr><th></th><th>Lamps in the scene</th><th>Distant light only</th></tr>\n" +
+    return "<div class=\"wide\"><table><tr><th></th><th>Lights in the scene</th><th>Distant light only</th></tr>\n" +
            rows + "</table></div>\n";
 }
 
 std::string viewSection(const ComparedView& view) {
-    const char* names[] = {"lamps in the scene", "distant light only"};
-    std::string figures = htmlPicture(view.photograph, "Photograph", "");
+    const char* names[] = {"lights in the scene", "distant light only"};
+    std::string figures = htmlImage(view.photograph, "Photograph", "");
     for (size_t m = 0; m < 2; ++m) {
         if (m == 1) figures += "<div></div>\n";
-        figures +=
-            htmlPicture(view.model[m], fmt::format("Model, {}", names[m]), fmt::format("{:.1f} dB", view.psnr[m]));
-        figures += htmlPicture(view.difference[m], "Difference", "");
-        figures += htmlPicture(view.albedo[m], "Surfaces without light", "");
+        figures += htmlImage(view.model[m], fmt::format("Model, {}", names[m]), fmt::format("{:.1f} dB", view.psnr[m]));
+        figures += htmlImage(view.difference[m], "Difference", "");
+        figures += htmlImage(view.albedo[m], "Surfaces without light", "");
     }
     return "<h3>" + htmlText(view.name) + "</h3>\n" + grid("four", figures);
 }
@@ -102,7 +101,7 @@ std::string plotOf(const Modes& modes) {
     std::vector<PlotCurve> curves;
     for (size_t m = 0; m < 2; ++m) {
         PlotCurve curve{
-            m == 0 ? "lamps in the scene" : "distant light only", m == 0 ? "#e8a24a" : "#6fa8dc", m == 1, {}};
+            m == 0 ? "lights in the scene" : "distant light only", m == 0 ? "#e8a24a" : "#6fa8dc", m == 1, {}};
         for (const TimelineEntry& t : modes[m].shot.estimate.timeline)
             curve.points.push_back(
                 {t.seconds, t.rmse,
@@ -117,63 +116,63 @@ std::string plotOf(const Modes& modes) {
 
 std::string comparisonPage(const Comparison& c) {
     const Modes& modes = c.modes;
-    const auto pair = [&](auto&& picture, const char* near, const char* distant) {
-        return htmlPicture(picture(modes[0]), near, "") + htmlPicture(picture(modes[1]), distant, "");
+    const auto pair = [&](auto&& image, const char* near, const char* distant) {
+        return htmlImage(image(modes[0]), near, "") + htmlImage(image(modes[1]), distant, "");
     };
-    const char *near = "Lamps in the scene", *distant = "Distant light only";
-    std::string body = "<h1>" + htmlText(c.capture) + ": two ways to explain the light</h1>\n";
-    body += fmt::format(
+    const char *near = "Lights in the scene", *distant = "Distant light only";
+    std::string part = "<h1>" + htmlText(c.capture) + ": two ways to explain the light</h1>\n";
+    part += fmt::format(
         "<p>{} photographs, a mesh of {} vertices and {} triangles. The same photographs were explained twice: once "
-        "with lamps that stand in the "
+        "with lights that stand in the "
         "scene and light it from near (near-field), once as if all light came from far away (distant-only). What a "
-        "lamp does and the second way "
+        "light does and the second way "
         "cannot say ends up painted on the surfaces.</p>\n",
         c.views, c.vertices, c.triangles);
-    body += heading("Figures", fmt::format("Measured over {} of {} photographs.", c.measuredViews, c.views)) +
+    part += heading("Figures", fmt::format("Measured over {} of {} photographs.", c.measuredViews, c.views)) +
             figuresTable(c);
     for (const ComparedMode& m : modes)
         if (!m.shot.estimate.gauge.evidence.empty())
-            body += fmt::format("<p>Brightness scale, {}: {}</p>\n", htmlText(m.name),
+            part += fmt::format("<p>Brightness scale, {}: {}</p>\n", htmlText(m.name),
                                 htmlText(m.shot.estimate.gauge.evidence));
 
-    body += heading("Correction colours",
+    part += heading("Correction colours",
                     "The tint of the surfaces with their brightness taken away. Neutral grey needs no correction; a "
                     "stain that follows the light is light that was taken for paint.");
     std::string tints;
     for (size_t m = 0; m < 2; ++m)
-        for (const ComparedView& view : c.shown) tints += htmlPicture(view.tint[m], m == 0 ? near : distant, view.name);
-    body += grid(c.shown.size() == 3 ? "three" : c.shown.size() == 1 ? "one" : "two", tints);
+        for (const ComparedView& view : c.shown) tints += htmlImage(view.tint[m], m == 0 ? near : distant, view.name);
+    part += grid(c.shown.size() == 3 ? "three" : c.shown.size() == 1 ? "one" : "two", tints);
 
-    body += heading("View by view",
+    part += heading("View by view",
                     "The photograph, what each model makes of it, and where they part: grey is equal, brighter means "
                     "the model is too bright there, darker too dark. "
                     "Surfaces without light show each surface's own colour, on an absolute scale.");
-    for (const ComparedView& view : c.shown) body += viewSection(view);
+    for (const ComparedView& view : c.shown) part += viewSection(view);
 
-    body += heading("Lamps off", fmt::format("What the distant light alone does. Exposed {} against the first "
-                                             "photograph, both alike. Distant-only has no lamp to switch off, "
-                                             "so all light stays.",
-                                             stops(c.offStops)));
-    body += grid("two", pair([](const ComparedMode& m) -> const Image& { return m.emittersOff; }, near, distant));
-    body += heading(
+    part += heading("Lights off", fmt::format("What the distant light alone does. Exposed {} against the first "
+                                              "photograph, both alike. Distant-only has no light to switch off, "
+                                              "so all light stays.",
+                                              stops(c.offStops)));
+    part += grid("two", pair([](const ComparedMode& m) -> const Image& { return m.emittersOff; }, near, distant));
+    part += heading(
         "Under a white sky",
-        "Lamps off, the same light from everywhere. Shadows of the old light that still show were taken for paint.");
-    body += grid("two", pair([](const ComparedMode& m) -> const Image& { return m.white; }, near, distant));
-    body += heading("Surroundings", fmt::format("The recovered distant light in all directions, straight up at the "
+        "Lights off, the same light from everywhere. Shadows of the old light that still show were taken for paint.");
+    part += grid("two", pair([](const ComparedMode& m) -> const Image& { return m.white; }, near, distant));
+    part += heading("Surroundings", fmt::format("The recovered distant light in all directions, straight up at the "
                                                 "top. Exposed {} against the first photograph, both alike. "
-                                                "A bright spot that is not in the room is a lamp in disguise.",
+                                                "A bright spot that is not in the room is a light in disguise.",
                                                 stops(c.environmentStops)));
-    body += grid("two", pair([](const ComparedMode& m) -> const Image& { return m.environment; }, near, distant));
+    part += grid("two", pair([](const ComparedMode& m) -> const Image& { return m.environment; }, near, distant));
 
-    body += heading("Lamps", "What shines in the scene, and why it is believed to.") +
-            lampsTable(modes[0].shot.estimate) + rejectedTable(modes[0].shot.estimate, modes[0].shot.capture.origin);
-    body += heading("Error against run time",
+    part += heading("Lamps", "What shines in the scene, and why it is believed to.") +
+            emittersTable(modes[0].shot.estimate) + rejectedTable(modes[0].shot.estimate, modes[0].shot.capture.origin);
+    part += heading("Error against run time",
                     "How fast each way closes in on the photographs, from the first guess on. Both axes are "
                     "logarithmic; rest on a point for its stage.") +
             plotOf(modes);
-    body +=
+    part +=
         heading("Left out", "What this scene did not need, and what this version does not do.") + leftOutTable(modes);
-    return htmlPage("relamp: " + c.capture, body);
+    return htmlPage("relamp: " + c.capture, part);
 }
 
 }  // namespace relamp

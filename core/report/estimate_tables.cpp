@@ -19,7 +19,7 @@ std::string times(float value) {
 
 std::string evidenceText(const EmitterEvidence& e) {
     std::string text = fmt::format("{} times as bright as the other surfaces", times(e.sceneContrast));
-    if (e.localContrast > 0) text += fmt::format(", {} times its surroundings", times(e.localContrast));
+    if (e.localContrast > 0) text += fmt::format(", {} times its environment", times(e.localContrast));
     text += fmt::format("; even within {:.1f} %, changes by {:.1f} % from view to view", 100 * e.uniformity,
                         100 * e.viewSpread);
     if (e.demandedAlbedo > 0)
@@ -37,32 +37,34 @@ std::string swatch(const Rgb& c) {
                        255 * srgbEncode(hue.x), 255 * srgbEncode(hue.y), 255 * srgbEncode(hue.z));
 }
 
-std::string lampsTable(const Estimate& e) {
+std::string emittersTable(const Estimate& e) {
     if (e.emitters.emitters.empty())
         return "<p>No patch of the scene shines on its own: everything is lit from far away.</p>\n";
     std::string rows;
     for (size_t i = 0; i < e.emitters.emitters.size(); ++i) {
-        const EmitterCluster& lamp = e.emitters.emitters[i];
+        const EmitterCluster& emitter = e.emitters.emitters[i];
         const Rgb& radiance = e.lighting.emitterRadiance[i];
         const std::string sigma = i < e.emitterSigma.size() ? fmt::format("\u00b1 {}", rgbText(e.emitterSigma[i])) : "";
-        const std::string share =
+        const std::string fraction =
             i < e.identifiability.size() ? fmt::format("{:.0f} %", 100 * e.identifiability[i]) : "";
-        const std::string clipped =
-            lamp.evidence.clippedShare > 0
-                ? fmt::format("<small>{:.0f} % of the looks are clipped</small>", 100 * lamp.evidence.clippedShare)
-                : "";
+        const std::string clipped = emitter.evidence.clippedFraction > 0
+                                        ? fmt::format("<small>{:.0f} % of the looks are clipped</small>",
+                                                      100 * emitter.evidence.clippedFraction)
+                                        : "";
         rows += fmt::format(
             "<tr><td class=\"number\">{}{}</td><td class=\"number\">{}<small>{}</small></td><td "
             "class=\"number\">{:.3g} cm\u00b2</td><td class=\"number\">{}{}</td>"
             "<td class=\"number\">{}</td><td>{}<small>{}</small></td></tr>\n",
-            swatch(radiance), htmlText(lamp.id), rgbText(radiance), sigma, lamp.area * 1e4, lamp.evidence.viewsSeen,
-            clipped, share, htmlText(evidenceText(lamp.evidence)), fmt::format("{} look-ups", lamp.evidence.samples));
+            swatch(radiance), htmlText(emitter.id), rgbText(radiance), sigma, emitter.area * 1e4,
+            emitter.evidence.viewsSeen, clipped, fraction, htmlText(evidenceText(emitter.evidence)),
+            fmt::format("{} observations", emitter.evidence.samples));
     }
-    return "<div class=\"wide\"><table><tr><th>Lamp</th><th>Radiance R G "
+    return "<div class=\"wide\"><table><tr><th>Light</th><th>Radiance R G "
            "B</th><th>Area</th><th>Views</th><th>Certain</th><th>Evidence</th></tr>\n" +
            rows +
            "</table></div>\n"
-           "<p>Certain: the share of the lamp's effect on the photographs that no distant light could imitate. Below "
+           "<p>Certain: the fraction of the light's effect on the photographs that no distant light could imitate. "
+           "Below "
            "15 % its power is a guess.</p>\n";
 }
 
@@ -80,8 +82,9 @@ std::string rejectedTable(const Estimate& e, const DVec3& origin) {
     std::string more;
     if (e.emitters.rejected.size() > most)
         more = fmt::format("<p>and {} more.</p>\n", e.emitters.rejected.size() - most);
-    return "<h3>Bright, but no lamps</h3>\n<div class=\"wide\"><table><tr><th>Where</th><th>Radiance R G B</th><th>Why "
-           "it was not taken for a lamp</th></tr>\n" +
+    return "<h3>Bright, but no lights</h3>\n<div class=\"wide\"><table><tr><th>Where</th><th>Radiance R G "
+           "B</th><th>Why "
+           "it was not taken for a light</th></tr>\n" +
            rows + "</table></div>\n" + more;
 }
 

@@ -34,15 +34,14 @@ std::string base64(const std::string& bytes) {
     return text;
 }
 
-std::string htmlPicture(const Image& picture, const std::string& caption, const std::string& about) {
+std::string htmlImage(const Image& image, const std::string& caption, const std::string& about) {
     return fmt::format(
         "<figure><img width=\"{}\" height=\"{}\" alt=\"{}\" src=\"data:image/png;base64,{}\"><figcaption><b>{}</b> "
         "{}</figcaption></figure>\n",
-        picture.width, picture.height, htmlText(caption), base64(encodePng(picture)), htmlText(caption),
-        htmlText(about));
+        image.width, image.height, htmlText(caption), base64(encodePng(image)), htmlText(caption), htmlText(about));
 }
 
-std::string htmlPage(const std::string& title, const std::string& body) {
+std::string htmlPage(const std::string& title, const std::string& part) {
     static const char style[] = R"(
 :root { color-scheme: dark; }
 body { margin: 0; background: #1e1e1e; color: #d2d2d2; font: 15px/1.5 system-ui, "Segoe UI", "DejaVu Sans", sans-serif; }
@@ -72,7 +71,7 @@ svg { max-width: 100%; height: auto; display: block; margin-top: 6px; }
 )";
     return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
            "content=\"width=device-width, initial-scale=1\"><title>" +
-           htmlText(title) + "</title><style>" + style + "</style></head>\n<body><main>\n" + body +
+           htmlText(title) + "</title><style>" + style + "</style></head>\n<body><main>\n" + part +
            "</main></body></html>\n";
 }
 

@@ -1,4 +1,4 @@
-// The few pieces a self-contained page is made of: text made safe, pictures carried along, and the page around them.
+// The few components a self-contained page is made of: text made safe, images carried along, and the page around them.
 #pragma once
 #include <string>
 
@@ -10,10 +10,10 @@ namespace relamp {
 std::string htmlText(const std::string& text);
 std::string base64(const std::string& bytes);
 
-/// A figure whose picture travels inside the page (PNG, sRGB). `caption` and `about` are plain text.
-std::string htmlPicture(const Image& picture, const std::string& caption, const std::string& about);
+/// A figure whose image travels inside the page (PNG, sRGB). `caption` and `about` are plain text.
+std::string htmlImage(const Image& image, const std::string& caption, const std::string& about);
 
 /// A whole page with its style; nothing is fetched from anywhere. Dark and neutral, because people judge colour on it.
-std::string htmlPage(const std::string& title, const std::string& body);
+std::string htmlPage(const std::string& title, const std::string& part);
 
 }  // namespace relamp

@@ -3,9 +3,9 @@
 #include "base/atomic_file.h"
 #include "base/log.h"
 #include "capture/own_axes.h"
+#include "display/display_image.h"
 #include "pipeline/pipeline.h"
 #include "relight/frame.h"
-#include "report/display_picture.h"
 
 namespace relamp {
 namespace {
@@ -14,14 +14,14 @@ namespace fs = std::filesystem;
 constexpr size_t mostViews = 24;
 constexpr int longestSide = 400;
 
-struct ViewPictures {
+struct ViewImages {
     Image photograph, model;
     double psnr = 0;
     float exposure = 1;
 };
 
-ViewPictures explain(const RelitScene& relit, const View& view, Progress& progress) {
-    ViewPictures p;
+ViewImages explain(const RelitScene& relit, const View& view, Progress& progress) {
+    ViewImages p;
     const Camera camera = smallerCamera(view.camera, longestSide);
     p.photograph = shrunk(view.image, camera.width, camera.height);
     p.exposure = exposureFor(p.photograph);
@@ -36,7 +36,7 @@ ViewPictures explain(const RelitScene& relit, const View& view, Progress& progre
     return p;
 }
 
-/// Per view, near-field beside distant-only when that was solved, and the pictures of the view explained least well.
+/// Per view, near-field beside distant-only when that was solved, and the images of the view explained least well.
 void measureViews(const Capture& capture, const Scene& scene, SolveReport& report, Progress& progress) {
     const RelitScene relit = applyLook(scene, report.estimate, {}, progress);
     std::optional<RelitScene> distant;
@@ -45,7 +45,7 @@ void measureViews(const Capture& capture, const Scene& scene, SolveReport& repor
     double worst = 1e9;
     for (size_t i = 0; i < count; ++i) {
         const View& view = capture.views[i * capture.views.size() / count];
-        ViewPictures p = explain(relit, view, progress);
+        ViewImages p = explain(relit, view, progress);
         report.views.push_back({view.name, p.psnr, distant ? explain(*distant, view, progress).psnr : 0});
         if (p.psnr >= worst) continue;
         worst = p.psnr;

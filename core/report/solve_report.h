@@ -40,7 +40,7 @@ struct ReportedDistant {
 /// How a solve of the same capture stood against the truth while it ran.
 struct TruthMoment {
     double seconds = 0;  ///< since the photographs were opened
-    double psnr = 0;     ///< mean over the relit pictures in which something changes, dB
+    double psnr = 0;     ///< mean over the relit images in which something changes, dB
 };
 
 struct SolveReport {
@@ -72,7 +72,7 @@ std::string reportPage(const SolveReport& report);
 /// draw.
 std::string errorPlot(const SolveReport& report);
 std::string spectrumPlot(const SolveReport& report);
-/// Error of relit pictures over run time; empty without truth.
+/// Error of relit images over run time; empty without truth.
 std::string truthPlot(const SolveReport& report);
 /// seconds,psnr_db
 std::string truthCsv(const SolveReport& report);

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
+#include "display/log_plot.h"
 #include "report/estimate_tables.h"
 #include "report/html.h"
-#include "report/log_plot.h"
 #include "report/solve_report.h"
 
 namespace relamp {
@@ -45,7 +45,7 @@ std::string figuresTable(const SolveReport& r) {
                     fmt::format("{:.1f} dB", sum / double(r.views.size())));
     rows += row("Lamps", "Patches of the mesh that send light of their own.",
                 fmt::format("{}", r.estimate.emitters.emitters.size()));
-    rows += row("Unknowns", "Patches of sky or room whose light was told apart, and lamps, for each colour channel.",
+    rows += row("Unknowns", "Patches of sky or room whose light was told apart, and lights, for each colour channel.",
                 fmt::format("{}", s.unknowns));
     rows += row("KKT residual",
                 "How exactly the last lighting program was solved, relative; 1e-6 and less is exact for all purposes.",
@@ -67,7 +67,7 @@ std::string figuresTable(const SolveReport& r) {
                 tried += fmt::format("; {:.3g} times: {:+.1f} +- {:.1f} % misfit of what was left out", t.factor,
                                      100 * (t.misfit - 1), 100 * t.error);
         rows += row(name,
-                    "Strength of the prior over the usual one, and how much worse other strengths foretell looks and "
+                    "Strength of the prior over the usual one, and how much worse other strengths predict looks and "
                     "pairs that were left out.",
                     htmlText(fmt::format(
                         "{:.3g} (by the {}){}", strength->factor,
@@ -79,8 +79,8 @@ std::string figuresTable(const SolveReport& r) {
         fmt::format("{:.1f} s", r.resources.seconds));
     rows += row("Memory", "The most the solve used.", fmt::format("{:.0f} MiB", r.resources.peakMib));
     if (r.estimate.interreflection)
-        rows += row("Bounced light", "Share of the light on the surfaces that comes from other surfaces.",
-                    fmt::format("{:.0f} %", 100 * r.estimate.bouncedShare));
+        rows += row("Bounced light", "Fraction of the light on the surfaces that comes from other surfaces.",
+                    fmt::format("{:.0f} %", 100 * r.estimate.bouncedFraction));
     return "<table>\n" + rows + "</table>\n";
 }
 
@@ -171,17 +171,17 @@ std::string leftOutTable(const Estimate& e) {
 }
 
 std::string truthSection(const TruthFigures& t) {
-    std::string body, rows;
+    std::string part, rows;
     for (const TruthFigure& f : t.figures) rows += row(f.what, f.about, f.value);
-    if (!rows.empty()) body += "<table>\n" + rows + "</table>\n";
+    if (!rows.empty()) part += "<table>\n" + rows + "</table>\n";
     rows.clear();
     for (const TruthEdit& e : t.edits)
         rows += fmt::format("<tr><td>{}<small>{}</small></td><td class=\"number\">{:.1f} dB</td></tr>\n",
                             htmlText(e.name), htmlText(e.about), e.psnr);
-    if (rows.empty()) return body;
-    return body + "<h3>Relit pictures against the true ones</h3>\n<table><tr><th>Edit</th><th>PSNR</th></tr>\n" + rows +
+    if (rows.empty()) return part;
+    return part + "<h3>Relit images against the true ones</h3>\n<table><tr><th>Edit</th><th>PSNR</th></tr>\n" + rows +
            fmt::format(
-               "</table>\n<p>Mean over the pictures in which something changes: {:.1f} dB. Nothing is divided "
+               "</table>\n<p>Mean over the images in which something changes: {:.1f} dB. Nothing is divided "
                "out.</p>\n",
                t.meanPsnr);
 }
@@ -246,14 +246,14 @@ std::string spectrumPlot(const SolveReport& r) {
 }
 
 std::string truthPlot(const SolveReport& r) {
-    PlotCurve curve{"relit pictures", "#8fbf6a", false, {}};
+    PlotCurve curve{"relit images", "#8fbf6a", false, {}};
     for (const TruthMoment& m : r.truthOverTime)
         if (m.psnr > 0)
             curve.points.push_back(
                 {m.seconds, std::pow(10, -m.psnr / 20), fmt::format("{:.2f} s: {:.1f} dB", m.seconds, m.psnr)});
     return curve.points.empty() ? ""
                                 : logPlotSvg({curve}, "seconds since the photographs were opened",
-                                             "root mean square error of relit pictures, display values");
+                                             "root mean square error of relit images, display values");
 }
 
 std::string truthCsv(const SolveReport& r) {
@@ -283,59 +283,58 @@ std::string viewsCsv(const SolveReport& r) {
 }
 
 std::string reportPage(const SolveReport& r) {
-    std::string body =
+    std::string part =
         fmt::format("<h1>{}: how it was solved</h1>\n<p>Capture {}, {}. Brightness scale: {}</p>\n", htmlText(r.shot),
                     htmlText(r.capture), htmlText(r.estimate.mode),
                     htmlText(r.estimate.gauge.evidence.empty() ? "not said" : r.estimate.gauge.evidence));
-    body += heading("Figures", "What the solve came to.") + figuresTable(r);
+    part += heading("Figures", "What the solve came to.") + figuresTable(r);
     if (r.truth)
-        body += heading("Against the truth",
+        part += heading("Against the truth",
                         "The capture's light and surfaces are known: how far the answer is from them.") +
                 truthSection(*r.truth);
     if (!r.truthOverTime.empty())
-        body += heading("Truth against run time",
+        part += heading("Truth against run time",
                         "A solve of the same capture, stopped in thought after each large step: how far its relit "
-                        "pictures were from the true ones then.") +
+                        "images were from the true ones then.") +
                 truthPlot(r);
-    body += heading("Error against run time",
+    part += heading("Error against run time",
                     "How much surfaces of one colour still differ under the light found: surface colour cancels in it, "
                     "so it cannot hide what the light gets wrong. The same measure in every "
                     "stage and mode. Both axes are logarithmic; rest on a point for its stage.") +
             errorPlot(r);
     if (!r.noDistantBecause.empty())
-        body += "<p>Not held against distant light only: " + htmlText(r.noDistantBecause) + ".</p>\n";
+        part += "<p>Not held against distant light only: " + htmlText(r.noDistantBecause) + ".</p>\n";
     else if (r.distant)
-        body += fmt::format("<p>Distant light only took {:.1f} s, this shot {:.1f} s.</p>\n", r.distant->seconds,
+        part += fmt::format("<p>Distant light only took {:.1f} s, this shot {:.1f} s.</p>\n", r.distant->seconds,
                             r.resources.seconds);
-    body += stagesTable(r);
-    body += heading("Photograph by photograph",
+    part += stagesTable(r);
+    part += heading("Photograph by photograph",
                     "PSNR of what the model makes of each photograph, on the surfaces, as they appear on screen.");
-    body +=
+    part +=
         r.views.empty()
             ? "<p>Not measured: " + htmlText(r.noViewsBecause.empty() ? "there are none" : r.noViewsBecause) + ".</p>\n"
             : viewsTable(r);
     if (r.worst)
-        body +=
-            "<h3>Explained least well: " + htmlText(r.worst->name) + "</h3>\n<div class=\"grid three\">\n" +
-            htmlPicture(r.worst->photograph, "Photograph", "") + htmlPicture(r.worst->model, "Model", "") +
-            htmlPicture(r.worst->difference, "Difference", "grey is equal, brighter where the model is too bright") +
-            "</div>\n";
+        part += "<h3>Explained least well: " + htmlText(r.worst->name) + "</h3>\n<div class=\"grid three\">\n" +
+                htmlImage(r.worst->photograph, "Photograph", "") + htmlImage(r.worst->model, "Model", "") +
+                htmlImage(r.worst->difference, "Difference", "grey is equal, brighter where the model is too bright") +
+                "</div>\n";
     const std::string spectrum = spectrumPlot(r);
     if (!spectrum.empty())
-        body += heading("How well posed the equations were",
+        part += heading("How well posed the equations were",
                         "Eigenvalues of the column-scaled lighting equations. What lies above 1e-6 of the largest is "
                         "pinned down by the photographs; "
                         "below, the priors decide.") +
                 spectrum;
-    body += heading("Lamps", "What shines in the scene, and why it is believed to.") + lampsTable(r.estimate) +
+    part += heading("Lamps", "What shines in the scene, and why it is believed to.") + emittersTable(r.estimate) +
             rejectedTable(r.estimate, r.origin);
     if (!r.estimate.plan.stages.empty())
-        body += heading("Plan",
+        part += heading("Plan",
                         "What every stage was expected to take on this machine before it ran, and what it took; and "
                         "what was left out because the scene does not need it.") +
                 planSection(r.estimate.plan);
-    body += heading("Left out", "What this scene did not need.") + leftOutTable(r.estimate);
-    return htmlPage("relamp: " + r.shot, body);
+    part += heading("Left out", "What this scene did not need.") + leftOutTable(r.estimate);
+    return htmlPage("relamp: " + r.shot, part);
 }
 
 }  // namespace relamp

@@ -25,13 +25,13 @@ public:
     }
 
     /// One case; the estimate, when there is one.
-    std::optional<Estimate> run(const std::string& name, const std::function<Estimate(Progress&)>& body) {
+    std::optional<Estimate> run(const std::string& name, const std::function<Estimate(Progress&)>& part) {
         StressCase c;
         c.name = name;
         const double start = progress_.seconds();
         std::optional<Estimate> estimate;
         try {
-            Estimate found = body(progress_);
+            Estimate found = part(progress_);
             c.finite = allFinite(found);
             c.kkt = found.stability.kktResidual;
             c.reason = !c.finite           ? "an answer holds numbers that are not finite"
@@ -52,9 +52,9 @@ public:
 
     /// A variant whose answer should be that of `base`. `because`: what is known to keep the two apart.
     void hold(const std::string& name, const std::optional<Estimate>& base, const VariantOf& how,
-              const std::function<Estimate(Progress&)>& body, const std::string& because = "") {
+              const std::function<Estimate(Progress&)>& part, const std::string& because = "") {
         if (!wanted(name)) return;
-        const std::optional<Estimate> found = run(name, body);
+        const std::optional<Estimate> found = run(name, part);
         if (!found || !base || !report_.cases.back().finite) return;
         StressCase& c = report_.cases.back();
         const AnswerDifference d = differenceOf(*base, *found, how);
@@ -65,8 +65,8 @@ public:
         if (d.worst() > invarianceWanted && c.reason.empty())
             c.reason = fmt::format("the answer differs by {:.1e}{}", d.worst(), because.empty() ? "" : ": " + because);
     }
-    void solve(const std::string& name, const std::function<Estimate(Progress&)>& body) {
-        if (wanted(name)) run(name, body);
+    void solve(const std::string& name, const std::function<Estimate(Progress&)>& part) {
+        if (wanted(name)) run(name, part);
     }
     StressReport take() {
         report_.seconds = progress_.seconds() - start_;
@@ -145,82 +145,82 @@ void variantsOf(const std::string& of, const Capture& capture, const SolveOption
     runner.solve(named("exposures 10 % apart"), solved(withExposures(capture, 0.1f, 1)));
 }
 
-StressLamp lampAt(const Vec3& centre, float side, const Rgb& radiance) { return {centre, side, radiance}; }
+StressEmitter emitterAt(const Vec3& centre, float side, const Rgb& radiance) { return {centre, side, radiance}; }
 
-/// What needs another scene. `given`: the lamps are told, because photographs of such lamps do not show them.
+/// What needs another scene. `given`: the emitters are told, because photographs of such emitters do not show them.
 void worlds(Runner& runner) {
-    const auto add = [&](const std::string& what, const StressWorld& world, bool given = false) {
+    const auto add = [&](const std::string& what, const StressScene& world, bool given = false) {
         runner.solve("world: " + what, [world, given](Progress& progress) {
-            const PaintedWorld painted = paintStressWorld(world, progress);
-            return solveForStress(painted.capture, given ? &painted.lamps : nullptr, false, solveOptionsFor("draft"),
+            const PaintedWorld painted = paintStressScene(world, progress);
+            return solveForStress(painted.capture, given ? &painted.emitters : nullptr, false, solveOptionsFor("draft"),
                                   progress);
         });
     };
     const Vec3 left(-0.45f, 0.3f, 1.1f), right(0.45f, 0.25f, 1.15f);
     for (const float ratio : {1.0f, 1e2f, 1e4f, 1e6f}) {
-        StressWorld w;
-        w.lamps = {lampAt(left, 0.25f, Rgb(40)), lampAt(right, 0.25f, Rgb(40) / ratio)};
-        add(fmt::format("two lamps of power 1 : {:.0e}", ratio), w);
-        add(fmt::format("two lamps of power 1 : {:.0e}, both told", ratio), w, true);
+        StressScene w;
+        w.emitters = {emitterAt(left, 0.25f, Rgb(40)), emitterAt(right, 0.25f, Rgb(40) / ratio)};
+        add(fmt::format("two lights of power 1 : {:.0e}", ratio), w);
+        add(fmt::format("two lights of power 1 : {:.0e}, both told", ratio), w, true);
     }
-    const auto with = [&](const char* what, const std::function<void(StressWorld&)>& change, bool given = false) {
-        StressWorld w;
+    const auto with = [&](const char* what, const std::function<void(StressScene&)>& change, bool given = false) {
+        StressScene w;
         change(w);
         add(what, w, given);
     };
     const float small = 2e-3f;
-    with("emitter of 1e-3 of the scene", [&](StressWorld& w) { w.lamps = {lampAt(right, small, Rgb(1e6f))}; });
+    with("emitter of 1e-3 of the scene", [&](StressScene& w) { w.emitters = {emitterAt(right, small, Rgb(1e6f))}; });
     with(
-        "emitter of 1e-3 of the scene, told", [&](StressWorld& w) { w.lamps = {lampAt(right, small, Rgb(1e6f))}; },
-        true);
+        "emitter of 1e-3 of the scene, told",
+        [&](StressScene& w) { w.emitters = {emitterAt(right, small, Rgb(1e6f))}; }, true);
     with(
         "emitter touching a surface",
-        [](StressWorld& w) {
-            w.lamps = {lampAt({0, 0.5f, 0}, 0.2f, Rgb(30))};
+        [](StressScene& w) {
+            w.emitters = {emitterAt({0, 0.5f, 0}, 0.2f, Rgb(30))};
         },
         true);
-    with("emitter inside a shade seen only by its light", [](StressWorld& w) {
+    with("emitter inside a shade seen only by its light", [](StressScene& w) {
         w.shade = true;
         w.views = 5;
     });
     with(
-        "emitter inside a shade, told", [](StressWorld& w) { w.shade = true; }, true);
+        "emitter inside a shade, told", [](StressScene& w) { w.shade = true; }, true);
     with("emitter five times as bright on one side",
-         [&](StressWorld& w) { w.lamps = {lampAt(right, 0.4f, Rgb(30))}, w.lamps[0].uneven = 5; });
+         [&](StressScene& w) { w.emitters = {emitterAt(right, 0.4f, Rgb(30))}, w.emitters[0].uneven = 5; });
     with(
         "duplicated emitters",
-        [&](StressWorld& w) {
-            w.lamps = {lampAt(right, 0.3f, Rgb(30)), lampAt(right, 0.3f, Rgb(30))};
+        [&](StressScene& w) {
+            w.emitters = {emitterAt(right, 0.3f, Rgb(30)), emitterAt(right, 0.3f, Rgb(30))};
         },
         true);
     with(
         "coplanar emitters that touch",
-        [&](StressWorld& w) {
-            w.lamps = {lampAt(right, 0.3f, Rgb(30)), lampAt(right - Vec3(0.3f, 0, 0), 0.3f, Rgb(20))};
+        [&](StressScene& w) {
+            w.emitters = {emitterAt(right, 0.3f, Rgb(30)), emitterAt(right - Vec3(0.3f, 0, 0), 0.3f, Rgb(20))};
         },
         true);
     with(
-        "fully hidden emitter", [](StressWorld& w) { w.shade = w.closed = true; }, true);
-    with("no emitter", [](StressWorld& w) { w.lamps.clear(); });
-    with("environment of zero", [](StressWorld& w) { w.sky = [](const Vec3&) { return Rgb(0); }; });
-    with("environment constant", [](StressWorld& w) { w.sky = [](const Vec3&) { return Rgb(0.5f); }; });
-    with("environment constant, no emitter", [](StressWorld& w) {
+        "fully hidden emitter", [](StressScene& w) { w.shade = w.closed = true; }, true);
+    with("no emitter", [](StressScene& w) { w.emitters.clear(); });
+    with("environment of zero", [](StressScene& w) { w.sky = [](const Vec3&) { return Rgb(0); }; });
+    with("environment constant", [](StressScene& w) { w.sky = [](const Vec3&) { return Rgb(0.5f); }; });
+    with("environment constant, no emitter", [](StressScene& w) {
         w.sky = [](const Vec3&) { return Rgb(0.5f); };
-        w.lamps.clear();
+        w.emitters.clear();
     });
-    with("environment with a sun of 1e5", [](StressWorld& w) {
+    with("environment with a sun of 1e5", [](StressScene& w) {
         w.sky = [](const Vec3& d) {
             return Rgb(0.4f) + (glm::dot(d, glm::normalize(Vec3(0.5f, 0.3f, 0.8f))) > 0.9996f ? Rgb(1e5f) : Rgb(0));
         };
     });
-    with("no light at all", [](StressWorld& w) {
+    with("no light at all", [](StressScene& w) {
         w.sky = [](const Vec3&) { return Rgb(0); };
-        w.lamps.clear();
+        w.emitters.clear();
     });
-    with("albedo 0", [](StressWorld& w) { w.albedo = Rgb(0); });
-    with("albedo 1", [](StressWorld& w) { w.albedo = Rgb(1); });
-    with("near-mirror", [](StressWorld& w) { w.mirrorAlpha = 0.01f; });
-    with("needle triangles", [](StressWorld& w) { w.needles = true; });
+    with("albedo 0", [](StressScene& w) { w.albedo = Rgb(0); });
+    with("albedo 1", [](StressScene& w) { w.albedo = Rgb(1); });
+    with("near-mirror", [](StressScene& w) { w.specularAlpha = 0.01f; });
+    with("needle triangles", [](StressScene& w) { w.needles = true; });
     runner.solve("world: 3 vertices", [](Progress& progress) {
         return solveForStress(oneTriangle(), nullptr, false, solveOptionsFor("draft"), progress);
     });
@@ -228,7 +228,7 @@ void worlds(Runner& runner) {
 
 }  // namespace
 
-double StressReport::finiteShare() const {
+double StressReport::finiteFraction() const {
     size_t finite = 0;
     for (const StressCase& c : cases) finite += c.finite;
     return cases.empty() ? 1 : double(finite) / double(cases.size());
@@ -244,10 +244,10 @@ StressReport runStress(const Capture* capture, const StressOptions& options, Pro
         brief.refineRounds = 1;
         brief.startIterations = 6;
         brief.bounce = SolveOptions::Bounce::off;
-        variantsOf("capture", withSmallPictures(*capture, options.longestSide), brief, runner);
+        variantsOf("capture", withSmallImages(*capture, options.longestSide), brief, runner);
     }
     if (options.worlds) {
-        variantsOf("world", paintStressWorld({}, progress).capture, draft, runner);
+        variantsOf("world", paintStressScene({}, progress).capture, draft, runner);
         worlds(runner);
     }
     return runner.take();
@@ -265,7 +265,7 @@ nlohmann::json stressJson(const StressReport& report) {
                          {"reason", c.reason},
                          {"figures", figures}});
     }
-    return {{"cases", cases}, {"finite_share", report.finiteShare()}, {"seconds", report.seconds}};
+    return {{"cases", cases}, {"finite_share", report.finiteFraction()}, {"seconds", report.seconds}};
 }
 
 std::string stressText(const StressReport& report) {
@@ -287,7 +287,7 @@ std::string stressText(const StressReport& report) {
     size_t holding = 0;
     for (const StressCase& c : report.cases) holding += c.holds();
     return text + fmt::format("{:.0f} % finite; {} of {} cases are solved to 1e-6 or say why not; {:.1f} s\n",
-                              100 * report.finiteShare(), holding, report.cases.size(), report.seconds);
+                              100 * report.finiteFraction(), holding, report.cases.size(), report.seconds);
 }
 
 }  // namespace relamp

@@ -26,7 +26,7 @@ struct StressCase {
 struct StressReport {
     std::vector<StressCase> cases;
     double seconds = 0;
-    double finiteShare() const;  ///< in [0, 1]; 1 without cases
+    double finiteFraction() const;  ///< in [0, 1]; 1 without cases
 };
 
 struct StressOptions {

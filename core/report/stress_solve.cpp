@@ -24,11 +24,11 @@ double largest(const DVec3& v) { return std::max(v.x, std::max(v.y, v.z)); }
 
 }  // namespace
 
-Estimate solveForStress(const Capture& capture, const EmitterClusters* lamps, bool emittersReversed,
+Estimate solveForStress(const Capture& capture, const EmitterClusters* emitters, bool emittersReversed,
                         const SolveOptions& options, Progress& progress) {
     const Scene scene = buildScene(capture.mesh, progress, ownAxes(capture));
     const RadianceSamples samples = gatherRadiance(capture, scene, {}, progress);
-    EmitterClusters clusters = lamps ? *lamps : clusterEmitters(scene, capture, samples, {}, progress);
+    EmitterClusters clusters = emitters ? *emitters : clusterEmitters(scene, capture, samples, {}, progress);
     if (emittersReversed) {
         std::reverse(clusters.emitters.begin(), clusters.emitters.end());
         std::reverse(clusters.candidates.begin(), clusters.candidates.end());

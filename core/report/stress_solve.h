@@ -16,17 +16,17 @@ struct VariantOf {
     std::vector<uint32_t> newIndex;  ///< where each vertex went; empty: where it was
 };
 
-/// The rooms from mesh to estimate at draft quality. `lamps`, when not null, stand in place of room 4's finding.
+/// The rooms from mesh to estimate at draft quality. `emitters`, when not null, stand in place of room 4's finding.
 /// `emittersReversed`: the candidates come in the opposite order. Throws what the rooms throw.
-Estimate solveForStress(const Capture& capture, const EmitterClusters* lamps, bool emittersReversed,
+Estimate solveForStress(const Capture& capture, const EmitterClusters* emitters, bool emittersReversed,
                         const SolveOptions& options, Progress& progress);
 
 /// Every number of it.
 bool allFinite(const Estimate& estimate);
 
-/// Relative differences of what `variant` found from what `base` did: lamps' radiance, irradiance of the distant light
-/// on six orientations, albedo (root mean square over the vertices that rest on their own look-ups). 1 when the lamps
-/// are not the same ones.
+/// Relative differences of what `variant` found from what `base` did: emitters' radiance, irradiance of the distant
+/// light on six orientations, albedo (root mean square over the vertices that rest on their own observations). 1 when
+/// the emitters are not the same ones.
 struct AnswerDifference {
     double emitters = 0, irradiance = 0, albedo = 0;
     double worst() const { return std::max(emitters, std::max(irradiance, albedo)); }

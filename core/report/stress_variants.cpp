@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "base/random.h"
-#include "report/display_picture.h"
+#include "display/display_image.h"
 #include "scene/mesh_io.h"
 
 namespace relamp {
@@ -18,7 +18,7 @@ float normalOf(uint64_t bits) {
 
 }  // namespace
 
-Capture withSmallPictures(Capture capture, int longestSide) {
+Capture withSmallImages(Capture capture, int longestSide) {
     for (View& view : capture.views) {
         view.camera = smallerCamera(view.camera, longestSide);
         view.image = shrunk(view.image, view.camera.width, view.camera.height);
@@ -49,11 +49,11 @@ Capture withExposures(Capture capture, float relative, uint64_t seed) {
     return capture;
 }
 
-Capture withOutliers(Capture capture, float share, uint64_t seed) {
+Capture withOutliers(Capture capture, float fraction, uint64_t seed) {
     for (size_t i = 0; i < capture.views.size(); ++i)
         for (size_t p = 0; p < capture.views[i].image.pixels.size(); ++p) {
             const uint64_t bits = mixBits(mixBits(seed * 77 + i) ^ p);
-            if (unitFloat(bits) < share) capture.views[i].image.pixels[p] *= bits & 1 ? 1000.0f : 0.0f;
+            if (unitFloat(bits) < fraction) capture.views[i].image.pixels[p] *= bits & 1 ? 1000.0f : 0.0f;
         }
     return capture;
 }

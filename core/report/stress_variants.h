@@ -6,15 +6,15 @@
 namespace relamp {
 
 /// Photographs at most `longestSide` pixels; never larger than they were.
-Capture withSmallPictures(Capture capture, int longestSide);
+Capture withSmallImages(Capture capture, int longestSide);
 /// Every photograph times `factor`.
 Capture withRadianceTimes(Capture capture, const Rgb& factor);
 /// Gaussian noise of this relative standard deviation on every pixel and channel; 0.2 is 20 %.
 Capture withNoise(Capture capture, float relative, uint64_t seed);
 /// Every photograph brighter or darker as a whole: a factor of this relative standard deviation each.
 Capture withExposures(Capture capture, float relative, uint64_t seed);
-/// A share of the pixels replaced by 0 or a thousand times what they were.
-Capture withOutliers(Capture capture, float share, uint64_t seed);
+/// A fraction of the pixels replaced by 0 or a thousand times what they were.
+Capture withOutliers(Capture capture, float fraction, uint64_t seed);
 /// `count` views spread over the capture.
 Capture withViews(Capture capture, size_t count);
 /// All views clipped at this percentile (0 to 100) of their own luminance.

@@ -54,10 +54,10 @@ void addBall(Mesh& mesh, const Vec3& centre, float radius, int rings, int around
         }
 }
 
-/// The open box about a lamp: four walls and a lid seen from both sides, wider than the lamp.
-void addShade(Mesh& mesh, const StressLamp& lamp, bool closed) {
-    const float w = 0.75f * lamp.side, down = 0.35f, up = 0.08f;
-    const Vec3 low = lamp.centre - Vec3(w, w, down), d(2 * w, 2 * w, down + up), x(d.x, 0, 0), y(0, d.y, 0),
+/// The open box about an emitter: four walls and a lid seen from both sides, wider than the emitter.
+void addShade(Mesh& mesh, const StressEmitter& emitter, bool closed) {
+    const float w = 0.75f * emitter.side, down = 0.35f, up = 0.08f;
+    const Vec3 low = emitter.centre - Vec3(w, w, down), d(2 * w, 2 * w, down + up), x(d.x, 0, 0), y(0, d.y, 0),
                z(0, 0, d.z);
     const float wall = 0.01f;
     for (const float grow : {0.0f, wall}) {
@@ -115,7 +115,7 @@ EmitterCluster clusterOf(const Mesh& mesh, const std::vector<uint32_t>& triangle
 }
 
 /// What the painter shades: Lambert everywhere but on a metal ball.
-Estimate truthOf(const StressWorld& world, const Scene& scene, const EmitterClusters& lamps, size_t firstOnFloor,
+Estimate truthOf(const StressScene& world, const Scene& scene, const EmitterClusters& emitters, size_t firstOnFloor,
                  size_t firstOfBall, size_t afterBall) {
     Estimate e;
     e.mode = "near-field";
@@ -125,15 +125,15 @@ Estimate truthOf(const StressWorld& world, const Scene& scene, const EmitterClus
         e.environment.push_back(world.sky ? world.sky(grid.direction(c)) : plainSky(grid.direction(c)));
     e.lighting.leaves = LightLeaves::uniform(1);
     e.lighting.leafRadiance.assign(4, Rgb(0));
-    e.emitters = lamps;
-    for (const EmitterCluster& lamp : lamps.emitters) e.lighting.emitterRadiance.push_back(lamp.radiance);
+    e.emitters = emitters;
+    for (const EmitterCluster& emitter : emitters.emitters) e.lighting.emitterRadiance.push_back(emitter.radiance);
     const size_t n = scene.mesh.vertexCount();
     e.reflectance.basis.lobes = {Lobe{Lobe::Kind::lambert, 1, "lambert"},
-                                 Lobe{Lobe::Kind::ggx, std::max(world.mirrorAlpha, 1e-3f), "ggx"}};
+                                 Lobe{Lobe::Kind::ggx, std::max(world.specularAlpha, 1e-3f), "ggx"}};
     e.reflectance.weight.assign(2, std::vector<Rgb>(n, Rgb(0)));
     for (size_t v = 0; v < n; ++v) {
-        if (lamps.emitterOfVertex[v] >= 0) continue;
-        if (world.mirrorAlpha > 0 && v >= firstOfBall && v < afterBall) e.reflectance.weight[1][v] = Rgb(0.9f);
+        if (emitters.emitterOfVertex[v] >= 0) continue;
+        if (world.specularAlpha > 0 && v >= firstOfBall && v < afterBall) e.reflectance.weight[1][v] = Rgb(0.9f);
         else
             e.reflectance.weight[0][v] =
                 v < firstOnFloor ? world.albedo : Rgb(world.albedo.z, world.albedo.y, world.albedo.x);
@@ -143,7 +143,7 @@ Estimate truthOf(const StressWorld& world, const Scene& scene, const EmitterClus
 
 }  // namespace
 
-PaintedWorld paintStressWorld(const StressWorld& world, Progress& progress) {
+PaintedWorld paintStressScene(const StressScene& world, Progress& progress) {
     Mesh mesh;
     addSheet(mesh, {-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, world.needles ? 2000 / 8 : 18, world.needles ? 1 : 18);
     const size_t onFloor = mesh.vertexCount();
@@ -151,34 +151,34 @@ PaintedWorld paintStressWorld(const StressWorld& world, Progress& progress) {
     const size_t ball = mesh.vertexCount();
     addBall(mesh, {0.3f, -0.25f, 0.252f}, 0.25f, 12, 18);
     const size_t afterBall = mesh.vertexCount();
-    if (world.shade && !world.lamps.empty()) addShade(mesh, world.lamps[0], world.closed);
-    EmitterClusters lamps;
-    for (const StressLamp& lamp : world.lamps) {
-        const float s = lamp.side;
-        const int strips = lamp.uneven == 1 ? 1 : 8, cuts = std::max(4, strips);
-        const auto triangles = addSheet(mesh, lamp.centre - Vec3(s / 2, s / 2, 0), {0, s, 0}, {s, 0, 0}, cuts, cuts);
+    if (world.shade && !world.emitters.empty()) addShade(mesh, world.emitters[0], world.closed);
+    EmitterClusters emitters;
+    for (const StressEmitter& emitter : world.emitters) {
+        const float s = emitter.side;
+        const int strips = emitter.uneven == 1 ? 1 : 8, cuts = std::max(4, strips);
+        const auto triangles = addSheet(mesh, emitter.centre - Vec3(s / 2, s / 2, 0), {0, s, 0}, {s, 0, 0}, cuts, cuts);
         for (int i = 0; i < strips; ++i) {
             const size_t each = triangles.size() / size_t(strips);
             const float along = strips > 1 ? float(i) / float(strips - 1) : 0.5f;
-            lamps.emitters.push_back(clusterOf(
+            emitters.emitters.push_back(clusterOf(
                 mesh, {triangles.begin() + ptrdiff_t(each) * i, triangles.begin() + ptrdiff_t(each) * (i + 1)},
-                lamp.radiance * (2 * glm::mix(1.0f, lamp.uneven, along) / (1 + lamp.uneven))));
+                emitter.radiance * (2 * glm::mix(1.0f, emitter.uneven, along) / (1 + emitter.uneven))));
         }
     }
     const Scene scene = buildScene(mesh, progress);
-    indexEmitters(scene, lamps);
-    const Estimate truth = truthOf(world, scene, lamps, onFloor, ball, afterBall);
+    indexEmitters(scene, emitters);
+    const Estimate truth = truthOf(world, scene, emitters, onFloor, ball, afterBall);
     const RelitScene relit = applyLook(scene, truth, {}, progress);
 
     PaintedWorld painted;
-    painted.lamps = std::move(lamps);
+    painted.emitters = std::move(emitters);
     painted.capture.mesh = std::move(mesh);
     painted.capture.meshReport.vertices = painted.capture.mesh.vertexCount();
     painted.capture.meshReport.triangles = painted.capture.mesh.triangles.size();
     FrameOptions options;
     options.samplesPerPixel = 4;
     for (int i = 0; i < world.views; ++i) {
-        // High ones look down, low ones see the underside of the lamps and the sky.
+        // High ones look down, low ones see the underside of the emitters and the sky.
         const double a = 2 * piD * i / world.views + 0.3;
         View view;
         view.name = fmt::format("{:02}", i);

@@ -5,9 +5,9 @@
 
 #include "base/atomic_file.h"
 #include "capture/load_capture.h"
+#include "display/display_image.h"
 #include "image/environment_map.h"
 #include "relight/frame.h"
-#include "report/display_picture.h"
 #include "scene/mesh_io.h"
 #include "shot/export_frame.h"
 
@@ -38,7 +38,7 @@ double medianOf(std::vector<double> values) {
     return values[values.size() / 2];
 }
 
-/// The lamps found for the lamps there are: true number -> id. Fills the figures of both.
+/// The emitters found for the emitters there are: true number -> id. Fills the figures of both.
 std::map<int, std::string> matchEmitters(const Columns& truth, const std::vector<Rgb>& emission, const Shot& shot,
                                          const Scene& scene, TruthFigures& out) {
     std::map<int, std::string> matched;
@@ -77,11 +77,11 @@ std::map<int, std::string> matchEmitters(const Columns& truth, const std::vector
                                        shot.estimate.emitters.emitters.size()),
                            "Matched by where they are."});
     if (either)
-        out.figures.push_back({"Lamps' outline", fmt::format("{:.3f}", double(both) / double(either)),
-                               "Vertices taken for a lamp over those that are or were taken for one; 1 is exact."});
+        out.figures.push_back({"Lights' outline", fmt::format("{:.3f}", double(both) / double(either)),
+                               "Vertices taken for a light over those that are or were taken for one; 1 is exact."});
     if (!errors.empty())
-        out.figures.push_back({"Lamps' radiance", fmt::format("{:.2f} % off", 100 * medianOf(errors)),
-                               "Median over lamps and channels."});
+        out.figures.push_back({"Lights' radiance", fmt::format("{:.2f} % off", 100 * medianOf(errors)),
+                               "Median over lights and channels."});
     return matched;
 }
 
@@ -175,9 +175,9 @@ void editFigures(const fs::path& folder, const Shot& shot, const Scene& scene,
     double sum = 0;
     size_t counted = 0;
     for (const json& entry : entries) {
-        const std::string name = entry.value("name", ""), picture = entry.at("image").get<std::string>();
-        Image truth = readImage(fs::exists(folder / picture) ? folder / picture : folder.parent_path() / picture);
-        const fs::path maskFile = folder / "masks" / (fs::path(picture).stem().string() + ".png");
+        const std::string name = entry.value("name", ""), image = entry.at("image").get<std::string>();
+        Image truth = readImage(fs::exists(folder / image) ? folder / image : folder.parent_path() / image);
+        const fs::path maskFile = folder / "masks" / (fs::path(image).stem().string() + ".png");
         std::vector<uint8_t> mask(truth.pixels.size(), 1);
         if (fs::exists(maskFile)) {
             const Image m = readImage(maskFile, nullptr, true);

@@ -15,7 +15,7 @@ struct TruthFigure {
     std::string what, value, about;  ///< for a table
 };
 
-/// One relit picture against the true one.
+/// One relit image against the true one.
 struct TruthEdit {
     std::string name, about;
     double psnr = 0;  ///< dB, display values inside the object mask, nothing divided out

@@ -12,7 +12,7 @@
 namespace relamp {
 namespace {
 
-constexpr size_t smallestPiece = 64;
+constexpr size_t minComponent = 64;
 constexpr float turnCosine = 0.34f;
 
 /// Sum of squared distances from planes, and a little from points, weighted by area.
@@ -72,7 +72,7 @@ public:
         alive_.assign(left_, 1);
         const double even = std::sqrt(area / double(std::max<size_t>(1, wanted)) * 4 / std::sqrt(3.0));
         longest2_ = 9 * even * even;
-        countPieces();
+        countComponents();
         for (uint32_t f = 0; f < faces_.size(); ++f) addQuadrics(f);
     }
 
@@ -160,21 +160,21 @@ private:
         return glm::cross(place_[f[1]] - place_[f[0]], place_[f[2]] - place_[f[0]]);
     }
 
-    void countPieces() {
-        pieceOf_.resize(place_.size());
-        std::iota(pieceOf_.begin(), pieceOf_.end(), 0u);
+    void countComponents() {
+        componentOf_.resize(place_.size());
+        std::iota(componentOf_.begin(), componentOf_.end(), 0u);
         const auto root = [&](uint32_t v) {
-            while (pieceOf_[v] != v) v = pieceOf_[v] = pieceOf_[pieceOf_[v]];
+            while (componentOf_[v] != v) v = componentOf_[v] = componentOf_[componentOf_[v]];
             return v;
         };
         for (const Triangle& f : faces_)
             for (size_t k = 1; k < 3; ++k) {
                 const uint32_t a = root(f[0]), b = root(f[k]);
-                pieceOf_[std::max(a, b)] = std::min(a, b);
+                componentOf_[std::max(a, b)] = std::min(a, b);
             }
-        for (uint32_t v = 0; v < pieceOf_.size(); ++v) pieceOf_[v] = root(v);
-        pieceFaces_.assign(place_.size(), 0);
-        for (const Triangle& f : faces_) ++pieceFaces_[pieceOf_[f[0]]];
+        for (uint32_t v = 0; v < componentOf_.size(); ++v) componentOf_[v] = root(v);
+        componentFaces_.assign(place_.size(), 0);
+        for (const Triangle& f : faces_) ++componentFaces_[componentOf_[f[0]]];
     }
 
     void addQuadrics(uint32_t index) {
@@ -244,7 +244,7 @@ private:
             if (w != to && std::any_of(other_.begin(), other_.end(), [w = w](const auto& p) { return p.first == w; }))
                 ++common;
         if (common != shared) return false;
-        if (pieceFaces_[pieceOf_[from]] <= smallestPiece) return false;
+        if (componentFaces_[componentOf_[from]] <= minComponent) return false;
         const DVec3& target = place_[to];
         for (const auto& [w, faces] : near_) {
             const DVec3 edge = place_[w] - target;
@@ -275,7 +275,7 @@ private:
             if (has(f, to)) {
                 alive_[f] = 0;
                 --left_;
-                --pieceFaces_[pieceOf_[from]];
+                --componentFaces_[componentOf_[from]];
                 for (const uint32_t v : faces_[f])
                     if (v != from) std::erase(facesOf_[v], f);
                 continue;
@@ -384,7 +384,7 @@ private:
     std::vector<uint8_t> alive_;
     std::vector<std::vector<uint32_t>> facesOf_;
     std::vector<Quadric> quadric_;
-    std::vector<uint32_t> stamp_, into_, pieceOf_, pieceFaces_;
+    std::vector<uint32_t> stamp_, into_, componentOf_, componentFaces_;
     double longest2_ = 0;
     std::priority_queue<Collapse, std::vector<Collapse>, std::greater<>> queue_;
     std::vector<std::pair<uint32_t, int>> near_, other_;

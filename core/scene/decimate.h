@@ -20,7 +20,7 @@ struct DecimatedMesh {
 
 /// Edge collapses in the order of the error they make [Garland97], each onto one of its ends, until `triangles` are
 /// left or none is allowed. Vertices at one place are one (seams do not tear), rims of holes collapse along themselves
-/// only, edges of three or more faces stay, no triangle turns over by more than 70 degrees, pieces keep at least 64
+/// only, edges of three or more faces stay, no triangle turns over by more than 70 degrees, components keep at least 64
 /// faces, and no edge becomes longer than three times what even triangles of that number would have: colours and
 /// shadows are looked up at vertices. Normals are means over what a vertex stands for, unlike ones (45 degrees) left
 /// out. Faces may be turned either way. Deterministic, one thread. Cost: n log n, about 10 s and 400 MiB for a million

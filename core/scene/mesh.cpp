@@ -50,28 +50,28 @@ VertexGraph buildVertexGraph(const Mesh& mesh, const Mat3& axes) {
     return graph;
 }
 
-std::vector<uint32_t> connectedPieces(const VertexGraph& graph, uint32_t* count) {
+std::vector<uint32_t> connectedComponents(const VertexGraph& graph, uint32_t* count) {
     const size_t n = graph.start.size() - 1;
     constexpr uint32_t none = ~0u;
-    std::vector<uint32_t> piece(n, none), stack;
-    uint32_t pieces = 0;
+    std::vector<uint32_t> component(n, none), stack;
+    uint32_t components = 0;
     for (uint32_t seed = 0; seed < n; ++seed) {
-        if (piece[seed] != none) continue;
+        if (component[seed] != none) continue;
         stack.assign(1, seed);
-        piece[seed] = pieces;
+        component[seed] = components;
         while (!stack.empty()) {
             const uint32_t v = stack.back();
             stack.pop_back();
             for (uint32_t e = graph.start[v]; e < graph.start[v + 1]; ++e)
-                if (piece[graph.to[e]] == none) {
-                    piece[graph.to[e]] = pieces;
+                if (component[graph.to[e]] == none) {
+                    component[graph.to[e]] = components;
                     stack.push_back(graph.to[e]);
                 }
         }
-        ++pieces;
+        ++components;
     }
-    if (count) *count = pieces;
-    return piece;
+    if (count) *count = components;
+    return component;
 }
 
 std::vector<Vec3> vertexNormalsFromFaces(const Mesh& mesh) {

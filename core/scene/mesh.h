@@ -53,8 +53,9 @@ struct VertexGraph {
 /// `axes` (Scene::axes): so that what chooses among such vertices does not rest on how the world lies.
 VertexGraph buildVertexGraph(const Mesh& mesh, const Mat3& axes = Mat3(1));
 
-/// Connected pieces of the mesh: piece of each vertex (0...), unreferenced vertices are pieces of their own.
-std::vector<uint32_t> connectedPieces(const VertexGraph& graph, uint32_t* count = nullptr);
+/// Connected components of the mesh: component of each vertex (0...), unreferenced vertices are components of their
+/// own.
+std::vector<uint32_t> connectedComponents(const VertexGraph& graph, uint32_t* count = nullptr);
 
 /// Area-weighted vertex normals from the faces.
 std::vector<Vec3> vertexNormalsFromFaces(const Mesh& mesh);

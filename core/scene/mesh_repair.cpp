@@ -97,7 +97,7 @@ void setNormals(Mesh& mesh, std::vector<Vec3>&& fromFile, const std::vector<uint
     }
     report.normalsFromFile = 2 * good > wanted;
     if (!report.normalsFromFile) return;
-    // Faces turned against the normals of all their corners: lamps shine to the front only.
+    // Faces turned against the normals of all their corners: emitters shine to the front only.
     for (Triangle& t : mesh.triangles) {
         const Vec3 face =
             glm::cross(mesh.positions[t[1]] - mesh.positions[t[0]], mesh.positions[t[2]] - mesh.positions[t[0]]);

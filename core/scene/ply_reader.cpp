@@ -113,13 +113,13 @@ PlyHeader readPlyHeader(std::string_view bytes) {
     }
     if (!hasFormat) throw Error("header: format is missing");
     header.bodyAt = whole - scanner.remaining();
-    const size_t body = bytes.size() - header.bodyAt;
+    const size_t part = bytes.size() - header.bodyAt;
     for (const PlyElement& element : header.elements) {
         const size_t least = leastBytes(element, header.encoding);
         // The last value of an ascii file needs no space after it.
-        if (least && element.count > (body + 1) / least)
+        if (least && element.count > (part + 1) / least)
             throw Error("element {} claims {} entries, the file has {} bytes for them", element.name.substr(0, 40),
-                        element.count, body);
+                        element.count, part);
     }
     return header;
 }

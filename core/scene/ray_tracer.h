@@ -25,7 +25,8 @@ struct Hit {
 /// thread-safe; 13-18 million coherent rays a second a core.
 class RayTracer {
 public:
-    /// `diagonal`: the mesh's extent, metres, that surfaceOffset() is a share of; 0: of its box along the world's axes.
+    /// `diagonal`: the mesh's extent, metres, that surfaceOffset() is a fraction of; 0: of its box along the world's
+    /// axes.
     explicit RayTracer(const Mesh& mesh, float diagonal = 0);
     ~RayTracer();
     RayTracer(RayTracer&&) noexcept;

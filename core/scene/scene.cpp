@@ -28,7 +28,7 @@ Scene buildScene(Mesh mesh, Progress& progress, const Mat3& axes) {
     scene.axes = axes;
     const size_t n = scene.mesh.vertexCount();
     scene.graph = buildVertexGraph(scene.mesh, axes);
-    scene.piece = connectedPieces(scene.graph, &scene.pieces);
+    scene.component = connectedComponents(scene.graph, &scene.components);
     progress.advance();
     scene.referenced.assign(n, 0);
     const glm::dmat3 own(axes);

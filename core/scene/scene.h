@@ -10,9 +10,9 @@ namespace relamp {
 
 struct Scene {
     Mesh mesh;
-    VertexGraph graph;            ///< vertices joined by an edge
-    std::vector<uint32_t> piece;  ///< connected piece of each vertex
-    uint32_t pieces = 0;
+    VertexGraph graph;                ///< vertices joined by an edge
+    std::vector<uint32_t> component;  ///< connected component of each vertex
+    uint32_t components = 0;
     Mat3 axes{1};  ///< world from axes that turn with the scene: what squares of directions and random patterns of a
                    ///< solve lie along, so that its answer does not rest on how the world lies
     std::vector<uint32_t>

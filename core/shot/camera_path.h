@@ -24,7 +24,7 @@ struct CameraFile {
     bool sequence = false;  ///< the file has `frames`, however few
 };
 
-/// A file with the keys of transforms.json: globals and one `transform_matrix`, or `frames` with many (their pictures
+/// A file with the keys of transforms.json: globals and one `transform_matrix`, or `frames` with many (their images
 /// are not needed). The file has the axes and the unit of the capture's. Throws Error naming file and field.
 CameraFile readCameraPath(const Capture& capture, const std::filesystem::path& file);
 

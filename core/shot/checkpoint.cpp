@@ -88,7 +88,7 @@ uint64_t solveFingerprint(const Capture& capture, const SolveOptions& o, bool ev
     for (const double value : {double(o.nearField),        double(o.startLevel),       double(o.refineRounds),
                                double(o.maxLeaves),        double(o.visibilitySide),   double(o.startIterations),
                                double(o.refineIterations), double(o.glossRounds),      double(o.turns),
-                               double(o.splitShare),       double(o.prior.step),       double(o.prior.edge),
+                               double(o.splitFraction),    double(o.prior.step),       double(o.prior.edge),
                                double(o.prior.iterations), double(o.gauge.kind),       double(o.gauge.view),
                                double(o.gauge.pixel.x),    double(o.gauge.pixel.y),    double(o.gauge.whiteAlbedo),
                                double(o.gauge.radiance.x), double(o.gauge.radiance.y), double(o.gauge.radiance.z),

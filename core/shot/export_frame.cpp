@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "base/log.h"
-#include "report/display_picture.h"
+#include "display/display_image.h"
 
 namespace relamp {
 namespace {
@@ -65,8 +65,8 @@ double writeLayers(const std::filesystem::path& file, const Camera& camera, cons
     return groups.relative();
 }
 
-double writePicture(const std::filesystem::path& file, const Camera& camera, const FrameFileOptions& options,
-                    std::optional<float> exposure, const RowsOf& rowsOf) {
+double writeImage(const std::filesystem::path& file, const Camera& camera, const FrameFileOptions& options,
+                  std::optional<float> exposure, const RowsOf& rowsOf) {
     GroupCheck groups{options.ratio != Ratio::none};
     const DisplayView view = options.view;
     const bool hdr = extensionOf(file) == ".hdr";
@@ -119,7 +119,7 @@ DisplayView displayView(const std::string& name) {
     throw BadOption("--view {}: unknown, expected standard, auto or raw", name);
 }
 
-void checkLayers(const std::string& layers) { layerWish(layers); }
+void checkLayers(const std::string& layers) { layerRequest(layers); }
 
 std::map<std::string, std::string> cameraHeader(const Camera& camera) {
     const DMat4 cameraFromWorld = glm::inverse(camera.worldFromCamera);
@@ -135,27 +135,28 @@ std::map<std::string, std::string> cameraHeader(const Camera& camera) {
 
 double writeFrameFile(const std::filesystem::path& file, const Camera& camera, const FrameSources& sources,
                       const FrameOptions& options, const FrameFileOptions& fileOptions, Progress& progress) {
-    LayerWish wish = layerWish(fileOptions.layers);
+    LayerRequest request = layerRequest(fileOptions.layers);
     if (!sources.photograph) {
         if (fileOptions.ratio != Ratio::none)
             throw BadOption(
                 "--ratio: the camera is not one of the capture's views at its own size, so there is no photograph");
-        if (wish.residual && !wish.all)
+        if (request.residual && !request.all)
             throw BadOption(
                 "--layers residual: the camera is not one of the capture's views at its own size, so there is no "
                 "photograph");
-        if (wish.residual) logInfo("{}: without residual, because the camera is none of the capture's", file.string());
-        wish.residual = false;
+        if (request.residual)
+            logInfo("{}: without residual, because the camera is none of the capture's", file.string());
+        request.residual = false;
     } else if (sources.photograph->width != camera.width || sources.photograph->height != camera.height) {
         throw Error("{}: the photograph is {} x {} pixels, the camera {} x {}", file.string(),
                     sources.photograph->width, sources.photograph->height, camera.width, camera.height);
     }
     const bool exr = extensionOf(file) == ".exr";
-    if (!exr) wish = {};
+    if (!exr) request = {};
     const RelitScene& look = *sources.look;
     const RelitScene& captured = sources.captured ? *sources.captured : look;
     const bool needsCaptured =
-        &captured != &look && (fileOptions.ratio != Ratio::none || wish.residual || wish.correction);
+        &captured != &look && (fileOptions.ratio != Ratio::none || request.residual || request.correction);
     const FrameRenderer renderer(look, camera, options);
     std::optional<FrameRenderer> before;
     if (needsCaptured) before.emplace(captured, camera, options);
@@ -169,8 +170,8 @@ double writeFrameFile(const std::filesystem::path& file, const Camera& camera, c
         std::optional<Frame> old;
         if (needsCaptured) old = before->rows(first, count, progress);
         const Frame& model = old ? *old : strip.frame;
-        if (wish.correction) strip.correction = bakedFactor(model);
-        if (wish.residual) {
+        if (request.correction) strip.correction = bakedFactor(model);
+        if (request.residual) {
             const Rgb* photo = &sources.photograph->pixels[size_t(first) * size_t(camera.width)];
             for (size_t p = 0; p < model.beauty.size(); ++p) strip.residual.push_back(photo[p] - model.beauty[p]);
         }
@@ -181,30 +182,30 @@ double writeFrameFile(const std::filesystem::path& file, const Camera& camera, c
         return strip;
     };
     if (exr)
-        return writeLayers(file, camera, FrameLayers(wish, fileOptions.naming, namesOf(look), sources.origin),
+        return writeLayers(file, camera, FrameLayers(request, fileOptions.naming, namesOf(look), sources.origin),
                            fileOptions, rowsOf, [&] { progress.check(); });
     const std::optional<float> exposure =
         sources.photograph ? std::optional<float>(exposureFor(*sources.photograph)) : std::nullopt;
-    return writePicture(file, camera, fileOptions, exposure, rowsOf);
+    return writeImage(file, camera, fileOptions, exposure, rowsOf);
 }
 
 double writeFrame(const std::filesystem::path& file, const Frame& frame, const RelitScene& relit, const Camera& camera,
                   const std::string& layers, const DVec3& origin) {
-    LayerWish wish = layerWish(layers);
-    if (wish.residual && !wish.all) throw BadOption("--layers residual: needs the photograph");
-    wish.residual = false;
+    LayerRequest request = layerRequest(layers);
+    if (request.residual && !request.all) throw BadOption("--layers residual: needs the photograph");
+    request.residual = false;
     Camera sized = camera;
     sized.width = frame.width;
     sized.height = frame.height;
     const RowsOf rowsOf = [&](int first, int count) {
         FrameStrip strip;
         strip.frame = rowsOfFrame(frame, first, count);
-        if (wish.correction && !strip.frame.emittersSeen.empty()) strip.correction = bakedFactor(strip.frame);
+        if (request.correction && !strip.frame.emittersSeen.empty()) strip.correction = bakedFactor(strip.frame);
         return strip;
     };
     if (extensionOf(file) == ".exr")
-        return writeLayers(file, sized, FrameLayers(wish, LayerNaming::blender, namesOf(relit), origin), {}, rowsOf);
-    return writePicture(file, sized, {}, std::nullopt, rowsOf);
+        return writeLayers(file, sized, FrameLayers(request, LayerNaming::blender, namesOf(relit), origin), {}, rowsOf);
+    return writeImage(file, sized, {}, std::nullopt, rowsOf);
 }
 
 }  // namespace relamp

@@ -36,26 +36,26 @@ struct Document {
     }
 };
 
-int positions(Document& d, const ExportedPiece& piece) {
-    Vec3 low(piece.positions[0]), high(low);
-    for (const Vec3& p : piece.positions) {
+int positions(Document& d, const ExportedComponent& component) {
+    Vec3 low(component.positions[0]), high(low);
+    for (const Vec3& p : component.positions) {
         low = glm::min(low, p);
         high = glm::max(high, p);
     }
-    const int at = d.vectors(piece.positions);
+    const int at = d.vectors(component.positions);
     d.root["accessors"][size_t(at)]["min"] = {low.x, low.y, low.z};
     d.root["accessors"][size_t(at)]["max"] = {high.x, high.y, high.z};
     return at;
 }
 
-Json materialOf(const ExportedPiece& piece) {
-    Json material{{"name", piece.name}, {"doubleSided", piece.twoSided || !piece.emits}};
-    if (!piece.emits) {
+Json materialOf(const ExportedComponent& component) {
+    Json material{{"name", component.name}, {"doubleSided", component.twoSided || !component.emits}};
+    if (!component.emits) {
         material["pbrMetallicRoughness"] = {{"metallicFactor", 0}, {"roughnessFactor", 1}};
         return material;
     }
-    const float strength = maxChannel(piece.radiance) > 0 ? maxChannel(piece.radiance) : 1.0f;
-    const Rgb factor = piece.radiance / strength;
+    const float strength = maxChannel(component.radiance) > 0 ? maxChannel(component.radiance) : 1.0f;
+    const Rgb factor = component.radiance / strength;
     material["pbrMetallicRoughness"] = {
         {"baseColorFactor", {0, 0, 0, 1}}, {"metallicFactor", 0}, {"roughnessFactor", 1}};
     material["emissiveFactor"] = {factor.x, factor.y, factor.z};
@@ -63,21 +63,22 @@ Json materialOf(const ExportedPiece& piece) {
     return material;
 }
 
-void addPiece(Document& d, const ExportedPiece& piece, const DVec3& origin) {
-    if (piece.triangles.empty()) return;
+void addComponent(Document& d, const ExportedComponent& component, const DVec3& origin) {
+    if (component.triangles.empty()) return;
     static_assert(sizeof(Vec3) == 12 && sizeof(Triangle) == 12);
-    Json attributes{{"POSITION", positions(d, piece)}, {"NORMAL", d.vectors(piece.normals)}};
-    if (!piece.emits) attributes["COLOR_0"] = d.vectors(piece.albedo);
-    const int faces = d.add(piece.triangles.data(), piece.triangles.size() * sizeof(Triangle),
-                            piece.triangles.size() * 3, indices, "SCALAR", indexBuffer);
-    d.root["materials"].push_back(materialOf(piece));
+    Json attributes{{"POSITION", positions(d, component)}, {"NORMAL", d.vectors(component.normals)}};
+    if (!component.emits) attributes["COLOR_0"] = d.vectors(component.albedo);
+    const int faces = d.add(component.triangles.data(), component.triangles.size() * sizeof(Triangle),
+                            component.triangles.size() * 3, indices, "SCALAR", indexBuffer);
+    d.root["materials"].push_back(materialOf(component));
     d.root["meshes"].push_back(
-        {{"name", piece.name},
+        {{"name", component.name},
          {"primitives",
           {{{"attributes", attributes}, {"indices", faces}, {"material", d.root["materials"].size() - 1}}}}});
-    const DVec3 place = origin + DVec3(piece.origin);
-    d.child(
-        {{"name", piece.name}, {"mesh", d.root["meshes"].size() - 1}, {"translation", {place.x, place.y, place.z}}});
+    const DVec3 place = origin + DVec3(component.origin);
+    d.child({{"name", component.name},
+             {"mesh", d.root["meshes"].size() - 1},
+             {"translation", {place.x, place.y, place.z}}});
 }
 
 void addView(Document& d, const ExportedView& view, const DVec3& origin) {
@@ -103,7 +104,7 @@ Gltf gltfOf(const ExportedScene& scene, const std::string& bufferFile) {
     const double half = std::sqrt(0.5);
     d.root["nodes"].push_back({{"name", "relamp"}, {"rotation", {-half, 0, 0, half}}, {"children", Json::array()}});
     d.root["scenes"] = {{{"nodes", {0}}}};
-    for (const ExportedPiece& piece : scene.pieces) addPiece(d, piece, scene.origin);
+    for (const ExportedComponent& component : scene.components) addComponent(d, component, scene.origin);
     for (const ExportedView& view : scene.views) addView(d, view, scene.origin);
     d.root["buffers"] = {{{"uri", bufferFile}, {"byteLength", d.buffer.size()}}};
     return {d.root.dump(1) + "\n", d.buffer};

@@ -16,35 +16,35 @@ Json listOf(const Vec3& v) { return {v.x, v.y, v.z}; }
 Json listOf(const DVec3& v) { return {v.x, v.y, v.z}; }
 
 /// The triangles of the mesh that belong to `emitter` (-1: to none), with their vertices numbered anew.
-ExportedPiece pieceOf(const RelitScene& relit, int emitter, const std::string& id, const std::string& name,
-                      const Vec3& origin) {
+ExportedComponent componentOf(const RelitScene& relit, int emitter, const std::string& id, const std::string& name,
+                              const Vec3& origin) {
     const Mesh& mesh = relit.scene.mesh;
-    ExportedPiece piece;
-    piece.id = id;
-    piece.name = name;
-    piece.origin = origin;
+    ExportedComponent component;
+    component.id = id;
+    component.name = name;
+    component.origin = origin;
     std::vector<uint32_t> place(mesh.vertexCount(), ~0u);
     for (size_t t = 0; t < mesh.triangles.size(); ++t) {
         if (relit.emitterOfTriangle[t] != emitter) continue;
         Triangle triangle = mesh.triangles[t];
         for (uint32_t& v : triangle) {
             if (place[v] == ~0u) {
-                place[v] = uint32_t(piece.positions.size());
-                piece.positions.push_back(mesh.positions[v] - origin);
-                piece.normals.push_back(mesh.normals[v]);
-                piece.albedo.push_back(relit.weight.empty() ? Rgb(0) : relit.weight[0][v]);
+                place[v] = uint32_t(component.positions.size());
+                component.positions.push_back(mesh.positions[v] - origin);
+                component.normals.push_back(mesh.normals[v]);
+                component.albedo.push_back(relit.weight.empty() ? Rgb(0) : relit.weight[0][v]);
             }
             v = place[v];
         }
-        piece.triangles.push_back(triangle);
-        piece.area += mesh.triangleArea(t);
+        component.triangles.push_back(triangle);
+        component.area += mesh.triangleArea(t);
     }
-    return piece;
+    return component;
 }
 
 Json lightsJson(const Shot& shot, const ExportedScene& scene) {
     Json lights = Json::array();
-    for (const ExportedPiece& p : scene.pieces) {
+    for (const ExportedComponent& p : scene.components) {
         if (!p.emits) continue;
         Vec3 normal(0);
         for (const Triangle& t : p.triangles)
@@ -101,7 +101,7 @@ void writeMaterials(const fs::path& file, const RelitScene& relit, const DVec3& 
             properties.push_back(std::move(p));
         }
     };
-    if (!relit.weight.empty()) add("albedo", albedoUnderCoat(relit.basis, relit.weight));
+    if (!relit.weight.empty()) add("albedo", albedoUnderCoating(relit.basis, relit.weight));
     for (size_t k = 0; k < relit.weight.size(); ++k) add(fmt::format("weight_{}", k), relit.weight[k]);
     VertexProperty emitter{"emitter", std::vector<float>(relit.scene.mesh.vertexCount(), -1), true};
     for (size_t t = 0; t < relit.emitterOfTriangle.size(); ++t)
@@ -136,12 +136,12 @@ ExportedScene exportedScene(const RelitScene& relit, const Capture& capture) {
     scene.origin = capture.origin;
     for (size_t e = 0; e < relit.emitters.size(); ++e) {
         const RelitEmitter& emitter = relit.emitters[e];
-        scene.pieces.push_back(pieceOf(relit, int(e), emitter.id, emitter.name, emitter.surface.centroid));
-        scene.pieces.back().radiance = emitter.radiance;
-        scene.pieces.back().emits = true;
-        scene.pieces.back().twoSided = emitter.surface.twoSided;
+        scene.components.push_back(componentOf(relit, int(e), emitter.id, emitter.name, emitter.surface.centroid));
+        scene.components.back().radiance = emitter.radiance;
+        scene.components.back().emits = true;
+        scene.components.back().twoSided = emitter.surface.twoSided;
     }
-    scene.pieces.push_back(pieceOf(relit, -1, "surfaces", "surfaces", Vec3(0)));
+    scene.components.push_back(componentOf(relit, -1, "surfaces", "surfaces", Vec3(0)));
     for (const View& view : capture.views) scene.views.push_back({view.name, view.camera});
     return scene;
 }
@@ -155,10 +155,10 @@ std::string transformsOf(const Capture& capture, const fs::path& folder, const s
         for (int r = 0; r < 4; ++r)
             rows.push_back(
                 {c.worldFromCamera[0][r], c.worldFromCamera[1][r], c.worldFromCamera[2][r], c.worldFromCamera[3][r]});
-        const std::string picture = view.file.empty()
-                                        ? view.name
-                                        : fs::proximate(fs::absolute(view.file), fs::absolute(folder)).generic_string();
-        Json frame{{"file_path", picture},
+        const std::string image = view.file.empty()
+                                      ? view.name
+                                      : fs::proximate(fs::absolute(view.file), fs::absolute(folder)).generic_string();
+        Json frame{{"file_path", image},
                    {"camera_model", lensModelName(c.model)},
                    {"w", c.width},
                    {"h", c.height},

@@ -9,8 +9,8 @@
 
 namespace relamp {
 
-/// A piece of the scene's surface, in metres about `origin`, which counts from the scene's; Z is up.
-struct ExportedPiece {
+/// A component of the scene's surface, in metres about `origin`, which counts from the scene's; Z is up.
+struct ExportedComponent {
     std::string id;               ///< of the emitter; "surfaces" for the rest
     std::string name;             ///< what the artist calls it, else its id
     Vec3 origin{0};               ///< the centroid of an emitter: what other programs turn it about
@@ -29,12 +29,12 @@ struct ExportedView {
 };
 
 struct ExportedScene {
-    std::vector<ExportedPiece> pieces;  ///< the emitters in order, then the rest
-    std::vector<ExportedView> views;    ///< their cameras count from origin
-    DVec3 origin{0};                    ///< Capture::origin: double where single precision would not hold the places
+    std::vector<ExportedComponent> components;  ///< the emitters in order, then the rest
+    std::vector<ExportedView> views;            ///< their cameras count from origin
+    DVec3 origin{0};  ///< Capture::origin: double where single precision would not hold the places
 };
 
-/// The pieces of a scene under a look. Cost: one pass over the mesh.
+/// The components of a scene under a look. Cost: one pass over the mesh.
 ExportedScene exportedScene(const RelitScene& relit, const Capture& capture);
 
 /// USD as text: a Mesh with MeshLightAPI and an emissive UsdPreviewSurface per emitter, a DomeLight over
@@ -50,7 +50,7 @@ struct Gltf {
 };
 Gltf gltfOf(const ExportedScene& scene, const std::string& bufferFile);
 
-/// The views as a transforms.json (axes of the scene, Z up); pictures are named relative to `folder`, the mesh is
+/// The views as a transforms.json (axes of the scene, Z up); images are named relative to `folder`, the mesh is
 /// `meshFile`.
 std::string transformsOf(const Capture& capture, const std::filesystem::path& folder, const std::string& meshFile);
 

@@ -43,7 +43,7 @@ std::string matrix(const DMat4& m) {
     return out + " )";
 }
 
-std::string meshOf(const ExportedPiece& p, const DVec3& origin, const std::string& name) {
+std::string meshOf(const ExportedComponent& p, const DVec3& origin, const std::string& name) {
     std::string s =
         fmt::format("    def Mesh \"{}\" (\n        prepend apiSchemas = [{}\"MaterialBindingAPI\"]\n    )\n    {{\n",
                     name, p.emits ? "\"MeshLightAPI\", " : "");
@@ -73,7 +73,7 @@ std::string meshOf(const ExportedPiece& p, const DVec3& origin, const std::strin
     return s + "    }\n\n";
 }
 
-std::string materialOf(const ExportedPiece& p, const std::string& name) {
+std::string materialOf(const ExportedComponent& p, const std::string& name) {
     return fmt::format(
         "        def Material \"{0}\"\n        {{\n            token outputs:surface.connect = "
         "</relamp/Materials/{0}/surface.outputs:surface>\n\n"
@@ -109,13 +109,13 @@ std::string usdaOf(const ExportedScene& scene, const std::string& environmentFil
     std::string s = "#usda 1.0\n(\n    defaultPrim = \"relamp\"\n    metersPerUnit = 1\n    upAxis = \"Z\"\n)\n\ndef "
                     "Xform \"relamp\"\n{\n",
                 materials;
-    for (const ExportedPiece& piece : scene.pieces) {
-        if (piece.triangles.empty()) continue;
-        const std::string name = primName(piece.name, taken);
-        s += meshOf(piece, scene.origin, name);
-        if (piece.emits) materials += materialOf(piece, name);
+    for (const ExportedComponent& component : scene.components) {
+        if (component.triangles.empty()) continue;
+        const std::string name = primName(component.name, taken);
+        s += meshOf(component, scene.origin, name);
+        if (component.emits) materials += materialOf(component, name);
     }
-    // A dome's picture has its centre towards +Z, its left towards +X, its top towards +Y; ours has +X, +Y and +Z
+    // A dome's image has its centre towards +Z, its left towards +X, its top towards +Y; ours has +X, +Y and +Z
     // there.
     s += fmt::format(
         "    def DomeLight \"environment\"\n    {{\n        asset inputs:texture:file = @./{}@\n        token "

@@ -13,16 +13,16 @@ constexpr const char* cryptomatteLayer = "CryptoEmitter";
 
 struct Named {
     const char* name;
-    bool LayerWish::*wanted;
+    bool LayerRequest::*wanted;
 };
-constexpr std::array<Named, 8> layerNames{{{"groups", &LayerWish::groups},
-                                           {"albedo", &LayerWish::albedo},
-                                           {"correction", &LayerWish::correction},
-                                           {"residual", &LayerWish::residual},
-                                           {"normal", &LayerWish::normal},
-                                           {"position", &LayerWish::position},
-                                           {"depth", &LayerWish::depth},
-                                           {"cryptomatte", &LayerWish::cryptomatte}}};
+constexpr std::array<Named, 8> layerNames{{{"groups", &LayerRequest::groups},
+                                           {"albedo", &LayerRequest::albedo},
+                                           {"correction", &LayerRequest::correction},
+                                           {"residual", &LayerRequest::residual},
+                                           {"normal", &LayerRequest::normal},
+                                           {"position", &LayerRequest::position},
+                                           {"depth", &LayerRequest::depth},
+                                           {"cryptomatte", &LayerRequest::cryptomatte}}};
 
 /// Nuke drops leading digits, other readers split at the first dot: letters, digits and underscores only.
 std::string channelSafe(const std::string& name) {
@@ -62,12 +62,12 @@ LayerNaming layerNaming(const std::string& name) {
     throw BadOption("--naming {}: unknown, expected blender or arnold", name);
 }
 
-LayerWish layerWish(const std::string& layers) {
-    LayerWish wish;
+LayerRequest layerRequest(const std::string& layers) {
+    LayerRequest request;
     if (layers == "all") {
-        for (const Named& layer : layerNames) wish.*layer.wanted = true;
-        wish.all = true;
-        return wish;
+        for (const Named& layer : layerNames) request.*layer.wanted = true;
+        request.all = true;
+        return request;
     }
     for (size_t at = 0; at < layers.size();) {
         const size_t comma = std::min(layers.find(',', at), layers.size());
@@ -79,10 +79,10 @@ LayerWish layerWish(const std::string& layers) {
                 "--layers {}: unknown, expected groups, albedo, correction, residual, normal, position, depth, "
                 "cryptomatte or all",
                 name);
-        wish.*known->wanted = true;
+        request.*known->wanted = true;
         at = comma + 1;
     }
-    return wish;
+    return request;
 }
 
 double closeGroups(FrameStrip& strip, bool detail) {
@@ -112,24 +112,24 @@ std::vector<Rgb> bakedFactor(const Frame& captured) {
     return factor;
 }
 
-FrameLayers::FrameLayers(const LayerWish& wish, LayerNaming naming, const std::vector<std::string>& emitterNames,
+FrameLayers::FrameLayers(const LayerRequest& request, LayerNaming naming, const std::vector<std::string>& emitterNames,
                          const DVec3& origin)
-    : wish_(wish), naming_(naming), names_(emitterNames), origin_(origin) {
+    : request_(request), naming_(naming), names_(emitterNames), origin_(origin) {
     for (const std::string& name : names_) cryptomatteIds_.push_back(cryptomatteId(name));
 }
 
 std::vector<ChannelPart> FrameLayers::parts(bool multipart) const {
     std::vector<ChannelPart> parts{{"rgba", {{"R", true}, {"G", true}, {"B", true}, {"A", true}}}};
-    if (wish_.groups)
+    if (request_.groups)
         for (const std::string& group : groupNames(names_))
             parts.push_back(colours((naming_ == LayerNaming::arnold ? "RGBA_" : "Combined_") + group));
-    if (wish_.albedo) parts.push_back(colours("albedo"));
-    if (wish_.correction) parts.push_back(colours("correction"));
-    if (wish_.residual) parts.push_back(colours("residual"));
-    if (wish_.normal) parts.push_back(colours("normal", "XYZ", false));
-    if (wish_.position) parts.push_back(colours("position", "XYZ", false));
-    if (wish_.depth) parts.push_back(colours("depth", "Z", false));
-    if (wish_.cryptomatte)
+    if (request_.albedo) parts.push_back(colours("albedo"));
+    if (request_.correction) parts.push_back(colours("correction"));
+    if (request_.residual) parts.push_back(colours("residual"));
+    if (request_.normal) parts.push_back(colours("normal", "XYZ", false));
+    if (request_.position) parts.push_back(colours("position", "XYZ", false));
+    if (request_.depth) parts.push_back(colours("depth", "Z", false));
+    if (request_.cryptomatte)
         for (size_t level = 0; level < cryptomatteLevels; ++level)
             parts.push_back(colours(fmt::format("{}{:02}", cryptomatteLayer, level), "RGBA", false));
     if (multipart) return parts;
@@ -152,33 +152,34 @@ void FrameLayers::fill(const FrameStrip& strip, const std::vector<float*>& out) 
     };
     put(frame.beauty);
     putOne(frame.alpha);
-    if (wish_.groups) {
+    if (request_.groups) {
         put(frame.world);
         for (const auto& group : frame.byEmitter) put(group);
         put(strip.rest);
     }
-    if (wish_.albedo) put(frame.albedo);
-    if (wish_.correction) put(strip.correction);
-    if (wish_.residual) put(strip.residual);
-    if (wish_.normal) put(frame.normal);
-    if (wish_.position)
+    if (request_.albedo) put(frame.albedo);
+    if (request_.correction) put(strip.correction);
+    if (request_.residual) put(strip.residual);
+    if (request_.normal) put(frame.normal);
+    if (request_.position)
         for (int c = 0; c < 3; ++c, ++channel)
             for (size_t p = 0; p < pixels; ++p)
                 out[channel][p] = frame.position.empty()   ? 0.0f
                                   : frame.depth[p] < 1e30f ? float(origin_[c] + double(frame.position[p][c]))
                                                            : frame.position[p][c];
-    if (wish_.depth) putOne(frame.depth);
-    if (!wish_.cryptomatte) return;
+    if (request_.depth) putOne(frame.depth);
+    if (!request_.cryptomatte) return;
     for (size_t rank = 0; rank < Frame::ranks; ++rank, channel += 2)
         for (size_t p = 0; p < pixels; ++p) {
-            const EmitterShare seen = frame.emittersSeen.empty() ? EmitterShare{} : frame.emittersSeen[p][rank];
+            const EmitterContribution seen =
+                frame.emittersSeen.empty() ? EmitterContribution{} : frame.emittersSeen[p][rank];
             out[channel][p] = seen.emitter < 0 ? 0.0f : cryptomatteIds_[size_t(seen.emitter)];
-            out[channel + 1][p] = seen.share;
+            out[channel + 1][p] = seen.fraction;
         }
 }
 
 std::map<std::string, std::string> FrameLayers::header() const {
-    return wish_.cryptomatte ? cryptomatteHeader(cryptomatteLayer, names_) : std::map<std::string, std::string>{};
+    return request_.cryptomatte ? cryptomatteHeader(cryptomatteLayer, names_) : std::map<std::string, std::string>{};
 }
 
 }  // namespace relamp

@@ -16,7 +16,7 @@ enum class LayerNaming { blender, arnold };
 LayerNaming layerNaming(const std::string& name);
 
 /// A layer group that may be asked for.
-struct LayerWish {
+struct LayerRequest {
     bool groups = false, albedo = false, correction = false, residual = false, normal = false, position = false,
          depth = false, cryptomatte = false;
     bool all = false;  ///< everything there is was asked for, nothing by name
@@ -24,7 +24,7 @@ struct LayerWish {
 
 /// "", "all" or a comma list of groups, albedo, correction, residual, normal, position, depth, cryptomatte. Throws
 /// BadOption naming what does not exist.
-LayerWish layerWish(const std::string& layers);
+LayerRequest layerRequest(const std::string& layers);
 
 /// A strip of a frame with what is derived from it; rest, correction and residual have a value a pixel or are empty.
 struct FrameStrip {
@@ -39,8 +39,8 @@ struct FrameStrip {
 double closeGroups(FrameStrip& strip, bool detail);
 
 /// What a reading that knows distant light only would bake into the surface: the captured light divided by its part
-/// from the environment, per channel. 1 where no lamp reaches, at most 64, and 1 where an emitter itself or nothing is
-/// seen. Multiplied with the albedo it is the colour such a reading paints on the surface, the environment being the
+/// from the environment, per channel. 1 where no emitter reaches, at most 64, and 1 where an emitter itself or nothing
+/// is seen. Multiplied with the albedo it is the colour such a reading paints on the surface, the environment being the
 /// recovered one; a distant-only solve would move some of it into its environment, which takes a second solve to know
 /// (`relamp compare`).
 std::vector<Rgb> bakedFactor(const Frame& captured);
@@ -49,7 +49,7 @@ std::vector<Rgb> bakedFactor(const Frame& captured);
 class FrameLayers {
 public:
     /// `origin` is added to the positions (Capture::origin).
-    FrameLayers(const LayerWish& wish, LayerNaming naming, const std::vector<std::string>& emitterNames,
+    FrameLayers(const LayerRequest& request, LayerNaming naming, const std::vector<std::string>& emitterNames,
                 const DVec3& origin = DVec3(0));
     const DVec3& origin() const { return origin_; }
 
@@ -61,7 +61,7 @@ public:
     std::map<std::string, std::string> header() const;
 
 private:
-    LayerWish wish_;
+    LayerRequest request_;
     LayerNaming naming_;
     std::vector<std::string> names_;
     std::vector<float> cryptomatteIds_;

@@ -1,6 +1,6 @@
 #include "shot/ratio_frame.h"
 
-#include "report/display_picture.h"
+#include "display/display_image.h"
 
 namespace relamp {
 namespace {

@@ -1,4 +1,4 @@
-// Ratio frames: the photograph itself relit, so that its grain and the detail no mesh has stay in the picture.
+// Ratio frames: the photograph itself relit, so that its grain and the detail no mesh has stay in the image.
 #pragma once
 #include "image/image.h"
 #include "relight/frame.h"

@@ -245,9 +245,9 @@ Json shotInfo(const Shot& shot) {
                {"power", toJson(e.lighting.emitterRadiance[i])},
                {"two_sided", c.twoSided},
                {"views_seen", c.evidence.viewsSeen},
-               {"clipped_share", c.evidence.clippedShare},
+               {"clipped_share", c.evidence.clippedFraction},
                {"evidence", evidenceJson(c.evidence)}};
-        if (c.unseen) j["unseen"] = true;
+        if (c.unobserved) j["unseen"] = true;
         if (c.positionSigma != Vec3(0)) j["position_stddev"] = toJson(c.positionSigma);
         if (i < e.emitterSigma.size()) j["power_stddev"] = toJson(e.emitterSigma[i]);
         if (i < e.identifiability.size()) j["identifiability"] = e.identifiability[i];
@@ -269,7 +269,7 @@ Json shotInfo(const Shot& shot) {
                                 {"gloss", toJson(e.gauge.fromGloss)},
                                 {"bounces", toJson(e.gauge.fromBounces)}}}});
     for (const PaletteColour& colour : e.palette)
-        info["palette"].push_back({{"albedo", toJson(colour.albedo)}, {"share", colour.share}});
+        info["palette"].push_back({{"albedo", toJson(colour.albedo)}, {"share", colour.fraction}});
     for (const auto& [name, strength] :
          {std::pair{"light_smoothness", &e.lightSmoothness}, std::pair{"albedo_smoothness", &e.albedoSmoothness}}) {
         Json& j = info["priors"][name] = {
@@ -301,7 +301,7 @@ Json shotInfo(const Shot& shot) {
     if (e.reproduction.measured()) info["reproduction"] = reproductionJson(e.reproduction);
     info["resources"] = {
         {"seconds", shot.resources.seconds}, {"peak_mib", shot.resources.peakMib}, {"threads", shot.resources.threads}};
-    info["interreflection"] = {{"kept", e.interreflection}, {"share", e.bouncedShare}};
+    info["interreflection"] = {{"kept", e.interreflection}, {"share", e.bouncedFraction}};
     info["stopped_early"] = e.cancelled;
     return info;
 }
@@ -387,7 +387,7 @@ void saveShot(const Shot& shot, const Mesh& mesh, const fs::path& folder, bool o
             for (const Rgb& p : map.pixels) channels[size_t(c)].values.push_back(p[c]);
         }
         writeChannels(fresh / "environment.exr", map.width, map.height, channels);
-        // The cells themselves, so that opening need not integrate the picture again.
+        // The cells themselves, so that opening need not integrate the image again.
         fs::create_directories(fresh / "cache");
         for (int c = 0; c < 3; ++c) {
             channels[size_t(c)].values.clear();
@@ -412,7 +412,7 @@ void saveShot(const Shot& shot, const Mesh& mesh, const fs::path& folder, bool o
                 properties.push_back(std::move(p));
             }
         };
-        add("albedo", albedoUnderCoat(r.basis, r.weight));
+        add("albedo", albedoUnderCoating(r.basis, r.weight));
         for (size_t k = 0; k < r.weight.size(); ++k) add(fmt::format("weight_{}", k), r.weight[k]);
         properties.push_back({"observed", {r.observed.begin(), r.observed.end()}, true});
         properties.push_back(
@@ -454,9 +454,9 @@ namespace {
 
 /// From the cache when it is whole and not older than environment.exr, which an artist may have painted over.
 std::vector<Rgb> environmentCells(const fs::path& folder, const DirectionGrid& grid) {
-    const fs::path picture = folder / "environment.exr", cache = folder / "cache" / "environment_cells.exr";
+    const fs::path image = folder / "environment.exr", cache = folder / "cache" / "environment_cells.exr";
     std::error_code failed, missing;
-    const auto made = fs::last_write_time(cache, missing), painted = fs::last_write_time(picture, failed);
+    const auto made = fs::last_write_time(cache, missing), painted = fs::last_write_time(image, failed);
     if (!missing && !failed && made >= painted) {
         try {
             const Image cells = readImage(cache);
@@ -465,7 +465,7 @@ std::vector<Rgb> environmentCells(const fs::path& folder, const DirectionGrid& g
             // A damaged cache is no loss.
         }
     }
-    return integrateOverCells(readEnvironment(picture), grid);
+    return integrateOverCells(readEnvironment(image), grid);
 }
 
 }  // namespace
@@ -585,7 +585,7 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress) {
                           field(resources, "threads", 0, "resources.")};
         const Json& bounced = objectOf(document, "interreflection");
         e.interreflection = field(bounced, "kept", false, "interreflection.");
-        e.bouncedShare = field(bounced, "share", 0.0f, "interreflection.");
+        e.bouncedFraction = field(bounced, "share", 0.0f, "interreflection.");
         e.cancelled = field(document, "stopped_early", false);
     });
     EmitterClusters& clusters = e.emitters;
@@ -604,11 +604,11 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress) {
             c.normal = j.contains("normal") ? colour(j["normal"], where + "normal") : Vec3(0);
             c.area = field(j, "area_m2", 0.0f, where);
             c.twoSided = field(j, "two_sided", false, where);
-            c.unseen = field(j, "unseen", false, where);
+            c.unobserved = field(j, "unseen", false, where);
             if (j.contains("position_stddev"))
                 c.positionSigma = colour(j["position_stddev"], where + "position_stddev");
             c.evidence.viewsSeen = field(j, "views_seen", 0, where);
-            c.evidence.clippedShare = field(j, "clipped_share", 0.0f, where);
+            c.evidence.clippedFraction = field(j, "clipped_share", 0.0f, where);
             if (j.contains("power_stddev")) e.emitterSigma.push_back(colour(j["power_stddev"], where + "power_stddev"));
             e.identifiability.push_back(field(j, "identifiability", 0.0f, where));
             e.lighting.emitterRadiance.push_back(c.radiance);

@@ -5,7 +5,7 @@
 
 #include "brdf/basis.h"
 #include "clusters/emitter_clusters.h"
-#include "solve/palette.h"
+#include "solve/albedo/palette.h"
 #include "solve/reproduction.h"
 #include "solve/solve_plan.h"
 #include "transport/lighting.h"
@@ -18,7 +18,7 @@ struct Reflectance {
     BrdfBasis basis;
     std::vector<std::vector<Rgb>> weight;  ///< weight[k][vertex]
     std::vector<uint8_t> observed;         ///< views that saw the vertex
-    std::vector<float> confidence;         ///< in [0, 1]: share of the vertex's albedo that comes from its own look-ups
+    std::vector<float> confidence;  ///< in [0, 1]: fraction of the vertex's albedo that comes from its own observations
     std::vector<float>
         sigma;  ///< relative standard deviation of the albedo, mean of the channels; empty where it was not assessed
 };
@@ -45,18 +45,18 @@ struct GaugeReport {
     Rgb scale{1};          ///< factor that was applied to the lighting by a --gauge option
     Rgb sigma{0};          ///< relative standard deviation of the scale; 0 where it was not assessed
     Rgb fromEmitters{0}, fromBackground{0}, fromGloss{0},
-        fromBounces{0};  ///< shares of the evidence on the scale, together 1, or all 0
+        fromBounces{0};  ///< fractions of the evidence on the scale, together 1, or all 0
 };
 
 /// How strong a prior was, as a factor on its usual strength.
 struct PriorStrength {
     struct Trial {
         float factor = 1;
-        double misfit = 0;  ///< how badly data that were left out were foretold, over the usual strength's misfit
+        double misfit = 0;  ///< how badly data that were left out were predicted, over the usual strength's misfit
         double error = 0;   ///< standard error of that ratio
     };
     float factor = 1;
-    std::string chosenBy = "usual";  ///< "usual", "photographs": those foretold what was left out clearly better with
+    std::string chosenBy = "usual";  ///< "usual", "photographs": those predicted what was left out clearly better with
                                      ///< another one, or "artist"
     std::vector<Trial> trials{};     ///< empty where the photographs were not asked
 };
@@ -82,7 +82,7 @@ struct Estimate {
     int environmentSide = 256;
     std::vector<Rgb> environmentSigma;  ///< its standard deviation, per cell, radiance; empty where it was not assessed
     std::vector<Rgb> emitterSigma;      ///< standard deviation of each emitter's radiance
-    std::vector<float> identifiability;  ///< per emitter: share of its effect that no distant light can imitate
+    std::vector<float> identifiability;  ///< per emitter: fraction of its effect that no distant light can imitate
     std::vector<TimelineEntry> timeline;
     std::vector<LeftOut> leftOut;
     SolvePlan plan;  ///< what was decided beforehand, and what the stages cost
@@ -94,7 +94,7 @@ struct Estimate {
     std::vector<HeldOutAlbedo> heldOut;  ///< for that measure, which takes them
     std::string mode;                    ///< "near-field" or "distant-only"
     bool interreflection = false;  ///< the photographs hold light bounced between surfaces: relit frames have it too
-    float bouncedShare = 0;        ///< of the light on the surfaces seen, 0 without interreflection
+    float bouncedFraction = 0;     ///< of the light on the surfaces seen, 0 without interreflection
     bool cancelled = false;        ///< stopped early: the best answer so far
 };
 

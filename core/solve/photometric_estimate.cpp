@@ -6,9 +6,9 @@ namespace relamp {
 namespace {
 
 constexpr int rounds = 8;
-constexpr float leastWeight = 0.3f;  // of a look-up: grazing ones and those at edges mix surfaces
+constexpr float leastWeight = 0.3f;  // of an observation: grazing ones and those at edges mix surfaces
 
-/// One look-up as an equation: the gain of its view, and its place in the picture.
+/// One observation as an equation: the gain of its view, and its place in the image.
 struct Look {
     uint32_t view = 0;
     float r2 = 0;
@@ -19,13 +19,13 @@ struct Look {
 /// Usable looks, vertex after vertex; only vertices that two views see.
 struct Looks {
     std::vector<uint32_t> start{0};
-    std::vector<Look> looks;
+    std::vector<Look> observations;
 };
 
-Looks usableLooks(const Capture& capture, const Scene& scene, const RadianceSamples& samples) {
+Looks usableObservations(const Capture& capture, const Scene& scene, const RadianceSamples& samples) {
     Looks result;
     for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v) {
-        const size_t first = result.looks.size();
+        const size_t first = result.observations.size();
         for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
             const RadianceSample& r = samples.samples[s];
             const float darkest = std::min({r.radiance.x, r.radiance.y, r.radiance.z});
@@ -33,18 +33,19 @@ Looks usableLooks(const Capture& capture, const Scene& scene, const RadianceSamp
             const Camera& camera = capture.views[r.view].camera;
             const auto pixel = camera.project(DVec3(scene.mesh.positions[v]));
             if (!pixel) continue;
-            result.looks.push_back({r.view, radiusSquared(camera, *pixel), glm::log(r.radiance), r.weight});
+            result.observations.push_back({r.view, radiusSquared(camera, *pixel), glm::log(r.radiance), r.weight});
         }
-        if (result.looks.size() - first < 2) result.looks.resize(first);
-        else result.start.push_back(uint32_t(result.looks.size()));
+        if (result.observations.size() - first < 2) result.observations.resize(first);
+        else result.start.push_back(uint32_t(result.observations.size()));
     }
     return result;
 }
 
 /// Gains in logarithms, view after view, three channels each, then the fall-off's two coefficients.
-Rgb correction(const Eigen::VectorXd& u, const Look& look) {
-    const Eigen::Index gains = u.size() - 2, i = 3 * Eigen::Index(look.view);
-    const double falloff = u(gains) * double(look.r2) + u(gains + 1) * double(look.r2) * double(look.r2);
+Rgb correction(const Eigen::VectorXd& u, const Look& observation) {
+    const Eigen::Index gains = u.size() - 2, i = 3 * Eigen::Index(observation.view);
+    const double falloff =
+        u(gains) * double(observation.r2) + u(gains + 1) * double(observation.r2) * double(observation.r2);
     return Rgb(float(u(i) + falloff), float(u(i + 1) + falloff), float(u(i + 2) + falloff));
 }
 
@@ -61,9 +62,9 @@ void residualsOf(const Looks& all, const Eigen::VectorXd& u, const std::vector<R
     for (size_t v = 0; v + 1 < all.start.size(); ++v) {
         Rgb sum(0), weight(0);
         for (uint32_t k = all.start[v]; k < all.start[v + 1]; ++k) {
-            residual[k] = all.looks[k].log - correction(u, all.looks[k]);
-            sum += all.looks[k].weight * robust[k] * residual[k];
-            weight += all.looks[k].weight * robust[k];
+            residual[k] = all.observations[k].log - correction(u, all.observations[k]);
+            sum += all.observations[k].weight * robust[k] * residual[k];
+            weight += all.observations[k].weight * robust[k];
         }
         for (uint32_t k = all.start[v]; k < all.start[v + 1]; ++k) residual[k] -= sum / glm::max(weight, Rgb(1e-20f));
     }
@@ -84,7 +85,7 @@ PhotometricEstimate fitted(const Capture& capture, const Looks& all, float noise
     const size_t views = capture.views.size();
     const Eigen::Index gains = 3 * Eigen::Index(views), n = gains + 2;
     Eigen::VectorXd u = Eigen::VectorXd::Zero(n);
-    std::vector<Rgb> robust(all.looks.size(), Rgb(1)), residual(all.looks.size());
+    std::vector<Rgb> robust(all.observations.size(), Rgb(1)), residual(all.observations.size());
     residualsOf(all, u, robust, residual);
     progress.begin("Do exposures differ?", rounds);
     for (int round = 0; round < rounds; ++round) {
@@ -107,7 +108,7 @@ PhotometricEstimate fitted(const Capture& capture, const Looks& all, float noise
                 Eigen::VectorXd mean = Eigen::VectorXd::Zero(n);
                 double weight = 0, value = 0;
                 for (uint32_t k = all.start[v]; k < all.start[v + 1]; ++k) {
-                    const Look& l = all.looks[k];
+                    const Look& l = all.observations[k];
                     const double w = double(l.weight * robust[k][c]), r2 = l.r2;
                     const Eigen::Index at[3] = {3 * Eigen::Index(l.view) + c, gains, gains + 1};
                     const double x[3] = {1, r2, r2 * r2};
@@ -121,10 +122,10 @@ PhotometricEstimate fitted(const Capture& capture, const Looks& all, float noise
                 }
                 if (!(weight > 0)) continue;
                 for (uint32_t k = all.start[v]; k < all.start[v + 1]; ++k) {
-                    const Eigen::Index i = 3 * Eigen::Index(all.looks[k].view) + c;
+                    const Eigen::Index i = 3 * Eigen::Index(all.observations[k].view) + c;
                     for (uint32_t m = all.start[v]; m < all.start[v + 1]; ++m)
-                        q(i, 3 * Eigen::Index(all.looks[m].view) + c) -=
-                            mean(i) * mean(3 * Eigen::Index(all.looks[m].view) + c) / weight;
+                        q(i, 3 * Eigen::Index(all.observations[m].view) + c) -=
+                            mean(i) * mean(3 * Eigen::Index(all.observations[m].view) + c) / weight;
                     for (Eigen::Index f = gains; f < n; ++f) {
                         q(i, f) -= mean(i) * mean(f) / weight;
                         q(f, i) -= mean(f) * mean(i) / weight;
@@ -165,8 +166,8 @@ PhotometricEstimate fitted(const Capture& capture, const Looks& all, float noise
 
 PhotometricEstimate estimatePhotometric(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
                                         Progress& progress) {
-    const Looks all = usableLooks(capture, scene, samples);
-    if (capture.views.size() < 2 || all.looks.size() < 20 * capture.views.size()) return {};
+    const Looks all = usableObservations(capture, scene, samples);
+    if (capture.views.size() < 2 || all.observations.size() < 20 * capture.views.size()) return {};
     const PhotometricEstimate gains = fitted(capture, all, samples.relativeNoise, false, progress),
                               both = fitted(capture, all, samples.relativeNoise, true, progress);
     return both.spreadAfter < 0.95f * gains.spreadAfter ? both : gains;

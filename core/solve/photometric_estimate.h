@@ -23,8 +23,8 @@ struct PhotometricEstimate {
 
 /// Least squares, robust (Cauchy), over log y_vi = m_v + g_i + a r^2 + b r^4 with the means m_v eliminated: surfaces'
 /// colour and light cancel, what a gloss shows is an outlier. The fall-off is kept where it lowers the spread by a
-/// twentieth. Gains that a chain of common surfaces does not reach stay 1. Cost: a few passes over the look-ups, one
-/// factorisation of 3 x views + 2 unknowns. Throws Cancelled.
+/// twentieth. Gains that a chain of common surfaces does not reach stay 1. Cost: a few passes over the observations,
+/// one factorisation of 3 x views + 2 unknowns. Throws Cancelled.
 PhotometricEstimate estimatePhotometric(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
                                         Progress& progress);
 

@@ -18,7 +18,7 @@ SolveOptions solveOptionsFor(const std::string& quality) {
         o.askForStrength = false;
     } else if (quality == "fine") {
         o.maxLeaves = 900;
-        o.splitShare = 0.006f;
+        o.splitFraction = 0.006f;
         o.startIterations = 40;
         o.refineIterations = 8;
         o.glossRounds = 4;

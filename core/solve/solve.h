@@ -9,7 +9,7 @@
 #include "brdf/basis.h"
 #include "capture/capture.h"
 #include "radiance/samples.h"
-#include "solve/albedo_step.h"
+#include "solve/albedo/albedo_step.h"
 #include "solve/estimate.h"
 #include "solve/solve_checkpoint.h"
 
@@ -35,8 +35,8 @@ struct SolveOptions {
     int visibilitySide = 64;
     int startIterations = 25, refineIterations = 6, glossRounds = 2;
     int turns = 1;  ///< final rounds of light and reflectance in turn
-    float splitShare =
-        0.008f;         ///< a leaf that gives more than this share of the light at the vertices, on average, is split
+    float splitFraction =
+        0.008f;  ///< a leaf that gives more than this fraction of the light at the vertices, on average, is split
     AlbedoPrior prior;  ///< the one place where priors on reflectance enter
     float lightSmoothness = 0,
           albedoSmoothness =
@@ -48,7 +48,7 @@ struct SolveOptions {
     enum class Bounce { automatic, off, on } bounce = Bounce::automatic;
     uint64_t seed = 1;
     BrdfBasis basis = builtInBasis();  ///< lobes that surfaces may have
-    size_t mostLobes = 1;              ///< that one piece may mix; more than 1 with a wide basis
+    size_t mostLobes = 1;              ///< that one component may mix; more than 1 with a wide basis
     SolvePlan plan;                    ///< what takes part: the planner's word (pipeline/plan.h)
 };
 /// "draft", "standard" or "fine". Throws Error for another name.

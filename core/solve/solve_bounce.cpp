@@ -28,11 +28,11 @@ void SolveState::updateBounce() {
     computeLit();
     updateAlbedo();
     const size_t n = scene_.mesh.vertexCount();
-    std::vector<Rgb>& sent = sent_;
-    sent.assign(n, Rgb(0));
+    std::vector<Rgb>& outgoing = outgoing_;
+    outgoing.assign(n, Rgb(0));
     std::vector<uint8_t> shown(n, 0), asked(n, 0);
     for (size_t i = 0; i < matte_.vertices.size(); ++i) {
-        sent[matte_.vertices[i]] = matte_.radiance[i];
+        outgoing[matte_.vertices[i]] = matte_.radiance[i];
         shown[matte_.vertices[i]] = 1;
     }
     // An emitter's light is in N.
@@ -48,13 +48,13 @@ void SolveState::updateBounce() {
         const std::vector<Rgb> direct = directAt(hidden);
         // Hidden surfaces light each other too.
         for (int round = 0; round < 10; ++round) {
-            const std::vector<Rgb> bounced = gatherBounce(bounceRays_, sent);
+            const std::vector<Rgb> bounced = gatherBounce(bounceRays_, outgoing);
             for (size_t i = 0; i < hidden.size(); ++i)
-                sent[hidden[i]] =
+                outgoing[hidden[i]] =
                     glm::clamp(albedo_.albedo[hidden[i]], Rgb(0), Rgb(0.95f)) * (direct[i] + bounced[hidden[i]]);
         }
     }
-    vertexBounce_ = gatherBounce(bounceRays_, sent);
+    vertexBounce_ = gatherBounce(bounceRays_, outgoing);
     takeVertexBounce();
 }
 
@@ -63,7 +63,7 @@ void SolveState::takeVertexBounce() {
     for (size_t i = 0; i < bounce_.size(); ++i) bounce_[i] = vertexBounce_[matte_.vertices[i]];
 }
 
-float SolveState::bouncedShareOf() const {
+float SolveState::bouncedFractionOf() const {
     double bounced = 0, all = 0;
     for (size_t i = 0; i < bounce_.size(); ++i) {
         bounced += luminance(bounce_[i]);
@@ -85,7 +85,7 @@ void SolveState::forgetBounce(std::string why) {
     bounceRays_ = {};
     bounce_.clear();
     vertexBounce_.clear();
-    sent_.clear();
+    outgoing_.clear();
 }
 
 void SolveState::joinLikelyBounce() {
@@ -147,15 +147,15 @@ void SolveState::decideBounce(bool coarse) {
     }
     if (stopped()) throw OutOfTime{};
     computeLit();
-    bouncedShare_ = bouncedShareOf();
+    bouncedFraction_ = bouncedFractionOf();
     logInfo("bounced light: enclosure {:.1f} %, share {:.1f} %, objective {:.5g} without, {:.5g} with", 100 * enclosure,
-            100 * bouncedShare_, before, after);
+            100 * bouncedFraction_, before, after);
     if (coarse && after < 1.03 * before) {  // coarse visibility alone can make as much of a difference
         // Finer light is to judge.
         lighting_ = without;
         bounce_.clear();
         vertexBounce_.clear();
-        sent_.clear();
+        outgoing_.clear();
         return;
     }
     if (options_.bounce == Bounce::on || after < before) {

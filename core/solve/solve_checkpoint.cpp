@@ -66,7 +66,7 @@ template <class T>
 constexpr bool gapless =
     std::has_unique_object_representations_v<T> || std::is_floating_point_v<T> || std::is_same_v<T, Rgb>;
 template <>
-constexpr bool gapless<GlossyLook> = sizeof(GlossyLook) == 2 * sizeof(uint32_t) + 7 * sizeof(float);
+constexpr bool gapless<GlossyObservation> = sizeof(GlossyObservation) == 2 * sizeof(uint32_t) + 7 * sizeof(float);
 template <>
 constexpr bool gapless<PaletteColour> = sizeof(PaletteColour) == 4 * sizeof(float);
 
@@ -85,7 +85,7 @@ void listOf(File& f, std::vector<T>& values, Each&& each) {
 template <class File>
 void fields(File& f, EmitterEvidence& e) {
     for (float* value : {&e.sceneContrast, &e.localContrast, &e.uniformity, &e.viewSpread, &e.edgeDrop,
-                         &e.demandedAlbedo, &e.clippedShare})
+                         &e.demandedAlbedo, &e.clippedFraction})
         f.plain(*value);
     f.plain(e.viewsAgree);
     f.plain(e.viewsSeen);
@@ -101,7 +101,7 @@ void fields(File& f, EmitterClusters& c) {
         f.plain(e.radiance);
         f.plain(e.radianceSigma);
         f.plain(e.twoSided);
-        f.plain(e.unseen);
+        f.plain(e.unobserved);
         f.plain(e.positionSigma);
         f.plain(e.centroid);
         f.plain(e.normal);
@@ -130,12 +130,12 @@ void fields(File& f, Lobe& lobe, bool insideMixture) {
         if (insideMixture) throw Error("a mixture inside a mixture");
         fields(f, part, true);
     });
-    f.plain(lobe.share);
+    f.plain(lobe.fraction);
 }
 
 template <class File>
-void fields(File& f, PieceGloss& g) {
-    f.plain(g.piece);
+void fields(File& f, ComponentGloss& g) {
+    f.plain(g.component);
     uint8_t has = g.lobe ? 1 : 0;
     f.plain(has);
     if (has) {
@@ -146,14 +146,14 @@ void fields(File& f, PieceGloss& g) {
     f.plain(g.matte);
     f.plain(g.residual);
     f.plain(g.residualMatte);
-    list(f, g.looks);
+    list(f, g.observations);
 }
 
 template <class File>
 void fields(File& f, PlanChoices& p) {
     for (bool* choice :
-         {&p.distantLight, &p.bounce, &p.lateBounce, &p.bounceLikely, &p.unseenVertices, &p.emptyColumns,
-          &p.mattePieces, &p.lostLobes, &p.agreeingRays, &p.flatLevels, &p.lastDigits, &p.mattePointsInDetail})
+         {&p.distantLight, &p.bounce, &p.lateBounce, &p.bounceLikely, &p.unobservedVertices, &p.emptyColumns,
+          &p.matteComponents, &p.lostLobes, &p.agreeingRays, &p.flatLevels, &p.lastDigits, &p.mattePointsInDetail})
         f.plain(*choice);
     static_assert(sizeof(PlanChoices) == 12, "every choice has to come back");
 }
@@ -196,9 +196,9 @@ void fields(File& f, SolveCheckpoint& c) {
     f.plain(c.bounceKept);
     f.plain(c.visibilityStep);
     f.plain(c.refinedMisfit);
-    f.plain(c.bouncedShare);
+    f.plain(c.bouncedFraction);
     fields(f, c.noBounceBecause);
-    for (std::vector<Rgb>* values : {&c.vertexBounce, &c.sent, &c.matteRadiance, &c.matteSigma}) list(f, *values);
+    for (std::vector<Rgb>* values : {&c.vertexBounce, &c.outgoing, &c.matteRadiance, &c.matteSigma}) list(f, *values);
     for (PriorStrength* strength : {&c.lightSmoothness, &c.albedoSmoothness}) {
         f.plain(strength->factor);
         fields(f, strength->chosenBy);
@@ -208,13 +208,13 @@ void fields(File& f, SolveCheckpoint& c) {
             f.plain(trial.error);
         });
     }
-    listOf(f, c.gloss, [&](PieceGloss& g) { fields(f, g); });
-    listOf(f, c.firstGloss, [&](PieceGloss& g) { fields(f, g); });
+    listOf(f, c.gloss, [&](ComponentGloss& g) { fields(f, g); });
+    listOf(f, c.firstGloss, [&](ComponentGloss& g) { fields(f, g); });
     f.plain(c.metalsHeard);
     f.plain(c.metalsJoined);
     f.plain(c.lightUnfinished);
     list(f, c.information);
-    for (std::vector<double>& looks : c.informationOfLooks) list(f, looks);
+    for (std::vector<double>& observations : c.informationOfObservations) list(f, observations);
     for (std::vector<double>& seen : c.informationSeen) list(f, seen);
     list(f, c.albedo);
     list(f, c.confidence);
@@ -251,8 +251,8 @@ SolveCheckpoint checkpointFromBytes(const std::string& bytes) {
     const size_t n = checkpoint.informationSeen[0].size();
     bool fit = checkpoint.information.size() == 3 * n * (3 * n + 1) / 2;
     for (size_t k = 0; k < 3; ++k)
-        fit &= checkpoint.informationSeen[k].size() == n &&
-               (checkpoint.informationOfLooks[k].empty() || checkpoint.informationOfLooks[k].size() == n * n);
+        fit &= checkpoint.informationSeen[k].size() == n && (checkpoint.informationOfObservations[k].empty() ||
+                                                             checkpoint.informationOfObservations[k].size() == n * n);
     if (!fit) throw Error("its lists do not fit each other");
     return checkpoint;
 }

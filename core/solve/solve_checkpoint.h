@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "solve/albedo_step.h"
+#include "solve/albedo/albedo_step.h"
 #include "solve/estimate.h"
-#include "solve/gloss.h"
+#include "solve/gloss/gloss.h"
 
 namespace relamp {
 
@@ -22,16 +22,16 @@ struct SolveCheckpoint {
     bool noMetals = false, backgroundRefuted = false;
     uint32_t visibilityStep = 0;  ///< how far visibility was traced (Visibility::step); 0: not at all
     double refinedMisfit = 0;
-    float bouncedShare = 0;
+    float bouncedFraction = 0;
     std::string noBounceBecause;
-    std::vector<Rgb> vertexBounce, sent;         ///< empty: none
-    std::vector<Rgb> matteRadiance, matteSigma;  ///< of the observations, without what coats mirror; empty: as seen
+    std::vector<Rgb> vertexBounce, outgoing;     ///< empty: none
+    std::vector<Rgb> matteRadiance, matteSigma;  ///< of the observations, without what coatings mirror; empty: as seen
     PriorStrength lightSmoothness, albedoSmoothness;
-    std::vector<PieceGloss> gloss, firstGloss;
+    std::vector<ComponentGloss> gloss, firstGloss;
     bool metalsHeard = false, metalsJoined = false, lightUnfinished = false;
     std::vector<double>
         information;  ///< what fixed the light (LightInformation): columns of `all` from the diagonal down
-    std::vector<double> informationOfLooks[3], informationSeen[3];
+    std::vector<double> informationOfObservations[3], informationSeen[3];
     std::vector<Rgb> albedo;  ///< per vertex; empty: not solved yet
     std::vector<float> confidence;
     std::vector<PaletteColour> palette;

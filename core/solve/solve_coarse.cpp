@@ -1,5 +1,5 @@
-// The first answer: coarse light, which lamps are lamps, strong directions finer than the rest, and lobes by a few
-// looks.
+// The first answer: coarse light, which emitters are emitters, strong directions finer than the rest, and lobes by a
+// few looks.
 #include "base/log.h"
 #include "solve/solve_state.h"
 
@@ -34,10 +34,11 @@ void SolveState::sharpenStrong() {
         const double before = misfit;
         misfit = pairMismatch();
         if (misfit * misfit > 0.98 * before * before) return;
-        const std::vector<Rgb> shares = sharesOfLight();
+        const std::vector<Rgb> fractions = lightContributions();
         std::vector<uint32_t> strong;
-        for (uint32_t i = 0; i < shares.size(); ++i)
-            if (maxChannel(shares[i]) > StrongDirections::share && lighting_.leaves[i].level < StrongDirections::finest)
+        for (uint32_t i = 0; i < fractions.size(); ++i)
+            if (maxChannel(fractions[i]) > StrongDirections::fraction &&
+                lighting_.leaves[i].level < StrongDirections::finest)
                 strong.push_back(i);
         if (strong.empty()) return;
         splitLeaves(strong);
@@ -55,14 +56,14 @@ void SolveState::firstSurfaces() {
     options.rows.cosineSamples = 24;
     options.rows.emitterSamples = 16;
     options.maxVertices = 120;
-    const std::vector<size_t> sizes = observationsOfPieces(scene_, matte_);
+    const std::vector<size_t> sizes = observationsOfComponents(scene_, matte_);
     firstGloss_.clear();
-    for (uint32_t p = 0; p < scene_.pieces; ++p) {
-        if (!matte_.pieceGlossy[p] || sizes[p] < 30) continue;
-        const bool metal = matte_.pieceGlossy[p] == 2;
+    for (uint32_t p = 0; p < scene_.components; ++p) {
+        if (!matte_.componentGlossy[p] || sizes[p] < 30) continue;
+        const bool metal = matte_.componentGlossy[p] == 2;
         options.lambertGain = metal ? 1e30f : 1.6f;
-        PieceGloss g = fitGloss(capture_, scene_, samples_, surfaces_, clusters_.emitterOfTriangle, lighting_,
-                                builtInBasis(), p, options, progress_);
+        ComponentGloss g = fitGloss(capture_, scene_, samples_, surfaces_, clusters_.emitterOfTriangle, lighting_,
+                                    builtInBasis(), p, options, progress_);
         if (g.lobe) firstGloss_.push_back(std::move(g));
     }
 }

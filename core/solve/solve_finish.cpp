@@ -1,11 +1,11 @@
-// Reflectance under the light found, and the last steps of a solve: gauge, environment picture, how sure we are.
+// Reflectance under the light found, and the last steps of a solve: gauge, environment image, how sure we are.
 #include <Eigen/Eigenvalues>
 
 #include "base/log.h"
 #include "base/parallel.h"
-#include "solve/lighting_step.h"
-#include "solve/matte_under_gloss.h"
-#include "solve/prior_strength.h"
+#include "solve/gloss/matte_under_gloss.h"
+#include "solve/light/lighting_step.h"
+#include "solve/priors/prior_strength.h"
 #include "solve/solve_state.h"
 
 namespace relamp {
@@ -13,22 +13,22 @@ namespace relamp {
 void SolveState::solveReflectance() {
     finishVisibility();
     computeLit();
-    if (!bounce_.empty() && bouncedShare_ == 0) bouncedShare_ = bouncedShareOf();
-    // Glossy pieces: which lobe, how strong.
-    std::vector<PieceGloss> found;
-    std::vector<uint8_t> fitted(scene_.pieces, 0);
+    if (!bounce_.empty() && bouncedFraction_ == 0) bouncedFraction_ = bouncedFractionOf();
+    // Glossy components: which lobe, how strong.
+    std::vector<ComponentGloss> found;
+    std::vector<uint8_t> fitted(scene_.components, 0);
     GlossOptions glossOptions;
     glossOptions.seed = options_.seed;
     glossOptions.rows = rowOptions();
     glossOptions.mostLobes = options_.mostLobes;
     glossOptions.screen = !plan_.choices.lostLobes;
     if (!hasMatte()) glossOptions.maxVertices = 1500;
-    const std::vector<size_t> sizes = observationsOfPieces(scene_, matte_);
-    for (uint32_t p = 0; p < scene_.pieces && !stopped(); ++p) {
-        if ((!matte_.pieceGlossy[p] && !plan_.choices.mattePieces) || sizes[p] < 30) continue;
-        const bool metal = hasMatte() && matte_.pieceGlossy[p] == 2;
+    const std::vector<size_t> sizes = observationsOfComponents(scene_, matte_);
+    for (uint32_t p = 0; p < scene_.components && !stopped(); ++p) {
+        if ((!matte_.componentGlossy[p] && !plan_.choices.matteComponents) || sizes[p] < 30) continue;
+        const bool metal = hasMatte() && matte_.componentGlossy[p] == 2;
         glossOptions.lambertGain = !metal ? 1.6f : metalsHeard_ ? 3.0f : 1e30f;
-        PieceGloss g;
+        ComponentGloss g;
         try {
             const Progress::Dispensable mayEnd(progress_);
             g = fitGloss(capture_, scene_, samples_, surfaces_, clusters_.emitterOfTriangle, lighting_, basis_, p,
@@ -36,20 +36,20 @@ void SolveState::solveReflectance() {
         } catch (const OutOfTime&) { break; }
         fitted[p] = 1;
         if (!g.lobe) continue;
-        logInfo("piece {}: {} weight {:.3f} {:.3f} {:.3f}{}, residual {:.2f} of {:.2f}", p, g.lobe->name, g.weight.x,
-                g.weight.y, g.weight.z, g.matte ? " over Lambert" : "", g.residual, g.residualMatte);
+        logInfo("component {}: {} weight {:.3f} {:.3f} {:.3f}{}, residual {:.2f} of {:.2f}", p, g.lobe->name,
+                g.weight.x, g.weight.y, g.weight.z, g.matte ? " over Lambert" : "", g.residual, g.residualMatte);
         found.push_back(std::move(g));
     }
-    // A piece that the time left unfitted stays as it was.
+    // A component that the time left unfitted stays as it was.
     const bool hurry = stopped() && !firstGloss_.empty();
-    for (PieceGloss& g : gloss_.empty() ? firstGloss_ : gloss_)
-        if (!fitted[g.piece]) found.push_back(std::move(g));
+    for (ComponentGloss& g : gloss_.empty() ? firstGloss_ : gloss_)
+        if (!fitted[g.component]) found.push_back(std::move(g));
     firstGloss_.clear();
     gloss_ = std::move(found);
-    for (uint32_t p = 0; p < scene_.pieces; ++p)
-        fitted[p] =
-            fitted[p] && std::none_of(gloss_.begin(), gloss_.end(), [&](const PieceGloss& g) { return g.piece == p; });
-    if (hurry || !stopped()) takeCoatsOff(hurry, fitted);
+    for (uint32_t p = 0; p < scene_.components; ++p)
+        fitted[p] = fitted[p] && std::none_of(gloss_.begin(), gloss_.end(),
+                                              [&](const ComponentGloss& g) { return g.component == p; });
+    if (hurry || !stopped()) removeCoatings(hurry, fitted);
     if (!metalsHeard_ && !stopped()) sharpenForMetals();
     metalsHeard_ = true;
     updateAlbedo();
@@ -57,10 +57,10 @@ void SolveState::solveReflectance() {
     record("reflectance", int(timeline_.size()), 0, pairMismatch());
 }
 
-void SolveState::takeCoatsOff(bool hurry, const std::vector<uint8_t>& matteAfterAll) {
+void SolveState::removeCoatings(bool hurry, const std::vector<uint8_t>& matteAfterAll) {
     if (!matteSeen_.vertices.empty()) matte_ = matteSeen_;
     readAsMatte(matteAfterAll);
-    for (const PieceGloss& g : gloss_) {
+    for (const ComponentGloss& g : gloss_) {
         if (!g.lobe || !g.matte || (stopped() && !hurry)) continue;
         if (matteSeen_.vertices.empty()) matteSeen_ = matte_;
         MatteUnderGlossOptions options;
@@ -74,14 +74,14 @@ void SolveState::takeCoatsOff(bool hurry, const std::vector<uint8_t>& matteAfter
     }
 }
 
-void SolveState::readAsMatte(const std::vector<uint8_t>& pieces) {
-    std::vector<uint8_t> glossy = matte_.pieceGlossy, skip(scene_.mesh.vertexCount(), 1);
+void SolveState::readAsMatte(const std::vector<uint8_t>& components) {
+    std::vector<uint8_t> glossy = matte_.componentGlossy, skip(scene_.mesh.vertexCount(), 1);
     bool any = false;
     for (size_t p = 0; p < glossy.size(); ++p)
-        if (pieces[p] && glossy[p]) glossy[p] = 0, any = true;
+        if (components[p] && glossy[p]) glossy[p] = 0, any = true;
     if (!any) return;
     if (matteSeen_.vertices.empty()) matteSeen_ = matte_;
-    for (uint32_t v : matte_.vertices) skip[v] = !pieces[scene_.piece[v]];
+    for (uint32_t v : matte_.vertices) skip[v] = !components[scene_.component[v]];
     const MatteObservations median = matteObservations(scene_, samples_, skip, &glossy);
     size_t i = 0;
     for (size_t k = 0; k < median.vertices.size(); ++k) {
@@ -137,10 +137,10 @@ void SolveState::updateAlbedo() {
 }
 
 void SolveState::withoutMetals(std::vector<Rgb>& albedo) const {
-    for (const PieceGloss& g : gloss_)
+    for (const ComponentGloss& g : gloss_)
         if (!g.matte)
             for (size_t v = 0; v < scene_.mesh.vertexCount(); ++v)
-                if (scene_.piece[v] == g.piece) albedo[v] = Rgb(0);
+                if (scene_.component[v] == g.component) albedo[v] = Rgb(0);
 }
 
 void SolveState::startFromConstantAlbedo() {
@@ -257,7 +257,7 @@ void SolveState::assess(Estimate& estimate) {
         const double imitated =
             self > 0 && factor.info() == Eigen::Success ? column.dot(factor.solve(column)) / self : 1;
         estimate.identifiability.push_back(float(std::sqrt(std::clamp(1 - imitated, 0.0, 1.0))));
-        estimate.emitterSigma.push_back(lighting_.emitterRadiance[e] * (clusters_.emitters[e].unseen ? 1.0f
+        estimate.emitterSigma.push_back(lighting_.emitterRadiance[e] * (clusters_.emitters[e].unobserved ? 1.0f
                                                                         : anchors_.emitterClipped[e]
                                                                             ? 0.5f
                                                                             : anchors_.emitterSigma[e]));
@@ -274,14 +274,14 @@ Estimate SolveState::assemble() const {
     estimate.emitters = clusters_;
     estimate.cancelled = stopped();
     estimate.interreflection = !bounce_.empty();
-    estimate.bouncedShare = bounce_.empty() ? 0 : bouncedShare_;
+    estimate.bouncedFraction = bounce_.empty() ? 0 : bouncedFraction_;
     assembleEnvironment(estimate);
     Reflectance& r = estimate.reflectance;
     const size_t n = scene_.mesh.vertexCount();
     r.basis.lobes.push_back(basis_.lobes[0]);
     r.weight.push_back(albedo_.albedo);
-    const auto give = [&](uint32_t piece, const Lobe& lobe, const Rgb& weight) {
-        // Pieces of nearly the same roughness share a lobe.
+    const auto give = [&](uint32_t component, const Lobe& lobe, const Rgb& weight) {
+        // Components of nearly the same roughness share a lobe.
         size_t at = 1;
         const auto alike = [&](const Lobe& l) {
             return l.kind == lobe.kind && l.measured == lobe.measured &&
@@ -293,11 +293,11 @@ Estimate SolveState::assemble() const {
             r.weight.emplace_back(n, Rgb(0));
         }
         for (size_t v = 0; v < n; ++v)
-            if (scene_.piece[v] == piece && clusters_.emitterOfVertex[v] < 0) r.weight[at][v] += weight;
+            if (scene_.component[v] == component && clusters_.emitterOfVertex[v] < 0) r.weight[at][v] += weight;
     };
-    for (const PieceGloss& g : gloss_) {
-        if (g.lobe->kind != Lobe::Kind::mixture) give(g.piece, *g.lobe, g.weight);
-        for (const Lobe& part : g.lobe->parts) give(g.piece, part, part.share * g.weight);
+    for (const ComponentGloss& g : gloss_) {
+        if (g.lobe->kind != Lobe::Kind::mixture) give(g.component, *g.lobe, g.weight);
+        for (const Lobe& part : g.lobe->parts) give(g.component, part, part.fraction * g.weight);
     }
     // Emitters only emit.
     for (size_t v = 0; v < n; ++v)
@@ -351,14 +351,14 @@ std::vector<HeldOutAlbedo> SolveState::holdOutViews() {
                 if (samples_.samples[s].view != view) others.samples.push_back(samples_.samples[s]);
             others.start.push_back(uint32_t(others.samples.size()));
         }
-        MatteObservations matte = matteObservations(scene_, others, skip, &matte_.pieceGlossy);
+        MatteObservations matte = matteObservations(scene_, others, skip, &matte_.componentGlossy);
         if (matte.vertices.empty()) continue;
         std::vector<Rgb> lit, litSigma;
         for (size_t i = 0; i < matte.vertices.size(); ++i) {
             const uint32_t k = at[matte.vertices[i]];
             lit.push_back(lit_[k]);
             litSigma.push_back(litSigma_[k]);
-            // What coats mirror, as it was taken off the whole.
+            // What coatings mirror, as it was taken off the whole.
             if (!matteSeen_.vertices.empty())
                 matte.radiance[i] *= matte_.radiance[k] / glm::max(matteSeen_.radiance[k], Rgb(1e-20f));
         }

@@ -23,30 +23,31 @@ void SolveState::assessUncertainty(const LightUncertainty& light, Estimate& esti
     estimate.stability.weakest = light.weakest;
     estimate.stability.weakestSigma = light.weakestSigma;
     if (!(light.scaleSigma.y > 0)) return;
-    // Albedo: the light on the vertex, its own look-ups, and what its neighbours tell of it where those are weak or
+    // Albedo: the light on the vertex, its own observations, and what its neighbours tell of it where those are weak or
     // there are none.
-    constexpr float fromNeighbours = 0.06f, unseen = 0.15f, background = 0.02f, most = 10;
+    constexpr float fromNeighbours = 0.06f, unobserved = 0.15f, background = 0.02f, most = 10;
     double mean = 0;
     for (const Rgb& s : light.litSigma) mean += double(s.x + s.y + s.z) / 3;
     const float typical = light.litSigma.empty() ? 0.0f : float(mean / double(light.litSigma.size()));
     std::vector<float>& sigma = estimate.reflectance.sigma;
-    sigma.assign(scene_.mesh.vertexCount(), std::hypot(typical, unseen));
+    sigma.assign(scene_.mesh.vertexCount(), std::hypot(typical, unobserved));
     for (size_t i = 0; i < matte_.vertices.size(); ++i) {
         const uint32_t v = matte_.vertices[i];
         const float own = albedo_.confidence[v];
         float sum = 0;
         for (int c = 0; c < 3; ++c) {
             // Bounded, because nothing times infinity is not a number.
-            const float look = std::min(most, matte_.sigma[i][c] / std::max(matte_.radiance[i][c], 1e-20f)),
+            const float observation = std::min(most, matte_.sigma[i][c] / std::max(matte_.radiance[i][c], 1e-20f)),
                         edge = std::min(most, litSigma_[i][c] / std::max(lit_[i][c], 1e-20f));
-            const float variance = light.litSigma[i][c] * light.litSigma[i][c] + own * (look * look + edge * edge) +
+            const float variance = light.litSigma[i][c] * light.litSigma[i][c] +
+                                   own * (observation * observation + edge * edge) +
                                    (1 - own) * fromNeighbours * fromNeighbours;
             sum += std::min(std::sqrt(variance), most);
         }
         sigma[v] = sum / 3;
     }
     for (size_t e = 0; e < clusters_.emitters.size(); ++e)
-        if (clusters_.emitters[e].unseen && e < light.emitterSigma.size())
+        if (clusters_.emitters[e].unobserved && e < light.emitterSigma.size())
             estimate.emitterSigma[e] = estimate.lighting.emitterRadiance[e] * light.emitterSigma[e];
     const DirectionGrid fine{estimate.environmentSide};
     const std::vector<uint32_t> leafOf = lighting_.leaves.leafOfCells(fine);
@@ -61,10 +62,10 @@ void SolveState::assessUncertainty(const LightUncertainty& light, Estimate& esti
 
 namespace {
 
-constexpr float enoughSigma = 0.25f;   // what taking the brightest surfaces for white is off by
-constexpr float assumedSigma = 0.35f;  // plausible mean albedos of an object lie between .3 and .8
-constexpr double modelError = 0.02;    // of the light on the surfaces, relative
-constexpr float refutedShare = 0.1f;   // of the surfaces that would have to send back more light than they get
+constexpr float enoughSigma = 0.25f;     // what taking the brightest surfaces for white is off by
+constexpr float assumedSigma = 0.35f;    // plausible mean albedos of an object lie between .3 and .8
+constexpr double modelError = 0.02;      // of the light on the surfaces, relative
+constexpr float refutedFraction = 0.1f;  // of the surfaces that would have to send back more light than they get
 
 float quantileOf(std::vector<float> values, double q) {
     if (values.empty()) return 0;
@@ -121,7 +122,7 @@ Rgb SolveState::assumedGauge(const SeenLight& seen, GaugeReport& gauge) const {
     gauge.kind = "assumed";
     // Photographs are balanced so that light is white; the little that is seen of it does not tell its hue better.
     constexpr double littleSeen = 0.2;
-    const bool white = seen.backdrop || (seen.share < littleSeen && clusters_.emitters.empty());
+    const bool white = seen.backdrop || (seen.fraction < littleSeen && clusters_.emitters.empty());
     Rgb scale(1);
     DVec3 light(0);
     for (const Rgb& lit : lit_) light += DVec3(lit);
@@ -133,7 +134,7 @@ Rgb SolveState::assumedGauge(const SeenLight& seen, GaugeReport& gauge) const {
             gauge.evidence = fmt::format(
                 "only {:.0f} % of the light is seen directly: the brightest surfaces were taken for an albedo of "
                 "0.75{}; tell a white patch to be sure",
-                100 * seen.share, white ? " under white light" : "");
+                100 * seen.fraction, white ? " under white light" : "");
         std::vector<float> brightest;
         for (uint32_t v : matte_.vertices) brightest.push_back(maxChannel(albedo_.albedo[v] / scale));
         return scale * (quantileOf(brightest, 0.95) / 0.75f);
@@ -153,7 +154,7 @@ Rgb SolveState::assumedGauge(const SeenLight& seen, GaugeReport& gauge) const {
     return scale;
 }
 
-float SolveState::shareAboveOne(const Rgb& scale, float& upper) const {
+float SolveState::fractionAboveOne(const Rgb& scale, float& upper) const {
     std::vector<float> needed;
     for (size_t i = 0; i < matte_.vertices.size(); ++i) {
         const uint32_t v = matte_.vertices[i];
@@ -177,18 +178,18 @@ void SolveState::applyGauge(const LightUncertainty& light, Estimate& estimate) {
     // itself. Metal shows the background beside the rest.
     if (luminance(light.fromBackground) > 0.5f && !metalsJoined_)
         scaleSigma = glm::sqrt(scaleSigma * scaleSigma +
-                               float(modelError * modelError / std::max(seen.share * seen.share, 1e-6)));
+                               float(modelError * modelError / std::max(seen.fraction * seen.fraction, 1e-6)));
     float upper = 0;
-    const float above = shareAboveOne(scale, upper);
+    const float above = fractionAboveOne(scale, upper);
     // Light so weak that much of the surface would have to be more than white is not what lights it.
-    const bool refuted = above > refutedShare;
+    const bool refuted = above > refutedFraction;
     const bool unclipped = std::any_of(anchors_.emitterClipped.begin(), anchors_.emitterClipped.end(),
                                        [](uint8_t clipped) { return !clipped; });
     if (options_.gauge.kind != GaugeChoice::Kind::automatic) {
         scale = toldGauge(gauge);
     } else if (unclipped) {
         gauge.kind = "emitter";
-        gauge.evidence = fmt::format("{} lamp(s) are seen directly and unclipped; their light varies over the scene",
+        gauge.evidence = fmt::format("{} light(s) are seen directly and unclipped; their light varies over the scene",
                                      clusters_.emitters.size());
     } else if (!refuted && assessed && luminance(scaleSigma) < enoughSigma) {
         const float gloss = luminance(light.fromGloss), bounced = luminance(light.fromBounces);
@@ -197,17 +198,17 @@ void SolveState::applyGauge(const LightUncertainty& light, Estimate& estimate) {
             gauge.evidence = fmt::format(
                 "{:.0f} % of the light on the surfaces comes from other surfaces, whose brightness the photographs "
                 "show",
-                100 * bouncedShare_);
+                100 * bouncedFraction_);
         } else {
             gauge.kind = "background";
             gauge.evidence =
                 fmt::format("background that is seen directly gives {:.0f} % of the light on the surfaces{}",
-                            100 * seen.share, metalsJoined_ ? ", and metal mirrors it beside the rest" : "");
+                            100 * seen.fraction, metalsJoined_ ? ", and metal mirrors it beside the rest" : "");
         }
-    } else if (!refuted && !assessed && !seen.backdrop && seen.share > 0.35) {
+    } else if (!refuted && !assessed && !seen.backdrop && seen.fraction > 0.35) {
         gauge.kind = "background";
         gauge.evidence = fmt::format(
-            "{:.0f} % of the light on the surfaces comes from background that is seen directly", 100 * seen.share);
+            "{:.0f} % of the light on the surfaces comes from background that is seen directly", 100 * seen.fraction);
     } else {
         // Nothing ties light to albedo.
         if (refuted && !seen.backdrop)
@@ -254,11 +255,11 @@ void SolveState::boundAlbedo(const Rgb& scale, Estimate& estimate) const {
     double own = 0, bounded = 0;
     for (size_t i = 0; i < matte_.vertices.size(); ++i) {
         const uint32_t v = matte_.vertices[i];
-        const Rgb white = lit_[i] * scale, coat = matteSeen_.vertices.empty()
-                                                      ? Rgb(0)
-                                                      : glm::max(matteSeen_.radiance[i] - matte_.radiance[i], Rgb(0));
-        const Rgb free = albedo_.albedo[v] / scale * white + coat,
-                  cut = glm::min(albedo_.albedo[v] / scale, Rgb(1)) * white + coat;
+        const Rgb white = lit_[i] * scale,
+                  coating = matteSeen_.vertices.empty() ? Rgb(0)
+                                                        : glm::max(matteSeen_.radiance[i] - matte_.radiance[i], Rgb(0));
+        const Rgb free = albedo_.albedo[v] / scale * white + coating,
+                  cut = glm::min(albedo_.albedo[v] / scale, Rgb(1)) * white + coating;
         for (uint32_t s = samples_.start[v]; s < samples_.start[v + 1]; ++s)
             for (int c = 0; c < 3; ++c) {
                 const auto display = [&](float y) { return std::pow(std::clamp(y * exposure, 0.0f, 1.0f), 1 / 2.2f); };
@@ -270,7 +271,7 @@ void SolveState::boundAlbedo(const Rgb& scale, Estimate& estimate) const {
     constexpr double dearly = 1.005;  // a fiftieth of a decibel
     float upper = 1;
     if (bounded > dearly * own) {
-        // A few wild ones (the rim of a lamp, a hole) are cut all the same.
+        // A few wild ones (the rim of an emitter, a hole) are cut all the same.
         std::vector<float> needed;
         for (uint32_t v : matte_.vertices) needed.push_back(maxChannel(albedo_.albedo[v] / scale));
         upper = std::clamp(quantileOf(std::move(needed), 0.98), 1.0f, 2.0f);

@@ -1,7 +1,7 @@
-// Which directions of the surroundings are told apart: leaves that are split, and leaves that only metals tell apart.
+// Which directions of the environment is told apart: leaves that are split, and leaves that only metals tell apart.
 #include <map>
 
-#include "solve/shares_of_light.h"
+#include "solve/light/contributions.h"
 #include "solve/solve_state.h"
 
 namespace relamp {
@@ -13,7 +13,7 @@ bool SolveState::refineLeaves() {
     if (environmentBlack_ || stopped() || lighting_.leaves.size() >= limit) return false;
     finishVisibility();
     // What a leaf gives of the light at a vertex, on average over the vertices: a sky counts in the shadow of its sun,
-    // where lamps are told from it.
+    // where emitters are told from it.
     computeLit();
     const double misfit = pairMismatch();
     // The measure is a root of squares: a fifth of a percent of the squares is nothing.
@@ -23,33 +23,33 @@ bool SolveState::refineLeaves() {
         return false;
     }
     refinedMisfit_ = misfit;
-    const std::vector<Rgb> shares = sharesOfLight();
+    const std::vector<Rgb> fractions = lightContributions();
     std::vector<std::pair<float, uint32_t>> strong;
     for (uint32_t i = 0; i < lighting_.leaves.size(); ++i) {
-        const Rgb share = shares[i];
-        if (maxChannel(share) > options_.splitShare && lighting_.leaves[i].level < LightLeaves::maxLevel)
-            strong.emplace_back(maxChannel(share), i);
+        const Rgb fraction = fractions[i];
+        if (maxChannel(fraction) > options_.splitFraction && lighting_.leaves[i].level < LightLeaves::maxLevel)
+            strong.emplace_back(maxChannel(fraction), i);
     }
     if (strong.empty()) return false;
     std::sort(strong.begin(), strong.end(), [](const auto& a, const auto& b) {
         return a.first != b.first ? a.first > b.first : a.second < b.second;
     });
     std::vector<uint32_t> chosen;
-    for (const auto& [share, i] : strong)
+    for (const auto& [fraction, i] : strong)
         if (lighting_.leaves.size() + 3 * (chosen.size() + 1) <= limit) chosen.push_back(i);
     splitLeaves(chosen);
     return !chosen.empty();
 }
 
-std::vector<Rgb> SolveState::sharesOfLight() const {
+std::vector<Rgb> SolveState::lightContributions() const {
     std::vector<uint32_t> some;
     for (uint32_t r = 0; r < influence_.rows; ++r)
         if (scene_.rank[matte_.vertices[r]] % 5 == 0) some.push_back(r);
-    return relamp::sharesOfLight(influence_, lighting_, lit_, some);
+    return relamp::lightContributions(influence_, lighting_, lit_, some);
 }
 
 std::vector<uint32_t> SolveState::leavesAsMatteTellsThem() const {
-    const std::vector<Rgb> share = sharesOfLight();
+    const std::vector<Rgb> fraction = lightContributions();
     const size_t leaves = lighting_.leaves.size();
     std::map<std::tuple<int, int, int>, std::vector<uint32_t>> brothers;
     for (uint32_t i = 0; i < leaves; ++i) {
@@ -62,8 +62,8 @@ std::vector<uint32_t> SolveState::leavesAsMatteTellsThem() const {
     bool any = false;
     for (const auto& [parent, children] : brothers) {
         Rgb together(0);
-        for (const uint32_t i : children) together += share[i];
-        if (children.size() < 4 || maxChannel(together) > options_.splitShare) continue;
+        for (const uint32_t i : children) together += fraction[i];
+        if (children.size() < 4 || maxChannel(together) > options_.splitFraction) continue;
         for (const uint32_t i : children) group[i] = groups;
         ++groups;
         any = true;
@@ -91,9 +91,9 @@ void SolveState::splitLeaves(const std::vector<uint32_t>& chosen) {
     InfluenceMatrix wider;
     wider.rows = influence_.rows;
     wider.columns = finer.leaves.size() + surfaces_.size();
-    size_t metalLooks = 0;  // come behind the rows for a while
-    for (const PieceGloss& g : gloss_) metalLooks += g.matte ? 0 : g.looks.size();
-    wider.values.reserve((wider.rows + metalLooks) * wider.columns);
+    size_t metalObservations = 0;  // come behind the rows for a while
+    for (const ComponentGloss& g : gloss_) metalObservations += g.matte ? 0 : g.observations.size();
+    wider.values.reserve((wider.rows + metalObservations) * wider.columns);
     wider.values.assign(wider.rows * wider.columns, 0.0f);
     for (size_t r = 0; r < wider.rows; ++r) {
         std::copy(influence_.row(r), influence_.row(r) + before, wider.row(r));
@@ -114,7 +114,7 @@ void SolveState::splitLeaves(const std::vector<uint32_t>& chosen) {
 
 void SolveState::sharpenForMetals() {
     if (!hasMatte() || environmentBlack_ ||
-        std::none_of(gloss_.begin(), gloss_.end(), [](const PieceGloss& g) { return !g.matte; }))
+        std::none_of(gloss_.begin(), gloss_.end(), [](const ComponentGloss& g) { return !g.matte; }))
         return;
     constexpr uint8_t wanted = 5;
     std::vector<uint8_t> differs(lighting_.leaves.size(), 0);

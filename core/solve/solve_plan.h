@@ -12,21 +12,21 @@ struct Lighting;
 
 /// Directions that give much of the light are divided first.
 struct StrongDirections {
-    static constexpr float share = 0.04f;  ///< of the light on the surfaces, above which one is divided
+    static constexpr float fraction = 0.04f;  ///< of the light on the surfaces, above which one is divided
     static constexpr int rounds = 3, finest = 6;
 };
 
 /// What takes part. The default is what every solve may take for granted; the planner (pipeline/plan.h) switches off
 /// more.
 struct PlanChoices {
-    bool distantLight = true;     ///< false: the surroundings are black, D is never built
-    bool bounce = true;           ///< false: light between surfaces is not tried (SolveOptions::Bounce::automatic only)
-    bool lateBounce = false;      ///< true: it is tried at the start level at once, not on coarse light first
-    bool bounceLikely = false;    ///< true: all speaks for it, so that it joins coarse light at once
-    bool unseenVertices = false;  ///< true: transport of vertices that no photograph shows, too
+    bool distantLight = true;   ///< false: the environment is black, D is never built
+    bool bounce = true;         ///< false: light between surfaces is not tried (SolveOptions::Bounce::automatic only)
+    bool lateBounce = false;    ///< true: it is tried at the start level at once, not on coarse light first
+    bool bounceLikely = false;  ///< true: all speaks for it, so that it joins coarse light at once
+    bool unobservedVertices = false;  ///< true: transport of vertices that no photograph shows, too
     bool emptyColumns =
         false;  ///< true: directions that light no observed vertex take part in the equations' products, too
-    bool mattePieces = false;  ///< true: lobes are sought on pieces that do not change with the view, too
+    bool matteComponents = false;  ///< true: lobes are sought on components that do not change with the view, too
     bool lostLobes = false;  ///< true: every lobe is tried on directions of its own, not only those that come near the
                              ///< best on shared ones
     bool agreeingRays = false;  ///< true: visibility is traced where coarser rays all around agree, too
@@ -58,7 +58,7 @@ struct SolvePlan {
     std::vector<PlannedOmission> leftOut;
     double planningSeconds = 0;
     std::shared_ptr<const RatioObservations>
-        observed;  ///< what planning worked out and the solve takes over; null: nothing
+        observed;  ///< what planning computed and the solve takes over; null: nothing
     std::shared_ptr<const Lighting>
         light;  ///< the light planning found, strong directions finer: where the solve starts; null: nowhere
     /// The stage of that name, made if it is not there.

@@ -3,7 +3,7 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/random.h"
-#include "solve/one_lobe.h"
+#include "solve/gloss/one_lobe.h"
 
 namespace relamp {
 
@@ -37,7 +37,7 @@ void SolveState::takeClusters(const EmitterClusters& clusters) {
         clusters_.emitters.clear();
         clusters_.candidates.clear();
     }
-    // Candidates take part as lamps until the light fit has judged them.
+    // Candidates take part as emitters until the light fit has judged them.
     struct Entry {
         EmitterCluster cluster;
         bool suspect;
@@ -60,9 +60,9 @@ void SolveState::takeClusters(const EmitterClusters& clusters) {
 void SolveState::rebuildNearField() {
     surfaces_.clear();
     for (const EmitterCluster& e : clusters_.emitters) surfaces_.push_back(orderedEmitterSurface(scene_, e));
-    // Transport of what no photograph shows is worked out when it is asked for.
+    // Transport of what no photograph shows is computed when it is asked for.
     known_ = scene_.referenced;
-    if (!plan_.choices.unseenVertices)
+    if (!plan_.choices.unobservedVertices)
         for (uint32_t v = 0; v < known_.size(); ++v)
             known_[v] = samples_.countOf(v) > 0 || clusters_.emitterOfVertex[v] >= 0;
     NearFieldOptions nearOptions;
@@ -85,8 +85,8 @@ void SolveState::rebuildNearField() {
     std::sort(brightness.begin(), brightness.end());
     lightPrior_.darkness = brightness.empty() ? 0.0f : 1e-3f * brightness[brightness.size() * 9 / 10];
     size_t usable = 0;
-    for (uint32_t v : matte_.vertices) usable += matte_.pieceGlossy[scene_.piece[v]] < 2;
-    matteShare_ = matte_.vertices.empty() ? 0 : double(usable) / double(matte_.vertices.size());
+    for (uint32_t v : matte_.vertices) usable += matte_.componentGlossy[scene_.component[v]] < 2;
+    matteFraction_ = matte_.vertices.empty() ? 0 : double(usable) / double(matte_.vertices.size());
 }
 
 void SolveState::prepare(const EmitterClusters& clusters) {
@@ -94,13 +94,13 @@ void SolveState::prepare(const EmitterClusters& clusters) {
         throw Error(
             "no vertex of the mesh is seen by any photograph: check the cameras' poses and the mesh's scale with "
             "`relamp check`");
-    meter_.begin("lamps' light, observations, pairs");
+    meter_.begin("lights' light, observations, pairs");
     takeClusters(clusters);
     rebuildNearField();
     if (matte_.vertices.empty())
         throw Error(
-            "no vertex has a usable look-up: every pixel on the mesh is clipped, or all of the mesh was taken for "
-            "lamps; `relamp check` tells which");
+            "no vertex has a usable observation: every pixel on the mesh is clipped, or all of the mesh was taken for "
+            "lights; `relamp check` tells which");
     environmentBlack_ = !plan_.choices.distantLight && !surfaces_.empty();
     constexpr auto coarsest = [](const LightLeaves& leaves) {
         int level = LightLeaves::maxLevel;
@@ -247,7 +247,8 @@ void SolveState::guessLight() {
 }
 
 AlbedoFreeReport SolveState::runAlbedoFree(const std::string& stage, int iterations, const ViewRows* rows,
-                                           const RatioProblem* problem, std::optional<ChromaShare> chroma, FitEnd end) {
+                                           const RatioProblem* problem, std::optional<ChromaFraction> chroma,
+                                           FitEnd end) {
     AlbedoFreeOptions o;
     o.chroma = chroma;
     o.iterations = iterations;
@@ -289,29 +290,31 @@ AlbedoFreeReport SolveState::runAlbedoFree(const std::string& stage, int iterati
 }
 
 bool SolveState::startFromConstantReflectance() {
-    // The piece with the most look-ups stands for the scene.
-    std::vector<size_t> looksOf(scene_.pieces, 0);
-    for (uint32_t v : matte_.vertices) looksOf[scene_.piece[v]] += samples_.countOf(v);
-    const uint32_t piece = uint32_t(std::max_element(looksOf.begin(), looksOf.end()) - looksOf.begin());
+    // The component with the most observations stands for the scene.
+    std::vector<size_t> observationsOf(scene_.components, 0);
+    for (uint32_t v : matte_.vertices) observationsOf[scene_.component[v]] += samples_.countOf(v);
+    const uint32_t component =
+        uint32_t(std::max_element(observationsOf.begin(), observationsOf.end()) - observationsOf.begin());
     GlossOptions options;
     options.seed = options_.seed;
     options.maxVertices = 1000;
     options.rows = rowOptions();
-    const std::vector<GlossyLook> looks = glossyLooks(capture_, scene_, samples_, piece, options);
-    if (looks.size() < 40) {
+    const std::vector<GlossyObservation> observations =
+        glossyObservations(capture_, scene_, samples_, component, options);
+    if (observations.size() < 40) {
         runAlbedoFree("light from ratios", options_.startIterations, nullptr);
         return true;
     }
     double best = 1e300;
     Lighting bestLighting = lighting_;
-    PieceGloss chosen;
-    chosen.piece = piece;
+    ComponentGloss chosen;
+    chosen.component = component;
     chosen.matte = false;
-    chosen.looks = looks;
+    chosen.observations = observations;
     const auto attempt = [&](const Lobe& lobe) {
         const InfluenceMatrix rows = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves, lobe,
-                                                looks, options.rows, progress_);
-        const OneLobeFit fit = fitOneLobe(rows, looks, anchors_, lighting_, progress_);
+                                                observations, options.rows, progress_);
+        const OneLobeFit fit = fitOneLobe(rows, observations, anchors_, lighting_, progress_);
         stability_.kktResidual = std::max(stability_.kktResidual, fit.kktResidual);
         if (!(fit.residual < best)) return false;
         best = fit.residual;
@@ -330,8 +333,8 @@ bool SolveState::startFromConstantReflectance() {
         return true;
     }
     const InfluenceMatrix chosenRows = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves,
-                                                  *chosen.lobe, looks, options.rows, progress_);
-    const MetalEvidence evidence = metalEvidence(chosenRows, bestLighting, looks);
+                                                  *chosen.lobe, observations, options.rows, progress_);
+    const MetalEvidence evidence = metalEvidence(chosenRows, bestLighting, observations);
     logInfo("one lobe explains the looks within {:.2f}, surfaces that look alike from everywhere within {:.2f}",
             evidence.asMetal, evidence.alikeFromEverywhere);
     if (evidence.asMetal >= evidence.alikeFromEverywhere) {
@@ -370,7 +373,7 @@ LobeRowOptions SolveState::rowOptions() const {
     options.seed = options_.seed;
     options.shape = leafShape_.empty() ? nullptr : &leafShape_;
     options.shapeGrid = samples_.backgroundGrid;
-    options.sent = sent_.empty() ? nullptr : &sent_;
+    options.outgoing = outgoing_.empty() ? nullptr : &outgoing_;
     return options;
 }
 
@@ -386,7 +389,7 @@ void SolveState::improveLight(int iterations) {
         return;
     }
     if (!hasMatte() && gloss_.size() == 1 && !gloss_[0].matte) {
-        PieceGloss& g = gloss_[0];
+        ComponentGloss& g = gloss_[0];
         Lighting bestLighting = lighting_;
         double best = 1e300;
         const Lobe start = *g.lobe;
@@ -396,8 +399,8 @@ void SolveState::improveLight(int iterations) {
             const Lobe lobe = withRoughness(start, factor);
             if (factor != 1 && lobe.alpha == start.alpha) continue;
             const InfluenceMatrix rows = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves,
-                                                    lobe, g.looks, rowOptions(), progress_);
-            const OneLobeFit fit = fitOneLobe(rows, g.looks, anchors_, lighting_, progress_);
+                                                    lobe, g.observations, rowOptions(), progress_);
+            const OneLobeFit fit = fitOneLobe(rows, g.observations, anchors_, lighting_, progress_);
             stability_.kktResidual = std::max(stability_.kktResidual, fit.kktResidual);
             if (!(fit.residual < best)) continue;
             best = fit.residual;
@@ -430,7 +433,7 @@ void SolveState::improveLight(int iterations) {
 
 RatioProblem SolveState::ratiosWithMetals() {
     RatioProblem all;
-    if (std::none_of(gloss_.begin(), gloss_.end(), [](const PieceGloss& g) { return !g.matte; })) return all;
+    if (std::none_of(gloss_.begin(), gloss_.end(), [](const ComponentGloss& g) { return !g.matte; })) return all;
     all.observations = matte_;
     all.pairs = pairs_;
     all.bounce = bounce_;
@@ -438,19 +441,19 @@ RatioProblem SolveState::ratiosWithMetals() {
     LobeRowOptions fine = rowOptions();
     fine.lobeSamples *= 2;
     fine.cosineSamples *= 2;
-    for (const PieceGloss& g : gloss_) {
-        if (g.matte || g.looks.size() < 2) continue;
+    for (const ComponentGloss& g : gloss_) {
+        if (g.matte || g.observations.size() < 2) continue;
         std::vector<Rgb> mirrored;
         const InfluenceMatrix lobe = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves,
-                                                *g.lobe, g.looks, fine, progress_, &mirrored);
-        const size_t first = all.observations.vertices.size(), count = g.looks.size();
+                                                *g.lobe, g.observations, fine, progress_, &mirrored);
+        const size_t first = all.observations.vertices.size(), count = g.observations.size();
         influence_.values.reserve(influence_.values.size() + lobe.values.size());
         influence_.values.insert(influence_.values.end(), lobe.values.begin(), lobe.values.end());
         influence_.rows += count;
         for (size_t i = 0; i < count; ++i) {
-            all.observations.vertices.push_back(g.looks[i].vertex);
-            all.observations.radiance.push_back(g.looks[i].radiance);
-            all.observations.sigma.push_back(Rgb(g.looks[i].sigma));
+            all.observations.vertices.push_back(g.observations[i].vertex);
+            all.observations.radiance.push_back(g.observations[i].radiance);
+            all.observations.sigma.push_back(Rgb(g.observations[i].sigma));
             if (!all.bounce.empty()) all.bounce.push_back(mirrored[i]);
             // Four partners for each: a look stands in eight pairs, which together weigh as much as the look would with
             // a known weight.
@@ -466,7 +469,7 @@ RatioProblem SolveState::ratiosWithMetals() {
 ViewRows SolveState::viewRows(Progress& progress) {
     ViewRows result;
     size_t total = 0;
-    for (const PieceGloss& g : gloss_) total += g.matte ? g.looks.size() : 0;
+    for (const ComponentGloss& g : gloss_) total += g.matte ? g.observations.size() : 0;
     const size_t columns = lighting_.leaves.size() + surfaces_.size();
     for (InfluenceMatrix& m : result.influence) {
         m.rows = total;
@@ -476,22 +479,23 @@ ViewRows SolveState::viewRows(Progress& progress) {
     size_t at = 0;
     GlossOptions options;
     options.rows = rowOptions();
-    for (const PieceGloss& g : gloss_) {
+    for (const ComponentGloss& g : gloss_) {
         if (!g.matte) continue;
         std::vector<Rgb> mirrored;
         const InfluenceMatrix lobe = glossyRows(scene_, surfaces_, clusters_.emitterOfTriangle, lighting_.leaves,
-                                                *g.lobe, g.looks, options.rows, progress, &mirrored);
+                                                *g.lobe, g.observations, options.rows, progress, &mirrored);
         std::vector<uint32_t> vertices;
-        for (const GlossyLook& look : g.looks) vertices.push_back(look.vertex);
+        for (const GlossyObservation& observation : g.observations) vertices.push_back(observation.vertex);
         const InfluenceMatrix lambert = rowsOf(vertices);
-        for (size_t i = 0; i < g.looks.size(); ++i, ++at) {
-            const Rgb albedo = !albedo_.albedo.empty() ? albedo_.albedo[g.looks[i].vertex] : Rgb(0);
+        for (size_t i = 0; i < g.observations.size(); ++i, ++at) {
+            const Rgb albedo = !albedo_.albedo.empty() ? albedo_.albedo[g.observations[i].vertex] : Rgb(0);
             for (int c = 0; c < 3; ++c)
                 for (size_t k = 0; k < columns; ++k)
                     result.influence[c].row(at)[k] = g.weight[c] * lobe.row(i)[k] + albedo[c] * lambert.row(i)[k];
-            result.radiance.push_back(g.looks[i].radiance - g.weight * mirrored[i] -
-                                      (vertexBounce_.empty() ? Rgb(0) : albedo * vertexBounce_[g.looks[i].vertex]));
-            result.sigma.push_back(2.0f * g.looks[i].sigma);
+            result.radiance.push_back(
+                g.observations[i].radiance - g.weight * mirrored[i] -
+                (vertexBounce_.empty() ? Rgb(0) : albedo * vertexBounce_[g.observations[i].vertex]));
+            result.sigma.push_back(2.0f * g.observations[i].sigma);
         }
     }
     return result;
@@ -504,7 +508,7 @@ void SolveState::computeLit() {
         const Rgb sum = lightOfRow(influence_.row(i), lighting_);
         lit_[i] = bounce_.empty() ? sum : sum + bounce_[i];
     });
-    // Shadow edges: a look-up mixes irradiance with its neighbours'.
+    // Shadow edges: an observation mixes irradiance with its neighbours'.
     litSigma_.assign(rows, Rgb(0));
     for (const AlbedoPair& p : pairs_) {
         if (p.weight != 1) continue;

@@ -1,8 +1,8 @@
 // The working state of one solve: what solveScene's steps share. Not a door.
 #pragma once
 #include "base/stage_meter.h"
-#include "solve/albedo_free.h"
-#include "solve/gloss.h"
+#include "solve/gloss/gloss.h"
+#include "solve/ratio/albedo_free.h"
 #include "solve/solve.h"
 #include "solve/uncertainty.h"
 #include "transport/bounce.h"
@@ -11,7 +11,7 @@ namespace relamp {
 
 /// A solve is a list of steps; between two of them it can be put aside and gone on with.
 enum class SolveStep {
-    firstLight,     ///< coarse light, which lamps are lamps
+    firstLight,     ///< coarse light, which emitters are emitters
     strongLight,    ///< where it is strong, finer at once
     firstSurfaces,  ///< lobes by a few looks
     startLight,     ///< light at the start level
@@ -56,7 +56,7 @@ public:
 private:
     void takeClusters(const EmitterClusters& clusters);
     /// True when enough of the surface has a matte signal for the albedo-free start.
-    bool hasMatte() const { return matteShare_ > 0.15; }
+    bool hasMatte() const { return matteFraction_ > 0.15; }
     bool hasGloss() const { return !gloss_.empty(); }
     bool stopped() const { return progress_.outOfTime(); }
     /// METHOD 11, on leaves of half the start level's side, and then at the start level.
@@ -65,7 +65,7 @@ private:
     /// Leaves that give much of the light are split down to a side of 64 before the others are: a sun or a window is in
     /// its place early, and all that follows starts from there.
     void sharpenStrong();
-    /// Lobes of the pieces that change with the view, by a few looks: shown, and kept until `surfaces` finds better
+    /// Lobes of the components that change with the view, by a few looks: shown, and kept until `surfaces` finds better
     /// ones. Without them a metal is black. They have no say in the light: coarse light with metals in it claims to
     /// know the scale to a tenth where it is off by half.
     void firstSurfaces();
@@ -73,8 +73,8 @@ private:
     /// False, and nothing is changed but noMetals_, where no lobe explains them better than a surface that looks alike
     /// from everywhere.
     bool startFromConstantReflectance();
-    /// Re-fit test: an uncertain patch that needs an albedo well above 1 (1.5) under the light found is a lamp, others
-    /// are surfaces. True when the set changed.
+    /// Re-fit test: an uncertain patch that needs an albedo well above 1 (1.5) under the light found is an emitter,
+    /// others are surfaces. True when the set changed.
     bool confirmEmitters();
     /// Leaves the distant light out where it gives less than half a percent of what is seen (3 % where the background
     /// is seen and black): less than the photographs can tell.
@@ -100,12 +100,12 @@ private:
     void solveReflectance();
     void askLightStrength();
     void askAlbedoStrength();
-    /// Takes what coats mirror off the matte observations. `hurry`: with a third of the directions, though the time is
-    /// used up. `matteAfterAll`: per piece 1 where no lobe explains its change with the view.
-    void takeCoatsOff(bool hurry, const std::vector<uint8_t>& matteAfterAll);
+    /// Takes what coatings mirror off the matte observations. `hurry`: with a third of the directions, though the time
+    /// is used up. `matteAfterAll`: per component 1 where no lobe explains its change with the view.
+    void removeCoatings(bool hurry, const std::vector<uint8_t>& matteAfterAll);
     /// What changes with the view and not as a lobe does differs by geometry or exposure: the median of the views tells
     /// it, not their darker quarter.
-    void readAsMatte(const std::vector<uint8_t>& pieces);
+    void readAsMatte(const std::vector<uint8_t>& components);
     /// Gives the listener, if there is one, an estimate as things stand; the state is afterwards as it was.
     void showSnapshot();
     SolveCheckpoint checkpoint(uint32_t step, bool between) const;
@@ -133,10 +133,11 @@ private:
     std::vector<uint8_t> suspect_;  ///< per emitter: 1 = only a light fit can decide
     std::vector<EmitterSurface> surfaces_;
     MatteObservations matte_;
-    MatteObservations matteSeen_;  ///< the same as seen, where what coats mirror has been taken off; empty: nothing was
+    MatteObservations
+        matteSeen_;  ///< the same as seen, where what coatings mirror has been taken off; empty: nothing was
     std::vector<AlbedoPair> pairs_;
-    double matteShare_ = 0;
-    bool noMetals_ = false;  ///< pieces that change with the view as metals do were not explained by being metals
+    double matteFraction_ = 0;
+    bool noMetals_ = false;  ///< components that change with the view as metals do were not explained by being metals
     bool environmentBlack_ = false;
     bool backgroundRefuted_ = false;  ///< what is seen of the background is not what lights the scene
     bool startsFromPlan_ = false;     ///< the first light is that of the plan
@@ -155,11 +156,11 @@ private:
     std::vector<float> leafShape_;  ///< per cell of the background grid: relative brightness inside its leaf
     Lighting lighting_;
     const BrdfBasis& basis_ = options_.basis;
-    std::vector<PieceGloss> gloss_;       ///< pieces with a lobe
-    std::vector<PieceGloss> firstGloss_;  ///< the same by a few looks, until gloss_ has them
-    bool metalsHeard_ = false;            ///< pieces that seem to be metal were taken for metal once,
-    bool lightUnfinished_ = false;        ///< its last fit was ended early, because finer ones were to follow
-    bool metalsJoined_ = false;           ///< and had a say in the light
+    std::vector<ComponentGloss> gloss_;       ///< components with a lobe
+    std::vector<ComponentGloss> firstGloss_;  ///< the same by a few looks, until gloss_ has them
+    bool metalsHeard_ = false;                ///< components that seem to be metal were taken for metal once,
+    bool lightUnfinished_ = false;            ///< its last fit was ended early, because finer ones were to follow
+    bool metalsJoined_ = false;               ///< and had a say in the light
     AlbedoResult albedo_;
     struct BeforeSplit {
         Lighting lighting;
@@ -173,9 +174,9 @@ private:
     void takeBackUntold();
     std::vector<Rgb> lit_, litSigma_;         ///< per matte observation
     BounceRays bounceRays_;                   ///< empty: bounced light plays no part
-    std::vector<Rgb> sent_;                   ///< radiance that surfaces send each other, per vertex; empty likewise
+    std::vector<Rgb> outgoing_;               ///< radiance that surfaces send each other, per vertex; empty likewise
     std::vector<Rgb> vertexBounce_, bounce_;  ///< bounced light per vertex and per matte observation, empty likewise
-    float bouncedShare_ = 0;
+    float bouncedFraction_ = 0;
     std::string noBounceBecause_ = "nothing was matte";
     std::vector<TimelineEntry> timeline_;
     StabilityReport stability_;
@@ -183,12 +184,12 @@ private:
 
     /// Direct light at any vertices, as a white matte surface shows it.
     std::vector<Rgb> directAt(const std::vector<uint32_t>& vertices);
-    float bouncedShareOf() const;
+    float bouncedFractionOf() const;
     void rebuildNearField();
-    /// Rows of direct light for the vertices, whose transport is worked out if it is not known yet.
+    /// Rows of direct light for the vertices, whose transport is computed if it is not known yet.
     InfluenceMatrix rowsOf(const std::vector<uint32_t>& vertices);
     void learnTransport(const std::vector<uint8_t>& vertices);
-    /// Everything that follows from lamps and leaves: anchors, rows of the observations.
+    /// Everything that follows from emitters and leaves: anchors, rows of the observations.
     void rebuildRows();
     /// anchors_ for the present leaves; without the background where it was refuted.
     void anchorLight();
@@ -197,7 +198,7 @@ private:
     /// that was so: the light is to be fitted again.
     bool refuteBackground();
     int firstLevel() const;
-    /// Coarse light makes do with four rays a leaf: an answer stands sooner, and black surroundings never need the
+    /// Coarse light makes do with four rays a leaf: an answer stands sooner, and black environment never need the
     /// rest.
     int visibilityStepFor(int level) const;
     void learnVisibility(int step);
@@ -211,19 +212,19 @@ private:
     LobeRowOptions rowOptions() const;
     void splitLeaves(const std::vector<uint32_t>& leaves);
     AlbedoFreeReport runAlbedoFree(const std::string& stage, int iterations, const ViewRows* rows,
-                                   const RatioProblem* problem = nullptr, std::optional<ChromaShare> chroma = {},
+                                   const RatioProblem* problem = nullptr, std::optional<ChromaFraction> chroma = {},
                                    FitEnd end = FitEnd::usual);
     /// What each leaf gives of the light at a vertex, on average over the vertices. Needs lit_.
-    std::vector<Rgb> sharesOfLight() const;
+    std::vector<Rgb> lightContributions() const;
     /// Leaves that only metals tell apart: brothers that were split for them, and that give matte surfaces too little
     /// light for their split to matter. Per column of influence_ its group; empty: none.
     std::vector<uint32_t> leavesAsMatteTellsThem() const;
-    /// Looks at pieces that have a matte part too, with their reflectance as it is now.
+    /// Looks at components that have a matte part too, with their reflectance as it is now.
     ViewRows viewRows(Progress& progress);
-    /// Looks at pieces without a matte part join the matte observations: the lobe's weight cancels between two looks at
-    /// the same piece, as albedo does, so the piece says how the light is spread and has no say in its scale. Their
-    /// rows are put behind those of influence_, where they are not held twice: whoever asks takes them back. None: no
-    /// pairs.
+    /// Looks at components without a matte part join the matte observations: the lobe's weight cancels between two
+    /// looks at the same component, as albedo does, so the component says how the light is spread and has no say in its
+    /// scale. Their rows are put behind those of influence_, where they are not held twice: whoever asks takes them
+    /// back. None: no pairs.
     RatioProblem ratiosWithMetals();
     /// A metal shows distant light sharper than matte surfaces do: leaves are halved to a side of 32 where neighbours
     /// differ.
@@ -238,25 +239,25 @@ private:
     void record(const std::string& stage, int iteration, double objective, double rmse);
     /// Two views are held out in turn: albedo of all vertices without them, under the light that all views gave.
     std::vector<HeldOutAlbedo> holdOutViews();
-    /// Lighting, environment picture, emitters and reflectance as they stand, before the gauge.
+    /// Lighting, environment image, emitters and reflectance as they stand, before the gauge.
     Estimate assemble() const;
     LightUncertainty uncertainty(bool scaleOnly);
-    /// How sure the light, the albedo and the environment picture are.
+    /// How sure the light, the albedo and the environment image are.
     void assessUncertainty(const LightUncertainty& light, Estimate& estimate) const;
     void applyGauge(const LightUncertainty& light, Estimate& estimate);
-    /// Share of the light on the surfaces that comes from background seen directly. `backdrop`: what is seen is black
-    /// or masked.
+    /// Fraction of the light on the surfaces that comes from background seen directly. `backdrop`: what is seen is
+    /// black or masked.
     struct SeenLight {
-        double share = 0;
+        double fraction = 0;
         bool backdrop = false;
     };
     SeenLight seenLight() const;
     /// What light is to be multiplied with: by the artist's word, and by what is usual where nothing tells.
     Rgb toldGauge(GaugeReport& gauge) const;
     Rgb assumedGauge(const SeenLight& seen, GaugeReport& gauge) const;
-    /// Share of the surfaces that need an albedo above 1 when light is multiplied by `scale`; `upper`: the 95th
+    /// Fraction of the surfaces that need an albedo above 1 when light is multiplied by `scale`; `upper`: the 95th
     /// percentile of what they need.
-    float shareAboveOne(const Rgb& scale, float& upper) const;
+    float fractionAboveOne(const Rgb& scale, float& upper) const;
     /// Cuts albedo at 1; where the photographs would be explained clearly worse, higher, at 2 at most.
     void boundAlbedo(const Rgb& scale, Estimate& estimate) const;
     void assembleEnvironment(Estimate& estimate) const;

@@ -47,7 +47,7 @@ void SolveState::run(SolveStep step, uint32_t index) {
                     (step == firstLight || step == startLight || step == refineLight || step == glossLight);
     const Lighting before = lighting_;
     std::array<std::vector<Rgb>, 3> joined;  // bounced light that coarse light has
-    if (step == bounces) joined = {bounce_, vertexBounce_, sent_};
+    if (step == bounces) joined = {bounce_, vertexBounce_, outgoing_};
     keepForCut();
     try {
         std::optional<Progress::Dispensable> mayEnd;
@@ -95,7 +95,8 @@ void SolveState::run(SolveStep step, uint32_t index) {
             case surfaces:
                 // Where something shines, the light is fitted again with it.
                 if (options_.glossRounds == 0 ||
-                    std::none_of(matte_.pieceGlossy.begin(), matte_.pieceGlossy.end(), [](uint8_t g) { return g > 0; }))
+                    std::none_of(matte_.componentGlossy.begin(), matte_.componentGlossy.end(),
+                                 [](uint8_t g) { return g > 0; }))
                     finishLight();
                 solveReflectance();
                 break;
@@ -122,7 +123,7 @@ void SolveState::run(SolveStep step, uint32_t index) {
             lighting_.emitterRadiance.size() == before.emitterRadiance.size())
             lighting_ = before;
         if (!joined[0].empty())
-            std::tie(bounce_, vertexBounce_, sent_) =
+            std::tie(bounce_, vertexBounce_, outgoing_) =
                 std::tuple(std::move(joined[0]), std::move(joined[1]), std::move(joined[2]));
         else if (step == bounces) forgetBounce("the time was used up before it could be tried");
         logInfo("{}: given up, the time is used up", stageOf(step));
@@ -174,12 +175,12 @@ SolveCheckpoint SolveState::checkpoint(uint32_t step, bool between) const {
     c.visibilityStep = visibility_.bits.empty() ? 0 : uint32_t(visibility_.step);
     c.refinedMisfit = refinedMisfit_;
     c.bounceKept = bounceRays_.rays > 0;
-    c.bouncedShare = bouncedShare_;
+    c.bouncedFraction = bouncedFraction_;
     c.noBounceBecause = noBounceBecause_;
     c.noMetals = noMetals_;
     c.backgroundRefuted = backgroundRefuted_;
     c.vertexBounce = vertexBounce_;
-    c.sent = sent_;
+    c.outgoing = outgoing_;
     c.lightSmoothness = lightSmoothness_;
     c.albedoSmoothness = albedoSmoothness_;
     if (!matteSeen_.vertices.empty()) {
@@ -195,9 +196,9 @@ SolveCheckpoint SolveState::checkpoint(uint32_t step, bool between) const {
         c.information.insert(c.information.end(), information_.all.col(j).data() + j,
                              information_.all.col(j).data() + information_.all.rows());
     for (size_t k = 0; k < 3; ++k) {
-        const Eigen::MatrixXd& looks = information_.looks[k];
+        const Eigen::MatrixXd& observations = information_.observations[k];
         const Eigen::VectorXd& seen = information_.seen[k];
-        c.informationOfLooks[k].assign(looks.data(), looks.data() + looks.size());
+        c.informationOfObservations[k].assign(observations.data(), observations.data() + observations.size());
         c.informationSeen[k].assign(seen.data(), seen.data() + seen.size());
     }
     c.albedo = albedo_.albedo;
@@ -246,26 +247,27 @@ void SolveState::goOnFrom(const SolveCheckpoint& c) {
         matte_.radiance = c.matteRadiance;
         matte_.sigma = c.matteSigma;
     }
-    bouncedShare_ = c.bouncedShare;
+    bouncedFraction_ = c.bouncedFraction;
     noBounceBecause_ = c.noBounceBecause;
     if (c.bounceKept) {
         traceBounceRays(BounceOptions{}.rays);
         vertexBounce_ = c.vertexBounce;
-        sent_ = c.sent;
+        outgoing_ = c.outgoing;
         if (!vertexBounce_.empty()) takeVertexBounce();
     }
     gloss_ = c.gloss;
     firstGloss_ = c.firstGloss;
-    for (PieceGloss& g : gloss_)
+    for (ComponentGloss& g : gloss_)
         if (g.lobe) findMeasured(*g.lobe, basis_);
-    for (PieceGloss& g : firstGloss_)
+    for (ComponentGloss& g : firstGloss_)
         if (g.lobe) findMeasured(*g.lobe, basis_);
     metalsHeard_ = c.metalsHeard;
     metalsJoined_ = c.metalsJoined;
     lightUnfinished_ = c.lightUnfinished;
     for (size_t k = 0; k < 3; ++k) {
-        const Eigen::Index n = Eigen::Index(c.informationSeen[k].size()), m = c.informationOfLooks[k].empty() ? 0 : n;
-        information_.looks[k] = Eigen::Map<const Eigen::MatrixXd>(c.informationOfLooks[k].data(), m, m);
+        const Eigen::Index n = Eigen::Index(c.informationSeen[k].size()),
+                           m = c.informationOfObservations[k].empty() ? 0 : n;
+        information_.observations[k] = Eigen::Map<const Eigen::MatrixXd>(c.informationOfObservations[k].data(), m, m);
         information_.seen[k] = Eigen::Map<const Eigen::VectorXd>(c.informationSeen[k].data(), n);
     }
     const Eigen::Index unknowns = 3 * Eigen::Index(c.informationSeen[0].size());

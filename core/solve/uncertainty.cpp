@@ -106,7 +106,7 @@ LightUncertainty lightUncertainty(const LightInformation& information, const Inf
         const double widening = double(options.widening) * options.widening;
         const auto restricted = [&](const Eigen::MatrixXd& q) -> Eigen::MatrixXd { return q(free, free) / widening; };
         const Eigen::VectorXd& seen = information.seen[size_t(c)];
-        const Eigen::MatrixXd& looks = information.looks[size_t(c)];
+        const Eigen::MatrixXd& observations = information.observations[size_t(c)];
         // The effect of the unknowns on the light, relative to it.
         const size_t step = std::max<size_t>(1, b.rows / 6000);
         InfluenceMatrix some;
@@ -143,12 +143,12 @@ LightUncertainty lightUncertainty(const LightInformation& information, const Inf
             rest.diagonal() += 1e-9 * all.diagonal();
             return std::max(0.0, precision - 1 / scaleVariance(rest, mean));
         };
-        Eigen::VectorXd background = Eigen::VectorXd::Zero(m), lamps = Eigen::VectorXd::Zero(m);
+        Eigen::VectorXd background = Eigen::VectorXd::Zero(m), known = Eigen::VectorXd::Zero(m);
         for (Eigen::Index k = 0; k < m; ++k)
-            (size_t(free[size_t(k)]) < leaves ? background : lamps)(k) =
+            (size_t(free[size_t(k)]) < leaves ? background : known)(k) =
                 (options.backdrop && size_t(free[size_t(k)]) < leaves ? 0 : 1) * seen(free[size_t(k)]) / widening;
-        double parts[4] = {lost(lamps.asDiagonal()), lost(background.asDiagonal()),
-                           looks.size() ? lost(restricted(looks)) : 0.0, 0.0};
+        double parts[4] = {lost(known.asDiagonal()), lost(background.asDiagonal()),
+                           observations.size() ? lost(restricted(observations)) : 0.0, 0.0};
         parts[3] = options.bounced ? std::max(0.0, precision - parts[0] - parts[1] - parts[2]) : 0.0;
         const double sum = parts[0] + parts[1] + parts[2] + parts[3];
         if (sum > 0) {
@@ -195,14 +195,15 @@ LightUncertainty lightUncertainty(const LightInformation& information, const Inf
         const double sigma = std::sqrt(std::max(0.0, eigen.eigenvalues()(m - 1)));
         if (sigma <= double(result.weakestSigma)) continue;
         result.weakestSigma = float(std::min(sigma, mostSigma));
-        Eigen::VectorXd change = Eigen::VectorXd::Zero(Eigen::Index(n)), share = Eigen::VectorXd::Zero(Eigen::Index(n));
+        Eigen::VectorXd change = Eigen::VectorXd::Zero(Eigen::Index(n)),
+                        fraction = Eigen::VectorXd::Zero(Eigen::Index(n));
         for (Eigen::Index k = 0; k < m; ++k) {
             change(free[size_t(k)]) = mean(k) * directions(k, 0);
-            share(free[size_t(k)]) = mean(k) * radiance(size_t(free[size_t(k)]), c);
+            fraction(free[size_t(k)]) = mean(k) * radiance(size_t(free[size_t(k)]), c);
         }
         if (change.sum() < 0) change = -change;
         const char* colour[] = {"red", "green", "blue"};
-        const double alike = change.dot(share) / std::max(1e-300, change.norm() * share.norm()),
+        const double alike = change.dot(fraction) / std::max(1e-300, change.norm() * fraction.norm()),
                      against = change.cwiseMin(0).sum() / std::max(1e-300, change.cwiseMax(0).sum());
         if (alike > 0.9) result.weakest = fmt::format("{}: all light brighter and all surfaces darker", colour[c]);
         else if (against > -0.25)

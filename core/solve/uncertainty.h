@@ -3,13 +3,13 @@
 #include <string>
 #include <vector>
 
-#include "solve/albedo_free.h"
+#include "solve/ratio/albedo_free.h"
 
 namespace relamp {
 
 struct UncertaintyOptions {
-    /// Neighbouring look-ups err alike and a look-up stands in a dozen pairs, while the objective takes pairs for
-    /// independent: standard deviations are widened by this factor. Measured on captures with truth, see
+    /// Neighbouring observations err alike and an observation stands in a dozen pairs, while the objective takes pairs
+    /// for independent: standard deviations are widened by this factor. Measured on captures with truth, see
     /// tests/bench/README.md.
     float widening = 4.0f;
     float scaleFloor = 0.05f;  ///< what models of light and surfaces are off by in brightness however much is measured;
@@ -27,7 +27,7 @@ struct LightUncertainty {
     std::vector<Rgb> emitterSigma;  ///< radiance
     std::vector<Rgb> litSigma;      ///< per row: of the light on it, and so of its albedo; relative
     Rgb scaleSigma{0};              ///< of the brightness of all light against all albedo, relative; at most 10
-    /// Shares of the evidence that fixes this scale, each in [0, 1], together 1 (or 0 where there is none).
+    /// Fractions of the evidence that fixes this scale, each in [0, 1], together 1 (or 0 where there is none).
     Rgb fromEmitters{0}, fromBackground{0}, fromGloss{0}, fromBounces{0};
     std::string weakest;     ///< the direction of light that the photographs tell least about, in words
     float weakestSigma = 0;  ///< what it may add to or take from the light on the surfaces, root mean square, relative

@@ -1,9 +1,9 @@
 #include "solve/work_samples.h"
 
 #include "base/random.h"
-#include "solve/albedo_step.h"
-#include "solve/pair_gram.h"
-#include "solve/qp.h"
+#include "solve/albedo/albedo_step.h"
+#include "solve/light/qp.h"
+#include "solve/ratio/pair_gram.h"
 
 namespace relamp {
 namespace {

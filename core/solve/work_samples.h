@@ -1,4 +1,4 @@
-// Small pieces of the solver's heavy work on made-up numbers, for whoever wants to know how long the real ones will
+// Small components of the solver's heavy work on made-up numbers, for whoever wants to know how long the real ones will
 // take.
 #pragma once
 #include <cstddef>

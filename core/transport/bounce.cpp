@@ -71,11 +71,11 @@ BounceRays traceBounce(const Scene& scene, const BounceOptions& options, Progres
     return out;
 }
 
-std::vector<Rgb> gatherBounce(const BounceRays& rays, const std::vector<Rgb>& sent) {
+std::vector<Rgb> gatherBounce(const BounceRays& rays, const std::vector<Rgb>& outgoing) {
     std::vector<Rgb> out(rays.vertexCount(), Rgb(0));
     parallelFor(out.size(), 256, [&](size_t v) {
         Rgb sum(0);
-        for (uint32_t i = rays.start[v]; i < rays.start[v + 1]; ++i) sum += sent[rays.sender[i]];
+        for (uint32_t i = rays.start[v]; i < rays.start[v + 1]; ++i) sum += outgoing[rays.sender[i]];
         out[v] = sum / float(std::max(1u, rays.rays));
     });
     for (int pass = 0; pass < 2; ++pass) {
@@ -91,12 +91,12 @@ std::vector<Rgb> gatherBounce(const BounceRays& rays, const std::vector<Rgb>& se
 }
 
 std::vector<Rgb> bounceOf(const BounceRays& rays, const std::vector<Rgb>& albedo, const std::vector<Rgb>& direct) {
-    std::vector<Rgb> bounced(direct.size(), Rgb(0)), sent(direct.size());
+    std::vector<Rgb> bounced(direct.size(), Rgb(0)), outgoing(direct.size());
     for (int round = 0; round < 30; ++round) {
         // Albedo a hair above 1 would never come to rest.
-        for (size_t v = 0; v < sent.size(); ++v)
-            sent[v] = glm::clamp(albedo[v], Rgb(0), Rgb(0.98f)) * (direct[v] + bounced[v]);
-        std::vector<Rgb> next = gatherBounce(rays, sent);
+        for (size_t v = 0; v < outgoing.size(); ++v)
+            outgoing[v] = glm::clamp(albedo[v], Rgb(0), Rgb(0.98f)) * (direct[v] + bounced[v]);
+        std::vector<Rgb> next = gatherBounce(rays, outgoing);
         float largest = 0, change = 0;
         for (size_t v = 0; v < next.size(); ++v) {
             largest = std::max(largest, maxChannel(next[v]));

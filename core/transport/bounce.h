@@ -17,7 +17,7 @@ struct BounceRays {
     /// than what the rays met, where light from other surfaces hardly changes [Ward88].
     std::vector<uint32_t> sharedStart, shared;
     size_t vertexCount() const { return start.empty() ? 0 : start.size() - 1; }
-    /// Share of the cosine-weighted hemisphere that other surfaces fill, in [0, 1].
+    /// Fraction of the cosine-weighted hemisphere that other surfaces fill, in [0, 1].
     float enclosure(uint32_t v) const { return rays ? float(start[v + 1] - start[v]) / float(rays) : 0.0f; }
 };
 
@@ -34,7 +34,7 @@ BounceRays traceBounce(const Scene& scene, const BounceOptions& options, Progres
 
 /// Per vertex the mean of what its senders send over all its rays, and those of the vertices it shares rays with,
 /// twice: what a white matte surface shows of it. `sent`: radiance, a value a vertex.
-std::vector<Rgb> gatherBounce(const BounceRays& rays, const std::vector<Rgb>& sent);
+std::vector<Rgb> gatherBounce(const BounceRays& rays, const std::vector<Rgb>& outgoing);
 
 /// Light that went from surface to surface any number of times, given the direct one: the fixed point of b = F (albedo
 /// x (direct + b)), by iteration until nothing changes by more than 1e-3 of the largest, at most 30 times. All per

@@ -78,10 +78,10 @@ void lambertInfluenceOfLeaves(const Scene& scene, const Visibility& visibility, 
         &progress);
 }
 
-Rgb sentAt(const Scene& scene, const Hit& hit, const std::vector<Rgb>& sent) {
+Rgb outgoingAt(const Scene& scene, const Hit& hit, const std::vector<Rgb>& outgoing) {
     const Triangle& t = scene.mesh.triangles[hit.triangle];
     const Vec2 b = hit.barycentric;
-    return (1 - b.x - b.y) * sent[t[0]] + b.x * sent[t[1]] + b.y * sent[t[2]];
+    return (1 - b.x - b.y) * outgoing[t[0]] + b.x * outgoing[t[1]] + b.y * outgoing[t[2]];
 }
 
 Rgb lightOfRow(const float* row, const Lighting& lighting) {
@@ -123,7 +123,7 @@ void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emit
             if (light.z <= 0) continue;
             const float areaDensity = light.z / (pi * totals[e]) * float(samples.size());
             const float evenness = s.formFactor * float(samples.size()) /
-                                   totals[e];  // 1 but for what a sample stands for more or less than its share
+                                   totals[e];  // 1 but for what a sample stands for more or less than its fraction
             row[leaves.size() + e] +=
                 evenness * evaluateLobe(lobe, light, eye) * light.z / (areaDensity + directionDensity(light));
         }
@@ -147,9 +147,9 @@ void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emit
                 continue;
             }
             const int e = emitterOfTriangle.empty() ? -1 : emitterOfTriangle[hits[i].triangle];
-            if (e < 0 && mirrored && options.sent &&
+            if (e < 0 && mirrored && options.outgoing &&
                 glm::dot(scene.mesh.faceNormal(hits[i].triangle), rays[i].direction) < 0) {
-                *mirrored += value / density * sentAt(scene, hits[i], *options.sent);
+                *mirrored += value / density * outgoingAt(scene, hits[i], *options.outgoing);
             }
             if (e < 0 || !(totals[size_t(e)] > 0)) continue;
             if (!emitters[size_t(e)].twoSided &&

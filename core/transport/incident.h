@@ -18,7 +18,7 @@ struct InfluenceMatrix {
 };
 
 /// Of radiance sent per vertex, what the point of a hit sends.
-Rgb sentAt(const Scene& scene, const Hit& hit, const std::vector<Rgb>& sent);
+Rgb outgoingAt(const Scene& scene, const Hit& hit, const std::vector<Rgb>& outgoing);
 
 /// What a row (leaves, then emitters) says of the given light.
 Rgb lightOfRow(const float* row, const Lighting& lighting);
@@ -45,7 +45,7 @@ struct LobeRowOptions {
     const std::vector<float>* shape = nullptr;
     DirectionGrid shapeGrid;
     /// Optional: radiance that the surfaces send, per vertex; what a lobe shows of it is an offset beside its row.
-    const std::vector<Rgb>* sent = nullptr;
+    const std::vector<Rgb>* outgoing = nullptr;
 };
 
 /// One row for a look at `vertex` from the unit direction `towardEye` through a GGX lobe: `row` holds leaves then

@@ -2,7 +2,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
-#include "clusters/lamp_order.h"
+#include "clusters/emitter_order.h"
 #include "wavelet/haar.h"
 
 namespace relamp {
@@ -41,7 +41,7 @@ EmitterSurface emitterSurface(const Mesh& mesh, const EmitterCluster& cluster, c
 EmitterSurface orderedEmitterSurface(const Scene& scene, const EmitterCluster& cluster) {
     EmitterCluster ordered;
     ordered.twoSided = cluster.twoSided;
-    ordered.triangles = alongLamp(scene.mesh, cluster.triangles, scene.axes);
+    ordered.triangles = alongEmitter(scene.mesh, cluster.triangles, scene.axes);
     return emitterSurface(scene.mesh, ordered);
 }
 
@@ -78,7 +78,7 @@ float triangleFormFactor(const Vec3& point, const Vec3& normal, const std::array
 namespace {
 
 /// What an emitter shows to a point: triangles, near ones cut up so that the form factor is spread evenly over each
-/// piece.
+/// component.
 struct Pieces {
     std::vector<std::array<Vec3, 3>> corners;
     std::vector<float> factors;
@@ -140,10 +140,10 @@ float sampleEmitter(const Scene& scene, const EmitterSurface& emitter, const Vec
                     uint64_t seed, std::vector<EmitterSample>& samples) {
     samples.clear();
     if (emitter.centres.empty() || glm::dot(emitter.centroid - point, normal) < -emitter.radius) return 0;
-    thread_local Pieces pieces;
-    const float total = std::min(1.0f, formFactors(emitter, point, normal, pieces));
+    thread_local Pieces components;
+    const float total = std::min(1.0f, formFactors(emitter, point, normal, components));
     if (!(total > 0)) return 0;
-    std::vector<float>& factors = pieces.factors;
+    std::vector<float>& factors = components.factors;
     float sum = 0;
     for (float& f : factors) {
         sum += f;
@@ -168,13 +168,13 @@ float sampleEmitter(const Scene& scene, const EmitterSurface& emitter, const Vec
     const float first = unitFloat(mixBits(seed ^ 0x9d));
     float weights = 0;
     for (int i = 0; i < count; ++i) {
-        // Stratified over the pieces' shares, low-discrepancy inside each piece.
+        // Stratified over the components' shares, low-discrepancy inside each component.
         const float pick = (float(i) + first) / float(count) * sum;
         const size_t t = std::min(size_t(std::upper_bound(factors.begin(), factors.end(), pick) - factors.begin()),
                                   factors.size() - 1);
         const Vec2 u = r2Point(uint32_t(i), shift);
         const float root = std::sqrt(u.x);
-        const auto& c = pieces.corners[t];
+        const auto& c = components.corners[t];
         Vec3 target = (1 - root) * c[0] + root * (1 - u.y) * c[1] + root * u.y * c[2];
         // Below the horizon: that part is clipped away, so a point above it stands for it.
         for (int k = 0; k < 3 && glm::dot(target - point, normal) <= 0; ++k)
@@ -182,13 +182,13 @@ float sampleEmitter(const Scene& scene, const EmitterSurface& emitter, const Vec
         const Vec3 to = target - origin;
         const float distance = glm::length(to);
         EmitterSample s;
-        // Points lie evenly over a piece's area, its form factor does not: cosines and distance at the point set that
-        // right.
+        // Points lie evenly over a component's area, its form factor does not: cosines and distance at the point set
+        // that right.
         const Vec3 straight = target - point, twiceArea = glm::cross(c[1] - c[0], c[2] - c[0]);
-        const float d2 = glm::dot(straight, straight), share = factors[t] - (t ? factors[t - 1] : 0.0f);
+        const float d2 = glm::dot(straight, straight), fraction = factors[t] - (t ? factors[t - 1] : 0.0f);
         const float kernel =
             std::abs(glm::dot(twiceArea, straight)) * std::max(0.0f, glm::dot(straight, normal)) / (2 * pi * d2 * d2);
-        s.formFactor = d2 > 0 && share > 0 ? std::clamp(kernel / share, 0.25f, 4.0f) : 1.0f;
+        s.formFactor = d2 > 0 && fraction > 0 ? std::clamp(kernel / fraction, 0.25f, 4.0f) : 1.0f;
         weights += s.formFactor;
         s.direction = distance > 0 ? to / distance : normal;
         samples.push_back(s);
@@ -238,7 +238,7 @@ void addNearField(const Scene& scene, const EmitterClusters& clusters, const Nea
 }
 
 SparseCoefs nearFieldCoefs(const Scene& scene, const EmitterSurface& emitter, uint32_t vertex,
-                           const DirectionGrid& grid, int count, float energyShare) {
+                           const DirectionGrid& grid, int count, float energyFraction) {
     std::vector<float> cells(size_t(grid.cells()), 0.0f);
     std::vector<EmitterSample> samples;
     const Vec3 normal = scene.mesh.normals[vertex];
@@ -251,7 +251,7 @@ SparseCoefs nearFieldCoefs(const Scene& scene, const EmitterSurface& emitter, ui
     const float scale = std::sqrt(grid.cellSolidAngle());
     for (float& value : cells) value = std::min(value, 1.0f) * scale;
     haarForward(cells, grid.side);
-    return sparsify(cells, energyShare);
+    return sparsify(cells, energyFraction);
 }
 
 }  // namespace relamp

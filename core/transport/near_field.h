@@ -24,13 +24,13 @@ struct EmitterSurface {
 /// the surface.
 EmitterSurface emitterSurface(const Mesh& mesh, const EmitterCluster& cluster, const Mat4& toWorld = Mat4(1));
 
-/// The same along a curve through the lamp (alongLamp): patterns on it do not know the file's order. For who does not
-/// go from the mesh's triangles to the surface's.
+/// The same along a curve through the emitter (alongLamp): patterns on it do not know the file's order. For who does
+/// not go from the mesh's triangles to the surface's.
 EmitterSurface orderedEmitterSurface(const Scene& scene, const EmitterCluster& cluster);
 
-/// Form factor from a surface point to a triangle, unshadowed, clipped at the point's horizon: the share of the cosine-
-/// weighted hemisphere it covers, in [0, 1]. Exact (Lambert 1760); finite when touching or coplanar. Only the front
-/// counts.
+/// Form factor from a surface point to a triangle, unshadowed, clipped at the point's horizon: the fraction of the
+/// cosine- weighted hemisphere it covers, in [0, 1]. Exact (Lambert 1760); finite when touching or coplanar. Only the
+/// front counts.
 float triangleFormFactor(const Vec3& point, const Vec3& normal, const std::array<Vec3, 3>& corners, bool twoSided);
 
 /// One direction towards an emitter.
@@ -68,9 +68,9 @@ NearField computeNearField(const Scene& scene, const EmitterClusters& clusters, 
 void addNearField(const Scene& scene, const EmitterClusters& clusters, const NearFieldOptions& options,
                   NearField& field, Progress& progress);
 
-/// The near-field irradiance map of [Put15]: share of each direction cell that the emitter covers, as Haar coefficients
-/// (times its radiance it is incident radiance).
+/// The near-field irradiance map of [Put15]: fraction of each direction cell that the emitter covers, as Haar
+/// coefficients (times its radiance it is incident radiance).
 SparseCoefs nearFieldCoefs(const Scene& scene, const EmitterSurface& emitter, uint32_t vertex,
-                           const DirectionGrid& grid, int count, float energyShare);
+                           const DirectionGrid& grid, int count, float energyFraction);
 
 }  // namespace relamp

@@ -28,7 +28,7 @@ double medianOfThree(const auto& work, Progress& progress) {
     return ms[1];
 }
 
-/// Constant light with a different, falling share of every other coefficient in each channel.
+/// Constant light with a different, falling fraction of every other coefficient in each channel.
 std::array<std::vector<float>, 3> trialLight(size_t cells) {
     std::array<std::vector<float>, 3> coefs;
     for (size_t k = 0; k < 3; ++k) {
@@ -39,7 +39,7 @@ std::array<std::vector<float>, 3> trialLight(size_t cells) {
     return coefs;
 }
 
-/// The largest difference as a share of the brightest vertex; not a number where `b` is not.
+/// The largest difference as a fraction of the brightest vertex; not a number where `b` is not.
 float difference(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
     float worst = 0, brightest = 0;
     for (size_t v = 0; v < a.size(); ++v)

@@ -10,10 +10,10 @@
 namespace relamp {
 namespace {
 
-/// Where a vertex gets less than this share of what an open one gets under constant light, errors are measured against
-/// it.
+/// Where a vertex gets less than this fraction of what an open one gets under constant light, errors are measured
+/// against it.
 constexpr float darkest = 0.1f;
-/// The sun is a harder test than any environment of pictures, and it is moved about: its error may be larger.
+/// The sun is a harder test than any environment of images, and it is moved about: its error may be larger.
 constexpr float sunSlack = 4;
 
 /// A vector of lanes; g++ splits it where the machine has narrower registers.
@@ -69,8 +69,8 @@ TransportBlock packTransport(std::span<float> cells, const TermTests& tests, flo
     std::vector<float> importance(n, 0);
     for (size_t lane = 0; lane < transportLanes; ++lane) {
         const float* own = &cells[lane * n];
-        const float share = 1 / light[lane];
-        for (size_t i = 0; i < n; ++i) importance[i] = std::max(importance[i], std::abs(own[i]) * share);
+        const float fraction = 1 / light[lane];
+        for (size_t i = 0; i < n; ++i) importance[i] = std::max(importance[i], std::abs(own[i]) * fraction);
     }
     for (size_t i = 0; i < n; ++i) importance[i] *= tests.spread()[i];
     std::vector<uint16_t> order(n);

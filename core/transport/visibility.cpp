@@ -79,10 +79,10 @@ public:
         if (!count_) return;
         const uint32_t blocked = scene_.tracer->occluded8({rays_, size_t(count_)});
         for (int i = 0; i < count_; ++i) *answers_[i] = blocked >> i & 1 ? BlockLattice::blocked : BlockLattice::open;
-        sent += size_t(count_);
+        outgoing += size_t(count_);
         count_ = 0;
     }
-    size_t sent = 0;
+    size_t outgoing = 0;
 
 private:
     const Scene& scene_;
@@ -112,7 +112,7 @@ size_t traceTo(const Scene& scene, const std::vector<uint8_t>& only, int known, 
     steps.push_back(step);
     progress.begin("Visibility", n);
     const size_t block = 64;
-    std::vector<size_t> sent((n + block - 1) / block, 0);
+    std::vector<size_t> outgoing((n + block - 1) / block, 0);
     parallelBlocks(
         n, block,
         [&](size_t begin, size_t end) {
@@ -168,7 +168,7 @@ size_t traceTo(const Scene& scene, const std::vector<uint8_t>& only, int known, 
                                 rays.send(directions[size_t(c)], &answer);
                             }
                     rays.flush();
-                    sent[begin / block] += rays.sent;
+                    outgoing[begin / block] += rays.outgoing;
                     std::fill(words, words + visibility.wordsPerVertex, 0);
                     for (int by = 0, c = 0; by < lattice.side; ++by)
                         for (int k = 0; k < now; ++k) {
@@ -184,7 +184,7 @@ size_t traceTo(const Scene& scene, const std::vector<uint8_t>& only, int known, 
             }
         },
         &progress);
-    return std::accumulate(sent.begin(), sent.end(), size_t(0));
+    return std::accumulate(outgoing.begin(), outgoing.end(), size_t(0));
 }
 
 }  // namespace
@@ -208,10 +208,10 @@ size_t refineVisibility(const Scene& scene, const std::vector<uint8_t>& only, in
                         Visibility& visibility, Progress& progress) {
     if (step >= visibility.step) return 0;
     // In place: where the work is given up in the middle, the bits of every vertex are good at one step or the other.
-    const size_t sent = traceTo(scene, only, visibility.step, step, agreeing, visibility, progress);
+    const size_t outgoing = traceTo(scene, only, visibility.step, step, agreeing, visibility, progress);
     visibility.step = step;
     visibility.agreeing = agreeing || step > 1;
-    return sent;
+    return outgoing;
 }
 
 size_t traceFiner(const Scene& scene, const std::vector<uint8_t>& only, const std::vector<FinerDirections>& blocks,
@@ -234,7 +234,7 @@ size_t traceFiner(const Scene& scene, const std::vector<uint8_t>& only, const st
         [&](size_t begin, size_t end) {
             std::vector<float> cosines(size_t(grid.cells()), 0.0f);
             std::vector<uint8_t> answers(asked);
-            size_t sent = 0;
+            size_t outgoing = 0;
             for (size_t v = begin; v < end; ++v) {
                 if (!only[v] || !scene.referenced[v]) continue;
                 const Vec3 normal = scene.mesh.normals[v];
@@ -253,7 +253,7 @@ size_t traceFiner(const Scene& scene, const std::vector<uint8_t>& only, const st
                         rays.send(directions[size_t(c)], answer);
                 });
                 rays.flush();
-                sent += rays.sent;
+                outgoing += rays.outgoing;
                 uint64_t* words = &visibility.bits[v * visibility.wordsPerVertex];
                 each([&](const FinerDirections& b, int x0, int y0, const uint8_t* answer) {
                     for (int y = y0; y < y0 + b.step; ++y)
@@ -265,33 +265,33 @@ size_t traceFiner(const Scene& scene, const std::vector<uint8_t>& only, const st
                         }
                 });
             }
-            return sent;
+            return outgoing;
         },
         &progress);
 }
 
 namespace {
-SparseCoefs transformCells(std::vector<float>& cells, const DirectionGrid& grid, float energyShare) {
+SparseCoefs transformCells(std::vector<float>& cells, const DirectionGrid& grid, float energyFraction) {
     const float scale = std::sqrt(grid.cellSolidAngle());
     for (float& value : cells) value *= scale;
     haarForward(cells, grid.side);
-    return sparsify(cells, energyShare);
+    return sparsify(cells, energyFraction);
 }
 }  // namespace
 
 SparseCoefs visibilityCosineCoefs(const Scene& scene, const Visibility& visibility, uint32_t vertex,
-                                  float energyShare) {
+                                  float energyFraction) {
     std::vector<float> cells(size_t(visibility.grid.cells()), 0.0f);
     for (int c = 0; c < visibility.grid.cells(); ++c)
         if (visibility.sees(vertex, c))
             cells[size_t(c)] = std::max(0.0f, glm::dot(scene.mesh.normals[vertex], visibility.grid.direction(c)));
-    return transformCells(cells, visibility.grid, energyShare);
+    return transformCells(cells, visibility.grid, energyFraction);
 }
 
-SparseCoefs visibilityCoefs(const Visibility& visibility, uint32_t vertex, float energyShare) {
+SparseCoefs visibilityCoefs(const Visibility& visibility, uint32_t vertex, float energyFraction) {
     std::vector<float> cells(size_t(visibility.grid.cells()), 0.0f);
     for (int c = 0; c < visibility.grid.cells(); ++c) cells[size_t(c)] = visibility.sees(vertex, c);
-    return transformCells(cells, visibility.grid, energyShare);
+    return transformCells(cells, visibility.grid, energyFraction);
 }
 
 }  // namespace relamp

@@ -61,8 +61,9 @@ Vec3 rayOrigin(const Scene& scene, const Vec3& position, const Vec3& normal);
 
 /// Haar coefficients of V x max(0, n.w): what a Lambert surface takes from the environment. `energyShare` as in
 /// sparsify.
-SparseCoefs visibilityCosineCoefs(const Scene& scene, const Visibility& visibility, uint32_t vertex, float energyShare);
+SparseCoefs visibilityCosineCoefs(const Scene& scene, const Visibility& visibility, uint32_t vertex,
+                                  float energyFraction);
 /// Haar coefficients of V alone.
-SparseCoefs visibilityCoefs(const Visibility& visibility, uint32_t vertex, float energyShare);
+SparseCoefs visibilityCoefs(const Visibility& visibility, uint32_t vertex, float energyFraction);
 
 }  // namespace relamp

@@ -5,7 +5,7 @@
 
 namespace relamp {
 
-SparseCoefs sparsify(std::span<const float> dense, float energyShare, size_t maxTerms) {
+SparseCoefs sparsify(std::span<const float> dense, float energyFraction, size_t maxTerms) {
     std::vector<uint32_t> kept;
     double energy = 0;
     for (uint32_t k = 0; k < dense.size(); ++k) {
@@ -14,14 +14,14 @@ SparseCoefs sparsify(std::span<const float> dense, float energyShare, size_t max
         energy += double(dense[k]) * double(dense[k]);
     }
     const size_t most = maxTerms == 0 ? kept.size() : std::min(maxTerms, kept.size());
-    if (energyShare < 1 || most < kept.size()) {
+    if (energyFraction < 1 || most < kept.size()) {
         // A heap, because usually far fewer terms are taken than are there. Popped terms gather at the end.
         const auto smaller = [&](uint32_t a, uint32_t b) {
             const float x = std::abs(dense[a]), y = std::abs(dense[b]);
             return x != y ? x < y : a > b;
         };
         std::make_heap(kept.begin(), kept.end(), smaller);
-        const double wanted = energyShare < 1 ? double(energyShare) * energy : 2 * energy;
+        const double wanted = energyFraction < 1 ? double(energyFraction) * energy : 2 * energy;
         double taken = 0;
         auto rest = kept.end();
         while (rest != kept.begin() && size_t(kept.end() - rest) < most && taken < wanted) {

@@ -15,7 +15,7 @@ struct SparseCoefs {
 
 /// The largest coefficients in magnitude that keep `energyShare` of the squared norm (at most `maxTerms`, 0 = no cap).
 /// energyShare 1 keeps every non-zero. Of equal magnitudes the lower index is kept first.
-SparseCoefs sparsify(std::span<const float> dense, float energyShare = 1.0f, size_t maxTerms = 0);
+SparseCoefs sparsify(std::span<const float> dense, float energyFraction = 1.0f, size_t maxTerms = 0);
 /// Fills `dense` with the coefficients; 0 where there is none.
 void scatter(const SparseCoefs& coefs, std::span<float> dense);
 /// Double product integral: sum of products at equal indices.

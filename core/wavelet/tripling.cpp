@@ -50,7 +50,7 @@ double parentSum(const float* dense, const Place& square, uint32_t side) {
     return sum;
 }
 
-/// A sparse vector spread out for look-ups; all zero again afterwards, so only the non-zeros cost time.
+/// A sparse vector spread out for observations; all zero again afterwards, so only the non-zeros cost time.
 class Spread {
 public:
     Spread(std::vector<float>& scratch, const SparseCoefs& coefs, size_t cells) : scratch_(scratch), coefs_(coefs) {

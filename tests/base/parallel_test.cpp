@@ -101,7 +101,7 @@ TEST(Parallel, ProgressReachesOneWhenAllIsDone) {
     progress.begin("count", 1003);
     parallelFor(
         1003, 10, [](size_t) {}, &progress);
-    EXPECT_EQ(progress.share(), 1);
+    EXPECT_EQ(progress.fraction(), 1);
 }
 
 TEST(Parallel, WorkAlreadyStoppedIsCancelledInItsFirstBlocks) {

@@ -10,25 +10,25 @@ namespace {
 
 TEST(Progress, ShareCountsFromZeroToOneInEveryStage) {
     Progress progress;
-    EXPECT_EQ(progress.share(), 0);
+    EXPECT_EQ(progress.fraction(), 0);
     progress.begin("first", 4);
     EXPECT_EQ(progress.label(), "first");
     progress.advance();
-    EXPECT_EQ(progress.share(), 0.25);
+    EXPECT_EQ(progress.fraction(), 0.25);
     progress.advance(3);
-    EXPECT_EQ(progress.share(), 1);
+    EXPECT_EQ(progress.fraction(), 1);
     progress.begin("second", 10);
     EXPECT_EQ(progress.label(), "second");
-    EXPECT_EQ(progress.share(), 0);
+    EXPECT_EQ(progress.fraction(), 0);
 }
 
 TEST(Progress, ShareNeverExceedsOneAndAnEmptyStageIsZero) {
     Progress progress;
     progress.begin("stage", 2);
     progress.advance(5);
-    EXPECT_EQ(progress.share(), 1);
+    EXPECT_EQ(progress.fraction(), 1);
     progress.begin("empty", 0);
-    EXPECT_EQ(progress.share(), 0);
+    EXPECT_EQ(progress.fraction(), 0);
 }
 
 TEST(Progress, StopMakesEveryCallThrowCancelled) {
@@ -54,10 +54,10 @@ TEST(Progress, StopFromAnotherThreadEndsALoop) {
 TEST(Progress, ListenerHearsTheStartOfEachStage) {
     Progress progress;
     std::vector<std::string> heard;
-    progress.setListener([&](const std::string& label, double share) {
+    progress.setListener([&](const std::string& label, double fraction) {
         heard.push_back(label);
-        EXPECT_GE(share, 0);
-        EXPECT_LE(share, 1);
+        EXPECT_GE(fraction, 0);
+        EXPECT_LE(fraction, 1);
     });
     progress.begin("one", 3);
     progress.begin("two", 3);
@@ -93,7 +93,7 @@ TEST(Progress, CountsStepsOfManyThreads) {
             for (int k = 0; k < 500; ++k) progress.advance();
         });
     for (std::thread& thread : threads) thread.join();
-    EXPECT_EQ(progress.share(), 0.5);
+    EXPECT_EQ(progress.fraction(), 0.5);
 }
 
 TEST(Progress, APausedStageWaitsAndItsClockStandsStill) {

@@ -1,4 +1,4 @@
-// Scenes for measurements, made by rule: a bumpy ground with balls and boxes on it under one lamp of a tenth of its
+// Scenes for measurements, made by rule: a bumpy ground with balls and boxes on it under one emitter of a tenth of its
 // size. The same numbers always give the same scene.
 #pragma once
 #include <memory>
@@ -75,13 +75,13 @@ inline World makeWorld(size_t vertices, bool glossy) {
     for (int b = 0; b < 2; ++b)
         add(test::box({-0.7f + 0.9f * float(b), -0.5f, 0.3f}, {-0.1f + 0.9f * float(b), 0.5f, 1.2f + 0.4f * float(b)},
                       boxCuts));
-    // The lamp: a ball as wide as a tenth of the ground, in a fixed number of triangles.
-    const std::vector<uint32_t> lamp = test::append(mesh, test::ball({0.4f, 0.2f, 3.4f}, 0.5f, 12, 24));
+    // The emitter: a ball as wide as a tenth of the ground, in a fixed number of triangles.
+    const std::vector<uint32_t> emitter = test::append(mesh, test::ball({0.4f, 0.2f, 3.4f}, 0.5f, 12, 24));
     World world;
     world.vertices = mesh.vertexCount();
     auto scene = std::make_shared<Scene>(test::sceneOf(mesh));
     auto estimate = std::make_shared<Estimate>(
-        test::matteEstimate(*scene, Rgb(0.5f), Rgb(1), test::emittersOf(*scene, {lamp}, {Rgb(40, 36, 30)})));
+        test::matteEstimate(*scene, Rgb(0.5f), Rgb(1), test::emittersOf(*scene, {emitter}, {Rgb(40, 36, 30)})));
     estimate->environmentSide = 256;
     estimate->environment = benchSky(256);
     Reflectance& r = estimate->reflectance;

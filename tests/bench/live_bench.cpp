@@ -1,6 +1,6 @@
 // Figures of live relighting on a solved shot: live_bench SHOT.relamp [PICTURE.exr]. Medians of several runs; copy
 // bandwidth beside them, because the machine is shared and only ratios mean something. PICTURE: view 0 as the first
-// picture of a drag shows it that ends where the lamp stood; PICTURE-refined.exr: the same at rest.
+// image of a drag shows it that ends where the emitter stood; PICTURE-refined.exr: the same at rest.
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 #include "base/parallel.h"
 #include "image/image_io.h"
-#include "relight/live_scene.h"
+#include "relight/live/live_scene.h"
 #include "shot/shot_file.h"
 
 namespace {
@@ -33,25 +33,25 @@ struct Cost {
     bool operator<(const Cost& other) const { return wall < other.wall; }
 };
 
-Cost costOf(const std::function<void()>& body) {
+Cost costOf(const std::function<void()>& part) {
     const auto start = Clock::now();
     const double before = processorMs();
-    body();
+    part();
     return {1e3 * std::chrono::duration<double>(Clock::now() - start).count(), processorMs() - before};
 }
-double msOf(const std::function<void()>& body) { return costOf(body).wall; }
+double msOf(const std::function<void()>& part) { return costOf(part).wall; }
 
-Cost medianCost(int runs, const std::function<void(int)>& body) {
+Cost medianCost(int runs, const std::function<void(int)>& part) {
     std::vector<Cost> costs;
     double processor = 0;
     for (int i = 0; i < runs; ++i) {
-        costs.push_back(costOf([&] { body(i); }));
+        costs.push_back(costOf([&] { part(i); }));
         processor += costs.back().processor / runs;
     }
     std::sort(costs.begin(), costs.end());
     return {costs[costs.size() / 2].wall, processor};
 }
-double medianMs(int runs, const std::function<void(int)>& body) { return medianCost(runs, body).wall; }
+double medianMs(int runs, const std::function<void(int)>& part) { return medianCost(runs, part).wall; }
 
 void print(const char* what, const Cost& cost, const std::string& remark = "") {
     std::printf("%-26s%9.2f ms wall, %9.2f ms processor a core  %s\n", what, cost.wall, cost.processor, remark.c_str());
@@ -66,7 +66,7 @@ double copyBandwidth() {
     return double(from.size()) / (ms / 1e3);
 }
 
-/// Relative root mean square difference of two pictures, lamps left out.
+/// Relative root mean square difference of two images, emitters left out.
 double rms(const LiveFrame& one, const LiveFrame& two) {
     const auto &a = one.radiance, &b = two.radiance;
     std::vector<uint8_t> shines(b.size(), 0);
@@ -81,25 +81,25 @@ double rms(const LiveFrame& one, const LiveFrame& two) {
     }
     return sum > 0 ? std::sqrt(difference / sum) : 0;
 }
-/// The picture at half its camera's size, 4 x 4 rays a pixel, black where nothing is.
-void writePicture(const std::string& file, const LiveFrame& frame, const Camera& camera) {
+/// The image at half its camera's size, 4 x 4 rays a pixel, black where nothing is.
+void writeImage(const std::string& file, const LiveFrame& frame, const Camera& camera) {
     const Mesh& mesh = *frame.mesh;
     const RayTracer tracer(mesh);
-    Image picture(camera.width / 2, camera.height / 2);
-    parallelFor(picture.pixels.size(), 64, [&](size_t i) {
+    Image image(camera.width / 2, camera.height / 2);
+    parallelFor(image.pixels.size(), 64, [&](size_t i) {
         Rgb sum(0);
         for (int k = 0; k < 16; ++k) {
-            const Vec2 pixel(float(i % size_t(picture.width)) + (float(k % 4) + 0.5f) / 4,
-                             float(i / size_t(picture.width)) + (float(k / 4) + 0.5f) / 4);
+            const Vec2 pixel(float(i % size_t(image.width)) + (float(k % 4) + 0.5f) / 4,
+                             float(i / size_t(image.width)) + (float(k / 4) + 0.5f) / 4);
             const Hit hit = tracer.closest({Vec3(camera.position()), camera.rayDirection(2.0f * pixel), 0, 1e30f});
             if (!hit) continue;
             const Triangle& t = mesh.triangles[hit.triangle];
             sum += (1 - hit.barycentric.x - hit.barycentric.y) * frame.radiance[t[0]] +
                    hit.barycentric.x * frame.radiance[t[1]] + hit.barycentric.y * frame.radiance[t[2]];
         }
-        picture.pixels[i] = sum / 16.0f;
+        image.pixels[i] = sum / 16.0f;
     });
-    writeImage(file, picture);
+    writeImage(file, image);
 }
 }  // namespace
 
@@ -175,24 +175,23 @@ int main(int argc, char** argv) {
             look.emitters[0].powerScale = Rgb(1);
             look.emitters[0].matrix = Mat4(1);
             answer();
-            writePicture(file, *live->frame(), shot.capture.views[0].camera);
+            writeImage(file, *live->frame(), shot.capture.views[0].camera);
             finish();
-            writePicture(file.substr(0, file.rfind('.')) + "-refined.exr", *live->frame(),
-                         shot.capture.views[0].camera);
+            writeImage(file.substr(0, file.rfind('.')) + "-refined.exr", *live->frame(), shot.capture.views[0].camera);
         }
         look.emitters[0].enabled = false;
         print("switched off", costOf(answer));
         look.emitters[0].enabled = true;
-        // The smallest piece of some size stands for a lamp's shade or stand.
-        std::vector<size_t> size(scene->pieces, 0);
-        for (uint32_t p : scene->piece) ++size[p];
+        // The smallest component of some size stands for an emitter's shade or stand.
+        std::vector<size_t> size(scene->components, 0);
+        for (uint32_t p : scene->component) ++size[p];
         uint32_t seed = 0;
         for (uint32_t v = 0; v < n; ++v)
-            if (scene->referenced[v] && estimate->emitters.emitterOfVertex[v] < 0 && size[scene->piece[v]] > 100 &&
-                size[scene->piece[v]] < size[scene->piece[seed]])
+            if (scene->referenced[v] && estimate->emitters.emitterOfVertex[v] < 0 && size[scene->component[v]] > 100 &&
+                size[scene->component[v]] < size[scene->component[seed]])
                 seed = v;
         look.parts.push_back({seed, Mat4(1), ""});
-        print("part taken up", costOf(answer), fmt::format("{} vertices", size[scene->piece[seed]]));
+        print("part taken up", costOf(answer), fmt::format("{} vertices", size[scene->component[seed]]));
         print("part, first image", medianCost(5, [&](int i) {
                   look.parts[0].matrix[3] = Vec4(0, 0, 0.01f * scene->diagonal * float(i + 1), 1);
                   answer();

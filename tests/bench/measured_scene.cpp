@@ -1,12 +1,12 @@
 // A capture with known truth made of four measured materials, and how well a solve found them. The materials are in the
-// user's own folder (see brdf_fit.cpp); the pictures are rendered here, straight from the networks and from closed
+// user's own folder (see brdf_fit.cpp); the images are rendered here, straight from the networks and from closed
 // forms of the shapes: nothing of relamp's light transport.
 //   measured_scene tables FOLDER OUT MATERIAL...           MERL .binary files, filled from the networks
 //   measured_scene render FOLDER ENV OTHER-ENV OUT A B C D  the capture, with truth as evaluate-like scripts read it
 //   measured_scene score FOLDER SHOT A B C D                what each ball was taken for, colour and error of its
 //   reflectance
-// Four balls on a textured matte floor, a small lamp that is seen above them, a photographed environment. Direct light
-// only.
+// Four balls on a textured matte floor, a small emitter that is seen above them, a photographed environment. Direct
+// light only.
 #include <algorithm>
 #include <cstdio>
 #include <numeric>
@@ -34,12 +34,12 @@ struct Ball {
 constexpr float floorHalf = 0.8f;
 const std::array<Ball, 4> balls{Ball{{-0.24f, -0.22f, 0.17f}, 0.17f}, Ball{{0.24f, -0.22f, 0.17f}, 0.17f},
                                 Ball{{-0.24f, 0.22f, 0.17f}, 0.17f}, Ball{{0.24f, 0.22f, 0.17f}, 0.17f}};
-const Rgb lampRadiance(60, 44, 24);
+const Rgb emitterRadiance(60, 44, 24);
 constexpr int rings = 56, sectors = 96, floorCells = 96;
 
-struct Lamp {
+struct Light {
     Ball ball{{0.05f, -0.02f, 0.62f}, 0.05f};
-    Rgb radiance = lampRadiance;
+    Rgb radiance = emitterRadiance;
 };
 
 Rgb floorAlbedo(float x, float y) {
@@ -59,10 +59,10 @@ float reach(const Ball& ball, const Vec3& from, const Vec3& d) {
 
 struct Met {
     float distance = 1e30f;
-    int what = -1;  // 0 to 3 a ball, 4 the floor, 5 the lamp
+    int what = -1;  // 0 to 3 a ball, 4 the floor, 5 the emitter
 };
 
-Met trace(const Vec3& from, const Vec3& d, const Lamp& lamp) {
+Met trace(const Vec3& from, const Vec3& d, const Light& emitter) {
     Met met;
     for (int b = 0; b < 4; ++b)
         if (const float t = reach(balls[size_t(b)], from, d); t < met.distance) met = {t, b};
@@ -71,7 +71,7 @@ Met trace(const Vec3& from, const Vec3& d, const Lamp& lamp) {
         const Vec3 at = from + t * d;
         if (t > 1e-4f && t < met.distance && std::abs(at.x) < floorHalf && std::abs(at.y) < floorHalf) met = {t, 4};
     }
-    if (const float t = reach(lamp.ball, from, d); t < met.distance) met = {t, 5};
+    if (const float t = reach(emitter.ball, from, d); t < met.distance) met = {t, 5};
     return met;
 }
 
@@ -99,19 +99,19 @@ struct Sky {
         const size_t x = std::min(size_t(uv.x * float(map.width)), size_t(map.width) - 1),
                      y = std::min(size_t(uv.y * float(map.height)), size_t(map.height) - 1),
                      at = y * size_t(map.width) + x;
-        const double share = (upTo[at] - (at ? upTo[at - 1] : 0)) / upTo.back(),
+        const double fraction = (upTo[at] - (at ? upTo[at - 1] : 0)) / upTo.back(),
                      sine = std::max(1e-6, std::sqrt(1 - double(d.z) * double(d.z)));
-        return float(share * double(map.width) * double(map.height) / (2 * piD * piD * sine));
+        return float(fraction * double(map.width) * double(map.height) / (2 * piD * piD * sine));
     }
 };
 
 using Materials = std::array<BrdfFunction, 4>;
 
-Rgb shade(const Materials& materials, const Sky* sky, const Lamp& lamp, const Vec3& from, const Vec3& ray, int samples,
-          uint64_t seed) {
-    const Met met = trace(from, ray, lamp);
+Rgb shade(const Materials& materials, const Sky* sky, const Light& emitter, const Vec3& from, const Vec3& ray,
+          int samples, uint64_t seed) {
+    const Met met = trace(from, ray, emitter);
     if (met.what < 0) return sky ? environmentRadiance(sky->map, ray) : Rgb(0);
-    if (met.what == 5) return lamp.radiance;
+    if (met.what == 5) return emitter.radiance;
     const Vec3 at = from + met.distance * ray;
     const Vec3 normal =
         met.what == 4 ? Vec3(0, 0, 1) : (at - balls[size_t(met.what)].centre) / balls[size_t(met.what)].radius;
@@ -137,7 +137,7 @@ Rgb shade(const Materials& materials, const Sky* sky, const Lamp& lamp, const Ve
             const auto add = [&](const Vec3& light) {
                 if (light.z <= 1e-4f) return;
                 const Vec3 world = frame * light;
-                if (trace(start, world, lamp).what >= 0) return;
+                if (trace(start, world, emitter).what >= 0) return;
                 sum += reflected(light) * environmentRadiance(sky->map, world) / skyDensity(light, world);
             };
             add(cosineHemisphere(r2Point(n, randomShift(seed, 1, 0))));
@@ -146,18 +146,19 @@ Rgb shade(const Materials& materials, const Sky* sky, const Lamp& lamp, const Ve
                 for (const float a : widths)
                     add(sampleGgx(eye, a, r2Point(n, randomShift(seed, 4, uint64_t(a * 1000)))));
         }
-        if (maxChannel(lamp.radiance) > 0) {
-            // Evenly over the cone that the lamp covers.
-            const Vec3 to = lamp.ball.centre - at;
+        if (maxChannel(emitter.radiance) > 0) {
+            // Evenly over the cone that the emitter covers.
+            const Vec3 to = emitter.ball.centre - at;
             const float distance2 = glm::dot(to, to),
-                        cosine = std::sqrt(std::max(0.0f, 1 - lamp.ball.radius * lamp.ball.radius / distance2)),
+                        cosine = std::sqrt(std::max(0.0f, 1 - emitter.ball.radius * emitter.ball.radius / distance2)),
                         solid = 2 * pi * (1 - cosine);
             const Vec2 u = r2Point(n, randomShift(seed, 5, 0));
             const float z = 1 - u.x * (1 - cosine), r = std::sqrt(std::max(0.0f, 1 - z * z));
             const Vec3 world = frameAround(to / std::sqrt(distance2)) *
                                Vec3(r * std::cos(2 * pi * u.y), r * std::sin(2 * pi * u.y), z),
                        light = toLocal * world;
-            if (light.z > 0 && trace(start, world, lamp).what == 5) sum += reflected(light) * lamp.radiance * solid;
+            if (light.z > 0 && trace(start, world, emitter).what == 5)
+                sum += reflected(light) * emitter.radiance * solid;
         }
     }
     return sum / float(samples);
@@ -186,7 +187,7 @@ Eye lookingFrom(float azimuth, float height, float distance) {
     return eye;
 }
 
-Image render(const Eye& eye, const Materials& materials, const Sky* sky, const Lamp& lamp, int across, int samples,
+Image render(const Eye& eye, const Materials& materials, const Sky* sky, const Light& emitter, int across, int samples,
              uint64_t seed) {
     Image image(eye.width, eye.height);
     parallelFor(size_t(eye.height), 1, [&](size_t y) {
@@ -197,7 +198,7 @@ Image render(const Eye& eye, const Materials& materials, const Sky* sky, const L
                             py = float(y) + (float(s / across) + 0.5f) / float(across);
                 const Vec3 ray = glm::normalize(eye.world * Vec3((px - float(eye.width) / 2) / eye.focal,
                                                                  -(py - float(eye.height) / 2) / eye.focal, -1));
-                sum += shade(materials, sky, lamp, eye.position, ray, samples,
+                sum += shade(materials, sky, emitter, eye.position, ray, samples,
                              mixBits(seed) + (y * size_t(eye.width) + size_t(x)) * 16 + size_t(s));
             }
             image.at(x, int(y)) = sum / float(across * across);
@@ -206,7 +207,7 @@ Image render(const Eye& eye, const Materials& materials, const Sky* sky, const L
     return image;
 }
 
-Image objectMask(const Eye& eye, const Lamp& lamp) {
+Image objectMask(const Eye& eye, const Light& emitter) {
     Image mask(eye.width, eye.height);
     for (int y = 0; y < eye.height; ++y)
         for (int x = 0; x < eye.width; ++x) {
@@ -216,7 +217,7 @@ Image objectMask(const Eye& eye, const Lamp& lamp) {
                 const int what = trace(eye.position,
                                        glm::normalize(eye.world * Vec3((px - float(eye.width) / 2) / eye.focal,
                                                                        -(py - float(eye.height) / 2) / eye.focal, -1)),
-                                       lamp)
+                                       emitter)
                                      .what;
                 all &= what >= 0 && what < 5;
             }
@@ -249,7 +250,7 @@ Image readSky(const fs::path& file, float mean) {
 
 struct Truth {
     Mesh mesh;
-    std::vector<int> object;  // 0 to 3 a ball, 4 the floor, 5 the lamp
+    std::vector<int> object;  // 0 to 3 a ball, 4 the floor, 5 the emitter
 };
 
 Truth makeMesh() {
@@ -293,7 +294,7 @@ Truth makeMesh() {
             truth.mesh.triangles.push_back({a, a + 1, b + 1});
             truth.mesh.triangles.push_back({a, b + 1, b});
         }
-    addBall(Lamp().ball, 5);
+    addBall(Light().ball, 5);
     return truth;
 }
 
@@ -337,7 +338,7 @@ void writeTables(const Rows& networks, const fs::path& out, const std::vector<st
 void renderCapture(const Materials& materials, const Image& skyMap, const Image& otherMap, const fs::path& out) {
     for (const char* folder : {"images", "truth/relit", "truth/masks"}) fs::create_directories(out / folder);
     const Sky sky(skyMap), other(otherMap), white(Image(64, 32, Rgb(0.5f)));
-    const Lamp lamp;
+    const Light emitter;
     const Truth truth = makeMesh();
     writeVertexPly(out / "mesh.ply", truth.mesh, {});
     const size_t n = truth.object.size();
@@ -348,7 +349,7 @@ void renderCapture(const Materials& materials, const Image& skyMap, const Image&
         for (size_t v = 0; v < n; ++v) {
             if (truth.object[v] == 4)
                 albedo.values[v] = floorAlbedo(truth.mesh.positions[v].x, truth.mesh.positions[v].y)[c];
-            if (truth.object[v] == 5) emission.values[v] = lampRadiance[c];
+            if (truth.object[v] == 5) emission.values[v] = emitterRadiance[c];
         }
         properties.push_back(albedo);
         properties.push_back(emission);
@@ -369,7 +370,7 @@ void renderCapture(const Materials& materials, const Image& skyMap, const Image&
                  {"cy", eyes[0].height / 2.0}, {"mesh_path", "mesh.ply"}, {"frames", Json::array()}};
     for (size_t i = 0; i < eyes.size(); ++i) {
         const std::string name = fmt::format("images/{:04}.exr", i);
-        writeImage(out / name, render(eyes[i], materials, &sky, lamp, 2, 16, i + 1));
+        writeImage(out / name, render(eyes[i], materials, &sky, emitter, 2, 16, i + 1));
         capture["frames"].push_back({{"file_path", name}, {"transform_matrix", eyes[i].matrix()}});
         std::fprintf(stderr, "%s\n", name.c_str());
     }
@@ -385,7 +386,7 @@ void renderCapture(const Materials& materials, const Image& skyMap, const Image&
     Json entries = Json::array();
     const auto add = [&](const std::string& name, const Eye& eye, const Json& camera, const Sky& light,
                          const std::string& env, const Vec3& shift, const Rgb& power, bool edited) {
-        Lamp moved = lamp;
+        Light moved = emitter;
         moved.ball.centre += shift;
         moved.radiance *= power;
         writeImage(out / "truth" / "relit" / (name + ".exr"), render(eye, materials, &light, moved, 2, 32, 99));
@@ -430,7 +431,7 @@ void score(const Materials& materials, const std::vector<std::string>& names, co
         }
         for (Rgb& w : weight) w /= float(std::max<size_t>(1, count));
         std::vector<Rgb> values, model;
-        Rgb sent(0), found(0);
+        Rgb outgoing(0), found(0);
         for (const BrdfSample& s : samples) {
             values.push_back(materials[size_t(b)](s.towardLight, s.towardEye));
             Rgb sum(0);
@@ -438,16 +439,16 @@ void score(const Materials& materials, const std::vector<std::string>& names, co
                 sum += weight[k] * evaluateLobe(r.basis.lobes[k], s.towardLight, s.towardEye);
             model.push_back(sum);
             if (s.towardEye.z < 0.7f) continue;  // albedo towards eyes within 45 degrees
-            sent += values.back() * (s.solidAngle * s.towardLight.z / 4);
+            outgoing += values.back() * (s.solidAngle * s.towardLight.z / 4);
             found += sum * (s.solidAngle * s.towardLight.z / 4);
         }
         const auto [l2, cube] = brdfErrors(samples, values, model);
         const float tint =
-            std::acos(std::clamp(glm::dot(glm::normalize(sent), glm::normalize(found)), -1.0f, 1.0f)) * 180 / pi;
+            std::acos(std::clamp(glm::dot(glm::normalize(outgoing), glm::normalize(found)), -1.0f, 1.0f)) * 180 / pi;
         std::printf(
             "%s: relative L2 %.3f, cube root %.4f; albedo %.3f %.3f %.3f, found %.3f %.3f %.3f, tint %.2f degrees\n",
-            names[size_t(b)].c_str(), l2, cube, double(sent.x), double(sent.y), double(sent.z), double(found.x),
-            double(found.y), double(found.z), double(tint));
+            names[size_t(b)].c_str(), l2, cube, double(outgoing.x), double(outgoing.y), double(outgoing.z),
+            double(found.x), double(found.y), double(found.z), double(tint));
         for (size_t k = 0; k < weight.size(); ++k) {
             if (!(maxChannel(weight[k]) > 0)) continue;
             std::printf("    %-28s weight %.3f %.3f %.3f", r.basis.lobes[k].name.c_str(), double(weight[k].x),

@@ -6,8 +6,8 @@
 #include <functional>
 
 #include "bench/bench_world.h"
-#include "relight/live_near.h"
-#include "relight/live_visibility.h"
+#include "relight/live/near.h"
+#include "relight/live/visibility.h"
 #include "wavelet/affine_products.h"
 
 namespace relamp::bench {
@@ -29,7 +29,7 @@ const Panel panels[] = {
     above("4 m at 2.5 m", 4, 2.5f), {"2 m upright, things behind", {-1.2f, -1.5f, 0.5f}, {0, 2, 0}, {0, 0, 2}},
 };
 
-/// The bench's scene without its lamp, some of its vertices and what they show of one panel.
+/// The bench's scene without its emitter, some of its vertices and what they show of one panel.
 struct Stage {
     Scene scene;
     LiveOccluders occluders;
@@ -193,8 +193,8 @@ float byDouble(const Stage& s, size_t k, const HaarTree& seen) {
 
 void registerAll() {
     for (const Panel& panel : panels) {
-        const auto add = [&](const std::string& name, std::function<void(benchmark::State&)> body) {
-            benchmark::RegisterBenchmark((std::string(panel.name) + "/" + name).c_str(), std::move(body))
+        const auto add = [&](const std::string& name, std::function<void(benchmark::State&)> part) {
+            benchmark::RegisterBenchmark((std::string(panel.name) + "/" + name).c_str(), std::move(part))
                 ->Unit(benchmark::kMillisecond)
                 ->MinTime(0.2);
         };

@@ -13,9 +13,9 @@
 
 #include "base/parallel.h"
 #include "bench/bench_world.h"
-#include "relight/live_gloss_triple.h"
-#include "relight/live_scene.h"
-#include "relight/live_visibility.h"
+#include "relight/live/gloss_triple.h"
+#include "relight/live/live_scene.h"
+#include "relight/live/visibility.h"
 #include "transport/transport_store.h"
 #include "wavelet/haar.h"
 #include "wavelet/tripling.h"
@@ -41,11 +41,11 @@ double peakGiB() {
 struct Cost {
     double wallMs = 0, processorMs = 0;
 };
-template <class Body>
-Cost costOf(Body&& body) {
+template <class Part>
+Cost costOf(Part&& part) {
     const double before = processorSeconds();
     const auto start = Clock::now();
-    body();
+    part();
     return {1e3 * std::chrono::duration<double>(Clock::now() - start).count(),
             1e3 * (processorSeconds() - before) / availableThreads()};
 }
@@ -125,14 +125,14 @@ void timeEdits(benchmark::State& state, const std::string& name, Edit&& edit) {
     state.counters["processor_ms_a_core"] = measured[name + "_processor"];
 }
 
-void add(const std::string& name, int iterations, std::function<void(benchmark::State&)> body) {
-    benchmark::RegisterBenchmark(name.c_str(), std::move(body))
+void add(const std::string& name, int iterations, std::function<void(benchmark::State&)> part) {
+    benchmark::RegisterBenchmark(name.c_str(), std::move(part))
         ->UseManualTime()
         ->Iterations(iterations)
         ->Unit(benchmark::kMillisecond);
 }
 
-std::vector<uint8_t> lampVertices(const Estimate& e) {
+std::vector<uint8_t> emitterVertices(const Estimate& e) {
     std::vector<uint8_t> mark(e.emitters.emitterOfVertex.size());
     for (size_t v = 0; v < mark.size(); ++v) mark[v] = e.emitters.emitterOfVertex[v] >= 0;
     return mark;
@@ -148,10 +148,10 @@ double rms(const std::vector<Rgb>& a, const std::vector<Rgb>& b, const std::vect
     return sum > 0 ? std::sqrt(difference / sum) : 0;
 }
 std::vector<uint32_t> litVertices(const Stage& s) {
-    const std::vector<uint8_t> lamp = lampVertices(*s.world.estimate);
+    const std::vector<uint8_t> emitter = emitterVertices(*s.world.estimate);
     std::vector<uint32_t> out;
-    for (uint32_t v = 0; v < lamp.size(); ++v)
-        if (!lamp[v]) out.push_back(v);
+    for (uint32_t v = 0; v < emitter.size(); ++v)
+        if (!emitter[v]) out.push_back(v);
     return out;
 }
 
@@ -246,7 +246,7 @@ void bakeCached(benchmark::State& state, size_t n) {
     std::filesystem::remove_all(folder, ignored);
 }
 
-/// The whole edit, from the look to the picture, and the part of it that turns light into light of vertices.
+/// The whole edit, from the look to the image, and the part of it that turns light into light of vertices.
 void environment(benchmark::State& state, size_t n) {
     Stage& s = stage(n, false);
     std::vector<double> sums;
@@ -301,7 +301,7 @@ void drag(benchmark::State& state, size_t n, bool glossy, float grow) {
     });
     const auto coarse = s.live->frame();
     const auto near = s.live->frame();
-    // Refined until within a hundredth of what is reached in the end: the pictures on the way are kept.
+    // Refined until within a hundredth of what is reached in the end: the images on the way are kept.
     std::vector<std::pair<double, std::shared_ptr<const LiveFrame>>> way;
     const auto start = Clock::now();
     bool done = false;
@@ -470,7 +470,7 @@ void eye(benchmark::State& state, size_t n) {
     const auto refined = s.live->frame();
     measured["glossy_refined_s_" + k] = rest.wallMs / 1e3;
     measured["glossy_vertices_" + k] = double(first->report.glossyVertices);
-    // The lamp off and everything refined: what is left besides the matte light is the environment in the lobes.
+    // The emitter off and everything refined: what is left besides the matte light is the environment in the lobes.
     s.look.emitters[0].enabled = false;
     s.answer();
     s.finish();
@@ -479,11 +479,11 @@ void eye(benchmark::State& state, size_t n) {
     s.answer();
     s.finish();
     const Mesh& mesh = s.world.scene->mesh;
-    const std::vector<uint8_t> lamp = lampVertices(*s.world.estimate);
+    const std::vector<uint8_t> emitter = emitterVertices(*s.world.estimate);
     std::vector<uint32_t> chosen;
     for (uint32_t i = 0; chosen.size() < 500 && i < 20000; ++i) {
         const uint32_t v = uint32_t(mixBits(i) % mesh.vertexCount());
-        if (!lamp[v] && glm::dot(mesh.normals[v], glm::normalize(now.position - mesh.positions[v])) > 0.02f)
+        if (!emitter[v] && glm::dot(mesh.normals[v], glm::normalize(now.position - mesh.positions[v])) > 0.02f)
             chosen.push_back(v);
     }
     const LiveGrid grid(32);
@@ -515,7 +515,7 @@ void glossyPaths(benchmark::State& state, size_t n) {
     Stage& s = stage(n, true);
     const Mesh& mesh = s.world.scene->mesh;
     const Reflectance& r = s.world.estimate->reflectance;
-    const std::vector<uint8_t> lamp = lampVertices(*s.world.estimate);
+    const std::vector<uint8_t> emitter = emitterVertices(*s.world.estimate);
     const Eye from = s.eyeAt(0);
     const LiveGrid grid(32);
     const DistantLight& distant = *s.live->frame()->distant;
@@ -529,7 +529,7 @@ void glossyPaths(benchmark::State& state, size_t n) {
     for (uint32_t i = 0; points.size() < 300 && i < 20000; ++i) {
         const uint32_t v = uint32_t(mixBits(i) % mesh.vertexCount());
         const Vec3 to = glm::normalize(from.position - mesh.positions[v]);
-        if (lamp[v] || glm::dot(mesh.normals[v], to) < 0.02f) continue;
+        if (emitter[v] || glm::dot(mesh.normals[v], to) < 0.02f) continue;
         Point p{frameAround(mesh.normals[v]), Vec3(0), std::vector<uint8_t>(grid.nibbleBytes()), {}};
         p.eye = glm::transpose(p.frame) * to;
         const Occluded8 occluded = [&](std::span<const Ray> rays) { return s.world.scene->tracer->occluded8(rays); };
@@ -539,10 +539,10 @@ void glossyPaths(benchmark::State& state, size_t n) {
             if (maxChannel(r.weight[k][v]) > 0) p.lobes.push_back({uint8_t(k), r.weight[k][v]});
         points.push_back(std::move(p));
     }
-    const auto perVertex = [&](auto&& body) {
+    const auto perVertex = [&](auto&& part) {
         const ThreadLimit one(1);
         const double before = processorSeconds();
-        for (size_t i = 0; i < points.size(); ++i) body(i);
+        for (size_t i = 0; i < points.size(); ++i) part(i);
         return 1e6 * (processorSeconds() - before) / double(points.size());
     };
     std::vector<Rgb> truth(points.size()), got(points.size());
@@ -620,7 +620,7 @@ void registerAll(bool large) {
         add("exposure" + k, 9, [n](benchmark::State& s) { exposure(s, n); });
         add("power" + k, 9, [n](benchmark::State& s) { power(s, n); });
         add("drag" + k, 7, [n](benchmark::State& s) { drag(s, n, false, 1); });
-        if (n == 50000) add("drag large lamp" + k, 5, [n](benchmark::State& s) { drag(s, n, false, 3); });
+        if (n == 50000) add("drag large light" + k, 5, [n](benchmark::State& s) { drag(s, n, false, 3); });
         add("brute force" + k, 3, [n](benchmark::State& s) { bruteForce(s, n); });
     }
     for (size_t n : sizes) {
@@ -668,13 +668,13 @@ void printTable(bool large) {
     row("  turned, the whole edit, ms", "env_edit_ms_");
     row("exposure, ms", "exposure_ms_");
     row("emitter power, ms", "power_change_ms_");
-    row("emitter dragged, first picture, ms", "drag_first_ms_");
+    row("emitter dragged, first image, ms", "drag_first_ms_");
     row("  off by, %", "drag_first_error_", 100);
     row("  within 1 % after, s", "drag_refined_s_");
-    row("a lamp of a third of the scene dragged, ms", "drag_first_ms_large_lamp_");
+    row("a light of a third of the scene dragged, ms", "drag_first_ms_large_lamp_");
     row("glossy scene, emitter dragged, ms", "drag_first_ms_glossy_");
     row("glossy scene, eye moved, ms", "glossy_view_ms_");
-    row("  picture off by, %", "glossy_error_", 100);
+    row("  image off by, %", "glossy_error_", 100);
     row("  its glossy part off by, %", "glossy_part_error_", 100);
     row("  refined after, s", "glossy_refined_s_");
     row("  brute force on the environment's cells, ms", "glossy_brute_force_ms_");

@@ -7,7 +7,7 @@
 
 #include "base/parallel.h"
 #include "bench/race_contestants.h"
-#include "solve/qp.h"
+#include "solve/light/qp.h"
 
 namespace relamp::bench {
 namespace {

@@ -127,9 +127,9 @@ inline void projectedGradient(const RaceProblem& problem, Recorder& record) {
         const double bend = step.dot(along);
         if (!(bend > 0)) break;
         // Exact along the feasible step, and never beyond it.
-        const double share = std::min(1.0, -gradient.dot(step) / bend);
-        x += share * step;
-        gradient += share * along;
+        const double fraction = std::min(1.0, -gradient.dot(step) / bend);
+        x += fraction * step;
+        gradient += fraction * along;
         length = step.squaredNorm() / bend;
         if (k % 4 == 0) record(s.scale.cwiseProduct(x));
     }

@@ -1,11 +1,11 @@
 // Lighting programs for the race: x'Qx - 2 c'x over x >= 0, from the forward model on a made world under a sky with a
-// sun and lamps.
+// sun and emitters.
 #pragma once
 #include <string>
 
 #include "bench/bench_world.h"
-#include "solve/albedo_free.h"
-#include "solve/light_prior.h"
+#include "solve/priors/light_prior.h"
+#include "solve/ratio/albedo_free.h"
 #include "transport/incident.h"
 
 namespace relamp::bench {
@@ -18,8 +18,8 @@ struct RaceProblem {
     double objective(const Eigen::VectorXd& x) const { return x.dot(q * x) - 2 * c.dot(x) + constant; }
 };
 
-/// `level`: 4, 5, 6 for 256, 1024, 4096 leaves; three lamps beside. `stiff`: almost no prior, lamps of 1 : 1000 : 1e6,
-/// dark albedos weighted as exactly as bright ones.
+/// `level`: 4, 5, 6 for 256, 1024, 4096 leaves; three emitters beside. `stiff`: almost no prior, emitters of 1 : 1000 :
+/// 1e6, dark albedos weighted as exactly as bright ones.
 inline RaceProblem makeRaceProblem(int level, bool stiff) {
     Progress progress;
     const World world = makeWorld(level < 6 ? 4000 : 7000, false);
@@ -27,7 +27,7 @@ inline RaceProblem makeRaceProblem(int level, bool stiff) {
     VisibilityOptions visibilityOptions;
     visibilityOptions.gridSide = 64;
     const Visibility visibility = computeVisibility(scene, visibilityOptions, progress);
-    // The made world has one lamp; its column stands for three at different places by three vertices' shadows.
+    // The made world has one emitter; its column stands for three at different places by three vertices' shadows.
     const NearField nearField = computeNearField(scene, world.estimate->emitters, {}, progress);
     const LightLeaves leaves = LightLeaves::uniform(level);
     std::vector<uint32_t> vertices;

@@ -15,7 +15,7 @@
 
 #include "image/image_io.h"
 #include "pipeline/pipeline.h"
-#include "relight/live_scene.h"
+#include "relight/live/live_scene.h"
 #include "relight/look.h"
 #include "relight/relit_scene.h"
 #include "shot/export_frame.h"

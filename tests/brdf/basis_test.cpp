@@ -53,7 +53,7 @@ TEST(BasisNamed, KnowsThreeNames) {
     EXPECT_THROW(basisNamed("velvet"), Error);
 }
 
-TEST(LobeAlbedo, IsTheShareOfLightSentBackTowardsTheNormal) {
+TEST(LobeAlbedo, IsTheFractionOfLightSentBackTowardsTheNormal) {
     EXPECT_EQ(lobeAlbedo({Lobe::Kind::ggxDielectric, 0.1f, ""}), 0.04f);
     for (const Lobe& lobe : {Lobe{Lobe::Kind::ward, 0.1f, ""}, Lobe{Lobe::Kind::cookTorrance, 0.2f, ""},
                              Lobe{Lobe::Kind::lafortuneBack, std::sqrt(0.5f), ""}}) {
@@ -82,7 +82,7 @@ TEST(EvaluateLobe, CallsTheModelOfItsKind) {
     const Lobe a{Lobe::Kind::ggx, 0.3f, ""}, b{Lobe::Kind::ward, 0.2f, ""};
     Lobe mixture{Lobe::Kind::mixture, 0.3f, "both"};
     mixture.parts = {a, b};
-    mixture.parts[1].share = 0.25f;
+    mixture.parts[1].fraction = 0.25f;
     EXPECT_NEAR(evaluateLobe(mixture, light, eye), evaluateLobe(a, light, eye) + 0.25f * evaluateLobe(b, light, eye),
                 1e-6f);
 }

@@ -13,21 +13,21 @@ TEST(LayeredAlbedo, OfASmoothDielectricIsFresnelsMean) {
     // Schlick's approximation, normal reflectance 0.04: 0.04 + 0.96 / 21 over cosine-distributed directions; roughness
     // takes some of the grazing part.
     const float mean = 0.04f + 0.96f / 21;
-    const float glaze = hemisphericalAlbedo({Lobe::Kind::ggxDielectric, 0.05f, "glaze"});
-    EXPECT_GT(glaze, 0.75f * mean);
-    EXPECT_LT(glaze, mean);
-    EXPECT_LT(hemisphericalAlbedo({Lobe::Kind::ggxDielectric, 0.5f, "satin"}), glaze);
+    const float coating = hemisphericalAlbedo({Lobe::Kind::ggxDielectric, 0.05f, "glaze"});
+    EXPECT_GT(coating, 0.75f * mean);
+    EXPECT_LT(coating, mean);
+    EXPECT_LT(hemisphericalAlbedo({Lobe::Kind::ggxDielectric, 0.5f, "satin"}), coating);
 }
 
-TEST(LayeredAlbedo, UnderACoatIsReckonedByWhatGetsThrough) {
+TEST(LayeredAlbedo, UnderACoatingIsReckonedByWhatGetsThrough) {
     BrdfBasis basis;
     basis.lobes = {{Lobe::Kind::lambert, 1, "matte"}, {Lobe::Kind::ggxDielectric, 0.1f, "glaze"}};
     const float back = hemisphericalAlbedo(basis.lobes[1]);
-    const std::vector<Rgb> albedo = albedoUnderCoat(
+    const std::vector<Rgb> albedo = albedoUnderCoating(
         basis, {{Rgb(0.4f, 0.1f, 0.05f), Rgb(0.4f), Rgb(0.99f), Rgb(0.2f)}, {Rgb(1), Rgb(0), Rgb(1), Rgb(50)}});
     EXPECT_NEAR(albedo[0].x, 0.4f / (1 - back), 1e-6f);
     EXPECT_NEAR(albedo[0].z, 0.05f / (1 - back), 1e-6f);
-    EXPECT_EQ(albedo[1], Rgb(0.4f));  // no coat
+    EXPECT_EQ(albedo[1], Rgb(0.4f));  // no coating
     EXPECT_EQ(albedo[2], Rgb(1));
     EXPECT_NEAR(albedo[3].y, 0.2f / 0.3f, 1e-6f);
 }

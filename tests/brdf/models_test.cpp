@@ -76,7 +76,7 @@ TEST(Ggx, NeverReflectsMoreThanArrives) {
         }
 }
 
-TEST(Ggx, ReflectsTheClosedFormShareAtAlphaOne) {
+TEST(Ggx, ReflectsTheClosedFormFractionAtAlphaOne) {
     // D = 1 / pi and the masking is 0.5 / (cos l + cos e), so the albedo is 1 - c ln((1 + c) / c) at eye cosine c.
     const Brdf brdf = [](const Vec3& l, const Vec3& e) { return ggx(l, e, 1); };
     EXPECT_NEAR(albedo(brdf, direction(0)), 1 - std::log(2.0), 1e-4);
@@ -104,7 +104,7 @@ TEST(Ggx, DielectricIsBareGgxTimesFresnelAtTheHalfVector) {
     EXPECT_NEAR(ggxDielectric(light, eye, 0.3f) / ggx(light, eye, 0.3f), dielectricFresnel(cosine), 1e-5);
 }
 
-TEST(GgxSampling, DensityIntegratesToAtMostOneAndAtNormalIncidenceToTheShareOfHalfVectorsWithin45Degrees) {
+TEST(GgxSampling, DensityIntegratesToAtMostOneAndAtNormalIncidenceToTheFractionOfHalfVectorsWithin45Degrees) {
     for (const float alpha : {0.1f, 0.3f, 0.7f})
         for (const double zenith : {0.0, 45.0, 80.0}) {
             const double total =
@@ -131,14 +131,14 @@ TEST(GgxSampling, HistogramOfSamplesIsTheDensity) {
                 if (l.z > 0) ++count[size_t(grid.cellOf(l))];
             }
             for (int cell = 0; cell < grid.cells(); ++cell) {
-                double share = 0;
+                double fraction = 0;
                 for (int k = 0; k < fine * fine; ++k) {
                     const Vec2 inside((float(k % fine) + 0.5f) / float(fine), (float(k / fine) + 0.5f) / float(fine));
-                    share += double(ggxSampleDensity(grid.direction(cell, inside), eye, alpha));
+                    fraction += double(ggxSampleDensity(grid.direction(cell, inside), eye, alpha));
                 }
-                share *= double(grid.cellSolidAngle()) / (fine * fine);
+                fraction *= double(grid.cellSolidAngle()) / (fine * fine);
                 const double found = double(count[size_t(cell)]) / samples;
-                EXPECT_NEAR(found, share, 5 * std::sqrt(share / samples) + 2e-4)
+                EXPECT_NEAR(found, fraction, 5 * std::sqrt(fraction / samples) + 2e-4)
                     << "alpha " << alpha << " zenith " << zenith << " cell " << cell;
             }
         }

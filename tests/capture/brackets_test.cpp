@@ -45,28 +45,28 @@ Rgb radianceAt(int x, int y, int width, int height) {
 
 struct PhotographedWorld {
     std::vector<double> times{0.004, 1 / 60.0, 1 / 15.0, 0.25, 1};
-    std::vector<CodePicture> pictures;
+    std::vector<CodeImage> images;
     Image truth;
 
     explicit PhotographedWorld(const KnownCamera& camera = {}, int width = 192, int height = 96, double scale = 1)
         : truth(width, height) {
         for (int y = 0; y < height; ++y)
             for (int x = 0; x < width; ++x) truth.at(x, y) = float(scale) * radianceAt(x, y, width, height);
-        for (size_t i = 0; i < times.size(); ++i) pictures.push_back(photograph(camera, times[i], i));
+        for (size_t i = 0; i < times.size(); ++i) images.push_back(photograph(camera, times[i], i));
     }
-    CodePicture photograph(const KnownCamera& camera, double time, uint64_t seed) const {
-        CodePicture picture{truth.width, truth.height, false, std::vector<uint16_t>(truth.pixels.size() * 3)};
+    CodeImage photograph(const KnownCamera& camera, double time, uint64_t seed) const {
+        CodeImage image{truth.width, truth.height, false, std::vector<uint16_t>(truth.pixels.size() * 3)};
         for (size_t p = 0; p < truth.pixels.size(); ++p)
             for (int c = 0; c < 3; ++c) {
                 const double x = double(truth.pixels[p][c]) * time;
                 const double noisy = x + std::sqrt(0.004 * 0.004 * std::min(x, 1.0) + 0.0006 * 0.0006) *
                                              noise(seed, p * 3 + uint64_t(c));
-                picture.codes[p * 3 + size_t(c)] = uint16_t(257 * std::lround(camera.code(c, noisy)));
+                image.codes[p * 3 + size_t(c)] = uint16_t(257 * std::lround(camera.code(c, noisy)));
             }
-        return picture;
+        return image;
     }
     ResponseCurve response(double smoothness = 1) const {
-        return fitResponse(sampleBracket(pictures, times, 3000), smoothness);
+        return fitResponse(sampleBracket(images, times, 3000), smoothness);
     }
 };
 
@@ -125,13 +125,13 @@ TEST(Brackets, CurvesNeverFallAndInvert) {
 TEST(Brackets, MergedRadianceIsTheWorldsWithinItsNoise) {
     const PhotographedWorld world;
     Progress progress;
-    const MergedBracket merged = mergeCodes(world.pictures, world.times, world.response(), {}, progress);
+    const MergedBracket merged = mergeCodes(world.images, world.times, world.response(), {}, progress);
     EXPECT_LT(medianError(merged, world), 0.03);
     EXPECT_EQ(merged.ghosts, 0u);
 }
 
 TEST(Brackets, ALinearCameraIsUsedAsItIsAndTheScaleIsFullScaleAtOneSecond) {
-    CodePicture dim{1, 1, true, {6553, 13107, 26214}}, bright{1, 1, true, {26214, 52428, 65535}};
+    CodeImage dim{1, 1, true, {6553, 13107, 26214}}, bright{1, 1, true, {26214, 52428, 65535}};
     Progress progress;
     const MergedBracket merged = mergeCodes({dim, bright}, {0.5, 2}, linearResponse(), {}, progress);
     EXPECT_NEAR(merged.image.at(0, 0).x, 0.2f, 1e-4);
@@ -144,10 +144,10 @@ TEST(Brackets, ALinearCameraIsUsedAsItIsAndTheScaleIsFullScaleAtOneSecond) {
 TEST(Brackets, ClippedInTheShortestIsFlaggedAndALowerBound) {
     PhotographedWorld world;
     world.truth.at(30, 40) = Rgb(400);  // 1.6 at the shortest
-    world.pictures.clear();
-    for (size_t i = 0; i < world.times.size(); ++i) world.pictures.push_back(world.photograph({}, world.times[i], i));
+    world.images.clear();
+    for (size_t i = 0; i < world.times.size(); ++i) world.images.push_back(world.photograph({}, world.times[i], i));
     Progress progress;
-    const MergedBracket merged = mergeCodes(world.pictures, world.times, world.response(), {}, progress);
+    const MergedBracket merged = mergeCodes(world.images, world.times, world.response(), {}, progress);
     const size_t p = size_t(40) * 192 + 30;
     EXPECT_TRUE(merged.clipped[p]);
     EXPECT_GE(maxChannel(merged.image.pixels[p]), merged.saturation);
@@ -162,9 +162,9 @@ TEST(Brackets, WhatMovedIsFlaggedLeftOutAndShownOnce) {
     // A grey card over a mid-tone patch, in one exposure only.
     for (int y = 30; y < 50; ++y)
         for (int x = 90; x < 110; ++x)
-            for (size_t c = 0; c < 3; ++c) world.pictures[2].codes[(size_t(y) * 192 + size_t(x)) * 3 + c] = 120 * 257;
+            for (size_t c = 0; c < 3; ++c) world.images[2].codes[(size_t(y) * 192 + size_t(x)) * 3 + c] = 120 * 257;
     Progress progress;
-    const MergedBracket merged = mergeCodes(world.pictures, world.times, curve, {}, progress);
+    const MergedBracket merged = mergeCodes(world.images, world.times, curve, {}, progress);
     size_t inside = 0;
     for (int y = 31; y < 49; ++y)
         for (int x = 91; x < 109; ++x) inside += merged.ghost[size_t(y) * 192 + size_t(x)];
@@ -177,7 +177,7 @@ TEST(Brackets, WhatMovedIsFlaggedLeftOutAndShownOnce) {
     EXPECT_NEAR(ratio.y / beside.y, 1, 0.1);
     BracketOptions keep;
     keep.rejectGhosts = false;
-    EXPECT_EQ(mergeCodes(world.pictures, world.times, curve, keep, progress).ghosts, 0u);
+    EXPECT_EQ(mergeCodes(world.images, world.times, curve, keep, progress).ghosts, 0u);
 }
 
 /// A wall of blocks with sharp edges, as a camera at (dx, dy) sees it.
@@ -200,7 +200,7 @@ PhotographedWorld blockWorld(const std::vector<PixelShift>& shifts) {
     };
     for (size_t i = 0; i < world.times.size(); ++i) {
         world.truth = cut(shifts[i]);
-        world.pictures[i] = world.photograph({}, world.times[i], i);
+        world.images[i] = world.photograph({}, world.times[i], i);
     }
     world.truth = cut({});
     return world;
@@ -209,14 +209,14 @@ PhotographedWorld blockWorld(const std::vector<PixelShift>& shifts) {
 TEST(RegisterBracket, FindsTheShiftsOfHandHeldExposures) {
     const std::vector<PixelShift> shifts{{6, -4}, {-3, 5}, {0, 0}, {2, 7}, {-8, -1}};
     const PhotographedWorld world = blockWorld(shifts);
-    EXPECT_EQ(bracketShifts(world.pictures, world.times, 2), shifts);
+    EXPECT_EQ(bracketShifts(world.images, world.times, 2), shifts);
 }
 
 TEST(RegisterBracket, LeavesATripodsExposuresAlone) {
     const PhotographedWorld world = blockWorld(std::vector<PixelShift>(5));
-    EXPECT_EQ(bracketShifts(world.pictures, world.times, 2), std::vector<PixelShift>(5));
+    EXPECT_EQ(bracketShifts(world.images, world.times, 2), std::vector<PixelShift>(5));
     const PhotographedWorld smooth;
-    EXPECT_EQ(bracketShifts(smooth.pictures, smooth.times, 2), std::vector<PixelShift>(5));
+    EXPECT_EQ(bracketShifts(smooth.images, smooth.times, 2), std::vector<PixelShift>(5));
 }
 
 TEST(RegisterBracket, ShiftedExposuresMergeAsWellAsStillOnes) {
@@ -227,11 +227,10 @@ TEST(RegisterBracket, ShiftedExposuresMergeAsWellAsStillOnes) {
     BracketOptions keep;
     keep.rejectGhosts = false;
     const auto merge = [&](const PhotographedWorld& world, bool align) {
-        std::vector<CodePicture> pictures = world.pictures;
-        const std::vector<PixelShift> found =
-            align ? bracketShifts(pictures, world.times, 2) : std::vector<PixelShift>{};
-        for (size_t i = 0; i < found.size(); ++i) pictures[i] = shifted(pictures[i], found[i]);
-        return mergeCodes(pictures, world.times, curve, keep, progress, found);
+        std::vector<CodeImage> images = world.images;
+        const std::vector<PixelShift> found = align ? bracketShifts(images, world.times, 2) : std::vector<PixelShift>{};
+        for (size_t i = 0; i < found.size(); ++i) images[i] = shifted(images[i], found[i]);
+        return mergeCodes(images, world.times, curve, keep, progress, found);
     };
     const auto meanError = [](const MergedBracket& merged, const PhotographedWorld& world) {
         double sum = 0, count = 0;
@@ -251,10 +250,10 @@ TEST(RegisterBracket, WhatAnExposureDoesNotShowIsNotDark) {
     // Only the long exposure sees the dark rim well, and it is shifted away there: the others say what is there.
     const std::vector<PixelShift> shifts{{0, 0}, {0, 0}, {0, 0}, {0, 0}, {8, 0}};
     const PhotographedWorld world = blockWorld(shifts);
-    std::vector<CodePicture> pictures = world.pictures;
-    pictures[4] = shifted(pictures[4], shifts[4]);
+    std::vector<CodeImage> images = world.images;
+    images[4] = shifted(images[4], shifts[4]);
     Progress progress;
-    const MergedBracket merged = mergeCodes(pictures, world.times, world.response(), {}, progress, shifts);
+    const MergedBracket merged = mergeCodes(images, world.times, world.response(), {}, progress, shifts);
     for (int y = 0; y < 160; ++y)
         for (int x = 232; x < 240; ++x) {
             const size_t p = size_t(y) * 240 + size_t(x);
@@ -268,7 +267,7 @@ TEST(Brackets, SameBitsOnOneAndManyThreads) {
     const auto run = [&](int threads) {
         const ThreadLimit limit(threads);
         Progress progress;
-        return mergeCodes(world.pictures, world.times, world.response(), {}, progress);
+        return mergeCodes(world.images, world.times, world.response(), {}, progress);
     };
     const MergedBracket one = run(1), many = run(4);
     EXPECT_EQ(one.image.pixels, many.image.pixels);
@@ -278,13 +277,13 @@ TEST(Brackets, SameBitsOnOneAndManyThreads) {
 TEST(Brackets, ExposuresThatTellNothingAreRefused) {
     PhotographedWorld world;
     EXPECT_EQ(test::messageOf([&] {
-                  fitResponse(sampleBracket(world.pictures, {1, 1, 1, 1, 1}, 500));
+                  fitResponse(sampleBracket(world.images, {1, 1, 1, 1, 1}, 500));
               }),
               "the exposures do not differ, expected brackets of different exposure times");
-    for (CodePicture& p : world.pictures) std::fill(p.codes.begin(), p.codes.end(), uint16_t(0));
-    EXPECT_THROW(fitResponse(sampleBracket(world.pictures, world.times, 500)), Error);
-    for (CodePicture& p : world.pictures) std::fill(p.codes.begin(), p.codes.end(), uint16_t(65535));
-    EXPECT_THROW(fitResponse(sampleBracket(world.pictures, world.times, 500)), Error);
+    for (CodeImage& p : world.images) std::fill(p.codes.begin(), p.codes.end(), uint16_t(0));
+    EXPECT_THROW(fitResponse(sampleBracket(world.images, world.times, 500)), Error);
+    for (CodeImage& p : world.images) std::fill(p.codes.begin(), p.codes.end(), uint16_t(65535));
+    EXPECT_THROW(fitResponse(sampleBracket(world.images, world.times, 500)), Error);
     EXPECT_THROW(fitResponse({}), Error);
 }
 
@@ -311,12 +310,12 @@ protected:
             nlohmann::json exposures = nlohmann::json::array();
             for (size_t i = 0; i < world.times.size(); ++i) {
                 const std::string name = fmt::format("images/{}-{}.png", v, i);
-                Image picture(96,
-                              64);  // written through the sRGB curve, so decoded first: the file then holds the codes
-                for (size_t p = 0; p < picture.pixels.size(); ++p)
+                Image image(96,
+                            64);  // written through the sRGB curve, so decoded first: the file then holds the codes
+                for (size_t p = 0; p < image.pixels.size(); ++p)
                     for (size_t c = 0; c < 3; ++c)
-                        picture.pixels[p][int(c)] = srgbDecode(float(world.pictures[i].codes[p * 3 + c]) / 65535);
-                writeImage(folder / name, picture);
+                        image.pixels[p][int(c)] = srgbDecode(float(world.images[i].codes[p * 3 + c]) / 65535);
+                writeImage(folder / name, image);
                 exposures.push_back({{"file_path", name}, {"exposure_time", world.times[i]}});
             }
             file["frames"].push_back({{"file_path", fmt::format("images/{}-2.png", v)},
@@ -357,7 +356,7 @@ TEST_F(BracketCapture, FilePathMayBeLeftOut) {
     EXPECT_EQ(load().views[1].name, "images/1-0.png");
 }
 
-TEST_F(BracketCapture, AnHdrPictureIsReadInsteadUnlessBracketsAreAskedFor) {
+TEST_F(BracketCapture, AnHdrImageIsReadInsteadUnlessBracketsAreAskedFor) {
     for (int v = 0; v < 2; ++v) {
         writeImage(folder / fmt::format("images/{}.exr", v), Image(96, 64, Rgb(0.25f)));
         file["frames"][size_t(v)]["file_path"] = fmt::format("images/{}.exr", v);
@@ -396,7 +395,7 @@ TEST_F(BracketCapture, ExposuresOfAnotherSizeAreRefused) {
 TEST_F(BracketCapture, RadianceFilesAreNoBrackets) {
     writeImage(folder / "images/1-3.exr", Image(96, 64, Rgb(0.5f)));
     file["frames"][1]["exposures"][3]["file_path"] = "images/1-3.exr";
-    EXPECT_NE(error().find("images/1-3.exr: is no 8 or 16 bit picture, so it is radiance already"), std::string::npos);
+    EXPECT_NE(error().find("images/1-3.exr: is no 8 or 16 bit image, so it is radiance already"), std::string::npos);
 }
 
 }  // namespace

@@ -380,7 +380,7 @@ TEST_F(ColmapCapture, AFolderWithASparseModelIsRecognisedAndStandsUpright) {
     EXPECT_FALSE(check.lookBackwards);
     EXPECT_EQ(check.up, "-y");
     EXPECT_EQ(check.upGuess, "-y");
-    EXPECT_GT(check.views[0].meshShare, 0.5);
+    EXPECT_GT(check.views[0].meshFraction, 0.5);
 }
 
 TEST_F(ColmapCapture, PlacesAreTakenAsGiven) {
@@ -427,7 +427,7 @@ TEST_F(ColmapCapture, AMeshInAnotherUnitIsNamedWithItsFix) {
                             [](const std::string& w) { return w.find("--mesh-scale 0.0") != std::string::npos; }));
 }
 
-TEST_F(ColmapCapture, SmallerPicturesOfTheSameShapeScaleTheCamera) {
+TEST_F(ColmapCapture, SmallerImagesOfTheSameShapeScaleTheCamera) {
     for (const char* name : {"images/a.png", "images/b.png"}) writeImage(folder / name, Image(8, 6, Rgb(0.5f)));
     const Capture capture = load();
     EXPECT_EQ(capture.views[0].camera.width, 8);

@@ -61,7 +61,7 @@ protected:
     test::TemporaryFolder folder;
 };
 
-TEST_F(HostileCapture, APictureOfAMillionPixelsSquareIsRefusedFromItsHeader) {
+TEST_F(HostileCapture, AnImageOfAMillionPixelsSquareIsRefusedFromItsHeader) {
     folder.write("a.exr", exrOf(folder, 1'000'000));
     const double before = residentMib();
     EXPECT_EQ(test::messageOf([&] { readImage(folder / "a.exr"); }),
@@ -100,7 +100,7 @@ TEST_F(HostileCapture, MeshesThatClaimWhatTheyCannotHoldAreRefused) {
     EXPECT_NE(error(good).find((folder / "bad.ply").string()), std::string::npos);
 }
 
-TEST_F(HostileCapture, BracketsOfHostilePicturesAreRefused) {
+TEST_F(HostileCapture, BracketsOfHostileImagesAreRefused) {
     writeImage(folder / "b.png", Image(16, 12, Rgb(0.5f)));
     std::string png = test::TemporaryFolder::read(folder / "b.png");
     png[16 + 1] = '\x7f';  // a width of 8 million; the header's checksum no longer fits either

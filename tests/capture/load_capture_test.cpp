@@ -44,7 +44,7 @@ protected:
     json file;
 };
 
-TEST_F(LoadCapture, ReadsViewsMeshAndPictures) {
+TEST_F(LoadCapture, ReadsViewsMeshAndImages) {
     const Capture capture = load();
     ASSERT_EQ(capture.views.size(), 2u);
     EXPECT_EQ(capture.views[1].name, "images/b.exr");
@@ -61,9 +61,9 @@ TEST_F(LoadCapture, NamesTheFrameWhoseImageIsMissing) {
 }
 
 TEST_F(LoadCapture, NamesTheFrameWhoseImageIsUnreadable) {
-    folder.write("images/b.exr", "no picture");
+    folder.write("images/b.exr", "no image");
     EXPECT_NE(
-        error().find("transforms.json: frame 1: " + (folder / "images/b.exr").string() + ": is not a readable picture"),
+        error().find("transforms.json: frame 1: " + (folder / "images/b.exr").string() + ": is not a readable image"),
         std::string::npos);
 }
 
@@ -73,7 +73,7 @@ TEST_F(LoadCapture, NamesTheSizesWhenAnImageHasAnother) {
                            ": is 12 x 16 pixels, w and h say 16 x 12");
 }
 
-TEST_F(LoadCapture, FindsPicturesWithoutEndingAndWithBackslashes) {
+TEST_F(LoadCapture, FindsImagesWithoutEndingAndWithBackslashes) {
     file["frames"][0]["file_path"] = "./images/a";
     file["frames"][1]["file_path"] = "images\\b.exr";
     file.erase("w");
@@ -93,7 +93,7 @@ TEST_F(LoadCapture, BadPixelsAreCountedInTheNotes) {
     EXPECT_FALSE(capture.views[1].image.usableAt(0, 0));
 }
 
-TEST_F(LoadCapture, BlackAndClippedPicturesAreNotedAndNotRefused) {
+TEST_F(LoadCapture, BlackAndClippedImagesAreNotedAndNotRefused) {
     writeImage(folder / "images/a.exr", Image(16, 12));
     writeImage(folder / "images/b.png", Image(16, 12, Rgb(2)));
     file["frames"][1]["file_path"] = "images/b.png";
@@ -117,7 +117,7 @@ TEST_F(LoadCapture, MasksOfEitherNameAreApplied) {
     EXPECT_EQ(capture.views[0].image.at(4, 5), Rgb(0.5f));
     EXPECT_TRUE(anyHolds(capture.notes, "images/b.exr: 2 pixels are masked."));
     writeImage(folder / "masks/a.exr.png", Image(8, 6, Rgb(1)));
-    EXPECT_NE(error().find("a.exr.png: is 8 x 6 pixels, its picture is 16 x 12"), std::string::npos);
+    EXPECT_NE(error().find("a.exr.png: is 8 x 6 pixels, its image is 16 x 12"), std::string::npos);
 }
 
 TEST_F(LoadCapture, OnePhotographIsReadAsAllAre) {
@@ -170,9 +170,9 @@ TEST_F(LoadCapture, TheDoctorFindsNothingWrongWithViewsThatAgree) {
     const CaptureCheck check = checkCapture(load(), progress);
     ASSERT_EQ(check.views.size(), 2u);
     // 12 pixels of focal length, 2 m away: the square of 2 m covers 12 x 12 of 16 x 12 pixels.
-    EXPECT_NEAR(check.views[0].meshShare, 0.75, 1e-6);
+    EXPECT_NEAR(check.views[0].meshFraction, 0.75, 1e-6);
     EXPECT_NEAR(check.views[0].meanRadiance, 0.5, 1e-6);
-    EXPECT_EQ(check.views[0].maskedShare, 0);
+    EXPECT_EQ(check.views[0].maskedFraction, 0);
     EXPECT_EQ(check.upGuess, "y");
     EXPECT_FALSE(check.lookBackwards);
     EXPECT_EQ(toJson(check)["views"][1]["name"], "images/b.exr");
@@ -194,7 +194,7 @@ TEST_F(LoadCapture, TheDoctorFindsTheViewOfAnotherExposure) {
     EXPECT_NEAR(check.views[1].exposureStops, 1, 0.1);
     EXPECT_NEAR(check.views[0].exposureStops, 0, 0.1);
     EXPECT_TRUE(anyHolds(check.warnings, "images/b.exr: is"));
-    EXPECT_EQ(check.seenTwiceShare, 1);
+    EXPECT_EQ(check.seenTwiceFraction, 1);
 }
 
 TEST_F(LoadCapture, TheDoctorKnowsAnObjectBeforeABlackBackground) {
@@ -207,7 +207,7 @@ TEST_F(LoadCapture, TheDoctorKnowsAnObjectBeforeABlackBackground) {
     for (const char* name : {"images/a.exr", "images/b.exr"}) writeImage(folder / name, cut);
     const CaptureCheck check = checkCapture(load(), progress);
     EXPECT_TRUE(check.backdrop);
-    EXPECT_EQ(check.views[0].lightShare, 0);
+    EXPECT_EQ(check.views[0].lightFraction, 0);
     EXPECT_TRUE(anyHolds(check.warnings, "before a masked or black background"));
 }
 

@@ -82,7 +82,7 @@ TEST(TransformsJson, FieldOfViewStandsInForTheFocalLength) {
     EXPECT_EQ(c.centreY, 24);
 }
 
-TEST(TransformsJson, MissingSizesAreTakenFromThePicture) {
+TEST(TransformsJson, MissingSizesAreTakenFromTheImage) {
     json file = goodFile();
     file.erase("w");
     file.erase("h");

@@ -55,11 +55,11 @@ TEST(Clusters, FindNoEmitterWhereThereIsNone) {
 
 TEST(Clusters, FindAUniformBrightPatchWithItsVertices) {
     const Scene scene = floorScene();
-    const Rgb lamp(60, 50, 40);
+    const Rgb emitter(60, 50, 40);
     const EmitterClusters found =
         clusters(scene, looks(scene, 3, [&](uint32_t v, uint32_t i) {
                      return inSquare(scene.mesh.positions[v], 0.3f, -0.2f, 0.15f)
-                                ? lamp * (1 + 0.01f * (unitFloat(mixBits(v + i * 7919)) - 0.5f))
+                                ? emitter * (1 + 0.01f * (unitFloat(mixBits(v + i * 7919)) - 0.5f))
                                 : shaded(scene, v, i);
                  }));
     ASSERT_EQ(found.emitters.size(), 1u);
@@ -74,7 +74,7 @@ TEST(Clusters, FindAUniformBrightPatchWithItsVertices) {
     EXPECT_NEAR(e.area, 0.09, 1e-4);
     EXPECT_LT(glm::length(e.centroid - Vec3(0.3f, -0.2f, 0)), 1e-3f);
     EXPECT_LT(glm::length(e.normal - Vec3(0, 0, 1)), 1e-4f);
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(e.radiance[c], lamp[c], 0.01f * lamp[c]);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(e.radiance[c], emitter[c], 0.01f * emitter[c]);
     EXPECT_EQ(e.evidence.viewsSeen, 3);
     EXPECT_GT(e.evidence.sceneContrast, 12);
     EXPECT_LT(e.evidence.edgeDrop, 0.1f);
@@ -82,7 +82,7 @@ TEST(Clusters, FindAUniformBrightPatchWithItsVertices) {
     EXPECT_EQ(size_t(std::count(found.emitterOfTriangle.begin(), found.emitterOfTriangle.end(), 0)), 72u);
 }
 
-TEST(Clusters, ASpeckOfAPixelIsNoLampThoughManyVerticesShowIt) {
+TEST(Clusters, ASpeckOfAPixelIsNoEmitterThoughManyVerticesShowIt) {
     // A very fine mesh under coarse cameras: the bright spot of 49 vertices is one pixel in each of three views, or,
     // seen from near, many.
     const Scene scene = test::sceneOf(test::sheet({-0.1f, -0.1f, 0}, {0.2f, 0, 0}, {0, 0.2f, 0}, 40, 40));
@@ -105,16 +105,16 @@ TEST(Clusters, ASpeckOfAPixelIsNoLampThoughManyVerticesShowIt) {
     }
 }
 
-TEST(Clusters, ABrightRimOfAHoleIsNoLampButABrightSheetIs) {
+TEST(Clusters, ABrightRimOfAHoleIsNoEmitterButABrightSheetIs) {
     // The floor with a hole, a window behind it: the two rows of vertices at the hole's left rim see the window.
     Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 40, 40);
     std::erase_if(mesh.triangles, [&](const Triangle& t) {
         return std::all_of(t.begin(), t.end(),
                            [&](uint32_t v) { return inSquare(mesh.positions[v], 0.3f, 0.3f, 0.2f); });
     });
-    const Mesh lamp = test::sheet({-0.7f, -0.7f, 0.5f}, {0.2f, 0, 0}, {0, 0.1f, 0}, 4, 2);
+    const Mesh emitter = test::sheet({-0.7f, -0.7f, 0.5f}, {0.2f, 0, 0}, {0, 0.1f, 0}, 4, 2);
     const size_t ofFloor = mesh.vertexCount();
-    test::append(mesh, lamp);
+    test::append(mesh, emitter);
     const Scene scene = test::sceneOf(mesh);
     const auto atRim = [&](const Vec3& p) {
         return p.z < 0.1f && p.x > 0.04f && p.x < 0.11f && std::abs(p.y - 0.3f) < 0.16f;
@@ -124,7 +124,7 @@ TEST(Clusters, ABrightRimOfAHoleIsNoLampButABrightSheetIs) {
                                                return v >= ofFloor ? Rgb(80) : atRim(p) ? Rgb(60) : shaded(scene, v, i);
                                            }));
     ASSERT_EQ(found.emitters.size(), 1u);
-    EXPECT_EQ(found.emitters[0].vertices.size(), lamp.vertexCount());
+    EXPECT_EQ(found.emitters[0].vertices.size(), emitter.vertexCount());
     EXPECT_TRUE(std::any_of(found.rejected.begin(), found.rejected.end(), [](const RejectedPatch& r) {
         return r.reason.find("rim of a hole") != std::string::npos;
     }));
@@ -142,7 +142,7 @@ TEST(Clusters, RejectAHighlightThatMovesWithTheView) {
     EXPECT_EQ(found.candidates.size(), 0u);
 }
 
-TEST(Clusters, KeepALampThatSomePhotographsShowBrighterForTheLightFit) {
+TEST(Clusters, KeepAnEmitterThatSomePhotographsShowBrighterForTheLightFit) {
     const Scene scene = floorScene();
     const auto look = [&](const std::function<float(const Vec3&, uint32_t)>& change) {
         return clusters(scene, looks(scene, 4, [&](uint32_t v, uint32_t i) {
@@ -173,19 +173,19 @@ TEST(Clusters, RejectAGlowThatFadesOutWithoutAnEdge) {
     EXPECT_EQ(found.candidates.size(), 0u);
 }
 
-TEST(Clusters, TakeABodyOfUnevenRadianceForOneLampOfItsMean) {
+TEST(Clusters, TakeAPartOfUnevenRadianceForOneEmitterOfItsMean) {
     Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 40, 40);
-    // What a lamp beside it lights looks the same and is none; it hangs above a second square.
-    const std::vector<uint32_t> lamp = test::append(mesh, test::squareAbove(0.5f, -0.6f, -0.6f, 0.2f, 4));
+    // What an emitter beside it lights looks the same and is none; it hangs above a second square.
+    const std::vector<uint32_t> emitter = test::append(mesh, test::squareAbove(0.5f, -0.6f, -0.6f, 0.2f, 4));
     const Scene scene = test::sceneOf(mesh);
-    std::vector<uint8_t> onLamp(scene.mesh.vertexCount(), 0);
-    for (uint32_t t : lamp)
-        for (uint32_t v : scene.mesh.triangles[t]) onLamp[v] = 1;
+    std::vector<uint8_t> onEmitter(scene.mesh.vertexCount(), 0);
+    for (uint32_t t : emitter)
+        for (uint32_t v : scene.mesh.triangles[t]) onEmitter[v] = 1;
     const auto ramp = [](float along) { return Rgb(40, 30, 20) * (1 + 0.5f * along); };  // 1 : 3 from -1 to 1
-    const auto look = [&](bool lampOn) {
+    const auto look = [&](bool emitterOn) {
         return clusters(scene, looks(scene, 3, [&](uint32_t v, uint32_t i) {
                             const Vec3 p = scene.mesh.positions[v];
-                            if (onLamp[v]) return Rgb(lampOn ? 2000.0f : 1.0f);
+                            if (onEmitter[v]) return Rgb(emitterOn ? 2000.0f : 1.0f);
                             for (const float centre : {0.6f, -0.6f})
                                 if (inSquare(p, centre, centre, 0.25f)) return ramp((p.x - centre) / 0.25f);
                             return shaded(scene, v, i);
@@ -249,7 +249,7 @@ TEST(Clusters, TakeAWholeBulbWhenItsSeenSideShines) {
     std::sort(triangles.begin(), triangles.end());
     EXPECT_EQ(triangles, bulb);
     EXPECT_LT(glm::length(found.emitters[0].centroid - Vec3(0, 0, 0.5f)), 0.005f);
-    EXPECT_EQ(found.emitters[0].normal, Vec3(0)) << "a closed body has no side";
+    EXPECT_EQ(found.emitters[0].normal, Vec3(0)) << "a closed part has no side";
 }
 
 TEST(Clusters, OfNothingSeenAreNone) {
@@ -271,7 +271,8 @@ TEST(Clusters, AreIndexedByPowerAndNamedInThatOrder) {
 }
 
 TEST(Clusters, DoNotCareForTheOrderOfTheFile) {
-    // A lamp that is brighter in the middle, so that what joins it rests on what joined before, in a file turned round.
+    // An emitter that is brighter in the middle, so that what joins it rests on what joined before, in a file turned
+    // round.
     Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 30, 30);
     const uint32_t count = uint32_t(mesh.vertexCount());
     const auto radianceAt = [](const Vec3& p) {
@@ -285,9 +286,9 @@ TEST(Clusters, DoNotCareForTheOrderOfTheFile) {
             for (uint32_t i = 0; i < 2; ++i) samples.samples.push_back({i, radianceAt(m.positions[v]), 1, false});
         }
         samples.start.push_back(uint32_t(samples.samples.size()));
-        const EmitterClusters lamps = clusters(scene, samples);
+        const EmitterClusters emitters = clusters(scene, samples);
         std::vector<Vec3> middles;
-        for (const EmitterCluster& e : lamps.emitters)
+        for (const EmitterCluster& e : emitters.emitters)
             for (const uint32_t t : e.triangles)
                 middles.push_back(
                     (m.positions[m.triangles[t][0]] + m.positions[m.triangles[t][1]] + m.positions[m.triangles[t][2]]) /

@@ -7,20 +7,20 @@
 namespace relamp {
 namespace {
 
-/// A floor, a box on it, and a square lamp of radiance (4, 2, 1) at height 1 that faces down.
+/// A floor, a box on it, and a square emitter of radiance (4, 2, 1) at height 1 that faces down.
 struct Room {
     Scene scene;
     Estimate estimate;
-    uint32_t floorVertex = 0, boxVertex = 0, lampVertex = 0;
+    uint32_t floorVertex = 0, boxVertex = 0, emitterVertex = 0;
 
     Room() {
         Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 8, 8);
         boxVertex = uint32_t(mesh.vertexCount());
         test::append(mesh, test::box({0.1f, -0.05f, 0.95f}, {0.2f, 0.05f, 1.1f}, 2));
-        lampVertex = uint32_t(mesh.vertexCount());
-        const std::vector<uint32_t> lamp = test::append(mesh, test::squareAbove(0.2f, 0, 0, 1, 2));
+        emitterVertex = uint32_t(mesh.vertexCount());
+        const std::vector<uint32_t> emitter = test::append(mesh, test::squareAbove(0.2f, 0, 0, 1, 2));
         scene = test::sceneOf(mesh);
-        estimate = test::matteEstimate(scene, Rgb(0.5f), Rgb(0.1f), test::emittersOf(scene, {lamp}, {Rgb(4, 2, 1)}));
+        estimate = test::matteEstimate(scene, Rgb(0.5f), Rgb(0.1f), test::emittersOf(scene, {emitter}, {Rgb(4, 2, 1)}));
     }
 };
 
@@ -72,7 +72,7 @@ TEST(EmitterEdits, attachedPartsFollowAndStayWhenDetached) {
     moveEmitter(look, "emitter-1", test::translation({0.5f, 0, 0}));
     ASSERT_EQ(look.parts.size(), 1u);
     EXPECT_EQ(look.parts[0].matrix, test::translation({0.5f, 0, 0}));
-    detachPart(look, room().scene, room().boxVertex + 1);  // any vertex of the piece
+    detachPart(look, room().scene, room().boxVertex + 1);  // any vertex of the component
     moveEmitter(look, "emitter-1", test::translation({0.5f, 0, 0}));
     EXPECT_EQ(look.parts[0].matrix, test::translation({0.5f, 0, 0}));
     resetPart(look, room().scene, room().boxVertex);
@@ -87,10 +87,10 @@ TEST(EmitterEdits, resettingThePlaceBringsAttachedPartsBack) {
     EXPECT_EQ(look.parts.at(0).matrix, Mat4(1));
 }
 
-TEST(EmitterEdits, likelyPartsAreWhatTouchesTheLampButNotTheFloor) {
+TEST(EmitterEdits, likelyPartsAreWhatTouchesTheEmitterButNotTheFloor) {
     const std::vector<uint32_t> seeds = likelyParts(room().scene, room().estimate, "emitter-1");
     ASSERT_EQ(seeds.size(), 1u);
-    EXPECT_EQ(room().scene.piece[seeds[0]], room().scene.piece[room().boxVertex]);
+    EXPECT_EQ(room().scene.component[seeds[0]], room().scene.component[room().boxVertex]);
 }
 
 TEST(EmitterEdits, addedEmittersGetIdsOfTheirOwn) {
@@ -136,7 +136,7 @@ TEST(EmitterEdits, aNameIsNoChangeOfTheLightAndSurvivesResets) {
     }
 }
 
-TEST(EmitterEdits, deletingARecoveredLampSwitchesItOff) {
+TEST(EmitterEdits, deletingARecoveredEmitterSwitchesItOff) {
     Look look;
     removeEmitter(look, "emitter-1");
     EXPECT_FALSE(stateOf(look, "emitter-1").enabled);

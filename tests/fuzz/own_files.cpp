@@ -40,7 +40,7 @@ const std::filesystem::path& goodShot() {
         shot.captureFolder = capture;
         shot.estimate = test::matteEstimate(buildScene(mesh, progress), Rgb(0.5f), Rgb(1));
         shot.estimate.environmentSide =
-            Estimate().environmentSide;  // the side that is kept beside the picture, so that opening is quick
+            Estimate().environmentSide;  // the side that is kept beside the image, so that opening is quick
         shot.estimate.environment.assign(size_t(shot.estimate.environmentSide) * size_t(shot.estimate.environmentSide),
                                          Rgb(1));
         saveShot(shot, mesh, folder() / "good.relamp", true);
@@ -79,27 +79,27 @@ const Target checkpoint("checkpoint", [](std::string_view bytes) {
         throw std::logic_error("a checkpoint that does not survive being written");
 });
 
-/// Codes and exposures as they come: two to five pictures of 12 x 12. The response is fitted for one input in eight,
+/// Codes and exposures as they come: two to five images of 12 x 12. The response is fitted for one input in eight,
 /// because that takes most of the time.
 const Target brackets("brackets", [](std::string_view bytes) {
     constexpr int side = 12;
     if (bytes.size() < 8) return;
     const size_t count = 2 + size_t(static_cast<unsigned char>(bytes[0])) % 4;
-    std::vector<CodePicture> pictures(count);
+    std::vector<CodeImage> images(count);
     std::vector<double> exposures;
     size_t at = 1;
     const auto next = [&] { return static_cast<unsigned char>(bytes[at++ % bytes.size()]); };
-    for (CodePicture& picture : pictures) {
-        picture.width = picture.height = side;
-        picture.codes.resize(side * side * 3);
+    for (CodeImage& image : images) {
+        image.width = image.height = side;
+        image.codes.resize(side * side * 3);
         exposures.push_back(std::exp2((double(next()) - 128) / 8));
-        for (uint16_t& code : picture.codes) code = uint16_t(next() * 257);
+        for (uint16_t& code : image.codes) code = uint16_t(next() * 257);
     }
     BracketOptions options;
     Progress progress;
     const auto first = static_cast<unsigned char>(bytes[0]);
-    const ResponseCurve response = first >= 32 ? linearResponse() : fitResponse(sampleBracket(pictures, exposures, 40));
-    const MergedBracket merged = mergeCodes(pictures, exposures, response, options, progress);
+    const ResponseCurve response = first >= 32 ? linearResponse() : fitResponse(sampleBracket(images, exposures, 40));
+    const MergedBracket merged = mergeCodes(images, exposures, response, options, progress);
     for (const Rgb& p : merged.image.pixels)
         if (!isFinite(p)) throw std::logic_error("a radiance that is no number");
 });

@@ -1,4 +1,4 @@
-// The readers of files that people bring: captures, meshes, COLMAP models, pictures, measured reflectance.
+// The readers of files that people bring: captures, meshes, COLMAP models, images, measured reflectance.
 #include "brdf/merl.h"
 #include "capture/colmap.h"
 #include "capture/load_capture.h"
@@ -46,13 +46,13 @@ const Target colmapText("colmap-text", [](std::string_view bytes) { colmap(bytes
 const Target colmapBinary("colmap-binary", [](std::string_view bytes) { colmap(bytes, "bin"); });
 
 template <int kind>
-void picture(std::string_view bytes) {
+void image(std::string_view bytes) {
     constexpr const char* names[] = {"a.exr", "a.hdr", "a.jpg", "a.png", "a.tif", "a.dpx"};
     const std::filesystem::path file = fileWith(names[kind], bytes);
     constexpr size_t mostPixels = size_t(1) << 14;  // larger ones cost time and show nothing new
-    const auto tolerant = [](auto&& body) {
+    const auto tolerant = [](auto&& part) {
         try {
-            body();
+            part();
         } catch (const Error&) {}
     };
     tolerant([&] { readImageSize(file); });
@@ -64,8 +64,8 @@ void picture(std::string_view bytes) {
     for (const Rgb& p : image.pixels)
         if (!isFinite(p)) throw std::logic_error("a pixel that is no number");
 }
-const Target exr("image-exr", picture<0>), hdr("image-hdr", picture<1>), jpeg("image-jpeg", picture<2>),
-    png("image-png", picture<3>), tiff("image-tiff", picture<4>), dpx("image-dpx", picture<5>);
+const Target exr("image-exr", image<0>), hdr("image-hdr", image<1>), jpeg("image-jpeg", image<2>),
+    png("image-png", image<3>), tiff("image-tiff", image<4>), dpx("image-dpx", image<5>);
 
 /// A file of the right size with the bytes at its beginning and end: the whole would be 35 MB.
 const Target merl("merl", [](std::string_view bytes) {

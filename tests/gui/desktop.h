@@ -114,7 +114,7 @@ public:
     bool untilItem(const std::string& name, double seconds = 20) const {
         return until([&](const nlohmann::json& m) { return m["items"].contains(name); }, seconds);
     }
-    /// Nothing runs and the picture is refined.
+    /// Nothing runs and the image is refined.
     bool settled(double seconds = 90) const {
         return until(
             [](const nlohmann::json& m) { return m["job"] == "" && m["refined"] == true && m["busy"] == false; },

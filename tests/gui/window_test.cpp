@@ -27,8 +27,8 @@ std::string state(const Desktop& desk) {
 struct Box {
     int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 };
-/// The picture without the toolbar.
-Box pictureOf(const Desktop& desk) {
+/// The image without the toolbar.
+Box imageOf(const Desktop& desk) {
     const Json item = desk.map()["items"].at("viewport");
     return {item[0].get<int>() + 2, item[1].get<int>() + 2, item[2].get<int>() - 2, item[3].get<int>() - 2};
 }
@@ -36,7 +36,7 @@ double differenceIn(const Image& a, const Image& b, const Box& box) {
     return test::differenceIn(a, b, box.x0, box.y0, box.x1, box.y1);
 }
 
-/// A picture with more than one colour in it.
+/// An image with more than one colour in it.
 double contrastIn(const Image& image, const Box& box) {
     Image flat(image.width, image.height);
     Rgb mean(0);
@@ -47,25 +47,25 @@ double contrastIn(const Image& image, const Box& box) {
     return differenceIn(image, flat, box);
 }
 
-TEST(GuiWindow, anArtistOpensEstimatesMovesTheLampSwapsTheSkyAndExports) {
+TEST(GuiWindow, anArtistOpensEstimatesMovesTheEmitterSwapsTheSkyAndExports) {
     Desktop desk(width, height);
     desk.start({"--quality", "draft", "--width", std::to_string(width), "--height", std::to_string(height), demo()});
     ASSERT_TRUE(desk.until([](const Json& m) { return m["document"] == "desk-lamp"; })) << state(desk);
 
-    // Estimate with a key; stages and intermediate pictures while it runs.
+    // Estimate with a key; stages and intermediate images while it runs.
     desk.moveTo(width / 2, height / 2);
     desk.key("ctrl+Return");
     ASSERT_TRUE(desk.until([](const Json& m) { return m["job"] != ""; }, 10)) << state(desk);
     EXPECT_TRUE(desk.until([](const Json& m) { return m["job"] != "" && m["live"] == true; }, 100))
-        << "no intermediate picture";
+        << "no intermediate image";
     ASSERT_TRUE(desk.until([](const Json& m) { return m["job"] == "" && m["estimate"] == true; }, 200)) << state(desk);
     ASSERT_TRUE(desk.settled());
     Json map = desk.map();
     EXPECT_EQ(map["mode"], 2);
     EXPECT_EQ(map["notice"], "");
-    const Box picture = pictureOf(desk);
+    const Box image = imageOf(desk);
     const Image asCaptured = desk.screenshot("01-estimated");
-    EXPECT_GT(contrastIn(asCaptured, picture), 0.02);
+    EXPECT_GT(contrastIn(asCaptured, image), 0.02);
 
     // Every view mode draws something of its own.
     Image last = asCaptured;
@@ -74,11 +74,11 @@ TEST(GuiWindow, anArtistOpensEstimatesMovesTheLampSwapsTheSkyAndExports) {
         ASSERT_TRUE(desk.until([&](const Json& m) { return m["mode"] == mode; }, 10)) << mode;
         ASSERT_TRUE(desk.settled()) << mode;
         const Image now = desk.screenshot("02-mode-" + std::to_string(mode));
-        EXPECT_GT(differenceIn(now, last, picture), 0.003) << mode;
+        EXPECT_GT(differenceIn(now, last, image), 0.003) << mode;
         last = now;
     }
 
-    // Select the lamp in the picture, drag it by a handle of the gizmo, undo.
+    // Select the emitter in the image, drag it by a handle of the gizmo, undo.
     desk.click("emitter:emitter-1");
     ASSERT_TRUE(desk.until([](const Json& m) { return m["selected"] == Json{"emitter-1"}; }, 10)) << state(desk);
     desk.click("##move");
@@ -100,16 +100,16 @@ TEST(GuiWindow, anArtistOpensEstimatesMovesTheLampSwapsTheSkyAndExports) {
     EXPECT_NE(desk.map()["label"].get<std::string>().find("Move"), std::string::npos);
     ASSERT_TRUE(desk.settled());
     const Image moved = desk.screenshot("04-moved");
-    EXPECT_GT(differenceIn(moved, before, picture), 0.01);
+    EXPECT_GT(differenceIn(moved, before, image), 0.01);
     desk.key("ctrl+z");
     ASSERT_TRUE(desk.until([&](const Json& m) { return m["entry"] == entries - 1; }, 10)) << state(desk);
     away();
-    EXPECT_LT(differenceIn(desk.screenshot("05-undone"), before, picture), 0.004);
+    EXPECT_LT(differenceIn(desk.screenshot("05-undone"), before, image), 0.004);
     desk.key("ctrl+shift+z");
     ASSERT_TRUE(desk.until([&](const Json& m) { return m["entry"] == entries; }, 10)) << state(desk);
 
     // The same by keys: G, axis, number, Enter; Esc takes everything back.
-    desk.moveTo((picture.x0 + picture.x1) / 2, (picture.y0 + picture.y1) / 2);
+    desk.moveTo((image.x0 + image.x1) / 2, (image.y0 + image.y1) / 2);
     desk.key("g");
     ASSERT_TRUE(desk.until([](const Json& m) { return m["gesture"] == true; }, 10)) << state(desk);
     desk.key("Escape");
@@ -139,7 +139,7 @@ TEST(GuiWindow, anArtistOpensEstimatesMovesTheLampSwapsTheSkyAndExports) {
     ASSERT_TRUE(desk.settled());
     EXPECT_EQ(desk.map()["notice"], "");
     const Image blue = desk.screenshot("06-sky");
-    EXPECT_GT(differenceIn(blue, moved, picture), 0.01);
+    EXPECT_GT(differenceIn(blue, moved, image), 0.01);
 
     // Save the shot, then export a frame and compare it with the command line's for the same look.
     desk.key("ctrl+s");

@@ -57,6 +57,7 @@ const std::map<std::string, Names>& table() {
         {"relight", upTo("relight")},
         {"edit", {"base", "relight", "scene", "solve/estimate.h"}},
         {"shot", coreRooms},
+        {"display", {"base", "image", "capture", "radiance", "scene", "solve"}},
         {"report", coreRooms},
         {"pipeline", coreRooms},
         {"ui", windowRooms()},

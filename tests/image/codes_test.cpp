@@ -1,4 +1,4 @@
-// Reading pictures as they are stored, and how they were exposed.
+// Reading images as they are stored, and how they were exposed.
 #include <gtest/gtest.h>
 
 #include "image/image_io.h"
@@ -35,11 +35,11 @@ std::string tinyTiff(uint32_t numerator, uint32_t denominator) {
 
 TEST(Codes, AreReadAsStored) {
     const test::TemporaryFolder folder;
-    const CodePicture picture = readCodes(folder.write("a.tif", tinyTiff(1, 250)));
-    EXPECT_EQ(picture.width, 2);
-    EXPECT_EQ(picture.height, 1);
-    EXPECT_FALSE(picture.linear);
-    EXPECT_EQ(picture.codes, (std::vector<uint16_t>{257, 514, 771, 253 * 257, 254 * 257, 65535}));
+    const CodeImage image = readCodes(folder.write("a.tif", tinyTiff(1, 250)));
+    EXPECT_EQ(image.width, 2);
+    EXPECT_EQ(image.height, 1);
+    EXPECT_FALSE(image.linear);
+    EXPECT_EQ(image.codes, (std::vector<uint16_t>{257, 514, 771, 253 * 257, 254 * 257, 65535}));
 }
 
 TEST(Codes, ExposureComesFromExif) {
@@ -64,12 +64,12 @@ TEST(Codes, RadianceAndTooManyPixelsAreRefused) {
     const test::TemporaryFolder folder;
     writeImage(folder / "a.exr", Image(4, 4, Rgb(0.5f)));
     EXPECT_EQ(test::messageOf([&] { readCodes(folder / "a.exr"); }),
-              (folder / "a.exr").string() + ": is no 8 or 16 bit picture, so it is radiance already");
+              (folder / "a.exr").string() + ": is no 8 or 16 bit image, so it is radiance already");
     writeImage(folder / "a.png", Image(4, 4, Rgb(0.5f)));
     EXPECT_EQ(test::messageOf([&] { readCodes(folder / "a.png", 15); }),
               (folder / "a.png").string() + ": has 16 pixels, expected at most 15");
-    const CodePicture picture = readCodes(folder / "a.png");
-    EXPECT_EQ(picture.codes[0], 188 * 257);
+    const CodeImage image = readCodes(folder / "a.png");
+    EXPECT_EQ(image.codes[0], 188 * 257);
     EXPECT_EQ(readExposureTags(folder / "a.png").seconds, 0);
 }
 

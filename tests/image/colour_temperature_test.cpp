@@ -13,8 +13,8 @@ TEST(ColourTemperature, MeetsPublishedChromaticities) {
                  {6504, 0.3127f, 0.3290f, 2e-4f, "CIE D65"},
                  {5003, 0.3457f, 0.3585f, 4e-4f, "CIE D50"},
                  {7504, 0.2990f, 0.3149f, 2e-4f, "CIE D75"},
-                 {2000, 0.5267f, 0.4133f, 8e-4f, "glowing body, 2000 K"},
-                 {3000, 0.4369f, 0.4041f, 8e-4f, "glowing body, 3000 K"}};
+                 {2000, 0.5267f, 0.4133f, 8e-4f, "glowing part, 2000 K"},
+                 {3000, 0.4369f, 0.4041f, 8e-4f, "glowing part, 3000 K"}};
     for (const auto& k : known) {
         const Vec2 xy = kelvinChromaticity(k.kelvin);
         EXPECT_NEAR(xy.x, k.x, k.tolerance) << k.name;

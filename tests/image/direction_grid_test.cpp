@@ -13,7 +13,7 @@ Vec3 randomDirection(uint64_t n) {
     return {r * std::cos(2 * pi * u.y), r * std::sin(2 * pi * u.y), z};
 }
 
-TEST(DirectionGrid, EveryCellHoldsTheSameShareOfUniformDirections) {
+TEST(DirectionGrid, EveryCellHoldsTheSameFractionOfUniformDirections) {
     const DirectionGrid grid{8};
     const int samples = 1000000;
     std::vector<int> count(size_t(grid.cells()), 0);

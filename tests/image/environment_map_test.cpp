@@ -78,7 +78,7 @@ TEST(EnvironmentMap, LookupIsBilinearAndWrapsInLongitude) {
     EXPECT_EQ(environmentRadiance(Image(8, 4, Rgb(2)), {0, 0, 1}), Rgb(2));
 }
 
-TEST(EnvironmentMap, CellsComeBackThroughAPicture) {
+TEST(EnvironmentMap, CellsComeBackThroughAnImage) {
     const DirectionGrid grid{8};
     std::vector<Rgb> cells(64);
     for (size_t i = 0; i < cells.size(); ++i) cells[i] = Rgb(float(i), 1, 64 - float(i));
@@ -105,7 +105,7 @@ TEST(EnvironmentMap, FilesMustBeTwiceAsWideAsHigh) {
     writeImage(folder / "square.exr", Image(8, 8, Rgb(1)));
     EXPECT_EQ(test::messageOf([&] { readEnvironment(folder / "square.exr"); }),
               (folder / "square.exr").string() +
-                  ": is 8 x 8 pixels, expected a latitude-longitude picture twice as wide as high");
+                  ": is 8 x 8 pixels, expected a latitude-longitude image twice as wide as high");
     Image map(8, 4, Rgb(1));
     map.at(3, 1) = Rgb(-5, 0, 0);
     map.at(4, 1) = Rgb(2e6f);

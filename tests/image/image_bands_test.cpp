@@ -1,4 +1,4 @@
-// Pictures are read in bands of rows or tiles: the same pixels, and a way to stop between them.
+// Images are read in bands of rows or tiles: the same pixels, and a way to stop between them.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -57,19 +57,19 @@ std::string tiledExr(const Image& image, int tile, int left, int top) {
     attribute(bytes, "tiles", "tiledesc", tiles);
     bytes += '\0';
     const int across = (image.width + tile - 1) / tile, down = (image.height + tile - 1) / tile;
-    std::string body;
+    std::string part;
     const size_t begin = bytes.size() + 8 * size_t(across * down);
     for (int ty = 0; ty < down; ++ty)
         for (int tx = 0; tx < across; ++tx) {
-            put(bytes, uint64_t(begin + body.size()));
+            put(bytes, uint64_t(begin + part.size()));
             const int right = std::min((tx + 1) * tile, image.width), bottom = std::min((ty + 1) * tile, image.height);
             for (const int32_t value : {tx, ty, 0, 0, (right - tx * tile) * (bottom - ty * tile) * 12})
-                put(body, value);
+                put(part, value);
             for (int y = ty * tile; y < bottom; ++y)
                 for (int c = 2; c >= 0; --c)
-                    for (int x = tx * tile; x < right; ++x) put(body, image.at(x, y)[c]);
+                    for (int x = tx * tile; x < right; ++x) put(part, image.at(x, y)[c]);
         }
-    return bytes + body;
+    return bytes + part;
 }
 
 TEST(ImageBands, EveryFormatIsReadAsAWholeAndCanBeStopped) {
@@ -93,7 +93,7 @@ TEST(ImageBands, EveryFormatIsReadAsAWholeAndCanBeStopped) {
         EXPECT_EQ(asked, 2) << name;
     }
     int asked = 0;
-    const CodePicture codes = readCodes(folder / "a.png", size_t(1) << 20, [&] { ++asked; });
+    const CodeImage codes = readCodes(folder / "a.png", size_t(1) << 20, [&] { ++asked; });
     EXPECT_EQ(asked, 3);
     ASSERT_EQ(codes.codes.size(), size_t(20 * 700 * 3));
     for (const int y : {0, 255, 256, 511, 512, 699})

@@ -138,9 +138,8 @@ TEST(ImageIo, UnreadableFilesAreNamed) {
     const auto error = [&](const std::filesystem::path& file) { return test::messageOf([&] { readImage(file); }); };
     EXPECT_EQ(error(folder / "none.exr"), (folder / "none.exr").string() + ": does not exist");
     EXPECT_EQ(error(folder.path()), folder.path().string() + ": is not a file");
-    EXPECT_NE(error(folder.write("text.exr", "no picture")).find("text.exr: is not a readable picture"),
-              std::string::npos);
-    EXPECT_NE(error(folder.write("empty.png", "")).find("empty.png: is not a readable picture"), std::string::npos);
+    EXPECT_NE(error(folder.write("text.exr", "no image")).find("text.exr: is not a readable image"), std::string::npos);
+    EXPECT_NE(error(folder.write("empty.png", "")).find("empty.png: is not a readable image"), std::string::npos);
     EXPECT_THROW(readImageSize(folder / "text.exr"), Error);
     writeImage(folder / "good.exr", ramp(64, 64));
     const std::string bytes = test::TemporaryFolder::read(folder / "good.exr");
@@ -151,7 +150,7 @@ TEST(ImageIo, UnreadableFilesAreNamed) {
               std::string::npos);
 }
 
-TEST(ImageIo, PicturesNamedWronglyAreReadByTheirContent) {
+TEST(ImageIo, ImagesNamedWronglyAreReadByTheirContent) {
     const test::TemporaryFolder folder;
     const Image image = ramp(16, 8);
     folder.write("a.tif", test::TemporaryFolder::read(RELAMP_SOURCE_DIR "/tests/fuzz/corpus/image-tiff/lzw8"));
@@ -166,14 +165,13 @@ TEST(ImageIo, PicturesNamedWronglyAreReadByTheirContent) {
     }
 }
 
-TEST(ImageIo, WhatIsNoPictureByItsNameOrBeginningIsNotTriedInOtherFormats) {
+TEST(ImageIo, WhatIsNoImageByItsNameOrBeginningIsNotTriedInOtherFormats) {
     const test::TemporaryFolder folder;
     // A portable pixmap, which the library would read under its own name.
     const std::string pixmap = "P3\n1 1\n255\n255 0 0\n";
     EXPECT_EQ(readImage(folder.write("a.ppm", pixmap)).pixels.size(), 1u);
-    EXPECT_NE(
-        test::messageOf([&] { readImage(folder.write("a.png", pixmap)); }).find("a.png: is not a readable picture"),
-        std::string::npos);
+    EXPECT_NE(test::messageOf([&] { readImage(folder.write("a.png", pixmap)); }).find("a.png: is not a readable image"),
+              std::string::npos);
 }
 
 TEST(ImageIo, AnExrWhoseHeaderClaimsMoreThanTheFileHoldsIsNotBelieved) {

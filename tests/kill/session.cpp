@@ -22,7 +22,7 @@ using namespace relamp;
 int run(const std::filesystem::path& shot, const std::filesystem::path& home, const std::string& journalFile,
         unsigned seed) {
     std::mt19937 random(seed);
-    const auto chance = [&](double share) { return std::uniform_real_distribution<>(0, 1)(random) < share; };
+    const auto chance = [&](double fraction) { return std::uniform_real_distribution<>(0, 1)(random) < fraction; };
     double clock = 1000;
     std::FILE* journal = std::fopen(journalFile.c_str(), "a");
     if (!journal) return 1;

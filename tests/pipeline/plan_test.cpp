@@ -24,9 +24,9 @@ struct Planned {
     SolveOptions options = solveOptionsFor("draft");
     SolvePlan plan;
 
-    explicit Planned(const StressWorld& world, bool everything = false) {
+    explicit Planned(const StressScene& world, bool everything = false) {
         Progress progress;
-        capture = paintStressWorld(world, progress).capture;
+        capture = paintStressScene(world, progress).capture;
         scene = buildScene(capture.mesh, progress);
         samples = gatherRadiance(capture, scene, {}, progress);
         clusters = clusterEmitters(scene, capture, samples, {}, progress);
@@ -44,8 +44,8 @@ struct Planned {
     }
 };
 
-StressWorld blackWorld() {
-    StressWorld world;
+StressScene blackWorld() {
+    StressScene world;
     world.sky = [](const Vec3&) { return Rgb(0); };
     return world;
 }
@@ -70,45 +70,45 @@ TEST(Plan, BlackSurroundingsAreNeverBuilt) {
 }
 
 TEST(Plan, SurroundingsThatGiveLightStay) {
-    const Planned p{StressWorld{}};
+    const Planned p{StressScene{}};
     EXPECT_FALSE(p.leavesOut("distant light"));
     EXPECT_TRUE(p.plan.choices.distantLight);
-    StressWorld dim;  // a hundredth of the usual sky: still more than the photographs' noise
+    StressScene dim;  // a hundredth of the usual sky: still more than the photographs' noise
     dim.sky = [](const Vec3&) { return Rgb(0.03f); };
     EXPECT_TRUE(Planned(dim).plan.choices.distantLight);
 }
 
-TEST(Plan, WithoutLampsThereIsNoNearField) {
-    StressWorld world;
-    world.lamps.clear();
+TEST(Plan, WithoutEmittersThereIsNoNearField) {
+    StressScene world;
+    world.emitters.clear();
     const Planned p(world);
     EXPECT_TRUE(p.leavesOut("near-field emitters"));
     EXPECT_TRUE(p.plan.choices.distantLight);
 }
 
 TEST(Plan, LobesAreSoughtWhereTheViewShowsThem) {
-    StressWorld mirror;
-    mirror.mirrorAlpha = 0.05f;
-    const Planned matte{StressWorld{}}, shiny(mirror);
-    EXPECT_FALSE(matte.plan.choices.mattePieces);
+    StressScene mirror;
+    mirror.specularAlpha = 0.05f;
+    const Planned matte{StressScene{}}, shiny(mirror);
+    EXPECT_FALSE(matte.plan.choices.matteComponents);
     EXPECT_FALSE(shiny.leavesOut("glossy lobes"));
-    EXPECT_TRUE(shiny.leavesOut("lobes on matte pieces"));
+    EXPECT_TRUE(shiny.leavesOut("lobes on matte components"));
     EXPECT_GT(shiny.solve(shiny.plan).reflectance.basis.lobes.size(), 1u);
 }
 
 TEST(Plan, EverythingLeavesNothingOutAndGivesTheSameAnswer) {
-    const Planned all(StressWorld{}, true), p{StressWorld{}};
+    const Planned all(StressScene{}, true), p{StressScene{}};
     EXPECT_TRUE(all.plan.leftOut.empty());
-    EXPECT_TRUE(all.plan.choices.mattePieces && all.plan.choices.unseenVertices && all.plan.choices.bounce);
+    EXPECT_TRUE(all.plan.choices.matteComponents && all.plan.choices.unobservedVertices && all.plan.choices.bounce);
     EXPECT_GE(all.plan.predictedSeconds(), p.plan.predictedSeconds() * 0.5);
     const AnswerDifference d = differenceOf(p.solve(all.plan), p.solve(p.plan), {});
     EXPECT_LT(d.worst(), 0.02);
 }
 
 TEST(Plan, ItsStagesAreThoseOfTheSolve) {
-    StressWorld mirror;
-    mirror.mirrorAlpha = 0.05f;
-    for (const StressWorld& world : {StressWorld{}, blackWorld(), mirror}) {
+    StressScene mirror;
+    mirror.specularAlpha = 0.05f;
+    for (const StressScene& world : {StressScene{}, blackWorld(), mirror}) {
         const Planned p(world);
         for (const PlannedStage& s : p.plan.stages) {
             EXPECT_TRUE(std::isfinite(s.predictedSeconds) && s.predictedSeconds >= 0) << s.name;
@@ -143,8 +143,8 @@ TEST(Plan, CostsFollowTheCounts) {
         return sum;
     };
     const double all = total(PlanChoices::everything());
-    for (bool PlanChoices::*part :
-         {&PlanChoices::distantLight, &PlanChoices::bounce, &PlanChoices::unseenVertices, &PlanChoices::mattePieces}) {
+    for (bool PlanChoices::*part : {&PlanChoices::distantLight, &PlanChoices::bounce, &PlanChoices::unobservedVertices,
+                                    &PlanChoices::matteComponents}) {
         PlanChoices fewer = PlanChoices::everything();
         fewer.*part = false;
         EXPECT_LT(total(fewer), all);

@@ -8,7 +8,7 @@
 namespace relamp {
 namespace {
 
-/// A finely cut floor with a square lamp above it.
+/// A finely cut floor with a square emitter above it.
 struct Room {
     Capture capture;
     size_t ofFloor = 0;
@@ -38,7 +38,7 @@ TEST(WorkingMesh, WhatIsFoundOnItIsCarriedBack) {
     ASSERT_TRUE(working);
     EXPECT_LE(working->mesh.triangles.size(), 3000 + proxyTriangles);
     const Scene scene = buildScene(working->mesh, progress);
-    // An albedo that rises along x; two lamps: the square and the proxy.
+    // An albedo that rises along x; two emitters: the square and the proxy.
     std::vector<uint32_t> square, ball;
     for (uint32_t t = 0; t < working->mesh.triangles.size(); ++t) {
         const Vec3 p = working->mesh.positions[working->mesh.triangles[t][0]];

@@ -10,7 +10,7 @@
 namespace relamp {
 namespace {
 
-/// What a picture shows: by the position and triangle of what is seen, or by direction where nothing is.
+/// What an image shows: by the position and triangle of what is seen, or by direction where nothing is.
 using OnSurface = std::function<Rgb(const Vec3& position, uint32_t triangle)>;
 using InSky = std::function<Rgb(const Vec3& direction)>;
 
@@ -175,7 +175,7 @@ TEST(Gather, EstimatesTheNoiseThatIsThere) {
             for (uint64_t k = 0; k < 4; ++k) sum += unitFloat(mixBits(p * 4 + k));
             view.image.pixels[p] *= 1 + noise * sum * 1.732f;
         }
-        // A look-up averages about two pixels, hence the 0.7.
+        // A observation averages about two pixels, hence the 0.7.
         EXPECT_NEAR(gather(scene, {view}).relativeNoise, std::max(0.7f * noise, 0.003f), 0.008f) << noise;
     }
 }

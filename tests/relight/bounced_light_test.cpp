@@ -4,24 +4,25 @@
 
 #include "base/parallel.h"
 #include "relight/frame.h"
-#include "relight/live_scene.h"
+#include "relight/live/live_scene.h"
 #include "support/estimates.h"
 
 namespace relamp {
 namespace {
 
-/// The inside of a ball whose skin reflects half of a green and a quarter of a red lamp's light, with a small ball lamp
-/// in the middle.
-struct LampInABall {
+/// The inside of a ball whose skin reflects half of a green and a quarter of a red emitter's light, with a small ball
+/// emitter in the middle.
+struct EmitterInABall {
     Scene scene;
     Estimate estimate;
-    explicit LampInABall(float lampRadius = 0.2f) {
+    explicit EmitterInABall(float emitterRadius = 0.2f) {
         Mesh mesh = test::ball({0, 0, 0}, 1, 24, 36);
         for (Vec3& n : mesh.normals) n = -n;
         for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
-        const auto lamp = test::append(mesh, test::ball({0, 0, 0}, lampRadius, 16, 24));
+        const auto emitter = test::append(mesh, test::ball({0, 0, 0}, emitterRadius, 16, 24));
         scene = test::sceneOf(mesh);
-        estimate = test::matteEstimate(scene, {0.25f, 0.5f, 0.5f}, Rgb(0), test::emittersOf(scene, {lamp}, {Rgb(10)}));
+        estimate =
+            test::matteEstimate(scene, {0.25f, 0.5f, 0.5f}, Rgb(0), test::emittersOf(scene, {emitter}, {Rgb(10)}));
         estimate.interreflection = true;
     }
 };
@@ -32,13 +33,13 @@ Frame frameOf(const RelitScene& relit) {
     return renderFrame(relit, test::cameraAt({0.5, 0, 0}, {0.9, 0.1, 0.1}, 24, 24, 40), options, progress);
 }
 
-TEST(BouncedLight, ALampInABallIsBrighterByTheGeometricSeries) {
-    const LampInABall world;
+TEST(BouncedLight, AnEmitterInABallIsBrighterByTheGeometricSeries) {
+    const EmitterInABall world;
     Progress progress;
     const RelitScene relit = applyLook(world.scene, world.estimate, {}, progress);
     ASSERT_FALSE(relit.bounced.empty());
-    // Direct: form factor r^2 of the lamp seen from the skin, and the lamp hides r^2 of what the skin would see of
-    // itself.
+    // Direct: form factor r^2 of the emitter seen from the skin, and the emitter hides r^2 of what the skin would see
+    // of itself.
     const double formFactor = 0.2 * 0.2, hidden = 1 - formFactor;
     const Frame frame = frameOf(relit);
     Rgb mean(0);
@@ -50,7 +51,7 @@ TEST(BouncedLight, ALampInABallIsBrighterByTheGeometricSeries) {
 }
 
 TEST(BouncedLight, IsLeftOutWhereTheEstimateHasNone) {
-    LampInABall world;
+    EmitterInABall world;
     world.estimate.interreflection = false;
     Progress progress;
     const RelitScene relit = applyLook(world.scene, world.estimate, {}, progress);
@@ -62,7 +63,7 @@ TEST(BouncedLight, IsLeftOutWhereTheEstimateHasNone) {
 }
 
 TEST(BouncedLight, TheLiveViewHasItToo) {
-    const LampInABall world;
+    const EmitterInABall world;
     Progress progress;
     LiveScene live(std::make_shared<Scene>(world.scene), std::make_shared<Estimate>(world.estimate), {}, progress);
     Look look;
@@ -80,8 +81,8 @@ TEST(BouncedLight, TheLiveViewHasItToo) {
     }
 }
 
-TEST(BouncedLight, BelongsToTheLampItCameFrom) {
-    const LampInABall world;
+TEST(BouncedLight, BelongsToTheEmitterItCameFrom) {
+    const EmitterInABall world;
     Progress progress;
     const Frame frame = frameOf(applyLook(world.scene, world.estimate, {}, progress));
     for (size_t p = 0; p < frame.beauty.size(); ++p) {
@@ -91,7 +92,7 @@ TEST(BouncedLight, BelongsToTheLampItCameFrom) {
 }
 
 TEST(BouncedLight, AMetalShowsWhatSurfacesSend) {
-    LampInABall world;
+    EmitterInABall world;
     // A metal strip: no matte part, a lobe of weight 1.
     world.estimate.reflectance.basis.lobes.push_back({Lobe::Kind::ggx, 0.1f, "ggx"});
     world.estimate.reflectance.weight.push_back(std::vector<Rgb>(world.scene.mesh.vertexCount(), Rgb(0)));
@@ -113,7 +114,7 @@ TEST(BouncedLight, AMetalShowsWhatSurfacesSend) {
 }
 
 TEST(BouncedLight, HasTheSameBitsOnAnyNumberOfThreads) {
-    const LampInABall world;
+    const EmitterInABall world;
     const auto run = [&](int threads) {
         const ThreadLimit limit(threads);
         Progress progress;

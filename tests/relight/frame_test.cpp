@@ -23,7 +23,7 @@ Camera fromAbove(int side = 24, double focal = 30) {
     return test::cameraAt({0, 0, 3}, {0, 0, 0}, side, side, focal, {0, 1, 0});
 }
 
-/// Mean over the picture of value / expected(position), for pixels on the plane z = 0.
+/// Mean over the image of value / expected(position), for pixels on the plane z = 0.
 template <class Expected>
 double meanRatio(const Frame& frame, const std::vector<Rgb>& values, Expected&& expected) {
     double sum = 0, n = 0;
@@ -57,7 +57,7 @@ TEST(Frame, OfAPlaneUnderAConstantEnvironmentIsItsAlbedo) {
     EXPECT_NEAR(meanRatio(frame, frame.beauty, [](const Vec3&) { return 1.0; }), 1, 0.003);
 }
 
-TEST(Frame, OfAPlaneUnderASquareLampIsAlbedoTimesRadianceTimesFormFactor) {
+TEST(Frame, OfAPlaneUnderASquareEmitterIsAlbedoTimesRadianceTimesFormFactor) {
     const Scene scene = test::sceneOf(test::sheet({-4, -4, 0}, {8, 0, 0}, {0, 8, 0}, 2, 2));
     const RelitScene relit = test::relitOf(
         scene, test::matteEstimate(scene, Rgb(0.5f), Rgb(0)),
@@ -71,14 +71,14 @@ TEST(Frame, OfAPlaneUnderASquareLampIsAlbedoTimesRadianceTimesFormFactor) {
         EXPECT_NEAR(frame.beauty[p].y / expected(frame.position[p]), 1, 0.04);
 }
 
-TEST(Frame, OfAPlaneUnderALargeNearLampIsRightTooAndShadowsAreBlack) {
+TEST(Frame, OfAPlaneUnderALargeNearEmitterIsRightTooAndShadowsAreBlack) {
     Mesh mesh = test::sheet({-4, -4, 0}, {8, 0, 0}, {0, 8, 0}, 2, 2);
     append(mesh, test::sheet({-4, -4, 0.2f}, {3.5f, 0, 0}, {0, 8, 0}));  // a shelf over x < -0.5, its top dark
     const Scene scene = test::sceneOf(mesh);
     Look look;
     look.added.push_back({AddedEmitter::Shape::rectangle, "lamp", test::translation({1.5f, 0, 1}), Vec2(2), Rgb(4)});
     const RelitScene relit = test::relitOf(scene, test::matteEstimate(scene, Rgb(1), Rgb(0)), look);
-    // From below the lamp, at a slant.
+    // From below the emitter, at a slant.
     const Frame frame = render(relit, test::cameraAt({0.6, -2.5, 0.6}, {0.6, 0, 0}, 32, 24, 40), 16);
     size_t lit = 0;
     double sum = 0;
@@ -136,16 +136,16 @@ Estimate glossyEstimate(const Scene& scene, float alpha, const Rgb& environment)
     return estimate;
 }
 
-TEST(Frame, OfAGlossyPlaneMirrorsTheLamp) {
+TEST(Frame, OfAGlossyPlaneMirrorsTheEmitter) {
     const Scene scene = test::sceneOf(test::sheet({-4, -4, 0}, {8, 0, 0}, {0, 8, 0}, 2, 2));
-    // Seen at 45 degrees from -x; the mirror image of the lamp is met at the origin.
+    // Seen at 45 degrees from -x; the mirror image of the emitter is met at the origin.
     Mat4 facing(1);
     facing[3] = Vec4(2, 0, 2, 1);
     const RelitScene relit =
         test::relitOf(scene, glossyEstimate(scene, 0.005f, Rgb(0)),
                       onlyAdded({AddedEmitter::Shape::rectangle, "lamp", facing, Vec2(1), Rgb(5)}));
     const Frame frame = render(relit, test::cameraAt({-2, 0, 2}, {0, 0, 0}, 33, 33, 60), 16);
-    EXPECT_NEAR(frame.beauty[16 * 33 + 16].y, 5, 0.1) << "the lamp's image has the lamp's radiance";
+    EXPECT_NEAR(frame.beauty[16 * 33 + 16].y, 5, 0.1) << "the light's image has the light's radiance";
     EXPECT_LT(frame.beauty[1 * 33 + 1].y, 0.3f) << "away from the image there is little";
 }
 
@@ -166,10 +166,10 @@ TEST(Frame, OfAGlossyPlaneUnderAConstantEnvironmentIsTheAlbedoOfTheLobe) {
 RelitScene clutter() {
     Mesh mesh = test::sheet({-2, -2, 0}, {4, 0, 0}, {0, 4, 0}, 4, 4);
     append(mesh, test::ball({0, 0, 0.5f}, 0.4f, 10, 16));
-    const std::vector<uint32_t> lamp = append(mesh, test::squareAbove(0.5f, 1, 1, 2, 2));
+    const std::vector<uint32_t> emitter = append(mesh, test::squareAbove(0.5f, 1, 1, 2, 2));
     const Scene scene = test::sceneOf(mesh);
     Estimate estimate = test::matteEstimate(scene, Rgb(0.6f, 0.5f, 0.4f), Rgb(0.3f, 0.4f, 0.5f),
-                                            test::emittersOf(scene, {lamp}, {Rgb(20, 15, 10)}));
+                                            test::emittersOf(scene, {emitter}, {Rgb(20, 15, 10)}));
     estimate.reflectance.basis.lobes.push_back({Lobe::Kind::ggxDielectric, 0.2f, "glaze"});
     estimate.reflectance.weight.push_back(std::vector<Rgb>(scene.mesh.vertexCount(), Rgb(1)));
     Look look;
@@ -213,11 +213,11 @@ TEST(Frame, PixelsAloneHaveTheSameBitsAsInTheWhole) {
 
 TEST(Frame, HasTheSameBitsOnOneAndManyThreads) {
     const RelitScene relit = clutter();
-    const auto picture = [&](int threads) {
+    const auto image = [&](int threads) {
         const ThreadLimit limit(threads);
         return render(relit, test::cameraAt({0, -3, 2}, {0, 0, 0.3}, 40, 30, 40), 3).beauty;
     };
-    EXPECT_EQ(picture(1), picture(4));
+    EXPECT_EQ(image(1), image(4));
 }
 
 TEST(Frame, DoesNotDependOnHowManyPixelsAreDrawnButOnTheSeed) {
@@ -252,7 +252,7 @@ TEST(FrameRenderer, StripsHaveTheBitsOfTheWholeFrame) {
     Progress progress;
     const Frame whole = renderFrame(relit, camera, options, progress);
     const FrameRenderer renderer(relit, camera, options);
-    size_t at = 0, lampPixels = 0;
+    size_t at = 0, emitterPixels = 0;
     for (const auto& [first, count] : std::vector<std::pair<int, int>>{{0, 7}, {7, 1}, {8, 21}}) {
         const Frame strip = renderer.rows(first, count, progress);
         ASSERT_EQ(strip.height, count);
@@ -261,12 +261,12 @@ TEST(FrameRenderer, StripsHaveTheBitsOfTheWholeFrame) {
             ASSERT_EQ(strip.byEmitter[0][p], whole.byEmitter[0][at]);
             ASSERT_EQ(strip.position[p], whole.position[at]);
             ASSERT_EQ(strip.depth[p], whole.depth[at]);
-            ASSERT_EQ(strip.emittersSeen[p][0].share, whole.emittersSeen[at][0].share);
-            lampPixels += strip.emittersSeen[p][0].share == 1;
+            ASSERT_EQ(strip.emittersSeen[p][0].fraction, whole.emittersSeen[at][0].fraction);
+            emitterPixels += strip.emittersSeen[p][0].fraction == 1;
         }
     }
     EXPECT_EQ(at, whole.beauty.size());
-    EXPECT_GT(lampPixels, 3u);
+    EXPECT_GT(emitterPixels, 3u);
 }
 
 }  // namespace

@@ -158,7 +158,7 @@ TEST(Look, MissingNeedsAreNamed) {
     }
 }
 
-/// A document with the added emitters that take their geometry from the scene, and a part that follows a lamp.
+/// A document with the added emitters that take their geometry from the scene, and a part that follows an emitter.
 json fromScene() {
     return json::parse(R"({"added_emitters": [
             {"id": "glow", "shape": "part", "seed_vertex": 7, "radiance": [1, 2, 3]},

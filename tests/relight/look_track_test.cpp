@@ -19,9 +19,9 @@ void expectSame(const Mat4& a, const Mat4& b, float within = 2e-5f) {
         for (int r = 0; r < 4; ++r) EXPECT_NEAR(a[c][r], b[c][r], within) << c << " " << r;
 }
 
-LookPivots pivotsAt(const Vec3& lamp) {
+LookPivots pivotsAt(const Vec3& emitter) {
     LookPivots pivots;
-    pivots.emitter = [lamp](const std::string&) { return lamp; };
+    pivots.emitter = [emitter](const std::string&) { return emitter; };
     return pivots;
 }
 
@@ -31,10 +31,11 @@ Look withEmitter(const Mat4& matrix, const Rgb& power = Rgb(1), bool enabled = t
     return look;
 }
 
-TEST(BlendLooks, MovesALampStraightWhileItTurns) {
-    const Vec3 lamp(5, 4, 1);
-    const Look a = withEmitter(Mat4(1)), b = withEmitter(turnedAbout(lamp, 120, {1, 0, 0.5f}));
-    expectSame(blendLooks(a, b, 0.25f, pivotsAt(lamp)).emitters[0].matrix, turnedAbout(lamp, 30, {0.25f, 0, 0.125f}));
+TEST(BlendLooks, MovesAnEmitterStraightWhileItTurns) {
+    const Vec3 emitter(5, 4, 1);
+    const Look a = withEmitter(Mat4(1)), b = withEmitter(turnedAbout(emitter, 120, {1, 0, 0.5f}));
+    expectSame(blendLooks(a, b, 0.25f, pivotsAt(emitter)).emitters[0].matrix,
+               turnedAbout(emitter, 30, {0.25f, 0, 0.125f}));
     EXPECT_EQ(blendLooks(a, b, 0, {}), a);
     EXPECT_EQ(blendLooks(a, b, 1, {}), b);
 }
@@ -63,7 +64,7 @@ TEST(BlendLooks, StartsUnnamedEmittersAsRecoveredAndTurnsTheEnvironment) {
     EXPECT_EQ(middle.environment.exposureStops, 1);
 }
 
-TEST(BlendLooks, KeepsAShadeOnItsLamp) {
+TEST(BlendLooks, KeepsAShadeOnItsEmitter) {
     const Mat4 end = turnedAbout({5, 4, 1}, 90, {0, 1, 0});
     Look a, b = withEmitter(end);
     b.parts.push_back({77, end});

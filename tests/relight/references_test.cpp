@@ -1,4 +1,4 @@
-// Frames against pictures path traced by Mitsuba's authors (direct light only). The folder is test data beside the
+// Frames against images path traced by Mitsuba's authors (direct light only). The folder is test data beside the
 // source tree; MANIFEST.md there describes the scenes.
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ class References : public testing::Test {
 protected:
     void SetUp() override {
         if (!fs::exists(folder))
-            GTEST_SKIP() << folder << " does not exist: the reference pictures are test data that is not shipped.";
+            GTEST_SKIP() << folder << " does not exist: the reference images are test data that is not shipped.";
     }
     /// Origin (0, 0, 4), looks at the origin, tan of half the field of view 0.305941.
     static Camera camera(int side) {
@@ -32,7 +32,7 @@ protected:
         Progress progress;
         return renderFrame(test::relitOf(scene, estimate, look), camera(side), options, progress);
     }
-    /// Differences over the picture, relative to the reference's mean: of the means, and the median and 95th percentile
+    /// Differences over the image, relative to the reference's mean: of the means, and the median and 95th percentile
     /// of pixels.
     struct Difference {
         double mean = 0, median = 0, p95 = 0;
@@ -60,7 +60,7 @@ protected:
     static constexpr const char* folder = RELAMP_SOURCE_DIR "/../shared/data/refs";
 };
 
-TEST_F(References, NearFieldSquareLampBesideAPlaneAndASphere) {
+TEST_F(References, NearFieldSquareEmitterBesideAPlaneAndASphere) {
     Mesh mesh = plane(1);
     const size_t onPlane = mesh.vertexCount();
     test::append(mesh, test::ball({0, 0, 0}, 0.25f, 64, 128));

@@ -12,8 +12,8 @@ namespace {
 
 using test::append;
 
-/// A sheet of 4 x 4 quads at z = 0 whose middle four quads are a lamp that shares its rim with the rest, and a floor
-/// below.
+/// A sheet of 4 x 4 quads at z = 0 whose middle four quads are an emitter that shares its rim with the rest, and a
+/// floor below.
 struct World {
     Scene scene;
     EmitterClusters clusters;
@@ -25,17 +25,17 @@ World world() {
     World w;
     Mesh mesh = test::sheet({-2, -2, 0}, {0, 4, 0}, {4, 0, 0}, 4, 4);  // faces down
     w.sheetVertices = mesh.vertexCount();
-    std::vector<uint32_t> lamp;
+    std::vector<uint32_t> emitter;
     for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
         const Vec3 c = (mesh.positions[mesh.triangles[t][0]] + mesh.positions[mesh.triangles[t][1]] +
                         mesh.positions[mesh.triangles[t][2]]) /
                        3.0f;
-        if (std::abs(c.x) < 1 && std::abs(c.y) < 1) lamp.push_back(t);
+        if (std::abs(c.x) < 1 && std::abs(c.y) < 1) emitter.push_back(t);
     }
     append(mesh, test::sheet({-2, -2, -3}, {4, 0, 0}, {0, 4, 0}, 2, 2));
     w.floorVertices = 9;
     w.scene = test::sceneOf(mesh);
-    w.clusters = test::emittersOf(w.scene, {lamp}, {Rgb(10, 20, 30)});
+    w.clusters = test::emittersOf(w.scene, {emitter}, {Rgb(10, 20, 30)});
     w.estimate = test::matteEstimate(w.scene, Rgb(0.5f, 0.4f, 0.3f), Rgb(1), w.clusters);
     return w;
 }
@@ -52,26 +52,26 @@ TEST(ApplyLook, OfAnEmptyLookIsTheScene) {
     EXPECT_EQ(relit.distant->cells(), w.estimate.environment);
 }
 
-TEST(ApplyLook, MovesAnEmitterAndDoublesTheVerticesItShares) {
+TEST(ApplyLook, MovesAnEmitterAndDoublesTheVerticesItFractions) {
     const World w = world();
     Look look;
     look.emitters.push_back({"emitter-1", true, test::translation({0, 0, -1}), Rgb(2, 1, 0.5f)});
     const RelitScene relit = test::relitOf(w.scene, w.estimate, look);
     EXPECT_EQ(relit.emitters[0].radiance, Rgb(20, 20, 15));
     EXPECT_LT(glm::length(relit.emitters[0].surface.centroid - Vec3(0, 0, -1)), 1e-5f);
-    // The lamp has 9 vertices: its middle is its own, the 8 of the rim are shared.
+    // The emitter has 9 vertices: its middle is its own, the 8 of the rim are shared.
     EXPECT_EQ(relit.scene.mesh.vertexCount(), w.scene.mesh.vertexCount() + 8);
     EXPECT_EQ(relit.weight[0].size(), relit.scene.mesh.vertexCount());
     EXPECT_EQ(relit.scene.mesh.triangles.size(), w.scene.mesh.triangles.size());
     for (size_t t = 0; t < relit.scene.mesh.triangles.size(); ++t) {
-        const bool lamp = relit.emitterOfTriangle[t] == 0;
+        const bool emitter = relit.emitterOfTriangle[t] == 0;
         EXPECT_EQ(relit.emitterOfTriangle[t], w.clusters.emitterOfTriangle[t]);
         EXPECT_NEAR(relit.scene.mesh.triangleArea(t), w.scene.mesh.triangleArea(t), 1e-5)
             << "triangle " << t << " was stretched";
         for (int k = 0; k < 3; ++k) {
             const Vec3 before = w.scene.mesh.positions[w.scene.mesh.triangles[t][size_t(k)]],
                        now = relit.scene.mesh.positions[relit.scene.mesh.triangles[t][size_t(k)]];
-            EXPECT_LT(glm::length(now - before - Vec3(0, 0, lamp ? -1 : 0)), 1e-5f);
+            EXPECT_LT(glm::length(now - before - Vec3(0, 0, emitter ? -1 : 0)), 1e-5f);
         }
     }
     // The hole it leaves is open, and where it went it is hit.
@@ -86,7 +86,7 @@ TEST(ApplyLook, TakesTheEmitterAlongWithItsPartOnlyByItsOwnMatrix) {
     Look look;
     look.parts.push_back({0, down});
     {
-        // The sheet goes, the lamp stays: nothing between them is stretched.
+        // The sheet goes, the emitter stays: nothing between them is stretched.
         const RelitScene relit = test::relitOf(w.scene, w.estimate, look);
         for (size_t t = 0; t < relit.scene.mesh.triangles.size(); ++t) {
             const bool moves = t < 32 && relit.emitterOfTriangle[t] < 0;
@@ -97,7 +97,7 @@ TEST(ApplyLook, TakesTheEmitterAlongWithItsPartOnlyByItsOwnMatrix) {
             }
         }
     }
-    // With both moved alike the whole piece goes as one.
+    // With both moved alike the whole component goes as one.
     look.emitters.push_back({"emitter-1", true, down, Rgb(1)});
     const RelitScene relit = test::relitOf(w.scene, w.estimate, look);
     for (size_t t = 0; t < relit.scene.mesh.triangles.size(); ++t)

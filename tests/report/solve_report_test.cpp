@@ -36,10 +36,10 @@ TEST(SolveReport, ShowsThePlanBesideWhatWasMeasured) {
     SolveReport r = byHand();
     EXPECT_EQ(reportPage(r).find("<h2>Plan"), std::string::npos) << "nothing where there is none";
     r.estimate.plan.stages.push_back({"visibility & more", 2.5, 3.25, 40, 41});
-    r.estimate.plan.leftOut.push_back({"distant light", "the surroundings are black", 7, 30});
+    r.estimate.plan.leftOut.push_back({"distant light", "the environment is black", 7, 30});
     const std::string page = reportPage(r);
     for (const char* word :
-         {"visibility &amp; more", "2.50 s", "3.25 s", "40 MiB", "the surroundings are black", "7.00 s"})
+         {"visibility &amp; more", "2.50 s", "3.25 s", "40 MiB", "the environment is black", "7.00 s"})
         EXPECT_NE(page.find(word), std::string::npos) << word;
 }
 

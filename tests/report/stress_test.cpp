@@ -35,7 +35,7 @@ const StressCase* named(const std::string& name) {
 
 TEST(Stress, EveryCaseEndsInFiniteNumbersAndSolvedEquations) {
     EXPECT_GE(worlds().cases.size(), 40u);
-    EXPECT_EQ(worlds().finiteShare(), 1);
+    EXPECT_EQ(worlds().finiteFraction(), 1);
     for (const StressCase& c : worlds().cases) {
         EXPECT_TRUE(c.holds()) << c.name;
         EXPECT_TRUE(c.finite) << c.name << ": " << c.reason;
@@ -86,32 +86,33 @@ TEST(Stress, RunsOnlyWhatIsAskedForAndStops) {
     test::expectStopsHalfWay([](Progress& p) { runStress(nullptr, {}, p); });
 }
 
-TEST(Stress, ALampIsFoundThoughExposuresDiffer) {
+TEST(Stress, AnEmitterIsFoundThoughExposuresDiffer) {
     Progress progress;
-    const StressWorld world;
-    const Capture painted = paintStressWorld(world, progress).capture;
+    const StressScene world;
+    const Capture painted = paintStressScene(world, progress).capture;
     for (const uint64_t seed : {1, 2, 3}) {
         const Estimate found =
             solveForStress(withExposures(painted, 0.1f, seed), nullptr, false, solveOptionsFor("draft"), progress);
         ASSERT_EQ(found.emitters.emitters.size(), 1u) << seed;
         for (int c = 0; c < 3; ++c)
-            EXPECT_NEAR(found.lighting.emitterRadiance[0][c] / world.lamps[0].radiance[c], 1, 0.15) << seed;
+            EXPECT_NEAR(found.lighting.emitterRadiance[0][c] / world.emitters[0].radiance[c], 1, 0.15) << seed;
     }
 }
 
-TEST(Stress, ALampFiveTimesAsBrightOnOneSideIsOneLampOfItsMean) {
+TEST(Stress, AnEmitterFiveTimesAsBrightOnOneSideIsOneEmitterOfItsMean) {
     Progress progress;
-    StressWorld world;
-    world.lamps = {{{0.45f, 0.25f, 1.15f}, 0.4f, Rgb(40, 34, 26), 5}};
-    const PaintedWorld painted = paintStressWorld(world, progress);
-    ASSERT_EQ(painted.lamps.emitters.size(), 8u);
+    StressScene world;
+    world.emitters = {{{0.45f, 0.25f, 1.15f}, 0.4f, Rgb(40, 34, 26), 5}};
+    const PaintedWorld painted = paintStressScene(world, progress);
+    ASSERT_EQ(painted.emitters.emitters.size(), 8u);
     const Estimate found = solveForStress(painted.capture, nullptr, false, solveOptionsFor("draft"), progress);
     ASSERT_EQ(found.emitters.emitters.size(), 1u);
-    const EmitterCluster& lamp = found.emitters.emitters[0];
-    EXPECT_LT(glm::distance(lamp.centroid, Vec3(0.45f, 0.25f, 1.15f)), 0.02f);
-    EXPECT_GT(lamp.evidence.uniformity, 0.2f);
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(found.lighting.emitterRadiance[0][c] / world.lamps[0].radiance[c], 1, 0.08);
-    // The floor away from the lamp's shadow: its albedo is what it is.
+    const EmitterCluster& emitter = found.emitters.emitters[0];
+    EXPECT_LT(glm::distance(emitter.centroid, Vec3(0.45f, 0.25f, 1.15f)), 0.02f);
+    EXPECT_GT(emitter.evidence.uniformity, 0.2f);
+    for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(found.lighting.emitterRadiance[0][c] / world.emitters[0].radiance[c], 1, 0.08);
+    // The floor away from the emitter's shadow: its albedo is what it is.
     std::vector<float> off;
     for (size_t v = 0; v < 19 * 19; ++v)
         if (found.reflectance.confidence[v] > 0.5f) off.push_back(found.reflectance.weight[0][v].y / world.albedo.y);

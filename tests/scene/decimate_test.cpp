@@ -120,17 +120,17 @@ TEST(Decimate, FacesTurnedEitherWayAndSeamsAreNoObstacle) {
     EXPECT_EQ(rimEdges(d.mesh), 0u);
 }
 
-TEST(Decimate, ASmallLampBesideALargeSurfaceStays) {
+TEST(Decimate, ASmallEmitterBesideALargeSurfaceStays) {
     Mesh mesh = squareWithHole(120);
-    const Mesh lamp = ball(16, 24, Vec3(0.5f, 0.5f, 0.3f), 0.01f);
+    const Mesh emitter = ball(16, 24, Vec3(0.5f, 0.5f, 0.3f), 0.01f);
     const auto first = uint32_t(mesh.vertexCount());
-    mesh.positions.insert(mesh.positions.end(), lamp.positions.begin(), lamp.positions.end());
-    mesh.normals.insert(mesh.normals.end(), lamp.normals.begin(), lamp.normals.end());
-    for (const Triangle& t : lamp.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    mesh.positions.insert(mesh.positions.end(), emitter.positions.begin(), emitter.positions.end());
+    mesh.normals.insert(mesh.normals.end(), emitter.normals.begin(), emitter.normals.end());
+    for (const Triangle& t : emitter.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
     const DecimatedMesh d = decimated(mesh, 1000);
-    size_t ofLamp = 0;
-    for (const Triangle& t : d.mesh.triangles) ofLamp += d.mesh.positions[t[0]].z > 0.1f;
-    EXPECT_GE(ofLamp, 60u);
+    size_t ofEmitter = 0;
+    for (const Triangle& t : d.mesh.triangles) ofEmitter += d.mesh.positions[t[0]].z > 0.1f;
+    EXPECT_GE(ofEmitter, 60u);
 }
 
 TEST(Decimate, CanBeCancelled) {

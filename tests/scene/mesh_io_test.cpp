@@ -30,15 +30,15 @@ std::string plyHeader(const std::string& format, const std::string& vertices = "
            "\nproperty list uchar int vertex_indices\nend_header\n";
 }
 
-std::string asciiPly(const std::string& vertices, const std::string& faces, const std::string& body) {
-    return plyHeader("ascii", vertices, faces) + body;
+std::string asciiPly(const std::string& vertices, const std::string& faces, const std::string& part) {
+    return plyHeader("ascii", vertices, faces) + part;
 }
 
 /// A mesh from the text of vertices and faces, in a file of its own.
-Mesh fromAscii(const std::string& vertices, const std::string& faces, const std::string& body,
+Mesh fromAscii(const std::string& vertices, const std::string& faces, const std::string& part,
                MeshReport* report = nullptr) {
     test::TemporaryFolder folder;
-    return readMesh(folder.write("mesh.ply", asciiPly(vertices, faces, body)), report);
+    return readMesh(folder.write("mesh.ply", asciiPly(vertices, faces, part)), report);
 }
 
 std::string errorFor(const std::string& name, const std::string& bytes, const MeshLimits& limits = {}) {
@@ -269,7 +269,7 @@ TEST(MeshIo, CountsBeyondTheFileAreRefusedBeforeMemoryIsAskedFor) {
     std::string stl(80, 'x');
     put(stl, uint32_t(0xffffffff));
     EXPECT_EQ(errorFor("a.stl", stl + "rest"), "claims 4294967295 triangles, the file holds 0");
-    // A list inside the body can lie as well.
+    // A list inside the part can lie as well.
     std::string list =
         "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
         "element face 1\nproperty list uint int vertex_indices\nend_header\n";

@@ -25,7 +25,7 @@ TEST(Rim, OfASheetIsItsOutlineAndSeamsAreNone) {
     EXPECT_FALSE(rim[8]);
 }
 
-TEST(Rim, AClosedBodyHasNone) {
+TEST(Rim, AClosedPartHasNone) {
     Mesh mesh;
     mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};

@@ -47,15 +47,15 @@ protected:
 
 TEST_F(Blender, FindsTheEmitterWhereItStoodWithItsRadiance) {
     exportScene(shot, relit, folder / "out", false);
-    const nlohmann::json lamp = opened(folder / "out/lights.gltf").at("lamp");
+    const nlohmann::json emitter = opened(folder / "out/lights.gltf").at("lamp");
     const float place[3] = {0.25f, 0.5f, 1}, half[3] = {0.25f, 0.125f, 0}, radiance[3] = {150, 98, 50};
     for (size_t k = 0; k < 3; ++k) {
-        EXPECT_NEAR(lamp["location"][k].get<double>(), place[k], 1e-5);
-        EXPECT_NEAR(lamp["low"][k].get<double>(), place[k] - half[k], 1e-5);
-        EXPECT_NEAR(lamp["high"][k].get<double>(), place[k] + half[k], 1e-5);
-        EXPECT_NEAR(lamp["radiance"][k].get<double>(), radiance[k], 1e-3);
+        EXPECT_NEAR(emitter["location"][k].get<double>(), place[k], 1e-5);
+        EXPECT_NEAR(emitter["low"][k].get<double>(), place[k] - half[k], 1e-5);
+        EXPECT_NEAR(emitter["high"][k].get<double>(), place[k] + half[k], 1e-5);
+        EXPECT_NEAR(emitter["radiance"][k].get<double>(), radiance[k], 1e-3);
     }
-    EXPECT_NEAR(lamp["area"].get<double>(), 0.125, 1e-6);
+    EXPECT_NEAR(emitter["area"].get<double>(), 0.125, 1e-6);
 }
 
 TEST_F(Blender, OpensEveryLayerOfAFrame) {

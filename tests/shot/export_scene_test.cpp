@@ -14,7 +14,7 @@
 namespace relamp {
 namespace {
 
-/// A floor and a lamp of 2 x 0.5 m that shines down from (1, 2, 3).
+/// A floor and an emitter of 2 x 0.5 m that shines down from (1, 2, 3).
 class ExportedShot : public testing::Test {
 protected:
     void SetUp() override {
@@ -29,7 +29,7 @@ protected:
         Look look;
         look.added.push_back({AddedEmitter::Shape::rectangle, "rectangle-1", test::translation({1, 2, 3}),
                               Vec2(2, 0.5f), Rgb(40, 20, 10)});
-        look.added.back().name = "lamp 1";
+        look.added.back().name = "light 1";
         relit = test::relitOf(scene, shot.estimate, look);
         exportScene(shot, relit, out(), false);
     }
@@ -45,7 +45,7 @@ protected:
 TEST_F(ExportedShot, HasLightsWithTheirPlaceAndRadianceAsJson) {
     const auto light = parsed("lights.json")["lights"].at(0);
     EXPECT_EQ(light["id"], "rectangle-1");
-    EXPECT_EQ(light["name"], "lamp 1");
+    EXPECT_EQ(light["name"], "light 1");
     EXPECT_EQ(light["radiance"], (nlohmann::json{40, 20, 10}));
     EXPECT_NEAR(light["area_m2"].get<double>(), 1, 1e-6);
     EXPECT_NEAR(light["flux"][0].get<double>(), 40 * piD, 1e-4);
@@ -58,9 +58,9 @@ TEST_F(ExportedShot, HasLightsWithTheirPlaceAndRadianceAsJson) {
 TEST_F(ExportedShot, HasMeshLightsInGltf) {
     const auto gltf = parsed("lights.gltf");
     const auto& node = gltf["nodes"].at(1);
-    EXPECT_EQ(node["name"], "lamp 1");
+    EXPECT_EQ(node["name"], "light 1");
     EXPECT_EQ(node["translation"], (nlohmann::json{1, 2, 3}));
-    EXPECT_EQ(gltf["nodes"][0]["children"].size(), 3u);  // lamp, surfaces, camera
+    EXPECT_EQ(gltf["nodes"][0]["children"].size(), 3u);  // emitter, surfaces, camera
     const auto& primitive = gltf["meshes"][node["mesh"].get<size_t>()]["primitives"][0];
     const auto& material = gltf["materials"][primitive["material"].get<size_t>()];
     EXPECT_EQ(material["emissiveFactor"], (nlohmann::json{1, 0.5, 0.25}));

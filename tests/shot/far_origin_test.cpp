@@ -89,7 +89,7 @@ TEST_F(FarOrigin, ProxyLightsAndCameraFilesCountFromTheFilesOrigin) {
 }
 
 TEST_F(FarOrigin, LooksAreWrittenForTheFilesOrigin) {
-    // A lamp turned by 90 degrees about a point of the scene, one added, and a part that moves.
+    // An emitter turned by 90 degrees about a point of the scene, one added, and a part that moves.
     Look inside;
     Mat4 turn(Vec4(0, 1, 0, 0), Vec4(-1, 0, 0, 0), Vec4(0, 0, 1, 0), Vec4(0.5f, -0.25f, 0, 1));
     inside.emitters.push_back({"emitter-1", true, turn, Rgb(1)});
@@ -111,12 +111,13 @@ TEST_F(FarOrigin, LooksAreWrittenForTheFilesOrigin) {
 
 TEST_F(FarOrigin, ShotsAndWhatIsExportedLieWhereTheFilesDo) {
     const Scene scene = test::sceneOf(far.mesh);
-    std::vector<uint32_t> lamp;
-    for (uint32_t t = uint32_t(far.mesh.triangles.size()) - 8; t < far.mesh.triangles.size(); ++t) lamp.push_back(t);
+    std::vector<uint32_t> emitter;
+    for (uint32_t t = uint32_t(far.mesh.triangles.size()) - 8; t < far.mesh.triangles.size(); ++t) emitter.push_back(t);
     Shot shot;
     shot.captureFolder = folder / "far";
     shot.capture = far;
-    shot.estimate = test::matteEstimate(scene, Rgb(0.5f), Rgb(1), test::emittersOf(scene, {lamp}, {Rgb(12, 11, 10)}));
+    shot.estimate =
+        test::matteEstimate(scene, Rgb(0.5f), Rgb(1), test::emittersOf(scene, {emitter}, {Rgb(12, 11, 10)}));
     shot.estimate.environmentSide = 256;
     shot.estimate.environment.assign(256 * 256, Rgb(0.1f));
     shot.look.emitters.push_back({"emitter-1", true, test::translation({0, 0, -0.5f}), Rgb(2)});
@@ -135,14 +136,14 @@ TEST_F(FarOrigin, ShotsAndWhatIsExportedLieWhereTheFilesDo) {
 
     const RelitScene relit = test::relitOf(scene, shot.estimate, {});
     exportScene(shot, relit, folder / "out", false);
-    const DVec3 lampAt = far.origin + DVec3(relit.emitters[0].surface.centroid);
-    EXPECT_LT(glm::distance(lampAt, centroid), 1e-6);
+    const DVec3 emitterAt = far.origin + DVec3(relit.emitters[0].surface.centroid);
+    EXPECT_LT(glm::distance(emitterAt, centroid), 1e-6);
     const json lights = json::parse(test::TemporaryFolder::read(folder / "out/lights.json"));
-    EXPECT_LT(glm::distance(placeOf(lights["lights"][0]["centroid"]), lampAt), 1e-8);
+    EXPECT_LT(glm::distance(placeOf(lights["lights"][0]["centroid"]), emitterAt), 1e-8);
     const json gltf = json::parse(test::TemporaryFolder::read(folder / "out/lights.gltf"));
-    EXPECT_LT(glm::distance(placeOf(gltf["nodes"][1]["translation"]), lampAt), 1e-8);
+    EXPECT_LT(glm::distance(placeOf(gltf["nodes"][1]["translation"]), emitterAt), 1e-8);
     const std::string usd = test::TemporaryFolder::read(folder / "out/lights.usda");
-    EXPECT_NE(usd.find(fmt::format("xformOp:translate = ({}, {}, {})", lampAt.x, lampAt.y, lampAt.z)),
+    EXPECT_NE(usd.find(fmt::format("xformOp:translate = ({}, {}, {})", emitterAt.x, emitterAt.y, emitterAt.z)),
               std::string::npos);
     // What was exported is a capture of the same place.
     const CameraFile cameras = readCameraPath(far, folder / "out/transforms.json");
@@ -160,7 +161,7 @@ TEST_F(FarOrigin, ShotsAndWhatIsExportedLieWhereTheFilesDo) {
     std::vector<std::vector<float>> channels(7, std::vector<float>(pixels));
     std::vector<float*> out;
     for (auto& channel : channels) out.push_back(channel.data());
-    FrameLayers(layerWish("position"), LayerNaming::blender, {}, far.origin).fill(strip, out);
+    FrameLayers(layerRequest("position"), LayerNaming::blender, {}, far.origin).fill(strip, out);
     for (int c = 0; c < 3; ++c)
         EXPECT_EQ(channels[size_t(4 + c)][hit], float(far.origin[c] + double(strip.frame.position[hit][c]))) << c;
 }

@@ -38,18 +38,18 @@ struct ReadBack {
     const std::vector<float>& operator[](const std::string& name) const { return channels.at(name); }
 };
 
-/// A matte floor under a lamp in a grey world, seen from above; the lamp is recovered and may be moved.
+/// A matte floor under an emitter in a grey world, seen from above; the emitter is recovered and may be moved.
 class FrameFile : public testing::Test {
 protected:
     void SetUp() override {
         scene = test::sceneOf(test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 2, 2));
         const Estimate estimate = test::matteEstimate(scene, Rgb(0.5f, 0.4f, 0.3f), Rgb(1));
-        Look lamp;
-        lamp.added.push_back(
+        Look emitter;
+        emitter.added.push_back(
             {AddedEmitter::Shape::disk, "emitter-1", test::translation({0, 0, 1}), Vec2(0.5f), Rgb(10)});
-        captured = test::relitOf(scene, estimate, lamp);
-        lamp.added[0].radiance = Rgb(30, 10, 5);
-        look = test::relitOf(scene, estimate, lamp);
+        captured = test::relitOf(scene, estimate, emitter);
+        emitter.added[0].radiance = Rgb(30, 10, 5);
+        look = test::relitOf(scene, estimate, emitter);
         camera = test::cameraAt({0, -2, 1.5}, {0, 0, 0.4}, 40, 33, 30);
         photograph = Image(40, 33);
         Progress progress;
@@ -110,12 +110,12 @@ TEST_F(FrameFile, CryptomatteHoldsTheCoverageOfTheEmitter) {
     const ReadBack file = write(with("cryptomatte"), sources());
     size_t whole = 0;
     for (size_t p = 0; p < frame.beauty.size(); ++p) {
-        const float share = frame.emittersSeen[p][0].share;
-        ASSERT_EQ(file["CryptoEmitter00.G"][p], share);
+        const float fraction = frame.emittersSeen[p][0].fraction;
+        ASSERT_EQ(file["CryptoEmitter00.G"][p], fraction);
         ASSERT_EQ(std::bit_cast<uint32_t>(file["CryptoEmitter00.R"][p]),
-                  share > 0 ? std::bit_cast<uint32_t>(cryptomatteId("emitter-1")) : 0u);
+                  fraction > 0 ? std::bit_cast<uint32_t>(cryptomatteId("emitter-1")) : 0u);
         ASSERT_EQ(file["CryptoEmitter02.A"][p], 0);
-        whole += share == 1;
+        whole += fraction == 1;
     }
     EXPECT_GT(whole, 5u);
     const std::string key = fmt::format("cryptomatte/{:08x}", cryptomatteHash("CryptoEmitter")).substr(0, 19);
@@ -219,7 +219,7 @@ TEST_F(FrameFile, IsNotThereWhenItsRenderingIsStopped) {
 }
 
 TEST_F(FrameFile, OfTwoEmittersWithOneNameAreTwoGroups) {
-    const FrameLayers layers(layerWish("groups"), LayerNaming::blender, {"a b", "a-b", "world"});
+    const FrameLayers layers(layerRequest("groups"), LayerNaming::blender, {"a b", "a-b", "world"});
     std::vector<std::string> names;
     for (const ChannelPart& part : layers.parts(true)) names.push_back(part.name);
     EXPECT_EQ(names, (std::vector<std::string>{"rgba", "Combined_world", "Combined_a_b", "Combined_a_b_2",

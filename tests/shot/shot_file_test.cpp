@@ -20,12 +20,12 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// A capture of one view and a shot of it with a lamp.
+/// A capture of one view and a shot of it with an emitter.
 class ShotFile : public testing::Test {
 protected:
     void SetUp() override {
         Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 4, 4);
-        const std::vector<uint32_t> lamp = test::append(mesh, test::squareAbove(0.5f, 0, 0, 1, 2));
+        const std::vector<uint32_t> emitter = test::append(mesh, test::squareAbove(0.5f, 0, 0, 1, 2));
         fs::create_directories(folder / "capture/images");
         writeVertexPly(folder / "capture/mesh.ply", mesh, {});
         writeImage(folder / "capture/images/0.exr", Image(16, 12, Rgb(0.5f)));
@@ -41,7 +41,7 @@ protected:
         scene = test::sceneOf(mesh);
         shot.captureFolder = folder / "capture";
         shot.estimate = test::matteEstimate(scene, Rgb(0.5f, 0.25f, 0.125f), Rgb(0),
-                                            test::emittersOf(scene, {lamp}, {Rgb(12, 11, 10)}));
+                                            test::emittersOf(scene, {emitter}, {Rgb(12, 11, 10)}));
         Estimate& e = shot.estimate;
         e.reflectance.basis.lobes.push_back({Lobe::Kind::ggxDielectric, 0.1024f, "ggx dielectric roughness 0.32"});
         e.reflectance.weight.push_back(std::vector<Rgb>(mesh.vertexCount(), Rgb(0.75f, 0.5f, 0.25f)));
@@ -220,7 +220,7 @@ TEST_F(ShotFile, KeepsTheLooksEnvironmentFileRelative) {
 TEST_F(ShotFile, OpensTheSameWithADamagedCacheAndPrefersAPaintedEnvironment) {
     save();
     const Rgb whole = open().estimate.environment[100];
-    folder.write("out.relamp/cache/environment_cells.exr", "not a picture");
+    folder.write("out.relamp/cache/environment_cells.exr", "not an image");
     EXPECT_NEAR(open().estimate.environment[100].x, whole.x, 0.05f * whole.x + 1e-4f);
     save(true);
     Image painted(1024, 512, Rgb(7));

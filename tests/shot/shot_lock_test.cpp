@@ -67,7 +67,7 @@ TEST(ShotLock, aLinkInItsPlaceIsNotFollowed) {
     EXPECT_EQ(TemporaryFolder::read(folder / "letter"), "dear");
 }
 
-TEST(ShotLock, whereNothingCanBeWrittenItIsNobodys) {
+TEST(ShotLock, whereNothingCanBeWrittenItIsNoparts) {
     const TemporaryFolder folder;
     const ShotLock lock = ShotLock::take(folder / "not/there/a.relamp");
     EXPECT_FALSE(lock.held());

@@ -1,19 +1,19 @@
 #pragma once
-#include "solve/matte_under_gloss.h"
+#include "solve/gloss/matte_under_gloss.h"
 #include "support/shapes.h"
 
 namespace relamp::test {
 
 /// A dark red, glazed ball under a bright sky with a glow, seen by four cameras without noise.
-struct GlazedBall {
+struct CoatedBall {
     Scene scene = sceneOf(ball({0, 0, 0}, 0.5f, 12, 18));
     Capture capture;
     RadianceSamples samples;
     Lighting lighting;
-    PieceGloss gloss;
+    ComponentGloss gloss;
     std::vector<Rgb> matte;  ///< what the matte part alone shows, per vertex
 
-    GlazedBall() {
+    CoatedBall() {
         const Rgb albedo(0.4f, 0.08f, 0.05f);
         lighting.leaves = LightLeaves::uniform(3);
         for (size_t i = 0; i < lighting.leaves.size(); ++i)

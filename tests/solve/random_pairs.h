@@ -1,7 +1,7 @@
 // Pairs of random rows and their weights, for the normal equations' tests.
 #pragma once
 #include "base/random.h"
-#include "solve/pair_gram.h"
+#include "solve/ratio/pair_gram.h"
 
 namespace relamp::test {
 

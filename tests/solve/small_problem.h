@@ -2,7 +2,7 @@
 #pragma once
 #include <random>
 
-#include "solve/albedo_free.h"
+#include "solve/ratio/albedo_free.h"
 
 namespace relamp::test {
 
@@ -15,7 +15,8 @@ struct SmallProblem {
     std::vector<Rgb> albedo;
 };
 
-/// `rows` vertices under 64 leaves and one lamp of radiance (20, 10, 4); albedo is constant over runs of ten vertices.
+/// `rows` vertices under 64 leaves and one emitter of radiance (20, 10, 4); albedo is constant over runs of ten
+/// vertices.
 inline SmallProblem smallProblem(size_t rows = 400, float noise = 0) {
     SmallProblem p;
     std::mt19937 random(5);

@@ -15,8 +15,9 @@ auto fieldsOf(EmitterEvidence& e) {
     return std::tie(a, b, c, d, g, h, i, j, k, l);
 }
 auto fieldsOf(EmitterCluster& e) {
-    auto& [id, vertices, triangles, radiance, sigma, twoSided, unseen, position, centroid, normal, area, evidence] = e;
-    return std::tie(id, vertices, triangles, radiance, sigma, twoSided, unseen, position, centroid, normal, area,
+    auto& [id, vertices, triangles, radiance, sigma, twoSided, unobserved, position, centroid, normal, area, evidence] =
+        e;
+    return std::tie(id, vertices, triangles, radiance, sigma, twoSided, unobserved, position, centroid, normal, area,
                     evidence);
 }
 auto fieldsOf(RejectedPatch& r) {
@@ -32,16 +33,16 @@ auto fieldsOf(Leaf& leaf) {
     return std::tie(level, x, y);
 }
 auto fieldsOf(Lobe& lobe) {
-    auto& [kind, alpha, name, measured, parts, share] = lobe;
-    return std::tie(kind, alpha, name, parts, share);
+    auto& [kind, alpha, name, measured, parts, fraction] = lobe;
+    return std::tie(kind, alpha, name, parts, fraction);
 }
-auto fieldsOf(GlossyLook& look) {
-    auto& [vertex, view, radiance, sigma, towardEye] = look;
+auto fieldsOf(GlossyObservation& observation) {
+    auto& [vertex, view, radiance, sigma, towardEye] = observation;
     return std::tie(vertex, view, radiance, sigma, towardEye);
 }
-auto fieldsOf(PieceGloss& g) {
-    auto& [piece, lobe, weight, matte, residual, residualMatte, looks] = g;
-    return std::tie(piece, lobe, weight, matte, residual, residualMatte, looks);
+auto fieldsOf(ComponentGloss& g) {
+    auto& [component, lobe, weight, matte, residual, residualMatte, observations] = g;
+    return std::tie(component, lobe, weight, matte, residual, residualMatte, observations);
 }
 auto fieldsOf(PriorStrength::Trial& t) {
     auto& [factor, misfit, error] = t;
@@ -52,8 +53,8 @@ auto fieldsOf(PriorStrength& p) {
     return std::tie(factor, chosenBy, trials);
 }
 auto fieldsOf(PaletteColour& p) {
-    auto& [albedo, share] = p;
-    return std::tie(albedo, share);
+    auto& [albedo, fraction] = p;
+    return std::tie(albedo, fraction);
 }
 auto fieldsOf(TimelineEntry& t) {
     auto& [seconds, stage, iteration, objective, rmse] = t;
@@ -77,15 +78,16 @@ auto fieldsOf(SolvePlan& p) {
 }
 auto fieldsOf(SolveCheckpoint& c) {
     auto& [step, between, seconds, clusters, suspect, leaves, leafRadiance, emitterRadiance, environmentBlack, refined,
-           bounceKept, noMetals, backgroundRefuted, visibilityStep, refinedMisfit, bouncedShare, noBounceBecause,
-           vertexBounce, sent, matteRadiance, matteSigma, lightSmoothness, albedoSmoothness, gloss, firstGloss,
-           metalsHeard, metalsJoined, lightUnfinished, information, informationOfLooks, informationSeen, albedo,
+           bounceKept, noMetals, backgroundRefuted, visibilityStep, refinedMisfit, bouncedFraction, noBounceBecause,
+           vertexBounce, outgoing, matteRadiance, matteSigma, lightSmoothness, albedoSmoothness, gloss, firstGloss,
+           metalsHeard, metalsJoined, lightUnfinished, information, informationOfObservations, informationSeen, albedo,
            confidence, palette, timeline, kktResidual, plan] = c;
     return std::tie(step, between, seconds, clusters, suspect, leaves, leafRadiance, emitterRadiance, environmentBlack,
-                    refined, bounceKept, noMetals, backgroundRefuted, visibilityStep, refinedMisfit, bouncedShare,
-                    noBounceBecause, vertexBounce, sent, matteRadiance, matteSigma, lightSmoothness, albedoSmoothness,
-                    gloss, firstGloss, metalsHeard, metalsJoined, lightUnfinished, information, informationOfLooks,
-                    informationSeen, albedo, confidence, palette, timeline, kktResidual, plan);
+                    refined, bounceKept, noMetals, backgroundRefuted, visibilityStep, refinedMisfit, bouncedFraction,
+                    noBounceBecause, vertexBounce, outgoing, matteRadiance, matteSigma, lightSmoothness,
+                    albedoSmoothness, gloss, firstGloss, metalsHeard, metalsJoined, lightUnfinished, information,
+                    informationOfObservations, informationSeen, albedo, confidence, palette, timeline, kktResidual,
+                    plan);
 }
 
 /// Makes every field another than it is by default: lists get one entry.
@@ -111,7 +113,7 @@ struct Fill {
         part.kind = Lobe::Kind::ward;
         (*this)(part.alpha);
         (*this)(part.name);
-        (*this)(part.share);
+        (*this)(part.fraction);
     }
     template <class T>
     void operator()(std::optional<T>& value) {

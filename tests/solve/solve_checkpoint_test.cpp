@@ -19,9 +19,9 @@ struct Problem {
     EmitterClusters clusters;
     SolveOptions options = solveOptionsFor("draft");
 
-    explicit Problem(const StressWorld& world = {}) {
+    explicit Problem(const StressScene& world = {}) {
         Progress progress;
-        capture = paintStressWorld(world, progress).capture;
+        capture = paintStressScene(world, progress).capture;
         scene = buildScene(capture.mesh, progress);
         samples = gatherRadiance(capture, scene, {}, progress);
         clusters = clusterEmitters(scene, capture, samples, {}, progress);
@@ -37,8 +37,8 @@ struct Problem {
 
 const Problem& glossyProblem() {
     static const Problem problem = [] {
-        StressWorld world;
-        world.mirrorAlpha = 0.05f;
+        StressScene world;
+        world.specularAlpha = 0.05f;
         return Problem(world);
     }();
     return problem;

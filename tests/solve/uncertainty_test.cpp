@@ -33,13 +33,13 @@ UncertaintyOptions bare() {
     return u;
 }
 
-TEST(LightUncertainty, ALampSeenDirectlyFixesTheScaleAndNothingSeenLeavesItOpen) {
+TEST(LightUncertainty, AnEmitterSeenDirectlyFixesTheScaleAndNothingSeenLeavesItOpen) {
     test::SmallProblem p = test::smallProblem();
     Lighting found = p.start;
     const LightUncertainty sure = solved(p, {}, bare(), found);
     EXPECT_LT(maxChannel(sure.scaleSigma), 0.05f);
     EXPECT_GT(sure.fromEmitters.y, 0.9f);
-    p.anchors.emitterRadiance.clear();  // a lamp that no photograph shows
+    p.anchors.emitterRadiance.clear();  // an emitter that no photograph shows
     p.anchors.emitterSigma.clear();
     p.anchors.emitterClipped.clear();
     test::SmallProblem without = p;

@@ -1,6 +1,6 @@
 // Paints a small capture from lighting and reflectance that are known, by brute force: none of the code under test
-// shades here. A floor and a box and a ball on it, matte, under a square lamp and an analytic sky; direct light only,
-// but for the room with two walls whose surfaces light each other.
+// shades here. A floor and a box and a ball on it, matte, under a square emitter and an analytic sky; direct light
+// only, but for the room with two walls whose surfaces light each other.
 #pragma once
 #include <filesystem>
 
@@ -17,10 +17,10 @@ namespace relamp::test {
 
 struct KnownWorld {
     Mesh mesh;
-    std::vector<uint32_t> lampTriangles;
-    Rgb lampRadiance{40, 34, 26};
-    Vec3 lampCentre{0.35f, 0.25f, 1.15f};
-    float lampSide = 0.3f;
+    std::vector<uint32_t> emitterTriangles;
+    Rgb emitterRadiance{40, 34, 26};
+    Vec3 emitterCentre{0.35f, 0.25f, 1.15f};
+    float emitterSide = 0.3f;
     std::vector<Rgb> albedo;  ///< per vertex
     size_t floorVertices = 0;
     size_t ballBegin = 0, ballEnd = 0;  ///< its vertices
@@ -52,28 +52,29 @@ inline Rgb skyIrradiance(const std::function<Rgb(const Vec3&)>& radiance, const 
     return Rgb(sum * double(grid.cellSolidAngle()));
 }
 
-/// Light that leaves a matte point: 8 x 8 points on the lamp, 16 x 16 directions of the sky, each with one ray.
+/// Light that leaves a matte point: 8 x 8 points on the emitter, 16 x 16 directions of the sky, each with one ray.
 inline Rgb paintPoint(const KnownWorld& world, const RayTracer& tracer, const Vec3& position, const Vec3& normal,
-                      uint64_t seed, bool lamp) {
+                      uint64_t seed, bool emitter) {
     const Vec3 origin = position + normal * 1e-4f;
-    const Vec2 shift = randomShift(seed, 1, 2), lampShift = randomShift(seed, 3, 4);
+    const Vec2 shift = randomShift(seed, 1, 2), emitterShift = randomShift(seed, 3, 4);
     const Mat3 frame = frameAround(normal);
     DVec3 irradiance(0);
-    constexpr int side = 16, lampSide = 8;
+    constexpr int side = 16, emitterSide = 8;
     for (int i = 0; i < side * side; ++i) {
         const Vec2 u = (Vec2(float(i % side), float(i / side)) + shift) / float(side);
         const Vec3 d = frame * cosineHemisphere(u);
         if (!tracer.occluded({origin, d, 0, 1e30f})) irradiance += DVec3(KnownWorld::sky(d)) * (piD / (side * side));
     }
-    for (int i = 0; lamp && i < lampSide * lampSide; ++i) {
-        const Vec2 u = (Vec2(float(i % lampSide), float(i / lampSide)) + lampShift) / float(lampSide) - 0.5f;
-        const Vec3 to = world.lampCentre + world.lampSide * Vec3(u.x, u.y, 0) - origin;
+    for (int i = 0; emitter && i < emitterSide * emitterSide; ++i) {
+        const Vec2 u =
+            (Vec2(float(i % emitterSide), float(i / emitterSide)) + emitterShift) / float(emitterSide) - 0.5f;
+        const Vec3 to = world.emitterCentre + world.emitterSide * Vec3(u.x, u.y, 0) - origin;
         const float d2 = glm::dot(to, to);
         const Vec3 d = to / std::sqrt(d2);
         const float cosine = glm::dot(d, normal), facing = d.z;
         if (cosine <= 0 || facing <= 0 || tracer.occluded({origin, d, 0, std::sqrt(d2) * 0.999f})) continue;
-        irradiance += DVec3(world.lampRadiance) *
-                      double(cosine * facing / d2 * world.lampSide * world.lampSide / (lampSide * lampSide));
+        irradiance += DVec3(world.emitterRadiance) * double(cosine * facing / d2 * world.emitterSide *
+                                                            world.emitterSide / (emitterSide * emitterSide));
     }
     return KnownWorld::albedoAt(position) * Rgb(irradiance) / pi;
 }
@@ -81,11 +82,11 @@ inline Rgb paintPoint(const KnownWorld& world, const RayTracer& tracer, const Ve
 /// Light that surfaces send each other, at the vertices: 256 rays each, three bounces. Radiance a white matte surface
 /// shows.
 inline std::vector<Rgb> paintBounces(const KnownWorld& world, const Scene& scene, const std::vector<uint8_t>& shines,
-                                     bool lamp) {
+                                     bool emitter) {
     const Mesh& mesh = scene.mesh;
     std::vector<Rgb> direct(mesh.vertexCount()), bounced(mesh.vertexCount(), Rgb(0));
     for (size_t v = 0; v < direct.size(); ++v)
-        direct[v] = paintPoint(world, *scene.tracer, mesh.positions[v], mesh.normals[v], 900000 + v, lamp);
+        direct[v] = paintPoint(world, *scene.tracer, mesh.positions[v], mesh.normals[v], 900000 + v, emitter);
     for (int bounce = 0; bounce < 3; ++bounce) {
         std::vector<Rgb> next(mesh.vertexCount(), Rgb(0));
         parallelFor(next.size(), 16, [&](size_t v) {
@@ -109,10 +110,10 @@ inline std::vector<Rgb> paintBounces(const KnownWorld& world, const Scene& scene
     return bounced;
 }
 
-/// Writes transforms.json, mesh.ply and the photographs (96 x 72, EXR) into `folder`; `lamp` false leaves the lamp dark
-/// and out. `room`: two walls behind the floor, and surfaces light each other. `metalBall`: the ball mirrors the sky,
-/// tinted, and has no albedo.
-inline KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool lamp = true, int views = 10,
+/// Writes transforms.json, mesh.ply and the photographs (96 x 72, EXR) into `folder`; `emitter` false leaves the
+/// emitter dark and out. `room`: two walls behind the floor, and surfaces light each other. `metalBall`: the ball
+/// mirrors the sky, tinted, and has no albedo.
+inline KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool emitter = true, int views = 10,
                                   int floorCuts = 24, bool room = false, bool metalBall = false) {
     KnownWorld world;
     world.views = views;
@@ -126,22 +127,22 @@ inline KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool lamp
         append(world.mesh, sheet({-1, 1, 0.002f}, {2, 0, 0}, {0, 0, 1.3f}, 16, 10));
         append(world.mesh, sheet({-1, -1, 0.002f}, {0, 2, 0}, {0, 0, 1.3f}, 16, 10));
     }
-    if (lamp)
-        world.lampTriangles = append(
-            world.mesh, squareAbove(world.lampSide, world.lampCentre.x, world.lampCentre.y, world.lampCentre.z, 4));
+    if (emitter)
+        world.emitterTriangles = append(world.mesh, squareAbove(world.emitterSide, world.emitterCentre.x,
+                                                                world.emitterCentre.y, world.emitterCentre.z, 4));
     for (const Vec3& p : world.mesh.positions) world.albedo.push_back(KnownWorld::albedoAt(p));
     std::vector<uint8_t> shines(world.mesh.triangles.size(), 0);
-    for (uint32_t t : world.lampTriangles) shines[t] = 1;
+    for (uint32_t t : world.emitterTriangles) shines[t] = 1;
 
     const Scene scene = sceneOf(world.mesh);
     const std::vector<Rgb> bounced =
-        room ? paintBounces(world, scene, shines, lamp) : std::vector<Rgb>(world.mesh.vertexCount(), Rgb(0));
+        room ? paintBounces(world, scene, shines, emitter) : std::vector<Rgb>(world.mesh.vertexCount(), Rgb(0));
     std::filesystem::create_directories(folder / "images");
     writeVertexPly(folder / "mesh.ply", world.mesh, {});
     nlohmann::json file{
         {"w", 96}, {"h", 72}, {"fl_x", 95}, {"mesh_path", "mesh.ply"}, {"frames", nlohmann::json::array()}};
     for (int i = 0; i < views; ++i) {
-        // High ones look down, low ones see the underside of the lamp and the sky.
+        // High ones look down, low ones see the underside of the emitter and the sky.
         const double a = room ? -1.5 + 1.5 * i / (views - 1) : 2 * piD * i / views + 0.3;  // before the open sides
         const bool low = i % 2;
         const Camera camera =
@@ -155,7 +156,7 @@ inline KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool lamp
                 return;
             }
             if (shines[hit.triangle]) {
-                image.pixels[p] = d.z > 0 ? world.lampRadiance : Rgb(0);
+                image.pixels[p] = d.z > 0 ? world.emitterRadiance : Rgb(0);
                 return;
             }
             const Vec3 normal = scene.normalOf(hit);
@@ -174,7 +175,7 @@ inline KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool lamp
             const Vec2 b = hit.barycentric;
             const Rgb indirect = (1 - b.x - b.y) * bounced[t[0]] + b.x * bounced[t[1]] + b.y * bounced[t[2]];
             const Vec3 point = scene.pointOf(hit);
-            image.pixels[p] = paintPoint(world, *scene.tracer, point, normal, size_t(i) * 10000 + p, lamp) +
+            image.pixels[p] = paintPoint(world, *scene.tracer, point, normal, size_t(i) * 10000 + p, emitter) +
                               KnownWorld::albedoAt(point) * indirect;
         });
         const std::string name = fmt::format("images/{:02}.exr", i);

@@ -37,13 +37,13 @@ inline ProgramResult runProgram(const std::vector<std::string>& arguments, const
         ::_exit(127);
     }
     int status = 0;
-    bool sent = false;
+    bool outgoing = false;
     for (int step = 0;; ++step) {
         const pid_t done = ::waitpid(child, &status, interruptOn.empty() ? 0 : WNOHANG);
         if (done == child) break;
-        if (!sent && TemporaryFolder::read(error).find(interruptOn) != std::string::npos) {
+        if (!outgoing && TemporaryFolder::read(error).find(interruptOn) != std::string::npos) {
             ::kill(child, signalNumber);
-            sent = true;
+            outgoing = true;
         }
         if (step > 60000) ::kill(child, SIGKILL);
         std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -19,17 +19,17 @@ inline constexpr double stopBoundSeconds = 5;
 inline constexpr double stopBoundSeconds = 0.5;
 #endif
 
-/// Runs `body`, asks it to stop once it is at `share` of the stage named `stage` (empty: of any), and expects Cancelled
+/// Runs `part`, asks it to stop once it is at `share` of the stage named `stage` (empty: of any), and expects Cancelled
 /// soon.
-inline void expectStopsHalfWay(const std::function<void(Progress&)>& body, const std::string& stage = "",
-                               double share = 0.3) {
+inline void expectStopsHalfWay(const std::function<void(Progress&)>& part, const std::string& stage = "",
+                               double fraction = 0.3) {
     using Clock = std::chrono::steady_clock;
     Progress progress;
     std::atomic<bool> ended{false};
     Clock::time_point asked{};
     std::thread watcher([&] {
         while (!ended) {
-            if (progress.share() > share && (stage.empty() || progress.label() == stage)) {
+            if (progress.fraction() > fraction && (stage.empty() || progress.label() == stage)) {
                 asked = Clock::now();
                 progress.requestStop();
                 return;
@@ -40,7 +40,7 @@ inline void expectStopsHalfWay(const std::function<void(Progress&)>& body, const
     bool cancelled = false;
     Clock::time_point returned{};
     try {
-        body(progress);
+        part(progress);
     } catch (const Cancelled&) { cancelled = true; }
     returned = Clock::now();
     ended = true;

@@ -50,11 +50,11 @@ private:
     std::filesystem::path path_;
 };
 
-/// The message of the exception `body` throws; empty when it throws none.
-template <class Body>
-std::string messageOf(Body&& body) {
+/// The message of the exception `part` throws; empty when it throws none.
+template <class Part>
+std::string messageOf(Part&& part) {
     try {
-        body();
+        part();
     } catch (const std::exception& error) { return error.what(); }
     return "";
 }

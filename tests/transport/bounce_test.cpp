@@ -47,9 +47,9 @@ TEST(Bounce, ASquareAboveSendsItsFormFactor) {
     const size_t floor = mesh.vertexCount();
     test::append(mesh, test::squareAbove(1.5f, 0, 0, 0.8f, 12));
     const Scene scene = test::sceneOf(mesh);
-    std::vector<Rgb> sent(mesh.vertexCount(), Rgb(3));
-    for (size_t v = 0; v < floor; ++v) sent[v] = Rgb(0);
-    const Rgb shown = gatherBounce(traced(scene, 1024), sent)[4];  // the middle of the small floor
+    std::vector<Rgb> outgoing(mesh.vertexCount(), Rgb(3));
+    for (size_t v = 0; v < floor; ++v) outgoing[v] = Rgb(0);
+    const Rgb shown = gatherBounce(traced(scene, 1024), outgoing)[4];  // the middle of the small floor
     EXPECT_NEAR(shown.x, 3 * test::centredSquareFormFactor(1.5, 0.8), 0.02);
 }
 

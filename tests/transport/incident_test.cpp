@@ -70,14 +70,14 @@ TEST(LambertInfluence, BesideATallWallIsHalf) {
 
 TEST(LambertInfluence, OfAnEmitterIsItsFormFactor) {
     Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 2, 2);
-    const std::vector<uint32_t> lamp = append(mesh, test::squareAbove(1, 0, 0, 1, 4));
+    const std::vector<uint32_t> emitter = append(mesh, test::squareAbove(1, 0, 0, 1, 4));
     const Scene scene = test::sceneOf(mesh);
-    const EmitterClusters clusters = test::emittersOf(scene, {lamp}, {Rgb(5)});
+    const EmitterClusters clusters = test::emittersOf(scene, {emitter}, {Rgb(5)});
     const Rows rows = rowsOf(scene, LightLeaves::uniform(2), 64, {4}, clusters);
     ASSERT_EQ(rows.matrix.columns, 17u);
     const double expected = test::centredSquareFormFactor(1, 1);
     EXPECT_NEAR(rows.matrix.row(0)[16], expected, 0.005 * expected);
-    // The lamp hides exactly its own form factor of the sky.
+    // The emitter hides exactly its own form factor of the sky.
     EXPECT_NEAR(sumOfRow(rows.matrix, 0), 1, 0.01);
 }
 
@@ -233,14 +233,14 @@ TEST(GlossyInfluence, OfAnEmitterAgreesWithASumOverItsArea) {
         float side, x, y, z, bound;
         int cuts;
     };
-    // A small far lamp, one of half a steradian, and one so near and large that its middle counts many times its
+    // A small far emitter, one of half a steradian, and one so near and large that its middle counts many times its
     // corners.
     for (const Case& c :
          {Case{0.2f, 0.8f, 0, 1.5f, 0.02f, 2}, Case{1, 0.5f, 0.2f, 1, 0.02f, 3}, Case{3, 0.4f, 0, 0.6f, 0.03f, 1}}) {
         Mesh mesh = test::sheet({-3, -3, 0}, {6, 0, 0}, {0, 6, 0}, 2, 2);
-        const std::vector<uint32_t> lamp = append(mesh, test::squareAbove(c.side, c.x, c.y, c.z, c.cuts));
+        const std::vector<uint32_t> emitter = append(mesh, test::squareAbove(c.side, c.x, c.y, c.z, c.cuts));
         const Scene scene = test::sceneOf(mesh);
-        const EmitterClusters clusters = test::emittersOf(scene, {lamp}, {Rgb(1)});
+        const EmitterClusters clusters = test::emittersOf(scene, {emitter}, {Rgb(1)});
         const std::vector<EmitterSurface> surfaces{emitterSurface(scene.mesh, clusters.emitters[0])};
         const LightLeaves leaves = LightLeaves::uniform(1);
         std::vector<float> row(leaves.size() + 1);
@@ -257,17 +257,17 @@ TEST(GlossyInfluence, OfAnEmitterAgreesWithASumOverItsArea) {
                 const double expected =
                     lobeTimesSquare(lobe, eye, c.side, c.x, c.y, c.z, [](const Vec3&) { return false; });
                 EXPECT_NEAR(row[leaves.size()], expected, c.bound * expected + 1e-4)
-                    << lobe.name << ", lamp of side " << c.side << ", eye " << eye.x << " " << eye.y << " " << eye.z;
+                    << lobe.name << ", light of side " << c.side << ", eye " << eye.x << " " << eye.y << " " << eye.z;
             }
     }
 }
 
 TEST(GlossyInfluence, OfAnEmitterHalfHiddenIsTheVisibleHalf) {
     Mesh mesh = test::sheet({-3, -3, 0}, {6, 0, 0}, {0, 6, 0}, 2, 2);
-    const std::vector<uint32_t> lamp = append(mesh, test::squareAbove(1, 0, 0, 1, 4));
+    const std::vector<uint32_t> emitter = append(mesh, test::squareAbove(1, 0, 0, 1, 4));
     append(mesh, test::sheet({-3, -3, 0.5f}, {3, 0, 0}, {0, 6, 0}));
     const Scene scene = test::sceneOf(mesh);
-    const EmitterClusters clusters = test::emittersOf(scene, {lamp}, {Rgb(1)});
+    const EmitterClusters clusters = test::emittersOf(scene, {emitter}, {Rgb(1)});
     const std::vector<EmitterSurface> surfaces{emitterSurface(scene.mesh, clusters.emitters[0])};
     const LightLeaves leaves = LightLeaves::uniform(1);
     std::vector<float> row(leaves.size() + 1);
@@ -289,9 +289,9 @@ TEST(GlossyInfluence, MirrorsASurfaceAsItDoesASkyOfThatRadiance) {
     const Scene closed = test::sceneOf(mesh);
     const LightLeaves leaves = LightLeaves::uniform(2);
     std::vector<float> row(leaves.size());
-    std::vector<Rgb> sent(mesh.vertexCount(), Rgb(2, 1, 0.5f));
+    std::vector<Rgb> outgoing(mesh.vertexCount(), Rgb(2, 1, 0.5f));
     LobeRowOptions options;
-    options.sent = &sent;
+    options.outgoing = &outgoing;
     const Vec3 eye = glm::normalize(Vec3(0.4f, 0.1f, 1));
     const Lobe lobe{Lobe::Kind::ggxDielectric, 0.1f, "glaze"};
     glossyInfluence(open, {}, {}, leaves, lobe, 0, eye, options, row.data());

@@ -128,7 +128,7 @@ TEST(FormFactor, IsFiniteAndRightForTouchingCoplanarAndDegenerateTriangles) {
         EXPECT_NEAR(triangleFormFactor(Vec3(0.5f, 1, 0), up, line, twoSided), 0, 1e-7);
         EXPECT_NEAR(triangleFormFactor(Vec3(0.5f, 1, 0), up, point, twoSided), 0, 1e-7);
     }
-    // A hair above the lamp's middle it fills the whole hemisphere, a hair beside its edge's end a quarter.
+    // A hair above the emitter's middle it fills the whole hemisphere, a hair beside its edge's end a quarter.
     const Mesh square = test::squareAbove(1, 0, 0, 1e-5f);
     EXPECT_NEAR(exactFormFactor(square, Vec3(0), up), 1, 1e-3);
     EXPECT_NEAR(exactFormFactor(square, Vec3(0.5f, 0.5f, 0), up), 0.25, 1e-3);
@@ -167,14 +167,14 @@ TEST(SampleEmitter, SumsToTheUnshadowedFormFactor) {
                 sum += s.formFactor;
                 EXPECT_EQ(s.visible, 1);
                 EXPECT_NEAR(glm::length(s.direction), 1, 1e-5);
-                // Every sample points at the lamp.
+                // Every sample points at the emitter.
                 const Vec3 end = Vec3(x, 0, 0) + s.direction / s.direction.z;
                 EXPECT_LT(std::max(std::abs(end.x), std::abs(end.y)), 0.502f);
             }
             EXPECT_NEAR(sum, total, 1e-5 * total);
             if (count) { EXPECT_EQ(samples.size(), size_t(count)); }
         }
-    EXPECT_EQ(sampleEmitter(scene, surface, Vec3(0, 0, 2), up, 16, 5, samples), 0) << "the lamp is below the horizon";
+    EXPECT_EQ(sampleEmitter(scene, surface, Vec3(0, 0, 2), up, 16, 5, samples), 0) << "the light is below the horizon";
     EXPECT_TRUE(samples.empty());
 }
 
@@ -212,9 +212,9 @@ TEST(SampleEmitter, IsBlindBehindAnOccluderAndSeesHalfBesideAnEdge) {
     EXPECT_NEAR(seen(2), 1, 1e-5);
 }
 
-TEST(SampleEmitter, DoesNotSpreadFormFactorByAreaWhereALampIsLargeAndNear) {
+TEST(SampleEmitter, DoesNotSpreadFormFactorByAreaWhereAnEmitterIsLargeAndNear) {
     // Over a sheet of 4 x 4 m half a metre away most light comes from close by: what an occluder over x < -0.5 hides is
-    // far less than its share of the area.
+    // far less than its fraction of the area.
     Mesh mesh = test::sheet({-3, -3, 0}, {6, 0, 0}, {0, 6, 0});
     const std::vector<uint32_t> triangles = append(mesh, test::squareAbove(4, 0, 0, 0.5f));
     append(mesh, test::sheet({-3, -3, 0.45f}, {2.5f, 0, 0}, {0, 6, 0}));
@@ -227,7 +227,7 @@ TEST(SampleEmitter, DoesNotSpreadFormFactorByAreaWhereALampIsLargeAndNear) {
     EXPECT_NEAR(total, test::centredSquareFormFactor(4, 0.5), 1e-3);
     double seen = 0;
     for (const EmitterSample& s : samples) seen += s.formFactor * s.visible;
-    // Seen through the plane z = 0.45: x > -0.5 there is x > -0.5 / 0.9 at the lamp.
+    // Seen through the plane z = 0.45: x > -0.5 there is x > -0.5 / 0.9 at the emitter.
     EXPECT_NEAR(seen, test::rectangleFormFactor(-0.5 / 0.9, 2, -2, 2, 0.5), 0.015);
 }
 
@@ -256,10 +256,10 @@ TEST(NearField, HoldsTheShadowedAndTheUnshadowedFormFactorOfEachVertex) {
 
 TEST(NearField, HasTheSameBitsOnOneAndManyThreads) {
     Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 20, 20);
-    const std::vector<uint32_t> lamp = append(mesh, test::ball({0.3f, 0.2f, 0.7f}, 0.1f, 6, 8));
+    const std::vector<uint32_t> emitter = append(mesh, test::ball({0.3f, 0.2f, 0.7f}, 0.1f, 6, 8));
     append(mesh, test::box({-0.3f, -0.3f, 0.1f}, {0.1f, 0.1f, 0.4f}));
     const Scene scene = test::sceneOf(mesh);
-    const EmitterClusters clusters = test::emittersOf(scene, {lamp}, {Rgb(1)});
+    const EmitterClusters clusters = test::emittersOf(scene, {emitter}, {Rgb(1)});
     const auto field = [&](int threads) {
         const ThreadLimit limit(threads);
         Progress progress;
@@ -284,19 +284,19 @@ TEST(NearFieldCoefs, TimesTheCosineAreThePiFoldFormFactor) {
     const uint32_t vertex = 4;  // the middle of the floor
     ASSERT_EQ(scene.mesh.positions[vertex], Vec3(0));
     const SparseCoefs map = nearFieldCoefs(scene, surface, vertex, grid, 4096, 1);
-    // Sampling noise of covered cells is cut at a share of 1, which costs 2.5 % here.
+    // Sampling noise of covered cells is cut at a fraction of 1, which costs 2.5 % here.
     const double expected = test::rectangleFormFactor(-0.35, 1.15, -0.75, 0.75, 1);
     EXPECT_NEAR(dot(map, cosine) / pi, expected, 0.035 * expected);
-    // Shares of cells lie between 0 and 1.
+    // Fractions of cells lie between 0 and 1.
     std::vector<float> cells(size_t(grid.cells()));
     scatter(map, cells);
     haarInverse(cells, grid.side);
-    for (float& share : cells) {
-        share /= std::sqrt(grid.cellSolidAngle());
-        EXPECT_GT(share, -1e-4f);
-        EXPECT_LT(share, 1 + 1e-4f);
+    for (float& fraction : cells) {
+        fraction /= std::sqrt(grid.cellSolidAngle());
+        EXPECT_GT(fraction, -1e-4f);
+        EXPECT_LT(fraction, 1 + 1e-4f);
     }
-    // The middle of the lamp is covered, and what is far from it is not.
+    // The middle of the emitter is covered, and what is far from it is not.
     EXPECT_GT(cells[size_t(grid.cellOf(glm::normalize(Vec3(0.4f, 0, 1))))], 0.9f);
     EXPECT_NEAR(cells[size_t(grid.cellOf(glm::normalize(Vec3(-2, 0, 1))))], 0, 1e-4);
 }

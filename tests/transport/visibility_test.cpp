@@ -46,9 +46,9 @@ TEST(Visibility, PassesGiveTheBitsOfOneGo) {
     Progress progress;
     for (const bool agreeing : {true, false}) {
         Visibility passes = computeVisibility(scene, {64, nullptr, 4}, progress);
-        size_t sent = 0;
+        size_t outgoing = 0;
         for (const int step : {2, 1}) {
-            sent += refineVisibility(scene, scene.referenced, step, agreeing, passes, progress);
+            outgoing += refineVisibility(scene, scene.referenced, step, agreeing, passes, progress);
             EXPECT_EQ(passes.bits, computeVisibility(scene, {64, nullptr, step, agreeing}, progress).bits)
                 << "step " << step;
         }
@@ -57,7 +57,7 @@ TEST(Visibility, PassesGiveTheBitsOfOneGo) {
             << "rays were sent again";
         Visibility anew = passes;
         const size_t whole = addVisibility(scene, scene.referenced, anew, progress);
-        EXPECT_LT(sent, whole);
+        EXPECT_LT(outgoing, whole);
         EXPECT_EQ(anew.bits, passes.bits);
     }
 }

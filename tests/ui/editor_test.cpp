@@ -132,17 +132,17 @@ TEST(Editor, aCancelledSolveKeepsTheBestSoFar) {
     EXPECT_TRUE(early.editor->state.notices.empty());
 }
 
-TEST(Editor, aSearchForAnUnseenLampCanBeStoppedAndALampTakenAwayAgain) {
+TEST(Editor, aSearchForAnUnobservedEmitterCanBeStoppedAndAnEmitterTakenAwayAgain) {
     Session s;
     s.open(captureFolder());
     const size_t vertices = s.editor->state.document.scene->mesh.vertexCount();
-    s.editor->findUnseenLamp();
+    s.editor->findUnobservedLight();
     ASSERT_TRUE(s.editor->job());
     EXPECT_EQ(s.editor->job()->kind, JobStatus::Kind::search);
     s.editor->cancelJob();
     s.until([&] { return !s.editor->job(); });
     EXPECT_TRUE(s.editor->state.notices.empty());
-    EXPECT_TRUE(s.editor->state.unseenSearch.words.empty());
+    EXPECT_TRUE(s.editor->state.unobservedSearch.words.empty());
     EXPECT_EQ(s.editor->state.document.scene->mesh.vertexCount(), vertices);
     CaptureFix fix = s.editor->state.document.fix;
     fix.proxies.push_back({{0.4f, 0.2f, 1.1f}, 0.02f, Vec3(0), false});
@@ -248,8 +248,8 @@ TEST(Editor, badThingsEndInANoticeAndLeaveTheDocumentAlone) {
     EXPECT_NE(refused(s.folder / "broken").find("frames"), std::string::npos);
     s.folder.write("newer.relamp/shot.json", "{\"version\": 9}");
     EXPECT_NE(refused(s.folder / "newer.relamp").find("version"), std::string::npos);
-    // No picture at all as environment: the edit stays, the notice says why it does not show.
-    s.folder.write("fake.exr", "no picture");
+    // No image at all as environment: the edit stays, the notice says why it does not show.
+    s.folder.write("fake.exr", "no image");
     s.editor->setEye(eyeAt(40, 30), false);
     s.editor->open(s.folder / "fake.exr");
     s.until([&] { return !s.editor->state.notices.empty(); });

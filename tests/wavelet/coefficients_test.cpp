@@ -9,14 +9,14 @@ namespace {
 using test::coefsOfCells;
 using test::randomValues;
 
-TEST(Coefficients, FullShareKeepsEveryNonZeroInOrder) {
+TEST(Coefficients, FullFractionKeepsEveryNonZeroInOrder) {
     const std::vector<float> dense{0, -3, 0, 2, 1e-20f, 0};
     const SparseCoefs coefs = sparsify(dense);
     EXPECT_EQ(coefs.index, (std::vector<uint32_t>{1, 3, 4}));
     EXPECT_EQ(coefs.value, (std::vector<float>{-3, 2, 1e-20f}));
 }
 
-TEST(Coefficients, ShareKeepsTheFewestLargestTermsThatReachIt) {
+TEST(Coefficients, FractionKeepsTheFewestLargestTermsThatReachIt) {
     const std::vector<float> dense{1, -3, 0, 2, 1};  // squared norm 15
     EXPECT_EQ(sparsify(dense, 0.59f).index, (std::vector<uint32_t>{1}));
     EXPECT_EQ(sparsify(dense, 0.61f).index, (std::vector<uint32_t>{1, 3}));

@@ -258,11 +258,11 @@ TEST(CommandLine, BracketsAreMergedFromTheirTimes) {
     const test::TemporaryFolder folder;
     const std::vector<double> times{0.25, 1, 4};
     for (size_t i = 0; i < times.size(); ++i) {
-        Image picture(120, 90);
+        Image image(120, 90);
         for (int y = 0; y < 90; ++y)
             for (int x = 0; x < 120; ++x)
-                picture.at(x, y) = Rgb(std::pow(10.0f, -2.2f + 2.2f * float(x) / 119)) * float(times[i]);
-        writeImage(folder / fmt::format("{}.png", i), picture);
+                image.at(x, y) = Rgb(std::pow(10.0f, -2.2f + 2.2f * float(x) / 119)) * float(times[i]);
+        writeImage(folder / fmt::format("{}.png", i), image);
     }
     const std::string a = folder / "0.png", b = folder / "1.png", c = folder / "2.png", out = folder / "out.exr";
     const test::ProgramResult merged = relamp({"merge-hdr", a, b, c, "-o", out, "--times", "0.25,1,4", "--response",

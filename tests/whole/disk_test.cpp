@@ -64,10 +64,10 @@ TEST_F(Disk, filesThatMayNotGrowAreNamedAndTheOldOnesStay) {
         after(limit, {"render", shot(), "-o", folder / "m.exr", "--samples", "1", "--layers", "all", "--multipart"});
     EXPECT_EQ(layered.exitCode, 6) << layered.error;
     EXPECT_NE(layered.error.find("m.exr"), std::string::npos) << layered.error;
-    const ProgramResult picture =
+    const ProgramResult image =
         after(limit, {"render", shot(), "-o", folder / "p.png", "--samples", "1", "--size", "320x240"});
-    EXPECT_EQ(picture.exitCode, 6) << picture.error;
-    EXPECT_NE(picture.error.find("p.png"), std::string::npos) << picture.error;
+    EXPECT_EQ(image.exitCode, 6) << image.error;
+    EXPECT_NE(image.error.find("p.png"), std::string::npos) << image.error;
     const ProgramResult exported = after(limit, {"export", shot(), "-o", folder / "scene"});
     EXPECT_EQ(exported.exitCode, 6) << exported.error;
     EXPECT_NE(exported.error.find("scene/"), std::string::npos) << exported.error;

@@ -13,8 +13,8 @@ namespace {
 struct World {
     test::TemporaryFolder folder;
     test::KnownWorld truth;
-    explicit World(bool lamp = true, bool metalBall = false) {
-        truth = test::paintKnownWorld(folder.path(), lamp, 10, 24, false, metalBall);
+    explicit World(bool emitter = true, bool metalBall = false) {
+        truth = test::paintKnownWorld(folder.path(), emitter, 10, 24, false, metalBall);
     }
     PipelineResult solve(bool nearField = true, int threads = 0, double budget = 0) const {
         const ThreadLimit limit(threads);
@@ -61,24 +61,24 @@ void expectFinite(const Estimate& e) {
         for (const Rgb& w : lobe) ASSERT_TRUE(isFinite(w) && std::min({w.x, w.y, w.z}) >= 0);
 }
 
-TEST(KnownWorld, ItsLampSkyAndAlbedoAreFound) {
+TEST(KnownWorld, ItsEmitterSkyAndAlbedoAreFound) {
     const World world;
     const PipelineResult r = world.solve();
     expectFinite(r.estimate);
     ASSERT_EQ(r.estimate.emitters.emitters.size(), 1u);
-    const EmitterCluster& lamp = r.estimate.emitters.emitters[0];
+    const EmitterCluster& emitter = r.estimate.emitters.emitters[0];
     const Rgb radiance = r.estimate.lighting.emitterRadiance[0];
     const auto [median, p90] = albedoErrors(r, world.truth);
     const double irradiance = irradianceError(r.estimate);
     std::printf(
-        "lamp radiance off by %.2f %%, sky irradiance %.1f %%, albedo %.1f %% (median) %.1f %% (90th percentile)\n",
-        100 * relative(radiance, world.truth.lampRadiance), 100 * irradiance, 100 * median, 100 * p90);
-    EXPECT_LT(relative(radiance, world.truth.lampRadiance), 0.01);
-    EXPECT_LT(glm::length(lamp.centroid - world.truth.lampCentre), 0.02f);
-    EXPECT_NEAR(lamp.area, world.truth.lampSide * world.truth.lampSide, 0.001);
-    std::vector<uint32_t> triangles = lamp.triangles;
+        "light radiance off by %.2f %%, sky irradiance %.1f %%, albedo %.1f %% (median) %.1f %% (90th percentile)\n",
+        100 * relative(radiance, world.truth.emitterRadiance), 100 * irradiance, 100 * median, 100 * p90);
+    EXPECT_LT(relative(radiance, world.truth.emitterRadiance), 0.01);
+    EXPECT_LT(glm::length(emitter.centroid - world.truth.emitterCentre), 0.02f);
+    EXPECT_NEAR(emitter.area, world.truth.emitterSide * world.truth.emitterSide, 0.001);
+    std::vector<uint32_t> triangles = emitter.triangles;
     std::sort(triangles.begin(), triangles.end());
-    EXPECT_EQ(triangles, world.truth.lampTriangles);
+    EXPECT_EQ(triangles, world.truth.emitterTriangles);
     // Measured 6 %, 4 % and 8 % at draft quality.
     EXPECT_LT(irradiance, 0.10);
     EXPECT_LT(median, 0.07);
@@ -92,7 +92,7 @@ TEST(KnownWorld, HoldsNoBouncedLightWhereNoneWasPainted) {
     const World world;
     const Estimate estimate = world.solve().estimate;
     EXPECT_FALSE(estimate.interreflection);
-    EXPECT_EQ(estimate.bouncedShare, 0);
+    EXPECT_EQ(estimate.bouncedFraction, 0);
 }
 
 TEST(KnownWorld, BouncedLightInARoomIsSeenAndAlbedoSaved) {
@@ -110,8 +110,8 @@ TEST(KnownWorld, BouncedLightInARoomIsSeenAndAlbedoSaved) {
     EXPECT_FALSE(off.estimate.interreflection);
     const double with = albedoErrors(kept, truth).first, without = albedoErrors(off, truth).first;
     std::printf("bounced share %.1f %%, albedo off by %.1f %% with it, %.1f %% without\n",
-                100 * double(kept.estimate.bouncedShare), 100 * with, 100 * without);
-    EXPECT_GT(kept.estimate.bouncedShare, 0.1f);
+                100 * double(kept.estimate.bouncedFraction), 100 * with, 100 * without);
+    EXPECT_GT(kept.estimate.bouncedFraction, 0.1f);
     EXPECT_LT(with, 0.5 * without);
     EXPECT_LT(with, 0.07);
 }
@@ -157,7 +157,7 @@ TEST(KnownWorld, SaysHowSureItIs) {
     EXPECT_LT(e.gauge.sigma.y, 0.2f);
 }
 
-TEST(KnownWorld, WithoutItsLampHasNoEmitter) {
+TEST(KnownWorld, WithoutItsEmitterHasNoEmitter) {
     const World world(false);
     const PipelineResult r = world.solve();
     expectFinite(r.estimate);
@@ -166,7 +166,7 @@ TEST(KnownWorld, WithoutItsLampHasNoEmitter) {
     const double irradiance = irradianceError(r.estimate);
     std::printf("sky irradiance off by %.1f %%, albedo %.1f %% (median) %.1f %% (90th percentile)\n", 100 * irradiance,
                 100 * median, 100 * p90);
-    // Without a lamp only the sky that is seen ties light to albedo; measured 15 % and 18 % at draft quality.
+    // Without an emitter only the sky that is seen ties light to albedo; measured 15 % and 18 % at draft quality.
     EXPECT_LT(irradiance, 0.22);
     EXPECT_LT(median, 0.25);
 }

@@ -69,7 +69,7 @@ TEST(Photographs, OfAnObjectBeforeBlackHaveAnAssumedScaleAndPlausibleSurfaces) {
     for (const json& frame : capture["frames"]) {
         const std::string name = fs::path(frame["file_path"].get<std::string>()).filename().string();
         Image mask(frame["w"].get<int>(), frame["h"].get<int>(), Rgb(0));
-        // The head stands in the middle of each picture.
+        // The head stands in the middle of each image.
         for (int y = 20; y < mask.height - 20; ++y)
             for (int x = mask.width / 5; x < mask.width * 4 / 5; ++x) mask.at(x, y) = Rgb(1);
         writeImage(folder / "masked/masks" / (name + ".png"), mask);

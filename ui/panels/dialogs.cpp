@@ -311,7 +311,7 @@ bool drawKeysDialog(Editor& editor) {
 
 bool drawAboutDialog(Editor& editor) {
     text("relamp " RELAMP_VERSION);
-    dimWrapped("To relamp is to change the lamps of a fixture; here, of a captured scene.");
+    dimWrapped("To relamp is to change the lights of a fixture; here, of a captured scene.");
     ImGui::Spacing();
     wrapped(
         "It separates photographs of a scene into the light, near and far, and the reflectance of the surfaces, and "

@@ -95,7 +95,7 @@ float areaOf(const Editor& editor, const EmitterState& emitter) {
     Vec3 normal(0);
     if (const EmitterCluster* cluster = clusterOf(editor, emitter)) normal = cluster->normal;
     else if (const AddedEmitter* added = addedOf(editor, emitter); added && isFlat(*added)) normal = Vec3(0, 0, -1);
-    // A flat surface grows by the two directions it lies in; a body by all three, taken together.
+    // A flat surface grows by the two directions it lies in; a part by all three, taken together.
     if (glm::dot(normal, normal) > 0.5f)
         return emitter.area * volume * glm::length(glm::transpose(glm::inverse(m)) * normal);
     return emitter.area * std::pow(volume, 2.0f / 3);
@@ -109,7 +109,7 @@ void stopsControl(Editor& editor, const EmitterState& emitter, const char* id) {
     const auto targets = targetsOf(editor, emitter.id);
     const std::string what = emitter.recovered
                                  ? "Brightness against what was recovered, in stops: +1 is twice as bright, -1 half."
-                                 : "Brightness against the strongest recovered lamp, in stops: +1 is twice as bright.";
+                                 : "Brightness against the strongest recovered light, in stops: +1 is twice as bright.";
     dragLook(editor, id, describe(editor, "Brightness of", targets), stopsOf(editor, emitter),
              {0.02f, -20, 20, "%+.2f"},
              targets.size() > 1 ? what + " All selected ones change by the same factor." : what,
@@ -159,7 +159,7 @@ void colourControl(Editor& editor, const EmitterState& emitter, const char* id, 
 void muteButton(Editor& editor, const EmitterState& emitter, float size) {
     const bool on = emitter.enabled;
     if (iconButton("##mute", on ? Icon::eyeOpen : Icon::eyeShut,
-                   on ? "Shines. Click to switch it off (M); its body stays and still casts shadows."
+                   on ? "Shines. Click to switch it off (M); its geometry stays and still casts shadows."
                       : "Is off. Click to switch it on (M).",
                    !on, size)) {
         const auto targets = targetsOf(editor, emitter.id);
@@ -244,7 +244,7 @@ AddedEmitter newEmitter(const Editor& editor, AddedEmitter::Shape shape) {
         for (const EmitterState& e : editor.emitters())
             if (e.recovered && luminance(e.recoveredRadiance) > luminance(strongest)) strongest = e.recoveredRadiance;
     if (!(luminance(strongest) > 0)) {
-        // Without a lamp to go by: as bright as lights the target about like the surroundings do.
+        // Without an emitter to go by: as bright as lights the target about like the environment do.
         float mean = 0;
         if (const auto estimate = editor.estimate(); estimate && !estimate->environment.empty()) {
             for (const Rgb& c : estimate->environment) mean += luminance(c);
@@ -277,8 +277,8 @@ const char* clickHint(ClickTask task) {
         case ClickTask::aim: return "Click the spot the light shall point at. Esc cancels.";
         case ClickTask::reflect: return "Click where its mirror image shall be seen. Esc cancels.";
         case ClickTask::illuminate: return "Click the spot it shall light from straight above. Esc cancels.";
-        case ClickTask::attach: return "Click the piece of the scene that shall follow it. Esc cancels.";
-        case ClickTask::newPart: return "Click the piece of the scene that shall shine. Esc cancels.";
+        case ClickTask::attach: return "Click the part of the scene that shall follow it. Esc cancels.";
+        case ClickTask::newPart: return "Click the part of the scene that shall shine. Esc cancels.";
     }
     return "";
 }
@@ -315,7 +315,7 @@ void emitterMenu(Editor& editor, const std::string& id) {
     }
     if (item("Duplicate", "Makes a copy beside it")) duplicateEmitters(editor, targets);
     if (item("Delete",
-             emitter->recovered ? "Switches it off: its body is part of the capture and stays" : "Removes it"))
+             emitter->recovered ? "Switches it off: its geometry is part of the capture and stays" : "Removes it"))
         deleteEmitters(editor, targets);
     ImGui::Separator();
     if (item("Aim...", "Then click the spot it shall point at"))
@@ -330,19 +330,20 @@ void emitterMenu(Editor& editor, const std::string& id) {
             const auto parts = likelyParts(scene, *estimate, id);
             if (parts.empty()) dimText("Nothing stands close to it");
             for (const uint32_t seed : parts) {
-                const auto vertices = size_t(std::count(scene.piece.begin(), scene.piece.end(), scene.piece[seed]));
-                if (item(fmt::format("Piece of {} points##{}", count(vertices), seed).c_str(),
-                         "This piece follows the light when it moves, and its old shadow goes with it"))
-                    editor.edit(fmt::format("Attach a piece to {}", emitter->name),
+                const auto vertices =
+                    size_t(std::count(scene.component.begin(), scene.component.end(), scene.component[seed]));
+                if (item(fmt::format("Part of {} points##{}", count(vertices), seed).c_str(),
+                         "This part follows the light when it moves, and its old shadow goes with it"))
+                    editor.edit(fmt::format("Attach a part to {}", emitter->name),
                                 [&](Look& look) { attachPart(look, scene, seed, id); });
             }
-            if (parts.size() > 1 && item("All of these", "All pieces that stand close to it"))
-                editor.edit(fmt::format("Attach {} pieces to {}", parts.size(), id), [&](Look& look) {
+            if (parts.size() > 1 && item("All of these", "All parts that stand close to it"))
+                editor.edit(fmt::format("Attach {} parts to {}", parts.size(), id), [&](Look& look) {
                     for (const uint32_t seed : parts) attachPart(look, scene, seed, id);
                 });
         }
         ImGui::Separator();
-        if (item("Click a piece...", "Then click the piece of the scene that shall follow it"))
+        if (item("Click a part...", "Then click the part of the scene that shall follow it"))
             selectEmitter(editor, id, false, false), editor.state.viewport.clickTask = ClickTask::attach;
         ImGui::EndMenu();
     }
@@ -351,7 +352,7 @@ void emitterMenu(Editor& editor, const std::string& id) {
 void addEmitterButton(Editor& editor, float width) {
     ImGui::BeginDisabled(!editor.estimate());
     if (iconTextButton("Add light", Icon::plus,
-                       editor.estimate() ? "Adds a light that was not there: a rectangle, a disk, a sphere, or a piece "
+                       editor.estimate() ? "Adds a light that was not there: a rectangle, a disk, a sphere, or a part "
                                            "of the scene that begins to shine"
                                          : "Estimate first: new lights need to know the surfaces",
                        false, width))
@@ -368,7 +369,7 @@ void addEmitterButton(Editor& editor, float width) {
         if (item("Disk", "A flat round light, shining to one side")) addNewEmitter(editor, AddedEmitter::Shape::disk);
         if (item("Sphere", "A ball that shines to all sides, like a bulb"))
             addNewEmitter(editor, AddedEmitter::Shape::sphere);
-        if (item("Piece of the scene...", "Then click the piece that shall shine"))
+        if (item("Part of the scene...", "Then click the part that shall shine"))
             editor.state.viewport.clickTask = ClickTask::newPart;
         ImGui::EndPopup();
     }
@@ -380,9 +381,9 @@ std::string evidenceInShort(const Editor& editor, const EmitterState& emitter) {
     std::string words =
         fmt::format("{} view{}", cluster->evidence.viewsSeen, cluster->evidence.viewsSeen == 1 ? "" : "s");
     // A shot that was opened again does not know how many there were.
-    if (cluster->evidence.samples > 0) words += fmt::format(", {} look-ups", count(cluster->evidence.samples));
-    if (cluster->evidence.clippedShare > 0.005f)
-        words += fmt::format(", {} clipped", percent(double(cluster->evidence.clippedShare)));
+    if (cluster->evidence.samples > 0) words += fmt::format(", {} observations", count(cluster->evidence.samples));
+    if (cluster->evidence.clippedFraction > 0.005f)
+        words += fmt::format(", {} clipped", percent(double(cluster->evidence.clippedFraction)));
     return words;
 }
 
@@ -401,7 +402,7 @@ float identifiabilityOf(const Editor& editor, const EmitterState& emitter) {
 
 Icon iconOf(const Editor& editor, const EmitterState& emitter) {
     const AddedEmitter* added = addedOf(editor, emitter);
-    if (!added) return Icon::lamp;
+    if (!added) return Icon::emitter;
     switch (added->shape) {
         case AddedEmitter::Shape::rectangle: return Icon::rectangle;
         case AddedEmitter::Shape::disk: return Icon::disk;
@@ -409,7 +410,7 @@ Icon iconOf(const Editor& editor, const EmitterState& emitter) {
         case AddedEmitter::Shape::part: return Icon::mesh;
         case AddedEmitter::Shape::copy: return Icon::copy;
     }
-    return Icon::lamp;
+    return Icon::emitter;
 }
 
 }  // namespace relamp::ui

@@ -47,11 +47,11 @@ void deleteEmitters(Editor& editor, const std::vector<std::string>& ids);
 void armClick(Editor& editor, ClickTask task);
 const char* clickHint(ClickTask task);
 
-/// "8 views, 1 240 look-ups"; empty for added ones.
+/// "8 views, 1 240 observations"; empty for added ones.
 std::string evidenceInShort(const Editor& editor, const EmitterState& emitter);
 /// Relative uncertainty of its radiance; negative when unknown.
 float uncertaintyOf(const Editor& editor, const EmitterState& emitter);
-/// Share of its effect that no distant light can imitate; negative when unknown.
+/// Fraction of its effect that no distant light can imitate; negative when unknown.
 float identifiabilityOf(const Editor& editor, const EmitterState& emitter);
 inline constexpr float weakIdentifiability = 0.15f;
 

@@ -1,8 +1,8 @@
 // The lights as a table, with as many columns as there is room for. Edits go to every selected row at once.
+#include "display/vertex_images.h"
 #include "item_map.h"
 #include "panels/emitter_controls.h"
 #include "panels/panels.h"
-#include "report/vertex_pictures.h"
 #include "widgets.h"
 
 namespace relamp::ui {
@@ -26,7 +26,7 @@ void evidenceCell(Editor& editor, const EmitterState& emitter) {
                              percent(double(identifiability)));
     if (weak)
         words +=
-            "\nHard to tell from distant light: its share and the environment's may have been mixed up. Photographs "
+            "\nHard to tell from distant light: its fraction and the environment's may have been mixed up. Photographs "
             "with its shadows in them would help.";
     tooltip(words);
 }
@@ -40,7 +40,7 @@ void drawEmittersPanel(Editor& editor) {
         dimWrapped(
             !editor.state.document.capture ? "Nothing is open."
             : !editor.estimate()
-                ? "Lamps in the scene appear here after the estimate."
+                ? "Lights in the scene appear here after the estimate."
                 : "No surface of this scene shines on its own; all light comes from far away. You can add lights.");
         addEmitterButton(editor, ImGui::GetContentRegionAvail().x);
         return;
@@ -125,7 +125,7 @@ void drawEmittersPanel(Editor& editor) {
                 text(number(double(powerOf(editor, emitter))));
                 tooltip(
                     "All light it sends out: its radiance times its area, in image units times square metres. A larger "
-                    "lamp of the same brightness sends more.");
+                    "light of the same brightness sends more.");
             }
             if (evidence) {
                 ImGui::TableNextColumn();

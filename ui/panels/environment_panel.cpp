@@ -1,10 +1,10 @@
-// Light from far away: as recovered, none, or a picture; turned, brightened and tinted.
+// Light from far away: as recovered, none, or an image; turned, brightened and tinted.
 #include <cmath>
 
 #include "item_map.h"
 #include "panels/dialogs.h"
+#include "panels/images.h"
 #include "panels/panels.h"
-#include "panels/pictures.h"
 #include "widgets.h"
 
 namespace relamp::ui {
@@ -14,8 +14,8 @@ using Source = EnvironmentLook::Source;
 float wrapDegrees(float degrees) { return degrees - 360 * std::floor((degrees + 180) / 360); }
 
 /// A panorama that is turned by dragging it sideways. `yaw` < 0: not turnable.
-void panorama(Editor& editor, const char* id, const EnvironmentPicture& picture, const std::string& missing,
-              float width, bool used, const std::string& explanation) {
+void panorama(Editor& editor, const char* id, const EnvironmentImage& image, const std::string& missing, float width,
+              bool used, const std::string& explanation) {
     const float height = width / 2, yaw = used ? editor.look().environment.yawDegrees : 0;
     const ImVec2 at = ImGui::GetCursorScreenPos(), end{at.x + width, at.y + height};
     static float dragStart = 0;
@@ -25,25 +25,25 @@ void panorama(Editor& editor, const char* id, const EnvironmentPicture& picture,
     const float moved = ImGui::GetMouseDragDelta(ImGuiMouseButton_Left, 2).x;
     if (used) {
         const bool changed = ImGui::IsItemActive() && ImGui::GetIO().MouseDelta.x != 0 && moved != 0;
-        // The picture follows the hand: to the right is a negative yaw, because going right runs from +Y to -Y.
+        // The image follows the hand: to the right is a negative yaw, because going right runs from +Y to -Y.
         const float turned = wrapDegrees(dragStart - 360 * moved / width);
         followGesture(editor, "Turn the environment", changed,
                       [&](Look& look) { look.environment.yawDegrees = turned; });
         if (ImGui::IsItemHovered() || ImGui::IsItemActive()) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
     }
     ImDrawList* list = ImGui::GetWindowDrawList();
-    if (picture.texture) {
+    if (image.texture) {
         const float shift = wrapDegrees(yaw) / 360;  // of the width, to the left
         const float split = shift > 0 ? 1 - shift : -shift;
         const ImU32 tone = ImGui::GetColorU32(ImVec4(1, 1, 1, used ? 1.0f : 0.4f));
         const float u = shift > 0 ? shift : 1 + shift;  // what stands at the left edge
-        list->AddImage(textureId(picture.texture), at, {at.x + width * split, end.y}, {shift == 0 ? 1 : u, 0}, {1, 1},
+        list->AddImage(textureId(image.texture), at, {at.x + width * split, end.y}, {shift == 0 ? 1 : u, 0}, {1, 1},
                        tone);
-        list->AddImage(textureId(picture.texture), {at.x + width * split, at.y}, end, {0, 0}, {shift == 0 ? 1 : u, 1},
+        list->AddImage(textureId(image.texture), {at.x + width * split, at.y}, end, {0, 0}, {shift == 0 ? 1 : u, 1},
                        tone);
     } else {
         list->AddRectFilled(at, end, ImGui::GetColorU32(ImVec4(0.22f, 0.22f, 0.22f, 1)));
-        const std::string words = elided(picture.loading ? "reading..." : missing, width - em(0.4f));
+        const std::string words = elided(image.loading ? "reading..." : missing, width - em(0.4f));
         const ImVec2 size = ImGui::CalcTextSize(words.c_str());
         list->AddText({at.x + (width - size.x) / 2, at.y + (height - size.y) / 2},
                       ImGui::GetColorU32(ImGuiCol_TextDisabled), words.c_str());
@@ -83,11 +83,11 @@ void drawEnvironmentPanel(Editor& editor) {
               "The light from far away that was found in the photographs"))
         editor.edit("Recovered environment", [](Look& look) { look.environment.source = Source::recovered; });
     sameLineIfFits(em(4));
-    if (radio("None", environment.source == Source::none, "No light from far away: only the lamps shine"))
+    if (radio("None", environment.source == Source::none, "No light from far away: only the lights shine"))
         editor.edit("No environment", [](Look& look) { look.environment.source = Source::none; });
     sameLineIfFits(em(4));
     if (radio("File", environment.source == Source::file,
-              "A panorama of your own: a latitude-longitude picture, twice as wide as high")) {
+              "A panorama of your own: a latitude-longitude image, twice as wide as high")) {
         if (environment.file.empty()) editor.state.panels.environmentBrowser = true;
         else
             editor.edit("Environment " + shown(environment.file.filename()),
@@ -98,7 +98,7 @@ void drawEnvironmentPanel(Editor& editor) {
     const float width = std::floor(beside ? (room - spacing) / 2 : room);
     const std::string turn = "\nDrag it sideways to turn it.";
     ImGui::BeginGroup();
-    panorama(editor, "##recovered", recoveredEnvironmentPicture(estimate), estimate ? "recovered" : "not estimated",
+    panorama(editor, "##recovered", recoveredEnvironmentImage(estimate), estimate ? "recovered" : "not estimated",
              width, environment.source == Source::recovered,
              "The recovered environment. The middle looks along +X, the top is up." +
                  (environment.source == Source::recovered ? turn : ""));
@@ -106,7 +106,7 @@ void drawEnvironmentPanel(Editor& editor) {
     ImGui::EndGroup();
     if (beside) ImGui::SameLine();
     ImGui::BeginGroup();
-    const EnvironmentPicture file = environmentPicture(environment.file);
+    const EnvironmentImage file = environmentImage(environment.file);
     panorama(editor, "##file", file, environment.file.empty() ? "no file" : "cannot be shown", width,
              environment.source == Source::file,
              environment.file.empty() ? "Your own environment appears here"
@@ -126,9 +126,9 @@ void drawEnvironmentPanel(Editor& editor) {
         for (const std::filesystem::path& recent : editor.state.recentEnvironments) {
             ImGui::PushID(index);
             if (index > 0) sameLineIfFits(small);
-            const EnvironmentPicture tiny = environmentPicture(recent);
-            if (picture("##recent", tiny.texture, small, small / 2, tiny.loading ? "..." : shown(recent.filename()),
-                        recent == environment.file && environment.source == Source::file))
+            const EnvironmentImage tiny = environmentImage(recent);
+            if (image("##recent", tiny.texture, small, small / 2, tiny.loading ? "..." : shown(recent.filename()),
+                      recent == environment.file && environment.source == Source::file))
                 chosen = recent;
             tooltip(shown(recent) + (tiny.error.empty() ? "" : "\n" + tiny.error));
             ImGui::PopID();
@@ -154,7 +154,7 @@ void drawEnvironmentPanel(Editor& editor) {
     row("Brightness");
     dragLook(editor, "##stops", "Brightness of the environment", environment.exposureStops,
              {0.02f, -20, 20, "%+.2f stops"},
-             "Brightness of the environment in stops: +1 is twice as bright, -1 half. The lamps stay.",
+             "Brightness of the environment in stops: +1 is twice as bright, -1 half. The lights stay.",
              [](Look& look, float value) { look.environment.exposureStops = value; });
     resetIcon(editor, "##reset stops", environment.exposureStops != 0, "Reset the environment's brightness",
               [](Look& look) { look.environment.exposureStops = 0; });

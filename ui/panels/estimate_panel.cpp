@@ -51,12 +51,12 @@ bool pixelOfPick(const Editor& editor, int& view, Vec2& pixel) {
 void gaugeSettings(Editor& editor) {
     GaugeChoice& gauge = editor.state.solve.gauge;
     using Kind = GaugeChoice::Kind;
-    constexpr const char* labels[] = {"Automatic", "White patch", "Known lamp", "Known surfaces"};
+    constexpr const char* labels[] = {"Automatic", "White patch", "Known light", "Known surfaces"};
     constexpr const char* explanations[] = {
-        "A bright lamp on a dark wall looks like a dim lamp on a bright wall. Light that is seen directly in the "
+        "A bright light on a dark wall looks like a dim light on a bright wall. Light that is seen directly in the "
         "photographs settles it; where none is seen, an ordinary brightness of the surfaces is assumed.",
         "You know one spot that is white: a sheet of paper, a grey card. Its brightness then settles everything else.",
-        "You know how bright one lamp is, in the units of the photographs.",
+        "You know how bright one light is, in the units of the photographs.",
         "You know how bright the surfaces are on average: 0.2 is a dark room, 0.5 an ordinary one, 0.8 a white one."};
     dimText("Brightness scale");
     tooltip("How light and surface brightness are told apart");
@@ -73,24 +73,24 @@ void gaugeSettings(Editor& editor) {
         ImGui::SetNextItemWidth(-FLT_MIN);
         ImGui::SliderFloat("##albedo", &gauge.albedo, 0.02f, 0.98f, "mean surface brightness %.2f",
                            ImGuiSliderFlags_AlwaysClamp);
-        tooltip("Share of the light that the surfaces send back on average: 0 is black, 1 is white");
+        tooltip("Fraction of the light that the surfaces send back on average: 0 is black, 1 is white");
     } else if (gauge.kind == Kind::emitter) {
         ImGui::SetNextItemWidth(-FLT_MIN);
         if (ImGui::BeginCombo(
-                "##lamp", gauge.emitter.empty() ? "choose a lamp" : shown(editor.namesOf({gauge.emitter})).c_str())) {
+                "##lamp", gauge.emitter.empty() ? "choose a light" : shown(editor.namesOf({gauge.emitter})).c_str())) {
             for (const EmitterState& e : editor.emitters())
                 if (e.recovered && ImGui::Selectable((shown(e.name) + "##" + e.id).c_str(), e.id == gauge.emitter)) {
                     gauge.emitter = e.id;
                     if (!(maxChannel(gauge.radiance) > 0)) gauge.radiance = e.recoveredRadiance;
                 }
-            if (editor.emitters().empty()) dimText("Estimate once first: lamps must be found before one can be named");
+            if (editor.emitters().empty()) dimText("Estimate once first: lights must be found before one can be named");
             ImGui::EndCombo();
         }
-        tooltip("The lamp whose brightness you know");
+        tooltip("The light whose brightness you know");
         ImGui::SetNextItemWidth(-FLT_MIN);
         if (ImGui::DragFloat3("##radiance", &gauge.radiance.x, 0.05f, 0, 1e6f, "%.3g"))
             gauge.radiance = glm::max(gauge.radiance, Rgb(0));
-        tooltip("Its radiance, red green blue: the value a pixel has that sees the lamp directly and unclipped");
+        tooltip("Its radiance, red green blue: the value a pixel has that sees the light directly and unclipped");
     } else if (gauge.kind == Kind::whitePatch) {
         const int views = editor.state.document.capture ? int(editor.state.document.capture->views.size()) : 0;
         int view = gauge.view;
@@ -118,7 +118,7 @@ void gaugeSettings(Editor& editor) {
         ImGui::EndDisabled();
         ImGui::SetNextItemWidth(-FLT_MIN);
         ImGui::SliderFloat("##white", &gauge.whiteAlbedo, 0.02f, 1, "reflects %.2f", ImGuiSliderFlags_AlwaysClamp);
-        tooltip("Share of the light the patch sends back: paper 0.9, grey card 0.18");
+        tooltip("Fraction of the light the patch sends back: paper 0.9, grey card 0.18");
     }
 }
 
@@ -128,7 +128,7 @@ void strengthSetting(const char* label, const char* id, float& factor, const Pri
     ImGui::PushID(id);
     bool automatic = factor == 0;
     const std::string words =
-        std::string(explanation) + " Normally photographs that are left out decide: what foretells them best is taken.";
+        std::string(explanation) + " Normally photographs that are left out decide: what predicts them best is taken.";
     if (checkbox(label, automatic, words)) factor = automatic ? 0.0f : chosen ? chosen->factor : 1.0f;
     if (factor > 0) {
         ImGui::SetNextItemWidth(-FLT_MIN);
@@ -147,12 +147,12 @@ void strengthSetting(const char* label, const char* id, float& factor, const Pri
 
 }  // namespace
 
-void drawUnseenLamps(Editor& editor) {
+void drawUnobservedLights(Editor& editor) {
     const Document& document = editor.state.document;
     const auto& job = editor.job();
     const bool searching = job && job->kind == JobStatus::Kind::search;
     if (searching) {
-        bar(job->share, {0.28f, 0.42f, 0.58f, 1},
+        bar(job->fraction, {0.28f, 0.42f, 0.58f, 1},
             job->stopping        ? "stopping..."
             : job->stage.empty() ? job->title
                                  : job->stage);
@@ -161,21 +161,21 @@ void drawUnseenLamps(Editor& editor) {
         ImGui::EndDisabled();
     } else {
         ImGui::BeginDisabled(!document.samples || job);
-        if (button("Look for an unseen lamp",
-                   "A lamp outside all photographs leaves shading that falls off and shadows: tries places for it, up "
+        if (button("Look for an unobserved light",
+                   "A light outside all photographs leaves shading that falls off and shadows: tries places for it, up "
                    "to a minute. Where one is found, a small sphere joins the scene, "
                    "and its power is estimated with the rest. The present estimate and its edits then go.",
                    -FLT_MIN))
-            editor.findUnseenLamp();
+            editor.findUnobservedLight();
         ImGui::EndDisabled();
     }
-    const UnseenSearch& last = editor.state.unseenSearch;
+    const UnobservedSearch& last = editor.state.unobservedSearch;
     const bool told = !searching && !last.words.empty() && last.capture == document.captureFolder;
     if (told && document.fix.proxies.empty()) dimWrapped(shown(last.words));
     for (size_t i = 0; i < document.fix.proxies.size(); ++i) {
         const ProxyLight& proxy = document.fix.proxies[i];
         ImGui::PushID(int(i));
-        wrapped(fmt::format("Lamp at {:.3f} {:.3f} {:.3f} m{}", proxy.centre.x, proxy.centre.y, proxy.centre.z,
+        wrapped(fmt::format("Light at {:.3f} {:.3f} {:.3f} m{}", proxy.centre.x, proxy.centre.y, proxy.centre.z,
                             proxy.found
                                 ? fmt::format(", +- {:.3f} {:.3f} {:.3f}", proxy.sigma.x, proxy.sigma.y, proxy.sigma.z)
                                 : std::string(", as you said")));
@@ -184,7 +184,7 @@ void drawUnseenLamps(Editor& editor) {
                     : "It stands in the mesh as a small sphere; the estimate finds its power");
         ImGui::BeginDisabled(job.has_value());
         if (button("Take it away",
-                   "Reads the capture again without this lamp; the present estimate and its edits then go", -FLT_MIN))
+                   "Reads the capture again without this light; the present estimate and its edits then go", -FLT_MIN))
             editor.removeProxy(i);
         ImGui::EndDisabled();
         ImGui::PopID();
@@ -202,12 +202,12 @@ void drawEstimateButton(Editor& editor) {
     const bool solving = job && job->kind == JobStatus::Kind::solve;
     const bool open = editor.state.document.capture != nullptr;
     if (solving) {
-        bar(job->share, {0.28f, 0.42f, 0.58f, 1},
+        bar(job->fraction, {0.28f, 0.42f, 0.58f, 1},
             job->stopping        ? "stopping..."
             : job->stage.empty() ? job->title
                                  : job->stage);
         tooltip(
-            fmt::format("{}: {} of this stage, {} so far", job->title, percent(job->share), duration(job->seconds)));
+            fmt::format("{}: {} of this stage, {} so far", job->title, percent(job->fraction), duration(job->seconds)));
         ImGui::BeginDisabled(job->stopping);
         if (button("Stop", "Stops and keeps the best answer so far", -FLT_MIN)) editor.cancelJob();
         ImGui::EndDisabled();
@@ -241,18 +241,18 @@ void drawEstimateSettings(Editor& editor) {
     tooltip(qualities[quality].explanation);
     gaugeSettings(editor);
     dimText("Kinds of light");
-    if (radio("Lamps and distant light", solve.nearField,
-              "Finds lamps that stand in the scene as well as light from far away. This is what you want."))
+    if (radio("Lights and distant light", solve.nearField,
+              "Finds lights that stand in the scene as well as light from far away. This is what you want."))
         solve.nearField = true;
     if (radio("Distant only, to compare", !solve.nearField,
-              "The older way, which knows no lamps in the scene: for comparison. Its result is shown beside the other "
+              "The older way, which knows no lights in the scene: for comparison. Its result is shown beside the other "
               "one (view modes 5 and 9) and replaces nothing."))
         solve.nearField = false;
     if (ImGui::TreeNode("Smoothness")) {
         const Estimate* found = editor.estimate().get();
         strengthSetting("Distant light: automatic", "light", solve.lightSmoothness,
                         found ? &found->lightSmoothness : nullptr,
-                        "How alike neighbouring parts of the surroundings are taken to be. More where photographs are "
+                        "How alike neighbouring parts of the environment is taken to be. More where photographs are "
                         "noisy or few, less for skies with small bright spots.");
         strengthSetting("Surface colours: automatic", "surfaces", solve.albedoSmoothness,
                         found ? &found->albedoSmoothness : nullptr,

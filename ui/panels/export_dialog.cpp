@@ -83,7 +83,7 @@ ExportProblems checkExport(const ExportRequest& request, size_t views, int selec
     else if (::access(parent.empty() ? "." : parent.c_str(), W_OK) != 0)
         problems.file = fmt::format("You may not write into {}.", shown(parent));
     if (extension != ".exr" && !extension.empty() && !request.layers.empty() && problems.file.empty())
-        problems.layers = "PNG and JPEG hold the picture only; layers need .exr.";
+        problems.layers = "PNG and JPEG hold the image only; layers need .exr.";
     std::string firstName = name;
     if (length && width <= 32 && request.views != Views::present && request.views != Views::capture)
         firstName = name.substr(0, at) + fmt::format("{:0{}}", first, width) + name.substr(at + length);
@@ -157,7 +157,7 @@ bool drawExportDialog(Editor& editor) {
         const char* explanation;
     } known[] = {
         {"groups", "Light groups",
-         "The part of each light by itself: their sum is the picture, so that lights can be graded in compositing"},
+         "The part of each light by itself: their sum is the image, so that lights can be graded in compositing"},
         {"albedo", "Surface colour", "Colour of the surfaces in white light"},
         {"normal", "Normals", "Direction of the surface, for relighting tricks in compositing"},
         {"position", "Positions", "Place of the surface in the world, metres"},
@@ -209,7 +209,7 @@ bool drawExportDialog(Editor& editor) {
 
     ImGui::Spacing();
     if (exporting) {
-        bar(job->share, {0.28f, 0.42f, 0.58f, 1},
+        bar(job->fraction, {0.28f, 0.42f, 0.58f, 1},
             job->stopping ? "stopping..." : fmt::format("{}: {}", job->title, job->stage));
         ImGui::BeginDisabled(job->stopping);
         if (button("Stop", "Frames that are finished stay", em(7))) editor.cancelJob();

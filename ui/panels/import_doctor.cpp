@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "panels/dialogs.h"
+#include "panels/images.h"
 #include "panels/panels.h"
-#include "panels/pictures.h"
 #include "widgets.h"
 
 namespace relamp::ui {
@@ -83,12 +83,12 @@ void axes(Editor& editor, const CaptureCheck& check) {
 
 void viewTable(Editor& editor, const CaptureCheck& check, float height) {
     const float room = ImGui::GetContentRegionAvail().x;
-    const bool pictures = room > em(30), masked = room > em(36);
-    if (!ImGui::BeginTable("##views", 4 + pictures + masked,
+    const bool images = room > em(30), masked = room > em(36);
+    if (!ImGui::BeginTable("##views", 4 + images + masked,
                            ImGuiTableFlags_RowBg | ImGuiTableFlags_ScrollY | ImGuiTableFlags_NoPadOuterX, {0, height}))
         return;
     ImGui::TableSetupScrollFreeze(0, 1);
-    if (pictures) ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed, em(3.6f));
+    if (images) ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed, em(3.6f));
     ImGui::TableSetupColumn("View", ImGuiTableColumnFlags_WidthStretch);
     ImGui::TableSetupColumn("Mesh", ImGuiTableColumnFlags_WidthFixed, em(3.6f));
     ImGui::TableSetupColumn("Clipped", ImGuiTableColumnFlags_WidthFixed, em(4.2f));
@@ -96,7 +96,7 @@ void viewTable(Editor& editor, const CaptureCheck& check, float height) {
     ImGui::TableSetupColumn("Exposure", ImGuiTableColumnFlags_WidthFixed, em(5));
     ImGui::TableHeadersRow();
     ImGuiListClipper clipper;
-    const float rowHeight = pictures ? em(2.6f) : ImGui::GetTextLineHeight();
+    const float rowHeight = images ? em(2.6f) : ImGui::GetTextLineHeight();
     clipper.Begin(int(check.views.size()), rowHeight + 2 * ImGui::GetStyle().CellPadding.y);
     const auto cell = [](const std::string& words, bool odd, const std::string& explanation) {
         ImGui::TableNextColumn();
@@ -110,9 +110,9 @@ void viewTable(Editor& editor, const CaptureCheck& check, float height) {
             const ViewCheck& v = check.views[size_t(i)];
             ImGui::PushID(i);
             ImGui::TableNextRow(0, rowHeight);
-            if (pictures) {
+            if (images) {
                 ImGui::TableNextColumn();
-                picture("##picture", viewPicture(editor.state.document, size_t(i)), em(3.4f), em(2.5f), "");
+                image("##picture", viewImage(editor.state.document, size_t(i)), em(3.4f), em(2.5f), "");
                 tooltip(shown(v.name));
             }
             ImGui::TableNextColumn();
@@ -122,9 +122,10 @@ void viewTable(Editor& editor, const CaptureCheck& check, float height) {
                 if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) editor.state.viewport.throughView = true;
             }
             tooltip(shown(v.name) + "\nDouble click looks through its camera");
-            cell(percent(v.meshShare), v.meshShare < 0.02, "Share of the picture that sees the mesh");
-            cell(percent(v.clippedShare), v.clippedShare > 0.01, "Pixels too bright for the file");
-            if (masked) cell(percent(v.maskedShare), v.maskedShare > 0.9, "Pixels that are masked, broken or negative");
+            cell(percent(v.meshFraction), v.meshFraction < 0.02, "Fraction of the image that sees the mesh");
+            cell(percent(v.clippedFraction), v.clippedFraction > 0.01, "Pixels too bright for the file");
+            if (masked)
+                cell(percent(v.maskedFraction), v.maskedFraction > 0.9, "Pixels that are masked, broken or negative");
             const bool odd =
                 v.comparedVertices >= 100 && std::abs(v.exposureStops) > std::max(0.25, v.exposureScatterStops);
             cell(v.comparedVertices ? signedStops(float(v.exposureStops)) + " st." : "-", odd,
@@ -151,7 +152,7 @@ void normalsSetting(Editor& editor) {
         editor.fixCapture(changed);
     }
     tooltip(
-        "Meshes made from photographs often have good places and bad directions: speckled shading, lamps that are not "
+        "Meshes made from photographs often have good places and bad directions: speckled shading, lights that are not "
         "there. Smoothing averages directions over neighbours; creases stay. Let go to read the capture again.");
     ImGui::EndDisabled();
 }
@@ -192,12 +193,12 @@ void drawImportDoctor(Editor& editor) {
                                     ? ", and the cameras agree"
                                     : ", but the cameras' own up is nearest to " + check->upGuess));
             axes(editor, *check);
-            heading("Lamps that no photograph shows");
-            drawUnseenLamps(editor);
+            heading("Lights that no photograph shows");
+            drawUnobservedLights(editor);
             heading("Surface");
             fact("Seen",
-                 fmt::format("{} of the surface, {} twice or more", percent(check->seenShare),
-                             percent(check->seenTwiceShare)),
+                 fmt::format("{} of the surface, {} twice or more", percent(check->seenFraction),
+                             percent(check->seenTwiceFraction)),
                  "Surfaces that no photograph shows are guessed from those around them");
             normalsSetting(editor);
             fact("Views a point", fmt::format("{:.1f}", check->meanViewsPerVertex),

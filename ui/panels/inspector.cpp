@@ -1,7 +1,7 @@
 #include "panels/inspector.h"
 
+#include "panels/images.h"
 #include "panels/panels.h"
-#include "panels/pictures.h"
 #include "widgets.h"
 
 namespace relamp::ui {
@@ -12,8 +12,8 @@ void inspectView(Editor& editor, int index) {
     const View& view = document.capture->views[size_t(index)];
     const Camera& camera = view.camera;
     const float width = std::min(ImGui::GetContentRegionAvail().x, em(18));
-    picture("##picture", viewPicture(document, size_t(index)), width,
-            camera.width > 0 ? width * float(camera.height) / float(camera.width) : width * 0.75f, "no picture");
+    image("##picture", viewImage(document, size_t(index)), width,
+          camera.width > 0 ? width * float(camera.height) / float(camera.width) : width * 0.75f, "no image");
     fact("Photograph", fmt::format("{} ({} of {})", shown(view.name), index + 1, document.capture->views.size()));
     fact("Size", fmt::format("{} x {} pixels", camera.width, camera.height));
     fact("Lens",
@@ -26,10 +26,11 @@ void inspectView(Editor& editor, int index) {
     fact("Stands at", fmt::format("{:.2f}  {:.2f}  {:.2f} m", p.x, p.y, p.z));
     if (document.check && size_t(index) < document.check->views.size()) {
         const ViewCheck& check = document.check->views[size_t(index)];
-        fact("Shows the mesh", percent(check.meshShare), "Share of its pixels that see the mesh");
-        fact("Clipped", percent(check.clippedShare),
+        fact("Shows the mesh", percent(check.meshFraction), "Fraction of its pixels that see the mesh");
+        fact("Clipped", percent(check.clippedFraction),
              "Pixels too bright for the file: they say \"at least this bright\"");
-        if (check.maskedShare > 0) fact("Left out", percent(check.maskedShare), "Pixels that are masked or broken");
+        if (check.maskedFraction > 0)
+            fact("Left out", percent(check.maskedFraction), "Pixels that are masked or broken");
         if (check.comparedVertices > 0)
             fact("Exposure", fmt::format("{} stops against the others", signedStops(float(check.exposureStops))),
                  "How much brighter or darker it is than the other views of the same surfaces. All views must share "
@@ -53,11 +54,11 @@ void inspectScene(Editor& editor) {
     if (document.scene) {
         fact("Mesh", fmt::format("{} points, {} triangles", count(document.scene->mesh.vertexCount()),
                                  count(document.scene->mesh.triangles.size())));
-        fact("Pieces", count(document.scene->pieces), "Parts of the mesh that do not touch each other");
+        fact("Pieces", count(document.scene->components), "Parts of the mesh that do not touch each other");
     }
     if (document.check) {
-        fact("Seen twice", percent(document.check->seenTwiceShare),
-             "Share of the surface that two photographs or more show; the more, the better light and surface can be "
+        fact("Seen twice", percent(document.check->seenTwiceFraction),
+             "Fraction of the surface that two photographs or more show; the more, the better light and surface can be "
              "told apart");
         if (!document.check->warnings.empty()) {
             warningText(fmt::format("{} thing{} to look at in the capture.", document.check->warnings.size(),
@@ -103,8 +104,7 @@ void inspectScene(Editor& editor) {
             text(left.what);
             dimWrapped(left.why);
         }
-    if (const auto frame = editor.liveFrame();
-        frame && section("Viewport", "What the picture on screen costs", false)) {
+    if (const auto frame = editor.liveFrame(); frame && section("Viewport", "What the image on screen costs", false)) {
         fact("Prepared in", duration(frame->report.bakeSeconds));
         fact("Light change", fmt::format("{:.1f} ms", frame->report.lightMs));
         fact("Moved light", fmt::format("{:.1f} ms", frame->report.moveMs));

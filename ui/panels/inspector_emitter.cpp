@@ -1,9 +1,9 @@
 // One light, or the active one of several: place, size, light, attached geometry, evidence.
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "display/vertex_images.h"
 #include "panels/emitter_controls.h"
 #include "panels/inspector.h"
-#include "report/vertex_pictures.h"
 #include "widgets.h"
 
 namespace relamp::ui {
@@ -89,7 +89,7 @@ void place(Editor& editor, const EmitterState& emitter, const std::vector<std::s
     const auto startOf = [&editor](const std::string& id) { return emitterAtStart(editor, id); };
     triple(
         editor, "Position (m)", "Move " + who, emitter.pivot, {size / 800, 0, 0, "%.3f"},
-        "Where the middle of the light is, in metres. Its shadows and its body move along; so do attached parts.",
+        "Where the middle of the light is, in metres. Its shadows and its geometry move along; so do attached parts.",
         [&](Look& look, int axis, float value) {
             const auto active = startOf(emitter.id);
             if (!active) return;
@@ -191,14 +191,14 @@ void parts(Editor& editor, const EmitterState& emitter) {
     bool any = false;
     uint32_t detach = ~0u, reset = ~0u;
     for (const PartLook& part : editor.look().parts) {
-        if (part.attachedTo != emitter.id || part.seedVertex >= scene->piece.size()) continue;
+        if (part.attachedTo != emitter.id || part.seedVertex >= scene->component.size()) continue;
         any = true;
         ImGui::PushID(int(part.seedVertex));
         iconText(Icon::link, dimColour);
         ImGui::SameLine(0, em(0.4f));
         ImGui::AlignTextToFramePadding();
-        text(fmt::format("Piece of {} points", count(size_t(std::count(scene->piece.begin(), scene->piece.end(),
-                                                                       scene->piece[part.seedVertex])))));
+        text(fmt::format("Part of {} points", count(size_t(std::count(scene->component.begin(), scene->component.end(),
+                                                                      scene->component[part.seedVertex])))));
         sameLineIfFits(buttonWidth("Detach"));
         if (button("Detach", "It stays where it is and follows the light no more")) detach = part.seedVertex;
         sameLineIfFits(buttonWidth("Put back"));
@@ -209,30 +209,29 @@ void parts(Editor& editor, const EmitterState& emitter) {
         dimWrapped(
             "Nothing follows this light. Attach its shade and its stand, and they move along with their shadows.");
     if (detach != ~0u)
-        editor.edit("Detach a piece from " + emitter.name, [&](Look& look) { detachPart(look, *scene, detach); });
+        editor.edit("Detach a part from " + emitter.name, [&](Look& look) { detachPart(look, *scene, detach); });
     if (reset != ~0u)
-        editor.edit("Put a piece of " + emitter.name + " back", [&](Look& look) { resetPart(look, *scene, reset); });
+        editor.edit("Put a part of " + emitter.name + " back", [&](Look& look) { resetPart(look, *scene, reset); });
     const auto likely = [&] {
         std::vector<uint32_t> seeds = likelyParts(*scene, *editor.estimate(), emitter.id);
         std::erase_if(seeds, [&](uint32_t seed) {
             for (const PartLook& part : editor.look().parts)
-                if (part.attachedTo == emitter.id && part.seedVertex < scene->piece.size() &&
-                    scene->piece[part.seedVertex] == scene->piece[seed])
+                if (part.attachedTo == emitter.id && part.seedVertex < scene->component.size() &&
+                    scene->component[part.seedVertex] == scene->component[seed])
                     return true;
             return false;
         });
         return seeds;
     };
     if (emitter.recovered &&
-        button("Attach what is near", "Attaches the pieces that touch the light or stand close to it"))
+        button("Attach what is near", "Attaches the parts that touch the light or stand close to it"))
         if (const auto seeds = likely(); !seeds.empty())
-            editor.edit(
-                fmt::format("Attach {} piece{} to {}", seeds.size(), seeds.size() == 1 ? "" : "s", emitter.name),
-                [&](Look& look) {
-                    for (const uint32_t seed : seeds) attachPart(look, *scene, seed, emitter.id);
-                });
-    if (emitter.recovered) sameLineIfFits(buttonWidth("Click a piece"));
-    if (iconTextButton("Click a piece", Icon::link, "Then click the piece of the scene that shall follow it",
+            editor.edit(fmt::format("Attach {} part{} to {}", seeds.size(), seeds.size() == 1 ? "" : "s", emitter.name),
+                        [&](Look& look) {
+                            for (const uint32_t seed : seeds) attachPart(look, *scene, seed, emitter.id);
+                        });
+    if (emitter.recovered) sameLineIfFits(buttonWidth("Click a part"));
+    if (iconTextButton("Click a part", Icon::link, "Then click the part of the scene that shall follow it",
                        editor.state.viewport.clickTask == ClickTask::attach))
         armClick(editor, ClickTask::attach);
 }
@@ -245,21 +244,21 @@ void evidence(Editor& editor, const EmitterState& emitter) {
     const EmitterEvidence& e = cluster.evidence;
     const float sigma = uncertaintyOf(editor, emitter), identifiability = identifiabilityOf(editor, emitter);
     wrapped(fmt::format("Seen in {} photograph{}, {}{} triangles.", e.viewsSeen, e.viewsSeen == 1 ? "" : "s",
-                        e.samples ? count(e.samples) + " look-ups on " : "", count(cluster.triangles.size())));
+                        e.samples ? count(e.samples) + " observations on " : "", count(cluster.triangles.size())));
     if (e.sceneContrast > 0)
         wrapped(fmt::format("It is {:.3g} times as bright as the brightest other surfaces.", e.sceneContrast));
     if (sigma >= 0) wrapped(fmt::format("Its brightness is known to about {}.", percent(double(sigma))));
     if (e.uniformity > 0.12f)
         wrapped(fmt::format("It glows unevenly, by {} either way. It is given one brightness, the mean.",
                             percent(double(e.uniformity))));
-    if (e.clippedShare > 0.005f)
+    if (e.clippedFraction > 0.005f)
         warningText(fmt::format("{} of the pixels that see it are clipped: it may be brighter than it looks.",
-                                percent(double(e.clippedShare))));
+                                percent(double(e.clippedFraction))));
     if (identifiability >= 0) {
         wrapped(fmt::format("{} of its effect on the photographs could not come from far away.",
                             percent(double(identifiability))));
         if (identifiability < weakIdentifiability)
-            warningText("Hard to tell from distant light: its share and the environment's may have been mixed up.");
+            warningText("Hard to tell from distant light: its fraction and the environment's may have been mixed up.");
     }
 }
 
@@ -344,7 +343,7 @@ void inspectEmitter(Editor& editor, const EmitterState& emitter) {
         if (emitter.changed && button("Reset place", "Back to where it stood when the photographs were taken"))
             resetEmitters(editor, targets, EmitterValue::place);
     }
-    if (section("Attached geometry", "Pieces of the scene that follow it: its shade, its stand", false))
+    if (section("Attached geometry", "Parts of the scene that follow it: its shade, its stand", false))
         parts(editor, emitter);
     if (section("What this rests on", "The evidence for this light in the photographs", false))
         evidence(editor, emitter);

@@ -1,9 +1,9 @@
 // A picked point of the surface: where its light comes from, and what is known about it.
 #include <numeric>
 
+#include "display/vertex_images.h"
 #include "image/image_io.h"
 #include "panels/inspector.h"
-#include "report/vertex_pictures.h"
 #include "widgets.h"
 
 namespace relamp::ui {
@@ -18,7 +18,7 @@ void directionDisc(const PointLight& light, float diameter) {
     const Vec3 n = light.normal;
     const Vec3 hint = std::abs(n.z) < 0.9f ? Vec3(0, 0, 1) : Vec3(0, 1, 0);
     const Vec3 up = glm::normalize(hint - n * glm::dot(hint, n)), right = glm::cross(up, n);
-    // Exposed so that a bright lamp does not make everything else black: the brightest twentieth clips.
+    // Exposed so that a bright emitter does not make everything else black: the brightest twentieth clips.
     std::vector<float> values;
     for (const Rgb& c : light.incident)
         if (const float v = maxChannel(c); v > 0) values.push_back(v);
@@ -96,17 +96,18 @@ void inspectPoint(Editor& editor, const PickedPoint& point) {
             std::string wanted;
             for (size_t i = 0; i < parts.size(); ++i) {
                 const Part& part = parts[i];
-                const float share = total > 0 ? luminance(part.radiance) / total : 0;
+                const float fraction = total > 0 ? luminance(part.radiance) / total : 0;
                 ImGui::PushID(int(i));
                 if (swatch("##colour", lightColour(part.radiance), box,
                            part.id.empty() ? "Colour of this part of the light"
-                                           : "Colour of this part of the light. Click selects the lamp."))
+                                           : "Colour of this part of the light. Click selects the light."))
                     wanted = part.id;
                 ImGui::SameLine(0, em(0.3f));
-                bar(double(share), {0.38f, 0.38f, 0.38f, 1}, fmt::format("{}  {}", part.name, percent(double(share))));
-                tooltip(
-                    fmt::format("{}: {} of the light this spot sends towards the eye\nradiance {:.3g} {:.3g} {:.3g}",
-                                part.name, percent(double(share)), part.radiance.x, part.radiance.y, part.radiance.z));
+                bar(double(fraction), {0.38f, 0.38f, 0.38f, 1},
+                    fmt::format("{}  {}", part.name, percent(double(fraction))));
+                tooltip(fmt::format(
+                    "{}: {} of the light this spot sends towards the eye\nradiance {:.3g} {:.3g} {:.3g}", part.name,
+                    percent(double(fraction)), part.radiance.x, part.radiance.y, part.radiance.z));
                 ImGui::PopID();
             }
             if (total <= 0) dimText("No light arrives here.");
@@ -121,7 +122,7 @@ void inspectPoint(Editor& editor, const PickedPoint& point) {
     if (!estimate) return;
     if (section("Surface", "What the estimate knows about this spot")) {
         const Reflectance& r = estimate->reflectance;
-        // The picture's mesh has the capture's vertices first; others say which one they were copied from.
+        // The image's mesh has the capture's vertices first; others say which one they were copied from.
         uint32_t vertex = point.vertex;
         if (const auto frame = editor.liveFrame(); frame && frame->origin && vertex < frame->origin->size())
             vertex = (*frame->origin)[vertex];
@@ -129,10 +130,10 @@ void inspectPoint(Editor& editor, const PickedPoint& point) {
             return dimText("This was not part of the capture.");
         const Rgb albedo = r.weight[0][vertex];
         fact("Albedo", fmt::format("{:.3f}  {:.3f}  {:.3f}", albedo.x, albedo.y, albedo.z),
-             "Share of the light that it sends back to all sides, red green blue");
+             "Fraction of the light that it sends back to all sides, red green blue");
         if (vertex < r.sigma.size())
             fact("Known within", percent(double(std::min(r.sigma[vertex], 1.0f))),
-                 "Two times in three its albedo is off by less than this share, as far as the photographs can tell");
+                 "Two times in three its albedo is off by less than this fraction, as far as the photographs can tell");
         const float box = ImGui::GetTextLineHeight();
         swatch("##albedo",
                ImVec4(srgbEncode(std::min(1.0f, albedo.x)), srgbEncode(std::min(1.0f, albedo.y)),

@@ -13,7 +13,7 @@ std::string nameOf(const Lobe& lobe) {
     switch (lobe.kind) {
         case Lobe::Kind::lambert: return "matte";
         case Lobe::Kind::ggx: return fmt::format("metallic, roughness {:.2f}", roughness);
-        case Lobe::Kind::ggxDielectric: return fmt::format("glaze, roughness {:.2f}", roughness);
+        case Lobe::Kind::ggxDielectric: return fmt::format("coating, roughness {:.2f}", roughness);
         case Lobe::Kind::measured: return "as measured: " + lobe.name;
         default: break;
     }
@@ -22,8 +22,8 @@ std::string nameOf(const Lobe& lobe) {
 
 struct LobeUse {
     std::string name;
-    float share = 0;     ///< of all reflectance, mean over the observed vertices
-    float vertices = 0;  ///< share of the observed vertices that use it
+    float fraction = 0;  ///< of all reflectance, mean over the observed vertices
+    float vertices = 0;  ///< fraction of the observed vertices that use it
 };
 
 /// Cost O(lobes x vertices), once an estimate.
@@ -70,18 +70,19 @@ void drawMaterialsPanel(Editor& editor) {
     tooltip(
         "Each point of the surface mixes these. The bar shows how much of all reflected light a kind accounts for.");
     for (const LobeUse& use : usesOf(estimate)) {
-        bar(double(use.share), {0.36f, 0.36f, 0.36f, 1}, fmt::format("{}  {}", use.name, percent(double(use.share))));
+        bar(double(use.fraction), {0.36f, 0.36f, 0.36f, 1},
+            fmt::format("{}  {}", use.name, percent(double(use.fraction))));
         tooltip(fmt::format(
             "{}: {} of the reflectance, used on {} of the surface points that the photographs show.\n{}", use.name,
-            percent(double(use.share)), percent(double(use.vertices)),
+            percent(double(use.fraction)), percent(double(use.vertices)),
             use.name == "matte"
                 ? "Looks the same from every side."
-                : "Mirrors its surroundings: blurred when the roughness is near 1, sharp when it is near 0."));
+                : "Mirrors its environment: blurred when the roughness is near 1, sharp when it is near 0."));
     }
     if (estimate->palette.empty()) return;
     dimText("Palette");
     tooltip(
-        "The materials that you said the scene has, most used first: hover over one for its colour and its share of "
+        "The materials that you said the scene has, most used first: hover over one for its colour and its fraction of "
         "the surfaces.");
     int column = 0;
     for (const PaletteColour& colour : estimate->palette) {
@@ -90,7 +91,7 @@ void drawMaterialsPanel(Editor& editor) {
         ImGui::PushID(column);
         ImGui::ColorButton("##material", {shown.x, shown.y, shown.z, 1}, ImGuiColorEditFlags_NoTooltip);
         tooltip(fmt::format("Reflects {:.2f} {:.2f} {:.2f} of red, green and blue; {} of the surfaces", colour.albedo.x,
-                            colour.albedo.y, colour.albedo.z, percent(double(colour.share))));
+                            colour.albedo.y, colour.albedo.z, percent(double(colour.fraction))));
         ImGui::PopID();
     }
 }

@@ -34,8 +34,8 @@ void drawMaterialsPanel(Editor& editor);
 void drawEstimatePanel(Editor& editor);   ///< button and settings
 void drawEstimateButton(Editor& editor);  ///< or, while it runs, how far it is
 void drawEstimateSettings(Editor& editor);
-/// The search for a lamp that no photograph shows, and those that stand in its place.
-void drawUnseenLamps(Editor& editor);
+/// The search for an emitter that no photograph shows, and those that stand in its place.
+void drawUnobservedLights(Editor& editor);
 
 // ---- parts of the bottom
 void drawTimelinePanel(Editor& editor);

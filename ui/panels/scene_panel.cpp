@@ -17,9 +17,9 @@ void drawScenePanel(Editor& editor) {
         (editor.job() && editor.job()->kind == JobStatus::Kind::solve ? ImGui::GetFrameHeightWithSpacing() : 0);
     if (beginChild("##sections", {0, -below})) {
         if (section(views.c_str(), "The photographs of this capture")) drawViewsPanel(editor);
-        if (section(emitters.c_str(), "Lamps that stand in the scene: what was recovered, and what you add")) {
+        if (section(emitters.c_str(), "Lights that stand in the scene: what was recovered, and what you add")) {
             drawEmittersPanel(editor);
-            drawUnseenLamps(editor);
+            drawUnobservedLights(editor);
         }
         if (section("Environment", "Light from far away: sky, windows, the room around", estimated))
             drawEnvironmentPanel(editor);

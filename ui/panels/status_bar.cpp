@@ -29,7 +29,9 @@ struct Piece {
     ImVec4 colour = dimColour;
 };
 
-float widthOf(const Piece& piece) { return ImGui::CalcTextSize(piece.words.c_str()).x + (piece.badge ? em(0.7f) : 0); }
+float widthOf(const Piece& component) {
+    return ImGui::CalcTextSize(component.words.c_str()).x + (component.badge ? em(0.7f) : 0);
+}
 
 std::string gaugeExplanation(const GaugeReport& gauge) {
     std::string words = "Brightness scale: how light and surface brightness were told apart.\n";
@@ -37,7 +39,7 @@ std::string gaugeExplanation(const GaugeReport& gauge) {
     return words + (gauge.evidence.empty() ? "." : ": " + gauge.evidence + ".");
 }
 
-/// Where light is summed and how long that took when it was measured; empty before the first picture.
+/// Where light is summed and how long that took when it was measured; empty before the first image.
 std::string lightSums(const Editor& editor) {
     const auto frame = editor.liveFrame();
     if (!frame) return {};
@@ -53,21 +55,22 @@ std::string lightSums(const Editor& editor) {
 
 std::vector<Piece> piecesOf(const Editor& editor) {
     const EditorState& state = editor.state;
-    std::vector<Piece> pieces;
+    std::vector<Piece> components;
     const auto estimate = editor.estimate();
     if (!state.viewport.solo.empty())
-        pieces.push_back(
+        components.push_back(
             {"solo", "Only some lights are shown in the viewport; files and exports are not touched. Shift+M ends it.",
              95, true, warningColour});
     if (editor.stale())
-        pieces.push_back({"settings changed",
-                          "The settings have changed since the last estimate: estimate again to use them.", 90, true,
-                          warningColour});
+        components.push_back({"settings changed",
+                              "The settings have changed since the last estimate: estimate again to use them.", 90,
+                              true, warningColour});
     if (estimate && estimate->cancelled && !editor.job())
-        pieces.push_back({"stopped early", "The estimate was stopped before its end: this is the best answer so far.",
-                          70, true, warningColour});
+        components.push_back({"stopped early",
+                              "The estimate was stopped before its end: this is the best answer so far.", 70, true,
+                              warningColour});
     if (editor.refining())
-        pieces.push_back({"refining", "The picture gets better while you wait", 30, false, dimColour});
+        components.push_back({"refining", "The image gets better while you wait", 30, false, dimColour});
     if (estimate && estimate->reproduction.measured()) {
         const Reproduction& r = estimate->reproduction;
         const ViewReproduction& worst = r.views[r.worst()];
@@ -80,42 +83,43 @@ std::vector<Piece> piecesOf(const Editor& editor) {
             words += fmt::format(
                 "\nViews left out of the estimate are predicted at {:.1f} dB: so good will new views be.", r.heldOut);
         if (!r.advice.empty()) words += "\n" + r.advice;
-        pieces.push_back({fmt::format("photographs {:.1f} dB", r.median), words, 80, r.poor(),
-                          r.poor() ? warningColour : dimColour});
+        components.push_back({fmt::format("photographs {:.1f} dB", r.median), words, 80, r.poor(),
+                              r.poor() ? warningColour : dimColour});
     }
     if (estimate && !estimate->gauge.kind.empty()) {
         const bool assumed = estimate->gauge.kind == "assumed";
-        pieces.push_back({assumed ? "scale: assumed" : "scale: measured", gaugeExplanation(estimate->gauge), 60, false,
-                          assumed ? warningColour : dimColour});
+        components.push_back({assumed ? "scale: assumed" : "scale: measured", gaugeExplanation(estimate->gauge), 60,
+                              false, assumed ? warningColour : dimColour});
     }
-    pieces.push_back(
+    components.push_back(
         {state.viewport.displayView +
              (state.viewport.exposureStops != 0 ? " " + signedStops(state.viewport.exposureStops) : ""),
          "How linear light becomes screen colours, and the exposure of the screen in stops. Files are not touched.", 50,
          false, dimColour});
     if (state.framesPerSecond > 0)
-        pieces.push_back({fmt::format("{:.0f} fps {:.1f} ms", state.framesPerSecond, state.frameCpuMs),
-                          "Frames a second while something moves, and relamp's own work for each frame", 40, false,
-                          dimColour});
+        components.push_back({fmt::format("{:.0f} fps {:.1f} ms", state.framesPerSecond, state.frameCpuMs),
+                              "Frames a second while something moves, and relamp's own work for each frame", 40, false,
+                              dimColour});
     const double resident = residentMib();
     const double peak = std::max(peakMib(), state.document.resources.peakMib);
-    pieces.push_back({mebibytes(resident), fmt::format("Memory in use now. The most so far was {}.", mebibytes(peak)),
-                      45, false, dimColour});
+    components.push_back({mebibytes(resident),
+                          fmt::format("Memory in use now. The most so far was {}.", mebibytes(peak)), 45, false,
+                          dimColour});
     if (!state.gpu.empty())
-        pieces.push_back(
+        components.push_back(
             {elided(state.gpu, em(12)), "Graphics: " + state.gpu + lightSums(editor), 10, false, dimColour});
     if (state.document.capture)
-        pieces.push_back(editor.unsavedChanges()
-                             ? Piece{"unsaved",
-                                     "There are edits that are not in the shot's folder yet (Ctrl+S). They are saved "
-                                     "by themselves every few seconds, for the case of a crash.",
-                                     85, false, warningColour}
-                             : Piece{state.document.shotFolder.empty() ? "no edits" : "saved",
-                                     state.document.shotFolder.empty()
-                                         ? "Nothing to save yet"
-                                         : "Everything is in " + shown(state.document.shotFolder),
-                                     20, false, dimColour});
-    return pieces;
+        components.push_back(
+            editor.unsavedChanges()
+                ? Piece{"unsaved",
+                        "There are edits that are not in the shot's folder yet (Ctrl+S). They are saved "
+                        "by themselves every few seconds, for the case of a crash.",
+                        85, false, warningColour}
+                : Piece{state.document.shotFolder.empty() ? "no edits" : "saved",
+                        state.document.shotFolder.empty() ? "Nothing to save yet"
+                                                          : "Everything is in " + shown(state.document.shotFolder),
+                        20, false, dimColour});
+    return components;
 }
 
 }  // namespace
@@ -124,19 +128,19 @@ float statusBarHeight() { return ImGui::GetFrameHeight() + ImGui::GetStyle().Ite
 
 void drawStatusBar(Editor& editor) {
     const float start = ImGui::GetCursorPosX(), room = ImGui::GetContentRegionAvail().x, gap = em(1.1f);
-    std::vector<Piece> pieces = piecesOf(editor);
+    std::vector<Piece> components = piecesOf(editor);
     const auto& job = editor.job();
 
     // The job keeps at least this much; marks on the right are dropped by rank until they fit.
     const float reserved = job ? std::min(room * 0.55f, em(30)) : em(9);
     const auto total = [&] {
         float sum = 0;
-        for (const Piece& piece : pieces) sum += widthOf(piece) + gap;
+        for (const Piece& component : components) sum += widthOf(component) + gap;
         return sum;
     };
-    while (!pieces.empty() && total() > room - reserved)
-        pieces.erase(std::min_element(pieces.begin(), pieces.end(),
-                                      [](const Piece& a, const Piece& b) { return a.rank < b.rank; }));
+    while (!components.empty() && total() > room - reserved)
+        components.erase(std::min_element(components.begin(), components.end(),
+                                          [](const Piece& a, const Piece& b) { return a.rank < b.rank; }));
     const float own = room - total();
 
     ImGui::AlignTextToFramePadding();
@@ -159,8 +163,8 @@ void drawStatusBar(Editor& editor) {
         ImGui::SameLine();
         // The buttons may have ended the job.
         if (editor.job()) {
-            bar(job->share, {0.28f, 0.42f, 0.58f, 1}, percent(job->share), barWidth);
-            tooltip(fmt::format("{}: {} of this stage, {} so far", job->stage, percent(job->share),
+            bar(job->fraction, {0.28f, 0.42f, 0.58f, 1}, percent(job->fraction), barWidth);
+            tooltip(fmt::format("{}: {} of this stage, {} so far", job->stage, percent(job->fraction),
                                 duration(job->seconds)));
             ImGui::SameLine();
             const float rest =
@@ -182,19 +186,19 @@ void drawStatusBar(Editor& editor) {
         tooltip("What is open and selected");
     }
     float x = start + room - total() + gap;
-    for (const Piece& piece : pieces) {
+    for (const Piece& component : components) {
         ImGui::SameLine(x);
-        if (piece.badge) {
-            badge(piece.words, piece.colour, piece.explanation);
+        if (component.badge) {
+            badge(component.words, component.colour, component.explanation);
         } else {
-            ImGui::PushStyleColor(ImGuiCol_Text, piece.colour);
-            text(piece.words);
+            ImGui::PushStyleColor(ImGuiCol_Text, component.colour);
+            text(component.words);
             ImGui::PopStyleColor();
-            tooltip(piece.explanation);
+            tooltip(component.explanation);
         }
-        x += widthOf(piece) + gap;
+        x += widthOf(component) + gap;
     }
-    if (pieces.empty()) ImGui::NewLine();
+    if (components.empty()) ImGui::NewLine();
 }
 
 }  // namespace relamp::ui

@@ -54,7 +54,7 @@ void stageTable(const EditorState& state) {
     ImGui::TableSetupColumn("Took", ImGuiTableColumnFlags_WidthFixed, em(4.4f));
     ImGui::TableSetupColumn("Error", ImGuiTableColumnFlags_WidthFixed, em(4));
     ImGui::TableHeadersRow();
-    constexpr const char* modes[] = {"lamps in the scene", "distant light only"};
+    constexpr const char* modes[] = {"lights in the scene", "distant light only"};
     for (size_t m = 0; m < 2; ++m) {
         const auto stages = stagesOf(state.curves[m]);
         if (stages.empty()) continue;

@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "item_map.h"
+#include "panels/images.h"
 #include "panels/panels.h"
-#include "panels/pictures.h"
 #include "widgets.h"
 
 namespace relamp::ui {
@@ -29,12 +29,12 @@ std::string describe(const View& view, const ViewCheck* check, const ViewReprodu
     if (found && found->heldOut > 0)
         words += fmt::format(", and predicts it at {:.1f} dB from the others", found->heldOut);
     if (check) {
-        words += fmt::format("\nThe mesh covers {} of the picture", percent(check->meshShare));
-        if (check->clippedShare > 0)
-            words +=
-                fmt::format("\n{} of the pixels are clipped (too bright for the file)", percent(check->clippedShare));
-        if (check->maskedShare > 0)
-            words += fmt::format("\n{} of the pixels are left out (masked or broken)", percent(check->maskedShare));
+        words += fmt::format("\nThe mesh covers {} of the image", percent(check->meshFraction));
+        if (check->clippedFraction > 0)
+            words += fmt::format("\n{} of the pixels are clipped (too bright for the file)",
+                                 percent(check->clippedFraction));
+        if (check->maskedFraction > 0)
+            words += fmt::format("\n{} of the pixels are left out (masked or broken)", percent(check->maskedFraction));
         if (exposureIsOdd(*check))
             words += fmt::format("\n{:.2f} stops {} than the other views of the same surfaces",
                                  std::abs(check->exposureStops), check->exposureStops > 0 ? "brighter" : "darker");
@@ -47,10 +47,10 @@ void badges(const ImVec2& corner, const ViewCheck* check, bool worst, bool poor)
         const char* word;
         bool shown;
     };
-    const Mark marks[] = {{"clipped", check && check->clippedShare > 0.01},
+    const Mark marks[] = {{"clipped", check && check->clippedFraction > 0.01},
                           {"exposure", check && exposureIsOdd(*check)},
-                          {"masked", check && check->maskedShare > 0.9},
-                          {"off mesh", check && check->meshShare < 0.02},
+                          {"masked", check && check->maskedFraction > 0.9},
+                          {"off mesh", check && check->meshFraction < 0.02},
                           {"worst", worst},
                           {"poor", poor && !worst}};
     ImDrawList* list = ImGui::GetWindowDrawList();
@@ -138,8 +138,8 @@ void drawViewsPanel(Editor& editor) {
                     ImGui::Dummy({width, height});
                     ImGui::SetCursorScreenPos({corner.x + std::floor((width - drawnWidth) / 2),
                                                corner.y + std::floor((height - drawnHeight) / 2)});
-                    if (picture("##picture", viewPicture(document, size_t(i)), drawnWidth, drawnHeight, "no picture",
-                                selected)) {
+                    if (image("##picture", viewImage(document, size_t(i)), drawnWidth, drawnHeight, "no image",
+                              selected)) {
                         editor.state.selection.view = i;
                         editor.state.selection.emitters.clear();
                         editor.pick(std::nullopt);

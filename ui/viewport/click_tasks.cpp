@@ -5,7 +5,7 @@
 namespace relamp::ui {
 namespace {
 
-/// A piece that is made to shine sends as much as the strongest light found, so that its effect is seen at once and
+/// A component that is made to shine sends as much as the strongest light found, so that its effect is seen at once and
 /// nothing is burnt out.
 Rgb radianceForPart(const Scene& scene, const Estimate& estimate, uint32_t vertex) {
     Rgb strongest(0);
@@ -18,7 +18,7 @@ Rgb radianceForPart(const Scene& scene, const Estimate& estimate, uint32_t verte
     if (!(power > 0)) return Rgb(1);
     float area = 0;
     for (size_t t = 0; t < scene.mesh.triangles.size(); ++t)
-        if (scene.piece[scene.mesh.triangles[t][0]] == scene.piece[vertex]) area += scene.mesh.triangleArea(t);
+        if (scene.component[scene.mesh.triangles[t][0]] == scene.component[vertex]) area += scene.mesh.triangleArea(t);
     return strongest * std::min(1.0f, power / (luminance(strongest) * std::max(area, 1e-12f)));
 }
 

@@ -158,9 +158,9 @@ void DisplayTransform::apply(const std::string& view, float stops, Rgb* pixels, 
     } catch (const OCIO::Exception& error) { throw Error("{}: view {}: {}", impl_->source, view, error.what()); }
 }
 
-Image DisplayTransform::apply(const std::string& view, float stops, Image picture) const {
-    apply(view, stops, picture.pixels.data(), picture.pixels.size());
-    return picture;
+Image DisplayTransform::apply(const std::string& view, float stops, Image image) const {
+    apply(view, stops, image.pixels.data(), image.pixels.size());
+    return image;
 }
 
 const DisplayTransform& displayTransform() {

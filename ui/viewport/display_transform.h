@@ -10,7 +10,7 @@
 
 namespace relamp::ui {
 
-/// A look-up table that a view's shader reads.
+/// A observation table that a view's shader reads.
 struct DisplayLut {
     std::string sampler;  ///< name in the shader
     int width = 0, height = 1, depth = 1;
@@ -39,7 +39,7 @@ public:
     DisplayShader shader(const std::string& view) const;
     /// The same on the CPU: exposure in stops first. Not clamped. Thread-safe.
     void apply(const std::string& view, float stops, Rgb* pixels, size_t count) const;
-    Image apply(const std::string& view, float stops, Image picture) const;
+    Image apply(const std::string& view, float stops, Image image) const;
 
 private:
     struct Impl;

@@ -36,15 +36,16 @@ bool EyeView::segmentToScreen(const Vec3& a, const Vec3& b, Vec2& screenA, Vec2&
 }
 
 Ray EyeView::rayAt(const Vec2& screen) const {
-    const Vec2 share = (screen - corner) / size;
+    const Vec2 fraction = (screen - corner) / size;
     if (orthographic) {
         const Vec2 half(1 / clipFromView[0][0], 1 / clipFromView[1][1]);
         // From the near plane, which may lie behind the eye.
         const float near = (1 + clipFromView[3][2]) / clipFromView[2][2];
-        return {position + forward * near + right * ((2 * share.x - 1) * half.x) + up * ((1 - 2 * share.y) * half.y),
-                forward};
+        return {
+            position + forward * near + right * ((2 * fraction.x - 1) * half.x) + up * ((1 - 2 * fraction.y) * half.y),
+            forward};
     }
-    const Vec2 pixel(share.x * float(camera.width), share.y * float(camera.height));
+    const Vec2 pixel(fraction.x * float(camera.width), fraction.y * float(camera.height));
     return {position, camera.rayDirection(pixel)};
 }
 
@@ -75,7 +76,7 @@ EyeView eyeOf(const Camera& camera, const Vec2& corner, const Vec2& size, const 
     eye.width = std::max(1, int(std::lround(float(camera.width) * scale)));
     eye.height = std::max(1, int(std::lround(float(camera.height) * scale)));
     eye.size = Vec2(eye.width, eye.height) / pixelsPerPoint;
-    // Whole pixels, so that the picture is not resampled on its way to the screen.
+    // Whole pixels, so that the image is not resampled on its way to the screen.
     eye.corner = corner + glm::floor(0.5f * (area - Vec2(eye.width, eye.height))) / pixelsPerPoint;
     eye.camera = camera;
     eye.camera.model = LensModel::pinhole;

@@ -1,4 +1,4 @@
-// From where the picture is seen and where it lies on screen: the orbit camera, or a photograph's camera letterboxed
+// From where the image is seen and where it lies on screen: the orbit camera, or a photograph's camera letterboxed
 // into the viewport. Pure geometry; everything that draws, picks or drags asks this.
 #pragma once
 #include <optional>
@@ -11,7 +11,7 @@
 namespace relamp::ui {
 
 struct EyeView {
-    Vec2 corner{0}, size{1};    ///< of the picture on screen: top left and extent, in the window system's points
+    Vec2 corner{0}, size{1};    ///< of the image on screen: top left and extent, in the window system's points
     int width = 1, height = 1;  ///< framebuffer pixels
     Camera camera;              ///< the same view as a pinhole camera of these pixels
     Mat4 viewFromWorld{1}, clipFromView{1}, clipFromWorld{1};

@@ -141,7 +141,7 @@ GizmoMotion scaled(const GizmoDrag& d, const Ray& now, const EyeView& eye, const
         }
     }
     if (!typed && snap.on) factor = snapped(factor, snap.factor);
-    // A body of no size cannot come back.
+    // A part of no size cannot come back.
     if (std::abs(factor) < 1e-3f) factor = factor < 0 ? -1e-3f : 1e-3f;
     GizmoMotion motion;
     for (int k = 0; k < 3; ++k)

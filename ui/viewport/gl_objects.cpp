@@ -88,7 +88,7 @@ void GlTarget::resize(int newWidth, int newHeight, GLenum format, GLuint depthTe
     if (depthTexture) glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depthTexture, 0);
     const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
     if (status != GL_FRAMEBUFFER_COMPLETE)
-        throw Error("the graphics driver cannot draw into a picture of {} x {} pixels (status {:#x})", width, height,
+        throw Error("the graphics driver cannot draw into an image of {} x {} pixels (status {:#x})", width, height,
                     status);
 }
 

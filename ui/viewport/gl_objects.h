@@ -95,7 +95,7 @@ struct GlTarget {
     void resize(int newWidth, int newHeight, GLenum format, GLuint depthTexture, GLenum filter);
 };
 
-/// Uploads a picture: display values as bytes, or floats kept as half floats. Row 0 is the top row.
+/// Uploads an image: display values as bytes, or floats kept as half floats. Row 0 is the top row.
 void uploadRgba8(GlTexture& texture, int width, int height, const uint8_t* rgba);
 void uploadHalf(GlTexture& texture, int width, int height, const float* rgba, bool repeatX);
 

@@ -6,7 +6,7 @@ void GpuMesh::upload(const std::shared_ptr<const Mesh>& mesh, const std::vector<
                      uint64_t visibleVersion) {
     const bool otherMesh = mesh != mesh_, otherTriangles = otherMesh || visibleVersion != visibleVersion_;
     if (!otherTriangles) return;
-    // A lamp that moves brings a new mesh with the same triangles: then only places travel.
+    // An emitter that moves brings a new mesh with the same triangles: then only places travel.
     const bool sameTopology =
         otherMesh && mesh_ && visibleVersion == visibleVersion_ && mesh->triangles == mesh_->triangles;
     glBindVertexArray(array_.id());

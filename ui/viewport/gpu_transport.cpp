@@ -173,7 +173,7 @@ protected:
         const size_t vertices = store.blocks() * transportLanes;
         const size_t largest = std::max(store.value().size_bytes(), vertices * sizeof(Rgb));
         if (largest > size_t(limit) || vertices / groupSize >= size_t(groups))
-            throw Error("the scene needs {} MiB in one piece, the driver takes {} MiB", largest >> 20, limit >> 20);
+            throw Error("the scene needs {} MiB in one part, the driver takes {} MiB", largest >> 20, limit >> 20);
         put(indexPlace, store.index().data(), store.index().size_bytes(), GL_STATIC_DRAW);
         put(valuePlace, store.value().data(), store.value().size_bytes(), GL_STATIC_DRAW);
         put(startPlace, store.start().data(), store.start().size_bytes(), GL_STATIC_DRAW);

@@ -54,7 +54,7 @@ void Interaction::moveCamera(Editor& editor, const Canvas& canvas, bool hovered,
     }
 }
 
-void Interaction::findHovered(Editor& editor, const Canvas& canvas, const Picture& picture, const Vec2& mouse) {
+void Interaction::findHovered(Editor& editor, const Canvas& canvas, const ViewportImage& image, const Vec2& mouse) {
     hoveredHandle_ = GizmoHandle::none;
     hoveredEmitter_.clear();
     hoveredDivider_ = hoveredView_ = -1;
@@ -62,7 +62,7 @@ void Interaction::findHovered(Editor& editor, const Canvas& canvas, const Pictur
     if (const auto g = gizmo(editor, canvas))
         hoveredHandle_ = hitTest(canvas.eye->rayAt(mouse), g->second, *canvas.eye, g->first);
     if (hoveredHandle_ != GizmoHandle::none) return;
-    hoveredDivider_ = dividerAt(canvas, picture.strips(), mouse);
+    hoveredDivider_ = dividerAt(canvas, image.strips(), mouse);
     if (hoveredDivider_ >= 0) return;
     hoveredEmitter_ = emitterMarkAt(canvas, mouse);
     if (hoveredEmitter_.empty()) hoveredView_ = frustumAt(canvas, mouse);
@@ -91,7 +91,7 @@ void Interaction::keys(Editor& editor, const Canvas& canvas, const Vec2& mouse) 
                        GizmoHandle::screen, true, *canvas.eye, mouse, points);
 }
 
-void Interaction::press(Editor& editor, const Canvas& canvas, const Picture& picture, const Vec2& mouse) {
+void Interaction::press(Editor& editor, const Canvas& canvas, const ViewportImage& image, const Vec2& mouse) {
     pressedAt_ = mouse;
     drag_ = Drag::click;
     if (const auto axis = axisAt(canvas, mouse)) {
@@ -107,16 +107,16 @@ void Interaction::press(Editor& editor, const Canvas& canvas, const Picture& pic
             return;
         }
     }
-    if (const int divider = dividerAt(canvas, picture.strips(), mouse); divider >= 0)
+    if (const int divider = dividerAt(canvas, image.strips(), mouse); divider >= 0)
         drag_ = Drag::divider, divider_ = divider;
 }
 
-void Interaction::click(Editor& editor, const Canvas& canvas, const Picture& picture, const Vec2& mouse) {
+void Interaction::click(Editor& editor, const Canvas& canvas, const ViewportImage& image, const Vec2& mouse) {
     const bool toggle = input().control || ImGui::GetIO().KeyCtrl;
     const bool inside = canvas.eye->contains(mouse);
     const auto surface = [&]() -> std::optional<PickedPoint> {
-        return inside && picture.mesh() ? pickSurface(*picture.mesh(), canvas.eye->rayAt(mouse), picture.visible())
-                                        : std::nullopt;
+        return inside && image.mesh() ? pickSurface(*image.mesh(), canvas.eye->rayAt(mouse), image.visible())
+                                      : std::nullopt;
     };
     if (editor.state.viewport.clickTask != ClickTask::none) {
         if (runClickTask(editor, surface(), *canvas.eye)) return;
@@ -133,7 +133,7 @@ void Interaction::click(Editor& editor, const Canvas& canvas, const Picture& pic
     clickSurface(editor, surface(), toggle);
 }
 
-void Interaction::act(Editor& editor, const Canvas& canvas, const Picture& picture, bool hovered, bool active) {
+void Interaction::act(Editor& editor, const Canvas& canvas, const ViewportImage& image, bool hovered, bool active) {
     const Vec2 mouse = mousePosition();
     hovered_ = hovered;
     if (!editor.state.document.scene) {
@@ -141,7 +141,7 @@ void Interaction::act(Editor& editor, const Canvas& canvas, const Picture& pictu
         return;
     }
     keys(editor, canvas, mouse);
-    findHovered(editor, canvas, picture, mouse);
+    findHovered(editor, canvas, image, mouse);
     const bool control = input().control || ImGui::GetIO().KeyCtrl, shift = input().shift || ImGui::GetIO().KeyShift;
 
     if (gesture_.running() && gesture_.byKey()) {
@@ -151,7 +151,7 @@ void Interaction::act(Editor& editor, const Canvas& canvas, const Picture& pictu
         return;
     }
     if (active && drag_ == Drag::none && ImGui::IsMouseClicked(ImGuiMouseButton_Left))
-        press(editor, canvas, picture, mouse);
+        press(editor, canvas, image, mouse);
     if (hovered && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left) &&
         editor.state.viewport.clickTask == ClickTask::none)
         if (const int view = frustumAt(canvas, mouse); view >= 0) {
@@ -178,7 +178,7 @@ void Interaction::act(Editor& editor, const Canvas& canvas, const Picture& pictu
             break;
         case Drag::click:
             if (!held) {
-                if (glm::length(mouse - pressedAt_) < 5 * canvas.scale) click(editor, canvas, picture, mouse);
+                if (glm::length(mouse - pressedAt_) < 5 * canvas.scale) click(editor, canvas, image, mouse);
                 drag_ = Drag::none;
             }
             break;
@@ -186,14 +186,14 @@ void Interaction::act(Editor& editor, const Canvas& canvas, const Picture& pictu
     }
 }
 
-void Interaction::draw(const Canvas& canvas, const Picture& picture) {
+void Interaction::draw(const Canvas& canvas, const ViewportImage& image) {
     const Editor& editor = *canvas.editor;
     const Vec2 mouse = mousePosition();
     if (!editor.state.document.scene) {
         drawEmpty(canvas);
         return;
     }
-    drawStrips(canvas, picture.strips(), drag_ == Drag::divider ? divider_ : hoveredDivider_);
+    drawStrips(canvas, image.strips(), drag_ == Drag::divider ? divider_ : hoveredDivider_);
     if (gesture_.running()) drawConstraint(canvas, gesture_.state());
     drawPickedPoint(canvas);
     drawEmitterMarks(canvas, hoveredEmitter_);

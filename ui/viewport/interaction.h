@@ -1,20 +1,20 @@
-// Mouse and keys over the picture: camera, picking, dividers, gizmo and gestures. Reads Dear ImGui's mouse and keys.h;
+// Mouse and keys over the image: camera, picking, dividers, gizmo and gestures. Reads Dear ImGui's mouse and keys.h;
 // changes the editor.
 #pragma once
 #include "viewport/overlays.h"
-#include "viewport/picture.h"
 #include "viewport/transform_gesture.h"
+#include "viewport/viewport_image.h"
 
 namespace relamp::ui {
 
 class Interaction {
 public:
-    /// Moves the orbit camera before the picture is drawn. `hovered`, `active`: the viewport's own item under the
+    /// Moves the orbit camera before the image is drawn. `hovered`, `active`: the viewport's own item under the
     /// mouse, or held.
     void moveCamera(Editor& editor, const Canvas& canvas, bool hovered, bool active);
-    /// Everything else, after it: `picture` says what can be picked.
-    void act(Editor& editor, const Canvas& canvas, const Picture& picture, bool hovered, bool active);
-    void draw(const Canvas& canvas, const Picture& picture);
+    /// Everything else, after it: `image` says what can be picked.
+    void act(Editor& editor, const Canvas& canvas, const ViewportImage& image, bool hovered, bool active);
+    void draw(const Canvas& canvas, const ViewportImage& image);
     bool gestureRunning() const { return gesture_.running(); }
     void abandon(Editor& editor) { gesture_.abandon(editor); }
 
@@ -31,9 +31,9 @@ private:
 
     std::optional<std::pair<GizmoKind, GizmoFrame>> gizmo(const Editor& editor, const Canvas& canvas) const;
     void keys(Editor& editor, const Canvas& canvas, const Vec2& mouse);
-    void findHovered(Editor& editor, const Canvas& canvas, const Picture& picture, const Vec2& mouse);
-    void press(Editor& editor, const Canvas& canvas, const Picture& picture, const Vec2& mouse);
-    void click(Editor& editor, const Canvas& canvas, const Picture& picture, const Vec2& mouse);
+    void findHovered(Editor& editor, const Canvas& canvas, const ViewportImage& image, const Vec2& mouse);
+    void press(Editor& editor, const Canvas& canvas, const ViewportImage& image, const Vec2& mouse);
+    void click(Editor& editor, const Canvas& canvas, const ViewportImage& image, const Vec2& mouse);
 };
 
 }  // namespace relamp::ui

@@ -18,7 +18,7 @@ void frameSphere(Editor& editor, const Vec3& centre, float radius) {
 const SceneExtent& sceneExtent(const Editor& editor) {
     static std::weak_ptr<const Scene> measured;
     static SceneExtent extent;
-    // Measured on the capture: a lamp that moves does not move the floor.
+    // Measured on the capture: an emitter that moves does not move the floor.
     const auto& scene = editor.state.document.scene;
     if (!scene) return extent = {};
     if (measured.lock() != scene) {
@@ -53,7 +53,7 @@ void frameSelected(Editor& editor) {
     }
     const float scene = sceneExtent(editor).radius;
     if (low.x <= high.x) {
-        // Some of the surroundings stay in sight: a lamp alone says little.
+        // Some of the environment stay in sight: an emitter alone says little.
         frameSphere(editor, 0.5f * (low + high), std::max(0.5f * glm::length(high - low) * 2.0f, 0.05f * scene));
     } else if (selection.point) {
         frameSphere(editor, selection.point->position, 0.2f * scene);
@@ -82,11 +82,11 @@ void leaveView(Editor& editor) {
         if (const Hit hit = scene->tracer->closest({Vec3(camera.position()), Vec3(camera.forward())}))
             distance = hit.distance;
     viewport.camera.matchCamera(camera, distance > 0 ? distance : extent.radius);
-    // In a viewport narrower than the photograph the letterbox made the picture smaller: more is seen above and below.
-    const float pictureAspect = float(camera.width) / float(std::max(camera.height, 1));
-    if (viewport.aspect < pictureAspect)
+    // In a viewport narrower than the photograph the letterbox made the image smaller: more is seen above and below.
+    const float imageAspect = float(camera.width) / float(std::max(camera.height, 1));
+    if (viewport.aspect < imageAspect)
         viewport.camera.verticalFov = std::min(
-            2 * std::atan(std::tan(viewport.camera.verticalFov / 2) * pictureAspect / std::max(viewport.aspect, 0.05f)),
+            2 * std::atan(std::tan(viewport.camera.verticalFov / 2) * imageAspect / std::max(viewport.aspect, 0.05f)),
             2.6f);
 }
 
@@ -140,10 +140,11 @@ void hidePicked(Editor& editor) {
             !estimate->emitters.emitters[size_t(emitter->index)].vertices.empty())
             vertex = estimate->emitters.emitters[size_t(emitter->index)].vertices.front();
     }
-    if (vertex && *vertex < scene->piece.size()) editor.state.viewport.hiddenPieces.insert(scene->piece[*vertex]);
+    if (vertex && *vertex < scene->component.size())
+        editor.state.viewport.hiddenComponents.insert(scene->component[*vertex]);
 }
 
-void showAll(Editor& editor) { editor.state.viewport.hiddenPieces.clear(); }
+void showAll(Editor& editor) { editor.state.viewport.hiddenComponents.clear(); }
 
 void setMode(Editor& editor, ViewMode mode) { editor.state.viewport.mode = mode; }
 

@@ -22,7 +22,7 @@ void stepView(Editor& editor, int step);
 void lookAlongAxis(Editor& editor, int axis, int sign);
 void toggleOrthographic(Editor& editor);
 
-/// Hides the piece of the mesh that holds the picked point, or the active emitter's.
+/// Hides the component of the mesh that holds the picked point, or the active emitter's.
 void hidePicked(Editor& editor);
 void showAll(Editor& editor);
 /// The capture's vertex under the picked point; none on added shapes or without a point.

@@ -53,7 +53,7 @@ void OrbitCamera::matchCamera(const Camera& camera, float distanceToTarget) {
     const Vec3 forward(camera.forward());
     distance = std::max(distanceToTarget, 1e-4f);
     elevation = std::clamp(std::asin(std::clamp(-forward.z, -1.0f, 1.0f)), -steepest, steepest);
-    // Looking straight down, the picture's own up says where north is.
+    // Looking straight down, the image's own up says where north is.
     const Vec3 level = std::hypot(forward.x, forward.y) > 1e-3f
                            ? forward
                            : Vec3(DVec3(camera.worldFromCamera[1])) * (forward.z < 0 ? 1.0f : -1.0f);

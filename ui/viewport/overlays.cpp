@@ -1,7 +1,7 @@
 #include "viewport/overlays.h"
 
+#include "display/vertex_images.h"
 #include "item_map.h"
-#include "report/vertex_pictures.h"
 #include "viewport/display_transform.h"
 #include "viewport/navigation.h"
 #include "viewport/space_lines.h"
@@ -17,7 +17,7 @@ ImU32 colourOf(const Rgb& c, float alpha = 1) {
 
 constexpr float markRadius = 8;
 
-float dividerX(const Canvas& canvas, float share) { return canvas.eye->corner.x + share * canvas.eye->size.x; }
+float dividerX(const Canvas& canvas, float fraction) { return canvas.eye->corner.x + fraction * canvas.eye->size.x; }
 
 /// Where the corner axes sit, and how long they are.
 Vec2 axesCentre(const Canvas& canvas) {
@@ -69,7 +69,7 @@ void drawEmitterMarks(const Canvas& canvas, const std::string& hovered) {
                              : hovered == emitter.id ? IM_COL32(255, 255, 255, 255)
                                                      : IM_COL32(205, 205, 205, 235);
         const float r = markRadius * 0.62f * s;
-        // Where it faces; bodies that shine to all sides have no arrow of meaning and get one only when selected.
+        // Where it faces; parts that shine to all sides have no arrow of meaning and get one only when selected.
         if (selected || hovered == emitter.id) {
             const float length = canvas.eye->metresPerPoint(emitter.pivot) * 46 * s;
             Vec2 a, b;
@@ -240,11 +240,11 @@ int dividerAt(const Canvas& canvas, const std::vector<Strip>& strips, const Vec2
 
 void moveDivider(const Canvas& canvas, int index, float screenX) {
     ViewportState& viewport = canvas.editor->state.viewport;
-    const float share = std::clamp((screenX - canvas.eye->corner.x) / canvas.eye->size.x, 0.01f, 0.99f);
-    if (viewport.mode == ViewMode::correction) viewport.splitAt = share;
+    const float fraction = std::clamp((screenX - canvas.eye->corner.x) / canvas.eye->size.x, 0.01f, 0.99f);
+    if (viewport.mode == ViewMode::correction) viewport.splitAt = fraction;
     if (viewport.mode != ViewMode::wipe) return;
-    if (index == 0) viewport.wipeLeft = share, viewport.wipeRight = std::max(viewport.wipeRight, share);
-    if (index == 1) viewport.wipeRight = share, viewport.wipeLeft = std::min(viewport.wipeLeft, share);
+    if (index == 0) viewport.wipeLeft = fraction, viewport.wipeRight = std::max(viewport.wipeRight, fraction);
+    if (index == 1) viewport.wipeRight = fraction, viewport.wipeLeft = std::min(viewport.wipeLeft, fraction);
 }
 
 void drawLegend(const Canvas& canvas) {
@@ -342,8 +342,8 @@ const char* hintOf(ClickTask task) {
         case ClickTask::aim: return "Click the spot the light shall point at (Esc: not now)";
         case ClickTask::reflect: return "Click where the light shall be mirrored (Esc: not now)";
         case ClickTask::illuminate: return "Click the spot it shall light (Esc: not now)";
-        case ClickTask::attach: return "Click the piece that shall follow the light (Esc: not now)";
-        case ClickTask::newPart: return "Click the piece that shall shine (Esc: not now)";
+        case ClickTask::attach: return "Click the part that shall follow the light (Esc: not now)";
+        case ClickTask::newPart: return "Click the part that shall shine (Esc: not now)";
         default: return "";
     }
 }

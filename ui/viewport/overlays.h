@@ -1,4 +1,4 @@
-// What lies over the picture: emitter icons, dividers with captions, legends, the axes in the corner, hints. Drawn as
+// What lies over the image: emitter icons, dividers with captions, legends, the axes in the corner, hints. Drawn as
 // strokes with ImDrawList, sharp at every scale. Each thing that can be clicked has its hit test beside its drawing.
 #pragma once
 #include <imgui.h>
@@ -15,12 +15,12 @@ struct Canvas {
     ImDrawList* list = nullptr;
     Editor* editor = nullptr;
     const EyeView* eye = nullptr;
-    Vec2 corner{0}, size{0};  ///< of the whole viewport; the picture may be smaller
+    Vec2 corner{0}, size{0};  ///< of the whole viewport; the image may be smaller
     float scale = 1;          ///< of the interface
 };
 
 inline ImVec2 toIm(const Vec2& p) { return {p.x, p.y}; }
-/// Text on a soft dark ground, so that it can be read over any picture. `anchor`: which part of it lies at `at`, (0, 0)
+/// Text on a soft dark ground, so that it can be read over any image. `anchor`: which part of it lies at `at`, (0, 0)
 /// its top left.
 void labelAt(const Canvas& canvas, const Vec2& at, const std::string& text, const Vec2& anchor = Vec2(0),
              float widest = 1e9f);

@@ -1,6 +1,6 @@
 #include "viewport/paint.h"
 
-#include "report/vertex_pictures.h"
+#include "display/vertex_images.h"
 
 namespace relamp::ui {
 namespace {
@@ -94,7 +94,7 @@ PaintKey paintKey(const Editor& editor, Paint paint) {
         key.samples = document.samples;
     // Through a view the comparison is with that one photograph.
     if (paint == Paint::difference && editor.state.viewport.throughView) key.view = editor.state.selection.view;
-    // Colours that do not follow the light need not be made again with every picture of it: the mesh is all they take
+    // Colours that do not follow the light need not be made again with every image of it: the mesh is all they take
     // from it.
     const bool followsLight = paint == Paint::model || paint == Paint::distantModel || paint == Paint::difference ||
                               paint == Paint::irradiance;
@@ -175,7 +175,7 @@ PaintedMesh paintMesh(const Editor& editor, Paint paint) {
                 size_t(i) < live->emitterRadiance.size()) {
                 painted.mesh = live->mesh, painted.origin = live->origin;
                 painted.colours = irradianceColours(live->formFactor[size_t(i)], live->emitterRadiance[size_t(i)]);
-                // The lamp itself shows what it sends.
+                // The emitter itself shows what it sends.
                 if (live->emitterOfTriangle && live->emitterOfTriangle->size() == live->mesh->triangles.size())
                     for (size_t t = 0; t < live->mesh->triangles.size(); ++t)
                         if ((*live->emitterOfTriangle)[t] == i)

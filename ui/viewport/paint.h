@@ -1,4 +1,4 @@
-// What a view mode paints: strips of the picture, each with a colour per vertex of the mesh that is drawn. Pure; no GL.
+// What a view mode paints: strips of the image, each with a colour per vertex of the mesh that is drawn. Pure; no GL.
 #pragma once
 #include <string>
 
@@ -20,9 +20,9 @@ enum class Paint {
     irradiance
 };
 
-/// One vertical strip of the picture.
+/// One vertical strip of the image.
 struct Strip {
-    float left = 0, right = 1;  ///< share of the width
+    float left = 0, right = 1;  ///< fraction of the width
     Paint paint = Paint::model;
     std::string caption;  ///< what is seen, when there are several strips
     std::string missing;  ///< what to do to see it; empty: it can be painted

@@ -1,7 +1,7 @@
 #include "viewport/photograph.h"
 
 #include "base/parallel.h"
-#include "report/display_picture.h"
+#include "display/display_image.h"
 
 namespace relamp::ui {
 
@@ -17,10 +17,10 @@ std::vector<Vec4> straightened(const View& view, int longest, int& width, int& h
                           model == LensModel::openCv || model == LensModel::fullOpenCv;
     const bool plain = model == LensModel::pinhole || model == LensModel::simplePinhole ||
                        (flatLens && view.camera.distortion == std::array<double, 8>{});
-    // The file's picture may be another size than the camera says.
+    // The file's image may be another size than the camera says.
     const Vec2 toImage(float(image.width) / float(view.camera.width), float(image.height) / float(view.camera.height));
     const Vec2 toCamera(float(view.camera.width) / float(width), float(view.camera.height) / float(height));
-    // A shrunk picture averages a few points a pixel; nobody measures on it.
+    // A shrunk image averages a few points a pixel; nobody measures on it.
     const int points = std::clamp(int(std::ceil(toImage.x * toCamera.x)), 1, 4);
     std::vector<Vec4> out(size_t(width) * size_t(height), Vec4(0));
     parallelFor(size_t(height), 8, [&](size_t y) {

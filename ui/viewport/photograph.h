@@ -15,8 +15,8 @@ namespace relamp::ui {
 /// megapixel.
 std::vector<Vec4> straightened(const View& view, int longest, int& width, int& height);
 
-/// What lies behind the scene: the photograph where it shows no surface, elsewhere the environment, so that a lamp that
-/// was moved leaves no ghost. `pixels` as straightened() gives them.
+/// What lies behind the scene: the photograph where it shows no surface, elsewhere the environment, so that an emitter
+/// that was moved leaves no ghost. `pixels` as straightened() gives them.
 void coverSurfaces(const View& view, const ViewGeometry& geometry, const DistantLight& distant, int width, int height,
                    std::vector<Vec4>& pixels);
 

@@ -71,13 +71,13 @@ std::optional<PickedPoint> pickSurface(const Mesh& mesh, const Ray& ray, std::sp
 }
 
 std::vector<uint8_t> visibleTriangles(const Mesh& mesh, const std::vector<uint32_t>* origin, const Scene& scene,
-                                      const std::set<uint32_t>& hiddenPieces) {
-    if (hiddenPieces.empty()) return {};
+                                      const std::set<uint32_t>& hiddenComponents) {
+    if (hiddenComponents.empty()) return {};
     std::vector<uint8_t> visible(mesh.triangles.size(), 1);
     for (size_t t = 0; t < visible.size(); ++t) {
         uint32_t v = mesh.triangles[t][0];
         if (origin) v = v < origin->size() ? (*origin)[v] : Hit::none;
-        if (v < scene.piece.size() && hiddenPieces.contains(scene.piece[v])) visible[t] = 0;
+        if (v < scene.component.size() && hiddenComponents.contains(scene.component[v])) visible[t] = 0;
     }
     return visible;
 }

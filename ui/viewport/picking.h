@@ -8,13 +8,13 @@
 
 namespace relamp::ui {
 
-/// First triangle along the ray. `visible` (per triangle; empty: all) leaves hidden pieces out. Cost: about 5 ns a
+/// First triangle along the ray. `visible` (per triangle; empty: all) leaves hidden components out. Cost: about 5 ns a
 /// triangle and core.
 std::optional<PickedPoint> pickSurface(const Mesh& mesh, const Ray& ray, std::span<const uint8_t> visible = {});
 
-/// Which triangles are drawn: those whose piece is not hidden. Empty: all. `origin` maps vertices to the capture's
+/// Which triangles are drawn: those whose component is not hidden. Empty: all. `origin` maps vertices to the capture's
 /// (null: they are).
 std::vector<uint8_t> visibleTriangles(const Mesh& mesh, const std::vector<uint32_t>* origin, const Scene& scene,
-                                      const std::set<uint32_t>& hiddenPieces);
+                                      const std::set<uint32_t>& hiddenComponents);
 
 }  // namespace relamp::ui

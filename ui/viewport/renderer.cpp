@@ -6,7 +6,7 @@
 namespace relamp::ui {
 namespace {
 
-/// Places inside a pixel that the pictures of an average look through: a rank-1 lattice, the first one in the middle.
+/// Places inside a pixel that the images of an average look through: a rank-1 lattice, the first one in the middle.
 Vec2 shiftOf(int sample) {
     const float n = float(Renderer::samplesAtRest);
     const Vec2 p(std::fmod(0.5f + float(sample) / n, 1.0f), std::fmod(0.5f + float(sample) * 0.3819660f, 1.0f));
@@ -34,7 +34,7 @@ GLenum kindOf(const DisplayLut& lut) {
 
 Renderer::Renderer()
     : mesh_("mesh.vert", "mesh.frag"),
-      picture_("whole.vert", "picture.frag"),
+      image_("whole.vert", "image.frag"),
       environment_("whole.vert", "environment.frag"),
       lines_("lines.vert", "lines.frag"),
       flat_("flat.vert", "flat.frag"),
@@ -86,7 +86,7 @@ void Renderer::drawWhole() {
     glBindVertexArray(0);
 }
 
-void Renderer::drawLayer(const PictureJob& job, const SceneLayer& layer, const Mat4& clipFromWorld) {
+void Renderer::drawLayer(const ImageJob& job, const SceneLayer& layer, const Mat4& clipFromWorld) {
     const EyeView& eye = job.eye;
     const int left = int(std::lround(layer.left * float(eye.width))),
               right = int(std::lround(layer.right * float(eye.width)));
@@ -104,17 +104,17 @@ void Renderer::drawLayer(const PictureJob& job, const SceneLayer& layer, const M
         bindTexture(0, layer.environment);
         drawWhole();
     }
-    const auto drawPicture = [&](GLuint texture) {
+    const auto drawImage = [&](GLuint texture) {
         glEnable(GL_BLEND);
         glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-        picture_.use();
-        setInt(picture_, "picture", 0);
+        image_.use();
+        setInt(image_, "picture", 0);
         bindTexture(0, texture);
         drawWhole();
         glDisable(GL_BLEND);
     };
-    if (layer.behind) drawPicture(layer.behind);
-    if (layer.instead) drawPicture(layer.instead);
+    if (layer.behind) drawImage(layer.behind);
+    if (layer.instead) drawImage(layer.instead);
     if (layer.mesh && (layer.colours || layer.instead)) {
         glEnable(GL_DEPTH_TEST);
         glDepthFunc(GL_LESS);
@@ -137,7 +137,7 @@ void Renderer::drawLayer(const PictureJob& job, const SceneLayer& layer, const M
     glDisable(GL_SCISSOR_TEST);
 }
 
-void Renderer::drawDisplay(const PictureJob& job) {
+void Renderer::drawDisplay(const ImageJob& job) {
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_BLEND);
     display_.use();
@@ -161,7 +161,7 @@ void Renderer::drawDisplay(const PictureJob& job) {
     glActiveTexture(GL_TEXTURE0);
 }
 
-void Renderer::drawLines(const PictureJob& job, const Mat4& clipFromWorld) {
+void Renderer::drawLines(const ImageJob& job, const Mat4& clipFromWorld) {
     if (!job.lines || !job.lineVertices) return;
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_LEQUAL);
@@ -184,7 +184,7 @@ void Renderer::drawLines(const PictureJob& job, const Mat4& clipFromWorld) {
     glDisable(GL_BLEND);
 }
 
-void Renderer::drawWires(const PictureJob& job, const Mat4& clipFromWorld) {
+void Renderer::drawWires(const ImageJob& job, const Mat4& clipFromWorld) {
     if (!job.wires) return;
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_LEQUAL);
@@ -209,7 +209,7 @@ void Renderer::drawWires(const PictureJob& job, const Mat4& clipFromWorld) {
     glDisable(GL_BLEND);
 }
 
-void Renderer::drawOutline(const PictureJob& job, const Mat4& clipFromWorld) {
+void Renderer::drawOutline(const ImageJob& job, const Mat4& clipFromWorld) {
     if (!job.outlined || !job.outlineIndices || !job.outlineCount) return;
     mask_.resize(job.eye.width, job.eye.height, GL_R8, 0, GL_NEAREST);
     glBindFramebuffer(GL_FRAMEBUFFER, mask_.framebuffer.id());
@@ -234,7 +234,7 @@ void Renderer::drawOutline(const PictureJob& job, const Mat4& clipFromWorld) {
     glDisable(GL_SCISSOR_TEST);
 }
 
-void Renderer::addToAverage(float share) {
+void Renderer::addToAverage(float fraction) {
     average_.resize(screen_.width, screen_.height, GL_RGBA16F, 0, GL_LINEAR);
     glBindFramebuffer(GL_FRAMEBUFFER, average_.framebuffer.id());
     glViewport(0, 0, average_.width, average_.height);
@@ -242,15 +242,15 @@ void Renderer::addToAverage(float share) {
     setInt(averaging_, "picture", 0);
     bindTexture(0, screen_.colour.id());
     glEnable(GL_BLEND);
-    glBlendColor(0, 0, 0, share);
+    glBlendColor(0, 0, 0, fraction);
     glBlendFunc(GL_CONSTANT_ALPHA, GL_ONE_MINUS_CONSTANT_ALPHA);
     drawWhole();
     glDisable(GL_BLEND);
 }
 
-void Renderer::draw(const PictureJob& job, int sample) {
+void Renderer::draw(const ImageJob& job, int sample) {
     const int width = job.eye.width, height = job.eye.height;
-    if (sample == 1) addToAverage(1);  // what the screen shows is the first picture of the average
+    if (sample == 1) addToAverage(1);  // what the screen shows is the first image of the average
     resize(width, height);
     const Vec2 shift = 2.0f * shiftOf(sample) / Vec2(float(width), float(height));
     const Mat4 clipFromWorld = glm::translate(Mat4(1), Vec3(shift, 0)) * job.eye.clipFromWorld;

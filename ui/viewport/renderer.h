@@ -1,5 +1,5 @@
-// Draws one picture of the scene into a texture: scene-linear layers with depth, then the display transform, then lines
-// and outlines in display colours. Called only when something changed; at rest a few pictures with shifted pixels are
+// Draws one image of the scene into a texture: scene-linear layers with depth, then the display transform, then lines
+// and outlines in display colours. Called only when something changed; at rest a few images with shifted pixels are
 // averaged, which smooths edges.
 #pragma once
 #include <vector>
@@ -10,16 +10,16 @@
 
 namespace relamp::ui {
 
-/// What fills a vertical strip of the picture.
+/// What fills a vertical strip of the image.
 struct SceneLayer {
-    float left = 0, right = 1;  ///< share of the picture's width
+    float left = 0, right = 1;  ///< fraction of the image's width
     GLuint environment = 0;     ///< latitude-longitude texture behind everything; 0: none
-    GLuint behind = 0;          ///< picture behind the mesh: the photograph
+    GLuint behind = 0;          ///< image behind the mesh: the photograph
     GpuMesh* mesh = nullptr;
     GlBuffer* colours = nullptr;
     bool display = false;  ///< the colours are display values
     bool shading = false;  ///< a soft light at the eye
-    GLuint instead = 0;    ///< picture shown in place of the mesh, which then gives depth only
+    GLuint instead = 0;    ///< image shown in place of the mesh, which then gives depth only
 };
 
 struct LineVertex {
@@ -27,7 +27,7 @@ struct LineVertex {
     Vec4 colour{1};
 };
 
-struct PictureJob {
+struct ImageJob {
     EyeView eye;
     std::vector<SceneLayer> layers;
     float stops = 0;
@@ -48,16 +48,16 @@ public:
     Renderer();
     /// The view to show through. Throws Error with the driver's log when its shader does not compile.
     void setDisplay(const DisplayShader& shader);
-    /// Picture number `sample` of an average, 0 starts anew.
-    void draw(const PictureJob& job, int sample);
-    /// The finished picture, bottom row first.
+    /// Image number `sample` of an average, 0 starts anew.
+    void draw(const ImageJob& job, int sample);
+    /// The finished image, bottom row first.
     GLuint texture() { return averaged_ ? average_.colour.id() : screen_.colour.id(); }
-    /// Reads the finished picture back, top row first (tests, screenshots).
+    /// Reads the finished image back, top row first (tests, screenshots).
     std::vector<uint8_t> readBack(int& width, int& height);
     static constexpr int samplesAtRest = 6;
 
 private:
-    GlProgram mesh_, picture_, environment_, display_, lines_, flat_, outline_, averaging_;
+    GlProgram mesh_, image_, environment_, display_, lines_, flat_, outline_, averaging_;
     GlTarget scene_, screen_, average_, mask_;
     GlTexture depth_;
     int depthWidth_ = 0, depthHeight_ = 0;
@@ -67,12 +67,12 @@ private:
     bool averaged_ = false;
 
     void resize(int width, int height);
-    void drawLayer(const PictureJob& job, const SceneLayer& layer, const Mat4& clipFromWorld);
-    void drawDisplay(const PictureJob& job);
-    void drawLines(const PictureJob& job, const Mat4& clipFromWorld);
-    void drawWires(const PictureJob& job, const Mat4& clipFromWorld);
-    void drawOutline(const PictureJob& job, const Mat4& clipFromWorld);
-    void addToAverage(float share);
+    void drawLayer(const ImageJob& job, const SceneLayer& layer, const Mat4& clipFromWorld);
+    void drawDisplay(const ImageJob& job);
+    void drawLines(const ImageJob& job, const Mat4& clipFromWorld);
+    void drawWires(const ImageJob& job, const Mat4& clipFromWorld);
+    void drawOutline(const ImageJob& job, const Mat4& clipFromWorld);
+    void addToAverage(float fraction);
     void drawWhole();
 };
 

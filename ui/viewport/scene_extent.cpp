@@ -14,8 +14,8 @@ SceneExtent extentOf(const Mesh& mesh) {
         for (size_t v = 0; v < mesh.vertexCount(); ++v)
             if (used[v] && isFinite(mesh.positions[v])) values.push_back(mesh.positions[v][axis]);
         if (values.empty()) return extent;
-        const auto at = [&](double share) {
-            const auto place = values.begin() + ptrdiff_t(share * double(values.size() - 1));
+        const auto at = [&](double fraction) {
+            const auto place = values.begin() + ptrdiff_t(fraction * double(values.size() - 1));
             std::nth_element(values.begin(), place, values.end());
             return *place;
         };

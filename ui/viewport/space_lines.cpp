@@ -6,7 +6,7 @@ void addGrid(std::vector<LineVertex>& lines, const SceneExtent& extent) {
     const float step = roundStep(extent.radius / 8), reach = 2.6f * extent.radius;
     const Vec2 middle = glm::round(Vec2(extent.centre) / step) * step;
     const int count = int(reach / step);
-    constexpr int pieces = 24;  // a line fades with the distance from the middle, piece by piece
+    constexpr int components = 24;  // a line fades with the distance from the middle, component by component
     for (int axis = 0; axis < 2; ++axis)
         for (int i = -count; i <= count; ++i) {
             const float across = (axis == 0 ? middle.y : middle.x) + float(i) * step;
@@ -16,9 +16,10 @@ void addGrid(std::vector<LineVertex>& lines, const SceneExtent& extent) {
             float strength = multiple % 10 == 0 ? 0.55f : 0.34f;
             if (multiple == 0)
                 colour = axis == 0 ? Vec3(0.72f, 0.30f, 0.32f) : Vec3(0.42f, 0.62f, 0.30f), strength = 0.8f;
-            for (int k = 0; k < pieces; ++k)
+            for (int k = 0; k < components; ++k)
                 for (int end = 0; end < 2; ++end) {
-                    const float along = (axis == 0 ? middle.x : middle.y) + reach * (2 * float(k + end) / pieces - 1);
+                    const float along =
+                        (axis == 0 ? middle.x : middle.y) + reach * (2 * float(k + end) / components - 1);
                     const Vec3 p = axis == 0 ? Vec3(along, across, extent.ground) : Vec3(across, along, extent.ground);
                     const float fade = std::clamp(1 - glm::length(Vec2(p) - Vec2(extent.centre)) / reach, 0.0f, 1.0f);
                     lines.push_back({p, Vec4(colour, strength * std::sqrt(fade))});

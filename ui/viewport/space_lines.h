@@ -10,7 +10,7 @@ namespace relamp::ui {
 void addGrid(std::vector<LineVertex>& lines, const SceneExtent& extent);
 void addFrustum(std::vector<LineVertex>& lines, const Camera& camera, float depth, bool selected);
 
-/// The corners of a photograph's picture `depth` metres in front of its camera: top left, top right, bottom right,
+/// The corners of a photograph's image `depth` metres in front of its camera: top left, top right, bottom right,
 /// bottom left.
 std::array<Vec3, 4> frustumCorners(const Camera& camera, float depth);
 /// How deep frusta are drawn, metres.

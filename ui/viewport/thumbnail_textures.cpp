@@ -1,6 +1,6 @@
 #include "viewport/thumbnail_textures.h"
 
-#include "report/display_picture.h"
+#include "display/display_image.h"
 
 namespace relamp::ui {
 

@@ -1,4 +1,4 @@
-// Small pictures for the panels as textures, each made once.
+// Small images for the panels as textures, each made once.
 #pragma once
 #include <functional>
 #include <map>
@@ -13,7 +13,7 @@ class ThumbnailTextures {
 public:
     static constexpr int longestSide = 256;
     /// Texture for the key; `make` gives display values (sRGB, 0 to 1) when it is asked for the first time. 0: an empty
-    /// picture.
+    /// image.
     uint64_t texture(const std::string& key, const std::function<Image()>& make);
     void drop(const std::string& prefix);
 

@@ -152,7 +152,7 @@ void drawViewportToolbar(Editor& editor) {
     ImGui::SetNextItemWidth(exposureWidth);
     ImGui::DragFloat("##exposure", &viewport.exposureStops, 0.02f, -20, 20, roomy ? "%+.2f stops" : "%+.2f");
     tooltip(
-        "Exposure of the picture on screen, in stops. Files are not affected. Drag, or double click to type; E and "
+        "Exposure of the image on screen, in stops. Files are not affected. Drag, or double click to type; E and "
         "Shift+E go by half a stop.");
     if (ImGui::IsItemClicked(ImGuiMouseButton_Right)) viewport.exposureStops = 0;
 

@@ -1,4 +1,4 @@
-// The bar above the picture: view modes, tools, axes, exposure, view transform. Wraps and shortens itself in narrow
+// The bar above the image: view modes, tools, axes, exposure, view transform. Wraps and shortens itself in narrow
 // viewports.
 #pragma once
 #include "editor.h"

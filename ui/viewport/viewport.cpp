@@ -16,7 +16,7 @@ struct Viewport::Impl {
     struct Context {
         Context() { requireOpenGl43(); }
     } context;
-    Picture picture;
+    ViewportImage image;
     Interaction interaction;
     ThumbnailTextures thumbnails;
     std::weak_ptr<const Scene> framedScene;
@@ -67,19 +67,19 @@ void Viewport::Impl::draw(Editor& editor) {
     canvas.eye = &eye;
     interaction.moveCamera(editor, canvas, hovered, active);
     eye = eyeFor(editor, canvas.corner, canvas.size, pixelsPerPoint);
-    interaction.act(editor, canvas, picture, hovered, active);
+    interaction.act(editor, canvas, image, hovered, active);
     // A click may have changed where the eye is.
     eye = eyeFor(editor, canvas.corner, canvas.size, pixelsPerPoint);
 
     double drawMs = 0;
     if (editor.state.document.scene) {
         editor.setEye(eye.camera, eye.orthographic);
-        picture.update(editor, eye, canvas.scale * pixelsPerPoint.y);
-        drawMs = picture.drawMs();
+        image.update(editor, eye, canvas.scale * pixelsPerPoint.y);
+        drawMs = image.drawMs();
         // Not while something moves: the next change starts anew.
-        if (!picture.settled()) stayAwake();
+        if (!image.settled()) stayAwake();
         canvas.list->AddRectFilled(at, {at.x + area.x, at.y + area.y}, IM_COL32(24, 24, 24, 255));
-        canvas.list->AddImage(textureId(picture.texture()), toIm(eye.corner), toIm(eye.corner + eye.size), {0, 1},
+        canvas.list->AddImage(textureId(image.texture()), toIm(eye.corner), toIm(eye.corner + eye.size), {0, 1},
                               {1, 0});
     } else {
         canvas.list->AddRectFilledMultiColor(at, {at.x + area.x, at.y + area.y}, IM_COL32(47, 47, 47, 255),
@@ -87,7 +87,7 @@ void Viewport::Impl::draw(Editor& editor) {
                                              IM_COL32(32, 32, 32, 255));
     }
     canvas.list->PushClipRect(at, {at.x + area.x, at.y + area.y}, true);
-    interaction.draw(canvas, picture);
+    interaction.draw(canvas, image);
     canvas.list->PopClipRect();
     if (interaction.gestureRunning()) stayAwake();
     cpuMs = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count() - drawMs;
@@ -101,7 +101,7 @@ void Viewport::draw(Editor& editor) {
         impl_->draw(editor);
     } catch (const Error& error) {
         if (!std::exchange(impl_->broken, true))
-            editor.fail("The picture could not be drawn", error.what(),
+            editor.fail("The image could not be drawn", error.what(),
                         "Another view transform or a newer graphics driver may help.");
     }
 }

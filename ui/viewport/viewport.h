@@ -12,7 +12,7 @@ public:
     /// Needs a current OpenGL 4.3 context. Throws Error naming what the driver lacks.
     Viewport();
     ~Viewport();
-    /// Fills the present ImGui window's content region: toolbar on top, picture, overlays. Mouse and keys inside it act
+    /// Fills the present ImGui window's content region: toolbar on top, image, overlays. Mouse and keys inside it act
     /// on `editor`.
     void draw(Editor& editor);
     /// CPU time of the last draw() without what the rasteriser took, milliseconds.

@@ -338,8 +338,8 @@ TEST(Inspector, positionRotationAndScaleComeBackFromAMatrix) {
     }
 }
 
-/// The inspector alone, 320 pixels wide, with the first lamp selected. Its id.
-std::string inspectFirstLamp(Panels& p) {
+/// The inspector alone, 320 pixels wide, with the first emitter selected. Its id.
+std::string inspectFirstEmitter(Panels& p) {
     p.openSolved();
     const std::string id = p.editor->emitters()[0].id;
     selectEmitter(*p.editor, id, false, false);
@@ -350,7 +350,7 @@ std::string inspectFirstLamp(Panels& p) {
 
 TEST(Inspector, aTypedNameIsOneEntryAndIsShownEverywhere) {
     Panels p;
-    const std::string id = inspectFirstLamp(p);
+    const std::string id = inspectFirstEmitter(p);
     const size_t entries = p.editor->history().entries().size();
     runAction(*p.editor, "light.rename");
     p.frames(3);
@@ -375,7 +375,7 @@ TEST(Inspector, aTypedNameIsOneEntryAndIsShownEverywhere) {
 
 TEST(Inspector, draggingThePositionMovesTheLightAsOneEntry) {
     Panels p;
-    const std::string id = inspectFirstLamp(p);
+    const std::string id = inspectFirstEmitter(p);
     const Vec3 before = p.editor->emitter(id)->pivot;
     const size_t entries = p.editor->history().entries().size();
     const auto at = p.find(Panels::idOf("test", {"Position (m)", "##y"}));

@@ -17,9 +17,9 @@ constexpr size_t cells = 1024;
 
 TransportBlock randomBlock(std::mt19937& random) {
     TransportBlock block;
-    const double share = std::uniform_real_distribution<>(0, 0.6)(random);
+    const double fraction = std::uniform_real_distribution<>(0, 0.6)(random);
     for (size_t i = 0; i < cells; ++i)
-        if (i == 0 || std::uniform_real_distribution<>(0, 1)(random) < share) block.index.push_back(uint16_t(i));
+        if (i == 0 || std::uniform_real_distribution<>(0, 1)(random) < fraction) block.index.push_back(uint16_t(i));
     for (size_t v = 0; v < block.index.size() * transportLanes; ++v)
         block.value.push_back(int16_t(int(random() % 65535) - 32767));
     for (float& s : block.scale) s = std::uniform_real_distribution<float>(0, 3e-5f)(random);
@@ -41,7 +41,7 @@ std::array<std::vector<float>, 3> randomLight(uint32_t seed) {
     return coefs;
 }
 
-/// Difference from the processor's answer as a share of the brightest vertex.
+/// Difference from the processor's answer as a fraction of the brightest vertex.
 float difference(TransportDevice& device, const TransportStore& store, const std::array<std::vector<float>, 3>& light) {
     std::vector<Rgb> expected(store.blocks() * transportLanes), found(expected.size(), Rgb(-7));
     store.apply(light, expected);

@@ -36,12 +36,12 @@ TEST(Picking, TakesTheNearestSurfaceWithItsNearestCorner) {
     EXPECT_FALSE(pickSurface(mesh, {{2, 2, 5}, {0, 0, -1}}));
 }
 
-TEST(Picking, HiddenPiecesLetTheRayThrough) {
+TEST(Picking, HiddenComponentsLetTheRayThrough) {
     Progress progress;
     const Scene scene = buildScene(twoFloors(), progress);
-    ASSERT_EQ(scene.pieces, 2u);
+    ASSERT_EQ(scene.components, 2u);
     EXPECT_TRUE(visibleTriangles(scene.mesh, nullptr, scene, {}).empty());
-    const auto visible = visibleTriangles(scene.mesh, nullptr, scene, {scene.piece[4]});
+    const auto visible = visibleTriangles(scene.mesh, nullptr, scene, {scene.component[4]});
     EXPECT_EQ(visible, (std::vector<uint8_t>{1, 1, 0, 0}));
     EXPECT_EQ(pickSurface(scene.mesh, {{0.5f, 0.2f, 5}, {0, 0, -1}}, visible)->triangle, 0u);
 }
@@ -54,11 +54,11 @@ TEST(Picking, CopiesAreHiddenWithWhatTheyWereCopiedFromAndAddedShapesStay) {
     live.triangles.push_back({11, 12, 13});
     for (int i = 0; i < 6; ++i) live.positions.push_back({float(i), 0, 3}), live.normals.push_back({0, 0, 1});
     const std::vector<uint32_t> origin{0, 1, 2, 3, 4, 5, 6, 7, 4, 5, 6, ~0u, ~0u, ~0u};
-    EXPECT_EQ(visibleTriangles(live, &origin, scene, {scene.piece[4]}), (std::vector<uint8_t>{1, 1, 0, 0, 0, 1}));
+    EXPECT_EQ(visibleTriangles(live, &origin, scene, {scene.component[4]}), (std::vector<uint8_t>{1, 1, 0, 0, 0, 1}));
 }
 
 TEST(Photograph, IsLaidStraightForADistortedLens) {
-    // A picture whose red channel is the undistorted x of each pixel's ray: laid straight it must be a ramp.
+    // An image whose red channel is the undistorted x of each pixel's ray: laid straight it must be a ramp.
     View view;
     view.camera.width = 200, view.camera.height = 150;
     view.camera.focalX = view.camera.focalY = 180, view.camera.centreX = 100, view.camera.centreY = 75;

@@ -1,0 +1,163 @@
+#include "clusters/false_emitters.h"
+
+#include <algorithm>
+#include <set>
+
+namespace relamp {
+namespace {
+
+constexpr float sameRadiance = 0.03f;
+
+bool alike(const Rgb& a, const Rgb& b) {
+    return maxChannel(glm::abs(a - b)) <= sameRadiance * std::max(maxChannel(a), maxChannel(b));
+}
+
+/// At most `most` of the vertices, in an order that does not know the file's.
+std::vector<uint32_t> someOf(const Scene& scene, std::vector<uint32_t> vertices, size_t most) {
+    std::sort(vertices.begin(), vertices.end(), [&](uint32_t a, uint32_t b) { return scene.rank[a] < scene.rank[b]; });
+    if (vertices.size() > most) vertices.resize(most);
+    return vertices;
+}
+
+struct Box {
+    Vec3 low{1e30f}, high{-1e30f};
+};
+
+Box boxOf(const Scene& scene, const EmitterCluster& cluster) {
+    Box box;
+    for (uint32_t v : cluster.vertices) {
+        box.low = glm::min(box.low, scene.mesh.positions[v]);
+        box.high = glm::max(box.high, scene.mesh.positions[v]);
+    }
+    return box;
+}
+
+/// Positions of the cluster's vertices within `reach` of the box.
+std::vector<Vec3> within(const Scene& scene, const EmitterCluster& cluster, const Box& box, float reach) {
+    std::vector<Vec3> result;
+    for (uint32_t v : cluster.vertices) {
+        const Vec3 p = scene.mesh.positions[v], outside = glm::max(glm::max(box.low - p, p - box.high), Vec3(0));
+        if (maxChannel(outside) <= reach) result.push_back(p);
+    }
+    return result;
+}
+
+/// Whether any two of their vertices are nearer than `reach`.
+bool near(const Scene& scene, const EmitterCluster& a, const EmitterCluster& b, float reach) {
+    const std::vector<Vec3> some = within(scene, a, boxOf(scene, b), reach),
+                            others = within(scene, b, boxOf(scene, a), reach);
+    return std::any_of(some.begin(), some.end(), [&](const Vec3& p) {
+        return std::any_of(others.begin(), others.end(),
+                           [&](const Vec3& q) { return glm::dot(p - q, p - q) < reach * reach; });
+    });
+}
+
+/// `b` becomes part of `a`.
+void join(const EmitterCluster& b, EmitterCluster& a) {
+    const float whole = std::max(a.area + b.area, 1e-20f);
+    a.centroid = (a.area * a.centroid + b.area * b.centroid) / whole;
+    const Vec3 normal = a.area * a.normal + b.area * b.normal;
+    a.normal = glm::length(normal) > 0.2f * whole ? glm::normalize(normal) : Vec3(0);
+    a.area = whole;
+    a.vertices.insert(a.vertices.end(), b.vertices.begin(), b.vertices.end());
+    a.triangles.insert(a.triangles.end(), b.triangles.begin(), b.triangles.end());
+    for (std::vector<uint32_t>* list : {&a.vertices, &a.triangles}) {
+        std::sort(list->begin(), list->end());
+        list->erase(std::unique(list->begin(), list->end()), list->end());
+    }
+    a.twoSided |= b.twoSided;
+    a.evidence.viewsSeen = std::max(a.evidence.viewsSeen, b.evidence.viewsSeen);
+    a.evidence.samples += b.evidence.samples;
+}
+
+}  // namespace
+
+void joinSplitEmitters(const Scene& scene, std::vector<EmitterCluster>& emitters) {
+    constexpr float hair = 0.006f;
+    std::stable_sort(emitters.begin(), emitters.end(), [](const EmitterCluster& a, const EmitterCluster& b) {
+        return emitterPower(a) > emitterPower(b);
+    });
+    for (size_t i = 0; i < emitters.size(); ++i)
+        for (size_t k = i + 1; k < emitters.size();) {
+            const bool one = !emitters[i].unobserved && !emitters[k].unobserved &&
+                             alike(emitters[i].radiance, emitters[k].radiance) &&
+                             near(scene, emitters[i], emitters[k], hair * scene.diagonal);
+            if (!one) {
+                ++k;
+                continue;
+            }
+            join(emitters[k], emitters[i]);
+            emitters.erase(emitters.begin() + ptrdiff_t(k));
+            k = i + 1;  // what is larger now may reach others
+        }
+}
+
+bool showsEmitterPastEdge(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                          const EmitterCluster& emitter, const EmitterCluster& patch) {
+    constexpr int reach = 8;
+    if (emitter.unobserved || patch.unobserved || !alike(emitter.radiance, patch.radiance) ||
+        patch.area > 0.25f * emitter.area)
+        return false;
+    const std::set<uint32_t> triangles(emitter.triangles.begin(), emitter.triangles.end());
+    size_t bright = 0, beside = 0;
+    for (uint32_t v : patch.vertices)
+        for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
+            const RadianceSample& r = samples.samples[s];
+            if (r.view >= capture.views.size() || r.view >= samples.geometry.size() ||
+                !alike(r.radiance, patch.radiance))
+                continue;
+            const auto pixel = capture.views[r.view].camera.project(DVec3(scene.mesh.positions[v]));
+            if (!pixel) continue;
+            ++bright;
+            const ViewGeometry& g = samples.geometry[r.view];
+            bool near = false;
+            for (int y = std::max(0, int(pixel->y) - reach);
+                 y <= std::min(g.height - 1, int(pixel->y) + reach) && !near; ++y)
+                for (int x = std::max(0, int(pixel->x) - reach);
+                     x <= std::min(g.width - 1, int(pixel->x) + reach) && !near; ++x)
+                    near = triangles.count(g.triangle[size_t(y) * size_t(g.width) + size_t(x)]) > 0;
+            beside += near;
+        }
+    return bright > 0 && double(beside) > 0.9 * double(bright);
+}
+
+float albedoBesideEmitters(const Scene& scene, const std::vector<EmitterCluster>& emitters,
+                           const EmitterCluster& patch) {
+    constexpr size_t mostVertices = 64;
+    constexpr float slack = 0.35f;  // in the cosine: what a normal that is 20 degrees off makes of a grazing one
+    std::vector<float> demanded;
+    for (uint32_t v : someOf(scene, patch.vertices, mostVertices)) {
+        Rgb lit(0);
+        for (const EmitterCluster& emitter : emitters) {
+            if (emitter.unobserved || &emitter == &patch ||
+                maxChannel(emitter.radiance) < 1.3f * maxChannel(patch.radiance))
+                continue;
+            float factor = 0;
+            for (const uint32_t t : emitter.triangles) {
+                const Triangle& corners = scene.mesh.triangles[t];
+                const Vec3 to = (scene.mesh.positions[corners[0]] + scene.mesh.positions[corners[1]] +
+                                 scene.mesh.positions[corners[2]]) /
+                                    3.0f -
+                                scene.mesh.positions[v];
+                const float area = scene.mesh.triangleArea(t), squared = std::max(glm::dot(to, to), area),
+                            distance = std::sqrt(squared);
+                const float at = std::min(1.0f, glm::dot(to, scene.mesh.normals[v]) / distance + slack),
+                            from = std::abs(glm::dot(to, scene.mesh.faceNormal(t))) / distance;
+                factor += area * std::max(0.0f, at) * from /
+                          (pi * squared);  // its hidden side, which no photograph shows, shines as well
+            }
+            lit += emitter.radiance * std::min(factor, 1.0f);
+        }
+        float worst = 0;
+        for (int c = 0; c < 3; ++c)
+            if (patch.radiance[c] > 0.2f * maxChannel(patch.radiance))
+                worst = std::max(worst, patch.radiance[c] / std::max(lit[c], 1e-20f));
+        demanded.push_back(worst);
+    }
+    if (demanded.empty()) return 1e30f;
+    const auto middle = demanded.begin() + ptrdiff_t(demanded.size() / 2);
+    std::nth_element(demanded.begin(), middle, demanded.end());
+    return *middle;
+}
+
+}  // namespace relamp

@@ -1,0 +1,110 @@
+// The image of a LiveScene: everything that light does to a vertex, added up.
+#include <string>
+
+#include "base/parallel.h"
+#include "relight/live/state.h"
+
+namespace relamp {
+
+Rgb LiveScene::State::albedo(size_t vertex) const {
+    const uint32_t origin = vertices.origin[vertex];
+    if (origin == EditedPart::none || estimate->reflectance.weight.empty()) return Rgb(0);
+    const Rgb w = estimate->reflectance.weight[0][origin];
+    return look.neutralMaterials ? Rgb(luminance(w)) : w;
+}
+
+void LiveScene::State::followBounces(const std::vector<Rgb>& direct) {
+    const size_t captured = bounceRays.vertexCount();
+    std::vector<Rgb> outgoing(captured, Rgb(0)), passedOn(captured, Rgb(0));
+    for (size_t v = 0; v < captured; ++v)
+        if (vertices.lit(v)) passedOn[v] = glm::clamp(bouncingAlbedo(v), Rgb(0), Rgb(0.98f));
+    bounced.resize(captured, Rgb(0));
+    // At rest until nothing moves, while a hand moves something one step an image.
+    for (int step = 0; step < (finished ? 30 : 1); ++step) {
+        for (size_t v = 0; v < captured; ++v) outgoing[v] = passedOn[v] * (direct[v] + bounced[v]);
+        std::vector<Rgb> next = gatherBounce(bounceRays, outgoing);
+        float largest = 0, change = 0;
+        for (size_t v = 0; v < captured; ++v) {
+            largest = std::max(largest, maxChannel(next[v]));
+            change = std::max(change, maxChannel(glm::abs(next[v] - bounced[v])));
+        }
+        bounced = std::move(next);
+        if (!(change > 2e-3f * largest)) break;
+    }
+}
+
+Rgb LiveScene::State::bouncingAlbedo(size_t vertex) const {
+    Rgb sum = albedo(vertex);
+    const uint32_t origin = vertices.origin[vertex];
+    if (origin == EditedPart::none) return sum;
+    for (size_t k = 1; k < estimate->reflectance.weight.size(); ++k) {
+        const Rgb w = 0.9f * estimate->reflectance.weight[k][origin];
+        sum += look.neutralMaterials ? Rgb(luminance(w)) : w;
+    }
+    return sum;
+}
+
+void LiveScene::State::makeFrame() {
+    auto out = std::make_shared<LiveFrame>();
+    out->mesh = vertices.mesh;
+    out->emitterOfTriangle = emitterOfTriangle;
+    out->distant = distant;
+    for (const RelitEmitter& e : geometry.emitters) {
+        out->emitterIds.push_back(e.id);
+        out->emitterRadiance.push_back(e.radiance);
+    }
+    const size_t n = vertices.count(), emitters = near.size();
+    out->formFactor.resize(emitters);
+    for (size_t e = 0; e < emitters; ++e) out->formFactor[e] = near[e].factor;
+    out->radiance.resize(n);
+    out->distantMatte.resize(n);
+    const bool glossy = !gloss.empty(), bouncing = bounceRays.rays > 0;
+    std::vector<Rgb> direct(n, Rgb(0));
+    parallelFor(n, 2048, [&](size_t v) {
+        if (vertices.kind[v] == LiveVertices::emitting || !vertices.lit(v)) return;
+        out->distantMatte[v] = gain * distantMatte[v];
+        direct[v] = out->distantMatte[v];
+        for (size_t e = 0; e < emitters; ++e) direct[v] += near[e].factor[v] * geometry.emitters[e].radiance;
+    });
+    if (bouncing) followBounces(direct);
+    parallelFor(n, 2048, [&](size_t v) {
+        if (vertices.kind[v] == LiveVertices::emitting) {
+            out->radiance[v] = geometry.emitters[size_t(geometry.parts[vertices.part[v]].emitter)].radiance;
+            return;
+        }
+        if (!vertices.lit(v)) return;
+        Rgb matteLight = direct[v];
+        if (bouncing && vertices.origin[v] != EditedPart::none) matteLight += bounced[vertices.origin[v]];
+        Rgb sum = albedo(v) * matteLight;
+        if (glossy) {
+            sum += gain * gloss.distant()[v];
+            for (size_t e = 0; e < emitters; ++e)
+                sum +=
+                    gloss.near(e)[v] * geometry.emitters[e].radiance * (gloss.shadowed(e, v) ? 1.0f : near[e].seen(v));
+        }
+        out->radiance[v] = sum;
+    });
+    out->refined = finished;
+    report.bytesPerVertex =
+        (matte.bytes() + carried.bytes()) / std::max<size_t>(1, n) + emitters * (2 * sizeof(float) + 1);
+    report.storeBytes = matte.store().bytes();
+    report.termsPerVertex =
+        matte.store().blocks() ? float(matte.store().terms()) / float(matte.store().blocks()) : 0.0f;
+    report.device = matte.sums().device();
+    report.cpuApplyMs = matte.sums().processorMs();
+    report.deviceApplyMs = matte.sums().deviceMs();
+    report.leftOut.clear();
+    if (!bouncing) report.leftOut.push_back({"bounced light", "the photographs showed none worth keeping"});
+    if (!glossy) report.leftOut.push_back({"glossy passes", "no vertex has a glossy lobe"});
+    report.glossyOutside = glossy ? gloss.outside() : 0;
+    if (report.glossyOutside)
+        report.leftOut.push_back(
+            {"glossy light outside the image", std::to_string(report.glossyOutside) + " vertices face the eye there"});
+    if (plain->black()) report.leftOut.push_back({"environment", "it is black"});
+    if (near.empty()) report.leftOut.push_back({"near light", "the scene has no emitter"});
+    if (carried.count() == 0) report.leftOut.push_back({"visibility of moved surfaces", "no part of the mesh moves"});
+    out->report = report;
+    frame = std::move(out);
+}
+
+}  // namespace relamp

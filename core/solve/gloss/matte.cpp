@@ -1,0 +1,135 @@
+#include "solve/gloss/matte.h"
+
+#include <numeric>
+
+namespace relamp {
+namespace {
+constexpr float coatedSpread = 0.06f, metalSpread = 0.35f;
+
+float medianOf(std::vector<float>& v, double q = 0.5) {
+    if (v.empty()) return 0;
+    const size_t k = size_t(q * double(v.size() - 1));
+    std::nth_element(v.begin(), v.begin() + ptrdiff_t(k), v.end());
+    return v[k];
+}
+}  // namespace
+
+MatteValue robustMatteValue(std::vector<MatteObservation>& observations, float quantile) {
+    std::sort(observations.begin(), observations.end(), [](const MatteObservation& a, const MatteObservation& b) {
+        return a.radiance != b.radiance ? a.radiance < b.radiance : a.weight < b.weight;
+    });
+    float total = 0, best = 0, run = 0;
+    for (const MatteObservation& l : observations) {
+        total += l.weight;
+        best = std::max(best, l.weight);
+    }
+    const MatteObservation* centre = &observations.back();
+    for (const MatteObservation& l : observations) {
+        run += l.weight;
+        if (run < quantile * total) continue;
+        centre = &l;
+        break;
+    }
+    const float reach = std::max(3 * centre->sigma, 0.06f * centre->radiance), count = float(observations.size());
+    float sum = 0, weight = 0, noise = 0, deviation = 0;
+    for (const MatteObservation& l : observations)
+        if (std::abs(l.radiance - centre->radiance) <= reach) {
+            sum += l.weight * l.radiance;
+            noise += l.weight * l.sigma;
+            weight += l.weight;
+        }
+    MatteValue value{weight > 0 ? sum / weight : centre->radiance, 0};
+    noise = weight > 0 ? noise / weight : centre->sigma;
+    for (const MatteObservation& l : observations)
+        deviation += l.weight * std::min(std::abs(l.radiance - value.radiance), reach);
+    deviation /= total;
+    value.sigma = std::sqrt(noise * noise / count / best + 0.25f * deviation * deviation / count);
+    return value;
+}
+
+MatteObservations matteObservations(const Scene& scene, const RadianceSamples& samples,
+                                    const std::vector<uint8_t>& skip, const std::vector<uint8_t>* componentGlossy) {
+    MatteObservations result;
+    const size_t n = scene.mesh.vertexCount();
+    // How much each component's look changes with the view, beyond noise: the spread of the better observations.
+    std::vector<std::vector<float>> spreads(scene.components);
+    for (uint32_t v = 0; v < n; ++v) {
+        if (skip[v] || samples.countOf(v) < 2) continue;
+        float sum = 0, sum2 = 0, weight = 0;
+        int count = 0;
+        for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
+            const RadianceSample& r = samples.samples[s];
+            if (r.weight < 0.3f || r.clipped) continue;
+            const float y = luminance(r.radiance);
+            sum += r.weight * y;
+            sum2 += r.weight * y * y;
+            weight += r.weight;
+            ++count;
+        }
+        if (count < 2 || !(sum > 0)) continue;
+        const float mean = sum / weight,
+                    variance = std::max(0.0f, sum2 / weight - mean * mean) * float(count) / float(count - 1);
+        if (mean < 4 * samples.noiseFloor) continue;
+        const float noise = samples.sigma(mean) / mean;
+        spreads[scene.component[v]].push_back(std::sqrt(std::max(0.0f, variance / (mean * mean) - noise * noise)));
+    }
+    result.viewSpread.assign(scene.components, 0);
+    result.componentGlossy.assign(scene.components, 0);
+    for (uint32_t p = 0; p < scene.components; ++p) {
+        const float upper = medianOf(spreads[p], 0.75), middle = medianOf(spreads[p]);
+        result.viewSpread[p] = middle;
+        if (spreads[p].size() < 12) continue;
+        result.componentGlossy[p] = middle > metalSpread ? 2 : (upper > coatedSpread ? 1 : 0);
+    }
+    if (componentGlossy) result.componentGlossy = *componentGlossy;
+    std::vector<MatteObservation> observations;
+    for (uint32_t v = 0; v < n; ++v) {
+        if (skip[v] || !scene.referenced[v]) continue;
+        const uint8_t glossy = result.componentGlossy[scene.component[v]];
+        float best = 0;
+        for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s)
+            if (!samples.samples[s].clipped) best = std::max(best, samples.samples[s].weight);
+        if (best < 0.1f) continue;
+        Rgb value(0), sigma(0);
+        for (int c = 0; c < 3; ++c) {
+            observations.clear();
+            for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
+                const RadianceSample& r = samples.samples[s];
+                if (r.clipped || r.weight < 0.2f * best) continue;
+                observations.push_back({r.radiance[c], r.weight, samples.sigma(r.radiance[c])});
+            }
+            // A glossy surface only adds to its matte part, so it takes the lower looks.
+            const MatteValue matte = robustMatteValue(observations, glossy ? 0.25f : 0.5f);
+            value[c] = matte.radiance;
+            sigma[c] = glossy ? std::hypot(matte.sigma, 0.05f * value[c]) : matte.sigma;
+        }
+        result.vertices.push_back(v);
+        result.radiance.push_back(value);
+        result.sigma.push_back(sigma);
+    }
+    return result;
+}
+
+double backgroundOverSurfaces(const RadianceSamples& samples, const MatteObservations& matte) {
+    float brightest = 0;
+    size_t seen = 0;
+    for (size_t c = 0; c < samples.background.size(); ++c) {
+        if (samples.backgroundPixels[c] < 4) continue;
+        brightest = std::max(brightest, maxChannel(samples.background[c]));
+        ++seen;
+    }
+    if (matte.radiance.empty() || seen * 100 <= samples.background.size()) return -1;
+    std::vector<float> brightness;
+    for (const Rgb& y : matte.radiance) brightness.push_back(maxChannel(y));
+    const auto middle = brightness.begin() + ptrdiff_t(brightness.size() / 2);
+    std::nth_element(brightness.begin(), middle, brightness.end());
+    return double(brightest) / std::max(double(*middle), 1e-30);
+}
+
+std::vector<size_t> observationsOfComponents(const Scene& scene, const MatteObservations& matte) {
+    std::vector<size_t> counts(scene.components, 0);
+    for (const uint32_t v : matte.vertices) ++counts[scene.component[v]];
+    return counts;
+}
+
+}  // namespace relamp

@@ -1,0 +1,42 @@
+// What the views say of each vertex's matte radiance, and how much of it depends on the view.
+#pragma once
+#include "radiance/samples.h"
+#include "scene/scene.h"
+
+namespace relamp {
+
+/// One matte observation per usable vertex: lists of equal length.
+struct MatteObservations {
+    std::vector<uint32_t> vertices;  ///< ascending
+    std::vector<Rgb> radiance;       ///< robust mean over views (lower quantile where the surface is glossy)
+    std::vector<Rgb> sigma;          ///< its standard deviation
+    std::vector<float> viewSpread;   ///< per mesh component: median relative spread between views, 0 with one view
+    std::vector<uint8_t>
+        componentGlossy;  ///< per mesh component: 0 matte, 1 glazed (matte under gloss), 2 no matte signal (metal)
+};
+
+/// One look at a vertex in one channel.
+struct MatteObservation {
+    float radiance = 0, weight = 1, sigma = 0;  ///< sigma: standard deviation of a look of weight 1
+};
+struct MatteValue {
+    float radiance = 0, sigma = 0;
+};
+/// Mean of the looks about their weighted quantile, within three deviations or 6 % of it. Sorts `looks`, which must not
+/// be empty. O(n log n).
+MatteValue robustMatteValue(std::vector<MatteObservation>& observations, float quantile);
+
+/// `skip[v]` non-zero leaves vertex v out (emitters). `pieceGlossy`, if not null, is taken for
+/// MatteObservations::pieceGlossy instead of what the differences between views suggest.
+MatteObservations matteObservations(const Scene& scene, const RadianceSamples& samples,
+                                    const std::vector<uint8_t>& skip,
+                                    const std::vector<uint8_t>* componentGlossy = nullptr);
+
+/// Is the background black? Its brightest seen cell over the middle brightness of the surfaces; -1 where less than a
+/// hundredth of it is seen.
+double backgroundOverSurfaces(const RadianceSamples& samples, const MatteObservations& matte);
+
+/// Observations on each mesh component.
+std::vector<size_t> observationsOfComponents(const Scene& scene, const MatteObservations& matte);
+
+}  // namespace relamp

@@ -1,0 +1,35 @@
+// Light seen directly: unclipped pixels on an emitter are its radiance, background pixels are the environment.
+// Near-equalities; clipped ones are lower bounds (METHOD 3 and 6).
+#pragma once
+#include "clusters/emitter_clusters.h"
+#include "radiance/samples.h"
+#include "transport/lighting.h"
+
+namespace relamp {
+
+struct LeafAnchor {
+    Rgb radiance{0};
+    float coverage = 0;  ///< fraction of the leaf that background pixels cover, 0: unobserved
+    bool clipped = false;
+    float area = 0;  ///< of it that is seen, steradians
+};
+
+struct LightAnchors {
+    std::vector<LeafAnchor> leaves;
+    std::vector<Rgb> emitterRadiance;
+    std::vector<float> emitterSigma;      ///< relative
+    std::vector<uint8_t> emitterClipped;  ///< 1: a lower bound
+};
+
+/// Where a fit starts: what was seen of each emitter, or guessed.
+std::vector<Rgb> firstRadiance(const EmitterClusters& clusters);
+
+/// Does light seen directly tie the scale of all light down? An emitter that was seen does, clipped or not (a lower
+/// bound). Background does unless it is a backdrop: too small or too black beside the surfaces (`darkness`:
+/// LightPriorOptions) to give even three thousandths of the light on the brightest, so what lights them comes from
+/// elsewhere.
+bool tiesScale(const LightAnchors& anchors, float darkness);
+
+LightAnchors lightAnchors(const RadianceSamples& samples, const EmitterClusters& clusters, const LightLeaves& leaves);
+
+}  // namespace relamp

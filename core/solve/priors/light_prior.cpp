@@ -1,0 +1,185 @@
+#include "solve/priors/light_prior.h"
+
+namespace relamp {
+
+LightPrior::LightPrior(const LightLeaves& leaves, const LightAnchors& anchors, const LightPriorOptions& options,
+                       const InfluenceMatrix* rows)
+    : anchors_(anchors),
+      options_(options),
+      neighbours_(leaves.neighbourPairs()),
+      fraction_(Eigen::Index(leaves.size())) {
+    // Along the common edge: the rim of an emitter costs the same however finely it is divided.
+    edge_.reserve(neighbours_.size());
+    for (const auto& [i, j] : neighbours_)
+        edge_.push_back(16.0 / double(1u << std::max(leaves[i].level, leaves[j].level)));
+    for (size_t i = 0; i < leaves.size(); ++i) fraction_(Eigen::Index(i)) = double(leaves[i].solidAngle()) / (4 * piD);
+    if (!rows) return;
+    Eigen::VectorXd received = Eigen::VectorXd::Zero(fraction_.size());
+    for (size_t r = 0; r < rows->rows; ++r)
+        received += Eigen::Map<const Eigen::VectorXf>(rows->row(r), fraction_.size()).cast<double>();
+    if (received.sum() > 0) fraction_ = received / received.sum();
+}
+
+double LightPrior::meanOf(const Eigen::VectorXd& x) const {
+    return std::max({fraction_.dot(x.head(fraction_.size())), double(options_.darkness), 1e-30});
+}
+
+double LightPrior::smoothness(size_t pair) const {
+    const auto [i, j] = neighbours_[pair];
+    // A seen leaf must not pull its unobserved neighbours to its own brightness: that would fix the scale by a prior.
+    return double(options_.smoothness) * edge_[pair] *
+           (1.02 - double(std::max(anchors_.leaves[i].coverage, anchors_.leaves[j].coverage)));
+}
+
+double LightPrior::background(size_t leaf, int channel, double unit) const {
+    const LeafAnchor& a = anchors_.leaves[leaf];
+    if (a.coverage <= 0.05f || a.clipped) return 0;
+    const double spread = 0.02 + 0.7 * (1 - double(a.coverage)), value = a.radiance[channel];
+    return options_.backgroundWeight / (spread * spread) / (value * value + 0.01 * unit * unit + 1e-300);
+}
+
+double LightPrior::emitter(size_t index, int channel, double data) const {
+    const double value = anchors_.emitterRadiance[index][channel];
+    const double sigma = std::max(double(anchors_.emitterSigma[index]) * value,
+                                  1e-4 * double(maxChannel(anchors_.emitterRadiance[index])));
+    return 1 / (sigma * sigma) + options_.emitterWeight * data;
+}
+
+Eigen::VectorXd LightPrior::seenDirectly(const Eigen::VectorXd& x, int channel, const Eigen::MatrixXd& q) const {
+    const Eigen::Index leaves = fraction_.size();
+    Eigen::VectorXd weights = Eigen::VectorXd::Zero(q.rows());
+    const double unit = meanOf(x);
+    for (Eigen::Index i = 0; i < leaves; ++i) weights(i) = background(size_t(i), channel, unit);
+    for (size_t e = 0; e < anchors_.emitterRadiance.size(); ++e) {
+        const Eigen::Index i = leaves + Eigen::Index(e);
+        if (!anchors_.emitterClipped[e]) weights(i) = emitter(e, channel, q(i, i));
+    }
+    return weights;
+}
+
+LightPrior::Difference LightPrior::difference(const Eigen::VectorXd& x, size_t pair, double unit, bool free) const {
+    const auto [i, j] = neighbours_[pair];
+    const double middle = 0.5 * (x(i) + x(j)), d2 = unit * unit + middle * middle + 1e-300, d = std::sqrt(d2),
+                 r = (x(i) - x(j)) / d;
+    Difference result{
+        r, {1 / d - r * middle / (2 * d2), -1 / d - r * middle / (2 * d2)}, free ? r * unit / d2 : 0.0, 0};
+    // Along the whole light nothing changes.
+    if (!free) result.atPresent = result.along[0] * x(i) + result.along[1] * x(j);
+    return result;
+}
+
+double LightPrior::value(const Eigen::VectorXd& x, int channel) const {
+    const double unit = meanOf(x);
+    double sum = 0;
+    for (size_t k = 0; k < neighbours_.size(); ++k)
+        sum += smoothness(k) * std::pow(difference(x, k, unit, true).value, 2);
+    for (Eigen::Index i = 0; i < fraction_.size(); ++i)
+        sum += background(size_t(i), channel, unit) *
+               std::pow(x(i) - double(anchors_.leaves[size_t(i)].radiance[channel]), 2);
+    return sum;
+}
+
+std::array<std::array<double, 3>, 3> LightPrior::hueCoupling(const double* unit) const {
+    std::array<std::array<double, 3>, 3> m{};
+    const double least = 0.01 * std::max({unit[0], unit[1], unit[2]});
+    for (size_t c = 0; c < 3; ++c)
+        for (size_t d = 0; d < c; ++d) {
+            if (unit[c] < least || unit[d] < least) continue;
+            m[c][c] += 1;
+            m[d][d] += 1;
+            m[c][d] = m[d][c] = -1;
+        }
+    return m;
+}
+
+double LightPrior::hueValue(const Eigen::VectorXd* x) const {
+    const double unit[3] = {meanOf(x[0]), meanOf(x[1]), meanOf(x[2])};
+    const auto m = hueCoupling(unit);
+    double sum = 0;
+    for (size_t k = 0; k < neighbours_.size(); ++k) {
+        double r[3];
+        for (size_t c = 0; c < 3; ++c) r[c] = difference(x[c], k, unit[c], true).value;
+        for (size_t c = 0; c < 3; ++c)
+            for (size_t d = 0; d < 3; ++d) sum += double(options_.hue) * smoothness(k) * m[c][d] * r[c] * r[d];
+    }
+    return sum;
+}
+
+void LightPrior::addHue(const Eigen::VectorXd* x, Eigen::MatrixXd& q, Eigen::VectorXd& moment) const {
+    const Eigen::Index leaves = fraction_.size(), n = x[0].size();
+    const double unit[3] = {meanOf(x[0]), meanOf(x[1]), meanOf(x[2])};
+    const auto m = hueCoupling(unit);
+    Eigen::VectorXd along[3][3];
+    double square[3][3] = {}, pull[3] = {};
+    for (auto& row : along)
+        for (Eigen::VectorXd& v : row) v = Eigen::VectorXd::Zero(leaves);
+    for (size_t k = 0; k < neighbours_.size(); ++k) {
+        const Eigen::Index at[2] = {Eigen::Index(neighbours_[k].first), Eigen::Index(neighbours_[k].second)};
+        Difference r[3];
+        for (size_t c = 0; c < 3; ++c) r[c] = difference(x[c], k, unit[c], unitIsFree(x[c], unit[c]));
+        for (size_t c = 0; c < 3; ++c)
+            for (size_t d = 0; d < 3; ++d) {
+                const double w = double(options_.hue) * smoothness(k) * m[c][d],
+                             residual = w * (r[d].value - r[d].atPresent);
+                if (w == 0) continue;
+                for (int a = 0; a < 2; ++a) {
+                    for (int b = 0; b < 2; ++b)
+                        q(Eigen::Index(c) * n + at[a], Eigen::Index(d) * n + at[b]) +=
+                            w * r[c].along[a] * r[d].along[b];
+                    along[c][d](at[a]) += w * r[d].beta * r[c].along[a];
+                    moment(Eigen::Index(c) * n + at[a]) -= residual * r[c].along[a];
+                }
+                square[c][d] += w * r[c].beta * r[d].beta;
+                pull[c] += residual * r[c].beta;
+            }
+    }
+    for (Eigen::Index c = 0; c < 3; ++c) {
+        moment.segment(c * n, leaves) += pull[c] * fraction_;
+        for (Eigen::Index d = 0; d < 3; ++d)
+            q.block(c * n, d * n, leaves, leaves) += square[c][d] * fraction_ * fraction_.transpose() -
+                                                     along[c][d] * fraction_.transpose() -
+                                                     fraction_ * along[d][c].transpose();
+    }
+}
+
+void LightPrior::add(const Eigen::VectorXd& x, int channel, Eigen::MatrixXd& q, Eigen::VectorXd& moment,
+                     Eigen::VectorXd& lower) const {
+    const Eigen::Index leaves = fraction_.size();
+    const double unit = meanOf(x);
+    Eigen::VectorXd along = Eigen::VectorXd::Zero(leaves);
+    double square = 0, pull = 0;
+    const bool free = unitIsFree(x, unit);
+    for (size_t k = 0; k < neighbours_.size(); ++k) {
+        const Eigen::Index at[2] = {Eigen::Index(neighbours_[k].first), Eigen::Index(neighbours_[k].second)};
+        const Difference r = difference(x, k, unit, free);
+        const double w = smoothness(k), residual = w * (r.value - r.atPresent);
+        for (int a = 0; a < 2; ++a) {
+            for (int b = 0; b < 2; ++b) q(at[a], at[b]) += w * r.along[a] * r.along[b];
+            along(at[a]) += w * r.beta * r.along[a];
+            moment(at[a]) -= residual * r.along[a];
+        }
+        square += w * r.beta * r.beta;
+        pull += residual * r.beta;
+    }
+    moment.head(leaves) += pull * fraction_;
+    q.topLeftCorner(leaves, leaves) +=
+        square * fraction_ * fraction_.transpose() - along * fraction_.transpose() - fraction_ * along.transpose();
+    for (Eigen::Index i = 0; i < leaves; ++i) {
+        const double w = background(size_t(i), channel, unit);
+        q(i, i) += w;
+        moment(i) += w * double(anchors_.leaves[size_t(i)].radiance[channel]);
+    }
+    for (size_t e = 0; e < anchors_.emitterRadiance.size(); ++e) {
+        const Eigen::Index i = leaves + Eigen::Index(e);
+        const double value = anchors_.emitterRadiance[e][channel];
+        if (anchors_.emitterClipped[e]) {
+            lower(i) = value;
+            continue;
+        }
+        const double w = emitter(e, channel, q(i, i));
+        q(i, i) += w;
+        moment(i) += w * value;
+    }
+}
+
+}  // namespace relamp

@@ -1,0 +1,168 @@
+#include "solve/ratio/pairs.h"
+
+#include <functional>
+#include <unordered_map>
+
+#include "base/parallel.h"
+#include "base/random.h"
+
+namespace relamp {
+
+std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations& matte, const PairOptions& options) {
+    constexpr uint32_t none = ~0u;
+    std::vector<uint32_t> place(scene.mesh.vertexCount(), none);
+    for (uint32_t i = 0; i < matte.vertices.size(); ++i)
+        if (matte.componentGlossy[scene.component[matte.vertices[i]]] < 2) place[matte.vertices[i]] = i;
+    const VertexGraph& graph = scene.graph;
+    std::vector<AlbedoPair> pairs;
+    // What belongs to a block of observations, one block behind the other.
+    using PairsOf = std::function<void(uint32_t, std::vector<AlbedoPair>&)>;
+    const auto append = [&](const PairsOf& of) {
+        constexpr size_t block = 512;
+        std::vector<std::vector<AlbedoPair>> parts((matte.vertices.size() + block - 1) / block);
+        parallelBlocks(matte.vertices.size(), block, [&](size_t begin, size_t end) {
+            for (size_t i = begin; i < end; ++i)
+                if (place[matte.vertices[i]] != none) of(uint32_t(i), parts[begin / block]);
+        });
+        for (const std::vector<AlbedoPair>& part : parts) pairs.insert(pairs.end(), part.begin(), part.end());
+    };
+    // Walks choose among neighbours in an order that does not know the file's.
+    std::vector<uint32_t> ways = graph.to;
+    parallelFor(scene.mesh.vertexCount(), 1024, [&](size_t v) {
+        std::sort(ways.begin() + graph.start[v], ways.begin() + graph.start[v + 1],
+                  [&](uint32_t a, uint32_t b) { return scene.rank[a] < scene.rank[b]; });
+    });
+    append([&](uint32_t i, std::vector<AlbedoPair>& out) {
+        const uint32_t v = matte.vertices[i];
+        for (uint32_t e = graph.start[v]; e < graph.start[v + 1]; ++e) {
+            const uint32_t j = place[graph.to[e]];
+            if (j != none && i < j) out.push_back({i, j, 1});
+        }
+        uint64_t bits = mixBits(options.seed * 0x1000003 + scene.rank[v]);
+        uint32_t at = v;
+        int step = 0;
+        for (const int length : {4, 12, 36}) {
+            for (; step < length; ++step) {
+                const uint32_t degree = graph.start[at + 1] - graph.start[at];
+                if (!degree) break;
+                bits = mixBits(bits);
+                at = ways[graph.start[at] + bits % degree];
+            }
+            if (at != v && place[at] != none) out.push_back({i, place[at], length == 36 ? 0.5f : 0.7f});
+        }
+    });
+    // Long pairs: anywhere on the component, where the surface faces alike.
+    std::vector<std::vector<uint32_t>> ofComponent(scene.components);
+    for (uint32_t i = 0; i < matte.vertices.size(); ++i)
+        if (place[matte.vertices[i]] != none) ofComponent[scene.component[matte.vertices[i]]].push_back(i);
+    for (std::vector<uint32_t>& list : ofComponent)
+        std::sort(list.begin(), list.end(), [&](uint32_t a, uint32_t b) {
+            return scene.rank[matte.vertices[a]] < scene.rank[matte.vertices[b]];
+        });
+    append([&](uint32_t i, std::vector<AlbedoPair>& out) {
+        constexpr int tries = 12;
+        const uint32_t v = matte.vertices[i];
+        const std::vector<uint32_t>& list = ofComponent[scene.component[v]];
+        uint64_t bits = mixBits(options.seed * 0x2000003 + scene.rank[v]);
+        for (int k = 0, kept = 0; k < tries && kept < options.longPairs; ++k) {
+            bits = mixBits(bits);
+            const uint32_t j = list[bits % list.size()];
+            if (j == i || glm::dot(scene.mesh.normals[matte.vertices[j]], scene.mesh.normals[v]) < options.longCosine)
+                continue;
+            out.push_back({i, j, options.longWeight});
+            ++kept;
+        }
+    });
+    // Corner pairs through a grid of buckets as wide as a few edges of the mesh.
+    double spacing = 0;
+    for (uint32_t v : matte.vertices) spacing += scene.vertexSpacing[v];
+    const float reach = matte.vertices.empty() ? 0 : float(5 * spacing / double(matte.vertices.size()));
+    if (!(reach > 0)) return pairs;
+    const auto keyOf = [&](const Vec3& p, int dx, int dy, int dz) {
+        const auto cell = [&](float x) { return int64_t(std::floor(x / reach)); };
+        return mixBits(mixBits(mixBits(uint64_t(cell(p.x) + dx)) ^ uint64_t(cell(p.y) + dy)) ^
+                       uint64_t(cell(p.z) + dz));
+    };
+    // Most buckets are smooth: those whose normals all lie near the asking one hold no corner.
+    struct Bucket {
+        std::vector<uint32_t> observations;
+        Vec3 axis{0};
+        float spread = 0;  ///< largest angle to the axis
+    };
+    std::unordered_map<uint64_t, Bucket> buckets;
+    for (uint32_t i = 0; i < matte.vertices.size(); ++i) {
+        if (place[matte.vertices[i]] == none) continue;
+        Bucket& bucket = buckets[keyOf(scene.mesh.positions[matte.vertices[i]], 0, 0, 0)];
+        bucket.observations.push_back(i);
+        bucket.axis += scene.mesh.normals[matte.vertices[i]];
+    }
+    const auto angle = [](const Vec3& a, const Vec3& b) { return std::acos(std::clamp(glm::dot(a, b), -1.0f, 1.0f)); };
+    for (auto& [key, bucket] : buckets) {
+        const float length = glm::length(bucket.axis);
+        bucket.axis = length > 0 ? bucket.axis / length : Vec3(0, 0, 1);
+        for (const uint32_t i : bucket.observations)
+            bucket.spread = std::max(bucket.spread, angle(bucket.axis, scene.mesh.normals[matte.vertices[i]]));
+    }
+    const float corner = std::acos(options.cornerCosine) - 1e-3f;
+    append([&](uint32_t i, std::vector<AlbedoPair>& out) {
+        const uint32_t v = matte.vertices[i];
+        thread_local std::vector<std::pair<float, uint32_t>>
+            near;  // squared distance and observation of those within reach
+        const Vec3 p = scene.mesh.positions[v], normal = scene.mesh.normals[v];
+        near.clear();
+        for (int k = 0; k < 27; ++k) {
+            const auto at = buckets.find(keyOf(p, k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
+            if (at == buckets.end() || angle(normal, at->second.axis) + at->second.spread < corner) continue;
+            for (uint32_t j : at->second.observations) {
+                const uint32_t u = matte.vertices[j];
+                if (scene.component[u] != scene.component[v] ||
+                    glm::dot(scene.mesh.normals[u], normal) > options.cornerCosine)
+                    continue;
+                const Vec3 d = scene.mesh.positions[u] - p;
+                if (const float d2 = glm::dot(d, d); d2 < reach * reach) near.emplace_back(d2, j);
+            }
+        }
+        // The two nearest such partners. Regular meshes hold many that are equally near, and rounding must not choose
+        // among them.
+        constexpr size_t few = 16;
+        const auto sorted = near.begin() + ptrdiff_t(std::min(few, near.size()));
+        std::partial_sort(near.begin(), sorted, near.end());
+        if (sorted != near.end() && !(near[few - 1].first > near[1].first * (1 + 1e-4f)))
+            std::sort(near.begin(), near.end());
+        for (size_t kept = 0; kept < 2 && kept < near.size(); ++kept) {
+            size_t last = kept + 1;
+            while (last < near.size() && near[last].first <= near[kept].first * (1 + 1e-4f)) ++last;
+            const auto chosen = std::min_element(
+                near.begin() + ptrdiff_t(kept), near.begin() + ptrdiff_t(last), [&](const auto& a, const auto& b) {
+                    return scene.rank[matte.vertices[a.second]] < scene.rank[matte.vertices[b.second]];
+                });
+            std::iter_swap(near.begin() + ptrdiff_t(kept), chosen);
+            out.push_back({i, near[kept].second, options.cornerWeight});
+        }
+    });
+    return pairs;
+}
+
+RatioObservations ratioObservations(const Scene& scene, const RadianceSamples& samples, std::vector<uint8_t> skip,
+                                    uint64_t seed, bool noMetals) {
+    RatioObservations result;
+    result.matte = matteObservations(scene, samples, skip);
+    if (noMetals && std::count(result.matte.componentGlossy.begin(), result.matte.componentGlossy.end(), 2)) {
+        std::vector<uint8_t> glossy = result.matte.componentGlossy, matte = glossy;
+        std::replace(matte.begin(), matte.end(), uint8_t(2), uint8_t(0));
+        std::replace(glossy.begin(), glossy.end(), uint8_t(2), uint8_t(1));
+        result.matte = matteObservations(scene, samples, skip, &matte);
+        result.matte.componentGlossy = std::move(glossy);
+    }
+    result.noMetals = noMetals;
+    PairOptions options;
+    options.seed = seed;
+    // Distant light alone changes with the way a surface faces, not with its place.
+    if (std::none_of(skip.begin(), skip.end(), [](uint8_t s) { return s != 0; })) options.longPairs = 0;
+    result.pairs = albedoPairs(scene, result.matte, options);
+    result.skip = std::move(skip);
+    result.seed = seed;
+    return result;
+}
+
+}  // namespace relamp

@@ -1,0 +1,50 @@
+// Pairs of vertices with probably equal albedo: what fixes the light without knowing any albedo (METHOD 11).
+#pragma once
+#include "scene/scene.h"
+#include "solve/gloss/matte.h"
+
+namespace relamp {
+
+struct AlbedoPair {
+    uint32_t a = 0, b = 0;  ///< positions in MatteObservations
+    float weight = 1;
+};
+
+struct PairOptions {
+    uint64_t seed = 1;
+    float cornerWeight = 0.3f;
+    float cornerCosine = 0.906f;  ///< normals more than 25 degrees apart
+    int longPairs = 2;            ///< a vertex, on average twice as many
+    float longWeight = 0.5f;
+    float longCosine = 0.7f;  ///< normals less than 45 degrees apart
+};
+
+/// Square of a pair's relative difference, bent (Cauchy, 0.05) so that pairs across a real edge of albedo do not rule a
+/// mean.
+inline double robustStep(double difference) {
+    constexpr double bend = 0.05 * 0.05;
+    return bend * std::log1p(difference * difference / bend);
+}
+
+/// Mesh edges, the ends of short random walks on the mesh, corner pairs (near in space, differently oriented: decisive
+/// where faces are planar), and long pairs (anywhere on the same component, facing alike). Errors of the model are as
+/// large over a metre as over a millimetre, while an emitter's light changes much over a metre: short pairs alone take
+/// errors for a lack of contrast and make ambient light too strong (attenuation, as in any regression with errors in
+/// its rows). Where long pairs span two materials the robust loss lets them go. Vertices of metal components take no
+/// part.
+std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations& matte, const PairOptions& options);
+
+/// What ratios of radiance are taken from. `skip`: per vertex 1 where an emitter or a candidate lies. `noMetals`: no
+/// component is a metal, however much it differs between the views; what it looks like is the median of the views, as
+/// on a matte surface.
+struct RatioObservations {
+    std::vector<uint8_t> skip;
+    uint64_t seed = 0;
+    bool noMetals = false;
+    MatteObservations matte;
+    std::vector<AlbedoPair> pairs;
+};
+RatioObservations ratioObservations(const Scene& scene, const RadianceSamples& samples, std::vector<uint8_t> skip,
+                                    uint64_t seed, bool noMetals = false);
+
+}  // namespace relamp

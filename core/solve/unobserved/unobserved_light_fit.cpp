@@ -1,0 +1,562 @@
+#include "solve/unobserved/unobserved_light_fit.h"
+
+#include <map>
+
+#include "base/parallel.h"
+#include "base/random.h"
+#include "solve/light/qp.h"
+#include "transport/incident.h"
+
+namespace relamp {
+namespace {
+
+constexpr double robust = 2.5;  // Cauchy, in standard deviations
+constexpr double modelError = 0.015;
+
+/// Pairs of points far apart on one component of the mesh and of one hue: probably of one material, and what tells a
+/// fall-off over a wall. Their albedo may differ more than that of neighbours.
+constexpr double farSpread = 0.1;
+constexpr float farWeight = 0.3f;
+
+struct PairStep {
+    double residual, a, b;  // and its derivatives by the light on a and on b
+};
+
+PairStep stepOf(double ya, double yb, double la, double lb) {
+    const double p = ya * lb, q = yb * la, sum = std::max(p + q, 1e-100);
+    return {2 * (p - q) / sum, -4 * p * yb / (sum * sum), 4 * q * ya / (sum * sum)};
+}
+
+double bent(double squared) { return robust * robust * std::log1p(squared / (robust * robust)); }
+
+std::vector<AlbedoPair> farPairs(const Scene& scene, const MatteObservations& matte, uint64_t seed) {
+    std::map<uint32_t, std::vector<uint32_t>> components;
+    for (uint32_t i = 0; i < matte.vertices.size(); ++i)
+        if (matte.componentGlossy[scene.component[matte.vertices[i]]] < 2)
+            components[scene.component[matte.vertices[i]]].push_back(i);
+    std::vector<AlbedoPair> pairs;
+    for (auto& [component, points] : components) {
+        std::sort(points.begin(), points.end(), [&](uint32_t a, uint32_t b) {
+            return scene.rank[matte.vertices[a]] < scene.rank[matte.vertices[b]];
+        });
+        for (size_t k = 0; k < points.size(); ++k) {
+            const uint32_t i = points[k], j = points[size_t(mixBits(seed * 0x1000003 + scene.rank[matte.vertices[i]]) %
+                                                            points.size())];
+            const float a = luminance(matte.radiance[i]), b = luminance(matte.radiance[j]);
+            if (i == j || !(a > 0) || !(b > 0)) continue;
+            // The hue of what lies in the dark cannot be told, and shadows are what is looked for.
+            const bool oneDark = std::min(a, b) < 0.15f * std::max(a, b);
+            if (!oneDark && glm::length(matte.radiance[i] / a - matte.radiance[j] / b) > 0.1f) continue;
+            pairs.push_back({i, j, farWeight});
+        }
+    }
+    return pairs;
+}
+
+/// Normals of a mesh that was measured are noisy, and an error of ten degrees is one of a sixth of the light: a mean
+/// over three rings, of those that face the same way.
+std::vector<Vec3> smoothNormals(const Scene& scene) {
+    std::vector<Vec3> normals = scene.mesh.normals;
+    for (int round = 0; round < 3; ++round) {
+        std::vector<Vec3> next = normals;
+        parallelFor(normals.size(), 1024, [&](size_t v) {
+            Vec3 sum = normals[v];
+            for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e)
+                if (const Vec3& n = normals[scene.graph.to[e]]; glm::dot(n, normals[v]) > 0.8f) sum += n;
+            next[v] = glm::normalize(sum);
+        });
+        normals = std::move(next);
+    }
+    return normals;
+}
+
+/// Misfit of every pair at the light on the points.
+std::vector<double> misfits(const UnobservedLightData& data, const Eigen::VectorXd& lit) {
+    std::vector<double> result(data.pairs.size());
+    for (size_t k = 0; k < result.size(); ++k) {
+        const AlbedoPair& p = data.pairs[k];
+        const PairStep s = stepOf(data.radiance[p.a], data.radiance[p.b], lit(p.a), lit(p.b));
+        result[k] = double(p.weight) * bent(s.residual * s.residual / data.variance[k]);
+    }
+    return result;
+}
+
+double sumOf(const std::vector<double>& values) {
+    double sum = 0;
+    for (double v : values) sum += v;
+    return sum;
+}
+
+std::vector<double> partsOf(const UnobservedLightData& data, const std::vector<double>& values) {
+    std::vector<double> parts(size_t(data.parts), 0.0);
+    for (size_t k = 0; k < values.size(); ++k) parts[size_t(data.part[k])] += values[k];
+    return parts;
+}
+
+double weightOf(const UnobservedLightData& data) {
+    double sum = 0;
+    for (const AlbedoPair& p : data.pairs) sum += double(p.weight);
+    return std::max(sum, 1e-300);
+}
+
+/// What a place does to the light it gives, by X, Y and Z; shadows stay where they are.
+Eigen::MatrixXd placeDerivatives(const UnobservedLightData& data, const Vec3& place, const Eigen::VectorXd& column) {
+    Eigen::MatrixXd d = Eigen::MatrixXd::Zero(Eigen::Index(data.positions.size()), 3);
+    for (size_t i = 0; i < data.positions.size(); ++i) {
+        const DVec3 to(place - data.positions[i]), n(data.normals[i]);
+        const double d2 = glm::dot(to, to), cosine = glm::dot(n, to);
+        if (!(column(Eigen::Index(i)) > 0) || !(cosine > 0)) continue;
+        const DVec3 slope = column(Eigen::Index(i)) * (n / cosine - 3.0 / d2 * to);
+        for (int c = 0; c < 3; ++c) d(Eigen::Index(i), c) = slope[c];
+    }
+    return d;
+}
+
+/// One row a pair: the derivative of its relative difference by the light's unknowns (and by what `more` holds), times
+/// the root of its weight.
+struct Linear {
+    Eigen::MatrixXd rows;
+    Eigen::VectorXd residual;
+};
+
+Linear linearise(const UnobservedLightData& data, const Eigen::MatrixXd& columns, const Eigen::VectorXd& lit) {
+    Linear l;
+    l.rows.resize(Eigen::Index(data.pairs.size()), columns.cols());
+    l.residual.resize(Eigen::Index(data.pairs.size()));
+    for (size_t k = 0; k < data.pairs.size(); ++k) {
+        const AlbedoPair& p = data.pairs[k];
+        const PairStep s = stepOf(data.radiance[p.a], data.radiance[p.b], lit(p.a), lit(p.b));
+        const double w =
+            std::sqrt(double(p.weight) /
+                      (data.variance[k] * (1 + s.residual * s.residual / data.variance[k] / (robust * robust))));
+        l.rows.row(Eigen::Index(k)) = w * (s.a * columns.row(p.a) + s.b * columns.row(p.b));
+        l.residual(Eigen::Index(k)) = w * s.residual;
+    }
+    return l;
+}
+
+/// Data and priors as a quadratic program about x. Unknowns of the place, where there are any, follow the light's own.
+struct UnobservedLightProgram {
+    Eigen::MatrixXd q;
+    Eigen::VectorXd moment, lower;
+};
+
+UnobservedLightProgram programOf(const UnobservedLightData& data, const LightPrior& prior, const Linear& l,
+                                 const Eigen::MatrixXd& columns, const Eigen::VectorXd& x) {
+    UnobservedLightProgram p;
+    const Eigen::Index lightCount = x.size();
+    p.q = l.rows.transpose() * l.rows;
+    p.moment =
+        -(l.rows.transpose() * l.residual);  // along the light itself the derivative is 0, so this is about x = 0
+    p.lower = Eigen::VectorXd::Zero(p.q.rows());
+    prior.add(x, 0, p.q, p.moment, p.lower);
+    if (!data.anchored) {
+        // Nothing ties the scale down: the mean of the light on the points stays where it is.
+        Eigen::VectorXd mean = Eigen::VectorXd::Zero(p.q.rows());
+        mean.head(lightCount) = columns.leftCols(lightCount).colwise().mean().transpose();
+        const double hold =
+            p.q.topLeftCorner(lightCount, lightCount).diagonal().maxCoeff() / std::max(mean.squaredNorm(), 1e-300);
+        p.moment += hold * mean.head(lightCount).dot(x) * mean;
+        p.q += hold * mean * mean.transpose();
+    }
+    return p;
+}
+
+Eigen::MatrixXd withColumn(const UnobservedLightData& data, const Eigen::VectorXd* column) {
+    Eigen::MatrixXd columns(data.rows.rows(), data.rows.cols() + (column ? 1 : 0));
+    columns.leftCols(data.rows.cols()) = data.rows;
+    if (column) columns.rightCols(1) = *column;
+    return columns;
+}
+
+/// The light a fit with an emitter more starts from: three tenths of what lights the points on average come from the
+/// emitter.
+Eigen::VectorXd startWith(const UnobservedLightData& data, const Eigen::VectorXd& column,
+                          const Eigen::VectorXd& light) {
+    Eigen::VectorXd x(data.rows.cols() + 1);
+    x.head(data.rows.cols()) = light;
+    x(data.rows.cols()) = 0.3 * (data.rows * light).mean() / std::max(column.mean(), 1e-300);
+    return x;
+}
+
+}  // namespace
+
+UnobservedLightData unobservedLightData(const Scene& measured, const RadianceSamples& samples,
+                                        const EmitterClusters& clusters, int level, size_t pairs, uint64_t seed,
+                                        Progress& progress) {
+    UnobservedLightData data;
+    Scene scene = measured;
+    scene.mesh.normals = smoothNormals(measured);
+    EmitterClusters emitters;
+    emitters.emitters = clusters.emitters;
+    emitters.emitters.insert(emitters.emitters.end(), clusters.candidates.begin(), clusters.candidates.end());
+    indexEmitters(scene, emitters);
+    std::vector<uint8_t> skip(scene.mesh.vertexCount(), 0);
+    for (size_t v = 0; v < skip.size(); ++v) skip[v] = emitters.emitterOfVertex[v] >= 0;
+    const MatteObservations matte = matteObservations(scene, samples, skip);
+    PairOptions pairOptions;
+    pairOptions.seed = seed;
+    // Neighbours along an edge tell little of the light and much of the noise.
+    std::vector<AlbedoPair> all = albedoPairs(scene, matte, pairOptions);
+    std::erase_if(all, [](const AlbedoPair& p) { return p.weight == 1; });
+    const size_t near = all.size();
+    const std::vector<AlbedoPair> far = farPairs(scene, matte, seed);
+    all.insert(all.end(), far.begin(), far.end());
+    const auto wantedOf = [&](size_t k) {
+        const uint64_t a = scene.rank[matte.vertices[all[k].a]], b = scene.rank[matte.vertices[all[k].b]];
+        const double fraction = 0.5 * double(pairs) / double(std::max<size_t>(1, k < near ? near : far.size()));
+        return double(unitFloat(mixBits(mixBits(seed ^ (a << 1)) ^ b))) < fraction;
+    };
+    std::vector<uint32_t> place(matte.vertices.size(), ~0u), vertices;
+    std::vector<uint8_t> only(scene.mesh.vertexCount(), 0);
+    const auto pointOf = [&](uint32_t i) {
+        if (place[i] != ~0u) return place[i];
+        place[i] = uint32_t(vertices.size());
+        const uint32_t v = matte.vertices[i];
+        vertices.push_back(v);
+        only[v] = 1;
+        data.positions.push_back(scene.mesh.positions[v]);
+        data.normals.push_back(scene.mesh.normals[v]);
+        data.radiance.push_back(double(luminance(matte.radiance[i])));
+        return place[i];
+    };
+    Vec3 low(1e30f), high(-1e30f);
+    for (size_t k = 0; k < all.size(); ++k) {
+        if (!wantedOf(k)) continue;
+        const AlbedoPair& p = all[k];
+        double variance = 2 * modelError * modelError + (k < near ? 0.0 : farSpread * farSpread);
+        for (uint32_t i : {p.a, p.b}) {
+            const double relative =
+                double(luminance(matte.sigma[i])) / std::max(double(luminance(matte.radiance[i])), 1e-30);
+            variance += relative * relative;
+        }
+        const uint32_t a = pointOf(p.a), b = pointOf(p.b);
+        data.pairs.push_back({a, b, k < near ? p.weight : farWeight});
+        data.variance.push_back(variance);
+        data.component.push_back(scene.component[matte.vertices[p.a]]);
+        data.far.push_back(k >= near);
+        low = glm::min(low, data.positions[a]);
+        high = glm::max(high, data.positions[a]);
+    }
+    if (data.pairs.empty()) return data;
+    // Parts: boxes of a fifth of the scene's extent.
+    std::map<int, int> parts;
+    const Vec3 size = glm::max(high - low, Vec3(1e-20f));
+    for (const AlbedoPair& p : data.pairs) {
+        const glm::ivec3 cell = glm::min(glm::ivec3((data.positions[p.a] - low) / size * 5.0f), glm::ivec3(4));
+        data.part.push_back(parts.try_emplace(cell.x + 5 * cell.y + 25 * cell.z, int(parts.size())).first->second);
+    }
+    data.parts = int(parts.size());
+
+    data.leaves = LightLeaves::uniform(level, scene.axes);
+    const Visibility visibility =
+        computeVisibility(scene, {.gridSide = 16, .only = &only, .axes = scene.axes}, progress);
+    NearFieldOptions nearOptions;
+    nearOptions.seed = seed;
+    nearOptions.only = &only;
+    const InfluenceMatrix rows = lambertInfluence(
+        scene, visibility, computeNearField(scene, emitters, nearOptions, progress), data.leaves, vertices, progress);
+    data.rows.resize(Eigen::Index(rows.rows), Eigen::Index(rows.columns));
+    for (size_t r = 0; r < rows.rows; ++r)
+        for (size_t c = 0; c < rows.columns; ++c) data.rows(Eigen::Index(r), Eigen::Index(c)) = double(rows.row(r)[c]);
+
+    data.anchors = lightAnchors(samples, emitters, data.leaves);
+    for (size_t e = 0; e < emitters.emitters.size(); ++e) {
+        data.anchors.emitterRadiance[e] = Rgb(luminance(data.anchors.emitterRadiance[e]));
+        data.anchored |= !emitters.emitters[e].unobserved;
+    }
+    std::vector<double> brightness = data.radiance;
+    std::nth_element(brightness.begin(), brightness.begin() + ptrdiff_t(brightness.size() / 2), brightness.end());
+    const double middle = brightness[brightness.size() / 2];
+    for (LeafAnchor& a : data.anchors.leaves) {
+        a.radiance = Rgb(luminance(a.radiance));
+        // Black environment tie nothing down.
+        data.anchored |= a.coverage > 0.05f && !a.clipped && double(a.radiance.x) > 0.05 * middle;
+    }
+    // The priors are made for all pairs of the scene.
+    const float thinned = float(data.pairs.size()) / float(std::max<size_t>(1, all.size()));
+    data.prior.smoothness *= thinned;
+    data.prior.backgroundWeight *= thinned;
+    data.prior.darkness = float(1e-3 * middle);
+    data.start = Eigen::VectorXd::Constant(data.rows.cols(), std::max(middle / 0.3, 1e-9));
+    const std::vector<Rgb> first = firstRadiance(emitters);
+    for (size_t e = 0; e < first.size(); ++e)
+        data.start(Eigen::Index(data.leaves.size() + e)) = double(luminance(first[e]));
+    return data;
+}
+
+void addKnownPlace(const Scene& scene, const Vec3& place, UnobservedLightData& data) {
+    const Eigen::VectorXd column = pointLightColumn(scene, data, place, 8);
+    const Eigen::VectorXd start = startWith(data, column, data.start);
+    data.rows = withColumn(data, &column);
+    data.start = start;
+    data.anchors.emitterRadiance.push_back(Rgb(0));
+    data.anchors.emitterSigma.push_back(1);
+    data.anchors.emitterClipped.push_back(1);
+}
+
+void assessPairs(UnobservedLightData& data, const UnobservedLightFit& fit) {
+    const Eigen::VectorXd lit = withColumn(data, fit.column.size() ? &fit.column : nullptr) * fit.light;
+    constexpr uint32_t everywhere = ~0u;
+    std::map<uint32_t, std::vector<double>> over;
+    for (size_t k = 0; k < data.pairs.size(); ++k) {
+        if (data.far[k]) continue;
+        const AlbedoPair& p = data.pairs[k];
+        const double r = stepOf(data.radiance[p.a], data.radiance[p.b], lit(p.a), lit(p.b)).residual;
+        for (const uint32_t component : {data.component[k], everywhere})
+            over[component].push_back(r * r / data.variance[k]);
+    }
+    std::map<uint32_t, double> factor;
+    for (auto& [component, values] : over) {
+        if (values.size() < 30) continue;
+        // The median of a squared standard normal is 0.455.
+        std::nth_element(values.begin(), values.begin() + ptrdiff_t(values.size() / 2), values.end());
+        factor[component] = std::max(1.0, values[values.size() / 2] / 0.455);
+    }
+    for (size_t k = 0; k < data.pairs.size(); ++k) {
+        auto at = factor.find(data.component[k]);
+        if (at == factor.end()) at = factor.find(everywhere);
+        if (at != factor.end()) data.variance[k] *= at->second;
+    }
+}
+
+Eigen::VectorXd pointLightColumn(const Scene& scene, const UnobservedLightData& data, const Vec3& place, int rays) {
+    const size_t n = data.positions.size();
+    Eigen::VectorXd column = Eigen::VectorXd::Zero(Eigen::Index(n));
+    // Only ratios count, so the unit is free. Nearer than a hundredth of the scene nothing grows brighter.
+    const double nearest = 0.01 * double(scene.diagonal), unit = double(scene.diagonal) * double(scene.diagonal) / piD;
+    for (size_t i = 0; i < n; ++i) {
+        const Vec3 to = place - data.positions[i];
+        const double d2 = std::max(double(glm::dot(to, to)), nearest * nearest),
+                     cosine = double(glm::dot(to, data.normals[i])) / std::sqrt(d2);
+        if (!(cosine > 0)) continue;
+        const Vec3 origin = rayOrigin(scene, data.positions[i], data.normals[i]);
+        float open = 0;
+        if (rays == 0) {
+            const Vec3 straight = place - origin;
+            const float length = glm::length(straight);
+            open = length > 0 && scene.tracer->occluded({origin, straight / length, 0, length}) ? 0.0f : 1.0f;
+        } else {
+            // A ball of two hundredths of the distance: a soft edge, so that a small step of the emitter is a small
+            // change.
+            const float radius = 0.02f * std::sqrt(float(d2));
+            Ray bundle[8];
+            const int count = std::min(rays, 8);
+            for (int k = 0; k < count; ++k) {
+                const Vec3 target = place + radius * Vec3(k & 1 ? 0.577f : -0.577f, k & 2 ? 0.577f : -0.577f,
+                                                          k & 4 ? 0.577f : -0.577f),
+                           straight = target - origin;
+                const float length = std::max(glm::length(straight), 1e-30f);
+                bundle[k] = {origin, straight / length, 0, length};
+            }
+            const uint32_t blocked = scene.tracer->occluded8({bundle, size_t(count)});
+            for (int k = 0; k < count; ++k) open += blocked >> k & 1 ? 0.0f : 1.0f / float(count);
+        }
+        column(Eigen::Index(i)) = unit * double(open) * cosine / d2;
+    }
+    return column;
+}
+
+UnobservedLightFit fitUnobservedLight(const UnobservedLightData& data, const Eigen::VectorXd* column,
+                                      const Eigen::VectorXd& start, int iterations) {
+    UnobservedLightFit fit;
+    const LightPrior prior(data.leaves, data.anchors, data.prior);
+    const Eigen::MatrixXd columns = withColumn(data, column);
+    Eigen::VectorXd x = start.size() == 0 ? data.start : start;
+    if (column && x.size() == data.rows.cols()) x = startWith(data, *column, x);
+    const double weight = weightOf(data);
+    const auto objective = [&](const Eigen::VectorXd& light) {
+        return sumOf(misfits(data, columns * light)) + prior.value(light, 0);
+    };
+    double value = objective(x);
+    for (int i = 0; i < iterations; ++i) {
+        const Linear l = linearise(data, columns, columns * x);
+        const UnobservedLightProgram p = programOf(data, prior, l, columns, x);
+        const QpResult solution = solveBoundedQp(p.q, p.moment, p.lower, &x);
+        if (!solution.usable) break;
+        bool better = false;
+        const double before = value;
+        for (double step = 1; step > 0.05 && !better; step *= 0.5) {
+            const Eigen::VectorXd trial = x + step * (solution.x - x);
+            const double there = objective(trial);
+            if (!(there < value)) continue;
+            better = true;
+            value = there;
+            x = trial;
+        }
+        if (!better || value > before * (1 - 1e-4)) break;
+    }
+    const Eigen::VectorXd lit = columns * x;
+    fit.misfit = sumOf(misfits(data, lit)) / weight;
+    if (column) {
+        fit.column = *column;
+        const double total = lit.sum();
+        fit.fraction = total > 0 ? x(x.size() - 1) * column->sum() / total : 0;
+    }
+    fit.light = std::move(x);
+    return fit;
+}
+
+UnobservedLightFit searchAround(const Scene& scene, const UnobservedLightData& data, const Vec3& first,
+                                const Vec3& middle, const Eigen::VectorXd& start, float reach, float least,
+                                bool sideways, Progress& progress) {
+    const auto fitAt = [&](const Vec3& place, const Eigen::VectorXd& from) {
+        const Eigen::VectorXd column = pointLightColumn(scene, data, place, 8);
+        UnobservedLightFit fit;
+        fit.misfit = 1e300;
+        if (column.sum() > 0) fit = fitUnobservedLight(data, &column, from, 4);
+        fit.place = place;
+        return fit;
+    };
+    UnobservedLightFit best = fitAt(first, start);
+    for (float step = reach; step >= least;) {
+        progress.check();
+        const Vec3 away = best.place - middle;
+        const float distance = glm::length(away);
+        const Mat3 frame = frameAround(away / distance);
+        std::vector<UnobservedLightFit> tries(sideways ? 8 : 14);
+        parallelFor(tries.size(), 1, [&](size_t i) {
+            // Eight ways about the line from the middle, or the six faces and the eight corners of a cube.
+            const float turn = float(i) * pi / 4;
+            Vec3 d = sideways ? Vec3(std::cos(turn), std::sin(turn), 0)
+                     : i < 6  ? Vec3(0)
+                              : Vec3(i & 1 ? 0.577f : -0.577f, i & 2 ? 0.577f : -0.577f, i & 4 ? 0.577f : -0.577f);
+            if (i < 6 && !sideways) d[int(i / 2)] = i % 2 ? 1.0f : -1.0f;
+            const Vec3 aside = away + step * distance * (frame * Vec3(d.x, d.y, 0));
+            tries[i] = fitAt(middle + std::exp(step * d.z) * distance / glm::length(aside) * aside,
+                             best.light.size() ? best.light : start);
+        });
+        const auto bestTry = std::min_element(
+            tries.begin(), tries.end(),
+            [](const UnobservedLightFit& a, const UnobservedLightFit& b) { return a.misfit < b.misfit; });
+        if (bestTry->misfit < best.misfit * (1 - 1e-4)) best = std::move(*bestTry);
+        else step *= 0.5f;
+    }
+    return best;
+}
+
+UnobservedLightFit refineUnobservedLight(const Scene& scene, const UnobservedLightData& data, const Vec3& first,
+                                         const Eigen::VectorXd& start, int iterations, Progress& progress) {
+    const LightPrior prior(data.leaves, data.anchors, data.prior);
+    Vec3 place = first;
+    Eigen::VectorXd column = pointLightColumn(scene, data, place, 8);
+    UnobservedLightFit fit = fitUnobservedLight(data, &column, start, 6);
+    Eigen::VectorXd x = fit.light;
+    const Eigen::Index n = x.size();
+    double damping = 1e-3;
+    const auto objective = [&](const Eigen::MatrixXd& columns, const Eigen::VectorXd& light) {
+        return sumOf(misfits(data, columns * light)) + prior.value(light, 0);
+    };
+    double value = objective(withColumn(data, &column), x);
+    for (int i = 0; i < iterations; ++i) {
+        progress.check();
+        Eigen::MatrixXd columns(data.rows.rows(), n + 3);
+        columns.leftCols(n) = withColumn(data, &column);
+        columns.rightCols(3) = x(n - 1) * placeDerivatives(data, place, column);
+        const Linear l = linearise(data, columns, columns.leftCols(n) * x);
+        UnobservedLightProgram p = programOf(data, prior, l, columns, x);
+        for (Eigen::Index c = n; c < n + 3; ++c) p.q(c, c) *= 1 + damping;
+        float nearest = 1e30f;
+        for (size_t k = 0; k < data.positions.size(); ++k)
+            if (column(Eigen::Index(k)) > 0) nearest = std::min(nearest, glm::length(place - data.positions[k]));
+        const double reach = 0.5 * double(std::min(nearest, scene.diagonal * 4));
+        p.lower.tail(3).setConstant(-10 * double(scene.diagonal));
+        const QpResult solution = solveBoundedQp(p.q, p.moment, p.lower);
+        if (!solution.usable) break;
+        Vec3 move(float(solution.x(n)), float(solution.x(n + 1)), float(solution.x(n + 2)));
+        const float length = glm::length(move);
+        const float cut = length > float(reach) ? float(reach) / length : 1.0f;
+        bool better = false;
+        const double before = value;
+        for (float step = 1; step > 0.1f && !better; step *= 0.4f) {
+            const Vec3 there = place + step * cut * move;
+            Eigen::VectorXd trialColumn = pointLightColumn(scene, data, there, 8);
+            if (!(trialColumn.sum() > 0)) continue;
+            const Eigen::VectorXd trial = x + double(step * cut) * (solution.x.head(n) - x);
+            const double reached = objective(withColumn(data, &trialColumn), trial);
+            if (!(reached < value)) continue;
+            better = true;
+            value = reached;
+            place = there;
+            column = std::move(trialColumn);
+            x = trial;
+        }
+        damping = better ? damping * 0.3 : damping * 30;
+        if ((!better && damping > 1e3) || (better && value > before * (1 - 1e-6))) break;
+    }
+    fit = fitUnobservedLight(data, &column, x, 6);
+    fit.place = place;
+    return fit;
+}
+
+glm::dmat3 positionCovariance(const Scene& scene, const UnobservedLightData& data, const Vec3& middle,
+                              const std::vector<Vec3>& more, uint64_t seed, UnobservedLightFit& best,
+                              Progress& progress) {
+    constexpr size_t around = 128, replicates = 200;
+    const size_t places = around + more.size();
+    const Vec3 away = best.place - middle;
+    const float distance = glm::length(away);
+    const Mat3 frame = frameAround(away / distance);
+    const auto normal = [&](uint64_t k) {  // Box and Muller
+        const float u = unitFloat(mixBits(seed + 2 * k)), v = unitFloat(mixBits(seed + 2 * k + 1));
+        return std::sqrt(-2 * std::log(1 - u)) * std::cos(2 * pi * v);
+    };
+    // From half a hundredth of the distance to a fifth of it.
+    std::vector<UnobservedLightFit> tries(places);
+    std::vector<std::vector<double>> lost(places);
+    parallelFor(
+        places, 4,
+        [&](size_t i) {
+            const float reach = i == 0 ? 0 : 0.005f * std::pow(40.0f, float(i) / float(around - 1));
+            const Vec3 d = reach * Vec3(normal(3 * i), normal(3 * i + 1), normal(3 * i + 2));
+            const Vec3 place = i < around ? middle + std::exp(d.z) * (away + distance * (frame * Vec3(d.x, d.y, 0)))
+                                          : more[i - around];
+            const Eigen::VectorXd column = pointLightColumn(scene, data, place, 8);
+            if (!(column.sum() > 0)) return;
+            tries[i] = fitUnobservedLight(data, &column, best.light, 4);
+            tries[i].place = place;
+            lost[i] = partsOf(data, misfits(data, withColumn(data, &column) * tries[i].light));
+        },
+        &progress);
+    std::vector<size_t> usable;
+    for (size_t i = 0; i < places; ++i)
+        if (!lost[i].empty()) usable.push_back(i);
+    if (usable.empty()) return glm::dmat3(1e30);
+    const size_t found = *std::min_element(usable.begin(), usable.end(),
+                                           [&](size_t x, size_t y) { return tries[x].misfit < tries[y].misfit; });
+    glm::dmat3 covariance(0);
+    for (size_t r = 0; r < replicates; ++r) {
+        std::vector<double> times(size_t(data.parts), 0.0);
+        for (int k = 0; k < data.parts; ++k)
+            ++times[mixBits(mixBits(seed ^ 0xb00757) + r * 1000003 + size_t(k)) % times.size()];
+        double least = 1e300;
+        size_t chosen = found;
+        for (size_t i : usable) {
+            double sum = 0;
+            for (size_t k = 0; k < times.size(); ++k) sum += times[k] * lost[i][k];
+            if (sum < least) least = sum, chosen = i;
+        }
+        const DVec3 off(tries[chosen].place - tries[found].place);
+        covariance += glm::outerProduct(off, off) / double(replicates);
+    }
+    best = std::move(tries[found]);
+    // What lies between the places tried is not known.
+    for (int c = 0; c < 3; ++c) covariance[c][c] += std::pow(0.005 * double(distance), 2);
+    return covariance;
+}
+
+double gainCertainty(const UnobservedLightData& data, const UnobservedLightFit& without,
+                     const UnobservedLightFit& with) {
+    const std::vector<double> before = misfits(data, data.rows * without.light),
+                              after = misfits(data, withColumn(data, &with.column) * with.light);
+    std::vector<double> difference(before.size());
+    for (size_t k = 0; k < before.size(); ++k) difference[k] = before[k] - after[k];
+    const std::vector<double> gain = partsOf(data, difference);
+    const double sum = sumOf(gain), mean = sum / double(gain.size());
+    double squares = 0;
+    for (double g : gain) squares += (g - mean) * (g - mean);
+    const double error = std::sqrt(squares * double(gain.size()) / std::max(1.0, double(gain.size()) - 1));
+    return error > 0 ? sum / error : 0;
+}
+
+}  // namespace relamp

@@ -1,0 +1,119 @@
+// Light summed by a device: the image is the same with one, without one, and with one that fails.
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "relight/live/live_scene.h"
+#include "support/estimates.h"
+
+namespace relamp {
+namespace {
+
+/// Sums on the processor, under another name, and fails from the call `failsAt` on, or while it takes a store.
+class TestDevice : public TransportDevice {
+public:
+    int applies = 0, loads = 0, failsAt = 1 << 30, failsLoadAt = 1 << 30;
+    float factor = 1;
+    std::string name() const override { return "test device"; }
+    void apply(const std::array<std::vector<float>, 3>& coefs, std::span<Rgb> out) override {
+        std::fill(out.begin(), out.end(), Rgb(99));
+        if (++applies >= failsAt) throw Error("the test pulled the plug");
+        store_.apply(coefs, out);
+        for (Rgb& c : out) c *= factor;
+    }
+
+protected:
+    void take(const TransportStore& store) override {
+        if (++loads >= failsLoadAt) throw Error("no room in the test");
+        store_ = store;
+    }
+
+private:
+    TransportStore store_;
+};
+
+struct Shown {
+    std::vector<Rgb> radiance;
+    LiveReport report;
+    size_t warnings = 0;
+};
+
+Shown show(const std::shared_ptr<TransportDevice>& device, bool force = true) {
+    Mesh mesh = test::sheet({-2, -2, 0}, {4, 0, 0}, {0, 4, 0}, 24, 24);
+    test::append(mesh, test::box({-0.4f, -0.4f, 0.01f}, {0.4f, 0.4f, 0.8f}, 4));
+    const std::vector<uint32_t> emitter = test::append(mesh, test::squareAbove(0.4f, 0.9f, 0.5f, 2, 2));
+    const auto scene = std::make_shared<const Scene>(test::sceneOf(mesh));
+    const auto estimate = std::make_shared<Estimate>(test::matteEstimate(
+        *scene, Rgb(0.5f, 0.4f, 0.3f), Rgb(1), test::emittersOf(*scene, {emitter}, {Rgb(20, 24, 30)})));
+    LiveOptions options;
+    options.device = device;
+    options.forceDevice = force;
+    Shown shown;
+    setLogSink([&](LogLevel level, const std::string&) { shown.warnings += level == LogLevel::warning; });
+    Progress progress;
+    LiveScene live(scene, estimate, options, progress);
+    Look look;
+    for (const float yaw : {40.0f, 80.0f}) {
+        look.environment.yawDegrees = yaw;
+        live.setLook(look);
+        while (!live.refine(1, progress)) {}
+    }
+    setLogSink({});
+    shown.radiance = live.frame()->radiance;
+    shown.report = live.frame()->report;
+    return shown;
+}
+
+TEST(LiveDevice, ShowsTheSameImageAsTheProcessor) {
+    const auto device = std::make_shared<TestDevice>();
+    const Shown without = show(nullptr), with = show(device);
+    EXPECT_EQ(with.radiance, without.radiance);
+    EXPECT_EQ(with.report.device, "test device");
+    EXPECT_GT(with.report.deviceApplyMs, 0);
+    EXPECT_GT(with.report.cpuApplyMs, 0);
+    EXPECT_EQ(without.report.device, "");
+    EXPECT_EQ(without.report.deviceApplyMs, 0);
+    EXPECT_GT(without.report.cpuApplyMs, 0);
+    EXPECT_EQ(device->loads, 1) << "the store did not change";
+}
+
+TEST(LiveDevice, ADeviceThatFailsLosesNothingAndIsNotAskedAgain) {
+    const Shown without = show(nullptr);
+    for (int failsAt : {1, 3, 5, 6}) {
+        const auto device = std::make_shared<TestDevice>();
+        device->failsAt = failsAt;
+        const Shown with = show(device);
+        EXPECT_EQ(with.radiance, without.radiance) << failsAt;
+        EXPECT_EQ(with.report.device, "") << failsAt;
+        EXPECT_EQ(with.warnings, 1u) << failsAt;
+        EXPECT_EQ(device->applies, failsAt);
+        EXPECT_EQ(show(device).radiance, without.radiance);
+        EXPECT_EQ(device->applies, failsAt) << "another scene asks it again";
+    }
+    const auto full = std::make_shared<TestDevice>();
+    full->failsLoadAt = 1;
+    EXPECT_EQ(show(full).radiance, without.radiance);
+    EXPECT_EQ(full->applies, 0);
+}
+
+TEST(LiveDevice, ADeviceThatAnswersWronglyIsRefused) {
+    const Shown without = show(nullptr);
+    for (float factor : {1.01f, 0.0f, std::numeric_limits<float>::quiet_NaN()}) {
+        const auto device = std::make_shared<TestDevice>();
+        device->factor = factor;
+        const Shown with = show(device);
+        EXPECT_EQ(with.radiance, without.radiance);
+        EXPECT_EQ(with.report.device, "");
+        EXPECT_EQ(with.warnings, 1u);
+    }
+}
+
+TEST(LiveDevice, TheFasterOneIsUsedUnlessForced) {
+    const auto device = std::make_shared<TestDevice>();
+    const Shown shown = show(device, false);
+    EXPECT_EQ(shown.report.device.empty(), shown.report.deviceApplyMs >= shown.report.cpuApplyMs);
+    EXPECT_EQ(shown.warnings, 0u);
+}
+
+}  // namespace
+}  // namespace relamp

@@ -1,0 +1,26 @@
+// Small images of views and environments for the panels. Files are read in the background.
+#pragma once
+#include <memory>
+
+#include "editor.h"
+#include "image/image.h"
+
+namespace relamp::ui {
+
+/// Texture of a view's photograph, all views at one exposure; 0 without a window.
+uint64_t viewImage(const Document& document, size_t view);
+
+struct EnvironmentImage {
+    uint64_t texture = 0;
+    bool loading = false;
+    std::string error;  ///< why the file cannot be shown
+};
+EnvironmentImage recoveredEnvironmentImage(const std::shared_ptr<const Estimate>& estimate);
+/// Of a file; the first call starts to read it.
+EnvironmentImage environmentImage(const std::filesystem::path& file);
+
+/// Display values (sRGB, 0 to 1) of a linear image, at most `longestSide` pixels, exposed so that its brightest
+/// percent just clips unless `exposure` is given.
+Image displayImage(const Image& linear, int longestSide, float exposure = 0);
+
+}  // namespace relamp::ui

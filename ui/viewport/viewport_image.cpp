@@ -1,0 +1,257 @@
+#include "viewport/viewport_image.h"
+
+#include <chrono>
+
+#include "base/parallel.h"
+#include "image/environment_map.h"
+#include "viewport/navigation.h"
+#include "viewport/picking.h"
+#include "viewport/space_lines.h"
+
+namespace relamp::ui {
+namespace {
+
+bool looksThrough(const Editor& editor) {
+    const auto& capture = editor.state.document.capture;
+    return editor.state.viewport.throughView && capture && editor.state.selection.view >= 0 &&
+           editor.state.selection.view < int(capture->views.size());
+}
+
+bool sameAspect(const Frame& frame, const EyeView& eye) {
+    const float a = float(frame.width) / float(std::max(frame.height, 1)),
+                b = float(eye.width) / float(std::max(eye.height, 1));
+    return frame.width > 0 && std::abs(a / b - 1) < 0.02f &&
+           frame.beauty.size() == size_t(frame.width) * size_t(frame.height) &&
+           frame.alpha.size() == frame.beauty.size();
+}
+
+/// Edges that lie close together on screen are drawn fainter, so that the photograph stays visible under a dense mesh.
+float wireStrength(const Scene& scene, const EyeView& eye) {
+    double sum = 0;
+    size_t count = 0;
+    for (size_t v = 0; v < scene.vertexSpacing.size(); v += 1 + scene.vertexSpacing.size() / 4096) {
+        const Vec3& p = scene.mesh.positions[v];
+        if (!scene.referenced[v] || glm::dot(p - eye.position, eye.forward) <= 0) continue;
+        sum += scene.vertexSpacing[v] / eye.metresPerPoint(p);
+        ++count;
+    }
+    const float points = count ? float(sum / double(count)) : 10.0f;
+    return std::clamp(0.03f * points, 0.07f, 0.38f);
+}
+
+}  // namespace
+
+ViewportImage::Key ViewportImage::keyOf(const Editor& editor, const EyeView& eye, float pixelsPerPoint) const {
+    const ViewportState& viewport = editor.state.viewport;
+    Key key;
+    key.clipFromWorld = eye.clipFromWorld;
+    key.width = eye.width, key.height = eye.height;
+    key.strips = stripsOf(editor);
+    for (const Strip& strip : key.strips) key.paints.push_back(paintKey(editor, strip.paint));
+    key.stops = viewport.exposureStops;
+    key.pixelsPerPoint = pixelsPerPoint;
+    key.displayView = viewport.displayView;
+    key.falseColour = viewport.falseColour;
+    key.through = looksThrough(editor);
+    key.wires = viewport.meshOverlay;
+    key.photographBehind = viewport.photographBehind, key.dome = viewport.directionDome;
+    key.grid = viewport.grid && !key.through, key.frusta = viewport.frusta && !key.through;
+    key.view = editor.state.selection.view;
+    key.hidden = viewport.hiddenComponents;
+    key.selected = editor.state.selection.emitters;
+    key.capture = editor.state.document.capture;
+    key.ownEnvironment = editor.look().environment.source == EnvironmentLook::Source::recovered;
+    const auto live = editor.liveFrame();
+    if (live) {
+        key.live = live->mesh;
+        if (key.dome || (key.through && !key.ownEnvironment)) key.distant = live->distant;
+    }
+    bool model = false;
+    for (const Strip& strip : key.strips) model = model || strip.paint == Paint::model;
+    if (const auto rest = editor.restFrame();
+        rest && model && live && key.hidden.empty() && !editor.inGesture() && sameAspect(*rest, eye))
+        key.rest = rest;
+    return key;
+}
+
+void ViewportImage::update(Editor& editor, const EyeView& eye, float pixelsPerPoint) {
+    drawMs_ = 0;
+    Key key = keyOf(editor, eye, pixelsPerPoint);
+    if (sample_ >= 0 && key == key_) {
+        if (settled()) return;
+        ++sample_;
+    } else {
+        key_ = std::move(key);
+        sample_ = 0;
+        compose(editor, eye);
+    }
+    const auto start = std::chrono::steady_clock::now();
+    renderer_.draw(job_, sample_);
+    drawMs_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+void ViewportImage::compose(Editor& editor, const EyeView& eye) {
+    if (displayView_ != key_.displayView) {
+        renderer_.setDisplay(displayTransform().shader(key_.displayView));
+        displayView_ = key_.displayView;
+    }
+    if (hiddenShown_ != key_.hidden || meshes_[0].geometry.mesh() == nullptr)
+        hiddenShown_ = key_.hidden, ++visibleVersion_;
+    job_.eye = eye;
+    job_.layers.clear();
+    job_.stops = key_.stops;
+    job_.falseColour = key_.falseColour;
+    const GLuint photograph = key_.through ? photographs_.texture(editor.state.document.capture, key_.view) : 0;
+    const auto live = editor.liveFrame();
+    for (size_t i = 0; i < key_.strips.size() && i < meshes_.size(); ++i) {
+        const Strip& strip = key_.strips[i];
+        Painted& mesh = painted(editor, i, key_.paints[i]);
+        if (!strip.missing.empty()) continue;
+        SceneLayer layer;
+        layer.left = strip.left, layer.right = strip.right;
+        const bool model = strip.paint == Paint::model || strip.paint == Paint::distantModel;
+        if (strip.paint == Paint::photographs && photograph) {
+            layer.behind = photograph;
+        } else {
+            const bool photographShows = photograph && key_.photographBehind && model && key_.ownEnvironment;
+            if (photographShows) {
+                const auto& samples = editor.state.document.samples;
+                const GLuint backdrop = live && samples ? photographs_.backdrop(editor.state.document.capture,
+                                                                                key_.view, *samples, live->distant)
+                                                        : 0;
+                layer.behind = backdrop ? backdrop : photograph;
+            } else if (key_.distant && model) layer.environment = environmentTexture(live ? live->distant : nullptr);
+            if (mesh.drawable) {
+                layer.mesh = &mesh.geometry;
+                layer.colours = &mesh.colours;
+                layer.display = mesh.display, layer.shading = mesh.shading;
+                if (strip.paint == Paint::model && key_.rest) layer.instead = restTexture(editor.restFrame());
+            }
+        }
+        job_.layers.push_back(layer);
+    }
+    job_.wires = key_.wires && meshes_[0].drawable ? &meshes_[0].geometry : nullptr;
+    if (job_.wires) job_.wireStrength = wireStrength(*editor.state.document.scene, eye);
+    makeLines(editor);
+    job_.lines = &lines_;
+    job_.lineVertices = lineVertices_;
+    makeOutline(editor, eye, key_.pixelsPerPoint);
+}
+
+ViewportImage::Painted& ViewportImage::painted(const Editor& editor, size_t slot, const PaintKey& key) {
+    Painted& p = meshes_[slot];
+    if (!p.made || p.key != key) {
+        PaintedMesh fresh = paintMesh(editor, key.paint);
+        p.key = key;
+        p.made = true;
+        p.drawable = fresh.mesh != nullptr;
+        if (!p.drawable) return p;
+        p.display = fresh.display, p.shading = fresh.shading;
+        p.origin = fresh.origin;
+        const auto& scene = editor.state.document.scene;
+        const std::vector<uint8_t> visible =
+            hiddenShown_.empty() || !scene ? std::vector<uint8_t>{}
+                                           : visibleTriangles(*fresh.mesh, fresh.origin.get(), *scene, hiddenShown_);
+        p.geometry.upload(fresh.mesh, visible, visibleVersion_);
+        p.colours.upload(GL_ARRAY_BUFFER, fresh.colours, GL_STREAM_DRAW);
+        if (slot == 0) visible_ = visible;
+    } else if (p.drawable) {
+        // Only what is hidden can have changed.
+        const auto& scene = editor.state.document.scene;
+        const auto mesh = p.geometry.mesh();
+        const std::vector<uint8_t> visible = hiddenShown_.empty() || !scene
+                                                 ? std::vector<uint8_t>{}
+                                                 : visibleTriangles(*mesh, p.origin.get(), *scene, hiddenShown_);
+        p.geometry.upload(mesh, visible, visibleVersion_);
+        if (slot == 0) visible_ = visible;
+    }
+    return p;
+}
+
+void ViewportImage::makeLines(const Editor& editor) {
+    const LineKey wanted{editor.state.document.capture, editor.state.document.scene, key_.grid, key_.frusta, key_.view};
+    if (wanted == lineKey_) return;
+    lineKey_ = wanted;
+    std::vector<LineVertex> lines;
+    const SceneExtent& extent = sceneExtent(editor);
+    if (wanted.grid && editor.state.document.scene) addGrid(lines, extent);
+    if (wanted.frusta && editor.state.document.capture)
+        for (size_t i = 0; i < editor.state.document.capture->views.size(); ++i)
+            addFrustum(lines, editor.state.document.capture->views[i].camera, frustumDepth(extent.radius),
+                       int(i) == wanted.view);
+    lineVertices_ = lines.size();
+    if (lineVertices_) lines_.upload(GL_ARRAY_BUFFER, lines);
+}
+
+void ViewportImage::makeOutline(const Editor& editor, const EyeView& eye, float pixelsPerPoint) {
+    outlineCount_ = 0;
+    job_.outlined = nullptr;
+    const auto live = editor.liveFrame();
+    if (key_.selected.empty() || !live || !live->emitterOfTriangle || !meshes_[0].drawable ||
+        meshes_[0].geometry.mesh() != live->mesh)
+        return;
+    std::vector<uint8_t> wanted(live->emitterIds.size(), 0);
+    for (size_t i = 0; i < wanted.size(); ++i) wanted[i] = editor.state.selection.has(live->emitterIds[i]);
+    std::vector<Triangle> triangles;
+    Vec2 low(1e9f), high(-1e9f);
+    bool whole = false;
+    for (size_t t = 0; t < live->mesh->triangles.size() && t < live->emitterOfTriangle->size(); ++t) {
+        const int emitter = (*live->emitterOfTriangle)[t];
+        if (emitter < 0 || size_t(emitter) >= wanted.size() || !wanted[size_t(emitter)]) continue;
+        if (t < visible_.size() && !visible_[t]) continue;
+        triangles.push_back(live->mesh->triangles[t]);
+        for (uint32_t v : live->mesh->triangles[t]) {
+            const auto at = eye.toScreen(live->mesh->positions[v]);
+            if (at) low = glm::min(low, *at), high = glm::max(high, *at);
+            else whole = true;
+        }
+    }
+    if (triangles.empty()) return;
+    outline_.upload(GL_ARRAY_BUFFER, triangles);
+    outlineCount_ = 3 * triangles.size();
+    job_.outlined = &meshes_[0].geometry;
+    job_.outlineIndices = &outline_;
+    job_.outlineCount = outlineCount_;
+    job_.outlineRadius = std::clamp(int(std::lround(1.6f * pixelsPerPoint)), 1, 5);
+    const Vec2 scale = Vec2(eye.width, eye.height) / eye.size;
+    const Vec2 pad(float(job_.outlineRadius + 2));
+    Vec2 from = (low - eye.corner) * scale - pad, to = (high - eye.corner) * scale + pad;
+    if (whole) from = Vec2(0), to = Vec2(eye.width, eye.height);
+    from = glm::clamp(from, Vec2(0), Vec2(eye.width, eye.height)),
+    to = glm::clamp(to, Vec2(0), Vec2(eye.width, eye.height));
+    job_.outlineBox[0] = int(from.x), job_.outlineBox[1] = std::max(0, eye.height - int(std::ceil(to.y)));
+    job_.outlineBox[2] = int(std::ceil(to.x)) - int(from.x), job_.outlineBox[3] = int(std::ceil(to.y)) - int(from.y);
+}
+
+GLuint ViewportImage::environmentTexture(const std::shared_ptr<const DistantLight>& distant) {
+    if (!distant) return 0;
+    if (distant != environmentShown_) {
+        constexpr int width = 512, height = 256;
+        std::vector<Vec4> texels(size_t(width) * height);
+        parallelFor(size_t(height), 8, [&](size_t y) {
+            for (int x = 0; x < width; ++x) {
+                const Vec3 direction = directionFromLatLong({(float(x) + 0.5f) / width, (float(y) + 0.5f) / height});
+                texels[y * width + size_t(x)] =
+                    Vec4(glm::clamp(distant->smoothRadiance(direction), Rgb(0), Rgb(60000)), 1);
+            }
+        });
+        uploadHalf(environment_, width, height, &texels[0].x, true);
+        environmentShown_ = distant;
+    }
+    return environment_.id();
+}
+
+GLuint ViewportImage::restTexture(const std::shared_ptr<const Frame>& frame) {
+    if (!frame) return 0;
+    if (frame != restShown_) {
+        std::vector<Vec4> texels(frame->beauty.size());
+        parallelFor(texels.size(), 1 << 14, [&](size_t i) {
+            texels[i] = Vec4(glm::clamp(frame->beauty[i], Rgb(0), Rgb(60000)), std::clamp(frame->alpha[i], 0.0f, 1.0f));
+        });
+        uploadHalf(rest_, frame->width, frame->height, &texels[0].x, false);
+        restShown_ = frame;
+    }
+    return rest_.id();
+}
+
+}  // namespace relamp::ui

@@ -1,0 +1,87 @@
+// Turns the editor's state into the one texture that the viewport shows, and redraws it only when something it depends
+// on has changed.
+#pragma once
+#include <array>
+#include <memory>
+
+#include "viewport/paint.h"
+#include "viewport/photograph.h"
+#include "viewport/renderer.h"
+
+namespace relamp::ui {
+
+class ViewportImage {
+public:
+    /// Draws when needed. `pixelsPerPoint` scales the outline.
+    void update(Editor& editor, const EyeView& eye, float pixelsPerPoint);
+    uint64_t texture() { return renderer_.texture(); }
+    /// Nothing is left to smooth: no further frame is needed.
+    bool settled() const { return sample_ + 1 >= Renderer::samplesAtRest; }
+    /// Milliseconds that the last update spent in draw calls, which a software rasteriser runs on this thread.
+    double drawMs() const { return drawMs_; }
+    const std::vector<Strip>& strips() const { return key_.strips; }
+    /// What is drawn and can be picked; null when there is nothing.
+    const std::shared_ptr<const Mesh>& mesh() const { return meshes_[0].geometry.mesh(); }
+    const std::vector<uint8_t>& visible() const { return visible_; }
+    Renderer& renderer() { return renderer_; }
+
+private:
+    /// Everything the image depends on.
+    struct Key {
+        Mat4 clipFromWorld{0};
+        int width = 0, height = 0;
+        std::vector<Strip> strips;
+        std::vector<PaintKey> paints;
+        float stops = 0, pixelsPerPoint = 1;
+        std::string displayView;
+        bool falseColour = false, wires = false, through = false, photographBehind = false, dome = false, grid = false,
+             frusta = false, ownEnvironment = false;
+        int view = -1;
+        std::set<uint32_t> hidden;
+        std::vector<std::string> selected;
+        std::shared_ptr<const void> rest, distant, capture, live;
+        bool operator==(const Key&) const = default;
+    };
+    /// A mesh with colours for one strip.
+    struct Painted {
+        PaintKey key;
+        bool made = false;
+        GpuMesh geometry;
+        GlBuffer colours;
+        bool display = false, shading = false, drawable = false;
+        std::shared_ptr<const std::vector<uint32_t>> origin;
+    };
+
+    Renderer renderer_;
+    Key key_;
+    int sample_ = -1;
+    double drawMs_ = 0;
+    ImageJob job_;
+    std::array<Painted, 3> meshes_;
+    PhotographTextures photographs_;
+    std::vector<uint8_t> visible_;
+    uint64_t visibleVersion_ = 0;
+    std::set<uint32_t> hiddenShown_;
+    GlTexture environment_, rest_;
+    std::shared_ptr<const DistantLight> environmentShown_;
+    std::shared_ptr<const Frame> restShown_;
+    GlBuffer lines_, outline_;
+    size_t lineVertices_ = 0, outlineCount_ = 0;
+    struct LineKey {
+        std::shared_ptr<const void> capture, scene;
+        bool grid = false, frusta = false;
+        int view = -1;
+        bool operator==(const LineKey&) const = default;
+    } lineKey_;
+    std::string displayView_;
+
+    Key keyOf(const Editor& editor, const EyeView& eye, float pixelsPerPoint) const;
+    void compose(Editor& editor, const EyeView& eye);
+    Painted& painted(const Editor& editor, size_t slot, const PaintKey& key);
+    void makeLines(const Editor& editor);
+    void makeOutline(const Editor& editor, const EyeView& eye, float pixelsPerPoint);
+    GLuint environmentTexture(const std::shared_ptr<const DistantLight>& distant);
+    GLuint restTexture(const std::shared_ptr<const Frame>& frame);
+};
+
+}  // namespace relamp::ui
