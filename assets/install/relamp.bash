@@ -1,10 +1,9 @@
 # Completion of relamp for bash. Verbs are known; options are asked of the program itself.
 _relamp() {
     local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} verb="" i
+    local verbs="check plan solve render export compare report merge-hdr stress info edit"
     for ((i = 1; i < COMP_CWORD; i++)); do
-        case ${COMP_WORDS[i]} in
-            check | solve | render | export | compare | report | merge-hdr | stress | info | edit) verb=${COMP_WORDS[i]} && break ;;
-        esac
+        [[ " $verbs " == *" ${COMP_WORDS[i]} "* ]] && verb=${COMP_WORDS[i]} && break
     done
     COMPREPLY=()
     case $before in
@@ -15,12 +14,17 @@ _relamp() {
         --naming) mapfile -t COMPREPLY < <(compgen -W "blender arnold" -- "$word") && return ;;
         --view) mapfile -t COMPREPLY < <(compgen -W "standard auto raw" -- "$word") && return ;;
         --progress) mapfile -t COMPREPLY < <(compgen -W "auto bar json none" -- "$word") && return ;;
-        --layers) mapfile -t COMPREPLY < <(compgen -W "all groups albedo correction residual normal position depth cryptomatte" -- "$word") && return ;;
+        --basis) mapfile -t COMPREPLY < <(compgen -W "built-in wide lambert" -- "$word") && return ;;
+        --photometric) mapfile -t COMPREPLY < <(compgen -W "auto off" -- "$word") && return ;;
+        --layers)
+            mapfile -t COMPREPLY < <(compgen -W "all groups albedo correction residual normal position depth \
+                cryptomatte" -- "$word") && return ;;
     esac
     if [[ -z $verb && $word != -* ]]; then
-        mapfile -t COMPREPLY < <(compgen -W "check solve render export compare report merge-hdr stress info edit" -- "$word")
+        mapfile -t COMPREPLY < <(compgen -W "$verbs" -- "$word")
     elif [[ $word == -* ]]; then
-        mapfile -t COMPREPLY < <(compgen -W "$("${COMP_WORDS[0]}" $verb --help 2>/dev/null | grep -oE -- '--[a-z][a-z-]*' | sort -u)" -- "$word")
+        mapfile -t COMPREPLY < <(compgen -W "$("${COMP_WORDS[0]}" $verb --help 2>/dev/null |
+            grep -oE -- '--[a-z][a-z-]*' | sort -u)" -- "$word")
     else
         mapfile -t COMPREPLY < <(compgen -f -- "$word")
     fi
@@ -35,7 +39,8 @@ _relamp_editor() {
         --gpu) mapfile -t COMPREPLY < <(compgen -W "auto on off" -- "$word") && return ;;
     esac
     if [[ $word == -* ]]; then
-        mapfile -t COMPREPLY < <(compgen -W "--solve --quality --scale --width --height --gpu --help --version" -- "$word")
+        mapfile -t COMPREPLY < <(compgen -W "--solve --quality --scale --width --height --gpu --help --version" \
+            -- "$word")
     else
         mapfile -t COMPREPLY < <(compgen -d -- "$word")
     fi
