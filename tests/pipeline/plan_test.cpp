@@ -126,9 +126,9 @@ TEST(Plan, CostsFollowTheCounts) {
     counts.vertices = 20000;
     counts.seen = counts.rows = 15000;
     counts.pairs = 100000;
-    counts.matteLooks = 3000;
+    counts.matteObservations = 3000;
     counts.lobes = 12;
-    counts.lookSeconds = 1e-5;
+    counts.observationSeconds = 1e-5;
     MachineSpeed speed;
     speed.gramPerColumn = 1e-9;
     speed.gramPerSquare = 1e-11;

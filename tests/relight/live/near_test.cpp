@@ -55,11 +55,11 @@ TEST(LiveNear, AVertexThatSeesAllOfAnEmitterNeedsNoRays) {
     occluders.ground = std::shared_ptr<const RayTracer>(std::shared_ptr<void>(), wall.tracer.get());
     occluders.offset = wall.tracer->surfaceOffset();
     occluders.parts.resize(2);
-    const Mesh emitter = test::squareAbove(2, 0, 0, 1, 4);
+    const Mesh mesh = test::squareAbove(2, 0, 0, 1, 4);
     EmitterCluster cluster;
-    for (uint32_t t = 0; t < emitter.triangles.size(); ++t) cluster.triangles.push_back(t);
+    for (uint32_t t = 0; t < mesh.triangles.size(); ++t) cluster.triangles.push_back(t);
     NearEmitter emitter;
-    emitter.tree = LiveEmitterTree(emitterSurface(emitter, cluster), true);
+    emitter.tree = LiveEmitterTree(emitterSurface(mesh, cluster), true);
     emitter.centre = {0, 0, 1};
     emitter.radius = emitter.tree.surface().radius;
     float open = 0;
