@@ -12,8 +12,8 @@ struct GatherOptions {
 };
 
 /// For each vertex and view: projected, tested for occlusion, looked up bilinearly among the pixels that see the same
-/// surface (METHOD 3). Pixels that see no geometry observe the environment. The noise level is estimated from pixel
-/// differences. Cost: one ray a pixel and one a vertex and view.
+/// surface (docs/method.md 3). Pixels that see no geometry observe the environment. The noise level is estimated from
+/// pixel differences. Cost: one ray a pixel and one a vertex and view.
 RadianceSamples gatherRadiance(const Capture& capture, const Scene& scene, const GatherOptions& options,
                                Progress& progress);
 

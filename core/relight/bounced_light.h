@@ -1,4 +1,4 @@
-// Light that surfaces send each other in an edited scene, by where it came from first (METHOD 8).
+// Light that surfaces send each other in an edited scene, by where it came from first (docs/method.md 8).
 #pragma once
 #include "base/progress.h"
 #include "transport/bounce.h"

@@ -71,7 +71,7 @@ std::string tidyName(const std::string& name);
 /// told apart by " (2)".
 std::vector<std::string> emitterNames(const std::vector<std::string>& recoveredIds, const Look& look);
 
-/// The edits document of INTERFACE section 3. Relative file names are taken from `folder`. Throws Error naming the
+/// The edits document of docs/interface.md 3. Relative file names are taken from `folder`. Throws Error naming the
 /// field
 /// ("emitters[2].matrix: is singular"). `origin`: what a Look's matrices count from (Capture::origin), metres; a
 /// document's count from 0.

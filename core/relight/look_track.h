@@ -46,7 +46,7 @@ private:
     std::vector<LookKey> keys_;
 };
 
-/// The edits document of INTERFACE section 3, or one with `"keys": [{"frame": 1, "look": {...}}, ...]`; what the
+/// The edits document of docs/interface.md 3, or one with `"keys": [{"frame": 1, "look": {...}}, ...]`; what the
 /// document holds beside `keys` (environment, emitters, ...) is taken by each look that does not say otherwise. Throws
 /// Error naming file and field.
 LookTrack readLookTrack(const std::filesystem::path& file, const DVec3& origin = DVec3(0));

@@ -1,4 +1,4 @@
-// One frame on disk (INTERFACE section 5): EXR with light groups and layers, or an image to look at. Rendered and
+// One frame on disk (docs/interface.md 5): EXR with light groups and layers, or an image to look at. Rendered and
 // written strip by strip, so that its size is not bounded by memory.
 #pragma once
 #include <filesystem>

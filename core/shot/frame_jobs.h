@@ -1,4 +1,4 @@
-// Which frames a render asks for: cameras, file names and numbers (INTERFACE section 4).
+// Which frames a render asks for: cameras, file names and numbers (docs/interface.md 4).
 #pragma once
 #include <filesystem>
 #include <string>

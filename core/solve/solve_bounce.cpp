@@ -1,6 +1,6 @@
-// Light that surfaces send each other (METHOD 8). What a surface sends is in the photographs, so the light that arrives
-// from other surfaces is a sum of known radiances, with all its bounces, whatever the albedos are [Yu99]: an offset b
-// in y = albedo (B x + b).
+// Light that surfaces send each other (docs/method.md 8). What a surface sends is in the photographs, so the light that
+// arrives from other surfaces is a sum of known radiances, with all its bounces, whatever the albedos are [Yu99]: an
+// offset b in y = albedo (B x + b).
 #include "base/log.h"
 #include "base/parallel.h"
 #include "solve/solve_state.h"

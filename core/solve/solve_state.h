@@ -59,7 +59,7 @@ private:
     bool hasMatte() const { return matteFraction_ > 0.15; }
     bool hasGloss() const { return !gloss_.empty(); }
     bool stopped() const { return progress_.outOfTime(); }
-    /// METHOD 11, on leaves of half the start level's side, and then at the start level.
+    /// docs/method.md 11, on leaves of half the start level's side, and then at the start level.
     void firstLight();
     void startLight();
     /// Leaves that give much of the light are split down to a side of 64 before the others are: a sun or a window is in

@@ -1,4 +1,4 @@
-// Which surfaces a vertex sees: what light bounced once is made of (METHOD 8).
+// Which surfaces a vertex sees: what light bounced once is made of (docs/method.md 8).
 #pragma once
 #include <vector>
 

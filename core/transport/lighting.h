@@ -1,6 +1,6 @@
 // The unknown of the lighting problem: distant radiance on the leaves of a quadtree over the direction square, and one
 // radiance per emitter. A tree-structured set of Haar coefficients spans the same functions, so these are the paper's
-// wavelet coefficients, and non-negativity is an exact bound per leaf (METHOD 2).
+// wavelet coefficients, and non-negativity is an exact bound per leaf (docs/method.md 2).
 #pragma once
 #include "base/error.h"
 #include "base/math.h"

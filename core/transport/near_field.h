@@ -1,5 +1,5 @@
-// Light from emitters that stand in the scene, by area sampling with form factors ([Put15] 3.1; METHOD: radiance does
-// not fall off along a ray, 1/r^2 and the emitter's cosine are the solid angle it covers).
+// Light from emitters that stand in the scene, by area sampling with form factors ([Put15] 3.1; docs/method.md 1:
+// radiance does not fall off along a ray, 1/r^2 and the emitter's cosine are the solid angle it covers).
 #pragma once
 #include "base/progress.h"
 #include "clusters/emitter_clusters.h"

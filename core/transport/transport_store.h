@@ -1,5 +1,5 @@
 // What vertices take from distant light, stored for the eye of a cache line: Haar coefficients of visibility x cosine /
-// pi on the direction square ([Ng04] double products), 16 vertices side by side. METHOD section 7.
+// pi on the direction square ([Ng04] double products), 16 vertices side by side. docs/method.md 7.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,6 +1,6 @@
 // Reflectance given the light, on matte surfaces: one albedo per vertex under the one prior of the house,
-// edge-preserving on differences of log albedo. The prior does not care for the scale, so the data decide it (METHOD
-// 6).
+// edge-preserving on differences of log albedo. The prior does not care for the scale, so the data decide it
+// (docs/method.md 6).
 #pragma once
 #include "base/progress.h"
 #include "scene/scene.h"

@@ -1,5 +1,5 @@
 // Light seen directly: unclipped pixels on an emitter are its radiance, background pixels are the environment.
-// Near-equalities; clipped ones are lower bounds (METHOD 3 and 6).
+// Near-equalities; clipped ones are lower bounds (docs/method.md 3 and 6).
 #pragma once
 #include "clusters/emitter_clusters.h"
 #include "radiance/samples.h"

@@ -1,4 +1,4 @@
-// The albedo-free start (METHOD 11): light from ratios of radiance between vertices of probably equal albedo.
+// The albedo-free start (docs/method.md 11): light from ratios of radiance between vertices of probably equal albedo.
 #pragma once
 #include <array>
 #include <functional>

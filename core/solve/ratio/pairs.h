@@ -1,4 +1,4 @@
-// Pairs of vertices with probably equal albedo: what fixes the light without knowing any albedo (METHOD 11).
+// Pairs of vertices with probably equal albedo: what fixes the light without knowing any albedo (docs/method.md 11).
 #pragma once
 #include "scene/scene.h"
 #include "solve/gloss/matte.h"
