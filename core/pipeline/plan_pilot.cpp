@@ -24,11 +24,10 @@ double median(std::vector<float> values) {
 double misfitOf(const MatteObservations& matte, const AlbedoPair& p, const std::vector<Rgb>& lit) {
     double sum = 0;
     for (int c = 0; c < 3; ++c) {
-        const double ya = matte.radiance[p.a][c], yb = matte.radiance[p.b][c], la = lit[p.a][c], lb = lit[p.b][c],
-                     whole = std::max(ya * lb + yb * la, 1e-30);
-        const double r = 2 * (ya * lb - yb * la) / whole, sa = double(matte.sigma[p.a][c]) * lb,
-                     sb = double(matte.sigma[p.b][c]) * la;
-        sum += r * r / (4 * (sa * sa + sb * sb) / (whole * whole) + 4.5e-4);
+        const double ya = matte.radiance[p.a][c], yb = matte.radiance[p.b][c], la = lit[p.a][c], lb = lit[p.b][c];
+        const double r = RatioResidual::value(ya, yb, la, lb);
+        sum += r * r /
+               (RatioResidual::variance(ya, yb, la, lb, matte.sigma[p.a][c] * lb, matte.sigma[p.b][c] * la) + 4.5e-4);
     }
     return p.weight * std::log1p(sum / 3 / 6.25);
 }

@@ -5,6 +5,7 @@
 #include "base/parallel.h"
 #include "solve/gloss/matte_under_gloss.h"
 #include "solve/light/lighting_step.h"
+#include "solve/light/weighted_gram.h"
 #include "solve/priors/prior_strength.h"
 #include "solve/solve_state.h"
 
@@ -153,7 +154,7 @@ void SolveState::alternate() {
     if (environmentBlack_) return;
     // The step changes one channel after the other: nothing is taken over before all are there.
     Lighting improved = lighting_;
-    const LightPrior prior(lighting_.leaves, anchors_, lightPrior_, &influence_);
+    const LightPrior prior(lighting_.leaves, anchors_, lightPrior_, influence_);
     const LightingStepReport step =
         lightingStep(influence_, matte_, albedo_.albedo, litSigma_, prior, bounce_, improved, progress_);
     lighting_ = std::move(improved);

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "base/parallel.h"
+#include "solve/light/weighted_gram.h"
 
 namespace relamp {
 namespace {

@@ -3,11 +3,12 @@
 #pragma once
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "solve/priors/anchors.h"
-#include "transport/incident.h"
+#include "solve/ratio/influence_rows.h"
 
 namespace relamp {
 
@@ -27,11 +28,11 @@ struct LightPriorOptions {
 /// which only the start uses, because the lighting program takes each channel by itself.
 class LightPrior {
 public:
-    /// `rows`, if not null, hold what the unknowns give to what is looked at. Brightness is then computed by what
+    /// `rows`, if given, hold what the unknowns give to what is looked at. Brightness is then computed by what
     /// reaches that: a mean over all directions would rise with light that nothing receives, and with it no difference
     /// between the others would count any more.
     LightPrior(const LightLeaves& leaves, const LightAnchors& anchors, const LightPriorOptions& options,
-               const InfluenceMatrix* rows = nullptr);
+               std::optional<InfluenceRows> rows = {});
     /// Sum of the smoothness and background terms (the emitters' near-equalities hold by construction).
     double value(const Eigen::VectorXd& x, int channel) const;
     /// Adds the quadratic model of the priors about x: q, moment (minimise x'qx - 2 moment'x) and the lower bounds of
