@@ -85,8 +85,8 @@ AlbedoFreeOptions pilotFit(const MatteObservations& matte, const EmitterClusters
     return fit;
 }
 
-/// Divides strong directions down to a side of 64, as the solve does (SolveState::sharpenStrong), so that it can begin
-/// with them.
+/// Divides strong directions down to a side of 64, as the solve does (sharpenStrong of solve/steps), so that it can
+/// begin with them.
 void sharpenStrong(const Scene& scene, const Visibility& visibility, const NearField& nearField,
                    const RadianceSamples& samples, const EmitterClusters& emitters, const PilotPairs& part,
                    const AlbedoFreeOptions& fit, Lighting& lighting, Progress& progress) {
