@@ -3,7 +3,7 @@
 #include "display/log_plot.h"
 #include "report/comparison.h"
 #include "report/estimate_tables.h"
-#include "report/html.h"
+#include "display/html.h"
 
 namespace relamp {
 namespace {

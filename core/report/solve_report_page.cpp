@@ -2,7 +2,7 @@
 
 #include "display/log_plot.h"
 #include "report/estimate_tables.h"
-#include "report/html.h"
+#include "display/html.h"
 #include "report/solve_report.h"
 
 namespace relamp {
