@@ -62,7 +62,7 @@ std::vector<StageEstimate> predictStages(const WorkCounts& n, const MachineSpeed
     if (near)
         stages.push_back({"coarse light", coarseRounds * roundSeconds(leaves) + strong,
                           roundMib(strong > 0 ? strongLeaves : leaves)});
-    // A few looks a component, three eighths of the directions.
+    // A few observations a component, three eighths of the directions.
     const double firstObservations = n.glossyObservations * 120 / 700;
     if (near && n.glossyObservations > 0)
         stages.push_back({"first surfaces", n.observationSeconds * 0.375 * firstObservations * 6,
@@ -111,7 +111,7 @@ std::vector<StageEstimate> predictStages(const WorkCounts& n, const MachineSpeed
         const double rounds = options.glossRounds;
         if (n.glossyObservations > 0) {
             const double glossy = n.glossyObservations;
-            if (n.metals) leaves = std::max(leaves, 1024 + n.emitters);  // what they mirror is divided to a side of 32
+            if (n.metals) leaves = std::max(leaves, 1024 + n.emitters);  // what they reflect is divided to a side of 32
             stages.push_back(
                 {"light with gloss",
                  rounds * (3 * (distant && !black ? roundSeconds(leaves) + productSeconds(glossy, leaves) / 3 : 0.0) +

@@ -1,5 +1,5 @@
-// The cost model: counts of rays, rows, leaves, looks and vertices times what one of each takes on this machine. Not a
-// door.
+// The cost model: counts of rays, rows, leaves, observations and vertices times what one of each takes on this machine.
+// Not a door.
 #pragma once
 #include "pipeline/machine_speed.h"
 #include "pipeline/plan_pilot.h"

@@ -16,7 +16,7 @@ struct Look {
     float weight = 0;
 };
 
-/// Usable looks, vertex after vertex; only vertices that two views see.
+/// Usable observations, vertex after vertex; only vertices that two views see.
 struct Looks {
     std::vector<uint32_t> start{0};
     std::vector<Look> observations;
@@ -56,7 +56,7 @@ float medianOf(std::vector<float>& values) {
     return *middle;
 }
 
-/// Residuals about each vertex's weighted mean; `robust`: per look and channel the weight of the last round.
+/// Residuals about each vertex's weighted mean; `robust`: per observation and channel the weight of the last round.
 void residualsOf(const Looks& all, const Eigen::VectorXd& u, const std::vector<Rgb>& robust,
                  std::vector<Rgb>& residual) {
     for (size_t v = 0; v + 1 < all.start.size(); ++v) {

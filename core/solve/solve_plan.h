@@ -33,7 +33,7 @@ struct PlanChoices {
     bool flatLevels = false;    ///< true: leaves are split on after a round that explained hardly more
     bool lastDigits = false;    ///< true: a fit goes on after an iteration that lowered its objective by less than 3e-4
     bool mattePointsInDetail = false;  ///< true: in the equations' products matte points tell leaves apart that were
-                                       ///< split for what metals mirror
+                                       ///< split for what metals reflect
     /// Nothing is left out.
     static PlanChoices everything() {
         return {true, true, true, false, true, true, true, true, true, true, true, true};

@@ -98,7 +98,7 @@ MatteObservations matteObservations(const Scene& scene, const RadianceSamples& s
                 if (r.clipped || r.weight < 0.2f * best) continue;
                 observations.push_back({r.radiance[c], r.weight, samples.sigma(r.radiance[c])});
             }
-            // A glossy surface only adds to its matte part, so it takes the lower looks.
+            // A glossy surface only adds to its matte part, so it takes the lower observations.
             const MatteValue matte = robustMatteValue(observations, glossy ? 0.25f : 0.5f);
             value[c] = matte.radiance;
             sigma[c] = glossy ? std::hypot(matte.sigma, 0.05f * value[c]) : matte.sigma;

@@ -17,7 +17,7 @@ struct LightPriorOptions {
                             ///< on edges half as long
     float hue = 8;          ///< weight of differences between channels of those relative differences, times smoothness
     float backgroundWeight =
-        30;  ///< looks a directly seen leaf counts for, at its spread of 2 % (whole) to 72 % (hardly covered)
+        30;  ///< observations a directly seen leaf counts for, at its spread of 2 % (whole) to 72 % (hardly covered)
     float darkness =
         0;  ///< radiance below which the mean of the distant light counts as black: relative terms end there
     float emitterWeight =

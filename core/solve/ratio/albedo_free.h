@@ -55,7 +55,7 @@ struct ViewRows {
 struct LightInformation {
     Eigen::MatrixXd all;  ///< of everything, priors included, 3n x 3n for n unknowns a channel, channel after channel
     std::array<Eigen::MatrixXd, 3>
-        observations;  ///< its part from looks at glossy surfaces, n x n per channel, empty without any
+        observations;  ///< its part from observations at glossy surfaces, n x n per channel, empty without any
     std::array<Eigen::VectorXd, 3> seen;  ///< its part from light seen directly, all of it on the diagonal
 };
 
