@@ -9,6 +9,7 @@
 #include <new>
 #include <nlohmann/json.hpp>
 
+#include "base/json_fields.h"
 #include "base/log.h"
 #include "commands.h"
 #include "plan_command.h"
@@ -34,7 +35,8 @@ void showProgress(relamp::Progress& progress, std::string mode) {
         });
     else if (mode == "json")
         progress.setListener([](const std::string& label, double fraction) {
-            std::fprintf(stderr, "%s\n", nlohmann::json{{"stage", label}, {"share", fraction}}.dump().c_str());
+            const nlohmann::json step{{"stage", label}, {"fraction", fraction}, {"share", fraction}};
+            std::fprintf(stderr, "%s\n", relamp::dumpJson(step).c_str());
         });
 }
 

@@ -4,11 +4,11 @@
 #include <nlohmann/json.hpp>
 
 #include "base/atomic_file.h"
+#include "base/json_fields.h"
 
 namespace relamp::ui {
 namespace {
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
 
 float number(const Json& document, const char* key, float fallback, float low, float high) {
     const auto at = document.find(key);
@@ -28,10 +28,14 @@ void loadSettings(const fs::path& folder, EditorState& state) {
     const fs::path file = folder / "settings.json";
     std::error_code error;
     if (!fs::exists(file, error)) return;
+    std::string text;
+    try {
+        text = readBytes(file, 1 << 20);
+    } catch (const Error&) { return; }
     Json document;
     try {
-        document = Json::parse(readBytes(file, 1 << 20), nullptr, false);
-    } catch (const Error&) { return; }
+        document = parseJson(text);
+    } catch (const Error&) {}
     if (!document.is_object()) {
         fs::rename(file, folder / "settings.damaged.json", error);
         return;
@@ -59,7 +63,7 @@ void saveSettings(const fs::path& folder, const EditorState& state) {
     std::error_code error;
     fs::create_directories(folder, error);
     try {
-        writeBytesAtomically(folder / "settings.json", document.dump(1, ' ', false, Json::error_handler_t::replace));
+        writeBytesAtomically(folder / "settings.json", dumpJson(document, 1, BadText::replace));
     } catch (const Error&) {
         // Sizes and recent files are not worth a dialog.
     }

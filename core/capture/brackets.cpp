@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "base/statistics.h"
 #include "image/image_io.h"
 
 namespace relamp {
@@ -86,9 +87,7 @@ std::array<double, codes> noiseOf(const std::vector<ResponseSample>& samples) {
     std::vector<std::pair<double, double>> knots;
     for (size_t b = 0; b < bins; ++b) {
         if (spreads[b].size() < 20) continue;
-        const auto middle = spreads[b].begin() + std::ptrdiff_t(spreads[b].size() / 2);
-        std::nth_element(spreads[b].begin(), middle, spreads[b].end());
-        knots.emplace_back(16.0 * double(b) + 8, std::max(double(*middle), lowestNoise));
+        knots.emplace_back(16.0 * double(b) + 8, std::max(double(medianOf(std::move(spreads[b]))), lowestNoise));
     }
     std::array<double, codes> noise;
     noise.fill(1);
@@ -462,9 +461,7 @@ public:
                     }
                 }
         if (found.size() < 100) return;
-        const auto middle = found.begin() + std::ptrdiff_t(found.size() / 2);
-        std::nth_element(found.begin(), middle, found.end());
-        variance = std::clamp(*middle, 0.0, 1.0);
+        variance = std::clamp(medianOf(std::move(found)), 0.0, 1.0);
     }
 
     /// Of ln radiance, each exposure.

@@ -5,19 +5,14 @@
 #include <queue>
 #include <set>
 
+#include "base/box.h"
 #include "base/log.h"
+#include "base/statistics.h"
 #include "clusters/false_emitters.h"
 #include "scene/rim.h"
 
 namespace relamp {
 namespace {
-
-float medianOf(std::vector<float> v, double quantile = 0.5) {
-    if (v.empty()) return 0;
-    const size_t k = size_t(quantile * double(v.size() - 1));
-    std::nth_element(v.begin(), v.begin() + ptrdiff_t(k), v.end());
-    return v[k];
-}
 
 /// What the views agree on about a vertex.
 struct VertexRadiance {
@@ -44,7 +39,7 @@ std::vector<VertexRadiance> summarise(const Scene& scene, const RadianceSamples&
             if (samples.samples[s].weight < 0.4f * best || (openOnly && samples.samples[s].clipped)) continue;
             for (int c = 0; c < 3; ++c) channel[c].push_back(samples.samples[s].radiance[c]);
         }
-        for (int c = 0; c < 3; ++c) r.radiance[c] = medianOf(channel[c]);
+        for (int c = 0; c < 3; ++c) r.radiance[c] = lowerMedianOf(channel[c]);
         r.weight = best;
         r.spread = -1;
         if (channel[0].size() > 1) {
@@ -156,7 +151,7 @@ void splitSpread(const RadianceSamples& samples, const std::vector<VertexRadianc
     float low = 1e30f, high = 0;
     for (size_t view = 0; view < ofView.size(); ++view) {
         if (ofView[view].size() < minPatch) continue;
-        common[view] = medianOf(ofView[view]);
+        common[view] = lowerMedianOf(ofView[view]);
         low = std::min(low, common[view]);
         high = std::max(high, common[view]);
     }
@@ -171,7 +166,7 @@ void splitSpread(const RadianceSamples& samples, const std::vector<VertexRadianc
         });
         if (most > least) own.push_back((most - least) / most);
     }
-    patch.ownSpread = medianOf(own);
+    patch.ownSpread = lowerMedianOf(own);
 }
 
 /// A reflection moves with the view. What is very bright and changes as a whole, and not much, is an emitter all the
@@ -202,10 +197,10 @@ void judge(const Scene& scene, const RadianceSamples& samples, const std::vector
             clipped += sample.clipped;
         }
     }
-    for (int c = 0; c < 3; ++c) patch.radiance[c] = medianOf(channel[c]);
+    for (int c = 0; c < 3; ++c) patch.radiance[c] = lowerMedianOf(channel[c]);
     e.viewsSeen = int(std::accumulate(views.begin(), views.end(), 0));
     e.clippedFraction = e.samples ? float(clipped) / float(e.samples) : 0;
-    e.viewSpread = medianOf(spreads);
+    e.viewSpread = lowerMedianOf(spreads);
     e.viewsAgree = spreads.size() * 4 >= patch.vertices.size();
     std::vector<float> off;
     float radius = 0, spacing = 0;
@@ -214,7 +209,7 @@ void judge(const Scene& scene, const RadianceSamples& samples, const std::vector
         off.push_back(glm::length(seen[v].radiance - patch.radiance) / std::max(glm::length(patch.radiance), 1e-20f));
         radius = std::max(radius, glm::length(scene.mesh.positions[v] - centre));
     }
-    e.uniformity = 1.4826f * medianOf(off);
+    e.uniformity = 1.4826f * lowerMedianOf(off);
     splitSpread(samples, seen, patch);
     e.sceneContrast = maxChannel(patch.radiance) / std::max(reference, 1e-20f);
     // The edge on the mesh, and the surfaces around in space.
@@ -225,13 +220,13 @@ void judge(const Scene& scene, const RadianceSamples& samples, const std::vector
             if (patchOf[u] != self && seen[u].weight > 0.1f)
                 drop.push_back(maxChannel(seen[u].radiance) / std::max(maxChannel(seen[v].radiance), 1e-20f));
         }
-    e.edgeDrop = drop.size() * 4 > patch.vertices.size() / 4 ? medianOf(drop) : 0;
+    e.edgeDrop = drop.size() * 4 > patch.vertices.size() / 4 ? lowerMedianOf(drop) : 0;
     const float reach = 2.5f * radius + 2 * spacing;
     for (uint32_t v = 0; v < seen.size(); ++v)
         if (seen[v].weight > 0.1f && patchOf[v] != self && glm::length(scene.mesh.positions[v] - centre) < reach)
             around.push_back(maxChannel(seen[v].radiance));
     e.localContrast =
-        around.size() < 8 ? e.sceneContrast : maxChannel(patch.radiance) / std::max(medianOf(around), 1e-20f);
+        around.size() < 8 ? e.sceneContrast : maxChannel(patch.radiance) / std::max(lowerMedianOf(around), 1e-20f);
 }
 
 std::vector<uint8_t> withinOneRing(const Scene& scene, const std::vector<uint8_t>& of) {
@@ -332,13 +327,10 @@ void measure(const Scene& scene, EmitterCluster& cluster) {
 }
 
 Vec3 middleOf(const Scene& scene, size_t vertices) {
-    Vec3 low(1e30f), high(-1e30f);
-    for (size_t v = 0; v < vertices; ++v) {
-        if (!scene.referenced[v]) continue;
-        low = glm::min(low, scene.mesh.positions[v] * scene.axes);
-        high = glm::max(high, scene.mesh.positions[v] * scene.axes);
-    }
-    return scene.axes * ((low + high) / 2.0f);
+    Box box;
+    for (size_t v = 0; v < vertices; ++v)
+        if (scene.referenced[v]) box.grow(scene.mesh.positions[v] * scene.axes);
+    return scene.axes * box.centre();
 }
 
 /// The spheres that stand for emitters without geometry: they are emitters because somebody said so, and how bright
@@ -428,7 +420,7 @@ bool litByEmitters(const Scene& scene, const std::vector<VertexRadiance>& seen,
         }
         demanded.push_back(maxChannel(seen[v].radiance) / std::max(maxChannel(lit), 1e-20f));
     }
-    return medianOf(demanded) < 1.5f;
+    return lowerMedianOf(demanded) < 1.5f;
 }
 
 /// What a part of uneven radiance sends on the whole: the mean over its surface.
@@ -474,27 +466,28 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
     EmitterClusters result;
     result.emitterOfVertex.assign(scene.mesh.vertexCount(), -1);
     result.emitterOfTriangle.assign(scene.mesh.triangles.size(), -1);
-    addProxyEmitters(scene, capture, medianOf(values), result);
+    addProxyEmitters(scene, capture, lowerMedianOf(values), result);
     if (values.empty()) {
         indexEmitters(scene, result);
         return result;
     }
     progress.advance();
 
-    std::vector<Patch> patches = growPatches(scene, seen, options.minContrast * medianOf(values), options.tolerance);
+    std::vector<Patch> patches =
+        growPatches(scene, seen, options.minContrast * lowerMedianOf(values), options.tolerance);
     mergeLikePatches(scene, patches, seen);
     progress.advance();
     std::vector<int> patchOf(seen.size(), -1);
     for (size_t i = 0; i < patches.size(); ++i)
         for (uint32_t v : patches[i].vertices) patchOf[v] = int(i);
     // The scene's ordinary brightness: view-independent surfaces outside every strikingly bright patch.
-    const float median = medianOf(values);
+    const float median = lowerMedianOf(values);
     std::vector<float> ordinary;
     for (uint32_t v = 0; v < seen.size(); ++v)
         if (seen[v].weight > 0.1f && seen[v].spread < 0.15f &&
             (patchOf[v] < 0 || maxChannel(seen[v].radiance) < 6 * median))
             ordinary.push_back(maxChannel(seen[v].radiance));
-    const float reference = ordinary.size() > 20 ? medianOf(ordinary, 0.95) : median;
+    const float reference = ordinary.size() > 20 ? quantileOf(std::move(ordinary), 0.95) : median;
 
     const std::vector<uint8_t> nearRim = withinOneRing(scene, rimVertices(scene.mesh));
     std::vector<uint32_t> seenOfComponent(scene.components, 0);

@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "base/random.h"
+#include "base/statistics.h"
 #include "solve/light/contributions.h"
 #include "solve/ratio/albedo_free.h"
 #include "transport/bounce.h"
@@ -13,12 +14,6 @@ namespace {
 constexpr size_t pairsWanted = 4000;
 constexpr int pilotSide = 16, pilotLevel = 3;
 constexpr uint32_t pilotRays = 256;  // with fewer their noise speaks against bounced light where it is
-
-double median(std::vector<float> values) {
-    if (values.empty()) return 0;
-    std::nth_element(values.begin(), values.begin() + ptrdiff_t(values.size() / 2), values.end());
-    return double(values[values.size() / 2]);
-}
 
 /// Misfit of one pair in variances, bent, at the irradiances `lit`: noise and a model error of 1.5 % a point.
 double misfitOf(const MatteObservations& matte, const AlbedoPair& p, const std::vector<Rgb>& lit) {
@@ -75,7 +70,7 @@ AlbedoFreeOptions pilotFit(const MatteObservations& matte, const EmitterClusters
                            Lighting& lighting) {
     std::vector<float> brightness;
     for (const Rgb& y : matte.radiance) brightness.push_back(maxChannel(y));
-    middle = median(brightness);
+    middle = double(medianOf(std::move(brightness)));
     lighting.emitterRadiance = firstRadiance(emitters);
     lighting.leafRadiance.assign(lighting.leaves.size(), Rgb(float(std::max(middle / 0.3, 1e-9))));
     AlbedoFreeOptions fit;

@@ -1,6 +1,8 @@
 // What an edit of the geometry changes: which parts moved, whose light has to be taken again, what leaves the ground.
 #include <algorithm>
 
+#include "base/box.h"
+
 #include "relight/live/state.h"
 
 namespace relamp {
@@ -61,16 +63,13 @@ void LiveScene::State::takeGeometry(const Look& next, EditedGeometry edited, Par
     if (groundShrank) {
         for (uint32_t b = 1; b < edited.parts.size(); ++b) {
             LivePart sphere;
-            Vec3 low(1e30f), high(-1e30f);
+            Box box;
             for (size_t t = 0; t < scene->mesh.triangles.size(); ++t)
                 if (edited.partOfTriangle[t] == b && geometry.partOfTriangle[t] == 0)
-                    for (uint32_t v : scene->mesh.triangles[t]) {
-                        low = glm::min(low, scene->mesh.positions[v]);
-                        high = glm::max(high, scene->mesh.positions[v]);
-                    }
-            if (low.x > high.x) continue;
-            sphere.centre = (low + high) / 2.0f;
-            sphere.radius = 1.0001f * glm::length(high - low) / 2;
+                    for (uint32_t v : scene->mesh.triangles[t]) box.grow(scene->mesh.positions[v]);
+            if (box.empty()) continue;
+            sphere.centre = box.centre();
+            sphere.radius = 1.0001f * box.diagonal() / 2;
             released.push_back(sphere);
         }
     }

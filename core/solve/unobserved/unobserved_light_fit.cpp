@@ -2,8 +2,10 @@
 
 #include <map>
 
+#include "base/box.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "base/statistics.h"
 #include "solve/light/qp.h"
 #include "transport/incident.h"
 
@@ -220,7 +222,7 @@ UnobservedLightData unobservedLightData(const Scene& measured, const RadianceSam
         data.radiance.push_back(double(luminance(matte.radiance[i])));
         return place[i];
     };
-    Vec3 low(1e30f), high(-1e30f);
+    Box box;
     for (size_t k = 0; k < all.size(); ++k) {
         if (!wantedOf(k)) continue;
         const AlbedoPair& p = all[k];
@@ -235,15 +237,14 @@ UnobservedLightData unobservedLightData(const Scene& measured, const RadianceSam
         data.variance.push_back(variance);
         data.component.push_back(scene.component[matte.vertices[p.a]]);
         data.far.push_back(k >= near);
-        low = glm::min(low, data.positions[a]);
-        high = glm::max(high, data.positions[a]);
+        box.grow(data.positions[a]);
     }
     if (data.pairs.empty()) return data;
     // Parts: boxes of a fifth of the scene's extent.
     std::map<int, int> parts;
-    const Vec3 size = glm::max(high - low, Vec3(1e-20f));
+    const Vec3 size = glm::max(box.size(), Vec3(1e-20f));
     for (const AlbedoPair& p : data.pairs) {
-        const glm::ivec3 cell = glm::min(glm::ivec3((data.positions[p.a] - low) / size * 5.0f), glm::ivec3(4));
+        const glm::ivec3 cell = glm::min(glm::ivec3((data.positions[p.a] - box.min) / size * 5.0f), glm::ivec3(4));
         data.part.push_back(parts.try_emplace(cell.x + 5 * cell.y + 25 * cell.z, int(parts.size())).first->second);
     }
     data.parts = int(parts.size());
@@ -265,9 +266,7 @@ UnobservedLightData unobservedLightData(const Scene& measured, const RadianceSam
         data.anchors.emitterRadiance[e] = Rgb(luminance(data.anchors.emitterRadiance[e]));
         data.anchored |= !emitters.emitters[e].unobserved;
     }
-    std::vector<double> brightness = data.radiance;
-    std::nth_element(brightness.begin(), brightness.begin() + ptrdiff_t(brightness.size() / 2), brightness.end());
-    const double middle = brightness[brightness.size() / 2];
+    const double middle = medianOf(data.radiance);
     for (LeafAnchor& a : data.anchors.leaves) {
         a.radiance = Rgb(luminance(a.radiance));
         // Black environment tie nothing down.
@@ -310,8 +309,7 @@ void assessPairs(UnobservedLightData& data, const UnobservedLightFit& fit) {
     for (auto& [component, values] : over) {
         if (values.size() < 30) continue;
         // The median of a squared standard normal is 0.455.
-        std::nth_element(values.begin(), values.begin() + ptrdiff_t(values.size() / 2), values.end());
-        factor[component] = std::max(1.0, values[values.size() / 2] / 0.455);
+        factor[component] = std::max(1.0, medianOf(std::move(values)) / 0.455);
     }
     for (size_t k = 0; k < data.pairs.size(); ++k) {
         auto at = factor.find(data.component[k]);
