@@ -29,14 +29,15 @@ Action modeAction(int n) {
     return a;
 }
 
-Action addAction(const char* id, const char* label, AddedEmitter::Shape shape) {
+Action addAction(const EmitterShapeInfo& info) {
     Action a;
-    a.id = id;
-    a.label = label;
+    a.id = std::string("light.add") + info.label;
+    a.label = std::string("Add ") + info.name;
     a.explanation = "A new light in front of what you look at; move it with G, turn it with R.";
     a.menu = "Light";
     a.enabled = hasEstimate;
-    a.run = [shape](Editor& e) { addNewEmitter(e, shape); };
+    a.run = [shape = info.shape](Editor& e) { addNewEmitter(e, shape); };
+    a.separatorBefore = &info == &emitterShapes().front();
     return a;
 }
 
@@ -262,13 +263,8 @@ std::vector<Action> makeActions() {
          hasSelection,
          {},
          false});
-    {
-        Action a = addAction("light.addRectangle", "Add rectangle", AddedEmitter::Shape::rectangle);
-        a.separatorBefore = true;
-        add(a);
-    }
-    add(addAction("light.addDisk", "Add disk", AddedEmitter::Shape::disk));
-    add(addAction("light.addSphere", "Add sphere", AddedEmitter::Shape::sphere));
+    for (const EmitterShapeInfo& info : emitterShapes())
+        if (info.own()) add(addAction(info));
     add({"light.addPart",
          "Add a part of the scene",
          "Click a thing in the scene and it shines.",

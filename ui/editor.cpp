@@ -20,8 +20,9 @@ Look lookThatFits(const Look& look, const Estimate& estimate, size_t vertices) {
     Look out = look;
     std::erase_if(out.emitters, [&](const EmitterLook& e) { return !known(e.id); });
     std::erase_if(out.added, [&](const AddedEmitter& e) {
-        return (e.shape == AddedEmitter::Shape::copy && !known(e.source)) ||
-               (e.shape == AddedEmitter::Shape::part && e.seedVertex >= vertices);
+        const auto geometry = infoOf(e.shape).geometry;
+        return (geometry == EmitterShapeInfo::Geometry::emitter && !known(e.source)) ||
+               (geometry == EmitterShapeInfo::Geometry::component && e.seedVertex >= vertices);
     });
     std::erase_if(out.parts, [&](const PartLook& p) { return p.seedVertex >= vertices; });
     return out;
