@@ -16,16 +16,15 @@ bool hasSelection(const Editor& e) { return hasEstimate(e) && !e.state.selection
 
 void scaleUi(Editor& e, float factor) { e.state.uiScale = std::clamp(e.state.uiScale * factor, 0.75f, 3.0f); }
 
-Action modeAction(int n) {
-    const ViewMode mode = ViewMode(n);
+Action modeAction(const ViewModeInfo& info) {
     Action a;
-    a.id = "view.mode" + std::to_string(n);
-    a.label = nameOf(mode);
-    a.explanation = explain(mode);
+    a.id = info.id;
+    a.label = info.name;
+    a.explanation = info.explanation;
     a.menu = "View";
-    a.keys = {{'0' + n}};
-    a.run = [mode](Editor& e) { setMode(e, mode); };
-    a.checked = [mode](const Editor& e) { return e.state.viewport.mode == mode; };
+    if (info.key) a.keys = {{info.key}};
+    a.run = [mode = info.mode](Editor& e) { setMode(e, mode); };
+    a.checked = [mode = info.mode](const Editor& e) { return e.state.viewport.mode == mode; };
     return a;
 }
 
@@ -352,7 +351,7 @@ std::vector<Action> makeActions() {
          [](const Editor& e) { return e.look().neutralMaterials; },
          false});
     // ---- view
-    for (int n = 1; n <= 9; ++n) add(modeAction(n));
+    for (const ViewModeInfo& info : viewModes()) add(modeAction(info));
     add({"view.frame",
          "Frame what is selected",
          "Moves the camera so that the selection fills the image.",

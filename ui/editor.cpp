@@ -179,7 +179,7 @@ void Editor::Impl::pollImage() {
         request.eye = eye;
         request.orthographic = orthographic;
         request.cacheFolder = options.cacheFolder;
-        request.restImage = eye.width > 0 && eye.height > 0 && self.state.viewport.mode == ViewMode::relit &&
+        request.restImage = eye.width > 0 && eye.height > 0 && infoOf(self.state.viewport.mode).restImage &&
                             !history.inGesture() && !job;
         if (self.state.selection.point) {
             request.pickSerial = pickSerial;
@@ -190,7 +190,7 @@ void Editor::Impl::pollImage() {
     relight.request(std::move(request));
     RelightRequest distant;
     const std::shared_ptr<const Estimate> distantOnly = self.distantOnly();
-    if (distantOnly && self.state.document.scene && self.state.viewport.mode == ViewMode::wipe) {
+    if (distantOnly && self.state.document.scene && infoOf(self.state.viewport.mode).shows(Paint::distantModel)) {
         distant.scene = self.state.document.scene;
         distant.estimate = distantOnly;
         distant.look.environment = self.look().environment;
