@@ -8,6 +8,7 @@
 
 #include "actions.h"
 #include "base/log.h"
+#include "capture/capture_formats.h"
 #include "editor.h"
 #include "gui.h"
 #include "item_map.h"
@@ -106,7 +107,7 @@ bool runWindow(Editor& editor, const ApplicationOptions& options, fs::path& open
             window.wait(shownBusy && !editor.busy() ? 0 : patience(editor, window, gui, keys, extraFrames));
         if (event) extraFrames = 3;
         else if (extraFrames > 0) --extraFrames;
-        for (const fs::path& path : window.takeDropped()) editor.open(path);
+        for (const fs::path& path : window.takeDropped()) editor.open(captureFolderOf(path));
         if (window.closeRequested()) editor.requestQuit();
         editor.poll();
         if (shownBusy && !editor.busy()) extraFrames = 3;  // what has just ended is still to be shown

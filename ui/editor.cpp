@@ -21,8 +21,9 @@ Look lookThatFits(const Look& look, const Estimate& estimate, size_t vertices) {
     Look out = look;
     std::erase_if(out.emitters, [&](const EmitterLook& e) { return !known(e.id); });
     std::erase_if(out.added, [&](const AddedEmitter& e) {
-        return (e.shape == AddedEmitter::Shape::copy && !known(e.source)) ||
-               (e.shape == AddedEmitter::Shape::part && e.seedVertex >= vertices);
+        const auto geometry = infoOf(e.shape).geometry;
+        return (geometry == EmitterShapeInfo::Geometry::emitter && !known(e.source)) ||
+               (geometry == EmitterShapeInfo::Geometry::component && e.seedVertex >= vertices);
     });
     std::erase_if(out.parts, [&](const PartLook& p) { return p.seedVertex >= vertices; });
     return out;
@@ -179,7 +180,7 @@ void Editor::Impl::pollImage() {
         request.eye = eye;
         request.orthographic = orthographic;
         request.cacheFolder = options.cacheFolder;
-        request.restImage = eye.width > 0 && eye.height > 0 && self.state.viewport.mode == ViewMode::relit &&
+        request.restImage = eye.width > 0 && eye.height > 0 && infoOf(self.state.viewport.mode).restImage &&
                             !history.inGesture() && !job;
         if (self.state.selection.point) {
             request.pickSerial = pickSerial;
@@ -190,7 +191,7 @@ void Editor::Impl::pollImage() {
     relight.request(std::move(request));
     RelightRequest distant;
     const std::shared_ptr<const Estimate> distantOnly = self.distantOnly();
-    if (distantOnly && self.state.document.scene && self.state.viewport.mode == ViewMode::wipe) {
+    if (distantOnly && self.state.document.scene && infoOf(self.state.viewport.mode).shows(Paint::distantModel)) {
         distant.scene = self.state.document.scene;
         distant.estimate = distantOnly;
         distant.look.environment = self.look().environment;

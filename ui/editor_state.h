@@ -17,15 +17,10 @@
 #include "scene/scene.h"
 #include "shot/shot_file.h"
 #include "solve/solve.h"
+#include "view_mode.h"
 #include "viewport/orbit_camera.h"
 
 namespace relamp::ui {
-
-/// Keys 1 to 9.
-enum class ViewMode { photograph = 1, relit, difference, clusters, correction, albedo, confidence, irradiance, wipe };
-/// Name for buttons, and one sentence for the tooltip.
-const char* nameOf(ViewMode mode);
-const char* explain(ViewMode mode);
 
 /// What is open. Empty capture: nothing.
 struct Document {

@@ -43,6 +43,15 @@ struct Pen {
 
 }  // namespace
 
+Icon iconNamed(const std::string& name) {
+    static const std::pair<const char*, Icon> named[] = {
+        {"rectangle", Icon::rectangle}, {"disk", Icon::disk}, {"sphere", Icon::sphere}, {"mesh", Icon::mesh},
+        {"copy", Icon::copy},           {"spot", Icon::spot}, {"sun", Icon::sun}};
+    for (const auto& [word, icon] : named)
+        if (name == word) return icon;
+    return Icon::emitter;
+}
+
 void drawIcon(ImDrawList* list, Icon icon, const ImVec2& at, float size, ImU32 colour) {
     const Pen pen{list, at, size, colour};
     switch (icon) {

@@ -2,6 +2,8 @@
 #pragma once
 #include <imgui.h>
 
+#include <string>
+
 namespace relamp::ui {
 
 enum class Icon {
@@ -44,6 +46,9 @@ enum class Icon {
     cross,
     pin
 };
+
+/// The icon that a table of core names; `emitter` where there is none of that name.
+Icon iconNamed(const std::string& name);
 
 /// Inside the square of `size` pixels whose top left corner is `at`.
 void drawIcon(ImDrawList* list, Icon icon, const ImVec2& at, float size, ImU32 colour);

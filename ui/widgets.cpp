@@ -5,27 +5,13 @@
 
 #include <cmath>
 
-#include "image/colour_temperature.h"
 #include "image/image_io.h"
 #include "item_map.h"
 #include "keys.h"
+#include "note.h"
 
 namespace relamp::ui {
 namespace {
-
-/// The gesture that a control of a panel holds open.
-struct Following {
-    Editor* editor = nullptr;
-    ImGuiID id = 0;
-};
-Following following;
-
-/// What a number shows while it is dragged: the value under the hand, not what the look makes of it.
-struct Held {
-    ImGuiID id = 0;
-    float value = 0;
-};
-Held held;
 
 struct Hover {
     ImGuiID id = 0;
@@ -39,16 +25,13 @@ constexpr double tooltipDelay = 0.45;
 
 ImU32 colourOf(ImGuiCol which) { return ImGui::GetColorU32(which); }
 
-void drop() { following = {}; }
+}  // namespace
 
-/// The item drawn last under the name on the screen, for tests that press real buttons.
 void note(const char* label) {
     if (!itemMapOn()) return;
     const std::string name(label, ImGui::FindRenderedTextEnd(label));
     noteItem(name.empty() ? label : name);
 }
-
-}  // namespace
 
 // ---- versions
 
@@ -423,157 +406,6 @@ ImVec4 lightColour(const Rgb& radiance) {
     if (!(most > 0) || !std::isfinite(most)) return {0, 0, 0, 1};
     return {srgbEncode(std::max(0.0f, radiance.x / most)), srgbEncode(std::max(0.0f, radiance.y / most)),
             srgbEncode(std::max(0.0f, radiance.z / most)), 1};
-}
-
-bool chromaticityDisc(const char* id, Rgb& light, float diameter) {
-    const ImVec2 at = ImGui::GetCursorScreenPos(), centre{at.x + diameter / 2, at.y + diameter / 2};
-    const float radius = diameter / 2 - em(0.2f);
-    ImGui::InvisibleButton(id, {diameter, diameter});
-    bool changed = false;
-    if (ImGui::IsItemActive() &&
-        (ImGui::IsItemActivated() || ImGui::GetIO().MouseDelta.x != 0 || ImGui::GetIO().MouseDelta.y != 0)) {
-        const ImVec2 mouse = ImGui::GetIO().MousePos;
-        const float x = (mouse.x - centre.x) / radius, y = (mouse.y - centre.y) / radius;
-        const float hue = std::atan2(y, x) / (2 * pi);
-        Rgb display;
-        ImGui::ColorConvertHSVtoRGB(hue < 0 ? hue + 1 : hue, std::min(1.0f, std::hypot(x, y)), 1, display.x, display.y,
-                                    display.z);
-        const Rgb linear(srgbDecode(display.x), srgbDecode(display.y), srgbDecode(display.z));
-        const float brightness = luminance(light);
-        light = linear * ((brightness > 0 ? brightness : 1) / luminance(linear));
-        changed = true;
-    }
-    ImDrawList* list = ImGui::GetWindowDrawList();
-    constexpr int sectors = 48, rings = 6;
-    const ImVec2 white = ImGui::GetFontTexUvWhitePixel();
-    for (int r = 0; r < rings; ++r)
-        for (int s = 0; s < sectors; ++s) {
-            list->PrimReserve(6, 4);
-            const ImDrawIdx first = ImDrawIdx(list->_VtxCurrentIdx);
-            for (const auto& [dr, ds] : {std::pair{0, 0}, {0, 1}, {1, 1}, {1, 0}}) {
-                const float saturation = float(r + dr) / rings, hue = float(s + ds) / sectors, angle = 2 * pi * hue;
-                ImVec4 c(0, 0, 0, ImGui::GetStyle().Alpha);
-                ImGui::ColorConvertHSVtoRGB(hue, saturation, 1, c.x, c.y, c.z);
-                list->PrimWriteVtx({centre.x + radius * saturation * std::cos(angle),
-                                    centre.y + radius * saturation * std::sin(angle)},
-                                   white, ImGui::ColorConvertFloat4ToU32(c));
-            }
-            for (const int k : {0, 1, 2, 0, 2, 3}) list->PrimWriteIdx(ImDrawIdx(first + k));
-        }
-    const ImVec4 now = lightColour(light);
-    float hue = 0, saturation = 0, value = 0;
-    ImGui::ColorConvertRGBtoHSV(now.x, now.y, now.z, hue, saturation, value);
-    const ImVec2 mark{centre.x + radius * saturation * std::cos(2 * pi * hue),
-                      centre.y + radius * saturation * std::sin(2 * pi * hue)};
-    list->AddCircleFilled(mark, em(0.4f), ImGui::GetColorU32(now));
-    list->AddCircle(mark, em(0.4f), IM_COL32(0, 0, 0, 255), 0, std::max(1.5f, em(0.1f)));
-    list->AddCircle(mark, em(0.48f), IM_COL32(255, 255, 255, 255), 0, std::max(1.0f, em(0.06f)));
-    return changed;
-}
-
-// ---- the look
-
-bool followGesture(Editor& editor, const std::string& label, bool changed, const std::function<void(Look&)>& change) {
-    const ImGuiID id = ImGui::GetItemID();
-    const bool active = ImGui::IsItemActive();
-    const bool mine = following.editor == &editor && (following.id == id || id == 0);
-    if (mine && !editor.inGesture()) {
-        // Taken back from outside (Esc, undo): the control must not start again under the same press.
-        drop();
-        if (active) ImGui::ClearActiveID();
-        return false;
-    }
-    if (mine && active && escapePressed()) {
-        editor.abandonGesture();
-        drop();
-        held = {};
-        ImGui::ClearActiveID();
-        return false;
-    }
-    if (changed) {
-        if (!mine) {
-            if (editor.inGesture()) editor.commitGesture();
-            editor.beginGesture(label);
-            following = {&editor, id};
-        }
-        editor.preview(change);
-    }
-    if (following.editor == &editor && following.id == id && !ImGui::IsItemActive() &&
-        (changed || ImGui::IsItemDeactivated())) {
-        editor.commitGesture();
-        drop();
-    }
-    return changed;
-}
-
-void settleGestures(Editor& editor) {
-    if (following.editor != &editor) return;
-    if (!editor.inGesture()) drop();
-    else if (!ImGui::IsAnyItemActive()) {
-        editor.commitGesture();
-        drop();
-    }
-}
-
-bool dragLook(Editor& editor, const char* id, const std::string& label, float value, const DragRange& range,
-              const std::string& explanation, const std::function<void(Look&, float)>& apply) {
-    const ImGuiID key = ImGui::GetID(id);
-    float now = held.id == key && ImGui::GetActiveID() == key ? held.value : value;
-    ImGuiSliderFlags flags = range.logarithmic ? ImGuiSliderFlags_Logarithmic : 0;
-    if (range.least != range.most) flags |= ImGuiSliderFlags_AlwaysClamp;
-    bool changed = false;
-    if (range.offset == 0) {
-        changed = ImGui::DragFloat(id, &now, range.speed, range.least, range.most, range.format, flags);
-    } else {
-        double wide = range.offset + double(now);
-        changed = ImGui::DragScalar(id, ImGuiDataType_Double, &wide, range.speed, nullptr, nullptr, range.format);
-        if (changed) now = float(wide - range.offset);
-    }
-    changed = changed && std::isfinite(now);
-    if (ImGui::IsItemActive()) held = {key, now};
-    note(label.c_str());
-    const bool edited = followGesture(editor, label, changed, [&](Look& look) { apply(look, now); });
-    if (!explanation.empty())
-        tooltip(explanation +
-                "\nDrag sideways, or double click to type. Alt is finer, Shift coarser, Esc takes it back.");
-    return edited;
-}
-
-bool kelvinLook(Editor& editor, const char* id, const std::string& label, const Rgb& colour,
-                const std::string& explanation, const std::function<void(Look&, const Rgb&)>& apply) {
-    const NearestKelvin nearest = nearestKelvin(colour);
-    const std::string more = nearest.distance > 0.02f ? explanation +
-                                                            "\nThis colour is too green or too pink for a temperature; "
-                                                            "dragging makes it a plain warm or cool white."
-                                                      : explanation;
-    return dragLook(editor, id, label, nearest.kelvin,
-                    {std::max(2.0f, nearest.kelvin / 250), lowestKelvin, highestKelvin,
-                     nearest.distance > 0.02f ? "~%.0f K" : "%.0f K"},
-                    more, [&](Look& look, float kelvin) { apply(look, kelvinTint(kelvin)); });
-}
-
-bool colourLook(Editor& editor, const char* id, const std::string& label, const Rgb& light, float size,
-                const std::string& explanation, const std::function<void(Look&, const Rgb&)>& apply) {
-    ImGui::PushID(id);
-    if (swatch("##swatch", lightColour(light), size, explanation)) ImGui::OpenPopup("##colour");
-    bool changed = false;
-    if (ImGui::BeginPopup("##colour")) {
-        dimText(label);
-        Rgb now = light;
-        const bool dragged = chromaticityDisc("##disc", now, em(11));
-        changed |= followGesture(editor, label, dragged, [&](Look& look) { apply(look, now); });
-        tooltip("Colour of the light: hue around, stronger outwards, white in the middle. Its brightness stays.");
-        ImGui::SetNextItemWidth(em(11));
-        changed |=
-            kelvinLook(editor, "##kelvin", label, light,
-                       "Temperature of the colour: 2700 K is a warm bulb, 6504 K is white, more is bluish.",
-                       [&](Look& look, const Rgb& tint) { apply(look, tint * std::max(luminance(light), 1e-12f)); });
-        if (button("White", "Makes the light white, as bright as it is"))
-            editor.edit(label, [&](Look& look) { apply(look, Rgb(luminance(light))); });
-        ImGui::EndPopup();
-    }
-    ImGui::PopID();
-    return changed;
 }
 
 bool panelsBusy() { return awake || awakeLast; }

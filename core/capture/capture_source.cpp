@@ -1,109 +1,10 @@
 #include "capture/capture_source.h"
 
 #include "base/is_there.h"
-#include "capture/colmap.h"
-#include "capture/colmap_brackets.h"
-#include "image/image_io.h"
+#include "capture/capture_formats.h"
 
 namespace relamp {
 namespace fs = std::filesystem;
-namespace {
-
-fs::path findMesh(const fs::path& folder, const std::string& meshPath) {
-    if (!meshPath.empty()) {
-        if (isFile(folder / meshPath)) return folder / meshPath;
-        throw Error("transforms.json: mesh_path names {}, which does not exist", (folder / meshPath).string());
-    }
-    for (const char* name : {"mesh.ply", "mesh.obj", "mesh.stl", "mesh.off"})
-        if (isFile(folder / name)) return folder / name;
-    throw Error("transforms.json: mesh_path is missing, and {} holds no mesh.ply, mesh.obj, mesh.stl or mesh.off",
-                folder.string());
-}
-
-CaptureSource fromTransforms(const fs::path& folder, const CaptureFix& fix) {
-    const fs::path file = folder / "transforms.json";
-    if (!isFile(file)) throw Error("{}: does not exist", file.string());
-    const auto images = [&](const std::string& filePath) {
-        return findImage(fix.images.empty() ? folder : placeOf(folder, fix.images), filePath);
-    };
-    Transforms transforms =
-        readTransforms(file, [&](const std::string& filePath) { return readImageSize(images(filePath)); });
-    CaptureSource source;
-    source.notes = std::move(transforms.notes);
-    source.up = transforms.up;
-    source.mesh = fix.mesh.empty() ? findMesh(folder, transforms.meshPath) : placeOf(folder, fix.mesh);
-    for (size_t i = 0; i < transforms.frames.size(); ++i) {
-        TransformsFrame& frame = transforms.frames[i];
-        const std::string& name = frame.filePath.empty() ? frame.exposures[0].filePath : frame.filePath;
-        source.frames.push_back({fmt::format("transforms.json: frame {}", i), name, images(name), frame.camera,
-                                 std::move(frame.exposures)});
-    }
-    return source;
-}
-
-/// The mesh of a COLMAP capture by the names its own tools give.
-fs::path findColmapMesh(const fs::path& folder, const fs::path& model) {
-    for (const fs::path& place : {folder, folder / "dense", folder / "dense/0", model, model / "..", model / "../.."})
-        for (const char* name :
-             {"mesh.ply", "mesh.obj", "mesh.stl", "mesh.off", "meshed-poisson.ply", "meshed-delaunay.ply"})
-            if (isFile(place / name)) return (place / name).lexically_normal();
-    throw Error(
-        "{}: holds no mesh (mesh.ply, mesh.obj, meshed-poisson.ply, dense/meshed-delaunay.ply ...), name it with "
-        "--mesh",
-        folder.string());
-}
-
-fs::path findColmapImages(const fs::path& folder, const fs::path& model, const std::string& first) {
-    for (const fs::path& place :
-         {folder / "images", folder, model / "images", model / "../images", model / "../../images"})
-        if (isFile(place / first)) return place.lexically_normal();
-    throw Error("{}: no folder with {} is found (images, ../images, ../../images), name it with --images",
-                folder.string(), first);
-}
-
-CaptureSource fromColmap(const fs::path& folder, const fs::path& modelFolder, const CaptureFix& fix,
-                         Progress& progress) {
-    const ColmapModel model =
-        withContext(modelFolder.string(), [&] { return readColmapModel(modelFolder, {}, progress); });
-    CaptureSource source;
-    source.where = modelFolder.string();
-    source.mesh = fix.mesh.empty() ? findColmapMesh(folder, modelFolder) : placeOf(folder, fix.mesh);
-    const fs::path images =
-        fix.images.empty() ? findColmapImages(folder, modelFolder, model.views[0].name) : placeOf(folder, fix.images);
-    std::vector<Camera> cameras;
-    for (const ColmapView& view : model.views) cameras.push_back(view.camera);
-    for (const ColmapBracket& b : colmapBrackets(images, model.views))
-        source.frames.push_back(
-            {b.view.name, b.view.name, findImage(images, b.view.name), b.view.camera, b.exposures, true});
-    if (source.frames.size() < model.views.size())
-        source.notes.push_back(
-            fmt::format("{} images are exposures of views that the model holds already; of each view the pose of the "
-                        "exposure nearest to +0 stops counts.",
-                        model.views.size() - source.frames.size()));
-    source.up = Vec3(guessUp(cameras).value_or(DVec3(0, 0, 1)));
-    // An axis within two degrees is meant.
-    for (int c = 0; c < 3; ++c)
-        if (std::abs(source.up[c]) > 0.9994f) {
-            Vec3 axis(0);
-            axis[c] = source.up[c] < 0 ? -1.0f : 1.0f;
-            source.up = axis;
-        }
-    source.notes.push_back(
-        fmt::format("{}: {} cameras, {} images, {} points; reprojection error {:.3f} pixels (the model says {:.3f}).",
-                    modelFolder.string(), model.cameras, model.views.size(), model.points.size(), model.errorPixels,
-                    model.statedErrorPixels));
-    if (fix.up.empty())
-        source.notes.push_back(fmt::format(
-            "COLMAP does not say what is up: {} is taken, from how the cameras were held; --up says otherwise.",
-            nameFromAxis(source.up)));
-    source.reconstruction = {model.points.size(), model.observations, model.errorPixels, model.statedErrorPixels,
-                             model.behind};
-    const size_t stride = std::max<size_t>(1, model.points.size() / 20000);
-    for (size_t i = 0; i < model.points.size(); i += stride) source.points.emplace_back(model.points[i]);
-    return source;
-}
-
-}  // namespace
 
 fs::path findImage(const fs::path& folder, const std::string& filePath) {
     const fs::path plain = folder / filePath;
@@ -127,11 +28,14 @@ fs::path placeOf(const fs::path& folder, const std::string& named) {
 CaptureSource captureSource(const fs::path& folder, const CaptureFix& fix, Progress& progress) {
     std::error_code ignored;
     if (!fs::is_directory(folder, ignored)) throw Error("{}: is not a folder", folder.string());
-    const std::optional<fs::path> colmap = !fix.colmap.empty() ? std::optional(placeOf(folder, fix.colmap))
-                                           : !isFile(folder / "transforms.json") ? findColmapModel(folder)
-                                                                                 : std::nullopt;
-    progress.begin(colmap ? "Reading the COLMAP model" : "Reading transforms.json", 1);
-    return colmap ? fromColmap(folder, *colmap, fix, progress) : fromTransforms(folder, fix);
+    const auto formats = captureFormats();
+    // Where nothing is found, the reader of the first format says what is missing.
+    FoundCapture found{&formats.front(), folder / "transforms.json"};
+    if (const auto here = findCapture(folder)) found = *here;
+    for (const CaptureFormat& format : formats)
+        if (format.named && !(fix.*format.named).empty()) found = {&format, placeOf(folder, fix.*format.named)};
+    progress.begin(found.format->reading, 1);
+    return found.format->read(folder, found.cameras, fix, progress);
 }
 
 }  // namespace relamp

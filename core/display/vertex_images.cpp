@@ -35,10 +35,11 @@ std::vector<Rgb> photographColours(const RadianceSamples& samples, int view) {
 }
 
 std::vector<Rgb> albedoColours(const Estimate& estimate) {
-    std::vector<Rgb> colours(estimate.reflectance.weight.empty() ? 0 : estimate.reflectance.weight[0].size(), Rgb(0));
-    for (size_t k = 0; k < estimate.reflectance.weight.size(); ++k) {
-        const float fraction = lobeAlbedo(estimate.reflectance.basis.lobes[k]);
-        for (size_t v = 0; v < colours.size(); ++v) colours[v] += fraction * estimate.reflectance.weight[k][v];
+    const Reflectance& r = estimate.reflectance;
+    std::vector<Rgb> colours(r.vertexCount(), Rgb(0));
+    for (size_t k = 0; k < r.lobes(); ++k) {
+        const float fraction = lobeAlbedo(r.basis.lobes[k]);
+        for (size_t v = 0; v < colours.size(); ++v) colours[v] += fraction * r.lobe(k)[v];
     }
     return colours;
 }

@@ -143,13 +143,11 @@ std::vector<EmitterState> emittersOf(const Scene& scene, const Estimate& estimat
         s.radiance = s.recoveredRadiance = e.radiance;
         s.changed = true;
         Part part;
-        if (e.shape == AddedEmitter::Shape::part) part = partOfComponent(scene, e.seedVertex);
-        else if (e.shape == AddedEmitter::Shape::copy) {
-            if (const int c = clusterIndex(estimate, e.source); c >= 0)
-                part = {clusters[size_t(c)].centroid, facingOf(clusters[size_t(c)]), clusters[size_t(c)].area};
-        } else if (e.shape == AddedEmitter::Shape::rectangle) part.area = e.size.x * e.size.y;
-        else if (e.shape == AddedEmitter::Shape::disk) part.area = pi * e.size.x * e.size.y / 4;
-        else part.area = pi * e.size.x * e.size.y;
+        const EmitterShapeInfo& info = infoOf(e.shape);
+        if (info.own()) part.area = info.area(e.size);
+        else if (info.geometry == EmitterShapeInfo::Geometry::component) part = partOfComponent(scene, e.seedVertex);
+        else if (const int c = clusterIndex(estimate, e.source); c >= 0)
+            part = {clusters[size_t(c)].centroid, facingOf(clusters[size_t(c)]), clusters[size_t(c)].area};
         s.pivot = Vec3(s.matrix * Vec4(part.centroid, 1));
         s.axes = axesFrom(s.matrix, part.facing);
         s.area = part.area;
@@ -243,8 +241,7 @@ void resetLook(Look& look) {
 }
 
 std::string addEmitter(Look& look, const Estimate& estimate, AddedEmitter emitter) {
-    const char* stems[] = {"rectangle", "disk", "sphere", "part", "copy"};
-    emitter.id = freshId(look, estimate, stems[int(emitter.shape)]);
+    emitter.id = freshId(look, estimate, infoOf(emitter.shape).name);
     look.added.push_back(std::move(emitter));
     return look.added.back().id;
 }
@@ -253,7 +250,8 @@ std::string duplicateEmitter(Look& look, const Estimate& estimate, const std::st
     const Mat4 aside = glm::translate(Mat4(1), offset);
     if (const AddedEmitter* added = addedLook(look, id)) {
         AddedEmitter copy = *added;
-        if (copy.shape == AddedEmitter::Shape::part) return {};  // a component of mesh exists once
+        if (infoOf(copy.shape).geometry == EmitterShapeInfo::Geometry::component)
+            return {};  // a component of mesh exists once
         copy.matrix = aside * copy.matrix;
         copy.name.clear();
         return addEmitter(look, estimate, std::move(copy));
@@ -261,7 +259,7 @@ std::string duplicateEmitter(Look& look, const Estimate& estimate, const std::st
     const int c = clusterIndex(estimate, id);
     if (c < 0) return {};
     AddedEmitter copy;
-    copy.shape = AddedEmitter::Shape::copy;
+    copy.shape = EmitterShape::copy;
     copy.source = id;
     copy.matrix = aside;
     copy.radiance = estimate.lighting.emitterRadiance[size_t(c)];

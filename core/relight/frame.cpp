@@ -61,7 +61,7 @@ public:
                 ++hits[size_t(e)];
                 emitterSeen = true;
                 if (emitter.surface.twoSided || glm::dot(relit_.scene.mesh.faceNormal(hit.triangle), d) < 0)
-                    gather.byEmitter[size_t(e)] += emitter.radiance;
+                    gather.byEmitter[size_t(e)] += emitter.emission.radiance(-d, origin_ + hit.distance * d);
                 continue;
             }
             shader_.surfaceAt(hit, d, surface_);

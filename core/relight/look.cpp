@@ -60,9 +60,7 @@ Json matrixToJson(const Mat4& narrow, ActsOn on, const DVec3& origin) {
     return rows;
 }
 
-ActsOn actsOn(AddedEmitter::Shape shape) {
-    return shape == AddedEmitter::Shape::part || shape == AddedEmitter::Shape::copy ? ActsOn::world : ActsOn::shape;
-}
+ActsOn actsOn(EmitterShape shape) { return infoOf(shape).own() ? ActsOn::shape : ActsOn::world; }
 
 const Json& listOf(const Json& document, const char* key) {
     static const Json empty = Json::array();
@@ -80,12 +78,13 @@ uint32_t vertexOf(const Json& object, const std::string& where) {
     return uint32_t(seed);
 }
 
-constexpr const char* shapeNames[] = {"rectangle", "disk", "sphere", "part", "copy"};
-
-AddedEmitter::Shape shapeOf(const std::string& name, const std::string& where) {
-    for (size_t i = 0; i < std::size(shapeNames); ++i)
-        if (name == shapeNames[i]) return AddedEmitter::Shape(i);
-    throw Error("{}.shape: is {}, expected rectangle, disk, sphere, part or copy", where, name);
+EmitterShape shapeOf(const std::string& name, const std::string& where) {
+    if (const EmitterShapeInfo* info = emitterShapeNamed(name)) return info->shape;
+    const auto shapes = emitterShapes();
+    std::string names = shapes.front().name;
+    for (size_t i = 1; i < shapes.size(); ++i)
+        names += (i + 1 < shapes.size() ? ", " : " or ") + std::string(shapes[i].name);
+    throw Error("{}.shape: is {}, expected {}", where, name, names);
 }
 
 std::string textOf(const Json& object, const char* key, const std::string& where) {
@@ -175,8 +174,9 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
         AddedEmitter emitter;
         emitter.id = textOf(e, "id", where);
         emitter.shape = shapeOf(textOf(e, "shape", where), where);
-        if (emitter.shape == AddedEmitter::Shape::part) emitter.seedVertex = vertexOf(e, where);
-        if (emitter.shape == AddedEmitter::Shape::copy) emitter.source = textOf(e, "source", where);
+        const auto geometry = infoOf(emitter.shape).geometry;
+        if (geometry == EmitterShapeInfo::Geometry::component) emitter.seedVertex = vertexOf(e, where);
+        if (geometry == EmitterShapeInfo::Geometry::emitter) emitter.source = textOf(e, "source", where);
         if (e.contains("enabled")) emitter.enabled = flagOf(e["enabled"], where + ".enabled");
         const Json matrix = e.contains("matrix") ? e["matrix"] : matrixToJson(Mat4(1), ActsOn::world, DVec3(0));
         emitter.matrix = matrixOf(matrix, where + ".matrix", actsOn(emitter.shape), origin);
@@ -234,12 +234,14 @@ Json lookToJson(const Look& look, const DVec3& origin) {
     document["added_emitters"] = Json::array();
     for (const AddedEmitter& e : look.added) {
         Json added{{"id", e.id},
-                   {"shape", shapeNames[size_t(e.shape)]},
+                   {"shape", infoOf(e.shape).name},
                    {"matrix", matrixToJson(e.matrix, actsOn(e.shape), origin)},
                    {"radiance", {e.radiance.x, e.radiance.y, e.radiance.z}}};
-        if (e.shape == AddedEmitter::Shape::part) added["seed_vertex"] = e.seedVertex;
-        else if (e.shape == AddedEmitter::Shape::copy) added["source"] = e.source;
-        else added["size"] = {e.size.x, e.size.y};
+        switch (infoOf(e.shape).geometry) {
+            case EmitterShapeInfo::Geometry::own: added["size"] = {e.size.x, e.size.y}; break;
+            case EmitterShapeInfo::Geometry::component: added["seed_vertex"] = e.seedVertex; break;
+            case EmitterShapeInfo::Geometry::emitter: added["source"] = e.source; break;
+        }
         if (!e.enabled) added["enabled"] = false;
         if (!e.name.empty()) added["name"] = e.name;
         document["added_emitters"].push_back(std::move(added));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/math.h"
+#include "relight/emitter_shape.h"
 
 namespace relamp {
 
@@ -30,13 +31,10 @@ struct EmitterLook {
 };
 
 struct AddedEmitter {
-    /// part: the connected component of mesh that holds seedVertex shines and moves. copy: the geometry of a recovered
-    /// emitter again, shining on the same faces as that one does.
-    enum class Shape { rectangle, disk, sphere, part, copy } shape = Shape::rectangle;
+    EmitterShape shape = EmitterShape::rectangle;
     std::string id;
-    Mat4 matrix{
-        1};  ///< rectangle, disk, sphere lie about the origin, facing -Z; part and copy: applied to world positions
-    Vec2 size{1};  ///< metres: width and height, or diameter; rectangle, disk, sphere
+    Mat4 matrix{1};  ///< shapes of their own lie about the origin, facing -Z; part and copy: applied to world positions
+    Vec2 size{1};    ///< metres: width and height, or diameter; shapes of their own
     Rgb radiance{1};
     bool enabled = true;      ///< off: radiance 0, its part stays
     uint32_t seedVertex = 0;  ///< part

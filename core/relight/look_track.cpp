@@ -120,9 +120,10 @@ Look blendLooks(const Look& a, const Look& b, float t, const LookPivots& pivots)
     for (AddedEmitter& e : out.added) {
         const AddedEmitter* other = find(b.added, [&](const AddedEmitter& x) { return x.id == e.id; });
         if (!other || other->shape != e.shape) continue;
-        const Vec3 pivot = e.shape == AddedEmitter::Shape::part   ? pivots.vertex(e.seedVertex)
-                           : e.shape == AddedEmitter::Shape::copy ? pivots.emitter(e.source)
-                                                                  : Vec3(0);
+        const auto geometry = infoOf(e.shape).geometry;
+        const Vec3 pivot = geometry == EmitterShapeInfo::Geometry::component ? pivots.vertex(e.seedVertex)
+                           : geometry == EmitterShapeInfo::Geometry::emitter ? pivots.emitter(e.source)
+                                                                             : Vec3(0);
         e.matrix = blendMatrices(e.matrix, other->matrix, t, pivot);
         e.size += t * (other->size - e.size);
         if (e.enabled || other->enabled) {

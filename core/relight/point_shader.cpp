@@ -5,7 +5,7 @@ namespace relamp {
 SceneLights::SceneLights(const RelitScene& scene) : relit(scene), distant(*scene.distant) {
     for (size_t e = 0; e < relit.emitters.size(); ++e) {
         emitters.emplace_back(relit.emitters[e].surface);
-        if (maxChannel(relit.emitters[e].radiance) > 0 && relit.emitters[e].surface.area() > 0) lit.push_back(e);
+        if (!relit.emitters[e].emission.dark() && relit.emitters[e].surface.area() > 0) lit.push_back(e);
     }
     // Surfaces keep their triangles in mesh order, those without area left out.
     std::vector<uint32_t> next(relit.emitters.size(), 0);
@@ -39,14 +39,13 @@ void PointShader::surfaceAt(const Hit& hit, const Vec3& direction, ShadedPoint& 
     }
     s.frame = frameAround(s.normal);
     s.eye = glm::transpose(s.frame) * s.towardEye;
-    const Triangle& t = scene.mesh.triangles[hit.triangle];
     const float b1 = hit.barycentric.x, b2 = hit.barycentric.y, b0 = 1 - b1 - b2;
     s.triangle = hit.triangle;
     s.corners = back ? Vec3(0) : Vec3(b0, b1, b2);
     s.lobes.clear();
-    for (size_t k = 0; k < relit_.weight.size(); ++k) {
-        const auto& w = relit_.weight[k];
-        const Rgb value = b0 * w[t[0]] + b1 * w[t[1]] + b2 * w[t[2]];
+    const LobesAtHit weights = relit_.weightsAt(hit);
+    for (size_t k = 0; k < weights.size(); ++k) {
+        const Rgb value = weights[k];
         if (k == 0) s.albedo = value;
         else if (maxChannel(value) > 1e-4f && s.eye.z > 1e-3f) s.lobes.emplace_back(k, value);
     }
@@ -171,7 +170,9 @@ void PointShader::flushShadow(const ShadedPoint& s, Gather& out) {
         // A direction on the rim of its cell may round into a black neighbour, which is never drawn and sends nothing.
         if (!(own + other > 0)) continue;
         if (emitter_[i] < 0) out.world += f * relit_.distant->radiance(rays_[i].direction) / (own + other);
-        else out.byEmitter[size_t(emitter_[i])] += f * relit_.emitters[size_t(emitter_[i])].radiance / (own + other);
+        else
+            out.byEmitter[size_t(emitter_[i])] +=
+                f * emitted(size_t(emitter_[i]), rays_[i], rays_[i].far) / (own + other);
     }
     count_ = 0;
 }
@@ -213,7 +214,7 @@ void PointShader::flushClosest(const ShadedPoint& s, Gather& out) {
             }
             continue;
         }
-        if (maxChannel(relit_.emitters[size_t(e)].radiance) <= 0) continue;
+        if (relit_.emitters[size_t(e)].emission.dark()) continue;
         const RelitEmitter& emitter = relit_.emitters[size_t(e)];
         const float facing = -glm::dot(relit_.scene.mesh.faceNormal(hits[i].triangle), rays_[i].direction);
         if (facing <= 1e-5f && !emitter.surface.twoSided) continue;
@@ -222,7 +223,9 @@ void PointShader::flushClosest(const ShadedPoint& s, Gather& out) {
         const float density =
             float(emitterSamples_) * area * hits[i].distance * hits[i].distance / std::max(std::abs(facing), 1e-5f) +
             own;
-        if (density > 0) out.byEmitter[size_t(e)] += reflectanceTimesCosine(s, light) * emitter.radiance / density;
+        if (density > 0)
+            out.byEmitter[size_t(e)] +=
+                reflectanceTimesCosine(s, light) * emitted(size_t(e), rays_[i], hits[i].distance) / density;
     }
     count_ = 0;
 }

@@ -67,6 +67,10 @@ private:
     }
     static float jitter(uint64_t seed, uint32_t n) { return unitFloat(mixBits(seed * 0x2545f491 + n)); }
 
+    /// Radiance of an emitter that `ray` meets after `distance`.
+    Rgb emitted(size_t emitter, const Ray& ray, float distance) const {
+        return relit_.emitters[emitter].emission.radiance(-ray.direction, ray.origin + distance * ray.direction);
+    }
     Rgb reflectanceTimesCosine(const ShadedPoint& s, const Vec3& light) const;
     /// Of the lobes alone, the matte part left out.
     Rgb lobesTimesCosine(const ShadedPoint& s, const Vec3& light) const;

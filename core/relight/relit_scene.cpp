@@ -9,47 +9,13 @@
 namespace relamp {
 namespace {
 
+/// The mesh of a shape of its own, in the world.
 Mesh shapeMesh(const AddedEmitter& added) {
-    Mesh m;
-    const auto point = [&](const Vec3& p, const Vec3& n) {
-        m.positions.push_back(Vec3(added.matrix * Vec4(p, 1)));
-        m.normals.push_back(glm::normalize(glm::transpose(glm::inverse(Mat3(added.matrix))) * n));
-    };
-    const bool mirrored = glm::determinant(Mat3(added.matrix)) < 0;
-    const auto face = [&](uint32_t a, uint32_t b, uint32_t c) {
-        m.triangles.push_back(mirrored ? Triangle{a, c, b} : Triangle{a, b, c});
-    };
-    const float w = added.size.x / 2, h = added.size.y / 2;
-    if (added.shape == AddedEmitter::Shape::rectangle) {
-        for (const Vec2& c : {Vec2(-1, -1), Vec2(-1, 1), Vec2(1, 1), Vec2(1, -1)})
-            point(Vec3(c.x * w, c.y * h, 0), Vec3(0, 0, -1));
-        face(0, 1, 2);
-        face(0, 2, 3);
-    } else if (added.shape == AddedEmitter::Shape::disk) {
-        constexpr uint32_t around = 32;
-        // Corners a little outside the circle, so that the polygon has the disc's area.
-        const float grow = std::sqrt((2 * pi / around) / std::sin(2 * pi / around));
-        point(Vec3(0), Vec3(0, 0, -1));
-        for (uint32_t i = 0; i < around; ++i)
-            point(grow * Vec3(w * std::cos(2 * pi * float(i) / around), h * std::sin(2 * pi * float(i) / around), 0),
-                  Vec3(0, 0, -1));
-        for (uint32_t i = 0; i < around; ++i) face(0, 1 + (i + 1) % around, 1 + i);
-    } else {
-        constexpr uint32_t rings = 12, around = 24;
-        constexpr float grow = 1.00718f;  // so that the polyhedron has the sphere's area
-        for (uint32_t r = 0; r <= rings; ++r)
-            for (uint32_t i = 0; i < around; ++i) {
-                const float t = pi * float(r) / rings, p = 2 * pi * float(i) / around;
-                const Vec3 n(std::sin(t) * std::cos(p), std::sin(t) * std::sin(p), std::cos(t));
-                point(grow * Vec3(n.x * w, n.y * h, n.z * w), n);
-            }
-        for (uint32_t r = 0; r < rings; ++r)
-            for (uint32_t i = 0; i < around; ++i) {
-                const uint32_t a = r * around + i, b = r * around + (i + 1) % around;
-                if (r > 0) face(a, a + around, b);
-                if (r + 1 < rings) face(b, a + around, b + around);
-            }
-    }
+    Mesh m = infoOf(added.shape).mesh(added.size);
+    for (Vec3& p : m.positions) p = Vec3(added.matrix * Vec4(p, 1));
+    for (Vec3& n : m.normals) n = glm::normalize(glm::transpose(glm::inverse(Mat3(added.matrix))) * n);
+    if (glm::determinant(Mat3(added.matrix)) < 0)
+        for (Triangle& t : m.triangles) std::swap(t[1], t[2]);
     return m;
 }
 
@@ -226,18 +192,19 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
     out.emitterOfTriangle = estimate.emitters.emitterOfTriangle;
     for (size_t e = 0; e < clusters.size(); ++e) {
         addEmitter(e, matrix[e]);
-        out.emitters.push_back({clusters[e].id, emitterSurface(scene.mesh, clusters[e], matrix[e]), radiance[e]});
+        out.emitters.push_back({clusters[e].id, emitterSurface(scene.mesh, clusters[e], matrix[e]), {radiance[e]}});
     }
     for (size_t i = 0; i < look.added.size(); ++i) {
         const AddedEmitter& added = look.added[i];
         const int e = int(clusters.size() + i);
-        RelitEmitter emitter{added.id, {}, added.enabled ? added.radiance : Rgb(0)};
-        if (added.shape == AddedEmitter::Shape::part) {
+        RelitEmitter emitter{added.id, {}, {added.enabled ? added.radiance : Rgb(0)}};
+        const auto geometry = infoOf(added.shape).geometry;
+        if (geometry == EmitterShapeInfo::Geometry::component) {
             const EmitterCluster cluster = clusterOfComponent(scene, added, out.emitterOfTriangle);
             for (uint32_t t : cluster.triangles) out.emitterOfTriangle[t] = e;
             emitter.surface = emitterSurface(scene.mesh, cluster, added.matrix);
             addEmitter(size_t(e), added.matrix);
-        } else if (added.shape == AddedEmitter::Shape::copy) {
+        } else if (geometry == EmitterShapeInfo::Geometry::emitter) {
             const EmitterCluster& source = clusters[emitterNamed(clusters, added.source, "added_emitters")];
             emitter.surface = emitterSurface(scene.mesh, source, added.matrix);
         }
@@ -262,8 +229,8 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
     }
     for (size_t i = 0; i < look.added.size(); ++i) {
         const AddedEmitter& added = look.added[i];
-        if (added.shape == AddedEmitter::Shape::part) continue;
-        const bool copy = added.shape == AddedEmitter::Shape::copy;
+        if (infoOf(added.shape).geometry == EmitterShapeInfo::Geometry::component) continue;
+        const bool copy = !infoOf(added.shape).own();
         const Mesh shape =
             copy ? clusterMesh(scene.mesh, clusters[emitterNamed(clusters, added.source, "added_emitters")],
                                added.matrix)

@@ -6,6 +6,7 @@
 #include "base/progress.h"
 #include "relight/bounced_light.h"
 #include "relight/distant_light.h"
+#include "relight/emission_profile.h"
 #include "relight/look.h"
 #include "scene/scene.h"
 #include "solve/estimate.h"
@@ -16,7 +17,7 @@ namespace relamp {
 struct RelitEmitter {
     std::string id;
     EmitterSurface surface;
-    Rgb radiance{0};     ///< after power scale; 0 when off
+    EmissionProfile emission;
     std::string name{};  ///< what it is called in files (emitterNames)
 };
 
@@ -55,13 +56,16 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
 std::shared_ptr<const DistantLight> distantOfLook(const Estimate& estimate, const EnvironmentLook& look);
 
 struct RelitScene {
-    Scene scene;                           ///< with moved and added geometry
-    std::vector<int> emitterOfTriangle;    ///< index into emitters, -1: none
-    std::vector<RelitEmitter> emitters;    ///< recovered ones in order, then added ones
-    std::vector<std::vector<Rgb>> weight;  ///< per lobe, per vertex of `scene`
+    Scene scene;                         ///< with moved and added geometry
+    std::vector<int> emitterOfTriangle;  ///< index into emitters, -1: none
+    std::vector<RelitEmitter> emitters;  ///< recovered ones in order, then added ones
+    StoredWeights weight;                ///< per lobe, per vertex of `scene`; readers ask weightsAt
     BrdfBasis basis;
     std::shared_ptr<const DistantLight> distant;
     BouncedLight bounced;  ///< empty where the estimate has none
+
+    LobesAtVertex weightsAt(size_t vertex) const { return {weight, vertex}; }
+    LobesAtHit weightsAt(const Hit& hit) const { return {weight, scene.mesh.triangles[hit.triangle], hit.barycentric}; }
 };
 
 /// `scene` is the capture's. Cost: a rebuild of the ray tracer when something moved (tens of ms). Throws Error naming

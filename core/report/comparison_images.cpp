@@ -36,13 +36,13 @@ Image beautyOf(const Frame& frame) {
 }
 
 Image offOf(RelitScene relit, const Camera& camera, Progress& progress) {
-    for (RelitEmitter& emitter : relit.emitters) emitter.radiance = Rgb(0);
+    for (RelitEmitter& emitter : relit.emitters) emitter.emission = {};
     return beautyOf(renderFrame(relit, camera, fewSamples(true), progress));
 }
 
 /// Surfaces alone under light of radiance 1 from everywhere.
 Image whiteOf(RelitScene relit, const Camera& camera, Progress& progress) {
-    for (RelitEmitter& emitter : relit.emitters) emitter.radiance = Rgb(0);
+    for (RelitEmitter& emitter : relit.emitters) emitter.emission = {};
     const DirectionGrid grid{16};
     relit.distant = std::make_shared<const DistantLight>(grid, std::vector<Rgb>(size_t(grid.cells()), Rgb(1)));
     const Frame frame = renderFrame(relit, camera, fewSamples(false), progress);

@@ -77,10 +77,10 @@ AnswerDifference differenceOf(const Estimate& base, const Estimate& variant, con
     }
     if (off > 0) d.irradiance = off / std::max(brightest, 1e-300);
     double squares = 0, reference = 0;
-    for (size_t v = 0; v < base.reflectance.weight[0].size(); ++v) {
+    for (size_t v = 0; v < base.reflectance.vertexCount(); ++v) {
         const size_t to = how.newIndex.empty() ? v : how.newIndex[v];
         if (base.reflectance.confidence[v] < 0.5f || variant.reflectance.confidence[to] < 0.5f) continue;
-        const DVec3 a(base.reflectance.weight[0][v]), b(variant.reflectance.weight[0][to]);
+        const DVec3 a(base.reflectance.at(v).albedo()), b(variant.reflectance.at(to).albedo());
         squares += glm::dot(a - b, a - b);
         reference += glm::dot(a, a);
     }

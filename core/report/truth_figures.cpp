@@ -86,7 +86,7 @@ void albedoFigures(const Columns& truth, const std::vector<Rgb>& emission, const
     if (albedo.empty()) return;
     double ab = 0, aa = 0, squares = 0, angle = 0, count = 0;
     for (size_t v = 0; v < albedo.size(); ++v) {
-        const DVec3 t(albedo[v]), found(shot.estimate.reflectance.weight[0][v]);
+        const DVec3 t(albedo[v]), found(shot.estimate.reflectance.at(v).albedo());
         if (std::min(t.x, std::min(t.y, t.z)) <= 0.02 || !shot.estimate.reflectance.observed[v] ||
             (!emission.empty() && maxChannel(emission[v]) > 0))
             continue;

@@ -34,7 +34,7 @@ ExportedComponent componentOf(const RelitScene& relit, int emitter, const std::s
                 place[v] = uint32_t(component.positions.size());
                 component.positions.push_back(mesh.positions[v] - origin);
                 component.normals.push_back(mesh.normals[v]);
-                component.albedo.push_back(relit.weight.empty() ? Rgb(0) : relit.weight[0][v]);
+                component.albedo.push_back(relit.weightsAt(v).albedo());
             }
             v = place[v];
         }
@@ -139,7 +139,7 @@ ExportedScene exportedScene(const RelitScene& relit, const Capture& capture) {
     for (size_t e = 0; e < relit.emitters.size(); ++e) {
         const RelitEmitter& emitter = relit.emitters[e];
         scene.components.push_back(componentOf(relit, int(e), emitter.id, emitter.name, emitter.surface.centroid));
-        scene.components.back().radiance = emitter.radiance;
+        scene.components.back().radiance = emitter.emission.level;
         scene.components.back().emits = true;
         scene.components.back().twoSided = emitter.surface.twoSided;
     }

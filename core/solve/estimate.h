@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "brdf/basis.h"
+#include "brdf/lobe_weights.h"
 #include "clusters/emitter_clusters.h"
 #include "solve/albedo/palette.h"
 #include "solve/reproduction.h"
@@ -16,11 +17,21 @@ namespace relamp {
 /// albedo.
 struct Reflectance {
     BrdfBasis basis;
-    std::vector<std::vector<Rgb>> weight;  ///< weight[k][vertex]
-    std::vector<uint8_t> observed;         ///< views that saw the vertex
+    StoredWeights weight;           ///< weight[k][vertex]; readers ask at() or lobe()
+    std::vector<uint8_t> observed;  ///< views that saw the vertex
     std::vector<float> confidence;  ///< in [0, 1]: fraction of the vertex's albedo that comes from its own observations
     std::vector<float>
         sigma;  ///< relative standard deviation of the albedo, mean of the channels; empty where it was not assessed
+
+    LobesAtVertex at(size_t vertex) const { return {weight, vertex}; }
+    /// `corners`: a triangle of the mesh; `barycentric` as a Hit has it.
+    LobesAtHit at(const std::array<uint32_t, 3>& corners, const Vec2& barycentric) const {
+        return {weight, corners, barycentric};
+    }
+    /// One lobe at all vertices, for loops over them.
+    const std::vector<Rgb>& lobe(size_t k) const { return weight[k]; }
+    size_t lobes() const { return weight.size(); }
+    size_t vertexCount() const { return weight.empty() ? 0 : weight[0].size(); }
 };
 
 /// One line of the timeline.

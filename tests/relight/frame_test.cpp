@@ -61,7 +61,7 @@ TEST(Frame, OfAPlaneUnderASquareEmitterIsAlbedoTimesRadianceTimesFormFactor) {
     const Scene scene = test::sceneOf(test::sheet({-4, -4, 0}, {8, 0, 0}, {0, 8, 0}, 2, 2));
     const RelitScene relit = test::relitOf(
         scene, test::matteEstimate(scene, Rgb(0.5f), Rgb(0)),
-        onlyAdded({AddedEmitter::Shape::rectangle, "lamp", test::translation({0.5f, 0, 3.5f}), Vec2(0.5f), Rgb(100)}));
+        onlyAdded({EmitterShape::rectangle, "lamp", test::translation({0.5f, 0, 3.5f}), Vec2(0.5f), Rgb(100)}));
     const Frame frame = render(relit, fromAbove(), 16);
     const auto expected = [](const Vec3& p) {
         return 50 * test::rectangleFormFactor(0.25 - p.x, 0.75 - p.x, -0.25 - p.y, 0.25 - p.y, 3.5);
@@ -76,7 +76,7 @@ TEST(Frame, OfAPlaneUnderALargeNearEmitterIsRightTooAndShadowsAreBlack) {
     append(mesh, test::sheet({-4, -4, 0.2f}, {3.5f, 0, 0}, {0, 8, 0}));  // a shelf over x < -0.5, its top dark
     const Scene scene = test::sceneOf(mesh);
     Look look;
-    look.added.push_back({AddedEmitter::Shape::rectangle, "lamp", test::translation({1.5f, 0, 1}), Vec2(2), Rgb(4)});
+    look.added.push_back({EmitterShape::rectangle, "lamp", test::translation({1.5f, 0, 1}), Vec2(2), Rgb(4)});
     const RelitScene relit = test::relitOf(scene, test::matteEstimate(scene, Rgb(1), Rgb(0)), look);
     // From below the emitter, at a slant.
     const Frame frame = render(relit, test::cameraAt({0.6, -2.5, 0.6}, {0.6, 0, 0}, 32, 24, 40), 16);
@@ -96,9 +96,9 @@ TEST(Frame, OfAPlaneUnderALargeNearEmitterIsRightTooAndShadowsAreBlack) {
 
 TEST(Frame, OfAPlaneUnderASphereIsTheSquareOfTheSineOfItsHalfAngle) {
     const Scene scene = test::sceneOf(test::sheet({-4, -4, 0}, {8, 0, 0}, {0, 8, 0}, 2, 2));
-    const RelitScene relit = test::relitOf(
-        scene, test::matteEstimate(scene, Rgb(1), Rgb(0)),
-        onlyAdded({AddedEmitter::Shape::sphere, "bulb", test::translation({0, 0, 4}), Vec2(0.6f), Rgb(30)}));
+    const RelitScene relit =
+        test::relitOf(scene, test::matteEstimate(scene, Rgb(1), Rgb(0)),
+                      onlyAdded({EmitterShape::sphere, "bulb", test::translation({0, 0, 4}), Vec2(0.6f), Rgb(30)}));
     const Frame frame = render(relit, fromAbove(), 16);
     // Form factor of a sphere wholly above the horizon: (r / d)^2 cos.
     const auto expected = [](const Vec3& p) {
@@ -110,9 +110,9 @@ TEST(Frame, OfAPlaneUnderASphereIsTheSquareOfTheSineOfItsHalfAngle) {
 
 TEST(Frame, ShowsEmittersTheirFrontOnlyAndTheEnvironmentBehind) {
     const Scene scene = test::sceneOf(test::sheet({-0.2f, -0.2f, -9}, {0.4f, 0, 0}, {0, 0.4f, 0}));
-    const RelitScene relit = test::relitOf(
-        scene, test::matteEstimate(scene, Rgb(0), Rgb(0.25f, 0.5f, 1)),
-        onlyAdded({AddedEmitter::Shape::rectangle, "lamp", test::translation({0, 0, 0}), Vec2(1), Rgb(7)}));
+    const RelitScene relit =
+        test::relitOf(scene, test::matteEstimate(scene, Rgb(0), Rgb(0.25f, 0.5f, 1)),
+                      onlyAdded({EmitterShape::rectangle, "lamp", test::translation({0, 0, 0}), Vec2(1), Rgb(7)}));
     const Frame below = render(relit, test::cameraAt({0, 0, -3}, {0, 0, 0}, 24, 24, 30, {0, 1, 0}), 2),
                 above = render(relit, fromAbove(), 2);
     const size_t middle = 12 * 24 + 12, corner = 0;
@@ -141,9 +141,8 @@ TEST(Frame, OfAGlossyPlaneMirrorsTheEmitter) {
     // Seen at 45 degrees from -x; the mirror image of the emitter is met at the origin.
     Mat4 facing(1);
     facing[3] = Vec4(2, 0, 2, 1);
-    const RelitScene relit =
-        test::relitOf(scene, glossyEstimate(scene, 0.005f, Rgb(0)),
-                      onlyAdded({AddedEmitter::Shape::rectangle, "lamp", facing, Vec2(1), Rgb(5)}));
+    const RelitScene relit = test::relitOf(scene, glossyEstimate(scene, 0.005f, Rgb(0)),
+                                           onlyAdded({EmitterShape::rectangle, "lamp", facing, Vec2(1), Rgb(5)}));
     const Frame frame = render(relit, test::cameraAt({-2, 0, 2}, {0, 0, 0}, 33, 33, 60), 16);
     EXPECT_NEAR(frame.beauty[16 * 33 + 16].y, 5, 0.1) << "the light's image has the light's radiance";
     EXPECT_LT(frame.beauty[1 * 33 + 1].y, 0.3f) << "away from the image there is little";
@@ -173,8 +172,7 @@ RelitScene clutter() {
     estimate.reflectance.basis.lobes.push_back({Lobe::Kind::ggxDielectric, 0.2f, "glaze"});
     estimate.reflectance.weight.push_back(std::vector<Rgb>(scene.mesh.vertexCount(), Rgb(1)));
     Look look;
-    look.added.push_back(
-        {AddedEmitter::Shape::sphere, "bulb", test::translation({-1, 0.5f, 1}), Vec2(0.2f), Rgb(9, 9, 30)});
+    look.added.push_back({EmitterShape::sphere, "bulb", test::translation({-1, 0.5f, 1}), Vec2(0.2f), Rgb(9, 9, 30)});
     return test::relitOf(scene, estimate, look);
 }
 
@@ -199,7 +197,7 @@ TEST(Frame, PixelsAloneHaveTheSameBitsAsInTheWhole) {
     const Scene scene = test::sceneOf(test::sheet({-4, -4, 0}, {8, 0, 0}, {0, 8, 0}, 2, 2));
     const RelitScene relit = test::relitOf(
         scene, test::matteEstimate(scene, Rgb(0.5f), Rgb(1, 2, 3)),
-        onlyAdded({AddedEmitter::Shape::rectangle, "lamp", test::translation({0.5f, 0, 2.5f}), Vec2(0.5f), Rgb(100)}));
+        onlyAdded({EmitterShape::rectangle, "lamp", test::translation({0.5f, 0, 2.5f}), Vec2(0.5f), Rgb(100)}));
     const Camera camera = fromAbove();
     const Frame whole = render(relit, camera);
     Progress progress;
@@ -244,7 +242,7 @@ TEST(Frame, StopsHalfWayWhenAsked) {
 TEST(FrameRenderer, StripsHaveTheBitsOfTheWholeFrame) {
     const Scene scene = test::sceneOf(test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 4, 4));
     Look look;
-    look.added.push_back({AddedEmitter::Shape::disk, "lamp", test::translation({0, 0, 1}), Vec2(0.5f), Rgb(10)});
+    look.added.push_back({EmitterShape::disk, "lamp", test::translation({0, 0, 1}), Vec2(0.5f), Rgb(10)});
     const RelitScene relit = test::relitOf(scene, test::matteEstimate(scene, Rgb(0.5f), Rgb(1)), look);
     const Camera camera = test::cameraAt({0, -2, 1.5}, {0, 0, 0.4}, 37, 29, 30);
     FrameOptions options;

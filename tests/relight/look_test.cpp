@@ -35,7 +35,7 @@ TEST(Look, ReadsEveryField) {
     // Row major: the translation is the last column.
     EXPECT_EQ(Vec3(look.emitters[0].matrix * Vec4(0, 0, 0, 1)), Vec3(2, 3, 4));
     ASSERT_EQ(look.added.size(), 1u);
-    EXPECT_EQ(look.added[0].shape, AddedEmitter::Shape::disk);
+    EXPECT_EQ(look.added[0].shape, EmitterShape::disk);
     EXPECT_EQ(Vec3(look.added[0].matrix * Vec4(1, 0, 0, 1)), Vec3(0, 1, 5));
     EXPECT_EQ(look.added[0].size, Vec2(1, 2));
     EXPECT_EQ(look.added[0].radiance, Rgb(5, 6, 7));
@@ -80,8 +80,8 @@ TEST(Look, NamesOfEmittersComeBackAndAreTidied) {
 TEST(Look, TwoEmittersThatAreCalledAlikeAreToldApart) {
     Look look;
     look.emitters.push_back({"emitter-2", true, Mat4(1), Rgb(1), "Key"});
-    look.added.push_back({AddedEmitter::Shape::disk, "disk-1"});
-    look.added.push_back({AddedEmitter::Shape::disk, "disk-2"});
+    look.added.push_back({EmitterShape::disk, "disk-1"});
+    look.added.push_back({EmitterShape::disk, "disk-2"});
     look.added.back().name = "Key";
     EXPECT_EQ(emitterNames({"emitter-1", "emitter-2"}, look),
               (std::vector<std::string>{"emitter-1", "Key", "disk-1", "Key (2)"}));
@@ -169,10 +169,10 @@ json fromScene() {
 TEST(Look, ReadsPartsThatShineAndCopiesOfEmitters) {
     const Look look = lookFromJson(fromScene(), "");
     ASSERT_EQ(look.added.size(), 2u);
-    EXPECT_EQ(look.added[0].shape, AddedEmitter::Shape::part);
+    EXPECT_EQ(look.added[0].shape, EmitterShape::part);
     EXPECT_EQ(look.added[0].seedVertex, 7u);
     EXPECT_TRUE(look.added[0].enabled);
-    EXPECT_EQ(look.added[1].shape, AddedEmitter::Shape::copy);
+    EXPECT_EQ(look.added[1].shape, EmitterShape::copy);
     EXPECT_EQ(look.added[1].source, "emitter-1");
     EXPECT_FALSE(look.added[1].enabled);
     EXPECT_EQ(look.parts.at(0).attachedTo, "emitter-1");

@@ -100,7 +100,7 @@ TEST(LookTrack, CallsAnEmitterTheSameInEveryFrame) {
     Look first = withEmitter(Mat4(1)), last;
     first.emitters[0].name = "Key";
     last.emitters.push_back({"emitter-2", true, Mat4(1), Rgb(2), "Fill"});
-    for (Look* look : {&first, &last}) look->added.push_back({AddedEmitter::Shape::disk, "disk-1"});
+    for (Look* look : {&first, &last}) look->added.push_back({EmitterShape::disk, "disk-1"});
     last.added[0].name = "Rim";
     const LookTrack track({{1, first}, {10, last}});
     for (const int frame : {1, 5, 10})

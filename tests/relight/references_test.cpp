@@ -70,7 +70,7 @@ TEST_F(References, NearFieldSquareEmitterBesideAPlaneAndASphere) {
     Look look;
     // From facing -Z to facing -X.
     Mat4 matrix(Vec4(0, 0, -1, 0), Vec4(0, 1, 0, 0), Vec4(1, 0, 0, 0), Vec4(1.25f, 0, 1, 1));
-    look.added.push_back({AddedEmitter::Shape::rectangle, "lamp", matrix, Vec2(2), Rgb(3)});
+    look.added.push_back({EmitterShape::rectangle, "lamp", matrix, Vec2(2), Rgb(3)});
     const Difference d = compare(render(scene, estimate, look, 128), "mitsuba_area_light_radiance.exr");
     EXPECT_NEAR(d.mean, 0, 0.005);
     EXPECT_LT(d.median, 0.02);
@@ -93,7 +93,7 @@ TEST_F(References, ShadowOfASphereUnderASmallFarBulb) {
     test::append(mesh, test::ball({2, 0, 2}, 0.25f, 64, 128));
     const Scene scene = test::sceneOf(mesh);
     Look look;
-    look.added.push_back({AddedEmitter::Shape::sphere, "bulb", test::translation({4, 0, 4}), Vec2(0.1f), Rgb(1000)});
+    look.added.push_back({EmitterShape::sphere, "bulb", test::translation({4, 0, 4}), Vec2(0.1f), Rgb(1000)});
     const Difference d = compare(render(scene, test::matteEstimate(scene, Rgb(0.5f), Rgb(0)), look, 128),
                                  "mitsuba_translate_occluder_area_light.exr");
     EXPECT_NEAR(d.mean, 0, 0.01);

@@ -47,7 +47,7 @@ TEST(ApplyLook, OfAnEmptyLookIsTheScene) {
     EXPECT_EQ(relit.scene.mesh.triangles, w.scene.mesh.triangles);
     ASSERT_EQ(relit.emitters.size(), 1u);
     EXPECT_EQ(relit.emitters[0].id, "emitter-1");
-    EXPECT_EQ(relit.emitters[0].radiance, Rgb(10, 20, 30));
+    EXPECT_EQ(relit.emitters[0].emission.level, Rgb(10, 20, 30));
     EXPECT_NEAR(relit.emitters[0].surface.area(), 4, 1e-5);
     EXPECT_EQ(relit.distant->cells(), w.estimate.environment);
 }
@@ -57,7 +57,7 @@ TEST(ApplyLook, MovesAnEmitterAndDoublesTheVerticesItFractions) {
     Look look;
     look.emitters.push_back({"emitter-1", true, test::translation({0, 0, -1}), Rgb(2, 1, 0.5f)});
     const RelitScene relit = test::relitOf(w.scene, w.estimate, look);
-    EXPECT_EQ(relit.emitters[0].radiance, Rgb(20, 20, 15));
+    EXPECT_EQ(relit.emitters[0].emission.level, Rgb(20, 20, 15));
     EXPECT_LT(glm::length(relit.emitters[0].surface.centroid - Vec3(0, 0, -1)), 1e-5f);
     // The emitter has 9 vertices: its middle is its own, the 8 of the rim are shared.
     EXPECT_EQ(relit.scene.mesh.vertexCount(), w.scene.mesh.vertexCount() + 8);
@@ -125,16 +125,16 @@ TEST(ApplyLook, SwitchesAnEmitterOffWithoutTakingItAway) {
     Look look;
     look.emitters.push_back({"emitter-1", false, Mat4(1), Rgb(1)});
     const RelitScene relit = test::relitOf(w.scene, w.estimate, look);
-    EXPECT_EQ(relit.emitters[0].radiance, Rgb(0));
+    EXPECT_EQ(relit.emitters[0].emission.level, Rgb(0));
     EXPECT_EQ(relit.scene.mesh.triangles.size(), w.scene.mesh.triangles.size());
 }
 
 TEST(ApplyLook, AddsEmittersOfTheSizeAskedForThatFaceDown) {
     const World w = world();
     Look look;
-    look.added.push_back({AddedEmitter::Shape::rectangle, "r", test::translation({0, 0, 2}), Vec2(2, 3), Rgb(1)});
-    look.added.push_back({AddedEmitter::Shape::disk, "d", test::translation({3, 0, 2}), Vec2(2, 2), Rgb(2)});
-    look.added.push_back({AddedEmitter::Shape::sphere, "s", test::translation({6, 0, 2}), Vec2(2, 2), Rgb(3)});
+    look.added.push_back({EmitterShape::rectangle, "r", test::translation({0, 0, 2}), Vec2(2, 3), Rgb(1)});
+    look.added.push_back({EmitterShape::disk, "d", test::translation({3, 0, 2}), Vec2(2, 2), Rgb(2)});
+    look.added.push_back({EmitterShape::sphere, "s", test::translation({6, 0, 2}), Vec2(2, 2), Rgb(3)});
     const RelitScene relit = test::relitOf(w.scene, w.estimate, look);
     ASSERT_EQ(relit.emitters.size(), 4u);
     EXPECT_EQ(relit.emitters[1].id, "r");

@@ -25,8 +25,8 @@ protected:
         view.camera = test::cameraAt({0, -2, 1.5}, {0, 0, 0}, 24, 18, 20);
         shot.capture.views.push_back(view);
         Look look;
-        look.added.push_back({AddedEmitter::Shape::rectangle, "lamp", test::translation({0.25f, 0.5f, 1}),
-                              Vec2(0.5f, 0.25f), Rgb(150, 98, 50)});
+        look.added.push_back({EmitterShape::rectangle, "lamp", test::translation({0.25f, 0.5f, 1}), Vec2(0.5f, 0.25f),
+                              Rgb(150, 98, 50)});
         relit = test::relitOf(scene, shot.estimate, look);
     }
     nlohmann::json opened(const std::filesystem::path& file) {

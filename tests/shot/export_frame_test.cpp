@@ -114,10 +114,10 @@ protected:
         Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 2, 2);
         const Scene scene = test::sceneOf(mesh);
         Look look;
-        look.added.push_back({AddedEmitter::Shape::disk, "disk-1", test::translation({0, 0, 1}), Vec2(0.5f), Rgb(10)});
+        look.added.push_back({EmitterShape::disk, "disk-1", test::translation({0, 0, 1}), Vec2(0.5f), Rgb(10)});
         look.added.back().name = "Key light";
         look.added.push_back(
-            {AddedEmitter::Shape::disk, "7 of.9", test::translation({0.5f, 0, 1}), Vec2(0.5f), Rgb(200000, 1, 1)});
+            {EmitterShape::disk, "7 of.9", test::translation({0.5f, 0, 1}), Vec2(0.5f), Rgb(200000, 1, 1)});
         relit = test::relitOf(scene, test::matteEstimate(scene, Rgb(0.5f), Rgb(1)), look);
         camera = test::cameraAt({0, -2, 1.5}, {0, 0, 0}, 24, 16, 20);
         FrameOptions options;

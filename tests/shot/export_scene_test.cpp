@@ -27,8 +27,8 @@ protected:
         view.camera = test::cameraAt({0, -2, 1.5}, {0, 0, 0}, 40, 30, 50);
         shot.capture.views.push_back(view);
         Look look;
-        look.added.push_back({AddedEmitter::Shape::rectangle, "rectangle-1", test::translation({1, 2, 3}),
-                              Vec2(2, 0.5f), Rgb(40, 20, 10)});
+        look.added.push_back(
+            {EmitterShape::rectangle, "rectangle-1", test::translation({1, 2, 3}), Vec2(2, 0.5f), Rgb(40, 20, 10)});
         look.added.back().name = "light 1";
         relit = test::relitOf(scene, shot.estimate, look);
         exportScene(shot, relit, out(), false);

@@ -93,7 +93,7 @@ TEST_F(FarOrigin, LooksAreWrittenForTheFilesOrigin) {
     Look inside;
     Mat4 turn(Vec4(0, 1, 0, 0), Vec4(-1, 0, 0, 0), Vec4(0, 0, 1, 0), Vec4(0.5f, -0.25f, 0, 1));
     inside.emitters.push_back({"emitter-1", true, turn, Rgb(1)});
-    inside.added.push_back({AddedEmitter::Shape::disk, "new", test::translation({0.25f, 0.5f, 1}), Vec2(1), Rgb(1)});
+    inside.added.push_back({EmitterShape::disk, "new", test::translation({0.25f, 0.5f, 1}), Vec2(1), Rgb(1)});
     inside.parts.push_back({3, test::translation({0, 0.125f, 0})});
     const json document = lookToJson(inside, far.origin);
     EXPECT_EQ(lookFromJson(document, "", far.origin), inside);

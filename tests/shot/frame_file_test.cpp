@@ -45,8 +45,7 @@ protected:
         scene = test::sceneOf(test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 2, 2));
         const Estimate estimate = test::matteEstimate(scene, Rgb(0.5f, 0.4f, 0.3f), Rgb(1));
         Look emitter;
-        emitter.added.push_back(
-            {AddedEmitter::Shape::disk, "emitter-1", test::translation({0, 0, 1}), Vec2(0.5f), Rgb(10)});
+        emitter.added.push_back({EmitterShape::disk, "emitter-1", test::translation({0, 0, 1}), Vec2(0.5f), Rgb(10)});
         captured = test::relitOf(scene, estimate, emitter);
         emitter.added[0].radiance = Rgb(30, 10, 5);
         look = test::relitOf(scene, estimate, emitter);

@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "actions.h"
+#include "browser/listing.h"
+#include "capture/capture_formats.h"
 #include "panels/panels.h"
 #include "widgets.h"
 
@@ -43,12 +45,12 @@ void takeBrowserFlags(Editor& editor) {
         request.title = "Open a capture or a shot";
         request.captures = true;
         request.extensions = {".json", ".exr", ".hdr"};
-        request.note =
-            "A capture is a folder with transforms.json, photographs and a mesh; a shot is what relamp has saved.";
+        request.note = fmt::format(
+            "A capture is a folder with {}, photographs and a mesh; a shot is what relamp has saved.", captureMarks());
         if (!document.captureFolder.empty()) request.start = document.captureFolder.parent_path();
         else if (!editor.state.recent.empty()) request.start = editor.state.recent.front().parent_path();
         else request.start = demoCaptures();
-        browse(request, [](Editor& e, const fs::path& path) { e.open(path); });
+        browse(request, [](Editor& e, const fs::path& path) { e.open(captureFolderOf(path)); });
     }
     if (std::exchange(panels.saveBrowser, false)) {
         BrowserRequest request;

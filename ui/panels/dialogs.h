@@ -3,7 +3,7 @@
 #include <functional>
 
 #include "editor.h"
-#include "file_browser.h"
+#include "browser/file_browser.h"
 
 namespace relamp::ui {
 

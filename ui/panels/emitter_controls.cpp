@@ -20,10 +20,6 @@ const AddedEmitter* addedOf(const Editor& editor, const EmitterState& emitter) {
     return &editor.look().added[size_t(emitter.index)];
 }
 
-bool isFlat(const AddedEmitter& added) {
-    return added.shape == AddedEmitter::Shape::rectangle || added.shape == AddedEmitter::Shape::disk;
-}
-
 std::string describe(const Editor& editor, const char* verb, const std::vector<std::string>& ids) {
     return fmt::format("{} {}", verb, editor.namesOf(ids));
 }
@@ -94,7 +90,8 @@ float areaOf(const Editor& editor, const EmitterState& emitter) {
     if (!(volume > 0)) return 0;
     Vec3 normal(0);
     if (const EmitterCluster* cluster = clusterOf(editor, emitter)) normal = cluster->normal;
-    else if (const AddedEmitter* added = addedOf(editor, emitter); added && isFlat(*added)) normal = Vec3(0, 0, -1);
+    else if (const AddedEmitter* added = addedOf(editor, emitter); added && infoOf(added->shape).flat)
+        normal = Vec3(0, 0, -1);
     // A flat surface grows by the two directions it lies in; a part by all three, taken together.
     if (glm::dot(normal, normal) > 0.5f)
         return emitter.area * volume * glm::length(glm::transpose(glm::inverse(m)) * normal);
@@ -217,7 +214,7 @@ void deleteEmitters(Editor& editor, const std::vector<std::string>& ids) {
     std::erase_if(editor.state.viewport.solo, [&](const std::string& id) { return !editor.emitter(id); });
 }
 
-AddedEmitter newEmitter(const Editor& editor, AddedEmitter::Shape shape) {
+AddedEmitter newEmitter(const Editor& editor, EmitterShape shape) {
     AddedEmitter added;
     added.shape = shape;
     const OrbitCamera& camera = editor.state.viewport.camera;
@@ -238,7 +235,7 @@ AddedEmitter newEmitter(const Editor& editor, AddedEmitter::Shape shape) {
     }
     added.matrix = Mat4(frameAround(away));
     added.matrix[3] = Vec4(camera.target + away * distance, 1);
-    added.size = Vec2(size);
+    added.size = size * infoOf(shape).freshSize;
     Rgb strongest(0);
     if (const auto estimate = editor.estimate())
         for (const EmitterState& e : editor.emitters())
@@ -256,14 +253,12 @@ AddedEmitter newEmitter(const Editor& editor, AddedEmitter::Shape shape) {
     return added;
 }
 
-void addNewEmitter(Editor& editor, AddedEmitter::Shape shape) {
+void addNewEmitter(Editor& editor, EmitterShape shape) {
     const auto estimate = editor.estimate();
     if (!estimate) return;
     std::string id;
     const AddedEmitter added = newEmitter(editor, shape);
-    const char* names[] = {"Add rectangle light", "Add disk light", "Add sphere light", "Add light from a part",
-                           "Add copy"};
-    editor.edit(names[int(shape)], [&](Look& look) { id = addEmitter(look, *estimate, added); });
+    editor.edit(infoOf(shape).edit, [&](Look& look) { id = addEmitter(look, *estimate, added); });
     if (!id.empty()) selectEmitter(editor, id, false, false);
 }
 
@@ -364,13 +359,11 @@ void addEmitterButton(Editor& editor, float width) {
             tooltip(explanation);
             return pressed;
         };
-        if (item("Rectangle", "A flat light like a softbox, shining to one side"))
-            addNewEmitter(editor, AddedEmitter::Shape::rectangle);
-        if (item("Disk", "A flat round light, shining to one side")) addNewEmitter(editor, AddedEmitter::Shape::disk);
-        if (item("Sphere", "A ball that shines to all sides, like a bulb"))
-            addNewEmitter(editor, AddedEmitter::Shape::sphere);
-        if (item("Part of the scene...", "Then click the part that shall shine"))
-            editor.state.viewport.clickTask = ClickTask::newPart;
+        for (const EmitterShapeInfo& info : emitterShapes()) {
+            if (!*info.label || !item(info.label, info.explanation)) continue;
+            if (info.own()) addNewEmitter(editor, info.shape);
+            else editor.state.viewport.clickTask = ClickTask::newPart;
+        }
         ImGui::EndPopup();
     }
 }
@@ -402,15 +395,7 @@ float identifiabilityOf(const Editor& editor, const EmitterState& emitter) {
 
 Icon iconOf(const Editor& editor, const EmitterState& emitter) {
     const AddedEmitter* added = addedOf(editor, emitter);
-    if (!added) return Icon::emitter;
-    switch (added->shape) {
-        case AddedEmitter::Shape::rectangle: return Icon::rectangle;
-        case AddedEmitter::Shape::disk: return Icon::disk;
-        case AddedEmitter::Shape::sphere: return Icon::sphere;
-        case AddedEmitter::Shape::part: return Icon::mesh;
-        case AddedEmitter::Shape::copy: return Icon::copy;
-    }
-    return Icon::emitter;
+    return added ? iconNamed(infoOf(added->shape).icon) : Icon::emitter;
 }
 
 }  // namespace relamp::ui

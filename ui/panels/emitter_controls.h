@@ -38,8 +38,8 @@ void emitterMenu(Editor& editor, const std::string& id);
 void addEmitterButton(Editor& editor, float width = 0);
 
 /// A new light in front of what the camera looks at, facing it.
-AddedEmitter newEmitter(const Editor& editor, AddedEmitter::Shape shape);
-void addNewEmitter(Editor& editor, AddedEmitter::Shape shape);
+AddedEmitter newEmitter(const Editor& editor, EmitterShape shape);
+void addNewEmitter(Editor& editor, EmitterShape shape);
 void resetEmitters(Editor& editor, const std::vector<std::string>& ids, EmitterValue value);
 void duplicateEmitters(Editor& editor, const std::vector<std::string>& ids);
 void deleteEmitters(Editor& editor, const std::vector<std::string>& ids);

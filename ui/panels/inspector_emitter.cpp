@@ -128,10 +128,9 @@ void place(Editor& editor, const EmitterState& emitter, const std::vector<std::s
            });
     if (!emitter.recovered && size_t(emitter.index) < editor.look().added.size()) {
         const AddedEmitter& added = editor.look().added[size_t(emitter.index)];
-        using Shape = AddedEmitter::Shape;
-        if (added.shape == Shape::rectangle || added.shape == Shape::disk || added.shape == Shape::sphere) {
+        if (const int sizes = infoOf(added.shape).sizes) {
             const Vec2 before = added.size;
-            const bool two = added.shape == Shape::rectangle;
+            const bool two = sizes == 2;
             dimText(two ? "Width and height (m)" : "Diameter (m)");
             const float width =
                 (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemInnerSpacing.x) / (two ? 2.0f : 1.0f);

@@ -123,9 +123,9 @@ void inspectPoint(Editor& editor, const PickedPoint& point) {
         uint32_t vertex = point.vertex;
         if (const auto frame = editor.liveFrame(); frame && frame->origin && vertex < frame->origin->size())
             vertex = (*frame->origin)[vertex];
-        if (vertex >= r.observed.size() || r.weight.empty() || vertex >= r.weight[0].size())
-            return dimText("This was not part of the capture.");
-        const Rgb albedo = r.weight[0][vertex];
+        const LobesAtVertex weights = r.at(vertex);
+        if (vertex >= r.observed.size() || !weights.known()) return dimText("This was not part of the capture.");
+        const Rgb albedo = weights.albedo();
         fact("Albedo", fmt::format("{:.3f}  {:.3f}  {:.3f}", albedo.x, albedo.y, albedo.z),
              "Fraction of the light that it sends back to all sides, red green blue");
         if (vertex < r.sigma.size())
@@ -136,9 +136,8 @@ void inspectPoint(Editor& editor, const PickedPoint& point) {
                ImVec4(srgbEncode(std::min(1.0f, albedo.x)), srgbEncode(std::min(1.0f, albedo.y)),
                       srgbEncode(std::min(1.0f, albedo.z)), 1),
                box, "Its colour in white light");
-        for (size_t k = 1; k < r.weight.size() && k < r.basis.lobes.size(); ++k)
-            if (vertex < r.weight[k].size() && maxChannel(r.weight[k][vertex]) > 1e-4f) {
-                const Rgb w = r.weight[k][vertex];
+        for (size_t k = 1; k < weights.size() && k < r.basis.lobes.size(); ++k)
+            if (const Rgb w = weights[k]; maxChannel(w) > 1e-4f) {
                 const Lobe& lobe = r.basis.lobes[k];
                 const bool common = lobe.kind == Lobe::Kind::ggx || lobe.kind == Lobe::Kind::ggxDielectric;
                 fact(common ? fmt::format("{} {:.2f}", lobe.kind == Lobe::Kind::ggx ? "Metallic" : "Glaze",

@@ -35,19 +35,19 @@ const std::vector<LobeUse>& usesOf(const std::shared_ptr<const Estimate>& estima
     uses.clear();
     const Reflectance& r = estimate->reflectance;
     double total = 0;
-    std::vector<double> sums(r.weight.size(), 0), users(r.weight.size(), 0);
+    std::vector<double> sums(r.lobes(), 0), users(r.lobes(), 0);
     size_t observed = 0;
     for (size_t v = 0; v < r.observed.size(); ++v) observed += r.observed[v] > 0;
-    for (size_t k = 0; k < r.weight.size(); ++k) {
-        for (size_t v = 0; v < r.weight[k].size(); ++v) {
+    for (size_t k = 0; k < r.lobes(); ++k) {
+        for (size_t v = 0; v < r.lobe(k).size(); ++v) {
             if (v < r.observed.size() && !r.observed[v]) continue;
-            const float light = luminance(r.weight[k][v]);
+            const float light = luminance(r.lobe(k)[v]);
             sums[k] += double(light);
             users[k] += light > 0.01f;
         }
         total += sums[k];
     }
-    for (size_t k = 0; k < r.weight.size() && k < r.basis.lobes.size(); ++k)
+    for (size_t k = 0; k < r.lobes() && k < r.basis.lobes.size(); ++k)
         if (users[k] > 0)
             uses.push_back({nameOf(r.basis.lobes[k]), float(sums[k] / std::max(total, 1e-12)),
                             float(users[k] / double(std::max<size_t>(1, observed)))});

@@ -1,6 +1,7 @@
 // The photographs as thumbnails, with what the import doctor has to say about each.
 #include <cmath>
 
+#include "capture/capture_formats.h"
 #include "item_map.h"
 #include "panels/images.h"
 #include "panels/panels.h"
@@ -70,7 +71,8 @@ void badges(const ImVec2& corner, const ViewCheck* check, bool worst, bool poor)
 void drawViewsPanel(Editor& editor) {
     const Document& document = editor.state.document;
     if (!document.capture) {
-        dimWrapped("Drop a capture here: a folder with transforms.json, photographs and a mesh. Or open one:");
+        dimWrapped(
+            fmt::format("Drop a capture here: a folder with {}, photographs and a mesh. Or open one:", captureMarks()));
         if (primaryButton("Open...", "Chooses a capture folder or a saved shot", -FLT_MIN))
             editor.state.panels.openBrowser = true;
         for (size_t i = 0; i < std::min<size_t>(4, editor.state.recent.size()); ++i) {

@@ -116,7 +116,7 @@ bool runClickTask(Editor& editor, const std::optional<PickedPoint>& point, const
             std::string added;
             editor.edit("Make a part shine", [&](Look& look) {
                 AddedEmitter part;
-                part.shape = AddedEmitter::Shape::part;
+                part.shape = EmitterShape::part;
                 part.seedVertex = *vertex;
                 part.radiance = radianceForPart(*scene, *estimate, *vertex);
                 added = addEmitter(look, *estimate, part);

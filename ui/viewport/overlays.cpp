@@ -241,73 +241,11 @@ int dividerAt(const Canvas& canvas, const std::vector<Strip>& strips, const Vec2
 void moveDivider(const Canvas& canvas, int index, float screenX) {
     ViewportState& viewport = canvas.editor->state.viewport;
     const float fraction = std::clamp((screenX - canvas.eye->corner.x) / canvas.eye->size.x, 0.01f, 0.99f);
-    if (viewport.mode == ViewMode::correction) viewport.splitAt = fraction;
-    if (viewport.mode != ViewMode::wipe) return;
-    if (index == 0) viewport.wipeLeft = fraction, viewport.wipeRight = std::max(viewport.wipeRight, fraction);
-    if (index == 1) viewport.wipeRight = fraction, viewport.wipeLeft = std::min(viewport.wipeLeft, fraction);
-}
-
-void drawLegend(const Canvas& canvas) {
-    const ViewportState& viewport = canvas.editor->state.viewport;
-    std::vector<std::pair<Rgb, std::string>> entries;
-    std::string title;
-    const auto estimate = canvas.editor->estimate();
-    const bool display = viewport.mode == ViewMode::confidence || viewport.mode == ViewMode::difference ||
-                         viewport.mode == ViewMode::clusters;
-    if (viewport.falseColour && !display) {
-        title = "Stops from grey";
-        for (int stop = falseColourHigh; stop >= falseColourLow; stop -= 2)
-            entries.push_back({falseColour(0.18f * std::exp2(float(stop))), (stop > 0 ? "+" : "") +
-                                                                                std::to_string(stop) +
-                                                                                (stop == falseColourHigh  ? " and more"
-                                                                                 : stop == falseColourLow ? " and less"
-                                                                                                          : "")});
-    } else if (!estimate) {
-        return;
-    } else if (viewport.mode == ViewMode::confidence) {
-        title = "Surface colour";
-        static const char* const words[] = {"own photographs", "mostly seen", "half and half", "mostly filled in",
-                                            "filled in"};
-        for (int i = 0; i < 5; ++i) entries.push_back({confidenceColour(1 - float(i) / 4), words[i]});
-        entries.push_back({Rgb(0.18f, 0.19f, 0.22f), "never seen"});
-    } else if (viewport.mode == ViewMode::difference) {
-        title = "Model, photographs";
-        const Rgb equal(0.5f), tooBright(0.95f, 0.52f, 0.15f), tooDark(0.20f, 0.50f, 0.95f);  // as differenceColours
-        entries = {{tooBright, "2 x too bright"},
-                   {glm::mix(equal, tooBright, 0.5f), "1.4 x too bright"},
-                   {equal, "equal"},
-                   {glm::mix(equal, tooDark, 0.5f), "1.4 x too dark"},
-                   {tooDark, "2 x too dark"},
-                   {Rgb(0.18f, 0.19f, 0.22f), "not seen"}};
-    } else if (viewport.mode == ViewMode::clusters) {
-        title = "Emitters";
-        const auto& found = estimate->emitters.emitters;
-        for (size_t i = 0; i < found.size() && i < 10; ++i)
-            entries.push_back({clusterColour(i), shown(canvas.editor->namesOf({found[i].id}))});
-        if (found.size() > 10) entries.push_back({Rgb(0.35f), "and " + std::to_string(found.size() - 10) + " more"});
-        if (found.empty()) entries.push_back({Rgb(0.35f), "none found"});
-    } else if (viewport.mode == ViewMode::irradiance) {
-        const auto live = canvas.editor->liveFrame();
-        const int i = live ? irradianceEmitter(*canvas.editor, *live) : -1;
-        if (i < 0) return;
-        labelAt(canvas, canvas.corner + Vec2(10, canvas.size.y - 10 * canvas.scale),
-                "Light of " + shown(canvas.editor->namesOf({live->emitterIds[size_t(i)]})) + " alone", {0, 1});
-        return;
-    }
-    if (entries.empty()) return;
-    const float s = canvas.scale, row = ImGui::GetTextLineHeight() + 3 * s;
-    float width = ImGui::CalcTextSize(title.c_str()).x;
-    for (const auto& [colour, text] : entries) width = std::max(width, ImGui::CalcTextSize(text.c_str()).x + 20 * s);
-    const Vec2 size(width + 16 * s, row * float(entries.size() + 1) + 12 * s);
-    if (size.x > canvas.size.x * 0.6f || size.y > canvas.size.y * 0.8f) return;
-    const Vec2 at = glm::floor(Vec2(canvas.corner.x + 10 * s, canvas.corner.y + canvas.size.y - size.y - 10 * s));
-    canvas.list->AddRectFilled(toIm(at), toIm(at + size), IM_COL32(18, 18, 18, 185), 4 * s);
-    canvas.list->AddText(toIm(at + Vec2(8, 5) * s), IM_COL32(190, 190, 190, 255), title.c_str());
-    for (size_t i = 0; i < entries.size(); ++i) {
-        const Vec2 p = at + Vec2(8 * s, 6 * s + row * float(i + 1));
-        canvas.list->AddRectFilled(toIm(p + Vec2(0, 2 * s)), toIm(p + Vec2(12 * s, row - 4 * s)),
-                                   colourOf(entries[i].first), 2 * s);
-        canvas.list->AddText(toIm(p + Vec2(20 * s, 0)), IM_COL32(225, 225, 225, 255), entries[i].second.c_str());
+    // The others give way.
+    const auto& dividers = infoOf(viewport.mode).dividers;
+    for (int i = 0; i < int(dividers.size()); ++i) {
+        float& at = viewport.*dividers[size_t(i)];
+        at = i < index ? std::min(at, fraction) : i > index ? std::max(at, fraction) : fraction;
     }
 }
 

@@ -1,5 +1,7 @@
 #include "viewport/paint.h"
 
+#include <algorithm>
+
 #include "display/vertex_images.h"
 
 namespace relamp::ui {
@@ -31,11 +33,31 @@ bool usable(const std::shared_ptr<const LiveFrame>& live) {
     return live && live->mesh && live->radiance.size() == live->mesh->vertexCount();
 }
 
-std::string nameOfPaint(const Editor& editor, Paint paint) {
-    if (paint != Paint::irradiance) return {};
+/// Id of the emitter that is shown alone; empty: none.
+std::string shownEmitter(const Editor& editor) {
     const auto live = editor.liveFrame();
     const int i = live ? irradianceEmitter(editor, *live) : -1;
     return i < 0 ? std::string() : live->emitterIds[size_t(i)];
+}
+
+/// What to do about what a strip needs; empty: it is there.
+std::string missingFor(const Editor& editor, Needs needs) {
+    const std::string estimateMissing = editor.estimate() ? "" : needsEstimate;
+    switch (needs) {
+        case Needs::nothing: break;
+        case Needs::photographs:
+            return editor.state.document.samples || editor.state.viewport.throughView
+                       ? ""
+                       : "The photographs are being read";
+        case Needs::estimate: return estimateMissing;
+        case Needs::distantEstimate: return editor.distantOnly() ? "" : needsDistant;
+        case Needs::emitter: {
+            const auto live = editor.liveFrame();
+            const bool none = editor.estimate() && live && irradianceEmitter(editor, *live) < 0;
+            return none ? "No light was found or added here" : estimateMissing;
+        }
+    }
+    return {};
 }
 
 }  // namespace
@@ -50,55 +72,143 @@ int irradianceEmitter(const Editor& editor, const LiveFrame& live) {
 
 std::vector<Strip> stripsOf(const Editor& editor) {
     const ViewportState& viewport = editor.state.viewport;
-    const std::string estimateMissing = editor.estimate() ? "" : needsEstimate;
-    const std::string photographsMissing =
-        editor.state.document.samples || viewport.throughView ? "" : "The photographs are being read";
-    const std::string distantMissing = editor.distantOnly() ? "" : needsDistant;
-    const auto one = [&](Paint paint, const std::string& missing) {
-        return std::vector<Strip>{{0, 1, paint, "", missing}};
-    };
-    switch (viewport.mode) {
-        case ViewMode::photograph: return one(Paint::photographs, photographsMissing);
-        case ViewMode::relit: return one(Paint::model, "");  // photographs or grey stand in until there is an estimate
-        case ViewMode::difference: return one(Paint::difference, estimateMissing);
-        case ViewMode::clusters: return one(Paint::clusters, estimateMissing);
-        case ViewMode::albedo: return one(Paint::albedo, estimateMissing);
-        case ViewMode::confidence: return one(Paint::confidence, estimateMissing);
-        case ViewMode::irradiance: {
-            const auto live = editor.liveFrame();
-            const bool none = editor.estimate() && live && irradianceEmitter(editor, *live) < 0;
-            return one(Paint::irradiance, none ? "No light was found or added here" : estimateMissing);
-        }
-        case ViewMode::correction: {
-            const float at = std::clamp(viewport.splitAt, 0.0f, 1.0f);
-            return {{0, at, Paint::correction, "Correction, near-field", estimateMissing},
-                    {at, 1, Paint::distantCorrection, "Correction, distant-only", distantMissing}};
-        }
-        case ViewMode::wipe: break;
+    const ViewModeInfo& mode = infoOf(viewport.mode);
+    std::vector<Strip> strips;
+    float left = 0;
+    for (size_t i = 0; i < mode.strips.size(); ++i) {
+        const StripInfo& info = mode.strips[i];
+        const float right = i < mode.dividers.size() ? std::clamp(viewport.*mode.dividers[i], left, 1.0f) : 1.0f;
+        strips.push_back({left, right, info.paint, info.caption, missingFor(editor, info.needs)});
+        left = right;
     }
-    const float left = std::clamp(viewport.wipeLeft, 0.0f, 1.0f), right = std::clamp(viewport.wipeRight, left, 1.0f);
-    return {{0, left, Paint::photographs, "Photograph", photographsMissing},
-            {left, right, Paint::model, "Model, near-field", estimateMissing},
-            {right, 1, Paint::distantModel, "Model, distant-only", distantMissing}};
+    return strips;
 }
 
+namespace {
+
+/// What painters read; null where it is missing or does not fit the capture's mesh.
+struct PaintSource {
+    const Editor& editor;
+    std::shared_ptr<const LiveFrame> live;
+    std::shared_ptr<const Estimate> estimate;
+    std::shared_ptr<const RadianceSamples> samples;
+    size_t captured = 0;  ///< vertices of the capture
+};
+
+/// Scene-linear colours of the capture's vertices.
+bool linear(PaintedMesh& painted, std::vector<Rgb> colours, const Rgb& foreign) {
+    painted.colours = mapped(std::move(colours), painted, foreign);
+    return true;
+}
+
+/// Colours for the screen.
+bool display(PaintedMesh& painted, std::vector<Rgb> colours) {
+    painted.colours = mapped(std::move(colours), painted, foreignGrey);
+    painted.display = painted.shading = true;
+    return true;
+}
+
+bool paintPhotographs(const PaintSource& from, PaintedMesh& painted) {
+    return from.samples && linear(painted, photographColours(*from.samples), Rgb(0.05f));
+}
+
+bool paintLive(const PaintSource& from, PaintedMesh& painted) {
+    if (!from.live) return false;
+    painted.mesh = from.live->mesh, painted.origin = from.live->origin;
+    painted.colours = from.live->radiance;
+    return true;
+}
+
+bool paintModel(const PaintSource& from, PaintedMesh& painted) {
+    return paintLive(from, painted) || (from.samples && linear(painted, photographColours(*from.samples), Rgb(0.18f)));
+}
+
+bool paintDifference(const PaintSource& from, PaintedMesh& painted) {
+    if (!from.samples || !from.live) return false;
+    const std::vector<Rgb>& radiance = from.live->radiance;
+    std::vector<Rgb> model(radiance.begin(), radiance.begin() + ptrdiff_t(std::min(from.captured, radiance.size())));
+    model.resize(from.captured, Rgb(0));
+    const EditorState& state = from.editor.state;
+    return display(painted,
+                   differenceColours(model, *from.samples, state.viewport.throughView ? state.selection.view : -1));
+}
+
+bool paintClusters(const PaintSource& from, PaintedMesh& painted) {
+    return from.estimate && display(painted, clusterColours(*from.estimate));
+}
+
+bool paintCorrection(const PaintSource& from, PaintedMesh& painted) {
+    if (!from.estimate) return false;
+    painted.shading = true;
+    return linear(painted, correctionColours(*from.estimate), Rgb(0.18f));
+}
+
+bool paintAlbedo(const PaintSource& from, PaintedMesh& painted) {
+    return from.estimate && linear(painted, albedoColours(*from.estimate), Rgb(0.18f));
+}
+
+bool paintConfidence(const PaintSource& from, PaintedMesh& painted) {
+    return from.estimate && display(painted, confidenceColours(*from.estimate));
+}
+
+bool paintIrradiance(const PaintSource& from, PaintedMesh& painted) {
+    const auto& live = from.live;
+    const int i = live ? irradianceEmitter(from.editor, *live) : -1;
+    if (i < 0 || live->formFactor[size_t(i)].size() != live->mesh->vertexCount() ||
+        size_t(i) >= live->emitterRadiance.size())
+        return false;
+    painted.mesh = live->mesh, painted.origin = live->origin;
+    painted.colours = irradianceColours(live->formFactor[size_t(i)], live->emitterRadiance[size_t(i)]);
+    // The emitter itself shows its radiance.
+    if (live->emitterOfTriangle && live->emitterOfTriangle->size() == live->mesh->triangles.size())
+        for (size_t t = 0; t < live->mesh->triangles.size(); ++t)
+            if ((*live->emitterOfTriangle)[t] == i)
+                for (uint32_t v : live->mesh->triangles[t]) painted.colours[v] = live->emitterRadiance[size_t(i)];
+    return true;
+}
+
+/// One row a paint: how it is painted, and what its colours depend on.
+struct PaintInfo {
+    Paint paint;
+    bool (*painter)(const PaintSource&, PaintedMesh&);  ///< false: something is missing, the mesh is shown in grey
+    bool followsLight = false;  ///< with every image of the light; else the mesh is all it takes from it
+    bool ofSamples = false;     ///< what the photographs say of the vertices
+    bool ofView = false;        ///< through a view it compares with that one photograph
+    bool ofEmitter = false;     ///< the active emitter
+    bool distantFrame = false, distantEstimate = false;  ///< from the distant-only estimate instead
+};
+
+const PaintInfo paints[] = {
+    {.paint = Paint::photographs, .painter = paintPhotographs, .ofSamples = true},
+    {.paint = Paint::model, .painter = paintModel, .followsLight = true, .ofSamples = true},
+    {.paint = Paint::distantModel, .painter = paintLive, .followsLight = true, .distantFrame = true},
+    {.paint = Paint::difference, .painter = paintDifference, .followsLight = true, .ofSamples = true, .ofView = true},
+    {.paint = Paint::clusters, .painter = paintClusters},
+    {.paint = Paint::correction, .painter = paintCorrection},
+    {.paint = Paint::distantCorrection, .painter = paintCorrection, .distantEstimate = true},
+    {.paint = Paint::albedo, .painter = paintAlbedo},
+    {.paint = Paint::confidence, .painter = paintConfidence},
+    {.paint = Paint::irradiance, .painter = paintIrradiance, .followsLight = true, .ofEmitter = true},
+};
+
+const PaintInfo& infoOf(Paint paint) {
+    return *std::find_if(std::begin(paints), std::end(paints), [&](const PaintInfo& p) { return p.paint == paint; });
+}
+
+}  // namespace
+
 PaintKey paintKey(const Editor& editor, Paint paint) {
+    const PaintInfo& info = infoOf(paint);
     const Document& document = editor.state.document;
     PaintKey key;
     key.paint = paint;
     key.scene = document.scene;
-    key.live = paint == Paint::distantModel ? editor.distantOnlyFrame() : editor.liveFrame();
-    key.estimate = paint == Paint::distantCorrection ? editor.distantOnly() : editor.estimate();
-    key.emitter = nameOfPaint(editor, paint);
-    if (paint == Paint::photographs || paint == Paint::difference || paint == Paint::model)
-        key.samples = document.samples;
-    // Through a view the comparison is with that one photograph.
-    if (paint == Paint::difference && editor.state.viewport.throughView) key.view = editor.state.selection.view;
-    // Colours that do not follow the light need not be made again with every image of it: the mesh is all they take
-    // from it.
-    const bool followsLight = paint == Paint::model || paint == Paint::distantModel || paint == Paint::difference ||
-                              paint == Paint::irradiance;
-    if (!followsLight) {
+    key.live = info.distantFrame ? editor.distantOnlyFrame() : editor.liveFrame();
+    key.estimate = info.distantEstimate ? editor.distantOnly() : editor.estimate();
+    if (info.ofEmitter) key.emitter = shownEmitter(editor);
+    if (info.ofSamples) key.samples = document.samples;
+    if (info.ofView && editor.state.viewport.throughView) key.view = editor.state.selection.view;
+    if (!info.followsLight) {
         const auto live = editor.liveFrame();
         key.live = live ? std::shared_ptr<const void>(live->mesh) : nullptr;
     }
@@ -106,86 +216,24 @@ PaintKey paintKey(const Editor& editor, Paint paint) {
 }
 
 PaintedMesh paintMesh(const Editor& editor, Paint paint) {
+    const PaintInfo& info = infoOf(paint);
     const Document& document = editor.state.document;
     PaintedMesh painted;
     painted.mesh = captureMesh(document);
     if (!painted.mesh) return painted;
-    auto live = paint == Paint::distantModel ? editor.distantOnlyFrame() : editor.liveFrame();
-    if (!usable(live)) live = nullptr;
-    if (live && (live->origin || live->mesh->vertexCount() == painted.mesh->vertexCount()))
-        painted.mesh = live->mesh, painted.origin = live->origin;
-    const auto estimate = paint == Paint::distantCorrection ? editor.distantOnly() : editor.estimate();
-    const auto& samples = document.samples;
-    const size_t captured = document.scene->mesh.vertexCount();
-    const bool haveSamples = samples && samples->start.size() == captured + 1;
-    const bool haveEstimate =
-        estimate && !estimate->reflectance.weight.empty() && estimate->reflectance.weight.front().size() == captured;
-
-    const auto linear = [&](std::vector<Rgb> colours, const Rgb& foreign) {
-        painted.colours = mapped(std::move(colours), painted, foreign);
-    };
-    const auto display = [&](std::vector<Rgb> colours) {
-        painted.colours = mapped(std::move(colours), painted, foreignGrey);
-        painted.display = painted.shading = true;
-    };
-    const auto plain = [&] {
+    PaintSource from{editor, info.distantFrame ? editor.distantOnlyFrame() : editor.liveFrame(),
+                     info.distantEstimate ? editor.distantOnly() : editor.estimate(), document.samples,
+                     document.scene->mesh.vertexCount()};
+    if (!usable(from.live)) from.live = nullptr;
+    if (from.live && (from.live->origin || from.live->mesh->vertexCount() == painted.mesh->vertexCount()))
+        painted.mesh = from.live->mesh, painted.origin = from.live->origin;
+    if (from.samples && from.samples->start.size() != from.captured + 1) from.samples = nullptr;
+    if (from.estimate &&
+        (from.estimate->reflectance.lobes() == 0 || from.estimate->reflectance.vertexCount() != from.captured))
+        from.estimate = nullptr;
+    if (!info.painter(from, painted)) {
         painted.colours.assign(painted.mesh->vertexCount(), plainGrey);
         painted.display = painted.shading = true;
-    };
-
-    switch (paint) {
-        case Paint::model:
-        case Paint::distantModel:
-            if (live) {
-                painted.mesh = live->mesh, painted.origin = live->origin;
-                painted.colours = live->radiance;
-            } else if (paint == Paint::model && haveSamples) {
-                linear(photographColours(*samples), Rgb(0.18f));
-            } else {
-                plain();
-            }
-            break;
-        case Paint::photographs: haveSamples ? linear(photographColours(*samples), Rgb(0.05f)) : plain(); break;
-        case Paint::difference:
-            if (haveSamples && live) {
-                std::vector<Rgb> model(live->radiance.begin(),
-                                       live->radiance.begin() + ptrdiff_t(std::min(captured, live->radiance.size())));
-                model.resize(captured, Rgb(0));
-                display(differenceColours(model, *samples,
-                                          editor.state.viewport.throughView ? editor.state.selection.view : -1));
-            } else {
-                plain();
-            }
-            break;
-        case Paint::clusters: haveEstimate ? display(clusterColours(*estimate)) : plain(); break;
-        case Paint::correction:
-        case Paint::distantCorrection:
-            if (haveEstimate) {
-                linear(correctionColours(*estimate), Rgb(0.18f));
-                painted.shading = true;
-            } else {
-                plain();
-            }
-            break;
-        case Paint::albedo: haveEstimate ? linear(albedoColours(*estimate), Rgb(0.18f)) : plain(); break;
-        case Paint::confidence: haveEstimate ? display(confidenceColours(*estimate)) : plain(); break;
-        case Paint::irradiance: {
-            const int i = live ? irradianceEmitter(editor, *live) : -1;
-            if (i >= 0 && live->formFactor[size_t(i)].size() == live->mesh->vertexCount() &&
-                size_t(i) < live->emitterRadiance.size()) {
-                painted.mesh = live->mesh, painted.origin = live->origin;
-                painted.colours = irradianceColours(live->formFactor[size_t(i)], live->emitterRadiance[size_t(i)]);
-                // The emitter itself shows what it sends.
-                if (live->emitterOfTriangle && live->emitterOfTriangle->size() == live->mesh->triangles.size())
-                    for (size_t t = 0; t < live->mesh->triangles.size(); ++t)
-                        if ((*live->emitterOfTriangle)[t] == i)
-                            for (uint32_t v : live->mesh->triangles[t])
-                                painted.colours[v] = live->emitterRadiance[size_t(i)];
-            } else {
-                plain();
-            }
-            break;
-        }
     }
     painted.colours.resize(painted.mesh->vertexCount(), foreignGrey);
     return painted;

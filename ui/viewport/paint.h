@@ -6,20 +6,6 @@
 
 namespace relamp::ui {
 
-/// What can be painted.
-enum class Paint {
-    photographs,
-    model,
-    distantModel,
-    difference,
-    clusters,
-    correction,
-    distantCorrection,
-    albedo,
-    confidence,
-    irradiance
-};
-
 /// One vertical strip of the image.
 struct Strip {
     float left = 0, right = 1;  ///< fraction of the width

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "item_map.h"
+#include "keys.h"
 #include "viewport/display_transform.h"
 #include "viewport/navigation.h"
 #include "widgets.h"
@@ -94,19 +95,22 @@ void drawToolIcon(ImDrawList* list, Tool tool, const ImVec2& at, float size, ImU
 void modeButtons(Editor& editor, Flow& flow, float available) {
     float all = 0;
     const float pad = em(0.7f), gap = std::floor(em(0.15f));
-    for (int m = 1; m <= 9; ++m)
-        all += ImGui::CalcTextSize(fmt::format("{} {}", m, nameOf(ViewMode(m))).c_str()).x + pad + gap;
-    // Names where they all fit; else numbers, and the name of the present one.
+    const auto keyOf = [](const ViewModeInfo& info) { return info.key ? keyName(info.key) : std::string(); };
+    const auto full = [&](const ViewModeInfo& info) {
+        return info.key ? fmt::format("{} {}", keyOf(info), info.name) : std::string(info.name);
+    };
+    for (const ViewModeInfo& info : viewModes()) all += ImGui::CalcTextSize(full(info).c_str()).x + pad + gap;
+    // Names where they all fit; else keys, and the name of the present one.
     const bool named = all < available - em(0.7f);
-    for (int m = 1; m <= 9; ++m) {
-        const ViewMode mode = ViewMode(m);
-        const bool on = editor.state.viewport.mode == mode;
-        const std::string label = named || on ? fmt::format("{} {}", m, nameOf(mode)) : std::to_string(m);
+    for (const ViewModeInfo& info : viewModes()) {
+        const bool on = editor.state.viewport.mode == info.mode;
+        const std::string label = named || on || !info.key ? full(info) : keyOf(info);
         const float width = ImGui::CalcTextSize(label.c_str()).x + pad;
         flow.place(width);
-        if (textButton(fmt::format("##mode{}", m).c_str(), label, width, on,
-                       fmt::format("{} ({})\n{}", nameOf(mode), m, explain(mode))))
-            setMode(editor, mode);
+        const std::string title = info.key ? fmt::format("{} ({})", info.name, keyOf(info)) : std::string(info.name);
+        if (textButton(fmt::format("##mode{}", int(info.mode)).c_str(), label, width, on,
+                       fmt::format("{}\n{}", title, info.explanation)))
+            setMode(editor, info.mode);
     }
 }
 

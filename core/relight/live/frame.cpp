@@ -8,8 +8,8 @@ namespace relamp {
 
 Rgb LiveScene::State::albedo(size_t vertex) const {
     const uint32_t origin = vertices.origin[vertex];
-    if (origin == EditedPart::none || estimate->reflectance.weight.empty()) return Rgb(0);
-    const Rgb w = estimate->reflectance.weight[0][origin];
+    if (origin == EditedPart::none) return Rgb(0);
+    const Rgb w = estimate->reflectance.at(origin).albedo();
     return look.neutralMaterials ? Rgb(luminance(w)) : w;
 }
 
@@ -37,8 +37,9 @@ Rgb LiveScene::State::bouncingAlbedo(size_t vertex) const {
     Rgb sum = albedo(vertex);
     const uint32_t origin = vertices.origin[vertex];
     if (origin == EditedPart::none) return sum;
-    for (size_t k = 1; k < estimate->reflectance.weight.size(); ++k) {
-        const Rgb w = 0.9f * estimate->reflectance.weight[k][origin];
+    const LobesAtVertex weights = estimate->reflectance.at(origin);
+    for (size_t k = 1; k < weights.size(); ++k) {
+        const Rgb w = 0.9f * weights[k];
         sum += look.neutralMaterials ? Rgb(luminance(w)) : w;
     }
     return sum;
@@ -51,7 +52,7 @@ void LiveScene::State::makeFrame() {
     out->distant = distant;
     for (const RelitEmitter& e : geometry.emitters) {
         out->emitterIds.push_back(e.id);
-        out->emitterRadiance.push_back(e.radiance);
+        out->emitterRadiance.push_back(e.emission.level);
     }
     const size_t n = vertices.count(), emitters = near.size();
     out->formFactor.resize(emitters);
@@ -64,12 +65,12 @@ void LiveScene::State::makeFrame() {
         if (vertices.kind[v] == LiveVertices::emitting || !vertices.lit(v)) return;
         out->distantMatte[v] = gain * distantMatte[v];
         direct[v] = out->distantMatte[v];
-        for (size_t e = 0; e < emitters; ++e) direct[v] += near[e].factor[v] * geometry.emitters[e].radiance;
+        for (size_t e = 0; e < emitters; ++e) direct[v] += near[e].factor[v] * geometry.emitters[e].emission.level;
     });
     if (bouncing) followBounces(direct);
     parallelFor(n, 2048, [&](size_t v) {
         if (vertices.kind[v] == LiveVertices::emitting) {
-            out->radiance[v] = geometry.emitters[size_t(geometry.parts[vertices.part[v]].emitter)].radiance;
+            out->radiance[v] = geometry.emitters[size_t(geometry.parts[vertices.part[v]].emitter)].emission.level;
             return;
         }
         if (!vertices.lit(v)) return;
@@ -79,8 +80,8 @@ void LiveScene::State::makeFrame() {
         if (glossy) {
             sum += gain * gloss.distant()[v];
             for (size_t e = 0; e < emitters; ++e)
-                sum +=
-                    gloss.near(e)[v] * geometry.emitters[e].radiance * (gloss.shadowed(e, v) ? 1.0f : near[e].seen(v));
+                sum += gloss.near(e)[v] * geometry.emitters[e].emission.level *
+                       (gloss.shadowed(e, v) ? 1.0f : near[e].seen(v));
         }
         out->radiance[v] = sum;
     });

@@ -51,7 +51,7 @@ PartsApart LiveScene::State::apartOf(const Look& next) const {
     };
     for (const PartLook& p : next.parts) add(p.seedVertex);
     for (const AddedEmitter& a : next.added)
-        if (a.shape == AddedEmitter::Shape::part) add(a.seedVertex);
+        if (infoOf(a.shape).geometry == EmitterShapeInfo::Geometry::component) add(a.seedVertex);
     return out;
 }
 

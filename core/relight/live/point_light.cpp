@@ -13,7 +13,7 @@ PointLight LiveScene::lightAt(uint32_t triangle, const Vec2& barycentric) const 
     const float fraction[3] = {1 - barycentric.x - barycentric.y, barycentric.x, barycentric.y};
     PointLight out;
     out.fromEmitter.assign(s.near.size(), Rgb(0));
-    out.weights.assign(s.estimate->reflectance.weight.size(), Rgb(0));
+    out.weights.assign(s.estimate->reflectance.lobes(), Rgb(0));
     for (int k = 0; k < 3; ++k) {
         const uint32_t v = t[size_t(k)];
         out.point += fraction[k] * mesh.positions[v];
@@ -26,11 +26,12 @@ PointLight LiveScene::lightAt(uint32_t triangle, const Vec2& barycentric) const 
         for (size_t e = 0; e < s.near.size(); ++e) {
             Rgb transport = albedo * s.near[e].factor[v];
             if (!s.gloss.empty()) transport += s.gloss.near(e)[v] * (s.gloss.shadowed(e, v) ? 1.0f : s.near[e].seen(v));
-            out.fromEmitter[e] += fraction[k] * transport * s.geometry.emitters[e].radiance;
+            out.fromEmitter[e] += fraction[k] * transport * s.geometry.emitters[e].emission.level;
         }
         if (origin == EditedPart::none) continue;
-        for (size_t lobe = 0; lobe < out.weights.size(); ++lobe) {
-            const Rgb w = s.estimate->reflectance.weight[lobe][origin];
+        const LobesAtVertex weights = s.estimate->reflectance.at(origin);
+        for (size_t lobe = 0; lobe < weights.size(); ++lobe) {
+            const Rgb w = weights[lobe];
             out.weights[lobe] += fraction[k] * (s.look.neutralMaterials ? Rgb(luminance(w)) : w);
         }
     }
@@ -59,7 +60,7 @@ PointLight LiveScene::lightAt(uint32_t triangle, const Vec2& barycentric) const 
         }
         if (!any) out.incident[c] = environment.cells[c];
         else if (emitter >= 0 && (front || s.geometry.emitters[size_t(emitter)].surface.twoSided))
-            out.incident[c] = s.geometry.emitters[size_t(emitter)].radiance;
+            out.incident[c] = s.geometry.emitters[size_t(emitter)].emission.radiance(-d, origin + nearest.distance * d);
     }
     // An emitter smaller than a cell falls between the rays: where it lies it counts with the fraction of the cell it
     // covers.
@@ -67,7 +68,7 @@ PointLight LiveScene::lightAt(uint32_t triangle, const Vec2& barycentric) const 
     for (size_t e = 0; e < s.near.size(); ++e) {
         const NearEmitter& emitter = s.near[e];
         const float distance = glm::length(emitter.centre - out.point);
-        if (!(maxChannel(s.geometry.emitters[e].radiance) > 0) || distance <= emitter.radius ||
+        if (s.geometry.emitters[e].emission.dark() || distance <= emitter.radius ||
             pi * emitter.radius * emitter.radius > 4 * distance * distance * out.grid.cellSolidAngle())
             continue;
         float open = 0;
@@ -77,7 +78,7 @@ PointLight LiveScene::lightAt(uint32_t triangle, const Vec2& barycentric) const 
         if (!(seen > 0) || cosine < 1e-3f) continue;
         Rgb& place = out.incident[size_t(out.grid.cellOf(toward))];
         const float fraction2 = std::min(1.0f, seen * pi / (cosine * out.grid.cellSolidAngle()));
-        place = glm::max(place, fraction2 * s.geometry.emitters[e].radiance);
+        place = glm::max(place, fraction2 * s.geometry.emitters[e].emission.level);
     }
     return out;
 }

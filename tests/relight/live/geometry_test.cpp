@@ -31,7 +31,7 @@ World world() {
 
 AddedEmitter shiningPart(const World& w, const Mat4& matrix) {
     AddedEmitter e;
-    e.shape = AddedEmitter::Shape::part;
+    e.shape = EmitterShape::part;
     e.id = "glow";
     e.matrix = matrix;
     e.seedVertex = w.boxVertex;
@@ -45,7 +45,7 @@ TEST(LiveGeometry, APartThatShinesBelongsToItsEmitterAndMovesWithIt) {
     look.added.push_back(shiningPart(w, test::translation({0, 0, 1})));
     const RelitScene relit = test::relitOf(w.scene, w.estimate, look);
     ASSERT_EQ(relit.emitters.size(), 2u);
-    EXPECT_EQ(relit.emitters[1].radiance, Rgb(3));
+    EXPECT_EQ(relit.emitters[1].emission.level, Rgb(3));
     EXPECT_NEAR(relit.emitters[1].surface.area(), 6, 1e-4);
     EXPECT_EQ(relit.scene.mesh.triangles.size(), w.scene.mesh.triangles.size()) << "nothing is added";
     for (uint32_t t : w.boxTriangles) {
@@ -61,11 +61,11 @@ TEST(LiveGeometry, ADisabledAddedEmitterIsDarkButKeepsItsPart) {
     const World w = world();
     Look look;
     look.added.push_back(shiningPart(w, Mat4(1)));
-    look.added.push_back({AddedEmitter::Shape::disk, "d", test::translation({0, 0, 2}), Vec2(1), Rgb(5)});
+    look.added.push_back({EmitterShape::disk, "d", test::translation({0, 0, 2}), Vec2(1), Rgb(5)});
     look.added[0].enabled = look.added[1].enabled = false;
     const RelitScene relit = test::relitOf(w.scene, w.estimate, look);
-    EXPECT_EQ(relit.emitters[1].radiance, Rgb(0));
-    EXPECT_EQ(relit.emitters[2].radiance, Rgb(0));
+    EXPECT_EQ(relit.emitters[1].emission.level, Rgb(0));
+    EXPECT_EQ(relit.emitters[2].emission.level, Rgb(0));
     EXPECT_GT(relit.scene.mesh.triangles.size(), w.scene.mesh.triangles.size());
     EXPECT_EQ(relit.emitterOfTriangle[w.boxTriangles[0]], 1);
 }
@@ -76,7 +76,7 @@ TEST(LiveGeometry, ACopyIsTheRecoveredEmitterAgainMovedFromWhereItWasFound) {
     Look look;
     look.emitters.push_back({"emitter-1", true, test::translation({0, 5, 0}), Rgb(1)});
     AddedEmitter copy;
-    copy.shape = AddedEmitter::Shape::copy;
+    copy.shape = EmitterShape::copy;
     copy.id = "twin";
     copy.source = "emitter-1";
     copy.matrix = test::translation({1, 0, 0});
@@ -107,7 +107,7 @@ TEST(LiveGeometry, NamesAPartThatShinesAlreadyAndASourceThatDoesNotExist) {
         test::messageOf([&] { test::relitOf(w.scene, w.estimate, outside); }).find("seed_vertex 100000 does not exist"),
         std::string::npos);
     noSource.added = {shiningPart(w, Mat4(1))};
-    noSource.added[0].shape = AddedEmitter::Shape::copy;
+    noSource.added[0].shape = EmitterShape::copy;
     noSource.added[0].source = "emitter-9";
     EXPECT_EQ(test::messageOf([&] { test::relitOf(w.scene, w.estimate, noSource); }),
               "added_emitters: there is no emitter named emitter-9");

@@ -63,7 +63,7 @@ std::vector<Rgb> reference(const World& w, const Look& look) {
         if (const int e = relit.emitterOfTriangle[t]; e >= 0)
             for (uint32_t v : mesh.triangles[t]) {
                 shines[v] = 1;
-                out[v] = relit.emitters[size_t(e)].radiance;
+                out[v] = relit.emitters[size_t(e)].emission.level;
             }
     parallelFor(mesh.vertexCount(), 16, [&](size_t v) {
         if (shines[v]) return;
@@ -78,7 +78,7 @@ std::vector<Rgb> reference(const World& w, const Look& look) {
         std::vector<EmitterSample> samples;
         for (const RelitEmitter& e : relit.emitters) {
             sampleEmitter(relit.scene, e.surface, mesh.positions[v], mesh.normals[v], 1024, v, samples);
-            for (const EmitterSample& s : samples) light += s.formFactor * s.visible * e.radiance;
+            for (const EmitterSample& s : samples) light += s.formFactor * s.visible * e.emission.level;
         }
         out[v] = relit.weight[0][v] * light;
     });
@@ -131,8 +131,7 @@ Look boxMoved(const World& w) {
 
 Look sphereAdded() {
     Look look;
-    look.added.push_back(
-        {AddedEmitter::Shape::sphere, "bulb", test::translation({-1, 0.8f, 0.6f}), Vec2(0.3f), Rgb(8, 6, 4)});
+    look.added.push_back({EmitterShape::sphere, "bulb", test::translation({-1, 0.8f, 0.6f}), Vec2(0.3f), Rgb(8, 6, 4)});
     return look;
 }
 
@@ -159,7 +158,7 @@ TEST(LiveScene, ADiskAboveAPlaneHasItsClosedFormFactor) {
     Progress progress;
     LiveScene live(scene, estimate, {}, progress);
     Look look;
-    look.added.push_back({AddedEmitter::Shape::disk, "disk", test::translation({0, 0, 1.5f}), Vec2(1), Rgb(2)});
+    look.added.push_back({EmitterShape::disk, "disk", test::translation({0, 0, 1.5f}), Vec2(1), Rgb(2)});
     live.setLook(look);
     const auto frame = refined(live);
     for (size_t v = 0; v < scene->mesh.vertexCount(); ++v) {
@@ -315,7 +314,7 @@ TEST(LiveScene, APartThatShinesLightsTheRest) {
     LiveScene live(w.scene, w.estimate, precise(), progress);
     refined(live);
     AddedEmitter glow;
-    glow.shape = AddedEmitter::Shape::part;
+    glow.shape = EmitterShape::part;
     glow.id = "glow";
     glow.seedVertex = w.panelVertex;
     glow.radiance = Rgb(5);
@@ -377,7 +376,7 @@ std::vector<Rgb> glossyReference(const World& w, const Look& look, const Vec3& e
                 if (hit) {
                     const int e = relit.emitterOfTriangle[hit.triangle];
                     light = e >= 0 && glm::dot(mesh.faceNormal(hit.triangle), d) < 0
-                                ? relit.emitters[size_t(e)].radiance
+                                ? relit.emitters[size_t(e)].emission.level
                                 : Rgb(0);
                 }
                 out[v] += relit.weight[k][v] * light * evaluateLobe(relit.basis.lobes[k], local, toEye) * local.z /

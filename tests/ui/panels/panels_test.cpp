@@ -113,8 +113,8 @@ TEST(PanelDrawing, everythingDrawsWithAnEstimateInEveryStateOfTheSelection) {
     editor.state.recentEnvironments = {"/nowhere/studio.exr"};
     drawEverything(p);
     drawEveryDialog(p);
-    addNewEmitter(editor, AddedEmitter::Shape::sphere);
-    addNewEmitter(editor, AddedEmitter::Shape::rectangle);
+    addNewEmitter(editor, EmitterShape::sphere);
+    addNewEmitter(editor, EmitterShape::rectangle);
     ASSERT_EQ(editor.look().added.size(), 2u);
     drawEverything(p);
     runAction(editor, "edit.selectAll");
@@ -245,7 +245,7 @@ TEST(EmitterTable, soloIsNotAnEdit) {
 
 TEST(EmitterTable, anEditGoesToAllSelectedAsOneEntry) {
     Table t;
-    addNewEmitter(*t.editor, AddedEmitter::Shape::disk);
+    addNewEmitter(*t.editor, EmitterShape::disk);
     const std::string added = t.editor->emitters().back().id;
     EXPECT_EQ(t.editor->state.selection.emitters, std::vector<std::string>{added});
     selectEmitter(*t.editor, t.id, true, false);
@@ -272,8 +272,8 @@ TEST(EmitterTable, anEditGoesToAllSelectedAsOneEntry) {
 
 TEST(EmitterTable, shiftExtendsAndCtrlToggles) {
     Table t;
-    addNewEmitter(*t.editor, AddedEmitter::Shape::disk);
-    addNewEmitter(*t.editor, AddedEmitter::Shape::sphere);
+    addNewEmitter(*t.editor, EmitterShape::disk);
+    addNewEmitter(*t.editor, EmitterShape::sphere);
     const auto& all = t.editor->emitters();
     selectEmitter(*t.editor, all.front().id, false, false);
     selectEmitter(*t.editor, all.back().id, false, true);
@@ -303,7 +303,7 @@ TEST(EmitterControls, newLightsFaceWhatTheCameraLooksAt) {
     Panels p;
     p.openSolved();
     p.editor->state.viewport.camera.target = {0.1f, 0, 0.2f};
-    const AddedEmitter added = newEmitter(*p.editor, AddedEmitter::Shape::rectangle);
+    const AddedEmitter added = newEmitter(*p.editor, EmitterShape::rectangle);
     const Vec3 place(added.matrix[3]), facing = -Vec3(added.matrix[2]);
     EXPECT_GT(glm::dot(facing, glm::normalize(p.editor->state.viewport.camera.target - place)), 0.999f);
     EXPECT_NEAR(added.size.x, p.editor->state.document.scene->diagonal / 16, 1e-4);
@@ -313,7 +313,7 @@ TEST(EmitterControls, newLightsFaceWhatTheCameraLooksAt) {
 TEST(EmitterControls, powerFollowsTheAreaOfAFlatLight) {
     Panels p;
     p.openSolved();
-    addNewEmitter(*p.editor, AddedEmitter::Shape::rectangle);
+    addNewEmitter(*p.editor, EmitterShape::rectangle);
     const EmitterState before = p.editor->emitters().back();
     p.editor->edit("Scale", [&](Look& look) {
         Mat4 twice(2);

@@ -1,15 +1,19 @@
-// The file browser: sequences, odd names, folders that cannot be read, and its keys.
-#include "file_browser.h"
+// What the file browser lists: sequences, odd names, captures of every format, folders that cannot be read.
+#include "browser/listing.h"
 
+#include <fmt/format.h>
+#include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "ui/panels/panel_harness.h"
+#include "support/temporary_folder.h"
+#include "widgets.h"
 
 namespace relamp::ui::test {
 namespace {
 namespace fs = std::filesystem;
+using relamp::test::TemporaryFolder;
 
 std::vector<std::string> collapsed(const std::vector<std::string>& names) {
     std::vector<FileEntry> entries;
@@ -112,113 +116,20 @@ TEST(FileBrowserListing, foldersComeFirstAndHiddenOnesOnDemand) {
     EXPECT_EQ(listFolder(folder.path(), true).entries.size(), 3u);
 }
 
-/// A browser drawn alone.
-struct Browsing : Panels {
-    FileBrowser browser;
-    FileBrowser::Answer answer = FileBrowser::Answer::none;
-    explicit Browsing(const BrowserRequest& request) {
-        browser.begin(request);
-        windowSize(800, 560);
-        frame([this] {
-            if (const auto a = browser.draw({}); a != FileBrowser::Answer::none) answer = a;
-        });
-        for (int i = 0; i < 500 && browser.reading(); ++i) {
-            std::this_thread::sleep_for(std::chrono::milliseconds(2));
-            frames(1);
-        }
-        frames(2);
-    }
-};
-
-TEST(FileBrowserKeys, arrowsEnterAndBackspaceWalkThroughFolders) {
+TEST(FileBrowserListing, everyCaptureFormatIsNamed) {
     const TemporaryFolder folder;
-    folder.write("inside/a.exr", "x");
-    folder.write("inside/b.exr", "x");
-    BrowserRequest request;
-    request.start = folder.path();
-    request.extensions = {".exr"};
-    Browsing b(request);
-    ASSERT_EQ(b.browser.names(), Names{"inside"});
-    b.key(keyDown);
-    b.key(keyEnter);
-    EXPECT_EQ(b.browser.folder(), folder / "inside");
-    EXPECT_EQ(b.browser.names(), (Names{"a.exr", "b.exr"}));
-    b.key(keyBackspace);
-    EXPECT_EQ(b.browser.folder(), folder.path());
-    b.key(keyDown);
-    b.key(keyEnter);
-    b.type("b");
-    EXPECT_EQ(b.browser.names(), Names{"b.exr"});
-    b.key(keyEnter);
-    EXPECT_EQ(b.answer, FileBrowser::Answer::chosen);
-    EXPECT_EQ(b.browser.chosen(), folder / "inside" / "b.exr");
-}
-
-TEST(FileBrowserKeys, captureFoldersAreChosenNotEntered) {
-    const TemporaryFolder folder;
-    folder.write("room/transforms.json", "{}");
-    BrowserRequest request;
-    request.start = folder.path();
-    request.captures = true;
-    request.extensions = {".json"};
-    Browsing b(request);
-    b.key(keyDown);
-    b.key(keyEnter);
-    EXPECT_EQ(b.answer, FileBrowser::Answer::chosen);
-    EXPECT_EQ(b.browser.chosen(), folder / "room");
-}
-
-TEST(FileBrowserKeys, savingAsksBeforeItReplaces) {
-    const TemporaryFolder folder;
-    folder.write("plot.svg", "x");
-    BrowserRequest request;
-    request.mode = BrowserRequest::Mode::save;
-    request.start = folder.path();
-    request.name = "plot";
-    request.extensions = {".svg"};
-    Browsing b(request);
-    b.key(keyEnter);
-    EXPECT_EQ(b.answer, FileBrowser::Answer::none);
-    b.frames(2);
-    b.key(keyEnter);
-    EXPECT_EQ(b.answer, FileBrowser::Answer::chosen);
-    EXPECT_EQ(b.browser.chosen(), folder / "plot.svg");
-}
-
-TEST(FileBrowserKeys, aFolderThatIsNoShotIsNeverReplaced) {
-    const TemporaryFolder folder;
-    folder.write("photos.relamp/important.txt", "x");
-    BrowserRequest request;
-    request.mode = BrowserRequest::Mode::save;
-    request.replacesShots = true;
-    request.start = folder.path();
-    request.name = "photos.relamp";
-    request.extensions = {".relamp"};
-    Browsing b(request);
-    b.key(keyEnter);
-    b.key(keyEnter);
-    b.key(keyEnter);
-    EXPECT_EQ(b.answer, FileBrowser::Answer::none);
-}
-
-TEST(FileBrowserKeys, escCancels) {
-    Browsing b({});
-    b.key(keyEscape);
-    EXPECT_EQ(b.answer, FileBrowser::Answer::cancelled);
-}
-
-TEST(FileBrowserKeys, manyFilesDoNotSlowTheWindowDown) {
-    const TemporaryFolder folder;
-    for (int i = 0; i < 20000; ++i)
-        std::ofstream(folder / fmt::format("{}{}{}{}.txt", char('a' + i % 26), char('a' + i / 26 % 26),
-                                           char('a' + i / 676 % 26), char('a' + i / 17576)));
-    BrowserRequest request;
-    request.start = folder.path();
-    Browsing b(request);
-    ASSERT_EQ(b.browser.names().size(), 20000u);
-    const auto start = std::chrono::steady_clock::now();
-    b.frames(50);
-    EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / 50, 0.02);
+    folder.write("a nerf/transforms.json", "{}");
+    folder.write("b model/sparse/0/cameras.bin", "x");
+    folder.write("b model/sparse/0/images.bin", "x");
+    folder.write("c shot/shot.json", "{}");
+    folder.write("d photos/a.exr", "x");
+    const auto listing = listFolder(folder.path(), false);
+    ASSERT_EQ(listing.entries.size(), 4u);
+    EXPECT_EQ(detailOf(listing.entries[0]).capture, "transforms.json");
+    EXPECT_EQ(detailOf(listing.entries[1]).capture, "COLMAP model");
+    EXPECT_EQ(detailOf(listing.entries[2]).capture, "");
+    EXPECT_TRUE(detailOf(listing.entries[2]).shot);
+    EXPECT_EQ(detailOf(listing.entries[3]).capture, "");
 }
 
 }  // namespace

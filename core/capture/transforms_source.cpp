@@ -1,0 +1,45 @@
+// A capture whose cameras are in transforms.json: which images and which mesh it means.
+#include "base/is_there.h"
+#include "capture/capture_formats.h"
+#include "image/image_io.h"
+
+namespace relamp {
+namespace fs = std::filesystem;
+namespace {
+
+fs::path findMesh(const fs::path& folder, const std::string& meshPath, const std::string& file) {
+    if (!meshPath.empty()) {
+        if (isFile(folder / meshPath)) return folder / meshPath;
+        throw Error("{}: mesh_path names {}, which does not exist", file, (folder / meshPath).string());
+    }
+    for (const char* name : {"mesh.ply", "mesh.obj", "mesh.stl", "mesh.off"})
+        if (isFile(folder / name)) return folder / name;
+    throw Error("{}: mesh_path is missing, and {} holds no mesh.ply, mesh.obj, mesh.stl or mesh.off", file,
+                folder.string());
+}
+
+}  // namespace
+
+CaptureSource sourceFromTransforms(const fs::path& folder, const fs::path& file, const CaptureFix& fix, Progress&) {
+    if (!isFile(file)) throw Error("{}: does not exist", file.string());
+    const std::string name = file.filename().string();
+    const auto images = [&](const std::string& filePath) {
+        return findImage(fix.images.empty() ? folder : placeOf(folder, fix.images), filePath);
+    };
+    Transforms transforms =
+        readTransforms(file, [&](const std::string& filePath) { return readImageSize(images(filePath)); });
+    CaptureSource source;
+    source.where = name;
+    source.notes = std::move(transforms.notes);
+    source.up = transforms.up;
+    source.mesh = fix.mesh.empty() ? findMesh(folder, transforms.meshPath, name) : placeOf(folder, fix.mesh);
+    for (size_t i = 0; i < transforms.frames.size(); ++i) {
+        TransformsFrame& frame = transforms.frames[i];
+        const std::string& path = frame.filePath.empty() ? frame.exposures[0].filePath : frame.filePath;
+        source.frames.push_back(
+            {fmt::format("{}: frame {}", name, i), path, images(path), frame.camera, std::move(frame.exposures)});
+    }
+    return source;
+}
+
+}  // namespace relamp

@@ -1,0 +1,40 @@
+#include "view_mode.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+
+#include "actions.h"
+
+namespace relamp::ui {
+namespace {
+
+TEST(ViewModes, HaveARowEachWithItsOwnNameCommandAndKey) {
+    std::set<std::string> names, ids;
+    std::set<int> keys;
+    for (const ViewModeInfo& info : viewModes()) {
+        EXPECT_EQ(&infoOf(info.mode), &info) << info.name;
+        EXPECT_TRUE(names.insert(info.name).second) << info.name;
+        EXPECT_TRUE(ids.insert(info.id).second) << info.id;
+        if (info.key) { EXPECT_TRUE(keys.insert(info.key).second) << info.name; }
+        ASSERT_FALSE(info.strips.empty()) << info.name;
+        EXPECT_EQ(info.dividers.size() + 1, info.strips.size()) << info.name;
+        if (info.strips.size() > 1)
+            for (const StripInfo& strip : info.strips) EXPECT_NE(std::string(strip.caption), "") << info.name;
+    }
+}
+
+TEST(ViewModes, AreCommandsUnderTheirKeys) {
+    for (const ViewModeInfo& info : viewModes()) {
+        const Action* action = findAction(info.id);
+        ASSERT_TRUE(action) << info.id;
+        EXPECT_EQ(action->label, info.name);
+        EXPECT_EQ(action->menu, "View");
+        ASSERT_EQ(action->keys.size(), info.key ? 1u : 0u) << info.name;
+        if (info.key) { EXPECT_EQ(action->keys[0].key, info.key); }
+    }
+}
+
+}  // namespace
+}  // namespace relamp::ui

@@ -1,0 +1,157 @@
+// The menus File, Edit and Help.
+#include "actions/menus.h"
+
+namespace relamp::ui {
+
+void addFileActions(std::vector<Action>& table) {
+    const auto add = [&](Action a) { table.push_back(std::move(a)); };
+    add({"file.open",
+         "Open...",
+         "Open a capture folder or a saved shot.",
+         "File",
+         {{'O', true}},
+         [](Editor& e) { e.state.panels.openBrowser = true; },
+         {},
+         {},
+         false});
+    add({"file.save",
+         "Save",
+         "Save the shot: what was found about the light, and your edits.",
+         "File",
+         {{'S', true}},
+         [](Editor& e) { e.save(); },
+         hasEstimate,
+         {},
+         true});
+    add({"file.saveAs",
+         "Save as...",
+         "Save the shot to another place.",
+         "File",
+         {{'S', true, true}},
+         [](Editor& e) { e.state.panels.saveBrowser = true; },
+         hasEstimate,
+         {},
+         false});
+    add({"file.export",
+         "Export frames...",
+         "Render the present look to files for compositing.",
+         "File",
+         {{keyF12}},
+         [](Editor& e) { e.state.panels.exportFrames = true; },
+         hasEstimate,
+         {},
+         true});
+    add({"file.doctor",
+         "Check the capture...",
+         "Cameras against mesh, exposure, clipped pixels: what to look at before estimating.",
+         "File",
+         {},
+         [](Editor& e) { e.state.panels.doctor = true; },
+         hasDocument,
+         {},
+         true});
+    add({"file.quit",
+         "Quit",
+         "Close the window. Asks first when something is not saved.",
+         "File",
+         {{'Q', true}},
+         [](Editor& e) { e.requestQuit(); },
+         {},
+         {},
+         true});
+}
+
+void addEditActions(std::vector<Action>& table) {
+    const auto add = [&](Action a) { table.push_back(std::move(a)); };
+    add({"edit.undo",
+         "Undo",
+         "Take the last edit back.",
+         "Edit",
+         {{'Z', true}},
+         [](Editor& e) { e.undo(); },
+         [](const Editor& e) { return e.history().canUndo(); },
+         {},
+         false});
+    add({"edit.redo",
+         "Redo",
+         "Bring back what was undone.",
+         "Edit",
+         {{'Z', true, true}, {'Y', true}},
+         [](Editor& e) { e.redo(); },
+         [](const Editor& e) { return e.history().canRedo(); },
+         {},
+         false});
+    add({"edit.resetAll",
+         "Reset the look",
+         "Every light back to what was recovered, the environment as photographed, added lights gone.",
+         "Edit",
+         {},
+         [](Editor& e) { e.edit("Reset the look", resetLook); },
+         hasEstimate,
+         {},
+         true});
+    add({"edit.selectNone",
+         "Deselect",
+         "Select nothing; also disarms a click that waits.",
+         "Edit",
+         {{keyEscape}},
+         [](Editor& e) {
+             if (e.state.viewport.clickTask != ClickTask::none) {
+                 e.state.viewport.clickTask = ClickTask::none;
+                 return;
+             }
+             e.state.selection.emitters.clear();
+             e.pick(std::nullopt);
+         },
+         [](const Editor& e) {
+             return e.state.viewport.clickTask != ClickTask::none || !e.state.selection.emitters.empty() ||
+                    e.state.selection.point;
+         },
+         {},
+         true});
+    add({"edit.selectAll",
+         "Select all lights",
+         "Select every emitter, to edit them together.",
+         "Edit",
+         {{'A', true}},
+         [](Editor& e) {
+             e.state.selection.emitters.clear();
+             for (const EmitterState& s : e.emitters()) e.state.selection.emitters.push_back(s.id);
+         },
+         hasEstimate,
+         {},
+         false});
+}
+
+void addHelpActions(std::vector<Action>& table) {
+    const auto add = [&](Action a) { table.push_back(std::move(a)); };
+    add({"help.palette",
+         "Find a command...",
+         "Type what you want to do.",
+         "Help",
+         {{'P', true, true}},
+         [](Editor& e) { e.state.panels.palette = true; },
+         {},
+         {},
+         false});
+    add({"help.keys",
+         "Keys",
+         "Every key there is.",
+         "Help",
+         {{keyF1}},
+         [](Editor& e) { e.state.panels.keys = true; },
+         {},
+         {},
+         false});
+    add({"help.about",
+         "About relamp",
+         "What this is, its version and where its method comes from.",
+         "Help",
+         {},
+         [](Editor& e) { e.state.panels.about = true; },
+         {},
+         {},
+         false});
+}
+
+}  // namespace relamp::ui

@@ -1,0 +1,211 @@
+// The menu View: modes, the camera, the image on screen, and what is drawn over it.
+#include <algorithm>
+
+#include "actions/menus.h"
+#include "viewport/navigation.h"
+
+namespace relamp::ui {
+namespace {
+
+using Adder = std::function<void(Action)>;
+
+void scaleUi(Editor& e, float factor) { e.state.uiScale = std::clamp(e.state.uiScale * factor, 0.75f, 3.0f); }
+
+Action modeAction(const ViewModeInfo& info) {
+    Action a;
+    a.id = info.id;
+    a.label = info.name;
+    a.explanation = info.explanation;
+    a.menu = "View";
+    if (info.key) a.keys = {{info.key}};
+    a.run = [mode = info.mode](Editor& e) { setMode(e, mode); };
+    a.checked = [mode = info.mode](const Editor& e) { return e.state.viewport.mode == mode; };
+    return a;
+}
+
+void addCamera(const Adder& add) {
+    add({"view.frame",
+         "Frame what is selected",
+         "Moves the camera so that the selection fills the image.",
+         "View",
+         {{'F'}},
+         [](Editor& e) { frameSelected(e); },
+         hasDocument,
+         {},
+         true});
+    add({"view.frameAll",
+         "Frame everything",
+         "Moves the camera so that the whole scene fills the image.",
+         "View",
+         {{keyHome}},
+         [](Editor& e) { frameAll(e); },
+         hasDocument,
+         {},
+         false});
+    add({"view.lookThrough",
+         "Look through the photograph",
+         "The viewport takes the place of the camera that took the selected photograph.",
+         "View",
+         {{'C'}, {keyPad0}},
+         [](Editor& e) { toggleLookThrough(e); },
+         hasDocument,
+         [](const Editor& e) { return e.state.viewport.throughView; },
+         false});
+    add({"view.next",
+         "Next photograph",
+         "Selects the next photograph.",
+         "View",
+         {{keyPeriod}},
+         [](Editor& e) { stepView(e, 1); },
+         hasDocument,
+         {},
+         false});
+    add({"view.previous",
+         "Previous photograph",
+         "Selects the photograph before.",
+         "View",
+         {{keyComma}},
+         [](Editor& e) { stepView(e, -1); },
+         hasDocument,
+         {},
+         false});
+    add({"view.orthographic",
+         "Without perspective",
+         "Parallel lines stay parallel.",
+         "View",
+         {},
+         [](Editor& e) { toggleOrthographic(e); },
+         hasDocument,
+         [](const Editor& e) { return e.state.viewport.camera.orthographic; },
+         false});
+}
+
+void addImage(const Adder& add) {
+    add({"view.brighter",
+         "Brighter",
+         "The image on screen, half a stop brighter. Files are not affected.",
+         "View",
+         {{'E'}},
+         [](Editor& e) { changeExposure(e, 0.5f); },
+         {},
+         {},
+         true});
+    add({"view.darker",
+         "Darker",
+         "The image on screen, half a stop darker. Files are not affected.",
+         "View",
+         {{'E', false, true}},
+         [](Editor& e) { changeExposure(e, -0.5f); },
+         {},
+         {},
+         false});
+    add({"view.falseColour",
+         "False colour",
+         "Brightness in bands of a stop about middle grey.",
+         "View",
+         {},
+         [](Editor& e) { e.state.viewport.falseColour = !e.state.viewport.falseColour; },
+         {},
+         [](const Editor& e) { return e.state.viewport.falseColour; },
+         false});
+    add({"view.hide",
+         "Hide",
+         "Hides the picked thing, so that you can reach behind it. Its light stays.",
+         "View",
+         {{'H'}},
+         [](Editor& e) { hidePicked(e); },
+         hasDocument,
+         {},
+         true});
+    add({"view.showAll",
+         "Show everything",
+         "Brings hidden things back.",
+         "View",
+         {{'H', false, false, true}},
+         [](Editor& e) { showAll(e); },
+         hasDocument,
+         {},
+         false});
+}
+
+void addOverlays(const Adder& add) {
+    add({"view.photograph",
+         "Photograph behind",
+         "Shows the photograph behind the scene when you look through it.",
+         "View",
+         {},
+         [](Editor& e) { e.state.viewport.photographBehind = !e.state.viewport.photographBehind; },
+         {},
+         [](const Editor& e) { return e.state.viewport.photographBehind; },
+         false});
+    add({"view.overlay",
+         "Mesh over the photograph",
+         "Draws the mesh's edges over the photograph: how well cameras and mesh agree.",
+         "View",
+         {},
+         [](Editor& e) { e.state.viewport.meshOverlay = !e.state.viewport.meshOverlay; },
+         {},
+         [](const Editor& e) { return e.state.viewport.meshOverlay; },
+         false});
+    add({"view.frusta",
+         "Cameras",
+         "Shows where the photographs were taken.",
+         "View",
+         {},
+         [](Editor& e) { e.state.viewport.frusta = !e.state.viewport.frusta; },
+         {},
+         [](const Editor& e) { return e.state.viewport.frusta; },
+         false});
+    add({"view.grid",
+         "Ground grid",
+         "Shows a grid on the ground, a line a metre or as it fits.",
+         "View",
+         {},
+         [](Editor& e) { e.state.viewport.grid = !e.state.viewport.grid; },
+         {},
+         [](const Editor& e) { return e.state.viewport.grid; },
+         false});
+    add({"view.dome",
+         "Environment behind",
+         "Shows the environment around the scene.",
+         "View",
+         {},
+         [](Editor& e) { e.state.viewport.directionDome = !e.state.viewport.directionDome; },
+         {},
+         [](const Editor& e) { return e.state.viewport.directionDome; },
+         false});
+}
+
+void addTextSize(const Adder& add) {
+    add({"view.larger",
+         "Larger text",
+         "Makes everything in the window larger.",
+         "View",
+         {{keyEqual, true}},
+         [](Editor& e) { scaleUi(e, 1.125f); },
+         {},
+         {},
+         true});
+    add({"view.smaller",
+         "Smaller text",
+         "Makes everything in the window smaller.",
+         "View",
+         {{keyMinus, true}},
+         [](Editor& e) { scaleUi(e, 1 / 1.125f); },
+         {},
+         {},
+         false});
+}
+
+}  // namespace
+
+void addViewActions(std::vector<Action>& table) {
+    const Adder add = [&](Action a) { table.push_back(std::move(a)); };
+    for (const ViewModeInfo& info : viewModes()) add(modeAction(info));
+    addCamera(add);
+    addImage(add);
+    addOverlays(add);
+    addTextSize(add);
+}
+
+}  // namespace relamp::ui
