@@ -91,8 +91,8 @@ void SolveState::forgetBounce(std::string why) {
 void SolveState::joinLikelyBounce() {
     if (options_.bounce != SolveOptions::Bounce::automatic || !plan_.choices.bounce || !plan_.choices.bounceLikely)
         return;
-    const std::string stage = meter_.current();
-    meter_.begin("bounced light");
+    const std::optional<Stage> stage = meter_.current();
+    meter_.begin(Stage::bouncedLight);
     if (bounceRays_.rays == 0) traceBounceRays(fewBounceRays);
     updateBounce();
     meter_.begin(stage);
@@ -106,11 +106,11 @@ void SolveState::decideBounce(bool coarse) {
     }
     if (options_.bounce == Bounce::automatic && !plan_.choices.bounce) {
         for (const PlannedOmission& o : plan_.leftOut)
-            if (o.what == "interreflection") noBounceBecause_ = o.reason;
+            if (o.what == Omission::interreflection) noBounceBecause_ = o.reason;
         return;
     }
     if (coarse && (options_.bounce != Bounce::automatic || plan_.choices.lateBounce || !bounce_.empty())) return;
-    meter_.begin("bounced light");
+    meter_.begin(Stage::bouncedLight);
     constexpr uint32_t rays = BounceOptions{}.rays;
     if (bounceRays_.rays == 0 || (!bounce_.empty() && bounceRays_.rays < rays)) traceBounceRays(rays);
     double enclosure = 0;
@@ -167,7 +167,7 @@ void SolveState::decideBounce(bool coarse) {
                              before, after));
     if (!coarse) return;
     plan_.choices.bounce = false;
-    plan_.leftOut.push_back({"interreflection", noBounceBecause_, 0, 0});
+    plan_.leftOut.push_back({Omission::interreflection, noBounceBecause_, 0, 0});
 }
 
 }  // namespace relamp

@@ -73,9 +73,9 @@ void SolveState::startLight() {
     std::vector<uint32_t> coarse;
     for (uint32_t i = 0; i < lighting_.leaves.size(); ++i)
         if (lighting_.leaves[i].level < options_.startLevel) coarse.push_back(i);
-    meter_.begin("visibility");
+    meter_.begin(Stage::visibility);
     learnVisibility(visibilityStepFor(options_.startLevel));
-    meter_.begin("light");
+    meter_.begin(Stage::light);
     if (!coarse.empty()) splitLeaves(coarse);
     runAlbedoFree("light from ratios", options_.startIterations, nullptr);
 }

@@ -372,7 +372,7 @@ std::vector<HeldOutAlbedo> SolveState::holdOutViews() {
 }
 
 Estimate SolveState::finish() {
-    meter_.begin("closing figures");
+    meter_.begin(Stage::closing);
     Estimate estimate = assemble();
     assess(estimate);
     computeLit();
@@ -380,21 +380,21 @@ Estimate SolveState::finish() {
     assessUncertainty(light, estimate);
     estimate.heldOut = holdOutViews();
     applyGauge(light, estimate);
-    if (gloss_.empty()) estimate.leftOut.push_back({"glossy lobes", "no surface changes with the view beyond noise"});
+    if (gloss_.empty()) estimate.leftOut.push_back({Omission::glossyLobes, "no surface changes with the view beyond noise"});
     if (clusters_.emitters.empty() && options_.nearField)
-        estimate.leftOut.push_back({"near-field emitters", "no patch of the scene shines on its own"});
+        estimate.leftOut.push_back({Omission::nearFieldEmitters, "no patch of the scene shines on its own"});
     if (!options_.nearField)
-        estimate.leftOut.push_back({"near-field emitters", "the distant-only baseline was asked for"});
+        estimate.leftOut.push_back({Omission::nearFieldEmitters, "the distant-only baseline was asked for"});
     if (environmentBlack_)
-        estimate.leftOut.push_back({"distant light", "it gives less than half a percent of the light on the surfaces"});
-    if (!estimate.interreflection) estimate.leftOut.push_back({"interreflection", noBounceBecause_});
+        estimate.leftOut.push_back({Omission::distantLight, "it gives less than half a percent of the light on the surfaces"});
+    if (!estimate.interreflection) estimate.leftOut.push_back({Omission::interreflection, noBounceBecause_});
     if (refined_ && !environmentBlack_ && lighting_.leaves.size() < options_.maxLeaves && refinedMisfit_ > 0)
         estimate.leftOut.push_back(
-            {"finer distant light",
+            {Omission::finerDistantLight,
              "the leaves that are left give too little light, or the last finer ones explained hardly more"});
     if (lighting_.leaves.size() >= options_.maxLeaves)
         estimate.leftOut.push_back(
-            {"finer distant light", fmt::format("the limit of {} unknowns was reached", options_.maxLeaves)});
+            {Omission::finerDistantLight, fmt::format("the limit of {} unknowns was reached", options_.maxLeaves)});
     record("done", 0, 0, pairMismatch());
     meter_.end();
     estimate.timeline = timeline_;

@@ -94,7 +94,7 @@ void SolveState::prepare(const EmitterClusters& clusters) {
         throw Error(
             "no vertex of the mesh is seen by any photograph: check the cameras' poses and the mesh's scale with "
             "`relamp check`");
-    meter_.begin("lights' light, observations, pairs");
+    meter_.begin(Stage::ratios);
     takeClusters(clusters);
     rebuildNearField();
     if (matte_.vertices.empty())
@@ -149,8 +149,8 @@ void SolveState::traceFinerLeaves(const LightLeaves& leaves, const std::vector<u
 
 void SolveState::finishVisibility() {
     if (environmentBlack_ || visibility_.step == 1 || stopped()) return;
-    const std::string stage = meter_.current();
-    meter_.begin("visibility");
+    const std::optional<Stage> stage = meter_.current();
+    meter_.begin(Stage::visibility);
     learnVisibility(1);
     meter_.begin(stage);
     influence_ = rowsOf(matte_.vertices);
@@ -164,10 +164,10 @@ int SolveState::firstLevel() const {
 
 void SolveState::rebuildRows() {
     if (!environmentBlack_ && visibility_.bits.empty()) {
-        meter_.begin("visibility");
+        meter_.begin(Stage::visibility);
         learnVisibility(visibilityStepFor(firstLevel()));
     }
-    meter_.begin("rows of the observations");
+    meter_.begin(Stage::rows);
     anchorLight();
     shapeLeaves();
     influence_ = rowsOf(matte_.vertices);

@@ -5,22 +5,22 @@
 namespace relamp {
 namespace {
 
-const char* stageOf(SolveStep step) {
+Stage stageOf(SolveStep step) {
     switch (step) {
         case SolveStep::firstLight:
-        case SolveStep::strongLight: return "coarse light";
-        case SolveStep::startLight: return "light";
-        case SolveStep::bounces: return "bounced light";
-        case SolveStep::lightStrength: return "strength of the priors";
+        case SolveStep::strongLight: return Stage::coarseLight;
+        case SolveStep::startLight: return Stage::light;
+        case SolveStep::bounces: return Stage::bouncedLight;
+        case SolveStep::lightStrength: return Stage::priorStrength;
         case SolveStep::splitStrong:
-        case SolveStep::refineLight: return "finer light";
-        case SolveStep::firstSurfaces: return "first surfaces";
-        case SolveStep::surfaces: return "surfaces";
-        case SolveStep::glossLight: return "light with gloss";
-        case SolveStep::glossSurfaces: return "surfaces again";
-        case SolveStep::turn: return "light and surfaces in turn";
+        case SolveStep::refineLight: return Stage::finerLight;
+        case SolveStep::firstSurfaces: return Stage::firstSurfaces;
+        case SolveStep::surfaces: return Stage::surfaces;
+        case SolveStep::glossLight: return Stage::glossLight;
+        case SolveStep::glossSurfaces: return Stage::glossSurfaces;
+        case SolveStep::turn: return Stage::turns;
     }
-    return "";
+    return Stage::other;
 }
 
 /// A checkpoint names measured lobes; their tables are the basis's.
@@ -126,7 +126,7 @@ void SolveState::run(SolveStep step, uint32_t index) {
             std::tie(bounce_, vertexBounce_, outgoing_) =
                 std::tuple(std::move(joined[0]), std::move(joined[1]), std::move(joined[2]));
         else if (step == bounces) forgetBounce("the time was used up before it could be tried");
-        logInfo("{}: given up, the time is used up", stageOf(step));
+        logInfo("{}: given up, the time is used up", nameOf(stageOf(step)));
     }
     if (stopped()) takeBackUntold();
     stepMayBeCut_ = false;
@@ -212,7 +212,7 @@ SolveCheckpoint SolveState::checkpoint(uint32_t step, bool between) const {
 
 void SolveState::goOnFrom(const SolveCheckpoint& c) {
     progress_.takeOver(c.seconds);
-    meter_.begin("going on where an earlier solve stood");
+    meter_.begin(Stage::resuming);
     plan_ = c.plan;
     clusters_ = c.clusters;
     suspect_ = c.suspect;
@@ -235,7 +235,7 @@ void SolveState::goOnFrom(const SolveCheckpoint& c) {
     if (c.visibilityStep > uint32_t(options_.visibilitySide) || (c.visibilityStep & (c.visibilityStep - 1)))
         throw Error("the checkpoint's visibility has a step of {}", c.visibilityStep);
     if (c.visibilityStep) {
-        meter_.begin("visibility");
+        meter_.begin(Stage::visibility);
         learnVisibility(int(c.visibilityStep));
     }
     rebuildRows();
@@ -290,9 +290,9 @@ SolvePlan SolveState::measuredPlan() const {
     SolvePlan plan = plan_;
     for (const StageCost& cost : meter_.stages()) {
         const bool foreseen = std::any_of(plan.stages.begin(), plan.stages.end(),
-                                          [&](const PlannedStage& s) { return s.name == cost.name; });
+                                          [&](const PlannedStage& s) { return s.stage == cost.stage; });
         if (!foreseen && cost.seconds < 1e-3) continue;  // a step with nothing to do
-        PlannedStage& stage = plan.stage(cost.name);
+        PlannedStage& stage = plan.stage(cost.stage);
         stage.measuredSeconds = std::max(0.0, stage.measuredSeconds) + cost.seconds;
         stage.measuredMib = std::max(stage.measuredMib, cost.mib);
     }
