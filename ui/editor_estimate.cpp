@@ -47,6 +47,7 @@ void Editor::answerInterrupted(bool goOn) {
     state.interrupted.reset();
     impl_->goOnWhenOpen = offer.record;
     openNow(offer.project);
+    if (!impl_->job) impl_->goOnWhenOpen.clear();
 }
 
 void Editor::Impl::offerInterrupted(const std::optional<InterruptedEstimate>& found) {
@@ -136,7 +137,6 @@ std::shared_ptr<const Estimate> Editor::Impl::runEstimate(const EstimateInputs& 
         keeper.take(checkpoint);
         tell([&] { newPlan = checkpoint.plan; });
     };
-    listener.checkpointSeconds = options.checkpointSeconds;
     StageMeter meter(progress);
     const std::optional<SolveCheckpoint> earlier = in.goOn ? keeper.earlier() : std::nullopt;
     try {

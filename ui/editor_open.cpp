@@ -211,17 +211,19 @@ void Editor::Impl::frameScene() {
 }
 
 void Editor::Impl::openCapture(const fs::path& folder, const CaptureFix& fix, std::optional<FoundWork> recovered) {
-    start(JobStatus::Kind::open, "Opening " + folder.filename().string(),
-          [this, folder, fix, recovered](Progress& progress) -> Finish {
-              const auto document = std::make_shared<Document>(correctedDocument(folder, fix, progress));
-              const std::optional<InterruptedEstimate> stopped = interruptedFor(*document, options.stateFolder);
-              return [this, document, recovered, stopped] {
-                  setDocument(std::move(*document), {}, "Opened");
-                  // Edits without the estimate they were made on: they come back with the next one.
-                  if (recovered) showRecovered(*recovered, {});
-                  offerInterrupted(stopped);
-              };
-          });
+    start(
+        JobStatus::Kind::open, "Opening " + folder.filename().string(),
+        [this, folder, fix, recovered](Progress& progress) -> Finish {
+            const auto document = std::make_shared<Document>(correctedDocument(folder, fix, progress));
+            const std::optional<InterruptedEstimate> stopped = interruptedFor(*document, options.stateFolder);
+            return [this, document, recovered, stopped] {
+                setDocument(std::move(*document), {}, "Opened");
+                // Edits without the estimate they were made on: they come back with the next one.
+                if (recovered) showRecovered(*recovered, {});
+                offerInterrupted(stopped);
+            };
+        },
+        [this](bool) { goOnWhenOpen.clear(); });
 }
 
 void Editor::Impl::showRecovered(const FoundWork& found, Version saved) {
@@ -246,54 +248,56 @@ void Editor::Impl::showRecovered(const FoundWork& found, Version saved) {
 }
 
 void Editor::Impl::openShotFolder(const fs::path& folder, std::optional<FoundWork> recovered, OpenAs as) {
-    start(JobStatus::Kind::open, "Opening " + folder.filename().string(),
-          [this, folder, recovered, as](Progress& progress) -> Finish {
-              std::string trouble;
-              const auto shot = std::make_shared<Shot>();
-              try {
-                  *shot = openShot(folder, true, progress);
-              } catch (const Error& error) {
-                  // Without its photographs a shot can still be relit.
-                  trouble = error.what();
-                  *shot = openShot(folder, false, progress);
-              }
-              fs::path place = recovered ? recovered->work.shotFolder : folder;
-              if (as == OpenAs::copy) {
-                  place = nameForCopy(folder);
-                  saveShot(*shot, shot->capture.mesh, place, false);
-              }
-              auto document = std::make_shared<Document>(documentOf(shot->capture, shot->captureFolder, progress));
-              document->shotFolder = place;
-              document->fix = shot->fix;
-              document->quality = shot->quality;
-              document->seed = shot->seed;
-              document->resources = shot->resources;
-              const std::optional<InterruptedEstimate> stopped = interruptedFor(*document, options.stateFolder);
-              return [this, folder, document, shot, trouble, recovered, as, stopped] {
-                  const fs::path saved = document->shotFolder;
-                  const std::shared_ptr<ShotLock> mine =
-                      saved.empty() || as == OpenAs::readOnly ? nullptr : lockFor(saved);
-                  document->readOnly = as == OpenAs::readOnly || (mine && !mine->owner().empty());
-                  Version version;
-                  version.look = shot->look;
-                  version.estimate = std::make_shared<const Estimate>(std::move(shot->estimate));
-                  const bool readOnly = document->readOnly;
-                  setDocument(std::move(*document), version, "Opened");
-                  if (mine && mine->held()) shotLock = mine;
-                  if (!trouble.empty())
-                      self.fail("The photographs could not be opened", trouble,
-                                "The shot can be relit and exported. To estimate again, put the photographs back and "
-                                "open it again.");
-                  if (readOnly && as == OpenAs::usual)
-                      self.fail("This shot is open elsewhere", saved.string() + " is open: " + mine->owner() + ".",
-                                "It was opened read-only: saving asks for another place.");
-                  if (recovered) {
-                      if (folder != saved) savedEstimate.reset();
-                      showRecovered(*recovered, version);
-                  }
-                  offerInterrupted(stopped);
-              };
-          });
+    start(
+        JobStatus::Kind::open, "Opening " + folder.filename().string(),
+        [this, folder, recovered, as](Progress& progress) -> Finish {
+            std::string trouble;
+            const auto shot = std::make_shared<Shot>();
+            try {
+                *shot = openShot(folder, true, progress);
+            } catch (const Error& error) {
+                // Without its photographs a shot can still be relit.
+                trouble = error.what();
+                *shot = openShot(folder, false, progress);
+            }
+            fs::path place = recovered ? recovered->work.shotFolder : folder;
+            if (as == OpenAs::copy) {
+                place = nameForCopy(folder);
+                saveShot(*shot, shot->capture.mesh, place, false);
+            }
+            auto document = std::make_shared<Document>(documentOf(shot->capture, shot->captureFolder, progress));
+            document->shotFolder = place;
+            document->fix = shot->fix;
+            document->quality = shot->quality;
+            document->seed = shot->seed;
+            document->resources = shot->resources;
+            const std::optional<InterruptedEstimate> stopped = interruptedFor(*document, options.stateFolder);
+            return [this, folder, document, shot, trouble, recovered, as, stopped] {
+                const fs::path saved = document->shotFolder;
+                const std::shared_ptr<ShotLock> mine =
+                    saved.empty() || as == OpenAs::readOnly ? nullptr : lockFor(saved);
+                document->readOnly = as == OpenAs::readOnly || (mine && !mine->owner().empty());
+                Version version;
+                version.look = shot->look;
+                version.estimate = std::make_shared<const Estimate>(std::move(shot->estimate));
+                const bool readOnly = document->readOnly;
+                setDocument(std::move(*document), version, "Opened");
+                if (mine && mine->held()) shotLock = mine;
+                if (!trouble.empty())
+                    self.fail("The photographs could not be opened", trouble,
+                              "The shot can be relit and exported. To estimate again, put the photographs back and "
+                              "open it again.");
+                if (readOnly && as == OpenAs::usual)
+                    self.fail("This shot is open elsewhere", saved.string() + " is open: " + mine->owner() + ".",
+                              "It was opened read-only: saving asks for another place.");
+                if (recovered) {
+                    if (folder != saved) savedEstimate.reset();
+                    showRecovered(*recovered, version);
+                }
+                offerInterrupted(stopped);
+            };
+        },
+        [this](bool) { goOnWhenOpen.clear(); });
 }
 
 }  // namespace relamp::ui

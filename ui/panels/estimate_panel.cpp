@@ -279,7 +279,7 @@ void drawInterruptedOffer(Editor& editor) {
     std::string words = fmt::format("{} of {}, {}.", shown(offer.project.filename()), shown(offer.time),
                                     offer.seconds > 0 ? duration(offer.seconds) + " of work are kept" : "it was kept");
     words += other ? " Opens it and goes on where it stood." : " Goes on where it stood, with the settings it had.";
-    const bool goOn = iconTextButton("Go on with the estimate that was interrupted", Icon::play, words, false, width);
+    const bool goOn = iconTextButton("Go on with the interrupted estimate", Icon::play, words, false, width);
     ImGui::SameLine();
     const bool discard =
         iconButton("##discard interrupted", Icon::trash, "Throws the interrupted estimate away; nothing else changes");
