@@ -11,10 +11,9 @@
 #include "base/json_fields.h"
 #include "base/log.h"
 #include "base/parallel.h"
-#include "base/random.h"
 #include "capture/brackets.h"
 #include "capture/check.h"
-#include "pipeline/pipeline.h"
+#include "pipeline/shot_of.h"
 #include "report/compare.h"
 #include "shot/checkpoint.h"
 #include "shot/shot_document.h"
@@ -130,10 +129,7 @@ PipelineOptions pipelineOptions(const SolveArguments& a) {
     options.solve.albedoSmoothness = strengthOf(a.smoothSurfaces, "--smooth-surfaces");
     options.solve.palette = size_t(a.palette);
     options.solve.seed = a.seed;
-    options.solve.basis = basisNamed(a.basis);
-    if (!a.merl.empty())
-        for (Lobe& lobe : readMeasuredLobes(a.merl)) options.solve.basis.lobes.push_back(std::move(lobe));
-    if (a.basis != "built-in" || !a.merl.empty()) options.solve.mostLobes = 3;
+    chooseBasis(a.basis, a.merl, options.solve);
     if (a.meshTriangles >= 0) options.meshTriangles = size_t(a.meshTriangles);
     options.everything = a.everything;
     options.findLight = a.findLight;
@@ -156,8 +152,7 @@ int solve(const SolveArguments& a, Progress& progress) {
     const fs::path checkpoint = checkpointFile(a.output);
     std::optional<CheckpointKeeper> keeper;
     options.resume = [&](const Capture& capture) -> std::optional<SolveCheckpoint> {
-        const uint64_t fingerprint = solveFingerprint(capture, options.solve, options.everything) ^
-                                     (a.meshTriangles < 0 ? 0 : mixBits(uint64_t(a.meshTriangles)));
+        const uint64_t fingerprint = fingerprintOf(capture, options);
         keeper.emplace(checkpoint, fingerprint);
         if (!a.resume) return {};
         FoundCheckpoint found = readCheckpoint(checkpoint, fingerprint);
@@ -167,14 +162,9 @@ int solve(const SolveArguments& a, Progress& progress) {
     SolveListener listener;
     listener.checkpoint = [&](const SolveCheckpoint& c) { keeper->take(c); };
     PipelineResult r = runPipeline(a.capture, options, progress, &listener);
-    Shot shot;
-    shot.captureFolder = a.capture;
-    shot.fix = fixOf(r, a.fix);
-    shot.capture.origin = r.capture.origin;
-    shot.estimate = std::move(r.estimate);
-    shot.quality = a.quality;
-    shot.seed = a.seed;
-    shot.resources = {progress.seconds(), peakMib(), a.threads > 0 ? a.threads : availableThreads()};
+    ShotSource source = sourceOf(r, a.capture, a.fix, a.quality, a.seed);
+    source.resources = {progress.seconds(), peakMib(), a.threads > 0 ? a.threads : availableThreads()};
+    const Shot shot = shotOf(std::move(r.estimate), source);
     try {
         saveShot(shot, r.scene->mesh, a.output, a.overwrite);
     } catch (const OutOfResources& error) {

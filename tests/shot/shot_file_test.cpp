@@ -50,7 +50,7 @@ protected:
         for (int y = 100; y < 104; ++y)
             for (int x = 30; x < 34; ++x) e.environment[size_t(y) * 256 + size_t(x)] = Rgb(90000, 70000, 50000);
         e.timeline.push_back({1.5, "light", 3, 0.25, 0.125});
-        e.leftOut.push_back({"interreflection", "direct light only"});
+        e.leftOut.push_back({Omission::interreflection, "direct light only"});
         e.stability = {1e-6, 1234, 17, 20, "none"};
         shot.look.emitters.push_back({"emitter-1", true, test::translation({0, 0, 0.5f}), Rgb(2)});
         shot.quality = "draft";

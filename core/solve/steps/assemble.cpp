@@ -99,7 +99,7 @@ void showSnapshot(SolveRun& s) {
 }
 
 Estimate finishSolve(SolveRun& s) {
-    s.meter.begin("closing figures");
+    s.meter.begin(Stage::closing);
     Estimate estimate = assemble(s);
     assessConditioning(s, estimate);
     const Irradiance irradiance = s.irradiance();
@@ -107,22 +107,24 @@ Estimate finishSolve(SolveRun& s) {
     assessUncertainty(s, irradiance, light, estimate);
     estimate.heldOut = holdOutViews(s, irradiance);
     applyGauge(s, irradiance, light, estimate);
-    if (s.gloss.empty()) estimate.leftOut.push_back({"glossy lobes", "no surface changes with the view beyond noise"});
+    if (s.gloss.empty())
+        estimate.leftOut.push_back({Omission::glossyLobes, "no surface changes with the view beyond noise"});
     if (s.emitters.clusters.emitters.empty() && s.in.options.nearField)
-        estimate.leftOut.push_back({"near-field emitters", "no patch of the scene shines on its own"});
+        estimate.leftOut.push_back({Omission::nearFieldEmitters, "no patch of the scene shines on its own"});
     if (!s.in.options.nearField)
-        estimate.leftOut.push_back({"near-field emitters", "the distant-only baseline was asked for"});
+        estimate.leftOut.push_back({Omission::nearFieldEmitters, "the distant-only baseline was asked for"});
     if (s.light.environmentBlack)
-        estimate.leftOut.push_back({"distant light", "it gives less than half a percent of the light on the surfaces"});
-    if (!estimate.interreflection) estimate.leftOut.push_back({"interreflection", s.bounce.absentBecause});
+        estimate.leftOut.push_back(
+            {Omission::distantLight, "it gives less than half a percent of the light on the surfaces"});
+    if (!estimate.interreflection) estimate.leftOut.push_back({Omission::interreflection, s.bounce.absentBecause});
     if (s.light.refined && !s.light.environmentBlack && s.light.lighting.leaves.size() < s.in.options.maxLeaves &&
         s.light.refinedMisfit > 0)
         estimate.leftOut.push_back(
-            {"finer distant light",
+            {Omission::finerDistantLight,
              "the leaves that are left give too little light, or the last finer ones explained hardly more"});
     if (s.light.lighting.leaves.size() >= s.in.options.maxLeaves)
         estimate.leftOut.push_back(
-            {"finer distant light", fmt::format("the limit of {} unknowns was reached", s.in.options.maxLeaves)});
+            {Omission::finerDistantLight, fmt::format("the limit of {} unknowns was reached", s.in.options.maxLeaves)});
     s.record("done", 0, 0, s.mismatch(irradiance));
     s.meter.end();
     estimate.timeline = s.timeline;

@@ -11,19 +11,19 @@ void observeAnew(SolveRun& s) {
 
 void rebuildRows(SolveRun& s) {
     if (!s.light.environmentBlack && s.light.visibility.bits.empty()) {
-        s.meter.begin("visibility");
+        s.meter.begin(Stage::visibility);
         const int level = s.light.firstLevel(s.in, s.hasMatte());
         s.light.learnVisibility(s.in, s.light.visibilityStepFor(s.in, s.hasMatte(), level));
     }
-    s.meter.begin("rows of the observations");
+    s.meter.begin(Stage::rows);
     s.light.anchor(s.in, s.emitters);
     s.light.influence = s.rowsOf(s.observed.matte.vertices);
 }
 
 void finishVisibility(SolveRun& s) {
     if (s.light.environmentBlack || s.light.visibility.step == 1 || s.stopped()) return;
-    const std::string stage = s.meter.current();
-    s.meter.begin("visibility");
+    const std::optional<Stage> stage = s.meter.current();
+    s.meter.begin(Stage::visibility);
     s.light.learnVisibility(s.in, 1);
     s.meter.begin(stage);
     s.light.influence = s.rowsOf(s.observed.matte.vertices);
@@ -34,7 +34,7 @@ void beginSolve(SolveRun& s, const EmitterClusters& clusters) {
         throw Error(
             "no vertex of the mesh is seen by any photograph: check the cameras' poses and the mesh's scale with "
             "`relamp check`");
-    s.meter.begin("lights' light, observations, pairs");
+    s.meter.begin(Stage::ratios);
     s.emitters = EmitterDecision::of(s.in.scene, clusters, s.in.options.nearField);
     s.light.computeNearField(s.in, s.emitters);
     observeAnew(s);

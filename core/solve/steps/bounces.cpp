@@ -20,8 +20,8 @@ void updateBounce(SolveRun& s) {
 void joinLikelyBounce(SolveRun& s) {
     if (s.in.options.bounce != SolveOptions::Bounce::automatic || !s.in.choices.bounce || !s.in.choices.bounceLikely)
         return;
-    const std::string stage = s.meter.current();
-    s.meter.begin("bounced light");
+    const std::optional<Stage> stage = s.meter.current();
+    s.meter.begin(Stage::bouncedLight);
     if (!s.bounce.traced()) s.bounce.trace(s.in, BounceModel::fewRays);
     updateBounce(s);
     s.meter.begin(stage);
@@ -35,11 +35,11 @@ void decideBounce(SolveRun& s, bool coarse) {
     }
     if (s.in.options.bounce == Bounce::automatic && !s.in.choices.bounce) {
         for (const PlannedOmission& o : s.plan.leftOut)
-            if (o.what == "interreflection") s.bounce.absentBecause = o.reason;
+            if (o.what == Omission::interreflection) s.bounce.absentBecause = o.reason;
         return;
     }
     if (coarse && (s.in.options.bounce != Bounce::automatic || s.in.choices.lateBounce || s.bounce.joined())) return;
-    s.meter.begin("bounced light");
+    s.meter.begin(Stage::bouncedLight);
     constexpr uint32_t rays = BounceOptions{}.rays;
     if (!s.bounce.traced() || (s.bounce.joined() && s.bounce.rays.rays < rays)) s.bounce.trace(s.in, rays);
     double enclosure = 0;
@@ -94,7 +94,7 @@ void decideBounce(SolveRun& s, bool coarse) {
                                 before, after));
     if (!coarse) return;
     s.plan.choices.bounce = false;
-    s.plan.leftOut.push_back({"interreflection", s.bounce.absentBecause, 0, 0});
+    s.plan.leftOut.push_back({Omission::interreflection, s.bounce.absentBecause, 0, 0});
 }
 
 }  // namespace relamp

@@ -75,9 +75,9 @@ void startLight(SolveRun& s) {
     std::vector<uint32_t> coarse;
     for (uint32_t i = 0; i < s.light.lighting.leaves.size(); ++i)
         if (s.light.lighting.leaves[i].level < s.in.options.startLevel) coarse.push_back(i);
-    s.meter.begin("visibility");
+    s.meter.begin(Stage::visibility);
     s.light.learnVisibility(s.in, s.light.visibilityStepFor(s.in, s.hasMatte(), s.in.options.startLevel));
-    s.meter.begin("light");
+    s.meter.begin(Stage::light);
     if (!coarse.empty()) s.splitLeaves(coarse);
     fitLight(s, {"light from ratios", s.in.options.startIterations});
 }

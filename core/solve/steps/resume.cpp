@@ -70,7 +70,7 @@ SolveCheckpoint checkpointOf(const SolveRun& s, uint32_t step, bool between) {
 
 void resumeSolve(SolveRun& s, const SolveCheckpoint& c) {
     s.in.progress.takeOver(c.seconds);
-    s.meter.begin("going on where an earlier solve stood");
+    s.meter.begin(Stage::resuming);
     s.plan = c.plan;
     s.emitters = EmitterDecision::of(s.in.scene, c.clusters, c.suspect);
     s.gloss.noMetals = c.noMetals;
@@ -86,7 +86,7 @@ void resumeSolve(SolveRun& s, const SolveCheckpoint& c) {
     if (c.visibilityStep > uint32_t(s.in.options.visibilitySide) || (c.visibilityStep & (c.visibilityStep - 1)))
         throw Error("the checkpoint's visibility has a step of {}", c.visibilityStep);
     if (c.visibilityStep) {
-        s.meter.begin("visibility");
+        s.meter.begin(Stage::visibility);
         s.light.learnVisibility(s.in, int(c.visibilityStep));
     }
     rebuildRows(s);

@@ -5,22 +5,22 @@
 namespace relamp {
 namespace {
 
-const char* stageOf(SolveStep step) {
+Stage stageOf(SolveStep step) {
     switch (step) {
         case SolveStep::firstLight:
-        case SolveStep::strongLight: return "coarse light";
-        case SolveStep::startLight: return "light";
-        case SolveStep::bounces: return "bounced light";
-        case SolveStep::lightStrength: return "strength of the priors";
+        case SolveStep::strongLight: return Stage::coarseLight;
+        case SolveStep::startLight: return Stage::light;
+        case SolveStep::bounces: return Stage::bouncedLight;
+        case SolveStep::lightStrength: return Stage::priorStrength;
         case SolveStep::splitStrong:
-        case SolveStep::refineLight: return "finer light";
-        case SolveStep::firstSurfaces: return "first surfaces";
-        case SolveStep::surfaces: return "surfaces";
-        case SolveStep::glossLight: return "light with gloss";
-        case SolveStep::glossSurfaces: return "surfaces again";
-        case SolveStep::turn: return "light and surfaces in turn";
+        case SolveStep::refineLight: return Stage::finerLight;
+        case SolveStep::firstSurfaces: return Stage::firstSurfaces;
+        case SolveStep::surfaces: return Stage::surfaces;
+        case SolveStep::glossLight: return Stage::glossLight;
+        case SolveStep::glossSurfaces: return Stage::glossSurfaces;
+        case SolveStep::turn: return Stage::turns;
     }
-    return "";
+    return Stage::other;
 }
 
 /// The first step of a scene that is not matte enough for ratios, or not known to be.
@@ -126,7 +126,7 @@ void runStep(SolveRun& s, SolveStep step, uint32_t index) {
             std::tie(s.bounce.atObservation, s.bounce.atVertex, s.bounce.outgoing) =
                 std::tuple(std::move(joined[0]), std::move(joined[1]), std::move(joined[2]));
         else if (step == bounces) s.bounce.forget("the time was used up before it could be tried");
-        logInfo("{}: given up, the time is used up", stageOf(step));
+        logInfo("{}: given up, the time is used up", nameOf(stageOf(step)));
     }
     if (s.stopped()) s.light.takeBackUnfitted(s.in, s.emitters);
     s.stepMayBeCut = false;

@@ -38,9 +38,9 @@ SolvePlan SolveRun::measuredPlan() const {
     SolvePlan measured = plan;
     for (const StageCost& cost : meter.stages()) {
         const bool foreseen = std::any_of(measured.stages.begin(), measured.stages.end(),
-                                          [&](const PlannedStage& s) { return s.name == cost.name; });
+                                          [&](const PlannedStage& s) { return s.stage == cost.stage; });
         if (!foreseen && cost.seconds < 1e-3) continue;  // a step with nothing to do
-        PlannedStage& stage = measured.stage(cost.name);
+        PlannedStage& stage = measured.stage(cost.stage);
         stage.measuredSeconds = std::max(0.0, stage.measuredSeconds) + cost.seconds;
         stage.measuredMib = std::max(stage.measuredMib, cost.mib);
     }
