@@ -1,4 +1,4 @@
-// Images on disk. OpenImageIO is named only in image_io.cpp.
+// Images on disk. OpenImageIO is named only in image_reader.cpp and image_writer.cpp.
 #pragma once
 #include <filesystem>
 #include <functional>

@@ -72,7 +72,7 @@ struct Library {
     std::vector<std::string> homes;  ///< empty: nowhere
 };
 const std::vector<Library> libraries{
-    {"OpenImageIO/", {"image/image_io.cpp"}},
+    {"OpenImageIO/", {"image/image_reader.cpp", "image/image_writer.cpp"}},
     {"OpenMesh/", {"scene/mesh_io.cpp"}},
     {"embree", {"scene/ray_tracer.cpp"}},
     {"Eigen/", {"solve/"}},
