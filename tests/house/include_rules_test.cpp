@@ -37,7 +37,7 @@ Names programRooms() {
 
 Names windowRooms() {
     Names rooms = coreRooms;
-    rooms.insert({"viewport", "panels", "backends"});
+    rooms.insert({"viewport", "panels", "browser", "actions", "backends"});
     return rooms;
 }
 

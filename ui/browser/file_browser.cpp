@@ -1,4 +1,6 @@
 // How the file browser looks: the path, the switches, the places, the list, the name, the buttons and the keys.
+#include "browser/file_browser.h"
+
 #include <imgui.h>
 
 #include "browser/browser_state.h"

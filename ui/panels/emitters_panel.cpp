@@ -31,6 +31,87 @@ void evidenceCell(Editor& editor, const EmitterState& emitter) {
     tooltip(words);
 }
 
+/// Columns that there is room for.
+struct Columns {
+    bool colour, kelvin, power, evidence;
+    explicit Columns(float room)
+        : colour(room > em(17)), kelvin(room > em(26)), power(room > em(31)), evidence(room > em(38)) {}
+    int count() const { return 4 + colour + kelvin + power + evidence; }
+};
+
+/// `menuOf`: set to its id by a right click.
+void nameCell(Editor& editor, const EmitterState& emitter, float side, std::string& menuOf) {
+    const bool selected = editor.state.selection.has(emitter.id);
+    const ImVec2 start = ImGui::GetCursorPos();
+    const float nameEnds = ImGui::GetCursorScreenPos().x + ImGui::GetContentRegionAvail().x;
+    ImGui::AlignTextToFramePadding();
+    if (ImGui::Selectable("##row", selected,
+                          ImGuiSelectableFlags_SpanAllColumns | ImGuiSelectableFlags_AllowItemOverlap, {0, side}))
+        selectEmitter(editor, emitter.id, ImGui::GetIO().KeyCtrl, ImGui::GetIO().KeyShift);
+    noteItem("row " + emitter.id);
+    if (ImGui::IsItemHovered() && ImGui::GetMousePos().x < nameEnds &&
+        ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left))
+        selectEmitter(editor, emitter.id, false, false), editor.state.panels.renameLight = true;
+    const bool weak = emitter.recovered && identifiabilityOf(editor, emitter) >= 0 &&
+                      identifiabilityOf(editor, emitter) < weakIdentifiability;
+    tooltip(
+        fmt::format("{}{}\nClick selects it; Ctrl and Shift select several, and an edit then goes to all of "
+                    "them. Double click renames it, right click for more.",
+                    shown(emitter.name), weak ? "\nHard to tell from distant light" : ""));
+    if (ImGui::IsItemClicked(ImGuiMouseButton_Right)) menuOf = emitter.id;
+    ImGui::SetCursorPos(start);
+    const float dot = em(0.85f);
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const ImVec4 mark =
+        emitter.recovered ? toScreen(clusterColour(size_t(emitter.index))) : ImVec4(0.5f, 0.5f, 0.5f, 1);
+    ImGui::GetWindowDrawList()->AddRectFilled({at.x, at.y + (side - dot) / 2},
+                                              {at.x + dot * 0.45f, at.y + (side + dot) / 2}, ImGui::GetColorU32(mark),
+                                              em(0.15f));
+    drawIcon(ImGui::GetWindowDrawList(), weak ? Icon::warning : iconOf(editor, emitter),
+             {at.x + em(0.6f), at.y + (side - em(0.95f)) / 2}, em(0.95f),
+             ImGui::GetColorU32(weak              ? warningColour
+                                : emitter.enabled ? ImGui::GetStyleColorVec4(ImGuiCol_Text)
+                                                  : dimColour));
+    ImGui::SetCursorPosX(start.x + em(1.8f));
+    ImGui::AlignTextToFramePadding();
+    const std::string name = elided(shown(emitter.name) + (emitter.recovered && emitter.changed ? " *" : ""),
+                                    ImGui::GetContentRegionAvail().x);
+    if (emitter.enabled) text(name);
+    else dimText(name);
+}
+
+void valueCells(Editor& editor, const EmitterState& emitter, float side, const Columns& columns) {
+    ImGui::TableNextColumn();
+    muteButton(editor, emitter, side);
+    ImGui::TableNextColumn();
+    soloButton(editor, emitter, side);
+    ImGui::TableNextColumn();
+    ImGui::SetNextItemWidth(-FLT_MIN);
+    stopsControl(editor, emitter, "##stops");
+    if (columns.colour) {
+        ImGui::TableNextColumn();
+        colourControl(editor, emitter, "##colour", side);
+    }
+    if (columns.kelvin) {
+        ImGui::TableNextColumn();
+        ImGui::SetNextItemWidth(-FLT_MIN);
+        kelvinControl(editor, emitter, "##kelvin");
+    }
+    if (columns.power) {
+        ImGui::TableNextColumn();
+        ImGui::AlignTextToFramePadding();
+        text(number(double(powerOf(editor, emitter))));
+        tooltip(
+            "All light it sends out: its radiance times its area, in image units times square metres. A larger "
+            "light of the same brightness sends more.");
+    }
+    if (columns.evidence) {
+        ImGui::TableNextColumn();
+        ImGui::AlignTextToFramePadding();
+        evidenceCell(editor, emitter);
+    }
+}
+
 }  // namespace
 
 void drawEmittersPanel(Editor& editor) {
@@ -46,92 +127,26 @@ void drawEmittersPanel(Editor& editor) {
         return;
     }
     const float room = ImGui::GetContentRegionAvail().x;
-    const bool colour = room > em(17), kelvin = room > em(26), power = room > em(31), evidence = room > em(38);
-    const int columns = 4 + colour + kelvin + power + evidence;
+    const Columns columns(room);
     const float side = ImGui::GetFrameHeight();
-    if (ImGui::BeginTable("##emitters", columns,
+    if (ImGui::BeginTable("##emitters", columns.count(),
                           ImGuiTableFlags_RowBg | ImGuiTableFlags_NoPadOuterX | ImGuiTableFlags_SizingFixedFit)) {
         ImGui::TableSetupColumn("Light", ImGuiTableColumnFlags_WidthStretch, 1);
         ImGui::TableSetupColumn("On", ImGuiTableColumnFlags_WidthFixed, side);
         ImGui::TableSetupColumn("S", ImGuiTableColumnFlags_WidthFixed, side);
         ImGui::TableSetupColumn("Stops", ImGuiTableColumnFlags_WidthFixed, em(3.9f));
-        if (colour) ImGui::TableSetupColumn("Col", ImGuiTableColumnFlags_WidthFixed, std::max(side, em(1.9f)));
-        if (kelvin) ImGui::TableSetupColumn("Kelvin", ImGuiTableColumnFlags_WidthFixed, em(5.2f));
-        if (power) ImGui::TableSetupColumn("Power", ImGuiTableColumnFlags_WidthFixed, em(4));
-        if (evidence) ImGui::TableSetupColumn("Rests on", ImGuiTableColumnFlags_WidthStretch, 1.6f);
+        if (columns.colour) ImGui::TableSetupColumn("Col", ImGuiTableColumnFlags_WidthFixed, std::max(side, em(1.9f)));
+        if (columns.kelvin) ImGui::TableSetupColumn("Kelvin", ImGuiTableColumnFlags_WidthFixed, em(5.2f));
+        if (columns.power) ImGui::TableSetupColumn("Power", ImGuiTableColumnFlags_WidthFixed, em(4));
+        if (columns.evidence) ImGui::TableSetupColumn("Rests on", ImGuiTableColumnFlags_WidthStretch, 1.6f);
         if (room > em(17)) ImGui::TableHeadersRow();
         std::string menuOf;
         for (const EmitterState& emitter : emitters) {
             ImGui::PushID(emitter.id.c_str());
             ImGui::TableNextRow();
             ImGui::TableNextColumn();
-            const bool selected = editor.state.selection.has(emitter.id);
-            const ImVec2 start = ImGui::GetCursorPos();
-            const float nameEnds = ImGui::GetCursorScreenPos().x + ImGui::GetContentRegionAvail().x;
-            ImGui::AlignTextToFramePadding();
-            if (ImGui::Selectable("##row", selected,
-                                  ImGuiSelectableFlags_SpanAllColumns | ImGuiSelectableFlags_AllowItemOverlap,
-                                  {0, side}))
-                selectEmitter(editor, emitter.id, ImGui::GetIO().KeyCtrl, ImGui::GetIO().KeyShift);
-            noteItem("row " + emitter.id);
-            if (ImGui::IsItemHovered() && ImGui::GetMousePos().x < nameEnds &&
-                ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left))
-                selectEmitter(editor, emitter.id, false, false), editor.state.panels.renameLight = true;
-            const bool weak = emitter.recovered && identifiabilityOf(editor, emitter) >= 0 &&
-                              identifiabilityOf(editor, emitter) < weakIdentifiability;
-            tooltip(
-                fmt::format("{}{}\nClick selects it; Ctrl and Shift select several, and an edit then goes to all of "
-                            "them. Double click renames it, right click for more.",
-                            shown(emitter.name), weak ? "\nHard to tell from distant light" : ""));
-            if (ImGui::IsItemClicked(ImGuiMouseButton_Right)) menuOf = emitter.id;
-            ImGui::SetCursorPos(start);
-            const float dot = em(0.85f);
-            const ImVec2 at = ImGui::GetCursorScreenPos();
-            const ImVec4 mark =
-                emitter.recovered ? toScreen(clusterColour(size_t(emitter.index))) : ImVec4(0.5f, 0.5f, 0.5f, 1);
-            ImGui::GetWindowDrawList()->AddRectFilled({at.x, at.y + (side - dot) / 2},
-                                                      {at.x + dot * 0.45f, at.y + (side + dot) / 2},
-                                                      ImGui::GetColorU32(mark), em(0.15f));
-            drawIcon(ImGui::GetWindowDrawList(), weak ? Icon::warning : iconOf(editor, emitter),
-                     {at.x + em(0.6f), at.y + (side - em(0.95f)) / 2}, em(0.95f),
-                     ImGui::GetColorU32(weak              ? warningColour
-                                        : emitter.enabled ? ImGui::GetStyleColorVec4(ImGuiCol_Text)
-                                                          : dimColour));
-            ImGui::SetCursorPosX(start.x + em(1.8f));
-            ImGui::AlignTextToFramePadding();
-            const std::string name = elided(shown(emitter.name) + (emitter.recovered && emitter.changed ? " *" : ""),
-                                            ImGui::GetContentRegionAvail().x);
-            if (emitter.enabled) text(name);
-            else dimText(name);
-            ImGui::TableNextColumn();
-            muteButton(editor, emitter, side);
-            ImGui::TableNextColumn();
-            soloButton(editor, emitter, side);
-            ImGui::TableNextColumn();
-            ImGui::SetNextItemWidth(-FLT_MIN);
-            stopsControl(editor, emitter, "##stops");
-            if (colour) {
-                ImGui::TableNextColumn();
-                colourControl(editor, emitter, "##colour", side);
-            }
-            if (kelvin) {
-                ImGui::TableNextColumn();
-                ImGui::SetNextItemWidth(-FLT_MIN);
-                kelvinControl(editor, emitter, "##kelvin");
-            }
-            if (power) {
-                ImGui::TableNextColumn();
-                ImGui::AlignTextToFramePadding();
-                text(number(double(powerOf(editor, emitter))));
-                tooltip(
-                    "All light it sends out: its radiance times its area, in image units times square metres. A larger "
-                    "light of the same brightness sends more.");
-            }
-            if (evidence) {
-                ImGui::TableNextColumn();
-                ImGui::AlignTextToFramePadding();
-                evidenceCell(editor, emitter);
-            }
+            nameCell(editor, emitter, side, menuOf);
+            valueCells(editor, emitter, side, columns);
             if (menuOf == emitter.id) {
                 if (!editor.state.selection.has(emitter.id)) selectEmitter(editor, emitter.id, false, false);
                 ImGui::OpenPopup("##menu");

@@ -91,21 +91,17 @@ ExportProblems checkExport(const ExportRequest& request, size_t views, int selec
     return problems;
 }
 
-bool drawExportDialog(Editor& editor) {
+namespace {
+
+void row(const char* name) {
+    ImGui::AlignTextToFramePadding();
+    dimText(name);
+    ImGui::SameLine(em(6));
+}
+
+void viewsRow(Editor& editor, size_t views) {
     using Views = ExportRequest::Views;
     ExportRequest& request = editor.state.exportFrames;
-    const auto& capture = editor.state.document.capture;
-    const size_t views = capture ? capture->views.size() : 0;
-    const auto& job = editor.job();
-    const bool exporting = job && job->kind == JobStatus::Kind::exportFrames;
-    bool done = false;
-    const float label = em(6);
-    const auto row = [&](const char* name) {
-        ImGui::AlignTextToFramePadding();
-        dimText(name);
-        ImGui::SameLine(label);
-    };
-    ImGui::BeginDisabled(exporting);
     row("What");
     ImGui::BeginGroup();
     if (radio("What the viewport shows", request.views == Views::present, "One frame from where you look now"))
@@ -124,9 +120,9 @@ bool drawExportDialog(Editor& editor) {
     if (inputText("##range", request.range, "1-3,5,7-20:2")) request.views = Views::range;
     tooltip("Numbers of the photographs: 1-3,5 are four views; 1-20:2 is every second one");
     ImGui::EndGroup();
-    const ExportProblems problems = checkExport(request, views, editor.state.selection.view);
-    if (!problems.range.empty()) warningText(problems.range);
+}
 
+void sizeRow(ExportRequest& request) {
     row("Size");
     int size[2] = {request.width, request.height};
     ImGui::SetNextItemWidth(em(8));
@@ -139,12 +135,16 @@ bool drawExportDialog(Editor& editor) {
         tooltip(w ? fmt::format("{} x {} pixels", w, h) : "As large as the photograph, or the viewport");
     }
     if ((request.width > 0) != (request.height > 0)) warningText("Give both numbers, or neither.");
+}
 
+void samplesRow(ExportRequest& request) {
     row("Samples");
     ImGui::SetNextItemWidth(em(8));
     ImGui::DragInt("##samples", &request.samples, 0.2f, 1, 1024, "%d a pixel", ImGuiSliderFlags_AlwaysClamp);
     tooltip("More samples give less noise and take longer in proportion. 8 is a test, 64 is clean.");
+}
 
+void layersRow(ExportRequest& request) {
     row("Layers");
     ImGui::BeginGroup();
     std::string layers = request.layers == "all" ? "groups,albedo,normal,position,depth" : request.layers;
@@ -172,8 +172,10 @@ bool drawExportDialog(Editor& editor) {
     }
     request.layers = chosen;
     ImGui::EndGroup();
-    if (!problems.layers.empty()) warningText(problems.layers);
+}
 
+void fileRow(Editor& editor) {
+    ExportRequest& request = editor.state.exportFrames;
     row("File");
     static fs::path fieldOf;
     static std::string field;
@@ -201,13 +203,20 @@ bool drawExportDialog(Editor& editor) {
             e.state.panels.exportFrames = true;
         });
     }
+}
+
+void summaryOf(const ExportProblems& problems) {
     if (!problems.file.empty()) warningText(problems.file);
     else if (!problems.firstFile.empty())
         dimWrapped(fmt::format("{} frame{}, {}{}", problems.frames, problems.frames == 1 ? "" : "s",
                                shown(problems.firstFile), problems.frames > 1 ? " and so on" : ""));
-    ImGui::EndDisabled();
+}
 
-    ImGui::Spacing();
+/// The buttons, or how far the export is. True: the page is to be closed.
+bool footer(Editor& editor, const ExportProblems& problems, bool exporting) {
+    const ExportRequest& request = editor.state.exportFrames;
+    const auto& job = editor.job();
+    bool done = false;
     if (exporting) {
         bar(job->fraction, {0.28f, 0.42f, 0.58f, 1},
             job->stopping ? "stopping..." : fmt::format("{}: {}", job->title, job->stage));
@@ -229,6 +238,31 @@ bool drawExportDialog(Editor& editor) {
         ImGui::SameLine();
         if (button("Close", "Closes this page (Esc)", em(7))) done = true;
     }
+    return done;
+}
+
+}  // namespace
+
+bool drawExportDialog(Editor& editor) {
+    ExportRequest& request = editor.state.exportFrames;
+    const auto& capture = editor.state.document.capture;
+    const size_t views = capture ? capture->views.size() : 0;
+    const auto& job = editor.job();
+    const bool exporting = job && job->kind == JobStatus::Kind::exportFrames;
+    ImGui::BeginDisabled(exporting);
+    viewsRow(editor, views);
+    const ExportProblems problems = checkExport(request, views, editor.state.selection.view);
+    if (!problems.range.empty()) warningText(problems.range);
+    sizeRow(request);
+    samplesRow(request);
+    layersRow(request);
+    if (!problems.layers.empty()) warningText(problems.layers);
+    fileRow(editor);
+    summaryOf(problems);
+    ImGui::EndDisabled();
+
+    ImGui::Spacing();
+    bool done = footer(editor, problems, exporting);
     if (escapePressed() && !ImGui::IsAnyItemActive()) done = true;
     if (done) editor.state.panels.exportFrames = false;
     return done;

@@ -1,0 +1,121 @@
+// The command palette and the dialogs, with keys and a mouse.
+#include "panels/dialogs.h"
+
+#include "actions.h"
+#include "panels/export_dialog.h"
+#include "panels/panels.h"
+#include "ui/panels/panel_harness.h"
+
+namespace relamp::ui::test {
+namespace {
+
+TEST(Palette, aFewLettersAndEnterRunACommand) {
+    Panels p;
+    p.openSolved();
+    p.editor->state.panels.palette = true;
+    p.frame({});
+    p.frames(3);
+    p.type("neutral");
+    p.key(keyEnter);
+    p.frames(2);
+    EXPECT_TRUE(p.editor->look().neutralMaterials);
+    EXPECT_FALSE(p.editor->state.panels.palette);
+    EXPECT_FALSE(dialogOpen(*p.editor));
+}
+
+TEST(Palette, arrowsChooseAndEscCloses) {
+    Panels p;
+    p.editor->state.panels.palette = true;
+    p.frame({});
+    p.frames(3);
+    p.key(keyDown);
+    p.key(keyEscape);
+    p.frames(2);
+    EXPECT_FALSE(p.editor->state.panels.palette);
+}
+
+TEST(Palette, startsOfWordsAndRunsCountMore) {
+    EXPECT_LT(fuzzyScore("Open...", "xyz"), 0);
+    EXPECT_GT(fuzzyScore("Save as...", "sa"), fuzzyScore("Neutral surfaces", "sa"));
+    EXPECT_GT(fuzzyScore("Add rectangle", "rect"), fuzzyScore("Correction colours", "rect"));
+    EXPECT_GT(fuzzyScore("Export frames...", "exp fr"), 0);
+    EXPECT_GT(fuzzyScore("Open...", ""), -100);
+}
+
+TEST(Dialogs, noticesCloseOneByOneWithEnter) {
+    Panels p;
+    p.editor->fail("First", "This went wrong.", "Do that.");
+    p.editor->fail("Second", "That too.");
+    p.frame({});
+    p.frames(3);
+    EXPECT_TRUE(dialogOpen(*p.editor));
+    p.key(keyEnter);
+    p.frames(3);
+    ASSERT_EQ(p.editor->state.notices.size(), 1u);
+    EXPECT_EQ(p.editor->state.notices[0].title, "Second");
+    p.key(keyEscape);
+    p.frames(3);
+    EXPECT_TRUE(p.editor->state.notices.empty());
+    EXPECT_EQ(ImGui::GetCurrentContext()->OpenPopupStack.Size, 0);
+}
+
+TEST(Dialogs, aNoticeOverAnotherDialogGivesItBack) {
+    Panels p;
+    p.openSolved();
+    p.editor->state.panels.exportFrames = true;
+    p.frame({});
+    p.frames(3);
+    p.editor->fail("Trouble", "Something happened.");
+    p.frames(3);
+    p.key(keyEnter);
+    p.frames(3);
+    EXPECT_TRUE(p.editor->state.notices.empty());
+    EXPECT_TRUE(p.editor->state.panels.exportFrames);
+    EXPECT_TRUE(ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel));
+}
+
+TEST(Dialogs, unsavedWorkIsAskedAboutAndCancelStays) {
+    Panels p;
+    p.openSolved();
+    p.editor->edit("Neutral", [](Look& look) { look.neutralMaterials = true; });
+    p.editor->requestQuit();
+    p.frame({});
+    p.frames(3);
+    EXPECT_TRUE(dialogOpen(*p.editor));
+    p.key(keyEscape);
+    p.frames(3);
+    EXPECT_FALSE(p.editor->quitting());
+    EXPECT_FALSE(p.editor->state.unsaved);
+}
+
+TEST(ExportDialog, saysWhatIsWrongBeforeItStarts) {
+    const TemporaryFolder folder;
+    ExportRequest r;
+    r.views = ExportRequest::Views::all;
+    r.file = folder / "frame.exr";
+    EXPECT_NE(checkExport(r, 6, 0).file.find("####"), std::string::npos);
+    r.file = folder / "frame.####.exr";
+    EXPECT_TRUE(checkExport(r, 6, 0).ok());
+    EXPECT_EQ(checkExport(r, 6, 0).firstFile, "frame.0001.exr");
+    EXPECT_EQ(checkExport(r, 6, 0).frames, 6u);
+    r.file = folder / "frame.%03d.png";
+    EXPECT_EQ(checkExport(r, 6, 0).firstFile, "frame.001.png");
+    EXPECT_FALSE(checkExport(r, 6, 0).layers.empty());
+    r.views = ExportRequest::Views::range;
+    r.range = "2-4,9";
+    EXPECT_EQ(checkExport(r, 6, 0).frames, 3u);
+    for (const char* bad : {"", "x", "4-2", "1:0", "99"}) {
+        r.range = bad;
+        EXPECT_FALSE(checkExport(r, 6, 0).range.empty()) << bad;
+    }
+    r.views = ExportRequest::Views::present;
+    r.file = folder / "nowhere" / "a.exr";
+    EXPECT_NE(checkExport(r, 6, 0).file.find("does not exist"), std::string::npos);
+    r.file = folder / "a.mov";
+    EXPECT_FALSE(checkExport(r, 6, 0).ok());
+    r.file = "";
+    EXPECT_FALSE(checkExport(r, 6, 0).ok());
+}
+
+}  // namespace
+}  // namespace relamp::ui::test
