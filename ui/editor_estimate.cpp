@@ -1,5 +1,6 @@
 // Estimating in the background, going on with an estimate that was interrupted, and the search for an unobserved light.
 #include "base/parallel.h"
+
 #include "editor_impl.h"
 #include "interrupted.h"
 #include "pipeline/time_left.h"
