@@ -139,6 +139,7 @@ std::shared_ptr<const Estimate> Editor::Impl::runEstimate(const EstimateInputs& 
     };
     StageMeter meter(progress);
     const std::optional<SolveCheckpoint> earlier = in.goOn ? keeper.earlier() : std::nullopt;
+    if (earlier) tell([&] { newEntries = earlier->timeline; });
     try {
         const Prepared prepared = prepare(*in.capture, pipeline, meter, progress, in.scene, in.samples);
         const SolveRun run{&listener, earlier ? &*earlier : nullptr,
