@@ -2,12 +2,11 @@
 #pragma once
 #include <string>
 
+#include "base/html_text.h"
 #include "image/image.h"
 
 namespace relamp {
 
-/// Text for an element or a quoted attribute.
-std::string htmlText(const std::string& text);
 std::string base64(const std::string& bytes);
 
 /// A figure whose image travels inside the page (PNG, sRGB). `caption` and `about` are plain text.
