@@ -34,7 +34,8 @@ const std::filesystem::path& goodShot() {
         writeImage(capture / "a.png", Image(8, 6, Rgb(0.5f)));
         fileWith(
             "shot-capture/transforms.json",
-            R"({"w": 8, "h": 6, "fl_x": 8, "mesh_path": "mesh.ply", "frames": [{"file_path": "a.png", "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,3],[0,0,0,1]]}]})");
+            R"({"w": 8, "h": 6, "fl_x": 8, "mesh_path": "mesh.ply", "frames": [
+                {"file_path": "a.png", "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,3],[0,0,0,1]]}]})");
         Progress progress;
         Shot shot;
         shot.captureFolder = capture;

@@ -82,7 +82,7 @@ TEST_F(ExportedShot, HasMeshLightsInUsd) {
     const std::string usd = test::TemporaryFolder::read(out() / "lights.usda");
     EXPECT_EQ(usd.substr(0, 9), "#usda 1.0");
     for (const char* text :
-         {"def Mesh \"lamp_1\"", "\"MeshLightAPI\"", "string relamp:id = \"rectangle-1\"",
+         {"def Mesh \"light_1\"", "\"MeshLightAPI\"", "string relamp:id = \"rectangle-1\"",
           "double3 xformOp:translate = (1, 2, 3)", "color3f inputs:color = (1, 0.5, 0.25)",
           "float inputs:intensity = 40", "color3f inputs:emissiveColor = (40, 20, 10)", "upAxis = \"Z\"",
           "def DomeLight", "def Camera \"view_images_0_exr\"", "@./environment.exr@"})
