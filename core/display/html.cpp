@@ -8,20 +8,6 @@
 
 namespace relamp {
 
-std::string htmlText(const std::string& text) {
-    std::string safe;
-    for (char c : text) {
-        switch (c) {
-            case '&': safe += "&amp;"; break;
-            case '<': safe += "&lt;"; break;
-            case '>': safe += "&gt;"; break;
-            case '"': safe += "&quot;"; break;
-            default: safe += c;
-        }
-    }
-    return safe;
-}
-
 std::string base64(const std::string& bytes) {
     static const char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     std::string text;
@@ -41,10 +27,11 @@ std::string htmlImage(const Image& image, const std::string& caption, const std:
         image.width, image.height, htmlText(caption), base64(encodePng(image)), htmlText(caption), htmlText(about));
 }
 
-std::string htmlPage(const std::string& title, const std::string& part) {
+std::string htmlPage(const std::string& title, const std::string& content) {
     static const char style[] = R"(
 :root { color-scheme: dark; }
-body { margin: 0; background: #1e1e1e; color: #d2d2d2; font: 15px/1.5 system-ui, "Segoe UI", "DejaVu Sans", sans-serif; }
+body { margin: 0; background: #1e1e1e; color: #d2d2d2; font: 15px/1.5 system-ui, "Segoe UI", "DejaVu Sans",
+  sans-serif; }
 main { max-width: 1500px; margin: 0 auto; padding: 28px 32px 64px; }
 h1 { font-size: 26px; font-weight: 600; margin: 0 0 4px; color: #f0f0f0; }
 h2 { font-size: 19px; font-weight: 600; margin: 44px 0 2px; color: #f0f0f0; }
@@ -64,14 +51,16 @@ th, td { text-align: left; vertical-align: top; padding: 6px 22px 6px 0; border-
 th { white-space: nowrap; color: #e6e6e6; font-weight: 600; }
 td small { display: block; color: #979797; font-size: 12.5px; }
 td.number { font-variant-numeric: tabular-nums; white-space: nowrap; color: #ececec; }
-.swatch { display: inline-block; width: 14px; height: 14px; border-radius: 7px; vertical-align: -2px; margin-right: 7px; border: 1px solid #555; }
+.swatch { display: inline-block; width: 14px; height: 14px; border-radius: 7px; vertical-align: -2px;
+  margin-right: 7px; border: 1px solid #555; }
 .wide { overflow-x: auto; }
 svg { max-width: 100%; height: auto; display: block; margin-top: 6px; }
-@media (max-width: 800px) { main { padding: 16px; } .four { grid-template-columns: repeat(2, minmax(0, 1fr)); } .two { grid-template-columns: 1fr; } }
+@media (max-width: 800px) { main { padding: 16px; }
+  .four { grid-template-columns: repeat(2, minmax(0, 1fr)); } .two { grid-template-columns: 1fr; } }
 )";
     return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
            "content=\"width=device-width, initial-scale=1\"><title>" +
-           htmlText(title) + "</title><style>" + style + "</style></head>\n<body><main>\n" + part +
+           htmlText(title) + "</title><style>" + style + "</style></head>\n<body><main>\n" + content +
            "</main></body></html>\n";
 }
 

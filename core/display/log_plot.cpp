@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "display/html.h"
+#include "base/html_text.h"
 
 namespace relamp {
 namespace {

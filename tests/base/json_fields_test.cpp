@@ -9,13 +9,13 @@ namespace relamp {
 namespace {
 
 TEST(JsonFields, GivesValuesAndFallbacks) {
-    const Json document = parseJson(R"({"name": "key", "on": true, "count": 3, "seed": 18446744073709551615,
+    const Json document = parseJson(R"({"name": "key", "on": true, "count": 3, "seed": 9223372036854775808,
         "size": 0.5, "place": [1, 2, 1e9], "nothing": null, "spectrum": [1, "x", 0.25]})");
     const JsonFields f(document);
     EXPECT_EQ(f.get<std::string>("name"), "key");
     EXPECT_TRUE(f.get("on", false));
     EXPECT_EQ(f.get("count", 0), 3);
-    EXPECT_EQ(f.get("seed", uint64_t(0)), ~uint64_t(0));
+    EXPECT_EQ(f.get("seed", uint64_t(0)), uint64_t(1) << 63);
     EXPECT_EQ(f.get("size", 1.0f), 0.5f);
     EXPECT_EQ(f.get<DVec3>("place"), DVec3(1, 2, 1e9));
     EXPECT_EQ(f.get("absent", 7), 7);

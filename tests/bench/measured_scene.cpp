@@ -9,6 +9,7 @@
 // light only.
 #include <algorithm>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "base/atomic_file.h"
@@ -354,10 +355,10 @@ void renderCapture(const Materials& materials, const Image& skyMap, const Image&
         properties.push_back(albedo);
         properties.push_back(emission);
     }
-    VertexProperty emitter{"emitter_id", std::vector<float>(n, -1), true};
+    VertexProperty emitterId{"emitter_id", std::vector<float>(n, -1), true};
     for (size_t v = 0; v < n; ++v)
-        if (truth.object[v] == 5) emitter.values[v] = 0;
-    properties.push_back(emitter);
+        if (truth.object[v] == 5) emitterId.values[v] = 0;
+    properties.push_back(emitterId);
     writeVertexPly(out / "truth" / "vertices.ply", truth.mesh, properties);
     writeImage(out / "truth" / "env.exr", skyMap);
     writeImage(out / "truth" / "env-other.exr", otherMap);

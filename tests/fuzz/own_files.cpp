@@ -34,9 +34,9 @@ const std::filesystem::path& goodShot() {
         const Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 1, 1);
         writeVertexPly(capture / "mesh.ply", mesh, {});
         writeImage(capture / "a.png", Image(8, 6, Rgb(0.5f)));
-        fileWith(
-            "shot-capture/transforms.json",
-            R"({"w": 8, "h": 6, "fl_x": 8, "mesh_path": "mesh.ply", "frames": [{"file_path": "a.png", "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,3],[0,0,0,1]]}]})");
+        fileWith("shot-capture/transforms.json",
+                 R"({"w": 8, "h": 6, "fl_x": 8, "mesh_path": "mesh.ply", "frames": [
+                {"file_path": "a.png", "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,3],[0,0,0,1]]}]})");
         Progress progress;
         Shot shot;
         shot.captureFolder = capture;

@@ -182,6 +182,19 @@ TEST(IncludeRules, EverySourceWithAHeaderIncludesItFirstSoThatTheHeaderCompilesA
         }
 }
 
+/// Parsing and writing are what takes long to compile in the JSON library.
+TEST(IncludeRules, JsonIsParsedAndWrittenInOneFile) {
+    static const std::regex call(R"(.*(\b[jJ]son::parse\(|\.dump\().*)");
+    for (const char* folder : {"core", "ui", "app"})
+        for (const fs::directory_entry& entry :
+             fs::recursive_directory_iterator(fs::path(RELAMP_SOURCE_DIR) / folder)) {
+            if (entry.path().filename() == "json_fields.cpp") continue;
+            std::ifstream in(entry.path());
+            for (std::string line; std::getline(in, line);)
+                EXPECT_FALSE(std::regex_match(line, call)) << entry.path() << ": use parseJson or dumpJson: " << line;
+        }
+}
+
 /// Two types of one name in one namespace compile and link, and then crash: the linker keeps one destructor for both.
 TEST(IncludeRules, EveryTypeHasANameOfItsOwn) {
     static const std::regex definition(R"(^(?:struct|class|enum class|union)\s+(\w+)\b(?!::)[^;]*\{.*)");

@@ -15,9 +15,12 @@ using nlohmann::json;
 /// A document with every field.
 json whole() {
     return json::parse(R"({"version": 1,
-        "environment": {"source": "file", "file": "studio.exr", "yaw_degrees": 30, "exposure_stops": -1, "tint": [1, 0.5, 0.25]},
-        "emitters": [{"id": "emitter-1", "enabled": false, "matrix": [[1, 0, 0, 2], [0, 1, 0, 3], [0, 0, 1, 4], [0, 0, 0, 1]], "power_scale": [2, 3, 4]}],
-        "added_emitters": [{"id": "new-1", "shape": "disk", "matrix": [[0, -1, 0, 0], [1, 0, 0, 0], [0, 0, 1, 5], [0, 0, 0, 1]], "size": [1, 2], "radiance": [5, 6, 7]}],
+        "environment": {"source": "file", "file": "studio.exr", "yaw_degrees": 30, "exposure_stops": -1,
+                        "tint": [1, 0.5, 0.25]},
+        "emitters": [{"id": "emitter-1", "enabled": false, "power_scale": [2, 3, 4],
+                      "matrix": [[1, 0, 0, 2], [0, 1, 0, 3], [0, 0, 1, 4], [0, 0, 0, 1]]}],
+        "added_emitters": [{"id": "new-1", "shape": "disk", "size": [1, 2], "radiance": [5, 6, 7],
+                            "matrix": [[0, -1, 0, 0], [1, 0, 0, 0], [0, 0, 1, 5], [0, 0, 0, 1]]}],
         "parts": [{"seed_vertex": 1234, "matrix": [[1, 0, 0, 1], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]}],
         "materials": {"neutral": true}})");
 }

@@ -86,7 +86,8 @@ TEST(BlendLooks, BlendsStretchAndMirrorsWithoutCollapse) {
 TEST(LookTrack, HoldsItsEndsAndReadsWhatKeysShare) {
     const test::TemporaryFolder folder;
     const auto file = folder.write("keys.json", R"({"version": 1, "environment": {"source": "none"}, "keys": [
-        {"frame": 20, "look": {"emitters": [{"id": "emitter-1", "power_scale": [4, 4, 4]}]}}, {"frame": 10, "look": {}}]})");
+        {"frame": 20, "look": {"emitters": [{"id": "emitter-1", "power_scale": [4, 4, 4]}]}},
+        {"frame": 10, "look": {}}]})");
     const LookTrack track = readLookTrack(file);
     EXPECT_TRUE(track.moves());
     EXPECT_TRUE(track.at(1, {}).emitters.empty());

@@ -61,7 +61,8 @@ TEST(CameraPath, RefusesWhatItCannotMean) {
 TEST(CameraPath, OfAFileIsASequenceOfItsFrames) {
     const test::TemporaryFolder folder;
     const auto file = folder.write("path.json", R"({"w": 64, "h": 48, "fl_x": 70, "frames": [
-        {"transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,9],[0,0,0,1]]}, {"fl_x": 90, "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,7],[0,0,0,1]]}]})");
+        {"transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,9],[0,0,0,1]]},
+        {"fl_x": 90, "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,7],[0,0,0,1]]}]})");
     const auto jobs = frameJobs(fourViews(), file.string(), "", "", "f.##.exr");
     ASSERT_EQ(jobs.size(), 2u);
     EXPECT_EQ(jobs[1].file, "f.02.exr");

@@ -146,9 +146,9 @@ TEST(CommandLine, SolvesRendersAndTellsWhatIsInAShot) {
     EXPECT_EQ(test::TemporaryFolder::read(folder / "frames.02.exr"), "mine");
     EXPECT_TRUE(fs::exists(folder / "frames.03.exr"));
     // Cameras and looks that move; the photograph itself relit; the scene for other programs.
-    folder.write(
-        "keys.json",
-        R"({"keys": [{"frame": 1, "look": {}}, {"frame": 3, "look": {"emitters": [{"id": "emitter-1", "enabled": false}]}}]})");
+    folder.write("keys.json",
+                 R"({"keys": [{"frame": 1, "look": {}},
+            {"frame": 3, "look": {"emitters": [{"id": "emitter-1", "enabled": false}]}}]})");
     const std::string moving = folder / "turn.#.exr", keys = folder / "keys.json";
     EXPECT_EQ(relamp({"render", shot, "-o", moving, "--camera", "turntable:3", "--frames", "2-5", "--edits", keys,
                       "--samples", "1", "--size", "24x18"})
