@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/log.h"
+#include "capture/capture_formats.h"
 #include "commands.h"
 #include "plan_command.h"
 #include "report_command.h"
@@ -102,7 +103,7 @@ int main(int argc, char** argv) {
 
     // What is to be estimated and how: the same options for `solve` and `plan`.
     const auto addSolveOptions = [&solve](CLI::App& verb) {
-        verb.add_option("capture", solve.capture, "Capture folder with transforms.json or a COLMAP model")->required();
+        verb.add_option("capture", solve.capture, "Capture folder with " + captureMarks())->required();
         verb.add_option("--mode", solve.mode, "near-field, or distant-only: the baseline that knows no lights")
             ->check(CLI::IsMember({"near-field", "distant-only"}))
             ->capture_default_str();
