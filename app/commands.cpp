@@ -8,14 +8,15 @@
 
 #include "base/atomic_file.h"
 #include "base/is_there.h"
+#include "base/json_fields.h"
 #include "base/log.h"
 #include "base/parallel.h"
-#include "base/random.h"
 #include "capture/brackets.h"
 #include "capture/check.h"
-#include "pipeline/pipeline.h"
+#include "pipeline/shot_of.h"
 #include "report/compare.h"
 #include "shot/checkpoint.h"
+#include "shot/shot_document.h"
 #include "shot/shot_file.h"
 #include "shot/shot_leftovers.h"
 #include "shot/shot_lock.h"
@@ -95,7 +96,7 @@ int check(const fs::path& capture, const CaptureFix& fix, bool json, Progress& p
     LoadOptions load;
     load.fix = fix;
     const CaptureCheck result = checkCapture(loadCapture(capture, load, progress), progress);
-    if (json) std::puts(toJson(result).dump(1).c_str());
+    if (json) std::puts(dumpJson(toJson(result), 1).c_str());
     else std::fputs(toText(result).c_str(), stdout);
     return 0;
 }
@@ -128,10 +129,7 @@ PipelineOptions pipelineOptions(const SolveArguments& a) {
     options.solve.albedoSmoothness = strengthOf(a.smoothSurfaces, "--smooth-surfaces");
     options.solve.palette = size_t(a.palette);
     options.solve.seed = a.seed;
-    options.solve.basis = basisNamed(a.basis);
-    if (!a.merl.empty())
-        for (Lobe& lobe : readMeasuredLobes(a.merl)) options.solve.basis.lobes.push_back(std::move(lobe));
-    if (a.basis != "built-in" || !a.merl.empty()) options.solve.mostLobes = 3;
+    chooseBasis(a.basis, a.merl, options.solve);
     if (a.meshTriangles >= 0) options.meshTriangles = size_t(a.meshTriangles);
     options.everything = a.everything;
     options.findLight = a.findLight;
@@ -154,8 +152,7 @@ int solve(const SolveArguments& a, Progress& progress) {
     const fs::path checkpoint = checkpointFile(a.output);
     std::optional<CheckpointKeeper> keeper;
     options.resume = [&](const Capture& capture) -> std::optional<SolveCheckpoint> {
-        const uint64_t fingerprint = solveFingerprint(capture, options.solve, options.everything) ^
-                                     (a.meshTriangles < 0 ? 0 : mixBits(uint64_t(a.meshTriangles)));
+        const uint64_t fingerprint = fingerprintOf(capture, options);
         keeper.emplace(checkpoint, fingerprint);
         if (!a.resume) return {};
         FoundCheckpoint found = readCheckpoint(checkpoint, fingerprint);
@@ -165,14 +162,9 @@ int solve(const SolveArguments& a, Progress& progress) {
     SolveListener listener;
     listener.checkpoint = [&](const SolveCheckpoint& c) { keeper->take(c); };
     PipelineResult r = runPipeline(a.capture, options, progress, &listener);
-    Shot shot;
-    shot.captureFolder = a.capture;
-    shot.fix = fixOf(r, a.fix);
-    shot.capture.origin = r.capture.origin;
-    shot.estimate = std::move(r.estimate);
-    shot.quality = a.quality;
-    shot.seed = a.seed;
-    shot.resources = {progress.seconds(), peakMib(), a.threads > 0 ? a.threads : availableThreads()};
+    ShotSource source = sourceOf(r, a.capture, a.fix, a.quality, a.seed);
+    source.resources = {progress.seconds(), peakMib(), a.threads > 0 ? a.threads : availableThreads()};
+    const Shot shot = shotOf(std::move(r.estimate), source);
     try {
         saveShot(shot, r.scene->mesh, a.output, a.overwrite);
     } catch (const OutOfResources& error) {
@@ -234,10 +226,11 @@ int showInfo(const fs::path& path, const CaptureFix& fix, bool json, Progress& p
     mendShot(path);
     const bool isShot = isThere(path / "shot.json");
     if (isShot) {
-        result = nlohmann::json::parse(readBytes(path / "shot.json", size_t(256) << 20), nullptr, false);
+        result = parseJson(readBytes(path / "shot.json", size_t(256) << 20), (path / "shot.json").string());
         if (!result.is_object() || !result.contains("emitters") || !result.contains("mode"))
             throw Error("{}: is not a shot's description", (path / "shot.json").string());
         result.erase("look");
+        upgradeShotDocument(result);
     } else {
         LoadOptions load;
         load.images = false;
@@ -249,13 +242,14 @@ int showInfo(const fs::path& path, const CaptureFix& fix, bool json, Progress& p
                   {"notes", capture.notes}};
     }
     if (json) {
-        std::puts(result.dump(1).c_str());
+        if (isShot) addKeysOfVersion1(result);
+        std::puts(dumpJson(result, 1).c_str());
         return 0;
     }
     std::string text;  // whole before any of it is shown: a broken file prints nothing
     if (!isShot) {
-        text += fmt::format("capture: {} views, {} vertices, {} triangles\n", result["views"].dump(),
-                            result["vertices"].dump(), result["triangles"].dump());
+        text += fmt::format("capture: {} views, {} vertices, {} triangles\n", dumpJson(result["views"]),
+                            dumpJson(result["vertices"]), dumpJson(result["triangles"]));
         std::fputs(text.c_str(), stdout);
         return 0;
     }
@@ -264,19 +258,18 @@ int showInfo(const fs::path& path, const CaptureFix& fix, bool json, Progress& p
     if (result.contains("reproduction")) text += reproductionText(result["reproduction"]);
     for (const auto& e : result["emitters"])
         text += fmt::format("  {}  radiance {}  area {:.4g} m2  seen in {} views  identifiable {:.0f} %\n",
-                            e["id"].get<std::string>(), e["power"].dump(), e["area_m2"].get<double>(),
-                            e["views_seen"].dump(), 100 * e.value("identifiability", 0.0));
+                            e["id"].get<std::string>(), dumpJson(e["radiance"]), e["area_m2"].get<double>(),
+                            dumpJson(e["views_seen"]), 100 * e.value("identifiability", 0.0));
     for (const auto& e : result["emitters"]) {
-        if (!e.value("unseen", false)) continue;
+        if (!e.value("unobserved", false)) continue;
         text += fmt::format("  {} is a proxy at {} m: its radiance was solved for, not seen",
-                            e["id"].get<std::string>(), e["centroid"].dump());
-        text += e.contains("position_stddev")
-                    ? fmt::format("; place found from shading, standard deviation {} m\n", e["position_stddev"].dump())
-                    : "\n";
+                            e["id"].get<std::string>(), dumpJson(e["centroid"]));
+        text += e.contains("position_stddev") ? fmt::format("; place found from shading, standard deviation {} m\n",
+                                                            dumpJson(e["position_stddev"]))
+                                              : "\n";
     }
-    text += fmt::format("  environment: {} coefficients\n  gauge: {} ({})\n",
-                        result["environment"]["kept_coefficients"].dump(), result["gauge"]["kind"].get<std::string>(),
-                        result["gauge"]["evidence"].get<std::string>());
+    text += fmt::format("  environment: {} coefficients\n  gauge: {} ({})\n", dumpJson(result["environment"]["leaves"]),
+                        result["gauge"]["kind"].get<std::string>(), result["gauge"]["evidence"].get<std::string>());
     if (result["gauge"].contains("sigma")) {
         const auto& sigma = result["gauge"]["sigma"];
         text += fmt::format(
@@ -308,7 +301,7 @@ namespace {
 
 /// A curve as --response writes it.
 ResponseCurve readResponse(const fs::path& file) {
-    const nlohmann::json document = nlohmann::json::parse(readBytes(file, size_t(1) << 20), nullptr, false);
+    const nlohmann::json document = parseJson(readBytes(file, size_t(1) << 20), file.string());
     if (!document.is_object() || !document.contains("log_exposure") || !document["log_exposure"].is_object())
         throw Error("{}: log_exposure is missing", file.string());
     ResponseCurve curve = linearResponse();
@@ -365,12 +358,12 @@ int mergeHdr(const MergeArguments& a, Progress& progress) {
         for (size_t c = 0; c < 3; ++c) curves[std::string(1, "rgb"[c])] = response.logExposure[c];
         writeBytesAtomically(
             a.response,
-            nlohmann::json{{"about", "ln exposure (radiance x seconds) that gives each 8-bit code; 0 at code 255"},
-                           {"log_exposure", curves},
-                           {"code_noise", response.noise},
-                           {"samples", response.samples},
-                           {"residual", response.residual}}
-                .dump(1));
+            dumpJson({{"about", "ln exposure (radiance x seconds) that gives each 8-bit code; 0 at code 255"},
+                      {"log_exposure", curves},
+                      {"code_noise", response.noise},
+                      {"samples", response.samples},
+                      {"residual", response.residual}},
+                     1));
     }
     if (!a.ghosts.empty()) {
         Image mask(merged.image.width, merged.image.height, Rgb(1));

@@ -3,11 +3,14 @@
 
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 
 #include "application.h"
 #include "base/error.h"
 
 int main(int argc, char** argv) {
+    // Where libglvnd patches entry points, some drivers refuse the second context that light is summed in.
+    setenv("__GLVND_DISALLOW_PATCHING", "1", 0);
     CLI::App app{"relamp-editor: the window of relamp, to relight a captured scene by hand."};
     app.set_version_flag("--version", "relamp-editor " RELAMP_VERSION);
     relamp::ui::ApplicationOptions options;

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/json_fields.h"
 #include "base/parallel.h"
 
 namespace relamp::cli {
@@ -16,14 +17,16 @@ int plan(const SolveArguments& a, bool json, Progress& progress) {
     nlohmann::json document = planJson(r.estimate.plan);
     std::string text = planText(r.estimate.plan);
     if (r.search) {
-        document["unseen_lamp"] = {{"found", r.search->light.has_value()}, {"words", r.search->words}};
+        nlohmann::json& found = document["unobserved_light"];
+        found = {{"found", r.search->light.has_value()}, {"words", r.search->words}};
         if (const auto& light = r.search->light) {
             const DVec3 place = r.capture.origin + DVec3(light->position);
-            document["unseen_lamp"]["position"] = {place.x, place.y, place.z};
+            found["position"] = {place.x, place.y, place.z};
         }
+        document["unseen_lamp"] = found;  // the name of version 1, for scripts
         text += r.search->words + "\n";
     }
-    std::fputs((json ? document.dump(1) + "\n" : text).c_str(), stdout);
+    std::fputs((json ? dumpJson(document, 1) + "\n" : text).c_str(), stdout);
     return 0;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "base/is_there.h"
+#include "base/json_fields.h"
 #include "base/parallel.h"
 #include "capture/load_capture.h"
 #include "report/stress.h"
@@ -19,7 +20,7 @@ int stress(const StressArguments& a, Progress& progress) {
     StressOptions options;
     options.only = a.only;
     const StressReport report = runStress(&capture, options, progress);
-    std::fputs((a.json ? stressJson(report).dump(1) + "\n" : stressText(report)).c_str(), stdout);
+    std::fputs((a.json ? dumpJson(stressJson(report), 1) + "\n" : stressText(report)).c_str(), stdout);
     for (const StressCase& c : report.cases)
         if (!c.holds()) return 4;
     return 0;

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <ctime>
+#include <utility>
 
 #include "base/is_there.h"
 #include "base/log.h"
 #include "editor_impl.h"
+#include "interrupted.h"
 #include "settings.h"
 #include "viewport/gpu_transport.h"
 
@@ -63,6 +65,8 @@ Editor::Editor(EditorOptions options) : impl_(std::make_unique<Impl>(*this, std:
     });
     impl_->lost = impl_->autosave.findLost();
     impl_->offerLostWork();
+    if (const auto found = findInterrupted(impl_->options.stateFolder); !found.empty())
+        state.interrupted = found.front();
 }
 
 Editor::~Editor() {
@@ -234,101 +238,6 @@ void Editor::fail(const std::string& title, const std::string& text, const std::
     for (const Notice& notice : state.notices)
         if (notice.text == text) return;
     state.notices.push_back({title, text, advice});
-}
-
-// ---- autosave
-
-double Editor::Impl::seconds() const {
-    return options.seconds ? options.seconds() : std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
-}
-
-bool Editor::Impl::estimateIsOnDisk() const {
-    const auto& present = history.present().estimate;
-    return !present || present == savedEstimate || present == autosavedEstimate;
-}
-
-void Editor::Impl::writeAutosave() {
-    AutosavedWork work;
-    work.captureFolder = self.state.document.captureFolder;
-    work.shotFolder = self.state.document.shotFolder;
-    const auto& present = history.present().estimate;
-    if (present && present == autosavedEstimate && present != savedEstimate) work.estimateShot = autosavedFolder;
-    work.look = self.look();
-    // Undo comes back as well, as far as it leads on the same estimate.
-    constexpr size_t mostSteps = 50;
-    const std::vector<HistoryEntry>& entries = history.entries();
-    size_t first = history.index();
-    while (first > 0 && history.index() - first + 1 < mostSteps && entries[first - 1].version.estimate == present)
-        --first;
-    for (size_t i = first; i <= history.index(); ++i) work.steps.push_back({entries[i].label, entries[i].version.look});
-    if (status && status->kind == JobStatus::Kind::solve)
-        work.stage = status->title + (status->stage.empty() ? "" : ", " + status->stage);
-    lastAutosave = seconds();
-    try {
-        autosave.write(work);
-        autosavedRevision = history.revision();
-        autosaveFailed = false;
-        if (!saving) autosave.keepEstimate(work.estimateShot);
-        if (work.estimateShot.empty()) autosavedEstimate.reset();
-        // What was restored is now as safe as it was.
-        if (restored && autosave.working() && estimateIsOnDisk()) {
-            Autosave::discard(*restored);
-            restored.reset();
-        }
-    } catch (const Error& error) {
-        if (!std::exchange(autosaveFailed, true))
-            self.fail("Your edits could not be saved by themselves", error.what(),
-                      "Free some space, or save the shot to another disk with Ctrl+Shift+S.");
-    }
-}
-
-void Editor::autosave() {
-    if (!unsavedChanges()) return;
-    if (impl_->estimateIsOnDisk()) impl_->writeAutosave();
-    else impl_->saveUnsavedEstimate();
-}
-
-void Editor::Impl::pollAutosave() {
-    // A long drag counts as well: what it began with and what it has come to.
-    const bool dragged = history.inGesture() && !(self.look() == history.gestureStart());
-    if (!self.state.document.capture || (!self.unsavedChanges() && !dragged)) return;
-    if (!estimateIsOnDisk() && autosave.working()) {
-        const bool failed = history.present().estimate == failedEstimate;
-        if (!saving && (!failed || seconds() - lastEstimateTry > 60)) saveUnsavedEstimate();
-        // The work on disk goes with the estimate on disk until both are new.
-        if (!failed) return;
-    }
-    if (autosavedRevision == history.revision() || seconds() - lastAutosave < options.autosaveSeconds) return;
-    writeAutosave();
-}
-
-bool Editor::unsavedChanges() const { return state.document.capture && history().unsavedChanges(); }
-
-void Editor::Impl::offerLostWork() {
-    if (lost.empty()) return;
-    const FoundWork& found = lost.front();
-    const fs::path project = found.work.shotFolder.empty() ? found.work.captureFolder : found.work.shotFolder;
-    self.state.recovery = RecoveryOffer{found.file, project.string(), found.work.time, found.work.stage};
-}
-
-void Editor::answerRecovery(bool restore) {
-    if (!state.recovery) return;
-    state.recovery.reset();
-    const FoundWork found = impl_->lost.front();
-    impl_->lost.erase(impl_->lost.begin());
-    if (!restore) {
-        Autosave::discard(found);
-        impl_->offerLostWork();
-        return;
-    }
-    const AutosavedWork& work = found.work;
-    const fs::path shot =
-        !work.estimateShot.empty() && isThere(work.estimateShot / "shot.json") ? work.estimateShot : work.shotFolder;
-    if (!shot.empty()) {
-        impl_->openShotFolder(shot, found);
-    } else {
-        impl_->openCapture(work.captureFolder, {}, found);
-    }
 }
 
 }  // namespace relamp::ui

@@ -19,6 +19,7 @@ struct EditorOptions {
         cacheFolder;                  ///< baked transport, so that a scene is at once there the next time; empty: none
     std::function<void()> wake;       ///< called from workers when there is something to poll
     double autosaveSeconds = 15;      ///< of unsaved edits, at most
+    double checkpointSeconds = 20;    ///< between two checkpoints of a running estimate, at least
     std::function<double()> seconds;  ///< the clock of autosaving; empty: the steady one
     enum class Gpu { automatic, on, off };
     Gpu gpu =
@@ -74,8 +75,11 @@ public:
 
     // ---- background work
     void solve(const SolveRequest& request);
+    /// Answer to state.interrupted: goes on with it, after opening its capture where that is not open, or throws it
+    /// away.
+    void answerInterrupted(bool goOn);
     /// Looks for an emitter that no photograph shows. Where there is one, the capture is read again with a small sphere
-    /// in its place; state.unseenSearch has the words.
+    /// in its place; state.unobservedSearch has the words.
     void findUnobservedLight();
     /// Takes one of document.fix.proxies away again.
     void removeProxy(size_t index);

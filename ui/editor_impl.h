@@ -1,4 +1,5 @@
-// The insides of Editor, shared by editor.cpp (look, image, polling) and editor_jobs.cpp (open, solve, save, export).
+// The insides of Editor, shared by editor.cpp (look, image, polling), editor_jobs.cpp (background jobs), and
+// editor_open.cpp, editor_save.cpp, editor_estimate.cpp and editor_export.cpp.
 #pragma once
 #include <chrono>
 #include <mutex>
@@ -29,8 +30,6 @@ struct Editor::Impl {
     std::function<void(bool cancelled)> onJobEnd;  ///< after a failed or cancelled job
     std::filesystem::path saveNext;                ///< asked for while another save was under way
     std::function<void()> whenSaved;               ///< continues what the unsaved-changes question held up
-    Clock::time_point jobStart;
-    double expectedSeconds = 0;  ///< of the whole job; 0: unknown
 
     // ---- intermediate results of a running solve, from its thread
     std::mutex solveMutex;
@@ -40,6 +39,9 @@ struct Editor::Impl {
     std::shared_ptr<const Estimate> snapshot;  ///< latest, shown while the solve runs
     bool solveIsNearField = true;
     std::optional<SolveRequest> solvedWith;
+    double solveBudget = 0;              ///< seconds, of the solve that runs; 0: none
+    std::optional<double> planHeardAt;   ///< Progress::seconds() when state.plan was last heard of; none: not yet
+    std::filesystem::path goOnWhenOpen;  ///< record of the interrupted estimate for which a document is being opened
 
     // ---- log lines from any thread
     std::mutex logMutex;
@@ -81,6 +83,10 @@ struct Editor::Impl {
                         OpenAs as = OpenAs::usual);
     std::shared_ptr<ShotLock> lockFor(const std::filesystem::path& shot) const;
     void setDocument(Document document, Version version, const std::string& label);
+    /// Puts the viewport's camera where the first photograph was taken from.
+    void frameScene();
+    /// What a document that was just opened left unfinished; goes on with it if that is what it was opened for.
+    void offerInterrupted(const std::optional<InterruptedEstimate>& found);
     void saveTo(const std::filesystem::path& folder);
     double seconds() const;
     bool estimateIsOnDisk() const;
@@ -88,6 +94,15 @@ struct Editor::Impl {
     void writeAutosave();
     void offerLostWork();
     void takeSnapshots();
+    struct EstimateInputs;
+    /// `goOn`: where an interrupted one of the same request stood.
+    void solve(const SolveRequest& request, bool goOn);
+    /// On the solving thread.
+    std::shared_ptr<const Estimate> runEstimate(const EstimateInputs& inputs, Progress& progress);
+    /// Puts an estimate into the history.
+    void takeEstimate(const SolveRequest& request, std::shared_ptr<const Estimate> estimate, const std::string& label);
+    /// Of the solve that runs, from its plan; nothing until that is made.
+    std::optional<double> solveSecondsLeft() const;
     void pollJob();
     void pollSaving();
     void pollImage();
@@ -97,6 +112,10 @@ struct Editor::Impl {
     std::filesystem::path documentPath() const;
 };
 
+/// Absolute, without a slash at the end.
+std::filesystem::path cleaned(const std::filesystem::path& path);
+/// What to do about an error that kept something from being written.
+std::string whereFull(const std::exception& error);
 /// Drops what names emitters or vertices that are not there.
 Look lookThatFits(const Look& look, const Estimate& estimate, size_t vertices);
 

@@ -114,6 +114,20 @@ struct SolveRequest {
     GaugeChoice gauge;
     int palette = 0;                                  ///< materials of one colour; 0: nothing is said
     float lightSmoothness = 0, albedoSmoothness = 0;  ///< factors on the usual; 0: as the photographs say
+    std::string basis = "built-in";                   ///< lobes that surfaces may have (brdf/basis.h, basisNamed)
+    std::filesystem::path merl;                       ///< folder with measured materials that join them; empty: none
+    SolveOptions::Bounce bounce = SolveOptions::Bounce::automatic;
+    std::optional<size_t> meshTriangles = {};  ///< as PipelineOptions::meshTriangles
+};
+
+/// An estimate that did not come to its end and can go on where it stood (interrupted.h).
+struct InterruptedEstimate {
+    std::filesystem::path record;  ///< file that says what it is; its checkpoint lies beside it
+    std::filesystem::path captureFolder;
+    std::filesystem::path project;  ///< the shot it was made in, or the capture
+    SolveRequest request;
+    std::string time;    ///< local, of its start: "2026-11-21 14:03:11"
+    double seconds = 0;  ///< of work that are kept
 };
 
 /// Asked when another process has the shot that is to be opened.
@@ -173,6 +187,7 @@ struct EditorState {
     std::vector<Notice> notices;  ///< shown one after the other
     std::optional<UnsavedQuestion> unsaved;
     std::optional<RecoveryOffer> recovery;
+    std::optional<InterruptedEstimate> interrupted;  ///< offered: of the open capture, or, without one, the latest
     std::optional<LockedQuestion> locked;
     UnobservedSearch unobservedSearch;
     std::weak_ptr<const Estimate> bannerClosedFor;  ///< the estimate whose quality banner the user has closed

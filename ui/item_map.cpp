@@ -6,10 +6,10 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "base/json_fields.h"
+
 namespace relamp::ui {
 namespace {
-
-using Json = nlohmann::json;
 
 const char* fileName() {
     static const char* const name = std::getenv("RELAMP_ITEM_MAP");
@@ -69,7 +69,7 @@ void writeItemMap(const Editor& editor) {
                   {"frames_per_second", state.framesPerSecond}};
     items() = Json::object();
     const std::string name = fileName(), temporary = name + ".part";
-    std::ofstream(temporary) << document.dump();
+    std::ofstream(temporary) << dumpJson(document, -1, BadText::replace);
     std::error_code ignored;
     std::filesystem::rename(temporary, name, ignored);
 }

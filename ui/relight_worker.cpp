@@ -155,6 +155,16 @@ void RelightWorker::renderAtRest(const RelightRequest& request, uint64_t serial,
     }
 }
 
+void RelightWorker::publish(const LiveScene& live, const RelightRequest& request, uint64_t serial, bool refined) {
+    std::shared_ptr<const LiveFrame> frame = live.frame();
+    {
+        std::lock_guard lock(mutex_);
+        if (request_.scene == request.scene) frame_ = std::move(frame);
+        refining_ = !refined || serial_ != serial;
+    }
+    if (wake_) wake_();
+}
+
 void RelightWorker::run(std::stop_token stop) {
     LiveOptions options;
     options.forceDevice = forceDevice_;
@@ -204,6 +214,7 @@ void RelightWorker::run(std::stop_token stop) {
                 std::lock_guard lock(mutex_);
                 if (serial_ != serial) continue;  // the bake stays, the look may be newer
             }
+            const bool changed = !(request.look == held.look) || !sameEye(request, held);
             if (!(request.look == held.look)) {
                 live->setLook(request.look);
                 held.look = request.look;
@@ -217,14 +228,10 @@ void RelightWorker::run(std::stop_token stop) {
                 held.orthographic = request.orthographic;
             }
             if (!refined) {
+                // The first image is shown before it is refined: what moves follows the hand.
+                if (changed) publish(*live, request, serial, false);
                 refined = live->refine(0.04, *progress);
-                std::shared_ptr<const LiveFrame> frame = live->frame();
-                {
-                    std::lock_guard lock(mutex_);
-                    if (request_.scene == request.scene) frame_ = std::move(frame);
-                    refining_ = !refined || serial_ != serial;
-                }
-                if (wake_) wake_();
+                publish(*live, request, serial, refined);
                 if (!refined) continue;
             }
             bool asked;

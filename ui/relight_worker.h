@@ -74,6 +74,8 @@ private:
     std::jthread thread_;
 
     void run(std::stop_token stop);
+    /// Hands out what `live` shows of `request`, unless another scene was asked for meanwhile.
+    void publish(const LiveScene& live, const RelightRequest& request, uint64_t serial, bool refined);
     void renderAtRest(const RelightRequest& request, uint64_t serial, const std::stop_token& stop);
 };
 

@@ -4,11 +4,11 @@
 #include <nlohmann/json.hpp>
 
 #include "base/atomic_file.h"
+#include "base/json_fields.h"
 
 namespace relamp::ui {
 namespace {
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
 
 float number(const Json& document, const char* key, float fallback, float low, float high) {
     const auto at = document.find(key);
@@ -22,16 +22,44 @@ void paths(const Json& document, const char* key, std::vector<fs::path>& out) {
         if (entry.is_string() && out.size() < 12) out.push_back(entry.get<std::string>());
 }
 
+constexpr const char* bounceNames[] = {"auto", "off", "on"};
+
+void readEstimate(const Json& document, SolveRequest& solve) {
+    const auto estimate = document.find("estimate");
+    if (estimate == document.end() || !estimate->is_object()) return;
+    const auto text = [&](const char* key) {
+        const auto at = estimate->find(key);
+        return at != estimate->end() && at->is_string() ? at->get<std::string>() : std::string();
+    };
+    for (const char* basis : {"built-in", "wide", "lambert"})
+        if (text("basis") == basis) solve.basis = basis;
+    solve.merl = text("merl");
+    for (size_t i = 0; i < std::size(bounceNames); ++i)
+        if (text("bounce") == bounceNames[i]) solve.bounce = SolveOptions::Bounce(i);
+    if (const auto at = estimate->find("mesh_triangles"); at != estimate->end() && at->is_number_unsigned())
+        solve.meshTriangles = at->get<size_t>();
+}
+
+Json estimateJson(const SolveRequest& solve) {
+    Json json{{"basis", solve.basis}, {"merl", solve.merl.string()}, {"bounce", bounceNames[size_t(solve.bounce)]}};
+    if (solve.meshTriangles) json["mesh_triangles"] = *solve.meshTriangles;
+    return json;
+}
+
 }  // namespace
 
 void loadSettings(const fs::path& folder, EditorState& state) {
     const fs::path file = folder / "settings.json";
     std::error_code error;
     if (!fs::exists(file, error)) return;
+    std::string text;
+    try {
+        text = readBytes(file, 1 << 20);
+    } catch (const Error&) { return; }
     Json document;
     try {
-        document = Json::parse(readBytes(file, 1 << 20), nullptr, false);
-    } catch (const Error&) { return; }
+        document = parseJson(text);
+    } catch (const Error&) {}
     if (!document.is_object()) {
         fs::rename(file, folder / "settings.damaged.json", error);
         return;
@@ -43,6 +71,7 @@ void loadSettings(const fs::path& folder, EditorState& state) {
     p.rightWidth = number(document, "right_width", p.rightWidth, 200, 800);
     p.bottomHeight = number(document, "bottom_height", p.bottomHeight, 60, 600);
     state.uiScale = number(document, "ui_scale", 0, 0, 3);
+    readEstimate(document, state.solve);
     if (const auto at = document.find("display_view"); at != document.end() && at->is_string())
         state.viewport.displayView = at->get<std::string>();
 }
@@ -53,13 +82,14 @@ void saveSettings(const fs::path& folder, const EditorState& state) {
                   {"left_width", state.panels.leftWidth},
                   {"right_width", state.panels.rightWidth},
                   {"bottom_height", state.panels.bottomHeight},
-                  {"display_view", state.viewport.displayView}};
+                  {"display_view", state.viewport.displayView},
+                  {"estimate", estimateJson(state.solve)}};
     for (const fs::path& p : state.recent) document["recent"].push_back(p.string());
     for (const fs::path& p : state.recentEnvironments) document["recent_environments"].push_back(p.string());
     std::error_code error;
     fs::create_directories(folder, error);
     try {
-        writeBytesAtomically(folder / "settings.json", document.dump(1, ' ', false, Json::error_handler_t::replace));
+        writeBytesAtomically(folder / "settings.json", dumpJson(document, 1, BadText::replace));
     } catch (const Error&) {
         // Sizes and recent files are not worth a dialog.
     }

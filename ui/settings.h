@@ -1,5 +1,5 @@
-// What the window remembers between sessions: recent files and its own sizes. Plain JSON; a damaged file is set aside,
-// never an error.
+// What the window remembers between sessions: recent files, its own sizes, advanced settings of the estimate. Plain
+// JSON; a damaged file is set aside, never an error.
 #pragma once
 #include <filesystem>
 
@@ -7,7 +7,8 @@
 
 namespace relamp::ui {
 
-/// Fills recent files, panel sizes, display view and UI scale of `state` from FOLDER/settings.json.
+/// Fills recent files, panel sizes, display view, UI scale and advanced settings of the estimate of `state` from
+/// FOLDER/settings.json.
 void loadSettings(const std::filesystem::path& folder, EditorState& state);
 void saveSettings(const std::filesystem::path& folder, const EditorState& state);
 /// Puts `path` first, keeps 12.

@@ -42,17 +42,18 @@ void StageMeter::look() {
     while (now > seen && !highest_.compare_exchange_weak(seen, now)) {}
 }
 
-void StageMeter::begin(const std::string& name) {
+void StageMeter::begin(std::optional<Stage> next) {
     look();
     const double now = progress_.seconds();
-    if (!name_.empty()) {
-        auto stage = std::find_if(stages_.begin(), stages_.end(), [&](const StageCost& s) { return s.name == name_; });
-        if (stage == stages_.end()) stage = stages_.insert(stages_.end(), {name_, 0, 0});
+    if (current_) {
+        auto stage =
+            std::find_if(stages_.begin(), stages_.end(), [&](const StageCost& s) { return s.stage == *current_; });
+        if (stage == stages_.end()) stage = stages_.insert(stages_.end(), {*current_, 0, 0});
         stage->seconds += now - since_;
         const size_t highest = highest_;
         stage->mib = std::max(stage->mib, highest > atStart_ ? double(highest - atStart_) / (1 << 20) : 0.0);
     }
-    name_ = name;
+    current_ = next;
     since_ = now;
     atStart_ = allocatedBytes();
     highest_ = atStart_;

@@ -2,16 +2,17 @@
 #pragma once
 #include <atomic>
 #include <cstdint>
-#include <string>
+#include <optional>
 #include <thread>
 #include <vector>
 
 #include "base/progress.h"
+#include "base/stage.h"
 
 namespace relamp {
 
 struct StageCost {
-    std::string name;
+    Stage stage = Stage::other;
     double seconds = 0;  ///< pauses not counted; the sum over all runs of the stage
     double mib = 0;  ///< most memory allocated at one time beyond what was allocated when the stage began; the largest
                      ///< over its runs
@@ -26,16 +27,16 @@ public:
     StageMeter(const StageMeter&) = delete;
     StageMeter& operator=(const StageMeter&) = delete;
 
-    /// Ends the stage that runs and begins `name`; an empty name only ends.
-    void begin(const std::string& name);
-    void end() { begin(""); }
-    const std::string& current() const { return name_; }
+    /// Ends the stage that runs and begins `stage`; none only ends.
+    void begin(std::optional<Stage> stage);
+    void end() { begin({}); }
+    std::optional<Stage> current() const { return current_; }
     const std::vector<StageCost>& stages() const { return stages_; }
 
 private:
     Progress& progress_;
     std::vector<StageCost> stages_;
-    std::string name_;
+    std::optional<Stage> current_;
     double since_ = 0;
     size_t atStart_ = 0;
     std::atomic<size_t> highest_{0};

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "base/parallel.h"
+#include "base/statistics.h"
 #include "capture/orientation.h"
 
 namespace relamp {
@@ -87,15 +88,6 @@ bool isInside(const Camera& camera, const Vec2& pixel) {
     return pixel.x >= 0 && pixel.y >= 0 && pixel.x < float(camera.width) && pixel.y < float(camera.height);
 }
 
-/// The value below which a fraction of the values lies; 0 when there are none.
-float quantile(std::vector<float>& values, double fraction) {
-    if (values.empty()) return 0;
-    const auto place = values.begin() + std::ptrdiff_t(double(values.size() - 1) * fraction + 0.5);
-    std::nth_element(values.begin(), place, values.end());
-    return *place;
-}
-float median(std::vector<float>& values) { return quantile(values, 0.5); }
-
 void imageFigures(const View& view, ViewCheck& check) {
     check.nan = view.imageReport.nan;
     check.infinite = view.imageReport.infinite;
@@ -132,7 +124,7 @@ void judgeBackground(const View& view, const DepthImage& depth, ViewCheck& check
     each([&](bool mesh, bool usable, float y) {
         if (mesh && usable) surface.push_back(y);
     });
-    const float least = surface.empty() ? 0 : black * quantile(surface, 0.9);
+    const float least = black * nearestQuantileOf(surface, 0.9);
     each([&](bool mesh, bool usable, float y) {
         if (mesh) return;
         ++open;
@@ -212,16 +204,16 @@ void compareExposures(const std::vector<ViewSight>& sights, CaptureCheck& check)
         // Half steps, because two views that correct each other fully would swing.
         for (size_t i = 0; i < sights.size(); ++i) {
             check.views[i].comparedVertices = differences[i].size();
-            stops[i] += 0.5f * median(differences[i]);
+            stops[i] += 0.5f * medianOf(differences[i]);
         }
-        std::vector<float> copy(stops);
-        const float middle = median(copy);
+        const float middle = medianOf(stops);
         for (float& value : stops) value -= middle;
     }
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (size_t i = 0; i < sights.size(); ++i) {
         check.views[i].exposureStops = double(stops[i]);
-        check.views[i].exposureScatterStops = double(quantile(differences[i], 0.75) - quantile(differences[i], 0.25));
+        check.views[i].exposureScatterStops =
+            double(nearestQuantileOf(differences[i], 0.75) - nearestQuantileOf(differences[i], 0.25));
         if (check.views[i].comparedVertices < enoughVertices) continue;
         low = std::min(low, check.views[i].exposureStops);
         high = std::max(high, check.views[i].exposureStops);
@@ -296,7 +288,8 @@ void comparePoints(const Capture& capture, CaptureCheck& check) {
     }
     check.pointsOnMesh = double(on) / double(capture.points.size());
     Vec3 cloud;
-    for (int c = 0; c < 3; ++c) cloud[c] = quantile(along[size_t(c)], 0.95) - quantile(along[size_t(c)], 0.05);
+    for (int c = 0; c < 3; ++c)
+        cloud[c] = nearestQuantileOf(along[size_t(c)], 0.95) - nearestQuantileOf(along[size_t(c)], 0.05);
     if (const float size = glm::length(cloud); size > 0)
         check.meshToPoints = double(glm::length(check.meshMax - check.meshMin) / size);
 }
@@ -304,7 +297,7 @@ void comparePoints(const Capture& capture, CaptureCheck& check) {
 std::string percent(double fraction) { return fmt::format("{:.1f} %", 100 * fraction); }
 
 void warn(const Capture& capture, CaptureCheck& check) {
-    const auto say = [&](std::string sentence) { check.warnings.push_back(std::move(sentence)); };
+    const auto say = [&](const std::string& sentence) { check.warnings.push_back(sentence); };
     if (check.lookBackwards)
         say("The mesh lies behind most cameras: the matrices seem to use OpenCV axes (+Y down, +Z forward), OpenGL "
             "axes are expected.");
@@ -436,7 +429,7 @@ CaptureCheck checkCapture(const Capture& capture, Progress& progress) {
     for (const View& view : capture.views)
         distances.push_back(
             float(glm::distance(view.camera.position(), DVec3(0.5f * (check.meshMin + check.meshMax)))));
-    check.cameraDistance = double(median(distances));
+    check.cameraDistance = double(medianOf(std::move(distances)));
     double open = 0, light = 0;
     for (const ViewCheck& v : check.views) open += v.openFraction, light += v.openFraction * v.lightFraction;
     check.backdrop = open > 0.1 * double(check.views.size()) && light < 0.05 * open;

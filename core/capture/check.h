@@ -1,7 +1,7 @@
 // The import doctor: figures about a capture that tell before a solve what is wrong with it. Projection and a small
 // depth image only, no ray tracer, so it takes seconds.
 #pragma once
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>

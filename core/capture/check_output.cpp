@@ -1,4 +1,6 @@
 // The check as JSON for scripts and as text for people.
+#include <nlohmann/json.hpp>
+
 #include "capture/check.h"
 
 namespace relamp {
@@ -10,10 +12,10 @@ nlohmann::json toJson(const CaptureCheck& check) {
         views.push_back({{"name", v.name},
                          {"width", v.width},
                          {"height", v.height},
-                         {"mesh_share", v.meshFraction},
-                         {"light_share_of_background", v.lightFraction},
-                         {"clipped_share", v.clippedFraction},
-                         {"masked_share", v.maskedFraction},
+                         {"mesh_fraction", v.meshFraction},
+                         {"light_fraction_of_background", v.lightFraction},
+                         {"clipped_fraction", v.clippedFraction},
+                         {"masked_fraction", v.maskedFraction},
                          {"nan", v.nan},
                          {"infinite", v.infinite},
                          {"negative", v.negative},
@@ -43,9 +45,9 @@ nlohmann::json toJson(const CaptureCheck& check) {
                      {"min", point(check.meshMin)},
                      {"max", point(check.meshMax)}}},
                    {"coverage",
-                    {{"seen_share", check.seenFraction},
+                    {{"seen_fraction", check.seenFraction},
                      {"backdrop", check.backdrop},
-                     {"seen_twice_share", check.seenTwiceFraction},
+                     {"seen_twice_fraction", check.seenTwiceFraction},
                      {"views_per_vertex", check.meanViewsPerVertex}}},
                    {"exposure_spread_stops", check.exposureSpreadStops},
                    {"axes",
@@ -55,6 +57,13 @@ nlohmann::json toJson(const CaptureCheck& check) {
                      {"look_backwards", check.lookBackwards}}},
                    {"notes", check.notes},
                    {"warnings", check.warnings}};
+    // The names of version 1, for scripts.
+    for (json& v : result["views"])
+        for (const char* what : {"mesh", "clipped", "masked"})
+            v[fmt::format("{}_share", what)] = v[fmt::format("{}_fraction", what)];
+    for (json& v : result["views"]) v["light_share_of_background"] = v["light_fraction_of_background"];
+    for (const char* what : {"seen", "seen_twice"})
+        result["coverage"][fmt::format("{}_share", what)] = result["coverage"][fmt::format("{}_fraction", what)];
     result["camera_distance"] = check.cameraDistance;
     if (const auto& r = check.reconstruction)
         result["reconstruction"] = {{"points", r->points},

@@ -1,23 +1,18 @@
 #include "capture/colmap.h"
 
 #include <algorithm>
-#include <bit>
 #include <cstring>
-#include <fstream>
 #include <map>
 #include <unordered_map>
 
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/is_there.h"
-#include "base/text_scanner.h"
+#include "capture/colmap_files.h"
 
 namespace relamp {
 namespace fs = std::filesystem;
 namespace {
-
-static_assert(std::endian::native == std::endian::little,
-              "COLMAP's binary files are little-endian and are read as they are");
 
 constexpr double maxSide = 1 << 17;
 
@@ -34,104 +29,6 @@ uintmax_t weightOf(const fs::path& folder) {
     for (const char* name : {"images.bin", "images.txt"})
         if (isFile(folder / name)) return fs::file_size(folder / name, ignored);
     return 0;
-}
-
-/// A binary file that is never read past its end, nor into memory its size does not pay for.
-class BinaryFile {
-public:
-    explicit BinaryFile(const fs::path& file) : in_(file, std::ios::binary) {
-        std::error_code failed;
-        size_ = fs::file_size(file, failed);
-        if (!in_ || failed) throw Error("cannot be read");
-    }
-    uint64_t remaining() const { return size_ - at_; }
-    template <class T>
-    T take(const char* field) {
-        T value;
-        bytes(&value, sizeof value, field);
-        return value;
-    }
-    void bytes(void* to, size_t count, const char* field) {
-        if (count > remaining()) throw Error("{}: the file ends here, after {} bytes", field, size_);
-        if (!in_.read(static_cast<char*>(to), std::streamsize(count))) throw Error("{}: cannot be read", field);
-        at_ += count;
-    }
-    /// A count of things that take at least `leastBytes` each.
-    uint64_t count(const char* field, uint64_t leastBytes, uint64_t most) {
-        const auto value = take<uint64_t>(field);
-        if (value > most) throw Error("{}: is {}, expected at most {}", field, value, most);
-        if (value > remaining() / leastBytes)
-            throw Error("{}: is {}, the file has room for {}", field, value, remaining() / leastBytes);
-        return value;
-    }
-    std::string text(const char* field) {
-        std::string result;
-        for (;;) {
-            const char c = take<char>(field);
-            if (c == 0) return result;
-            if (result.size() >= 4096) throw Error("{}: is longer than 4096 letters", field);
-            result += c;
-        }
-    }
-    void expectEnd() const {
-        if (remaining()) throw Error("{} bytes are left over behind the last entry", remaining());
-    }
-
-private:
-    std::ifstream in_;
-    uint64_t size_ = 0, at_ = 0;
-};
-
-/// The words of one line of a text file.
-class Line {
-public:
-    explicit Line(std::string_view text) : text_(text), scanner_(text) {}
-    double number(const char* field) {
-        const std::string_view word = scanner_.word();
-        if (word.empty()) throw Error("{} is missing", field);
-        const auto value = TextScanner::number(word);
-        if (!value) throw Error("{} is \"{}\", expected a number", field, word.substr(0, 40));
-        return *value;
-    }
-    /// A number from 0 to `most`.
-    uint64_t whole(const char* field, uint64_t most) {
-        const std::string_view word = scanner_.word();
-        if (word.empty()) throw Error("{} is missing", field);
-        const auto value = TextScanner::integer(word);
-        if (!value || *value < 0 || uint64_t(*value) > most)
-            throw Error("{} is \"{}\", expected a whole number from 0 to {}", field, word.substr(0, 40), most);
-        return uint64_t(*value);
-    }
-    std::string_view word() { return scanner_.word(); }
-    /// What is left, without spaces around it: names may hold spaces.
-    std::string rest() {
-        std::string_view left = text_.substr(text_.size() - scanner_.remaining());
-        while (!left.empty() && TextScanner::isSpace(left.front())) left.remove_prefix(1);
-        while (!left.empty() && TextScanner::isSpace(left.back())) left.remove_suffix(1);
-        return std::string(left);
-    }
-    bool atEnd() const {
-        return text_.substr(text_.size() - scanner_.remaining()).find_first_not_of(" \t\v\f\r\n") ==
-               std::string_view::npos;
-    }
-
-private:
-    std::string_view text_;
-    TextScanner scanner_;
-};
-
-bool isCommentOrEmpty(std::string_view line) {
-    const size_t first = line.find_first_not_of(" \t\v\f");
-    return first == std::string_view::npos || line[first] == '#';
-}
-
-/// The next line that says something; none at the end.
-std::optional<std::string_view> nextLine(TextScanner& scanner) {
-    while (!scanner.atEnd()) {
-        const std::string_view line = scanner.line();
-        if (!isCommentOrEmpty(line)) return line;
-    }
-    return std::nullopt;
 }
 
 // ---- cameras
@@ -196,7 +93,7 @@ void addCamera(Cameras& cameras, uint32_t id, const Camera& camera) {
 }
 
 Cameras camerasFromBinary(const fs::path& path, const ColmapLimits& limits) {
-    BinaryFile file(path);
+    ColmapBinary file(path);
     Cameras cameras;
     const uint64_t count = file.count("number of cameras", 24 + 3 * 8, limits.maxViews);
     for (uint64_t i = 0; i < count; ++i) {
@@ -220,7 +117,7 @@ Cameras camerasFromText(const fs::path& path, const ColmapLimits& limits) {
     TextScanner scanner(text);
     Cameras cameras;
     while (const auto words = nextLine(scanner)) {
-        Line line(*words);
+        ColmapLine line(*words);
         const auto id = uint32_t(line.whole("camera_id", 0xffffffff));
         withContext(fmt::format("camera {}", id), [&] {
             const std::string name(line.word().substr(0, 80));
@@ -268,7 +165,7 @@ struct Points {
 };
 
 void pointsFromBinary(const fs::path& path, const ColmapLimits& limits, Points& points, Progress& progress) {
-    BinaryFile file(path);
+    ColmapBinary file(path);
     const uint64_t count = file.count("number of points", 51, limits.maxPoints);
     std::vector<char> track;
     for (uint64_t i = 0; i < count; ++i) {
@@ -293,7 +190,7 @@ void pointsFromText(const fs::path& path, const ColmapLimits& limits, Points& po
     TextScanner scanner(text);
     while (const auto words = nextLine(scanner)) {
         if (points.sums.size() % 4096 == 0) progress.check();
-        Line line(*words);
+        ColmapLine line(*words);
         const uint64_t id = line.whole("point3D_id", uint64_t(1) << 62);
         withContext(fmt::format("point {}", id), [&] {
             const double x = line.number("x"), y = line.number("y"), z = line.number("z");
@@ -377,7 +274,7 @@ private:
 constexpr uint64_t noPoint = ~uint64_t(0);
 
 void imagesFromBinary(const fs::path& path, const ColmapLimits& limits, ViewReader& reader, Progress& progress) {
-    BinaryFile file(path);
+    ColmapBinary file(path);
     const uint64_t count = file.count("number of images", 73, limits.maxViews);
     struct Observation {
         double x, y;
@@ -413,7 +310,7 @@ void imagesFromText(const fs::path& path, const ColmapLimits& limits, ViewReader
     size_t count = 0;
     while (const auto words = nextLine(scanner)) {
         progress.check();
-        Line line(*words);
+        ColmapLine line(*words);
         const auto id = uint32_t(line.whole("image_id", 0xffffffff));
         withContext(fmt::format("image {}", id), [&] {
             if (++count > limits.maxViews) throw Error("there are more than {} images", limits.maxViews);
@@ -502,33 +399,6 @@ ColmapModel readColmapModel(const fs::path& folder, const ColmapLimits& limits, 
     if (seen) model.errorPixels = sum / double(seen);
     if (points.stated) model.statedErrorPixels = points.statedErrors / double(points.stated);
     return model;
-}
-
-std::optional<DVec3> guessUp(const std::vector<Camera>& cameras) {
-    if (cameras.empty()) return std::nullopt;
-    DVec3 mean(0);
-    glm::dmat3 spread(0.0);
-    for (const Camera& camera : cameras) {
-        const DVec3 right(camera.worldFromCamera[0]);
-        mean += DVec3(camera.worldFromCamera[1]);
-        spread += glm::outerProduct(right, right);
-    }
-    const double length = glm::length(mean);
-    if (!(length > 1e-6 * double(cameras.size()))) return DVec3(0, 0, 1);
-    mean /= length;
-    // Horizons are level, so up is the direction least present among the right-hand directions: the smallest
-    // eigenvector, by inverse iteration from the mean.
-    const double trace = spread[0][0] + spread[1][1] + spread[2][2];
-    const glm::dmat3 shifted = spread + glm::dmat3(1e-6 * trace);
-    DVec3 up = mean;
-    for (int i = 0; i < 100; ++i) up = glm::normalize(glm::inverse(shifted) * up);
-    const double least = glm::dot(up, spread * up) / trace;
-    // The other two must both be there, else the axis is not determined: what is left over after the largest.
-    DVec3 most = glm::normalize(glm::cross(up, std::abs(up.x) < 0.9 ? DVec3(1, 0, 0) : DVec3(0, 1, 0)));
-    for (int i = 0; i < 100; ++i) most = glm::normalize(spread * most);
-    const double middle = 1 - least - glm::dot(most, spread * most) / trace;
-    if (!(middle > 0.05) || !(middle > 4 * least) || glm::dot(up, mean) < 0.3) return mean;
-    return up;
 }
 
 }  // namespace relamp

@@ -44,8 +44,4 @@ std::optional<std::filesystem::path> findColmapModel(const std::filesystem::path
 /// Throws Error naming file, entry and field: "images.bin: image 7: qw qx qy qz are 0 0 0 0, expected a rotation".
 ColmapModel readColmapModel(const std::filesystem::path& folder, const ColmapLimits& limits, Progress& progress);
 
-/// Unit direction that is up in a world where nothing says so: the axis the cameras' horizons turn about, or, where all
-/// look one way, the mean of their own up directions. None without cameras.
-std::optional<DVec3> guessUp(const std::vector<Camera>& cameras);
-
 }  // namespace relamp

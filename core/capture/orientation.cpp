@@ -82,4 +82,31 @@ void orientCapture(Capture& capture, const Vec3& up, const CaptureFix& fix) {
     }
 }
 
+std::optional<DVec3> guessUp(const std::vector<Camera>& cameras) {
+    if (cameras.empty()) return std::nullopt;
+    DVec3 mean(0);
+    glm::dmat3 spread(0.0);
+    for (const Camera& camera : cameras) {
+        const DVec3 right(camera.worldFromCamera[0]);
+        mean += DVec3(camera.worldFromCamera[1]);
+        spread += glm::outerProduct(right, right);
+    }
+    const double length = glm::length(mean);
+    if (!(length > 1e-6 * double(cameras.size()))) return DVec3(0, 0, 1);
+    mean /= length;
+    // Horizons are level, so up is the direction least present among the right-hand directions: the smallest
+    // eigenvector, by inverse iteration from the mean.
+    const double trace = spread[0][0] + spread[1][1] + spread[2][2];
+    const glm::dmat3 shifted = spread + glm::dmat3(1e-6 * trace);
+    DVec3 up = mean;
+    for (int i = 0; i < 100; ++i) up = glm::normalize(glm::inverse(shifted) * up);
+    const double least = glm::dot(up, spread * up) / trace;
+    // The other two must both be there, else the axis is not determined: what is left over after the largest.
+    DVec3 most = glm::normalize(glm::cross(up, std::abs(up.x) < 0.9 ? DVec3(1, 0, 0) : DVec3(0, 1, 0)));
+    for (int i = 0; i < 100; ++i) most = glm::normalize(spread * most);
+    const double middle = 1 - least - glm::dot(most, spread * most) / trace;
+    if (!(middle > 0.05) || !(middle > 4 * least) || glm::dot(up, mean) < 0.3) return mean;
+    return up;
+}
+
 }  // namespace relamp

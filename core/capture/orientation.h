@@ -1,6 +1,7 @@
 // relamp's world has Z up. Captures whose files say otherwise are turned while they are read, and files that are wrong
 // about themselves can be set right without touching them.
 #pragma once
+#include <optional>
 #include <string>
 
 #include "capture/capture.h"
@@ -38,5 +39,9 @@ Mat3 rotationToZUp(const Vec3& up);
 /// axes when asked. Fills capture.up, worldFromFile (the turn alone) and origin, from meshReport.origin: the mesh
 /// counts from there already, cameras and points do afterwards.
 void orientCapture(Capture& capture, const Vec3& up, const CaptureFix& fix);
+
+/// Unit direction that is up in a world where nothing says so: the axis the cameras' horizons turn about, or, where all
+/// look one way, the mean of their own up directions. None without cameras.
+std::optional<DVec3> guessUp(const std::vector<Camera>& cameras);
 
 }  // namespace relamp

@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "base/box.h"
 #include "base/error.h"
 
 namespace relamp {
@@ -42,19 +43,14 @@ struct UnitSphere {
 
 void addProxies(const std::vector<ProxyLight>& proxies, Mesh& mesh) {
     static const UnitSphere sphere;
-    Vec3 low(0), high(0);
-    if (!mesh.positions.empty()) low = high = mesh.positions[0];
-    for (const Vec3& p : mesh.positions) {
-        low = glm::min(low, p);
-        high = glm::max(high, p);
-    }
-    const float reach = farthest * glm::length(high - low);
+    const Box box = boxOf(mesh.positions);
+    const float reach = farthest * box.diagonal();
     for (const ProxyLight& proxy : proxies) {
         const Vec3 centre(proxy.centre);
         if (!isFinite(centre) || !(proxy.radius > 0 && proxy.radius < 1e12f))
             throw Error("proxy light: centre {:g} {:g} {:g}, radius {:g}: expected finite numbers and a radius above 0",
                         proxy.centre.x, proxy.centre.y, proxy.centre.z, proxy.radius);
-        const float away = glm::length(centre - 0.5f * (low + high));
+        const float away = glm::length(centre - box.centre());
         if (!mesh.positions.empty() && !(away <= reach && proxy.radius <= reach))
             throw Error(
                 "proxy light: centre {:g} {:g} {:g}, radius {:g}: expected within {:g} m of the mesh, whose middle is "

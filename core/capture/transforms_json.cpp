@@ -6,64 +6,17 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/json_fields.h"
 #include "capture/load_capture.h"
 
 namespace relamp {
 namespace {
 
-using nlohmann::json;
+using json = Json;
 
 constexpr size_t maxFileBytes = size_t(64) << 20;
 constexpr size_t maxFrames = 100'000;
-constexpr size_t maxValues = 8'000'000;
-constexpr int maxDepth = 32;
 constexpr int maxSide = 1 << 17;
-
-/// Refuses depth and size before the parser asks for memory. One pass over the text; strings are stepped over.
-void checkSize(const std::string& text) {
-    size_t values = 1;
-    int depth = 0;
-    for (size_t i = 0; i < text.size(); ++i) {
-        switch (text[i]) {
-            case '"':
-                for (++i; i < text.size() && text[i] != '"'; ++i)
-                    if (text[i] == '\\') ++i;
-                break;
-            case '[':
-            case '{':
-                if (++depth > maxDepth) throw Error("is nested deeper than {} levels", maxDepth);
-                ++values;
-                break;
-            case ']':
-            case '}': --depth; break;
-            case ',': ++values; break;
-            default: break;
-        }
-    }
-    if (values > maxValues) throw Error("holds more than {} values", maxValues);
-}
-
-json parseLimited(const std::string& text) {
-    checkSize(text);
-    try {
-        return json::parse(text);
-    } catch (const json::exception& error) {
-        // The library's text begins with its own name and number in brackets.
-        std::string reason = error.what();
-        if (const size_t end = reason.find("] "); end != std::string::npos) reason.erase(0, end + 2);
-        if (reason.size() > 300) reason.resize(300);
-        throw Error("is not valid JSON ({})", reason);
-    }
-}
-
-const char* kindOf(const json& value) {
-    if (value.is_string()) return "text";
-    if (value.is_boolean()) return "true or false";
-    if (value.is_null()) return "null";
-    if (value.is_array()) return "a list";
-    if (value.is_object()) return "an object";
-    return "a number";
-}
 
 /// The keys of one frame over the global ones, read with checks.
 class Keys {
@@ -283,15 +236,14 @@ Vec3 readUp(const json& root) {
     try {
         return axisFromName(it->is_string() ? it->get<std::string>() : "");
     } catch (const Error& error) {
-        throw Error("up is {}, {}", it->dump(-1, ' ', false, json::error_handler_t::replace).substr(0, 80),
-                    error.what());
+        throw Error("up is {}, {}", dumpJson(*it, -1, BadText::replace).substr(0, 80), error.what());
     }
 }
 
 }  // namespace
 
 Transforms parseTransforms(const std::string& text, const ImageSize& sizeOf) {
-    const json root = parseLimited(text);
+    const json root = parseLimitedJson(text);
     if (!root.is_object()) throw Error("is {}, expected an object with frames", kindOf(root));
     Transforms result;
     result.up = readUp(root);
@@ -344,7 +296,7 @@ Transforms readTransforms(const std::filesystem::path& file, const ImageSize& si
 Camera readCameraFile(const std::filesystem::path& file) {
     const std::string text = readBytes(file, maxFileBytes);
     return withContext(file.filename().string(), [&] {
-        const json root = parseLimited(text);
+        const json root = parseLimitedJson(text);
         if (!root.is_object()) throw Error("is {}, expected an object with the keys of transforms.json", kindOf(root));
         const Keys keys(root, nullptr, "");
         Camera camera;

@@ -2,6 +2,7 @@
 
 #include <tuple>
 
+#include "base/box.h"
 #include "base/morton.h"
 
 namespace relamp {
@@ -13,15 +14,14 @@ std::vector<uint32_t> alongEmitter(const Mesh& mesh, const std::vector<uint32_t>
         uint32_t triangle;
     };
     std::vector<Place> places;
-    Vec3 low(1e30f), high(-1e30f);
+    Box box;
     for (const uint32_t t : triangles) {
         const Triangle& i = mesh.triangles[t];
         places.push_back({0, (mesh.positions[i[0]] + mesh.positions[i[1]] + mesh.positions[i[2]]) / 3.0f * axes, t});
-        low = glm::min(low, places.back().middle);
-        high = glm::max(high, places.back().middle);
+        box.grow(places.back().middle);
     }
-    const float size = std::max({high.x - low.x, high.y - low.y, high.z - low.z, 1e-30f});
-    for (Place& p : places) p.key = mortonKey((p.middle - low) / size);
+    const float size = std::max(maxChannel(box.size()), 1e-30f);
+    for (Place& p : places) p.key = mortonKey((p.middle - box.min) / size);
     std::stable_sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
         return std::tie(a.key, a.middle.x, a.middle.y, a.middle.z) <
                std::tie(b.key, b.middle.x, b.middle.y, b.middle.z);

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <set>
 
+#include "base/box.h"
+#include "base/statistics.h"
+
 namespace relamp {
 namespace {
 
@@ -19,16 +22,9 @@ std::vector<uint32_t> someOf(const Scene& scene, std::vector<uint32_t> vertices,
     return vertices;
 }
 
-struct Box {
-    Vec3 low{1e30f}, high{-1e30f};
-};
-
 Box boxOf(const Scene& scene, const EmitterCluster& cluster) {
     Box box;
-    for (uint32_t v : cluster.vertices) {
-        box.low = glm::min(box.low, scene.mesh.positions[v]);
-        box.high = glm::max(box.high, scene.mesh.positions[v]);
-    }
+    for (uint32_t v : cluster.vertices) box.grow(scene.mesh.positions[v]);
     return box;
 }
 
@@ -36,7 +32,7 @@ Box boxOf(const Scene& scene, const EmitterCluster& cluster) {
 std::vector<Vec3> within(const Scene& scene, const EmitterCluster& cluster, const Box& box, float reach) {
     std::vector<Vec3> result;
     for (uint32_t v : cluster.vertices) {
-        const Vec3 p = scene.mesh.positions[v], outside = glm::max(glm::max(box.low - p, p - box.high), Vec3(0));
+        const Vec3 p = scene.mesh.positions[v], outside = glm::max(glm::max(box.min - p, p - box.max), Vec3(0));
         if (maxChannel(outside) <= reach) result.push_back(p);
     }
     return result;
@@ -154,10 +150,7 @@ float albedoBesideEmitters(const Scene& scene, const std::vector<EmitterCluster>
                 worst = std::max(worst, patch.radiance[c] / std::max(lit[c], 1e-20f));
         demanded.push_back(worst);
     }
-    if (demanded.empty()) return 1e30f;
-    const auto middle = demanded.begin() + ptrdiff_t(demanded.size() / 2);
-    std::nth_element(demanded.begin(), middle, demanded.end());
-    return *middle;
+    return demanded.empty() ? 1e30f : medianOf(std::move(demanded));
 }
 
 }  // namespace relamp

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/statistics.h"
 #include "image/image_io.h"
 
 namespace relamp {
@@ -49,10 +50,9 @@ float exposureFor(const Image& image, float percentile) {
         for (int x = 0; x < image.width; ++x)
             if (image.usableAt(x, y)) values.push_back(luminance(image.at(x, y)));
     if (values.empty()) return 1;
-    const auto at =
-        values.begin() + ptrdiff_t(std::min(values.size() - 1, size_t(percentile / 100 * float(values.size()))));
-    std::nth_element(values.begin(), at, values.end());
-    return *at > 0 && std::isfinite(*at) ? 1 / *at : 1;
+    const float white =
+        selectRank(values, std::min(values.size() - 1, size_t(percentile / 100 * float(values.size()))));
+    return white > 0 && std::isfinite(white) ? 1 / white : 1;
 }
 
 Image scaledBy(Image image, float exposure) {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "report/html.h"
+#include "display/html.h"
 
 namespace relamp {
 namespace {

@@ -4,6 +4,8 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <set>
 
+#include "base/box.h"
+
 namespace relamp {
 namespace {
 
@@ -305,24 +307,21 @@ std::vector<uint32_t> likelyParts(const Scene& scene, const Estimate& estimate, 
     const int c = clusterIndex(estimate, id);
     if (c < 0) return {};
     const EmitterCluster& cluster = estimate.emitters.emitters[size_t(c)];
-    Vec3 low(1e30f), high(-1e30f);
+    Box box;
     std::set<uint32_t> own;
     for (uint32_t v : cluster.vertices) {
-        low = glm::min(low, scene.mesh.positions[v]);
-        high = glm::max(high, scene.mesh.positions[v]);
+        box.grow(scene.mesh.positions[v]);
         own.insert(scene.component[v]);
     }
-    const float grow = extentOf(scene.mesh, cluster);
-    low -= grow;
-    high += grow;
+    box.widen(extentOf(scene.mesh, cluster));
     std::vector<uint32_t> size(scene.components, 0), inside(scene.components, ~0u);
     for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v) {
         if (!scene.referenced[v]) continue;
         const uint32_t component = scene.component[v];
         ++size[component];
-        const Vec3& p = scene.mesh.positions[v];
-        const bool in = glm::all(glm::greaterThanEqual(p, low)) && glm::all(glm::lessThanEqual(p, high));
-        if (in && inside[component] == ~0u && estimate.emitters.emitterOfVertex[v] < 0) inside[component] = v;
+        if (box.contains(scene.mesh.positions[v]) && inside[component] == ~0u &&
+            estimate.emitters.emitterOfVertex[v] < 0)
+            inside[component] = v;
     }
     // The floor also passes near many emitters: the largest component stays where it is, unless the emitter is a patch
     // of it.

@@ -182,8 +182,8 @@ Image latLongFromCells(const std::vector<Rgb>& cells, const DirectionGrid& grid,
     parallelFor(image.pixels.size(), 4096, [&](size_t i) {
         image.pixels[i] = mean(coarse, int(i) % width, int(i) / width, 2, darkest[i], brightest[i]);
     });
-    // The rim of a sun is cut finely, so that it keeps its energy; neighbours count, because two by two looks miss a
-    // corner.
+    // The rim of a sun is cut finely, so that it keeps its energy; neighbours count, because two by two observations
+    // miss a corner.
     parallelFor(image.pixels.size(), 4096, [&](size_t i) {
         const int x = int(i) % width, y = int(i) / width;
         Rgb low = darkest[i], high = brightest[i];

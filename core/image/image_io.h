@@ -1,4 +1,4 @@
-// Images on disk. OpenImageIO is named only in image_io.cpp.
+// Images on disk. OpenImageIO is named only in image_reader.cpp and image_writer.cpp.
 #pragma once
 #include <filesystem>
 #include <functional>
@@ -48,7 +48,7 @@ std::string encodePng(const Image& image);
 void writeChannels(const std::filesystem::path& file, int width, int height, const std::vector<Channel>& channels,
                    const std::map<std::string, std::string>& header = {});
 
-/// How a channel of a file that is written in components is kept.
+/// How a channel of a file that is written in strips is kept.
 struct ChannelFormat {
     std::string name;  ///< as written, for example "Combined_world.R"
     bool half = true;  ///< half float; what exceeds it is written as its largest number

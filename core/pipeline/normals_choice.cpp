@@ -1,6 +1,7 @@
 #include "pipeline/normals_choice.h"
 
 #include "base/log.h"
+#include "base/statistics.h"
 #include "pipeline/plan_pilot.h"
 #include "scene/smooth_normals.h"
 
@@ -13,9 +14,7 @@ bool normalsLookNoisy(const Scene& scene) {
     std::vector<float> change;
     for (size_t v = 0; v < smoother.size(); ++v)
         if (scene.referenced[v]) change.push_back(glm::distance(smoother[v], scene.mesh.normals[v]));
-    if (change.empty()) return false;
-    std::nth_element(change.begin(), change.begin() + ptrdiff_t(change.size() / 2), change.end());
-    return change[change.size() / 2] >= noise;
+    return medianOf(std::move(change)) >= noise;
 }
 
 NormalsChoice chooseNormals(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& emitters,

@@ -1,12 +1,14 @@
 #include "pipeline/pipeline.h"
 
 #include "base/log.h"
-#include "base/stage_meter.h"
+#include "base/random.h"
+#include "brdf/measured_gloss.h"
 #include "capture/own_axes.h"
 #include "pipeline/normals_choice.h"
 #include "pipeline/reproduction.h"
 #include "pipeline/working_mesh.h"
 #include "scene/smooth_normals.h"
+#include "shot/checkpoint.h"
 #include "solve/photometric_estimate.h"
 
 namespace relamp {
@@ -15,51 +17,87 @@ ProxyLight proxyOf(const UnobservedLight& light) {
     return {light.position, 0.015f * light.distance, light.sigma(), true};
 }
 
-namespace {
-
-/// Looks for an emitter that no photograph shows; where there is one, a proxy joins the capture.
-void addUnobservedLight(PipelineResult& r, const PipelineOptions& options, Progress& progress) {
-    const std::optional<DecimatedMesh> working = workingMesh(r.capture, options.meshTriangles, progress);
-    const Scene scene = buildScene(working ? working->mesh : r.capture.mesh, progress, ownAxes(r.capture));
-    const RadianceSamples samples = gatherRadiance(r.capture, scene, options.gather, progress);
-    const EmitterClusters clusters = clusterEmitters(scene, r.capture, samples, options.clusters, progress);
-    UnobservedLightOptions search;
-    search.seed = options.solve.seed;
-    r.search = findUnobservedLight(r.capture, scene, samples, clusters, search, progress);
-    logInfo("{}", r.search->words);
-    if (!r.search->light) return;
-    const ProxyLight proxy = proxyOf(*r.search->light);
-    addProxies({proxy}, r.capture.mesh);
-    r.capture.proxies.push_back(proxy);
+void chooseBasis(const std::string& name, const std::filesystem::path& merl, SolveOptions& options) {
+    options.basis = basisNamed(name);
+    if (!merl.empty())
+        for (Lobe& lobe : readMeasuredLobes(merl)) options.basis.lobes.push_back(std::move(lobe));
+    if (name != "built-in" || !merl.empty()) options.mostLobes = 3;
 }
 
-}  // namespace
+uint64_t fingerprintOf(const Capture& capture, const PipelineOptions& options) {
+    return solveFingerprint(capture, options.solve, options.everything) ^
+           (options.meshTriangles ? mixBits(uint64_t(*options.meshTriangles)) : 0);
+}
 
 Prepared prepare(const Capture& capture, const PipelineOptions& options, StageMeter& meter, Progress& progress,
                  std::shared_ptr<const Scene> scene, std::shared_ptr<const RadianceSamples> samples) {
     Prepared p;
-    meter.begin("scene");
+    meter.begin(Stage::scene);
     p.working = workingMesh(capture, options.meshTriangles, progress);
     if (!scene || p.working)
         scene = std::make_shared<const Scene>(
             buildScene(p.working ? p.working->mesh : capture.mesh, progress, ownAxes(capture)));
     p.scene = std::move(scene);
     // What the photographs say of each vertex and of the environment.
-    meter.begin("look-ups");
+    meter.begin(Stage::observations);
     if (!samples || p.working)
         samples = std::make_shared<const RadianceSamples>(gatherRadiance(capture, *p.scene, options.gather, progress));
     p.samples = std::move(samples);
     // High-radiance components become emitting patches ([Put15] 3.3).
-    meter.begin("finding lights");
+    meter.begin(Stage::emitters);
     p.clusters = clusterEmitters(*p.scene, capture, *p.samples, options.clusters, progress);
     return p;
 }
 
+Corrections correctCapture(const PipelineOptions& options, Capture& capture, Prepared& prepared, StageMeter& meter,
+                           Progress& progress) {
+    const CaptureFix& told = options.load.fix;
+    Corrections done{told.photometric, std::max(0, told.smoothNormals)};
+    // Do exposures differ from photograph to photograph?
+    if (options.photometric && done.photometric.empty()) {
+        meter.begin(Stage::exposures);
+        const PhotometricEstimate found = estimatePhotometric(capture, *prepared.scene, *prepared.samples, progress);
+        logInfo("{}{}", toText(found), found.needed() ? "; taken out" : "; left as it is");
+        if (found.needed() && !found.fix.empty()) {
+            done.photometric = found.fix;
+            for (View& view : capture.views) applyPhotometric(done.photometric, view);
+            prepared = prepare(capture, options, meter, progress, prepared.working ? nullptr : prepared.scene);
+        }
+    }
+    // Are the mesh's normals good enough to shade with? A decimated mesh's are means already.
+    if (told.smoothNormals < 0 && !prepared.working) {
+        meter.begin(Stage::normals);
+        if (const NormalsChoice choice =
+                chooseNormals(*prepared.scene, *prepared.samples, prepared.clusters, options.solve, progress);
+            choice.rounds > 0) {
+            done.smoothedNormals = choice.rounds;
+            capture.mesh.normals = smoothedNormals(capture.mesh, choice.rounds);
+            capture.notes.push_back(fmt::format(
+                "the mesh's normals are noisy: smoothed {} times, ratios between points are explained {:.1f} % better",
+                choice.rounds, 100 * choice.better));
+            logInfo("{}", capture.notes.back());
+            prepared.scene = std::make_shared<const Scene>(buildScene(capture.mesh, progress, ownAxes(capture)));
+        }
+    }
+    return done;
+}
+
+UnobservedLightSearch searchUnobservedLight(const Capture& capture, const PipelineOptions& options, Progress& progress,
+                                            std::shared_ptr<const Scene> scene,
+                                            std::shared_ptr<const RadianceSamples> samples) {
+    StageMeter meter(progress);
+    const Prepared p = prepare(capture, options, meter, progress, std::move(scene), std::move(samples));
+    UnobservedLightOptions search;
+    search.seed = options.solve.seed;
+    UnobservedLightSearch found = findUnobservedLight(capture, *p.scene, *p.samples, p.clusters, search, progress);
+    logInfo("{}", found.words);
+    return found;
+}
+
 Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepared& prepared,
-                       const PipelineOptions& options, StageMeter& meter, Progress& progress,
-                       const SolveListener* listener, const SolveCheckpoint* resume,
-                       const std::function<void(const SolvePlan&)>& planned) {
+                       const PipelineOptions& options, StageMeter& meter, Progress& progress, const SolveRun& run) {
     const Scene& scene = *prepared.scene;
+    const SolveListener* listener = run.listener;
     const auto carried = [&](Estimate&& estimate) {
         return prepared.working ? carriedBack(estimate, *prepared.working, capture.mesh) : std::move(estimate);
     };
@@ -76,12 +114,12 @@ Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepare
     }
     // What this scene does not need.
     SolveOptions solve = options.solve;
-    meter.begin("planning");
-    if (!resume)
+    meter.begin(Stage::planning);
+    if (options.plan && !run.resume)
         solve.plan = planSolve(capture, scene, *prepared.samples, prepared.clusters, options.solve, options.everything,
                                progress);
     meter.end();
-    if (planned && !resume) planned(solve.plan);
+    if (run.planned) run.planned(run.resume ? run.resume->plan : solve.plan);
     // Transport (visibility, near-field maps) and the two alternating programs: light (equations 3 to 6) and
     // reflectance.
     if (options.onlyPlan) {
@@ -89,38 +127,27 @@ Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepare
         plan.plan = solve.plan;
         return plan;
     }
-    Estimate estimate =
-        carried(solveScene(capture, scene, *prepared.samples, prepared.clusters, solve, progress, listener, resume));
+    Estimate estimate = carried(
+        solveScene(capture, scene, *prepared.samples, prepared.clusters, solve, progress, listener, run.resume));
     if (prepared.working)
         estimate.leftOut.push_back(
-            {"triangles", fmt::format("the solve ran on {} of {}, and what it found was carried back",
-                                      scene.mesh.triangles.size(), capture.mesh.triangles.size())});
-    meter.begin("reproduction of the photographs");
-    ReproductionOptions measure;
-    measure.pixels = std::clamp<size_t>(
-        (progress.outOfTime() ? 4000 : 24000) / std::max<size_t>(1, capture.views.size()), 300, 3000);
-    estimate.reproduction = measureReproduction(capture, whole, estimate, scene, *prepared.samples, measure, progress);
-    meter.end();
+            {Omission::triangles, fmt::format("the solve ran on {} of {}, and what it found was carried back",
+                                              scene.mesh.triangles.size(), capture.mesh.triangles.size())});
+    if (options.reproduce) {
+        meter.begin(Stage::reproduction);
+        ReproductionOptions measure;
+        measure.pixels = std::clamp<size_t>(
+            (progress.outOfTime() ? 4000 : 24000) / std::max<size_t>(1, capture.views.size()), 300, 3000);
+        estimate.reproduction =
+            measureReproduction(capture, whole, estimate, scene, *prepared.samples, measure, progress);
+        meter.end();
+    }
     estimate.heldOut.clear();
     if (estimate.reproduction.measured()) logInfo("{}", toText(estimate.reproduction));
     std::vector<PlannedStage> done;
-    for (const StageCost& cost : meter.stages()) done.push_back({cost.name, -1, cost.seconds, -1, cost.mib});
+    for (const StageCost& cost : meter.stages()) done.push_back({cost.stage, -1, cost.seconds, -1, cost.mib});
     estimate.plan.stages.insert(estimate.plan.stages.begin(), done.begin(), done.end());
     return estimate;
-}
-
-CaptureFix fixOf(const PipelineResult& result, CaptureFix asked) {
-    asked.smoothNormals = result.smoothedNormals;
-    asked.photometric = result.photometric;
-    asked.proxies = result.capture.proxies;
-    for (ProxyLight& p : asked.proxies) p.centre += result.capture.origin;
-    return asked;
-}
-
-PhotometricFix choosePhotometric(const Capture& capture, const Prepared& prepared, Progress& progress) {
-    const PhotometricEstimate found = estimatePhotometric(capture, *prepared.scene, *prepared.samples, progress);
-    logInfo("{}{}", toText(found), found.needed() ? "; taken out" : "; left as it is");
-    return found.needed() ? found.fix : PhotometricFix{};
 }
 
 PipelineResult runPipeline(const std::filesystem::path& captureFolder, const PipelineOptions& options,
@@ -128,47 +155,27 @@ PipelineResult runPipeline(const std::filesystem::path& captureFolder, const Pip
     PipelineResult r;
     StageMeter meter(progress);
     // Photographs, cameras, mesh.
-    meter.begin("photographs");
+    meter.begin(Stage::photographs);
     r.capture = loadCapture(captureFolder, options.load, progress);
     if (options.findLight) {
-        meter.begin("looking for an unobserved light");
-        addUnobservedLight(r, options, progress);
+        meter.begin(Stage::unobservedLight);
+        r.search = searchUnobservedLight(r.capture, options, progress);
+        if (r.search->light) {
+            const ProxyLight proxy = proxyOf(*r.search->light);
+            addProxies({proxy}, r.capture.mesh);
+            r.capture.proxies.push_back(proxy);
+        }
     }
     const std::optional<SolveCheckpoint> earlier = options.resume ? options.resume(r.capture) : std::nullopt;
     Prepared prepared = prepare(r.capture, options, meter, progress);
-    // Do exposures differ from photograph to photograph?
-    r.photometric = options.load.fix.photometric;
-    if (options.photometric && r.photometric.empty()) {
-        meter.begin("exposures");
-        r.photometric = choosePhotometric(r.capture, prepared, progress);
-        if (!r.photometric.empty()) {
-            for (View& view : r.capture.views) applyPhotometric(r.photometric, view);
-            prepared = prepare(r.capture, options, meter, progress, prepared.working ? nullptr : prepared.scene);
-        }
-    }
-    // Are the mesh's normals good enough to shade with? A decimated mesh's are means already.
-    r.smoothedNormals = std::max(0, options.load.fix.smoothNormals);
-    if (options.load.fix.smoothNormals < 0 && !prepared.working) {
-        meter.begin("normals");
-        if (const NormalsChoice choice =
-                chooseNormals(*prepared.scene, *prepared.samples, prepared.clusters, options.solve, progress);
-            choice.rounds > 0) {
-            r.smoothedNormals = choice.rounds;
-            r.capture.mesh.normals = smoothedNormals(r.capture.mesh, choice.rounds);
-            r.capture.notes.push_back(fmt::format(
-                "the mesh's normals are noisy: smoothed {} times, ratios between points are explained {:.1f} % better",
-                choice.rounds, 100 * choice.better));
-            logInfo("{}", r.capture.notes.back());
-            prepared.scene = std::make_shared<const Scene>(buildScene(r.capture.mesh, progress, ownAxes(r.capture)));
-        }
-    }
+    r.corrections = correctCapture(options, r.capture, prepared, meter, progress);
     r.scene = prepared.working ? std::make_shared<const Scene>(buildScene(r.capture.mesh, progress, ownAxes(r.capture)))
                                : prepared.scene;
-    r.estimate =
-        solvePrepared(r.capture, *r.scene, prepared, options, meter, progress, listener, earlier ? &*earlier : nullptr);
+    r.estimate = solvePrepared(r.capture, *r.scene, prepared, options, meter, progress,
+                               {listener, earlier ? &*earlier : nullptr, {}});
     r.samples = std::move(prepared.samples);
     r.clusters = std::move(prepared.clusters);
-    if (r.search && !r.search->light) r.estimate.leftOut.push_back({"unobserved light", r.search->words});
+    if (r.search && !r.search->light) r.estimate.leftOut.push_back({Omission::unobservedLight, r.search->words});
     return r;
 }
 

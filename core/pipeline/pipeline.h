@@ -27,11 +27,20 @@ struct PipelineOptions {
     std::optional<size_t> meshTriangles = {};  ///< that the mesh may have in the solve (pipeline/working_mesh.h); 0: as
                                                ///< it is, none: large meshes are decimated
     bool onlyPlan = false;                     ///< stops before the solve: the estimate holds the plan alone
+    bool plan = true;                          ///< false: nothing is planned, PlanChoices is what it is by default
+    bool reproduce = true;                     ///< false: how well the photographs are explained is not measured
     /// Asked when the capture is read, before anything is computed: where an earlier solve of it stood, or nothing.
     std::function<std::optional<SolveCheckpoint>(const Capture&)> resume = {};
 };
 
-/// Products of rooms 2 to 4 for the mesh that the solve runs on.
+/// Lobes by the name of a basis, with those that are fitted to the measured materials of a folder, if one is given.
+/// Throws Error for another name and for materials that cannot be read.
+void chooseBasis(const std::string& name, const std::filesystem::path& merl, SolveOptions& options);
+
+/// Everything that the answer for `capture` rests on, as a number (shot/checkpoint.h).
+uint64_t fingerprintOf(const Capture& capture, const PipelineOptions& options);
+
+/// Products of rooms 2 to 4 for the mesh that the solve runs on. Whoever knows the emitters may change `clusters`.
 struct Prepared {
     std::optional<DecimatedMesh> working;  ///< that mesh, where the capture's is too large
     std::shared_ptr<const Scene> scene;
@@ -44,13 +53,40 @@ struct Prepared {
 Prepared prepare(const Capture& capture, const PipelineOptions& options, StageMeter& meter, Progress& progress,
                  std::shared_ptr<const Scene> scene = {}, std::shared_ptr<const RadianceSamples> samples = {});
 
+/// What was put right because it was not good enough for a solve.
+struct Corrections {
+    PhotometricFix photometric;  ///< taken out of the photographs
+    int smoothedNormals = 0;     ///< rounds of smoothing that the normals have had
+};
+
+/// Are exposures and normals good enough? Where the photographs agree clearly better without what exposures, white
+/// balance and lens differ by, that is taken out of `capture`; where smoother normals explain them clearly better, its
+/// normals are smoothed; `prepared` follows. What options.load.fix says already is kept as it is. Throws Cancelled.
+Corrections correctCapture(const PipelineOptions& options, Capture& capture, Prepared& prepared, StageMeter& meter,
+                           Progress& progress);
+
+/// Is there an emitter that no photograph shows? Rooms 2 to 4, and the search (solve/unobserved). `scene` and `samples`
+/// as for prepare.
+UnobservedLightSearch searchUnobservedLight(const Capture& capture, const PipelineOptions& options, Progress& progress,
+                                            std::shared_ptr<const Scene> scene = {},
+                                            std::shared_ptr<const RadianceSamples> samples = {});
+
+/// What stands in the mesh for an emitter that was found: a sphere, small beside its distance, so that its shadows are
+/// those of the point it was found as.
+ProxyLight proxyOf(const UnobservedLight& light);
+
+/// Who hears of a solve, and where it starts.
+struct SolveRun {
+    const SolveListener* listener = nullptr;  ///< snapshots that it hears hold a quick measure of how well the
+                                              ///< photographs are explained
+    const SolveCheckpoint* resume = nullptr;
+    std::function<void(const SolvePlan&)> planned = {};  ///< hears the plan, or that of `resume`
+};
+
 /// Plan, solve, and how well the estimate explains the photographs. `whole` is the capture's own scene; the estimate is
-/// for its mesh. `planned`, if any, hears the plan. Snapshots that `listener` hears hold a quick measure of how well
-/// the photographs are explained.
+/// for its mesh.
 Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepared& prepared,
-                       const PipelineOptions& options, StageMeter& meter, Progress& progress,
-                       const SolveListener* listener = nullptr, const SolveCheckpoint* resume = nullptr,
-                       const std::function<void(const SolvePlan&)>& planned = {});
+                       const PipelineOptions& options, StageMeter& meter, Progress& progress, const SolveRun& run = {});
 
 /// Every room's product, so that the window and the reports can look at each. Where the solve ran on a decimated mesh,
 /// `samples` and `clusters` are of that one, `scene` and `estimate` of the capture's.
@@ -60,21 +96,9 @@ struct PipelineResult {
     std::shared_ptr<const RadianceSamples> samples;
     EmitterClusters clusters;
     Estimate estimate;
-    PhotometricFix photometric;                   ///< what was taken out of the photographs of `capture`
-    int smoothedNormals = 0;                      ///< rounds of smoothing that the normals of `capture` have had
+    Corrections corrections;                      ///< of `capture`
     std::optional<UnobservedLightSearch> search;  ///< when it was asked for; what it found is among capture.proxies
 };
-
-/// What stands in the mesh for an emitter that was found: a sphere, small beside its distance, so that its shadows are
-/// those of the point it was found as.
-ProxyLight proxyOf(const UnobservedLight& light);
-
-/// How the capture's files are to be read so that they give what was solved: as asked for, and what the pipeline found.
-CaptureFix fixOf(const PipelineResult& result, CaptureFix asked);
-
-/// What exposures, white balance and lens differ by, when the photographs agree clearly better without it; else
-/// nothing, and why is logged.
-PhotometricFix choosePhotometric(const Capture& capture, const Prepared& prepared, Progress& progress);
 
 /// Throws what the rooms throw.
 PipelineResult runPipeline(const std::filesystem::path& captureFolder, const PipelineOptions& options,

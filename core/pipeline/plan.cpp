@@ -122,7 +122,7 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
     PlanChoices kept = PlanChoices::everything();
     const auto cost = [&](const PlanChoices& choices) { return predictStages(counts, speed, pilot, options, choices); };
     std::vector<StageEstimate> stages = cost(kept);
-    const auto leaveOut = [&](const std::string& what, const std::string& reason, bool PlanChoices::*part) {
+    const auto leaveOut = [&](Omission what, const std::string& reason, bool PlanChoices::*part) {
         if (everything) return;
         kept.*part = false;
         std::vector<StageEstimate> fewer = cost(kept);
@@ -132,75 +132,74 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
     };
     const bool judged = pilot.ran && options.nearField && counts.matte;
     if (judged && !emitters.emitters.empty() && pilot.distantFraction < 0.003 && pilot.background < 0.05)
-        leaveOut("distant light",
+        leaveOut(Omission::distantLight,
                  fmt::format(
                      "of the light on {} points {:.2g} % comes from afar, and the background is black where it is seen",
                      pilot.points, 100 * pilot.distantFraction),
                  &PlanChoices::distantLight);
     if (judged && options.bounce == SolveOptions::Bounce::automatic) {
         if (pilot.enclosure < 0.01)
-            leaveOut("interreflection",
+            leaveOut(Omission::interreflection,
                      fmt::format("other surfaces fill only {:.1f} % of what a surface sees", 100 * pilot.enclosure),
                      &PlanChoices::bounce);
         else if (pilot.bouncedFraction < 0.5 * double(samples.relativeNoise))
             leaveOut(
-                "interreflection",
+                Omission::interreflection,
                 fmt::format("it would be {:.1f} % of the light, less than half of the photographs' noise of {:.1f} %",
                             100 * pilot.bouncedFraction, 100 * samples.relativeNoise),
                 &PlanChoices::bounce);
         else if (pilot.bounceWorse > 4)
-            leaveOut("interreflection",
+            leaveOut(Omission::interreflection,
                      fmt::format(
                          "with it the ratios between {} pairs of points are explained worse, by {:.0f} standard errors",
                          pilot.pairs, pilot.bounceWorse),
                      &PlanChoices::bounce);
         else if (pilot.bounceWorse > 1)
-            leaveOut("interreflection at full detail",
+            leaveOut(Omission::fullInterreflection,
                      "it is tried on coarse light first and again only if that cannot rule it out",
                      &PlanChoices::lateBounce);
         kept.bounceLikely = !everything && pilot.bounceWorse < likelyBounce;
     }
     if (counts.seen < counts.vertices)
-        leaveOut("vertices that no photograph shows",
+        leaveOut(Omission::unobservedVertices,
                  fmt::format("{:.0f} of {:.0f}: their light is computed when something needs it",
                              counts.vertices - counts.seen, counts.vertices),
                  &PlanChoices::unobservedVertices);
     if (kept.distantLight && options.visibilitySide >= 4)
-        leaveOut("rays between rays that agree", "visibility is traced finer only where an edge is near",
+        leaveOut(Omission::agreeingRays, "visibility is traced finer only where an edge is near",
                  &PlanChoices::agreeingRays);
     if (counts.matteObservations > 0)
-        leaveOut(counts.glossyObservations > 0 ? "lobes on matte components" : "glossy lobes",
+        leaveOut(counts.glossyObservations > 0 ? Omission::lobesOnMatte : Omission::glossyLobes,
                  counts.glossyObservations > 0 ? "those components do not change with the view beyond noise"
                                                : "no surface changes with the view beyond noise",
                  &PlanChoices::matteComponents);
     if (counts.glossyObservations > 0 && options.glossRounds > 0)
-        leaveOut("lobes that lose at first glance",
+        leaveOut(Omission::lostLobes,
                  "all are tried on directions they share, and on their own only where they come within a twelfth of "
                  "the best",
                  &PlanChoices::lostLobes);
     if (judged && counts.metals && options.glossRounds > 0)
-        leaveOut("what only metals tell apart, in matte points' equations",
+        leaveOut(Omission::mattePointsInDetail,
                  "directions are divided for what metals mirror; the curvature that matte points give them is worked "
                  "out undivided",
                  &PlanChoices::mattePointsInDetail);
     if (judged && kept.distantLight)
-        leaveOut("directions that light nothing",
+        leaveOut(Omission::emptyColumns,
                  "what no point that a photograph shows can see takes no part in the equations' products",
                  &PlanChoices::emptyColumns);
     if (judged)
-        leaveOut("iterations for the last digits",
+        leaveOut(Omission::lastDigits,
                  "a fit that finer ones follow ends when an iteration explains less than 0.03 % more",
                  &PlanChoices::lastDigits);
     if (counts.matte)
-        leaveOut("finer light that explains nothing",
-                 "splitting ends after a round that explains less than a fifth of a percent more",
+        leaveOut(Omission::flatLevels, "splitting ends after a round that explains less than a fifth of a percent more",
                  &PlanChoices::flatLevels);
     if (options.nearField && emitters.emitters.empty())
-        plan.leftOut.push_back({"near-field emitters", "no patch of the scene shines on its own",
+        plan.leftOut.push_back({Omission::nearFieldEmitters, "no patch of the scene shines on its own",
                                 16 * counts.seen * pilot.visibilitySecondsPerRay, counts.vertices * 8 / (1 << 20)});
     plan.choices = kept;
     if (everything) plan.choices = PlanChoices::everything();
-    for (const StageEstimate& s : stages) plan.stages.push_back({s.name, s.seconds, -1, s.mib, -1});
+    for (const StageEstimate& s : stages) plan.stages.push_back({s.stage, s.seconds, -1, s.mib, -1});
     plan.planningSeconds = progress.seconds() - start;
     progress.advance();
     logInfo(
@@ -215,14 +214,14 @@ nlohmann::json planJson(const SolvePlan& plan) {
     const auto known = [](double value) { return value >= 0 ? nlohmann::json(value) : nlohmann::json(); };
     nlohmann::json stages = nlohmann::json::array(), leftOut = nlohmann::json::array();
     for (const PlannedStage& s : plan.stages)
-        stages.push_back({{"name", s.name},
+        stages.push_back({{"name", fileNameOf(s.stage)},
                           {"predicted_s", known(s.predictedSeconds)},
                           {"measured_s", known(s.measuredSeconds)},
                           {"predicted_mib", known(s.predictedMib)},
                           {"measured_mib", known(s.measuredMib)}});
     for (const PlannedOmission& o : plan.leftOut)
         leftOut.push_back(
-            {{"what", o.what}, {"reason", o.reason}, {"saved_s", o.savedSeconds}, {"saved_mib", o.savedMib}});
+            {{"what", nameOf(o.what)}, {"reason", o.reason}, {"saved_s", o.savedSeconds}, {"saved_mib", o.savedMib}});
     return {{"stages", stages},
             {"left_out", leftOut},
             {"predicted_s", plan.predictedSeconds()},
@@ -233,7 +232,7 @@ nlohmann::json planJson(const SolvePlan& plan) {
 std::string planText(const SolvePlan& plan) {
     std::string text = fmt::format("{:36} {:>8} {:>8}\n", "kept", "s", "MiB");
     for (const PlannedStage& s : plan.stages)
-        text += fmt::format("{:36} {:>8} {:>8}\n", s.name,
+        text += fmt::format("{:36} {:>8} {:>8}\n", nameOf(s.stage),
                             s.predictedSeconds >= 0 ? fmt::format("{:.2f}", s.predictedSeconds)
                                                     : fmt::format("({:.2f})", std::max(0.0, s.measuredSeconds)),
                             s.predictedMib >= 0 ? fmt::format("{:.0f}", s.predictedMib)
@@ -241,7 +240,7 @@ std::string planText(const SolvePlan& plan) {
     text += fmt::format("{:36} {:>8.2f}\n", "to come", plan.predictedSeconds());
     if (!plan.leftOut.empty()) text += fmt::format("\n{:36} {:>8} {:>8}  {}\n", "left out", "s", "MiB", "because");
     for (const PlannedOmission& o : plan.leftOut)
-        text += fmt::format("{:36} {:>8.2f} {:>8.0f}  {}\n", o.what, o.savedSeconds, o.savedMib, o.reason);
+        text += fmt::format("{:36} {:>8.2f} {:>8.0f}  {}\n", nameOf(o.what), o.savedSeconds, o.savedMib, o.reason);
     return text + "In brackets: already done and measured, the solve does it once more.\n";
 }
 

@@ -38,14 +38,14 @@ std::vector<StageEstimate> predictStages(const WorkCounts& n, const MachineSpeed
         n.vertices * std::log2(std::max(2.0, n.vertices)) * speed.sparse * double(options.prior.iterations) / 2;
     const double albedoMib = n.vertices * (3 * 20 * 12 * 2 + 3 * 7 * 16) / mib;
 
-    stages.push_back({"lights' light, observations, pairs", known * pilot.nearSecondsPerPoint,
+    stages.push_back({Stage::ratios, known * pilot.nearSecondsPerPoint,
                       (n.pairs * 12 + n.rows * 40 + n.vertices * n.emitters * 8) / mib});
     // Rays of a lattice of 2 x 2 cells, and then all the others or those near edges.
     const double visibility =
         known * (choices.agreeingRays ? cells / 2 * pilot.visibilitySecondsPerRay
                                       : cells / 8 * pilot.visibilitySecondsPerRay + pilot.edgeSecondsPerPoint);
-    if (distant) stages.push_back({"visibility", visibility, n.vertices * cells / 8 / mib});
-    stages.push_back({"rows of the observations", distant ? n.rows * cells * pilot.rowSecondsPerCell : 0.0,
+    if (distant) stages.push_back({Stage::visibility, visibility, n.vertices * cells / 8 / mib});
+    stages.push_back({Stage::rows, distant ? n.rows * cells * pilot.rowSecondsPerCell : 0.0,
                       n.rows * (leavesCoarse + n.emitters) * 4 / mib});
 
     const bool near = options.nearField && n.matte;
@@ -60,16 +60,16 @@ std::vector<StageEstimate> predictStages(const WorkCounts& n, const MachineSpeed
                               ? 2.5 * roundSeconds(strongLeaves) + 0.2 * n.rows * cells * pilot.rowSecondsPerCell
                               : 0.0;
     if (near)
-        stages.push_back({"coarse light", coarseRounds * roundSeconds(leaves) + strong,
+        stages.push_back({Stage::coarseLight, coarseRounds * roundSeconds(leaves) + strong,
                           roundMib(strong > 0 ? strongLeaves : leaves)});
-    // A few looks a component, three eighths of the directions.
+    // A few observations a component, three eighths of the directions.
     const double firstObservations = n.glossyObservations * 120 / 700;
     if (near && n.glossyObservations > 0)
-        stages.push_back({"first surfaces", n.observationSeconds * 0.375 * firstObservations * 6,
+        stages.push_back({Stage::firstSurfaces, n.observationSeconds * 0.375 * firstObservations * 6,
                           firstObservations * strongLeaves * 4 / mib});
     if (near && distant && !black) {
         leaves = leavesStart + n.emitters;
-        stages.push_back({"light", n.rows * cells * pilot.rowSecondsPerCell + 4 * roundSeconds(leaves),
+        stages.push_back({Stage::light, n.rows * cells * pilot.rowSecondsPerCell + 4 * roundSeconds(leaves),
                           n.rows * leaves * 4 / mib + roundMib(leaves)});
     }
     const bool tryBounce = near && options.bounce != SolveOptions::Bounce::off &&
@@ -85,7 +85,7 @@ std::vector<StageEstimate> predictStages(const WorkCounts& n, const MachineSpeed
         const double trySeconds = choices.bounceLikely               ? 12 * roundSeconds(leaves) + 4 * albedo
                                   : automatic && !choices.lateBounce ? 14 * roundSeconds(coarse) + 2 * albedo
                                                                      : rounds * roundSeconds(leaves) + 4 * albedo;
-        stages.push_back({"bounced light", trace * (choices.bounceLikely ? 1.25 : 1.0) + trySeconds,
+        stages.push_back({Stage::bouncedLight, trace * (choices.bounceLikely ? 1.25 : 1.0) + trySeconds,
                           n.vertices * rays * pilot.enclosure * 8 / mib + albedoMib});
     }
     if (distant && !black) {
@@ -99,38 +99,38 @@ std::vector<StageEstimate> predictStages(const WorkCounts& n, const MachineSpeed
                 ((started ? 3 : 4) - round) * roundSeconds(wider) + 0.1 * n.rows * cells * pilot.rowSecondsPerCell;
         }
         leaves = wider;
-        stages.push_back({"finer light", seconds,
+        stages.push_back({Stage::finerLight, seconds,
                           2 * n.rows * leaves * 4 / mib - n.rows * leavesStart * 4 / mib + roundMib(leaves)});
     }
     const double observations = n.glossyObservations + (choices.matteComponents ? n.matteObservations : 0.0),
                  fitSeconds = n.observationSeconds * observations;
     // Where no lobe is likely the first glance at all of them is all there is.
     const double tried = choices.lostLobes ? n.lobes + 4 : n.lobeLikely ? 6 : 1.5;
-    stages.push_back({"surfaces", fitSeconds * tried + albedo, std::max(albedoMib, observations * leaves * 4 / mib)});
+    stages.push_back(
+        {Stage::surfaces, fitSeconds * tried + albedo, std::max(albedoMib, observations * leaves * 4 / mib)});
     if (observations > 0 && n.lobeLikely && options.glossRounds > 0) {
         const double rounds = options.glossRounds;
         if (n.glossyObservations > 0) {
             const double glossy = n.glossyObservations;
-            if (n.metals) leaves = std::max(leaves, 1024 + n.emitters);  // what they mirror is divided to a side of 32
+            if (n.metals) leaves = std::max(leaves, 1024 + n.emitters);  // what they reflect is divided to a side of 32
             stages.push_back(
-                {"light with gloss",
+                {Stage::glossLight,
                  rounds * (3 * (distant && !black ? roundSeconds(leaves) + productSeconds(glossy, leaves) / 3 : 0.0) +
                            glossy * (n.observationSeconds + cells * pilot.rowSecondsPerCell)),
                  glossy * leaves * 4 * 5 / mib + roundMib(leaves)});
-            stages.push_back({"surfaces again", rounds * (fitSeconds * tried + albedo),
+            stages.push_back({Stage::glossSurfaces, rounds * (fitSeconds * tried + albedo),
                               std::max(albedoMib, observations * leaves * 4 / mib)});
         }
     }
     // Looks that no lobe explains: the light that was to be fitted with them is fitted to its end without.
     else if (near && distant && !black && n.glossyObservations > 0 && options.glossRounds > 0)
-        stages.push_back(
-            {"light with gloss", 3 * roundSeconds(leaves) + fitSeconds * tried + albedo, roundMib(leaves)});
+        stages.push_back({Stage::glossLight, 3 * roundSeconds(leaves) + fitSeconds * tried + albedo, roundMib(leaves)});
     if (near && (n.glossyObservations == 0 || !n.lobeLikely) && distant && !black)
-        stages.push_back({"light and surfaces in turn",
+        stages.push_back({Stage::turns,
                           double(options.turns) *
                               (productSeconds(n.rows, leaves) / 3 + 6 * n.rows * leaves * 4 * speed.bytes + albedo),
                           std::max(albedoMib, roundMib(leaves))});
-    stages.push_back({"closing figures",
+    stages.push_back({Stage::closing,
                       productSeconds(n.rows, leaves) / 9 + 10 * speed.factorPerCube * leaves * leaves * leaves,
                       roundMib(leaves) + 6.0});
     return stages;

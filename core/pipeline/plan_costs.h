@@ -1,5 +1,5 @@
-// The cost model: counts of rays, rows, leaves, looks and vertices times what one of each takes on this machine. Not a
-// door.
+// The cost model: counts of rays, rows, leaves, observations and vertices times what one of each takes on this machine.
+// Not a door.
 #pragma once
 #include "pipeline/machine_speed.h"
 #include "pipeline/plan_pilot.h"
@@ -24,11 +24,11 @@ struct WorkCounts {
 };
 
 struct StageEstimate {
-    std::string name;
+    Stage stage = Stage::other;
     double seconds = 0, mib = 0;
 };
 
-/// The stages of solveScene under `choices`, named as it names them. `bounceKept`: as far as the pilot can tell.
+/// The stages of solveScene under `choices`. `bounceKept`: as far as the pilot can tell.
 std::vector<StageEstimate> predictStages(const WorkCounts& counts, const MachineSpeed& speed,
                                          const PilotFindings& pilot, const SolveOptions& options,
                                          const PlanChoices& choices);

@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "base/random.h"
+#include "base/statistics.h"
 #include "solve/light/contributions.h"
 #include "solve/ratio/albedo_free.h"
 #include "transport/bounce.h"
@@ -14,21 +15,14 @@ constexpr size_t pairsWanted = 4000;
 constexpr int pilotSide = 16, pilotLevel = 3;
 constexpr uint32_t pilotRays = 256;  // with fewer their noise speaks against bounced light where it is
 
-double median(std::vector<float> values) {
-    if (values.empty()) return 0;
-    std::nth_element(values.begin(), values.begin() + ptrdiff_t(values.size() / 2), values.end());
-    return double(values[values.size() / 2]);
-}
-
 /// Misfit of one pair in variances, bent, at the irradiances `lit`: noise and a model error of 1.5 % a point.
 double misfitOf(const MatteObservations& matte, const AlbedoPair& p, const std::vector<Rgb>& lit) {
     double sum = 0;
     for (int c = 0; c < 3; ++c) {
-        const double ya = matte.radiance[p.a][c], yb = matte.radiance[p.b][c], la = lit[p.a][c], lb = lit[p.b][c],
-                     whole = std::max(ya * lb + yb * la, 1e-30);
-        const double r = 2 * (ya * lb - yb * la) / whole, sa = double(matte.sigma[p.a][c]) * lb,
-                     sb = double(matte.sigma[p.b][c]) * la;
-        sum += r * r / (4 * (sa * sa + sb * sb) / (whole * whole) + 4.5e-4);
+        const double ya = matte.radiance[p.a][c], yb = matte.radiance[p.b][c], la = lit[p.a][c], lb = lit[p.b][c];
+        const double r = RatioResidual::value(ya, yb, la, lb);
+        sum += r * r /
+               (RatioResidual::variance(ya, yb, la, lb, matte.sigma[p.a][c] * lb, matte.sigma[p.b][c] * la) + 4.5e-4);
     }
     return p.weight * std::log1p(sum / 3 / 6.25);
 }
@@ -76,7 +70,7 @@ AlbedoFreeOptions pilotFit(const MatteObservations& matte, const EmitterClusters
                            Lighting& lighting) {
     std::vector<float> brightness;
     for (const Rgb& y : matte.radiance) brightness.push_back(maxChannel(y));
-    middle = median(brightness);
+    middle = double(medianOf(std::move(brightness)));
     lighting.emitterRadiance = firstRadiance(emitters);
     lighting.leafRadiance.assign(lighting.leaves.size(), Rgb(float(std::max(middle / 0.3, 1e-9))));
     AlbedoFreeOptions fit;
@@ -86,8 +80,8 @@ AlbedoFreeOptions pilotFit(const MatteObservations& matte, const EmitterClusters
     return fit;
 }
 
-/// Divides strong directions down to a side of 64, as the solve does (SolveState::sharpenStrong), so that it can begin
-/// with them.
+/// Divides strong directions down to a side of 64, as the solve does (sharpenStrong of solve/steps), so that it can
+/// begin with them.
 void sharpenStrong(const Scene& scene, const Visibility& visibility, const NearField& nearField,
                    const RadianceSamples& samples, const EmitterClusters& emitters, const PilotPairs& part,
                    const AlbedoFreeOptions& fit, Lighting& lighting, Progress& progress) {

@@ -5,19 +5,13 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "base/statistics.h"
 #include "display/display_image.h"
 #include "radiance/agreement.h"
 #include "relight/frame.h"
 
 namespace relamp {
 namespace {
-
-double medianOf(std::vector<double> values) {
-    if (values.empty()) return 0;
-    const size_t half = values.size() / 2;
-    std::sort(values.begin(), values.end());
-    return values.size() % 2 ? values[half] : 0.5 * (values[half - 1] + values[half]);
-}
 
 /// Pixels of a view that see the mesh and no emitter, as their neighbours do, in the order of a low-discrepancy
 /// sequence, and what brings the photograph to display values.
@@ -59,10 +53,7 @@ ComparedPixels comparedPixels(const View& view, const Scene& scene, const std::v
         brightness.push_back(luminance(view.image.at(at[i].x, at[i].y)));
         if (seen[i] == inside && result.at.size() < wanted) result.at.push_back(at[i]);
     }
-    if (brightness.empty()) return result;
-    const auto top = brightness.begin() + ptrdiff_t(0.995 * double(brightness.size() - 1));
-    std::nth_element(brightness.begin(), top, brightness.end());
-    if (*top > 0) result.exposure = 1 / *top;
+    if (const float top = selectQuantile(brightness, 0.995); top > 0) result.exposure = 1 / top;
     return result;
 }
 
@@ -128,7 +119,7 @@ void explainMisfit(const Estimate& estimate, const PhotographAgreement& agreemen
         gains.push_back(std::abs(v.gain));
         spreads.push_back(v.spread);
     }
-    const double correlation = medianOf(correlations), gain = medianOf(gains), spread = medianOf(spreads);
+    const double correlation = meanMedianOf(correlations), gain = meanMedianOf(gains), spread = meanMedianOf(spreads);
     std::vector<std::string> bad;
     for (const ViewReproduction& v : r.views)
         if (v.pixels && v.psnr < r.median - 6) bad.push_back(v.name);
@@ -209,9 +200,9 @@ Reproduction measureReproduction(const Capture& capture, const Scene& scene, con
         return result;
     }
     std::erase_if(result.views, [](const ViewReproduction& v) { return v.pixels == 0; });
-    result.median = medianOf(psnr);
+    result.median = meanMedianOf(psnr);
     if (!options.diagnose) return result;
-    result.observed = medianOf(observed);
+    result.observed = meanMedianOf(observed);
     for (const HeldOutAlbedo& held : estimate.heldOut) {
         const View& view = capture.views[held.view];
         const auto at = std::find_if(result.views.begin(), result.views.end(),

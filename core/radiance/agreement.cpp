@@ -3,21 +3,15 @@
 #include <algorithm>
 
 #include "base/parallel.h"
+#include "base/statistics.h"
 
 namespace relamp {
 namespace {
 
-float medianOf(std::vector<float>& values) {
-    if (values.empty()) return 0;
-    const auto middle = values.begin() + ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
-/// Median absolute deviation about `centre` as a standard deviation. Changes `values`.
-float spreadAbout(std::vector<float>& values, float centre) {
+/// Median absolute deviation about `centre` as a standard deviation.
+float spreadAbout(std::vector<float> values, float centre) {
     for (float& v : values) v = std::abs(v - centre);
-    return 1.4826f * medianOf(values);
+    return 1.4826f * medianOf(std::move(values));
 }
 
 ViewAgreement agreementOf(const RadianceSamples& samples, uint32_t view, size_t vertices) {
@@ -44,7 +38,7 @@ ViewAgreement agreementOf(const RadianceSamples& samples, uint32_t view, size_t 
     }
     a.correlation = xx > 0 && yy > 0 ? float(xy / std::sqrt(xx * yy)) : 1.0f;
     a.gain = medianOf(ratio);
-    a.spread = spreadAbout(ratio, a.gain);
+    a.spread = spreadAbout(std::move(ratio), a.gain);
     return a;
 }
 
@@ -87,7 +81,7 @@ MovingLight movingLightOf(const Capture& capture, const Scene& scene, const Radi
             }
             spreads.push_back(std::sqrt(std::max(0.0f, squares - sum * sum / count) / (count - 1)));
         }
-        return medianOf(spreads);
+        return medianOf(std::move(spreads));
     };
     result.spreadStatic = result.spreadMoving = spreadUnder(Vec3(0), 1);
     // Directions by a spiral over the half sphere in front of the camera and a little more, then by one about the best

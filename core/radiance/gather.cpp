@@ -2,6 +2,7 @@
 
 #include "base/log.h"
 #include "base/parallel.h"
+#include "base/statistics.h"
 
 namespace relamp {
 namespace {
@@ -117,13 +118,9 @@ void estimateNoise(const Capture& capture, RadianceSamples& result) {
     }
     result.noiseFloor = 1e-12f;
     if (relative.size() < 100) return;
-    const auto quantile = [](std::vector<float>& v, double q) {
-        std::nth_element(v.begin(), v.begin() + ptrdiff_t(q * double(v.size() - 1)), v.end());
-        return v[size_t(q * double(v.size() - 1))];
-    };
     // A bilinear observation averages about two pixels.
-    result.relativeNoise = std::clamp(1.4826f * quantile(relative, 0.5) * 0.7f, 0.003f, 0.2f);
-    result.noiseFloor = std::max(quantile(dark, 0.5) * 2e-3f, 1e-12f);
+    result.relativeNoise = std::clamp(1.4826f * lowerMedianOf(std::move(relative)) * 0.7f, 0.003f, 0.2f);
+    result.noiseFloor = std::max(lowerMedianOf(std::move(dark)) * 2e-3f, 1e-12f);
 }
 
 void gatherBackground(const Capture& capture, RadianceSamples& result, Progress& progress) {

@@ -43,7 +43,7 @@ struct PixelAt {
     int x = 0, y = 0;
 };
 
-/// Renders a frame in components, so that an image of any size needs the memory of a few rows. Keeps references to
+/// Renders a frame in strips, so that an image of any size needs the memory of a few rows. Keeps references to
 /// scene and camera.
 class FrameRenderer {
 public:

@@ -5,10 +5,10 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/json_fields.h"
 
 namespace relamp {
 namespace {
-using Json = nlohmann::json;
 
 double wideNumberOf(const Json& value, const std::string& where) {
     if (!value.is_number()) throw Error("{}: expected a number", where);
@@ -17,13 +17,13 @@ double wideNumberOf(const Json& value, const std::string& where) {
     return x;
 }
 
-float numberOf(const Json& value, const std::string& where) { return float(wideNumberOf(value, where)); }
+float realOf(const Json& value, const std::string& where) { return float(wideNumberOf(value, where)); }
 
 Rgb colourOf(const Json& value, const std::string& where) {
     if (!value.is_array() || value.size() != 3) throw Error("{}: expected three numbers", where);
     Rgb c;
     for (int k = 0; k < 3; ++k) {
-        c[k] = numberOf(value[size_t(k)], fmt::format("{}[{}]", where, k));
+        c[k] = realOf(value[size_t(k)], fmt::format("{}[{}]", where, k));
         if (c[k] < 0) throw Error("{}[{}]: is {}, expected 0 or more", where, k, c[k]);
     }
     return c;
@@ -70,11 +70,6 @@ const Json& listOf(const Json& document, const char* key) {
     return *at;
 }
 
-bool flagOf(const Json& value, const std::string& where) {
-    if (!value.is_boolean()) throw Error("{}: expected true or false", where);
-    return value.get<bool>();
-}
-
 uint32_t vertexOf(const Json& object, const std::string& where) {
     const auto at = object.find("seed_vertex");
     if (at == object.end() || !at->is_number_unsigned()) throw Error("{}.seed_vertex: expected a vertex number", where);
@@ -94,8 +89,7 @@ EmitterShape shapeOf(const std::string& name, const std::string& where) {
 
 std::string textOf(const Json& object, const char* key, const std::string& where) {
     const auto at = object.find(key);
-    if (at == object.end() || !at->is_string()) throw Error("{}.{}: expected a text", where, key);
-    return at->get<std::string>();
+    return relamp::textOf(at == object.end() ? Json() : *at, fmt::format("{}.{}", where, key));
 }
 
 bool isControl(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }
@@ -144,7 +138,7 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
     if (!document.is_object()) throw Error("expected an object");
     if (const auto version = document.find("version");
         version != document.end() && (!version->is_number_integer() || version->get<int>() != 1))
-        throw Error("version: is {}, expected 1", version->dump());
+        throw Error("version: is {}, expected 1", dumpJson(*version, -1, BadText::replace));
     Look look;
     if (const auto at = document.find("environment"); at != document.end()) {
         if (!at->is_object()) throw Error("environment: expected an object");
@@ -156,9 +150,9 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
         if (look.environment.source == EnvironmentLook::Source::file)
             look.environment.file = folder / textOf(*at, "file", "environment");
         if (at->contains("yaw_degrees"))
-            look.environment.yawDegrees = numberOf((*at)["yaw_degrees"], "environment.yaw_degrees");
+            look.environment.yawDegrees = realOf((*at)["yaw_degrees"], "environment.yaw_degrees");
         if (at->contains("exposure_stops"))
-            look.environment.exposureStops = numberOf((*at)["exposure_stops"], "environment.exposure_stops");
+            look.environment.exposureStops = realOf((*at)["exposure_stops"], "environment.exposure_stops");
         if (at->contains("tint")) look.environment.tint = colourOf((*at)["tint"], "environment.tint");
     }
     size_t i = 0;
@@ -190,8 +184,8 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
             const Json& size = e["size"];
             if (!size.is_array() || size.empty() || size.size() > 2)
                 throw Error("{}.size: expected one or two numbers", where);
-            emitter.size = Vec2(numberOf(size[0], where + ".size[0]"));
-            if (size.size() == 2) emitter.size.y = numberOf(size[1], where + ".size[1]");
+            emitter.size = Vec2(realOf(size[0], where + ".size[0]"));
+            if (size.size() == 2) emitter.size.y = realOf(size[1], where + ".size[1]");
             if (!(emitter.size.x > 0) || !(emitter.size.y > 0)) throw Error("{}.size: expected more than 0", where);
         }
         if (e.contains("radiance")) emitter.radiance = colourOf(e["radiance"], where + ".radiance");
@@ -216,11 +210,8 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
 }
 
 Look readLook(const std::filesystem::path& file, const DVec3& origin) {
-    return withContext(file.string(), [&] {
-        const Json document = Json::parse(readBytes(file, 64 << 20), nullptr, false);
-        if (document.is_discarded()) throw Error("is not valid JSON");
-        return lookFromJson(document, file.parent_path(), origin);
-    });
+    return withContext(file.string(),
+                       [&] { return lookFromJson(parseJson(readBytes(file, 64 << 20)), file.parent_path(), origin); });
 }
 
 Json lookToJson(const Look& look, const DVec3& origin) {

@@ -5,6 +5,7 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/json_fields.h"
 
 namespace relamp {
 namespace {
@@ -163,9 +164,7 @@ void LookTrack::apply(const std::function<void(Look&)>& change) {
 
 LookTrack readLookTrack(const std::filesystem::path& file, const DVec3& origin) {
     return withContext(file.string(), [&] {
-        using Json = nlohmann::json;
-        Json document = Json::parse(readBytes(file, 64 << 20), nullptr, false);
-        if (document.is_discarded()) throw Error("is not valid JSON");
+        Json document = parseJson(readBytes(file, 64 << 20));
         if (!document.is_object() || !document.contains("keys"))
             return LookTrack(lookFromJson(document, file.parent_path(), origin));
         const Json keys = document["keys"];

@@ -21,7 +21,7 @@ struct RelitEmitter {
     std::string name{};  ///< what it is called in files (emitterNames)
 };
 
-/// Triangles that move as one. Body 0 of a geometry is what stays; its matrix is the identity.
+/// Triangles that move as one. Part 0 of a geometry is what stays; its matrix is the identity.
 struct EditedPart {
     static constexpr uint32_t none = ~0u;
     int emitter = -1;  ///< index into the emitters; -1: no emitter

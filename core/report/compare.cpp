@@ -3,7 +3,7 @@
 #include "base/atomic_file.h"
 #include "base/log.h"
 #include "base/parallel.h"
-#include "pipeline/pipeline.h"
+#include "pipeline/shot_of.h"
 #include "report/comparison.h"
 
 namespace relamp {
@@ -28,13 +28,8 @@ std::filesystem::path writeComparison(const std::filesystem::path& captureFolder
 
         ComparedMode& mode = comparison.modes[m];
         mode.name = m == 0 ? "near-field" : "distant-only";
-        Shot& shot = mode.shot;
-        shot.captureFolder = captureFolder;
-        shot.capture.origin = result.capture.origin;
-        shot.fix = fixOf(result, options.fix);
-        shot.quality = options.quality;
-        shot.seed = options.solve.seed;
-        shot.estimate = std::move(result.estimate);
+        const ShotSource source = sourceOf(result, captureFolder, options.fix, options.quality, options.solve.seed);
+        Shot& shot = mode.shot = shotOf(std::move(result.estimate), source);
         for (TimelineEntry& entry : shot.estimate.timeline) entry.seconds -= start;
         shot.resources = {progress.seconds() - start, peakMib(), availableThreads()};
         saveShot(shot, result.scene->mesh, folder / (mode.name + ".relamp"), true);

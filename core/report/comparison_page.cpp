@@ -3,7 +3,7 @@
 #include "display/log_plot.h"
 #include "report/comparison.h"
 #include "report/estimate_tables.h"
-#include "report/html.h"
+#include "display/html.h"
 
 namespace relamp {
 namespace {
@@ -79,8 +79,8 @@ std::string leftOutTable(const Modes& modes) {
     std::string rows;
     for (const ComparedMode& mode : modes)
         for (const LeftOut& l : mode.shot.estimate.leftOut)
-            rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td></tr>\n", htmlText(mode.name), htmlText(l.what),
-                                htmlText(l.why));
+            rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td></tr>\n", htmlText(mode.name),
+                                htmlText(nameOf(l.what)), htmlText(l.why));
     for (const ComparedMode& mode : modes) {
         const Estimate& e = mode.shot.estimate;
         if (!e.stability.reason.empty())

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "image/image_io.h"
-#include "report/html.h"
+#include "display/html.h"
 
 namespace relamp {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "display/log_plot.h"
 #include "report/estimate_tables.h"
-#include "report/html.h"
+#include "display/html.h"
 #include "report/solve_report.h"
 
 namespace relamp {
@@ -141,7 +141,7 @@ std::string planSection(const SolvePlan& plan) {
         rows += fmt::format(
             "<tr><td>{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td><td "
             "class=\"number\">{}</td></tr>\n",
-            htmlText(s.name), known(s.predictedSeconds, "s"), known(s.measuredSeconds, "s"),
+            htmlText(nameOf(s.stage)), known(s.predictedSeconds, "s"), known(s.measuredSeconds, "s"),
             known(s.predictedMib, "MiB"), known(s.measuredMib, "MiB"));
     std::string text =
         "<table><tr><th>Stage</th><th>Expected</th><th>Took</th><th>Memory expected</th><th>Memory needed</th></tr>\n" +
@@ -149,7 +149,8 @@ std::string planSection(const SolvePlan& plan) {
     rows.clear();
     for (const PlannedOmission& o : plan.leftOut)
         rows += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td></tr>\n",
-                            htmlText(o.what), htmlText(o.reason), known(o.savedSeconds, "s"), known(o.savedMib, "MiB"));
+                            htmlText(nameOf(o.what)), htmlText(o.reason), known(o.savedSeconds, "s"),
+                            known(o.savedMib, "MiB"));
     if (!rows.empty())
         text +=
             "<h3>Left out beforehand</h3>\n<div class=\"wide\"><table><tr><th>What</th><th>Why</th><th>Saves "
@@ -161,7 +162,7 @@ std::string planSection(const SolvePlan& plan) {
 std::string leftOutTable(const Estimate& e) {
     std::string rows;
     for (const LeftOut& l : e.leftOut)
-        rows += fmt::format("<tr><td>{}</td><td>{}</td></tr>\n", htmlText(l.what), htmlText(l.why));
+        rows += fmt::format("<tr><td>{}</td><td>{}</td></tr>\n", htmlText(nameOf(l.what)), htmlText(l.why));
     if (!e.stability.reason.empty())
         rows += fmt::format("<tr><td>full convergence</td><td>{}</td></tr>\n", htmlText(e.stability.reason));
     if (e.cancelled)

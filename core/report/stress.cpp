@@ -265,7 +265,8 @@ nlohmann::json stressJson(const StressReport& report) {
                          {"reason", c.reason},
                          {"figures", figures}});
     }
-    return {{"cases", cases}, {"finite_share", report.finiteFraction()}, {"seconds", report.seconds}};
+    const double finite = report.finiteFraction();
+    return {{"cases", cases}, {"finite_fraction", finite}, {"finite_share", finite}, {"seconds", report.seconds}};
 }
 
 std::string stressText(const StressReport& report) {

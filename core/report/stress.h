@@ -40,7 +40,7 @@ struct StressOptions {
 /// a mesh of 900 vertices. Throws Cancelled.
 StressReport runStress(const Capture* capture, const StressOptions& options, Progress& progress);
 
-/// `{cases: [{name, finite, refused, kkt, reason, figures}], finite_share, seconds}`.
+/// `{cases: [{name, finite, refused, kkt, reason, figures}], finite_fraction, seconds}`.
 nlohmann::json stressJson(const StressReport& report);
 /// A table for people, a line a case.
 std::string stressText(const StressReport& report);

@@ -1,7 +1,6 @@
 #include "report/stress_solve.h"
 
-#include "capture/own_axes.h"
-#include "radiance/gather.h"
+#include "pipeline/pipeline.h"
 
 namespace relamp {
 namespace {
@@ -26,14 +25,19 @@ double largest(const DVec3& v) { return std::max(v.x, std::max(v.y, v.z)); }
 
 Estimate solveForStress(const Capture& capture, const EmitterClusters* emitters, bool emittersReversed,
                         const SolveOptions& options, Progress& progress) {
-    const Scene scene = buildScene(capture.mesh, progress, ownAxes(capture));
-    const RadianceSamples samples = gatherRadiance(capture, scene, {}, progress);
-    EmitterClusters clusters = emitters ? *emitters : clusterEmitters(scene, capture, samples, {}, progress);
+    // The bare solve: a plan, or a figure of quality, would hide what is under stress.
+    PipelineOptions pipeline;
+    pipeline.solve = options;
+    pipeline.meshTriangles = 0;
+    pipeline.plan = pipeline.reproduce = false;
+    StageMeter meter(progress);
+    Prepared prepared = prepare(capture, pipeline, meter, progress);
+    if (emitters) prepared.clusters = *emitters;
     if (emittersReversed) {
-        std::reverse(clusters.emitters.begin(), clusters.emitters.end());
-        std::reverse(clusters.candidates.begin(), clusters.candidates.end());
+        std::reverse(prepared.clusters.emitters.begin(), prepared.clusters.emitters.end());
+        std::reverse(prepared.clusters.candidates.begin(), prepared.clusters.candidates.end());
     }
-    return solveScene(capture, scene, samples, clusters, options, progress);
+    return solvePrepared(capture, *prepared.scene, prepared, pipeline, meter, progress);
 }
 
 bool allFinite(const Estimate& e) {

@@ -3,7 +3,9 @@
 #include <limits>
 #include <numeric>
 
+#include "base/box.h"
 #include "base/random.h"
+#include "base/statistics.h"
 #include "display/display_image.h"
 #include "scene/mesh_io.h"
 
@@ -71,32 +73,25 @@ Capture withClipping(Capture capture, float percentile) {
         std::vector<float> values;
         for (const Rgb& pixel : view.image.pixels) values.push_back(maxChannel(pixel));
         if (values.empty()) continue;
-        const auto at = values.begin() + ptrdiff_t(double(percentile) / 100 * double(values.size() - 1));
-        std::nth_element(values.begin(), at, values.end());
-        if (!(*at > 0)) continue;
-        view.saturation = *at;
+        const float white = selectQuantile(values, double(percentile) / 100);
+        if (!(white > 0)) continue;
+        view.saturation = white;
         for (Rgb& pixel : view.image.pixels) pixel = glm::min(pixel, Rgb(view.saturation));
     }
     return capture;
 }
 
-double extentOf(const Capture& capture) {
-    if (capture.mesh.positions.empty()) return 0;
-    Vec3 low = capture.mesh.positions[0], high = low;
-    for (const Vec3& p : capture.mesh.positions) low = glm::min(low, p), high = glm::max(high, p);
-    return glm::length(high - low);
-}
+double extentOf(const Capture& capture) { return boxOf(capture.mesh.positions).diagonal(); }
 
 Capture movedBy(Capture capture, double scale, const glm::dmat3& turn, const DVec3& offset) {
     std::vector<DVec3> places;
-    DVec3 low(std::numeric_limits<double>::infinity()), high(-low);
+    DBox box;
     for (const Vec3& p : capture.mesh.positions) {
         places.push_back(scale * (turn * (capture.origin + DVec3(p))) + offset);
-        low = glm::min(low, places.back());
-        high = glm::max(high, places.back());
+        box.grow(places.back());
     }
     const DVec3 before = capture.origin;
-    capture.origin = originFor(low, high);
+    capture.origin = originFor(box.min, box.max);
     for (size_t v = 0; v < places.size(); ++v) capture.mesh.positions[v] = Vec3(places[v] - capture.origin);
     for (Vec3& n : capture.mesh.normals) n = Vec3(turn * DVec3(n));
     for (View& view : capture.views) {

@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/atomic_file.h"
+#include "base/json_fields.h"
+#include "base/statistics.h"
 #include "capture/load_capture.h"
 #include "display/display_image.h"
 #include "image/environment_map.h"
@@ -30,12 +32,6 @@ std::vector<Rgb> colours(const Columns& columns, const std::string& stem) {
     if (r == columns.end() || g == columns.end() || b == columns.end()) return result;
     for (size_t v = 0; v < r->second.size(); ++v) result.emplace_back(r->second[v], g->second[v], b->second[v]);
     return result;
-}
-
-double medianOf(std::vector<double> values) {
-    if (values.empty()) return 0;
-    std::nth_element(values.begin(), values.begin() + ptrdiff_t(values.size() / 2), values.end());
-    return values[values.size() / 2];
 }
 
 /// The emitters found for the emitters there are: true number -> id. Fills the figures of both.
@@ -156,10 +152,10 @@ Camera cameraOf(const json& entry, const Shot& shot) {
     const json& camera = entry.at("camera");
     if (camera.is_number_integer() && camera.get<int>() >= 0 && camera.get<size_t>() < shot.capture.views.size())
         return shot.capture.views[camera.get<size_t>()].camera;
-    if (!camera.is_object()) throw Error("camera: {} is no view", camera.dump());
+    if (!camera.is_object()) throw Error("camera: {} is no view", dumpJson(camera));
     const fs::path file =
-        fs::temp_directory_path() / fmt::format("relamp-camera-{}.json", std::hash<std::string>{}(camera.dump()));
-    writeBytesAtomically(file, camera.dump());
+        fs::temp_directory_path() / fmt::format("relamp-camera-{}.json", std::hash<std::string>{}(dumpJson(camera)));
+    writeBytesAtomically(file, dumpJson(camera));
     Camera read = readCameraFile(file);
     read.worldFromCamera[3] -= glm::dvec4(shot.capture.origin, 0);
     fs::remove(file);
@@ -170,7 +166,7 @@ void editFigures(const fs::path& folder, const Shot& shot, const Scene& scene,
                  const std::map<int, std::string>& emitters, TruthFigures& out, Progress& progress) {
     const fs::path file = folder / "relight.json";
     if (!fs::exists(file)) return;
-    json entries = json::parse(readBytes(file));
+    json entries = parseJson(readBytes(file), file.string());
     if (entries.is_object()) entries = entries.at("entries");
     double sum = 0;
     size_t counted = 0;

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <queue>
 
+#include "base/box.h"
 #include "base/parallel.h"
 
 namespace relamp {
@@ -145,10 +146,10 @@ private:
         used_.assign(n, 0);
         for (const Triangle& t : mesh_.triangles)
             for (const uint32_t v : t) used_[v] = 1;
-        Vec3 low(1e30f), high(-1e30f);
+        DBox box;
         for (uint32_t v = 0; v < n; ++v)
-            if (used_[v]) low = glm::min(low, mesh_.positions[v]), high = glm::max(high, mesh_.positions[v]);
-        middle_ = 0.5 * (DVec3(low) + DVec3(high));
+            if (used_[v]) box.grow(DVec3(mesh_.positions[v]));
+        middle_ = box.centre();
         weld_.assign(n, 0);
         for (size_t i = 0; i < n; ++i) {
             if (i == 0 || key(order[i]) != key(order[i - 1]))

@@ -1,7 +1,7 @@
 // From the triangles of a file to a mesh that can be lit: faces that are no surface go, everything is counted.
-#include <limits>
 #include <numeric>
 
+#include "base/box.h"
 #include "base/error.h"
 #include "scene/triangle_soup.h"
 
@@ -15,12 +15,6 @@ bool isUsable(const DVec3& p) {
     return std::abs(p.x) < largestCoordinate && std::abs(p.y) < largestCoordinate &&
            std::abs(p.z) < largestCoordinate;  // false for what is no number
 }
-
-struct Box {
-    DVec3 low{std::numeric_limits<double>::infinity()}, high{-low};
-    void add(const DVec3& p) { low = glm::min(low, p), high = glm::max(high, p); }
-    DVec3 middle() const { return low.x <= high.x ? 0.5 * (low + high) : DVec3(0); }
-};
 
 /// No area to the precision of a float: repeated corner, or three corners on a line.
 bool isDegenerate(const std::vector<Vec3>& positions, const Triangle& t) {
@@ -137,19 +131,19 @@ Mesh repairSoup(TriangleSoup&& soup, bool recentre, MeshReport& report) {
     const size_t facesInFile = soup.triangles.size() + soup.badIndexFaces;
     Mesh mesh;
     std::vector<uint8_t> usable(soup.positions.size(), 1);
-    Box all, surface;
+    DBox all, surface;
     for (size_t v = 0; v < usable.size(); ++v) {
         usable[v] = isUsable(soup.positions[v]);
-        if (usable[v]) all.add(soup.positions[v]);
+        if (usable[v]) all.grow(soup.positions[v]);
         else ++report.nanVertices;
     }
     for (const Triangle& t : soup.triangles)
         for (const uint32_t v : t)
-            if (v < usable.size() && usable[v]) surface.add(soup.positions[v]);
-    if (recentre) report.origin = originFor(surface.low, surface.high);
+            if (v < usable.size() && usable[v]) surface.grow(soup.positions[v]);
+    if (recentre) report.origin = originFor(surface.min, surface.max);
     mesh.positions.reserve(usable.size());
     for (size_t v = 0; v < usable.size(); ++v)
-        mesh.positions.emplace_back((usable[v] ? soup.positions[v] : all.middle()) - report.origin);
+        mesh.positions.emplace_back((usable[v] ? soup.positions[v] : all.centre()) - report.origin);
     soup.positions = {};
     size_t notFinite = 0;
     for (const Triangle& t : soup.triangles) {

@@ -1,5 +1,6 @@
 #include "scene/ray_tracer.h"
 
+#include "base/box.h"
 #include "base/error.h"
 
 #if RELAMP_EMBREE_MAJOR >= 4
@@ -32,7 +33,7 @@ RayTracer::RayTracer(const Mesh& mesh, float diagonal) : embree_(std::make_uniqu
     auto* indices = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                                                    12, std::max<size_t>(mesh.triangles.size(), 1)));
     if (!positions || !indices) throw OutOfResources("the ray tracer ran out of memory");
-    Vec3 low(1e30f), high(-1e30f);
+    Box box;
     for (size_t v = 0; v < mesh.vertexCount(); ++v) {
         const Vec3 p = mesh.positions[v];
         for (int k = 0; k < 3; ++k) positions[3 * v + k] = p[k];
@@ -40,16 +41,15 @@ RayTracer::RayTracer(const Mesh& mesh, float diagonal) : embree_(std::make_uniqu
     for (size_t t = 0; t < mesh.triangles.size(); ++t)
         for (int k = 0; k < 3; ++k) {
             indices[3 * t + k] = mesh.triangles[t][k];
-            low = glm::min(low, mesh.positions[mesh.triangles[t][k]]);
-            high = glm::max(high, mesh.positions[mesh.triangles[t][k]]);
+            box.grow(mesh.positions[mesh.triangles[t][k]]);
         }
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(e.scene, geometry);
     rtcReleaseGeometry(geometry);
     rtcCommitScene(e.scene);
     if (!mesh.triangles.empty()) {
-        const float size = diagonal > 0 ? diagonal : glm::length(high - low);
-        const float reach = std::max(maxChannel(glm::abs(low)), maxChannel(glm::abs(high)));
+        const float size = diagonal > 0 ? diagonal : box.diagonal();
+        const float reach = std::max(maxChannel(glm::abs(box.min)), maxChannel(glm::abs(box.max)));
         surfaceOffset_ = std::max(1e-5f * size, 4e-7f * reach);
     }
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "base/box.h"
 #include "base/random.h"
 
 namespace relamp {
@@ -32,15 +33,13 @@ Scene buildScene(Mesh mesh, Progress& progress, const Mat3& axes) {
     progress.advance();
     scene.referenced.assign(n, 0);
     const glm::dmat3 own(axes);
-    DVec3 low(1e300), high(-1e300);  // along them
+    DBox box;  // along them
     for (const Triangle& t : scene.mesh.triangles)
         for (uint32_t v : t) {
             scene.referenced[v] = 1;
-            const DVec3 p = DVec3(scene.mesh.positions[v]) * own;
-            low = glm::min(low, p);
-            high = glm::max(high, p);
+            box.grow(DVec3(scene.mesh.positions[v]) * own);
         }
-    scene.diagonal = scene.mesh.triangles.empty() ? 0 : float(glm::length(high - low));
+    scene.diagonal = float(box.diagonal());
     // What does not round: how the mesh about each vertex is joined, three edges far.
     std::vector<uint64_t> joined(n), wider(n);
     for (uint32_t v = 0; v < n; ++v) joined[v] = mixBits(scene.graph.start[v + 1] - scene.graph.start[v]);
@@ -67,7 +66,7 @@ Scene buildScene(Mesh mesh, Progress& progress, const Mat3& axes) {
     std::vector<Place> places;
     for (uint32_t v = 0; v < n; ++v) {
         if (!scene.referenced[v]) continue;
-        const DVec3 p = (DVec3(scene.mesh.positions[v]) * own - low) / quantum,
+        const DVec3 p = (DVec3(scene.mesh.positions[v]) * own - box.min) / quantum,
                     normal = DVec3(scene.mesh.normals[v]) * own;
         uint64_t bits = joined[v];
         for (int k = 0; k < 3; ++k) {

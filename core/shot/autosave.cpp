@@ -12,12 +12,12 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/json_fields.h"
 #include "base/log.h"
 
 namespace relamp {
 namespace {
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
 
 constexpr const char* suffix = ".autosave.json";
 
@@ -106,7 +106,7 @@ void Autosave::write(const AutosavedWork& work) {
                         {"steps", steps},
                         {"stage", work.stage},
                         {"time", localTime()}};
-    writeBytesAtomically(with(stem_, suffix), document.dump(1, ' ', false, Json::error_handler_t::replace));
+    writeBytesAtomically(with(stem_, suffix), dumpJson(document, 1, BadText::replace));
 }
 
 void Autosave::clear() {
@@ -135,7 +135,7 @@ std::vector<FoundWork> Autosave::findLost() const {
             continue;
         }
         try {
-            const Json document = Json::parse(readBytes(file, 64 << 20), nullptr, false);
+            const Json document = parseJson(readBytes(file, 64 << 20));
             FoundWork one;
             one.file = file;
             one.hold = hold;

@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/atomic_file.h"
+#include "base/box.h"
+#include "base/json_fields.h"
 #include "capture/load_capture.h"
 #include "capture/transforms_json.h"
 #include "shot/frame_jobs.h"
@@ -32,13 +34,10 @@ DVec3 lookedAt(const Capture& capture) {
         right += across * view.camera.position();
     }
     if (glm::determinant(sum) > 1e-4 * std::pow(double(capture.views.size()), 3)) return glm::inverse(sum) * right;
-    Vec3 low(1e30f), high(-1e30f);
-    for (const Vec3& p : capture.mesh.positions) {
-        if (!isFinite(p)) continue;
-        low = glm::min(low, p);
-        high = glm::max(high, p);
-    }
-    return DVec3(low + high) / 2.0;
+    Box box;
+    for (const Vec3& p : capture.mesh.positions)
+        if (isFinite(p)) box.grow(p);
+    return DVec3(box.centre());
 }
 
 std::vector<Camera> turntable(const Capture& capture, int count) {
@@ -136,8 +135,8 @@ CameraFile readCameraPath(const Capture& capture, const std::filesystem::path& f
     CameraFile result;
     nlohmann::json document;
     if (std::error_code ignored; std::filesystem::is_regular_file(file, ignored)) {
-        const auto shallow = [](int depth, nlohmann::json::parse_event_t, nlohmann::json&) { return depth <= 32; };
-        document = nlohmann::json::parse(readBytes(file, size_t(64) << 20), shallow, false);
+        const std::string text = readBytes(file, size_t(64) << 20);
+        withContext(file.string(), [&] { document = parseLimitedJson(text); });
     }
     if (document.is_object() && document.contains("frames")) {
         result.sequence = true;
@@ -147,8 +146,7 @@ CameraFile readCameraPath(const Capture& capture, const std::filesystem::path& f
                     if (frame.is_object()) frame.emplace("file_path", "none");
             const auto noSize = [](const std::string&) -> std::pair<int, int> { throw Error("w or h is missing"); };
             for (const TransformsFrame& frame :
-                 parseTransforms(document.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), noSize)
-                     .frames)
+                 parseTransforms(dumpJson(document, -1, BadText::replace), noSize).frames)
                 result.cameras.push_back(frame.camera);
         });
         if (result.cameras.empty()) throw Error("{}: frames: is empty, expected a camera", file.string());

@@ -149,7 +149,17 @@ FoundCheckpoint readCheckpoint(const fs::path& file, uint64_t fingerprint) {
 }
 
 void CheckpointKeeper::take(const SolveCheckpoint& checkpoint) {
-    if (failed_ || checkpoint.seconds - last_ < 2) return;
+    if (failed_) return;
+    if (checkpoint.seconds - last_ < everySeconds_) waiting_ = checkpoint;
+    else write(checkpoint);
+}
+
+void CheckpointKeeper::flush() {
+    if (waiting_ && !failed_) write(SolveCheckpoint(std::move(*waiting_)));
+}
+
+void CheckpointKeeper::write(const SolveCheckpoint& checkpoint) {
+    waiting_.reset();
     try {
         writeCheckpoint(file_, fingerprint_, checkpoint);
         last_ = checkpoint.seconds;
@@ -160,6 +170,7 @@ void CheckpointKeeper::take(const SolveCheckpoint& checkpoint) {
 }
 
 void CheckpointKeeper::remove() {
+    waiting_.reset();
     std::error_code ignored;
     fs::remove(file_, ignored);
 }

@@ -5,6 +5,8 @@
 #include <bit>
 #include <nlohmann/json.hpp>
 
+#include "base/json_fields.h"
+
 namespace relamp {
 namespace {
 
@@ -42,7 +44,7 @@ std::map<std::string, std::string> cryptomatteHeader(const std::string& layer, c
     return {{key + "/name", layer},
             {key + "/hash", "MurmurHash3_32"},
             {key + "/conversion", "uint32_to_float32"},
-            {key + "/manifest", manifest.dump()}};
+            {key + "/manifest", dumpJson(manifest)}};
 }
 
 }  // namespace relamp

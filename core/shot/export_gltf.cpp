@@ -1,12 +1,15 @@
 // The exported scene as glTF 2.0.
 #include <cstring>
+#include <nlohmann/json.hpp>
 
+#include "base/box.h"
+
+#include "base/json_fields.h"
 #include "shot/export_scene.h"
 
 namespace relamp {
 namespace {
 
-using Json = nlohmann::json;
 constexpr int floats = 5126, indices = 5125, vertexBuffer = 34962,
               indexBuffer = 34963;  // the specification's constants
 
@@ -37,14 +40,10 @@ struct Document {
 };
 
 int positions(Document& d, const ExportedComponent& component) {
-    Vec3 low(component.positions[0]), high(low);
-    for (const Vec3& p : component.positions) {
-        low = glm::min(low, p);
-        high = glm::max(high, p);
-    }
+    const Box box = boxOf(component.positions);
     const int at = d.vectors(component.positions);
-    d.root["accessors"][size_t(at)]["min"] = {low.x, low.y, low.z};
-    d.root["accessors"][size_t(at)]["max"] = {high.x, high.y, high.z};
+    d.root["accessors"][size_t(at)]["min"] = {box.min.x, box.min.y, box.min.z};
+    d.root["accessors"][size_t(at)]["max"] = {box.max.x, box.max.y, box.max.z};
     return at;
 }
 
@@ -107,7 +106,7 @@ Gltf gltfOf(const ExportedScene& scene, const std::string& bufferFile) {
     for (const ExportedComponent& component : scene.components) addComponent(d, component, scene.origin);
     for (const ExportedView& view : scene.views) addView(d, view, scene.origin);
     d.root["buffers"] = {{{"uri", bufferFile}, {"byteLength", d.buffer.size()}}};
-    return {d.root.dump(1) + "\n", d.buffer};
+    return {dumpJson(d.root, 1) + "\n", d.buffer};
 }
 
 }  // namespace relamp

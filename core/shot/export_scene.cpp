@@ -1,7 +1,10 @@
 #include "shot/export_scene.h"
 
+#include <nlohmann/json.hpp>
+
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/json_fields.h"
 #include "brdf/layered_albedo.h"
 #include "image/environment_map.h"
 #include "image/image_io.h"
@@ -9,7 +12,6 @@
 
 namespace relamp {
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
 namespace {
 
 Json listOf(const Vec3& v) { return {v.x, v.y, v.z}; }
@@ -171,7 +173,7 @@ std::string transformsOf(const Capture& capture, const fs::path& folder, const s
         for (size_t i = 0; i < names.size(); ++i) frame[names[i]] = c.distortion[i];
         frames.push_back(std::move(frame));
     }
-    return Json{{"mesh_path", meshFile}, {"up", "z"}, {"frames", frames}}.dump(1) + "\n";
+    return dumpJson({{"mesh_path", meshFile}, {"up", "z"}, {"frames", frames}}, 1) + "\n";
 }
 
 void exportScene(const Shot& shot, const RelitScene& relit, const fs::path& folder, bool overwrite) {
@@ -189,7 +191,7 @@ void exportScene(const Shot& shot, const RelitScene& relit, const fs::path& fold
     const Gltf gltf = gltfOf(scene, "lights.bin");
     writeBytesAtomically(folder / "lights.bin", gltf.buffer);
     writeBytesAtomically(folder / "lights.gltf", gltf.json);
-    writeBytesAtomically(folder / "lights.json", lightsJson(shot, scene).dump(1) + "\n");
+    writeBytesAtomically(folder / "lights.json", dumpJson(lightsJson(shot, scene), 1) + "\n");
 }
 
 }  // namespace relamp

@@ -1,7 +1,7 @@
 // The project folder NAME.relamp: open formats, written whole, opened even when a stage is missing.
 #pragma once
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "base/progress.h"
 #include "capture/capture.h"
@@ -34,7 +34,7 @@ struct Shot {
 /// Peak resident memory of this process, MiB.
 double peakMib();
 
-/// The object `info --json` prints, and what shot.json holds beside the look and the capture's place.
+/// What shot.json holds beside the look, the seed and how to find and read the capture.
 nlohmann::json shotInfo(const Shot& shot);
 
 /// Writes shot.json, environment.exr (float, 1024 x 512), reflectance.ply into a new folder beside the target and

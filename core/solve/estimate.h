@@ -7,6 +7,7 @@
 #include "brdf/lobe_weights.h"
 #include "clusters/emitter_clusters.h"
 #include "solve/albedo/palette.h"
+#include "solve/omission.h"
 #include "solve/reproduction.h"
 #include "solve/solve_plan.h"
 #include "transport/lighting.h"
@@ -43,10 +44,6 @@ struct TimelineEntry {
         0;  ///< of the stage's own program; never rises while its unknowns stay the same; 0 where the stage has none
     double rmse = 0;  ///< relative: how far points of probably equal albedo differ under the light found, robust; the
                       ///< same in all stages and modes
-};
-
-struct LeftOut {
-    std::string what, why;
 };
 
 /// How the light/albedo scale was fixed, per channel in words.

@@ -2,6 +2,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "base/statistics.h"
+
 namespace relamp {
 namespace {
 
@@ -16,7 +18,7 @@ struct Look {
     float weight = 0;
 };
 
-/// Usable looks, vertex after vertex; only vertices that two views see.
+/// Usable observations, vertex after vertex; only vertices that two views see.
 struct Looks {
     std::vector<uint32_t> start{0};
     std::vector<Look> observations;
@@ -49,14 +51,7 @@ Rgb correction(const Eigen::VectorXd& u, const Look& observation) {
     return Rgb(float(u(i) + falloff), float(u(i + 1) + falloff), float(u(i + 2) + falloff));
 }
 
-float medianOf(std::vector<float>& values) {
-    if (values.empty()) return 0;
-    const auto middle = values.begin() + ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
-/// Residuals about each vertex's weighted mean; `robust`: per look and channel the weight of the last round.
+/// Residuals about each vertex's weighted mean; `robust`: per observation and channel the weight of the last round.
 void residualsOf(const Looks& all, const Eigen::VectorXd& u, const std::vector<Rgb>& robust,
                  std::vector<Rgb>& residual) {
     for (size_t v = 0; v + 1 < all.start.size(); ++v) {
@@ -73,7 +68,7 @@ void residualsOf(const Looks& all, const Eigen::VectorXd& u, const std::vector<R
 float spreadOf(const std::vector<Rgb>& residual) {
     std::vector<float> size;
     for (const Rgb& r : residual) size.push_back(std::sqrt(glm::dot(r, r) / 3));
-    return medianOf(size);
+    return medianOf(std::move(size));
 }
 
 }  // namespace
@@ -93,7 +88,7 @@ PhotometricEstimate fitted(const Capture& capture, const Looks& all, float noise
         std::vector<float> size;
         for (const Rgb& r : residual)
             for (int c = 0; c < 3; ++c) size.push_back(std::abs(r[c]));
-        const float scale = std::max(1.4826f * medianOf(size), 0.3f * noise) * 2;
+        const float scale = std::max(1.4826f * medianOf(std::move(size)), 0.3f * noise) * 2;
         for (size_t k = 0; k < robust.size(); ++k)
             robust[k] = 1.0f / (1.0f + residual[k] * residual[k] / (scale * scale));
         if (round == 0) {

@@ -1,7 +1,7 @@
 #include "solve/solve.h"
 
 #include "base/log.h"
-#include "solve/solve_state.h"
+#include "solve/steps/steps.h"
 
 namespace relamp {
 
@@ -45,15 +45,15 @@ Estimate solveScene(const Capture& capture, const Scene& scene, const RadianceSa
         (options.gauge.view < 0 || size_t(options.gauge.view) >= capture.views.size()))
         throw Error("--gauge white-patch: view {} does not exist, expected 0 to {}", options.gauge.view,
                     capture.views.size() - 1);
-    SolveState s(capture, scene, samples, options, progress, listener);
-    if (resume) s.goOnFrom(*resume);
-    else s.prepare(clusters);  // matte observations, pairs, visibility, near field: D and N
+    SolveRun s(capture, scene, samples, options, progress, listener);
+    if (resume) resumeSolve(s, *resume);
+    else beginSolve(s, clusters);  // matte observations, pairs, visibility, near field: D and N
     const std::vector<SolveStep> steps = stepsOf(options);
     for (size_t i = resume ? resume->step : 0; i < steps.size(); ++i) {
-        s.run(steps[i], uint32_t(i));
-        s.finishedStep(uint32_t(i + 1), steps[i]);
+        runStep(s, steps[i], uint32_t(i));
+        finishedStep(s, uint32_t(i + 1), steps[i]);
     }
-    return s.finish();
+    return finishSolve(s);
 }
 
 }  // namespace relamp

@@ -162,12 +162,16 @@ template <class File>
 void fields(File& f, SolvePlan& p) {
     fields(f, p.choices);
     listOf(f, p.stages, [&](PlannedStage& s) {
-        fields(f, s.name);
+        std::string name = fileNameOf(s.stage);
+        fields(f, name);
+        s.stage = stageNamed(name);
         for (double* value : {&s.predictedSeconds, &s.measuredSeconds, &s.predictedMib, &s.measuredMib})
             f.plain(*value);
     });
     listOf(f, p.leftOut, [&](PlannedOmission& o) {
-        fields(f, o.what);
+        std::string what = nameOf(o.what);
+        fields(f, what);
+        o.what = omissionNamed(what);
         fields(f, o.reason);
         f.plain(o.savedSeconds);
         f.plain(o.savedMib);

@@ -25,7 +25,7 @@ struct SolveCheckpoint {
     float bouncedFraction = 0;
     std::string noBounceBecause;
     std::vector<Rgb> vertexBounce, outgoing;     ///< empty: none
-    std::vector<Rgb> matteRadiance, matteSigma;  ///< of the observations, without what coatings mirror; empty: as seen
+    std::vector<Rgb> matteRadiance, matteSigma;  ///< of the observations, without what coatings reflect; empty: as seen
     PriorStrength lightSmoothness, albedoSmoothness;
     std::vector<ComponentGloss> gloss, firstGloss;
     bool metalsHeard = false, metalsJoined = false, lightUnfinished = false;

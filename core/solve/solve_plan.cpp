@@ -4,10 +4,16 @@
 
 namespace relamp {
 
-PlannedStage& SolvePlan::stage(const std::string& name) {
-    const auto at = std::find_if(stages.begin(), stages.end(), [&](const PlannedStage& s) { return s.name == name; });
+PlannedOmission::PlannedOmission(Omission part, std::string because, double seconds, double mib)
+    : what(part), reason(std::move(because)), savedSeconds(seconds), savedMib(mib) {}
+
+PlannedOmission::PlannedOmission(const std::string& name, std::string because, double seconds, double mib)
+    : PlannedOmission(omissionNamed(name), std::move(because), seconds, mib) {}
+
+PlannedStage& SolvePlan::stage(Stage which) {
+    const auto at = std::find_if(stages.begin(), stages.end(), [&](const PlannedStage& s) { return s.stage == which; });
     if (at != stages.end()) return *at;
-    stages.push_back({name, -1, -1, -1, -1});
+    stages.push_back({which, -1, -1, -1, -1});
     return stages.back();
 }
 

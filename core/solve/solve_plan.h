@@ -5,6 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "base/stage.h"
+#include "solve/omission.h"
+
 namespace relamp {
 
 struct RatioObservations;
@@ -33,7 +36,7 @@ struct PlanChoices {
     bool flatLevels = false;    ///< true: leaves are split on after a round that explained hardly more
     bool lastDigits = false;    ///< true: a fit goes on after an iteration that lowered its objective by less than 3e-4
     bool mattePointsInDetail = false;  ///< true: in the equations' products matte points tell leaves apart that were
-                                       ///< split for what metals mirror
+                                       ///< split for what metals reflect
     /// Nothing is left out.
     static PlanChoices everything() {
         return {true, true, true, false, true, true, true, true, true, true, true, true};
@@ -42,14 +45,29 @@ struct PlanChoices {
 
 /// A stage of the solve; a number below 0 is not known.
 struct PlannedStage {
-    std::string name;
+    Stage stage = Stage::other;
     double predictedSeconds = -1, measuredSeconds = -1;
     double predictedMib = -1, measuredMib = -1;
+    PlannedStage() = default;
+    PlannedStage(Stage which, double predictedS, double measuredS, double predictedM, double measuredM)
+        : stage(which),
+          predictedSeconds(predictedS),
+          measuredSeconds(measuredS),
+          predictedMib(predictedM),
+          measuredMib(measuredM) {}
+    /// As a file names it.
+    PlannedStage(const std::string& fileName, double predictedS, double measuredS, double predictedM, double measuredM)
+        : PlannedStage(stageNamed(fileName), predictedS, measuredS, predictedM, measuredM) {}
 };
 
 struct PlannedOmission {
-    std::string what, reason;
+    Omission what = Omission::other;
+    std::string reason;
     double savedSeconds = 0, savedMib = 0;  ///< predicted
+    PlannedOmission() = default;
+    PlannedOmission(Omission part, std::string because, double seconds, double mib);
+    /// As a file names it.
+    PlannedOmission(const std::string& name, std::string because, double seconds, double mib);
 };
 
 struct SolvePlan {
@@ -61,8 +79,8 @@ struct SolvePlan {
         observed;  ///< what planning computed and the solve takes over; null: nothing
     std::shared_ptr<const Lighting>
         light;  ///< the light planning found, strong directions finer: where the solve starts; null: nowhere
-    /// The stage of that name, made if it is not there.
-    PlannedStage& stage(const std::string& name);
+    /// That stage, made if it is not there.
+    PlannedStage& stage(Stage which);
     double predictedSeconds() const;  ///< over the stages with a prediction
     double savedSeconds() const;
 };

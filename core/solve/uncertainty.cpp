@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "base/parallel.h"
+#include "solve/light/weighted_gram.h"
 
 namespace relamp {
 namespace {
@@ -55,6 +56,59 @@ double scaleVariance(const Eigen::MatrixXd& information, const Eigen::VectorXd& 
     return std::isfinite(variance) ? std::clamp(variance, 1e-12, mostSigma * mostSigma) : mostSigma * mostSigma;
 }
 
+/// The unknowns of the light: leaves, then emitters, channel by channel.
+struct LightUnknowns {
+    const LightInformation& information;
+    const Lighting& lighting;
+    size_t leaves = lighting.leaves.size(), count = leaves + lighting.emitterRadiance.size();
+
+    double radiance(size_t i, int c) const {
+        return double(i < leaves ? lighting.leafRadiance[i][c] : lighting.emitterRadiance[i - leaves][c]);
+    }
+    /// Those of a channel that are not held by their bound.
+    std::vector<Eigen::Index> free(int c) const {
+        double top = 0;
+        for (size_t i = 0; i < count; ++i) top = std::max(top, radiance(i, c));
+        std::vector<Eigen::Index> free;
+        for (size_t i = 0; i < count; ++i) {
+            const Eigen::Index k = Eigen::Index(size_t(c) * count + i);
+            if (radiance(i, c) > 1e-7 * top && information.all(k, k) > 0) free.push_back(Eigen::Index(i));
+        }
+        return free;
+    }
+    /// What is known of one channel when the other two are unknown as well: a Schur complement.
+    Eigen::MatrixXd marginal(int c) const {
+        const Eigen::Index m = Eigen::Index(count), first = c * m;
+        std::vector<Eigen::Index> others;
+        for (int d = 0; d < 3; ++d)
+            if (d != c)
+                for (Eigen::Index i : free(d)) others.push_back(d * m + i);
+        Eigen::MatrixXd own = information.all.block(first, first, m, m);
+        if (others.empty()) return own;
+        Eigen::MatrixXd between = information.all(others, Eigen::seqN(first, m)),
+                        rest = information.all(others, others);
+        rest.diagonal() *= 1 + 1e-9;
+        const Eigen::LLT<Eigen::MatrixXd> factor(rest);
+        if (factor.info() != Eigen::Success) return own;
+        factor.matrixL().solveInPlace(between);
+        own.noalias() -= between.transpose() * between;
+        return own;
+    }
+};
+
+/// A change of the light in words; `light`: the light itself in the same unknowns.
+std::string changeInWords(const Eigen::VectorXd& change, const Eigen::VectorXd& light, int c, const Lighting& lighting,
+                          const std::vector<std::string>& emitterNames) {
+    const char* colour[] = {"red", "green", "blue"};
+    const double alike = change.dot(light) / std::max(1e-300, change.norm() * light.norm()),
+                 against = change.cwiseMin(0).sum() / std::max(1e-300, change.cwiseMax(0).sum());
+    if (alike > 0.9) return fmt::format("{}: all light brighter and all surfaces darker", colour[c]);
+    const std::string brighter = sideInWords(change, 1, lighting, emitterNames);
+    if (against > -0.25) return fmt::format("{}: {} brighter and the surfaces it lights darker", colour[c], brighter);
+    return fmt::format("{}: {} brighter and {} darker", colour[c], brighter,
+                       sideInWords(change, -1, lighting, emitterNames));
+}
+
 }  // namespace
 
 LightUncertainty lightUncertainty(const LightInformation& information, const InfluenceMatrix& b,
@@ -66,41 +120,10 @@ LightUncertainty lightUncertainty(const LightInformation& information, const Inf
     result.leafSigma.assign(leaves, Rgb(0));
     result.emitterSigma.assign(emitters, Rgb(0));
     result.litSigma.assign(b.rows, Rgb(0));
-    const auto radiance = [&](size_t i, int c) {
-        return double(i < leaves ? lighting.leafRadiance[i][c] : lighting.emitterRadiance[i - leaves][c]);
-    };
-    // Unknowns that are not held by their bound.
-    const auto freeUnknowns = [&](int c) {
-        double top = 0;
-        for (size_t i = 0; i < n; ++i) top = std::max(top, radiance(i, c));
-        std::vector<Eigen::Index> free;
-        for (size_t i = 0; i < n; ++i) {
-            const Eigen::Index k = Eigen::Index(size_t(c) * n + i);
-            if (radiance(i, c) > 1e-7 * top && information.all(k, k) > 0) free.push_back(Eigen::Index(i));
-        }
-        return free;
-    };
-    // What is known of one channel when the other two are unknown as well: a Schur complement.
-    const auto marginalOf = [&](int c) {
-        const Eigen::Index m = Eigen::Index(n), first = c * m;
-        std::vector<Eigen::Index> others;
-        for (int d = 0; d < 3; ++d)
-            if (d != c)
-                for (Eigen::Index i : freeUnknowns(d)) others.push_back(d * m + i);
-        Eigen::MatrixXd own = information.all.block(first, first, m, m);
-        if (others.empty()) return own;
-        Eigen::MatrixXd between = information.all(others, Eigen::seqN(first, m)),
-                        rest = information.all(others, others);
-        rest.diagonal() *= 1 + 1e-9;
-        const Eigen::LLT<Eigen::MatrixXd> factor(rest);
-        if (factor.info() != Eigen::Success) return own;
-        factor.matrixL().solveInPlace(between);
-        own.noalias() -= between.transpose() * between;
-        return own;
-    };
+    const LightUnknowns unknowns{information, lighting};
     for (int c = 0; c < 3; ++c) {
         if (size_t(information.all.rows()) != 3 * n || b.columns != n || b.rows == 0) continue;
-        const std::vector<Eigen::Index> free = freeUnknowns(c);
+        const std::vector<Eigen::Index> free = unknowns.free(c);
         if (free.empty()) continue;
         const Eigen::Index m = Eigen::Index(free.size());
         const double widening = double(options.widening) * options.widening;
@@ -124,7 +147,7 @@ LightUncertainty lightUncertainty(const LightInformation& information, const Inf
         if (some.rows == 0) continue;
         mean /= double(some.rows);
 
-        Eigen::MatrixXd all = restricted(marginalOf(c));
+        Eigen::MatrixXd all = restricted(unknowns.marginal(c));
         if (options.backdrop)
             for (Eigen::Index k = 0; k < m; ++k)
                 if (size_t(free[size_t(k)]) < leaves) all(k, k) -= (1 - 1e-6) * seen(free[size_t(k)]) / widening;
@@ -160,7 +183,7 @@ LightUncertainty lightUncertainty(const LightInformation& information, const Inf
         if (options.scaleOnly) continue;
 
         const auto relative = [&](size_t i, double sigma) {
-            return float(std::min(mostSigma, sigma / std::max(radiance(i, c), 1e-30)));
+            return float(std::min(mostSigma, sigma / std::max(unknowns.radiance(i, c), 1e-30)));
         };
         const Eigen::MatrixXd inverseFactor =
             factor.matrixL().solve(Eigen::MatrixXd::Identity(m, m));  // L^-1: covariance = L^-T L^-1
@@ -199,20 +222,10 @@ LightUncertainty lightUncertainty(const LightInformation& information, const Inf
                         fraction = Eigen::VectorXd::Zero(Eigen::Index(n));
         for (Eigen::Index k = 0; k < m; ++k) {
             change(free[size_t(k)]) = mean(k) * directions(k, 0);
-            fraction(free[size_t(k)]) = mean(k) * radiance(size_t(free[size_t(k)]), c);
+            fraction(free[size_t(k)]) = mean(k) * unknowns.radiance(size_t(free[size_t(k)]), c);
         }
         if (change.sum() < 0) change = -change;
-        const char* colour[] = {"red", "green", "blue"};
-        const double alike = change.dot(fraction) / std::max(1e-300, change.norm() * fraction.norm()),
-                     against = change.cwiseMin(0).sum() / std::max(1e-300, change.cwiseMax(0).sum());
-        if (alike > 0.9) result.weakest = fmt::format("{}: all light brighter and all surfaces darker", colour[c]);
-        else if (against > -0.25)
-            result.weakest = fmt::format("{}: {} brighter and the surfaces it lights darker", colour[c],
-                                         sideInWords(change, 1, lighting, emitterNames));
-        else
-            result.weakest =
-                fmt::format("{}: {} brighter and {} darker", colour[c], sideInWords(change, 1, lighting, emitterNames),
-                            sideInWords(change, -1, lighting, emitterNames));
+        result.weakest = changeInWords(change, fraction, c, lighting, emitterNames);
     }
     return result;
 }

@@ -33,7 +33,7 @@ struct BounceOptions {
 BounceRays traceBounce(const Scene& scene, const BounceOptions& options, Progress& progress);
 
 /// Per vertex the mean of what its senders send over all its rays, and those of the vertices it shares rays with,
-/// twice: what a white matte surface shows of it. `sent`: radiance, a value a vertex.
+/// twice: what a white matte surface shows of it. `outgoing`: radiance, a value a vertex.
 std::vector<Rgb> gatherBounce(const BounceRays& rays, const std::vector<Rgb>& outgoing);
 
 /// Light that went from surface to surface any number of times, given the direct one: the fixed point of b = F (albedo

@@ -17,7 +17,7 @@ struct InfluenceMatrix {
     const float* row(size_t r) const { return &values[r * columns]; }
 };
 
-/// Of radiance sent per vertex, what the point of a hit sends.
+/// Of outgoing radiance per vertex, what the point of a hit sends.
 Rgb outgoingAt(const Scene& scene, const Hit& hit, const std::vector<Rgb>& outgoing);
 
 /// What a row (leaves, then emitters) says of the given light.
@@ -50,7 +50,8 @@ struct LobeRowOptions {
 
 /// One row for a look at `vertex` from the unit direction `towardEye` through a GGX lobe: `row` holds leaves then
 /// emitters. Lobe, cosine and emitter samples are combined by multiple importance sampling (balance heuristic, Veach
-/// 1997). `mirrored`, if not null: what the lobe shows of other surfaces, by `options.sent`; their backs send nothing.
+/// 1997). `mirrored`, if not null: what the lobe shows of other surfaces, by `options.outgoing`; their backs send
+/// nothing.
 void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emitters,
                      const std::vector<int>& emitterOfTriangle, const LightLeaves& leaves, const Lobe& lobe,
                      uint32_t vertex, const Vec3& towardEye, const LobeRowOptions& options, float* row,

@@ -27,9 +27,9 @@ struct VisibilityOptions {
     const std::vector<uint8_t>* only =
         nullptr;   ///< per vertex: 0 leaves it out, it then sees nothing; null: every vertex
     int step = 1;  ///< a power of two: one ray for step x step cells
-    /// false: at step 1 a ray is only sent where a lattice of one ray for 2 x 2 cells finds an edge: where the 3 x 3 of
-    /// them around a cell are not all open or all blocked. What is missed is thinner than 3 cells and lies between the
-    /// lattice's rays.
+    /// false: at step 1 a ray is only traced where a lattice of one ray for 2 x 2 cells finds an edge: where the 3 x 3
+    /// of them around a cell are not all open or all blocked. What is missed is thinner than 3 cells and lies between
+    /// the lattice's rays.
     bool agreeing = true;
     Mat3 axes{1};  ///< of the square (DirectionGrid::axes)
 };
@@ -38,10 +38,10 @@ struct VisibilityOptions {
 /// ones a third to a half of that. Needs gridSide^2 / 8 bytes a vertex. The bits of a vertex rest on the options alone,
 /// not on how it came to them.
 Visibility computeVisibility(const Scene& scene, const VisibilityOptions& options, Progress& progress);
-/// Fills in the vertices that `only` marks. Returns the rays it sent.
+/// Fills in the vertices that `only` marks. Returns the rays it traced.
 size_t addVisibility(const Scene& scene, const std::vector<uint8_t>& only, Visibility& visibility, Progress& progress);
-/// From `visibility.step` down to a finer `step`, for the vertices that `only` marks; those rays that were sent are not
-/// sent again.
+/// From `visibility.step` down to a finer `step`, for the vertices that `only` marks; those rays that were traced are
+/// not traced again.
 size_t refineVisibility(const Scene& scene, const std::vector<uint8_t>& only, int step, bool agreeing,
                         Visibility& visibility, Progress& progress);
 
@@ -52,14 +52,14 @@ struct FinerDirections {
 };
 /// Traces those directions anew, for the vertices that `only` marks. The visibility's own `step` is left as it is: a
 /// pass of refineVisibility that is coarser than these blocks forgets them, one to step 1 needs them no more. Returns
-/// the rays it sent.
+/// the rays it traced.
 size_t traceFiner(const Scene& scene, const std::vector<uint8_t>& only, const std::vector<FinerDirections>& blocks,
                   Visibility& visibility, Progress& progress);
 
 /// Where rays from a vertex start: stepped off the surface along its normal.
 Vec3 rayOrigin(const Scene& scene, const Vec3& position, const Vec3& normal);
 
-/// Haar coefficients of V x max(0, n.w): what a Lambert surface takes from the environment. `energyShare` as in
+/// Haar coefficients of V x max(0, n.w): what a Lambert surface takes from the environment. `energyFraction` as in
 /// sparsify.
 SparseCoefs visibilityCosineCoefs(const Scene& scene, const Visibility& visibility, uint32_t vertex,
                                   float energyFraction);

@@ -101,7 +101,7 @@ lamps = json.loads(subprocess.run([f"{build}/relamp", "info", matte, "--json"], 
 for lamp in lamps:
     nodes, links, output = material(lamp["id"])
     shine = nodes.new("ShaderNodeEmission")
-    shine.inputs["Color"].default_value = [*lamp["power"], 1]
+    shine.inputs["Color"].default_value = [*lamp["radiance"], 1]
     links.new(shine.outputs[0], output.inputs[0])
 emitter = vertices["emitter"][faces]
 own = np.where((emitter[:, 0] == emitter[:, 1]) & (emitter[:, 0] == emitter[:, 2]), emitter[:, 0], -1)

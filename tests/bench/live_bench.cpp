@@ -1,6 +1,6 @@
-// Figures of live relighting on a solved shot: live_bench SHOT.relamp [PICTURE.exr]. Medians of several runs; copy
-// bandwidth beside them, because the machine is shared and only ratios mean something. PICTURE: view 0 as the first
-// image of a drag shows it that ends where the emitter stood; PICTURE-refined.exr: the same at rest.
+// Figures of live relighting on a solved shot: live_bench SHOT.relamp [IMAGE.exr]. Medians of several runs; copy
+// bandwidth beside them, because the machine is shared and only ratios mean something. IMAGE: view 0 as the first
+// image of a drag shows it that ends where the emitter stood; IMAGE-refined.exr: the same at rest.
 #include <sys/resource.h>
 
 #include <algorithm>

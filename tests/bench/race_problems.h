@@ -4,6 +4,7 @@
 #include <string>
 
 #include "bench/bench_world.h"
+#include "solve/light/weighted_gram.h"
 #include "solve/priors/light_prior.h"
 #include "solve/ratio/albedo_free.h"
 #include "transport/incident.h"

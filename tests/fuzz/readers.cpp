@@ -2,6 +2,7 @@
 #include "brdf/merl.h"
 #include "capture/colmap.h"
 #include "capture/load_capture.h"
+#include "capture/orientation.h"
 #include "capture/transforms_json.h"
 #include "fuzz/target.h"
 #include "image/environment_map.h"

@@ -38,7 +38,7 @@ struct Planned {
         planned.plan = with;
         return solveScene(capture, scene, samples, clusters, planned, progress);
     }
-    bool leavesOut(const std::string& what) const {
+    bool leavesOut(Omission what) const {
         return std::any_of(plan.leftOut.begin(), plan.leftOut.end(),
                            [&](const PlannedOmission& o) { return o.what == what; });
     }
@@ -58,7 +58,7 @@ SolvePlan everything() {
 
 TEST(Plan, BlackSurroundingsAreNeverBuilt) {
     const Planned p(blackWorld());
-    ASSERT_TRUE(p.leavesOut("distant light"));
+    ASSERT_TRUE(p.leavesOut(Omission::distantLight));
     EXPECT_FALSE(p.plan.choices.distantLight);
     const Estimate found = p.solve(p.plan), whole = p.solve(everything());
     EXPECT_EQ(found.lighting.leaves.size(), 1u);
@@ -66,12 +66,12 @@ TEST(Plan, BlackSurroundingsAreNeverBuilt) {
     const AnswerDifference d = differenceOf(whole, found, {});
     EXPECT_LT(d.emitters, 1e-3);
     EXPECT_LT(d.albedo, 0.02);
-    for (const PlannedStage& s : found.plan.stages) EXPECT_NE(s.name, "visibility");
+    for (const PlannedStage& s : found.plan.stages) EXPECT_NE(s.stage, Stage::visibility);
 }
 
 TEST(Plan, SurroundingsThatGiveLightStay) {
     const Planned p{StressScene{}};
-    EXPECT_FALSE(p.leavesOut("distant light"));
+    EXPECT_FALSE(p.leavesOut(Omission::distantLight));
     EXPECT_TRUE(p.plan.choices.distantLight);
     StressScene dim;  // a hundredth of the usual sky: still more than the photographs' noise
     dim.sky = [](const Vec3&) { return Rgb(0.03f); };
@@ -82,7 +82,7 @@ TEST(Plan, WithoutEmittersThereIsNoNearField) {
     StressScene world;
     world.emitters.clear();
     const Planned p(world);
-    EXPECT_TRUE(p.leavesOut("near-field emitters"));
+    EXPECT_TRUE(p.leavesOut(Omission::nearFieldEmitters));
     EXPECT_TRUE(p.plan.choices.distantLight);
 }
 
@@ -91,8 +91,8 @@ TEST(Plan, LobesAreSoughtWhereTheViewShowsThem) {
     mirror.specularAlpha = 0.05f;
     const Planned matte{StressScene{}}, shiny(mirror);
     EXPECT_FALSE(matte.plan.choices.matteComponents);
-    EXPECT_FALSE(shiny.leavesOut("glossy lobes"));
-    EXPECT_TRUE(shiny.leavesOut("lobes on matte components"));
+    EXPECT_FALSE(shiny.leavesOut(Omission::glossyLobes));
+    EXPECT_TRUE(shiny.leavesOut(Omission::lobesOnMatte));
     EXPECT_GT(shiny.solve(shiny.plan).reflectance.basis.lobes.size(), 1u);
 }
 
@@ -111,13 +111,13 @@ TEST(Plan, ItsStagesAreThoseOfTheSolve) {
     for (const StressScene& world : {StressScene{}, blackWorld(), mirror}) {
         const Planned p(world);
         for (const PlannedStage& s : p.plan.stages) {
-            EXPECT_TRUE(std::isfinite(s.predictedSeconds) && s.predictedSeconds >= 0) << s.name;
-            EXPECT_TRUE(std::isfinite(s.predictedMib) && s.predictedMib >= 0) << s.name;
-            EXPECT_LT(s.measuredSeconds, 0) << s.name;
+            EXPECT_TRUE(std::isfinite(s.predictedSeconds) && s.predictedSeconds >= 0) << nameOf(s.stage);
+            EXPECT_TRUE(std::isfinite(s.predictedMib) && s.predictedMib >= 0) << nameOf(s.stage);
+            EXPECT_LT(s.measuredSeconds, 0) << nameOf(s.stage);
         }
         // What runs was foreseen.
         for (const PlannedStage& s : p.solve(p.plan).plan.stages)
-            EXPECT_TRUE(s.measuredSeconds < 0.02 || s.predictedSeconds >= 0) << s.name;
+            EXPECT_TRUE(s.measuredSeconds < 0.02 || s.predictedSeconds >= 0) << nameOf(s.stage);
     }
 }
 
@@ -156,8 +156,8 @@ TEST(Plan, CostsFollowTheCounts) {
 
 TEST(Plan, SpeaksInJsonAndInWords) {
     SolvePlan plan;
-    plan.stages.push_back({"visibility", 1.5, -1, 20, -1});
-    plan.leftOut.push_back({"distant light", "it is black", 2, 30});
+    plan.stages.push_back({Stage::visibility, 1.5, -1, 20, -1});
+    plan.leftOut.push_back({Omission::distantLight, "it is black", 2, 30});
     const nlohmann::json j = planJson(plan);
     EXPECT_EQ(j["stages"][0]["predicted_s"], 1.5);
     EXPECT_TRUE(j["stages"][0]["measured_s"].is_null());

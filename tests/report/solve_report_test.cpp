@@ -17,7 +17,7 @@ SolveReport byHand() {
     r.estimate.timeline = {
         {0.5, "light from ratios", 0, 9, 0.4}, {0.8, "light from ratios", 1, 5, 0.2}, {1.5, "reflectance", 2, 0, 0.1}};
     r.estimate.stability = {1e-9, 1e4, 3, 4, "", {1, 0.1f, 1e-3f, 1e-7f}};
-    r.estimate.leftOut = {{"glossy lobes", "no surface changes with the view"}};
+    r.estimate.leftOut = {{Omission::glossyLobes, "no surface changes with the view"}};
     r.views = {{"one, two.exr", 31.25, 0}};
     return r;
 }
@@ -35,11 +35,11 @@ TEST(SolveReport, IsOnePageWithoutAnythingFromElsewhere) {
 TEST(SolveReport, ShowsThePlanBesideWhatWasMeasured) {
     SolveReport r = byHand();
     EXPECT_EQ(reportPage(r).find("<h2>Plan"), std::string::npos) << "nothing where there is none";
-    r.estimate.plan.stages.push_back({"visibility & more", 2.5, 3.25, 40, 41});
-    r.estimate.plan.leftOut.push_back({"distant light", "the environment is black", 7, 30});
+    r.estimate.plan.stages.push_back({Stage::visibility, 2.5, 3.25, 40, 41});
+    r.estimate.plan.leftOut.push_back({Omission::distantLight, "black & empty", 7, 30});
     const std::string page = reportPage(r);
     for (const char* word :
-         {"visibility &amp; more", "2.50 s", "3.25 s", "40 MiB", "the environment is black", "7.00 s"})
+         {"visibility", "2.50 s", "3.25 s", "40 MiB", "black &amp; empty", "7.00 s"})
         EXPECT_NE(page.find(word), std::string::npos) << word;
 }
 

@@ -70,6 +70,7 @@ TEST(Stress, WhatCannotBeSolvedIsRefusedWithASentence) {
 TEST(Stress, ReportsAsJsonAndAsTable) {
     const nlohmann::json j = stressJson(worlds());
     ASSERT_EQ(j.at("cases").size(), worlds().cases.size());
+    EXPECT_EQ(j.at("finite_fraction"), 1.0);
     EXPECT_EQ(j.at("finite_share"), 1.0);
     for (const auto& c : j["cases"])
         for (const char* key : {"name", "finite", "kkt", "reason", "figures"}) EXPECT_TRUE(c.contains(key)) << key;

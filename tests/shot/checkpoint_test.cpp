@@ -21,7 +21,7 @@ SolveCheckpoint someCheckpoint() {
     c.plan.choices.bounce = false;
     c.plan.choices.lastDigits = c.plan.choices.mattePointsInDetail = true;
     c.lightUnfinished = true;
-    c.plan.leftOut.push_back({"distant light", "it is black", 3, 40});
+    c.plan.leftOut.push_back({Omission::distantLight, "it is black", 3, 40});
     return c;
 }
 

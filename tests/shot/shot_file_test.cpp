@@ -50,7 +50,7 @@ protected:
         for (int y = 100; y < 104; ++y)
             for (int x = 30; x < 34; ++x) e.environment[size_t(y) * 256 + size_t(x)] = Rgb(90000, 70000, 50000);
         e.timeline.push_back({1.5, "light", 3, 0.25, 0.125});
-        e.leftOut.push_back({"interreflection", "direct light only"});
+        e.leftOut.push_back({Omission::interreflection, "direct light only"});
         e.stability = {1e-6, 1234, 17, 20, "none"};
         shot.look.emitters.push_back({"emitter-1", true, test::translation({0, 0, 0.5f}), Rgb(2)});
         shot.quality = "draft";
@@ -175,7 +175,7 @@ TEST_F(ShotFile, IsThreeFilesInOpenFormatsAndACache) {
     for ([[maybe_unused]] const auto& entry : fs::directory_iterator(target)) ++entries;
     EXPECT_EQ(entries, 4u);
     EXPECT_TRUE(fs::is_directory(target / "cache"));
-    EXPECT_EQ(document()["version"], 1);
+    EXPECT_EQ(document()["version"], 2);
     EXPECT_EQ(document()["capture"], "../capture") << "relative, so that both can be moved";
     EXPECT_EQ(readImageSize(target / "environment.exr"), std::pair(1024, 512));
     std::set<std::string> names;
@@ -192,12 +192,84 @@ TEST_F(ShotFile, InfoHasWhatIsPromised) {
     for (const char* key :
          {"emitters", "environment", "gauge", "basis", "left_out", "timeline", "stability", "resources"})
         EXPECT_TRUE(info.contains(key)) << key;
-    for (const char* key : {"id", "name", "centroid", "normal", "area_m2", "triangles", "power", "power_stddev",
-                            "identifiability", "views_seen", "clipped_share"})
+    for (const char* key : {"id", "name", "centroid", "normal", "area_m2", "triangles", "radiance", "radiance_stddev",
+                            "identifiability", "views_seen", "clipped_fraction"})
         EXPECT_TRUE(info["emitters"][0].contains(key)) << key;
-    EXPECT_EQ(info["emitters"][0]["power"], (json{12, 11, 10}));
+    EXPECT_EQ(info["emitters"][0]["radiance"], (json{12, 11, 10}));
     EXPECT_EQ(info["environment"]["grid_side"], 256);
-    EXPECT_TRUE(info["environment"].contains("kept_coefficients"));
+    EXPECT_TRUE(info["environment"].contains("leaves"));
+}
+
+/// A document of version 2 with the names that version 1 had.
+json asVersion1(json document) {
+    const auto rename = [](json& object, const char* now, const char* before) {
+        if (!object.contains(now)) return;
+        object[before] = object[now];
+        object.erase(now);
+    };
+    for (json& e : document["emitters"]) {
+        rename(e, "radiance", "power");
+        rename(e, "radiance_stddev", "power_stddev");
+        rename(e, "clipped_fraction", "clipped_share");
+        rename(e, "unobserved", "unseen");
+    }
+    for (json& c : document["palette"]) rename(c, "fraction", "share");
+    rename(document["environment"], "leaves", "kept_coefficients");
+    rename(document["interreflection"], "fraction", "share");
+    document["version"] = 1;
+    return document;
+}
+
+TEST_F(ShotFile, OpensVersion1WithTheSameValues) {
+    Estimate& e = shot.estimate;
+    e.emitters.emitters[0].unobserved = true;
+    e.emitters.emitters[0].evidence.clippedFraction = 0.25f;
+    e.palette = {{Rgb(0.5f), 0.75f}};
+    e.interreflection = true;
+    e.bouncedFraction = 0.125f;
+    save();
+    const Shot now = open();
+    putDocument(asVersion1(document()));
+    EXPECT_EQ(document()["emitters"][0]["power"], (json{12, 11, 10}));
+    const Shot before = open();
+    for (const Shot* s : {&now, &before}) {
+        const EmitterCluster& c = s->estimate.emitters.emitters.at(0);
+        EXPECT_EQ(s->estimate.lighting.emitterRadiance.at(0), Rgb(12, 11, 10));
+        EXPECT_EQ(s->estimate.emitterSigma, e.emitterSigma);
+        EXPECT_TRUE(c.unobserved);
+        EXPECT_EQ(c.evidence.clippedFraction, 0.25f);
+        EXPECT_EQ(s->estimate.palette.at(0).fraction, 0.75f);
+        EXPECT_EQ(s->estimate.bouncedFraction, 0.125f);
+    }
+    EXPECT_EQ(shotInfo(before), shotInfo(now));
+    // Saved again, it is a document of version 2 with nothing of version 1 in it.
+    save(true);
+    EXPECT_EQ(document()["version"], 2);
+    EXPECT_FALSE(document()["emitters"][0].contains("power"));
+    EXPECT_FALSE(document()["environment"].contains("kept_coefficients"));
+}
+
+TEST_F(ShotFile, OpensVersion1AsItWasWritten) {
+    save();
+    putDocument(json::parse(R"({"version": 1, "capture": "../capture", "mode": "near-field", "quality": "draft",
+        "emitters": [{"id": "emitter-1", "centroid": [0, 0, 1], "normal": [0, 0, -1], "area_m2": 0.25,
+                      "power": [12, 11, 10], "power_stddev": [1, 2, 3], "views_seen": 4, "clipped_share": 0.5,
+                      "unseen": true, "identifiability": 0.75}],
+        "environment": {"kept_coefficients": 64, "grid_side": 256}, "interreflection": {"kept": true, "share": 0.25},
+        "palette": [{"albedo": [0.5, 0.25, 0.125], "share": 0.5}],
+        "basis": [{"kind": "lambert", "alpha": 1, "name": "lambert"}], "studio": {"job": 42}})"));
+    const Shot old = open();
+    const EmitterCluster& c = old.estimate.emitters.emitters.at(0);
+    EXPECT_EQ(c.radiance, Rgb(12, 11, 10));
+    EXPECT_EQ(old.estimate.emitterSigma.at(0), Rgb(1, 2, 3));
+    EXPECT_EQ(c.evidence.viewsSeen, 4);
+    EXPECT_EQ(c.evidence.clippedFraction, 0.5f);
+    EXPECT_TRUE(c.unobserved);
+    EXPECT_EQ(old.estimate.identifiability.at(0), 0.75f);
+    EXPECT_EQ(old.estimate.bouncedFraction, 0.25f);
+    EXPECT_EQ(old.estimate.palette.at(0).fraction, 0.5f);
+    save(true);
+    EXPECT_EQ(document()["studio"]["job"], 42) << "unknown keys of version 1 are kept";
 }
 
 TEST_F(ShotFile, MovesTogetherWithItsCapture) {
@@ -304,7 +376,7 @@ TEST_F(ShotFile, NamesTheFieldOfShotJsonThatIsBad) {
         const char* message;
     } cases[] = {
         {"/version", "", "version: is missing"},
-        {"/version", "2", "version: is 2, expected 1"},
+        {"/version", "3", "version: is 3, expected 1 or 2"},
         {"/version", "\"1\"", "version: expected a number"},
         {"/capture", "", "capture: is missing"},
         {"/capture", "5", "capture: expected a text"},
@@ -317,16 +389,16 @@ TEST_F(ShotFile, NamesTheFieldOfShotJsonThatIsBad) {
         {"/emitters", "{}", "emitters: expected a list"},
         {"/emitters/0", "5", "emitters[0]: expected an object"},
         {"/emitters/0/id", "5", "emitters[0].id: expected a text"},
-        {"/emitters/0/power", "", "emitters[0].power: is missing"},
-        {"/emitters/0/power", "[1, 2]", "emitters[0].power: expected three numbers"},
-        {"/emitters/0/power", "[1, -2, 3]", "emitters[0].power[1]: is -2"},
-        {"/emitters/0/power", "[1, 1e300, 3]", "emitters[0].power: expected three finite numbers"},
+        {"/emitters/0/radiance", "", "emitters[0].radiance: is missing"},
+        {"/emitters/0/radiance", "[1, 2]", "emitters[0].radiance: expected three numbers"},
+        {"/emitters/0/radiance", "[1, -2, 3]", "emitters[0].radiance[1]: is -2"},
+        {"/emitters/0/radiance", "[1, 1e300, 3]", "emitters[0].radiance: expected three finite numbers"},
         {"/emitters/0/centroid", "\"here\"", "emitters[0].centroid: expected three numbers"},
         {"/emitters/0/normal", "[null, 1, 2]", "emitters[0].normal: expected three numbers"},
         {"/emitters/0/area_m2", "[]", "emitters[0].area_m2: expected a number"},
         {"/emitters/0/two_sided", "1", "emitters[0].two_sided: expected true or false"},
         {"/emitters/0/views_seen", "\"all\"", "emitters[0].views_seen: expected a number"},
-        {"/emitters/0/power_stddev", "3", "emitters[0].power_stddev: expected three numbers"},
+        {"/emitters/0/radiance_stddev", "3", "emitters[0].radiance_stddev: expected three numbers"},
         {"/emitters/0/identifiability", "\"x\"", "emitters[0].identifiability: expected a number"},
         {"/basis", "", "basis: is missing"},
         {"/basis", "[]", "basis: expected lambert first"},

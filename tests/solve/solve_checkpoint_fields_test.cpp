@@ -65,8 +65,8 @@ auto fieldsOf(PlanChoices& p) {
     return std::tie(a, b, c, d, e, g, h, i, j, k, l, m);
 }
 auto fieldsOf(PlannedStage& s) {
-    auto& [name, predictedSeconds, measuredSeconds, predictedMib, measuredMib] = s;
-    return std::tie(name, predictedSeconds, measuredSeconds, predictedMib, measuredMib);
+    auto& [stage, predictedSeconds, measuredSeconds, predictedMib, measuredMib] = s;
+    return std::tie(stage, predictedSeconds, measuredSeconds, predictedMib, measuredMib);
 }
 auto fieldsOf(PlannedOmission& o) {
     auto& [what, reason, savedSeconds, savedMib] = o;
@@ -103,6 +103,8 @@ struct Fill {
     void operator()(double& value) { value += ++n; }
     void operator()(Vec3& value) { value += Vec3(float(++n)); }
     void operator()(std::string& value) { value += std::to_string(++n); }
+    void operator()(Stage& value) { value = Stage::light; }
+    void operator()(Omission& value) { value = Omission::triangles; }
     void operator()(Lobe::Kind& value) { value = Lobe::Kind::mixture; }
     template <class T>
     void operator()(std::vector<T>& values) {
@@ -124,7 +126,7 @@ struct Fill {
         for (T& value : values) (*this)(value);
     }
     template <class T>
-    requires std::is_aggregate_v<T>
+    requires requires(T& value) { fieldsOf(value); }
     void operator()(T& value) {
         std::apply([&](auto&... field) { ((*this)(field), ...); }, fieldsOf(value));
     }

@@ -7,7 +7,7 @@
 #include "radiance/gather.h"
 #include "report/stress_world.h"
 #include "solve/solve.h"
-#include "solve/solve_state.h"
+#include "solve/steps/solve_run.h"
 
 namespace relamp {
 namespace {

@@ -111,7 +111,7 @@ TEST(CommandLine, SolvesRendersAndTellsWhatIsInAShot) {
     std::istringstream stream(progress.error);
     for (std::string line; std::getline(stream, line); ++lines) {
         const json step = json::parse(line, nullptr, false);
-        EXPECT_TRUE(step.is_object() && step.contains("stage") && step.contains("share")) << line;
+        EXPECT_TRUE(step.is_object() && step.contains("stage") && step.contains("fraction")) << line;
     }
     EXPECT_GT(lines, 5u);
 
@@ -120,6 +120,8 @@ TEST(CommandLine, SolvesRendersAndTellsWhatIsInAShot) {
     const json found = json::parse(info.out, nullptr, false);
     ASSERT_TRUE(found.is_object()) << info.out;
     EXPECT_EQ(found["emitters"].size(), 1u);
+    EXPECT_EQ(found["emitters"][0]["power"], found["emitters"][0]["radiance"]) << "scripts read the name of version 1";
+    EXPECT_EQ(found["environment"]["kept_coefficients"], found["environment"]["leaves"]);
     for (const char* key : {"environment", "gauge", "basis", "left_out", "timeline", "stability", "resources"})
         EXPECT_TRUE(found.contains(key)) << key;
     EXPECT_EQ(relamp({"info", shot}).exitCode, 0);
@@ -199,9 +201,9 @@ TEST(CommandLine, SolvesRendersAndTellsWhatIsInAShot) {
     expectBadInput(relamp({"render", shot, "-o", folder / "nowhere/one.exr", "--samples", "1", "--size", "8x6"}),
                    {"nowhere"});
     json broken = json::parse(test::TemporaryFolder::read(folder / "x.relamp/shot.json"));
-    broken["emitters"][0]["power"] = "bright";
+    broken["emitters"][0]["radiance"] = "bright";
     folder.write("x.relamp/shot.json", broken.dump());
-    expectBadInput(relamp({"render", shot, "-o", folder / "one.exr"}), {"shot.json", "emitters[0].power"});
+    expectBadInput(relamp({"render", shot, "-o", folder / "one.exr"}), {"shot.json", "emitters[0].radiance"});
     broken.erase("gauge");
     folder.write("x.relamp/shot.json", broken.dump());
     expectBadInput(relamp({"info", shot}), {"shot.json"});
@@ -246,7 +248,7 @@ TEST(CommandLine, AColmapCaptureIsSolvedAndItsShotOpensByItself) {
     const test::ProgramResult check = with({"check", capture, "--json"});
     ASSERT_EQ(check.exitCode, 0) << check.error;
     const json found = json::parse(check.out);
-    EXPECT_GT(found["views"][0]["mesh_share"].get<double>(), 0.2);
+    EXPECT_GT(found["views"][0]["mesh_fraction"].get<double>(), 0.2);
     EXPECT_TRUE(found.contains("reconstruction"));
     ASSERT_EQ(with({"solve", capture, "-o", shot, "--quality", "draft"}).exitCode, 0);
     EXPECT_EQ(json::parse(relamp({"info", shot, "--json"}).out)["emitters"].size(), 1u);

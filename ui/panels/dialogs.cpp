@@ -1,6 +1,8 @@
 // Which dialog is open. One at a time, the most urgent first; the others wait and come back.
 #include "panels/dialogs.h"
 
+#include <utility>
+
 #include "actions.h"
 #include "browser/listing.h"
 #include "capture/capture_formats.h"

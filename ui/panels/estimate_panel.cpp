@@ -145,6 +145,77 @@ void strengthSetting(const char* label, const char* id, float& factor, const Pri
     ImGui::PopID();
 }
 
+constexpr Choice bases[] = {
+    {"built-in", "Usual: matte, plastic, metal", "Matte, and metal and plastic at six roughnesses: enough for most."},
+    {"wide", "Wide: 55 lobes",
+     "Covers measured materials: adds Schlick, Cook-Torrance, Ward and Lafortune lobes, of which a surface may mix "
+     "three. "
+     "Takes several times as long."},
+    {"lambert", "Matte only", "No gloss but that of the measured materials below."},
+};
+constexpr Choice bounces[] = {
+    {"auto", "Automatic", "Tried, and kept where the photographs are explained better with it."},
+    {"off", "Off", "Surfaces light nothing. Faster; too bright a light or too bright surfaces in corners."},
+    {"on", "On", "Taken to be there, whatever the photographs say."},
+};
+
+bool usualAdvanced(const SolveRequest& solve) {
+    return solve.basis == "built-in" && solve.merl.empty() && solve.bounce == SolveOptions::Bounce::automatic &&
+           !solve.meshTriangles;
+}
+
+/// A row of choices that are kept as an index.
+template <size_t N>
+size_t choose(const char* id, const char* title, const Choice (&choices)[N], size_t present) {
+    ImGui::SetNextItemWidth(-FLT_MIN);
+    if (ImGui::BeginCombo(id, fmt::format("{}: {}", title, choices[present].label).c_str())) {
+        for (size_t i = 0; i < N; ++i) {
+            if (ImGui::Selectable(choices[i].label, i == present)) present = i;
+            tooltip(choices[i].explanation);
+        }
+        ImGui::EndCombo();
+    }
+    tooltip(choices[present].explanation);
+    return present;
+}
+
+/// What few captures need: lobes, bounced light, size of the mesh.
+void advancedSettings(SolveRequest& solve) {
+    const bool open =
+        ImGui::TreeNode("##advanced", "%s", usualAdvanced(solve) ? "Advanced" : "Advanced (something is changed)");
+    tooltip("Kinds of gloss, bounced light, size of the mesh: the usual values suit nearly every capture");
+    if (!open) return;
+    size_t basis = 0;
+    for (size_t i = 0; i < std::size(bases); ++i)
+        if (solve.basis == bases[i].value) basis = i;
+    solve.basis = bases[choose("##basis", "Gloss", bases, basis)].value;
+    std::string merl = solve.merl.string();
+    ImGui::SetNextItemWidth(-FLT_MIN);
+    if (inputText("##merl", merl, "Folder of measured materials")) solve.merl = merl;
+    tooltip(
+        "Folder with .binary files of the MERL database. Their gloss joins the choice; a surface may then mix three "
+        "lobes. Empty: none.");
+    using Bounce = SolveOptions::Bounce;
+    solve.bounce = Bounce(choose("##bounce", "Bounced light", bounces, size_t(solve.bounce)));
+    bool automatic = !solve.meshTriangles;
+    const std::string mesh =
+        "Meshes of more than 300 000 triangles are estimated on a simpler one, and what is found is carried back.";
+    if (checkbox("Size of the mesh: automatic", automatic, mesh)) {
+        if (automatic) solve.meshTriangles.reset();
+        else solve.meshTriangles = 150000;
+    }
+    if (solve.meshTriangles) {
+        int thousands = int(*solve.meshTriangles / 1000);
+        ImGui::SetNextItemWidth(-FLT_MIN);
+        if (ImGui::SliderInt("##triangles", &thousands, 0, 1000,
+                             thousands > 0 ? "%d 000 triangles at most" : "all triangles",
+                             ImGuiSliderFlags_AlwaysClamp))
+            solve.meshTriangles = size_t(thousands) * 1000;
+        tooltip("More triangles show finer detail and take longer. 0: the mesh as it is.");
+    }
+    ImGui::TreePop();
+}
+
 }  // namespace
 
 void drawUnobservedLights(Editor& editor) {
@@ -196,6 +267,27 @@ void drawEstimatePanel(Editor& editor) {
     drawEstimateSettings(editor);
 }
 
+bool interruptedOfferShown(const Editor& editor) {
+    return editor.state.interrupted && !(editor.job() && editor.job()->kind == JobStatus::Kind::solve);
+}
+
+void drawInterruptedOffer(Editor& editor) {
+    const InterruptedEstimate& offer = *editor.state.interrupted;
+    const bool other = !editor.state.document.capture || editor.state.document.captureFolder != offer.captureFolder;
+    ImGui::BeginDisabled(editor.job().has_value());
+    const float width = ImGui::GetContentRegionAvail().x - ImGui::GetFrameHeight() - ImGui::GetStyle().ItemSpacing.x;
+    std::string words = fmt::format("{} of {}, {}.", shown(offer.project.filename()), shown(offer.time),
+                                    offer.seconds > 0 ? duration(offer.seconds) + " of work are kept" : "it was kept");
+    words += other ? " Opens it and goes on where it stood." : " Goes on where it stood, with the settings it had.";
+    const bool goOn = iconTextButton("Go on with the interrupted estimate", Icon::play, words, false, width);
+    ImGui::SameLine();
+    const bool discard =
+        iconButton("##discard interrupted", Icon::trash, "Throws the interrupted estimate away; nothing else changes");
+    ImGui::EndDisabled();
+    if (goOn) editor.answerInterrupted(true);
+    else if (discard) editor.answerInterrupted(false);
+}
+
 void drawEstimateButton(Editor& editor) {
     SolveRequest& solve = editor.state.solve;
     const auto& job = editor.job();
@@ -212,6 +304,7 @@ void drawEstimateButton(Editor& editor) {
         if (button("Stop", "Stops and keeps the best answer so far", -FLT_MIN)) editor.cancelJob();
         ImGui::EndDisabled();
     } else {
+        if (interruptedOfferShown(editor)) drawInterruptedOffer(editor);
         ImGui::BeginDisabled(!open || job);
         ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {ImGui::GetStyle().FramePadding.x, em(0.45f)});
         const bool again = editor.estimate() != nullptr;
@@ -266,6 +359,7 @@ void drawEstimateSettings(Editor& editor) {
             "0: nothing is said.");
         ImGui::TreePop();
     }
+    advancedSettings(solve);
     dimText("Time limit");
     float minutes = float(solve.budgetSeconds / 60);
     ImGui::SetNextItemWidth(-FLT_MIN);

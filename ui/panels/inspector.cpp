@@ -101,7 +101,7 @@ void inspectScene(Editor& editor) {
     if (!estimate->leftOut.empty() &&
         section("What was left out", "Effects that the estimate does not model, and why", false))
         for (const LeftOut& left : estimate->leftOut) {
-            text(left.what);
+            text(nameOf(left.what));
             dimWrapped(left.why);
         }
     if (const auto frame = editor.liveFrame(); frame && section("Viewport", "What the image on screen costs", false)) {

@@ -1,6 +1,7 @@
 // A picked point of the surface: where its light comes from, and what is known about it.
 #include <numeric>
 
+#include "base/statistics.h"
 #include "display/vertex_images.h"
 #include "image/image_io.h"
 #include "panels/inspector.h"
@@ -23,11 +24,7 @@ void directionDisc(const PointLight& light, float diameter) {
     for (const Rgb& c : light.incident)
         if (const float v = maxChannel(c); v > 0) values.push_back(v);
     float exposure = 1;
-    if (!values.empty()) {
-        const auto middle = values.begin() + std::ptrdiff_t(values.size() * 95 / 100);
-        std::nth_element(values.begin(), std::min(middle, values.end() - 1), values.end());
-        exposure = 1 / *std::min(middle, values.end() - 1);
-    }
+    if (!values.empty()) exposure = 1 / selectRank(values, values.size() * 95 / 100);
     list->AddCircleFilled(centre, radius, IM_COL32(10, 10, 10, 255), 48);
     constexpr int rings = 14;
     // Equal steps of the angle; each cell asks the grid at its middle.

@@ -34,6 +34,9 @@ void drawMaterialsPanel(Editor& editor);
 void drawEstimatePanel(Editor& editor);   ///< button and settings
 void drawEstimateButton(Editor& editor);  ///< or, while it runs, how far it is
 void drawEstimateSettings(Editor& editor);
+/// An estimate that was stopped or killed can go on: the button for it, above the one that estimates.
+bool interruptedOfferShown(const Editor& editor);
+void drawInterruptedOffer(Editor& editor);
 /// The search for an emitter that no photograph shows, and those that stand in its place.
 void drawUnobservedLights(Editor& editor);
 

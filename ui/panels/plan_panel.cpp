@@ -19,8 +19,9 @@ void stagesKept(const SolvePlan& plan) {
     for (const PlannedStage& s : plan.stages) {
         ImGui::TableNextRow();
         ImGui::TableNextColumn();
-        text(elided(s.name, ImGui::GetContentRegionAvail().x, false));
-        tooltip(s.predictedMib >= 0 ? fmt::format("{}: {:.0f} MiB expected", s.name, s.predictedMib) : s.name);
+        text(elided(nameOf(s.stage), ImGui::GetContentRegionAvail().x, false));
+        tooltip(s.predictedMib >= 0 ? fmt::format("{}: {:.0f} MiB expected", nameOf(s.stage), s.predictedMib)
+                                    : std::string(nameOf(s.stage)));
         ImGui::TableNextColumn();
         text(secondsOf(s.predictedSeconds));
         ImGui::TableNextColumn();
@@ -37,8 +38,9 @@ void partsLeftOut(const SolvePlan& plan) {
     for (const PlannedOmission& o : plan.leftOut) {
         ImGui::Bullet();
         ImGui::SameLine();
-        dimWrapped(o.savedSeconds >= 0.05 ? fmt::format("{} ({}): {}", o.what, secondsOf(o.savedSeconds), o.reason)
-                                          : fmt::format("{}: {}", o.what, o.reason));
+        dimWrapped(o.savedSeconds >= 0.05
+                       ? fmt::format("{} ({}): {}", nameOf(o.what), secondsOf(o.savedSeconds), o.reason)
+                       : fmt::format("{}: {}", nameOf(o.what), o.reason));
     }
 }
 

@@ -1,5 +1,7 @@
 #include "viewport/navigation.h"
 
+#include "base/box.h"
+
 namespace relamp::ui {
 namespace {
 
@@ -37,24 +39,23 @@ void frameAll(Editor& editor) {
 void frameSelected(Editor& editor) {
     const Selection& selection = editor.state.selection;
     const auto live = editor.liveFrame();
-    Vec3 low(1e30f), high(-1e30f);
+    Box box;
     for (const std::string& id : selection.emitters) {
         const EmitterState* emitter = editor.emitter(id);
         if (!emitter) continue;
-        low = glm::min(low, emitter->pivot), high = glm::max(high, emitter->pivot);
+        box.grow(emitter->pivot);
         if (!live || !live->mesh || !live->emitterOfTriangle) continue;
         for (size_t i = 0; i < live->emitterIds.size(); ++i) {
             if (live->emitterIds[i] != id) continue;
             for (size_t t = 0; t < live->mesh->triangles.size(); ++t)
                 if ((*live->emitterOfTriangle)[t] == int(i))
-                    for (uint32_t v : live->mesh->triangles[t])
-                        low = glm::min(low, live->mesh->positions[v]), high = glm::max(high, live->mesh->positions[v]);
+                    for (uint32_t v : live->mesh->triangles[t]) box.grow(live->mesh->positions[v]);
         }
     }
     const float scene = sceneExtent(editor).radius;
-    if (low.x <= high.x) {
+    if (!box.empty()) {
         // Some of the environment stay in sight: an emitter alone says little.
-        frameSphere(editor, 0.5f * (low + high), std::max(0.5f * glm::length(high - low) * 2.0f, 0.05f * scene));
+        frameSphere(editor, box.centre(), std::max(box.diagonal(), 0.05f * scene));
     } else if (selection.point) {
         frameSphere(editor, selection.point->position, 0.2f * scene);
     } else {

@@ -1,5 +1,7 @@
 #include "viewport/scene_extent.h"
 
+#include "base/statistics.h"
+
 namespace relamp::ui {
 
 SceneExtent extentOf(const Mesh& mesh) {
@@ -14,12 +16,7 @@ SceneExtent extentOf(const Mesh& mesh) {
         for (size_t v = 0; v < mesh.vertexCount(); ++v)
             if (used[v] && isFinite(mesh.positions[v])) values.push_back(mesh.positions[v][axis]);
         if (values.empty()) return extent;
-        const auto at = [&](double fraction) {
-            const auto place = values.begin() + ptrdiff_t(fraction * double(values.size() - 1));
-            std::nth_element(values.begin(), place, values.end());
-            return *place;
-        };
-        low[axis] = at(0.01), high[axis] = at(0.99);
+        low[axis] = selectQuantile(values, 0.01), high[axis] = selectQuantile(values, 0.99);
         const auto [least, most] = std::minmax_element(values.begin(), values.end());
         lowest[axis] = *least, highest[axis] = *most;
     }

@@ -2,6 +2,8 @@
 
 #include <numeric>
 
+#include "base/box.h"
+
 namespace relamp {
 namespace {
 
@@ -36,16 +38,14 @@ uint32_t LiveEmitterTree::build(uint32_t begin, uint32_t end) {
     Node n;
     n.begin = begin;
     n.end = end;
-    Vec3 low(1e30f), high(-1e30f), lowNormal(2), highNormal(-2);
+    Box places, normals;
     for (uint32_t i = begin; i < end; ++i) {
         const uint32_t t = order_[i];
         n.area += surface_.areas[t];
         n.centre += surface_.areas[t] * surface_.centres[t];
         n.vectorArea += surface_.areas[t] * surface_.normals[t];
-        low = glm::min(low, surface_.centres[t]);
-        high = glm::max(high, surface_.centres[t]);
-        lowNormal = glm::min(lowNormal, surface_.normals[t]);
-        highNormal = glm::max(highNormal, surface_.normals[t]);
+        places.grow(surface_.centres[t]);
+        normals.grow(surface_.normals[t]);
     }
     n.centre /= n.area;
     const float length = glm::length(n.vectorArea);
@@ -60,7 +60,7 @@ uint32_t LiveEmitterTree::build(uint32_t begin, uint32_t end) {
         n.radius = std::max(n.radius, glm::length(surface_.centres[order_[i]] - n.centre) + surface_.radii[order_[i]]);
     if (end - begin > 1) {
         // Along the wider of place and orientation: the two faces of a thin emitter are parted first.
-        const Vec3 size = (high - low) / std::max(surface_.radius, 1e-20f), turn = highNormal - lowNormal;
+        const Vec3 size = places.size() / std::max(surface_.radius, 1e-20f), turn = normals.size();
         const auto widest = [](const Vec3& e) { return e.x >= e.y && e.x >= e.z ? 0 : e.y >= e.z ? 1 : 2; };
         const int place = widest(size), way = widest(turn);
         const bool byNormal = turn[way] > std::max(0.3f, size[place]);
@@ -71,7 +71,7 @@ uint32_t LiveEmitterTree::build(uint32_t begin, uint32_t end) {
         };
         uint32_t middle = (begin + end) / 2;
         if (byNormal) {
-            const float half = (lowNormal[way] + highNormal[way]) / 2;
+            const float half = normals.centre()[way];
             middle = uint32_t(std::partition(order_.begin() + begin, order_.begin() + end,
                                              [&](uint32_t t) { return surface_.normals[t][way] < half; }) -
                               order_.begin());

@@ -95,15 +95,15 @@ void LiveScene::State::makeFrame() {
     report.cpuApplyMs = matte.sums().processorMs();
     report.deviceApplyMs = matte.sums().deviceMs();
     report.leftOut.clear();
-    if (!bouncing) report.leftOut.push_back({"bounced light", "the photographs showed none worth keeping"});
-    if (!glossy) report.leftOut.push_back({"glossy passes", "no vertex has a glossy lobe"});
+    const auto leaveOut = [this](Omission what, const std::string& why) { report.leftOut.emplace_back(what, why); };
+    if (!bouncing) leaveOut(Omission::bouncedLight, "the photographs showed none worth keeping");
+    if (!glossy) leaveOut(Omission::glossyPasses, "no vertex has a glossy lobe");
     report.glossyOutside = glossy ? gloss.outside() : 0;
     if (report.glossyOutside)
-        report.leftOut.push_back(
-            {"glossy light outside the image", std::to_string(report.glossyOutside) + " vertices face the eye there"});
-    if (plain->black()) report.leftOut.push_back({"environment", "it is black"});
-    if (near.empty()) report.leftOut.push_back({"near light", "the scene has no emitter"});
-    if (carried.count() == 0) report.leftOut.push_back({"visibility of moved surfaces", "no part of the mesh moves"});
+        leaveOut(Omission::glossOutside, std::to_string(report.glossyOutside) + " vertices face the eye there");
+    if (plain->black()) leaveOut(Omission::environment, "it is black");
+    if (near.empty()) leaveOut(Omission::nearLight, "the scene has no emitter");
+    if (carried.count() == 0) leaveOut(Omission::movedVisibility, "no part of the mesh moves");
     out->report = report;
     frame = std::move(out);
 }

@@ -1,6 +1,7 @@
 // What an edit of the geometry changes: which parts moved, whose light has to be taken again, what leaves the ground.
 #include <algorithm>
 
+#include "base/box.h"
 #include "relight/live/state.h"
 
 namespace relamp {
@@ -9,6 +10,39 @@ namespace {
 std::string nameOf(const EditedGeometry& geometry, const EditedPart& part) {
     return part.emitter >= 0 ? "emitter " + geometry.emitters[size_t(part.emitter)].id
                              : "component " + std::to_string(part.component);
+}
+
+LiveVertices verticesOf(const EditedGeometry& edited) {
+    LiveVertices now;
+    now.mesh = std::make_shared<const Mesh>(edited.mesh);
+    now.origin = edited.vertexOrigin;
+    now.kind.assign(now.mesh->vertexCount(), LiveVertices::none);
+    now.part.assign(now.mesh->vertexCount(), 0);
+    for (size_t t = 0; t < edited.mesh.triangles.size(); ++t)
+        for (uint32_t v : edited.mesh.triangles[t]) {
+            now.part[v] = edited.partOfTriangle[t];
+            now.kind[v] = edited.emitterOfTriangle[t] >= 0 ? LiveVertices::emitting
+                          : edited.partOfTriangle[t]       ? LiveVertices::carried
+                                                           : LiveVertices::ground;
+        }
+    return now;
+}
+
+/// Spheres about the parts that `edited` takes from the ground of `before`.
+std::vector<LivePart> leavingGround(const Mesh& mesh, const EditedGeometry& before, const EditedGeometry& edited) {
+    std::vector<LivePart> leaving;
+    for (uint32_t b = 1; b < edited.parts.size(); ++b) {
+        Box box;
+        for (size_t t = 0; t < mesh.triangles.size(); ++t)
+            if (edited.partOfTriangle[t] == b && before.partOfTriangle[t] == 0)
+                for (uint32_t v : mesh.triangles[t]) box.grow(mesh.positions[v]);
+        if (box.empty()) continue;
+        LivePart sphere;
+        sphere.centre = box.centre();
+        sphere.radius = 1.0001f * box.diagonal() / 2;
+        leaving.push_back(sphere);
+    }
+    return leaving;
 }
 
 }  // namespace
@@ -40,40 +74,14 @@ void LiveScene::State::takeGeometry(const Look& next, EditedGeometry edited, Par
         return;
     }
 
-    LiveVertices now;
-    now.mesh = std::make_shared<const Mesh>(edited.mesh);
-    now.origin = edited.vertexOrigin;
-    now.kind.assign(now.mesh->vertexCount(), LiveVertices::none);
-    now.part.assign(now.mesh->vertexCount(), 0);
-    for (size_t t = 0; t < edited.mesh.triangles.size(); ++t)
-        for (uint32_t v : edited.mesh.triangles[t]) {
-            now.part[v] = edited.partOfTriangle[t];
-            now.kind[v] = edited.emitterOfTriangle[t] >= 0 ? LiveVertices::emitting
-                          : edited.partOfTriangle[t]       ? LiveVertices::carried
-                                                           : LiveVertices::ground;
-        }
-
+    LiveVertices now = verticesOf(edited);
     // Components that leave the ground.
     const bool groundShrank =
         !first && std::count(edited.partOfTriangle.begin(), edited.partOfTriangle.end(), 0u) !=
                       std::count(geometry.partOfTriangle.begin(), geometry.partOfTriangle.end(), 0u);
     if (first || groundShrank) occluders.ground = tracerOf(edited, 0);
-    if (groundShrank) {
-        for (uint32_t b = 1; b < edited.parts.size(); ++b) {
-            LivePart sphere;
-            Vec3 low(1e30f), high(-1e30f);
-            for (size_t t = 0; t < scene->mesh.triangles.size(); ++t)
-                if (edited.partOfTriangle[t] == b && geometry.partOfTriangle[t] == 0)
-                    for (uint32_t v : scene->mesh.triangles[t]) {
-                        low = glm::min(low, scene->mesh.positions[v]);
-                        high = glm::max(high, scene->mesh.positions[v]);
-                    }
-            if (low.x > high.x) continue;
-            sphere.centre = (low + high) / 2.0f;
-            sphere.radius = 1.0001f * glm::length(high - low) / 2;
-            released.push_back(sphere);
-        }
-    }
+    if (groundShrank)
+        for (const LivePart& sphere : leavingGround(scene->mesh, geometry, edited)) released.push_back(sphere);
 
     // Emitters: those that stay where they were keep their light, but for the shadows of what moved.
     std::vector<NearEmitter> emitters(edited.emitters.size());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/box.h"
 #include "base/morton.h"
 #include "base/parallel.h"
 
@@ -55,20 +56,19 @@ uint64_t LiveMatte::keyOf(const LiveVertices& vertices, const LiveOccluders& occ
 size_t LiveMatte::bake(const LiveVertices& vertices, const LiveOccluders& occluders,
                        const std::filesystem::path& cacheFolder, Progress& progress) {
     const Mesh& mesh = *vertices.mesh;
-    Vec3 low(1e30f), high(-1e30f);
+    Box box;
     std::vector<uint32_t> order;
     for (uint32_t v = 0; v < vertices.count(); ++v) {
         if (vertices.kind[v] != LiveVertices::ground) continue;
         order.push_back(v);
-        low = glm::min(low, mesh.positions[v]);
-        high = glm::max(high, mesh.positions[v]);
+        box.grow(mesh.positions[v]);
     }
     // Vertices of like normals together first: they need the same terms. Then along a curve through space.
     std::vector<uint64_t> key(vertices.count());
-    const Vec3 size = glm::max(high - low, Vec3(1e-20f));
+    const Vec3 size = glm::max(box.size(), Vec3(1e-20f));
     const DirectionGrid coarse{4};
     for (uint32_t v : order)
-        key[v] = uint64_t(coarse.cellOf(mesh.normals[v])) << 32 | mortonKey((mesh.positions[v] - low) / size);
+        key[v] = uint64_t(coarse.cellOf(mesh.normals[v])) << 32 | mortonKey((mesh.positions[v] - box.min) / size);
     std::sort(order.begin(), order.end(),
               [&](uint32_t a, uint32_t b) { return key[a] != key[b] ? key[a] < key[b] : a < b; });
     vertexOfSlot_ = order;

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "base/box.h"
+
 namespace relamp {
 namespace {
 
@@ -99,14 +101,11 @@ std::vector<LivePart> liveParts(const EditedGeometry& geometry, const Look& look
                                 const std::vector<LivePart>& previous) {
     const size_t recovered = geometry.emitters.size() - look.added.size();
     std::vector<LivePart> parts(geometry.parts.size());
-    std::vector<Vec3> low(parts.size(), Vec3(1e30f)), high(parts.size(), Vec3(-1e30f));
+    std::vector<Box> box(parts.size());
     for (size_t t = 0; t < geometry.mesh.triangles.size(); ++t) {
         const uint32_t b = geometry.partOfTriangle[t];
         if (b == 0) continue;
-        for (uint32_t v : geometry.mesh.triangles[t]) {
-            low[b] = glm::min(low[b], geometry.mesh.positions[v]);
-            high[b] = glm::max(high[b], geometry.mesh.positions[v]);
-        }
+        for (uint32_t v : geometry.mesh.triangles[t]) box[b].grow(geometry.mesh.positions[v]);
     }
     for (uint32_t b = 1; b < parts.size(); ++b) {
         const EditedPart& edited = geometry.parts[b];
@@ -115,7 +114,7 @@ std::vector<LivePart> liveParts(const EditedGeometry& geometry, const Look& look
         part.matrix = edited.matrix;
         part.inverse = glm::inverse(edited.matrix);
         part.key = keyOf(geometry, edited, look, recovered);
-        if (low[b].x <= high[b].x) part.centre = (low[b] + high[b]) / 2.0f;
+        if (!box[b].empty()) part.centre = box[b].centre();
         for (const LivePart& old : previous)
             if (old.tracer && old.key == part.key) {
                 part.tracer = old.tracer;

@@ -3,6 +3,7 @@
 #include <Eigen/SparseCholesky>
 
 #include "base/parallel.h"
+#include "base/statistics.h"
 #include "solve/albedo/albedo_system.h"
 
 namespace relamp {
@@ -74,8 +75,7 @@ AlbedoResult solveAlbedo(const Scene& scene, const MatteObservations& matte, con
         for (size_t i = 0; i < matte.vertices.size(); ++i)
             if (lit[i][c] > 5 * litSigma[i][c] && lit[i][c] > 0) ratios.push_back(matte.radiance[i][c] / lit[i][c]);
         if (ratios.empty()) continue;
-        std::nth_element(ratios.begin(), ratios.begin() + ptrdiff_t(ratios.size() / 2), ratios.end());
-        typical[c] = std::clamp(ratios[ratios.size() / 2], 1e-3f, 2.0f);
+        typical[c] = std::clamp(medianOf(ratios), 1e-3f, 2.0f);
     }
     std::vector<Rgb> logAlbedo(n);
     for (Rgb& a : logAlbedo) a = glm::log(typical);

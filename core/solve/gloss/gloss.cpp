@@ -68,7 +68,7 @@ struct LobeFit {
 LobeFit fitLobe(const std::vector<GlossyObservation>& observations, const std::vector<Rgb>& response,
                 bool withLambert) {
     LobeFit fit;
-    std::vector<size_t> starts;  // looks are grouped by vertex
+    std::vector<size_t> starts;  // observations are grouped by vertex
     for (size_t i = 0; i < observations.size(); ++i)
         if (i == 0 || observations[i].vertex != observations[i - 1].vertex) starts.push_back(i);
     starts.push_back(observations.size());
@@ -261,7 +261,7 @@ ComponentGloss fitGloss(const Capture& capture, const Scene& scene, const Radian
         if (withRoughness(*result.lobe, step).alpha != result.lobe->alpha &&
             !attempt(withRoughness(*result.lobe, step)))
             attempt(withRoughness(*result.lobe, 1 / step));
-    // A coating over a matte surface mirrors all colours alike [Shafer85]; where it seems coloured, the light is not
+    // A coating over a matte surface reflects all colours alike [Shafer85]; where it seems coloured, the light is not
     // yet right. A measured material's gloss has the colour it was measured with.
     const Rgb own = glm::max(glossColour(*result.lobe), Rgb(1e-3f)), scaled = result.weight / own;
     if (result.matte && scaled.x * scaled.y * scaled.z > 0)

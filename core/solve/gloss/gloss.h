@@ -55,17 +55,17 @@ std::vector<GlossyObservation> glossyObservations(const Capture& capture, const 
 /// Fits each lobe of the basis to the component under known light, with the Lambert part of every vertex eliminated,
 /// refines the roughness of the best one, and keeps it where it explains the change between views. A basis of other
 /// kinds than bare and dielectric GGX is pruned to a few candidates first, single lobes and mixtures; a mixture must
-/// lower the residual by a twentieth against fewer lobes. Cost: about 6 rows a look, without `options.screen` 4 more
-/// than there are lobes.
+/// lower the residual by a twentieth against fewer lobes. Cost: about 6 rows an observation, without `options.screen` 4
+/// more than there are lobes.
 ComponentGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
                         const std::vector<EmitterSurface>& emitters, const std::vector<int>& emitterOfTriangle,
                         const Lighting& lighting, const BrdfBasis& basis, uint32_t component,
                         const GlossOptions& options, Progress& progress);
 
-/// What a component's looks leave unexplained, robust mean square in standard deviations: by one lobe without a Lambert
-/// part under known light; and by a surface that looks alike from everywhere, an unknown a vertex taken off the count
-/// of looks. Where the second is not larger the component changes with the view, but not as a metal does: its geometry
-/// or its cameras are off.
+/// What a component's observations leave unexplained, robust mean square in standard deviations: by one lobe without a
+/// Lambert part under known light; and by a surface that looks alike from everywhere, an unknown a vertex taken off the
+/// count of observations. Where the second is not larger the component changes with the view, but not as a metal does:
+/// its geometry or its cameras are off.
 struct MetalEvidence {
     double asMetal = 0, alikeFromEverywhere = 0;
 };
@@ -76,8 +76,8 @@ MetalEvidence metalEvidence(const InfluenceMatrix& rows, const Lighting& lightin
 /// roughness of their own (Lafortune, measured, mixtures) come back as they are.
 Lobe withRoughness(const Lobe& lobe, float factor);
 
-/// Rows of one lobe for the given looks; `mirrored`, if not null: what it shows of other surfaces in each, by
-/// `options.sent`.
+/// Rows of one lobe for the given observations; `mirrored`, if not null: what it shows of other surfaces in each, by
+/// `options.outgoing`.
 InfluenceMatrix glossyRows(const Scene& scene, const std::vector<EmitterSurface>& emitters,
                            const std::vector<int>& emitterOfTriangle, const LightLeaves& leaves, const Lobe& lobe,
                            const std::vector<GlossyObservation>& observations, const LobeRowOptions& options,

@@ -6,10 +6,10 @@
 
 namespace relamp {
 
-/// Radiance that each lobe of weight 1 would send at each look under the light: result[lobe][look]. Directions are
-/// drawn once a look, from GGX of four widths, the cosine and the emitters, combined by multiple importance sampling
-/// [Veach97], and serve all lobes. Lobe 0 (Lambert) is skipped: zeros. Cost: looks x (4 rows.lobeSamples / 3 +
-/// rows.cosineSamples) rays, and as many evaluations a lobe. Same bits on any number of threads.
+/// Radiance that each lobe of weight 1 would send at each observation under the light: result[lobe][observation].
+/// Directions are drawn once an observation, from GGX of four widths, the cosine and the emitters, combined by multiple
+/// importance sampling [Veach97], and serve all lobes. Lobe 0 (Lambert) is skipped: zeros. Cost: observations x (4
+/// rows.lobeSamples / 3 + rows.cosineSamples) rays, and as many evaluations a lobe. Same bits on any number of threads.
 std::vector<std::vector<Rgb>> lobeResponses(const Scene& scene, const std::vector<EmitterSurface>& emitters,
                                             const std::vector<int>& emitterOfTriangle, const Lighting& lighting,
                                             const std::vector<Lobe>& lobes,
@@ -19,13 +19,14 @@ std::vector<std::vector<Rgb>> lobeResponses(const Scene& scene, const std::vecto
 /// A lobe, or a mixture of up to `mostLobes`, with weights above 0, and what it leaves unexplained.
 struct LobeChoice {
     Lobe lobe;
-    double residual = 0;  ///< weighted sum of squares over the looks, all channels
+    double residual = 0;  ///< weighted sum of squares over the observations, all channels
 };
 
 /// One lobe after the other, the one that explains most beside those chosen first: non-negative least squares per
-/// channel on the looks [Weistroffer07], the Lambert part of every vertex eliminated (or absent: `withLambert` false).
-/// A mixture has one set of shares for all channels. Looks are grouped by vertex, as glossyLooks gives them; their
-/// weights are computed anew as the fit comes near (outliers count little). Empty where no lobe explains anything.
+/// channel on the observations [Weistroffer07], the Lambert part of every vertex eliminated (or absent: `withLambert`
+/// false). A mixture has one set of shares for all channels. Looks are grouped by vertex, as glossyLooks gives them;
+/// their weights are computed anew as the fit comes near (outliers count little). Empty where no lobe explains
+/// anything.
 std::vector<LobeChoice> chooseLobes(const std::vector<Lobe>& lobes, const std::vector<std::vector<Rgb>>& responses,
                                     const std::vector<GlossyObservation>& observations, bool withLambert,
                                     size_t mostLobes);

@@ -2,16 +2,11 @@
 
 #include <numeric>
 
+#include "base/statistics.h"
+
 namespace relamp {
 namespace {
 constexpr float coatedSpread = 0.06f, metalSpread = 0.35f;
-
-float medianOf(std::vector<float>& v, double q = 0.5) {
-    if (v.empty()) return 0;
-    const size_t k = size_t(q * double(v.size() - 1));
-    std::nth_element(v.begin(), v.begin() + ptrdiff_t(k), v.end());
-    return v[k];
-}
 }  // namespace
 
 MatteValue robustMatteValue(std::vector<MatteObservation>& observations, float quantile) {
@@ -76,7 +71,7 @@ MatteObservations matteObservations(const Scene& scene, const RadianceSamples& s
     result.viewSpread.assign(scene.components, 0);
     result.componentGlossy.assign(scene.components, 0);
     for (uint32_t p = 0; p < scene.components; ++p) {
-        const float upper = medianOf(spreads[p], 0.75), middle = medianOf(spreads[p]);
+        const float upper = selectQuantile(spreads[p], 0.75), middle = selectQuantile(spreads[p], 0.5);
         result.viewSpread[p] = middle;
         if (spreads[p].size() < 12) continue;
         result.componentGlossy[p] = middle > metalSpread ? 2 : (upper > coatedSpread ? 1 : 0);
@@ -98,7 +93,7 @@ MatteObservations matteObservations(const Scene& scene, const RadianceSamples& s
                 if (r.clipped || r.weight < 0.2f * best) continue;
                 observations.push_back({r.radiance[c], r.weight, samples.sigma(r.radiance[c])});
             }
-            // A glossy surface only adds to its matte part, so it takes the lower looks.
+            // A glossy surface only adds to its matte part, so it takes the lower observations.
             const MatteValue matte = robustMatteValue(observations, glossy ? 0.25f : 0.5f);
             value[c] = matte.radiance;
             sigma[c] = glossy ? std::hypot(matte.sigma, 0.05f * value[c]) : matte.sigma;
@@ -121,9 +116,7 @@ double backgroundOverSurfaces(const RadianceSamples& samples, const MatteObserva
     if (matte.radiance.empty() || seen * 100 <= samples.background.size()) return -1;
     std::vector<float> brightness;
     for (const Rgb& y : matte.radiance) brightness.push_back(maxChannel(y));
-    const auto middle = brightness.begin() + ptrdiff_t(brightness.size() / 2);
-    std::nth_element(brightness.begin(), middle, brightness.end());
-    return double(brightest) / std::max(double(*middle), 1e-30);
+    return double(brightest) / std::max(double(medianOf(std::move(brightness))), 1e-30);
 }
 
 std::vector<size_t> observationsOfComponents(const Scene& scene, const MatteObservations& matte) {

@@ -12,18 +12,18 @@ struct MatteObservations {
     std::vector<Rgb> sigma;          ///< its standard deviation
     std::vector<float> viewSpread;   ///< per mesh component: median relative spread between views, 0 with one view
     std::vector<uint8_t>
-        componentGlossy;  ///< per mesh component: 0 matte, 1 glazed (matte under gloss), 2 no matte signal (metal)
+        componentGlossy;  ///< per mesh component: 0 matte, 1 coated (matte under gloss), 2 no matte signal (metal)
 };
 
 /// One look at a vertex in one channel.
 struct MatteObservation {
-    float radiance = 0, weight = 1, sigma = 0;  ///< sigma: standard deviation of a look of weight 1
+    float radiance = 0, weight = 1, sigma = 0;  ///< sigma: standard deviation of an observation of weight 1
 };
 struct MatteValue {
     float radiance = 0, sigma = 0;
 };
-/// Mean of the looks about their weighted quantile, within three deviations or 6 % of it. Sorts `looks`, which must not
-/// be empty. O(n log n).
+/// Mean of the observations about their weighted quantile, within three deviations or 6 % of it. Sorts `observations`,
+/// which must not be empty. O(n log n).
 MatteValue robustMatteValue(std::vector<MatteObservation>& observations, float quantile);
 
 /// `skip[v]` non-zero leaves vertex v out (emitters). `pieceGlossy`, if not null, is taken for

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "solve/light/qp.h"
+#include "solve/light/weighted_gram.h"
 #include "solve/ratio/albedo_free.h"
 
 namespace relamp {

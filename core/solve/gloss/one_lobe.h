@@ -13,7 +13,7 @@ struct OneLobeFit {
     double kktResidual = 0;
 };
 
-/// Unknowns per channel: z = w x >= 0 (leaves, emitters) and w >= 0. Rows: the looks G z = y, and what is seen
+/// Unknowns per channel: z = w x >= 0 (leaves, emitters) and w >= 0. Rows: the observations G z = y, and what is seen
 /// directly, z_i = w a_i for background leaves and emitters, so the split of w and x is part of the same program
 /// instead of a slow alternation. `guess` saves pivots. Cost: three reweighted quadratic programs a channel.
 OneLobeFit fitOneLobe(const InfluenceMatrix& rows, const std::vector<GlossyObservation>& observations,

@@ -11,7 +11,7 @@ using Eigen::Index;
 
 /// For each column, in its own 3 x 3 block of channels, the sum over folded rows of R'WR, R = what the shares do not
 /// explain of the column. 6 numbers a column, as ChannelWeights orders them.
-std::vector<std::array<double, 6>> leftOver(const FoldedColumns& fold, const InfluenceMatrix& rows,
+std::vector<std::array<double, 6>> leftOver(const FoldedColumns& fold, const InfluenceRows& rows,
                                             const ChannelWeights& weights, bool apart, Progress& progress) {
     constexpr size_t panel = 32;
     std::vector<size_t> size(fold.folded.columns, 0);
@@ -52,7 +52,7 @@ std::vector<std::array<double, 6>> leftOver(const FoldedColumns& fold, const Inf
 
 }  // namespace
 
-FoldedColumns foldColumns(const InfluenceMatrix& rows, size_t count, std::vector<uint32_t> group) {
+FoldedColumns foldColumns(const InfluenceRows& rows, size_t count, std::vector<uint32_t> group) {
     const size_t n = rows.columns;
     if (group.empty())
         for (uint32_t k = 0; k < n; ++k) group.push_back(k);
@@ -85,7 +85,7 @@ FoldedColumns foldColumns(const InfluenceMatrix& rows, size_t count, std::vector
     return fold;
 }
 
-Eigen::MatrixXd foldedGram(const FoldedColumns& fold, const InfluenceMatrix& rows, const ChannelWeights& weights,
+Eigen::MatrixXd foldedGram(const FoldedColumns& fold, const InfluenceRows& rows, const ChannelWeights& weights,
                            bool apart, Progress& progress) {
     const Index n = Index(rows.columns), m = Index(fold.folded.columns);
     const Eigen::MatrixXd coarse = channelGram(fold.folded, weights, apart, progress);
@@ -96,8 +96,8 @@ Eigen::MatrixXd foldedGram(const FoldedColumns& fold, const InfluenceMatrix& row
         ChannelWeights restWeights;
         rest.columns = rows.columns;
         rest.rows = rows.rows - fold.folded.rows;
-        rest.values.assign(rows.values.begin() + ptrdiff_t(fold.folded.rows * rows.columns),
-                           rows.values.begin() + ptrdiff_t(rows.rows * rows.columns));
+        for (size_t i = fold.folded.rows; i < rows.rows; ++i)
+            rest.values.insert(rest.values.end(), rows.row(i), rows.row(i) + rows.columns);
         const uint32_t first = weights.start[fold.folded.rows];
         for (size_t i = fold.folded.rows; i <= rows.rows; ++i) restWeights.start.push_back(weights.start[i] - first);
         for (size_t e = first; e < weights.other.size(); ++e)

@@ -1,6 +1,7 @@
 #include "solve/light/lighting_step.h"
 
 #include "solve/light/qp.h"
+#include "solve/light/weighted_gram.h"
 
 namespace relamp {
 

@@ -3,7 +3,7 @@
 namespace relamp {
 
 LightPrior::LightPrior(const LightLeaves& leaves, const LightAnchors& anchors, const LightPriorOptions& options,
-                       const InfluenceMatrix* rows)
+                       std::optional<InfluenceRows> rows)
     : anchors_(anchors),
       options_(options),
       neighbours_(leaves.neighbourPairs()),

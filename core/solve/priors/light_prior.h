@@ -3,11 +3,12 @@
 #pragma once
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "solve/priors/anchors.h"
-#include "transport/incident.h"
+#include "solve/ratio/influence_rows.h"
 
 namespace relamp {
 
@@ -16,7 +17,7 @@ struct LightPriorOptions {
                             ///< on edges half as long
     float hue = 8;          ///< weight of differences between channels of those relative differences, times smoothness
     float backgroundWeight =
-        30;  ///< looks a directly seen leaf counts for, at its spread of 2 % (whole) to 72 % (hardly covered)
+        30;  ///< observations a directly seen leaf counts for, at its spread of 2 % (whole) to 72 % (hardly covered)
     float darkness =
         0;  ///< radiance below which the mean of the distant light counts as black: relative terms end there
     float emitterWeight =
@@ -27,11 +28,11 @@ struct LightPriorOptions {
 /// which only the start uses, because the lighting program takes each channel by itself.
 class LightPrior {
 public:
-    /// `rows`, if not null, hold what the unknowns give to what is looked at. Brightness is then computed by what
+    /// `rows`, if given, hold what the unknowns give to what is looked at. Brightness is then computed by what
     /// reaches that: a mean over all directions would rise with light that nothing receives, and with it no difference
     /// between the others would count any more.
     LightPrior(const LightLeaves& leaves, const LightAnchors& anchors, const LightPriorOptions& options,
-               const InfluenceMatrix* rows = nullptr);
+               std::optional<InfluenceRows> rows = {});
     /// Sum of the smoothness and background terms (the emitters' near-equalities hold by construction).
     double value(const Eigen::VectorXd& x, int channel) const;
     /// Adds the quadratic model of the priors about x: q, moment (minimise x'qx - 2 moment'x) and the lower bounds of

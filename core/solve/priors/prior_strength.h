@@ -29,10 +29,10 @@ PriorStrength testLightStrength(const InfluenceMatrix& influence, const MatteObs
                                 const LightAnchors& anchors, const AlbedoFreeOptions& options, const Lighting& lighting,
                                 size_t maxRows, Progress& progress);
 
-/// Smoothness of the surfaces: every look is predicted from the vertex's other looks and its neighbours (leave one view
-/// out). In closed form for the albedo found: the residual with the look is the one without it, times one less the
-/// look's share in its own vertex [Wahba90]; shares by random probes of the inverse [Hutchinson89]. One channel, green.
-/// Cost: a sparse factor and a few solves for each factor.
+/// Smoothness of the surfaces: every observation is predicted from the vertex's other observations and its neighbours
+/// (leave one view out). In closed form for the albedo found: the residual with the observation is the one without it,
+/// times one less the weight of the observation in its own vertex [Wahba90]; weights by random probes of the inverse
+/// [Hutchinson89]. One channel, green. Cost: a sparse factor and a few solves for each factor.
 PriorStrength testAlbedoStrength(const Scene& scene, const RadianceSamples& samples, const MatteObservations& matte,
                                  const std::vector<Rgb>& lit, const std::vector<Rgb>& litSigma,
                                  const AlbedoPrior& prior, const std::vector<Rgb>& albedo, uint64_t seed,

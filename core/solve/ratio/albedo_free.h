@@ -9,9 +9,9 @@
 #include "solve/light/qp.h"
 #include "solve/priors/anchors.h"
 #include "solve/priors/light_prior.h"
+#include "solve/ratio/influence_rows.h"
 #include "solve/ratio/pair_precision.h"
 #include "solve/ratio/pairs.h"
-#include "transport/incident.h"
 
 namespace relamp {
 
@@ -55,7 +55,7 @@ struct ViewRows {
 struct LightInformation {
     Eigen::MatrixXd all;  ///< of everything, priors included, 3n x 3n for n unknowns a channel, channel after channel
     std::array<Eigen::MatrixXd, 3>
-        observations;  ///< its part from looks at glossy surfaces, n x n per channel, empty without any
+        observations;  ///< its part from observations at glossy surfaces, n x n per channel, empty without any
     std::array<Eigen::VectorXd, 3> seen;  ///< its part from light seen directly, all of it on the diagonal
 };
 
@@ -78,14 +78,9 @@ struct AlbedoFreeReport {
 /// start and the result, and holds the best so far whenever `each(iteration, objective, rmse)` is told of an iteration.
 /// The objective never rises: its weights are taken anew while it anneals, and then once. Out of time it ends with what
 /// was best; rmse is the relative difference of the pairs (robustStep). `viewRows` may be null.
-AlbedoFreeReport solveAlbedoFree(const InfluenceMatrix& influence, const MatteObservations& matte,
+AlbedoFreeReport solveAlbedoFree(const InfluenceRows& influence, const MatteObservations& matte,
                                  const std::vector<AlbedoPair>& pairs, const LightAnchors& anchors,
                                  const ViewRows* viewRows, const AlbedoFreeOptions& options, Lighting& lighting,
                                  Progress& progress, const std::function<void(int, double, double)>& each);
-
-/// B'W B in double from float rows in fixed blocks, for W given as a sparse operator by rows: result = sum over i of
-/// row_i' t_i with t = W B computed by `weighted(i, out)`. `symmetric`: W is, and half of the work will do.
-Eigen::MatrixXd weightedGram(const InfluenceMatrix& influence, const std::function<void(size_t, float*)>& weighted,
-                             Progress& progress, bool symmetric = true);
 
 }  // namespace relamp

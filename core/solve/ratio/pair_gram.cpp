@@ -13,7 +13,7 @@ constexpr int panel = 32;  ///< columns a task computes: two registers of sixtee
 /// Rows begin ... begin + count of W B for `Blocks` blocks of channels, columns from ... from + panel: all of them in
 /// one pass over the partners.
 template <int Blocks>
-void weightRows(const InfluenceMatrix& rows, const ChannelWeights& weights, size_t begin, size_t count, size_t from,
+void weightRows(const InfluenceRows& rows, const ChannelWeights& weights, size_t begin, size_t count, size_t from,
                 RowMajor& out) {
     for (size_t i = 0; i < count; ++i) {
         float sum[Blocks][panel] = {};
@@ -28,7 +28,7 @@ void weightRows(const InfluenceMatrix& rows, const ChannelWeights& weights, size
 }
 
 /// The last columns, fewer than a panel: the others stay 0.
-void weightLastRows(const InfluenceMatrix& rows, const ChannelWeights& weights, size_t begin, size_t count, size_t from,
+void weightLastRows(const InfluenceRows& rows, const ChannelWeights& weights, size_t begin, size_t count, size_t from,
                     int blocks, RowMajor& out) {
     out.topRows(Index(count)).setZero();
     const int width = int(rows.columns - from);
@@ -43,8 +43,7 @@ void weightLastRows(const InfluenceMatrix& rows, const ChannelWeights& weights, 
 
 }  // namespace
 
-Eigen::MatrixXd channelGram(const InfluenceMatrix& rows, const ChannelWeights& weights, bool apart,
-                            Progress& progress) {
+Eigen::MatrixXd channelGram(const InfluenceRows& rows, const ChannelWeights& weights, bool apart, Progress& progress) {
     const Index n = Index(rows.columns);
     const int blocks = apart ? 3 : 6;
     Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(3 * n, 3 * n);
@@ -52,13 +51,14 @@ Eigen::MatrixXd channelGram(const InfluenceMatrix& rows, const ChannelWeights& w
         const Index from = Index(task) * panel, width = std::min<Index>(panel, n - from), down = n - from;
         RowMajor weighted{Index(block), Index(blocks * panel)};
         Eigen::MatrixXf product{n, Index(3 * panel)};
+        std::vector<float> scratch;
         for (size_t begin = 0; begin < rows.rows; begin += block) {
             progress.check();
             const size_t count = std::min(block, rows.rows - begin);
             if (width < panel) weightLastRows(rows, weights, begin, count, size_t(from), blocks, weighted);
             else if (apart) weightRows<3>(rows, weights, begin, count, size_t(from), weighted);
             else weightRows<6>(rows, weights, begin, count, size_t(from), weighted);
-            const Eigen::Map<const RowMajor> b(rows.row(begin), Index(count), n);
+            const Eigen::Map<const RowMajor> b(rows.block(begin, count, scratch), Index(count), n);
             // Within a channel W is symmetric: from the diagonal down, the rest is its mirror. Between channels it is
             // not.
             product.topRows(down).noalias() =

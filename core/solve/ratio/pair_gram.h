@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/progress.h"
-#include "transport/incident.h"
+#include "solve/ratio/influence_rows.h"
 
 namespace relamp {
 
@@ -23,6 +23,6 @@ struct ChannelWeights {
 /// blocks of one channel are wanted, the others are 0. Rows are read in blocks of 512 and every element is summed over
 /// them in order, so that nothing is held beside the result and bits do not depend on threads. Cost: 9 rows n^2
 /// multiplications (3 when apart) and one pass over each row's partners.
-Eigen::MatrixXd channelGram(const InfluenceMatrix& rows, const ChannelWeights& weights, bool apart, Progress& progress);
+Eigen::MatrixXd channelGram(const InfluenceRows& rows, const ChannelWeights& weights, bool apart, Progress& progress);
 
 }  // namespace relamp

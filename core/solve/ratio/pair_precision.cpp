@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "base/statistics.h"
 
 namespace relamp {
 namespace {
@@ -15,12 +16,6 @@ constexpr float leastFraction = 0.005f;
 /// 10 is best for the scale and hue of all of them.
 constexpr double togetherness = 4;
 constexpr size_t leastPairs = 64;
-
-float medianOf(std::vector<float>& v) {
-    const size_t k = v.size() / 2;
-    std::nth_element(v.begin(), v.begin() + std::ptrdiff_t(k), v.end());
-    return v[k];
-}
 
 }  // namespace
 
@@ -54,14 +49,14 @@ ChromaFraction chromaFraction(const std::vector<Rgb>& residual, const std::vecto
     parallelFor(bins, 1, [&](size_t bin) {
         std::vector<float> some;
         for (auto e = edge(bin); e != edge(bin + 1); ++e) some.push_back(e->square / e->noise);
-        noise[bin] = medianOf(some);
+        noise[bin] = medianOf(std::move(some));
     });
     fraction.noise = std::clamp(*std::min_element(noise.begin(), noise.end()), leastFraction, 1.0f);
     std::vector<float> model(entries.size());
     parallelFor(entries.size(), 8192, [&](size_t i) {
         model[i] = std::max(0.0f, entries[i].square - fraction.noise * entries[i].noise) / entries[i].model;
     });
-    fraction.model = std::clamp(medianOf(model), leastFraction, 1.0f);
+    fraction.model = std::clamp(medianOf(std::move(model)), leastFraction, 1.0f);
     return fraction;
 }
 

@@ -7,10 +7,99 @@
 #include "base/random.h"
 
 namespace relamp {
+namespace {
+
+constexpr uint32_t noPlace = ~0u;
+
+/// Partners across a corner, through a grid of buckets as wide as a few edges of the mesh.
+class CornerPartners {
+public:
+    /// `place[v]`: the observation of a vertex that may have partners, else noPlace.
+    CornerPartners(const Scene& scene, const MatteObservations& matte, const std::vector<uint32_t>& place,
+                   float cornerCosine)
+        : scene_(scene), matte_(matte), cornerCosine_(cornerCosine), corner_(std::acos(cornerCosine) - 1e-3f) {
+        double spacing = 0;
+        for (uint32_t v : matte.vertices) spacing += scene.vertexSpacing[v];
+        reach_ = matte.vertices.empty() ? 0 : float(5 * spacing / double(matte.vertices.size()));
+        if (!(reach_ > 0)) return;
+        for (uint32_t i = 0; i < matte.vertices.size(); ++i) {
+            if (place[matte.vertices[i]] == noPlace) continue;
+            Bucket& bucket = buckets_[keyOf(scene.mesh.positions[matte.vertices[i]], 0, 0, 0)];
+            bucket.observations.push_back(i);
+            bucket.axis += scene.mesh.normals[matte.vertices[i]];
+        }
+        for (auto& [key, bucket] : buckets_) {
+            const float length = glm::length(bucket.axis);
+            bucket.axis = length > 0 ? bucket.axis / length : Vec3(0, 0, 1);
+            for (const uint32_t i : bucket.observations)
+                bucket.spread = std::max(bucket.spread, angle(bucket.axis, scene.mesh.normals[matte.vertices[i]]));
+        }
+    }
+
+    bool any() const { return reach_ > 0; }
+
+    /// The two nearest. Regular meshes hold many that are equally near, and rounding must not choose among them.
+    void nearest(uint32_t i, float weight, std::vector<AlbedoPair>& out) const {
+        thread_local std::vector<std::pair<float, uint32_t>> near;  // squared distance and observation
+        near.clear();
+        collect(matte_.vertices[i], near);
+        constexpr size_t few = 16;
+        const auto sorted = near.begin() + ptrdiff_t(std::min(few, near.size()));
+        std::partial_sort(near.begin(), sorted, near.end());
+        if (sorted != near.end() && !(near[few - 1].first > near[1].first * (1 + 1e-4f)))
+            std::sort(near.begin(), near.end());
+        for (size_t kept = 0; kept < 2 && kept < near.size(); ++kept) {
+            size_t last = kept + 1;
+            while (last < near.size() && near[last].first <= near[kept].first * (1 + 1e-4f)) ++last;
+            const auto chosen = std::min_element(
+                near.begin() + ptrdiff_t(kept), near.begin() + ptrdiff_t(last), [&](const auto& a, const auto& b) {
+                    return scene_.rank[matte_.vertices[a.second]] < scene_.rank[matte_.vertices[b.second]];
+                });
+            std::iter_swap(near.begin() + ptrdiff_t(kept), chosen);
+            out.push_back({i, near[kept].second, weight});
+        }
+    }
+
+private:
+    /// Most buckets are smooth: those whose normals all lie near the asking one hold no corner.
+    struct Bucket {
+        std::vector<uint32_t> observations;
+        Vec3 axis{0};
+        float spread = 0;  ///< largest angle to the axis
+    };
+
+    static float angle(const Vec3& a, const Vec3& b) { return std::acos(std::clamp(glm::dot(a, b), -1.0f, 1.0f)); }
+    uint64_t keyOf(const Vec3& p, int dx, int dy, int dz) const {
+        const auto cell = [&](float x) { return int64_t(std::floor(x / reach_)); };
+        return mixBits(mixBits(mixBits(uint64_t(cell(p.x) + dx)) ^ uint64_t(cell(p.y) + dy)) ^
+                       uint64_t(cell(p.z) + dz));
+    }
+    void collect(uint32_t v, std::vector<std::pair<float, uint32_t>>& near) const {
+        const Vec3 p = scene_.mesh.positions[v], normal = scene_.mesh.normals[v];
+        for (int k = 0; k < 27; ++k) {
+            const auto at = buckets_.find(keyOf(p, k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
+            if (at == buckets_.end() || angle(normal, at->second.axis) + at->second.spread < corner_) continue;
+            for (uint32_t j : at->second.observations) {
+                const uint32_t u = matte_.vertices[j];
+                if (scene_.component[u] != scene_.component[v] ||
+                    glm::dot(scene_.mesh.normals[u], normal) > cornerCosine_)
+                    continue;
+                const Vec3 d = scene_.mesh.positions[u] - p;
+                if (const float d2 = glm::dot(d, d); d2 < reach_ * reach_) near.emplace_back(d2, j);
+            }
+        }
+    }
+
+    const Scene& scene_;
+    const MatteObservations& matte_;
+    float cornerCosine_, corner_, reach_ = 0;
+    std::unordered_map<uint64_t, Bucket> buckets_;
+};
+
+}  // namespace
 
 std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations& matte, const PairOptions& options) {
-    constexpr uint32_t none = ~0u;
-    std::vector<uint32_t> place(scene.mesh.vertexCount(), none);
+    std::vector<uint32_t> place(scene.mesh.vertexCount(), noPlace);
     for (uint32_t i = 0; i < matte.vertices.size(); ++i)
         if (matte.componentGlossy[scene.component[matte.vertices[i]]] < 2) place[matte.vertices[i]] = i;
     const VertexGraph& graph = scene.graph;
@@ -22,7 +111,7 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
         std::vector<std::vector<AlbedoPair>> parts((matte.vertices.size() + block - 1) / block);
         parallelBlocks(matte.vertices.size(), block, [&](size_t begin, size_t end) {
             for (size_t i = begin; i < end; ++i)
-                if (place[matte.vertices[i]] != none) of(uint32_t(i), parts[begin / block]);
+                if (place[matte.vertices[i]] != noPlace) of(uint32_t(i), parts[begin / block]);
         });
         for (const std::vector<AlbedoPair>& part : parts) pairs.insert(pairs.end(), part.begin(), part.end());
     };
@@ -36,7 +125,7 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
         const uint32_t v = matte.vertices[i];
         for (uint32_t e = graph.start[v]; e < graph.start[v + 1]; ++e) {
             const uint32_t j = place[graph.to[e]];
-            if (j != none && i < j) out.push_back({i, j, 1});
+            if (j != noPlace && i < j) out.push_back({i, j, 1});
         }
         uint64_t bits = mixBits(options.seed * 0x1000003 + scene.rank[v]);
         uint32_t at = v;
@@ -48,13 +137,13 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
                 bits = mixBits(bits);
                 at = ways[graph.start[at] + bits % degree];
             }
-            if (at != v && place[at] != none) out.push_back({i, place[at], length == 36 ? 0.5f : 0.7f});
+            if (at != v && place[at] != noPlace) out.push_back({i, place[at], length == 36 ? 0.5f : 0.7f});
         }
     });
     // Long pairs: anywhere on the component, where the surface faces alike.
     std::vector<std::vector<uint32_t>> ofComponent(scene.components);
     for (uint32_t i = 0; i < matte.vertices.size(); ++i)
-        if (place[matte.vertices[i]] != none) ofComponent[scene.component[matte.vertices[i]]].push_back(i);
+        if (place[matte.vertices[i]] != noPlace) ofComponent[scene.component[matte.vertices[i]]].push_back(i);
     for (std::vector<uint32_t>& list : ofComponent)
         std::sort(list.begin(), list.end(), [&](uint32_t a, uint32_t b) {
             return scene.rank[matte.vertices[a]] < scene.rank[matte.vertices[b]];
@@ -73,73 +162,9 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
             ++kept;
         }
     });
-    // Corner pairs through a grid of buckets as wide as a few edges of the mesh.
-    double spacing = 0;
-    for (uint32_t v : matte.vertices) spacing += scene.vertexSpacing[v];
-    const float reach = matte.vertices.empty() ? 0 : float(5 * spacing / double(matte.vertices.size()));
-    if (!(reach > 0)) return pairs;
-    const auto keyOf = [&](const Vec3& p, int dx, int dy, int dz) {
-        const auto cell = [&](float x) { return int64_t(std::floor(x / reach)); };
-        return mixBits(mixBits(mixBits(uint64_t(cell(p.x) + dx)) ^ uint64_t(cell(p.y) + dy)) ^
-                       uint64_t(cell(p.z) + dz));
-    };
-    // Most buckets are smooth: those whose normals all lie near the asking one hold no corner.
-    struct Bucket {
-        std::vector<uint32_t> observations;
-        Vec3 axis{0};
-        float spread = 0;  ///< largest angle to the axis
-    };
-    std::unordered_map<uint64_t, Bucket> buckets;
-    for (uint32_t i = 0; i < matte.vertices.size(); ++i) {
-        if (place[matte.vertices[i]] == none) continue;
-        Bucket& bucket = buckets[keyOf(scene.mesh.positions[matte.vertices[i]], 0, 0, 0)];
-        bucket.observations.push_back(i);
-        bucket.axis += scene.mesh.normals[matte.vertices[i]];
-    }
-    const auto angle = [](const Vec3& a, const Vec3& b) { return std::acos(std::clamp(glm::dot(a, b), -1.0f, 1.0f)); };
-    for (auto& [key, bucket] : buckets) {
-        const float length = glm::length(bucket.axis);
-        bucket.axis = length > 0 ? bucket.axis / length : Vec3(0, 0, 1);
-        for (const uint32_t i : bucket.observations)
-            bucket.spread = std::max(bucket.spread, angle(bucket.axis, scene.mesh.normals[matte.vertices[i]]));
-    }
-    const float corner = std::acos(options.cornerCosine) - 1e-3f;
-    append([&](uint32_t i, std::vector<AlbedoPair>& out) {
-        const uint32_t v = matte.vertices[i];
-        thread_local std::vector<std::pair<float, uint32_t>>
-            near;  // squared distance and observation of those within reach
-        const Vec3 p = scene.mesh.positions[v], normal = scene.mesh.normals[v];
-        near.clear();
-        for (int k = 0; k < 27; ++k) {
-            const auto at = buckets.find(keyOf(p, k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
-            if (at == buckets.end() || angle(normal, at->second.axis) + at->second.spread < corner) continue;
-            for (uint32_t j : at->second.observations) {
-                const uint32_t u = matte.vertices[j];
-                if (scene.component[u] != scene.component[v] ||
-                    glm::dot(scene.mesh.normals[u], normal) > options.cornerCosine)
-                    continue;
-                const Vec3 d = scene.mesh.positions[u] - p;
-                if (const float d2 = glm::dot(d, d); d2 < reach * reach) near.emplace_back(d2, j);
-            }
-        }
-        // The two nearest such partners. Regular meshes hold many that are equally near, and rounding must not choose
-        // among them.
-        constexpr size_t few = 16;
-        const auto sorted = near.begin() + ptrdiff_t(std::min(few, near.size()));
-        std::partial_sort(near.begin(), sorted, near.end());
-        if (sorted != near.end() && !(near[few - 1].first > near[1].first * (1 + 1e-4f)))
-            std::sort(near.begin(), near.end());
-        for (size_t kept = 0; kept < 2 && kept < near.size(); ++kept) {
-            size_t last = kept + 1;
-            while (last < near.size() && near[last].first <= near[kept].first * (1 + 1e-4f)) ++last;
-            const auto chosen = std::min_element(
-                near.begin() + ptrdiff_t(kept), near.begin() + ptrdiff_t(last), [&](const auto& a, const auto& b) {
-                    return scene.rank[matte.vertices[a.second]] < scene.rank[matte.vertices[b.second]];
-                });
-            std::iter_swap(near.begin() + ptrdiff_t(kept), chosen);
-            out.push_back({i, near[kept].second, options.cornerWeight});
-        }
-    });
+    const CornerPartners corners(scene, matte, place, options.cornerCosine);
+    if (corners.any())
+        append([&](uint32_t i, std::vector<AlbedoPair>& out) { corners.nearest(i, options.cornerWeight, out); });
     return pairs;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 #include "scene/scene.h"
 #include "solve/gloss/matte.h"
+#include "solve/ratio/ratio_residual.h"
 
 namespace relamp {
 
@@ -18,13 +19,6 @@ struct PairOptions {
     float longWeight = 0.5f;
     float longCosine = 0.7f;  ///< normals less than 45 degrees apart
 };
-
-/// Square of a pair's relative difference, bent (Cauchy, 0.05) so that pairs across a real edge of albedo do not rule a
-/// mean.
-inline double robustStep(double difference) {
-    constexpr double bend = 0.05 * 0.05;
-    return bend * std::log1p(difference * difference / bend);
-}
 
 /// Mesh edges, the ends of short random walks on the mesh, corner pairs (near in space, differently oriented: decisive
 /// where faces are planar), and long pairs (anywhere on the same component, facing alike). Errors of the model are as

@@ -5,6 +5,7 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "base/statistics.h"
 #include "solve/unobserved/unobserved_light_fit.h"
 
 namespace relamp {
@@ -25,8 +26,7 @@ Extent extentOf(const UnobservedLightData& data) {
     for (const Vec3& p : data.positions) e.middle += p / float(data.positions.size());
     std::vector<float> away;
     for (const Vec3& p : data.positions) away.push_back(glm::length(p - e.middle));
-    std::nth_element(away.begin(), away.begin() + ptrdiff_t(away.size() * 9 / 10), away.end());
-    e.radius = away[away.size() * 9 / 10];
+    e.radius = selectRank(away, away.size() * 9 / 10);
     return e;
 }
 
@@ -111,9 +111,7 @@ UnobservedLightSearch findUnobservedLight(const Capture& capture, const Scene& s
         return search;
     }
     const Extent extent = extentOf(coarse);
-    std::vector<double> sorted = coarse.radiance;
-    std::nth_element(sorted.begin(), sorted.begin() + ptrdiff_t(sorted.size() / 2), sorted.end());
-    const float bright = 10 * float(sorted[sorted.size() / 2]);
+    const float bright = 10 * float(medianOf(coarse.radiance));
 
     const std::vector<Vec3> places = placesAround(extent);
     std::vector<Vec3> distant;

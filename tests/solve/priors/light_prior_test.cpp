@@ -28,7 +28,7 @@ TEST(LightPrior, LightThatNothingReceivesExcusesNoDifferences) {
     test::SmallProblem p = test::smallProblem();
     const size_t unobserved = 20;
     for (size_t r = 0; r < p.influence.rows; ++r) p.influence.row(r)[unobserved] = 0;
-    const LightPrior prior(p.truth.leaves, p.anchors, {}, &p.influence);
+    const LightPrior prior(p.truth.leaves, p.anchors, {}, p.influence);
     Eigen::VectorXd x = unknowns(p.truth, 0);
     x(Eigen::Index(unobserved)) = 0;
     const double before = prior.value(x, 0);
@@ -104,7 +104,7 @@ TEST(LightPrior, PullsASeenLeafToWhatWasSeen) {
 
 TEST(LightPrior, HueDoesNotCareForTheBalanceOfTheChannels) {
     const test::SmallProblem p = test::smallProblem();
-    const LightPrior prior(p.truth.leaves, p.anchors, {}, &p.influence);
+    const LightPrior prior(p.truth.leaves, p.anchors, {}, p.influence);
     Eigen::VectorXd x[3] = {unknowns(p.truth, 0), unknowns(p.truth, 1), unknowns(p.truth, 2)};
     const double before = prior.hueValue(x);
     EXPECT_GT(before, 0);
@@ -119,7 +119,7 @@ TEST(LightPrior, HueDoesNotCareForTheBalanceOfTheChannels) {
 
 TEST(LightPrior, TheModelOfHueHasTheGradientOfItsValue) {
     const test::SmallProblem p = test::smallProblem();
-    const LightPrior prior(p.truth.leaves, p.anchors, {}, &p.influence);
+    const LightPrior prior(p.truth.leaves, p.anchors, {}, p.influence);
     Eigen::VectorXd x[3] = {unknowns(p.truth, 0), unknowns(p.truth, 1), unknowns(p.truth, 2)};
     const Eigen::Index n = x[0].size();
     Eigen::MatrixXd q = Eigen::MatrixXd::Zero(3 * n, 3 * n);

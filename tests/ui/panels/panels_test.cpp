@@ -91,6 +91,27 @@ TEST(QualityBanner, namesTheCauseOfAPoorEstimateUntilItIsClosed) {
     EXPECT_FALSE(qualityBannerShown(editor));
 }
 
+TEST(InterruptedEstimate, isOfferedAboveTheButtonUntilItIsThrownAway) {
+    Panels p;
+    p.openCapture();
+    Editor& editor = *p.editor;
+    EXPECT_FALSE(interruptedOfferShown(editor));
+    InterruptedEstimate offer;
+    offer.record = p.folder / "one.estimate.json";
+    offer.captureFolder = offer.project = editor.state.document.captureFolder;
+    offer.time = "2026-11-21 14:03:11";
+    offer.seconds = 12;
+    editor.state.interrupted = offer;
+    ASSERT_TRUE(interruptedOfferShown(editor));
+    p.windowSize(400, 200);
+    p.frame([&] { drawEstimateButton(editor); });
+    EXPECT_TRUE(p.find(Panels::idOf("test", {"Go on with the interrupted estimate"})).has_value());
+    const auto discard = p.find(Panels::idOf("test", {"##discard interrupted"}));
+    ASSERT_TRUE(discard.has_value());
+    p.click(*discard);
+    EXPECT_FALSE(interruptedOfferShown(editor));
+}
+
 TEST(PanelDrawing, everythingDrawsWithoutADocument) {
     Panels p;
     drawEverything(p);

@@ -1,0 +1,272 @@
+#include "command_line.h"
+
+#include <CLI/CLI.hpp>
+
+#include "capture/capture_formats.h"
+
+namespace relamp::cli {
+namespace {
+
+/// How the capture's files are to be read: the same options for every verb that takes a capture.
+void addCaptureOptions(CLI::App& verb, CaptureFix& fix) {
+    verb.add_option("--colmap", fix.colmap,
+                    "Folder of a COLMAP model (cameras, images, points3D as .bin or .txt), for example sparse/0");
+    verb.add_option("--images", fix.images, "Folder of the photographs");
+    verb.add_option("--mesh", fix.mesh, "Mesh: PLY, OBJ, STL or OFF");
+    verb.add_option("--up", fix.up, "What is up in the files: x, y, z, -x, -y, -z or three numbers X,Y,Z");
+    verb.add_option("--scale", fix.scale, "Metres one unit of the files is long")->check(CLI::PositiveNumber);
+    verb.add_option("--mesh-scale", fix.meshScale, "Units of the cameras one unit of the mesh is long")
+        ->check(CLI::PositiveNumber);
+    verb.add_option("--smooth-normals", fix.smoothNormals,
+                    "Rounds of smoothing for the normals of a noisy mesh; unless given, a solve asks the photographs")
+        ->check(CLI::Range(0, 100));
+    verb.add_flag("--flip-cameras", fix.flipCameras, "Camera matrices have OpenCV's axes (Y down, looking along +Z)");
+    verb.add_option_function<std::vector<std::string>>(
+            "--proxy-light",
+            [&fix](const std::vector<std::string>& lights) {
+                try {
+                    for (const std::string& light : lights) fix.proxies.push_back(proxyLightOf(light));
+                } catch (const UsageError& error) { throw CLI::ValidationError(error.what()); }
+            },
+            "A light that the mesh does not hold: X,Y,Z or X,Y,Z,RADIUS in metres of relamp's world (Z up); its power "
+            "is solved for. May be given more than once")
+        ->allow_extra_args(false)
+        ->take_all();
+    verb.add_flag("--from-brackets", fix.fromBrackets, "Merge the frames' exposures even where HDR images are named");
+}
+
+/// What is to be estimated and how: the same options for `solve` and `plan`.
+void addSolveOptions(CLI::App& verb, SolveArguments& solve) {
+    verb.add_option("capture", solve.capture, "Capture folder with " + captureMarks())->required();
+    verb.add_option("--mode", solve.mode, "near-field, or distant-only: the baseline that knows no lights")
+        ->check(CLI::IsMember({"near-field", "distant-only"}))
+        ->capture_default_str();
+    verb.add_option("--quality", solve.quality, "draft, standard or fine")
+        ->check(CLI::IsMember({"draft", "standard", "fine"}))
+        ->capture_default_str();
+    verb.add_option("--bounce", solve.bounce,
+                    "Light that surfaces send each other: auto (as the photographs say), on, off")
+        ->check(CLI::IsMember({"auto", "on", "off"}))
+        ->capture_default_str();
+    verb.add_option("--smooth-light", solve.smoothLight,
+                    "How smooth distant light is taken to be: a factor on the usual, or auto (as photographs that "
+                    "are left out say)")
+        ->capture_default_str();
+    verb.add_option("--smooth-surfaces", solve.smoothSurfaces, "The same for the colour of surfaces")
+        ->capture_default_str();
+    verb.add_option(
+            "--basis", solve.basis,
+            "Lobes that surfaces may have: built-in (13), wide (55, a component takes up to three), lambert (none)")
+        ->check(CLI::IsMember({"built-in", "wide", "lambert"}))
+        ->capture_default_str();
+    verb.add_option("--merl", solve.merl,
+                    "Folder of measured reflectance (MERL .binary files): each joins the basis as one lobe");
+    verb.add_option("--palette", solve.palette,
+                    "How many materials of one colour each the scene has, where it has few; 0: nothing is said")
+        ->check(CLI::Range(0, 64))
+        ->capture_default_str();
+    verb.add_option("--photometric", solve.photometric,
+                    "Exposure, white balance and lens fall-off that differ between photographs: taken out where "
+                    "they clearly do (auto), or off")
+        ->check(CLI::IsMember({"auto", "off"}))
+        ->capture_default_str();
+    verb.add_option("--mesh-triangles", solve.meshTriangles,
+                    "About how many triangles of the mesh the solve uses; 0 for all. Unless given, meshes above "
+                    "300000 are solved on 150000; the shot has the whole mesh")
+        ->check(CLI::NonNegativeNumber);
+    verb.add_option("--grid-side", solve.gridSide, "Side of the visibility grid (power of two)");
+    verb.add_option("--threads", solve.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
+    verb.add_option("--seed", solve.seed, "Seed of every random choice")->capture_default_str();
+    verb.add_flag("--find-light", solve.findLight,
+                  "Look for a light that no photograph shows, by its shading and shadows");
+    verb.add_flag("--everything", solve.everything, "Leave nothing out beforehand: every part of the model is fitted");
+    addCaptureOptions(verb, solve.fix);
+}
+
+CLI::App* addEdit(CLI::App& app, CommandLine& line) {
+    CLI::App* verb = app.add_subcommand("edit", "Open the window (starts relamp-editor)");
+    verb->add_option("path", line.editPath, "Capture folder or saved shot");
+    return verb;
+}
+
+CLI::App* addCheck(CLI::App& app, CommandLine& line) {
+    CLI::App* verb =
+        app.add_subcommand("check", "Import doctor: poses, coverage, exposure, clipped pixels, mesh defects");
+    verb->add_option("capture", line.path, "Capture folder")->required();
+    verb->add_flag("--json", line.json, "One JSON object");
+
+    addCaptureOptions(*verb, line.fix);
+    return verb;
+}
+
+CLI::App* addPlan(CLI::App& app, CommandLine& line) {
+    CLI::App* verb = app.add_subcommand(
+        "plan", "What a solve would do and what it would leave out, why, and what that takes and saves");
+    addSolveOptions(*verb, line.solve);
+    verb->add_flag("--json", line.json, "One JSON object");
+    return verb;
+}
+
+CLI::App* addSolve(CLI::App& app, CommandLine& line) {
+    CLI::App* verb = app.add_subcommand("solve", "Separate distant light, emitters and reflectance");
+    addSolveOptions(*verb, line.solve);
+    verb->add_option("-o,--output", line.solve.output, "Shot folder, NAME.relamp")->required();
+    verb->add_option("--time-budget", line.solve.timeBudget, "Seconds after which the best answer so far is kept")
+        ->check(CLI::NonNegativeNumber);
+    verb->add_option("--gauge", line.solve.gauge,
+                     "What fixes the brightness scale: auto, white-patch=V,X,Y, emitter=ID:R,G,B, albedo=A")
+        ->capture_default_str();
+    verb->add_flag(
+        "--resume", line.solve.resume,
+        "Go on from the checkpoint that a killed or interrupted solve of the same capture left beside the shot");
+    verb->add_flag("--accept-poor", line.solve.acceptPoor,
+                   "End with 0 and not with 4 where the photographs are badly explained");
+    verb->add_flag("--overwrite", line.solve.overwrite, "Replace an existing shot");
+    return verb;
+}
+
+CLI::App* addRender(CLI::App& app, CommandLine& line) {
+    CLI::App* verb = app.add_subcommand("render", "Relit frames");
+    verb->add_option("shot", line.render.shot, "Shot folder")->required();
+    verb->add_option("-o,--output", line.render.output,
+                     "Image (EXR, or PNG/JPEG for a look); with several frames a name with #### or %04d")
+        ->required();
+    verb->add_option("--edits", line.render.edits,
+                     "Edits document (JSON) in place of the shot's own look; with `keys` it changes over the frames");
+    verb->add_option("--env", line.render.environment, "A latitude-longitude file, none, or recovered");
+    verb->add_option("--env-yaw", line.render.yaw, "Degrees about the vertical");
+    verb->add_option("--camera", line.render.camera,
+                     "A view's number, a camera file, all, turntable:N, or path:V,V,...:N (a spline through views)")
+        ->capture_default_str();
+    verb->add_option("--frames", line.render.frames, "Of a sequence: 1-3,5,7-20:2");
+    verb->add_option("--size", line.render.size, "WxH in place of the camera's own");
+    verb->add_option("--layers", line.render.layers,
+                     "all, or names: groups, albedo, correction, residual, normal, position, depth, cryptomatte");
+    verb->add_option("--naming", line.render.naming, "Light groups as Combined_GROUP (blender) or RGBA_GROUP (arnold)")
+        ->check(CLI::IsMember({"blender", "arnold"}))
+        ->capture_default_str();
+    verb->add_flag("--multipart", line.render.multipart, "One part a layer");
+    verb->add_option("--ratio", line.render.ratio,
+                     "Relight the photograph itself: x new / old (quotient), or + new - old (difference)")
+        ->expected(0, 1)
+        ->default_str("quotient")
+        ->check(CLI::IsMember({"quotient", "difference"}));
+    verb->add_option("--view", line.render.view,
+                     "What PNG and JPEG show: standard (sRGB), auto (exposed by itself), raw")
+        ->check(CLI::IsMember({"standard", "auto", "raw"}))
+        ->capture_default_str();
+    verb->add_option("--samples", line.render.samples, "Samples a pixel")->check(CLI::PositiveNumber);
+    verb->add_option("--threads", line.render.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
+    verb->add_option("--seed", line.render.seed, "Seed of the sampling")->capture_default_str();
+    verb->add_flag("--skip-existing", line.render.skipExisting, "Leave frames that exist");
+    return verb;
+}
+
+CLI::App* addExport(CLI::App& app, CommandLine& line) {
+    CLI::App* verb = app.add_subcommand(
+        "export", "The scene for other programs: lights as JSON, USD and glTF, environment, materials, cameras");
+    verb->add_option("shot", line.exported.shot, "Shot folder")->required();
+    verb->add_option("-o,--output", line.exported.output, "Folder for the files")->required();
+    verb->add_option("--edits", line.exported.edits, "Edits document (JSON) in place of the shot's own look");
+    verb->add_option("--threads", line.exported.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
+    verb->add_flag("--overwrite", line.exported.overwrite, "Write into a folder that holds something");
+    return verb;
+}
+
+CLI::App* addCompare(CLI::App& app, CommandLine& line) {
+    CLI::App* verb =
+        app.add_subcommand("compare", "Near-field against distant-only: figures and images in one HTML page");
+    verb->add_option("capture", line.compare.capture, "Capture folder")->required();
+    verb->add_option("-o,--output", line.compare.output, "Folder for the page")->required();
+    verb->add_option("--quality", line.compare.quality, "draft, standard or fine")
+        ->check(CLI::IsMember({"draft", "standard", "fine"}))
+        ->capture_default_str();
+    verb->add_option("--threads", line.compare.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
+    verb->add_option("--seed", line.compare.seed, "Seed of every random choice")->capture_default_str();
+
+    addCaptureOptions(*verb, line.compare.fix);
+    return verb;
+}
+
+CLI::App* addMerge(CLI::App& app, CommandLine& line) {
+    CLI::App* verb = app.add_subcommand("merge-hdr", "Radiance from photographs of one view at several exposures");
+    verb->add_option("images", line.merge.images, "Photographs, 8 or 16 bit, or camera raw")->required()->expected(-2);
+    verb->add_option("-o,--output", line.merge.output, "Image, .exr or .hdr")->required();
+    verb->add_option("--times", line.merge.times, "Exposure times in seconds, with commas, in place of EXIF's");
+    verb->add_option("--response", line.merge.response, "Write the camera's response curve (JSON)");
+    verb->add_option("--use-response", line.merge.useResponse,
+                     "Use a curve written with --response, so that several sets get one scale");
+    verb->add_option("--ghosts", line.merge.ghosts, "Write a mask: black where something moved between the exposures");
+    verb->add_flag("--keep-ghosts", line.merge.keepGhosts, "Average all exposures, whether or not they agree");
+    verb->add_flag("--no-align", line.merge.noAlign, "Do not shift hand-held exposures onto each other");
+    verb->add_option("--smoothness", line.merge.smoothness, "Of the response curve")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
+    verb->add_option("--threads", line.merge.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
+    return verb;
+}
+
+CLI::App* addReport(CLI::App& app, CommandLine& line) {
+    CLI::App* verb = app.add_subcommand(
+        "report",
+        "How a shot was solved: error against run time, per view, spectrum, what was left out; one HTML page");
+    verb->add_option("shot", line.report.shot, "Shot folder")->required();
+    verb->add_option("-o,--output", line.report.output, "HTML page; CSV and SVG files go beside it")->required();
+    verb->add_option(
+            "--against-distant", line.report.againstDistant,
+            "Solve the capture with distant light only as well: auto (when it takes less than a minute), on, off")
+        ->check(CLI::IsMember({"auto", "on", "off"}))
+        ->capture_default_str();
+    verb->add_option("--truth", line.report.truth, "Folder of known truth: vertices.ply, env.exr, relight.json");
+    verb->add_option("--threads", line.report.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
+    return verb;
+}
+
+CLI::App* addStress(CLI::App& app, CommandLine& line) {
+    CLI::App* verb = app.add_subcommand("stress", "Stiff and extreme variants: a stability table");
+    verb->add_option("path", line.stress.path, "Capture or shot folder")->required();
+    verb->add_option("--only", line.stress.only, "Only cases whose name holds this text");
+    verb->add_flag("--json", line.stress.json, "One JSON object");
+    verb->add_option("--threads", line.stress.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
+    return verb;
+}
+
+CLI::App* addInfo(CLI::App& app, CommandLine& line) {
+    CLI::App* verb = app.add_subcommand("info", "What is in a shot or a capture");
+    verb->add_option("path", line.path, "Shot or capture folder")->required();
+    verb->add_flag("--json", line.json, "One JSON object");
+    addCaptureOptions(*verb, line.fix);
+    return verb;
+}
+
+}  // namespace
+
+std::optional<CommandLine> parseCommandLine(int argc, char** argv, int& exitCode) {
+    CLI::App app{"relamp: relight a captured scene. It separates what the lights did from what the surfaces are."};
+    app.set_version_flag("--version", "relamp " RELAMP_VERSION);
+    app.require_subcommand(1);
+    CommandLine line;
+    app.add_option("--progress", line.progressMode, "Progress on stderr")
+        ->check(CLI::IsMember({"auto", "bar", "json", "none"}));
+    app.add_flag("--quiet", line.quiet, "No log lines");
+    app.fallthrough();
+    const std::pair<CLI::App*, Verb> verbs[] = {
+        {addEdit(app, line), Verb::edit},       {addCheck(app, line), Verb::check},
+        {addPlan(app, line), Verb::plan},       {addSolve(app, line), Verb::solve},
+        {addRender(app, line), Verb::render},   {addExport(app, line), Verb::exportShot},
+        {addCompare(app, line), Verb::compare}, {addMerge(app, line), Verb::mergeHdr},
+        {addReport(app, line), Verb::report},   {addStress(app, line), Verb::stress},
+        {addInfo(app, line), Verb::info},
+    };
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        exitCode = app.exit(error) == 0 ? 0 : 2;
+        return std::nullopt;
+    }
+    for (const auto& [verb, name] : verbs)
+        if (*verb) line.verb = name;
+    return line;
+}
+
+}  // namespace relamp::cli

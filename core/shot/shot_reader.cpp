@@ -1,0 +1,196 @@
+// What the document of shot.json says of a shot. Version 2 only: older documents are upgraded first.
+#include "base/error.h"
+#include "capture/load_capture.h"
+#include "pipeline/reproduction.h"
+#include "shot/shot_document.h"
+
+namespace relamp {
+namespace {
+namespace fs = std::filesystem;
+
+std::string text(const JsonFields& fields, const char* key, const std::string& fallback = "") {
+    return fields.get<std::string>(key, fallback);
+}
+
+void readEmitters(const JsonFields& document, Estimate& e, std::vector<DVec3>& centroids) {
+    document.need("emitters");
+    for (const JsonFields& f : document.list("emitters")) {
+        EmitterCluster c;
+        c.id = text(f, "id", fmt::format("emitter-{}", centroids.size() + 1));
+        c.radiance = f.get<Vec3>("radiance");
+        for (int k = 0; k < 3; ++k)
+            if (c.radiance[k] < 0)
+                throw Error("{}[{}]: is {}, expected 0 or more", f.name("radiance"), k, c.radiance[k]);
+        centroids.push_back(f.get<DVec3>("centroid"));
+        c.normal = f.get("normal", Vec3(0));
+        c.area = f.get("area_m2", 0.0f);
+        c.twoSided = f.get("two_sided", false);
+        c.unobserved = f.get("unobserved", false);
+        c.positionSigma = f.get("position_stddev", Vec3(0));
+        c.evidence.viewsSeen = f.get("views_seen", 0);
+        c.evidence.clippedFraction = f.get("clipped_fraction", 0.0f);
+        if (f.has("radiance_stddev")) e.emitterSigma.push_back(f.get<Vec3>("radiance_stddev"));
+        e.identifiability.push_back(f.get("identifiability", 0.0f));
+        e.lighting.emitterRadiance.push_back(c.radiance);
+        e.emitters.emitters.push_back(std::move(c));
+    }
+}
+
+/// The file a measured lobe comes from: a copy in the shot's own folder `merl` goes first, so that a shot can be given
+/// away with what it needs.
+std::shared_ptr<const MeasuredGloss> measuredOf(const JsonFields& lobe, const fs::path& folder) {
+    const fs::path named = text(lobe, "file");
+    if (named.empty()) throw Error("{}: is missing", lobe.name("file"));
+    std::error_code failed;
+    const fs::path copy = folder / "merl" / named.filename(),
+                   file = fs::exists(copy, failed) ? copy : (fs::absolute(folder) / named).lexically_normal();
+    if (!fs::exists(file, failed))
+        throw Error(
+            "{}: {} is not there; the shot was solved with this measured reflectance, put the file there or into the "
+            "shot's folder merl",
+            lobe.name("file"), file.string());
+    return std::make_shared<const MeasuredGloss>(glossOf(readMerl(file), file));
+}
+
+BrdfBasis basisOf(const JsonFields& document, const fs::path& folder) {
+    BrdfBasis basis;
+    document.need("basis");
+    for (const JsonFields& l : document.list("basis")) {
+        const std::string kind = text(l, "kind", "lambert");
+        Lobe lobe;
+        int k = 0;
+        while (k < int(Lobe::Kind::mixture) && kind != kindName(Lobe::Kind(k))) ++k;
+        if (k == int(Lobe::Kind::mixture))
+            throw Error(
+                "{}: is {}, expected lambert, ggx, ggx_dielectric, ggx_grazing, cook_torrance, ward, lafortune_back, "
+                "lafortune_forward or measured",
+                l.name("kind"), kind);
+        lobe.kind = Lobe::Kind(k);
+        if (lobe.kind == Lobe::Kind::measured) lobe.measured = measuredOf(l, folder);
+        lobe.alpha = l.get("alpha", 1.0f);
+        if (!(lobe.alpha > 0)) throw Error("{}: is {}, expected more than 0", l.name("alpha"), lobe.alpha);
+        lobe.name = text(l, "name", kind);
+        basis.lobes.push_back(lobe);
+    }
+    if (basis.lobes.empty() || basis.lobes[0].kind != Lobe::Kind::lambert) throw Error("basis: expected lambert first");
+    return basis;
+}
+
+/// What is null or absent of a plan is not known.
+SolvePlan planOf(const JsonFields& object) {
+    SolvePlan plan;
+    for (const JsonFields& s : object.list("stages"))
+        plan.stages.push_back({text(s, "name"), s.get("predicted_s", -1.0), s.get("measured_s", -1.0),
+                               s.get("predicted_mib", -1.0), s.get("measured_mib", -1.0)});
+    for (const JsonFields& o : object.list("left_out"))
+        plan.leftOut.push_back({text(o, "what"), text(o, "reason"), o.get("saved_s", 0.0), o.get("saved_mib", 0.0)});
+    plan.planningSeconds = object.get("planning_s", 0.0);
+    return plan;
+}
+
+/// How well the photographs are explained; the first shots do not say it.
+Reproduction reproductionOf(const JsonFields& object) {
+    Reproduction r;
+    r.median = object.get("psnr", 0.0);
+    r.observed = object.get("observed_psnr", 0.0);
+    r.heldOut = object.get("held_out_psnr", 0.0);
+    r.advice = text(object, "advice");
+    r.cause = causeNamed(text(object, "cause", "none")).value_or(MisfitCause::none);
+    for (const JsonFields& v : object.list("views"))
+        r.views.push_back({text(v, "name"), v.get("psnr", 0.0), v.get("observed_psnr", 0.0),
+                           v.get("held_out_psnr", 0.0), size_t(v.get("pixels", uint64_t(0)))});
+    return r;
+}
+
+PhotometricFix photometricOf(const JsonFields& object) {
+    PhotometricFix fix;
+    fix.falloff2 = object.get("falloff2", 0.0f);
+    fix.falloff4 = object.get("falloff4", 0.0f);
+    for (const char* key : {"falloff2", "falloff4"})
+        if (std::abs(object.get(key, 0.0f)) > 10) throw Error("{}: is beyond 10", object.name(key));
+    for (const JsonFields& g : object.list("gains")) {
+        const Rgb gain = g.get<Vec3>("gain");
+        if (!(std::min({gain.x, gain.y, gain.z}) > 1e-6f) || !(maxChannel(gain) < 1e6f))
+            throw Error("{}: is out of range", g.name("gain"));
+        fix.gains.push_back({text(g, "view"), gain});
+    }
+    return fix;
+}
+
+CaptureFix captureFixOf(const JsonFields& object) {
+    CaptureFix fix;
+    fix.up = text(object, "up");
+    fix.flipCameras = object.get("flip_cameras", false);
+    fix.scale = object.get("scale", 1.0);
+    fix.meshScale = object.get("mesh_scale", 1.0);
+    fix.colmap = text(object, "colmap");
+    fix.images = text(object, "images");
+    fix.mesh = text(object, "mesh");
+    if (object.has("smooth_normals")) fix.smoothNormals = std::min(object.get("smooth_normals", 0), 100);
+    fix.fromBrackets = object.get("from_brackets", false);
+    fix.photometric = photometricOf(object.object("photometric"));
+    for (const JsonFields& p : object.list("proxy_lights"))
+        fix.proxies.push_back(
+            {p.get<DVec3>("centre"), p.get("radius", 0.0f), p.get("sigma", Vec3(0)), p.get("found", false)});
+    if (!fix.up.empty()) withContext(object.name("up"), [&] { axisFromName(fix.up); });
+    return fix;
+}
+
+GaugeReport gaugeOf(const JsonFields& object) {
+    const JsonFields from = object.object("from");
+    return {text(object, "kind"),        text(object, "evidence"),     object.get("scale", Rgb(1)),
+            object.get("sigma", Rgb(0)), from.get("emitters", Rgb(0)), from.get("background", Rgb(0)),
+            from.get("gloss", Rgb(0)),   from.get("bounces", Rgb(0))};
+}
+
+PriorStrength priorOf(const JsonFields& object) {
+    PriorStrength strength;
+    strength.factor = object.get("factor", 1.0f);
+    strength.chosenBy = text(object, "chosen_by", "usual");
+    for (const JsonFields& t : object.list("tried"))
+        strength.trials.push_back({t.get("factor", 1.0f), t.get("misfit", 0.0), t.get("error", 0.0)});
+    return strength;
+}
+
+StabilityReport stabilityOf(const JsonFields& object) {
+    StabilityReport stability{object.get("kkt_residual", 0.0), object.get("condition_number", 0.0),
+                              object.get("effective_rank", 0), object.get("unknowns", 0), text(object, "reason")};
+    stability.weakest = text(object, "weakest");
+    stability.weakestSigma = object.get("weakest_sigma", 0.0f);
+    stability.spectrum = object.numbers("spectrum");
+    return stability;
+}
+
+}  // namespace
+
+void readShotDocument(const Json& json, const fs::path& folder, Shot& shot, std::vector<DVec3>& centroids) {
+    const JsonFields document(json);
+    Estimate& e = shot.estimate;
+    shot.captureFolder = (fs::absolute(folder) / document.get<std::string>("capture")).lexically_normal();
+    e.mode = text(document, "mode", "near-field");
+    shot.quality = text(document, "quality", "standard");
+    shot.seed = document.get("seed", uint64_t(1));
+    readEmitters(document, e, centroids);
+    e.reflectance.basis = basisOf(document, folder);
+    for (const JsonFields& t : document.list("timeline"))
+        e.timeline.push_back({t.get("seconds", 0.0), text(t, "stage"), t.get("iteration", 0), t.get("objective", 0.0),
+                              t.get("rmse", 0.0)});
+    shot.fix = captureFixOf(document.object("capture_fix"));
+    for (const JsonFields& l : document.list("left_out")) e.leftOut.push_back({text(l, "what"), text(l, "why")});
+    e.plan = planOf(document.object("plan"));
+    e.reproduction = reproductionOf(document.object("reproduction"));
+    e.gauge = gaugeOf(document.object("gauge"));
+    for (const JsonFields& c : document.list("palette"))
+        e.palette.push_back({c.get<Vec3>("albedo"), c.get("fraction", 0.0f)});
+    const JsonFields priors = document.object("priors");
+    e.lightSmoothness = priorOf(priors.object("light_smoothness"));
+    e.albedoSmoothness = priorOf(priors.object("albedo_smoothness"));
+    e.stability = stabilityOf(document.object("stability"));
+    const JsonFields resources = document.object("resources"), bounced = document.object("interreflection");
+    shot.resources = {resources.get("seconds", 0.0), resources.get("peak_mib", 0.0), resources.get("threads", 0)};
+    e.interreflection = bounced.get("kept", false);
+    e.bouncedFraction = bounced.get("fraction", 0.0f);
+    e.cancelled = document.get("stopped_early", false);
+}
+
+}  // namespace relamp

@@ -1,0 +1,197 @@
+// A shot as the document of shot.json.
+#include <nlohmann/json.hpp>
+
+#include "pipeline/plan.h"
+#include "shot/shot_document.h"
+
+namespace relamp {
+namespace {
+namespace fs = std::filesystem;
+
+Json toJson(const Rgb& c) { return {c.x, c.y, c.z}; }
+Json toJson(const DVec3& p) { return {p.x, p.y, p.z}; }
+
+Json evidenceJson(const EmitterEvidence& e) {
+    return {{"scene_contrast", e.sceneContrast},
+            {"local_contrast", e.localContrast},
+            {"uniformity", e.uniformity},
+            {"view_spread", e.viewSpread},
+            {"edge_drop", e.edgeDrop},
+            {"demanded_albedo", e.demandedAlbedo},
+            {"samples", e.samples}};
+}
+
+Json reproductionJson(const Reproduction& r) {
+    Json j{{"psnr", r.median},
+           {"observed_psnr", r.observed},
+           {"held_out_psnr", r.heldOut > 0 ? Json(r.heldOut) : Json()},
+           {"poor", r.poor()},
+           {"cause", causeName(r.cause)},
+           {"advice", r.advice},
+           {"views", Json::array()}};
+    for (const ViewReproduction& v : r.views)
+        j["views"].push_back({{"name", v.name},
+                              {"psnr", v.psnr},
+                              {"observed_psnr", v.observed},
+                              {"held_out_psnr", v.heldOut > 0 ? Json(v.heldOut) : Json()},
+                              {"pixels", v.pixels}});
+    return j;
+}
+
+Json emittersJson(const Shot& shot) {
+    const Estimate& e = shot.estimate;
+    Json list = Json::array();
+    std::vector<std::string> ids;
+    for (const EmitterCluster& c : e.emitters.emitters) ids.push_back(c.id);
+    const std::vector<std::string> names = emitterNames(ids, shot.look);
+    for (size_t i = 0; i < e.emitters.emitters.size(); ++i) {
+        const EmitterCluster& c = e.emitters.emitters[i];
+        Json j{{"id", c.id},
+               {"name", names[i]},
+               {"centroid", toJson(shot.capture.origin + DVec3(c.centroid))},
+               {"normal", toJson(c.normal)},
+               {"area_m2", c.area},
+               {"triangles", c.triangles.size()},
+               {"radiance", toJson(e.lighting.emitterRadiance[i])},
+               {"two_sided", c.twoSided},
+               {"views_seen", c.evidence.viewsSeen},
+               {"clipped_fraction", c.evidence.clippedFraction},
+               {"evidence", evidenceJson(c.evidence)}};
+        if (c.unobserved) j["unobserved"] = true;
+        if (c.positionSigma != Vec3(0)) j["position_stddev"] = toJson(c.positionSigma);
+        if (i < e.emitterSigma.size()) j["radiance_stddev"] = toJson(e.emitterSigma[i]);
+        if (i < e.identifiability.size()) j["identifiability"] = e.identifiability[i];
+        list.push_back(j);
+    }
+    return list;
+}
+
+Json gaugeJson(const GaugeReport& gauge) {
+    Json json = {{"kind", gauge.kind}, {"evidence", gauge.evidence}, {"scale", toJson(gauge.scale)}};
+    if (gauge.sigma.x > 0)
+        json.update({{"sigma", toJson(gauge.sigma)},
+                     {"from",
+                      {{"emitters", toJson(gauge.fromEmitters)},
+                       {"background", toJson(gauge.fromBackground)},
+                       {"gloss", toJson(gauge.fromGloss)},
+                       {"bounces", toJson(gauge.fromBounces)}}}});
+    return json;
+}
+
+Json priorsJson(const Estimate& e) {
+    Json priors;
+    for (const auto& [name, strength] :
+         {std::pair{"light_smoothness", &e.lightSmoothness}, std::pair{"albedo_smoothness", &e.albedoSmoothness}}) {
+        Json& j =
+            priors[name] = {{"factor", strength->factor}, {"chosen_by", strength->chosenBy}, {"tried", Json::array()}};
+        for (const PriorStrength::Trial& t : strength->trials)
+            j["tried"].push_back({{"factor", t.factor}, {"misfit", t.misfit}, {"error", t.error}});
+    }
+    return priors;
+}
+
+Json stabilityJson(const StabilityReport& stability) {
+    Json json = {{"condition_number", stability.conditionNumber},
+                 {"kkt_residual", stability.kktResidual},
+                 {"effective_rank", stability.effectiveRank},
+                 {"unknowns", stability.unknowns},
+                 {"reason", stability.reason},
+                 {"spectrum", stability.spectrum}};
+    if (!stability.weakest.empty())
+        json.update({{"weakest", stability.weakest}, {"weakest_sigma", stability.weakestSigma}});
+    return json;
+}
+
+/// Places that are found from the current folder only are kept absolute, so that the shot opens from everywhere.
+Json proxiesToJson(const std::vector<ProxyLight>& proxies) {
+    Json list = Json::array();
+    for (const ProxyLight& p : proxies)
+        list.push_back(
+            {{"centre", toJson(p.centre)}, {"radius", p.radius}, {"sigma", toJson(p.sigma)}, {"found", p.found}});
+    return list;
+}
+
+Json photometricJson(const PhotometricFix& fix) {
+    Json json{{"falloff2", fix.falloff2}, {"falloff4", fix.falloff4}, {"gains", Json::array()}};
+    for (const auto& g : fix.gains) json["gains"].push_back({{"view", g.view}, {"gain", toJson(g.gain)}});
+    return json;
+}
+
+Json fixToJson(const CaptureFix& fix, const fs::path& capture) {
+    const auto kept = [&](const std::string& place) {
+        std::error_code ignored;
+        if (place.empty() || fs::exists(capture / place, ignored) || !fs::exists(place, ignored)) return place;
+        return fs::absolute(place).lexically_normal().string();
+    };
+    Json json = {{"up", fix.up},
+                 {"flip_cameras", fix.flipCameras},
+                 {"scale", fix.scale},
+                 {"mesh_scale", fix.meshScale},
+                 {"colmap", kept(fix.colmap)},
+                 {"images", kept(fix.images)},
+                 {"mesh", kept(fix.mesh)},
+                 {"from_brackets", fix.fromBrackets},
+                 {"proxy_lights", proxiesToJson(fix.proxies)}};
+    if (fix.smoothNormals >= 0) json["smooth_normals"] = fix.smoothNormals;
+    if (!fix.photometric.empty()) json["photometric"] = photometricJson(fix.photometric);
+    return json;
+}
+
+}  // namespace
+
+Json shotInfo(const Shot& shot) {
+    const Estimate& e = shot.estimate;
+    Json info;
+    info["version"] = 2;
+    info["mode"] = e.mode;
+    info["quality"] = shot.quality;
+    info["emitters"] = emittersJson(shot);
+    info["rejected_patches"] = Json::array();
+    for (const RejectedPatch& r : e.emitters.rejected)
+        info["rejected_patches"].push_back({{"centroid", toJson(shot.capture.origin + DVec3(r.centroid))},
+                                            {"radiance", toJson(r.radiance)},
+                                            {"reason", r.reason},
+                                            {"evidence", evidenceJson(r.evidence)}});
+    info["environment"] = {{"leaves", e.lighting.leaves.size()}, {"grid_side", e.environmentSide}};
+    info["gauge"] = gaugeJson(e.gauge);
+    for (const PaletteColour& colour : e.palette)
+        info["palette"].push_back({{"albedo", toJson(colour.albedo)}, {"fraction", colour.fraction}});
+    info["priors"] = priorsJson(e);
+    info["basis"] = Json::array();
+    for (const Lobe& l : e.reflectance.basis.lobes)
+        info["basis"].push_back({{"kind", kindName(l.kind)}, {"alpha", l.alpha}, {"name", l.name}});
+    info["left_out"] = Json::array();
+    for (const LeftOut& l : e.leftOut) info["left_out"].push_back({{"what", l.what}, {"why", l.why}});
+    info["timeline"] = Json::array();
+    for (const TimelineEntry& t : e.timeline)
+        info["timeline"].push_back({{"seconds", t.seconds},
+                                    {"stage", t.stage},
+                                    {"iteration", t.iteration},
+                                    {"objective", t.objective},
+                                    {"rmse", t.rmse}});
+    info["stability"] = stabilityJson(e.stability);
+    info["plan"] = planJson(e.plan);
+    if (e.reproduction.measured()) info["reproduction"] = reproductionJson(e.reproduction);
+    info["resources"] = {
+        {"seconds", shot.resources.seconds}, {"peak_mib", shot.resources.peakMib}, {"threads", shot.resources.threads}};
+    info["interreflection"] = {{"kept", e.interreflection}, {"fraction", e.bouncedFraction}};
+    info["stopped_early"] = e.cancelled;
+    return info;
+}
+
+Json shotDocument(const Shot& shot, const fs::path& folder) {
+    const auto fromHere = [&](const fs::path& place) { return fs::proximate(fs::absolute(place), folder).string(); };
+    Json document = shotInfo(shot);
+    document["capture"] = fromHere(shot.captureFolder);
+    for (size_t k = 0; k < shot.estimate.reflectance.basis.lobes.size(); ++k)
+        if (const auto& measured = shot.estimate.reflectance.basis.lobes[k].measured)
+            document["basis"][k]["file"] = fromHere(measured->file);
+    document["look"] = lookToJson(shot.look, shot.capture.origin);
+    if (shot.look.environment.source == EnvironmentLook::Source::file)
+        document["look"]["environment"]["file"] = fromHere(shot.look.environment.file);
+    document["seed"] = shot.seed;
+    document["capture_fix"] = fixToJson(shot.fix, shot.captureFolder);
+    return document;
+}
+
+}  // namespace relamp

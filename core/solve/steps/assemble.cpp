@@ -1,0 +1,136 @@
+// The estimate as things stand.
+#include "base/log.h"
+#include "solve/steps/steps.h"
+
+namespace relamp {
+
+namespace {
+
+void assembleEnvironment(const SolveRun& s, Estimate& estimate) {
+    const DirectionGrid fine{estimate.environmentSide};
+    estimate.environment.resize(size_t(fine.cells()));
+    const DirectionGrid& seen = s.in.samples.backgroundGrid;
+    const int step = estimate.environmentSide / seen.side;
+    const std::vector<uint32_t> leafOf = s.light.lighting.leaves.leafOfCells(fine);
+    for (int c = 0; c < fine.cells(); ++c) {
+        const uint32_t leaf = leafOf[size_t(c)];
+        const int coarse = (c / fine.side / step) * seen.side + (c % fine.side) / step;
+        const bool direct = !s.light.environmentBlack && s.in.samples.backgroundPixels[size_t(coarse)] >= 4 &&
+                            !s.in.samples.backgroundClipped[size_t(coarse)];
+        estimate.environment[size_t(c)] = direct && s.light.anchors.leaves[leaf].coverage > 0.05f
+                                              ? s.in.samples.background[size_t(coarse)]
+                                              : s.light.lighting.leafRadiance[leaf];
+    }
+}
+
+}  // namespace
+
+void turnEnvironment(const SolveRun& s, Estimate& estimate) {
+    if (s.in.scene.axes == Mat3(1)) return;
+    const DirectionGrid own{estimate.environmentSide, s.in.scene.axes}, world{estimate.environmentSide};
+    estimate.environment = turnedCells(estimate.environment, own, world, s.stopped() ? 4 : 8);
+    if (!estimate.environmentSigma.empty())
+        estimate.environmentSigma = turnedCells(estimate.environmentSigma, own, world, 2);
+}
+
+Estimate assemble(const SolveRun& s) {
+    Estimate estimate;
+    estimate.lightSmoothness = s.light.smoothness;
+    estimate.albedoSmoothness = s.surfaces.smoothness;
+    estimate.palette = s.surfaces.palette.colours;
+    estimate.mode = s.in.options.nearField ? "near-field" : "distant-only";
+    estimate.lighting = s.light.lighting;
+    estimate.emitters = s.emitters.clusters;
+    estimate.cancelled = s.stopped();
+    estimate.interreflection = s.bounce.joined();
+    estimate.bouncedFraction = s.bounce.joined() ? s.bounce.fraction : 0;
+    assembleEnvironment(s, estimate);
+    Reflectance& r = estimate.reflectance;
+    const size_t n = s.in.scene.mesh.vertexCount();
+    r.basis.lobes.push_back(s.in.options.basis.lobes[0]);
+    r.weight.push_back(s.surfaces.albedo.albedo);
+    const auto give = [&](uint32_t component, const Lobe& lobe, const Rgb& weight) {
+        // Components of nearly the same roughness share a lobe.
+        size_t at = 1;
+        const auto alike = [&](const Lobe& l) {
+            return l.kind == lobe.kind && l.measured == lobe.measured &&
+                   std::abs(std::log(l.alpha / lobe.alpha)) < 0.08f;
+        };
+        while (at < r.basis.lobes.size() && !alike(r.basis.lobes[at])) ++at;
+        if (at == r.basis.lobes.size()) {
+            r.basis.lobes.push_back(lobe);
+            r.weight.emplace_back(n, Rgb(0));
+        }
+        for (size_t v = 0; v < n; ++v)
+            if (s.in.scene.component[v] == component && s.emitters.clusters.emitterOfVertex[v] < 0)
+                r.weight[at][v] += weight;
+    };
+    for (const ComponentGloss& g : s.gloss.components) {
+        if (g.lobe->kind != Lobe::Kind::mixture) give(g.component, *g.lobe, g.weight);
+        for (const Lobe& part : g.lobe->parts) give(g.component, part, part.fraction * g.weight);
+    }
+    // Emitters only emit.
+    for (size_t v = 0; v < n; ++v)
+        if (s.emitters.clusters.emitterOfVertex[v] >= 0) r.weight[0][v] = Rgb(0);
+    r.observed.assign(n, 0);
+    for (uint32_t v = 0; v < n; ++v) r.observed[v] = uint8_t(std::min<size_t>(255, s.in.samples.countOf(v)));
+    r.confidence = s.surfaces.albedo.confidence;
+    return estimate;
+}
+
+void showSnapshot(SolveRun& s) {
+    if (!s.listener || !s.listener->snapshot || s.stopped()) return;
+    const AlbedoResult albedo = s.surfaces.albedo;
+    const bool first = s.gloss.empty();
+    if (first) s.gloss.components.swap(s.gloss.early);
+    const Irradiance irradiance = s.irradiance();
+    updateAlbedo(s, irradiance);
+    Estimate estimate = assemble(s);
+    applyGauge(s, irradiance, uncertaintyOf(s, irradiance, true), estimate);
+    estimate.cancelled = true;
+    estimate.timeline = s.timeline;
+    estimate.stability = s.stability;
+    estimate.identifiability.assign(s.emitters.surfaces.size(), 0.0f);
+    estimate.emitterSigma.assign(s.emitters.surfaces.size(), Rgb(0));
+    turnEnvironment(s, estimate);
+    s.listener->snapshot(std::move(estimate));
+    s.surfaces.albedo = albedo;
+    if (first) s.gloss.components.swap(s.gloss.early);
+}
+
+Estimate finishSolve(SolveRun& s) {
+    s.meter.begin(Stage::closing);
+    Estimate estimate = assemble(s);
+    assessConditioning(s, estimate);
+    const Irradiance irradiance = s.irradiance();
+    const LightUncertainty light = uncertaintyOf(s, irradiance, false);
+    assessUncertainty(s, irradiance, light, estimate);
+    estimate.heldOut = holdOutViews(s, irradiance);
+    applyGauge(s, irradiance, light, estimate);
+    if (s.gloss.empty())
+        estimate.leftOut.push_back({Omission::glossyLobes, "no surface changes with the view beyond noise"});
+    if (s.emitters.clusters.emitters.empty() && s.in.options.nearField)
+        estimate.leftOut.push_back({Omission::nearFieldEmitters, "no patch of the scene shines on its own"});
+    if (!s.in.options.nearField)
+        estimate.leftOut.push_back({Omission::nearFieldEmitters, "the distant-only baseline was asked for"});
+    if (s.light.environmentBlack)
+        estimate.leftOut.push_back(
+            {Omission::distantLight, "it gives less than half a percent of the light on the surfaces"});
+    if (!estimate.interreflection) estimate.leftOut.push_back({Omission::interreflection, s.bounce.absentBecause});
+    if (s.light.refined && !s.light.environmentBlack && s.light.lighting.leaves.size() < s.in.options.maxLeaves &&
+        s.light.refinedMisfit > 0)
+        estimate.leftOut.push_back(
+            {Omission::finerDistantLight,
+             "the leaves that are left give too little light, or the last finer ones explained hardly more"});
+    if (s.light.lighting.leaves.size() >= s.in.options.maxLeaves)
+        estimate.leftOut.push_back(
+            {Omission::finerDistantLight, fmt::format("the limit of {} unknowns was reached", s.in.options.maxLeaves)});
+    s.record("done", 0, 0, s.mismatch(irradiance));
+    s.meter.end();
+    estimate.timeline = s.timeline;
+    estimate.plan = s.measuredPlan();
+    turnEnvironment(s, estimate);
+    return estimate;
+}
+
+}  // namespace relamp

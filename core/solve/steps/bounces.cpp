@@ -1,0 +1,100 @@
+// Do the photographs hold light bounced between surfaces?
+#include "base/log.h"
+#include "solve/steps/steps.h"
+
+namespace relamp {
+
+void updateBounce(SolveRun& s) {
+    if (!s.bounce.traced()) return;
+    updateAlbedo(s, s.irradiance());
+    const std::vector<Rgb>& albedo = s.surfaces.albedo.albedo;
+    BounceModel::HiddenSenders hidden;
+    hidden.vertices = s.bounce.hiddenSenders(s.observed.matte.vertices, s.emitters.skip());
+    if (!albedo.empty()) {
+        for (const uint32_t v : hidden.vertices) hidden.albedo.push_back(albedo[v]);
+        hidden.direct = s.light.directAt(s.in, s.emitters, hidden.vertices);
+    }
+    s.bounce.take(s.observed.matte.vertices, s.observed.matte.radiance, s.in.scene.mesh.vertexCount(), hidden);
+}
+
+void joinLikelyBounce(SolveRun& s) {
+    if (s.in.options.bounce != SolveOptions::Bounce::automatic || !s.in.choices.bounce || !s.in.choices.bounceLikely)
+        return;
+    const std::optional<Stage> stage = s.meter.current();
+    s.meter.begin(Stage::bouncedLight);
+    if (!s.bounce.traced()) s.bounce.trace(s.in, BounceModel::fewRays);
+    updateBounce(s);
+    s.meter.begin(stage);
+}
+
+void decideBounce(SolveRun& s, bool coarse) {
+    using Bounce = SolveOptions::Bounce;
+    if (s.in.options.bounce == Bounce::off) {
+        s.bounce.absentBecause = "it was switched off";
+        return;
+    }
+    if (s.in.options.bounce == Bounce::automatic && !s.in.choices.bounce) {
+        for (const PlannedOmission& o : s.plan.leftOut)
+            if (o.what == Omission::interreflection) s.bounce.absentBecause = o.reason;
+        return;
+    }
+    if (coarse && (s.in.options.bounce != Bounce::automatic || s.in.choices.lateBounce || s.bounce.joined())) return;
+    s.meter.begin(Stage::bouncedLight);
+    constexpr uint32_t rays = BounceOptions{}.rays;
+    if (!s.bounce.traced() || (s.bounce.joined() && s.bounce.rays.rays < rays)) s.bounce.trace(s.in, rays);
+    double enclosure = 0;
+    for (uint32_t v : s.observed.matte.vertices) enclosure += s.bounce.rays.enclosure(v);
+    enclosure /= double(s.observed.matte.vertices.size());
+    if (s.in.options.bounce == Bounce::automatic && enclosure < 0.01) {
+        s.bounce.forget(fmt::format("other surfaces fill only {:.1f} % of what a surface sees", 100 * enclosure));
+        return;
+    }
+    // Where bounced light has joined already, the light without it is fitted anew.
+    Lighting start = s.light.lighting;
+    const bool joined = s.bounce.joined();
+    std::vector<Rgb>().swap(s.bounce.atObservation);
+    const AlbedoFreeReport alone = fitLight(
+        s, {coarse ? "light from ratios, coarse" : "light from ratios", joined ? s.in.options.startIterations : 1});
+    const double before = alone.objective;
+    const Lighting without = joined ? s.light.lighting : start;
+    s.light.lighting = std::move(start);
+    // Several rounds: what hidden surfaces send rests on the light.
+    double after = 0;
+    for (int round = 0; round < (coarse || joined ? 2 : 4) && !s.stopped(); ++round) {
+        updateBounce(s);
+        const double earlier = after;
+        RatioFitRequest request{coarse ? "light from ratios and bounces, coarse" : "light from ratios and bounces",
+                                round == 0 ? 8 : s.in.options.startIterations};
+        request.chroma = alone.chroma;
+        after = fitLight(s, request).objective;
+        if (s.in.options.bounce == Bounce::automatic && after > 1.05 * before) break;  // far from it
+        // What a round still gains falls from one to the next: ten times the last gain is out of reach, twenty times
+        // surely.
+        const double reach = s.in.choices.lateBounce ? 20 : 10;
+        if (s.in.options.bounce == Bounce::automatic && !s.in.choices.lastDigits && round > 0 &&
+            after - before > reach * (earlier - after))
+            break;
+    }
+    if (s.stopped()) throw OutOfTime{};
+    s.bounce.fraction = bouncedFractionOf(s.bounce.atObservation, s.irradiance());
+    logInfo("bounced light: enclosure {:.1f} %, fraction {:.1f} %, objective {:.5g} without, {:.5g} with",
+            100 * enclosure, 100 * s.bounce.fraction, before, after);
+    if (coarse && after < 1.03 * before) {  // coarse visibility alone can make as much of a difference
+        // Finer light is to judge.
+        s.light.lighting = without;
+        s.bounce.withdraw();
+        return;
+    }
+    if (s.in.options.bounce == Bounce::on || after < before) {
+        updateBounce(s);
+        return;
+    }
+    s.light.lighting = without;
+    s.bounce.forget(fmt::format("ratios of radiance are explained better without it (misfit {:.4g}, with it {:.4g})",
+                                before, after));
+    if (!coarse) return;
+    s.plan.choices.bounce = false;
+    s.plan.leftOut.push_back({Omission::interreflection, s.bounce.absentBecause, 0, 0});
+}
+
+}  // namespace relamp

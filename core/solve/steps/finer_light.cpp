@@ -1,0 +1,94 @@
+// Which directions of the environment are told apart: leaves that are split, and leaves that only metals tell apart.
+#include <map>
+
+#include "solve/light/contributions.h"
+#include "solve/steps/steps.h"
+
+namespace relamp {
+
+bool refineLeaves(SolveRun& s) {
+    if (s.light.refined) return false;
+    const size_t limit = s.hasMatte() ? s.in.options.maxLeaves
+                                      : s.in.options.maxLeaves + 3 * (size_t(1) << (2 * s.in.options.startLevel));
+    if (s.light.environmentBlack || s.stopped() || s.light.lighting.leaves.size() >= limit) return false;
+    finishVisibility(s);
+    // What a leaf gives of the light at a vertex, on average over the vertices: a sky counts in the shadow of its sun,
+    // where emitters are told from it.
+    const Irradiance irradiance = s.irradiance();
+    const double misfit = s.mismatch(irradiance);
+    // The measure is a root of squares: a fifth of a percent of the squares is nothing.
+    const bool explainedMore =
+        s.light.refinedMisfit == 0 || misfit * misfit < 0.998 * s.light.refinedMisfit * s.light.refinedMisfit;
+    if (!explainedMore && s.hasMatte() && !s.in.choices.flatLevels) {
+        s.light.refined = true;
+        return false;
+    }
+    s.light.refinedMisfit = misfit;
+    const std::vector<Rgb> fractions = contributionsOf(s, irradiance);
+    std::vector<std::pair<float, uint32_t>> strong;
+    for (uint32_t i = 0; i < s.light.lighting.leaves.size(); ++i) {
+        const Rgb fraction = fractions[i];
+        if (maxChannel(fraction) > s.in.options.splitFraction &&
+            s.light.lighting.leaves[i].level < LightLeaves::maxLevel)
+            strong.emplace_back(maxChannel(fraction), i);
+    }
+    if (strong.empty()) return false;
+    std::sort(strong.begin(), strong.end(), [](const auto& a, const auto& b) {
+        return a.first != b.first ? a.first > b.first : a.second < b.second;
+    });
+    std::vector<uint32_t> chosen;
+    for (const auto& [fraction, i] : strong)
+        if (s.light.lighting.leaves.size() + 3 * (chosen.size() + 1) <= limit) chosen.push_back(i);
+    s.splitLeaves(chosen);
+    return !chosen.empty();
+}
+
+std::vector<Rgb> contributionsOf(const SolveRun& s, const Irradiance& irradiance) {
+    std::vector<uint32_t> some;
+    for (uint32_t r = 0; r < s.light.influence.rows; ++r)
+        if (s.in.scene.rank[s.observed.matte.vertices[r]] % 5 == 0) some.push_back(r);
+    return lightContributions(s.light.influence, s.light.lighting, irradiance.value, some);
+}
+
+std::vector<uint32_t> leavesAsMatteTellsThem(const SolveRun& s, const Irradiance& irradiance) {
+    const std::vector<Rgb> fraction = contributionsOf(s, irradiance);
+    const size_t leaves = s.light.lighting.leaves.size();
+    std::map<std::tuple<int, int, int>, std::vector<uint32_t>> brothers;
+    for (uint32_t i = 0; i < leaves; ++i) {
+        const Leaf& leaf = s.light.lighting.leaves[i];
+        if (leaf.level > s.in.options.startLevel) brothers[{leaf.level, leaf.x / 2, leaf.y / 2}].push_back(i);
+    }
+    constexpr uint32_t alone = ~0u;
+    std::vector<uint32_t> group(s.light.influence.columns, alone);
+    uint32_t groups = 0;
+    bool any = false;
+    for (const auto& [parent, children] : brothers) {
+        Rgb together(0);
+        for (const uint32_t i : children) together += fraction[i];
+        if (children.size() < 4 || maxChannel(together) > s.in.options.splitFraction) continue;
+        for (const uint32_t i : children) group[i] = groups;
+        ++groups;
+        any = true;
+    }
+    if (!any) return {};
+    for (uint32_t& g : group)
+        if (g == alone) g = groups++;
+    return group;
+}
+
+bool sharpenForMetals(SolveRun& s) {
+    if (!s.hasMatte() || s.light.environmentBlack || !s.gloss.hasMetal()) return false;
+    constexpr uint8_t wanted = 5;
+    std::vector<uint8_t> differs(s.light.lighting.leaves.size(), 0);
+    for (const auto& [i, j] : s.light.lighting.leaves.neighbourPairs()) {
+        const Rgb a = s.light.lighting.leafRadiance[i], b = s.light.lighting.leafRadiance[j];
+        if (maxChannel(glm::abs(a - b) / glm::max(a + b, Rgb(1e-20f))) > 0.1f) differs[i] = differs[j] = 1;
+    }
+    std::vector<uint32_t> coarse;
+    for (uint32_t i = 0; i < s.light.lighting.leaves.size(); ++i)
+        if (s.light.lighting.leaves[i].level < wanted && differs[i]) coarse.push_back(i);
+    s.splitLeaves(coarse);
+    return true;
+}
+
+}  // namespace relamp

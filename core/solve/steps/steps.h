@@ -1,0 +1,132 @@
+// The steps of a solve and what they are made of: functions from the values of a SolveRun to its values. Not a door.
+#pragma once
+#include "solve/steps/solve_run.h"
+#include "solve/uncertainty.h"
+
+namespace relamp {
+
+// run_step.cpp: one step, or as much of it as the time budget leaves. `index`: its place in the list.
+void runStep(SolveRun& s, SolveStep step, uint32_t index);
+/// Tells the listener how things stand.
+void finishedStep(SolveRun& s, uint32_t next, SolveStep finished);
+
+// begin.cpp: observations, pairs, transport and a first guess of the light; what follows from emitters and leaves.
+void beginSolve(SolveRun& s, const EmitterClusters& clusters);
+void observeAnew(SolveRun& s);
+void rebuildRows(SolveRun& s);
+/// The rays that coarse light did without, and the rows again.
+void finishVisibility(SolveRun& s);
+
+// resume.cpp
+SolveCheckpoint checkpointOf(const SolveRun& s, uint32_t step, bool between);
+/// beginSolve for a solve that stood at `checkpoint`.
+void resumeSolve(SolveRun& s, const SolveCheckpoint& checkpoint);
+
+// ratio_steps.cpp: fits of the light to ratios of radiance.
+/// How far a fit of the light goes: light that strong directions are told from, light that finer fits or a choice
+/// follow, light that stays.
+enum class FitEnd { coarse, usual, last };
+/// What metals add to a fit: their observations behind the matte ones, in rows of their own. The lobe's weight cancels
+/// between two observations of one component, as albedo does, so the component says how the light is spread and has no
+/// say in its scale.
+struct MetalRatios {
+    InfluenceMatrix rows;
+    MatteObservations observations;  ///< matte and metal
+    std::vector<AlbedoPair> pairs;
+    std::vector<Rgb> bounce;
+    std::vector<uint32_t> fold;  ///< AlbedoFreeOptions::fold of the rows without metals
+};
+struct RatioFitRequest {
+    std::string stage;
+    int iterations = 1;
+    FitEnd end = FitEnd::usual;
+    const ViewRows* views = nullptr;
+    const MetalRatios* metals = nullptr;
+    std::optional<ChromaFraction> chroma = {};
+};
+AlbedoFreeReport fitLight(SolveRun& s, const RatioFitRequest& request);
+void improveLight(SolveRun& s, int iterations);
+/// Fits the light to the end, where its last fit was ended early.
+void finishLight(SolveRun& s);
+/// Observations of components that have a matte part too, with their reflectance as it is now.
+ViewRows viewRows(SolveRun& s, Progress& progress);
+/// Those of components without one; nothing where there are none.
+std::optional<MetalRatios> metalRatios(SolveRun& s);
+
+// coarse_light.cpp
+/// docs/method.md 11, on leaves of half the start level's side, and then at the start level.
+void coarseLight(SolveRun& s);
+void startLight(SolveRun& s);
+/// Leaves that give much of the light are split down to a side of 64 before the others are: a sun or a window is in
+/// its place early, and all that follows starts from there.
+void sharpenStrong(SolveRun& s);
+/// Lobes of the components that change with the view, by a few observations: shown, and kept until the surfaces step
+/// finds better ones. Without them a metal is black. They have no say in the light: coarse light with metals in it
+/// claims to know the scale to a tenth where it is off by half.
+void firstSurfaces(SolveRun& s);
+/// Where nothing is matte: one constant lobe, light first; the lobe that explains the observations best is kept. False,
+/// and nothing is changed but gloss.noMetals, where no lobe explains them better than a surface that looks alike from
+/// everywhere.
+bool startFromConstantReflectance(SolveRun& s);
+/// True when the set of emitters changed.
+bool confirmEmitters(SolveRun& s);
+/// Leaves the environment out where it gives less than half a percent of what is seen (3 % where the background is seen
+/// and black): less than the photographs can tell.
+void leaveOutBlackEnvironment(SolveRun& s);
+
+// finer_light.cpp
+/// Splits strong leaves; false when there is nothing left to split.
+bool refineLeaves(SolveRun& s);
+/// What each leaf gives of the light at a vertex, on average over the vertices.
+std::vector<Rgb> contributionsOf(const SolveRun& s, const Irradiance& irradiance);
+/// Leaves that only metals tell apart: brothers that were split for them, and that give matte surfaces too little light
+/// for their split to matter. Per column of the rows its group; empty: none.
+std::vector<uint32_t> leavesAsMatteTellsThem(const SolveRun& s, const Irradiance& irradiance);
+/// A metal shows the environment sharper than matte surfaces do: leaves are halved to a side of 32 where neighbours
+/// differ. True when it did.
+bool sharpenForMetals(SolveRun& s);
+
+// bounces.cpp
+/// Do the photographs hold light bounced between surfaces? Fits the light with and without it and keeps what explains
+/// ratios better. `coarse`: a first, cheap try that can only leave it out.
+void decideBounce(SolveRun& s, bool coarse);
+/// Where the plan finds bounced light likely: what the photographs show of its senders joins the light from the start,
+/// by few rays; finer light judges it (decideBounce).
+void joinLikelyBounce(SolveRun& s);
+/// Bounced light, if it was kept, from what the photographs show of its senders; senders that no photograph shows send
+/// their albedo times their light.
+void updateBounce(SolveRun& s);
+
+// surfaces.cpp
+void solveReflectance(SolveRun& s);
+/// Albedo of every vertex under `irradiance`; metals have none.
+void updateAlbedo(SolveRun& s, const Irradiance& irradiance);
+/// Takes what coatings reflect off the matte observations. `hurry`: with a third of the directions, though the time is
+/// used up. `matteAfterAll`: per component 1 where no lobe explains its change with the view.
+void removeCoatings(SolveRun& s, bool hurry, const std::vector<uint8_t>& matteAfterAll);
+/// One round of [Put15] 3.2: light given reflectance, reflectance given light.
+void alternate(SolveRun& s);
+/// [Haber09]'s way in: constant albedo, light first.
+void startFromConstantAlbedo(SolveRun& s);
+void askLightStrength(SolveRun& s);
+void askAlbedoStrength(SolveRun& s, const Irradiance& irradiance);
+
+// closing: assemble.cpp, certainty.cpp, gauge.cpp, hold_out.cpp
+/// Lighting, environment image, emitters and reflectance as they stand, before the gauge.
+Estimate assemble(const SolveRun& s);
+/// From the square along the scene's axes to the world's.
+void turnEnvironment(const SolveRun& s, Estimate& estimate);
+/// Gives the listener, if there is one, an estimate as things stand; the values are afterwards as they were.
+void showSnapshot(SolveRun& s);
+Estimate finishSolve(SolveRun& s);
+/// How well the lighting problem is conditioned, and what no environment can imitate of each emitter.
+void assessConditioning(SolveRun& s, Estimate& estimate);
+LightUncertainty uncertaintyOf(const SolveRun& s, const Irradiance& irradiance, bool scaleOnly);
+/// How sure the light, the albedo and the environment image are.
+void assessUncertainty(const SolveRun& s, const Irradiance& irradiance, const LightUncertainty& light,
+                       Estimate& estimate);
+void applyGauge(const SolveRun& s, const Irradiance& irradiance, const LightUncertainty& light, Estimate& estimate);
+/// Two views are held out in turn: albedo of all vertices without them, under the light that all views gave.
+std::vector<HeldOutAlbedo> holdOutViews(const SolveRun& s, const Irradiance& irradiance);
+
+}  // namespace relamp

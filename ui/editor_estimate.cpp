@@ -1,0 +1,233 @@
+// Estimating in the background, going on with an estimate that was interrupted, and the search for an unobserved light.
+#include "base/parallel.h"
+#include "editor_impl.h"
+#include "interrupted.h"
+#include "pipeline/time_left.h"
+#include "thumbnails.h"
+
+namespace relamp::ui {
+namespace fs = std::filesystem;
+
+/// What an estimate takes from the editor to its own thread.
+struct Editor::Impl::EstimateInputs {
+    SolveRequest request;
+    std::shared_ptr<const Capture> capture;
+    std::shared_ptr<const Scene> scene;
+    std::shared_ptr<const RadianceSamples> samples;
+    InterruptedEstimate kept;  ///< as it is to be found if it does not come to its end
+    bool goOn = false;         ///< where an earlier one stood
+};
+
+bool Editor::stale() const {
+    if (!impl_->solvedWith || !estimate()) return false;
+    const SolveRequest &a = *impl_->solvedWith, &b = state.solve;
+    return a.quality != b.quality || a.seed != b.seed || a.gauge.kind != b.gauge.kind ||
+           a.gauge.albedo != b.gauge.albedo || a.gauge.whiteAlbedo != b.gauge.whiteAlbedo ||
+           a.gauge.emitter != b.gauge.emitter || a.gauge.radiance != b.gauge.radiance || a.gauge.view != b.gauge.view ||
+           a.gauge.pixel != b.gauge.pixel || a.palette != b.palette || a.lightSmoothness != b.lightSmoothness ||
+           a.albedoSmoothness != b.albedoSmoothness || a.basis != b.basis || a.merl != b.merl || a.bounce != b.bounce ||
+           a.meshTriangles != b.meshTriangles;
+}
+
+void Editor::solve(const SolveRequest& request) { impl_->solve(request, false); }
+
+void Editor::answerInterrupted(bool goOn) {
+    if (!state.interrupted || impl_->job) return;
+    const InterruptedEstimate offer = *state.interrupted;
+    if (!goOn) {
+        state.interrupted.reset();
+        discardInterrupted(offer.record);
+        return;
+    }
+    if (state.document.capture && state.document.captureFolder == offer.captureFolder) {
+        state.solve = offer.request;
+        impl_->solve(offer.request, true);
+        return;
+    }
+    state.interrupted.reset();
+    impl_->goOnWhenOpen = offer.record;
+    openNow(offer.project);
+    if (!impl_->job) impl_->goOnWhenOpen.clear();
+}
+
+void Editor::Impl::offerInterrupted(const std::optional<InterruptedEstimate>& found) {
+    self.state.interrupted = found;
+    const fs::path wanted = std::exchange(goOnWhenOpen, {});
+    if (wanted.empty()) return;
+    if (found && found->record == wanted) self.answerInterrupted(true);
+    else if (!found)
+        self.fail("The interrupted estimate cannot go on", "Its capture, or relamp, has changed since.",
+                  "Estimate again with Ctrl+Enter.");
+}
+
+void Editor::Impl::solve(const SolveRequest& request, bool goOn) {
+    const Document& document = self.state.document;
+    if (!document.capture) return;
+    if (!document.samples) {
+        self.fail("The photographs are missing",
+                  "Estimating needs the capture's photographs, and they could not be read.",
+                  "Put them back and open the capture again.");
+        return;
+    }
+    if (job) {
+        self.fail("Something else is running", status->title + " is not finished.",
+                  "Wait for it, or stop it in the status bar.");
+        return;
+    }
+    self.autosave();
+    self.state.interrupted.reset();
+    const size_t which = request.nearField ? 0 : 1;
+    self.state.curves[which] = {};
+    self.state.curves[which].running = true;
+    solveIsNearField = request.nearField;
+    solveBudget = request.budgetSeconds;
+    planHeardAt.reset();
+    {
+        std::lock_guard lock(solveMutex);
+        newEntries.clear();
+        newSnapshot.reset();
+        newPlan.reset();
+    }
+    EstimateInputs inputs{request, document.capture, document.scene, document.samples, {}, goOn};
+    inputs.kept.record = interruptedRecord(options.stateFolder, document.captureFolder);
+    inputs.kept.captureFolder = document.captureFolder;
+    inputs.kept.project = documentPath();
+    inputs.kept.request = request;
+    start(
+        JobStatus::Kind::solve,
+        request.nearField ? "Estimating light and surfaces" : "Estimating with distant light only",
+        [this, inputs](Progress& progress) -> Finish {
+            const std::shared_ptr<const Estimate> estimate = runEstimate(inputs, progress);
+            const Resources resources{progress.seconds(), peakMib(), availableThreads()};
+            return [this, estimate, request = inputs.request, resources] {
+                self.state.document.resources = resources;
+                takeEstimate(request, estimate,
+                             request.nearField ? "Estimate light and surfaces" : "Estimate with distant light only");
+                self.log(LogLevel::info,
+                         fmt::format("estimated in {:.1f} s, {:.0f} MiB", resources.seconds, resources.peakMib));
+            };
+        },
+        [this, request, which, kept = inputs.kept](bool cancelled) {
+            takeSnapshots();
+            self.state.curves[which].running = false;
+            // The best iterate is kept.
+            if (cancelled && snapshot) takeEstimate(request, snapshot, "Estimate, stopped early");
+            snapshot.reset();
+            self.state.interrupted = readInterrupted(kept.record);
+        });
+}
+
+std::shared_ptr<const Estimate> Editor::Impl::runEstimate(const EstimateInputs& in, Progress& progress) {
+    progress.setBudget(in.request.budgetSeconds);
+    const PipelineOptions pipeline = pipelineOptionsOf(in.request);
+    EstimateKeeper keeper(in.kept, fingerprintOf(*in.capture, pipeline), options.checkpointSeconds);
+    const auto tell = [this](const std::function<void()>& what) {
+        {
+            std::lock_guard lock(solveMutex);
+            what();
+        }
+        if (options.wake) options.wake();
+    };
+    SolveListener listener;
+    listener.entry = [&](const TimelineEntry& entry) { tell([&] { newEntries.push_back(entry); }); };
+    listener.snapshot = [&](Estimate estimate) {
+        tell([&] { newSnapshot = std::make_shared<const Estimate>(std::move(estimate)); });
+    };
+    listener.checkpoint = [&](const SolveCheckpoint& checkpoint) {
+        keeper.take(checkpoint);
+        tell([&] { newPlan = checkpoint.plan; });
+    };
+    StageMeter meter(progress);
+    const std::optional<SolveCheckpoint> earlier = in.goOn ? keeper.earlier() : std::nullopt;
+    try {
+        const Prepared prepared = prepare(*in.capture, pipeline, meter, progress, in.scene, in.samples);
+        const SolveRun run{&listener, earlier ? &*earlier : nullptr,
+                           [&](const SolvePlan& plan) { tell([&] { newPlan = plan; }); }};
+        const auto estimate = std::make_shared<const Estimate>(
+            solvePrepared(*in.capture, *in.scene, prepared, pipeline, meter, progress, run));
+        keeper.finished();
+        return estimate;
+    } catch (const Cancelled&) {
+        keeper.stopped();
+        throw;
+    }
+}
+
+void Editor::Impl::takeEstimate(const SolveRequest& request, std::shared_ptr<const Estimate> estimate,
+                                const std::string& label) {
+    RunCurve& curve = self.state.curves[request.nearField ? 0 : 1];
+    curve.running = false;
+    curve.entries = estimate->timeline;
+    if (!estimate->plan.stages.empty()) self.state.plan = estimate->plan;
+    snapshot.reset();
+    Version version = history.present();
+    if (request.nearField) {
+        version.look = lookThatFits(version.look, *estimate, self.state.document.scene->mesh.vertexCount());
+        version.estimate = estimate;
+        solvedWith = request;
+        self.state.document.quality = request.quality;
+        self.state.document.seed = request.seed;
+    } else {
+        version.distantOnly = estimate;
+    }
+    history.push(label, std::move(version));
+    dropThumbnails("env:recovered");
+    std::erase_if(self.state.selection.emitters, [&](const std::string& id) { return !self.emitter(id); });
+    if (request.nearField) {
+        if (self.state.viewport.mode == ViewMode::photograph) self.state.viewport.mode = ViewMode::relit;
+        saveUnsavedEstimate();
+    }
+}
+
+std::optional<double> Editor::Impl::solveSecondsLeft() const {
+    if (!planHeardAt) return {};
+    const double left = secondsLeft(self.state.plan, status->seconds - *planHeardAt);
+    return solveBudget > 0 ? std::min(left, std::max(0.0, solveBudget - status->seconds)) : left;
+}
+
+void Editor::Impl::takeSnapshots() {
+    std::lock_guard lock(solveMutex);
+    RunCurve& curve = self.state.curves[solveIsNearField ? 0 : 1];
+    if (curve.running) curve.entries.insert(curve.entries.end(), newEntries.begin(), newEntries.end());
+    newEntries.clear();
+    if (newPlan) {
+        self.state.plan = std::move(*newPlan);
+        if (job) planHeardAt = job->progress().seconds();
+    }
+    newPlan.reset();
+    if (!newSnapshot) return;
+    if (job && status && status->kind == JobStatus::Kind::solve) snapshot = newSnapshot;
+    newSnapshot.reset();
+}
+
+// ---- a light that no photograph shows
+
+void Editor::findUnobservedLight() {
+    const Document& document = state.document;
+    if (!document.samples || impl_->job) return;
+    state.unobservedSearch = {};
+    impl_->start(
+        JobStatus::Kind::search, "Looking for an unobserved light",
+        [impl = impl_.get(), capture = document.capture, scene = document.scene, samples = document.samples,
+         folder = document.captureFolder, fix = document.fix, seed = state.solve.seed](Progress& progress) -> Finish {
+            PipelineOptions options;
+            options.solve.seed = seed;
+            const UnobservedLightSearch search = searchUnobservedLight(*capture, options, progress, scene, samples);
+            CaptureFix wanted = fix;
+            if (search.light) wanted.proxies.push_back(proxyOf(*search.light));
+            return [impl, search, folder, wanted] {
+                impl->self.state.unobservedSearch = {folder, search.words};
+                if (search.light) impl->self.fixCapture(wanted);
+            };
+        });
+}
+
+void Editor::removeProxy(size_t index) {
+    CaptureFix fix = state.document.fix;
+    if (index >= fix.proxies.size()) return;
+    fix.proxies.erase(fix.proxies.begin() + std::ptrdiff_t(index));
+    state.unobservedSearch = {};
+    fixCapture(fix);
+}
+
+}  // namespace relamp::ui

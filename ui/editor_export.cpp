@@ -1,0 +1,96 @@
+// Rendering frames to files in the background.
+#include "editor_impl.h"
+#include "shot/export_frame.h"
+#include "shot/frame_jobs.h"
+
+namespace relamp::ui {
+namespace {
+
+/// The frames that were asked for, with their cameras. Throws Error.
+std::vector<FrameJob> framesOf(const ExportRequest& request, const Capture& capture, int view, const Camera& eye) {
+    std::vector<FrameJob> jobs;
+    checkLayers(request.layers);
+    const std::string size =
+        request.width > 0 && request.height > 0 ? fmt::format("{}x{}", request.width, request.height) : "";
+    if (request.file.empty()) throw Error("no file name was given");
+    using Views = ExportRequest::Views;
+    if (request.views == Views::present) {
+        FrameJob one;
+        one.camera = eye;
+        if (request.width > 0 && request.height > 0) {
+            const double factor = double(request.height) / std::max(1, one.camera.height);
+            one.camera.focalX *= factor;
+            one.camera.focalY *= factor;
+            one.camera.centreX = request.width / 2.0 + (one.camera.centreX - one.camera.width / 2.0) * factor;
+            one.camera.centreY *= factor;
+            one.camera.width = request.width;
+            one.camera.height = request.height;
+        }
+        one.file = request.file;
+        jobs.push_back(one);
+    } else if (request.views == Views::capture) {
+        jobs = frameJobs(capture, std::to_string(view), "", size, request.file);
+    } else {
+        jobs = frameJobs(capture, "all", request.views == Views::range ? request.range : "", size, request.file);
+    }
+    return jobs;
+}
+
+}  // namespace
+
+void Editor::exportFrames(const ExportRequest& request) {
+    const std::shared_ptr<const Estimate> estimate = this->estimate();
+    if (!estimate || !state.document.scene) {
+        fail("There is nothing to export yet", "Frames are rendered from what was found about the light.",
+             "Press Ctrl+Enter to estimate first.");
+        return;
+    }
+    if (impl_->job) {
+        fail("Something else is running", impl_->status->title + " is not finished.",
+             "Wait for it, or stop it in the status bar.");
+        return;
+    }
+    std::vector<FrameJob> jobs;
+    try {
+        jobs = framesOf(request, *state.document.capture, state.selection.view, impl_->eye);
+    } catch (const Error& error) {
+        fail("The export could not start", error.what(), "Change it in the export window and try again.");
+        state.panels.exportFrames = true;
+        return;
+    }
+    Impl* impl = impl_.get();
+    const Look look = lookThatFits(this->look(), *estimate, state.document.scene->mesh.vertexCount());
+    impl_->start(
+        JobStatus::Kind::exportFrames,
+        jobs.size() == 1 ? "Rendering a frame" : fmt::format("Rendering {} frames", jobs.size()),
+        [impl, jobs, look, estimate, request, scene = state.document.scene,
+         origin = state.document.capture ? state.document.capture->origin : DVec3(0)](Progress& progress) -> Finish {
+            const RelitScene relit = applyLook(*scene, *estimate, look, progress);
+            FrameOptions options;
+            options.samplesPerPixel = request.samples;
+            std::vector<std::string> failures;
+            size_t written = 0;
+            for (const FrameJob& one : jobs) {
+                try {
+                    const Frame frame = renderFrame(relit, one.camera, options, progress);
+                    writeFrame(one.file, frame, relit, one.camera, request.layers, origin);
+                    ++written;
+                    logInfo("{}: written ({} of {})", one.file.string(), written, jobs.size());
+                } catch (const OutOfResources& error) {
+                    // The others would not fit either.
+                    failures.insert(failures.begin(), error.what());
+                    break;
+                } catch (const Error& error) { failures.push_back(error.what()); }
+            }
+            return [impl, failures, written, all = jobs.size()] {
+                if (failures.empty()) return;
+                impl->self.fail(
+                    fmt::format("{} frame(s) could not be written", all - written), failures.front(),
+                    fmt::format(
+                        "{} frame(s) were written. Free space or choose another folder, then export the others again.",
+                        written));
+            };
+        });
+}
+
+}  // namespace relamp::ui

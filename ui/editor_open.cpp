@@ -1,0 +1,303 @@
+// Opening: a capture, a shot, an environment image.
+#include "base/is_there.h"
+#include "capture/own_axes.h"
+#include "editor_impl.h"
+#include "interrupted.h"
+#include "pipeline/pipeline.h"
+#include "settings.h"
+#include "shot/shot_leftovers.h"
+#include "thumbnails.h"
+
+namespace relamp::ui {
+namespace fs = std::filesystem;
+
+namespace {
+
+bool isShot(const fs::path& path) { return isThere(path / "shot.json"); }
+
+bool hasImages(const Capture& capture) {
+    return !capture.views.empty() && std::all_of(capture.views.begin(), capture.views.end(),
+                                                 [](const View& view) { return !view.image.pixels.empty(); });
+}
+
+/// What opening a capture computes once.
+Document documentOf(Capture capture, const fs::path& folder, Progress& progress) {
+    Document document;
+    document.captureFolder = folder;
+    document.capture = std::make_shared<const Capture>(std::move(capture));
+    document.scene =
+        std::make_shared<const Scene>(buildScene(document.capture->mesh, progress, ownAxes(*document.capture)));
+    if (hasImages(*document.capture)) {
+        document.check = std::make_shared<const CaptureCheck>(checkCapture(*document.capture, progress));
+        document.samples =
+            std::make_shared<const RadianceSamples>(gatherRadiance(*document.capture, *document.scene, {}, progress));
+    }
+    return document;
+}
+
+/// A capture read as `fix` says, with exposures and normals put right as a solve on the command line does.
+Document correctedDocument(const fs::path& folder, const CaptureFix& fix, Progress& progress) {
+    PipelineOptions options;
+    options.load.fix = fix;
+    Capture capture = loadCapture(folder, options.load, progress);
+    Document document;
+    if (hasImages(capture)) {
+        StageMeter meter(progress);
+        Prepared prepared = prepare(capture, options, meter, progress);
+        const Corrections done = correctCapture(options, capture, prepared, meter, progress);
+        meter.end();
+        document.captureFolder = folder;
+        document.capture = std::make_shared<const Capture>(std::move(capture));
+        document.check = std::make_shared<const CaptureCheck>(checkCapture(*document.capture, progress));
+        if (prepared.working) {
+            // What is shown is the capture's own mesh.
+            document.scene =
+                std::make_shared<const Scene>(buildScene(document.capture->mesh, progress, ownAxes(*document.capture)));
+            document.samples = std::make_shared<const RadianceSamples>(
+                gatherRadiance(*document.capture, *document.scene, options.gather, progress));
+        } else {
+            document.scene = prepared.scene;
+            document.samples = prepared.samples;
+        }
+        document.fix = fix;
+        document.fix.photometric = done.photometric;
+        if (done.smoothedNormals > 0) document.fix.smoothNormals = done.smoothedNormals;
+    } else {
+        document = documentOf(std::move(capture), folder, progress);
+        document.fix = fix;
+    }
+    return document;
+}
+
+/// "desk-lamp-copy.relamp", or the first number that is free.
+fs::path nameForCopy(const fs::path& shot) {
+    for (int n = 1;; ++n) {
+        const fs::path name = shot.parent_path() / fmt::format("{}-copy{}.relamp", shot.stem().string(),
+                                                               n == 1 ? "" : fmt::format("-{}", n));
+        if (!isThere(name)) return name;
+    }
+}
+
+}  // namespace
+
+void Editor::open(const fs::path& path) {
+    // An environment image becomes the look's environment.
+    std::error_code error;
+    if (fs::is_regular_file(path, error) && path.filename() != "transforms.json" && path.filename() != "shot.json" &&
+        path.extension() != ".relamp") {
+        if (!estimate()) {
+            fail("Open a capture first",
+                 path.filename().string() +
+                     " is a file. A capture is a folder with transforms.json, photographs and a mesh.",
+                 "Drop the capture's folder here; an image dropped afterwards becomes its environment.");
+            return;
+        }
+        const fs::path file = cleaned(path);
+        edit("Environment " + file.filename().string(), [&](Look& look) {
+            look.environment.source = EnvironmentLook::Source::file;
+            look.environment.file = file;
+        });
+        remember(state.recentEnvironments, file);
+        return;
+    }
+    if (unsavedChanges()) state.unsaved = UnsavedQuestion{UnsavedQuestion::Then::open, path};
+    else openNow(path);
+}
+
+void Editor::openNow(const fs::path& given) {
+    fs::path path = cleaned(given);
+    if (path.filename() == "transforms.json" || path.filename() == "shot.json") path = path.parent_path();
+    if (impl_->job) {
+        fail("Something else is running", impl_->status->title + " is not finished.",
+             "Wait for it, or stop it in the status bar.");
+        return;
+    }
+    mendShot(path);
+    if (!isThere(path)) {
+        fail("This could not be opened", path.string() + " does not exist.", "It may have been moved or renamed.");
+        std::erase(state.recent, path);
+        return;
+    }
+    if (!isShot(path)) return impl_->openCapture(path);
+    if (const auto lock = impl_->lockFor(path); !lock->owner().empty())
+        state.locked = LockedQuestion{path, lock->owner()};
+    else impl_->openShotFolder(path);
+}
+
+std::shared_ptr<ShotLock> Editor::Impl::lockFor(const fs::path& shot) const {
+    std::error_code failed;
+    if (shotLock && shotLock->held() && fs::weakly_canonical(shot, failed) == shotLock->shot()) return shotLock;
+    return std::make_shared<ShotLock>(ShotLock::take(shot));
+}
+
+void Editor::answerLocked(LockedAnswer answer) {
+    if (!state.locked) return;
+    const fs::path path = state.locked->path;
+    state.locked.reset();
+    if (answer == LockedAnswer::cancel || impl_->job) return;
+    impl_->openShotFolder(path, {}, answer == LockedAnswer::copy ? Impl::OpenAs::copy : Impl::OpenAs::readOnly);
+}
+
+void Editor::Impl::setDocument(Document document, Version version, const std::string& label) {
+    EditorState& ours = self.state;
+    const bool solved = version.estimate || version.distantOnly;
+    ours.curves = {};
+    if (version.estimate)
+        ours.curves[version.estimate->mode == "distant-only" ? 1 : 0].entries = version.estimate->timeline;
+    ours.plan = version.estimate ? version.estimate->plan : SolvePlan{};
+    ours.solve.quality = document.quality;
+    ours.solve.seed = document.seed;
+    solvedWith.reset();
+    if (solved) solvedWith = ours.solve;
+    history = History(std::move(version), label);
+    history.markSaved();
+    emittersOfEstimate.reset();
+    emittersRevision = 0;
+    snapshot.reset();
+    ours.document = std::move(document);
+    ours.selection = {};
+    ours.pointLight.reset();
+    ours.viewport.solo.clear();
+    ours.viewport.hiddenComponents.clear();
+    ours.viewport.throughView = false;
+    ours.viewport.mode = solved ? ViewMode::relit : ViewMode::photograph;
+    autosave.clear();
+    autosavedEstimate.reset();
+    failedEstimate.reset();
+    savedEstimate = ours.document.shotFolder.empty() ? nullptr : history.present().estimate;
+    autosavedRevision = history.revision();
+    shotLock.reset();
+    if (restored) Autosave::discard(*restored);
+    restored.reset();
+    ours.interrupted.reset();
+    dropThumbnails("view:");
+    dropThumbnails("env:recovered");
+    frameScene();
+    remember(ours.recent, documentPath());
+    if (ours.document.check && !solved) {
+        // Only what would spoil an estimate interrupts; the rest stands in the inspector and under File.
+        const CaptureCheck& check = *ours.document.check;
+        if (check.lookBackwards || check.upAgreement < 0.3 || check.seenFraction < 0.3 ||
+            check.exposureSpreadStops > 0.5)
+            ours.panels.doctor = true;
+        for (const std::string& warning : check.warnings) self.log(LogLevel::warning, warning);
+    }
+    self.log(LogLevel::info, fmt::format("{}: {} views, {} vertices", documentPath().string(),
+                                         ours.document.capture->views.size(), ours.document.scene->mesh.vertexCount()));
+}
+
+void Editor::fixCapture(const CaptureFix& fix) {
+    if (!impl_->job && state.document.capture) impl_->openCapture(state.document.captureFolder, fix);
+}
+
+void Editor::Impl::frameScene() {
+    EditorState& ours = self.state;
+    const Scene& scene = *ours.document.scene;
+    Vec3 low(1e30f), high(-1e30f);
+    for (size_t v = 0; v < scene.mesh.vertexCount(); ++v)
+        if (scene.referenced[v]) {
+            low = glm::min(low, scene.mesh.positions[v]);
+            high = glm::max(high, scene.mesh.positions[v]);
+        }
+    if (scene.diagonal > 0) {
+        // From where the first photograph was taken: the artist knows that side.
+        ours.viewport.camera.frame(0.5f * (low + high), 0.5f * scene.diagonal);
+        if (!ours.document.capture->views.empty()) {
+            const Camera& camera = ours.document.capture->views[0].camera;
+            const float distance = glm::dot(Vec3(camera.forward()), 0.5f * (low + high) - Vec3(camera.position()));
+            ours.viewport.camera.matchCamera(camera, std::max(distance, 0.05f * scene.diagonal));
+        }
+    }
+}
+
+void Editor::Impl::openCapture(const fs::path& folder, const CaptureFix& fix, std::optional<FoundWork> recovered) {
+    start(
+        JobStatus::Kind::open, "Opening " + folder.filename().string(),
+        [this, folder, fix, recovered](Progress& progress) -> Finish {
+            const auto document = std::make_shared<Document>(correctedDocument(folder, fix, progress));
+            const std::optional<InterruptedEstimate> stopped = interruptedFor(*document, options.stateFolder);
+            return [this, document, recovered, stopped] {
+                setDocument(std::move(*document), {}, "Opened");
+                // Edits without the estimate they were made on: they come back with the next one.
+                if (recovered) showRecovered(*recovered, {});
+                offerInterrupted(stopped);
+            };
+        },
+        [this](bool) { goOnWhenOpen.clear(); });
+}
+
+void Editor::Impl::showRecovered(const FoundWork& found, Version saved) {
+    // It counts as unsaved until the user saves it, and stays where it was found until our own autosave holds it.
+    Version work = saved;
+    saved.estimate.reset();
+    history = History(std::move(saved), "Last saved");
+    history.markSaved();
+    const auto take = [&](const std::string& label, const Look& look) {
+        work.look =
+            work.estimate ? lookThatFits(look, *work.estimate, self.state.document.scene->mesh.vertexCount()) : look;
+        history.push(label, work);
+    };
+    for (size_t i = 0; i < found.work.steps.size(); ++i)
+        if (const AutosavedStep& step = found.work.steps[i];
+            i + 1 < found.work.steps.size() || !(step.look == found.work.look))
+            take(step.label, step.look);
+    take("Recovered work", found.work.look);
+    restored = found;
+    autosavedRevision = 0;
+    lastAutosave = -1e9;
+}
+
+void Editor::Impl::openShotFolder(const fs::path& folder, std::optional<FoundWork> recovered, OpenAs as) {
+    start(
+        JobStatus::Kind::open, "Opening " + folder.filename().string(),
+        [this, folder, recovered, as](Progress& progress) -> Finish {
+            std::string trouble;
+            const auto shot = std::make_shared<Shot>();
+            try {
+                *shot = openShot(folder, true, progress);
+            } catch (const Error& error) {
+                // Without its photographs a shot can still be relit.
+                trouble = error.what();
+                *shot = openShot(folder, false, progress);
+            }
+            fs::path place = recovered ? recovered->work.shotFolder : folder;
+            if (as == OpenAs::copy) {
+                place = nameForCopy(folder);
+                saveShot(*shot, shot->capture.mesh, place, false);
+            }
+            auto document = std::make_shared<Document>(documentOf(shot->capture, shot->captureFolder, progress));
+            document->shotFolder = place;
+            document->fix = shot->fix;
+            document->quality = shot->quality;
+            document->seed = shot->seed;
+            document->resources = shot->resources;
+            const std::optional<InterruptedEstimate> stopped = interruptedFor(*document, options.stateFolder);
+            return [this, folder, document, shot, trouble, recovered, as, stopped] {
+                const fs::path saved = document->shotFolder;
+                const std::shared_ptr<ShotLock> mine =
+                    saved.empty() || as == OpenAs::readOnly ? nullptr : lockFor(saved);
+                document->readOnly = as == OpenAs::readOnly || (mine && !mine->owner().empty());
+                Version version;
+                version.look = shot->look;
+                version.estimate = std::make_shared<const Estimate>(std::move(shot->estimate));
+                const bool readOnly = document->readOnly;
+                setDocument(std::move(*document), version, "Opened");
+                if (mine && mine->held()) shotLock = mine;
+                if (!trouble.empty())
+                    self.fail("The photographs could not be opened", trouble,
+                              "The shot can be relit and exported. To estimate again, put the photographs back and "
+                              "open it again.");
+                if (readOnly && as == OpenAs::usual)
+                    self.fail("This shot is open elsewhere", saved.string() + " is open: " + mine->owner() + ".",
+                              "It was opened read-only: saving asks for another place.");
+                if (recovered) {
+                    if (folder != saved) savedEstimate.reset();
+                    showRecovered(*recovered, version);
+                }
+                offerInterrupted(stopped);
+            };
+        },
+        [this](bool) { goOnWhenOpen.clear(); });
+}
+
+}  // namespace relamp::ui

@@ -1,0 +1,248 @@
+// Saving, autosave, and what is asked before work would be lost.
+#include "base/is_there.h"
+#include "editor_impl.h"
+#include "pipeline/shot_of.h"
+#include "settings.h"
+
+namespace relamp::ui {
+namespace fs = std::filesystem;
+
+namespace {
+
+ShotSource sourceOf(const Document& document) {
+    ShotSource source;
+    source.captureFolder = document.captureFolder;
+    source.fix = document.fix;
+    if (document.capture) source.origin = document.capture->origin;
+    source.quality = document.quality;
+    source.seed = document.seed;
+    source.resources = document.resources;
+    return source;
+}
+
+}  // namespace
+
+void Editor::save() {
+    if (!state.document.capture) return;
+    if (state.document.shotFolder.empty() || state.document.readOnly) state.panels.saveBrowser = true;
+    else impl_->saveTo(state.document.shotFolder);
+}
+
+void Editor::saveAs(const fs::path& given) {
+    fs::path folder = cleaned(given);
+    if (folder.extension() != ".relamp") folder += ".relamp";
+    impl_->saveTo(folder);
+}
+
+void Editor::Impl::saveTo(const fs::path& folder) {
+    if (saving) {
+        saveNext = folder;
+        return;
+    }
+    const Version version = history.present();
+    const std::shared_ptr<const Estimate> estimate = version.estimate ? version.estimate : version.distantOnly;
+    if (!estimate) {
+        self.fail("There is nothing to save yet",
+                  "A shot holds what was found about the light, and nothing was estimated yet.",
+                  "Press Ctrl+Enter to estimate, then save.");
+        whenSaved = {};
+        return;
+    }
+    const std::shared_ptr<ShotLock> mine = lockFor(folder);
+    if (!mine->owner().empty()) {
+        self.fail("This shot is open elsewhere", folder.string() + " is open: " + mine->owner() + ".",
+                  "Close it there, or save under another name with Ctrl+Shift+S. Your edits are still here.");
+        whenSaved = {};
+        return;
+    }
+    const Document document = self.state.document;
+    const size_t entry = history.index();
+    const uint64_t revision = history.revision();
+    saving = std::make_unique<Job<Finish>>(
+        [this, version, estimate, document, folder, entry, revision, mine](Progress&) -> Finish {
+            const Shot shot = shotOf(*estimate, sourceOf(document), version.look);
+            saveShot(shot, document.scene->mesh, folder, true);
+            return [this, folder, entry, revision, mine, estimate] {
+                self.state.document.shotFolder = folder;
+                self.state.document.readOnly = false;
+                shotLock = mine->held() ? mine : nullptr;
+                savedEstimate = estimate;
+                // Edits made while it was written are still unsaved.
+                if (history.index() == entry && history.revision() == revision) {
+                    history.markSaved();
+                    autosave.clear();
+                    autosavedEstimate.reset();
+                    if (restored) Autosave::discard(*restored);
+                    restored.reset();
+                }
+                remember(self.state.recent, folder);
+                self.log(LogLevel::info, folder.string() + ": saved");
+                if (const std::function<void()> next = std::exchange(whenSaved, {})) next();
+            };
+        },
+        options.wake);
+}
+
+void Editor::Impl::pollSaving() {
+    if (!saving || !saving->done()) return;
+    const std::unique_ptr<Job<Finish>> finished = std::move(saving);
+    try {
+        finished->take()();
+    } catch (const Cancelled&) {
+    } catch (const std::exception& error) {
+        whenSaved = {};
+        self.fail("The shot could not be saved", error.what(), whereFull(error));
+    }
+    if (!saving && !saveNext.empty()) saveTo(std::exchange(saveNext, {}));
+}
+
+void Editor::Impl::saveUnsavedEstimate() {
+    const Version version = history.present();
+    if (saving || !autosave.working() || !version.estimate) return;
+    lastEstimateTry = seconds();
+    saving = std::make_unique<Job<Finish>>(
+        [this, version, document = self.state.document,
+         folder = autosave.estimateFolder(++estimateNumber)](Progress&) -> Finish {
+            const Shot shot = shotOf(*version.estimate, sourceOf(document), version.look);
+            try {
+                saveShot(shot, document.scene->mesh, folder, true);
+            } catch (const Error& error) {
+                return [this, estimate = version.estimate, text = std::string(error.what())] {
+                    if (std::exchange(failedEstimate, estimate) != estimate)
+                        self.fail("The estimate could not be saved by itself", text,
+                                  "Free some space, or save the shot to another disk with Ctrl+Shift+S.");
+                };
+            }
+            return [this, estimate = version.estimate, folder] {
+                failedEstimate.reset();
+                // By now it may be of no use any more: something else was opened, or it was saved.
+                if (estimate == history.present().estimate && estimate != savedEstimate && self.unsavedChanges()) {
+                    autosavedEstimate = estimate;
+                    autosavedFolder = folder;
+                    writeAutosave();
+                } else {
+                    std::error_code ignored;
+                    fs::remove_all(folder, ignored);
+                }
+            };
+        },
+        options.wake);
+}
+
+void Editor::requestQuit() {
+    if (unsavedChanges()) state.unsaved = UnsavedQuestion{UnsavedQuestion::Then::quit, {}};
+    else impl_->quit = true;
+}
+
+bool Editor::quitting() const { return impl_->quit; }
+
+void Editor::answerUnsaved(bool saveFirst, bool proceed) {
+    if (!state.unsaved) return;
+    const UnsavedQuestion question = *state.unsaved;
+    state.unsaved.reset();
+    if (!proceed) return;
+    const auto next = [this, question] {
+        if (question.then == UnsavedQuestion::Then::open) openNow(question.path);
+        else impl_->quit = true;
+    };
+    if (!saveFirst) return next();
+    impl_->whenSaved = next;
+    save();
+}
+
+// ---- autosave
+
+double Editor::Impl::seconds() const {
+    return options.seconds ? options.seconds() : std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
+}
+
+bool Editor::Impl::estimateIsOnDisk() const {
+    const auto& present = history.present().estimate;
+    return !present || present == savedEstimate || present == autosavedEstimate;
+}
+
+void Editor::Impl::writeAutosave() {
+    AutosavedWork work;
+    work.captureFolder = self.state.document.captureFolder;
+    work.shotFolder = self.state.document.shotFolder;
+    const auto& present = history.present().estimate;
+    if (present && present == autosavedEstimate && present != savedEstimate) work.estimateShot = autosavedFolder;
+    work.look = self.look();
+    // Undo comes back as well, as far as it leads on the same estimate.
+    constexpr size_t mostSteps = 50;
+    const std::vector<HistoryEntry>& entries = history.entries();
+    size_t first = history.index();
+    while (first > 0 && history.index() - first + 1 < mostSteps && entries[first - 1].version.estimate == present)
+        --first;
+    for (size_t i = first; i <= history.index(); ++i) work.steps.push_back({entries[i].label, entries[i].version.look});
+    if (status && status->kind == JobStatus::Kind::solve)
+        work.stage = status->title + (status->stage.empty() ? "" : ", " + status->stage);
+    lastAutosave = seconds();
+    try {
+        autosave.write(work);
+        autosavedRevision = history.revision();
+        autosaveFailed = false;
+        if (!saving) autosave.keepEstimate(work.estimateShot);
+        if (work.estimateShot.empty()) autosavedEstimate.reset();
+        // What was restored is now as safe as it was.
+        if (restored && autosave.working() && estimateIsOnDisk()) {
+            Autosave::discard(*restored);
+            restored.reset();
+        }
+    } catch (const Error& error) {
+        if (!std::exchange(autosaveFailed, true))
+            self.fail("Your edits could not be saved by themselves", error.what(),
+                      "Free some space, or save the shot to another disk with Ctrl+Shift+S.");
+    }
+}
+
+void Editor::autosave() {
+    if (!unsavedChanges()) return;
+    if (impl_->estimateIsOnDisk()) impl_->writeAutosave();
+    else impl_->saveUnsavedEstimate();
+}
+
+void Editor::Impl::pollAutosave() {
+    // A long drag counts as well: what it began with and what it has come to.
+    const bool dragged = history.inGesture() && !(self.look() == history.gestureStart());
+    if (!self.state.document.capture || (!self.unsavedChanges() && !dragged)) return;
+    if (!estimateIsOnDisk() && autosave.working()) {
+        const bool failed = history.present().estimate == failedEstimate;
+        if (!saving && (!failed || seconds() - lastEstimateTry > 60)) saveUnsavedEstimate();
+        // The work on disk goes with the estimate on disk until both are new.
+        if (!failed) return;
+    }
+    if (autosavedRevision == history.revision() || seconds() - lastAutosave < options.autosaveSeconds) return;
+    writeAutosave();
+}
+
+bool Editor::unsavedChanges() const { return state.document.capture && history().unsavedChanges(); }
+
+void Editor::Impl::offerLostWork() {
+    if (lost.empty()) return;
+    const FoundWork& found = lost.front();
+    const fs::path project = found.work.shotFolder.empty() ? found.work.captureFolder : found.work.shotFolder;
+    self.state.recovery = RecoveryOffer{found.file, project.string(), found.work.time, found.work.stage};
+}
+
+void Editor::answerRecovery(bool restore) {
+    if (!state.recovery) return;
+    state.recovery.reset();
+    const FoundWork found = impl_->lost.front();
+    impl_->lost.erase(impl_->lost.begin());
+    if (!restore) {
+        Autosave::discard(found);
+        impl_->offerLostWork();
+        return;
+    }
+    const AutosavedWork& work = found.work;
+    const fs::path shot =
+        !work.estimateShot.empty() && isThere(work.estimateShot / "shot.json") ? work.estimateShot : work.shotFolder;
+    if (!shot.empty()) {
+        impl_->openShotFolder(shot, found);
+    } else {
+        impl_->openCapture(work.captureFolder, {}, found);
+    }
+}
+
+}  // namespace relamp::ui
