@@ -3,6 +3,7 @@
 #pragma once
 #include <chrono>
 #include <mutex>
+#include <utility>
 
 #include "base/job.h"
 #include "editor.h"
