@@ -1,5 +1,6 @@
 // Estimating in the background, going on with an estimate that was interrupted, and the search for an unobserved light.
 #include "base/parallel.h"
+
 #include "editor_impl.h"
 #include "interrupted.h"
 #include "pipeline/time_left.h"
@@ -139,12 +140,13 @@ std::shared_ptr<const Estimate> Editor::Impl::runEstimate(const EstimateInputs& 
     };
     StageMeter meter(progress);
     const std::optional<SolveCheckpoint> earlier = in.goOn ? keeper.earlier() : std::nullopt;
+    if (earlier) tell([&] { newEntries = earlier->timeline; });
     try {
         const Prepared prepared = prepare(*in.capture, pipeline, meter, progress, in.scene, in.samples);
-        const SolveRun run{&listener, earlier ? &*earlier : nullptr,
-                           [&](const SolvePlan& plan) { tell([&] { newPlan = plan; }); }};
+        const SolveExtras extras{&listener, earlier ? &*earlier : nullptr,
+                                 [&](const SolvePlan& plan) { tell([&] { newPlan = plan; }); }};
         const auto estimate = std::make_shared<const Estimate>(
-            solvePrepared(*in.capture, *in.scene, prepared, pipeline, meter, progress, run));
+            solvePrepared(*in.capture, *in.scene, prepared, pipeline, meter, progress, extras));
         keeper.finished();
         return estimate;
     } catch (const Cancelled&) {

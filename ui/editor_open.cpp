@@ -69,7 +69,7 @@ Document correctedDocument(const fs::path& folder, const CaptureFix& fix, Progre
     return document;
 }
 
-/// "desk-lamp-copy.relamp", or the first number that is free.
+/// "room-copy.relamp", or the first number that is free.
 fs::path nameForCopy(const fs::path& shot) {
     for (int n = 1;; ++n) {
         const fs::path name = shot.parent_path() / fmt::format("{}-copy{}.relamp", shot.stem().string(),

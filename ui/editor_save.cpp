@@ -1,5 +1,6 @@
 // Saving, autosave, and what is asked before work would be lost.
 #include "base/is_there.h"
+
 #include "editor_impl.h"
 #include "pipeline/shot_of.h"
 #include "settings.h"

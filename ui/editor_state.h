@@ -35,7 +35,7 @@ struct Document {
     std::string quality = "standard";
     uint64_t seed = 1;
     Resources resources;
-    /// "desk-lamp", for the title bar.
+    /// "room", for the title bar.
     std::string name() const;
 };
 

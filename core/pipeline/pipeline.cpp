@@ -95,9 +95,10 @@ UnobservedLightSearch searchUnobservedLight(const Capture& capture, const Pipeli
 }
 
 Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepared& prepared,
-                       const PipelineOptions& options, StageMeter& meter, Progress& progress, const SolveRun& run) {
+                       const PipelineOptions& options, StageMeter& meter, Progress& progress,
+                       const SolveExtras& extras) {
     const Scene& scene = *prepared.scene;
-    const SolveListener* listener = run.listener;
+    const SolveListener* listener = extras.listener;
     const auto carried = [&](Estimate&& estimate) {
         return prepared.working ? carriedBack(estimate, *prepared.working, capture.mesh) : std::move(estimate);
     };
@@ -115,11 +116,11 @@ Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepare
     // What this scene does not need.
     SolveOptions solve = options.solve;
     meter.begin(Stage::planning);
-    if (options.plan && !run.resume)
+    if (options.plan && !extras.resume)
         solve.plan = planSolve(capture, scene, *prepared.samples, prepared.clusters, options.solve, options.everything,
                                progress);
     meter.end();
-    if (run.planned) run.planned(run.resume ? run.resume->plan : solve.plan);
+    if (extras.planned) extras.planned(extras.resume ? extras.resume->plan : solve.plan);
     // Transport (visibility, near-field maps) and the two alternating programs: light (equations 3 to 6) and
     // reflectance.
     if (options.onlyPlan) {
@@ -128,7 +129,7 @@ Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepare
         return plan;
     }
     Estimate estimate = carried(
-        solveScene(capture, scene, *prepared.samples, prepared.clusters, solve, progress, listener, run.resume));
+        solveScene(capture, scene, *prepared.samples, prepared.clusters, solve, progress, listener, extras.resume));
     if (prepared.working)
         estimate.leftOut.push_back(
             {Omission::triangles, fmt::format("the solve ran on {} of {}, and what it found was carried back",

@@ -76,7 +76,7 @@ UnobservedLightSearch searchUnobservedLight(const Capture& capture, const Pipeli
 ProxyLight proxyOf(const UnobservedLight& light);
 
 /// Who hears of a solve, and where it starts.
-struct SolveRun {
+struct SolveExtras {
     const SolveListener* listener = nullptr;  ///< snapshots that it hears hold a quick measure of how well the
                                               ///< photographs are explained
     const SolveCheckpoint* resume = nullptr;
@@ -86,7 +86,8 @@ struct SolveRun {
 /// Plan, solve, and how well the estimate explains the photographs. `whole` is the capture's own scene; the estimate is
 /// for its mesh.
 Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepared& prepared,
-                       const PipelineOptions& options, StageMeter& meter, Progress& progress, const SolveRun& run = {});
+                       const PipelineOptions& options, StageMeter& meter, Progress& progress,
+                       const SolveExtras& extras = {});
 
 /// Every room's product, so that the window and the reports can look at each. Where the solve ran on a decimated mesh,
 /// `samples` and `clusters` are of that one, `scene` and `estimate` of the capture's.

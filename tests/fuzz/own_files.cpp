@@ -1,5 +1,7 @@
 // The readers of relamp's own files, which people edit by hand: looks, shots, works found after a crash; and brackets
 // as numbers.
+#include <nlohmann/json.hpp>
+
 #include "capture/brackets.h"
 #include "fuzz/target.h"
 #include "image/image_io.h"

@@ -42,23 +42,23 @@ TEST(NormalsChoice, SmoothsWhereTheMeshIsNoisyAndOnlyThere) {
     PipelineOptions options;
     options.solve = solveOptionsFor("draft");
     options.onlyPlan = true;
-    EXPECT_EQ(runPipeline(folder / "world", options, progress).smoothedNormals, 0);
+    EXPECT_EQ(runPipeline(folder / "world", options, progress).corrections.smoothedNormals, 0);
     Mesh noisy = world.mesh;
     std::mt19937 random(2);
     std::normal_distribution<float> normal(0, 0.2f);
     for (Vec3& n : noisy.normals) n = glm::normalize(n + Vec3(normal(random), normal(random), normal(random)));
     writeVertexPly(folder / "world" / "mesh.ply", noisy, {});
     const PipelineResult result = runPipeline(folder / "world", options, progress);
-    EXPECT_GT(result.smoothedNormals, 0);
+    EXPECT_GT(result.corrections.smoothedNormals, 0);
     ASSERT_FALSE(result.capture.notes.empty());
     EXPECT_NE(result.capture.notes.back().find("normals are noisy"), std::string::npos);
     // The capture read again with that number of rounds has the same normals.
     LoadOptions again;
-    again.fix.smoothNormals = result.smoothedNormals;
+    again.fix.smoothNormals = result.corrections.smoothedNormals;
     EXPECT_EQ(loadCapture(folder / "world", again, progress).mesh.normals, result.capture.mesh.normals);
     // An artist's word holds.
     options.load.fix.smoothNormals = 0;
-    EXPECT_EQ(runPipeline(folder / "world", options, progress).smoothedNormals, 0);
+    EXPECT_EQ(runPipeline(folder / "world", options, progress).corrections.smoothedNormals, 0);
 }
 
 }  // namespace

@@ -31,9 +31,9 @@ TEST(Pipeline, ItsHalvesGiveWhatTheWholeGives) {
     EXPECT_TRUE(done.photometric == whole.corrections.photometric);
     EXPECT_EQ(done.smoothedNormals, whole.corrections.smoothedNormals);
     SolvePlan heard;
-    SolveRun run;
-    run.planned = [&](const SolvePlan& plan) { heard = plan; };
-    const Estimate found = solvePrepared(p.capture, *prepared.scene, prepared, p.options, p.meter, p.progress, run);
+    SolveExtras extras;
+    extras.planned = [&](const SolvePlan& plan) { heard = plan; };
+    const Estimate found = solvePrepared(p.capture, *prepared.scene, prepared, p.options, p.meter, p.progress, extras);
     EXPECT_FALSE(heard.stages.empty());
     EXPECT_EQ(found.environment, whole.estimate.environment);
     EXPECT_EQ(found.reflectance.weight, whole.estimate.reflectance.weight);

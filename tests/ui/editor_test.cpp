@@ -293,6 +293,7 @@ TEST(Editor, advancedSettingsOfTheEstimateTakePartAndAreRemembered) {
     s.solve();
     ASSERT_EQ(s.editor->state.notices.size(), 1u);
     EXPECT_NE(s.editor->state.notices[0].text.find("/nowhere"), std::string::npos);
+    s.editor.reset();
     s.start();
     EXPECT_EQ(s.editor->state.solve.basis, "lambert");
     EXPECT_EQ(s.editor->state.solve.bounce, SolveOptions::Bounce::off);

@@ -105,7 +105,7 @@ TEST(InterruptedEstimate, isOfferedAboveTheButtonUntilItIsThrownAway) {
     ASSERT_TRUE(interruptedOfferShown(editor));
     p.windowSize(400, 200);
     p.frame([&] { drawEstimateButton(editor); });
-    EXPECT_TRUE(p.find(Panels::idOf("test", {"Go on with the interrupted estimate"})).has_value());
+    EXPECT_TRUE(p.find(Panels::idOf("test", {"Go on with the interrupted estimate", "##button"})).has_value());
     const auto discard = p.find(Panels::idOf("test", {"##discard interrupted"}));
     ASSERT_TRUE(discard.has_value());
     p.click(*discard);
