@@ -2,6 +2,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "capture/capture_formats.h"
+
 namespace relamp::cli {
 namespace {
 
@@ -35,7 +37,7 @@ void addCaptureOptions(CLI::App& verb, CaptureFix& fix) {
 
 /// What is to be estimated and how: the same options for `solve` and `plan`.
 void addSolveOptions(CLI::App& verb, SolveArguments& solve) {
-    verb.add_option("capture", solve.capture, "Capture folder with transforms.json or a COLMAP model")->required();
+    verb.add_option("capture", solve.capture, "Capture folder with " + captureMarks())->required();
     verb.add_option("--mode", solve.mode, "near-field, or distant-only: the baseline that knows no lights")
         ->check(CLI::IsMember({"near-field", "distant-only"}))
         ->capture_default_str();

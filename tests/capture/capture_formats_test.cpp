@@ -22,7 +22,8 @@ TEST(CaptureFormats, HaveNamesOfTheirOwnAndStandInTheHint) {
         EXPECT_TRUE(names.insert(format.name).second) << format.name;
         EXPECT_NE(captureMarks().find(format.marks), std::string::npos) << format.marks;
     }
-    EXPECT_EQ(captureMarks(), "transforms.json or a COLMAP model (sparse/0)");
+    EXPECT_EQ(captureMarks().find("transforms.json"), 0u);
+    EXPECT_NE(captureMarks().find(" or "), std::string::npos);
 }
 
 TEST(CaptureFormats, AreKnownByTheNamesInAFolder) {
