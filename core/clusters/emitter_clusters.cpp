@@ -184,7 +184,7 @@ public:
         std::vector<int> patchOf(seen_.size(), -1);
         for (size_t i = 0; i < patches_.size(); ++i)
             for (uint32_t v : patches_[i].vertices) patchOf[v] = int(i);
-        measureSurroundings(patchOf);
+        measureEnvirons(patchOf);
         for (size_t i = 0; i < patches_.size(); ++i) {
             judgePatch(scene_, samples_, seen_, patchOf, int(i), reference_, patches_[i]);
             takePatch(i);
@@ -256,7 +256,7 @@ public:
     }
 
 private:
-    void measureSurroundings(const std::vector<int>& patchOf) {
+    void measureEnvirons(const std::vector<int>& patchOf) {
         // The scene's ordinary brightness: view-independent surfaces outside every strikingly bright patch.
         std::vector<float> ordinary;
         for (uint32_t v = 0; v < seen_.size(); ++v)

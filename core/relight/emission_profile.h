@@ -1,4 +1,4 @@
-// What leaves an emitter, by direction and place: the one function that frames and lookups of emitted radiance ask.
+// What leaves an emitter, by direction and place: the one function that frames and the viewport ask for emitted radiance.
 #pragma once
 #include "base/math.h"
 
