@@ -1,5 +1,6 @@
 // Opening: a capture, a shot, an environment image.
 #include "base/is_there.h"
+#include "capture/capture_formats.h"
 #include "capture/own_axes.h"
 #include "editor_impl.h"
 #include "interrupted.h"
@@ -80,15 +81,15 @@ fs::path nameForCopy(const fs::path& shot) {
 
 }  // namespace
 
-void Editor::open(const fs::path& path) {
+void Editor::open(const fs::path& given) {
+    const fs::path path = captureFolderOf(given);
     // An environment image becomes the look's environment.
     std::error_code error;
-    if (fs::is_regular_file(path, error) && path.filename() != "transforms.json" && path.filename() != "shot.json" &&
-        path.extension() != ".relamp") {
+    if (fs::is_regular_file(path, error) && path.filename() != "shot.json" && path.extension() != ".relamp") {
         if (!estimate()) {
             fail("Open a capture first",
-                 path.filename().string() +
-                     " is a file. A capture is a folder with transforms.json, photographs and a mesh.",
+                 fmt::format("{} is a file. A capture is a folder with {}, photographs and a mesh.",
+                             path.filename().string(), captureMarks()),
                  "Drop the capture's folder here; an image dropped afterwards becomes its environment.");
             return;
         }
@@ -105,8 +106,8 @@ void Editor::open(const fs::path& path) {
 }
 
 void Editor::openNow(const fs::path& given) {
-    fs::path path = cleaned(given);
-    if (path.filename() == "transforms.json" || path.filename() == "shot.json") path = path.parent_path();
+    fs::path path = captureFolderOf(cleaned(given));
+    if (path.filename() == "shot.json") path = path.parent_path();
     if (impl_->job) {
         fail("Something else is running", impl_->status->title + " is not finished.",
              "Wait for it, or stop it in the status bar.");

@@ -6,6 +6,7 @@
 
 #include "base/atomic_file.h"
 #include "base/is_there.h"
+#include "base/json_fields.h"
 #include "base/log.h"
 #include "base/random.h"
 
@@ -88,7 +89,7 @@ void writeRecord(const InterruptedEstimate& what) {
                     {"project", what.project.string()},
                     {"time", what.time},
                     {"request", toJson(what.request)}};
-    writeBytesAtomically(what.record, json.dump(1, ' ', false, Json::error_handler_t::replace));
+    writeBytesAtomically(what.record, dumpJson(json, 1, BadText::replace));
 }
 
 }  // namespace
@@ -119,7 +120,7 @@ std::optional<InterruptedEstimate> readInterrupted(const fs::path& record) {
     if (record.empty() || !isThere(record) || !isThere(checkpointOf(record))) return {};
     if (!ShotLock::take(record).owner().empty()) return {};
     try {
-        const Json json = Json::parse(readBytes(record, 1 << 20), nullptr, false);
+        const Json json = parseJson(readBytes(record, 1 << 20), record.string());
         InterruptedEstimate found;
         found.record = record;
         found.captureFolder = json.at("capture").get<std::string>();

@@ -38,7 +38,8 @@ std::vector<Rgb> turnedCells(const std::vector<Rgb>& cells, const DirectionGrid&
     const auto inside = [](int k, int parts) {
         return Vec2(float(k % parts) + 0.5f, float(k / parts) + 0.5f) / float(parts);
     };
-    // What stands out is scattered, the rest is gathered: a point that is fetched too often or not at all must not be a sun.
+    // What stands out is scattered, the rest is gathered: a point that is fetched too often or not at all must not be a
+    // sun.
     double mean = 0;
     for (const Rgb& c : cells) mean += double(maxChannel(c)) / double(cells.size());
     const float bright = float(brightOverMean * mean);

@@ -85,6 +85,131 @@ EmitterClusters allEmitters(const Scene& scene, const EmitterClusters& clusters,
     return emitters;
 }
 
+/// What of a full solve this scene does not need, with what that saves.
+class OmissionPlanner {
+public:
+    OmissionPlanner(const WorkCounts& counts, const PilotFindings& pilot, const EmitterClusters& emitters,
+                    const RadianceSamples& samples, const SolveOptions& options, bool everything, Progress& progress)
+        : counts_(counts),
+          pilot_(pilot),
+          emitters_(emitters),
+          samples_(samples),
+          options_(options),
+          everything_(everything),
+          judged_(pilot.ran && options.nearField && counts.matte),
+          speed_(measureMachine(progress)),
+          stages(cost()) {
+        environment();
+        bouncedLight();
+        details();
+    }
+    PlanChoices choices() const { return everything_ ? PlanChoices::everything() : kept_; }
+
+private:
+    std::vector<StageEstimate> cost() const { return predictStages(counts_, speed_, pilot_, options_, kept_); }
+    void leaveOut(Omission what, const std::string& reason, bool PlanChoices::*part) {
+        if (everything_) return;
+        kept_.*part = false;
+        std::vector<StageEstimate> fewer = cost();
+        leftOut.push_back(
+            {what, reason, std::max(0.0, total(stages) - total(fewer)), std::max(0.0, most(stages) - most(fewer))});
+        stages = std::move(fewer);
+    }
+
+    void environment() {
+        if (judged_ && !emitters_.emitters.empty() && pilot_.distantFraction < 0.003 && pilot_.background < 0.05)
+            leaveOut(
+                Omission::distantLight,
+                fmt::format(
+                    "of the light on {} points {:.2g} % comes from afar, and the background is black where it is seen",
+                    pilot_.points, 100 * pilot_.distantFraction),
+                &PlanChoices::distantLight);
+    }
+
+    void bouncedLight() {
+        if (judged_ && options_.bounce == SolveOptions::Bounce::automatic) {
+            if (pilot_.enclosure < 0.01)
+                leaveOut(
+                    Omission::interreflection,
+                    fmt::format("other surfaces fill only {:.1f} % of what a surface sees", 100 * pilot_.enclosure),
+                    &PlanChoices::bounce);
+            else if (pilot_.bouncedFraction < 0.5 * double(samples_.relativeNoise))
+                leaveOut(Omission::interreflection,
+                         fmt::format(
+                             "it would be {:.1f} % of the light, less than half of the photographs' noise of {:.1f} %",
+                             100 * pilot_.bouncedFraction, 100 * samples_.relativeNoise),
+                         &PlanChoices::bounce);
+            else if (pilot_.bounceWorse > 4)
+                leaveOut(
+                    Omission::interreflection,
+                    fmt::format(
+                        "with it the ratios between {} pairs of points are explained worse, by {:.0f} standard errors",
+                        pilot_.pairs, pilot_.bounceWorse),
+                    &PlanChoices::bounce);
+            else if (pilot_.bounceWorse > 1)
+                leaveOut(Omission::fullInterreflection,
+                         "it is tried on coarse light first and again only if that cannot rule it out",
+                         &PlanChoices::lateBounce);
+            kept_.bounceLikely = !everything_ && pilot_.bounceWorse < likelyBounce;
+        }
+    }
+
+    void details() {
+        if (counts_.seen < counts_.vertices)
+            leaveOut(Omission::unobservedVertices,
+                     fmt::format("{:.0f} of {:.0f}: their light is computed when something needs it",
+                                 counts_.vertices - counts_.seen, counts_.vertices),
+                     &PlanChoices::unobservedVertices);
+        if (kept_.distantLight && options_.visibilitySide >= 4)
+            leaveOut(Omission::agreeingRays, "visibility is traced finer only where an edge is near",
+                     &PlanChoices::agreeingRays);
+        if (counts_.matteObservations > 0)
+            leaveOut(counts_.glossyObservations > 0 ? Omission::lobesOnMatte : Omission::glossyLobes,
+                     counts_.glossyObservations > 0 ? "those components do not change with the view beyond noise"
+                                                    : "no surface changes with the view beyond noise",
+                     &PlanChoices::matteComponents);
+        if (counts_.glossyObservations > 0 && options_.glossRounds > 0)
+            leaveOut(
+                Omission::lostLobes,
+                "all are tried on directions they share, and on their own only where they come within a twelfth of "
+                "the best",
+                &PlanChoices::lostLobes);
+        if (judged_ && counts_.metals && options_.glossRounds > 0)
+            leaveOut(Omission::mattePointsInDetail,
+                     "directions are divided for what metals reflect; the curvature that matte points give them is "
+                     "computed undivided",
+                     &PlanChoices::mattePointsInDetail);
+        if (judged_ && kept_.distantLight)
+            leaveOut(Omission::emptyColumns,
+                     "what no point that a photograph shows can see takes no part in the equations' products",
+                     &PlanChoices::emptyColumns);
+        if (judged_)
+            leaveOut(Omission::lastDigits,
+                     "a fit that finer ones follow ends when an iteration explains less than 0.03 % more",
+                     &PlanChoices::lastDigits);
+        if (counts_.matte)
+            leaveOut(Omission::flatLevels,
+                     "splitting ends after a round that explains less than a fifth of a percent more",
+                     &PlanChoices::flatLevels);
+        if (options_.nearField && emitters_.emitters.empty())
+            leftOut.push_back({Omission::nearFieldEmitters, "no patch of the scene shines on its own",
+                               16 * counts_.seen * pilot_.visibilitySecondsPerRay, counts_.vertices * 8 / (1 << 20)});
+    }
+
+    const WorkCounts& counts_;
+    const PilotFindings& pilot_;
+    const EmitterClusters& emitters_;
+    const RadianceSamples& samples_;
+    const SolveOptions& options_;
+    const bool everything_, judged_;
+    const MachineSpeed speed_;
+    PlanChoices kept_ = PlanChoices::everything();
+
+public:
+    std::vector<StageEstimate> stages;  ///< of what is left
+    std::vector<PlannedOmission> leftOut;
+};
+
 }  // namespace
 
 SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
@@ -117,89 +242,10 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
     if (counts.glossyObservations > 0 && pilot.ran && !counts.metals)
         counts.lobeLikely = lobeLikely(capture, scene, samples, emitters, matte, pilot.lighting, options, progress);
     if (pilot.ran) plan.light = std::make_shared<const Lighting>(pilot.lighting);
-    const MachineSpeed speed = measureMachine(progress);
-
-    PlanChoices kept = PlanChoices::everything();
-    const auto cost = [&](const PlanChoices& choices) { return predictStages(counts, speed, pilot, options, choices); };
-    std::vector<StageEstimate> stages = cost(kept);
-    const auto leaveOut = [&](Omission what, const std::string& reason, bool PlanChoices::*part) {
-        if (everything) return;
-        kept.*part = false;
-        std::vector<StageEstimate> fewer = cost(kept);
-        plan.leftOut.push_back(
-            {what, reason, std::max(0.0, total(stages) - total(fewer)), std::max(0.0, most(stages) - most(fewer))});
-        stages = std::move(fewer);
-    };
-    const bool judged = pilot.ran && options.nearField && counts.matte;
-    if (judged && !emitters.emitters.empty() && pilot.distantFraction < 0.003 && pilot.background < 0.05)
-        leaveOut(Omission::distantLight,
-                 fmt::format(
-                     "of the light on {} points {:.2g} % comes from afar, and the background is black where it is seen",
-                     pilot.points, 100 * pilot.distantFraction),
-                 &PlanChoices::distantLight);
-    if (judged && options.bounce == SolveOptions::Bounce::automatic) {
-        if (pilot.enclosure < 0.01)
-            leaveOut(Omission::interreflection,
-                     fmt::format("other surfaces fill only {:.1f} % of what a surface sees", 100 * pilot.enclosure),
-                     &PlanChoices::bounce);
-        else if (pilot.bouncedFraction < 0.5 * double(samples.relativeNoise))
-            leaveOut(
-                Omission::interreflection,
-                fmt::format("it would be {:.1f} % of the light, less than half of the photographs' noise of {:.1f} %",
-                            100 * pilot.bouncedFraction, 100 * samples.relativeNoise),
-                &PlanChoices::bounce);
-        else if (pilot.bounceWorse > 4)
-            leaveOut(Omission::interreflection,
-                     fmt::format(
-                         "with it the ratios between {} pairs of points are explained worse, by {:.0f} standard errors",
-                         pilot.pairs, pilot.bounceWorse),
-                     &PlanChoices::bounce);
-        else if (pilot.bounceWorse > 1)
-            leaveOut(Omission::fullInterreflection,
-                     "it is tried on coarse light first and again only if that cannot rule it out",
-                     &PlanChoices::lateBounce);
-        kept.bounceLikely = !everything && pilot.bounceWorse < likelyBounce;
-    }
-    if (counts.seen < counts.vertices)
-        leaveOut(Omission::unobservedVertices,
-                 fmt::format("{:.0f} of {:.0f}: their light is computed when something needs it",
-                             counts.vertices - counts.seen, counts.vertices),
-                 &PlanChoices::unobservedVertices);
-    if (kept.distantLight && options.visibilitySide >= 4)
-        leaveOut(Omission::agreeingRays, "visibility is traced finer only where an edge is near",
-                 &PlanChoices::agreeingRays);
-    if (counts.matteObservations > 0)
-        leaveOut(counts.glossyObservations > 0 ? Omission::lobesOnMatte : Omission::glossyLobes,
-                 counts.glossyObservations > 0 ? "those components do not change with the view beyond noise"
-                                               : "no surface changes with the view beyond noise",
-                 &PlanChoices::matteComponents);
-    if (counts.glossyObservations > 0 && options.glossRounds > 0)
-        leaveOut(Omission::lostLobes,
-                 "all are tried on directions they share, and on their own only where they come within a twelfth of "
-                 "the best",
-                 &PlanChoices::lostLobes);
-    if (judged && counts.metals && options.glossRounds > 0)
-        leaveOut(Omission::mattePointsInDetail,
-                 "directions are divided for what metals mirror; the curvature that matte points give them is worked "
-                 "out undivided",
-                 &PlanChoices::mattePointsInDetail);
-    if (judged && kept.distantLight)
-        leaveOut(Omission::emptyColumns,
-                 "what no point that a photograph shows can see takes no part in the equations' products",
-                 &PlanChoices::emptyColumns);
-    if (judged)
-        leaveOut(Omission::lastDigits,
-                 "a fit that finer ones follow ends when an iteration explains less than 0.03 % more",
-                 &PlanChoices::lastDigits);
-    if (counts.matte)
-        leaveOut(Omission::flatLevels, "splitting ends after a round that explains less than a fifth of a percent more",
-                 &PlanChoices::flatLevels);
-    if (options.nearField && emitters.emitters.empty())
-        plan.leftOut.push_back({Omission::nearFieldEmitters, "no patch of the scene shines on its own",
-                                16 * counts.seen * pilot.visibilitySecondsPerRay, counts.vertices * 8 / (1 << 20)});
-    plan.choices = kept;
-    if (everything) plan.choices = PlanChoices::everything();
-    for (const StageEstimate& s : stages) plan.stages.push_back({s.stage, s.seconds, -1, s.mib, -1});
+    OmissionPlanner planner(counts, pilot, emitters, samples, options, everything, progress);
+    plan.leftOut = std::move(planner.leftOut);
+    plan.choices = planner.choices();
+    for (const StageEstimate& s : planner.stages) plan.stages.push_back({s.stage, s.seconds, -1, s.mib, -1});
     plan.planningSeconds = progress.seconds() - start;
     progress.advance();
     logInfo(

@@ -7,8 +7,8 @@ namespace relamp {
 
 struct RelitScene;
 
-/// Per vertex, radiance: `world`, `byEmitter` as a white matte surface there shows it; `outgoing...` what the vertex itself
-/// sends by reflection, direct light included. Every source apart, so that light groups add up.
+/// Per vertex, radiance: `world`, `byEmitter` as a white matte surface there shows it; `outgoing...` what the vertex
+/// itself sends by reflection, direct light included. Every source apart, so that light groups add up.
 struct BouncedLight {
     std::vector<Rgb> world, outgoingWorld;
     std::vector<std::vector<Rgb>> byEmitter, outgoingByEmitter;

@@ -1,4 +1,5 @@
-// What leaves an emitter, by direction and place: the one function that frames and the viewport ask for emitted radiance.
+// What leaves an emitter, by direction and place: the one function that frames and the viewport ask for emitted
+// radiance.
 #pragma once
 #include "base/math.h"
 

@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
+#include "display/html.h"
 #include "display/log_plot.h"
 #include "report/comparison.h"
 #include "report/estimate_tables.h"
-#include "display/html.h"
 
 namespace relamp {
 namespace {

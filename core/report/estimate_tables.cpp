@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "image/image_io.h"
 #include "display/html.h"
+#include "image/image_io.h"
 
 namespace relamp {
 namespace {

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
+#include "display/html.h"
 #include "display/log_plot.h"
 #include "report/estimate_tables.h"
-#include "display/html.h"
 #include "report/solve_report.h"
 
 namespace relamp {

@@ -13,8 +13,8 @@ struct SparseCoefs {
     size_t size() const { return index.size(); }
 };
 
-/// The largest coefficients in magnitude that keep `energyFraction` of the squared norm (at most `maxTerms`, 0 = no cap).
-/// energyFraction 1 keeps every non-zero. Of equal magnitudes the lower index is kept first.
+/// The largest coefficients in magnitude that keep `energyFraction` of the squared norm (at most `maxTerms`, 0 = no
+/// cap). energyFraction 1 keeps every non-zero. Of equal magnitudes the lower index is kept first.
 SparseCoefs sparsify(std::span<const float> dense, float energyFraction = 1.0f, size_t maxTerms = 0);
 /// Fills `dense` with the coefficients; 0 where there is none.
 void scatter(const SparseCoefs& coefs, std::span<float> dense);

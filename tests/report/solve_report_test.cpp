@@ -38,8 +38,7 @@ TEST(SolveReport, ShowsThePlanBesideWhatWasMeasured) {
     r.estimate.plan.stages.push_back({Stage::visibility, 2.5, 3.25, 40, 41});
     r.estimate.plan.leftOut.push_back({Omission::distantLight, "black & empty", 7, 30});
     const std::string page = reportPage(r);
-    for (const char* word :
-         {"visibility", "2.50 s", "3.25 s", "40 MiB", "black &amp; empty", "7.00 s"})
+    for (const char* word : {"visibility", "2.50 s", "3.25 s", "40 MiB", "black &amp; empty", "7.00 s"})
         EXPECT_NE(page.find(word), std::string::npos) << word;
 }
 

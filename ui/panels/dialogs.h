@@ -2,8 +2,8 @@
 #pragma once
 #include <functional>
 
-#include "editor.h"
 #include "browser/file_browser.h"
+#include "editor.h"
 
 namespace relamp::ui {
 
