@@ -70,7 +70,7 @@ void addCamera(const Adder& add) {
          {},
          false});
     add({"view.orthographic",
-         "Without perspective",
+         "Orthographic",
          "Parallel lines stay parallel.",
          "View",
          {},

@@ -294,7 +294,7 @@ bool drawKeysDialog(Editor& editor) {
                      {"Ctrl", "while moving: snap"},
                      {"Shift", "while moving: fine"},
                      {"Esc", "while dragging anything: take it back"},
-                     {"Middle drag", "Turn the view (or Alt and left)"},
+                     {"Middle drag", "Rotate the view (or Alt and left)"},
                      {"Shift+Middle", "Shift the view"},
                      {"Wheel", "Nearer or farther"}};
         heading("In the viewport");

@@ -138,7 +138,7 @@ void drawEmittersPanel(Editor& editor) {
         if (columns.colour) ImGui::TableSetupColumn("Col", ImGuiTableColumnFlags_WidthFixed, std::max(side, em(1.9f)));
         if (columns.kelvin) ImGui::TableSetupColumn("Kelvin", ImGuiTableColumnFlags_WidthFixed, em(5.2f));
         if (columns.power) ImGui::TableSetupColumn("Power", ImGuiTableColumnFlags_WidthFixed, em(4));
-        if (columns.evidence) ImGui::TableSetupColumn("Rests on", ImGuiTableColumnFlags_WidthStretch, 1.6f);
+        if (columns.evidence) ImGui::TableSetupColumn("Evidence", ImGuiTableColumnFlags_WidthStretch, 1.6f);
         if (room > em(17)) ImGui::TableHeadersRow();
         std::string menuOf;
         for (const EmitterState& emitter : emitters) {

@@ -27,7 +27,7 @@ void panorama(Editor& editor, const char* id, const EnvironmentImage& image, con
         const bool changed = ImGui::IsItemActive() && ImGui::GetIO().MouseDelta.x != 0 && moved != 0;
         // The image follows the hand: to the right is a negative yaw, because going right runs from +Y to -Y.
         const float turned = wrapDegrees(dragStart - 360 * moved / width);
-        followGesture(editor, "Turn the environment", changed,
+        followGesture(editor, "Rotate the environment", changed,
                       [&](Look& look) { look.environment.yawDegrees = turned; });
         if (ImGui::IsItemHovered() || ImGui::IsItemActive()) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
     }
@@ -145,8 +145,8 @@ void drawEnvironmentPanel(Editor& editor) {
         ImGui::SameLine(label);
         ImGui::SetNextItemWidth(std::max(em(3), ImGui::GetContentRegionAvail().x - icon));
     };
-    row("Turn");
-    dragLook(editor, "##yaw", "Turn the environment", environment.yawDegrees, {0.5f, 0, 0, "%.1f\u00b0"},
+    row("Rotate");
+    dragLook(editor, "##yaw", "Rotate the environment", environment.yawDegrees, {0.5f, 0, 0, "%.1f\u00b0"},
              "Turns the environment about the vertical axis, counter-clockwise seen from above.",
              [](Look& look, float value) { look.environment.yawDegrees = wrapDegrees(value); });
     resetIcon(editor, "##reset yaw", environment.yawDegrees != 0, "Reset the environment's turn",

@@ -54,7 +54,7 @@ void inspectScene(Editor& editor) {
     if (document.scene) {
         fact("Mesh", fmt::format("{} points, {} triangles", count(document.scene->mesh.vertexCount()),
                                  count(document.scene->mesh.triangles.size())));
-        fact("Pieces", count(document.scene->components), "Parts of the mesh that do not touch each other");
+        fact("Components", count(document.scene->components), "Parts of the mesh that do not touch each other");
     }
     if (document.check) {
         fact("Seen twice", percent(document.check->seenTwiceFraction),
@@ -85,7 +85,7 @@ void inspectScene(Editor& editor) {
     if (!estimate->timeline.empty())
         fact("Error", fmt::format("{:.3g}", estimate->timeline.back().rmse),
              "Mean difference between photographs and model, in the radiance units of the photographs");
-    if (section("How sure", "Figures about the calculation itself", false)) {
+    if (section("Certainty", "Figures about the calculation itself", false)) {
         const StabilityReport& s = estimate->stability;
         fact("Unknowns", fmt::format("{}, {} of them determined", s.unknowns, s.effectiveRank),
              "Unknown lights, and how many the photographs pin down by themselves");

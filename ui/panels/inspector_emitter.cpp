@@ -99,9 +99,9 @@ void place(Editor& editor, const EmitterState& emitter, const std::vector<std::s
         },
         editor.state.document.capture ? editor.state.document.capture->origin : DVec3(0));
     const Placement now = placementOf(emitter.matrix);
-    triple(editor, "Rotation (degrees)", "Turn " + who, now.degrees, {0.5f, 0, 0, "%.1f\u00b0"},
-           emitter.recovered ? "Turn about its middle, in degrees, against how it was recovered."
-                             : "Turn about its middle, in degrees.",
+    triple(editor, "Rotation (degrees)", "Rotate " + who, now.degrees, {0.5f, 0, 0, "%.1f\u00b0"},
+           emitter.recovered ? "Rotate about its middle, in degrees, against how it was recovered."
+                             : "Rotate about its middle, in degrees.",
            [&](Look& look, int axis, float value) {
                const auto active = startOf(emitter.id);
                if (!active) return;
@@ -337,14 +337,14 @@ void inspectEmitter(Editor& editor, const EmitterState& emitter) {
     if (armed != ClickTask::none) dimWrapped(clickHint(armed));
 
     if (section("Light", "Brightness and colour")) light(editor, emitter, targets);
-    if (section("Place", "Where it stands, how it is turned, how large it is")) {
+    if (section("Position", "Where it stands, how it is turned, how large it is")) {
         place(editor, emitter, targets);
         if (emitter.changed && button("Reset place", "Back to where it stood when the photographs were taken"))
             resetEmitters(editor, targets, EmitterValue::place);
     }
     if (section("Attached geometry", "Parts of the scene that follow it: its shade, its stand", false))
         parts(editor, emitter);
-    if (section("What this rests on", "The evidence for this light in the photographs", false))
+    if (section("Evidence", "The evidence for this light in the photographs", false))
         evidence(editor, emitter);
 }
 

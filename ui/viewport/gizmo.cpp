@@ -115,7 +115,7 @@ GizmoMotion turned(const GizmoDrag& d, const Ray& now, const EyeView& eye, const
     motion.degrees = glm::degrees(radians);
     motion.change = about(f.origin, glm::rotate(Mat4(1), radians, axis));
     motion.readout =
-        fmt::format("Turn {}{}{:.1f} degrees", axisNames(d.handle), own >= 0 ? " " : "", cleared(motion.degrees));
+        fmt::format("Rotate {}{}{:.1f} degrees", axisNames(d.handle), own >= 0 ? " " : "", cleared(motion.degrees));
     return motion;
 }
 

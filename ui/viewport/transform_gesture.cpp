@@ -17,7 +17,7 @@ std::optional<float> numberIn(const std::string& text) {
 }
 
 const char* verbOf(GizmoKind kind) {
-    return kind == GizmoKind::move ? "Move" : kind == GizmoKind::rotate ? "Turn" : "Scale";
+    return kind == GizmoKind::move ? "Move" : kind == GizmoKind::rotate ? "Rotate" : "Scale";
 }
 
 }  // namespace
