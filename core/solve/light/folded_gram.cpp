@@ -24,12 +24,13 @@ std::vector<std::array<double, 6>> leftOver(const FoldedColumns& fold, const Inf
     parallelFor((columns.size() + panel - 1) / panel, 1, [&](size_t task) {
         const size_t from = task * panel, width = std::min(panel, columns.size() - from), count = fold.folded.rows;
         std::vector<float> remainder(count * panel, 0.0f);
-        for (size_t i = 0; i < count; ++i)
+        for (size_t i = 0; i < count; ++i) {
+            const float *row = rows.row(i), *sum = fold.folded.row(i);
             for (size_t j = 0; j < width; ++j) {
                 const uint32_t k = columns[from + j];
-                remainder[i * panel + j] =
-                    rows.row(i)[k] - float(fold.fraction(Index(k))) * fold.folded.row(i)[fold.group[k]];
+                remainder[i * panel + j] = row[k] - float(fold.fraction(Index(k))) * sum[fold.group[k]];
             }
+        }
         double sum[6][panel] = {};
         for (size_t i = 0; i < count; ++i) {
             if (i % 1024 == 0) progress.check();
@@ -57,8 +58,10 @@ FoldedColumns foldColumns(const InfluenceRows& rows, size_t count, std::vector<u
     if (group.empty())
         for (uint32_t k = 0; k < n; ++k) group.push_back(k);
     std::vector<uint8_t> any(n, 0);
-    for (size_t i = 0; i < count; ++i)
-        for (size_t k = 0; k < n; ++k) any[k] |= rows.row(i)[k] != 0;
+    for (size_t i = 0; i < count; ++i) {
+        const float* row = rows.row(i);
+        for (size_t k = 0; k < n; ++k) any[k] |= row[k] != 0;
+    }
     // Numbered anew, without gaps.
     FoldedColumns fold;
     fold.group.assign(n, FoldedColumns::none);
@@ -72,13 +75,15 @@ FoldedColumns foldColumns(const InfluenceRows& rows, size_t count, std::vector<u
     for (uint32_t k = 0; k < n; ++k)
         if (any[k]) filled.push_back(k);
     parallelFor(count, 256, [&](size_t i) {
-        for (const uint32_t k : filled) fold.folded.row(i)[fold.group[k]] += rows.row(i)[k];
+        const float* row = rows.row(i);
+        float* sum = fold.folded.row(i);
+        for (const uint32_t k : filled) sum[fold.group[k]] += row[k];
     });
     fold.fraction = Eigen::VectorXd::Zero(Index(n));
     Eigen::VectorXd square = Eigen::VectorXd::Zero(Index(fold.folded.columns));
     for (size_t i = 0; i < count; ++i) {
-        const float* sum = fold.folded.row(i);
-        for (const uint32_t k : filled) fold.fraction(Index(k)) += double(rows.row(i)[k]) * double(sum[fold.group[k]]);
+        const float *row = rows.row(i), *sum = fold.folded.row(i);
+        for (const uint32_t k : filled) fold.fraction(Index(k)) += double(row[k]) * double(sum[fold.group[k]]);
         for (size_t g = 0; g < fold.folded.columns; ++g) square(Index(g)) += double(sum[g]) * double(sum[g]);
     }
     for (const uint32_t k : filled) fold.fraction(Index(k)) /= square(fold.group[k]);
