@@ -7,6 +7,7 @@
 #include "base/atomic_file.h"
 #include "base/is_there.h"
 #include "base/json_fields.h"
+#include "base/local_time.h"
 #include "base/log.h"
 #include "base/random.h"
 
@@ -20,15 +21,6 @@ constexpr const char* suffix = ".estimate.json";
 fs::path checkpointOf(const fs::path& record) {
     fs::path file = record;
     return file.replace_extension(".checkpoint");
-}
-
-std::string localTime() {
-    const std::time_t now = std::time(nullptr);
-    std::tm parts{};
-    localtime_r(&now, &parts);
-    char text[32];
-    std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &parts);
-    return text;
 }
 
 Json toJson(const SolveRequest& r) {

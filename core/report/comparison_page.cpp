@@ -120,59 +120,61 @@ std::string comparisonPage(const Comparison& c) {
         return htmlImage(image(modes[0]), near, "") + htmlImage(image(modes[1]), distant, "");
     };
     const char *near = "Lights in the scene", *distant = "Distant light only";
-    std::string part = "<h1>" + htmlText(c.capture) + ": two ways to explain the light</h1>\n";
-    part += fmt::format(
+    std::string content = "<h1>" + htmlText(c.capture) + ": two ways to explain the light</h1>\n";
+    content += fmt::format(
         "<p>{} photographs, a mesh of {} vertices and {} triangles. The same photographs were explained twice: once "
         "with lights that stand in the "
         "scene and light it from near (near-field), once as if all light came from far away (distant-only). What a "
         "light does and the second way "
         "cannot say ends up painted on the surfaces.</p>\n",
         c.views, c.vertices, c.triangles);
-    part += heading("Figures", fmt::format("Measured over {} of {} photographs.", c.measuredViews, c.views)) +
-            figuresTable(c);
+    content += heading("Figures", fmt::format("Measured over {} of {} photographs.", c.measuredViews, c.views)) +
+               figuresTable(c);
     for (const ComparedMode& m : modes)
         if (!m.shot.estimate.gauge.evidence.empty())
-            part += fmt::format("<p>Brightness scale, {}: {}</p>\n", htmlText(m.name),
-                                htmlText(m.shot.estimate.gauge.evidence));
+            content += fmt::format("<p>Brightness scale, {}: {}</p>\n", htmlText(m.name),
+                                   htmlText(m.shot.estimate.gauge.evidence));
 
-    part += heading("Correction colours",
-                    "The tint of the surfaces with their brightness taken away. Neutral grey needs no correction; a "
-                    "stain that follows the light is light that was taken for paint.");
+    content += heading("Correction colours",
+                       "The tint of the surfaces with their brightness taken away. Neutral grey needs no correction; a "
+                       "stain that follows the light is light that was taken for paint.");
     std::string tints;
     for (size_t m = 0; m < 2; ++m)
         for (const ComparedView& view : c.shown) tints += htmlImage(view.tint[m], m == 0 ? near : distant, view.name);
-    part += grid(c.shown.size() == 3 ? "three" : c.shown.size() == 1 ? "one" : "two", tints);
+    content += grid(c.shown.size() == 3 ? "three" : c.shown.size() == 1 ? "one" : "two", tints);
 
-    part += heading("View by view",
-                    "The photograph, what each model makes of it, and where they part: grey is equal, brighter means "
-                    "the model is too bright there, darker too dark. "
-                    "Surfaces without light show each surface's own colour, on an absolute scale.");
-    for (const ComparedView& view : c.shown) part += viewSection(view);
+    content +=
+        heading("View by view",
+                "The photograph, what each model makes of it, and where they content: grey is equal, brighter means "
+                "the model is too bright there, darker too dark. "
+                "Surfaces without light show each surface's own colour, on an absolute scale.");
+    for (const ComparedView& view : c.shown) content += viewSection(view);
 
-    part += heading("Lights off", fmt::format("What the distant light alone does. Exposed {} against the first "
-                                              "photograph, both alike. Distant-only has no light to switch off, "
-                                              "so all light stays.",
-                                              stops(c.offStops)));
-    part += grid("two", pair([](const ComparedMode& m) -> const Image& { return m.emittersOff; }, near, distant));
-    part += heading(
+    content += heading("Lights off", fmt::format("What the distant light alone does. Exposed {} against the first "
+                                                 "photograph, both alike. Distant-only has no light to switch off, "
+                                                 "so all light stays.",
+                                                 stops(c.offStops)));
+    content += grid("two", pair([](const ComparedMode& m) -> const Image& { return m.emittersOff; }, near, distant));
+    content += heading(
         "Under a white sky",
         "Lights off, the same light from everywhere. Shadows of the old light that still show were taken for paint.");
-    part += grid("two", pair([](const ComparedMode& m) -> const Image& { return m.white; }, near, distant));
-    part += heading("Surroundings", fmt::format("The recovered distant light in all directions, straight up at the "
-                                                "top. Exposed {} against the first photograph, both alike. "
-                                                "A bright spot that is not in the room is a light in disguise.",
-                                                stops(c.environmentStops)));
-    part += grid("two", pair([](const ComparedMode& m) -> const Image& { return m.environment; }, near, distant));
+    content += grid("two", pair([](const ComparedMode& m) -> const Image& { return m.white; }, near, distant));
+    content += heading("Environment", fmt::format("The recovered distant light in all directions, straight up at the "
+                                                  "top. Exposed {} against the first photograph, both alike. "
+                                                  "A bright spot that is not in the room is a light in disguise.",
+                                                  stops(c.environmentStops)));
+    content += grid("two", pair([](const ComparedMode& m) -> const Image& { return m.environment; }, near, distant));
 
-    part += heading("Lamps", "What shines in the scene, and why it is believed to.") +
-            emittersTable(modes[0].shot.estimate) + rejectedTable(modes[0].shot.estimate, modes[0].shot.capture.origin);
-    part += heading("Error against run time",
-                    "How fast each way closes in on the photographs, from the first guess on. Both axes are "
-                    "logarithmic; rest on a point for its stage.") +
-            plotOf(modes);
-    part +=
+    content += heading("Lights", "What shines in the scene, and why it is believed to.") +
+               emittersTable(modes[0].shot.estimate) +
+               rejectedTable(modes[0].shot.estimate, modes[0].shot.capture.origin);
+    content += heading("Error against run time",
+                       "How fast each way closes in on the photographs, from the first guess on. Both axes are "
+                       "logarithmic; rest on a point for its stage.") +
+               plotOf(modes);
+    content +=
         heading("Left out", "What this scene did not need, and what this version does not do.") + leftOutTable(modes);
-    return htmlPage("relamp: " + c.capture, part);
+    return htmlPage("relamp: " + c.capture, content);
 }
 
 }  // namespace relamp

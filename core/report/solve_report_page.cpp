@@ -43,7 +43,7 @@ std::string figuresTable(const SolveReport& r) {
                     "Mean PSNR over the photographs, as they appear on screen. It alone proves little: a wrong light "
                     "can be painted into the surfaces.",
                     fmt::format("{:.1f} dB", sum / double(r.views.size())));
-    rows += row("Lamps", "Patches of the mesh that send light of their own.",
+    rows += row("Lights", "Patches of the mesh that send light of their own.",
                 fmt::format("{}", r.estimate.emitters.emitters.size()));
     rows += row("Unknowns", "Patches of sky or room whose light was told apart, and lights, for each colour channel.",
                 fmt::format("{}", s.unknowns));
@@ -172,15 +172,16 @@ std::string leftOutTable(const Estimate& e) {
 }
 
 std::string truthSection(const TruthFigures& t) {
-    std::string part, rows;
+    std::string content, rows;
     for (const TruthFigure& f : t.figures) rows += row(f.what, f.about, f.value);
-    if (!rows.empty()) part += "<table>\n" + rows + "</table>\n";
+    if (!rows.empty()) content += "<table>\n" + rows + "</table>\n";
     rows.clear();
     for (const TruthEdit& e : t.edits)
         rows += fmt::format("<tr><td>{}<small>{}</small></td><td class=\"number\">{:.1f} dB</td></tr>\n",
                             htmlText(e.name), htmlText(e.about), e.psnr);
-    if (rows.empty()) return part;
-    return part + "<h3>Relit images against the true ones</h3>\n<table><tr><th>Edit</th><th>PSNR</th></tr>\n" + rows +
+    if (rows.empty()) return content;
+    return content + "<h3>Relit images against the true ones</h3>\n<table><tr><th>Edit</th><th>PSNR</th></tr>\n" +
+           rows +
            fmt::format(
                "</table>\n<p>Mean over the images in which something changes: {:.1f} dB. Nothing is divided "
                "out.</p>\n",
@@ -284,58 +285,61 @@ std::string viewsCsv(const SolveReport& r) {
 }
 
 std::string reportPage(const SolveReport& r) {
-    std::string part =
+    std::string content =
         fmt::format("<h1>{}: how it was solved</h1>\n<p>Capture {}, {}. Brightness scale: {}</p>\n", htmlText(r.shot),
                     htmlText(r.capture), htmlText(r.estimate.mode),
                     htmlText(r.estimate.gauge.evidence.empty() ? "not said" : r.estimate.gauge.evidence));
-    part += heading("Figures", "What the solve came to.") + figuresTable(r);
+    content += heading("Figures", "What the solve came to.") + figuresTable(r);
     if (r.truth)
-        part += heading("Against the truth",
-                        "The capture's light and surfaces are known: how far the answer is from them.") +
-                truthSection(*r.truth);
+        content += heading("Against the truth",
+                           "The capture's light and surfaces are known: how far the answer is from them.") +
+                   truthSection(*r.truth);
     if (!r.truthOverTime.empty())
-        part += heading("Truth against run time",
-                        "A solve of the same capture, stopped in thought after each large step: how far its relit "
-                        "images were from the true ones then.") +
-                truthPlot(r);
-    part += heading("Error against run time",
-                    "How much surfaces of one colour still differ under the light found: surface colour cancels in it, "
-                    "so it cannot hide what the light gets wrong. The same measure in every "
-                    "stage and mode. Both axes are logarithmic; rest on a point for its stage.") +
-            errorPlot(r);
+        content += heading("Truth against run time",
+                           "A solve of the same capture, stopped in thought after each large step: how far its relit "
+                           "images were from the true ones then.") +
+                   truthPlot(r);
+    content +=
+        heading("Error against run time",
+                "How much surfaces of one colour still differ under the light found: surface colour cancels in it, "
+                "so it cannot hide what the light gets wrong. The same measure in every "
+                "stage and mode. Both axes are logarithmic; rest on a point for its stage.") +
+        errorPlot(r);
     if (!r.noDistantBecause.empty())
-        part += "<p>Not held against distant light only: " + htmlText(r.noDistantBecause) + ".</p>\n";
+        content += "<p>Not held against distant light only: " + htmlText(r.noDistantBecause) + ".</p>\n";
     else if (r.distant)
-        part += fmt::format("<p>Distant light only took {:.1f} s, this shot {:.1f} s.</p>\n", r.distant->seconds,
-                            r.resources.seconds);
-    part += stagesTable(r);
-    part += heading("Photograph by photograph",
-                    "PSNR of what the model makes of each photograph, on the surfaces, as they appear on screen.");
-    part +=
+        content += fmt::format("<p>Distant light only took {:.1f} s, this shot {:.1f} s.</p>\n", r.distant->seconds,
+                               r.resources.seconds);
+    content += stagesTable(r);
+    content += heading("Photograph by photograph",
+                       "PSNR of what the model makes of each photograph, on the surfaces, as they appear on screen.");
+    content +=
         r.views.empty()
             ? "<p>Not measured: " + htmlText(r.noViewsBecause.empty() ? "there are none" : r.noViewsBecause) + ".</p>\n"
             : viewsTable(r);
     if (r.worst)
-        part += "<h3>Explained least well: " + htmlText(r.worst->name) + "</h3>\n<div class=\"grid three\">\n" +
-                htmlImage(r.worst->photograph, "Photograph", "") + htmlImage(r.worst->model, "Model", "") +
-                htmlImage(r.worst->difference, "Difference", "grey is equal, brighter where the model is too bright") +
-                "</div>\n";
+        content +=
+            "<h3>Explained least well: " + htmlText(r.worst->name) + "</h3>\n<div class=\"grid three\">\n" +
+            htmlImage(r.worst->photograph, "Photograph", "") + htmlImage(r.worst->model, "Model", "") +
+            htmlImage(r.worst->difference, "Difference", "grey is equal, brighter where the model is too bright") +
+            "</div>\n";
     const std::string spectrum = spectrumPlot(r);
     if (!spectrum.empty())
-        part += heading("How well posed the equations were",
-                        "Eigenvalues of the column-scaled lighting equations. What lies above 1e-6 of the largest is "
-                        "pinned down by the photographs; "
-                        "below, the priors decide.") +
-                spectrum;
-    part += heading("Lamps", "What shines in the scene, and why it is believed to.") + emittersTable(r.estimate) +
-            rejectedTable(r.estimate, r.origin);
+        content +=
+            heading("How well posed the equations were",
+                    "Eigenvalues of the column-scaled lighting equations. What lies above 1e-6 of the largest is "
+                    "pinned down by the photographs; "
+                    "below, the priors decide.") +
+            spectrum;
+    content += heading("Lights", "What shines in the scene, and why it is believed to.") + emittersTable(r.estimate) +
+               rejectedTable(r.estimate, r.origin);
     if (!r.estimate.plan.stages.empty())
-        part += heading("Plan",
-                        "What every stage was expected to take on this machine before it ran, and what it took; and "
-                        "what was left out because the scene does not need it.") +
-                planSection(r.estimate.plan);
-    part += heading("Left out", "What this scene did not need.") + leftOutTable(r.estimate);
-    return htmlPage("relamp: " + r.shot, part);
+        content += heading("Plan",
+                           "What every stage was expected to take on this machine before it ran, and what it took; and "
+                           "what was left out because the scene does not need it.") +
+                   planSection(r.estimate.plan);
+    content += heading("Left out", "What this scene did not need.") + leftOutTable(r.estimate);
+    return htmlPage("relamp: " + r.shot, content);
 }
 
 }  // namespace relamp

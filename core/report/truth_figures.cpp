@@ -68,7 +68,7 @@ std::map<int, std::string> matchEmitters(const Columns& truth, const std::vector
                 errors.push_back(
                     std::abs(double(shot.estimate.lighting.emitterRadiance[size_t(match)][c]) / radiance[c] - 1));
     }
-    out.figures.push_back({"Lamps",
+    out.figures.push_back({"Lights",
                            fmt::format("{} of {} found, {} in all", matched.size(), vertices.size(),
                                        shot.estimate.emitters.emitters.size()),
                            "Matched by where they are."});
@@ -123,7 +123,7 @@ void environmentFigure(const fs::path& file, const Shot& shot, TruthFigures& out
         difference += glm::dot(found[c] - DVec3(truth[c]), found[c] - DVec3(truth[c])),
             norm += glm::dot(DVec3(truth[c]), DVec3(truth[c]));
     if (norm > 0)
-        out.figures.push_back({"Surroundings", fmt::format("{:.2f}", std::sqrt(difference / norm)),
+        out.figures.push_back({"Environment", fmt::format("{:.2f}", std::sqrt(difference / norm)),
                                "Relative error over 32 x 32 directions, raw; a few bright spots rule it."});
 }
 

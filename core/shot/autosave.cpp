@@ -13,6 +13,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/json_fields.h"
+#include "base/local_time.h"
 #include "base/log.h"
 
 namespace relamp {
@@ -30,15 +31,6 @@ int lockFile(const fs::path& file) {
     if (flock(handle, LOCK_EX | LOCK_NB) == 0 && fstat(handle, &opened) == 0 && opened.st_nlink > 0) return handle;
     close(handle);
     return -1;
-}
-
-std::string localTime() {
-    const std::time_t now = std::time(nullptr);
-    std::tm parts{};
-    localtime_r(&now, &parts);
-    char text[32];
-    std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &parts);
-    return text;
 }
 
 fs::path with(fs::path stem, const std::string& ending) {
