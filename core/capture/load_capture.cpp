@@ -54,6 +54,7 @@ Capture loadCapture(const std::filesystem::path& folder, const LoadOptions& opti
     }
     orientCapture(capture, up, fix);
     capture.proxies = placedProxies(fix.proxies, capture.mesh, capture.origin);
+    applyMend(fix.mend, capture.mesh);
     if (fix.smoothNormals > 0) capture.mesh.normals = smoothedNormals(capture.mesh, fix.smoothNormals);
     addProxies(capture.proxies, capture.mesh);
     for (const auto& sentences : notes) capture.notes.insert(capture.notes.end(), sentences.begin(), sentences.end());

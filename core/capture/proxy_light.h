@@ -12,7 +12,8 @@ struct ProxyLight {
         0};  ///< metres, Z up; among a Capture's proxies counted from its origin, in a CaptureFix from the files'
     float radius = 0;    ///< metres, more than 0
     Vec3 sigma{0};       ///< standard deviation of the centre along X, Y, Z, metres; 0: it was told, not found
-    bool found = false;  ///< from shading and shadows (solve/hidden_light.h)
+    bool found = false;  ///< from shading and shadows (solve/unobserved/unobserved_light.h)
+    Rgb radiance{0};     ///< as photographs show it; 0: none shows it, and the solve finds it
     bool operator==(const ProxyLight&) const = default;
 };
 

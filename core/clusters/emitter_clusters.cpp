@@ -3,6 +3,7 @@
 #include "base/box.h"
 #include "base/log.h"
 #include "base/statistics.h"
+#include "clusters/emitter_pixels.h"
 #include "clusters/false_emitters.h"
 #include "clusters/patches.h"
 #include "scene/rim.h"
@@ -55,16 +56,12 @@ void complete(const Scene& scene, const std::vector<VertexRadiance>& seen, const
         if (mine[v]) cluster.vertices.push_back(v);
 }
 
-void measure(const Scene& scene, EmitterCluster& cluster) {
-    std::vector<uint8_t> mine(scene.mesh.vertexCount(), 0);
-    for (uint32_t v : cluster.vertices) mine[v] = 1;
-    cluster.triangles.clear();
+/// Area, centroid and normal of its triangles.
+void measureTriangles(const Scene& scene, EmitterCluster& cluster) {
     double area = 0;
     DVec3 centre(0), normal(0);
-    for (uint32_t t = 0; t < scene.mesh.triangles.size(); ++t) {
+    for (const uint32_t t : cluster.triangles) {
         const Triangle& i = scene.mesh.triangles[t];
-        if (!mine[i[0]] || !mine[i[1]] || !mine[i[2]]) continue;
-        cluster.triangles.push_back(t);
         const double a = scene.mesh.triangleArea(t);
         area += a;
         centre += a * DVec3(scene.mesh.positions[i[0]] + scene.mesh.positions[i[1]] + scene.mesh.positions[i[2]]) / 3.0;
@@ -75,6 +72,18 @@ void measure(const Scene& scene, EmitterCluster& cluster) {
         cluster.centroid = Vec3(centre / area);
         cluster.normal = glm::length(normal) > 0.1 * area ? Vec3(glm::normalize(normal)) : Vec3(0);
     }
+}
+
+/// The same; its triangles are those of its vertices.
+void measure(const Scene& scene, EmitterCluster& cluster) {
+    std::vector<uint8_t> mine(scene.mesh.vertexCount(), 0);
+    for (uint32_t v : cluster.vertices) mine[v] = 1;
+    cluster.triangles.clear();
+    for (uint32_t t = 0; t < scene.mesh.triangles.size(); ++t) {
+        const Triangle& i = scene.mesh.triangles[t];
+        if (mine[i[0]] && mine[i[1]] && mine[i[2]]) cluster.triangles.push_back(t);
+    }
+    measureTriangles(scene, cluster);
 }
 
 Vec3 middleOf(const Scene& scene, size_t vertices) {
@@ -94,8 +103,15 @@ void addProxyEmitters(const Scene& scene, const Capture& capture, float brightne
         EmitterCluster cluster;
         for (size_t v = 0; v < proxyVertices; ++v) cluster.vertices.push_back(uint32_t(firstVertex + v));
         measure(scene, cluster);
-        cluster.unobserved = true;
         cluster.positionSigma = proxy.sigma;
+        if (maxChannel(proxy.radiance) > 0) {
+            cluster.radiance = proxy.radiance;
+            cluster.radianceSigma = 0.005f;
+            cluster.fitted = true;
+            result.emitters.push_back(std::move(cluster));
+            continue;
+        }
+        cluster.unobserved = true;
         // A guess: half of what lights the middle of the scene, on an albedo of 0.3.
         const float distance = glm::length(Vec3(proxy.centre) - middleOf(scene, firstVertex));
         cluster.radiance = Rgb(std::max(brightness, 1e-9f) / 0.6f *
@@ -230,6 +246,24 @@ public:
         }
     }
 
+    /// Emitters take in what only pixels show of them, strongest first.
+    void growEmitters() {
+        std::stable_sort(
+            result.emitters.begin(), result.emitters.end(),
+            [](const EmitterCluster& a, const EmitterCluster& b) { return emitterPower(a) > emitterPower(b); });
+        std::vector<uint8_t> taken(scene_.mesh.vertexCount(), 0);
+        for (const std::vector<EmitterCluster>* list : {&result.emitters, &result.candidates})
+            for (const EmitterCluster& e : *list)
+                for (uint32_t v : e.vertices) taken[v] = 1;
+        for (EmitterCluster& e : result.emitters) {
+            if (e.unobserved || e.fitted || growByPixels(scene_, capture_, samples_, taken, e) == 0) continue;
+            const float before = e.area;
+            for (uint32_t v : e.vertices) taken[v] = 1;
+            measureTriangles(scene_, e);
+            logInfo("a light grows by {:.1f} %, as pixels show it", 100 * (e.area / before - 1));
+        }
+    }
+
     /// What a mesh that is not exact makes of an emitter.
     void dropFalseEmitters() {
         joinSplitEmitters(scene_, result.emitters);
@@ -282,10 +316,11 @@ private:
         if (changesWithView(patch, options_)) return "changes with the view, as a reflection does";
         if (!e.viewsAgree && e.uniformity > 0.03f)
             return "hardly seen from two sides and not uniform: could be a reflection";
+        if (e.sceneContrast < options_.minContrast && e.uniformity > 0.06f)
+            return "no brighter than other surfaces and not uniform";
         if (e.uniformity > 0.12f) return "its radiance varies as shading does";
         if (e.edgeDrop > 0.8f) return "fades out without an edge";
-        if (tooFewPixels(scene_, capture_, samples_, patch))
-            return "is seen by too few pixels to tell a light from a bright speck";
+        if (tooFewPixels(scene_, capture_, samples_, patch)) return tooFewPixelsReason;
         if (onlyRim(scene_, nearRim_, seenOfComponent_, patch))
             return "lies at the rim of a hole, where a pixel may show what is behind";
         return "";
@@ -380,6 +415,7 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
     search.judgePatches();
     search.findUnevenEmitters();
     search.dropFalseEmitters();
+    search.growEmitters();
     progress.advance();
     indexEmitters(scene, search.result);
     logClusters(search.result);

@@ -33,6 +33,7 @@ struct EmitterCluster {
     Rgb radiance{0};                  ///< seen directly, image units (median of unclipped observations)
     float radianceSigma = 0;          ///< relative standard deviation of that
     bool twoSided = false;            ///< its back was seen shining as well
+    bool fitted = false;      ///< a ball that was fitted to the photographs: the mesh around it is not to be relied on
     bool unobserved = false;  ///< a proxy: no pixel tells its radiance, which is a guess until the light is solved
     Vec3 positionSigma{0};    ///< standard deviation of its centre, metres; 0 where the mesh says where it is
     Vec3 centroid{0};         ///< metres, area-weighted

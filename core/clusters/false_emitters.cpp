@@ -120,7 +120,9 @@ bool showsEmitterPastEdge(const Scene& scene, const Capture& capture, const Radi
 float albedoBesideEmitters(const Scene& scene, const std::vector<EmitterCluster>& emitters,
                            const EmitterCluster& patch) {
     constexpr size_t mostVertices = 64;
-    constexpr float slack = 0.35f;  // in the cosine: what a normal that is 20 degrees off makes of a grazing one
+    // In the cosine: what a normal that is 20 degrees off makes of a grazing one; beside a fitted ball normals tell
+    // nothing.
+    constexpr float usualSlack = 0.35f, noNormals = 2;
     std::vector<float> demanded;
     for (uint32_t v : someOf(scene, patch.vertices, mostVertices)) {
         Rgb lit(0);
@@ -129,6 +131,7 @@ float albedoBesideEmitters(const Scene& scene, const std::vector<EmitterCluster>
                 maxChannel(emitter.radiance) < 1.3f * maxChannel(patch.radiance))
                 continue;
             float factor = 0;
+            const float slack = emitter.fitted ? noNormals : usualSlack;
             for (const uint32_t t : emitter.triangles) {
                 const Triangle& corners = scene.mesh.triangles[t];
                 const Vec3 to = (scene.mesh.positions[corners[0]] + scene.mesh.positions[corners[1]] +

@@ -23,6 +23,7 @@ struct EmitterPatch {
     std::string reject;
 };
 
+constexpr const char* tooFewPixelsReason = "is seen by too few pixels to tell a light from a bright speck";
 constexpr size_t smallestPatch = 4;  ///< vertices
 
 /// What the views agree on about each vertex.

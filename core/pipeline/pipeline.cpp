@@ -4,6 +4,7 @@
 #include "base/random.h"
 #include "brdf/measured_gloss.h"
 #include "capture/own_axes.h"
+#include "clusters/emitter_mend.h"
 #include "pipeline/normals_choice.h"
 #include "pipeline/reproduction.h"
 #include "pipeline/working_mesh.h"
@@ -49,10 +50,42 @@ Prepared prepare(const Capture& capture, const PipelineOptions& options, StageMe
     return p;
 }
 
+/// Emitters that the mesh does not show as the photographs do get their shape from these. What does not bring mesh and
+/// photographs together is taken back.
+void mendMesh(const PipelineOptions& options, Capture& capture, Prepared& prepared, Corrections& done,
+              StageMeter& meter, Progress& progress) {
+    meter.begin(Stage::emitters);
+    EmitterMend mend = mendEmitters(*prepared.scene, capture, *prepared.samples, prepared.clusters);
+    if (!mend.needed()) return;
+    const Mesh before = capture.mesh;
+    const std::vector<ProxyLight> proxies = capture.proxies;
+    const auto apply = [&] {
+        capture.mesh = before;
+        capture.proxies = proxies;
+        applyMend(mend.mesh, capture.mesh);
+        addProxies(mend.balls, capture.mesh);
+        capture.proxies.insert(capture.proxies.end(), mend.balls.begin(), mend.balls.end());
+        prepared = prepare(capture, options, meter, progress);
+    };
+    apply();
+    if (!mend.mesh.moved.empty() &&
+        leastOverlap(*prepared.scene, capture, *prepared.samples, prepared.clusters) < mend.overlap) {
+        logInfo("moving the surfaces of lights does not bring them nearer to the photographs: taken back");
+        mend.mesh.moved.clear();
+        std::erase_if(mend.words, [](const std::string& s) { return s.find("moves out") != std::string::npos; });
+        apply();
+    }
+    for (const std::string& words : mend.words) {
+        capture.notes.push_back(words);
+        logInfo("{}", words);
+    }
+    done.mend = mend.mesh;
+}
+
 Corrections correctCapture(const PipelineOptions& options, Capture& capture, Prepared& prepared, StageMeter& meter,
                            Progress& progress) {
     const CaptureFix& told = options.load.fix;
-    Corrections done{told.photometric, std::max(0, told.smoothNormals)};
+    Corrections done{told.photometric, told.mend, std::max(0, told.smoothNormals)};
     // Do exposures differ from photograph to photograph?
     if (options.photometric && done.photometric.empty()) {
         meter.begin(Stage::exposures);
@@ -64,6 +97,8 @@ Corrections correctCapture(const PipelineOptions& options, Capture& capture, Pre
             prepared = prepare(capture, options, meter, progress, prepared.working ? nullptr : prepared.scene);
         }
     }
+    if (options.mend && told.mend.empty() && !prepared.working)
+        mendMesh(options, capture, prepared, done, meter, progress);
     // Are the mesh's normals good enough to shade with? A decimated mesh's are means already.
     if (told.smoothNormals < 0 && !prepared.working) {
         meter.begin(Stage::normals);

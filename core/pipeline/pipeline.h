@@ -23,6 +23,7 @@ struct PipelineOptions {
     bool everything = false;  ///< the planner leaves nothing out
     bool photometric =
         true;  ///< exposure, white balance and fall-off are taken out of the photographs where they differ clearly
+    bool mend = true;        ///< emitters that the mesh does not show as the photographs do get their shape from these
     bool findLight = false;  ///< looks for an emitter that no photograph shows and puts a proxy in its place
     std::optional<size_t> meshTriangles = {};  ///< that the mesh may have in the solve (pipeline/working_mesh.h); 0: as
                                                ///< it is, none: large meshes are decimated
@@ -56,6 +57,7 @@ Prepared prepare(const Capture& capture, const PipelineOptions& options, StageMe
 /// What was put right because it was not good enough for a solve.
 struct Corrections {
     PhotometricFix photometric;  ///< taken out of the photographs
+    MeshMend mend;               ///< of the mesh; balls of light that it lacks are among the capture's proxies
     int smoothedNormals = 0;     ///< rounds of smoothing that the normals have had
 };
 

@@ -5,6 +5,7 @@ namespace relamp {
 CaptureFix fixOf(const Capture& solved, const Corrections& corrections, CaptureFix asked) {
     asked.smoothNormals = corrections.smoothedNormals;
     asked.photometric = corrections.photometric;
+    asked.mend = corrections.mend;
     asked.proxies = solved.proxies;
     for (ProxyLight& p : asked.proxies) p.centre += solved.origin;
     return asked;

@@ -117,6 +117,29 @@ PhotometricFix photometricOf(const JsonFields& object) {
     return fix;
 }
 
+/// A list of numbers that a mesh has no more of: 16 million, which a float still counts.
+std::vector<uint32_t> indicesOf(const JsonFields& object, const char* key) {
+    std::vector<uint32_t> result;
+    for (const float value : object.numbers(key)) {
+        if (!(value >= 0 && value < 16777216.0f && value == std::floor(value)))
+            throw Error("{}: expected whole numbers from 0 to 16777215", object.name(key));
+        result.push_back(uint32_t(value));
+    }
+    return result;
+}
+
+MeshMend mendOf(const JsonFields& object) {
+    MeshMend mend;
+    mend.removed = indicesOf(object, "removed_triangles");
+    const std::vector<uint32_t> moved = indicesOf(object, "moved_vertices");
+    const std::vector<float> at = object.numbers("positions");
+    if (at.size() != 3 * moved.size())
+        throw Error("{}: expected three numbers for each of {} vertices", object.name("positions"), moved.size());
+    for (size_t i = 0; i < moved.size(); ++i)
+        mend.moved.push_back({moved[i], Vec3(at[3 * i], at[3 * i + 1], at[3 * i + 2])});
+    return mend;
+}
+
 CaptureFix captureFixOf(const JsonFields& object) {
     CaptureFix fix;
     fix.up = text(object, "up");
@@ -128,10 +151,11 @@ CaptureFix captureFixOf(const JsonFields& object) {
     fix.mesh = text(object, "mesh");
     if (object.has("smooth_normals")) fix.smoothNormals = std::min(object.get("smooth_normals", 0), 100);
     fix.fromBrackets = object.get("from_brackets", false);
+    fix.mend = mendOf(object.object("mesh_mend"));
     fix.photometric = photometricOf(object.object("photometric"));
     for (const JsonFields& p : object.list("proxy_lights"))
-        fix.proxies.push_back(
-            {p.get<DVec3>("centre"), p.get("radius", 0.0f), p.get("sigma", Vec3(0)), p.get("found", false)});
+        fix.proxies.push_back({p.get<DVec3>("centre"), p.get("radius", 0.0f), p.get("sigma", Vec3(0)),
+                               p.get("found", false), glm::max(p.get("radiance", Rgb(0)), Rgb(0))});
     if (!fix.up.empty()) withContext(object.name("up"), [&] { axisFromName(fix.up); });
     return fix;
 }

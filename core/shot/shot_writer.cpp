@@ -105,10 +105,21 @@ Json stabilityJson(const StabilityReport& stability) {
 /// Places that are found from the current folder only are kept absolute, so that the shot opens from everywhere.
 Json proxiesToJson(const std::vector<ProxyLight>& proxies) {
     Json list = Json::array();
-    for (const ProxyLight& p : proxies)
+    for (const ProxyLight& p : proxies) {
         list.push_back(
             {{"centre", toJson(p.centre)}, {"radius", p.radius}, {"sigma", toJson(p.sigma)}, {"found", p.found}});
+        if (maxChannel(p.radiance) > 0) list.back()["radiance"] = toJson(p.radiance);
+    }
     return list;
+}
+
+Json mendToJson(const MeshMend& mend) {
+    Json moved = Json::array(), at = Json::array();
+    for (const MeshMend::MovedVertex& m : mend.moved) {
+        moved.push_back(m.vertex);
+        for (int k = 0; k < 3; ++k) at.push_back(m.position[k]);
+    }
+    return {{"removed_triangles", mend.removed}, {"moved_vertices", moved}, {"positions", at}};
 }
 
 Json photometricJson(const PhotometricFix& fix) {
@@ -133,6 +144,7 @@ Json fixToJson(const CaptureFix& fix, const fs::path& capture) {
                  {"from_brackets", fix.fromBrackets},
                  {"proxy_lights", proxiesToJson(fix.proxies)}};
     if (fix.smoothNormals >= 0) json["smooth_normals"] = fix.smoothNormals;
+    if (!fix.mend.empty()) json["mesh_mend"] = mendToJson(fix.mend);
     if (!fix.photometric.empty()) json["photometric"] = photometricJson(fix.photometric);
     return json;
 }

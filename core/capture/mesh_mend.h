@@ -1,0 +1,26 @@
+// What is put right in a capture's mesh before it is used; the file stays as it is.
+#pragma once
+#include <vector>
+
+#include "scene/mesh.h"
+
+namespace relamp {
+
+struct MeshMend {
+    struct MovedVertex {
+        uint32_t vertex = 0;
+        Vec3 position{0};  ///< metres, Z up, counted from the capture's origin
+        bool operator==(const MovedVertex&) const = default;
+    };
+    std::vector<uint32_t> removed;   ///< triangles of the file, ascending
+    std::vector<MovedVertex> moved;  ///< vertices of the file
+
+    bool empty() const { return removed.empty() && moved.empty(); }
+    bool operator==(const MeshMend&) const = default;
+};
+
+/// Moves the vertices and takes the triangles away; vertices keep their numbers. Throws Error for a vertex or triangle
+/// that the mesh does not have, and for a position that is not finite. O(triangles).
+void applyMend(const MeshMend& mend, Mesh& mesh);
+
+}  // namespace relamp

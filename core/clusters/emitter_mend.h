@@ -1,0 +1,33 @@
+// Emitters that the mesh shows too small, in part or not at all are given the shape that the photographs' pixels show.
+#pragma once
+#include <string>
+
+#include "capture/mesh_mend.h"
+#include "capture/proxy_light.h"
+#include "clusters/emitter_clusters.h"
+
+namespace relamp {
+
+struct EmitterMend {
+    MeshMend mesh;
+    std::vector<ProxyLight> balls;   ///< of known radiance; counted from the capture's origin
+    std::vector<std::string> words;  ///< a sentence for each emitter
+    float overlap = 1;  ///< of meshes and pixels, of the least well covered emitter that `moved` is about; 1: of none
+    bool needed() const { return !words.empty(); }
+};
+
+/// Reconstruction shrinks and rounds what is small, and closes what is narrow. The emitter's area is then too small,
+/// its power with it, and every surface too bright. Where the pixels of its radiance and the mesh's emitting triangles
+/// disagree by more than 3 %:
+/// - a ball that explains the pixels clearly better takes the place of the triangles, and of those before it through
+///   which photographs see it;
+/// - otherwise the surface moves along its normals, by as much as pixels and mesh differ in area.
+/// Exact meshes stay as they are. O(pixels x emitters).
+EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                         const EmitterClusters& clusters);
+
+/// How well the emitters that are no proxies are covered: the least of their overlaps.
+float leastOverlap(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                   const EmitterClusters& clusters);
+
+}  // namespace relamp

@@ -1,0 +1,261 @@
+#include "clusters/emitter_sphere.h"
+
+#include <Eigen/Dense>
+
+#include "base/random.h"
+#include "base/statistics.h"
+#include "clusters/emitter_pixels.h"
+
+namespace relamp {
+namespace {
+
+constexpr size_t leastPixels = 8, mostBoundary = 400;
+
+struct PixelBox {
+    int left = 1 << 30, top = 1 << 30, right = -1, bottom = -1;  // inclusive
+    void grow(int x, int y) {
+        left = std::min(left, x);
+        right = std::max(right, x);
+        top = std::min(top, y);
+        bottom = std::max(bottom, y);
+    }
+    bool empty() const { return right < left; }
+    void widen(int by, int width, int height) {
+        left = std::max(0, left - by);
+        top = std::max(0, top - by);
+        right = std::min(width - 1, right + by);
+        bottom = std::min(height - 1, bottom + by);
+    }
+};
+
+/// Where the cluster's vertices fall; a few pixels wider, because the mesh is off.
+PixelBox projectionOf(const Scene& scene, const EmitterCluster& cluster, const Camera& camera) {
+    PixelBox box;
+    for (const uint32_t v : cluster.vertices)
+        if (const auto pixel = camera.project(DVec3(scene.mesh.positions[v])))
+            if (std::abs(pixel->x) < 1e6f && std::abs(pixel->y) < 1e6f) box.grow(int(pixel->x), int(pixel->y));
+    if (!box.empty()) box.widen(2, camera.width, camera.height);
+    return box;
+}
+
+/// Leaves in `shows` only pixels connected with one inside `box`. False if they reach the image's border.
+bool keepConnected(const PixelBox& box, int width, int height, std::vector<uint8_t>& shows) {
+    std::vector<uint8_t> kept(shows.size(), 0);
+    std::vector<size_t> stack;
+    bool inside = true;
+    for (int y = box.top; y <= box.bottom; ++y)
+        for (int x = box.left; x <= box.right; ++x) {
+            const size_t p = size_t(y) * size_t(width) + size_t(x);
+            if (!shows[p] || kept[p]) continue;
+            kept[p] = 1;
+            stack.push_back(p);
+            while (!stack.empty()) {
+                const int px = int(stack.back() % size_t(width)), py = int(stack.back() / size_t(width));
+                stack.pop_back();
+                inside &= px > 0 && py > 0 && px + 1 < width && py + 1 < height;
+                for (int dy = -1; dy <= 1; ++dy)
+                    for (int dx = -1; dx <= 1; ++dx) {
+                        const int qx = px + dx, qy = py + dy;
+                        if (qx < 0 || qy < 0 || qx >= width || qy >= height) continue;
+                        const size_t q = size_t(qy) * size_t(width) + size_t(qx);
+                        if (!shows[q] || kept[q]) continue;
+                        kept[q] = 1;
+                        stack.push_back(q);
+                    }
+            }
+        }
+    shows.swap(kept);
+    return inside;
+}
+
+/// Middles of the sides between a pixel that shows the emitter and one that does not.
+std::vector<Vec2> boundaryOf(const std::vector<uint8_t>& shows, int width, int height, size_t& length) {
+    std::vector<Vec2> all;
+    for (int y = 1; y + 1 < height; ++y)
+        for (int x = 1; x + 1 < width; ++x) {
+            const size_t p = size_t(y) * size_t(width) + size_t(x);
+            if (!shows[p]) continue;
+            if (!shows[p - 1]) all.emplace_back(x, y + 0.5f);
+            if (!shows[p + 1]) all.emplace_back(x + 1, y + 0.5f);
+            if (!shows[p - size_t(width)]) all.emplace_back(x + 0.5f, y);
+            if (!shows[p + size_t(width)]) all.emplace_back(x + 0.5f, y + 1);
+        }
+    length = all.size();
+    std::vector<Vec2> some;
+    const size_t step = all.size() / mostBoundary + 1;
+    for (size_t i = 0; i < all.size(); i += step) some.push_back(all[i]);
+    return some;
+}
+
+/// A boundary point as a ray, and how many pixels a radian has there.
+struct BoundaryRay {
+    DVec3 eye, direction;
+    double pixels;
+};
+
+/// Where the rays meet best.
+DVec3 meetingPoint(const std::vector<BoundaryRay>& rays) {
+    Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d b = Eigen::Vector3d::Zero();
+    for (const BoundaryRay& r : rays) {
+        const Eigen::Vector3d d(r.direction.x, r.direction.y, r.direction.z), e(r.eye.x, r.eye.y, r.eye.z);
+        const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - d * d.transpose();
+        a += across;
+        b += across * e;
+    }
+    const Eigen::Vector3d x = a.ldlt().solve(b);
+    return {x.x(), x.y(), x.z()};
+}
+
+/// Angle between a boundary's ray and the ball's rim, pixels.
+double residualOf(const BoundaryRay& r, const Eigen::Vector4d& ball) {
+    const DVec3 to = DVec3(ball[0], ball[1], ball[2]) - r.eye;
+    const double distance = glm::length(to);
+    const double away = std::acos(std::clamp(glm::dot(to, r.direction) / distance, -1.0, 1.0));
+    return r.pixels * (away - std::asin(std::clamp(ball[3] / distance, 0.0, 1.0)));
+}
+
+/// Robust Gauss-Newton from a loose scale to one of a pixel.
+Eigen::Vector4d followBoundaries(const std::vector<BoundaryRay>& rays, Eigen::Vector4d ball, double looseScale) {
+    for (int i = 0; i < 40; ++i) {
+        const double scale = std::max(0.75, looseScale * std::pow(0.8, i));
+        Eigen::Matrix4d q = Eigen::Matrix4d::Zero();
+        Eigen::Vector4d c = Eigen::Vector4d::Zero();
+        for (const BoundaryRay& r : rays) {
+            const double e = residualOf(r, ball), weight = 1 / (1 + e * e / (scale * scale));
+            Eigen::Vector4d slope;
+            for (int k = 0; k < 4; ++k) {
+                Eigen::Vector4d moved = ball;
+                const double h = 1e-4 * ball[3];
+                moved[k] += h;
+                slope[k] = (residualOf(r, moved) - e) / h;
+            }
+            q += weight * slope * slope.transpose();
+            c -= weight * e * slope;
+        }
+        q.diagonal() *= 1 + 1e-9;
+        const Eigen::Vector4d step = q.ldlt().solve(c);
+        if (!step.allFinite()) return ball;
+        const double most = 0.5 * ball[3], size = step.norm();
+        ball += size > most ? Eigen::Vector4d(step * (most / size)) : step;
+        if (!(ball[3] > 0)) return Eigen::Vector4d::Constant(std::nan(""));
+    }
+    return ball;
+}
+
+/// First hit of the ball along a ray; below 0: none.
+double hitOf(const DVec3& eye, const DVec3& direction, const EmitterSphere& ball) {
+    const DVec3 to = ball.centre - eye;
+    const double along = glm::dot(to, direction), squared = glm::dot(to, to) - along * along,
+                 inside = ball.radius * ball.radius - squared;
+    return inside > 0 ? along - std::sqrt(inside) : -1;
+}
+
+void judge(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+           const std::vector<EmitterOutline>& outlines, EmitterSphere& ball) {
+    size_t both = 0, either = 0;
+    std::vector<float> seen;
+    for (const EmitterOutline& outline : outlines) {
+        const Camera& camera = capture.views[outline.view].camera;
+        const ViewGeometry& g = samples.geometry[outline.view];
+        const DVec3 eye = camera.position();
+        const float slack = std::max(float(ball.radius), 0.01f * scene.diagonal);
+        size_t disc = 0, shown = 0;
+        size_t inDisc = 0;
+        for (int y = 0; y < g.height; ++y)
+            for (int x = 0; x < g.width; ++x) {
+                const size_t p = size_t(y) * size_t(g.width) + size_t(x);
+                const bool near = std::abs(float(x) - outline.centre.x) + std::abs(float(y) - outline.centre.y) <
+                                  8 * std::sqrt(float(outline.pixels));
+                const double hit =
+                    near ? hitOf(eye, DVec3(camera.rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f))), ball) : -1;
+                if (!(hit > 0) && !outline.shows[p]) continue;
+                disc += hit > 0;
+                inDisc += hit > 0 && outline.shows[p];
+                const bool occluded = !outline.shows[p] && g.triangle[p] != Hit::none && g.depth[p] + slack < hit;
+                if (occluded) continue;
+                either += 1;
+                both += hit > 0 && outline.shows[p];
+            }
+        shown = inDisc;
+        seen.push_back(disc ? float(shown) / float(disc) : 0);
+    }
+    std::sort(seen.rbegin(), seen.rend());
+    ball.overlap = either ? float(both) / float(either) : 0;
+    ball.seen = seen.size() > 1 ? seen[1] : 0;
+}
+
+}  // namespace
+
+std::vector<EmitterOutline> emitterOutlines(const Scene& scene, const Capture& capture, const EmitterCluster& cluster) {
+    std::vector<EmitterOutline> result;
+    for (size_t i = 0; i < capture.views.size(); ++i) {
+        const Camera& camera = capture.views[i].camera;
+        const PixelBox box = projectionOf(scene, cluster, camera);
+        if (box.empty() || box.left > box.right || box.top > box.bottom) continue;
+        EmitterOutline outline;
+        outline.view = i;
+        outline.shows = emittingPixels(capture.views[i], cluster.radiance, pixelTolerance(cluster));
+        if (!keepConnected(box, camera.width, camera.height, outline.shows)) continue;
+        DVec3 sum(0);
+        for (int y = 0; y < camera.height; ++y)
+            for (int x = 0; x < camera.width; ++x)
+                if (outline.shows[size_t(y) * size_t(camera.width) + size_t(x)]) sum += DVec3(x + 0.5, y + 0.5, 1);
+        outline.pixels = size_t(sum.z);
+        if (outline.pixels < leastPixels) continue;
+        outline.centre = Vec2(float(sum.x / sum.z), float(sum.y / sum.z));
+        outline.boundary = boundaryOf(outline.shows, camera.width, camera.height, outline.boundaryLength);
+        result.push_back(std::move(outline));
+    }
+    return result;
+}
+
+std::optional<EmitterSphere> fitSphere(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                                       const std::vector<EmitterOutline>& outlines) {
+    std::vector<BoundaryRay> centres, boundary;
+    std::vector<double> radii;
+    for (const EmitterOutline& outline : outlines) {
+        const Camera& camera = capture.views[outline.view].camera;
+        const double focal = std::sqrt(camera.focalX * camera.focalY);
+        centres.push_back({camera.position(), DVec3(camera.rayDirection(outline.centre)), focal});
+        for (const Vec2& q : outline.boundary)
+            boundary.push_back({camera.position(), DVec3(camera.rayDirection(q)), focal});
+    }
+    double widest = 1;
+    for (const BoundaryRay& a : centres)
+        for (const BoundaryRay& b : centres) widest = std::min(widest, glm::dot(a.direction, b.direction));
+    if (widest > 0.985) return {};
+    const DVec3 centre = meetingPoint(centres);
+    double largest = 0;
+    for (size_t i = 0; i < centres.size(); ++i) {
+        const double pixels = std::sqrt(double(outlines[i].pixels) / piD);
+        radii.push_back(pixels / centres[i].pixels * glm::length(centre - centres[i].eye));
+        largest = std::max(largest, pixels);
+    }
+    std::sort(radii.begin(), radii.end());
+    // Occluded outlines are smaller than the ball.
+    const Eigen::Vector4d start(centre.x, centre.y, centre.z, radii[radii.size() * 3 / 4]);
+    if (!(start[3] > 0) || !start.allFinite()) return {};
+    const Eigen::Vector4d found = followBoundaries(boundary, start, 0.5 * largest);
+    if (!found.allFinite()) return {};
+    EmitterSphere ball{{found[0], found[1], found[2]}, found[3]};
+    judge(scene, capture, samples, outlines, ball);
+    return ball;
+}
+
+float meshOverlap(const RadianceSamples& samples, const EmitterCluster& cluster,
+                  const std::vector<EmitterOutline>& outlines) {
+    size_t both = 0, either = 0;
+    for (const EmitterOutline& outline : outlines) {
+        const std::vector<uint32_t>& hit = samples.geometry[outline.view].triangle;
+        for (size_t p = 0; p < hit.size(); ++p) {
+            const bool covers =
+                hit[p] != Hit::none && std::binary_search(cluster.triangles.begin(), cluster.triangles.end(), hit[p]);
+            either += covers || outline.shows[p];
+            both += covers && outline.shows[p];
+        }
+    }
+    return either ? float(both) / float(either) : 1;
+}
+
+}  // namespace relamp

@@ -1,0 +1,46 @@
+// A ball that explains what the photographs show of an emitter: bulbs, globes and beads that a reconstruction did not
+// get, or got in part.
+#pragma once
+#include <optional>
+
+#include "capture/capture.h"
+#include "clusters/emitter_clusters.h"
+#include "radiance/samples.h"
+#include "scene/scene.h"
+
+namespace relamp {
+
+/// What one view shows of an emitter: its pixels, and the points between them and the others.
+struct EmitterOutline {
+    size_t view = 0;
+    std::vector<uint8_t> shows;  ///< per pixel of the view
+    size_t pixels = 0;
+    Vec2 centre{0};              ///< of its pixels
+    std::vector<Vec2> boundary;  ///< pixel positions, at most 400
+    size_t boundaryLength = 0;   ///< sides of pixels
+};
+
+/// Outlines of the cluster in the views that show it whole: the connected pixels of its radiance that lie about the
+/// projection of its vertices. Views that show it at their border, or in fewer than 8 pixels, are left out.
+/// O(pixels x views).
+std::vector<EmitterOutline> emitterOutlines(const Scene& scene, const Capture& capture, const EmitterCluster& cluster);
+
+struct EmitterSphere {
+    DVec3 centre{0};    ///< metres
+    double radius = 0;  ///< metres
+    /// Pixels of the outlines and of the sphere's unoccluded disc that both have, over those that either has.
+    float overlap = 0;
+    float seen = 0;  ///< of the sphere's discs, the fraction that shows it, in the second best view
+};
+
+/// The ball whose outline the boundaries follow best (Gauss-Newton on the angle between a boundary's ray and the ball's
+/// rim; robust, because an occluder's edge is boundary, too). None with fewer than two views 10 degrees apart.
+/// Parts of its disc where the mesh lies before it and no light shows count as occluded.
+std::optional<EmitterSphere> fitSphere(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                                       const std::vector<EmitterOutline>& outlines);
+
+/// Pixels that both the outlines and the cluster's triangles have, over those that either has.
+float meshOverlap(const RadianceSamples& samples, const EmitterCluster& cluster,
+                  const std::vector<EmitterOutline>& outlines);
+
+}  // namespace relamp

@@ -1,0 +1,153 @@
+// Emitters that the mesh does not show as the photographs do.
+#include "clusters/emitter_mend.h"
+
+#include <gtest/gtest.h>
+
+#include "base/statistics.h"
+#include "clusters/emitter_pixels.h"
+#include "clusters/emitter_sphere.h"
+#include "radiance/gather.h"
+#include "support/estimates.h"
+
+namespace relamp {
+namespace {
+
+const Rgb light(30, 20, 10);
+
+Mesh ballOf(const Vec3& centre, float radius) { return test::ball(centre, radius, 12, 24); }
+Mesh boxOf(const Vec3& centre, const Vec3& size) { return test::box(centre - size, centre + size, 8); }
+
+/// Photographs of a floor with `truth` shining above it, and a capture whose mesh has `reconstructed` in its place.
+struct World {
+    Capture capture;
+    Scene scene;
+    RadianceSamples samples;
+    EmitterClusters clusters;
+    size_t floorTriangles = 0;
+
+    World(const Mesh& truth, const Mesh& reconstructed) : scene(sceneWith(reconstructed)) {
+        const Scene real = sceneWith(truth);
+        floorTriangles = floor().triangles.size();
+        const size_t floorVertices = floor().vertexCount();
+        for (int i = 0; i < 6; ++i) {
+            const double turn = 2 * piD * i / 6;
+            View view;
+            view.camera = test::cameraAt({1.5 * std::cos(turn), 1.5 * std::sin(turn), 1.0}, {0, 0, 0.3}, 320, 240, 320);
+            view.image = Image(320, 240, Rgb(0.02f));
+            for (int y = 0; y < 240; ++y)
+                for (int x = 0; x < 320; ++x) {
+                    constexpr int cut = 4;  // subpixels, as a lens sees edges
+                    Rgb sum(0);
+                    for (int s = 0; s < cut * cut; ++s) {
+                        const Vec2 at(float(x) + (float(s % cut) + 0.5f) / cut,
+                                      float(y) + (float(s / cut) + 0.5f) / cut);
+                        const Hit hit = real.tracer->closest(
+                            {Vec3(view.camera.position()), view.camera.rayDirection(at), 0, 1e30f});
+                        if (hit)
+                            sum +=
+                                real.mesh.triangles[hit.triangle][0] >= floorVertices ? light : Rgb(0.2f, 0.18f, 0.15f);
+                        else sum += Rgb(0.02f);
+                    }
+                    view.image.at(x, y) = sum / float(cut * cut);
+                }
+            capture.views.push_back(view);
+        }
+        capture.mesh = scene.mesh;
+        Progress progress;
+        samples = gatherRadiance(capture, scene, {}, progress);
+        clusters = clusterEmitters(scene, capture, samples, {}, progress);
+    }
+
+    static Mesh floor() { return test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 40, 40); }
+    static Scene sceneWith(const Mesh& emitter) {
+        Mesh mesh = floor();
+        if (!emitter.positions.empty()) test::append(mesh, emitter);
+        return test::sceneOf(std::move(mesh));
+    }
+    EmitterMend mend() const { return mendEmitters(scene, capture, samples, clusters); }
+};
+
+TEST(EmitterMend, AnExactMeshStaysAsItIs) {
+    for (const Mesh& truth : {ballOf({0, 0, 0.4f}, 0.1f), boxOf({0, 0, 0.4f}, {0.2f, 0.15f, 0.02f})}) {
+        const World world(truth, truth);
+        ASSERT_EQ(world.clusters.emitters.size(), 1u);
+        EXPECT_FALSE(world.mend().needed());
+        EXPECT_GT(leastOverlap(world.scene, world.capture, world.samples, world.clusters), 0.97f);
+    }
+}
+
+TEST(EmitterMend, ABallThatTheMeshHasHalfOfIsFoundWithItsSize) {
+    const Vec3 centre(0.05f, -0.1f, 0.4f);
+    Mesh half = ballOf(centre, 0.1f);
+    std::erase_if(half.triangles, [&](const Triangle& t) {
+        return half.positions[t[0]].x + half.positions[t[1]].x + half.positions[t[2]].x < 3 * centre.x;
+    });
+    const World world(ballOf(centre, 0.1f), half);
+    ASSERT_EQ(world.clusters.emitters.size(), 1u);
+    const EmitterMend mend = world.mend();
+    ASSERT_EQ(mend.balls.size(), 1u);
+    EXPECT_NEAR(glm::length(Vec3(mend.balls[0].centre) - centre), 0, 0.002);
+    EXPECT_NEAR(mend.balls[0].radius, 0.1f, 0.002f);
+    EXPECT_NEAR(mend.balls[0].radiance.x, light.x, 0.01f * light.x);
+    // Its half of a mesh goes, the floor stays.
+    EXPECT_EQ(mend.mesh.removed.size(), half.triangles.size());
+    EXPECT_GE(mend.mesh.removed.front(), world.floorTriangles);
+}
+
+TEST(EmitterMend, WhatLiesBeforeABallThroughWhichItIsSeenGoes) {
+    const Vec3 centre(0, 0, 0.4f);
+    // A curtain of mesh all around, which no photograph knows of, open above.
+    Mesh mesh = ballOf(centre, 0.05f);
+    const size_t own = mesh.triangles.size();
+    for (int i = 0; i < 6; ++i) {
+        const double a = 2 * piD * i / 6 + piD / 6;
+        const Vec3 out(float(0.12 * std::cos(a)), float(0.12 * std::sin(a)), 0),
+            along(float(-0.05 * std::sin(a)), float(0.05 * std::cos(a)), 0);
+        test::append(mesh, test::sheet(centre + out - along - Vec3(0, 0, 0.04f), 2.0f * along, {0, 0, 0.06f}, 6, 4));
+    }
+    const World world(ballOf(centre, 0.05f), mesh);
+    ASSERT_EQ(world.clusters.emitters.size(), 1u);
+    const EmitterMend mend = world.mend();
+    ASSERT_EQ(mend.balls.size(), 1u);
+    EXPECT_NEAR(mend.balls[0].radius, 0.05f, 0.002f);
+    EXPECT_GT(mend.mesh.removed.size(), own + 20);
+}
+
+TEST(EmitterMend, AShrunkenBoxMovesOutByWhatIsMissing) {
+    const Vec3 size(0.2f, 0.15f, 0.03f);
+    const World world(boxOf({0, 0, 0.4f}, size), boxOf({0, 0, 0.4f}, size - 0.012f));
+    ASSERT_EQ(world.clusters.emitters.size(), 1u);
+    const EmitterMend mend = world.mend();
+    EXPECT_TRUE(mend.balls.empty());
+    ASSERT_FALSE(mend.mesh.moved.empty());
+    Mesh moved = world.capture.mesh;
+    applyMend(mend.mesh, moved);
+    float widest = 0;
+    for (const MeshMend::MovedVertex& m : mend.mesh.moved) widest = std::max(widest, m.position.x);
+    EXPECT_NEAR(widest, size.x, 0.006f);
+    EXPECT_EQ(moved.triangles.size(), world.capture.mesh.triangles.size());
+}
+
+TEST(EmitterMend, ABallThatTheMeshLacksIsNoneWithoutPhotographsOfIt) {
+    const World world({}, {});
+    EXPECT_FALSE(world.mend().needed());
+}
+
+TEST(MeshMend, TriangleAndVertexNumbersAreChecked) {
+    Mesh mesh = World::floor();
+    MeshMend mend;
+    mend.removed = {0, 5};
+    mend.moved = {{3, {1, 2, 3}}};
+    const size_t before = mesh.triangles.size();
+    applyMend(mend, mesh);
+    EXPECT_EQ(mesh.triangles.size(), before - 2);
+    EXPECT_EQ(mesh.positions[3], Vec3(1, 2, 3));
+    mend.removed = {uint32_t(before)};
+    EXPECT_THROW(applyMend(mend, mesh), Error);
+    mend = {};
+    mend.moved = {{uint32_t(mesh.vertexCount()), {0, 0, 0}}};
+    EXPECT_THROW(applyMend(mend, mesh), Error);
+}
+
+}  // namespace
+}  // namespace relamp
