@@ -86,27 +86,27 @@ size_t growByPixels(const Scene& scene, const Capture& capture, const RadianceSa
             }
         front.swap(next);
     }
-    std::vector<uint8_t> had(scene.mesh.triangles.size(), 0);
-    for (const uint32_t t : cluster.triangles) had[t] = 1;
-    size_t added = 0;
+    // What is open at a corner goes by its own pixels. An emitter has the triangles all of whose corners are its own.
+    std::vector<uint8_t> corner = mine;
     for (uint32_t t = 0; t < scene.mesh.triangles.size(); ++t) {
         const Triangle& corners = scene.mesh.triangles[t];
         const int shining = mine[corners[0]] + mine[corners[1]] + mine[corners[2]];
-        if (had[t] || shining == 0) continue;
         const bool others =
             std::any_of(corners.begin(), corners.end(), [&](uint32_t v) { return taken[v] && !mine[v]; });
-        if (others || !(ofTriangle[t].all >= enough ? ofTriangle[t].emits() : shining >= 2)) continue;
-        cluster.triangles.push_back(t);
-        ++added;
+        if (shining == 0 || shining == 3 || others) continue;
+        if (ofTriangle[t].all >= enough ? ofTriangle[t].emits() : shining == 2 && ofTriangle[t].all == 0)
+            for (const uint32_t v : corners) corner[v] = 1;
     }
-    if (!added) return 0;
-    std::sort(cluster.triangles.begin(), cluster.triangles.end());
-    for (const uint32_t t : cluster.triangles)
-        for (const uint32_t v : scene.mesh.triangles[t]) mine[v] = 1;
+    const size_t before = cluster.triangles.size();
+    cluster.triangles.clear();
+    for (uint32_t t = 0; t < scene.mesh.triangles.size(); ++t) {
+        const Triangle& corners = scene.mesh.triangles[t];
+        if (corner[corners[0]] && corner[corners[1]] && corner[corners[2]]) cluster.triangles.push_back(t);
+    }
     cluster.vertices.clear();
-    for (uint32_t v = 0; v < mine.size(); ++v)
-        if (mine[v]) cluster.vertices.push_back(v);
-    return added;
+    for (uint32_t v = 0; v < corner.size(); ++v)
+        if (corner[v]) cluster.vertices.push_back(v);
+    return cluster.triangles.size() - before;
 }
 
 PixelCoverage pixelCoverage(const Capture& capture, const RadianceSamples& samples, const EmitterCluster& cluster) {
