@@ -281,8 +281,13 @@ public:
                     e.evidence.demandedAlbedo = albedo;
                     reason = "a light beside it lights it as brightly";
                 }
-                if (reason) result.rejected.push_back({e.centroid, e.radiance, e.evidence, reason});
-                return reason != nullptr;
+                if (!reason) return false;
+                result.rejected.push_back({e.centroid, e.radiance, e.evidence, reason});
+                // A reconstruction may have closed what is open there.
+                if (std::any_of(emitters.begin(), emitters.end(),
+                                [](const EmitterCluster& other) { return other.fitted; }))
+                    result.rejected.back().besideBall = e.vertices;
+                return true;
             });
         };
         dropFalse(result.emitters);

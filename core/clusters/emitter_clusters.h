@@ -46,7 +46,8 @@ struct RejectedPatch {
     Vec3 centroid{0};
     Rgb radiance{0};
     EmitterEvidence evidence;
-    std::string reason;  ///< for the report
+    std::string reason;                     ///< for the report
+    std::vector<uint32_t> besideBall = {};  ///< its vertices, where a fitted ball's light explains it
 };
 
 struct EmitterClusters {

@@ -5,6 +5,7 @@
 #include "brdf/measured_gloss.h"
 #include "capture/own_axes.h"
 #include "clusters/emitter_mend.h"
+#include "pipeline/light_obstacles.h"
 #include "pipeline/normals_choice.h"
 #include "pipeline/reproduction.h"
 #include "pipeline/working_mesh.h"
@@ -73,6 +74,24 @@ void mendMesh(const PipelineOptions& options, Capture& capture, Prepared& prepar
         logInfo("moving the surfaces of lights does not bring them nearer to the photographs: taken back");
         mend.mesh.moved.clear();
         std::erase_if(mend.words, [](const std::string& s) { return s.find("moves out") != std::string::npos; });
+        apply();
+    }
+    // Skins over the openings of shades: numbers of the file's triangles, of those that are left.
+    const std::vector<uint32_t> obstacles =
+        falseObstacles(*prepared.scene, *prepared.samples, prepared.clusters, options.solve, progress);
+    if (!obstacles.empty()) {
+        std::vector<uint32_t> numbers;
+        size_t removed = 0;
+        for (uint32_t t = 0; t < before.triangles.size(); ++t) {
+            if (removed < mend.mesh.removed.size() && mend.mesh.removed[removed] == t) ++removed;
+            else numbers.push_back(t);
+        }
+        for (const uint32_t t : obstacles)
+            if (t < numbers.size()) mend.mesh.removed.push_back(numbers[t]);
+        std::sort(mend.mesh.removed.begin(), mend.mesh.removed.end());
+        mend.words.push_back(fmt::format(
+            "{} triangles beside a light hide it though photographs are explained better without them: left out",
+            obstacles.size()));
         apply();
     }
     for (const std::string& words : mend.words) {

@@ -1,0 +1,89 @@
+#include "pipeline/light_obstacles.h"
+
+#include "base/log.h"
+#include "pipeline/plan_pilot.h"
+
+namespace relamp {
+namespace {
+
+/// The scene without these triangles: they have no area, so that all else keeps its number and its rank.
+Scene without(const Scene& scene, const std::vector<uint32_t>& triangles, Progress& progress) {
+    Scene open = scene;
+    for (const uint32_t t : triangles) {
+        const uint32_t corner = scene.mesh.triangles[t][0];
+        open.mesh.triangles[t] = {corner, corner, corner};
+    }
+    open.tracer = buildScene(open.mesh, progress, scene.axes).tracer;
+    return open;
+}
+
+/// Vertices that may be of a skin which is not there.
+std::vector<std::vector<uint32_t>> suspectsOf(const Scene& scene, const RadianceSamples& samples,
+                                              const EmitterClusters& emitters) {
+    std::vector<std::vector<uint32_t>> suspects;
+    for (const RejectedPatch& patch : emitters.rejected)
+        if (!patch.besideBall.empty()) suspects.push_back(patch.besideBall);
+    for (const EmitterCluster& e : emitters.emitters) {
+        if (!e.fitted) continue;
+        const float radius = std::sqrt(e.area / (4 * pi));
+        for (const float reach : {3.0f, 6.0f}) {
+            std::vector<uint32_t> unobserved;
+            for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v)
+                if (scene.referenced[v] && samples.countOf(v) == 0 && emitters.emitterOfVertex[v] < 0 &&
+                    glm::length(scene.mesh.positions[v] - e.centroid) < reach * radius)
+                    unobserved.push_back(v);
+            if (!unobserved.empty()) suspects.push_back(std::move(unobserved));
+        }
+    }
+    return suspects;
+}
+
+}  // namespace
+
+std::vector<uint32_t> falseObstacles(const Scene& scene, const RadianceSamples& samples,
+                                     const EmitterClusters& emitters, const SolveOptions& options, Progress& progress) {
+    std::vector<uint32_t> result;
+    const std::vector<std::vector<uint32_t>> suspects = suspectsOf(scene, samples, emitters);
+    if (suspects.empty()) return result;
+    // None of the suspects tells of the light, with or without them.
+    std::vector<uint8_t> skip(scene.mesh.vertexCount(), 0);
+    for (size_t v = 0; v < skip.size(); ++v) skip[v] = emitters.emitterOfVertex[v] >= 0;
+    for (const std::vector<uint32_t>& vertices : suspects)
+        for (const uint32_t v : vertices) skip[v] = 1;
+    const RatioObservations observed = ratioObservations(scene, samples, std::move(skip), options.seed);
+    if (observed.pairs.size() < 1000) return result;
+    std::vector<double> present =
+        pilotMisfits(scene, samples, emitters, observed.matte, observed.pairs, options, progress);
+    for (const std::vector<uint32_t>& vertices : suspects) {
+        std::vector<uint8_t> suspect(scene.mesh.vertexCount(), 0);
+        for (const uint32_t v : vertices) suspect[v] = 1;
+        std::vector<uint32_t> triangles = result;
+        for (uint32_t t = 0; t < scene.mesh.triangles.size(); ++t) {
+            const Triangle& corners = scene.mesh.triangles[t];
+            if (emitters.emitterOfTriangle[t] < 0 &&
+                (suspect[corners[0]] || suspect[corners[1]] || suspect[corners[2]]))
+                triangles.push_back(t);
+        }
+        std::sort(triangles.begin(), triangles.end());
+        triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
+        if (triangles.size() == result.size()) continue;
+        const Scene open = without(scene, triangles, progress);
+        const std::vector<double> misfits =
+            pilotMisfits(open, samples, emitters, observed.matte, observed.pairs, options, progress);
+        double whole = 0, fall = 0, squares = 0;
+        for (size_t k = 0; k < present.size() && k < misfits.size(); ++k) {
+            whole += present[k];
+            fall += present[k] - misfits[k];
+            squares += (present[k] - misfits[k]) * (present[k] - misfits[k]);
+        }
+        logInfo("without {} triangles beside a light: misfit of {} pairs {:+.2f} %, {:.1f} standard errors",
+                triangles.size() - result.size(), misfits.size(), -100 * fall / std::max(whole, 1e-30),
+                fall / std::sqrt(std::max(squares, 1e-30)));
+        if (!(fall > 0.01 * whole && fall > 3 * std::sqrt(squares))) continue;
+        result = std::move(triangles);
+        present = misfits;
+    }
+    return result;
+}
+
+}  // namespace relamp
