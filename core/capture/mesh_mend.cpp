@@ -11,14 +11,21 @@ void applyMend(const MeshMend& mend, Mesh& mesh) {
                         m.position.x, m.position.y, m.position.z);
         mesh.positions[m.vertex] = m.position;
     }
-    std::vector<uint8_t> removed(mesh.triangles.size(), 0);
-    for (const uint32_t t : mend.removed) {
-        if (t >= removed.size()) throw Error("mesh correction: triangle {} of {}", t, removed.size());
-        removed[t] = 1;
-    }
+    const auto marked = [&](const std::vector<uint32_t>& triangles) {
+        std::vector<uint8_t> mark(mesh.triangles.size(), 0);
+        for (const uint32_t t : triangles) {
+            if (t >= mark.size()) throw Error("mesh correction: triangle {} of {}", t, mark.size());
+            mark[t] = 1;
+        }
+        return mark;
+    };
+    const std::vector<uint8_t> removed = marked(mend.removed), shadowless = marked(mend.shadowless);
     size_t kept = 0;
-    for (size_t t = 0; t < mesh.triangles.size(); ++t)
-        if (!removed[t]) mesh.triangles[kept++] = mesh.triangles[t];
+    for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+        if (removed[t]) continue;
+        if (shadowless[t]) mesh.shadowless.push_back(uint32_t(kept));
+        mesh.triangles[kept++] = mesh.triangles[t];
+    }
     mesh.triangles.resize(kept);
 }
 

@@ -12,10 +12,11 @@ struct MeshMend {
         Vec3 position{0};  ///< metres, Z up, counted from the capture's origin
         bool operator==(const MovedVertex&) const = default;
     };
-    std::vector<uint32_t> removed;   ///< triangles of the file, ascending
-    std::vector<MovedVertex> moved;  ///< vertices of the file
+    std::vector<uint32_t> removed;     ///< triangles of the file, ascending
+    std::vector<uint32_t> shadowless;  ///< the same: they stay and light passes them
+    std::vector<MovedVertex> moved;    ///< vertices of the file
 
-    bool empty() const { return removed.empty() && moved.empty(); }
+    bool empty() const { return removed.empty() && shadowless.empty() && moved.empty(); }
     bool operator==(const MeshMend&) const = default;
 };
 

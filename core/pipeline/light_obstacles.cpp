@@ -6,17 +6,6 @@
 namespace relamp {
 namespace {
 
-/// The scene without these triangles: they have no area, so that all else keeps its number and its rank.
-Scene without(const Scene& scene, const std::vector<uint32_t>& triangles, Progress& progress) {
-    Scene open = scene;
-    for (const uint32_t t : triangles) {
-        const uint32_t corner = scene.mesh.triangles[t][0];
-        open.mesh.triangles[t] = {corner, corner, corner};
-    }
-    open.tracer = buildScene(open.mesh, progress, scene.axes).tracer;
-    return open;
-}
-
 /// Vertices that may be of a skin which is not there.
 std::vector<std::vector<uint32_t>> suspectsOf(const Scene& scene, const RadianceSamples& samples,
                                               const EmitterClusters& emitters) {
@@ -67,7 +56,9 @@ std::vector<uint32_t> falseObstacles(const Scene& scene, const RadianceSamples& 
         std::sort(triangles.begin(), triangles.end());
         triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
         if (triangles.size() == result.size()) continue;
-        const Scene open = without(scene, triangles, progress);
+        Scene open = scene;
+        open.mesh.shadowless = triangles;
+        open.tracer = std::make_shared<const RayTracer>(open.mesh, open.diagonal);
         const std::vector<double> misfits =
             pilotMisfits(open, samples, emitters, observed.matte, observed.pairs, options, progress);
         double whole = 0, fall = 0, squares = 0;
@@ -76,9 +67,10 @@ std::vector<uint32_t> falseObstacles(const Scene& scene, const RadianceSamples& 
             fall += present[k] - misfits[k];
             squares += (present[k] - misfits[k]) * (present[k] - misfits[k]);
         }
-        logInfo("without {} triangles beside a light: misfit of {} pairs {:+.2f} %, {:.1f} standard errors",
-                triangles.size() - result.size(), misfits.size(), -100 * fall / std::max(whole, 1e-30),
-                fall / std::sqrt(std::max(squares, 1e-30)));
+        logInfo(
+            "without the shadow of {} triangles beside a light: misfit of {} pairs {:+.2f} %, {:.1f} standard errors",
+            triangles.size() - result.size(), misfits.size(), -100 * fall / std::max(whole, 1e-30),
+            fall / std::sqrt(std::max(squares, 1e-30)));
         if (!(fall > 0.01 * whole && fall > 3 * std::sqrt(squares))) continue;
         result = std::move(triangles);
         present = misfits;

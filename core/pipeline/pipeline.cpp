@@ -87,11 +87,11 @@ void mendMesh(const PipelineOptions& options, Capture& capture, Prepared& prepar
             else numbers.push_back(t);
         }
         for (const uint32_t t : obstacles)
-            if (t < numbers.size()) mend.mesh.removed.push_back(numbers[t]);
-        std::sort(mend.mesh.removed.begin(), mend.mesh.removed.end());
-        mend.words.push_back(fmt::format(
-            "{} triangles beside a light hide it though photographs are explained better without them: left out",
-            obstacles.size()));
+            if (t < numbers.size()) mend.mesh.shadowless.push_back(numbers[t]);
+        mend.words.push_back(
+            fmt::format("{} triangles beside a light hide it though photographs are explained better without their "
+                        "shadow: light passes them",
+                        obstacles.size()));
         apply();
     }
     for (const std::string& words : mend.words) {

@@ -31,8 +31,8 @@ ComparedPixels comparedPixels(const View& view, const Scene& scene, const std::v
     enum : uint8_t { nothing, surface, inside };
     std::vector<uint8_t> seen(count, nothing);
     const auto seesSurface = [&](int x, int y) {
-        const Hit hit =
-            scene.tracer->closest({origin, camera.rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f)), 0, 1e30f});
+        const Hit hit = scene.cameraTracer->closest(
+            {origin, camera.rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f)), 0, 1e30f});
         return hit && emitterOfTriangle[hit.triangle] < 0;
     };
     parallelFor(count, block, [&](size_t i) {
@@ -64,7 +64,7 @@ double observedPsnr(const View& view, const ComparedPixels& pixels, const Scene&
     std::vector<double> squares(pixels.at.size(), -1);
     parallelFor(pixels.at.size(), 256, [&](size_t i) {
         const PixelAt p = pixels.at[i];
-        const Hit hit = solved.tracer->closest(
+        const Hit hit = solved.cameraTracer->closest(
             {origin, view.camera.rayDirection(Vec2(float(p.x) + 0.5f, float(p.y) + 0.5f)), 0, 1e30f});
         if (!hit) return;
         const Triangle& t = solved.mesh.triangles[hit.triangle];

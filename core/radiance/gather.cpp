@@ -25,7 +25,7 @@ ViewGeometry traceView(const View& view, const Scene& scene, Progress& progress)
                 const int count = std::min(8, g.width - x);
                 for (int i = 0; i < count; ++i)
                     rays[i] = {origin, camera.rayDirection(Vec2(x + i + 0.5f, y + 0.5f)), 0, 1e30f};
-                scene.tracer->closest8({rays, size_t(count)}, {hits, size_t(count)});
+                scene.cameraTracer->closest8({rays, size_t(count)}, {hits, size_t(count)});
                 for (int i = 0; i < count; ++i) {
                     g.triangle[y * g.width + x + i] = hits[i].triangle;
                     g.depth[y * g.width + x + i] = hits[i].distance;
@@ -51,7 +51,7 @@ bool lookUp(const View& view, const ViewGeometry& g, const Scene& scene, uint32_
         return false;
     const float offset = scene.tracer->surfaceOffset();
     const Ray ray{position + normal * offset * 4.0f, towardEye, offset, distance - offset};
-    if (scene.tracer->occluded(ray)) return false;
+    if (scene.cameraTracer->occluded(ray)) return false;
 
     const float x = pixel->x - 0.5f, y = pixel->y - 0.5f;
     const int x0 = std::min(int(x), g.width - 2), y0 = std::min(int(y), g.height - 2);

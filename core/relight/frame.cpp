@@ -49,7 +49,7 @@ public:
         for (int i = 0; i < options_.samplesPerPixel; ++i) {
             const Vec2 inside = r2Point(uint32_t(i), randomShift(seed, 0, 0));
             const Vec3 d = camera_.rayDirection(Vec2(float(x), float(y)) + inside);
-            const Hit hit = relit_.scene.tracer->closest({origin_, d, 0, 1e30f});
+            const Hit hit = relit_.scene.cameraTracer->closest({origin_, d, 0, 1e30f});
             if (!hit) {
                 if (options_.background) gather.world += relit_.distant->smoothRadiance(d);
                 continue;
@@ -119,7 +119,7 @@ Frame FrameRenderer::rows(int first, int count, Progress& progress) const {
                 pixel.render(x, row);
                 frame.alpha[p] = pixel.alpha;
                 frame.albedo[p] = pixel.albedo;
-                const Hit centre = relit.scene.tracer->closest(
+                const Hit centre = relit.scene.cameraTracer->closest(
                     {origin, camera.rayDirection(Vec2(float(x) + 0.5f, float(row) + 0.5f)), 0, 1e30f});
                 if (centre) {
                     frame.position[p] = relit.scene.pointOf(centre);

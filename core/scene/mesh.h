@@ -16,6 +16,7 @@ struct Mesh {
     std::vector<Vec3> positions;  ///< metres, world
     std::vector<Vec3> normals;    ///< unit, per vertex; (0,0,1) where a vertex has no face
     std::vector<Triangle> triangles;
+    std::vector<uint32_t> shadowless = {};  ///< triangles that cameras see and light passes, ascending
     size_t vertexCount() const { return positions.size(); }
     Vec3 faceNormal(size_t t) const {
         const Triangle& i = triangles[t];

@@ -20,7 +20,7 @@ struct RayTracer::Embree {
     }
 };
 
-RayTracer::RayTracer(const Mesh& mesh, float diagonal) : embree_(std::make_unique<Embree>()) {
+RayTracer::RayTracer(const Mesh& mesh, float diagonal, For rays) : embree_(std::make_unique<Embree>()) {
     Embree& e = *embree_;
     e.device = rtcNewDevice("start_threads=0,set_affinity=0");
     if (!e.device)
@@ -43,6 +43,10 @@ RayTracer::RayTracer(const Mesh& mesh, float diagonal) : embree_(std::make_uniqu
             indices[3 * t + k] = mesh.triangles[t][k];
             box.grow(mesh.positions[mesh.triangles[t][k]]);
         }
+    // Without area a triangle is never hit, and the others keep their numbers.
+    if (rays == For::light)
+        for (const uint32_t t : mesh.shadowless)
+            if (t < mesh.triangles.size()) indices[3 * t + 1] = indices[3 * t + 2] = indices[3 * t];
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(e.scene, geometry);
     rtcReleaseGeometry(geometry);

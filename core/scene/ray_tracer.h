@@ -26,8 +26,9 @@ struct Hit {
 class RayTracer {
 public:
     /// `diagonal`: the mesh's extent, metres, that surfaceOffset() is a fraction of; 0: of its box along the world's
-    /// axes.
-    explicit RayTracer(const Mesh& mesh, float diagonal = 0);
+    /// axes. For light, mesh.shadowless is not there.
+    enum class For { light, cameras };
+    explicit RayTracer(const Mesh& mesh, float diagonal = 0, For rays = For::light);
     ~RayTracer();
     RayTracer(RayTracer&&) noexcept;
     RayTracer& operator=(RayTracer&&) noexcept;

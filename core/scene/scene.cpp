@@ -92,6 +92,9 @@ Scene buildScene(Mesh mesh, Progress& progress, const Mat3& axes) {
     }
     progress.advance();
     scene.tracer = std::make_shared<const RayTracer>(scene.mesh, scene.diagonal);
+    scene.cameraTracer = scene.mesh.shadowless.empty()
+                             ? scene.tracer
+                             : std::make_shared<const RayTracer>(scene.mesh, scene.diagonal, RayTracer::For::cameras);
     progress.advance();
     return scene;
 }

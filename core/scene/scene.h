@@ -18,10 +18,11 @@ struct Scene {
     std::vector<uint32_t>
         rank;  ///< a number drawn from where each vertex lies and which way it faces: what random patterns are numbered
                ///< by, so that they rest neither on the file's order nor on its unit, origin or axes
-    std::vector<float> vertexSpacing;  ///< metres: mean edge length at the vertex
-    std::vector<uint8_t> referenced;   ///< 1 where a triangle uses the vertex
-    float diagonal = 0;                ///< metres: of the bounding box
-    std::shared_ptr<const RayTracer> tracer;
+    std::vector<float> vertexSpacing;               ///< metres: mean edge length at the vertex
+    std::vector<uint8_t> referenced;                ///< 1 where a triangle uses the vertex
+    float diagonal = 0;                             ///< metres: of the bounding box
+    std::shared_ptr<const RayTracer> tracer;        ///< for light
+    std::shared_ptr<const RayTracer> cameraTracer;  ///< for what cameras see; the same unless mesh.shadowless holds any
 
     /// Point and shading normal of a hit.
     Vec3 pointOf(const Hit& hit) const;

@@ -131,6 +131,7 @@ std::vector<uint32_t> indicesOf(const JsonFields& object, const char* key) {
 MeshMend mendOf(const JsonFields& object) {
     MeshMend mend;
     mend.removed = indicesOf(object, "removed_triangles");
+    mend.shadowless = indicesOf(object, "shadowless_triangles");
     const std::vector<uint32_t> moved = indicesOf(object, "moved_vertices");
     const std::vector<float> at = object.numbers("positions");
     if (at.size() != 3 * moved.size())

@@ -119,7 +119,10 @@ Json mendToJson(const MeshMend& mend) {
         moved.push_back(m.vertex);
         for (int k = 0; k < 3; ++k) at.push_back(m.position[k]);
     }
-    return {{"removed_triangles", mend.removed}, {"moved_vertices", moved}, {"positions", at}};
+    return {{"removed_triangles", mend.removed},
+            {"shadowless_triangles", mend.shadowless},
+            {"moved_vertices", moved},
+            {"positions", at}};
 }
 
 Json photometricJson(const PhotometricFix& fix) {

@@ -22,6 +22,8 @@ Mesh meshOf(const EditedGeometry& geometry, uint32_t part, const Mat4& matrix) {
             }
             v = place[v];
         }
+        if (std::binary_search(geometry.mesh.shadowless.begin(), geometry.mesh.shadowless.end(), uint32_t(t)))
+            m.shadowless.push_back(uint32_t(m.triangles.size()));
         m.triangles.push_back(triangle);
     }
     return m;

@@ -41,7 +41,7 @@ Rgb givenGauge(const SolveRun& s, GaugeReport& gauge) {
     const GaugeChoice& choice = s.in.options.gauge;
     if (choice.kind == GaugeChoice::Kind::whitePatch) {
         const View& view = s.in.capture.views[size_t(choice.view)];
-        const Hit hit = s.in.scene.tracer->closest(
+        const Hit hit = s.in.scene.cameraTracer->closest(
             {Vec3(view.camera.position()), view.camera.rayDirection(choice.pixel), 0, 1e30f});
         if (!hit)
             throw Error("--gauge white-patch: pixel {:.0f},{:.0f} of view {} sees no surface", choice.pixel.x,
