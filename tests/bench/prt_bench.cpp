@@ -9,8 +9,6 @@
 namespace relamp::bench {
 namespace {
 
-std::string sizeName(size_t n) { return n >= 1000000 ? fmt::format("{}M", n / 1000000) : fmt::format("{}k", n / 1000); }
-
 void add(const std::string& name, int iterations, std::function<void(benchmark::State&)> part) {
     benchmark::RegisterBenchmark(name.c_str(), std::move(part))
         ->UseManualTime()

@@ -15,7 +15,7 @@
 namespace relamp::bench {
 
 void bake(benchmark::State& state, size_t n) {
-    held.reset();
+    dropStage();
     for (auto _ : state) {
         Stage& s = stage(n, false);
         state.SetIterationTime(s.bakeSeconds);
@@ -32,7 +32,7 @@ void bake(benchmark::State& state, size_t n) {
 
 /// Baking while a file is written, and the same scene opened again.
 void bakeCached(benchmark::State& state, size_t n) {
-    held.reset();
+    dropStage();
     const std::string k = sizeName(n);
     const std::filesystem::path folder =
         std::filesystem::temp_directory_path() / fmt::format("relamp-bench-{}", ::getpid());
@@ -190,13 +190,13 @@ void cells(benchmark::State& state, size_t n) {
         }
         state.SetIterationTime(total / 1e3);
     }
-    held.reset();
+    dropStage();
 }
 
 /// The error that was asked for, the bytes it takes, and the error of matte light under an environment that no test
 /// knew.
 void compression(benchmark::State& state, size_t n) {
-    held.reset();
+    dropStage();
     const World world = makeWorld(n, false);
     Progress progress;
     const auto matteAt = [&](float error, LiveReport& report) {

@@ -14,6 +14,8 @@ namespace {
 std::unique_ptr<Stage> held;
 }
 
+std::string sizeName(size_t n) { return n >= 1000000 ? fmt::format("{}M", n / 1000000) : fmt::format("{}k", n / 1000); }
+
 double processorSeconds() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);

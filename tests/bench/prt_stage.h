@@ -16,6 +16,8 @@ namespace relamp::bench {
 
 using Clock = std::chrono::steady_clock;
 
+/// "50k".
+std::string sizeName(size_t n);
 /// Processor time of this process so far.
 double processorSeconds();
 /// The most memory it has held.
