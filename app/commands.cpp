@@ -34,7 +34,7 @@ std::vector<double> numbersOf(const std::string& text, const std::string& option
         char* end = nullptr;
         const double value = std::strtod(part.c_str(), &end);
         if (part.empty() || *end || !std::isfinite(float(value)))
-            throw UsageError(option + ": '" + part + "' is not a number");
+            throw UsageError(fmt::format("{}: '{}' is not a number", option, part));
         values.push_back(value);
         at = comma + 1;
     }

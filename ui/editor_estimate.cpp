@@ -145,7 +145,7 @@ std::shared_ptr<const Estimate> Editor::Impl::runEstimate(const EstimateInputs& 
         const Prepared prepared = prepare(*in.capture, pipeline, meter, progress, in.scene, in.samples);
         const SolveExtras extras{&listener, earlier ? &*earlier : nullptr,
                                  [&](const SolvePlan& plan) { tell([&] { newPlan = plan; }); }};
-        const auto estimate = std::make_shared<const Estimate>(
+        auto estimate = std::make_shared<const Estimate>(
             solvePrepared(*in.capture, *in.scene, prepared, pipeline, meter, progress, extras));
         keeper.finished();
         return estimate;

@@ -73,8 +73,8 @@ Document correctedDocument(const fs::path& folder, const CaptureFix& fix, Progre
 /// "room-copy.relamp", or the first number that is free.
 fs::path nameForCopy(const fs::path& shot) {
     for (int n = 1;; ++n) {
-        const fs::path name = shot.parent_path() / fmt::format("{}-copy{}.relamp", shot.stem().string(),
-                                                               n == 1 ? "" : fmt::format("-{}", n));
+        fs::path name = shot.parent_path() /
+                        fmt::format("{}-copy{}.relamp", shot.stem().string(), n == 1 ? "" : fmt::format("-{}", n));
         if (!isThere(name)) return name;
     }
 }

@@ -2,6 +2,7 @@
 // bit for bit: for an even count the "middle" differs between them.
 #pragma once
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -31,7 +32,7 @@ T quantileOf(std::vector<T> values, double fraction) {
 /// The quantile of the nearest rank: floor(fraction x (count - 1) + 1/2); 0 without values.
 template <class T>
 T nearestQuantileOf(std::vector<T> values, double fraction) {
-    return values.empty() ? T(0) : selectRank(values, size_t(double(values.size() - 1) * fraction + 0.5));
+    return values.empty() ? T(0) : selectRank(values, size_t(std::floor(double(values.size() - 1) * fraction + 0.5)));
 }
 
 /// The middle value, of an even count the upper of the two; 0 without values.

@@ -68,6 +68,7 @@ std::vector<Lobe> readMeasuredLobes(const std::filesystem::path& folder) {
         throw Error("{}: holds no measured reflectance, expected MERL files that end in .binary", folder.string());
     std::sort(files.begin(), files.end());
     std::vector<Lobe> lobes;
+    lobes.reserve(files.size());
     for (const auto& file : files)
         lobes.push_back(measuredLobe(std::make_shared<const MeasuredGloss>(glossOf(readMerl(file), file))));
     return lobes;

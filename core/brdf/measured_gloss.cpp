@@ -62,6 +62,7 @@ MeasuredGloss glossOf(const MeasuredBrdf& brdf, std::filesystem::path file) {
     gloss.file = std::move(file);
     const std::vector<Pair> pairs = somePairs();
     std::vector<Rgb> values;
+    values.reserve(pairs.size());
     for (const Pair& p : pairs) values.push_back(brdf.evaluate(p.light, p.eye));
     for (int c = 0; c < 3; ++c) {
         std::vector<std::pair<float, float>> weighted;

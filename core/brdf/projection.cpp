@@ -42,6 +42,7 @@ bool solveOn(const std::vector<double>& a, const std::vector<double>& b, const s
 /// Roughnesses in a geometric ladder.
 std::vector<float> ladder(float sharpest, float widest, int steps) {
     std::vector<float> result;
+    result.reserve(size_t(steps));
     for (int i = 0; i < steps; ++i)
         result.push_back(sharpest * std::pow(widest / sharpest, float(i) / float(steps - 1)));
     return result;

@@ -7,14 +7,14 @@ namespace relamp {
 namespace fs = std::filesystem;
 
 fs::path findImage(const fs::path& folder, const std::string& filePath) {
-    const fs::path plain = folder / filePath;
+    fs::path plain = folder / filePath;
     if (isFile(plain)) return plain;
     std::string slashes = filePath;
     std::replace(slashes.begin(), slashes.end(), '\\', '/');
     for (const fs::path& base : {plain, folder / slashes}) {
         if (isFile(base)) return base;
         for (const char* ending : {".exr", ".hdr", ".png", ".jpg", ".jpeg", ".tif", ".tiff"})
-            if (const fs::path named = base.string() + ending; isFile(named)) return named;
+            if (fs::path named = base.string() + ending; isFile(named)) return named;
     }
     return plain;
 }

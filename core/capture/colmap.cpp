@@ -340,10 +340,10 @@ std::optional<fs::path> findColmapModel(const fs::path& folder) {
         std::optional<fs::path> best;
         std::error_code failed;
         if (isModel(folder / place)) return folder / place;
-        std::vector<fs::path> numbered;
-        for (int i = 0; i < 100; ++i) numbered.push_back(folder / place / std::to_string(i));
-        for (const fs::path& one : numbered)
-            if (isModel(one) && (!best || weightOf(one) > weightOf(*best))) best = one;
+        for (int i = 0; i < 100; ++i)
+            if (fs::path one = folder / place / std::to_string(i);
+                isModel(one) && (!best || weightOf(one) > weightOf(*best)))
+                best = std::move(one);
         if (best) return best->lexically_normal();
     }
     return std::nullopt;
@@ -352,7 +352,7 @@ std::optional<fs::path> findColmapModel(const fs::path& folder) {
 ColmapModel readColmapModel(const fs::path& folder, const ColmapLimits& limits, Progress& progress) {
     const auto pick = [&](const char* name) -> fs::path {
         for (const char* ending : {".bin", ".txt"})
-            if (const fs::path file = folder / (std::string(name) + ending); isFile(file)) return file;
+            if (fs::path file = folder / (std::string(name) + ending); isFile(file)) return file;
         return {};
     };
     const fs::path cameraFile = pick("cameras"), imageFile = pick("images"), pointFile = pick("points3D");

@@ -27,6 +27,7 @@ std::vector<uint32_t> alongEmitter(const Mesh& mesh, const std::vector<uint32_t>
                std::tie(b.key, b.middle.x, b.middle.y, b.middle.z);
     });
     std::vector<uint32_t> order;
+    order.reserve(places.size());
     for (const Place& p : places) order.push_back(p.triangle);
     return order;
 }

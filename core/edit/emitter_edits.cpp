@@ -99,7 +99,7 @@ float extentOf(const Mesh& mesh, const EmitterCluster& cluster) {
 
 std::string freshId(const Look& look, const Estimate& estimate, const std::string& stem) {
     for (int n = 1;; ++n) {
-        const std::string id = fmt::format("{}-{}", stem, n);
+        std::string id = fmt::format("{}-{}", stem, n);
         const bool taken =
             clusterIndex(estimate, id) >= 0 ||
             std::any_of(look.added.begin(), look.added.end(), [&](const AddedEmitter& e) { return e.id == id; });

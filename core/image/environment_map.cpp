@@ -1,6 +1,7 @@
 #include "image/environment_map.h"
 
 #include <limits>
+#include <utility>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -54,6 +55,55 @@ Rgb environmentRadiance(const Image& latLong, const Vec3& direction) {
     return top * (1 - fy) + bottom * fy;
 }
 
+namespace {
+
+/// The cells of a grid under the components of a latitude-longitude image. Components of a column share their azimuth,
+/// so one arc tangent serves them all. Where rounding could decide, DirectionGrid::cellOf does: the cell is always its.
+class ComponentCells {
+public:
+    /// `columns` = components of a row.
+    ComponentCells(const DirectionGrid& grid, size_t columns) : grid_(grid), upright_(grid.axes == Mat3(1)) {
+        columns_.reserve(columns);
+        for (size_t i = 0; i < columns; ++i) {
+            const double azimuth = (0.5 - (double(i) + 0.5) / double(columns)) * 2 * piD;
+            const double cosine = std::cos(azimuth), sine = std::sin(azimuth);
+            columns_.push_back({cosine, sine, std::atan2(std::abs(sine), std::abs(cosine)) * (2 / piD),
+                                std::copysign(0.5, cosine), std::copysign(0.5, sine)});
+        }
+    }
+    /// Calls body(column, cell) for the components at height z.
+    template <class Body>
+    void forRow(double z, Body&& body) const {
+        const double r = std::sqrt(std::max(0.0, 1 - z * z));
+        // sphereToSquare in double precision, but for the radius, which is its own.
+        const double radius = double(std::sqrt(std::max(0.0f, 1 - std::abs(float(z))))), side = grid_.side;
+        const double doubt = upright_ ? 2e-6 * side : 1;  // its single precision is good to 3e-7
+        for (size_t i = 0; i < columns_.size(); ++i) {
+            const Column& c = columns_[i];
+            double v = c.azimuth * radius, u = radius - v;
+            if (z < 0) u = 1 - std::exchange(v, 1 - u);
+            const double x = (u * c.halfSignX + 0.5) * side, y = (v * c.halfSignY + 0.5) * side;
+            const int column = int(x), row = int(y);
+            const auto certain = [&](double fraction) { return fraction > doubt && fraction < 1 - doubt; };
+            const bool known = certain(x - column) && certain(y - row);
+            body(i, size_t(known ? row * grid_.side + column
+                                 : grid_.cellOf(Vec3(float(r * c.cosine), float(r * c.sine), float(z)))));
+        }
+    }
+
+private:
+    struct Column {
+        double cosine, sine;
+        double azimuth;               ///< within its quadrant, 0 to 1
+        double halfSignX, halfSignY;  ///< of the quadrant
+    };
+    DirectionGrid grid_;
+    bool upright_;
+    std::vector<Column> columns_;
+};
+
+}  // namespace
+
 std::vector<Rgb> integrateOverCells(const Image& latLong, const DirectionGrid& grid) {
     // A texel is split into components much smaller than a cell, at least 4 x 4. Components of a row have equal solid
     // angle, so every texel gives away exactly its energy. The components that land in a cell do not add up to exactly
@@ -76,42 +126,35 @@ std::vector<Rgb> integrateOverCells(const Image& latLong, const DirectionGrid& g
             return *this;
         }
     };
+    const ComponentCells cells(grid, size_t(latLong.width) * size_t(split));
     const size_t rowsAtOnce = std::max<size_t>(1, (size_t(latLong.height) + 31) / 32);
     const Sum sum = parallelSum(size_t(latLong.height), rowsAtOnce, Sum{}, [&](size_t begin, size_t end) {
         Sum part;
         part.energy.assign(size_t(grid.cells()), DVec3(0));
         part.angle.assign(size_t(grid.cells()), 0.0);
         part.darkest.assign(size_t(grid.cells()), Rgb(std::numeric_limits<float>::infinity()));
-        std::vector<double> cosines(size_t(latLong.width) * size_t(split)), sines(cosines.size());
-        for (size_t i = 0; i < cosines.size(); ++i) {
-            const double azimuth = (0.5 - (double(i) + 0.5) / double(cosines.size())) * 2 * piD;
-            cosines[i] = std::cos(azimuth);
-            sines[i] = std::sin(azimuth);
-        }
         for (size_t y = begin; y < end; ++y) {
             const double component = texelSolidAngle(latLong, int(y)) / (double(split) * split);
             const double zTop = std::sin(piD * (0.5 - double(y) / latLong.height));
             const double zBottom = std::sin(piD * (0.5 - double(y + 1) / latLong.height));
             for (int s = 0; s < split; ++s) {
                 const double z = zTop + (zBottom - zTop) * (s + 0.5) / split;  // equal area: even steps in z
-                const double r = std::sqrt(std::max(0.0, 1 - z * z));
-                for (size_t i = 0; i < cosines.size(); ++i) {
-                    const size_t cell = size_t(grid.cellOf(Vec3(float(r * cosines[i]), float(r * sines[i]), float(z))));
+                cells.forRow(z, [&](size_t i, size_t cell) {
                     const Rgb& radiance = latLong.at(int(i / size_t(split)), int(y));
                     part.energy[cell] += DVec3(radiance) * component;
                     part.angle[cell] += component;
                     part.darkest[cell] = glm::min(part.darkest[cell], radiance);
-                }
+                });
             }
         }
         return part;
     });
-    std::vector<Rgb> cells(size_t(grid.cells()));
+    std::vector<Rgb> radiance(size_t(grid.cells()));
     const double cellAngle = 4 * piD / grid.cells();
-    for (size_t i = 0; i < cells.size(); ++i)
+    for (size_t i = 0; i < radiance.size(); ++i)
         if (sum.angle[i] > 0)
-            cells[i] = Rgb((sum.energy[i] - DVec3(sum.darkest[i]) * (sum.angle[i] - cellAngle)) / cellAngle);
-    return cells;
+            radiance[i] = Rgb((sum.energy[i] - DVec3(sum.darkest[i]) * (sum.angle[i] - cellAngle)) / cellAngle);
+    return radiance;
 }
 
 namespace {

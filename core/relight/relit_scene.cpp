@@ -211,6 +211,7 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
         out.emitters.push_back(std::move(emitter));
     }
     std::vector<std::string> ids;
+    ids.reserve(clusters.size());
     for (const EmitterCluster& cluster : clusters) ids.push_back(cluster.id);
     const std::vector<std::string> names = emitterNames(ids, look);
     for (size_t e = 0; e < names.size(); ++e) out.emitters[e].name = names[e];

@@ -43,7 +43,7 @@ std::filesystem::path writeComparison(const std::filesystem::path& captureFolder
     comparison.triangles = result.scene->mesh.triangles.size();
     drawComparison(result.capture, *result.scene, options.maxViews, comparison, progress);
 
-    const std::filesystem::path page = folder / "index.html";
+    std::filesystem::path page = folder / "index.html";
     writeBytesAtomically(page, comparisonPage(comparison));
     for (const ComparedMode& mode : comparison.modes)
         logInfo("{}: photographs reproduced at {:.1f} dB", mode.name, mode.psnr);

@@ -29,6 +29,7 @@ public:
                 soup_.positions.push_back(position);
                 return place->second;
             }
+            // By bits, so that a NaN is itself. NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
             if (std::memcmp(&soup_.positions[place->second], &position, sizeof position) == 0) return place->second;
         }
     }

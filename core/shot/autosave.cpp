@@ -148,6 +148,7 @@ std::vector<FoundWork> Autosave::findLost() const {
     }
     std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
     std::vector<FoundWork> works;
+    works.reserve(found.size());
     for (auto& [time, work] : found) works.push_back(std::move(work));
     return works;
 }

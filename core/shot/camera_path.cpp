@@ -114,6 +114,7 @@ std::vector<Camera> throughViews(const Capture& capture, const std::string& list
         at = comma + 1;
     }
     std::vector<Camera> cameras;
+    cameras.reserve(size_t(count));
     for (int i = 0; i < count; ++i)
         cameras.push_back(cameraOn(keys, *first, count > 1 ? double(i) * double(keys.size() - 1) / (count - 1) : 0));
     return cameras;

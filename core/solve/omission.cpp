@@ -1,58 +1,45 @@
 #include "solve/omission.h"
 
-#include <array>
 #include <nlohmann/json.hpp>
+
+#include "base/name_table.h"
 
 namespace relamp {
 namespace {
 
-struct OmissionRow {
-    Omission omission;
-    const char* name;
+constexpr NameRow<Omission> rows[] = {
+    {Omission::distantLight, "distant light"},
+    {Omission::nearFieldEmitters, "near-field emitters"},
+    {Omission::interreflection, "interreflection"},
+    {Omission::glossyLobes, "glossy lobes"},
+    {Omission::finerDistantLight, "finer distant light"},
+    {Omission::triangles, "triangles"},
+    {Omission::unobservedLight, "unobserved light"},
+    {Omission::fullInterreflection, "interreflection at full detail"},
+    {Omission::unobservedVertices, "vertices that no photograph shows"},
+    {Omission::agreeingRays, "rays between rays that agree"},
+    {Omission::lobesOnMatte, "lobes on matte components"},
+    {Omission::lostLobes, "lobes that lose at first glance"},
+    {Omission::mattePointsInDetail, "what only metals tell apart, in matte points' equations"},
+    {Omission::emptyColumns, "directions that light nothing"},
+    {Omission::lastDigits, "iterations for the last digits"},
+    {Omission::flatLevels, "finer light that explains nothing"},
+    {Omission::bouncedLight, "bounced light"},
+    {Omission::glossyPasses, "glossy passes"},
+    {Omission::environment, "environment"},
+    {Omission::nearLight, "near light"},
+    {Omission::movedVisibility, "visibility of moved surfaces"},
+    {Omission::glossOutside, "glossy light outside the image"},
+    {Omission::other, "something else"},
 };
 
-constexpr std::array rows{
-    OmissionRow{Omission::distantLight, "distant light"},
-    OmissionRow{Omission::nearFieldEmitters, "near-field emitters"},
-    OmissionRow{Omission::interreflection, "interreflection"},
-    OmissionRow{Omission::glossyLobes, "glossy lobes"},
-    OmissionRow{Omission::finerDistantLight, "finer distant light"},
-    OmissionRow{Omission::triangles, "triangles"},
-    OmissionRow{Omission::unobservedLight, "unobserved light"},
-    OmissionRow{Omission::fullInterreflection, "interreflection at full detail"},
-    OmissionRow{Omission::unobservedVertices, "vertices that no photograph shows"},
-    OmissionRow{Omission::agreeingRays, "rays between rays that agree"},
-    OmissionRow{Omission::lobesOnMatte, "lobes on matte components"},
-    OmissionRow{Omission::lostLobes, "lobes that lose at first glance"},
-    OmissionRow{Omission::mattePointsInDetail, "what only metals tell apart, in matte points' equations"},
-    OmissionRow{Omission::emptyColumns, "directions that light nothing"},
-    OmissionRow{Omission::lastDigits, "iterations for the last digits"},
-    OmissionRow{Omission::flatLevels, "finer light that explains nothing"},
-    OmissionRow{Omission::bouncedLight, "bounced light"},
-    OmissionRow{Omission::glossyPasses, "glossy passes"},
-    OmissionRow{Omission::environment, "environment"},
-    OmissionRow{Omission::nearLight, "near light"},
-    OmissionRow{Omission::movedVisibility, "visibility of moved surfaces"},
-    OmissionRow{Omission::glossOutside, "glossy light outside the image"},
-    OmissionRow{Omission::other, "something else"},
-};
-
-constexpr bool inOrder() {
-    for (size_t i = 0; i < rows.size(); ++i)
-        if (size_t(rows[i].omission) != i) return false;
-    return rows.size() == size_t(Omission::other) + 1;
-}
-static_assert(inOrder(), "one row for each omission, in the order of the enumeration");
+static_assert(inOrder(rows), "one row for each omission, in the order of the enumeration");
 
 }  // namespace
 
 const char* nameOf(Omission omission) { return rows[size_t(omission)].name; }
 
-Omission omissionNamed(const std::string& name) {
-    for (const OmissionRow& row : rows)
-        if (name == row.name) return row.omission;
-    return Omission::other;
-}
+Omission omissionNamed(const std::string& name) { return valueNamed(rows, name); }
 
 void to_json(nlohmann::json& json, Omission omission) { json = nameOf(omission); }
 

@@ -67,6 +67,7 @@ void residualsOf(const Looks& all, const Eigen::VectorXd& u, const std::vector<R
 
 float spreadOf(const std::vector<Rgb>& residual) {
     std::vector<float> size;
+    size.reserve(residual.size());
     for (const Rgb& r : residual) size.push_back(std::sqrt(glm::dot(r, r) / 3));
     return medianOf(std::move(size));
 }

@@ -1,8 +1,7 @@
 #include "solve/uncertainty.h"
 
-#include <Eigen/Eigenvalues>
-
 #include "base/parallel.h"
+#include "solve/dense.h"
 #include "solve/light/weighted_gram.h"
 
 namespace relamp {
@@ -50,9 +49,9 @@ std::string sideInWords(const Eigen::VectorXd& effect, double sign, const Lighti
 
 /// Variance of the scale under an information matrix restricted to `free` unknowns.
 double scaleVariance(const Eigen::MatrixXd& information, const Eigen::VectorXd& mean) {
-    const Eigen::LLT<Eigen::MatrixXd> factor(information);
-    if (factor.info() != Eigen::Success) return mostSigma * mostSigma;
-    const double variance = mean.dot(factor.solve(mean));
+    const std::optional<Eigen::MatrixXd> factor = choleskyFactor(information);
+    if (!factor) return mostSigma * mostSigma;
+    const double variance = mean.dot(solveByFactor(*factor, mean));
     return std::isfinite(variance) ? std::clamp(variance, 1e-12, mostSigma * mostSigma) : mostSigma * mostSigma;
 }
 
@@ -88,9 +87,9 @@ struct LightUnknowns {
         Eigen::MatrixXd between = information.all(others, Eigen::seqN(first, m)),
                         rest = information.all(others, others);
         rest.diagonal() *= 1 + 1e-9;
-        const Eigen::LLT<Eigen::MatrixXd> factor(rest);
-        if (factor.info() != Eigen::Success) return own;
-        factor.matrixL().solveInPlace(between);
+        const std::optional<Eigen::MatrixXd> factor = choleskyFactor(rest);
+        if (!factor) return own;
+        between = divideByFactor(*factor, std::move(between));
         own.noalias() -= between.transpose() * between;
         return own;
     }
@@ -152,8 +151,8 @@ LightUncertainty lightUncertainty(const LightInformation& information, const Inf
             for (Eigen::Index k = 0; k < m; ++k)
                 if (size_t(free[size_t(k)]) < leaves) all(k, k) -= (1 - 1e-6) * seen(free[size_t(k)]) / widening;
         all.diagonal() *= 1 + 1e-9;
-        const Eigen::LLT<Eigen::MatrixXd> factor(all);
-        if (factor.info() != Eigen::Success) {
+        const std::optional<Eigen::MatrixXd> factor = choleskyFactor(all);
+        if (!factor) {
             result.scaleSigma[c] = float(mostSigma);
             continue;
         }
@@ -186,7 +185,7 @@ LightUncertainty lightUncertainty(const LightInformation& information, const Inf
             return float(std::min(mostSigma, sigma / std::max(unknowns.radiance(i, c), 1e-30)));
         };
         const Eigen::MatrixXd inverseFactor =
-            factor.matrixL().solve(Eigen::MatrixXd::Identity(m, m));  // L^-1: covariance = L^-T L^-1
+            divideByFactor(*factor, Eigen::MatrixXd::Identity(m, m));  // L^-1: covariance = L^-T L^-1
         for (Eigen::Index k = 0; k < m; ++k) {
             const size_t i = size_t(free[size_t(k)]);
             const double sigma = inverseFactor.col(k).norm();
@@ -198,10 +197,10 @@ LightUncertainty lightUncertainty(const LightInformation& information, const Inf
             double(some.rows);
         // Directions by how much they may change the light on the surfaces: eigenvectors of L^-1 E L^-T.
         const Eigen::MatrixXd product = inverseFactor * effect * inverseFactor.transpose();
-        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (product + product.transpose()));
+        const SymmetricEigen eigen = eigenOf(0.5 * (product + product.transpose()), true);
         const Eigen::Index count = std::min<Eigen::Index>(m, options.directions);
         const Eigen::MatrixXd directions =
-            inverseFactor.transpose() * eigen.eigenvectors().rightCols(count).rowwise().reverse();
+            inverseFactor.transpose() * eigen.vectors.rightCols(count).rowwise().reverse();
         Eigen::MatrixXf wide = Eigen::MatrixXf::Zero(Eigen::Index(n), count);
         for (Eigen::Index k = 0; k < m; ++k) wide.row(free[size_t(k)]) = directions.row(k).cast<float>();
         parallelBlocks(b.rows, 1024, [&](size_t begin, size_t end) {
@@ -215,7 +214,7 @@ LightUncertainty lightUncertainty(const LightInformation& information, const Inf
                                   : float(mostSigma);
         });
 
-        const double sigma = std::sqrt(std::max(0.0, eigen.eigenvalues()(m - 1)));
+        const double sigma = std::sqrt(std::max(0.0, eigen.values(m - 1)));
         if (sigma <= double(result.weakestSigma)) continue;
         result.weakestSigma = float(std::min(sigma, mostSigma));
         Eigen::VectorXd change = Eigen::VectorXd::Zero(Eigen::Index(n)),

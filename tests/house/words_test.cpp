@@ -1,4 +1,4 @@
-// One word, one meaning (docs/architecture.md 5): the words that names and comments of core, ui, app and shaders do not
+// One word, one meaning (core/README.md): the words that names and comments of core, ui, app and shaders do not
 // use, and the field's word for each.
 #include <gtest/gtest.h>
 

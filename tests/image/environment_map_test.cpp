@@ -68,6 +68,45 @@ TEST(EnvironmentMap, BrightTexelLandsInTheCellOfItsDirection) {
         wanted);
 }
 
+/// What integrateOverCells promises, by cellOf for each of the 4 x 4 components of a texel.
+std::vector<Rgb> byEveryDirection(const Image& map, const DirectionGrid& grid) {
+    std::vector<DVec3> energy(size_t(grid.cells()), DVec3(0));
+    std::vector<double> angle(energy.size(), 0);
+    std::vector<Rgb> darkest(energy.size(), Rgb(1e9f)), cells(energy.size());
+    for (int row = 0; row < 4 * map.height; ++row) {
+        const int y = row / 4;
+        const double top = std::sin(piD * (0.5 - double(y) / map.height)),
+                     bottom = std::sin(piD * (0.5 - double(y + 1) / map.height)),
+                     z = top + (bottom - top) * (row % 4 + 0.5) / 4, r = std::sqrt(1 - z * z),
+                     component = 2 * piD / map.width * (top - bottom) / 16;
+        for (int column = 0; column < 4 * map.width; ++column) {
+            const double azimuth = (0.5 - (column + 0.5) / (4 * map.width)) * 2 * piD;
+            const Vec3 direction(float(r * std::cos(azimuth)), float(r * std::sin(azimuth)), float(z));
+            const size_t cell = size_t(grid.cellOf(direction));
+            const Rgb& radiance = map.at(column / 4, y);
+            energy[cell] += DVec3(radiance) * component;
+            angle[cell] += component;
+            darkest[cell] = glm::min(darkest[cell], radiance);
+        }
+    }
+    const double cellAngle = 4 * piD / grid.cells();
+    for (size_t i = 0; i < cells.size(); ++i)
+        if (angle[i] > 0) cells[i] = Rgb((energy[i] - DVec3(darkest[i]) * (angle[i] - cellAngle)) / cellAngle);
+    return cells;
+}
+
+TEST(EnvironmentMap, ComponentsLandWhereTheGridPutsTheirDirections) {
+    // Radiance differs by texel: a component in the wrong cell changes it by far more than rounding.
+    Image map(512, 256);
+    for (size_t i = 0; i < map.pixels.size(); ++i)
+        map.pixels[i] = Rgb(1 + float(i * 2654435761u % 1009), 1, float(i % 7));
+    for (const Mat3& axes : {Mat3(1), Mat3(0, 0.6f, 0.8f, 0, -0.8f, 0.6f, 1, 0, 0)}) {
+        const DirectionGrid grid{64, axes};
+        const std::vector<Rgb> found = integrateOverCells(map, grid), wanted = byEveryDirection(map, grid);
+        for (size_t i = 0; i < wanted.size(); ++i) ASSERT_LT(glm::distance(found[i], wanted[i]), 1e-3f) << i;
+    }
+}
+
 TEST(EnvironmentMap, LookupIsBilinearAndWrapsInLongitude) {
     Image map(8, 4);
     map.at(0, 2) = Rgb(1);

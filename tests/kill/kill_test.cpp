@@ -1,5 +1,6 @@
 // Programs killed without warning at random moments: what is on disk afterwards is whole, and opens. A few kills of
 // each kind here; all of them with tests/kill/run.
+#include <fcntl.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>

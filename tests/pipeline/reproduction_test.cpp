@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "base/parallel.h"
 #include "pipeline/pipeline.h"
 #include "support/known_world.h"
 

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "base/parallel.h"
 #include "capture/load_capture.h"
 #include "radiance/gather.h"
 #include "support/known_world.h"

@@ -7,57 +7,15 @@
 namespace relamp::test {
 
 /// Lambert everywhere, the environment constant, the emitters as given (their vertices reflect nothing).
-inline Estimate matteEstimate(const Scene& scene, const Rgb& albedo, const Rgb& environment,
-                              const EmitterClusters& clusters = {}) {
-    Estimate e;
-    const size_t n = scene.mesh.vertexCount();
-    e.mode = "near-field";
-    e.environmentSide = 64;
-    e.environment.assign(64 * 64, environment);
-    e.lighting.leaves = LightLeaves::uniform(1);
-    e.lighting.leafRadiance.assign(4, environment);
-    e.emitters = clusters;
-    if (clusters.emitters.empty()) {
-        e.emitters.emitterOfVertex.assign(n, -1);
-        e.emitters.emitterOfTriangle.assign(scene.mesh.triangles.size(), -1);
-    }
-    for (const EmitterCluster& c : clusters.emitters) {
-        e.lighting.emitterRadiance.push_back(c.radiance);
-        e.emitterSigma.push_back(c.radiance * 0.01f);
-        e.identifiability.push_back(0.5f);
-    }
-    e.reflectance.basis.lobes = {Lobe{Lobe::Kind::lambert, 1, "lambert"}};
-    e.reflectance.weight.assign(1, std::vector<Rgb>(n, albedo));
-    for (size_t v = 0; v < n; ++v)
-        if (e.emitters.emitterOfVertex[v] >= 0) e.reflectance.weight[0][v] = Rgb(0);
-    e.reflectance.observed.assign(n, 3);
-    e.reflectance.confidence.assign(n, 0.75f);
-    e.gauge = {"emitter", "set by hand", Rgb(1)};
-    return e;
-}
+Estimate matteEstimate(const Scene& scene, const Rgb& albedo, const Rgb& environment,
+                       const EmitterClusters& clusters = {});
 
-inline RelitScene relitOf(const Scene& scene, const Estimate& estimate, const Look& look = {}) {
-    Progress progress;
-    return applyLook(scene, estimate, look, progress);
-}
+RelitScene relitOf(const Scene& scene, const Estimate& estimate, const Look& look = {});
 
 /// A pinhole camera at `eye` that looks at `target`.
-inline Camera cameraAt(const DVec3& eye, const DVec3& target, int width, int height, double focalPixels,
-                       const DVec3& upHint = {0, 0, 1}) {
-    Camera camera;
-    camera.width = width;
-    camera.height = height;
-    camera.focalX = camera.focalY = focalPixels;
-    camera.centreX = width / 2.0;
-    camera.centreY = height / 2.0;
-    const DVec3 back = glm::normalize(eye - target), right = glm::normalize(glm::cross(upHint, back)),
-                up = glm::cross(back, right);
-    camera.worldFromCamera = DMat4(glm::dvec4(right, 0), glm::dvec4(up, 0), glm::dvec4(back, 0), glm::dvec4(eye, 1));
-    return camera;
-}
+Camera cameraAt(const DVec3& eye, const DVec3& target, int width, int height, double focalPixels,
+                const DVec3& upHint = {0, 0, 1});
 
-inline Mat4 translation(const Vec3& by) {
-    return Mat4(Vec4(1, 0, 0, 0), Vec4(0, 1, 0, 0), Vec4(0, 0, 1, 0), Vec4(by, 1));
-}
+Mat4 translation(const Vec3& by);
 
 }  // namespace relamp::test

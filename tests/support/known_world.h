@@ -3,11 +3,9 @@
 // only, but for the room with two walls whose surfaces light each other.
 #pragma once
 #include <filesystem>
-
+#include <functional>
 #include <nlohmann/json.hpp>
 
-#include "base/parallel.h"
-#include "base/random.h"
 #include "image/image_io.h"
 #include "scene/mesh_io.h"
 #include "support/estimates.h"
@@ -42,152 +40,12 @@ struct KnownWorld {
 };
 
 /// Irradiance of the bare sky on a surface of the given normal.
-inline Rgb skyIrradiance(const std::function<Rgb(const Vec3&)>& radiance, const Vec3& normal) {
-    const DirectionGrid grid{128};
-    DVec3 sum(0);
-    for (int c = 0; c < grid.cells(); ++c) {
-        const Vec3 d = grid.direction(c);
-        if (const float cosine = glm::dot(d, normal); cosine > 0) sum += DVec3(radiance(d) * cosine);
-    }
-    return Rgb(sum * double(grid.cellSolidAngle()));
-}
-
-/// Light that leaves a matte point: 8 x 8 points on the emitter, 16 x 16 directions of the sky, each with one ray.
-inline Rgb paintPoint(const KnownWorld& world, const RayTracer& tracer, const Vec3& position, const Vec3& normal,
-                      uint64_t seed, bool emitter) {
-    const Vec3 origin = position + normal * 1e-4f;
-    const Vec2 shift = randomShift(seed, 1, 2), emitterShift = randomShift(seed, 3, 4);
-    const Mat3 frame = frameAround(normal);
-    DVec3 irradiance(0);
-    constexpr int side = 16, emitterSide = 8;
-    for (int i = 0; i < side * side; ++i) {
-        const Vec2 u = (Vec2(float(i % side), float(i / side)) + shift) / float(side);
-        const Vec3 d = frame * cosineHemisphere(u);
-        if (!tracer.occluded({origin, d, 0, 1e30f})) irradiance += DVec3(KnownWorld::sky(d)) * (piD / (side * side));
-    }
-    for (int i = 0; emitter && i < emitterSide * emitterSide; ++i) {
-        const Vec2 u =
-            (Vec2(float(i % emitterSide), float(i / emitterSide)) + emitterShift) / float(emitterSide) - 0.5f;
-        const Vec3 to = world.emitterCentre + world.emitterSide * Vec3(u.x, u.y, 0) - origin;
-        const float d2 = glm::dot(to, to);
-        const Vec3 d = to / std::sqrt(d2);
-        const float cosine = glm::dot(d, normal), facing = d.z;
-        if (cosine <= 0 || facing <= 0 || tracer.occluded({origin, d, 0, std::sqrt(d2) * 0.999f})) continue;
-        irradiance += DVec3(world.emitterRadiance) * double(cosine * facing / d2 * world.emitterSide *
-                                                            world.emitterSide / (emitterSide * emitterSide));
-    }
-    return KnownWorld::albedoAt(position) * Rgb(irradiance) / pi;
-}
-
-/// Light that surfaces send each other, at the vertices: 256 rays each, three bounces. Radiance a white matte surface
-/// shows.
-inline std::vector<Rgb> paintBounces(const KnownWorld& world, const Scene& scene, const std::vector<uint8_t>& shines,
-                                     bool emitter) {
-    const Mesh& mesh = scene.mesh;
-    std::vector<Rgb> direct(mesh.vertexCount()), bounced(mesh.vertexCount(), Rgb(0));
-    for (size_t v = 0; v < direct.size(); ++v)
-        direct[v] = paintPoint(world, *scene.tracer, mesh.positions[v], mesh.normals[v], 900000 + v, emitter);
-    for (int bounce = 0; bounce < 3; ++bounce) {
-        std::vector<Rgb> next(mesh.vertexCount(), Rgb(0));
-        parallelFor(next.size(), 16, [&](size_t v) {
-            const Mat3 frame = frameAround(mesh.normals[v]);
-            for (int i = 0; i < 256; ++i) {
-                const Vec2 u = (Vec2(float(i % 16), float(i / 16)) + randomShift(v, 5, size_t(i))) / 16.0f;
-                const Hit hit = scene.tracer->closest(
-                    {mesh.positions[v] + mesh.normals[v] * 1e-4f, frame * cosineHemisphere(u), 0, 1e30f});
-                if (!hit || shines[hit.triangle] ||
-                    glm::dot(mesh.faceNormal(hit.triangle), frame * cosineHemisphere(u)) > 0)
-                    continue;
-                const Triangle& t = mesh.triangles[hit.triangle];
-                const float weight[3] = {1 - hit.barycentric.x - hit.barycentric.y, hit.barycentric.x,
-                                         hit.barycentric.y};
-                for (size_t k = 0; k < 3; ++k)
-                    next[v] += weight[k] / 256 * (direct[t[k]] + world.albedo[t[k]] * bounced[t[k]]);
-            }
-        });
-        bounced = next;
-    }
-    return bounced;
-}
+Rgb skyIrradiance(const std::function<Rgb(const Vec3&)>& radiance, const Vec3& normal);
 
 /// Writes transforms.json, mesh.ply and the photographs (96 x 72, EXR) into `folder`; `emitter` false leaves the
 /// emitter dark and out. `room`: two walls behind the floor, and surfaces light each other. `metalBall`: the ball
 /// mirrors the sky, tinted, and has no albedo.
-inline KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool emitter = true, int views = 10,
-                                  int floorCuts = 24, bool room = false, bool metalBall = false) {
-    KnownWorld world;
-    world.views = views;
-    world.mesh = sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, floorCuts, floorCuts);
-    world.floorVertices = world.mesh.vertexCount();
-    append(world.mesh, box({-0.55f, -0.35f, 0.002f}, {-0.2f, 0.05f, 0.4f}, 5));
-    world.ballBegin = world.mesh.vertexCount();
-    append(world.mesh, ball({0.3f, -0.25f, 0.252f}, 0.25f, 14, 20));
-    world.ballEnd = world.mesh.vertexCount();
-    if (room) {
-        append(world.mesh, sheet({-1, 1, 0.002f}, {2, 0, 0}, {0, 0, 1.3f}, 16, 10));
-        append(world.mesh, sheet({-1, -1, 0.002f}, {0, 2, 0}, {0, 0, 1.3f}, 16, 10));
-    }
-    if (emitter)
-        world.emitterTriangles = append(world.mesh, squareAbove(world.emitterSide, world.emitterCentre.x,
-                                                                world.emitterCentre.y, world.emitterCentre.z, 4));
-    for (const Vec3& p : world.mesh.positions) world.albedo.push_back(KnownWorld::albedoAt(p));
-    std::vector<uint8_t> shines(world.mesh.triangles.size(), 0);
-    for (uint32_t t : world.emitterTriangles) shines[t] = 1;
-
-    const Scene scene = sceneOf(world.mesh);
-    const std::vector<Rgb> bounced =
-        room ? paintBounces(world, scene, shines, emitter) : std::vector<Rgb>(world.mesh.vertexCount(), Rgb(0));
-    std::filesystem::create_directories(folder / "images");
-    writeVertexPly(folder / "mesh.ply", world.mesh, {});
-    nlohmann::json file{
-        {"w", 96}, {"h", 72}, {"fl_x", 95}, {"mesh_path", "mesh.ply"}, {"frames", nlohmann::json::array()}};
-    for (int i = 0; i < views; ++i) {
-        // High ones look down, low ones see the underside of the emitter and the sky.
-        const double a = room ? -1.5 + 1.5 * i / (views - 1) : 2 * piD * i / views + 0.3;  // before the open sides
-        const bool low = i % 2;
-        const Camera camera =
-            cameraAt({2.3 * std::cos(a), 2.3 * std::sin(a), low ? 0.45 : 1.9}, {0.05, 0, low ? 0.6 : 0.15}, 96, 72, 95);
-        Image image(96, 72);
-        parallelFor(size_t(96 * 72), 96, [&](size_t p) {
-            const Vec3 d = camera.rayDirection(Vec2(p % 96 + 0.5f, p / 96 + 0.5f));
-            const Hit hit = scene.tracer->closest({Vec3(camera.position()), d, 0, 1e30f});
-            if (!hit) {
-                image.pixels[p] = KnownWorld::sky(d);
-                return;
-            }
-            if (shines[hit.triangle]) {
-                image.pixels[p] = d.z > 0 ? world.emitterRadiance : Rgb(0);
-                return;
-            }
-            const Vec3 normal = scene.normalOf(hit);
-            if (glm::dot(normal, d) >= 0) {
-                image.pixels[p] = Rgb(0);
-                return;
-            }
-            const Triangle& t = scene.mesh.triangles[hit.triangle];
-            if (metalBall && t[0] >= world.ballBegin && t[0] < world.ballEnd) {
-                const Vec3 mirrored = glm::reflect(d, normal);
-                image.pixels[p] = scene.tracer->occluded({scene.pointOf(hit) + normal * 1e-4f, mirrored, 0, 1e30f})
-                                      ? Rgb(0)
-                                      : world.ballTint * KnownWorld::sky(mirrored);
-                return;
-            }
-            const Vec2 b = hit.barycentric;
-            const Rgb indirect = (1 - b.x - b.y) * bounced[t[0]] + b.x * bounced[t[1]] + b.y * bounced[t[2]];
-            const Vec3 point = scene.pointOf(hit);
-            image.pixels[p] = paintPoint(world, *scene.tracer, point, normal, size_t(i) * 10000 + p, emitter) +
-                              KnownWorld::albedoAt(point) * indirect;
-        });
-        const std::string name = fmt::format("images/{:02}.exr", i);
-        writeImage(folder / name, image);
-        nlohmann::json rows = nlohmann::json::array();
-        for (int r = 0; r < 4; ++r)
-            rows.push_back({camera.worldFromCamera[0][r], camera.worldFromCamera[1][r], camera.worldFromCamera[2][r],
-                            camera.worldFromCamera[3][r]});
-        file["frames"].push_back({{"file_path", name}, {"transform_matrix", rows}});
-    }
-    std::ofstream(folder / "transforms.json") << file.dump(1);
-    return world;
-}
+KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool emitter = true, int views = 10, int floorCuts = 24,
+                           bool room = false, bool metalBall = false);
 
 }  // namespace relamp::test

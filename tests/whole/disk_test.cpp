@@ -1,6 +1,7 @@
 // Disks that are full or may not be written, photographs that go away: a sentence that names the file, and nothing
 // lost.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <thread>
 

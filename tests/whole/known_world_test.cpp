@@ -3,6 +3,7 @@
 
 #include <cstdio>
 
+#include "base/parallel.h"
 #include "pipeline/pipeline.h"
 #include "support/known_world.h"
 #include "support/stopping.h"

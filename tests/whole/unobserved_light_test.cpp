@@ -5,6 +5,7 @@
 #include <fstream>
 #include <limits>
 
+#include "base/parallel.h"
 #include "pipeline/pipeline.h"
 #include "shot/shot_file.h"
 #include "support/known_world.h"

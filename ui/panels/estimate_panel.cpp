@@ -53,8 +53,8 @@ void gaugeSettings(Editor& editor) {
     using Kind = GaugeChoice::Kind;
     constexpr const char* labels[] = {"Automatic", "White patch", "Known light", "Known surfaces"};
     constexpr const char* explanations[] = {
-        "A bright light on a dark wall looks like a dim light on a bright wall. Light that is seen directly in the "
-        "photographs settles it; where none is seen, an ordinary brightness of the surfaces is assumed.",
+        ("A bright light on a dark wall looks like a dim light on a bright wall. Light that is seen directly in the "
+         "photographs settles it; where none is seen, an ordinary brightness of the surfaces is assumed."),
         "You know one spot that is white: a sheet of paper, a grey card. Its brightness then settles everything else.",
         "You know how bright one light is, in the units of the photographs.",
         "You know how bright the surfaces are on average: 0.2 is a dark room, 0.5 an ordinary one, 0.8 a white one."};

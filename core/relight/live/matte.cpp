@@ -1,6 +1,7 @@
 #include "relight/live/matte.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/box.h"
 #include "base/morton.h"
@@ -132,8 +133,7 @@ void LiveMatte::setParts(const std::vector<std::string>& names) {
     for (size_t b = 1; b < names.size(); ++b) {
         for (Shadow& old : shadows_)
             if (old.name == names[b]) {
-                shadows[b] = std::move(old);
-                old.name.clear();
+                shadows[b] = std::exchange(old, {});
                 break;
             }
         shadows[b].name = names[b];

@@ -1,7 +1,6 @@
 // How sure the light, the albedo and the environment image are.
-#include <Eigen/Eigenvalues>
-
 #include "base/log.h"
+#include "solve/dense.h"
 #include "solve/light/weighted_gram.h"
 #include "solve/steps/steps.h"
 
@@ -36,32 +35,31 @@ void assessConditioning(SolveRun& s, Estimate& estimate) {
     Eigen::VectorXd scale(gram.rows());
     for (Eigen::Index i = 0; i < gram.rows(); ++i) scale(i) = gram(i, i) > 0 ? 1 / std::sqrt(gram(i, i)) : 0;
     const Eigen::MatrixXd scaled = scale.asDiagonal() * gram * scale.asDiagonal();
-    Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled, Eigen::EigenvaluesOnly);
+    const Eigen::VectorXd eigenvalues = eigenOf(scaled, false).values;
     estimate.stability = s.stability;
     estimate.stability.unknowns = int(n);
     if (s.stability.kktResidual > 1e-6)
         estimate.stability.reason =
             fmt::format("a lighting program stopped at a relative KKT residual of {:.1e}", s.stability.kktResidual);
-    const double largest = std::max(eigen.eigenvalues().maxCoeff(), 1e-300);
+    const double largest = std::max(eigenvalues.maxCoeff(), 1e-300);
     double smallest = largest;
     for (Eigen::Index i = 0; i < gram.rows(); ++i) {
-        const double value = eigen.eigenvalues()(i) / largest;
+        const double value = eigenvalues(i) / largest;
         if (value > 1e-6) ++estimate.stability.effectiveRank;
         if (value > 1e-14) smallest = std::min(smallest, value * largest);
     }
     estimate.stability.conditionNumber = largest / smallest;
     const Eigen::Index step = std::max<Eigen::Index>(1, (gram.rows() + 255) / 256);
     for (Eigen::Index i = gram.rows() - 1; i >= 0; i -= step)
-        estimate.stability.spectrum.push_back(float(std::max(0.0, eigen.eigenvalues()(i) / largest)));
+        estimate.stability.spectrum.push_back(float(std::max(0.0, eigenvalues(i) / largest)));
     const Eigen::Index m = Eigen::Index(leaves);
     Eigen::MatrixXd distant = scaled.topLeftCorner(m, m);
     distant.diagonal().array() += 1e-6;
-    const Eigen::LLT<Eigen::MatrixXd> factor(distant);
+    const std::optional<Eigen::MatrixXd> factor = choleskyFactor(distant);
     for (size_t e = 0; e < s.emitters.surfaces.size(); ++e) {
         const Eigen::VectorXd column = scaled.block(0, m + Eigen::Index(e), m, 1);
         const double self = scaled(m + Eigen::Index(e), m + Eigen::Index(e));
-        const double imitated =
-            self > 0 && factor.info() == Eigen::Success ? column.dot(factor.solve(column)) / self : 1;
+        const double imitated = self > 0 && factor ? column.dot(solveByFactor(*factor, column)) / self : 1;
         estimate.identifiability.push_back(float(std::sqrt(std::clamp(1 - imitated, 0.0, 1.0))));
         estimate.emitterSigma.push_back(s.light.lighting.emitterRadiance[e] *
                                         (s.emitters.clusters.emitters[e].unobserved ? 1.0f

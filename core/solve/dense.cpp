@@ -1,0 +1,32 @@
+#include "solve/dense.h"
+
+#include <Eigen/Eigenvalues>
+
+namespace relamp {
+
+std::optional<Eigen::MatrixXd> choleskyFactor(const Eigen::MatrixXd& a) {
+    const Eigen::LLT<Eigen::MatrixXd> factor(a);
+    if (factor.info() != Eigen::Success) return std::nullopt;
+    return factor.matrixLLT();
+}
+
+Eigen::VectorXd solveByFactor(const Eigen::MatrixXd& l, Eigen::VectorXd b) {
+    l.triangularView<Eigen::Lower>().solveInPlace(b);
+    l.adjoint().triangularView<Eigen::Upper>().solveInPlace(b);
+    return b;
+}
+
+Eigen::MatrixXd divideByFactor(const Eigen::MatrixXd& l, Eigen::MatrixXd b) {
+    l.triangularView<Eigen::Lower>().solveInPlace(b);
+    return b;
+}
+
+SymmetricEigen eigenOf(const Eigen::MatrixXd& symmetric, bool withVectors) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
+        symmetric, withVectors ? Eigen::ComputeEigenvectors : Eigen::EigenvaluesOnly);
+    SymmetricEigen result{eigen.eigenvalues(), {}};
+    if (withVectors) result.vectors = eigen.eigenvectors();
+    return result;
+}
+
+}  // namespace relamp

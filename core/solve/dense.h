@@ -1,0 +1,23 @@
+// Factorisations of dense symmetric matrices. They take long to compile, so they stand in one unit, behind functions.
+#pragma once
+#include <Eigen/Core>
+#include <optional>
+
+namespace relamp {
+
+/// L of a = L L', in the lower triangle; what stands above it means nothing. Reads the lower triangle of `a` (n x n).
+/// Nothing when `a` is not positive definite. Cost n^3 / 3.
+std::optional<Eigen::MatrixXd> choleskyFactor(const Eigen::MatrixXd& a);
+/// x of L L' x = b.
+Eigen::VectorXd solveByFactor(const Eigen::MatrixXd& l, Eigen::VectorXd b);
+/// L^-1 b, column by column.
+Eigen::MatrixXd divideByFactor(const Eigen::MatrixXd& l, Eigen::MatrixXd b);
+
+struct SymmetricEigen {
+    Eigen::VectorXd values;   ///< ascending
+    Eigen::MatrixXd vectors;  ///< in columns; empty when they were not asked for
+};
+/// Reads the lower triangle. Cost about 4 n^3 / 3 for the values, 9 n^3 with the vectors.
+SymmetricEigen eigenOf(const Eigen::MatrixXd& symmetric, bool withVectors);
+
+}  // namespace relamp
