@@ -13,6 +13,7 @@
 #include "base/parallel.h"
 #include "capture/brackets.h"
 #include "capture/check.h"
+#include "capture/photograph_reader.h"
 #include "pipeline/shot_of.h"
 #include "report/compare.h"
 #include "shot/checkpoint.h"
@@ -143,7 +144,9 @@ int solve(const SolveArguments& a, Progress& progress) {
     if (isThere(a.output) && !a.overwrite)
         throw Error("{}: exists already, add --overwrite to replace it", a.output.string());
     // Known before the calculation, not after it.
-    checkShotCanBeWritten(a.output);
+    InputFiles inputs = captureFiles(a.capture, a.fix, progress);
+    inputs.addFolder(a.merl);
+    checkShotCanBeWritten(a.output, inputs);
     const ShotLock lock = ShotLock::take(a.output);
     if (!lock.owner().empty())
         throw Error("{}: is open elsewhere ({}); close it there or choose another name", a.output.string(),
@@ -339,6 +342,10 @@ int mergeHdr(const MergeArguments& a, Progress& progress) {
     const std::string ending = a.output.extension().string();
     if (ending != ".exr" && ending != ".hdr")
         throw UsageError("--output: expected a name that ends in .exr or .hdr, radiance has no place in others");
+    InputFiles files;
+    for (const fs::path& image : a.images) files.add(image);
+    files.add(a.useResponse);
+    for (const fs::path& output : {a.output, a.response, a.ghosts}) files.claim(output);
     BracketOptions options;
     options.smoothness = a.smoothness;
     options.rejectGhosts = !a.keepGhosts;

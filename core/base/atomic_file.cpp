@@ -25,7 +25,35 @@ void flushFolder(const fs::path& folder) {
     ::close(handle);
 }
 
-void writeFileAtomically(const fs::path& target, const std::function<void(const fs::path&)>& write) {
+fs::path followLinks(const fs::path& path) {
+    constexpr int mostLinks = 40;  // as many as the kernel follows
+    fs::path at = path;
+    for (int link = 0; link < mostLinks; ++link) {
+        std::error_code failed;
+        const fs::path next = fs::read_symlink(at, failed);
+        if (failed) return at;
+        at = at.parent_path() / next;
+    }
+    throw Error("{}: is a circle of links", path.string());
+}
+
+fs::path folderPlace(const fs::path& folder) {
+    if (folder.empty()) throw Error("the name of a folder is empty");
+    std::error_code failed;
+    fs::path place = fs::absolute(folder, failed).lexically_normal();
+    if (!place.has_filename()) place = place.parent_path();  // a slash at the end
+    place = followLinks(place);
+    const fs::path real = fs::weakly_canonical(place, failed);
+    return failed ? place.lexically_normal() : real;
+}
+
+void writeFileAtomically(const fs::path& named, const std::function<void(const fs::path&)>& write) {
+    const fs::path target = followLinks(named);
+    std::error_code unknown;
+    // A rename would put a file in the place of a device.
+    if (const fs::file_status there = fs::status(target, unknown); fs::exists(there) && !fs::is_regular_file(there))
+        throw Error("{}: is {}, it cannot be written over", named.string(),
+                    fs::is_directory(there) ? "a folder" : "no regular file");
     const fs::path temporary =
         target.parent_path() / fmt::format(".{}.{}{}", target.stem().string(), ::getpid(), target.extension().string());
     const auto removeTemporary = [&] {
