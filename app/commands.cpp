@@ -4,8 +4,6 @@
 
 #include <unistd.h>
 
-#include <cstdio>
-
 #include "base/atomic_file.h"
 #include "base/is_there.h"
 #include "base/json_fields.h"
@@ -15,6 +13,7 @@
 #include "capture/check.h"
 #include "capture/photograph_reader.h"
 #include "pipeline/shot_of.h"
+#include "print_result.h"
 #include "report/compare.h"
 #include "shot/checkpoint.h"
 #include "shot/shot_document.h"
@@ -97,8 +96,7 @@ int check(const fs::path& capture, const CaptureFix& fix, bool json, Progress& p
     LoadOptions load;
     load.fix = fix;
     const CaptureCheck result = checkCapture(loadCapture(capture, load, progress), progress);
-    if (json) std::puts(dumpJson(toJson(result), 1).c_str());
-    else std::fputs(toText(result).c_str(), stdout);
+    printResult(json ? dumpJson(toJson(result), 1) : toText(result));
     return 0;
 }
 
@@ -246,14 +244,14 @@ int showInfo(const fs::path& path, const CaptureFix& fix, bool json, Progress& p
     }
     if (json) {
         if (isShot) addKeysOfVersion1(result);
-        std::puts(dumpJson(result, 1).c_str());
+        printResult(dumpJson(result, 1));
         return 0;
     }
     std::string text;  // whole before any of it is shown: a broken file prints nothing
     if (!isShot) {
         text += fmt::format("capture: {} views, {} vertices, {} triangles\n", dumpJson(result["views"]),
                             dumpJson(result["vertices"]), dumpJson(result["triangles"]));
-        std::fputs(text.c_str(), stdout);
+        printResult(text);
         return 0;
     }
     text += fmt::format("shot ({}), solved in {:.1f} s\n", result["mode"].get<std::string>(),
@@ -286,7 +284,7 @@ int showInfo(const fs::path& path, const CaptureFix& fix, bool json, Progress& p
                             100 * result["stability"]["weakest_sigma"].get<double>());
     for (const auto& l : result["left_out"])
         text += fmt::format("  left out: {} ({})\n", l["what"].get<std::string>(), l["why"].get<std::string>());
-    std::fputs(text.c_str(), stdout);
+    printResult(text);
     return 0;
 }
 

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "base/error.h"
+#include "base/is_there.h"
 
 namespace relamp {
 namespace fs = std::filesystem;
@@ -91,11 +92,15 @@ void writeBytesAtomically(const fs::path& target, const std::string& bytes) {
 }
 
 std::string readBytes(const fs::path& file, size_t maxBytes) {
+    // What is no file may have no end, or none that comes.
+    if (!isFile(file)) throw Error("{}: {}", file.string(), whyNoFile(file));
     std::error_code failed;
     const auto size = fs::file_size(file, failed);
     if (failed) throw Error("{}: cannot be read ({})", file.string(), failed.message());
     if (size > maxBytes) throw Error("{}: is {} bytes large, expected at most {}", file.string(), size, maxBytes);
+    errno = 0;
     std::ifstream in(file, std::ios::binary);
+    if (!in) throw Error("{}: cannot be read ({})", file.string(), std::strerror(errno));
     std::string bytes(size, '\0');
     in.read(bytes.data(), std::streamsize(size));
     if (!in) throw Error("{}: cannot be read", file.string());

@@ -29,13 +29,17 @@ void InputFiles::refuse(const fs::path& target) const {
     if (target.empty()) return;
     struct stat found {};
     if (::stat(target.c_str(), &found) == 0) {
+        if (!S_ISREG(found.st_mode))
+            throw Error("{}: is {}, it cannot be written over", target.string(),
+                        S_ISDIR(found.st_mode) ? "a folder" : "no regular file");
         const auto same = files_.find({found.st_dev, found.st_ino});
         if (same == files_.end()) return;
         if (same->second == target)
             throw Error("{}: belongs to what this command reads, so it is not written over; choose another name",
                         target.string());
-        throw Error("{}: is the same file as {}, which this command reads, so it is not written over; choose another name",
-                    target.string(), same->second.string());
+        throw Error(
+            "{}: is the same file as {}, which this command reads, so it is not written over; choose another name",
+            target.string(), same->second.string());
     }
     if (places_.contains(folderPlace(target)))
         throw Error("{}: is the name of another file of this command; choose another one", target.string());

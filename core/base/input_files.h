@@ -17,7 +17,7 @@ public:
     void add(const std::filesystem::path& file);
     /// Every file in a folder and below it; what cannot be looked at is left out.
     void addFolder(const std::filesystem::path& folder);
-    /// Throws Error naming both when `target` is one of them.
+    /// Throws Error naming both when `target` is one of them, and where something stands there that is no file.
     void refuse(const std::filesystem::path& target) const;
     /// refuse(), then add(): for a command that writes several files, which must not be one.
     void claim(const std::filesystem::path& target);
