@@ -71,7 +71,7 @@ Camera cameraFrom(LensModel model, double width, double height, const std::vecto
             throw Error("{} is {:.0f}, expected 1 to {:.0f} pixels", name, side, maxSide);
     for (size_t i = 0; i < parameters.size(); ++i)
         if (!(std::abs(parameters[i]) <= 1e9))
-            throw Error("parameter {} is {}, expected a number of at most 1e9", i, parameters[i]);
+            throw Error("parameter {} is {}, expected a finite number of at most 1e9", i, parameters[i]);
     camera.width = int(width), camera.height = int(height);
     camera.model = model;
     size_t next = 0;
@@ -213,8 +213,8 @@ DMat4 poseFrom(const double q[4], const double t[3]) {
     if (!std::isfinite(length) || length < 1e-12)
         throw Error("qw qx qy qz are {} {} {} {}, expected a rotation", q[0], q[1], q[2], q[3]);
     for (int c = 0; c < 3; ++c)
-        if (!std::isfinite(t[c]) || std::abs(t[c]) > 1e12)
-            throw Error("t{} is {}, expected a finite number", "xyz"[c], t[c]);
+        if (!(std::abs(t[c]) <= 1e12))
+            throw Error("t{} is {}, expected a finite number of at most 1e12", "xyz"[c], t[c]);
     length = std::sqrt(length);
     const double w = q[0] / length, x = q[1] / length, y = q[2] / length, z = q[3] / length;
     // Rows of cameraFromWorld's rotation are the camera's axes in the world.

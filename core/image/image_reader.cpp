@@ -224,7 +224,8 @@ void readBands(OIIO::ImageInput& input, const fs::path& file, int first, int end
             tiled ? input.read_tiles(part, 0, spec.x, spec.x + spec.width, top, top + count, spec.z, spec.z + 1, first,
                                      end, type, samples.data())
                   : input.read_scanlines(part, 0, top, top + count, spec.z, first, end, type, samples.data());
-        if (!good) {
+        // Truncated TIFF strips are filled and called good, but leave an error behind.
+        if (!good || input.has_error()) {
             const std::string reason = input.geterror();
             refuseMemory(file, reason);
             throw Error("{}: cannot be read to its end ({})", file.string(), reason);

@@ -210,8 +210,8 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
 }
 
 Look readLook(const std::filesystem::path& file, const DVec3& origin) {
-    return withContext(file.string(),
-                       [&] { return lookFromJson(parseJson(readBytes(file, 64 << 20)), file.parent_path(), origin); });
+    const std::string text = readBytes(file, 64 << 20);
+    return withContext(file.string(), [&] { return lookFromJson(parseJson(text), file.parent_path(), origin); });
 }
 
 Json lookToJson(const Look& look, const DVec3& origin) {
