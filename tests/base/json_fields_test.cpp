@@ -52,7 +52,7 @@ TEST(JsonFields, DocumentsAreParsedAndWritten) {
                   parseJson("{\n \"a\" 1}", "edits.json");
               }).find("edits.json: is not valid JSON (parse error at line 2, column 6"),
               std::string::npos);
-    EXPECT_EQ(test::messageOf([] { parseJson("{"); }).substr(0, 34), "is not valid JSON (parse error at l");
+    EXPECT_EQ(test::messageOf([] { parseJson("{"); }).find("is not valid JSON (parse error at line 1"), 0u);
     EXPECT_NE(test::messageOf([] { parseJson(std::string(40, '[')); }).find("deeper than 32"), std::string::npos);
     const Json notUtf8 = std::string("a\xff");
     EXPECT_NE(test::messageOf([&] { dumpJson(notUtf8); }).find("not UTF-8"), std::string::npos);

@@ -435,7 +435,8 @@ TEST_F(ShotFile, NamesTheFieldOfShotJsonThatIsBad) {
 TEST_F(ShotFile, NamesTheFileThatIsMissingOrBroken) {
     save();
     folder.write("out.relamp/shot.json", "{\"version\": 1");
-    EXPECT_NE(openError().find((target / "shot.json").string() + ": is not valid JSON (parse error at line "), std::string::npos);
+    EXPECT_NE(openError().find((target / "shot.json").string() + ": is not valid JSON (parse error at line "),
+              std::string::npos);
     fs::remove(target / "shot.json");
     EXPECT_NE(openError().find("there is no shot.json"), std::string::npos);
     fs::remove_all(target);
