@@ -2,7 +2,10 @@
 
 #include <CLI/CLI.hpp>
 
+#include <sstream>
+
 #include "capture/capture_formats.h"
+#include "print_result.h"
 
 namespace relamp::cli {
 namespace {
@@ -76,7 +79,9 @@ void addSolveOptions(CLI::App& verb, SolveArguments& solve) {
         ->check(CLI::NonNegativeNumber);
     verb.add_option("--grid-side", solve.gridSide, "Side of the visibility grid (power of two)");
     verb.add_option("--threads", solve.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
-    verb.add_option("--seed", solve.seed, "Seed of every random choice")->capture_default_str();
+    verb.add_option("--seed", solve.seed, "Seed of every random choice")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
     verb.add_flag("--find-light", solve.findLight,
                   "Look for a light that no photograph shows, by its shading and shadows");
     verb.add_flag("--everything", solve.everything, "Leave nothing out beforehand: every part of the model is fitted");
@@ -157,7 +162,9 @@ CLI::App* addRender(CLI::App& app, CommandLine& line) {
         ->capture_default_str();
     verb->add_option("--samples", line.render.samples, "Samples a pixel")->check(CLI::PositiveNumber);
     verb->add_option("--threads", line.render.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
-    verb->add_option("--seed", line.render.seed, "Seed of the sampling")->capture_default_str();
+    verb->add_option("--seed", line.render.seed, "Seed of the sampling")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
     verb->add_flag("--skip-existing", line.render.skipExisting, "Leave frames that exist");
     return verb;
 }
@@ -182,7 +189,9 @@ CLI::App* addCompare(CLI::App& app, CommandLine& line) {
         ->check(CLI::IsMember({"draft", "standard", "fine"}))
         ->capture_default_str();
     verb->add_option("--threads", line.compare.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
-    verb->add_option("--seed", line.compare.seed, "Seed of every random choice")->capture_default_str();
+    verb->add_option("--seed", line.compare.seed, "Seed of every random choice")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
 
     addCaptureOptions(*verb, line.compare.fix);
     return verb;
@@ -239,6 +248,14 @@ CLI::App* addInfo(CLI::App& app, CommandLine& line) {
     return verb;
 }
 
+/// A value that is empty comes from a variable that was not set, and means nothing that its absence does not.
+void refuseEmpty(const CLI::App& verb) {
+    for (const CLI::Option* option : verb.get_options())
+        for (const std::string& value : option->results())
+            if (value.empty() && option->get_expected_min() > 0)
+                throw CLI::ValidationError(option->get_name(), "the value is empty");
+}
+
 }  // namespace
 
 std::optional<CommandLine> parseCommandLine(int argc, char** argv, int& exitCode) {
@@ -260,8 +277,12 @@ std::optional<CommandLine> parseCommandLine(int argc, char** argv, int& exitCode
     };
     try {
         app.parse(argc, argv);
+        for (const CLI::App* verb : app.get_subcommands()) refuseEmpty(*verb);
     } catch (const CLI::ParseError& error) {
-        exitCode = app.exit(error) == 0 ? 0 : 2;
+        std::ostringstream out, wrong;
+        exitCode = app.exit(error, out, wrong) == 0 ? 0 : 2;
+        std::fputs(printable(wrong.str(), true).c_str(), stderr);
+        if (exitCode == 0) printResult(out.str());
         return std::nullopt;
     }
     for (const auto& [verb, name] : verbs)

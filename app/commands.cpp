@@ -4,8 +4,6 @@
 
 #include <unistd.h>
 
-#include <cstdio>
-
 #include "base/atomic_file.h"
 #include "base/is_there.h"
 #include "base/json_fields.h"
@@ -13,7 +11,9 @@
 #include "base/parallel.h"
 #include "capture/brackets.h"
 #include "capture/check.h"
+#include "capture/photograph_reader.h"
 #include "pipeline/shot_of.h"
+#include "print_result.h"
 #include "report/compare.h"
 #include "shot/checkpoint.h"
 #include "shot/shot_document.h"
@@ -96,8 +96,7 @@ int check(const fs::path& capture, const CaptureFix& fix, bool json, Progress& p
     LoadOptions load;
     load.fix = fix;
     const CaptureCheck result = checkCapture(loadCapture(capture, load, progress), progress);
-    if (json) std::puts(dumpJson(toJson(result), 1).c_str());
-    else std::fputs(toText(result).c_str(), stdout);
+    printResult(json ? dumpJson(toJson(result), 1) : toText(result));
     return 0;
 }
 
@@ -143,7 +142,9 @@ int solve(const SolveArguments& a, Progress& progress) {
     if (isThere(a.output) && !a.overwrite)
         throw Error("{}: exists already, add --overwrite to replace it", a.output.string());
     // Known before the calculation, not after it.
-    checkShotCanBeWritten(a.output);
+    InputFiles inputs = captureFiles(a.capture, a.fix, progress);
+    inputs.addFolder(a.merl);
+    checkShotCanBeWritten(a.output, inputs);
     const ShotLock lock = ShotLock::take(a.output);
     if (!lock.owner().empty())
         throw Error("{}: is open elsewhere ({}); close it there or choose another name", a.output.string(),
@@ -243,14 +244,14 @@ int showInfo(const fs::path& path, const CaptureFix& fix, bool json, Progress& p
     }
     if (json) {
         if (isShot) addKeysOfVersion1(result);
-        std::puts(dumpJson(result, 1).c_str());
+        printResult(dumpJson(result, 1));
         return 0;
     }
     std::string text;  // whole before any of it is shown: a broken file prints nothing
     if (!isShot) {
         text += fmt::format("capture: {} views, {} vertices, {} triangles\n", dumpJson(result["views"]),
                             dumpJson(result["vertices"]), dumpJson(result["triangles"]));
-        std::fputs(text.c_str(), stdout);
+        printResult(text);
         return 0;
     }
     text += fmt::format("shot ({}), solved in {:.1f} s\n", result["mode"].get<std::string>(),
@@ -283,7 +284,7 @@ int showInfo(const fs::path& path, const CaptureFix& fix, bool json, Progress& p
                             100 * result["stability"]["weakest_sigma"].get<double>());
     for (const auto& l : result["left_out"])
         text += fmt::format("  left out: {} ({})\n", l["what"].get<std::string>(), l["why"].get<std::string>());
-    std::fputs(text.c_str(), stdout);
+    printResult(text);
     return 0;
 }
 
@@ -339,6 +340,10 @@ int mergeHdr(const MergeArguments& a, Progress& progress) {
     const std::string ending = a.output.extension().string();
     if (ending != ".exr" && ending != ".hdr")
         throw UsageError("--output: expected a name that ends in .exr or .hdr, radiance has no place in others");
+    InputFiles files;
+    for (const fs::path& image : a.images) files.add(image);
+    files.add(a.useResponse);
+    for (const fs::path& output : {a.output, a.response, a.ghosts}) files.claim(output);
     BracketOptions options;
     options.smoothness = a.smoothness;
     options.rejectGhosts = !a.keepGhosts;

@@ -11,10 +11,13 @@ int exportShot(const ExportArguments& a, Progress& progress) {
     const ThreadLimit limit(a.threads);
     const Shot shot = openShot(a.shot, false, progress);
     const Look look = a.edits.empty() ? shot.look : readLook(a.edits, shot.capture.origin);
+    InputFiles inputs = shotFiles(shot, progress);
+    inputs.add(a.edits);
+    if (look.environment.source == EnvironmentLook::Source::file) inputs.add(look.environment.file);
     const Scene scene = buildScene(shot.capture.mesh, progress, ownAxes(shot.capture));
     const RelitScene relit = applyLook(scene, shot.estimate, look, progress);
     progress.check();
-    exportScene(shot, relit, a.output, a.overwrite);
+    exportScene(shot, relit, a.output, a.overwrite, inputs);
     logInfo("{}: {} light(s), environment, materials and {} camera(s) written", a.output.string(),
             relit.emitters.size(), shot.capture.views.size());
     return 0;

@@ -1,11 +1,10 @@
 #include "plan_command.h"
 
-#include <cstdio>
-
 #include <nlohmann/json.hpp>
 
 #include "base/json_fields.h"
 #include "base/parallel.h"
+#include "print_result.h"
 
 namespace relamp::cli {
 
@@ -26,7 +25,7 @@ int plan(const SolveArguments& a, bool json, Progress& progress) {
         document["unseen_lamp"] = found;  // the name of version 1, for scripts
         text += r.search->words + "\n";
     }
-    std::fputs((json ? dumpJson(document, 1) + "\n" : text).c_str(), stdout);
+    printResult(json ? dumpJson(document, 1) : text);
     return 0;
 }
 

@@ -29,6 +29,18 @@ LookTrack trackOf(const RenderArguments& a, const Shot& shot) {
     return track;
 }
 
+/// Throws Error where a frame would replace a file that this command reads.
+void refuseInputs(const RenderArguments& a, const Shot& shot, const LookTrack& track, const std::vector<FrameJob>& jobs,
+                  Progress& progress) {
+    InputFiles inputs = shotFiles(shot, progress);
+    inputs.add(a.edits);
+    inputs.add(a.camera);
+    LookTrack(track).apply([&](Look& look) {
+        if (look.environment.source == EnvironmentLook::Source::file) inputs.add(look.environment.file);
+    });
+    for (const FrameJob& job : jobs) inputs.refuse(job.file);
+}
+
 LookPivots pivotsOf(const Shot& shot) {
     LookPivots pivots;
     pivots.emitter = [&shot](const std::string& id) {
@@ -135,6 +147,7 @@ int render(const RenderArguments& a, Progress& progress) {
                 throw BadOption("{}: needs a photograph: --camera a view's number or all, without --size",
                                 fileOptions.ratio != Ratio::none ? "--ratio" : "--layers residual");
     } catch (const BadOption& error) { throw UsageError(error.what()); }
+    refuseInputs(a, shot, track, jobs, progress);
     fileOptions.header = {{"relamp:gauge", shot.estimate.gauge.kind + ": " + shot.estimate.gauge.evidence},
                           {"relamp:shot", shotHash(a.shot)}};
     const Scene scene = buildScene(shot.capture.mesh, progress, ownAxes(shot.capture));

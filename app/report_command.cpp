@@ -1,8 +1,7 @@
 #include "report_command.h"
 
-#include <cstdio>
-
 #include "base/parallel.h"
+#include "print_result.h"
 #include "report/solve_report.h"
 
 namespace relamp::cli {
@@ -18,7 +17,7 @@ int report(const ReportArguments& a, Progress& progress) {
                                                          : Distant::automatic;
     options.truth = a.truth;
     writeReport(a.shot, a.output, options, progress);
-    std::puts(a.output.string().c_str());
+    printResult(a.output.string());
     return 0;
 }
 

@@ -2,12 +2,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include <cstdio>
-
 #include "base/is_there.h"
 #include "base/json_fields.h"
 #include "base/parallel.h"
 #include "capture/load_capture.h"
+#include "print_result.h"
 #include "report/stress.h"
 #include "shot/shot_file.h"
 
@@ -20,7 +19,7 @@ int stress(const StressArguments& a, Progress& progress) {
     StressOptions options;
     options.only = a.only;
     const StressReport report = runStress(&capture, options, progress);
-    std::fputs((a.json ? dumpJson(stressJson(report), 1) + "\n" : stressText(report)).c_str(), stdout);
+    printResult(a.json ? dumpJson(stressJson(report), 1) : stressText(report));
     for (const StressCase& c : report.cases)
         if (!c.holds()) return 4;
     return 0;

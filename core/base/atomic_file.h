@@ -6,9 +6,18 @@
 
 namespace relamp {
 
+/// What `path` names once symbolic links at its end are followed, whether or not anything is there. Throws Error for a
+/// circle of links.
+std::filesystem::path followLinks(const std::filesystem::path& path);
+
+/// The absolute place of a folder that is or will be there: links followed, no slash at the end. Throws Error as above,
+/// and for an empty name.
+std::filesystem::path folderPlace(const std::filesystem::path& folder);
+
 /// Lets `write` fill a temporary file in the target's folder (same extension), then flushes it to disk and renames it
-/// over `target`. On any failure the target is as it was and the temporary file is gone. Throws Error naming the file;
-/// a full disk throws OutOfResources.
+/// over `target`. Links are followed: the file they lead to is replaced. On any failure the target is as it was and the
+/// temporary file is gone. Throws Error naming the file, also where something stands there that is no file; a full disk
+/// throws OutOfResources.
 void writeFileAtomically(const std::filesystem::path& target,
                          const std::function<void(const std::filesystem::path&)>& write);
 

@@ -1,5 +1,6 @@
 #include "base/json_fields.h"
 
+#include <limits>
 #include <nlohmann/json.hpp>
 
 namespace relamp {
@@ -34,14 +35,10 @@ void checkSize(const std::string& text) {
 
 }  // namespace
 
-Json parseJson(const std::string& text, const std::string& name, bool withReason) {
+Json parseJson(const std::string& text, const std::string& name) {
     const std::string where = name.empty() ? "" : name + ": ";
-    if (!withReason) {
-        Json document = Json::parse(text, nullptr, false);
-        if (document.is_discarded()) throw Error("{}is not valid JSON", where);
-        return document;
-    }
     try {
+        checkSize(text);
         return Json::parse(text);
     } catch (const Json::exception& error) {
         // The library's text begins with its own name and number in brackets.
@@ -49,12 +46,7 @@ Json parseJson(const std::string& text, const std::string& name, bool withReason
         if (const size_t end = reason.find("] "); end != std::string::npos) reason.erase(0, end + 2);
         if (reason.size() > 300) reason.resize(300);
         throw Error("{}is not valid JSON ({})", where, reason);
-    }
-}
-
-Json parseLimitedJson(const std::string& text) {
-    checkSize(text);
-    return parseJson(text, "", true);
+    } catch (const Error& error) { throw Error("{}{}", where, error.what()); }
 }
 
 std::string dumpJson(const Json& document, int indent, BadText bad) {
@@ -95,7 +87,10 @@ DVec3 pointOf(const Json& value, const std::string& where) {
         !value[2].is_number())
         throw Error("{}: expected three numbers", where);
     const DVec3 p(value[0].get<double>(), value[1].get<double>(), value[2].get<double>());
-    if (!isFinite(Vec3(p))) throw Error("{}: expected three finite numbers", where);
+    for (int c = 0; c < 3; ++c)
+        if (!std::isfinite(float(p[c])))
+            throw Error("{}[{}]: is {:g}, which is too large; expected at most {:g}", where, c, p[c],
+                        std::numeric_limits<float>::max());
     return p;
 }
 
@@ -121,6 +116,8 @@ T JsonFields::get(const char* key, const T& fallback) const {
         const double x = numberOf(*value, name(key));
         if (std::is_integral_v<T> && (x < 0 || x > 1.8e19 || (sizeof(T) < 8 && x > 2147483647.0)))
             throw Error("{}: is {:g}, which is out of range", name(key), x);
+        if (std::is_same_v<T, float> && !std::isfinite(float(x)))
+            throw Error("{}: is {:g}, which is too large", name(key), x);
         return value->get<T>();
     }
 }

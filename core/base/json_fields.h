@@ -12,12 +12,9 @@ namespace relamp {
 
 using Json = nlohmann::json;
 
-/// Throws Error "NAME: is not valid JSON", with the library's reason if asked; an empty name is left out.
-Json parseJson(const std::string& text, const std::string& name = "", bool withReason = false);
-
-/// For files from elsewhere: refuses more than 32 levels or 8 million values before the parser asks for memory, and
-/// says what is not valid.
-Json parseLimitedJson(const std::string& text);
+/// Throws Error "NAME: is not valid JSON (...)" with line, column and reason; an empty name is left out. Refuses more
+/// than 32 levels or 8 million values before the parser asks for memory.
+Json parseJson(const std::string& text, const std::string& name = "");
 
 /// What to do with text that is not UTF-8.
 enum class BadText { refuse, replace };

@@ -46,7 +46,9 @@ struct ThreadLimit::Control {
     tbb::global_control control;
 };
 ThreadLimit::ThreadLimit(int threads) {
-    if (threads > 0) control_ = std::make_unique<Control>(threads);
+    // Each costs memory whether or not there is a core for it.
+    constexpr int most = 256;
+    if (threads > 0) control_ = std::make_unique<Control>(std::min(threads, most));
 }
 ThreadLimit::~ThreadLimit() = default;
 

@@ -10,7 +10,7 @@
 
 namespace relamp {
 
-/// Limits every parallelFor that starts while it lives to `threads` (0: all cores).
+/// Limits every parallelFor that starts while it lives to `threads`, 256 at most (0: all cores).
 class ThreadLimit {
 public:
     explicit ThreadLimit(int threads);

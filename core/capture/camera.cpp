@@ -229,9 +229,10 @@ Vec3 Camera::rayDirection(const Vec2& pixel) const {
         const double factor = angle > 1e-12 ? std::sin(angle) / angle : 1.0;
         ray = DVec3(q.x * factor, q.y * factor, std::cos(angle));
     }
-    const DVec3 world =
-        DVec3(worldFromCamera[0]) * ray.x - DVec3(worldFromCamera[1]) * ray.y - DVec3(worldFromCamera[2]) * ray.z;
-    return Vec3(glm::normalize(world));
+    const DVec3 world = glm::normalize(DVec3(worldFromCamera[0]) * ray.x - DVec3(worldFromCamera[1]) * ray.y -
+                                       DVec3(worldFromCamera[2]) * ray.z);
+    // Coefficients of a lens can be such that a pixel has no direction.
+    return Vec3(std::isfinite(world.x + world.y + world.z) ? world : forward());
 }
 
 double Camera::depthOf(const DVec3& world) const { return glm::dot(forward(), world - position()); }

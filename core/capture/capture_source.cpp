@@ -35,7 +35,9 @@ CaptureSource captureSource(const fs::path& folder, const CaptureFix& fix, Progr
     for (const CaptureFormat& format : formats)
         if (format.named && !(fix.*format.named).empty()) found = {&format, placeOf(folder, fix.*format.named)};
     progress.begin(found.format->reading, 1);
-    return found.format->read(folder, found.cameras, fix, progress);
+    CaptureSource source = found.format->read(folder, found.cameras, fix, progress);
+    source.cameras = found.cameras;
+    return source;
 }
 
 }  // namespace relamp

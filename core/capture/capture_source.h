@@ -22,6 +22,7 @@ struct FrameSource {
 struct CaptureSource {
     std::string where = "transforms.json";  ///< for errors
     std::vector<FrameSource> frames;
+    std::filesystem::path cameras;  ///< the file or folder that holds them
     std::filesystem::path mesh;
     Vec3 up{0, 0, 1};
     std::vector<std::string> notes;

@@ -8,6 +8,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/is_there.h"
+#include "capture/camera_fault.h"
 #include "capture/colmap_files.h"
 
 namespace relamp {
@@ -69,17 +70,19 @@ Camera cameraFrom(LensModel model, double width, double height, const std::vecto
         if (!(side >= 1 && side <= maxSide))
             throw Error("{} is {:.0f}, expected 1 to {:.0f} pixels", name, side, maxSide);
     for (size_t i = 0; i < parameters.size(); ++i)
-        if (!std::isfinite(parameters[i]) || std::abs(parameters[i]) > 1e9)
-            throw Error("parameter {} is {}, expected a finite number", i, parameters[i]);
+        if (!(std::abs(parameters[i]) <= 1e9))
+            throw Error("parameter {} is {}, expected a finite number of at most 1e9", i, parameters[i]);
     camera.width = int(width), camera.height = int(height);
     camera.model = model;
     size_t next = 0;
     camera.focalX = parameters[next++];
     camera.focalY = hasOneFocalLength(model) ? camera.focalX : parameters[next++];
-    if (!(camera.focalX > 0 && camera.focalY > 0))
-        throw Error("the focal length is {} x {}, expected more than 0", camera.focalX, camera.focalY);
     camera.centreX = parameters[next++];
     camera.centreY = parameters[next++];
+    if (const std::string fault = faultOf(
+            camera, {"the focal length", "the focal length", "the principal point's x", "the principal point's y"});
+        !fault.empty())
+        throw Error(fault);
     for (size_t i = 0; next < parameters.size(); ++i) camera.distortion[i] = parameters[next++];
     if (model == LensModel::fov && std::abs(camera.distortion[0]) >= piD)
         throw Error("omega is {}, expected less than pi", camera.distortion[0]);
@@ -210,8 +213,8 @@ DMat4 poseFrom(const double q[4], const double t[3]) {
     if (!std::isfinite(length) || length < 1e-12)
         throw Error("qw qx qy qz are {} {} {} {}, expected a rotation", q[0], q[1], q[2], q[3]);
     for (int c = 0; c < 3; ++c)
-        if (!std::isfinite(t[c]) || std::abs(t[c]) > 1e12)
-            throw Error("t{} is {}, expected a finite number", "xyz"[c], t[c]);
+        if (!(std::abs(t[c]) <= 1e12))
+            throw Error("t{} is {}, expected a finite number of at most 1e12", "xyz"[c], t[c]);
     length = std::sqrt(length);
     const double w = q[0] / length, x = q[1] / length, y = q[2] / length, z = q[3] / length;
     // Rows of cameraFromWorld's rotation are the camera's axes in the world.

@@ -6,13 +6,20 @@ namespace relamp {
 namespace fs = std::filesystem;
 namespace {
 
+/// Whether something has this name, be it a folder, a link that leads nowhere or closed to this user: a mask that is
+/// there and cannot be read is no mask that is missing.
+bool isNamed(const fs::path& file) {
+    std::error_code failed;
+    return fs::exists(fs::symlink_status(file, failed)) || failed == std::errc::permission_denied;
+}
+
 /// Mask files that belong to an image by convention, black is ignored.
 std::vector<fs::path> masksOf(const fs::path& folder, const fs::path& image) {
     const std::string name = image.filename().string(), stem = image.stem().string();
     std::vector<fs::path> found;
     for (const fs::path& mask : {folder / "masks" / (name + ".png"), image.parent_path() / "masks" / (name + ".png"),
                                  image.parent_path() / (stem + "_mask.png")})
-        if (isFile(mask)) found.push_back(mask);
+        if (isNamed(mask)) found.push_back(mask);
     return found;
 }
 
@@ -75,6 +82,12 @@ bool wantsBrackets(const CaptureSource& source, const CaptureFix& fix) {
     return true;
 }
 
+fs::path exposureFile(const fs::path& folder, const Exposure& exposure, const CaptureFix& fix) {
+    const fs::path named = exposure.filePath;
+    if (named.is_absolute()) return named;
+    return findImage(fix.images.empty() ? folder : placeOf(folder, fix.images), exposure.filePath);
+}
+
 std::vector<Bracket> bracketsOf(const fs::path& folder, const CaptureSource& source, const CaptureFix& fix) {
     std::vector<Bracket> sets;
     ExposureReference reference;
@@ -82,10 +95,7 @@ std::vector<Bracket> bracketsOf(const fs::path& folder, const CaptureSource& sou
         Bracket set;
         for (size_t i = 0; i < frame.exposures.size(); ++i) {
             const Exposure& e = frame.exposures[i];
-            const fs::path named = e.filePath;
-            const fs::path file =
-                named.is_absolute() ? named
-                                    : findImage(fix.images.empty() ? folder : placeOf(folder, fix.images), e.filePath);
+            const fs::path file = exposureFile(folder, e, fix);
             set.push_back(withContext(fmt::format("{}: exposures entry {}", frame.where, i), [&] {
                 // What the capture says wins; EXIF is asked only where it says nothing of the time.
                 const ExposureTags tags =
@@ -126,6 +136,20 @@ View withoutPixels(const FrameSource& frame) {
 }
 
 }  // namespace
+
+InputFiles captureFiles(const fs::path& folder, const CaptureFix& fix, Progress& progress) {
+    const CaptureSource source = captureSource(folder, fix, progress);
+    InputFiles files;
+    if (isFile(source.cameras)) files.add(source.cameras);
+    else files.addFolder(source.cameras);
+    files.add(source.mesh);
+    for (const FrameSource& frame : source.frames) {
+        files.add(frame.file);
+        for (const Exposure& exposure : frame.exposures) files.add(exposureFile(folder, exposure, fix));
+        for (const fs::path& mask : masksOf(folder, frame.file)) files.add(mask);
+    }
+    return files;
+}
 
 PhotographReader::PhotographReader(const fs::path& folder, const LoadOptions& options, Progress& progress)
     : PhotographReader(captureSource(folder, options.fix, progress), folder, options, progress) {}

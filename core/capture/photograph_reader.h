@@ -1,5 +1,6 @@
 // The photographs of a capture, read one at a time: where not all of them are wanted at once.
 #pragma once
+#include "base/input_files.h"
 #include "capture/brackets.h"
 #include "capture/capture_source.h"
 #include "capture/load_capture.h"
@@ -36,5 +37,9 @@ private:
     BracketOptions bracketOptions_;
     std::vector<std::string> notes_;
 };
+
+/// Every file that a capture is read from: cameras, mesh, photographs, exposures, masks. Throws Error as loadCapture
+/// does for the files that hold the cameras. Cost: reading those.
+InputFiles captureFiles(const std::filesystem::path& folder, const CaptureFix& fix, Progress& progress);
 
 }  // namespace relamp

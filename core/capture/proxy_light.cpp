@@ -56,6 +56,10 @@ void addProxies(const std::vector<ProxyLight>& proxies, Mesh& mesh) {
                 "proxy light: centre {:g} {:g} {:g}, radius {:g}: expected within {:g} m of the mesh, whose middle is "
                 "{:g} m away; is it in metres?",
                 proxy.centre.x, proxy.centre.y, proxy.centre.z, proxy.radius, reach, away);
+        // Below, single precision knows neither the sphere's shape nor the light that it gives.
+        const float least = std::max(1e-5f * box.diagonal(), 1e-5f * maxChannel(glm::abs(centre)));
+        if (!(proxy.radius >= least))
+            throw Error("proxy light: radius {:g}: expected at least {:g} m here", proxy.radius, least);
         const uint32_t first = uint32_t(mesh.vertexCount());
         for (const Vec3& p : sphere.points) {
             mesh.positions.push_back(centre + proxy.radius * sphere.scale * p);

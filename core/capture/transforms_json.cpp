@@ -7,6 +7,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/json_fields.h"
+#include "capture/camera_fault.h"
 #include "capture/load_capture.h"
 
 namespace relamp {
@@ -137,6 +138,8 @@ void readIntrinsics(const Keys& keys, Camera& camera, const std::function<std::p
     camera.focalY = focalY.value_or(*focalX);
     camera.centreX = keys.number("cx").value_or(0.5 * camera.width);
     camera.centreY = keys.number("cy").value_or(0.5 * camera.height);
+    if (const std::string fault = faultOf(camera, {"fl_x", "fl_y", "cx", "cy"}); !fault.empty())
+        keys.fail(fault.substr(0, fault.find(' ')).c_str(), fault.substr(fault.find(' ') + 1));
 
     camera.model = readModel(keys);
     if (camera.model == LensModel::openCv)
@@ -168,8 +171,9 @@ DMat4 readMatrix(const Keys& keys, bool& rescaled) {
                 keys.fail(key,
                           fmt::format("row {} column {} is {}, expected a number", row, column, kindOf(line[column])));
             const double x = line[column].get<double>();
-            if (!std::isfinite(x) || std::abs(x) > 1e12)
-                keys.fail(key, fmt::format("row {} column {} is {}, expected a finite number", row, column, x));
+            if (!(std::abs(x) <= 1e12))
+                keys.fail(key, fmt::format("row {} column {} is {}, which is too large; expected at most 1e12", row,
+                                           column, x));
             matrix[int(column)][int(row)] = x;
         }
     }
@@ -243,7 +247,7 @@ Vec3 readUp(const json& root) {
 }  // namespace
 
 Transforms parseTransforms(const std::string& text, const ImageSize& sizeOf) {
-    const json root = parseLimitedJson(text);
+    const json root = parseJson(text);
     if (!root.is_object()) throw Error("is {}, expected an object with frames", kindOf(root));
     Transforms result;
     result.up = readUp(root);
@@ -296,7 +300,7 @@ Transforms readTransforms(const std::filesystem::path& file, const ImageSize& si
 Camera readCameraFile(const std::filesystem::path& file) {
     const std::string text = readBytes(file, maxFileBytes);
     return withContext(file.filename().string(), [&] {
-        const json root = parseLimitedJson(text);
+        const json root = parseJson(text);
         if (!root.is_object()) throw Error("is {}, expected an object with the keys of transforms.json", kindOf(root));
         const Keys keys(root, nullptr, "");
         Camera camera;

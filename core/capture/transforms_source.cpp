@@ -9,8 +9,9 @@ namespace {
 
 fs::path findMesh(const fs::path& folder, const std::string& meshPath, const std::string& file) {
     if (!meshPath.empty()) {
-        if (isFile(folder / meshPath)) return folder / meshPath;
-        throw Error("{}: mesh_path names {}, which does not exist", file, (folder / meshPath).string());
+        const fs::path mesh = folder / meshPath;
+        if (isFile(mesh)) return mesh;
+        throw Error("{}: mesh_path names {}, which {}", file, mesh.string(), whyNoFile(mesh));
     }
     for (const char* name : {"mesh.ply", "mesh.obj", "mesh.stl", "mesh.off"})
         if (isFile(folder / name)) return folder / name;
@@ -21,7 +22,7 @@ fs::path findMesh(const fs::path& folder, const std::string& meshPath, const std
 }  // namespace
 
 CaptureSource sourceFromTransforms(const fs::path& folder, const fs::path& file, const CaptureFix& fix, Progress&) {
-    if (!isFile(file)) throw Error("{}: does not exist", file.string());
+    if (!isFile(file)) throw Error("{}: {}", file.string(), whyNoFile(file));
     const std::string name = file.filename().string();
     const auto images = [&](const std::string& filePath) {
         return findImage(fix.images.empty() ? folder : placeOf(folder, fix.images), filePath);

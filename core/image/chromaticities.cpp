@@ -29,14 +29,14 @@ bool isRec709(const Chromaticities& c) {
     return true;
 }
 
-Mat3 rec709From(const Chromaticities& c) {
+std::optional<Mat3> rec709From(const Chromaticities& c) {
     for (const size_t y : {1, 3, 5, 7})
-        if (!(std::abs(c[y]) > 1e-6f)) return Mat3(1.0f);
+        if (!(std::abs(c[y]) > 1e-6f)) return std::nullopt;
     const DMat3 result = glm::inverse(xyzFromRgb(rec709Chromaticities)) *
                          adaptWhite(xyzOf(c[6], c[7]), xyzOf(rec709Chromaticities[6], rec709Chromaticities[7])) *
                          xyzFromRgb(c);
     for (int column = 0; column < 3; ++column)
-        if (!isFinite(Vec3(result[column]))) return Mat3(1.0f);
+        if (!isFinite(Vec3(result[column]))) return std::nullopt;
     return Mat3(result);
 }
 

@@ -1,6 +1,7 @@
 // Colour primaries of a file header, turned into a matrix to linear Rec.709.
 #pragma once
 #include <array>
+#include <optional>
 
 #include "base/math.h"
 
@@ -15,7 +16,7 @@ inline constexpr Chromaticities rec709Chromaticities{0.64f, 0.33f, 0.30f, 0.60f,
 bool isRec709(const Chromaticities& c);
 
 /// rec709FromFile: multiplies a linear colour with the given primaries. The white point is adapted (Bradford), so that
-/// the file's white stays (1, 1, 1). The identity when the primaries span no area.
-Mat3 rec709From(const Chromaticities& c);
+/// the file's white stays (1, 1, 1). None when the primaries are no numbers or span no area.
+std::optional<Mat3> rec709From(const Chromaticities& c);
 
 }  // namespace relamp

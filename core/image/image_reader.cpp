@@ -1,18 +1,22 @@
 // Image files are read. OpenImageIO is named here and in image_writer.cpp only.
 #include <OpenImageIO/imageio.h>
 
+#include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstring>
 #include <fstream>
 #include <mutex>
 #include <optional>
 
 #include "base/error.h"
+#include "base/is_there.h"
 #include "image/chromaticities.h"
 #include "image/dpx_header.h"
 #include "image/exr_header.h"
 #include "image/image_files.h"
 #include "image/image_io.h"
+#include "image/jpeg_end.h"
 
 namespace relamp {
 namespace fs = std::filesystem;
@@ -38,11 +42,83 @@ std::string formatByContent(const fs::path& file) {
     return "";
 }
 
+struct ChannelChoice {
+    int r = 0, g = 0, b = 0, alpha = -1;
+};
+
+/// R, G, B by name, of the image or of its first layer that has them; Y alone is grey. In files that name their
+/// channels freely (EXR) nothing else is a colour: depth read as light would be silently wrong. Elsewhere the first
+/// three; one or two channels are grey.
+std::optional<ChannelChoice> choiceOf(const OIIO::ImageSpec& spec, std::string_view format) {
+    const auto find = [&](const std::string& name) {
+        for (int c = 0; c < spec.nchannels; ++c)
+            if (lowerCase(spec.channel_name(c)) == name) return c;
+        return -1;
+    };
+    ChannelChoice choice;
+    choice.alpha = spec.alpha_channel >= 0 && spec.alpha_channel < spec.nchannels ? spec.alpha_channel : find("a");
+    const auto takeLayer = [&](const std::string& layer) {
+        const int r = find(layer + "r"), g = find(layer + "g"), b = find(layer + "b");
+        if (r < 0 || g < 0 || b < 0) return false;
+        choice.r = r, choice.g = g, choice.b = b;
+        return true;
+    };
+    if (takeLayer("")) return choice;
+    if (const int y = find("y"); y >= 0) {
+        choice.r = choice.g = choice.b = y;
+        return choice;
+    }
+    if (format == "openexr") {
+        for (int c = 0; c < spec.nchannels; ++c)
+            if (const std::string name = lowerCase(spec.channel_name(c)); name.ends_with(".r"))
+                if (takeLayer(name.substr(0, name.size() - 1))) return choice;
+        return std::nullopt;
+    }
+    std::vector<int> colours;
+    for (int c = 0; c < spec.nchannels; ++c)
+        if (c != choice.alpha) colours.push_back(c);
+    if (colours.empty()) colours.push_back(0);
+    choice.r = colours[0];
+    choice.g = colours.size() >= 3 ? colours[1] : colours[0];
+    choice.b = colours.size() >= 3 ? colours[2] : colours[0];
+    return choice;
+}
+
+/// The same; throws Error where there are none.
+ChannelChoice chooseChannels(const OIIO::ImageInput& input, const fs::path& file) {
+    const OIIO::ImageSpec& spec = input.spec();
+    const auto has = [&](const char* name) {
+        return std::any_of(spec.channelnames.begin(), spec.channelnames.end(),
+                           [&](const std::string& channel) { return lowerCase(channel) == name; });
+    };
+    if (has("ry") && has("by")) throw Error("{}: stores luminance and chroma, expected R, G, B", file.string());
+    if (const auto choice = choiceOf(spec, input.format_name())) return *choice;
+    std::string names;
+    for (size_t c = 0; c < spec.channelnames.size() && c < 8; ++c)
+        names += (c ? ", " : "") + spec.channelnames[c].substr(0, 80);
+    throw Error("{}: has the channels {}{}, expected R, G and B, or Y", file.string(), names,
+                spec.nchannels > 8 ? ", ..." : "");
+}
+
+/// The library turns a lack of memory into a text.
+void refuseMemory(const fs::path& file, const std::string& reason) {
+    if (reason.find("bad_alloc") != std::string::npos) throw OutOfResources("{}: out of memory", file.string());
+}
+
+/// Moves to the first flat part that has colours; where none has, the first part stays open.
+void seekColours(OIIO::ImageInput& input) {
+    for (int part = 0; input.seek_subimage(part, 0); ++part)
+        if (!input.spec().deep && choiceOf(input.spec(), input.format_name())) return;
+    input.geterror();  // that there is no further part
+    input.seek_subimage(0, 0);
+}
+
 std::unique_ptr<OIIO::ImageInput> openImage(const fs::path& file) {
     setUpImageLibrary();
-    std::error_code ignored;
-    if (!fs::exists(file, ignored)) throw Error("{}: does not exist", file.string());
-    if (!fs::is_regular_file(file, ignored)) throw Error("{}: is not a file", file.string());
+    if (!isFile(file)) throw Error("{}: {}", file.string(), whyNoFile(file));
+    errno = 0;
+    if (!std::ifstream(file, std::ios::binary))
+        throw Error("{}: cannot be read ({})", file.string(), std::strerror(errno));
     checkExrHeader(file);
     checkDpxHeader(file);
     OIIO::ImageSpec wanted;
@@ -61,8 +137,10 @@ std::unique_ptr<OIIO::ImageInput> openImage(const fs::path& file) {
     }
     if (!input) {
         if (reason.empty()) reason = OIIO::geterror();
+        refuseMemory(file, reason);
         throw Error("{}: is not a readable image ({})", file.string(), reason.empty() ? "unknown format" : reason);
     }
+    seekColours(*input);
     const OIIO::ImageSpec& spec = input->spec();
     if (spec.width <= 0 || spec.height <= 0 || spec.nchannels <= 0) throw Error("{}: has no pixels", file.string());
     if (spec.depth > 1) throw Error("{}: is a volume, expected a flat image", file.string());
@@ -77,40 +155,6 @@ std::unique_ptr<OIIO::ImageInput> openImage(const fs::path& file) {
 std::pair<int, int> imageSize(const OIIO::ImageSpec& spec) {
     if (spec.full_width > 0 && spec.full_height > 0) return {spec.full_width, spec.full_height};
     return {spec.width, spec.height};
-}
-
-struct ChannelChoice {
-    int r = 0, g = 0, b = 0, alpha = -1;
-};
-
-/// R, G, B by name; else the first three; one or two channels are grey.
-ChannelChoice chooseChannels(const OIIO::ImageSpec& spec, const fs::path& file) {
-    const auto find = [&](const char* name) {
-        for (int c = 0; c < spec.nchannels; ++c)
-            if (lowerCase(spec.channel_name(c)) == name) return c;
-        return -1;
-    };
-    ChannelChoice choice;
-    choice.alpha = spec.alpha_channel >= 0 && spec.alpha_channel < spec.nchannels ? spec.alpha_channel : find("a");
-    if (find("ry") >= 0 && find("by") >= 0)
-        throw Error("{}: stores luminance and chroma, expected R, G, B", file.string());
-    const int r = find("r"), g = find("g"), b = find("b");
-    if (r >= 0 && g >= 0 && b >= 0) {
-        choice.r = r, choice.g = g, choice.b = b;
-        return choice;
-    }
-    if (const int y = find("y"); y >= 0) {
-        choice.r = choice.g = choice.b = y;
-        return choice;
-    }
-    std::vector<int> colours;
-    for (int c = 0; c < spec.nchannels; ++c)
-        if (c != choice.alpha) colours.push_back(c);
-    if (colours.empty()) colours.push_back(0);
-    choice.r = colours[0];
-    choice.g = colours.size() >= 3 ? colours[1] : colours[0];
-    choice.b = colours.size() >= 3 ? colours[2] : colours[0];
-    return choice;
 }
 
 enum class Curve { linear, srgb, gamma, cineonLog };
@@ -150,7 +194,7 @@ float decode(const Transfer& transfer, float value) {
 }
 
 /// Matrix to Rec.709 from the header's primaries; nothing when they are Rec.709 or not given.
-std::optional<Mat3> primariesMatrix(const OIIO::ImageSpec& spec) {
+std::optional<Mat3> primariesMatrix(const OIIO::ImageSpec& spec, const fs::path& file) {
     const auto* attribute = spec.find_attribute("chromaticities");
     if (!attribute) return std::nullopt;
     const OIIO::TypeDesc type = attribute->type();
@@ -158,27 +202,35 @@ std::optional<Mat3> primariesMatrix(const OIIO::ImageSpec& spec) {
     Chromaticities c;
     std::memcpy(c.data(), attribute->data(), sizeof c);
     if (isRec709(c)) return std::nullopt;
-    return rec709From(c);
+    const std::optional<Mat3> matrix = rec709From(c);
+    if (!matrix) throw Error("{}: the header's chromaticities are no colour space", file.string());
+    return matrix;
 }
 
-/// Reads channels [first, end) in bands from top to bottom, and gives each to part(row, count, samples); a band is a
+/// Reads channels [first, end) in bands from top to bottom, and gives each to take(row, count, samples); a band is a
 /// whole number of the blocks that files are packed in.
-template <class Sample, class Part>
+template <class Sample, class Take>
 void readBands(OIIO::ImageInput& input, const fs::path& file, int first, int end, OIIO::TypeDesc type,
-               const std::function<void()>& between, Part&& part) {
+               const std::function<void()>& between, Take&& take) {
     const OIIO::ImageSpec spec = input.spec();
+    const int part = input.current_subimage();
     const bool tiled = spec.tile_width > 0 && spec.tile_height > 0;
     const int band = tiled ? spec.tile_height : 256;
     std::vector<Sample> samples(size_t(std::min(band, spec.height)) * size_t(spec.width) * size_t(end - first));
     for (int y = 0; y < spec.height; y += band) {
         if (between) between();
         const int count = std::min(band, spec.height - y), top = spec.y + y;
-        const bool good = tiled
-                              ? input.read_tiles(0, 0, spec.x, spec.x + spec.width, top, top + count, spec.z,
-                                                 spec.z + 1, first, end, type, samples.data())
-                              : input.read_scanlines(0, 0, top, top + count, spec.z, first, end, type, samples.data());
-        if (!good) throw Error("{}: cannot be read to its end ({})", file.string(), input.geterror());
-        part(y, count, samples);
+        const bool good =
+            tiled ? input.read_tiles(part, 0, spec.x, spec.x + spec.width, top, top + count, spec.z, spec.z + 1, first,
+                                     end, type, samples.data())
+                  : input.read_scanlines(part, 0, top, top + count, spec.z, first, end, type, samples.data());
+        // Truncated TIFF strips are filled and called good, but leave an error behind.
+        if (!good || input.has_error()) {
+            const std::string reason = input.geterror();
+            refuseMemory(file, reason);
+            throw Error("{}: cannot be read to its end ({})", file.string(), reason);
+        }
+        take(y, count, samples);
     }
 }
 
@@ -241,6 +293,7 @@ std::pair<int, int> readImageSize(const fs::path& file) { return imageSize(openI
 
 CodeImage readCodes(const fs::path& file, size_t maxPixels, const std::function<void()>& between) {
     auto input = openImage(file);
+    checkJpegEnd(file);
     const OIIO::ImageSpec spec = input->spec();
     if (const size_t pixels = size_t(spec.width) * spec.height; pixels > maxPixels)
         throw Error("{}: has {} pixels, expected at most {}", file.string(), pixels, maxPixels);
@@ -249,7 +302,7 @@ CodeImage readCodes(const fs::path& file, size_t maxPixels, const std::function<
     CodeImage image;
     image.width = spec.width, image.height = spec.height;
     image.linear = transferOf(spec, true).curve == Curve::linear;
-    const ChannelChoice choice = chooseChannels(spec, file);
+    const ChannelChoice choice = chooseChannels(*input, file);
     const int chosen[] = {choice.r, choice.g, choice.b};
     const OIIO::TypeDesc word(OIIO::TypeDesc::UINT16);
     image.codes.resize(size_t(spec.width) * spec.height * 3);
@@ -281,13 +334,14 @@ ExposureTags readExposureTags(const fs::path& file) {
 Image readImage(const fs::path& file, ImageReport* report, bool dataFile, size_t maxPixels,
                 const std::function<void()>& between) {
     auto input = openImage(file);
+    checkJpegEnd(file);
     const OIIO::ImageSpec spec = input->spec();
     const std::pair<int, int> whole = imageSize(spec);
     const int width = whole.first, height = whole.second;
     for (const size_t pixels : {size_t(width) * height, size_t(spec.width) * spec.height})
         if (pixels > maxPixels) throw Error("{}: has {} pixels, expected at most {}", file.string(), pixels, maxPixels);
 
-    const ChannelChoice choice = chooseChannels(spec, file);
+    const ChannelChoice choice = chooseChannels(*input, file);
     int first = std::min({choice.r, choice.g, choice.b}), last = std::max({choice.r, choice.g, choice.b});
     if (choice.alpha >= 0) first = std::min(first, choice.alpha), last = std::max(last, choice.alpha);
     if (last - first >= 8)
@@ -300,7 +354,7 @@ Image readImage(const fs::path& file, ImageReport* report, bool dataFile, size_t
                     spec.format.basetype != OIIO::TypeDesc::DOUBLE;
     const Transfer transfer = dataFile ? Transfer{} : transferOf(spec, found.integer);
     found.clipLevel = found.integer ? decode(transfer, 1.0f) : 0.0f;
-    const auto matrix = dataFile ? std::nullopt : primariesMatrix(spec);
+    const auto matrix = dataFile ? std::nullopt : primariesMatrix(spec, file);
     // 8-bit curves are looked up because most photographs are 8-bit.
     std::vector<float> table;
     if (transfer.curve != Curve::linear && spec.format.basetype == OIIO::TypeDesc::UINT8)

@@ -31,8 +31,37 @@ uint64_t fingerprintOf(const Capture& capture, const PipelineOptions& options) {
            (options.meshTriangles ? mixBits(uint64_t(*options.meshTriangles)) : 0);
 }
 
+namespace {
+
+/// Throws Error that says why, when no photograph has a pixel that counts.
+void refuseWithoutPixels(const Capture& capture) {
+    size_t all = 0, nan = 0, infinite = 0, negative = 0, transparent = 0;
+    for (const View& view : capture.views) {
+        if (view.image.usable.empty() ||
+            std::find(view.image.usable.begin(), view.image.usable.end(), 1) != view.image.usable.end())
+            return;
+        all += view.image.usable.size();
+        nan += view.imageReport.nan;
+        infinite += view.imageReport.infinite;
+        negative += view.imageReport.negative;
+        transparent += view.imageReport.transparent;
+    }
+    const size_t masked = all - std::min(all, nan + infinite + negative + transparent);
+    std::string reasons;
+    for (const auto& [count, what] :
+         {std::pair{nan, "are not a number"}, std::pair{infinite, "are infinite"}, std::pair{negative, "are negative"},
+          std::pair{transparent, "are transparent"}, std::pair{masked, "are black in a mask"}})
+        if (count)
+            reasons +=
+                fmt::format("{}{:.0f} % {}", reasons.empty() ? "" : ", ", 100.0 * double(count) / double(all), what);
+    throw Error("every pixel of every photograph is left out: {}", reasons);
+}
+
+}  // namespace
+
 Prepared prepare(const Capture& capture, const PipelineOptions& options, StageMeter& meter, Progress& progress,
                  std::shared_ptr<const Scene> scene, std::shared_ptr<const RadianceSamples> samples) {
+    refuseWithoutPixels(capture);
     Prepared p;
     meter.begin(Stage::scene);
     p.working = workingMesh(capture, options.meshTriangles, progress);

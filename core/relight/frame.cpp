@@ -36,8 +36,8 @@ public:
           origin_(camera.position()),
           shader_(lights, options) {}
 
-    /// Renders pixel (x, y).
-    void render(int x, int y) {
+    /// Renders pixel (x, y). Stops within 64 samples.
+    void render(int x, int y, const Progress& progress) {
         const uint64_t seed = mixBits(options_.seed * 0x9e37 + size_t(y) * size_t(camera_.width) + size_t(x));
         const float fraction = 1 / float(options_.samplesPerPixel);
         emitterSeen = false;
@@ -47,6 +47,7 @@ public:
         gather.byEmitter.assign(relit_.emitters.size(), Rgb(0));
         std::fill(hits.begin(), hits.end(), 0);
         for (int i = 0; i < options_.samplesPerPixel; ++i) {
+            if (i % 64 == 0) progress.check();
             const Vec2 inside = r2Point(uint32_t(i), randomShift(seed, 0, 0));
             const Vec3 d = camera_.rayDirection(Vec2(float(x), float(y)) + inside);
             const Hit hit = relit_.scene.cameraTracer->closest({origin_, d, 0, 1e30f});
@@ -113,10 +114,9 @@ Frame FrameRenderer::rows(int first, int count, Progress& progress) const {
         PixelRenderer pixel(*lights_, camera, options_);
         for (size_t y = begin; y < end; ++y)
             for (int x = 0; x < frame.width; ++x) {
-                if (x % 64 == 0) progress.check();
                 const size_t p = y * size_t(frame.width) + size_t(x);
                 const int row = first + int(y);
-                pixel.render(x, row);
+                pixel.render(x, row, progress);
                 frame.alpha[p] = pixel.alpha;
                 frame.albedo[p] = pixel.albedo;
                 const Hit centre = relit.scene.cameraTracer->closest(
@@ -141,8 +141,7 @@ std::vector<Rgb> FrameRenderer::pixels(const Camera& camera, const std::vector<P
     parallelBlocks(at.size(), 256, [&](size_t begin, size_t end) {
         PixelRenderer pixel(*lights_, camera, options_);
         for (size_t i = begin; i < end; ++i) {
-            if (i % 64 == 0) progress.check();
-            pixel.render(at[i].x, at[i].y);
+            pixel.render(at[i].x, at[i].y, progress);
             beauty[i] = pixel.beauty;
         }
     });

@@ -13,7 +13,7 @@ namespace {
 double wideNumberOf(const Json& value, const std::string& where) {
     if (!value.is_number()) throw Error("{}: expected a number", where);
     const double x = value.get<double>();
-    if (!std::isfinite(x) || std::abs(x) > 1e30) throw Error("{}: is {}, expected a finite number", where, x);
+    if (!(std::abs(x) <= 1e30)) throw Error("{}: is {}, which is too large; expected at most 1e30", where, x);
     return x;
 }
 
@@ -210,8 +210,8 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
 }
 
 Look readLook(const std::filesystem::path& file, const DVec3& origin) {
-    return withContext(file.string(),
-                       [&] { return lookFromJson(parseJson(readBytes(file, 64 << 20)), file.parent_path(), origin); });
+    const std::string text = readBytes(file, 64 << 20);
+    return withContext(file.string(), [&] { return lookFromJson(parseJson(text), file.parent_path(), origin); });
 }
 
 Json lookToJson(const Look& look, const DVec3& origin) {

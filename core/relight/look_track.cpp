@@ -163,8 +163,9 @@ void LookTrack::apply(const std::function<void(Look&)>& change) {
 }
 
 LookTrack readLookTrack(const std::filesystem::path& file, const DVec3& origin) {
+    const std::string text = readBytes(file, 64 << 20);
     return withContext(file.string(), [&] {
-        Json document = parseJson(readBytes(file, 64 << 20));
+        Json document = parseJson(text);
         if (!document.is_object() || !document.contains("keys"))
             return LookTrack(lookFromJson(document, file.parent_path(), origin));
         const Json keys = document["keys"];

@@ -3,6 +3,7 @@
 #include "base/atomic_file.h"
 #include "base/log.h"
 #include "base/parallel.h"
+#include "capture/photograph_reader.h"
 #include "pipeline/shot_of.h"
 #include "report/comparison.h"
 
@@ -10,6 +11,11 @@ namespace relamp {
 
 std::filesystem::path writeComparison(const std::filesystem::path& captureFolder, const std::filesystem::path& folder,
                                       const CompareOptions& options, Progress& progress) {
+    const InputFiles inputs = captureFiles(captureFolder, options.fix, progress);
+    const std::filesystem::path page = folder / "index.html";
+    inputs.refuse(page);
+    for (const char* mode : {"near-field", "distant-only"})
+        checkShotCanBeWritten(folder / (std::string(mode) + ".relamp"), inputs);
     std::error_code failed;
     std::filesystem::create_directories(folder, failed);
     if (failed) throw Error("{}: cannot be made ({})", folder.string(), failed.message());
@@ -43,7 +49,6 @@ std::filesystem::path writeComparison(const std::filesystem::path& captureFolder
     comparison.triangles = result.scene->mesh.triangles.size();
     drawComparison(result.capture, *result.scene, options.maxViews, comparison, progress);
 
-    std::filesystem::path page = folder / "index.html";
     writeBytesAtomically(page, comparisonPage(comparison));
     for (const ComparedMode& mode : comparison.modes)
         logInfo("{}: photographs reproduced at {:.1f} dB", mode.name, mode.psnr);

@@ -99,6 +99,13 @@ void writeReport(const fs::path& folder, const fs::path& page, const ReportOptio
     SolveReport report;
     report.shot = fs::absolute(folder / ".").lexically_normal().parent_path().filename().string();
     Shot shot = openShot(folder, false, progress);
+    const fs::path stem = page.parent_path() / page.stem();
+    InputFiles inputs = shotFiles(shot, progress);
+    if (!options.truth.empty()) inputs.addFolder(options.truth);
+    inputs.refuse(page);
+    for (const char* ending :
+         {"-timeline.csv", "-views.csv", "-error.svg", "-spectrum.svg", "-truth.csv", "-truth.svg"})
+        inputs.refuse(stem.string() + ending);
     try {
         shot.capture = openShot(folder, true, progress).capture;
     } catch (const Error& error) {
@@ -130,7 +137,6 @@ void writeReport(const fs::path& folder, const fs::path& page, const ReportOptio
     if (report.truth && report.truth->meanPsnr > 0 && report.noViewsBecause.empty())
         report.truthOverTime = followTruth(shot, scene, options, progress);
 
-    const fs::path stem = page.parent_path() / page.stem();
     const auto write = [&](const char* ending, const std::string& text) {
         if (!text.empty()) writeBytesAtomically(stem.string() + ending, text);
     };

@@ -36,7 +36,7 @@ struct MeshReport {
     size_t nanVertices = 0;              ///< not finite: their faces are dropped
     size_t badIndexFaces = 0;            ///< faces naming a vertex that does not exist: dropped
     size_t degenerateFaces = 0;          ///< zero area or repeated corner: dropped
-    size_t duplicateFaces = 0;           ///< same three corners: dropped
+    size_t duplicateFaces = 0;           ///< same corners, or same place and turn: one stays
     size_t polygons = 0;                 ///< faces of more than three corners, cut into fans
     size_t unreferencedVertices = 0;
     size_t nonManifoldEdges = 0;  ///< edges of three or more faces: kept, counted

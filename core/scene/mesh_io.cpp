@@ -16,6 +16,8 @@ namespace relamp {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr size_t mostBytes = size_t(1) << 36;
+
 std::string lowerExtension(const fs::path& file) {
     std::string extension = file.extension().string();
     for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
@@ -74,17 +76,10 @@ TriangleSoup readSoup(const fs::path& file, std::string_view bytes, const MeshLi
     throw Error("is no mesh relamp reads, expected PLY, OBJ, STL, OFF or OM");
 }
 
-std::string readMeshBytes(const fs::path& file) {
-    std::error_code ignored;
-    if (!fs::exists(file, ignored)) throw Error("{}: does not exist", file.string());
-    if (!fs::is_regular_file(file, ignored)) throw Error("{}: is not a file", file.string());
-    return readBytes(file, size_t(1) << 36);
-}
-
 }  // namespace
 
 Mesh readMesh(const fs::path& file, MeshReport* report, const MeshLimits& limits) {
-    const std::string bytes = readMeshBytes(file);
+    const std::string bytes = readBytes(file, mostBytes);
     return withContext(file.string(), [&] {
         MeshReport found;
         Mesh mesh = repairSoup(readSoup(file, bytes, limits), report != nullptr, found);
@@ -133,7 +128,7 @@ void writeVertexPly(const fs::path& file, const Mesh& mesh, const std::vector<Ve
 }
 
 std::vector<VertexProperty> readVertexPly(const fs::path& file) {
-    const std::string bytes = readMeshBytes(file);
+    const std::string bytes = readBytes(file, mostBytes);
     return withContext(file.string(), [&] {
         const PlyHeader header = readPlyHeader(bytes);
         PlyCursor cursor(bytes, header);

@@ -26,23 +26,6 @@ bool isDegenerate(const std::vector<Vec3>& positions, const Triangle& t) {
     return !(glm::length(glm::cross(da, db)) > 1e-9 * longest);
 }
 
-size_t dropDuplicates(std::vector<Triangle>& triangles) {
-    std::vector<Triangle> keys(triangles);
-    for (Triangle& key : keys) std::sort(key.begin(), key.end());
-    std::vector<uint32_t> order(triangles.size());
-    std::iota(order.begin(), order.end(), 0u);
-    std::sort(order.begin(), order.end(),
-              [&](uint32_t a, uint32_t b) { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; });
-    std::vector<uint8_t> drop(triangles.size(), 0);
-    for (size_t i = 1; i < order.size(); ++i) drop[order[i]] = keys[order[i]] == keys[order[i - 1]];
-    size_t kept = 0;
-    for (size_t i = 0; i < triangles.size(); ++i)
-        if (!drop[i]) triangles[kept++] = triangles[i];
-    const size_t dropped = triangles.size() - kept;
-    triangles.resize(kept);
-    return dropped;
-}
-
 /// For each vertex the first one at the same position, so that seams of normals or texture are no holes.
 std::vector<uint32_t> weldedVertices(const std::vector<Vec3>& positions) {
     std::vector<uint32_t> order(positions.size()), first(positions.size());
@@ -57,8 +40,51 @@ std::vector<uint32_t> weldedVertices(const std::vector<Vec3>& positions) {
     return first;
 }
 
-void countEdges(const Mesh& mesh, MeshReport& report) {
-    const std::vector<uint32_t> welded = weldedVertices(mesh.positions);
+/// Triangles with the same corners, or at the same place and turned the same way: one stays. A hundred thousand of them
+/// in one place would cost each ray a hundred thousand tests. Two sheets that lie back to back both stay.
+size_t dropDuplicates(std::vector<Triangle>& triangles, const std::vector<uint32_t>& welded) {
+    struct Key {
+        Triangle place, corners;
+        bool odd = false;  ///< turned against the order of the places
+    };
+    std::vector<Key> keys(triangles.size());
+    for (size_t i = 0; i < keys.size(); ++i) {
+        Key& key = keys[i];
+        key.corners = triangles[i];
+        std::sort(key.corners.begin(), key.corners.end());
+        for (size_t k = 0; k < 3; ++k) key.place[k] = welded[triangles[i][k]];
+        const auto order = [&](size_t a, size_t b) {
+            if (key.place[a] <= key.place[b]) return;
+            std::swap(key.place[a], key.place[b]);
+            key.odd = !key.odd;
+        };
+        order(0, 1), order(1, 2), order(0, 1);
+    }
+    std::vector<uint32_t> order(triangles.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+        return keys[a].place != keys[b].place ? keys[a].place < keys[b].place : a < b;
+    });
+    std::vector<uint8_t> drop(triangles.size(), 0);
+    for (size_t i = 0; i < order.size();) {
+        const Key& first = keys[order[i]];
+        bool back = false;
+        for (++i; i < order.size() && keys[order[i]].place == first.place; ++i) {
+            const Key& key = keys[order[i]];
+            const bool keep = !back && key.odd != first.odd && key.corners != first.corners;
+            back |= keep;
+            drop[order[i]] = !keep;
+        }
+    }
+    size_t kept = 0;
+    for (size_t i = 0; i < triangles.size(); ++i)
+        if (!drop[i]) triangles[kept++] = triangles[i];
+    const size_t dropped = triangles.size() - kept;
+    triangles.resize(kept);
+    return dropped;
+}
+
+void countEdges(const Mesh& mesh, const std::vector<uint32_t>& welded, MeshReport& report) {
     std::vector<uint64_t> edges;
     edges.reserve(mesh.triangles.size() * 3);
     for (const Triangle& t : mesh.triangles)
@@ -152,7 +178,8 @@ Mesh repairSoup(TriangleSoup&& soup, bool recentre, MeshReport& report) {
         else if (isDegenerate(mesh.positions, t)) ++report.degenerateFaces;
         else mesh.triangles.push_back(t);
     }
-    report.duplicateFaces = dropDuplicates(mesh.triangles);
+    const std::vector<uint32_t> welded = weldedVertices(mesh.positions);
+    report.duplicateFaces = dropDuplicates(mesh.triangles, welded);
     if (mesh.triangles.empty()) {
         if (facesInFile == 0)
             throw Error("holds {} vertices and no faces, expected a surface of triangles", mesh.vertexCount());
@@ -166,7 +193,7 @@ Mesh repairSoup(TriangleSoup&& soup, bool recentre, MeshReport& report) {
         for (const uint32_t v : t) referenced[v] = 1;
     for (const uint8_t r : referenced) report.unreferencedVertices += !r;
     setNormals(mesh, std::move(soup.normals), referenced, report);
-    countEdges(mesh, report);
+    countEdges(mesh, welded, report);
     report.vertices = mesh.vertexCount();
     report.triangles = mesh.triangles.size();
     return mesh;

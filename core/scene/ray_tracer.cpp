@@ -20,11 +20,19 @@ struct RayTracer::Embree {
     }
 };
 
+namespace {
+
+[[noreturn]] void refuse(RTCError error) {
+    if (error == RTC_ERROR_OUT_OF_MEMORY) throw OutOfResources("the ray tracer ran out of memory");
+    throw Error("the ray tracer could not be started (Embree error {})", int(error));
+}
+
+}  // namespace
+
 RayTracer::RayTracer(const Mesh& mesh, float diagonal, For rays) : embree_(std::make_unique<Embree>()) {
     Embree& e = *embree_;
     e.device = rtcNewDevice("start_threads=0,set_affinity=0");
-    if (!e.device)
-        throw Error("the ray tracer could not be started (Embree error {})", int(rtcGetDeviceError(nullptr)));
+    if (!e.device) refuse(rtcGetDeviceError(nullptr));
     e.scene = rtcNewScene(e.device);
     rtcSetSceneFlags(e.scene, RTC_SCENE_FLAG_ROBUST);
     RTCGeometry geometry = rtcNewGeometry(e.device, RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -32,7 +40,10 @@ RayTracer::RayTracer(const Mesh& mesh, float diagonal, For rays) : embree_(std::
         geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, std::max<size_t>(mesh.vertexCount(), 1)));
     auto* indices = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                                                    12, std::max<size_t>(mesh.triangles.size(), 1)));
-    if (!positions || !indices) throw OutOfResources("the ray tracer ran out of memory");
+    if (!positions || !indices) {
+        rtcReleaseGeometry(geometry);
+        refuse(RTC_ERROR_OUT_OF_MEMORY);
+    }
     Box box;
     for (size_t v = 0; v < mesh.vertexCount(); ++v) {
         const Vec3 p = mesh.positions[v];
@@ -51,6 +62,7 @@ RayTracer::RayTracer(const Mesh& mesh, float diagonal, For rays) : embree_(std::
     rtcAttachGeometry(e.scene, geometry);
     rtcReleaseGeometry(geometry);
     rtcCommitScene(e.scene);
+    if (const RTCError error = rtcGetDeviceError(e.device); error != RTC_ERROR_NONE) refuse(error);
     if (!mesh.triangles.empty()) {
         const float size = diagonal > 0 ? diagonal : box.diagonal();
         const float reach = std::max(maxChannel(glm::abs(box.min)), maxChannel(glm::abs(box.max)));

@@ -137,7 +137,7 @@ CameraFile readCameraPath(const Capture& capture, const std::filesystem::path& f
     nlohmann::json document;
     if (std::error_code ignored; std::filesystem::is_regular_file(file, ignored)) {
         const std::string text = readBytes(file, size_t(64) << 20);
-        withContext(file.string(), [&] { document = parseLimitedJson(text); });
+        withContext(file.string(), [&] { document = parseJson(text); });
     }
     if (document.is_object() && document.contains("frames")) {
         result.sequence = true;

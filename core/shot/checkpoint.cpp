@@ -59,8 +59,7 @@ uint64_t hashOf(const std::string& bytes) {
 }  // namespace
 
 fs::path checkpointFile(const fs::path& shot) {
-    fs::path target = fs::absolute(shot).lexically_normal();
-    if (!target.has_filename()) target = target.parent_path();
+    const fs::path target = folderPlace(shot);
     return target.parent_path() / fmt::format(".{}.checkpoint", target.filename().string());
 }
 

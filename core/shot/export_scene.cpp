@@ -176,11 +176,15 @@ std::string transformsOf(const Capture& capture, const fs::path& folder, const s
     return dumpJson({{"mesh_path", meshFile}, {"up", "z"}, {"frames", frames}}, 1) + "\n";
 }
 
-void exportScene(const Shot& shot, const RelitScene& relit, const fs::path& folder, bool overwrite) {
+void exportScene(const Shot& shot, const RelitScene& relit, const fs::path& folder, bool overwrite,
+                 const InputFiles& inputs) {
     std::error_code failed;
     if (fs::exists(folder, failed) &&
         (!fs::is_directory(folder, failed) || (!overwrite && !fs::is_empty(folder, failed))))
         throw Error("{}: exists already, add --overwrite to write into it", folder.string());
+    for (const char* name : {"environment.exr", "materials.ply", "transforms.json", "lights.usda", "lights.bin",
+                             "lights.gltf", "lights.json"})
+        inputs.refuse(folder / name);
     fs::create_directories(folder, failed);
     if (failed) throw Error("{}: cannot be made ({})", folder.string(), failed.message());
     const ExportedScene scene = exportedScene(relit, shot.capture);

@@ -57,6 +57,7 @@ std::string transformsOf(const Capture& capture, const std::filesystem::path& fo
 /// Writes lights.json, lights.usda, lights.gltf with lights.bin, environment.exr (float, 1024 x 512), materials.ply
 /// (all vertices: albedo, weights of every lobe, emitter) and transforms.json into `folder`, each whole or not at all.
 /// Throws Error when the folder holds something already and `overwrite` is false; OutOfResources when the disk is full.
-void exportScene(const Shot& shot, const RelitScene& relit, const std::filesystem::path& folder, bool overwrite);
+void exportScene(const Shot& shot, const RelitScene& relit, const std::filesystem::path& folder, bool overwrite,
+                 const InputFiles& inputs = {});
 
 }  // namespace relamp

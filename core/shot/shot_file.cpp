@@ -15,6 +15,7 @@
 #include "base/log.h"
 #include "brdf/layered_albedo.h"
 #include "capture/load_capture.h"
+#include "capture/photograph_reader.h"
 #include "image/environment_map.h"
 #include "image/image_io.h"
 #include "scene/mesh_io.h"
@@ -148,16 +149,26 @@ void moveUnknownFiles(const fs::path& old, const fs::path& target) {
 
 }  // namespace
 
+namespace {
+
+/// Throws Error when a folder is there that saveShot may not replace.
+void refuseForeign(const fs::path& target, const fs::path& named) {
+    std::error_code failed;
+    if (!fs::exists(target, failed)) return;
+    if (!fs::is_directory(target, failed) ||
+        (!fs::exists(target / "shot.json", failed) && !fs::is_empty(target, failed)))
+        throw Error("{}: is not a shot, so it is not overwritten", named.string());
+}
+
+}  // namespace
+
 void saveShot(const Shot& shot, const Mesh& mesh, const fs::path& folder, bool overwrite) {
     std::error_code failed;
-    fs::path target = fs::absolute(folder).lexically_normal();
-    if (!target.has_filename()) target = target.parent_path();  // a slash at the end
+    const fs::path target = folderPlace(folder);
     mendShot(target);
     const bool exists = fs::exists(target, failed);
     if (exists && !overwrite) throw Error("{}: exists already, add --overwrite to replace it", folder.string());
-    if (exists && (!fs::is_directory(target, failed) ||
-                   (!fs::exists(target / "shot.json", failed) && !fs::is_empty(target, failed))))
-        throw Error("{}: is not a shot, so it is not overwritten", folder.string());
+    refuseForeign(target, folder);
     const fs::path fresh = target.parent_path() / fmt::format(".{}.{}", target.filename().string(), ::getpid());
     fs::create_directories(fresh, failed);
     if (failed) throw Error("{}: cannot be made ({})", folder.string(), failed.message());
@@ -185,10 +196,11 @@ void saveShot(const Shot& shot, const Mesh& mesh, const fs::path& folder, bool o
     moveUnknownFiles(fresh, target);  // `fresh` is now the old shot
 }
 
-void checkShotCanBeWritten(const fs::path& folder) {
+void checkShotCanBeWritten(const fs::path& folder, const InputFiles& inputs) {
     std::error_code failed;
-    fs::path place = fs::absolute(folder).lexically_normal();
-    if (!place.has_filename()) place = place.parent_path();
+    fs::path place = folderPlace(folder);
+    refuseForeign(place, folder);
+    for (const std::string& part : shotParts()) inputs.refuse(place / part);
     do place = place.parent_path();
     while (!fs::exists(place, failed) && place.has_relative_path());
     if (::access(place.c_str(), W_OK | X_OK) != 0)
@@ -334,6 +346,15 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress) {
 }
 
 }  // namespace
+
+InputFiles shotFiles(const Shot& shot, Progress& progress) {
+    InputFiles files = captureFiles(shot.captureFolder, shot.fix, progress);
+    for (const std::string& part : shotParts()) files.add(shot.folder / part);
+    files.addFolder(shot.folder / "cache");
+    for (const Lobe& lobe : shot.estimate.reflectance.basis.lobes)
+        if (lobe.measured) files.add(lobe.measured->file);
+    return files;
+}
 
 Shot openShot(const fs::path& folder, bool withImages, Progress& progress) {
     mendShot(folder);

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 
+#include "base/input_files.h"
 #include "base/progress.h"
 #include "capture/capture.h"
 #include "capture/orientation.h"
@@ -39,12 +40,17 @@ nlohmann::json shotInfo(const Shot& shot);
 
 /// Writes shot.json, environment.exr (float, 1024 x 512), reflectance.ply into a new folder beside the target and
 /// exchanges the two, so that the old shot stays whole until the new one is. Unknown keys of an existing shot.json are
-/// kept. Throws Error when the folder exists and `overwrite` is false; OutOfResources when the disk is full. A process
+/// kept. A link to a shot stays a link: the shot it leads to is replaced. Throws Error when the folder exists and
+/// `overwrite` is false; OutOfResources when the disk is full. A process
 /// killed in the middle leaves a hidden folder beside the shot, which the next saveShot or openShot clears away.
 void saveShot(const Shot& shot, const Mesh& mesh, const std::filesystem::path& folder, bool overwrite);
 
-/// Throws Error when saveShot would find no place there that this user may write: asked before a long calculation.
-void checkShotCanBeWritten(const std::filesystem::path& folder);
+/// Throws Error when saveShot would find no place there that this user may write, or something that is no shot, or a
+/// file of `inputs` to replace: asked before a long calculation.
+void checkShotCanBeWritten(const std::filesystem::path& folder, const InputFiles& inputs = {});
+
+/// Every file that an opened shot was read from, its capture's too. Throws Error as openShot does.
+InputFiles shotFiles(const Shot& shot, Progress& progress);
 
 /// Opens a shot, after setting right what a killed save left beside it. Throws Error naming file and field.
 Shot openShot(const std::filesystem::path& folder, bool withImages, Progress& progress);

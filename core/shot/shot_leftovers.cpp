@@ -10,6 +10,8 @@
 #include <optional>
 #include <vector>
 
+#include "base/atomic_file.h"
+#include "base/error.h"
 #include "base/log.h"
 
 namespace relamp {
@@ -82,14 +84,21 @@ bool takeBack(const fs::path& from, const fs::path& shot) {
 }  // namespace
 
 bool isPartOfShot(const std::string& name) {
-    return name == "shot.json" || name == "environment.exr" || name == "environment_sigma.exr" ||
-           name == "reflectance.ply" || name == "cache";
+    return name == "cache" || std::find(shotParts().begin(), shotParts().end(), name) != shotParts().end();
+}
+
+const std::vector<std::string>& shotParts() {
+    static const std::vector<std::string> parts{"shot.json", "environment.exr", "environment_sigma.exr",
+                                                "reflectance.ply"};
+    return parts;
 }
 
 void mendShot(const fs::path& given) {
     std::error_code failed;
-    fs::path shot = fs::absolute(given, failed).lexically_normal();
-    if (!shot.has_filename()) shot = shot.parent_path();
+    fs::path shot;
+    try {
+        shot = folderPlace(given);
+    } catch (const Error&) { return; }
     std::vector<Leftover> leftovers;
     std::vector<fs::path> unfinished;
     for (fs::directory_iterator entry(shot.parent_path(), failed), end; !failed && entry != end;

@@ -1,6 +1,8 @@
 // What a process that was killed while it saved a shot leaves beside it, and how it is set right.
 #pragma once
 #include <filesystem>
+#include <string>
+#include <vector>
 
 namespace relamp {
 
@@ -14,6 +16,9 @@ void mendShot(const std::filesystem::path& shot);
 
 /// Whether relamp wrote the entry of this name in a shot's folder.
 bool isPartOfShot(const std::string& name);
+
+/// The files that relamp writes into a shot's folder, beside `cache`.
+const std::vector<std::string>& shotParts();
 
 /// Keeps a folder from being taken for a leftover, while it lives.
 class FolderHold {

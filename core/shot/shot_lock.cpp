@@ -12,6 +12,9 @@
 #include <ctime>
 #include <utility>
 
+#include "base/atomic_file.h"
+#include "base/error.h"
+
 namespace relamp {
 namespace {
 namespace fs = std::filesystem;
@@ -61,11 +64,10 @@ ShotLock& ShotLock::operator=(ShotLock&& other) noexcept {
 
 ShotLock ShotLock::take(const fs::path& shot) {
     ShotLock lock;
-    std::error_code failed;
-    fs::path place = fs::absolute(shot, failed).lexically_normal();
-    if (!place.has_filename()) place = place.parent_path();
-    // By another way to the same folder it is the same lock.
-    if (const fs::path real = fs::weakly_canonical(place, failed); !failed) place = real;
+    fs::path place;
+    try {
+        place = folderPlace(shot);  // by another way to the same folder it is the same lock
+    } catch (const Error&) { return lock; }
     const fs::path file = place.parent_path() / ("." + place.filename().string() + ".lock");
     // The file may be removed by its last owner between our opening and locking it: then once more.
     for (int attempt = 0; attempt < 100; ++attempt) {

@@ -1,4 +1,5 @@
 // What the document of shot.json says of a shot. Version 2 only: older documents are upgraded first.
+#include "base/atomic_file.h"
 #include "base/error.h"
 #include "capture/load_capture.h"
 #include "pipeline/reproduction.h"
@@ -43,7 +44,7 @@ std::shared_ptr<const MeasuredGloss> measuredOf(const JsonFields& lobe, const fs
     if (named.empty()) throw Error("{}: is missing", lobe.name("file"));
     std::error_code failed;
     const fs::path copy = folder / "merl" / named.filename(),
-                   file = fs::exists(copy, failed) ? copy : (fs::absolute(folder) / named).lexically_normal();
+                   file = fs::exists(copy, failed) ? copy : (folderPlace(folder) / named).lexically_normal();
     if (!fs::exists(file, failed))
         throw Error(
             "{}: {} is not there; the shot was solved with this measured reflectance, put the file there or into the "
@@ -191,7 +192,7 @@ StabilityReport stabilityOf(const JsonFields& object) {
 void readShotDocument(const Json& json, const fs::path& folder, Shot& shot, std::vector<DVec3>& centroids) {
     const JsonFields document(json);
     Estimate& e = shot.estimate;
-    shot.captureFolder = (fs::absolute(folder) / document.get<std::string>("capture")).lexically_normal();
+    shot.captureFolder = (folderPlace(folder) / document.get<std::string>("capture")).lexically_normal();
     e.mode = text(document, "mode", "near-field");
     shot.quality = text(document, "quality", "standard");
     shot.seed = document.get("seed", uint64_t(1));

@@ -214,9 +214,9 @@ TEST_F(Colmap, WrongTextNamesFileEntryAndField) {
     EXPECT_EQ(with("cameras.txt", "7 PINHOLE 16 12 10 10 8 6 1\n"),
               "cameras.txt: camera 7: has more than the 4 parameters of PINHOLE");
     EXPECT_EQ(with("cameras.txt", "7 PINHOLE 16 12 10 nan 8 6\n"),
-              "cameras.txt: camera 7: parameter 1 is nan, expected a finite number");
+              "cameras.txt: camera 7: parameter 1 is nan, expected a finite number of at most 1e9");
     EXPECT_EQ(with("cameras.txt", "7 PINHOLE 16 12 10 -3 8 6\n"),
-              "cameras.txt: camera 7: the focal length is 10 x -3, expected more than 0");
+              "cameras.txt: camera 7: the focal length is -3, expected 0.001 to 1e+09 pixels");
     EXPECT_EQ(with("cameras.txt", "7 PINHOLE 0 12 10 10 8 6\n"),
               "cameras.txt: camera 7: width is 0, expected 1 to 131072 pixels");
     EXPECT_EQ(with("cameras.txt", "-7 PINHOLE 16 12 10 10 8 6\n"),
@@ -226,7 +226,7 @@ TEST_F(Colmap, WrongTextNamesFileEntryAndField) {
     EXPECT_EQ(with("images.txt", "40 0 0 0 0 0 0 2 7 a.png\n\n"),
               "images.txt: image 40: qw qx qy qz are 0 0 0 0, expected a rotation");
     EXPECT_EQ(with("images.txt", "40 1 0 0 0 0 inf 2 7 a.png\n\n"),
-              "images.txt: image 40: ty is inf, expected a finite number");
+              "images.txt: image 40: ty is inf, expected a finite number of at most 1e12");
     EXPECT_EQ(with("images.txt", "40 1 0 0 0 0 0 2 8 a.png\n\n"),
               "images.txt: image 40: camera_id is 8, which the cameras file does not hold");
     EXPECT_EQ(with("images.txt", "40 1 0 0 0 0 0 2 7\n\n"), "images.txt: image 40: name is empty");

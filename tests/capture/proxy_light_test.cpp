@@ -34,8 +34,8 @@ TEST(ProxyLight, FarOutsideTheMeshIsRefusedAndTheMeshStaysAsItIs) {
     mesh.positions = {Vec3(0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
     mesh.normals.assign(3, Vec3(0, 0, 1));
     mesh.triangles = {{0, 1, 2}};
-    for (const ProxyLight& bad :
-         {ProxyLight{Vec3(1e30f, 0, 0), 1}, ProxyLight{Vec3(0, 0, 1), 1e9f}, ProxyLight{Vec3(0, 3000, 0), 1}}) {
+    for (const ProxyLight& bad : {ProxyLight{Vec3(1e30f, 0, 0), 1}, ProxyLight{Vec3(0, 0, 1), 1e9f},
+                                  ProxyLight{Vec3(0, 3000, 0), 1}, ProxyLight{Vec3(0, 0, 1), 1e-20f}}) {
         EXPECT_THROW(addProxies({bad}, mesh), Error);
         EXPECT_EQ(mesh.positions.size(), 3u);
     }

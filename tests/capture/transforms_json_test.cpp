@@ -202,7 +202,7 @@ TEST(TransformsJson, MatricesThatAreNoPoseAreRefused) {
     EXPECT_EQ(withMatrix({{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 1, 1}}),
               "frame 1: transform_matrix has a last row other than 0 0 0 1");
     EXPECT_EQ(withMatrix({{1e200, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}),
-              "frame 1: transform_matrix row 0 column 0 is 1e+200, expected a finite number");
+              "frame 1: transform_matrix row 0 column 0 is 1e+200, which is too large; expected at most 1e12");
     EXPECT_EQ(withMatrix("identity"), "frame 1: transform_matrix is no 4 x 4 matrix (rows of numbers)");
 }
 

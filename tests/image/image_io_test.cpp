@@ -133,11 +133,89 @@ TEST(ImageIo, GreyIsSpreadOverThreeChannelsAndLayersArePassedOver) {
     EXPECT_EQ(readImage(folder / "layers.exr").at(0, 0), Rgb(1, 2, 3));
 }
 
+TEST(ImageIo, WhatHasNoColoursIsRefusedAndTheirPartIsFound) {
+    test::TemporaryFolder folder;
+    const auto error = [&](const std::vector<const char*>& names) {
+        std::vector<Channel> channels;
+        for (const char* name : names) channels.push_back({name, true, {0.5f, 2}});
+        writeChannels(folder / "a.exr", 2, 1, channels);
+        return test::messageOf([&] { readImage(folder / "a.exr"); });
+    };
+    EXPECT_NE(error({"Z"}).find("a.exr: has the channels Z, expected R, G and B, or Y"), std::string::npos);
+    EXPECT_NE(error({"R", "G"}).find("has the channels R, G"), std::string::npos);
+    EXPECT_NE(error({"u", "v", "w"}).find("has the channels u, v, w"), std::string::npos);
+    EXPECT_EQ(error({"diffuse.B", "diffuse.G", "diffuse.R"}), "");
+    const auto part = [](const char* name, const std::vector<const char*>& channels) {
+        ChannelPart p{name, {}};
+        for (const char* channel : channels) p.channels.push_back({channel, false});
+        return p;
+    };
+    writeChannelRows(folder / "parts.exr", 2, 2, 2, {part("depth", {"Z"}), part("beauty", {"R", "G", "B"})},
+                     [](int, int count, const std::vector<float*>& out) {
+                         for (size_t c = 0; c < out.size(); ++c) std::fill_n(out[c], 2 * count, float(c));
+                     });
+    EXPECT_EQ(readImage(folder / "parts.exr").at(1, 1), Rgb(1, 2, 3));
+}
+
+TEST(ImageIo, PrimariesThatAreNoColourSpaceAreRefused) {
+    test::TemporaryFolder folder;
+    writeImage(folder / "a.exr", ramp(4, 4));
+    std::string bytes = test::TemporaryFolder::read(folder / "a.exr");
+    const std::string key = std::string("chromaticities") + '\0' + "chromaticities" + '\0';
+    const size_t at = bytes.find(key);
+    ASSERT_NE(at, std::string::npos);
+    const float bad = std::numeric_limits<float>::quiet_NaN();
+    std::memcpy(&bytes[at + key.size() + 4], &bad, sizeof bad);
+    folder.write("a.exr", bytes);
+    EXPECT_NE(test::messageOf([&] { readImage(folder / "a.exr"); }).find("a.exr: the header's chromaticities"),
+              std::string::npos);
+}
+
+TEST(ImageIo, AJpegThatWasCutOffIsRefused) {
+    test::TemporaryFolder folder;
+    writeImage(folder / "a.jpg", ramp(200, 150));
+    const std::string bytes = test::TemporaryFolder::read(folder / "a.jpg");
+    for (const double kept : {0.1, 0.5, 0.9, 0.999}) {
+        folder.write("cut.jpg", bytes.substr(0, size_t(double(bytes.size()) * kept)));
+        EXPECT_NE(test::messageOf([&] { readImage(folder / "cut.jpg"); }).find("cut.jpg: "), std::string::npos) << kept;
+        EXPECT_NE(test::messageOf([&] { readCodes(folder / "cut.jpg"); }).find("cut.jpg: "), std::string::npos) << kept;
+    }
+    // Cameras put previews and films behind the end.
+    folder.write("more.jpg", bytes + std::string(1000, '\xff') + "film");
+    EXPECT_EQ(test::messageOf([&] { readImage(folder / "more.jpg"); }), "");
+}
+
+TEST(ImageIo, ATiffThatWasCutOffIsRefused) {
+    // 16 x 64 grey pixels in two strips behind the directory.
+    std::string bytes("II*\0\x08\0\0\0", 8);
+    const auto put = [&](uint32_t value, size_t size) {
+        for (size_t i = 0; i < size; ++i) bytes += char(value >> (8 * i) & 255);
+    };
+    const std::vector<std::array<uint32_t, 4>> entries{{256, 3, 1, 16}, {257, 3, 1, 64}, {258, 3, 1, 8},
+                                                       {259, 3, 1, 1},  {262, 3, 1, 1},  {273, 4, 2, 126},
+                                                       {277, 3, 1, 1},  {278, 3, 1, 32}, {279, 4, 2, 134}};
+    put(uint32_t(entries.size()), 2);
+    for (const auto& [tag, type, count, value] : entries) put(tag, 2), put(type, 2), put(count, 4), put(value, 4);
+    put(0, 4);
+    ASSERT_LE(bytes.size(), 126u);
+    bytes.resize(126);
+    for (const uint32_t value : {142u, 142u + 512u, 512u, 512u}) put(value, 4);
+    bytes += std::string(1024, 'x');
+    test::TemporaryFolder folder;
+    EXPECT_EQ(test::messageOf([&] { readImage(folder.write("a.tif", bytes)); }), "");
+    for (const size_t cut : {1u, 300u, 700u}) {
+        folder.write("a.tif", bytes.substr(0, bytes.size() - cut));
+        EXPECT_NE(test::messageOf([&] { readImage(folder / "a.tif"); }).find("a.tif: cannot be read to its end"),
+                  std::string::npos)
+            << cut;
+    }
+}
+
 TEST(ImageIo, UnreadableFilesAreNamed) {
     test::TemporaryFolder folder;
     const auto error = [&](const std::filesystem::path& file) { return test::messageOf([&] { readImage(file); }); };
     EXPECT_EQ(error(folder / "none.exr"), (folder / "none.exr").string() + ": does not exist");
-    EXPECT_EQ(error(folder.path()), folder.path().string() + ": is not a file");
+    EXPECT_EQ(error(folder.path()), folder.path().string() + ": is a folder, expected a file");
     EXPECT_NE(error(folder.write("text.exr", "no image")).find("text.exr: is not a readable image"), std::string::npos);
     EXPECT_NE(error(folder.write("empty.png", "")).find("empty.png: is not a readable image"), std::string::npos);
     EXPECT_THROW(readImageSize(folder / "text.exr"), Error);
@@ -248,13 +326,16 @@ TEST(ImageIo, SameImageGivesSameBytes) {
 TEST(Chromaticities, WhiteStaysWhiteAndAcesRedIsOutsideRec709) {
     EXPECT_TRUE(isRec709(rec709Chromaticities));
     const Chromaticities ap0{0.7347f, 0.2653f, 0.0f, 1.0f, 0.0001f, -0.077f, 0.32168f, 0.33767f};
-    const Mat3 matrix = rec709From(ap0);
+    const Mat3 matrix = rec709From(ap0).value();
     EXPECT_LT(glm::distance(matrix * Vec3(1), Vec3(1)), 1e-3f);
     // The published ACES2065-1 to linear sRGB matrix (Bradford).
     EXPECT_NEAR(matrix[0].x, 2.52169f, 2e-3);
     EXPECT_NEAR(matrix[1].x, -1.13413f, 2e-3);
     EXPECT_NEAR(matrix[2].z, 1.16835f, 2e-3);
-    EXPECT_EQ(rec709From(Chromaticities{}), Mat3(1.0f));
+    EXPECT_FALSE(rec709From(Chromaticities{}));
+    Chromaticities bad = ap0;
+    bad[2] = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_FALSE(rec709From(bad));
 }
 
 }  // namespace

@@ -212,7 +212,9 @@ TEST(Look, NamesTheBadFieldOfPartsAndCopies) {
 TEST(Look, FilesAreNamedInErrors) {
     const test::TemporaryFolder folder;
     const auto file = folder.write("edits.json", "{\"version\": 1,");
-    EXPECT_EQ(test::messageOf([&] { readLook(file); }), file.string() + ": is not valid JSON");
+    EXPECT_NE(
+        test::messageOf([&] { readLook(file); }).find(file.string() + ": is not valid JSON (parse error at line "),
+        std::string::npos);
     folder.write("edits.json", R"({"emitters": [{"id": 3}]})");
     EXPECT_EQ(test::messageOf([&] { readLook(file); }), file.string() + ": emitters[0].id: expected a text");
     EXPECT_NE(test::messageOf([&] { readLook(folder / "absent.json"); }).find("absent.json"), std::string::npos);

@@ -221,6 +221,22 @@ TEST(MeshIo, FacesWithoutAreaAndRepeatedFacesAreDroppedAndCounted) {
     EXPECT_EQ(report.badIndexFaces, 1u);
 }
 
+TEST(MeshIo, OfFacesInOnePlaceThatAreTurnedAlikeOneStays) {
+    // Three copies turned one way, two the other, each with corners of its own, and a face beside them.
+    std::string points, faces;
+    for (int copy = 0; copy < 5; ++copy) {
+        points += "0 0 0\n1 0 0\n0 1 0\n";
+        faces += copy % 2 ? fmt::format("3 {} {} {}\n", 3 * copy, 3 * copy + 2, 3 * copy + 1)
+                          : fmt::format("3 {} {} {}\n", 3 * copy + 1, 3 * copy + 2, 3 * copy);
+    }
+    MeshReport report;
+    const Mesh mesh = fromAscii("18", "6", points + "0 0 1\n1 0 1\n0 1 1\n" + faces + "3 15 16 17\n", &report);
+    ASSERT_EQ(mesh.triangles.size(), 3u);
+    EXPECT_EQ(report.duplicateFaces, 3u);
+    EXPECT_GT(glm::dot(mesh.faceNormal(0), Vec3(0, 0, 1)), 0.9f);
+    EXPECT_LT(glm::dot(mesh.faceNormal(1), Vec3(0, 0, 1)), -0.9f);
+}
+
 TEST(MeshIo, FacesThatNameNoVertexAreDroppedAndCounted) {
     MeshReport report;
     const Mesh mesh =

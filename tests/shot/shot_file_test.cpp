@@ -392,7 +392,7 @@ TEST_F(ShotFile, NamesTheFieldOfShotJsonThatIsBad) {
         {"/emitters/0/radiance", "", "emitters[0].radiance: is missing"},
         {"/emitters/0/radiance", "[1, 2]", "emitters[0].radiance: expected three numbers"},
         {"/emitters/0/radiance", "[1, -2, 3]", "emitters[0].radiance[1]: is -2"},
-        {"/emitters/0/radiance", "[1, 1e300, 3]", "emitters[0].radiance: expected three finite numbers"},
+        {"/emitters/0/radiance", "[1, 1e300, 3]", "emitters[0].radiance[1]: is 1e+300, which is too large"},
         {"/emitters/0/centroid", "\"here\"", "emitters[0].centroid: expected three numbers"},
         {"/emitters/0/normal", "[null, 1, 2]", "emitters[0].normal: expected three numbers"},
         {"/emitters/0/area_m2", "[]", "emitters[0].area_m2: expected a number"},
@@ -435,7 +435,8 @@ TEST_F(ShotFile, NamesTheFieldOfShotJsonThatIsBad) {
 TEST_F(ShotFile, NamesTheFileThatIsMissingOrBroken) {
     save();
     folder.write("out.relamp/shot.json", "{\"version\": 1");
-    EXPECT_EQ(openError(), (target / "shot.json").string() + ": is not valid JSON");
+    EXPECT_NE(openError().find((target / "shot.json").string() + ": is not valid JSON (parse error at line "),
+              std::string::npos);
     fs::remove(target / "shot.json");
     EXPECT_NE(openError().find("there is no shot.json"), std::string::npos);
     fs::remove_all(target);
