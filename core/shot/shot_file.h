@@ -8,6 +8,7 @@
 #include "capture/orientation.h"
 #include "relight/look.h"
 #include "scene/scene.h"
+#include "shot/shot_places.h"
 #include "solve/estimate.h"
 
 namespace relamp {
@@ -46,7 +47,8 @@ void saveShot(const Shot& shot, const Mesh& mesh, const std::filesystem::path& f
 /// Throws Error when saveShot would find no place there that this user may write: asked before a long calculation.
 void checkShotCanBeWritten(const std::filesystem::path& folder);
 
-/// Opens a shot, after setting right what a killed save left beside it. Throws Error naming file and field.
-Shot openShot(const std::filesystem::path& folder, bool withImages, Progress& progress);
+/// Opens a shot, after setting right what a killed save left beside it. `places` says where things are that are not
+/// where shot.json says. Throws Error naming file and field.
+Shot openShot(const std::filesystem::path& folder, bool withImages, Progress& progress, const ShotPlaces& places = {});
 
 }  // namespace relamp
