@@ -28,6 +28,7 @@ TemperatureTint splitColour(const Rgb& colour) {
     }
     TemperatureTint parts;
     parts.kelvin = 0.5f * (low + high);
+    if (std::abs(parts.kelvin - whiteKelvin) < 3) parts.kelvin = whiteKelvin;
     const Rgb ratio = c / glm::max(kelvinTint(parts.kelvin), Rgb(leastChannel));
     parts.tint = std::clamp(std::log2(ratio.y / std::sqrt(ratio.x * ratio.z)), -mostTint, mostTint);
     if (std::abs(parts.tint) < 5e-4f) parts.tint = 0;
