@@ -135,10 +135,8 @@ std::string nowWords(const Editor& editor) {
     const EditorState& state = editor.state;
     if (state.messages != told) told = state.messages, since = ImGui::GetTime();
     if (!state.keyHints.empty()) return state.keyHints;
-    if (ImGui::GetTime() - since < 6 && !state.message.empty()) {
-        stayAwake();
-        return shown(state.message);
-    }
+    // At rest nothing is drawn, so the message then stays until something else happens.
+    if (ImGui::GetTime() - since < 6 && !state.message.empty()) return shown(state.message);
     if (state.panels.hidden) return "Tab brings the panels back";
     if (state.selection.emitters.size() == 1) return shown(editor.namesOf(state.selection.emitters));
     if (!state.selection.emitters.empty()) return fmt::format("{} lights selected", state.selection.emitters.size());
@@ -192,7 +190,6 @@ void drawStatusBar(Editor& editor) {
         // The buttons may have ended the job.
         if (editor.job()) {
             bar(job->whole.value_or(-1), progressColour, job->whole ? percent(*job->whole) : "", barWidth);
-            if (!job->whole) stayAwake();
             tooltip(fmt::format("{}: {} of the whole.\nNow: {}, {} of this step. {} so far.", job->title,
                                 job->whole ? percent(*job->whole) : "some", job->stage, percent(job->fraction),
                                 duration(job->seconds)));
