@@ -49,6 +49,8 @@ public:
         if (queue_.empty()) return;
         const KeyPress key = queue_.front();
         queue_.pop_front();
+        // As they were when the key went down: by now they may be up again.
+        input().control = key.control, input().shift = key.shift, input().alt = key.alt;
         if (!gui.popupOpen() && !dialogOpen(editor) && !editor.inGesture() && key.key &&
             runKey(editor, {key.key, key.control, key.shift, key.alt}))
             return;
@@ -62,7 +64,7 @@ private:
 
 /// How long the loop may sleep: as long as it can while nothing happens.
 double patience(const Editor& editor, const Window& window, const Gui& gui, const KeyQueue& keys, int extraFrames) {
-    if (extraFrames > 0 || keys.waiting() || window.keysWaiting()) return 0;
+    if (extraFrames > 0 || keys.waiting() || window.keysWaiting() || window.buttonsWaiting()) return 0;
     if (editor.inGesture() || panelsBusy()) return 1.0 / 60;
     if (editor.busy()) return 0.1;          // stages and times; images wake the window themselves
     if (gui.typing()) return 0.5;           // the caret blinks
@@ -124,9 +126,10 @@ bool runWindow(Editor& editor, const ApplicationOptions& options, fs::path& open
             window.setTitle(wanted);
             title = wanted;
         }
+        window.setFullScreen(editor.state.fullScreen);
         if (window.minimised()) continue;
         if (!event && extraFrames == 0 && !editor.busy() && !editor.inGesture() && !panelsBusy() && !keys.waiting() &&
-            !gui.typing())
+            !window.buttonsWaiting() && !gui.typing())
             continue;
 
         const Vec2 size = window.size(), pixels = window.framebufferSize();

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <ctime>
+#include <map>
 #include <utility>
 
 #include "base/is_there.h"
+#include "base/local_time.h"
 #include "base/log.h"
 #include "editor_impl.h"
 #include "interrupted.h"
@@ -50,6 +52,7 @@ Editor::Impl::Impl(Editor& editor, EditorOptions editorOptions)
       options(std::move(editorOptions)),
       relight(options.wake, deviceFor(options.gpu), options.gpu == EditorOptions::Gpu::on),
       relightDistant(options.wake, deviceFor(options.gpu), options.gpu == EditorOptions::Gpu::on),
+      relightBefore(options.wake),
       autosave(options.stateFolder) {}
 
 Editor::Editor(EditorOptions options) : impl_(std::make_unique<Impl>(*this, std::move(options))) {
@@ -123,6 +126,7 @@ const std::vector<EmitterState>& Editor::emitters() const {
     if (impl_->emittersRevision != history().revision() || impl_->emittersOfEstimate != shown) {
         impl_->emitters = shown && state.document.scene ? emittersOf(*state.document.scene, *shown, look())
                                                         : std::vector<EmitterState>{};
+        nameForPeople(impl_->emitters, look());
         impl_->emittersRevision = history().revision();
         impl_->emittersOfEstimate = shown;
     }
@@ -135,6 +139,35 @@ const EmitterState* Editor::emitter(const std::string& id) const {
     return nullptr;
 }
 
+std::string shownName(const std::string& id) {
+    const size_t dash = id.rfind('-');
+    if (dash == std::string::npos || dash == 0) return id;
+    const std::string stem = id.substr(0, dash), number = id.substr(dash + 1);
+    if (number.empty() || number.find_first_not_of("0123456789") != std::string::npos) return id;
+    if (stem == "emitter") return "Light " + number;
+    std::string name = stem == "part" ? "Object light" : stem;
+    if (name[0] >= 'a' && name[0] <= 'z') name[0] = char(name[0] - 'a' + 'A');
+    return name + " " + number;
+}
+
+void nameForPeople(std::vector<EmitterState>& emitters, const Look& look) {
+    const auto fresh = [](EmitterState& e) { return e.name == e.id; };
+    for (EmitterState& e : emitters)
+        if (fresh(e)) e.name = shownName(e.id);
+    // Copies are called after what they were made from.
+    std::map<std::string, int> copies;
+    for (EmitterState& e : emitters) {
+        if (e.recovered || size_t(e.index) >= look.added.size()) continue;
+        const AddedEmitter& added = look.added[size_t(e.index)];
+        if (!added.name.empty() || added.source.empty()) continue;
+        const auto source = std::find_if(emitters.begin(), emitters.end(),
+                                         [&](const EmitterState& other) { return other.id == added.source; });
+        if (source == emitters.end()) continue;
+        const int n = ++copies[added.source];
+        e.name = source->name + " copy" + (n > 1 ? fmt::format(" {}", n) : std::string());
+    }
+}
+
 std::string Editor::namesOf(const std::vector<std::string>& ids) const {
     if (ids.size() != 1) return fmt::format("{} lights", ids.size());
     const EmitterState* known = emitter(ids[0]);
@@ -143,10 +176,30 @@ std::string Editor::namesOf(const std::vector<std::string>& ids) const {
 
 // ---- the image
 
+// ---- snapshots of the look
+
+void Editor::storeSnapshot(size_t which) {
+    if (!estimate() || which >= state.snapshots.size()) return;
+    state.snapshots[which] = LookSnapshot{look(), localTime().substr(11, 5)};
+    impl_->snapshotsUnsaved = true;
+    say(fmt::format("The present look is snapshot {}", char('A' + which)));
+}
+
+void Editor::recallSnapshot(size_t which) {
+    if (!estimate() || which >= state.snapshots.size() || !state.snapshots[which]) return;
+    const size_t before = history().index();
+    edit(fmt::format("Snapshot {}", char('A' + which)), [&](Look& look) { look = state.snapshots[which]->look; });
+    if (history().index() == before) say(fmt::format("The present look is snapshot {} already", char('A' + which)));
+    std::erase_if(state.selection.emitters, [&](const std::string& id) { return !emitter(id); });
+}
+
 std::shared_ptr<const LiveFrame> Editor::liveFrame() const { return impl_->relight.frame(); }
 std::shared_ptr<const LiveFrame> Editor::distantOnlyFrame() const { return impl_->relightDistant.frame(); }
+std::shared_ptr<const LiveFrame> Editor::beforeFrame() const { return impl_->relightBefore.frame(); }
 std::shared_ptr<const Frame> Editor::restFrame() const { return impl_->relight.restFrame(); }
-bool Editor::refining() const { return impl_->relight.working() || impl_->relightDistant.working(); }
+bool Editor::refining() const {
+    return impl_->relight.working() || impl_->relightDistant.working() || impl_->relightBefore.working();
+}
 
 void Editor::setEye(const Camera& eye, bool orthographic) {
     impl_->eye = eye;
@@ -204,12 +257,29 @@ void Editor::Impl::pollImage() {
     } else if (!distantOnly) {
         relightDistant.clear();
     }
+    RelightRequest before;
+    if (estimate && self.state.document.scene && infoOf(self.state.viewport.mode).shows(Paint::before)) {
+        before.scene = self.state.document.scene;
+        before.estimate = estimate;
+        const int with = self.state.viewport.compareWith;
+        if (with >= 0 && size_t(with) < self.state.snapshots.size() && self.state.snapshots[size_t(with)])
+            before.look = lookThatFits(self.state.snapshots[size_t(with)]->look, *estimate,
+                                       self.state.document.scene->mesh.vertexCount());
+        before.eye = eye;
+        before.orthographic = orthographic;
+        before.cacheFolder = options.cacheFolder;
+        relightBefore.request(std::move(before));
+    } else if (!estimate) {
+        relightBefore.clear();
+    }
     if (self.state.selection.point)
         if (std::optional<PointLight> light = relight.takePointLight(pickSerial))
             self.state.pointLight = std::move(light);
-    for (const std::string& error : {relight.takeError(), relightDistant.takeError()})
-        if (!error.empty())
+    for (const std::string& error : {relight.takeError(), relightDistant.takeError(), relightBefore.takeError()})
+        if (!error.empty()) {
             self.fail("The edit could not be shown", error, "The edit stays; undo it with Ctrl+Z or change it.");
+            if (!self.state.notices.empty()) self.state.notices.back().ofAnEdit = true;
+        }
 }
 
 // ---- once a frame
@@ -231,6 +301,12 @@ void Editor::poll() {
 }
 
 void Editor::log(LogLevel level, const std::string& text) { logLine(level, text); }
+
+void Editor::say(const std::string& text) {
+    state.message = text;
+    ++state.messages;
+    logLine(LogLevel::info, text);
+}
 
 void Editor::fail(const std::string& title, const std::string& text, const std::string& advice) {
     logLine(LogLevel::warning, title + ": " + text);

@@ -36,18 +36,24 @@ public:
     /// A capture folder, a transforms.json, a shot folder, or an environment image (then the look's environment).
     /// Asks first when edits are unsaved.
     void open(const std::filesystem::path& path);
+    /// Reads the image in the background; it becomes the look's environment, one edit, once it has been read.
+    void openEnvironment(const std::filesystem::path& file);
     void openNow(const std::filesystem::path& path);
     /// Reads the open capture again with its axes set right. What was estimated before does not hold any more and goes.
     void fixCapture(const CaptureFix& fix);
     /// Saves to the shot's folder; asks for a place when it has none.
     void save();
     void saveAs(const std::filesystem::path& folder);
+    /// Beside the shot under the next free number: NAME.relamp, NAME-002.relamp, ...
+    void saveVersion();
     void requestQuit();
     bool quitting() const;
-    /// Answers to state.unsaved, state.recovery and state.locked.
+    /// Answers to state.unsaved, state.recovery, state.locked and state.missing.
     void answerUnsaved(bool saveFirst, bool proceed);
     void answerRecovery(bool restore);
     void answerLocked(LockedAnswer answer);
+    /// `place`: where it is, when it was located.
+    void answerMissing(MissingAnswer answer, const std::filesystem::path& place = {});
     bool unsavedChanges() const;
 
     // ---- the look
@@ -67,7 +73,12 @@ public:
     void redo();
     void goTo(size_t entry);
     const History& history() const;
-    /// Emitters as the look has them; empty before a solve. Cached until the look changes.
+    /// Keeps the present look as snapshot 0 to 2.
+    void storeSnapshot(size_t which);
+    /// Goes back to it: one edit. Nothing happens where there is none.
+    void recallSnapshot(size_t which);
+    /// Emitters as the look has them, with the names they are shown by; empty before a solve. Cached until the look
+    /// changes.
     const std::vector<EmitterState>& emitters() const;
     const EmitterState* emitter(const std::string& id) const;
     /// What the artist calls it, else its id; of several: "3 lights".
@@ -93,6 +104,8 @@ public:
     std::shared_ptr<const LiveFrame> liveFrame() const;
     /// The same for the distant-only estimate (modes correction and wipe); null when it was not solved.
     std::shared_ptr<const LiveFrame> distantOnlyFrame() const;
+    /// The look that is compared with (mode before and after): as recovered, or a snapshot.
+    std::shared_ptr<const LiveFrame> beforeFrame() const;
     /// A per-pixel image from the present eye, rendered at rest; null while something moves.
     std::shared_ptr<const Frame> restFrame() const;
     /// The viewport tells where it is seen from, and how large it is; cheap when nothing changed.
@@ -110,6 +123,8 @@ public:
     /// Something is going on that the window should show without waiting for input.
     bool busy() const;
     void log(LogLevel level, const std::string& text);
+    /// A word about what was done, in the status bar and the log.
+    void say(const std::string& text);
     void fail(const std::string& title, const std::string& text, const std::string& advice = {});
 
 private:

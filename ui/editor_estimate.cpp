@@ -83,6 +83,9 @@ void Editor::Impl::solve(const SolveRequest& request, bool goOn) {
     solveIsNearField = request.nearField;
     solveBudget = request.budgetSeconds;
     planHeardAt.reset();
+    shownOnce = self.estimate() != nullptr;
+    self.state.panels.bottomFolded = false;
+    self.state.panels.bottomTab = 0;
     {
         std::lock_guard lock(solveMutex);
         newEntries.clear();
@@ -175,15 +178,20 @@ void Editor::Impl::takeEstimate(const SolveRequest& request, std::shared_ptr<con
     history.push(label, std::move(version));
     dropThumbnails("env:recovered");
     std::erase_if(self.state.selection.emitters, [&](const std::string& id) { return !self.emitter(id); });
+    self.state.panels.bottomFolded = true;
     if (request.nearField) {
-        if (self.state.viewport.mode == ViewMode::photograph) self.state.viewport.mode = ViewMode::relit;
+        if (!std::exchange(shownOnce, true) && self.state.viewport.mode == ViewMode::photograph)
+            self.state.viewport.mode = ViewMode::relit;
         saveUnsavedEstimate();
     }
 }
 
 std::optional<double> Editor::Impl::solveSecondsLeft() const {
     if (!planHeardAt) return {};
-    const double left = secondsLeft(self.state.plan, status->seconds - *planHeardAt);
+    double left = secondsLeft(self.state.plan, status->seconds - *planHeardAt);
+    // The stage that runs has a say of its own: what is left of it is never nothing before it is over.
+    if (status->fraction > 0.05 && status->fraction < 1)
+        left = std::max(left, (status->seconds - stageSince) * (1 - status->fraction) / status->fraction);
     return solveBudget > 0 ? std::min(left, std::max(0.0, solveBudget - status->seconds)) : left;
 }
 
@@ -198,7 +206,12 @@ void Editor::Impl::takeSnapshots() {
     }
     newPlan.reset();
     if (!newSnapshot) return;
-    if (job && status && status->kind == JobStatus::Kind::solve) snapshot = newSnapshot;
+    if (job && status && status->kind == JobStatus::Kind::solve) {
+        snapshot = newSnapshot;
+        // The first answer is brought up, once: who then looks at the photographs again keeps them.
+        if (!std::exchange(shownOnce, true) && self.state.viewport.mode == ViewMode::photograph)
+            self.state.viewport.mode = ViewMode::relit;
+    }
     newSnapshot.reset();
 }
 
@@ -209,7 +222,7 @@ void Editor::findUnobservedLight() {
     if (!document.samples || impl_->job) return;
     state.unobservedSearch = {};
     impl_->start(
-        JobStatus::Kind::search, "Looking for an unobserved light",
+        JobStatus::Kind::search, "Finding an off-camera light",
         [impl = impl_.get(), capture = document.capture, scene = document.scene, samples = document.samples,
          folder = document.captureFolder, fix = document.fix, seed = state.solve.seed](Progress& progress) -> Finish {
             PipelineOptions options;

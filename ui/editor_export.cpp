@@ -70,7 +70,15 @@ void Editor::exportFrames(const ExportRequest& request) {
             options.samplesPerPixel = request.samples;
             std::vector<std::string> failures;
             size_t written = 0;
+            // One bar for all of them: what comes before the first image takes a twentieth.
+            std::atomic<size_t> index{0};
+            progress.setListener([&, impl](const std::string& label, double fraction) {
+                if (label == "Frame") impl->jobWhole = 0.05 + 0.95 * (double(index) + fraction) / double(jobs.size());
+            });
+            const std::shared_ptr<void> quiet(nullptr, [&](void*) { progress.setListener({}); });
+            impl->jobWhole = 0.05;
             for (const FrameJob& one : jobs) {
+                index = size_t(&one - jobs.data());
                 try {
                     const Frame frame = renderFrame(relit, one.camera, options, progress);
                     writeFrame(one.file, frame, relit, one.camera, request.layers, origin);

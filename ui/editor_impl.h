@@ -1,6 +1,7 @@
 // The insides of Editor, shared by editor.cpp (look, image, polling), editor_jobs.cpp (background jobs), and
 // editor_open.cpp, editor_save.cpp, editor_estimate.cpp and editor_export.cpp.
 #pragma once
+#include <atomic>
 #include <chrono>
 #include <mutex>
 #include <utility>
@@ -41,6 +42,10 @@ struct Editor::Impl {
     bool solveIsNearField = true;
     std::optional<SolveRequest> solvedWith;
     double solveBudget = 0;              ///< seconds, of the solve that runs; 0: none
+    std::string stageNow;                ///< the stage that runs
+    double stageSince = 0;               ///< Progress::seconds() when it began
+    bool shownOnce = false;              ///< the solve's first result was brought up
+    std::atomic<double> jobWhole{-1};    ///< fraction of the running job that it tells by itself; < 0: it does not
     std::optional<double> planHeardAt;   ///< Progress::seconds() when state.plan was last heard of; none: not yet
     std::filesystem::path goOnWhenOpen;  ///< record of the interrupted estimate for which a document is being opened
 
@@ -49,7 +54,7 @@ struct Editor::Impl {
     std::vector<LogEntry> newLog;
 
     // ---- the image
-    RelightWorker relight, relightDistant;
+    RelightWorker relight, relightDistant, relightBefore;
     Camera eye;
     bool orthographic = false;
     uint64_t pickSerial = 0;
@@ -58,6 +63,7 @@ struct Editor::Impl {
     mutable std::shared_ptr<const Estimate> emittersOfEstimate;
 
     // ---- autosave
+    bool snapshotsUnsaved = false;  ///< snapshots that the shot's folder does not hold
     Autosave autosave;
     uint64_t autosavedRevision = 0;
     double lastAutosave = -1e9, lastEstimateTry = -1e9;  ///< seconds()
@@ -70,6 +76,11 @@ struct Editor::Impl {
     std::vector<FoundWork> lost;
     std::optional<FoundWork> restored;  ///< on disk until our own autosave holds all of it
 
+    // ---- what is opened once state.missing is answered
+    std::optional<FoundWork> missingRecovered;
+    ShotPlaces missingPlaces;
+    int missingAs = 0;  ///< OpenAs
+
     // ---- the shot is ours alone
     std::shared_ptr<ShotLock> shotLock;  ///< of document.shotFolder; null: none
     enum class OpenAs { usual, readOnly, copy };
@@ -81,7 +92,10 @@ struct Editor::Impl {
     /// `saved` is what is on disk, with the estimate that the work was made on.
     void showRecovered(const FoundWork& found, Version saved);
     void openShotFolder(const std::filesystem::path& folder, std::optional<FoundWork> recovered = {},
-                        OpenAs as = OpenAs::usual);
+                        OpenAs as = OpenAs::usual, const ShotPlaces& places = {});
+    /// Asks for what `missing` says; false: nothing is missing.
+    bool askForMissing(const MissingPlaces& missing, const std::filesystem::path& folder,
+                       const std::optional<FoundWork>& recovered, OpenAs as, const ShotPlaces& places);
     std::shared_ptr<ShotLock> lockFor(const std::filesystem::path& shot) const;
     void setDocument(Document document, Version version, const std::string& label);
     /// Puts the viewport's camera where the first photograph was taken from.
@@ -104,6 +118,7 @@ struct Editor::Impl {
     void takeEstimate(const SolveRequest& request, std::shared_ptr<const Estimate> estimate, const std::string& label);
     /// Of the solve that runs, from its plan; nothing until that is made.
     std::optional<double> solveSecondsLeft() const;
+    void tellWholeJob();
     void pollJob();
     void pollSaving();
     void pollImage();
@@ -117,6 +132,14 @@ struct Editor::Impl {
 std::filesystem::path cleaned(const std::filesystem::path& path);
 /// What to do about an error that kept something from being written.
 std::string whereFull(const std::exception& error);
+/// "emitter-1" as the window shows it: "Light 1".
+std::string shownName(const std::string& id);
+/// Gives those that the artist has not named the names they are shown by.
+void nameForPeople(std::vector<EmitterState>& emitters, const Look& look);
+/// Snapshots of the look as a shot's folder holds them: looks/A.json, each an edits document.
+using Snapshots = std::array<std::optional<LookSnapshot>, 3>;
+void writeSnapshots(const Snapshots& snapshots, const std::filesystem::path& shot, const DVec3& origin);
+Snapshots readSnapshots(const std::filesystem::path& shot, const DVec3& origin);
 /// Drops what names emitters or vertices that are not there.
 Look lookThatFits(const Look& look, const Estimate& estimate, size_t vertices);
 

@@ -29,6 +29,9 @@ void Editor::Impl::start(JobStatus::Kind kind, const std::string& title, std::fu
     status->kind = kind;
     status->title = title;
     onJobEnd = std::move(onEnd);
+    jobWhole = -1;
+    stageNow.clear();
+    stageSince = 0;
     job = std::make_unique<Job<Finish>>(std::move(work), options.wake);
 }
 
@@ -46,13 +49,31 @@ void Editor::pauseJob(bool paused) {
     impl_->status->paused = paused;
 }
 
+void Editor::Impl::tellWholeJob() {
+    if (stageNow != status->stage) {
+        stageNow = status->stage;
+        stageSince = status->seconds;
+    }
+    if (status->kind == JobStatus::Kind::solve) {
+        status->secondsLeft = solveSecondsLeft();
+        if (status->secondsLeft && status->seconds > 0)
+            status->whole =
+                std::max(status->whole.value_or(0), status->seconds / (status->seconds + *status->secondsLeft));
+    } else if (const double whole = jobWhole; whole >= 0) {
+        status->whole = std::max(status->whole.value_or(0), whole);
+        if (whole > 0.02) status->secondsLeft = status->seconds * (1 - whole) / whole;
+    }
+    // Full when it is done, not before.
+    if (status->whole) status->whole = std::min(*status->whole, 0.99);
+}
+
 void Editor::Impl::pollJob() {
     if (!job) return;
     Progress& progress = job->progress();
     status->stage = progress.label();
     status->fraction = progress.fraction();
     status->seconds = progress.seconds();
-    if (status->kind == JobStatus::Kind::solve) status->secondsLeft = solveSecondsLeft();
+    tellWholeJob();
     if (!job->done()) return;
     const std::unique_ptr<Job<Finish>> finished = std::move(job);
     const JobStatus was = *status;

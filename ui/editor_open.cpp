@@ -93,16 +93,37 @@ void Editor::open(const fs::path& given) {
                  "Drop the capture's folder here; an image dropped afterwards becomes its environment.");
             return;
         }
-        const fs::path file = cleaned(path);
-        edit("Environment " + file.filename().string(), [&](Look& look) {
-            look.environment.source = EnvironmentLook::Source::file;
-            look.environment.file = file;
-        });
-        remember(state.recentEnvironments, file);
+        openEnvironment(path);
         return;
     }
     if (unsavedChanges()) state.unsaved = UnsavedQuestion{UnsavedQuestion::Then::open, path};
     else openNow(path);
+}
+
+void Editor::openEnvironment(const fs::path& given) {
+    const std::shared_ptr<const Estimate> estimate = this->estimate();
+    if (!estimate) return;
+    if (impl_->job) {
+        fail("Something else is running", impl_->status->title + " is not finished.",
+             "Wait for it, or stop it in the status bar.");
+        return;
+    }
+    const fs::path file = cleaned(given);
+    impl_->start(JobStatus::Kind::open, "Reading " + file.filename().string(),
+                 [impl = impl_.get(), estimate, file](Progress& progress) -> Finish {
+                     progress.begin("Reading the environment", 1);
+                     EnvironmentLook wanted;
+                     wanted.source = EnvironmentLook::Source::file;
+                     wanted.file = file;
+                     distantOfLook(*estimate, wanted);
+                     return [impl, file] {
+                         impl->self.edit("Environment " + file.filename().string(), [&](Look& look) {
+                             look.environment.source = EnvironmentLook::Source::file;
+                             look.environment.file = file;
+                         });
+                         remember(impl->self.state.recentEnvironments, file);
+                     };
+                 });
 }
 
 void Editor::openNow(const fs::path& given) {
@@ -160,6 +181,10 @@ void Editor::Impl::setDocument(Document document, Version version, const std::st
     ours.pointLight.reset();
     ours.viewport.solo.clear();
     ours.viewport.hiddenComponents.clear();
+    ours.panels.bottomFolded = true;
+    ours.viewport.compareWith = -1;
+    ours.snapshots = {};
+    snapshotsUnsaved = false;
     ours.viewport.throughView = false;
     ours.viewport.mode = solved ? ViewMode::relit : ViewMode::photograph;
     autosave.clear();
@@ -248,18 +273,61 @@ void Editor::Impl::showRecovered(const FoundWork& found, Version saved) {
     lastAutosave = -1e9;
 }
 
-void Editor::Impl::openShotFolder(const fs::path& folder, std::optional<FoundWork> recovered, OpenAs as) {
+bool Editor::Impl::askForMissing(const MissingPlaces& missing, const fs::path& folder,
+                                 const std::optional<FoundWork>& recovered, OpenAs as, const ShotPlaces& places) {
+    using What = MissingQuestion::What;
+    if (!missing.capture.empty()) self.state.missing = MissingQuestion{folder, What::capture, missing.capture};
+    else if (!missing.measured.empty()) self.state.missing = MissingQuestion{folder, What::measured, missing.measured};
+    else if (!missing.environment.empty())
+        self.state.missing = MissingQuestion{folder, What::environment, missing.environment};
+    else return false;
+    missingRecovered = recovered;
+    missingPlaces = places;
+    missingAs = int(as);
+    return true;
+}
+
+void Editor::answerMissing(MissingAnswer answer, const fs::path& place) {
+    if (!state.missing) return;
+    const MissingQuestion question = *state.missing;
+    state.missing.reset();
+    ShotPlaces places = impl_->missingPlaces;
+    const std::optional<FoundWork> recovered = std::exchange(impl_->missingRecovered, {});
+    using What = MissingQuestion::What;
+    if (answer == MissingAnswer::cancel || impl_->job) return;
+    if (answer == MissingAnswer::located) {
+        const fs::path there = cleaned(place);
+        if (question.what == What::capture) places.capture = captureFolderOf(there);
+        else if (question.what == What::environment) places.environment = there;
+        else places.measured = there;
+    } else if (question.what == What::capture) {
+        places.withoutCapture = true;
+    } else if (question.what == What::environment) {
+        places.withoutEnvironment = true;
+    } else {
+        return;
+    }
+    impl_->openShotFolder(question.shot, recovered, Impl::OpenAs(impl_->missingAs), places);
+}
+
+void Editor::Impl::openShotFolder(const fs::path& folder, std::optional<FoundWork> recovered, OpenAs as,
+                                  const ShotPlaces& places) {
     start(
         JobStatus::Kind::open, "Opening " + folder.filename().string(),
-        [this, folder, recovered, as](Progress& progress) -> Finish {
+        [this, folder, recovered, as, places](Progress& progress) -> Finish {
+            const MissingPlaces missing = relamp::missingPlaces(folder, places);
+            if (!missing.capture.empty() || !missing.environment.empty() || !missing.measured.empty())
+                return [this, missing, folder, recovered, as, places] {
+                    askForMissing(missing, folder, recovered, as, places);
+                };
             std::string trouble;
             const auto shot = std::make_shared<Shot>();
             try {
-                *shot = openShot(folder, true, progress);
+                *shot = openShot(folder, !places.withoutCapture, progress, places);
             } catch (const Error& error) {
                 // Without its photographs a shot can still be relit.
                 trouble = error.what();
-                *shot = openShot(folder, false, progress);
+                *shot = openShot(folder, false, progress, places);
             }
             fs::path place = recovered ? recovered->work.shotFolder : folder;
             if (as == OpenAs::copy) {
@@ -273,7 +341,8 @@ void Editor::Impl::openShotFolder(const fs::path& folder, std::optional<FoundWor
             document->seed = shot->seed;
             document->resources = shot->resources;
             const std::optional<InterruptedEstimate> stopped = interruptedFor(*document, options.stateFolder);
-            return [this, folder, document, shot, trouble, recovered, as, stopped] {
+            const Snapshots kept = readSnapshots(folder, document->capture->origin);
+            return [this, folder, document, shot, trouble, recovered, as, stopped, kept, places] {
                 const fs::path saved = document->shotFolder;
                 const std::shared_ptr<ShotLock> mine =
                     saved.empty() || as == OpenAs::readOnly ? nullptr : lockFor(saved);
@@ -282,7 +351,12 @@ void Editor::Impl::openShotFolder(const fs::path& folder, std::optional<FoundWor
                 version.look = shot->look;
                 version.estimate = std::make_shared<const Estimate>(std::move(shot->estimate));
                 const bool readOnly = document->readOnly;
+                // What was missing and has been replaced is an edit like any other.
+                const Version found = version;
+                if (places.withoutEnvironment || !places.environment.empty()) version.look.environment = {};
                 setDocument(std::move(*document), version, "Opened");
+                if (!places.environment.empty()) history.push("Locate the environment", found);
+                self.state.snapshots = kept;
                 if (mine && mine->held()) shotLock = mine;
                 if (!trouble.empty())
                     self.fail("The photographs could not be opened", trouble,
@@ -296,6 +370,7 @@ void Editor::Impl::openShotFolder(const fs::path& folder, std::optional<FoundWor
                     showRecovered(*recovered, version);
                 }
                 offerInterrupted(stopped);
+                if (places.withoutCapture) self.say("Opened without photographs: the shot can be relit and exported");
             };
         },
         [this](bool) { goOnWhenOpen.clear(); });

@@ -29,6 +29,24 @@ void Editor::save() {
     else impl_->saveTo(state.document.shotFolder);
 }
 
+void Editor::saveVersion() {
+    const fs::path now = state.document.shotFolder;
+    if (now.empty()) return save();
+    std::string stem = now.stem().string();
+    // NAME-002 goes on from NAME-002.
+    int number = 1;
+    if (const size_t dash = stem.rfind('-'); dash != std::string::npos && dash + 4 == stem.size() &&
+                                             stem.find_first_not_of("0123456789", dash + 1) == std::string::npos) {
+        number = std::stoi(stem.substr(dash + 1));
+        stem.resize(dash);
+    }
+    fs::path next;
+    do next = now.parent_path() / fmt::format("{}-{:03}.relamp", stem, ++number);
+    while (isThere(next));
+    impl_->saveTo(next);
+    say("Saving " + next.filename().string());
+}
+
 void Editor::saveAs(const fs::path& given) {
     fs::path folder = cleaned(given);
     if (folder.extension() != ".relamp") folder += ".relamp";
@@ -57,12 +75,15 @@ void Editor::Impl::saveTo(const fs::path& folder) {
         return;
     }
     const Document document = self.state.document;
+    snapshotsUnsaved = false;
     const size_t entry = history.index();
     const uint64_t revision = history.revision();
     saving = std::make_unique<Job<Finish>>(
-        [this, version, estimate, document, folder, entry, revision, mine](Progress&) -> Finish {
+        [this, version, estimate, document, folder, entry, revision, mine,
+         kept = self.state.snapshots](Progress&) -> Finish {
             const Shot shot = shotOf(*estimate, sourceOf(document), version.look);
             saveShot(shot, document.scene->mesh, folder, true);
+            writeSnapshots(kept, folder, document.capture->origin);
             return [this, folder, entry, revision, mine, estimate] {
                 self.state.document.shotFolder = folder;
                 self.state.document.readOnly = false;
@@ -77,7 +98,7 @@ void Editor::Impl::saveTo(const fs::path& folder) {
                     restored.reset();
                 }
                 remember(self.state.recent, folder);
-                self.log(LogLevel::info, folder.string() + ": saved");
+                self.say(folder.string() + ": saved");
                 if (const std::function<void()> next = std::exchange(whenSaved, {})) next();
             };
         },
@@ -131,7 +152,9 @@ void Editor::Impl::saveUnsavedEstimate() {
 }
 
 void Editor::requestQuit() {
-    if (unsavedChanges()) state.unsaved = UnsavedQuestion{UnsavedQuestion::Then::quit, {}};
+    const bool estimating = impl_->job && impl_->status->kind == JobStatus::Kind::solve;
+    if (estimating || unsavedChanges())
+        state.unsaved = UnsavedQuestion{UnsavedQuestion::Then::quit, {}, estimating, unsavedChanges()};
     else impl_->quit = true;
 }
 
@@ -217,7 +240,9 @@ void Editor::Impl::pollAutosave() {
     writeAutosave();
 }
 
-bool Editor::unsavedChanges() const { return state.document.capture && history().unsavedChanges(); }
+bool Editor::unsavedChanges() const {
+    return state.document.capture && (history().unsavedChanges() || impl_->snapshotsUnsaved);
+}
 
 void Editor::Impl::offerLostWork() {
     if (lost.empty()) return;

@@ -70,6 +70,9 @@ struct ViewportState {
     bool falseColour = false;
     float wipeLeft = 1.0f / 3, wipeRight = 2.0f / 3;  ///< dividers of the wipe, fraction of the width
     float splitAt = 0.5f;                             ///< divider of the correction colours
+    float compareAt = 0.5f;                           ///< divider between before and after
+    int compareWith = -1;                             ///< before: as recovered, else the snapshot of this number
+    bool overlays = true;                             ///< marks, grid, cameras, legend and axes over the image
     Tool tool = Tool::select;
     bool localAxes = false;
     ClickTask clickTask = ClickTask::none;
@@ -83,22 +86,34 @@ struct JobStatus {
     enum class Kind { open, solve, search, save, exportFrames } kind = Kind::open;
     std::string title;  ///< "Estimating light"
     std::string stage;
-    double fraction = 0;  ///< of the stage
+    double fraction = 0;          ///< of the stage
+    std::optional<double> whole;  ///< fraction of the whole job; nothing: not known
     double seconds = 0;
-    std::optional<double> secondsLeft;
+    std::optional<double> secondsLeft;  ///< of the whole job
     bool paused = false, stopping = false;
 };
 
 /// Something went wrong, or needs a word: a dialog that says what happened and what to do.
 struct Notice {
     std::string title, text, advice;
+    bool ofAnEdit = false;  ///< an edit cannot be shown: undo stays within reach
 };
 
 /// Asked before work would be lost.
 struct UnsavedQuestion {
     enum class Then { open, quit, close } then = Then::quit;
     std::filesystem::path path;
+    bool estimating = false;  ///< an estimate runs, which would end
+    bool edits = true;        ///< there are edits that are not saved
 };
+
+/// Asked when a shot names something that is not there: its capture, its environment, measured materials.
+struct MissingQuestion {
+    std::filesystem::path shot;
+    enum class What { capture, environment, measured } what = What::capture;
+    std::filesystem::path path;  ///< as the shot names it
+};
+enum class MissingAnswer { located, without, cancel };
 
 /// Work found after a crash.
 struct RecoveryOffer {
@@ -168,8 +183,24 @@ struct LogEntry {
     std::string time, text;
 };
 
+/// A look that is kept beside the present one, to compare with and to go back to.
+struct LookSnapshot {
+    Look look;
+    std::string time;  ///< local, "14:03"
+};
+
+/// Lights that were copied, as a shot of any capture can take them.
+struct CopiedLights {
+    std::vector<AddedEmitter> lights;
+};
+
 /// Which panels and dialogs are open.
 struct PanelState {
+    bool hidden = false;           ///< the viewport alone
+    bool bottomFolded = true;      ///< of the bottom panel only the tabs are shown
+    bool narrowInspector = false;  ///< where one column has room: the inspector instead of the scene
+    std::string narrowSelection;   ///< what was selected when that was decided
+
     bool history = true, log = true, doctor = false, keys = false, palette = false, exportFrames = false, about = false;
     bool openBrowser = false, saveBrowser = false, environmentBrowser = false, solveSettings = false;
     bool renameLight = false;  ///< asks the inspector to put the cursor into the active light's name
@@ -189,6 +220,13 @@ struct EditorState {
     std::optional<RecoveryOffer> recovery;
     std::optional<InterruptedEstimate> interrupted;  ///< offered: of the open capture, or, without one, the latest
     std::optional<LockedQuestion> locked;
+    std::optional<MissingQuestion> missing;
+    std::array<std::optional<LookSnapshot>, 3> snapshots;  ///< A, B, C
+    CopiedLights copied;
+    std::string message;    ///< what has just been done, shown for a while in the status bar
+    uint64_t messages = 0;  ///< how many there were
+    std::string keyHints;   ///< keys that mean something at this moment, for the status bar
+    bool fullScreen = false;
     UnobservedSearch unobservedSearch;
     std::weak_ptr<const Estimate> bannerClosedFor;  ///< the estimate whose quality banner the user has closed
     std::array<RunCurve, 2> curves;                 ///< near-field, distant-only

@@ -81,6 +81,19 @@ void Gui::beginFrame() {
         else ImGui_ImplGlfw_KeyCallback(window_.handle(), k.key, k.scancode, k.action, k.modifiers);
     }
     ImGui_ImplGlfw_NewFrame();
+    ImGuiIO& io = ImGui::GetIO();
+    for (const RawButton& b : window_.takeButtons()) {
+#if IMGUI_VERSION_NUM < 18700
+        down_[b.button] = b.down;
+#endif
+        if (!b.down) continue;
+        // Two clicks make a double click by when they happened, not by when a slow frame came to see them.
+        io.MouseDoubleClickTime = b.seconds - pressedAt_[b.button] < 0.4 ? 1e6f : 0.0f;
+        pressedAt_[b.button] = io.MouseDoubleClickTime > 0 ? -1e6 : b.seconds;
+    }
+#if IMGUI_VERSION_NUM < 18700
+    std::copy(std::begin(down_), std::end(down_), io.MouseDown);
+#endif
     ImGui::NewFrame();
 }
 

@@ -27,6 +27,8 @@ public:
 private:
     Window& window_;
     float scale_ = 0, density_ = 0;
+    bool down_[5] = {};                                     ///< buttons of the mouse
+    double pressedAt_[5] = {-1e6, -1e6, -1e6, -1e6, -1e6};  ///< glfwGetTime() of the first click of a pair
 };
 
 /// For tests without a window: a context with its font atlas built.

@@ -27,43 +27,95 @@ void pane(const char* name, const ImVec2& position, const ImVec2& size, ImGuiWin
 
 }  // namespace
 
+namespace {
+
+/// Where the areas are, pixels. A width of 0: not shown.
+struct Areas {
+    float top = 0, status = 0, gap = 0, left = 0, right = 0, bottom = 0;
+    bool oneColumn = false;  ///< scene and inspector share the right one
+};
+
+Areas areasOf(const Editor& editor, const ImVec2& screen) {
+    const PanelState& p = editor.state.panels;
+    const float scale = editor.state.uiScale;
+    Areas a;
+    a.status = statusBarHeight();
+    a.gap = std::max(4.0f, std::floor(5 * scale));
+    if (p.hidden) return a;
+    a.top = ImGui::GetFrameHeight();
+    // The image keeps 640 pixels (at scale 1) where that is possible.
+    const float least = 200 * scale, spare = screen.x - 640 * scale - 2 * a.gap;
+    a.oneColumn = spare < 2.1f * least;
+    if (a.oneColumn) {
+        a.right = std::floor(std::max(std::min(p.rightWidth * scale, spare + a.gap), std::min(least, 0.4f * screen.x)));
+    } else {
+        a.left = p.leftWidth * scale, a.right = p.rightWidth * scale;
+        if (const float sum = a.left + a.right; sum > spare) a.left *= spare / sum, a.right *= spare / sum;
+        a.left = std::floor(std::max(a.left, least)), a.right = std::floor(std::max(a.right, least));
+    }
+    const float body = screen.y - a.top - a.status;
+    a.bottom = p.bottomFolded
+                   ? bottomPanelFoldedHeight()
+                   : std::floor(std::clamp(p.bottomHeight * scale, 60 * scale, std::max(60 * scale, 0.35f * body)));
+    return a;
+}
+
+/// Scene or inspector, by two tabs; a new selection brings the inspector.
+void drawOnlyColumn(Editor& editor) {
+    PanelState& p = editor.state.panels;
+    std::string selected = editor.state.selection.active();
+    if (editor.state.selection.point) selected += "point";
+    const bool turn = selected != p.narrowSelection && !selected.empty();
+    p.narrowSelection = selected;
+    if (!ImGui::BeginTabBar("##column")) return;
+    const bool asked = turn && !p.narrowInspector;
+    if (asked) p.narrowInspector = true;
+    const char* const names[] = {"Scene", "Inspector"};
+    for (const bool inspector : {false, true}) {
+        const bool set = asked && inspector;
+        if (!ImGui::BeginTabItem(names[inspector], nullptr, set ? ImGuiTabItemFlags_SetSelected : 0)) continue;
+        if (!asked || inspector) p.narrowInspector = inspector;
+        if (beginChild(names[inspector], ImVec2(0, 0))) inspector ? drawInspectorPanel(editor) : drawScenePanel(editor);
+        ImGui::EndChild();
+        ImGui::EndTabItem();
+    }
+    ImGui::EndTabBar();
+}
+
+}  // namespace
+
 void drawLayout(Editor& editor, Viewport* viewport, const std::string& reason) {
     beginPanelFrame();
     PanelState& p = editor.state.panels;
     const float scale = editor.state.uiScale;
-    if (ImGui::BeginMainMenuBar()) {
+    if (!p.hidden && ImGui::BeginMainMenuBar()) {
         drawMenuBar(editor);
         ImGui::EndMainMenuBar();
     }
     const ImVec2 screen = ImGui::GetIO().DisplaySize;
-    const float top = ImGui::GetFrameHeight(), status = statusBarHeight(), gap = std::max(4.0f, std::floor(5 * scale));
-    // Side columns leave the image at least 320 pixels (at scale 1); the bottom strip takes a third of the height at
-    // most.
-    const float spare = std::max(0.0f, screen.x - 320 * scale - 2 * gap);
-    float left = std::min(p.leftWidth * scale, spare * 0.5f), right = std::min(p.rightWidth * scale, spare * 0.5f);
-    left = std::floor(std::max(left, std::min(200 * scale, screen.x * 0.25f)));
-    right = std::floor(std::max(right, std::min(200 * scale, screen.x * 0.25f)));
-    const float bodyHeight = screen.y - top - status;
-    const float bottom =
-        std::floor(std::clamp(p.bottomHeight * scale, 60 * scale, std::max(60 * scale, 0.35f * bodyHeight)));
-    const float columnsHeight = bodyHeight - bottom - gap;
-    const float middleX = left + gap, middleWidth = screen.x - left - right - 2 * gap;
+    const Areas a = areasOf(editor, screen);
+    const float columnsHeight = screen.y - a.top - a.status - (a.bottom > 0 ? a.bottom + a.gap : 0);
+    const float middleX = a.left > 0 ? a.left + a.gap : 0,
+                middleWidth = screen.x - middleX - (a.right > 0 ? a.right + a.gap : 0);
 
-    pane("##left", {0, top}, {left, columnsHeight}, 0, [&] {
-        if (beginChild("scene", ImVec2(0, 0))) drawScenePanel(editor);
-        ImGui::EndChild();
-    });
+    if (a.left > 0)
+        pane("##left", {0, a.top}, {a.left, columnsHeight}, 0, [&] {
+            if (beginChild("scene", ImVec2(0, 0))) drawScenePanel(editor);
+            ImGui::EndChild();
+        });
     float banner = 0;
-    if (qualityBannerShown(editor)) {
+    if (qualityBannerShown(editor) && !p.hidden) {
         banner = std::min(std::floor(qualityBannerHeight(editor, middleWidth)), 0.5f * columnsHeight);
-        pane("##banner", {middleX, top}, {middleWidth, banner}, ImGuiWindowFlags_NoScrollbar,
+        pane("##banner", {middleX, a.top}, {middleWidth, banner}, ImGuiWindowFlags_NoScrollbar,
              [&] { drawQualityBanner(editor); });
     }
     ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(0, 0));
-    pane("##viewport", {middleX, top + banner}, {middleWidth, columnsHeight - banner},
+    pane("##viewport", {middleX, a.top + banner}, {middleWidth, columnsHeight - banner},
          ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse, [&] {
              ImGui::PopStyleVar();
-             if (viewport) {
+             if (!editor.state.document.capture && !editor.job()) {
+                 drawStartPage(editor);
+             } else if (viewport) {
                  viewport->draw(editor);
              } else {
                  ImGui::SetCursorPos({em(1), em(1)});
@@ -74,14 +126,17 @@ void drawLayout(Editor& editor, Viewport* viewport, const std::string& reason) {
              ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(0, 0));
          });
     ImGui::PopStyleVar();
-    pane("##right", {screen.x - right, top}, {right, columnsHeight}, 0, [&] {
-        if (beginChild("inspector", ImVec2(0, 0))) drawInspectorPanel(editor);
-        ImGui::EndChild();
-    });
-    pane("##bottom", {0, top + columnsHeight + gap}, {screen.x, bottom}, ImGuiWindowFlags_NoScrollbar,
-         [&] { drawBottomPanel(editor); });
+    if (a.right > 0)
+        pane("##right", {screen.x - a.right, a.top}, {a.right, columnsHeight}, 0, [&] {
+            if (a.oneColumn) return drawOnlyColumn(editor);
+            if (beginChild("inspector", ImVec2(0, 0))) drawInspectorPanel(editor);
+            ImGui::EndChild();
+        });
+    if (a.bottom > 0)
+        pane("##bottom", {0, a.top + columnsHeight + a.gap}, {screen.x, a.bottom}, ImGuiWindowFlags_NoScrollbar,
+             [&] { drawBottomPanel(editor); });
     ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(em(0.5f), 0));
-    pane("##status", {0, screen.y - status}, {screen.x, status},
+    pane("##status", {0, screen.y - a.status}, {screen.x, a.status},
          ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse, [&] { drawStatusBar(editor); });
     ImGui::PopStyleVar();
 
@@ -94,9 +149,12 @@ void drawLayout(Editor& editor, Viewport* viewport, const std::string& reason) {
              [&] { splitter("handle", vertical, vertical ? size.y : size.x, value, least, most, direction, scale); });
         ImGui::PopStyleVar(2);
     };
-    handle("##handleLeft", {left, top}, {gap, columnsHeight}, true, p.leftWidth, 200, 700, 1);
-    handle("##handleRight", {screen.x - right - gap, top}, {gap, columnsHeight}, true, p.rightWidth, 200, 700, -1);
-    handle("##handleBottom", {0, top + columnsHeight}, {screen.x, gap}, false, p.bottomHeight, 60, 600, -1);
+    if (a.left > 0) handle("##handleLeft", {a.left, a.top}, {a.gap, columnsHeight}, true, p.leftWidth, 200, 700, 1);
+    if (a.right > 0)
+        handle("##handleRight", {screen.x - a.right - a.gap, a.top}, {a.gap, columnsHeight}, true, p.rightWidth, 200,
+               700, -1);
+    if (a.bottom > 0 && !p.bottomFolded)
+        handle("##handleBottom", {0, a.top + columnsHeight}, {screen.x, a.gap}, false, p.bottomHeight, 60, 600, -1);
 
     drawDialogs(editor);
 }

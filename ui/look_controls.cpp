@@ -6,6 +6,7 @@
 #include "image/colour_temperature.h"
 #include "image/image_io.h"
 #include "note.h"
+#include "temperature_tint.h"
 #include "widgets.h"
 
 namespace relamp::ui {
@@ -86,6 +87,7 @@ bool followGesture(Editor& editor, const std::string& label, bool changed, const
         return false;
     }
     if (mine && active && escapePressed()) {
+        takeEscape();
         editor.abandonGesture();
         drop();
         held = {};
@@ -124,11 +126,12 @@ bool dragLook(Editor& editor, const char* id, const std::string& label, float va
     ImGuiSliderFlags flags = range.logarithmic ? ImGuiSliderFlags_Logarithmic : 0;
     if (range.least != range.most) flags |= ImGuiSliderFlags_AlwaysClamp;
     bool changed = false;
-    if (range.offset == 0) {
-        changed = ImGui::DragFloat(id, &now, range.speed, range.least, range.most, range.format, flags);
+    float speed = range.speed;
+    if (const FineDrag fine(speed); range.offset == 0) {
+        changed = ImGui::DragFloat(id, &now, speed, range.least, range.most, range.format, flags);
     } else {
         double wide = range.offset + double(now);
-        changed = ImGui::DragScalar(id, ImGuiDataType_Double, &wide, range.speed, nullptr, nullptr, range.format);
+        changed = ImGui::DragScalar(id, ImGuiDataType_Double, &wide, speed, nullptr, nullptr, range.format);
         if (changed) now = float(wide - range.offset);
     }
     changed = changed && std::isfinite(now);
@@ -136,23 +139,61 @@ bool dragLook(Editor& editor, const char* id, const std::string& label, float va
     note(label.c_str());
     const bool edited = followGesture(editor, label, changed, [&](Look& look) { apply(look, now); });
     if (!explanation.empty())
-        tooltip(explanation +
-                "\nDrag sideways, or double click to type. Alt is finer, Shift coarser, Esc takes it back.");
+        tooltip(explanation + "\nDrag sideways, or double click to type. Shift is finer, Esc takes it back.");
     return edited;
 }
 
 bool kelvinLook(Editor& editor, const char* id, const std::string& label, const Rgb& colour,
                 const std::string& explanation, const std::function<void(Look&, const Rgb&)>& apply) {
-    const NearestKelvin nearest = nearestKelvin(colour);
-    const std::string more = nearest.distance > 0.02f ? explanation +
-                                                            "\nThis colour is too green or too pink for a temperature; "
-                                                            "dragging makes it a plain warm or cool white."
-                                                      : explanation;
-    return dragLook(editor, id, label, nearest.kelvin,
-                    {std::max(2.0f, nearest.kelvin / 250), lowestKelvin, highestKelvin,
-                     nearest.distance > 0.02f ? "~%.0f K" : "%.0f K"},
-                    more, [&](Look& look, float kelvin) { apply(look, kelvinTint(kelvin)); });
+    const TemperatureTint now = splitColour(colour);
+    return dragLook(editor, id, label, now.kelvin,
+                    {std::max(2.0f, now.kelvin / 250), lowestKelvin, highestKelvin, "%.0f K"}, explanation,
+                    [&, tint = now.tint](Look& look, float kelvin) {
+                        apply(look, joinColour({kelvin, tint}));
+                    });
 }
+
+bool tintLook(Editor& editor, const char* id, const std::string& label, const Rgb& colour,
+              const std::string& explanation, const std::function<void(Look&, const Rgb&)>& apply) {
+    const TemperatureTint now = splitColour(colour);
+    return dragLook(editor, id, label, now.tint, {0.005f, -3, 3, "%+.2f"}, explanation,
+                    [&, kelvin = now.kelvin](Look& look, float tint) {
+                        apply(look, joinColour({kelvin, tint}));
+                    });
+}
+
+namespace {
+
+/// Red, green and blue, hue and saturation, and hexadecimal, of the colour at its brightest. True while it changes.
+bool colourNumbers(Editor& editor, const std::string& label, const Rgb& light,
+                   const std::function<void(Look&, const Rgb&)>& apply) {
+    bool edited = false;
+    constexpr ImGuiColorEditFlags plain = ImGuiColorEditFlags_NoSmallPreview | ImGuiColorEditFlags_NoPicker |
+                                          ImGuiColorEditFlags_NoOptions | ImGuiColorEditFlags_NoLabel |
+                                          ImGuiColorEditFlags_NoDragDrop;
+    const struct {
+        const char* id;
+        ImGuiColorEditFlags flags;
+        const char* explanation;
+    } rows[] = {{"##rgb", ImGuiColorEditFlags_DisplayRGB, "Red, green, blue as on screen, at full brightness"},
+                {"##hsv", ImGuiColorEditFlags_DisplayHSV, "Hue, saturation, and the value that is always full"},
+                {"##hex", ImGuiColorEditFlags_DisplayHex, "Hexadecimal, as in other programs: #FFC58F"}};
+    for (const auto& row : rows) {
+        const ImVec4 shown = lightColour(light);
+        float values[3] = {shown.x, shown.y, shown.z};
+        ImGui::SetNextItemWidth(em(11));
+        const bool changed = ImGui::ColorEdit3(row.id, values, plain | row.flags | ImGuiColorEditFlags_Uint8);
+        const Rgb linear(srgbDecode(values[0]), srgbDecode(values[1]), srgbDecode(values[2]));
+        const bool usable = changed && luminance(linear) > 1e-6f;
+        edited |= followGesture(editor, label, usable, [&](Look& look) {
+            apply(look, linear * (std::max(luminance(light), 1e-12f) / luminance(linear)));
+        });
+        tooltip(row.explanation);
+    }
+    return edited;
+}
+
+}  // namespace
 
 bool colourLook(Editor& editor, const char* id, const std::string& label, const Rgb& light, float size,
                 const std::string& explanation, const std::function<void(Look&, const Rgb&)>& apply) {
@@ -165,11 +206,18 @@ bool colourLook(Editor& editor, const char* id, const std::string& label, const 
         const bool dragged = chromaticityDisc("##disc", now, em(11));
         changed |= followGesture(editor, label, dragged, [&](Look& look) { apply(look, now); });
         tooltip("Colour of the light: hue around, stronger outwards, white in the middle. Its brightness stays.");
-        ImGui::SetNextItemWidth(em(11));
+        const auto keeping = [&](Look& look, const Rgb& tint) {
+            apply(look, tint * std::max(luminance(light), 1e-12f));
+        };
+        ImGui::SetNextItemWidth(em(7));
         changed |=
             kelvinLook(editor, "##kelvin", label, light,
-                       "Temperature of the colour: 2700 K is a warm bulb, 6504 K is white, more is bluish.",
-                       [&](Look& look, const Rgb& tint) { apply(look, tint * std::max(luminance(light), 1e-12f)); });
+                       "Temperature: 2700 K is a warm bulb, 6504 K is white, more is bluish. The tint stays.", keeping);
+        ImGui::SameLine();
+        ImGui::SetNextItemWidth(em(4) - ImGui::GetStyle().ItemSpacing.x);
+        changed |= tintLook(editor, "##tint", label, light,
+                            "Tint: above 0 greener, below 0 more magenta. The temperature stays.", keeping);
+        changed |= colourNumbers(editor, label, light, apply);
         if (button("White", "Makes the light white, as bright as it is"))
             editor.edit(label, [&](Look& look) { apply(look, Rgb(luminance(light))); });
         ImGui::EndPopup();

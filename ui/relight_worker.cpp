@@ -24,16 +24,6 @@ float halfAngleOf(const Camera& camera) {
     return float(std::min(1.05 * std::atan(std::hypot(x, y)), 1.5));
 }
 
-Camera scaled(Camera camera, double factor) {
-    camera.width = std::max(1, int(std::lround(camera.width * factor)));
-    camera.height = std::max(1, int(std::lround(camera.height * factor)));
-    camera.focalX *= factor;
-    camera.focalY *= factor;
-    camera.centreX *= factor;
-    camera.centreY *= factor;
-    return camera;
-}
-
 }  // namespace
 
 RelightWorker::RelightWorker(std::function<void()> wake, std::function<std::shared_ptr<TransportDevice>()> makeDevice,
@@ -115,41 +105,38 @@ void RelightWorker::renderAtRest(const RelightRequest& request, uint64_t serial,
     FrameOptions options;
     options.background = false;
     options.samplesPerPixel = 1;
-    constexpr int passes = 8;
+    // Whole passes that add up, each as sharp as the image that it replaces. A slow machine ends with fewer of them.
+    constexpr int passes = 8, fewest = 4;
+    constexpr double patience = 4.2;  // seconds; with the wait before it, five from the release to the last image
     Frame sum;
-    // A first image at half the size, then whole passes that add up.
-    for (int pass = -1; pass < passes; ++pass) {
+    for (int pass = 0; pass < passes; ++pass) {
+        if (pass >= fewest && progress->seconds() * (pass + 1) / pass > patience) break;
         options.seed = uint64_t(pass + 2);
-        options.samplesPerPixel = pass < 0 ? 4 : 1;
-        Frame frame = renderFrame(relit, pass < 0 ? scaled(request.eye, 0.5) : request.eye, options, *progress);
-        const auto shown = std::make_shared<Frame>();
-        shown->width = frame.width;
-        shown->height = frame.height;
-        if (pass < 0) {
-            shown->beauty = std::move(frame.beauty);
-            shown->alpha = std::move(frame.alpha);
+        Frame frame = renderFrame(relit, request.eye, options, *progress);
+        if (pass == 0) {
+            sum = std::move(frame);
         } else {
-            if (pass == 0) {
-                sum = std::move(frame);
-            } else {
-                for (size_t i = 0; i < sum.beauty.size(); ++i) {
-                    sum.beauty[i] += frame.beauty[i];
-                    sum.alpha[i] += frame.alpha[i];
-                }
-            }
-            const float fraction = 1.0f / float(pass + 1);
-            shown->beauty.resize(sum.beauty.size());
-            shown->alpha.resize(sum.alpha.size());
             for (size_t i = 0; i < sum.beauty.size(); ++i) {
-                shown->beauty[i] = sum.beauty[i] * fraction;
-                shown->alpha[i] = sum.alpha[i] * fraction;
+                sum.beauty[i] += frame.beauty[i];
+                sum.alpha[i] += frame.alpha[i];
             }
+        }
+        // Fewer samples are noisier than what is shown until then.
+        if (pass + 1 < fewest) continue;
+        const auto shown = std::make_shared<Frame>();
+        shown->width = sum.width;
+        shown->height = sum.height;
+        shown->beauty.resize(sum.beauty.size());
+        shown->alpha.resize(sum.alpha.size());
+        const float fraction = 1.0f / float(pass + 1);
+        for (size_t i = 0; i < sum.beauty.size(); ++i) {
+            shown->beauty[i] = sum.beauty[i] * fraction;
+            shown->alpha[i] = sum.alpha[i] * fraction;
         }
         {
             std::lock_guard lock(mutex_);
             if (serial_ != serial) return;
-            // The few samples of the first whole passes are noisier than the small image.
-            if (pass < 0 || pass >= 2) rest_ = shown;
+            rest_ = shown;
         }
         if (wake_) wake_();
     }

@@ -8,7 +8,18 @@ namespace relamp::ui {
 struct ViewportState;
 
 /// In the order of the toolbar, and as the window's test map counts them.
-enum class ViewMode { photograph = 1, relit, difference, clusters, correction, albedo, confidence, irradiance, wipe };
+enum class ViewMode {
+    photograph = 1,
+    relit,
+    difference,
+    clusters,
+    correction,
+    albedo,
+    confidence,
+    irradiance,
+    wipe,
+    compare
+};
 
 /// What can be painted (viewport/paint.cpp has a row for each).
 enum class Paint {
@@ -21,7 +32,8 @@ enum class Paint {
     distantCorrection,
     albedo,
     confidence,
-    irradiance
+    irradiance,
+    before
 };
 
 /// What must be there before a strip can be painted.

@@ -19,7 +19,7 @@ struct Hover {
     bool seen = false;  ///< in this frame
 };
 Hover hover;
-bool awake = false, awakeLast = false;
+bool awake = false, awakeLast = false, escapeTaken = false;
 
 constexpr double tooltipDelay = 0.45;
 
@@ -54,7 +54,8 @@ bool keyPressed(ImGuiKey key, bool repeat) {
 #endif
 }
 
-bool escapePressed() { return input().pressed == keyEscape || keyPressed(ImGuiKey_Escape); }
+bool escapePressed() { return !escapeTaken && (input().pressed == keyEscape || keyPressed(ImGuiKey_Escape)); }
+void takeEscape() { escapeTaken = true; }
 bool enterPressed() {
     return input().pressed == keyEnter || input().pressed == keyPadEnter || keyPressed(ImGuiKey_Enter);
 }
@@ -149,6 +150,24 @@ void fact(const std::string& name, const std::string& value, const std::string& 
     if (!explanation.empty()) tooltip(explanation);
 }
 
+namespace {
+/// Where nothing is covered that belongs to the same list of controls: beside a column or a menu, above or below a row.
+ImVec2 tooltipPlace(const std::string& explanation) {
+    const ImVec2 screen = ImGui::GetIO().DisplaySize, low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
+    const ImVec2 words = ImGui::CalcTextSize(explanation.c_str(), nullptr, false, em(26));
+    const ImVec2 size{words.x + em(1.2f), words.y + em(0.9f)};
+    const ImGuiWindow* around = ImGui::GetCurrentWindow()->RootWindow;
+    const float gap = em(0.3f), left = around->Pos.x, right = around->Pos.x + around->Size.x;
+    const auto inside = [](float at, float length, float all) { return std::max(0.0f, std::min(at, all - length)); };
+    if (around->Size.x < 0.6f * screen.x && around->Size.y > 2 * (high.y - low.y)) {
+        if (right + gap + size.x <= screen.x) return {right + gap, inside(low.y, size.y, screen.y)};
+        if (left - gap - size.x >= 0) return {left - gap - size.x, inside(low.y, size.y, screen.y)};
+    }
+    const bool below = low.y < 0.5f * screen.y && high.y + gap + size.y <= screen.y;
+    return {inside(low.x, size.x, screen.x), below ? high.y + gap : std::max(0.0f, low.y - gap - size.y)};
+}
+}  // namespace
+
 void tooltip(const std::string& explanation) {
     if (explanation.empty() ||
         !ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled | ImGuiHoveredFlags_AllowWhenOverlapped))
@@ -165,6 +184,7 @@ void tooltip(const std::string& explanation) {
     if (ImGui::IsMouseDown(ImGuiMouseButton_Left) || ImGui::IsMouseDown(ImGuiMouseButton_Right)) return;
     ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {em(0.6f), em(0.45f)});
     ImGui::PushStyleVar(ImGuiStyleVar_Alpha, 1.0f);
+    ImGui::SetNextWindowPos(tooltipPlace(explanation));
     ImGui::BeginTooltip();
     ImGui::PushTextWrapPos(em(26));
     text(explanation);
@@ -175,11 +195,30 @@ void tooltip(const std::string& explanation) {
 
 std::string duration(double seconds) {
     if (!std::isfinite(seconds) || seconds < 0) return "-";
-    if (seconds < 10) return fmt::format("{:.1f} s", seconds);
+    if (seconds < 10 && seconds != std::floor(seconds)) return fmt::format("{:.1f} s", seconds);
     const long s = std::lround(std::min(seconds, 1e9));
     if (s < 60) return fmt::format("{} s", s);
     if (s < 3600) return s % 60 ? fmt::format("{} min {} s", s / 60, s % 60) : fmt::format("{} min", s / 60);
     return fmt::format("{} h {} min", s / 3600, s % 3600 / 60);
+}
+
+std::string timeLeftWords(const JobStatus& job) {
+    if (job.stopping) return "stopping...";
+    if (job.paused) return "paused";
+    if (!job.secondsLeft) return duration(job.seconds);
+    // Whole seconds; in steps of five once it is long.
+    const double left = *job.secondsLeft;
+    return left < 1 ? "finishing"
+                    : "about " + duration(left < 20 ? std::ceil(left) : 5 * std::ceil(left / 5)) + " left";
+}
+
+FineDrag::FineDrag(float& speed) : shift_(ImGui::GetIO().KeyShift), alt_(ImGui::GetIO().KeyAlt) {
+    if (shift_) speed *= 0.1f;
+    ImGui::GetIO().KeyShift = ImGui::GetIO().KeyAlt = false;
+}
+FineDrag::~FineDrag() {
+    ImGui::GetIO().KeyShift = shift_;
+    ImGui::GetIO().KeyAlt = alt_;
 }
 
 std::string mebibytes(double mib) {
@@ -360,6 +399,12 @@ void bar(double fraction, const ImVec4& colour, const std::string& label, float 
     const float filled = width * float(std::clamp(std::isfinite(fraction) ? fraction : 0.0, 0.0, 1.0)),
                 rounding = ImGui::GetStyle().FrameRounding;
     list->AddRectFilled(at, {at.x + width, at.y + height}, colourOf(ImGuiCol_FrameBg), rounding);
+    if (fraction < 0) {
+        const float phase = float(std::fmod(ImGui::GetTime() * 0.4, 1.0)), piece = 0.3f * width;
+        const float from = at.x - piece + phase * (width + piece);
+        list->AddRectFilled({std::max(at.x, from), at.y}, {std::min(at.x + width, from + piece), at.y + height},
+                            ImGui::GetColorU32(colour), rounding);
+    }
     if (filled >= 1) list->AddRectFilled(at, {at.x + filled, at.y + height}, ImGui::GetColorU32(colour), rounding);
     const std::string fits = elided(label, width - em(0.8f), false);
     const ImVec2 place{at.x + em(0.4f), at.y + em(0.125f)};
@@ -412,7 +457,7 @@ bool panelsBusy() { return awake || awakeLast; }
 void stayAwake() { awake = true; }
 void beginPanelFrame() {
     awakeLast = awake;
-    awake = false;
+    awake = escapeTaken = false;
     if (!hover.seen) hover = {};
     hover.seen = false;
 }

@@ -20,6 +20,8 @@ ImTextureID textureId(uint64_t texture);
 bool keyPressed(ImGuiKey key, bool repeat = false);
 /// Esc in this frame, from ImGui's keys or the window's.
 bool escapePressed();
+/// Nothing else in this frame takes it for its own.
+void takeEscape();
 bool enterPressed();
 bool inputText(const char* label, std::string& text, const char* hint = "", ImGuiInputTextFlags flags = 0);
 
@@ -77,8 +79,11 @@ bool radio(const char* label, bool on, const std::string& explanation);
 void iconText(Icon icon, const ImVec4& colour);
 /// A small rounded label.
 void badge(const std::string& label, const ImVec4& colour, const std::string& explanation);
-/// A bar of `share` of the width with text over it.
+/// A bar of `fraction` of the width with text over it; `fraction` < 0: it runs, nobody knows how far it is.
 void bar(double fraction, const ImVec4& colour, const std::string& label, float width = -1);
+inline const ImVec4 progressColour{0.28f, 0.42f, 0.58f, 1};
+/// "about 40 s left", "stopping...", "paused", "finishing", or how long it has run.
+std::string timeLeftWords(const JobStatus& job);
 /// A filled square; true when clicked.
 bool swatch(const char* id, const ImVec4& colour, float size, const std::string& explanation);
 /// An image of `width` by `height` pixels, or a grey box with `missing` where there is no texture. True when clicked.
@@ -112,9 +117,24 @@ bool dragLook(Editor& editor, const char* id, const std::string& label, float va
 /// Temperature of a light's colour in kelvin; `apply` gets the tint of luminance 1.
 bool kelvinLook(Editor& editor, const char* id, const std::string& label, const Rgb& colour,
                 const std::string& explanation, const std::function<void(Look&, const Rgb&)>& apply);
+/// Green against magenta, apart from the temperature; `apply` as above.
+bool tintLook(Editor& editor, const char* id, const std::string& label, const Rgb& colour,
+              const std::string& explanation, const std::function<void(Look&, const Rgb&)>& apply);
 /// A swatch that opens a disc of colours and a temperature. `apply` gets the new colour, as bright as `light`.
 bool colourLook(Editor& editor, const char* id, const std::string& label, const Rgb& light, float size,
                 const std::string& explanation, const std::function<void(Look&, const Rgb&)>& apply);
+
+/// While it lives Shift makes a drag of a number finer, as in the viewport, and nothing else changes its speed.
+class FineDrag {
+public:
+    explicit FineDrag(float& speed);
+    ~FineDrag();
+    FineDrag(const FineDrag&) = delete;
+    FineDrag& operator=(const FineDrag&) = delete;
+
+private:
+    bool shift_, alt_;
+};
 
 /// Something in a panel (a pending tooltip, a folder being read) wants another frame though no input came.
 bool panelsBusy();

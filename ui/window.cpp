@@ -21,6 +21,7 @@ struct Events {
     std::vector<std::filesystem::path> dropped;
     std::vector<KeyPress> keys;
     std::deque<RawKey> held;
+    std::deque<RawButton> buttons;
 };
 Events events;
 std::atomic<bool> woken{false};
@@ -54,7 +55,10 @@ void setCallbacks(GLFWwindow* window) {
     });
     glfwSetCursorPosCallback(window, [](GLFWwindow*, double, double) { events.any = true; });
     glfwSetCursorEnterCallback(window, [](GLFWwindow*, int) { events.any = true; });
-    glfwSetMouseButtonCallback(window, [](GLFWwindow*, int, int, int) { events.any = true; });
+    glfwSetMouseButtonCallback(window, [](GLFWwindow*, int button, int action, int) {
+        events.any = true;
+        if (button >= 0 && button < 5) events.buttons.push_back({button, action == GLFW_PRESS, glfwGetTime()});
+    });
     glfwSetScrollCallback(window, [](GLFWwindow*, double, double) { events.any = true; });
     glfwSetWindowFocusCallback(window, [](GLFWwindow*, int) { events.any = true; });
     glfwSetWindowRefreshCallback(window, [](GLFWwindow*) { events.any = true; });
@@ -163,6 +167,19 @@ std::vector<RawKey> Window::takeRawKeys() {
     return now;
 }
 
+std::vector<RawButton> Window::takeButtons() {
+    std::vector<RawButton> now;
+    bool used[5] = {};
+    while (!events.buttons.empty() && !used[events.buttons.front().button]) {
+        used[events.buttons.front().button] = true;
+        now.push_back(events.buttons.front());
+        events.buttons.pop_front();
+    }
+    return now;
+}
+
+bool Window::buttonsWaiting() const { return !events.buttons.empty(); }
+
 bool Window::keysWaiting() const { return !events.held.empty(); }
 
 void Window::readModifiers() {
@@ -176,6 +193,34 @@ void Window::readModifiers() {
 }
 
 void Window::setTitle(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
+
+void Window::setFullScreen(bool on) {
+    if (on == fullScreen_) return;
+    fullScreen_ = on;
+    if (!on) {
+        glfwSetWindowMonitor(window_, nullptr, before_[0], before_[1], before_[2], before_[3], GLFW_DONT_CARE);
+        return;
+    }
+    glfwGetWindowPos(window_, &before_[0], &before_[1]);
+    glfwGetWindowSize(window_, &before_[2], &before_[3]);
+    // The monitor that holds the window's middle.
+    const int x = before_[0] + before_[2] / 2, y = before_[1] + before_[3] / 2;
+    int count = 0;
+    GLFWmonitor** monitors = glfwGetMonitors(&count);
+    GLFWmonitor* chosen = glfwGetPrimaryMonitor();
+    for (int i = 0; i < count; ++i) {
+        int left = 0, top = 0;
+        glfwGetMonitorPos(monitors[i], &left, &top);
+        const GLFWvidmode* mode = glfwGetVideoMode(monitors[i]);
+        if (mode && x >= left && y >= top && x < left + mode->width && y < top + mode->height) chosen = monitors[i];
+    }
+    const GLFWvidmode* mode = chosen ? glfwGetVideoMode(chosen) : nullptr;
+    if (!mode) {
+        fullScreen_ = false;
+        return;
+    }
+    glfwSetWindowMonitor(window_, chosen, 0, 0, mode->width, mode->height, mode->refreshRate);
+}
 
 Vec2 Window::size() const {
     int w = 0, h = 0;

@@ -23,6 +23,13 @@ struct RawKey {
     unsigned character = 0;  ///< of a character event; then the others mean nothing
 };
 
+/// A button of the mouse that went down or up.
+struct RawButton {
+    int button = 0;
+    bool down = false;
+    double seconds = 0;  ///< glfwGetTime() then
+};
+
 class Window {
 public:
     /// Throws Error when there is no display or no OpenGL at all. Asks for OpenGL 4.3 core and takes 3.3 when there is
@@ -50,6 +57,12 @@ public:
     bool keysWaiting() const;
     void readModifiers();  ///< into input()
     void setTitle(const std::string& title);
+    /// Over the whole monitor it stands on, or back to where it was.
+    void setFullScreen(bool on);
+    /// Presses and releases of the mouse's buttons for one frame: at most one of each button, so that a click which
+    /// began and ended between two frames is seen. Empty: nothing new.
+    std::vector<RawButton> takeButtons();
+    bool buttonsWaiting() const;
     Vec2 size() const;             ///< screen units
     Vec2 framebufferSize() const;  ///< pixels
     float contentScale() const;    ///< of the monitor: 2 on a HiDPI one
@@ -62,6 +75,8 @@ public:
 
 private:
     GLFWwindow* window_ = nullptr;
+    bool fullScreen_ = false;
+    int before_[4] = {0, 0, 0, 0};  ///< place and size outside full screen
 };
 
 }  // namespace relamp::ui

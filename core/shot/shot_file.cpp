@@ -304,7 +304,17 @@ void assignEmitters(const std::vector<float>& emitter, const Mesh& mesh, Emitter
     }
 }
 
-Shot readShot(const fs::path& folder, bool withImages, Progress& progress) {
+/// The mesh that a shot was made on, with nothing of the capture beside it.
+Capture captureFromShot(const fs::path& folder, const fs::path& captureFolder, Progress& progress) {
+    Capture capture;
+    capture.folder = captureFolder;
+    progress.begin("Reading the mesh", 1);
+    capture.mesh = readMesh(folder / "reflectance.ply", &capture.meshReport);
+    capture.origin = capture.meshReport.origin;
+    return capture;
+}
+
+Shot readShot(const fs::path& folder, bool withImages, Progress& progress, const ShotPlaces& places) {
     Shot shot;
     shot.folder = folder;
     const fs::path file = folder / "shot.json";
@@ -317,12 +327,16 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress) {
         if (const int version = JsonFields(document).get<int>("version"); version != 1 && version != 2)
             throw Error("version: is {}, expected 1 or 2", version);
         upgradeShotDocument(document);
+        placeShot(document, folder, places);
         readShotDocument(document, folder, shot, centroids);
     });
     LoadOptions load;
     load.images = withImages;
     load.fix = shot.fix;
-    withContext(file.string() + ": capture", [&] { shot.capture = loadCapture(shot.captureFolder, load, progress); });
+    if (places.withoutCapture) shot.capture = captureFromShot(folder, shot.captureFolder, progress);
+    else
+        withContext(file.string() + ": capture",
+                    [&] { shot.capture = loadCapture(shot.captureFolder, load, progress); });
     // What the document places counts from the capture's own origin.
     for (size_t i = 0; i < centroids.size(); ++i)
         e.emitters.emitters[i].centroid = Vec3(centroids[i] - shot.capture.origin);
@@ -356,7 +370,7 @@ InputFiles shotFiles(const Shot& shot, Progress& progress) {
     return files;
 }
 
-Shot openShot(const fs::path& folder, bool withImages, Progress& progress) {
+Shot openShot(const fs::path& folder, bool withImages, Progress& progress, const ShotPlaces& places) {
     mendShot(folder);
     // Another process may put a new shot in its place while this one reads: then once more, so that no file of one
     // meets those of another.
@@ -369,7 +383,7 @@ Shot openShot(const fs::path& folder, bool withImages, Progress& progress) {
                    (after.st_ino != before.st_ino || after.st_dev != before.st_dev);
         };
         try {
-            Shot shot = readShot(folder, withImages, progress);
+            Shot shot = readShot(folder, withImages, progress, places);
             if (!changed()) return shot;
         } catch (const Error&) {
             if (!changed()) throw;

@@ -9,6 +9,7 @@
 #include "capture/orientation.h"
 #include "relight/look.h"
 #include "scene/scene.h"
+#include "shot/shot_places.h"
 #include "solve/estimate.h"
 
 namespace relamp {
@@ -52,7 +53,8 @@ void checkShotCanBeWritten(const std::filesystem::path& folder, const InputFiles
 /// Every file that an opened shot was read from, its capture's too. Throws Error as openShot does.
 InputFiles shotFiles(const Shot& shot, Progress& progress);
 
-/// Opens a shot, after setting right what a killed save left beside it. Throws Error naming file and field.
-Shot openShot(const std::filesystem::path& folder, bool withImages, Progress& progress);
+/// Opens a shot, after setting right what a killed save left beside it. `places` says where things are that are not
+/// where shot.json says. Throws Error naming file and field.
+Shot openShot(const std::filesystem::path& folder, bool withImages, Progress& progress, const ShotPlaces& places = {});
 
 }  // namespace relamp

@@ -198,6 +198,7 @@ Json shotDocument(const Shot& shot, const fs::path& folder) {
     const auto fromHere = [&](const fs::path& place) { return fs::proximate(fs::absolute(place), folder).string(); };
     Json document = shotInfo(shot);
     document["capture"] = fromHere(shot.captureFolder);
+    document["capture_absolute"] = fs::absolute(shot.captureFolder).lexically_normal().string();
     for (size_t k = 0; k < shot.estimate.reflectance.basis.lobes.size(); ++k)
         if (const auto& measured = shot.estimate.reflectance.basis.lobes[k].measured)
             document["basis"][k]["file"] = fromHere(measured->file);

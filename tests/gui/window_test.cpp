@@ -127,7 +127,7 @@ TEST(GuiWindow, anArtistOpensEstimatesMovesTheEmitterSwapsTheSkyAndExports) {
     for (int y = 0; y < 32; ++y)
         for (int x = 0; x < 64; ++x) sky.at(x, y) = y < 16 ? Rgb(0.1f, 0.4f, 2) : Rgb(0.05f);
     writeImage(desk.home() / "sky.exr", sky);
-    desk.click("Browse...");
+    desk.click("Load HDRI...");
     ASSERT_TRUE(desk.untilItem("##path"));
     desk.click("##path");
     desk.key("ctrl+a");

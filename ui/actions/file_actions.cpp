@@ -1,5 +1,6 @@
 // The menus File, Edit and Help.
 #include "actions/menus.h"
+#include "panels/light_clipboard.h"
 
 namespace relamp::ui {
 
@@ -32,6 +33,15 @@ void addFileActions(std::vector<Action>& table) {
          hasEstimate,
          {},
          false});
+    add({"file.saveVersion",
+         "Save new version",
+         "Saves beside the shot under the next number: NAME-002.relamp. The shot stays as it was.",
+         "File",
+         {{'S', true, false, true}},
+         [](Editor& e) { e.saveVersion(); },
+         hasEstimate,
+         {},
+         false});
     add({"file.export",
          "Export frames...",
          "Render the present look to files for compositing.",
@@ -59,6 +69,34 @@ void addFileActions(std::vector<Action>& table) {
          {},
          {},
          true});
+}
+
+void addSnapshotActions(std::vector<Action>& table) {
+    static constexpr const char* stores[] = {"Store as snapshot A", "Store as snapshot B", "Store as snapshot C"};
+    static constexpr const char* recalls[] = {"Go to snapshot A", "Go to snapshot B", "Go to snapshot C"};
+    for (int i = 0; i < 3; ++i) {
+        Action store;
+        store.id = std::string("edit.store") + char('A' + i);
+        store.label = stores[i];
+        store.explanation = "Keeps the present look, to compare with and to go back to. Saved with the shot.";
+        store.menu = "Edit";
+        store.keys = {{keyF1 + 4 + i, true}};
+        store.run = [i](Editor& e) { e.storeSnapshot(size_t(i)); };
+        store.enabled = hasEstimate;
+        store.separatorBefore = i == 0;
+        table.push_back(std::move(store));
+    }
+    for (int i = 0; i < 3; ++i) {
+        Action recall;
+        recall.id = std::string("edit.recall") + char('A' + i);
+        recall.label = recalls[i];
+        recall.explanation = "Makes the kept look the present one. One edit, which can be undone.";
+        recall.menu = "Edit";
+        recall.keys = {{keyF1 + 4 + i}};
+        recall.run = [i](Editor& e) { e.recallSnapshot(size_t(i)); };
+        recall.enabled = [i](const Editor& e) { return hasEstimate(e) && e.state.snapshots[size_t(i)].has_value(); };
+        table.push_back(std::move(recall));
+    }
 }
 
 void addEditActions(std::vector<Action>& table) {
@@ -90,6 +128,36 @@ void addEditActions(std::vector<Action>& table) {
          hasEstimate,
          {},
          true});
+    add({"edit.copy",
+         "Copy lights",
+         "The selected lights, to be pasted here or in another shot.",
+         "Edit",
+         {{'C', true}},
+         copyLights,
+         [](const Editor& e) { return hasEstimate(e) && !e.state.selection.emitters.empty(); },
+         {},
+         true});
+    add({"edit.paste",
+         "Paste lights",
+         "The copied lights as new lights, where they were.",
+         "Edit",
+         {{'V', true}},
+         pasteLights,
+         [](const Editor& e) { return hasEstimate(e) && !e.state.copied.lights.empty(); },
+         {},
+         false});
+    add({"edit.pasteValues",
+         "Paste exposure and colour",
+         "Gives the selected lights the exposure and colour of the copied one.",
+         "Edit",
+         {{'V', true, true}},
+         pasteLightValues,
+         [](const Editor& e) {
+             return hasEstimate(e) && !e.state.copied.lights.empty() && !e.state.selection.emitters.empty();
+         },
+         {},
+         false});
+    addSnapshotActions(table);
     add({"edit.selectNone",
          "Deselect",
          "Select nothing; also disarms a click that waits.",
@@ -111,7 +179,7 @@ void addEditActions(std::vector<Action>& table) {
          true});
     add({"edit.selectAll",
          "Select all lights",
-         "Select every emitter, to edit them together.",
+         "Select every light, to edit them together.",
          "Edit",
          {{'A', true}},
          [](Editor& e) {

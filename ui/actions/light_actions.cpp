@@ -14,7 +14,7 @@ Action addAction(const EmitterShapeInfo& info) {
     Action a;
     a.id = std::string("light.add") + info.label;
     a.label = std::string("Add ") + info.name;
-    a.explanation = "A new light in front of what you look at; move it with G, turn it with R.";
+    a.explanation = "A new light in front of what you look at; move it with G, rotate it with R.";
     a.menu = "Light";
     a.enabled = hasEstimate;
     a.run = [shape = info.shape](Editor& e) { addNewEmitter(e, shape); };
@@ -33,7 +33,7 @@ void addEstimate(const Adder& add) {
          {},
          false});
     add({"light.unseen",
-         "Look for an unobserved light",
+         "Find off-camera light",
          "A light outside all photographs leaves shading and shadows: finds its place. Runs in the background.",
          "Light",
          {},
@@ -105,13 +105,30 @@ void addSelected(const Adder& add) {
          false});
     add({"light.reset",
          "Reset to recovered",
-         "The selected lights back to what was found: place, colour and power.",
+         "The selected lights back to what was found: position, colour and power.",
          "Light",
          {},
          [](Editor& e) { resetEmitters(e, e.state.selection.emitters, EmitterValue::all); },
          hasSelection,
          {},
          false});
+    const auto clear = [&](const char* id, const char* label, const char* explanation, int key, TransformPart part) {
+        add({id,
+             label,
+             explanation,
+             "Light",
+             {{key, false, false, true}},
+             [part](Editor& e) { clearTransform(e, e.state.selection.emitters, part); },
+             hasSelection,
+             {},
+             false});
+    };
+    clear("light.clearPosition", "Clear position", "The selected lights back to where they were recovered or added.",
+          'G', TransformPart::position);
+    clear("light.clearRotation", "Clear rotation", "The selected lights turned as they were recovered.", 'R',
+          TransformPart::rotation);
+    clear("light.clearScale", "Clear scale", "The selected lights as large as they were recovered.", 'S',
+          TransformPart::scale);
     add({"light.duplicate",
          "Duplicate",
          "A second light like this one, a little aside.",
@@ -122,8 +139,8 @@ void addSelected(const Adder& add) {
          {},
          false});
     add({"light.delete",
-         "Delete",
-         "Removes added lights; recovered ones are switched off, because their geometry is part of the scene.",
+         "Delete or switch off",
+         "Removes added lights. Recovered ones are switched off, because their geometry is part of the scene.",
          "Light",
          {{keyDelete}, {'X', false, true}},
          [](Editor& e) { deleteEmitters(e, e.state.selection.emitters); },
@@ -136,8 +153,8 @@ void addNew(const Adder& add) {
     for (const EmitterShapeInfo& info : emitterShapes())
         if (info.own()) add(addAction(info));
     add({"light.addPart",
-         "Add a part of the scene",
-         "Click a thing in the scene and it shines.",
+         "Add object light",
+         "Click an object of the scene and it shines.",
          "Light",
          {},
          [](Editor& e) { e.state.viewport.clickTask = ClickTask::newPart; },
@@ -155,7 +172,7 @@ void addNew(const Adder& add) {
          true});
     add({"light.reflect",
          "Place by its reflection",
-         "Click where the light should be mirrored; it moves there.",
+         "Click where its reflection is to be seen; the light moves there.",
          "Light",
          {},
          [](Editor& e) { e.state.viewport.clickTask = ClickTask::reflect; },
@@ -172,8 +189,8 @@ void addNew(const Adder& add) {
          {},
          false});
     add({"light.attach",
-         "Attach a part",
-         "Click a thing that should follow the selected light: its shade, its stand.",
+         "Attach an object",
+         "Click an object that follows the selected light from then on: its shade, its stand.",
          "Light",
          {},
          [](Editor& e) { e.state.viewport.clickTask = ClickTask::attach; },
@@ -184,8 +201,8 @@ void addNew(const Adder& add) {
 
 void addEnvironment(const Adder& add) {
     add({"light.environmentBrowse",
-         "Environment image...",
-         "Replace the distant environment with a panorama (EXR or HDR).",
+         "Load HDRI...",
+         "Replace the environment with a panorama (EXR or HDR).",
          "Light",
          {},
          [](Editor& e) { e.state.panels.environmentBrowser = true; },

@@ -6,6 +6,7 @@ namespace relamp::ui {
 
 void addFileActions(std::vector<Action>& table);
 void addEditActions(std::vector<Action>& table);
+void addSnapshotActions(std::vector<Action>& table);  ///< of the menu Edit
 void addLightActions(std::vector<Action>& table);
 void addViewActions(std::vector<Action>& table);
 void addHelpActions(std::vector<Action>& table);

@@ -110,7 +110,7 @@ void addImage(const Adder& add) {
          false});
     add({"view.hide",
          "Hide",
-         "Hides the picked thing, so that you can reach behind it. Its light stays.",
+         "Hides the picked object, so that you can reach behind it. Its light stays.",
          "View",
          {{'H'}},
          [](Editor& e) { hidePicked(e); },
@@ -119,7 +119,7 @@ void addImage(const Adder& add) {
          true});
     add({"view.showAll",
          "Show everything",
-         "Brings hidden things back.",
+         "Brings hidden objects back.",
          "View",
          {{'H', false, false, true}},
          [](Editor& e) { showAll(e); },
@@ -129,8 +129,17 @@ void addImage(const Adder& add) {
 }
 
 void addOverlays(const Adder& add) {
+    add({"view.overlays",
+         "Overlays",
+         "Marks, grid, cameras, legend and axes over the image, all at once.",
+         "View",
+         {{'O'}},
+         [](Editor& e) { e.state.viewport.overlays = !e.state.viewport.overlays; },
+         {},
+         [](const Editor& e) { return e.state.viewport.overlays; },
+         true});
     add({"view.photograph",
-         "Photograph behind",
+         "Background photo",
          "Shows the photograph behind the scene when you look through it.",
          "View",
          {},
@@ -176,6 +185,36 @@ void addOverlays(const Adder& add) {
          false});
 }
 
+void addWindow(const Adder& add) {
+    add({"view.panels",
+         "Hide the panels",
+         "Shows the viewport alone; again brings the panels back.",
+         "View",
+         {{keyTab}},
+         [](Editor& e) { e.state.panels.hidden = !e.state.panels.hidden; },
+         {},
+         [](const Editor& e) { return e.state.panels.hidden; },
+         true});
+    add({"view.fullScreen",
+         "Full screen",
+         "The window over the whole screen.",
+         "View",
+         {{keyF11}},
+         [](Editor& e) { e.state.fullScreen = !e.state.fullScreen; },
+         {},
+         [](const Editor& e) { return e.state.fullScreen; },
+         false});
+    add({"view.bottom",
+         "Fold the bottom panel",
+         "Leaves its tabs alone; a click on a tab unfolds it.",
+         "View",
+         {{'B', true}},
+         [](Editor& e) { e.state.panels.bottomFolded = !e.state.panels.bottomFolded; },
+         {},
+         [](const Editor& e) { return e.state.panels.bottomFolded; },
+         false});
+}
+
 void addTextSize(const Adder& add) {
     add({"view.larger",
          "Larger text",
@@ -205,6 +244,7 @@ void addViewActions(std::vector<Action>& table) {
     addCamera(add);
     addImage(add);
     addOverlays(add);
+    addWindow(add);
     addTextSize(add);
 }
 

@@ -149,8 +149,9 @@ void FileBrowser::Drawing::switches() {
             s_.choose();
     }
     if (s_.request.mode != BrowserRequest::Mode::folder) {
-        sameLineIfFits(buttonWidth("Frames") + em(1.6f));
-        if (checkbox("Frames", s_.separate, "Shows each frame of a numbered sequence in a row of its own")) s_.choose();
+        sameLineIfFits(buttonWidth("Expand sequences") + em(1.6f));
+        if (checkbox("Expand sequences", s_.separate, "Shows each frame of a numbered sequence in a row of its own"))
+            s_.choose();
     }
     sameLineIfFits(buttonWidth("Hidden") + em(1.6f));
     if (checkbox("Hidden", s_.hidden, "Also shows names that begin with a dot")) s_.read();
@@ -326,8 +327,7 @@ void FileBrowser::Drawing::buttons() {
     if (button("Cancel", "Closes this without choosing (Esc)", buttonWidth("Cancel") + em(1)))
         answer_ = FileBrowser::Answer::cancelled;
     ImGui::SameLine();
-    if (primaryButton(confirmWord.c_str(),
-                      s_.askReplace ? "Overwrites what is there" : "Takes what is selected (Enter)",
+    if (primaryButton(confirmWord.c_str(), s_.askReplace ? "Overwrites what is there" : "Open selected (Enter)",
                       buttonWidth(confirmWord) + em(1)))
         done(s_.confirm());
 }

@@ -1,11 +1,14 @@
-// The strip at the bottom: timeline, all lights in a wide table, log, history, the plan of the estimate.
+// The strip at the bottom: progress, all lights in a wide table, log, history, details of the solve.
 #include "item_map.h"
 #include "panels/panels.h"
 #include "widgets.h"
 
 namespace relamp::ui {
 
+float bottomPanelFoldedHeight() { return std::floor(ImGui::GetFrameHeight() + 2 * ImGui::GetStyle().WindowPadding.y); }
+
 void drawBottomPanel(Editor& editor) {
+    bool& folded = editor.state.panels.bottomFolded;
     static int shownTab = -1;
     int& wanted = editor.state.panels.bottomTab;
     if (!ImGui::BeginTabBar("##bottom", ImGuiTabBarFlags_FittingPolicyScroll | ImGuiTabBarFlags_NoTooltip)) return;
@@ -14,11 +17,12 @@ void drawBottomPanel(Editor& editor) {
         const char* explanation;
         void (*draw)(Editor&);
     };
-    const Tab tabs[] = {{"Timeline", "Error against run time of the estimate", drawTimelinePanel},
-                        {"Lights", "All lights with colour, power and evidence", drawEmittersPanel},
-                        {"Log", "What has happened so far", drawLogPanel},
-                        {"History", "Every edit by name; a click goes there", drawHistoryPanel},
-                        {"Plan", "What the estimate does, what it leaves out and why, with times", drawPlanPanel}};
+    const Tab tabs[] = {
+        {"Progress", "Error against run time of the estimate", drawTimelinePanel},
+        {"Lights", "All lights with colour, power and evidence", drawEmittersPanel},
+        {"Log", "What has happened so far", drawLogPanel},
+        {"History", "Every edit by name; a click goes there", drawHistoryPanel},
+        {"Solve details", "What the estimate does, what it leaves out and why, with times", drawPlanPanel}};
     const int asked = wanted;
     const bool fromOutside = asked != shownTab;
     for (int i = 0; i < 5; ++i) {
@@ -26,12 +30,18 @@ void drawBottomPanel(Editor& editor) {
             ImGui::BeginTabItem(tabs[i].label, nullptr, fromOutside && asked == i ? ImGuiTabItemFlags_SetSelected : 0);
         noteItem(std::string("tab ") + tabs[i].label);
         tooltip(tabs[i].explanation);
+        if (ImGui::IsItemClicked()) folded = false;
         if (!open) continue;
         if (!fromOutside || asked == i) wanted = shownTab = i;
-        if (beginChild("##content", {0, 0})) tabs[i].draw(editor);
-        ImGui::EndChild();
+        if (!folded) {
+            if (beginChild("##content", {0, 0})) tabs[i].draw(editor);
+            ImGui::EndChild();
+        }
         ImGui::EndTabItem();
     }
+    if (ImGui::TabItemButton(folded ? "Unfold###fold" : "Fold###fold", ImGuiTabItemFlags_Trailing)) folded = !folded;
+    noteItem("fold the bottom panel");
+    tooltip(folded ? "Shows the panel (Ctrl+B)" : "Leaves the tabs alone, for a larger image (Ctrl+B)");
     ImGui::EndTabBar();
 }
 

@@ -8,38 +8,42 @@
 namespace relamp::ui {
 
 int fuzzyScore(const std::string& label, const std::string& words) {
-    const auto low = [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; };
-    int score = 0;
-    size_t at = 0;
-    bool run = false;
-    for (const char wanted : words) {
-        if (wanted == ' ') {
-            run = false;
+    const auto low = [](std::string text) {
+        for (char& c : text)
+            if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+        return text;
+    };
+    const std::string in = low(label), wanted = low(words);
+    // Short labels first among equals.
+    const int shorter = -int(std::min<size_t>(99, in.size()));
+    const auto startsWord = [&](size_t i) { return i == 0 || in[i - 1] == ' ' || in[i - 1] == '.'; };
+    if (const size_t whole = in.find(wanted); whole != std::string::npos) {
+        if (whole == 0) return 4000 + shorter;
+        for (size_t at = whole; at != std::string::npos; at = in.find(wanted, at + 1))
+            if (startsWord(at)) return 3000 + shorter;
+        return wanted.size() > 1 ? 1000 + shorter : -1;
+    }
+    // Runs that each start a word: "exp fr", "sa" for "Save as".
+    size_t word = 0;
+    for (size_t i = 0; i < wanted.size();) {
+        if (wanted[i] == ' ') {
+            ++i;
             continue;
         }
-        // The start of a word is worth more than the next best place.
-        size_t found = std::string::npos;
-        for (size_t i = at; i < label.size(); ++i) {
-            if (low(label[i]) != low(wanted)) continue;
-            const bool start = i == 0 || label[i - 1] == ' ' || label[i - 1] == '.';
-            if (run && i == at) {
-                found = i;
-                break;
-            }
-            if (found == std::string::npos) found = i;
-            if (start) {
-                found = i;
-                break;
-            }
+        size_t best = 0, after = 0;
+        for (size_t at = word; at < in.size(); ++at) {
+            if (!startsWord(at)) continue;
+            size_t run = 0;
+            while (i + run < wanted.size() && at + run < in.size() && wanted[i + run] == in[at + run] &&
+                   wanted[i + run] != ' ')
+                ++run;
+            if (run > best) best = run, after = at + run;
         }
-        if (found == std::string::npos) return -1;
-        const bool start = found == 0 || label[found - 1] == ' ' || label[found - 1] == '.';
-        score += 1 + (start ? 6 : 0) + (run && found == at ? 4 : 0);
-        at = found + 1;
-        run = true;
+        if (best == 0) return -1;
+        i += best;
+        word = after;
     }
-    // Short labels first among equals.
-    return score * 100 - int(std::min<size_t>(99, label.size()));
+    return 2000 + shorter;
 }
 
 namespace {
@@ -65,15 +69,14 @@ bool drawCommandPalette(Editor& editor) {
     };
     std::vector<Row> rows;
     for (const Action& action : actions()) {
-        // Labels by loose letters, explanations by whole words only: letters scattered over a sentence mean nothing.
+        // Labels by starts of words, explanations by whole words only: letters scattered over a sentence mean nothing.
         const int byLabel = fuzzyScore(action.label, words);
         const int score = byLabel >= 0 ? byLabel + 1000 : mentions(action.explanation, words) ? 1 : -1;
         if (words.empty() || score > 0) rows.push_back({&action, score, !action.enabled || action.enabled(editor)});
     }
     if (!words.empty())
-        std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) {
-            return a.enabled != b.enabled ? a.enabled : a.score > b.score;
-        });
+        // One that cannot be run now stays in its place: what comes up first never depends on the selection.
+        std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.score > b.score; });
     bool moved = false;
     if (!rows.empty()) {
         const int last = int(rows.size()) - 1;

@@ -1,11 +1,15 @@
 // Which dialog is open. One at a time, the most urgent first; the others wait and come back.
 #include "panels/dialogs.h"
 
+#include <imgui_internal.h>
+
+#include <map>
 #include <utility>
 
 #include "actions.h"
 #include "browser/listing.h"
 #include "capture/capture_formats.h"
+#include "keys.h"
 #include "panels/panels.h"
 #include "widgets.h"
 
@@ -19,7 +23,14 @@ struct Browsing {
     Editor* editor = nullptr;
     FileBrowser browser;
     std::function<void(Editor&, const fs::path&)> chosen;
+    /// Where the browser of each purpose stood last, and what was open then.
+    std::map<std::string, std::pair<fs::path, fs::path>> stood;
 };
+
+fs::path openPath(const Document& document) {
+    return document.shotFolder.empty() ? document.captureFolder : document.shotFolder;
+}
+
 Browsing& browsing() {
     static Browsing one;
     return one;
@@ -30,6 +41,7 @@ bool drawBrowser(Editor& editor) {
     const FileBrowser::Answer answer = b.browser.draw(editor.state.recent);
     if (answer == FileBrowser::Answer::none) return false;
     b.open = false;
+    b.stood[b.browser.request().title] = {openPath(editor.state.document), b.browser.folder()};
     const auto chosen = std::move(b.chosen);
     b.chosen = {};
     if (answer == FileBrowser::Answer::chosen && chosen) chosen(editor, b.browser.chosen());
@@ -47,7 +59,11 @@ void takeBrowserFlags(Editor& editor) {
         request.extensions = {".json", ".exr", ".hdr"};
         request.note = fmt::format(
             "A capture is a folder with {}, photographs and a mesh; a shot is what relamp has saved.", captureMarks());
-        if (!document.captureFolder.empty()) request.start = document.captureFolder.parent_path();
+        // Beside what is open; where it stood last, once it was moved away from there.
+        const auto stood = browsing().stood.find(request.title);
+        if (stood != browsing().stood.end() && stood->second.first == openPath(document))
+            request.start = stood->second.second;
+        else if (!openPath(document).empty()) request.start = openPath(document).parent_path();
         else if (!editor.state.recent.empty()) request.start = editor.state.recent.front().parent_path();
         else request.start = demoCaptures();
         browse(request, [](Editor& e, const fs::path& path) { e.open(captureFolderOf(path)); });
@@ -61,7 +77,7 @@ void takeBrowserFlags(Editor& editor) {
         request.extensions = {".relamp"};
         request.start =
             !document.shotFolder.empty() ? document.shotFolder.parent_path() : document.captureFolder.parent_path();
-        request.name = document.name() + ".relamp";
+        request.name = nameToSave(document);
         request.note =
             "A shot is a folder that holds the recovered light, the surfaces and your edits in open formats.";
         browse(request, [](Editor& e, const fs::path& path) { e.saveAs(path); });
@@ -73,8 +89,31 @@ void takeBrowserFlags(Editor& editor) {
         request.extensions = {".exr", ".hdr"};
         request.note = "A latitude-longitude panorama, twice as wide as high (EXR or HDR).";
         if (!editor.look().environment.file.empty()) request.start = editor.look().environment.file.parent_path();
-        browse(request, [](Editor& e, const fs::path& path) { e.open(path); });
+        browse(request, [](Editor& e, const fs::path& path) { e.openEnvironment(path); });
     }
+}
+
+/// What a browser asks for to answer a MissingQuestion.
+BrowserRequest requestFor(const MissingQuestion& question) {
+    using What = MissingQuestion::What;
+    BrowserRequest request;
+    request.start = question.shot.parent_path();
+    if (question.what == What::capture) {
+        request.title = "Locate the capture";
+        request.captures = true;
+        request.note =
+            fmt::format("It was {}: a folder with {}, photographs and a mesh.", shown(question.path), captureMarks());
+    } else if (question.what == What::environment) {
+        request.title = "Locate the environment";
+        request.extensions = {".exr", ".hdr"};
+        request.note = fmt::format("It was {}.", shown(question.path));
+    } else {
+        request.title = "Locate the measured materials";
+        request.mode = BrowserRequest::Mode::folder;
+        request.note = fmt::format("The folder that holds {}.", shown(question.path.filename()));
+    }
+    request.confirm = "Use";
+    return request;
 }
 
 struct Dialog {
@@ -86,6 +125,7 @@ struct Dialog {
 
 const Dialog recoveryDialog{"Work from before a crash###recovery", 30, 0, true, drawRecoveryOffer};
 const Dialog lockedDialog{"Open elsewhere###locked", 32, 0, true, drawLockedQuestion};
+const Dialog missingDialog{"Something is missing###missing", 32, 0, true, drawMissingQuestion};
 const Dialog unsavedDialog{"Save first?###unsaved", 28, 0, true, drawUnsavedQuestion};
 const Dialog noticeDialog{"###notice", 32, 0, true, drawNotice};
 const Dialog browserDialog{"###browser", 58, 36, true, drawBrowser};
@@ -94,6 +134,26 @@ const Dialog keysDialog{"Keys###keys", 40, 34, true, drawKeysDialog};
 const Dialog aboutDialog{"About relamp###about", 30, 0, true, drawAboutDialog};
 const Dialog paletteDialog{"###palette", 34, 22, false, drawCommandPalette};
 
+/// A dialog stands in the middle of the window, whatever becomes of its size and the window's, until it is dragged by
+/// its title.
+struct Place {
+    const Dialog* of = nullptr;
+    ImVec2 screen{0, 0};
+    bool dragged = false;
+} place;
+
+bool movedByHand(const ImVec2& screen, const Dialog* dialog) {
+    if (place.of != dialog || place.screen.x != screen.x || place.screen.y != screen.y) place = {dialog, screen, false};
+    return place.dragged;
+}
+
+void rememberPlace() {
+    const ImVec2 at = ImGui::GetWindowPos();
+    const ImRect title(at, {at.x + ImGui::GetWindowWidth(), at.y + ImGui::GetFrameHeight()});
+    if (ImGui::IsMouseDragging(ImGuiMouseButton_Left) && title.Contains(ImGui::GetIO().MouseClickedPos[0]))
+        place.dragged = true;
+}
+
 const Dialog* mostUrgent(const Editor& editor) {
     const EditorState& state = editor.state;
     if (state.recovery) return &recoveryDialog;
@@ -101,6 +161,7 @@ const Dialog* mostUrgent(const Editor& editor) {
     if (browsing().open && browsing().editor == &editor) return &browserDialog;
     if (state.unsaved) return &unsavedDialog;
     if (state.locked) return &lockedDialog;
+    if (state.missing) return &missingDialog;
     if (state.panels.palette) return &paletteDialog;
     if (state.panels.exportFrames) return &exportDialog;
     if (state.panels.keys) return &keysDialog;
@@ -123,8 +184,21 @@ bool dialogOpen(const Editor& editor) {
            editor.state.panels.environmentBrowser;
 }
 
+namespace {
+/// Menus, combos and other small windows: Esc closes the innermost, and nothing else.
+void closeMenuOnEscape(const Editor& editor) {
+    const ImVector<ImGuiPopupData>& open = ImGui::GetCurrentContext()->OpenPopupStack;
+    if (open.empty() || editor.state.panels.palette || editor.inGesture() || ImGui::IsAnyItemActive()) return;
+    const ImGuiWindow* top = open.back().Window;
+    if (!top || (top->Flags & ImGuiWindowFlags_Modal) || !escapePressed()) return;
+    takeEscape();
+    ImGui::ClosePopupToLevel(open.Size - 1, true);
+}
+}  // namespace
+
 void drawDialogs(Editor& editor) {
     static const Dialog* drawn = nullptr;
+    closeMenuOnEscape(editor);
     takeBrowserFlags(editor);
     if (browsing().open && !browsing().editor) browsing().editor = &editor;
     drawImportDoctor(editor);
@@ -144,9 +218,9 @@ void drawDialogs(Editor& editor) {
         const float width = std::min(em(dialog->width), screen.x - em(1)),
                     height = dialog->height > 0 ? std::min(em(dialog->height), screen.y - em(2)) : 0;
         ImGui::SetNextWindowSize({width, height}, height > 0 && dialog->modal ? ImGuiCond_Appearing : ImGuiCond_Always);
+        const bool moved = dialog->modal && movedByHand(screen, dialog);
         ImGui::SetNextWindowPos({screen.x / 2, dialog->modal ? screen.y / 2 : em(4)},
-                                dialog->modal ? ImGuiCond_Appearing : ImGuiCond_Always,
-                                {0.5f, dialog->modal ? 0.5f : 0.0f});
+                                moved ? ImGuiCond_Appearing : ImGuiCond_Always, {0.5f, dialog->modal ? 0.5f : 0.0f});
         ImGui::SetNextWindowSizeConstraints({std::min(width, em(18)), std::min(em(6), screen.y)},
                                             {screen.x, screen.y - em(1)});
         std::string title = dialog->title;
@@ -157,6 +231,7 @@ void drawDialogs(Editor& editor) {
         const bool visible = dialog->modal ? ImGui::BeginPopupModal(title.c_str(), nullptr, flags)
                                            : ImGui::BeginPopup(title.c_str(), flags);
         if (visible) {
+            if (dialog->modal) rememberPlace();
             if (dialog->draw(editor)) ImGui::CloseCurrentPopup();
             ImGui::EndPopup();
         } else if (!dialog->modal) {
@@ -164,6 +239,12 @@ void drawDialogs(Editor& editor) {
         }
     }
     settleGestures(editor);
+}
+
+std::string nameToSave(const Document& document) {
+    fs::path name = document.name();
+    while (name.extension() == ".relamp") name = name.stem();
+    return name.string() + ".relamp";
 }
 
 // ---- the small ones
@@ -179,33 +260,58 @@ bool drawNotice(Editor& editor) {
     }
     ImGui::Spacing();
     const bool ok = primaryButton("OK", "Closes this message", em(7));
+    bool undo = false;
+    if (notice.ofAnEdit && editor.history().canUndo()) {
+        ImGui::SameLine();
+        undo = button("Undo", "Takes the edit back (Ctrl+Z)", em(7)) || (input().control && input().pressed == 'Z');
+    }
     if (notices.size() > 1) {
         ImGui::SameLine();
         dimText(fmt::format("{} more", notices.size() - 1));
     }
-    if (!ok && !(enterPressed() && !ImGui::IsWindowAppearing()) && !escapePressed()) return false;
+    if (!ok && !undo && !(enterPressed() && !ImGui::IsWindowAppearing()) && !escapePressed()) return false;
+    if (undo) editor.undo();
     notices.erase(notices.begin());
     return true;
 }
 
 bool drawUnsavedQuestion(Editor& editor) {
     if (!editor.state.unsaved) return true;
+    if (editor.state.unsaved->estimating && !editor.job()) {
+        // It has come to its end while this was asked: its answer is not saved.
+        editor.state.unsaved->estimating = false;
+        editor.state.unsaved->edits = editor.unsavedChanges();
+    }
     const UnsavedQuestion question = *editor.state.unsaved;
     const char* then = question.then == UnsavedQuestion::Then::open   ? "before opening something else"
                        : question.then == UnsavedQuestion::Then::quit ? "before you leave"
                                                                       : "before closing";
-    wrapped(fmt::format("{} has edits that are not saved. Save them {}?", shown(editor.state.document.name()), then));
+    if (question.estimating)
+        wrapped(
+            "An estimate is running. Leaving ends it; how far it came is kept, and relamp offers to go on with it next "
+            "time.");
+    if (question.edits)
+        wrapped(
+            fmt::format("{} has edits that are not saved. Save them {}?", shown(editor.state.document.name()), then));
     ImGui::Spacing();
     const auto answer = [&](bool save, bool proceed) {
         editor.answerUnsaved(save, proceed);
         return true;
     };
-    if (primaryButton("Save", "Saves the shot, then goes on", em(7))) return answer(true, true);
-    sameLineIfFits(em(8));
-    if (button("Don't save", "Goes on; the edits are lost", em(8))) return answer(false, true);
-    sameLineIfFits(em(7));
-    if (button("Cancel", "Stays here (Esc)", em(7)) || escapePressed()) return answer(false, false);
-    if (enterPressed() && !ImGui::IsWindowAppearing()) return answer(true, true);
+    const bool enter = enterPressed() && !ImGui::IsWindowAppearing();
+    if (question.edits) {
+        if (primaryButton("Save", "Saves the shot, then goes on", em(7)) || enter) return answer(true, true);
+        sameLineIfFits(em(8));
+        if (button("Don't save", "Goes on; the edits are lost", em(8))) return answer(false, true);
+        sameLineIfFits(em(7));
+    } else {
+        if (primaryButton("Leave", "Ends the estimate and closes the window", em(7)) || enter)
+            return answer(false, true);
+        sameLineIfFits(em(10));
+    }
+    if (button(question.edits ? "Cancel" : "Keep estimating", "Stays here (Esc)", question.edits ? em(7) : em(10)) ||
+        escapePressed())
+        return answer(false, false);
     return false;
 }
 
@@ -228,6 +334,45 @@ bool drawLockedQuestion(Editor& editor) {
     if (button("Open a copy", "Saves a copy beside it and opens that", em(9))) return answer(LockedAnswer::copy);
     sameLineIfFits(em(7));
     if (button("Cancel", "Opens nothing (Esc)", em(7)) || escapePressed()) return answer(LockedAnswer::cancel);
+    return false;
+}
+
+bool drawMissingQuestion(Editor& editor) {
+    if (!editor.state.missing) return true;
+    const MissingQuestion question = *editor.state.missing;
+    using What = MissingQuestion::What;
+    const char* const what = question.what == What::capture       ? "capture"
+                             : question.what == What::environment ? "environment image"
+                                                                  : "measured material";
+    wrapped(
+        fmt::format("The {} of this shot is not where it was. The shot or the {} may have been moved.", what, what));
+    ImGui::Spacing();
+    fact("Shot", shown(question.shot));
+    fact("Looked for", shown(question.path));
+    ImGui::Spacing();
+    const std::string locate = question.what == What::capture ? "Locate capture..." : "Locate...";
+    if (primaryButton(locate.c_str(), "Shows where it is now, then opens the shot", em(10)) ||
+        (enterPressed() && !ImGui::IsWindowAppearing())) {
+        browse(requestFor(question),
+               [](Editor& e, const fs::path& path) { e.answerMissing(MissingAnswer::located, path); });
+        return true;
+    }
+    if (question.what != What::measured) {
+        const bool capture = question.what == What::capture;
+        sameLineIfFits(em(13));
+        if (button(capture ? "Open without photographs" : "Use the recovered one",
+                   capture ? "The shot can be relit and exported; estimating again needs its capture"
+                           : "Opens the shot under the environment that was recovered",
+                   em(13))) {
+            editor.answerMissing(MissingAnswer::without);
+            return true;
+        }
+    }
+    sameLineIfFits(em(7));
+    if (button("Cancel", "Opens nothing (Esc)", em(7)) || escapePressed()) {
+        editor.answerMissing(MissingAnswer::cancel);
+        return true;
+    }
     return false;
 }
 
@@ -288,7 +433,8 @@ bool drawKeysDialog(Editor& editor) {
         const struct {
             const char* keys;
             const char* label;
-        } hands[] = {{"G, R, S", "Move, turn or scale the selected lights with the hand"},
+        } hands[] = {{"G, R, S", "Move, rotate or scale the selected lights with the hand"},
+                     {"Alt+G, R, S", "Position, rotation or size back to how it was recovered"},
                      {"X, Y, Z", "while moving: along this axis only"},
                      {"0-9", "while moving: type the amount"},
                      {"Ctrl", "while moving: snap"},

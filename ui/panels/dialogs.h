@@ -12,6 +12,7 @@ bool drawNotice(Editor& editor);
 bool drawUnsavedQuestion(Editor& editor);
 bool drawRecoveryOffer(Editor& editor);
 bool drawLockedQuestion(Editor& editor);
+bool drawMissingQuestion(Editor& editor);
 bool drawExportDialog(Editor& editor);
 bool drawKeysDialog(Editor& editor);
 bool drawAboutDialog(Editor& editor);
@@ -22,8 +23,12 @@ void drawImportDoctor(Editor& editor);
 /// Opens the file browser for a panel; `chosen` runs when something was chosen.
 void browse(const BrowserRequest& request, std::function<void(Editor&, const std::filesystem::path&)> chosen);
 
-/// Score of `words` as a loose match of a label, the larger the better; negative: no match. All letters must occur in
-/// order; starts of words and runs count more. Capitals do not matter.
+/// Name to begin with when a document is saved: "room.relamp", also for a shot of that name.
+std::string nameToSave(const Document& document);
+
+/// Score of `words` as a loose match of a label, the larger the better; negative: no match. The letters must occur in
+/// order, each run of them at the start of a word, or as one run anywhere. A label that begins with them comes first,
+/// then a word that does, then a run inside a word. Capitals do not matter.
 int fuzzyScore(const std::string& label, const std::string& words);
 
 }  // namespace relamp::ui

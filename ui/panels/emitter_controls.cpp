@@ -105,10 +105,9 @@ float powerOf(const Editor& editor, const EmitterState& emitter) {
 void stopsControl(Editor& editor, const EmitterState& emitter, const char* id) {
     const auto targets = targetsOf(editor, emitter.id);
     const std::string what = emitter.recovered
-                                 ? "Brightness against what was recovered, in stops: +1 is twice as bright, -1 half."
-                                 : "Brightness against the strongest recovered light, in stops: +1 is twice as bright.";
-    dragLook(editor, id, describe(editor, "Brightness of", targets), stopsOf(editor, emitter),
-             {0.02f, -20, 20, "%+.2f"},
+                                 ? "Exposure against what was recovered, in stops: +1 is twice as bright, -1 half."
+                                 : "Exposure against the strongest recovered light, in stops: +1 is twice as bright.";
+    dragLook(editor, id, describe(editor, "Exposure of", targets), stopsOf(editor, emitter), {0.02f, -20, 20, "%+.2f"},
              targets.size() > 1 ? what + " All selected ones change by the same factor." : what,
              [&](Look& look, float stops) {
                  const auto first = emitterAtStart(editor, emitter.id);
@@ -142,8 +141,15 @@ void setColour(Editor& editor, Look& look, const std::vector<std::string>& targe
 void kelvinControl(Editor& editor, const EmitterState& emitter, const char* id) {
     const auto targets = targetsOf(editor, emitter.id);
     kelvinLook(editor, id, describe(editor, "Colour temperature of", targets), emitter.radiance,
-               "Colour temperature: 2700 K is a warm bulb, 6504 K is white, more is bluish. The brightness stays.",
+               "Colour temperature: 2700 K is a warm bulb, 6504 K is white, more is bluish. Tint and brightness stay.",
                [&](Look& look, const Rgb& tint) { setColour(editor, look, targets, tint); });
+}
+
+void tintControl(Editor& editor, const EmitterState& emitter, const char* id) {
+    const auto targets = targetsOf(editor, emitter.id);
+    tintLook(editor, id, describe(editor, "Tint of", targets), emitter.radiance,
+             "Tint of its colour: above 0 greener, below 0 more magenta. Temperature and brightness stay.",
+             [&](Look& look, const Rgb& tint) { setColour(editor, look, targets, tint); });
 }
 
 void colourControl(Editor& editor, const EmitterState& emitter, const char* id, float size) {
@@ -183,8 +189,8 @@ void soloButton(Editor& editor, const EmitterState& emitter, float size) {
 }
 
 void resetEmitters(Editor& editor, const std::vector<std::string>& ids, EmitterValue value) {
-    const char* what = value == EmitterValue::place      ? "Reset place of"
-                       : value == EmitterValue::radiance ? "Reset brightness and colour of"
+    const char* what = value == EmitterValue::place      ? "Reset position of"
+                       : value == EmitterValue::radiance ? "Reset exposure and colour of"
                        : value == EmitterValue::enabled  ? "Switch back"
                                                          : "Reset";
     editor.edit(describe(editor, what, ids), [&](Look& look) {
@@ -200,14 +206,33 @@ void duplicateEmitters(Editor& editor, const std::vector<std::string>& ids) {
     editor.edit(describe(editor, "Duplicate", ids), [&](Look& look) {
         copies.clear();
         for (const std::string& id : ids)
-            if (std::string copy = duplicateEmitter(look, *estimate, id, offset); !copy.empty())
+            if (std::string copy = duplicateEmitter(look, *estimate, id, offset); !copy.empty()) {
                 copies.push_back(std::move(copy));
+            } else if (const EmitterState* e = editor.emitter(id)) {
+                // An object of the scene is there once: its copy is a light of its own with the same power.
+                AddedEmitter sphere;
+                sphere.shape = EmitterShape::sphere;
+                sphere.size = Vec2(std::max(1e-4f, std::sqrt(areaOf(editor, *e) / pi)));
+                sphere.matrix[3] = Vec4(e->pivot + offset, 1);
+                sphere.radiance = e->radiance;
+                copies.push_back(addEmitter(look, *estimate, sphere));
+            }
     });
     if (!copies.empty()) editor.state.selection.emitters = copies;
+    else if (!ids.empty()) editor.say("Nothing to duplicate");
 }
 
 void deleteEmitters(Editor& editor, const std::vector<std::string>& ids) {
-    editor.edit(describe(editor, "Delete", ids), [&](Look& look) {
+    const auto recovered = std::count_if(ids.begin(), ids.end(), [&](const std::string& id) {
+        const EmitterState* e = editor.emitter(id);
+        return e && e->recovered;
+    });
+    const bool all = size_t(recovered) == ids.size();
+    if (recovered > 0)
+        editor.say(fmt::format("{} switched off: {} part of the scene",
+                               all ? editor.namesOf(ids) : fmt::format("{} of {} lights", recovered, ids.size()),
+                               recovered == 1 ? "it is" : "they are"));
+    editor.edit(describe(editor, all ? "Switch off" : "Delete", ids), [&](Look& look) {
         for (const std::string& id : ids) removeEmitter(look, id);
     });
     std::erase_if(editor.state.selection.emitters, [&](const std::string& id) { return !editor.emitter(id); });
@@ -236,6 +261,17 @@ AddedEmitter newEmitter(const Editor& editor, EmitterShape shape) {
     added.matrix = Mat4(frameAround(away));
     added.matrix[3] = Vec4(camera.target + away * distance, 1);
     added.size = size * infoOf(shape).freshSize;
+    // Beside those that stand there already.
+    const Vec3 aside = glm::normalize(glm::cross(Vec3(0, 0, 1), std::abs(away.z) < 0.99f ? away : Vec3(1, 0, 0)));
+    const auto taken = [&](const Vec3& at) {
+        const auto& others = editor.look().added;
+        return std::any_of(others.begin(), others.end(), [&](const AddedEmitter& other) {
+            return infoOf(other.shape).own() && glm::distance(Vec3(other.matrix[3]), at) < 0.9f * size;
+        });
+    };
+    for (int n = 1; n < 40 && taken(Vec3(added.matrix[3])); ++n)
+        added.matrix[3] = Vec4(
+            camera.target + away * distance + aside * (1.3f * size * float((n + 1) / 2) * (n % 2 ? 1.0f : -1.0f)), 1);
     Rgb strongest(0);
     if (const auto estimate = editor.estimate())
         for (const EmitterState& e : editor.emitters())
@@ -269,11 +305,11 @@ void armClick(Editor& editor, ClickTask task) {
 const char* clickHint(ClickTask task) {
     switch (task) {
         case ClickTask::none: return "";
-        case ClickTask::aim: return "Click the spot the light shall point at. Esc cancels.";
-        case ClickTask::reflect: return "Click where its mirror image shall be seen. Esc cancels.";
-        case ClickTask::illuminate: return "Click the spot it shall light from straight above. Esc cancels.";
-        case ClickTask::attach: return "Click the part of the scene that shall follow it. Esc cancels.";
-        case ClickTask::newPart: return "Click the part of the scene that shall shine. Esc cancels.";
+        case ClickTask::aim: return "Click the spot the light points at. Esc cancels.";
+        case ClickTask::reflect: return "Click where its reflection is to be seen. Esc cancels.";
+        case ClickTask::illuminate: return "Click the spot it lights from straight above. Esc cancels.";
+        case ClickTask::attach: return "Click the object that follows it. Esc cancels.";
+        case ClickTask::newPart: return "Click the object that shines. Esc cancels.";
     }
     return "";
 }
@@ -291,12 +327,12 @@ void emitterMenu(Editor& editor, const std::string& id) {
         return pressed;
     };
     if (ImGui::BeginMenu("Reset to recovered")) {
-        if (item("Place",
+        if (item("Position",
                  "Back to where it stood when the photographs were taken (added lights: to the middle of the world)"))
             resetEmitters(editor, targets, EmitterValue::place);
-        if (item("Brightness and colour", "Back to the light that was recovered"))
+        if (item("Exposure and colour", "Back to the light that was recovered"))
             resetEmitters(editor, targets, EmitterValue::radiance);
-        if (item("Colour only", "Back to the recovered colour, at the present brightness"))
+        if (item("Colour only", "Back to the recovered colour, at the present exposure"))
             editor.edit(describe(editor, "Reset colour of", targets), [&](Look& look) {
                 for (const std::string& target : targets)
                     if (const EmitterState* e = editor.emitter(target); e && luminance(e->recoveredRadiance) > 0)
@@ -309,17 +345,17 @@ void emitterMenu(Editor& editor, const std::string& id) {
         ImGui::EndMenu();
     }
     if (item("Duplicate", "Makes a copy beside it")) duplicateEmitters(editor, targets);
-    if (item("Delete",
+    if (item(emitter->recovered ? "Switch off" : "Delete",
              emitter->recovered ? "Switches it off: its geometry is part of the capture and stays" : "Removes it"))
         deleteEmitters(editor, targets);
     ImGui::Separator();
-    if (item("Aim...", "Then click the spot it shall point at"))
+    if (item("Aim...", "Then click the spot it points at"))
         selectEmitter(editor, id, false, false), editor.state.viewport.clickTask = ClickTask::aim;
-    if (item("Place by reflection...", "Then click where its mirror image shall be seen"))
+    if (item("Place by reflection...", "Then click where its reflection is to be seen"))
         selectEmitter(editor, id, false, false), editor.state.viewport.clickTask = ClickTask::reflect;
-    if (item("Place by light...", "Then click the spot it shall light"))
+    if (item("Place by light...", "Then click the spot it lights"))
         selectEmitter(editor, id, false, false), editor.state.viewport.clickTask = ClickTask::illuminate;
-    if (ImGui::BeginMenu("Attach geometry")) {
+    if (ImGui::BeginMenu("Attach objects")) {
         if (editor.state.document.scene) {
             const Scene& scene = *editor.state.document.scene;
             const auto parts = likelyParts(scene, *estimate, id);
@@ -327,18 +363,18 @@ void emitterMenu(Editor& editor, const std::string& id) {
             for (const uint32_t seed : parts) {
                 const auto vertices =
                     size_t(std::count(scene.component.begin(), scene.component.end(), scene.component[seed]));
-                if (item(fmt::format("Part of {} points##{}", count(vertices), seed).c_str(),
-                         "This part follows the light when it moves, and its old shadow goes with it"))
-                    editor.edit(fmt::format("Attach a part to {}", emitter->name),
+                if (item(fmt::format("Object of {} points##{}", count(vertices), seed).c_str(),
+                         "This object follows the light when it moves, and its shadow with it"))
+                    editor.edit(fmt::format("Attach an object to {}", emitter->name),
                                 [&](Look& look) { attachPart(look, scene, seed, id); });
             }
-            if (parts.size() > 1 && item("All of these", "All parts that stand close to it"))
-                editor.edit(fmt::format("Attach {} parts to {}", parts.size(), id), [&](Look& look) {
+            if (parts.size() > 1 && item("All of these", "All objects that stand close to it"))
+                editor.edit(fmt::format("Attach {} objects to {}", parts.size(), emitter->name), [&](Look& look) {
                     for (const uint32_t seed : parts) attachPart(look, scene, seed, id);
                 });
         }
         ImGui::Separator();
-        if (item("Click a part...", "Then click the part of the scene that shall follow it"))
+        if (item("Click an object...", "Then click the object that follows it"))
             selectEmitter(editor, id, false, false), editor.state.viewport.clickTask = ClickTask::attach;
         ImGui::EndMenu();
     }
@@ -347,9 +383,10 @@ void emitterMenu(Editor& editor, const std::string& id) {
 void addEmitterButton(Editor& editor, float width) {
     ImGui::BeginDisabled(!editor.estimate());
     if (iconTextButton("Add light", Icon::plus,
-                       editor.estimate() ? "Adds a light that was not there: a rectangle, a disk, a sphere, or a part "
-                                           "of the scene that begins to shine"
-                                         : "Estimate first: new lights need to know the surfaces",
+                       editor.estimate()
+                           ? "Adds a light that was not there: a rectangle, a disk, a sphere, or an object "
+                             "of the scene that begins to shine"
+                           : "Estimate first: new lights need to know the surfaces",
                        false, width))
         ImGui::OpenPopup("##add light");
     ImGui::EndDisabled();

@@ -29,6 +29,7 @@ float areaOf(const Editor& editor, const EmitterState& emitter);
 // Controls, drawn at the cursor in the width set with SetNextItemWidth; each edit goes to all targets as one entry.
 void stopsControl(Editor& editor, const EmitterState& emitter, const char* id);
 void kelvinControl(Editor& editor, const EmitterState& emitter, const char* id);
+void tintControl(Editor& editor, const EmitterState& emitter, const char* id);
 void colourControl(Editor& editor, const EmitterState& emitter, const char* id, float size);
 void muteButton(Editor& editor, const EmitterState& emitter, float size);
 void soloButton(Editor& editor, const EmitterState& emitter, float size);
@@ -41,6 +42,9 @@ void addEmitterButton(Editor& editor, float width = 0);
 AddedEmitter newEmitter(const Editor& editor, EmitterShape shape);
 void addNewEmitter(Editor& editor, EmitterShape shape);
 void resetEmitters(Editor& editor, const std::vector<std::string>& ids, EmitterValue value);
+/// Back to how it was recovered, the rest as it is: Alt+G, R, S. A light that was added has no position to go back to.
+enum class TransformPart { position, rotation, scale };
+void clearTransform(Editor& editor, const std::vector<std::string>& ids, TransformPart part);
 void duplicateEmitters(Editor& editor, const std::vector<std::string>& ids);
 void deleteEmitters(Editor& editor, const std::vector<std::string>& ids);
 /// A button's click task for the viewport, and what to click then, in words.

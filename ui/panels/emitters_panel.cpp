@@ -19,7 +19,7 @@ void evidenceCell(Editor& editor, const EmitterState& emitter) {
     const bool weak = identifiability >= 0 && identifiability < weakIdentifiability;
     if (weak) iconText(Icon::warning, warningColour), ImGui::SameLine(0, em(0.3f));
     text(spread + evidenceInShort(editor, emitter));
-    std::string words = "What its brightness rests on: " + evidenceInShort(editor, emitter) + ".";
+    std::string words = "Evidence for its brightness: " + evidenceInShort(editor, emitter) + ".";
     if (sigma >= 0) words += fmt::format("\nIts brightness is known to about {}.", percent(double(sigma)));
     if (identifiability >= 0)
         words += fmt::format("\n{} of its effect on the photographs could not come from far away.",
@@ -33,9 +33,13 @@ void evidenceCell(Editor& editor, const EmitterState& emitter) {
 
 /// Columns that there is room for.
 struct Columns {
-    bool colour, kelvin, power, evidence;
+    bool titles, colour, kelvin, power, evidence;
     explicit Columns(float room)
-        : colour(room > em(17)), kelvin(room > em(26)), power(room > em(31)), evidence(room > em(38)) {}
+        : titles(room > em(19)),
+          colour(room > em(16)),
+          kelvin(room > em(26)),
+          power(room > em(31)),
+          evidence(room > em(38)) {}
     int count() const { return 4 + colour + kelvin + power + evidence; }
 };
 
@@ -133,13 +137,15 @@ void drawEmittersPanel(Editor& editor) {
                           ImGuiTableFlags_RowBg | ImGuiTableFlags_NoPadOuterX | ImGuiTableFlags_SizingFixedFit)) {
         ImGui::TableSetupColumn("Light", ImGuiTableColumnFlags_WidthStretch, 1);
         ImGui::TableSetupColumn("On", ImGuiTableColumnFlags_WidthFixed, side);
-        ImGui::TableSetupColumn("S", ImGuiTableColumnFlags_WidthFixed, side);
-        ImGui::TableSetupColumn("Stops", ImGuiTableColumnFlags_WidthFixed, em(3.9f));
-        if (columns.colour) ImGui::TableSetupColumn("Col", ImGuiTableColumnFlags_WidthFixed, std::max(side, em(1.9f)));
+        ImGui::TableSetupColumn("Solo", ImGuiTableColumnFlags_WidthFixed, columns.titles ? em(2) : side);
+        ImGui::TableSetupColumn("Exposure", ImGuiTableColumnFlags_WidthFixed, em(4.2f));
+        if (columns.colour)
+            ImGui::TableSetupColumn("Colour", ImGuiTableColumnFlags_WidthFixed, columns.titles ? em(2.9f) : side);
         if (columns.kelvin) ImGui::TableSetupColumn("Kelvin", ImGuiTableColumnFlags_WidthFixed, em(5.2f));
         if (columns.power) ImGui::TableSetupColumn("Power", ImGuiTableColumnFlags_WidthFixed, em(4));
         if (columns.evidence) ImGui::TableSetupColumn("Evidence", ImGuiTableColumnFlags_WidthStretch, 1.6f);
-        if (room > em(17)) ImGui::TableHeadersRow();
+        // Without room for their titles the columns are explained by their hints, and the names stay readable.
+        if (columns.titles) ImGui::TableHeadersRow();
         std::string menuOf;
         for (const EmitterState& emitter : emitters) {
             ImGui::PushID(emitter.id.c_str());

@@ -62,17 +62,6 @@ void resetIcon(Editor& editor, const char* id, bool changed, const char* label,
     ImGui::EndDisabled();
 }
 
-void chooseFile(Editor& editor, const std::filesystem::path& file) {
-    editor.edit("Environment " + shown(file.filename()), [&](Look& look) {
-        look.environment.source = Source::file;
-        look.environment.file = file;
-    });
-    auto& recent = editor.state.recentEnvironments;
-    std::erase(recent, file);
-    recent.insert(recent.begin(), file);
-    if (recent.size() > 12) recent.resize(12);
-}
-
 }  // namespace
 
 void drawEnvironmentPanel(Editor& editor) {
@@ -89,9 +78,7 @@ void drawEnvironmentPanel(Editor& editor) {
     if (radio("File", environment.source == Source::file,
               "A panorama of your own: a latitude-longitude image, twice as wide as high")) {
         if (environment.file.empty()) editor.state.panels.environmentBrowser = true;
-        else
-            editor.edit("Environment " + shown(environment.file.filename()),
-                        [](Look& look) { look.environment.source = Source::file; });
+        else editor.openEnvironment(environment.file);
     }
     const float room = ImGui::GetContentRegionAvail().x, spacing = ImGui::GetStyle().ItemSpacing.x;
     const bool beside = room > em(13);
@@ -115,7 +102,7 @@ void drawEnvironmentPanel(Editor& editor) {
     dimText(environment.file.empty() ? "Replacement" : elided(shown(environment.file.filename()), width));
     ImGui::EndGroup();
     if (!file.error.empty()) warningText(file.error);
-    if (button("Browse...", "Chooses a panorama (EXR or HDR). You can also drop one on the window.",
+    if (button("Load HDRI...", "Chooses a panorama (EXR or HDR). You can also drop one on the window.",
                beside ? 0 : -FLT_MIN))
         editor.state.panels.environmentBrowser = true;
 
@@ -134,7 +121,7 @@ void drawEnvironmentPanel(Editor& editor) {
             ImGui::PopID();
             if (++index == 8) break;
         }
-        if (!chosen.empty()) chooseFile(editor, chosen);
+        if (!chosen.empty()) editor.openEnvironment(chosen);
     }
 
     ImGui::BeginDisabled(environment.source == Source::none);
@@ -149,14 +136,14 @@ void drawEnvironmentPanel(Editor& editor) {
     dragLook(editor, "##yaw", "Rotate the environment", environment.yawDegrees, {0.5f, 0, 0, "%.1f\u00b0"},
              "Turns the environment about the vertical axis, counter-clockwise seen from above.",
              [](Look& look, float value) { look.environment.yawDegrees = wrapDegrees(value); });
-    resetIcon(editor, "##reset yaw", environment.yawDegrees != 0, "Reset the environment's turn",
+    resetIcon(editor, "##reset yaw", environment.yawDegrees != 0, "Reset the environment's rotation",
               [](Look& look) { look.environment.yawDegrees = 0; });
-    row("Brightness");
-    dragLook(editor, "##stops", "Brightness of the environment", environment.exposureStops,
+    row("Exposure");
+    dragLook(editor, "##stops", "Exposure of the environment", environment.exposureStops,
              {0.02f, -20, 20, "%+.2f stops"},
-             "Brightness of the environment in stops: +1 is twice as bright, -1 half. The lights stay.",
+             "Exposure of the environment in stops: +1 is twice as bright, -1 half. The lights stay.",
              [](Look& look, float value) { look.environment.exposureStops = value; });
-    resetIcon(editor, "##reset stops", environment.exposureStops != 0, "Reset the environment's brightness",
+    resetIcon(editor, "##reset stops", environment.exposureStops != 0, "Reset the environment's exposure",
               [](Look& look) { look.environment.exposureStops = 0; });
     row("White");
     const float whiteRoom = ImGui::GetContentRegionAvail().x - icon - ImGui::GetFrameHeight() - spacing;

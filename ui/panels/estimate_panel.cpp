@@ -223,16 +223,14 @@ void drawUnobservedLights(Editor& editor) {
     const auto& job = editor.job();
     const bool searching = job && job->kind == JobStatus::Kind::search;
     if (searching) {
-        bar(job->fraction, {0.28f, 0.42f, 0.58f, 1},
-            job->stopping        ? "stopping..."
-            : job->stage.empty() ? job->title
-                                 : job->stage);
+        bar(job->whole.value_or(-1), progressColour, timeLeftWords(*job));
+        if (!job->stage.empty()) dimText(elided(job->stage, ImGui::GetContentRegionAvail().x, false));
         ImGui::BeginDisabled(job->stopping);
-        if (button("Stop looking", "Stops; nothing changes", -FLT_MIN)) editor.cancelJob();
+        if (button("Stop", "Stops; nothing changes", -FLT_MIN)) editor.cancelJob();
         ImGui::EndDisabled();
     } else {
         ImGui::BeginDisabled(!document.samples || job);
-        if (button("Look for an unobserved light",
+        if (button("Find off-camera light",
                    "A light outside all photographs leaves shading that falls off and shadows: tries places for it, up "
                    "to a minute. Where one is found, a small sphere joins the scene, "
                    "and its power is estimated with the rest. The present estimate and its edits then go.",
@@ -254,8 +252,8 @@ void drawUnobservedLights(Editor& editor) {
                     ? shown(last.words)
                     : "It stands in the mesh as a small sphere; the estimate finds its power");
         ImGui::BeginDisabled(job.has_value());
-        if (button("Take it away",
-                   "Reads the capture again without this light; the present estimate and its edits then go", -FLT_MIN))
+        if (button("Remove", "Reads the capture again without this light; the present estimate and its edits then go",
+                   -FLT_MIN))
             editor.removeProxy(i);
         ImGui::EndDisabled();
         ImGui::PopID();
@@ -294,12 +292,10 @@ void drawEstimateButton(Editor& editor) {
     const bool solving = job && job->kind == JobStatus::Kind::solve;
     const bool open = editor.state.document.capture != nullptr;
     if (solving) {
-        bar(job->fraction, {0.28f, 0.42f, 0.58f, 1},
-            job->stopping        ? "stopping..."
-            : job->stage.empty() ? job->title
-                                 : job->stage);
-        tooltip(
-            fmt::format("{}: {} of this stage, {} so far", job->title, percent(job->fraction), duration(job->seconds)));
+        bar(job->whole.value_or(-1), progressColour,
+            (job->whole && !job->stopping ? percent(*job->whole) + ", " : "") + timeLeftWords(*job));
+        tooltip(fmt::format("{}: {} so far", job->title, duration(job->seconds)));
+        if (!job->stage.empty()) dimText(elided(job->stage, ImGui::GetContentRegionAvail().x, false));
         ImGui::BeginDisabled(job->stopping);
         if (button("Stop", "Stops and keeps the best answer so far", -FLT_MIN)) editor.cancelJob();
         ImGui::EndDisabled();

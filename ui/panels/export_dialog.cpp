@@ -96,7 +96,7 @@ namespace {
 void row(const char* name) {
     ImGui::AlignTextToFramePadding();
     dimText(name);
-    ImGui::SameLine(em(6));
+    ImGui::SameLine(em(9));
 }
 
 void viewsRow(Editor& editor, size_t views) {
@@ -126,10 +126,10 @@ void sizeRow(ExportRequest& request) {
     row("Size");
     int size[2] = {request.width, request.height};
     ImGui::SetNextItemWidth(em(8));
-    if (ImGui::DragInt2("##size", size, 4, 0, 16384, size[0] > 0 ? "%d" : "own", ImGuiSliderFlags_AlwaysClamp))
+    if (ImGui::DragInt2("##size", size, 4, 0, 16384, size[0] > 0 ? "%d" : "auto", ImGuiSliderFlags_AlwaysClamp))
         request.width = std::max(0, size[0]), request.height = std::max(0, size[1]);
     tooltip("Width and height in pixels. 0: the size of the photograph, or of the viewport.");
-    for (const auto& [name, w, h] : {std::tuple{"Own size", 0, 0}, {"1080p", 1920, 1080}, {"4K", 3840, 2160}}) {
+    for (const auto& [name, w, h] : {std::tuple{"Source size", 0, 0}, {"1080p", 1920, 1080}, {"4K", 3840, 2160}}) {
         sameLineIfFits(buttonWidth(name));
         if (ImGui::SmallButton(name)) request.width = w, request.height = h;
         tooltip(w ? fmt::format("{} x {} pixels", w, h) : "As large as the photograph, or the viewport");
@@ -138,9 +138,9 @@ void sizeRow(ExportRequest& request) {
 }
 
 void samplesRow(ExportRequest& request) {
-    row("Samples");
+    row("Samples per pixel");
     ImGui::SetNextItemWidth(em(8));
-    ImGui::DragInt("##samples", &request.samples, 0.2f, 1, 1024, "%d a pixel", ImGuiSliderFlags_AlwaysClamp);
+    ImGui::DragInt("##samples", &request.samples, 0.2f, 1, 1024, "%d", ImGuiSliderFlags_AlwaysClamp);
     tooltip("More samples give less noise and take longer in proportion. 8 is a test, 64 is clean.");
 }
 
@@ -194,8 +194,9 @@ void fileRow(Editor& editor) {
         ask.title = "Export frames";
         ask.confirm = "Use this name";
         ask.start = request.file.parent_path();
-        ask.name = request.file.filename().string().empty() ? editor.state.document.name() + ".####.exr"
-                                                            : request.file.filename().string();
+        ask.name = request.file.filename().string().empty()
+                       ? fs::path(nameToSave(editor.state.document)).stem().string() + ".####.exr"
+                       : request.file.filename().string();
         ask.extensions = {".exr", ".png", ".jpg", ".jpeg"};
         ask.note = "#### in the name becomes the number of the frame.";
         browse(ask, [](Editor& e, const fs::path& file) {
@@ -218,13 +219,14 @@ bool footer(Editor& editor, const ExportProblems& problems, bool exporting) {
     const auto& job = editor.job();
     bool done = false;
     if (exporting) {
-        bar(job->fraction, {0.28f, 0.42f, 0.58f, 1},
-            job->stopping ? "stopping..." : fmt::format("{}: {}", job->title, job->stage));
+        bar(job->whole.value_or(-1), progressColour,
+            (job->whole && !job->stopping ? percent(*job->whole) + ", " : "") + timeLeftWords(*job));
+        dimText(job->title + (job->stage.empty() ? "" : ": " + job->stage));
         ImGui::BeginDisabled(job->stopping);
         if (button("Stop", "Frames that are finished stay", em(7))) editor.cancelJob();
         ImGui::EndDisabled();
         ImGui::SameLine();
-        if (button("Go on in the background", "Closes this page; the status bar shows how far it is")) done = true;
+        if (button("Run in background", "Closes this page; the status bar shows how far it is")) done = true;
     } else {
         const bool sizes = (request.width > 0) == (request.height > 0);
         ImGui::BeginDisabled(!problems.ok() || !sizes || !editor.estimate() || job);

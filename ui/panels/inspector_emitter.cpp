@@ -158,7 +158,7 @@ void light(Editor& editor, const EmitterState& emitter, const std::vector<std::s
         ImGui::SameLine(label);
         ImGui::SetNextItemWidth(-FLT_MIN);
     };
-    row("Brightness");
+    row("Exposure");
     stopsControl(editor, emitter, "##stops");
     row("Temperature");
     ImGui::SetNextItemWidth(
@@ -166,6 +166,8 @@ void light(Editor& editor, const EmitterState& emitter, const std::vector<std::s
     kelvinControl(editor, emitter, "##kelvin");
     ImGui::SameLine();
     colourControl(editor, emitter, "##colour", ImGui::GetFrameHeight());
+    row("Tint");
+    tintControl(editor, emitter, "##tint");
     triple(editor, "Radiance (red, green, blue)", "Radiance of " + editor.namesOf(targets), emitter.radiance,
            {std::max(1e-4f, maxChannel(emitter.radiance) / 300), 0, 1e9f, "%.4g"},
            "The value of a pixel that sees the light directly, linear, in the units of the photographs.",
@@ -196,8 +198,9 @@ void parts(Editor& editor, const EmitterState& emitter) {
         iconText(Icon::link, dimColour);
         ImGui::SameLine(0, em(0.4f));
         ImGui::AlignTextToFramePadding();
-        text(fmt::format("Part of {} points", count(size_t(std::count(scene->component.begin(), scene->component.end(),
-                                                                      scene->component[part.seedVertex])))));
+        text(
+            fmt::format("Object of {} points", count(size_t(std::count(scene->component.begin(), scene->component.end(),
+                                                                       scene->component[part.seedVertex])))));
         sameLineIfFits(buttonWidth("Detach"));
         if (button("Detach", "It stays where it is and follows the light no more")) detach = part.seedVertex;
         sameLineIfFits(buttonWidth("Put back"));
@@ -225,12 +228,13 @@ void parts(Editor& editor, const EmitterState& emitter) {
     if (emitter.recovered &&
         button("Attach what is near", "Attaches the parts that touch the light or stand close to it"))
         if (const auto seeds = likely(); !seeds.empty())
-            editor.edit(fmt::format("Attach {} part{} to {}", seeds.size(), seeds.size() == 1 ? "" : "s", emitter.name),
-                        [&](Look& look) {
-                            for (const uint32_t seed : seeds) attachPart(look, *scene, seed, emitter.id);
-                        });
-    if (emitter.recovered) sameLineIfFits(buttonWidth("Click a part"));
-    if (iconTextButton("Click a part", Icon::link, "Then click the part of the scene that shall follow it",
+            editor.edit(
+                fmt::format("Attach {} object{} to {}", seeds.size(), seeds.size() == 1 ? "" : "s", emitter.name),
+                [&](Look& look) {
+                    for (const uint32_t seed : seeds) attachPart(look, *scene, seed, emitter.id);
+                });
+    if (emitter.recovered) sameLineIfFits(buttonWidth("Click an object"));
+    if (iconTextButton("Click an object", Icon::link, "Then click the object that follows it from then on",
                        editor.state.viewport.clickTask == ClickTask::attach))
         armClick(editor, ClickTask::attach);
 }
@@ -286,6 +290,36 @@ void nameField(Editor& editor, const EmitterState& emitter, float width) {
 
 }  // namespace
 
+void clearTransform(Editor& editor, const std::vector<std::string>& ids, TransformPart part) {
+    const char* const what = part == TransformPart::position   ? "position"
+                             : part == TransformPart::rotation ? "rotation"
+                                                               : "scale";
+    const size_t before = editor.history().index();
+    bool nowhere = false;
+    editor.edit(fmt::format("Clear {} of {}", what, editor.namesOf(ids)), [&](Look& look) {
+        for (const std::string& id : ids) {
+            const EmitterState* e = editor.emitter(id);
+            if (!e) continue;
+            const Placement now = placementOf(e->matrix);
+            const Mat3 turn = rotationOf(now.degrees);
+            if (part == TransformPart::rotation) {
+                moveEmitter(look, id, around(e->pivot, glm::transpose(turn)));
+            } else if (part == TransformPart::scale) {
+                moveEmitter(look, id, around(e->pivot, turn * diagonal(1.0f / now.scale) * glm::transpose(turn)));
+            } else if (!e->recovered && size_t(e->index) < editor.look().added.size() &&
+                       infoOf(editor.look().added[size_t(e->index)].shape).own()) {
+                nowhere = true;
+            } else {
+                const Vec3 home(glm::inverse(e->matrix) * Vec4(e->pivot, 1));
+                moveEmitter(look, id, shift(home - e->pivot));
+            }
+        }
+    });
+    if (editor.history().index() != before) return;
+    editor.say(nowhere ? "A light that was added has no recovered position to go back to"
+                       : fmt::format("The {} is as it was recovered", what));
+}
+
 void inspectEmitter(Editor& editor, const EmitterState& emitter) {
     const auto targets = targetsOf(editor, emitter.id);
     const float side = ImGui::GetFrameHeight();
@@ -323,11 +357,11 @@ void inspectEmitter(Editor& editor, const EmitterState& emitter) {
         Icon icon;
         ClickTask task;
         const char* explanation;
-    } tasks[] = {{"Aim", Icon::aim, ClickTask::aim, "Then click the spot the light shall point at"},
+    } tasks[] = {{"Aim", Icon::aim, ClickTask::aim, "Then click the spot the light points at"},
                  {"Reflect", Icon::mirror, ClickTask::reflect,
-                  "Place by reflection: then click where its mirror image shall be seen on a glossy surface"},
+                  "Place by reflection: then click where its reflection is to be seen on a glossy surface"},
                  {"Light", Icon::spot, ClickTask::illuminate,
-                  "Place by light: then click the spot it shall light; it moves straight above it"}};
+                  "Place by light: then click the spot it lights; it moves straight above it"}};
     const float third = std::floor((ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3);
     for (int k = 0; k < 3; ++k) {
         if (k) ImGui::SameLine();
@@ -336,16 +370,15 @@ void inspectEmitter(Editor& editor, const EmitterState& emitter) {
     }
     if (armed != ClickTask::none) dimWrapped(clickHint(armed));
 
-    if (section("Light", "Brightness and colour")) light(editor, emitter, targets);
+    if (section("Light", "Exposure and colour")) light(editor, emitter, targets);
     if (section("Position", "Where it stands, how it is turned, how large it is")) {
         place(editor, emitter, targets);
-        if (emitter.changed && button("Reset place", "Back to where it stood when the photographs were taken"))
+        if (emitter.changed && button("Reset position", "Back to where it stood when the photographs were taken"))
             resetEmitters(editor, targets, EmitterValue::place);
     }
-    if (section("Attached geometry", "Parts of the scene that follow it: its shade, its stand", false))
+    if (section("Attached objects", "Objects of the scene that follow it: its shade, its stand", false))
         parts(editor, emitter);
-    if (section("Evidence", "The evidence for this light in the photographs", false))
-        evidence(editor, emitter);
+    if (section("Evidence", "The evidence for this light in the photographs", false)) evidence(editor, emitter);
 }
 
 }  // namespace relamp::ui

@@ -13,7 +13,7 @@ std::string nameOf(const Lobe& lobe) {
     switch (lobe.kind) {
         case Lobe::Kind::lambert: return "matte";
         case Lobe::Kind::ggx: return fmt::format("metallic, roughness {:.2f}", roughness);
-        case Lobe::Kind::ggxDielectric: return fmt::format("coating, roughness {:.2f}", roughness);
+        case Lobe::Kind::ggxDielectric: return fmt::format("gloss, roughness {:.2f}", roughness);
         case Lobe::Kind::measured: return "as measured: " + lobe.name;
         default: break;
     }
@@ -77,7 +77,7 @@ void drawMaterialsPanel(Editor& editor) {
             percent(double(use.fraction)), percent(double(use.vertices)),
             use.name == "matte"
                 ? "Looks the same from every side."
-                : "Mirrors its environment: blurred when the roughness is near 1, sharp when it is near 0."));
+                : "Reflects its environment: blurred when the roughness is near 1, sharp when it is near 0."));
     }
     if (estimate->palette.empty()) return;
     dimText("Palette");

@@ -16,6 +16,10 @@ void drawInspectorPanel(Editor& editor);
 /// Bottom: timeline, emitters, log and history as tabs, and the plan of the estimate; state.panels.bottomTab is the tab
 /// shown, 0 to 4, and may be set from outside.
 void drawBottomPanel(Editor& editor);
+/// What is left of it when it is folded: its tabs.
+float bottomPanelFoldedHeight();
+/// In place of the viewport while nothing is open: what was open last, and the example capture.
+void drawStartPage(Editor& editor);
 /// One line of text high (statusBarHeight()).
 void drawStatusBar(Editor& editor);
 float statusBarHeight();

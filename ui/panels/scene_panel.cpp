@@ -12,10 +12,11 @@ void drawScenePanel(Editor& editor) {
     const size_t lights = editor.emitters().size();
     const std::string emitters = lights ? fmt::format("Lights ({})###emitters", lights) : "Lights###emitters";
     const bool estimated = editor.estimate() != nullptr;
+    const bool solving = editor.job() && editor.job()->kind == JobStatus::Kind::solve;
     const float below = ImGui::GetFrameHeightWithSpacing() + em(0.9f) +
-                        ((editor.job() && editor.job()->kind == JobStatus::Kind::solve) || interruptedOfferShown(editor)
-                             ? ImGui::GetFrameHeightWithSpacing()
-                             : 0);
+                        (solving ? ImGui::GetFrameHeightWithSpacing() + ImGui::GetTextLineHeightWithSpacing()
+                         : interruptedOfferShown(editor) ? ImGui::GetFrameHeightWithSpacing()
+                                                         : 0);
     if (beginChild("##sections", {0, -below})) {
         if (section(views.c_str(), "The photographs of this capture")) drawViewsPanel(editor);
         if (section(emitters.c_str(), "Lights that stand in the scene: what was recovered, and what you add")) {

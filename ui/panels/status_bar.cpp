@@ -57,6 +57,9 @@ std::vector<Piece> piecesOf(const Editor& editor) {
     const EditorState& state = editor.state;
     std::vector<Piece> components;
     const auto estimate = editor.estimate();
+    if (state.document.readOnly)
+        components.push_back({"read-only", "Another process has this shot open: saving asks for another place.", 99,
+                              true, warningColour});
     if (!state.viewport.solo.empty())
         components.push_back(
             {"solo", "Only some lights are shown in the viewport; files and exports are not touched. Shift+M ends it.",
@@ -124,15 +127,39 @@ std::vector<Piece> piecesOf(const Editor& editor) {
 
 }  // namespace
 
+namespace {
+/// What to do, what was just done, else what is open and selected.
+std::string nowWords(const Editor& editor) {
+    static uint64_t told = 0;
+    static double since = -1e9;
+    const EditorState& state = editor.state;
+    if (state.messages != told) told = state.messages, since = ImGui::GetTime();
+    if (!state.keyHints.empty()) return state.keyHints;
+    // At rest nothing is drawn, so the message then stays until something else happens.
+    if (ImGui::GetTime() - since < 6 && !state.message.empty()) return shown(state.message);
+    if (state.panels.hidden) return "Tab brings the panels back";
+    if (state.selection.emitters.size() == 1) return shown(editor.namesOf(state.selection.emitters));
+    if (!state.selection.emitters.empty()) return fmt::format("{} lights selected", state.selection.emitters.size());
+    return !state.document.capture ? "Drop a capture here, or press Ctrl+O"
+           : !editor.estimate()    ? "Ready to estimate (Ctrl+Enter)"
+                                   : shown(state.document.name());
+}
+}  // namespace
+
 float statusBarHeight() { return ImGui::GetFrameHeight() + ImGui::GetStyle().ItemSpacing.y; }
 
 void drawStatusBar(Editor& editor) {
     const float start = ImGui::GetCursorPosX(), room = ImGui::GetContentRegionAvail().x, gap = em(1.1f);
     std::vector<Piece> components = piecesOf(editor);
     const auto& job = editor.job();
+    const std::string now = nowWords(editor);
+    const bool hint = !editor.state.keyHints.empty();
 
     // The job keeps at least this much; marks on the right are dropped by rank until they fit.
-    const float reserved = job ? std::min(room * 0.55f, em(30)) : em(9);
+    const float wanted = ImGui::CalcTextSize(now.c_str()).x + em(1);
+    const float reserved = hint  ? std::min(room, wanted)
+                           : job ? std::min(room * 0.55f, em(30))
+                                 : std::clamp(wanted, em(9), room * 0.7f);
     const auto total = [&] {
         float sum = 0;
         for (const Piece& component : components) sum += widthOf(component) + gap;
@@ -144,13 +171,12 @@ void drawStatusBar(Editor& editor) {
     const float own = room - total();
 
     ImGui::AlignTextToFramePadding();
-    if (job) {
+    if (hint) {
+        text(elided(now, own - em(0.5f), false));
+    } else if (job) {
         const float buttons = 2 * (ImGui::GetFrameHeight() + ImGui::GetStyle().ItemSpacing.x);
-        const std::string left = job->stopping      ? "stopping..."
-                                 : job->paused      ? "paused"
-                                 : job->secondsLeft ? "about " + duration(*job->secondsLeft) + " left"
-                                                    : duration(job->seconds);
-        const std::string stage = job->stage.empty() ? left : job->stage + ", " + left;
+        const std::string left = timeLeftWords(*job);
+        const std::string stage = job->stage.empty() ? left : left + " (" + job->stage + ")";
         const float barWidth = std::min(em(7), own * 0.25f);
         ImGui::BeginDisabled(job->stopping);
         if (iconButton("##stop", Icon::stop, "Stops this job (Ctrl+.). An estimate keeps its best answer so far."))
@@ -163,8 +189,9 @@ void drawStatusBar(Editor& editor) {
         ImGui::SameLine();
         // The buttons may have ended the job.
         if (editor.job()) {
-            bar(job->fraction, {0.28f, 0.42f, 0.58f, 1}, percent(job->fraction), barWidth);
-            tooltip(fmt::format("{}: {} of this stage, {} so far", job->stage, percent(job->fraction),
+            bar(job->whole.value_or(-1), progressColour, job->whole ? percent(*job->whole) : "", barWidth);
+            tooltip(fmt::format("{}: {} of the whole.\nNow: {}, {} of this step. {} so far.", job->title,
+                                job->whole ? percent(*job->whole) : "some", job->stage, percent(job->fraction),
                                 duration(job->seconds)));
             ImGui::SameLine();
             const float rest =
@@ -175,14 +202,7 @@ void drawStatusBar(Editor& editor) {
             tooltip(whole);
         }
     } else {
-        const EditorState& state = editor.state;
-        std::string words = !state.document.capture ? "Drop a capture here, or press Ctrl+O"
-                            : !editor.estimate()    ? "Ready to estimate (Ctrl+Enter)"
-                                                    : shown(state.document.name());
-        if (state.selection.emitters.size() == 1) words = shown(editor.namesOf(state.selection.emitters));
-        else if (!state.selection.emitters.empty())
-            words = fmt::format("{} lights selected", state.selection.emitters.size());
-        dimText(elided(words, own - em(0.5f), false));
+        dimText(elided(now, own - em(0.5f), false));
         tooltip("What is open and selected");
     }
     float x = start + room - total() + gap;

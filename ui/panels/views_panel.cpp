@@ -75,14 +75,6 @@ void drawViewsPanel(Editor& editor) {
             fmt::format("Drop a capture here: a folder with {}, photographs and a mesh. Or open one:", captureMarks()));
         if (primaryButton("Open...", "Chooses a capture folder or a saved shot", -FLT_MIN))
             editor.state.panels.openBrowser = true;
-        for (size_t i = 0; i < std::min<size_t>(4, editor.state.recent.size()); ++i) {
-            const std::filesystem::path path = editor.state.recent[i];
-            ImGui::PushID(int(i));
-            if (ImGui::Selectable(elided(shown(path.filename()), ImGui::GetContentRegionAvail().x).c_str()))
-                editor.open(path);
-            tooltip(shown(path));
-            ImGui::PopID();
-        }
         return;
     }
     const auto& views = document.capture->views;
@@ -100,9 +92,9 @@ void drawViewsPanel(Editor& editor) {
         int columns, rows;
         float width, height, cell, whole;
     };
-    const auto gridFor = [&](float room) {
+    const auto gridFor = [&](float room, float least) {
         Grid g{};
-        g.columns = std::max(1, int((room + spacing) / (em(6.4f) + spacing)));
+        g.columns = std::max(1, int((room + spacing) / (least + spacing)));
         g.width = std::floor((room - spacing * float(g.columns - 1)) / float(g.columns));
         g.height = std::floor(g.width * std::min(aspect, 1.2f));
         g.cell = g.height + ImGui::GetTextLineHeight() + em(0.5f);
@@ -113,8 +105,10 @@ void drawViewsPanel(Editor& editor) {
     // A third of the column at least is left to what comes below.
     const float most = std::clamp(0.45f * ImGui::GetWindowHeight(), em(8), em(19)),
                 room = ImGui::GetContentRegionAvail().x;
-    Grid grid = gridFor(room);
-    if (grid.whole > most) grid = gridFor(room - ImGui::GetStyle().ScrollbarSize - em(0.2f));
+    // Smaller images rather than a second scrollbar in the column, until they are too small to tell apart.
+    Grid grid = gridFor(room, em(6.4f));
+    for (float least = em(5.4f); grid.whole > most && least > em(2.6f); least -= em(0.5f)) grid = gridFor(room, least);
+    if (grid.whole > most) grid = gridFor(room - ImGui::GetStyle().ScrollbarSize - em(0.2f), em(6.4f));
     const auto [columns, rows, width, height, cell, whole] = grid;
     if (beginChild("##views", {0, std::min(whole + em(0.2f), most)}, false)) {
         ImGuiListClipper clipper;

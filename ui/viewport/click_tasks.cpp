@@ -106,7 +106,7 @@ bool runClickTask(Editor& editor, const std::optional<PickedPoint>& point, const
             const auto vertex = captureVertex();
             if (!vertex) return true;
             if (!ids.empty())
-                editor.edit("Attach a part to " + editor.namesOf({ids.back()}),
+                editor.edit("Attach an object to " + editor.namesOf({ids.back()}),
                             [&](Look& look) { attachPart(look, *scene, *vertex, ids.back()); });
             break;
         }
@@ -114,7 +114,7 @@ bool runClickTask(Editor& editor, const std::optional<PickedPoint>& point, const
             const auto vertex = captureVertex();
             if (!vertex) return true;
             std::string added;
-            editor.edit("Make a part shine", [&](Look& look) {
+            editor.edit("Make an object shine", [&](Look& look) {
                 AddedEmitter part;
                 part.shape = EmitterShape::part;
                 part.seedVertex = *vertex;

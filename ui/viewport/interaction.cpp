@@ -58,12 +58,14 @@ void Interaction::findHovered(Editor& editor, const Canvas& canvas, const Viewpo
     hoveredHandle_ = GizmoHandle::none;
     hoveredEmitter_.clear();
     hoveredDivider_ = hoveredView_ = -1;
-    if (!hovered_ || drag_ != Drag::none || gesture_.running() || axisAt(canvas, mouse)) return;
+    const bool overlays = editor.state.viewport.overlays;
+    if (!hovered_ || drag_ != Drag::none || gesture_.running() || (overlays && axisAt(canvas, mouse))) return;
     if (const auto g = gizmo(editor, canvas))
         hoveredHandle_ = hitTest(canvas.eye->rayAt(mouse), g->second, *canvas.eye, g->first);
     if (hoveredHandle_ != GizmoHandle::none) return;
     hoveredDivider_ = dividerAt(canvas, image.strips(), mouse);
     if (hoveredDivider_ >= 0) return;
+    if (!overlays) return;
     hoveredEmitter_ = emitterMarkAt(canvas, mouse);
     if (hoveredEmitter_.empty()) hoveredView_ = frustumAt(canvas, mouse);
 }
@@ -94,7 +96,7 @@ void Interaction::keys(Editor& editor, const Canvas& canvas, const Vec2& mouse) 
 void Interaction::press(Editor& editor, const Canvas& canvas, const ViewportImage& image, const Vec2& mouse) {
     pressedAt_ = mouse;
     drag_ = Drag::click;
-    if (const auto axis = axisAt(canvas, mouse)) {
+    if (const auto axis = editor.state.viewport.overlays ? axisAt(canvas, mouse) : std::nullopt) {
         lookAlongAxis(editor, axis->first, axis->second);
         drag_ = Drag::none;
         return;
@@ -121,12 +123,12 @@ void Interaction::click(Editor& editor, const Canvas& canvas, const ViewportImag
     if (editor.state.viewport.clickTask != ClickTask::none) {
         if (runClickTask(editor, surface(), *canvas.eye)) return;
     }
-    if (const std::string id = emitterMarkAt(canvas, mouse); !id.empty()) {
+    if (const std::string id = editor.state.viewport.overlays ? emitterMarkAt(canvas, mouse) : ""; !id.empty()) {
         selectInViewport(editor, id, toggle);
         editor.pick(std::nullopt);
         return;
     }
-    if (const int view = frustumAt(canvas, mouse); view >= 0) {
+    if (const int view = editor.state.viewport.overlays ? frustumAt(canvas, mouse) : -1; view >= 0) {
         editor.state.selection.view = view;
         return;
     }
@@ -186,8 +188,23 @@ void Interaction::act(Editor& editor, const Canvas& canvas, const ViewportImage&
     }
 }
 
+namespace {
+/// The keys that mean something while a light is transformed.
+std::string hintsFor(const TransformGesture& gesture) {
+    const bool turns = gesture.state().kind == GizmoKind::rotate;
+    const char* const amount = turns ? "degrees" : gesture.state().kind == GizmoKind::move ? "metres" : "a factor";
+    return fmt::format("X Y Z: axis{}   0-9: {}   Ctrl: snap   Shift: fine   {}   Esc: back",
+                       turns ? "" : ", Shift: plane", amount,
+                       gesture.byKey() ? "Click or Enter: done" : "Release: done");
+}
+}  // namespace
+
 void Interaction::draw(const Canvas& canvas, const ViewportImage& image) {
-    const Editor& editor = *canvas.editor;
+    Editor& editor = *canvas.editor;
+    editor.state.keyHints = gesture_.running() ? hintsFor(gesture_)
+                            : editor.state.viewport.clickTask != ClickTask::none
+                                ? hintOf(editor.state.viewport.clickTask)
+                                : "";
     const Vec2 mouse = mousePosition();
     if (!editor.state.document.scene) {
         drawEmpty(canvas);
@@ -195,15 +212,16 @@ void Interaction::draw(const Canvas& canvas, const ViewportImage& image) {
     }
     drawStrips(canvas, image.strips(), drag_ == Drag::divider ? divider_ : hoveredDivider_);
     if (gesture_.running()) drawConstraint(canvas, gesture_.state());
-    drawPickedPoint(canvas);
-    drawEmitterMarks(canvas, hoveredEmitter_);
+    const bool overlays = editor.state.viewport.overlays;
+    if (overlays) drawPickedPoint(canvas);
+    if (overlays) drawEmitterMarks(canvas, hoveredEmitter_);
     if (gesture_.running() && !gesture_.byKey()) {
         if (const auto g = gizmo(editor, canvas)) drawGizmo(canvas, g->first, g->second, gesture_.state().handle);
     } else if (!gesture_.running()) {
         if (const auto g = gizmo(editor, canvas)) drawGizmo(canvas, g->first, g->second, hoveredHandle_);
     }
-    drawLegend(canvas);
-    drawAxes(canvas, hovered_ ? mouse : Vec2(-1e6f));
+    if (overlays) drawLegend(canvas);
+    if (overlays) drawAxes(canvas, hovered_ ? mouse : Vec2(-1e6f));
     drawFrustumName(canvas, hoveredView_);
     if (gesture_.running()) {
         labelAt(canvas, mouse + Vec2(18, 18) * canvas.scale, gesture_.readout());

@@ -277,11 +277,11 @@ void drawPickedPoint(const Canvas& canvas) {
 
 const char* hintOf(ClickTask task) {
     switch (task) {
-        case ClickTask::aim: return "Click the spot the light shall point at (Esc: not now)";
-        case ClickTask::reflect: return "Click where the light shall be mirrored (Esc: not now)";
-        case ClickTask::illuminate: return "Click the spot it shall light (Esc: not now)";
-        case ClickTask::attach: return "Click the part that shall follow the light (Esc: not now)";
-        case ClickTask::newPart: return "Click the part that shall shine (Esc: not now)";
+        case ClickTask::aim: return "Click the spot the light points at (Esc cancels)";
+        case ClickTask::reflect: return "Click where its reflection is to be seen (Esc cancels)";
+        case ClickTask::illuminate: return "Click the spot it lights (Esc cancels)";
+        case ClickTask::attach: return "Click the object that follows the light (Esc cancels)";
+        case ClickTask::newPart: return "Click the object that shines (Esc cancels)";
         default: return "";
     }
 }

@@ -78,7 +78,11 @@ std::vector<Strip> stripsOf(const Editor& editor) {
     for (size_t i = 0; i < mode.strips.size(); ++i) {
         const StripInfo& info = mode.strips[i];
         const float right = i < mode.dividers.size() ? std::clamp(viewport.*mode.dividers[i], left, 1.0f) : 1.0f;
-        strips.push_back({left, right, info.paint, info.caption, missingFor(editor, info.needs)});
+        std::string caption = info.caption;
+        if (info.paint == Paint::before)
+            caption = viewport.compareWith < 0 ? "As recovered"
+                                               : fmt::format("Snapshot {}", char('A' + viewport.compareWith));
+        strips.push_back({left, right, info.paint, std::move(caption), missingFor(editor, info.needs)});
         left = right;
     }
     return strips;
@@ -176,7 +180,13 @@ struct PaintInfo {
     bool ofView = false;        ///< through a view it compares with that one photograph
     bool ofEmitter = false;     ///< the active emitter
     bool distantFrame = false, distantEstimate = false;  ///< from the distant-only estimate instead
+    bool beforeFrame = false;                            ///< of the look that is compared with
 };
+
+/// The light that a paint shows.
+std::shared_ptr<const LiveFrame> frameOf(const Editor& editor, const PaintInfo& info) {
+    return info.distantFrame ? editor.distantOnlyFrame() : info.beforeFrame ? editor.beforeFrame() : editor.liveFrame();
+}
 
 const PaintInfo paints[] = {
     {.paint = Paint::photographs, .painter = paintPhotographs, .ofSamples = true},
@@ -189,6 +199,7 @@ const PaintInfo paints[] = {
     {.paint = Paint::albedo, .painter = paintAlbedo},
     {.paint = Paint::confidence, .painter = paintConfidence},
     {.paint = Paint::irradiance, .painter = paintIrradiance, .followsLight = true, .ofEmitter = true},
+    {.paint = Paint::before, .painter = paintLive, .followsLight = true, .beforeFrame = true},
 };
 
 const PaintInfo& infoOf(Paint paint) {
@@ -203,7 +214,7 @@ PaintKey paintKey(const Editor& editor, Paint paint) {
     PaintKey key;
     key.paint = paint;
     key.scene = document.scene;
-    key.live = info.distantFrame ? editor.distantOnlyFrame() : editor.liveFrame();
+    key.live = frameOf(editor, info);
     key.estimate = info.distantEstimate ? editor.distantOnly() : editor.estimate();
     if (info.ofEmitter) key.emitter = shownEmitter(editor);
     if (info.ofSamples) key.samples = document.samples;
@@ -221,9 +232,8 @@ PaintedMesh paintMesh(const Editor& editor, Paint paint) {
     PaintedMesh painted;
     painted.mesh = captureMesh(document);
     if (!painted.mesh) return painted;
-    PaintSource from{editor, info.distantFrame ? editor.distantOnlyFrame() : editor.liveFrame(),
-                     info.distantEstimate ? editor.distantOnly() : editor.estimate(), document.samples,
-                     document.scene->mesh.vertexCount()};
+    PaintSource from{editor, frameOf(editor, info), info.distantEstimate ? editor.distantOnly() : editor.estimate(),
+                     document.samples, document.scene->mesh.vertexCount()};
     if (!usable(from.live)) from.live = nullptr;
     if (from.live && (from.live->origin || from.live->mesh->vertexCount() == painted.mesh->vertexCount()))
         painted.mesh = from.live->mesh, painted.origin = from.live->origin;

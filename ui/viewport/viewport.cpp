@@ -41,7 +41,7 @@ EyeView Viewport::Impl::eyeFor(const Editor& editor, const Vec2& corner, const V
 
 void Viewport::Impl::draw(Editor& editor) {
     const auto start = std::chrono::steady_clock::now();
-    drawViewportToolbar(editor);
+    if (!editor.state.panels.hidden) drawViewportToolbar(editor);
     ImVec2 at = ImGui::GetCursorScreenPos(), area = ImGui::GetContentRegionAvail();
     at = {std::floor(at.x), std::floor(at.y)};
     area = {std::floor(std::max(area.x, 16.0f)), std::floor(std::max(area.y, 16.0f))};

@@ -55,7 +55,8 @@ ViewportImage::Key ViewportImage::keyOf(const Editor& editor, const EyeView& eye
     key.through = looksThrough(editor);
     key.wires = viewport.meshOverlay;
     key.photographBehind = viewport.photographBehind, key.dome = viewport.directionDome;
-    key.grid = viewport.grid && !key.through, key.frusta = viewport.frusta && !key.through;
+    key.grid = viewport.grid && viewport.overlays && !key.through;
+    key.frusta = viewport.frusta && viewport.overlays && !key.through;
     key.view = editor.state.selection.view;
     key.hidden = viewport.hiddenComponents;
     key.selected = editor.state.selection.emitters;
@@ -103,13 +104,17 @@ void ViewportImage::compose(Editor& editor, const EyeView& eye) {
     job_.falseColour = key_.falseColour;
     const GLuint photograph = key_.through ? photographs_.texture(editor.state.document.capture, key_.view) : 0;
     const auto live = editor.liveFrame();
+    const auto present =
+        std::find_if(key_.strips.begin(), key_.strips.end(), [](const Strip& s) { return s.paint == Paint::model; });
+    pickSlot_ = present == key_.strips.end() ? 0 : size_t(present - key_.strips.begin());
     for (size_t i = 0; i < key_.strips.size() && i < meshes_.size(); ++i) {
         const Strip& strip = key_.strips[i];
         Painted& mesh = painted(editor, i, key_.paints[i]);
         if (!strip.missing.empty()) continue;
         SceneLayer layer;
         layer.left = strip.left, layer.right = strip.right;
-        const bool model = strip.paint == Paint::model || strip.paint == Paint::distantModel;
+        const bool model =
+            strip.paint == Paint::model || strip.paint == Paint::distantModel || strip.paint == Paint::before;
         if (strip.paint == Paint::photographs && photograph) {
             layer.behind = photograph;
         } else {
@@ -154,7 +159,7 @@ ViewportImage::Painted& ViewportImage::painted(const Editor& editor, size_t slot
                                            : visibleTriangles(*fresh.mesh, fresh.origin.get(), *scene, hiddenShown_);
         p.geometry.upload(fresh.mesh, visible, visibleVersion_);
         p.colours.upload(GL_ARRAY_BUFFER, fresh.colours, GL_STREAM_DRAW);
-        if (slot == 0) visible_ = visible;
+        if (slot == pickSlot_) visible_ = visible;
     } else if (p.drawable) {
         // Only what is hidden can have changed.
         const auto& scene = editor.state.document.scene;
@@ -163,7 +168,7 @@ ViewportImage::Painted& ViewportImage::painted(const Editor& editor, size_t slot
                                                  ? std::vector<uint8_t>{}
                                                  : visibleTriangles(*mesh, p.origin.get(), *scene, hiddenShown_);
         p.geometry.upload(mesh, visible, visibleVersion_);
-        if (slot == 0) visible_ = visible;
+        if (slot == pickSlot_) visible_ = visible;
     }
     return p;
 }
@@ -187,8 +192,8 @@ void ViewportImage::makeOutline(const Editor& editor, const EyeView& eye, float 
     outlineCount_ = 0;
     job_.outlined = nullptr;
     const auto live = editor.liveFrame();
-    if (key_.selected.empty() || !live || !live->emitterOfTriangle || !meshes_[0].drawable ||
-        meshes_[0].geometry.mesh() != live->mesh)
+    if (key_.selected.empty() || !live || !live->emitterOfTriangle || !meshes_[pickSlot_].drawable ||
+        meshes_[pickSlot_].geometry.mesh() != live->mesh)
         return;
     std::vector<uint8_t> wanted(live->emitterIds.size(), 0);
     for (size_t i = 0; i < wanted.size(); ++i) wanted[i] = editor.state.selection.has(live->emitterIds[i]);
@@ -209,7 +214,7 @@ void ViewportImage::makeOutline(const Editor& editor, const EyeView& eye, float 
     if (triangles.empty()) return;
     outline_.upload(GL_ARRAY_BUFFER, triangles);
     outlineCount_ = 3 * triangles.size();
-    job_.outlined = &meshes_[0].geometry;
+    job_.outlined = &meshes_[pickSlot_].geometry;
     job_.outlineIndices = &outline_;
     job_.outlineCount = outlineCount_;
     job_.outlineRadius = std::clamp(int(std::lround(1.6f * pixelsPerPoint)), 1, 5);

@@ -21,7 +21,7 @@ public:
     double drawMs() const { return drawMs_; }
     const std::vector<Strip>& strips() const { return key_.strips; }
     /// What is drawn and can be picked; null when there is nothing.
-    const std::shared_ptr<const Mesh>& mesh() const { return meshes_[0].geometry.mesh(); }
+    const std::shared_ptr<const Mesh>& mesh() const { return meshes_[pickSlot_].geometry.mesh(); }
     const std::vector<uint8_t>& visible() const { return visible_; }
     Renderer& renderer() { return renderer_; }
 
@@ -58,6 +58,7 @@ private:
     double drawMs_ = 0;
     ImageJob job_;
     std::array<Painted, 3> meshes_;
+    size_t pickSlot_ = 0;  ///< strip whose mesh can be picked: the present look where it is shown
     PhotographTextures photographs_;
     std::vector<uint8_t> visible_;
     uint64_t visibleVersion_ = 0;

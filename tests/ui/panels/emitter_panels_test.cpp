@@ -39,7 +39,7 @@ TEST(EmitterTable, draggingStopsIsOneEntryAndUndoRestores) {
     t.frames(2);
     EXPECT_FALSE(t.editor->inGesture());
     ASSERT_EQ(t.editor->history().entries().size(), entries + 1);
-    EXPECT_EQ(t.editor->history().entries().back().label, "Brightness of " + t.id);
+    EXPECT_EQ(t.editor->history().entries().back().label, "Exposure of " + t.editor->emitter(t.id)->name);
     // 0.02 stops a pixel, less the few pixels before a drag begins.
     const EmitterState& now = *t.editor->emitter(t.id);
     EXPECT_GT(now.radiance.x, 2 * now.recoveredRadiance.x);

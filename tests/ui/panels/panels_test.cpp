@@ -176,11 +176,12 @@ TEST(BottomPanel, aClickOnATabShowsIt) {
     Panels p;
     p.openSolved();
     p.editor->state.panels.bottomTab = 0;
+    p.editor->state.panels.bottomFolded = false;
     p.windowSize(1000, 300);
     p.frame([&] { drawBottomPanel(*p.editor); });
     p.frames(3);
     for (const int wanted : {1, 3, 0, 2, 4}) {
-        const char* const names[] = {"Timeline", "Lights", "Log", "History", "Plan"};
+        const char* const names[] = {"Progress", "Lights", "Log", "History", "Solve details"};
         const auto at = p.find(Panels::idOf("test", {"##bottom", names[wanted]}));
         ASSERT_TRUE(at) << names[wanted];
         p.click(*at);

@@ -1,0 +1,231 @@
+// What hands expect of any editor: keys, menus, dialogs, hints, numbers.
+#include "actions.h"
+#include "panels/dialogs.h"
+#include "panels/emitter_controls.h"
+#include "panels/panels.h"
+#include "ui/panels/panel_harness.h"
+
+namespace relamp::ui::test {
+namespace {
+
+void drawMenus(Panels& p) {
+    p.frame([&] {
+        if (ImGui::BeginMainMenuBar()) {
+            drawMenuBar(*p.editor);
+            ImGui::EndMainMenuBar();
+        }
+    });
+}
+
+int openPopups() { return ImGui::GetCurrentContext()->OpenPopupStack.Size; }
+
+TEST(Habits, escClosesAMenuAndNothingElse) {
+    Panels p;
+    p.openSolved();
+    p.editor->state.selection.emitters = {p.editor->emitters()[0].id};
+    drawMenus(p);
+    p.frames(2);
+    p.click({20, 8});
+    ASSERT_EQ(openPopups(), 1);
+    p.key(keyEscape);
+    p.frames(2);
+    EXPECT_EQ(openPopups(), 0);
+    EXPECT_EQ(p.editor->state.selection.emitters.size(), 1u);
+}
+
+TEST(Palette, ranksWhatIsTypedAndNeverRunsAnotherCommand) {
+    std::string best;
+    int score = -1;
+    for (const Action& action : actions())
+        if (const int s = fuzzyScore(action.label, "sol"); s > score) score = s, best = action.id;
+    EXPECT_EQ(best, "light.solo");
+    // Nothing is selected, so solo cannot run; Enter then does nothing.
+    Panels p;
+    p.openSolved();
+    p.editor->state.panels.palette = true;
+    p.frame({});
+    p.frames(3);
+    p.type("sol");
+    p.key(keyEnter);
+    p.frames(2);
+    EXPECT_FALSE(p.editor->job());
+    EXPECT_TRUE(p.editor->state.viewport.solo.empty());
+    EXPECT_TRUE(p.editor->state.panels.palette);
+}
+
+TEST(Habits, aDialogStaysInTheMiddleWhenTheWindowChanges) {
+    Panels p;
+    p.editor->state.panels.about = true;
+    p.frame({});
+    p.frames(4);
+    const auto offCentre = [] {
+        const ImGuiWindow* dialog = ImGui::FindWindowByName("About relamp###about");
+        const ImVec2 screen = ImGui::GetIO().DisplaySize;
+        return std::max(std::abs(dialog->Pos.x + dialog->Size.x / 2 - screen.x / 2),
+                        std::abs(dialog->Pos.y + dialog->Size.y / 2 - screen.y / 2));
+    };
+    EXPECT_LT(offCentre(), 2);
+    ImGui::GetIO().DisplaySize = {1500, 1100};
+    p.frames(4);
+    EXPECT_LT(offCentre(), 2);
+}
+
+TEST(Habits, aHintCoversNoControlOfItsPanel) {
+    Panels p;
+    p.windowSize(300, 400);
+    p.frame([] {
+        for (int i = 0; i < 8; ++i) {
+            ImGui::PushID(i);
+            button("A control", "What it does, in a sentence that is long enough to need more than one line of text.");
+            ImGui::PopID();
+        }
+    });
+    p.mouse({40, 40});
+    for (int i = 0; i < 60; ++i) p.frames(1);
+    const ImGuiWindow* hint = ImGui::FindWindowByName("##Tooltip_00");
+    ASSERT_TRUE(hint && hint->Active);
+    EXPECT_GE(hint->Pos.x, 300);
+}
+
+TEST(Habits, shiftIsFineInFieldsAsInTheViewport) {
+    Panels p;
+    p.openSolved();
+    const std::string id = p.editor->emitters()[0].id;
+    p.windowSize(640, 300);
+    p.frame([&] { drawEmittersPanel(*p.editor); });
+    p.frames(2);
+    const auto at = p.find(Panels::idOf("test", {"##emitters", id.c_str(), "##stops"}));
+    ASSERT_TRUE(at);
+    const auto dragged = [&](bool shift) {
+        p.mouse(*at);
+        p.frames(2);
+        p.press(true);
+        ImGui::GetIO().KeyShift = shift;
+        for (int i = 1; i <= 40; ++i) p.mouse({at->x + 3.0f * float(i), at->y}), p.frames(1);
+        const float stops = stopsOf(*p.editor, *p.editor->emitter(id));
+        p.press(false);
+        ImGui::GetIO().KeyShift = false;
+        p.frames(2);
+        p.editor->undo();
+        return stops;
+    };
+    const float coarse = dragged(false), fine = dragged(true);
+    EXPECT_GT(coarse, 1);
+    EXPECT_GT(fine, 0);
+    EXPECT_LT(fine, 0.2f * coarse);
+}
+
+TEST(Lights, newOnesStandBesideEachOther) {
+    Panels p;
+    p.openSolved();
+    for (int i = 0; i < 4; ++i) addNewEmitter(*p.editor, EmitterShape::sphere);
+    const auto& added = p.editor->look().added;
+    ASSERT_EQ(added.size(), 4u);
+    for (size_t i = 0; i < 4; ++i)
+        for (size_t k = 0; k < i; ++k)
+            EXPECT_GT(glm::distance(Vec3(added[i].matrix[3]), Vec3(added[k].matrix[3])), 0.5f * added[0].size.x);
+}
+
+TEST(Lights, anObjectLightIsDuplicatedAsALightOfItsOwn) {
+    Panels p;
+    p.openSolved();
+    Editor& editor = *p.editor;
+    std::string id;
+    editor.edit("Object", [&](Look& look) {
+        AddedEmitter part;
+        part.shape = EmitterShape::part;
+        part.seedVertex = 0;
+        id = addEmitter(look, *editor.estimate(), part);
+    });
+    duplicateEmitters(editor, {id});
+    ASSERT_EQ(editor.look().added.size(), 2u);
+    const EmitterState *first = editor.emitter(id), *copy = editor.emitter(editor.state.selection.active());
+    ASSERT_TRUE(first && copy);
+    EXPECT_NE(copy->id, id);
+    EXPECT_NEAR(powerOf(editor, *copy), powerOf(editor, *first), 0.02 * double(powerOf(editor, *first)));
+    editor.undo();
+    EXPECT_EQ(editor.look().added.size(), 1u);
+}
+
+TEST(Lights, copiesAreNamedAfterTheirSource) {
+    Panels p;
+    p.openSolved();
+    const std::string id = p.editor->emitters()[0].id;
+    duplicateEmitters(*p.editor, {id});
+    duplicateEmitters(*p.editor, {id});
+    EXPECT_EQ(p.editor->emitters()[0].name, "Light 1");
+    EXPECT_EQ(p.editor->emitters()[1].name, "Light 1 copy");
+    EXPECT_EQ(p.editor->emitters()[2].name, "Light 1 copy 2");
+    p.editor->edit("Name", [&](Look& look) { renameEmitter(look, id, "Desk"); });
+    EXPECT_EQ(p.editor->emitters()[1].name, "Desk copy");
+}
+
+TEST(Lights, deletingARecoveredOneSaysThatItIsSwitchedOff) {
+    Panels p;
+    p.openSolved();
+    const std::string id = p.editor->emitters()[0].id;
+    deleteEmitters(*p.editor, {id});
+    EXPECT_FALSE(p.editor->emitter(id)->enabled);
+    EXPECT_EQ(p.editor->state.message, "Light 1 switched off: it is part of the scene");
+    EXPECT_EQ(p.editor->history().entries().back().label, "Switch off Light 1");
+}
+
+TEST(Lights, altWithGRAndSClearsOneOfThreeAndIsUndone) {
+    Panels p;
+    p.openSolved();
+    Editor& editor = *p.editor;
+    const std::string id = editor.emitters()[0].id;
+    const Vec3 home = editor.emitters()[0].pivot;
+    editor.state.selection.emitters = {id};
+    Mat4 m(Mat3(Vec3(0, 2, 0), Vec3(-2, 0, 0), Vec3(0, 0, 2)));
+    m[3] = Vec4(0.3f, 0.1f, 0.2f, 1);
+    editor.edit("Move", [&](Look& look) { moveEmitter(look, id, m); });
+    const Look moved = editor.look();
+    ASSERT_TRUE(runKey(editor, {'G', false, false, true}));
+    EXPECT_NEAR(glm::distance(editor.emitter(id)->pivot, home), 0, 1e-4);
+    EXPECT_NEAR(editor.emitter(id)->matrix[0].y, 2, 1e-4) << "turned and as large as it was";
+    ASSERT_TRUE(runKey(editor, {'R', false, false, true}));
+    EXPECT_NEAR(editor.emitter(id)->matrix[0].x, 2, 1e-4);
+    ASSERT_TRUE(runKey(editor, {'S', false, false, true}));
+    EXPECT_NEAR(editor.emitter(id)->matrix[0].x, 1, 1e-4);
+    EXPECT_NEAR(glm::distance(editor.emitter(id)->pivot, home), 0, 1e-4);
+    for (int i = 0; i < 3; ++i) editor.undo();
+    EXPECT_EQ(editor.look(), moved);
+}
+
+TEST(BottomPanel, foldsAfterAnEstimateAndUnfoldsByATab) {
+    Panels p;
+    p.openSolved();
+    Editor& editor = *p.editor;
+    EXPECT_TRUE(editor.state.panels.bottomFolded) << "a shot needs no plot";
+    p.windowSize(1000, bottomPanelFoldedHeight());
+    p.frame([&] { drawBottomPanel(editor); });
+    p.frames(3);
+    const auto at = p.find(Panels::idOf("test", {"##bottom", "History"}), 4);
+    ASSERT_TRUE(at);
+    p.click(*at);
+    EXPECT_FALSE(editor.state.panels.bottomFolded);
+    EXPECT_EQ(editor.state.panels.bottomTab, 3);
+}
+
+TEST(StartPage, showsWhatWasOpenLastAndOpensIt) {
+    Panels p;
+    p.editor->state.recent = {PaintedRoom::get().capture};
+    p.windowSize(700, 500);
+    p.frame([&] { drawStartPage(*p.editor); });
+    p.frames(4);
+    ImGuiID card = 0;
+    for (const ImGuiWindow* window : ImGui::GetCurrentContext()->Windows)
+        if (std::string(window->Name).find("##start") != std::string::npos) {
+            const int index = 0;
+            card = ImHashStr("##card", 0, ImHashData(&index, sizeof index, window->ID));
+        }
+    const auto at = p.find(card, 10);
+    ASSERT_TRUE(at);
+    p.click(*at);
+    p.until([&] { return !p.editor->job(); });
+    EXPECT_EQ(p.editor->state.document.captureFolder, PaintedRoom::get().capture);
+}
+
+}  // namespace
+}  // namespace relamp::ui::test
