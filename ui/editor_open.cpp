@@ -5,6 +5,7 @@
 #include "editor_impl.h"
 #include "interrupted.h"
 #include "pipeline/pipeline.h"
+#include "pipeline/shot_of.h"
 #include "settings.h"
 #include "shot/shot_leftovers.h"
 #include "thumbnails.h"
@@ -62,6 +63,8 @@ Document correctedDocument(const fs::path& folder, const CaptureFix& fix, Progre
         }
         document.fix = fix;
         document.fix.photometric = done.photometric;
+        document.fix.mend = done.mend;
+        document.fix.proxies = fixOf(*document.capture, done, fix).proxies;
         if (done.smoothedNormals > 0) document.fix.smoothNormals = done.smoothedNormals;
     } else {
         document = documentOf(std::move(capture), folder, progress);

@@ -14,6 +14,7 @@ struct ProxyLight {
     Vec3 sigma{0};       ///< standard deviation of the centre along X, Y, Z, metres; 0: it was told, not found
     bool found = false;  ///< from shading and shadows (solve/unobserved/unobserved_light.h)
     Rgb radiance{0};     ///< as photographs show it; 0: none shows it, and the solve finds it
+    bool observed() const { return maxChannel(radiance) > 0; }
     bool operator==(const ProxyLight&) const = default;
 };
 

@@ -104,7 +104,7 @@ void addProxyEmitters(const Scene& scene, const Capture& capture, float brightne
         for (size_t v = 0; v < proxyVertices; ++v) cluster.vertices.push_back(uint32_t(firstVertex + v));
         measure(scene, cluster);
         cluster.positionSigma = proxy.sigma;
-        if (maxChannel(proxy.radiance) > 0) {
+        if (proxy.observed()) {
             cluster.radiance = proxy.radiance;
             cluster.radianceSigma = 0.005f;
             cluster.fitted = true;

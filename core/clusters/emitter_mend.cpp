@@ -29,10 +29,9 @@ bool explains(const EmitterSphere& ball, const std::vector<EmitterOutline>& outl
 /// see it all the same.
 class Obstacles {
 public:
-    Obstacles(const Scene& scene, const Capture& capture, const EmitterSphere& ball) : scene_(scene), ball_(ball) {
+    Obstacles(const Scene& scene, const EmitterSphere& ball) : scene_(scene), ball_(ball) {
         in_.assign(scene.mesh.triangles.size(), 0);
         out_.assign(scene.mesh.triangles.size(), 0);
-        (void)capture;
     }
 
     void vote(const View& view, const EmitterOutline& outline) {
@@ -126,7 +125,7 @@ EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const Radia
     std::vector<Vec3> normals;
     const auto replace = [&](const EmitterCluster& e, const EmitterSphere& ball,
                              const std::vector<EmitterOutline>& outlines) {
-        Obstacles obstacles(scene, capture, ball);
+        Obstacles obstacles(scene, ball);
         for (const EmitterOutline& o : outlines) obstacles.vote(capture.views[o.view], o);
         obstacles.collect(e.triangles, removed);
         ProxyLight proxy;

@@ -145,8 +145,9 @@ Corrections correctCapture(const PipelineOptions& options, Capture& capture, Pre
             prepared = prepare(capture, options, meter, progress, prepared.working ? nullptr : prepared.scene);
         }
     }
-    if (options.mend && told.mend.empty() && !prepared.working)
-        mendMesh(options, capture, prepared, done, meter, progress);
+    const bool mended = !told.mend.empty() || std::any_of(told.proxies.begin(), told.proxies.end(),
+                                                          [](const ProxyLight& p) { return p.observed(); });
+    if (options.mend && !mended && !prepared.working) mendMesh(options, capture, prepared, done, meter, progress);
     // Are the mesh's normals good enough to shade with? A decimated mesh's are means already.
     if (told.smoothNormals < 0 && !prepared.working) {
         meter.begin(Stage::normals);

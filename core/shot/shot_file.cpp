@@ -74,7 +74,7 @@ void writeEnvironment(const Estimate& estimate, const fs::path& folder) {
 /// told.
 size_t writtenVertices(const std::vector<ProxyLight>& proxies, const Mesh& mesh) {
     size_t fitted = 0;
-    while (fitted < proxies.size() && maxChannel(proxies[proxies.size() - 1 - fitted].radiance) > 0) ++fitted;
+    while (fitted < proxies.size() && proxies[proxies.size() - 1 - fitted].observed()) ++fitted;
     return mesh.vertexCount() - std::min(mesh.vertexCount(), fitted * proxyVertices);
 }
 
@@ -100,6 +100,8 @@ void writeReflectance(const Shot& shot, const Mesh& whole, const fs::path& file)
     Mesh mesh;
     mesh.positions.assign(whole.positions.begin(), whole.positions.begin() + std::ptrdiff_t(vertices));
     mesh.normals.assign(whole.normals.begin(), whole.normals.begin() + std::ptrdiff_t(vertices));
+    for (const Triangle& t : whole.triangles)
+        if (std::all_of(t.begin(), t.end(), [&](uint32_t v) { return v < vertices; })) mesh.triangles.push_back(t);
     const Reflectance& r = shot.estimate.reflectance;
     std::vector<VertexProperty> properties;
     const char* suffix[] = {"r", "g", "b"};
@@ -278,7 +280,7 @@ void nameBalls(const Capture& capture, const EmitterClusters& clusters, std::vec
     const size_t first = capture.mesh.vertexCount() - capture.proxies.size() * proxyVertices;
     for (size_t i = 0; i < capture.proxies.size(); ++i) {
         const ProxyLight& ball = capture.proxies[i];
-        if (!(maxChannel(ball.radiance) > 0)) continue;
+        if (!ball.observed()) continue;
         for (size_t e = 0; e < clusters.emitters.size(); ++e)
             if (glm::length(Vec3(ball.centre) - clusters.emitters[e].centroid) < 0.5f * ball.radius)
                 std::fill_n(emitter.begin() + std::ptrdiff_t(first + i * proxyVertices), proxyVertices, float(e));

@@ -108,7 +108,7 @@ Json proxiesToJson(const std::vector<ProxyLight>& proxies) {
     for (const ProxyLight& p : proxies) {
         list.push_back(
             {{"centre", toJson(p.centre)}, {"radius", p.radius}, {"sigma", toJson(p.sigma)}, {"found", p.found}});
-        if (maxChannel(p.radiance) > 0) list.back()["radiance"] = toJson(p.radiance);
+        if (p.observed()) list.back()["radiance"] = toJson(p.radiance);
     }
     return list;
 }

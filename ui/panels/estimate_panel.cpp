@@ -243,6 +243,7 @@ void drawUnobservedLights(Editor& editor) {
     if (told && document.fix.proxies.empty()) dimWrapped(shown(last.words));
     for (size_t i = 0; i < document.fix.proxies.size(); ++i) {
         const ProxyLight& proxy = document.fix.proxies[i];
+        if (proxy.observed()) continue;  // a light of the photographs, which has its place in the list of lights
         ImGui::PushID(int(i));
         wrapped(fmt::format("Light at {:.3f} {:.3f} {:.3f} m{}", proxy.centre.x, proxy.centre.y, proxy.centre.z,
                             proxy.found
