@@ -2,6 +2,9 @@
 
 #include <CLI/CLI.hpp>
 
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
 #include <sstream>
 
 #include "capture/capture_formats.h"
@@ -139,7 +142,7 @@ CLI::App* addRender(CLI::App& app, CommandLine& line) {
     verb->add_option("--edits", line.render.edits,
                      "Edits document (JSON) in place of the shot's own look; with `keys` it changes over the frames");
     verb->add_option("--env", line.render.environment, "A latitude-longitude file, none, or recovered");
-    verb->add_option("--env-yaw", line.render.yaw, "Degrees about the vertical");
+    verb->add_option("--env-yaw", line.render.yaw, "Degrees about the vertical")->check(CLI::Range(-1e6, 1e6));
     verb->add_option("--camera", line.render.camera,
                      "A view's number, a camera file, all, turntable:N, or path:V,V,...:N (a spline through views)")
         ->capture_default_str();
@@ -248,12 +251,23 @@ CLI::App* addInfo(CLI::App& app, CommandLine& line) {
     return verb;
 }
 
+/// "nan", "inf", and whole numbers that the type cannot hold, which the parser takes for its largest one.
+void refuseBeyondNumbers(const CLI::Option& option, const std::string& value) {
+    if (option.get_type_name().starts_with("FLOAT") && !std::isfinite(std::strtof(value.c_str(), nullptr)))
+        throw CLI::ValidationError(option.get_name(), "is " + value + ", expected a finite number");
+    uint64_t number = 0;
+    if (option.get_type_name().starts_with("UINT") &&
+        std::from_chars(value.data(), value.data() + value.size(), number).ec == std::errc::result_out_of_range)
+        throw CLI::ValidationError(option.get_name(), "is " + value + ", which is too large");
+}
+
 /// A value that is empty comes from a variable that was not set, and means nothing that its absence does not.
 void refuseEmpty(const CLI::App& verb) {
     for (const CLI::Option* option : verb.get_options())
         for (const std::string& value : option->results())
             if (value.empty() && option->get_expected_min() > 0)
                 throw CLI::ValidationError(option->get_name(), "the value is empty");
+            else refuseBeyondNumbers(*option, value);
 }
 
 }  // namespace

@@ -50,6 +50,8 @@ GaugeChoice gaugeOf(const std::string& text) {
     const std::string kind = text.substr(0, equals), rest = equals == std::string::npos ? "" : text.substr(equals + 1);
     if (kind == "white-patch") {
         const auto v = numbersOf(rest, "--gauge white-patch", 3);
+        if (!(v[0] >= 0 && v[0] < 1e6) || v[0] != std::floor(v[0]) || !(v[1] >= 0) || !(v[2] >= 0))
+            throw UsageError("--gauge white-patch: expected a view's number and a pixel, counted from 0");
         gauge.kind = GaugeChoice::Kind::whitePatch;
         gauge.view = int(v[0]);
         gauge.pixel = {v[1], v[2]};
@@ -57,13 +59,15 @@ GaugeChoice gaugeOf(const std::string& text) {
         const size_t colon = rest.find(':');
         if (colon == std::string::npos) throw UsageError("--gauge emitter: expected emitter=ID:R,G,B");
         const auto v = numbersOf(rest.substr(colon + 1), "--gauge emitter", 3);
+        if (!(std::min({v[0], v[1], v[2]}) > 0))
+            throw UsageError("--gauge emitter: expected a radiance of more than 0 in each channel");
         gauge.kind = GaugeChoice::Kind::emitter;
         gauge.emitter = rest.substr(0, colon);
         gauge.radiance = {v[0], v[1], v[2]};
     } else if (kind == "albedo") {
         gauge.kind = GaugeChoice::Kind::albedo;
         gauge.albedo = numbersOf(rest, "--gauge albedo", 1)[0];
-        if (!(gauge.albedo > 0)) throw UsageError("--gauge albedo: expected more than 0");
+        if (!(gauge.albedo >= 0.001 && gauge.albedo <= 1)) throw UsageError("--gauge albedo: expected 0.001 to 1");
     } else {
         throw UsageError("--gauge " + text +
                          ": unknown, expected auto, white-patch=V,X,Y, emitter=ID:R,G,B or albedo=A");
@@ -142,6 +146,7 @@ int solve(const SolveArguments& a, Progress& progress) {
     if (isThere(a.output) && !a.overwrite)
         throw Error("{}: exists already, add --overwrite to replace it", a.output.string());
     // Known before the calculation, not after it.
+    checkShotCanBeWritten(a.output);
     InputFiles inputs = captureFiles(a.capture, a.fix, progress);
     inputs.addFolder(a.merl);
     checkShotCanBeWritten(a.output, inputs);

@@ -17,6 +17,13 @@ double wideNumberOf(const Json& value, const std::string& where) {
     return x;
 }
 
+/// Metres, or a factor on them: beyond, single precision cannot tell one place from another.
+double lengthOf(const Json& value, const std::string& where) {
+    const double x = wideNumberOf(value, where);
+    if (!(std::abs(x) <= 1e9)) throw Error("{}: is {}, which is too large; expected at most 1e9", where, x);
+    return x;
+}
+
 float realOf(const Json& value, const std::string& where) { return float(wideNumberOf(value, where)); }
 
 Rgb colourOf(const Json& value, const std::string& where) {
@@ -44,7 +51,7 @@ Mat4 matrixOf(const Json& value, const std::string& where, ActsOn on, const DVec
         if (!value[size_t(r)].is_array() || value[size_t(r)].size() != 4)
             throw Error("{}[{}]: expected four numbers", where, r);
         for (int c = 0; c < 4; ++c)
-            m[c][r] = wideNumberOf(value[size_t(r)][size_t(c)], fmt::format("{}[{}][{}]", where, r, c));
+            m[c][r] = lengthOf(value[size_t(r)][size_t(c)], fmt::format("{}[{}][{}]", where, r, c));
     }
     if (m[0][3] != 0 || m[1][3] != 0 || m[2][3] != 0 || m[3][3] != 1) throw Error("{}[3]: expected 0 0 0 1", where);
     if (!(std::abs(glm::determinant(glm::dmat3(glm::mat3(m)))) > 1e-18)) throw Error("{}: is singular", where);
@@ -150,7 +157,7 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
         if (look.environment.source == EnvironmentLook::Source::file)
             look.environment.file = folder / textOf(*at, "file", "environment");
         if (at->contains("yaw_degrees"))
-            look.environment.yawDegrees = realOf((*at)["yaw_degrees"], "environment.yaw_degrees");
+            look.environment.yawDegrees = float(lengthOf((*at)["yaw_degrees"], "environment.yaw_degrees"));
         if (at->contains("exposure_stops"))
             look.environment.exposureStops = realOf((*at)["exposure_stops"], "environment.exposure_stops");
         if (at->contains("tint")) look.environment.tint = colourOf((*at)["tint"], "environment.tint");
@@ -184,8 +191,8 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
             const Json& size = e["size"];
             if (!size.is_array() || size.empty() || size.size() > 2)
                 throw Error("{}.size: expected one or two numbers", where);
-            emitter.size = Vec2(realOf(size[0], where + ".size[0]"));
-            if (size.size() == 2) emitter.size.y = realOf(size[1], where + ".size[1]");
+            emitter.size = Vec2(float(lengthOf(size[0], where + ".size[0]")));
+            if (size.size() == 2) emitter.size.y = float(lengthOf(size[1], where + ".size[1]"));
             if (!(emitter.size.x > 0) || !(emitter.size.y > 0)) throw Error("{}.size: expected more than 0", where);
         }
         if (e.contains("radiance")) emitter.radiance = colourOf(e["radiance"], where + ".radiance");

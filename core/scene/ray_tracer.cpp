@@ -76,8 +76,20 @@ RayTracer& RayTracer::operator=(RayTracer&&) noexcept = default;
 
 namespace {
 
+/// A ray that hits nothing, for one that has no place or direction: Embree ends the process for those.
+const Ray nowhere{Vec3(0), Vec3(0, 0, 1), 1, 0.5f};
+
+/// Within what Embree takes; false for what is no number.
+bool isUsable(const Ray& ray) {
+    constexpr float most = 1e18f;
+    bool good = ray.near >= 0;
+    for (int k = 0; k < 3; ++k) good &= std::abs(ray.origin[k]) < most && std::abs(ray.direction[k]) < most;
+    return good;
+}
+
 template <class R>
-void fill(R& r, const Ray& ray, unsigned id) {
+void fill(R& r, const Ray& given, unsigned id) {
+    const Ray& ray = isUsable(given) ? given : nowhere;
     r.org_x = ray.origin.x;
     r.org_y = ray.origin.y;
     r.org_z = ray.origin.z;
@@ -92,7 +104,8 @@ void fill(R& r, const Ray& ray, unsigned id) {
     r.flags = 0;
 }
 
-void fill8(RTCRay8& r, int i, const Ray& ray) {
+void fill8(RTCRay8& r, int i, const Ray& given) {
+    const Ray& ray = isUsable(given) ? given : nowhere;
     r.org_x[i] = ray.origin.x;
     r.org_y[i] = ray.origin.y;
     r.org_z[i] = ray.origin.z;

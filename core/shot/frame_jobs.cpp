@@ -134,8 +134,10 @@ std::vector<FrameJob> frameJobs(const Capture& capture, const std::string& camer
         const size_t x = size.find('x');
         if (x == std::string::npos) throw BadOption("--size {}: expected WxH", size);
         const int w = wholeNumber(size.substr(0, x), "--size"), h = wholeNumber(size.substr(x + 1), "--size");
-        if (w < 1 || h < 1 || int64_t(w) * h > (int64_t(1) << 28))
-            throw BadOption("--size {}: expected 1 to 2^28 pixels", size);
+        // A strip of rows is held in memory, so a side has a limit too.
+        constexpr int mostSide = 1 << 17;
+        if (w < 1 || h < 1 || std::max(w, h) > mostSide || int64_t(w) * h > (int64_t(1) << 28))
+            throw BadOption("--size {}: expected 1 to 2^28 pixels, {} at most on a side", size, mostSide);
         for (FrameJob& job : jobs) {
             if (w != job.camera.width || h != job.camera.height) job.resized = true;
             const double sx = double(w) / job.camera.width, sy = double(h) / job.camera.height;

@@ -160,6 +160,17 @@ TEST_F(HostileInput, EmptyAndSenselessValuesAreWrongUsage) {
     expectEnd(solve({"-o", folder / "n.relamp", "--seed", "-3"}), 2, {"--seed"}, "solve --seed");
     expectEnd(relamp({"check", ""}), 2, {"empty"}, "check");
     EXPECT_EQ(render({"-o", folder / "f.exr", "--threads", "1000000000"}).exitCode, 0) << "more threads than memory";
+    for (const Words& wrong : std::vector<Words>{{"--time-budget", "nan"},
+                                                 {"--seed", "99999999999999999999"},
+                                                 {"--gauge", "albedo=5"},
+                                                 {"--gauge", "emitter=emitter-1:0,0,0"},
+                                                 {"--gauge", "white-patch=1e30,1,1"}}) {
+        Words all{"-o", folder / "n.relamp"};
+        all.insert(all.end(), wrong.begin(), wrong.end());
+        expectEnd(solve(all), 2, {}, joined(wrong));
+    }
+    expectEnd(render({"-o", folder / "f.exr", "--env-yaw", "nan"}), 2, {"--env-yaw"}, "yaw");
+    expectEnd(relamp({"render", shot, "-o", folder / "f.exr", "--size", "99999999x2"}), 2, {"--size"}, "a wide strip");
 }
 
 TEST_F(HostileInput, AResultThatCannotBePrintedIsAnError) {
@@ -188,6 +199,11 @@ TEST_F(HostileInput, CamerasThatSeeNothingAreNamed) {
     expectEnd(relamp({"render", shot, "-o", folder / "f.exr", "--camera", folder / "camera.json"}), 3, {"fl_x"},
               "camera");
     expectEnd(solve({"-o", folder / "n.relamp", "--proxy-light", "0,0,1,1e-20"}), 3, {"proxy light", "1e-20"}, "proxy");
+    // Lengths that leave the range of single precision.
+    for (const char* edits :
+         {R"({"emitters": [{"id": "emitter-1", "matrix": [[1,0,0,1e30],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}]})",
+          R"({"added_emitters": [{"id": "a", "shape": "sphere", "size": [1e30, 1e30]}]})"})
+        expectEnd(render({"-o", folder / "f.exr", "--edits", folder.write("e.json", edits)}), 3, {"too large"}, edits);
     // Coefficients of a lens that leave no direction for most pixels end in a frame or a sentence.
     camera["fl_x"] = 8;
     for (const char* key : {"k1", "p1", "k6"}) {
