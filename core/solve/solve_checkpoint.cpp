@@ -101,6 +101,7 @@ void fields(File& f, EmitterClusters& c) {
         f.plain(e.radiance);
         f.plain(e.radianceSigma);
         f.plain(e.twoSided);
+        f.plain(e.fitted);
         f.plain(e.unobserved);
         f.plain(e.positionSigma);
         f.plain(e.centroid);

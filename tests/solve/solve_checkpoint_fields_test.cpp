@@ -15,13 +15,13 @@ auto fieldsOf(EmitterEvidence& e) {
     return std::tie(a, b, c, d, g, h, i, j, k, l);
 }
 auto fieldsOf(EmitterCluster& e) {
-    auto& [id, vertices, triangles, radiance, sigma, twoSided, unobserved, position, centroid, normal, area, evidence] =
-        e;
-    return std::tie(id, vertices, triangles, radiance, sigma, twoSided, unobserved, position, centroid, normal, area,
-                    evidence);
+    auto& [id, vertices, triangles, radiance, sigma, twoSided, fitted, unobserved, position, centroid, normal, area,
+           evidence] = e;
+    return std::tie(id, vertices, triangles, radiance, sigma, twoSided, fitted, unobserved, position, centroid, normal,
+                    area, evidence);
 }
 auto fieldsOf(RejectedPatch& r) {
-    auto& [centroid, radiance, evidence, reason] = r;
+    auto& [centroid, radiance, evidence, reason, besideBall] = r;
     return std::tie(centroid, radiance, evidence, reason);
 }
 auto fieldsOf(EmitterClusters& c) {

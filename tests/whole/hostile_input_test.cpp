@@ -121,11 +121,11 @@ TEST_F(HostileInput, AShotBehindALinkIsReadAndReplacedWhereItLies) {
     fs::create_directories(folder / "elsewhere/deep");
     const fs::path link = folder / "elsewhere/deep/link.relamp";
     fs::create_symlink("../../x.relamp", link);
-    const auto made = fs::last_write_time(folder / "x.relamp/shot.json");
+    const auto written = fs::last_write_time(folder / "x.relamp/shot.json");
     const test::ProgramResult r = solve({"-o", link.string(), "--overwrite"});
     EXPECT_EQ(r.exitCode, 0) << r.error;
     EXPECT_TRUE(fs::is_symlink(link));
-    EXPECT_NE(fs::last_write_time(folder / "x.relamp/shot.json"), made);
+    EXPECT_NE(fs::last_write_time(folder / "x.relamp/shot.json"), written);
     const test::ProgramResult frame =
         relamp({"render", link.string(), "-o", folder / "f.exr", "--samples", "1", "--size", "8x6"});
     EXPECT_EQ(frame.exitCode, 0) << frame.error;
