@@ -270,7 +270,7 @@ public:
         const std::vector<EmitterCluster> emitters = result.emitters;
         const auto dropFalse = [&](std::vector<EmitterCluster>& clusters) {
             std::erase_if(clusters, [&](EmitterCluster& e) {
-                if (e.unobserved) return false;
+                if (e.unobserved || e.fitted) return false;
                 const char* reason = nullptr;
                 for (const EmitterCluster& emitter : emitters)
                     if (emitterPower(emitter) > emitterPower(e) &&

@@ -94,7 +94,7 @@ size_t growByPixels(const Scene& scene, const Capture& capture, const RadianceSa
         const bool others =
             std::any_of(corners.begin(), corners.end(), [&](uint32_t v) { return taken[v] && !mine[v]; });
         if (shining == 0 || shining == 3 || others) continue;
-        if (ofTriangle[t].all >= enough ? ofTriangle[t].emits() : shining == 2 && ofTriangle[t].all == 0)
+        if (ofTriangle[t].all >= enough && ofTriangle[t].emits())
             for (const uint32_t v : corners) corner[v] = 1;
     }
     const size_t before = cluster.triangles.size();

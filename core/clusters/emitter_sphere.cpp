@@ -1,7 +1,5 @@
 #include "clusters/emitter_sphere.h"
 
-#include <Eigen/Dense>
-
 #include "base/random.h"
 #include "base/statistics.h"
 #include "clusters/emitter_pixels.h"
@@ -95,50 +93,54 @@ struct BoundaryRay {
 
 /// Where the rays meet best.
 DVec3 meetingPoint(const std::vector<BoundaryRay>& rays) {
-    Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d b = Eigen::Vector3d::Zero();
+    glm::dmat3 across(0);
+    DVec3 sum(0);
     for (const BoundaryRay& r : rays) {
-        const Eigen::Vector3d d(r.direction.x, r.direction.y, r.direction.z), e(r.eye.x, r.eye.y, r.eye.z);
-        const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - d * d.transpose();
-        a += across;
-        b += across * e;
+        const glm::dmat3 plane = glm::dmat3(1) - glm::outerProduct(r.direction, r.direction);
+        across += plane;
+        sum += plane * r.eye;
     }
-    const Eigen::Vector3d x = a.ldlt().solve(b);
-    return {x.x(), x.y(), x.z()};
+    return glm::inverse(across) * sum;
 }
 
+/// Centre and radius.
+using Ball = glm::dvec4;
+
+bool isFinite(const Ball& ball) { return std::isfinite(ball.x + ball.y + ball.z + ball.w); }
+
 /// Angle between a boundary's ray and the ball's rim, pixels.
-double residualOf(const BoundaryRay& r, const Eigen::Vector4d& ball) {
-    const DVec3 to = DVec3(ball[0], ball[1], ball[2]) - r.eye;
+double residualOf(const BoundaryRay& r, const Ball& ball) {
+    const DVec3 to = DVec3(ball) - r.eye;
     const double distance = glm::length(to);
     const double away = std::acos(std::clamp(glm::dot(to, r.direction) / distance, -1.0, 1.0));
-    return r.pixels * (away - std::asin(std::clamp(ball[3] / distance, 0.0, 1.0)));
+    return r.pixels * (away - std::asin(std::clamp(ball.w / distance, 0.0, 1.0)));
 }
 
 /// Robust Gauss-Newton from a loose scale to one of a pixel.
-Eigen::Vector4d followBoundaries(const std::vector<BoundaryRay>& rays, Eigen::Vector4d ball, double looseScale) {
-    for (int i = 0; i < 40; ++i) {
+Ball followBoundaries(const std::vector<BoundaryRay>& rays, Ball ball, double looseScale) {
+    constexpr int steps = 40;
+    for (int i = 0; i < steps; ++i) {
         const double scale = std::max(0.75, looseScale * std::pow(0.8, i));
-        Eigen::Matrix4d q = Eigen::Matrix4d::Zero();
-        Eigen::Vector4d c = Eigen::Vector4d::Zero();
+        glm::dmat4 q(0);
+        Ball c(0);
         for (const BoundaryRay& r : rays) {
             const double e = residualOf(r, ball), weight = 1 / (1 + e * e / (scale * scale));
-            Eigen::Vector4d slope;
+            Ball slope;
             for (int k = 0; k < 4; ++k) {
-                Eigen::Vector4d moved = ball;
-                const double h = 1e-4 * ball[3];
+                Ball moved = ball;
+                const double h = 1e-4 * ball.w;
                 moved[k] += h;
                 slope[k] = (residualOf(r, moved) - e) / h;
             }
-            q += weight * slope * slope.transpose();
+            q += weight * glm::outerProduct(slope, slope);
             c -= weight * e * slope;
         }
-        q.diagonal() *= 1 + 1e-9;
-        const Eigen::Vector4d step = q.ldlt().solve(c);
-        if (!step.allFinite()) return ball;
-        const double most = 0.5 * ball[3], size = step.norm();
-        ball += size > most ? Eigen::Vector4d(step * (most / size)) : step;
-        if (!(ball[3] > 0)) return Eigen::Vector4d::Constant(std::nan(""));
+        for (int k = 0; k < 4; ++k) q[k][k] *= 1 + 1e-9;
+        const Ball step = glm::inverse(q) * c;
+        if (!isFinite(step)) return ball;
+        const double most = 0.5 * ball.w, size = glm::length(step);
+        ball += size > most ? step * (most / size) : step;
+        if (!(ball.w > 0)) return Ball(std::nan(""));
     }
     return ball;
 }
@@ -234,11 +236,11 @@ std::optional<EmitterSphere> fitSphere(const Scene& scene, const Capture& captur
     }
     std::sort(radii.begin(), radii.end());
     // Occluded outlines are smaller than the ball.
-    const Eigen::Vector4d start(centre.x, centre.y, centre.z, radii[radii.size() * 3 / 4]);
-    if (!(start[3] > 0) || !start.allFinite()) return {};
-    const Eigen::Vector4d found = followBoundaries(boundary, start, 0.5 * largest);
-    if (!found.allFinite()) return {};
-    EmitterSphere ball{{found[0], found[1], found[2]}, found[3]};
+    const Ball start(centre, radii[radii.size() * 3 / 4]);
+    if (!(start.w > 0) || !isFinite(start)) return {};
+    const Ball found = followBoundaries(boundary, start, 0.5 * largest);
+    if (!isFinite(found)) return {};
+    EmitterSphere ball{DVec3(found), found.w};
     judge(scene, capture, samples, outlines, ball);
     return ball;
 }

@@ -102,18 +102,20 @@ TEST(Editor, badThingsEndInANoticeAndLeaveTheDocumentAlone) {
     EXPECT_NE(refused(s.folder / "broken").find("frames"), std::string::npos);
     s.folder.write("newer.relamp/shot.json", "{\"version\": 9}");
     EXPECT_NE(refused(s.folder / "newer.relamp").find("version"), std::string::npos);
-    // No image at all as environment: the edit stays, the notice says why it does not show.
+    // No image at all as environment is no edit; the notice says why.
     s.folder.write("fake.exr", "no image");
+    const size_t edits = s.editor->history().entries().size();
     s.editor->setEye(eyeAt(40, 30), false);
     s.editor->open(s.folder / "fake.exr");
     s.until([&] { return !s.editor->state.notices.empty(); });
     EXPECT_NE(s.editor->state.notices[0].text.find("fake.exr"), std::string::npos);
     s.editor->state.notices.clear();
-    s.editor->undo();
-    s.settle();
+    EXPECT_EQ(s.editor->history().entries().size(), edits);
+    s.until([&] { return s.editor->liveFrame() != nullptr; });
     EXPECT_TRUE(s.editor->liveFrame());
     // A place that cannot be written.
     s.folder.write("file", "");
+    s.editor->edit("Turn", [](Look& look) { look.environment.yawDegrees = 5; });
     s.editor->saveAs(s.folder / "file/shot");
     s.until([&] { return !s.editor->state.notices.empty(); });
     EXPECT_TRUE(s.editor->unsavedChanges());
@@ -262,12 +264,13 @@ TEST(Editor, photographsThatGoAwayTakeNothingWithThem) {
     s.editor->solve(s.editor->state.solve);
     EXPECT_FALSE(s.editor->job());
     EXPECT_EQ(s.editor->state.notices.size(), 1u);
-    // The mesh as well: a sentence, and what was open stays.
+    // The whole capture: it is asked for, and what was open stays when nobody knows.
     std::filesystem::rename(s.folder / "room", s.folder / "unplugged-too");
     s.editor->state.notices.clear();
     s.open(s.folder / "shot.relamp");
-    ASSERT_EQ(s.editor->state.notices.size(), 1u);
-    EXPECT_NE(s.editor->state.notices[0].text.find("room"), std::string::npos);
+    ASSERT_TRUE(s.editor->state.missing);
+    EXPECT_NE(s.editor->state.missing->path.string().find("room"), std::string::npos);
+    s.editor->answerMissing(MissingAnswer::cancel);
     EXPECT_TRUE(s.editor->estimate());
 }
 

@@ -215,7 +215,7 @@ TEST(Inspector, aTypedNameIsOneEntryAndIsShownEverywhere) {
     p.key(keyEnter);
     p.frames(2);
     ASSERT_EQ(p.editor->history().entries().size(), entries + 1);
-    EXPECT_EQ(p.editor->history().entries().back().label, "Rename " + id + " to Key");
+    EXPECT_EQ(p.editor->history().entries().back().label, "Rename Light 1 to Key");
     EXPECT_EQ(p.editor->emitter(id)->name, "Key");
     EXPECT_EQ(p.editor->namesOf({id}), "Key");
     // Escape leaves it as it is.
@@ -227,7 +227,7 @@ TEST(Inspector, aTypedNameIsOneEntryAndIsShownEverywhere) {
     EXPECT_EQ(p.editor->history().entries().size(), entries + 1);
     EXPECT_EQ(p.editor->emitter(id)->name, "Key");
     p.editor->undo();
-    EXPECT_EQ(p.editor->emitter(id)->name, id);
+    EXPECT_EQ(p.editor->emitter(id)->name, "Light 1");
 }
 
 TEST(Inspector, draggingThePositionMovesTheLightAsOneEntry) {
