@@ -1,5 +1,7 @@
 #include "clusters/emitter_clusters.h"
 
+#include <set>
+
 #include "base/box.h"
 #include "base/log.h"
 #include "base/statistics.h"
@@ -95,7 +97,8 @@ Vec3 middleOf(const Scene& scene, size_t vertices) {
 
 /// The spheres that stand for emitters without geometry: they are emitters because somebody said so, and how bright
 /// they are is solved for.
-void addProxyEmitters(const Scene& scene, const Capture& capture, float brightness, EmitterClusters& result) {
+void addProxyEmitters(const Scene& scene, const Capture& capture, const RadianceSamples& samples, float brightness,
+                      EmitterClusters& result) {
     for (size_t i = 0; i < capture.proxies.size(); ++i) {
         const ProxyLight& proxy = capture.proxies[i];
         const size_t before = capture.proxies.size() - i,
@@ -108,6 +111,11 @@ void addProxyEmitters(const Scene& scene, const Capture& capture, float brightne
             cluster.radiance = proxy.radiance;
             cluster.radianceSigma = 0.005f;
             cluster.fitted = true;
+            std::set<uint32_t> views;
+            for (const uint32_t v : cluster.vertices)
+                for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s)
+                    views.insert(samples.samples[s].view);
+            cluster.evidence.viewsSeen = int(views.size());
             result.emitters.push_back(std::move(cluster));
             continue;
         }
@@ -184,7 +192,7 @@ public:
         median_ = lowerMedianOf(std::move(values));
         result.emitterOfVertex.assign(scene.mesh.vertexCount(), -1);
         result.emitterOfTriangle.assign(scene.mesh.triangles.size(), -1);
-        addProxyEmitters(scene, capture, median_, result);
+        addProxyEmitters(scene, capture, samples, median_, result);
     }
 
     EmitterClusters result;

@@ -71,6 +71,8 @@ size_t growByPixels(const Scene& scene, const Capture& capture, const RadianceSa
             for (const uint32_t v : scene.mesh.triangles[hit[p]]) ofVertex[v].add(shows[p] != 0);
         }
     }
+    if (std::none_of(cluster.vertices.begin(), cluster.vertices.end(), [&](uint32_t v) { return ofVertex[v].in > 0; }))
+        return 0;
     std::vector<uint8_t> mine(scene.mesh.vertexCount(), 0);
     for (const uint32_t v : cluster.vertices) mine[v] = 1;
     // From the vertices that it has to their neighbours that shine, and on.
@@ -94,7 +96,8 @@ size_t growByPixels(const Scene& scene, const Capture& capture, const RadianceSa
         const bool others =
             std::any_of(corners.begin(), corners.end(), [&](uint32_t v) { return taken[v] && !mine[v]; });
         if (shining == 0 || shining == 3 || others) continue;
-        if (ofTriangle[t].all >= enough && ofTriangle[t].emits())
+        // One that no pixel falls on goes with what is around it.
+        if (ofTriangle[t].all >= enough ? ofTriangle[t].emits() : shining == 2 && ofTriangle[t].all == 0)
             for (const uint32_t v : corners) corner[v] = 1;
     }
     const size_t before = cluster.triangles.size();

@@ -43,7 +43,10 @@ std::vector<uint32_t> falseObstacles(const Scene& scene, const RadianceSamples& 
     if (observed.pairs.size() < 1000) return result;
     std::vector<double> present =
         pilotMisfits(scene, samples, emitters, observed.matte, observed.pairs, options, progress);
-    for (const std::vector<uint32_t>& vertices : suspects) {
+    // Two skins, one behind the other, show only when one of them is gone: those that stayed are asked once more.
+    for (size_t k = 0, sinceAccepted = 0; k < 2 * suspects.size() && sinceAccepted < suspects.size(); ++k) {
+        const std::vector<uint32_t>& vertices = suspects[k % suspects.size()];
+        ++sinceAccepted;
         std::vector<uint8_t> suspect(scene.mesh.vertexCount(), 0);
         for (const uint32_t v : vertices) suspect[v] = 1;
         std::vector<uint32_t> triangles = result;
@@ -62,10 +65,10 @@ std::vector<uint32_t> falseObstacles(const Scene& scene, const RadianceSamples& 
         const std::vector<double> misfits =
             pilotMisfits(open, samples, emitters, observed.matte, observed.pairs, options, progress);
         double whole = 0, fall = 0, squares = 0;
-        for (size_t k = 0; k < present.size() && k < misfits.size(); ++k) {
-            whole += present[k];
-            fall += present[k] - misfits[k];
-            squares += (present[k] - misfits[k]) * (present[k] - misfits[k]);
+        for (size_t i = 0; i < present.size() && i < misfits.size(); ++i) {
+            whole += present[i];
+            fall += present[i] - misfits[i];
+            squares += (present[i] - misfits[i]) * (present[i] - misfits[i]);
         }
         logInfo(
             "without the shadow of {} triangles beside a light: misfit of {} pairs {:+.2f} %, {:.1f} standard errors",
@@ -74,6 +77,7 @@ std::vector<uint32_t> falseObstacles(const Scene& scene, const RadianceSamples& 
         if (!(fall > 0.01 * whole && fall > 3 * std::sqrt(squares))) continue;
         result = std::move(triangles);
         present = misfits;
+        sinceAccepted = 0;
     }
     return result;
 }
