@@ -1,4 +1,7 @@
 // Rendering frames to files in the background.
+#include "base/input_files.h"
+#include "base/is_there.h"
+#include "capture/photograph_reader.h"
 #include "editor_impl.h"
 #include "shot/export_frame.h"
 #include "shot/frame_jobs.h"
@@ -63,8 +66,14 @@ void Editor::exportFrames(const ExportRequest& request) {
     impl_->start(
         JobStatus::Kind::exportFrames,
         jobs.size() == 1 ? "Rendering a frame" : fmt::format("Rendering {} frames", jobs.size()),
-        [impl, jobs, look, estimate, request, scene = state.document.scene,
+        [impl, jobs, look, estimate, request, scene = state.document.scene, folder = state.document.captureFolder,
+         fix = state.document.fix,
          origin = state.document.capture ? state.document.capture->origin : DVec3(0)](Progress& progress) -> Finish {
+            // No frame may take the place of a photograph or the mesh.
+            if (isThere(folder)) {
+                const InputFiles inputs = captureFiles(folder, fix, progress);
+                for (const FrameJob& job : jobs) inputs.refuse(job.file);
+            }
             const RelitScene relit = applyLook(*scene, *estimate, look, progress);
             FrameOptions options;
             options.samplesPerPixel = request.samples;

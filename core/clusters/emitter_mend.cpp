@@ -150,14 +150,14 @@ EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const Radia
                 e.centroid.z + capture.origin.z, 100 * ball->radius, percent(ball->overlap)));
             continue;
         }
+        mend.overlap = std::min(mend.overlap, mesh);
         const float most = 0.02f * scene.diagonal,
                     width = std::clamp(missingWidth(capture, samples, e, outlines), -most, most);
         if (std::abs(width) < 1e-4f * scene.diagonal) continue;
         if (normals.empty()) normals = smoothedNormals(capture.mesh, 3);
         for (const uint32_t v : e.vertices)
             mend.mesh.moved.push_back({v, scene.mesh.positions[v] + width * normals[v]});
-        mend.overlap = std::min(mend.overlap, mesh);
-        mend.words.push_back(fmt::format(
+        mend.movedWords.push_back(fmt::format(
             "the mesh covers {} of what photographs show of a light at {:.2f} {:.2f} {:.2f}: its surface moves out by "
             "{:.1f} mm",
             percent(mesh), e.centroid.x + capture.origin.x, e.centroid.y + capture.origin.y,

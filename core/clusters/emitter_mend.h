@@ -10,10 +10,11 @@ namespace relamp {
 
 struct EmitterMend {
     MeshMend mesh;
-    std::vector<ProxyLight> balls;   ///< of known radiance; counted from the capture's origin
-    std::vector<std::string> words;  ///< a sentence for each emitter
-    float overlap = 1;  ///< of meshes and pixels, of the least well covered emitter that `moved` is about; 1: of none
-    bool needed() const { return !words.empty(); }
+    std::vector<ProxyLight> balls;        ///< of known radiance; counted from the capture's origin
+    std::vector<std::string> words;       ///< a sentence for each ball
+    std::vector<std::string> movedWords;  ///< for each emitter whose surface moves
+    float overlap = 1;                    ///< leastOverlap before, of the emitters that no ball replaces
+    bool needed() const { return !words.empty() || !movedWords.empty(); }
 };
 
 /// Reconstruction shrinks and rounds what is small, and closes what is narrow. The emitter's area is then too small,

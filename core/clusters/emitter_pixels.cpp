@@ -112,20 +112,4 @@ size_t growByPixels(const Scene& scene, const Capture& capture, const RadianceSa
     return cluster.triangles.size() - before;
 }
 
-PixelCoverage pixelCoverage(const Capture& capture, const RadianceSamples& samples, const EmitterCluster& cluster) {
-    PixelCoverage result;
-    for (size_t i = 0; i < capture.views.size() && i < samples.geometry.size(); ++i) {
-        const std::vector<uint8_t> shows = emittingPixels(capture.views[i], cluster.radiance, pixelTolerance(cluster));
-        const std::vector<uint32_t>& hit = samples.geometry[i].triangle;
-        for (size_t p = 0; p < hit.size() && p < shows.size(); ++p) {
-            const bool covers =
-                hit[p] != Hit::none && std::binary_search(cluster.triangles.begin(), cluster.triangles.end(), hit[p]);
-            result.shown += shows[p] != 0;
-            result.covered += covers;
-            result.both += covers && shows[p];
-        }
-    }
-    return result;
-}
-
 }  // namespace relamp

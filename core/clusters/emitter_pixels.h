@@ -21,11 +21,4 @@ float pixelTolerance(const EmitterCluster& cluster);
 size_t growByPixels(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                     const std::vector<uint8_t>& taken, EmitterCluster& cluster);
 
-/// How well the cluster's triangles cover the pixels that show its radiance.
-struct PixelCoverage {
-    size_t shown = 0, covered = 0, both = 0;  ///< pixels of all views: of its radiance, of its triangles, of both
-    float overlap() const { return shown + covered > both ? float(both) / float(shown + covered - both) : 1; }
-};
-PixelCoverage pixelCoverage(const Capture& capture, const RadianceSamples& samples, const EmitterCluster& cluster);
-
 }  // namespace relamp

@@ -102,7 +102,7 @@ void mendMesh(const PipelineOptions& options, Capture& capture, Prepared& prepar
         leastOverlap(*prepared.scene, capture, *prepared.samples, prepared.clusters) < mend.overlap) {
         logInfo("moving the surfaces of lights does not bring them nearer to the photographs: taken back");
         mend.mesh.moved.clear();
-        std::erase_if(mend.words, [](const std::string& s) { return s.find("moves out") != std::string::npos; });
+        mend.movedWords.clear();
         apply();
     }
     // Skins over the openings of shades: numbers of the file's triangles, of those that are left.
@@ -123,6 +123,7 @@ void mendMesh(const PipelineOptions& options, Capture& capture, Prepared& prepar
                         obstacles.size()));
         apply();
     }
+    mend.words.insert(mend.words.end(), mend.movedWords.begin(), mend.movedWords.end());
     for (const std::string& words : mend.words) {
         capture.notes.push_back(words);
         logInfo("{}", words);

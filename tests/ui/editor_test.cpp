@@ -96,6 +96,17 @@ TEST(Editor, exportsWhatTheCommandLineWouldRender) {
     ASSERT_EQ(written.pixels.size(), frame.beauty.size());
     for (size_t i = 0; i < frame.beauty.size(); i += 17)
         EXPECT_NEAR(written.pixels[i].x, frame.beauty[i].x, 2e-3f * frame.beauty[i].x + 1e-6f);
+    // A photograph stays as it is.
+    const std::filesystem::path photograph = captureFolder() / "images/00.exr";
+    ASSERT_TRUE(std::filesystem::exists(photograph));
+    const std::string before = TemporaryFolder::read(photograph);
+    request.file = photograph;
+    s.editor->exportFrames(request);
+    s.until([&] { return !s.editor->job(); });
+    EXPECT_FALSE(s.editor->state.notices.empty());
+    EXPECT_TRUE(TemporaryFolder::read(photograph) == before);
+    s.editor->state.notices.clear();
+    request.file = s.folder / "frame.exr";
     // Bad names are told before anything runs.
     request.views = ExportRequest::Views::all;
     s.editor->exportFrames(request);
