@@ -4,6 +4,16 @@
 
 namespace relamp {
 
+std::vector<uint32_t> trianglesLeft(const MeshMend& mend, size_t triangles) {
+    std::vector<uint8_t> removed(triangles, 0);
+    for (const uint32_t t : mend.removed)
+        if (t < triangles) removed[t] = 1;
+    std::vector<uint32_t> left;
+    for (uint32_t t = 0; t < triangles; ++t)
+        if (!removed[t]) left.push_back(t);
+    return left;
+}
+
 void applyMend(const MeshMend& mend, Mesh& mesh) {
     for (const MeshMend::MovedVertex& m : mend.moved) {
         if (m.vertex >= mesh.vertexCount() || !isFinite(m.position))

@@ -20,6 +20,9 @@ struct MeshMend {
     bool operator==(const MeshMend&) const = default;
 };
 
+/// What the triangles that are left, of `triangles` of the file, are called there.
+std::vector<uint32_t> trianglesLeft(const MeshMend& mend, size_t triangles);
+
 /// Moves the vertices and takes the triangles away; vertices keep their numbers. Throws Error for a vertex or triangle
 /// that the mesh does not have, and for a position that is not finite. O(triangles).
 void applyMend(const MeshMend& mend, Mesh& mesh);

@@ -15,14 +15,18 @@ std::vector<std::vector<uint32_t>> suspectsOf(const Scene& scene, const Radiance
     for (const EmitterCluster& e : emitters.emitters) {
         if (!e.fitted) continue;
         const float radius = std::sqrt(e.area / (4 * pi));
-        for (const float reach : {3.0f, 6.0f}) {
-            std::vector<uint32_t> unobserved;
+        const auto within = [&](float reach, bool observedToo) {
+            std::vector<uint32_t> found;
             for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v)
-                if (scene.referenced[v] && samples.countOf(v) == 0 && emitters.emitterOfVertex[v] < 0 &&
+                if (scene.referenced[v] && (observedToo || samples.countOf(v) == 0) &&
+                    emitters.emitterOfVertex[v] < 0 &&
                     glm::length(scene.mesh.positions[v] - e.centroid) < reach * radius)
-                    unobserved.push_back(v);
-            if (!unobserved.empty()) suspects.push_back(std::move(unobserved));
-        }
+                    found.push_back(v);
+            if (!found.empty()) suspects.push_back(std::move(found));
+        };
+        within(3, false);
+        within(6, false);
+        within(1.5f, true);  // what the reconstruction made of the ball itself
     }
     return suspects;
 }

@@ -4,8 +4,7 @@
 #include "base/random.h"
 #include "brdf/measured_gloss.h"
 #include "capture/own_axes.h"
-#include "clusters/emitter_mend.h"
-#include "pipeline/light_obstacles.h"
+#include "pipeline/mend_mesh.h"
 #include "pipeline/normals_choice.h"
 #include "pipeline/reproduction.h"
 #include "pipeline/working_mesh.h"
@@ -80,57 +79,6 @@ Prepared prepare(const Capture& capture, const PipelineOptions& options, StageMe
     return p;
 }
 
-/// Emitters that the mesh does not show as the photographs do get their shape from these. What does not bring mesh and
-/// photographs together is taken back.
-void mendMesh(const PipelineOptions& options, Capture& capture, Prepared& prepared, Corrections& done,
-              StageMeter& meter, Progress& progress) {
-    meter.begin(Stage::emitters);
-    EmitterMend mend = mendEmitters(*prepared.scene, capture, *prepared.samples, prepared.clusters);
-    if (!mend.needed()) return;
-    const Mesh before = capture.mesh;
-    const std::vector<ProxyLight> proxies = capture.proxies;
-    const auto apply = [&] {
-        capture.mesh = before;
-        capture.proxies = proxies;
-        applyMend(mend.mesh, capture.mesh);
-        addProxies(mend.balls, capture.mesh);
-        capture.proxies.insert(capture.proxies.end(), mend.balls.begin(), mend.balls.end());
-        prepared = prepare(capture, options, meter, progress);
-    };
-    apply();
-    if (!mend.mesh.moved.empty() &&
-        leastOverlap(*prepared.scene, capture, *prepared.samples, prepared.clusters) < mend.overlap) {
-        logInfo("moving the surfaces of lights does not bring them nearer to the photographs: taken back");
-        mend.mesh.moved.clear();
-        mend.movedWords.clear();
-        apply();
-    }
-    // Skins over the openings of shades: numbers of the file's triangles, of those that are left.
-    const std::vector<uint32_t> obstacles =
-        falseObstacles(*prepared.scene, *prepared.samples, prepared.clusters, options.solve, progress);
-    if (!obstacles.empty()) {
-        std::vector<uint32_t> numbers;
-        size_t removed = 0;
-        for (uint32_t t = 0; t < before.triangles.size(); ++t) {
-            if (removed < mend.mesh.removed.size() && mend.mesh.removed[removed] == t) ++removed;
-            else numbers.push_back(t);
-        }
-        for (const uint32_t t : obstacles)
-            if (t < numbers.size()) mend.mesh.shadowless.push_back(numbers[t]);
-        mend.words.push_back(
-            fmt::format("{} triangles beside a light hide it though photographs are explained better without their "
-                        "shadow: light passes them",
-                        obstacles.size()));
-        apply();
-    }
-    mend.words.insert(mend.words.end(), mend.movedWords.begin(), mend.movedWords.end());
-    for (const std::string& words : mend.words) {
-        capture.notes.push_back(words);
-        logInfo("{}", words);
-    }
-    done.mend = mend.mesh;
-}
-
 Corrections correctCapture(const PipelineOptions& options, Capture& capture, Prepared& prepared, StageMeter& meter,
                            Progress& progress) {
     const CaptureFix& told = options.load.fix;
@@ -148,7 +96,7 @@ Corrections correctCapture(const PipelineOptions& options, Capture& capture, Pre
     }
     const bool mended = !told.mend.empty() || std::any_of(told.proxies.begin(), told.proxies.end(),
                                                           [](const ProxyLight& p) { return p.observed(); });
-    if (options.mend && !mended && !prepared.working) mendMesh(options, capture, prepared, done, meter, progress);
+    if (options.mend && !mended && !prepared.working) done.mend = mendMesh(options, capture, prepared, meter, progress);
     // Are the mesh's normals good enough to shade with? A decimated mesh's are means already.
     if (told.smoothNormals < 0 && !prepared.working) {
         meter.begin(Stage::normals);

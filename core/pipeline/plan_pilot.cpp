@@ -15,16 +15,19 @@ constexpr size_t pairsWanted = 4000;
 constexpr int pilotSide = 16, pilotLevel = 3;
 constexpr uint32_t pilotRays = 256;  // with fewer their noise speaks against bounced light where it is
 
-/// Misfit of one pair in variances, bent, at the irradiances `lit`: noise and a model error of 1.5 % a point.
-double misfitOf(const MatteObservations& matte, const AlbedoPair& p, const std::vector<Rgb>& lit) {
+/// Misfit of one pair in variances, bent: noise and a model error of 1.5 % a point. `lit` and `again`: irradiances that
+/// differ by the noise of their rays alone; the product of both residuals is free of it on the mean.
+double misfitOf(const MatteObservations& matte, const AlbedoPair& p, const std::vector<Rgb>& lit,
+                const std::vector<Rgb>& again) {
     double sum = 0;
     for (int c = 0; c < 3; ++c) {
         const double ya = matte.radiance[p.a][c], yb = matte.radiance[p.b][c], la = lit[p.a][c], lb = lit[p.b][c];
-        const double r = RatioResidual::value(ya, yb, la, lb);
-        sum += r * r /
+        const double squared =
+            RatioResidual::value(ya, yb, la, lb) * RatioResidual::value(ya, yb, again[p.a][c], again[p.b][c]);
+        sum += squared /
                (RatioResidual::variance(ya, yb, la, lb, matte.sigma[p.a][c] * lb, matte.sigma[p.b][c] * la) + 4.5e-4);
     }
-    return p.weight * std::log1p(sum / 3 / 6.25);
+    return p.weight * std::log1p(std::max(0.0, sum) / 3 / 6.25);
 }
 
 std::vector<Rgb> litBy(const InfluenceMatrix& rows, const Lighting& lighting) {
@@ -113,6 +116,42 @@ void sharpenStrong(const Scene& scene, const Visibility& visibility, const NearF
     }
 }
 
+/// Middle albedo of the observations, alike in all channels.
+float middleAlbedo(const MatteObservations& matte, const std::vector<Rgb>& lit) {
+    std::vector<float> albedo;
+    for (size_t i = 0; i < lit.size(); ++i)
+        if (luminance(lit[i]) > 0) albedo.push_back(float(luminance(matte.radiance[i]) / luminance(lit[i])));
+    return albedo.empty() ? 0.0f : std::min(1.0f, medianOf(std::move(albedo)));
+}
+
+/// Surfaces that rays met and no photograph shows, such as the inside of a shade, send `albedo` times the light that
+/// reaches them.
+void sendFromHidden(const Scene& scene, const EmitterClusters& emitters, const MatteObservations& observed,
+                    const std::array<const BounceRays*, 2>& met, const SolveOptions& options, const Lighting& lighting,
+                    float albedo, std::vector<Rgb>& outgoing, Progress& progress) {
+    constexpr double most = 20000;  // where there are more, each is met seldom
+    std::vector<uint8_t> hidden(scene.mesh.vertexCount(), 0);
+    for (const BounceRays* rays : met)
+        for (const uint32_t v : rays->sender) hidden[v] = emitters.emitterOfVertex[v] < 0;
+    for (const uint32_t v : observed.vertices) hidden[v] = 0;
+    const double fraction = most / std::max(1.0, double(std::count(hidden.begin(), hidden.end(), 1)));
+    std::vector<uint32_t> vertices;
+    for (uint32_t v = 0; v < hidden.size(); ++v) {
+        hidden[v] = hidden[v] && double(unitFloat(mixBits(scene.rank[v]))) < fraction;
+        if (hidden[v]) vertices.push_back(v);
+    }
+    if (vertices.empty()) return;
+    const Visibility visibility =
+        computeVisibility(scene, {.gridSide = pilotSide, .only = &hidden, .axes = scene.axes}, progress);
+    NearFieldOptions near;
+    near.seed = options.seed;
+    near.only = &hidden;
+    const InfluenceMatrix rows = lambertInfluence(scene, visibility, computeNearField(scene, emitters, near, progress),
+                                                  lighting.leaves, vertices, progress);
+    const std::vector<Rgb> lit = litBy(rows, lighting);
+    for (size_t i = 0; i < lit.size(); ++i) outgoing[vertices[i]] = albedo * lit[i];
+}
+
 }  // namespace
 
 PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& emitters,
@@ -185,34 +224,40 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
     found.distantFraction = light > 0 ? distant / light : 1;
 
     took();
+    // Twice, against the noise of the rays.
     BounceOptions rays;
     rays.rays = pilotRays;
     rays.seed = options.seed;
     rays.only = &wanted;
     const BounceRays met = traceBounce(scene, rays, progress);
-    found.bounceSecondsPerRay = took() / (double(found.points) * pilotRays);
+    rays.seed = mixBits(options.seed);
+    const BounceRays metAgain = traceBounce(scene, rays, progress);
+    found.bounceSecondsPerRay = took() / (2 * double(found.points) * pilotRays);
     found.enclosure = 0;
     for (uint32_t v : matte.vertices) found.enclosure += double(met.enclosure(v)) / double(found.points);
-    // What surfaces send is in the photographs; those that no photograph shows are left dark here.
+    // What surfaces send is in the photographs; those that no photograph shows have the middle albedo of the others.
     std::vector<Rgb> outgoing(scene.mesh.vertexCount(), Rgb(0)), bounce;
     for (size_t i = 0; i < all.vertices.size(); ++i) outgoing[all.vertices[i]] = all.radiance[i];
-    const std::vector<Rgb> gathered = gatherBounce(met, outgoing);
-    for (uint32_t v : matte.vertices) bounce.push_back(gathered[v]);
+    sendFromHidden(scene, emitters, all, {&met, &metAgain}, options, lighting, middleAlbedo(matte, lit), outgoing,
+                   progress);
+    const std::vector<Rgb> gathered = gatherBounce(met, outgoing), again = gatherBounce(metAgain, outgoing);
+    for (uint32_t v : matte.vertices) bounce.push_back((gathered[v] + again[v]) / 2.0f);
     Lighting bounced = lighting;
     fit.anneal = false;
     fit.bounce = &bounce;
     solveAlbedoFree(rows, matte, chosen, anchors, nullptr, fit, bounced, progress, {});
-    std::vector<Rgb> bouncedLit = litBy(rows, bounced);
+    std::vector<Rgb> bouncedLit = litBy(rows, bounced), bouncedAgain = bouncedLit;
     double fromSurfaces = 0, whole = 0;
     for (size_t i = 0; i < bounce.size(); ++i) {
-        bouncedLit[i] += bounce[i];
         fromSurfaces += luminance(bounce[i]);
-        whole += luminance(bouncedLit[i]);
+        whole += luminance(bouncedLit[i] + bounce[i]);
+        bouncedLit[i] += gathered[matte.vertices[i]];
+        bouncedAgain[i] += again[matte.vertices[i]];
     }
     found.bouncedFraction = whole > 0 ? fromSurfaces / whole : 0;
     double sum = 0, squares = 0;
     for (const AlbedoPair& p : chosen) {
-        const double rise = misfitOf(matte, p, bouncedLit) - misfitOf(matte, p, lit);
+        const double rise = misfitOf(matte, p, bouncedLit, bouncedAgain) - misfitOf(matte, p, lit, lit);
         sum += rise;
         squares += rise * rise;
     }
@@ -248,7 +293,7 @@ std::vector<double> pilotMisfits(const Scene& scene, const RadianceSamples& samp
                     lighting, progress, {});
     const std::vector<Rgb> lit = litBy(rows, lighting);
     std::vector<double> misfits;
-    for (const AlbedoPair& p : part.pairs) misfits.push_back(misfitOf(part.matte, p, lit));
+    for (const AlbedoPair& p : part.pairs) misfits.push_back(misfitOf(part.matte, p, lit, lit));
     return misfits;
 }
 

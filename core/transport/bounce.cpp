@@ -35,7 +35,7 @@ BounceRays traceBounce(const Scene& scene, const BounceOptions& options, Progres
                     const uint32_t count = std::min(8u, out.rays - first);
                     for (uint32_t i = 0; i < count; ++i)
                         rays[i] = {origin, frame * cosineHemisphere(r2Point(first + i, shift)), 0, 1e30f};
-                    scene.tracer->closest8({rays, count}, {hits, count});
+                    scene.cameraTracer->closest8({rays, count}, {hits, count});
                     for (uint32_t i = 0; i < count; ++i) {
                         if (!hits[i] || glm::dot(scene.mesh.faceNormal(hits[i].triangle), rays[i].direction) >= 0)
                             continue;

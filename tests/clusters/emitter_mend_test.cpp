@@ -142,6 +142,10 @@ TEST(MeshMend, TriangleAndVertexNumbersAreChecked) {
     const size_t before = mesh.triangles.size();
     applyMend(mend, mesh);
     EXPECT_EQ(mesh.triangles.size(), before - 2);
+    const std::vector<uint32_t> left = trianglesLeft(mend, before);
+    ASSERT_EQ(left.size(), before - 2);
+    EXPECT_EQ(left[0], 1u);
+    EXPECT_EQ(left[4], 6u);
     EXPECT_EQ(mesh.positions[3], Vec3(1, 2, 3));
     mend.removed = {uint32_t(before)};
     EXPECT_THROW(applyMend(mend, mesh), Error);

@@ -53,6 +53,15 @@ TEST(Bounce, ASquareAboveSendsItsFormFactor) {
     EXPECT_NEAR(shown.x, 3 * test::centredSquareFormFactor(1.5, 0.8), 0.02);
 }
 
+TEST(Bounce, WhatLightPassesSendsWhatCamerasSeeOfIt) {
+    // A skin over a shade's opening shows the light of the shade's inside.
+    Mesh mesh = test::sheet({-0.05f, -0.05f, 0}, {0.1f, 0, 0}, {0, 0.1f, 0}, 2, 2);
+    mesh.shadowless = test::append(mesh, test::squareAbove(1.5f, 0, 0, 0.8f, 12));
+    const Scene scene = test::sceneOf(mesh);
+    EXPECT_FALSE(scene.tracer->occluded({Vec3(0, 0, 0.01f), Vec3(0, 0, 1)}));
+    EXPECT_NEAR(traced(scene, 1024).enclosure(4), test::centredSquareFormFactor(1.5, 0.8), 0.01);
+}
+
 TEST(Bounce, TheBackOfASurfaceSendsNothing) {
     Mesh mesh = test::sheet({-0.05f, -0.05f, 0}, {0.1f, 0, 0}, {0, 0.1f, 0});
     test::append(mesh, test::sheet({-1, -1, 0.5f}, {2, 0, 0}, {0, 2, 0}));  // faces up

@@ -183,7 +183,7 @@ void RatioFit::takeVariance(const Irradiances& at) {
     parallelFor(rows_, 1024, [&](size_t i) {
         mixing[i] = Rgb(0);
         for (uint32_t k = adjacency_.start[i]; k < adjacency_.start[i + 1]; ++k)
-            for (int c = 0; c < 3 && pairs_[adjacency_.pair[k]].weight == 1; ++c)
+            for (int c = 0; c < 3 && pairs_[adjacency_.pair[k]].edge; ++c)
                 mixing[i][c] =
                     std::max(mixing[i][c], std::abs(at[size_t(c)](Index(i)) - at[size_t(c)](adjacency_.other[k])));
     });

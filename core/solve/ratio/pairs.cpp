@@ -16,14 +16,18 @@ class CornerPartners {
 public:
     /// `place[v]`: the observation of a vertex that may have partners, else noPlace.
     CornerPartners(const Scene& scene, const MatteObservations& matte, const std::vector<uint32_t>& place,
-                   float cornerCosine)
-        : scene_(scene), matte_(matte), cornerCosine_(cornerCosine), corner_(std::acos(cornerCosine) - 1e-3f) {
+                   const PairOptions& options)
+        : scene_(scene),
+          matte_(matte),
+          cornerCosine_(options.cornerCosine),
+          flatCosine_(options.flatCosine),
+          corner_(std::acos(options.cornerCosine) - 1e-3f) {
         double spacing = 0;
         for (uint32_t v : matte.vertices) spacing += scene.vertexSpacing[v];
-        reach_ = matte.vertices.empty() ? 0 : float(5 * spacing / double(matte.vertices.size()));
+        reach_ = matte.vertices.empty() ? 0 : float(8 * spacing / double(matte.vertices.size()));
         if (!(reach_ > 0)) return;
         for (uint32_t i = 0; i < matte.vertices.size(); ++i) {
-            if (place[matte.vertices[i]] == noPlace) continue;
+            if (place[matte.vertices[i]] == noPlace || !flat(matte.vertices[i])) continue;
             Bucket& bucket = buckets_[keyOf(scene.mesh.positions[matte.vertices[i]], 0, 0, 0)];
             bucket.observations.push_back(i);
             bucket.axis += scene.mesh.normals[matte.vertices[i]];
@@ -40,6 +44,7 @@ public:
 
     /// The two nearest. Regular meshes hold many that are equally near, and rounding must not choose among them.
     void nearest(uint32_t i, float weight, std::vector<AlbedoPair>& out) const {
+        if (!flat(matte_.vertices[i])) return;
         thread_local std::vector<std::pair<float, uint32_t>> near;  // squared distance and observation
         near.clear();
         collect(matte_.vertices[i], near);
@@ -68,6 +73,13 @@ private:
         float spread = 0;  ///< largest angle to the axis
     };
 
+    /// Whether the surface around a vertex faces one way. Reconstruction rounds creases: in the round its normals are
+    /// none of the photographed surface's.
+    bool flat(uint32_t v) const {
+        for (uint32_t e = scene_.graph.start[v]; e < scene_.graph.start[v + 1]; ++e)
+            if (glm::dot(scene_.mesh.normals[scene_.graph.to[e]], scene_.mesh.normals[v]) < flatCosine_) return false;
+        return true;
+    }
     static float angle(const Vec3& a, const Vec3& b) { return std::acos(std::clamp(glm::dot(a, b), -1.0f, 1.0f)); }
     uint64_t keyOf(const Vec3& p, int dx, int dy, int dz) const {
         const auto cell = [&](float x) { return int64_t(std::floor(x / reach_)); };
@@ -92,7 +104,7 @@ private:
 
     const Scene& scene_;
     const MatteObservations& matte_;
-    float cornerCosine_, corner_, reach_ = 0;
+    float cornerCosine_, flatCosine_, corner_, reach_ = 0;
     std::unordered_map<uint64_t, Bucket> buckets_;
 };
 
@@ -125,7 +137,7 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
         const uint32_t v = matte.vertices[i];
         for (uint32_t e = graph.start[v]; e < graph.start[v + 1]; ++e) {
             const uint32_t j = place[graph.to[e]];
-            if (j != noPlace && i < j) out.push_back({i, j, 1});
+            if (j != noPlace && i < j) out.push_back({i, j, options.edgeWeight, true});
         }
         uint64_t bits = mixBits(options.seed * 0x1000003 + scene.rank[v]);
         uint32_t at = v;
@@ -162,7 +174,7 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
             ++kept;
         }
     });
-    const CornerPartners corners(scene, matte, place, options.cornerCosine);
+    const CornerPartners corners(scene, matte, place, options);
     if (corners.any())
         append([&](uint32_t i, std::vector<AlbedoPair>& out) { corners.nearest(i, options.cornerWeight, out); });
     return pairs;

@@ -9,12 +9,15 @@ namespace relamp {
 struct AlbedoPair {
     uint32_t a = 0, b = 0;  ///< positions in MatteObservations
     float weight = 1;
+    bool edge = false;  ///< of the mesh
 };
 
 struct PairOptions {
     uint64_t seed = 1;
+    float edgeWeight = 0.3f;
     float cornerWeight = 0.3f;
     float cornerCosine = 0.906f;  ///< normals more than 25 degrees apart
+    float flatCosine = 0.985f;    ///< and within 10 degrees of those of their own neighbours
     int longPairs = 2;            ///< a vertex, on average twice as many
     float longWeight = 0.5f;
     float longCosine = 0.7f;  ///< normals less than 45 degrees apart
@@ -24,8 +27,9 @@ struct PairOptions {
 /// where faces are planar), and long pairs (anywhere on the same component, facing alike). Errors of the model are as
 /// large over a metre as over a millimetre, while an emitter's light changes much over a metre: short pairs alone take
 /// errors for a lack of contrast and make ambient light too strong (attenuation, as in any regression with errors in
-/// its rows). Where long pairs span two materials the robust loss lets them go. Vertices of metal components take no
-/// part.
+/// its rows). So edges count little, and corner pairs stay out of the round that reconstruction makes of a crease,
+/// where normals are none of the photographed surface's. Where long pairs span two materials the robust loss lets them
+/// go. Vertices of metal components take no part.
 std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations& matte, const PairOptions& options);
 
 /// What ratios of radiance are taken from. `skip`: per vertex 1 where an emitter or a candidate lies. `noMetals`: no

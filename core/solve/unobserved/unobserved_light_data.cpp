@@ -78,7 +78,7 @@ UnobservedLightData unobservedLightData(const Scene& measured, const RadianceSam
     pairOptions.seed = seed;
     // Neighbours along an edge tell little of the light and much of the noise.
     std::vector<AlbedoPair> all = albedoPairs(scene, matte, pairOptions);
-    std::erase_if(all, [](const AlbedoPair& p) { return p.weight == 1; });
+    std::erase_if(all, [](const AlbedoPair& p) { return p.edge; });
     const size_t near = all.size();
     const std::vector<AlbedoPair> far = farPairs(scene, matte, seed);
     all.insert(all.end(), far.begin(), far.end());

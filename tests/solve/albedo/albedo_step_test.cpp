@@ -89,7 +89,7 @@ TEST(AlbedoPairs, JoinMeshNeighboursOfTheSameComponentOnly) {
     size_t edges = 0;
     for (const AlbedoPair& p : pairs) {
         EXPECT_NE(p.a, p.b);
-        edges += p.weight == 1;
+        edges += p.edge;
     }
     EXPECT_EQ(edges, 19u * 20u * 2u + 19u * 19u);  // rows, columns, diagonals
     s.matte.componentGlossy.assign(s.scene.components, 2);
@@ -126,6 +126,47 @@ TEST(AlbedoPairs, SomeSpanTheWholeComponentWhereItFacesAlike) {
         withoutThem +=
             glm::length(scene.mesh.positions[matte.vertices[p.a]] - scene.mesh.positions[matte.vertices[p.b]]) >= 1;
     EXPECT_LT(withoutThem * 10, spanning);
+}
+
+TEST(AlbedoPairs, CornerPairsStayOutOfTheRoundOfACrease) {
+    // A floor that goes over into a wall along a quarter of a circle, as reconstruction rounds what was sharp.
+    const int flat = 20, round = 4, across = 20;
+    Mesh mesh;
+    const float step = 0.05f, radius = step * float(round) * 2 / pi;
+    for (int i = 0; i <= 2 * flat + round; ++i)
+        for (int j = 0; j <= across; ++j) {
+            const float turn = std::clamp(float(i - flat) / float(round), 0.0f, 1.0f) * pi / 2;
+            const float before = std::min(0.0f, float(i - flat)) * step, after = std::max(0, i - flat - round) * step;
+            mesh.positions.push_back(
+                {before + radius * std::sin(turn), float(j) * step, radius * (1 - std::cos(turn)) + after});
+            mesh.normals.push_back({-std::sin(turn), 0, std::cos(turn)});
+        }
+    const auto at = [&](int i, int j) { return uint32_t(i * (across + 1) + j); };
+    for (int i = 0; i < 2 * flat + round; ++i)
+        for (int j = 0; j < across; ++j) {
+            mesh.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+            mesh.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+        }
+    const Scene scene = test::sceneOf(mesh);
+    MatteObservations matte;
+    matte.componentGlossy.assign(scene.components, 0);
+    for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v) {
+        matte.vertices.push_back(v);
+        matte.radiance.push_back(Rgb(1));
+        matte.sigma.push_back(Rgb(0.01f));
+    }
+    PairOptions options;
+    options.cornerWeight = 0.123f;  // so that they can be told from walks
+    size_t corners = 0;
+    for (const AlbedoPair& p : albedoPairs(scene, matte, options)) {
+        if (p.weight != options.cornerWeight) continue;
+        ++corners;
+        for (const uint32_t v : {p.a, p.b}) {
+            const int i = int(v) / (across + 1);
+            EXPECT_TRUE(i < flat || i > flat + round) << i;
+        }
+    }
+    EXPECT_GT(corners, size_t(across));
 }
 
 }  // namespace

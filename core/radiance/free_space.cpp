@@ -1,0 +1,202 @@
+#include "radiance/free_space.h"
+
+#include <array>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "base/statistics.h"
+#include "image/direction_grid.h"
+#include "radiance/agreement.h"
+#include "scene/rim.h"
+
+namespace relamp {
+namespace {
+
+constexpr float alike = 0.1f;           ///< of log radiance: what background or surface may be off by
+constexpr float bend = 0.2f;            ///< beyond which a vertex says no more
+constexpr int rings = 3;                ///< of neighbours that a vertex is asked with
+constexpr size_t leastRegion = 30;      ///< vertices of a skirt
+constexpr size_t leastBackground = 16;  ///< cells without which nothing is said
+
+/// What the background shows around a direction.
+class Background {
+public:
+    Background(const Capture& capture, const RadianceSamples& samples) {
+        std::vector<Rgb> sum(size_t(grid_.cells()), Rgb(0));
+        std::vector<uint32_t> pixels(sum.size(), 0);
+        for (size_t i = 0; i < capture.views.size(); ++i) {
+            const View& view = capture.views[i];
+            const ViewGeometry& g = samples.geometry[i];
+            for (int y = 1; y + 1 < g.height; ++y)
+                for (int x = 1; x + 1 < g.width; ++x) {
+                    bool open = view.image.usableAt(x, y);
+                    for (int k = 0; k < 9 && open; ++k)
+                        open = g.triangle[size_t(y + k / 3 - 1) * size_t(g.width) + size_t(x + k % 3 - 1)] == Hit::none;
+                    if (!open) continue;
+                    const auto cell =
+                        size_t(grid_.cellOf(view.camera.rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f))));
+                    sum[cell] += view.image.at(x, y);
+                    ++pixels[cell];
+                }
+        }
+        low_.assign(sum.size(), Rgb(1e30f));
+        high_.assign(sum.size(), Rgb(0));
+        for (int y = 0; y < grid_.side; ++y)
+            for (int x = 0; x < grid_.side; ++x)
+                for (int k = 0; k < 9; ++k) {
+                    const int nx = x + k % 3 - 1, ny = y + k / 3 - 1;
+                    if (nx < 0 || ny < 0 || nx >= grid_.side || ny >= grid_.side) continue;
+                    const auto from = size_t(ny * grid_.side + nx), to = size_t(y * grid_.side + x);
+                    if (!pixels[from]) continue;
+                    const Rgb mean = sum[from] / float(pixels[from]);
+                    low_[to] = glm::min(low_[to], mean);
+                    high_[to] = glm::max(high_[to], mean);
+                    if (k == 4) ++known_;
+                }
+        floor_ = samples.noiseFloor;
+    }
+
+    size_t known() const { return known_; }
+
+    /// How far a radiance is from what the background shows there: mean of the channels' logarithms; negative: nobody
+    /// saw the background there.
+    float distance(const Vec3& direction, const Rgb& radiance) const {
+        const auto cell = size_t(grid_.cellOf(direction));
+        if (!(high_[cell].x >= low_[cell].x)) return -1;
+        float sum = 0;
+        for (int c = 0; c < 3; ++c) {
+            const float shown = std::max(radiance[c], floor_);
+            if (shown > high_[cell][c]) sum += std::log(shown / std::max(high_[cell][c], floor_));
+            if (shown < low_[cell][c]) sum += std::log(std::max(low_[cell][c], floor_) / shown);
+        }
+        return sum / 3;
+    }
+
+private:
+    DirectionGrid grid_{256};
+    std::vector<Rgb> low_, high_;
+    size_t known_ = 0;
+    float floor_ = 0;
+};
+
+/// How much better a surface explains what the photographs show at a vertex than the background does, in log radiance:
+/// within [-bend, bend], 0 where they tell nothing.
+std::vector<float> surfaceOverBackground(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                                         const Background& background, const std::vector<uint8_t>& isLight) {
+    std::vector<float> better(scene.mesh.vertexCount(), 0);
+    parallelFor(better.size(), 256, [&](size_t v) {
+        if (isLight[v]) better[v] = bend;
+        if (isLight[v] || !scene.referenced[v]) return;
+        std::vector<float> asSurface, asBackground;
+        for (uint32_t k = samples.start[v]; k < samples.start[v + 1]; ++k) {
+            const RadianceSample& s = samples.samples[k];
+            if (s.clipped) continue;
+            const Vec3 eye(capture.views[s.view].camera.position());
+            const float apart = background.distance(glm::normalize(scene.mesh.positions[v] - eye), s.radiance);
+            if (apart >= 0) asBackground.push_back(apart);
+            const std::optional<Rgb> others = medianObservation(samples, uint32_t(v), s.view);
+            if (!others) continue;
+            float sum = 0;
+            for (int c = 0; c < 3; ++c)
+                sum += std::abs(
+                    std::log(std::max(s.radiance[c], samples.noiseFloor) / std::max((*others)[c], samples.noiseFloor)));
+            asSurface.push_back(sum / 3);
+        }
+        const float differs = asSurface.size() < 2 ? 0 : medianOf(std::move(asSurface));
+        if (!asBackground.empty()) better[v] = std::clamp(medianOf(std::move(asBackground)) - differs, -bend, bend);
+        else if (differs > bend) better[v] = -alike / 2;
+    });
+    return better;
+}
+
+/// The mean over a few rings of neighbours.
+std::vector<float> overNeighbours(const Scene& scene, std::vector<float> value) {
+    for (int ring = 0; ring < rings; ++ring) {
+        std::vector<float> mean(value.size());
+        parallelFor(value.size(), 1024, [&](size_t v) {
+            const uint32_t begin = scene.graph.start[v], end = scene.graph.start[v + 1];
+            float sum = value[v];
+            for (uint32_t e = begin; e < end; ++e) sum += value[scene.graph.to[e]];
+            mean[v] = sum / float(1 + end - begin);
+        });
+        value.swap(mean);
+    }
+    return value;
+}
+
+/// Vertices of skirts: large regions, at a rim of the mesh, that the background explains and a surface does not.
+std::vector<uint8_t> skirtsOf(const Scene& scene, const std::vector<float>& better) {
+    const std::vector<float> around = overNeighbours(scene, better);
+    const std::vector<uint8_t> rim = rimVertices(scene.mesh);
+    const size_t least = std::max<size_t>(leastRegion, better.size() / 500);
+    std::vector<uint8_t> skirt(better.size(), 0), visited = skirt;
+    for (uint32_t seed = 0; seed < better.size(); ++seed) {
+        if (!(around[seed] < 0) || visited[seed]) continue;
+        std::vector<uint32_t> region{seed};
+        visited[seed] = 1;
+        size_t refuted = 0, atRim = 0;
+        for (size_t i = 0; i < region.size(); ++i) {
+            const uint32_t v = region[i];
+            refuted += better[v] < -alike;
+            atRim += rim[v];
+            for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e) {
+                const uint32_t w = scene.graph.to[e];
+                if (visited[w] || !(around[w] < 0)) continue;
+                visited[w] = 1;
+                region.push_back(w);
+            }
+        }
+        if (region.size() < least || refuted * 4 < region.size() || atRim == 0) continue;
+        for (const uint32_t v : region) skirt[v] = 1;
+    }
+    return skirt;
+}
+
+}  // namespace
+
+std::vector<uint32_t> freeSpaceTriangles(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                                         const std::vector<uint8_t>& isLight, Progress& progress) {
+    const Background background(capture, samples);
+    if (background.known() < leastBackground) return {};
+    const std::vector<uint8_t> skirt =
+        skirtsOf(scene, surfaceOverBackground(scene, capture, samples, background, isLight));
+    const auto corners = [&](uint32_t t) {
+        int count = 0;
+        for (const uint32_t v : scene.mesh.triangles[t]) count += skirt[v];
+        return count;
+    };
+    // Pixels that show the background through a skirt deny all that lies along their ray.
+    std::vector<uint32_t> passed(scene.mesh.triangles.size(), 0), stopped = passed;
+    progress.begin("Surfaces in free space", capture.views.size());
+    for (size_t i = 0; i < capture.views.size(); ++i) {
+        const View& view = capture.views[i];
+        const ViewGeometry& g = samples.geometry[i];
+        const Vec3 eye(view.camera.position());
+        for (int y = 0; y < g.height; ++y)
+            for (int x = 0; x < g.width; ++x) {
+                const uint32_t first = g.triangle[size_t(y) * size_t(g.width) + size_t(x)];
+                if (first == Hit::none || !view.image.usableAt(x, y)) continue;
+                if (corners(first) < 2) {
+                    ++stopped[first];
+                    continue;
+                }
+                const Vec3 direction = view.camera.rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f));
+                const float apart = background.distance(direction, view.image.at(x, y));
+                if (apart < 0 || apart > alike) continue;
+                float from = 0;
+                for (int layers = 0; layers < 8; ++layers) {
+                    const Hit hit = scene.cameraTracer->closest({eye, direction, from, 1e30f});
+                    if (!hit) break;
+                    ++passed[hit.triangle];
+                    from = hit.distance * (1 + 1e-6f) + 0.25f * scene.tracer->surfaceOffset();
+                }
+            }
+        progress.advance();
+    }
+    std::vector<uint32_t> free;
+    for (uint32_t t = 0; t < passed.size(); ++t)
+        if (corners(t) == 3 || passed[t] > 3 * stopped[t]) free.push_back(t);
+    return free;
+}
+
+}  // namespace relamp

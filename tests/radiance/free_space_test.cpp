@@ -1,0 +1,84 @@
+// Skirts: mesh beyond what was photographed.
+#include "radiance/free_space.h"
+
+#include <gtest/gtest.h>
+
+#include "radiance/gather.h"
+#include "support/estimates.h"
+
+namespace relamp {
+namespace {
+
+using Sky = std::function<Rgb(const Vec3&)>;
+using Surface = std::function<Rgb(const Vec3& position, const Vec3& direction)>;
+
+/// Bright and dark, of several hues.
+Rgb pattern(const Vec3& d) {
+    return Rgb(0.6f + 0.5f * std::sin(5 * d.x + 2 * d.z), 0.6f + 0.5f * std::sin(6 * d.y),
+               0.6f + 0.5f * std::sin(4 * d.z));
+}
+Rgb even(const Vec3&) { return Rgb(0.4f, 0.5f, 0.6f); }
+Rgb wood(const Vec3& at, const Vec3&) { return Rgb(0.3f, 0.2f, 0.1f) * (1 + 0.2f * std::sin(20 * at.x)); }
+Rgb mirror(const Vec3&, const Vec3& d) { return 0.9f * pattern(Vec3(d.x, d.y, -d.z)); }
+
+/// Photographs of a table of two metres, and a mesh whose table is `wider` by that much on all sides.
+struct Table {
+    Capture capture;
+    Scene scene;
+    RadianceSamples samples;
+    std::vector<uint32_t> free;
+
+    Table(float wider, const Sky& sky, const Surface& surface) {
+        const Scene real = test::sceneOf(sheetOf(1));
+        capture.mesh = sheetOf(1 + wider);
+        scene = test::sceneOf(capture.mesh);
+        for (int i = 0; i < 8; ++i) {
+            const double turn = 2 * piD * i / 8;
+            View view;
+            view.camera = test::cameraAt({3 * std::cos(turn), 3 * std::sin(turn), 1.4}, {0, 0, 0}, 200, 150, 150);
+            view.image = Image(200, 150);
+            const Vec3 eye(view.camera.position());
+            for (int y = 0; y < 150; ++y)
+                for (int x = 0; x < 200; ++x) {
+                    const Vec3 d = view.camera.rayDirection({float(x) + 0.5f, float(y) + 0.5f});
+                    const Hit hit = real.tracer->closest({eye, d, 0, 1e30f});
+                    view.image.at(x, y) = hit ? surface(eye + d * hit.distance, d) : sky(d);
+                }
+            capture.views.push_back(view);
+        }
+        Progress progress;
+        samples = gatherRadiance(capture, scene, {}, progress);
+        const std::vector<uint8_t> noLight(scene.mesh.vertexCount(), 0);
+        free = freeSpaceTriangles(scene, capture, samples, noLight, progress);
+    }
+
+    static Mesh sheetOf(float half) {
+        return test::sheet({-half, -half, 0}, {2 * half, 0, 0}, {0, 2 * half, 0}, 60, 60);
+    }
+    /// Largest coordinate of the triangle's middle.
+    float extent(uint32_t t) const {
+        Vec3 middle(0);
+        for (const uint32_t v : scene.mesh.triangles[t]) middle += scene.mesh.positions[v] / 3.0f;
+        return std::max(std::abs(middle.x), std::abs(middle.y));
+    }
+};
+
+TEST(FreeSpace, AnExactMeshHasNone) { EXPECT_TRUE(Table(0, pattern, wood).free.empty()); }
+
+TEST(FreeSpace, ASkirtBeforeAPatternedBackgroundGoesAndTheTableStays) {
+    const Table table(0.3f, pattern, wood);
+    size_t outside = 0, taken = 0;
+    for (uint32_t t = 0; t < table.scene.mesh.triangles.size(); ++t) outside += table.extent(t) > 1.1f;
+    for (const uint32_t t : table.free) {
+        EXPECT_GT(table.extent(t), 0.93f);
+        taken += table.extent(t) > 1.1f;
+    }
+    EXPECT_GT(taken, outside * 9 / 10);
+}
+
+TEST(FreeSpace, BeforeAnEvenBackgroundNothingIsRefuted) { EXPECT_TRUE(Table(0.3f, even, wood).free.empty()); }
+
+TEST(FreeSpace, AMirrorShowsOtherBackgroundThanThatBehindIt) { EXPECT_TRUE(Table(0, pattern, mirror).free.empty()); }
+
+}  // namespace
+}  // namespace relamp
