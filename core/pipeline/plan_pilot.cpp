@@ -6,6 +6,7 @@
 #include "base/statistics.h"
 #include "solve/light/contributions.h"
 #include "solve/ratio/albedo_free.h"
+#include "solve/ratio/pair_misfit.h"
 #include "transport/bounce.h"
 
 namespace relamp {
@@ -14,21 +15,6 @@ namespace {
 constexpr size_t pairsWanted = 4000;
 constexpr int pilotSide = 16, pilotLevel = 3;
 constexpr uint32_t pilotRays = 256;  // with fewer their noise speaks against bounced light where it is
-
-/// Misfit of one pair in variances, bent: noise and a model error of 1.5 % a point. `lit` and `again`: irradiances that
-/// differ by the noise of their rays alone; the product of both residuals is free of it on the mean.
-double misfitOf(const MatteObservations& matte, const AlbedoPair& p, const std::vector<Rgb>& lit,
-                const std::vector<Rgb>& again) {
-    double sum = 0;
-    for (int c = 0; c < 3; ++c) {
-        const double ya = matte.radiance[p.a][c], yb = matte.radiance[p.b][c], la = lit[p.a][c], lb = lit[p.b][c];
-        const double squared =
-            RatioResidual::value(ya, yb, la, lb) * RatioResidual::value(ya, yb, again[p.a][c], again[p.b][c]);
-        sum += squared /
-               (RatioResidual::variance(ya, yb, la, lb, matte.sigma[p.a][c] * lb, matte.sigma[p.b][c] * la) + 4.5e-4);
-    }
-    return p.weight * std::log1p(std::max(0.0, sum) / 3 / 6.25);
-}
 
 std::vector<Rgb> litBy(const InfluenceMatrix& rows, const Lighting& lighting) {
     std::vector<Rgb> lit(rows.rows);
@@ -257,7 +243,7 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
     found.bouncedFraction = whole > 0 ? fromSurfaces / whole : 0;
     double sum = 0, squares = 0;
     for (const AlbedoPair& p : chosen) {
-        const double rise = misfitOf(matte, p, bouncedLit, bouncedAgain) - misfitOf(matte, p, lit, lit);
+        const double rise = pairMisfit(matte, p, bouncedLit, bouncedAgain) - pairMisfit(matte, p, lit, lit);
         sum += rise;
         squares += rise * rise;
     }
@@ -293,7 +279,7 @@ std::vector<double> pilotMisfits(const Scene& scene, const RadianceSamples& samp
                     lighting, progress, {});
     const std::vector<Rgb> lit = litBy(rows, lighting);
     std::vector<double> misfits;
-    for (const AlbedoPair& p : part.pairs) misfits.push_back(misfitOf(part.matte, p, lit, lit));
+    for (const AlbedoPair& p : part.pairs) misfits.push_back(pairMisfit(part.matte, p, lit, lit));
     return misfits;
 }
 

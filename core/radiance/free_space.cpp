@@ -13,8 +13,10 @@ namespace relamp {
 namespace {
 
 constexpr float alike = 0.1f;           ///< of log radiance: what background or surface may be off by
-constexpr float bend = 0.2f;            ///< beyond which a vertex says no more
+constexpr float explained = 0.2f;      ///< up to which the background explains a vertex
+constexpr float bend = 0.25f;           ///< beyond which a vertex says no more
 constexpr int rings = 3;                ///< of neighbours that a vertex is asked with
+constexpr size_t evenRings = 8;         ///< of neighbours that a skirt may go on before an even background
 constexpr size_t leastRegion = 30;      ///< vertices of a skirt
 constexpr size_t leastBackground = 16;  ///< cells without which nothing is said
 
@@ -79,11 +81,18 @@ private:
     float floor_ = 0;
 };
 
-/// How much better a surface explains what the photographs show at a vertex than the background does, in log radiance:
-/// within [-bend, bend], 0 where they tell nothing.
-std::vector<float> surfaceOverBackground(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
-                                         const Background& background, const std::vector<uint8_t>& isLight) {
-    std::vector<float> better(scene.mesh.vertexCount(), 0);
+struct Evidence {
+    /// How much better a surface explains what the photographs show at a vertex than the background does, in log
+    /// radiance: within [-bend, bend], 0 where they tell nothing.
+    std::vector<float> better;
+    std::vector<uint8_t> asBackground;  ///< 1: photographs of the vertex show about what the background does there
+};
+
+Evidence evidenceOf(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                    const Background& background, const std::vector<uint8_t>& isLight) {
+    Evidence evidence{std::vector<float>(scene.mesh.vertexCount(), 0),
+                      std::vector<uint8_t>(scene.mesh.vertexCount(), 0)};
+    std::vector<float>& better = evidence.better;
     parallelFor(better.size(), 256, [&](size_t v) {
         if (isLight[v]) better[v] = bend;
         if (isLight[v] || !scene.referenced[v]) return;
@@ -103,10 +112,17 @@ std::vector<float> surfaceOverBackground(const Scene& scene, const Capture& capt
             asSurface.push_back(sum / 3);
         }
         const float differs = asSurface.size() < 2 ? 0 : medianOf(std::move(asSurface));
-        if (!asBackground.empty()) better[v] = std::clamp(medianOf(std::move(asBackground)) - differs, -bend, bend);
-        else if (differs > bend) better[v] = -alike / 2;
+        if (asBackground.empty()) {
+            if (differs > bend) better[v] = -alike / 2;
+            return;
+        }
+        const size_t views = asBackground.size();
+        const float off = medianOf(std::move(asBackground));
+        // Prints finer than the mesh differ between views as well: the background has to explain them.
+        better[v] = off > explained ? bend : std::clamp(off - differs, -bend, bend);
+        evidence.asBackground[v] = views >= 2 && off < alike;
     });
-    return better;
+    return evidence;
 }
 
 /// The mean over a few rings of neighbours.
@@ -124,31 +140,72 @@ std::vector<float> overNeighbours(const Scene& scene, std::vector<float> value) 
     return value;
 }
 
+/// Connected vertices for which `joins` holds, from `seed` on; marks them in `visited`.
+template <class Joins>
+std::vector<uint32_t> regionOf(const Scene& scene, uint32_t seed, std::vector<uint8_t>& visited, const Joins& joins) {
+    std::vector<uint32_t> region{seed};
+    visited[seed] = 1;
+    for (size_t i = 0; i < region.size(); ++i)
+        for (uint32_t e = scene.graph.start[region[i]]; e < scene.graph.start[region[i] + 1]; ++e) {
+            const uint32_t w = scene.graph.to[e];
+            if (visited[w] || !joins(w)) continue;
+            visited[w] = 1;
+            region.push_back(w);
+        }
+    return region;
+}
+
+/// What skirts cut off from the rest is of them where it is small.
+void addIslands(const Scene& scene, size_t largest, std::vector<uint8_t>& skirt) {
+    const std::vector<uint8_t> before = skirt;
+    std::vector<uint8_t> visited(skirt.size(), 0);
+    for (uint32_t seed = 0; seed < skirt.size(); ++seed) {
+        if (before[seed] || visited[seed]) continue;
+        const std::vector<uint32_t> island = regionOf(scene, seed, visited, [&](uint32_t v) { return !before[v]; });
+        if (island.size() > largest) continue;
+        const bool beside = std::any_of(island.begin(), island.end(), [&](uint32_t v) {
+            const auto to = scene.graph.to.begin();
+            return std::any_of(to + scene.graph.start[v], to + scene.graph.start[v + 1],
+                               [&](uint32_t w) { return before[w] != 0; });
+        });
+        if (!beside) continue;
+        for (const uint32_t v : island) skirt[v] = 1;
+    }
+}
+
 /// Vertices of skirts: large regions, at a rim of the mesh, that the background explains and a surface does not.
-std::vector<uint8_t> skirtsOf(const Scene& scene, const std::vector<float>& better) {
+std::vector<uint8_t> skirtsOf(const Scene& scene, const Evidence& evidence) {
+    const std::vector<float>& better = evidence.better;
     const std::vector<float> around = overNeighbours(scene, better);
     const std::vector<uint8_t> rim = rimVertices(scene.mesh);
     const size_t least = std::max<size_t>(leastRegion, better.size() / 500);
     std::vector<uint8_t> skirt(better.size(), 0), visited = skirt;
     for (uint32_t seed = 0; seed < better.size(); ++seed) {
         if (!(around[seed] < 0) || visited[seed]) continue;
-        std::vector<uint32_t> region{seed};
-        visited[seed] = 1;
+        const std::vector<uint32_t> region = regionOf(scene, seed, visited, [&](uint32_t v) { return around[v] < 0; });
         size_t refuted = 0, atRim = 0;
-        for (size_t i = 0; i < region.size(); ++i) {
-            const uint32_t v = region[i];
+        for (const uint32_t v : region) {
             refuted += better[v] < -alike;
             atRim += rim[v];
-            for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e) {
-                const uint32_t w = scene.graph.to[e];
-                if (visited[w] || !(around[w] < 0)) continue;
-                visited[w] = 1;
-                region.push_back(w);
-            }
         }
         if (region.size() < least || refuted * 4 < region.size() || atRim == 0) continue;
         for (const uint32_t v : region) skirt[v] = 1;
     }
+    // Before an even background they go on a little where a surface would explain it as well.
+    std::vector<uint32_t> reached;
+    for (uint32_t v = 0; v < skirt.size(); ++v)
+        if (skirt[v]) reached.push_back(v);
+    for (size_t ring = 0, begin = 0; ring < evenRings; ++ring)
+        for (const size_t end = reached.size(); begin < end; ++begin) {
+            const uint32_t v = reached[begin];
+            for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e) {
+                const uint32_t w = scene.graph.to[e];
+                if (skirt[w] || !evidence.asBackground[w]) continue;
+                skirt[w] = 1;
+                reached.push_back(w);
+            }
+        }
+    addIslands(scene, 2 * least, skirt);
     return skirt;
 }
 
@@ -158,12 +215,16 @@ std::vector<uint32_t> freeSpaceTriangles(const Scene& scene, const Capture& capt
                                          const std::vector<uint8_t>& isLight, Progress& progress) {
     const Background background(capture, samples);
     if (background.known() < leastBackground) return {};
-    const std::vector<uint8_t> skirt =
-        skirtsOf(scene, surfaceOverBackground(scene, capture, samples, background, isLight));
+    const Evidence evidence = evidenceOf(scene, capture, samples, background, isLight);
+    const std::vector<uint8_t> skirt = skirtsOf(scene, evidence);
     const auto corners = [&](uint32_t t) {
         int count = 0;
         for (const uint32_t v : scene.mesh.triangles[t]) count += skirt[v];
         return count;
+    };
+    const auto isSurface = [&](uint32_t t) {
+        const Triangle& at = scene.mesh.triangles[t];
+        return std::any_of(at.begin(), at.end(), [&](uint32_t v) { return evidence.better[v] > alike; });
     };
     // Pixels that show the background through a skirt deny all that lies along their ray.
     std::vector<uint32_t> passed(scene.mesh.triangles.size(), 0), stopped = passed;
@@ -195,7 +256,7 @@ std::vector<uint32_t> freeSpaceTriangles(const Scene& scene, const Capture& capt
     }
     std::vector<uint32_t> free;
     for (uint32_t t = 0; t < passed.size(); ++t)
-        if (corners(t) == 3 || passed[t] > 3 * stopped[t]) free.push_back(t);
+        if (corners(t) == 3 || (passed[t] > 3 * stopped[t] && !isSurface(t))) free.push_back(t);
     return free;
 }
 

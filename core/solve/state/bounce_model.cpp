@@ -1,6 +1,7 @@
 #include "solve/state/bounce_model.h"
 
 #include "base/log.h"
+#include "base/random.h"
 
 namespace relamp {
 
@@ -9,6 +10,13 @@ void BounceModel::trace(const SolveInput& in, uint32_t count) {
     options.seed = in.options.seed;
     options.rays = count;
     rays = traceBounce(in.scene, options, in.progress);
+}
+
+BounceRays BounceModel::otherRays(const SolveInput& in) {
+    BounceOptions options;
+    options.seed = mixBits(in.options.seed);
+    options.rays = fewRays;
+    return traceBounce(in.scene, options, in.progress);
 }
 
 std::vector<uint32_t> BounceModel::hiddenSenders(const std::vector<uint32_t>& observed,
@@ -40,6 +48,13 @@ void BounceModel::take(const std::vector<uint32_t>& observed, const std::vector<
     }
     atVertex = gatherBounce(rays, outgoing);
     takeAtObservations(observed);
+}
+
+std::vector<Rgb> BounceModel::along(const BounceRays& others, const std::vector<uint32_t>& observed) const {
+    const std::vector<Rgb> bounced = gatherBounce(others, outgoing);
+    std::vector<Rgb> out;
+    for (const uint32_t v : observed) out.push_back(bounced[v]);
+    return out;
 }
 
 void BounceModel::takeAtObservations(const std::vector<uint32_t>& observed) {

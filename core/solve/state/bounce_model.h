@@ -24,6 +24,7 @@ struct BounceModel {
     const std::vector<Rgb>* offset() const { return joined() ? &atObservation : nullptr; }
     /// `count` rays from each vertex.
     void trace(const SolveInput& in, uint32_t count);
+    static BounceRays otherRays(const SolveInput& in);
     /// Takes over what the surfaces send: shown radiance where a photograph shows it, albedo times light elsewhere.
     /// `hidden`: the senders that no photograph shows, with their albedo and their direct light, in one order.
     struct HiddenSenders {
@@ -34,6 +35,8 @@ struct BounceModel {
               const HiddenSenders& hidden);
     /// Senders that are not among the observed vertices and not marked in `emits`, in order.
     std::vector<uint32_t> hiddenSenders(const std::vector<uint32_t>& observed, const std::vector<uint8_t>& emits) const;
+    /// What the same surfaces send to the observations along other rays, which differs by the noise of rays alone.
+    std::vector<Rgb> along(const BounceRays& others, const std::vector<uint32_t>& observed) const;
     /// atObservation from atVertex.
     void takeAtObservations(const std::vector<uint32_t>& observed);
     /// The rays stay; what they carried goes.

@@ -15,7 +15,7 @@ Irradiance irradianceOf(const InfluenceMatrix& rows, const Lighting& lighting, c
     });
     sigma.assign(rows.rows, Rgb(0));
     for (const AlbedoPair& p : pairs) {
-        if (p.weight != 1) continue;
+        if (!p.edge) continue;
         const Rgb step = glm::abs(lit[p.a] - lit[p.b]);
         sigma[p.a] = glm::max(sigma[p.a], 0.25f * step);
         sigma[p.b] = glm::max(sigma[p.b], 0.25f * step);

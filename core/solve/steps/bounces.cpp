@@ -1,5 +1,6 @@
 // Do the photographs hold light bounced between surfaces?
 #include "base/log.h"
+#include "solve/ratio/pair_misfit.h"
 #include "solve/steps/steps.h"
 
 namespace relamp {
@@ -26,6 +27,18 @@ void joinLikelyBounce(SolveRun& s) {
     updateBounce(s);
     s.meter.begin(stage);
 }
+
+namespace {
+
+/// Misfit of the pairs under the present light, bounced light and the noise of its rays left aside.
+double bouncedMisfit(const SolveRun& s, const BounceRays& others) {
+    const std::vector<Rgb> lit = s.irradiance().value;
+    std::vector<Rgb> again = s.bounce.along(others, s.observed.matte.vertices);
+    for (size_t i = 0; i < again.size(); ++i) again[i] += lit[i] - s.bounce.atObservation[i];
+    return pairMisfit(s.observed.matte, s.observed.pairs, lit, again);
+}
+
+}  // namespace
 
 void decideBounce(SolveRun& s, bool coarse) {
     using Bounce = SolveOptions::Bounce;
@@ -55,9 +68,11 @@ void decideBounce(SolveRun& s, bool coarse) {
     std::vector<Rgb>().swap(s.bounce.atObservation);
     const AlbedoFreeReport alone = fitLight(
         s, {coarse ? "light from ratios, coarse" : "light from ratios", joined ? s.in.options.startIterations : 1});
-    const double before = alone.objective;
+    const std::vector<Rgb> lit = s.irradiance().value;
+    const double before = pairMisfit(s.observed.matte, s.observed.pairs, lit, lit);
     const Lighting without = joined ? s.light.lighting : start;
     s.light.lighting = std::move(start);
+    const BounceRays others = BounceModel::otherRays(s.in);
     // Several rounds: what hidden surfaces send rests on the light.
     double after = 0;
     for (int round = 0; round < (coarse || joined ? 2 : 4) && !s.stopped(); ++round) {
@@ -66,7 +81,8 @@ void decideBounce(SolveRun& s, bool coarse) {
         RatioFitRequest request{coarse ? "light from ratios and bounces, coarse" : "light from ratios and bounces",
                                 round == 0 ? 8 : s.in.options.startIterations};
         request.chroma = alone.chroma;
-        after = fitLight(s, request).objective;
+        fitLight(s, request);
+        after = bouncedMisfit(s, others);
         if (s.in.options.bounce == Bounce::automatic && after > 1.05 * before) break;  // far from it
         // What a round still gains falls from one to the next: ten times the last gain is out of reach, twenty times
         // surely.
@@ -77,8 +93,8 @@ void decideBounce(SolveRun& s, bool coarse) {
     }
     if (s.stopped()) throw OutOfTime{};
     s.bounce.fraction = bouncedFractionOf(s.bounce.atObservation, s.irradiance());
-    logInfo("bounced light: enclosure {:.1f} %, fraction {:.1f} %, objective {:.5g} without, {:.5g} with",
-            100 * enclosure, 100 * s.bounce.fraction, before, after);
+    logInfo("bounced light: enclosure {:.1f} %, fraction {:.1f} %, misfit {:.5g} without, {:.5g} with", 100 * enclosure,
+            100 * s.bounce.fraction, before, after);
     if (coarse && after < 1.03 * before) {  // coarse visibility alone can make as much of a difference
         // Finer light is to judge.
         s.light.lighting = without;

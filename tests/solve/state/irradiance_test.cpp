@@ -22,10 +22,10 @@ TEST(Irradiance, IsRowsTimesLightAndWhatOtherSurfacesSend) {
 TEST(Irradiance, IsUnsureByAQuarterOfTheStepToANeighbour) {
     const test::SmallProblem p = test::smallProblem(20);
     const Irradiance alone = irradianceOf(p.influence, p.truth, {}, {}),
-                     paired = irradianceOf(p.influence, p.truth, {}, {{3, 7, 1.0f}, {4, 8, 0.5f}});
+                     paired = irradianceOf(p.influence, p.truth, {}, {{3, 7, 0.3f, true}, {4, 8, 1.0f}});
     const float step = 0.25f * std::abs(alone.value[3].x - alone.value[7].x);
     EXPECT_NEAR(paired.sigma[3].x, std::hypot(step, 0.01f * alone.value[3].x), 1e-6f);
-    EXPECT_EQ(paired.sigma[4], alone.sigma[4]) << "only mesh neighbours, which have the weight 1, share an edge";
+    EXPECT_EQ(paired.sigma[4], alone.sigma[4]) << "only mesh neighbours share an edge";
 }
 
 TEST(Irradiance, ThatIsTrueLeavesPairsOfOneAlbedoWithoutMismatch) {
