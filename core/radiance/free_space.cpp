@@ -13,7 +13,7 @@ namespace relamp {
 namespace {
 
 constexpr float alike = 0.1f;           ///< of log radiance: what background or surface may be off by
-constexpr float explained = 0.2f;      ///< up to which the background explains a vertex
+constexpr float explained = 0.2f;       ///< up to which the background explains a vertex
 constexpr float bend = 0.25f;           ///< beyond which a vertex says no more
 constexpr int rings = 3;                ///< of neighbours that a vertex is asked with
 constexpr size_t evenRings = 8;         ///< of neighbours that a skirt may go on before an even background
@@ -26,7 +26,11 @@ public:
     Background(const Capture& capture, const RadianceSamples& samples) {
         std::vector<Rgb> sum(size_t(grid_.cells()), Rgb(0));
         std::vector<uint32_t> pixels(sum.size(), 0);
+        std::vector<Rgb> lowest(sum.size(), Rgb(1e30f)), highest(sum.size(), Rgb(0));  // of the views' means
+        std::vector<uint8_t> views(sum.size(), 0);
         for (size_t i = 0; i < capture.views.size(); ++i) {
+            std::vector<Rgb> ofView(sum.size(), Rgb(0));
+            std::vector<uint32_t> pixelsOfView(sum.size(), 0);
             const View& view = capture.views[i];
             const ViewGeometry& g = samples.geometry[i];
             for (int y = 1; y + 1 < g.height; ++y)
@@ -37,9 +41,18 @@ public:
                     if (!open) continue;
                     const auto cell =
                         size_t(grid_.cellOf(view.camera.rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f))));
-                    sum[cell] += view.image.at(x, y);
-                    ++pixels[cell];
+                    ofView[cell] += view.image.at(x, y);
+                    ++pixelsOfView[cell];
                 }
+            for (size_t cell = 0; cell < sum.size(); ++cell) {
+                sum[cell] += ofView[cell];
+                pixels[cell] += pixelsOfView[cell];
+                if (pixelsOfView[cell] < 4) continue;
+                const Rgb mean = ofView[cell] / float(pixelsOfView[cell]);
+                lowest[cell] = glm::min(lowest[cell], mean);
+                highest[cell] = glm::max(highest[cell], mean);
+                views[cell] = uint8_t(std::min(2, views[cell] + 1));
+            }
         }
         low_.assign(sum.size(), Rgb(1e30f));
         high_.assign(sum.size(), Rgb(0));
@@ -56,9 +69,19 @@ public:
                     if (k == 4) ++known_;
                 }
         floor_ = samples.noiseFloor;
+        for (size_t cell = 0; cell < sum.size(); ++cell) {
+            if (views[cell] < 2) continue;
+            ++shared_;
+            float apart = 0;
+            for (int c = 0; c < 3; ++c)
+                apart += std::log(std::max(highest[cell][c], floor_) / std::max(lowest[cell][c], floor_)) / 3;
+            agreeing_ += apart < explained;
+        }
     }
 
     size_t known() const { return known_; }
+    /// Whether it is as far away as a background must be to show the same in one direction from everywhere.
+    bool distant() const { return 3 * agreeing_ >= 2 * shared_; }
 
     /// How far a radiance is from what the background shows there: mean of the channels' logarithms; negative: nobody
     /// saw the background there.
@@ -77,7 +100,7 @@ public:
 private:
     DirectionGrid grid_{256};
     std::vector<Rgb> low_, high_;
-    size_t known_ = 0;
+    size_t known_ = 0, shared_ = 0, agreeing_ = 0;  ///< cells: seen, seen by several views, alike to these
     float floor_ = 0;
 };
 
@@ -214,7 +237,7 @@ std::vector<uint8_t> skirtsOf(const Scene& scene, const Evidence& evidence) {
 std::vector<uint32_t> freeSpaceTriangles(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                                          const std::vector<uint8_t>& isLight, Progress& progress) {
     const Background background(capture, samples);
-    if (background.known() < leastBackground) return {};
+    if (background.known() < leastBackground || !background.distant()) return {};
     const Evidence evidence = evidenceOf(scene, capture, samples, background, isLight);
     const std::vector<uint8_t> skirt = skirtsOf(scene, evidence);
     const auto corners = [&](uint32_t t) {

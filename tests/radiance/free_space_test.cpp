@@ -78,6 +78,22 @@ TEST(FreeSpace, ASkirtBeforeAPatternedBackgroundGoesAndTheTableStays) {
 
 TEST(FreeSpace, BeforeAnEvenBackgroundNothingIsRefuted) { EXPECT_TRUE(Table(0.3f, even, wood).free.empty()); }
 
+TEST(FreeSpace, ABoardThatGoesOnBeyondTheMeshIsNoBackground) {
+    // The mesh ends before the board does: what is seen past it is near and shifts from view to view.
+    const Sky board = [](const Vec3& d) { return d.z < -0.1f ? Rgb(0.3f) : pattern(d); };
+    Table table(0.3f, board, wood);
+    for (size_t i = 0; i < table.capture.views.size(); ++i) {
+        View& view = table.capture.views[i];
+        for (int y = 0; y < view.image.height; ++y)
+            for (int x = 0; x < view.image.width; ++x)
+                if (table.samples.geometry[i].triangle[size_t(y) * 200 + size_t(x)] == Hit::none)
+                    view.image.at(x, y) *= 1 + 0.1f * float(i);
+    }
+    Progress progress;
+    const std::vector<uint8_t> noLight(table.scene.mesh.vertexCount(), 0);
+    EXPECT_TRUE(freeSpaceTriangles(table.scene, table.capture, table.samples, noLight, progress).empty());
+}
+
 TEST(FreeSpace, AMirrorShowsOtherBackgroundThanThatBehindIt) { EXPECT_TRUE(Table(0, pattern, mirror).free.empty()); }
 
 }  // namespace
