@@ -123,38 +123,15 @@ void estimateNoise(const Capture& capture, RadianceSamples& result) {
     result.noiseFloor = std::max(lowerMedianOf(std::move(dark)) * 2e-3f, 1e-12f);
 }
 
-/// Per pixel its distance to the nearest one that sees geometry, in pixels along rows, columns and diagonals.
-std::vector<int> distanceToGeometry(const ViewGeometry& g) {
-    const int w = g.width, h = g.height;
-    std::vector<int> distance(g.triangle.size());
-    for (size_t i = 0; i < distance.size(); ++i) distance[i] = g.triangle[i] == Hit::none ? w + h : 0;
-    const auto pass = [&](int y, int x, int dy, int dx) {
-        int& here = distance[size_t(y) * size_t(w) + size_t(x)];
-        for (const auto& [ny, nx] : {std::pair{y, x - dx}, {y - dy, x - 1}, {y - dy, x}, {y - dy, x + 1}})
-            if (nx >= 0 && ny >= 0 && nx < w && ny < h)
-                here = std::min(here, distance[size_t(ny) * size_t(w) + size_t(nx)] + 1);
-    };
-    for (int y = 0; y < h; ++y)
-        for (int x = 0; x < w; ++x) pass(y, x, 1, 1);
-    for (int y = h - 1; y >= 0; --y)
-        for (int x = w - 1; x >= 0; --x) pass(y, x, -1, -1);
-    return distance;
-}
-
-/// Reconstruction shrinks what is thin and lacks parts. What a pixel beside a silhouette shows may be such a part:
-/// where others see the same direction far from any, these tell.
 void gatherBackground(const Capture& capture, RadianceSamples& result, Progress& progress) {
     const DirectionGrid& grid = result.backgroundGrid;
     result.background.assign(size_t(grid.cells()), Rgb(0));
     result.backgroundPixels.assign(size_t(grid.cells()), 0);
     result.backgroundClipped.assign(size_t(grid.cells()), 0);
-    std::vector<float> weights(size_t(grid.cells()), 0);
     progress.begin("Background", capture.views.size());
     for (size_t i = 0; i < capture.views.size(); ++i) {
         const View& view = capture.views[i];
         const ViewGeometry& g = result.geometry[i];
-        const std::vector<int> distance = distanceToGeometry(g);
-        const float far = std::max(2.0f, 0.03f * float(g.width));
         for (int y = 1; y + 1 < g.height; ++y)
             for (int x = 1; x + 1 < g.width; ++x) {
                 bool open = view.image.usableAt(x, y);
@@ -163,10 +140,7 @@ void gatherBackground(const Capture& capture, RadianceSamples& result, Progress&
                         open = g.triangle[size_t(y + dy) * g.width + x + dx] == Hit::none;
                 if (!open) continue;
                 const int cell = grid.cellOf(view.camera.rayDirection(Vec2(x + 0.5f, y + 0.5f)));
-                const float near = std::min(1.0f, float(distance[size_t(y) * size_t(g.width) + size_t(x)]) / far);
-                const float weight = near * near * near * near;
-                result.background[size_t(cell)] += weight * view.image.at(x, y);
-                weights[size_t(cell)] += weight;
+                result.background[size_t(cell)] += view.image.at(x, y);
                 ++result.backgroundPixels[size_t(cell)];
                 if (view.saturation > 0 && maxChannel(view.image.at(x, y)) >= view.saturation)
                     result.backgroundClipped[size_t(cell)] = 1;
@@ -174,7 +148,7 @@ void gatherBackground(const Capture& capture, RadianceSamples& result, Progress&
         progress.advance();
     }
     for (size_t c = 0; c < result.background.size(); ++c)
-        if (result.backgroundPixels[c]) result.background[c] /= weights[c];
+        if (result.backgroundPixels[c]) result.background[c] /= float(result.backgroundPixels[c]);
 }
 
 }  // namespace
