@@ -42,7 +42,7 @@ std::string shownEmitter(const Editor& editor) {
 
 /// What to do about what a strip needs; empty: it is there.
 std::string missingFor(const Editor& editor, Needs needs) {
-    const std::string estimateMissing = editor.estimate() ? "" : needsEstimate;
+    std::string estimateMissing = editor.estimate() ? "" : needsEstimate;
     switch (needs) {
         case Needs::nothing: break;
         case Needs::photographs:

@@ -53,6 +53,7 @@ void BounceModel::take(const std::vector<uint32_t>& observed, const std::vector<
 std::vector<Rgb> BounceModel::along(const BounceRays& others, const std::vector<uint32_t>& observed) const {
     const std::vector<Rgb> bounced = gatherBounce(others, outgoing);
     std::vector<Rgb> out;
+    out.reserve(observed.size());
     for (const uint32_t v : observed) out.push_back(bounced[v]);
     return out;
 }
