@@ -1,6 +1,7 @@
 #include "radiance/free_space.h"
 
 #include <array>
+#include <atomic>
 #include <cmath>
 
 #include "base/parallel.h"
@@ -188,14 +189,16 @@ std::vector<uint32_t> regionOf(const Scene& scene, uint32_t seed, std::vector<ui
     return region;
 }
 
-/// What skirts cut off from the rest is of them where it is small.
-void addIslands(const Scene& scene, size_t largest, std::vector<uint8_t>& skirt) {
+/// What skirts cut off from the rest is of them where it is small and no light.
+void addIslands(const Scene& scene, size_t largest, const std::vector<uint8_t>& isLight, std::vector<uint8_t>& skirt) {
     const std::vector<uint8_t> before = skirt;
     std::vector<uint8_t> visited(skirt.size(), 0);
     for (uint32_t seed = 0; seed < skirt.size(); ++seed) {
         if (before[seed] || visited[seed]) continue;
         const std::vector<uint32_t> island = regionOf(scene, seed, visited, [&](uint32_t v) { return !before[v]; });
-        if (island.size() > largest) continue;
+        if (island.size() > largest ||
+            std::any_of(island.begin(), island.end(), [&](uint32_t v) { return isLight[v]; }))
+            continue;
         const bool beside = std::any_of(island.begin(), island.end(), [&](uint32_t v) {
             const auto to = scene.graph.to.begin();
             return std::any_of(to + scene.graph.start[v], to + scene.graph.start[v + 1],
@@ -207,7 +210,7 @@ void addIslands(const Scene& scene, size_t largest, std::vector<uint8_t>& skirt)
 }
 
 /// Vertices of skirts: large regions, at a rim of the mesh, that the background explains and a surface does not.
-std::vector<uint8_t> skirtsOf(const Scene& scene, const Evidence& evidence) {
+std::vector<uint8_t> skirtsOf(const Scene& scene, const Evidence& evidence, const std::vector<uint8_t>& isLight) {
     const std::vector<float>& better = evidence.better;
     const std::vector<float> around = overNeighbours(scene, better);
     const std::vector<uint8_t> rim = rimVertices(scene.mesh);
@@ -238,7 +241,7 @@ std::vector<uint8_t> skirtsOf(const Scene& scene, const Evidence& evidence) {
                 reached.push_back(w);
             }
         }
-    addIslands(scene, 2 * least, skirt);
+    addIslands(scene, 2 * least, isLight, skirt);
     return skirt;
 }
 
@@ -249,7 +252,7 @@ std::vector<uint32_t> freeSpaceTriangles(const Scene& scene, const Capture& capt
     const Background background(capture, samples);
     if (background.known() < leastBackground || !background.distant()) return {};
     const Evidence evidence = evidenceOf(scene, capture, samples, background, isLight);
-    const std::vector<uint8_t> skirt = skirtsOf(scene, evidence);
+    const std::vector<uint8_t> skirt = skirtsOf(scene, evidence, isLight);
     const auto corners = [&](uint32_t t) {
         int count = 0;
         for (const uint32_t v : scene.mesh.triangles[t]) count += skirt[v];
@@ -262,7 +265,8 @@ std::vector<uint32_t> freeSpaceTriangles(const Scene& scene, const Capture& capt
     // Pixels that show the background through a skirt deny all that lies along their ray.
     std::vector<uint32_t> passed(scene.mesh.triangles.size(), 0), stopped = passed;
     progress.begin("Surfaces in free space", capture.views.size());
-    for (size_t i = 0; i < capture.views.size(); ++i) {
+    const auto vote = [](uint32_t& count) { std::atomic_ref(count).fetch_add(1, std::memory_order_relaxed); };
+    const auto ask = [&](size_t i) {
         const View& view = capture.views[i];
         const ViewGeometry& g = samples.geometry[i];
         const Vec3 eye(view.camera.position());
@@ -271,7 +275,7 @@ std::vector<uint32_t> freeSpaceTriangles(const Scene& scene, const Capture& capt
                 const uint32_t first = g.triangle[size_t(y) * size_t(g.width) + size_t(x)];
                 if (first == Hit::none || !view.image.usableAt(x, y)) continue;
                 if (corners(first) < 2) {
-                    ++stopped[first];
+                    vote(stopped[first]);
                     continue;
                 }
                 const Vec3 direction = view.camera.rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f));
@@ -281,12 +285,12 @@ std::vector<uint32_t> freeSpaceTriangles(const Scene& scene, const Capture& capt
                 for (int layers = 0; layers < 8; ++layers) {
                     const Hit hit = scene.cameraTracer->closest({eye, direction, from, 1e30f});
                     if (!hit) break;
-                    ++passed[hit.triangle];
+                    vote(passed[hit.triangle]);
                     from = hit.distance * (1 + 1e-6f) + 0.25f * scene.tracer->surfaceOffset();
                 }
             }
-        progress.advance();
-    }
+    };
+    parallelFor(capture.views.size(), 1, ask, &progress);
     std::vector<uint32_t> free;
     for (uint32_t t = 0; t < passed.size(); ++t)
         if (corners(t) == 3 || (passed[t] > 3 * stopped[t] && !isSurface(t))) free.push_back(t);
