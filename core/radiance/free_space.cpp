@@ -120,21 +120,17 @@ struct Evidence {
     /// radiance: within [-bend, bend], 0 where they tell nothing.
     std::vector<float> better;
     std::vector<uint8_t> asBackground;  ///< 1: photographs of the vertex show about what the background does there
-    std::vector<uint8_t> dark;          ///< 1: too dark to tell, such as a table's side in its shadow
 };
 
 Evidence evidenceOf(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                     const Background& background, const std::vector<uint8_t>& isLight) {
-    const std::vector<uint8_t> no(scene.mesh.vertexCount(), 0);
-    Evidence evidence{std::vector<float>(no.size(), 0), no, no};
+    Evidence evidence{std::vector<float>(scene.mesh.vertexCount(), 0),
+                      std::vector<uint8_t>(scene.mesh.vertexCount(), 0)};
     std::vector<float>& better = evidence.better;
     const float floor = floorOf(samples);
     parallelFor(better.size(), 256, [&](size_t v) {
         if (isLight[v]) better[v] = bend;
         if (isLight[v] || !scene.referenced[v]) return;
-        const std::optional<Rgb> shown = medianObservation(samples, uint32_t(v));
-        evidence.dark[v] = shown && float(luminance(*shown)) < floor;
-        if (evidence.dark[v]) return;
         std::vector<float> asSurface, asBackground;
         for (uint32_t k = samples.start[v]; k < samples.start[v + 1]; ++k) {
             const RadianceSample& s = samples.samples[k];
@@ -221,9 +217,8 @@ std::vector<uint8_t> skirtsOf(const Scene& scene, const Evidence& evidence, cons
     const size_t least = std::max<size_t>(leastRegion, better.size() / 500);
     std::vector<uint8_t> skirt(better.size(), 0), visited = skirt;
     for (uint32_t seed = 0; seed < better.size(); ++seed) {
-        if (!(around[seed] < 0) || evidence.dark[seed] || visited[seed]) continue;
-        const std::vector<uint32_t> region =
-            regionOf(scene, seed, visited, [&](uint32_t v) { return around[v] < 0 && !evidence.dark[v]; });
+        if (!(around[seed] < 0) || visited[seed]) continue;
+        const std::vector<uint32_t> region = regionOf(scene, seed, visited, [&](uint32_t v) { return around[v] < 0; });
         size_t refuted = 0, atRim = 0;
         for (const uint32_t v : region) {
             refuted += better[v] < -alike;
