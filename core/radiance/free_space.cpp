@@ -16,20 +16,11 @@ namespace {
 constexpr float alike = 0.1f;           ///< of log radiance: what background or surface may be off by
 constexpr float explained = 0.2f;       ///< up to which the background explains a vertex
 constexpr float bend = 0.25f;           ///< beyond which a vertex says no more
-constexpr float dark = 0.1f;            ///< of the surfaces' middle brightness
 constexpr size_t leastViews = 2;        ///< that refute a surface
 constexpr int rings = 3;                ///< of neighbours that a vertex is asked with
 constexpr size_t evenRings = 8;         ///< of neighbours that a skirt may go on before an even background
 constexpr size_t leastRegion = 30;      ///< vertices of a skirt
 constexpr size_t leastBackground = 16;  ///< cells without which nothing is said
-
-/// Radiance below which differences tell noise, not what is seen: a fraction of what most surfaces show.
-float floorOf(const RadianceSamples& samples) {
-    std::vector<float> shown;
-    for (size_t k = 0; k < samples.samples.size(); k += 16)
-        shown.push_back(float(luminance(samples.samples[k].radiance)));
-    return std::max(samples.noiseFloor, shown.empty() ? 0.0f : dark * medianOf(std::move(shown)));
-}
 
 /// What the background shows around a direction.
 class Background {
@@ -79,7 +70,7 @@ public:
                     high_[to] = glm::max(high_[to], mean);
                     if (k == 4) ++known_;
                 }
-        floor_ = floorOf(samples);
+        floor_ = samples.noiseFloor;
         for (size_t cell = 0; cell < sum.size(); ++cell) {
             if (views[cell] < 2) continue;
             ++shared_;
@@ -127,7 +118,7 @@ Evidence evidenceOf(const Scene& scene, const Capture& capture, const RadianceSa
     Evidence evidence{std::vector<float>(scene.mesh.vertexCount(), 0),
                       std::vector<uint8_t>(scene.mesh.vertexCount(), 0)};
     std::vector<float>& better = evidence.better;
-    const float floor = floorOf(samples);
+    const float floor = samples.noiseFloor;
     parallelFor(better.size(), 256, [&](size_t v) {
         if (isLight[v]) better[v] = bend;
         if (isLight[v] || !scene.referenced[v]) return;
