@@ -37,10 +37,7 @@ public:
             const ViewGeometry& g = samples.geometry[i];
             for (int y = 1; y + 1 < g.height; ++y)
                 for (int x = 1; x + 1 < g.width; ++x) {
-                    bool open = view.image.usableAt(x, y);
-                    for (int k = 0; k < 9 && open; ++k)
-                        open = g.triangle[size_t(y + k / 3 - 1) * size_t(g.width) + size_t(x + k % 3 - 1)] == Hit::none;
-                    if (!open) continue;
+                    if (!view.image.usableAt(x, y) || !g.open(x, y)) continue;
                     const auto cell =
                         size_t(grid_.cellOf(view.camera.rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f))));
                     ofView[cell] += view.image.at(x, y);

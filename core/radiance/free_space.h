@@ -14,7 +14,7 @@ namespace relamp {
 /// vertex is of a skirt where the photographs differ as the background does in their directions of view and not as one
 /// place may; its region is what the background explains around it. Triangles go where more pixels show the background
 /// through them than a surface. `isLight`: per vertex, non-zero for those of emitters. Exact meshes have none. The
-/// background must be seen elsewhere in its directions. O(pixels).
+/// background must be seen elsewhere in its directions. O(pixels). Throws Cancelled.
 std::vector<uint32_t> freeSpaceTriangles(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                                          const std::vector<uint8_t>& isLight, Progress& progress);
 

@@ -134,11 +134,7 @@ void gatherBackground(const Capture& capture, RadianceSamples& result, Progress&
         const ViewGeometry& g = result.geometry[i];
         for (int y = 1; y + 1 < g.height; ++y)
             for (int x = 1; x + 1 < g.width; ++x) {
-                bool open = view.image.usableAt(x, y);
-                for (int dy = -1; dy <= 1 && open; ++dy)
-                    for (int dx = -1; dx <= 1 && open; ++dx)
-                        open = g.triangle[size_t(y + dy) * g.width + x + dx] == Hit::none;
-                if (!open) continue;
+                if (!view.image.usableAt(x, y) || !g.open(x, y)) continue;
                 const int cell = grid.cellOf(view.camera.rayDirection(Vec2(x + 0.5f, y + 0.5f)));
                 result.background[size_t(cell)] += view.image.at(x, y);
                 ++result.backgroundPixels[size_t(cell)];

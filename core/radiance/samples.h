@@ -4,6 +4,7 @@
 
 #include "base/math.h"
 #include "image/direction_grid.h"
+#include "scene/ray_tracer.h"
 
 namespace relamp {
 
@@ -21,6 +22,13 @@ struct ViewGeometry {
     int width = 0, height = 0;
     std::vector<uint32_t> triangle;  ///< per pixel centre; Hit::none where no geometry is seen
     std::vector<float> depth;        ///< metres along the ray
+
+    /// Whether neither the pixel nor those around it see geometry. Not for pixels at the image's edge.
+    bool open(int x, int y) const {
+        for (int k = 0; k < 9; ++k)
+            if (triangle[size_t(y + k / 3 - 1) * size_t(width) + size_t(x + k % 3 - 1)] != Hit::none) return false;
+        return true;
+    }
 };
 
 struct RadianceSamples {

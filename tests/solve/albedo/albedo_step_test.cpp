@@ -96,11 +96,7 @@ TEST(AlbedoPairs, JoinMeshNeighboursOfTheSameComponentOnly) {
     EXPECT_TRUE(albedoPairs(s.scene, s.matte, {}).empty());
 }
 
-TEST(AlbedoPairs, SomeSpanTheWholeComponentWhereItFacesAlike) {
-    // A floor and a wall behind it, one component.
-    Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 30, 30);
-    test::append(mesh, test::sheet({-1, 1, 0}, {2, 0, 0}, {0, 0, 1}, 30, 15));
-    const Scene scene = test::sceneOf(std::move(mesh));
+MatteObservations everyVertexAlike(const Scene& scene) {
     MatteObservations matte;
     matte.componentGlossy.assign(scene.components, 0);
     for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v) {
@@ -108,6 +104,15 @@ TEST(AlbedoPairs, SomeSpanTheWholeComponentWhereItFacesAlike) {
         matte.radiance.push_back(Rgb(1));
         matte.sigma.push_back(Rgb(0.01f));
     }
+    return matte;
+}
+
+TEST(AlbedoPairs, SomeSpanTheWholeComponentWhereItFacesAlike) {
+    // A floor and a wall behind it, one component.
+    Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 30, 30);
+    test::append(mesh, test::sheet({-1, 1, 0}, {2, 0, 0}, {0, 0, 1}, 30, 15));
+    const Scene scene = test::sceneOf(std::move(mesh));
+    const MatteObservations matte = everyVertexAlike(scene);
     size_t spanning = 0;
     for (const AlbedoPair& p : albedoPairs(scene, matte, {})) {
         const Vec3 d = scene.mesh.positions[matte.vertices[p.a]] - scene.mesh.positions[matte.vertices[p.b]];
@@ -148,13 +153,7 @@ TEST(AlbedoPairs, CornerPairsStayOutOfTheRoundOfACrease) {
             mesh.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
         }
     const Scene scene = test::sceneOf(mesh);
-    MatteObservations matte;
-    matte.componentGlossy.assign(scene.components, 0);
-    for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v) {
-        matte.vertices.push_back(v);
-        matte.radiance.push_back(Rgb(1));
-        matte.sigma.push_back(Rgb(0.01f));
-    }
+    const MatteObservations matte = everyVertexAlike(scene);
     PairOptions options;
     options.cornerWeight = 0.123f;  // so that they can be told from walks
     size_t corners = 0;
