@@ -80,6 +80,10 @@ void addSolveOptions(CLI::App& verb, SolveArguments& solve) {
                     "About how many triangles of the mesh the solve uses; 0 for all. Unless given, meshes above "
                     "300000 are solved on 150000; the shot has the whole mesh")
         ->check(CLI::NonNegativeNumber);
+    verb.add_option("--texture", solve.texture,
+                    "Albedo per texel: auto (where photographs are finer than the mesh), off, or the side of the "
+                    "texture in texels, 64 to 8192")
+        ->capture_default_str();
     verb.add_option("--grid-side", solve.gridSide, "Side of the visibility grid (power of two)");
     verb.add_option("--threads", solve.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
     verb.add_option("--seed", solve.seed, "Seed of every random choice")

@@ -13,6 +13,7 @@
 #include "capture/check.h"
 #include "capture/photograph_reader.h"
 #include "pipeline/shot_of.h"
+#include "pipeline/texture_stage.h"
 #include "print_result.h"
 #include "report/compare.h"
 #include "shot/checkpoint.h"
@@ -113,6 +114,16 @@ float strengthOf(const std::string& text, const char* option) {
     return factor;
 }
 
+std::optional<int> textureFrom(const std::string& text) {
+    if (text == "auto") return {};
+    if (text == "off") return 0;
+    const double side = numbersOf(text, "--texture", 1)[0];
+    if (!(side >= leastTextureSide && side <= mostTextureSide) || side != std::floor(side))
+        throw UsageError(fmt::format("--texture: expected auto, off, or a side from {} to {} texels", leastTextureSide,
+                                     mostTextureSide));
+    return int(side);
+}
+
 PipelineOptions pipelineOptions(const SolveArguments& a) {
     PipelineOptions options;
     options.solve = solveOptionsFor(a.quality);
@@ -134,6 +145,7 @@ PipelineOptions pipelineOptions(const SolveArguments& a) {
     options.solve.seed = a.seed;
     chooseBasis(a.basis, a.merl, options.solve);
     if (a.meshTriangles >= 0) options.meshTriangles = size_t(a.meshTriangles);
+    options.texture = textureFrom(a.texture);
     options.everything = a.everything;
     options.findLight = a.findLight;
     options.photometric = a.photometric == "auto";

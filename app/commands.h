@@ -28,6 +28,7 @@ struct SolveArguments {
     double timeBudget = 0;
     std::string photometric = "auto";
     long meshTriangles = -1;  ///< below 0: not given
+    std::string texture = "auto";
     int gridSide = 0, threads = 0, palette = 0;
     uint64_t seed = 1;
     bool overwrite = false, acceptPoor = false, everything = false, resume = false, findLight = false;

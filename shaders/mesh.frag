@@ -1,9 +1,35 @@
 #version 430 core
 in vec3 vertexColour;
+in vec3 place;
 uniform float kind;      // alpha of the scene image: 1 scene-linear, 2 display values
+uniform int textured;    // 1: `detail` is a factor on the colour
+uniform sampler2D detail;
+layout(std430, binding = 0) readonly buffer Positions { float positions[]; };
+layout(std430, binding = 1) readonly buffer Corners { uint corners[]; };
+layout(std430, binding = 2) readonly buffer Texcoords { vec2 texcoords[]; };
 layout(location = 0) out vec4 scene;
 
+vec3 positionOf(int corner) {
+    uint v = corners[3 * gl_PrimitiveID + corner];
+    return vec3(positions[3 * v], positions[3 * v + 1], positions[3 * v + 2]);
+}
+
+// The texture's factor at this place of the triangle.
+vec3 detailHere() {
+    vec2 t0 = texcoords[3 * gl_PrimitiveID];
+    if (t0.x < 0.0) return vec3(1.0);
+    vec3 p0 = positionOf(0);
+    vec3 a = positionOf(1) - p0, b = positionOf(2) - p0, c = place - p0;
+    float aa = dot(a, a), ab = dot(a, b), bb = dot(b, b), ca = dot(c, a), cb = dot(c, b);
+    float area = aa * bb - ab * ab;
+    if (area <= 0.0) return vec3(1.0);
+    float u = (bb * ca - ab * cb) / area, v = (aa * cb - ab * ca) / area;
+    vec2 at = t0 + u * (texcoords[3 * gl_PrimitiveID + 1] - t0) + v * (texcoords[3 * gl_PrimitiveID + 2] - t0);
+    return textureLod(detail, at, 0.0).rgb;
+}
+
 void main() {
+    vec3 colour = textured == 1 ? vertexColour * detailHere() : vertexColour;
     // Half floats end at 65504; what is brighter stays brighter than everything else.
-    scene = vec4(clamp(vertexColour, vec3(0.0), vec3(60000.0)), kind);
+    scene = vec4(clamp(colour, vec3(0.0), vec3(60000.0)), kind);
 }

@@ -8,6 +8,7 @@ uniform vec3 eye;        // place of the eye, or with orthographic 1 the directi
 uniform int orthographic;
 uniform int shading;     // 0: colours as they are, 1: a soft light at the eye, so that form stays readable
 out vec3 vertexColour;
+out vec3 place;
 
 void main() {
     gl_Position = clipFromWorld * vec4(position, 1.0);
@@ -17,4 +18,5 @@ void main() {
         shade = 0.42 + 0.58 * abs(dot(normal, towardEye));
     }
     vertexColour = colour * shade;
+    place = position;
 }

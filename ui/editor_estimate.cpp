@@ -27,7 +27,7 @@ bool Editor::stale() const {
            a.gauge.emitter != b.gauge.emitter || a.gauge.radiance != b.gauge.radiance || a.gauge.view != b.gauge.view ||
            a.gauge.pixel != b.gauge.pixel || a.palette != b.palette || a.lightSmoothness != b.lightSmoothness ||
            a.albedoSmoothness != b.albedoSmoothness || a.basis != b.basis || a.merl != b.merl || a.bounce != b.bounce ||
-           a.meshTriangles != b.meshTriangles;
+           a.meshTriangles != b.meshTriangles || a.texture != b.texture;
 }
 
 void Editor::solve(const SolveRequest& request) { impl_->solve(request, false); }

@@ -133,6 +133,7 @@ struct SolveRequest {
     std::filesystem::path merl;                       ///< folder with measured materials that join them; empty: none
     SolveOptions::Bounce bounce = SolveOptions::Bounce::automatic;
     std::optional<size_t> meshTriangles = {};  ///< as PipelineOptions::meshTriangles
+    std::optional<int> texture = {};           ///< as PipelineOptions::texture
 };
 
 /// An estimate that did not come to its end and can go on where it stood (interrupted.h).

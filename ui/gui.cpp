@@ -54,6 +54,10 @@ Gui::Gui(Window& window) : window_(window) {
     io.ConfigWindowsMoveFromTitleBarOnly = true;
     ImGui_ImplGlfw_InitForOpenGL(window.handle(), true);
     window.holdKeys();
+#if IMGUI_VERSION_NUM >= 18700
+    // Which events make up a frame is Window's to say: ImGui would spread typed words over as many frames as letters.
+    io.ConfigInputTrickleEventQueue = false;
+#endif
     ImGui_ImplOpenGL3_Init("#version 330");
 }
 
@@ -74,17 +78,36 @@ void Gui::setScale(float scale, float density) {
     applyTheme(scale);
 }
 
+namespace {
+
+/// Newer versions of ImGui ask the keyboard which modifiers are down; a held event knows which were.
+void holdModifiers([[maybe_unused]] const RawKey& k) {
+#if IMGUI_VERSION_NUM >= 18900
+    ImGuiIO& io = ImGui::GetIO();
+    io.AddKeyEvent(ImGuiMod_Ctrl, k.control);
+    io.AddKeyEvent(ImGuiMod_Shift, k.shift);
+    io.AddKeyEvent(ImGuiMod_Alt, k.alt);
+#endif
+}
+
+}  // namespace
+
 void Gui::beginFrame() {
     ImGui_ImplOpenGL3_NewFrame();
     for (const RawKey& k : window_.takeRawKeys()) {
         if (k.character) ImGui_ImplGlfw_CharCallback(window_.handle(), k.character);
-        else ImGui_ImplGlfw_KeyCallback(window_.handle(), k.key, k.scancode, k.action, k.modifiers);
+        else {
+            ImGui_ImplGlfw_KeyCallback(window_.handle(), k.key, k.scancode, k.action, k.modifiers);
+            holdModifiers(k);
+        }
     }
     ImGui_ImplGlfw_NewFrame();
     ImGuiIO& io = ImGui::GetIO();
     for (const RawButton& b : window_.takeButtons()) {
 #if IMGUI_VERSION_NUM < 18700
         down_[b.button] = b.down;
+#else
+        io.AddMouseButtonEvent(b.button, b.down);
 #endif
         if (!b.down) continue;
         // Two clicks make a double click by when they happened, not by when a slow frame came to see them.

@@ -43,6 +43,7 @@ Json toJson(const SolveRequest& r) {
               {"merl", r.merl.string()},
               {"bounce", int(r.bounce)}};
     if (r.meshTriangles) json["mesh_triangles"] = *r.meshTriangles;
+    if (r.texture) json["texture"] = *r.texture;
     return json;
 }
 
@@ -71,6 +72,7 @@ SolveRequest requestOf(const Json& json) {
     r.merl = json.at("merl").get<std::string>();
     r.bounce = SolveOptions::Bounce(bounce);
     if (json.contains("mesh_triangles")) r.meshTriangles = json.at("mesh_triangles").get<size_t>();
+    if (json.contains("texture")) r.texture = json.at("texture").get<int>();
     return r;
 }
 
@@ -98,6 +100,7 @@ PipelineOptions pipelineOptionsOf(const SolveRequest& request) {
     options.solve.bounce = request.bounce;
     chooseBasis(request.basis, request.merl, options.solve);
     options.meshTriangles = request.meshTriangles;
+    options.texture = request.texture;
     return options;
 }
 

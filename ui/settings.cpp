@@ -5,6 +5,7 @@
 
 #include "base/atomic_file.h"
 #include "base/json_fields.h"
+#include "pipeline/texture_stage.h"
 
 namespace relamp::ui {
 namespace {
@@ -38,11 +39,15 @@ void readEstimate(const Json& document, SolveRequest& solve) {
         if (text("bounce") == bounceNames[i]) solve.bounce = SolveOptions::Bounce(i);
     if (const auto at = estimate->find("mesh_triangles"); at != estimate->end() && at->is_number_unsigned())
         solve.meshTriangles = at->get<size_t>();
+    if (const auto at = estimate->find("texture"); at != estimate->end() && at->is_number_unsigned())
+        if (const auto side = at->get<size_t>(); side == 0 || (side >= leastTextureSide && side <= mostTextureSide))
+            solve.texture = int(side);
 }
 
 Json estimateJson(const SolveRequest& solve) {
     Json json{{"basis", solve.basis}, {"merl", solve.merl.string()}, {"bounce", bounceNames[size_t(solve.bounce)]}};
     if (solve.meshTriangles) json["mesh_triangles"] = *solve.meshTriangles;
+    if (solve.texture) json["texture"] = *solve.texture;
     return json;
 }
 

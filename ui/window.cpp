@@ -40,6 +40,11 @@ void appendUtf8(std::string& text, unsigned c) {
     }
 }
 
+void noteButton(GLFWwindow*, int button, int action, int) {
+    events.any = true;
+    if (button >= 0 && button < 5) events.buttons.push_back({button, action == GLFW_PRESS, glfwGetTime()});
+}
+
 void setCallbacks(GLFWwindow* window) {
     glfwSetKeyCallback(window, [](GLFWwindow*, int key, int, int action, int mods) {
         events.any = true;
@@ -55,10 +60,7 @@ void setCallbacks(GLFWwindow* window) {
     });
     glfwSetCursorPosCallback(window, [](GLFWwindow*, double, double) { events.any = true; });
     glfwSetCursorEnterCallback(window, [](GLFWwindow*, int) { events.any = true; });
-    glfwSetMouseButtonCallback(window, [](GLFWwindow*, int button, int action, int) {
-        events.any = true;
-        if (button >= 0 && button < 5) events.buttons.push_back({button, action == GLFW_PRESS, glfwGetTime()});
-    });
+    glfwSetMouseButtonCallback(window, noteButton);
     glfwSetScrollCallback(window, [](GLFWwindow*, double, double) { events.any = true; });
     glfwSetWindowFocusCallback(window, [](GLFWwindow*, int) { events.any = true; });
     glfwSetWindowRefreshCallback(window, [](GLFWwindow*) { events.any = true; });
@@ -136,12 +138,20 @@ std::vector<KeyPress> Window::takeKeys() { return std::exchange(events.keys, {})
 void Window::holdKeys() {
     glfwSetKeyCallback(window_, [](GLFWwindow*, int key, int scancode, int action, int modifiers) {
         events.any = true;
-        events.held.push_back({key, scancode, action, modifiers, 0});
+        // What is down once this event has happened.
+        const auto down = [&](int left, int right, int bit) {
+            return key == left || key == right ? action != GLFW_RELEASE : (modifiers & bit) != 0;
+        };
+        events.held.push_back({key, scancode, action, modifiers, 0,
+                               down(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL, GLFW_MOD_CONTROL),
+                               down(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT, GLFW_MOD_SHIFT),
+                               down(GLFW_KEY_LEFT_ALT, GLFW_KEY_RIGHT_ALT, GLFW_MOD_ALT)});
     });
     glfwSetCharCallback(window_, [](GLFWwindow*, unsigned c) {
         events.any = true;
-        events.held.push_back({0, 0, 0, 0, c});
+        events.held.push_back({.character = c});
     });
+    glfwSetMouseButtonCallback(window_, noteButton);
 }
 
 std::vector<RawKey> Window::takeRawKeys() {

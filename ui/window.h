@@ -20,7 +20,8 @@ struct KeyPress {
 /// A key or character event as GLFW told it.
 struct RawKey {
     int key = 0, scancode = 0, action = 0, modifiers = 0;
-    unsigned character = 0;  ///< of a character event; then the others mean nothing
+    unsigned character = 0;                            ///< of a character event; then the others mean nothing
+    bool control = false, shift = false, alt = false;  ///< down once the event has happened
 };
 
 /// A button of the mouse that went down or up.
@@ -48,8 +49,8 @@ public:
     bool closeRequested();  ///< since the last call
     std::vector<std::filesystem::path> takeDropped();
     std::vector<KeyPress> takeKeys();
-    /// From now on key events wait for takeRawKeys() instead of going to the callbacks set before. Called once ImGui
-    /// has set its own.
+    /// From now on key events wait for takeRawKeys(), and those of buttons for takeButtons(), instead of going to the
+    /// callbacks set before. Called once ImGui has set its own.
     void holdKeys();
     /// The events of one frame: once a key went down nothing is let up in the same frame, neither that key nor the Ctrl
     /// held with it, because ImGui 1.86 would miss it.

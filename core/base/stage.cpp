@@ -29,6 +29,7 @@ constexpr NameRow<Stage> rows[] = {
     {Stage::glossSurfaces, "surfaces again"},
     {Stage::turns, "light and surfaces in turn"},
     {Stage::closing, "closing figures"},
+    {Stage::texture, "albedo per texel", "texture"},
     {Stage::reproduction, "reproduction of the photographs"},
     {Stage::other, "another stage"},
 };

@@ -31,6 +31,7 @@ enum class Stage {
     turns,
     closing,
     // After it.
+    texture,
     reproduction,
     other  ///< of a file that another version wrote
 };

@@ -7,6 +7,7 @@
 #include "pipeline/mend_mesh.h"
 #include "pipeline/normals_choice.h"
 #include "pipeline/reproduction.h"
+#include "pipeline/texture_stage.h"
 #include "pipeline/working_mesh.h"
 #include "scene/smooth_normals.h"
 #include "shot/checkpoint.h"
@@ -152,6 +153,7 @@ Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepare
     if (options.plan && !extras.resume)
         solve.plan = planSolve(capture, scene, *prepared.samples, prepared.clusters, options.solve, options.everything,
                                progress);
+    if (!extras.resume) planTexture(capture, scene, *prepared.samples, options.texture, options.everything, solve.plan);
     meter.end();
     if (extras.planned) extras.planned(extras.resume ? extras.resume->plan : solve.plan);
     // Transport (visibility, near-field maps) and the two alternating programs: light (equations 3 to 6) and
@@ -167,6 +169,9 @@ Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepare
         estimate.leftOut.push_back(
             {Omission::triangles, fmt::format("the solve ran on {} of {}, and what it found was carried back",
                                               scene.mesh.triangles.size(), capture.mesh.triangles.size())});
+    meter.begin(Stage::texture);
+    addTexture(capture, whole, options.texture, estimate, progress);
+    meter.end();
     if (options.reproduce) {
         meter.begin(Stage::reproduction);
         ReproductionOptions measure;
@@ -179,7 +184,16 @@ Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepare
     estimate.heldOut.clear();
     if (estimate.reproduction.measured()) logInfo("{}", toText(estimate.reproduction));
     std::vector<PlannedStage> done;
-    for (const StageCost& cost : meter.stages()) done.push_back({cost.stage, -1, cost.seconds, -1, cost.mib});
+    for (const StageCost& cost : meter.stages()) {
+        const auto planned = std::find_if(estimate.plan.stages.begin(), estimate.plan.stages.end(),
+                                          [&](const PlannedStage& s) { return s.stage == cost.stage; });
+        if (planned == estimate.plan.stages.end()) {
+            done.push_back({cost.stage, -1, cost.seconds, -1, cost.mib});
+        } else {
+            planned->measuredSeconds = cost.seconds;
+            planned->measuredMib = cost.mib;
+        }
+    }
     estimate.plan.stages.insert(estimate.plan.stages.begin(), done.begin(), done.end());
     return estimate;
 }

@@ -29,6 +29,8 @@ struct PipelineOptions {
                                                ///< it is, none: large meshes are decimated
     bool onlyPlan = false;                     ///< stops before the solve: the estimate holds the plan alone
     bool plan = true;                          ///< false: nothing is planned, PlanChoices is what it is by default
+    std::optional<int> texture = {};           ///< side of the texture at most, texels; 0: no texture, none: where
+                                               ///< photographs are finer than the mesh (pipeline/texture_stage.h)
     bool reproduce = true;                     ///< false: how well the photographs are explained is not measured
     /// Asked when the capture is read, before anything is computed: where an earlier solve of it stood, or nothing.
     std::function<std::optional<SolveCheckpoint>(const Capture&)> resume = {};

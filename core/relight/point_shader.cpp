@@ -45,7 +45,7 @@ void PointShader::surfaceAt(const Hit& hit, const Vec3& direction, ShadedPoint& 
     s.lobes.clear();
     const LobesAtHit weights = relit_.weightsAt(hit);
     for (size_t k = 0; k < weights.size(); ++k) {
-        const Rgb value = weights[k];
+        const Rgb value = k == 0 ? relit_.albedoAt(hit) : weights[k];
         if (k == 0) s.albedo = value;
         else if (maxChannel(value) > 1e-4f && s.eye.z > 1e-3f) s.lobes.emplace_back(k, value);
     }

@@ -29,10 +29,9 @@ void moveTriangles(const Mesh& captured, EditedGeometry& out) {
         if (!out.partOfTriangle[t])
             for (uint32_t v : captured.triangles[t]) owner[v] = 0;
     std::vector<Mat3> normalMatrix;
-    std::vector<uint8_t> mirrored;
     for (const EditedPart& b : out.parts) {
         normalMatrix.push_back(glm::transpose(glm::inverse(Mat3(b.matrix))));
-        mirrored.push_back(glm::determinant(Mat3(b.matrix)) < 0);
+        out.mirrored.push_back(glm::determinant(Mat3(b.matrix)) < 0);
     }
     std::map<std::pair<uint32_t, uint32_t>, uint32_t> copyOf;
     for (size_t t = 0; t < out.partOfTriangle.size(); ++t) {
@@ -60,7 +59,7 @@ void moveTriangles(const Mesh& captured, EditedGeometry& out) {
             normal = normalMatrix[part] * captured.normals[origin];
             if (const float length = glm::length(normal); length > 0) normal /= length;
         }
-        if (mirrored[part]) std::swap(out.mesh.triangles[t][1], out.mesh.triangles[t][2]);
+        if (out.mirrored[part]) std::swap(out.mesh.triangles[t][1], out.mesh.triangles[t][2]);
     }
 }
 
@@ -261,6 +260,13 @@ RelitScene applyLook(const Scene& scene, const Estimate& estimate, const Look& l
     if (look.neutralMaterials)
         for (auto& lobe : out.weight)
             for (Rgb& w : lobe) w = Rgb(luminance(w));
+    out.texture = estimate.reflectance.texture;
+    out.neutralMaterials = look.neutralMaterials;
+    if (out.texture && std::find(geometry.mirrored.begin(), geometry.mirrored.end(), 1) != geometry.mirrored.end()) {
+        out.mirrored.assign(geometry.mesh.triangles.size(), 0);
+        for (size_t t = 0; t < out.texture->corners.size(); ++t)
+            out.mirrored[t] = geometry.mirrored[geometry.partOfTriangle[t]];
+    }
     out.emitterOfTriangle = std::move(geometry.emitterOfTriangle);
     out.emitters = std::move(geometry.emitters);
     out.scene = geometry.moved ? buildScene(std::move(geometry.mesh), progress, scene.axes) : scene;

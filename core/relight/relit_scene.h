@@ -38,6 +38,7 @@ struct EditedGeometry {
     std::vector<uint32_t> partOfTriangle;  ///< index into parts
     std::vector<int> emitterOfTriangle;    ///< index into emitters, -1: none
     std::vector<RelitEmitter> emitters;    ///< recovered ones in order, then added ones
+    std::vector<uint8_t> mirrored;         ///< per part 1 where its triangles are turned round (corners 1 and 2 change)
     bool moved = false;                    ///< false: the capture's own mesh
 };
 
@@ -61,8 +62,20 @@ struct RelitScene {
     std::vector<RelitEmitter> emitters;  ///< recovered ones in order, then added ones
     StoredWeights weight;                ///< per lobe, per vertex of `scene`; readers ask weightsAt
     BrdfBasis basis;
+    std::shared_ptr<const AlbedoTexture> texture;  ///< albedo finer than weight[0], by triangle of the capture's mesh
+    std::vector<uint8_t> mirrored;                 ///< triangles whose corners 1 and 2 have changed places; empty: none
+    bool neutralMaterials = false;
     std::shared_ptr<const DistantLight> distant;
     BouncedLight bounced;  ///< empty where the estimate has none
+
+    /// Diffuse albedo at a hit: per texel where there is a texture, else between the vertices.
+    Rgb albedoAt(const Hit& hit) const {
+        if (!texture || !texture->has(hit.triangle)) return weightsAt(hit).albedo();
+        const Vec2 b = hit.barycentric;
+        const bool turned = !mirrored.empty() && mirrored[hit.triangle];
+        const Rgb albedo = texture->at(texture->place(hit.triangle, turned ? Vec2(b.y, b.x) : b));
+        return neutralMaterials ? Rgb(luminance(albedo)) : albedo;
+    }
 
     LobesAtVertex weightsAt(size_t vertex) const { return {weight, vertex}; }
     LobesAtHit weightsAt(const Hit& hit) const { return {weight, scene.mesh.triangles[hit.triangle], hit.barycentric}; }

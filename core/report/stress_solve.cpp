@@ -30,6 +30,7 @@ Estimate solveForStress(const Capture& capture, const EmitterClusters* emitters,
     pipeline.solve = options;
     pipeline.meshTriangles = 0;
     pipeline.plan = pipeline.reproduce = false;
+    pipeline.texture = 0;
     StageMeter meter(progress);
     Prepared prepared = prepare(capture, pipeline, meter, progress);
     if (emitters) prepared.clusters = *emitters;

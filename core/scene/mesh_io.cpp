@@ -89,7 +89,7 @@ Mesh readMesh(const fs::path& file, MeshReport* report, const MeshLimits& limits
 }
 
 void writeVertexPly(const fs::path& file, const Mesh& mesh, const std::vector<VertexProperty>& properties,
-                    const DVec3& origin) {
+                    const DVec3& origin, const std::vector<FaceTexcoords>& texcoords) {
     const size_t vertices = mesh.vertexCount();
     std::string bytes = "ply\nformat binary_little_endian 1.0\n";
     bytes += fmt::format("element vertex {}\n", vertices);
@@ -104,9 +104,10 @@ void writeVertexPly(const fs::path& file, const Mesh& mesh, const std::vector<Ve
                         property.values.size(), vertices);
         bytes += fmt::format("property {} {}\n", property.asInt ? "int" : "float", property.name);
     }
-    bytes +=
-        fmt::format("element face {}\nproperty list uchar int vertex_indices\nend_header\n", mesh.triangles.size());
-    bytes.reserve(bytes.size() + vertices * (36 + 4 * properties.size()) + mesh.triangles.size() * 13);
+    bytes += fmt::format("element face {}\nproperty list uchar int vertex_indices\n", mesh.triangles.size());
+    if (!texcoords.empty()) bytes += "property list uchar float texcoord\n";
+    bytes += "end_header\n";
+    bytes.reserve(bytes.size() + vertices * (36 + 4 * properties.size()) + mesh.triangles.size() * 38);
     const auto put = [&](const auto& value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
     const std::vector<Vec3> fromFaces =
         mesh.normals.size() == vertices ? std::vector<Vec3>() : vertexNormalsFromFaces(mesh);
@@ -120,9 +121,12 @@ void writeVertexPly(const fs::path& file, const Mesh& mesh, const std::vector<Ve
             else put(property.values[v]);
         }
     }
-    for (const Triangle& t : mesh.triangles) {
+    for (size_t t = 0; t < mesh.triangles.size(); ++t) {
         bytes.push_back(3);
-        for (const uint32_t corner : t) put(int32_t(corner));
+        for (const uint32_t corner : mesh.triangles[t]) put(int32_t(corner));
+        if (texcoords.empty()) continue;
+        bytes.push_back(6);
+        put(texcoords[t]);
     }
     writeBytesAtomically(file, bytes);
 }
@@ -159,6 +163,46 @@ std::vector<VertexProperty> readVertexPly(const fs::path& file) {
             return properties;
         }
         throw Error("has no element vertex");
+    });
+}
+
+std::vector<TexturedFace> readTexturedFaces(const fs::path& file) {
+    const std::string bytes = readBytes(file, mostBytes);
+    return withContext(file.string(), [&] {
+        const PlyHeader header = readPlyHeader(bytes);
+        PlyCursor cursor(bytes, header);
+        std::vector<TexturedFace> faces;
+        for (const PlyElement& element : header.elements) {
+            const int at = element.find("texcoord"), corners = element.find("vertex_indices");
+            if (element.name != "face" || at < 0 || corners < 0 || !element.properties[size_t(at)].isList ||
+                !element.properties[size_t(corners)].isList) {
+                cursor.skip(element);
+                continue;
+            }
+            std::vector<double> values;
+            for (size_t f = 0; f < element.count; ++f) {
+                TexturedFace face{};
+                size_t known = 0;
+                for (size_t p = 0; p < element.properties.size(); ++p) {
+                    const PlyProperty& from = element.properties[p];
+                    if (!from.isList) {
+                        cursor.scalar(from.type);
+                        continue;
+                    }
+                    cursor.list(from, values);
+                    if (int(p) == corners && values.size() == 3) {
+                        for (size_t k = 0; k < 3; ++k) face.corners[k] = uint32_t(std::clamp(values[k], 0.0, 4e9));
+                        ++known;
+                    } else if (int(p) == at && values.size() == 6) {
+                        for (size_t k = 0; k < 3; ++k)
+                            face.texcoords[k] = Vec2(float(values[2 * k]), float(values[2 * k + 1]));
+                        ++known;
+                    }
+                }
+                if (known == 2 && face.texcoords != FaceTexcoords{}) faces.push_back(face);
+            }
+        }
+        return faces;
     });
 }
 

@@ -28,10 +28,23 @@ struct VertexProperty {
     bool asInt = false;  ///< written as int
 };
 
+/// Texture coordinates of a face's corners: u to the right, v up, both in [0, 1]; all 0 for a face without any.
+using FaceTexcoords = std::array<Vec2, 3>;
+
 /// Writes a binary little-endian PLY with positions, normals, the properties in order, and the faces. Whole or not at
-/// all. `origin` is added to the positions, which are then written as doubles unless it is 0.
+/// all. `origin` is added to the positions, which are then written as doubles unless it is 0. `texcoords`: one a face,
+/// or none; written as a list `texcoord` of six numbers, as MeshLab does.
 void writeVertexPly(const std::filesystem::path& file, const Mesh& mesh, const std::vector<VertexProperty>& properties,
-                    const DVec3& origin = DVec3(0));
+                    const DVec3& origin = DVec3(0), const std::vector<FaceTexcoords>& texcoords = {});
+
+/// A face with its texture coordinates, as a PLY has it.
+struct TexturedFace {
+    Triangle corners;
+    FaceTexcoords texcoords;
+};
+
+/// The faces of a PLY that have texture coordinates. Empty where none has. Throws Error naming the file.
+std::vector<TexturedFace> readTexturedFaces(const std::filesystem::path& file);
 
 /// Reads the vertex properties of a PLY (binary little-endian or ascii) by name. Throws Error naming file and property.
 std::vector<VertexProperty> readVertexPly(const std::filesystem::path& file);

@@ -30,6 +30,9 @@ struct Document {
         buffer.append(static_cast<const char*>(bytes), size);
         return int(root["accessors"].size()) - 1;
     }
+    int places(const std::vector<Vec2>& values) {
+        return add(values.data(), values.size() * sizeof(Vec2), values.size(), floats, "VEC2", vertexBuffer);
+    }
     int vectors(const std::vector<Vec3>& values) {
         return add(values.data(), values.size() * sizeof(Vec3), values.size(), floats, "VEC3", vertexBuffer);
     }
@@ -51,6 +54,8 @@ Json materialOf(const ExportedComponent& component) {
     Json material{{"name", component.name}, {"doubleSided", component.twoSided || !component.emits}};
     if (!component.emits) {
         material["pbrMetallicRoughness"] = {{"metallicFactor", 0}, {"roughnessFactor", 1}};
+        if (!component.texcoords.empty())
+            material["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}, {"texCoord", 0}};
         return material;
     }
     const float strength = maxChannel(component.radiance) > 0 ? maxChannel(component.radiance) : 1.0f;
@@ -66,7 +71,14 @@ void addComponent(Document& d, const ExportedComponent& component, const DVec3& 
     if (component.triangles.empty()) return;
     static_assert(sizeof(Vec3) == 12 && sizeof(Triangle) == 12);
     Json attributes{{"POSITION", positions(d, component)}, {"NORMAL", d.vectors(component.normals)}};
-    if (!component.emits) attributes["COLOR_0"] = d.vectors(component.albedo);
+    if (!component.texcoords.empty()) {
+        // glTF counts v downwards.
+        std::vector<Vec2> down = component.texcoords;
+        for (Vec2& at : down) at.y = 1 - at.y;
+        attributes["TEXCOORD_0"] = d.places(down);
+    } else if (!component.emits) {
+        attributes["COLOR_0"] = d.vectors(component.albedo);
+    }
     const int faces = d.add(component.triangles.data(), component.triangles.size() * sizeof(Triangle),
                             component.triangles.size() * 3, indices, "SCALAR", indexBuffer);
     d.root["materials"].push_back(materialOf(component));
@@ -98,8 +110,14 @@ void addView(Document& d, const ExportedView& view, const DVec3& origin) {
 
 }  // namespace
 
-Gltf gltfOf(const ExportedScene& scene, const std::string& bufferFile) {
+Gltf gltfOf(const ExportedScene& scene, const std::string& bufferFile, const std::string& textureFile) {
     Document d;
+    if (std::any_of(scene.components.begin(), scene.components.end(),
+                    [](const ExportedComponent& c) { return !c.texcoords.empty(); })) {
+        d.root["images"] = {{{"uri", textureFile}, {"name", "albedo"}}};
+        d.root["samplers"] = {{{"magFilter", 9729}, {"minFilter", 9729}, {"wrapS", 33071}, {"wrapT", 33071}}};
+        d.root["textures"] = {{{"source", 0}, {"sampler", 0}}};
+    }
     const double half = std::sqrt(0.5);
     d.root["nodes"].push_back({{"name", "relamp"}, {"rotation", {-half, 0, 0, half}}, {"children", Json::array()}});
     d.root["scenes"] = {{{"nodes", {0}}}};

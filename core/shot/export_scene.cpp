@@ -1,6 +1,8 @@
 #include "shot/export_scene.h"
 
+#include <map>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "base/atomic_file.h"
 #include "base/error.h"
@@ -9,6 +11,7 @@
 #include "image/environment_map.h"
 #include "image/image_io.h"
 #include "scene/mesh_io.h"
+#include "shot/shot_texture.h"
 
 namespace relamp {
 namespace fs = std::filesystem;
@@ -17,26 +20,36 @@ namespace {
 Json listOf(const Vec3& v) { return {v.x, v.y, v.z}; }
 Json listOf(const DVec3& v) { return {v.x, v.y, v.z}; }
 
-/// The triangles of the mesh that belong to `emitter` (-1: to none), with their vertices numbered anew.
-ExportedComponent componentOf(const RelitScene& relit, int emitter, const std::string& id, const std::string& name,
-                              const Vec3& origin) {
+/// The triangles of the mesh that belong to `emitter` (-1: to none), with their vertices numbered anew; of those with
+/// texels or of those without. A vertex on the seam between two charts is there twice.
+ExportedComponent componentOf(const RelitScene& relit, int emitter, bool textured, const std::string& id,
+                              const std::string& name, const Vec3& origin) {
     const Mesh& mesh = relit.scene.mesh;
+    const AlbedoTexture* texture = relit.texture.get();
     ExportedComponent component;
     component.id = id;
     component.name = name;
     component.origin = origin;
-    std::vector<uint32_t> place(mesh.vertexCount(), ~0u);
-    for (size_t t = 0; t < mesh.triangles.size(); ++t) {
-        if (relit.emitterOfTriangle[t] != emitter) continue;
+    std::map<std::tuple<uint32_t, float, float>, uint32_t> place;
+    for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        if (relit.emitterOfTriangle[t] != emitter || (texture && texture->has(t)) != textured) continue;
         Triangle triangle = mesh.triangles[t];
-        for (uint32_t& v : triangle) {
-            if (place[v] == ~0u) {
-                place[v] = uint32_t(component.positions.size());
+        FaceTexcoords texcoords{};
+        if (textured) {
+            texcoords = texcoordsOf(*texture, t);
+            if (!relit.mirrored.empty() && relit.mirrored[t]) std::swap(texcoords[1], texcoords[2]);
+        }
+        for (size_t k = 0; k < 3; ++k) {
+            const uint32_t v = triangle[k];
+            const auto [at, isNew] =
+                place.emplace(std::tuple(v, texcoords[k].x, texcoords[k].y), uint32_t(component.positions.size()));
+            if (isNew) {
                 component.positions.push_back(mesh.positions[v] - origin);
                 component.normals.push_back(mesh.normals[v]);
                 component.albedo.push_back(relit.weightsAt(v).albedo());
+                if (textured) component.texcoords.push_back(texcoords[k]);
             }
-            v = place[v];
+            triangle[k] = at->second;
         }
         component.triangles.push_back(triangle);
         component.area += mesh.triangleArea(t);
@@ -138,12 +151,15 @@ ExportedScene exportedScene(const RelitScene& relit, const Capture& capture) {
     scene.origin = capture.origin;
     for (size_t e = 0; e < relit.emitters.size(); ++e) {
         const RelitEmitter& emitter = relit.emitters[e];
-        scene.components.push_back(componentOf(relit, int(e), emitter.id, emitter.name, emitter.surface.centroid));
+        scene.components.push_back(
+            componentOf(relit, int(e), false, emitter.id, emitter.name, emitter.surface.centroid));
         scene.components.back().radiance = emitter.emission.level;
         scene.components.back().emits = true;
         scene.components.back().twoSided = emitter.surface.twoSided;
     }
-    scene.components.push_back(componentOf(relit, -1, "surfaces", "surfaces", Vec3(0)));
+    if (relit.texture) scene.components.push_back(componentOf(relit, -1, true, "surfaces", "surfaces", Vec3(0)));
+    const std::string rest = relit.texture ? "plain surfaces" : "surfaces";
+    scene.components.push_back(componentOf(relit, -1, false, rest, rest, Vec3(0)));
     for (const View& view : capture.views) scene.views.push_back({view.name, view.camera});
     return scene;
 }
@@ -183,7 +199,7 @@ void exportScene(const Shot& shot, const RelitScene& relit, const fs::path& fold
         (!fs::is_directory(folder, failed) || (!overwrite && !fs::is_empty(folder, failed))))
         throw Error("{}: exists already, add --overwrite to write into it", folder.string());
     for (const char* name : {"environment.exr", "materials.ply", "transforms.json", "lights.usda", "lights.bin",
-                             "lights.gltf", "lights.json"})
+                             "lights.gltf", "lights.json", "surfaces.obj", "surfaces.mtl", "albedo.exr", "albedo.png"})
         inputs.refuse(folder / name);
     fs::create_directories(folder, failed);
     if (failed) throw Error("{}: cannot be made ({})", folder.string(), failed.message());
@@ -195,6 +211,15 @@ void exportScene(const Shot& shot, const RelitScene& relit, const fs::path& fold
     const Gltf gltf = gltfOf(scene, "lights.bin");
     writeBytesAtomically(folder / "lights.bin", gltf.buffer);
     writeBytesAtomically(folder / "lights.gltf", gltf.json);
+    const Obj obj = objOf(scene, "surfaces.mtl");
+    writeBytesAtomically(folder / "surfaces.mtl", obj.materials);
+    writeBytesAtomically(folder / "surfaces.obj", obj.geometry);
+    if (relit.texture) {
+        writeTexture(*relit.texture, folder / "albedo.exr");
+        Image shown(relit.texture->width, relit.texture->height);
+        shown.pixels = relit.texture->texels;
+        writeImage(folder / "albedo.png", shown);
+    }
     writeBytesAtomically(folder / "lights.json", dumpJson(lightsJson(shot, scene), 1) + "\n");
 }
 

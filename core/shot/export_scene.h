@@ -17,6 +17,7 @@ struct ExportedComponent {
     std::vector<Vec3> positions;  ///< relative to origin
     std::vector<Vec3> normals;
     std::vector<Rgb> albedo;          ///< diffuse
+    std::vector<Vec2> texcoords;      ///< u to the right, v up; empty: its colour is `albedo` alone
     std::vector<Triangle> triangles;  ///< counter-clockwise from outside
     Rgb radiance{0};                  ///< emitted, linear Rec.709, the same in all outward directions
     bool emits = false, twoSided = false;
@@ -29,7 +30,7 @@ struct ExportedView {
 };
 
 struct ExportedScene {
-    std::vector<ExportedComponent> components;  ///< the emitters in order, then the rest
+    std::vector<ExportedComponent> components;  ///< the emitters in order, then surfaces with texture, then the rest
     std::vector<ExportedView> views;            ///< their cameras count from origin
     DVec3 origin{0};  ///< Capture::origin: double where single precision would not hold the places
 };
@@ -38,24 +39,33 @@ struct ExportedScene {
 ExportedScene exportedScene(const RelitScene& relit, const Capture& capture);
 
 /// USD as text: a Mesh with MeshLightAPI and an emissive UsdPreviewSurface per emitter, a DomeLight over
-/// `environmentFile`, a Camera per view, the rest of the mesh with its albedo as displayColor. Z up, metres. Prims are
-/// called after their emitters, channel-safe; ids stand in relamp:id.
-std::string usdaOf(const ExportedScene& scene, const std::string& environmentFile);
+/// `environmentFile`, a Camera per view, the rest of the mesh with its albedo as displayColor, or as a UsdUVTexture of
+/// `textureFile` (linear). Z up, metres. Prims are called after their emitters, channel-safe; ids stand in relamp:id.
+std::string usdaOf(const ExportedScene& scene, const std::string& environmentFile,
+                   const std::string& textureFile = "albedo.exr");
 
 /// glTF 2.0 with its binary buffer, to be stored as `bufferFile` beside it: emitters are meshes whose material has
 /// emissiveFactor and KHR_materials_emissive_strength (radiance = factor x strength), the rest has its albedo as
-/// COLOR_0, cameras are nodes. The root turns Z up to glTF's Y up.
+/// COLOR_0, or as baseColorTexture from `textureFile` (sRGB), cameras are nodes. The root turns Z up to glTF's Y up.
 struct Gltf {
     std::string json, buffer;
 };
-Gltf gltfOf(const ExportedScene& scene, const std::string& bufferFile);
+Gltf gltfOf(const ExportedScene& scene, const std::string& bufferFile, const std::string& textureFile = "albedo.png");
+
+/// Wavefront OBJ with its material library, to be stored as `materialFile` beside it: every component is an object,
+/// surfaces with texture name `textureFile` (sRGB), emitters have Ke. Z up, metres.
+struct Obj {
+    std::string geometry, materials;
+};
+Obj objOf(const ExportedScene& scene, const std::string& materialFile, const std::string& textureFile = "albedo.png");
 
 /// The views as a transforms.json (axes of the scene, Z up); images are named relative to `folder`, the mesh is
 /// `meshFile`.
 std::string transformsOf(const Capture& capture, const std::filesystem::path& folder, const std::string& meshFile);
 
-/// Writes lights.json, lights.usda, lights.gltf with lights.bin, environment.exr (float, 1024 x 512), materials.ply
-/// (all vertices: albedo, weights of every lobe, emitter) and transforms.json into `folder`, each whole or not at all.
+/// Writes lights.json, lights.usda, lights.gltf with lights.bin, surfaces.obj with surfaces.mtl, environment.exr
+/// (float, 1024 x 512), materials.ply (all vertices: albedo, weights of every lobe, emitter) and transforms.json into
+/// `folder`, each whole or not at all. Where there is a texture also albedo.exr (linear) and albedo.png (sRGB, 8 bits).
 /// Throws Error when the folder holds something already and `overwrite` is false; OutOfResources when the disk is full.
 void exportScene(const Shot& shot, const RelitScene& relit, const std::filesystem::path& folder, bool overwrite,
                  const InputFiles& inputs = {});

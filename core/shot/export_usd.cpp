@@ -66,6 +66,11 @@ std::string meshOf(const ExportedComponent& p, const DVec3& origin, const std::s
             "0\n",
             tuple(intensity > 0 ? p.radiance / intensity : Rgb(1)), intensity);
         s += fmt::format("        rel material:binding = </relamp/Materials/{}>\n", name);
+    } else if (!p.texcoords.empty()) {
+        s += "        texCoord2f[] primvars:st = " +
+             list(p.texcoords, [](const Vec2& v) { return fmt::format("({}, {})", v.x, v.y); }) +
+             " (\n            interpolation = \"vertex\"\n        )\n";
+        s += fmt::format("        rel material:binding = </relamp/Materials/{}>\n", name);
     } else {
         s += "        color3f[] primvars:displayColor = " + list(p.albedo, tuple) +
              " (\n            interpolation = \"vertex\"\n        )\n";
@@ -82,6 +87,24 @@ std::string materialOf(const ExportedComponent& p, const std::string& name) {
         "                color3f inputs:emissiveColor = {1}\n                float inputs:roughness = 1\n              "
         "  token outputs:surface\n            }}\n        }}\n\n",
         name, tuple(p.radiance));
+}
+
+std::string texturedMaterial(const std::string& name, const std::string& file) {
+    return fmt::format(
+        "        def Material \"{0}\"\n        {{\n            token outputs:surface.connect = "
+        "</relamp/Materials/{0}/surface.outputs:surface>\n\n"
+        "            def Shader \"surface\"\n            {{\n                uniform token info:id = "
+        "\"UsdPreviewSurface\"\n                color3f inputs:diffuseColor.connect = "
+        "</relamp/Materials/{0}/albedo.outputs:rgb>\n                float inputs:roughness = 1\n                token "
+        "outputs:surface\n            }}\n\n"
+        "            def Shader \"albedo\"\n            {{\n                uniform token info:id = "
+        "\"UsdUVTexture\"\n                asset inputs:file = @./{1}@\n                token "
+        "inputs:sourceColorSpace = \"raw\"\n                float2 inputs:st.connect = "
+        "</relamp/Materials/{0}/st.outputs:result>\n                float3 outputs:rgb\n            }}\n\n"
+        "            def Shader \"st\"\n            {{\n                uniform token info:id = "
+        "\"UsdPrimvarReader_float2\"\n                string inputs:varname = \"st\"\n                float2 "
+        "outputs:result\n            }}\n        }}\n\n",
+        name, file);
 }
 
 /// The film is 36 units wide; USD counts focal lengths and apertures in tenths of the scene's unit, which is the same
@@ -104,7 +127,7 @@ std::string cameraOf(const ExportedView& view, const DVec3& origin, const std::s
 
 }  // namespace
 
-std::string usdaOf(const ExportedScene& scene, const std::string& environmentFile) {
+std::string usdaOf(const ExportedScene& scene, const std::string& environmentFile, const std::string& textureFile) {
     std::set<std::string> taken{"Materials", "environment"};
     std::string s = "#usda 1.0\n(\n    defaultPrim = \"relamp\"\n    metersPerUnit = 1\n    upAxis = \"Z\"\n)\n\ndef "
                     "Xform \"relamp\"\n{\n",
@@ -114,6 +137,7 @@ std::string usdaOf(const ExportedScene& scene, const std::string& environmentFil
         const std::string name = primName(component.name, taken);
         s += meshOf(component, scene.origin, name);
         if (component.emits) materials += materialOf(component, name);
+        else if (!component.texcoords.empty()) materials += texturedMaterial(name, textureFile);
     }
     // A dome's image has its centre towards +Z, its left towards +X, its top towards +Y; ours has +X, +Y and +Z
     // there.

@@ -21,6 +21,7 @@
 #include "scene/mesh_io.h"
 #include "shot/shot_document.h"
 #include "shot/shot_leftovers.h"
+#include "shot/shot_texture.h"
 
 namespace relamp {
 namespace fs = std::filesystem;
@@ -100,9 +101,14 @@ void writeReflectance(const Shot& shot, const Mesh& whole, const fs::path& file)
     Mesh mesh;
     mesh.positions.assign(whole.positions.begin(), whole.positions.begin() + std::ptrdiff_t(vertices));
     mesh.normals.assign(whole.normals.begin(), whole.normals.begin() + std::ptrdiff_t(vertices));
-    for (const Triangle& t : whole.triangles)
-        if (std::all_of(t.begin(), t.end(), [&](uint32_t v) { return v < vertices; })) mesh.triangles.push_back(t);
     const Reflectance& r = shot.estimate.reflectance;
+    std::vector<FaceTexcoords> texcoords;
+    for (uint32_t t = 0; t < whole.triangles.size(); ++t) {
+        const Triangle& corners = whole.triangles[t];
+        if (std::any_of(corners.begin(), corners.end(), [&](uint32_t v) { return v >= vertices; })) continue;
+        mesh.triangles.push_back(corners);
+        if (r.texture) texcoords.push_back(texcoordsOf(*r.texture, t));
+    }
     std::vector<VertexProperty> properties;
     const char* suffix[] = {"r", "g", "b"};
     const auto add = [&](const std::string& name, const std::vector<Rgb>& values) {
@@ -119,7 +125,7 @@ void writeReflectance(const Shot& shot, const Mesh& whole, const fs::path& file)
     properties.push_back({"confidence", r.confidence, false});
     if (!r.sigma.empty()) properties.push_back({"albedo_sigma", r.sigma, false});
     for (VertexProperty& p : properties) p.values.resize(std::min(p.values.size(), vertices));
-    writeVertexPly(file, mesh, properties, shot.capture.origin);
+    writeVertexPly(file, mesh, properties, shot.capture.origin, texcoords);
 }
 
 /// Keys of the old shot.json that relamp does not write.
@@ -180,6 +186,7 @@ void saveShot(const Shot& shot, const Mesh& mesh, const fs::path& folder, bool o
         if (exists && isThere(target / "shot.json")) keepUnknownKeys(target / "shot.json", document);
         writeEnvironment(shot.estimate, fresh);
         writeReflectance(shot, mesh, fresh / "reflectance.ply");
+        if (const auto& texture = shot.estimate.reflectance.texture) writeTexture(*texture, fresh / "albedo.exr");
         writeBytesAtomically(fresh / "shot.json", dumpJson(document, 1) + "\n");
         if (!exists) {
             fs::rename(fresh, target);
@@ -350,6 +357,9 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress, const
     const ReflectanceColumns columns(folder / "reflectance.ply", n,
                                      writtenVertices(shot.capture.proxies, shot.capture.mesh));
     e.reflectance = reflectanceOf(columns, e.reflectance.basis, n);
+    if (isThere(folder / "albedo.exr"))
+        e.reflectance.texture =
+            readTexture(folder / "albedo.exr", folder / "reflectance.ply", shot.capture.mesh.triangles);
     const DirectionGrid grid{e.environmentSide};
     e.environment = environmentCells(folder, grid);
     const fs::path deviations = folder / "environment_sigma.exr";

@@ -89,7 +89,7 @@ bool isPartOfShot(const std::string& name) {
 
 const std::vector<std::string>& shotParts() {
     static const std::vector<std::string> parts{"shot.json", "environment.exr", "environment_sigma.exr",
-                                                "reflectance.ply"};
+                                                "reflectance.ply", "albedo.exr"};
     return parts;
 }
 

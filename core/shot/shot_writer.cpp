@@ -190,6 +190,9 @@ Json shotInfo(const Shot& shot) {
     info["resources"] = {
         {"seconds", shot.resources.seconds}, {"peak_mib", shot.resources.peakMib}, {"threads", shot.resources.threads}};
     info["interreflection"] = {{"kept", e.interreflection}, {"fraction", e.bouncedFraction}};
+    const AlbedoTexture* texture = e.reflectance.texture.get();
+    info["texture"] =
+        texture ? Json{{"file", "albedo.exr"}, {"width", texture->width}, {"height", texture->height}} : Json();
     info["stopped_early"] = e.cancelled;
     return info;
 }

@@ -1,8 +1,10 @@
 // Room 6's product: what the solver found, with its history and how sure it is.
 #pragma once
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "brdf/albedo_texture.h"
 #include "brdf/basis.h"
 #include "brdf/lobe_weights.h"
 #include "clusters/emitter_clusters.h"
@@ -23,6 +25,7 @@ struct Reflectance {
     std::vector<float> confidence;  ///< in [0, 1]: fraction of the vertex's albedo that comes from its own observations
     std::vector<float>
         sigma;  ///< relative standard deviation of the albedo, mean of the channels; empty where it was not assessed
+    std::shared_ptr<const AlbedoTexture> texture;  ///< albedo finer than the vertices; null where there is none
 
     LobesAtVertex at(size_t vertex) const { return {weight, vertex}; }
     /// `corners`: a triangle of the mesh; `barycentric` as a Hit has it.
@@ -82,6 +85,13 @@ struct StabilityReport {
         0;  ///< how much light on the surfaces it moves, root mean square, relative, one standard deviation
 };
 
+/// Light on the surfaces while the photographs were taken, per vertex; empty where no solve has just ended.
+struct SurfaceLight {
+    std::vector<Rgb> white;    ///< radiance of a white matte surface there, bounced light included; 0: not known
+    std::vector<Rgb> coating;  ///< radiance that a coating over the matte part adds, mean of the views
+    bool empty() const { return white.empty(); }
+};
+
 struct Estimate {
     Lighting lighting;
     Reflectance reflectance;
@@ -98,6 +108,7 @@ struct Estimate {
     PriorStrength lightSmoothness, albedoSmoothness;
     std::vector<PaletteColour> palette;  ///< materials, where the artist said how many; most used first
     StabilityReport stability;
+    SurfaceLight surfaceLight;           ///< for the texture, which takes it
     Reproduction reproduction;           ///< how well it explains its photographs; measured by the pipeline
     std::vector<HeldOutAlbedo> heldOut;  ///< for that measure, which takes them
     std::string mode;                    ///< "near-field" or "distant-only"

@@ -15,6 +15,7 @@ constexpr NameRow<Omission> rows[] = {
     {Omission::finerDistantLight, "finer distant light"},
     {Omission::triangles, "triangles"},
     {Omission::unobservedLight, "unobserved light"},
+    {Omission::texture, "albedo per texel"},
     {Omission::fullInterreflection, "interreflection at full detail"},
     {Omission::unobservedVertices, "vertices that no photograph shows"},
     {Omission::agreeingRays, "rays between rays that agree"},

@@ -14,6 +14,7 @@ enum class Omission {
     finerDistantLight,
     triangles,
     unobservedLight,
+    texture,
     // Parts of the work (pipeline/plan.h).
     fullInterreflection,
     unobservedVertices,

@@ -16,13 +16,14 @@ namespace fs = std::filesystem;
 using Names = std::set<std::string>;
 
 /// The conductor, the back rooms that look at everything, and the program may know every room of the core.
-const Names coreRooms{"base",      "image", "wavelet", "brdf", "capture", "scene",  "radiance", "clusters",
-                      "transport", "solve", "relight", "edit", "shot",    "report", "pipeline", "display"};
+const Names coreRooms{"base",  "image",   "wavelet", "brdf", "capture", "scene",  "radiance", "clusters", "transport",
+                      "solve", "texture", "relight", "edit", "shot",    "report", "pipeline", "display"};
 
 /// Ground floor and the rooms of the walk before `room`: what a room on the walk may include.
 Names upTo(const std::string& room) {
     Names allowed{"base", "image", "wavelet", "brdf"};
-    for (const char* earlier : {"capture", "scene", "radiance", "clusters", "transport", "solve", "relight"}) {
+    for (const char* earlier :
+         {"capture", "scene", "radiance", "clusters", "transport", "solve", "texture", "relight"}) {
         if (room == earlier) break;
         allowed.insert(earlier);
     }
@@ -54,6 +55,7 @@ const std::map<std::string, Names>& table() {
         {"clusters", upTo("clusters")},
         {"transport", upTo("transport")},
         {"solve", upTo("solve")},
+        {"texture", upTo("texture")},
         {"relight", upTo("relight")},
         {"edit", {"base", "relight", "scene", "solve/estimate.h"}},
         {"shot", coreRooms},
@@ -86,6 +88,7 @@ const std::vector<Library> libraries{
     {"epoxy/", {"ui/window.cpp", "ui/gui.cpp", "ui/viewport/"}},
     {"OpenColorIO/", {"ui/viewport/display_transform.cpp"}},
     {"imgui", {"ui/"}},
+    {"stb/", {"texture/atlas.cpp"}},
 };
 
 struct Include {

@@ -212,5 +212,39 @@ TEST(DistantLight, IsSmoothBetweenCellCentresAndExactAtThem) {
     EXPECT_FALSE(light.black());
 }
 
+/// Two sheets apart; the first has a texture that tells its corners from each other.
+TEST(RelitScene, ATextureGoesWithItsTrianglesAlsoWhereTheyAreMirrored) {
+    Mesh mesh = test::sheet({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+    append(mesh, test::sheet({5, 0, 0}, {1, 0, 0}, {0, 1, 0}));
+    const Scene scene = test::sceneOf(mesh);
+    Estimate estimate = test::matteEstimate(scene, Rgb(0.5f), Rgb(1));
+    auto texture = std::make_shared<AlbedoTexture>();
+    texture->width = texture->height = 8;
+    for (int y = 0; y < 8; ++y)
+        for (int x = 0; x < 8; ++x) texture->texels.push_back(Rgb(float(x) / 8, float(y) / 8, 0.5f));
+    texture->corners.assign(mesh.triangles.size(), {Vec2(-1), Vec2(-1), Vec2(-1)});
+    texture->corners[0] = {Vec2(1, 1), Vec2(7, 1), Vec2(7, 7)};
+    estimate.reflectance.texture = texture;
+    Look look;
+    Mat4 mirror(1);
+    mirror[0][0] = -1;
+    look.parts.push_back({mesh.triangles[0][0], mirror, ""});
+    const RelitScene plain = test::relitOf(scene, estimate), turned = test::relitOf(scene, estimate, look);
+    const auto albedoBelow = [](const RelitScene& relit, float x, float y) {
+        const Hit hit = relit.scene.cameraTracer->closest({Vec3(x, y, 1), Vec3(0, 0, -1), 0, 1e30f});
+        return relit.albedoAt(hit);
+    };
+    ASSERT_EQ(plain.scene.mesh.triangles[0], mesh.triangles[0]);
+    for (const Vec2 at : {Vec2(0.5f, 0.2f), Vec2(0.8f, 0.7f)}) {
+        const Rgb here = albedoBelow(plain, at.x, at.y), there = albedoBelow(turned, -at.x, at.y);
+        EXPECT_LT(glm::length(here - there), 1e-4f);
+        EXPECT_GT(std::abs(here.x - here.y), 0.05f);
+    }
+    EXPECT_EQ(albedoBelow(plain, 5.5f, 0.5f), Rgb(0.5f));  // no texels
+    look.neutralMaterials = true;
+    const Rgb neutral = albedoBelow(test::relitOf(scene, estimate, look), -0.5f, 0.2f);
+    EXPECT_FLOAT_EQ(neutral.x, neutral.z);
+}
+
 }  // namespace
 }  // namespace relamp

@@ -113,5 +113,59 @@ TEST_F(ExportedShot, IsNotWrittenOverUnlessAsked) {
     exportScene(shot, relit, out(), true);
 }
 
+/// The same with a texture on half of the floor.
+class ExportedTexture : public ExportedShot {
+protected:
+    void SetUp() override {
+        ExportedShot::SetUp();
+        auto texture = std::make_shared<AlbedoTexture>();
+        texture->width = texture->height = 16;
+        for (int y = 0; y < 16; ++y)
+            for (int x = 0; x < 16; ++x) texture->texels.push_back(Rgb(float(x) / 16, float(y) / 16, 0.5f));
+        texture->corners.assign(relit.scene.mesh.triangles.size(), {Vec2(-1), Vec2(-1), Vec2(-1)});
+        for (size_t t = 0; t < 4; ++t)
+            for (size_t k = 0; k < 3; ++k) {
+                const Vec3& p = relit.scene.mesh.positions[relit.scene.mesh.triangles[t][k]];
+                texture->corners[t][k] = Vec2(4 + 3 * p.x, 12 - 3 * p.y);
+            }
+        relit.texture = texture;
+        exportScene(shot, relit, out(), true);
+    }
+};
+
+TEST_F(ExportedTexture, LiesOnItsTrianglesAndTheOthersKeepTheirColours) {
+    const ExportedScene scene = exportedScene(relit, shot.capture);
+    ASSERT_EQ(scene.components.size(), 3u);
+    const ExportedComponent &textured = scene.components[1], &plain = scene.components[2];
+    EXPECT_EQ(textured.triangles.size(), 4u);
+    EXPECT_EQ(plain.triangles.size(), 4u);
+    EXPECT_TRUE(plain.texcoords.empty());
+    ASSERT_EQ(textured.texcoords.size(), textured.positions.size());
+    for (size_t v = 0; v < textured.positions.size(); ++v) {
+        const Vec3& p = textured.positions[v];
+        EXPECT_NEAR(textured.texcoords[v].x * 16, 4 + 3 * p.x, 1e-4);
+        EXPECT_NEAR((1 - textured.texcoords[v].y) * 16, 12 - 3 * p.y, 1e-4);
+    }
+}
+
+TEST_F(ExportedTexture, IsNamedInGltfUsdAndObj) {
+    const auto gltf = parsed("lights.gltf");
+    EXPECT_EQ(gltf["images"][0]["uri"], "albedo.png");
+    const auto& primitive = gltf["meshes"][1]["primitives"][0];
+    EXPECT_TRUE(primitive["attributes"].contains("TEXCOORD_0"));
+    EXPECT_EQ(
+        gltf["materials"][primitive["material"].get<size_t>()]["pbrMetallicRoughness"]["baseColorTexture"]["index"], 0);
+    EXPECT_FALSE(gltf["meshes"][2]["primitives"][0]["attributes"].contains("TEXCOORD_0"));
+    const std::string usd = test::TemporaryFolder::read(out() / "lights.usda");
+    EXPECT_NE(usd.find("@./albedo.exr@"), std::string::npos);
+    EXPECT_NE(usd.find("primvars:st"), std::string::npos);
+    EXPECT_NE(test::TemporaryFolder::read(out() / "surfaces.mtl").find("map_Kd albedo.png"), std::string::npos);
+    MeshReport report;
+    EXPECT_EQ(readMesh(out() / "surfaces.obj", &report).triangles.size(), 10u);  // floor and rectangle
+    const Image linear = readImage(out() / "albedo.exr"), shown = readImage(out() / "albedo.png");
+    EXPECT_NEAR(linear.at(8, 4).x, 0.5, 1e-3);
+    EXPECT_NEAR(shown.at(8, 4).x, 0.5, 0.01);
+}
+
 }  // namespace
 }  // namespace relamp

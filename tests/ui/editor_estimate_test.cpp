@@ -167,6 +167,7 @@ TEST(Editor, advancedSettingsOfTheEstimateTakePartAndAreRemembered) {
     s.editor->state.solve.basis = "lambert";
     s.editor->state.solve.bounce = SolveOptions::Bounce::off;
     s.editor->state.solve.meshTriangles = 500;
+    s.editor->state.solve.texture = 0;
     s.open(captureFolder());
     s.solve();
     ASSERT_TRUE(s.editor->estimate());
@@ -177,10 +178,12 @@ TEST(Editor, advancedSettingsOfTheEstimateTakePartAndAreRemembered) {
         return std::any_of(e.leftOut.begin(), e.leftOut.end(), [&](const LeftOut& l) { return l.what == what; });
     };
     EXPECT_TRUE(leftOut(Omission::triangles));
+    EXPECT_FALSE(e.reflectance.texture);
     EXPECT_TRUE(leftOut(Omission::interreflection));
     EXPECT_FALSE(s.editor->stale());
     s.editor->state.solve.meshTriangles.reset();
     EXPECT_TRUE(s.editor->stale());
+    s.editor->state.solve.texture = 2048;
     s.editor->state.solve.merl = "/nowhere";
     s.solve();
     ASSERT_EQ(s.editor->state.notices.size(), 1u);
@@ -191,6 +194,7 @@ TEST(Editor, advancedSettingsOfTheEstimateTakePartAndAreRemembered) {
     EXPECT_EQ(s.editor->state.solve.bounce, SolveOptions::Bounce::off);
     EXPECT_EQ(s.editor->state.solve.merl, "/nowhere");
     EXPECT_FALSE(s.editor->state.solve.meshTriangles);
+    EXPECT_EQ(s.editor->state.solve.texture, 2048);
 }
 
 TEST(Editor, aSearchForAnUnobservedEmitterCanBeStoppedAndAnEmitterTakenAwayAgain) {

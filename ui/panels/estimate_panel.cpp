@@ -159,9 +159,17 @@ constexpr Choice bounces[] = {
     {"on", "On", "Taken to be there, whatever the photographs say."},
 };
 
+constexpr Choice textures[] = {
+    {"", "Automatic", "Made where photographs are finer than the mesh, and kept where they agree on it."},
+    {"0", "None", "Colours per vertex: a print that is finer than the mesh is blurred."},
+    {"2048", "2048 texels wide at most", "Made in any case."},
+    {"4096", "4096 texels wide at most", "Made in any case."},
+    {"8192", "8192 texels wide at most", "Made in any case. Takes up to 3 GiB of memory."},
+};
+
 bool usualAdvanced(const SolveRequest& solve) {
     return solve.basis == "built-in" && solve.merl.empty() && solve.bounce == SolveOptions::Bounce::automatic &&
-           !solve.meshTriangles;
+           !solve.meshTriangles && !solve.texture;
 }
 
 /// A row of choices that are kept as an index.
@@ -179,11 +187,11 @@ size_t choose(const char* id, const char* title, const Choice (&choices)[N], siz
     return present;
 }
 
-/// What few captures need: lobes, bounced light, size of the mesh.
+/// What few captures need: lobes, bounced light, texture, size of the mesh.
 void advancedSettings(SolveRequest& solve) {
     const bool open =
         ImGui::TreeNode("##advanced", "%s", usualAdvanced(solve) ? "Advanced" : "Advanced (something is changed)");
-    tooltip("Kinds of gloss, bounced light, size of the mesh: the usual values suit nearly every capture");
+    tooltip("Kinds of gloss, bounced light, texture, size of the mesh: the usual values suit nearly every capture");
     if (!open) return;
     size_t basis = 0;
     for (size_t i = 0; i < std::size(bases); ++i)
@@ -197,6 +205,12 @@ void advancedSettings(SolveRequest& solve) {
         "lobes. Empty: none.");
     using Bounce = SolveOptions::Bounce;
     solve.bounce = Bounce(choose("##bounce", "Bounced light", bounces, size_t(solve.bounce)));
+    size_t texture = 0;
+    for (size_t i = 1; i < std::size(textures); ++i)
+        if (solve.texture == std::atoi(textures[i].value)) texture = i;
+    texture = choose("##texture", "Texture", textures, texture);
+    if (texture == 0) solve.texture.reset();
+    else solve.texture = std::atoi(textures[texture].value);
     bool automatic = !solve.meshTriangles;
     const std::string mesh =
         "Meshes of more than 300 000 triangles are estimated on a simpler one, and what is found is carried back.";

@@ -2,10 +2,10 @@
 
 namespace relamp::ui {
 
-void GpuMesh::upload(const std::shared_ptr<const Mesh>& mesh, const std::vector<uint8_t>& visible,
+bool GpuMesh::upload(const std::shared_ptr<const Mesh>& mesh, const std::vector<uint8_t>& visible,
                      uint64_t visibleVersion) {
     const bool otherMesh = mesh != mesh_, otherTriangles = otherMesh || visibleVersion != visibleVersion_;
-    if (!otherTriangles) return;
+    if (!otherTriangles) return false;
     // An emitter that moves brings a new mesh with the same triangles: then only places travel.
     const bool sameTopology =
         otherMesh && mesh_ && visibleVersion == visibleVersion_ && mesh->triangles == mesh_->triangles;
@@ -30,6 +30,7 @@ void GpuMesh::upload(const std::shared_ptr<const Mesh>& mesh, const std::vector<
     glBindVertexArray(0);
     mesh_ = mesh;
     visibleVersion_ = visibleVersion;
+    return !sameTopology;
 }
 
 void GpuMesh::bindGeometry() {
@@ -42,7 +43,7 @@ void GpuMesh::bindGeometry() {
     glVertexAttribPointer(1, 3, GL_FLOAT, GL_FALSE, 0, nullptr);
 }
 
-void GpuMesh::draw(GlBuffer* colours) {
+void GpuMesh::draw(GlBuffer* colours, bool textured) {
     if (!indexCount_) return;
     bindGeometry();
     if (colours) {
@@ -53,6 +54,11 @@ void GpuMesh::draw(GlBuffer* colours) {
         glDisableVertexAttribArray(2);
     }
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.id());
+    if (textured) {
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, positions_.id());
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, indices_.id());
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, texcoords_.id());
+    }
     glDrawElements(GL_TRIANGLES, GLsizei(indexCount_), GL_UNSIGNED_INT, nullptr);
     glBindVertexArray(0);
 }

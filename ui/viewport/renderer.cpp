@@ -128,9 +128,12 @@ void Renderer::drawLayer(const ImageJob& job, const SceneLayer& layer, const Mat
             setVector(mesh_, "eye", eye.orthographic ? -eye.forward : eye.position);
             setInt(mesh_, "orthographic", eye.orthographic);
             setInt(mesh_, "shading", layer.shading);
+            setInt(mesh_, "textured", layer.texture != 0);
+            setInt(mesh_, "detail", 0);
+            bindTexture(0, layer.texture);
             glUniform1f(mesh_.uniform("kind"), layer.display ? 2.0f : 1.0f);
         }
-        layer.mesh->draw(layer.instead ? nullptr : layer.colours);
+        layer.mesh->draw(layer.instead ? nullptr : layer.colours, !layer.instead && layer.texture);
         glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
         glDisable(GL_DEPTH_TEST);
     }

@@ -19,6 +19,7 @@ struct SceneLayer {
     GlBuffer* colours = nullptr;
     bool display = false;  ///< the colours are display values
     bool shading = false;  ///< a soft light at the eye
+    GLuint texture = 0;    ///< factor on the colours by the mesh's texture coordinates; 0: none
     GLuint instead = 0;    ///< image shown in place of the mesh, which then gives depth only
 };
 

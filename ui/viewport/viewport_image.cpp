@@ -7,6 +7,7 @@
 #include "viewport/navigation.h"
 #include "viewport/picking.h"
 #include "viewport/space_lines.h"
+#include "viewport/surface_texture.h"
 
 namespace relamp::ui {
 namespace {
@@ -130,6 +131,7 @@ void ViewportImage::compose(Editor& editor, const EyeView& eye) {
                 layer.mesh = &mesh.geometry;
                 layer.colours = &mesh.colours;
                 layer.display = mesh.display, layer.shading = mesh.shading;
+                if (mesh.texture) layer.texture = detailTexture(editor);
                 if (strip.paint == Paint::model && key_.rest) layer.instead = restTexture(editor.restFrame());
             }
         }
@@ -157,7 +159,8 @@ ViewportImage::Painted& ViewportImage::painted(const Editor& editor, size_t slot
         const std::vector<uint8_t> visible =
             hiddenShown_.empty() || !scene ? std::vector<uint8_t>{}
                                            : visibleTriangles(*fresh.mesh, fresh.origin.get(), *scene, hiddenShown_);
-        p.geometry.upload(fresh.mesh, visible, visibleVersion_);
+        const bool otherTriangles = p.geometry.upload(fresh.mesh, visible, visibleVersion_);
+        placeTexture(editor, p, visible, otherTriangles);
         p.colours.upload(GL_ARRAY_BUFFER, fresh.colours, GL_STREAM_DRAW);
         if (slot == pickSlot_) visible_ = visible;
     } else if (p.drawable) {
@@ -167,10 +170,33 @@ ViewportImage::Painted& ViewportImage::painted(const Editor& editor, size_t slot
         const std::vector<uint8_t> visible = hiddenShown_.empty() || !scene
                                                  ? std::vector<uint8_t>{}
                                                  : visibleTriangles(*mesh, p.origin.get(), *scene, hiddenShown_);
-        p.geometry.upload(mesh, visible, visibleVersion_);
+        const bool otherTriangles = p.geometry.upload(mesh, visible, visibleVersion_);
+        placeTexture(editor, p, visible, otherTriangles);
         if (slot == pickSlot_) visible_ = visible;
     }
     return p;
+}
+
+void ViewportImage::placeTexture(const Editor& editor, Painted& p, const std::vector<uint8_t>& visible,
+                                 bool otherTriangles) {
+    const auto estimate = editor.estimate();
+    const auto& scene = editor.state.document.scene;
+    const Paint paint = p.key.paint;
+    const bool wanted = paint == Paint::model || paint == Paint::before || paint == Paint::albedo;
+    const auto texture = wanted && estimate && scene ? estimate->reflectance.texture : nullptr;
+    if (texture && (otherTriangles || p.texture != texture))
+        p.geometry.uploadTexcoords(texcoordsDrawn(*texture, *p.geometry.mesh(), scene->mesh, p.origin.get(), visible));
+    p.texture = texture;
+}
+
+GLuint ViewportImage::detailTexture(const Editor& editor) {
+    const auto estimate = editor.estimate();
+    if (estimate != detailShown_) {
+        const SurfaceDetail detail = detailOf(*estimate, editor.state.document.scene->mesh);
+        uploadHalf(detail_, detail.width, detail.height, &detail.factor[0].x, false);
+        detailShown_ = estimate;
+    }
+    return detail_.id();
 }
 
 void ViewportImage::makeLines(const Editor& editor) {

@@ -50,6 +50,7 @@ private:
         GlBuffer colours;
         bool display = false, shading = false, drawable = false;
         std::shared_ptr<const std::vector<uint32_t>> origin;
+        std::shared_ptr<const AlbedoTexture> texture;  ///< whose coordinates the geometry has; null: shows none
     };
 
     Renderer renderer_;
@@ -63,7 +64,8 @@ private:
     std::vector<uint8_t> visible_;
     uint64_t visibleVersion_ = 0;
     std::set<uint32_t> hiddenShown_;
-    GlTexture environment_, rest_;
+    GlTexture environment_, rest_, detail_;
+    std::shared_ptr<const Estimate> detailShown_;
     std::shared_ptr<const DistantLight> environmentShown_;
     std::shared_ptr<const Frame> restShown_;
     GlBuffer lines_, outline_;
@@ -79,9 +81,13 @@ private:
     Key keyOf(const Editor& editor, const EyeView& eye, float pixelsPerPoint) const;
     void compose(Editor& editor, const EyeView& eye);
     Painted& painted(const Editor& editor, size_t slot, const PaintKey& key);
+    /// Gives the geometry its texture coordinates, where its paint shows a texture.
+    void placeTexture(const Editor& editor, Painted& painted, const std::vector<uint8_t>& visible, bool otherTriangles);
     void makeLines(const Editor& editor);
     void makeOutline(const Editor& editor, const EyeView& eye, float pixelsPerPoint);
     GLuint environmentTexture(const std::shared_ptr<const DistantLight>& distant);
+    /// The texture of the estimate that is edited; 0: it has none.
+    GLuint detailTexture(const Editor& editor);
     GLuint restTexture(const std::shared_ptr<const Frame>& frame);
 };
 

@@ -78,6 +78,24 @@ Estimate assemble(const SolveRun& s) {
     return estimate;
 }
 
+namespace {
+
+SurfaceLight surfaceLightOf(const SolveRun& s, const Irradiance& irradiance, const Rgb& scale) {
+    SurfaceLight light;
+    if (!s.hasMatte()) return light;
+    const MatteObservations &matte = s.observed.matte, &coated = s.observed.withCoatings;
+    light.white.assign(s.in.scene.mesh.vertexCount(), Rgb(0));
+    light.coating.assign(light.white.size(), Rgb(0));
+    for (size_t i = 0; i < matte.vertices.size(); ++i) {
+        light.white[matte.vertices[i]] = irradiance.value[i] * scale;
+        if (!coated.vertices.empty())
+            light.coating[matte.vertices[i]] = glm::max(coated.radiance[i] - matte.radiance[i], Rgb(0));
+    }
+    return light;
+}
+
+}  // namespace
+
 void showSnapshot(SolveRun& s) {
     if (!s.listener || !s.listener->snapshot || s.stopped()) return;
     const AlbedoResult albedo = s.surfaces.albedo;
@@ -107,6 +125,7 @@ Estimate finishSolve(SolveRun& s) {
     assessUncertainty(s, irradiance, light, estimate);
     estimate.heldOut = holdOutViews(s, irradiance);
     applyGauge(s, irradiance, light, estimate);
+    estimate.surfaceLight = surfaceLightOf(s, irradiance, estimate.gauge.scale);
     if (s.gloss.empty())
         estimate.leftOut.push_back({Omission::glossyLobes, "no surface changes with the view beyond noise"});
     if (s.emitters.clusters.emitters.empty() && s.in.options.nearField)

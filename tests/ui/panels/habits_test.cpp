@@ -100,11 +100,11 @@ TEST(Habits, shiftIsFineInFieldsAsInTheViewport) {
         p.mouse(*at);
         p.frames(2);
         p.press(true);
-        ImGui::GetIO().KeyShift = shift;
+        p.shift(shift);
         for (int i = 1; i <= 40; ++i) p.mouse({at->x + 3.0f * float(i), at->y}), p.frames(1);
         const float stops = stopsOf(*p.editor, *p.editor->emitter(id));
         p.press(false);
-        ImGui::GetIO().KeyShift = false;
+        p.shift(false);
         p.frames(2);
         p.editor->undo();
         return stops;

@@ -36,6 +36,23 @@ struct PaintedRoom {
     }
 };
 
+/// Keys that ImGui reads by itself, by their code.
+inline const std::vector<std::pair<ImGuiKey, int>>& imguiKeys() {
+    static const std::vector<std::pair<ImGuiKey, int>> keys{
+        {ImGuiKey_Escape, int(keyEscape)},       {ImGuiKey_Enter, int(keyEnter)},
+        {ImGuiKey_UpArrow, int(keyUp)},          {ImGuiKey_DownArrow, int(keyDown)},
+        {ImGuiKey_Backspace, int(keyBackspace)}, {ImGuiKey_LeftArrow, int(keyLeft)},
+        {ImGuiKey_RightArrow, int(keyRight)}};
+    return keys;
+}
+#if IMGUI_VERSION_NUM >= 18700
+inline ImGuiKey imguiKey(int code) {
+    for (const auto& [name, key] : imguiKeys())
+        if (key == code) return name;
+    return ImGuiKey_F12;  // no panel asks ImGui for the others
+}
+#endif
+
 class Panels {
 public:
     TemporaryFolder folder;
@@ -46,14 +63,9 @@ public:
         ImGuiIO& io = ImGui::GetIO();
         io.DeltaTime = 1.0f / 60;
 #if IMGUI_VERSION_NUM < 18700
-        for (const auto& [name, key] : {std::pair{ImGuiKey_Escape, int(keyEscape)},
-                                        {ImGuiKey_Enter, int(keyEnter)},
-                                        {ImGuiKey_UpArrow, int(keyUp)},
-                                        {ImGuiKey_DownArrow, int(keyDown)},
-                                        {ImGuiKey_Backspace, int(keyBackspace)},
-                                        {ImGuiKey_LeftArrow, int(keyLeft)},
-                                        {ImGuiKey_RightArrow, int(keyRight)}})
-            io.KeyMap[name] = key;
+        for (const auto& [name, key] : imguiKeys()) io.KeyMap[name] = key;
+#else
+        io.ConfigInputTrickleEventQueue = false;
 #endif
         EditorOptions options;
         options.configFolder = folder / "config";
@@ -139,9 +151,18 @@ public:
         frame(last_);
         ImGui::GetIO().KeysDown[code] = false;
 #else
+        ImGui::GetIO().AddKeyEvent(imguiKey(code), true);
         frame(last_);
+        ImGui::GetIO().AddKeyEvent(imguiKey(code), false);
 #endif
         frame(last_);
+    }
+    void shift(bool down) {
+#if IMGUI_VERSION_NUM < 18700
+        ImGui::GetIO().KeyShift = down;
+#else
+        ImGui::GetIO().AddKeyEvent(ImGuiMod_Shift, down);
+#endif
     }
     void type(const std::string& words) {
         ImGui::GetIO().AddInputCharactersUTF8(words.c_str());

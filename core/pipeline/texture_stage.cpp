@@ -1,0 +1,74 @@
+#include "pipeline/texture_stage.h"
+
+#include "base/log.h"
+#include "base/parallel.h"
+#include "base/statistics.h"
+
+namespace relamp {
+namespace {
+
+constexpr float fineEnough = 0.7f;  // pixels between vertices, below which texels show nothing that vertices do not
+
+/// Pixels between neighbouring vertices, where photographs see them: the middle of all observations.
+float pixelsBetweenVertices(const Capture& capture, const Scene& scene, const RadianceSamples& samples) {
+    std::vector<float> pixels;
+    for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v)
+        for (uint32_t k = samples.start[v]; k < samples.start[v + 1]; ++k) {
+            const Camera& camera = capture.views[samples.samples[k].view].camera;
+            const float distance = glm::length(Vec3(camera.position()) - scene.mesh.positions[v]);
+            pixels.push_back(scene.vertexSpacing[v] * float(std::min(camera.focalX, camera.focalY)) / distance);
+        }
+    return medianOf(std::move(pixels));
+}
+
+bool leftOut(const SolvePlan& plan) {
+    return std::any_of(plan.leftOut.begin(), plan.leftOut.end(),
+                       [](const PlannedOmission& o) { return o.what == Omission::texture; });
+}
+
+}  // namespace
+
+void planTexture(const Capture& capture, const Scene& scene, const RadianceSamples& samples, std::optional<int> side,
+                 bool everything, SolvePlan& plan) {
+    double pixels = 0;
+    for (const View& view : capture.views) pixels += double(view.camera.width) * double(view.camera.height);
+    const double seconds = textureSeconds(pixels, {}) / availableThreads(), mib = textureMib(pixels, {});
+    const auto without = [&](const std::string& why, double saved) {
+        plan.leftOut.push_back({Omission::texture, why, saved, saved > 0 ? mib : 0.0});
+    };
+    if (side == 0) return without("as asked for", 0);
+    const float apart = pixelsBetweenVertices(capture, scene, samples);
+    if (!side && !everything && apart < fineEnough)
+        return without(
+            fmt::format("the mesh is as fine as the photographs: its vertices lie {:.1f} pixels apart", apart),
+            seconds);
+    plan.stages.push_back({Stage::texture, seconds, -1, mib, -1});
+}
+
+void addTexture(const Capture& capture, const Scene& scene, std::optional<int> side, Estimate& estimate,
+                Progress& progress) {
+    if (side == 0) {
+        estimate.surfaceLight = {};
+        return;
+    }
+    const LeftOut late(Omission::texture, "the time was used up");
+    if (progress.outOfTime()) {
+        estimate.leftOut.push_back(late);
+    } else if (!leftOut(estimate.plan)) try {
+            const Progress::Dispensable mayEnd(progress);
+            TextureOptions options;
+            if (side) options.mostSide = *side;
+            options.always = side.has_value();
+            TextureFit fit = fitTexture(capture, scene, estimate, options, progress);
+            if (fit.texture)
+                logInfo(
+                    "texture of {} x {}, {} charts, {:.0f} % of the photographs' resolution; views left out are "
+                    "explained {:.0f} % better",
+                    fit.texture->width, fit.texture->height, fit.charts, 100 * fit.scale, fit.gain.percent());
+            else estimate.leftOut.push_back({Omission::texture, fit.why});
+            estimate.reflectance.texture = std::move(fit.texture);
+        } catch (const OutOfTime&) { estimate.leftOut.push_back(late); }
+    estimate.surfaceLight = {};
+}
+
+}  // namespace relamp

@@ -1,0 +1,78 @@
+#include "shot/shot_texture.h"
+
+#include <unordered_map>
+
+#include "base/error.h"
+#include "base/random.h"
+#include "image/image_io.h"
+
+namespace relamp {
+namespace {
+
+/// The same for all orders of the corners.
+uint64_t keyOf(Triangle corners) {
+    std::sort(corners.begin(), corners.end());
+    return mixBits(mixBits(mixBits(corners[0]) + corners[1]) + corners[2]);
+}
+
+/// Where the corners of `triangle`, which is that face in some order, lie in an image of `size`; negative where the
+/// face says nothing of use.
+std::array<Vec2, 3> cornersOf(const TexturedFace& face, const Triangle& triangle, const Vec2& size) {
+    const std::array<Vec2, 3> nowhere{Vec2(-1), Vec2(-1), Vec2(-1)};
+    std::array<Vec2, 3> corners = nowhere;
+    for (size_t k = 0; k < 3; ++k)
+        for (size_t i = 0; i < 3; ++i) {
+            if (face.corners[i] != triangle[k]) continue;
+            const Vec2 uv = face.texcoords[i];
+            if (!(uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1)) return nowhere;
+            corners[k] = Vec2(uv.x, 1 - uv.y) * size;
+        }
+    return corners[0].x >= 0 && corners[1].x >= 0 && corners[2].x >= 0 ? corners : nowhere;
+}
+
+}  // namespace
+
+FaceTexcoords texcoordsOf(const AlbedoTexture& texture, uint32_t triangle) {
+    FaceTexcoords result{};
+    if (!texture.has(triangle)) return result;
+    for (size_t k = 0; k < 3; ++k) {
+        const Vec2& p = texture.corners[triangle][k];
+        result[k] = Vec2(p.x / float(texture.width), 1 - p.y / float(texture.height));
+    }
+    return result;
+}
+
+void writeTexture(const AlbedoTexture& texture, const std::filesystem::path& file) {
+    const char* names[] = {"R", "G", "B"};
+    std::vector<Channel> channels;
+    for (int c = 0; c < 3; ++c) {
+        channels.push_back({names[c], true, {}});
+        for (const Rgb& texel : texture.texels) channels.back().values.push_back(texel[c]);
+    }
+    writeChannels(file, texture.width, texture.height, channels);
+}
+
+std::shared_ptr<const AlbedoTexture> readTexture(const std::filesystem::path& image, const std::filesystem::path& faces,
+                                                 const std::vector<Triangle>& triangles) {
+    const std::vector<TexturedFace> textured = readTexturedFaces(faces);
+    if (textured.empty()) return nullptr;
+    Image pixels = readImage(image);
+    if (pixels.width < 2 || pixels.height < 2)
+        throw Error("{}: is {} x {} pixels, expected at least 2 x 2", image.string(), pixels.width, pixels.height);
+    auto texture = std::make_shared<AlbedoTexture>();
+    texture->width = pixels.width;
+    texture->height = pixels.height;
+    texture->texels = std::move(pixels.pixels);
+    std::unordered_map<uint64_t, uint32_t> place;
+    for (uint32_t f = 0; f < textured.size(); ++f) place.emplace(keyOf(textured[f].corners), f);
+    const Vec2 size(float(pixels.width), float(pixels.height));
+    for (const Triangle& t : triangles) {
+        std::array<Vec2, 3> corners{Vec2(-1), Vec2(-1), Vec2(-1)};
+        if (const auto found = place.find(keyOf(t)); found != place.end())
+            corners = cornersOf(textured[found->second], t, size);
+        texture->corners.push_back(corners);
+    }
+    return texture;
+}
+
+}  // namespace relamp

@@ -1,0 +1,146 @@
+#include "texture/fit_texture.h"
+
+#include <gtest/gtest.h>
+
+#include "base/parallel.h"
+#include "base/random.h"
+#include "support/stopping.h"
+
+namespace relamp {
+namespace {
+
+/// A coarse sheet with a fine print, photographed from several sides under even light.
+struct PrintedSheet {
+    Capture capture;
+    Scene scene;
+    Estimate estimate;
+
+    /// Stripes of 8 cm, wider than two pixels and much narrower than the 50 cm between vertices.
+    static Rgb print(const Vec3& p) {
+        const float wave = 0.5f + 0.5f * std::sin(2 * pi * p.x / 0.08f);
+        return glm::mix(Rgb(0.15f, 0.2f, 0.3f), Rgb(0.75f, 0.7f, 0.5f), wave * wave);
+    }
+
+    explicit PrintedSheet(bool printed = true) {
+        scene = test::sceneOf(test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 4, 4));
+        capture.mesh = scene.mesh;
+        const Rgb mean = printed ? Rgb(0.375f, 0.3875f, 0.375f) : Rgb(0.5f);
+        estimate = test::matteEstimate(scene, mean, Rgb(1));
+        estimate.surfaceLight.white.assign(scene.mesh.vertexCount(), light);
+        estimate.surfaceLight.coating.assign(scene.mesh.vertexCount(), Rgb(0));
+        for (int i = 0; i < 6; ++i) {
+            const double turn = 1.1 * i;
+            View view;
+            view.name = std::to_string(i);
+            view.camera = test::cameraAt({1.2 * std::cos(turn), 1.2 * std::sin(turn), 2.4}, {0, 0, 0}, 128, 96, 128);
+            view.image = Image(128, 96);
+            for (int y = 0; y < 96; ++y)
+                for (int x = 0; x < 128; ++x) view.image.at(x, y) = pixel(view.camera, x, y, printed);
+            capture.views.push_back(std::move(view));
+        }
+    }
+
+    TextureFit fit(const TextureOptions& options = {}) const {
+        Progress progress;
+        return fitTexture(capture, scene, estimate, options, progress);
+    }
+
+    /// Root mean square error over middle of the sheet.
+    static double errorOf(const std::function<Rgb(uint32_t, const Vec2&)>& albedo, const Mesh& mesh) {
+        double sum = 0, count = 0;
+        for (uint32_t t = 0; t < mesh.triangles.size(); ++t)
+            for (int i = 0; i < 200; ++i) {
+                const Vec2 r = r2Point(uint32_t(i), Vec2(0));
+                const Vec2 b = r.x + r.y <= 1 ? r : Vec2(1 - r.x, 1 - r.y);
+                const Triangle& c = mesh.triangles[t];
+                const Vec3 p =
+                    (1 - b.x - b.y) * mesh.positions[c[0]] + b.x * mesh.positions[c[1]] + b.y * mesh.positions[c[2]];
+                if (std::abs(p.x) > 0.7f || std::abs(p.y) > 0.7f) continue;
+                const Rgb d = albedo(t, b) - print(p);
+                sum += double(glm::dot(d, d)) / 3;
+                ++count;
+            }
+        return std::sqrt(sum / count);
+    }
+
+    static constexpr Rgb light{1.5f, 1.2f, 0.9f};
+
+private:
+    /// A pixel by many rays on the plane, by itself.
+    static Rgb pixel(const Camera& camera, int x, int y, bool printed) {
+        Rgb sum(0);
+        for (int i = 0; i < 64; ++i) {
+            const Vec3 d =
+                camera.rayDirection(Vec2(float(x) + (float(i % 8) + 0.5f) / 8, float(y) + (float(i / 8) + 0.5f) / 8));
+            const Vec3 p = Vec3(camera.position()) - d * (float(camera.position().z) / d.z);
+            if (std::abs(p.x) <= 1 && std::abs(p.y) <= 1) sum += (printed ? print(p) : Rgb(0.5f)) * light / 64.0f;
+        }
+        return sum;
+    }
+};
+
+TEST(FitTexture, FindsAPrintThatVerticesMiss) {
+    const PrintedSheet sheet;
+    const TextureFit fit = sheet.fit();
+    ASSERT_TRUE(fit.texture) << fit.why;
+    EXPECT_GT(fit.gain.percent(), 80);
+    const Mesh& mesh = sheet.scene.mesh;
+    const double vertices = PrintedSheet::errorOf([](uint32_t, const Vec2&) { return Rgb(0.375f); }, mesh),
+                 texels = PrintedSheet::errorOf(
+                     [&](uint32_t t, const Vec2&b) { return fit.texture->at(fit.texture->place(t, b)); }, mesh);
+    EXPECT_GT(vertices, 0.15);
+    EXPECT_LT(texels, 0.03);  // stripes of two and a half pixels through a pixel's own blur
+}
+
+TEST(FitTexture, OfAPlainSheetIsNotWorthIt) {
+    const TextureFit fit = PrintedSheet(false).fit();
+    EXPECT_FALSE(fit.texture);
+    EXPECT_FALSE(fit.why.empty());
+    TextureOptions always;
+    always.always = true;
+    const TextureFit asked = PrintedSheet(false).fit(always);
+    ASSERT_TRUE(asked.texture);
+    for (uint32_t t = 0; t < 8; ++t)
+        EXPECT_LT(glm::length(asked.texture->at(asked.texture->place(t, {0.3f, 0.3f})) - Rgb(0.5f)), 0.005f);
+}
+
+TEST(FitTexture, WhatOneViewAloneShowsIsNoPrint) {
+    PrintedSheet sheet;
+    // Someone's hand in one photograph.
+    for (int y = 40; y < 56; ++y)
+        for (int x = 56; x < 72; ++x) sheet.capture.views[1].image.at(x, y) = Rgb(0.02f);
+    const TextureFit fit = sheet.fit();
+    ASSERT_TRUE(fit.texture);
+    const double texels = PrintedSheet::errorOf(
+        [&](uint32_t t, const Vec2& b) { return fit.texture->at(fit.texture->place(t, b)); }, sheet.scene.mesh);
+    EXPECT_LT(texels, 0.04);
+}
+
+TEST(FitTexture, SameBitsOnAnyNumberOfThreads) {
+    const PrintedSheet sheet;
+    std::vector<Rgb> one;
+    {
+        const ThreadLimit limit(1);
+        one = sheet.fit().texture->texels;
+    }
+    const ThreadLimit limit(3);
+    EXPECT_EQ(one, sheet.fit().texture->texels);
+}
+
+TEST(FitTexture, WithoutKnownLightThereIsNone) {
+    PrintedSheet sheet;
+    sheet.estimate.surfaceLight = {};
+    EXPECT_FALSE(sheet.fit().texture);
+    PrintedSheet metal;
+    metal.estimate.reflectance.weight[0].assign(metal.scene.mesh.vertexCount(), Rgb(0));
+    EXPECT_FALSE(metal.fit().texture);
+}
+
+TEST(FitTexture, StopsHalfWay) {
+    const PrintedSheet sheet;
+    test::expectStopsHalfWay(
+        [&](Progress& progress) { fitTexture(sheet.capture, sheet.scene, sheet.estimate, {}, progress); });
+}
+
+}  // namespace
+}  // namespace relamp
