@@ -46,6 +46,7 @@ Atlas layOut(const Mesh& mesh, const std::vector<float>& texelsPerMetre, const A
              Progress& progress) {
     Atlas atlas;
     atlas.corners.assign(mesh.triangles.size(), {Vec2(-1), Vec2(-1), Vec2(-1)});
+    atlas.chartOf.assign(mesh.triangles.size(), 0);
     // Resolution that leaves room for rectangles and gutters.
     constexpr double usualFill = 0.6;
     double asked = 0;
@@ -81,8 +82,10 @@ Atlas layOut(const Mesh& mesh, const std::vector<float>& texelsPerMetre, const A
     for (const stbrp_rect& rect : rects) {
         const Chart& chart = charts[size_t(rect.id)];
         const Vec2 at(float(rect.x + options.gutter) + 0.5f, float(rect.y + options.gutter) + 0.5f);
-        for (size_t i = 0; i < chart.triangles.size(); ++i)
+        for (size_t i = 0; i < chart.triangles.size(); ++i) {
+            atlas.chartOf[chart.triangles[i]] = uint32_t(rect.id);
             for (size_t k = 0; k < 3; ++k) atlas.corners[chart.triangles[i]][k] = at + chart.corners[i][k] * scale;
+        }
     }
     return atlas;
 }

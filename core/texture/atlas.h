@@ -15,6 +15,7 @@ struct AtlasOptions {
 struct Atlas {
     int width = 0, height = 0;                 ///< texels; 0 where no triangle asked for any
     std::vector<std::array<Vec2, 3>> corners;  ///< per triangle, texels; negative where it has none
+    std::vector<uint32_t> chartOf;             ///< per triangle; meaningless where it has no texels
     size_t charts = 0;
     float scale = 1;  ///< of the density that was asked for, at most 1
 };

@@ -1,6 +1,7 @@
 #include "texture/fit_texture.h"
 
 #include <atomic>
+#include <map>
 
 #include "base/log.h"
 #include "base/parallel.h"
@@ -8,13 +9,14 @@
 #include "base/statistics.h"
 #include "texture/atlas.h"
 #include "texture/photograph_geometry.h"
+#include "texture/seams.h"
 #include "texture/vertex_texels.h"
 
 namespace relamp {
 namespace {
 
 constexpr double mostSamples = 1.2e7;  // positions in pixels that a pass looks at
-constexpr float priorWeight = 0.02f;   // of the vertices' albedo, in pixels
+constexpr float priorWeight = 0.01f;   // of the vertices' albedo, in pixels
 constexpr float robustScale =
     0.12f;                    // relative difference to what the other views say, beyond which a pixel counts less
 constexpr float step = 1.5f;  // of a pass; below 2
@@ -55,14 +57,52 @@ struct TracedPixel {
     Rgb light{0}, coating{0};  ///< mean of its positions
     Rgb byVertices{0};         ///< radiance without coating, from the vertices' albedo
     float weight = 0;          ///< trust in the pixel and in its light, in [0, 1]
+    uint32_t triangle = 0;     ///< that its first position meets
     std::array<TexelSample, 4> samples;
 };
+
+/// On one chart: squares of what vertices miss in pixels, of what texels add, and their product. Roots of radiance.
+struct DetailEvidence {
+    double missing = 0, both = 0, detail = 0;
+    DetailEvidence& operator+=(const DetailEvidence& other) {
+        missing += other.missing;
+        both += other.both;
+        detail += other.detail;
+        return *this;
+    }
+    /// Squared error where `fraction` of the detail is kept.
+    double errorWith(double fraction) const { return missing - 2 * fraction * both + fraction * fraction * detail; }
+};
+
+/// The fraction of its detail that each chart is right to keep, by what predicts left-out views best; charts that these
+/// show little of follow the others. The gain of it all. The left-out view has a pose error of its own, which lowers
+/// its fraction as much as that of the others does: three quarters count as all, one quarter as nothing.
+std::vector<float> fractionsOf(const std::vector<DetailEvidence>& charts, TextureGain& gain) {
+    DetailEvidence all;
+    for (const DetailEvidence& e : charts) all += e;
+    const double usual = all.detail > 0 ? std::clamp(all.both / all.detail, 0.0, 1.0) : 0,
+                 prior = all.detail / double(std::max<size_t>(1, charts.size()));
+    std::vector<float> fractions;
+    for (const DetailEvidence& e : charts) {
+        const double weight = e.detail + prior;
+        const double best = weight > 0 ? (e.both + prior * usual) / weight : usual;
+        fractions.push_back(float(std::clamp(2 * best - 0.5, 0.0, 1.0)));
+        gain += {e.missing, e.errorWith(double(fractions.back()))};
+    }
+    return fractions;
+}
 
 class TextureSolver {
 public:
     TextureSolver(const Capture& capture, const Scene& scene, const Estimate& estimate, AlbedoTexture& texture,
-                  const std::vector<PhotographGeometry>& geometry, Progress& progress)
-        : capture_(capture), scene_(scene), estimate_(estimate), texture_(texture), geometry_(geometry) {
+                  const std::vector<uint8_t>& inside, const std::vector<PhotographGeometry>& geometry,
+                  Progress& progress)
+        : capture_(capture),
+          scene_(scene),
+          estimate_(estimate),
+          texture_(texture),
+          inside_(inside),
+          geometry_(geometry) {
         double pixels = 0;
         for (const PhotographGeometry& g : geometry) pixels += double(g.surfacePixels);
         across_ = 4 * pixels <= mostSamples ? 2 : 1;
@@ -136,26 +176,45 @@ public:
             texture_.texels[i] =
                 glm::clamp(texture_.texels[i] + step / (weight + priorWeight) * change, Rgb(0), Rgb(2));
         });
+        followInside(sums);
     }
 
-    /// How well texels and vertices predict the pixels of a view: mean square difference of the roots of radiance.
-    TextureGain gainOn(uint32_t view) const {
+    /// What texels say beside vertices in a view that they were not made from, added to the evidence on each chart.
+    void judge(uint32_t view, const Atlas& atlas, std::vector<DetailEvidence>& charts) const {
         const Camera& camera = capture_.views[view].camera;
-        return parallelSum(size_t(camera.height), 4, TextureGain(), [&](size_t begin, size_t end) {
-            TextureGain sum;
+        constexpr size_t block = 32;
+        std::vector<std::map<uint32_t, DetailEvidence>> found((size_t(camera.height) + block - 1) / block);
+        parallelBlocks(size_t(camera.height), block, [&](size_t begin, size_t end) {
             TracedPixel p;
             for (size_t y = begin; y < end; ++y)
                 for (int x = 0; x < camera.width; ++x) {
                     if (turns_ > 1 && mixBits(y * 65536 + size_t(x)) % turns_ != 0) continue;
                     if (!trace(view, x, int(y), p)) continue;
-                    const Rgb seen = glm::sqrt(glm::max(capture_.views[view].image.at(x, int(y)), Rgb(0))),
-                              texel = glm::sqrt(byTexture(p) + p.coating) - seen,
-                              vertex = glm::sqrt(p.byVertices + p.coating) - seen;
-                    sum.perTexel += double(glm::dot(texel, texel));
-                    sum.perVertex += double(glm::dot(vertex, vertex));
+                    const Rgb vertex = glm::sqrt(p.byVertices + p.coating),
+                              detail = glm::sqrt(byTexture(p) + p.coating) - vertex,
+                              missing = glm::sqrt(glm::max(capture_.views[view].image.at(x, int(y)), Rgb(0))) - vertex;
+                    found[begin / block][atlas.chartOf[p.triangle]] +=
+                        {double(glm::dot(missing, missing)), double(glm::dot(missing, detail)),
+                         double(glm::dot(detail, detail))};
                 }
-            return sum;
         });
+        for (const auto& rows : found)
+            for (const auto& [chart, evidence] : rows) charts[chart] += evidence;
+    }
+
+    /// Keeps `fraction` of what the texels of each chart say beside the vertices.
+    void keepDetail(const Atlas& atlas, const std::vector<float>& fraction) {
+        std::vector<float> keep(texture_.texels.size(), 0);
+        for (uint32_t t = 0; t < atlas.corners.size(); ++t) {
+            if (!texture_.has(t)) continue;
+            const auto& p = atlas.corners[t];
+            const Vec2 low = glm::min(p[0], glm::min(p[1], p[2])), high = glm::max(p[0], glm::max(p[1], p[2]));
+            for (int y = std::max(0, int(low.y) - 1); y <= std::min(atlas.height - 1, int(high.y) + 1); ++y)
+                for (int x = std::max(0, int(low.x) - 1); x <= std::min(atlas.width - 1, int(high.x) + 1); ++x)
+                    keep[size_t(y) * size_t(atlas.width) + size_t(x)] = fraction[atlas.chartOf[t]];
+        }
+        parallelFor(keep.size(), 1 << 14,
+                    [&](size_t i) { texture_.texels[i] = start_[i] + keep[i] * (texture_.texels[i] - start_[i]); });
     }
 
     float samplesPerTexel() const { return samplesPerTexel_; }
@@ -165,12 +224,37 @@ private:
     const Scene& scene_;
     const Estimate& estimate_;
     AlbedoTexture& texture_;
+    const std::vector<uint8_t>& inside_;
     const std::vector<PhotographGeometry>& geometry_;
     std::vector<Rgb> start_;
     std::vector<std::vector<TracedPixel>> traced_;  // per view, where all fit into memory
     int across_ = 1;                                // positions along a pixel's side
     uint32_t turns_ = 1;                            // passes until every pixel has had its turn
     float samplesPerTexel_ = 1, dark_ = 0;
+
+    /// Texels beside a chart that hardly any pixel reaches differ from the vertices as their neighbours on the chart
+    /// do.
+    void followInside(const TexelSums& sums) {
+        constexpr float enough = 0.15f;  // pixels
+        const int width = texture_.width, height = texture_.height;
+        parallelFor(size_t(height), 16, [&](size_t row) {
+            for (int x = 0; x < width; ++x) {
+                const size_t at = row * size_t(width) + size_t(x);
+                if (inside_[at] || sums.weight(at) > enough) continue;
+                Rgb detail(0);
+                float count = 0;
+                for (int k = 0; k < 9; ++k) {
+                    const int nx = x + k % 3 - 1, ny = int(row) + k / 3 - 1;
+                    if (nx < 0 || ny < 0 || nx >= width || ny >= height) continue;
+                    const size_t n = size_t(ny) * size_t(width) + size_t(nx);
+                    if (!inside_[n]) continue;
+                    detail += texture_.texels[n] - start_[n];
+                    ++count;
+                }
+                if (count > 0) texture_.texels[at] = glm::max(start_[at] + detail / count, Rgb(0));
+            }
+        });
+    }
 
     Rgb byTexture(const TracedPixel& p) const {
         const int count = across_ * across_;
@@ -195,6 +279,7 @@ private:
                        0, 1e30f};
         scene_.cameraTracer->closest8({rays, size_t(count)}, {hits, size_t(count)});
         p.view = view;
+        p.triangle = hits[0].triangle;
         p.x = x;
         p.y = y;
         p.light = p.coating = p.byVertices = Rgb(0);
@@ -293,26 +378,32 @@ TextureFit fitTexture(const Capture& capture, const Scene& scene, const Estimate
     fit.charts = atlas.charts;
     fit.scale = atlas.scale;
     AlbedoTexture texture{atlas.width, atlas.height, atlas.corners, {}};
-    texture.texels = texelsOfVertices(scene.mesh, estimate.reflectance.weight[0], texture);
+    std::vector<uint8_t> inside;
+    texture.texels = texelsOfVertices(scene.mesh, estimate.reflectance.weight[0], texture, &inside);
     const size_t views = capture.views.size();
     progress.begin("Albedo per texel", views * size_t(options.passes + options.passes / 2 + 1));
-    TextureSolver solver(capture, scene, estimate, texture, geometry, progress);
+    TextureSolver solver(capture, scene, estimate, texture, inside, geometry, progress);
     TexelSums sums(texture.texels.size(), solver.samplesPerTexel());
     std::vector<uint8_t> used(views, 1);
     std::vector<uint32_t> left;
     if (views >= 4) left = {uint32_t(views / 3), uint32_t(2 * views / 3)};
     for (const uint32_t view : left) used[view] = 0;
     for (int k = 0; k < options.passes; ++k) solver.pass(used, k, sums, progress);
-    for (const uint32_t view : left) fit.gain += solver.gainOn(view);
     if (!left.empty()) {
+        std::vector<DetailEvidence> evidence(atlas.charts);
+        for (const uint32_t view : left) solver.judge(view, atlas, evidence);
+        std::vector<float> fractions = fractionsOf(evidence, fit.gain);
         if (!fit.gain.better() && !options.always) {
-            fit.why = fmt::format("views left out are explained {:.0f} % {} with it", std::abs(fit.gain.percent()),
-                                  fit.gain.percent() < 0 ? "worse" : "better, which is too little,");
+            fit.why = fmt::format("views left out are explained {:.1f} % better with it, which is too little",
+                                  fit.gain.percent());
             return fit;
         }
         used.assign(views, 1);
         for (int k = options.passes / 2; k < options.passes; ++k) solver.pass(used, k, sums, progress);
+        if (!options.always) solver.keepDetail(atlas, fractions);
     }
+    constexpr int levelling = 24;
+    levelSeams(seamPoints(scene.mesh, texture), levelling, texture);
     fit.texture = std::make_shared<const AlbedoTexture>(std::move(texture));
     return fit;
 }

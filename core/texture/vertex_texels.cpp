@@ -2,7 +2,8 @@
 
 namespace relamp {
 
-std::vector<Rgb> texelsOfVertices(const Mesh& mesh, const std::vector<Rgb>& values, const AlbedoTexture& texture) {
+std::vector<Rgb> texelsOfVertices(const Mesh& mesh, const std::vector<Rgb>& values, const AlbedoTexture& texture,
+                                  std::vector<uint8_t>* inside) {
     const size_t count = size_t(texture.width) * size_t(texture.height);
     std::vector<Rgb> texels(count, Rgb(0));
     std::vector<uint8_t> covered(count, 0);
@@ -20,16 +21,20 @@ std::vector<Rgb> texelsOfVertices(const Mesh& mesh, const std::vector<Rgb>& valu
                     b1 = (c.x * b.y - c.y * b.x) / area;
                     b2 = (a.x * c.y - a.y * c.x) / area;
                 }
-                const bool inside = b1 >= 0 && b2 >= 0 && b1 + b2 <= 1;
+                const bool on = b1 >= 0 && b2 >= 0 && b1 + b2 <= 1;
                 const size_t at = size_t(y) * size_t(texture.width) + size_t(x);
                 // A texel whose centre lies beside the triangle is read through bilinear blends all the same.
-                if (covered[at] == 2 || (!inside && covered[at])) continue;
+                if (covered[at] == 2 || (!on && covered[at])) continue;
                 b1 = std::clamp(b1, 0.0f, 1.0f);
                 b2 = std::clamp(b2, 0.0f, 1 - b1);
                 const Triangle& v = mesh.triangles[t];
                 texels[at] = (1 - b1 - b2) * values[v[0]] + b1 * values[v[1]] + b2 * values[v[2]];
-                covered[at] = inside ? 2 : 1;
+                covered[at] = on ? 2 : 1;
             }
+    }
+    if (inside) {
+        inside->resize(count);
+        for (size_t i = 0; i < count; ++i) (*inside)[i] = covered[i] == 2;
     }
     return texels;
 }

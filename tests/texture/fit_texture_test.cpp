@@ -4,7 +4,9 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "support/estimates.h"
 #include "support/stopping.h"
+#include "texture/seams.h"
 
 namespace relamp {
 namespace {
@@ -114,6 +116,49 @@ TEST(FitTexture, WhatOneViewAloneShowsIsNoPrint) {
     const double texels = PrintedSheet::errorOf(
         [&](uint32_t t, const Vec2& b) { return fit.texture->at(fit.texture->place(t, b)); }, sheet.scene.mesh);
     EXPECT_LT(texels, 0.04);
+}
+
+/// A ball lies in many charts: both sides of a seam say the same.
+TEST(FitTexture, SeamsBetweenChartsAreNotSeen) {
+    Capture capture;
+    const Scene scene = test::sceneOf(test::ball({0, 0, 0}, 1, 16, 32));
+    capture.mesh = scene.mesh;
+    Estimate estimate = test::matteEstimate(scene, Rgb(0.5f), Rgb(1));
+    estimate.surfaceLight.white.assign(scene.mesh.vertexCount(), Rgb(1));
+    estimate.surfaceLight.coating.assign(scene.mesh.vertexCount(), Rgb(0));
+    const auto paint = [](const Vec3& p) {
+        return Rgb(0.5f) + 0.2f * Rgb(std::sin(5 * p.x), std::sin(4 * p.y), std::sin(4 * p.z));
+    };
+    for (int i = 0; i < 8; ++i) {
+        const double turn = 0.8 * i, height = i % 2 ? 1.6 : -1.6;
+        View view;
+        view.name = std::to_string(i);
+        view.camera = test::cameraAt({3 * std::cos(turn), 3 * std::sin(turn), height}, {0, 0, 0}, 160, 160, 200);
+        view.image = Image(160, 160);
+        for (int y = 0; y < 160; ++y)
+            for (int x = 0; x < 160; ++x) {
+                const Hit hit =
+                    scene.tracer->closest({Vec3(view.camera.position()),
+                                           view.camera.rayDirection({float(x) + 0.5f, float(y) + 0.5f}), 0, 1e30f});
+                if (hit) view.image.at(x, y) = paint(scene.pointOf(hit));
+            }
+        capture.views.push_back(std::move(view));
+    }
+    Progress progress;
+    const TextureFit fit = fitTexture(capture, scene, estimate, {}, progress);
+    ASSERT_TRUE(fit.texture) << fit.why;
+    EXPECT_GT(fit.charts, 4u);
+    double difference = 0, most = 0;
+    const std::vector<SeamPoint> seams = seamPoints(scene.mesh, *fit.texture);
+    for (const SeamPoint& p : seams) {
+        const double apart =
+            double(glm::length(fit.texture->at(p.here) - fit.texture->at(p.there))) / (0.5 * sqrt(3.0));
+        difference += apart / double(seams.size());
+        most = std::max(most, apart);
+    }
+    EXPECT_GT(seams.size(), 100u);
+    EXPECT_LT(difference, 0.003);
+    EXPECT_LT(most, 0.02);
 }
 
 TEST(FitTexture, SameBitsOnAnyNumberOfThreads) {
