@@ -153,7 +153,8 @@ Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepare
     if (options.plan && !extras.resume)
         solve.plan = planSolve(capture, scene, *prepared.samples, prepared.clusters, options.solve, options.everything,
                                progress);
-    if (!extras.resume) planTexture(capture, scene, *prepared.samples, options.texture, options.everything, solve.plan);
+    if (options.plan && !extras.resume)
+        planTexture(capture, scene, *prepared.samples, options.texture, options.everything, solve.plan);
     meter.end();
     if (extras.planned) extras.planned(extras.resume ? extras.resume->plan : solve.plan);
     // Transport (visibility, near-field maps) and the two alternating programs: light (equations 3 to 6) and
@@ -182,6 +183,7 @@ Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepare
         meter.end();
     }
     estimate.heldOut.clear();
+    estimate.heldOutTexture.reset();
     if (estimate.reproduction.measured()) logInfo("{}", toText(estimate.reproduction));
     std::vector<PlannedStage> done;
     for (const StageCost& cost : meter.stages()) {

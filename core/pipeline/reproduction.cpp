@@ -210,7 +210,7 @@ Reproduction measureReproduction(const Capture& capture, const Scene& scene, con
         if (at == result.views.end()) continue;
         RelitScene without = relit;
         without.weight[0] = held.albedo;
-        without.texture = nullptr;
+        without.texture = estimate.heldOutTexture;
         at->heldOut = framePsnr(view, pixels[held.view], samples, FrameRenderer(without, view.camera, frame), progress);
         heldOut.push_back(at->heldOut);
     }

@@ -67,6 +67,7 @@ void addTexture(const Capture& capture, const Scene& scene, std::optional<int> s
                     fit.texture->width, fit.texture->height, fit.charts, 100 * fit.scale, fit.gain.percent());
             else estimate.leftOut.push_back({Omission::texture, fit.why});
             estimate.reflectance.texture = std::move(fit.texture);
+        estimate.heldOutTexture = std::move(fit.without);
         } catch (const OutOfTime&) { estimate.leftOut.push_back(late); }
     estimate.surfaceLight = {};
 }

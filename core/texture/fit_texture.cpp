@@ -202,11 +202,11 @@ public:
             for (const auto& [chart, evidence] : rows) charts[chart] += evidence;
     }
 
-    /// Keeps `fraction` of what the texels of each chart say beside the vertices.
-    void keepDetail(const Atlas& atlas, const std::vector<float>& fraction) {
-        std::vector<float> keep(texture_.texels.size(), 0);
+    /// Keeps in `texture` that fraction of what the texels of each chart say beside the vertices.
+    void keepDetail(const Atlas& atlas, const std::vector<float>& fraction, AlbedoTexture& texture) const {
+        std::vector<float> keep(texture.texels.size(), 0);
         for (uint32_t t = 0; t < atlas.corners.size(); ++t) {
-            if (!texture_.has(t)) continue;
+            if (!texture.has(t)) continue;
             const auto& p = atlas.corners[t];
             const Vec2 low = glm::min(p[0], glm::min(p[1], p[2])), high = glm::max(p[0], glm::max(p[1], p[2]));
             for (int y = std::max(0, int(low.y) - 1); y <= std::min(atlas.height - 1, int(high.y) + 1); ++y)
@@ -214,7 +214,7 @@ public:
                     keep[size_t(y) * size_t(atlas.width) + size_t(x)] = fraction[atlas.chartOf[t]];
         }
         parallelFor(keep.size(), 1 << 14,
-                    [&](size_t i) { texture_.texels[i] = start_[i] + keep[i] * (texture_.texels[i] - start_[i]); });
+                    [&](size_t i) { texture.texels[i] = start_[i] + keep[i] * (texture.texels[i] - start_[i]); });
     }
 
     float samplesPerTexel() const { return samplesPerTexel_; }
@@ -392,15 +392,18 @@ TextureFit fitTexture(const Capture& capture, const Scene& scene, const Estimate
     if (!left.empty()) {
         std::vector<DetailEvidence> evidence(atlas.charts);
         for (const uint32_t view : left) solver.judge(view, atlas, evidence);
-        std::vector<float> fractions = fractionsOf(evidence, fit.gain);
+        const std::vector<float> fractions = fractionsOf(evidence, fit.gain);
         if (!fit.gain.better() && !options.always) {
             fit.why = fmt::format("views left out are explained {:.1f} % better with it, which is too little",
                                   fit.gain.percent());
             return fit;
         }
+        AlbedoTexture without = texture;
+        if (!options.always) solver.keepDetail(atlas, fractions, without);
+        fit.without = std::make_shared<const AlbedoTexture>(std::move(without));
         used.assign(views, 1);
         for (int k = options.passes / 2; k < options.passes; ++k) solver.pass(used, k, sums, progress);
-        if (!options.always) solver.keepDetail(atlas, fractions);
+        if (!options.always) solver.keepDetail(atlas, fractions, texture);
     }
     constexpr int levelling = 24;
     levelSeams(seamPoints(scene.mesh, texture), levelling, texture);

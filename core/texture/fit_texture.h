@@ -31,6 +31,8 @@ struct TextureGain {
 
 struct TextureFit {
     std::shared_ptr<const AlbedoTexture> texture;  ///< null where there is nothing to gain
+    std::shared_ptr<const AlbedoTexture>
+        without;  ///< the same from all views but n / 3 and 2 n / 3 of n; null with three
     TextureGain gain;
     size_t charts = 0;
     float scale = 1;  ///< of the resolution that photographs have, at most 1

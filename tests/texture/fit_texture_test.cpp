@@ -91,6 +91,8 @@ TEST(FitTexture, FindsAPrintThatVerticesMiss) {
                  texels = PrintedSheet::errorOf(
                      [&](uint32_t t, const Vec2&b) { return fit.texture->at(fit.texture->place(t, b)); }, mesh);
     EXPECT_GT(vertices, 0.15);
+    ASSERT_TRUE(fit.without);
+    EXPECT_NE(fit.without->texels, fit.texture->texels);
     EXPECT_LT(texels, 0.03);  // stripes of two and a half pixels through a pixel's own blur
 }
 
