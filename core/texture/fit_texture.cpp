@@ -313,25 +313,10 @@ private:
     }
 };
 
-/// Texels a metre on each triangle.
-std::vector<float> densityOf(const Capture& capture, const Scene& scene, const Estimate& estimate,
-                             const std::vector<PhotographGeometry>& geometry, float texelsPerPixel) {
+/// Texels a metre on each triangle. `vertex`: pixels a metre at the vertices.
+std::vector<float> densityOf(const Scene& scene, const Estimate& estimate, const std::vector<float>& vertex,
+                             float texelsPerPixel) {
     const Mesh& mesh = scene.mesh;
-    std::vector<float> vertex(mesh.vertexCount(), 0);
-    for (size_t i = 0; i < capture.views.size(); ++i) {
-        const Camera& camera = capture.views[i].camera;
-        const float focal = float(std::min(camera.focalX, camera.focalY));
-        const PhotographGeometry& g = geometry[i];
-        for (int y = 0; y < camera.height; ++y)
-            for (int x = 0; x < camera.width; ++x) {
-                const size_t p = size_t(y) * size_t(camera.width) + size_t(x);
-                if (g.triangle[p] == Hit::none || !(g.weight(x, y) > 0.3f)) continue;
-                const float cosine = std::abs(glm::dot(mesh.faceNormal(g.triangle[p]),
-                                                       camera.rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f))));
-                const float density = focal / g.depth[p] * std::sqrt(std::clamp(cosine, 0.1f, 1.0f));
-                for (uint32_t v : mesh.triangles[g.triangle[p]]) vertex[v] = std::max(vertex[v], density);
-            }
-    }
     std::vector<float> density(mesh.triangles.size(), 0);
     for (uint32_t t = 0; t < density.size(); ++t) {
         const Triangle& c = mesh.triangles[t];
@@ -349,8 +334,10 @@ std::vector<float> densityOf(const Capture& capture, const Scene& scene, const E
 }  // namespace
 
 double textureSeconds(double pixels, const TextureOptions& options) {
-    const double positions = std::min(mostSamples, 4 * pixels);
-    return 0.5 + 1e-6 * pixels + positions * 1e-7 * 1.5 * options.passes;
+    // Positions that do not fit into memory are traced anew in each pass, and their texels are as wide as pixels.
+    const bool kept = 4 * pixels <= mostSamples;
+    const double looks = kept ? 4 * pixels * 1.5 * options.passes * 1.2e-7 : mostSamples * options.passes * 5.4e-7;
+    return 0.5 + 2.5e-7 * pixels + looks;
 }
 
 double textureMib(double pixels, const TextureOptions& options) {
@@ -365,12 +352,13 @@ TextureFit fitTexture(const Capture& capture, const Scene& scene, const Estimate
         fit.why = "no surface is matte";
         return fit;
     }
+    std::vector<float> pixelsPerMetre;
     const std::vector<PhotographGeometry> geometry =
-        photographGeometry(capture, scene, estimate.emitters.emitterOfTriangle, progress);
+        photographGeometry(capture, scene, estimate.emitters.emitterOfTriangle, pixelsPerMetre, progress);
     AtlasOptions layout;
     layout.mostSide = options.mostSide;
     const Atlas atlas =
-        layOut(scene.mesh, densityOf(capture, scene, estimate, geometry, options.texelsPerPixel), layout, progress);
+        layOut(scene.mesh, densityOf(scene, estimate, pixelsPerMetre, options.texelsPerPixel), layout, progress);
     if (atlas.width == 0) {
         fit.why = "no surface is matte";
         return fit;
@@ -380,15 +368,17 @@ TextureFit fitTexture(const Capture& capture, const Scene& scene, const Estimate
     AlbedoTexture texture{atlas.width, atlas.height, atlas.corners, {}};
     std::vector<uint8_t> inside;
     texture.texels = texelsOfVertices(scene.mesh, estimate.reflectance.weight[0], texture, &inside);
+    // Texels that are wider than pixels have nothing to sharpen.
+    const int passes = atlas.scale * options.texelsPerPixel < 1 ? (2 * options.passes + 2) / 3 : options.passes;
     const size_t views = capture.views.size();
-    progress.begin("Albedo per texel", views * size_t(options.passes + options.passes / 2 + 1));
+    progress.begin("Albedo per texel", views * size_t(passes + passes / 2 + 1));
     TextureSolver solver(capture, scene, estimate, texture, inside, geometry, progress);
     TexelSums sums(texture.texels.size(), solver.samplesPerTexel());
     std::vector<uint8_t> used(views, 1);
     std::vector<uint32_t> left;
     if (views >= 4) left = {uint32_t(views / 3), uint32_t(2 * views / 3)};
     for (const uint32_t view : left) used[view] = 0;
-    for (int k = 0; k < options.passes; ++k) solver.pass(used, k, sums, progress);
+    for (int k = 0; k < passes; ++k) solver.pass(used, k, sums, progress);
     if (!left.empty()) {
         std::vector<DetailEvidence> evidence(atlas.charts);
         for (const uint32_t view : left) solver.judge(view, atlas, evidence);
@@ -402,7 +392,7 @@ TextureFit fitTexture(const Capture& capture, const Scene& scene, const Estimate
         if (!options.always) solver.keepDetail(atlas, fractions, without);
         fit.without = std::make_shared<const AlbedoTexture>(std::move(without));
         used.assign(views, 1);
-        for (int k = options.passes / 2; k < options.passes; ++k) solver.pass(used, k, sums, progress);
+        for (int k = passes / 2; k < passes; ++k) solver.pass(used, k, sums, progress);
         if (!options.always) solver.keepDetail(atlas, fractions, texture);
     }
     constexpr int levelling = 24;

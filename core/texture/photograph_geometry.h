@@ -8,16 +8,21 @@ namespace relamp {
 
 struct PhotographGeometry {
     int width = 0, height = 0;
-    std::vector<uint32_t> triangle;  ///< at the pixel's centre; Hit::none where no surface is
-    std::vector<float> depth;        ///< metres along the ray
-    std::vector<float> trust;        ///< in [0, 1]: 0 unusable, clipped or on an edge; rises within three pixels of it
-    size_t surfacePixels = 0;        ///< with trust
+    std::vector<uint8_t> away;  ///< pixels to the nearest edge, 0 to 3; 0 where unusable or clipped too
+    size_t surfacePixels = 0;   ///< that are not 0
 
-    float weight(int x, int y) const { return trust[size_t(y) * size_t(width) + size_t(x)]; }
+    /// Trust in a pixel, in [0, 1].
+    float weight(int x, int y) const {
+        constexpr std::array<float, 4> trust{0.0f, 0.05f, 0.4f, 1.0f};
+        return trust[away[size_t(y) * size_t(width) + size_t(x)]];
+    }
 };
 
-/// One a view. Edges are where depth jumps, where the surface ends, and where an emitter begins. Cost: one ray a pixel.
+/// One a view. Edges are where depth jumps, where the surface ends, and where an emitter begins. `density` becomes, per
+/// vertex, pixels a metre in the view that sees it finest, 0 where none does; of large photographs some pixels tell it.
+/// Cost: one ray a pixel. Memory: 1 B a pixel, 20 B while a view is looked at.
 std::vector<PhotographGeometry> photographGeometry(const Capture& capture, const Scene& scene,
-                                                   const std::vector<int>& emitterOfTriangle, Progress& progress);
+                                                   const std::vector<int>& emitterOfTriangle,
+                                                   std::vector<float>& density, Progress& progress);
 
 }  // namespace relamp
