@@ -48,8 +48,8 @@ public:
         if (!(area > 0)) return true;
         // Centres on an edge belong to both sides and say nothing.
         constexpr float inset = 1e-3f;
-        for (int y = std::max(0, int(low.y - 0.5f)); y <= std::min(height_ - 1, int(high.y + 0.5f)); ++y)
-            for (int x = std::max(0, int(low.x - 0.5f)); x <= std::min(width_ - 1, int(high.x + 0.5f)); ++x) {
+        for (int y = std::max(0, int(low.y - 0.5f)); y <= std::min(height_ - 1, int(high.y) + 1); ++y)
+            for (int x = std::max(0, int(low.x - 0.5f)); x <= std::min(width_ - 1, int(high.x) + 1); ++x) {
                 const Vec2 c(float(x) + 0.5f, float(y) + 0.5f);
                 bool inside = true;
                 for (size_t k = 0; k < 3; ++k) inside &= cross(p[(k + 1) % 3] - p[k], c - p[k]) > inset * area;
