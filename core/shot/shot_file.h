@@ -39,7 +39,7 @@ double peakMib();
 /// What shot.json holds beside the look, the seed and how to find and read the capture.
 nlohmann::json shotInfo(const Shot& shot);
 
-/// Writes shot.json, environment.exr (float, 1024 x 512), reflectance.ply into a new folder beside the target and
+/// Writes shot.json, environment.exr (float, 1024 x 512), reflectance.ply, albedo.exr into a new folder beside the target and
 /// exchanges the two, so that the old shot stays whole until the new one is. Unknown keys of an existing shot.json are
 /// kept. A link to a shot stays a link: the shot it leads to is replaced. Throws Error when the folder exists and
 /// `overwrite` is false; OutOfResources when the disk is full. A process
