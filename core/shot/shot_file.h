@@ -39,11 +39,11 @@ double peakMib();
 /// What shot.json holds beside the look, the seed and how to find and read the capture.
 nlohmann::json shotInfo(const Shot& shot);
 
-/// Writes shot.json, environment.exr (float, 1024 x 512), reflectance.ply, albedo.exr into a new folder beside the target and
-/// exchanges the two, so that the old shot stays whole until the new one is. Unknown keys of an existing shot.json are
-/// kept. A link to a shot stays a link: the shot it leads to is replaced. Throws Error when the folder exists and
-/// `overwrite` is false; OutOfResources when the disk is full. A process
-/// killed in the middle leaves a hidden folder beside the shot, which the next saveShot or openShot clears away.
+/// Writes shot.json, environment.exr (float, 1024 x 512), reflectance.ply, albedo.exr into a new folder beside the
+/// target and exchanges the two, so that the old shot stays whole until the new one is. Unknown keys of an existing
+/// shot.json are kept. A link to a shot stays a link: the shot it leads to is replaced. Throws Error when the folder
+/// exists and `overwrite` is false; OutOfResources when the disk is full. A process killed in the middle leaves a
+/// hidden folder beside the shot, which the next saveShot or openShot clears away.
 void saveShot(const Shot& shot, const Mesh& mesh, const std::filesystem::path& folder, bool overwrite);
 
 /// Throws Error when saveShot would find no place there that this user may write, or something that is no shot, or a
