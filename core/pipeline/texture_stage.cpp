@@ -47,14 +47,8 @@ void planTexture(const Capture& capture, const Scene& scene, const RadianceSampl
 
 void addTexture(const Capture& capture, const Scene& scene, std::optional<int> side, Estimate& estimate,
                 Progress& progress) {
-    if (side == 0) {
-        estimate.surfaceLight = {};
-        return;
-    }
-    const LeftOut late(Omission::texture, "the time was used up");
-    if (progress.outOfTime()) {
-        estimate.leftOut.push_back(late);
-    } else if (!leftOut(estimate.plan)) try {
+    if (side != 0 && !leftOut(estimate.plan)) try {
+            if (progress.outOfTime()) throw OutOfTime{};
             const Progress::Dispensable mayEnd(progress);
             TextureOptions options;
             if (side) options.mostSide = *side;
@@ -62,13 +56,14 @@ void addTexture(const Capture& capture, const Scene& scene, std::optional<int> s
             TextureFit fit = fitTexture(capture, scene, estimate, options, progress);
             if (fit.texture)
                 logInfo(
-                    "texture of {} x {}, {} charts, {:.0f} % of the photographs' resolution; views left out are "
-                    "explained {:.0f} % better",
-                    fit.texture->width, fit.texture->height, fit.charts, 100 * fit.scale, fit.gain.percent());
+                    "texture of {} x {}, {} charts, {:.0f} % of the photographs' resolution; squared error of views "
+                    "left "
+                    "out {:+.0f} %",
+                    fit.texture->width, fit.texture->height, fit.charts, 100 * fit.scale, -fit.gain.percent());
             else estimate.leftOut.push_back({Omission::texture, fit.why});
             estimate.reflectance.texture = std::move(fit.texture);
-        estimate.heldOutTexture = std::move(fit.without);
-        } catch (const OutOfTime&) { estimate.leftOut.push_back(late); }
+            estimate.heldOutTexture = std::move(fit.without);
+        } catch (const OutOfTime&) { estimate.leftOut.push_back({Omission::texture, "the time was used up"}); }
     estimate.surfaceLight = {};
 }
 

@@ -4,7 +4,6 @@
 
 #include "base/progress.h"
 #include "capture/capture.h"
-#include "radiance/samples.h"
 #include "scene/scene.h"
 #include "solve/estimate.h"
 
@@ -39,12 +38,11 @@ struct TextureFit {
     std::string why;  ///< there is none
 };
 
-/// Super-resolution by back-projection [IraniPeleg91] [GoldlueckeCremers09]: every photograph is predicted through its
+/// Super-resolution by back-projection [IraniPeleg91] [Goldluecke14]: every photograph is predicted through its
 /// pixels' footprints, and what is left over goes back to the texels that the pixel covers. Starts from the vertices'
 /// albedo, which stays where no photograph says more; robust against what other views contradict. `scene` and
-/// `estimate` are the capture's. Cost: a pass looks at
-/// 1.2e7 positions at most. Memory: 44 B a texel, 150 B a pixel up to a limit of 500 MiB. The same bits
-/// on any number of threads. Throws Cancelled.
+/// `estimate` are the capture's. Cost: a pass looks at 1.2e7 positions at most. Memory: 44 B a texel, 150 B a
+/// pixel up to a limit of 500 MiB. The same bits on any number of threads. Throws Cancelled.
 TextureFit fitTexture(const Capture& capture, const Scene& scene, const Estimate& estimate,
                       const TextureOptions& options, Progress& progress);
 

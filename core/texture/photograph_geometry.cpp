@@ -89,7 +89,7 @@ PhotographGeometry geometryOf(const View& view, const Scene& scene, const std::v
             }
         }
     });
-    for (uint8_t ring = 1; ring + 1 < farAway + 1; ++ring) {
+    for (uint8_t ring = 1; ring < farAway; ++ring) {
         const std::vector<uint8_t> before = away;
         parallelFor(size_t(height), 16, [&](size_t row) {
             for (int x = 0; x < width; ++x) {
