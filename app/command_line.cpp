@@ -76,6 +76,11 @@ void addSolveOptions(CLI::App& verb, SolveArguments& solve) {
                     "they clearly do (auto), or off")
         ->check(CLI::IsMember({"auto", "off"}))
         ->capture_default_str();
+    verb.add_option("--registration", solve.registration,
+                    "Cameras and mesh that are off against each other: moved where photographs clearly agree better "
+                    "so (auto), or off")
+        ->check(CLI::IsMember({"auto", "off"}))
+        ->capture_default_str();
     verb.add_option("--mesh-triangles", solve.meshTriangles,
                     "About how many triangles of the mesh the solve uses; 0 for all. Unless given, meshes above "
                     "300000 are solved on 150000; the shot has the whole mesh")

@@ -148,6 +148,7 @@ PipelineOptions pipelineOptions(const SolveArguments& a) {
     options.texture = textureFrom(a.texture);
     options.everything = a.everything;
     options.findLight = a.findLight;
+    options.registration = a.registration == "auto";
     options.photometric = a.photometric == "auto";
     return options;
 }

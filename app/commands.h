@@ -27,6 +27,7 @@ struct SolveArguments {
                 smoothLight = "auto", smoothSurfaces = "auto";
     double timeBudget = 0;
     std::string photometric = "auto";
+    std::string registration = "auto";
     long meshTriangles = -1;  ///< below 0: not given
     std::string texture = "auto";
     int gridSide = 0, threads = 0, palette = 0;

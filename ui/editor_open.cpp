@@ -62,6 +62,7 @@ Document correctedDocument(const fs::path& folder, const CaptureFix& fix, Progre
             document.samples = prepared.samples;
         }
         document.fix = fix;
+        document.fix.registration = done.registration;
         document.fix.photometric = done.photometric;
         document.fix.mend = done.mend;
         document.fix.proxies = fixOf(*document.capture, done, fix).proxies;

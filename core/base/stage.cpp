@@ -11,6 +11,7 @@ constexpr NameRow<Stage> rows[] = {
     {Stage::scene, "scene"},
     {Stage::observations, "observations", "look-ups"},
     {Stage::emitters, "finding lights"},
+    {Stage::registration, "cameras against the mesh", "registration"},
     {Stage::exposures, "exposures"},
     {Stage::normals, "normals"},
     {Stage::planning, "planning"},

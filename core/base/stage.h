@@ -11,6 +11,7 @@ enum class Stage {
     scene,
     observations,
     emitters,
+    registration,
     exposures,
     normals,
     planning,

@@ -53,6 +53,7 @@ Capture loadCapture(const std::filesystem::path& folder, const LoadOptions& opti
         parallelFor(count, 1, readView, &progress);
     }
     orientCapture(capture, up, fix);
+    applyRegistration(fix.registration, capture);
     capture.proxies = placedProxies(fix.proxies, capture.mesh, capture.origin);
     applyMend(fix.mend, capture.mesh);
     if (fix.smoothNormals > 0) capture.mesh.normals = smoothedNormals(capture.mesh, fix.smoothNormals);

@@ -7,6 +7,7 @@
 #include "capture/capture.h"
 #include "capture/mesh_mend.h"
 #include "capture/photometric.h"
+#include "capture/registration_fix.h"
 
 namespace relamp {
 
@@ -24,6 +25,7 @@ struct CaptureFix {
                                 ///< solve asks them (otherwise none)
     bool fromBrackets = false;  ///< merge `exposures` even where an HDR image is named
     std::vector<ProxyLight> proxies{};  ///< emitters that the mesh does not hold
+    RegistrationFix registration{};     ///< of cameras and mesh; found by a solve
     MeshMend mend{};               ///< of the mesh, where emitters are not what photographs show of them; by a solve
     PhotometricFix photometric{};  ///< what the photographs' exposures differ by; found by a solve
     bool operator==(const CaptureFix&) const = default;

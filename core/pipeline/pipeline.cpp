@@ -12,6 +12,7 @@
 #include "scene/smooth_normals.h"
 #include "shot/checkpoint.h"
 #include "solve/photometric_estimate.h"
+#include "solve/registration/registration.h"
 
 namespace relamp {
 
@@ -28,6 +29,7 @@ void chooseBasis(const std::string& name, const std::filesystem::path& merl, Sol
 
 uint64_t fingerprintOf(const Capture& capture, const PipelineOptions& options) {
     return solveFingerprint(capture, options.solve, options.everything) ^
+           (options.registration ? mixBits(0x726567) : 0) ^
            (options.meshTriangles ? mixBits(uint64_t(*options.meshTriangles)) : 0);
 }
 
@@ -83,7 +85,23 @@ Prepared prepare(const Capture& capture, const PipelineOptions& options, StageMe
 Corrections correctCapture(const PipelineOptions& options, Capture& capture, Prepared& prepared, StageMeter& meter,
                            Progress& progress) {
     const CaptureFix& told = options.load.fix;
-    Corrections done{told.photometric, told.mend, std::max(0, told.smoothNormals)};
+    Corrections done{told.registration, told.photometric, told.mend, std::max(0, told.smoothNormals)};
+    const bool mended = !told.mend.empty() || std::any_of(told.proxies.begin(), told.proxies.end(),
+                                                          [](const ProxyLight& p) { return p.observed(); });
+    // Do the photographs agree on the mesh?
+    if (options.registration && done.registration.empty() && !mended) {
+        meter.begin(Stage::registration);
+        const size_t own = capture.mesh.vertexCount() - capture.proxies.size() * proxyVertices;
+        const RegistrationEstimate found =
+            estimateRegistration(capture, *prepared.scene, *prepared.samples, own, !prepared.working, progress);
+        logInfo("{}{}", toText(found), found.needed() ? "; moved" : "; left as it is");
+        if (found.needed()) {
+            capture.notes.push_back("cameras and mesh do not quite fit: " + toText(found));
+            done.registration = found.fix;
+            applyRegistration(done.registration, capture);
+            prepared = prepare(capture, options, meter, progress);
+        }
+    }
     // Do exposures differ from photograph to photograph?
     if (options.photometric && done.photometric.empty()) {
         meter.begin(Stage::exposures);
@@ -95,8 +113,6 @@ Corrections correctCapture(const PipelineOptions& options, Capture& capture, Pre
             prepared = prepare(capture, options, meter, progress, prepared.working ? nullptr : prepared.scene);
         }
     }
-    const bool mended = !told.mend.empty() || std::any_of(told.proxies.begin(), told.proxies.end(),
-                                                          [](const ProxyLight& p) { return p.observed(); });
     if (options.mend && !mended && !prepared.working) done.mend = mendMesh(options, capture, prepared, meter, progress);
     // Are the mesh's normals good enough to shade with? A decimated mesh's are means already.
     if (told.smoothNormals < 0 && !prepared.working) {

@@ -23,6 +23,7 @@ struct PipelineOptions {
     bool everything = false;  ///< the planner leaves nothing out
     bool photometric =
         true;  ///< exposure, white balance and fall-off are taken out of the photographs where they differ clearly
+    bool registration = true;  ///< cameras and mesh are brought together where photographs agree clearly better so
     bool mend = true;        ///< emitters that the mesh does not show as the photographs do get their shape from these
     bool findLight = false;  ///< looks for an emitter that no photograph shows and puts a proxy in its place
     std::optional<size_t> meshTriangles = {};  ///< that the mesh may have in the solve (pipeline/working_mesh.h); 0: as
@@ -58,12 +59,14 @@ Prepared prepare(const Capture& capture, const PipelineOptions& options, StageMe
 
 /// What was put right because it was not good enough for a solve.
 struct Corrections {
-    PhotometricFix photometric;  ///< taken out of the photographs
-    MeshMend mend;               ///< of the mesh; balls of light that it lacks are among the capture's proxies
-    int smoothedNormals = 0;     ///< rounds of smoothing that the normals have had
+    RegistrationFix registration;  ///< of cameras and mesh
+    PhotometricFix photometric;    ///< taken out of the photographs
+    MeshMend mend;                 ///< of the mesh; balls of light that it lacks are among the capture's proxies
+    int smoothedNormals = 0;       ///< rounds of smoothing that the normals have had
 };
 
-/// Are exposures and normals good enough? Where the photographs agree clearly better without what exposures, white
+/// Are poses, exposures and normals good enough? Where cameras and mesh that are moved a little let the photographs
+/// agree clearly better, they are moved. Where the photographs agree clearly better without what exposures, white
 /// balance and lens differ by, that is taken out of `capture`; where smoother normals explain them clearly better, its
 /// normals are smoothed; `prepared` follows. What options.load.fix says already is kept as it is. Throws Cancelled.
 Corrections correctCapture(const PipelineOptions& options, Capture& capture, Prepared& prepared, StageMeter& meter,

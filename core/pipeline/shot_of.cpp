@@ -4,6 +4,7 @@ namespace relamp {
 
 CaptureFix fixOf(const Capture& solved, const Corrections& corrections, CaptureFix asked) {
     asked.smoothNormals = corrections.smoothedNormals;
+    asked.registration = corrections.registration;
     asked.photometric = corrections.photometric;
     asked.mend = corrections.mend;
     asked.proxies = solved.proxies;

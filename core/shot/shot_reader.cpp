@@ -118,6 +118,21 @@ PhotometricFix photometricOf(const JsonFields& object) {
     return fix;
 }
 
+RegistrationFix registrationOf(const JsonFields& object) {
+    RegistrationFix fix;
+    fix.step = object.get("displacement_unit", 0.0f);
+    if (!(std::abs(fix.step) < 1e6f)) throw Error("{}: is out of range", object.name("displacement_unit"));
+    for (const float steps : object.numbers("displacements")) {
+        if (!(std::abs(steps) <= 10000)) throw Error("{}: expected -10000 to 10000", object.name("displacements"));
+        fix.steps.push_back(int(steps));
+    }
+    for (const JsonFields& p : object.list("poses")) {
+        fix.poses.push_back({text(p, "view"), p.get<DVec3>("turn"), p.get<DVec3>("shift")});
+        withContext(p.name("turn"), [&] { corrected(Camera(), fix.poses.back()); });
+    }
+    return fix;
+}
+
 /// A list of numbers that a mesh has no more of: 16 million, which a float still counts.
 std::vector<uint32_t> indicesOf(const JsonFields& object, const char* key) {
     std::vector<uint32_t> result;
@@ -153,6 +168,7 @@ CaptureFix captureFixOf(const JsonFields& object) {
     fix.mesh = text(object, "mesh");
     if (object.has("smooth_normals")) fix.smoothNormals = std::min(object.get("smooth_normals", 0), 100);
     fix.fromBrackets = object.get("from_brackets", false);
+    fix.registration = registrationOf(object.object("registration"));
     fix.mend = mendOf(object.object("mesh_mend"));
     fix.photometric = photometricOf(object.object("photometric"));
     for (const JsonFields& p : object.list("proxy_lights"))

@@ -125,6 +125,13 @@ Json mendToJson(const MeshMend& mend) {
             {"positions", at}};
 }
 
+Json registrationJson(const RegistrationFix& fix) {
+    Json json{{"poses", Json::array()}, {"displacement_unit", fix.step}, {"displacements", fix.steps}};
+    for (const PoseFix& p : fix.poses)
+        json["poses"].push_back({{"view", p.view}, {"turn", toJson(p.turn)}, {"shift", toJson(p.shift)}});
+    return json;
+}
+
 Json photometricJson(const PhotometricFix& fix) {
     Json json{{"falloff2", fix.falloff2}, {"falloff4", fix.falloff4}, {"gains", Json::array()}};
     for (const auto& g : fix.gains) json["gains"].push_back({{"view", g.view}, {"gain", toJson(g.gain)}});
@@ -147,6 +154,7 @@ Json fixToJson(const CaptureFix& fix, const fs::path& capture) {
                  {"from_brackets", fix.fromBrackets},
                  {"proxy_lights", proxiesToJson(fix.proxies)}};
     if (fix.smoothNormals >= 0) json["smooth_normals"] = fix.smoothNormals;
+    if (!fix.registration.empty()) json["registration"] = registrationJson(fix.registration);
     if (!fix.mend.empty()) json["mesh_mend"] = mendToJson(fix.mend);
     if (!fix.photometric.empty()) json["photometric"] = photometricJson(fix.photometric);
     return json;

@@ -6,6 +6,7 @@
 #include "pipeline/shot_of.h"
 #include "pipeline/time_left.h"
 #include "support/known_world.h"
+#include "support/shaken_sheet.h"
 
 namespace relamp {
 namespace {
@@ -72,11 +73,37 @@ TEST(Pipeline, ExposuresThatDifferArePutRightOnce) {
     EXPECT_TRUE(correctCapture(untouched, p.capture, prepared, p.meter, p.progress).photometric.empty());
 }
 
+TEST(Pipeline, CamerasThatAreOffArePutRightOnce) {
+    test::ShakenSheet sheet;
+    sheet.shake();
+    Capture& capture = sheet.capture;
+    PipelineOptions options;
+    Progress progress;
+    StageMeter meter{progress};
+    Prepared prepared = prepare(capture, options, meter, progress);
+    options.registration = false;
+    EXPECT_TRUE(correctCapture(options, capture, prepared, meter, progress).registration.empty());
+    options.registration = true;
+    const DMat4 given = capture.views[0].camera.worldFromCamera;
+    const Corrections done = correctCapture(options, capture, prepared, meter, progress);
+    ASSERT_EQ(done.registration.poses.size(), capture.views.size());
+    EXPECT_EQ(done.registration.steps.size(), capture.mesh.vertexCount());
+    const DMat4 found = capture.views[0].camera.worldFromCamera;
+    EXPECT_NE(found, given);
+    // What is told already is not asked again.
+    options.load.fix.registration = done.registration;
+    EXPECT_TRUE(correctCapture(options, capture, prepared, meter, progress).registration == done.registration);
+    EXPECT_EQ(capture.views[0].camera.worldFromCamera, found);
+}
+
 TEST(Pipeline, TheFingerprintHoldsWhatTheAnswerRestsOn) {
     Painted p;
     const uint64_t usual = fingerprintOf(p.capture, p.options);
     EXPECT_EQ(fingerprintOf(p.capture, p.options), usual);
     PipelineOptions other = p.options;
+    other.registration = false;
+    EXPECT_NE(fingerprintOf(p.capture, other), usual);
+    other = p.options;
     other.meshTriangles = 1000;
     EXPECT_NE(fingerprintOf(p.capture, other), usual);
     other = p.options;

@@ -4,9 +4,9 @@
 
 #include <signal.h>
 #include <sys/resource.h>
-
 #include <nlohmann/json.hpp>
 
+#include "capture/load_capture.h"
 #include "image/environment_map.h"
 #include "image/image_io.h"
 #include "scene/mesh_io.h"
@@ -121,6 +121,19 @@ TEST_F(ShotFile, SurvivesARoundTrip) {
     EXPECT_EQ(b.gauge.kind, "emitter");
     EXPECT_EQ(b.stability.effectiveRank, 17);
     EXPECT_EQ(lookToJson(back.look), lookToJson(shot.look));
+}
+
+TEST_F(ShotFile, KeepsHowCamerasAndMeshWereBroughtTogether) {
+    const PoseFix pose{"images/0.exr", DVec3(0.001, -0.002, 0.0005), DVec3(0.01, 0, -0.003)};
+    const RegistrationFix fix = shot.fix.registration = {{pose}, 0.0001f, std::vector<int>(25, -80)};
+    Progress progress;
+    Capture moved = loadCapture(shot.captureFolder, {}, progress);
+    applyRegistration(fix, moved);
+    save();
+    const Shot back = open();
+    EXPECT_TRUE(back.fix.registration == fix);
+    EXPECT_EQ(back.capture.mesh.positions, moved.mesh.positions) << "to the last bit";
+    EXPECT_EQ(back.capture.views[0].camera.worldFromCamera, moved.views[0].camera.worldFromCamera);
 }
 
 TEST_F(ShotFile, NamesTheMeasuredReflectanceItNeeds) {
@@ -406,6 +419,13 @@ TEST_F(ShotFile, NamesTheFieldOfShotJsonThatIsBad) {
         {"/basis/1/kind", "\"velvet\"", "basis[1].kind: is velvet"},
         {"/basis/1/alpha", "0", "basis[1].alpha: is 0"},
         {"/basis/1/alpha", "\"wide\"", "basis[1].alpha: expected a number"},
+        {"/capture_fix/registration", "1", "capture_fix.registration: expected an object"},
+        {"/capture_fix/registration", R"({"displacements": [20000]})",
+         "capture_fix.registration.displacements: expected -10000 to 10000"},
+        {"/capture_fix/registration", R"({"poses": [{"view": "a"}]})",
+         "capture_fix.registration.poses[0].turn: is missing"},
+        {"/capture_fix/registration", R"({"poses": [{"view": "a", "turn": [0, 2, 0], "shift": [0, 0, 0]}]})",
+         "capture_fix.registration.poses[0].turn: pose of a"},
         {"/look", "7", "look: expected an object"},
         {"/look/environment/tint", "0", "look: environment.tint: expected three numbers"},
         {"/timeline", "3", "timeline: expected a list"},

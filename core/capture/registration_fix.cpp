@@ -1,0 +1,48 @@
+#include "capture/registration_fix.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/quaternion.hpp>
+
+#include "base/error.h"
+#include "capture/capture.h"
+
+namespace relamp {
+
+Camera corrected(const Camera& camera, const PoseFix& fix) {
+    const double angle = glm::length(fix.turn);
+    if (!(angle <= 1) || !std::isfinite(glm::length(fix.shift)))
+        throw Error("pose of {}: turned by {:g} radians, shifted by {:g} m", fix.view, angle, glm::length(fix.shift));
+    Camera out = camera;
+    const glm::dquat turn = angle > 0 ? glm::angleAxis(angle, fix.turn / angle) : glm::dquat(1, 0, 0, 0);
+    DMat4 step(glm::mat3_cast(turn));
+    step[3] = glm::dvec4(fix.shift, 1);
+    out.worldFromCamera = camera.worldFromCamera * step;
+    return out;
+}
+
+void applyRegistration(const RegistrationFix& fix, Capture& capture) {
+    for (const PoseFix& pose : fix.poses) {
+        const auto view = std::find_if(capture.views.begin(), capture.views.end(),
+                                       [&](const View& v) { return v.name == pose.view; });
+        if (view == capture.views.end()) throw Error("registration: the capture has no photograph {}", pose.view);
+        view->camera = corrected(view->camera, pose);
+    }
+    if (fix.steps.empty()) return;
+    Mesh& mesh = capture.mesh;
+    if (fix.steps.size() > mesh.vertexCount())
+        throw Error("registration: {} displacements for a mesh of {} vertices", fix.steps.size(), mesh.vertexCount());
+    const std::vector<Vec3> before = vertexNormalsFromFaces(mesh);
+    for (size_t v = 0; v < fix.steps.size(); ++v) {
+        mesh.positions[v] += mesh.normals[v] * (fix.step * float(fix.steps[v]));
+        if (!isFinite(mesh.positions[v])) throw Error("registration: vertex {} is moved beyond all bounds", v);
+    }
+    const std::vector<Vec3> after = vertexNormalsFromFaces(mesh);
+    for (size_t v = 0; v < fix.steps.size(); ++v) {
+        const Vec3 turned = mesh.normals[v] + (after[v] - before[v]);
+        const float length = glm::length(turned);
+        if (length > 0.1f) mesh.normals[v] = turned / length;
+    }
+}
+
+}  // namespace relamp

@@ -1,0 +1,35 @@
+// What brings cameras and mesh of a capture together: poses and a displacement of the surface.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "capture/camera.h"
+
+namespace relamp {
+
+struct Capture;
+
+/// By how much a camera stands and looks elsewhere than its file says.
+struct PoseFix {
+    std::string view;  ///< View::name
+    DVec3 turn{0};     ///< rotation vector, radians, camera axes
+    DVec3 shift{0};    ///< metres, camera axes
+    bool operator==(const PoseFix&) const = default;
+};
+
+/// The camera turned and shifted. Throws Error where a number is not finite or the turn exceeds a radian.
+Camera corrected(const Camera& camera, const PoseFix& fix);
+
+struct RegistrationFix {
+    std::vector<PoseFix> poses{};  ///< views that are not named keep theirs
+    float step = 0;                ///< metres
+    std::vector<int> steps{};      ///< along the normal of each of the first vertices; the others stay
+    bool empty() const { return poses.empty() && steps.empty(); }
+    bool operator==(const RegistrationFix&) const = default;
+};
+
+/// Moves cameras and vertices; a vertex's normal turns as its triangles do. Throws Error for a view or vertex that the
+/// capture does not have and for numbers that are not finite. O(triangles).
+void applyRegistration(const RegistrationFix& fix, Capture& capture);
+
+}  // namespace relamp

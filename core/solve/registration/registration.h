@@ -1,0 +1,30 @@
+// Cameras and mesh brought together by what the photographs show.
+#pragma once
+#include <string>
+
+#include "base/progress.h"
+#include "solve/registration/registration_fit.h"
+
+namespace relamp {
+
+struct RegistrationEstimate {
+    RegistrationFix fix;
+    double before = 0, after = 0;  ///< misfit in regions that are left out: mean loss, squared log luminance
+    double pixels = 0;             ///< root mean square of what the mesh moves by in the photographs
+    double displacement = 0;       ///< root mean square, of the diagonal
+    /// Whether photographs agree better (exact captures: by -1 to 1 %), by what can be seen (a thousandth of the
+    /// luminance), and with a motion of more than a third of a pixel.
+    bool needed() const { return after < 0.97 * before && before > after + 1e-6 && pixels > 0.35; }
+};
+
+/// "the photographs agree 32 % better with cameras moved by 0.65 pixels and the mesh by 0.02 % of its diagonal".
+std::string toText(const RegistrationEstimate& estimate);
+
+/// From blurred photographs to sharp ones, first with every other region left out; where that is needed, once more with
+/// all. `vertices`: the first of the mesh, that may move; `shape`: false holds them. Photometric refinement of poses
+/// and surface as in [Schops17], differences between near places in the place of patches' descriptors. Cost: see
+/// RegistrationFit, some 3 s for ten photographs. Throws Cancelled.
+RegistrationEstimate estimateRegistration(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
+                                          size_t vertices, bool shape, Progress& progress);
+
+}  // namespace relamp

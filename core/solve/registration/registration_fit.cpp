@@ -1,0 +1,272 @@
+#include "solve/registration/registration_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "base/statistics.h"
+#include "solve/registration/edge_distance.h"
+
+namespace relamp {
+namespace {
+
+constexpr size_t mostViews = 10;        ///< that a pair is compared over
+constexpr double mostPixels = 6.4e7;    ///< of all blurred photographs together
+constexpr float nodeSpacing = 0.0125f;  ///< of the diagonal
+constexpr size_t blocks = 16;           ///< of pairs, each with normal equations of its own
+
+/// Change of the position in the photograph, x then y, as a world point moves along the camera's axes, per metre.
+std::optional<std::array<float, 6>> pixelsByPoint(const Camera& camera, const DVec3& point) {
+    const std::optional<Vec2> at = camera.project(point);
+    if (!at) return {};
+    const double step = 1e-3 * glm::length(point - camera.position());
+    std::array<float, 6> result{};
+    for (int k = 0; k < 3; ++k) {
+        const std::optional<Vec2> moved = camera.project(point + step * DVec3(camera.worldFromCamera[k]));
+        if (!moved) return {};
+        result[size_t(k)] = (moved->x - at->x) / float(step);
+        result[size_t(3 + k)] = (moved->y - at->y) / float(step);
+    }
+    return result;
+}
+
+}  // namespace
+
+RegistrationFit::RegistrationFit(const Capture& capture, const Scene& scene, const RadianceSamples& samples)
+    : capture_(capture),
+      scene_(scene),
+      graph_(buildDisplacementGraph(scene, nodeSpacing * scene.diagonal)),
+      places_(choosePlaces(capture, scene, samples)),
+      moved_(graph_.nodes.size(), 0) {
+    double pixels = 0;
+    for (const View& view : capture.views) {
+        poses_.push_back({view.name, DVec3(0), DVec3(0)});
+        cameras_.push_back(view.camera);
+        pixels += double(view.image.width) * double(view.image.height);
+    }
+    edges_.resize(capture.views.size());
+    parallelFor(edges_.size(), 1,
+                [&](size_t i) { edges_[i] = edgeDistance(capture.views[i], samples.geometry[i], scene); });
+    factor_ = std::max(1, int(std::ceil(std::sqrt(pixels / mostPixels))));
+}
+
+void RegistrationFit::blur(float sigma) {
+    images_.clear();
+    clear_ = 2 * sigma * float(factor_);
+    for (const View& view : capture_.views) images_.emplace_back(view.image, factor_, sigma, places_.dark);
+    parallelFor(places_.vertex.size(), 256, [&](size_t place) { project(place); });
+    takeMotions();
+    lookEverywhere();
+}
+
+double RegistrationFit::usualScale() const {
+    std::vector<float> sizes;
+    for (size_t k = 0; k < places_.pairs.size(); k += 7)
+        for (const PairResidual& r : residualsOf(places_.pairs[k])) sizes.push_back(float(std::abs(r.value)));
+    return std::max(0.01, 3.0 * double(medianOf(std::move(sizes))));
+}
+
+DVec3 RegistrationFit::pointOf(size_t place) const {
+    const uint32_t v = places_.vertex[place];
+    return DVec3(scene_.mesh.positions[v]) + DVec3(scene_.mesh.normals[v]) * graph_.at(v, moved_);
+}
+
+void RegistrationFit::project(size_t place) {
+    for (uint32_t k = places_.firstLook[place]; k < places_.firstLook[place + 1]; ++k) {
+        PlaceLook& look = places_.looks[k];
+        look.pixels = pixelsByPoint(cameras_[look.view], pointOf(place)).value_or(std::array<float, 6>{});
+    }
+}
+
+Eigen::Matrix<double, 2, 6> RegistrationFit::pixelsByPose(size_t place, const PlaceLook& look) const {
+    const Camera& camera = cameras_[look.view];
+    Eigen::Matrix<double, 2, 3> byPoint;
+    byPoint << double(look.pixels[0]), double(look.pixels[1]), double(look.pixels[2]), double(look.pixels[3]),
+        double(look.pixels[4]), double(look.pixels[5]);
+    // The camera turned by w moves the point p by -w x p = p x w, shifted by t by -t.
+    const DVec3 p = glm::transpose(glm::dmat3(camera.worldFromCamera)) * (pointOf(place) - camera.position());
+    Eigen::Matrix3d cross;
+    cross << 0, -p.z, p.y, p.z, 0, -p.x, -p.y, p.x, 0;
+    Eigen::Matrix<double, 2, 6> result;
+    result << byPoint * cross, -byPoint * places_.depth[look.view];
+    return result;
+}
+
+void RegistrationFit::takeMotions() {
+    motions_.assign(cameras_.size(), PoseMatrix::Zero());
+    std::vector<double> counts(cameras_.size(), 0);
+    for (size_t place = 0; place < places_.vertex.size(); place += 7)
+        for (uint32_t k = places_.firstLook[place]; k < places_.firstLook[place + 1]; ++k) {
+            const auto moves = pixelsByPose(place, places_.looks[k]);
+            motions_[places_.looks[k].view] += moves.transpose() * moves;
+            counts[places_.looks[k].view] += 1;
+        }
+    for (size_t i = 0; i < motions_.size(); ++i) {
+        if (counts[i] > 0) motions_[i] /= counts[i];
+        motions_[i].diagonal().array() += 1e-9 + (counts[i] > 0 ? 0 : 1);
+    }
+}
+
+void RegistrationFit::lookEverywhere() {
+    parallelFor(places_.vertex.size(), 256, [&](size_t place) { look(place); });
+}
+
+void RegistrationFit::look(size_t place) {
+    const DVec3 normal(scene_.mesh.normals[places_.vertex[place]]);
+    for (uint32_t k = places_.firstLook[place]; k < places_.firstLook[place + 1]; ++k) {
+        PlaceLook& look = places_.looks[k];
+        look.valid = false;
+        const Camera& camera = cameras_[look.view];
+        const std::optional<Vec2> at = camera.project(pointOf(place));
+        if (!at) continue;
+        const LogImage::At shown = images_[look.view].at(*at);
+        if (!shown.valid) continue;
+        const size_t pixel = size_t(at->y) * size_t(capture_.views[look.view].image.width) + size_t(at->x);
+        if (float(edges_[look.view][pixel]) < clear_) continue;
+        const PoseVector byPose =
+            pixelsByPose(place, look).transpose() * Eigen::Vector2d(double(shown.slope.x), double(shown.slope.y));
+        for (size_t i = 0; i < 6; ++i) look.byPose[i] = byPose(Eigen::Index(i));
+        // The surface moving by n is the camera shifting by -n.
+        const DVec3 n = glm::transpose(glm::dmat3(camera.worldFromCamera)) * normal;
+        look.byShape = -(byPose(3) * n.x + byPose(4) * n.y + byPose(5) * n.z) / places_.depth[look.view];
+        look.value = shown.value;
+        look.valid = true;
+    }
+}
+
+std::vector<PairResidual> RegistrationFit::residualsOf(const PlacePair& pair) const {
+    std::vector<PairResidual> found;
+    uint32_t a = places_.firstLook[pair.from], b = places_.firstLook[pair.to];
+    const uint32_t aEnd = places_.firstLook[pair.from + 1], bEnd = places_.firstLook[pair.to + 1];
+    while (a < aEnd && b < bEnd && found.size() < mostViews) {
+        const PlaceLook &from = places_.looks[a], &to = places_.looks[b];
+        if (from.view == to.view && from.valid && to.valid)
+            found.push_back({&from, &to, double(from.value - to.value), double(std::min(from.weight, to.weight))});
+        a += from.view <= to.view;
+        b += to.view <= from.view;
+    }
+    if (found.size() < 3) return {};
+    std::vector<double> values;
+    for (const PairResidual& r : found) values.push_back(r.value);
+    const double middle = meanMedianOf(std::move(values));
+    double sum = 0, weights = 0;
+    for (PairResidual& r : found) {
+        const double off = (r.value - middle) / scale_;
+        r.weight /= 1 + off * off;
+        sum += r.weight * r.value;
+        weights += r.weight;
+    }
+    for (PairResidual& r : found) r.value -= sum / weights;
+    return found;
+}
+
+RegistrationFit::Loss RegistrationFit::misfit(bool leftOut) const {
+    using Sum = Eigen::Vector2d;
+    const Sum none = Sum::Zero();
+    const Sum sum = parallelSum<Sum>(places_.pairs.size(), 1024, none, [&](size_t begin, size_t end) {
+        Sum part = Sum::Zero();
+        for (size_t k = begin; k < end; ++k) {
+            if (places_.pairs[k].leftOut != leftOut) continue;
+            for (const PairResidual& r : residualsOf(places_.pairs[k])) {
+                const double off = r.value / scale_;
+                part += Sum(scale_ * scale_ * std::log1p(off * off), 1);
+            }
+        }
+        return part;
+    });
+    return {sum(1) > 0 ? sum(0) / sum(1) : 0, sum(1)};
+}
+
+void RegistrationFit::addPriors(const RegistrationPriors& priors, NormalEquations& equations) const {
+    for (size_t i = 0; i < cameras_.size(); ++i) {
+        PoseVector now;
+        for (int k = 0; k < 3; ++k) {
+            now(k) = poses_[i].turn[k];
+            now(3 + k) = poses_[i].shift[k] / places_.depth[i];
+        }
+        // Six unknowns share the motion.
+        equations.addPosePrior(i, 6 / (priors.posePixels * priors.posePixels) * motions_[i], -now);
+    }
+    if (!priors.shape) return;
+    const double diagonal = double(scene_.diagonal);
+    const double still = 1 / std::pow(priors.displacement * diagonal, 2),
+                 stiff = 1 / std::pow(priors.bend * diagonal, 2);
+    for (uint32_t n = 0; n < moved_.size(); ++n) {
+        equations.addNodePrior({{n, 1.0}}, -moved_[n], still);
+        const std::vector<uint32_t>& near = graph_.neighbours[n];
+        if (near.empty()) continue;
+        std::vector<std::pair<uint32_t, double>> bend{{n, 1.0}};
+        double now = moved_[n];
+        for (const uint32_t m : near) {
+            bend.push_back({m, -1 / double(near.size())});
+            now -= moved_[m] / double(near.size());
+        }
+        equations.addNodePrior(bend, -now, stiff);
+    }
+}
+
+void RegistrationFit::step(const RegistrationPriors& priors, bool all) {
+    std::vector<NormalEquations> parts(blocks, NormalEquations(cameras_.size(), moved_.size()));
+    parallelFor(blocks, 1, [&](size_t part) {
+        const size_t begin = places_.pairs.size() * part / blocks, end = places_.pairs.size() * (part + 1) / blocks;
+        for (size_t k = begin; k < end; ++k) {
+            const PlacePair& pair = places_.pairs[k];
+            if (pair.leftOut && !all) continue;
+            const std::vector<PairResidual> residuals = residualsOf(pair);
+            if (!residuals.empty())
+                parts[part].add(residuals, graph_.shares[places_.vertex[pair.from]],
+                                graph_.shares[places_.vertex[pair.to]]);
+        }
+    });
+    NormalEquations equations = std::move(parts[0]);
+    for (size_t part = 1; part < blocks; ++part) equations.add(parts[part]);
+    const Loss loss = misfit(false);
+    if (loss.count < 100) return;
+    equations.scale(1 / (std::max(1e-8, loss.x) * priors.repeated));
+    addPriors(priors, equations);
+    const NormalEquations::Step step = equations.solve(priors.shape);
+    if (!step.valid) return;
+    for (size_t n = 0; n < moved_.size(); ++n) moved_[n] += step.nodes(Eigen::Index(n));
+    for (size_t i = 0; i < cameras_.size(); ++i) {
+        for (int k = 0; k < 3; ++k) {
+            poses_[i].turn[k] += step.poses(Eigen::Index(6 * i) + k);
+            poses_[i].shift[k] += step.poses(Eigen::Index(6 * i) + 3 + k) * places_.depth[i];
+        }
+        cameras_[i] = corrected(capture_.views[i].camera, poses_[i]);
+    }
+    lookEverywhere();
+}
+
+double RegistrationFit::pixels() const {
+    double sum = 0, count = 0;
+    for (size_t place = 0; place < places_.vertex.size(); place += 7)
+        for (uint32_t k = places_.firstLook[place]; k < places_.firstLook[place + 1]; ++k) {
+            const size_t view = places_.looks[k].view;
+            const DVec3 before(scene_.mesh.positions[places_.vertex[place]]);
+            const auto a = capture_.views[view].camera.project(before), b = cameras_[view].project(pointOf(place));
+            if (!a || !b) continue;
+            sum += double(glm::dot(*b - *a, *b - *a));
+            count += 1;
+        }
+    return count > 0 ? std::sqrt(sum / count) : 0;
+}
+
+double RegistrationFit::displacement() const {
+    double sum = 0;
+    for (const double m : moved_) sum += m * m;
+    return std::sqrt(sum / double(std::max<size_t>(1, moved_.size())));
+}
+
+RegistrationFix RegistrationFit::fix(size_t vertices) const {
+    RegistrationFix fix;
+    fix.poses = poses_;
+    double most = 0;
+    for (const double m : moved_) most = std::max(most, std::abs(m));
+    if (most == 0) return fix;
+    fix.step = float(most / 10000);
+    for (uint32_t v = 0; v < vertices; ++v)
+        fix.steps.push_back(int(std::lround(graph_.at(v, moved_) / double(fix.step))));
+    return fix;
+}
+
+}  // namespace relamp

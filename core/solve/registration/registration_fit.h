@@ -1,0 +1,70 @@
+// Poses of the cameras and a smooth displacement of the mesh under which the photographs agree.
+#pragma once
+#include "capture/registration_fix.h"
+#include "solve/registration/log_image.h"
+#include "solve/registration/normal_equations.h"
+
+namespace relamp {
+
+struct RegistrationPriors {
+    double posePixels = 0.6;       ///< root mean square of what poses move the mesh by in the photographs
+    double displacement = 0.0015;  ///< of the diagonal: standard deviation of the displacement
+    double bend = 0.0004;          ///< of the diagonal: of a node from the mean of its neighbours
+    double repeated = 60;          ///< so many differences tell as much as an independent one
+    bool shape = true;             ///< false: poses alone
+};
+
+/// Gauss-Newton on differences of log luminance between two near places, whose mean over the views is taken out:
+/// albedo, exposure and what changes slowly over the surface with the view cancel. Cauchy weights.
+class RegistrationFit {
+public:
+    /// Keeps references to `capture` and `scene`.
+    RegistrationFit(const Capture& capture, const Scene& scene, const RadianceSamples& samples);
+
+    bool enough() const { return places_.pairs.size() >= 400; }
+    /// Photographs blurred by so many pixels from here on. O(pixels x sigma).
+    void blur(float sigma);
+    /// Scale of the Cauchy loss, log luminance: three times the median difference as it is now, or a given one.
+    double usualScale() const;
+    void setScale(double scale) { scale_ = scale; }
+    /// `all`: pairs that are left out take part as well. Some 0.1 s for 20000 places in ten views.
+    void step(const RegistrationPriors& priors, bool all);
+    /// Mean Cauchy loss of the pairs that are left out, squared log luminance.
+    double leftOutMisfit() const { return misfit(true).x; }
+    /// Root mean square of what the mesh moves by in the photographs, pixels.
+    double pixels() const;
+    /// Root mean square of the nodes' displacement, metres.
+    double displacement() const;
+    /// Displacements of the first `vertices` vertices.
+    RegistrationFix fix(size_t vertices) const;
+
+private:
+    struct Loss {
+        double x = 0, count = 0;
+    };
+    Loss misfit(bool leftOut) const;
+    void project(size_t place);
+    void look(size_t place);
+    void lookEverywhere();
+    Eigen::Matrix<double, 2, 6> pixelsByPose(size_t place, const PlaceLook& look) const;
+    std::vector<PairResidual> residualsOf(const PlacePair& pair) const;
+    void takeMotions();
+    void addPriors(const RegistrationPriors& priors, NormalEquations& equations) const;
+    DVec3 pointOf(size_t place) const;
+
+    const Capture& capture_;
+    const Scene& scene_;
+    DisplacementGraph graph_;
+    Places places_;
+    std::vector<std::vector<uint8_t>> edges_;  ///< of each view: edgeDistance
+    int factor_ = 1;                           ///< that photographs are made smaller by
+    float clear_ = 0;                          ///< pixels that a place must be from edges
+    std::vector<LogImage> images_;
+    std::vector<PoseFix> poses_;
+    std::vector<Camera> cameras_;
+    std::vector<PoseMatrix> motions_;  ///< of each view: mean square of pixels by its pose, the metric of the prior
+    std::vector<double> moved_;        ///< of each node, metres
+    double scale_ = 0.05;              ///< of the Cauchy loss, log luminance
+};
+
+}  // namespace relamp

@@ -1,0 +1,59 @@
+#include "capture/registration_fix.h"
+
+#include <gtest/gtest.h>
+
+#include "capture/capture.h"
+#include "support/estimates.h"
+
+namespace relamp {
+namespace {
+
+Capture sheetCapture() {
+    Capture capture;
+    capture.mesh = test::sceneOf(test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 4, 4)).mesh;
+    View view;
+    view.name = "a.exr";
+    view.camera = test::cameraAt({0, -2, 1}, {0, 0, 0}, 64, 48, 64);
+    capture.views.push_back(view);
+    return capture;
+}
+
+TEST(RegistrationFix, ShiftsAndTurnsACameraAlongItsOwnAxes) {
+    const Camera camera = test::cameraAt({0, -2, 1}, {0, 0, 0}, 64, 48, 64);
+    const Camera shifted = corrected(camera, {"", DVec3(0), DVec3(0.1, 0, 0)});
+    EXPECT_NEAR(glm::length(shifted.position() - (camera.position() + 0.1 * DVec3(camera.worldFromCamera[0]))), 0,
+                1e-12);
+    // A turn to the left about the camera's own up moves what it sees to the right by tan(angle) x focal length.
+    const Camera turned = corrected(camera, {"", DVec3(0, 0.01, 0), DVec3(0)});
+    const Vec2 before = *camera.project(DVec3(0)), after = *turned.project(DVec3(0));
+    EXPECT_NEAR(after.x - before.x, 64 * std::tan(0.01), 1e-3);
+    EXPECT_NEAR(after.y, before.y, 1e-3);
+}
+
+TEST(RegistrationFix, MovesVerticesAndTurnsTheirNormals) {
+    Capture capture = sheetCapture();
+    RegistrationFix fix;
+    fix.step = 0.01f;
+    // A slope of 0.1 along x.
+    for (const Vec3& p : capture.mesh.positions) fix.steps.push_back(int(std::lround(10 * p.x)));
+    applyRegistration(fix, capture);
+    for (size_t v = 0; v < capture.mesh.vertexCount(); ++v) {
+        EXPECT_NEAR(capture.mesh.positions[v].z, 0.1f * capture.mesh.positions[v].x, 1e-6f);
+        EXPECT_NEAR(capture.mesh.normals[v].x, -0.0995f, 1e-3f);
+        EXPECT_NEAR(glm::length(capture.mesh.normals[v]), 1, 1e-5f);
+    }
+}
+
+TEST(RegistrationFix, RefusesWhatTheCaptureDoesNotHave) {
+    Capture capture = sheetCapture();
+    EXPECT_THROW(applyRegistration({{{"b.exr", DVec3(0), DVec3(0)}}, 0, {}}, capture), Error);
+    EXPECT_THROW(applyRegistration({{{"a.exr", DVec3(2, 0, 0), DVec3(0)}}, 0, {}}, capture), Error);
+    EXPECT_THROW(applyRegistration({{{"a.exr", DVec3(0), DVec3(NAN)}}, 0, {}}, capture), Error);
+    EXPECT_THROW(applyRegistration({{}, 0.1f, std::vector<int>(26, 1)}, capture), Error);
+    EXPECT_THROW(applyRegistration({{}, INFINITY, {1}}, capture), Error);
+    capture = sheetCapture();
+    EXPECT_NO_THROW(applyRegistration({{}, 0.1f, {1, 2}}, capture));
+}
+
+}  // namespace
+}  // namespace relamp
