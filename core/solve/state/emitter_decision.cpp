@@ -1,6 +1,7 @@
 #include "solve/state/emitter_decision.h"
 
 #include "base/log.h"
+#include "base/statistics.h"
 #include "transport/incident.h"
 
 namespace relamp {
@@ -24,7 +25,9 @@ std::vector<uint32_t> someOf(const SolveInput& in, const EmitterCluster& cluster
     return some;
 }
 
-/// Albedo that emitter e would need to reflect what it shows of everything but itself: the median over `rows`.
+/// Albedo that emitter e would need to reflect what it shows of everything but itself. The lower quartile over `rows`:
+/// normals and shadows of an inexact mesh take light from some vertices of a patch, and what the others can reflect is
+/// no emitter.
 float demandedAlbedo(const EmitterClusters& clusters, size_t e, const InfluenceMatrix& rows, const Lighting& lighting) {
     const EmitterCluster& cluster = clusters.emitters[e];
     std::vector<float> demanded;
@@ -39,9 +42,7 @@ float demandedAlbedo(const EmitterClusters& clusters, size_t e, const InfluenceM
                 worst = std::max(worst, cluster.radiance[c] / std::max(lit[c], 1e-12f));
         demanded.push_back(worst);
     }
-    const auto middle = demanded.begin() + ptrdiff_t(demanded.size() / 2);
-    std::nth_element(demanded.begin(), middle, demanded.end());
-    return std::min(*middle, 1e6f);
+    return std::min(selectQuantile(demanded, 0.25), 1e6f);
 }
 
 }  // namespace
