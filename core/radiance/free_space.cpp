@@ -250,9 +250,8 @@ std::vector<uint32_t> freeSpaceTriangles(const Scene& scene, const Capture& capt
         const Triangle& at = scene.mesh.triangles[t];
         return std::any_of(at.begin(), at.end(), [&](uint32_t v) { return evidence.better[v] > alike; });
     };
-    // Pixels that show the background through a skirt deny all that lies along their ray. Pixels that show something
-    // else bear the first triangle out.
-    std::vector<uint32_t> passed(scene.mesh.triangles.size(), 0), stopped = passed, borneOut = passed;
+    // Pixels that show the background through a skirt deny all that lies along their ray.
+    std::vector<uint32_t> passed(scene.mesh.triangles.size(), 0), stopped = passed;
     progress.begin("Surfaces in free space", capture.views.size());
     const auto vote = [](uint32_t& count) { std::atomic_ref(count).fetch_add(1, std::memory_order_relaxed); };
     const auto ask = [&](size_t i) {
@@ -269,7 +268,6 @@ std::vector<uint32_t> freeSpaceTriangles(const Scene& scene, const Capture& capt
                 }
                 const Vec3 direction = view.camera.rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f));
                 const float apart = background.distance(direction, view.image.at(x, y));
-                if (apart > explained) vote(borneOut[first]);
                 if (apart < 0 || apart > alike) continue;
                 float from = 0;
                 for (int layers = 0; layers < 8; ++layers) {
@@ -283,8 +281,7 @@ std::vector<uint32_t> freeSpaceTriangles(const Scene& scene, const Capture& capt
     parallelFor(capture.views.size(), 1, ask, &progress);
     std::vector<uint32_t> free;
     for (uint32_t t = 0; t < passed.size(); ++t)
-        if ((corners(t) == 3 && borneOut[t] <= 2 * passed[t]) || (passed[t] > 3 * stopped[t] && !isSurface(t)))
-            free.push_back(t);
+        if (corners(t) == 3 || (passed[t] > 3 * stopped[t] && !isSurface(t))) free.push_back(t);
     return free;
 }
 
