@@ -9,60 +9,129 @@ namespace relamp {
 namespace {
 
 constexpr float sharpest = 0.8f;
-constexpr float blurs[] = {3.0f, 1.5f, sharpest};  ///< pixels
-constexpr int mostSteps = 10;                      ///< at each
+constexpr float blurs[] = {3.0f, 1.5f, sharpest};            ///< pixels
+constexpr float wideBlurs[] = {6.0f, 3.0f, 1.5f, sharpest};  ///< for another shape
+constexpr int mostSteps = 10;                                ///< at each
+constexpr double farOff = 1e-3;  ///< misfit, squared log luminance, above which the shape may be wrong at large
+
+/// Room for hulls and coarse meshes, with poses as they are.
+RegistrationPriors widePriors() {
+    RegistrationPriors priors;
+    priors.posePixels = 0.05;
+    priors.displacement = 0.01;
+    priors.bend = 0.003;
+    priors.repeated = 3;
+    return priors;
+}
+
+class Registration {
+public:
+    Registration(const Capture& capture, const Scene& scene, const RadianceSamples& samples, Progress& progress)
+        : fit_(capture, scene, samples), diagonal_(double(scene.diagonal)), progress_(progress) {}
+
+    bool enough() const { return fit_.enough(); }
+
+    /// Poses and a little of shape, for what is off by pixels.
+    void refine(bool shape, RegistrationEstimate& found) {
+        RegistrationPriors priors;
+        priors.shape = shape;
+        const RegistrationFit::Unknowns given = fit_.unknowns();
+        fit_.blur(sharpest);
+        const double scale = fit_.usualScale();
+        fit_.setScale(scale);
+        found.before = fit_.misfitOfRegions();
+        for (const float sigma : blurs) {
+            sharpen(sigma);
+            step(priors, false);
+        }
+        fit_.setScale(scale);
+        found.after = fit_.misfitOfRegions();
+        report(found);
+        if (found.moved()) {
+            fit_.setScale(fit_.usualScale());
+            step(priors, true);
+            report(found);
+        } else {
+            fit_.set(given);
+        }
+    }
+
+    /// Shape at large, for visual hulls and the like: kept where views that are left out agree better with it.
+    void reshape(RegistrationEstimate& found) {
+        const RegistrationFit::Unknowns given = fit_.unknowns();
+        fit_.leaveOutViews(true);
+        const double scale = fit_.usualScale();
+        fit_.setScale(scale);
+        found.viewsBefore = fit_.misfitOfViews();
+        for (const float sigma : wideBlurs) {
+            sharpen(sigma);
+            step(widePriors(), true);
+        }
+        fit_.setScale(scale);
+        found.viewsAfter = fit_.misfitOfViews();
+        fit_.leaveOutViews(false);
+        if (!found.reshaped()) return fit_.set(given);
+        fit_.setScale(fit_.usualScale());
+        step(widePriors(), true);
+        report(found);
+    }
+
+    RegistrationFix fix(size_t vertices) const { return fit_.fix(vertices); }
+
+private:
+    void sharpen(float sigma) {
+        fit_.blur(sigma);
+        fit_.setScale(fit_.usualScale());
+    }
+    void step(RegistrationPriors priors, bool all) {
+        const double room = priors.posePixels;
+        for (int k = 0; k < mostSteps; ++k) {
+            const double before = fit_.pixels();
+            // Cameras that turn out to be off by more are given more room.
+            if (room > 0.1) priors.posePixels = std::max(room, 0.8 * before);
+            fit_.step(priors, all);
+            progress_.advance();
+            const double after = fit_.pixels();
+            if (k > 1 && std::abs(after - before) < 0.02 * std::max(0.1, after)) break;
+        }
+    }
+    void report(RegistrationEstimate& found) const {
+        found.pixels = fit_.pixels();
+        found.displacement = fit_.displacement() / diagonal_;
+    }
+
+    RegistrationFit fit_;
+    double diagonal_;
+    Progress& progress_;
+};
 
 }  // namespace
 
 std::string toText(const RegistrationEstimate& e) {
     if (!(e.before > 0)) return "cameras and mesh: too few places are seen by three photographs";
-    return fmt::format(
-        "photographs agree {:.0f} % better with the mesh moved by {:.2f} pixels in them (its surface by {:.3f} % of "
-        "the "
-        "diagonal)",
+    std::string text = fmt::format(
+        "photographs agree {:.0f} % better with cameras and mesh moved by {:.2f} pixels in them (the surface by {:.3f} "
+        "% "
+        "of the diagonal)",
         100 * (1 - e.after / e.before), e.pixels, 100 * e.displacement);
+    if (e.viewsBefore > 0)
+        text += fmt::format("; with another shape photographs that were left out agree {:.0f} % better",
+                            100 * (1 - e.viewsAfter / e.viewsBefore));
+    return text;
 }
 
 RegistrationEstimate estimateRegistration(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
                                           size_t vertices, bool shape, Progress& progress) {
     RegistrationEstimate found;
-    RegistrationPriors priors;
-    priors.shape = shape;
-    RegistrationFit fit(capture, scene, samples);
-    if (!fit.enough()) return found;
-    progress.begin("Bringing cameras and mesh together", 1 + (std::size(blurs) + 1) * mostSteps);
-    // Cameras that turn out to be off by more are given more room.
-    const double room = priors.posePixels;
-    const auto steps = [&](bool all) {
-        for (int k = 0; k < mostSteps; ++k) {
-            const double before = fit.pixels();
-            priors.posePixels = std::max(room, 0.8 * before);
-            fit.step(priors, all);
-            progress.advance();
-            const double after = fit.pixels();
-            if (k > 1 && std::abs(after - before) < 0.02 * std::max(0.1, after)) break;
-        }
-    };
-    fit.blur(sharpest);
-    const double scale = fit.usualScale();
-    fit.setScale(scale);
-    found.before = fit.leftOutMisfit();
-    progress.advance();
-    for (const float sigma : blurs) {
-        fit.blur(sigma);
-        fit.setScale(fit.usualScale());
-        steps(false);
+    Registration registration(capture, scene, samples, progress);
+    if (!registration.enough()) return found;
+    progress.begin("Bringing cameras and mesh together", (std::size(blurs) + 1) * mostSteps);
+    registration.refine(shape, found);
+    if (shape && (found.moved() ? found.after : found.before) > farOff) {
+        progress.begin("Shape from the photographs", (std::size(wideBlurs) + 1) * mostSteps);
+        registration.reshape(found);
     }
-    fit.setScale(scale);
-    found.after = fit.leftOutMisfit();
-    found.pixels = fit.pixels();
-    found.displacement = fit.displacement() / double(scene.diagonal);
-    if (!found.needed()) return found;
-    fit.setScale(fit.usualScale());
-    steps(true);
-    found.pixels = fit.pixels();
-    found.displacement = fit.displacement() / double(scene.diagonal);
-    found.fix = fit.fix(vertices);
+    if (found.needed()) found.fix = registration.fix(vertices);
     return found;
 }
 

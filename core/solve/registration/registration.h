@@ -9,12 +9,16 @@ namespace relamp {
 
 struct RegistrationEstimate {
     RegistrationFix fix;
-    double before = 0, after = 0;  ///< misfit in regions that are left out: mean loss, squared log luminance
-    double pixels = 0;             ///< root mean square of what the mesh moves by in the photographs
-    double displacement = 0;       ///< root mean square, of the diagonal
+    double before = 0, after = 0;            ///< misfit in regions that are left out: mean loss, squared log luminance
+    double pixels = 0;                       ///< root mean square of what the mesh moves by in the photographs
+    double displacement = 0;                 ///< root mean square, of the diagonal
+    double viewsBefore = 0, viewsAfter = 0;  ///< misfit of views left out without and with another shape; 0: not tried
     /// Whether photographs agree better (exact captures: by -1 to 1 %), by what can be seen (a thousandth of the
     /// luminance), and with a motion of more than a third of a pixel.
-    bool needed() const { return after < 0.97 * before && before > after + 1e-6 && pixels > 0.35; }
+    bool moved() const { return after < 0.97 * before && before > after + 1e-6 && pixels > 0.35; }
+    /// Whether another shape lets the views that were left out agree clearly better.
+    bool reshaped() const { return viewsAfter < 0.9 * viewsBefore; }
+    bool needed() const { return moved() || reshaped(); }
 };
 
 /// "the photographs agree 32 % better with cameras moved by 0.65 pixels and the mesh by 0.02 % of its diagonal".

@@ -36,11 +36,11 @@ RegistrationFit::RegistrationFit(const Capture& capture, const Scene& scene, con
     : capture_(capture),
       scene_(scene),
       graph_(buildDisplacementGraph(scene, nodeSpacing * scene.diagonal)),
-      places_(choosePlaces(capture, scene, samples)),
-      moved_(graph_.nodes.size(), 0) {
+      places_(choosePlaces(capture, scene, samples)) {
+    unknowns_.moved.assign(graph_.nodes.size(), 0);
     double pixels = 0;
     for (const View& view : capture.views) {
-        poses_.push_back({view.name, DVec3(0), DVec3(0)});
+        unknowns_.poses.push_back({view.name, DVec3(0), DVec3(0)});
         cameras_.push_back(view.camera);
         pixels += double(view.image.width) * double(view.image.height);
     }
@@ -68,7 +68,7 @@ double RegistrationFit::usualScale() const {
 
 DVec3 RegistrationFit::pointOf(size_t place) const {
     const uint32_t v = places_.vertex[place];
-    return DVec3(scene_.mesh.positions[v]) + DVec3(scene_.mesh.normals[v]) * graph_.at(v, moved_);
+    return DVec3(scene_.mesh.positions[v]) + DVec3(scene_.mesh.normals[v]) * graph_.at(v, unknowns_.moved);
 }
 
 void RegistrationFit::project(size_t place) {
@@ -134,14 +134,15 @@ void RegistrationFit::look(size_t place) {
     }
 }
 
-std::vector<PairResidual> RegistrationFit::residualsOf(const PlacePair& pair) const {
-    std::vector<PairResidual> found;
+std::vector<PairResidual> RegistrationFit::residualsOf(const PlacePair& pair, bool ofLeftOutViews) const {
+    std::vector<PairResidual> found, measured;
     uint32_t a = places_.firstLook[pair.from], b = places_.firstLook[pair.to];
     const uint32_t aEnd = places_.firstLook[pair.from + 1], bEnd = places_.firstLook[pair.to + 1];
     while (a < aEnd && b < bEnd && found.size() < mostViews) {
         const PlaceLook &from = places_.looks[a], &to = places_.looks[b];
         if (from.view == to.view && from.valid && to.valid)
-            found.push_back({&from, &to, double(from.value - to.value), double(std::min(from.weight, to.weight))});
+            (isLeftOut(from.view) ? measured : found)
+                .push_back({&from, &to, double(from.value - to.value), double(std::min(from.weight, to.weight))});
         a += from.view <= to.view;
         b += to.view <= from.view;
     }
@@ -156,18 +157,19 @@ std::vector<PairResidual> RegistrationFit::residualsOf(const PlacePair& pair) co
         sum += r.weight * r.value;
         weights += r.weight;
     }
-    for (PairResidual& r : found) r.value -= sum / weights;
-    return found;
+    std::vector<PairResidual>& asked = ofLeftOutViews ? measured : found;
+    for (PairResidual& r : asked) r.value -= sum / weights;
+    return asked;
 }
 
-RegistrationFit::Loss RegistrationFit::misfit(bool leftOut) const {
+RegistrationFit::Loss RegistrationFit::misfit(bool leftOutRegions, bool leftOutViews) const {
     using Sum = Eigen::Vector2d;
     const Sum none = Sum::Zero();
     const Sum sum = parallelSum<Sum>(places_.pairs.size(), 1024, none, [&](size_t begin, size_t end) {
         Sum part = Sum::Zero();
         for (size_t k = begin; k < end; ++k) {
-            if (places_.pairs[k].leftOut != leftOut) continue;
-            for (const PairResidual& r : residualsOf(places_.pairs[k])) {
+            if (leftOutRegions && !places_.pairs[k].leftOut) continue;
+            for (const PairResidual& r : residualsOf(places_.pairs[k], leftOutViews)) {
                 const double off = r.value / scale_;
                 part += Sum(scale_ * scale_ * std::log1p(off * off), 1);
             }
@@ -181,8 +183,8 @@ void RegistrationFit::addPriors(const RegistrationPriors& priors, NormalEquation
     for (size_t i = 0; i < cameras_.size(); ++i) {
         PoseVector now;
         for (int k = 0; k < 3; ++k) {
-            now(k) = poses_[i].turn[k];
-            now(3 + k) = poses_[i].shift[k] / places_.depth[i];
+            now(k) = unknowns_.poses[i].turn[k];
+            now(3 + k) = unknowns_.poses[i].shift[k] / places_.depth[i];
         }
         // Six unknowns share the motion.
         equations.addPosePrior(i, 6 / (priors.posePixels * priors.posePixels) * motions_[i], -now);
@@ -191,22 +193,22 @@ void RegistrationFit::addPriors(const RegistrationPriors& priors, NormalEquation
     const double diagonal = double(scene_.diagonal);
     const double still = 1 / std::pow(priors.displacement * diagonal, 2),
                  stiff = 1 / std::pow(priors.bend * diagonal, 2);
-    for (uint32_t n = 0; n < moved_.size(); ++n) {
-        equations.addNodePrior({{n, 1.0}}, -moved_[n], still);
+    for (uint32_t n = 0; n < unknowns_.moved.size(); ++n) {
+        equations.addNodePrior({{n, 1.0}}, -unknowns_.moved[n], still);
         const std::vector<uint32_t>& near = graph_.neighbours[n];
         if (near.empty()) continue;
         std::vector<std::pair<uint32_t, double>> bend{{n, 1.0}};
-        double now = moved_[n];
+        double now = unknowns_.moved[n];
         for (const uint32_t m : near) {
             bend.push_back({m, -1 / double(near.size())});
-            now -= moved_[m] / double(near.size());
+            now -= unknowns_.moved[m] / double(near.size());
         }
         equations.addNodePrior(bend, -now, stiff);
     }
 }
 
 void RegistrationFit::step(const RegistrationPriors& priors, bool all) {
-    std::vector<NormalEquations> parts(blocks, NormalEquations(cameras_.size(), moved_.size()));
+    std::vector<NormalEquations> parts(blocks, NormalEquations(cameras_.size(), unknowns_.moved.size()));
     parallelFor(blocks, 1, [&](size_t part) {
         const size_t begin = places_.pairs.size() * part / blocks, end = places_.pairs.size() * (part + 1) / blocks;
         for (size_t k = begin; k < end; ++k) {
@@ -220,21 +222,27 @@ void RegistrationFit::step(const RegistrationPriors& priors, bool all) {
     });
     NormalEquations equations = std::move(parts[0]);
     for (size_t part = 1; part < blocks; ++part) equations.add(parts[part]);
-    const Loss loss = misfit(false);
+    const Loss loss = misfit(false, false);
     if (loss.count < 100) return;
-    equations.scale(1 / (std::max(1e-8, loss.x) * priors.repeated));
+    equations.scale(1 / (std::max(1e-8, loss.value) * priors.repeated));
     addPriors(priors, equations);
     const NormalEquations::Step step = equations.solve(priors.shape);
     if (!step.valid) return;
-    for (size_t n = 0; n < moved_.size(); ++n) moved_[n] += step.nodes(Eigen::Index(n));
+    for (size_t n = 0; n < unknowns_.moved.size(); ++n) unknowns_.moved[n] += step.nodes(Eigen::Index(n));
     for (size_t i = 0; i < cameras_.size(); ++i) {
         for (int k = 0; k < 3; ++k) {
-            poses_[i].turn[k] += step.poses(Eigen::Index(6 * i) + k);
-            poses_[i].shift[k] += step.poses(Eigen::Index(6 * i) + 3 + k) * places_.depth[i];
+            unknowns_.poses[i].turn[k] += step.poses(Eigen::Index(6 * i) + k);
+            unknowns_.poses[i].shift[k] += step.poses(Eigen::Index(6 * i) + 3 + k) * places_.depth[i];
         }
-        cameras_[i] = corrected(capture_.views[i].camera, poses_[i]);
+        cameras_[i] = corrected(capture_.views[i].camera, unknowns_.poses[i]);
     }
     lookEverywhere();
+}
+
+void RegistrationFit::set(const Unknowns& unknowns) {
+    unknowns_ = unknowns;
+    for (size_t i = 0; i < cameras_.size(); ++i) cameras_[i] = corrected(capture_.views[i].camera, unknowns_.poses[i]);
+    if (!images_.empty()) lookEverywhere();
 }
 
 double RegistrationFit::pixels() const {
@@ -253,19 +261,19 @@ double RegistrationFit::pixels() const {
 
 double RegistrationFit::displacement() const {
     double sum = 0;
-    for (const double m : moved_) sum += m * m;
-    return std::sqrt(sum / double(std::max<size_t>(1, moved_.size())));
+    for (const double m : unknowns_.moved) sum += m * m;
+    return std::sqrt(sum / double(std::max<size_t>(1, unknowns_.moved.size())));
 }
 
 RegistrationFix RegistrationFit::fix(size_t vertices) const {
     RegistrationFix fix;
-    fix.poses = poses_;
+    fix.poses = unknowns_.poses;
     double most = 0;
-    for (const double m : moved_) most = std::max(most, std::abs(m));
+    for (const double m : unknowns_.moved) most = std::max(most, std::abs(m));
     if (most == 0) return fix;
     fix.step = float(most / 10000);
     for (uint32_t v = 0; v < vertices; ++v)
-        fix.steps.push_back(int(std::lround(graph_.at(v, moved_) / double(fix.step))));
+        fix.steps.push_back(int(std::lround(graph_.at(v, unknowns_.moved) / double(fix.step))));
     return fix;
 }
 

@@ -27,10 +27,22 @@ public:
     /// Scale of the Cauchy loss, log luminance: three times the median difference as it is now, or a given one.
     double usualScale() const;
     void setScale(double scale) { scale_ = scale; }
-    /// `all`: pairs that are left out take part as well. Some 0.1 s for 20000 places in ten views.
+    /// `all`: pairs of regions that are left out take part as well. Some 0.1 s for 20000 places in ten views.
     void step(const RegistrationPriors& priors, bool all);
-    /// Mean Cauchy loss of the pairs that are left out, squared log luminance.
-    double leftOutMisfit() const { return misfit(true).x; }
+    /// Whether every fourth view takes no part in the steps and only measures.
+    void leaveOutViews(bool leaveOut) { viewsLeftOut_ = leaveOut; }
+    /// Mean Cauchy loss, squared log luminance: of the pairs in regions that are left out, or of the views that are
+    /// left out against the mean of the others.
+    double misfitOfRegions() const { return misfit(true, false).value; }
+    double misfitOfViews() const { return misfit(false, true).value; }
+
+    struct Unknowns {
+        std::vector<PoseFix> poses;
+        std::vector<double> moved;  ///< of each node, metres along the normal
+    };
+    const Unknowns& unknowns() const { return unknowns_; }
+    void set(const Unknowns& unknowns);
+
     /// Root mean square of what the mesh moves by in the photographs, pixels.
     double pixels() const;
     /// Root mean square of the nodes' displacement, metres.
@@ -40,14 +52,15 @@ public:
 
 private:
     struct Loss {
-        double x = 0, count = 0;
+        double value = 0, count = 0;
     };
-    Loss misfit(bool leftOut) const;
+    Loss misfit(bool leftOutRegions, bool leftOutViews) const;
     void project(size_t place);
     void look(size_t place);
     void lookEverywhere();
     Eigen::Matrix<double, 2, 6> pixelsByPose(size_t place, const PlaceLook& look) const;
-    std::vector<PairResidual> residualsOf(const PlacePair& pair) const;
+    bool isLeftOut(size_t view) const { return viewsLeftOut_ && view % 4 == 3; }
+    std::vector<PairResidual> residualsOf(const PlacePair& pair, bool ofLeftOutViews = false) const;
     void takeMotions();
     void addPriors(const RegistrationPriors& priors, NormalEquations& equations) const;
     DVec3 pointOf(size_t place) const;
@@ -60,10 +73,10 @@ private:
     int factor_ = 1;                           ///< that photographs are made smaller by
     float clear_ = 0;                          ///< pixels that a place must be from edges
     std::vector<LogImage> images_;
-    std::vector<PoseFix> poses_;
+    Unknowns unknowns_;
+    bool viewsLeftOut_ = false;
     std::vector<Camera> cameras_;
     std::vector<PoseMatrix> motions_;  ///< of each view: mean square of pixels by its pose, the metric of the prior
-    std::vector<double> moved_;        ///< of each node, metres
     double scale_ = 0.05;              ///< of the Cauchy loss, log luminance
 };
 

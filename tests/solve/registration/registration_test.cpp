@@ -44,6 +44,16 @@ TEST(Registration, BringsCamerasAndABentSheetBack) {
     EXPECT_FALSE(estimate(sheet).needed());
 }
 
+TEST(Registration, FindsAHollowThatTheMeshFills) {
+    ShakenSheet sheet;
+    sheet.fillHollow();
+    const double bent = sheet.bentBy();
+    const RegistrationEstimate found = estimate(sheet);
+    EXPECT_TRUE(found.reshaped()) << toText(found);
+    applyRegistration(found.fix, sheet.capture);
+    EXPECT_LT(sheet.bentBy(), 0.4 * bent);
+}
+
 TEST(Registration, HoldsTheMeshWhereToldTo) {
     ShakenSheet sheet;
     sheet.bend();
