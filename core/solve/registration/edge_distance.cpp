@@ -14,27 +14,36 @@ std::vector<uint8_t> edgeDistance(const View& view, const ViewGeometry& geometry
     const int width = geometry.width, height = geometry.height;
     const auto index = [&](int x, int y) { return size_t(y) * size_t(width) + size_t(x); };
     std::vector<uint8_t> distance(size_t(width) * size_t(height), 255);
-    const Vec3 eye(view.camera.position());
     const float pixel = 1 / float(std::min(view.camera.focalX, view.camera.focalY));
-    const auto rayOf = [&](int x, int y) { return view.camera.rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f)); };
-    // Where the neighbour's ray meets the pixel's plane against where it meets a surface.
-    const auto otherSurface = [&](int x, int y, int nx, int ny) {
-        const size_t a = index(x, y), b = index(nx, ny);
-        if (geometry.triangle[b] == Hit::none) return true;
-        const Vec3 normal = scene.mesh.faceNormal(geometry.triangle[a]);
-        const Vec3 between = rayOf(nx, ny) * geometry.depth[b] - rayOf(x, y) * geometry.depth[a];
-        return std::abs(glm::dot(between, normal)) > apart * pixel * std::max(geometry.depth[a], geometry.depth[b]);
+    // Points of two rows, as seen from the eye.
+    std::vector<Vec3> row(size_t(width), Vec3(0)), next(size_t(width), Vec3(0));
+    const auto takeRow = [&](int y, std::vector<Vec3>& points) {
+        for (int x = 0; x < width; ++x)
+            if (geometry.triangle[index(x, y)] != Hit::none)
+                points[size_t(x)] =
+                    view.camera.rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f)) * geometry.depth[index(x, y)];
     };
-    for (int y = 0; y < height; ++y)
+    if (height > 0) takeRow(0, next);
+    for (int y = 0; y < height; ++y) {
+        row.swap(next);
+        if (y + 1 < height) takeRow(y + 1, next);
         for (int x = 0; x < width; ++x) {
-            const size_t a = index(x, y);
-            if (geometry.triangle[a] == Hit::none || x == 0 || y == 0 || x + 1 == width || y + 1 == height) {
-                distance[a] = 0;
+            const size_t here = index(x, y);
+            if (geometry.triangle[here] == Hit::none || x == 0 || y == 0 || x + 1 == width || y + 1 == height) {
+                distance[here] = 0;
                 continue;
             }
-            for (const auto& [nx, ny] : {std::pair{x + 1, y}, std::pair{x, y + 1}})
-                if (otherSurface(x, y, nx, ny)) distance[a] = distance[index(nx, ny)] = 0;
+            const Vec3 normal = scene.mesh.faceNormal(geometry.triangle[here]);
+            const auto beside = [&](size_t there, const Vec3& point) {
+                const float off = std::abs(glm::dot(point - row[size_t(x)], normal));
+                if (geometry.triangle[there] == Hit::none ||
+                    off > apart * pixel * std::max(geometry.depth[here], geometry.depth[there]))
+                    distance[here] = distance[there] = 0;
+            };
+            beside(index(x + 1, y), row[size_t(x + 1)]);
+            beside(index(x, y + 1), next[size_t(x)]);
         }
+    }
     const auto from = [&](uint8_t& d, uint8_t neighbour) {
         d = std::min<uint8_t>(d, neighbour == 255 ? 255 : neighbour + 1);
     };

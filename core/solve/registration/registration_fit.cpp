@@ -13,7 +13,7 @@ namespace {
 constexpr size_t mostViews = 10;        ///< that a pair is compared over
 constexpr double mostPixels = 6.4e7;    ///< of all blurred photographs together
 constexpr float nodeSpacing = 0.0125f;  ///< of the diagonal
-constexpr size_t blocks = 16;           ///< of pairs, each with normal equations of its own
+constexpr size_t mostBlocks = 16;       ///< of pairs, each with normal equations of its own
 
 /// Change of the position in the photograph, x then y, as a world point moves along the camera's axes, per metre.
 std::optional<std::array<float, 6>> pixelsByPoint(const Camera& camera, const DVec3& point) {
@@ -208,6 +208,9 @@ void RegistrationFit::addPriors(const RegistrationPriors& priors, NormalEquation
 }
 
 void RegistrationFit::step(const RegistrationPriors& priors, bool all) {
+    // As many as fit into 256 MiB: an entry for each node and unknown of the poses.
+    const double entries = double(unknowns_.moved.size()) * 6 * double(cameras_.size());
+    const size_t blocks = std::clamp(size_t(3.3e7 / std::max(1.0, entries)), size_t(1), mostBlocks);
     std::vector<NormalEquations> parts(blocks, NormalEquations(cameras_.size(), unknowns_.moved.size()));
     parallelFor(blocks, 1, [&](size_t part) {
         const size_t begin = places_.pairs.size() * part / blocks, end = places_.pairs.size() * (part + 1) / blocks;
