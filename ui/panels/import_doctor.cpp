@@ -42,6 +42,10 @@ void axes(Editor& editor, const CaptureCheck& check) {
         wanted = now;
         wanted->up = up;
         wanted->flipCameras = flipped;
+        // What was found along the old axes is found anew.
+        wanted->registration = {};
+        wanted->mend = {};
+        std::erase_if(wanted->proxies, [](const ProxyLight& p) { return p.observed(); });
     };
     ImGui::BeginDisabled(editor.job().has_value());
     if (!check.upGuess.empty() && check.upGuess != check.up) {
