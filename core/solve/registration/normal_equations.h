@@ -13,7 +13,7 @@ using PoseMatrix = Eigen::Matrix<double, 6, 6>;
 
 /// A pair in one view: the difference of its values without its mean over the views.
 struct PairResidual {
-    const PlaceLook *from = nullptr, *to = nullptr;
+    const PlaceObservation *from = nullptr, *to = nullptr;
     double value = 0, weight = 0;
 };
 

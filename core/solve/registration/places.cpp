@@ -73,17 +73,17 @@ Places choosePlaces(const Capture& capture, const Scene& scene, const RadianceSa
     std::vector<float> brightness;
     std::vector<std::vector<float>> depths(capture.views.size());
     for (const uint32_t v : places.vertex) {
-        places.firstLook.push_back(uint32_t(places.looks.size()));
+        places.firstObservation.push_back(uint32_t(places.observations.size()));
         for (uint32_t k = samples.start[v]; k < samples.start[v + 1]; ++k) {
             const RadianceSample& s = samples.samples[k];
             if (!counts(s)) continue;
-            places.looks.push_back({.view = s.view, .weight = s.weight});
+            places.observations.push_back({.view = s.view, .weight = s.weight});
             brightness.push_back(float(luminance(s.radiance)));
             depths[s.view].push_back(
                 float(glm::length(DVec3(mesh.positions[v]) - capture.views[s.view].camera.position())));
         }
     }
-    places.firstLook.push_back(uint32_t(places.looks.size()));
+    places.firstObservation.push_back(uint32_t(places.observations.size()));
     if (!brightness.empty()) places.dark = std::max(1e-20f, 0.02f * medianOf(std::move(brightness)));
     for (std::vector<float>& d : depths) places.depth.push_back(d.empty() ? 1.0 : double(medianOf(std::move(d))));
     return places;

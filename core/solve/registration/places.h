@@ -9,7 +9,7 @@
 namespace relamp {
 
 /// A place in one view. `value` and what it changes with are of the present poses and shape.
-struct PlaceLook {
+struct PlaceObservation {
     uint32_t view = 0;
     float weight = 0;  ///< of the observation
     float value = 0;   ///< log luminance
@@ -27,8 +27,8 @@ struct PlacePair {
 
 struct Places {
     std::vector<uint32_t> vertex;
-    std::vector<uint32_t> firstLook;  ///< of each place, and the end
-    std::vector<PlaceLook> looks;     ///< by place, then view
+    std::vector<uint32_t> firstObservation;      ///< of each place, and the end
+    std::vector<PlaceObservation> observations;  ///< by place, then view
     std::vector<PlacePair> pairs;
     float dark = 1e-6f;         ///< a fiftieth of the median luminance
     std::vector<double> depth;  ///< of each view: median distance of what it sees, metres

@@ -56,7 +56,7 @@ void RegistrationFit::blur(float sigma) {
     for (const View& view : capture_.views) images_.emplace_back(view.image, factor_, sigma, places_.dark);
     parallelFor(places_.vertex.size(), 256, [&](size_t place) { project(place); });
     takeMotions();
-    lookEverywhere();
+    observeEverywhere();
 }
 
 double RegistrationFit::usualScale() const {
@@ -72,23 +72,23 @@ DVec3 RegistrationFit::pointOf(size_t place) const {
 }
 
 void RegistrationFit::project(size_t place) {
-    for (uint32_t k = places_.firstLook[place]; k < places_.firstLook[place + 1]; ++k) {
-        PlaceLook& look = places_.looks[k];
-        look.pixels = pixelsByPoint(cameras_[look.view], pointOf(place)).value_or(std::array<float, 6>{});
+    for (uint32_t k = places_.firstObservation[place]; k < places_.firstObservation[place + 1]; ++k) {
+        PlaceObservation& o = places_.observations[k];
+        o.pixels = pixelsByPoint(cameras_[o.view], pointOf(place)).value_or(std::array<float, 6>{});
     }
 }
 
-Eigen::Matrix<double, 2, 6> RegistrationFit::pixelsByPose(size_t place, const PlaceLook& look) const {
-    const Camera& camera = cameras_[look.view];
+Eigen::Matrix<double, 2, 6> RegistrationFit::pixelsByPose(size_t place, const PlaceObservation& o) const {
+    const Camera& camera = cameras_[o.view];
     Eigen::Matrix<double, 2, 3> byPoint;
-    byPoint << double(look.pixels[0]), double(look.pixels[1]), double(look.pixels[2]), double(look.pixels[3]),
-        double(look.pixels[4]), double(look.pixels[5]);
+    byPoint << double(o.pixels[0]), double(o.pixels[1]), double(o.pixels[2]), double(o.pixels[3]), double(o.pixels[4]),
+        double(o.pixels[5]);
     // The camera turned by w moves the point p by -w x p = p x w, shifted by t by -t.
     const DVec3 p = glm::transpose(glm::dmat3(camera.worldFromCamera)) * (pointOf(place) - camera.position());
     Eigen::Matrix3d cross;
     cross << 0, -p.z, p.y, p.z, 0, -p.x, -p.y, p.x, 0;
     Eigen::Matrix<double, 2, 6> result;
-    result << byPoint * cross, -byPoint * places_.depth[look.view];
+    result << byPoint * cross, -byPoint * places_.depth[o.view];
     return result;
 }
 
@@ -96,10 +96,10 @@ void RegistrationFit::takeMotions() {
     motions_.assign(cameras_.size(), PoseMatrix::Zero());
     std::vector<double> counts(cameras_.size(), 0);
     for (size_t place = 0; place < places_.vertex.size(); place += 7)
-        for (uint32_t k = places_.firstLook[place]; k < places_.firstLook[place + 1]; ++k) {
-            const auto moves = pixelsByPose(place, places_.looks[k]);
-            motions_[places_.looks[k].view] += moves.transpose() * moves;
-            counts[places_.looks[k].view] += 1;
+        for (uint32_t k = places_.firstObservation[place]; k < places_.firstObservation[place + 1]; ++k) {
+            const auto moves = pixelsByPose(place, places_.observations[k]);
+            motions_[places_.observations[k].view] += moves.transpose() * moves;
+            counts[places_.observations[k].view] += 1;
         }
     for (size_t i = 0; i < motions_.size(); ++i) {
         if (counts[i] > 0) motions_[i] /= counts[i];
@@ -107,39 +107,39 @@ void RegistrationFit::takeMotions() {
     }
 }
 
-void RegistrationFit::lookEverywhere() {
-    parallelFor(places_.vertex.size(), 256, [&](size_t place) { look(place); });
+void RegistrationFit::observeEverywhere() {
+    parallelFor(places_.vertex.size(), 256, [&](size_t place) { observe(place); });
 }
 
-void RegistrationFit::look(size_t place) {
+void RegistrationFit::observe(size_t place) {
     const DVec3 normal(scene_.mesh.normals[places_.vertex[place]]);
-    for (uint32_t k = places_.firstLook[place]; k < places_.firstLook[place + 1]; ++k) {
-        PlaceLook& look = places_.looks[k];
-        look.valid = false;
-        const Camera& camera = cameras_[look.view];
+    for (uint32_t k = places_.firstObservation[place]; k < places_.firstObservation[place + 1]; ++k) {
+        PlaceObservation& o = places_.observations[k];
+        o.valid = false;
+        const Camera& camera = cameras_[o.view];
         const std::optional<Vec2> at = camera.project(pointOf(place));
         if (!at) continue;
-        const LogImage::At shown = images_[look.view].at(*at);
+        const LogImage::At shown = images_[o.view].at(*at);
         if (!shown.valid) continue;
-        const size_t pixel = size_t(at->y) * size_t(capture_.views[look.view].image.width) + size_t(at->x);
-        if (float(edges_[look.view][pixel]) < clear_) continue;
+        const size_t pixel = size_t(at->y) * size_t(capture_.views[o.view].image.width) + size_t(at->x);
+        if (float(edges_[o.view][pixel]) < clear_) continue;
         const PoseVector byPose =
-            pixelsByPose(place, look).transpose() * Eigen::Vector2d(double(shown.slope.x), double(shown.slope.y));
-        for (size_t i = 0; i < 6; ++i) look.byPose[i] = byPose(Eigen::Index(i));
+            pixelsByPose(place, o).transpose() * Eigen::Vector2d(double(shown.slope.x), double(shown.slope.y));
+        for (size_t i = 0; i < 6; ++i) o.byPose[i] = byPose(Eigen::Index(i));
         // The surface moving by n is the camera shifting by -n.
         const DVec3 n = glm::transpose(glm::dmat3(camera.worldFromCamera)) * normal;
-        look.byShape = -(byPose(3) * n.x + byPose(4) * n.y + byPose(5) * n.z) / places_.depth[look.view];
-        look.value = shown.value;
-        look.valid = true;
+        o.byShape = -(byPose(3) * n.x + byPose(4) * n.y + byPose(5) * n.z) / places_.depth[o.view];
+        o.value = shown.value;
+        o.valid = true;
     }
 }
 
 std::vector<PairResidual> RegistrationFit::residualsOf(const PlacePair& pair, bool ofLeftOutViews) const {
     std::vector<PairResidual> found, measured;
-    uint32_t a = places_.firstLook[pair.from], b = places_.firstLook[pair.to];
-    const uint32_t aEnd = places_.firstLook[pair.from + 1], bEnd = places_.firstLook[pair.to + 1];
+    uint32_t a = places_.firstObservation[pair.from], b = places_.firstObservation[pair.to];
+    const uint32_t aEnd = places_.firstObservation[pair.from + 1], bEnd = places_.firstObservation[pair.to + 1];
     while (a < aEnd && b < bEnd && found.size() < mostViews) {
-        const PlaceLook &from = places_.looks[a], &to = places_.looks[b];
+        const PlaceObservation &from = places_.observations[a], &to = places_.observations[b];
         if (from.view == to.view && from.valid && to.valid)
             (isLeftOut(from.view) ? measured : found)
                 .push_back({&from, &to, double(from.value - to.value), double(std::min(from.weight, to.weight))});
@@ -239,20 +239,20 @@ void RegistrationFit::step(const RegistrationPriors& priors, bool all) {
         }
         cameras_[i] = corrected(capture_.views[i].camera, unknowns_.poses[i]);
     }
-    lookEverywhere();
+    observeEverywhere();
 }
 
 void RegistrationFit::set(const Unknowns& unknowns) {
     unknowns_ = unknowns;
     for (size_t i = 0; i < cameras_.size(); ++i) cameras_[i] = corrected(capture_.views[i].camera, unknowns_.poses[i]);
-    if (!images_.empty()) lookEverywhere();
+    if (!images_.empty()) observeEverywhere();
 }
 
 double RegistrationFit::pixels() const {
     double sum = 0, count = 0;
     for (size_t place = 0; place < places_.vertex.size(); place += 7)
-        for (uint32_t k = places_.firstLook[place]; k < places_.firstLook[place + 1]; ++k) {
-            const size_t view = places_.looks[k].view;
+        for (uint32_t k = places_.firstObservation[place]; k < places_.firstObservation[place + 1]; ++k) {
+            const size_t view = places_.observations[k].view;
             const DVec3 before(scene_.mesh.positions[places_.vertex[place]]);
             const auto a = capture_.views[view].camera.project(before), b = cameras_[view].project(pointOf(place));
             if (!a || !b) continue;

@@ -56,9 +56,9 @@ private:
     };
     Loss misfit(bool leftOutRegions, bool leftOutViews) const;
     void project(size_t place);
-    void look(size_t place);
-    void lookEverywhere();
-    Eigen::Matrix<double, 2, 6> pixelsByPose(size_t place, const PlaceLook& look) const;
+    void observe(size_t place);
+    void observeEverywhere();
+    Eigen::Matrix<double, 2, 6> pixelsByPose(size_t place, const PlaceObservation& o) const;
     bool isLeftOut(size_t view) const { return viewsLeftOut_ && view % 4 == 3; }
     std::vector<PairResidual> residualsOf(const PlacePair& pair, bool ofLeftOutViews = false) const;
     void takeMotions();
