@@ -22,11 +22,14 @@ Camera corrected(const Camera& camera, const PoseFix& fix) {
 }
 
 void applyRegistration(const RegistrationFix& fix, Capture& capture) {
+    // Each view once: two may show the same file.
+    std::vector<uint8_t> taken(capture.views.size(), 0);
     for (const PoseFix& pose : fix.poses) {
-        const auto view = std::find_if(capture.views.begin(), capture.views.end(),
-                                       [&](const View& v) { return v.name == pose.view; });
-        if (view == capture.views.end()) throw Error("registration: the capture has no photograph {}", pose.view);
-        view->camera = corrected(view->camera, pose);
+        size_t i = 0;
+        while (i < taken.size() && (taken[i] || capture.views[i].name != pose.view)) ++i;
+        if (i == taken.size()) throw Error("registration: the capture has no photograph {}", pose.view);
+        taken[i] = 1;
+        capture.views[i].camera = corrected(capture.views[i].camera, pose);
     }
     if (fix.steps.empty()) return;
     Mesh& mesh = capture.mesh;

@@ -44,6 +44,16 @@ TEST(RegistrationFix, MovesVerticesAndTurnsTheirNormals) {
     }
 }
 
+TEST(RegistrationFix, MovesEachOfTwoViewsOfOneName) {
+    Capture capture = sheetCapture();
+    capture.views.push_back(capture.views[0]);
+    const Camera given = capture.views[0].camera;
+    const PoseFix first{"a.exr", DVec3(0), DVec3(0.1, 0, 0)}, second{"a.exr", DVec3(0), DVec3(0, 0.2, 0)};
+    applyRegistration({{first, second}, 0, {}}, capture);
+    EXPECT_EQ(capture.views[0].camera.worldFromCamera, corrected(given, first).worldFromCamera);
+    EXPECT_EQ(capture.views[1].camera.worldFromCamera, corrected(given, second).worldFromCamera);
+}
+
 TEST(RegistrationFix, RefusesWhatTheCaptureDoesNotHave) {
     Capture capture = sheetCapture();
     EXPECT_THROW(applyRegistration({{{"b.exr", DVec3(0), DVec3(0)}}, 0, {}}, capture), Error);

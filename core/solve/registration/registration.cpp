@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace relamp {
 namespace {
@@ -40,10 +41,7 @@ public:
         const double scale = fit_.usualScale();
         fit_.setScale(scale);
         found.before = fit_.misfitOfRegions();
-        for (const float sigma : blurs) {
-            sharpen(sigma);
-            step(priors, false);
-        }
+        descend(blurs, priors, false);
         fit_.setScale(scale);
         found.after = fit_.misfitOfRegions();
         report(found);
@@ -63,10 +61,7 @@ public:
         const double scale = fit_.usualScale();
         fit_.setScale(scale);
         found.viewsBefore = fit_.misfitOfViews();
-        for (const float sigma : wideBlurs) {
-            sharpen(sigma);
-            step(widePriors(), true);
-        }
+        descend(wideBlurs, widePriors(), true);
         fit_.setScale(scale);
         found.viewsAfter = fit_.misfitOfViews();
         fit_.leaveOutViews(false);
@@ -79,13 +74,16 @@ public:
     RegistrationFix fix(size_t vertices) const { return fit_.fix(vertices); }
 
 private:
-    void sharpen(float sigma) {
-        fit_.blur(sigma);
-        fit_.setScale(fit_.usualScale());
+    void descend(std::span<const float> blursDown, const RegistrationPriors& priors, bool all) {
+        for (const float sigma : blursDown) {
+            fit_.blur(sigma);
+            fit_.setScale(fit_.usualScale());
+            step(priors, all);
+        }
     }
     void step(RegistrationPriors priors, bool all) {
         const double room = priors.posePixels;
-        for (int k = 0; k < mostSteps; ++k) {
+        for (int k = 0; k < mostSteps && !progress_.outOfTime(); ++k) {
             const double before = fit_.pixels();
             // Cameras that turn out to be off by more are given more room.
             if (room > 0.1) priors.posePixels = std::max(room, 0.8 * before);
@@ -127,7 +125,7 @@ RegistrationEstimate estimateRegistration(const Capture& capture, const Scene& s
     if (!registration.enough()) return found;
     progress.begin("Bringing cameras and mesh together", (std::size(blurs) + 1) * mostSteps);
     registration.refine(shape, found);
-    if (shape && (found.moved() ? found.after : found.before) > farOff) {
+    if (shape && !progress.outOfTime() && (found.moved() ? found.after : found.before) > farOff) {
         progress.begin("Shape from the photographs", (std::size(wideBlurs) + 1) * mostSteps);
         registration.reshape(found);
     }

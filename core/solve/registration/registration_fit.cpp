@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "base/random.h"
 #include "base/statistics.h"
 #include "solve/registration/edge_distance.h"
 
@@ -138,7 +139,7 @@ std::vector<PairResidual> RegistrationFit::residualsOf(const PlacePair& pair, bo
     std::vector<PairResidual> found, measured;
     uint32_t a = places_.firstObservation[pair.from], b = places_.firstObservation[pair.to];
     const uint32_t aEnd = places_.firstObservation[pair.from + 1], bEnd = places_.firstObservation[pair.to + 1];
-    while (a < aEnd && b < bEnd && found.size() < mostViews) {
+    while (a < aEnd && b < bEnd) {
         const PlaceObservation &from = places_.observations[a], &to = places_.observations[b];
         if (from.view == to.view && from.valid && to.valid)
             (isLeftOut(from.view) ? measured : found)
@@ -147,6 +148,11 @@ std::vector<PairResidual> RegistrationFit::residualsOf(const PlacePair& pair, bo
         b += to.view <= from.view;
     }
     if (found.size() < 3) return {};
+    if (found.size() > mostViews) {
+        // Other ones for each pair, so that every view takes part somewhere.
+        std::rotate(found.begin(), found.begin() + std::ptrdiff_t(mixBits(pair.from) % found.size()), found.end());
+        found.resize(mostViews);
+    }
     std::vector<double> values;
     for (const PairResidual& r : found) values.push_back(r.value);
     const double middle = meanMedianOf(std::move(values));
