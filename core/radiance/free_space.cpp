@@ -8,19 +8,23 @@
 #include "base/statistics.h"
 #include "image/direction_grid.h"
 #include "radiance/agreement.h"
+#include "radiance/random_walker.h"
 #include "scene/rim.h"
 
 namespace relamp {
 namespace {
 
-constexpr float alike = 0.1f;           ///< of log radiance: what background or surface may be off by
-constexpr float explained = 0.2f;       ///< up to which the background explains a vertex
-constexpr float bend = 0.25f;           ///< beyond which a vertex says no more
-constexpr size_t leastViews = 2;        ///< that refute a surface
-constexpr int rings = 3;                ///< of neighbours that a vertex is asked with
-constexpr size_t evenRings = 8;         ///< of neighbours that a skirt may go on before an even background
-constexpr size_t leastRegion = 30;      ///< vertices of a skirt
-constexpr size_t leastBackground = 16;  ///< cells without which nothing is said
+constexpr float alike = 0.1f;               ///< of log radiance: what background or surface may be off by
+constexpr float explained = 0.2f;           ///< up to which the background explains a vertex
+constexpr float bend = 0.25f;               ///< beyond which a vertex says no more
+constexpr float unknownBackground = alike;  ///< how well one that nobody saw would explain a vertex
+constexpr size_t leastViews = 2;            ///< that refute a surface
+constexpr int meanRings = 3;                ///< of neighbours that a vertex is asked with
+constexpr size_t borderRings = 10;          ///< of neighbours by which the edges in the photographs may move a border
+constexpr float priorWeight = 0.05f;        ///< of a vertex that is sure
+constexpr float leastLikeness = 0.01f;      ///< of neighbours
+constexpr size_t leastRegion = 30;          ///< vertices of a skirt
+constexpr size_t leastBackground = 16;      ///< cells without which nothing is said
 
 /// What the background shows around a direction.
 class Background {
@@ -133,23 +137,29 @@ Evidence evidenceOf(const Scene& scene, const Capture& capture, const RadianceSa
                 sum += std::abs(std::log(std::max(s.radiance[c], floor) / std::max((*others)[c], floor)));
             asSurface.push_back(sum / 3);
         }
-        const float differs = asSurface.size() < leastViews ? 0 : medianOf(std::move(asSurface));
-        if (asBackground.empty()) {
+        const size_t views = asSurface.size();
+        const float differs = views < leastViews ? 0 : medianOf(std::move(asSurface));
+        const size_t known = asBackground.size();
+        if (known == 0) {
             if (differs > bend) better[v] = -alike / 2;
+            if (views >= leastViews && differs < alike) better[v] = alike - differs;
             return;
         }
-        const size_t views = asBackground.size();
-        const float off = medianOf(std::move(asBackground));
+        float off = medianOf(asBackground);
+        if (known < views) {
+            asBackground.resize(views, unknownBackground);
+            off = std::max(off, medianOf(std::move(asBackground)));
+        }
         // Prints finer than the mesh differ between views as well: the background has to explain them.
         better[v] = off > explained ? bend : std::clamp(off - differs, -bend, bend);
-        evidence.asBackground[v] = views >= leastViews && off < alike;
+        evidence.asBackground[v] = known >= leastViews && off < alike;
     });
     return evidence;
 }
 
 /// The mean over a few rings of neighbours.
 std::vector<float> overNeighbours(const Scene& scene, std::vector<float> value) {
-    for (int ring = 0; ring < rings; ++ring) {
+    for (int ring = 0; ring < meanRings; ++ring) {
         std::vector<float> mean(value.size());
         parallelFor(value.size(), 1024, [&](size_t v) {
             const uint32_t begin = scene.graph.start[v], end = scene.graph.start[v + 1];
@@ -197,8 +207,70 @@ void addIslands(const Scene& scene, size_t largest, const std::vector<uint8_t>& 
     }
 }
 
+/// Per entry of graph.to how alike the photographs show both vertices: 1, less where all of them show an edge between.
+std::vector<float> likeness(const Scene& scene, const RadianceSamples& samples) {
+    std::vector<float> weight(scene.graph.to.size(), 1);
+    parallelFor(scene.graph.start.size() - 1, 256, [&](size_t v) {
+        for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e) {
+            const uint32_t w = scene.graph.to[e];
+            std::vector<float> contrast;
+            for (uint32_t i = samples.start[v], k = samples.start[w];
+                 i < samples.start[v + 1] && k < samples.start[w + 1];) {
+                const RadianceSample &a = samples.samples[i], &b = samples.samples[k];
+                if (a.view == b.view) {
+                    float sum = 0;
+                    for (int c = 0; c < 3; ++c)
+                        sum += std::abs(std::log(std::max(a.radiance[c], samples.noiseFloor) /
+                                                 std::max(b.radiance[c], samples.noiseFloor)));
+                    contrast.push_back(sum / 3);
+                }
+                i += a.view <= b.view;
+                k += b.view <= a.view;
+            }
+            if (contrast.empty()) continue;
+            const float edge = medianOf(std::move(contrast)) / alike;
+            weight[e] = std::max(std::exp(-edge * edge), leastLikeness);
+        }
+    });
+    return weight;
+}
+
+/// Skirts up to the edges that photographs show: vertices near their borders are labelled anew.
+std::vector<uint8_t> delimited(const Scene& scene, const RadianceSamples& samples, const Evidence& evidence,
+                               const std::vector<uint8_t>& isLight, const std::vector<uint8_t>& skirt) {
+    std::vector<size_t> rings(skirt.size(), ~size_t(0));  // from the other kind
+    std::vector<uint32_t> reached;
+    for (uint32_t v = 0; v < skirt.size(); ++v)
+        for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e)
+            if (skirt[v] != skirt[scene.graph.to[e]] && rings[v] != 0) {
+                rings[v] = 0;
+                reached.push_back(v);
+            }
+    for (size_t i = 0; i < reached.size(); ++i) {
+        const uint32_t v = reached[i];
+        if (rings[v] == borderRings) continue;
+        for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e)
+            if (rings[scene.graph.to[e]] == ~size_t(0)) {
+                rings[scene.graph.to[e]] = rings[v] + 1;
+                reached.push_back(scene.graph.to[e]);
+            }
+    }
+    std::vector<LabelPrior> priors(skirt.size());
+    for (size_t v = 0; v < skirt.size(); ++v) {
+        const float better = evidence.better[v];
+        if (rings[v] >= borderRings || isLight[v])
+            priors[v] = {skirt[v] && !isLight[v] ? 0.0f : 1.0f, std::numeric_limits<float>::infinity()};
+        else priors[v] = {better > 0 ? 1.0f : 0.0f, priorWeight * std::abs(better) / bend};
+    }
+    const std::vector<float> labels = randomWalkerLabels(scene.graph, likeness(scene, samples), priors);
+    std::vector<uint8_t> result(skirt.size());
+    for (size_t v = 0; v < skirt.size(); ++v) result[v] = labels[v] < 0.5f;
+    return result;
+}
+
 /// Vertices of skirts: large regions, at a rim of the mesh, that the background explains and a surface does not.
-std::vector<uint8_t> skirtsOf(const Scene& scene, const Evidence& evidence, const std::vector<uint8_t>& isLight) {
+std::vector<uint8_t> skirtsOf(const Scene& scene, const RadianceSamples& samples, const Evidence& evidence,
+                              const std::vector<uint8_t>& isLight) {
     const std::vector<float>& better = evidence.better;
     const std::vector<float> around = overNeighbours(scene, better);
     const std::vector<uint8_t> rim = rimVertices(scene.mesh);
@@ -215,20 +287,7 @@ std::vector<uint8_t> skirtsOf(const Scene& scene, const Evidence& evidence, cons
         if (region.size() < least || refuted * 4 < region.size() || atRim == 0) continue;
         for (const uint32_t v : region) skirt[v] = 1;
     }
-    // Before an even background they go on a little where a surface would explain it as well.
-    std::vector<uint32_t> reached;
-    for (uint32_t v = 0; v < skirt.size(); ++v)
-        if (skirt[v]) reached.push_back(v);
-    for (size_t ring = 0, begin = 0; ring < evenRings; ++ring)
-        for (const size_t end = reached.size(); begin < end; ++begin) {
-            const uint32_t v = reached[begin];
-            for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e) {
-                const uint32_t w = scene.graph.to[e];
-                if (skirt[w] || !evidence.asBackground[w]) continue;
-                skirt[w] = 1;
-                reached.push_back(w);
-            }
-        }
+    skirt = delimited(scene, samples, evidence, isLight, skirt);
     addIslands(scene, 2 * least, isLight, skirt);
     return skirt;
 }
@@ -240,7 +299,7 @@ std::vector<uint32_t> freeSpaceTriangles(const Scene& scene, const Capture& capt
     const Background background(capture, samples);
     if (background.known() < leastBackground || !background.distant()) return {};
     const Evidence evidence = evidenceOf(scene, capture, samples, background, isLight);
-    const std::vector<uint8_t> skirt = skirtsOf(scene, evidence, isLight);
+    const std::vector<uint8_t> skirt = skirtsOf(scene, samples, evidence, isLight);
     const auto corners = [&](uint32_t t) {
         int count = 0;
         for (const uint32_t v : scene.mesh.triangles[t]) count += skirt[v];
