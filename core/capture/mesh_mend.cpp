@@ -15,6 +15,11 @@ std::vector<uint32_t> trianglesLeft(const MeshMend& mend, size_t triangles) {
 }
 
 void applyMend(const MeshMend& mend, Mesh& mesh) {
+    const size_t fileVertices = mesh.vertexCount();
+    for (const Vec3& p : mend.addedPositions) {
+        if (!isFinite(p)) throw Error("mesh correction: added vertex at {:g} {:g} {:g}", p.x, p.y, p.z);
+        mesh.positions.push_back(p);
+    }
     for (const MeshMend::MovedVertex& m : mend.moved) {
         if (m.vertex >= mesh.vertexCount() || !isFinite(m.position))
             throw Error("mesh correction: vertex {} of {} at {:g} {:g} {:g}", m.vertex, mesh.vertexCount(),
@@ -37,6 +42,17 @@ void applyMend(const MeshMend& mend, Mesh& mesh) {
         mesh.triangles[kept++] = mesh.triangles[t];
     }
     mesh.triangles.resize(kept);
+    if (mend.addedPositions.empty() && mend.added.empty()) return;
+    Mesh patch{mend.addedPositions, {}, mend.added};
+    for (const Triangle& t : patch.triangles)
+        for (const uint32_t v : t)
+            if (v >= patch.vertexCount())
+                throw Error("mesh correction: added triangle of vertex {} of {}", v, patch.vertexCount());
+    mesh.normals.resize(fileVertices, Vec3(0, 0, 1));
+    for (const Vec3& n : vertexNormalsFromFaces(patch)) mesh.normals.push_back(n);
+    for (const Triangle& t : patch.triangles)
+        mesh.triangles.push_back(
+            {uint32_t(fileVertices) + t[0], uint32_t(fileVertices) + t[1], uint32_t(fileVertices) + t[2]});
 }
 
 }  // namespace relamp

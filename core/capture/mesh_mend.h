@@ -14,17 +14,20 @@ struct MeshMend {
     };
     std::vector<uint32_t> removed;     ///< triangles of the file, ascending
     std::vector<uint32_t> shadowless;  ///< the same: they stay and light passes them
-    std::vector<MovedVertex> moved;    ///< vertices of the file
+    std::vector<MovedVertex> moved;    ///< vertices of the file, and of what is added to it
+    std::vector<Vec3> addedPositions;  ///< vertices that follow the file's; metres, as above
+    std::vector<Triangle> added;       ///< of them, counted from the first of them
 
-    bool empty() const { return removed.empty() && shadowless.empty() && moved.empty(); }
+    bool empty() const { return removed.empty() && shadowless.empty() && moved.empty() && added.empty(); }
     bool operator==(const MeshMend&) const = default;
 };
 
 /// What the triangles that are left, of `triangles` of the file, are called there.
 std::vector<uint32_t> trianglesLeft(const MeshMend& mend, size_t triangles);
 
-/// Moves the vertices and takes the triangles away; vertices keep their numbers. Throws Error for a vertex or triangle
-/// that the mesh does not have, and for a position that is not finite. O(triangles).
+/// Moves the vertices, takes the triangles away and adds the others behind those that are left; vertices keep their
+/// numbers. Throws Error for a vertex or triangle that the mesh does not have, and for a position that is not finite.
+/// O(triangles).
 void applyMend(const MeshMend& mend, Mesh& mesh);
 
 }  // namespace relamp

@@ -3,6 +3,7 @@
 #include "base/log.h"
 #include "clusters/emitter_mend.h"
 #include "pipeline/light_obstacles.h"
+#include "radiance/back_sides.h"
 #include "radiance/free_space.h"
 
 namespace relamp {
@@ -32,6 +33,23 @@ public:
                         mend_.removed.size()));
     }
 
+    void completeSurfaces() {
+        sheets_ = roundSheets(*prepared_.scene, capture_, *prepared_.samples, progress_);
+        float area = 0;
+        std::vector<uint32_t> replaced;
+        for (const RoundSheet& sheet : sheets_) {
+            addPatch(sheet.missing);
+            replaced.insert(replaced.end(), sheet.missing.replaced.begin(), sheet.missing.replaced.end());
+            area += sheet.missing.area;
+        }
+        if (!(area > 0)) return;
+        std::sort(replaced.begin(), replaced.end());
+        replaced.erase(std::unique(replaced.begin(), replaced.end()), replaced.end());
+        add(replaced, mend_.removed);
+        apply({});
+        say(fmt::format("photographs show {:.0f} cm2 of round surfaces that the mesh lacks: added", 1e4f * area));
+    }
+
     void shapeEmitters() {
         meter_.begin(Stage::emitters);
         EmitterMend found = mendEmitters(*prepared_.scene, capture_, *prepared_.samples, prepared_.clusters);
@@ -46,19 +64,41 @@ public:
             found.movedWords.clear();
             apply(found.balls);
         }
-        // Skins over the openings of shades.
-        const std::vector<uint32_t> obstacles =
+        openShades(found);
+        for (const std::vector<std::string>* list : {&found.words, &found.movedWords})
+            for (const std::string& words : *list) say(words);
+    }
+
+    /// Skins over the openings of shades: light passes them, and photographs see through them what lies behind.
+    void openShades(EmitterMend& found) {
+        std::vector<uint32_t> obstacles =
             falseObstacles(*prepared_.scene, *prepared_.samples, prepared_.clusters, options_.solve, progress_);
-        if (!obstacles.empty()) {
+        if (obstacles.empty()) return;
+        std::vector<uint8_t> isLight(prepared_.scene->mesh.vertexCount(), 0);
+        for (const EmitterCluster& e : prepared_.clusters.emitters)
+            for (const uint32_t v : e.vertices) isLight[v] = 1;
+        for (const RoundSheet& sheet : sheets_) obstacles = withFilling(sheet, *prepared_.scene, isLight, obstacles);
+        const SeenBehind behind = seenBehind(*prepared_.scene, capture_, *prepared_.samples, obstacles);
+        logInfo("behind what hides a light lie backs of surfaces in {:.0f} % of the pixels, fronts in {:.0f} %",
+                100 * behind.backs, 100 * behind.fronts);
+        constexpr float mostlyBacks = 0.3f, closed = 0.75f;
+        if (behind.backs > mostlyBacks && behind.backs + behind.fronts > closed) {
+            std::vector<LightBall> lights;
+            for (const ProxyLight& ball : found.balls) lights.push_back({Vec3(ball.centre), ball.radius});
+            addPatch(backSides(*prepared_.scene, capture_, *prepared_.samples, obstacles, lights));
+            add(obstacles, mend_.removed);
+            found.words.push_back(
+                fmt::format("{} triangles close the opening of a shade over a light: taken away, and the shade has an "
+                            "inner side",
+                            obstacles.size()));
+        } else {
             add(obstacles, mend_.shadowless);
             found.words.push_back(
                 fmt::format("{} triangles beside a light hide it though photographs are explained better without their "
                             "shadow: light passes them",
                             obstacles.size()));
-            apply(found.balls);
         }
-        for (const std::vector<std::string>* list : {&found.words, &found.movedWords})
-            for (const std::string& words : *list) say(words);
+        apply(found.balls);
     }
 
     MeshMend result() && { return std::move(mend_); }
@@ -70,6 +110,11 @@ private:
         for (const uint32_t t : present)
             if (t < numbers.size()) list.push_back(numbers[t]);  // not those of a ball
         std::sort(list.begin(), list.end());
+    }
+    void addPatch(const SurfacePatch& patch) {
+        const auto first = uint32_t(mend_.addedPositions.size());
+        mend_.addedPositions.insert(mend_.addedPositions.end(), patch.positions.begin(), patch.positions.end());
+        for (const auto& [a, b, c] : patch.triangles) mend_.added.push_back({first + a, first + b, first + c});
     }
     void apply(const std::vector<ProxyLight>& balls) {
         capture_.mesh = file_;
@@ -92,6 +137,7 @@ private:
     const Mesh file_;
     const std::vector<ProxyLight> proxies_;
     MeshMend mend_;
+    std::vector<RoundSheet> sheets_;
 };
 
 }  // namespace
@@ -100,6 +146,7 @@ MeshMend mendMesh(const PipelineOptions& options, Capture& capture, Prepared& pr
                   Progress& progress) {
     MeshMender mender(options, capture, prepared, meter, progress);
     mender.takeSkirtsOff();
+    mender.completeSurfaces();
     mender.shapeEmitters();
     return std::move(mender).result();
 }

@@ -9,11 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include "base/atomic_file.h"
-#include "base/box.h"
 #include "base/error.h"
 #include "base/is_there.h"
 #include "base/log.h"
-#include "brdf/layered_albedo.h"
 #include "capture/load_capture.h"
 #include "capture/photograph_reader.h"
 #include "image/environment_map.h"
@@ -21,6 +19,7 @@
 #include "scene/mesh_io.h"
 #include "shot/shot_document.h"
 #include "shot/shot_leftovers.h"
+#include "shot/shot_reflectance.h"
 #include "shot/shot_texture.h"
 
 namespace relamp {
@@ -69,63 +68,6 @@ void writeEnvironment(const Estimate& estimate, const fs::path& folder) {
     if (estimate.environmentSigma.empty()) return;
     const Image deviations = latLongFromCells(estimate.environmentSigma, grid, 256);
     writeColours(folder / "environment_sigma.exr", deviations.width, deviations.height, deviations.pixels);
-}
-
-/// Vertices of the mesh without the balls that were fitted to photographs: those of the file, and proxies that were
-/// told.
-size_t writtenVertices(const std::vector<ProxyLight>& proxies, const Mesh& mesh) {
-    size_t fitted = 0;
-    while (fitted < proxies.size() && proxies[proxies.size() - 1 - fitted].observed()) ++fitted;
-    return mesh.vertexCount() - std::min(mesh.vertexCount(), fitted * proxyVertices);
-}
-
-/// The emitter of each written vertex. What a fitted ball took the place of counts as the ball's.
-std::vector<float> emitterColumn(const Shot& shot, const Mesh& mesh, size_t vertices) {
-    const std::vector<int>& emitter = shot.estimate.emitters.emitterOfVertex;
-    std::vector<float> column(emitter.begin(), emitter.begin() + std::ptrdiff_t(std::min(vertices, emitter.size())));
-    std::vector<uint8_t> used(mesh.vertexCount(), 0);
-    for (const Triangle& t : mesh.triangles)
-        for (const uint32_t v : t) used[v] = 1;
-    for (size_t ball = vertices; ball < emitter.size(); ball += proxyVertices) {
-        Box box;
-        for (size_t v = ball; v < std::min(ball + proxyVertices, emitter.size()); ++v) box.grow(mesh.positions[v]);
-        const float reach = 0.55f * maxChannel(box.size());
-        for (size_t v = 0; v < column.size(); ++v)
-            if (!used[v] && glm::length(mesh.positions[v] - box.centre()) < reach) column[v] = float(emitter[ball]);
-    }
-    return column;
-}
-
-void writeReflectance(const Shot& shot, const Mesh& whole, const fs::path& file) {
-    const size_t vertices = writtenVertices(shot.fix.proxies, whole);
-    Mesh mesh;
-    mesh.positions.assign(whole.positions.begin(), whole.positions.begin() + std::ptrdiff_t(vertices));
-    mesh.normals.assign(whole.normals.begin(), whole.normals.begin() + std::ptrdiff_t(vertices));
-    const Reflectance& r = shot.estimate.reflectance;
-    std::vector<FaceTexcoords> texcoords;
-    for (uint32_t t = 0; t < whole.triangles.size(); ++t) {
-        const Triangle& corners = whole.triangles[t];
-        if (std::any_of(corners.begin(), corners.end(), [&](uint32_t v) { return v >= vertices; })) continue;
-        mesh.triangles.push_back(corners);
-        if (r.texture) texcoords.push_back(texcoordsOf(*r.texture, t));
-    }
-    std::vector<VertexProperty> properties;
-    const char* suffix[] = {"r", "g", "b"};
-    const auto add = [&](const std::string& name, const std::vector<Rgb>& values) {
-        for (int c = 0; c < 3; ++c) {
-            VertexProperty p{fmt::format("{}_{}", name, suffix[c]), {}, false};
-            for (const Rgb& v : values) p.values.push_back(v[c]);
-            properties.push_back(std::move(p));
-        }
-    };
-    add("albedo", albedoUnderCoating(r.basis, r.weight));
-    for (size_t k = 0; k < r.weight.size(); ++k) add(fmt::format("weight_{}", k), r.weight[k]);
-    properties.push_back({"observed", {r.observed.begin(), r.observed.end()}, true});
-    properties.push_back({"emitter", emitterColumn(shot, whole, vertices), true});
-    properties.push_back({"confidence", r.confidence, false});
-    if (!r.sigma.empty()) properties.push_back({"albedo_sigma", r.sigma, false});
-    for (VertexProperty& p : properties) p.values.resize(std::min(p.values.size(), vertices));
-    writeVertexPly(file, mesh, properties, shot.capture.origin, texcoords);
 }
 
 /// Keys of the old shot.json that relamp does not write.
@@ -185,7 +127,7 @@ void saveShot(const Shot& shot, const Mesh& mesh, const fs::path& folder, bool o
         Json document = shotDocument(shot, target);
         if (exists && isThere(target / "shot.json")) keepUnknownKeys(target / "shot.json", document);
         writeEnvironment(shot.estimate, fresh);
-        writeReflectance(shot, mesh, fresh / "reflectance.ply");
+        writeReflectance(shot, mesh, fresh);
         if (const auto& texture = shot.estimate.reflectance.texture) writeTexture(*texture, fresh / "albedo.exr");
         writeBytesAtomically(fresh / "shot.json", dumpJson(document, 1) + "\n");
         if (!exists) {
@@ -234,54 +176,6 @@ std::vector<Rgb> environmentCells(const fs::path& folder, const DirectionGrid& g
     return integrateOverCells(readEnvironment(image), grid);
 }
 
-/// The columns of reflectance.ply, one value a vertex.
-class ReflectanceColumns {
-public:
-    /// `written`: vertices that the file may have instead of all.
-    ReflectanceColumns(const fs::path& file, size_t vertices, size_t written)
-        : file_(file), vertices_(vertices), written_(written), properties_(readVertexPly(file)) {}
-    const VertexProperty* find(const std::string& name) const {
-        for (const VertexProperty& p : properties_)
-            if (p.name == name) return &p;
-        return nullptr;
-    }
-    /// One value a vertex of the mesh, `missing` for those of fitted balls. Throws Error when there is no such column,
-    /// or not one finite value a vertex.
-    std::vector<float> need(const std::string& name, float missing = 0) const {
-        const VertexProperty* p = find(name);
-        if (!p) throw Error("{}: property {} is missing", file_.string(), name);
-        if (p->values.size() != vertices_ && p->values.size() != written_)
-            throw Error("{}: {} has {} values, the mesh has {} vertices", file_.string(), name, p->values.size(),
-                        vertices_);
-        std::vector<float> values = p->values;
-        for (size_t v = 0; v < values.size(); ++v)
-            if (!std::isfinite(values[v]))
-                throw Error("{}: {} of vertex {} is not a finite number", file_.string(), name, v);
-        values.resize(vertices_, missing);
-        return values;
-    }
-
-private:
-    fs::path file_;
-    size_t vertices_, written_;
-    std::vector<VertexProperty> properties_;
-};
-
-Reflectance reflectanceOf(const ReflectanceColumns& columns, const BrdfBasis& basis, size_t vertices) {
-    Reflectance r;
-    r.basis = basis;
-    r.weight.assign(basis.lobes.size(), std::vector<Rgb>(vertices));
-    for (size_t k = 0; k < r.weight.size(); ++k)
-        for (int c = 0; c < 3; ++c) {
-            const std::vector<float> values = columns.need(fmt::format("weight_{}_{}", k, "rgb"[c]));
-            for (size_t v = 0; v < vertices; ++v) r.weight[k][v][c] = values[v];
-        }
-    for (float o : columns.need("observed")) r.observed.push_back(uint8_t(std::clamp(o, 0.0f, 255.0f)));
-    r.confidence = columns.need("confidence");
-    if (columns.find("albedo_sigma")) r.sigma = columns.need("albedo_sigma");
-    return r;
-}
-
 /// Vertices of a fitted ball belong to the emitter that has its centre.
 void nameBalls(const Capture& capture, const EmitterClusters& clusters, std::vector<float>& emitter) {
     const size_t first = capture.mesh.vertexCount() - capture.proxies.size() * proxyVertices;
@@ -318,7 +212,7 @@ Capture captureFromShot(const fs::path& folder, const fs::path& captureFolder, P
     Capture capture;
     capture.folder = captureFolder;
     progress.begin("Reading the mesh", 1);
-    capture.mesh = readMesh(folder / "reflectance.ply", &capture.meshReport);
+    capture.mesh = readShotMesh(folder, capture.meshReport);
     capture.origin = capture.meshReport.origin;
     return capture;
 }
@@ -353,19 +247,16 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress, const
         withContext(file.string(), [&] {
             withContext("look", [&] { shot.look = lookFromJson(document["look"], folder, shot.capture.origin); });
         });
-    const size_t n = shot.capture.mesh.vertexCount();
-    const ReflectanceColumns columns(folder / "reflectance.ply", n,
-                                     writtenVertices(shot.capture.proxies, shot.capture.mesh));
-    e.reflectance = reflectanceOf(columns, e.reflectance.basis, n);
+    const ReflectanceFiles files(folder, shot.capture, shot.fix.mend.addedPositions.size());
+    e.reflectance = files.reflectance(e.reflectance.basis);
     if (isThere(folder / "albedo.exr"))
-        e.reflectance.texture =
-            readTexture(folder / "albedo.exr", folder / "reflectance.ply", shot.capture.mesh.triangles);
+        e.reflectance.texture = readTexture(folder / "albedo.exr", files.texturedFaces(), shot.capture.mesh.triangles);
     const DirectionGrid grid{e.environmentSide};
     e.environment = environmentCells(folder, grid);
     const fs::path deviations = folder / "environment_sigma.exr";
     std::error_code unreadable;
     if (fs::exists(deviations, unreadable)) e.environmentSigma = integrateOverCells(readEnvironment(deviations), grid);
-    std::vector<float> emitter = columns.need("emitter", -1);
+    std::vector<float> emitter = files.column("emitter", -1);
     nameBalls(shot.capture, e.emitters, emitter);
     assignEmitters(emitter, shot.capture.mesh, e.emitters);
     return shot;

@@ -5,8 +5,8 @@
 
 namespace relamp {
 
-/// Sixteen hexadecimal digits (FNV-1a, 64 bits) over shot.json, environment.exr, reflectance.ply and, where it is
-/// there, albedo.exr: equal shots, equal hash. Throws Error naming a file that cannot be read.
+/// Sixteen hexadecimal digits (FNV-1a, 64 bits) over shot.json, environment.exr, reflectance.ply and, where they
+/// are there, added.ply and albedo.exr: equal shots, equal hash. Throws Error naming a file that cannot be read.
 std::string shotHash(const std::filesystem::path& folder);
 
 }  // namespace relamp

@@ -154,6 +154,18 @@ MeshMend mendOf(const JsonFields& object) {
         throw Error("{}: expected three numbers for each of {} vertices", object.name("positions"), moved.size());
     for (size_t i = 0; i < moved.size(); ++i)
         mend.moved.push_back({moved[i], Vec3(at[3 * i], at[3 * i + 1], at[3 * i + 2])});
+    const std::vector<float> added = object.numbers("added_positions");
+    const std::vector<uint32_t> corners = indicesOf(object, "added_triangles");
+    if (added.size() % 3 != 0) throw Error("{}: expected three numbers a vertex", object.name("added_positions"));
+    if (corners.size() % 3 != 0) throw Error("{}: expected three numbers a triangle", object.name("added_triangles"));
+    for (size_t i = 0; i < added.size(); i += 3) mend.addedPositions.push_back({added[i], added[i + 1], added[i + 2]});
+    for (size_t i = 0; i < corners.size(); i += 3) {
+        for (size_t k = 0; k < 3; ++k)
+            if (corners[i + k] >= mend.addedPositions.size())
+                throw Error("{}: vertex {} of {}", object.name("added_triangles"), corners[i + k],
+                            mend.addedPositions.size());
+        mend.added.push_back({corners[i], corners[i + 1], corners[i + 2]});
+    }
     return mend;
 }
 

@@ -52,9 +52,9 @@ void writeTexture(const AlbedoTexture& texture, const std::filesystem::path& fil
     writeChannels(file, texture.width, texture.height, channels);
 }
 
-std::shared_ptr<const AlbedoTexture> readTexture(const std::filesystem::path& image, const std::filesystem::path& faces,
+std::shared_ptr<const AlbedoTexture> readTexture(const std::filesystem::path& image,
+                                                 const std::vector<TexturedFace>& textured,
                                                  const std::vector<Triangle>& triangles) {
-    const std::vector<TexturedFace> textured = readTexturedFaces(faces);
     if (textured.empty()) return nullptr;
     Image pixels = readImage(image);
     if (pixels.width < 2 || pixels.height < 2)

@@ -16,7 +16,8 @@ void writeTexture(const AlbedoTexture& texture, const std::filesystem::path& fil
 
 /// The texture of a shot for these triangles; faces are known by their vertices, whatever their order. Null where no
 /// face has texture coordinates. Throws Error naming the file.
-std::shared_ptr<const AlbedoTexture> readTexture(const std::filesystem::path& image, const std::filesystem::path& faces,
+std::shared_ptr<const AlbedoTexture> readTexture(const std::filesystem::path& image,
+                                                 const std::vector<TexturedFace>& faces,
                                                  const std::vector<Triangle>& triangles);
 
 }  // namespace relamp

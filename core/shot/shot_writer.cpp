@@ -119,10 +119,14 @@ Json mendToJson(const MeshMend& mend) {
         moved.push_back(m.vertex);
         for (int k = 0; k < 3; ++k) at.push_back(m.position[k]);
     }
-    return {{"removed_triangles", mend.removed},
-            {"shadowless_triangles", mend.shadowless},
-            {"moved_vertices", moved},
-            {"positions", at}};
+    Json added = Json::array(), triangles = Json::array();
+    for (const Vec3& p : mend.addedPositions)
+        for (int k = 0; k < 3; ++k) added.push_back(p[k]);
+    for (const Triangle& t : mend.added)
+        for (const uint32_t v : t) triangles.push_back(v);
+    return {{"removed_triangles", mend.removed}, {"shadowless_triangles", mend.shadowless},
+            {"moved_vertices", moved},           {"positions", at},
+            {"added_positions", added},          {"added_triangles", triangles}};
 }
 
 Json registrationJson(const RegistrationFix& fix) {

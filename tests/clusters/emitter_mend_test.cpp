@@ -154,5 +154,28 @@ TEST(MeshMend, TriangleAndVertexNumbersAreChecked) {
     EXPECT_THROW(applyMend(mend, mesh), Error);
 }
 
+TEST(MeshMend, AddsVerticesAndTrianglesBehindTheFile) {
+    Mesh mesh = World::floor();
+    const size_t vertices = mesh.vertexCount(), triangles = mesh.triangles.size();
+    MeshMend mend;
+    mend.removed = {0};
+    mend.addedPositions = {{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
+    mend.added = {{0, 1, 2}};
+    mend.moved = {{uint32_t(vertices) + 2, {0, 2, 1}}};
+    Mesh added = mesh;
+    applyMend(mend, added);
+    ASSERT_EQ(added.vertexCount(), vertices + 3);
+    ASSERT_EQ(added.normals.size(), vertices + 3);
+    ASSERT_EQ(added.triangles.size(), triangles);
+    EXPECT_EQ(added.triangles.back()[0], vertices);
+    EXPECT_EQ(added.normals.back(), Vec3(0, 0, 1));
+    EXPECT_EQ(added.positions.back(), Vec3(0, 2, 1));
+    mend.added = {{0, 1, 3}};
+    EXPECT_THROW(applyMend(mend, added = mesh), Error);
+    mend.added.clear();
+    mend.addedPositions[0].x = std::nanf("");
+    EXPECT_THROW(applyMend(mend, added = mesh), Error);
+}
+
 }  // namespace
 }  // namespace relamp

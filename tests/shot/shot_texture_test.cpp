@@ -25,7 +25,7 @@ protected:
         writeTexture(texture, folder / "albedo.exr");
     }
     std::shared_ptr<const AlbedoTexture> read(const std::vector<Triangle>& triangles) const {
-        return readTexture(folder / "albedo.exr", folder / "reflectance.ply", triangles);
+        return readTexture(folder / "albedo.exr", readTexturedFaces(folder / "reflectance.ply"), triangles);
     }
     const test::TemporaryFolder folder;
     const Mesh mesh = test::sheet({0, 0, 0}, {1, 0, 0}, {0, 1, 0});

@@ -1,0 +1,69 @@
+#include "radiance/seen_past.h"
+
+#include <cmath>
+
+#include "base/parallel.h"
+#include "radiance/agreement.h"
+
+namespace relamp {
+namespace {
+
+constexpr uint32_t leastPixels = 4;  ///< of a cell
+
+}  // namespace
+
+SeenPast::SeenPast(const Scene& scene, const Capture& capture, const RadianceSamples& samples)
+    : scene_(scene),
+      capture_(capture),
+      samples_(samples),
+      floor_(std::max(samples.noiseFloor, 1e-8f)),
+      background_(capture.views.size()) {
+    parallelFor(capture.views.size(), 1, [&](size_t i) {
+        const View& view = capture.views[i];
+        const ViewGeometry& g = samples.geometry[i];
+        std::vector<Rgb>& mean = background_[i];
+        mean.assign(size_t(grid_.cells()), Rgb(0));
+        std::vector<uint32_t> pixels(mean.size(), 0);
+        for (int y = 1; y + 1 < g.height; ++y)
+            for (int x = 1; x + 1 < g.width; ++x) {
+                if (!view.image.usableAt(x, y) || !g.open(x, y)) continue;
+                const auto cell =
+                    size_t(grid_.cellOf(view.camera.rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f))));
+                mean[cell] += view.image.at(x, y);
+                ++pixels[cell];
+            }
+        for (size_t cell = 0; cell < mean.size(); ++cell)
+            mean[cell] = pixels[cell] < leastPixels ? Rgb(-1) : mean[cell] / float(pixels[cell]);
+    });
+}
+
+std::optional<float> SeenPast::difference(size_t view, const Vec3& direction, float from, const Rgb& shown) const {
+    Rgb low(1e30f), high(-1);
+    const Vec3 eye(capture_.views[view].camera.position());
+    if (const Hit hit = scene_.cameraTracer->closest({eye, direction, from, 1e30f})) {
+        const auto others = medianObservation(samples_, scene_.mesh.triangles[hit.triangle][0], uint32_t(view));
+        if (!others) return {};
+        low = high = *others;
+    } else {
+        const int cell = grid_.cellOf(direction), x = cell % grid_.side, y = cell / grid_.side;
+        for (int ny = std::max(0, y - 1); ny <= std::min(grid_.side - 1, y + 1); ++ny)
+            for (int nx = std::max(0, x - 1); nx <= std::min(grid_.side - 1, x + 1); ++nx)
+                for (size_t i = 0; i < background_.size(); ++i) {
+                    const Rgb& seen = background_[i][size_t(ny * grid_.side + nx)];
+                    if (i == view || seen.x < 0) continue;
+                    low = glm::min(low, seen);
+                    high = glm::max(high, seen);
+                }
+        if (high.x < 0) return {};
+    }
+    float sum = 0;
+    for (int c = 0; c < 3; ++c) {
+        const float value = std::max(shown[c], floor_), least = std::max(low[c], floor_),
+                    most = std::max(high[c], floor_);
+        if (value > most) sum += std::log(value / most);
+        if (value < least) sum += std::log(least / value);
+    }
+    return sum / 3;
+}
+
+}  // namespace relamp

@@ -1,0 +1,181 @@
+// A lamp shade of which a reconstruction has a part.
+#include "radiance/missing_surface.h"
+
+#include <gtest/gtest.h>
+
+#include "radiance/back_sides.h"
+#include "radiance/gather.h"
+#include "support/estimates.h"
+
+namespace relamp {
+namespace {
+
+constexpr double low = -0.1, high = 0.12;
+
+RevolutionSurface shadeOf() {
+    RevolutionSurface s;
+    s.centre = {0.1, 0, 0.5};
+    s.axis = glm::normalize(DVec3(-0.5, 0.2, 0.8));
+    s.across = glm::normalize(glm::cross(s.axis, DVec3(1, 0, 0)));
+    s.radius = 0.16;
+    s.slope = -0.5;
+    return s;
+}
+
+/// Where a height and a turn (0 to 1) of the shade have surface.
+using Has = std::function<bool(double height, double turn)>;
+
+/// One side of the shade, moved out by `off` metres; turned inside out where that is negative.
+Mesh sideOf(double off, const Has& has) {
+    const RevolutionSurface s = shadeOf();
+    constexpr int rows = 30, columns = 120;
+    Mesh mesh;
+    for (int row = 0; row <= rows; ++row)
+        for (int column = 0; column < columns; ++column) {
+            const double turn = 2 * piD * column / columns;
+            mesh.positions.push_back(Vec3(s.at(low + (high - low) * row / rows, turn) + off * s.normal(turn)));
+            mesh.normals.push_back(Vec3(s.normal(turn)) * (off < 0 ? -1.0f : 1.0f));
+        }
+    const auto at = [&](int y, int x) { return uint32_t(y * columns + x % columns); };
+    for (int row = 0; row < rows; ++row)
+        for (int column = 0; column < columns; ++column) {
+            if (!has(low + (high - low) * (row + 0.5) / rows, (column + 0.5) / columns)) continue;
+            for (Triangle t : {Triangle{at(row, column), at(row, column + 1), at(row + 1, column + 1)},
+                               Triangle{at(row, column), at(row + 1, column + 1), at(row + 1, column)}}) {
+                if (off < 0) std::swap(t[1], t[2]);
+                mesh.triangles.push_back(t);
+            }
+        }
+    return mesh;
+}
+
+Mesh worldOf(const Has& outside, const Has& inside) {
+    Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 100, 100);
+    test::append(mesh, sideOf(0.001, outside));
+    test::append(mesh, sideOf(-0.001, inside));
+    return mesh;
+}
+
+bool all(double, double) { return true; }
+bool none(double, double) { return false; }
+bool gap(double height, double turn) { return height < 0.02 && turn > 0.2 && turn < 0.5; }
+bool butGap(double height, double turn) { return !gap(height, turn); }
+
+/// Photographs of one world, and a mesh of another.
+struct Shaded {
+    Capture capture;
+    Scene scene;
+    RadianceSamples samples;
+
+    Shaded(const Mesh& photographed, const Mesh& mesh) {
+        const Scene real = test::sceneOf(photographed);
+        const RevolutionSurface s = shadeOf();
+        capture.mesh = mesh;
+        scene = test::sceneOf(mesh);
+        for (int i = 0; i < 10; ++i) {
+            const double turn = 2 * piD * i / 10;
+            View view;
+            view.camera = test::cameraAt({1.5 * std::cos(turn), 1.5 * std::sin(turn), i % 2 ? 1.0 : 0.35}, {0, 0, 0.4},
+                                         240, 180, 220);
+            view.image = Image(240, 180);
+            const Vec3 eye(view.camera.position());
+            for (int y = 0; y < 180; ++y)
+                for (int x = 0; x < 240; ++x) {
+                    const Vec3 d = view.camera.rayDirection({float(x) + 0.5f, float(y) + 0.5f});
+                    const Hit hit = real.tracer->closest({eye, d, 0, 1e30f});
+                    const Vec3 p = eye + d * hit.distance;
+                    Rgb shown(0.3f + 0.2f * std::sin(5 * d.x), 0.4f, 0.3f + 0.2f * std::sin(4 * d.y));
+                    if (hit && p.z < 1e-3f) shown = Rgb(0.25f, 0.15f, 0.1f) * (1 + 0.3f * std::sin(25 * p.x + 9 * p.y));
+                    else if (hit) shown = s.distance(DVec3(p)) > 0 ? Rgb(0.02f, 0.08f, 0.02f) : Rgb(2, 1.8f, 1.5f);
+                    view.image.at(x, y) = shown;
+                }
+            capture.views.push_back(view);
+        }
+        Progress progress;
+        samples = gatherRadiance(capture, scene, {}, progress);
+    }
+    float missing() const {
+        Progress progress;
+        float area = 0;
+        for (const RoundSheet& sheet : roundSheets(scene, capture, samples, progress)) area += sheet.missing.area;
+        return area;
+    }
+};
+
+TEST(RoundSheets, AShadeIsCompletedWhereThePhotographsShowIt) {
+    const Shaded world(worldOf(all, all), worldOf(butGap, butGap));
+    Progress progress;
+    const std::vector<RoundSheet> sheets = roundSheets(world.scene, world.capture, world.samples, progress);
+    ASSERT_EQ(sheets.size(), 1u);
+    const RevolutionSurface truth = shadeOf();
+    const SurfacePatch& patch = sheets[0].missing;
+    const double area = (0.02 - low) * 0.3 * 2 * piD * truth.radiusAt((0.02 + low) / 2) * std::sqrt(1.25);
+    EXPECT_NEAR(patch.area, area, 0.15 * area);
+    for (const Vec3& p : patch.positions) EXPECT_NEAR(truth.distance(DVec3(p)), 0, 0.003);
+    // Half of it faces outwards, half inwards.
+    size_t outwards = 0;
+    Mesh mesh{patch.positions, {}, patch.triangles};
+    for (size_t t = 0; t < mesh.triangles.size(); ++t)
+        outwards +=
+            glm::dot(DVec3(mesh.faceNormal(t)), truth.normalAt(DVec3(mesh.positions[mesh.triangles[t][0]]))) > 0;
+    EXPECT_EQ(2 * outwards, mesh.triangles.size());
+}
+
+TEST(RoundSheets, NothingIsMissingFromAWholeShade) {
+    EXPECT_EQ(Shaded(worldOf(all, all), worldOf(all, all)).missing(), 0);
+}
+
+TEST(RoundSheets, AGapThatPhotographsSeeThroughStays) {
+    EXPECT_EQ(Shaded(worldOf(butGap, butGap), worldOf(butGap, butGap)).missing(), 0);
+}
+
+TEST(BackSides, AShadeOfOneSideGetsAnInnerOne) {
+    const Shaded world(worldOf(all, all), worldOf(all, none));
+    const SurfacePatch patch = backSides(world.scene, world.capture, world.samples, {});
+    EXPECT_GT(patch.triangles.size(), 1000u);
+    const RevolutionSurface truth = shadeOf();
+    Mesh mesh{patch.positions, {}, patch.triangles};
+    for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const DVec3 p(mesh.positions[mesh.triangles[t][0]]);
+        EXPECT_LT(truth.distance(p), 0);
+        EXPECT_LT(glm::dot(DVec3(mesh.faceNormal(t)), truth.normalAt(p)), 0);
+    }
+    const Shaded whole(worldOf(all, all), worldOf(all, all));
+    EXPECT_LT(backSides(whole.scene, whole.capture, whole.samples, {}).area, 0.02f * patch.area) << "but at its rims";
+}
+
+TEST(BackSides, WhatALightShinesOnFromBehindHasAnInnerSide) {
+    Shaded world(worldOf(all, all), worldOf(all, none));
+    world.capture.views.clear();
+    world.samples.geometry.clear();
+    EXPECT_TRUE(backSides(world.scene, world.capture, world.samples, {}).triangles.empty());
+    const RevolutionSurface s = shadeOf();
+    const SurfacePatch lit = backSides(world.scene, world.capture, world.samples, {}, {{Vec3(s.centre), 0.03f}});
+    EXPECT_EQ(lit.triangles.size(), sideOf(0, all).triangles.size()) << "all of the wall";
+}
+
+TEST(BackSides, WhatFillsAShadeLiesBeforeBacks) {
+    Mesh mesh = worldOf(all, none);
+    const RevolutionSurface s = shadeOf();
+    // A skin over the wide end.
+    Mesh skin;
+    skin.positions.push_back(Vec3(s.centre + (low + 0.005) * s.axis));
+    for (int k = 0; k < 60; ++k) {
+        const Vec3 rim(s.at(low + 0.005, 2 * piD * k / 60));
+        skin.positions.push_back(skin.positions[0] + 0.97f * (rim - skin.positions[0]));
+    }
+    for (uint32_t k = 0; k < 60; ++k) skin.triangles.push_back({0, 1 + (k + 1) % 60, 1 + k});
+    skin.normals.assign(skin.positions.size(), Vec3(-s.axis));
+    const std::vector<uint32_t> triangles = test::append(mesh, skin);
+    const Shaded world(worldOf(all, all), mesh);
+    const SeenBehind behind = seenBehind(world.scene, world.capture, world.samples, triangles);
+    EXPECT_GT(behind.backs, 0.7f);
+    EXPECT_GT(behind.backs + behind.fronts, 0.8f);
+    const RoundSheet sheet{s, low, high, {}};
+    const std::vector<uint8_t> nothing(mesh.vertexCount(), 0);
+    EXPECT_EQ(withFilling(sheet, world.scene, nothing, {triangles[7]}), triangles) << "all of the skin, and no wall";
+    EXPECT_EQ(withFilling(sheet, world.scene, nothing, {3}), std::vector<uint32_t>{3}) << "the floor is not in it";
+}
+
+}  // namespace
+}  // namespace relamp
