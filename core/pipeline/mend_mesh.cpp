@@ -21,16 +21,18 @@ public:
           file_(capture.mesh),
           proxies_(capture.proxies) {}
 
-    void takeSkirtsOff() {
+    /// Whether there were any.
+    bool takeSkirtsOff() {
         std::vector<uint8_t> isLight(prepared_.scene->mesh.vertexCount(), 0);
         for (const std::vector<EmitterCluster>* list : {&prepared_.clusters.emitters, &prepared_.clusters.candidates})
             for (const EmitterCluster& e : *list)
                 for (const uint32_t v : e.vertices) isLight[v] = 1;
         mend_.removed = freeSpaceTriangles(*prepared_.scene, capture_, *prepared_.samples, isLight, progress_);
-        if (mend_.removed.empty()) return;
+        if (mend_.removed.empty()) return false;
         apply({});
         say(fmt::format("{} triangles stand where photographs show the background past them: left out",
                         mend_.removed.size()));
+        return true;
     }
 
     void completeSurfaces() {
@@ -142,11 +144,11 @@ private:
 
 }  // namespace
 
-MeshMend mendMesh(const PipelineOptions& options, Capture& capture, Prepared& prepared, StageMeter& meter,
+MeshMend mendMesh(const PipelineOptions& options, Capture& capture, Prepared& prepared, bool moved, StageMeter& meter,
                   Progress& progress) {
     MeshMender mender(options, capture, prepared, meter, progress);
-    mender.takeSkirtsOff();
-    mender.completeSurfaces();
+    const bool skirts = mender.takeSkirtsOff();
+    if (skirts || moved) mender.completeSurfaces();
     mender.shapeEmitters();
     return std::move(mender).result();
 }

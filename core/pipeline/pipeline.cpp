@@ -113,7 +113,8 @@ Corrections correctCapture(const PipelineOptions& options, Capture& capture, Pre
             prepared = prepare(capture, options, meter, progress, prepared.working ? nullptr : prepared.scene);
         }
     }
-    if (options.mend && !mended && !prepared.working) done.mend = mendMesh(options, capture, prepared, meter, progress);
+    if (options.mend && !mended && !prepared.working)
+        done.mend = mendMesh(options, capture, prepared, !done.registration.empty(), meter, progress);
     // Are the mesh's normals good enough to shade with? A decimated mesh's are means already.
     if (told.smoothNormals < 0 && !prepared.working) {
         meter.begin(Stage::normals);

@@ -65,11 +65,9 @@ struct Cells {
 
 class Completion {
 public:
-    Completion(const Scene& scene, const Capture& capture, const RadianceSamples& samples, const SeenPast& past,
-               const FoundRevolution& found)
+    Completion(const Scene& scene, const Capture& capture, const SeenPast& past, const FoundRevolution& found)
         : scene_(scene),
           capture_(capture),
-          samples_(samples),
           past_(past),
           surface_(found.surface),
           low_(found.low),
@@ -113,7 +111,7 @@ public:
         if (cells < leastCells || float(cells) < leastPart * float(solid.count())) return SurfacePatch{};
         SurfacePatch result = shell(missing, solid);
         result.replaced = replacedBy(missing, solid);
-        result.area = float(double(cells) * cell_ * cell_);
+        result.area = areaOf(missing);
         return result;
     }
 
@@ -139,6 +137,14 @@ private:
             for (int column = 0; column < columns_; ++column) with += solid.at(row, column);
         }
         return double(with) / double(std::max<size_t>(1, of));
+    }
+
+    float areaOf(const Cells& cells) const {
+        double sum = 0;
+        for (int row = 0; row < rows_; ++row)
+            for (int column = 0; column < columns_; ++column)
+                if (cells.at(row, column)) sum += surface_.radiusAt(heightOf(row));
+        return float(sum * 2 * piD / columns_ * cell_ * std::sqrt(1 + surface_.slope * surface_.slope));
     }
 
     bool meshAt(int row, int column) const {
@@ -341,7 +347,6 @@ private:
 
     const Scene& scene_;
     const Capture& capture_;
-    const RadianceSamples& samples_;
     const SeenPast& past_;
     const RevolutionSurface surface_;
     double low_, high_;  ///< metres: heights between which the mesh has the surface
@@ -363,7 +368,7 @@ std::vector<RoundSheet> roundSheets(const Scene& scene, const Capture& capture, 
         const std::optional<FoundRevolution> found = findRevolution(scene, taken, tolerance * scene.diagonal);
         if (!found) break;
         for (const uint32_t v : found->vertices) taken[v] = 1;
-        if (std::optional<SurfacePatch> patch = Completion(scene, capture, samples, past, *found).patch())
+        if (std::optional<SurfacePatch> patch = Completion(scene, capture, past, *found).patch())
             sheets.push_back({found->surface, found->low, found->high, std::move(*patch)});
     }
     return sheets;

@@ -76,6 +76,22 @@ TEST(FreeSpace, ASkirtBeforeAPatternedBackgroundGoesAndTheTableStays) {
     EXPECT_GT(taken, outside * 9 / 10);
 }
 
+TEST(FreeSpace, ASkirtEndsAtTheEdgeThatPhotographsShow) {
+    // Triangles are 4.3 cm wide, and those across the edge are either's.
+    const Table table(0.3f, pattern, wood);
+    std::vector<uint8_t> isFree(table.scene.mesh.triangles.size(), 0);
+    for (const uint32_t t : table.free) isFree[t] = 1;
+    size_t wrong = 0, beside = 0;
+    for (uint32_t t = 0; t < isFree.size(); ++t) {
+        const float extent = table.extent(t);
+        if (std::abs(extent - 1) < 0.045f || std::abs(extent - 1) > 0.15f) continue;
+        ++beside;
+        wrong += isFree[t] != (extent > 1);
+    }
+    EXPECT_GT(beside, 500u);
+    EXPECT_LT(wrong, beside / 50) << wrong << " of " << beside;
+}
+
 TEST(FreeSpace, BeforeAnEvenBackgroundNothingIsRefuted) { EXPECT_TRUE(Table(0.3f, even, wood).free.empty()); }
 
 TEST(FreeSpace, ABoardThatGoesOnBeyondTheMeshIsNoBackground) {

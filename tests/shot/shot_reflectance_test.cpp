@@ -1,0 +1,129 @@
+// Surfaces that were added to the capture's mesh, in a shot.
+#include "shot/shot_reflectance.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "image/image_io.h"
+#include "support/estimates.h"
+#include "support/temporary_folder.h"
+
+namespace relamp {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+/// A shot of a floor to which two triangles were added, and a ball that was told.
+class AddedSurfaces : public testing::Test {
+protected:
+    void SetUp() override {
+        file = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 4, 4);
+        fs::create_directories(folder / "capture/images");
+        writeVertexPly(folder / "capture/mesh.ply", file, {});
+        writeImage(folder / "capture/images/0.exr", Image(16, 12, Rgb(0.5f)));
+        folder.write("capture/transforms.json",
+                     json{{"w", 16},
+                          {"h", 12},
+                          {"fl_x", 12},
+                          {"mesh_path", "mesh.ply"},
+                          {"frames",
+                           {{{"file_path", "images/0.exr"},
+                             {"transform_matrix", {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 2}, {0, 0, 0, 1}}}}}}}
+                         .dump());
+        shot.captureFolder = folder / "capture";
+        shot.fix.mend.removed = {0};
+        shot.fix.mend.addedPositions = {{0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+        shot.fix.mend.added = {{0, 1, 2}, {0, 2, 3}};
+        ProxyLight told;
+        told.centre = {0, 0, 2};
+        told.radius = 0.1f;
+        shot.fix.proxies.push_back(told);
+        mesh = file;
+        applyMend(shot.fix.mend, mesh);
+        addProxies(shot.fix.proxies, mesh);
+        shot.estimate = test::matteEstimate(test::sceneOf(mesh), Rgb(0.5f), Rgb(0.25f));
+        std::vector<Rgb>& albedo = shot.estimate.reflectance.weight[0];
+        for (size_t v = 0; v < albedo.size(); ++v) albedo[v] = Rgb(0.001f * float(v), 0.5f, 0.25f);
+        auto texture = std::make_shared<AlbedoTexture>();
+        texture->width = texture->height = 8;
+        texture->texels.assign(64, Rgb(0.5f));
+        for (size_t t = 0; t < mesh.triangles.size(); ++t)
+            texture->corners.push_back({Vec2(1 + 0.1f * float(t % 10), 1), Vec2(3, 1), Vec2(1, 4)});
+        shot.estimate.reflectance.texture = texture;
+        saveShot(shot, mesh, target(), false);
+    }
+    fs::path target() const { return folder / "out.relamp"; }
+    Shot open(const ShotPlaces& places = {}) const {
+        Progress progress;
+        return openShot(target(), false, progress, places);
+    }
+    std::string openError() const {
+        try {
+            open();
+        } catch (const Error& error) { return error.what(); }
+        return "";
+    }
+    void edit(const std::function<void(json& mend)>& change) {
+        json document = json::parse(test::TemporaryFolder::read(target() / "shot.json"));
+        change(document["capture_fix"]["mesh_mend"]);
+        folder.write("out.relamp/shot.json", document.dump());
+    }
+
+    test::TemporaryFolder folder;
+    Mesh file, mesh;
+    Shot shot;
+};
+
+TEST_F(AddedSurfaces, SurviveARoundTrip) {
+    const Shot back = open();
+    EXPECT_EQ(back.fix.mend, shot.fix.mend);
+    EXPECT_EQ(back.capture.mesh.positions, mesh.positions);
+    EXPECT_EQ(back.capture.mesh.triangles, mesh.triangles);
+    EXPECT_EQ(back.estimate.reflectance.weight, shot.estimate.reflectance.weight) << "in the mesh's order";
+    ASSERT_TRUE(back.estimate.reflectance.texture);
+    const AlbedoTexture &a = *shot.estimate.reflectance.texture, &b = *back.estimate.reflectance.texture;
+    ASSERT_EQ(a.corners.size(), b.corners.size());
+    for (size_t t = 0; t < a.corners.size(); ++t)
+        for (size_t k = 0; k < 3; ++k)
+            EXPECT_NEAR(glm::length(a.corners[t][k] - b.corners[t][k]), 0, 1e-4f) << t << " " << k;
+}
+
+TEST_F(AddedSurfaces, ReflectancePlyKeepsTheVerticesOfTheFile) {
+    const auto columns = [&](const char* name) { return readVertexPly(target() / name); };
+    ASSERT_FALSE(columns("reflectance.ply").empty());
+    EXPECT_EQ(columns("reflectance.ply")[0].values.size(), file.vertexCount() + proxyVertices);
+    EXPECT_EQ(columns("added.ply")[0].values.size(), 4u);
+}
+
+TEST_F(AddedSurfaces, OpenWithoutTheCapture) {
+    ShotPlaces places;
+    places.withoutCapture = true;
+    const Shot back = open(places);
+    EXPECT_EQ(back.capture.mesh.vertexCount(), mesh.vertexCount());
+    EXPECT_EQ(back.capture.mesh.triangles.size(), mesh.triangles.size());
+    EXPECT_EQ(back.capture.mesh.positions.back(), Vec3(0, 1, 1));
+}
+
+TEST_F(AddedSurfaces, BadOnesAreNamed) {
+    edit([](json& mend) { mend["added_triangles"][2] = 4; });
+    EXPECT_NE(openError().find("added_triangles: vertex 4 of 4"), std::string::npos) << openError();
+    edit([](json& mend) { mend["added_triangles"] = {0, 1}; });
+    EXPECT_NE(openError().find("added_triangles: expected three numbers a triangle"), std::string::npos) << openError();
+    edit([](json& mend) { mend["added_triangles"] = {0, 1, -2}; });
+    EXPECT_NE(openError().find("added_triangles: expected whole numbers"), std::string::npos) << openError();
+    edit([](json& mend) {
+        mend["added_triangles"] = {0, 1, 2};
+        mend["added_positions"].erase(0);
+    });
+    EXPECT_NE(openError().find("added_positions: expected three numbers a vertex"), std::string::npos) << openError();
+    edit([](json& mend) { mend["added_positions"] = {0, 0, 1, 1, 0, 1, 1, 1, 1}; });
+    EXPECT_NE(openError().find("values"), std::string::npos) << openError() << ": added.ply has four vertices";
+    fs::remove(target() / "added.ply");
+    EXPECT_NE(openError().find("added.ply"), std::string::npos) << openError();
+}
+
+}  // namespace
+}  // namespace relamp
