@@ -73,26 +73,27 @@ public:
 
     /// Skins over the openings of shades: light passes them, and photographs see through them what lies behind.
     void openShades(EmitterMend& found) {
-        std::vector<uint32_t> obstacles =
+        const std::vector<uint32_t> obstacles =
             falseObstacles(*prepared_.scene, *prepared_.samples, prepared_.clusters, options_.solve, progress_);
         if (obstacles.empty()) return;
         std::vector<uint8_t> isLight(prepared_.scene->mesh.vertexCount(), 0);
         for (const EmitterCluster& e : prepared_.clusters.emitters)
             for (const uint32_t v : e.vertices) isLight[v] = 1;
-        for (const RoundSheet& sheet : sheets_) obstacles = withFilling(sheet, *prepared_.scene, isLight, obstacles);
-        const SeenBehind behind = seenBehind(*prepared_.scene, capture_, *prepared_.samples, obstacles);
+        std::vector<uint32_t> filling = obstacles;
+        for (const RoundSheet& sheet : sheets_) filling = withFilling(sheet, *prepared_.scene, isLight, filling);
+        const SeenBehind behind = seenBehind(*prepared_.scene, capture_, *prepared_.samples, filling);
         logInfo("behind what hides a light lie backs of surfaces in {:.0f} % of the pixels, fronts in {:.0f} %",
                 100 * behind.backs, 100 * behind.fronts);
         constexpr float mostlyBacks = 0.3f, closed = 0.75f;
         if (behind.backs > mostlyBacks && behind.backs + behind.fronts > closed) {
             std::vector<LightBall> lights;
             for (const ProxyLight& ball : found.balls) lights.push_back({Vec3(ball.centre), ball.radius});
-            addPatch(backSides(*prepared_.scene, capture_, *prepared_.samples, obstacles, lights));
-            add(obstacles, mend_.removed);
+            addPatch(backSides(*prepared_.scene, capture_, *prepared_.samples, filling, lights));
+            add(filling, mend_.removed);
             found.words.push_back(
                 fmt::format("{} triangles close the opening of a shade over a light: taken away, and the shade has an "
                             "inner side",
-                            obstacles.size()));
+                            filling.size()));
         } else {
             add(obstacles, mend_.shadowless);
             found.words.push_back(
