@@ -189,8 +189,12 @@ void applyGauge(const SolveRun& s, const Irradiance& irradiance, const LightUnce
         scale = givenGauge(s, gauge);
     } else if (unclipped) {
         gauge.kind = "emitter";
-        gauge.evidence = fmt::format("{} light(s) are seen directly and unclipped; their light varies over the scene",
-                                     s.emitters.clusters.emitters.size());
+        const size_t count = s.emitters.clusters.emitters.size();
+        gauge.evidence = count == 1 ? "1 light is seen directly and unclipped; its light varies over the scene"
+                                    : fmt::format(
+                                          "{} lights are seen directly and unclipped; their light varies over "
+                                          "the scene",
+                                          count);
     } else if (!refuted && assessed && luminance(scaleSigma) < enoughSigma) {
         const float gloss = luminance(light.fromGloss), bounced = luminance(light.fromBounces);
         if (bounced > gloss && bounced > luminance(light.fromBackground)) {
