@@ -31,21 +31,22 @@ std::vector<float> weightsWith(const VertexGraph& graph, uint32_t v, float weigh
     return weights;
 }
 
-TEST(RandomWalker, BetweenTwoFixedEndsLabelsAreLinear) {
+/// Labels of a chain of 11 whose ends are 0 and 1.
+std::vector<float> between(uint32_t edge, float weight) {
     const VertexGraph graph = chain(11);
     std::vector<LabelPrior> priors(11);
     priors[0] = {0, fixed};
     priors[10] = {1, fixed};
-    const std::vector<float> labels = randomWalkerLabels(graph, weightsWith(graph, 0, 1), priors);
+    return randomWalkerLabels(graph, weightsWith(graph, edge, weight), priors);
+}
+
+TEST(RandomWalker, BetweenTwoFixedEndsLabelsAreLinear) {
+    const std::vector<float> labels = between(0, 1);
     for (size_t v = 0; v < 11; ++v) EXPECT_NEAR(labels[v], 0.1f * float(v), 1e-4f);
 }
 
 TEST(RandomWalker, TheBorderGoesToTheWeakestEdge) {
-    const VertexGraph graph = chain(11);
-    std::vector<LabelPrior> priors(11);
-    priors[0] = {0, fixed};
-    priors[10] = {1, fixed};
-    const std::vector<float> labels = randomWalkerLabels(graph, weightsWith(graph, 7, 0.01f), priors);
+    const std::vector<float> labels = between(7, 0.01f);
     // Ten edges, one of resistance 100: the others take 1 of 109 each.
     EXPECT_NEAR(labels[7], 7 / 109.0f, 1e-4f);
     EXPECT_NEAR(labels[8], 107 / 109.0f, 1e-4f);

@@ -12,6 +12,7 @@
 #include "scene/mesh_io.h"
 #include "support/estimates.h"
 #include "support/measured.h"
+#include "support/one_view_capture.h"
 #include "support/temporary_folder.h"
 
 namespace relamp {
@@ -26,18 +27,7 @@ protected:
     void SetUp() override {
         Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 4, 4);
         const std::vector<uint32_t> emitter = test::append(mesh, test::squareAbove(0.5f, 0, 0, 1, 2));
-        fs::create_directories(folder / "capture/images");
-        writeVertexPly(folder / "capture/mesh.ply", mesh, {});
-        writeImage(folder / "capture/images/0.exr", Image(16, 12, Rgb(0.5f)));
-        folder.write("capture/transforms.json",
-                     json{{"w", 16},
-                          {"h", 12},
-                          {"fl_x", 12},
-                          {"mesh_path", "mesh.ply"},
-                          {"frames",
-                           {{{"file_path", "images/0.exr"},
-                             {"transform_matrix", {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 2}, {0, 0, 0, 1}}}}}}}
-                         .dump());
+        test::writeOneViewCapture(folder, mesh);
         scene = test::sceneOf(mesh);
         shot.captureFolder = folder / "capture";
         shot.estimate = test::matteEstimate(scene, Rgb(0.5f, 0.25f, 0.125f), Rgb(0),

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "image/image_io.h"
 #include "support/estimates.h"
+#include "support/one_view_capture.h"
 #include "support/temporary_folder.h"
 
 namespace relamp {
@@ -21,18 +22,7 @@ class AddedSurfaces : public testing::Test {
 protected:
     void SetUp() override {
         file = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 4, 4);
-        fs::create_directories(folder / "capture/images");
-        writeVertexPly(folder / "capture/mesh.ply", file, {});
-        writeImage(folder / "capture/images/0.exr", Image(16, 12, Rgb(0.5f)));
-        folder.write("capture/transforms.json",
-                     json{{"w", 16},
-                          {"h", 12},
-                          {"fl_x", 12},
-                          {"mesh_path", "mesh.ply"},
-                          {"frames",
-                           {{{"file_path", "images/0.exr"},
-                             {"transform_matrix", {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 2}, {0, 0, 0, 1}}}}}}}
-                         .dump());
+        test::writeOneViewCapture(folder, file);
         shot.captureFolder = folder / "capture";
         shot.fix.mend.removed = {0};
         shot.fix.mend.addedPositions = {{0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
