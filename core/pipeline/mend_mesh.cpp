@@ -23,11 +23,9 @@ public:
 
     /// Whether there were any.
     bool takeSkirtsOff() {
-        std::vector<uint8_t> isLight(prepared_.scene->mesh.vertexCount(), 0);
-        for (const std::vector<EmitterCluster>* list : {&prepared_.clusters.emitters, &prepared_.clusters.candidates})
-            for (const EmitterCluster& e : *list)
-                for (const uint32_t v : e.vertices) isLight[v] = 1;
-        mend_.removed = freeSpaceTriangles(*prepared_.scene, capture_, *prepared_.samples, isLight, progress_);
+        mend_.removed =
+            freeSpaceTriangles(*prepared_.scene, capture_, *prepared_.samples,
+                               verticesOf({&prepared_.clusters.emitters, &prepared_.clusters.candidates}), progress_);
         if (mend_.removed.empty()) return false;
         apply({});
         say(fmt::format("{} triangles stand where photographs show the background past them: left out",
@@ -76,9 +74,7 @@ public:
         const std::vector<uint32_t> obstacles =
             falseObstacles(*prepared_.scene, *prepared_.samples, prepared_.clusters, options_.solve, progress_);
         if (obstacles.empty()) return;
-        std::vector<uint8_t> isLight(prepared_.scene->mesh.vertexCount(), 0);
-        for (const EmitterCluster& e : prepared_.clusters.emitters)
-            for (const uint32_t v : e.vertices) isLight[v] = 1;
+        const std::vector<uint8_t> isLight = verticesOf({&prepared_.clusters.emitters});
         std::vector<uint32_t> filling = obstacles;
         for (const RoundSheet& sheet : sheets_) filling = withFilling(sheet, *prepared_.scene, isLight, filling);
         const SeenBehind behind = seenBehind(*prepared_.scene, capture_, *prepared_.samples, filling);
@@ -107,6 +103,14 @@ public:
     MeshMend result() && { return std::move(mend_); }
 
 private:
+    /// 1 for the vertices of these clusters.
+    std::vector<uint8_t> verticesOf(std::initializer_list<const std::vector<EmitterCluster>*> lists) const {
+        std::vector<uint8_t> marked(prepared_.scene->mesh.vertexCount(), 0);
+        for (const std::vector<EmitterCluster>* list : lists)
+            for (const EmitterCluster& e : *list)
+                for (const uint32_t v : e.vertices) marked[v] = 1;
+        return marked;
+    }
     /// Triangles of the mesh as it is, by their numbers in the file.
     void add(const std::vector<uint32_t>& present, std::vector<uint32_t>& list) const {
         const std::vector<uint32_t> numbers = trianglesLeft(mend_, file_.triangles.size());

@@ -1,6 +1,6 @@
 // Sheets that photographs see from behind: a reconstruction closes a shade's opening and leaves no inner side.
 #pragma once
-#include "radiance/missing_surface.h"
+#include "radiance/round_sheets.h"
 
 namespace relamp {
 

@@ -8,6 +8,7 @@
 #include "base/statistics.h"
 #include "image/direction_grid.h"
 #include "radiance/agreement.h"
+#include "radiance/background_cells.h"
 #include "radiance/random_walker.h"
 #include "scene/rim.h"
 
@@ -35,23 +36,12 @@ public:
         std::vector<Rgb> lowest(sum.size(), Rgb(1e30f)), highest(sum.size(), Rgb(0));  // of the views' means
         std::vector<uint8_t> views(sum.size(), 0);
         for (size_t i = 0; i < capture.views.size(); ++i) {
-            std::vector<Rgb> ofView(sum.size(), Rgb(0));
-            std::vector<uint32_t> pixelsOfView(sum.size(), 0);
-            const View& view = capture.views[i];
-            const ViewGeometry& g = samples.geometry[i];
-            for (int y = 1; y + 1 < g.height; ++y)
-                for (int x = 1; x + 1 < g.width; ++x) {
-                    if (!view.image.usableAt(x, y) || !g.open(x, y)) continue;
-                    const auto cell =
-                        size_t(grid_.cellOf(view.camera.rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f))));
-                    ofView[cell] += view.image.at(x, y);
-                    ++pixelsOfView[cell];
-                }
+            const BackgroundCells ofView = backgroundCells(capture.views[i], samples.geometry[i], grid_);
             for (size_t cell = 0; cell < sum.size(); ++cell) {
-                sum[cell] += ofView[cell];
-                pixels[cell] += pixelsOfView[cell];
-                if (pixelsOfView[cell] < 4) continue;
-                const Rgb mean = ofView[cell] / float(pixelsOfView[cell]);
+                sum[cell] += ofView.sum[cell];
+                pixels[cell] += ofView.pixels[cell];
+                if (ofView.pixels[cell] < 4) continue;
+                const Rgb mean = ofView.mean(cell);
                 lowest[cell] = glm::min(lowest[cell], mean);
                 highest[cell] = glm::max(highest[cell], mean);
                 views[cell] = uint8_t(std::min(2, views[cell] + 1));
@@ -91,13 +81,7 @@ public:
     float distance(const Vec3& direction, const Rgb& radiance) const {
         const auto cell = size_t(grid_.cellOf(direction));
         if (!(high_[cell].x >= low_[cell].x)) return -1;
-        float sum = 0;
-        for (int c = 0; c < 3; ++c) {
-            const float shown = std::max(radiance[c], floor_);
-            if (shown > high_[cell][c]) sum += std::log(shown / std::max(high_[cell][c], floor_));
-            if (shown < low_[cell][c]) sum += std::log(std::max(low_[cell][c], floor_) / shown);
-        }
-        return sum / 3;
+        return logDistance(radiance, low_[cell], high_[cell], floor_);
     }
 
 private:

@@ -4,6 +4,7 @@
 
 #include "base/parallel.h"
 #include "radiance/agreement.h"
+#include "radiance/background_cells.h"
 
 namespace relamp {
 namespace {
@@ -19,21 +20,10 @@ SeenPast::SeenPast(const Scene& scene, const Capture& capture, const RadianceSam
       floor_(std::max(samples.noiseFloor, 1e-8f)),
       background_(capture.views.size()) {
     parallelFor(capture.views.size(), 1, [&](size_t i) {
-        const View& view = capture.views[i];
-        const ViewGeometry& g = samples.geometry[i];
-        std::vector<Rgb>& mean = background_[i];
-        mean.assign(size_t(grid_.cells()), Rgb(0));
-        std::vector<uint32_t> pixels(mean.size(), 0);
-        for (int y = 1; y + 1 < g.height; ++y)
-            for (int x = 1; x + 1 < g.width; ++x) {
-                if (!view.image.usableAt(x, y) || !g.open(x, y)) continue;
-                const auto cell =
-                    size_t(grid_.cellOf(view.camera.rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f))));
-                mean[cell] += view.image.at(x, y);
-                ++pixels[cell];
-            }
-        for (size_t cell = 0; cell < mean.size(); ++cell)
-            mean[cell] = pixels[cell] < leastPixels ? Rgb(-1) : mean[cell] / float(pixels[cell]);
+        const BackgroundCells cells = backgroundCells(capture.views[i], samples.geometry[i], grid_);
+        background_[i].assign(size_t(grid_.cells()), Rgb(-1));
+        for (size_t cell = 0; cell < background_[i].size(); ++cell)
+            if (cells.pixels[cell] >= leastPixels) background_[i][cell] = cells.mean(cell);
     });
 }
 
@@ -56,14 +46,7 @@ std::optional<float> SeenPast::difference(size_t view, const Vec3& direction, fl
                 }
         if (high.x < 0) return {};
     }
-    float sum = 0;
-    for (int c = 0; c < 3; ++c) {
-        const float value = std::max(shown[c], floor_), least = std::max(low[c], floor_),
-                    most = std::max(high[c], floor_);
-        if (value > most) sum += std::log(value / most);
-        if (value < least) sum += std::log(least / value);
-    }
-    return sum / 3;
+    return logDistance(shown, low, high, floor_);
 }
 
 }  // namespace relamp

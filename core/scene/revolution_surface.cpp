@@ -19,6 +19,7 @@ constexpr double steepest = 3;                      ///< slope: flatter cones ar
 constexpr float flat = 0.97f;                       ///< length of the mean normal: hardly any surface of revolution
 constexpr size_t leastPool = 50;
 constexpr int refinements = 6;
+constexpr int attempts = 3;  ///< where all vertices refute what some told
 
 /// Unit direction in which the matrix is least (inverse iteration; it is symmetric and has no negative values).
 DVec3 leastDirection(const glm::dmat3& matrix) {
@@ -76,6 +77,9 @@ public:
             }
         }
     }
+
+    /// Vertices of the best surface so far.
+    const std::vector<uint32_t>& best() const { return best_.vertices; }
 
     std::optional<FoundRevolution> refined() && {
         if (!(bestArea_ > 0)) return {};
@@ -214,9 +218,16 @@ std::optional<RevolutionSurface> fitRevolution(std::span<const DVec3> positions,
 }
 
 std::optional<FoundRevolution> findRevolution(const Scene& scene, const std::vector<uint8_t>& taken, float tolerance) {
-    Search search(scene, taken, tolerance);
-    for (uint64_t trial = 0; trial < trials; ++trial) search.tryOnce(trial);
-    return std::move(search).refined();
+    std::vector<uint8_t> refuted = taken;
+    for (int attempt = 0; attempt < attempts; ++attempt) {
+        Search search(scene, refuted, tolerance);
+        for (uint64_t trial = 0; trial < trials; ++trial) search.tryOnce(trial);
+        const std::vector<uint32_t> vertices = search.best();
+        if (std::optional<FoundRevolution> found = std::move(search).refined()) return found;
+        if (vertices.empty()) return {};
+        for (const uint32_t v : vertices) refuted[v] = 1;
+    }
+    return {};
 }
 
 }  // namespace relamp

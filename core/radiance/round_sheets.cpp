@@ -1,4 +1,4 @@
-#include "radiance/missing_surface.h"
+#include "radiance/round_sheets.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // A lamp shade of which a reconstruction has a part.
-#include "radiance/missing_surface.h"
+#include "radiance/round_sheets.h"
 
 #include <gtest/gtest.h>
 
