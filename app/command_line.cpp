@@ -173,6 +173,9 @@ CLI::App* addRender(CLI::App& app, CommandLine& line) {
         ->check(CLI::IsMember({"standard", "auto", "raw"}))
         ->capture_default_str();
     verb->add_option("--samples", line.render.samples, "Samples a pixel")->check(CLI::PositiveNumber);
+    verb->add_option("--denoise", line.render.denoise, "Filter the light on matte surfaces; auto: not in ratio frames")
+        ->check(CLI::IsMember({"auto", "on", "off"}))
+        ->capture_default_str();
     verb->add_option("--threads", line.render.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
     verb->add_option("--seed", line.render.seed, "Seed of the sampling")
         ->check(CLI::NonNegativeNumber)

@@ -155,6 +155,7 @@ int render(const RenderArguments& a, Progress& progress) {
     Photographs taken(shot);
     FrameOptions options;
     options.seed = a.seed;
+    options.denoise = a.denoise == "on" || (a.denoise == "auto" && fileOptions.ratio == Ratio::none);
     if (a.samples > 0) options.samplesPerPixel = a.samples;
     int failures = 0, written = 0, skipped = 0;
     std::optional<Error> first;

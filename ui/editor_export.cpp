@@ -77,6 +77,7 @@ void Editor::exportFrames(const ExportRequest& request) {
             const RelitScene relit = applyLook(*scene, *estimate, look, progress);
             FrameOptions options;
             options.samplesPerPixel = request.samples;
+            options.denoise = request.denoise;
             std::vector<std::string> failures;
             size_t written = 0;
             // One bar for all of them: what comes before the first image takes a twentieth.

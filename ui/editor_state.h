@@ -163,6 +163,7 @@ struct ExportRequest {
     std::string range = "1";    ///< "1-3,5" of the views, counted from 1
     int width = 0, height = 0;  ///< 0: the view's own size, or the viewport's
     int samples = 8;
+    bool denoise = true;
     std::string layers = "groups";  ///< as render --layers; "" for beauty only
     std::filesystem::path file;     ///< #### is the frame's number
 };

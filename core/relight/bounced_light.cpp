@@ -53,17 +53,18 @@ BouncedLight bouncedLightOf(const RelitScene& relit, const BouncedLightOptions& 
         [&](size_t begin, size_t end) {
             PointShader shader(lights, frame);
             ShadedPoint point;
-            Gather gather;
+            Gather gloss, matte;
+            gloss.clear(relit.emitters.size());
             for (size_t v = begin; v < end; ++v) {
                 if (!scene.referenced[v] || emitting[v]) continue;
+                shader.begin();
                 shader.whiteAt(uint32_t(v), point);
-                gather.world = Rgb(0);
-                gather.byEmitter.assign(relit.emitters.size(), Rgb(0));
+                matte.clear(relit.emitters.size());
                 for (int i = 0; i < options.samples; ++i)
-                    shader.gather(point, uint32_t(i), mixBits(options.rays.seed * 0x51ed + v), gather);
+                    shader.gather(point, uint32_t(i), mixBits(options.rays.seed * 0x51ed + v), gloss, matte);
                 const float fraction = 1 / float(options.samples);
-                world[v] = fraction * gather.world;
-                for (size_t e : lights.lit) byEmitter[e][v] = fraction * gather.byEmitter[e];
+                world[v] = fraction * matte.world;
+                for (size_t e : lights.lit) byEmitter[e][v] = fraction * matte.byEmitter[e];
             }
         },
         &progress);

@@ -2,6 +2,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "relight/denoise.h"
 #include "relight/point_shader.h"
 
 namespace relamp {
@@ -23,6 +24,9 @@ class PixelRenderer {
 public:
     // What render() found.
     Gather gather;          ///< byEmitter: radiance of the pixel from each emitter
+    Gather light[2];        ///< on a white matte surface, from either half of the samples
+    Vec3 normal, position;  ///< of the matte surface, means
+    float matte = 0;        ///< fraction of the samples that see one
     std::vector<int> hits;  ///< per emitter: samples that see it
     bool emitterSeen = false;
     float alpha = 0;
@@ -43,9 +47,12 @@ public:
         emitterSeen = false;
         alpha = 0;
         albedo = Rgb(0);
-        gather.world = Rgb(0);
-        gather.byEmitter.assign(relit_.emitters.size(), Rgb(0));
+        gather.clear(relit_.emitters.size());
+        for (Gather& half : light) half.clear(relit_.emitters.size());
+        normal = position = Vec3(0);
+        float seen[2] = {0, 0};
         std::fill(hits.begin(), hits.end(), 0);
+        shader_.begin();
         for (int i = 0; i < options_.samplesPerPixel; ++i) {
             if (i % 64 == 0) progress.check();
             const Vec2 inside = r2Point(uint32_t(i), randomShift(seed, 0, 0));
@@ -67,8 +74,21 @@ public:
             }
             shader_.surfaceAt(hit, d, surface_);
             albedo += surface_.albedo * fraction;
-            shader_.gather(surface_, uint32_t(i), seed, gather);
+            once_.clear(relit_.emitters.size());
+            shader_.gather(surface_, uint32_t(i), seed, gather, once_);
+            if (!(maxChannel(surface_.albedo) > 0)) continue;
+            Gather& half = light[i % 2];
+            ++seen[i % 2];
+            normal += surface_.normal;
+            position += surface_.position;
+            half.world += once_.world;
+            gather.world += surface_.albedo * once_.world;
+            for (size_t e = 0; e < half.byEmitter.size(); ++e) {
+                half.byEmitter[e] += once_.byEmitter[e];
+                gather.byEmitter[e] += surface_.albedo * once_.byEmitter[e];
+            }
         }
+        finish(seen);
         world = gather.world * fraction;
         beauty = world;
         for (Rgb& light : gather.byEmitter) {
@@ -84,16 +104,85 @@ private:
     Vec3 origin_;
     PointShader shader_;
     ShadedPoint surface_;
+    Gather once_;
+
+    /// Sums become means; a half without a sample is like the other.
+    void finish(const float (&seen)[2]) {
+        const float all = seen[0] + seen[1];
+        matte = all / float(options_.samplesPerPixel);
+        if (!(all > 0)) return;
+        normal = glm::normalize(normal);
+        position /= all;
+        for (size_t h = 0; h < 2; ++h) {
+            if (!(seen[h] > 0)) continue;
+            light[h].world /= seen[h];
+            for (Rgb& l : light[h].byEmitter) l /= seen[h];
+        }
+        for (size_t h = 0; h < 2; ++h)
+            if (!(seen[h] > 0)) light[h] = light[1 - h];
+    }
 };
 
+template <class T>
+std::vector<T> cut(const std::vector<T>& whole, size_t first, size_t count) {
+    if (whole.size() < first + count) return {};
+    return std::vector<T>(whole.begin() + std::ptrdiff_t(first), whole.begin() + std::ptrdiff_t(first + count));
+}
+
 }  // namespace
+
+Frame Frame::rows(int first, int count) const {
+    const size_t from = size_t(first) * size_t(width), size = size_t(count) * size_t(width);
+    Frame part;
+    part.width = width;
+    part.height = count;
+    part.beauty = cut(beauty, from, size);
+    part.alpha = cut(alpha, from, size);
+    part.world = cut(world, from, size);
+    for (const auto& group : byEmitter) part.byEmitter.push_back(cut(group, from, size));
+    part.albedo = cut(albedo, from, size);
+    part.normal = cut(normal, from, size);
+    part.position = cut(position, from, size);
+    part.depth = cut(depth, from, size);
+    part.emittersSeen = cut(emittersSeen, from, size);
+    return part;
+}
 
 FrameRenderer::FrameRenderer(const RelitScene& relit, const Camera& camera, const FrameOptions& options)
     : relit_(relit), camera_(camera), options_(options), lights_(std::make_unique<const SceneLights>(relit)) {}
 
 FrameRenderer::~FrameRenderer() = default;
 
+struct FrameRenderer::MatteLight {
+    SurfaceGuide guide;
+    std::vector<HalfLight> groups;  ///< the world, then each emitter
+    int above = 0, below = 0;       ///< rows of the margin, which no progress is told of
+};
+
 Frame FrameRenderer::rows(int first, int count, Progress& progress) const {
+    if (!options_.denoise || options_.samplesPerPixel < 2) return noisyRows(first, count, nullptr, progress);
+    const int from = std::max(0, first - denoiseMargin), to = std::min(camera_.height, first + count + denoiseMargin);
+    MatteLight matte;
+    matte.above = first - from;
+    matte.below = to - first - count;
+    const Frame wide = noisyRows(from, to - from, &matte, progress);
+    const auto quiet = denoisedLight(matte.guide, matte.groups, first - from, count);
+    Frame frame = wide.rows(first - from, count);
+    const size_t skipped = size_t(first - from) * size_t(frame.width);
+    for (size_t g = 0; g < quiet.size(); ++g) {
+        const HalfLight& noisy = matte.groups[g];
+        std::vector<Rgb>& group = !options_.groups ? frame.beauty : g == 0 ? frame.world : frame.byEmitter[g - 1];
+        for (size_t p = 0; p < group.size(); ++p) {
+            const Rgb before = 0.5f * (noisy[0][skipped + p] + noisy[1][skipped + p]);
+            const Rgb after = glm::max(group[p] + frame.albedo[p] * (quiet[g][p] - before), Rgb(0));
+            if (options_.groups) frame.beauty[p] += after - group[p];
+            group[p] = after;
+        }
+    }
+    return frame;
+}
+
+Frame FrameRenderer::noisyRows(int first, int count, MatteLight* matte, Progress& progress) const {
     const RelitScene& relit = relit_;
     const Camera& camera = camera_;
     Frame frame;
@@ -109,6 +198,12 @@ Frame FrameRenderer::rows(int first, int count, Progress& progress) const {
     frame.position.assign(pixels, Vec3(0));
     frame.depth.assign(pixels, 1e30f);
     frame.emittersSeen.assign(pixels, {});
+    if (matte) {
+        matte->guide = {camera.width, count, std::vector<Vec3>(pixels, Vec3(0)), std::vector<Vec3>(pixels, Vec3(0)),
+                        std::vector<float>(pixels, 0)};
+        matte->groups.assign(options_.groups ? emitters + 1 : 1,
+                             {std::vector<Rgb>(pixels, Rgb(0)), std::vector<Rgb>(pixels, Rgb(0))});
+    }
     const Vec3 origin(camera.position());
     parallelBlocks(size_t(count), 2, [&](size_t begin, size_t end) {
         PixelRenderer pixel(*lights_, camera, options_);
@@ -130,8 +225,18 @@ Frame FrameRenderer::rows(int first, int count, Progress& progress) const {
                 frame.world[p] = pixel.world;
                 frame.beauty[p] = pixel.beauty;
                 for (size_t e = 0; e < emitters; ++e) frame.byEmitter[e][p] = pixel.gather.byEmitter[e];
+                if (!matte || !(pixel.matte > 0)) continue;
+                matte->guide.normal[p] = pixel.normal;
+                matte->guide.position[p] = pixel.position;
+                matte->guide.footprint[p] = float(camera.depthOf(DVec3(pixel.position)) / camera.focalX);
+                for (size_t h = 0; h < 2; ++h) {
+                    matte->groups[0][h][p] = pixel.light[h].world;
+                    for (size_t e = 0; e < emitters; ++e)
+                        matte->groups[options_.groups ? e + 1 : 0][h][p] += pixel.light[h].byEmitter[e];
+                }
             }
-        progress.advance(end - begin);
+        const size_t above = size_t(matte ? matte->above : 0), shown = size_t(count - (matte ? matte->below : 0));
+        progress.advance(std::min(end, shown) - std::min(std::max(begin, above), std::min(end, shown)));
     });
     return frame;
 }

@@ -16,6 +16,8 @@ struct FrameOptions {
     int emitterSamples = 6;   ///< per position and emitter, fewer (at least 2) when there are many emitters
     uint64_t seed = 1;
     bool background = true;  ///< show the environment where no surface is
+    bool denoise = false;    ///< filter the light on matte surfaces (denoise.h); needs two samples a pixel
+    bool groups = true;      ///< denoise each light by itself; false: the beauty alone, in less time
 };
 
 /// How much of a pixel shows one emitter's surface.
@@ -37,6 +39,9 @@ struct Frame {
     std::vector<float> depth;            ///< along the camera's axis, metres; 1e30 where nothing is
     /// The emitters seen, largest fraction first; at most six a pixel, as Cryptomatte has it.
     std::vector<std::array<EmitterContribution, ranks>> emittersSeen;
+
+    /// Rows [first, first + count) of this one; layers that are empty stay so.
+    Frame rows(int first, int count) const;
 };
 
 struct PixelAt {
@@ -57,11 +62,15 @@ public:
     /// cores itself).
     Frame rows(int first, int count, Progress& progress) const;
 
-    /// The beauty of some pixels of any camera: the same bits as in its whole frame. Throws Cancelled. Threads: as
-    /// rows().
+    /// The beauty of some pixels of any camera: the same bits as in its whole frame that is not denoised. Throws
+    /// Cancelled. Threads: as rows().
     std::vector<Rgb> pixels(const Camera& camera, const std::vector<PixelAt>& at, Progress& progress) const;
 
 private:
+    struct MatteLight;
+    /// Without the filter; what the filter needs goes into `matte`, when there is one.
+    Frame noisyRows(int first, int count, MatteLight* matte, Progress& progress) const;
+
     const RelitScene& relit_;
     const Camera& camera_;
     FrameOptions options_;

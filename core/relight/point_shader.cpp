@@ -51,7 +51,12 @@ void PointShader::surfaceAt(const Hit& hit, const Vec3& direction, ShadedPoint& 
     }
 }
 
-void PointShader::gather(const ShadedPoint& s, uint32_t index, uint64_t seed, Gather& out) {
+void PointShader::begin() {
+    proposal_.normal = Vec3(2);
+    for (EmitterSampler::Proposal& p : emitterProposal_) p.normal = Vec3(2);
+}
+
+void PointShader::gather(const ShadedPoint& s, uint32_t index, uint64_t seed, Gather& gloss, Gather& matte) {
     const float offset = relit_.scene.tracer->surfaceOffset() * 4;
     const Vec3 origin = s.position + s.geometric * offset;
     const bool anything = maxChannel(s.albedo) > 0 || !s.lobes.empty();
@@ -59,9 +64,9 @@ void PointShader::gather(const ShadedPoint& s, uint32_t index, uint64_t seed, Ga
     if (const BouncedLight& bounced = relit_.bounced; !bounced.empty() && s.triangle != Hit::none) {
         const Triangle& t = relit_.scene.mesh.triangles[s.triangle];
         for (int k = 0; k < 3; ++k) {
-            const Rgb fraction = s.albedo * s.corners[k];
-            out.world += fraction * bounced.world[t[size_t(k)]];
-            for (size_t e : lights_.lit) out.byEmitter[e] += fraction * bounced.byEmitter[e][t[size_t(k)]];
+            const float fraction = s.corners[k];
+            matte.world += fraction * bounced.world[t[size_t(k)]];
+            for (size_t e : lights_.lit) matte.byEmitter[e] += fraction * bounced.byEmitter[e][t[size_t(k)]];
         }
     }
     // A metal has nothing but its lobes: the samples a matte part would want go there.
@@ -76,12 +81,12 @@ void PointShader::gather(const ShadedPoint& s, uint32_t index, uint64_t seed, Ga
         const uint32_t n = permuted(index, uint32_t(i), total);
         const Vec3 d =
             lights_.distant.sample(proposal_, {(float(n) + jitter(seed, n)) / float(total), r2Point(n, shift).y});
-        queue(s, origin, d, 1e30f, -1, 0, out);
+        queue(s, origin, d, 1e30f, -1, 0, gloss, matte);
     }
     for (int i = 0; i < cosineCount_; ++i) {
         const Vec3 local =
             cosineHemisphere(r2Point(index * uint32_t(cosineCount_) + uint32_t(i), randomShift(seed, 3, 0)));
-        queue(s, origin, s.frame * local, 1e30f, -1, 0, out);
+        queue(s, origin, s.frame * local, 1e30f, -1, 0, gloss, matte);
     }
     for (size_t e : lights_.lit) {
         if (!lights_.emitters[e].prepare(s.position, s.normal, emitterProposal_[e])) continue;
@@ -102,17 +107,17 @@ void PointShader::gather(const ShadedPoint& s, uint32_t index, uint64_t seed, Ga
             const float facing = -glm::dot(d, surface.normals[t]);
             if ((facing <= 1e-5f && !surface.twoSided) || glm::dot(d, s.normal) <= 0) continue;
             queue(s, origin, d, distance * (1 - 1e-4f) - 2 * offset, int(e),
-                  density * distance * distance / std::max(std::abs(facing), 1e-5f), out);
+                  density * distance * distance / std::max(std::abs(facing), 1e-5f), gloss, matte);
         }
     }
-    flushShadow(s, out);
+    flushShadow(s, gloss, matte);
     for (const auto& [k, w] : s.lobes)
         for (int i = 0; i < lobeCount_; ++i) {
             const Vec3 local = sampleGgx(s.eye, relit_.basis.lobes[k].alpha,
                                          r2Point(index * uint32_t(lobeCount_) + uint32_t(i), randomShift(seed, 4, k)));
-            if (local.z > 0) queueClosest(s, origin, s.frame * local, out);
+            if (local.z > 0) queueClosest(s, origin, s.frame * local, gloss, matte);
         }
-    flushClosest(s, out);
+    flushClosest(s, gloss, matte);
 }
 
 void PointShader::whiteAt(uint32_t vertex, ShadedPoint& s) const {
@@ -132,8 +137,13 @@ Rgb PointShader::lobesTimesCosine(const ShadedPoint& s, const Vec3& light) const
     return f * light.z;
 }
 
-Rgb PointShader::reflectanceTimesCosine(const ShadedPoint& s, const Vec3& light) const {
-    return light.z <= 0 ? Rgb(0) : lobesTimesCosine(s, light) + s.albedo * (light.z / pi);
+void PointShader::add(const ShadedPoint& s, const Vec3& light, const Rgb& radiance, float density, Rgb& gloss,
+                      Rgb& matte) const {
+    // A direction on the rim of its cell may round into a black neighbour, which is never drawn and sends nothing.
+    if (!(density > 0) || light.z <= 0) return;
+    const Rgb arriving = radiance / density;
+    if (!s.lobes.empty()) gloss += lobesTimesCosine(s, light) * arriving;
+    matte += arriving * (light.z / pi);
 }
 
 float PointShader::lobeDensity(const ShadedPoint& s, const Vec3& light) const {
@@ -149,41 +159,40 @@ float PointShader::distantDensity(const Vec3& direction, float cosine) const {
 }
 
 void PointShader::queue(const ShadedPoint& s, const Vec3& origin, const Vec3& d, float far, int emitter, float density,
-                        Gather& out) {
+                        Gather& gloss, Gather& matte) {
     if (glm::dot(d, s.geometric) <= 0 || glm::dot(d, s.normal) <= 0 || far <= 0) return;
     rays_[count_] = {origin, d, 0, far};
     emitter_[count_] = emitter;
     density_[count_++] = density;
-    if (count_ == 8) flushShadow(s, out);
+    if (count_ == 8) flushShadow(s, gloss, matte);
 }
 
-void PointShader::flushShadow(const ShadedPoint& s, Gather& out) {
+void PointShader::flushShadow(const ShadedPoint& s, Gather& gloss, Gather& matte) {
     if (!count_) return;
     const uint32_t blocked = relit_.scene.tracer->occluded8({rays_, size_t(count_)});
     for (int i = 0; i < count_; ++i) {
         if (blocked >> i & 1) continue;
         const Vec3 light = glm::transpose(s.frame) * rays_[i].direction;
-        const Rgb f = reflectanceTimesCosine(s, light);
         const float other = lobeDensity(s, light);
-        const float own =
-            emitter_[i] < 0 ? distantDensity(rays_[i].direction, light.z) : float(emitterSamples_) * density_[i];
-        // A direction on the rim of its cell may round into a black neighbour, which is never drawn and sends nothing.
-        if (!(own + other > 0)) continue;
-        if (emitter_[i] < 0) out.world += f * relit_.distant->radiance(rays_[i].direction) / (own + other);
-        else
-            out.byEmitter[size_t(emitter_[i])] +=
-                f * emitted(size_t(emitter_[i]), rays_[i], rays_[i].far) / (own + other);
+        if (emitter_[i] < 0) {
+            add(s, light, relit_.distant->radiance(rays_[i].direction),
+                distantDensity(rays_[i].direction, light.z) + other, gloss.world, matte.world);
+        } else {
+            const size_t e = size_t(emitter_[i]);
+            add(s, light, emitted(e, rays_[i], rays_[i].far), float(emitterSamples_) * density_[i] + other,
+                gloss.byEmitter[e], matte.byEmitter[e]);
+        }
     }
     count_ = 0;
 }
 
-void PointShader::queueClosest(const ShadedPoint& s, const Vec3& origin, const Vec3& d, Gather& out) {
+void PointShader::queueClosest(const ShadedPoint& s, const Vec3& origin, const Vec3& d, Gather& gloss, Gather& matte) {
     if (glm::dot(d, s.geometric) <= 0) return;
     rays_[count_++] = {origin, d, 0, 1e30f};
-    if (count_ == 8) flushClosest(s, out);
+    if (count_ == 8) flushClosest(s, gloss, matte);
 }
 
-void PointShader::flushClosest(const ShadedPoint& s, Gather& out) {
+void PointShader::flushClosest(const ShadedPoint& s, Gather& gloss, Gather& matte) {
     if (!count_) return;
     Hit hits[8];
     relit_.scene.tracer->closest8({rays_, size_t(count_)}, {hits, size_t(count_)});
@@ -192,9 +201,8 @@ void PointShader::flushClosest(const ShadedPoint& s, Gather& out) {
         const float own = lobeDensity(s, light);
         if (!hits[i]) {
             if (!distantCount_) continue;
-            const float density = distantDensity(rays_[i].direction, light.z) + own;
-            if (density > 0)
-                out.world += reflectanceTimesCosine(s, light) * relit_.distant->radiance(rays_[i].direction) / density;
+            add(s, light, relit_.distant->radiance(rays_[i].direction),
+                distantDensity(rays_[i].direction, light.z) + own, gloss.world, matte.world);
             continue;
         }
         const int e = relit_.emitterOfTriangle[hits[i].triangle];
@@ -209,8 +217,8 @@ void PointShader::flushClosest(const ShadedPoint& s, Gather& out) {
             const Vec2 b = hits[i].barycentric;
             const float corners[3] = {1 - b.x - b.y, b.x, b.y};
             for (size_t k = 0; k < 3; ++k) {
-                out.world += f * corners[k] * bounced.outgoingWorld[t[k]];
-                for (size_t l : lights_.lit) out.byEmitter[l] += f * corners[k] * bounced.outgoingByEmitter[l][t[k]];
+                gloss.world += f * corners[k] * bounced.outgoingWorld[t[k]];
+                for (size_t l : lights_.lit) gloss.byEmitter[l] += f * corners[k] * bounced.outgoingByEmitter[l][t[k]];
             }
             continue;
         }
@@ -218,14 +226,14 @@ void PointShader::flushClosest(const ShadedPoint& s, Gather& out) {
         const RelitEmitter& emitter = relit_.emitters[size_t(e)];
         const float facing = -glm::dot(relit_.scene.mesh.faceNormal(hits[i].triangle), rays_[i].direction);
         if (facing <= 1e-5f && !emitter.surface.twoSided) continue;
-        const float area = lights_.emitters[size_t(e)].areaDensity(emitterProposal_[size_t(e)],
-                                                                   lights_.triangleOnEmitter[hits[i].triangle]);
+        const float area = lights_.emitters[size_t(e)].areaDensity(
+            emitterProposal_[size_t(e)], lights_.triangleOnEmitter[hits[i].triangle],
+            rays_[i].origin + hits[i].distance * rays_[i].direction);
         const float density =
             float(emitterSamples_) * area * hits[i].distance * hits[i].distance / std::max(std::abs(facing), 1e-5f) +
             own;
-        if (density > 0)
-            out.byEmitter[size_t(e)] +=
-                reflectanceTimesCosine(s, light) * emitted(size_t(e), rays_[i], hits[i].distance) / density;
+        add(s, light, emitted(size_t(e), rays_[i], hits[i].distance), density, gloss.byEmitter[size_t(e)],
+            matte.byEmitter[size_t(e)]);
     }
     count_ = 0;
 }

@@ -2,8 +2,9 @@
 // importance sampling. What frames and bounced light are made of.
 #pragma once
 #include "base/random.h"
+#include "relight/distant_sampler.h"
+#include "relight/emitter_sampler.h"
 #include "relight/frame.h"
-#include "relight/light_sampler.h"
 
 namespace relamp {
 
@@ -22,6 +23,10 @@ struct ShadedPoint {
 struct Gather {
     Rgb world{0};
     std::vector<Rgb> byEmitter;
+    void clear(size_t emitters) {
+        world = Rgb(0);
+        byEmitter.assign(emitters, Rgb(0));
+    }
 };
 
 /// The lights of a scene with their samplers: what all threads share.
@@ -42,11 +47,16 @@ public:
     /// The point that a ray along `direction` met, ready for gather().
     void surfaceAt(const Hit& hit, const Vec3& direction, ShadedPoint& s) const;
 
+    /// Forgets what it knows of the last point's surroundings: the next bits then depend on the next points alone.
+    void begin();
+
     /// A white matte point at a vertex of the scene.
     void whiteAt(uint32_t vertex, ShadedPoint& s) const;
 
     /// Light at position `index` of the pixel's samplesPerPixel; sample numbers are stratified over the whole pixel.
-    void gather(const ShadedPoint& s, uint32_t index, uint64_t seed, Gather& out);
+    /// Adds to `gloss` what lobes reflect, and to `matte` what a white matte surface would: times s.albedo it is the
+    /// rest.
+    void gather(const ShadedPoint& s, uint32_t index, uint64_t seed, Gather& gloss, Gather& matte);
 
 private:
     const SceneLights& lights_;
@@ -71,18 +81,18 @@ private:
     Rgb emitted(size_t emitter, const Ray& ray, float distance) const {
         return relit_.emitters[emitter].emission.radiance(-ray.direction, ray.origin + distance * ray.direction);
     }
-    Rgb reflectanceTimesCosine(const ShadedPoint& s, const Vec3& light) const;
-    /// Of the lobes alone, the matte part left out.
+    /// Adds light of `radiance` that samples of this density bring from the direction `light`.
+    void add(const ShadedPoint& s, const Vec3& light, const Rgb& radiance, float density, Rgb& gloss, Rgb& matte) const;
     Rgb lobesTimesCosine(const ShadedPoint& s, const Vec3& light) const;
     /// Sum of count x density of the samples drawn from the lobes.
     float lobeDensity(const ShadedPoint& s, const Vec3& light) const;
     /// Sum of count x density of the samples drawn for the environment.
     float distantDensity(const Vec3& direction, float cosine) const;
     void queue(const ShadedPoint& s, const Vec3& origin, const Vec3& d, float far, int emitter, float density,
-               Gather& out);
-    void flushShadow(const ShadedPoint& s, Gather& out);
-    void queueClosest(const ShadedPoint& s, const Vec3& origin, const Vec3& d, Gather& out);
-    void flushClosest(const ShadedPoint& s, Gather& out);
+               Gather& gloss, Gather& matte);
+    void flushShadow(const ShadedPoint& s, Gather& gloss, Gather& matte);
+    void queueClosest(const ShadedPoint& s, const Vec3& origin, const Vec3& d, Gather& gloss, Gather& matte);
+    void flushClosest(const ShadedPoint& s, Gather& gloss, Gather& matte);
 };
 
 }  // namespace relamp

@@ -25,6 +25,7 @@ std::vector<size_t> spread(size_t count, size_t wanted) {
 FrameOptions fewSamples(bool background) {
     FrameOptions options;
     options.samplesPerPixel = 4;
+    options.denoise = true;
     options.background = background;
     return options;
 }

@@ -27,6 +27,7 @@ ViewImages explain(const RelitScene& relit, const View& view, Progress& progress
     p.exposure = exposureFor(p.photograph);
     FrameOptions options;
     options.samplesPerPixel = 4;
+    options.denoise = true;
     const Frame frame = renderFrame(relit, camera, options, progress);
     p.model = Image(frame.width, frame.height);
     p.model.pixels = frame.beauty;

@@ -181,6 +181,7 @@ void editFigures(const fs::path& folder, const Shot& shot, const Scene& scene,
         }
         FrameOptions options;
         options.samplesPerPixel = 4;
+        options.denoise = true;
         Camera camera = smallerCamera(cameraOf(entry, shot), std::max(truth.width, truth.height));
         if (camera.width != truth.width || camera.height != truth.height) continue;
         const Frame frame = renderFrame(applyLook(scene, shot.estimate, lookOf(entry, emitters, folder), progress),

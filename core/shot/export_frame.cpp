@@ -87,29 +87,6 @@ double writeImage(const std::filesystem::path& file, const Camera& camera, const
     return groups.relative();
 }
 
-template <class T>
-std::vector<T> cut(const std::vector<T>& whole, size_t first, size_t count) {
-    if (whole.size() < first + count) return {};
-    return std::vector<T>(whole.begin() + std::ptrdiff_t(first), whole.begin() + std::ptrdiff_t(first + count));
-}
-
-Frame rowsOfFrame(const Frame& whole, int first, int count) {
-    const size_t from = size_t(first) * size_t(whole.width), size = size_t(count) * size_t(whole.width);
-    Frame rows;
-    rows.width = whole.width;
-    rows.height = count;
-    rows.beauty = cut(whole.beauty, from, size);
-    rows.alpha = cut(whole.alpha, from, size);
-    rows.world = cut(whole.world, from, size);
-    for (const auto& group : whole.byEmitter) rows.byEmitter.push_back(cut(group, from, size));
-    rows.albedo = cut(whole.albedo, from, size);
-    rows.normal = cut(whole.normal, from, size);
-    rows.position = cut(whole.position, from, size);
-    rows.depth = cut(whole.depth, from, size);
-    rows.emittersSeen = cut(whole.emittersSeen, from, size);
-    return rows;
-}
-
 }  // namespace
 
 DisplayView displayView(const std::string& name) {
@@ -199,7 +176,7 @@ double writeFrame(const std::filesystem::path& file, const Frame& frame, const R
     sized.height = frame.height;
     const RowsOf rowsOf = [&](int first, int count) {
         FrameStrip strip;
-        strip.frame = rowsOfFrame(frame, first, count);
+        strip.frame = frame.rows(first, count);
         if (request.correction && !strip.frame.emittersSeen.empty()) strip.correction = bakedFactor(strip.frame);
         return strip;
     };

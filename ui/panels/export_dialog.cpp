@@ -141,7 +141,10 @@ void samplesRow(ExportRequest& request) {
     row("Samples per pixel");
     ImGui::SetNextItemWidth(em(8));
     ImGui::DragInt("##samples", &request.samples, 0.2f, 1, 1024, "%d", ImGuiSliderFlags_AlwaysClamp);
-    tooltip("More samples give less noise and take longer in proportion. 8 is a test, 64 is clean.");
+    tooltip("More samples give less noise and take longer in proportion. 8 is clean on matte surfaces when denoised.");
+    sameLineIfFits(em(8));
+    ImGui::Checkbox("Denoise", &request.denoise);
+    tooltip("Filters the light on matte surfaces. Prints and reflections stay as they are.");
 }
 
 void layersRow(ExportRequest& request) {
