@@ -8,6 +8,7 @@
 #include "clusters/emitter_pixels.h"
 #include "clusters/false_emitters.h"
 #include "clusters/patches.h"
+#include "clusters/thin_emitters.h"
 #include "scene/rim.h"
 
 namespace relamp {
@@ -254,6 +255,31 @@ public:
         }
     }
 
+    /// Strips of light of a pixel or two, which hold no clean observation.
+    void findThinEmitters() {
+        for (ThinEmitter& thin :
+             thinEmitters(scene_, capture_, samples_, seen_, 0.5f * options_.unevenContrast * reference_, taken_)) {
+            EmitterEvidence& e = thin.evidence;
+            e.sceneContrast = maxChannel(thin.radiance) / std::max(reference_, 1e-20f);
+            // Pixels that are covered whole must be there, and alike.
+            if (e.sceneContrast < options_.unevenContrast || e.viewSpread > 0.12f || e.uniformity > 0.06f) continue;
+            EmitterCluster cluster;
+            cluster.triangles = std::move(thin.triangles);
+            std::set<uint32_t> vertices;
+            for (const uint32_t t : cluster.triangles)
+                vertices.insert(scene_.mesh.triangles[t].begin(), scene_.mesh.triangles[t].end());
+            cluster.vertices.assign(vertices.begin(), vertices.end());
+            cluster.radiance = thin.radiance;
+            cluster.radianceSigma = thin.radianceSigma;
+            cluster.evidence = e;
+            measureTriangles(scene_, cluster);
+            if (showsNeighbour(cluster)) continue;
+            for (const uint32_t v : cluster.vertices) taken_[v] = 1;
+            (e.sceneContrast >= options_.certainContrast ? result.emitters : result.candidates)
+                .push_back(std::move(cluster));
+        }
+    }
+
     /// Emitters take in what only pixels show of them, strongest first.
     void growEmitters() {
         std::stable_sort(
@@ -303,6 +329,14 @@ public:
     }
 
 private:
+    /// Thin parts close to an emitter of that radiance show it past an edge.
+    bool showsNeighbour(const EmitterCluster& thin) const {
+        return std::any_of(result.emitters.begin(), result.emitters.end(), [&](const EmitterCluster& e) {
+            const float ratio = maxChannel(thin.radiance) / std::max(maxChannel(e.radiance), 1e-20f);
+            return ratio > 0.8f && ratio < 1.25f && glm::distance(thin.centroid, e.centroid) < 4 * std::sqrt(e.area);
+        });
+    }
+
     void measureEnvirons(const std::vector<int>& patchOf) {
         // The scene's ordinary brightness: view-independent surfaces outside every strikingly bright patch.
         std::vector<float> ordinary;
@@ -427,6 +461,7 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
     progress.advance();
     search.judgePatches();
     search.findUnevenEmitters();
+    search.findThinEmitters();
     search.dropFalseEmitters();
     search.growEmitters();
     progress.advance();

@@ -150,18 +150,23 @@ EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const Radia
                 e.centroid.z + capture.origin.z, 100 * ball->radius, percent(ball->overlap)));
             continue;
         }
-        mend.overlap = std::min(mend.overlap, mesh);
         const float most = 0.02f * scene.diagonal,
                     width = std::clamp(missingWidth(capture, samples, e, outlines), -most, most);
         if (std::abs(width) < 1e-4f * scene.diagonal) continue;
         if (normals.empty()) normals = smoothedNormals(capture.mesh, 3);
-        for (const uint32_t v : e.vertices)
-            mend.mesh.moved.push_back({v, scene.mesh.positions[v] + width * normals[v]});
-        mend.movedWords.push_back(fmt::format(
+        EmitterMove move;
+        move.centroid = e.centroid;
+        move.overlap = mesh;
+        for (const uint32_t v : e.vertices) {
+            move.vertices.push_back({v, scene.mesh.positions[v] + width * normals[v]});
+            move.radius = std::max(move.radius, glm::distance(scene.mesh.positions[v], e.centroid));
+        }
+        move.words = fmt::format(
             "the mesh covers {} of what photographs show of a light at {:.2f} {:.2f} {:.2f}: its surface moves out by "
             "{:.1f} mm",
             percent(mesh), e.centroid.x + capture.origin.x, e.centroid.y + capture.origin.y,
-            e.centroid.z + capture.origin.z, 1000 * width));
+            e.centroid.z + capture.origin.z, 1000 * width);
+        mend.moves.push_back(std::move(move));
     }
     for (const RejectedPatch& patch : clusters.rejected) {
         constexpr size_t leastViews = 3;
@@ -179,20 +184,20 @@ EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const Radia
                         outlines.size(), 100 * ball->radius, ball->centre.x + capture.origin.x,
                         ball->centre.y + capture.origin.y, ball->centre.z + capture.origin.z));
     }
-    mend.mesh.removed.assign(removed.begin(), removed.end());
+    mend.removed.assign(removed.begin(), removed.end());
     return mend;
 }
 
-float leastOverlap(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+float overlapAfter(const EmitterMove& move, const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                    const EmitterClusters& clusters) {
-    float least = 1;
+    float best = 0;
     for (const EmitterCluster& e : clusters.emitters) {
-        if (e.unobserved || e.triangles.empty() || e.vertices.empty()) continue;
-        if (e.vertices.front() + capture.proxies.size() * proxyVertices >= scene.mesh.vertexCount()) continue;
+        if (e.unobserved || e.fitted || e.triangles.empty() || glm::distance(e.centroid, move.centroid) > move.radius)
+            continue;
         const std::vector<EmitterOutline> outlines = emitterOutlines(scene, capture, e);
-        if (outlines.size() >= 2) least = std::min(least, meshOverlap(samples, e, outlines));
+        if (outlines.size() >= 2) best = std::max(best, meshOverlap(samples, e, outlines));
     }
-    return least;
+    return best;
 }
 
 }  // namespace relamp

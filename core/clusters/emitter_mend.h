@@ -8,13 +8,21 @@
 
 namespace relamp {
 
+/// An emitter whose surface moves.
+struct EmitterMove {
+    std::vector<MeshMend::MovedVertex> vertices;
+    Vec3 centroid{0};   ///< before
+    float radius = 0;   ///< of the sphere about it that holds the emitter
+    float overlap = 0;  ///< of its pixels and the mesh, before
+    std::string words;
+};
+
 struct EmitterMend {
-    MeshMend mesh;
-    std::vector<ProxyLight> balls;        ///< of known radiance; counted from the capture's origin
-    std::vector<std::string> words;       ///< a sentence for each ball
-    std::vector<std::string> movedWords;  ///< for each emitter whose surface moves
-    float overlap = 1;                    ///< leastOverlap before, of the emitters that no ball replaces
-    bool needed() const { return !words.empty() || !movedWords.empty(); }
+    std::vector<uint32_t> removed;   ///< triangles, ascending
+    std::vector<ProxyLight> balls;   ///< of known radiance; counted from the capture's origin
+    std::vector<std::string> words;  ///< a sentence for each ball
+    std::vector<EmitterMove> moves;
+    bool needed() const { return !words.empty() || !moves.empty(); }
 };
 
 /// Reconstruction shrinks and rounds what is small, and closes what is narrow. The emitter's area is then too small,
@@ -27,8 +35,9 @@ struct EmitterMend {
 EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                          const EmitterClusters& clusters);
 
-/// How well the emitters that are no proxies are covered: the least of their overlaps.
-float leastOverlap(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+/// How well the mesh covers the emitter that was moved, where it is now: overlap of its pixels and the mesh; 0 where
+/// there is none any more.
+float overlapAfter(const EmitterMove& move, const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                    const EmitterClusters& clusters);
 
 }  // namespace relamp

@@ -54,19 +54,26 @@ public:
         meter_.begin(Stage::emitters);
         EmitterMend found = mendEmitters(*prepared_.scene, capture_, *prepared_.samples, prepared_.clusters);
         if (!found.needed()) return;
-        add(found.mesh.removed, mend_.removed);
-        mend_.moved = found.mesh.moved;
-        apply(found.balls);
-        if (!mend_.moved.empty() &&
-            leastOverlap(*prepared_.scene, capture_, *prepared_.samples, prepared_.clusters) < found.overlap) {
-            logInfo("moving the surfaces of lights does not bring them nearer to the photographs: taken back");
+        add(found.removed, mend_.removed);
+        const auto move = [&] {
             mend_.moved.clear();
-            found.movedWords.clear();
+            for (const EmitterMove& m : found.moves)
+                mend_.moved.insert(mend_.moved.end(), m.vertices.begin(), m.vertices.end());
             apply(found.balls);
+        };
+        move();
+        const size_t tried = found.moves.size();
+        std::erase_if(found.moves, [&](const EmitterMove& m) {
+            return overlapAfter(m, *prepared_.scene, capture_, *prepared_.samples, prepared_.clusters) < m.overlap;
+        });
+        if (found.moves.size() < tried) {
+            logInfo("moving the surfaces of {} of {} lights does not bring them nearer to the photographs: taken back",
+                    tried - found.moves.size(), tried);
+            move();
         }
         openShades(found);
-        for (const std::vector<std::string>* list : {&found.words, &found.movedWords})
-            for (const std::string& words : *list) say(words);
+        for (const std::string& words : found.words) say(words);
+        for (const EmitterMove& m : found.moves) say(m.words);
     }
 
     /// Skins over the openings of shades: light passes them, and photographs see through them what lies behind.

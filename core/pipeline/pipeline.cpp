@@ -2,6 +2,7 @@
 
 #include "base/log.h"
 #include "base/random.h"
+#include "base/statistics.h"
 #include "brdf/measured_gloss.h"
 #include "capture/own_axes.h"
 #include "pipeline/mend_mesh.h"
@@ -57,6 +58,16 @@ void refuseWithoutPixels(const Capture& capture) {
             reasons +=
                 fmt::format("{}{:.0f} % {}", reasons.empty() ? "" : ", ", 100.0 * double(count) / double(all), what);
     throw Error("every pixel of every photograph is left out: {}", reasons);
+}
+
+/// What a reconstruction is off by: half the median length of its edges.
+float halfAnEdge(const Scene& scene) {
+    std::vector<float> lengths;
+    for (uint32_t v = 0; v < scene.graph.start.size() - 1; ++v)
+        for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e)
+            if (scene.graph.to[e] > v)
+                lengths.push_back(glm::distance(scene.mesh.positions[v], scene.mesh.positions[scene.graph.to[e]]));
+    return lengths.empty() ? 0.0f : medianOf(lengths) / 2;
 }
 
 }  // namespace
@@ -130,6 +141,7 @@ Corrections correctCapture(const PipelineOptions& options, Capture& capture, Pre
             prepared.scene = std::make_shared<const Scene>(buildScene(capture.mesh, progress, ownAxes(capture)));
         }
     }
+    if (!done.registration.empty() || !done.mend.empty()) prepared.meshError = halfAnEdge(*prepared.scene);
     return done;
 }
 
@@ -166,6 +178,7 @@ Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepare
     }
     // What this scene does not need.
     SolveOptions solve = options.solve;
+    solve.meshError = prepared.meshError;
     meter.begin(Stage::planning);
     if (options.plan && !extras.resume)
         solve.plan = planSolve(capture, scene, *prepared.samples, prepared.clusters, options.solve, options.everything,

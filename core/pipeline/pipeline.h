@@ -50,6 +50,7 @@ struct Prepared {
     std::shared_ptr<const Scene> scene;
     std::shared_ptr<const RadianceSamples> samples;
     EmitterClusters clusters;
+    float meshError = 0;  ///< metres that the mesh may be off by; 0: no photograph speaks against it
 };
 
 /// Rooms 2 to 4. `scene` and `samples`, if not null, are those of the capture's own mesh, made before; they are used

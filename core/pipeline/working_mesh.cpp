@@ -104,6 +104,16 @@ Estimate carriedBack(const Estimate& found, const DecimatedMesh& working, const 
         carried.emitters[size_t(e)].area += mesh.triangleArea(t);
     }
     carried.candidates.clear();
+    if (const NearFieldCorrection& fix = found.nearFieldCorrection; !fix.empty()) {
+        result.nearFieldCorrection.emitter.assign(n, -1);
+        result.nearFieldCorrection.formFactor.assign(n, 0);
+        for (uint32_t v = 0; v < n; ++v) {
+            if (working.places[v].triangle == SurfacePlace::none) continue;
+            const uint32_t from = working.mesh.triangles[working.places[v].triangle][nearest[v]];
+            result.nearFieldCorrection.emitter[v] = fix.emitter[from];
+            result.nearFieldCorrection.formFactor[v] = fix.formFactor[from];
+        }
+    }
     return result;
 }
 

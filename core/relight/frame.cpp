@@ -92,7 +92,7 @@ public:
         world = gather.world * fraction;
         beauty = world;
         for (Rgb& light : gather.byEmitter) {
-            light *= fraction;
+            light = glm::max(light * fraction, Rgb(0));  // addedFactor may be below 0
             beauty += light;
         }
     }

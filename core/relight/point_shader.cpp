@@ -69,6 +69,7 @@ void PointShader::gather(const ShadedPoint& s, uint32_t index, uint64_t seed, Ga
             for (size_t e : lights_.lit) matte.byEmitter[e] += fraction * bounced.byEmitter[e][t[size_t(k)]];
         }
     }
+    addToFactors(s, matte);
     // A metal has nothing but its lobes: the samples a matte part would want go there.
     lobeCount_ = maxChannel(s.albedo) > 1e-3f ? options_.lobeSamples : 4 * options_.lobeSamples;
     distantCount_ =
@@ -118,6 +119,17 @@ void PointShader::gather(const ShadedPoint& s, uint32_t index, uint64_t seed, Ga
             if (local.z > 0) queueClosest(s, origin, s.frame * local, gloss, matte);
         }
     flushClosest(s, gloss, matte);
+}
+
+void PointShader::addToFactors(const ShadedPoint& s, Gather& matte) const {
+    if (s.triangle == Hit::none) return;
+    const Triangle& t = relit_.scene.mesh.triangles[s.triangle];
+    for (size_t e : lights_.lit) {
+        const std::vector<float>& added = relit_.addedFactor[e];
+        if (added.empty()) continue;
+        const float factor = s.corners[0] * added[t[0]] + s.corners[1] * added[t[1]] + s.corners[2] * added[t[2]];
+        matte.byEmitter[e] += factor * relit_.emitters[e].emission.level;
+    }
 }
 
 void PointShader::whiteAt(uint32_t vertex, ShadedPoint& s) const {

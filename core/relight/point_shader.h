@@ -83,6 +83,8 @@ private:
     }
     /// Adds light of `radiance` that samples of this density bring from the direction `light`.
     void add(const ShadedPoint& s, const Vec3& light, const Rgb& radiance, float density, Rgb& gloss, Rgb& matte) const;
+    /// What the emitters' form factors lack at the point.
+    void addToFactors(const ShadedPoint& s, Gather& matte) const;
     Rgb lobesTimesCosine(const ShadedPoint& s, const Vec3& light) const;
     /// Sum of count x density of the samples drawn from the lobes.
     float lobeDensity(const ShadedPoint& s, const Vec3& light) const;

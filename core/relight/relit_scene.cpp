@@ -125,6 +125,22 @@ Mesh clusterMesh(const Mesh& captured, const EmitterCluster& cluster, const Mat4
     return m;
 }
 
+/// EditedGeometry::addedFactor for emitters that are moved by these matrices.
+std::vector<std::vector<float>> addedFactors(const NearFieldCorrection& correction, const std::vector<Mat4>& moved,
+                                             const Mesh& captured, const EditedGeometry& edited) {
+    std::vector<std::vector<float>> added(edited.emitters.size());
+    if (correction.empty()) return added;
+    for (size_t v = 0; v < edited.vertexOrigin.size(); ++v) {
+        const uint32_t origin = edited.vertexOrigin[v];
+        if (origin == EditedPart::none || edited.mesh.positions[v] != captured.positions[origin]) continue;
+        const int e = correction.emitter[origin];
+        if (e < 0 || moved[size_t(e)] != Mat4(1)) continue;
+        if (added[size_t(e)].empty()) added[size_t(e)].assign(edited.vertexOrigin.size(), 0);
+        added[size_t(e)][v] = correction.formFactor[origin];
+    }
+    return added;
+}
+
 DirectionGrid gridFor(const Image& map) {
     DirectionGrid grid{64};
     while (grid.side < 512 && grid.side * 2 <= map.width) grid.side *= 2;
@@ -243,6 +259,7 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
             out.emitters[clusters.size() + i].surface = emitterSurface(shape, all);
         }
     }
+    out.addedFactor = addedFactors(estimate.nearFieldCorrection, matrix, scene.mesh, out);
     return out;
 }
 
@@ -269,6 +286,7 @@ RelitScene applyLook(const Scene& scene, const Estimate& estimate, const Look& l
     }
     out.emitterOfTriangle = std::move(geometry.emitterOfTriangle);
     out.emitters = std::move(geometry.emitters);
+    out.addedFactor = std::move(geometry.addedFactor);
     out.scene = geometry.moved ? buildScene(std::move(geometry.mesh), progress, scene.axes) : scene;
     out.distant = distant ? std::move(distant) : distantOfLook(estimate, look.environment);
     if (estimate.interreflection) out.bounced = bouncedLightOf(out, {}, progress);

@@ -39,7 +39,10 @@ struct EditedGeometry {
     std::vector<int> emitterOfTriangle;    ///< index into emitters, -1: none
     std::vector<RelitEmitter> emitters;    ///< recovered ones in order, then added ones
     std::vector<uint8_t> mirrored;         ///< per part 1 where its triangles are turned round (corners 1 and 2 change)
-    bool moved = false;                    ///< false: the capture's own mesh
+    /// Per emitter and vertex what its form factor lacks (NearFieldCorrection), while both are where they were
+    /// captured; empty: nothing.
+    std::vector<std::vector<float>> addedFactor;
+    bool moved = false;  ///< false: the capture's own mesh
 };
 
 /// Which parts are kept apart although they stand where they were captured. A vertex that a part shares with its
@@ -57,10 +60,11 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
 std::shared_ptr<const DistantLight> distantOfLook(const Estimate& estimate, const EnvironmentLook& look);
 
 struct RelitScene {
-    Scene scene;                         ///< with moved and added geometry
-    std::vector<int> emitterOfTriangle;  ///< index into emitters, -1: none
-    std::vector<RelitEmitter> emitters;  ///< recovered ones in order, then added ones
-    StoredWeights weight;                ///< per lobe, per vertex of `scene`; readers ask weightsAt
+    Scene scene;                                  ///< with moved and added geometry
+    std::vector<int> emitterOfTriangle;           ///< index into emitters, -1: none
+    std::vector<RelitEmitter> emitters;           ///< recovered ones in order, then added ones
+    std::vector<std::vector<float>> addedFactor;  ///< as in EditedGeometry
+    StoredWeights weight;                         ///< per lobe, per vertex of `scene`; readers ask weightsAt
     BrdfBasis basis;
     std::shared_ptr<const AlbedoTexture> texture;  ///< albedo finer than weight[0], by triangle of the capture's mesh
     std::vector<uint8_t> mirrored;                 ///< triangles whose corners 1 and 2 have changed places; empty: none

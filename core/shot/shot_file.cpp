@@ -251,6 +251,7 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress, const
     e.reflectance = files.reflectance(e.reflectance.basis);
     if (isThere(folder / "albedo.exr"))
         e.reflectance.texture = readTexture(folder / "albedo.exr", files.texturedFaces(), shot.capture.mesh.triangles);
+    e.nearFieldCorrection = files.nearFieldCorrection(e.emitters.emitters.size());
     const DirectionGrid grid{e.environmentSide};
     e.environment = environmentCells(folder, grid);
     const fs::path deviations = folder / "environment_sigma.exr";

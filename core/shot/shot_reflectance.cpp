@@ -101,6 +101,10 @@ void writeReflectance(const Shot& shot, const Mesh& mesh, const fs::path& folder
     properties.push_back({"emitter", emitterColumn(shot, mesh, vertices), true});
     properties.push_back({"confidence", r.confidence, false});
     if (!r.sigma.empty()) properties.push_back({"albedo_sigma", r.sigma, false});
+    if (const NearFieldCorrection& fix = shot.estimate.nearFieldCorrection; !fix.empty()) {
+        properties.push_back({"corrected_emitter", {fix.emitter.begin(), fix.emitter.end()}, true});
+        properties.push_back({"added_form_factor", fix.formFactor, false});
+    }
     std::vector<uint32_t> own(mesh.vertexCount(), ~0u), ofAdded = own;
     uint32_t count = 0;
     for (size_t v = 0; v < vertices; ++v) {
@@ -174,6 +178,14 @@ Reflectance ReflectanceFiles::reflectance(const BrdfBasis& basis) const {
     r.confidence = column("confidence");
     if (has("albedo_sigma")) r.sigma = column("albedo_sigma");
     return r;
+}
+
+NearFieldCorrection ReflectanceFiles::nearFieldCorrection(size_t emitters) const {
+    NearFieldCorrection fix;
+    if (!has("corrected_emitter") || !has("added_form_factor")) return fix;
+    for (float e : column("corrected_emitter", -1)) fix.emitter.push_back(e >= 0 && e < float(emitters) ? int(e) : -1);
+    fix.formFactor = column("added_form_factor");
+    return fix;
 }
 
 std::vector<TexturedFace> ReflectanceFiles::texturedFaces() const {

@@ -92,9 +92,18 @@ struct SurfaceLight {
     bool empty() const { return white.empty(); }
 };
 
+/// What an emitter's form factor lacks at vertices close to it, because the mesh is inexact; holds while emitter and
+/// vertex are where they were photographed. Per vertex, or empty.
+struct NearFieldCorrection {
+    std::vector<int> emitter;       ///< whose, -1: none
+    std::vector<float> formFactor;  ///< added to it
+    bool empty() const { return emitter.empty(); }
+};
+
 struct Estimate {
     Lighting lighting;
     Reflectance reflectance;
+    NearFieldCorrection nearFieldCorrection;
     EmitterClusters emitters;      ///< final: candidates confirmed or rejected
     std::vector<Rgb> environment;  ///< mean radiance of each cell of the square of side environmentSide
     int environmentSide = 256;

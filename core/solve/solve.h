@@ -49,6 +49,7 @@ struct SolveOptions {
     uint64_t seed = 1;
     BrdfBasis basis = builtInBasis();  ///< lobes that surfaces may have
     size_t mostLobes = 1;              ///< that one component may mix; more than 1 with a wide basis
+    float meshError = 0;               ///< metres that the mesh may be off by; 0: it is exact
     SolvePlan plan;                    ///< what takes part: the planner's word (pipeline/plan.h)
 };
 /// "draft", "standard" or "fine". Throws Error for another name.

@@ -56,7 +56,10 @@ void LiveScene::State::makeFrame() {
     }
     const size_t n = vertices.count(), emitters = near.size();
     out->formFactor.resize(emitters);
-    for (size_t e = 0; e < emitters; ++e) out->formFactor[e] = near[e].factor;
+    for (size_t e = 0; e < emitters; ++e) {
+        out->formFactor[e].resize(near[e].factor.size());
+        for (size_t v = 0; v < near[e].factor.size(); ++v) out->formFactor[e][v] = near[e].at(v);
+    }
     out->radiance.resize(n);
     out->distantMatte.resize(n);
     const bool glossy = !gloss.empty(), bouncing = bounceRays.rays > 0;
@@ -65,7 +68,7 @@ void LiveScene::State::makeFrame() {
         if (vertices.kind[v] == LiveVertices::emitting || !vertices.lit(v)) return;
         out->distantMatte[v] = gain * distantMatte[v];
         direct[v] = out->distantMatte[v];
-        for (size_t e = 0; e < emitters; ++e) direct[v] += near[e].factor[v] * geometry.emitters[e].emission.level;
+        for (size_t e = 0; e < emitters; ++e) direct[v] += near[e].at(v) * geometry.emitters[e].emission.level;
     });
     if (bouncing) followBounces(direct);
     parallelFor(n, 2048, [&](size_t v) {

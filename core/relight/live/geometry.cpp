@@ -108,6 +108,7 @@ void LiveScene::State::takeGeometry(const Look& next, EditedGeometry edited, Par
             out.centre = edited.emitters[e].surface.centroid;
             out.radius = edited.emitters[e].surface.radius;
         }
+        out.added = edited.addedFactor[e];
         out.factor.resize(now.count(), 0);
         out.open.resize(now.count(), 0);
         out.level.resize(now.count(), 0);

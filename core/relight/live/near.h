@@ -27,6 +27,7 @@ struct NearEmitter {
     float radius = 0;
     std::vector<float> factor;   ///< with shadows
     std::vector<float> open;     ///< without
+    std::vector<float> added;    ///< to the factor (EditedGeometry::addedFactor); empty: nothing
     std::vector<uint8_t> level;  ///< 0: stale; 1 to 4: from 4, 16, 64, 256 samples
     int pass = 0;                ///< of the refinement; passes: done
     size_t next = 0;             ///< vertex at which the pass goes on
@@ -37,6 +38,7 @@ struct NearEmitter {
         pass = 0;
         next = 0;
     }
+    float at(size_t v) const { return added.empty() ? factor[v] : std::max(0.0f, factor[v] + added[v]); }
     float seen(size_t v) const { return open[v] > 0 ? factor[v] / open[v] : 1.0f; }
 };
 

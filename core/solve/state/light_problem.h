@@ -19,6 +19,7 @@ struct LightProblem {
     std::vector<uint8_t> known;  ///< vertices whose transport is known
     Visibility visibility;
     NearField nearField;
+    NearFieldCorrection correction;  ///< known at the end
 
     bool environmentBlack = false;
     bool backgroundRefuted = false;  ///< what is seen of the background is not what lights the scene

@@ -41,6 +41,7 @@ Estimate assemble(const SolveRun& s) {
     estimate.mode = s.in.options.nearField ? "near-field" : "distant-only";
     estimate.lighting = s.light.lighting;
     estimate.emitters = s.emitters.clusters;
+    estimate.nearFieldCorrection = s.light.correction;
     estimate.cancelled = s.stopped();
     estimate.interreflection = s.bounce.joined();
     estimate.bouncedFraction = s.bounce.joined() ? s.bounce.fraction : 0;
@@ -94,6 +95,16 @@ SurfaceLight surfaceLightOf(const SolveRun& s, const Irradiance& irradiance, con
     return light;
 }
 
+/// On an inexact mesh, and the albedo with it.
+void correctLightNearEmitters(SolveRun& s) {
+    if (!(s.in.options.meshError > 0) || !s.in.options.nearField || !s.hasMatte() || s.stopped()) return;
+    s.light.correction =
+        correctNearField({s.in.scene, s.observed.matte, s.irradiance(), s.light.nearField, s.emitters.clusters,
+                          s.light.lighting.emitterRadiance, s.in.options.meshError},
+                         s.in.progress);
+    if (!s.light.correction.empty()) updateAlbedo(s, s.irradiance());
+}
+
 }  // namespace
 
 void showSnapshot(SolveRun& s) {
@@ -118,6 +129,7 @@ void showSnapshot(SolveRun& s) {
 
 Estimate finishSolve(SolveRun& s) {
     s.meter.begin(Stage::closing);
+    correctLightNearEmitters(s);
     Estimate estimate = assemble(s);
     assessConditioning(s, estimate);
     const Irradiance irradiance = s.irradiance();

@@ -1,6 +1,7 @@
 // One solve under way: the values that its steps change, and the log of what they did. Not a door.
 #pragma once
 #include "base/stage_meter.h"
+#include "solve/albedo/near_field_correction.h"
 #include "solve/state/bounce_model.h"
 #include "solve/state/gloss_model.h"
 #include "solve/state/irradiance.h"
@@ -53,7 +54,9 @@ struct SolveRun {
     InfluenceMatrix rowsOf(const std::vector<uint32_t>& vertices) { return light.rowsOf(in, emitters, vertices); }
     /// What the present light makes of the observations.
     Irradiance irradiance() const {
-        return irradianceOf(light.influence, light.lighting, bounce.atObservation, observed.pairs);
+        Irradiance found = irradianceOf(light.influence, light.lighting, bounce.atObservation, observed.pairs);
+        addCorrection(light.correction, observed.matte.vertices, light.lighting.emitterRadiance, found);
+        return found;
     }
     double mismatch(const Irradiance& irradiance) const {
         return pairMismatch(observed.matte, observed.pairs, irradiance);
