@@ -37,7 +37,8 @@ struct SolveArguments {
 
 struct RenderArguments {
     fs::path shot, output, edits;
-    std::string environment, camera = "0", frames, size, layers, naming = "blender", ratio, view = "standard", denoise = "auto";
+    std::string environment, camera = "0", frames, size, layers, naming = "blender", ratio, view = "standard",
+                             denoise = "auto";
     float yaw = 0;
     int samples = 0, threads = 0;
     uint64_t seed = 1;

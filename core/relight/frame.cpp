@@ -83,17 +83,17 @@ public:
             position += surface_.position;
             half.world += once_.world;
             gather.world += surface_.albedo * once_.world;
-            for (size_t e = 0; e < half.byEmitter.size(); ++e) {
-                half.byEmitter[e] += once_.byEmitter[e];
-                gather.byEmitter[e] += surface_.albedo * once_.byEmitter[e];
+            for (size_t l = 0; l < half.byEmitter.size(); ++l) {
+                half.byEmitter[l] += once_.byEmitter[l];
+                gather.byEmitter[l] += surface_.albedo * once_.byEmitter[l];
             }
         }
         finish(seen);
         world = gather.world * fraction;
         beauty = world;
-        for (Rgb& light : gather.byEmitter) {
-            light = glm::max(light * fraction, Rgb(0));  // addedFactor may be below 0
-            beauty += light;
+        for (Rgb& group : gather.byEmitter) {
+            group = glm::max(group * fraction, Rgb(0));  // addedFactor may be below 0
+            beauty += group;
         }
     }
 

@@ -121,7 +121,7 @@ struct Estimate {
     Reproduction reproduction;           ///< how well it explains its photographs; measured by the pipeline
     std::vector<HeldOutAlbedo> heldOut;  ///< for that measure, which takes them
     std::shared_ptr<const AlbedoTexture> heldOutTexture;  ///< the texture without the views of heldOut; for it too
-    std::string mode;                    ///< "near-field" or "distant-only"
+    std::string mode;                                     ///< "near-field" or "distant-only"
     bool interreflection = false;  ///< the photographs hold light bounced between surfaces: relit frames have it too
     float bouncedFraction = 0;     ///< of the light on the surfaces seen, 0 without interreflection
     bool cancelled = false;        ///< stopped early: the best answer so far

@@ -103,7 +103,7 @@ TEST_F(Denoise, LeavesEmittersAndBackgroundAlone) {
         const bool emitter = noisy.emittersSeen[p][0].fraction == 1, nothing = noisy.alpha[p] == 0;
         emitters += emitter;
         background += nothing;
-        if (emitter || nothing) EXPECT_EQ(quiet.beauty[p], noisy.beauty[p]) << p;
+        if (emitter || nothing) { EXPECT_EQ(quiet.beauty[p], noisy.beauty[p]) << p; }
     }
     EXPECT_GT(emitters, 3u);
     EXPECT_GT(background, 100u);

@@ -4,6 +4,7 @@
 
 #include "image/environment_map.h"
 #include "image/image_io.h"
+#include "relight/frame.h"
 #include "support/estimates.h"
 #include "support/temporary_folder.h"
 
@@ -118,6 +119,39 @@ TEST(ApplyLook, KeepsAMirroredEmitterFacingAsItsSurfaceDoes) {
     for (const Vec3& n : relit.emitters[0].surface.normals) EXPECT_LT(n.z, -0.99f);
     for (size_t t = 0; t < relit.scene.mesh.triangles.size(); ++t)
         if (relit.emitterOfTriangle[t] == 0) { EXPECT_LT(relit.scene.mesh.faceNormal(t).z, -0.99f); }
+}
+
+TEST(ApplyLook, WhatFormFactorsLackIsAddedUntilTheEmitterMoves) {
+    World w = world();
+    w.estimate.lighting.emitterRadiance = {Rgb(10, 20, 30)};
+    w.estimate.environment.assign(w.estimate.environment.size(), Rgb(0));
+    const Camera camera = test::cameraAt({0, 0, -1}, {0, 0, -3}, 8, 8, 16, {0, 1, 0});
+    const auto middle = [&](const Look& look) {
+        FrameOptions options;
+        options.samplesPerPixel = 64;
+        Progress progress;
+        return renderFrame(test::relitOf(w.scene, w.estimate, look), camera, options, progress).beauty[4 * 8 + 4];
+    };
+    Look moved;
+    moved.emitters.emplace_back();
+    moved.emitters[0].id = "emitter-1";
+    moved.emitters[0].matrix = test::translation({0, 0, 0.01f});
+    const Rgb before = middle({}), beforeMoved = middle(moved);
+    w.estimate.nearFieldCorrection.emitter.assign(w.scene.mesh.vertexCount(), -1);
+    w.estimate.nearFieldCorrection.formFactor.assign(w.scene.mesh.vertexCount(), 0);
+    for (size_t v = w.sheetVertices; v < w.scene.mesh.vertexCount(); ++v) {
+        w.estimate.nearFieldCorrection.emitter[v] = 0;
+        w.estimate.nearFieldCorrection.formFactor[v] = 0.1f;
+    }
+    const Rgb added = middle({}) - before;
+    const Rgb expected = Rgb(0.5f, 0.4f, 0.3f) * 0.1f * Rgb(10, 20, 30);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(added[c], expected[c], 1e-4f * expected[c]);
+    EXPECT_EQ(middle(moved), beforeMoved);
+    Look off;
+    off.emitters.emplace_back();
+    off.emitters[0].id = "emitter-1";
+    off.emitters[0].enabled = false;
+    EXPECT_EQ(middle(off), Rgb(0));
 }
 
 TEST(ApplyLook, SwitchesAnEmitterOffWithoutTakingItAway) {

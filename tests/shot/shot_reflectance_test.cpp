@@ -115,5 +115,25 @@ TEST_F(AddedSurfaces, BadOnesAreNamed) {
     EXPECT_NE(openError().find("added.ply"), std::string::npos) << openError();
 }
 
+TEST_F(AddedSurfaces, WhatFormFactorsLackComesBack) {
+    EXPECT_TRUE(open().estimate.nearFieldCorrection.empty());
+    NearFieldCorrection& fix = shot.estimate.nearFieldCorrection;
+    shot.estimate.emitters.emitters.resize(1);
+    shot.estimate.emitters.emitters[0].id = "emitter-1";
+    shot.estimate.emitters.emitters[0].vertices = {0};
+    shot.estimate.lighting.emitterRadiance = {Rgb(1)};
+    fix.emitter.assign(mesh.vertexCount(), -1);
+    fix.formFactor.assign(mesh.vertexCount(), 0);
+    fix.emitter[3] = 0;
+    fix.formFactor[3] = -0.125f;
+    const size_t added = file.vertexCount() + 1;
+    fix.emitter[added] = 0;
+    fix.formFactor[added] = 0.5f;
+    saveShot(shot, mesh, target(), true);
+    const NearFieldCorrection back = open().estimate.nearFieldCorrection;
+    EXPECT_EQ(back.emitter, fix.emitter);
+    EXPECT_EQ(back.formFactor, fix.formFactor);
+}
+
 }  // namespace
 }  // namespace relamp

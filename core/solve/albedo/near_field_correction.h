@@ -21,9 +21,9 @@ struct NearFieldCorrectionInput {
 };
 
 /// Form factors are wrong by about the fraction meshError / distance of what the emitter covers. Within that, they are
-/// chosen such that log albedo has the least total variation over the mesh: light is smooth where albedo is not, and albedo does
-/// not know where the emitters are. Reweighted least squares on the vertices that it may matter for, one emitter each.
-/// Empty where the variation falls by less than a fifth. Throws Cancelled. O(v^1.5) for v such vertices.
+/// chosen such that log albedo has the least total variation over the mesh: light is smooth where albedo is not, and
+/// albedo does not know where the emitters are. Reweighted least squares on the vertices that it may matter for, one
+/// emitter each. Empty where the variation falls by less than a fifth. Throws Cancelled. O(v^1.5) for v such vertices.
 NearFieldCorrection correctNearField(const NearFieldCorrectionInput& input, Progress& progress);
 
 /// Adds to the irradiance what the correction adds.
