@@ -108,11 +108,11 @@ void RelightWorker::renderAtRest(const RelightRequest& request, uint64_t serial,
     options.denoise = true;
     options.groups = false;
     // Whole passes that add up, each as sharp as the image that it replaces. A slow machine ends with fewer of them.
-    constexpr int passes = 4;
+    constexpr int passes = 4, fewest = 2;
     constexpr double patience = 4.2;  // seconds; with the wait before it, five from the release to the last image
     Frame sum;
     for (int pass = 0; pass < passes; ++pass) {
-        if (pass > 0 && progress->seconds() * (pass + 1) / pass > patience) break;
+        if (pass >= fewest && progress->seconds() * (pass + 1) / pass > patience) break;
         options.seed = uint64_t(pass + 2);
         Frame frame = renderFrame(relit, request.eye, options, *progress);
         if (pass == 0) {
@@ -123,6 +123,8 @@ void RelightWorker::renderAtRest(const RelightRequest& request, uint64_t serial,
                 sum.alpha[i] += frame.alpha[i];
             }
         }
+        // Fewer samples are noisier than what is shown until then.
+        if (pass + 1 < fewest) continue;
         const auto shown = std::make_shared<Frame>();
         shown->width = sum.width;
         shown->height = sum.height;

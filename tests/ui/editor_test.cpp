@@ -91,7 +91,9 @@ TEST(Editor, exportsWhatTheCommandLineWouldRender) {
     Progress progress;
     const RelitScene relit =
         applyLook(*s.editor->state.document.scene, *s.editor->estimate(), s.editor->look(), progress);
-    const Frame frame = renderFrame(relit, s.editor->state.document.capture->views[0].camera, {}, progress);
+    FrameOptions options;
+    options.denoise = true;
+    const Frame frame = renderFrame(relit, s.editor->state.document.capture->views[0].camera, options, progress);
     const Image written = readImage(s.folder / "frame.exr");
     ASSERT_EQ(written.pixels.size(), frame.beauty.size());
     for (size_t i = 0; i < frame.beauty.size(); i += 17)
