@@ -21,7 +21,7 @@ Votes votesOf(const Scene& scene, const Capture& capture, const RadianceSamples&
     Votes votes{std::vector<uint16_t>(n, 0), std::vector<uint16_t>(n, 0)};
     std::vector<int> balance(n, 0);
     std::vector<uint32_t> touched;
-    for (size_t i = 0; i < capture.views.size(); ++i) {
+    for (size_t i = 0; i < std::min(capture.views.size(), samples.geometry.size()); ++i) {
         const Image& image = capture.views[i].image;
         const ViewGeometry& g = samples.geometry[i];
         touched.clear();
@@ -70,7 +70,7 @@ std::vector<std::vector<uint32_t>> connected(const Mesh& mesh, const std::vector
 bool measure(const Capture& capture, const RadianceSamples& samples, const std::vector<uint8_t>& group,
              ThinEmitter& emitter) {
     std::vector<float> brightness, flatness, channel[3];
-    for (size_t i = 0; i < capture.views.size(); ++i) {
+    for (size_t i = 0; i < std::min(capture.views.size(), samples.geometry.size()); ++i) {
         const View& view = capture.views[i];
         const ViewGeometry& g = samples.geometry[i];
         std::vector<std::pair<float, Rgb>> pixels;

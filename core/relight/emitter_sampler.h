@@ -26,7 +26,7 @@ public:
         uint32_t child = none;  ///< the first of two, next to each other
         float cumulative = 0;   ///< of a leaf: weights of leaves up to this one
     };
-    /// The cut for one surface point, good for its surroundings too.
+    /// The cut for one surface point, good for its neighbours too.
     struct Proposal {
         Vec3 point{0}, normal{2};  ///< not a unit vector: no cut yet
         float reach = 0;           ///< how far around the point it holds

@@ -47,7 +47,7 @@ public:
     /// The point that a ray along `direction` met, ready for gather().
     void surfaceAt(const Hit& hit, const Vec3& direction, ShadedPoint& s) const;
 
-    /// Forgets what it knows of the last point's surroundings: the next bits then depend on the next points alone.
+    /// Forgets what it knows of the last point: the next bits then depend on the next points alone.
     void begin();
 
     /// A white matte point at a vertex of the scene.
