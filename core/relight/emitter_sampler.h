@@ -20,8 +20,8 @@ public:
         uint32_t triangle = none;       ///< the triangle that it is or is part of
         std::array<Vec3, 3> corners{};  ///< of a part of a triangle
         float area = 0;
-        float weight = 0;       ///< the estimate of the form factor
-        float error = 0;        ///< what the estimate may be off by
+        float weight = 0;       ///< root of estimate times bound of pi times its form factor
+        float error = 0;        ///< bound less estimate
         float nearest = 0;      ///< squared distance
         uint32_t child = none;  ///< the first of two, next to each other
         float cumulative = 0;   ///< of a leaf: weights of leaves up to this one

@@ -111,7 +111,8 @@ private:
         const float all = seen[0] + seen[1];
         matte = all / float(options_.samplesPerPixel);
         if (!(all > 0)) return;
-        normal = glm::normalize(normal);
+        if (const float length = glm::length(normal); length > 1e-3f * all) normal /= length;
+        else matte = 0;  // surfaces that face each other: the pixel is left alone
         position /= all;
         for (size_t h = 0; h < 2; ++h) {
             if (!(seen[h] > 0)) continue;

@@ -77,8 +77,8 @@ private:
     std::unique_ptr<const struct SceneLights> lights_;
 };
 
-/// Monte Carlo direct lighting with multiple importance sampling (Veach 1997) over low-discrepancy points; unbiased,
-/// the same bits on any number of threads. 640x480 in about 3 s on two cores. Throws Cancelled.
+/// Monte Carlo direct lighting with multiple importance sampling (Veach 1997) over low-discrepancy points; unbiased
+/// unless denoised, the same bits on any number of threads. 640x480 in about 3 s on two cores. Throws Cancelled.
 Frame renderFrame(const RelitScene& relit, const Camera& camera, const FrameOptions& options, Progress& progress);
 
 }  // namespace relamp
