@@ -13,7 +13,7 @@ int exportShot(const ExportArguments& a, Progress& progress) {
     const Look look = a.edits.empty() ? shot.look : readLook(a.edits, shot.capture.origin);
     InputFiles inputs = shotFiles(shot, progress);
     inputs.add(a.edits);
-    if (look.environment.source == EnvironmentLook::Source::file) inputs.add(look.environment.file);
+    for (const auto& file : filesOf(look)) inputs.add(file);
     const Scene scene = buildScene(shot.capture.mesh, progress, ownAxes(shot.capture));
     const RelitScene relit = applyLook(scene, shot.estimate, look, progress);
     progress.check();

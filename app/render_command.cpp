@@ -36,7 +36,7 @@ void refuseInputs(const RenderArguments& a, const Shot& shot, const LookTrack& t
     inputs.add(a.edits);
     inputs.add(a.camera);
     LookTrack(track).apply([&](Look& look) {
-        if (look.environment.source == EnvironmentLook::Source::file) inputs.add(look.environment.file);
+        for (const auto& file : filesOf(look)) inputs.add(file);
     });
     for (const FrameJob& job : jobs) inputs.refuse(job.file);
 }

@@ -38,6 +38,9 @@ public:
     void open(const std::filesystem::path& path);
     /// Reads the image in the background; it becomes the look's environment, one edit, once it has been read.
     void openEnvironment(const std::filesystem::path& file);
+    /// Runs `read` of this file in the background, then `done` here; what it throws is shown, and `done` does not run.
+    void readInBackground(const std::filesystem::path& file, const std::function<void()>& read,
+                          const std::function<void(Editor&)>& done);
     void openNow(const std::filesystem::path& path);
     /// Reads the open capture again with its axes set right. What was estimated before does not hold any more and goes.
     void fixCapture(const CaptureFix& fix);

@@ -112,7 +112,7 @@ void Editor::Impl::solve(const SolveRequest& request, bool goOn) {
             };
         },
         [this, request, which, kept = inputs.kept](bool cancelled) {
-            takeSnapshots();
+            takeSnapshots(true);
             self.state.curves[which].running = false;
             // The best iterate is kept.
             if (cancelled && snapshot) takeEstimate(request, snapshot, "Estimate, stopped early");
@@ -195,7 +195,14 @@ std::optional<double> Editor::Impl::solveSecondsLeft() const {
     return solveBudget > 0 ? std::min(left, std::max(0.0, solveBudget - status->seconds)) : left;
 }
 
-void Editor::Impl::takeSnapshots() {
+bool Editor::Impl::viewportIsFree() {
+    if (!snapshot) return true;
+    if (relight.working()) return false;
+    if (snapshotShown < snapshotTaken) snapshotShown = seconds();
+    return seconds() - snapshotShown >= 3 * (snapshotShown - snapshotTaken);
+}
+
+void Editor::Impl::takeSnapshots(bool ended) {
     std::lock_guard lock(solveMutex);
     RunCurve& curve = self.state.curves[solveIsNearField ? 0 : 1];
     if (curve.running) curve.entries.insert(curve.entries.end(), newEntries.begin(), newEntries.end());
@@ -205,7 +212,8 @@ void Editor::Impl::takeSnapshots() {
         if (job) planHeardAt = job->progress().seconds();
     }
     newPlan.reset();
-    if (!newSnapshot) return;
+    if (!newSnapshot || !(ended || viewportIsFree())) return;
+    snapshotTaken = seconds();
     if (job && status && status->kind == JobStatus::Kind::solve) {
         snapshot = newSnapshot;
         // The first answer is brought up, once: who then looks at the photographs again keeps them.

@@ -38,7 +38,8 @@ struct Editor::Impl {
     std::vector<TimelineEntry> newEntries;
     std::shared_ptr<const Estimate> newSnapshot;
     std::optional<SolvePlan> newPlan;
-    std::shared_ptr<const Estimate> snapshot;  ///< latest, shown while the solve runs
+    std::shared_ptr<const Estimate> snapshot;     ///< shown while the solve runs
+    double snapshotTaken = 0, snapshotShown = 0;  ///< seconds(), of that one: handed to the viewport, refined there
     bool solveIsNearField = true;
     std::optional<SolveRequest> solvedWith;
     double solveBudget = 0;              ///< seconds, of the solve that runs; 0: none
@@ -108,7 +109,11 @@ struct Editor::Impl {
     void saveUnsavedEstimate();
     void writeAutosave();
     void offerLostWork();
-    void takeSnapshots();
+    /// Takes what the solve's thread has told. A result that came before the viewport is free for it waits, or it is
+    /// passed over for a later one; `ended`: the last one is taken at once.
+    void takeSnapshots(bool ended = false);
+    /// Showing results takes at most a quarter of the time: it takes the same processors as the solve.
+    bool viewportIsFree();
     struct EstimateInputs;
     /// `goOn`: where an interrupted one of the same request stood.
     void solve(const SolveRequest& request, bool goOn);

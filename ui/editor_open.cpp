@@ -107,26 +107,36 @@ void Editor::open(const fs::path& given) {
 void Editor::openEnvironment(const fs::path& given) {
     const std::shared_ptr<const Estimate> estimate = this->estimate();
     if (!estimate) return;
+    const fs::path file = cleaned(given);
+    readInBackground(
+        file,
+        [estimate, file] {
+            EnvironmentLook wanted;
+            wanted.source = EnvironmentLook::Source::file;
+            wanted.file = file;
+            distantOfLook(*estimate, wanted);
+        },
+        [file](Editor& editor) {
+            editor.edit("Environment " + file.filename().string(), [&](Look& look) {
+                look.environment.source = EnvironmentLook::Source::file;
+                look.environment.file = file;
+            });
+            remember(editor.state.recentEnvironments, file);
+        });
+}
+
+void Editor::readInBackground(const fs::path& file, const std::function<void()>& read,
+                              const std::function<void(Editor&)>& done) {
     if (impl_->job) {
         fail("Something else is running", impl_->status->title + " is not finished.",
              "Wait for it, or stop it in the status bar.");
         return;
     }
-    const fs::path file = cleaned(given);
     impl_->start(JobStatus::Kind::open, "Reading " + file.filename().string(),
-                 [impl = impl_.get(), estimate, file](Progress& progress) -> Finish {
-                     progress.begin("Reading the environment", 1);
-                     EnvironmentLook wanted;
-                     wanted.source = EnvironmentLook::Source::file;
-                     wanted.file = file;
-                     distantOfLook(*estimate, wanted);
-                     return [impl, file] {
-                         impl->self.edit("Environment " + file.filename().string(), [&](Look& look) {
-                             look.environment.source = EnvironmentLook::Source::file;
-                             look.environment.file = file;
-                         });
-                         remember(impl->self.state.recentEnvironments, file);
-                     };
+                 [impl = impl_.get(), read, done](Progress& progress) -> Finish {
+                     progress.begin("Reading the file", 1);
+                     read();
+                     return [impl, done] { done(impl->self); };
                  });
 }
 

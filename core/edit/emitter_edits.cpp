@@ -201,6 +201,10 @@ void setSize(Look& look, const std::string& id, const Vec2& size) {
     if (AddedEmitter* added = addedLook(look, id)) added->size = glm::max(size, Vec2(1e-4f));
 }
 
+void shapeEmitter(Look& look, const std::string& id, const std::function<void(LightShaping&)>& change) {
+    if (AddedEmitter* added = addedLook(look, id)) change(added->shaping);
+}
+
 void resetEmitter(Look& look, const std::string& id, EmitterValue value) {
     const bool place = value == EmitterValue::place || value == EmitterValue::all;
     if (AddedEmitter* added = addedLook(look, id)) {

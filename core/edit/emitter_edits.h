@@ -1,6 +1,7 @@
 // What an artist does to an emitter, as functions on the look: the same for recovered and added ones. The window's
 // table, inspector and gizmo all go through these.
 #pragma once
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,6 +41,9 @@ void setRadiance(Look& look, const Estimate& estimate, const std::string& id, co
 void moveEmitter(Look& look, const std::string& id, const Mat4& change);
 /// Width and height or diameter of an added rectangle, disk or sphere.
 void setSize(Look& look, const std::string& id, const Vec2& size);
+
+/// Changes the shaping of an added light; others have none.
+void shapeEmitter(Look& look, const std::string& id, const std::function<void(LightShaping&)>& change);
 
 enum class EmitterValue { place, radiance, enabled, all };
 /// Back to what was recovered; its name stays. For added ones: place back to the identity matrix; the others stay.

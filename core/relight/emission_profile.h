@@ -1,19 +1,55 @@
 // What leaves an emitter, by direction and place: the one function that frames and the viewport ask for emitted
 // radiance.
 #pragma once
+#include <memory>
+
 #include "base/math.h"
+#include "relight/light_shaping.h"
+#include "relight/shaping_files.h"
 
 namespace relamp {
 
-/// Constant today: every emitter is Lambertian and even. A spot's cone or an IES profile belongs into `radiance`; the
-/// viewport, which multiplies form factors with `level`, must then weigh them too (relight/live/near).
+/// A LightShaping with its files read, in the world of one light.
+class ShapedEmission {
+public:
+    /// `matrix`, `size`: of the added emitter; `flat`: it has a front alone. Cost: files are read once and kept while
+    /// they stay as they are. Throws Error naming a file that cannot be read.
+    ShapedEmission(const LightShaping& shaping, const Mat4& matrix, const Vec2& size, bool flat);
+
+    /// Radiance from `point` into the unit direction `away`, in parts of the light's level.
+    Rgb factor(const Vec3& away, const Vec3& point) const;
+    /// What its surface shows on average in a direction.
+    Rgb shown(const Vec3& away) const { return byDirection(away * toWorld_) * (surface_ ? surface_->mean : Rgb(1)); }
+    /// Power in parts of what the light sends without shaping. Cost: 4096 directions.
+    Rgb mean() const;
+    /// The unit direction it shines along.
+    Vec3 axis() const { return -Vec3(toWorld_[2]); }
+    const LightShaping& shaping() const { return shaping_; }
+
+private:
+    LightShaping shaping_;
+    Mat3 toWorld_{1};    // unit columns: the light's own axes
+    Mat4 toSurface_{1};  // world to the shape before its matrix
+    Vec2 size_{1};
+    bool flat_ = false;
+    float innerDegrees_ = 180, gobo_ = 1;  // where the cone begins to fade; 1 / tangent of its edge
+    std::shared_ptr<const IesProfile> ies_;
+    std::shared_ptr<const ShapingImage> goboImage_, surface_;
+
+    Rgb byDirection(const Vec3& local) const;
+};
+
 struct EmissionProfile {
-    Rgb level{0};  ///< radiance where the profile is 1, after power scale; 0 when off
+    Rgb level{0};                                    ///< radiance where the profile is 1, after power scale; 0 when off
+    std::shared_ptr<const ShapedEmission> shaped{};  ///< null: Lambertian and even
     /// Radiance from `point` of the surface, scene units, into the unit direction `away` from it.
     Rgb radiance(const Vec3& away, const Vec3& point) const {
-        static_cast<void>(away), static_cast<void>(point);
-        return level;
+        return shaped ? level * shaped->factor(away, point) : level;
     }
+    /// What the viewport paints on the light itself, seen along `away`.
+    Rgb shown(const Vec3& away) const { return shaped ? level * shaped->shown(away) : level; }
+    /// Such that pi x mean() x area is the power.
+    Rgb mean() const { return shaped ? level * shaped->mean() : level; }
     bool dark() const { return !(maxChannel(level) > 0); }
 };
 

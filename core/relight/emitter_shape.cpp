@@ -58,11 +58,13 @@ using Geometry = EmitterShapeInfo::Geometry;
 
 const EmitterShapeInfo shapes[] = {
     {Shape::rectangle, "rectangle", "Rectangle", "A flat light like a softbox, shining to one side",
-     "Add rectangle light", "rectangle", Geometry::own, 2, true, Vec2(1), rectangleMesh, rectangleArea},
+     "Add rectangle light", "rectangle", Geometry::own, 2, true, Vec2(1), 180, rectangleMesh, rectangleArea},
     {Shape::disk, "disk", "Disk", "A flat round light, shining to one side", "Add disk light", "disk", Geometry::own, 1,
-     true, Vec2(1), diskMesh, diskArea},
+     true, Vec2(1), 180, diskMesh, diskArea},
     {Shape::sphere, "sphere", "Sphere", "A ball that shines to all sides, like a bulb", "Add sphere light", "sphere",
-     Geometry::own, 1, false, Vec2(1), sphereMesh, sphereArea},
+     Geometry::own, 1, false, Vec2(1), 180, sphereMesh, sphereArea},
+    {Shape::spot, "spot", "Spot", "A small round light whose beam is a cone", "Add spot light", "spot", Geometry::own,
+     1, true, Vec2(0.3f), 30, diskMesh, diskArea},
     {Shape::part, "part", "Part of the scene...", "Then click the part that shall shine", "Add light from a part",
      "mesh", Geometry::component},
     {Shape::copy, "copy", "", "", "Add copy", "copy", Geometry::emitter},

@@ -9,7 +9,7 @@ namespace relamp {
 
 /// part: the connected component of mesh that holds a seed vertex shines and moves. copy: the geometry of a recovered
 /// emitter again, shining on the same faces as that one does.
-enum class EmitterShape { rectangle, disk, sphere, part, copy };
+enum class EmitterShape { rectangle, disk, sphere, spot, part, copy };
 
 struct EmitterShapeInfo {
     EmitterShape shape;
@@ -20,9 +20,10 @@ struct EmitterShapeInfo {
     const char* icon;         ///< name of an icon of the window
     /// Whose geometry it has: its own about the origin, a component of the mesh, or a recovered emitter's.
     enum class Geometry { own, component, emitter } geometry;
-    int sizes = 0;      ///< numbers that say its size: 2 width and height, 1 diameter, 0 none
-    bool flat = false;  ///< lies in its own XY plane, facing -Z
-    Vec2 freshSize{1};  ///< size of a new one, in eighths of the scene's radius
+    int sizes = 0;          ///< numbers that say its size: 2 width and height, 1 diameter, 0 none
+    bool flat = false;      ///< lies in its own XY plane, facing -Z
+    Vec2 freshSize{1};      ///< size of a new one, in eighths of the scene's radius
+    float freshCone = 180;  ///< LightShaping::coneDegrees of a new one
     /// Own geometry before the matrix. Null for other shapes.
     Mesh (*mesh)(const Vec2& size) = nullptr;
     /// Square metres before the matrix, for own geometry.

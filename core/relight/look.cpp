@@ -141,6 +141,15 @@ std::vector<std::string> emitterNames(const std::vector<std::string>& recoveredI
     return names;
 }
 
+std::vector<std::filesystem::path> filesOf(const Look& look) {
+    std::vector<std::filesystem::path> files;
+    if (look.environment.source == EnvironmentLook::Source::file) files.push_back(look.environment.file);
+    for (const AddedEmitter& e : look.added)
+        for (const auto* file : {&e.shaping.iesFile, &e.shaping.goboFile, &e.shaping.surfaceFile})
+            if (!file->empty()) files.push_back(*file);
+    return files;
+}
+
 Look lookFromJson(const Json& document, const std::filesystem::path& folder, const DVec3& origin) {
     if (!document.is_object()) throw Error("expected an object");
     if (const auto version = document.find("version");
@@ -196,6 +205,11 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
             if (!(emitter.size.x > 0) || !(emitter.size.y > 0)) throw Error("{}.size: expected more than 0", where);
         }
         if (e.contains("radiance")) emitter.radiance = colourOf(e["radiance"], where + ".radiance");
+        if (e.contains("shaping")) {
+            if (geometry != EmitterShapeInfo::Geometry::own)
+                throw Error("{}.shaping: a {} has none", where, infoOf(emitter.shape).name);
+            emitter.shaping = shapingFromJson(e["shaping"], where + ".shaping", folder);
+        }
         if (e.contains("name")) emitter.name = nameOf(e, where);
         look.added.push_back(emitter);
     }
@@ -249,6 +263,7 @@ Json lookToJson(const Look& look, const DVec3& origin) {
             case EmitterShapeInfo::Geometry::component: added["seed_vertex"] = e.seedVertex; break;
             case EmitterShapeInfo::Geometry::emitter: added["source"] = e.source; break;
         }
+        if (!e.shaping.plain()) added["shaping"] = shapingToJson(e.shaping);
         if (!e.enabled) added["enabled"] = false;
         if (!e.name.empty()) added["name"] = e.name;
         document["added_emitters"].push_back(std::move(added));

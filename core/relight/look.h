@@ -9,6 +9,7 @@
 
 #include "base/math.h"
 #include "relight/emitter_shape.h"
+#include "relight/light_shaping.h"
 
 namespace relamp {
 
@@ -40,6 +41,7 @@ struct AddedEmitter {
     uint32_t seedVertex = 0;  ///< part
     std::string source{};     ///< copy: id of a recovered emitter
     std::string name{};       ///< what the artist calls it; empty: its id
+    LightShaping shaping{};   ///< shapes of their own
     bool operator==(const AddedEmitter&) const = default;
 };
 
@@ -68,6 +70,9 @@ std::string tidyName(const std::string& name);
 /// What the emitters are called: recovered ones by these ids, in order, then added ones. Two that are called alike are
 /// told apart by " (2)".
 std::vector<std::string> emitterNames(const std::vector<std::string>& recoveredIds, const Look& look);
+
+/// The files that a look reads: environment, photometric files and images of its lights.
+std::vector<std::filesystem::path> filesOf(const Look& look);
 
 /// The edits document of docs/interface.md 3. Relative file names are taken from `folder`. Throws Error naming the
 /// field

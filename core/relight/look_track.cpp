@@ -126,6 +126,7 @@ Look blendLooks(const Look& a, const Look& b, float t, const LookPivots& pivots)
                                                                              : Vec3(0);
         e.matrix = blendMatrices(e.matrix, other->matrix, t, pivot);
         e.size += t * (other->size - e.size);
+        e.shaping = blendShapings(e.shaping, other->shaping, t);
         if (e.enabled || other->enabled) {
             e.radiance = blendLight(e.enabled ? e.radiance : Rgb(0), other->enabled ? other->radiance : Rgb(0), t);
             e.enabled = true;

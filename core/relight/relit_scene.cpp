@@ -213,7 +213,12 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
         const AddedEmitter& added = look.added[i];
         const int e = int(clusters.size() + i);
         RelitEmitter emitter{added.id, {}, {added.enabled ? added.radiance : Rgb(0)}};
-        const auto geometry = infoOf(added.shape).geometry;
+        const EmitterShapeInfo& info = infoOf(added.shape);
+        if (info.own() && !added.shaping.plain())
+            emitter.emission.shaped = withContext(fmt::format("added_emitters: {}", added.id), [&] {
+                return std::make_shared<const ShapedEmission>(added.shaping, added.matrix, added.size, info.flat);
+            });
+        const auto geometry = info.geometry;
         if (geometry == EmitterShapeInfo::Geometry::component) {
             const EmitterCluster cluster = clusterOfComponent(scene, added, out.emitterOfTriangle);
             for (uint32_t t : cluster.triangles) out.emitterOfTriangle[t] = e;

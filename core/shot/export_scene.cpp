@@ -73,11 +73,15 @@ Json lightsJson(const Shot& shot, const ExportedScene& scene) {
                           {"radiance", listOf(p.radiance)},
                           {"two_sided", p.twoSided},
                           {"area_m2", p.area},
-                          {"flux", listOf(p.radiance * (pi * p.area * (p.twoSided ? 2.0f : 1.0f)))},
+                          {"flux", listOf(p.radiance * p.shapedFraction * (pi * p.area * (p.twoSided ? 2.0f : 1.0f)))},
                           {"centroid", listOf(scene.origin + DVec3(p.origin))},
                           {"mean_normal", listOf(p.area > 0 ? normal / p.area : Vec3(0))},
                           {"positions", positions},
                           {"triangles", triangles}});
+        if (!p.shaping.plain()) {
+            lights.back()["shaping"] = shapingToJson(p.shaping);
+            lights.back()["shaping"]["axis"] = listOf(p.axis);
+        }
     }
     const GaugeReport& gauge = shot.estimate.gauge;
     return {{"version", 1},
@@ -154,6 +158,11 @@ ExportedScene exportedScene(const RelitScene& relit, const Capture& capture) {
         scene.components.push_back(
             componentOf(relit, int(e), false, emitter.id, emitter.name, emitter.surface.centroid));
         scene.components.back().radiance = emitter.emission.level;
+        if (const ShapedEmission* shaped = emitter.emission.shaped.get()) {
+            scene.components.back().shaping = shaped->shaping();
+            scene.components.back().axis = shaped->axis();
+            scene.components.back().shapedFraction = shaped->mean();
+        }
         scene.components.back().emits = true;
         scene.components.back().twoSided = emitter.surface.twoSided;
     }

@@ -19,7 +19,10 @@ struct ExportedComponent {
     std::vector<Rgb> albedo;          ///< diffuse
     std::vector<Vec2> texcoords;      ///< u to the right, v up; empty: its colour is `albedo` alone
     std::vector<Triangle> triangles;  ///< counter-clockwise from outside
-    Rgb radiance{0};                  ///< emitted, linear Rec.709, the same in all outward directions
+    Rgb radiance{0};                  ///< emitted, linear Rec.709; where it is shaped: the shaping's unit
+    LightShaping shaping{};           ///< of an added light
+    Vec3 axis{0, 0, -1};              ///< that the shaping counts from, unit
+    Rgb shapedFraction{1};            ///< of the power that it would have without shaping
     bool emits = false, twoSided = false;
     float area = 0;  ///< square metres
 };
@@ -39,8 +42,9 @@ struct ExportedScene {
 ExportedScene exportedScene(const RelitScene& relit, const Capture& capture);
 
 /// USD as text: a Mesh with MeshLightAPI and an emissive UsdPreviewSurface per emitter, a DomeLight over
-/// `environmentFile`, a Camera per view, the rest of the mesh with its albedo as displayColor, or as a UsdUVTexture of
-/// `textureFile` (linear). Z up, metres. Prims are called after their emitters, channel-safe; ids stand in relamp:id.
+/// `environmentFile`, a Camera per view, ShapingAPI where a light has a cone, focus or photometric file, the rest of
+/// the mesh with its albedo as displayColor, or as a UsdUVTexture of `textureFile` (linear). Z up, metres. Prims are
+/// called after their emitters, channel-safe; ids stand in relamp:id.
 std::string usdaOf(const ExportedScene& scene, const std::string& environmentFile,
                    const std::string& textureFile = "albedo.exr");
 

@@ -43,10 +43,32 @@ std::string matrix(const DMat4& m) {
     return out + " )";
 }
 
-std::string meshOf(const ExportedComponent& p, const DVec3& origin, const std::string& name) {
+/// UsdLux ShapingAPI: cone, focus and photometric file; images have no place in it.
+std::string shapingOf(const LightShaping& shaping) {
+    std::string s = fmt::format(
+        "        float inputs:shaping:cone:angle = {}\n        float inputs:shaping:cone:softness = {}\n"
+        "        float inputs:shaping:focus = {}\n",
+        shaping.coneDegrees, shaping.coneSoftness, shaping.focus);
+    std::string file = std::filesystem::absolute(shaping.iesFile).generic_string();
+    std::erase_if(file, [](char c) { return c == '@' || static_cast<unsigned char>(c) < 32; });
+    if (!shaping.iesFile.empty())
+        s += "        asset inputs:shaping:ies:file = @" + file + "@\n        bool inputs:shaping:ies:normalize = 0\n";
+    return s;
+}
+
+/// With its positions in axes of its own: a shaped light's axis has to be -Z there.
+ExportedComponent turned(ExportedComponent component, const Mat3& axes) {
+    for (Vec3& v : component.positions) v = v * axes;
+    return component;
+}
+
+std::string meshOf(const ExportedComponent& given, const DVec3& origin, const std::string& name) {
+    const bool shaped = !given.shaping.plain();
+    const Mat3 turn = shaped ? frameAround(-given.axis) : Mat3(1);
+    const ExportedComponent p = shaped ? turned(given, turn) : given;
     std::string s =
-        fmt::format("    def Mesh \"{}\" (\n        prepend apiSchemas = [{}\"MaterialBindingAPI\"]\n    )\n    {{\n",
-                    name, p.emits ? "\"MeshLightAPI\", " : "");
+        fmt::format("    def Mesh \"{}\" (\n        prepend apiSchemas = [{}{}\"MaterialBindingAPI\"]\n    )\n    {{\n",
+                    name, p.emits ? "\"MeshLightAPI\", " : "", shaped ? "\"ShapingAPI\", " : "");
     s += fmt::format(
         "        string relamp:id = {}\n        uniform token subdivisionScheme = \"none\"\n        uniform bool "
         "doubleSided = {}\n",
@@ -56,9 +78,16 @@ std::string meshOf(const ExportedComponent& p, const DVec3& origin, const std::s
          "\n";
     s += "        int[] faceVertexIndices = " +
          list(p.triangles, [](const Triangle& t) { return fmt::format("{}, {}, {}", t[0], t[1], t[2]); }) + "\n";
-    s += fmt::format(
-        "        double3 xformOp:translate = {}\n        uniform token[] xformOpOrder = [\"xformOp:translate\"]\n",
-        origin == DVec3(0) ? tuple(p.origin) : wideTuple(origin + DVec3(p.origin)));
+    if (shaped) {
+        DMat4 place{glm::dmat3(turn)};
+        place[3] = glm::dvec4(origin + DVec3(p.origin), 1);
+        s += "        matrix4d xformOp:transform = " + matrix(place) +
+             "\n        uniform token[] xformOpOrder = [\"xformOp:transform\"]\n" + shapingOf(p.shaping);
+    } else {
+        s += fmt::format(
+            "        double3 xformOp:translate = {}\n        uniform token[] xformOpOrder = [\"xformOp:translate\"]\n",
+            origin == DVec3(0) ? tuple(p.origin) : wideTuple(origin + DVec3(p.origin)));
+    }
     if (p.emits) {
         const float intensity = maxChannel(p.radiance) > 0 ? maxChannel(p.radiance) : 0.0f;
         s += fmt::format(

@@ -220,6 +220,11 @@ Json shotDocument(const Shot& shot, const fs::path& folder) {
     document["look"] = lookToJson(shot.look, shot.capture.origin);
     if (shot.look.environment.source == EnvironmentLook::Source::file)
         document["look"]["environment"]["file"] = fromHere(shot.look.environment.file);
+    for (size_t i = 0; i < shot.look.added.size(); ++i)
+        if (auto shaping = document["look"]["added_emitters"][i].find("shaping");
+            shaping != document["look"]["added_emitters"][i].end())
+            for (const char* key : {"ies_file", "gobo_file", "surface_file"})
+                if (shaping->contains(key)) (*shaping)[key] = fromHere((*shaping)[key].get<std::string>());
     document["seed"] = shot.seed;
     document["capture_fix"] = fixToJson(shot.fix, shot.captureFolder);
     return document;

@@ -7,6 +7,7 @@
 #include "fuzz/target.h"
 #include "image/environment_map.h"
 #include "image/image_io.h"
+#include "relight/ies_profile.h"
 #include "scene/mesh_io.h"
 
 namespace relamp::fuzz {
@@ -31,6 +32,14 @@ void mesh(std::string_view bytes) {
 const Target ply("mesh-ply", mesh<0>), obj("mesh-obj", mesh<1>), off("mesh-off", mesh<2>), stl("mesh-stl", mesh<3>),
     om("mesh-om", mesh<4>);
 const Target vertexPly("vertex-ply", [](std::string_view bytes) { readVertexPly(fileWith("vertices.ply", bytes)); });
+
+const Target ies("ies", [](std::string_view bytes) {
+    const IesProfile profile = iesFromText(std::string(bytes));
+    for (const Vec3& d : {Vec3(0, 0, -1), Vec3(0, 0, 1), Vec3(1, 0, 0), Vec3(-0.6f, 0, -0.8f), Vec3(0, -0.8f, 0.6f)})
+        if (const float value = profile.at(d); !(value >= 0 && value <= 1.0001f))
+            throw std::logic_error("an intensity that is no fraction of the largest");
+    if (!std::isfinite(profile.lumens())) throw std::logic_error("light that is no number");
+});
 
 /// cameras, images and points3D, one after the other.
 void colmap(std::string_view bytes, const char* ending) {

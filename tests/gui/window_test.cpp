@@ -13,7 +13,7 @@ namespace {
 using test::Desktop;
 using Json = nlohmann::json;
 
-constexpr int width = 1280, height = 1000;
+constexpr int width = 1280, height = 800;
 
 std::string demo() { return std::string(RELAMP_SOURCE_DIR) + "/assets/captures/desk-lamp"; }
 

@@ -20,6 +20,29 @@ const AddedEmitter* addedOf(const Editor& editor, const EmitterState& emitter) {
     return &editor.look().added[size_t(emitter.index)];
 }
 
+/// The fraction of its light that a light's shaping leaves. The last ones are kept, because panels ask at every frame.
+Rgb shapedFraction(const AddedEmitter& added) {
+    const EmitterShapeInfo& info = infoOf(added.shape);
+    if (added.shaping.plain() || !info.own()) return Rgb(1);
+    struct Known {
+        LightShaping shaping;
+        bool flat;
+        Rgb fraction;
+    };
+    static std::vector<Known> known;
+    for (const Known& k : known)
+        if (k.shaping == added.shaping && k.flat == info.flat) return k.fraction;
+    if (known.size() > 16) known.clear();
+    Rgb fraction(1);
+    try {
+        fraction = ShapedEmission(added.shaping, Mat4(1), added.size, info.flat).mean();
+    } catch (const Error&) {
+        // A file that is gone: the viewport says so.
+    }
+    known.push_back({added.shaping, info.flat, fraction});
+    return fraction;
+}
+
 std::string describe(const Editor& editor, const char* verb, const std::vector<std::string>& ids) {
     return fmt::format("{} {}", verb, editor.namesOf(ids));
 }
@@ -99,7 +122,9 @@ float areaOf(const Editor& editor, const EmitterState& emitter) {
 }
 
 float powerOf(const Editor& editor, const EmitterState& emitter) {
-    return emitter.enabled ? pi * luminance(emitter.radiance) * areaOf(editor, emitter) : 0;
+    if (!emitter.enabled) return 0;
+    const AddedEmitter* added = addedOf(editor, emitter);
+    return pi * luminance(emitter.radiance * (added ? shapedFraction(*added) : Rgb(1))) * areaOf(editor, emitter);
 }
 
 void stopsControl(Editor& editor, const EmitterState& emitter, const char* id) {
@@ -285,7 +310,10 @@ AddedEmitter newEmitter(const Editor& editor, EmitterShape shape) {
         }
         strongest = Rgb((mean > 0 ? mean : 0.1f) * 4 * pi * distance * distance / (size * size));
     }
-    added.radiance = strongest;
+    const Vec2 fresh = infoOf(shape).freshSize;
+    added.radiance = strongest / (fresh.x * fresh.y);
+    added.shaping.coneDegrees = infoOf(shape).freshCone;
+    if (added.shaping.coneDegrees < 180) added.shaping.coneSoftness = 0.15f;
     return added;
 }
 

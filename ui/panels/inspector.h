@@ -5,6 +5,8 @@
 namespace relamp::ui {
 
 void inspectEmitter(Editor& editor, const EmitterState& emitter);
+/// Its section "Beam"; nothing for a light without a shape of its own.
+void inspectBeam(Editor& editor, const EmitterState& emitter);
 void inspectPoint(Editor& editor, const PickedPoint& point);
 void inspectView(Editor& editor, int view);
 void inspectScene(Editor& editor);

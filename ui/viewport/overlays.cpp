@@ -55,6 +55,33 @@ void labelAt(const Canvas& canvas, const Vec2& at, const std::string& text, cons
                          text.c_str(), nullptr, wrap);
 }
 
+namespace {
+
+/// The edge of a shaped light's cone, as long as it is 120 points on the screen.
+void drawCone(const Canvas& canvas, const EmitterState& emitter, ImU32 colour) {
+    const auto& added = canvas.editor->look().added;
+    if (emitter.recovered || size_t(emitter.index) >= added.size()) return;
+    const float cone = added[size_t(emitter.index)].shaping.coneDegrees;
+    if (cone > 85) return;
+    const float length = canvas.eye->metresPerPoint(emitter.pivot) * 120 * canvas.scale,
+                wide = length * std::tan(cone * (pi / 180));
+    constexpr int around = 32;
+    Vec2 a, b;
+    for (int i = 0; i < around; ++i) {
+        const auto rim = [&](int k) {
+            const float angle = 2 * pi * float(k) / around;
+            return emitter.pivot + length * emitter.axes[2] +
+                   wide * (std::cos(angle) * emitter.axes[0] + std::sin(angle) * emitter.axes[1]);
+        };
+        if (canvas.eye->segmentToScreen(rim(i), rim(i + 1), a, b))
+            canvas.list->AddLine(toIm(a), toIm(b), colour, 1.2f * canvas.scale);
+        if (i % (around / 4) == 0 && canvas.eye->segmentToScreen(emitter.pivot, rim(i), a, b))
+            canvas.list->AddLine(toIm(a), toIm(b), colour, 1.2f * canvas.scale);
+    }
+}
+
+}  // namespace
+
 void drawEmitterMarks(const Canvas& canvas, const std::string& hovered) {
     const float s = canvas.scale;
     const std::vector<std::string>& solo = canvas.editor->state.viewport.solo;
@@ -70,6 +97,7 @@ void drawEmitterMarks(const Canvas& canvas, const std::string& hovered) {
                                                      : IM_COL32(205, 205, 205, 235);
         const float r = markRadius * 0.62f * s;
         // Where it faces; parts that shine to all sides have no arrow of meaning and get one only when selected.
+        if (selected) drawCone(canvas, emitter, stroke);
         if (selected || hovered == emitter.id) {
             const float length = canvas.eye->metresPerPoint(emitter.pivot) * 46 * s;
             Vec2 a, b;

@@ -58,7 +58,8 @@ void LiveScene::State::makeFrame() {
     out->formFactor.resize(emitters);
     for (size_t e = 0; e < emitters; ++e) {
         out->formFactor[e].resize(near[e].factor.size());
-        for (size_t v = 0; v < near[e].factor.size(); ++v) out->formFactor[e][v] = near[e].at(v);
+        for (size_t v = 0; v < near[e].factor.size(); ++v)
+            out->formFactor[e][v] = near[e].shape.empty() ? near[e].at(v) : luminance(near[e].light(v));
     }
     out->radiance.resize(n);
     out->distantMatte.resize(n);
@@ -68,12 +69,13 @@ void LiveScene::State::makeFrame() {
         if (vertices.kind[v] == LiveVertices::emitting || !vertices.lit(v)) return;
         out->distantMatte[v] = gain * distantMatte[v];
         direct[v] = out->distantMatte[v];
-        for (size_t e = 0; e < emitters; ++e) direct[v] += near[e].at(v) * geometry.emitters[e].emission.level;
+        for (size_t e = 0; e < emitters; ++e) direct[v] += near[e].light(v) * geometry.emitters[e].emission.level;
     });
     if (bouncing) followBounces(direct);
     parallelFor(n, 2048, [&](size_t v) {
         if (vertices.kind[v] == LiveVertices::emitting) {
-            out->radiance[v] = geometry.emitters[size_t(geometry.parts[vertices.part[v]].emitter)].emission.level;
+            const int e = geometry.parts[vertices.part[v]].emitter;
+            out->radiance[v] = geometry.emitters[size_t(e)].emission.shown(vertices.mesh->normals[v]);
             return;
         }
         if (!vertices.lit(v)) return;

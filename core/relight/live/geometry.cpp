@@ -109,6 +109,8 @@ void LiveScene::State::takeGeometry(const Look& next, EditedGeometry edited, Par
             out.radius = edited.emitters[e].surface.radius;
         }
         out.added = edited.addedFactor[e];
+        out.shaped = edited.emitters[e].emission.shaped;
+        out.shape.resize(out.shaped ? now.count() : 0, Rgb(0));
         out.factor.resize(now.count(), 0);
         out.open.resize(now.count(), 0);
         out.level.resize(now.count(), 0);

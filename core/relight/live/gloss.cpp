@@ -170,6 +170,7 @@ Rgb LiveGloss::nearLight(const GlossInputs& in, const Surface& s, const NearEmit
         Rgb reflectance(0);
         for (const LobeWeight& l : s.lobes) reflectance += l.weight * evaluateLobe(basis[l.lobe], light, s.eye);
         value[pending] = reflectance * (pi * p.factor);
+        if (e.shaped) value[pending] *= e.shaped->factor(-to / distance, target);
         // A branch's centre lies inside a curved emitter: stop well before it.
         const float inside = p.begin != p.end ? std::sqrt(p.area) : 0.0f;
         rays[pending++] = {origin, to / distance, 0, std::max(0.0f, distance * (1 - 1e-4f) - back - inside)};

@@ -61,7 +61,8 @@ struct LiveFrame {
     std::vector<Rgb> emitterRadiance;                           ///< 0 when off
     std::vector<Rgb> radiance;  ///< per vertex towards the eye; an emitter's own radiance on its surface
     std::vector<std::vector<float>>
-        formFactor;  ///< per emitter, per vertex: with shadows, times radiance it is what a white matte surface shows
+        formFactor;  ///< per emitter, per vertex: with shadows, times radiance it is what a white matte surface shows;
+                     ///< of a shaping with colours their luminance
     std::vector<Rgb> distantMatte;                ///< per vertex: what a white matte surface shows of the environment
     std::shared_ptr<const DistantLight> distant;  ///< the environment in use, for the backdrop
     bool refined = false;                         ///< nothing left to improve

@@ -20,8 +20,16 @@ void sampleVertex(NearEmitter& e, const LiveVertices& vertices, const LiveOcclud
     const Vec3 point = vertices.mesh->positions[v], to = e.centre - point;
     const bool close = level < 3 && glm::dot(to, to) < nearRadii * nearRadii * e.radius * e.radius;
     e.factor[v] = nearFactor(e, occluders, point, vertices.mesh->normals[v], level == 1 ? coarseCut : fineCut,
-                             samplesOfLevel[level] * (close ? 2 : 1), seedOf(seed, v, e), e.open[v], groundClear);
+                             samplesOfLevel[level] * (close ? 2 : 1), seedOf(seed, v, e), e.open[v], groundClear,
+                             e.shape.empty() ? nullptr : &e.shape[v]);
     e.level[v] = uint8_t(level);
+}
+
+Rgb shapeOf(const NearEmitter& e, const Vec3& point, const EmitterComponents& cut) {
+    Rgb sum(0);
+    for (const EmitterComponents::Piece& p : cut.components)
+        sum += p.factor * e.shaped->factor(glm::normalize(point - p.centre), p.centre);
+    return sum / cut.open;
 }
 
 bool partlySeen(const NearEmitter& e, size_t v) {
@@ -45,14 +53,19 @@ bool atEdge(const NearEmitter& e, const LiveVertices& vertices, const VertexGrap
 }  // namespace
 
 float nearFactor(const NearEmitter& e, const LiveOccluders& occluders, const Vec3& point, const Vec3& normal,
-                 const CutTolerance& tolerance, int count, uint64_t seed, float& open, bool groundClear) {
+                 const CutTolerance& tolerance, int count, uint64_t seed, float& open, bool groundClear, Rgb* shape) {
     open = 0;
+    if (shape) *shape = Rgb(0);
     if (glm::dot(e.centre - point, normal) < -e.radius) return 0;
     thread_local EmitterComponents cut;
     thread_local std::vector<float> cumulative;
     e.tree.cut(point, normal, tolerance, cut);
     open = cut.open;
     if (!(open > 0)) return 0;
+    if (shape && e.shaped) {
+        *shape = shapeOf(e, point, cut);
+        if (!(maxChannel(*shape) > 0)) return open;
+    }
     // Parts that can stand between; its own hides nothing of a convex emitter.
     const Vec3 toCentre = e.centre - point;
     const float distance = glm::length(toCentre),

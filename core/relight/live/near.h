@@ -3,6 +3,7 @@
 #pragma once
 #include <functional>
 
+#include "relight/emission_profile.h"
 #include "relight/live/emitter_tree.h"
 #include "relight/live/parts.h"
 
@@ -25,9 +26,11 @@ struct NearEmitter {
     uint32_t part = 0;
     Vec3 centre{0};
     float radius = 0;
-    std::vector<float> factor;   ///< with shadows
-    std::vector<float> open;     ///< without
-    std::vector<float> added;    ///< to the factor (EditedGeometry::addedFactor); empty: nothing
+    std::vector<float> factor;                     ///< with shadows
+    std::vector<float> open;                       ///< without
+    std::vector<float> added;                      ///< to the factor (EditedGeometry::addedFactor); empty: nothing
+    std::shared_ptr<const ShapedEmission> shaped;  ///< null: Lambertian and even
+    std::vector<Rgb> shape;      ///< what of its unshadowed light its shaping lets through; empty: all
     std::vector<uint8_t> level;  ///< 0: stale; 1 to 4: from 4, 16, 64, 256 samples
     int pass = 0;                ///< of the refinement; passes: done
     size_t next = 0;             ///< vertex at which the pass goes on
@@ -39,13 +42,17 @@ struct NearEmitter {
         next = 0;
     }
     float at(size_t v) const { return added.empty() ? factor[v] : std::max(0.0f, factor[v] + added[v]); }
+    /// Light on a white matte surface, of an emitter of level 1.
+    Rgb light(size_t v) const { return shape.empty() ? Rgb(at(v)) : at(v) * shape[v]; }
     float seen(size_t v) const { return open[v] > 0 ? factor[v] / open[v] : 1.0f; }
 };
 
 /// Form factor and its open value from `count` samples, the same pattern for the same seed. `groundClear`: the ground
-/// is known to hide nothing of it; then rays are only cast at parts, and none where no part can stand between.
+/// is known to hide nothing of it; then rays are only cast at parts, and none where no part can stand between. `shape`,
+/// of a shaped emitter: what of the open light its shaping lets through; where that is nothing no ray is cast.
 float nearFactor(const NearEmitter& emitter, const LiveOccluders& occluders, const Vec3& point, const Vec3& normal,
-                 const CutTolerance& tolerance, int count, uint64_t seed, float& open, bool groundClear = false);
+                 const CutTolerance& tolerance, int count, uint64_t seed, float& open, bool groundClear = false,
+                 Rgb* shape = nullptr);
 
 /// All stale vertices from 4 samples, or none where `groundClear` says so of a vertex (LiveMatte::groundClear). Cost:
 /// about a microsecond a vertex and emitter, a third of it without rays.

@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "base/box.h"
+#include "base/json_fields.h"
 
 namespace relamp {
 namespace {
@@ -34,7 +37,10 @@ std::string keyOf(const EditedGeometry& geometry, const EditedPart& part, const 
     if (part.emitter < 0) return fmt::format("component {}", part.component);
     if (size_t(part.emitter) < recovered) return fmt::format("emitter {}", geometry.emitters[size_t(part.emitter)].id);
     const AddedEmitter& a = look.added[size_t(part.emitter) - recovered];
-    return fmt::format("added {} {} {} {} {}", int(a.shape), a.size.x, a.size.y, a.seedVertex, a.source);
+    std::string key = fmt::format("added {} {} {} {} {}", int(a.shape), a.size.x, a.size.y, a.seedVertex, a.source);
+    // Its light is another one, too: whatever shapes it counts as its geometry.
+    if (!a.shaping.plain()) key += dumpJson(shapingToJson(a.shaping));
+    return key;
 }
 
 bool nearRay(const Ray& ray, const Vec3& centre, float radius) {

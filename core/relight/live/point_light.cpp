@@ -24,7 +24,7 @@ PointLight LiveScene::lightAt(uint32_t triangle, const Vec2& barycentric) const 
         out.fromEnvironment +=
             fraction[k] * s.gain * (albedo * s.distantMatte[v] + (s.gloss.empty() ? Rgb(0) : s.gloss.distant()[v]));
         for (size_t e = 0; e < s.near.size(); ++e) {
-            Rgb transport = albedo * s.near[e].at(v);
+            Rgb transport = albedo * s.near[e].light(v);
             if (!s.gloss.empty()) transport += s.gloss.near(e)[v] * (s.gloss.shadowed(e, v) ? 1.0f : s.near[e].seen(v));
             out.fromEmitter[e] += fraction[k] * transport * s.geometry.emitters[e].emission.level;
         }
@@ -78,7 +78,7 @@ PointLight LiveScene::lightAt(uint32_t triangle, const Vec2& barycentric) const 
         if (!(seen > 0) || cosine < 1e-3f) continue;
         Rgb& place = out.incident[size_t(out.grid.cellOf(toward))];
         const float fraction2 = std::min(1.0f, seen * pi / (cosine * out.grid.cellSolidAngle()));
-        place = glm::max(place, fraction2 * s.geometry.emitters[e].emission.level);
+        place = glm::max(place, fraction2 * s.geometry.emitters[e].emission.radiance(-toward, emitter.centre));
     }
     return out;
 }
