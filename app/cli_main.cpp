@@ -90,6 +90,7 @@ int run(const relamp::cli::CommandLine& line, relamp::Progress& progress) {
         case cli::Verb::solve: return cli::solve(line.solve, progress);
         case cli::Verb::render: return cli::render(line.render, progress);
         case cli::Verb::exportShot: return cli::exportShot(line.exported, progress);
+        case cli::Verb::paint: return cli::paint(line.paint, progress);
         case cli::Verb::compare: return cli::compare(line.compare, progress);
         case cli::Verb::mergeHdr: return cli::mergeHdr(line.merge, progress);
         case cli::Verb::report: return cli::report(line.report, progress);

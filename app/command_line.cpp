@@ -195,6 +195,32 @@ CLI::App* addExport(CLI::App& app, CommandLine& line) {
     return verb;
 }
 
+CLI::App* addPaint(CLI::App& app, CommandLine& line) {
+    CLI::App* verb = app.add_subcommand("paint", "Powers and colours of lights from an image of what they shall do");
+    verb->add_option("shot", line.paint.shot, "Shot folder")->required();
+    verb->add_option("--target", line.paint.target,
+                     "Image of the wanted radiance (EXR, linear); where it is transparent anything may be")
+        ->required();
+    verb->add_option("--mask", line.paint.mask, "Image of how much each pixel counts: white all, black nothing");
+    verb->add_option("--camera", line.paint.camera, "The target's camera: a view's number or a camera file")
+        ->capture_default_str();
+    verb->add_option("--edits", line.paint.edits,
+                     "Edits document (JSON) to start from in place of the shot's own look");
+    verb->add_option("--lights", line.paint.lights, "Ids or names of the lights that may change; else all that shine")
+        ->delimiter(',');
+    verb->add_flag("--environment", line.paint.environment, "The environment's exposure and tint may change too");
+    verb->add_flag("--keep-colours", line.paint.keepColours, "Change powers alone");
+    verb->add_option("--keep", line.paint.keep, "How much lights stay as they are")
+        ->check(CLI::Range(1e-6, 1e3))
+        ->capture_default_str();
+    verb->add_option("-o,--output", line.paint.output, "Edits document to write; without it, standard output");
+    verb->add_option("--threads", line.paint.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
+    verb->add_option("--seed", line.paint.seed, "Seed of the sampling")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+    return verb;
+}
+
 CLI::App* addCompare(CLI::App& app, CommandLine& line) {
     CLI::App* verb =
         app.add_subcommand("compare", "Near-field against distant-only: figures and images in one HTML page");
@@ -294,12 +320,12 @@ std::optional<CommandLine> parseCommandLine(int argc, char** argv, int& exitCode
     app.add_flag("--quiet", line.quiet, "No log lines");
     app.fallthrough();
     const std::pair<CLI::App*, Verb> verbs[] = {
-        {addEdit(app, line), Verb::edit},       {addCheck(app, line), Verb::check},
-        {addPlan(app, line), Verb::plan},       {addSolve(app, line), Verb::solve},
-        {addRender(app, line), Verb::render},   {addExport(app, line), Verb::exportShot},
-        {addCompare(app, line), Verb::compare}, {addMerge(app, line), Verb::mergeHdr},
-        {addReport(app, line), Verb::report},   {addStress(app, line), Verb::stress},
-        {addInfo(app, line), Verb::info},
+        {addEdit(app, line), Verb::edit},      {addCheck(app, line), Verb::check},
+        {addPlan(app, line), Verb::plan},      {addSolve(app, line), Verb::solve},
+        {addRender(app, line), Verb::render},  {addExport(app, line), Verb::exportShot},
+        {addPaint(app, line), Verb::paint},    {addCompare(app, line), Verb::compare},
+        {addMerge(app, line), Verb::mergeHdr}, {addReport(app, line), Verb::report},
+        {addStress(app, line), Verb::stress},  {addInfo(app, line), Verb::info},
     };
     try {
         app.parse(argc, argv);

@@ -8,7 +8,7 @@
 
 namespace relamp::cli {
 
-enum class Verb { edit, check, plan, solve, render, exportShot, compare, mergeHdr, report, stress, info };
+enum class Verb { edit, check, plan, solve, render, exportShot, paint, compare, mergeHdr, report, stress, info };
 
 /// The verb, and the arguments of all of them; only the verb's own are filled.
 struct CommandLine {
@@ -20,6 +20,7 @@ struct CommandLine {
     CaptureFix fix;              ///< of check and info
     SolveArguments solve;        ///< of solve and plan
     RenderArguments render;
+    PaintArguments paint;
     ExportArguments exported;
     CompareArguments compare;
     MergeArguments merge;

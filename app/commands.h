@@ -51,6 +51,16 @@ struct ExportArguments {
     bool overwrite = false;
 };
 
+struct PaintArguments {
+    fs::path shot, target, mask, output, edits;
+    std::string camera = "0";
+    std::vector<std::string> lights;  ///< ids or names; empty: all that shine
+    bool environment = false, keepColours = false;
+    float keep = 1e-3f;
+    int threads = 0;
+    uint64_t seed = 1;
+};
+
 struct CompareArguments {
     fs::path capture, output;
     CaptureFix fix;
@@ -78,6 +88,7 @@ PipelineOptions pipelineOptions(const SolveArguments& arguments);
 int solve(const SolveArguments& arguments, Progress& progress);
 int render(const RenderArguments& arguments, Progress& progress);
 int exportShot(const ExportArguments& arguments, Progress& progress);
+int paint(const PaintArguments& arguments, Progress& progress);
 int compare(const CompareArguments& arguments, Progress& progress);
 int info(const fs::path& path, const CaptureFix& fix, bool json, Progress& progress);
 int mergeHdr(const MergeArguments& arguments, Progress& progress);
