@@ -6,10 +6,10 @@
 #include "capture/own_axes.h"
 #include "commands.h"
 #include "edit/emitter_edits.h"
+#include "edit/light_brush.h"
 #include "image/image_io.h"
 #include "print_result.h"
 #include "relight/frame.h"
-#include "relight/light_goal.h"
 #include "shot/frame_jobs.h"
 #include "shot/shot_file.h"
 
@@ -99,24 +99,6 @@ LightGoal goalOf(const Image& target, const std::vector<float>& weight, const Fr
     return goal;
 }
 
-void apply(Look& look, const Shot& shot, const Scene& scene, const Chosen& chosen, const LightGoalAnswer& answer) {
-    for (size_t k = 0; k < chosen.ids.size(); ++k) {
-        const auto e = findEmitter(scene, shot.estimate, look, chosen.ids[k]);
-        if (maxChannel(answer.scale[k]) > 0)
-            setRadiance(look, shot.estimate, chosen.ids[k], e->radiance * answer.scale[k]);
-        else setEnabled(look, chosen.ids[k], false);
-    }
-    if (!chosen.environment) return;
-    const Rgb scale = answer.scale.back();
-    const float level = luminance(scale);
-    if (!(level > 0)) {
-        look.environment.source = EnvironmentLook::Source::none;
-        return;
-    }
-    look.environment.exposureStops += std::log2(level);
-    look.environment.tint *= scale / level;
-}
-
 }  // namespace
 
 int paint(const PaintArguments& a, Progress& progress) {
@@ -149,7 +131,7 @@ int paint(const PaintArguments& a, Progress& progress) {
     how.keep = a.keep;
     const LightGoalAnswer answer = reachGoal(goal, how);
     look = shining;
-    apply(look, shot, scene, chosen, answer);
+    scaleLights(look, shot.estimate, chosen.ids, chosen.environment, answer.scale);
 
     for (size_t k = 0; k < answer.scale.size(); ++k) {
         const Rgb s = answer.scale[k];

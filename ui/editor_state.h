@@ -12,6 +12,7 @@
 
 #include "base/log.h"
 #include "capture/check.h"
+#include "edit/light_brush.h"
 #include "radiance/samples.h"
 #include "relight/live/live_scene.h"
 #include "scene/scene.h"
@@ -54,7 +55,13 @@ struct Selection {
     std::string active() const { return emitters.empty() ? std::string() : emitters.back(); }
 };
 
-enum class Tool { select, move, rotate, scale };
+enum class Tool { select, move, rotate, scale, paint };
+/// The brush of Tool::paint.
+struct LightBrushState {
+    LightBrush brush;
+    float radius = 36;         ///< points at scale 1
+    bool environment = false;  ///< it may change too
+};
 /// What a click in the viewport means once: armed by a button of the inspector, Esc disarms.
 enum class ClickTask { none, aim, reflect, illuminate, attach, newPart };
 
@@ -74,6 +81,7 @@ struct ViewportState {
     int compareWith = -1;                             ///< before: as recovered, else the snapshot of this number
     bool overlays = true;                             ///< marks, grid, cameras, legend and axes over the image
     Tool tool = Tool::select;
+    LightBrushState brush;
     bool localAxes = false;
     ClickTask clickTask = ClickTask::none;
     std::set<uint32_t> hiddenComponents;  ///< components of the mesh the user has hidden

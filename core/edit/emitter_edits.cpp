@@ -163,6 +163,17 @@ std::optional<EmitterState> findEmitter(const Scene& scene, const Estimate& esti
     return std::nullopt;
 }
 
+std::optional<Rgb> radianceOf(const Look& look, const Estimate& estimate, const std::string& id) {
+    for (const AddedEmitter& e : look.added)
+        if (e.id == id) return e.radiance;
+    const int c = clusterIndex(estimate, id);
+    if (c < 0) return std::nullopt;
+    Rgb radiance = estimate.lighting.emitterRadiance[size_t(c)];
+    for (const EmitterLook& e : look.emitters)
+        if (e.id == id) radiance *= e.powerScale;
+    return radiance;
+}
+
 void setEnabled(Look& look, const std::string& id, bool enabled) {
     if (AddedEmitter* added = addedLook(look, id)) added->enabled = enabled;
     else recoveredLook(look, id, true)->enabled = enabled;

@@ -34,6 +34,8 @@ std::vector<EmitterState> emittersOf(const Scene& scene, const Estimate& estimat
 std::optional<EmitterState> findEmitter(const Scene& scene, const Estimate& estimate, const Look& look,
                                         const std::string& id);
 
+/// What a light sends when it is on; nothing for an id that is unknown.
+std::optional<Rgb> radianceOf(const Look& look, const Estimate& estimate, const std::string& id);
 void setEnabled(Look& look, const std::string& id, bool enabled);
 /// Radiance it is to send, image units.
 void setRadiance(Look& look, const Estimate& estimate, const std::string& id, const Rgb& radiance);

@@ -1,5 +1,5 @@
-// Lights from what they shall do (Schoeneman et al. 1993): an artist says how bright some points are to be, and powers
-// and colours of chosen lights are solved for. The transport is known, so this is a small linear problem.
+// Lights from what they shall do (docs/method.md 7, [Schoeneman93]): an artist says how bright some points are to be,
+// and powers and colours of chosen lights are solved for. The transport is known, so this is a small linear problem.
 #pragma once
 #include <vector>
 

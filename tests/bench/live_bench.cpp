@@ -10,6 +10,7 @@
 #include <functional>
 
 #include "base/parallel.h"
+#include "edit/light_brush.h"
 #include "image/image_io.h"
 #include "relight/live/live_scene.h"
 #include "shot/shot_file.h"
@@ -159,6 +160,13 @@ int main(int argc, char** argv) {
                   look.emitters[0].powerScale = Rgb(1 + 0.1f * float(i));
                   answer();
               }));
+        const auto shown = live->frame();
+        std::vector<PaintedVertex> painted;
+        for (uint32_t v = 0; v < n / 50; ++v) painted.push_back({v, 1});
+        PaintedLights all{{}, true};
+        for (size_t e = 0; e < shown->formFactor.size(); ++e) all.emitters.push_back(e);
+        print("stroke of light",
+              medianCost(9, [&](int) { reachGoal(brushedGoal(*shown, *estimate, look, painted, {}, all), {false}); }));
         double setLook = 0;
         const Cost drag = medianCost(9, [&](int i) {
             look.emitters[0].matrix[3] = Vec4(0.01f * scene->diagonal * float(i + 1), 0, 0, 1);

@@ -161,6 +161,18 @@ void addNew(const Adder& add) {
          hasEstimate,
          {},
          false});
+    add({"light.paint",
+         "Paint with light",
+         "Stroke over the image what is to be brighter, darker or of another colour; the lights change to make it so.",
+         "Light",
+         {{'P'}},
+         [](Editor& e) {
+             Tool& tool = e.state.viewport.tool;
+             tool = tool == Tool::paint ? Tool::select : Tool::paint;
+         },
+         hasEstimate,
+         [](const Editor& e) { return e.state.viewport.tool == Tool::paint; },
+         false});
     add({"light.aim",
          "Aim at a point",
          "Click a point and the selected light turns towards it.",

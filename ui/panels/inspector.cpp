@@ -2,6 +2,7 @@
 
 #include "panels/images.h"
 #include "panels/panels.h"
+#include "viewport/light_stroke.h"
 #include "widgets.h"
 
 namespace relamp::ui {
@@ -113,6 +114,8 @@ void inspectScene(Editor& editor) {
 }
 
 void drawInspectorPanel(Editor& editor) {
+    if (editor.state.viewport.tool == Tool::paint && section("Paint with light", "Lights that do what is painted"))
+        inspectLightBrush(editor);
     const Selection selection = editor.state.selection;
     const EmitterState* found = selection.emitters.empty() ? nullptr : editor.emitter(selection.active());
     const bool point = !found && selection.point.has_value();

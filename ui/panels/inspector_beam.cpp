@@ -55,6 +55,7 @@ void shapingNumber(Editor& editor, const EmitterState& emitter, const char* id, 
 void fileRow(Editor& editor, const EmitterState& emitter, const LightShaping& shaping, const ShapingRow& row) {
     const std::filesystem::path& file = shaping.*row.file;
     ImGui::PushID(row.label);
+    ImGui::AlignTextToFramePadding();
     dimText(row.label);
     tooltip(row.explanation);
     ImGui::SameLine(em(6.2f));

@@ -18,9 +18,15 @@ GizmoKind kindOf(Tool tool) {
 
 }  // namespace
 
+bool Interaction::painting(const Editor& editor) {
+    return editor.state.viewport.tool == Tool::paint && editor.state.viewport.clickTask == ClickTask::none &&
+           editor.estimate() && editor.liveFrame();
+}
+
 std::optional<std::pair<GizmoKind, GizmoFrame>> Interaction::gizmo(const Editor& editor, const Canvas& canvas) const {
     const ViewportState& viewport = editor.state.viewport;
-    if (viewport.tool == Tool::select || viewport.clickTask != ClickTask::none) return std::nullopt;
+    if (viewport.tool == Tool::select || viewport.tool == Tool::paint || viewport.clickTask != ClickTask::none)
+        return std::nullopt;
     const auto pivot = transformPivot(editor);
     if (!pivot || !canvas.eye->toScreen(pivot->origin)) return std::nullopt;
     return std::pair(kindOf(viewport.tool), gizmoFrameAt(pivot->origin, viewport.localAxes ? pivot->local : Mat3(1),
@@ -109,8 +115,12 @@ void Interaction::press(Editor& editor, const Canvas& canvas, const ViewportImag
             return;
         }
     }
-    if (const int divider = dividerAt(canvas, image.strips(), mouse); divider >= 0)
+    if (const int divider = dividerAt(canvas, image.strips(), mouse); divider >= 0) {
         drag_ = Drag::divider, divider_ = divider;
+    } else if (painting(editor)) {
+        drag_ = Drag::stroke;
+        stroke_.begin(mouse);
+    }
 }
 
 void Interaction::click(Editor& editor, const Canvas& canvas, const ViewportImage& image, const Vec2& mouse) {
@@ -178,6 +188,16 @@ void Interaction::act(Editor& editor, const Canvas& canvas, const ViewportImage&
             moveDivider(canvas, divider_, mouse.x);
             if (!held) drag_ = Drag::none;
             break;
+        case Drag::stroke:
+            // Escape, or a right click, gives the stroke up.
+            if (!painting(editor) || ImGui::IsMouseClicked(ImGuiMouseButton_Right) || input().pressed == keyEscape) {
+                stroke_.abandon(), drag_ = Drag::none;
+            } else if (held) {
+                stroke_.follow(canvas, mouse);
+            } else {
+                stroke_.end(canvas, shift), drag_ = Drag::none;
+            }
+            break;
         case Drag::click:
             if (!held) {
                 if (glm::length(mouse - pressedAt_) < 5 * canvas.scale) click(editor, canvas, image, mouse);
@@ -223,6 +243,7 @@ void Interaction::draw(const Canvas& canvas, const ViewportImage& image) {
     if (overlays) drawLegend(canvas);
     if (overlays) drawAxes(canvas, hovered_ ? mouse : Vec2(-1e6f));
     drawFrustumName(canvas, hoveredView_);
+    if ((hovered_ || stroke_.running()) && painting(editor)) stroke_.draw(canvas, mouse);
     if (gesture_.running()) {
         labelAt(canvas, mouse + Vec2(18, 18) * canvas.scale, gesture_.readout());
         if (const auto pivot = canvas.eye->toScreen(gesture_.state().frame.origin);

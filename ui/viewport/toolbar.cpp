@@ -56,6 +56,10 @@ void drawToolIcon(ImDrawList* list, Tool tool, const ImVec2& at, float size, ImU
     } else if (tool == Tool::rotate) {
         list->PathArcTo(p(0.5f, 0.5f), 0.3f * size, -0.3f, 4.6f, 24), list->PathStroke(colour, 0, w);
         list->AddTriangleFilled(p(0.46f, 0.08f), p(0.46f, 0.34f), p(0.66f, 0.2f), colour);
+    } else if (tool == Tool::paint) {
+        list->AddLine(p(0.82f, 0.18f), p(0.46f, 0.54f), colour, 1.6f * w);
+        const ImVec2 tip[] = {p(0.5f, 0.62f), p(0.38f, 0.5f), p(0.24f, 0.62f), p(0.18f, 0.82f), p(0.38f, 0.78f)};
+        list->AddConvexPolyFilled(tip, 5, colour);
     } else {
         list->AddRect(p(0.18f, 0.48f), p(0.52f, 0.82f), colour, 0, 0, w);
         list->AddLine(p(0.5f, 0.5f), p(0.72f, 0.28f), colour, w);
@@ -139,7 +143,10 @@ void addTools(Editor& editor, std::vector<Item>& items) {
         {Tool::move, "##move", "Move",
          "Move: handles on the selected light. The key G moves it at once; then X, Y, Z lock an axis."},
         {Tool::rotate, "##rotate", "Rotate", "Rotate: handles on the selected light. The key R rotates it at once."},
-        {Tool::scale, "##scale", "Scale", "Scale: handles on the selected light. The key S scales it at once."}};
+        {Tool::scale, "##scale", "Scale", "Scale: handles on the selected light. The key S scales it at once."},
+        {Tool::paint, "##paint", "Paint with light",
+         "Paint with light (P): stroke over the image what is to be brighter, darker or of another colour. The lights "
+         "change to make it so. Settings are in the inspector."}};
     const float side = ImGui::GetFrameHeight();
     for (const ToolRow& row : tools)
         items.push_back({90, side, &row == tools,
