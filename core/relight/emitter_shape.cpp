@@ -65,6 +65,8 @@ const EmitterShapeInfo shapes[] = {
      Geometry::own, 1, false, Vec2(1), 180, sphereMesh, sphereArea},
     {Shape::spot, "spot", "Spot", "A small round light whose beam is a cone", "Add spot light", "spot", Geometry::own,
      1, true, Vec2(0.3f), 30, diskMesh, diskArea},
+    {Shape::sun, "sun", "Sun", "Parallel light from far away, with sharp shadows", "Add sun", "sun", Geometry::own, 1,
+     true, Vec2(0.53f), 180, diskMesh, diskArea, true},
     {Shape::part, "part", "Part of the scene...", "Then click the part that shall shine", "Add light from a part",
      "mesh", Geometry::component},
     {Shape::copy, "copy", "", "", "Add copy", "copy", Geometry::emitter},
@@ -75,6 +77,11 @@ const EmitterShapeInfo shapes[] = {
 std::span<const EmitterShapeInfo> emitterShapes() { return shapes; }
 
 const EmitterShapeInfo& infoOf(EmitterShape shape) { return shapes[size_t(shape)]; }
+
+float sunRadiance(float degrees) {
+    const float sine = std::sin(degrees * (pi / 360));
+    return 1 / std::max(sine * sine, 1e-12f);
+}
 
 const EmitterShapeInfo* emitterShapeNamed(const std::string& name) {
     for (const EmitterShapeInfo& info : shapes)

@@ -8,8 +8,8 @@
 namespace relamp {
 
 /// part: the connected component of mesh that holds a seed vertex shines and moves. copy: the geometry of a recovered
-/// emitter again, shining on the same faces as that one does.
-enum class EmitterShape { rectangle, disk, sphere, spot, part, copy };
+/// emitter again, shining on the same faces as that one does. sun: parallel light along its -Z; it has no geometry.
+enum class EmitterShape { rectangle, disk, sphere, spot, sun, part, copy };
 
 struct EmitterShapeInfo {
     EmitterShape shape;
@@ -28,7 +28,11 @@ struct EmitterShapeInfo {
     Mesh (*mesh)(const Vec2& size) = nullptr;
     /// Square metres before the matrix, for own geometry.
     float (*area)(const Vec2& size) = nullptr;
+    /// Shines from far away: its size is the angle that it covers, degrees, its radiance what a white matte surface
+    /// shows that faces it, and its position means nothing.
+    bool distant = false;
     bool own() const { return geometry == Geometry::own; }
+    bool shapeable() const { return own() && !distant; }  ///< may have a LightShaping
 };
 
 /// In the order of EmitterShape. Files and exported scenes need nothing more: a shape is exported as the triangles
@@ -37,5 +41,9 @@ std::span<const EmitterShapeInfo> emitterShapes();
 const EmitterShapeInfo& infoOf(EmitterShape shape);
 /// The shape of that name in files; null: none.
 const EmitterShapeInfo* emitterShapeNamed(const std::string& name);
+
+/// Of a sun of this angle, degrees: its radiance over the light that it sends on a white matte surface facing it, which
+/// is 1 / sin^2 of half the angle.
+float sunRadiance(float degrees);
 
 }  // namespace relamp

@@ -206,7 +206,7 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
         }
         if (e.contains("radiance")) emitter.radiance = colourOf(e["radiance"], where + ".radiance");
         if (e.contains("shaping")) {
-            if (geometry != EmitterShapeInfo::Geometry::own)
+            if (!infoOf(emitter.shape).shapeable())
                 throw Error("{}.shaping: a {} has none", where, infoOf(emitter.shape).name);
             emitter.shaping = shapingFromJson(e["shaping"], where + ".shaping", folder);
         }

@@ -185,7 +185,9 @@ void PointShader::flushShadow(const ShadedPoint& s, Gather& gloss, Gather& matte
     for (int i = 0; i < count_; ++i) {
         if (blocked >> i & 1) continue;
         const Vec3 light = glm::transpose(s.frame) * rays_[i].direction;
-        const float other = lobeDensity(s, light);
+        // Samples of lobes never meet a sun.
+        const bool alone = emitter_[i] >= 0 && relit_.emitters[size_t(emitter_[i])].sunDegrees > 0;
+        const float other = alone ? 0 : lobeDensity(s, light);
         if (emitter_[i] < 0) {
             add(s, light, relit_.distant->radiance(rays_[i].direction),
                 distantDensity(rays_[i].direction, light.z) + other, gloss.world, matte.world);

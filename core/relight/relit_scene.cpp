@@ -3,6 +3,7 @@
 #include <map>
 #include <numeric>
 
+#include "base/box.h"
 #include "base/error.h"
 #include "image/environment_map.h"
 
@@ -17,6 +18,22 @@ Mesh shapeMesh(const AddedEmitter& added) {
     if (glm::determinant(Mat3(added.matrix)) < 0)
         for (Triangle& t : m.triangles) std::swap(t[1], t[2]);
     return m;
+}
+
+/// A disk that covers the sun's angle, so far away that its light is parallel over the scene.
+EmitterSurface sunSurface(const AddedEmitter& added, float degrees, const Scene& scene) {
+    const Vec3 back = glm::normalize(glm::transpose(glm::inverse(Mat3(added.matrix))) * Vec3(0, 0, 1));
+    const float distance = 1000 * scene.diagonal;
+    Mesh disk = infoOf(EmitterShape::disk).mesh(Vec2(2 * distance * std::tan(degrees * (pi / 360))));
+    const Mat3 frame = frameAround(back);
+    Box box;
+    for (const Vec3& p : scene.mesh.positions) box.grow(p);
+    const Vec3 centre = box.centre() + distance * back;
+    for (Vec3& p : disk.positions) p = centre + frame * p;
+    EmitterCluster all;
+    all.triangles.resize(disk.triangles.size());
+    std::iota(all.triangles.begin(), all.triangles.end(), 0u);
+    return emitterSurface(disk, all);
 }
 
 /// Moves the triangles of parts and doubles vertices whose triangles belong to different ones, so that nothing is
@@ -214,7 +231,9 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
         const int e = int(clusters.size() + i);
         RelitEmitter emitter{added.id, {}, {added.enabled ? added.radiance : Rgb(0)}};
         const EmitterShapeInfo& info = infoOf(added.shape);
-        if (info.own() && !added.shaping.plain())
+        if (info.distant) emitter.sunDegrees = std::clamp(added.size.x, 0.01f, 90.0f);
+        if (info.distant) emitter.emission.level *= sunRadiance(emitter.sunDegrees);
+        if (info.shapeable() && !added.shaping.plain())
             emitter.emission.shaped = withContext(fmt::format("added_emitters: {}", added.id), [&] {
                 return std::make_shared<const ShapedEmission>(added.shaping, added.matrix, added.size, info.flat);
             });
@@ -251,6 +270,12 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
     for (size_t i = 0; i < look.added.size(); ++i) {
         const AddedEmitter& added = look.added[i];
         if (infoOf(added.shape).geometry == EmitterShapeInfo::Geometry::component) continue;
+        if (infoOf(added.shape).distant) {
+            RelitEmitter& sun = out.emitters[clusters.size() + i];
+            sun.surface = sunSurface(added, sun.sunDegrees, scene);
+            out.parts.push_back({int(clusters.size() + i), EditedPart::none, added.matrix});
+            continue;
+        }
         const bool copy = !infoOf(added.shape).own();
         const Mesh shape =
             copy ? clusterMesh(scene.mesh, clusters[emitterNamed(clusters, added.source, "added_emitters")],

@@ -18,7 +18,8 @@ struct RelitEmitter {
     std::string id;
     EmitterSurface surface;
     EmissionProfile emission;
-    std::string name{};  ///< what it is called in files (emitterNames)
+    std::string name{};    ///< what it is called in files (emitterNames)
+    float sunDegrees = 0;  ///< of a sun, whose surface stands far away and is no part of the mesh: the angle it covers
 };
 
 /// Triangles that move as one. Part 0 of a geometry is what stays; its matrix is the identity.

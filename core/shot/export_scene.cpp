@@ -61,6 +61,16 @@ Json lightsJson(const Shot& shot, const ExportedScene& scene) {
     Json lights = Json::array();
     for (const ExportedComponent& p : scene.components) {
         if (!p.emits) continue;
+        if (p.sunDegrees > 0) {
+            lights.push_back({{"id", p.id},
+                              {"name", p.name},
+                              {"type", "sun"},
+                              {"direction", listOf(p.axis)},
+                              {"angle_degrees", p.sunDegrees},
+                              {"radiance", listOf(p.radiance)},
+                              {"irradiance", listOf(p.radiance * (pi / sunRadiance(p.sunDegrees)))}});
+            continue;
+        }
         Vec3 normal(0);
         for (const Triangle& t : p.triangles)
             normal += glm::cross(p.positions[t[1]] - p.positions[t[0]], p.positions[t[2]] - p.positions[t[0]]) / 2.0f;
@@ -158,6 +168,9 @@ ExportedScene exportedScene(const RelitScene& relit, const Capture& capture) {
         scene.components.push_back(
             componentOf(relit, int(e), false, emitter.id, emitter.name, emitter.surface.centroid));
         scene.components.back().radiance = emitter.emission.level;
+        scene.components.back().sunDegrees = emitter.sunDegrees;
+        if (emitter.sunDegrees > 0 && !emitter.surface.normals.empty())
+            scene.components.back().axis = emitter.surface.normals[0];
         if (const ShapedEmission* shaped = emitter.emission.shaped.get()) {
             scene.components.back().shaping = shaped->shaping();
             scene.components.back().axis = shaped->axis();

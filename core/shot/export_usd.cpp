@@ -107,6 +107,19 @@ std::string meshOf(const ExportedComponent& given, const DVec3& origin, const st
     return s + "    }\n\n";
 }
 
+/// Its intensity is the irradiance: normalised, a sun's power does not change with its angle.
+std::string sunOf(const ExportedComponent& p, const std::string& name) {
+    const Rgb irradiance = p.radiance * (pi / sunRadiance(p.sunDegrees));
+    const float intensity = std::max(maxChannel(irradiance), 0.0f);
+    return fmt::format(
+        "    def DistantLight \"{}\"\n    {{\n        string relamp:id = {}\n        float inputs:angle = {}\n"
+        "        color3f inputs:color = {}\n        float inputs:intensity = {}\n        bool inputs:normalize = 1\n"
+        "        matrix4d xformOp:transform = {}\n        uniform token[] xformOpOrder = [\"xformOp:transform\"]\n    "
+        "}}\n\n",
+        name, quoted(p.id), p.sunDegrees, tuple(intensity > 0 ? irradiance / intensity : Rgb(1)), intensity,
+        matrix(DMat4(glm::dmat3(frameAround(-p.axis)))));
+}
+
 std::string materialOf(const ExportedComponent& p, const std::string& name) {
     return fmt::format(
         "        def Material \"{0}\"\n        {{\n            token outputs:surface.connect = "
@@ -162,8 +175,12 @@ std::string usdaOf(const ExportedScene& scene, const std::string& environmentFil
                     "Xform \"relamp\"\n{\n",
                 materials;
     for (const ExportedComponent& component : scene.components) {
-        if (component.triangles.empty()) continue;
+        if (component.triangles.empty() && !(component.sunDegrees > 0)) continue;
         const std::string name = primName(component.name, taken);
+        if (component.sunDegrees > 0) {
+            s += sunOf(component, name);
+            continue;
+        }
         s += meshOf(component, scene.origin, name);
         if (component.emits) materials += materialOf(component, name);
         else if (!component.texcoords.empty()) materials += texturedMaterial(name, textureFile);

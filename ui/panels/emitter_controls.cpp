@@ -100,9 +100,18 @@ float referenceBrightness(const Editor& editor) {
     return most > 0 ? most : 1;
 }
 
+namespace {
+/// The brightness that its stops count from: what was recovered, of a sun a white surface of 1 image unit, of other
+/// added ones the strongest recovered light.
+float referenceFor(const Editor& editor, const EmitterState& emitter) {
+    if (emitter.recovered) return luminance(emitter.recoveredRadiance);
+    const AddedEmitter* added = addedOf(editor, emitter);
+    return added && infoOf(added->shape).distant ? 1 : referenceBrightness(editor);
+}
+}  // namespace
+
 float stopsOf(const Editor& editor, const EmitterState& emitter) {
-    const float reference = emitter.recovered ? luminance(emitter.recoveredRadiance) : referenceBrightness(editor),
-                now = luminance(emitter.radiance);
+    const float reference = referenceFor(editor, emitter), now = luminance(emitter.radiance);
     if (!(reference > 0) || !(now > 0)) return -20;
     return std::log2(now / reference);
 }
@@ -124,6 +133,7 @@ float areaOf(const Editor& editor, const EmitterState& emitter) {
 float powerOf(const Editor& editor, const EmitterState& emitter) {
     if (!emitter.enabled) return 0;
     const AddedEmitter* added = addedOf(editor, emitter);
+    if (added && infoOf(added->shape).distant) return pi * luminance(emitter.radiance);
     return pi * luminance(emitter.radiance * (added ? shapedFraction(*added) : Rgb(1))) * areaOf(editor, emitter);
 }
 
@@ -131,15 +141,14 @@ void stopsControl(Editor& editor, const EmitterState& emitter, const char* id) {
     const auto targets = targetsOf(editor, emitter.id);
     const std::string what = emitter.recovered
                                  ? "Exposure against what was recovered, in stops: +1 is twice as bright, -1 half."
-                                 : "Exposure against the strongest recovered light, in stops: +1 is twice as bright.";
+                                 : "Exposure against the strongest recovered light, in stops: +1 is twice as bright. "
+                                   "Of a sun against one that lights a white surface to 1.";
     dragLook(editor, id, describe(editor, "Exposure of", targets), stopsOf(editor, emitter), {0.02f, -20, 20, "%+.2f"},
              targets.size() > 1 ? what + " All selected ones change by the same factor." : what,
              [&](Look& look, float stops) {
                  const auto first = emitterAtStart(editor, emitter.id);
                  if (!first) return;
-                 const float reference =
-                                 first->recovered ? luminance(first->recoveredRadiance) : referenceBrightness(editor),
-                             before = luminance(first->radiance);
+                 const float reference = referenceFor(editor, *first), before = luminance(first->radiance);
                  const float wanted = reference * std::exp2(stops);
                  for (const std::string& target : targets)
                      if (const auto start = emitterAtStart(editor, target)) {
@@ -312,6 +321,18 @@ AddedEmitter newEmitter(const Editor& editor, EmitterShape shape) {
     }
     const Vec2 fresh = infoOf(shape).freshSize;
     added.radiance = strongest / (fresh.x * fresh.y);
+    if (infoOf(shape).distant) {
+        // Three times as much light as the environment sends, from high on the side of the camera's left.
+        float mean = 0;
+        if (const auto estimate = editor.estimate(); estimate && !estimate->environment.empty())
+            for (const Rgb& c : estimate->environment) mean += luminance(c) / float(estimate->environment.size());
+        added.radiance = Rgb(1.08f, 1, 0.88f) * (mean > 0 ? 3 * mean : 1.0f);
+        added.size = fresh;
+        const Vec3 left = glm::normalize(glm::cross(Vec3(0, 0, 1), std::abs(toEye.z) < 0.99f ? toEye : Vec3(1, 0, 0)));
+        const Vec3 place = added.matrix[3];
+        added.matrix = Mat4(frameAround(glm::normalize(toEye * 0.5f - left + Vec3(0, 0, 1.2f))));
+        added.matrix[3] = Vec4(place, 1);
+    }
     added.shaping.coneDegrees = infoOf(shape).freshCone;
     if (added.shaping.coneDegrees < 180) added.shaping.coneSoftness = 0.15f;
     return added;
@@ -412,8 +433,8 @@ void addEmitterButton(Editor& editor, float width) {
     ImGui::BeginDisabled(!editor.estimate());
     if (iconTextButton("Add light", Icon::plus,
                        editor.estimate()
-                           ? "Adds a light that was not there: a rectangle, a disk, a sphere, or an object "
-                             "of the scene that begins to shine"
+                           ? "Adds a light that was not there: a rectangle, a disk, a sphere, a spot, a sun, or an "
+                             "object of the scene that begins to shine"
                            : "Estimate first: new lights need to know the surfaces",
                        false, width))
         ImGui::OpenPopup("##add light");

@@ -21,8 +21,8 @@ std::optional<EmitterState> emitterAtStart(const Editor& editor, const std::stri
 float stopsOf(const Editor& editor, const EmitterState& emitter);
 /// Luminance of the strongest recovered emitter; 1 without one.
 float referenceBrightness(const Editor& editor);
-/// Emitted power: pi x luminance x area, less what a shaping takes, image units x square metres, with the area as the
-/// look has it.
+/// Emitted power, of a sun its irradiance: pi x luminance x area, less what a shaping takes, image units x square
+/// metres, with the area as the look has it.
 float powerOf(const Editor& editor, const EmitterState& emitter);
 /// Square metres after the look's matrix.
 float areaOf(const Editor& editor, const EmitterState& emitter);

@@ -99,7 +99,7 @@ void inspectBeam(Editor& editor, const EmitterState& emitter) {
     if (emitter.recovered || size_t(emitter.index) >= editor.look().added.size()) return;
     const AddedEmitter& added = editor.look().added[size_t(emitter.index)];
     const EmitterShapeInfo& info = infoOf(added.shape);
-    if (!info.own()) return;
+    if (!info.shapeable()) return;
     if (!section("Beam", "Where its light goes: a cone, a real luminaire's profile, patterns", !added.shaping.plain()))
         return;
     const LightShaping shaping = added.shaping;

@@ -130,21 +130,25 @@ void place(Editor& editor, const EmitterState& emitter, const std::vector<std::s
         const AddedEmitter& added = editor.look().added[size_t(emitter.index)];
         if (const int sizes = infoOf(added.shape).sizes) {
             const Vec2 before = added.size;
-            const bool two = sizes == 2;
-            dimText(two ? "Width and height (m)" : "Diameter (m)");
+            const bool two = sizes == 2, sun = infoOf(added.shape).distant;
+            dimText(sun ? "Angle (degrees)" : two ? "Width and height (m)" : "Diameter (m)");
             const float width =
                 (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemInnerSpacing.x) / (two ? 2.0f : 1.0f);
             for (int k = 0; k < (two ? 2 : 1); ++k) {
                 if (k) ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
                 ImGui::SetNextItemWidth(std::floor(width));
-                dragLook(editor, k ? "##height" : "##width", "Size of " + emitter.name, before[k],
-                         {size / 2000, 1e-4f, 1e4f, "%.3f m"},
-                         "Size of the light before Scale. Larger gives softer shadows.", [&](Look& look, float value) {
-                             Vec2 changed = before;
-                             changed[k] = std::max(value, 1e-4f);
-                             if (!two) changed = Vec2(changed[0]);
-                             setSize(look, emitter.id, changed);
-                         });
+                dragLook(
+                    editor, k ? "##height" : "##width", "Size of " + emitter.name, before[k],
+                    sun ? DragRange{0.02f, 0.05f, 45, "%.2f\u00b0"} : DragRange{size / 2000, 1e-4f, 1e4f, "%.3f m"},
+                    sun ? "How large it stands in the sky; the real one has 0.53 degrees. Larger gives softer "
+                          "shadows, the brightness stays."
+                        : "Size of the light before Scale. Larger gives softer shadows.",
+                    [&](Look& look, float value) {
+                        Vec2 changed = before;
+                        changed[k] = std::max(value, 1e-4f);
+                        if (!two) changed = Vec2(changed[0]);
+                        setSize(look, emitter.id, changed);
+                    });
             }
         }
     }
@@ -170,7 +174,8 @@ void light(Editor& editor, const EmitterState& emitter, const std::vector<std::s
     tintControl(editor, emitter, "##tint");
     triple(editor, "Radiance (red, green, blue)", "Radiance of " + editor.namesOf(targets), emitter.radiance,
            {std::max(1e-4f, maxChannel(emitter.radiance) / 300), 0, 1e9f, "%.4g"},
-           "The value of a pixel that sees the light directly, linear, in the units of the photographs.",
+           "The value of a pixel that sees the light directly, linear, in the units of the photographs; of a sun, of a "
+           "pixel that sees a white matte surface facing it.",
            [&](Look& look, int axis, float value) {
                for (const std::string& id : targets)
                    if (const auto start = emitterAtStart(editor, id)) {
@@ -179,8 +184,12 @@ void light(Editor& editor, const EmitterState& emitter, const std::vector<std::s
                        setRadiance(look, *editor.estimate(), id, changed);
                    }
            });
-    fact("Power", number(double(powerOf(editor, emitter))) + (emitter.enabled ? "" : " (off)"),
-         "All light it sends out: radiance times area, in image units times square metres");
+    const bool sun = !emitter.recovered && size_t(emitter.index) < editor.look().added.size() &&
+                     infoOf(editor.look().added[size_t(emitter.index)].shape).distant;
+    fact(sun ? "Irradiance" : "Power", number(double(powerOf(editor, emitter))) + (emitter.enabled ? "" : " (off)"),
+         sun ? "Light that falls on a square metre which faces it"
+             : "All light it sends out: radiance times area, in image units times square metres");
+    if (sun) return;
     const float area = areaOf(editor, emitter);
     fact("Area", area < 0.1f ? fmt::format("{:.3g} cm\u00b2", area * 1e4f) : fmt::format("{:.3g} m\u00b2", area),
          "Surface that shines");

@@ -140,6 +140,12 @@ std::vector<LivePart> liveParts(const EditedGeometry& geometry, const Look& look
         if (const uint32_t b = geometry.partOfTriangle[t])
             for (uint32_t v : geometry.mesh.triangles[t])
                 parts[b].radius = std::max(parts[b].radius, glm::length(geometry.mesh.positions[v] - parts[b].centre));
+    // Suns have no triangles: where their light comes from is what they cover.
+    for (LivePart& b : parts)
+        if (b.emitter >= 0 && geometry.emitters[size_t(b.emitter)].sunDegrees > 0) {
+            b.centre = geometry.emitters[size_t(b.emitter)].surface.centroid;
+            b.radius = geometry.emitters[size_t(b.emitter)].surface.radius;
+        }
     for (LivePart& b : parts) b.radius *= 1.0001f;
     return parts;
 }
