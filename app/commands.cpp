@@ -198,8 +198,8 @@ int solve(const SolveArguments& a, Progress& progress) {
     }
     keeper->remove();
     const Reproduction& reproduction = shot.estimate.reproduction;
-    logInfo("solved in {:.1f} s, {:.0f} MiB: {} emitter(s), {} distant unknowns", shot.resources.seconds,
-            shot.resources.peakMib, shot.estimate.emitters.emitters.size(), shot.estimate.lighting.leaves.size());
+    logInfo("solved in {:.1f} s, {:.0f} MiB: {}, {} distant unknowns", shot.resources.seconds, shot.resources.peakMib,
+            counted(shot.estimate.emitters.emitters.size(), "light"), shot.estimate.lighting.leaves.size());
     if (!reproduction.poor()) return 0;
     logWarning("quality gate missed: the photographs are reproduced at {:.1f} dB, {:.0f} are wanted. {}",
                reproduction.median, Reproduction::gateDb, reproduction.advice);

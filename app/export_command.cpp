@@ -1,6 +1,7 @@
 // relamp export: the scene for other programs.
 #include "base/log.h"
 #include "base/parallel.h"
+#include "base/printable.h"
 #include "capture/own_axes.h"
 #include "commands.h"
 #include "shot/export_scene.h"
@@ -18,8 +19,8 @@ int exportShot(const ExportArguments& a, Progress& progress) {
     const RelitScene relit = applyLook(scene, shot.estimate, look, progress);
     progress.check();
     exportScene(shot, relit, a.output, a.overwrite, inputs);
-    logInfo("{}: {} light(s), environment, materials and {} camera(s) written", a.output.string(),
-            relit.emitters.size(), shot.capture.views.size());
+    logInfo("{}: {}, environment, materials and {} written", a.output.string(), counted(relit.emitters.size(), "light"),
+            counted(shot.capture.views.size(), "camera"));
     return 0;
 }
 

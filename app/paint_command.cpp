@@ -1,5 +1,6 @@
 // relamp paint: powers and colours of lights from an image of what they shall do.
 #include "base/atomic_file.h"
+#include "base/is_there.h"
 #include "base/json_fields.h"
 #include "base/log.h"
 #include "base/parallel.h"
@@ -108,12 +109,17 @@ int paint(const PaintArguments& a, Progress& progress) {
     InputFiles inputs = shotFiles(shot, progress);
     for (const fs::path& file : {a.edits, a.target, a.mask}) inputs.add(file);
     for (const auto& file : filesOf(look)) inputs.add(file);
-    if (!a.output.empty()) inputs.refuse(a.output);
+    if (!a.output.empty()) {
+        inputs.refuse(a.output);
+        const fs::path folder = fs::absolute(a.output).parent_path();
+        if (!isThere(folder)) throw Error("{}: does not exist", folder.string());
+    }
     const Image target = readImage(a.target);
     const std::vector<float> weight = weightsOf(target, a.mask);
     std::vector<FrameJob> jobs;
     try {
-        jobs = frameJobs(shot.capture, a.camera, "", fmt::format("{}x{}", target.width, target.height), "frame.exr");
+        jobs =
+            frameJobs(shot.capture, a.camera, "", fmt::format("{}x{}", target.width, target.height), "frame.####.exr");
     } catch (const BadOption& error) { throw UsageError(error.what()); }
     if (jobs.size() != 1) throw UsageError("--camera: expected one view, the target's");
 

@@ -24,4 +24,9 @@ inline std::string printable(std::string_view text, bool keepLines = false) {
     return shown;
 }
 
+/// "1 light", "6 lights".
+inline std::string counted(size_t n, std::string_view noun) {
+    return std::to_string(n) + " " + std::string(noun) + (n == 1 ? "" : "s");
+}
+
 }  // namespace relamp

@@ -31,7 +31,9 @@ int clusterIndex(const Estimate& estimate, const std::string& id) {
     return -1;
 }
 
-bool nothingChanged(const EmitterLook& e) { return e.enabled && e.matrix == Mat4(1) && e.powerScale == Rgb(1); }
+bool nothingChanged(const EmitterLook& e) {
+    return e.enabled && e.shadows && e.matrix == Mat4(1) && e.powerScale == Rgb(1);
+}
 
 /// Entries that say nothing are left out, so that a reset look equals an untouched one.
 void tidy(Look& look) {
@@ -121,6 +123,7 @@ std::vector<EmitterState> emittersOf(const Scene& scene, const Estimate& estimat
         for (const EmitterLook& e : look.emitters)
             if (e.id == s.id) {
                 s.enabled = e.enabled;
+                s.shadows = e.shadows;
                 s.matrix = e.matrix;
                 s.radiance *= e.powerScale;
                 s.changed = !nothingChanged(e);
@@ -139,6 +142,7 @@ std::vector<EmitterState> emittersOf(const Scene& scene, const Estimate& estimat
         s.recovered = false;
         s.index = int(i);
         s.enabled = e.enabled;
+        s.shadows = e.shadows;
         s.matrix = e.matrix;
         s.radiance = s.recoveredRadiance = e.radiance;
         s.changed = true;
@@ -212,6 +216,12 @@ void setSize(Look& look, const std::string& id, const Vec2& size) {
     if (AddedEmitter* added = addedLook(look, id)) added->size = glm::max(size, Vec2(1e-4f));
 }
 
+void setShadows(Look& look, const std::string& id, bool shadows) {
+    if (AddedEmitter* added = addedLook(look, id)) added->shadows = shadows;
+    else recoveredLook(look, id, true)->shadows = shadows;
+    tidy(look);
+}
+
 void shapeEmitter(Look& look, const std::string& id, const std::function<void(LightShaping&)>& change) {
     if (AddedEmitter* added = addedLook(look, id)) change(added->shaping);
 }
@@ -237,6 +247,7 @@ void resetEmitter(Look& look, const std::string& id, EmitterValue value) {
     }
     if (value == EmitterValue::radiance || value == EmitterValue::all) e->powerScale = Rgb(1);
     if (value == EmitterValue::enabled || value == EmitterValue::all) e->enabled = true;
+    if (value == EmitterValue::all) e->shadows = true;
     tidy(look);
 }
 
@@ -281,6 +292,7 @@ std::string duplicateEmitter(Look& look, const Estimate& estimate, const std::st
     if (const EmitterLook* e = recoveredLook(look, id, false)) {
         copy.matrix = aside * e->matrix;
         copy.radiance *= e->powerScale;
+        copy.shadows = e->shadows;
     }
     return addEmitter(look, estimate, std::move(copy));
 }

@@ -18,7 +18,7 @@ struct EmitterState {
     std::string name;  ///< what the artist calls it, else its id
     bool recovered = true;
     int index = 0;  ///< place in the estimate's emitters (recovered) or in look.added
-    bool enabled = true;
+    bool enabled = true, shadows = true;
     Mat4 matrix{1};            ///< as in the look
     Rgb radiance{0};           ///< when enabled: what it sends now
     Rgb recoveredRadiance{0};  ///< what the solve found; for added ones the same as radiance
@@ -44,6 +44,8 @@ void moveEmitter(Look& look, const std::string& id, const Mat4& change);
 /// Width and height or diameter of an added rectangle, disk or sphere.
 void setSize(Look& look, const std::string& id, const Vec2& size);
 
+/// Whether it casts shadows.
+void setShadows(Look& look, const std::string& id, bool shadows);
 /// Changes the shaping of an added light; others have none.
 void shapeEmitter(Look& look, const std::string& id, const std::function<void(LightShaping&)>& change);
 

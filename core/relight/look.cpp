@@ -179,6 +179,7 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
         emitter.id = textOf(e, "id", where);
         if (e.contains("enabled")) emitter.enabled = flagOf(e["enabled"], where + ".enabled");
         if (e.contains("matrix")) emitter.matrix = matrixOf(e["matrix"], where + ".matrix", ActsOn::world, origin);
+        if (e.contains("shadows")) emitter.shadows = flagOf(e["shadows"], where + ".shadows");
         if (e.contains("power_scale")) emitter.powerScale = colourOf(e["power_scale"], where + ".power_scale");
         if (e.contains("name")) emitter.name = nameOf(e, where);
         look.emitters.push_back(emitter);
@@ -204,6 +205,7 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
             if (size.size() == 2) emitter.size.y = float(lengthOf(size[1], where + ".size[1]"));
             if (!(emitter.size.x > 0) || !(emitter.size.y > 0)) throw Error("{}.size: expected more than 0", where);
         }
+        if (e.contains("shadows")) emitter.shadows = flagOf(e["shadows"], where + ".shadows");
         if (e.contains("radiance")) emitter.radiance = colourOf(e["radiance"], where + ".radiance");
         if (e.contains("shaping")) {
             if (!infoOf(emitter.shape).shapeable())
@@ -251,6 +253,7 @@ Json lookToJson(const Look& look, const DVec3& origin) {
                                         {"matrix", matrixToJson(e.matrix, ActsOn::world, origin)},
                                         {"power_scale", {e.powerScale.x, e.powerScale.y, e.powerScale.z}}});
         if (!e.name.empty()) document["emitters"].back()["name"] = e.name;
+        if (!e.shadows) document["emitters"].back()["shadows"] = false;
     }
     document["added_emitters"] = Json::array();
     for (const AddedEmitter& e : look.added) {
@@ -265,6 +268,7 @@ Json lookToJson(const Look& look, const DVec3& origin) {
         }
         if (!e.shaping.plain()) added["shaping"] = shapingToJson(e.shaping);
         if (!e.enabled) added["enabled"] = false;
+        if (!e.shadows) added["shadows"] = false;
         if (!e.name.empty()) added["name"] = e.name;
         document["added_emitters"].push_back(std::move(added));
     }

@@ -25,9 +25,10 @@ struct EnvironmentLook {
 struct EmitterLook {
     std::string id;
     bool enabled = true;
-    Mat4 matrix{1};      ///< applied to the emitter's world positions
-    Rgb powerScale{1};   ///< multiplies its radiance; its power also changes with its area
-    std::string name{};  ///< what the artist calls it; empty: its id
+    Mat4 matrix{1};       ///< applied to the emitter's world positions
+    Rgb powerScale{1};    ///< multiplies its radiance; its power also changes with its area
+    std::string name{};   ///< what the artist calls it; empty: its id
+    bool shadows = true;  ///< false: its light passes through everything
     bool operator==(const EmitterLook&) const = default;
 };
 
@@ -42,6 +43,7 @@ struct AddedEmitter {
     std::string source{};     ///< copy: id of a recovered emitter
     std::string name{};       ///< what the artist calls it; empty: its id
     LightShaping shaping{};   ///< shapes of their own
+    bool shadows = true;      ///< as in EmitterLook
     bool operator==(const AddedEmitter&) const = default;
 };
 

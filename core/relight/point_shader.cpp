@@ -183,10 +183,10 @@ void PointShader::flushShadow(const ShadedPoint& s, Gather& gloss, Gather& matte
     if (!count_) return;
     const uint32_t blocked = relit_.scene.tracer->occluded8({rays_, size_t(count_)});
     for (int i = 0; i < count_; ++i) {
-        if (blocked >> i & 1) continue;
+        // Samples of lobes never meet a sun, and they end at what a light without shadows passes through.
+        const bool alone = emitter_[i] >= 0 && byAreaAlone(size_t(emitter_[i]));
+        if ((blocked >> i & 1) && (emitter_[i] < 0 || relit_.emitters[size_t(emitter_[i])].shadows)) continue;
         const Vec3 light = glm::transpose(s.frame) * rays_[i].direction;
-        // Samples of lobes never meet a sun.
-        const bool alone = emitter_[i] >= 0 && relit_.emitters[size_t(emitter_[i])].sunDegrees > 0;
         const float other = alone ? 0 : lobeDensity(s, light);
         if (emitter_[i] < 0) {
             add(s, light, relit_.distant->radiance(rays_[i].direction),
@@ -236,7 +236,7 @@ void PointShader::flushClosest(const ShadedPoint& s, Gather& gloss, Gather& matt
             }
             continue;
         }
-        if (relit_.emitters[size_t(e)].emission.dark()) continue;
+        if (relit_.emitters[size_t(e)].emission.dark() || byAreaAlone(size_t(e))) continue;
         const RelitEmitter& emitter = relit_.emitters[size_t(e)];
         const float facing = -glm::dot(relit_.scene.mesh.faceNormal(hits[i].triangle), rays_[i].direction);
         if (facing <= 1e-5f && !emitter.surface.twoSided) continue;

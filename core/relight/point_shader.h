@@ -77,6 +77,10 @@ private:
     }
     static float jitter(uint64_t seed, uint32_t n) { return unitFloat(mixBits(seed * 0x2545f491 + n)); }
 
+    /// Samples of its surface alone bring its light; those of lobes do not.
+    bool byAreaAlone(size_t emitter) const {
+        return relit_.emitters[emitter].sunDegrees > 0 || !relit_.emitters[emitter].shadows;
+    }
     /// Radiance of an emitter that `ray` meets after `distance`.
     Rgb emitted(size_t emitter, const Ray& ray, float distance) const {
         return relit_.emitters[emitter].emission.radiance(-ray.direction, ray.origin + distance * ray.direction);

@@ -191,10 +191,12 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
     EditedGeometry out;
     std::vector<Mat4> matrix(clusters.size(), Mat4(1));
     std::vector<Rgb> radiance = estimate.lighting.emitterRadiance;
+    std::vector<uint8_t> shadows(clusters.size(), 1);
     for (const EmitterLook& e : look.emitters) {
         const size_t at = emitterNamed(clusters, e.id, "emitters");
         matrix[at] = e.matrix;
         radiance[at] = e.enabled ? radiance[at] * e.powerScale : Rgb(0);
+        shadows[at] = e.shadows;
     }
     // Which part each triangle is of: its emitter's own, else that of the parts on its component of the mesh, else the
     // ground.
@@ -225,12 +227,14 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
     for (size_t e = 0; e < clusters.size(); ++e) {
         addEmitter(e, matrix[e]);
         out.emitters.push_back({clusters[e].id, emitterSurface(scene.mesh, clusters[e], matrix[e]), {radiance[e]}});
+        out.emitters.back().shadows = shadows[e];
     }
     for (size_t i = 0; i < look.added.size(); ++i) {
         const AddedEmitter& added = look.added[i];
         const int e = int(clusters.size() + i);
         RelitEmitter emitter{added.id, {}, {added.enabled ? added.radiance : Rgb(0)}};
         const EmitterShapeInfo& info = infoOf(added.shape);
+        emitter.shadows = added.shadows;
         if (info.distant) emitter.sunDegrees = std::clamp(added.size.x, 0.01f, 90.0f);
         if (info.distant) emitter.emission.level *= sunRadiance(emitter.sunDegrees);
         if (info.shapeable() && !added.shaping.plain())

@@ -19,6 +19,7 @@ struct RelitEmitter {
     EmitterSurface surface;
     EmissionProfile emission;
     std::string name{};    ///< what it is called in files (emitterNames)
+    bool shadows = true;   ///< false: its light passes through everything
     float sunDegrees = 0;  ///< of a sun, whose surface stands far away and is no part of the mesh: the angle it covers
 };
 

@@ -2,6 +2,7 @@
 
 #include "base/atomic_file.h"
 #include "base/log.h"
+#include "base/printable.h"
 #include "base/parallel.h"
 #include "capture/photograph_reader.h"
 #include "pipeline/shot_of.h"
@@ -39,8 +40,8 @@ std::filesystem::path writeComparison(const std::filesystem::path& captureFolder
         for (TimelineEntry& entry : shot.estimate.timeline) entry.seconds -= start;
         shot.resources = {progress.seconds() - start, peakMib(), availableThreads()};
         saveShot(shot, result.scene->mesh, folder / (mode.name + ".relamp"), true);
-        logInfo("{}: solved in {:.1f} s, {} emitter(s)", mode.name, shot.resources.seconds,
-                shot.estimate.emitters.emitters.size());
+        logInfo("{}: solved in {:.1f} s, {}", mode.name, shot.resources.seconds,
+                counted(shot.estimate.emitters.emitters.size(), "light"));
     }
     comparison.capture =
         std::filesystem::absolute(captureFolder / ".").lexically_normal().parent_path().filename().string();

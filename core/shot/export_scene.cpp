@@ -68,6 +68,7 @@ Json lightsJson(const Shot& shot, const ExportedScene& scene) {
                               {"direction", listOf(p.axis)},
                               {"angle_degrees", p.sunDegrees},
                               {"radiance", listOf(p.radiance)},
+                              {"shadows", p.shadows},
                               {"irradiance", listOf(p.radiance * (pi / sunRadiance(p.sunDegrees)))}});
             continue;
         }
@@ -88,6 +89,7 @@ Json lightsJson(const Shot& shot, const ExportedScene& scene) {
                           {"mean_normal", listOf(p.area > 0 ? normal / p.area : Vec3(0))},
                           {"positions", positions},
                           {"triangles", triangles}});
+        if (!p.shadows) lights.back()["shadows"] = false;
         if (!p.shaping.plain()) {
             lights.back()["shaping"] = shapingToJson(p.shaping);
             lights.back()["shaping"]["axis"] = listOf(p.axis);
@@ -169,6 +171,7 @@ ExportedScene exportedScene(const RelitScene& relit, const Capture& capture) {
             componentOf(relit, int(e), false, emitter.id, emitter.name, emitter.surface.centroid));
         scene.components.back().radiance = emitter.emission.level;
         scene.components.back().sunDegrees = emitter.sunDegrees;
+        scene.components.back().shadows = emitter.shadows;
         if (emitter.sunDegrees > 0 && !emitter.surface.normals.empty())
             scene.components.back().axis = emitter.surface.normals[0];
         if (const ShapedEmission* shaped = emitter.emission.shaped.get()) {

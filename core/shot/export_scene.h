@@ -24,6 +24,7 @@ struct ExportedComponent {
     Vec3 axis{0, 0, -1};              ///< that the shaping counts from, unit
     Rgb shapedFraction{1};            ///< of the power that it would have without shaping
     bool emits = false, twoSided = false;
+    bool shadows = true;
     float sunDegrees = 0;  ///< of a sun: the angle that it covers; it has no triangles
     float area = 0;        ///< square metres
 };

@@ -66,9 +66,10 @@ std::string meshOf(const ExportedComponent& given, const DVec3& origin, const st
     const bool shaped = !given.shaping.plain();
     const Mat3 turn = shaped ? frameAround(-given.axis) : Mat3(1);
     const ExportedComponent p = shaped ? turned(given, turn) : given;
-    std::string s =
-        fmt::format("    def Mesh \"{}\" (\n        prepend apiSchemas = [{}{}\"MaterialBindingAPI\"]\n    )\n    {{\n",
-                    name, p.emits ? "\"MeshLightAPI\", " : "", shaped ? "\"ShapingAPI\", " : "");
+    std::string s = fmt::format(
+        "    def Mesh \"{}\" (\n        prepend apiSchemas = [{}{}{}\"MaterialBindingAPI\"]\n    )\n    {{\n", name,
+        p.emits ? "\"MeshLightAPI\", " : "", shaped ? "\"ShapingAPI\", " : "", p.shadows ? "" : "\"ShadowAPI\", ");
+    if (!p.shadows) s += "        bool inputs:shadow:enable = 0\n";
     s += fmt::format(
         "        string relamp:id = {}\n        uniform token subdivisionScheme = \"none\"\n        uniform bool "
         "doubleSided = {}\n",
@@ -112,11 +113,13 @@ std::string sunOf(const ExportedComponent& p, const std::string& name) {
     const Rgb irradiance = p.radiance * (pi / sunRadiance(p.sunDegrees));
     const float intensity = std::max(maxChannel(irradiance), 0.0f);
     return fmt::format(
-        "    def DistantLight \"{}\"\n    {{\n        string relamp:id = {}\n        float inputs:angle = {}\n"
+        "    def DistantLight \"{}\"{}\n    {{\n{}        string relamp:id = {}\n        float inputs:angle = {}\n"
         "        color3f inputs:color = {}\n        float inputs:intensity = {}\n        bool inputs:normalize = 1\n"
         "        matrix4d xformOp:transform = {}\n        uniform token[] xformOpOrder = [\"xformOp:transform\"]\n    "
         "}}\n\n",
-        name, quoted(p.id), p.sunDegrees, tuple(intensity > 0 ? irradiance / intensity : Rgb(1)), intensity,
+        name, p.shadows ? "" : " (\n        prepend apiSchemas = [\"ShadowAPI\"]\n    )",
+        p.shadows ? "" : "        bool inputs:shadow:enable = 0\n", quoted(p.id), p.sunDegrees,
+        tuple(intensity > 0 ? irradiance / intensity : Rgb(1)), intensity,
         matrix(DMat4(glm::dmat3(frameAround(-p.axis)))));
 }
 

@@ -88,6 +88,26 @@ TEST(CommandLine, WhatIsNotThereIsBadInput) {
 }
 
 /// From a capture to frames, in one test because the shot is made once.
+/// What a look does to the light is found from its frame alone; wrong requests are refused.
+void expectPaints(const std::string& shot, const test::TemporaryFolder& folder) {
+    folder.write("dim.json", R"({"emitters": [{"id": "emitter-1", "power_scale": [0.4, 0.2, 0.1]}]})");
+    const std::string target = folder / "dim.exr";
+    ASSERT_EQ(relamp({"render", shot, "-o", target, "--edits", folder / "dim.json"}).exitCode, 0);
+    const test::ProgramResult painted = relamp({"paint", shot, "--target", target, "--keep", "1e-5"});
+    ASSERT_EQ(painted.exitCode, 0) << painted.error;
+    const json look = json::parse(painted.out, nullptr, false);
+    ASSERT_TRUE(look.is_object()) << painted.out;
+    ASSERT_EQ(look["emitters"].size(), 1u);
+    const double expected[] = {0.4, 0.2, 0.1};
+    for (size_t c = 0; c < 3; ++c)
+        EXPECT_NEAR(look["emitters"][0]["power_scale"][c].get<double>(), expected[c], 0.01 * expected[c]) << c;
+    EXPECT_EQ(relamp({"paint", shot, "--target", target, "--lights", "nobody"}).exitCode, 2);
+    EXPECT_EQ(relamp({"paint", shot, "--target", target, "--camera", "all"}).exitCode, 2);
+    expectBadInput(relamp({"paint", shot, "--target", folder / "absent.exr"}), {"absent.exr"});
+    expectBadInput(relamp({"paint", shot, "--target", target, "-o", target}), {"dim.exr"});
+    expectBadInput(relamp({"paint", shot, "--target", target, "-o", folder / "nowhere/look.json"}), {"nowhere"});
+}
+
 TEST(CommandLine, SolvesRendersAndTellsWhatIsInAShot) {
     const test::TemporaryFolder folder;
     test::paintKnownWorld(folder / "capture", true, 6, 14);
@@ -189,6 +209,7 @@ TEST(CommandLine, SolvesRendersAndTellsWhatIsInAShot) {
         EXPECT_EQ(r.exitCode, 2) << extra[0] << " " << extra[1] << ": " << r.error;
         EXPECT_FALSE(fs::exists(folder / "one.exr"));
     }
+    expectPaints(shot, folder);
     // Bad files name themselves.
     folder.write("edits.json", R"({"emitters": [{"id": "emitter-9"}]})");
     expectBadInput(relamp({"render", shot, "-o", folder / "one.exr", "--edits", folder / "edits.json"}), {"emitter-9"});

@@ -184,6 +184,13 @@ void light(Editor& editor, const EmitterState& emitter, const std::vector<std::s
                        setRadiance(look, *editor.estimate(), id, changed);
                    }
            });
+    bool shadows = emitter.shadows;
+    if (checkbox("Casts shadows", shadows,
+                 "Off: its light passes through everything, as a fill light's may. No real light does that."))
+        editor.edit(fmt::format("{} of {}", shadows ? "Shadows" : "No shadows", editor.namesOf(targets)),
+                    [&](Look& look) {
+                        for (const std::string& id : targets) setShadows(look, id, shadows);
+                    });
     const bool sun = !emitter.recovered && size_t(emitter.index) < editor.look().added.size() &&
                      infoOf(editor.look().added[size_t(emitter.index)].shape).distant;
     fact(sun ? "Irradiance" : "Power", number(double(powerOf(editor, emitter))) + (emitter.enabled ? "" : " (off)"),

@@ -1,6 +1,7 @@
 #include "viewport/light_stroke.h"
 
 #include "base/parallel.h"
+#include "image/image_io.h"
 #include "item_map.h"
 #include "widgets.h"
 
@@ -27,10 +28,8 @@ std::vector<std::string> lightsOf(const Editor& editor) {
 
 ImU32 colourOfBrush(const LightBrushState& brush, bool invert, int alpha) {
     if (brush.brush.kind == LightBrush::Kind::colour) {
-        const Rgb c =
-            glm::pow(glm::clamp(brush.brush.colour / std::max(1e-6f, maxChannel(brush.brush.colour)), Rgb(0), Rgb(1)),
-                     Rgb(1 / 2.2f));
-        return IM_COL32(int(255 * c.x), int(255 * c.y), int(255 * c.z), alpha);
+        const Rgb c = brush.brush.colour / std::max(1e-6f, maxChannel(brush.brush.colour));
+        return IM_COL32(int(255 * srgbEncode(c.x)), int(255 * srgbEncode(c.y)), int(255 * srgbEncode(c.z)), alpha);
     }
     const bool brighter = (brush.brush.kind == LightBrush::Kind::brighter) != invert;
     return brighter ? IM_COL32(255, 244, 214, alpha) : IM_COL32(30, 40, 70, alpha);
@@ -141,7 +140,10 @@ void inspectLightBrush(Editor& editor) {
     tooltip("Radius of the brush on the screen");
     if (brush.brush.kind == Kind::colour) {
         row("Colour");
-        ImGui::ColorEdit3("##brush colour", &brush.brush.colour.x, ImGuiColorEditFlags_NoInputs);
+        Rgb& colour = brush.brush.colour;
+        Rgb coded(srgbEncode(colour.x), srgbEncode(colour.y), srgbEncode(colour.z));
+        if (ImGui::ColorEdit3("##brush colour", &coded.x, ImGuiColorEditFlags_NoInputs))
+            colour = Rgb(srgbDecode(coded.x), srgbDecode(coded.y), srgbDecode(coded.z));
         tooltip("The colour that is wanted; the brightness stays");
     } else {
         row("Strength");

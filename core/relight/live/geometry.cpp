@@ -110,6 +110,7 @@ void LiveScene::State::takeGeometry(const Look& next, EditedGeometry edited, Par
         }
         out.added = edited.addedFactor[e];
         out.shaped = edited.emitters[e].emission.shaped;
+        out.shadows = edited.emitters[e].shadows;
         out.shape.resize(out.shaped ? now.count() : 0, Rgb(0));
         out.factor.resize(now.count(), 0);
         out.open.resize(now.count(), 0);

@@ -66,6 +66,7 @@ float nearFactor(const NearEmitter& e, const LiveOccluders& occluders, const Vec
         *shape = shapeOf(e, point, cut);
         if (!(maxChannel(*shape) > 0)) return open;
     }
+    if (!e.shadows) return open;
     // Parts that can stand between; its own hides nothing of a convex emitter.
     const Vec3 toCentre = e.centre - point;
     const float distance = glm::length(toCentre),

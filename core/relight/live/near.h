@@ -30,6 +30,7 @@ struct NearEmitter {
     std::vector<float> open;                       ///< without
     std::vector<float> added;                      ///< to the factor (EditedGeometry::addedFactor); empty: nothing
     std::shared_ptr<const ShapedEmission> shaped;  ///< null: Lambertian and even
+    bool shadows = true;                           ///< false: factor is open
     std::vector<Rgb> shape;      ///< what of its unshadowed light its shaping lets through; empty: all
     std::vector<uint8_t> level;  ///< 0: stale; 1 to 4: from 4, 16, 64, 256 samples
     int pass = 0;                ///< of the refinement; passes: done

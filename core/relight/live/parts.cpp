@@ -32,13 +32,15 @@ Mesh meshOf(const EditedGeometry& geometry, uint32_t part, const Mat4& matrix) {
     return m;
 }
 
-/// What a part's geometry depends on, its matrix aside.
+/// What a part's geometry and light depend on, its matrix and radiance aside.
 std::string keyOf(const EditedGeometry& geometry, const EditedPart& part, const Look& look, size_t recovered) {
     if (part.emitter < 0) return fmt::format("component {}", part.component);
-    if (size_t(part.emitter) < recovered) return fmt::format("emitter {}", geometry.emitters[size_t(part.emitter)].id);
+    const RelitEmitter& emitter = geometry.emitters[size_t(part.emitter)];
+    const char* light = emitter.shadows ? "" : " without shadows";
+    if (size_t(part.emitter) < recovered) return fmt::format("emitter {}{}", emitter.id, light);
     const AddedEmitter& a = look.added[size_t(part.emitter) - recovered];
-    std::string key = fmt::format("added {} {} {} {} {}", int(a.shape), a.size.x, a.size.y, a.seedVertex, a.source);
-    // Its light is another one, too: whatever shapes it counts as its geometry.
+    std::string key =
+        fmt::format("added {} {} {} {} {}{}", int(a.shape), a.size.x, a.size.y, a.seedVertex, a.source, light);
     if (!a.shaping.plain()) key += dumpJson(shapingToJson(a.shaping));
     return key;
 }

@@ -167,6 +167,22 @@ TEST(EmitterControls, newLightsFaceWhatTheCameraLooksAt) {
     EXPECT_NEAR(luminance(added.radiance), referenceBrightness(*p.editor), 1e-4);
 }
 
+TEST(EmitterControls, aNewSpotHasAConeAndThePowerThatIsLeft) {
+    Panels p;
+    p.openSolved();
+    addNewEmitter(*p.editor, EmitterShape::spot);
+    const std::string id = p.editor->emitters().back().id;
+    const auto shape = [&](const std::function<void(LightShaping&)>& change) {
+        p.editor->edit("Shape", [&](Look& look) { shapeEmitter(look, id, change); });
+    };
+    shape([](LightShaping& s) { s.coneSoftness = 0; });
+    EXPECT_EQ(p.editor->look().added.back().shaping.coneDegrees, 30);
+    const float cone = powerOf(*p.editor, *p.editor->emitter(id));
+    shape([](LightShaping& s) { s.coneDegrees = 180; });
+    // A cosine-weighted hemisphere sends the sine squared of 30 degrees within 30 degrees.
+    EXPECT_NEAR(cone / powerOf(*p.editor, *p.editor->emitter(id)), 0.25, 0.01);
+}
+
 TEST(EmitterControls, powerFollowsTheAreaOfAFlatLight) {
     Panels p;
     p.openSolved();
