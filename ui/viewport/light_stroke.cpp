@@ -17,12 +17,18 @@ float distanceToSegment(const Vec2& p, const Vec2& a, const Vec2& b) {
     return glm::length(p - a - t * along);
 }
 
+/// Of a light that is there: an undo may have taken a selected one away.
+bool anySelected(const Editor& editor) {
+    const auto& all = editor.emitters();
+    return std::any_of(all.begin(), all.end(), [&](const EmitterState& e) { return editor.state.selection.has(e.id); });
+}
+
 /// The lights that a stroke may change: those selected, else all that shine.
 std::vector<std::string> lightsOf(const Editor& editor) {
+    const bool selected = anySelected(editor);
     std::vector<std::string> ids;
     for (const EmitterState& e : editor.emitters())
-        if (e.enabled && (editor.state.selection.emitters.empty() || editor.state.selection.has(e.id)))
-            ids.push_back(e.id);
+        if (e.enabled && (!selected || editor.state.selection.has(e.id))) ids.push_back(e.id);
     return ids;
 }
 
@@ -155,7 +161,7 @@ void inspectLightBrush(Editor& editor) {
     ImGui::DragFloat("##brush stillness", &brush.brush.stillness, 0.01f, 0, 10, "%.2f", ImGuiSliderFlags_AlwaysClamp);
     tooltip("How much all that is not painted should stay as it is. 0: it may become anything.");
     checkbox("Environment too", brush.environment, "The environment's exposure and tint may change as well");
-    const bool some = !editor.state.selection.emitters.empty();
+    const bool some = anySelected(editor);
     dimWrapped(some ? "Paint over the image: the selected lights change. Shift swaps brighter and darker."
                     : "Paint over the image: the lights that shine change as little as they can. Select some to change "
                       "these alone. Shift swaps brighter and darker.");

@@ -40,6 +40,7 @@ struct Painted : Session {
 TEST(LightStroke, isOneEditThatBrightensAndOneThatDarkens) {
     Painted p;
     p.editor->state.viewport.brush.brush.stillness = 0;
+    p.editor->state.selection.emitters = {"spot-1"};  // one that an undo took away
     const size_t entries = p.editor->history().entries().size();
     const float before = p.brightness();
     p.stroke();
