@@ -117,9 +117,24 @@ void Editor::preview(const std::function<void(Look&)>& change) {
 }
 void Editor::commitGesture() { impl_->history.commit(); }
 void Editor::abandonGesture() { impl_->history.abandon(); }
-void Editor::undo() { impl_->history.undo(); }
-void Editor::redo() { impl_->history.redo(); }
-void Editor::goTo(size_t entry) { impl_->history.goTo(entry); }
+void Editor::undo() {
+    impl_->history.undo();
+    impl_->forgetLostLights();
+}
+void Editor::redo() {
+    impl_->history.redo();
+    impl_->forgetLostLights();
+}
+void Editor::goTo(size_t entry) {
+    impl_->history.goTo(entry);
+    impl_->forgetLostLights();
+}
+
+void Editor::Impl::forgetLostLights() {
+    const auto gone = [this](const std::string& id) { return !self.emitter(id); };
+    std::erase_if(self.state.selection.emitters, gone);
+    std::erase_if(self.state.viewport.solo, gone);
+}
 
 const std::vector<EmitterState>& Editor::emitters() const {
     const std::shared_ptr<const Estimate> shown = estimate();

@@ -105,6 +105,8 @@ struct Editor::Impl {
     void offerInterrupted(const std::optional<InterruptedEstimate>& found);
     void saveTo(const std::filesystem::path& folder);
     double seconds() const;
+    /// Lights that an undo took away are selected and solo no more.
+    void forgetLostLights();
     bool estimateIsOnDisk() const;
     void saveUnsavedEstimate();
     void writeAutosave();

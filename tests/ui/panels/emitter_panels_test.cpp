@@ -167,6 +167,15 @@ TEST(EmitterControls, newLightsFaceWhatTheCameraLooksAt) {
     EXPECT_NEAR(luminance(added.radiance), referenceBrightness(*p.editor), 1e-4);
 }
 
+TEST(EmitterControls, aLightThatAnUndoTakesAwayIsSelectedNoMore) {
+    Panels p;
+    p.openSolved();
+    addNewEmitter(*p.editor, EmitterShape::disk);
+    ASSERT_EQ(p.editor->state.selection.emitters.size(), 1u);
+    p.editor->undo();
+    EXPECT_TRUE(p.editor->state.selection.emitters.empty());
+}
+
 TEST(EmitterControls, aNewSpotHasAConeAndThePowerThatIsLeft) {
     Panels p;
     p.openSolved();
