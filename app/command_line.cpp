@@ -207,7 +207,8 @@ CLI::App* addPaint(CLI::App& app, CommandLine& line) {
     verb->add_option("--edits", line.paint.edits,
                      "Edits document (JSON) to start from in place of the shot's own look");
     verb->add_option("--lights", line.paint.lights, "Ids or names of the lights that may change; else all that shine")
-        ->delimiter(',');
+        ->delimiter(',')
+        ->allow_extra_args(false);
     verb->add_flag("--environment", line.paint.environment, "The environment's exposure and tint may change too");
     verb->add_flag("--keep-colours", line.paint.keepColours, "Change powers alone");
     verb->add_option("--keep", line.paint.keep, "How much lights stay as they are")

@@ -1,4 +1,6 @@
 // relamp paint: powers and colours of lights from an image of what they shall do.
+#include <nlohmann/json.hpp>
+
 #include "base/atomic_file.h"
 #include "base/is_there.h"
 #include "base/json_fields.h"
@@ -13,8 +15,6 @@
 #include "relight/frame.h"
 #include "shot/frame_jobs.h"
 #include "shot/shot_file.h"
-
-#include <nlohmann/json.hpp>
 
 namespace relamp::cli {
 namespace {

@@ -148,6 +148,7 @@ std::vector<EmitterState> emittersOf(const Scene& scene, const Estimate& estimat
         s.changed = true;
         Part part;
         const EmitterShapeInfo& info = infoOf(e.shape);
+        s.sun = info.distant;
         if (info.own()) part.area = info.area(e.size);
         else if (info.geometry == EmitterShapeInfo::Geometry::component) part = partOfComponent(scene, e.seedVertex);
         else if (const int c = clusterIndex(estimate, e.source); c >= 0)

@@ -19,6 +19,7 @@ struct EmitterState {
     bool recovered = true;
     int index = 0;  ///< place in the estimate's emitters (recovered) or in look.added
     bool enabled = true, shadows = true;
+    bool sun = false;          ///< shines from far away: radiance is what a white matte surface shows that faces it
     Mat4 matrix{1};            ///< as in the look
     Rgb radiance{0};           ///< when enabled: what it sends now
     Rgb recoveredRadiance{0};  ///< what the solve found; for added ones the same as radiance

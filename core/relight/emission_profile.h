@@ -48,8 +48,6 @@ struct EmissionProfile {
     }
     /// What the viewport paints on the light itself, seen along `away`.
     Rgb shown(const Vec3& away) const { return shaped ? level * shaped->shown(away) : level; }
-    /// Such that pi x mean() x area is the power.
-    Rgb mean() const { return shaped ? level * shaped->mean() : level; }
     bool dark() const { return !(maxChannel(level) > 0); }
 };
 

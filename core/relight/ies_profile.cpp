@@ -85,47 +85,18 @@ float IesProfile::at(const Vec3& d) const {
     return (first + across * (second - first)) / most;
 }
 
-float IesProfile::lumens() const {
-    // Means over the horizontal angles, then sin(v) dv exactly for a linear course: enough for a figure shown.
-    std::vector<double> mean(vertical.size(), 0);
-    for (size_t v = 0; v < vertical.size(); ++v) {
-        double width = 0;
-        for (size_t h = 0; h + 1 < horizontal.size(); ++h) {
-            const double step = horizontal[h + 1] - horizontal[h];
-            mean[v] += step * 0.5 * double(candela[h * vertical.size() + v] + candela[(h + 1) * vertical.size() + v]);
-            width += step;
-        }
-        mean[v] = width > 0 ? mean[v] / width : double(candela[v]);
-    }
-    double sum = 0;
-    for (size_t v = 0; v + 1 < vertical.size(); ++v) {
-        const double a = double(vertical[v]) * double(pi) / 180, b = double(vertical[v + 1]) * double(pi) / 180;
-        sum += 2 * double(pi) * 0.5 * (mean[v] + mean[v + 1]) * (std::cos(a) - std::cos(b));
-    }
-    return float(sum);
-}
-
 IesProfile iesFromText(const std::string& text) {
     if (text.size() > longestFile) throw Error("is larger than {} MiB", longestFile >> 20);
     IesProfile out;
-    std::string catalogue, tilt;
+    std::string tilt;
     TextScanner lines(text);
     while (!lines.atEnd()) {
         const std::string_view line = lines.line();
-        const auto valueOf = [&](std::string_view key) {
-            std::string value(line.substr(key.size(), 200));
-            value.erase(0, value.find_first_not_of(" \t"));
-            return value;
-        };
-        if (line.starts_with("[LUMINAIRE]")) out.name = valueOf("[LUMINAIRE]");
-        else if (line.starts_with("[LUMCAT]")) catalogue = valueOf("[LUMCAT]");
-        else if (line.starts_with("TILT=")) {
-            tilt = valueOf("TILT=");
-            break;
-        }
+        if (!line.starts_with("TILT=")) continue;
+        tilt = line.substr(5, 200);
+        break;
     }
     if (tilt.empty()) throw Error("TILT: is missing, expected a photometric file (IES LM-63)");
-    if (out.name.empty()) out.name = catalogue;
     Numbers numbers(std::string_view(text).substr(text.size() - lines.remaining()));
     if (tilt.starts_with("INCLUDE")) {
         // How its output changes as the luminaire is tilted: it is used upright.

@@ -14,13 +14,10 @@ struct IesProfile {
     std::vector<float> horizontal;  ///< degrees about the axis, ascending from 0; one, or up to 90, 180 or 360
     std::vector<float> candela;     ///< horizontal.size() x vertical.size()
     float most = 0;                 ///< largest candela, above 0
-    std::string name{};             ///< [LUMINAIRE], else [LUMCAT]; may be empty
 
     /// Fraction of the largest intensity, 0 to 1, in the unit direction `d` of the luminaire's own axes: -Z is straight
     /// down (vertical angle 0), +X is the half plane of horizontal angle 0. 0 beyond the angles measured.
     float at(const Vec3& d) const;
-    /// Light of all directions, from the table by the trapezoidal rule.
-    float lumens() const;
 };
 
 /// Throws Error naming the line's meaning: no photometric data, counts that the text does not hold, angles that do not

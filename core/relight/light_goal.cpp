@@ -1,8 +1,7 @@
 #include "relight/light_goal.h"
 
-#include <array>
-
 #include "base/error.h"
+#include "brdf/projection.h"
 
 namespace relamp {
 namespace {
@@ -25,26 +24,6 @@ float meanTarget(const LightGoal& goal) {
         weight += double(goal.weight[i]);
     }
     return std::max(float(sum / weight), 1e-20f);
-}
-
-/// x >= 0 with the least x^T G x - 2 b^T x: each unknown in turn, until none moves.
-std::vector<double> nonNegative(const std::vector<double>& gram, const std::vector<double>& right,
-                                std::vector<double> x) {
-    const size_t n = right.size();
-    constexpr int sweeps = 20000;
-    for (int sweep = 0; sweep < sweeps; ++sweep) {
-        double largest = 0;
-        for (size_t a = 0; a < n; ++a) {
-            if (!(gram[a * n + a] > 0)) continue;
-            double residual = right[a];
-            for (size_t b = 0; b < n; ++b) residual -= gram[a * n + b] * x[b];
-            const double next = std::max(0.0, x[a] + residual / gram[a * n + a]);
-            largest = std::max(largest, std::abs(next - x[a]) / (1 + std::abs(x[a])));
-            x[a] = next;
-        }
-        if (largest < 1e-10) break;
-    }
-    return x;
 }
 
 /// Solves for channels [from, to) together.
@@ -73,9 +52,10 @@ void solveChannels(const LightGoal& goal, const std::vector<float>& certainty, f
         gram[a * n + a] += stays;
         right[a] += stays * x[a];
     }
-    x = nonNegative(gram, right, x);
+    x = nonNegativeLeastSquares(gram, right);
     for (size_t a = 0; a < n; ++a)
-        for (int c = from; c < to; ++c) scale[a][c] = float(x[a]);
+        if (gram[a * n + a] > 0)  // else it sends nothing there
+            for (int c = from; c < to; ++c) scale[a][c] = float(x[a]);
 }
 
 }  // namespace

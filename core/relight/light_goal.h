@@ -34,7 +34,7 @@ struct LightGoalAnswer {
     float tooDark = 0, tooBright = 0;
 };
 
-/// Non-negative least squares of relative errors, by coordinate descent on the normal equations. Cost: points x
+/// Non-negative least squares of relative errors, by the normal equations. Cost: points x
 /// lights^2. Throws Error when the lists differ in length or nothing counts.
 LightGoalAnswer reachGoal(const LightGoal& goal, const LightGoalOptions& options = {});
 

@@ -2,8 +2,8 @@
 
 #include "base/atomic_file.h"
 #include "base/log.h"
-#include "base/printable.h"
 #include "base/parallel.h"
+#include "base/printable.h"
 #include "capture/photograph_reader.h"
 #include "pipeline/shot_of.h"
 #include "report/comparison.h"

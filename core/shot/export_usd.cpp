@@ -90,11 +90,13 @@ std::string meshOf(const ExportedComponent& given, const DVec3& origin, const st
             origin == DVec3(0) ? tuple(p.origin) : wideTuple(origin + DVec3(p.origin)));
     }
     if (p.emits) {
-        const float intensity = maxChannel(p.radiance) > 0 ? maxChannel(p.radiance) : 0.0f;
+        const float brightest = maxChannel(p.radiance) > 0 ? maxChannel(p.radiance) : 0.0f;
+        // What is not normalised counts in candela, where ours is in parts of the largest.
+        const float intensity = p.shaping.iesFile.empty() ? brightest : brightest / iesOf(p.shaping.iesFile)->most;
         s += fmt::format(
             "        color3f inputs:color = {}\n        float inputs:intensity = {}\n        bool inputs:normalize = "
             "0\n",
-            tuple(intensity > 0 ? p.radiance / intensity : Rgb(1)), intensity);
+            tuple(brightest > 0 ? p.radiance / brightest : Rgb(1)), intensity);
         s += fmt::format("        rel material:binding = </relamp/Materials/{}>\n", name);
     } else if (!p.texcoords.empty()) {
         s += "        texCoord2f[] primvars:st = " +

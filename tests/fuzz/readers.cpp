@@ -38,7 +38,6 @@ const Target ies("ies", [](std::string_view bytes) {
     for (const Vec3& d : {Vec3(0, 0, -1), Vec3(0, 0, 1), Vec3(1, 0, 0), Vec3(-0.6f, 0, -0.8f), Vec3(0, -0.8f, 0.6f)})
         if (const float value = profile.at(d); !(value >= 0 && value <= 1.0001f))
             throw std::logic_error("an intensity that is no fraction of the largest");
-    if (!std::isfinite(profile.lumens())) throw std::logic_error("light that is no number");
 });
 
 /// cameras, images and points3D, one after the other.

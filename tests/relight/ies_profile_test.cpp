@@ -28,9 +28,8 @@ std::string messageOf(const std::string& text) {
     return "";
 }
 
-TEST(IesProfile, OfACosineIsThatCosineAndHasPiTimesItsPeakInLumens) {
+TEST(IesProfile, OfACosineIsThatCosine) {
     const IesProfile p = iesFromText(cosine());
-    EXPECT_EQ(p.name, "Down light");
     EXPECT_FLOAT_EQ(p.most, 400);  // times the candela multiplier
     EXPECT_FLOAT_EQ(p.at({0, 0, -1}), 1);
     EXPECT_EQ(p.at({0, 0, 1}), 0);
@@ -38,7 +37,6 @@ TEST(IesProfile, OfACosineIsThatCosineAndHasPiTimesItsPeakInLumens) {
         const float a = degrees * pi / 180;
         EXPECT_NEAR(p.at({std::sin(a) * 0.6f, std::sin(a) * 0.8f, -std::cos(a)}), std::cos(a), 2e-3) << degrees;
     }
-    EXPECT_NEAR(p.lumens(), 400 * pi, 0.005 * 400 * pi);
 }
 
 TEST(IesProfile, RepeatsAQuadrantByItsSymmetry) {
@@ -58,7 +56,6 @@ TEST(IesProfile, SkipsTheTiltTableAndTakesCommasAndOddLineEnds) {
     const IesProfile p = iesFromText(
         "IESNA91\r\n[LUMCAT] A-1\r\nTILT=INCLUDE\r\n1\r\n3\r\n0,45,90\r\n1,0.9,0.8\r\n1 500 1 3 1 1 1 0 0 0\r\n0.5 1 "
         "7\r\n0,90,180\r\n0\r\n10,20,40");
-    EXPECT_EQ(p.name, "A-1");
     EXPECT_FLOAT_EQ(p.most, 20);  // ballast factor
     EXPECT_FLOAT_EQ(p.at({0, 0, 1}), 1);
     EXPECT_FLOAT_EQ(p.at({1, 0, 0}), 0.5f);

@@ -1,12 +1,12 @@
 // Lights whose light passes through everything.
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "edit/emitter_edits.h"
 #include "relight/frame.h"
 #include "relight/live/live_scene.h"
 #include "support/estimates.h"
-
-#include <nlohmann/json.hpp>
 
 namespace relamp {
 namespace {

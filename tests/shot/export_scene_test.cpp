@@ -91,6 +91,31 @@ TEST_F(ExportedShot, HasMeshLightsInUsd) {
     EXPECT_EQ(std::count(usd.begin(), usd.end(), '('), std::count(usd.begin(), usd.end(), ')'));
 }
 
+TEST_F(ExportedShot, HasSunsAndShapedLightsAsUsdLuxHasThem) {
+    const auto ies = folder.write("beam.ies", "TILT=NONE\n1 1000 1 3 1 1 2 0 0 0 1 1 1\n0 45 90\n0\n100 200 0");
+    Look look;
+    look.added.push_back({EmitterShape::sun, "sun-1", Mat4(1), Vec2(0.53f), Rgb(2)});
+    look.added.push_back({EmitterShape::spot, "spot-1", test::translation({0, 0, 2}), Vec2(0.1f), Rgb(10)});
+    look.added[0].shadows = false;
+    look.added[1].shaping.coneDegrees = 30;
+    look.added[1].shaping.iesFile = ies;
+    const Scene scene = test::sceneOf(test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 2, 2));
+    const RelitScene lit = test::relitOf(scene, shot.estimate, look);
+    exportScene(shot, lit, folder / "lights", false);
+    const std::string usd = test::TemporaryFolder::read(folder / "lights/lights.usda");
+    for (const char* text : {"def DistantLight \"sun_1\"", "float inputs:angle = 0.53", "bool inputs:shadow:enable = 0",
+                             "\"MeshLightAPI\", \"ShapingAPI\"", "inputs:shaping:cone:angle = 30", "beam.ies@",
+                             "float inputs:intensity = 0.05"})
+        EXPECT_NE(usd.find(text), std::string::npos) << text;
+    const auto lights = nlohmann::json::parse(test::TemporaryFolder::read(folder / "lights/lights.json"))["lights"];
+    ASSERT_EQ(lights.size(), 2u);
+    EXPECT_EQ(lights[0]["type"], "sun");
+    EXPECT_NEAR(lights[0]["irradiance"][0].get<double>(), 2 * piD, 1e-3);
+    EXPECT_EQ(lights[0]["direction"], (nlohmann::json{0, 0, -1}));
+    EXPECT_EQ(lights[1]["shaping"]["cone_degrees"], 30);
+    EXPECT_LT(lights[1]["flux"][0].get<double>(), 10 * piD * piD * 0.0025 / 4);
+}
+
 TEST_F(ExportedShot, HasEnvironmentMaterialsAndCameras) {
     const Image environment = readEnvironment(out() / "environment.exr");
     EXPECT_NEAR(environment.at(100, 100).z, 3, 1e-3);

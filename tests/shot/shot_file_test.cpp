@@ -284,12 +284,17 @@ TEST_F(ShotFile, MovesTogetherWithItsCapture) {
     EXPECT_EQ(open().capture.mesh.vertexCount(), scene.mesh.vertexCount());
 }
 
-TEST_F(ShotFile, KeepsTheLooksEnvironmentFileRelative) {
+TEST_F(ShotFile, KeepsTheLooksFilesRelative) {
     shot.look.environment.source = EnvironmentLook::Source::file;
     shot.look.environment.file = folder / "studio.exr";
+    shot.look.added.push_back({EmitterShape::spot, "spot-1"});
+    shot.look.added[0].shaping.iesFile = folder / "beam.ies";
     save();
     EXPECT_EQ(document()["look"]["environment"]["file"], "../studio.exr");
-    EXPECT_EQ(fs::weakly_canonical(open().look.environment.file), fs::weakly_canonical(folder / "studio.exr"));
+    EXPECT_EQ(document()["look"]["added_emitters"][0]["shaping"]["ies_file"], "../beam.ies");
+    const Look back = open().look;
+    EXPECT_EQ(fs::weakly_canonical(back.environment.file), fs::weakly_canonical(folder / "studio.exr"));
+    EXPECT_EQ(fs::weakly_canonical(back.added.at(0).shaping.iesFile), fs::weakly_canonical(folder / "beam.ies"));
 }
 
 TEST_F(ShotFile, OpensTheSameWithADamagedCacheAndPrefersAPaintedEnvironment) {

@@ -105,8 +105,7 @@ namespace {
 /// added ones the strongest recovered light.
 float referenceFor(const Editor& editor, const EmitterState& emitter) {
     if (emitter.recovered) return luminance(emitter.recoveredRadiance);
-    const AddedEmitter* added = addedOf(editor, emitter);
-    return added && infoOf(added->shape).distant ? 1 : referenceBrightness(editor);
+    return emitter.sun ? 1 : referenceBrightness(editor);
 }
 }  // namespace
 
@@ -132,8 +131,8 @@ float areaOf(const Editor& editor, const EmitterState& emitter) {
 
 float powerOf(const Editor& editor, const EmitterState& emitter) {
     if (!emitter.enabled) return 0;
+    if (emitter.sun) return pi * luminance(emitter.radiance);
     const AddedEmitter* added = addedOf(editor, emitter);
-    if (added && infoOf(added->shape).distant) return pi * luminance(emitter.radiance);
     return pi * luminance(emitter.radiance * (added ? shapedFraction(*added) : Rgb(1))) * areaOf(editor, emitter);
 }
 

@@ -130,7 +130,7 @@ void place(Editor& editor, const EmitterState& emitter, const std::vector<std::s
         const AddedEmitter& added = editor.look().added[size_t(emitter.index)];
         if (const int sizes = infoOf(added.shape).sizes) {
             const Vec2 before = added.size;
-            const bool two = sizes == 2, sun = infoOf(added.shape).distant;
+            const bool two = sizes == 2, sun = emitter.sun;
             dimText(sun ? "Angle (degrees)" : two ? "Width and height (m)" : "Diameter (m)");
             const float width =
                 (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemInnerSpacing.x) / (two ? 2.0f : 1.0f);
@@ -191,12 +191,11 @@ void light(Editor& editor, const EmitterState& emitter, const std::vector<std::s
                     [&](Look& look) {
                         for (const std::string& id : targets) setShadows(look, id, shadows);
                     });
-    const bool sun = !emitter.recovered && size_t(emitter.index) < editor.look().added.size() &&
-                     infoOf(editor.look().added[size_t(emitter.index)].shape).distant;
-    fact(sun ? "Irradiance" : "Power", number(double(powerOf(editor, emitter))) + (emitter.enabled ? "" : " (off)"),
-         sun ? "Light that falls on a square metre which faces it"
-             : "All light it sends out: radiance times area, in image units times square metres");
-    if (sun) return;
+    fact(emitter.sun ? "Irradiance" : "Power",
+         number(double(powerOf(editor, emitter))) + (emitter.enabled ? "" : " (off)"),
+         emitter.sun ? "Light that falls on a square metre which faces it"
+                     : "All light it sends out: radiance times area, in image units times square metres");
+    if (emitter.sun) return;
     const float area = areaOf(editor, emitter);
     fact("Area", area < 0.1f ? fmt::format("{:.3g} cm\u00b2", area * 1e4f) : fmt::format("{:.3g} m\u00b2", area),
          "Surface that shines");

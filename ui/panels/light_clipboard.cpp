@@ -35,6 +35,7 @@ void copyLights(Editor& editor) {
         light = own ? editor.look().added[size_t(emitter->index)] : diskFor(editor, *emitter);
         light.radiance = emitter->radiance;
         light.enabled = emitter->enabled;
+        light.shadows = emitter->shadows;
         light.name.clear();
         copied.lights.push_back(light);
     }
