@@ -137,6 +137,7 @@ std::shared_ptr<const Estimate> Editor::Impl::runEstimate(const EstimateInputs& 
     listener.snapshot = [&](Estimate estimate) {
         tell([&] { newSnapshot = std::make_shared<const Estimate>(std::move(estimate)); });
     };
+    listener.snapshotFraction = 0.1;
     listener.checkpoint = [&](const SolveCheckpoint& checkpoint) {
         keeper.take(checkpoint);
         tell([&] { newPlan = checkpoint.plan; });

@@ -4,6 +4,10 @@
 
 namespace relamp {
 
+Eigen::MatrixXd product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) { return a * b; }
+
+Eigen::MatrixXd transposedProduct(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) { return a.transpose() * b; }
+
 std::optional<Eigen::MatrixXd> choleskyFactor(const Eigen::MatrixXd& a) {
     const Eigen::LLT<Eigen::MatrixXd> factor(a);
     if (factor.info() != Eigen::Success) return std::nullopt;
@@ -20,6 +24,8 @@ Eigen::MatrixXd divideByFactor(const Eigen::MatrixXd& l, Eigen::MatrixXd b) {
     l.triangularView<Eigen::Lower>().solveInPlace(b);
     return b;
 }
+
+Eigen::VectorXd solveSymmetric(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) { return a.ldlt().solve(b); }
 
 SymmetricEigen eigenOf(const Eigen::MatrixXd& symmetric, bool withVectors) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(

@@ -58,8 +58,8 @@ SolveOptions solveOptionsFor(const std::string& quality);
 /// Hears of a solve while it runs, on the solving thread. What it hears changes nothing in the answer.
 struct SolveListener {
     std::function<void(const TimelineEntry&)> entry;
-    std::function<void(Estimate)>
-        snapshot;  ///< a whole estimate as it stands, after each large step; costs about a tenth of a second each
+    std::function<void(Estimate)> snapshot;  ///< a whole estimate as it stands, after a large step
+    double snapshotFraction = 1;             ///< of the time, which snapshots may take; 1: each large step has one
     std::function<void(const SolveCheckpoint&)> checkpoint;  ///< from where the solve could go on: after each stage,
                                                              ///< and inside long ones every `checkpointSeconds`
     double checkpointSeconds = 20;

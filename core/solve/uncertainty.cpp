@@ -90,7 +90,7 @@ struct LightUnknowns {
         const std::optional<Eigen::MatrixXd> factor = choleskyFactor(rest);
         if (!factor) return own;
         between = divideByFactor(*factor, std::move(between));
-        own.noalias() -= between.transpose() * between;
+        own -= transposedProduct(between, between);
         return own;
     }
 };
@@ -196,11 +196,11 @@ LightUncertainty lightUncertainty(const LightInformation& information, const Inf
                 some, [&](size_t i, float* out) { std::copy(some.row(i), some.row(i) + m, out); }, progress) /
             double(some.rows);
         // Directions by how much they may change the light on the surfaces: eigenvectors of L^-1 E L^-T.
-        const Eigen::MatrixXd product = inverseFactor * effect * inverseFactor.transpose();
-        const SymmetricEigen eigen = eigenOf(0.5 * (product + product.transpose()), true);
+        const Eigen::MatrixXd within = product(product(inverseFactor, effect), inverseFactor.transpose());
+        const SymmetricEigen eigen = eigenOf(0.5 * (within + within.transpose()), true);
         const Eigen::Index count = std::min<Eigen::Index>(m, options.directions);
         const Eigen::MatrixXd directions =
-            inverseFactor.transpose() * eigen.vectors.rightCols(count).rowwise().reverse();
+            transposedProduct(inverseFactor, eigen.vectors.rightCols(count).rowwise().reverse());
         Eigen::MatrixXf wide = Eigen::MatrixXf::Zero(Eigen::Index(n), count);
         for (Eigen::Index k = 0; k < m; ++k) wide.row(free[size_t(k)]) = directions.row(k).cast<float>();
         parallelBlocks(b.rows, 1024, [&](size_t begin, size_t end) {

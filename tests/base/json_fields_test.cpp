@@ -2,6 +2,7 @@
 #include "base/json_fields.h"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "support/temporary_folder.h"
 

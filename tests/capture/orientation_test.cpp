@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "capture/check.h"
 #include "capture/load_capture.h"
 #include "support/known_world.h"

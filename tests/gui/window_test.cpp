@@ -15,8 +15,6 @@ using Json = nlohmann::json;
 
 constexpr int width = 1280, height = 800;
 
-std::string demo() { return std::string(RELAMP_SOURCE_DIR) + "/assets/captures/desk-lamp"; }
-
 /// What the window says of itself, for a failed test.
 std::string state(const Desktop& desk) {
     Json map = desk.map();
@@ -49,8 +47,11 @@ double contrastIn(const Image& image, const Box& box) {
 
 TEST(GuiWindow, anArtistOpensEstimatesMovesTheEmitterSwapsTheSkyAndExports) {
     Desktop desk(width, height);
-    desk.start({"--quality", "draft", "--width", std::to_string(width), "--height", std::to_string(height), demo()});
-    ASSERT_TRUE(desk.until([](const Json& m) { return m["document"] == "desk-lamp"; })) << state(desk);
+    const test::TemporaryFolder folder;
+    test::paintKnownWorld(folder / "table", true, 8, 24);
+    desk.start({"--quality", "draft", "--width", std::to_string(width), "--height", std::to_string(height),
+                (folder / "table").string()});
+    ASSERT_TRUE(desk.until([](const Json& m) { return m["document"] == "table"; })) << state(desk);
 
     // Estimate with a key; stages and intermediate images while it runs.
     desk.moveTo(width / 2, height / 2);
@@ -127,6 +128,7 @@ TEST(GuiWindow, anArtistOpensEstimatesMovesTheEmitterSwapsTheSkyAndExports) {
     for (int y = 0; y < 32; ++y)
         for (int x = 0; x < 64; ++x) sky.at(x, y) = y < 16 ? Rgb(0.1f, 0.4f, 2) : Rgb(0.05f);
     writeImage(desk.home() / "sky.exr", sky);
+    ASSERT_TRUE(desk.settled());
     desk.click("Load HDRI...");
     ASSERT_TRUE(desk.untilItem("##path"));
     desk.click("##path");

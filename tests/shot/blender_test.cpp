@@ -1,6 +1,7 @@
 // What Blender makes of what leaves relamp; skipped where Blender is not installed.
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "shot/export_frame.h"

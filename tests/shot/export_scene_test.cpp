@@ -4,6 +4,7 @@
 
 #include <cstring>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "capture/transforms_json.h"
 #include "image/environment_map.h"

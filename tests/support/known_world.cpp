@@ -1,5 +1,7 @@
 #include "support/known_world.h"
 
+#include <nlohmann/json.hpp>
+
 #include "base/parallel.h"
 #include "base/random.h"
 

@@ -4,7 +4,6 @@
 #pragma once
 #include <filesystem>
 #include <functional>
-#include <nlohmann/json.hpp>
 
 #include "image/image_io.h"
 #include "scene/mesh_io.h"

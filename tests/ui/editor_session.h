@@ -44,7 +44,7 @@ struct Session {
         options.configFolder = folder / "config";
         options.stateFolder = folder / "state";
         options.autosaveSeconds = autosaveSeconds;
-        options.checkpointSeconds = 0;
+        options.checkpointSeconds = 1000;
         editor = std::make_unique<Editor>(options);
         editor->state.solve.quality = "draft";
     }

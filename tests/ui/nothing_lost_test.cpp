@@ -1,5 +1,6 @@
 // What an artist has must survive: files that cannot be read, shots that were moved, leaving in the middle.
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "actions.h"
 #include "base/json_fields.h"

@@ -1,6 +1,8 @@
 // A solve that is killed goes on where it stood; plan and stress on the command line.
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "shot/checkpoint.h"
 #include "support/known_world.h"
 #include "support/run_program.h"

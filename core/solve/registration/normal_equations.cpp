@@ -3,6 +3,8 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 
+#include "solve/dense.h"
+
 namespace relamp {
 namespace {
 
@@ -117,10 +119,11 @@ NormalEquations::Step NormalEquations::solve(bool shape) const {
         if (factor.info() != Eigen::Success) return step;
         const Eigen::MatrixXd solved = factor.solve(nodePose_);
         const Eigen::VectorXd alone = factor.solve(node_);
-        step.poses = (posePose_ - nodePose_.transpose() * solved).ldlt().solve(pose_ - nodePose_.transpose() * alone);
+        step.poses =
+            solveSymmetric(posePose_ - transposedProduct(nodePose_, solved), pose_ - nodePose_.transpose() * alone);
         step.nodes = alone - solved * step.poses;
     } else {
-        step.poses = posePose_.ldlt().solve(pose_);
+        step.poses = solveSymmetric(posePose_, pose_);
     }
     step.valid = step.poses.allFinite() && step.nodes.allFinite();
     return step;

@@ -109,6 +109,8 @@ void correctLightNearEmitters(SolveRun& s) {
 
 void showSnapshot(SolveRun& s) {
     if (!s.listener || !s.listener->snapshot || s.stopped()) return;
+    const double began = s.in.progress.seconds(), fraction = s.listener->snapshotFraction;
+    if (fraction * (began - s.snapshotEnded) < (1 - fraction) * s.snapshotSeconds) return;
     const AlbedoResult albedo = s.surfaces.albedo;
     const bool first = s.gloss.empty();
     if (first) s.gloss.components.swap(s.gloss.early);
@@ -125,6 +127,8 @@ void showSnapshot(SolveRun& s) {
     s.listener->snapshot(std::move(estimate));
     s.surfaces.albedo = albedo;
     if (first) s.gloss.components.swap(s.gloss.early);
+    s.snapshotEnded = s.in.progress.seconds();
+    s.snapshotSeconds = s.snapshotEnded - began;
 }
 
 Estimate finishSolve(SolveRun& s) {

@@ -41,6 +41,7 @@ struct SolveRun {
     uint32_t step = 0;          ///< that runs
     bool stepMayBeCut = false;  ///< it can start again from a better light
     double lastCheckpoint = 0;
+    double snapshotEnded = 0, snapshotSeconds = 0;  ///< of the last one
 
     EmitterDecision emitters;
     SolveObservations observed;

@@ -5,6 +5,7 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "base/statistics.h"
+#include "solve/dense.h"
 #include "solve/light/qp.h"
 
 namespace relamp {
@@ -97,7 +98,7 @@ UnobservedLightProgram programOf(const UnobservedLightData& data, const LightPri
                                  const Eigen::MatrixXd& columns, const Eigen::VectorXd& x) {
     UnobservedLightProgram p;
     const Eigen::Index lightCount = x.size();
-    p.q = l.rows.transpose() * l.rows;
+    p.q = transposedProduct(l.rows, l.rows);
     p.moment =
         -(l.rows.transpose() * l.residual);  // along the light itself the derivative is 0, so this is about x = 0
     p.lower = Eigen::VectorXd::Zero(p.q.rows());

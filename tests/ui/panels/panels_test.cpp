@@ -2,6 +2,7 @@
 #include "panels/panels.h"
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "actions.h"
 #include "panels/dialogs.h"
