@@ -63,7 +63,7 @@ struct LightBrushState {
     bool environment = false;  ///< it may change too
 };
 /// What a click in the viewport means once: armed by a button of the inspector, Esc disarms.
-enum class ClickTask { none, aim, reflect, illuminate, attach, newPart };
+enum class ClickTask { none, aim, reflect, illuminate, attach, newPart, takeColour };
 
 struct ViewportState {
     ViewMode mode = ViewMode::relit;
@@ -233,9 +233,10 @@ struct EditorState {
     std::optional<MissingQuestion> missing;
     std::array<std::optional<LookSnapshot>, 3> snapshots;  ///< A, B, C
     CopiedLights copied;
-    std::string message;    ///< what has just been done, shown for a while in the status bar
-    uint64_t messages = 0;  ///< how many there were
-    std::string keyHints;   ///< keys that mean something at this moment, for the status bar
+    std::string message;       ///< what has just been done, shown for a while in the status bar
+    uint64_t messages = 0;     ///< how many there were
+    std::optional<Rgb> probe;  ///< radiance under the pointer, where the present light is shown
+    std::string keyHints;      ///< keys that mean something at this moment, for the status bar
     bool fullScreen = false;
     UnobservedSearch unobservedSearch;
     std::weak_ptr<const Estimate> bannerClosedFor;  ///< the estimate whose quality banner the user has closed

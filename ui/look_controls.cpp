@@ -196,7 +196,8 @@ bool colourNumbers(Editor& editor, const std::string& label, const Rgb& light,
 }  // namespace
 
 bool colourLook(Editor& editor, const char* id, const std::string& label, const Rgb& light, float size,
-                const std::string& explanation, const std::function<void(Look&, const Rgb&)>& apply) {
+                const std::string& explanation, const std::function<void(Look&, const Rgb&)>& apply,
+                const std::function<void()>& fromImage) {
     ImGui::PushID(id);
     if (swatch("##swatch", lightColour(light), size, explanation)) ImGui::OpenPopup("##colour");
     bool changed = false;
@@ -220,6 +221,13 @@ bool colourLook(Editor& editor, const char* id, const std::string& label, const 
         changed |= colourNumbers(editor, label, light, apply);
         if (button("White", "Makes the light white, as bright as it is"))
             editor.edit(label, [&](Look& look) { apply(look, Rgb(luminance(light))); });
+        if (fromImage) {
+            ImGui::SameLine();
+            if (button("From the image", "Then click where the colour is seen. The brightness stays.")) {
+                fromImage();
+                ImGui::CloseCurrentPopup();
+            }
+        }
         ImGui::EndPopup();
     }
     ImGui::PopID();

@@ -120,9 +120,11 @@ bool kelvinLook(Editor& editor, const char* id, const std::string& label, const 
 /// Green against magenta, apart from the temperature; `apply` as above.
 bool tintLook(Editor& editor, const char* id, const std::string& label, const Rgb& colour,
               const std::string& explanation, const std::function<void(Look&, const Rgb&)>& apply);
-/// A swatch that opens a disc of colours and a temperature. `apply` gets the new colour, as bright as `light`.
+/// A swatch that opens a disc of colours and a temperature. `apply` gets the new colour, as bright as `light`;
+/// `fromImage`, where there is one, lets the user take it from the image.
 bool colourLook(Editor& editor, const char* id, const std::string& label, const Rgb& light, float size,
-                const std::string& explanation, const std::function<void(Look&, const Rgb&)>& apply);
+                const std::string& explanation, const std::function<void(Look&, const Rgb&)>& apply,
+                const std::function<void()>& fromImage = {});
 
 /// While it lives Shift makes a drag of a number finer, as in the viewport, and nothing else changes its speed.
 class FineDrag {

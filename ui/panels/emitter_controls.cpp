@@ -187,9 +187,14 @@ void tintControl(Editor& editor, const EmitterState& emitter, const char* id) {
 
 void colourControl(Editor& editor, const EmitterState& emitter, const char* id, float size) {
     const auto targets = targetsOf(editor, emitter.id);
-    colourLook(editor, id, describe(editor, "Colour of", targets), emitter.radiance, size,
-               "Colour of its light; click to change. The brightness stays.",
-               [&](Look& look, const Rgb& colour) { setColour(editor, look, targets, colour); });
+    colourLook(
+        editor, id, describe(editor, "Colour of", targets), emitter.radiance, size,
+        "Colour of its light; click to change. The brightness stays.",
+        [&](Look& look, const Rgb& colour) { setColour(editor, look, targets, colour); },
+        [&] {
+            if (!editor.state.selection.has(emitter.id)) selectEmitter(editor, emitter.id, false, false);
+            editor.state.viewport.clickTask = ClickTask::takeColour;
+        });
 }
 
 void muteButton(Editor& editor, const EmitterState& emitter, float size) {
@@ -353,10 +358,11 @@ void armClick(Editor& editor, ClickTask task) {
 const char* clickHint(ClickTask task) {
     switch (task) {
         case ClickTask::none: return "";
-        case ClickTask::aim: return "Click the spot the light points at. Esc cancels.";
-        case ClickTask::reflect: return "Click where its reflection is to be seen. Esc cancels.";
-        case ClickTask::illuminate: return "Click the spot it lights from straight above. Esc cancels.";
+        case ClickTask::aim: return "Click, or drag over, what the light points at. Esc cancels.";
+        case ClickTask::reflect: return "Click, or drag over, where its reflection is to be seen. Esc cancels.";
+        case ClickTask::illuminate: return "Click, or drag over, what it lights from straight above. Esc cancels.";
         case ClickTask::attach: return "Click the object that follows it. Esc cancels.";
+        case ClickTask::takeColour: return "Click where its new colour is seen. Esc cancels.";
         case ClickTask::newPart: return "Click the object that shines. Esc cancels.";
     }
     return "";

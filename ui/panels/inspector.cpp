@@ -44,6 +44,23 @@ void inspectView(Editor& editor, int index) {
              "Draws the mesh's edges over the photograph: they should lie on what they belong to");
 }
 
+namespace {
+
+/// Components that have a triangle; counted once a scene.
+size_t objectsOf(const std::shared_ptr<const Scene>& scene) {
+    static std::weak_ptr<const Scene> counted;
+    static size_t objects = 0;
+    if (counted.lock() != scene) {
+        std::vector<char> met(scene->components, 0);
+        for (const auto& triangle : scene->mesh.triangles) met[scene->component[triangle[0]]] = 1;
+        objects = size_t(std::count(met.begin(), met.end(), 1));
+        counted = scene;
+    }
+    return objects;
+}
+
+}  // namespace
+
 void inspectScene(Editor& editor) {
     const Document& document = editor.state.document;
     if (!document.capture)
@@ -55,7 +72,7 @@ void inspectScene(Editor& editor) {
     if (document.scene) {
         fact("Mesh", fmt::format("{} points, {} triangles", count(document.scene->mesh.vertexCount()),
                                  count(document.scene->mesh.triangles.size())));
-        fact("Components", count(document.scene->components), "Parts of the mesh that do not touch each other");
+        fact("Components", count(objectsOf(document.scene)), "Parts of the mesh that do not touch each other");
     }
     if (document.check) {
         fact("Seen twice", percent(document.check->seenTwiceFraction),

@@ -372,11 +372,12 @@ void inspectEmitter(Editor& editor, const EmitterState& emitter) {
         Icon icon;
         ClickTask task;
         const char* explanation;
-    } tasks[] = {{"Aim", Icon::aim, ClickTask::aim, "Then click the spot the light points at"},
-                 {"Reflect", Icon::mirror, ClickTask::reflect,
-                  "Place by reflection: then click where its reflection is to be seen on a glossy surface"},
-                 {"Light", Icon::spot, ClickTask::illuminate,
-                  "Place by light: then click the spot it lights; it moves straight above it"}};
+    } tasks[] = {
+        {"Aim", Icon::aim, ClickTask::aim, "Then click, or drag over, what the light points at"},
+        {"Reflect", Icon::mirror, ClickTask::reflect,
+         "Place by reflection: then click, or drag over, where its reflection is to be seen on a glossy surface"},
+        {"Light", Icon::spot, ClickTask::illuminate,
+         "Place by light: then click, or drag over, what it lights; it moves straight above it"}};
     const float third = std::floor((ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3);
     for (int k = 0; k < 3; ++k) {
         if (k) ImGui::SameLine();

@@ -54,11 +54,12 @@ void directionDisc(const PointLight& light, float diameter) {
         "blocked or dark. Up in the world is up here.");
 }
 
+/// Where the colour comes from; how sure it is says sigma.
 std::string inWords(float confidence) {
-    return confidence > 0.75f  ? "sure: mostly from its own photographs"
-           : confidence > 0.4f ? "fair: helped by the surfaces around it"
-           : confidence > 0.1f ? "unsure: mostly guessed from the surfaces around it"
-                               : "guessed from the surfaces around it";
+    return confidence > 0.75f  ? "Its colour is mostly its own photographs'."
+           : confidence > 0.4f ? "Its colour is its own photographs' and, in part, that of the surfaces around it."
+           : confidence > 0.1f ? "Its colour is mostly that of the surfaces around it."
+                               : "Its colour is that of the surfaces around it.";
 }
 
 }  // namespace
@@ -140,7 +141,7 @@ void inspectPoint(Editor& editor, const PickedPoint& point) {
             if (const Rgb w = weights[k]; maxChannel(w) > 1e-4f) {
                 const Lobe& lobe = r.basis.lobes[k];
                 const bool common = lobe.kind == Lobe::Kind::ggx || lobe.kind == Lobe::Kind::ggxDielectric;
-                fact(common ? fmt::format("{} {:.2f}", lobe.kind == Lobe::Kind::ggx ? "Metallic" : "Glaze",
+                fact(common ? fmt::format("{}, roughness {:.2f}", lobe.kind == Lobe::Kind::ggx ? "Metal" : "Gloss",
                                           std::sqrt(lobe.alpha))
                             : lobe.name,
                      fmt::format("{:.3f}  {:.3f}  {:.3f}", w.x, w.y, w.z),
@@ -150,9 +151,9 @@ void inspectPoint(Editor& editor, const PickedPoint& point) {
              "Photographs that show this spot");
         if (vertex < r.confidence.size()) {
             bar(double(r.confidence[vertex]), toScreen(confidenceColour(r.confidence[vertex]) * 0.7f),
-                fmt::format("confidence {}", percent(double(r.confidence[vertex]))));
+                fmt::format("{} from its own photographs", percent(double(r.confidence[vertex]))));
             dimWrapped(r.observed[vertex] ? inWords(r.confidence[vertex])
-                                          : "no photograph shows it: guessed from the surfaces around it");
+                                          : "No photograph shows it: its colour is that of the surfaces around it.");
         }
     }
 }

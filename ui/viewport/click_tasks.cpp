@@ -1,6 +1,7 @@
 #include "viewport/click_tasks.h"
 
 #include "viewport/navigation.h"
+#include "viewport/picking.h"
 
 namespace relamp::ui {
 namespace {
@@ -57,6 +58,37 @@ void clickSurface(Editor& editor, const std::optional<PickedPoint>& point, bool 
     editor.pick(point);
 }
 
+bool placesLights(ClickTask task) {
+    return task == ClickTask::aim || task == ClickTask::reflect || task == ClickTask::illuminate;
+}
+
+std::string editLabelOf(ClickTask task) {
+    switch (task) {
+        case ClickTask::aim: return "Aim";
+        case ClickTask::reflect: return "Place by reflection";
+        case ClickTask::illuminate: return "Place by its light";
+        case ClickTask::attach: return "Attach an object to";
+        case ClickTask::takeColour: return "Take the colour for";
+        case ClickTask::newPart: return "Make an object shine";
+        case ClickTask::none: break;
+    }
+    return {};
+}
+
+void placeLights(Look& look, const Editor& editor, ClickTask task, const PickedPoint& point, const EyeView& eye) {
+    const Scene& scene = *editor.state.document.scene;
+    const Estimate& estimate = *editor.estimate();
+    // The side of the surface that is seen.
+    const Vec3 toward = eye.towardEye(point.position);
+    const Vec3 normal = glm::dot(point.normal, toward) < 0 ? -point.normal : point.normal;
+    const Vec3 from = eye.orthographic ? point.position + toward * (2 * sceneExtent(editor).wholeRadius) : eye.position;
+    for (const std::string& id : editor.state.selection.emitters) {
+        if (task == ClickTask::aim) aimEmitter(look, scene, estimate, id, point.position);
+        if (task == ClickTask::reflect) placeByReflection(look, scene, estimate, id, point.position, normal, from);
+        if (task == ClickTask::illuminate) placeByLight(look, scene, estimate, id, point.position, normal);
+    }
+}
+
 bool runClickTask(Editor& editor, const std::optional<PickedPoint>& point, const EyeView& eye) {
     const ClickTask task = editor.state.viewport.clickTask;
     if (task == ClickTask::none) return false;
@@ -68,53 +100,48 @@ bool runClickTask(Editor& editor, const std::optional<PickedPoint>& point, const
     }
     if (!point) return true;  // a miss: still armed
     const std::vector<std::string> ids = editor.state.selection.emitters;
-    const std::string name = editor.namesOf(ids);
-    const auto each = [&](const std::string& label, const std::function<void(Look&, const std::string&)>& change) {
-        if (ids.empty()) return;
-        editor.edit(label + " " + name, [&](Look& look) {
-            for (const std::string& id : ids) change(look, id);
-        });
-    };
     const auto captureVertex = [&]() -> std::optional<uint32_t> {
         uint32_t v = point->vertex;
         if (const auto live = editor.liveFrame(); live && live->origin)
             v = v < live->origin->size() ? (*live->origin)[v] : ~0u;
         return v < scene->mesh.vertexCount() ? std::optional<uint32_t>(v) : std::nullopt;
     };
-    // The side of the surface that is seen.
-    const Vec3 toward = eye.towardEye(point->position);
-    const Vec3 normal = glm::dot(point->normal, toward) < 0 ? -point->normal : point->normal;
     switch (task) {
         case ClickTask::aim:
-            each("Aim",
-                 [&](Look& look, const std::string& id) { aimEmitter(look, *scene, *estimate, id, point->position); });
-            break;
-        case ClickTask::reflect: {
-            const Vec3 from =
-                eye.orthographic ? point->position + toward * (2 * sceneExtent(editor).wholeRadius) : eye.position;
-            each("Place by reflection", [&](Look& look, const std::string& id) {
-                placeByReflection(look, *scene, *estimate, id, point->position, normal, from);
-            });
-            break;
-        }
+        case ClickTask::reflect:
         case ClickTask::illuminate:
-            each("Place by its light", [&](Look& look, const std::string& id) {
-                placeByLight(look, *scene, *estimate, id, point->position, normal);
-            });
+            if (!ids.empty())
+                editor.edit(editLabelOf(task) + " " + editor.namesOf(ids),
+                            [&](Look& look) { placeLights(look, editor, task, *point, eye); });
             break;
         case ClickTask::attach: {
             const auto vertex = captureVertex();
             if (!vertex) return true;
             if (!ids.empty())
-                editor.edit("Attach an object to " + editor.namesOf({ids.back()}),
+                editor.edit(editLabelOf(task) + " " + editor.namesOf({ids.back()}),
                             [&](Look& look) { attachPart(look, *scene, *vertex, ids.back()); });
+            break;
+        }
+        case ClickTask::takeColour: {
+            const auto live = editor.liveFrame();
+            if (!live || point->triangle >= live->mesh->triangles.size()) return true;
+            const Rgb seen = radianceAt(*live, *point);
+            if (!(luminance(seen) > 1e-6f)) {
+                editor.say("It is dark there: no colour to take");
+                return true;
+            }
+            editor.edit(editLabelOf(task) + " " + editor.namesOf(ids), [&](Look& look) {
+                for (const std::string& id : ids)
+                    if (const auto radiance = radianceOf(look, *estimate, id))
+                        setRadiance(look, *estimate, id, seen * (luminance(*radiance) / luminance(seen)));
+            });
             break;
         }
         case ClickTask::newPart: {
             const auto vertex = captureVertex();
             if (!vertex) return true;
             std::string added;
-            editor.edit("Make an object shine", [&](Look& look) {
+            editor.edit(editLabelOf(task), [&](Look& look) {
                 AddedEmitter part;
                 part.shape = EmitterShape::part;
                 part.seedVertex = *vertex;

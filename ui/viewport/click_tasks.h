@@ -12,6 +12,12 @@ std::string emitterOfTriangle(const Editor& editor, uint32_t triangle);
 void selectInViewport(Editor& editor, const std::string& id, bool toggle);
 /// A click on a surface point, or on nothing: selects the emitter there, else picks the point; on nothing clears both.
 void clickSurface(Editor& editor, const std::optional<PickedPoint>& point, bool toggle);
+/// Tasks that place the selected lights by a surface point: a drag is followed as well as a click.
+bool placesLights(ClickTask task);
+/// What the history calls it: "Aim".
+std::string editLabelOf(ClickTask task);
+/// The selected lights as such a task wants them for a point: aimed at it, mirrored in it, or above it.
+void placeLights(Look& look, const Editor& editor, ClickTask task, const PickedPoint& point, const EyeView& eye);
 /// Does the armed task at the point as one edit and disarms it. False when no task is armed.
 bool runClickTask(Editor& editor, const std::optional<PickedPoint>& point, const EyeView& eye);
 

@@ -99,6 +99,21 @@ void Interaction::keys(Editor& editor, const Canvas& canvas, const Vec2& mouse) 
                        GizmoHandle::screen, true, *canvas.eye, mouse, points);
 }
 
+void Interaction::probe(Editor& editor, const Canvas& canvas, const ViewportImage& image, const Vec2& mouse) {
+    std::optional<Rgb>& value = editor.state.probe;
+    const auto live = editor.liveFrame();
+    if (!hovered_ || !live || live->mesh != image.mesh() || !canvas.eye->contains(mouse) ||
+        image.strips().size() != 1 || !infoOf(editor.state.viewport.mode).shows(Paint::model)) {
+        value.reset();
+        probed_.reset();
+        return;
+    }
+    if (mouse == probedAt_ && probed_.lock() == live) return;
+    probedAt_ = mouse;
+    probed_ = live;
+    value = radianceAlong(*live, canvas.eye->rayAt(mouse), image.visible());
+}
+
 void Interaction::press(Editor& editor, const Canvas& canvas, const ViewportImage& image, const Vec2& mouse) {
     pressedAt_ = mouse;
     drag_ = Drag::click;
@@ -117,10 +132,22 @@ void Interaction::press(Editor& editor, const Canvas& canvas, const ViewportImag
     }
     if (const int divider = dividerAt(canvas, image.strips(), mouse); divider >= 0) {
         drag_ = Drag::divider, divider_ = divider;
+    } else if (PlacementDrag::fits(editor) && image.mesh() && canvas.eye->contains(mouse)) {
+        drag_ = Drag::placement;
+        placement_.begin(editor, image.mesh(), image.visible());
     } else if (painting(editor)) {
         drag_ = Drag::stroke;
         stroke_.begin(mouse);
     }
+}
+
+void Interaction::selectBox(Editor& editor, const Canvas& canvas, const Vec2& mouse) const {
+    std::vector<std::string>& selected = editor.state.selection.emitters;
+    const bool adds = input().control || input().shift || ImGui::GetIO().KeyCtrl || ImGui::GetIO().KeyShift;
+    if (!adds) selected.clear();
+    for (const std::string& id : emitterMarksIn(canvas, pressedAt_, mouse))
+        if (!editor.state.selection.has(id)) selected.push_back(id);
+    editor.pick(std::nullopt);
 }
 
 void Interaction::click(Editor& editor, const Canvas& canvas, const ViewportImage& image, const Vec2& mouse) {
@@ -154,6 +181,7 @@ void Interaction::act(Editor& editor, const Canvas& canvas, const ViewportImage&
     }
     keys(editor, canvas, mouse);
     findHovered(editor, canvas, image, mouse);
+    probe(editor, canvas, image, mouse);
     const bool control = input().control || ImGui::GetIO().KeyCtrl, shift = input().shift || ImGui::GetIO().KeyShift;
 
     if (gesture_.running() && gesture_.byKey()) {
@@ -198,10 +226,29 @@ void Interaction::act(Editor& editor, const Canvas& canvas, const ViewportImage&
                 stroke_.end(canvas, shift), drag_ = Drag::none;
             }
             break;
+        case Drag::placement:
+            if (!editor.inGesture()) {
+                // An undo from a menu, another document.
+                placement_.abandon(editor), drag_ = Drag::none;
+            } else if (ImGui::IsMouseClicked(ImGuiMouseButton_Right) || input().pressed == keyEscape) {
+                placement_.abandon(editor), drag_ = Drag::none;
+            } else {
+                placement_.follow(editor, canvas.eye->rayAt(mouse), *canvas.eye);
+                if (!held) placement_.commit(editor), drag_ = Drag::none;
+            }
+            break;
+        case Drag::box:
+            if (ImGui::IsMouseClicked(ImGuiMouseButton_Right) || input().pressed == keyEscape) drag_ = Drag::none;
+            else if (!held) selectBox(editor, canvas, mouse), drag_ = Drag::none;
+            break;
         case Drag::click:
             if (!held) {
-                if (glm::length(mouse - pressedAt_) < 5 * canvas.scale) click(editor, canvas, image, mouse);
+                click(editor, canvas, image, mouse);
                 drag_ = Drag::none;
+            } else if (glm::length(mouse - pressedAt_) >= 5 * canvas.scale) {
+                const bool selects = editor.state.viewport.overlays &&
+                                     editor.state.viewport.clickTask == ClickTask::none && editor.estimate();
+                drag_ = selects ? Drag::box : Drag::none;
             }
             break;
         default: break;
@@ -244,6 +291,10 @@ void Interaction::draw(const Canvas& canvas, const ViewportImage& image) {
     if (overlays) drawAxes(canvas, hovered_ ? mouse : Vec2(-1e6f));
     drawFrustumName(canvas, hoveredView_);
     if ((hovered_ || stroke_.running()) && painting(editor)) stroke_.draw(canvas, mouse);
+    if (drag_ == Drag::box) {
+        canvas.list->AddRectFilled(toIm(pressedAt_), toIm(mouse), IM_COL32(120, 170, 255, 30));
+        canvas.list->AddRect(toIm(pressedAt_), toIm(mouse), IM_COL32(150, 190, 255, 200), 0, 0, canvas.scale);
+    }
     if (gesture_.running()) {
         labelAt(canvas, mouse + Vec2(18, 18) * canvas.scale, gesture_.readout());
         if (const auto pivot = canvas.eye->toScreen(gesture_.state().frame.origin);

@@ -3,6 +3,7 @@
 #pragma once
 #include "viewport/light_stroke.h"
 #include "viewport/overlays.h"
+#include "viewport/placement_drag.h"
 #include "viewport/transform_gesture.h"
 #include "viewport/viewport_image.h"
 
@@ -20,23 +21,30 @@ public:
     void abandon(Editor& editor) { gesture_.abandon(editor); }
 
 private:
-    enum class Drag { none, orbit, pan, handle, divider, click, stroke };
+    enum class Drag { none, orbit, pan, handle, divider, click, box, stroke, placement };
     Drag drag_ = Drag::none;
     int divider_ = -1;
     Vec2 pressedAt_{0};
     TransformGesture gesture_;
     LightStroke stroke_;
+    PlacementDrag placement_;
     GizmoHandle hoveredHandle_ = GizmoHandle::none;
     std::string hoveredEmitter_;
     int hoveredDivider_ = -1, hoveredView_ = -1;
     bool hovered_ = false;
+    Vec2 probedAt_{0};
+    std::weak_ptr<const LiveFrame> probed_;
 
     /// A press begins a stroke of light.
     static bool painting(const Editor& editor);
     std::optional<std::pair<GizmoKind, GizmoFrame>> gizmo(const Editor& editor, const Canvas& canvas) const;
     void keys(Editor& editor, const Canvas& canvas, const Vec2& mouse);
     void findHovered(Editor& editor, const Canvas& canvas, const ViewportImage& image, const Vec2& mouse);
+    /// Radiance of the model under the pointer, per vertex; looked up again when either changes.
+    void probe(Editor& editor, const Canvas& canvas, const ViewportImage& image, const Vec2& mouse);
     void press(Editor& editor, const Canvas& canvas, const ViewportImage& image, const Vec2& mouse);
+    /// Selects the lights between where the drag began and `mouse`.
+    void selectBox(Editor& editor, const Canvas& canvas, const Vec2& mouse) const;
     void click(Editor& editor, const Canvas& canvas, const ViewportImage& image, const Vec2& mouse);
 };
 

@@ -144,6 +144,16 @@ std::string emitterMarkAt(const Canvas& canvas, const Vec2& mouse) {
     return best;
 }
 
+std::vector<std::string> emitterMarksIn(const Canvas& canvas, const Vec2& a, const Vec2& b) {
+    const Vec2 low = glm::min(a, b), high = glm::max(a, b);
+    std::vector<std::string> inside;
+    for (const EmitterState& emitter : canvas.editor->emitters())
+        if (const auto at = canvas.eye->toScreen(emitter.pivot);
+            at && *at == glm::clamp(*at, low, high) && canvas.eye->contains(*at))
+            inside.push_back(emitter.id);
+    return inside;
+}
+
 int frustumAt(const Canvas& canvas, const Vec2& mouse) {
     const auto& capture = canvas.editor->state.document.capture;
     if (!capture || !canvas.editor->state.viewport.frusta || canvas.editor->state.viewport.throughView) return -1;
@@ -305,10 +315,11 @@ void drawPickedPoint(const Canvas& canvas) {
 
 const char* hintOf(ClickTask task) {
     switch (task) {
-        case ClickTask::aim: return "Click the spot the light points at (Esc cancels)";
-        case ClickTask::reflect: return "Click where its reflection is to be seen (Esc cancels)";
-        case ClickTask::illuminate: return "Click the spot it lights (Esc cancels)";
+        case ClickTask::aim: return "Click, or drag over, what the light points at (Esc cancels)";
+        case ClickTask::reflect: return "Click, or drag over, where its reflection is to be seen (Esc cancels)";
+        case ClickTask::illuminate: return "Click, or drag over, what it lights (Esc cancels)";
         case ClickTask::attach: return "Click the object that follows the light (Esc cancels)";
+        case ClickTask::takeColour: return "Click where the light's new colour is seen (Esc cancels)";
         case ClickTask::newPart: return "Click the object that shines (Esc cancels)";
         default: return "";
     }

@@ -29,6 +29,9 @@ void drawEmitterMarks(const Canvas& canvas, const std::string& hovered);
 /// Id of the emitter whose icon is under the mouse; empty: none.
 std::string emitterMarkAt(const Canvas& canvas, const Vec2& mouse);
 
+/// Ids of the emitters whose icons lie inside the rectangle.
+std::vector<std::string> emitterMarksIn(const Canvas& canvas, const Vec2& a, const Vec2& b);
+
 /// Photograph whose camera is under the mouse; -1: none.
 int frustumAt(const Canvas& canvas, const Vec2& mouse);
 void drawFrustumName(const Canvas& canvas, int view);

@@ -70,6 +70,19 @@ std::optional<PickedPoint> pickSurface(const Mesh& mesh, const Ray& ray, std::sp
     return point;
 }
 
+Rgb radianceAt(const LiveFrame& frame, const PickedPoint& point) {
+    const auto& corners = frame.mesh->triangles[point.triangle];
+    const Vec2 b = point.barycentric;
+    return (1 - b.x - b.y) * frame.radiance[corners[0]] + b.x * frame.radiance[corners[1]] +
+           b.y * frame.radiance[corners[2]];
+}
+
+std::optional<Rgb> radianceAlong(const LiveFrame& frame, const Ray& ray, std::span<const uint8_t> visible) {
+    const std::optional<PickedPoint> point = pickSurface(*frame.mesh, ray, visible);
+    if (!point) return std::nullopt;
+    return radianceAt(frame, *point);
+}
+
 std::vector<uint8_t> visibleTriangles(const Mesh& mesh, const std::vector<uint32_t>* origin, const Scene& scene,
                                       const std::set<uint32_t>& hiddenComponents) {
     if (hiddenComponents.empty()) return {};

@@ -36,6 +36,16 @@ TEST(Picking, TakesTheNearestSurfaceWithItsNearestCorner) {
     EXPECT_FALSE(pickSurface(mesh, {{2, 2, 5}, {0, 0, -1}}));
 }
 
+TEST(Picking, RadianceIsLinearBetweenTheVertices) {
+    LiveFrame frame;
+    frame.mesh = std::make_shared<const Mesh>(twoFloors());
+    for (const Vec3& p : frame.mesh->positions) frame.radiance.push_back(Rgb(p.x, 2 * p.y, p.z));
+    const auto value = radianceAlong(frame, {{0.6f, 0.3f, 5}, {0, 0, -1}});
+    ASSERT_TRUE(value);
+    EXPECT_LT(glm::distance(*value, Rgb(0.6f, 0.6f, 1)), 1e-5f);
+    EXPECT_FALSE(radianceAlong(frame, {{2, 2, 5}, {0, 0, -1}}));
+}
+
 TEST(Picking, HiddenComponentsLetTheRayThrough) {
     Progress progress;
     const Scene scene = buildScene(twoFloors(), progress);
