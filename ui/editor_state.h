@@ -12,6 +12,7 @@
 
 #include "base/log.h"
 #include "capture/check.h"
+#include "display/scope.h"
 #include "edit/light_brush.h"
 #include "radiance/samples.h"
 #include "relight/live/live_scene.h"
@@ -204,6 +205,8 @@ struct CopiedLights {
     std::vector<AddedEmitter> lights;
 };
 
+inline constexpr int scopeTab = 5;  ///< of the bottom panel
+
 /// Which panels and dialogs are open.
 struct PanelState {
     bool hidden = false;           ///< the viewport alone
@@ -215,6 +218,7 @@ struct PanelState {
     bool openBrowser = false, saveBrowser = false, environmentBrowser = false, solveSettings = false;
     bool renameLight = false;  ///< asks the inspector to put the cursor into the active light's name
     int bottomTab = 0;
+    bool scopeShown() const { return bottomTab == scopeTab && !bottomFolded && !hidden; }
     float leftWidth = 300, rightWidth = 320, bottomHeight = 190;  ///< pixels at scale 1
 };
 
@@ -233,10 +237,11 @@ struct EditorState {
     std::optional<MissingQuestion> missing;
     std::array<std::optional<LookSnapshot>, 3> snapshots;  ///< A, B, C
     CopiedLights copied;
-    std::string message;       ///< what has just been done, shown for a while in the status bar
-    uint64_t messages = 0;     ///< how many there were
-    std::optional<Rgb> probe;  ///< radiance under the pointer, where the present light is shown
-    std::string keyHints;      ///< keys that mean something at this moment, for the status bar
+    std::string message;                 ///< what has just been done, shown for a while in the status bar
+    uint64_t messages = 0;               ///< how many there were
+    std::shared_ptr<const Scope> scope;  ///< of the image; kept up while it is shown
+    std::optional<Rgb> probe;            ///< radiance under the pointer, where the present light is shown
+    std::string keyHints;                ///< keys that mean something at this moment, for the status bar
     bool fullScreen = false;
     UnobservedSearch unobservedSearch;
     std::weak_ptr<const Estimate> bannerClosedFor;  ///< the estimate whose quality banner the user has closed

@@ -94,6 +94,7 @@ bool measure(const Capture& capture, const RadianceSamples& samples, const std::
     emitter.evidence.clippedFraction /= float(emitter.evidence.samples);
     const float middle = medianOf(brightness);
     std::vector<float> off;
+    off.reserve(brightness.size());
     for (float b : brightness) off.push_back(std::abs(b / std::max(middle, 1e-20f) - 1));
     emitter.evidence.viewSpread = medianOf(off);
     emitter.evidence.viewsAgree = true;

@@ -235,6 +235,7 @@ std::vector<std::vector<Rgb>> denoisedLight(const SurfaceGuide& guide, const std
         light.push_back(&groups[g]);
     }
     std::vector<const std::vector<Rgb>*> variance;
+    variance.reserve(variances.size());
     for (const auto& v : variances) variance.push_back(&v);
     const size_t across = (w + tileSide - 1) / tileSide, down = size_t(rows + tileSide - 1) / tileSide;
     parallelFor(across * down, 1, [&](size_t tile) {

@@ -17,15 +17,17 @@ void drawBottomPanel(Editor& editor) {
         const char* explanation;
         void (*draw)(Editor&);
     };
-    const Tab tabs[] = {
+    constexpr Tab tabs[] = {
         {"Progress", "Error against run time of the estimate", drawTimelinePanel},
         {"Lights", "All lights with colour, power and evidence", drawEmittersPanel},
         {"Log", "What has happened so far", drawLogPanel},
         {"History", "Every edit by name; a click goes there", drawHistoryPanel},
-        {"Solve details", "What the estimate does, what it leaves out and why, with times", drawPlanPanel}};
+        {"Solve details", "What the estimate does, what it leaves out and why, with times", drawPlanPanel},
+        {"Scope", "Waveform and histogram of the image", drawScopePanel}};
+    static_assert(std::size(tabs) == scopeTab + 1);
     const int asked = wanted;
     const bool fromOutside = asked != shownTab;
-    for (int i = 0; i < 5; ++i) {
+    for (int i = 0; i < int(std::size(tabs)); ++i) {
         const bool open =
             ImGui::BeginTabItem(tabs[i].label, nullptr, fromOutside && asked == i ? ImGuiTabItemFlags_SetSelected : 0);
         noteItem(std::string("tab ") + tabs[i].label);

@@ -14,7 +14,7 @@ void drawScenePanel(Editor& editor);
 /// Right column: what is selected, else the scene in figures.
 void drawInspectorPanel(Editor& editor);
 /// Bottom: timeline, emitters, log and history as tabs, and the plan of the estimate; state.panels.bottomTab is the tab
-/// shown, 0 to 4, and may be set from outside.
+/// shown, and may be set from outside.
 void drawBottomPanel(Editor& editor);
 /// What is left of it when it is folded: its tabs.
 float bottomPanelFoldedHeight();
@@ -48,7 +48,8 @@ void drawUnobservedLights(Editor& editor);
 void drawTimelinePanel(Editor& editor);
 void drawLogPanel(Editor& editor);
 void drawHistoryPanel(Editor& editor);
-void drawPlanPanel(Editor& editor);  ///< what an estimate does and leaves out
+void drawPlanPanel(Editor& editor);   ///< what an estimate does and leaves out
+void drawScopePanel(Editor& editor);  ///< waveform and histogram
 
 /// Every dialog that the state asks for: notices, unsaved work, recovery, file browsers, export, keys, about, command
 /// palette, import doctor. Called once a frame outside other windows, after all panels. Also closes drags whose control

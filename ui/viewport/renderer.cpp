@@ -277,12 +277,17 @@ void Renderer::draw(const ImageJob& job, int sample) {
 std::vector<uint8_t> Renderer::readBack(int& width, int& height) {
     GlTarget& target = averaged_ ? average_ : screen_;
     width = target.width, height = target.height;
-    std::vector<uint8_t> pixels(size_t(width) * size_t(height) * 4), turned(pixels.size());
-    glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer.id());
+    const size_t row = size_t(width) * 4, bytes = row * size_t(height);
+    std::vector<uint8_t> pixels(bytes), covered(bytes), turned(bytes);
     glPixelStorei(GL_PACK_ALIGNMENT, 4);
-    glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
+    const auto read = [&](GlTarget& from, std::vector<uint8_t>& to) {
+        glBindFramebuffer(GL_FRAMEBUFFER, from.framebuffer.id());
+        glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, to.data());
+    };
+    read(target, pixels);
+    read(scene_, covered);
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
-    const size_t row = size_t(width) * 4;
+    for (size_t i = 3; i < bytes; i += 4) pixels[i] = covered[i];
     for (size_t y = 0; y < size_t(height); ++y)
         std::copy_n(pixels.begin() + ptrdiff_t((size_t(height) - 1 - y) * row), row,
                     turned.begin() + ptrdiff_t(y * row));

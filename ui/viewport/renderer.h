@@ -53,7 +53,7 @@ public:
     void draw(const ImageJob& job, int sample);
     /// The finished image, bottom row first.
     GLuint texture() { return averaged_ ? average_.colour.id() : screen_.colour.id(); }
-    /// Reads the finished image back, top row first (tests, screenshots).
+    /// Reads the finished image back, top row first (tests, screenshots, scope); alpha is what of a pixel is covered.
     std::vector<uint8_t> readBack(int& width, int& height);
     static constexpr int samplesAtRest = 6;
 

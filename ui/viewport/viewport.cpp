@@ -76,6 +76,11 @@ void Viewport::Impl::draw(Editor& editor) {
         editor.setEye(eye.camera, eye.orthographic);
         image.update(editor, eye, canvas.scale * pixelsPerPoint.y);
         drawMs = image.drawMs();
+        if (editor.state.panels.scopeShown() && (drawMs > 0 || !editor.state.scope)) {
+            int width = 0, height = 0;
+            const std::vector<uint8_t> pixels = image.renderer().readBack(width, height);
+            editor.state.scope = std::make_shared<const Scope>(scopeOf(pixels, width, height));
+        }
         // Not while something moves: the next change starts anew.
         if (!image.settled()) stayAwake();
         canvas.list->AddRectFilled(at, {at.x + area.x, at.y + area.y}, IM_COL32(24, 24, 24, 255));

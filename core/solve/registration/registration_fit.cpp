@@ -154,6 +154,7 @@ std::vector<PairResidual> RegistrationFit::residualsOf(const PlacePair& pair, bo
         found.resize(mostViews);
     }
     std::vector<double> values;
+    values.reserve(found.size());
     for (const PairResidual& r : found) values.push_back(r.value);
     const double middle = meanMedianOf(std::move(values));
     double sum = 0, weights = 0;

@@ -181,13 +181,30 @@ TEST(BottomPanel, aClickOnATabShowsIt) {
     p.windowSize(1000, 300);
     p.frame([&] { drawBottomPanel(*p.editor); });
     p.frames(3);
-    for (const int wanted : {1, 3, 0, 2, 4}) {
-        const char* const names[] = {"Progress", "Lights", "Log", "History", "Solve details"};
+    for (const int wanted : {1, 3, 5, 0, 2, 4}) {
+        const char* const names[] = {"Progress", "Lights", "Log", "History", "Solve details", "Scope"};
         const auto at = p.find(Panels::idOf("test", {"##bottom", names[wanted]}));
         ASSERT_TRUE(at) << names[wanted];
         p.click(*at);
         p.frames(3);
         EXPECT_EQ(p.editor->state.panels.bottomTab, wanted);
+        EXPECT_EQ(p.editor->state.panels.scopeShown(), wanted == scopeTab);
+    }
+}
+
+TEST(ScopePanel, drawsWhatTheImageHolds) {
+    Panels p;
+    std::vector<uint8_t> pixels(size_t(4) * 64 * 64, 128);
+    p.windowSize(800, 200);
+    p.frame([&] { drawScopePanel(*p.editor); });
+    const int before = ImGui::GetDrawData()->TotalVtxCount;
+    p.editor->state.scope = std::make_shared<const Scope>(scopeOf(pixels, 64, 64));
+    p.frames(2);
+    // A rectangle for each column at least.
+    EXPECT_GT(ImGui::GetDrawData()->TotalVtxCount, before + 4 * 64);
+    for (const float width : {60.0f, 200.0f}) {
+        p.windowSize(width, 60);
+        p.frames(2);
     }
 }
 
