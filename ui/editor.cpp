@@ -253,6 +253,7 @@ void Editor::Impl::pollImage() {
         request.cacheFolder = options.cacheFolder;
         request.restImage = eye.width > 0 && eye.height > 0 && infoOf(self.state.viewport.mode).restImage &&
                             !history.inGesture() && !job;
+        request.dragging = history.inGesture();
         if (self.state.selection.point) {
             request.pickSerial = pickSerial;
             request.pickTriangle = self.state.selection.point->triangle;
@@ -300,6 +301,8 @@ void Editor::Impl::pollImage() {
 // ---- once a frame
 
 bool Editor::busy() const { return impl_->job || impl_->saving || refining(); }
+
+void Editor::requestImage() { impl_->pollImage(); }
 
 void Editor::poll() {
     {

@@ -121,6 +121,8 @@ public:
 
     // ---- once a frame
     void poll();
+    /// Asks for the image of what the state is now, without waiting for the next poll.
+    void requestImage();
     /// Autosave at once, whatever the clock says; the window calls it before it goes away by force.
     void autosave();
     /// Something is going on that the window should show without waiting for input.

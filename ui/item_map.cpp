@@ -39,7 +39,10 @@ void noteItem(const std::string& name) {
 
 void writeItemMap(const Editor& editor) {
     if (!itemMapOn()) return;
-    static uint64_t frame = 0;
+    static uint64_t frame = 0, liveMeshes = 0;
+    static std::weak_ptr<const Mesh> lastMesh;
+    if (const auto live = editor.liveFrame(); live && live->mesh != lastMesh.lock())
+        lastMesh = live->mesh, ++liveMeshes;
     const EditorState& state = editor.state;
     Json document{{"frame", ++frame},
                   {"items", std::move(items())},
@@ -49,6 +52,7 @@ void writeItemMap(const Editor& editor) {
                   {"stage", editor.job() ? editor.job()->stage : ""},
                   {"busy", editor.busy()},
                   {"live", editor.liveFrame() != nullptr},
+                  {"live_meshes", liveMeshes},  // how often a moved light has been shown
                   {"refined", editor.liveFrame() && editor.liveFrame()->refined},
                   {"rest", editor.restFrame() != nullptr},
                   {"gesture", editor.inGesture()},

@@ -22,6 +22,7 @@ struct RelightRequest {
     bool orthographic = false;
     std::filesystem::path cacheFolder;  ///< of baked transport; empty: none
     bool restImage = false;             ///< per-pixel image once nothing moves
+    bool dragging = false;              ///< the next step is near: no more is done than is looked at
     uint64_t pickSerial = 0;            ///< a new number asks about a new point
     uint32_t pickTriangle = 0;
     Vec2 pickBarycentric{0};
@@ -41,6 +42,7 @@ public:
     /// Drops everything that belongs to the open document.
     void clear();
 
+    /// The latest image. In a drag the next one is made when this one was taken.
     std::shared_ptr<const LiveFrame> frame() const;
     std::shared_ptr<const Frame> restFrame() const;
     /// The answer to the pick with this serial, once.
@@ -54,7 +56,7 @@ public:
 
 private:
     mutable std::mutex mutex_;
-    std::condition_variable_any changed_;
+    mutable std::condition_variable_any changed_;
     std::function<void()> wake_;
     std::function<std::shared_ptr<TransportDevice>()> makeDevice_;
     bool forceDevice_;
@@ -63,6 +65,7 @@ private:
     std::shared_ptr<Progress> running_;  ///< of the step in work, so that a new request can end it
     bool runningIsRest_ = false;
     std::shared_ptr<const LiveFrame> frame_;
+    mutable bool taken_ = true;  ///< frame_ was
     std::shared_ptr<const Frame> rest_;
     std::optional<PointLight> pointLight_;
     uint64_t answered_ = 0;
@@ -76,6 +79,8 @@ private:
     void run(std::stop_token stop);
     /// Hands out what `live` shows of `request`, unless another scene was asked for meanwhile.
     void publish(const LiveScene& live, const RelightRequest& request, uint64_t serial, bool refined);
+    /// So that the window's drawing has the processors. True when there is a newer request, or the end.
+    bool waitUntilTaken(uint64_t serial, const std::stop_token& stop);
     void renderAtRest(const RelightRequest& request, uint64_t serial, const std::stop_token& stop);
 };
 

@@ -74,6 +74,7 @@ void Viewport::Impl::draw(Editor& editor) {
     double drawMs = 0;
     if (editor.state.document.scene) {
         editor.setEye(eye.camera, eye.orthographic);
+        editor.requestImage();  // work on what the hand has just changed goes on while this frame is drawn
         image.update(editor, eye, canvas.scale * pixelsPerPoint.y);
         drawMs = image.drawMs();
         if (editor.state.panels.scopeShown() && (drawMs > 0 || !editor.state.scope)) {
@@ -82,7 +83,7 @@ void Viewport::Impl::draw(Editor& editor) {
             editor.state.scope = std::make_shared<const Scope>(scopeOf(pixels, width, height));
         }
         // Not while something moves: the next change starts anew.
-        if (!image.settled()) stayAwake();
+        if (!image.settled() && !editor.inGesture()) stayAwake();
         canvas.list->AddRectFilled(at, {at.x + area.x, at.y + area.y}, IM_COL32(24, 24, 24, 255));
         canvas.list->AddImage(textureId(image.texture()), toIm(eye.corner), toIm(eye.corner + eye.size), {0, 1},
                               {1, 0});

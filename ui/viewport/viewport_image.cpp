@@ -80,7 +80,8 @@ void ViewportImage::update(Editor& editor, const EyeView& eye, float pixelsPerPo
     drawMs_ = 0;
     Key key = keyOf(editor, eye, pixelsPerPoint);
     if (sample_ >= 0 && key == key_) {
-        if (settled()) return;
+        // Smoothing waits for the end of a drag: the next step would wait for it.
+        if (settled() || editor.inGesture()) return;
         ++sample_;
     } else {
         key_ = std::move(key);
