@@ -302,6 +302,8 @@ void Editor::Impl::pollImage() {
 
 bool Editor::busy() const { return impl_->job || impl_->saving || refining(); }
 
+const std::filesystem::path& Editor::configFolder() const { return impl_->options.configFolder; }
+
 void Editor::requestImage() { impl_->pollImage(); }
 
 void Editor::poll() {

@@ -119,6 +119,8 @@ public:
     /// The estimate was made with other settings than state.solve now has.
     bool stale() const;
 
+    const std::filesystem::path& configFolder() const;
+
     // ---- once a frame
     void poll();
     /// Asks for the image of what the state is now, without waiting for the next poll.

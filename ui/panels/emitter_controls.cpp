@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "item_map.h"
+#include "panels/light_presets.h"
 #include "widgets.h"
 
 namespace relamp::ui {
@@ -399,6 +400,10 @@ void emitterMenu(Editor& editor, const std::string& id) {
         ImGui::EndMenu();
     }
     if (item("Duplicate", "Makes a copy beside it")) duplicateEmitters(editor, targets);
+    if (item("Save as preset", "Keeps it for every shot: Add light has it then, under its name")) {
+        if (!editor.state.selection.has(id)) selectEmitter(editor, id, false, false);
+        saveLightPreset(editor);
+    }
     if (item(emitter->recovered ? "Switch off" : "Delete",
              emitter->recovered ? "Switches it off: its geometry is part of the capture and stays" : "Removes it"))
         deleteEmitters(editor, targets);
@@ -455,6 +460,7 @@ void addEmitterButton(Editor& editor, float width) {
             if (info.own()) addNewEmitter(editor, info.shape);
             else editor.state.viewport.clickTask = ClickTask::newPart;
         }
+        lightPresetItems(editor);
         ImGui::EndPopup();
     }
 }

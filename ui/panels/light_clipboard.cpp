@@ -24,9 +24,9 @@ AddedEmitter diskFor(const Editor& editor, const EmitterState& emitter) {
 
 }  // namespace
 
-void copyLights(Editor& editor) {
-    CopiedLights copied;
-    for (const std::string& id : editor.state.selection.emitters) {
+std::vector<AddedEmitter> asAddedLights(const Editor& editor, const std::vector<std::string>& ids) {
+    std::vector<AddedEmitter> lights;
+    for (const std::string& id : ids) {
         const EmitterState* emitter = editor.emitter(id);
         if (!emitter) continue;
         AddedEmitter light;
@@ -37,10 +37,15 @@ void copyLights(Editor& editor) {
         light.enabled = emitter->enabled;
         light.shadows = emitter->shadows;
         light.name.clear();
-        copied.lights.push_back(light);
+        lights.push_back(light);
     }
-    if (copied.lights.empty()) return;
-    editor.state.copied = std::move(copied);
+    return lights;
+}
+
+void copyLights(Editor& editor) {
+    std::vector<AddedEmitter> lights = asAddedLights(editor, editor.state.selection.emitters);
+    if (lights.empty()) return;
+    editor.state.copied.lights = std::move(lights);
     editor.say("Copied " + lightsOf(editor.state.copied.lights.size()));
 }
 

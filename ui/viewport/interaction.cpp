@@ -102,8 +102,9 @@ void Interaction::keys(Editor& editor, const Canvas& canvas, const Vec2& mouse) 
 void Interaction::probe(Editor& editor, const Canvas& canvas, const ViewportImage& image, const Vec2& mouse) {
     std::optional<Rgb>& value = editor.state.probe;
     const auto live = editor.liveFrame();
-    if (!hovered_ || !live || live->mesh != image.mesh() || !canvas.eye->contains(mouse) ||
-        image.strips().size() != 1 || !infoOf(editor.state.viewport.mode).shows(Paint::model)) {
+    if (!hovered_ || drag_ != Drag::none || gesture_.running() || !live || live->mesh != image.mesh() ||
+        !canvas.eye->contains(mouse) || image.strips().size() != 1 ||
+        !infoOf(editor.state.viewport.mode).shows(Paint::model)) {
         value.reset();
         probed_.reset();
         return;
@@ -238,7 +239,7 @@ void Interaction::act(Editor& editor, const Canvas& canvas, const ViewportImage&
             }
             break;
         case Drag::box:
-            if (ImGui::IsMouseClicked(ImGuiMouseButton_Right) || input().pressed == keyEscape) drag_ = Drag::none;
+            if (ImGui::IsMouseClicked(ImGuiMouseButton_Right)) drag_ = Drag::none;
             else if (!held) selectBox(editor, canvas, mouse), drag_ = Drag::none;
             break;
         case Drag::click:
