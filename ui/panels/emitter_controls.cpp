@@ -356,19 +356,6 @@ void armClick(Editor& editor, ClickTask task) {
     editor.state.viewport.clickTask = editor.state.viewport.clickTask == task ? ClickTask::none : task;
 }
 
-const char* clickHint(ClickTask task) {
-    switch (task) {
-        case ClickTask::none: return "";
-        case ClickTask::aim: return "Click, or drag over, what the light points at. Esc cancels.";
-        case ClickTask::reflect: return "Click, or drag over, where its reflection is to be seen. Esc cancels.";
-        case ClickTask::illuminate: return "Click, or drag over, what it lights from straight above. Esc cancels.";
-        case ClickTask::attach: return "Click the object that follows it. Esc cancels.";
-        case ClickTask::takeColour: return "Click where its new colour is seen. Esc cancels.";
-        case ClickTask::newPart: return "Click the object that shines. Esc cancels.";
-    }
-    return "";
-}
-
 void emitterMenu(Editor& editor, const std::string& id) {
     const auto targets = targetsOf(editor, id);
     const EmitterState* emitter = editor.emitter(id);

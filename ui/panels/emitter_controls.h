@@ -48,9 +48,8 @@ enum class TransformPart { position, rotation, scale };
 void clearTransform(Editor& editor, const std::vector<std::string>& ids, TransformPart part);
 void duplicateEmitters(Editor& editor, const std::vector<std::string>& ids);
 void deleteEmitters(Editor& editor, const std::vector<std::string>& ids);
-/// A button's click task for the viewport, and what to click then, in words.
+/// A button's click task for the viewport; pressed again it disarms.
 void armClick(Editor& editor, ClickTask task);
-const char* clickHint(ClickTask task);
 
 /// "8 views, 1 240 observations"; empty for added ones.
 std::string evidenceInShort(const Editor& editor, const EmitterState& emitter);

@@ -3,6 +3,7 @@
 #include "item_map.h"
 #include "panels/emitter_controls.h"
 #include "panels/panels.h"
+#include "viewport/overlays.h"
 #include "widgets.h"
 
 namespace relamp::ui {
@@ -172,7 +173,7 @@ void drawEmittersPanel(Editor& editor) {
     }
     if (editor.state.selection.emitters.size() > 1)
         dimWrapped(fmt::format("{} selected: an edit goes to all of them.", editor.state.selection.emitters.size()));
-    if (editor.state.viewport.clickTask == ClickTask::newPart) dimWrapped(clickHint(ClickTask::newPart));
+    if (editor.state.viewport.clickTask == ClickTask::newPart) dimWrapped(hintOf(ClickTask::newPart));
 }
 
 }  // namespace relamp::ui

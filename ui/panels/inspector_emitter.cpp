@@ -4,6 +4,7 @@
 #include "display/vertex_images.h"
 #include "panels/emitter_controls.h"
 #include "panels/inspector.h"
+#include "viewport/overlays.h"
 #include "widgets.h"
 
 namespace relamp::ui {
@@ -384,7 +385,7 @@ void inspectEmitter(Editor& editor, const EmitterState& emitter) {
         if (iconTextButton(tasks[k].label, tasks[k].icon, tasks[k].explanation, armed == tasks[k].task, third))
             armClick(editor, tasks[k].task);
     }
-    if (armed != ClickTask::none) dimWrapped(clickHint(armed));
+    if (armed != ClickTask::none) dimWrapped(hintOf(armed));
 
     if (section("Light", "Exposure and colour")) light(editor, emitter, targets);
     inspectBeam(editor, emitter);

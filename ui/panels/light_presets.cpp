@@ -95,8 +95,11 @@ void lightPresetItems(Editor& editor) {
         return pressed;
     };
     ImGui::Separator();
+    // A preset may be called as a shape is.
+    ImGui::PushID("presets");
     for (const std::string& name : presets)
         if (item(name, "A light you have kept: Save as preset, in a light's menu")) addLightPreset(editor, name);
+    ImGui::PopID();
     if (!ImGui::BeginMenu("Delete a preset")) return;
     for (const std::string& name : presets)
         if (item(name, "Lights in shots stay")) deleteLightPreset(editor, name);

@@ -52,7 +52,7 @@ void drawLegend(const Canvas& canvas);
 /// A calm sentence in the middle: nothing is open.
 void drawEmpty(const Canvas& canvas);
 void drawPickedPoint(const Canvas& canvas);
-/// What the armed click will do, beside the mouse.
+/// What the armed click will do, in words: beside the mouse, in the inspector and in the status bar.
 const char* hintOf(ClickTask task);
 
 void drawGizmo(const Canvas& canvas, GizmoKind kind, const GizmoFrame& frame, GizmoHandle active);
