@@ -142,6 +142,44 @@ CLI::App* addSolve(CLI::App& app, CommandLine& line) {
     return verb;
 }
 
+void addPlateOptions(CLI::App& verb, RenderArguments& a) {
+    CLI::Option* plate =
+        verb.add_option("--plate", a.plate, "Relight a plate that a moving camera took: plate.####.exr, or one image");
+    CLI::Option* camera = verb.add_option(
+        "--plate-camera", a.plateCamera,
+        "Its tracked camera: .chan, .usda (FILE#NAME), transforms.json, or the folder of a COLMAP model");
+    plate->needs(camera);
+    camera->needs(plate);
+    verb.add_option("--plate-camera-offset", a.plateOffset, "The track's frame N is the plate's N + this")
+        ->check(CLI::Range(-1'000'000'000, 1'000'000'000))
+        ->needs(plate);
+    verb.add_option("--plate-lens", a.plateLens,
+                    "Lens and distortion with the keys of transforms.json, not the track's")
+        ->needs(plate);
+    verb.add_option("--plate-rotation", a.plateRotation, "Rotation order of a .chan file")
+        ->check(CLI::IsMember({"XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"}))
+        ->capture_default_str()
+        ->needs(plate);
+    verb.add_option("--plate-curve", a.plateCurve,
+                    "Transfer curve of the plate's values; auto: linear for floating point, sRGB for integers")
+        ->check(CLI::IsMember({"auto", "linear", "srgb", "rec709", "gamma22", "gamma24"}))
+        ->capture_default_str()
+        ->needs(plate);
+    verb.add_option(
+            "--plate-match", a.plateMatch,
+            "Gain and white balance against the capture: auto (a frame's own where they change), shot, frames, off")
+        ->check(CLI::IsMember({"auto", "shot", "frames", "off"}))
+        ->capture_default_str()
+        ->needs(plate);
+    CLI::Option* matte =
+        verb.add_option("--matte", a.matte, "What the capture does not hold is white: matte.####.exr")->needs(plate);
+    verb.add_option("--matte-light", a.matteLight,
+                    "What is held out stays (keep), or takes the light at its place (relight)")
+        ->check(CLI::IsMember({"keep", "relight"}))
+        ->capture_default_str()
+        ->needs(matte);
+}
+
 CLI::App* addRender(CLI::App& app, CommandLine& line) {
     CLI::App* verb = app.add_subcommand("render", "Relit frames");
     verb->add_option("shot", line.render.shot, "Shot folder")->required();
@@ -181,6 +219,7 @@ CLI::App* addRender(CLI::App& app, CommandLine& line) {
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
     verb->add_flag("--skip-existing", line.render.skipExisting, "Leave frames that exist");
+    addPlateOptions(*verb, line.render);
     return verb;
 }
 

@@ -43,6 +43,9 @@ struct RenderArguments {
     int samples = 0, threads = 0;
     uint64_t seed = 1;
     bool skipExisting = false, multipart = false;
+    fs::path plate, plateCamera, plateLens, matte;
+    std::string plateCurve = "auto", plateMatch = "auto", plateRotation = "ZXY", matteLight = "keep";
+    int plateOffset = 0;
 };
 
 struct ExportArguments {
@@ -87,6 +90,8 @@ int check(const fs::path& capture, const CaptureFix& fix, bool json, Progress& p
 PipelineOptions pipelineOptions(const SolveArguments& arguments);
 int solve(const SolveArguments& arguments, Progress& progress);
 int render(const RenderArguments& arguments, Progress& progress);
+/// The same of a plate; called by render().
+int renderPlate(const RenderArguments& arguments, Progress& progress);
 int exportShot(const ExportArguments& arguments, Progress& progress);
 int paint(const PaintArguments& arguments, Progress& progress);
 int compare(const CompareArguments& arguments, Progress& progress);

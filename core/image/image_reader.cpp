@@ -234,8 +234,9 @@ void readBands(OIIO::ImageInput& input, const fs::path& file, int first, int end
     }
 }
 
-/// Counts and empties samples that are no radiance. Slightly negative ones come from lossy compression.
-void setRight(Image& image, ImageReport& report) {
+/// Counts and empties samples that are no radiance; negative ones are counted, and stay where `keepNegative` says so.
+/// Slightly negative ones come from lossy compression.
+void setRight(Image& image, ImageReport& report, bool keepNegative) {
     const auto spoil = [&](size_t i) {
         image.pixels[i] = Rgb(0);
         if (image.usable.empty()) image.usable.assign(image.pixels.size(), 1);
@@ -251,9 +252,73 @@ void setRight(Image& image, ImageReport& report) {
             spoil(i);
         } else if (c.x < 0 || c.y < 0 || c.z < 0) {
             ++report.negative;
-            spoil(i);
+            if (!keepNegative) spoil(i);
         }
     }
+}
+
+Image readPixels(const fs::path& file, ImageReport* report, bool dataFile, size_t maxPixels,
+                 const std::function<void()>& between, bool asTheyStand) {
+    auto input = openImage(file);
+    checkJpegEnd(file);
+    const OIIO::ImageSpec spec = input->spec();
+    const std::pair<int, int> whole = imageSize(spec);
+    const int width = whole.first, height = whole.second;
+    for (const size_t pixels : {size_t(width) * height, size_t(spec.width) * spec.height})
+        if (pixels > maxPixels) throw Error("{}: has {} pixels, expected at most {}", file.string(), pixels, maxPixels);
+
+    const ChannelChoice choice = chooseChannels(*input, file);
+    int first = std::min({choice.r, choice.g, choice.b}), last = std::max({choice.r, choice.g, choice.b});
+    if (choice.alpha >= 0) first = std::min(first, choice.alpha), last = std::max(last, choice.alpha);
+    if (last - first >= 8)
+        first = std::min({choice.r, choice.g, choice.b}), last = std::max({choice.r, choice.g, choice.b});
+    const bool hasAlpha = choice.alpha >= first && choice.alpha <= last;
+    const size_t channels = size_t(last - first) + 1;
+
+    ImageReport found;
+    found.integer = spec.format.basetype != OIIO::TypeDesc::FLOAT && spec.format.basetype != OIIO::TypeDesc::HALF &&
+                    spec.format.basetype != OIIO::TypeDesc::DOUBLE;
+    const Transfer transfer = dataFile ? Transfer{} : transferOf(spec, found.integer);
+    found.clipLevel = found.integer ? decode(transfer, 1.0f) : 0.0f;
+    const auto matrix = dataFile ? std::nullopt : primariesMatrix(spec, file);
+    // 8-bit curves are looked up because most photographs are 8-bit.
+    std::vector<float> table;
+    if (transfer.curve != Curve::linear && spec.format.basetype == OIIO::TypeDesc::UINT8)
+        for (int i = 0; i < 256; ++i) table.push_back(decode(transfer, float(i) / 255));
+    const auto linear = [&](float value) {
+        if (!table.empty()) return table[size_t(std::clamp(std::lround(value * 255), 0l, 255l))];
+        return decode(transfer, value);
+    };
+
+    Image image(width, height);
+    const int left = spec.x - spec.full_x, top = spec.y - spec.full_y;
+    const bool cropped = left > 0 || top > 0 || left + spec.width < width || top + spec.height < height;
+    if (cropped && !asTheyStand) image.usable.assign(image.pixels.size(), 0);
+    readBands<float>(*input, file, first, last + 1, floatType, between,
+                     [&](int row, int count, const std::vector<float>& samples) {
+                         for (int y = row; y < row + count; ++y) {
+                             const int toY = y + top;
+                             if (toY < 0 || toY >= height) continue;
+                             for (int x = 0; x < spec.width; ++x) {
+                                 const int toX = x + left;
+                                 if (toX < 0 || toX >= width) continue;
+                                 const float* sample = &samples[(size_t(y - row) * spec.width + x) * channels];
+                                 const size_t i = size_t(toY) * width + toX;
+                                 Rgb colour(linear(sample[choice.r - first]), linear(sample[choice.g - first]),
+                                            linear(sample[choice.b - first]));
+                                 image.pixels[i] = matrix ? *matrix * colour : colour;
+                                 if (!image.usable.empty() && cropped) image.usable[i] = 1;
+                                 if (!asTheyStand && hasAlpha && sample[choice.alpha - first] < 0.5f) {
+                                     if (image.usable.empty()) image.usable.assign(image.pixels.size(), 1);
+                                     image.usable[i] = 0;
+                                     ++found.transparent;
+                                 }
+                             }
+                         }
+                     });
+    setRight(image, found, asTheyStand);
+    if (report) *report = found;
+    return image;
 }
 
 }  // namespace
@@ -333,66 +398,12 @@ ExposureTags readExposureTags(const fs::path& file) {
 
 Image readImage(const fs::path& file, ImageReport* report, bool dataFile, size_t maxPixels,
                 const std::function<void()>& between) {
-    auto input = openImage(file);
-    checkJpegEnd(file);
-    const OIIO::ImageSpec spec = input->spec();
-    const std::pair<int, int> whole = imageSize(spec);
-    const int width = whole.first, height = whole.second;
-    for (const size_t pixels : {size_t(width) * height, size_t(spec.width) * spec.height})
-        if (pixels > maxPixels) throw Error("{}: has {} pixels, expected at most {}", file.string(), pixels, maxPixels);
+    return readPixels(file, report, dataFile, maxPixels, between, false);
+}
 
-    const ChannelChoice choice = chooseChannels(*input, file);
-    int first = std::min({choice.r, choice.g, choice.b}), last = std::max({choice.r, choice.g, choice.b});
-    if (choice.alpha >= 0) first = std::min(first, choice.alpha), last = std::max(last, choice.alpha);
-    if (last - first >= 8)
-        first = std::min({choice.r, choice.g, choice.b}), last = std::max({choice.r, choice.g, choice.b});
-    const bool hasAlpha = choice.alpha >= first && choice.alpha <= last;
-    const size_t channels = size_t(last - first) + 1;
-
-    ImageReport found;
-    found.integer = spec.format.basetype != OIIO::TypeDesc::FLOAT && spec.format.basetype != OIIO::TypeDesc::HALF &&
-                    spec.format.basetype != OIIO::TypeDesc::DOUBLE;
-    const Transfer transfer = dataFile ? Transfer{} : transferOf(spec, found.integer);
-    found.clipLevel = found.integer ? decode(transfer, 1.0f) : 0.0f;
-    const auto matrix = dataFile ? std::nullopt : primariesMatrix(spec, file);
-    // 8-bit curves are looked up because most photographs are 8-bit.
-    std::vector<float> table;
-    if (transfer.curve != Curve::linear && spec.format.basetype == OIIO::TypeDesc::UINT8)
-        for (int i = 0; i < 256; ++i) table.push_back(decode(transfer, float(i) / 255));
-    const auto linear = [&](float value) {
-        if (!table.empty()) return table[size_t(std::clamp(std::lround(value * 255), 0l, 255l))];
-        return decode(transfer, value);
-    };
-
-    Image image(width, height);
-    const int left = spec.x - spec.full_x, top = spec.y - spec.full_y;
-    const bool cropped = left > 0 || top > 0 || left + spec.width < width || top + spec.height < height;
-    if (cropped) image.usable.assign(image.pixels.size(), 0);
-    readBands<float>(*input, file, first, last + 1, floatType, between,
-                     [&](int row, int count, const std::vector<float>& samples) {
-                         for (int y = row; y < row + count; ++y) {
-                             const int toY = y + top;
-                             if (toY < 0 || toY >= height) continue;
-                             for (int x = 0; x < spec.width; ++x) {
-                                 const int toX = x + left;
-                                 if (toX < 0 || toX >= width) continue;
-                                 const float* sample = &samples[(size_t(y - row) * spec.width + x) * channels];
-                                 const size_t i = size_t(toY) * width + toX;
-                                 Rgb colour(linear(sample[choice.r - first]), linear(sample[choice.g - first]),
-                                            linear(sample[choice.b - first]));
-                                 image.pixels[i] = matrix ? *matrix * colour : colour;
-                                 if (cropped) image.usable[i] = 1;
-                                 if (hasAlpha && sample[choice.alpha - first] < 0.5f) {
-                                     if (image.usable.empty()) image.usable.assign(image.pixels.size(), 1);
-                                     image.usable[i] = 0;
-                                     ++found.transparent;
-                                 }
-                             }
-                         }
-                     });
-    setRight(image, found);
-    if (report) *report = found;
-    return image;
+Image readValues(const fs::path& file, ImageReport* report, bool dataFile, size_t maxPixels,
+                 const std::function<void()>& between) {
+    return readPixels(file, report, dataFile, maxPixels, between, true);
 }
 
 }  // namespace relamp

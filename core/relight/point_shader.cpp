@@ -133,10 +133,13 @@ void PointShader::addToFactors(const ShadedPoint& s, Gather& matte) const {
 }
 
 void PointShader::whiteAt(uint32_t vertex, ShadedPoint& s) const {
-    const Mesh& mesh = relit_.scene.mesh;
+    whiteAt(relit_.scene.mesh.positions[vertex], relit_.scene.mesh.normals[vertex], s);
+}
+
+void PointShader::whiteAt(const Vec3& position, const Vec3& normal, ShadedPoint& s) {
     s = {};
-    s.position = mesh.positions[vertex];
-    s.normal = s.geometric = s.towardEye = mesh.normals[vertex];
+    s.position = position;
+    s.normal = s.geometric = s.towardEye = normal;
     s.frame = frameAround(s.normal);
     s.eye = Vec3(0, 0, 1);
     s.albedo = Rgb(1);

@@ -50,8 +50,9 @@ public:
     /// Forgets what it knows of the last point: the next bits then depend on the next points alone.
     void begin();
 
-    /// A white matte point at a vertex of the scene.
+    /// A white matte point at a vertex of the scene, and one anywhere.
     void whiteAt(uint32_t vertex, ShadedPoint& s) const;
+    static void whiteAt(const Vec3& position, const Vec3& normal, ShadedPoint& s);
 
     /// Light at position `index` of the pixel's samplesPerPixel; sample numbers are stratified over the whole pixel.
     /// Adds to `gloss` what lobes reflect, and to `matte` what a white matte surface would: times s.albedo it is the

@@ -87,6 +87,25 @@ double writeImage(const std::filesystem::path& file, const Camera& camera, const
     return groups.relative();
 }
 
+/// Puts rows of an image that is the beauty already into a strip; what was rendered of it is scaled to them.
+void finish(FrameStrip& strip, const Image& finished, int first, int count) {
+    Frame& frame = strip.frame;
+    const size_t pixels = size_t(count) * size_t(finished.width);
+    const Rgb* beauty = &finished.pixels[size_t(first) * size_t(finished.width)];
+    for (size_t p = 0; p < frame.beauty.size(); ++p) {
+        Rgb factor(0);
+        for (int c = 0; c < 3; ++c)
+            if (const float own = frame.beauty[p][c]; own > 0) factor[c] = beauty[p][c] / own;
+        frame.world[p] *= factor;
+        for (auto& group : frame.byEmitter) group[p] *= factor;
+    }
+    frame.width = finished.width;
+    frame.height = count;
+    frame.beauty.assign(beauty, beauty + pixels);
+    frame.alpha.assign(pixels, 1);
+    if (frame.world.empty()) frame.world = frame.beauty;
+}
+
 }  // namespace
 
 DisplayView displayView(const std::string& name) {
@@ -113,7 +132,13 @@ std::map<std::string, std::string> cameraHeader(const Camera& camera) {
 double writeFrameFile(const std::filesystem::path& file, const Camera& camera, const FrameSources& sources,
                       const FrameOptions& options, const FrameFileOptions& fileOptions, Progress& progress) {
     LayerRequest request = layerRequest(fileOptions.layers);
-    if (!sources.photograph) {
+    if (sources.finished) {
+        if (request.residual && !request.all) throw BadOption("--layers residual: a plate has none");
+        request.residual = false;
+        if (sources.finished->width != camera.width || sources.finished->height != camera.height)
+            throw Error("{}: the plate is {} x {} pixels, the camera {} x {}", file.string(), sources.finished->width,
+                        sources.finished->height, camera.width, camera.height);
+    } else if (!sources.photograph) {
         if (fileOptions.ratio != Ratio::none)
             throw BadOption(
                 "--ratio: the camera is not one of the capture's views at its own size, so there is no photograph");
@@ -132,18 +157,19 @@ double writeFrameFile(const std::filesystem::path& file, const Camera& camera, c
     if (!exr) request = {};
     const RelitScene& look = *sources.look;
     const RelitScene& captured = sources.captured ? *sources.captured : look;
-    const bool needsCaptured =
-        &captured != &look && (fileOptions.ratio != Ratio::none || request.residual || request.correction);
+    const bool ratioed = fileOptions.ratio != Ratio::none && !sources.finished;
+    const bool needsCaptured = &captured != &look && (ratioed || request.residual || request.correction);
+    const bool needsModel = !sources.finished || (exr && !fileOptions.layers.empty());
     const FrameRenderer renderer(look, camera, options);
     std::optional<FrameRenderer> before;
     if (needsCaptured) before.emplace(captured, camera, options);
     RatioOptions ratio{fileOptions.ratio};
     ratio.saturation = sources.saturation;
-    if (ratio.kind != Ratio::none) ratio.floor = ratioFloor(*sources.photograph);
+    if (ratioed) ratio.floor = ratioFloor(*sources.photograph);
     progress.begin(file.filename().string(), size_t(camera.height) * (needsCaptured ? 2 : 1));
     const RowsOf rowsOf = [&](int first, int count) {
         FrameStrip strip;
-        strip.frame = renderer.rows(first, count, progress);
+        if (needsModel) strip.frame = renderer.rows(first, count, progress);
         std::optional<Frame> old;
         if (needsCaptured) old = before->rows(first, count, progress);
         const Frame& model = old ? *old : strip.frame;
@@ -152,7 +178,8 @@ double writeFrameFile(const std::filesystem::path& file, const Camera& camera, c
             const Rgb* photo = &sources.photograph->pixels[size_t(first) * size_t(camera.width)];
             for (size_t p = 0; p < model.beauty.size(); ++p) strip.residual.push_back(photo[p] - model.beauty[p]);
         }
-        if (ratio.kind != Ratio::none) {
+        if (sources.finished) finish(strip, *sources.finished, first, count);
+        if (ratioed) {
             if (old) applyRatio(ratio, *sources.photograph, first, *old, strip.frame);
             else applyRatio(ratio, *sources.photograph, first, Frame(strip.frame), strip.frame);
         }

@@ -38,6 +38,7 @@ struct FrameSources {
     const RelitScene* look = nullptr;
     const RelitScene* captured = nullptr;  ///< the light as photographed; may be the same scene as `look`
     const Image* photograph = nullptr;     ///< of the camera, at its size
+    const Image* finished = nullptr;       ///< the beauty, relit already (a plate): light groups are scaled to it
     float saturation = 0;                  ///< of the photograph: clipped from here on; 0: none
     DVec3 origin{0};                       ///< Capture::origin: added to positions and the header's cameras
 };

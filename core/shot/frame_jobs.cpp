@@ -1,47 +1,12 @@
 #include "shot/frame_jobs.h"
 
-#include <optional>
-
 #include "base/log.h"
 #include "capture/load_capture.h"
 #include "shot/camera_path.h"
+#include "shot/frame_numbers.h"
 
 namespace relamp {
 namespace {
-
-/// The first place for a number in a file name, #### or %04d: where it begins, where it ends, and its digits.
-struct NumberPlace {
-    size_t begin = 0, end = 0, width = 0;
-};
-std::optional<NumberPlace> numberPlace(const std::string& name, size_t from = 0) {
-    for (size_t at = from; at < name.size(); ++at) {
-        if (name[at] == '#') {
-            const size_t end = std::min(name.find_first_not_of('#', at), name.size());
-            return NumberPlace{at, end, end - at};
-        }
-        if (name[at] != '%') continue;
-        const size_t end = std::min(name.find_first_not_of("0123456789", at + 1), name.size());
-        if (end == name.size() || name[end] != 'd') continue;
-        const std::string width = name.substr(at + 1, end - at - 1);
-        return NumberPlace{at, end + 1, width.empty() ? 1 : width.size() > 4 ? 9999 : size_t(std::stoi(width))};
-    }
-    return std::nullopt;
-}
-
-/// FRAME.####.exr or FRAME.%04d.exr with a number put in; empty when the file name has no place for one.
-std::string numbered(const std::filesystem::path& path, int number) {
-    constexpr size_t widest = 32;
-    const std::string name = path.filename().string();
-    const std::optional<NumberPlace> place = numberPlace(name);
-    if (!place) return "";
-    if (place->width > widest)
-        throw BadOption("{}: a frame number of {} digits is too wide", path.string(), place->width);
-    if (numberPlace(name, place->end))
-        throw BadOption("{}: has two places for the frame's number, expected one", path.string());
-    return (path.parent_path() /
-            (name.substr(0, place->begin) + fmt::format("{:0{}}", number, place->width) + name.substr(place->end)))
-        .string();
-}
 
 int wholeNumber(const std::string& text, const std::string& where) {
     if (text.empty() || text.size() > 8 || text.find_first_not_of("0123456789") != std::string::npos)

@@ -4,16 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "base/error.h"
 #include "capture/capture.h"
+#include "shot/frame_numbers.h"
 
 namespace relamp {
-
-/// A command-line option that cannot be meant.
-class BadOption : public Error {
-public:
-    using Error::Error;
-};
 
 struct FrameJob {
     Camera camera;

@@ -3,15 +3,11 @@
 #include "display/display_image.h"
 
 namespace relamp {
-namespace {
-
-bool sameSurface(const Frame& a, const Frame& b, size_t p) {
+bool showsSameSurface(const Frame& a, const Frame& b, size_t p) {
     const bool none = a.depth[p] > 1e29f, other = b.depth[p] > 1e29f;
     if (none || other) return none == other;
     return glm::distance(a.position[p], b.position[p]) <= 2e-3f * a.depth[p];
 }
-
-}  // namespace
 
 float ratioFloor(const Image& photograph) { return 1e-3f / exposureFor(photograph, 99); }
 
@@ -21,7 +17,7 @@ void applyRatio(const RatioOptions& options, const Image& photograph, int firstR
     for (size_t p = 0; p < look.beauty.size(); ++p) {
         const size_t at = above + p;
         if (!photograph.usable.empty() && !photograph.usable[at]) continue;
-        if (!sameSurface(captured, look, p)) continue;
+        if (!showsSameSurface(captured, look, p)) continue;
         const Rgb photo = photograph.pixels[at], before = captured.beauty[p], after = look.beauty[p];
         const bool clipped = options.saturation > 0 && maxChannel(photo) >= options.saturation;
         if (options.kind == Ratio::difference || clipped) {

@@ -17,7 +17,7 @@ using Names = std::set<std::string>;
 
 /// The conductor, the back rooms that look at everything, and the program may know every room of the core.
 const Names coreRooms{"base",  "image",   "wavelet", "brdf", "capture", "scene",  "radiance", "clusters", "transport",
-                      "solve", "texture", "relight", "edit", "shot",    "report", "pipeline", "display"};
+                      "solve", "texture", "relight", "edit", "shot",    "plate", "report", "pipeline", "display"};
 
 /// Ground floor and the rooms of the walk before `room`: what a room on the walk may include.
 Names upTo(const std::string& room) {
@@ -59,6 +59,7 @@ const std::map<std::string, Names>& table() {
         {"relight", upTo("relight")},
         {"edit", {"base", "relight", "scene", "solve/estimate.h"}},
         {"shot", coreRooms},
+        {"plate", coreRooms},
         {"display", {"base", "image", "capture", "radiance", "scene", "solve"}},
         {"report", coreRooms},
         {"pipeline", coreRooms},

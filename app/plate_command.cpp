@@ -1,0 +1,124 @@
+// relamp render --plate: frames of a tracked, moving camera relit.
+#include "base/atomic_file.h"
+#include "base/log.h"
+#include "base/parallel.h"
+#include "capture/own_axes.h"
+#include "plate/relight_plate.h"
+#include "render_frames.h"
+#include "shot/shot_hash.h"
+
+namespace relamp::cli {
+namespace {
+
+PlateRequest requestOf(const RenderArguments& a, Ratio ratio) {
+    PlateRequest request;
+    request.plate = a.plate;
+    request.cameras = a.plateCamera;
+    request.track = {a.plateLens, a.plateRotation, a.plateOffset};
+    request.curve = plateCurve(a.plateCurve);
+    request.match = plateMatching(a.plateMatch);
+    request.matte = a.matte;
+    request.relightMatte = a.matteLight == "relight";
+    request.ratio = ratio == Ratio::none ? Ratio::quotient : ratio;
+    return request;
+}
+
+/// The frames that were asked for with the files they become.
+struct PlateJobs {
+    std::vector<size_t> frames;  ///< of the plate
+    std::vector<fs::path> files;
+};
+
+PlateJobs jobsOf(const RenderArguments& a, const Plate& plate) {
+    PlateJobs jobs;
+    std::vector<int> wanted;
+    if (!a.frames.empty()) wanted = parseFrameRange(a.frames);
+    else
+        for (const PlateFrame& frame : plate.frames) wanted.push_back(frame.number);
+    for (const int number : wanted) {
+        const auto frame = std::find_if(plate.frames.begin(), plate.frames.end(),
+                                        [&](const PlateFrame& f) { return f.number == number; });
+        if (frame == plate.frames.end()) {
+            logWarning("frame {}: the plate has none that can be relit, skipped", number);
+            continue;
+        }
+        std::string file = numbered(a.output, number);
+        if (file.empty() && wanted.size() > 1)
+            throw BadOption("{}: several frames need a name with #### or %04d", a.output.string());
+        jobs.frames.push_back(size_t(frame - plate.frames.begin()));
+        jobs.files.emplace_back(file.empty() ? a.output.string() : file);
+    }
+    if (jobs.frames.empty()) throw BadOption("--frames {}: holds no frame of the plate", a.frames);
+    return jobs;
+}
+
+void say(const PlateGains& gains) {
+    if (gains.keys.empty()) {
+        logInfo("the plate's colours were not matched to the capture's");
+        return;
+    }
+    const Rgb first = gains.keys.begin()->second;
+    logInfo("the plate is the capture times {:.3f} {:.3f} {:.3f}{}; key frames differ by {:.2f} %", first.x, first.y,
+            first.z, gains.breathes ? " at first and follows the plate" : "", 100 * gains.spread);
+}
+
+}  // namespace
+
+int renderPlate(const RenderArguments& a, Progress& progress) {
+    if (a.camera != "0") throw UsageError("--camera: a plate has its own, --plate-camera");
+    if (!a.size.empty()) throw UsageError("--size: a plate keeps its own");
+    FrameFileOptions fileOptions;
+    PlateRequest request;
+    bool correction = false;
+    try {
+        correction = layerRequest(a.layers).correction;
+        fileOptions = fileOptionsOf(a);
+        request = requestOf(a, fileOptions.ratio);
+        fileOptions.ratio = request.ratio;
+    } catch (const BadOption& error) { throw UsageError(error.what()); }
+    const Shot shot = openShot(a.shot, false, progress);
+    const LookTrack track = trackOf(a, shot);
+    Plate plate;
+    PlateJobs jobs;
+    try {
+        plate = openPlate(shot.capture, request, progress);
+        for (const std::string& note : plate.notes) logInfo("{}", note);
+        for (const std::string& fault : plate.faults) logWarning("{}", fault);
+        jobs = jobsOf(a, plate);
+    } catch (const BadOption& error) { throw UsageError(error.what()); }
+    refuseInputs(a, shot, track, jobs.files, progress);
+    fileOptions.header = {{"relamp:gauge", shot.estimate.gauge.kind + ": " + shot.estimate.gauge.evidence},
+                          {"relamp:shot", shotHash(a.shot)}};
+    const Scene scene = buildScene(shot.capture.mesh, progress, ownAxes(shot.capture));
+    RelitLooks looks(shot, scene, track);
+    FrameOptions options;
+    options.seed = a.seed;
+    options.denoise = a.denoise != "off";
+    if (a.samples > 0) options.samplesPerPixel = a.samples;
+    PlateRelighter relighter(plate, request, looks, options, progress);
+    say(relighter.gains());
+    const int code = writeFrames(jobs.files, a.skipExisting, [&](size_t index) {
+        const size_t at = jobs.frames[index];
+        const PlateFrame& frame = plate.frames[at];
+        const RelitPlate relit = relighter.relit(at, progress);
+        if (!(relit.covered > 0))
+            logWarning("frame {}: its camera sees nothing of the capture; the plate stays as it is", frame.number);
+        if (request.relightMatte && !relit.matteLight && !frame.matte.empty())
+            logWarning("frame {}: nothing of the scene lies under the matte; it stays as it is", frame.number);
+        FrameSources sources;
+        sources.origin = shot.capture.origin;
+        sources.look = &looks.at(frame.number, progress);
+        if (correction) sources.captured = &looks.captured(progress);
+        sources.finished = &relit.image;
+        writeFrameFile(jobs.files[index], frame.camera, sources, options, fileOptions, progress);
+        if (relit.matteLight) {
+            fs::path light = jobs.files[index];
+            light.replace_extension(".light.json");
+            writeBytesAtomically(light, matteLightJson(frame.number, *relit.matteLight, shot.capture.origin));
+        }
+        return fmt::format("the capture's surfaces cover {:.0f} % of it", 100 * relit.covered);
+    });
+    return code == 0 && !plate.faults.empty() ? 5 : code;
+}
+
+}  // namespace relamp::cli

@@ -1,0 +1,80 @@
+#include "render_frames.h"
+
+#include <optional>
+
+#include "base/is_there.h"
+#include "base/log.h"
+#include "plate/plate_sequence.h"
+
+namespace relamp::cli {
+
+LookTrack trackOf(const RenderArguments& a, const Shot& shot) {
+    LookTrack track = a.edits.empty() ? LookTrack(shot.look) : readLookTrack(a.edits, shot.capture.origin);
+    track.apply([&](Look& look) {
+        if (a.environment == "none") look.environment.source = EnvironmentLook::Source::none;
+        else if (a.environment == "recovered") look.environment.source = EnvironmentLook::Source::recovered;
+        else if (!a.environment.empty()) {
+            look.environment.source = EnvironmentLook::Source::file;
+            look.environment.file = a.environment;
+        }
+        look.environment.yawDegrees += a.yaw;
+    });
+    return track;
+}
+
+FrameFileOptions fileOptionsOf(const RenderArguments& a) {
+    FrameFileOptions options;
+    options.layers = a.layers;
+    options.naming = layerNaming(a.naming);
+    options.multipart = a.multipart;
+    options.view = displayView(a.view);
+    if (!a.ratio.empty()) options.ratio = a.ratio == "difference" ? Ratio::difference : Ratio::quotient;
+    return options;
+}
+
+void refuseInputs(const RenderArguments& a, const Shot& shot, const LookTrack& track,
+                  const std::vector<fs::path>& files, Progress& progress) {
+    InputFiles inputs = shotFiles(shot, progress);
+    for (const fs::path& one : {a.edits, fs::path(a.camera), a.plateCamera, a.plateLens}) inputs.add(one);
+    for (const auto& [pattern, what] : {std::pair(a.plate, "--plate"), std::pair(a.matte, "--matte")})
+        if (!pattern.empty())
+            for (const auto& one : plateFiles(pattern, what)) inputs.add(one.second);
+    LookTrack(track).apply([&](Look& look) {
+        for (const auto& file : filesOf(look)) inputs.add(file);
+    });
+    for (const fs::path& file : files) inputs.refuse(file);
+}
+
+int writeFrames(const std::vector<fs::path>& files, bool skipExisting,
+                const std::function<std::string(size_t index)>& write) {
+    int failures = 0, written = 0, skipped = 0;
+    std::optional<Error> first;
+    for (size_t i = 0; i < files.size(); ++i) {
+        const std::string file = files[i].string();
+        if (skipExisting && isThere(files[i])) {
+            logInfo("{}: exists, skipped", file);
+            ++skipped;
+            continue;
+        }
+        try {
+            const std::string said = write(i);
+            ++written;
+            logInfo("{}: written ({} of {}), {}", file, written, files.size(), said);
+        } catch (const OutOfResources& error) {
+            if (!written) throw;
+            // The others would not fit either; --skip-existing goes on from here.
+            logWarning("{}; stopped after {} of {} frames", error.what(), written, files.size());
+            ++failures;
+            break;
+        } catch (const Error& error) {
+            if (files.size() == 1) throw;
+            logWarning("{}", error.what());
+            if (!first) first = error;
+            ++failures;
+        }
+    }
+    if (first && !written && !skipped) throw *first;
+    return failures ? 5 : 0;
+}
+
+}  // namespace relamp::cli

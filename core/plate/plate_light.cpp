@@ -1,0 +1,141 @@
+#include "plate/plate_light.h"
+
+#include "base/parallel.h"
+
+namespace relamp {
+namespace {
+
+constexpr int stripRows = 64;
+
+/// Neighbouring pixels of an image position with their bilinear weights.
+template <class Visit>
+void bilinear(const Vec2& at, int width, int height, Visit&& visit) {
+    const float x = at.x - 0.5f, y = at.y - 0.5f;
+    const int left = int(std::floor(x)), top = int(std::floor(y));
+    for (int dy = 0; dy < 2; ++dy)
+        for (int dx = 0; dx < 2; ++dx) {
+            const int column = left + dx, row = top + dy;
+            if (column < 0 || row < 0 || column >= width || row >= height) continue;
+            const float weight = (1 - std::abs(x - float(column))) * (1 - std::abs(y - float(row)));
+            if (weight > 0) visit(size_t(row) * size_t(width) + size_t(column), weight);
+        }
+}
+
+Rgb logRatio(const PlateLight& light, size_t p, float floor) {
+    return glm::log((glm::max(light.after[p], Rgb(0)) + floor) / (glm::max(light.before[p], Rgb(0)) + floor));
+}
+
+constexpr int edge = 2;
+
+/// Clears `same` about emitters that changed; `emitting`: 1 where a pixel sees one as captured.
+void clearEdges(PlateLight& light, const std::vector<uint8_t>& emitting) {
+    for (int y = 0; y < light.height; ++y)
+        for (int x = 0; x < light.width; ++x) {
+            const size_t p = size_t(y) * size_t(light.width) + size_t(x);
+            if (!emitting[p]) continue;
+            const Rgb change = glm::abs(light.after[p] - light.before[p]);
+            if (!(maxChannel(change) > 0.1f * maxChannel(light.before[p]))) continue;
+            for (int v = std::max(0, y - edge); v <= std::min(light.height - 1, y + edge); ++v)
+                for (int u = std::max(0, x - edge); u <= std::min(light.width - 1, x + edge); ++u)
+                    light.same[size_t(v) * size_t(light.width) + size_t(u)] = 0;
+        }
+}
+
+bool mattes(const PlateLight& light, size_t p) { return light.distance[p] > 0 && light.same[p]; }
+
+}  // namespace
+
+PlateLight plateLight(const RelitScene& captured, const RelitScene& look, const Camera& camera,
+                      const FrameOptions& options, Progress& progress) {
+    FrameOptions beauty = options;
+    beauty.groups = false;
+    const FrameRenderer before(captured, camera, beauty), after(look, camera, beauty);
+    PlateLight light{camera.width, camera.height, {}, {}, {}, {}};
+    const size_t pixels = size_t(camera.width) * size_t(camera.height);
+    light.before.reserve(pixels);
+    light.after.reserve(pixels);
+    std::vector<uint8_t> emitting;
+    emitting.reserve(pixels);
+    const Vec3 eye(camera.position());
+    for (int row = 0; row < camera.height; row += stripRows) {
+        const int count = std::min(stripRows, camera.height - row);
+        const Frame old = before.rows(row, count, progress), next = after.rows(row, count, progress);
+        light.before.insert(light.before.end(), old.beauty.begin(), old.beauty.end());
+        light.after.insert(light.after.end(), next.beauty.begin(), next.beauty.end());
+        for (size_t p = 0; p < old.beauty.size(); ++p) {
+            const bool none = old.depth[p] > 1e29f;
+            const bool emitter = old.emittersSeen[p][0].emitter >= 0;
+            light.distance.push_back(none || emitter ? 0.0f : glm::distance(old.position[p], eye));
+            light.same.push_back(showsSameSurface(old, next, p));
+            emitting.push_back(emitter);
+        }
+    }
+    clearEdges(light, emitting);
+    return light;
+}
+
+std::vector<Rgb> steadied(const PlateMoment& frame, const std::vector<PlateMoment>& neighbours, float floor) {
+    const PlateLight& light = *frame.light;
+    std::vector<Rgb> after = light.after;
+    const Vec3 eye(frame.camera->position());
+    parallelFor(size_t(light.height), 4, [&](size_t y) {
+        for (int x = 0; x < light.width; ++x) {
+            const size_t p = y * size_t(light.width) + size_t(x);
+            if (!mattes(light, p)) continue;
+            const Vec3 point =
+                eye + light.distance[p] * frame.camera->rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f));
+            Rgb sum = logRatio(light, p, floor);
+            float count = 1;
+            for (const PlateMoment& other : neighbours) {
+                const auto at = other.camera->project(DVec3(point));
+                if (!at) continue;
+                const float expected = glm::distance(point, Vec3(other.camera->position()));
+                Rgb there(0);
+                float weights = 0;
+                bilinear(*at, other.light->width, other.light->height, [&](size_t q, float weight) {
+                    if (!mattes(*other.light, q) || std::abs(other.light->distance[q] - expected) > 0.01f * expected)
+                        return;
+                    there += weight * logRatio(*other.light, q, floor);
+                    weights += weight;
+                });
+                if (weights < 0.5f) continue;
+                sum += there / weights;
+                ++count;
+            }
+            after[p] = (glm::max(light.before[p], Rgb(0)) + floor) * glm::exp(sum / count) - floor;
+        }
+    });
+    return after;
+}
+
+Image relitPlate(const Image& plate, const Rgb& gain, const PlateLight& light, const std::vector<Rgb>& after,
+                 const RatioOptions& options) {
+    constexpr float none = 1e30f;
+    Image scaled = plate;
+    for (Rgb& pixel : scaled.pixels) pixel /= gain;
+    Frame old, next;
+    old.width = next.width = light.width;
+    old.height = next.height = light.height;
+    old.beauty = light.before;
+    next.beauty = after;
+    // Surfaces that differ: one of the two shows none.
+    old.depth.assign(old.beauty.size(), none);
+    old.position.assign(old.beauty.size(), Vec3(0));
+    next.position = old.position;
+    next.depth = old.depth;
+    for (size_t p = 0; p < next.depth.size(); ++p)
+        if (!light.same[p]) next.depth[p] = 1;
+    next.world.assign(next.beauty.size(), Rgb(0));
+    RatioOptions scaledOptions = options;
+    scaledOptions.saturation = options.saturation / maxChannel(gain);
+    applyRatio(scaledOptions, scaled, 0, old, next);
+    Image relit = plate;
+    for (size_t p = 0; p < relit.pixels.size(); ++p) {
+        // Where the light is what it was, so is the plate, to the last bit.
+        const bool unchanged = light.same[p] && light.before[p] == after[p];
+        if (!unchanged) relit.pixels[p] = next.beauty[p] * gain;
+    }
+    return relit;
+}
+
+}  // namespace relamp

@@ -1,0 +1,78 @@
+// A plate relit: frames of a tracked, moving camera, with what the capture does not hold kept out by a matte.
+#pragma once
+#include <map>
+#include <memory>
+
+#include "plate/matte_light.h"
+#include "plate/plate_camera.h"
+#include "plate/plate_light.h"
+#include "plate/plate_match.h"
+#include "shot/relit_looks.h"
+
+namespace relamp {
+
+struct PlateRequest {
+    std::filesystem::path plate, cameras;  ///< plate.####.exr; see readPlateCameras
+    PlateCameraOptions track{};
+    PlateCurve curve = PlateCurve::automatic;
+    PlateMatching match = PlateMatching::automatic;
+    std::filesystem::path matte{};  ///< matte.####.exr, white where the plate is held out; empty: nowhere
+    bool relightMatte = false;      ///< by the light at its place (matte_light.h); false: it stays as it is
+    Ratio ratio = Ratio::quotient;
+    int neighbours = 2;  ///< frames before and after that steady a frame's light
+};
+
+struct PlateFrame {
+    int number = 1;
+    std::filesystem::path file, matte;  ///< matte empty: nothing is held out
+    Camera camera;
+};
+
+struct Plate {
+    std::vector<PlateFrame> frames;   ///< by number: those with a plate and a camera
+    std::vector<std::string> faults;  ///< frames that lack something and are not there, one sentence each
+    std::vector<std::string> notes;   ///< what was assumed or looks odd, one sentence each
+};
+
+/// Finds files and cameras. The first frame's size is the plate's. Throws Error when there is no plate or no camera at
+/// all, BadOption for patterns and orders that cannot be meant.
+Plate openPlate(const Capture& capture, const PlateRequest& request, Progress& progress);
+
+/// A relit frame and what it took.
+struct RelitPlate {
+    Image image;  ///< linear, in the plate's own scale; where the matte is white the plate itself, bit for bit
+    float saturation = 0;
+    Rgb gain{1};  ///< plate / capture
+    std::optional<MatteLight> matteLight;
+    float covered = 1;  ///< fraction of the frame in which the camera sees the capture's surfaces
+};
+
+/// Relights frames in order; each is rendered once and kept while a neighbour wants it. Keeps references to all that it
+/// is given.
+class PlateRelighter {
+public:
+    /// Matches the plate's colours over the whole plate. `looks` gives the scene of each frame.
+    PlateRelighter(const Plate& plate, const PlateRequest& request, RelitLooks& looks, const FrameOptions& options,
+                   Progress& progress);
+    const PlateGains& gains() const { return gains_; }
+
+    /// Frame `index` of the plate, the same bits whichever frames came before. Memory: 29 bytes a pixel for it and each
+    /// neighbour, and about 60 more. Throws Error naming a file that cannot be read or has another size, Cancelled.
+    RelitPlate relit(size_t index, Progress& progress);
+
+private:
+    const Plate& plate_;
+    const PlateRequest& request_;
+    RelitLooks& looks_;
+    FrameOptions options_;
+    PlateGains gains_;
+    std::map<size_t, PlateLight> lights_;
+
+    const PlateLight& lightOf(size_t index, Progress& progress);
+    Image read(const PlateFrame& frame, float& saturation, Progress& progress) const;
+};
+
+/// The light at a matte's place as JSON: frame, place, directions and their irradiance before and after.
+std::string matteLightJson(int frame, const MatteLight& light, const DVec3& origin);
+
+}  // namespace relamp

@@ -1,0 +1,266 @@
+#include "plate/relight_plate.h"
+
+#include <gtest/gtest.h>
+
+namespace relamp {
+namespace {
+
+using test::TemporaryFolder;
+
+/// A table and a ball under a square emitter and a grey sky, and a camera that moves past them.
+struct World {
+    Shot shot;
+    Scene scene;
+    std::vector<Camera> cameras;
+    explicit World(int frames = 5) {
+        Mesh mesh = test::sheet({-2, -2, 0}, {4, 0, 0}, {0, 4, 0}, 24, 24);
+        test::append(mesh, test::ball({0.3f, 0.2f, 0.3f}, 0.3f, 16, 24));
+        const std::vector<uint32_t> emitter = test::append(mesh, test::squareAbove(0.4f, -0.5f, 0.2f, 1.2f));
+        scene = test::sceneOf(mesh);
+        shot.capture.mesh = mesh;
+        shot.capture.views.resize(1);
+        shot.estimate = test::matteEstimate(scene, Rgb(0.5f, 0.4f, 0.3f), Rgb(0.3f),
+                                            test::emittersOf(scene, {emitter}, {Rgb(8, 7, 6)}));
+        for (int i = 0; i < frames; ++i)
+            cameras.push_back(test::cameraAt({-1 + 0.02 * i, -3, 1.6}, {0.02 * i, 0, 0.2}, 64, 48, 70));
+    }
+    static Look dimmed() {
+        Look look;
+        EmitterLook emitter;
+        emitter.id = "emitter-1";
+        emitter.powerScale = Rgb(0.25f, 0.5f, 1);
+        look.emitters.push_back(emitter);
+        return look;
+    }
+    RelitScene relit(const Look& look) const { return test::relitOf(scene, shot.estimate, look); }
+
+    /// Writes plate.####.exr from 1001 on, each frame times its gain, and the track.
+    PlateRequest writePlate(const TemporaryFolder& folder, const std::vector<Rgb>& gains = {}) const {
+        Progress progress;
+        const RelitScene captured = relit({});
+        std::string frames;
+        FrameOptions options;
+        options.samplesPerPixel = 16;
+        for (size_t i = 0; i < cameras.size(); ++i) {
+            const Frame frame = renderFrame(captured, cameras[i], options, progress);
+            Image image(frame.width, frame.height);
+            image.pixels = frame.beauty;
+            if (!gains.empty())
+                for (Rgb& p : image.pixels) p *= gains[i];
+            image.pixels[5] = Rgb(-0.01f, 0.2f, 0.1f);  // lens corrections leave such values
+            writeImage(folder / fmt::format("plate.{}.exr", 1001 + i), image);
+            std::string rows;
+            for (int r = 0; r < 4; ++r) {
+                const DMat4& m = cameras[i].worldFromCamera;
+                rows += fmt::format("{}[{},{},{},{}]", r ? "," : "", m[0][r], m[1][r], m[2][r], m[3][r]);
+            }
+            frames += fmt::format("{}{{\"file_path\": \"plate.{}.exr\", \"transform_matrix\": [{}]}}", i ? "," : "",
+                                  1001 + i, rows);
+        }
+        folder.write("track.json", "{\"w\": 64, \"h\": 48, \"fl_x\": 70, \"frames\": [" + frames + "]}");
+        PlateRequest request;
+        request.plate = folder / "plate.####.exr";
+        request.cameras = folder / "track.json";
+        return request;
+    }
+};
+
+double rootMeanSquare(const std::vector<double>& values) {
+    double sum = 0;
+    for (double v : values) sum += v * v;
+    return std::sqrt(sum / double(values.size()));
+}
+
+struct Relighting {
+    Plate plate;
+    LookTrack track;
+    RelitLooks looks;
+    FrameOptions options;
+    Progress progress;
+    PlateRelighter relighter;
+    Relighting(const World& world, const PlateRequest& request, const Look& look)
+        : plate(openPlate(world.shot.capture, request, progress)),
+          track(look),
+          looks(world.shot, world.scene, track),
+          relighter(plate, request, looks, denoised(), progress) {}
+    const FrameOptions& denoised() {
+        options.denoise = true;
+        return options;
+    }
+};
+
+TEST(RelightPlate, IsTheSceneUnderTheNewLight) {
+    const World world;
+    const TemporaryFolder folder;
+    const PlateRequest request = world.writePlate(folder);
+    Relighting run(world, request, World::dimmed());
+    const RelitPlate relit = run.relighter.relit(2, run.progress);
+    FrameOptions many;
+    many.samplesPerPixel = 64;
+    const Frame truth = renderFrame(world.relit(World::dimmed()), world.cameras[2], many, run.progress);
+    std::vector<double> off;
+    for (size_t p = 0; p < truth.beauty.size(); ++p)
+        if (truth.emittersSeen[p][0].emitter < 0 && p != 5)
+            for (int c = 0; c < 3; ++c) off.push_back(double(relit.image.pixels[p][c] / truth.beauty[p][c] - 1));
+    EXPECT_LT(rootMeanSquare(off), 0.03);
+    EXPECT_NEAR(relit.gain.x, 1, 0.01);
+    EXPECT_GT(relit.covered, 0.3f);
+}
+
+TEST(RelightPlate, WithoutAnEditIsThePlateBitForBit) {
+    const World world(2);
+    const TemporaryFolder folder;
+    const PlateRequest request = world.writePlate(folder, {Rgb(1.3f, 1, 0.8f), Rgb(1.3f, 1, 0.8f)});
+    Relighting run(world, request, {});
+    float saturation = 0;
+    const Image plate = readPlate(folder / "plate.1001.exr", PlateCurve::automatic, saturation);
+    EXPECT_EQ(run.relighter.relit(0, run.progress).image.pixels, plate.pixels);
+}
+
+TEST(RelightPlate, TheSameBitsWhicheverFramesCameBefore) {
+    const World world;
+    const TemporaryFolder folder;
+    const PlateRequest request = world.writePlate(folder);
+    Relighting all(world, request, World::dimmed()), one(world, request, World::dimmed());
+    all.relighter.relit(0, all.progress);
+    all.relighter.relit(1, all.progress);
+    EXPECT_EQ(all.relighter.relit(3, all.progress).image.pixels, one.relighter.relit(3, one.progress).image.pixels);
+}
+
+TEST(RelightPlate, NeighboursSteadyTheLight) {
+    const World world;
+    const TemporaryFolder folder;
+    PlateRequest request = world.writePlate(folder);
+    FrameOptions many;
+    many.samplesPerPixel = 256;
+    Progress progress;
+    const Frame old = renderFrame(world.relit({}), world.cameras[2], many, progress),
+                next = renderFrame(world.relit(World::dimmed()), world.cameras[2], many, progress);
+    const auto noise = [&](int neighbours) {
+        request.neighbours = neighbours;
+        Relighting run(world, request, World::dimmed());
+        run.options.denoise = false;
+        PlateRelighter relighter(run.plate, request, run.looks, run.options, run.progress);
+        const Image relit = relighter.relit(2, run.progress).image;
+        float saturation = 0;
+        const Image plate = readPlate(folder / "plate.1003.exr", PlateCurve::automatic, saturation);
+        std::vector<double> off;
+        for (size_t p = 0; p < relit.pixels.size(); ++p)
+            if (old.depth[p] < 5 && old.emittersSeen[p][0].emitter < 0)
+                off.push_back(double(relit.pixels[p].x / plate.pixels[p].x * old.beauty[p].x / next.beauty[p].x - 1));
+        return rootMeanSquare(off);
+    };
+    const double alone = noise(0), among = noise(2);
+    EXPECT_GT(alone, 0.005);
+    EXPECT_LT(among, 0.65 * alone);
+}
+
+TEST(RelightPlate, FollowsAPlateThatBreathesAndAStillOneNot) {
+    const World world(8);
+    const TemporaryFolder folder;
+    std::vector<Rgb> gains;
+    for (int i = 0; i < 8; ++i) gains.push_back(Rgb(1.2f, 1, 0.9f) * (1 + 0.05f * std::sin(0.9f * float(i))));
+    Relighting breathing(world, world.writePlate(folder, gains), World::dimmed());
+    EXPECT_TRUE(breathing.relighter.gains().breathes);
+    for (int i = 0; i < 8; ++i)
+        for (int c = 0; c < 3; ++c)
+            EXPECT_NEAR(breathing.relighter.gains().at(1001 + i)[c] / gains[size_t(i)][c], 1, 0.01) << i;
+    const TemporaryFolder quiet;
+    Relighting still(world, world.writePlate(quiet, std::vector<Rgb>(8, Rgb(1.2f, 1, 0.9f))), World::dimmed());
+    EXPECT_FALSE(still.relighter.gains().breathes);
+    EXPECT_NEAR(still.relighter.gains().at(1004).x, 1.2f, 0.01f);
+    EXPECT_NEAR(still.relighter.gains().at(1004).z, 0.9f, 0.01f);
+}
+
+TEST(RelightPlate, LeavesWhatIsHeldOutBitForBit) {
+    const World world(3);
+    const TemporaryFolder folder;
+    PlateRequest request = world.writePlate(folder, std::vector<Rgb>(3, Rgb(1.31f, 1.01f, 0.83f)));
+    for (int i = 0; i < 3; ++i) {
+        Image matte(64, 48);
+        for (int y = 12; y < 40; ++y)
+            for (int x = 20 + 3 * i; x < 30 + 3 * i; ++x) matte.at(x, y) = Rgb(y < 13 ? 0.5f : 1.0f);
+        writeImage(folder / fmt::format("matte.{}.exr", 1001 + i), matte);
+    }
+    request.matte = folder / "matte.####.exr";
+    Relighting run(world, request, World::dimmed());
+    const RelitPlate relit = run.relighter.relit(1, run.progress);
+    float saturation = 0;
+    const Image plate = readPlate(folder / "plate.1002.exr", PlateCurve::automatic, saturation);
+    for (int y = 13; y < 40; ++y)
+        for (int x = 23; x < 33; ++x) ASSERT_EQ(relit.image.at(x, y), plate.at(x, y));
+    EXPECT_NE(relit.image.at(10, 40), plate.at(10, 40));
+    EXPECT_FALSE(relit.matteLight);
+
+    request.relightMatte = true;
+    Relighting lit(world, request, World::dimmed());
+    const RelitPlate actor = lit.relighter.relit(1, lit.progress);
+    ASSERT_TRUE(actor.matteLight);
+    EXPECT_LT(std::abs(actor.matteLight->place.foot.z), 0.02f);
+    EXPECT_GT(actor.matteLight->place.middle.z, 0.1f);
+    // The light fell to a quarter in red and stayed in blue.
+    const Rgb factor = actor.image.at(28, 30) / plate.at(28, 30);
+    EXPECT_LT(factor.x, 0.95f);
+    EXPECT_LT(factor.x, factor.y);
+    EXPECT_NEAR(factor.z, 1, 0.01f);
+}
+
+TEST(RelightPlate, NamesFramesThatLackSomething) {
+    const World world(4);
+    const TemporaryFolder folder;
+    PlateRequest request = world.writePlate(folder);
+    std::filesystem::remove(folder / "plate.1002.exr");
+    Image other(64, 48);
+    writeImage(folder / "plate.1006.exr", other);
+    writeImage(folder / "plate.1007.exr", other);
+    Progress progress;
+    const Plate plate = openPlate(world.shot.capture, request, progress);
+    ASSERT_EQ(plate.frames.size(), 3u);
+    ASSERT_EQ(plate.faults.size(), 2u);
+    EXPECT_NE(plate.faults[0].find("no camera for frames 1006 to 1007"), std::string::npos) << plate.faults[0];
+    EXPECT_NE(plate.faults[1].find("frames 1002, 1005 are missing"), std::string::npos) << plate.faults[1];
+    // A frame of another size is refused by itself.
+    writeImage(folder / "plate.1003.exr", Image(32, 24));
+    request.match = PlateMatching::off;
+    Relighting run(world, request, World::dimmed());
+    EXPECT_THROW(run.relighter.relit(1, run.progress), Error);
+    // Numbers that never meet are an error that says both.
+    request.track.offset = 500;
+    EXPECT_THROW(openPlate(world.shot.capture, request, progress), Error);
+}
+
+TEST(RelightPlate, ACameraThatLeavesTheCaptureKeepsThePlate) {
+    World world(1);
+    world.cameras[0] = test::cameraAt({0, -3, 1.6}, {0, -9, 3}, 64, 48, 70);
+    const TemporaryFolder folder;
+    const PlateRequest request = world.writePlate(folder);
+    Relighting run(world, request, World::dimmed());
+    const RelitPlate relit = run.relighter.relit(0, run.progress);
+    EXPECT_EQ(relit.covered, 0);
+    float saturation = 0;
+    EXPECT_EQ(relit.image.pixels, readPlate(folder / "plate.1001.exr", PlateCurve::automatic, saturation).pixels);
+}
+
+TEST(IrradianceCube, OfAConstantEnvironmentIsItAndOfAnEmitterItsFormFactor) {
+    Mesh mesh = test::squareAbove(1, 0, 0, 2);
+    const Scene scene = test::sceneOf(mesh);
+    const Estimate estimate =
+        test::matteEstimate(scene, Rgb(0.5f), Rgb(0.25f), test::emittersOf(scene, {{0, 1}}, {Rgb(4)}));
+    Look off;
+    EmitterLook dark;
+    dark.id = "emitter-1";
+    dark.enabled = false;
+    off.emitters.push_back(dark);
+    const RelitScene sky = test::relitOf(scene, estimate, off), lit = test::relitOf(scene, estimate);
+    const IrradianceCube before = irradianceCube(sky, {0, 0, 0}, 256, 1),
+                         after = irradianceCube(lit, {0, 0, 0}, 256, 1);
+    EXPECT_NEAR(before[5].x, 0.25f, 2e-3);
+    // The square hides as much of the sky as it covers.
+    const double factor = test::centredSquareFormFactor(1, 2);
+    EXPECT_NEAR(before[4].x, 0.25 * (1 - factor), 3e-3);
+    EXPECT_NEAR(after[4].x - before[4].x, 4 * factor, 5e-3);
+    EXPECT_NEAR(irradianceFor(after, glm::normalize(Vec3(1, 0, 1))).x, 0.5f * (after[0].x + after[4].x), 1e-5);
+}
+
+}  // namespace
+}  // namespace relamp
