@@ -22,6 +22,7 @@ constexpr Name names[] = {
     {LensModel::simpleRadialFisheye, "SIMPLE_RADIAL_FISHEYE"},
     {LensModel::radialFisheye, "RADIAL_FISHEYE"},
     {LensModel::thinPrismFisheye, "THIN_PRISM_FISHEYE"},
+    {LensModel::brown, "BROWN"},
 };
 
 bool isFisheye(LensModel model) {
@@ -75,6 +76,7 @@ Radial radialOf(LensModel model, const Coefs& k) {
             r.n = {1, k[0], k[1], k[4], 0};
             r.d = {1, k[5], k[6], k[7], 0};
             break;
+        case LensModel::brown:
         case LensModel::thinPrismFisheye: r.n = {1, k[0], k[1], k[4], k[5]}; break;
     }
     for (size_t i = 1; i < 5; ++i) r.plain = r.plain && r.n[i] >= 0 && r.d[i] == 0;
@@ -100,18 +102,20 @@ double fovInverse(double omega, double r) {
 }
 
 /// From the undistorted plane (tan(angle), or the angle of a fisheye, times the direction around the axis) to the
-/// distorted one. The formulas are COLMAP's.
+/// distorted one. The formulas are COLMAP's; brown is that of the Metashape manual.
 DVec2 distort(LensModel model, const Radial& radial, const Coefs& k, const DVec2& q) {
     const double s = q.x * q.x + q.y * q.y;
     if (model == LensModel::fov) return q * fovFactor(k[0], std::sqrt(s));
     const double factor = radial.at(s);
     DVec2 out = q * factor;
-    if (model == LensModel::openCv || model == LensModel::fullOpenCv || model == LensModel::thinPrismFisheye) {
+    if (model == LensModel::openCv || model == LensModel::fullOpenCv || model == LensModel::thinPrismFisheye ||
+        model == LensModel::brown) {
         const double p1 = k[2], p2 = k[3], xy = q.x * q.y;
         out.x += 2 * p1 * xy + p2 * (s + 2 * q.x * q.x);
         out.y += 2 * p2 * xy + p1 * (s + 2 * q.y * q.y);
     }
     if (model == LensModel::thinPrismFisheye) out += DVec2(k[6], k[7]) * s;
+    if (model == LensModel::brown) out.x += k[6] * out.y;
     return out;
 }
 

@@ -1,5 +1,5 @@
-// Cameras: pose, pinhole intrinsics and the lens models of COLMAP. Samples are taken at projected points, so nothing is
-// ever undistorted.
+// Cameras: pose, pinhole intrinsics, the lens models of COLMAP, and the one that Metashape and others use. Samples are
+// taken at projected points, so nothing is ever undistorted.
 #pragma once
 #include <array>
 #include <optional>
@@ -20,10 +20,11 @@ enum class LensModel {
     fov,
     simpleRadialFisheye,
     radialFisheye,
-    thinPrismFisheye
+    thinPrismFisheye,
+    brown  ///< Metashape's: a radial polynomial up to r^8, tangential terms, skew
 };
 
-/// COLMAP's name of a model ("OPENCV") and back; empty when unknown.
+/// COLMAP's name of a model ("OPENCV"), or "BROWN", which COLMAP does not have, and back; empty when unknown.
 std::optional<LensModel> lensModelFromName(const std::string& name);
 std::string lensModelName(LensModel model);
 
@@ -34,7 +35,8 @@ struct Camera {
     double focalX = 0, focalY = 0, centreX = 0, centreY = 0;  ///< pixels
     LensModel model = LensModel::pinhole;
     /// Distortion in COLMAP's order for the model (k1 k2 p1 p2 k3 k4 k5 k6 / fisheye k1..k4 / FOV's omega); unused ones
-    /// are 0.
+    /// are 0. Of brown: k1 k2 p1 p2 k3 k4 skew, where p1 and p2 are OpenCV's and skew is in units of focalX: the
+    /// image's x grows by focalX skew times the distorted y.
     std::array<double, 8> distortion{};
     DMat4 worldFromCamera{1.0};
 

@@ -125,7 +125,7 @@ Cameras camerasFromText(const fs::path& path, const ColmapLimits& limits) {
         withContext(fmt::format("camera {}", id), [&] {
             const std::string name(line.word().substr(0, 80));
             const auto model = lensModelFromName(name);
-            if (!model)
+            if (!model || parametersOf(*model) == 0)  // BROWN is none of COLMAP's
                 throw Error(
                     "model is \"{}\", expected SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, OPENCV or another of COLMAP's",
                     name);

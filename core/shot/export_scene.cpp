@@ -155,6 +155,7 @@ std::vector<const char*> coefficients(LensModel model) {
         case LensModel::openCv: return {"k1", "k2", "p1", "p2"};
         case LensModel::openCvFisheye: return {"k1", "k2", "k3", "k4"};
         case LensModel::fullOpenCv: return {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"};
+        case LensModel::brown: return {"k1", "k2", "p1", "p2", "k3", "k4", "skew"};
         case LensModel::thinPrismFisheye: return {"k1", "k2", "p1", "p2", "k3", "k4", "sx1", "sy1"};
     }
     return {};

@@ -17,8 +17,9 @@ Camera cameraOf(LensModel model, std::array<double, 8> distortion) {
 }
 
 TEST(Camera, NamesOfLensModelsGoThereAndBack) {
-    for (const char* name : {"SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV", "OPENCV_FISHEYE",
-                             "FULL_OPENCV", "FOV", "SIMPLE_RADIAL_FISHEYE", "RADIAL_FISHEYE", "THIN_PRISM_FISHEYE"}) {
+    for (const char* name :
+         {"SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV", "OPENCV_FISHEYE", "FULL_OPENCV", "FOV",
+          "SIMPLE_RADIAL_FISHEYE", "RADIAL_FISHEYE", "THIN_PRISM_FISHEYE", "BROWN"}) {
         const auto model = lensModelFromName(name);
         ASSERT_TRUE(model) << name;
         EXPECT_EQ(lensModelName(*model), name);
@@ -121,6 +122,7 @@ TEST(Camera, ProjectingARayGivesItsPixelBackForEveryLensModel) {
                   {LensModel::fov, {1e-6}},
                   {LensModel::simpleRadialFisheye, {-0.05}},
                   {LensModel::radialFisheye, {0.04, -0.02}},
+                  {LensModel::brown, {-0.25, 0.08, 0.002, -0.003, -0.02, 0.004, 0.0015}},
                   {LensModel::thinPrismFisheye, {0.02, -0.01, 0.001, 0.002, 0.001, -0.0005, 0.002, -0.001}}};
     for (const auto& lens : lenses) {
         Camera camera = cameraOf(lens.model, lens.distortion);

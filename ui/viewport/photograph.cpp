@@ -14,7 +14,7 @@ std::vector<Vec4> straightened(const View& view, int longest, int& width, int& h
     width = straight.width, height = straight.height;
     const LensModel model = view.camera.model;
     const bool flatLens = model == LensModel::simpleRadial || model == LensModel::radial ||
-                          model == LensModel::openCv || model == LensModel::fullOpenCv;
+                          model == LensModel::openCv || model == LensModel::fullOpenCv || model == LensModel::brown;
     const bool plain = model == LensModel::pinhole || model == LensModel::simplePinhole ||
                        (flatLens && view.camera.distortion == std::array<double, 8>{});
     // The file's image may be another size than the camera says.
