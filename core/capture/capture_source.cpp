@@ -13,10 +13,31 @@ fs::path findImage(const fs::path& folder, const std::string& filePath) {
     std::replace(slashes.begin(), slashes.end(), '\\', '/');
     for (const fs::path& base : {plain, folder / slashes}) {
         if (isFile(base)) return base;
-        for (const char* ending : {".exr", ".hdr", ".png", ".jpg", ".jpeg", ".tif", ".tiff"})
+        for (const char* ending : {".exr", ".hdr", ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".EXR", ".HDR", ".PNG",
+                                   ".JPG", ".JPEG", ".TIF", ".TIFF"})
             if (fs::path named = base.string() + ending; isFile(named)) return named;
     }
     return plain;
+}
+
+std::optional<fs::path> findMeshIn(std::span<const fs::path> places, std::span<const char* const> names) {
+    constexpr const char* usual[] = {"mesh.ply", "mesh.obj", "mesh.stl", "mesh.off"};
+    for (const fs::path& place : places)
+        for (const auto& list : {std::span<const char* const>(usual), names})
+            for (const char* name : list)
+                if (isFile(place / name)) return (place / name).lexically_normal();
+    return std::nullopt;
+}
+
+Vec3 upOfCameras(const std::vector<Camera>& cameras) {
+    const Vec3 up(guessUp(cameras).value_or(DVec3(0, 0, 1)));
+    for (int c = 0; c < 3; ++c)
+        if (std::abs(up[c]) > 0.9994f) {
+            Vec3 axis(0);
+            axis[c] = up[c] < 0 ? -1.0f : 1.0f;
+            return axis;
+        }
+    return up;
 }
 
 fs::path placeOf(const fs::path& folder, const std::string& named) {

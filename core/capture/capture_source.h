@@ -1,6 +1,7 @@
-// What the files of a capture folder say before images and mesh are opened: of transforms.json or of a COLMAP model.
+// What the files of a capture folder say before images and mesh are opened, whichever format they have.
 #pragma once
 #include <optional>
+#include <span>
 
 #include "base/progress.h"
 #include "capture/capture.h"
@@ -30,13 +31,20 @@ struct CaptureSource {
     std::vector<DVec3> points;
 };
 
-/// Reads FOLDER/transforms.json, or a COLMAP model where there is none or `fix` names one. Throws Error naming file and
-/// field.
+/// Reads the first format of captureFormats() that FOLDER holds, or the one whose place `fix` names. Throws Error
+/// naming file and field.
 CaptureSource captureSource(const std::filesystem::path& folder, const CaptureFix& fix, Progress& progress);
 
 /// The image a file_path names: relative to the capture folder, backslashes allowed, and, as in some NeRF data sets,
 /// without its ending. Where nothing is found the path is returned as written, for the error message.
 std::filesystem::path findImage(const std::filesystem::path& folder, const std::string& filePath);
+
+/// The mesh in the first of these places that has one: mesh.ply, .obj, .stl or .off, else one of `names`.
+std::optional<std::filesystem::path> findMeshIn(std::span<const std::filesystem::path> places,
+                                                std::span<const char* const> names = {});
+
+/// What is up where no file says it: from how the cameras were held (guessUp), or the axis within two degrees of that.
+Vec3 upOfCameras(const std::vector<Camera>& cameras);
 
 /// A place the user names: in the capture folder, in the current one, or absolute.
 std::filesystem::path placeOf(const std::filesystem::path& folder, const std::string& named);

@@ -10,10 +10,9 @@ namespace {
 
 /// The mesh of a COLMAP capture by the names its own tools give.
 fs::path findColmapMesh(const fs::path& folder, const fs::path& model) {
-    for (const fs::path& place : {folder, folder / "dense", folder / "dense/0", model, model / "..", model / "../.."})
-        for (const char* name :
-             {"mesh.ply", "mesh.obj", "mesh.stl", "mesh.off", "meshed-poisson.ply", "meshed-delaunay.ply"})
-            if (isFile(place / name)) return (place / name).lexically_normal();
+    const fs::path places[] = {folder, folder / "dense", folder / "dense/0", model, model / "..", model / "../.."};
+    constexpr const char* own[] = {"meshed-poisson.ply", "meshed-delaunay.ply"};
+    if (const auto mesh = findMeshIn(places, own)) return *mesh;
     throw Error(
         "{}: holds no mesh (mesh.ply, mesh.obj, meshed-poisson.ply, dense/meshed-delaunay.ply ...), name it with "
         "--mesh",
@@ -49,14 +48,7 @@ CaptureSource sourceFromColmap(const fs::path& folder, const fs::path& modelFold
             fmt::format("{} images are exposures of views that the model holds already; of each view the pose of the "
                         "exposure nearest to +0 stops counts.",
                         model.views.size() - source.frames.size()));
-    source.up = Vec3(guessUp(cameras).value_or(DVec3(0, 0, 1)));
-    // An axis within two degrees is meant.
-    for (int c = 0; c < 3; ++c)
-        if (std::abs(source.up[c]) > 0.9994f) {
-            Vec3 axis(0);
-            axis[c] = source.up[c] < 0 ? -1.0f : 1.0f;
-            source.up = axis;
-        }
+    source.up = upOfCameras(cameras);
     source.notes.push_back(
         fmt::format("{}: {} cameras, {} images, {} points; reprojection error {:.3f} pixels (the model says {:.3f}).",
                     modelFolder.string(), model.cameras, model.views.size(), model.points.size(), model.errorPixels,

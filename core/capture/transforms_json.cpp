@@ -9,6 +9,7 @@
 #include "base/json_fields.h"
 #include "capture/camera_fault.h"
 #include "capture/load_capture.h"
+#include "capture/rigid.h"
 
 namespace relamp {
 namespace {
@@ -171,32 +172,12 @@ DMat4 readMatrix(const Keys& keys, bool& rescaled) {
             if (!line[column].is_number())
                 keys.fail(key,
                           fmt::format("row {} column {} is {}, expected a number", row, column, kindOf(line[column])));
-            const double x = line[column].get<double>();
-            if (!(std::abs(x) <= 1e12))
-                keys.fail(key, fmt::format("row {} column {} is {}, which is too large; expected at most 1e12", row,
-                                           column, x));
-            matrix[int(column)][int(row)] = x;
+            matrix[int(column)][int(row)] = line[column].get<double>();
         }
     }
-    for (int column = 0; column < 4; ++column)
-        if (std::abs(matrix[column][3] - (column == 3)) > 1e-6) keys.fail(key, "has a last row other than 0 0 0 1");
-    const glm::dmat3 rotation(matrix);
-    const double determinant = glm::determinant(rotation);
-    const double scale = std::cbrt(std::abs(determinant));
-    if (!(scale > 1e-9)) keys.fail(key, "is singular, expected a rotation and a translation");
-    if (determinant < 0) keys.fail(key, "mirrors the world, expected a rotation and a translation");
-    for (int a = 0; a < 3; ++a)
-        for (int b = a; b < 3; ++b) {
-            const double dot = glm::dot(rotation[a], rotation[b]) / (scale * scale);
-            if (std::abs(dot - (a == b)) > 1e-3) keys.fail(key, "is not rigid, expected a rotation and a translation");
-        }
+    double scale = 1;
+    if (const std::string fault = makeRigid(matrix, scale); !fault.empty()) keys.fail(key, fault);
     rescaled = std::abs(scale - 1) > 1e-3;
-    // Gram and Schmidt: small errors of rounding go, a uniform scale goes.
-    const DVec3 x = glm::normalize(rotation[0]);
-    const DVec3 y = glm::normalize(rotation[1] - x * glm::dot(x, rotation[1]));
-    matrix[0] = glm::dvec4(x, 0);
-    matrix[1] = glm::dvec4(y, 0);
-    matrix[2] = glm::dvec4(glm::cross(x, y), 0);
     return matrix;
 }
 

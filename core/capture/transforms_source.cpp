@@ -13,8 +13,8 @@ fs::path findMesh(const fs::path& folder, const std::string& meshPath, const std
         if (isFile(mesh)) return mesh;
         throw Error("{}: mesh_path names {}, which {}", file, mesh.string(), whyNoFile(mesh));
     }
-    for (const char* name : {"mesh.ply", "mesh.obj", "mesh.stl", "mesh.off"})
-        if (isFile(folder / name)) return folder / name;
+    const fs::path places[] = {folder};
+    if (const auto mesh = findMeshIn(places)) return *mesh;
     throw Error("{}: mesh_path is missing, and {} holds no mesh.ply, mesh.obj, mesh.stl or mesh.off", file,
                 folder.string());
 }
