@@ -4,6 +4,7 @@
 
 #include "base/is_there.h"
 #include "capture/colmap.h"
+#include "capture/formats/readers.h"
 
 namespace relamp {
 namespace fs = std::filesystem;
@@ -52,11 +53,34 @@ bool ownsColmap(const std::string& name) {
     return false;
 }
 
+/// The row of a foreign reader.
+template <const ForeignReader& reader>
+constexpr CaptureFormat rowOf(const char* name, const char* marks, const char* reading) {
+    return {name,
+            marks,
+            reading,
+            [](const fs::path& folder) { return reader.find(folder); },
+            [](const std::string& fileName) { return reader.owns(fileName); },
+            [](const fs::path& folder, const fs::path& cameras, const CaptureFix& fix, Progress& progress) {
+                return sourceFromForeign(reader, folder, cameras, fix, progress);
+            }};
+}
+
 const CaptureFormat formats[] = {
     {"transforms.json", "transforms.json", "Reading transforms.json", findTransforms, ownsTransforms,
      sourceFromTransforms},
     {"COLMAP model", "a COLMAP model (sparse/0)", "Reading the COLMAP model", findColmap, ownsColmap, sourceFromColmap,
      &CaptureFix::colmap},
+    rowOf<metashapeReader>("Metashape cameras", "Metashape's cameras.xml", "Reading Metashape's cameras"),
+    rowOf<meshroomReader>("Meshroom cameras", "Meshroom's cameras.sfm", "Reading Meshroom's cameras"),
+    rowOf<realityCaptureReader>("RealityCapture cameras", "RealityCapture's CSV", "Reading RealityCapture's cameras"),
+    rowOf<bundlerReader>("Bundler cameras", "bundle.out", "Reading Bundler's cameras"),
+    rowOf<openMvgReader>("OpenMVG cameras", "OpenMVG's sfm_data.json", "Reading OpenMVG's cameras"),
+    rowOf<nvmReader>("VisualSFM cameras", "VisualSFM's .nvm", "Reading VisualSFM's cameras"),
+    rowOf<llffReader>("LLFF poses", "poses_bounds.npy", "Reading LLFF's poses"),
+    rowOf<polycamReader>("Polycam scan", "Polycam's keyframes", "Reading the Polycam scan"),
+    rowOf<record3dReader>("Record3D scan", "Record3D's metadata.json", "Reading the Record3D scan"),
+    rowOf<scannerAppReader>("3D Scanner App scan", "3D Scanner App's frames", "Reading the 3D Scanner App scan"),
 };
 
 }  // namespace

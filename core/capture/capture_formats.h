@@ -15,7 +15,7 @@ struct CaptureFormat {
     const char* marks;    ///< what a capture folder holds in this format, for hints: "a COLMAP model (sparse/0)"
     const char* reading;  ///< progress label
     /// What holds the cameras of the capture in `folder`: a file or a folder; none: no capture of this format. Cheap:
-    /// names are looked at, nothing is opened but the head of a COLMAP model where there are several.
+    /// names are looked at, nothing is opened but the heads of a few files.
     std::optional<std::filesystem::path> (*find)(const std::filesystem::path& folder);
     /// Whether a file of that name is one of the format's own.
     bool (*owns)(const std::string& fileName);

@@ -90,6 +90,7 @@ const std::vector<Library> libraries{
     {"OpenColorIO/", {"ui/viewport/display_transform.cpp"}},
     {"imgui", {"ui/"}},
     {"stb/", {"texture/atlas.cpp"}},
+    {"pugixml", {"capture/formats/metashape.cpp"}},
 };
 
 struct Include {
