@@ -216,6 +216,22 @@ std::vector<Exposure> readExposures(const Keys& frameKeys, const json& frame) {
     return exposures;
 }
 
+/// Nerfstudio's keys that say where the mesh may not be.
+void noteNerfstudio(const json& root, Transforms& transforms) {
+    if (const auto it = root.find("applied_transform"); it != root.end() && it->is_array()) {
+        bool identity = true;
+        for (size_t row = 0; row < it->size(); ++row)
+            for (size_t column = 0; (*it)[row].is_array() && column < (*it)[row].size(); ++column)
+                identity = identity && (*it)[row][column] == json(row == column ? 1.0 : 0.0);
+        if (!identity)
+            transforms.notes.emplace_back(
+                "applied_transform says that the cameras were moved from where they were reconstructed; the mesh must "
+                "have been moved with them.");
+    }
+    if (root.contains("ply_file_path") && transforms.meshPath.empty())
+        transforms.notes.emplace_back("ply_file_path names points and is not used; mesh_path would name the mesh.");
+}
+
 Vec3 readUp(const json& root) {
     const auto it = root.find("up");
     if (it == root.end() || it->is_null()) return {0, 0, 1};
@@ -234,6 +250,7 @@ Transforms parseTransforms(const std::string& text, const ImageSize& sizeOf) {
     Transforms result;
     result.up = readUp(root);
     result.meshPath = Keys(root, nullptr, "").text("mesh_path");
+    noteNerfstudio(root, result);
     const auto frames = root.find("frames");
     if (frames == root.end()) throw Error("frames is missing");
     if (!frames->is_array()) throw Error("frames is {}, expected a list", kindOf(*frames));

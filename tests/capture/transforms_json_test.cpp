@@ -276,6 +276,33 @@ TEST(TransformsJson, HostileNestingAndCountsAreRefused) {
     EXPECT_EQ(error(many + "]}"), "frames has 100001 entries, expected at most 100000");
 }
 
+TEST(TransformsJson, ALensWithSkewIsReadByName) {
+    json file = goodFile();
+    file["camera_model"] = "BROWN";
+    file["k3"] = 0.5, file["k4"] = 0.6, file["skew"] = 0.001;
+    const Transforms t = parse(file);
+    EXPECT_EQ(t.frames[0].camera.model, LensModel::brown);
+    EXPECT_EQ(t.frames[0].camera.distortion, (std::array<double, 8>{0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.001, 0}));
+    EXPECT_TRUE(t.notes.empty());
+}
+
+TEST(TransformsJson, WhatNerfstudioDidToTheCamerasIsSaid) {
+    json file = goodFile();
+    file["applied_transform"] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
+    EXPECT_TRUE(parse(file).notes.empty());
+    file["applied_transform"] = {{0, 1, 0, 0}, {1, 0, 0, 0}, {0, 0, -1, 0}};
+    ASSERT_EQ(parse(file).notes.size(), 1u);
+    EXPECT_EQ(parse(file).notes[0].find("applied_transform says that the cameras were moved"), 0u);
+    file["ply_file_path"] = "sparse_pc.ply";
+    EXPECT_EQ(parse(file).notes.size(), 1u);
+    file.erase("mesh_path");
+    EXPECT_EQ(parse(file).notes.size(), 2u);
+    for (const json& odd : {json(3), json({1, "a"}), json({{"a"}}), json::object()}) {
+        file["applied_transform"] = odd;
+        EXPECT_EQ(parse(file).frames.size(), 2u);
+    }
+}
+
 TEST(TransformsJson, OneCameraIsReadForRendering) {
     test::TemporaryFolder folder;
     json file = goodFile();

@@ -66,7 +66,11 @@ double fitInverse(Camera& camera, double d) {
 ForeignCameras parse(const fs::path& file, const ForeignFolder& around, Progress& progress) {
     const std::string text = readBytes(file, size_t(2) << 30);
     TextScanner scanner(text);
-    scanner.line();  // "NVM_V3", perhaps with a calibration
+    TextScanner header(scanner.line());
+    if (const std::string_view word = header.word(); word != "NVM_V3")
+        throw Error("the header is \"{}\", expected \"NVM_V3\"", word.substr(0, 40));
+    if (const std::string_view word = header.word(); !word.empty())
+        throw Error("the header holds \"{}\", expected no fixed calibration", word.substr(0, 40));
     const double count = numberFrom(scanner.word(), "number of cameras");
     if (!(count >= 0 && count <= double(foreignViews)) || count != std::floor(count))
         throw Error("number of cameras is {}, expected at most {}", count, foreignViews);

@@ -208,6 +208,10 @@ TEST_F(VisualSfm, BadLinesAreNamed) {
     // Names may hold spaces.
     std::filesystem::copy_file(folder / "images/img_0.png", folder / "images/a b.png");
     EXPECT_EQ(with("1\na b.png 900 1 0 0 0 1 2 3 0 0\n"), "");
+    folder.write("scan.nvm", "NVM_V3_R9T\n1\n");
+    EXPECT_EQ(error(), "scan.nvm: the header is \"NVM_V3_R9T\", expected \"NVM_V3\"");
+    folder.write("scan.nvm", "NVM_V3 FixedK 900 800 900 600 0\n1\n");
+    EXPECT_EQ(error(), "scan.nvm: the header holds \"FixedK\", expected no fixed calibration");
     folder.write("scan.nvm", "something else");
     EXPECT_FALSE(findCapture(folder.path()));
 }
