@@ -33,6 +33,24 @@ fs::path findForeignMesh(const fs::path& folder, const fs::path& beside, std::ve
     return meshes[0];
 }
 
+std::string withSlashes(std::string name) {
+    std::replace(name.begin(), name.end(), '\\', '/');
+    return name;
+}
+
+/// The last parts of the views' paths, or, where two would have one name, the paths as they are.
+std::vector<std::string> shownNames(const std::vector<ForeignView>& views) {
+    std::vector<std::string> last, whole;
+    for (const ForeignView& view : views) {
+        whole.push_back(view.name);
+        last.push_back(fs::path(withSlashes(view.name)).filename().string());
+    }
+    std::vector<std::string> sorted = last;
+    std::sort(sorted.begin(), sorted.end());
+    const bool unique = std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end() && !sorted.front().empty();
+    return unique ? last : whole;
+}
+
 }  // namespace
 
 ForeignFolder::ForeignFolder(fs::path folder, const fs::path& cameras, const std::string& images)
@@ -46,9 +64,7 @@ ForeignFolder::ForeignFolder(fs::path folder, const fs::path& cameras, const std
 }
 
 fs::path ForeignFolder::photograph(const std::string& name) const {
-    std::string slashes = name;
-    std::replace(slashes.begin(), slashes.end(), '\\', '/');
-    const fs::path whole(slashes), last = whole.filename();
+    const fs::path whole(withSlashes(name)), last = whole.filename();
     for (const fs::path& part : {whole, last})
         for (const fs::path& place : places_)
             if (fs::path file = findImage(place, part.string()); isFile(file)) return file.lexically_normal();
@@ -94,11 +110,13 @@ CaptureSource sourceFromForeign(const ForeignReader& reader, const fs::path& fol
     source.notes = std::move(read.notes);
     source.mesh =
         fix.mesh.empty() ? findForeignMesh(folder, cameras.parent_path(), source.notes) : placeOf(folder, fix.mesh);
+    const std::vector<std::string> names = shownNames(read.views);
     std::vector<Camera> all;
-    for (const ForeignView& view : read.views) {
+    for (size_t i = 0; i < read.views.size(); ++i) {
+        const ForeignView& view = read.views[i];
         all.push_back(view.camera);
         source.frames.push_back(
-            {fmt::format("{}: {}", where, view.name), view.name, around.photograph(view.name), view.camera, {}, true});
+            {fmt::format("{}: {}", where, view.name), names[i], around.photograph(view.name), view.camera, {}, true});
     }
     source.up = read.up ? *read.up : upOfCameras(all);
     if (!read.up && fix.up.empty())

@@ -100,6 +100,7 @@ TEST_F(Meshroom, EveryVersionGivesTheSamePixels) {
         write(document(file.version, file.lens, "brown"));
         const CaptureSource source = read();
         EXPECT_LT(worstPixel(source, file.lens, file.turn), 1e-6) << file.version[2];
+        EXPECT_EQ(source.frames[4].name, "img_4.png") << "paths of another machine are shown by their last part";
         EXPECT_EQ(holds(source.notes, "turned by 180 degrees about x"), file.turn != same);
     }
 }
@@ -129,6 +130,22 @@ TEST_F(Meshroom, ViewsWithoutAPoseAndRigsAreLeftOut) {
     EXPECT_LT(worstPixel(source, brown), 1e-6);
     EXPECT_TRUE(holds(source.notes, "1 of 7 cameras have no pose"));
     EXPECT_TRUE(holds(source.notes, "1 of 7 cameras belong to a rig"));
+}
+
+TEST_F(Meshroom, PhotographsOfOneNameInTwoFoldersAreToldApart) {
+    json root = document({1, 0, 0}, brown, "brown");
+    for (const char* side : {"left", "right"}) {
+        std::filesystem::create_directories(folder / (std::string("images/") + side));
+        std::filesystem::copy_file(folder / "images/img_0.png", folder / (std::string("images/") + side + "/a.png"));
+    }
+    root["views"][0]["path"] = "right\\a.png";
+    root["views"][1]["path"] = "left\\a.png";
+    write(root);
+    const CaptureSource source = read();
+    ASSERT_EQ(source.frames.size(), 5u);
+    EXPECT_EQ(source.frames[3].name, "left\\a.png");
+    EXPECT_EQ(source.frames[3].file, folder / "images/left/a.png");
+    EXPECT_EQ(source.frames[4].file, folder / "images/right/a.png");
 }
 
 TEST_F(Meshroom, BadFieldsAreNamed) {
