@@ -71,16 +71,16 @@ const CaptureFormat formats[] = {
      sourceFromTransforms},
     {"COLMAP model", "a COLMAP model (sparse/0)", "Reading the COLMAP model", findColmap, ownsColmap, sourceFromColmap,
      &CaptureFix::colmap},
-    rowOf<metashapeReader>("Metashape cameras", "Metashape's cameras.xml", "Reading Metashape's cameras"),
-    rowOf<meshroomReader>("Meshroom cameras", "Meshroom's cameras.sfm", "Reading Meshroom's cameras"),
+    rowOf<metashapeReader>("Metashape cameras", "Metashape's XML", "Reading Metashape's cameras"),
+    rowOf<meshroomReader>("Meshroom cameras", "Meshroom's .sfm", "Reading Meshroom's cameras"),
     rowOf<realityCaptureReader>("RealityCapture cameras", "RealityCapture's CSV", "Reading RealityCapture's cameras"),
     rowOf<bundlerReader>("Bundler cameras", "bundle.out", "Reading Bundler's cameras"),
-    rowOf<openMvgReader>("OpenMVG cameras", "OpenMVG's sfm_data.json", "Reading OpenMVG's cameras"),
-    rowOf<nvmReader>("VisualSFM cameras", "VisualSFM's .nvm", "Reading VisualSFM's cameras"),
+    rowOf<openMvgReader>("OpenMVG cameras", "OpenMVG's JSON", "Reading OpenMVG's cameras"),
+    rowOf<nvmReader>("VisualSFM cameras", "VisualSFM's NVM", "Reading VisualSFM's cameras"),
     rowOf<llffReader>("LLFF poses", "poses_bounds.npy", "Reading LLFF's poses"),
-    rowOf<polycamReader>("Polycam scan", "Polycam's keyframes", "Reading the Polycam scan"),
-    rowOf<record3dReader>("Record3D scan", "Record3D's metadata.json", "Reading the Record3D scan"),
-    rowOf<scannerAppReader>("3D Scanner App scan", "3D Scanner App's frames", "Reading the 3D Scanner App scan"),
+    rowOf<polycamReader>("Polycam scan", "a Polycam scan", "Reading the Polycam scan"),
+    rowOf<record3dReader>("Record3D scan", "a Record3D scan", "Reading the Record3D scan"),
+    rowOf<scannerAppReader>("3D Scanner App scan", "a 3D Scanner App scan", "Reading the 3D Scanner App scan"),
 };
 
 }  // namespace

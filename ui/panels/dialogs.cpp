@@ -56,7 +56,7 @@ void takeBrowserFlags(Editor& editor) {
         BrowserRequest request;
         request.title = "Open a capture or a shot";
         request.captures = true;
-        request.extensions = {".json", ".exr", ".hdr"};
+        request.extensions = {".json", ".exr", ".hdr", ".xml", ".sfm", ".csv", ".out", ".nvm", ".npy"};
         request.note = fmt::format(
             "A capture is a folder with {}, photographs and a mesh; a shot is what relamp has saved.", captureMarks());
         // Beside what is open; where it stood last, once it was moved away from there.
