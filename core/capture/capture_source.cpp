@@ -49,15 +49,18 @@ fs::path placeOf(const fs::path& folder, const std::string& named) {
 CaptureSource captureSource(const fs::path& folder, const CaptureFix& fix, Progress& progress) {
     std::error_code ignored;
     if (!fs::is_directory(folder, ignored)) throw Error("{}: is not a folder", folder.string());
-    const auto formats = captureFormats();
-    // Where nothing is found, the reader of the first format says what is missing.
-    FoundCapture found{&formats.front(), folder / "transforms.json"};
-    if (const auto here = findCapture(folder)) found = *here;
-    for (const CaptureFormat& format : formats)
-        if (format.named && !(fix.*format.named).empty()) found = {&format, placeOf(folder, fix.*format.named)};
-    progress.begin(found.format->reading, 1);
-    CaptureSource source = found.format->read(folder, found.cameras, fix, progress);
-    source.cameras = found.cameras;
+    std::optional<FoundCapture> found = findCapture(folder);
+    for (const CaptureFormat& format : captureFormats())
+        if (format.named && !(fix.*format.named).empty())
+            found = FoundCapture{&format, placeOf(folder, fix.*format.named)};
+    if (!found) {
+        const fs::path usual = folder / "transforms.json";
+        throw Error("{}: {}, and no other cameras are found; a capture has {}", usual.string(), whyNoFile(usual),
+                    captureMarks());
+    }
+    progress.begin(found->format->reading, 1);
+    CaptureSource source = found->format->read(folder, found->cameras, fix, progress);
+    source.cameras = found->cameras;
     return source;
 }
 

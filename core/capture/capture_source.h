@@ -24,6 +24,7 @@ struct CaptureSource {
     std::string where = "transforms.json";  ///< for errors
     std::vector<FrameSource> frames;
     std::filesystem::path cameras;  ///< the file or folder that holds them
+    std::vector<std::filesystem::path> otherFiles;  ///< read beside it: lists, frames, where the mesh was aligned to
     std::filesystem::path mesh;
     Vec3 up{0, 0, 1};
     std::vector<std::string> notes;

@@ -142,6 +142,7 @@ InputFiles captureFiles(const fs::path& folder, const CaptureFix& fix, Progress&
     InputFiles files;
     if (isFile(source.cameras)) files.add(source.cameras);
     else files.addFolder(source.cameras);
+    for (const fs::path& file : source.otherFiles) files.add(file);
     files.add(source.mesh);
     for (const FrameSource& frame : source.frames) {
         files.add(frame.file);

@@ -54,6 +54,53 @@ TEST(CaptureFormats, TheFirstOfTheTableIsReadWhereThereAreSeveral) {
     EXPECT_EQ(formatOf(folder.path()), "transforms.json");
 }
 
+TEST(CaptureFormats, OtherProgramsFilesAreKnownByTheirContent) {
+    const TemporaryFolder folder;
+    const struct {
+        const char *file, *content, *format;
+    } files[] = {
+        {"cameras.xml", "<?xml version=\"1.0\"?><document version=\"2.0.0\"><chunk>", "Metashape cameras"},
+        {"any.xml", "<document><chunk label=\"1\">", "Metashape cameras"},
+        {"cameras.sfm", "{\"version\": [\"1\"], \"views\": []}", "Meshroom cameras"},
+        {"cameras.csv", "#name,x,y,alt,heading,pitch,roll,f\n", "RealityCapture cameras"},
+        {"bundle/bundle.out", "# Bundle file v0.3\n", "Bundler cameras"},
+        {"sfm_data.json", "{\"sfm_data_version\": \"0.3\"}", "OpenMVG cameras"},
+        {"a.nvm", "NVM_V3\n", "VisualSFM cameras"},
+        {"poses_bounds.npy", "\x93NUMPY", "LLFF poses"},
+        {"keyframes/cameras/1.json", "{\"t_00\": 1}", "Polycam scan"},
+        {"metadata.json", "{\"h\": 3, \"K\": []}", "Record3D scan"},
+        {"frame_00000.json", "{\"cameraPoseARFrame\": []}", "3D Scanner App scan"},
+    };
+    std::set<std::string> found;
+    for (const auto& [file, content, format] : files) {
+        const std::string room = fmt::format("room{}", found.size());
+        found.insert(room);
+        folder.write(room + "/" + file, content);
+        EXPECT_EQ(formatOf(folder / room), format) << file;
+        // Another content under the same name is nobody's.
+        folder.write(room + "/" + file, "something else");
+        EXPECT_EQ(formatOf(folder / room), "") << file;
+        folder.write(room + "/" + file, "");
+        EXPECT_EQ(formatOf(folder / room), "") << file;
+        // What relamp itself writes counts before them.
+        folder.write(room + "/" + file, content);
+        folder.write(room + "/transforms.json", "{}");
+        EXPECT_EQ(formatOf(folder / room), "transforms.json") << file;
+    }
+    EXPECT_EQ(found.size(), captureFormats().size() - 1) << "a row has no file here, or two";
+}
+
+TEST(CaptureFormats, TheUsualNameCountsThenTheFirst) {
+    const TemporaryFolder folder;
+    for (const char* name : {"b.nvm", "a.nvm", "c.nvm"}) folder.write(name, "NVM_V3\n");
+    EXPECT_EQ(findCapture(folder.path())->cameras, folder / "a.nvm");
+    folder.write("reconstruction.nvm", "NVM_V3\n");
+    EXPECT_EQ(findCapture(folder.path())->cameras, folder / "reconstruction.nvm");
+    folder.write("part/bundle/bundle.out", "# Bundle file v0.3\n");
+    EXPECT_EQ(captureFolderOf(folder / "part/bundle/bundle.out"), folder / "part");
+    EXPECT_EQ(captureFolderOf(folder / "b.nvm"), folder.path());
+}
+
 TEST(CaptureFormats, TheirFilesLeadToTheCaptureFolder) {
     const TemporaryFolder folder;
     folder.write("nerf/transforms.json", "{}");

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "capture/capture_formats.h"
 #include "capture/check.h"
 #include "capture/photograph_reader.h"
 #include "support/temporary_folder.h"
@@ -147,7 +148,8 @@ TEST_F(LoadCapture, OnePhotographIsReadAsAllAre) {
 TEST_F(LoadCapture, MissingFilesAreNamed) {
     Progress progress;
     EXPECT_EQ(test::messageOf([&] { loadCapture(folder.path(), {}, progress); }),
-              (folder / "transforms.json").string() + ": does not exist");
+              (folder / "transforms.json").string() +
+                  ": does not exist, and no other cameras are found; a capture has " + captureMarks());
     EXPECT_EQ(test::messageOf([&] { loadCapture(folder / "none", {}, progress); }),
               (folder / "none").string() + ": is not a folder");
     file["mesh_path"] = "model.ply";

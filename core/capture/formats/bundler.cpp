@@ -54,6 +54,7 @@ ForeignCameras parse(const fs::path& file, const ForeignFolder& around, Progress
     if (count != double(names.size()))
         throw Error("holds {:.0f} cameras, and {} names {} photographs", count, list.filename().string(), names.size());
     ForeignCameras result;
+    result.otherFiles = {list};
     size_t withoutPose = 0;
     for (const std::string& name : names)
         withContext(name.substr(0, 200), [&] {

@@ -108,6 +108,7 @@ CaptureSource sourceFromForeign(const ForeignReader& reader, const fs::path& fol
     CaptureSource source;
     source.where = where;
     source.notes = std::move(read.notes);
+    source.otherFiles = std::move(read.otherFiles);
     source.mesh =
         fix.mesh.empty() ? findForeignMesh(folder, cameras.parent_path(), source.notes) : placeOf(folder, fix.mesh);
     const std::vector<std::string> names = shownNames(read.views);

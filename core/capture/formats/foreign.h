@@ -24,6 +24,7 @@ struct ForeignCameras {
     std::vector<ForeignView> views;
     std::vector<std::string> notes;  ///< what was left out or turned, one sentence each
     std::optional<Vec3> up;          ///< none: the format does not say, the cameras are asked
+    std::vector<std::filesystem::path> otherFiles;  ///< what was read beside the cameras' own file
 };
 
 /// Where a foreign file's photographs may be.

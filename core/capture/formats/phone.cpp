@@ -77,6 +77,7 @@ void meetPolycamMesh(const fs::path& folder, ForeignCameras& result) {
             pose = turn * pose;
             pose[3] = position;
         }
+        result.otherFiles.push_back(file);
         result.notes.emplace_back("The cameras were moved by alignmentTransform of mesh_info.json, to meet the mesh.");
     });
 }
@@ -187,6 +188,7 @@ ForeignCameras parseScannerApp(const fs::path& first, const ForeignFolder& aroun
             const std::string name = fs::path(file).stem().string() + ".jpg";
             if (!isFile(around.photograph(name))) return void(++withoutImage);
             const Json document = objectFrom(readBytes(folder / file, frameFileBytes));
+            result.otherFiles.push_back(folder / file);
             const JsonFields fields(document);
             ForeignView view{name, {}};
             const auto [width, height] = around.sizeOf(name);

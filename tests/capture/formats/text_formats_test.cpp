@@ -102,6 +102,7 @@ TEST_F(Bundler, CamerasLookBackwardsAndPixelsCountFromTheMiddle) {
     folder.write("bundle.out", bundle() + "0 0 0\n255 0 0\n0\n");
     folder.write("list.txt", list());
     EXPECT_LT(worstPixel(read(), lens), 1e-6);
+    EXPECT_EQ(read().otherFiles, std::vector<std::filesystem::path>{folder / "list.txt"});
     // Bundler's own folders, and the names that COLMAP gives.
     std::filesystem::create_directories(folder / "bundle");
     std::filesystem::rename(folder / "bundle.out", folder / "bundle/bundle.out");
