@@ -1,4 +1,4 @@
-// Brackets among the photographs of a COLMAP model, by how files are named.
+// Brackets among the photographs of a COLMAP model, or of another program's cameras, by how files are named.
 #pragma once
 #include <filesystem>
 #include <vector>

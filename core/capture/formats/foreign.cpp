@@ -6,6 +6,7 @@
 
 #include "base/is_there.h"
 #include "base/text_scanner.h"
+#include "capture/colmap_brackets.h"
 #include "capture/rigid.h"
 #include "image/image_io.h"
 
@@ -113,12 +114,22 @@ CaptureSource sourceFromForeign(const ForeignReader& reader, const fs::path& fol
         fix.mesh.empty() ? findForeignMesh(folder, cameras.parent_path(), source.notes) : placeOf(folder, fix.mesh);
     const std::vector<std::string> names = shownNames(read.views);
     std::vector<Camera> all;
-    for (size_t i = 0; i < read.views.size(); ++i) {
-        const ForeignView& view = read.views[i];
+    std::vector<fs::path> photographs;
+    std::vector<ColmapView> files;  // by absolute path, so that exposures lie beside them
+    for (const ForeignView& view : read.views) {
         all.push_back(view.camera);
-        source.frames.push_back(
-            {fmt::format("{}: {}", where, view.name), names[i], around.photograph(view.name), view.camera, {}, true});
+        photographs.push_back(around.photograph(view.name));
+        files.push_back({uint32_t(files.size()), fs::absolute(photographs.back()).string(), view.camera});
     }
+    for (ColmapBracket& bracket : colmapBrackets({}, files)) {
+        const uint32_t i = bracket.view.id;
+        source.frames.push_back({fmt::format("{}: {}", where, read.views[i].name), names[i], photographs[i],
+                                 bracket.view.camera, std::move(bracket.exposures), true});
+    }
+    if (source.frames.size() < files.size())
+        source.notes.push_back(
+            fmt::format("{} of {} cameras are exposures of others; the one nearest to +0 stops counts.",
+                        files.size() - source.frames.size(), files.size()));
     source.up = read.up ? *read.up : upOfCameras(all);
     if (!read.up && fix.up.empty())
         source.notes.push_back(

@@ -115,6 +115,24 @@ TEST_F(Metashape, CamerasThatCannotBeUsedAreLeftOutAndSaid) {
         EXPECT_TRUE(holds(source.notes, why)) << why;
 }
 
+TEST_F(Metashape, ExposuresBesideAPhotographAreItsBracket) {
+    for (const ForeignShot& s : shots)
+        for (const char* stops : {"_ev-2", "_ev+2"})
+            std::filesystem::copy_file(
+                folder / ("images/" + s.name),
+                folder / ("images/" + std::filesystem::path(s.name).stem().string() + stops + ".png"));
+    // One of the exposures was aligned as well: its pose is the worse one.
+    std::string second = camera(1, {});
+    second.replace(second.find("img_1"), 5, "img_0_ev+2");
+    write(sensor(whole), cameras({}) + second);
+    const CaptureSource source = read();
+    EXPECT_LT(worstPixel(source, whole), 1e-6);
+    ASSERT_EQ(source.frames[0].exposures.size(), 3u);
+    EXPECT_EQ(std::filesystem::path(source.frames[0].exposures[0].filePath).filename(), "img_0_ev-2.png");
+    EXPECT_EQ(source.frames[0].exposures[2].seconds, 4);
+    EXPECT_TRUE(holds(source.notes, "1 of 6 cameras are exposures of others"));
+}
+
 TEST_F(Metashape, WhatIsNoFrameCameraIsRefusedByItsName) {
     for (const char* type : {"fisheye", "spherical", "cylindrical", "rpc"}) {
         write(sensor(whole, type), cameras({}));
