@@ -12,6 +12,7 @@ std::vector<Action> makeActions() {
     addFileActions(table);
     addEditActions(table);
     addLightActions(table);
+    addTimeActions(table);
     addViewActions(table);
     addHelpActions(table);
     return table;

@@ -8,6 +8,7 @@
 #include "base/is_there.h"
 #include "base/local_time.h"
 #include "base/log.h"
+#include "edit/look_keys.h"
 #include "editor_impl.h"
 #include "interrupted.h"
 #include "settings.h"
@@ -22,13 +23,15 @@ Look lookThatFits(const Look& look, const Estimate& estimate, size_t vertices) {
                            [&](const EmitterCluster& c) { return c.id == id; });
     };
     Look out = look;
-    std::erase_if(out.emitters, [&](const EmitterLook& e) { return !known(e.id); });
-    std::erase_if(out.added, [&](const AddedEmitter& e) {
-        const auto geometry = infoOf(e.shape).geometry;
-        return (geometry == EmitterShapeInfo::Geometry::emitter && !known(e.source)) ||
-               (geometry == EmitterShapeInfo::Geometry::component && e.seedVertex >= vertices);
+    eachLook(out, [&](Look& one) {
+        std::erase_if(one.emitters, [&](const EmitterLook& e) { return !known(e.id); });
+        std::erase_if(one.added, [&](const AddedEmitter& e) {
+            const auto geometry = infoOf(e.shape).geometry;
+            return (geometry == EmitterShapeInfo::Geometry::emitter && !known(e.source)) ||
+                   (geometry == EmitterShapeInfo::Geometry::component && e.seedVertex >= vertices);
+        });
+        std::erase_if(one.parts, [&](const PartLook& p) { return p.seedVertex >= vertices; });
     });
-    std::erase_if(out.parts, [&](const PartLook& p) { return p.seedVertex >= vertices; });
     return out;
 }
 
@@ -101,18 +104,24 @@ std::shared_ptr<const Estimate> Editor::estimate() const {
 
 void Editor::edit(const std::string& label, const std::function<void(Look&)>& change) {
     if (!estimate()) return;
-    Look look = this->look();
+    const Look& before = this->look();
+    Look look = before;
     change(look);
+    if (look == before) return;
+    keyEdit(before, look, state.time.frame);
     impl_->history.pushLook(label, std::move(look));
 }
 
 void Editor::beginGesture(const std::string& label) {
-    if (estimate()) impl_->history.begin(label);
+    if (!estimate()) return;
+    const Look from = look();
+    impl_->history.begin(label, &from);
 }
 void Editor::preview(const std::function<void(Look&)>& change) {
     if (!inGesture()) return;
     Look look = history().gestureStart();
     change(look);
+    keyEdit(history().gestureStart(), look, state.time.frame);
     impl_->history.preview(std::move(look));
 }
 void Editor::commitGesture() { impl_->history.commit(); }
@@ -138,11 +147,13 @@ void Editor::Impl::forgetLostLights() {
 
 const std::vector<EmitterState>& Editor::emitters() const {
     const std::shared_ptr<const Estimate> shown = estimate();
-    if (impl_->emittersRevision != history().revision() || impl_->emittersOfEstimate != shown) {
+    if (impl_->emittersRevision != history().revision() || impl_->emittersFrame != state.time.frame ||
+        impl_->emittersOfEstimate != shown) {
         impl_->emitters = shown && state.document.scene ? emittersOf(*state.document.scene, *shown, look())
                                                         : std::vector<EmitterState>{};
         nameForPeople(impl_->emitters, look());
         impl_->emittersRevision = history().revision();
+        impl_->emittersFrame = state.time.frame;
         impl_->emittersOfEstimate = shown;
     }
     return impl_->emitters;
@@ -208,9 +219,11 @@ void Editor::recallSnapshot(size_t which) {
     std::erase_if(state.selection.emitters, [&](const std::string& id) { return !emitter(id); });
 }
 
-std::shared_ptr<const LiveFrame> Editor::liveFrame() const { return impl_->relight.frame(); }
-std::shared_ptr<const LiveFrame> Editor::distantOnlyFrame() const { return impl_->relightDistant.frame(); }
-std::shared_ptr<const LiveFrame> Editor::beforeFrame() const { return impl_->relightBefore.frame(); }
+std::shared_ptr<const LiveFrame> Editor::liveFrame() const {
+    return state.time.playing && impl_->playback.shown ? impl_->playback.shown : impl_->relight.frame().image;
+}
+std::shared_ptr<const LiveFrame> Editor::distantOnlyFrame() const { return impl_->relightDistant.frame().image; }
+std::shared_ptr<const LiveFrame> Editor::beforeFrame() const { return impl_->relightBefore.frame().image; }
 std::shared_ptr<const Frame> Editor::restFrame() const { return impl_->relight.restFrame(); }
 bool Editor::refining() const {
     return impl_->relight.working() || impl_->relightDistant.working() || impl_->relightBefore.working();
@@ -252,15 +265,16 @@ void Editor::Impl::pollImage() {
         request.orthographic = orthographic;
         request.cacheFolder = options.cacheFolder;
         request.restImage = eye.width > 0 && eye.height > 0 && infoOf(self.state.viewport.mode).restImage &&
-                            !history.inGesture() && !job;
-        request.dragging = history.inGesture();
+                            !history.inGesture() && !job && !self.state.time.playing && !self.state.time.scrubbing;
+        request.dragging = history.inGesture() || self.state.time.playing || self.state.time.scrubbing;
+        request.time = timeTag();
         if (self.state.selection.point) {
             request.pickSerial = pickSerial;
             request.pickTriangle = self.state.selection.point->triangle;
             request.pickBarycentric = self.state.selection.point->barycentric;
         }
     }
-    relight.request(std::move(request));
+    if (!pollPlayback(request)) relight.request(std::move(request));
     RelightRequest distant;
     const std::shared_ptr<const Estimate> distantOnly = self.distantOnly();
     if (distantOnly && self.state.document.scene && infoOf(self.state.viewport.mode).shows(Paint::distantModel)) {
@@ -300,7 +314,7 @@ void Editor::Impl::pollImage() {
 
 // ---- once a frame
 
-bool Editor::busy() const { return impl_->job || impl_->saving || refining(); }
+bool Editor::busy() const { return impl_->job || impl_->saving || state.time.playing || refining(); }
 
 const std::filesystem::path& Editor::configFolder() const { return impl_->options.configFolder; }
 

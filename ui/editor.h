@@ -60,7 +60,8 @@ public:
     bool unsavedChanges() const;
 
     // ---- the look
-    const Look& look() const { return history().present().look; }
+    /// Where it has keys, as it is at state.time.frame.
+    const Look& look() const;
     /// What is shown: the present entry's, or while a solve runs its latest intermediate result. Null before the first.
     std::shared_ptr<const Estimate> estimate() const;
     std::shared_ptr<const Estimate> distantOnly() const { return history().present().distantOnly; }
@@ -86,6 +87,22 @@ public:
     const EmitterState* emitter(const std::string& id) const;
     /// What the artist calls it, else its id; of several: "3 lights".
     std::string namesOf(const std::vector<std::string>& ids) const;
+
+    // ---- time: the look's keys. With keys every edit goes into the key at the present frame.
+    /// The look as it stands becomes a key at the present frame.
+    void setKey();
+    void deleteKey(int frame);
+    void moveKey(int from, int to);
+    void easeKey(int frame, KeyEase ease);
+    /// Shows another frame; no edit.
+    void goToFrame(int frame);
+    /// To the key before (-1) or after (+1) the present frame.
+    void goToKey(int direction);
+    /// Every frame is shown once, as fast as it can be made; frames that were shown are kept (up to a gibibyte), and
+    /// come at their own speed from then on, until look or eye change.
+    void play(bool on);
+    /// It is kept: it can be shown at once.
+    bool frameKept(int frame) const;
 
     // ---- background work
     void solve(const SolveRequest& request);

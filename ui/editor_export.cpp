@@ -17,7 +17,7 @@ std::vector<FrameJob> framesOf(const ExportRequest& request, const Capture& capt
         request.width > 0 && request.height > 0 ? fmt::format("{}x{}", request.width, request.height) : "";
     if (request.file.empty()) throw Error("no file name was given");
     using Views = ExportRequest::Views;
-    if (request.views == Views::present) {
+    if (request.views == Views::present || request.views == Views::timeline) {
         FrameJob one;
         one.camera = eye;
         if (request.width > 0 && request.height > 0) {
@@ -30,7 +30,14 @@ std::vector<FrameJob> framesOf(const ExportRequest& request, const Capture& capt
             one.camera.height = request.height;
         }
         one.file = request.file;
-        jobs.push_back(one);
+        if (request.views == Views::present) return {one};
+        for (const int number : parseFrameRange(request.range)) {
+            const std::string name = numbered(request.file, number);
+            if (name.empty()) throw Error("the name needs #### for the number of the frame");
+            one.file = name;
+            one.number = number;
+            jobs.push_back(one);
+        }
     } else if (request.views == Views::capture) {
         jobs = frameJobs(capture, std::to_string(view), "", size, request.file);
     } else {
@@ -62,19 +69,22 @@ void Editor::exportFrames(const ExportRequest& request) {
         return;
     }
     Impl* impl = impl_.get();
-    const Look look = lookThatFits(this->look(), *estimate, state.document.scene->mesh.vertexCount());
+    Look look = lookThatFits(this->look(), *estimate, state.document.scene->mesh.vertexCount());
+    if (request.views != ExportRequest::Views::timeline) look.keys.clear();
     impl_->start(
         JobStatus::Kind::exportFrames,
         jobs.size() == 1 ? "Rendering a frame" : fmt::format("Rendering {} frames", jobs.size()),
-        [impl, jobs, look, estimate, request, scene = state.document.scene, folder = state.document.captureFolder,
-         fix = state.document.fix,
+        [impl, jobs, look, estimate, request, pivots = impl->pivots(), scene = state.document.scene,
+         folder = state.document.captureFolder, fix = state.document.fix,
          origin = state.document.capture ? state.document.capture->origin : DVec3(0)](Progress& progress) -> Finish {
             // No frame may take the place of a photograph or the mesh.
             if (isThere(folder)) {
                 const InputFiles inputs = captureFiles(folder, fix, progress);
                 for (const FrameJob& job : jobs) inputs.refuse(job.file);
             }
-            const RelitScene relit = applyLook(*scene, *estimate, look, progress);
+            const LookTrack track(look);
+            std::optional<RelitScene> relit;
+            Look applied;
             FrameOptions options;
             options.samplesPerPixel = request.samples;
             options.denoise = request.denoise;
@@ -90,8 +100,13 @@ void Editor::exportFrames(const ExportRequest& request) {
             for (const FrameJob& one : jobs) {
                 index = size_t(&one - jobs.data());
                 try {
-                    const Frame frame = renderFrame(relit, one.camera, options, progress);
-                    writeFrame(one.file, frame, relit, one.camera, request.layers, origin);
+                    if (const Look now = track.at(one.number, pivots); !relit || !(now == applied)) {
+                        relit.reset();
+                        relit = applyLook(*scene, *estimate, now, progress);
+                        applied = now;
+                    }
+                    const Frame frame = renderFrame(*relit, one.camera, options, progress);
+                    writeFrame(one.file, frame, *relit, one.camera, request.layers, origin);
                     ++written;
                     logInfo("{}: written ({} of {})", one.file.string(), written, jobs.size());
                 } catch (const OutOfResources& error) {

@@ -8,6 +8,7 @@
 
 #include "base/job.h"
 #include "editor.h"
+#include "relight/look_track.h"
 #include "relight_worker.h"
 #include "shot/autosave.h"
 #include "shot/shot_lock.h"
@@ -61,7 +62,30 @@ struct Editor::Impl {
     uint64_t pickSerial = 0;
     mutable std::vector<EmitterState> emitters;
     mutable uint64_t emittersRevision = 0;
+    mutable int emittersFrame = 0;
     mutable std::shared_ptr<const Estimate> emittersOfEstimate;
+
+    // ---- time
+    /// Images of frames that were played.
+    struct Playback {
+        RelightRequest of;  ///< what they show, but for the look
+        std::vector<std::string> solo;
+        uint64_t revision = 0;
+        std::map<int, std::shared_ptr<const LiveFrame>> kept;
+        size_t bytes = 0;
+        std::shared_ptr<const LiveFrame> shown;
+        int shownFrame = -1;
+        double since = 0;  ///< seconds() when it was first shown
+    };
+    Playback playback;
+    mutable Look timed;  ///< the look at timedFrame
+    mutable uint64_t timedRevision = 0;
+    mutable int timedFrame = 0;
+    LookPivots pivots() const;
+    /// Of a request for the present frame of the present history.
+    int64_t timeTag() const;
+    /// Takes the next frame when it is due. True: `request` needs no work, its image is kept.
+    bool pollPlayback(const RelightRequest& request);
 
     // ---- autosave
     bool snapshotsUnsaved = false;  ///< snapshots that the shot's folder does not hold

@@ -188,7 +188,14 @@ void Editor::Impl::setDocument(Document document, Version version, const std::st
     history = History(std::move(version), label);
     history.markSaved();
     emittersOfEstimate.reset();
-    emittersRevision = 0;
+    emittersRevision = timedRevision = 0;
+    playback = {};
+    ours.time = {};
+    if (const auto& keys = history.present().look.keys; !keys.empty()) {
+        ours.time.first = std::min(1, keys.front().frame);
+        ours.time.last = std::max(ours.time.last, keys.back().frame);
+        ours.time.frame = keys.front().frame;
+    }
     snapshot.reset();
     ours.document = std::move(document);
     ours.selection = {};

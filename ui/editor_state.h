@@ -167,9 +167,10 @@ struct ExportRequest {
         present,
         capture,
         all,
-        range
-    } views = Views::present;   ///< the viewport's eye, the selected view, ...
-    std::string range = "1";    ///< "1-3,5" of the views, counted from 1
+        range,
+        timeline
+    } views = Views::present;   ///< the viewport's eye, the selected view, ..., the eye over the frames of `range`
+    std::string range = "1";    ///< "1-3,5" of the views, counted from 1; of the time line
     int width = 0, height = 0;  ///< 0: the view's own size, or the viewport's
     int samples = 8;
     bool denoise = true;
@@ -189,6 +190,14 @@ struct RunCurve {
     bool running = false;
 };
 
+/// Where the user is in time. The keys themselves belong to the look.
+struct TimeState {
+    int frame = 1, first = 1, last = 48;
+    double framesPerSecond = 24;
+    bool playing = false, loop = true;
+    bool scrubbing = false;  ///< the playhead is being dragged
+};
+
 struct LogEntry {
     LogLevel level = LogLevel::info;
     std::string time, text;
@@ -205,7 +214,7 @@ struct CopiedLights {
     std::vector<AddedEmitter> lights;
 };
 
-inline constexpr int scopeTab = 5;  ///< of the bottom panel
+inline constexpr int scopeTab = 5, framesTab = 6;  ///< of the bottom panel
 
 /// Which panels and dialogs are open.
 struct PanelState {
@@ -228,6 +237,7 @@ struct EditorState {
     ViewportState viewport;
     PanelState panels;
     SolveRequest solve;
+    TimeState time;
     ExportRequest exportFrames;
     std::vector<Notice> notices;  ///< shown one after the other
     std::optional<UnsavedQuestion> unsaved;

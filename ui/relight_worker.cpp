@@ -4,8 +4,6 @@
 #include <utility>
 
 namespace relamp::ui {
-namespace {
-
 bool sameEye(const RelightRequest& a, const RelightRequest& b) {
     return a.eye.worldFromCamera == b.eye.worldFromCamera && a.eye.width == b.eye.width &&
            a.eye.height == b.eye.height && a.eye.focalX == b.eye.focalX && a.eye.focalY == b.eye.focalY &&
@@ -15,6 +13,8 @@ bool sameEye(const RelightRequest& a, const RelightRequest& b) {
 bool sameImage(const RelightRequest& a, const RelightRequest& b) {
     return a.scene == b.scene && a.estimate == b.estimate && a.look == b.look && sameEye(a, b);
 }
+
+namespace {
 
 /// From the axis to the farthest corner of the image, with a little to spare for a turn of the head; radians.
 float halfAngleOf(const Camera& camera) {
@@ -47,7 +47,7 @@ void RelightWorker::request(RelightRequest request) {
         std::lock_guard lock(mutex_);
         const bool same = sameImage(request, request_);
         if (same && request.restImage == request_.restImage && request.dragging == request_.dragging &&
-            request.pickSerial == request_.pickSerial)
+            request.pickSerial == request_.pickSerial && request.time == request_.time)
             return;
         const bool sameScene = request.scene == request_.scene && request.estimate == request_.estimate;
         // An image at rest ends at once. A slice is finished first, or a steady drag would never show anything; so is
@@ -65,10 +65,10 @@ void RelightWorker::request(RelightRequest request) {
 
 void RelightWorker::clear() { request({}); }
 
-std::shared_ptr<const LiveFrame> RelightWorker::frame() const {
+RelitImage RelightWorker::frame() const {
     std::lock_guard lock(mutex_);
     if (!std::exchange(taken_, true)) changed_.notify_all();
-    return frame_;
+    return {frame_, frameTime_};
 }
 std::shared_ptr<const Frame> RelightWorker::restFrame() const {
     std::lock_guard lock(mutex_);
@@ -150,7 +150,7 @@ void RelightWorker::publish(const LiveScene& live, const RelightRequest& request
     std::shared_ptr<const LiveFrame> frame = live.frame();
     {
         std::lock_guard lock(mutex_);
-        if (request_.scene == request.scene) frame_ = std::move(frame), taken_ = false;
+        if (request_.scene == request.scene) frame_ = std::move(frame), frameTime_ = request.time, taken_ = false;
         refining_ = !refined || serial_ != serial;
     }
     if (wake_) wake_();

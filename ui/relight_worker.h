@@ -23,10 +23,19 @@ struct RelightRequest {
     std::filesystem::path cacheFolder;  ///< of baked transport; empty: none
     bool restImage = false;             ///< per-pixel image once nothing moves
     bool dragging = false;              ///< the next step is near: no more is done than is looked at
+    int64_t time = 0;                   ///< handed back with the image
     uint64_t pickSerial = 0;            ///< a new number asks about a new point
     uint32_t pickTriangle = 0;
     Vec2 pickBarycentric{0};
 };
+
+struct RelitImage {
+    std::shared_ptr<const LiveFrame> image;
+    int64_t time = 0;  ///< of the request that it answers
+};
+/// The same scene, look and eye.
+bool sameImage(const RelightRequest& a, const RelightRequest& b);
+bool sameEye(const RelightRequest& a, const RelightRequest& b);
 
 class RelightWorker {
 public:
@@ -43,7 +52,7 @@ public:
     void clear();
 
     /// The latest image. In a drag the next one is made when this one was taken.
-    std::shared_ptr<const LiveFrame> frame() const;
+    RelitImage frame() const;
     std::shared_ptr<const Frame> restFrame() const;
     /// The answer to the pick with this serial, once.
     std::optional<PointLight> takePointLight(uint64_t serial);
@@ -65,6 +74,7 @@ private:
     std::shared_ptr<Progress> running_;  ///< of the step in work, so that a new request can end it
     bool runningIsRest_ = false;
     std::shared_ptr<const LiveFrame> frame_;
+    int64_t frameTime_ = 0;
     mutable bool taken_ = true;  ///< frame_ was
     std::shared_ptr<const Frame> rest_;
     std::optional<PointLight> pointLight_;

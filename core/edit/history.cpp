@@ -30,9 +30,11 @@ void History::pushLook(const std::string& label, Look look) {
     push(label, std::move(version));
 }
 
-void History::begin(const std::string& label) {
+void History::begin(const std::string& label, const Look* from) {
     commit();
-    gesture_ = std::make_unique<Gesture>(Gesture{label, entries_[index_].version});
+    gesture_ = std::make_unique<Gesture>(Gesture{label, entries_[index_].version, {}});
+    if (from) gesture_->preview.look = *from;
+    gesture_->start = gesture_->preview.look;
 }
 
 void History::preview(Look look) {
@@ -45,6 +47,10 @@ void History::commit() {
     if (!gesture_) return;
     const std::unique_ptr<Gesture> gesture = std::move(gesture_);
     gesture_ = nullptr;
+    if (gesture->preview.look == gesture->start) {
+        ++revision_;
+        return;
+    }
     push(gesture->label, std::move(gesture->preview));
 }
 

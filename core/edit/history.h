@@ -36,14 +36,15 @@ public:
     void push(const std::string& label, Version version);
     void pushLook(const std::string& label, Look look);
 
-    void begin(const std::string& label);
+    /// `from`: the look that previews start from, where it is another than the present entry's (a frame between keys).
+    void begin(const std::string& label, const Look* from = nullptr);
     /// Shows a look without making an entry. Ignored outside a gesture.
     void preview(Look look);
     void commit();   ///< one entry, if something changed
     void abandon();  ///< back to how it was at begin
     bool inGesture() const { return gesture_ != nullptr; }
     /// The look at begin of the open gesture; the present one outside.
-    const Look& gestureStart() const { return entries_[index_].version.look; }
+    const Look& gestureStart() const { return gesture_ ? gesture_->start : entries_[index_].version.look; }
 
     bool canUndo() const { return index_ > 0; }
     bool canRedo() const { return index_ + 1 < entries_.size(); }
@@ -62,6 +63,7 @@ private:
     struct Gesture {
         std::string label;
         Version preview;
+        Look start;
     };
     std::vector<HistoryEntry> entries_;
     std::vector<uint64_t> serials_;  ///< of each entry: tells the saved one after others were dropped

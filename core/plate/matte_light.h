@@ -15,7 +15,7 @@ using IrradianceCube = std::array<Rgb, 6>;
 /// for each direction. Cost: about 6 x samples x 20 rays.
 IrradianceCube irradianceCube(const RelitScene& relit, const Vec3& point, int samples, uint64_t seed);
 
-/// For a unit normal: faces weighted by its squared components ([McTaggart 2004] ambient cube).
+/// For a unit normal: faces weighted by its squared components ([McTaggart04] ambient cube).
 Rgb irradianceFor(const IrradianceCube& cube, const Vec3& normal);
 
 /// What is held out, taken for an upright thing that stands where its lowest pixels meet the scene.

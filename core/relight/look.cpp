@@ -143,12 +143,59 @@ std::vector<std::string> emitterNames(const std::vector<std::string>& recoveredI
 
 std::vector<std::filesystem::path> filesOf(const Look& look) {
     std::vector<std::filesystem::path> files;
-    if (look.environment.source == EnvironmentLook::Source::file) files.push_back(look.environment.file);
-    for (const AddedEmitter& e : look.added)
-        for (const auto* file : {&e.shaping.iesFile, &e.shaping.goboFile, &e.shaping.surfaceFile})
-            if (!file->empty()) files.push_back(*file);
+    const auto take = [&](const std::filesystem::path& file) {
+        if (!file.empty() && std::find(files.begin(), files.end(), file) == files.end()) files.push_back(file);
+    };
+    eachLook(look, [&](const Look& one) {
+        if (one.environment.source == EnvironmentLook::Source::file) take(one.environment.file);
+        for (const AddedEmitter& e : one.added)
+            for (const auto* file : {&e.shaping.iesFile, &e.shaping.goboFile, &e.shaping.surfaceFile}) take(*file);
+    });
     return files;
 }
+
+namespace {
+
+constexpr const char* easeNames[] = {"linear", "smooth", "hold"};
+
+/// What the document holds beside `keys` is taken by each look that does not say otherwise.
+std::vector<LookKey> keysFromJson(const Json& document, const std::filesystem::path& folder, const DVec3& origin) {
+    Json rest = document;
+    rest.erase("keys");
+    const Json& list = document["keys"];
+    if (!list.is_array()) throw Error("keys: expected a list");
+    std::vector<LookKey> keys;
+    for (const Json& key : list) {
+        const std::string where = fmt::format("keys[{}]", keys.size());
+        if (!key.is_object()) throw Error("{}: expected an object", where);
+        const auto frame = key.find("frame");
+        if (frame == key.end() || !frame->is_number_integer() || frame->get<int64_t>() < 0 ||
+            frame->get<int64_t>() > 100'000'000)
+            throw Error("{}.frame: expected a frame number", where);
+        const auto look = key.find("look");
+        if (look == key.end() || !look->is_object()) throw Error("{}.look: expected an object", where);
+        if (look->contains("keys")) throw Error("{}.look.keys: a key has none of its own", where);
+        Json whole = rest;
+        whole.update(*look);
+        LookKey made{frame->get<int>(), {}, KeyEase::linear};
+        withContext(where + ".look", [&] { made.look = lookFromJson(whole, folder, origin); });
+        if (key.contains("ease")) {
+            const std::string ease = textOf(key, "ease", where);
+            const auto name = std::find(std::begin(easeNames), std::end(easeNames), ease);
+            if (name == std::end(easeNames))
+                throw Error("{}.ease: is {}, expected linear, smooth or hold", where, ease.substr(0, 40));
+            made.ease = KeyEase(name - std::begin(easeNames));
+        }
+        keys.push_back(std::move(made));
+    }
+    if (keys.empty()) throw Error("keys: is empty, expected a look");
+    std::sort(keys.begin(), keys.end(), [](const LookKey& a, const LookKey& b) { return a.frame < b.frame; });
+    for (size_t i = 1; i < keys.size(); ++i)
+        if (keys[i].frame == keys[i - 1].frame) throw Error("keys: frame {} has two looks", keys[i].frame);
+    return keys;
+}
+
+}  // namespace
 
 Look lookFromJson(const Json& document, const std::filesystem::path& folder, const DVec3& origin) {
     if (!document.is_object()) throw Error("expected an object");
@@ -229,6 +276,7 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
         if (const auto neutral = at->find("neutral"); neutral != at->end())
             look.neutralMaterials = flagOf(*neutral, "materials.neutral");
     }
+    if (document.contains("keys")) look.keys = keysFromJson(document, folder, origin);
     return look;
 }
 
@@ -279,6 +327,11 @@ Json lookToJson(const Look& look, const DVec3& origin) {
         if (!p.attachedTo.empty()) document["parts"].back()["attached_to"] = p.attachedTo;
     }
     document["materials"] = {{"neutral", look.neutralMaterials}};
+    for (const LookKey& key : look.keys) {
+        Json one{{"frame", key.frame}, {"look", lookToJson(key.look, origin)}};
+        if (key.ease != KeyEase::linear) one["ease"] = easeNames[int(key.ease)];
+        document["keys"].push_back(std::move(one));
+    }
     return document;
 }
 

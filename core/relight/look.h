@@ -56,14 +56,41 @@ struct PartLook {
     bool operator==(const PartLook&) const = default;
 };
 
+struct LookKey;
+
 struct Look {
     EnvironmentLook environment;
     std::vector<EmitterLook> emitters;  ///< those not named stay as recovered
     std::vector<AddedEmitter> added;
     std::vector<PartLook> parts;
     bool neutralMaterials = false;  ///< every surface at its own brightness without colour
-    bool operator==(const Look&) const = default;
+    /// Looks at frames, by frame, none twice; what lies between follows from them (look_track.h). Empty: the look is
+    /// the same in every frame.
+    std::vector<LookKey> keys;
+    bool operator==(const Look& other) const;
 };
+
+/// How a look goes over into the next key's.
+enum class KeyEase { linear, smooth, hold };
+
+struct LookKey {
+    int frame = 1;
+    Look look;  ///< without keys of its own
+    KeyEase ease = KeyEase::linear;
+    bool operator==(const LookKey&) const = default;
+};
+
+inline bool Look::operator==(const Look& other) const {
+    return environment == other.environment && emitters == other.emitters && added == other.added &&
+           parts == other.parts && neutralMaterials == other.neutralMaterials && keys == other.keys;
+}
+
+/// Calls `change` with a look and with those of its keys.
+template <class AnyLook, class Change>
+void eachLook(AnyLook& look, Change&& change) {
+    change(look);
+    for (auto& key : look.keys) change(key.look);
+}
 
 /// A name as it is kept: without control characters and spaces around it, cut to `longestName` bytes between two
 /// characters.
@@ -73,7 +100,7 @@ std::string tidyName(const std::string& name);
 /// told apart by " (2)".
 std::vector<std::string> emitterNames(const std::vector<std::string>& recoveredIds, const Look& look);
 
-/// The files that a look reads: environment, photometric files and images of its lights.
+/// The files that a look and its keys read: environment, photometric files and images of its lights; each once.
 std::vector<std::filesystem::path> filesOf(const Look& look);
 
 /// The edits document of docs/interface.md 3. Relative file names are taken from `folder`. Throws Error naming the

@@ -140,6 +140,19 @@ Look blendLooks(const Look& a, const Look& b, float t, const LookPivots& pivots)
     return out;
 }
 
+namespace {
+
+float eased(KeyEase ease, float t) {
+    return ease == KeyEase::hold ? 0.0f : ease == KeyEase::smooth ? t * t * (3 - 2 * t) : t;
+}
+
+}  // namespace
+
+LookTrack::LookTrack(Look look) {
+    if (look.keys.empty()) keys_.push_back({1, std::move(look), KeyEase::linear});
+    else *this = LookTrack(std::move(look.keys));
+}
+
 LookTrack::LookTrack(std::vector<LookKey> keys) : keys_(std::move(keys)) {
     if (keys_.empty()) throw Error("keys: is empty, expected a look");
     std::sort(keys_.begin(), keys_.end(), [](const LookKey& a, const LookKey& b) { return a.frame < b.frame; });
@@ -153,8 +166,10 @@ Look LookTrack::at(int frame, const LookPivots& pivots) const {
     if (frame <= keys_.front().frame) return keys_.front().look;
     for (size_t i = 1; i < keys_.size(); ++i) {
         const LookKey &a = keys_[i - 1], &b = keys_[i];
-        if (frame <= b.frame)
-            return blendLooks(a.look, b.look, float(frame - a.frame) / float(b.frame - a.frame), pivots);
+        if (frame > b.frame) continue;
+        if (frame == b.frame) return b.look;
+        const float t = float(frame - a.frame) / float(b.frame - a.frame);
+        return blendLooks(a.look, b.look, eased(a.ease, t), pivots);
     }
     return keys_.back().look;
 }
@@ -164,32 +179,7 @@ void LookTrack::apply(const std::function<void(Look&)>& change) {
 }
 
 LookTrack readLookTrack(const std::filesystem::path& file, const DVec3& origin) {
-    const std::string text = readBytes(file, 64 << 20);
-    return withContext(file.string(), [&] {
-        Json document = parseJson(text);
-        if (!document.is_object() || !document.contains("keys"))
-            return LookTrack(lookFromJson(document, file.parent_path(), origin));
-        const Json keys = document["keys"];
-        document.erase("keys");
-        if (!keys.is_array()) throw Error("keys: expected a list");
-        std::vector<LookKey> looks;
-        for (const Json& key : keys) {
-            const std::string where = fmt::format("keys[{}]", looks.size());
-            if (!key.is_object()) throw Error("{}: expected an object", where);
-            const auto frame = key.find("frame");
-            if (frame == key.end() || !frame->is_number_integer() || frame->get<int64_t>() < 0 ||
-                frame->get<int64_t>() > 100'000'000)
-                throw Error("{}.frame: expected a frame number", where);
-            const auto look = key.find("look");
-            if (look == key.end() || !look->is_object()) throw Error("{}.look: expected an object", where);
-            Json whole = document;
-            whole.update(*look);
-            looks.push_back({frame->get<int>(), withContext(where + ".look", [&] {
-                                 return lookFromJson(whole, file.parent_path(), origin);
-                             })});
-        }
-        return LookTrack(std::move(looks));
-    });
+    return LookTrack(readLook(file, origin));
 }
 
 }  // namespace relamp

@@ -8,11 +8,6 @@
 
 namespace relamp {
 
-struct LookKey {
-    int frame = 1;
-    Look look;
-};
-
 /// Where a thing of a look stands as captured: its movement is taken apart about this point, so that an emitter that
 /// turns where it stands does not swing through the room.
 struct LookPivots {
@@ -31,8 +26,8 @@ Look blendLooks(const Look& a, const Look& b, float t, const LookPivots& pivots)
 
 class LookTrack {
 public:
-    /// One look for every frame.
-    explicit LookTrack(Look look) : keys_{{1, std::move(look)}} {}
+    /// The look's keys; without any, one look for every frame.
+    explicit LookTrack(Look look);
     /// Sorted by frame; throws Error when there are none or two have the same frame.
     explicit LookTrack(std::vector<LookKey> keys);
     /// Before the first key its look, after the last one that one's.
@@ -46,9 +41,7 @@ private:
     std::vector<LookKey> keys_;
 };
 
-/// The edits document of docs/interface.md 3, or one with `"keys": [{"frame": 1, "look": {...}}, ...]`; what the
-/// document holds beside `keys` (environment, emitters, ...) is taken by each look that does not say otherwise. Throws
-/// Error naming file and field.
+/// The edits document of docs/interface.md 3, with or without `keys`. Throws Error naming file and field.
 LookTrack readLookTrack(const std::filesystem::path& file, const DVec3& origin = DVec3(0));
 
 }  // namespace relamp

@@ -16,6 +16,21 @@ int wholeNumber(const std::string& text, const std::string& where) {
 
 constexpr size_t maxFrames = 1'000'000;
 
+/// One camera for every frame of a range: what changes is the look. Without a range one frame.
+std::vector<FrameJob> stillJobs(const FrameJob& still, const std::string& frames) {
+    if (frames.empty()) return {still};
+    const std::vector<int> wanted = parseFrameRange(frames);
+    std::vector<FrameJob> jobs(wanted.size(), still);
+    for (size_t i = 0; i < jobs.size(); ++i) {
+        const std::string name = numbered(still.file, wanted[i]);
+        if (name.empty() && jobs.size() > 1)
+            throw BadOption("{}: several frames need a name with #### or %04d", still.file.string());
+        if (!name.empty()) jobs[i].file = name;
+        jobs[i].number = wanted[i];
+    }
+    return jobs;
+}
+
 /// FrameJob of every wanted number out of cameras numbered from 1.
 std::vector<FrameJob> numberedJobs(std::vector<FrameJob> all, const std::string& frames,
                                    const std::filesystem::path& output) {
@@ -73,8 +88,6 @@ std::vector<FrameJob> frameJobs(const Capture& capture, const std::string& camer
                                 const std::string& size, const std::filesystem::path& output) {
     std::vector<FrameJob> jobs;
     const bool sequence = camera == "all" || isCameraPath(camera);
-    if (!sequence && !frames.empty() && std::filesystem::path(camera).extension() != ".json")
-        throw BadOption("--frames {}: needs --camera all or a camera path", frames);
     if (camera == "all") {
         for (size_t i = 0; i < capture.views.size(); ++i)
             jobs.push_back({capture.views[i].camera, {}, int(i) + 1, int(i)});
@@ -88,12 +101,12 @@ std::vector<FrameJob> frameJobs(const Capture& capture, const std::string& camer
             throw BadOption(
                 "--camera {}: does not exist, expected 0 to {}, a camera file, turntable:N, path:V,V,...:N, or all", n,
                 capture.views.size() - 1);
-        jobs.push_back({capture.views[size_t(n)].camera, output, n + 1, n});
+        jobs = stillJobs({capture.views[size_t(n)].camera, output, n + 1, n}, frames);
     } else {
         const CameraFile file = readCameraPath(capture, camera);
-        if (!file.sequence && !frames.empty()) throw BadOption("--frames {}: {} holds one camera", frames, camera);
         for (const Camera& place : file.cameras) jobs.push_back({place, output, 1, -1});
-        if (file.sequence) jobs = numberedJobs(std::move(jobs), frames, output);
+        if (!file.sequence) jobs = stillJobs(jobs.front(), frames);
+        else jobs = numberedJobs(std::move(jobs), frames, output);
     }
     if (!size.empty()) {
         const size_t x = size.find('x');

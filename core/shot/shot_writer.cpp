@@ -209,6 +209,23 @@ Json shotInfo(const Shot& shot) {
     return info;
 }
 
+namespace {
+
+/// Gives the files of a look's document, and of its keys', as `place` says.
+void placeFiles(Json& look, const std::function<std::string(const fs::path&)>& place) {
+    const auto put = [&](Json& object, const char* key) {
+        if (const auto at = object.find(key); at != object.end()) *at = place(at->get<std::string>());
+    };
+    put(look["environment"], "file");
+    for (Json& added : look["added_emitters"])
+        if (const auto shaping = added.find("shaping"); shaping != added.end())
+            for (const char* key : {"ies_file", "gobo_file", "surface_file"}) put(*shaping, key);
+    if (const auto keys = look.find("keys"); keys != look.end())
+        for (Json& key : *keys) placeFiles(key["look"], place);
+}
+
+}  // namespace
+
 Json shotDocument(const Shot& shot, const fs::path& folder) {
     const auto fromHere = [&](const fs::path& place) { return fs::proximate(fs::absolute(place), folder).string(); };
     Json document = shotInfo(shot);
@@ -218,13 +235,7 @@ Json shotDocument(const Shot& shot, const fs::path& folder) {
         if (const auto& measured = shot.estimate.reflectance.basis.lobes[k].measured)
             document["basis"][k]["file"] = fromHere(measured->file);
     document["look"] = lookToJson(shot.look, shot.capture.origin);
-    if (shot.look.environment.source == EnvironmentLook::Source::file)
-        document["look"]["environment"]["file"] = fromHere(shot.look.environment.file);
-    for (size_t i = 0; i < shot.look.added.size(); ++i)
-        if (auto shaping = document["look"]["added_emitters"][i].find("shaping");
-            shaping != document["look"]["added_emitters"][i].end())
-            for (const char* key : {"ies_file", "gobo_file", "surface_file"})
-                if (shaping->contains(key)) (*shaping)[key] = fromHere((*shaping)[key].get<std::string>());
+    placeFiles(document["look"], fromHere);
     document["seed"] = shot.seed;
     document["capture_fix"] = fixToJson(shot.fix, shot.captureFolder);
     return document;

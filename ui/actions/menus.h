@@ -8,6 +8,7 @@ void addFileActions(std::vector<Action>& table);
 void addEditActions(std::vector<Action>& table);
 void addSnapshotActions(std::vector<Action>& table);  ///< of the menu Edit
 void addLightActions(std::vector<Action>& table);
+void addTimeActions(std::vector<Action>& table);
 void addViewActions(std::vector<Action>& table);
 void addHelpActions(std::vector<Action>& table);
 

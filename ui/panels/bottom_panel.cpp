@@ -23,8 +23,9 @@ void drawBottomPanel(Editor& editor) {
         {"Log", "What has happened so far", drawLogPanel},
         {"History", "Every edit by name; a click goes there", drawHistoryPanel},
         {"Solve details", "What the estimate does, what it leaves out and why, with times", drawPlanPanel},
-        {"Scope", "Waveform and histogram of the image", drawScopePanel}};
-    static_assert(std::size(tabs) == scopeTab + 1);
+        {"Scope", "Waveform and histogram of the image", drawScopePanel},
+        {"Frames", "Keys: what lights and environment do over time; play", drawFramesPanel}};
+    static_assert(std::size(tabs) == framesTab + 1);
     const int asked = wanted;
     const bool fromOutside = asked != shownTab;
     for (int i = 0; i < int(std::size(tabs)); ++i) {

@@ -51,7 +51,15 @@ ExportProblems checkExport(const ExportRequest& request, size_t views, int selec
     ExportProblems problems;
     int first = 1;
     if (request.views == Views::present) problems.frames = 1;
-    else if (request.views == Views::capture) {
+    else if (request.views == Views::timeline) {
+        try {
+            const std::vector<int> numbers = parseFrameRange(request.range);
+            problems.frames = numbers.size();
+            first = numbers.front();
+        } catch (const Error& error) {
+            problems.range = withoutOption(error.what()) + ". Write numbers like 1-24 or 1-48:2.";
+        }
+    } else if (request.views == Views::capture) {
         problems.frames = selectedView >= 0 && size_t(selectedView) < views;
         first = selectedView + 1;
     } else if (request.views == Views::all) {
@@ -119,6 +127,21 @@ void viewsRow(Editor& editor, size_t views) {
     ImGui::SetNextItemWidth(-FLT_MIN);
     if (inputText("##range", request.range, "1-3,5,7-20:2")) request.views = Views::range;
     tooltip("Numbers of the photographs: 1-3,5 are four views; 1-20:2 is every second one");
+    if (!editor.look().keys.empty()) {
+        const TimeState& time = editor.state.time;
+        if (radio("Frames of the time line:", request.views == Views::timeline,
+                  "What the viewport shows, in each of these frames")) {
+            request.views = Views::timeline;
+            request.range = fmt::format("{}-{}", time.first, time.last);
+        }
+        if (request.views == Views::timeline) {
+            ImGui::SameLine();
+            ImGui::SetNextItemWidth(-FLT_MIN);
+            inputText("##frames", request.range, "1-48");
+        }
+    } else if (request.views == Views::timeline) {
+        request.views = Views::present;
+    }
     ImGui::EndGroup();
 }
 

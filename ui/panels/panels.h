@@ -48,8 +48,9 @@ void drawUnobservedLights(Editor& editor);
 void drawTimelinePanel(Editor& editor);
 void drawLogPanel(Editor& editor);
 void drawHistoryPanel(Editor& editor);
-void drawPlanPanel(Editor& editor);   ///< what an estimate does and leaves out
-void drawScopePanel(Editor& editor);  ///< waveform and histogram
+void drawPlanPanel(Editor& editor);    ///< what an estimate does and leaves out
+void drawScopePanel(Editor& editor);   ///< waveform and histogram
+void drawFramesPanel(Editor& editor);  ///< the frame that is shown, keys, playing
 
 /// Every dialog that the state asks for: notices, unsaved work, recovery, file browsers, export, keys, about, command
 /// palette, import doctor. Called once a frame outside other windows, after all panels. Also closes drags whose control
