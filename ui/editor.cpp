@@ -12,7 +12,7 @@
 #include "editor_impl.h"
 #include "interrupted.h"
 #include "settings.h"
-#include "viewport/gpu_transport.h"
+#include "viewport/gpu_near.h"
 
 namespace relamp::ui {
 namespace fs = std::filesystem;
@@ -38,13 +38,13 @@ Look lookThatFits(const Look& look, const Estimate& estimate, size_t vertices) {
 namespace {
 
 /// Run by a relighting thread, which keeps what it gets.
-std::function<std::shared_ptr<TransportDevice>()> deviceFor(EditorOptions::Gpu gpu) {
+std::function<LiveDevices()> devicesFor(EditorOptions::Gpu gpu) {
     if (gpu == EditorOptions::Gpu::off) return {};
     return [force = gpu == EditorOptions::Gpu::on] {
         std::string why;
-        auto device = makeGpuTransport(force, &why);
-        if (!device && force) logWarning("Light is summed on the processor: no graphics card can do it: {}", why);
-        return device;
+        LiveDevices devices = makeGpuDevices(force, &why);
+        if (!devices.near && force) logWarning("Light stays on the processor: no graphics card can do it: {}", why);
+        return devices;
     };
 }
 
@@ -53,8 +53,8 @@ std::function<std::shared_ptr<TransportDevice>()> deviceFor(EditorOptions::Gpu g
 Editor::Impl::Impl(Editor& editor, EditorOptions editorOptions)
     : self(editor),
       options(std::move(editorOptions)),
-      relight(options.wake, deviceFor(options.gpu), options.gpu == EditorOptions::Gpu::on),
-      relightDistant(options.wake, deviceFor(options.gpu), options.gpu == EditorOptions::Gpu::on),
+      relight(options.wake, devicesFor(options.gpu), options.gpu == EditorOptions::Gpu::on),
+      relightDistant(options.wake, devicesFor(options.gpu), options.gpu == EditorOptions::Gpu::on),
       relightBefore(options.wake),
       autosave(options.stateFolder) {}
 

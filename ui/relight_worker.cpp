@@ -26,10 +26,9 @@ float halfAngleOf(const Camera& camera) {
 
 }  // namespace
 
-RelightWorker::RelightWorker(std::function<void()> wake, std::function<std::shared_ptr<TransportDevice>()> makeDevice,
-                             bool forceDevice)
+RelightWorker::RelightWorker(std::function<void()> wake, std::function<LiveDevices()> makeDevices, bool forceDevice)
     : wake_(std::move(wake)),
-      makeDevice_(std::move(makeDevice)),
+      makeDevices_(std::move(makeDevices)),
       forceDevice_(forceDevice),
       thread_([this](std::stop_token stop) { run(stop); }) {}
 
@@ -200,7 +199,7 @@ void RelightWorker::run(std::stop_token stop) {
             }
             if (!live || request.scene != held.scene || request.estimate != held.estimate) {
                 live.reset();
-                if (makeDevice_) options.device = std::exchange(makeDevice_, {})();
+                if (makeDevices_) options.devices = std::exchange(makeDevices_, {})();
                 options.cacheFolder = request.cacheFolder;
                 live = std::make_unique<LiveScene>(request.scene, request.estimate, options, *progress);
                 held = {};

@@ -40,10 +40,10 @@ bool sameEye(const RelightRequest& a, const RelightRequest& b);
 class RelightWorker {
 public:
     /// `wake` is called on the worker's thread whenever there is something new.
-    /// `makeDevice` is called once on the worker's thread, before the first scene; what it gives sums light where that
-    /// is faster, or always when `forceDevice`. Empty, or a null answer: the processor does.
-    explicit RelightWorker(std::function<void()> wake,
-                           std::function<std::shared_ptr<TransportDevice>()> makeDevice = {}, bool forceDevice = false);
+    /// `makeDevices` is called once on the worker's thread, before the first scene; what it gives is used where that is
+    /// faster, or always when `forceDevice`. Empty, or null answers: the processor does it.
+    explicit RelightWorker(std::function<void()> wake, std::function<LiveDevices()> makeDevices = {},
+                           bool forceDevice = false);
     ~RelightWorker();
 
     /// The latest request wins; what did not change is kept.
@@ -67,7 +67,7 @@ private:
     mutable std::mutex mutex_;
     mutable std::condition_variable_any changed_;
     std::function<void()> wake_;
-    std::function<std::shared_ptr<TransportDevice>()> makeDevice_;
+    std::function<LiveDevices()> makeDevices_;
     bool forceDevice_;
     RelightRequest request_;
     uint64_t serial_ = 0;                ///< of the latest request

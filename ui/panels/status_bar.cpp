@@ -39,18 +39,25 @@ std::string gaugeExplanation(const GaugeReport& gauge) {
     return words + (gauge.evidence.empty() ? "." : ": " + gauge.evidence + ".");
 }
 
-/// Where light is summed and how long that took when it was measured; empty before the first image.
+/// Who does a step and how long each took when it was measured.
+std::string placeOf(const char* step, bool onCard, double processorMs, double cardMs) {
+    if (onCard)
+        return fmt::format("\n{}: on the graphics card ({:.1f} ms, the processor would take {:.1f} ms)", step, cardMs,
+                           processorMs);
+    if (cardMs > 0)
+        return fmt::format("\n{}: on the processor ({:.1f} ms, the graphics card would take {:.1f} ms)", step,
+                           processorMs, cardMs);
+    if (processorMs > 0) return fmt::format("\n{}: on the processor ({:.1f} ms)", step, processorMs);
+    return fmt::format("\n{}: on the processor", step);
+}
+
+/// Where light is summed and dragged lights are computed; empty before the first image.
 std::string lightSums(const Editor& editor) {
     const auto frame = editor.liveFrame();
     if (!frame) return {};
     const LiveReport& report = frame->report;
-    if (!report.device.empty())
-        return fmt::format("\nLight sums: on the graphics card ({:.1f} ms, the processor would take {:.1f} ms)",
-                           report.deviceApplyMs, report.cpuApplyMs);
-    if (report.deviceApplyMs > 0)
-        return fmt::format("\nLight sums: on the processor ({:.1f} ms, the graphics card would take {:.1f} ms)",
-                           report.cpuApplyMs, report.deviceApplyMs);
-    return fmt::format("\nLight sums: on the processor ({:.1f} ms)", report.cpuApplyMs);
+    return placeOf("Light sums", !report.device.empty(), report.cpuApplyMs, report.deviceApplyMs) +
+           placeOf("Dragged lights", !report.nearDevice.empty(), report.cpuNearMs, report.deviceNearMs);
 }
 
 std::vector<Piece> piecesOf(const Editor& editor) {

@@ -33,11 +33,21 @@ inline constexpr CutTolerance fineCut{0.1f, 0.8f, 1, 3};
 
 class LiveEmitterTree {
 public:
+    /// In depth-first order.
+    struct Node {
+        Vec3 centre{0}, vectorArea{0}, axis{0};
+        float radius = 0, area = 0, coneCosine = -1, coneSine = 0;
+        uint32_t begin = 0, end = 0,
+                 right = 0;  ///< right child; the left one follows its parent; 0: a single triangle
+    };
     LiveEmitterTree() = default;
     /// `convex`: whether it is, when that is known already; finding out costs a square of the number of triangles.
     explicit LiveEmitterTree(EmitterSurface surface, std::optional<bool> convex = {});
     const EmitterSurface& surface() const { return surface_; }
     bool convex() const { return convex_; }  ///< no part of its front is hidden by another part of it
+    const std::vector<Node>& nodes() const { return nodes_; }
+    const std::vector<uint32_t>& order() const { return order_; }         ///< triangles of the surface
+    const std::vector<float>& cumulative() const { return cumulative_; }  ///< area up to each triangle in that order
 
     /// Cuts the tree for a point. `finest`: what a component's radius over its distance may be at most, squared, as a
     /// function of the vector to it.
@@ -49,11 +59,6 @@ public:
     Vec3 pointOn(const EmitterComponents::Piece& component, const Vec2& u, Vec3& normal) const;
 
 private:
-    struct Node {
-        Vec3 centre{0}, vectorArea{0}, axis{0};
-        float radius = 0, area = 0, coneCosine = -1, coneSine = 0;
-        uint32_t begin = 0, end = 0, right = 0;  // right child; the left one follows its parent; 0: a single triangle
-    };
     EmitterSurface surface_;
     std::vector<Node> nodes_;
     std::vector<uint32_t> order_;

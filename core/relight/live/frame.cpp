@@ -99,6 +99,9 @@ void LiveScene::State::makeFrame() {
     report.device = matte.sums().device();
     report.cpuApplyMs = matte.sums().processorMs();
     report.deviceApplyMs = matte.sums().deviceMs();
+    report.nearDevice = nearPlace.device();
+    report.cpuNearMs = nearPlace.processorMs();
+    report.deviceNearMs = nearPlace.deviceMs();
     report.leftOut.clear();
     const auto leaveOut = [this](Omission what, const std::string& why) { report.leftOut.emplace_back(what, why); };
     if (!bouncing) leaveOut(Omission::bouncedLight, "the photographs showed none worth keeping");

@@ -108,16 +108,16 @@ void LiveScene::State::coarse(Progress& progress) {
     const auto start = Clock::now();
     const bool geometryMoved = newGeometry;
     if (newGeometry) {
+        for (size_t e = 0; e < near.size(); ++e) gloss.markShadowed(e, near[e]);
+        nearPlace.start(near, vertices, occluders, geometry, options.seed);
         for (const LivePart& component : released) matte.release(vertices, occluders, component, progress);
         released.clear();
         matte.coarse(vertices, occluders, progress);
         carried.coarse(vertices, occluders, progress);
-        for (size_t e = 0; e < near.size(); ++e) {
-            gloss.markShadowed(e, near[e]);
+        nearPlace.finish(near);
+        for (NearEmitter& e : near)
             nearCoarse(
-                near[e], vertices, occluders, [&](size_t v) { return matte.groundClear(near[e].part, v); },
-                options.seed, progress);
-        }
+                e, vertices, occluders, [&](size_t v) { return matte.groundClear(e.part, v); }, options.seed, progress);
     }
     if (newGeometry || newLight) sumLight();
     if (newLight && !geometryMoved) report.lightMs = 1e3 * secondsSince(start);
@@ -130,8 +130,13 @@ void LiveScene::State::coarse(Progress& progress) {
 }
 
 bool LiveScene::State::refineBatch(Progress& progress) {
+    SampleElsewhere onDevice;
+    if (nearPlace.used())
+        onDevice = [this](NearEmitter& e, std::span<const uint32_t> chosen, int level) {
+            return nearPlace.sample(e, vertices, occluders, chosen, level, options.seed);
+        };
     for (NearEmitter& e : near)
-        if (nearRefine(e, vertices, scene->graph, occluders, options.seed, progress)) return true;
+        if (nearRefine(e, vertices, scene->graph, occluders, options.seed, progress, onDevice)) return true;
     if (matte.refine(vertices, occluders, progress)) return true;
     if (carried.refine(vertices, occluders, progress)) return true;
     sumLight();
@@ -149,7 +154,9 @@ LiveScene::LiveScene(std::shared_ptr<const Scene> scene, std::shared_ptr<const E
     const PartsApart apart = s.apartOf({});
     s.takeGeometry({}, editGeometry(*s.scene, *s.estimate, {}, apart), apart);
     s.report.cachedBlocks = s.matte.bake(s.vertices, s.occluders, options.cacheFolder, progress);
-    s.matte.chooseDevice(options.device, options.forceDevice, progress);
+    s.matte.chooseDevice(options.devices.sums, options.forceDevice, progress);
+    s.nearPlace.choose(s.near.empty() ? nullptr : &s.near[0], s.vertices, s.occluders, s.geometry, options.devices.near,
+                       options.forceDevice, options.seed, progress);
     s.matte.setParts(s.partNames);
     s.takeEnvironment({}, s.unturnedOf({}));
     if (s.estimate->interreflection) {

@@ -12,15 +12,22 @@
 
 namespace relamp {
 
+class NearDevice;
+
+/// What a graphics card can do for a LiveScene; null: the processor does it.
+struct LiveDevices {
+    std::shared_ptr<TransportDevice> sums;  ///< light of the environment over stored transport
+    std::shared_ptr<NearDevice> near;       ///< form factors of emitters (relight/live/near_device.h)
+};
+
 struct LiveOptions {
     int gridSide = 32;    ///< side of the direction square of the baked transport; 64 for sharp gloss
     float error = 0.01f;  ///< terms are kept until no test environment is off by more than this fraction
     uint64_t seed = 1;
     std::filesystem::path
-        cacheFolder{};  ///< baked transport is kept here and found again by its inputs; empty: nowhere
-    std::shared_ptr<TransportDevice>
-        device{};              ///< sums light where it is faster than the processor; null: the processor does
-    bool forceDevice = false;  ///< the device also where it is slower
+        cacheFolder{};         ///< baked transport is kept here and found again by its inputs; empty: nowhere
+    LiveDevices devices{};     ///< each used where it is faster than the processor
+    bool forceDevice = false;  ///< also where it is slower
 };
 
 /// From where the scene is seen: glossy light depends on it, matte light does not.
@@ -47,6 +54,9 @@ struct LiveReport {
     std::string device;         ///< that sums light; empty: the processor
     double cpuApplyMs = 0;      ///< one sum over the store on the processor, measured after the bake
     double deviceApplyMs = 0;   ///< the same on the device; 0: there is none, or it failed
+    std::string nearDevice;     ///< that computes the near field of what moves; empty: the processor
+    double cpuNearMs = 0;       ///< an emitter's first samples at all vertices, measured after the bake; 0: no device
+    double deviceNearMs = 0;    ///< the same on the device; 0: there is none, or it failed
     std::vector<LeftOut> leftOut;
 };
 

@@ -6,7 +6,6 @@
 namespace relamp {
 namespace {
 
-constexpr int samplesOfLevel[] = {0, 4, 16, 64, 256};
 /// Nearer than this many radii an emitter gets twice the samples, because that is where the image is brightest.
 constexpr float nearRadii = 2.5f;
 constexpr size_t batch = 4096;
@@ -20,7 +19,7 @@ void sampleVertex(NearEmitter& e, const LiveVertices& vertices, const LiveOcclud
     const Vec3 point = vertices.mesh->positions[v], to = e.centre - point;
     const bool close = level < 3 && glm::dot(to, to) < nearRadii * nearRadii * e.radius * e.radius;
     e.factor[v] = nearFactor(e, occluders, point, vertices.mesh->normals[v], level == 1 ? coarseCut : fineCut,
-                             samplesOfLevel[level] * (close ? 2 : 1), seedOf(seed, v, e), e.open[v], groundClear,
+                             nearSamples(level) * (close ? 2 : 1), seedOf(seed, v, e), e.open[v], groundClear,
                              e.shape.empty() ? nullptr : &e.shape[v]);
     e.level[v] = uint8_t(level);
 }
@@ -134,20 +133,23 @@ void nearCoarse(NearEmitter& e, const LiveVertices& vertices, const LiveOccluder
 }
 
 bool nearRefine(NearEmitter& e, const LiveVertices& vertices, const VertexGraph& graph, const LiveOccluders& occluders,
-                uint64_t seed, Progress& progress) {
+                uint64_t seed, Progress& progress, const SampleElsewhere& elsewhere) {
+    const size_t most = elsewhere ? 8 * batch : batch;
     while (e.pass < NearEmitter::passes) {
         progress.check();
         // Which vertices is decided before any of them changes, so that it does not depend on the order of threads.
         const int level = e.pass == 0 ? 2 : e.pass < 3 ? 3 : 4;
         std::vector<uint32_t> chosen;
-        for (; e.next < vertices.count() && chosen.size() < batch / (e.pass == 0 ? 1 : e.pass < 3 ? 4 : 16); ++e.next) {
+        for (; e.next < vertices.count() && chosen.size() < most / (e.pass == 0 ? 1 : e.pass < 3 ? 4 : 16); ++e.next) {
             if (!vertices.lit(e.next) || e.level[e.next] >= level) continue;
             const bool wanted = e.pass == 0 || (e.pass < 3 ? atEdge(e, vertices, graph, e.next)
                                                            : e.level[e.next] == 3 && partlySeen(e, e.next));
             if (wanted) chosen.push_back(uint32_t(e.next));
         }
         const bool last = e.next == vertices.count();
-        parallelFor(chosen.size(), 32, [&](size_t i) { sampleVertex(e, vertices, occluders, seed, chosen[i], level); });
+        if (!elsewhere || !elsewhere(e, chosen, level))
+            parallelFor(chosen.size(), 32,
+                        [&](size_t i) { sampleVertex(e, vertices, occluders, seed, chosen[i], level); });
         if (last) {
             ++e.pass;
             e.next = 0;

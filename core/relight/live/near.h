@@ -20,6 +20,9 @@ struct LiveVertices {
     size_t count() const { return kind.size(); }
 };
 
+/// Samples of a level of NearEmitter; up to level 2 twice as many near the emitter.
+inline int nearSamples(int level) { return level ? 1 << 2 * level : 0; }
+
 struct NearEmitter {
     std::string id;
     LiveEmitterTree tree;
@@ -59,9 +62,13 @@ float nearFactor(const NearEmitter& emitter, const LiveOccluders& occluders, con
 /// about a microsecond a vertex and emitter, a third of it without rays.
 void nearCoarse(NearEmitter& emitter, const LiveVertices& vertices, const LiveOccluders& occluders,
                 const std::function<bool(size_t)>& groundClear, uint64_t seed, Progress& progress);
-/// One batch of refinement; false when nothing is left. `graph`: the capture's neighbours.
+/// Takes samples of a level at the chosen vertices elsewhere; false: it did not.
+using SampleElsewhere = std::function<bool(NearEmitter&, std::span<const uint32_t> chosen, int level)>;
+/// One batch of refinement, eight times as large where `elsewhere` is given; false when nothing is left. `graph`: the
+/// capture's neighbours.
 bool nearRefine(NearEmitter& emitter, const LiveVertices& vertices, const VertexGraph& graph,
-                const LiveOccluders& occluders, uint64_t seed, Progress& progress);
+                const LiveOccluders& occluders, uint64_t seed, Progress& progress,
+                const SampleElsewhere& elsewhere = {});
 
 /// Marks the vertices at which the part, where it stands, can stand between them and the emitter.
 void markShadowed(NearEmitter& emitter, const LiveVertices& vertices, const LivePart& part);

@@ -10,28 +10,6 @@
 namespace relamp {
 namespace {
 
-/// The triangles of one part with only their vertices, carried by `matrix`.
-Mesh meshOf(const EditedGeometry& geometry, uint32_t part, const Mat4& matrix) {
-    Mesh m;
-    std::vector<uint32_t> place(geometry.mesh.vertexCount(), EditedPart::none);
-    for (size_t t = 0; t < geometry.mesh.triangles.size(); ++t) {
-        if (geometry.partOfTriangle[t] != part) continue;
-        Triangle triangle = geometry.mesh.triangles[t];
-        for (uint32_t& v : triangle) {
-            if (place[v] == EditedPart::none) {
-                place[v] = uint32_t(m.positions.size());
-                m.positions.push_back(matrix == Mat4(1) ? geometry.mesh.positions[v]
-                                                        : Vec3(matrix * Vec4(geometry.mesh.positions[v], 1)));
-            }
-            v = place[v];
-        }
-        if (std::binary_search(geometry.mesh.shadowless.begin(), geometry.mesh.shadowless.end(), uint32_t(t)))
-            m.shadowless.push_back(uint32_t(m.triangles.size()));
-        m.triangles.push_back(triangle);
-    }
-    return m;
-}
-
 /// What a part's geometry and light depend on, its matrix and radiance aside.
 std::string keyOf(const EditedGeometry& geometry, const EditedPart& part, const Look& look, size_t recovered) {
     if (part.emitter < 0) return fmt::format("component {}", part.component);
@@ -54,6 +32,27 @@ bool nearRay(const Ray& ray, const Vec3& centre, float radius) {
 }
 
 }  // namespace
+
+Mesh partMesh(const EditedGeometry& geometry, uint32_t part, const Mat4& matrix) {
+    Mesh m;
+    std::vector<uint32_t> place(geometry.mesh.vertexCount(), EditedPart::none);
+    for (size_t t = 0; t < geometry.mesh.triangles.size(); ++t) {
+        if (geometry.partOfTriangle[t] != part) continue;
+        Triangle triangle = geometry.mesh.triangles[t];
+        for (uint32_t& v : triangle) {
+            if (place[v] == EditedPart::none) {
+                place[v] = uint32_t(m.positions.size());
+                m.positions.push_back(matrix == Mat4(1) ? geometry.mesh.positions[v]
+                                                        : Vec3(matrix * Vec4(geometry.mesh.positions[v], 1)));
+            }
+            v = place[v];
+        }
+        if (std::binary_search(geometry.mesh.shadowless.begin(), geometry.mesh.shadowless.end(), uint32_t(t)))
+            m.shadowless.push_back(uint32_t(m.triangles.size()));
+        m.triangles.push_back(triangle);
+    }
+    return m;
+}
 
 void LivePart::cone(const Vec3& point, Vec3& axis, float& angle) const {
     const Vec3 to = centre - point;
@@ -103,7 +102,7 @@ Hit LivePart::closest(const Ray& ray, bool& facing) const {
 }
 
 std::shared_ptr<const RayTracer> tracerOf(const EditedGeometry& geometry, uint32_t part) {
-    const Mesh mesh = meshOf(geometry, part, Mat4(1));
+    const Mesh mesh = partMesh(geometry, part, Mat4(1));
     return mesh.triangles.empty() ? nullptr : std::make_shared<const RayTracer>(mesh);
 }
 
@@ -131,7 +130,7 @@ std::vector<LivePart> liveParts(const EditedGeometry& geometry, const Look& look
                 part.faceNormals = old.faceNormals;
             }
         if (part.tracer) continue;
-        const Mesh mesh = meshOf(geometry, b, part.inverse);
+        const Mesh mesh = partMesh(geometry, b, part.inverse);
         if (mesh.triangles.empty()) continue;
         part.tracer = std::make_shared<const RayTracer>(mesh);
         const bool mirrored = glm::determinant(Mat3(edited.matrix)) < 0;

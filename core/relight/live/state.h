@@ -1,6 +1,7 @@
 // What a LiveScene holds between edits. Only live_*.cpp include this.
 #pragma once
 #include "relight/live/gloss.h"
+#include "relight/live/near_device.h"
 #include "transport/bounce.h"
 
 namespace relamp {
@@ -23,6 +24,7 @@ struct LiveScene::State {
     LiveMatte matte;
     LiveCarried carried;
     std::vector<NearEmitter> near;
+    NearPlace nearPlace;
     LiveGloss gloss;
     std::vector<Rgb> distantMatte;  ///< per vertex, before exposure and tint
 

@@ -46,7 +46,7 @@ Shown show(const std::shared_ptr<TransportDevice>& device, bool force = true) {
     const auto estimate = std::make_shared<Estimate>(test::matteEstimate(
         *scene, Rgb(0.5f, 0.4f, 0.3f), Rgb(1), test::emittersOf(*scene, {emitter}, {Rgb(20, 24, 30)})));
     LiveOptions options;
-    options.device = device;
+    options.devices.sums = device;
     options.forceDevice = force;
     Shown shown;
     setLogSink([&](LogLevel level, const std::string&) { shown.warnings += level == LogLevel::warning; });

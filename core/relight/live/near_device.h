@@ -1,0 +1,100 @@
+// Another place than the processor for the near field of a dragged emitter, such as a graphics card, and the choice
+// between the two by measurement.
+#pragma once
+#include <string>
+
+#include "relight/live/near.h"
+#include "scene/box_tree.h"
+
+namespace relamp {
+
+/// What blocks, as a device traces it.
+struct NearBlockers {
+    struct Blocker {
+        std::shared_ptr<const RayTracer> tracer;  ///< whose triangles these are; keeps its address from being reused
+        std::shared_ptr<const BoxTree> tree;
+    };
+    std::vector<Blocker> blockers;  ///< entry 0 the ground, in the world; the others as LiveOccluders::parts, each in
+                                    ///< its own frame; a null tree: nothing
+    uint64_t version = 0;           ///< changes with the trees, not where parts move
+
+    /// Builds the trees that are new. Cost: see BoxTree::of.
+    void follow(const LiveOccluders& occluders, const EditedGeometry& geometry);
+};
+
+struct NearQuery {
+    const NearEmitter& emitter;
+    const LiveVertices& vertices;
+    const LiveOccluders& occluders;
+    const NearBlockers& blockers;
+    std::span<const uint32_t> wanted;  ///< vertices
+    int level = 1;                     ///< of NearEmitter::level
+    uint64_t seed = 1;
+};
+
+struct NearAnswer {
+    float factor = 0, open = 0;
+};
+
+/// Form factors as nearFactor() gives them, from the same samples, elsewhere. Not thread-safe: one thread calls it,
+/// from the first start() to its end. The same bits every time.
+class NearDevice {
+public:
+    virtual ~NearDevice() = default;
+    virtual std::string name() const = 0;
+    /// Begins and returns; what the query refers to may change afterwards. Throws Error when the device fails or has no
+    /// room.
+    virtual void start(const NearQuery& query) = 0;
+    /// The answers to the oldest start() that has none yet, in the order of `wanted`. Throws Error when the device
+    /// fails.
+    virtual void finish(std::span<NearAnswer> out) = 0;
+    /// Forgets what was started and has no answers yet.
+    virtual void forget() = 0;
+    /// That, and frees what it holds.
+    virtual void clear() = 0;
+    /// After it threw: nobody is to ask it again.
+    void giveUp() { gaveUp_ = true; }
+    bool gaveUp() const { return gaveUp_; }
+
+private:
+    bool gaveUp_ = false;
+};
+
+/// Near fields on the processor or on a device, whichever was faster. A device that fails is left for good; nothing is
+/// lost by it. Shaped emitters and suns stay on the processor.
+class NearPlace {
+public:
+    /// Takes `device` (null: the processor) where it answers as the processor does and is faster, or `force`. Both take
+    /// the first samples of `emitter` at all vertices; where it has no triangles, of a small square above them. Throws
+    /// Cancelled.
+    void choose(const NearEmitter* emitter, const LiveVertices& vertices, const LiveOccluders& occluders,
+                const EditedGeometry& geometry, std::shared_ptr<NearDevice> device, bool force, uint64_t seed,
+                Progress& progress);
+    /// Begins the first samples of all stale vertices; nothing without a device.
+    void start(const std::vector<NearEmitter>& emitters, const LiveVertices& vertices, const LiveOccluders& occluders,
+               const EditedGeometry& geometry, uint64_t seed);
+    /// Takes what start() began. What is stale afterwards is left to nearCoarse().
+    void finish(std::vector<NearEmitter>& emitters);
+    /// Samples of `level` at the chosen vertices; false: nothing was done.
+    bool sample(NearEmitter& emitter, const LiveVertices& vertices, const LiveOccluders& occluders,
+                std::span<const uint32_t> chosen, int level, uint64_t seed);
+    bool used() const { return device_ && !device_->gaveUp(); }
+    std::string device() const { return used() ? device_->name() : std::string(); }  ///< in use; empty: the processor
+    double processorMs() const { return processorMs_; }                              ///< as measured by choose()
+    double deviceMs() const { return deviceMs_; }                                    ///< 0: there is none, or it failed
+
+private:
+    struct Started {
+        size_t emitter = 0;
+        std::vector<uint32_t> wanted;
+    };
+    std::shared_ptr<NearDevice> device_;
+    NearBlockers blockers_;
+    std::vector<Started> started_;
+    std::vector<NearAnswer> answers_;
+    double processorMs_ = 0, deviceMs_ = 0;
+
+    void fail(const std::exception& error);
+};
+
+}  // namespace relamp
