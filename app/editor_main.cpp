@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
     app.add_option("--width", options.width, "Of the window, pixels")->check(CLI::Range(640, 16384));
     app.add_option("--height", options.height, "Of the window, pixels")->check(CLI::Range(400, 16384));
     app.add_option("--gpu", options.gpu,
-                   "Where light is summed: auto (the faster of processor and graphics card), on (graphics card), off "
+                   "Where light is computed: auto (the faster of processor and graphics card), on (graphics card), off "
                    "(processor)")
         ->check(CLI::IsMember({"auto", "on", "off"}));
     try {

@@ -23,7 +23,7 @@ bool blocked(uint at, uint end, vec3 origin, vec3 direction, float far) {
         uvec4 low = nodes[2u * at], high = nodes[2u * at + 1u];
         vec3 a = (uintBitsToFloat(low.xyz) - origin) * inverse, b = (uintBitsToFloat(high.xyz) - origin) * inverse;
         vec3 first = min(a, b), last = max(a, b);
-        float enter = max(max(first.x, first.y), max(first.z, 0)), leave = min(min(last.x, last.y), min(last.z, far));
+        float enter = max(max(first.x, first.y), max(first.z, 0.0)), leave = min(min(last.x, last.y), min(last.z, far));
         if (enter > leave * 1.000001) {
             at = low.w;
             continue;

@@ -67,12 +67,12 @@ uint triangleAt(uint place) { return 4u * (emitterNodes + place); }
 // The samples that fall on a component. begin == end: on the triangle `c`.
 void take(uint begin, uint end, vec3 c[3], float area, float factor) {
     running += factor * scale;
-    for (; taken < last && (float(taken) + first) / float(most) * min(everything, 1) < running; ++taken) {
+    for (; taken < last && (float(taken) + first) / float(most) * min(everything, 1.0) < running; ++taken) {
         vec2 u = vec2(uvec2(shift + taken * uvec2(3242174889u, 2447445414u)) >> 8u) * (1.0 / 16777216.0);
         vec3 facing;
         float inside = u.x;
         if (begin != end) {
-            float before = begin > 0u ? emitter[triangleAt(begin - 1u)].w : 0;
+            float before = begin > 0u ? emitter[triangleAt(begin - 1u)].w : 0.0;
             float pick = before + u.x * (emitter[triangleAt(end - 1u)].w - before);
             uint low = begin, high = end - 1u;
             while (low < high) {
@@ -80,8 +80,8 @@ void take(uint begin, uint end, vec3 c[3], float area, float factor) {
                 if (emitter[triangleAt(middle)].w > pick) high = middle;
                 else low = middle + 1u;
             }
-            float below = low > 0u ? emitter[triangleAt(low - 1u)].w : 0, width = emitter[triangleAt(low)].w - below;
-            inside = width > 0 ? clamp((pick - below) / width, 0, 0.999999) : 0.5;
+            float below = low > 0u ? emitter[triangleAt(low - 1u)].w : 0.0, width = emitter[triangleAt(low)].w - below;
+            inside = width > 0 ? clamp((pick - below) / width, 0.0, 0.999999) : 0.5;
             for (uint k = 0u; k < 3u; ++k) c[k] = emitter[triangleAt(low) + k].xyz;
             facing = emitter[triangleAt(low) + 3u].xyz;
         } else {
@@ -92,12 +92,12 @@ void take(uint begin, uint end, vec3 c[3], float area, float factor) {
         vec3 straight = target - point;
         float d2 = dot(straight, straight), height = dot(straight, normal), cosine = -dot(straight, facing);
         if (!(d2 > 0) || height <= 0 || (cosine <= 0 && !twoSided)) continue;
-        float w = min(8, height * abs(cosine) * area / (pi * d2 * d2 * factor * scale));
+        float w = min(8.0, height * abs(cosine) * area / (pi * d2 * d2 * factor * scale));
         vec3 to = target - origin;
         float far = length(to);
         if (!(far > 0)) continue;
         allWeight += w;
-        if (!occluded(to / far, max(0, far * (1 - 1e-4) - 8 * offset))) seen += w;
+        if (!occluded(to / far, max(0.0, far * (1 - 1e-4) - 8 * offset))) seen += w;
     }
 }
 
@@ -125,7 +125,7 @@ float triangleFormFactor(vec3 c[3]) {
         if (sine < 1e-12) continue;
         sum += atan(sine, dot(a, b)) / sine * dot(normalTo, normal);
     }
-    return clamp(abs(sum) / (2 * pi), 0, 1);
+    return clamp(abs(sum) / (2 * pi), 0.0, 1.0);
 }
 
 void component(bool sampling, uint begin, uint end, vec3 c[3], float area, float factor) {
@@ -217,12 +217,12 @@ void main() {
     everything = 0;
     cut(false);
     if (!(everything > 0)) return;
-    float open = min(everything, 1);
+    float open = min(everything, 1.0);
     answers[place] = vec2(open);
     if (!shadows) return;
     scale = everything > 1 ? 1 / everything : 1;
     origin = point + normal * (4 * offset);
-    float range = length(toward), reach = range > sphere.w ? asin(min(1, sphere.w / range)) : pi;
+    float range = length(toward), reach = range > sphere.w ? asin(min(1.0, sphere.w / range)) : pi;
     vec3 axis = range > 0 ? toward / range : normal;
     between = 0u;
     for (uint b = 0u; b < min(partCount, 32u); ++b) {

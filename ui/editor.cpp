@@ -12,7 +12,7 @@
 #include "editor_impl.h"
 #include "interrupted.h"
 #include "settings.h"
-#include "viewport/gpu_near.h"
+#include "viewport/gpu_devices.h"
 
 namespace relamp::ui {
 namespace fs = std::filesystem;

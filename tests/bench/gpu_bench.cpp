@@ -13,7 +13,9 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "bench/bench_world.h"
-#include "viewport/gpu_near.h"
+#include "relight/live/near_device.h"
+#include "relight/live/shadow_device.h"
+#include "viewport/gpu_devices.h"
 
 namespace {
 using namespace relamp;
@@ -30,17 +32,18 @@ double median(std::vector<double> values) {
 }
 
 /// Tells how long the calls of a device took.
-class TimedNear : public NearDevice {
+template <class Device, class Query, class Answers>
+class Timed : public Device {
 public:
-    explicit TimedNear(std::shared_ptr<NearDevice> inner) : inner_(std::move(inner)) {}
+    explicit Timed(std::shared_ptr<Device> inner) : inner_(std::move(inner)) {}
     std::vector<double> startMs, finishMs;
     std::string name() const override { return inner_->name(); }
-    void start(const NearQuery& query) override {
+    void start(const Query& query) override {
         const auto begin = Clock::now();
         inner_->start(query);
         startMs.push_back(msSince(begin));
     }
-    void finish(std::span<NearAnswer> out) override {
+    void finish(Answers out) override {
         const auto begin = Clock::now();
         inner_->finish(out);
         finishMs.push_back(msSince(begin));
@@ -53,7 +56,26 @@ public:
     }
 
 private:
-    std::shared_ptr<NearDevice> inner_;
+    std::shared_ptr<Device> inner_;
+};
+using TimedNear = Timed<NearDevice, NearQuery, std::span<NearAnswer>>;
+using TimedShadow = Timed<ShadowDevice, ShadowQuery, ShadowAnswers&>;
+
+/// What a LiveScene is given, and the clocks in it.
+struct Card {
+    LiveDevices devices;
+    std::shared_ptr<TimedNear> near;
+    std::shared_ptr<TimedShadow> shadows;
+    explicit Card(const LiveDevices& of)
+        : near(std::make_shared<TimedNear>(of.near)), shadows(std::make_shared<TimedShadow>(of.shadows)) {
+        devices.sums = of.sums;
+        devices.near = near;
+        devices.shadows = shadows;
+    }
+    void restart() {
+        near->restart();
+        shadows->restart();
+    }
 };
 
 /// Relative root mean square difference over what does not emit.
@@ -79,7 +101,7 @@ struct Dragged {
     std::shared_ptr<const LiveFrame> first, refined;
 };
 
-Dragged drag(LiveScene& live, int drags, TimedNear* device) {
+Dragged drag(LiveScene& live, int drags, Card* card) {
     Progress progress;
     Look look;
     look.emitters.push_back({"emitter-1", true, Mat4(1), Rgb(1)});
@@ -92,7 +114,7 @@ Dragged drag(LiveScene& live, int drags, TimedNear* device) {
     };
     double part = 0;
     for (int i = 0; i < 3; ++i) answer(i, part);
-    if (device) device->restart();
+    if (card) card->restart();
     std::vector<double> all, look_, coarse;
     for (int i = 0; i < drags; ++i) {
         const auto begin = Clock::now();
@@ -106,10 +128,12 @@ Dragged drag(LiveScene& live, int drags, TimedNear* device) {
     out.figures["frames_a_second"] = std::round(1e3 / std::max(1e-6, median(all)));
     out.figures["of_that_set_look_ms"] = median(look_);
     out.figures["of_that_light_ms"] = median(coarse);
-    if (device) {
-        out.figures["device_start_ms"] = median(device->startMs);
-        out.figures["device_wait_and_read_ms"] = median(device->finishMs);
-        device->restart();
+    if (card) {
+        out.figures["near_begun_ms"] = median(card->near->startMs);
+        out.figures["near_waited_and_read_ms"] = median(card->near->finishMs);
+        out.figures["shadow_begun_ms"] = median(card->shadows->startMs);
+        out.figures["shadow_waited_and_read_ms"] = median(card->shadows->finishMs);
+        card->restart();
     }
     out.first = live.frame();
     const auto begin = Clock::now();
@@ -141,24 +165,23 @@ Json measure(size_t vertices, const LiveDevices& devices, int drags) {
     out["processor"] = processor.figures;
     out["processor"]["first_image_error"] = rms(*processor.first, *processor.refined, *world.estimate);
     if (devices.near) {
-        const auto timed = std::make_shared<TimedNear>(devices.near);
-        options.devices = {devices.sums, timed};
+        Card clocks(devices);
+        options.devices = clocks.devices;
         options.forceDevice = true;
         LiveScene there(world.scene, world.estimate, options, progress);
         const LiveReport& report = there.frame()->report;
-        out["chosen"] = {{"near_processor_ms", report.cpuNearMs},
-                         {"near_card_ms", report.deviceNearMs},
-                         {"sums_processor_ms", report.cpuApplyMs},
-                         {"sums_card_ms", report.deviceApplyMs}};
-        if (report.nearDevice.empty()) {
+        out["chosen"] = {{"near_processor_ms", report.cpuNearMs},     {"near_card_ms", report.deviceNearMs},
+                         {"shadow_processor_ms", report.cpuShadowMs}, {"shadow_card_ms", report.deviceShadowMs},
+                         {"sums_processor_ms", report.cpuApplyMs},    {"sums_card_ms", report.deviceApplyMs}};
+        if (report.nearDevice.empty() || report.shadowDevice.empty()) {
             out["card"] = "the device failed, see the log";
         } else {
-            const Dragged card = drag(there, drags, timed.get());
+            const Dragged card = drag(there, drags, &clocks);
             out["card"] = card.figures;
             out["card"]["first_image_error"] = rms(*card.first, *card.refined, *world.estimate);
             out["card"]["first_image_against_processor"] = rms(*card.first, *processor.first, *world.estimate);
             out["card"]["refined_against_processor"] = rms(*card.refined, *processor.refined, *world.estimate);
-            const Dragged again = drag(there, drags, timed.get());
+            const Dragged again = drag(there, drags, &clocks);
             out["card"]["same_bits_again"] = again.first->radiance == card.first->radiance;
         }
     }

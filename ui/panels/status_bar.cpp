@@ -57,7 +57,8 @@ std::string lightSums(const Editor& editor) {
     if (!frame) return {};
     const LiveReport& report = frame->report;
     return placeOf("Light sums", !report.device.empty(), report.cpuApplyMs, report.deviceApplyMs) +
-           placeOf("Dragged lights", !report.nearDevice.empty(), report.cpuNearMs, report.deviceNearMs);
+           placeOf("Dragged lights", !report.nearDevice.empty(), report.cpuNearMs, report.deviceNearMs) +
+           placeOf("Their shadows", !report.shadowDevice.empty(), report.cpuShadowMs, report.deviceShadowMs);
 }
 
 std::vector<Piece> piecesOf(const Editor& editor) {

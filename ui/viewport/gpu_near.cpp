@@ -6,10 +6,8 @@
 #include <cstring>
 
 #include "base/error.h"
-#include "base/parallel.h"
 #include "base/random.h"
-#include "viewport/gpu_context.h"
-#include "viewport/gpu_transport.h"
+#include "viewport/gpu_scene.h"
 
 namespace relamp::ui {
 namespace {
@@ -21,40 +19,24 @@ constexpr int samplesOfRun = 16;
 
 float bitsOf(uint32_t word) { return std::bit_cast<float>(word); }
 
-/// Copies a list of a mesh; of one that it follows only the runs that differ.
-void bring(GpuBuffer& buffer, const std::vector<Vec3>& now, const std::vector<Vec3>* before) {
-    constexpr size_t run = 8192;
-    if (!before || before->size() != now.size()) {
-        buffer.put(now.data(), now.size() * sizeof(Vec3), GL_DYNAMIC_DRAW);
-        return;
-    }
-    std::vector<uint8_t> differs((now.size() + run - 1) / run);
-    const auto lengthOf = [&](size_t r) { return std::min(run, now.size() - r * run); };
-    parallelFor(differs.size(), 1, [&](size_t r) {
-        differs[r] = std::memcmp(&now[r * run], &(*before)[r * run], lengthOf(r) * sizeof(Vec3)) != 0;
-    });
-    for (size_t r = 0; r < differs.size(); ++r)
-        if (differs[r]) buffer.change(r * run * sizeof(Vec3), &now[r * run], lengthOf(r) * sizeof(Vec3));
-}
-
 class GpuNear : public NearDevice {
 public:
-    explicit GpuNear(std::shared_ptr<GpuContext> context) : context_(std::move(context)) {}
+    explicit GpuNear(std::shared_ptr<GpuScene> scene) : scene_(std::move(scene)), context_(scene_->context) {}
     std::string name() const override { return context_->renderer(); }
 
     void start(const NearQuery& q) override {
         context_->makeCurrent();
         if (!program_) program_ = context_->build({"boxes.glsl", "near.comp"});
-        takeTrees(q.blockers);
-        takeVertices(q.vertices);
+        scene_->take(q.blockers, q.vertices);
         if (begun_ == flights_.size()) flights_.push_back(std::make_unique<Flight>());
         Flight& f = *flights_[begun_];
         takeWanted(f, q.wanted);
         takeEmitter(f, q.emitter);
         const size_t parts = takeParts(f, q);
         glUseProgram(program_);
-        GpuBuffer* const places[] = {&nodes_,   &triangles_, &positions_, &normals_,
-                                     &f.wanted, &f.emitter,  &f.parts,    &f.answers};  // as bound in the shaders
+        GpuBuffer* const places[] = {&scene_->nodes,   &scene_->triangles, &scene_->positions,
+                                     &scene_->normals, &f.wanted,          &f.emitter,
+                                     &f.parts,         &f.answers};  // as bound in the shaders
         for (GLuint place = 0; place < 8; ++place) places[place]->bind(place);
         setUniforms(q, parts);
         const int most = nearSamples(q.level) * (q.level < 3 ? 2 : 1);
@@ -85,13 +67,11 @@ public:
     void clear() override {
         forget();
         context_->makeCurrent();
-        for (GpuBuffer* b : {&nodes_, &triangles_, &positions_, &normals_}) b->put(nullptr, 0, GL_STATIC_DRAW);
+        scene_->clear();
         for (auto& f : flights_) {
             f->held.clear();
             for (GpuBuffer* b : {&f->wanted, &f->emitter, &f->parts, &f->answers}) b->put(nullptr, 0, GL_STATIC_DRAW);
         }
-        trees_.clear();
-        mesh_.reset();
     }
 
 private:
@@ -100,54 +80,11 @@ private:
         GpuBuffer wanted, emitter, parts, answers;
         std::vector<uint32_t> held;  ///< what `wanted` holds
     };
-    struct Place {
-        uint32_t begin = 0, end = 0;  ///< nodes
-    };
+    std::shared_ptr<GpuScene> scene_;
     std::shared_ptr<GpuContext> context_;
     GLuint program_ = 0;
-    GpuBuffer nodes_, triangles_, positions_, normals_;
-    std::vector<std::shared_ptr<const BoxTree>> trees_;  ///< that the card holds, one behind the other
-    std::vector<Place> places_;                          ///< of them
-    std::shared_ptr<const Mesh> mesh_;                   ///< whose vertices it holds
     std::vector<std::unique_ptr<Flight>> flights_;
     size_t begun_ = 0, finished_ = 0;
-
-    void takeTrees(const NearBlockers& blockers) {
-        std::vector<std::shared_ptr<const BoxTree>> now;
-        for (const auto& b : blockers.blockers) now.push_back(b.tree);
-        if (now == trees_) return;
-        trees_.clear();
-        places_.assign(now.size(), {});
-        std::vector<BoxTree::Node> nodes;
-        std::vector<Vec4> triangles;
-        for (size_t b = 0; b < now.size(); ++b) {
-            if (!now[b]) continue;
-            const auto first = uint32_t(nodes.size()), corner = uint32_t(triangles.size() / 3);
-            for (BoxTree::Node n : now[b]->nodes) {
-                n.skip += first;
-                if (n.leaf) n.leaf += corner << 3;
-                nodes.push_back(n);
-            }
-            triangles.insert(triangles.end(), now[b]->triangles.begin(), now[b]->triangles.end());
-            places_[b] = {first, uint32_t(nodes.size())};
-        }
-        context_->expectRoom(std::max(nodes.size() * sizeof(BoxTree::Node), triangles.size() * sizeof(Vec4)));
-        nodes_.put(nodes.data(), nodes.size() * sizeof(BoxTree::Node), GL_STATIC_DRAW);
-        triangles_.put(triangles.data(), triangles.size() * sizeof(Vec4), GL_STATIC_DRAW);
-        context_->check();
-        trees_ = std::move(now);
-    }
-
-    void takeVertices(const LiveVertices& vertices) {
-        if (mesh_ == vertices.mesh) return;
-        const std::shared_ptr<const Mesh> before = std::move(mesh_);
-        mesh_.reset();
-        context_->expectRoom(vertices.count() * sizeof(Vec3));
-        bring(positions_, vertices.mesh->positions, before ? &before->positions : nullptr);
-        bring(normals_, vertices.mesh->normals, before ? &before->normals : nullptr);
-        context_->check();
-        mesh_ = vertices.mesh;
-    }
 
     void takeWanted(Flight& f, std::span<const uint32_t> wanted) {
         GLint groups = 0;
@@ -193,7 +130,7 @@ private:
             const Mat4 rows = glm::transpose(p.inverse);
             for (int k = 0; k < 3; ++k) words.push_back(rows[k]);
             words.emplace_back(p.centre, p.radius);
-            words.emplace_back(bitsOf(places_[b].begin), bitsOf(places_[b].end), 0, 0);
+            words.emplace_back(bitsOf(scene_->places[b].begin), bitsOf(scene_->places[b].end), 0, 0);
         }
         f.parts.put(words.data(), words.size() * sizeof(Vec4), GL_STREAM_DRAW);
         return words.size() / 5;
@@ -208,7 +145,7 @@ private:
         glUniform1ui(place("count"), GLuint(q.wanted.size()));
         glUniform1ui(place("emitterNodes"), GLuint(e.tree.nodes().size()));
         glUniform1ui(place("partCount"), GLuint(parts));
-        glUniform1ui(place("groundEnd"), places_[0].end);
+        glUniform1ui(place("groundEnd"), scene_->places[0].end);
         glUniform1ui(place("samples"), GLuint(nearSamples(q.level)));
         glUniform1ui(place("splits"), GLuint(cut.splits));
         glUniform1ui(place("skipped"), e.part && e.tree.convex() ? GLuint(e.part - 1) : ~0u);
@@ -224,17 +161,10 @@ private:
 
 }  // namespace
 
-std::shared_ptr<NearDevice> makeGpuNear(std::shared_ptr<GpuContext> context) {
-    return context ? std::make_shared<GpuNear>(std::move(context)) : nullptr;
+std::shared_ptr<NearDevice> makeGpuNear(std::shared_ptr<GpuScene> scene) {
+    return scene ? std::make_shared<GpuNear>(std::move(scene)) : nullptr;
 }
 
-std::shared_ptr<NearDevice> makeGpuNear(bool force, std::string* why) {
-    return makeGpuNear(openGpuContext(force, why));
-}
-
-LiveDevices makeGpuDevices(bool force, std::string* why) {
-    const std::shared_ptr<GpuContext> context = openGpuContext(force, why);
-    return {makeGpuTransport(context), makeGpuNear(context)};
-}
+std::shared_ptr<NearDevice> makeGpuNear(bool force, std::string* why) { return makeGpuNear(openGpuScene(force, why)); }
 
 }  // namespace relamp::ui

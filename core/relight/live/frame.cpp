@@ -58,8 +58,9 @@ void LiveScene::State::makeFrame() {
     out->formFactor.resize(emitters);
     for (size_t e = 0; e < emitters; ++e) {
         out->formFactor[e].resize(near[e].factor.size());
-        for (size_t v = 0; v < near[e].factor.size(); ++v)
+        parallelFor(near[e].factor.size(), 16384, [&](size_t v) {
             out->formFactor[e][v] = near[e].shape.empty() ? near[e].at(v) : luminance(near[e].light(v));
+        });
     }
     out->radiance.resize(n);
     out->distantMatte.resize(n);
@@ -102,6 +103,9 @@ void LiveScene::State::makeFrame() {
     report.nearDevice = nearPlace.device();
     report.cpuNearMs = nearPlace.processorMs();
     report.deviceNearMs = nearPlace.deviceMs();
+    report.shadowDevice = matte.place().device();
+    report.cpuShadowMs = matte.place().processorMs();
+    report.deviceShadowMs = matte.place().deviceMs();
     report.leftOut.clear();
     const auto leaveOut = [this](Omission what, const std::string& why) { report.leftOut.emplace_back(what, why); };
     if (!bouncing) leaveOut(Omission::bouncedLight, "the photographs showed none worth keeping");

@@ -1,7 +1,10 @@
 // What an edit of the geometry changes: which parts moved, whose light has to be taken again, what leaves the ground.
 #include <algorithm>
+#include <atomic>
+#include <utility>
 
 #include "base/box.h"
+#include "base/parallel.h"
 #include "relight/live/state.h"
 
 namespace relamp {
@@ -12,14 +15,21 @@ std::string nameOf(const EditedGeometry& geometry, const EditedPart& part) {
                              : "component " + std::to_string(part.component);
 }
 
-LiveVertices verticesOf(const EditedGeometry& edited) {
+/// Takes the mesh of `edited`. `before`: the vertices of a geometry whose triangles are of the same parts; null: there
+/// is none.
+LiveVertices verticesOf(EditedGeometry& edited, const LiveVertices* before) {
     LiveVertices now;
-    now.mesh = std::make_shared<const Mesh>(edited.mesh);
+    now.mesh = std::make_shared<const Mesh>(std::exchange(edited.mesh, {}));
     now.origin = edited.vertexOrigin;
+    if (before) {
+        now.kind = before->kind;
+        now.part = before->part;
+        return now;
+    }
     now.kind.assign(now.mesh->vertexCount(), LiveVertices::none);
     now.part.assign(now.mesh->vertexCount(), 0);
-    for (size_t t = 0; t < edited.mesh.triangles.size(); ++t)
-        for (uint32_t v : edited.mesh.triangles[t]) {
+    for (size_t t = 0; t < now.mesh->triangles.size(); ++t)
+        for (uint32_t v : now.mesh->triangles[t]) {
             now.part[v] = edited.partOfTriangle[t];
             now.kind[v] = edited.emitterOfTriangle[t] >= 0 ? LiveVertices::emitting
                           : edited.partOfTriangle[t]       ? LiveVertices::carried
@@ -43,6 +53,28 @@ std::vector<LivePart> leavingGround(const Mesh& mesh, const EditedGeometry& befo
         leaving.push_back(sphere);
     }
     return leaving;
+}
+
+/// Marks the vertices that stand elsewhere than `before` or are lit for the first time, all of them unless the emitter
+/// stayed (`same`).
+void markElsewhere(NearEmitter& emitter, const LiveVertices& now, const LiveVertices& before,
+                   const std::vector<uint8_t>& moved, bool same) {
+    std::atomic<bool> stale = false;
+    parallelBlocks(now.count(), 16384, [&](size_t begin, size_t end) {
+        bool any = false;
+        for (size_t v = begin; v < end; ++v) {
+            const bool carriedAlong = now.kind[v] == LiveVertices::carried && moved[now.part[v]];
+            const bool other =
+                v >= before.count() || before.kind[v] != now.kind[v] || before.origin[v] != now.origin[v];
+            if (!same || carriedAlong || other) {
+                emitter.level[v] = 0;
+                any = true;
+            }
+            if (!now.lit(v)) emitter.factor[v] = emitter.open[v] = 0;
+        }
+        if (any) stale = true;
+    });
+    if (stale) emitter.restart();
 }
 
 }  // namespace
@@ -74,7 +106,6 @@ void LiveScene::State::takeGeometry(const Look& next, EditedGeometry edited, Par
         return;
     }
 
-    LiveVertices now = verticesOf(edited);
     // Components that leave the ground.
     const bool groundShrank =
         !first && std::count(edited.partOfTriangle.begin(), edited.partOfTriangle.end(), 0u) !=
@@ -82,6 +113,9 @@ void LiveScene::State::takeGeometry(const Look& next, EditedGeometry edited, Par
     if (first || groundShrank) occluders.ground = tracerOf(edited, 0);
     if (groundShrank)
         for (const LivePart& sphere : leavingGround(scene->mesh, geometry, edited)) released.push_back(sphere);
+    const bool sameKinds = !renumbered && edited.mesh.vertexCount() == vertices.count() &&
+                           edited.emitterOfTriangle == geometry.emitterOfTriangle;
+    LiveVertices now = verticesOf(edited, sameKinds ? &vertices : nullptr);
 
     // Emitters: those that stay where they were keep their light, but for the shadows of what moved.
     std::vector<NearEmitter> emitters(edited.emitters.size());
@@ -115,14 +149,7 @@ void LiveScene::State::takeGeometry(const Look& next, EditedGeometry edited, Par
         out.factor.resize(now.count(), 0);
         out.open.resize(now.count(), 0);
         out.level.resize(now.count(), 0);
-        for (size_t v = 0; v < now.count(); ++v) {
-            // Whoever stands elsewhere, or is lit for the first time, starts again.
-            const bool carriedAlong = now.kind[v] == LiveVertices::carried && moved[now.part[v]];
-            const bool other =
-                v >= vertices.count() || vertices.kind[v] != now.kind[v] || vertices.origin[v] != now.origin[v];
-            if (!same || carriedAlong || other) out.markStale(v);
-            if (!now.lit(v)) out.factor[v] = out.open[v] = 0;
-        }
+        markElsewhere(out, now, vertices, moved, same);
         if (!same) continue;
         for (uint32_t b = 1; b < parts.size(); ++b) {
             if (!moved[b]) continue;

@@ -104,15 +104,22 @@ void LiveScene::State::sumLight() {
     gloss.markDistant(carried.takeChanged());
 }
 
+void LiveScene::State::followBlockers() {
+    if (nearPlace.used() || matte.place().open()) blockers.follow(occluders, *vertices.mesh, geometry.partOfTriangle);
+    else blockers = {};
+}
+
 void LiveScene::State::coarse(Progress& progress) {
     const auto start = Clock::now();
     const bool geometryMoved = newGeometry;
     if (newGeometry) {
         for (size_t e = 0; e < near.size(); ++e) gloss.markShadowed(e, near[e]);
-        nearPlace.start(near, vertices, occluders, geometry, options.seed);
         for (const LivePart& component : released) matte.release(vertices, occluders, component, progress);
         released.clear();
-        matte.coarse(vertices, occluders, progress);
+        followBlockers();
+        matte.start(vertices, occluders, blockers);
+        nearPlace.start(near, vertices, occluders, blockers, options.seed);
+        matte.coarse(vertices, occluders, blockers, progress);
         carried.coarse(vertices, occluders, progress);
         nearPlace.finish(near);
         for (NearEmitter& e : near)
@@ -133,7 +140,7 @@ bool LiveScene::State::refineBatch(Progress& progress) {
     SampleElsewhere onDevice;
     if (nearPlace.used())
         onDevice = [this](NearEmitter& e, std::span<const uint32_t> chosen, int level) {
-            return nearPlace.sample(e, vertices, occluders, chosen, level, options.seed);
+            return nearPlace.sample(e, vertices, occluders, blockers, chosen, level, options.seed);
         };
     for (NearEmitter& e : near)
         if (nearRefine(e, vertices, scene->graph, occluders, options.seed, progress, onDevice)) return true;
@@ -155,7 +162,10 @@ LiveScene::LiveScene(std::shared_ptr<const Scene> scene, std::shared_ptr<const E
     s.takeGeometry({}, editGeometry(*s.scene, *s.estimate, {}, apart), apart);
     s.report.cachedBlocks = s.matte.bake(s.vertices, s.occluders, options.cacheFolder, progress);
     s.matte.chooseDevice(options.devices.sums, options.forceDevice, progress);
-    s.nearPlace.choose(s.near.empty() ? nullptr : &s.near[0], s.vertices, s.occluders, s.geometry, options.devices.near,
+    s.matte.offerDevice(options.devices.shadows, options.forceDevice);
+    if (options.devices.near || options.devices.shadows)
+        s.blockers.follow(s.occluders, *s.vertices.mesh, s.geometry.partOfTriangle);
+    s.nearPlace.choose(s.near.empty() ? nullptr : &s.near[0], s.vertices, s.occluders, s.blockers, options.devices.near,
                        options.forceDevice, options.seed, progress);
     s.matte.setParts(s.partNames);
     s.takeEnvironment({}, s.unturnedOf({}));

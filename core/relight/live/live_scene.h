@@ -13,11 +13,13 @@
 namespace relamp {
 
 class NearDevice;
+class ShadowDevice;
 
 /// What a graphics card can do for a LiveScene; null: the processor does it.
 struct LiveDevices {
     std::shared_ptr<TransportDevice> sums;  ///< light of the environment over stored transport
     std::shared_ptr<NearDevice> near;       ///< form factors of emitters (relight/live/near_device.h)
+    std::shared_ptr<ShadowDevice> shadows;  ///< of parts in the environment (relight/live/shadow_device.h)
 };
 
 struct LiveOptions {
@@ -57,6 +59,9 @@ struct LiveReport {
     std::string nearDevice;     ///< that computes the near field of what moves; empty: the processor
     double cpuNearMs = 0;       ///< an emitter's first samples at all vertices, measured after the bake; 0: no device
     double deviceNearMs = 0;    ///< the same on the device; 0: there is none, or it failed
+    std::string shadowDevice;   ///< that traces a part's shadow in the environment; empty: the processor
+    double cpuShadowMs = 0;     ///< a part's whole shadow from a ray a cell, measured at the first one; 0: no device
+    double deviceShadowMs = 0;  ///< the same on the device; 0: there is none, or it failed
     std::vector<LeftOut> leftOut;
 };
 

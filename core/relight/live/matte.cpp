@@ -1,6 +1,7 @@
 #include "relight/live/matte.h"
 
 #include <algorithm>
+#include <atomic>
 #include <utility>
 
 #include "base/box.h"
@@ -11,6 +12,12 @@ namespace relamp {
 namespace {
 
 constexpr uint32_t none = EditedPart::none;
+
+/// Never the same again, so that two scenes have none in common.
+uint64_t newVersion() {
+    static std::atomic<uint64_t> last = 0;
+    return ++last;
+}
 
 }  // namespace
 
@@ -82,6 +89,7 @@ size_t LiveMatte::bake(const LiveVertices& vertices, const LiveOccluders& occlud
         normal_[s] = mesh.normals[order[s]];
     }
     masks_.assign(slots() * grid_.nibbleBytes(), 0);
+    slotsVersion_ = newVersion();
     base_.assign(slots(), Rgb(0));
     freed_.assign(chunks(), {});
     corrections_.assign(chunks(), {});
@@ -162,6 +170,7 @@ void LiveMatte::release(const LiveVertices& vertices, const LiveOccluders& occlu
             slotOfVertex_[vertexOfSlot_[s]] = none;
             vertexOfSlot_[s] = none;
         }
+    slotsVersion_ = newVersion();
     // Not blocked by what is left of the ground.
     const Occluded8 open = [&](std::span<const Ray> rays) { return ~occluders.groundOccluded8(rays); };
     parallelFor(chunks(), 1, [&](size_t c) {
@@ -227,17 +236,13 @@ void LiveMatte::traceShadow(Shadow& shadow, size_t chunk, bool coarse, const Liv
         }
         lists.start[i + 1] = uint32_t(lists.entries.size());
     }
-    shadow.level[chunk] = coarse ? 1 : 2;
-    if ((had || !lists.entries.empty()) && before != lists.entries) combine_[chunk] = 1;
+    noteShadow(shadow, chunk, coarse ? 1 : 2, had, before);
 }
 
-void LiveMatte::coarse(const LiveVertices& vertices, const LiveOccluders& occluders, Progress& progress) {
-    slotOfVertex_.resize(std::max(slotOfVertex_.size(), vertices.count()), none);
-    parallelFor(chunks(), 1, [&](size_t c) {
-        for (size_t b = 1; b < shadows_.size(); ++b)
-            if (!shadows_[b].level[c]) traceShadow(shadows_[b], c, true, vertices, occluders, occluders.parts[b]);
-    });
-    progress.check();
+void LiveMatte::noteShadow(Shadow& shadow, size_t chunk, uint8_t level, bool had, std::span<const uint16_t> before) {
+    const std::vector<uint16_t>& now = shadow.lists[chunk].entries;
+    shadow.level[chunk] = level;
+    if ((had || !now.empty()) && !std::equal(before.begin(), before.end(), now.begin(), now.end())) combine_[chunk] = 1;
 }
 
 bool LiveMatte::bakeStale(const LiveVertices& vertices, const LiveOccluders& occluders, Progress& progress) {
@@ -249,6 +254,7 @@ bool LiveMatte::bakeStale(const LiveVertices& vertices, const LiveOccluders& occ
     std::vector<std::pair<uint32_t, TransportBlock>> fresh(blocks.size());
     parallelFor(blocks.size(), 1, [&](size_t i) { fresh[i] = {blocks[i], bakeBlock(blocks[i], vertices, occluders)}; });
     store_.replace(fresh);
+    slotsVersion_ = newVersion();
     for (uint32_t b : blocks) {
         stale_[b] = 0;
         const size_t c = b * transportLanes / run;

@@ -5,6 +5,7 @@
 
 #include "relight/live/environment.h"
 #include "relight/live/near.h"
+#include "relight/live/shadow_device.h"
 #include "relight/live/visibility.h"
 #include "transport/transport_cache.h"
 #include "transport/transport_device.h"
@@ -27,6 +28,9 @@ public:
         sums_.choose(store_, grid_.cells(), std::move(device), force, progress);
     }
     const TransportSums& sums() const { return sums_; }
+    /// Traces the first samples of a part's whole shadow where that is faster: see ShadowPlace.
+    void offerDevice(std::shared_ptr<ShadowDevice> device, bool force) { place_.offer(std::move(device), force); }
+    const ShadowPlace& place() const { return place_; }
 
     /// The list of parts changed: what is known of those with the same name is kept.
     void setParts(const std::vector<std::string>& names);
@@ -36,8 +40,12 @@ public:
     /// seen at once from single rays, the blocks are baked anew by bakeStale().
     void release(const LiveVertices& vertices, const LiveOccluders& occluders, const LivePart& gone,
                  Progress& progress);
-    /// Brings stale lists of blocked cells up to date with a ray a cell.
-    void coarse(const LiveVertices& vertices, const LiveOccluders& occluders, Progress& progress);
+    /// Begins on the device what coarse() then takes; nothing without one.
+    void start(const LiveVertices& vertices, const LiveOccluders& occluders, const DeviceBlockers& blockers);
+    /// Brings stale lists of blocked cells up to date with a ray a cell. `blockers`: of the device, where place() is
+    /// open.
+    void coarse(const LiveVertices& vertices, const LiveOccluders& occluders, const DeviceBlockers& blockers,
+                Progress& progress);
     /// One batch towards a ray a quarter cell; false when nothing is left.
     bool refine(const LiveVertices& vertices, const LiveOccluders& occluders, Progress& progress);
     /// One batch of blocks that release() left stale; false when there is none. Nothing visible waits for it: the lists
@@ -57,7 +65,7 @@ public:
     std::vector<uint32_t> takeChanged();
 
 private:
-    static constexpr size_t run = 64;  // slots of a chunk
+    static constexpr size_t run = ShadowQuery::run;
     struct Shadow {
         std::string name;
         std::vector<CellLists> lists;  // per chunk
@@ -86,6 +94,9 @@ private:
     std::vector<uint8_t> told_;               // per chunk: takeChanged has not told of it
     std::vector<Rgb> base_;                   // per slot: baked light under the present environment
     bool rebaked_ = false;                    // the store changed since base_ was summed
+    ShadowPlace place_;
+    std::vector<uint32_t> started_;  // parts
+    uint64_t slotsVersion_ = 0;      // of vertexOfSlot_, normal_ and masks_
 
     size_t slots() const { return vertexOfSlot_.size(); }
     size_t chunks() const { return (slots() + run - 1) / run; }
@@ -99,6 +110,12 @@ private:
     TransportBlock bakeBlock(size_t block, const LiveVertices& vertices, const LiveOccluders& occluders);
     void traceShadow(Shadow& shadow, size_t chunk, bool coarse, const LiveVertices& vertices,
                      const LiveOccluders& occluders, const LivePart& part);
+    /// Of what a shadow's chunk held before its entries were taken anew.
+    void noteShadow(Shadow& shadow, size_t chunk, uint8_t level, bool had, std::span<const uint16_t> before);
+    bool whollyStale(size_t part, const LiveOccluders& occluders) const;
+    ShadowQuery queryOf(uint32_t part, const LiveVertices& vertices, const LiveOccluders& occluders,
+                        const DeviceBlockers& blockers) const;
+    void takeAnswers(Shadow& shadow, const ShadowAnswers& answers);
     void combine(size_t chunk);
 };
 

@@ -40,10 +40,14 @@ struct NearEmitter {
     size_t next = 0;             ///< vertex at which the pass goes on
 
     static constexpr int passes = 4;  ///< 16 samples everywhere; 64 at edges, twice, as edges show better; 256 at edges
-    void markStale(size_t vertex) {
-        level[vertex] = 0;
+    /// The refinement starts anew.
+    void restart() {
         pass = 0;
         next = 0;
+    }
+    void markStale(size_t vertex) {
+        level[vertex] = 0;
+        restart();
     }
     float at(size_t v) const { return added.empty() ? factor[v] : std::max(0.0f, factor[v] + added[v]); }
     /// Light on a white matte surface, of an emitter of level 1.

@@ -47,34 +47,16 @@ NearEmitter trialEmitter(const LiveVertices& vertices) {
 
 }  // namespace
 
-void NearBlockers::follow(const LiveOccluders& occluders, const EditedGeometry& geometry) {
-    std::vector<Blocker> now(std::max<size_t>(1, occluders.parts.size()));
-    bool changed = now.size() != blockers.size();
-    for (uint32_t b = 0; b < now.size(); ++b) {
-        now[b].tracer = b ? occluders.parts[b].tracer : occluders.ground;
-        if (!now[b].tracer) continue;
-        for (const Blocker& old : blockers)
-            if (old.tracer == now[b].tracer) now[b].tree = old.tree;
-        if (!now[b].tree)
-            now[b].tree = std::make_shared<const BoxTree>(
-                BoxTree::of(partMesh(geometry, b, b ? occluders.parts[b].inverse : Mat4(1))));
-    }
-    for (size_t b = 0; b < now.size() && !changed; ++b) changed = now[b].tree != blockers[b].tree;
-    blockers = std::move(now);
-    if (changed) ++version;
-}
-
 void NearPlace::fail(const std::exception& error) {
     logWarning("Near fields are computed on the processor: {}: {}", device_->name(), error.what());
     device_->giveUp();
     device_.reset();
     deviceMs_ = 0;
     started_.clear();
-    blockers_ = {};
 }
 
 void NearPlace::choose(const NearEmitter* emitter, const LiveVertices& vertices, const LiveOccluders& occluders,
-                       const EditedGeometry& geometry, std::shared_ptr<NearDevice> device, bool force, uint64_t seed,
+                       const DeviceBlockers& blockers, std::shared_ptr<NearDevice> device, bool force, uint64_t seed,
                        Progress& progress) {
     device_.reset();
     processorMs_ = deviceMs_ = 0;
@@ -102,9 +84,8 @@ void NearPlace::choose(const NearEmitter* emitter, const LiveVertices& vertices,
     device_ = std::move(device);
     try {
         device_->forget();
-        blockers_.follow(occluders, geometry);
         std::vector<NearAnswer> there(wanted.size());
-        const NearQuery query{trial, vertices, occluders, blockers_, wanted, 1, seed};
+        const NearQuery query{trial, vertices, occluders, blockers, wanted, 1, seed};
         for (int run = 0; run < 2; ++run) {  // the first one brings the scene there
             progress.check();
             deviceMs_ = millisecondsOf([&] {
@@ -123,19 +104,18 @@ void NearPlace::choose(const NearEmitter* emitter, const LiveVertices& vertices,
         if (force || deviceMs_ < processorMs_) return;
         device_->clear();  // its memory is of use elsewhere
         device_.reset();
-        blockers_ = {};
+
     } catch (const Cancelled&) { throw; } catch (const std::exception& error) {
         fail(error);
     }
 }
 
 void NearPlace::start(const std::vector<NearEmitter>& emitters, const LiveVertices& vertices,
-                      const LiveOccluders& occluders, const EditedGeometry& geometry, uint64_t seed) {
+                      const LiveOccluders& occluders, const DeviceBlockers& blockers, uint64_t seed) {
     const bool stopped = !std::exchange(started_, {}).empty();
     if (!used()) return;
     try {
         if (stopped) device_->forget();
-        blockers_.follow(occluders, geometry);
         for (size_t e = 0; e < emitters.size(); ++e) {
             if (!suits(emitters[e], occluders)) continue;
             Started s{e, {}};
@@ -143,7 +123,7 @@ void NearPlace::start(const std::vector<NearEmitter>& emitters, const LiveVertic
             for (uint32_t v = 0; v < vertices.count(); ++v)
                 if (!emitters[e].level[v] && vertices.lit(v)) s.wanted.push_back(v);
             if (s.wanted.empty()) continue;
-            device_->start({emitters[e], vertices, occluders, blockers_, s.wanted, 1, seed});
+            device_->start({emitters[e], vertices, occluders, blockers, s.wanted, 1, seed});
             started_.push_back(std::move(s));
         }
     } catch (const std::exception& error) { fail(error); }
@@ -167,11 +147,11 @@ void NearPlace::finish(std::vector<NearEmitter>& emitters) {
 }
 
 bool NearPlace::sample(NearEmitter& emitter, const LiveVertices& vertices, const LiveOccluders& occluders,
-                       std::span<const uint32_t> chosen, int level, uint64_t seed) {
+                       const DeviceBlockers& blockers, std::span<const uint32_t> chosen, int level, uint64_t seed) {
     if (!used() || chosen.empty() || !suits(emitter, occluders)) return false;
     try {
         answers_.resize(chosen.size());
-        device_->start({emitter, vertices, occluders, blockers_, chosen, level, seed});
+        device_->start({emitter, vertices, occluders, blockers, chosen, level, seed});
         device_->finish(answers_);
     } catch (const std::exception& error) {
         fail(error);

@@ -3,30 +3,16 @@
 #pragma once
 #include <string>
 
+#include "relight/live/device_blockers.h"
 #include "relight/live/near.h"
-#include "scene/box_tree.h"
 
 namespace relamp {
-
-/// What blocks, as a device traces it.
-struct NearBlockers {
-    struct Blocker {
-        std::shared_ptr<const RayTracer> tracer;  ///< whose triangles these are; keeps its address from being reused
-        std::shared_ptr<const BoxTree> tree;
-    };
-    std::vector<Blocker> blockers;  ///< entry 0 the ground, in the world; the others as LiveOccluders::parts, each in
-                                    ///< its own frame; a null tree: nothing
-    uint64_t version = 0;           ///< changes with the trees, not where parts move
-
-    /// Builds the trees that are new. Cost: see BoxTree::of.
-    void follow(const LiveOccluders& occluders, const EditedGeometry& geometry);
-};
 
 struct NearQuery {
     const NearEmitter& emitter;
     const LiveVertices& vertices;
     const LiveOccluders& occluders;
-    const NearBlockers& blockers;
+    const DeviceBlockers& blockers;
     std::span<const uint32_t> wanted;  ///< vertices
     int level = 1;                     ///< of NearEmitter::level
     uint64_t seed = 1;
@@ -68,16 +54,16 @@ public:
     /// the first samples of `emitter` at all vertices; where it has no triangles, of a small square above them. Throws
     /// Cancelled.
     void choose(const NearEmitter* emitter, const LiveVertices& vertices, const LiveOccluders& occluders,
-                const EditedGeometry& geometry, std::shared_ptr<NearDevice> device, bool force, uint64_t seed,
+                const DeviceBlockers& blockers, std::shared_ptr<NearDevice> device, bool force, uint64_t seed,
                 Progress& progress);
     /// Begins the first samples of all stale vertices; nothing without a device.
     void start(const std::vector<NearEmitter>& emitters, const LiveVertices& vertices, const LiveOccluders& occluders,
-               const EditedGeometry& geometry, uint64_t seed);
+               const DeviceBlockers& blockers, uint64_t seed);
     /// Takes what start() began. What is stale afterwards is left to nearCoarse().
     void finish(std::vector<NearEmitter>& emitters);
     /// Samples of `level` at the chosen vertices; false: nothing was done.
     bool sample(NearEmitter& emitter, const LiveVertices& vertices, const LiveOccluders& occluders,
-                std::span<const uint32_t> chosen, int level, uint64_t seed);
+                const DeviceBlockers& blockers, std::span<const uint32_t> chosen, int level, uint64_t seed);
     bool used() const { return device_ && !device_->gaveUp(); }
     std::string device() const { return used() ? device_->name() : std::string(); }  ///< in use; empty: the processor
     double processorMs() const { return processorMs_; }                              ///< as measured by choose()
@@ -89,7 +75,6 @@ private:
         std::vector<uint32_t> wanted;
     };
     std::shared_ptr<NearDevice> device_;
-    NearBlockers blockers_;
     std::vector<Started> started_;
     std::vector<NearAnswer> answers_;
     double processorMs_ = 0, deviceMs_ = 0;

@@ -33,21 +33,21 @@ bool nearRay(const Ray& ray, const Vec3& centre, float radius) {
 
 }  // namespace
 
-Mesh partMesh(const EditedGeometry& geometry, uint32_t part, const Mat4& matrix) {
+Mesh partMesh(const Mesh& mesh, const std::vector<uint32_t>& partOfTriangle, uint32_t part, const Mat4& matrix) {
     Mesh m;
-    std::vector<uint32_t> place(geometry.mesh.vertexCount(), EditedPart::none);
-    for (size_t t = 0; t < geometry.mesh.triangles.size(); ++t) {
-        if (geometry.partOfTriangle[t] != part) continue;
-        Triangle triangle = geometry.mesh.triangles[t];
+    std::vector<uint32_t> place(mesh.vertexCount(), EditedPart::none);
+    for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+        if (partOfTriangle[t] != part) continue;
+        Triangle triangle = mesh.triangles[t];
         for (uint32_t& v : triangle) {
             if (place[v] == EditedPart::none) {
                 place[v] = uint32_t(m.positions.size());
-                m.positions.push_back(matrix == Mat4(1) ? geometry.mesh.positions[v]
-                                                        : Vec3(matrix * Vec4(geometry.mesh.positions[v], 1)));
+                m.positions.push_back(matrix == Mat4(1) ? mesh.positions[v]
+                                                        : Vec3(matrix * Vec4(mesh.positions[v], 1)));
             }
             v = place[v];
         }
-        if (std::binary_search(geometry.mesh.shadowless.begin(), geometry.mesh.shadowless.end(), uint32_t(t)))
+        if (std::binary_search(mesh.shadowless.begin(), mesh.shadowless.end(), uint32_t(t)))
             m.shadowless.push_back(uint32_t(m.triangles.size()));
         m.triangles.push_back(triangle);
     }
@@ -102,7 +102,7 @@ Hit LivePart::closest(const Ray& ray, bool& facing) const {
 }
 
 std::shared_ptr<const RayTracer> tracerOf(const EditedGeometry& geometry, uint32_t part) {
-    const Mesh mesh = partMesh(geometry, part, Mat4(1));
+    const Mesh mesh = partMesh(geometry.mesh, geometry.partOfTriangle, part, Mat4(1));
     return mesh.triangles.empty() ? nullptr : std::make_shared<const RayTracer>(mesh);
 }
 
@@ -130,7 +130,7 @@ std::vector<LivePart> liveParts(const EditedGeometry& geometry, const Look& look
                 part.faceNormals = old.faceNormals;
             }
         if (part.tracer) continue;
-        const Mesh mesh = partMesh(geometry, b, part.inverse);
+        const Mesh mesh = partMesh(geometry.mesh, geometry.partOfTriangle, b, part.inverse);
         if (mesh.triangles.empty()) continue;
         part.tracer = std::make_shared<const RayTracer>(mesh);
         const bool mirrored = glm::determinant(Mat3(edited.matrix)) < 0;

@@ -34,8 +34,8 @@ struct LivePart {
 std::vector<LivePart> liveParts(const EditedGeometry& geometry, const Look& look,
                                 const std::vector<LivePart>& previous);
 
-/// The triangles of one part of a geometry with only their vertices, carried by `matrix`; no normals.
-Mesh partMesh(const EditedGeometry& geometry, uint32_t part, const Mat4& matrix);
+/// The triangles of one part of a mesh with only their vertices, carried by `matrix`; no normals.
+Mesh partMesh(const Mesh& mesh, const std::vector<uint32_t>& partOfTriangle, uint32_t part, const Mat4& matrix);
 
 /// A tracer over the triangles of one part of a geometry as they stand; empty when it has none.
 std::shared_ptr<const RayTracer> tracerOf(const EditedGeometry& geometry, uint32_t part);

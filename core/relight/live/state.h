@@ -25,6 +25,7 @@ struct LiveScene::State {
     LiveCarried carried;
     std::vector<NearEmitter> near;
     NearPlace nearPlace;
+    DeviceBlockers blockers;  ///< kept while a device is in use
     LiveGloss gloss;
     std::vector<Rgb> distantMatte;  ///< per vertex, before exposure and tint
 
@@ -58,6 +59,7 @@ struct LiveScene::State {
     /// Builds the pyramid when it is needed: a matte scene never asks.
     GlossInputs glossInputs();
     void coarse(Progress& progress);
+    void followBlockers();
     bool refineBatch(Progress& progress);  ///< false: nothing left
     /// Environment on matte vertices and what gloss has to take again.
     void sumLight();

@@ -140,6 +140,8 @@ TEST(LiveNearDevice, AStoppedStartIsForgotten) {
     geometry.partOfTriangle.assign(mesh.triangles.size(), 0);
     LiveOccluders occluders;
     occluders.ground = tracerOf(geometry, 0);
+    DeviceBlockers blockers;
+    blockers.follow(occluders, mesh, geometry.partOfTriangle);
     LiveVertices vertices;
     vertices.mesh = std::make_shared<const Mesh>(mesh);
     vertices.kind.assign(mesh.vertexCount(), LiveVertices::ground);
@@ -157,11 +159,11 @@ TEST(LiveNearDevice, AStoppedStartIsForgotten) {
     Progress progress;
     NearPlace place;
     const auto device = std::make_shared<TestNear>();
-    place.choose(&emitters[0], vertices, occluders, geometry, device, true, 1, progress);
+    place.choose(&emitters[0], vertices, occluders, blockers, device, true, 1, progress);
     ASSERT_TRUE(place.used());
-    place.start(emitters, vertices, occluders, geometry, 1);  // and stopped here
+    place.start(emitters, vertices, occluders, blockers, 1);  // and stopped here
     put(0.5f);
-    place.start(emitters, vertices, occluders, geometry, 1);
+    place.start(emitters, vertices, occluders, blockers, 1);
     place.finish(emitters);
     for (uint32_t v = 0; v < vertices.count(); ++v) {
         float open = 0;

@@ -21,7 +21,7 @@ struct Stand {
     EditedGeometry geometry;
     LiveVertices vertices;
     LiveOccluders occluders;
-    NearBlockers blockers;
+    DeviceBlockers blockers;
     NearEmitter emitter;
     std::vector<uint32_t> wanted;
     Mesh own[3];  ///< of the parts, in their own frames
@@ -46,7 +46,7 @@ struct Stand {
         occluders.parts.resize(3);
         carry(1, movement);
         carry(2, Mat4(1));
-        blockers.follow(occluders, geometry);
+        blockers.follow(occluders, geometry.mesh, geometry.partOfTriangle);
     }
 
     void carry(uint32_t b, const Mat4& matrix) {
@@ -54,7 +54,7 @@ struct Stand {
         part.matrix = matrix;
         part.inverse = glm::inverse(matrix);
         if (!part.tracer) {
-            own[b] = partMesh(geometry, b, part.inverse);
+            own[b] = partMesh(geometry.mesh, geometry.partOfTriangle, b, part.inverse);
             part.tracer = std::make_shared<const RayTracer>(own[b]);
         }
         Box box;
@@ -215,12 +215,12 @@ TEST_F(GpuNear, ChoiceKeepsTheFasterOneAndForceTheDevice) {
     const Stand stand(ground(), test::ball({0.3f, 0, 1.8f}, 0.3f, 6, 12));
     Progress progress;
     NearPlace place;
-    place.choose(&stand.emitter, stand.vertices, stand.occluders, stand.geometry, device, false, 3, progress);
+    place.choose(&stand.emitter, stand.vertices, stand.occluders, stand.blockers, device, false, 3, progress);
     EXPECT_GT(place.processorMs(), 0);
     EXPECT_GT(place.deviceMs(), 0);
     EXPECT_EQ(place.device().empty(), place.deviceMs() >= place.processorMs());
     for (const NearEmitter* emitter : {&stand.emitter, static_cast<const NearEmitter*>(nullptr)}) {
-        place.choose(emitter, stand.vertices, stand.occluders, stand.geometry, device, true, 3, progress);
+        place.choose(emitter, stand.vertices, stand.occluders, stand.blockers, device, true, 3, progress);
         EXPECT_EQ(place.device(), device->name());
     }
 }
