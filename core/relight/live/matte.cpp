@@ -90,6 +90,7 @@ size_t LiveMatte::bake(const LiveVertices& vertices, const LiveOccluders& occlud
     }
     masks_.assign(slots() * grid_.nibbleBytes(), 0);
     slotsVersion_ = newVersion();
+    remasked_ = false;
     base_.assign(slots(), Rgb(0));
     freed_.assign(chunks(), {});
     corrections_.assign(chunks(), {});
@@ -171,6 +172,7 @@ void LiveMatte::release(const LiveVertices& vertices, const LiveOccluders& occlu
             vertexOfSlot_[s] = none;
         }
     slotsVersion_ = newVersion();
+    remasked_ = true;
     // Not blocked by what is left of the ground.
     const Occluded8 open = [&](std::span<const Ray> rays) { return ~occluders.groundOccluded8(rays); };
     parallelFor(chunks(), 1, [&](size_t c) {
@@ -255,6 +257,7 @@ bool LiveMatte::bakeStale(const LiveVertices& vertices, const LiveOccluders& occ
     parallelFor(blocks.size(), 1, [&](size_t i) { fresh[i] = {blocks[i], bakeBlock(blocks[i], vertices, occluders)}; });
     store_.replace(fresh);
     slotsVersion_ = newVersion();
+    remasked_ = true;
     for (uint32_t b : blocks) {
         stale_[b] = 0;
         const size_t c = b * transportLanes / run;
@@ -317,8 +320,9 @@ void LiveMatte::combine(size_t c) {
                     blocked[e >> 4] |= uint8_t(e & 15);
                 }
             for (const uint16_t cell : touched) {
-                const unsigned seen = nibbleOf(masksOf(s).data(), cell), baked = seen & ~unsigned(freed[cell]),
-                               now = seen & ~unsigned(blocked[cell]);
+                // All that parts block was seen: masks are looked up only where that may have changed.
+                const unsigned seen = remasked_ ? nibbleOf(masksOf(s).data(), cell) : blocked[cell],
+                               baked = seen & ~unsigned(freed[cell]), now = seen & ~unsigned(blocked[cell]);
                 const float weight = grid_.weightOf(normal_[s], cell, now & ~baked, weightScale_[s]) -
                                      grid_.weightOf(normal_[s], cell, baked & ~now, weightScale_[s]);
                 blocked[cell] = freed[cell] = 0;

@@ -84,6 +84,7 @@ private:
     std::vector<Vec3> normal_;                           // per slot
     std::vector<float> weightScale_;
     std::vector<uint8_t> masks_;  // per slot: quarters the ground lets through
+    bool remasked_ = false;       // masks_ changed since the bake
     TransportStore store_;
     TransportSums sums_;
     std::vector<Shadow> shadows_;
