@@ -57,7 +57,7 @@ CameraTrack readChan(const std::filesystem::path& file, const std::string& rotat
 
 /// The camera `name` of a USD text file (its name or path; empty: the one there is, else the only one that moves), with
 /// the transforms of its parents. Frames are the whole time codes between its first and last sample; between samples
-/// values are linear. Limits: 1 GiB, a million samples, 64 levels.
+/// values are linear. Limits: 1 GiB, 100 000 frames, 64 levels.
 CameraTrack readUsdCamera(const std::filesystem::path& file, const std::string& name);
 
 }  // namespace relamp

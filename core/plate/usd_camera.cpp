@@ -10,7 +10,7 @@
 namespace relamp {
 namespace {
 
-constexpr double maxFrames = 1e6;
+constexpr double maxFrames = 1e5;
 
 /// The matrix of one operation, for columns.
 DMat4 matrixOf(const std::string& op, const std::vector<double>& v, const std::string& where) {

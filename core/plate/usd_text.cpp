@@ -156,6 +156,7 @@ private:
             else {
                 at_ = begin;
                 property(stage.prims[size_t(index)]);
+                if (at_ == begin) ++at_;  // a lone separator
             }
         }
     }
@@ -166,7 +167,7 @@ private:
         for (;;) {
             skipSpace(false);
             const char c = peek();
-            if (c == '\0' || c == '\n' || c == ';' || c == '}') return;
+            if (at_ >= text_.size() || c == '\n' || c == ';' || c == '}') return;
             if (c == '=') break;
             if (c == '"' || c == '\'') quoted();  // variantSet "name" = { ... }
             else if (c == '(' || c == '{' || c == '[') balanced();

@@ -20,7 +20,8 @@ struct FrameJob {
 /// `camera`: a view's number (from 0), a camera file (one camera, or a transforms.json with `frames`), turntable:N,
 /// path:V,V,...:N (camera_path.h), or "all" views. Sequences are numbered from 1, then `output` needs #### or %04d when
 /// there is more than one frame. `frames` selects among them ("1-3,5,7-20:2"; numbers outside are skipped with a
-/// notice); with one camera it is the frames of a keyed look. `size` "WxH" or empty. Throws BadOption naming the option, Error when a camera file is bad.
+/// notice); with one camera it is the frames of a keyed look. `size` "WxH" or empty. Throws BadOption naming the
+/// option, Error when a camera file is bad.
 std::vector<FrameJob> frameJobs(const Capture& capture, const std::string& camera, const std::string& frames,
                                 const std::string& size, const std::filesystem::path& output);
 

@@ -7,6 +7,7 @@
 #include "fuzz/target.h"
 #include "image/environment_map.h"
 #include "image/image_io.h"
+#include "plate/plate_camera.h"
 #include "relight/ies_profile.h"
 #include "scene/mesh_io.h"
 
@@ -83,6 +84,17 @@ const Target merl("merl", [](std::string_view bytes) {
     if (!bytes.empty() && bytes[0] == char(90)) std::filesystem::resize_file(file, whole);  // the rest reads as zeros
     readMerl(file);
 });
+
+template <int kind>
+void track(std::string_view bytes) {
+    const std::filesystem::path file = fileWith(kind ? "track.usda" : "track.chan", bytes);
+    const CameraTrack track = kind ? readUsdCamera(file, "") : readChan(file, "ZXY");
+    for (const auto& [frame, tracked] : track.byFrame)
+        for (int c = 0; c < 4; ++c)
+            for (int r = 0; r < 4; ++r)
+                if (!std::isfinite(tracked.worldFromCamera[c][r])) throw std::logic_error("a pose that is no number");
+}
+const Target chan("chan", track<0>), usda("usda", track<1>);
 
 /// A whole capture: what the files say together.
 const Target capture("capture", [](std::string_view bytes) {

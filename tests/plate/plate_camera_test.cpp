@@ -158,7 +158,8 @@ def Camera "c" {
     double3 xformOp:translate:pivot = (1, 2, 3)
     double xformOp:rotateZ = 90
     quatf xformOp:orient = (0.7071067811865476, 0.7071067811865476, 0, 0)
-    uniform token[] xformOpOrder = ["xformOp:translate:pivot", "xformOp:rotateZ", "!invert!xformOp:translate:pivot", "xformOp:orient"]
+    uniform token[] xformOpOrder = ["xformOp:translate:pivot", "xformOp:rotateZ", "!invert!xformOp:translate:pivot",
+        "xformOp:orient"]
 })");
     const CameraTrack track = readUsdCamera(file, "/c");
     EXPECT_TRUE(track.still);
@@ -176,6 +177,7 @@ TEST(UsdCamera, BadFilesAreNamed) {
     EXPECT_NE(error("PXR-USDC").find("usdcat"), std::string::npos);
     EXPECT_NE(error("#usda 1.0\n").find("holds no camera"), std::string::npos);
     EXPECT_NE(error("#usda 1.0\ndef Camera \"c\" {\n").find("does not end"), std::string::npos);
+    EXPECT_EQ(error("#usda 1.0\ndef Camera \"c\" {; float focalLength = 20;; }\n"), "");
     EXPECT_NE(error("#usda 1.0\ndef Camera \"c").find("line 2: a text has no end"), std::string::npos);
     EXPECT_NE(error("#usda 1.0\ndef Camera \"c\" { double3 xformOp:translate = (1, 2)\n uniform token[] xformOpOrder = "
                     "[\"xformOp:translate\"] }")

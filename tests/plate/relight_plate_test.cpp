@@ -140,6 +140,7 @@ TEST(RelightPlate, NeighboursSteadyTheLight) {
         request.neighbours = neighbours;
         Relighting run(world, request, World::dimmed());
         run.options.denoise = false;
+        run.options.samplesPerPixel = 1;
         PlateRelighter relighter(run.plate, request, run.looks, run.options, run.progress);
         const Image relit = relighter.relit(2, run.progress).image;
         float saturation = 0;
@@ -198,11 +199,31 @@ TEST(RelightPlate, LeavesWhatIsHeldOutBitForBit) {
     ASSERT_TRUE(actor.matteLight);
     EXPECT_LT(std::abs(actor.matteLight->place.foot.z), 0.02f);
     EXPECT_GT(actor.matteLight->place.middle.z, 0.1f);
-    // The light fell to a quarter in red and stayed in blue.
-    const Rgb factor = actor.image.at(28, 30) / plate.at(28, 30);
-    EXPECT_LT(factor.x, 0.95f);
-    EXPECT_LT(factor.x, factor.y);
-    EXPECT_NEAR(factor.z, 1, 0.01f);
+    // The light from above fell to a quarter in red and stayed in blue.
+    const MatteLight& there = *actor.matteLight;
+    EXPECT_LT(there.after[4].x, 0.9f * there.before[4].x);
+    EXPECT_NEAR(there.after[4].z, there.before[4].z, 0.01f * there.before[4].z);
+    EXPECT_NE(matteLightJson(1002, there, DVec3(0)).find("\"frame\": 1002"), std::string::npos);
+}
+
+TEST(MatteFactors, FollowAnUprightCylinder) {
+    // Seen along +Y, so that +X is to the right; light from the right doubles.
+    const Camera camera = test::cameraAt({0, -4, 1}, {0, 0, 1}, 41, 20, 40);
+    MatteLight light;
+    light.place.middle = {0, 0, 1};
+    light.before.fill(Rgb(1));
+    light.after = light.before;
+    light.after[0] = Rgb(2);
+    std::vector<float> matte(41 * 20, 0);
+    for (int y = 5; y < 15; ++y)
+        for (int x = 10; x < 31; ++x) matte[size_t(y) * 41 + size_t(x)] = 1;
+    const std::vector<Rgb> factor = matteFactors(light, camera, matte);
+    const auto at = [&](int x, int y) { return factor[size_t(y) * 41 + size_t(x)].x; };
+    EXPECT_EQ(at(20, 2), 1);
+    EXPECT_NEAR(at(20, 10), 1, 1e-4);
+    EXPECT_NEAR(at(10, 10), 1, 1e-4);
+    const float u = 10.0f / 10.5f;
+    EXPECT_NEAR(at(30, 10), 1 + u * u, 1e-3);
 }
 
 TEST(RelightPlate, NamesFramesThatLackSomething) {

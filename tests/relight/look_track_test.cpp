@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "support/estimates.h"
 #include "support/temporary_folder.h"
 
@@ -108,6 +110,34 @@ TEST(LookTrack, CallsAnEmitterTheSameInEveryFrame) {
         EXPECT_EQ(emitterNames({"emitter-1", "emitter-2"}, track.at(frame, {})),
                   (std::vector<std::string>{"Key", "Fill", "Rim"}))
             << frame;
+}
+
+TEST(LookTrack, GoesOverAsTheKeySays) {
+    const test::TemporaryFolder folder;
+    const auto yawAt = [&](const char* ease, int frame) {
+        const std::string keys = std::string(R"({"keys": [{"frame": 0, "look": {}, "ease": ")") + ease +
+                                 R"("}, {"frame": 10, "look": {"environment": {"yaw_degrees": 100}}}]})";
+        return readLookTrack(folder.write("k.json", keys)).at(frame, {}).environment.yawDegrees;
+    };
+    EXPECT_NEAR(yawAt("linear", 2), 20, 1e-4);
+    EXPECT_NEAR(yawAt("smooth", 2), 100 * 0.104, 1e-4);
+    EXPECT_NEAR(yawAt("smooth", 5), 50, 1e-4);
+    EXPECT_EQ(yawAt("hold", 9), 0);
+    for (const char* ease : {"linear", "smooth", "hold"}) EXPECT_EQ(yawAt(ease, 10), 100);
+    EXPECT_NE(test::messageOf([&] { yawAt("bouncy", 1); }).find("keys[0].ease"), std::string::npos);
+}
+
+TEST(LookTrack, KeysSurviveTheirFile) {
+    Look look = withEmitter(Mat4(1));
+    look.keys.push_back({3, withEmitter(Mat4(1)), KeyEase::hold});
+    look.keys.push_back({8, Look{}, KeyEase::linear});
+    look.keys[1].look.environment.yawDegrees = 12;
+    EXPECT_EQ(lookFromJson(lookToJson(look), {}), look);
+    const test::TemporaryFolder folder;
+    EXPECT_NE(test::messageOf([&] {
+                  readLook(folder.write("k.json", R"({"keys": [{"frame": 1, "look": {"keys": []}}]})"));
+              }).find("keys[0].look.keys"),
+              std::string::npos);
 }
 
 TEST(LookTrack, NamesTheKeyThatIsWrong) {

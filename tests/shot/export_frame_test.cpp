@@ -64,7 +64,16 @@ TEST(FrameJobs, OutsideTheShotAreSkippedAndARangeNeedsAPlaceForTheNumber) {
               "frame.exr: several frames need a name with #### or %04d");
     EXPECT_EQ(frameJobs(threeViews(), "all", "2", "", "frame.exr")[0].file, "frame.exr");
     EXPECT_NE(test::messageOf([] { frameJobs(threeViews(), "all", "1", "", "f%99999999999999999999d.exr"); }), "");
-    EXPECT_NE(test::messageOf([] { frameJobs(threeViews(), "1", "1-2", "", "f.##.exr"); }), "");
+}
+
+TEST(FrameJobs, OneCameraTakesARangeForALookThatMoves) {
+    const auto jobs = frameJobs(threeViews(), "1", "5-9:4", "", "f.##.exr");
+    ASSERT_EQ(jobs.size(), 2u);
+    EXPECT_EQ(jobs[1].file, "f.09.exr");
+    EXPECT_EQ(jobs[1].number, 9);
+    EXPECT_EQ(jobs[1].view, 1);
+    EXPECT_EQ(jobs[0].camera.worldFromCamera, jobs[1].camera.worldFromCamera);
+    EXPECT_NE(test::messageOf([] { frameJobs(threeViews(), "1", "5-9:4", "", "f.exr"); }), "");
 }
 
 TEST(FrameJobs, OfOneViewCountFromZero) {

@@ -177,6 +177,22 @@ TEST(CommandLine, SolvesRendersAndTellsWhatIsInAShot) {
               0);
     EXPECT_TRUE(fs::exists(folder / "turn.2.exr") && fs::exists(folder / "turn.3.exr"));
     EXPECT_FALSE(fs::exists(folder / "turn.1.exr") || fs::exists(folder / "turn.4.exr"));
+    // One camera and a look that moves; a plate with its own camera.
+    EXPECT_EQ(relamp({"render", shot, "-o", folder / "still.#.exr", "--frames", "1-3:2", "--edits", keys, "--samples",
+                      "1", "--size", "24x18"})
+                  .exitCode,
+              0);
+    EXPECT_NE(readImage(folder / "still.1.exr").pixels, readImage(folder / "still.3.exr").pixels);
+    fs::copy(folder / "capture/images/00.exr", folder / "plate.0001.exr");
+    fs::copy(folder / "capture/images/01.exr", folder / "plate.0003.exr");
+    const test::ProgramResult plate =
+        relamp({"render", shot, "-o", folder / "relit.##.exr", "--plate", folder / "plate.####.exr", "--plate-camera",
+                folder / "capture/transforms.json", "--edits", keys, "--samples", "2"});
+    EXPECT_EQ(plate.exitCode, 5) << "frame 2 is missing: " << plate.error;
+    EXPECT_NE(plate.error.find("frames 2 are missing"), std::string::npos) << plate.error;
+    EXPECT_EQ(readImage(folder / "relit.01.exr").pixels, readImage(folder / "plate.0001.exr").pixels)
+        << "nothing is edited in frame 1";
+    EXPECT_NE(readImage(folder / "relit.03.exr").pixels, readImage(folder / "plate.0003.exr").pixels);
     const test::ProgramResult ratio = relamp({"render", shot, "-o", folder / "ratio.exr", "--ratio", "--edits", keys,
                                               "--camera", "0", "--samples", "1", "--layers", "all", "--multipart"});
     EXPECT_EQ(ratio.exitCode, 0) << ratio.error;
@@ -195,7 +211,9 @@ TEST(CommandLine, SolvesRendersAndTellsWhatIsInAShot) {
                                                {"--camera", "99"},
                                                {"--size", "12"},
                                                {"--layers", "beauty"},
-                                               {"--frames", "1"},
+                                               {"--frames", "1-2"},
+                                               {"--plate", "p.exr"},
+                                               {"--matte", "m.exr"},
                                                {"--ratio=quotient", "--size=24x18"},
                                                {"--ratio", "--camera=turntable:1"},
                                                {"--ratio=cubed", "--samples=1"},
