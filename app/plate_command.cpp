@@ -104,7 +104,7 @@ int renderPlate(const RenderArguments& a, Progress& progress) {
         if (!(relit.covered > 0))
             logWarning("frame {}: its camera sees nothing of the capture; the plate stays as it is", frame.number);
         if (request.relightMatte && !relit.matteLight && !frame.matte.empty())
-            logWarning("frame {}: nothing of the scene lies under the matte; it stays as it is", frame.number);
+            logWarning("frame {}: the light at the matte is not known; what it holds out stays as it is", frame.number);
         FrameSources sources;
         sources.origin = shot.capture.origin;
         sources.look = &looks.at(frame.number, progress);

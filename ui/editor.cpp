@@ -243,6 +243,7 @@ void Editor::pick(const std::optional<PickedPoint>& point) {
 Look Editor::Impl::shownLook(const Estimate& estimate) const {
     Look look = lookThatFits(self.look(), estimate,
                              self.state.document.scene ? self.state.document.scene->mesh.vertexCount() : 0);
+    look.keys.clear();
     const std::vector<std::string>& solo = self.state.viewport.solo;
     if (!solo.empty()) {
         const auto alone = [&](const std::string& id) { return std::find(solo.begin(), solo.end(), id) != solo.end(); };

@@ -231,7 +231,10 @@ void RelightWorker::run(std::stop_token stop) {
                 refined = live->refine(request.dragging ? 0.012 : 0.04, *progress);
                 publish(*live, request, serial, refined);
                 if (!refined) continue;
+            } else if (request.time != held.time) {
+                publish(*live, request, serial, true);  // the same image answers for another time
             }
+            held.time = request.time;
             bool asked;
             {
                 std::lock_guard lock(mutex_);

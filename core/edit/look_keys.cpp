@@ -80,7 +80,7 @@ void easeKey(Look& look, int frame, KeyEase ease) {
 }
 
 void keyEdit(const Look& before, Look& look, int frame) {
-    if (look.keys.empty() || look == before) return;
+    if (look.keys.empty() || look.keys != before.keys || look == before) return;
     for (LookKey& key : look.keys) carryOver(before, look, key.look);
     setKey(look, frame);
 }

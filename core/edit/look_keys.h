@@ -16,7 +16,8 @@ void moveKey(Look& look, int from, int to);
 void easeKey(Look& look, int frame, KeyEase ease);
 
 /// After an edit at `frame` from `before` to `look`: what changed goes into a key there. Lights that came, went or took
-/// another name do so in every key. Nothing happens without keys, and where the edit changed nothing.
+/// another name do so in every key. Nothing happens without keys, where the edit changed nothing, and where it changed
+/// the keys themselves.
 void keyEdit(const Look& before, Look& look, int frame);
 
 }  // namespace relamp

@@ -43,6 +43,40 @@ void clearEdges(PlateLight& light, const std::vector<uint8_t>& emitting) {
 
 bool mattes(const PlateLight& light, size_t p) { return light.distance[p] > 0 && light.same[p]; }
 
+/// Collects rows of both frames.
+class PlateLightRows {
+public:
+    explicit PlateLightRows(const Camera& camera) : camera_(camera), eye_(camera.position()) {
+        light_.width = camera.width;
+        light_.height = camera.height;
+    }
+    void add(const Frame& old, const std::vector<Rgb>& after, const std::function<bool(size_t)>& same) {
+        light_.before.insert(light_.before.end(), old.beauty.begin(), old.beauty.end());
+        light_.after.insert(light_.after.end(), after.begin(), after.end());
+        for (size_t p = 0; p < old.beauty.size(); ++p) {
+            const bool emitter = old.emittersSeen[p][0].emitter >= 0, none = old.depth[p] > 1e29f;
+            light_.distance.push_back(none || emitter ? 0.0f : glm::distance(old.position[p], eye_));
+            light_.same.push_back(same(p));
+            emitting_.push_back(emitter);
+        }
+    }
+    PlateLight take() {
+        clearEdges(light_, emitting_);
+        return std::move(light_);
+    }
+    /// Calls rows(first, count) for the whole height.
+    template <class Rows>
+    void each(Rows&& rows) const {
+        for (int row = 0; row < camera_.height; row += stripRows) rows(row, std::min(stripRows, camera_.height - row));
+    }
+
+private:
+    const Camera& camera_;
+    Vec3 eye_;
+    PlateLight light_;
+    std::vector<uint8_t> emitting_;
+};
+
 }  // namespace
 
 PlateLight plateLight(const RelitScene& captured, const RelitScene& look, const Camera& camera,
@@ -50,28 +84,53 @@ PlateLight plateLight(const RelitScene& captured, const RelitScene& look, const 
     FrameOptions beauty = options;
     beauty.groups = false;
     const FrameRenderer before(captured, camera, beauty), after(look, camera, beauty);
-    PlateLight light{camera.width, camera.height, {}, {}, {}, {}};
-    const size_t pixels = size_t(camera.width) * size_t(camera.height);
-    light.before.reserve(pixels);
-    light.after.reserve(pixels);
-    std::vector<uint8_t> emitting;
-    emitting.reserve(pixels);
-    const Vec3 eye(camera.position());
-    for (int row = 0; row < camera.height; row += stripRows) {
-        const int count = std::min(stripRows, camera.height - row);
-        const Frame old = before.rows(row, count, progress), next = after.rows(row, count, progress);
-        light.before.insert(light.before.end(), old.beauty.begin(), old.beauty.end());
-        light.after.insert(light.after.end(), next.beauty.begin(), next.beauty.end());
-        for (size_t p = 0; p < old.beauty.size(); ++p) {
-            const bool none = old.depth[p] > 1e29f;
-            const bool emitter = old.emittersSeen[p][0].emitter >= 0;
-            light.distance.push_back(none || emitter ? 0.0f : glm::distance(old.position[p], eye));
-            light.same.push_back(showsSameSurface(old, next, p));
-            emitting.push_back(emitter);
-        }
+    PlateLightRows rows(camera);
+    rows.each([&](int first, int count) {
+        const Frame old = before.rows(first, count, progress), next = after.rows(first, count, progress);
+        rows.add(old, next.beauty, [&](size_t p) { return showsSameSurface(old, next, p); });
+    });
+    return rows.take();
+}
+
+std::optional<GroupFactors> groupFactors(const RelitScene& captured, const Look& look) {
+    Look plain;
+    plain.environment.exposureStops = look.environment.exposureStops;
+    plain.environment.tint = look.environment.tint;
+    for (const EmitterLook& e : look.emitters) {
+        EmitterLook same;
+        same.id = e.id;
+        same.name = e.name;
+        same.enabled = e.enabled;
+        same.powerScale = e.powerScale;
+        plain.emitters.push_back(same);
     }
-    clearEdges(light, emitting);
-    return light;
+    if (!(plain == look)) return std::nullopt;
+    GroupFactors factors{look.environment.tint * std::exp2(look.environment.exposureStops), {}};
+    factors.byEmitter.assign(captured.emitters.size(), Rgb(1));
+    for (const EmitterLook& e : look.emitters)
+        for (size_t i = 0; i < captured.emitters.size(); ++i)
+            if (captured.emitters[i].id == e.id) factors.byEmitter[i] = e.enabled ? e.powerScale : Rgb(0);
+    return factors;
+}
+
+PlateLight plateLight(const RelitScene& captured, const GroupFactors& factors, const Camera& camera,
+                      const FrameOptions& options, Progress& progress) {
+    const FrameRenderer renderer(captured, camera, options);
+    PlateLightRows rows(camera);
+    rows.each([&](int first, int count) {
+        const Frame old = renderer.rows(first, count, progress);
+        std::vector<Rgb> after = old.beauty;
+        const auto change = [&](const std::vector<Rgb>& group, const Rgb& factor) {
+            if (factor != Rgb(1))
+                for (size_t p = 0; p < after.size(); ++p) after[p] += (factor - 1.0f) * group[p];
+        };
+        change(old.world, factors.world);
+        for (size_t e = 0; e < old.byEmitter.size(); ++e) change(old.byEmitter[e], factors.byEmitter[e]);
+        for (Rgb& radiance : after) radiance = glm::max(radiance, Rgb(0));
+        rows.add(old, after, [](size_t) { return true; });
+        progress.advance(size_t(count));  // the frame that need not be rendered
+    });
+    return rows.take();
 }
 
 std::vector<Rgb> steadied(const PlateMoment& frame, const std::vector<PlateMoment>& neighbours, float floor) {

@@ -25,6 +25,19 @@ struct PlateLight {
 PlateLight plateLight(const RelitScene& captured, const RelitScene& look, const Camera& camera,
                       const FrameOptions& options, Progress& progress);
 
+/// What an edit multiplies the light groups by.
+struct GroupFactors {
+    Rgb world{1};
+    std::vector<Rgb> byEmitter;
+};
+/// Of an edit that changes powers and colours alone (of recovered emitters, and of the environment as a whole): the
+/// light afterwards is then known without rendering it. None for every other edit.
+std::optional<GroupFactors> groupFactors(const RelitScene& captured, const Look& look);
+
+/// The same by those factors. Cost: one frame with its groups; the ratio has no noise of its own.
+PlateLight plateLight(const RelitScene& captured, const GroupFactors& factors, const Camera& camera,
+                      const FrameOptions& options, Progress& progress);
+
 /// One frame among its neighbours in time.
 struct PlateMoment {
     const PlateLight* light = nullptr;

@@ -135,14 +135,37 @@ Image PlateRelighter::read(const PlateFrame& frame, float& saturation, Progress&
     return image;
 }
 
+std::optional<MatteLight> PlateRelighter::lightAt(const MattePlace& place, const RelitScene& captured,
+                                                  const RelitScene& look, const Camera& camera) const {
+    constexpr int steps = 6;
+    const float step = 0.25f * glm::distance(place.middle, place.foot);
+    const Vec3 towards = glm::normalize(Vec3(camera.position()) - place.middle);
+    for (int i = 0; i < steps; ++i) {
+        MatteLight light{place};
+        light.place.middle += float(i) * step * towards;
+        light.before = irradianceCube(captured, light.place.middle, matteSamples, options_.seed);
+        if (std::all_of(light.before.begin(), light.before.end(),
+                        [](const Rgb& face) { return !(maxChannel(face) > 0); }))
+            continue;
+        light.after = irradianceCube(look, light.place.middle, matteSamples, options_.seed);
+        return light;
+    }
+    return std::nullopt;
+}
+
 const PlateLight& PlateRelighter::lightOf(size_t index, Progress& progress) {
     const auto held = lights_.find(index);
     if (held != lights_.end()) return held->second;
     const PlateFrame& frame = plate_.frames[index];
     progress.begin(fmt::format("Light of frame {}", frame.number), size_t(frame.camera.height) * 2);
-    const RelitScene& look = looks_.at(frame.number, progress);
-    return lights_.emplace(index, plateLight(looks_.captured(progress), look, frame.camera, options_, progress))
-        .first->second;
+    PlateLight light;
+    if (const auto factors = groupFactors(looks_.captured(progress), looks_.lookAt(frame.number))) {
+        light = plateLight(looks_.captured(progress), *factors, frame.camera, options_, progress);
+    } else {
+        const RelitScene& look = looks_.at(frame.number, progress);
+        light = plateLight(looks_.captured(progress), look, frame.camera, options_, progress);
+    }
+    return lights_.emplace(index, std::move(light)).first->second;
 }
 
 RelitPlate PlateRelighter::relit(size_t index, Progress& progress) {
@@ -181,11 +204,10 @@ RelitPlate PlateRelighter::relit(size_t index, Progress& progress) {
     if (request_.relightMatte) {
         const RelitScene& captured = looks_.captured(progress);
         if (const auto place = mattePlaceOf(captured, frame.camera, matte)) {
-            MatteLight there{*place};
-            there.before = irradianceCube(captured, place->middle, matteSamples, options_.seed);
-            there.after = irradianceCube(looks_.at(frame.number, progress), place->middle, matteSamples, options_.seed);
-            factors = matteFactors(there, frame.camera, matte);
-            result.matteLight = there;
+            if (const auto there = lightAt(*place, captured, looks_.at(frame.number, progress), frame.camera)) {
+                factors = matteFactors(*there, frame.camera, matte);
+                result.matteLight = there;
+            }
         }
     }
     for (size_t p = 0; p < matte.size(); ++p) {

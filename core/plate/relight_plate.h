@@ -69,6 +69,10 @@ private:
     std::map<size_t, PlateLight> lights_;
 
     const PlateLight& lightOf(size_t index, Progress& progress);
+    /// At the place, or, where that lies inside one of the capture's objects, a little nearer to the camera; none where
+    /// no light arrives there either.
+    std::optional<MatteLight> lightAt(const MattePlace& place, const RelitScene& captured, const RelitScene& look,
+                                      const Camera& camera) const;
     Image read(const PlateFrame& frame, float& saturation, Progress& progress) const;
 };
 

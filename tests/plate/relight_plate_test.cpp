@@ -107,6 +107,37 @@ TEST(RelightPlate, IsTheSceneUnderTheNewLight) {
     EXPECT_GT(relit.covered, 0.3f);
 }
 
+TEST(PlateLight, OfAnEditOfPowersIsKnownWithoutRenderingIt) {
+    const World world;
+    Look look = World::dimmed();
+    look.environment.exposureStops = -1;
+    look.environment.tint = Rgb(1, 0.8f, 0.6f);
+    const RelitScene captured = world.relit({}), changed = world.relit(look);
+    const auto factors = groupFactors(captured, look);
+    ASSERT_TRUE(factors);
+    FrameOptions options;
+    options.samplesPerPixel = 4;
+    Progress progress;
+    const PlateLight quick = plateLight(captured, *factors, world.cameras[0], options, progress),
+                     whole = plateLight(captured, changed, world.cameras[0], options, progress);
+    // Another tint draws other samples of the environment: the rest is their noise.
+    double quickSum = 0, wholeSum = 0;
+    std::vector<double> off;
+    for (size_t p = 0; p < quick.after.size(); ++p)
+        for (int c = 0; c < 3; ++c) {
+            off.push_back(double(quick.after[p][c] / whole.after[p][c] - 1));
+            quickSum += double(quick.after[p][c]);
+            wholeSum += double(whole.after[p][c]);
+        }
+    EXPECT_LT(rootMeanSquare(off), 0.02);
+    EXPECT_NEAR(quickSum / wholeSum, 1, 1e-3);
+    look.emitters[0].matrix = test::translation({0.1f, 0, 0});
+    EXPECT_FALSE(groupFactors(captured, look));
+    look = {};
+    look.environment.yawDegrees = 5;
+    EXPECT_FALSE(groupFactors(captured, look));
+}
+
 TEST(RelightPlate, WithoutAnEditIsThePlateBitForBit) {
     const World world(2);
     const TemporaryFolder folder;

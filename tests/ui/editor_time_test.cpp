@@ -78,6 +78,12 @@ TEST(EditorTime, EditsSetTheKeyOfTheirFrameAndUndoBringsItBack) {
     e.moveKey(20, 30);
     e.goToFrame(29);
     EXPECT_EQ(s.yaw(), 5);
+    // A snapshot comes back with its keys and adds none.
+    const std::vector<LookKey> keys = e.look().keys;
+    e.storeSnapshot(0);
+    e.deleteKey(10);
+    e.recallSnapshot(0);
+    EXPECT_EQ(e.look().keys, keys);
     e.deleteKey(10);
     e.goToFrame(1);
     EXPECT_EQ(s.yaw(), 45);
