@@ -94,7 +94,8 @@ int renderPlate(const RenderArguments& a, Progress& progress) {
     FrameOptions options;
     options.seed = a.seed;
     options.denoise = a.denoise != "off";
-    if (a.samples > 0) options.samplesPerPixel = a.samples;
+    // Neighbouring frames make up for fewer samples than a still needs.
+    options.samplesPerPixel = a.samples > 0 ? a.samples : 4;
     PlateRelighter relighter(plate, request, looks, options, progress);
     say(relighter.gains());
     const int code = writeFrames(jobs.files, a.skipExisting, [&](size_t index) {
