@@ -27,7 +27,11 @@ PlateRequest requestOf(const RenderArguments& a, Ratio ratio) {
 struct PlateJobs {
     std::vector<size_t> frames;  ///< of the plate
     std::vector<fs::path> files;
+    bool lacking = false;  ///< one that was asked for cannot be relit
 };
+
+/// What the light at the matte goes into, beside its frame.
+fs::path lightFileOf(fs::path frame) { return frame.replace_extension(".light.json"); }
 
 PlateJobs jobsOf(const RenderArguments& a, const Plate& plate) {
     PlateJobs jobs;
@@ -40,6 +44,7 @@ PlateJobs jobsOf(const RenderArguments& a, const Plate& plate) {
                                         [&](const PlateFrame& f) { return f.number == number; });
         if (frame == plate.frames.end()) {
             logWarning("frame {}: the plate has none that can be relit, skipped", number);
+            jobs.lacking = true;
             continue;
         }
         std::string file = numbered(a.output, number);
@@ -86,7 +91,10 @@ int renderPlate(const RenderArguments& a, Progress& progress) {
         for (const std::string& fault : plate.faults) logWarning("{}", fault);
         jobs = jobsOf(a, plate);
     } catch (const BadOption& error) { throw UsageError(error.what()); }
-    refuseInputs(a, shot, track, jobs.files, progress);
+    std::vector<fs::path> outputs = jobs.files;
+    if (request.relightMatte)
+        for (const fs::path& file : jobs.files) outputs.push_back(lightFileOf(file));
+    refuseInputs(a, shot, track, outputs, progress);
     fileOptions.header = {{"relamp:gauge", shot.estimate.gauge.kind + ": " + shot.estimate.gauge.evidence},
                           {"relamp:shot", shotHash(a.shot)}};
     const Scene scene = buildScene(shot.capture.mesh, progress, ownAxes(shot.capture));
@@ -112,14 +120,14 @@ int renderPlate(const RenderArguments& a, Progress& progress) {
         if (correction) sources.captured = &looks.captured(progress);
         sources.finished = &relit.image;
         writeFrameFile(jobs.files[index], frame.camera, sources, options, fileOptions, progress);
-        if (relit.matteLight) {
-            fs::path light = jobs.files[index];
-            light.replace_extension(".light.json");
-            writeBytesAtomically(light, matteLightJson(frame.number, *relit.matteLight, shot.capture.origin));
-        }
+        if (relit.matteLight)
+            writeBytesAtomically(lightFileOf(jobs.files[index]),
+                                 matteLightJson(frame.number, *relit.matteLight, shot.capture.origin));
         return fmt::format("the capture's surfaces cover {:.0f} % of it", 100 * relit.covered);
     });
-    return code == 0 && !plate.faults.empty() ? 5 : code;
+    // A part of a sequence fails for its own frames alone.
+    const bool lacking = a.frames.empty() ? !plate.faults.empty() : jobs.lacking;
+    return code == 0 && lacking ? 5 : code;
 }
 
 }  // namespace relamp::cli

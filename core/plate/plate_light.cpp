@@ -41,7 +41,8 @@ void clearEdges(PlateLight& light, const std::vector<uint8_t>& emitting) {
         }
 }
 
-bool mattes(const PlateLight& light, size_t p) { return light.distance[p] > 0 && light.same[p]; }
+/// A surface whose ratio means something.
+bool hasRatio(const PlateLight& light, size_t p) { return light.distance[p] > 0 && light.same[p]; }
 
 /// Collects rows of both frames.
 class PlateLightRows {
@@ -140,7 +141,7 @@ std::vector<Rgb> steadied(const PlateMoment& frame, const std::vector<PlateMomen
     parallelFor(size_t(light.height), 4, [&](size_t y) {
         for (int x = 0; x < light.width; ++x) {
             const size_t p = y * size_t(light.width) + size_t(x);
-            if (!mattes(light, p)) continue;
+            if (!hasRatio(light, p)) continue;
             const Vec3 point =
                 eye + light.distance[p] * frame.camera->rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f));
             Rgb sum = logRatio(light, p, floor);
@@ -152,7 +153,7 @@ std::vector<Rgb> steadied(const PlateMoment& frame, const std::vector<PlateMomen
                 Rgb there(0);
                 float weights = 0;
                 bilinear(*at, other.light->width, other.light->height, [&](size_t q, float weight) {
-                    if (!mattes(*other.light, q) || std::abs(other.light->distance[q] - expected) > 0.01f * expected)
+                    if (!hasRatio(*other.light, q) || std::abs(other.light->distance[q] - expected) > 0.01f * expected)
                         return;
                     there += weight * logRatio(*other.light, q, floor);
                     weights += weight;

@@ -23,17 +23,17 @@ RelitLooks::RelitLooks(const Shot& shot, const Scene& scene, const LookTrack& tr
 
 const RelitScene& RelitLooks::at(int frame, Progress& progress) {
     Look look = lookAt(frame);
+    if (look == Look{}) return captured(progress);
     if (!relit_ || !(look == look_)) {
         relit_.reset();
-        relit_ = applyLook(scene_, shot_.estimate, look, progress);
+        relit_ = std::make_shared<const RelitScene>(applyLook(scene_, shot_.estimate, look, progress));
         look_ = std::move(look);
     }
     return *relit_;
 }
 
 const RelitScene& RelitLooks::captured(Progress& progress) {
-    if (relit_ && look_ == Look{}) return *relit_;
-    if (!captured_) captured_ = applyLook(scene_, shot_.estimate, Look{}, progress);
+    if (!captured_) captured_ = std::make_shared<const RelitScene>(applyLook(scene_, shot_.estimate, Look{}, progress));
     return *captured_;
 }
 

@@ -1,6 +1,6 @@
 // The looks of a sequence applied to a shot's scene, one at a time.
 #pragma once
-#include <optional>
+#include <memory>
 #include "relight/look_track.h"
 #include "relight/relit_scene.h"
 
@@ -16,7 +16,8 @@ public:
     Look lookAt(int frame) const { return track_.at(frame, pivots_); }
     /// Good until the next call. Throws Error as applyLook does, Cancelled.
     const RelitScene& at(int frame, Progress& progress);
-    /// The light as photographed; good until the next call of at().
+    /// The light as photographed; the same object as at() gives where the look edits nothing. Good as long as this
+    /// lives.
     const RelitScene& captured(Progress& progress);
 
 private:
@@ -25,7 +26,7 @@ private:
     const LookTrack& track_;
     LookPivots pivots_;
     Look look_;
-    std::optional<RelitScene> relit_, captured_;
+    std::shared_ptr<const RelitScene> relit_, captured_;
 };
 
 }  // namespace relamp

@@ -257,6 +257,28 @@ TEST(MatteFactors, FollowAnUprightCylinder) {
     EXPECT_NEAR(at(30, 10), 1 + u * u, 1e-3);
 }
 
+TEST(RelightPlate, AMatteIsRelitAfterAFrameWithoutAnEdit) {
+    const World world(3);
+    const TemporaryFolder folder;
+    PlateRequest request = world.writePlate(folder);
+    Image matte(64, 48);
+    for (int y = 12; y < 40; ++y)
+        for (int x = 20; x < 30; ++x) matte.at(x, y) = Rgb(1);
+    writeImage(folder / "matte.exr", matte);
+    request.matte = folder / "matte.exr";
+    request.relightMatte = true;
+    Look look;
+    look.keys = {{1001, {}, KeyEase::hold}, {1003, World::dimmed(), KeyEase::hold}};
+    Relighting run(world, request, look);
+    run.looks.at(1001, run.progress);
+    EXPECT_FALSE(run.relighter.relit(0, run.progress).matteLight);
+    const RelitScene* captured = &run.looks.captured(run.progress);
+    const RelitPlate relit = run.relighter.relit(2, run.progress);
+    EXPECT_EQ(&run.looks.captured(run.progress), captured);
+    ASSERT_TRUE(relit.matteLight);
+    EXPECT_LT(relit.matteLight->after[4].x, 0.9f * relit.matteLight->before[4].x);
+}
+
 TEST(RelightPlate, NamesFramesThatLackSomething) {
     const World world(4);
     const TemporaryFolder folder;

@@ -190,6 +190,11 @@ TEST(CommandLine, SolvesRendersAndTellsWhatIsInAShot) {
                 folder / "capture/transforms.json", "--edits", keys, "--samples", "2"});
     EXPECT_EQ(plate.exitCode, 5) << "frame 2 is missing: " << plate.error;
     EXPECT_NE(plate.error.find("frames 2 are missing"), std::string::npos) << plate.error;
+    EXPECT_EQ(relamp({"render", shot, "-o", folder / "part.##.exr", "--plate", folder / "plate.####.exr",
+                      "--plate-camera", folder / "capture/transforms.json", "--frames", "1"})
+                  .exitCode,
+              0)
+        << "frame 2 is another part's";
     EXPECT_EQ(readImage(folder / "relit.01.exr").pixels, readImage(folder / "plate.0001.exr").pixels)
         << "nothing is edited in frame 1";
     EXPECT_NE(readImage(folder / "relit.03.exr").pixels, readImage(folder / "plate.0003.exr").pixels);
