@@ -5,6 +5,7 @@
 
 #include "relight/live/device_blockers.h"
 #include "relight/live/near.h"
+#include "relight/live/started_device.h"
 
 namespace relamp {
 
@@ -22,29 +23,8 @@ struct NearAnswer {
     float factor = 0, open = 0;
 };
 
-/// Form factors as nearFactor() gives them, from the same samples, elsewhere. Not thread-safe: one thread calls it,
-/// from the first start() to its end. The same bits every time.
-class NearDevice {
-public:
-    virtual ~NearDevice() = default;
-    virtual std::string name() const = 0;
-    /// Begins and returns; what the query refers to may change afterwards. Throws Error when the device fails or has no
-    /// room.
-    virtual void start(const NearQuery& query) = 0;
-    /// The answers to the oldest start() that has none yet, in the order of `wanted`. Throws Error when the device
-    /// fails.
-    virtual void finish(std::span<NearAnswer> out) = 0;
-    /// Forgets what was started and has no answers yet.
-    virtual void forget() = 0;
-    /// That, and frees what it holds.
-    virtual void clear() = 0;
-    /// After it threw: nobody is to ask it again.
-    void giveUp() { gaveUp_ = true; }
-    bool gaveUp() const { return gaveUp_; }
-
-private:
-    bool gaveUp_ = false;
-};
+/// Form factors as nearFactor() gives them, from the same samples, elsewhere; answers in the order of `wanted`.
+class NearDevice : public StartedDevice<NearQuery, std::span<NearAnswer>> {};
 
 /// Near fields on the processor or on a device, whichever was faster. A device that fails is left for good; nothing is
 /// lost by it. Shaped emitters and suns stay on the processor.

@@ -7,6 +7,7 @@
 
 #include "relight/live/device_blockers.h"
 #include "relight/live/near.h"
+#include "relight/live/started_device.h"
 #include "relight/live/visibility.h"
 
 namespace relamp {
@@ -35,26 +36,7 @@ struct ShadowAnswers {
 };
 
 /// Not thread-safe: one thread calls it, from the first start() to its end. The same entries every time.
-class ShadowDevice {
-public:
-    virtual ~ShadowDevice() = default;
-    virtual std::string name() const = 0;
-    /// Begins and returns; what the query refers to may change afterwards. Throws Error when the device fails or has no
-    /// room.
-    virtual void start(const ShadowQuery& query) = 0;
-    /// The answers to the oldest start() that has none yet. Throws Error when the device fails.
-    virtual void finish(ShadowAnswers& out) = 0;
-    /// Forgets what was started and has no answers yet.
-    virtual void forget() = 0;
-    /// That, and frees what it holds.
-    virtual void clear() = 0;
-    /// After it threw: nobody is to ask it again.
-    void giveUp() { gaveUp_ = true; }
-    bool gaveUp() const { return gaveUp_; }
-
-private:
-    bool gaveUp_ = false;
-};
+class ShadowDevice : public StartedDevice<ShadowQuery, ShadowAnswers&> {};
 
 /// Shadows of parts on the processor or on a device. The first part whose whole shadow is wanted is traced on both: the
 /// device stays where it answers as the processor does and is faster, or `force`. One that fails is left for good.

@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "relight/live/live_scene.h"
-#include "support/estimates.h"
+#include "support/device_world.h"
 
 namespace relamp {
 namespace {
@@ -32,36 +32,20 @@ private:
     TransportStore store_;
 };
 
-struct Shown {
-    std::vector<Rgb> radiance;
-    LiveReport report;
-    size_t warnings = 0;
-};
+using Shown = test::DeviceShown;
 
 Shown show(const std::shared_ptr<TransportDevice>& device, bool force = true) {
-    Mesh mesh = test::sheet({-2, -2, 0}, {4, 0, 0}, {0, 4, 0}, 24, 24);
-    test::append(mesh, test::box({-0.4f, -0.4f, 0.01f}, {0.4f, 0.4f, 0.8f}, 4));
-    const std::vector<uint32_t> emitter = test::append(mesh, test::squareAbove(0.4f, 0.9f, 0.5f, 2, 2));
-    const auto scene = std::make_shared<const Scene>(test::sceneOf(mesh));
-    const auto estimate = std::make_shared<Estimate>(test::matteEstimate(
-        *scene, Rgb(0.5f, 0.4f, 0.3f), Rgb(1), test::emittersOf(*scene, {emitter}, {Rgb(20, 24, 30)})));
     LiveOptions options;
     options.devices.sums = device;
     options.forceDevice = force;
-    Shown shown;
-    setLogSink([&](LogLevel level, const std::string&) { shown.warnings += level == LogLevel::warning; });
-    Progress progress;
-    LiveScene live(scene, estimate, options, progress);
-    Look look;
-    for (const float yaw : {40.0f, 80.0f}) {
-        look.environment.yawDegrees = yaw;
-        live.setLook(look);
-        while (!live.refine(1, progress)) {}
-    }
-    setLogSink({});
-    shown.radiance = live.frame()->radiance;
-    shown.report = live.frame()->report;
-    return shown;
+    return test::showWith(test::DeviceWorld({0.4f}), options, [](LiveScene& live, Shown&, Progress& progress) {
+        Look look;
+        for (const float yaw : {40.0f, 80.0f}) {
+            look.environment.yawDegrees = yaw;
+            live.setLook(look);
+            while (!live.refine(1, progress)) {}
+        }
+    });
 }
 
 TEST(LiveDevice, ShowsTheSameImageAsTheProcessor) {

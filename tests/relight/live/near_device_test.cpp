@@ -8,8 +8,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/random.h"
-#include "relight/live/live_scene.h"
-#include "support/estimates.h"
+#include "support/device_world.h"
 
 namespace relamp {
 namespace {
@@ -53,42 +52,24 @@ private:
     }
 };
 
-struct Shown {
-    std::vector<Rgb> coarse, radiance;
-    LiveReport report;
-    size_t warnings = 0;
-};
+using Shown = test::DeviceShown;
 
 Shown show(const std::shared_ptr<NearDevice>& device, bool force = true, bool emitters = true) {
-    Mesh mesh = test::sheet({-2, -2, 0}, {4, 0, 0}, {0, 4, 0}, 24, 24);
-    test::append(mesh, test::box({-0.4f, -0.4f, 0.01f}, {0.4f, 0.4f, 0.8f}, 4));
-    std::vector<std::vector<uint32_t>> patches;
-    if (emitters)
-        for (const float x : {0.4f, 0.1f}) patches.push_back(test::append(mesh, test::squareAbove(x, 0.9f, x, 2, 2)));
-    const auto scene = std::make_shared<const Scene>(test::sceneOf(mesh));
-    const auto estimate = std::make_shared<Estimate>(
-        test::matteEstimate(*scene, Rgb(0.5f, 0.4f, 0.3f), Rgb(1),
-                            test::emittersOf(*scene, patches, std::vector<Rgb>(patches.size(), Rgb(20, 24, 30)))));
+    const test::DeviceWorld world(emitters ? std::vector<float>{0.4f, 0.1f} : std::vector<float>{});
     LiveOptions options;
     options.devices.near = device;
     options.forceDevice = force;
-    Shown shown;
-    setLogSink([&](LogLevel level, const std::string&) { shown.warnings += level == LogLevel::warning; });
-    Progress progress;
-    LiveScene live(scene, estimate, options, progress);
-    Look look;
-    if (emitters) look.emitters.push_back({estimate->emitters.emitters[0].id, true, Mat4(1), Rgb(1)});
-    for (const float x : {-0.5f, -1.0f}) {
-        if (emitters) look.emitters[0].matrix = test::translation({x, 0, 0});
-        live.setLook(look);
-        live.refine(0, progress);
-        shown.coarse = live.frame()->radiance;
-        while (!live.refine(1, progress)) {}
-    }
-    setLogSink({});
-    shown.radiance = live.frame()->radiance;
-    shown.report = live.frame()->report;
-    return shown;
+    return test::showWith(world, options, [&](LiveScene& live, Shown& shown, Progress& progress) {
+        Look look;
+        if (emitters) look.emitters.push_back({world.estimate->emitters.emitters[0].id, true, Mat4(1), Rgb(1)});
+        for (const float x : {-0.5f, -1.0f}) {
+            if (emitters) look.emitters[0].matrix = test::translation({x, 0, 0});
+            live.setLook(look);
+            live.refine(0, progress);
+            shown.coarse = live.frame()->radiance;
+            while (!live.refine(1, progress)) {}
+        }
+    });
 }
 
 float difference(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {

@@ -7,8 +7,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
-#include "relight/live/live_scene.h"
-#include "support/estimates.h"
+#include "support/device_world.h"
 
 namespace relamp {
 namespace {
@@ -63,47 +62,31 @@ private:
     }
 };
 
-struct Shown {
-    std::vector<Rgb> coarse, radiance;
-    LiveReport report;
-    size_t warnings = 0;
-};
+using Shown = test::DeviceShown;
 
 Shown show(const std::shared_ptr<ShadowDevice>& device, bool force = true) {
-    Mesh mesh = test::sheet({-2, -2, 0}, {4, 0, 0}, {0, 4, 0}, 24, 24);
-    test::append(mesh, test::box({-0.4f, -0.4f, 0.01f}, {0.4f, 0.4f, 0.8f}, 4));
-    std::vector<std::vector<uint32_t>> patches;
-    for (const float x : {0.4f, 0.1f}) patches.push_back(test::append(mesh, test::squareAbove(x, 0.9f, x, 2, 2)));
-    const auto scene = std::make_shared<const Scene>(test::sceneOf(mesh));
-    const auto estimate = std::make_shared<Estimate>(
-        test::matteEstimate(*scene, Rgb(0.5f, 0.4f, 0.3f), Rgb(1),
-                            test::emittersOf(*scene, patches, std::vector<Rgb>(patches.size(), Rgb(20, 24, 30)))));
+    const test::DeviceWorld world({0.4f, 0.1f});
+    const auto& emitters = world.estimate->emitters.emitters;
     LiveOptions options;
     options.devices.shadows = device;
     options.forceDevice = force;
-    Shown shown;
-    setLogSink([&](LogLevel level, const std::string&) { shown.warnings += level == LogLevel::warning; });
-    Progress progress;
-    LiveScene live(scene, estimate, options, progress);
-    Look look;
-    for (const PartLook& part : {PartLook{}, PartLook{0, test::translation({0, 0, 0.2f}), ""}}) {
-        if (part.matrix != Mat4(1)) {
-            look.parts.push_back(part);  // the box leaves the ground, which changes what the device holds
-            look.parts[0].seedVertex = 25 * 25;
+    return test::showWith(world, options, [&](LiveScene& live, Shown& shown, Progress& progress) {
+        Look look;
+        for (const PartLook& part : {PartLook{}, PartLook{0, test::translation({0, 0, 0.2f}), ""}}) {
+            if (part.matrix != Mat4(1)) {
+                look.parts.push_back(part);  // the box leaves the ground, which changes what the device holds
+                look.parts[0].seedVertex = 25 * 25;
+            }
+            for (const float x : {-0.5f, -1.0f}) {
+                look.emitters = {{emitters[0].id, true, test::translation({x, 0, 0}), Rgb(1)},
+                                 {emitters[1].id, true, test::translation({0, x, 0}), Rgb(1)}};
+                live.setLook(look);
+                live.refine(0, progress);
+                shown.coarse.insert(shown.coarse.end(), live.frame()->radiance.begin(), live.frame()->radiance.end());
+            }
+            while (!live.refine(1, progress)) {}
         }
-        for (const float x : {-0.5f, -1.0f}) {
-            look.emitters = {{estimate->emitters.emitters[0].id, true, test::translation({x, 0, 0}), Rgb(1)},
-                             {estimate->emitters.emitters[1].id, true, test::translation({0, x, 0}), Rgb(1)}};
-            live.setLook(look);
-            live.refine(0, progress);
-            shown.coarse.insert(shown.coarse.end(), live.frame()->radiance.begin(), live.frame()->radiance.end());
-        }
-        while (!live.refine(1, progress)) {}
-    }
-    setLogSink({});
-    shown.radiance = live.frame()->radiance;
-    shown.report = live.frame()->report;
-    return shown;
+    });
 }
 
 TEST(LiveShadowDevice, ShowsTheSameImageAsTheProcessor) {
