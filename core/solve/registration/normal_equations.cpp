@@ -117,8 +117,13 @@ NormalEquations::Step NormalEquations::solve(bool shape) const {
         matrix.setFromTriplets(nodeNode_.begin(), nodeNode_.end());
         const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(matrix);
         if (factor.info() != Eigen::Success) return step;
-        const Eigen::MatrixXd solved = factor.solve(nodePose_);
         const Eigen::VectorXd alone = factor.solve(node_);
+        if (pose_.size() == 0) {
+            step.nodes = alone;
+            step.valid = alone.allFinite();
+            return step;
+        }
+        const Eigen::MatrixXd solved = factor.solve(nodePose_);
         step.poses =
             solveSymmetric(posePose_ - transposedProduct(nodePose_, solved), pose_ - nodePose_.transpose() * alone);
         step.nodes = alone - solved * step.poses;

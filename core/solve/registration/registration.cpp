@@ -72,6 +72,7 @@ public:
     }
 
     RegistrationFix fix(size_t vertices) const { return fit_.fix(vertices); }
+    float dark() const { return fit_.dark(); }
 
 private:
     void descend(std::span<const float> blursDown, const RegistrationPriors& priors, bool all) {
@@ -112,6 +113,7 @@ std::string toText(const RegistrationEstimate& e) {
         "% "
         "of the diagonal)",
         100 * (1 - e.after / e.before), e.pixels, 100 * e.displacement);
+    if (e.contours.points >= leastPoints && e.contours.before > closeEnough) text += "; " + toText(e.contours);
     if (e.viewsBefore > 0)
         text += fmt::format("; with another shape photographs that were left out agree {:.0f} % better",
                             100 * (1 - e.viewsAfter / e.viewsBefore));
@@ -130,6 +132,10 @@ RegistrationEstimate estimateRegistration(const Capture& capture, const Scene& s
         registration.reshape(found);
     }
     if (found.needed()) found.fix = registration.fix(vertices);
+    if (shape && !progress.outOfTime()) {
+        found.contours = alignContours(capture, scene, found.fix, vertices, registration.dark(), progress);
+        if (found.contours.needed()) found.fix = std::move(found.contours.fix);
+    }
     return found;
 }
 

@@ -7,6 +7,7 @@
 #include "base/random.h"
 #include "base/statistics.h"
 #include "solve/registration/edge_distance.h"
+#include "solve/registration/pose_motion.h"
 
 namespace relamp {
 namespace {
@@ -15,21 +16,6 @@ constexpr size_t mostViews = 10;        ///< that a pair is compared over
 constexpr double mostPixels = 6.4e7;    ///< of all blurred photographs together
 constexpr float nodeSpacing = 0.0125f;  ///< of the diagonal
 constexpr size_t mostBlocks = 16;       ///< of pairs, each with normal equations of its own
-
-/// Change of the position in the photograph, x then y, as a world point moves along the camera's axes, per metre.
-std::optional<std::array<float, 6>> pixelsByPoint(const Camera& camera, const DVec3& point) {
-    const std::optional<Vec2> at = camera.project(point);
-    if (!at) return {};
-    const double step = 1e-3 * glm::length(point - camera.position());
-    std::array<float, 6> result{};
-    for (int k = 0; k < 3; ++k) {
-        const std::optional<Vec2> moved = camera.project(point + step * DVec3(camera.worldFromCamera[k]));
-        if (!moved) return {};
-        result[size_t(k)] = (moved->x - at->x) / float(step);
-        result[size_t(3 + k)] = (moved->y - at->y) / float(step);
-    }
-    return result;
-}
 
 }  // namespace
 
@@ -80,17 +66,7 @@ void RegistrationFit::project(size_t place) {
 }
 
 Eigen::Matrix<double, 2, 6> RegistrationFit::pixelsByPose(size_t place, const PlaceObservation& o) const {
-    const Camera& camera = cameras_[o.view];
-    Eigen::Matrix<double, 2, 3> byPoint;
-    byPoint << double(o.pixels[0]), double(o.pixels[1]), double(o.pixels[2]), double(o.pixels[3]), double(o.pixels[4]),
-        double(o.pixels[5]);
-    // The camera turned by w moves the point p by -w x p = p x w, shifted by t by -t.
-    const DVec3 p = glm::transpose(glm::dmat3(camera.worldFromCamera)) * (pointOf(place) - camera.position());
-    Eigen::Matrix3d cross;
-    cross << 0, -p.z, p.y, p.z, 0, -p.x, -p.y, p.x, 0;
-    Eigen::Matrix<double, 2, 6> result;
-    result << byPoint * cross, -byPoint * places_.depth[o.view];
-    return result;
+    return relamp::pixelsByPose(cameras_[o.view], pointOf(place), o.pixels, places_.depth[o.view]);
 }
 
 void RegistrationFit::takeMotions() {

@@ -21,6 +21,7 @@ public:
     /// Keeps references to `capture` and `scene`.
     RegistrationFit(const Capture& capture, const Scene& scene, const RadianceSamples& samples);
 
+    float dark() const { return places_.dark; }  ///< radiance below which little is told
     bool enough() const { return places_.pairs.size() >= 400; }
     /// Photographs blurred by so many pixels from here on. O(pixels x sigma).
     void blur(float sigma);

@@ -1,0 +1,168 @@
+#include "solve/registration/contour_fit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/statistics.h"
+#include "solve/registration/normal_equations.h"
+#include "solve/registration/pose_motion.h"
+
+namespace relamp {
+namespace {
+
+constexpr float spacing = 0.004f;       ///< of the nodes, of the diagonal
+constexpr double displacement = 0.001;  ///< of the diagonal: standard deviation of a node
+constexpr double bend = 0.0005;         ///< of the diagonal: of a node from the mean of its neighbours
+constexpr double sigma = 0.3;           ///< pixels: of an outline's place
+constexpr double repeated = 4;          ///< points that tell as much as an independent one
+constexpr int rounds = 3;
+
+class ContourFit {
+public:
+    ContourFit(const Capture& capture, const Scene& scene, const RegistrationFix& start, size_t vertices, float floor)
+        : capture_(capture),
+          scene_(scene),
+          graph_(buildDisplacementGraph(scene, spacing * scene.diagonal)),
+          vertices_(vertices),
+          floor_(floor) {
+        moved_.assign(scene.mesh.vertexCount(), 0);
+        for (size_t v = 0; v < start.steps.size(); ++v) moved_[v] = double(start.step) * start.steps[v];
+        for (size_t i = 0; i < capture.views.size(); ++i)
+            cameras_.push_back(start.poses.empty() ? capture.views[i].camera
+                                                   : corrected(capture.views[i].camera, start.poses[i]));
+        place();
+    }
+
+    void leaveOutViews(bool leaveOut) { viewsLeftOut_ = leaveOut; }
+    size_t points() const { return points_.size(); }
+    double medianOff(bool ofLeftOutViews) const {
+        std::vector<float> off;
+        for (const ContourPoint& p : points_)
+            if (!ofLeftOutViews || isLeftOut(p.view)) off.push_back(std::abs(p.offset));
+        return double(medianOf(std::move(off)));
+    }
+
+    void run(Progress& progress) {
+        for (int k = 0; k < rounds && !progress.outOfTime(); ++k) {
+            step();
+            place();
+            progress.advance();
+        }
+    }
+
+    /// Displacements of the first `vertices` vertices, those it started from included.
+    RegistrationFix fix(std::vector<PoseFix> poses) const {
+        RegistrationFix fix{std::move(poses)};
+        double most = 0;
+        for (size_t v = 0; v < vertices_; ++v) most = std::max(most, std::abs(moved_[v]));
+        if (most == 0) return fix;
+        fix.step = float(most / 10000);
+        for (size_t v = 0; v < vertices_; ++v) fix.steps.push_back(int(std::lround(moved_[v] / double(fix.step))));
+        return fix;
+    }
+
+private:
+    bool isLeftOut(size_t view) const { return viewsLeftOut_ && view % 4 == 3; }
+
+    /// Mesh and outlines as things stand.
+    void place() {
+        mesh_ = scene_.mesh;
+        const std::vector<Vec3> before = vertexNormalsFromFaces(mesh_);
+        for (size_t v = 0; v < vertices_; ++v) mesh_.positions[v] += mesh_.normals[v] * float(moved_[v]);
+        const std::vector<Vec3> after = vertexNormalsFromFaces(mesh_);
+        for (size_t v = 0; v < vertices_; ++v) {
+            const Vec3 turned = mesh_.normals[v] + (after[v] - before[v]);
+            const float length = glm::length(turned);
+            if (length > 0.1f) mesh_.normals[v] = turned / length;
+        }
+        const RayTracer tracer(mesh_, scene_.diagonal, RayTracer::For::cameras);
+        points_ = findContours(capture_.views, cameras_, mesh_, tracer, floor_);
+    }
+
+    void step() {
+        NormalEquations equations(0, graph_.nodes.size());
+        const double scale = std::max(2 * sigma, 1.5 * medianOff(false));
+        for (const ContourPoint& p : points_) {
+            if (isLeftOut(p.view)) continue;
+            const Camera& camera = cameras_[p.view];
+            const std::optional<std::array<float, 6>> moves = pixelsByPoint(camera, pointOf(p));
+            if (!moves) continue;
+            const DVec3 normal = 0.5 * DVec3(scene_.mesh.normals[p.vertex[0]] + scene_.mesh.normals[p.vertex[1]]);
+            const Vec3 n(glm::transpose(glm::dmat3(camera.worldFromCamera)) * normal);
+            const Vec2 pixels((*moves)[0] * n.x + (*moves)[1] * n.y + (*moves)[2] * n.z,
+                              (*moves)[3] * n.x + (*moves)[4] * n.y + (*moves)[5] * n.z);
+            const double off = double(p.offset) / scale;
+            equations.addNodePrior(meanOf(p, double(glm::dot(p.outward, pixels))), double(p.offset),
+                                   1 / ((1 + off * off) * sigma * sigma * repeated));
+        }
+        const double diagonal = double(scene_.diagonal);
+        for (uint32_t n = 0; n < graph_.nodes.size(); ++n) {
+            equations.addNodePrior({{n, 1.0}}, 0, 1 / std::pow(displacement * diagonal, 2));
+            std::vector<std::pair<uint32_t, double>> row{{n, 1.0}};
+            for (const uint32_t m : graph_.neighbours[n]) row.push_back({m, -1 / double(graph_.neighbours[n].size())});
+            if (row.size() > 1) equations.addNodePrior(row, 0, 1 / std::pow(bend * diagonal, 2));
+        }
+        const NormalEquations::Step found = equations.solve(true);
+        if (!found.valid) return;
+        const std::vector<double> nodes(found.nodes.begin(), found.nodes.end());
+        for (uint32_t v = 0; v < vertices_; ++v) moved_[v] += graph_.at(v, nodes);
+    }
+
+    /// `factor` times the mean displacement of the point's two vertices, by that of the nodes.
+    std::vector<std::pair<uint32_t, double>> meanOf(const ContourPoint& p, double factor) const {
+        std::vector<std::pair<uint32_t, double>> row;
+        for (const uint32_t v : p.vertex)
+            for (size_t k = 0; k < 4; ++k) {
+                const auto [node, weight] = std::pair(graph_.shares[v].node[k], double(graph_.shares[v].weight[k]));
+                if (weight == 0) continue;
+                const auto at = std::find_if(row.begin(), row.end(), [&](const auto& r) { return r.first == node; });
+                if (at == row.end()) row.push_back({node, 0.5 * factor * weight});
+                else at->second += 0.5 * factor * weight;
+            }
+        return row;
+    }
+
+    DVec3 pointOf(const ContourPoint& p) const {
+        return 0.5 * (DVec3(mesh_.positions[p.vertex[0]]) + DVec3(mesh_.positions[p.vertex[1]]));
+    }
+
+    const Capture& capture_;
+    const Scene& scene_;
+    const DisplacementGraph graph_;
+    size_t vertices_;
+    float floor_;
+    bool viewsLeftOut_ = false;
+    std::vector<double> moved_;  ///< of each vertex, metres along its normal in the file
+    std::vector<Camera> cameras_;
+    Mesh mesh_;
+    std::vector<ContourPoint> points_;
+};
+
+}  // namespace
+
+std::string toText(const ContourEstimate& e) {
+    return fmt::format("outlines of the mesh lie {:.2f} pixels from the photographs' ({:.2f} before)", e.after,
+                       e.before);
+}
+
+ContourEstimate alignContours(const Capture& capture, const Scene& scene, const RegistrationFix& start, size_t vertices,
+                              float floor, Progress& progress) {
+    ContourEstimate found;
+    ContourFit fit(capture, scene, start, vertices, floor);
+    found.points = fit.points();
+    fit.leaveOutViews(true);
+    found.before = found.after = fit.medianOff(true);
+    if (found.points < leastPoints || !(found.before > closeEnough)) return found;
+    progress.begin("Outlines of the mesh brought to the photographs'", 2 * rounds);
+    fit.run(progress);
+    found.after = fit.medianOff(true);
+    if (!found.needed()) return found;
+    fit.leaveOutViews(false);
+    fit.run(progress);
+    found.fix = fit.fix(start.poses);
+    return found;
+}
+
+}  // namespace relamp

@@ -1,0 +1,175 @@
+#include "solve/registration/contour_points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+#include "base/parallel.h"
+#include "solve/registration/step_edge.h"
+
+namespace relamp {
+namespace {
+
+constexpr float inside = 1.5f, outside = 2.0f;  ///< pixels from the outline: what lies there is looked at
+constexpr float noise = 0.03f;                  ///< of a profile's value, relative to its mean
+constexpr float gap = 6;  ///< pixels at the surface's distance: what lies behind an outline is farther away
+
+struct Edge {
+    std::array<uint32_t, 2> vertex{};
+    std::array<uint32_t, 2> triangle{};
+};
+
+/// Edges between two triangles, in the order of their vertices.
+std::vector<Edge> innerEdges(const Mesh& mesh) {
+    struct Side {
+        uint32_t a, b, triangle;
+    };
+    std::vector<Side> sides;
+    sides.reserve(3 * mesh.triangles.size());
+    for (uint32_t t = 0; t < mesh.triangles.size(); ++t)
+        for (size_t k = 0; k < 3; ++k) {
+            const uint32_t a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3];
+            sides.push_back({std::min(a, b), std::max(a, b), t});
+        }
+    std::sort(sides.begin(), sides.end(), [](const Side& x, const Side& y) {
+        return std::tie(x.a, x.b, x.triangle) < std::tie(y.a, y.b, y.triangle);
+    });
+    std::vector<Edge> edges;
+    for (size_t k = 0; k + 1 < sides.size(); ++k)
+        if (sides[k].a == sides[k + 1].a && sides[k].b == sides[k + 1].b)
+            edges.push_back({{sides[k].a, sides[k].b}, {sides[k].triangle, sides[k + 1].triangle}});
+    return edges;
+}
+
+class ContoursOfView {
+public:
+    ContoursOfView(uint32_t index, const View& view, const Camera& camera, const Mesh& mesh, const RayTracer& tracer,
+                   float floor)
+        : index_(index),
+          image_(view.image),
+          clipped_(view.saturation > 0 ? view.saturation : std::numeric_limits<float>::infinity()),
+          camera_(camera),
+          mesh_(mesh),
+          tracer_(tracer),
+          floor_(floor),
+          pixel_(float(1 / std::min(camera.focalX, camera.focalY))) {}
+
+    /// The edge's point, where it is an outline that the photograph shows.
+    std::optional<ContourPoint> at(const Edge& edge) const {
+        const Vec3 eye(camera_.position());
+        const Vec3 middle = 0.5f * (mesh_.positions[edge.vertex[0]] + mesh_.positions[edge.vertex[1]]);
+        const Vec3 toEye = eye - middle;
+        if ((glm::dot(mesh_.faceNormal(edge.triangle[0]), toEye) > 0) ==
+            (glm::dot(mesh_.faceNormal(edge.triangle[1]), toEye) > 0))
+            return {};
+        const float distance = glm::length(toEye);
+        const Vec3 sum = mesh_.normals[edge.vertex[0]] + mesh_.normals[edge.vertex[1]];
+        const std::optional<Vec2> from = camera_.project(DVec3(middle));
+        const float length = glm::length(sum);
+        if (!from || length < 1) return {};
+        const std::optional<Vec2> to = camera_.project(DVec3(middle + sum * (distance * pixel_ / length)));
+        if (!to) return {};
+        const Vec2 along = *to - *from;
+        if (glm::length(along) < 0.5f) return {};
+        ContourPoint point{index_, edge.vertex, along / glm::length(along), 0};
+        if (!isOutline(middle, sum / length, *from, point.outward, distance)) return {};
+        const std::optional<Profile> profile = profileAt(*from, point.outward);
+        if (!profile) return {};
+        const std::optional<float> step = findStep(*profile, noise);
+        if (!step) return {};
+        point.offset = *step - outlineAlong(*from, point.outward, distance);
+        return point;
+    }
+
+private:
+    /// Distance along the ray through a place in the photograph, infinite where nothing is hit.
+    float depthAt(const Vec2& p) const {
+        const Hit hit = tracer_.closest({Vec3(camera_.position()), camera_.rayDirection(p)});
+        return hit ? hit.distance : std::numeric_limits<float>::infinity();
+    }
+    /// Whether the camera sees a place a pixel off the surface, and past it something farther away than the surface.
+    bool isOutline(const Vec3& middle, const Vec3& normal, const Vec2& p, const Vec2& outward, float distance) const {
+        const float far = gap * pixel_ * distance;
+        const Vec3 eye(camera_.position()), beside = middle + normal * (pixel_ * distance);
+        const Vec3 towardEye = eye - beside;
+        const float length = glm::length(towardEye);
+        return depthAt(p - inside * outward) < distance + far && depthAt(p + outside * outward) > distance + far &&
+               !tracer_.occluded({beside, towardEye / length, 0, length});
+    }
+    /// Where the mesh ends along `outward`, pixels from p: edges of a jagged outline lie a little inside it.
+    float outlineAlong(const Vec2& p, const Vec2& outward, float distance) const {
+        float surface = -inside, beyond = outside;
+        for (int k = 0; k < 6; ++k) {
+            const float t = 0.5f * (surface + beyond);
+            (depthAt(p + t * outward) < distance + gap * pixel_ * distance ? surface : beyond) = t;
+        }
+        return 0.5f * (surface + beyond);
+    }
+    /// Radiance between pixels; none where one does not count.
+    std::optional<Rgb> valueAt(const Vec2& p) const {
+        const float fx = p.x - 0.5f, fy = p.y - 0.5f;
+        const int x = int(std::floor(fx)), y = int(std::floor(fy));
+        if (x < 0 || y < 0 || x + 1 >= image_.width || y + 1 >= image_.height) return {};
+        Rgb sum(0);
+        for (int k = 0; k < 4; ++k) {
+            const int px = x + (k & 1), py = y + (k >> 1);
+            const Rgb& pixel = image_.at(px, py);
+            if (!image_.usableAt(px, py) || std::max({pixel.r, pixel.g, pixel.b}) >= clipped_) return {};
+            const float w =
+                ((k & 1) ? fx - float(x) : 1 - fx + float(x)) * ((k >> 1) ? fy - float(y) : 1 - fy + float(y));
+            sum += w * pixel;
+        }
+        return glm::max(sum, Rgb(0));
+    }
+    /// Means over three pixels along the outline, relative to the profile's mean. (Logarithms would move the step of a
+    /// blurred edge towards its dark side.)
+    std::optional<Profile> profileAt(const Vec2& middle, const Vec2& outward) const {
+        const Vec2 beside(-outward.y, outward.x);
+        Profile profile;
+        Rgb mean(floor_);
+        for (size_t j = 0; j < profileSize; ++j) {
+            const float t = profileStep * (float(j) - float(profileSize / 2));
+            Rgb sum(0);
+            for (int k = -1; k <= 1; ++k) {
+                const std::optional<Rgb> value = valueAt(middle + t * outward + float(k) * beside);
+                if (!value) return {};
+                sum += *value;
+            }
+            profile[j] = sum / 3.0f;
+            mean += profile[j] / float(profileSize);
+        }
+        for (Rgb& value : profile) value /= mean;
+        return profile;
+    }
+
+    uint32_t index_;
+    const Image& image_;
+    float clipped_;  ///< radiance from which on a pixel tells no edge
+    const Camera& camera_;
+    const Mesh& mesh_;
+    const RayTracer& tracer_;
+    float floor_, pixel_;
+};
+
+}  // namespace
+
+std::vector<ContourPoint> findContours(const std::vector<View>& views, const std::vector<Camera>& cameras,
+                                       const Mesh& mesh, const RayTracer& tracer, float floor) {
+    const std::vector<Edge> edges = innerEdges(mesh);
+    std::vector<ContourPoint> points;
+    for (uint32_t i = 0; i < views.size(); ++i) {
+        const ContoursOfView contours(i, views[i], cameras[i], mesh, tracer, floor);
+        constexpr size_t block = 4096;
+        std::vector<std::vector<ContourPoint>> parts((edges.size() + block - 1) / block);
+        parallelBlocks(edges.size(), block, [&](size_t begin, size_t end) {
+            for (size_t k = begin; k < end; ++k)
+                if (const std::optional<ContourPoint> found = contours.at(edges[k]))
+                    parts[begin / block].push_back(*found);
+        });
+        for (const std::vector<ContourPoint>& part : parts) points.insert(points.end(), part.begin(), part.end());
+    }
+    return points;
+}
+
+}  // namespace relamp
