@@ -8,6 +8,27 @@
 #include "capture/capture.h"
 
 namespace relamp {
+namespace {
+
+void moveAlong(const std::vector<Vec3>& directions, float step, const std::vector<int>& steps, Mesh& mesh) {
+    if (steps.size() > mesh.vertexCount())
+        throw Error("registration: {} displacements for a mesh of {} vertices", steps.size(), mesh.vertexCount());
+    for (size_t v = 0; v < steps.size(); ++v) {
+        mesh.positions[v] += directions[v] * (step * float(steps[v]));
+        if (!isFinite(mesh.positions[v])) throw Error("registration: vertex {} is moved beyond all bounds", v);
+    }
+}
+
+}  // namespace
+
+void turnNormals(const std::vector<Vec3>& before, size_t vertices, Mesh& mesh) {
+    const std::vector<Vec3> after = vertexNormalsFromFaces(mesh);
+    for (size_t v = 0; v < vertices; ++v) {
+        const Vec3 turned = mesh.normals[v] + (after[v] - before[v]);
+        const float length = glm::length(turned);
+        if (length > 0.1f) mesh.normals[v] = turned / length;
+    }
+}
 
 Camera corrected(const Camera& camera, const PoseFix& fix) {
     const double angle = glm::length(fix.turn);
@@ -31,21 +52,13 @@ void applyRegistration(const RegistrationFix& fix, Capture& capture) {
         taken[i] = 1;
         capture.views[i].camera = corrected(capture.views[i].camera, pose);
     }
-    if (fix.steps.empty()) return;
-    Mesh& mesh = capture.mesh;
-    if (fix.steps.size() > mesh.vertexCount())
-        throw Error("registration: {} displacements for a mesh of {} vertices", fix.steps.size(), mesh.vertexCount());
-    const std::vector<Vec3> before = vertexNormalsFromFaces(mesh);
-    for (size_t v = 0; v < fix.steps.size(); ++v) {
-        mesh.positions[v] += mesh.normals[v] * (fix.step * float(fix.steps[v]));
-        if (!isFinite(mesh.positions[v])) throw Error("registration: vertex {} is moved beyond all bounds", v);
+    const std::vector<Vec3> along = capture.mesh.normals;
+    if (!fix.steps.empty()) {
+        const std::vector<Vec3> before = vertexNormalsFromFaces(capture.mesh);
+        moveAlong(along, fix.step, fix.steps, capture.mesh);
+        turnNormals(before, fix.steps.size(), capture.mesh);
     }
-    const std::vector<Vec3> after = vertexNormalsFromFaces(mesh);
-    for (size_t v = 0; v < fix.steps.size(); ++v) {
-        const Vec3 turned = mesh.normals[v] + (after[v] - before[v]);
-        const float length = glm::length(turned);
-        if (length > 0.1f) mesh.normals[v] = turned / length;
-    }
+    moveAlong(along, fix.outlineStep, fix.outlineSteps, capture.mesh);
 }
 
 }  // namespace relamp

@@ -8,6 +8,7 @@
 namespace relamp {
 
 struct Capture;
+struct Mesh;
 
 /// By how much a camera stands and looks elsewhere than its file says.
 struct PoseFix {
@@ -21,15 +22,21 @@ struct PoseFix {
 Camera corrected(const Camera& camera, const PoseFix& fix);
 
 struct RegistrationFix {
-    std::vector<PoseFix> poses{};  ///< views that are not named keep theirs
-    float step = 0;                ///< metres
-    std::vector<int> steps{};      ///< along the normal of each of the first vertices; the others stay
-    bool empty() const { return poses.empty() && steps.empty(); }
+    std::vector<PoseFix> poses{};     ///< views that are not named keep theirs
+    float step = 0;                   ///< metres
+    std::vector<int> steps{};         ///< along the normal of each of the first vertices; the others stay
+    float outlineStep = 0;            ///< metres
+    std::vector<int> outlineSteps{};  ///< the same for outlines: such vertices move, and their normals stay
+    bool empty() const { return poses.empty() && steps.empty() && outlineSteps.empty(); }
     bool operator==(const RegistrationFix&) const = default;
 };
 
-/// Moves cameras and vertices; a vertex's normal turns as its triangles do. Throws Error for a view or vertex that the
-/// capture does not have and for numbers that are not finite. O(triangles).
+/// Turns the normals of the first vertices as the faces about them turned. `before`: vertexNormalsFromFaces before the
+/// mesh was moved.
+void turnNormals(const std::vector<Vec3>& before, size_t vertices, Mesh& mesh);
+
+/// Moves cameras and vertices; a vertex's normal turns as its triangles do under `steps`. Throws Error for a view or
+/// vertex that the capture does not have and for numbers that are not finite. O(triangles).
 void applyRegistration(const RegistrationFix& fix, Capture& capture);
 
 }  // namespace relamp

@@ -120,12 +120,23 @@ PhotometricFix photometricOf(const JsonFields& object) {
 
 RegistrationFix registrationOf(const JsonFields& object) {
     RegistrationFix fix;
-    fix.step = object.get("displacement_unit", 0.0f);
-    if (!(std::abs(fix.step) < 1e6f)) throw Error("{}: is out of range", object.name("displacement_unit"));
-    for (const float steps : object.numbers("displacements")) {
-        if (!(std::abs(steps) <= 10000)) throw Error("{}: expected -10000 to 10000", object.name("displacements"));
-        fix.steps.push_back(int(steps));
-    }
+    const auto unit = [&](const char* key) {
+        const float step = object.get(key, 0.0f);
+        if (!(std::abs(step) < 1e6f)) throw Error("{}: is out of range", object.name(key));
+        return step;
+    };
+    const auto displacements = [&](const char* key) {
+        std::vector<int> all;
+        for (const float steps : object.numbers(key)) {
+            if (!(std::abs(steps) <= 10000)) throw Error("{}: expected -10000 to 10000", object.name(key));
+            all.push_back(int(steps));
+        }
+        return all;
+    };
+    fix.step = unit("displacement_unit");
+    fix.steps = displacements("displacements");
+    fix.outlineStep = unit("outline_unit");
+    fix.outlineSteps = displacements("outline_displacements");
     for (const JsonFields& p : object.list("poses")) {
         fix.poses.push_back({text(p, "view"), p.get<DVec3>("turn"), p.get<DVec3>("shift")});
         withContext(p.name("turn"), [&] { corrected(Camera(), fix.poses.back()); });

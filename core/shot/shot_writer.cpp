@@ -130,7 +130,11 @@ Json mendToJson(const MeshMend& mend) {
 }
 
 Json registrationJson(const RegistrationFix& fix) {
-    Json json{{"poses", Json::array()}, {"displacement_unit", fix.step}, {"displacements", fix.steps}};
+    Json json{{"poses", Json::array()},
+              {"displacement_unit", fix.step},
+              {"displacements", fix.steps},
+              {"outline_unit", fix.outlineStep},
+              {"outline_displacements", fix.outlineSteps}};
     for (const PoseFix& p : fix.poses)
         json["poses"].push_back({{"view", p.view}, {"turn", toJson(p.turn)}, {"shift", toJson(p.shift)}});
     return json;

@@ -44,6 +44,20 @@ TEST(RegistrationFix, MovesVerticesAndTurnsTheirNormals) {
     }
 }
 
+TEST(RegistrationFix, KeepsNormalsWhereOutlinesMove) {
+    Capture capture = sheetCapture();
+    RegistrationFix fix;
+    fix.outlineStep = 0.01f;
+    for (const Vec3& p : capture.mesh.positions) fix.outlineSteps.push_back(int(std::lround(10 * p.x)));
+    const std::vector<Vec3> normals = capture.mesh.normals;
+    applyRegistration(fix, capture);
+    for (size_t v = 0; v < capture.mesh.vertexCount(); ++v)
+        EXPECT_NEAR(capture.mesh.positions[v].z, 0.1f * capture.mesh.positions[v].x, 1e-6f);
+    EXPECT_EQ(capture.mesh.normals, normals);
+    fix.outlineSteps.resize(capture.mesh.vertexCount() + 1);
+    EXPECT_THROW(applyRegistration(fix, capture), Error);
+}
+
 TEST(RegistrationFix, MovesEachOfTwoViewsOfOneName) {
     Capture capture = sheetCapture();
     capture.views.push_back(capture.views[0]);

@@ -115,7 +115,8 @@ TEST_F(ShotFile, SurvivesARoundTrip) {
 
 TEST_F(ShotFile, KeepsHowCamerasAndMeshWereBroughtTogether) {
     const PoseFix pose{"images/0.exr", DVec3(0.001, -0.002, 0.0005), DVec3(0.01, 0, -0.003)};
-    const RegistrationFix fix = shot.fix.registration = {{pose}, 0.0001f, std::vector<int>(25, -80)};
+    const RegistrationFix fix =
+        shot.fix.registration = {{pose}, 0.0001f, std::vector<int>(25, -80), 0.0002f, std::vector<int>(25, 9)};
     Progress progress;
     Capture moved = loadCapture(shot.captureFolder, {}, progress);
     applyRegistration(fix, moved);
@@ -417,6 +418,8 @@ TEST_F(ShotFile, NamesTheFieldOfShotJsonThatIsBad) {
         {"/capture_fix/registration", "1", "capture_fix.registration: expected an object"},
         {"/capture_fix/registration", R"({"displacements": [20000]})",
          "capture_fix.registration.displacements: expected -10000 to 10000"},
+        {"/capture_fix/registration", R"({"outline_displacements": [-10001]})",
+         "capture_fix.registration.outline_displacements: expected -10000 to 10000"},
         {"/capture_fix/registration", R"({"poses": [{"view": "a"}]})",
          "capture_fix.registration.poses[0].turn: is missing"},
         {"/capture_fix/registration", R"({"poses": [{"view": "a", "turn": [0, 2, 0], "shift": [0, 0, 0]}]})",

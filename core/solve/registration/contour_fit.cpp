@@ -24,11 +24,15 @@ public:
     ContourFit(const Capture& capture, const Scene& scene, const RegistrationFix& start, size_t vertices, float floor)
         : capture_(capture),
           scene_(scene),
+          start_(scene.mesh),
           graph_(buildDisplacementGraph(scene, spacing * scene.diagonal)),
           vertices_(vertices),
           floor_(floor) {
         moved_.assign(scene.mesh.vertexCount(), 0);
-        for (size_t v = 0; v < start.steps.size(); ++v) moved_[v] = double(start.step) * start.steps[v];
+        const std::vector<Vec3> before = vertexNormalsFromFaces(start_);
+        for (size_t v = 0; v < start.steps.size(); ++v)
+            start_.positions[v] += start_.normals[v] * (start.step * float(start.steps[v]));
+        turnNormals(before, start.steps.size(), start_);
         for (size_t i = 0; i < capture.views.size(); ++i)
             cameras_.push_back(start.poses.empty() ? capture.views[i].camera
                                                    : corrected(capture.views[i].camera, start.poses[i]));
@@ -52,15 +56,15 @@ public:
         }
     }
 
-    /// Displacements of the first `vertices` vertices, those it started from included.
-    RegistrationFix fix(std::vector<PoseFix> poses) const {
-        RegistrationFix fix{std::move(poses)};
+    /// `start` with displacements of the first `vertices` vertices for their outlines.
+    RegistrationFix fix(RegistrationFix start) const {
         double most = 0;
         for (size_t v = 0; v < vertices_; ++v) most = std::max(most, std::abs(moved_[v]));
-        if (most == 0) return fix;
-        fix.step = float(most / 10000);
-        for (size_t v = 0; v < vertices_; ++v) fix.steps.push_back(int(std::lround(moved_[v] / double(fix.step))));
-        return fix;
+        if (most == 0) return start;
+        start.outlineStep = float(most / 10000);
+        for (size_t v = 0; v < vertices_; ++v)
+            start.outlineSteps.push_back(int(std::lround(moved_[v] / double(start.outlineStep))));
+        return start;
     }
 
 private:
@@ -68,15 +72,10 @@ private:
 
     /// Mesh and outlines as things stand.
     void place() {
-        mesh_ = scene_.mesh;
+        mesh_ = start_;
         const std::vector<Vec3> before = vertexNormalsFromFaces(mesh_);
-        for (size_t v = 0; v < vertices_; ++v) mesh_.positions[v] += mesh_.normals[v] * float(moved_[v]);
-        const std::vector<Vec3> after = vertexNormalsFromFaces(mesh_);
-        for (size_t v = 0; v < vertices_; ++v) {
-            const Vec3 turned = mesh_.normals[v] + (after[v] - before[v]);
-            const float length = glm::length(turned);
-            if (length > 0.1f) mesh_.normals[v] = turned / length;
-        }
+        for (size_t v = 0; v < vertices_; ++v) mesh_.positions[v] += scene_.mesh.normals[v] * float(moved_[v]);
+        turnNormals(before, vertices_, mesh_);
         const RayTracer tracer(mesh_, scene_.diagonal, RayTracer::For::cameras);
         points_ = findContours(capture_.views, cameras_, mesh_, tracer, floor_);
     }
@@ -130,11 +129,12 @@ private:
 
     const Capture& capture_;
     const Scene& scene_;
+    Mesh start_;  ///< after what the fit starts from
     const DisplacementGraph graph_;
     size_t vertices_;
     float floor_;
     bool viewsLeftOut_ = false;
-    std::vector<double> moved_;  ///< of each vertex, metres along its normal in the file
+    std::vector<double> moved_;  ///< of each vertex since then, metres along its normal in the file
     std::vector<Camera> cameras_;
     Mesh mesh_;
     std::vector<ContourPoint> points_;
@@ -161,7 +161,7 @@ ContourEstimate alignContours(const Capture& capture, const Scene& scene, const 
     if (!found.needed()) return found;
     fit.leaveOutViews(false);
     fit.run(progress);
-    found.fix = fit.fix(start.poses);
+    found.fix = fit.fix(start);
     return found;
 }
 
