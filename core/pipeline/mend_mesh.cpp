@@ -1,10 +1,12 @@
 #include "pipeline/mend_mesh.h"
 
 #include "base/log.h"
+#include "base/statistics.h"
 #include "clusters/emitter_mend.h"
 #include "pipeline/light_obstacles.h"
 #include "radiance/back_sides.h"
 #include "radiance/free_space.h"
+#include "solve/registration/round_rim.h"
 
 namespace relamp {
 namespace {
@@ -93,6 +95,8 @@ public:
             for (const ProxyLight& ball : found.balls) lights.push_back({Vec3(ball.centre), ball.radius});
             addPatch(backSides(*prepared_.scene, capture_, *prepared_.samples, filling, lights));
             add(filling, mend_.removed);
+            apply(found.balls);
+            evenRims(found.balls);
             found.words.push_back(
                 fmt::format("{} triangles close the opening of a shade over a light: taken away, and the shade has an "
                             "inner side",
@@ -105,6 +109,26 @@ public:
                             obstacles.size()));
         }
         apply(found.balls);
+    }
+
+    /// What was taken away leaves shades with jagged ends: these are brought to the circle that photographs show.
+    void evenRims(const std::vector<ProxyLight>& balls) {
+        for (const RoundSheet& sheet : sheets_)
+            for (const ProxyLight& ball : balls) {
+                const double at = sheet.surface.height(ball.centre), room = 2 * double(ball.radius);
+                const bool inside =
+                    sheet.surface.distance(ball.centre) < 0 && at > sheet.low - room && at < sheet.high + room;
+                if (!inside) continue;
+                // The light stands in the opening.
+                const bool low = at - sheet.low < sheet.high - at;
+                const std::optional<double> height =
+                    rimHeight(capture_, *prepared_.scene, sheet.surface, low ? sheet.low : sheet.high, darkness());
+                if (!height) continue;
+                const std::vector<MeshMend::MovedVertex> rim = evenRim(*prepared_.scene, sheet.surface, *height, low);
+                logInfo("{} vertices of a shade's rim are brought to the circle that photographs show", rim.size());
+                mend_.moved.insert(mend_.moved.end(), rim.begin(), rim.end());
+                break;
+            }
     }
 
     MeshMend result() && { return std::move(mend_); }
@@ -137,6 +161,12 @@ private:
         addProxies(balls, capture_.mesh);
         capture_.proxies.insert(capture_.proxies.end(), balls.begin(), balls.end());
         prepared_ = prepare(capture_, options_, meter_, progress_);
+    }
+    /// Radiance that counts as dark: a fiftieth of the median.
+    float darkness() const {
+        std::vector<float> brightness;
+        for (const RadianceSample& s : prepared_.samples->samples) brightness.push_back(float(luminance(s.radiance)));
+        return std::max(1e-20f, 0.02f * medianOf(std::move(brightness)));
     }
     void say(const std::string& words) {
         capture_.notes.push_back(words);

@@ -47,8 +47,7 @@ public:
     ContoursOfView(uint32_t index, const View& view, const Camera& camera, const Mesh& mesh, const RayTracer& tracer,
                    float floor)
         : index_(index),
-          image_(view.image),
-          clipped_(view.saturation > 0 ? view.saturation : std::numeric_limits<float>::infinity()),
+          view_(view),
           camera_(camera),
           mesh_(mesh),
           tracer_(tracer),
@@ -74,7 +73,7 @@ public:
         if (glm::length(along) < 0.5f) return {};
         ContourPoint point{index_, edge.vertex, along / glm::length(along), 0};
         if (!isOutline(middle, sum / length, *from, point.outward, distance)) return {};
-        const std::optional<Profile> profile = profileAt(*from, point.outward);
+        const std::optional<Profile> profile = profileAcross(view_, *from, point.outward, floor_);
         if (!profile) return {};
         const std::optional<float> step = findStep(*profile, noise);
         if (!step) return {};
@@ -106,46 +105,9 @@ private:
         }
         return 0.5f * (surface + beyond);
     }
-    /// Radiance between pixels; none where one does not count.
-    std::optional<Rgb> valueAt(const Vec2& p) const {
-        const float fx = p.x - 0.5f, fy = p.y - 0.5f;
-        const int x = int(std::floor(fx)), y = int(std::floor(fy));
-        if (x < 0 || y < 0 || x + 1 >= image_.width || y + 1 >= image_.height) return {};
-        Rgb sum(0);
-        for (int k = 0; k < 4; ++k) {
-            const int px = x + (k & 1), py = y + (k >> 1);
-            const Rgb& pixel = image_.at(px, py);
-            if (!image_.usableAt(px, py) || std::max({pixel.r, pixel.g, pixel.b}) >= clipped_) return {};
-            const float w =
-                ((k & 1) ? fx - float(x) : 1 - fx + float(x)) * ((k >> 1) ? fy - float(y) : 1 - fy + float(y));
-            sum += w * pixel;
-        }
-        return glm::max(sum, Rgb(0));
-    }
-    /// Means over three pixels along the outline, relative to the profile's mean. (Logarithms would move the step of a
-    /// blurred edge towards its dark side.)
-    std::optional<Profile> profileAt(const Vec2& middle, const Vec2& outward) const {
-        const Vec2 beside(-outward.y, outward.x);
-        Profile profile;
-        Rgb mean(floor_);
-        for (size_t j = 0; j < profileSize; ++j) {
-            const float t = profileStep * (float(j) - float(profileSize / 2));
-            Rgb sum(0);
-            for (int k = -1; k <= 1; ++k) {
-                const std::optional<Rgb> value = valueAt(middle + t * outward + float(k) * beside);
-                if (!value) return {};
-                sum += *value;
-            }
-            profile[j] = sum / 3.0f;
-            mean += profile[j] / float(profileSize);
-        }
-        for (Rgb& value : profile) value /= mean;
-        return profile;
-    }
 
     uint32_t index_;
-    const Image& image_;
-    float clipped_;  ///< radiance from which on a pixel tells no edge
+    const View& view_;
     const Camera& camera_;
     const Mesh& mesh_;
     const RayTracer& tracer_;

@@ -64,7 +64,42 @@ struct Models {
     }
 };
 
+/// Radiance between pixels; none where one does not count.
+std::optional<Rgb> radianceAt(const View& view, const Vec2& p) {
+    const float fx = p.x - 0.5f, fy = p.y - 0.5f;
+    const int x = int(std::floor(fx)), y = int(std::floor(fy));
+    if (x < 0 || y < 0 || x + 1 >= view.image.width || y + 1 >= view.image.height) return {};
+    Rgb sum(0);
+    for (int k = 0; k < 4; ++k) {
+        const int px = x + (k & 1), py = y + (k >> 1);
+        const Rgb& pixel = view.image.at(px, py);
+        if (!view.image.usableAt(px, py)) return {};
+        if (view.saturation > 0 && std::max({pixel.r, pixel.g, pixel.b}) >= view.saturation) return {};
+        const float right = fx - float(x), down = fy - float(y);
+        sum += ((k & 1) ? right : 1 - right) * ((k >> 1) ? down : 1 - down) * pixel;
+    }
+    return glm::max(sum, Rgb(0));
+}
+
 }  // namespace
+
+std::optional<Profile> profileAcross(const View& view, const Vec2& middle, const Vec2& outward, float floor) {
+    const Vec2 beside(-outward.y, outward.x);
+    Profile profile;
+    Rgb mean(floor);
+    for (size_t j = 0; j < profileSize; ++j) {
+        Rgb sum(0);
+        for (int k = -1; k <= 1; ++k) {
+            const std::optional<Rgb> value = radianceAt(view, middle + positionOf(j) * outward + float(k) * beside);
+            if (!value) return {};
+            sum += *value;
+        }
+        profile[j] = sum / 3.0f;
+        mean += profile[j] / float(profileSize);
+    }
+    for (Rgb& value : profile) value /= mean;
+    return profile;
+}
 
 std::optional<float> findStep(const Profile& profile, float noise) {
     static const Models models;
