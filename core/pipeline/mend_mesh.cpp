@@ -25,9 +25,9 @@ public:
 
     /// Whether there were any.
     bool takeSkirtsOff() {
-        mend_.removed =
-            freeSpaceTriangles(*prepared_.scene, capture_, *prepared_.samples,
-                               verticesOf({&prepared_.clusters.emitters, &prepared_.clusters.candidates}), progress_);
+        mend_.removed = freeSpaceTriangles(
+            *prepared_.scene, capture_, *prepared_.samples,
+            verticesOf(*prepared_.scene, {&prepared_.clusters.emitters, &prepared_.clusters.candidates}), progress_);
         if (mend_.removed.empty()) return false;
         apply({});
         say(fmt::format("{} triangles stand where photographs show the background past them: left out",
@@ -83,7 +83,7 @@ public:
         const std::vector<uint32_t> obstacles =
             falseObstacles(*prepared_.scene, *prepared_.samples, prepared_.clusters, options_.solve, progress_);
         if (obstacles.empty()) return;
-        const std::vector<uint8_t> isLight = verticesOf({&prepared_.clusters.emitters});
+        const std::vector<uint8_t> isLight = verticesOf(*prepared_.scene, {&prepared_.clusters.emitters});
         std::vector<uint32_t> filling = obstacles;
         for (const RoundSheet& sheet : sheets_) filling = withFilling(sheet, *prepared_.scene, isLight, filling);
         const SeenBehind behind = seenBehind(*prepared_.scene, capture_, *prepared_.samples, filling);
@@ -134,14 +134,6 @@ public:
     MeshMend result() && { return std::move(mend_); }
 
 private:
-    /// 1 for the vertices of these clusters.
-    std::vector<uint8_t> verticesOf(std::initializer_list<const std::vector<EmitterCluster>*> lists) const {
-        std::vector<uint8_t> marked(prepared_.scene->mesh.vertexCount(), 0);
-        for (const std::vector<EmitterCluster>* list : lists)
-            for (const EmitterCluster& e : *list)
-                for (const uint32_t v : e.vertices) marked[v] = 1;
-        return marked;
-    }
     /// Triangles of the mesh as it is, by their numbers in the file.
     void add(const std::vector<uint32_t>& present, std::vector<uint32_t>& list) const {
         const std::vector<uint32_t> numbers = trianglesLeft(mend_, file_.triangles.size());
@@ -185,6 +177,14 @@ private:
 };
 
 }  // namespace
+
+std::vector<uint8_t> verticesOf(const Scene& scene, std::initializer_list<const std::vector<EmitterCluster>*> lists) {
+    std::vector<uint8_t> marked(scene.mesh.vertexCount(), 0);
+    for (const std::vector<EmitterCluster>* list : lists)
+        for (const EmitterCluster& e : *list)
+            for (const uint32_t v : e.vertices) marked[v] = 1;
+    return marked;
+}
 
 MeshMend mendMesh(const PipelineOptions& options, Capture& capture, Prepared& prepared, bool moved, StageMeter& meter,
                   Progress& progress) {

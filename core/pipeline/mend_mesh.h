@@ -13,4 +13,7 @@ namespace relamp {
 MeshMend mendMesh(const PipelineOptions& options, Capture& capture, Prepared& prepared, bool moved, StageMeter& meter,
                   Progress& progress);
 
+/// Per vertex 1 where one of these clusters lies.
+std::vector<uint8_t> verticesOf(const Scene& scene, std::initializer_list<const std::vector<EmitterCluster>*> lists);
+
 }  // namespace relamp

@@ -104,7 +104,8 @@ Corrections correctCapture(const PipelineOptions& options, Capture& capture, Pre
         meter.begin(Stage::registration);
         const size_t own = capture.mesh.vertexCount() - capture.proxies.size() * proxyVertices;
         const RegistrationEstimate found =
-            estimateRegistration(capture, *prepared.scene, *prepared.samples, own, !prepared.working, progress);
+            estimateRegistration(capture, *prepared.scene, *prepared.samples, own, !prepared.working,
+                                 verticesOf(*prepared.scene, {&prepared.clusters.emitters}), progress);
         logInfo("{}{}", toText(found), found.needed() ? "; moved" : "; left as it is");
         if (found.needed()) {
             capture.notes.push_back("cameras and mesh do not quite fit: " + toText(found));

@@ -21,12 +21,14 @@ constexpr int rounds = 3;
 
 class ContourFit {
 public:
-    ContourFit(const Capture& capture, const Scene& scene, const RegistrationFix& start, size_t vertices, float floor)
+    ContourFit(const Capture& capture, const Scene& scene, const RegistrationFix& start, size_t vertices,
+               const std::vector<uint8_t>& emits, float floor)
         : capture_(capture),
           scene_(scene),
           start_(scene.mesh),
           graph_(buildDisplacementGraph(scene, spacing * scene.diagonal)),
           vertices_(vertices),
+          emits_(emits),
           floor_(floor) {
         moved_.assign(scene.mesh.vertexCount(), 0);
         const std::vector<Vec3> before = vertexNormalsFromFaces(start_);
@@ -70,6 +72,8 @@ public:
 private:
     bool isLeftOut(size_t view) const { return viewsLeftOut_ && view % 4 == 3; }
 
+    bool isStill(uint32_t v) const { return !emits_.empty() && emits_[v]; }
+
     /// Mesh and outlines as things stand.
     void place() {
         mesh_ = start_;
@@ -78,6 +82,7 @@ private:
         turnNormals(before, vertices_, mesh_);
         const RayTracer tracer(mesh_, scene_.diagonal, RayTracer::For::cameras);
         points_ = findContours(capture_.views, cameras_, mesh_, tracer, floor_);
+        std::erase_if(points_, [&](const ContourPoint& p) { return isStill(p.vertex[0]) || isStill(p.vertex[1]); });
     }
 
     void step() {
@@ -106,7 +111,8 @@ private:
         const NormalEquations::Step found = equations.solve(true);
         if (!found.valid) return;
         const std::vector<double> nodes(found.nodes.begin(), found.nodes.end());
-        for (uint32_t v = 0; v < vertices_; ++v) moved_[v] += graph_.at(v, nodes);
+        for (uint32_t v = 0; v < vertices_; ++v)
+            if (!isStill(v)) moved_[v] += graph_.at(v, nodes);
     }
 
     /// `factor` times the mean displacement of the point's two vertices, by that of the nodes.
@@ -132,6 +138,7 @@ private:
     Mesh start_;  ///< after what the fit starts from
     const DisplacementGraph graph_;
     size_t vertices_;
+    const std::vector<uint8_t>& emits_;
     float floor_;
     bool viewsLeftOut_ = false;
     std::vector<double> moved_;  ///< of each vertex since then, metres along its normal in the file
@@ -148,9 +155,9 @@ std::string toText(const ContourEstimate& e) {
 }
 
 ContourEstimate alignContours(const Capture& capture, const Scene& scene, const RegistrationFix& start, size_t vertices,
-                              float floor, Progress& progress) {
+                              const std::vector<uint8_t>& emits, float floor, Progress& progress) {
     ContourEstimate found;
-    ContourFit fit(capture, scene, start, vertices, floor);
+    ContourFit fit(capture, scene, start, vertices, emits, floor);
     found.points = fit.points();
     fit.leaveOutViews(true);
     found.before = found.after = fit.medianOff(true);

@@ -28,8 +28,9 @@ std::string toText(const ContourEstimate& estimate);
 /// diagonal apart. A displacement d along the normal moves an outline outwards by d times the focal length over the
 /// distance, so each point measures d where two photographs cannot: where the surface turns away from them. Every
 /// fourth view is left out at first. Poses stay: outlines that a reconstruction rounds off would turn them. `vertices`:
-/// the first of the mesh, that may move. `floor`: radiance that counts as dark. 1 to 4 s. Throws Cancelled.
+/// the first of the mesh, that may move. `emits`: per vertex 1 where an emitter lies, which room 4 gives its shape;
+/// empty: nowhere. `floor`: radiance that counts as dark. 1 to 4 s. Throws Cancelled.
 ContourEstimate alignContours(const Capture& capture, const Scene& scene, const RegistrationFix& start, size_t vertices,
-                              float floor, Progress& progress);
+                              const std::vector<uint8_t>& emits, float floor, Progress& progress);
 
 }  // namespace relamp

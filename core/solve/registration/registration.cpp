@@ -121,7 +121,8 @@ std::string toText(const RegistrationEstimate& e) {
 }
 
 RegistrationEstimate estimateRegistration(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
-                                          size_t vertices, bool shape, Progress& progress) {
+                                          size_t vertices, bool shape, const std::vector<uint8_t>& emits,
+                                          Progress& progress) {
     RegistrationEstimate found;
     Registration registration(capture, scene, samples, progress);
     if (!registration.enough()) return found;
@@ -133,7 +134,7 @@ RegistrationEstimate estimateRegistration(const Capture& capture, const Scene& s
     }
     if (found.needed()) found.fix = registration.fix(vertices);
     if (shape && !progress.outOfTime()) {
-        found.contours = alignContours(capture, scene, found.fix, vertices, registration.dark(), progress);
+        found.contours = alignContours(capture, scene, found.fix, vertices, emits, registration.dark(), progress);
         if (found.contours.needed()) found.fix = std::move(found.contours.fix);
     }
     return found;

@@ -29,10 +29,11 @@ std::string toText(const RegistrationEstimate& estimate);
 /// From blurred photographs to sharp ones, first with every other region left out; where that is needed, once more with
 /// all. Where photographs differ by more than 3 % then, a shape at large is tried with every fourth view left out. In
 /// the end outlines are brought to where photographs show them (solve/registration/contour_fit.h). `vertices`: the
-/// first of the mesh, that may move; `shape`: false holds them. Photometric refinement of poses and surface as in
-/// [Schops17], differences between near places in the place of patches' descriptors. Cost: see RegistrationFit, 1 to 5
-/// s for ten photographs. Ends early when the time is out. Throws Cancelled.
+/// first of the mesh, that may move; `shape`: false holds them. `emits`: see alignContours. Photometric refinement of
+/// poses and surface as in [Schops17], differences between near places in the place of patches' descriptors. Cost: see
+/// RegistrationFit, 1 to 5 s for ten photographs. Ends early when the time is out. Throws Cancelled.
 RegistrationEstimate estimateRegistration(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
-                                          size_t vertices, bool shape, Progress& progress);
+                                          size_t vertices, bool shape, const std::vector<uint8_t>& emits,
+                                          Progress& progress);
 
 }  // namespace relamp

@@ -53,7 +53,7 @@ struct PhotographedBall {
     ContourEstimate aligned(int threads = 0) const {
         const ThreadLimit limit(threads);
         Progress progress;
-        return alignContours(capture, scene, {}, scene.mesh.vertexCount(), 1e-3f, progress);
+        return alignContours(capture, scene, {}, scene.mesh.vertexCount(), {}, 1e-3f, progress);
     }
 };
 
@@ -111,9 +111,18 @@ TEST(Contours, KeepWhatTheyStartFrom) {
     for (const View& view : ball.capture.views) start.poses.push_back({view.name, DVec3(0.001, 0, 0), DVec3(0)});
     Progress progress;
     const ContourEstimate found =
-        alignContours(ball.capture, ball.scene, start, ball.scene.mesh.vertexCount(), 1e-3f, progress);
+        alignContours(ball.capture, ball.scene, start, ball.scene.mesh.vertexCount(), {}, 1e-3f, progress);
     ASSERT_TRUE(found.needed());
     EXPECT_TRUE(found.fix.poses == start.poses);
+}
+
+TEST(Contours, LeaveEmittersAlone) {
+    const PhotographedBall ball(0.99f);
+    Progress progress;
+    const std::vector<uint8_t> all(ball.scene.mesh.vertexCount(), 1);
+    const ContourEstimate found = alignContours(ball.capture, ball.scene, {}, all.size(), all, 1e-3f, progress);
+    EXPECT_EQ(found.points, 0u);
+    EXPECT_FALSE(found.needed());
 }
 
 TEST(Contours, ClippedAndMaskedPixelsTellNone) {

@@ -16,7 +16,8 @@ RegistrationEstimate estimate(const ShakenSheet& sheet, int threads = 0) {
     const ThreadLimit limit(threads);
     Progress progress;
     const RadianceSamples samples = gatherRadiance(sheet.capture, sheet.scene, {}, progress);
-    return estimateRegistration(sheet.capture, sheet.scene, samples, sheet.scene.mesh.vertexCount(), true, progress);
+    return estimateRegistration(sheet.capture, sheet.scene, samples, sheet.scene.mesh.vertexCount(), true, {},
+                                progress);
 }
 
 TEST(Registration, LeavesAnExactCaptureAlone) {
@@ -61,7 +62,7 @@ TEST(Registration, HoldsTheMeshWhereToldTo) {
     Progress progress;
     const RadianceSamples samples = gatherRadiance(sheet.capture, sheet.scene, {}, progress);
     const RegistrationEstimate found =
-        estimateRegistration(sheet.capture, sheet.scene, samples, sheet.scene.mesh.vertexCount(), false, progress);
+        estimateRegistration(sheet.capture, sheet.scene, samples, sheet.scene.mesh.vertexCount(), false, {}, progress);
     EXPECT_TRUE(found.needed());
     EXPECT_EQ(found.fix.poses.size(), size_t(ShakenSheet::views));
     EXPECT_TRUE(found.fix.steps.empty());
