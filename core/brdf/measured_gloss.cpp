@@ -7,15 +7,15 @@
 namespace relamp {
 namespace {
 
-struct Pair {
+struct SampledPair {
     Vec3 light, eye;
     float solidAngle;  // of the light
 };
 
 /// Light directions on a polar grid about the normal and, finer, about the mirror direction; grazing ones are left out,
 /// where nothing was measured well.
-std::vector<Pair> somePairs() {
-    std::vector<Pair> pairs;
+std::vector<SampledPair> somePairs() {
+    std::vector<SampledPair> pairs;
     constexpr int rings = 24, azimuths = 12;
     for (const float angle : {0.1f, 0.5f, 0.9f}) {
         const Vec3 eye(std::sin(angle), 0, std::cos(angle));
@@ -60,10 +60,10 @@ float MeasuredGloss::evaluate(const Vec3& towardLight, const Vec3& towardEye) co
 MeasuredGloss glossOf(const MeasuredBrdf& brdf, std::filesystem::path file) {
     MeasuredGloss gloss;
     gloss.file = std::move(file);
-    const std::vector<Pair> pairs = somePairs();
+    const std::vector<SampledPair> pairs = somePairs();
     std::vector<Rgb> values;
     values.reserve(pairs.size());
-    for (const Pair& p : pairs) values.push_back(brdf.evaluate(p.light, p.eye));
+    for (const SampledPair& p : pairs) values.push_back(brdf.evaluate(p.light, p.eye));
     for (int c = 0; c < 3; ++c) {
         std::vector<std::pair<float, float>> weighted;
         for (size_t i = 0; i < pairs.size(); ++i)

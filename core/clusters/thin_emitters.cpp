@@ -12,13 +12,13 @@ constexpr float clean = 0.1f;  ///< weight of an observation that vertices are j
 constexpr size_t fewestPixels = 16, fewestPixelsInView = 4;
 
 /// Per triangle: in how many views more of its pixels are bright than not, and in how many they are not.
-struct Votes {
+struct VertexVotes {
     std::vector<uint16_t> bright, dark;
 };
 
-Votes votesOf(const Scene& scene, const Capture& capture, const RadianceSamples& samples, float floor) {
+VertexVotes votesOf(const Scene& scene, const Capture& capture, const RadianceSamples& samples, float floor) {
     const size_t n = scene.mesh.triangles.size();
-    Votes votes{std::vector<uint16_t>(n, 0), std::vector<uint16_t>(n, 0)};
+    VertexVotes votes{std::vector<uint16_t>(n, 0), std::vector<uint16_t>(n, 0)};
     std::vector<int> balance(n, 0);
     std::vector<uint32_t> touched;
     for (size_t i = 0; i < std::min(capture.views.size(), samples.geometry.size()); ++i) {
@@ -111,7 +111,7 @@ bool measure(const Capture& capture, const RadianceSamples& samples, const std::
 std::vector<ThinEmitter> thinEmitters(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                                       const std::vector<VertexRadiance>& seen, float floor,
                                       const std::vector<uint8_t>& except) {
-    const Votes votes = votesOf(scene, capture, samples, floor);
+    const VertexVotes votes = votesOf(scene, capture, samples, floor);
     const std::vector<Triangle>& triangles = scene.mesh.triangles;
     std::vector<uint32_t> bright;
     std::vector<float> brightOf(scene.components, 0), darkOf(scene.components, 0);

@@ -19,7 +19,7 @@ namespace relamp {
 namespace fs = std::filesystem;
 namespace {
 
-const OIIO::TypeDesc floatType(OIIO::TypeDesc::FLOAT);
+const OIIO::TypeDesc floats(OIIO::TypeDesc::FLOAT);
 
 /// Header entries. Sixteen numbers for worldToCamera and worldToNDC become matrices, as EXR readers expect.
 void putHeader(OIIO::ImageSpec& spec, const std::map<std::string, std::string>& header) {
@@ -64,7 +64,7 @@ std::string encode(const fs::path& file, const OIIO::ImageSpec& spec, FillRows&&
     for (int y = 0; y < spec.height; y += rowsAtOnce) {
         const int end = std::min(y + rowsAtOnce, spec.height);
         fillRows(y, end - y, rows.data());
-        check(output->write_scanlines(y, end, 0, floatType, rows.data()));
+        check(output->write_scanlines(y, end, 0, floats, rows.data()));
     }
     check(output->close());
     const auto& bytes = memory.buffer();
@@ -97,7 +97,7 @@ void writeImage(const fs::path& file, const Image& image, const std::map<std::st
     if (!exr && !hdr && !display)
         throw Error("{}: the ending \"{}\" is unknown, expected .exr, .hdr, .png, .jpg or .jpeg", file.string(),
                     extension);
-    OIIO::TypeDesc type = floatType;
+    OIIO::TypeDesc type = floats;
     if (display) type = OIIO::TypeDesc(OIIO::TypeDesc::UINT8);
     // Half floats end at 65504; a brighter sun keeps its energy in full floats.
     if (exr && std::none_of(image.pixels.begin(), image.pixels.end(),
@@ -123,7 +123,7 @@ void writeChannels(const fs::path& file, int width, int height, const std::vecto
                    const std::map<std::string, std::string>& header) {
     if (width <= 0 || height <= 0 || channels.empty()) throw Error("{}: there are no pixels to write", file.string());
     if (lowerExtension(file) != ".exr") throw Error("{}: layers are written as .exr only", file.string());
-    OIIO::ImageSpec spec(width, height, int(channels.size()), floatType);
+    OIIO::ImageSpec spec(width, height, int(channels.size()), floats);
     spec.channelnames.clear();
     for (size_t c = 0; c < channels.size(); ++c) {
         const Channel& channel = channels[c];
@@ -274,7 +274,7 @@ void writePlanes(Encoder& encoder, const std::vector<const float*>& planes, int 
             const float* from = planes[c] + size_t(y) * size_t(width);
             for (size_t i = 0; i < size_t(rows) * size_t(width); ++i) mixed[i * planes.size() + c] = from[i];
         }
-        encoder.check(encoder.output->write_scanlines(first + y, first + y + rows, 0, floatType, mixed.data()));
+        encoder.check(encoder.output->write_scanlines(first + y, first + y + rows, 0, floats, mixed.data()));
     }
 }
 
@@ -304,7 +304,7 @@ void writeChannelRows(const fs::path& file, int width, int height, int stripRows
     std::vector<OIIO::ImageSpec> specs;
     std::vector<ChannelFormat> all;
     for (const ChannelPart& part : parts) {
-        OIIO::ImageSpec spec(width, height, int(part.channels.size()), floatType);
+        OIIO::ImageSpec spec(width, height, int(part.channels.size()), floats);
         spec.channelnames.clear();
         for (const ChannelFormat& channel : part.channels) {
             if (channel.name == "A") spec.alpha_channel = int(spec.channelnames.size());
@@ -374,9 +374,8 @@ void writeChannelRows(const fs::path& file, int width, int height, int stripRows
             std::vector<float> last(size_t(width) * parts.back().channels.size());
             auto written = OIIO::ImageInput::open(temporary.string());
             const int part = int(parts.size()) - 1;
-            encoder.check(written &&
-                          written->read_scanlines(part, 0, height - 1, height, 0, 0, int(parts.back().channels.size()),
-                                                  floatType, last.data()));
+            encoder.check(written && written->read_scanlines(part, 0, height - 1, height, 0, 0,
+                                                             int(parts.back().channels.size()), floats, last.data()));
         }
     });
 }
@@ -390,7 +389,7 @@ void writeColourRows(const fs::path& file, int width, int height, int stripRows,
                     extension);
     if (width <= 0 || height <= 0) throw Error("{}: there are no pixels to write", file.string());
     stripRows = std::clamp(stripRows, 1, height);
-    OIIO::ImageSpec spec(width, height, 3, hdr ? floatType : OIIO::TypeDesc(OIIO::TypeDesc::UINT8));
+    OIIO::ImageSpec spec(width, height, 3, hdr ? floats : OIIO::TypeDesc(OIIO::TypeDesc::UINT8));
     if (!hdr) spec.attribute("oiio:ColorSpace", "sRGB");
     if (jpeg) spec.attribute("CompressionQuality", 95);
     writeFileAtomically(file, [&](const fs::path& temporary) {
@@ -403,7 +402,7 @@ void writeColourRows(const fs::path& file, int width, int height, int stripRows,
             if (!hdr && !encoded)
                 for (size_t i = 0; i < size_t(count) * size_t(width); ++i)
                     for (int c = 0; c < 3; ++c) rows[i][c] = srgbEncode(rows[i][c]);
-            encoder.check(encoder.output->write_scanlines(y, y + count, 0, floatType, rows.data()));
+            encoder.check(encoder.output->write_scanlines(y, y + count, 0, floats, rows.data()));
         }
         encoder.close();
     });

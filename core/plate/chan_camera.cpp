@@ -9,7 +9,7 @@
 namespace relamp {
 namespace {
 
-constexpr size_t maxBytes = size_t(256) << 20, maxLines = 1'000'000;
+constexpr size_t maxChanBytes = size_t(256) << 20, maxLines = 1'000'000;
 
 bool isOrder(std::string order) {
     std::sort(order.begin(), order.end());
@@ -31,7 +31,7 @@ DMat4 rotation(const std::string& order, const DVec3& degrees) {
 CameraTrack readChan(const std::filesystem::path& file, const std::string& rotationOrder) {
     if (!isOrder(rotationOrder))
         throw BadOption("--plate-rotation {}: expected an order of X, Y and Z, such as ZXY", rotationOrder);
-    const std::string text = readBytes(file, maxBytes);
+    const std::string text = readBytes(file, maxChanBytes);
     CameraTrack track;
     TextScanner lines(text);
     for (size_t line = 1; !lines.atEnd(); ++line) {

@@ -9,7 +9,7 @@
 namespace relamp {
 namespace {
 
-constexpr size_t maxBytes = size_t(1) << 30, maxNumbers = 64'000'000;
+constexpr size_t maxUsdBytes = size_t(1) << 30, maxNumbers = 64'000'000;
 constexpr int maxDepth = 64;
 
 bool isWordEnd(char c) { return TextScanner::isSpace(c) || std::string_view("=(){}[],;\"'#").find(c) < 13; }
@@ -258,7 +258,7 @@ std::vector<double> UsdValue::value(double time) const {
 }
 
 UsdStage readUsdText(const std::filesystem::path& file) {
-    const std::string text = readBytes(file, maxBytes);
+    const std::string text = readBytes(file, maxUsdBytes);
     return withContext(file.filename().string(), [&] { return UsdReader(text).stage(); });
 }
 

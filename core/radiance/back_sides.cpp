@@ -8,9 +8,9 @@
 namespace relamp {
 namespace {
 
-constexpr float thickness = 0.001f;  ///< of the diagonal
-constexpr float leastCosine = 0.1f;  ///< between a back and the view that sees it
-constexpr uint8_t leastViews = 2;
+constexpr float thickness = 0.001f;      ///< of the diagonal
+constexpr float leastBackCosine = 0.1f;  ///< between a back and the view that sees it
+constexpr uint8_t leastBackViews = 2;
 constexpr uint32_t raysFromLight = 1 << 14;
 constexpr float reachOfLight = 10;  ///< of the ball's radius: a shade is about it
 
@@ -41,7 +41,7 @@ void forPixelsThrough(const Scene& scene, const Capture& capture, const Radiance
                 const uint32_t first = g.triangle[size_t(y) * size_t(g.width) + size_t(x)];
                 if (first == Hit::none) continue;
                 const Vec3 ray = camera.rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f));
-                if (!clear[first] && !(glm::dot(scene.mesh.faceNormal(first), ray) > leastCosine)) continue;
+                if (!clear[first] && !(glm::dot(scene.mesh.faceNormal(first), ray) > leastBackCosine)) continue;
                 const Hit hit = hitPast(scene, clear, {eye, ray, 0, 1e30f});
                 function(i, hit, hit ? glm::dot(scene.mesh.faceNormal(hit.triangle), ray) : 0.0f);
             }
@@ -75,18 +75,19 @@ SurfacePatch backSides(const Scene& scene, const Capture& capture, const Radianc
             const Vec3 ray(across * std::cos(turn), across * std::sin(turn), z);
             const Hit hit =
                 hitPast(scene, clear, {light.centre, ray, 1.05f * light.radius, reachOfLight * light.radius});
-            if (hit && glm::dot(mesh.faceNormal(hit.triangle), ray) > leastCosine) lit[hit.triangle] = 1;
+            if (hit && glm::dot(mesh.faceNormal(hit.triangle), ray) > leastBackCosine) lit[hit.triangle] = 1;
         }
     std::vector<std::vector<uint8_t>> seen(capture.views.size(), std::vector<uint8_t>(mesh.triangles.size(), 0));
     forPixelsThrough(scene, capture, samples, without, [&](size_t view, const Hit& hit, float along) {
-        if (along > leastCosine) seen[view][hit.triangle] = 1;
+        if (along > leastBackCosine) seen[view][hit.triangle] = 1;
     });
     // Triangles between pixels go with what is around them.
     std::vector<uint8_t> touched(mesh.vertexCount(), 0);
     for (size_t t = 0; t < mesh.triangles.size(); ++t) {
         uint8_t views = 0;
-        for (const std::vector<uint8_t>& ofView : seen) views = uint8_t(std::min<int>(leastViews, views + ofView[t]));
-        if (views < leastViews && !lit[t]) continue;
+        for (const std::vector<uint8_t>& ofView : seen)
+            views = uint8_t(std::min<int>(leastBackViews, views + ofView[t]));
+        if (views < leastBackViews && !lit[t]) continue;
         for (const uint32_t v : mesh.triangles[t]) touched[v] = 1;
     }
     SurfacePatch patch;

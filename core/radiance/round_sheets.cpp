@@ -15,7 +15,7 @@ constexpr float tolerance = 0.0015f;  ///< of the diagonal: a surface from point
 constexpr double ofRadius = 0.08;     ///< the same, of the surface's radius at most
 constexpr float clearance = 0.02f;    ///< of the diagonal: between a missing surface and what is seen past it
 constexpr float differs = 0.3f;       ///< log ratio: not what lies behind
-constexpr float alike = 0.1f;         ///< log ratio: what lies behind
+constexpr float alikeBehind = 0.1f;   ///< log ratio: what lies behind
 constexpr float agrees = 0.25f;       ///< log ratio between views of one side
 constexpr double leastCosine = 0.15;  ///< grazing views tell nothing
 constexpr float leastFacing = 0.7f;   ///< cosine between normals of mesh and surface
@@ -214,7 +214,7 @@ private:
             const Rgb shown = image.at(x, y);
             luminances[cosine > 0].push_back(std::log(std::max(luminance(shown), past_.floor())));
             const std::optional<float> off = past_.difference(i, ray, float(distance + 3 * near_), shown);
-            if (off) score += *off > differs ? 1 : *off < alike ? -1 : 0;
+            if (off) score += *off > differs ? 1 : *off < alikeBehind ? -1 : 0;
         }
         bool agreeing = false;
         for (std::vector<float>& side : luminances) {

@@ -10,7 +10,7 @@
 namespace relamp {
 namespace {
 
-constexpr int longestSide = 400;
+constexpr int longestImageSide = 400;
 constexpr size_t measuredAtMost = 12;
 const Rgb pageGround(0.022f);  // linear; a little lighter than the page, so that a cut-out ends visibly
 
@@ -67,7 +67,7 @@ void measureViews(const Capture& capture, const std::array<RelitScene, 2>& relit
     std::array<Measures, 2> sums;
     for (size_t v : measured) {
         const View& view = capture.views[v];
-        const Camera camera = smallerCamera(view.camera, longestSide);
+        const Camera camera = smallerCamera(view.camera, longestImageSide);
         const Image photograph = shrunk(view.image, camera.width, camera.height);
         const float exposure = exposureFor(photograph);
         const bool show = std::find(shown.begin(), shown.end(), v) != shown.end();
@@ -117,7 +117,7 @@ void drawComparison(const Capture& capture, const Scene& scene, int maxViews, Co
     // Both modes share one exposure in every pair, the near-field one's: a mode that is too dark or too bright must
     // look so.
     const View& first = capture.views.front();
-    const Camera camera = smallerCamera(first.camera, longestSide);
+    const Camera camera = smallerCamera(first.camera, longestImageSide);
     const float photographExposure = exposureFor(shrunk(first.image, camera.width, camera.height));
     std::array<Image, 2> environment, off;
     for (size_t m = 0; m < 2; ++m) {

@@ -8,7 +8,7 @@
 namespace relamp {
 namespace {
 
-std::string heading(const std::string& title, const std::string& explanation) {
+std::string section(const std::string& title, const std::string& explanation) {
     return "<h2>" + htmlText(title) + "</h2>\n<p>" + htmlText(explanation) + "</p>\n";
 }
 
@@ -289,18 +289,18 @@ std::string reportPage(const SolveReport& r) {
         fmt::format("<h1>{}: how it was solved</h1>\n<p>Capture {}, {}. Brightness scale: {}</p>\n", htmlText(r.shot),
                     htmlText(r.capture), htmlText(r.estimate.mode),
                     htmlText(r.estimate.gauge.evidence.empty() ? "not said" : r.estimate.gauge.evidence));
-    content += heading("Figures", "What the solve came to.") + figuresTable(r);
+    content += section("Figures", "What the solve came to.") + figuresTable(r);
     if (r.truth)
-        content += heading("Against the truth",
+        content += section("Against the truth",
                            "The capture's light and surfaces are known: how far the answer is from them.") +
                    truthSection(*r.truth);
     if (!r.truthOverTime.empty())
-        content += heading("Truth against run time",
+        content += section("Truth against run time",
                            "A solve of the same capture, stopped in thought after each large step: how far its relit "
                            "images were from the true ones then.") +
                    truthPlot(r);
     content +=
-        heading("Error against run time",
+        section("Error against run time",
                 "How much surfaces of one colour still differ under the light found: surface colour cancels in it, "
                 "so it cannot hide what the light gets wrong. The same measure in every "
                 "stage and mode. Both axes are logarithmic; rest on a point for its stage.") +
@@ -311,7 +311,7 @@ std::string reportPage(const SolveReport& r) {
         content += fmt::format("<p>Distant light only took {:.1f} s, this shot {:.1f} s.</p>\n", r.distant->seconds,
                                r.resources.seconds);
     content += stagesTable(r);
-    content += heading("Photograph by photograph",
+    content += section("Photograph by photograph",
                        "PSNR of what the model makes of each photograph, on the surfaces, as they appear on screen.");
     content +=
         r.views.empty()
@@ -326,19 +326,19 @@ std::string reportPage(const SolveReport& r) {
     const std::string spectrum = spectrumPlot(r);
     if (!spectrum.empty())
         content +=
-            heading("How well posed the equations were",
+            section("How well posed the equations were",
                     "Eigenvalues of the column-scaled lighting equations. What lies above 1e-6 of the largest is "
                     "pinned down by the photographs; "
                     "below, the priors decide.") +
             spectrum;
-    content += heading("Lights", "What shines in the scene, and why it is believed to.") + emittersTable(r.estimate) +
+    content += section("Lights", "What shines in the scene, and why it is believed to.") + emittersTable(r.estimate) +
                rejectedTable(r.estimate, r.origin);
     if (!r.estimate.plan.stages.empty())
-        content += heading("Plan",
+        content += section("Plan",
                            "What every stage was expected to take on this machine before it ran, and what it took; and "
                            "what was left out because the scene does not need it.") +
                    planSection(r.estimate.plan);
-    content += heading("Left out", "What this scene did not need.") + leftOutTable(r.estimate);
+    content += section("Left out", "What this scene did not need.") + leftOutTable(r.estimate);
     return htmlPage("relamp: " + r.shot, content);
 }
 

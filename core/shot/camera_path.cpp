@@ -13,13 +13,14 @@
 namespace relamp {
 namespace {
 
-constexpr int maxFrames = 1'000'000;
+constexpr int maxPathFrames = 1'000'000;
 
 int countOf(const std::string& text, const std::string& option) {
     if (text.empty() || text.size() > 7 || text.find_first_not_of("0123456789") != std::string::npos)
         throw BadOption("--camera {}: '{}' is not a number of frames", option, text);
     const int count = std::stoi(text);
-    if (count < 1 || count > maxFrames) throw BadOption("--camera {}: expected 1 to {} frames", option, maxFrames);
+    if (count < 1 || count > maxPathFrames)
+        throw BadOption("--camera {}: expected 1 to {} frames", option, maxPathFrames);
     return count;
 }
 

@@ -7,7 +7,7 @@
 namespace relamp {
 namespace {
 
-constexpr NameRow<Omission> rows[] = {
+constexpr NameRow<Omission> omissionRows[] = {
     {Omission::distantLight, "distant light"},
     {Omission::nearFieldEmitters, "near-field emitters"},
     {Omission::interreflection, "interreflection"},
@@ -34,13 +34,13 @@ constexpr NameRow<Omission> rows[] = {
     {Omission::other, "something else"},
 };
 
-static_assert(inOrder(rows), "one row for each omission, in the order of the enumeration");
+static_assert(inOrder(omissionRows), "one row for each omission, in the order of the enumeration");
 
 }  // namespace
 
-const char* nameOf(Omission omission) { return rows[size_t(omission)].name; }
+const char* nameOf(Omission omission) { return omissionRows[size_t(omission)].name; }
 
-Omission omissionNamed(const std::string& name) { return valueNamed(rows, name); }
+Omission omissionNamed(const std::string& name) { return valueNamed(omissionRows, name); }
 
 void to_json(nlohmann::json& json, Omission omission) { json = nameOf(omission); }
 

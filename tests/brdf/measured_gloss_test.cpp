@@ -12,14 +12,14 @@
 namespace relamp {
 namespace {
 
-const Rgb albedo(0.3f, 0.2f, 0.1f), tint(1.2f, 1.0f, 0.8f);
+const Rgb matteAlbedo(0.3f, 0.2f, 0.1f), tint(1.2f, 1.0f, 0.8f);
 
-Rgb coated(const Vec3& light, const Vec3& eye) { return albedo / pi + 0.3f * tint * ggx(light, eye, 0.09f); }
+Rgb coated(const Vec3& light, const Vec3& eye) { return matteAlbedo / pi + 0.3f * tint * ggx(light, eye, 0.09f); }
 
 TEST(MeasuredGloss, TakesAMaterialApartIntoMattePartAndGloss) {
     const MeasuredGloss gloss = glossOf(test::measuredOf(coated), "coated.binary");
     for (int c = 0; c < 3; ++c) {
-        EXPECT_NEAR(gloss.matte[c], albedo[c], 0.02f);
+        EXPECT_NEAR(gloss.matte[c], matteAlbedo[c], 0.02f);
         EXPECT_NEAR(gloss.colour[c], tint[c], 0.02f);
     }
     EXPECT_GT(gloss.alpha, 0.06f);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr size_t cells = 90 * 90 * 180;
 
-Vec3 direction(double theta, double phi) {
+Vec3 directionAt(double theta, double phi) {
     return Vec3(float(std::sin(theta) * std::cos(phi)), float(std::sin(theta) * std::sin(phi)), float(std::cos(theta)));
 }
 
@@ -28,20 +28,20 @@ std::string merlBytes(const std::function<double(int, int, int, int)>& value) {
         for (int h = 0; h < 90; ++h)
             for (int d = 0; d < 90; ++d)
                 for (int a = 0; a < 180; ++a, at += 8) {
-                    const double stored = value(c, h, d, a) * scale[c];
-                    std::memcpy(&bytes[at], &stored, 8);
+                    const double cell = value(c, h, d, a) * scale[c];
+                    std::memcpy(&bytes[at], &cell, 8);
                 }
     return bytes;
 }
 
 TEST(HalfAngles, AreThoseWorkedOutByHand) {
     // Light 60 degrees to one side, eye on the normal: the half vector leans 30 degrees, and so does the light from it.
-    const HalfAngles a = halfAngles(direction(piD / 3, 0), Vec3(0, 0, 1));
+    const HalfAngles a = halfAngles(directionAt(piD / 3, 0), Vec3(0, 0, 1));
     EXPECT_NEAR(a.half, piD / 6, 1e-6);
     EXPECT_NEAR(a.difference, piD / 6, 1e-6);
     EXPECT_NEAR(a.azimuth, 0, 1e-6);
     // Mirror pair: the half vector is the normal.
-    const HalfAngles m = halfAngles(direction(0.7, 0.3), direction(0.7, 0.3 + piD));
+    const HalfAngles m = halfAngles(directionAt(0.7, 0.3), directionAt(0.7, 0.3 + piD));
     EXPECT_NEAR(m.half, 0, 1e-6);
     EXPECT_NEAR(m.difference, 0.7, 1e-6);
     // Light and eye side by side about a half vector that leans along x: the difference stands across.
@@ -54,10 +54,10 @@ TEST(HalfAngles, AreThoseWorkedOutByHand) {
 TEST(HalfAngles, AreTheSameWhenTheTwoAreExchangedTurnedOrMirrored) {
     for (int i = 0; i < 40; ++i) {
         const double t1 = 0.1 + 0.03 * i, p1 = 0.7 * i, t2 = 1.3 - 0.02 * i, p2 = 2.1 * i + 0.4;
-        const HalfAngles a = halfAngles(direction(t1, p1), direction(t2, p2)),
-                         b = halfAngles(direction(t2, p2), direction(t1, p1));
-        const HalfAngles turned = halfAngles(direction(t1, p1 + 1), direction(t2, p2 + 1)),
-                         mirrored = halfAngles(direction(t1, -p1), direction(t2, -p2));
+        const HalfAngles a = halfAngles(directionAt(t1, p1), directionAt(t2, p2)),
+                         b = halfAngles(directionAt(t2, p2), directionAt(t1, p1));
+        const HalfAngles turned = halfAngles(directionAt(t1, p1 + 1), directionAt(t2, p2 + 1)),
+                         mirrored = halfAngles(directionAt(t1, -p1), directionAt(t2, -p2));
         for (const HalfAngles& other : {b, turned, mirrored}) {
             EXPECT_NEAR(other.half, a.half, 1e-6);
             EXPECT_NEAR(other.difference, a.difference, 1e-6);
@@ -96,8 +96,8 @@ TEST_F(Merl, LooksUpBetweenTheCells) {
     // Linear in the place along each axis, so interpolation is exact.
     const MeasuredBrdf brdf = read(merlBytes([](int, int h, int d, int) { return 1 + h + 0.01 * d; }));
     for (const auto& [l, e] :
-         {std::pair{direction(0.5, 0.2), direction(0.3, 1.9)}, std::pair{direction(1.1, 0), direction(0.2, 0.1)},
-          std::pair{Vec3(0, 0, 1), direction(0.9, 2)}}) {
+         {std::pair{directionAt(0.5, 0.2), directionAt(0.3, 1.9)},
+          std::pair{directionAt(1.1, 0), directionAt(0.2, 0.1)}, std::pair{Vec3(0, 0, 1), directionAt(0.9, 2)}}) {
         const HalfAngles a = halfAngles(l, e);
         const double expected = 1 + 90 * std::sqrt(a.half / (piD / 2)) + 0.01 * 90 * a.difference / (piD / 2);
         EXPECT_NEAR(brdf.evaluate(l, e).x, expected, 1e-4 * expected);
@@ -112,7 +112,7 @@ TEST_F(Merl, TheAzimuthGoesRound) {
     const MeasuredBrdf brdf = read(merlBytes([](int, int, int, int a) { return a == 0 ? 10 : a == 179 ? 20 : 1; }));
     // Half vector along x by 0.5, difference at an azimuth of 179.5 cells.
     const double azimuth = 179.5 / 180 * piD;
-    const Vec3 h = direction(0.5, 0);
+    const Vec3 h = directionAt(0.5, 0);
     const Vec3 across(0, 1, 0), along = glm::cross(across, h);
     const Vec3 side = along * float(std::cos(azimuth)) + across * float(std::sin(azimuth));
     const Vec3 light = h * std::cos(0.4f) + side * std::sin(0.4f), eye = h * std::cos(0.4f) - side * std::sin(0.4f);
@@ -124,8 +124,8 @@ TEST_F(Merl, CellsWithoutAMeasurementAreLeftOut) {
     EXPECT_EQ(brdf.missing, 45u * 30u * 180u);
     // Beside the border the known cells alone speak; beyond it nothing does.
     const double border = 59.6 / 90 * piD / 2, beyond = 70.0 / 90 * piD / 2;
-    EXPECT_NEAR(brdf.evaluate(direction(border, 0), direction(border, piD)).x, 0.5f, 1e-5);
-    EXPECT_EQ(brdf.evaluate(direction(beyond, 0), direction(beyond, piD)), Rgb(0));
+    EXPECT_NEAR(brdf.evaluate(directionAt(border, 0), directionAt(border, piD)).x, 0.5f, 1e-5);
+    EXPECT_EQ(brdf.evaluate(directionAt(beyond, 0), directionAt(beyond, piD)), Rgb(0));
 }
 
 TEST_F(Merl, BadFilesAreNamedWithWhatIsWrong) {

@@ -5,7 +5,7 @@
 namespace relamp {
 namespace {
 
-Look yaw(float degrees) {
+Look turned(float degrees) {
     Look look;
     look.environment.yawDegrees = degrees;
     return look;
@@ -18,14 +18,14 @@ std::vector<int> framesOf(const Look& look) {
 }
 
 TEST(LookKeys, StandInOrderWithTheLookOfTheirFrame) {
-    Look look = yaw(10);
+    Look look = turned(10);
     setKey(look, 20);
     look.environment.yawDegrees = 5;
     setKey(look, 1);
     look.environment.yawDegrees = 7;
     setKey(look, 20);
     EXPECT_EQ(framesOf(look), (std::vector<int>{1, 20}));
-    EXPECT_EQ(look.keys[1].look, yaw(7));
+    EXPECT_EQ(look.keys[1].look, turned(7));
     EXPECT_EQ(keyAt(look, 20), 1);
     EXPECT_EQ(keyAt(look, 2), -1);
 }
@@ -58,7 +58,7 @@ TEST(LookKeys, ANewKeyBetweenTwoGoesOnAsBefore) {
 }
 
 TEST(KeyEdit, SetsTheKeyOfItsFrameOnlyWhereThereAreKeys) {
-    Look before = yaw(0), after = yaw(3);
+    Look before = turned(0), after = turned(3);
     keyEdit(before, after, 4);
     EXPECT_TRUE(after.keys.empty());
     setKey(before, 1);

@@ -10,7 +10,7 @@
 namespace relamp {
 namespace {
 
-Image ramp(int width, int height) {
+Image bandedRamp(int width, int height) {
     Image image(width, height);
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) image.at(x, y) = Rgb(0.5f + float(x) / 200, float(y % 256) / 256, 0.25f);
@@ -74,7 +74,7 @@ std::string tiledExr(const Image& image, int tile, int left, int top) {
 
 TEST(ImageBands, EveryFormatIsReadAsAWholeAndCanBeStopped) {
     const test::TemporaryFolder folder;
-    const Image image = ramp(20, 700);
+    const Image image = bandedRamp(20, 700);
     for (const char* name : {"a.exr", "a.hdr", "a.png", "a.jpg"}) {
         writeImage(folder / name, image);
         int asked = 0;
@@ -103,7 +103,7 @@ TEST(ImageBands, EveryFormatIsReadAsAWholeAndCanBeStopped) {
 
 TEST(ImageBands, TilesAreReadRowByRow) {
     const test::TemporaryFolder folder;
-    const Image image = ramp(70, 50);
+    const Image image = bandedRamp(70, 50);
     for (const int corner : {0, -5}) {
         const auto file = folder.write("tiles.exr", tiledExr(image, 32, corner, 2 * corner));
         int asked = 0;

@@ -36,7 +36,7 @@ Difference difference(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
     return d;
 }
 
-Camera fromAbove(int side = 64) { return test::cameraAt({0, 0, 3}, {0, 0, 0}, side, side, side, {0, 1, 0}); }
+Camera squareFromAbove(int side = 64) { return test::cameraAt({0, 0, 3}, {0, 0, 0}, side, side, side, {0, 1, 0}); }
 
 /// A table with a block on it, under a bright sky and a small lamp: soft and hard shadows.
 class Denoise : public testing::Test {
@@ -57,9 +57,9 @@ protected:
 };
 
 TEST_F(Denoise, TakesNoiseAwayAndKeepsShadows) {
-    const Frame truth = render(relit_, fromAbove(), options(false, 128));
-    const Frame noisy = render(relit_, fromAbove(), options(false));
-    const Frame quiet = render(relit_, fromAbove(), options(true));
+    const Frame truth = render(relit_, squareFromAbove(), options(false, 128));
+    const Frame noisy = render(relit_, squareFromAbove(), options(false));
+    const Frame quiet = render(relit_, squareFromAbove(), options(true));
     const Difference before = difference(noisy.beauty, truth.beauty), after = difference(quiet.beauty, truth.beauty);
     EXPECT_LT(after.rms, 0.5 * before.rms);
     EXPECT_LT(after.most, before.most);
@@ -76,10 +76,10 @@ TEST_F(Denoise, KeepsPrintsAsSharpAsTheyAre) {
         estimate.reflectance.weight[0][v] = Rgb(squares % 2 ? 0.7f : 0.1f);
     }
     const RelitScene relit = relitOf(scene_, estimate);
-    const Frame truth = render(relit, fromAbove(), options(false, 128));
+    const Frame truth = render(relit, squareFromAbove(), options(false, 128));
     // A pixel's few positions see a colour of their own; the light on it is compared.
     const auto light = [&](bool denoise) {
-        Frame frame = render(relit, fromAbove(), options(denoise));
+        Frame frame = render(relit, squareFromAbove(), options(denoise));
         for (size_t p = 0; p < frame.beauty.size(); ++p) frame.beauty[p] *= truth.albedo[p] / frame.albedo[p];
         return frame.beauty;
     };
@@ -87,7 +87,7 @@ TEST_F(Denoise, KeepsPrintsAsSharpAsTheyAre) {
 }
 
 TEST_F(Denoise, GroupsStillAddUpToTheBeauty) {
-    const Frame frame = render(relit_, fromAbove(40), options(true));
+    const Frame frame = render(relit_, squareFromAbove(40), options(true));
     for (size_t p = 0; p < frame.beauty.size(); ++p) {
         Rgb sum = frame.world[p];
         for (const auto& group : frame.byEmitter) sum += group[p];
@@ -110,7 +110,7 @@ TEST_F(Denoise, LeavesEmittersAndBackgroundAlone) {
 }
 
 TEST_F(Denoise, StripsAndThreadsGiveTheSameBits) {
-    const Camera camera = fromAbove(70);
+    const Camera camera = squareFromAbove(70);
     const Frame whole = render(relit_, camera, options(true, 2));
     const FrameOptions o = options(true, 2);
     const FrameRenderer renderer(relit_, camera, o);
@@ -126,9 +126,9 @@ TEST_F(Denoise, StripsAndThreadsGiveTheSameBits) {
 TEST_F(Denoise, TheBeautyAloneIsDenoisedAsWell) {
     FrameOptions o = options(true);
     o.groups = false;
-    const Frame truth = render(relit_, fromAbove(), options(false, 128));
-    const Difference before = difference(render(relit_, fromAbove(), options(false)).beauty, truth.beauty);
-    EXPECT_LT(difference(render(relit_, fromAbove(), o).beauty, truth.beauty).rms, 0.6 * before.rms);
+    const Frame truth = render(relit_, squareFromAbove(), options(false, 128));
+    const Difference before = difference(render(relit_, squareFromAbove(), options(false)).beauty, truth.beauty);
+    EXPECT_LT(difference(render(relit_, squareFromAbove(), o).beauty, truth.beauty).rms, 0.6 * before.rms);
 }
 
 }  // namespace

@@ -47,16 +47,16 @@ public:
     }
 };
 
-struct Estimate {
+struct FormFactor {
     double mean = 0, deviation = 0;  // of one sample, relative
     double exact = 0;
 };
 
 /// The form factor of a convex surface from samples, and in closed form.
-Estimate formFactor(const EmitterSurface& s, const Vec3& point, const Vec3& normal, int n = 20000) {
+FormFactor formFactor(const EmitterSurface& s, const Vec3& point, const Vec3& normal, int n = 20000) {
     const EmitterSampler sampler(s);
     EmitterSampler::Proposal proposal;
-    Estimate e;
+    FormFactor e;
     for (const auto& c : s.corners) e.exact += double(triangleFormFactor(point, normal, c, s.twoSided));
     if (!sampler.prepare(point, normal, proposal)) return e;
     double squares = 0;
@@ -85,12 +85,12 @@ TEST(EmitterSampler, GivesTheFormFactorWithLittleNoiseNearAndFar) {
         Surface panel;
         panel.box({1.2f, 0.7f, 0.03f}, pieces);
         for (const float beside : {0.003f, 0.01f, 0.03f, 0.1f, 0.3f}) {
-            const Estimate e = formFactor(panel.surface, {0.6f + beside, 0.1f, -0.03f}, {0, 0, 1});
+            const FormFactor e = formFactor(panel.surface, {0.6f + beside, 0.1f, -0.03f}, {0, 0, 1});
             EXPECT_NEAR(e.mean, e.exact, 0.02 * e.exact) << pieces << " " << beside;
             EXPECT_LT(e.deviation, 1.0) << pieces << " " << beside;
         }
         for (const float above : {0.02f, 0.3f, 5.0f}) {
-            const Estimate e = formFactor(panel.surface, {0.1f, 0.2f, 0.015f + above}, {0, 0, -1});
+            const FormFactor e = formFactor(panel.surface, {0.1f, 0.2f, 0.015f + above}, {0, 0, -1});
             EXPECT_NEAR(e.mean, e.exact, 0.01 * e.exact) << pieces << " " << above;
             EXPECT_LT(e.deviation, 0.7) << pieces << " " << above;
         }

@@ -18,7 +18,7 @@ std::string bytesOf(const std::string& hex) {
 
 /// A square of one face with four corners, as OpenMesh 11 writes it: positions, half-edges (next, vertex, face),
 /// vertices, faces.
-const std::string square = bytesOf(
+const std::string squareFile = bytesOf(
     "4f4d504204000000010000000400000000160000000000000000000000000000803f0000000000000000000000000000803f00000000000000"
     "00000000000000803f"
     "f8160201000700ff0403000101ff0602000303ff0000000502ff"
@@ -32,14 +32,14 @@ std::string errorOf(const std::string& bytes) {
 }
 
 std::string with(size_t at, char value) {
-    std::string bytes = square;
+    std::string bytes = squareFile;
     bytes.at(at) = value;
     return bytes;
 }
 
 TEST(OpenMeshFile, AFaceOfFourCornersIsTwoTriangles) {
     const TemporaryFolder folder;
-    const Mesh mesh = readMesh(folder.write("a.om", square));
+    const Mesh mesh = readMesh(folder.write("a.om", squareFile));
     EXPECT_EQ(mesh.vertexCount(), 4u);
     EXPECT_EQ(mesh.triangles.size(), 2u);
     EXPECT_EQ(mesh.positions[1], Vec3(1, 0, 0));
@@ -55,7 +55,7 @@ TEST(OpenMeshFile, TheFuzzingCorpusHoldsFilesOfEveryVersion) {
 
 TEST(OpenMeshFile, WhatDoesNotFitTogetherIsRefused) {
     constexpr size_t halfEdges = 16 + 2 + 48 + 2, faces = halfEdges + 24 + 2 + 4 + 2;
-    ASSERT_EQ(square.size(), faces + 1 + 2);
+    ASSERT_EQ(squareFile.size(), faces + 1 + 2);
     EXPECT_EQ(errorOf(with(halfEdges, 8)), "half-edge 0 names what is not there");
     EXPECT_EQ(errorOf(with(halfEdges + 1, 4)), "half-edge 0 names what is not there");
     EXPECT_EQ(errorOf(with(halfEdges + 2, 1)), "half-edge 0 names what is not there");
@@ -68,8 +68,8 @@ TEST(OpenMeshFile, WhatDoesNotFitTogetherIsRefused) {
     EXPECT_EQ(errorOf(with(7, 1)), "claims 16777220 vertices, 1 faces and 4 edges, more than the file holds");
     EXPECT_EQ(errorOf(with(3, 0x60)), "is of version 3.0, expected at most 2.2");
     EXPECT_EQ(errorOf(with(2, 'X')), "is of a kind that is not known, expected T, Q or P");
-    for (size_t kept = 1; kept < faces + 1; ++kept) EXPECT_NE(errorOf(square.substr(0, kept)), "") << kept;
-    for (size_t at = 0; at < square.size(); ++at)
+    for (size_t kept = 1; kept < faces + 1; ++kept) EXPECT_NE(errorOf(squareFile.substr(0, kept)), "") << kept;
+    for (size_t at = 0; at < squareFile.size(); ++at)
         for (const char value : {'\0', '\x01', '\x7f', '\xff'}) errorOf(with(at, value));
 }
 

@@ -12,11 +12,11 @@
 namespace relamp {
 namespace {
 
-constexpr uint32_t side = 16, maskBytes = 24;
+constexpr uint32_t cachedSide = 16, maskBytes = 24;
 
 TransportBlock blockOf(uint64_t seed) {
     TransportBlock b;
-    for (uint32_t i = 0; i < side * side; ++i)
+    for (uint32_t i = 0; i < cachedSide * cachedSide; ++i)
         if (i == 0 || mixBits(seed ^ i) % 5 == 0) {
             b.index.push_back(uint16_t(i));
             for (size_t lane = 0; lane < transportLanes; ++lane)
@@ -39,7 +39,7 @@ Chunk chunkOf(size_t chunk, size_t count) {
     return c;
 }
 
-const TransportCache::Layout layout{0x1234, side, 40, maskBytes};  // 3 chunks, the last one half full
+const TransportCache::Layout layout{0x1234, cachedSide, 40, maskBytes};  // 3 chunks, the last one half full
 
 void write(const TransportCache::Layout& l, const std::filesystem::path& folder, const std::vector<size_t>& chunks) {
     TransportCache cache(folder, l);

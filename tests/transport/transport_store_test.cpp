@@ -8,11 +8,11 @@
 namespace relamp {
 namespace {
 
-constexpr int side = 16;
+constexpr int storedSide = 16;
 
 /// Cosine lobes about different normals, half of them behind a wall.
 std::vector<float> blockCells() {
-    const DirectionGrid grid{side};
+    const DirectionGrid grid{storedSide};
     std::vector<float> cells(transportLanes * size_t(grid.cells()));
     for (size_t lane = 0; lane < transportLanes; ++lane) {
         const Vec3 normal = glm::normalize(Vec3(0.1f * float(lane), 0.3f, 1));
@@ -27,7 +27,7 @@ std::vector<float> blockCells() {
 }
 
 std::vector<float> gradient() {
-    const DirectionGrid grid{side};
+    const DirectionGrid grid{storedSide};
     std::vector<float> cells(size_t(grid.cells()));
     for (int c = 0; c < grid.cells(); ++c)
         cells[size_t(c)] = 1 + 5 * std::max(0.0f, grid.direction(c).y) + (c == 77 ? 30.0f : 0.0f);
@@ -41,16 +41,16 @@ float directSum(const std::vector<float>& transport, size_t lane, const std::vec
 }
 
 std::array<std::vector<float>, 3> coefsOf(const std::vector<float>& cells) {
-    const std::vector<float> coefs = environmentHaar(cells, side);
+    const std::vector<float> coefs = environmentHaar(cells, storedSide);
     return {coefs, coefs, coefs};
 }
 
 TEST(TransportStore, ConstantLightIsExactHoweverFewTermsAreKept) {
     const std::vector<float> cells = blockCells();
     std::vector<float> work = cells;
-    const TransportStore store({packTransport(work, TermTests(side, {}), 0.5f)});
+    const TransportStore store({packTransport(work, TermTests(storedSide, {}), 0.5f)});
     std::vector<Rgb> out(transportLanes);
-    const std::vector<float> constant(size_t(side * side), 2.0f);
+    const std::vector<float> constant(size_t(storedSide * storedSide), 2.0f);
     store.apply(coefsOf(constant), out);
     for (size_t lane = 0; lane < transportLanes; ++lane)
         EXPECT_NEAR(out[lane].y, directSum(cells, lane, constant), 2e-4f);
@@ -61,7 +61,7 @@ TEST(TransportStore, TestEnvironmentsAreMetWithinTheErrorAskedFor) {
     size_t previous = 0;
     for (const float error : {0.05f, 0.01f, 0.002f}) {
         std::vector<float> work = cells;
-        const TransportStore store({packTransport(work, TermTests(side, {light}), error)});
+        const TransportStore store({packTransport(work, TermTests(storedSide, {light}), error)});
         std::vector<Rgb> out(transportLanes);
         store.apply(coefsOf(light), out);
         for (size_t lane = 0; lane < transportLanes; ++lane) {
@@ -76,9 +76,9 @@ TEST(TransportStore, TestEnvironmentsAreMetWithinTheErrorAskedFor) {
 TEST(TransportStore, AllTermsGiveTheCellsBack) {
     const std::vector<float> cells = blockCells();
     std::vector<float> work = cells;
-    const TransportStore store({packTransport(work, TermTests(side, {gradient()}), 0)});
+    const TransportStore store({packTransport(work, TermTests(storedSide, {gradient()}), 0)});
     for (const int sun : {5, 100, 200}) {
-        std::vector<float> light(size_t(side * side), 0.0f);
+        std::vector<float> light(size_t(storedSide * storedSide), 0.0f);
         light[size_t(sun)] = 100;
         std::vector<Rgb> out(transportLanes);
         store.apply(coefsOf(light), out);
@@ -90,7 +90,7 @@ TEST(TransportStore, AllTermsGiveTheCellsBack) {
 TEST(TransportStore, AReplacedBlockLeavesTheOthersAlone) {
     std::vector<float> cells = blockCells(), other = blockCells(), third = blockCells();
     for (float& c : other) c *= 0.5f;
-    const TermTests tests(side, {gradient()});
+    const TermTests tests(storedSide, {gradient()});
     const TransportBlock a = packTransport(cells, tests, 0.01f), b = packTransport(other, tests, 0.02f);
     TransportStore store({a, a, a}), expected({a, b, a});
     store.replace({{1u, b}});
@@ -103,7 +103,8 @@ TEST(TransportStore, AReplacedBlockLeavesTheOthersAlone) {
 
 TEST(TransportStore, GivesTheSameBitsOnAnyNumberOfThreads) {
     std::vector<float> cells = blockCells();
-    const TransportStore store(std::vector<TransportBlock>(200, packTransport(cells, TermTests(side, {}), 0.01f)));
+    const TransportStore store(
+        std::vector<TransportBlock>(200, packTransport(cells, TermTests(storedSide, {}), 0.01f)));
     std::vector<Rgb> one(200 * transportLanes), many(200 * transportLanes);
     {
         const ThreadLimit limit(1);

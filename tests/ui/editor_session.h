@@ -21,7 +21,7 @@ using test::TemporaryFolder;
 inline const std::filesystem::path& captureFolder() {
     static const TemporaryFolder folder;
     static const bool painted = [] {
-        test::paintKnownWorld(folder / "room", true, 6, 10);
+        relamp::test::paintKnownWorld(folder / "room", true, 6, 10);
         return true;
     }();
     static const std::filesystem::path path = folder / "room";
@@ -78,6 +78,8 @@ struct Session {
     }
 };
 
-inline Camera eyeAt(int width, int height) { return test::cameraAt({2, -1.5, 1.5}, {0, 0, 0.2}, width, height, width); }
+inline Camera eyeAt(int width, int height) {
+    return relamp::test::cameraAt({2, -1.5, 1.5}, {0, 0, 0.2}, width, height, width);
+}
 
 }  // namespace relamp::ui

@@ -6,18 +6,14 @@
 
 #include "support/known_world.h"
 #include "support/run_program.h"
+#include "whole/relamp_program.h"
 
 namespace relamp {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-test::ProgramResult relamp(std::vector<std::string> arguments, const std::string& interruptOn = "",
-                           int signalNumber = SIGINT) {
-    arguments.insert(arguments.begin(), RELAMP_BINARY);
-    return test::runProgram(arguments, interruptOn, signalNumber);
-}
+using test::relamp;
 
 size_t linesOf(const std::string& text) { return size_t(std::count(text.begin(), text.end(), '\n')); }
 

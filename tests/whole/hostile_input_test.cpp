@@ -9,6 +9,7 @@
 
 #include "support/known_world.h"
 #include "support/run_program.h"
+#include "whole/relamp_program.h"
 
 namespace relamp {
 namespace {
@@ -16,11 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 using Words = std::vector<std::string>;
-
-test::ProgramResult relamp(Words arguments, const std::string& interruptOn = "", int signalNumber = SIGTERM) {
-    arguments.insert(arguments.begin(), RELAMP_BINARY);
-    return test::runProgram(arguments, interruptOn, signalNumber);
-}
+using test::relamp;
 
 /// What a shell makes of `command`, in which relamp stands for the program.
 test::ProgramResult shell(std::string command) {
@@ -273,7 +270,7 @@ TEST_F(HostileInput, AStopIsNoticedInsideAPixelOfVeryManySamples) {
     const auto begin = std::chrono::steady_clock::now();
     const test::ProgramResult r = relamp(
         {"render", shot, "-o", folder / "f.exr", "--samples", "1000000000", "--size", "64x48", "--progress", "json"},
-        "f.exr");
+        "f.exr", SIGTERM);
     EXPECT_EQ(r.exitCode, 143) << r.error;
     EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(15));
     EXPECT_FALSE(fs::exists(folder / "f.exr"));

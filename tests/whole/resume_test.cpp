@@ -6,19 +6,15 @@
 #include "shot/checkpoint.h"
 #include "support/known_world.h"
 #include "support/run_program.h"
+#include "whole/relamp_program.h"
 
 namespace relamp {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+using test::relamp;
 using test::TemporaryFolder;
-
-test::ProgramResult relamp(std::vector<std::string> arguments, const std::string& interruptOn = "",
-                           int signalNumber = SIGINT) {
-    arguments.insert(arguments.begin(), RELAMP_BINARY);
-    return test::runProgram(arguments, interruptOn, signalNumber);
-}
 
 struct KilledSolve {
     TemporaryFolder folder;

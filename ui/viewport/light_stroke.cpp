@@ -10,7 +10,7 @@ namespace {
 
 float radiusOf(const Canvas& canvas) { return canvas.editor->state.viewport.brush.radius * canvas.scale; }
 
-float distanceToSegment(const Vec2& p, const Vec2& a, const Vec2& b) {
+float distanceToStroke(const Vec2& p, const Vec2& a, const Vec2& b) {
     const Vec2 along = b - a;
     const float length2 = glm::dot(along, along);
     const float t = length2 > 0 ? std::clamp(glm::dot(p - a, along) / length2, 0.0f, 1.0f) : 0.0f;
@@ -61,7 +61,7 @@ std::vector<PaintedVertex> LightStroke::verticesUnder(const Canvas& canvas, cons
         if (!at || !canvas.eye->contains(*at)) return;
         float nearest = 1e9f;
         for (size_t i = 0; i < places_.size(); ++i)
-            nearest = std::min(nearest, distanceToSegment(*at, places_[i], places_[i ? i - 1 : 0]));
+            nearest = std::min(nearest, distanceToStroke(*at, places_[i], places_[i ? i - 1 : 0]));
         if (nearest >= radius) return;
         // Hidden ones are not painted. What was moved hides as it did where it was captured.
         if (scene && scene->tracer) {

@@ -10,7 +10,7 @@
 namespace relamp::ui {
 namespace {
 
-ImU32 colourOf(const Rgb& c, float alpha = 1) {
+ImU32 tintOf(const Rgb& c, float alpha = 1) {
     const Rgb s = glm::clamp(c, Rgb(0), Rgb(1));
     return ImGui::ColorConvertFloat4ToU32({s.x, s.y, s.z, alpha});
 }
@@ -115,7 +115,7 @@ void drawEmitterMarks(const Canvas& canvas, const std::string& hovered) {
         Rgb tint = emitter.radiance;
         const float most = maxChannel(tint);
         tint = most > 0 ? glm::pow(glm::max(tint / most, Rgb(0)), Rgb(1 / 2.2f)) : Rgb(0.5f);
-        canvas.list->AddCircleFilled(toIm(*at), r, lit ? colourOf(tint) : IM_COL32(50, 50, 50, 230));
+        canvas.list->AddCircleFilled(toIm(*at), r, lit ? tintOf(tint) : IM_COL32(50, 50, 50, 230));
         canvas.list->AddCircle(toIm(*at), r, stroke, 0, 1.4f * s);
         if (lit) {
             for (int i = 0; i < 8; ++i) {

@@ -39,7 +39,7 @@ std::vector<std::string> namesFrom(const std::string& text) {
     return names;
 }
 
-ForeignCameras parse(const fs::path& file, const ForeignFolder& around, Progress& progress) {
+ForeignCameras parseBundler(const fs::path& file, const ForeignFolder& around, Progress& progress) {
     const fs::path list = listOf(file);
     const auto names =
         withContext(list.filename().string(), [&] { return namesFrom(readBytes(list, foreignFileBytes)); });
@@ -80,15 +80,15 @@ ForeignCameras parse(const fs::path& file, const ForeignFolder& around, Progress
     return result;
 }
 
-std::optional<fs::path> find(const fs::path& folder) {
+std::optional<fs::path> findBundler(const fs::path& folder) {
     constexpr const char* names[] = {"bundle.out", "bundle/bundle.out", "bundle.rd.out"};
     return findByHead(folder, names, ".out", isBundlerHead);
 }
 
-bool owns(const std::string& name) { return name.ends_with(".out"); }
+bool ownsBundler(const std::string& name) { return name.ends_with(".out"); }
 
 }  // namespace
 
-const ForeignReader bundlerReader{find, owns, parse};
+const ForeignReader bundlerReader{findBundler, ownsBundler, parseBundler};
 
 }  // namespace relamp

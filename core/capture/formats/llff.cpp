@@ -66,7 +66,7 @@ std::vector<std::array<double, rowNumbers>> rowsFrom(std::string_view bytes) {
     return rows;
 }
 
-ForeignCameras parse(const fs::path& file, const ForeignFolder& around, Progress& progress) {
+ForeignCameras parseLlff(const fs::path& file, const ForeignFolder& around, Progress& progress) {
     const auto rows = rowsFrom(readBytes(file, foreignFileBytes));
     const std::vector<std::string> names = around.photographs();
     if (names.size() != rows.size())
@@ -92,15 +92,15 @@ ForeignCameras parse(const fs::path& file, const ForeignFolder& around, Progress
     return result;
 }
 
-std::optional<fs::path> find(const fs::path& folder) {
+std::optional<fs::path> findLlff(const fs::path& folder) {
     const fs::path file = folder / "poses_bounds.npy";
     return isNumpyHead(headOf(file, magic.size())) ? std::optional(file) : std::nullopt;
 }
 
-bool owns(const std::string& name) { return name == "poses_bounds.npy"; }
+bool ownsLlff(const std::string& name) { return name == "poses_bounds.npy"; }
 
 }  // namespace
 
-const ForeignReader llffReader{find, owns, parse};
+const ForeignReader llffReader{findLlff, ownsLlff, parseLlff};
 
 }  // namespace relamp

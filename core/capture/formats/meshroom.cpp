@@ -136,7 +136,7 @@ Version versionOf(const JsonFields& root) {
     return {int(parts[0]), int(parts[1]), int(parts[2])};
 }
 
-ForeignCameras parse(const fs::path& file, const ForeignFolder&, Progress& progress) {
+ForeignCameras parseMeshroom(const fs::path& file, const ForeignFolder&, Progress& progress) {
     const Json document = parseJson(readBytes(file, foreignFileBytes));
     if (!document.is_object()) throw Error("is {}, expected an object with views", kindOf(document));
     const JsonFields root(document);
@@ -191,15 +191,15 @@ ForeignCameras parse(const fs::path& file, const ForeignFolder&, Progress& progr
     return result;
 }
 
-std::optional<fs::path> find(const fs::path& folder) {
+std::optional<fs::path> findMeshroom(const fs::path& folder) {
     constexpr const char* names[] = {"cameras.sfm", "sfm.sfm"};
     return findByHead(folder, names, ".sfm", isMeshroomHead);
 }
 
-bool owns(const std::string& name) { return name.ends_with(".sfm"); }
+bool ownsMeshroom(const std::string& name) { return name.ends_with(".sfm"); }
 
 }  // namespace
 
-const ForeignReader meshroomReader{find, owns, parse};
+const ForeignReader meshroomReader{findMeshroom, ownsMeshroom, parseMeshroom};
 
 }  // namespace relamp

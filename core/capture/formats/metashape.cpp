@@ -188,7 +188,7 @@ private:
     size_t withoutPose_ = 0, disabled_ = 0, elsewhere_ = 0, rigs_ = 0;
 };
 
-ForeignCameras parse(const fs::path& cameras, const ForeignFolder&, Progress&) {
+ForeignCameras parseMetashape(const fs::path& cameras, const ForeignFolder&, Progress&) {
     const std::string text = readBytes(cameras, foreignFileBytes);
     size_t elements = 0;
     for (size_t i = 0; i + 1 < text.size(); ++i) elements += text[i] == '<' && text[i + 1] != '/';
@@ -204,15 +204,15 @@ ForeignCameras parse(const fs::path& cameras, const ForeignFolder&, Progress&) {
     return result;
 }
 
-std::optional<fs::path> find(const fs::path& folder) {
+std::optional<fs::path> findMetashape(const fs::path& folder) {
     constexpr const char* names[] = {"cameras.xml"};
     return findByHead(folder, names, ".xml", isMetashapeHead);
 }
 
-bool owns(const std::string& name) { return name.ends_with(".xml"); }
+bool ownsMetashape(const std::string& name) { return name.ends_with(".xml"); }
 
 }  // namespace
 
-const ForeignReader metashapeReader{find, owns, parse};
+const ForeignReader metashapeReader{findMetashape, ownsMetashape, parseMetashape};
 
 }  // namespace relamp

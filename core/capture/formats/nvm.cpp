@@ -63,7 +63,7 @@ double fitInverse(Camera& camera, double d) {
     return worst * camera.focalX;
 }
 
-ForeignCameras parse(const fs::path& file, const ForeignFolder& around, Progress& progress) {
+ForeignCameras parseNvm(const fs::path& file, const ForeignFolder& around, Progress& progress) {
     const std::string text = readBytes(file, size_t(2) << 30);
     TextScanner scanner(text);
     TextScanner header(scanner.line());
@@ -118,15 +118,15 @@ ForeignCameras parse(const fs::path& file, const ForeignFolder& around, Progress
     return result;
 }
 
-std::optional<fs::path> find(const fs::path& folder) {
+std::optional<fs::path> findNvm(const fs::path& folder) {
     constexpr const char* names[] = {"reconstruction.nvm"};
     return findByHead(folder, names, ".nvm", isNvmHead);
 }
 
-bool owns(const std::string& name) { return name.ends_with(".nvm"); }
+bool ownsNvm(const std::string& name) { return name.ends_with(".nvm"); }
 
 }  // namespace
 
-const ForeignReader nvmReader{find, owns, parse};
+const ForeignReader nvmReader{findNvm, ownsNvm, parseNvm};
 
 }  // namespace relamp

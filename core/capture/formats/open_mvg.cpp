@@ -20,7 +20,7 @@ bool isOpenMvgHead(std::string_view head) { return head.find("\"sfm_data_version
 /// What cereal wraps: value.ptr_wrapper.data of an entry.
 JsonFields dataOf(const JsonFields& entry) { return entry.object("value").object("ptr_wrapper").object("data"); }
 
-uint64_t idOf(const JsonFields& fields, const char* key) { return fields.get<uint64_t>(key); }
+uint64_t keyOf(const JsonFields& fields, const char* key) { return fields.get<uint64_t>(key); }
 
 Camera cameraOf(const JsonFields& data) {
     Camera camera;
@@ -63,16 +63,16 @@ DMat4 poseOf(const JsonFields& pose) {
     return poseFromAxes(axes, {c[0], c[1], c[2]}, pose.name("rotation"));
 }
 
-ForeignCameras parse(const fs::path& file, const ForeignFolder&, Progress& progress) {
+ForeignCameras parseOpenMvg(const fs::path& file, const ForeignFolder&, Progress& progress) {
     const Json document = parseJson(readBytes(file, foreignFileBytes));
     if (!document.is_object()) throw Error("is {}, expected an object with views", kindOf(document));
     const JsonFields root(document);
     std::map<uint64_t, Camera> cameras;
     for (const JsonFields& entry : root.list("intrinsics"))
-        cameras.emplace(idOf(entry, "key"), cameraOf(dataOf(entry)));
+        cameras.emplace(keyOf(entry, "key"), cameraOf(dataOf(entry)));
     std::map<uint64_t, DMat4> poses;
     for (const JsonFields& entry : root.list("extrinsics"))
-        poses.emplace(idOf(entry, "key"), poseOf(entry.object("value")));
+        poses.emplace(keyOf(entry, "key"), poseOf(entry.object("value")));
     ForeignCameras result;
     const auto views = root.list("views");
     if (views.size() > foreignViews)
@@ -82,8 +82,8 @@ ForeignCameras parse(const fs::path& file, const ForeignFolder&, Progress& progr
     for (const JsonFields& entry : views) {
         progress.check();
         const JsonFields view = dataOf(entry);
-        const auto pose = poses.find(idOf(view, "id_pose"));
-        const auto camera = cameras.find(idOf(view, "id_intrinsic"));
+        const auto pose = poses.find(keyOf(view, "id_pose"));
+        const auto camera = cameras.find(keyOf(view, "id_intrinsic"));
         if (pose == poses.end() || camera == cameras.end()) {
             ++withoutPose;
             continue;
@@ -98,15 +98,15 @@ ForeignCameras parse(const fs::path& file, const ForeignFolder&, Progress& progr
     return result;
 }
 
-std::optional<fs::path> find(const fs::path& folder) {
+std::optional<fs::path> findOpenMvg(const fs::path& folder) {
     constexpr const char* names[] = {"sfm_data.json"};
     return findByHead(folder, names, ".json", isOpenMvgHead);
 }
 
-bool owns(const std::string& name) { return name.starts_with("sfm_data") && name.ends_with(".json"); }
+bool ownsOpenMvg(const std::string& name) { return name.starts_with("sfm_data") && name.ends_with(".json"); }
 
 }  // namespace
 
-const ForeignReader openMvgReader{find, owns, parse};
+const ForeignReader openMvgReader{findOpenMvg, ownsOpenMvg, parseOpenMvg};
 
 }  // namespace relamp

@@ -94,7 +94,7 @@ ForeignView viewFrom(const std::vector<std::string_view>& row, const Places& pla
     });
 }
 
-ForeignCameras parse(const fs::path& file, const ForeignFolder& around, Progress& progress) {
+ForeignCameras parseRealityCapture(const fs::path& file, const ForeignFolder& around, Progress& progress) {
     const std::string text = readBytes(file, foreignFileBytes);
     TextScanner scanner(text);
     const auto places = headerOf(scanner);
@@ -111,15 +111,15 @@ ForeignCameras parse(const fs::path& file, const ForeignFolder& around, Progress
     return result;
 }
 
-std::optional<fs::path> find(const fs::path& folder) {
+std::optional<fs::path> findRealityCapture(const fs::path& folder) {
     constexpr const char* names[] = {"cameras.csv"};
     return findByHead(folder, names, ".csv", isRealityCaptureHead);
 }
 
-bool owns(const std::string& name) { return name.ends_with(".csv"); }
+bool ownsRealityCapture(const std::string& name) { return name.ends_with(".csv"); }
 
 }  // namespace
 
-const ForeignReader realityCaptureReader{find, owns, parse};
+const ForeignReader realityCaptureReader{findRealityCapture, ownsRealityCapture, parseRealityCapture};
 
 }  // namespace relamp

@@ -10,7 +10,7 @@ namespace relamp {
 namespace {
 
 /// Of the slots: a ray that just passes an edge here may hit it there.
-constexpr double agreement = 0.98;
+constexpr double leastAgreement = 0.98;
 
 }  // namespace
 
@@ -48,8 +48,9 @@ void ShadowPlace::measure(const ShadowQuery& query, double processorMs,
             device_->finish(answers_);
             deviceMs_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
         }
-        if (const double agreed = same(answers_); !(agreed >= agreement))
-            throw Error("{:.1f} % of its shadows agree, expected {:.0f} % at least", 100 * agreed, 100 * agreement);
+        if (const double agreed = same(answers_); !(agreed >= leastAgreement))
+            throw Error("{:.1f} % of its shadows agree, expected {:.0f} % at least", 100 * agreed,
+                        100 * leastAgreement);
         if (force_ || deviceMs_ < processorMs_) return;
         device_->clear();
         device_.reset();

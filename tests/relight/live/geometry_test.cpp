@@ -9,7 +9,7 @@ namespace relamp {
 namespace {
 
 /// A floor, a box on it (six sheets: six components joined at their seams) and a square emitter above.
-struct World {
+struct PartsWorld {
     Scene scene;
     EmitterClusters clusters;
     Estimate estimate;
@@ -17,8 +17,8 @@ struct World {
     std::vector<uint32_t> boxTriangles, emitterTriangles;
 };
 
-World world() {
-    World w;
+PartsWorld partsWorld() {
+    PartsWorld w;
     Mesh mesh = test::sheet({-2, -2, 0}, {4, 0, 0}, {0, 4, 0}, 4, 4);
     w.boxVertex = uint32_t(mesh.vertexCount());
     w.boxTriangles = test::append(mesh, test::box({-0.5f, -0.5f, 0.2f}, {0.5f, 0.5f, 1.2f}, 2));
@@ -29,7 +29,7 @@ World world() {
     return w;
 }
 
-AddedEmitter shiningPart(const World& w, const Mat4& matrix) {
+AddedEmitter shiningPart(const PartsWorld& w, const Mat4& matrix) {
     AddedEmitter e;
     e.shape = EmitterShape::part;
     e.id = "glow";
@@ -40,7 +40,7 @@ AddedEmitter shiningPart(const World& w, const Mat4& matrix) {
 }
 
 TEST(LiveGeometry, APartThatShinesBelongsToItsEmitterAndMovesWithIt) {
-    const World w = world();
+    const PartsWorld w = partsWorld();
     Look look;
     look.added.push_back(shiningPart(w, test::translation({0, 0, 1})));
     const RelitScene relit = test::relitOf(w.scene, w.estimate, look);
@@ -58,7 +58,7 @@ TEST(LiveGeometry, APartThatShinesBelongsToItsEmitterAndMovesWithIt) {
 }
 
 TEST(LiveGeometry, ADisabledAddedEmitterIsDarkButKeepsItsPart) {
-    const World w = world();
+    const PartsWorld w = partsWorld();
     Look look;
     look.added.push_back(shiningPart(w, Mat4(1)));
     look.added.push_back({EmitterShape::disk, "d", test::translation({0, 0, 2}), Vec2(1), Rgb(5)});
@@ -71,7 +71,7 @@ TEST(LiveGeometry, ADisabledAddedEmitterIsDarkButKeepsItsPart) {
 }
 
 TEST(LiveGeometry, ACopyIsTheRecoveredEmitterAgainMovedFromWhereItWasFound) {
-    World w = world();
+    PartsWorld w = partsWorld();
     w.estimate.emitters.emitters[0].twoSided = true;
     Look look;
     look.emitters.push_back({"emitter-1", true, test::translation({0, 5, 0}), Rgb(1)});
@@ -92,7 +92,7 @@ TEST(LiveGeometry, ACopyIsTheRecoveredEmitterAgainMovedFromWhereItWasFound) {
 }
 
 TEST(LiveGeometry, NamesAPartThatShinesAlreadyAndASourceThatDoesNotExist) {
-    const World w = world();
+    const PartsWorld w = partsWorld();
     Look twice, emitter, outside, noSource;
     twice.added = {shiningPart(w, Mat4(1)), shiningPart(w, Mat4(1))};
     EXPECT_NE(test::messageOf([&] { test::relitOf(w.scene, w.estimate, twice); }).find("shines already"),
@@ -114,7 +114,7 @@ TEST(LiveGeometry, NamesAPartThatShinesAlreadyAndASourceThatDoesNotExist) {
 }
 
 TEST(LiveGeometry, PartsKeptApartDoubleTheSameVerticesWhereverTheyStand) {
-    const World w = world();
+    const PartsWorld w = partsWorld();
     Look moved;
     moved.emitters.push_back({"emitter-1", true, test::translation({0, 1, 0}), Rgb(1)});
     moved.parts.push_back({w.boxVertex, test::translation({0, 0, 1})});

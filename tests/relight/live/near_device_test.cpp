@@ -54,7 +54,7 @@ private:
 
 using Shown = test::DeviceShown;
 
-Shown show(const std::shared_ptr<NearDevice>& device, bool force = true, bool emitters = true) {
+Shown showNear(const std::shared_ptr<NearDevice>& device, bool force = true, bool emitters = true) {
     const test::DeviceWorld world(emitters ? std::vector<float>{0.4f, 0.1f} : std::vector<float>{});
     LiveOptions options;
     options.devices.near = device;
@@ -83,7 +83,7 @@ float difference(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
 
 TEST(LiveNearDevice, ShowsTheSameImageAsTheProcessor) {
     const auto device = std::make_shared<TestNear>();
-    const Shown without = show(nullptr), with = show(device);
+    const Shown without = showNear(nullptr), with = showNear(device);
     // In the first image the processor takes what the baked masks know in place of rays at the ground.
     EXPECT_LT(difference(without.coarse, with.coarse), 2e-3f);
     EXPECT_LT(difference(without.radiance, with.radiance), 2e-3f);
@@ -94,22 +94,22 @@ TEST(LiveNearDevice, ShowsTheSameImageAsTheProcessor) {
     EXPECT_GT(device->vertices, 4 * 700) << "coarse and fine samples of both images";
     EXPECT_EQ(without.report.nearDevice, "");
     EXPECT_EQ(without.report.deviceNearMs, 0);
-    EXPECT_EQ(with.radiance, show(std::make_shared<TestNear>()).radiance);
+    EXPECT_EQ(with.radiance, showNear(std::make_shared<TestNear>()).radiance);
 }
 
 TEST(LiveNearDevice, ADeviceThatFailsLosesNothingAndIsNotAskedAgain) {
     const auto whole = std::make_shared<TestNear>();
-    const Shown without = show(nullptr), with = show(whole);
+    const Shown without = showNear(nullptr), with = showNear(whole);
     for (const int failsAt : {1, 2, 4, 5, 6, 7, 8, 11, 14, whole->calls - 1, whole->calls}) {
         const auto device = std::make_shared<TestNear>();
         device->failsAt = failsAt;
-        const Shown shown = show(device);
+        const Shown shown = showNear(device);
         EXPECT_LT(difference(without.radiance, shown.radiance), 2e-3f) << failsAt;
         EXPECT_TRUE(failsAt > 4 || shown.radiance == without.radiance) << failsAt;
         EXPECT_EQ(shown.report.nearDevice, "") << failsAt;
         EXPECT_EQ(shown.warnings, 1u) << failsAt;
         EXPECT_EQ(device->calls, failsAt);
-        EXPECT_EQ(show(device).radiance, without.radiance);
+        EXPECT_EQ(showNear(device).radiance, without.radiance);
         EXPECT_EQ(device->calls, failsAt) << "another scene asks it again";
     }
 }
@@ -155,11 +155,11 @@ TEST(LiveNearDevice, AStoppedStartIsForgotten) {
 }
 
 TEST(LiveNearDevice, ADeviceThatAnswersWronglyIsRefused) {
-    const Shown without = show(nullptr);
+    const Shown without = showNear(nullptr);
     for (const float factor : {1.05f, 0.0f, std::numeric_limits<float>::quiet_NaN()}) {
         const auto device = std::make_shared<TestNear>();
         device->factor = factor;
-        const Shown shown = show(device);
+        const Shown shown = showNear(device);
         EXPECT_EQ(shown.radiance, without.radiance);
         EXPECT_EQ(shown.report.nearDevice, "");
         EXPECT_EQ(shown.warnings, 1u);
@@ -169,7 +169,7 @@ TEST(LiveNearDevice, ADeviceThatAnswersWronglyIsRefused) {
 TEST(LiveNearDevice, TheFasterOneIsUsedUnlessForcedAlsoWithoutAnEmitter) {
     for (const bool emitters : {true, false}) {
         const auto device = std::make_shared<TestNear>();
-        const Shown shown = show(device, false, emitters);
+        const Shown shown = showNear(device, false, emitters);
         EXPECT_GT(shown.report.deviceNearMs, 0);
         EXPECT_EQ(shown.report.nearDevice.empty(), shown.report.deviceNearMs >= shown.report.cpuNearMs);
         EXPECT_EQ(device->cleared, shown.report.nearDevice.empty()) << "a device that lost frees its memory";

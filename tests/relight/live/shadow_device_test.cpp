@@ -64,7 +64,7 @@ private:
 
 using Shown = test::DeviceShown;
 
-Shown show(const std::shared_ptr<ShadowDevice>& device, bool force = true) {
+Shown showShadow(const std::shared_ptr<ShadowDevice>& device, bool force = true) {
     const test::DeviceWorld world({0.4f, 0.1f});
     const auto& emitters = world.estimate->emitters.emitters;
     LiveOptions options;
@@ -90,11 +90,11 @@ Shown show(const std::shared_ptr<ShadowDevice>& device, bool force = true) {
 }
 
 TEST(LiveShadowDevice, ShowsTheSameImageAsTheProcessor) {
-    const Shown without = show(nullptr);
+    const Shown without = showShadow(nullptr);
     for (const bool crowded : {false, true}) {
         const auto device = std::make_shared<TestShadow>();
         device->crowded = crowded;
-        const Shown with = show(device);
+        const Shown with = showShadow(device);
         EXPECT_EQ(with.coarse, without.coarse) << crowded;
         EXPECT_EQ(with.radiance, without.radiance) << crowded;
         EXPECT_EQ(with.report.shadowDevice, "test device");
@@ -108,30 +108,30 @@ TEST(LiveShadowDevice, ShowsTheSameImageAsTheProcessor) {
 }
 
 TEST(LiveShadowDevice, ADeviceThatFailsLosesNothingAndIsNotAskedAgain) {
-    const Shown without = show(nullptr);
+    const Shown without = showShadow(nullptr);
     for (const int failsAt : {1, 2, 4, 5, 6, 8}) {
         const auto device = std::make_shared<TestShadow>();
         device->failsAt = failsAt;
-        const Shown shown = show(device);
+        const Shown shown = showShadow(device);
         EXPECT_EQ(shown.coarse, without.coarse) << failsAt;
         EXPECT_EQ(shown.radiance, without.radiance) << failsAt;
         EXPECT_EQ(shown.report.shadowDevice, "") << failsAt;
         EXPECT_EQ(shown.warnings, 1u) << failsAt;
         EXPECT_EQ(device->calls, failsAt);
-        EXPECT_EQ(show(device).radiance, without.radiance);
+        EXPECT_EQ(showShadow(device).radiance, without.radiance);
         EXPECT_EQ(device->calls, failsAt) << "another scene asks it again";
     }
 }
 
 TEST(LiveShadowDevice, OneThatAnswersWronglyIsRefusedAndASlowerOneLeftUnlessForced) {
-    const Shown without = show(nullptr);
+    const Shown without = showShadow(nullptr);
     const auto wrong = std::make_shared<TestShadow>();
     wrong->wrong = true;
-    const Shown refused = show(wrong);
+    const Shown refused = showShadow(wrong);
     EXPECT_EQ(refused.coarse, without.coarse);
     EXPECT_EQ(refused.report.shadowDevice, "");
     EXPECT_EQ(refused.warnings, 1u);
-    const Shown chosen = show(std::make_shared<TestShadow>(), false);
+    const Shown chosen = showShadow(std::make_shared<TestShadow>(), false);
     EXPECT_EQ(chosen.report.shadowDevice.empty(), chosen.report.deviceShadowMs >= chosen.report.cpuShadowMs);
     EXPECT_EQ(chosen.radiance, without.radiance);
 }

@@ -18,7 +18,7 @@ uint64_t nextVersion() {
 }
 
 /// Ground with a box as a movable part.
-struct Stand {
+struct ShadowStand {
     LiveGrid grid;
     EditedGeometry geometry;
     LiveVertices vertices;
@@ -29,7 +29,7 @@ struct Stand {
     std::vector<uint8_t> masks;
     uint64_t version = nextVersion();
 
-    Stand(int side, float size, const Mat4& matrix) : grid(side) {
+    ShadowStand(int side, float size, const Mat4& matrix) : grid(side) {
         Mesh mesh = test::sheet({-2, -2, 0}, {4, 0, 0}, {0, 4, 0}, 18, 18);
         for (Vec3& n : mesh.normals) n = glm::normalize(Vec3(0.1f, -0.2f, 1));
         const size_t ground = mesh.vertexCount(), triangles = mesh.triangles.size();
@@ -95,7 +95,7 @@ protected:
             GTEST_SKIP() << why;
         ASSERT_TRUE(device) << "EGL is here but no context with OpenGL 4.3 could be made: " << why;
     }
-    ShadowAnswers ask(const Stand& stand) {
+    ShadowAnswers ask(const ShadowStand& stand) {
         ShadowAnswers out;
         device->start(stand.query());
         device->finish(out);
@@ -114,7 +114,7 @@ TEST_F(GpuShadow, HidesTheCellsThatTheProcessorFinds) {
     const Mat4 turned =
         glm::mat4(Vec4(0.8f, 0.6f, 0, 0), Vec4(-0.6f, 0.8f, 0, 0), Vec4(0, 0, 1.5f, 0), Vec4(0.2f, 0.1f, 0.3f, 1));
     for (const auto& [side, size] : {std::pair{32, 0.2f}, {32, 0.35f}, {64, 0.1f}, {8, 0.3f}}) {
-        const Stand stand(side, size, turned);
+        const ShadowStand stand(side, size, turned);
         ask(stand);  // it may have had too little room, and then has more
         const ShadowAnswers answers = ask(stand);
         size_t same = 0, entries = 0, wholes = 0, sameWhole = 0, known = 0;
@@ -137,7 +137,7 @@ TEST_F(GpuShadow, HidesTheCellsThatTheProcessorFinds) {
 }
 
 TEST_F(GpuShadow, GivesTheSameEntriesEveryTimeAndFollowsThePart) {
-    Stand stand(32, 0.2f, Mat4(1));
+    ShadowStand stand(32, 0.2f, Mat4(1));
     const auto listsOf = [&](const ShadowAnswers& answers) {
         std::vector<std::vector<uint16_t>> out;
         for (size_t s = 0; s < stand.vertexOfSlot.size(); ++s) out.push_back(entriesOf(answers, s));
