@@ -123,8 +123,7 @@ TEST(Editor, badThingsEndInANoticeAndLeaveTheDocumentAlone) {
 
 TEST(Editor, aSecondEditorIsToldAndCannotOverwriteTheFirst) {
     Session first, second;
-    first.open(captureFolder());
-    first.solve();
+    first.openEstimated();
     first.editor->saveAs(first.folder / "shared");
     first.settle();
     const std::filesystem::path shot = first.folder / "shared.relamp";
@@ -187,8 +186,7 @@ TEST(Editor, aFullDiskIsToldOnceAndAutosavingGoesOnWhenThereIsRoom) {
     options.seconds = [&now] { return now; };
     s.editor = std::make_unique<Editor>(options);
     s.editor->state.solve.quality = "draft";
-    s.open(captureFolder());
-    s.solve();
+    s.openEstimated();
     s.settle();
     signal(SIGXFSZ, SIG_IGN);
     rlimit before{};

@@ -76,7 +76,29 @@ struct Session {
         editor->solve(editor->state.solve);
         until([&] { return !editor->job(); });
     }
+    /// A copy of a shot of that capture, estimated once for all tests; what the estimate is matters to none that opens
+    /// it.
+    inline void openEstimated();
 };
+
+/// The shot that `openEstimated` copies.
+inline const std::filesystem::path& estimatedShot() {
+    static const TemporaryFolder folder;
+    static const std::filesystem::path shot = [] {
+        Session s;
+        s.open(captureFolder());
+        s.solve();
+        s.editor->saveAs(folder / "estimated.relamp");
+        s.settle();
+        return folder / "estimated.relamp";
+    }();
+    return shot;
+}
+
+void Session::openEstimated() {
+    std::filesystem::copy(estimatedShot(), folder / "estimated.relamp", std::filesystem::copy_options::recursive);
+    open(folder / "estimated.relamp");
+}
 
 inline Camera eyeAt(int width, int height) {
     return relamp::test::cameraAt({2, -1.5, 1.5}, {0, 0, 0.2}, width, height, width);

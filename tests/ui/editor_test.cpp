@@ -45,8 +45,7 @@ TEST(Editor, opensEstimatesAndShowsTheScene) {
 
 TEST(Editor, theViewportFollowsEditsAndSolo) {
     Session s;
-    s.open(captureFolder());
-    s.solve();
+    s.openEstimated();
     s.editor->setEye(eyeAt(40, 30), false);
     s.settle();
     const auto brightness = [&] {
@@ -79,8 +78,7 @@ TEST(Editor, theViewportFollowsEditsAndSolo) {
 
 TEST(Editor, exportsWhatTheCommandLineWouldRender) {
     Session s;
-    s.open(captureFolder());
-    s.solve();
+    s.openEstimated();
     s.editor->edit("Move", [](Look& look) { moveEmitter(look, "emitter-1", test::translation({0.2f, 0, 0})); });
     ExportRequest request;
     request.views = ExportRequest::Views::capture;
@@ -118,8 +116,7 @@ TEST(Editor, exportsWhatTheCommandLineWouldRender) {
 
 TEST(Editor, aGestureIsOneEntryAndActionsHaveDistinctKeys) {
     Session s;
-    s.open(captureFolder());
-    s.solve();
+    s.openEstimated();
     const size_t entries = s.editor->history().entries().size();
     s.editor->beginGesture("Turn the environment");
     for (int i = 0; i < 20; ++i) s.editor->preview([&](Look& look) { look.environment.yawDegrees += float(i); });

@@ -10,23 +10,9 @@
 namespace relamp::ui {
 namespace {
 
-/// A shot that is estimated once for all tests of this file.
-const std::filesystem::path& solvedShot() {
-    static const TemporaryFolder folder;
-    static const std::filesystem::path shot = [] {
-        Session s;
-        s.open(captureFolder());
-        s.solve();
-        s.editor->saveAs(folder / "solved.relamp");
-        s.settle();
-        return folder / "solved.relamp";
-    }();
-    return shot;
-}
-
 struct KeyedSession : Session {
     KeyedSession() {
-        open(solvedShot());
+        openEstimated();
         editor->setEye(eyeAt(40, 30), false);
         settle();
     }

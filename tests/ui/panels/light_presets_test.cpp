@@ -7,8 +7,7 @@ namespace {
 
 TEST(LightPresets, aLightIsKeptAndComesBackWithAllItIs) {
     Session s;
-    s.open(captureFolder());
-    s.solve();
+    s.openEstimated();
     Editor& editor = *s.editor;
     EXPECT_TRUE(lightPresets(editor).empty());
     AddedEmitter spot;
@@ -43,8 +42,7 @@ TEST(LightPresets, aLightIsKeptAndComesBackWithAllItIs) {
 
 TEST(LightPresets, aRecoveredLightIsADiskAndABrokenFileIsNamed) {
     Session s;
-    s.open(captureFolder());
-    s.solve();
+    s.openEstimated();
     Editor& editor = *s.editor;
     editor.state.selection.emitters = {"emitter-1"};
     saveLightPreset(editor);
