@@ -87,7 +87,8 @@ int run(const relamp::cli::CommandLine& line, relamp::Progress& progress) {
         case cli::Verb::edit: return cli::edit(line.editPath);
         case cli::Verb::check: return cli::check(line.path, line.fix, line.json, progress);
         case cli::Verb::plan: return cli::plan(line.solve, line.json, progress);
-        case cli::Verb::solve: return cli::solve(line.solve, progress);
+        case cli::Verb::solve:
+            return line.solve.list.empty() ? cli::solve(line.solve, progress) : cli::solveList(line.solve, progress);
         case cli::Verb::render: return cli::render(line.render, progress);
         case cli::Verb::exportShot: return cli::exportShot(line.exported, progress);
         case cli::Verb::paint: return cli::paint(line.paint, progress);

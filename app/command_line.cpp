@@ -127,7 +127,14 @@ CLI::App* addPlan(CLI::App& app, CommandLine& line) {
 CLI::App* addSolve(CLI::App& app, CommandLine& line) {
     CLI::App* verb = app.add_subcommand("solve", "Separate distant light, emitters and reflectance");
     addSolveOptions(*verb, line.solve);
-    verb->add_option("-o,--output", line.solve.output, "Shot folder, NAME.relamp")->required();
+    CLI::Option* capture = verb->get_option("capture")->required(false);
+    verb->add_option("-o,--output", line.solve.output, "Shot folder, NAME.relamp; with --list the folder of the shots")
+        ->required();
+    verb->add_option("--list", line.solve.list,
+                     "Solve the captures of a file, a line each: CAPTURE, or CAPTURE, a tab and the shot's name")
+        ->excludes(capture);
+    verb->add_option("--items", line.solve.items, "Only these of the list, from 1: 3 or 1-4,9");
+    verb->add_flag("--skip-existing", line.solve.skipExisting, "Leave shots of the list that are there already");
     verb->add_option("--time-budget", line.solve.timeBudget, "Seconds after which the best answer so far is kept")
         ->check(CLI::NonNegativeNumber);
     verb->add_option("--gauge", line.solve.gauge,

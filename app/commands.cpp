@@ -154,6 +154,8 @@ PipelineOptions pipelineOptions(const SolveArguments& a) {
 }
 
 int solve(const SolveArguments& a, Progress& progress) {
+    if (a.capture.empty()) throw UsageError("solve: expected a capture, or --list FILE");
+    if (!a.items.empty() || a.skipExisting) throw UsageError("solve: --items and --skip-existing belong to --list");
     const ThreadLimit limit(a.threads);
     PipelineOptions options = pipelineOptions(a);
     if (isThere(a.output) && !a.overwrite)

@@ -33,6 +33,9 @@ struct SolveArguments {
     int gridSide = 0, threads = 0, palette = 0;
     uint64_t seed = 1;
     bool overwrite = false, acceptPoor = false, everything = false, resume = false, findLight = false;
+    fs::path list;              ///< in place of `capture`; `output` is then the folder of the shots
+    std::string items;          ///< of the list, as numbers of frames are given; empty: all
+    bool skipExisting = false;  ///< of the list
 };
 
 struct RenderArguments {
@@ -89,6 +92,7 @@ int check(const fs::path& capture, const CaptureFix& fix, bool json, Progress& p
 /// Throws UsageError for a wrong option.
 PipelineOptions pipelineOptions(const SolveArguments& arguments);
 int solve(const SolveArguments& arguments, Progress& progress);
+int solveList(const SolveArguments& arguments, Progress& progress);
 int render(const RenderArguments& arguments, Progress& progress);
 /// The same of a plate; called by render().
 int renderPlate(const RenderArguments& arguments, Progress& progress);

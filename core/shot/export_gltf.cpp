@@ -6,6 +6,7 @@
 
 #include "base/json_fields.h"
 #include "shot/export_scene.h"
+#include "shot/scene_materials.h"
 
 namespace relamp {
 namespace {
@@ -16,7 +17,7 @@ constexpr int floats = 5126, indices = 5125, vertexBuffer = 34962,
 struct Document {
     Json root{{"asset", {{"version", "2.0"}, {"generator", "relamp " RELAMP_VERSION}}},
               {"scene", 0},
-              {"extensionsUsed", {"KHR_materials_emissive_strength"}}};
+              {"extensionsUsed", {"KHR_materials_emissive_strength", "KHR_materials_specular"}}};
     std::string buffer;
 
     /// Appends `bytes` as a view and an accessor over it; returns the accessor's number.
@@ -53,7 +54,17 @@ int positions(Document& d, const ExportedComponent& component) {
 Json materialOf(const ExportedComponent& component) {
     Json material{{"name", component.name}, {"doubleSided", component.twoSided || !component.emits}};
     if (!component.emits) {
-        material["pbrMetallicRoughness"] = {{"metallicFactor", 0}, {"roughnessFactor", 1}};
+        const SurfaceMaterial surface = surfaceMaterialOf(component);
+        material["pbrMetallicRoughness"] = {{"metallicFactor", surface.metallic},
+                                            {"roughnessFactor", surface.roughness}};
+        // Index 1.5 and full strength are what glTF assumes; a matte surface has to say that it has no coating.
+        const Rgb& tint = surface.specularColour;
+        material["extensions"]["KHR_materials_specular"] = {{"specularFactor", surface.specular},
+                                                            {"specularColorFactor", {tint.x, tint.y, tint.z}}};
+        for (const ExportedLobe& l : component.lobes)
+            material["extras"]["relamp_lobes"].push_back({{"kind", kindName(l.lobe.kind)},
+                                                          {"alpha", l.lobe.alpha},
+                                                          {"weight", {l.weight.x, l.weight.y, l.weight.z}}});
         if (!component.texcoords.empty())
             material["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}, {"texCoord", 0}};
         return material;

@@ -20,9 +20,54 @@ namespace {
 Json listOf(const Vec3& v) { return {v.x, v.y, v.z}; }
 Json listOf(const DVec3& v) { return {v.x, v.y, v.z}; }
 
-/// The triangles of the mesh that belong to `emitter` (-1: to none), with their vertices numbered anew; of those with
-/// texels or of those without. A vertex on the seam between two charts is there twice.
-ExportedComponent componentOf(const RelitScene& relit, int emitter, bool textured, const std::string& id,
+/// More kinds of surface than this are exported as one, matte.
+constexpr size_t mostMaterials = 64;
+
+/// The kinds of surface by the lobes beside the matte part, which are kept per connected component.
+struct Materials {
+    std::vector<uint32_t> ofVertex;  ///< empty: all are one
+    std::vector<std::vector<ExportedLobe>> lobes{1};
+};
+
+Materials materialsOf(const RelitScene& relit) {
+    Materials materials;
+    if (relit.weight.size() < 2) return materials;
+    std::map<std::vector<float>, uint32_t> known;
+    const size_t vertices = relit.weight[0].size();
+    materials.ofVertex.resize(vertices);
+    materials.lobes.clear();
+    for (size_t v = 0; v < vertices; ++v) {
+        std::vector<float> key;
+        for (size_t k = 1; k < relit.weight.size(); ++k)
+            for (int c = 0; c < 3; ++c) key.push_back(relit.weight[k][v][c]);
+        const auto [at, isNew] = known.emplace(std::move(key), uint32_t(known.size()));
+        materials.ofVertex[v] = at->second;
+        if (!isNew) continue;
+        if (known.size() > mostMaterials) return {};
+        std::vector<ExportedLobe> lobes;
+        for (size_t k = 1; k < relit.weight.size(); ++k)
+            if (maxChannel(relit.weight[k][v]) > 0) lobes.push_back({relit.basis.lobes[k], relit.weight[k][v]});
+        materials.lobes.push_back(std::move(lobes));
+    }
+    return materials;
+}
+
+/// Of which triangles a component is made.
+struct Selected {
+    int emitter = -1;  ///< -1: of none
+    bool textured = false;
+    uint32_t material = 0;
+    const Materials* materials = nullptr;
+    bool holds(const RelitScene& relit, uint32_t t) const {
+        if (relit.emitterOfTriangle[t] != emitter) return false;
+        if (bool(relit.texture && relit.texture->has(t)) != textured) return false;
+        return !materials || materials->ofVertex.empty() ||
+               materials->ofVertex[relit.scene.mesh.triangles[t][0]] == material;
+    }
+};
+
+/// The selected triangles with their vertices numbered anew. A vertex on the seam between two charts is there twice.
+ExportedComponent componentOf(const RelitScene& relit, const Selected& selected, const std::string& id,
                               const std::string& name, const Vec3& origin) {
     const Mesh& mesh = relit.scene.mesh;
     const AlbedoTexture* texture = relit.texture.get();
@@ -32,10 +77,10 @@ ExportedComponent componentOf(const RelitScene& relit, int emitter, bool texture
     component.origin = origin;
     std::map<std::tuple<uint32_t, float, float>, uint32_t> place;
     for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-        if (relit.emitterOfTriangle[t] != emitter || (texture && texture->has(t)) != textured) continue;
+        if (!selected.holds(relit, t)) continue;
         Triangle triangle = mesh.triangles[t];
         FaceTexcoords texcoords{};
-        if (textured) {
+        if (selected.textured) {
             texcoords = texcoordsOf(*texture, t);
             if (!relit.mirrored.empty() && relit.mirrored[t]) std::swap(texcoords[1], texcoords[2]);
         }
@@ -47,7 +92,7 @@ ExportedComponent componentOf(const RelitScene& relit, int emitter, bool texture
                 component.positions.push_back(mesh.positions[v] - origin);
                 component.normals.push_back(mesh.normals[v]);
                 component.albedo.push_back(relit.weightsAt(v).albedo());
-                if (textured) component.texcoords.push_back(texcoords[k]);
+                if (selected.textured) component.texcoords.push_back(texcoords[k]);
             }
             triangle[k] = at->second;
         }
@@ -57,7 +102,7 @@ ExportedComponent componentOf(const RelitScene& relit, int emitter, bool texture
     return component;
 }
 
-Json lightsJson(const Shot& shot, const ExportedScene& scene) {
+Json lightsJson(const Shot& shot, const ExportedScene& scene, bool interreflection) {
     Json lights = Json::array();
     for (const ExportedComponent& p : scene.components) {
         if (!p.emits) continue;
@@ -103,6 +148,8 @@ Json lightsJson(const Shot& shot, const ExportedScene& scene) {
               {"radiance", "linear Rec.709 in units of the photographs"},
               {"flux", "pi x radiance x area"}}},
             {"gauge", {{"kind", gauge.kind}, {"evidence", gauge.evidence}}},
+            {"origin", listOf(scene.origin)},
+            {"interreflection", interreflection},
             {"environment",
              {{"file", "environment.exr"},
               {"projection", "latitude-longitude"},
@@ -168,8 +215,7 @@ ExportedScene exportedScene(const RelitScene& relit, const Capture& capture) {
     scene.origin = capture.origin;
     for (size_t e = 0; e < relit.emitters.size(); ++e) {
         const RelitEmitter& emitter = relit.emitters[e];
-        scene.components.push_back(
-            componentOf(relit, int(e), false, emitter.id, emitter.name, emitter.surface.centroid));
+        scene.components.push_back(componentOf(relit, {int(e)}, emitter.id, emitter.name, emitter.surface.centroid));
         scene.components.back().radiance = emitter.emission.level;
         scene.components.back().sunDegrees = emitter.sunDegrees;
         scene.components.back().shadows = emitter.shadows;
@@ -183,9 +229,20 @@ ExportedScene exportedScene(const RelitScene& relit, const Capture& capture) {
         scene.components.back().emits = true;
         scene.components.back().twoSided = emitter.surface.twoSided;
     }
-    if (relit.texture) scene.components.push_back(componentOf(relit, -1, true, "surfaces", "surfaces", Vec3(0)));
-    const std::string rest = relit.texture ? "plain surfaces" : "surfaces";
-    scene.components.push_back(componentOf(relit, -1, false, rest, rest, Vec3(0)));
+    const Materials materials = materialsOf(relit);
+    for (const bool textured : {true, false}) {
+        if (textured && !relit.texture) continue;
+        const std::string kind = relit.texture && !textured ? "plain surfaces" : "surfaces";
+        size_t count = 0;
+        for (uint32_t m = 0; m < materials.lobes.size(); ++m) {
+            const std::string name = count == 0 ? kind : fmt::format("{} {}", kind, count + 1);
+            ExportedComponent component = componentOf(relit, {-1, textured, m, &materials}, name, name, Vec3(0));
+            if (component.triangles.empty()) continue;
+            component.lobes = materials.lobes[m];
+            scene.components.push_back(std::move(component));
+            ++count;
+        }
+    }
     for (const View& view : capture.views) scene.views.push_back({view.name, view.camera});
     return scene;
 }
@@ -225,7 +282,8 @@ void exportScene(const Shot& shot, const RelitScene& relit, const fs::path& fold
         (!fs::is_directory(folder, failed) || (!overwrite && !fs::is_empty(folder, failed))))
         throw Error("{}: exists already, add --overwrite to write into it", folder.string());
     for (const char* name : {"environment.exr", "materials.ply", "transforms.json", "lights.usda", "lights.bin",
-                             "lights.gltf", "lights.json", "surfaces.obj", "surfaces.mtl", "albedo.exr", "albedo.png"})
+                             "lights.gltf", "lights.json", "surfaces.obj", "surfaces.mtl", "albedo.exr", "albedo.png",
+                             "materials.mtlx", "scene.py", "relight.nk"})
         inputs.refuse(folder / name);
     fs::create_directories(folder, failed);
     if (failed) throw Error("{}: cannot be made ({})", folder.string(), failed.message());
@@ -240,13 +298,19 @@ void exportScene(const Shot& shot, const RelitScene& relit, const fs::path& fold
     const Obj obj = objOf(scene, "surfaces.mtl");
     writeBytesAtomically(folder / "surfaces.mtl", obj.materials);
     writeBytesAtomically(folder / "surfaces.obj", obj.geometry);
+    writeBytesAtomically(folder / "materials.mtlx", materialXOf(scene));
+    writeBytesAtomically(folder / "scene.py", blenderScript());
+    std::vector<std::string> groups;
+    for (const RelitEmitter& emitter : relit.emitters) groups.push_back(emitter.name);
+    writeBytesAtomically(folder / "relight.nk", nukeOf(groups));
     if (relit.texture) {
         writeTexture(*relit.texture, folder / "albedo.exr");
         Image shown(relit.texture->width, relit.texture->height);
         shown.pixels = relit.texture->texels;
         writeImage(folder / "albedo.png", shown);
     }
-    writeBytesAtomically(folder / "lights.json", dumpJson(lightsJson(shot, scene), 1) + "\n");
+    writeBytesAtomically(folder / "lights.json",
+                         dumpJson(lightsJson(shot, scene, !relit.bounced.world.empty()), 1) + "\n");
 }
 
 }  // namespace relamp

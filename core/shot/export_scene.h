@@ -5,9 +5,16 @@
 #include <vector>
 
 #include "relight/relit_scene.h"
+#include "shot/frame_layers.h"
 #include "shot/shot_file.h"
 
 namespace relamp {
+
+/// A lobe beside the matte part.
+struct ExportedLobe {
+    Lobe lobe;
+    Rgb weight;
+};
 
 /// A component of the scene's surface, in metres about `origin`, which counts from the scene's; Z is up.
 struct ExportedComponent {
@@ -17,6 +24,7 @@ struct ExportedComponent {
     std::vector<Vec3> positions;  ///< relative to origin
     std::vector<Vec3> normals;
     std::vector<Rgb> albedo;          ///< diffuse
+    std::vector<ExportedLobe> lobes;  ///< the same on all of it; empty: matte
     std::vector<Vec2> texcoords;      ///< u to the right, v up; empty: its colour is `albedo` alone
     std::vector<Triangle> triangles;  ///< counter-clockwise from outside
     Rgb radiance{0};                  ///< emitted, linear Rec.709; where it is shaped: the shaping's unit
@@ -35,9 +43,10 @@ struct ExportedView {
 };
 
 struct ExportedScene {
-    std::vector<ExportedComponent> components;  ///< the emitters in order, then surfaces with texture, then the rest
-    std::vector<ExportedView> views;            ///< their cameras count from origin
-    DVec3 origin{0};  ///< Capture::origin: double where single precision would not hold the places
+    /// The emitters in order, then surfaces with texture, then the rest, each by the lobes that they have.
+    std::vector<ExportedComponent> components;
+    std::vector<ExportedView> views;  ///< their cameras count from origin
+    DVec3 origin{0};                  ///< Capture::origin: double where single precision would not hold the places
 };
 
 /// The components of a scene under a look. Cost: one pass over the mesh.
@@ -65,14 +74,30 @@ struct Obj {
 };
 Obj objOf(const ExportedScene& scene, const std::string& materialFile, const std::string& textureFile = "albedo.png");
 
+/// MaterialX 1.38: an open_pbr_surface for each surface, whose colour is `textureFile` (linear) or the primvar
+/// displayColor, a surface_unlit for each emitter, and the assignments to the prims of the USD.
+std::string materialXOf(const ExportedScene& scene, const std::string& textureFile = "albedo.exr");
+
+/// A Nuke script that adds the light groups of a frame up again, each through a Grade of its own: `frameFile` is what
+/// its Read node asks for, `groups` the emitters' names of its layers.
+std::string nukeOf(const std::vector<std::string>& groups, LayerNaming naming = LayerNaming::blender,
+                   const std::string& frameFile = "frame.####.exr");
+
+/// What Blender runs to rebuild the scene from the files beside it (assets/export/scene.py).
+std::string blenderScript();
+
+/// The prims of the components in usdaOf, in order; "" where there is none. No two alike.
+std::vector<std::string> primNamesOf(const ExportedScene& scene);
+
 /// The views as a transforms.json (axes of the scene, Z up); images are named relative to `folder`, the mesh is
 /// `meshFile`.
 std::string transformsOf(const Capture& capture, const std::filesystem::path& folder, const std::string& meshFile);
 
-/// Writes lights.json, lights.usda, lights.gltf with lights.bin, surfaces.obj with surfaces.mtl, environment.exr
-/// (float, 1024 x 512), materials.ply (all vertices: albedo, weights of every lobe, emitter) and transforms.json into
-/// `folder`, each whole or not at all. Where there is a texture also albedo.exr (linear) and albedo.png (sRGB, 8 bits).
-/// Throws Error when the folder holds something already and `overwrite` is false; OutOfResources when the disk is full.
+/// Writes lights.json, lights.usda, lights.gltf with lights.bin, surfaces.obj with surfaces.mtl, materials.mtlx,
+/// scene.py for Blender, relight.nk for Nuke, environment.exr (float, 1024 x 512), materials.ply (all vertices: albedo,
+/// weights of every lobe, emitter) and transforms.json into `folder`, each whole or not at all. Where there is a
+/// texture also albedo.exr (linear) and albedo.png (sRGB, 8 bits). Throws Error when the folder holds something already
+/// and `overwrite` is false; OutOfResources when the disk is full.
 void exportScene(const Shot& shot, const RelitScene& relit, const std::filesystem::path& folder, bool overwrite,
                  const InputFiles& inputs = {});
 

@@ -3,6 +3,7 @@
 #include <set>
 
 #include "shot/export_scene.h"
+#include "shot/scene_materials.h"
 
 namespace relamp {
 namespace {
@@ -106,6 +107,7 @@ std::string meshOf(const ExportedComponent& given, const DVec3& origin, const st
     } else {
         s += "        color3f[] primvars:displayColor = " + list(p.albedo, tuple) +
              " (\n            interpolation = \"vertex\"\n        )\n";
+        s += fmt::format("        rel material:binding = </relamp/Materials/{}>\n", name);
     }
     return s + "    }\n\n";
 }
@@ -136,14 +138,38 @@ std::string materialOf(const ExportedComponent& p, const std::string& name) {
         name, tuple(p.radiance));
 }
 
-std::string texturedMaterial(const std::string& name, const std::string& file) {
+/// Roughness and coating; UsdPreviewSurface has no weight of the coating, so its index follows from the reflectance at
+/// right angles.
+std::string glossInputs(const ExportedComponent& p) {
+    const SurfaceMaterial surface = surfaceMaterialOf(p);
+    const float root = std::sqrt(0.04f * surface.specular);
+    return fmt::format(
+        "                float inputs:roughness = {}\n                float inputs:metallic = {}\n                "
+        "float "
+        "inputs:ior = {}\n",
+        surface.roughness, surface.metallic, (1 + root) / (1 - root));
+}
+
+/// Its colour is a texture of `file`, or the primvar displayColor where it has no texture coordinates.
+std::string surfaceMaterial(const ExportedComponent& p, const std::string& name, const std::string& file) {
+    if (p.texcoords.empty())
+        return fmt::format(
+            "        def Material \"{0}\"\n        {{\n            token outputs:surface.connect = "
+            "</relamp/Materials/{0}/surface.outputs:surface>\n\n"
+            "            def Shader \"surface\"\n            {{\n                uniform token info:id = "
+            "\"UsdPreviewSurface\"\n                color3f inputs:diffuseColor.connect = "
+            "</relamp/Materials/{0}/albedo.outputs:result>\n{1}                token outputs:surface\n            "
+            "}}\n\n"
+            "            def Shader \"albedo\"\n            {{\n                uniform token info:id = "
+            "\"UsdPrimvarReader_float3\"\n                string inputs:varname = \"displayColor\"\n                "
+            "float3 outputs:result\n            }}\n        }}\n\n",
+            name, glossInputs(p));
     return fmt::format(
         "        def Material \"{0}\"\n        {{\n            token outputs:surface.connect = "
         "</relamp/Materials/{0}/surface.outputs:surface>\n\n"
         "            def Shader \"surface\"\n            {{\n                uniform token info:id = "
         "\"UsdPreviewSurface\"\n                color3f inputs:diffuseColor.connect = "
-        "</relamp/Materials/{0}/albedo.outputs:rgb>\n                float inputs:roughness = 1\n                token "
-        "outputs:surface\n            }}\n\n"
+        "</relamp/Materials/{0}/albedo.outputs:rgb>\n{2}                token outputs:surface\n            }}\n\n"
         "            def Shader \"albedo\"\n            {{\n                uniform token info:id = "
         "\"UsdUVTexture\"\n                asset inputs:file = @./{1}@\n                token "
         "inputs:sourceColorSpace = \"raw\"\n                float2 inputs:st.connect = "
@@ -151,7 +177,7 @@ std::string texturedMaterial(const std::string& name, const std::string& file) {
         "            def Shader \"st\"\n            {{\n                uniform token info:id = "
         "\"UsdPrimvarReader_float2\"\n                string inputs:varname = \"st\"\n                float2 "
         "outputs:result\n            }}\n        }}\n\n",
-        name, file);
+        name, file, glossInputs(p));
 }
 
 /// The film is 36 units wide; USD counts focal lengths and apertures in tenths of the scene's unit, which is the same
@@ -172,23 +198,36 @@ std::string cameraOf(const ExportedView& view, const DVec3& origin, const std::s
         (c.centreY - 0.5 * c.height) * height / c.height, matrix(c.worldFromCamera));
 }
 
+std::set<std::string> takenNames() { return {"Materials", "environment"}; }
+
 }  // namespace
 
+std::vector<std::string> primNamesOf(const ExportedScene& scene) {
+    std::set<std::string> taken = takenNames();
+    std::vector<std::string> names;
+    for (const ExportedComponent& c : scene.components)
+        names.push_back(c.triangles.empty() && !(c.sunDegrees > 0) ? "" : primName(c.name, taken));
+    return names;
+}
+
 std::string usdaOf(const ExportedScene& scene, const std::string& environmentFile, const std::string& textureFile) {
-    std::set<std::string> taken{"Materials", "environment"};
+    const std::vector<std::string> names = primNamesOf(scene);
+    std::set<std::string> taken = takenNames();
+    taken.insert(names.begin(), names.end());
     std::string s = "#usda 1.0\n(\n    defaultPrim = \"relamp\"\n    metersPerUnit = 1\n    upAxis = \"Z\"\n)\n\ndef "
                     "Xform \"relamp\"\n{\n",
                 materials;
-    for (const ExportedComponent& component : scene.components) {
-        if (component.triangles.empty() && !(component.sunDegrees > 0)) continue;
-        const std::string name = primName(component.name, taken);
+    for (size_t i = 0; i < scene.components.size(); ++i) {
+        const ExportedComponent& component = scene.components[i];
+        const std::string& name = names[i];
+        if (name.empty()) continue;
         if (component.sunDegrees > 0) {
             s += sunOf(component, name);
             continue;
         }
         s += meshOf(component, scene.origin, name);
         if (component.emits) materials += materialOf(component, name);
-        else if (!component.texcoords.empty()) materials += texturedMaterial(name, textureFile);
+        else materials += surfaceMaterial(component, name, textureFile);
     }
     // A dome's image has its centre towards +Z, its left towards +X, its top towards +Y; ours has +X, +Y and +Z
     // there.

@@ -60,7 +60,7 @@ std::vector<FrameJob> numberedJobs(std::vector<FrameJob> all, const std::string&
 
 }  // namespace
 
-std::vector<int> parseFrameRange(const std::string& text) {
+std::vector<int> parseFrameRange(const std::string& text, const std::string& option) {
     std::vector<int> numbers;
     size_t at = 0;
     while (at <= text.size()) {
@@ -68,16 +68,16 @@ std::vector<int> parseFrameRange(const std::string& text) {
         std::string part = text.substr(at, comma - at);
         int step = 1;
         if (const size_t colon = part.find(':'); colon != std::string::npos) {
-            step = wholeNumber(part.substr(colon + 1), "--frames");
+            step = wholeNumber(part.substr(colon + 1), option);
             part.resize(colon);
-            if (step < 1) throw BadOption("--frames: a step of 0 never ends");
+            if (step < 1) throw BadOption("{}: a step of 0 never ends", option);
         }
         const size_t dash = part.find('-');
-        const int first = wholeNumber(part.substr(0, dash), "--frames");
-        const int last = dash == std::string::npos ? first : wholeNumber(part.substr(dash + 1), "--frames");
-        if (last < first) throw BadOption("--frames: {} runs backwards", part);
+        const int first = wholeNumber(part.substr(0, dash), option);
+        const int last = dash == std::string::npos ? first : wholeNumber(part.substr(dash + 1), option);
+        if (last < first) throw BadOption("{}: {} runs backwards", option, part);
         if (size_t(last - first) / size_t(step) + numbers.size() >= maxFrames)
-            throw BadOption("--frames: {} asks for more than {} frames", text, maxFrames);
+            throw BadOption("{}: {} asks for more than {} numbers", option, text, maxFrames);
         for (int n = first; n <= last; n += step) numbers.push_back(n);
         at = comma + 1;
     }

@@ -25,7 +25,7 @@ struct FrameJob {
 std::vector<FrameJob> frameJobs(const Capture& capture, const std::string& camera, const std::string& frames,
                                 const std::string& size, const std::filesystem::path& output);
 
-/// Numbers of a range expression, at most a million; throws BadOption naming what is wrong.
-std::vector<int> parseFrameRange(const std::string& text);
+/// Numbers of a range expression, at most a million; throws BadOption naming the option and what is wrong.
+std::vector<int> parseFrameRange(const std::string& text, const std::string& option = "--frames");
 
 }  // namespace relamp

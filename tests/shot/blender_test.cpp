@@ -59,6 +59,43 @@ TEST_F(Blender, FindsTheEmitterWhereItStoodWithItsRadiance) {
     EXPECT_NEAR(emitter["area"].get<double>(), 0.125, 1e-6);
 }
 
+TEST_F(Blender, RendersTheRebuiltSceneAsRelampDoes) {
+    // A principal point off the centre, so that the camera's shifts take part.
+    shot.capture.views[0].camera.centreX += 2;
+    shot.capture.views[0].camera.centreY -= 1.5;
+    exportScene(shot, relit, folder / "out", false);
+    const auto rendered = folder / "cycles.exr";
+    const test::ProgramResult r =
+        test::runProgram({blender, "-b", "--factory-startup", "--python-exit-code", "1", "--python",
+                          (folder / "out/scene.py").string(), "--", "--samples", "256", "--render", rendered.string()});
+    ASSERT_EQ(r.exitCode, 0) << r.out << r.error;
+    const Image cycles = readImage(rendered);
+    FrameOptions options;
+    options.samplesPerPixel = 64;
+    Progress progress;
+    const Frame frame = renderFrame(relit, shot.capture.views[0].camera, options, progress);
+    ASSERT_EQ(cycles.pixels.size(), frame.beauty.size());
+    // The floor, its edges left out; the environment; the lamp, which nobody sees from below its edge.
+    Rgb ours(0), theirs(0);
+    size_t floor = 0;
+    for (int y = 1; y + 1 < cycles.height; ++y)
+        for (int x = 1; x + 1 < cycles.width; ++x) {
+            const auto whole = [&](int dx, int dy) {
+                const size_t at = size_t((y + dy) * cycles.width + x + dx);
+                return frame.alpha[at] > 0.999f && frame.emittersSeen[at][0].emitter < 0;
+            };
+            if (!whole(0, 0) || !whole(1, 0) || !whole(-1, 0) || !whole(0, 1) || !whole(0, -1)) continue;
+            const size_t at = size_t(y * cycles.width + x);
+            ++floor;
+            ours += frame.beauty[at];
+            theirs += cycles.pixels[at];
+            EXPECT_NEAR(cycles.pixels[at].x / frame.beauty[at].x, 1, 0.06) << x << " " << y;
+        }
+    EXPECT_GT(floor, 60u);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(theirs[c] / ours[c], 1, 0.01) << c;
+    EXPECT_NEAR(cycles.pixels[0].x, frame.beauty[0].x, 1e-3) << "the environment";
+}
+
 TEST_F(Blender, OpensEveryLayerOfAFrame) {
     for (const bool multipart : {false, true}) {
         FrameFileOptions how;

@@ -1,0 +1,315 @@
+"""Rebuilds the scene that `relamp export` wrote beside this file, in Blender:
+
+    blender --python scene.py
+    blender -b --python scene.py -- --view 0 --samples 256 --render frame.exr
+
+Every light is an object with a light group of its own, the environment is the group "world". Radiance, albedo and
+places are those of relamp: view 0 of matte surfaces is the frame that `relamp render` makes of it. Glossy lobes are
+Glossy BSDFs of the same roughness. Lens distortion, IES profiles and images of lights are left out and said so.
+"""
+import argparse
+import array
+import json
+import math
+import os
+import sys
+
+import bpy
+import mathutils
+
+FOLDER = os.path.dirname(os.path.abspath(__file__))
+
+
+def read(name):
+    with open(os.path.join(FOLDER, name), encoding="utf-8") as file:
+        return json.load(file)
+
+
+def note(text):
+    print("relamp: " + text)
+
+
+def mesh_of(name, positions, triangles, base):
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata([[p[k] - base[k] for k in range(3)] for p in positions], [], [list(t) for t in triangles])
+    mesh.update()
+    thing = bpy.data.objects.new(name, mesh)
+    bpy.context.scene.collection.objects.link(thing)
+    return thing
+
+
+def new_material(name):
+    material = bpy.data.materials.new(name)
+    material.use_nodes = True
+    nodes = material.node_tree.nodes
+    nodes.clear()
+    return material, nodes, material.node_tree.links, nodes.new("ShaderNodeOutputMaterial")
+
+
+def maths(nodes, links, operation, a, b=None):
+    node = nodes.new("ShaderNodeMath")
+    node.operation = operation
+    for at, value in enumerate((a, b)):
+        if value is None:
+            continue
+        if isinstance(value, (int, float)):
+            node.inputs[at].default_value = value
+        else:
+            links.new(value, node.inputs[at])
+    return node.outputs[0]
+
+
+def strength_of(light, nodes, links):
+    """1, or what the front's side, cone and focus leave; None where nothing is to be multiplied."""
+    geometry = nodes.new("ShaderNodeNewGeometry")
+    strength = None if light["two_sided"] else maths(nodes, links, "SUBTRACT", 1, geometry.outputs["Backfacing"])
+    shaping = light.get("shaping", {})
+    for key in ("ies_file", "gobo_file", "surface_file"):
+        if key in shaping:
+            note("%s: its %s is left out" % (light["name"], key))
+    if "cone_degrees" not in shaping and "focus" not in shaping:
+        return strength
+    dot = nodes.new("ShaderNodeVectorMath")
+    dot.operation = "DOT_PRODUCT"
+    links.new(geometry.outputs["Incoming"], dot.inputs[0])
+    dot.inputs[1].default_value = shaping["axis"]
+    cosine = dot.outputs["Value"]
+    factors = [strength] if strength else []
+    if "cone_degrees" in shaping:
+        outer = math.radians(shaping["cone_degrees"])
+        inner = outer * (1 - shaping.get("cone_softness", 0))
+        fade = nodes.new("ShaderNodeMapRange")
+        fade.interpolation_type = "SMOOTHSTEP"
+        links.new(maths(nodes, links, "ARCCOSINE", cosine), fade.inputs["Value"])
+        fade.inputs["From Min"].default_value = outer
+        fade.inputs["From Max"].default_value = min(inner, outer - 1e-6)
+        factors.append(fade.outputs["Result"])
+    if shaping.get("focus", 0) > 0:
+        factors.append(maths(nodes, links, "POWER", maths(nodes, links, "MAXIMUM", cosine, 0), shaping["focus"]))
+    product = factors[0]
+    for factor in factors[1:]:
+        product = maths(nodes, links, "MULTIPLY", product, factor)
+    return product
+
+
+def add_light(light, base):
+    if light["type"] == "sun":
+        data = bpy.data.lights.new(light["name"], "SUN")
+        strongest = max(max(light["irradiance"]), 1e-30)
+        data.energy = strongest
+        data.color = [c / strongest for c in light["irradiance"]]
+        data.angle = math.radians(light["angle_degrees"])
+        data.use_shadow = light["shadows"]
+        data.cycles.cast_shadow = light["shadows"]
+        thing = bpy.data.objects.new(light["name"], data)
+        bpy.context.scene.collection.objects.link(thing)
+        thing.rotation_mode = "QUATERNION"
+        thing.rotation_quaternion = mathutils.Vector(light["direction"]).to_track_quat("-Z", "Y")
+    else:
+        thing = mesh_of(light["name"], light["positions"], light["triangles"], base)
+        material, nodes, links, output = new_material(light["name"])
+        emission = nodes.new("ShaderNodeEmission")
+        strongest = max(max(light["radiance"]), 1e-30)
+        emission.inputs["Color"].default_value = [c / strongest for c in light["radiance"]] + [1]
+        strength = strength_of(light, nodes, links)
+        if strength is None:
+            emission.inputs["Strength"].default_value = strongest
+        else:
+            links.new(maths(nodes, links, "MULTIPLY", strength, strongest), emission.inputs["Strength"])
+        links.new(emission.outputs[0], output.inputs["Surface"])
+        thing.data.materials.append(material)
+        if not light.get("shadows", True):
+            note("%s: shadows cannot be switched off for a mesh" % light["name"])
+    thing["relamp_id"] = light["id"]
+    group(thing, light["name"])
+
+
+def group(thing, name):
+    layer = bpy.context.view_layer
+    if name not in [g.name for g in layer.lightgroups]:
+        bpy.ops.scene.view_layer_add_lightgroup(name=name)
+    thing.lightgroup = layer.lightgroups[-1].name if name not in [g.name for g in layer.lightgroups] else name
+
+
+def values(gltf, buffer, accessor):
+    entry = gltf["accessors"][accessor]
+    view = gltf["bufferViews"][entry["bufferView"]]
+    numbers = array.array({5126: "f", 5125: "I"}[entry["componentType"]])
+    begin = view.get("byteOffset", 0)
+    numbers.frombytes(buffer[begin:begin + view["byteLength"]])
+    if sys.byteorder == "big":
+        numbers.byteswap()
+    return numbers
+
+
+def add_surface(gltf, buffer, node):
+    part = gltf["meshes"][node["mesh"]]["primitives"][0]
+    attributes, material = part["attributes"], gltf["materials"][part["material"]]
+    flat = values(gltf, buffer, attributes["POSITION"])
+    corners = values(gltf, buffer, part["indices"])
+    thing = mesh_of(node["name"], zip(flat[0::3], flat[1::3], flat[2::3]),
+                    zip(corners[0::3], corners[1::3], corners[2::3]), (0, 0, 0))
+    mesh = thing.data
+    normals = values(gltf, buffer, attributes["NORMAL"])
+    mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
+    mesh.use_auto_smooth = True
+    mesh.normals_split_custom_set_from_vertices(list(zip(normals[0::3], normals[1::3], normals[2::3])))
+    made, nodes, links, output = new_material(node["name"])
+    diffuse = nodes.new("ShaderNodeBsdfDiffuse")
+    if "TEXCOORD_0" in attributes:
+        places = values(gltf, buffer, attributes["TEXCOORD_0"])
+        layer = mesh.uv_layers.new(name="relamp")
+        for loop in mesh.loops:
+            at = 2 * loop.vertex_index
+            layer.data[loop.index].uv = (places[at], 1 - places[at + 1])
+        albedo = nodes.new("ShaderNodeTexImage")
+        albedo.image = bpy.data.images.load(os.path.join(FOLDER, "albedo.exr"), check_existing=True)
+        albedo.image.colorspace_settings.is_data = True
+        albedo.extension = "EXTEND"
+    else:
+        colours = values(gltf, buffer, attributes["COLOR_0"])
+        layer = mesh.color_attributes.new("relamp", "FLOAT_COLOR", "POINT")
+        rgba = array.array("f", [1.0]) * (len(colours) // 3 * 4)
+        for k in range(3):
+            rgba[k::4] = colours[k::3]
+        layer.data.foreach_set("color", rgba)
+        albedo = nodes.new("ShaderNodeVertexColor")
+        albedo.layer_name = "relamp"
+    links.new(albedo.outputs["Color"], diffuse.inputs["Color"])
+    closure = diffuse.outputs[0]
+    for lobe in material.get("extras", {}).get("relamp_lobes", []):
+        gloss = nodes.new("ShaderNodeBsdfGlossy")
+        gloss.distribution = "GGX"
+        gloss.inputs["Roughness"].default_value = math.sqrt(lobe["alpha"])
+        gloss.inputs["Color"].default_value = lobe["weight"] + [1]
+        shader = gloss.outputs[0]
+        if lobe["kind"] == "ggx_dielectric":
+            fresnel, mix = nodes.new("ShaderNodeFresnel"), nodes.new("ShaderNodeMixShader")
+            fresnel.inputs["IOR"].default_value = 1.5
+            black = nodes.new("ShaderNodeBsdfTransparent")
+            black.inputs["Color"].default_value = (0, 0, 0, 1)
+            links.new(fresnel.outputs[0], mix.inputs[0])
+            links.new(black.outputs[0], mix.inputs[1])
+            links.new(shader, mix.inputs[2])
+            shader = mix.outputs[0]
+        elif lobe["kind"] != "ggx":
+            note("%s: a lobe %s is shown as GGX" % (node["name"], lobe["kind"]))
+        total = nodes.new("ShaderNodeAddShader")
+        links.new(closure, total.inputs[0])
+        links.new(shader, total.inputs[1])
+        closure = total.outputs[0]
+    links.new(closure, output.inputs["Surface"])
+    mesh.materials.append(made)
+
+
+def add_environment():
+    world = bpy.data.worlds.new("relamp environment")
+    world.use_nodes = True
+    nodes, links = world.node_tree.nodes, world.node_tree.links
+    picture = nodes.new("ShaderNodeTexEnvironment")
+    picture.image = bpy.data.images.load(os.path.join(FOLDER, "environment.exr"))
+    picture.image.colorspace_settings.is_data = True
+    links.new(picture.outputs["Color"], nodes["Background"].inputs["Color"])
+    world.cycles.sampling_method = "MANUAL"
+    world.cycles.sample_map_resolution = 1024
+    bpy.context.scene.world = world
+    group(world, "world")
+
+
+def add_camera(frame, base):
+    data = bpy.data.cameras.new(frame["file_path"])
+    thing = bpy.data.objects.new(frame["file_path"], data)
+    bpy.context.scene.collection.objects.link(thing)
+    rows = [list(row) for row in frame["transform_matrix"]]
+    for k in range(3):
+        rows[k][3] -= base[k]
+    thing.matrix_world = mathutils.Matrix(rows[:3] + [[0, 0, 0, 1]])
+    width, height = frame["w"], frame["h"]
+    data.sensor_fit = "HORIZONTAL"
+    data.sensor_width = 36
+    data.lens = 36 * frame["fl_x"] / width
+    data.shift_x = (0.5 * width - frame["cx"]) / width
+    data.shift_y = (frame["cy"] - 0.5 * height) / width * frame["fl_x"] / frame["fl_y"]
+    data.clip_start, data.clip_end = 0.001, 1e5
+    thing["relamp_size"] = [width, height]
+    thing["relamp_pixel_aspect"] = frame["fl_x"] / frame["fl_y"]
+    if any(frame.get(k, 0) for k in ("k1", "k2", "k3", "k4", "p1", "p2", "omega", "skew")):
+        note("%s: its lens distortion is left out" % frame["file_path"])
+    return thing
+
+
+def use(camera):
+    """Looks through a camera at its photograph's size."""
+    scene = bpy.context.scene
+    scene.camera = camera
+    scene.render.resolution_x, scene.render.resolution_y = [int(x) for x in camera["relamp_size"]]
+    scene.render.resolution_percentage = 100
+    aspect = camera["relamp_pixel_aspect"]
+    scene.render.pixel_aspect_x, scene.render.pixel_aspect_y = max(1, 1 / aspect), max(1, aspect)
+
+
+def settings(bounced, samples):
+    scene = bpy.context.scene
+    scene.render.engine = "CYCLES"
+    cycles = scene.cycles
+    cycles.samples = samples
+    cycles.use_adaptive_sampling = False
+    cycles.use_denoising = False
+    cycles.light_sampling_threshold = 0
+    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
+    cycles.pixel_filter_type = "BOX"
+    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = 8 if bounced else 0
+    cycles.caustics_reflective = bounced
+    cycles.blur_glossy = 0
+    scene.view_settings.view_transform = "Standard"
+    scene.unit_settings.system = "METRIC"
+    scene.render.image_settings.file_format = "OPEN_EXR"
+    scene.render.image_settings.color_depth = "32"
+
+
+def build(samples=256):
+    for thing in list(bpy.data.objects):
+        bpy.data.objects.remove(thing)
+    lights, gltf, cameras = read("lights.json"), read("lights.gltf"), read("transforms.json")
+    with open(os.path.join(FOLDER, gltf["buffers"][0]["uri"]), "rb") as file:
+        buffer = file.read()
+    base = lights["origin"]
+    if any(base):
+        note("the scene stands about its own origin, %s" % base)
+    settings(lights["interreflection"], samples)
+    for node in gltf["nodes"]:
+        if "mesh" not in node:
+            continue
+        material = gltf["meshes"][node["mesh"]]["primitives"][0]["material"]
+        if "emissiveFactor" not in gltf["materials"][material]:
+            add_surface(gltf, buffer, node)
+    for light in lights["lights"]:
+        add_light(light, base)
+    add_environment()
+    views = [add_camera(frame, base) for frame in cameras["frames"]]
+    if views:
+        use(views[0])
+    return views
+
+
+def main():
+    arguments = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else []
+    parser = argparse.ArgumentParser(prog="scene.py", description="Rebuilds a scene that relamp exported.")
+    parser.add_argument("--view", type=int, default=0, help="the camera to look through, from 0")
+    parser.add_argument("--samples", type=int, default=256)
+    parser.add_argument("--render", metavar="FILE.exr", help="renders it, linear")
+    parser.add_argument("--save", metavar="FILE.blend")
+    options = parser.parse_args(arguments)
+    views = build(options.samples)
+    if not 0 <= options.view < max(1, len(views)):
+        sys.exit("scene.py: --view %d: there are %d" % (options.view, len(views)))
+    if views:
+        use(views[options.view])
+    if options.save:
+        bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(options.save))
+    if options.render:
+        bpy.context.scene.render.filepath = os.path.abspath(options.render)
+        bpy.ops.render.render(write_still=True)
+
+
+main()
