@@ -125,10 +125,9 @@ def add_light(light, base):
 
 
 def group(thing, name):
-    layer = bpy.context.view_layer
-    if name not in [g.name for g in layer.lightgroups]:
-        bpy.ops.scene.view_layer_add_lightgroup(name=name)
-    thing.lightgroup = layer.lightgroups[-1].name if name not in [g.name for g in layer.lightgroups] else name
+    """Blender may change the name (no dots, no two alike); the group that was made is the last one."""
+    bpy.ops.scene.view_layer_add_lightgroup(name=name)
+    thing.lightgroup = bpy.context.view_layer.lightgroups[-1].name
 
 
 def values(gltf, buffer, accessor):
@@ -152,7 +151,8 @@ def add_surface(gltf, buffer, node):
     mesh = thing.data
     normals = values(gltf, buffer, attributes["NORMAL"])
     mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
-    mesh.use_auto_smooth = True
+    if hasattr(mesh, "use_auto_smooth"):
+        mesh.use_auto_smooth = True
     mesh.normals_split_custom_set_from_vertices(list(zip(normals[0::3], normals[1::3], normals[2::3])))
     made, nodes, links, output = new_material(node["name"])
     diffuse = nodes.new("ShaderNodeBsdfDiffuse")

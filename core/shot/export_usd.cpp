@@ -50,11 +50,11 @@ std::string shapingOf(const LightShaping& shaping) {
         "        float inputs:shaping:cone:angle = {}\n        float inputs:shaping:cone:softness = {}\n"
         "        float inputs:shaping:focus = {}\n",
         shaping.coneDegrees, shaping.coneSoftness, shaping.focus);
+    if (shaping.iesFile.empty()) return s;
     std::string file = std::filesystem::absolute(shaping.iesFile).generic_string();
     std::erase_if(file, [](char c) { return c == '@' || static_cast<unsigned char>(c) < 32; });
-    if (!shaping.iesFile.empty())
-        s += "        asset inputs:shaping:ies:file = @" + file + "@\n        bool inputs:shaping:ies:normalize = 0\n";
-    return s;
+    return s + "        asset inputs:shaping:ies:file = @" + file +
+           "@\n        bool inputs:shaping:ies:normalize = 0\n";
 }
 
 /// With its positions in axes of its own: a shaped light's axis has to be -Z there.

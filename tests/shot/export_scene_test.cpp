@@ -115,6 +115,12 @@ TEST_F(ExportedShot, HasSunsAndShapedLightsAsUsdLuxHasThem) {
     EXPECT_EQ(lights[0]["direction"], (nlohmann::json{0, 0, -1}));
     EXPECT_EQ(lights[1]["shaping"]["cone_degrees"], 30);
     EXPECT_LT(lights[1]["flux"][0].get<double>(), 10 * piD * piD * 0.0025 / 4);
+    // A cone needs no photometric file.
+    look.added[1].shaping.iesFile.clear();
+    const std::string plain =
+        usdaOf(exportedScene(test::relitOf(scene, shot.estimate, look), shot.capture), "environment.exr");
+    EXPECT_NE(plain.find("inputs:shaping:cone:angle = 30"), std::string::npos);
+    EXPECT_EQ(plain.find("ies:file"), std::string::npos);
 }
 
 TEST_F(ExportedShot, HasEnvironmentMaterialsAndCameras) {
