@@ -76,8 +76,7 @@ struct Session {
         editor->solve(editor->state.solve);
         until([&] { return !editor->job(); });
     }
-    /// A copy of a shot of that capture, estimated once for all tests; what the estimate is matters to none that opens
-    /// it.
+    /// A copy of a shot of that capture, for tests that need any estimate.
     inline void openEstimated();
 };
 
