@@ -12,6 +12,7 @@
 #include "editor.h"
 #include "gui.h"
 #include "item_map.h"
+#include "keys.h"
 #include "layout.h"
 #include "panels/panels.h"
 #include "thumbnails.h"
@@ -43,7 +44,7 @@ public:
     }
     bool waiting() const { return !queue_.empty(); }
     /// Hands the next key to a command or to the viewport.
-    void deliver(Editor& editor, const Gui& gui) {
+    void deliver(Editor& editor, const Gui& gui, const Viewport* viewport) {
         input().pressed = 0;
         input().typed.clear();
         if (queue_.empty()) return;
@@ -51,7 +52,8 @@ public:
         queue_.pop_front();
         // As they were when the key went down: by now they may be up again.
         input().control = key.control, input().shift = key.shift, input().alt = key.alt;
-        if (!gui.popupOpen() && !dialogOpen(editor) && !editor.inGesture() && key.key &&
+        const bool ofADrag = viewport && viewport->takesEscape() && key.key == keyEscape;
+        if (!gui.popupOpen() && !dialogOpen(editor) && !editor.inGesture() && key.key && !ofADrag &&
             runKey(editor, {key.key, key.control, key.shift, key.alt}))
             return;
         input().pressed = key.key;
@@ -70,6 +72,19 @@ double patience(const Editor& editor, const Window& window, const Gui& gui, cons
     if (gui.typing()) return 0.5;           // the caret blinks
     if (editor.unsavedChanges()) return 5;  // autosave
     return -1;
+}
+
+/// What the screen shows, since when.
+struct Drawn {
+    std::shared_ptr<const LiveFrame> light;
+    Clock::time_point time;
+};
+
+/// In a drag a frame without the light of the present step would only hold that light up, where drawing takes the same
+/// processors. A tenth of a second at most.
+bool waitForLight(const Editor& editor, const Viewport* viewport, const Drawn& drawn) {
+    return viewport && viewport->software() && editor.inGesture() && editor.imageOwed() &&
+           editor.liveFrame() == drawn.light && secondsSince(drawn.time) < 0.1;
 }
 
 std::string titleOf(const Editor& editor) {
@@ -103,6 +118,7 @@ bool runWindow(Editor& editor, const ApplicationOptions& options, fs::path& open
     std::string title, quality = options.quality;
     Clock::time_point second = Clock::now();
     int frames = 0;
+    Drawn drawn;
     bool lost = false, shownBusy = false;  // shownBusy: the last frame showed work that was going on
     while (!editor.quitting()) {
         const bool event =
@@ -139,13 +155,18 @@ bool runWindow(Editor& editor, const ApplicationOptions& options, fs::path& open
         gui.beginFrame();
         window.readModifiers();
         keys.add(window.takeKeys(), gui);
-        keys.deliver(editor, gui);
+        keys.deliver(editor, gui, viewport.get());
         shownBusy = editor.busy();
         drawLayout(editor, viewport.get(), reason);
-        writeItemMap(editor);
+        if (waitForLight(editor, viewport.get(), drawn)) {
+            gui.skipFrame();
+            continue;
+        }
+        drawn = {editor.liveFrame(), Clock::now()};
         const double cpu = secondsSince(start);
         gui.endFrame(int(pixels.x), int(pixels.y));
         window.swap();
+        writeItemMap(editor);
         ++frames;
         editor.state.frameCpuMs = viewport ? viewport->cpuMs() : cpu * 1000;
         if (const double passed = secondsSince(second); passed > 1) {

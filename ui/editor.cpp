@@ -229,6 +229,8 @@ bool Editor::refining() const {
     return impl_->relight.working() || impl_->relightDistant.working() || impl_->relightBefore.working();
 }
 
+bool Editor::imageOwed() const { return impl_->relight.imageOwed(); }
+
 void Editor::setEye(const Camera& eye, bool orthographic) {
     impl_->eye = eye;
     impl_->orthographic = orthographic;

@@ -133,6 +133,8 @@ public:
     /// Asks where the light at a point comes from; the answer arrives in state.pointLight.
     void pick(const std::optional<PickedPoint>& point);
     bool refining() const;
+    /// An image of the present look was asked for, and nothing of it has come yet.
+    bool imageOwed() const;
     /// The estimate was made with other settings than state.solve now has.
     bool stale() const;
 

@@ -197,6 +197,8 @@ void Editor::Impl::setDocument(Document document, Version version, const std::st
         ours.time.frame = keys.front().frame;
     }
     snapshot.reset();
+    ours.scope.reset();
+    ours.probe.reset();
     ours.document = std::move(document);
     ours.selection = {};
     ours.pointLight.reset();

@@ -129,6 +129,8 @@ void Gui::endFrame(int framebufferWidth, int framebufferHeight) {
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
+void Gui::skipFrame() { ImGui::EndFrame(); }
+
 bool Gui::typing() const { return ImGui::GetIO().WantTextInput; }
 bool Gui::popupOpen() const { return ImGui::GetCurrentContext()->OpenPopupStack.Size > 0; }
 

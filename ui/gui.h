@@ -19,6 +19,8 @@ public:
     void beginFrame();
     /// Draws everything over a clear background.
     void endFrame(int framebufferWidth, int framebufferHeight);
+    /// Ends a frame of which nothing is drawn.
+    void skipFrame();
     /// A text field has the keyboard.
     bool typing() const;
     /// A menu, a dialog or a combo is open.

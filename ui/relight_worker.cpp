@@ -16,6 +16,9 @@ bool sameImage(const RelightRequest& a, const RelightRequest& b) {
 
 namespace {
 
+/// A hand in a drag that has not moved for this long lies still: then the image is refined.
+constexpr std::chrono::milliseconds handAtRest(250);
+
 /// From the axis to the farthest corner of the image, with a little to spare for a turn of the head; radians.
 float halfAngleOf(const Camera& camera) {
     if (!(camera.focalX > 0) || !(camera.focalY > 0)) return 0;
@@ -52,7 +55,11 @@ void RelightWorker::request(RelightRequest request) {
         // An image at rest ends at once. A slice is finished first, or a steady drag would never show anything; so is
         // a bake, unless another scene is wanted.
         if (running_ && (runningIsRest_ || !sameScene)) running_->requestStop();
-        if (!same) rest_.reset();
+        if (!same) {
+            rest_.reset();
+            owed_ = request.scene && request.estimate;
+            changedAt_ = std::chrono::steady_clock::now();
+        }
         if (request.scene != request_.scene) frame_.reset();
         request_ = std::move(request);
         ++serial_;
@@ -85,6 +92,10 @@ std::string RelightWorker::takeError() {
 bool RelightWorker::working() const {
     std::lock_guard lock(mutex_);
     return working_;
+}
+bool RelightWorker::imageOwed() const {
+    std::lock_guard lock(mutex_);
+    return owed_;
 }
 bool RelightWorker::refining() const {
     std::lock_guard lock(mutex_);
@@ -150,6 +161,7 @@ void RelightWorker::publish(const LiveScene& live, const RelightRequest& request
     {
         std::lock_guard lock(mutex_);
         if (request_.scene == request.scene) frame_ = std::move(frame), frameTime_ = request.time, taken_ = false;
+        if (sameImage(request_, request)) owed_ = false;
         refining_ = !refined || serial_ != serial;
     }
     if (wake_) wake_();
@@ -158,6 +170,7 @@ void RelightWorker::publish(const LiveScene& live, const RelightRequest& request
 bool RelightWorker::waitUntilTaken(uint64_t serial, const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, stop, std::chrono::milliseconds(200), [&] { return taken_ || serial_ != serial; });
+    changed_.wait_until(lock, stop, changedAt_ + handAtRest, [&] { return serial_ != serial; });
     return serial_ != serial || stop.stop_requested();
 }
 
@@ -224,11 +237,10 @@ void RelightWorker::run(std::stop_token stop) {
                 held.orthographic = request.orthographic;
             }
             if (!refined) {
-                // The first image is shown before it is refined: what moves follows the hand.
-                if (changed) publish(*live, request, serial, false);
-                else if (request.dragging && waitUntilTaken(serial, stop)) continue;
-                // In a drag the next step waits for the slice that runs: they are short then.
-                refined = live->refine(request.dragging ? 0.012 : 0.04, *progress);
+                if (!changed && request.dragging && waitUntilTaken(serial, stop)) continue;
+                // The first image is shown before it is refined: what moves follows the hand. In a drag the next step
+                // waits for the slice that runs: they are short then.
+                refined = live->refine(changed ? 0 : request.dragging ? 0.012 : 0.04, *progress);
                 publish(*live, request, serial, refined);
                 if (!refined) continue;
             } else if (request.time != held.time) {
@@ -273,6 +285,10 @@ void RelightWorker::run(std::stop_token stop) {
                 error_ = error.what();
             }
             done = serial;
+            {
+                std::lock_guard lock(mutex_);
+                owed_ = false;
+            }
             if (wake_) wake_();
         }
     }

@@ -1,6 +1,7 @@
 // One thread that relights: it owns the live scene and always works on the latest request, never on a queue, so that
 // the window never waits. At rest it renders a per-pixel image from the same eye, sharper with every pass.
 #pragma once
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -60,6 +61,8 @@ public:
     std::string takeError();
     /// Work is left for the present request.
     bool working() const;
+    /// The latest request was another image, and nothing of it has come yet.
+    bool imageOwed() const;
     /// Coarse images are on their way: not counting the per-pixel image at rest.
     bool refining() const;
 
@@ -70,9 +73,11 @@ private:
     std::function<LiveDevices()> makeDevices_;
     bool forceDevice_;
     RelightRequest request_;
-    uint64_t serial_ = 0;                ///< of the latest request
-    std::shared_ptr<Progress> running_;  ///< of the step in work, so that a new request can end it
+    uint64_t serial_ = 0;                                ///< of the latest request
+    std::chrono::steady_clock::time_point changedAt_{};  ///< when another image was asked for
+    std::shared_ptr<Progress> running_;                  ///< of the step in work, so that a new request can end it
     bool runningIsRest_ = false;
+    bool owed_ = false;  ///< imageOwed()
     std::shared_ptr<const LiveFrame> frame_;
     int64_t frameTime_ = 0;
     mutable bool taken_ = true;  ///< frame_ was
@@ -89,7 +94,8 @@ private:
     void run(std::stop_token stop);
     /// Hands out what `live` shows of `request`, unless another scene was asked for meanwhile.
     void publish(const LiveScene& live, const RelightRequest& request, uint64_t serial, bool refined);
-    /// So that the window's drawing has the processors. True when there is a newer request, or the end.
+    /// So that the window's drawing has the processors, and the next step of a hand that moves. True when there is a
+    /// newer request, or the end.
     bool waitUntilTaken(uint64_t serial, const std::stop_token& stop);
     void renderAtRest(const RelightRequest& request, uint64_t serial, const std::stop_token& stop);
 };

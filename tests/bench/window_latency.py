@@ -4,7 +4,7 @@
     window_latency.py EDITOR SHOT [--steps 40] [--busy] [--size 1600x1000]
 
 Starts Xvfb and the editor on SHOT, selects the first light, moves it with G and the mouse, then clicks. Prints the median and the 90th
-percentile of a step in milliseconds, and the seconds until the light is refined, and until the image at rest is there. --busy: another
+percentile of a step in milliseconds, from the motion to the end of the swap that shows its light, and the seconds until the light is refined, and until the image at rest is there. --busy: another
 process computes on one core meanwhile. Needs Xvfb and xdotool. A figure holds one look at a file every 2 ms."""
 import argparse
 import json

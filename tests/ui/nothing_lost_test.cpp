@@ -386,6 +386,35 @@ TEST(RestImage, isNeverCoarserThanTheImageBeforeIt) {
     EXPECT_GT(images, 0u);
 }
 
+TEST(LiveImage, isOwedUntilItShowsTheStepOfTheHand) {
+    Panels p;
+    p.openSolved();
+    Editor& editor = *p.editor;
+    p.until([&] { return editor.liveFrame() && !editor.imageOwed() && !editor.busy(); });
+    const std::string id = editor.emitters()[0].id;
+    const auto before = editor.liveFrame();
+    editor.beginGesture("Move");
+    Mat4 by(1);
+    by[3] = Vec4(0.1f, 0, 0, 1);
+    editor.preview([&](Look& look) { moveEmitter(look, id, by); });
+    editor.requestImage();
+    EXPECT_TRUE(editor.imageOwed());
+    p.until([&] { return !editor.imageOwed(); });
+    // The first image that comes has the light at its new place.
+    EXPECT_NE(editor.liveFrame()->mesh, before->mesh);
+    editor.abandonGesture();
+}
+
+TEST(Scope, goesWithItsDocument) {
+    Panels p;
+    p.openCapture();
+    p.editor->state.scope = std::make_shared<const relamp::Scope>();
+    p.editor->state.probe = Rgb(1);
+    p.openCapture();
+    EXPECT_FALSE(p.editor->state.scope);
+    EXPECT_FALSE(p.editor->state.probe);
+}
+
 TEST(TemperatureTint, theOneLeavesTheOther) {
     for (const float kelvin : {2400.0f, 3200.0f, 6504.0f, 12000.0f})
         for (const float tint : {-0.6f, 0.0f, 0.4f}) {

@@ -99,6 +99,9 @@ struct GlTarget {
 void uploadRgba8(GlTexture& texture, int width, int height, const uint8_t* rgba);
 void uploadHalf(GlTexture& texture, int width, int height, const float* rgba, bool repeatX);
 
+/// The present context draws on the processor.
+bool softwareRenderer();
+
 /// Throws Error with the version found unless the context is OpenGL 4.3 or later.
 void requireOpenGl43();
 

@@ -239,7 +239,7 @@ void Interaction::act(Editor& editor, const Canvas& canvas, const ViewportImage&
             }
             break;
         case Drag::box:
-            if (ImGui::IsMouseClicked(ImGuiMouseButton_Right)) drag_ = Drag::none;
+            if (ImGui::IsMouseClicked(ImGuiMouseButton_Right) || input().pressed == keyEscape) drag_ = Drag::none;
             else if (!held) selectBox(editor, canvas, mouse), drag_ = Drag::none;
             break;
         case Drag::click:

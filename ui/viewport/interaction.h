@@ -17,6 +17,8 @@ public:
     /// Everything else, after it: `image` says what can be picked.
     void act(Editor& editor, const Canvas& canvas, const ViewportImage& image, bool hovered, bool active);
     void draw(const Canvas& canvas, const ViewportImage& image);
+    /// The pointer draws a box, a stroke or a light's place: Esc gives that up, and does nothing else.
+    bool takesEscape() const { return drag_ == Drag::box || drag_ == Drag::stroke || drag_ == Drag::placement; }
     bool gestureRunning() const { return gesture_.running(); }
     void abandon(Editor& editor) { gesture_.abandon(editor); }
 

@@ -92,7 +92,10 @@ void drawEmitterMarks(const Canvas& canvas, const std::string& hovered) {
                    active = canvas.editor->state.selection.active() == emitter.id;
         const bool lit =
             emitter.enabled && (solo.empty() || std::find(solo.begin(), solo.end(), emitter.id) != solo.end());
-        const ImU32 stroke = selected ? (active ? IM_COL32(255, 178, 64, 255) : IM_COL32(226, 138, 40, 255))
+        Rgb tint = emitter.radiance;
+        const float most = maxChannel(tint);
+        tint = most > 0 ? glm::pow(glm::max(tint / most, Rgb(0)), Rgb(1 / 2.2f)) : Rgb(0.5f);
+        const ImU32 stroke = selected                ? tintOf(active ? tint : 0.75f * tint)
                              : hovered == emitter.id ? IM_COL32(255, 255, 255, 255)
                                                      : IM_COL32(205, 205, 205, 235);
         const float r = markRadius * 0.62f * s;
@@ -112,9 +115,6 @@ void drawEmitterMarks(const Canvas& canvas, const std::string& hovered) {
         }
         canvas.list->AddCircleFilled(toIm(*at), r + 5 * s, IM_COL32(0, 0, 0, 70));
         if (itemMapOn()) notePoint("emitter:" + emitter.id, *at);
-        Rgb tint = emitter.radiance;
-        const float most = maxChannel(tint);
-        tint = most > 0 ? glm::pow(glm::max(tint / most, Rgb(0)), Rgb(1 / 2.2f)) : Rgb(0.5f);
         canvas.list->AddCircleFilled(toIm(*at), r, lit ? tintOf(tint) : IM_COL32(50, 50, 50, 230));
         canvas.list->AddCircle(toIm(*at), r, stroke, 0, 1.4f * s);
         if (lit) {

@@ -230,7 +230,8 @@ void Renderer::drawOutline(const ImageJob& job, const Mat4& clipFromWorld) {
     outline_.use();
     setInt(outline_, "mask", 0);
     setInt(outline_, "radius", job.outlineRadius);
-    glUniform4f(outline_.uniform("colour"), 1.0f, 0.62f, 0.16f, 0.95f);
+    const Rgb& line = job.outlineColour;
+    glUniform4f(outline_.uniform("colour"), line.r, line.g, line.b, 0.95f);
     bindTexture(0, mask_.colour.id());
     drawWhole();
     glDisable(GL_BLEND);

@@ -40,8 +40,9 @@ struct ImageJob {
     GpuMesh* outlined = nullptr;  ///< with `outlineIndices`: the triangles of the selected emitters
     GlBuffer* outlineIndices = nullptr;
     size_t outlineCount = 0;
-    int outlineRadius = 2;             ///< framebuffer pixels
-    int outlineBox[4] = {0, 0, 0, 0};  ///< framebuffer pixels that may show a line: left, bottom, width, height
+    Rgb outlineColour{1.0f, 0.62f, 0.16f};  ///< display values
+    int outlineRadius = 2;                  ///< framebuffer pixels
+    int outlineBox[4] = {0, 0, 0, 0};       ///< framebuffer pixels that may show a line: left, bottom, width, height
 };
 
 class Renderer {

@@ -20,6 +20,7 @@ struct Viewport::Impl {
     Interaction interaction;
     ThumbnailTextures thumbnails;
     std::weak_ptr<const Scene> framedScene;
+    const bool software = softwareRenderer();
     bool broken = false;  ///< the driver refused something: said once
     double cpuMs = 0;
 
@@ -112,6 +113,8 @@ void Viewport::draw(Editor& editor) {
     }
 }
 
+bool Viewport::software() const { return impl_->software; }
+bool Viewport::takesEscape() const { return impl_->interaction.takesEscape(); }
 double Viewport::cpuMs() const { return impl_->cpuMs; }
 uint64_t Viewport::thumbnail(const std::string& key, const std::function<Image()>& make) {
     return impl_->thumbnails.texture(key, make);

@@ -15,6 +15,10 @@ public:
     /// Fills the present ImGui window's content region: toolbar on top, image, overlays. Mouse and keys inside it act
     /// on `editor`.
     void draw(Editor& editor);
+    /// The driver draws on the processors that also relight.
+    bool software() const;
+    /// A drag over the image that Esc gives up.
+    bool takesEscape() const;
     /// CPU time of the last draw() without what the rasteriser took, milliseconds.
     double cpuMs() const;
     /// An image as a texture for a panel, uploaded once per key. Returns 0 when there is no GL.

@@ -76,8 +76,13 @@ ViewportImage::Key ViewportImage::keyOf(const Editor& editor, const EyeView& eye
     return key;
 }
 
-void ViewportImage::update(Editor& editor, const EyeView& eye, float pixelsPerPoint) {
+void ViewportImage::update(Editor& editor, const EyeView& whole, float pixelsPerPoint) {
     drawMs_ = 0;
+    EyeView eye = whole;
+    if (software_ && editor.inGesture()) {
+        eye.width = (eye.width + 1) / 2, eye.height = (eye.height + 1) / 2;
+        pixelsPerPoint *= 0.5f;
+    }
     Key key = keyOf(editor, eye, pixelsPerPoint);
     if (sample_ >= 0 && key == key_) {
         // Smoothing waits for the end of a drag: the next step would wait for it.
@@ -244,6 +249,10 @@ void ViewportImage::makeOutline(const Editor& editor, const EyeView& eye, float 
     job_.outlined = &meshes_[pickSlot_].geometry;
     job_.outlineIndices = &outline_;
     job_.outlineCount = outlineCount_;
+    // In the light's own colour, also where it is off.
+    if (const EmitterState* active = editor.emitter(editor.state.selection.active()))
+        if (const float most = maxChannel(active->radiance); most > 0)
+            job_.outlineColour = glm::pow(glm::max(active->radiance / most, Rgb(0.02f)), Rgb(1 / 2.2f));
     job_.outlineRadius = std::clamp(int(std::lround(1.6f * pixelsPerPoint)), 1, 5);
     const Vec2 scale = Vec2(eye.width, eye.height) / eye.size;
     const Vec2 pad(float(job_.outlineRadius + 2));

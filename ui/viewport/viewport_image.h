@@ -12,8 +12,9 @@ namespace relamp::ui {
 
 class ViewportImage {
 public:
-    /// Draws when needed. `pixelsPerPoint` scales the outline.
-    void update(Editor& editor, const EyeView& eye, float pixelsPerPoint);
+    /// Draws when needed. `pixelsPerPoint` scales the outline. In a drag a software renderer draws half as many pixels
+    /// a side; the first image after it is whole again.
+    void update(Editor& editor, const EyeView& whole, float pixelsPerPoint);
     uint64_t texture() { return renderer_.texture(); }
     /// Nothing is left to smooth: no further frame is needed.
     bool settled() const { return sample_ + 1 >= Renderer::samplesAtRest; }
@@ -56,6 +57,7 @@ private:
     Renderer renderer_;
     Key key_;
     int sample_ = -1;
+    bool software_ = softwareRenderer();  ///< each pixel costs the processors that relight
     double drawMs_ = 0;
     ImageJob job_;
     std::array<Painted, 3> meshes_;
