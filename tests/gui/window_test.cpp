@@ -202,6 +202,20 @@ TEST(GuiWindow, aKilledEditorOffersTheWorkAgain) {
     ASSERT_TRUE(desk.settled());
     desk.moveTo(512, 250);
     desk.key("ctrl+a");
+    // Esc gives a box up and leaves the selection alone.
+    const Json chosen = desk.map()["selected"];
+    ASSERT_FALSE(chosen.empty()) << state(desk);
+    const Json image = desk.map()["items"]["viewport"];
+    const int left = image[0].get<int>() + 30, low = image[3].get<int>() - 30;
+    desk.moveTo(left, low);
+    desk.pause();
+    desk.xdotool("mousedown 1");
+    desk.pause();
+    for (int i = 1; i <= 4; ++i) desk.moveTo(left + 10 * i, low - 10 * i), desk.pause();
+    desk.key("Escape");
+    desk.xdotool("mouseup 1");
+    desk.pause();
+    EXPECT_EQ(desk.map()["selected"], chosen);
     desk.key("m");
     ASSERT_TRUE(desk.until(
         [](const Json& m) { return m["label"].get<std::string>().find("Switch off") != std::string::npos; }, 10))
