@@ -106,12 +106,15 @@ void uploadHalf(GlTexture& texture, int width, int height, const float* rgba, bo
     setSampling(GL_LINEAR, repeatX ? GL_REPEAT : GL_CLAMP_TO_EDGE);
 }
 
-bool softwareRenderer() {
-    const char* text = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
-    const std::string renderer = text ? text : "";
+bool isSoftware(const std::string& renderer) {
     for (const char* name : {"llvmpipe", "softpipe", "swrast", "SWR", "Software"})
         if (renderer.find(name) != std::string::npos) return true;
     return false;
+}
+
+bool softwareRenderer() {
+    const char* text = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+    return text && isSoftware(text);
 }
 
 void requireOpenGl43() {

@@ -99,7 +99,9 @@ struct GlTarget {
 void uploadRgba8(GlTexture& texture, int width, int height, const uint8_t* rgba);
 void uploadHalf(GlTexture& texture, int width, int height, const float* rgba, bool repeatX);
 
-/// The present context draws on the processor.
+/// The driver of this name draws on the processor.
+bool isSoftware(const std::string& renderer);
+/// So does that of the present context.
 bool softwareRenderer();
 
 /// Throws Error with the version found unless the context is OpenGL 4.3 or later.

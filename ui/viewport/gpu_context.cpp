@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "base/error.h"
+#include "viewport/gl_objects.h"
 #include "viewport/shader_sources.h"
 
 namespace relamp::ui {
@@ -110,11 +111,7 @@ void GpuContext::release() {
     if (eglGetCurrentContext() == context_) eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
 }
 
-bool GpuContext::software() const {
-    for (const char* name : {"llvmpipe", "softpipe", "swrast", "SWR", "Software"})
-        if (renderer_.find(name) != std::string::npos) return true;
-    return false;
-}
+bool GpuContext::software() const { return isSoftware(renderer_); }
 
 void GpuContext::drop() {
     if (context_ == EGL_NO_CONTEXT) return;
