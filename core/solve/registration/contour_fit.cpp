@@ -12,12 +12,12 @@
 namespace relamp {
 namespace {
 
-constexpr float spacing = 0.004f;       ///< of the nodes, of the diagonal
-constexpr double displacement = 0.001;  ///< of the diagonal: standard deviation of a node
-constexpr double bend = 0.0005;         ///< of the diagonal: of a node from the mean of its neighbours
-constexpr double sigma = 0.3;           ///< pixels: of an outline's place
-constexpr double repeated = 4;          ///< points that tell as much as an independent one
-constexpr int rounds = 3;
+constexpr float contourSpacing = 0.004f;       ///< of the nodes, of the diagonal
+constexpr double contourDisplacement = 0.001;  ///< of the diagonal: standard deviation of a node
+constexpr double contourBend = 0.0005;         ///< of the diagonal: of a node from the mean of its neighbours
+constexpr double contourSigma = 0.3;           ///< pixels: of an outline's place
+constexpr double contourRepeated = 4;          ///< points that tell as much as an independent one
+constexpr int contourRounds = 3;
 
 class ContourFit {
 public:
@@ -26,7 +26,7 @@ public:
         : capture_(capture),
           scene_(scene),
           start_(scene.mesh),
-          graph_(buildDisplacementGraph(scene, spacing * scene.diagonal)),
+          graph_(buildDisplacementGraph(scene, contourSpacing * scene.diagonal)),
           vertices_(vertices),
           emits_(emits),
           floor_(floor) {
@@ -51,7 +51,7 @@ public:
     }
 
     void run(Progress& progress) {
-        for (int k = 0; k < rounds && !progress.outOfTime(); ++k) {
+        for (int k = 0; k < contourRounds && !progress.outOfTime(); ++k) {
             step();
             place();
             progress.advance();
@@ -87,7 +87,7 @@ private:
 
     void step() {
         NormalEquations equations(0, graph_.nodes.size());
-        const double scale = std::max(2 * sigma, 1.5 * medianOff(false));
+        const double scale = std::max(2 * contourSigma, 1.5 * medianOff(false));
         for (const ContourPoint& p : points_) {
             if (isLeftOut(p.view)) continue;
             const Camera& camera = cameras_[p.view];
@@ -99,14 +99,14 @@ private:
                               (*moves)[3] * n.x + (*moves)[4] * n.y + (*moves)[5] * n.z);
             const double off = double(p.offset) / scale;
             equations.addNodePrior(meanOf(p, double(glm::dot(p.outward, pixels))), double(p.offset),
-                                   1 / ((1 + off * off) * sigma * sigma * repeated));
+                                   1 / ((1 + off * off) * contourSigma * contourSigma * contourRepeated));
         }
         const double diagonal = double(scene_.diagonal);
         for (uint32_t n = 0; n < graph_.nodes.size(); ++n) {
-            equations.addNodePrior({{n, 1.0}}, 0, 1 / std::pow(displacement * diagonal, 2));
+            equations.addNodePrior({{n, 1.0}}, 0, 1 / std::pow(contourDisplacement * diagonal, 2));
             std::vector<std::pair<uint32_t, double>> row{{n, 1.0}};
             for (const uint32_t m : graph_.neighbours[n]) row.push_back({m, -1 / double(graph_.neighbours[n].size())});
-            if (row.size() > 1) equations.addNodePrior(row, 0, 1 / std::pow(bend * diagonal, 2));
+            if (row.size() > 1) equations.addNodePrior(row, 0, 1 / std::pow(contourBend * diagonal, 2));
         }
         const NormalEquations::Step found = equations.solve(true);
         if (!found.valid) return;
@@ -162,7 +162,7 @@ ContourEstimate alignContours(const Capture& capture, const Scene& scene, const 
     fit.leaveOutViews(true);
     found.before = found.after = fit.medianOff(true);
     if (found.points < leastPoints || !(found.before > closeEnough)) return found;
-    progress.begin("Outlines of the mesh brought to the photographs'", 2 * rounds);
+    progress.begin("Outlines of the mesh brought to the photographs'", 2 * contourRounds);
     fit.run(progress);
     found.after = fit.medianOff(true);
     if (!found.needed()) return found;

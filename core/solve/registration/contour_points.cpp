@@ -11,9 +11,9 @@
 namespace relamp {
 namespace {
 
-constexpr float inside = 1.5f, outside = 2.0f;  ///< pixels from the outline: what lies there is looked at
-constexpr float noise = 0.03f;                  ///< of a profile's value, relative to its mean
-constexpr float gap = 6;  ///< pixels at the surface's distance: what lies behind an outline is farther away
+constexpr float contourInside = 1.5f, contourOutside = 2.0f;  ///< pixels from the outline: what lies there is looked at
+constexpr float contourNoise = 0.03f;                         ///< of a profile's value, relative to its mean
+constexpr float contourGap = 6;  ///< pixels at the surface's distance: what lies behind an outline is farther away
 
 struct Edge {
     std::array<uint32_t, 2> vertex{};
@@ -75,7 +75,7 @@ public:
         if (!isOutline(middle, sum / length, *from, point.outward, distance)) return {};
         const std::optional<Profile> profile = profileAcross(view_, *from, point.outward, floor_);
         if (!profile) return {};
-        const std::optional<float> step = findStep(*profile, noise);
+        const std::optional<float> step = findStep(*profile, contourNoise);
         if (!step) return {};
         point.offset = *step - outlineAlong(*from, point.outward, distance);
         return point;
@@ -89,19 +89,20 @@ private:
     }
     /// Whether the camera sees a place a pixel off the surface, and past it something farther away than the surface.
     bool isOutline(const Vec3& middle, const Vec3& normal, const Vec2& p, const Vec2& outward, float distance) const {
-        const float far = gap * pixel_ * distance;
+        const float far = contourGap * pixel_ * distance;
         const Vec3 eye(camera_.position()), beside = middle + normal * (pixel_ * distance);
         const Vec3 towardEye = eye - beside;
         const float length = glm::length(towardEye);
-        return depthAt(p - inside * outward) < distance + far && depthAt(p + outside * outward) > distance + far &&
+        return depthAt(p - contourInside * outward) < distance + far &&
+               depthAt(p + contourOutside * outward) > distance + far &&
                !tracer_.occluded({beside, towardEye / length, 0, length});
     }
     /// Where the mesh ends along `outward`, pixels from p: edges of a jagged outline lie a little inside it.
     float outlineAlong(const Vec2& p, const Vec2& outward, float distance) const {
-        float surface = -inside, beyond = outside;
+        float surface = -contourInside, beyond = contourOutside;
         for (int k = 0; k < 6; ++k) {
             const float t = 0.5f * (surface + beyond);
-            (depthAt(p + t * outward) < distance + gap * pixel_ * distance ? surface : beyond) = t;
+            (depthAt(p + t * outward) < distance + contourGap * pixel_ * distance ? surface : beyond) = t;
         }
         return 0.5f * (surface + beyond);
     }

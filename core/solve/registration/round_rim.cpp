@@ -10,14 +10,14 @@
 namespace relamp {
 namespace {
 
-constexpr int places = 96;         ///< around the rim
+constexpr int rimPlaces = 96;      ///< around the rim
 constexpr size_t leastSteps = 40;  ///< that photographs must show
-constexpr float noise = 0.03f;     ///< of a profile's value, relative to its mean
+constexpr float rimNoise = 0.03f;  ///< of a profile's value, relative to its mean
 constexpr float hiddenBy = 0.02f;  ///< of the diagonal: what lies so much before the rim hides it
 constexpr double foreshortened =
-    0.3;                         ///< least length of the surface's line in a photograph, of what it would be unturned
-constexpr double agreement = 2;  ///< pixels: median distance from the median
-constexpr float band = 0.015f;   ///< of the diagonal: what is brought to the rim
+    0.3;  ///< least length of the surface's line in a photograph, of what it would be unturned
+constexpr double rimAgreement = 2;   ///< pixels: median distance from the median
+constexpr float rimBand = 0.015f;    ///< of the diagonal: what is brought to the rim
 constexpr float onSurface = 0.004f;  ///< of the diagonal
 
 /// What each step says of the rim's height, metres from `height`, and the metres of a pixel there.
@@ -26,8 +26,8 @@ std::vector<std::pair<double, double>> stepsAt(const Capture& capture, const Sce
     std::vector<std::pair<double, double>> found;
     const double piece = 0.005 * double(scene.diagonal);
     for (const View& view : capture.views)
-        for (int k = 0; k < places; ++k) {
-            const double angle = 2 * double(pi) * k / places;
+        for (int k = 0; k < rimPlaces; ++k) {
+            const double angle = 2 * double(pi) * k / rimPlaces;
             const DVec3 rim = surface.at(height, angle), further = surface.at(height + piece, angle);
             const DVec3 eye = view.camera.position();
             const std::optional<Vec2> at = view.camera.project(rim), to = view.camera.project(further);
@@ -41,7 +41,7 @@ std::vector<std::pair<double, double>> stepsAt(const Capture& capture, const Sce
             const std::optional<Profile> profile =
                 profileAcross(view, *at, (*to - *at) / glm::length(*to - *at), floor);
             if (!profile) continue;
-            if (const std::optional<float> step = findStep(*profile, noise))
+            if (const std::optional<float> step = findStep(*profile, rimNoise))
                 found.push_back({double(*step) / pixels, 1 / pixels});
         }
     return found;
@@ -75,14 +75,14 @@ std::optional<double> rimHeight(const Capture& capture, const Scene& scene, cons
         height += move;
         if (std::abs(move) > 0.1 * pixel) continue;
         for (double& m : moves) m = std::abs(m - move);
-        return medianOf(moves) < agreement * pixel ? std::optional(height) : std::nullopt;
+        return medianOf(moves) < rimAgreement * pixel ? std::optional(height) : std::nullopt;
     }
     return {};
 }
 
 std::vector<MeshMend::MovedVertex> evenRim(const Scene& scene, const RevolutionSurface& surface, double height,
                                            bool low) {
-    const double reach = double(band * scene.diagonal), near = double(onSurface * scene.diagonal);
+    const double reach = double(rimBand * scene.diagonal), near = double(onSurface * scene.diagonal);
     const std::vector<uint8_t> ends = endsOf(scene.mesh);
     std::vector<MeshMend::MovedVertex> moved;
     for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v) {

@@ -7,21 +7,21 @@
 namespace relamp {
 namespace {
 
-constexpr float reach = 4;        ///< pixels
-constexpr float spacing = 0.25f;  ///< between places that are tried
-constexpr float blur = 0.6f;      ///< pixels: standard deviation of the step's edge
-constexpr size_t places = 33;
+constexpr float stepReach = 4;        ///< pixels
+constexpr float stepSpacing = 0.25f;  ///< between places that are tried
+constexpr float stepBlur = 0.6f;      ///< pixels: standard deviation of the step's edge
+constexpr size_t stepPlaces = 33;
 constexpr double clearlyBetter = 0.3;  ///< of the squared residual of a bend that a step may leave
-constexpr double unique = 0.6;         ///< of the squared residual of the next best step
-constexpr float elsewhere = 1.5f;      ///< pixels
+constexpr double clearestBy = 0.6;     ///< of the squared residual of the next best step
+constexpr float stepElsewhere = 1.5f;  ///< pixels
 constexpr float leastStep = 6;         ///< standard deviations of a value
 
-constexpr float placeOf(size_t k) { return spacing * float(k) - reach; }
-constexpr float positionOf(size_t j) { return profileStep * (float(j) - float(profileSize / 2)); }
+constexpr float stepAt(size_t k) { return stepSpacing * float(k) - stepReach; }
+constexpr float profileAt(size_t j) { return profileStep * (float(j) - float(profileSize / 2)); }
 
 using Column = std::array<double, profileSize>;
 
-double dot(const Column& a, const Column& b) {
+double product(const Column& a, const Column& b) {
     double sum = 0;
     for (size_t j = 0; j < profileSize; ++j) sum += a[j] * b[j];
     return sum;
@@ -31,10 +31,10 @@ double dot(const Column& a, const Column& b) {
 std::vector<Column> orthonormal(std::vector<Column> columns) {
     for (size_t i = 0; i < columns.size(); ++i) {
         for (size_t k = 0; k < i; ++k) {
-            const double along = dot(columns[i], columns[k]);
+            const double along = product(columns[i], columns[k]);
             for (size_t j = 0; j < profileSize; ++j) columns[i][j] -= along * columns[k][j];
         }
-        const double length = std::sqrt(dot(columns[i], columns[i]));
+        const double length = std::sqrt(product(columns[i], columns[i]));
         for (double& x : columns[i]) x /= length;
     }
     return columns;
@@ -42,14 +42,14 @@ std::vector<Column> orthonormal(std::vector<Column> columns) {
 
 /// Profiles with a step at each place, and with a bend there.
 struct Models {
-    std::array<std::vector<Column>, places> step, bend;
+    std::array<std::vector<Column>, stepPlaces> step, bend;
 
     Models() {
-        for (size_t k = 0; k < places; ++k) {
+        for (size_t k = 0; k < stepPlaces; ++k) {
             std::vector<Column> steps(4), bends(3);
             for (size_t j = 0; j < profileSize; ++j) {
-                const double off = double(positionOf(j) - placeOf(k));
-                const double beyond = 0.5 * std::erfc(-off / (double(blur) * std::sqrt(2.0)));
+                const double off = double(profileAt(j) - stepAt(k));
+                const double beyond = 0.5 * std::erfc(-off / (double(stepBlur) * std::sqrt(2.0)));
                 steps[0][j] = 1 - beyond;
                 steps[1][j] = beyond;
                 steps[2][j] = (1 - beyond) * off;
@@ -90,7 +90,7 @@ std::optional<Profile> profileAcross(const View& view, const Vec2& middle, const
     for (size_t j = 0; j < profileSize; ++j) {
         Rgb sum(0);
         for (int k = -1; k <= 1; ++k) {
-            const std::optional<Rgb> value = radianceAt(view, middle + positionOf(j) * outward + float(k) * beside);
+            const std::optional<Rgb> value = radianceAt(view, middle + profileAt(j) * outward + float(k) * beside);
             if (!value) return {};
             sum += *value;
         }
@@ -109,31 +109,32 @@ std::optional<float> findStep(const Profile& profile, float noise) {
         double mean = 0;
         for (size_t j = 0; j < profileSize; ++j) mean += double(profile[j][int(c)]) / double(profileSize);
         for (size_t j = 0; j < profileSize; ++j) values[c][j] = double(profile[j][int(c)]) - mean;
-        energy += dot(values[c], values[c]);
+        energy += product(values[c], values[c]);
     }
     const auto left = [&](const std::vector<Column>& model) {
         double explained = 0;
         for (const Column& value : values)
             for (const Column& column : model) {
-                const double along = dot(value, column);
+                const double along = product(value, column);
                 explained += along * along;
             }
         return std::max(0.0, energy - explained);
     };
-    std::array<double, places> residual{};
-    for (size_t k = 0; k < places; ++k) residual[k] = left(models.step[k]);
+    std::array<double, stepPlaces> residual{};
+    for (size_t k = 0; k < stepPlaces; ++k) residual[k] = left(models.step[k]);
     const size_t best = size_t(std::min_element(residual.begin(), residual.end()) - residual.begin());
-    if (best == 0 || best + 1 == places) return {};
+    if (best == 0 || best + 1 == stepPlaces) return {};
     const double without = left(models.bend[best]), floor = 1e-12 + 0.25 * double(noise * noise);
     if (!(residual[best] < clearlyBetter * without)) return {};
     if (without - residual[best] < double(leastStep * leastStep * noise * noise)) return {};
-    for (size_t k = 0; k < places; ++k)
-        if (std::abs(placeOf(k) - placeOf(best)) > elsewhere && residual[best] + floor > unique * (residual[k] + floor))
+    for (size_t k = 0; k < stepPlaces; ++k)
+        if (std::abs(stepAt(k) - stepAt(best)) > stepElsewhere &&
+            residual[best] + floor > clearestBy * (residual[k] + floor))
             return {};
     // The lowest point of the parabola through three places.
     const double a = residual[best - 1], b = residual[best], c = residual[best + 1], bend = a - 2 * b + c;
     const double shift = bend > 0 ? std::clamp(0.5 * (a - c) / bend, -0.5, 0.5) : 0.0;
-    return placeOf(best) + spacing * float(shift);
+    return stepAt(best) + stepSpacing * float(shift);
 }
 
 }  // namespace relamp
