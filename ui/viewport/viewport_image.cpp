@@ -249,7 +249,8 @@ void ViewportImage::makeOutline(const Editor& editor, const EyeView& eye, float 
     job_.outlined = &meshes_[pickSlot_].geometry;
     job_.outlineIndices = &outline_;
     job_.outlineCount = outlineCount_;
-    // In the light's own colour, also where it is off.
+    // In the light's own colour, also where it is off; a black one has none.
+    job_.outlineColour = ImageJob().outlineColour;
     if (const EmitterState* active = editor.emitter(editor.state.selection.active()))
         if (const float most = maxChannel(active->radiance); most > 0)
             job_.outlineColour = glm::pow(glm::max(active->radiance / most, Rgb(0.02f)), Rgb(1 / 2.2f));
