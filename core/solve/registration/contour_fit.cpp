@@ -22,14 +22,15 @@ constexpr int contourRounds = 3;
 class ContourFit {
 public:
     ContourFit(const Capture& capture, const Scene& scene, const RegistrationFix& start, size_t vertices,
-               const std::vector<uint8_t>& emits, float floor)
+               const std::vector<uint8_t>& emits, float floor, Progress& progress)
         : capture_(capture),
           scene_(scene),
           start_(scene.mesh),
           graph_(buildDisplacementGraph(scene, contourSpacing * scene.diagonal)),
           vertices_(vertices),
           emits_(emits),
-          floor_(floor) {
+          floor_(floor),
+          progress_(progress) {
         moved_.assign(scene.mesh.vertexCount(), 0);
         const std::vector<Vec3> before = vertexNormalsFromFaces(start_);
         for (size_t v = 0; v < start.steps.size(); ++v)
@@ -50,11 +51,11 @@ public:
         return double(medianOf(std::move(off)));
     }
 
-    void run(Progress& progress) {
-        for (int k = 0; k < contourRounds && !progress.outOfTime(); ++k) {
+    void run() {
+        for (int k = 0; k < contourRounds && !progress_.outOfTime(); ++k) {
             step();
             place();
-            progress.advance();
+            progress_.advance();
         }
     }
 
@@ -81,7 +82,7 @@ private:
         for (size_t v = 0; v < vertices_; ++v) mesh_.positions[v] += scene_.mesh.normals[v] * float(moved_[v]);
         turnNormals(before, vertices_, mesh_);
         const RayTracer tracer(mesh_, scene_.diagonal, RayTracer::For::cameras);
-        points_ = findContours(capture_.views, cameras_, mesh_, tracer, floor_);
+        points_ = findContours(capture_.views, cameras_, mesh_, tracer, floor_, progress_);
         std::erase_if(points_, [&](const ContourPoint& p) { return isStill(p.vertex[0]) || isStill(p.vertex[1]); });
     }
 
@@ -140,6 +141,7 @@ private:
     size_t vertices_;
     const std::vector<uint8_t>& emits_;
     float floor_;
+    Progress& progress_;
     bool viewsLeftOut_ = false;
     std::vector<double> moved_;  ///< of each vertex since then, metres along its normal in the file
     std::vector<Camera> cameras_;
@@ -157,17 +159,17 @@ std::string toText(const ContourEstimate& e) {
 ContourEstimate alignContours(const Capture& capture, const Scene& scene, const RegistrationFix& start, size_t vertices,
                               const std::vector<uint8_t>& emits, float floor, Progress& progress) {
     ContourEstimate found;
-    ContourFit fit(capture, scene, start, vertices, emits, floor);
+    ContourFit fit(capture, scene, start, vertices, emits, floor, progress);
     found.points = fit.points();
     fit.leaveOutViews(true);
     found.before = found.after = fit.medianOff(true);
     if (found.points < leastPoints || !(found.before > closeEnough)) return found;
     progress.begin("Outlines of the mesh brought to the photographs'", 2 * contourRounds);
-    fit.run(progress);
+    fit.run();
     found.after = fit.medianOff(true);
     if (!found.needed()) return found;
     fit.leaveOutViews(false);
-    fit.run(progress);
+    fit.run();
     found.fix = fit.fix(start);
     return found;
 }

@@ -118,10 +118,12 @@ private:
 }  // namespace
 
 std::vector<ContourPoint> findContours(const std::vector<View>& views, const std::vector<Camera>& cameras,
-                                       const Mesh& mesh, const RayTracer& tracer, float floor) {
+                                       const Mesh& mesh, const RayTracer& tracer, float floor,
+                                       const Progress& progress) {
     const std::vector<Edge> edges = innerEdges(mesh);
     std::vector<ContourPoint> points;
     for (uint32_t i = 0; i < views.size(); ++i) {
+        progress.check();
         const ContoursOfView contours(i, views[i], cameras[i], mesh, tracer, floor);
         constexpr size_t block = 4096;
         std::vector<std::vector<ContourPoint>> parts((edges.size() + block - 1) / block);

@@ -2,6 +2,7 @@
 #pragma once
 #include <vector>
 
+#include "base/progress.h"
 #include "capture/capture.h"
 #include "scene/scene.h"
 
@@ -20,7 +21,9 @@ struct ContourPoint {
 /// smooth sides explains radiance far better than no step, and better than a step elsewhere (solve/registration/
 /// step_edge.h). `cameras`: of the views, as they are now; `tracer`: of the mesh. `floor`: radiance that counts as
 /// dark. Some 30 microseconds a point.
+/// Throws Cancelled.
 std::vector<ContourPoint> findContours(const std::vector<View>& views, const std::vector<Camera>& cameras,
-                                       const Mesh& mesh, const RayTracer& tracer, float floor);
+                                       const Mesh& mesh, const RayTracer& tracer, float floor,
+                                       const Progress& progress);
 
 }  // namespace relamp

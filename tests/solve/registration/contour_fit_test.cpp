@@ -6,6 +6,7 @@
 #include "base/parallel.h"
 #include "base/statistics.h"
 #include "support/estimates.h"
+#include "support/stopping.h"
 
 namespace relamp {
 namespace {
@@ -48,7 +49,7 @@ struct PhotographedBall {
     std::vector<ContourPoint> contours() const {
         std::vector<Camera> cameras;
         for (const View& view : capture.views) cameras.push_back(view.camera);
-        return findContours(capture.views, cameras, scene.mesh, *scene.cameraTracer, 1e-3f);
+        return findContours(capture.views, cameras, scene.mesh, *scene.cameraTracer, 1e-3f, Progress());
     }
     ContourEstimate aligned(int threads = 0) const {
         const ThreadLimit limit(threads);
@@ -135,6 +136,14 @@ TEST(Contours, ClippedAndMaskedPixelsTellNone) {
     }
     EXPECT_TRUE(ball.contours().empty());
     EXPECT_FALSE(ball.aligned().needed());
+}
+
+TEST(Contours, StopHalfWay) {
+    const PhotographedBall ball(0.99f);
+    test::expectStopsHalfWay([&](Progress& progress) {
+        for (int k = 0; k < 20; ++k)
+            alignContours(ball.capture, ball.scene, {}, ball.scene.mesh.vertexCount(), {}, 1e-3f, progress);
+    });
 }
 
 TEST(Contours, HaveTheSameBitsOnOneAndManyThreads) {
