@@ -1,4 +1,4 @@
-// The open end of a round sheet, such as a lamp's shade: a circle, where photographs show it.
+// The open end of a round sheet, such as a shade's: a circle, where photographs show it.
 #pragma once
 #include <optional>
 
