@@ -113,22 +113,36 @@ public:
 
     /// What was taken away leaves shades with jagged ends: these are brought to the circle that photographs show.
     void evenRims(const std::vector<ProxyLight>& balls) {
-        for (const RoundSheet& sheet : sheets_)
-            for (const ProxyLight& ball : balls) {
-                const double at = sheet.surface.height(ball.centre), room = 2 * double(ball.radius);
-                const bool inside =
-                    sheet.surface.distance(ball.centre) < 0 && at > sheet.low - room && at < sheet.high + room;
-                if (!inside) continue;
-                // The light stands in the opening.
-                const bool low = at - sheet.low < sheet.high - at;
-                const std::optional<double> height =
-                    rimHeight(capture_, *prepared_.scene, sheet.surface, low ? sheet.low : sheet.high, darkness());
-                if (!height) continue;
-                const std::vector<MeshMend::MovedVertex> rim = evenRim(*prepared_.scene, sheet.surface, *height, low);
-                logInfo("{} vertices of a shade's rim are brought to the circle that photographs show", rim.size());
-                mend_.moved.insert(mend_.moved.end(), rim.begin(), rim.end());
-                break;
+        const size_t own = file_.vertexCount() + mend_.addedPositions.size();  // those of the balls follow
+        for (const ProxyLight& ball : balls) {
+            const RoundSheet* shade = shadeOf(ball);
+            if (!shade) continue;
+            // The light stands in the opening.
+            const double at = shade->surface.height(ball.centre);
+            const bool low = at - shade->low < shade->high - at;
+            const std::optional<double> height =
+                rimHeight(capture_, *prepared_.scene, shade->surface, low ? shade->low : shade->high, darkness());
+            if (!height) continue;
+            const std::vector<MeshMend::MovedVertex> rim = evenRim(*prepared_.scene, own, shade->surface, *height, low);
+            logInfo("{} vertices of a shade's rim are brought to the circle that photographs show", rim.size());
+            mend_.moved.insert(mend_.moved.end(), rim.begin(), rim.end());
+        }
+    }
+
+    /// The largest of the sheets about a ball; null where there is none.
+    const RoundSheet* shadeOf(const ProxyLight& ball) const {
+        const RoundSheet* best = nullptr;
+        double largest = 0;
+        for (const RoundSheet& sheet : sheets_) {
+            const double at = sheet.surface.height(ball.centre), room = 2 * double(ball.radius);
+            if (!(sheet.surface.distance(ball.centre) < 0) || at < sheet.low - room || at > sheet.high + room) continue;
+            const double area = (sheet.high - sheet.low) * sheet.surface.radiusAt(0.5 * (sheet.low + sheet.high));
+            if (area > largest) {
+                largest = area;
+                best = &sheet;
             }
+        }
+        return best;
     }
 
     MeshMend result() && { return std::move(mend_); }

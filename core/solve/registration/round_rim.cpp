@@ -80,12 +80,12 @@ std::optional<double> rimHeight(const Capture& capture, const Scene& scene, cons
     return {};
 }
 
-std::vector<MeshMend::MovedVertex> evenRim(const Scene& scene, const RevolutionSurface& surface, double height,
-                                           bool low) {
+std::vector<MeshMend::MovedVertex> evenRim(const Scene& scene, size_t vertices, const RevolutionSurface& surface,
+                                           double height, bool low) {
     const double reach = double(rimBand * scene.diagonal), near = double(onSurface * scene.diagonal);
     const std::vector<uint8_t> ends = endsOf(scene.mesh);
     std::vector<MeshMend::MovedVertex> moved;
-    for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v) {
+    for (uint32_t v = 0; v < vertices; ++v) {
         const DVec3 p(scene.mesh.positions[v]);
         const double h = surface.height(p), beyond = low ? height - h : h - height;
         if (!scene.referenced[v] || !(std::abs(beyond) < reach) || !(std::abs(surface.distance(p)) < near)) continue;

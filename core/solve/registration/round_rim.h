@@ -15,8 +15,9 @@ std::optional<double> rimHeight(const Capture& capture, const Scene& scene, cons
                                 double guess, float floor);
 
 /// Vertices on the surface that the rim moves: those beyond it come back to it, and those where the mesh ends before it
-/// go on to it, within 1.5 % of the diagonal. `low`: the rim is the lower end. Ascending.
-std::vector<MeshMend::MovedVertex> evenRim(const Scene& scene, const RevolutionSurface& surface, double height,
-                                           bool low);
+/// go on to it, within 1.5 % of the diagonal. Only the first `vertices` of the scene. `low`: the rim is the lower end.
+/// Ascending.
+std::vector<MeshMend::MovedVertex> evenRim(const Scene& scene, size_t vertices, const RevolutionSurface& surface,
+                                           double height, bool low);
 
 }  // namespace relamp

@@ -80,11 +80,13 @@ TEST(RoundRim, IsNoneWherePhotographsShowNoEdge) {
 TEST(RoundRim, IsEvenAfterwards) {
     const Scene scene = test::sceneOf(shade(0.012f));
     Mesh even = scene.mesh;
-    for (const MeshMend::MovedVertex& m : evenRim(scene, cone(), 0, true)) even.positions[m.vertex] = m.position;
+    for (const MeshMend::MovedVertex& m : evenRim(scene, scene.mesh.vertexCount(), cone(), 0, true))
+        even.positions[m.vertex] = m.position;
     for (size_t v = 0; v < 96; ++v) {
         EXPECT_NEAR(even.positions[v].z, 0, 1e-5f);
         EXPECT_NEAR(glm::length(Vec2(even.positions[v])), 0.5f, 1e-5f);
     }
+    EXPECT_TRUE(evenRim(scene, 0, cone(), 0, true).empty());
     // The other end and what lies between stay.
     for (size_t v = 96; v < even.positions.size(); ++v) EXPECT_EQ(even.positions[v], scene.mesh.positions[v]);
 }
