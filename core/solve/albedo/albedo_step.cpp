@@ -7,6 +7,21 @@
 #include "solve/albedo/albedo_system.h"
 
 namespace relamp {
+namespace {
+
+/// How far the prior holds across an edge of the mesh, (0, 1]: materials end at creases. A surface that turns by more
+/// than 20 degrees an edge, or with less than 3 % of the scene's diagonal in radius, counts as one.
+double smoothAcross(const Scene& scene, uint32_t a, uint32_t b) {
+    constexpr double leastRadius = 0.03, mostTurn = 0.35, least = 0.01;
+    if (scene.mesh.normals.empty()) return 1;
+    const double turn = glm::distance(scene.mesh.normals[a], scene.mesh.normals[b]);
+    if (!(turn > 0)) return 1;
+    const double length = glm::distance(scene.mesh.positions[a], scene.mesh.positions[b]),
+                 bend = turn * leastRadius * double(scene.diagonal) / std::max(length, 1e-30), kink = turn / mostTurn;
+    return std::max(least, 1 / (1 + bend * bend + kink * kink));
+}
+
+}  // namespace
 
 AlbedoSystem albedoSystem(const Scene& scene, const MatteObservations& matte, const std::vector<Rgb>& lit,
                           const std::vector<Rgb>& litSigma, const AlbedoPrior& prior, const std::vector<Rgb>& logAlbedo,
@@ -26,7 +41,8 @@ AlbedoSystem albedoSystem(const Scene& scene, const MatteObservations& matte, co
             if (to <= v) continue;
             const Rgb d = logAlbedo[v] - logAlbedo[to];
             const double d2 = double(glm::dot(d, d)) / 3,
-                         weight = 1.0 / (double(prior.step) * prior.step * (1 + d2 / (edge * edge)));
+                         weight =
+                             smoothAcross(scene, v, to) / (double(prior.step) * prior.step * (1 + d2 / (edge * edge)));
             diagonal[v] += weight;
             diagonal[to] += weight;
             triplets.emplace_back(int(v), int(to), -weight);

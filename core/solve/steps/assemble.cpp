@@ -1,5 +1,6 @@
 // The estimate as things stand.
 #include "base/log.h"
+#include "solve/albedo/shadow_edges.h"
 #include "solve/steps/steps.h"
 
 namespace relamp {
@@ -138,8 +139,9 @@ Estimate finishSolve(SolveRun& s) {
     assessConditioning(s, estimate);
     const Irradiance irradiance = s.irradiance();
     const LightUncertainty light = uncertaintyOf(s, irradiance, false);
-    assessUncertainty(s, irradiance, light, estimate);
-    estimate.heldOut = holdOutViews(s, irradiance);
+    const Irradiance unsure = unsureAtShadows(s.in.scene, s.observed.matte, irradiance);
+    assessUncertainty(s, unsure, light, estimate);
+    estimate.heldOut = holdOutViews(s, unsure);
     applyGauge(s, irradiance, light, estimate);
     estimate.surfaceLight = surfaceLightOf(s, irradiance, estimate.gauge.scale);
     if (s.gloss.empty())

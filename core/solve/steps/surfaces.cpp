@@ -1,5 +1,6 @@
 // Reflectance under the light found: lobes, coatings, albedo, and how smooth light and albedo are.
 #include "base/log.h"
+#include "solve/albedo/shadow_edges.h"
 #include "solve/gloss/matte_under_gloss.h"
 #include "solve/light/lighting_step.h"
 #include "solve/priors/prior_strength.h"
@@ -96,7 +97,8 @@ void askAlbedoStrength(SolveRun& s, const Irradiance& irradiance) {
     if (!s.in.options.askForStrength || s.in.options.albedoSmoothness > 0 || !s.surfaces.smoothness.trials.empty() ||
         s.observed.matte.vertices.empty() || s.stopped())
         return;
-    s.surfaces.take(testAlbedoStrength(s.in.scene, s.in.samples, s.observed.matte, irradiance.value, irradiance.sigma,
+    const std::vector<Rgb> sigma = unsureAtShadows(s.in.scene, s.observed.matte, irradiance).sigma;
+    s.surfaces.take(testAlbedoStrength(s.in.scene, s.in.samples, s.observed.matte, irradiance.value, sigma,
                                        s.surfaces.prior, s.surfaces.albedo.albedo, s.in.options.seed, s.in.progress),
                     s.in.options.prior);
     for (const PriorStrength::Trial& t : s.surfaces.smoothness.trials)
@@ -105,7 +107,8 @@ void askAlbedoStrength(SolveRun& s, const Irradiance& irradiance) {
     if (s.surfaces.smoothness.factor != 1) updateAlbedo(s, irradiance);
 }
 
-void updateAlbedo(SolveRun& s, const Irradiance& irradiance) {
+void updateAlbedo(SolveRun& s, const Irradiance& known) {
+    const Irradiance irradiance = unsureAtShadows(s.in.scene, s.observed.matte, known);
     s.surfaces.albedo =
         solveAlbedo(s.in.scene, s.observed.matte, irradiance.value, irradiance.sigma, s.surfaces.prior, s.in.progress);
     if (s.in.options.palette > 0)
