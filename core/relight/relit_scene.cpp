@@ -6,6 +6,7 @@
 #include "base/box.h"
 #include "base/error.h"
 #include "image/environment_map.h"
+#include "relight/standing_emitters.h"
 
 namespace relamp {
 namespace {
@@ -66,7 +67,7 @@ void moveTriangles(const Mesh& captured, EditedGeometry& out) {
                 if (!isNew) continue;
                 out.mesh.positions.emplace_back();
                 out.mesh.normals.push_back(captured.normals[origin]);
-                out.vertexOrigin.push_back(origin);
+                out.vertexOrigin.push_back(out.vertexOrigin[origin]);
             }
             const Mat4& matrix = out.parts[part].matrix;
             out.mesh.positions[v] =
@@ -224,9 +225,12 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
         out.parts.push_back({int(e), EditedPart::none, movement});
     };
     out.emitterOfTriangle = estimate.emitters.emitterOfTriangle;
+    for (size_t e = 0; e < clusters.size(); ++e) addEmitter(e, matrix[e]);
+    const ClosedMesh closed =
+        closeStandingEmitters(scene, clusters, {partOfEmitter.begin(), partOfEmitter.begin() + long(clusters.size())});
     for (size_t e = 0; e < clusters.size(); ++e) {
-        addEmitter(e, matrix[e]);
-        out.emitters.push_back({clusters[e].id, emitterSurface(scene.mesh, clusters[e], matrix[e]), {radiance[e]}});
+        out.emitters.push_back(
+            {clusters[e].id, emitterSurface(closed.mesh, closed.emitters[e], matrix[e]), {radiance[e]}});
         out.emitters.back().shadows = shadows[e];
     }
     for (size_t i = 0; i < look.added.size(); ++i) {
@@ -258,18 +262,21 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
     for (const EmitterCluster& cluster : clusters) ids.push_back(cluster.id);
     const std::vector<std::string> names = emitterNames(ids, look);
     for (size_t e = 0; e < names.size(); ++e) out.emitters[e].name = names[e];
-    out.mesh = scene.mesh;
-    out.vertexOrigin.resize(scene.mesh.vertexCount());
-    std::iota(out.vertexOrigin.begin(), out.vertexOrigin.end(), 0u);
+    out.mesh = closed.mesh;
+    out.vertexOrigin = closed.vertexOrigin;
+    out.untextured = closed.untextured;
+    out.emitterOfTriangle.insert(out.emitterOfTriangle.end(), closed.emitterOfNewTriangle.begin(),
+                                 closed.emitterOfNewTriangle.end());
     out.moved = out.parts.size() > 1;
-    out.partOfTriangle.assign(scene.mesh.triangles.size(), 0);
+    out.partOfTriangle.assign(closed.mesh.triangles.size(), 0);
     if (out.moved) {
         for (size_t t = 0; t < out.partOfTriangle.size(); ++t) {
             const int e = out.emitterOfTriangle[t];
             out.partOfTriangle[t] =
-                e >= 0 ? partOfEmitter[size_t(e)] : partOfComponent[scene.component[scene.mesh.triangles[t][0]]];
+                e >= 0 ? partOfEmitter[size_t(e)]
+                       : partOfComponent[scene.component[closed.vertexOrigin[closed.mesh.triangles[t][0]]]];
         }
-        moveTriangles(scene.mesh, out);
+        moveTriangles(closed.mesh, out);
     }
     for (size_t i = 0; i < look.added.size(); ++i) {
         const AddedEmitter& added = look.added[i];
@@ -318,6 +325,8 @@ RelitScene applyLook(const Scene& scene, const Estimate& estimate, const Look& l
         for (size_t t = 0; t < out.texture->corners.size(); ++t)
             out.mirrored[t] = geometry.mirrored[geometry.partOfTriangle[t]];
     }
+    if (!geometry.untextured.empty()) out.untextured.assign(geometry.mesh.triangles.size(), 0);
+    for (const uint32_t t : geometry.untextured) out.untextured[t] = 1;
     out.emitterOfTriangle = std::move(geometry.emitterOfTriangle);
     out.emitters = std::move(geometry.emitters);
     out.addedFactor = std::move(geometry.addedFactor);

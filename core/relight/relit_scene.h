@@ -44,7 +44,8 @@ struct EditedGeometry {
     /// Per emitter and vertex what its form factor lacks (NearFieldCorrection), while both are where they were
     /// captured; empty: nothing.
     std::vector<std::vector<float>> addedFactor;
-    bool moved = false;  ///< false: the capture's own mesh
+    std::vector<uint32_t> untextured;  ///< the capture's triangles whose texels no longer hold (ClosedMesh)
+    bool moved = false;                ///< false: the capture's own mesh
 };
 
 /// Which parts are kept apart although they stand where they were captured. A vertex that a part shares with its
@@ -70,13 +71,15 @@ struct RelitScene {
     BrdfBasis basis;
     std::shared_ptr<const AlbedoTexture> texture;  ///< albedo finer than weight[0], by triangle of the capture's mesh
     std::vector<uint8_t> mirrored;                 ///< triangles whose corners 1 and 2 have changed places; empty: none
+    std::vector<uint8_t> untextured;               ///< the same for triangles without texture; empty: none
     bool neutralMaterials = false;
     std::shared_ptr<const DistantLight> distant;
     BouncedLight bounced;  ///< empty where the estimate has none
 
     /// Diffuse albedo at a hit: per texel where there is a texture, else between the vertices.
     Rgb albedoAt(const Hit& hit) const {
-        if (!texture || !texture->has(hit.triangle)) return weightsAt(hit).albedo();
+        if (!texture || !texture->has(hit.triangle) || (!untextured.empty() && untextured[hit.triangle]))
+            return weightsAt(hit).albedo();
         const Vec2 b = hit.barycentric;
         const bool turned = !mirrored.empty() && mirrored[hit.triangle];
         const Rgb albedo = texture->at(texture->place(hit.triangle, turned ? Vec2(b.y, b.x) : b));

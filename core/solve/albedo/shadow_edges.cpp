@@ -5,10 +5,10 @@
 namespace relamp {
 namespace {
 
-constexpr int reach = 3;             // mesh edges
-constexpr float flat = 0.995f;       // cosine between neighbouring normals
-constexpr float leftOut = 0.01f;     // of the median irradiance
-constexpr float unobserved = -1.0f;  // no irradiance is negative
+constexpr int shadowReach = 3;         // mesh edges
+constexpr float flatCosine = 0.995f;   // cosine between neighbouring normals
+constexpr float leftOutLight = 0.01f;  // of the median irradiance
+constexpr float noIrradiance = -1.0f;  // no irradiance is negative
 
 /// The least and the most that observed vertices within reach of one another receive, per mesh vertex.
 struct Range {
@@ -17,16 +17,16 @@ struct Range {
 
 Range rangeWithinReach(const Scene& scene, const MatteObservations& matte, const std::vector<Rgb>& irradiance) {
     Range range;
-    range.least.assign(scene.mesh.vertexCount(), Rgb(unobserved));
+    range.least.assign(scene.mesh.vertexCount(), Rgb(noIrradiance));
     for (size_t i = 0; i < matte.vertices.size(); ++i) range.least[matte.vertices[i]] = irradiance[i];
     range.most = range.least;
     const std::vector<Vec3>& normals = scene.mesh.normals;
-    for (int ring = 0; ring < reach; ++ring) {
+    for (int ring = 0; ring < shadowReach; ++ring) {
         Range wider = range;
         for (const uint32_t v : matte.vertices)
             for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e) {
                 const uint32_t to = scene.graph.to[e];
-                if (range.least[to].x < 0 || glm::dot(normals[v], normals[to]) < flat) continue;
+                if (range.least[to].x < 0 || glm::dot(normals[v], normals[to]) < flatCosine) continue;
                 wider.least[v] = glm::min(wider.least[v], range.least[to]);
                 wider.most[v] = glm::max(wider.most[v], range.most[to]);
             }
@@ -43,7 +43,7 @@ Irradiance unsureAtShadows(const Scene& scene, const MatteObservations& matte, I
     std::vector<float> brightness;
     brightness.reserve(irradiance.value.size());
     for (const Rgb& value : irradiance.value) brightness.push_back(luminance(value));
-    const float floor = leftOut * medianOf(std::move(brightness));
+    const float floor = leftOutLight * medianOf(std::move(brightness));
     for (size_t i = 0; i < matte.vertices.size(); ++i) {
         const uint32_t v = matte.vertices[i];
         const Rgb value = irradiance.value[i], step = glm::max(range.most[v] - value, value - range.least[v]),
