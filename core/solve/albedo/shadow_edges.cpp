@@ -6,6 +6,7 @@ namespace relamp {
 namespace {
 
 constexpr int shadowReach = 3;         // mesh edges
+constexpr float longestStep = 0.006f;  // of the scene's diagonal: coarser meshes tell nothing of so small errors
 constexpr float flatCosine = 0.995f;   // cosine between neighbouring normals
 constexpr float leftOutLight = 0.01f;  // of the median irradiance
 constexpr float noIrradiance = -1.0f;  // no irradiance is negative
@@ -20,13 +21,16 @@ Range rangeWithinReach(const Scene& scene, const MatteObservations& matte, const
     range.least.assign(scene.mesh.vertexCount(), Rgb(noIrradiance));
     for (size_t i = 0; i < matte.vertices.size(); ++i) range.least[matte.vertices[i]] = irradiance[i];
     range.most = range.least;
-    const std::vector<Vec3>& normals = scene.mesh.normals;
+    const std::vector<Vec3>&normals = scene.mesh.normals, &positions = scene.mesh.positions;
+    const float longest = longestStep * scene.diagonal;
     for (int ring = 0; ring < shadowReach; ++ring) {
         Range wider = range;
         for (const uint32_t v : matte.vertices)
             for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e) {
                 const uint32_t to = scene.graph.to[e];
-                if (range.least[to].x < 0 || glm::dot(normals[v], normals[to]) < flatCosine) continue;
+                if (range.least[to].x < 0 || glm::dot(normals[v], normals[to]) < flatCosine ||
+                    glm::distance(positions[v], positions[to]) > longest)
+                    continue;
                 wider.least[v] = glm::min(wider.least[v], range.least[to]);
                 wider.most[v] = glm::max(wider.most[v], range.most[to]);
             }

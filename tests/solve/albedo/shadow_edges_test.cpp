@@ -25,6 +25,12 @@ Scene foldedScene(uint32_t fold) {
             mesh.triangles.push_back({v, v + 1, v + side});
             mesh.triangles.push_back({v + 1, v + side + 1, v + side});
         }
+    // Far away, so that the square's edges are a small part of the scene.
+    for (const Vec3& p : {Vec3(30, 30, 0), Vec3(31, 30, 0), Vec3(30, 31, 0)}) {
+        mesh.positions.push_back(p);
+        mesh.normals.push_back({0, 0, 1});
+    }
+    mesh.triangles.push_back({side * side, side * side + 1, side * side + 2});
     Progress progress;
     return buildScene(mesh, progress);
 }
