@@ -14,8 +14,7 @@ using Edge = std::pair<uint32_t, uint32_t>;
 struct Border {
     std::vector<uint32_t> vertices;
     size_t shared = 0;
-    float length = 0;    ///< metres
-    uint32_t piece = 0;  ///< of the emitter
+    float length = 0;  ///< metres
 };
 
 /// The connected pieces of an emitter: per vertex the least vertex of its piece.
@@ -37,7 +36,7 @@ std::map<uint32_t, uint32_t> piecesOf(const Mesh& mesh, const EmitterCluster& em
 
 struct Borders {
     std::vector<Border> outer;         ///< of each piece the longest; the others are specks that did not shine
-    std::vector<uint32_t> neighbours;  ///< triangles of the surface outside that touch a loop
+    std::vector<uint32_t> neighbours;  ///< triangles of the surface outside that touch a border
 };
 
 Borders bordersOf(const Mesh& mesh, const EmitterCluster& emitter) {
@@ -75,8 +74,7 @@ Borders bordersOf(const Mesh& mesh, const EmitterCluster& emitter) {
             closed = at == first;
             if (closed) break;
         }
-        loop.piece = piece.at(first);
-        Border& known = longest[loop.piece];
+        Border& known = longest[piece.at(first)];
         if (closed && loop.vertices.size() > 2 && loop.length > known.length) known = std::move(loop);
     }
     for (auto& [of, loop] : longest)

@@ -4,6 +4,8 @@
 
 #include <map>
 
+#include "support/shapes.h"
+
 namespace relamp {
 namespace {
 
@@ -11,21 +13,10 @@ constexpr uint32_t side = 13;
 
 /// One surface as a reconstruction has it: a floor of 1.2 m from which a body of 0.4 x 0.4 x `height` rises.
 Scene floorWithBody(float height) {
-    Mesh mesh;
-    for (uint32_t y = 0; y < side; ++y)
-        for (uint32_t x = 0; x < side; ++x) {
-            const bool raised = x >= 4 && x <= 8 && y >= 4 && y <= 8;
-            mesh.positions.push_back(Vec3(0.1f * float(x), 0.1f * float(y), raised ? height : 0.0f));
-            mesh.normals.push_back({0, 0, 1});
-        }
-    for (uint32_t y = 0; y + 1 < side; ++y)
-        for (uint32_t x = 0; x + 1 < side; ++x) {
-            const uint32_t v = y * side + x;
-            mesh.triangles.push_back({v, v + 1, v + side});
-            mesh.triangles.push_back({v + 1, v + side + 1, v + side});
-        }
-    Progress progress;
-    return buildScene(mesh, progress);
+    Mesh mesh = test::sheet(Vec3(0), Vec3(1.2f, 0, 0), Vec3(0, 1.2f, 0), side - 1, side - 1);
+    for (Vec3& p : mesh.positions)
+        if (std::abs(p.x - 0.6f) < 0.25f && std::abs(p.y - 0.6f) < 0.25f) p.z = height;
+    return test::sceneOf(mesh);
 }
 
 /// The triangles that the body raises.
