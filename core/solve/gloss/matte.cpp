@@ -7,34 +7,52 @@
 namespace relamp {
 namespace {
 constexpr float coatedSpread = 0.06f, metalSpread = 0.35f;
+
+/// The first of sorted observations at which their weights reach `sum`.
+const MatteObservation& observationAt(const std::vector<MatteObservation>& observations, float sum) {
+    float run = 0;
+    for (const MatteObservation& l : observations) {
+        run += l.weight;
+        if (run >= sum) return l;
+    }
+    return observations.back();
+}
+
+/// The quantile below the median, of what noise leaves of the spread: a low quantile of noise alone is no surface's
+/// radiance.
+float centreOf(const std::vector<MatteObservation>& observations, float quantile, float total) {
+    const MatteObservation& middle = observationAt(observations, 0.5f * total);
+    if (quantile >= 0.5f) return middle.radiance;
+    constexpr float quartileDeviations = 0.6745f;
+    const float low = observationAt(observations, quantile * total).radiance,
+                high = observationAt(observations, (1 - quantile) * total).radiance,
+                spread = (high - low) / (2 * quartileDeviations),
+                noise = middle.sigma * (1 + 1 / std::sqrt(float(observations.size())));
+    if (!(spread > noise)) return middle.radiance;
+    return middle.radiance - std::sqrt(1 - noise * noise / (spread * spread)) * (middle.radiance - low);
+}
 }  // namespace
 
 MatteValue robustMatteValue(std::vector<MatteObservation>& observations, float quantile) {
     std::sort(observations.begin(), observations.end(), [](const MatteObservation& a, const MatteObservation& b) {
         return a.radiance != b.radiance ? a.radiance < b.radiance : a.weight < b.weight;
     });
-    float total = 0, best = 0, run = 0;
+    float total = 0, best = 0;
     for (const MatteObservation& l : observations) {
         total += l.weight;
         best = std::max(best, l.weight);
     }
-    const MatteObservation* centre = &observations.back();
-    for (const MatteObservation& l : observations) {
-        run += l.weight;
-        if (run < quantile * total) continue;
-        centre = &l;
-        break;
-    }
-    const float reach = std::max(3 * centre->sigma, 0.06f * centre->radiance), count = float(observations.size());
+    const float count = float(observations.size()), sigma = observationAt(observations, 0.5f * total).sigma,
+                centre = centreOf(observations, quantile, total), reach = std::max(3 * sigma, 0.06f * centre);
     float sum = 0, weight = 0, noise = 0, deviation = 0;
     for (const MatteObservation& l : observations)
-        if (std::abs(l.radiance - centre->radiance) <= reach) {
+        if (std::abs(l.radiance - centre) <= reach) {
             sum += l.weight * l.radiance;
             noise += l.weight * l.sigma;
             weight += l.weight;
         }
-    MatteValue value{weight > 0 ? sum / weight : centre->radiance, 0};
-    noise = weight > 0 ? noise / weight : centre->sigma;
+    MatteValue value{weight > 0 ? sum / weight : centre, 0};
+    noise = weight > 0 ? noise / weight : sigma;
     for (const MatteObservation& l : observations)
         deviation += l.weight * std::min(std::abs(l.radiance - value.radiance), reach);
     deviation /= total;

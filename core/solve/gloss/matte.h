@@ -22,8 +22,9 @@ struct MatteObservation {
 struct MatteValue {
     float radiance = 0, sigma = 0;
 };
-/// Mean of the observations about their weighted quantile, within three deviations or 6 % of it. Sorts `observations`,
-/// which must not be empty. O(n log n).
+/// Mean of the observations about their weighted quantile, within three deviations or 6 % of it. A quantile below 0.5
+/// is nearer to the median by what noise explains of the spread between quartiles. Sorts `observations`, which must not
+/// be empty. O(n log n).
 MatteValue robustMatteValue(std::vector<MatteObservation>& observations, float quantile);
 
 /// `skip[v]` non-zero leaves vertex v out (emitters). `pieceGlossy`, if not null, is taken for

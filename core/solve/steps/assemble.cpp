@@ -1,6 +1,5 @@
 // The estimate as things stand.
 #include "base/log.h"
-#include "solve/albedo/shadow_edges.h"
 #include "solve/steps/steps.h"
 
 namespace relamp {
@@ -139,7 +138,7 @@ Estimate finishSolve(SolveRun& s) {
     assessConditioning(s, estimate);
     const Irradiance irradiance = s.irradiance();
     const LightUncertainty light = uncertaintyOf(s, irradiance, false);
-    const Irradiance unsure = unsureAtShadows(s.in.scene, s.observed.matte, irradiance);
+    const Irradiance unsure = unsureIrradiance(s, irradiance);
     assessUncertainty(s, unsure, light, estimate);
     estimate.heldOut = holdOutViews(s, unsure);
     applyGauge(s, irradiance, light, estimate);

@@ -1,5 +1,6 @@
 // Do the photographs hold light bounced between surfaces?
 #include "base/log.h"
+#include "solve/albedo/above_white.h"
 #include "solve/ratio/pair_misfit.h"
 #include "solve/steps/steps.h"
 
@@ -7,7 +8,12 @@ namespace relamp {
 
 void updateBounce(SolveRun& s) {
     if (!s.bounce.traced()) return;
-    updateAlbedo(s, s.irradiance());
+    std::vector<Rgb> lit;
+    {
+        const Irradiance irradiance = s.irradiance();
+        updateAlbedo(s, irradiance);
+        lit = irradiance.value;
+    }
     const std::vector<Rgb>& albedo = s.surfaces.albedo.albedo;
     BounceModel::HiddenSenders hidden;
     hidden.vertices = s.bounce.hiddenSenders(s.observed.matte.vertices, s.emitters.skip());
@@ -15,7 +21,13 @@ void updateBounce(SolveRun& s) {
         for (const uint32_t v : hidden.vertices) hidden.albedo.push_back(albedo[v]);
         hidden.direct = s.light.directAt(s.in, s.emitters, hidden.vertices);
     }
-    s.bounce.take(s.observed.matte.vertices, s.observed.matte.radiance, s.in.scene.mesh.vertexCount(), hidden);
+    const MatteObservations& matte = s.observed.matte;
+    for (size_t i = 0; i < s.bounce.atObservation.size(); ++i) lit[i] -= s.bounce.atObservation[i];
+    s.bounce.take(matte.vertices, matte.radiance, s.in.scene.mesh.vertexCount(), hidden);
+    if (!(s.in.options.meshError > 0)) return;
+    for (size_t i = 0; i < lit.size(); ++i) lit[i] += s.bounce.atObservation[i];
+    s.bounce.take(matte.vertices, reflectedAtMost(matte, lit, s.in.scene.component), s.in.scene.mesh.vertexCount(),
+                  hidden);
 }
 
 void joinLikelyBounce(SolveRun& s) {

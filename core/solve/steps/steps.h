@@ -99,6 +99,8 @@ void updateBounce(SolveRun& s);
 
 // surfaces.cpp
 void solveReflectance(SolveRun& s);
+/// `known` with the deviations of a mesh that is off: edges of shadows, and vertices that show an emitter beside them.
+Irradiance unsureIrradiance(const SolveRun& s, const Irradiance& known);
 /// Albedo of every vertex under `irradiance`; metals have none.
 void updateAlbedo(SolveRun& s, const Irradiance& irradiance);
 /// Takes what coatings reflect off the matte observations. `hurry`: with a third of the directions, though the time is

@@ -1,5 +1,6 @@
 // Reflectance under the light found: lobes, coatings, albedo, and how smooth light and albedo are.
 #include "base/log.h"
+#include "solve/albedo/above_white.h"
 #include "solve/albedo/shadow_edges.h"
 #include "solve/gloss/matte_under_gloss.h"
 #include "solve/light/lighting_step.h"
@@ -97,7 +98,7 @@ void askAlbedoStrength(SolveRun& s, const Irradiance& irradiance) {
     if (!s.in.options.askForStrength || s.in.options.albedoSmoothness > 0 || !s.surfaces.smoothness.trials.empty() ||
         s.observed.matte.vertices.empty() || s.stopped())
         return;
-    const std::vector<Rgb> sigma = unsureAtShadows(s.in.scene, s.observed.matte, irradiance).sigma;
+    const std::vector<Rgb> sigma = unsureIrradiance(s, irradiance).sigma;
     s.surfaces.take(testAlbedoStrength(s.in.scene, s.in.samples, s.observed.matte, irradiance.value, sigma,
                                        s.surfaces.prior, s.surfaces.albedo.albedo, s.in.options.seed, s.in.progress),
                     s.in.options.prior);
@@ -107,8 +108,14 @@ void askAlbedoStrength(SolveRun& s, const Irradiance& irradiance) {
     if (s.surfaces.smoothness.factor != 1) updateAlbedo(s, irradiance);
 }
 
+Irradiance unsureIrradiance(const SolveRun& s, const Irradiance& known) {
+    Irradiance irradiance = unsureAtShadows(s.in.scene, s.observed.matte, known);
+    if (!(s.in.options.meshError > 0) || s.emitters.surfaces.empty()) return irradiance;
+    return unsureAboveWhite(s.observed.matte, std::move(irradiance));
+}
+
 void updateAlbedo(SolveRun& s, const Irradiance& known) {
-    const Irradiance irradiance = unsureAtShadows(s.in.scene, s.observed.matte, known);
+    const Irradiance irradiance = unsureIrradiance(s, known);
     s.surfaces.albedo =
         solveAlbedo(s.in.scene, s.observed.matte, irradiance.value, irradiance.sigma, s.surfaces.prior, s.in.progress);
     if (s.in.options.palette > 0)
