@@ -18,8 +18,10 @@ void addCaptureOptions(CLI::App& verb, CaptureFix& fix) {
     verb.add_option("--colmap", fix.colmap,
                     "Folder of a COLMAP model (cameras, images, points3D as .bin or .txt), for example sparse/0");
     verb.add_option("--images", fix.images, "Folder of the photographs");
-    verb.add_option("--mesh", fix.mesh, "Mesh: PLY, OBJ, STL or OFF");
+    verb.add_option("--mesh", fix.mesh, "Mesh: PLY, OBJ, glTF (.glb, .gltf), STL or OFF");
     verb.add_option("--up", fix.up, "What is up in the files: x, y, z, -x, -y, -z or three numbers X,Y,Z");
+    verb.add_option("--mesh-up", fix.meshUp,
+                    "What is up in the mesh's file, if not what is up in the others (glTF: y)");
     verb.add_option("--scale", fix.scale, "Metres one unit of the files is long")->check(CLI::PositiveNumber);
     verb.add_option("--mesh-scale", fix.meshScale, "Units of the cameras one unit of the mesh is long")
         ->check(CLI::PositiveNumber);

@@ -1,6 +1,7 @@
 // What an artist brings: photographs with cameras, and a mesh. The first product; never changes afterwards.
 #pragma once
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,6 +41,8 @@ struct Capture {
     std::vector<View> views;  ///< in the order of transforms.json, COLMAP's by name; --camera N counts from 0
     Mesh mesh;
     MeshReport meshReport;
+    /// Faces of the mesh's file that have texture coordinates, by their vertices. Null where none has.
+    std::shared_ptr<const std::vector<TexturedFace>> texcoords;
     Vec3 up{0, 0, 1};          ///< axis of the files that is up; mesh and cameras here are turned so that it is +Z
     Mat3 worldFromFile{1};     ///< that turn
     double metresPerUnit = 1;  ///< how long one unit of the files is; cameras and mesh here are in metres

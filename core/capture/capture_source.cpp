@@ -21,7 +21,7 @@ fs::path findImage(const fs::path& folder, const std::string& filePath) {
 }
 
 std::optional<fs::path> findMeshIn(std::span<const fs::path> places, std::span<const char* const> names) {
-    constexpr const char* usual[] = {"mesh.ply", "mesh.obj", "mesh.stl", "mesh.off"};
+    constexpr const char* usual[] = {"mesh.ply", "mesh.obj", "mesh.glb", "mesh.gltf", "mesh.stl", "mesh.off"};
     for (const fs::path& place : places)
         for (const auto& list : {std::span<const char* const>(usual), names})
             for (const char* name : list)

@@ -23,7 +23,7 @@ struct FrameSource {
 struct CaptureSource {
     std::string where = "transforms.json";  ///< for errors
     std::vector<FrameSource> frames;
-    std::filesystem::path cameras;  ///< the file or folder that holds them
+    std::filesystem::path cameras;                  ///< the file or folder that holds them
     std::vector<std::filesystem::path> otherFiles;  ///< read beside it: lists, frames, where the mesh was aligned to
     std::filesystem::path mesh;
     Vec3 up{0, 0, 1};
@@ -40,7 +40,7 @@ CaptureSource captureSource(const std::filesystem::path& folder, const CaptureFi
 /// without its ending. Where nothing is found the path is returned as written, for the error message.
 std::filesystem::path findImage(const std::filesystem::path& folder, const std::string& filePath);
 
-/// The mesh in the first of these places that has one: mesh.ply, .obj, .stl or .off, else one of `names`.
+/// The mesh in the first of these places that has one: mesh.ply, .obj, .glb, .gltf, .stl or .off, else one of `names`.
 std::optional<std::filesystem::path> findMeshIn(std::span<const std::filesystem::path> places,
                                                 std::span<const char* const> names = {});
 

@@ -221,6 +221,43 @@ void compareExposures(const std::vector<ViewSight>& sights, CaptureCheck& check)
     check.exposureSpreadStops = high > low ? high - low : 0;
 }
 
+/// Median over the surface of how much views disagree on its brightness, stops; infinite where too few see one place.
+float disagreement(const std::vector<ViewSight>& sights) {
+    std::vector<float> scatter;
+    for (size_t s = 0; !sights.empty() && s < sights[0].brightness.size(); ++s) {
+        float sum = 0, squares = 0, count = 0;
+        for (const ViewSight& sight : sights)
+            if (const float b = sight.brightness[s]; std::isfinite(b)) sum += b, squares += b * b, ++count;
+        if (count >= 2) scatter.push_back(std::sqrt(std::max(0.0f, squares / count - sum * sum / (count * count))));
+    }
+    if (scatter.size() < enoughVertices) return std::numeric_limits<float>::infinity();
+    return medianOf(std::move(scatter));
+}
+
+/// The --mesh-up with which views would agree on the surface, where they do not: files have Y or Z up, and not all of
+/// a capture the same. Empty where nothing speaks for it.
+std::string meshUpGuess(const Capture& capture, const std::vector<uint8_t>& referenced, size_t stride, float now,
+                        Progress& progress) {
+    constexpr float usual = 0.25f, clearly = 0.6f;  // stops; of what they disagree by now
+    if (now < usual) return "";
+    std::string best;
+    float least = clearly * now;
+    const Mat3 turn = rotationToZUp({0, 1, 0});
+    for (const auto& [name, quarter] : {std::pair{"y", turn}, std::pair{"z", glm::transpose(turn)}}) {
+        Mesh turned = capture.mesh;
+        const Vec3 origin(capture.origin);
+        for (Vec3& p : turned.positions) p = quarter * (p + origin) - origin;
+        for (Vec3& n : turned.normals) n = quarter * n;
+        std::vector<ViewSight> sights(capture.views.size());
+        parallelFor(sights.size(), 1, [&](size_t i) {
+            ViewCheck ignored;
+            sights[i] = lookAt(capture.views[i], turned, referenced, stride, ignored, progress);
+        });
+        if (const float scatter = disagreement(sights); scatter < least) least = scatter, best = name;
+    }
+    return best;
+}
+
 std::string axisName(const Vec3& v) {
     int axis = 0;
     for (int c = 1; c < 3; ++c)
@@ -437,6 +474,9 @@ CaptureCheck checkCapture(const Capture& capture, Progress& progress) {
     compareExposures(sights, check);
     guessAxes(capture, check);
     warn(capture, check);
+    if (const auto up = meshUpGuess(capture, referenced, stride, disagreement(sights), progress); !up.empty())
+        check.warnings.push_back(
+            fmt::format("The photographs agree much better on the mesh turned by a quarter: try --mesh-up {}.", up));
     return check;
 }
 

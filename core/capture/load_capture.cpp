@@ -34,7 +34,9 @@ Capture loadCapture(const std::filesystem::path& folder, const LoadOptions& opti
     capture.reconstruction = source.reconstruction;
     capture.points = std::move(source.points);
     progress.begin("Reading the mesh", 1);
-    capture.mesh = readMesh(source.mesh, &capture.meshReport);
+    std::vector<TexturedFace> texcoords;
+    capture.mesh = readMesh(source.mesh, &capture.meshReport, {}, &texcoords);
+    if (!texcoords.empty()) capture.texcoords = std::make_shared<const std::vector<TexturedFace>>(std::move(texcoords));
     const Vec3 up = fix.up.empty() ? source.up : axisFromName(fix.up);
 
     const PhotographReader photographs(std::move(source), folder, options, progress);

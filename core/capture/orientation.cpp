@@ -58,14 +58,21 @@ void orientCapture(Capture& capture, const Vec3& up, const CaptureFix& fix) {
     capture.metresPerUnit = fix.scale;
     capture.worldFromFile = rotationToZUp(up);
     const bool turned = capture.worldFromFile != Mat3(1);
-    if (turned) {
-        for (Vec3& p : capture.mesh.positions) p = capture.worldFromFile * p;
-        for (Vec3& n : capture.mesh.normals) n = capture.worldFromFile * n;
+    Mat3 worldFromMesh = capture.worldFromFile;
+    if (!fix.meshUp.empty()) worldFromMesh = rotationToZUp(axisFromName(fix.meshUp));
+    else if (capture.meshReport.yUp && up == Vec3(0, 0, 1)) {
+        worldFromMesh = rotationToZUp({0, 1, 0});
+        capture.notes.push_back(
+            "The mesh has Y up, as glTF says, and was turned to the cameras' Z; --mesh-up z leaves it as it is.");
+    }
+    if (worldFromMesh != Mat3(1)) {
+        for (Vec3& p : capture.mesh.positions) p = worldFromMesh * p;
+        for (Vec3& n : capture.mesh.normals) n = worldFromMesh * n;
     }
     if (const float grown = float(fix.scale * fix.meshScale); grown != 1)
         for (Vec3& p : capture.mesh.positions) p *= grown;
     const glm::dmat3 rotation(capture.worldFromFile);
-    capture.origin = rotation * (capture.meshReport.origin * fix.meshScale * fix.scale);
+    capture.origin = glm::dmat3(worldFromMesh) * (capture.meshReport.origin * fix.meshScale * fix.scale);
     for (DVec3& p : capture.points) p = rotation * p * fix.scale - capture.origin;
     if (fix.scale != 1)
         for (View& view : capture.views)

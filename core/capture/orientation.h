@@ -14,6 +14,8 @@ namespace relamp {
 /// What the user says beside and against the files. Kept in the shot, so that it opens the same way.
 struct CaptureFix {
     std::string up{};  ///< "x", "-y", ... or "0.1,-0.9,0.2": the direction that is up in the files; empty: as they say
+    std::string
+        meshUp{};  ///< the same of the mesh's file; empty: Y of a glTF where the others have Z, else as they have
     bool flipCameras =
         false;         ///< the matrices have OpenCV's axes (Y down, looks along +Z) though they should have OpenGL's
     double scale = 1;  ///< metres one unit of the files is long; more than 0
@@ -39,9 +41,9 @@ std::string nameFromAxis(const Vec3& axis);
 /// The rotation that takes the unit vector `up` to +Z: by a multiple of 90 degrees and exact for an axis, else the
 /// shortest.
 Mat3 rotationToZUp(const Vec3& up);
-/// Turns and scales mesh and cameras so that the file's `up` becomes +Z and lengths are metres, and flips the cameras'
-/// axes when asked. Fills capture.up, worldFromFile (the turn alone) and origin, from meshReport.origin: the mesh
-/// counts from there already, cameras and points do afterwards.
+/// Turns and scales mesh and cameras so that the file's `up` (the mesh's own, see CaptureFix::meshUp) becomes +Z and
+/// lengths are metres, and flips the cameras' axes when asked. Fills capture.up, worldFromFile (the turn alone) and
+/// origin, from meshReport.origin: the mesh counts from there already, cameras and points do afterwards.
 void orientCapture(Capture& capture, const Vec3& up, const CaptureFix& fix);
 
 /// Unit direction that is up in a world where nothing says so: the axis the cameras' horizons turn about, or, where all

@@ -1,6 +1,7 @@
 #include "capture/photograph_reader.h"
 
 #include "base/is_there.h"
+#include "scene/mesh_io.h"
 
 namespace relamp {
 namespace fs = std::filesystem;
@@ -144,6 +145,7 @@ InputFiles captureFiles(const fs::path& folder, const CaptureFix& fix, Progress&
     else files.addFolder(source.cameras);
     for (const fs::path& file : source.otherFiles) files.add(file);
     files.add(source.mesh);
+    for (const fs::path& file : filesBesideMesh(source.mesh)) files.add(file);
     for (const FrameSource& frame : source.frames) {
         files.add(frame.file);
         for (const Exposure& exposure : frame.exposures) files.add(exposureFile(folder, exposure, fix));

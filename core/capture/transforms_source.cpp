@@ -15,7 +15,7 @@ fs::path findMesh(const fs::path& folder, const std::string& meshPath, const std
     }
     const fs::path places[] = {folder};
     if (const auto mesh = findMeshIn(places)) return *mesh;
-    throw Error("{}: mesh_path is missing, and {} holds no mesh.ply, mesh.obj, mesh.stl or mesh.off", file,
+    throw Error("{}: mesh_path is missing, and {} holds no mesh.ply, .obj, .glb, .gltf, .stl or .off", file,
                 folder.string());
 }
 

@@ -30,6 +30,16 @@ struct Mesh {
     }
 };
 
+/// Texture coordinates of a face's corners: u to the right, v up, both in [0, 1] on the image; all 0 for a face without
+/// any.
+using FaceTexcoords = std::array<Vec2, 3>;
+
+/// A face with its texture coordinates.
+struct TexturedFace {
+    Triangle corners;
+    FaceTexcoords texcoords;
+};
+
 /// What the loader found and repaired.
 struct MeshReport {
     size_t vertices = 0, triangles = 0;  ///< kept
@@ -42,6 +52,7 @@ struct MeshReport {
     size_t nonManifoldEdges = 0;  ///< edges of three or more faces: kept, counted
     size_t boundaryEdges = 0;     ///< edges of one face: holes
     bool normalsFromFile = false;
+    bool yUp = false;  ///< the file's format has Y up, whatever the files beside it have
     DVec3 origin{
         0};  ///< of the file that the mesh's positions count from, file units: 0 unless the mesh lies far from it
 };

@@ -8,6 +8,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/text_scanner.h"
+#include "scene/gltf_document.h"
 #include "scene/openmesh_file.h"
 #include "scene/ply_reader.h"
 #include "scene/triangle_soup.h"
@@ -15,8 +16,6 @@
 namespace relamp {
 namespace fs = std::filesystem;
 namespace {
-
-constexpr size_t mostBytes = size_t(1) << 36;
 
 std::string lowerExtension(const fs::path& file) {
     std::string extension = file.extension().string();
@@ -67,22 +66,33 @@ TriangleSoup readSoup(const fs::path& file, std::string_view bytes, const MeshLi
     const std::string extension = lowerExtension(file);
     if (bytes.substr(0, 3) == "ply" && bytes.size() > 3 && TextScanner::isSpace(bytes[3]))
         return readPly(bytes, limits);
+    if (isGltf(bytes)) return readGltf(bytes, file.parent_path(), limits);
     if (isOff(bytes)) return isBinaryOff(bytes) ? readBinaryOff(bytes, limits) : readOff(bytes, limits);
     if (extension == ".obj") return readObj(bytes, limits);
     if (extension == ".stl") return readStl(bytes, limits);
     if (extension == ".ply") return readPly(bytes, limits);
     if (extension == ".off") return readOff(bytes, limits);
     if (extension == ".om") return readWithOpenMesh(bytes, limits);
-    throw Error("is no mesh relamp reads, expected PLY, OBJ, STL, OFF or OM");
+    throw Error("is no mesh relamp reads, expected PLY, OBJ, glTF, STL, OFF or OM");
+}
+
+std::vector<TexturedFace> texturedFaces(const TriangleSoup& soup) {
+    std::vector<TexturedFace> faces;
+    for (size_t t = 0; t < soup.texcoords.size(); ++t)
+        if (soup.texcoords[t] != FaceTexcoords{}) faces.push_back({soup.triangles[t], soup.texcoords[t]});
+    return faces;
 }
 
 }  // namespace
 
-Mesh readMesh(const fs::path& file, MeshReport* report, const MeshLimits& limits) {
-    const std::string bytes = readBytes(file, mostBytes);
+Mesh readMesh(const fs::path& file, MeshReport* report, const MeshLimits& limits,
+              std::vector<TexturedFace>* texcoords) {
+    const std::string bytes = readBytes(file, mostMeshBytes);
     return withContext(file.string(), [&] {
         MeshReport found;
-        Mesh mesh = repairSoup(readSoup(file, bytes, limits), report != nullptr, found);
+        TriangleSoup soup = readSoup(file, bytes, limits);
+        if (texcoords) *texcoords = texturedFaces(soup);
+        Mesh mesh = repairSoup(std::move(soup), report != nullptr, found);
         if (report) *report = found;
         return mesh;
     });
@@ -132,7 +142,7 @@ void writeVertexPly(const fs::path& file, const Mesh& mesh, const std::vector<Ve
 }
 
 std::vector<VertexProperty> readVertexPly(const fs::path& file) {
-    const std::string bytes = readBytes(file, mostBytes);
+    const std::string bytes = readBytes(file, mostMeshBytes);
     return withContext(file.string(), [&] {
         const PlyHeader header = readPlyHeader(bytes);
         PlyCursor cursor(bytes, header);
@@ -167,7 +177,7 @@ std::vector<VertexProperty> readVertexPly(const fs::path& file) {
 }
 
 std::vector<TexturedFace> readTexturedFaces(const fs::path& file) {
-    const std::string bytes = readBytes(file, mostBytes);
+    const std::string bytes = readBytes(file, mostMeshBytes);
     return withContext(file.string(), [&] {
         const PlyHeader header = readPlyHeader(bytes);
         PlyCursor cursor(bytes, header);

@@ -136,7 +136,8 @@ DVec3 originFor(const DVec3& low, const DVec3& high) {
     return glm::round(middle / step) * step;
 }
 
-void TriangleSoup::addFace(const std::vector<int64_t>& corners, size_t vertices, const MeshLimits& limits) {
+void TriangleSoup::addFace(const std::vector<int64_t>& corners, size_t vertices, const MeshLimits& limits,
+                           const std::vector<Vec2>* places) {
     const bool inside =
         std::all_of(corners.begin(), corners.end(), [&](int64_t c) { return c >= 0 && size_t(c) < vertices; });
     if (corners.size() < 3 || !inside) {
@@ -146,6 +147,10 @@ void TriangleSoup::addFace(const std::vector<int64_t>& corners, size_t vertices,
     polygons += corners.size() > 3;
     if (triangles.size() + corners.size() - 2 > limits.maxTriangles)
         throw Error("has more than {} triangles", limits.maxTriangles);
+    if (places && places->size() == corners.size()) {
+        texcoords.resize(triangles.size());
+        for (size_t c = 2; c < corners.size(); ++c) texcoords.push_back({(*places)[0], (*places)[c - 1], (*places)[c]});
+    }
     for (size_t c = 2; c < corners.size(); ++c)
         triangles.push_back({uint32_t(corners[0]), uint32_t(corners[c - 1]), uint32_t(corners[c])});
 }
@@ -154,6 +159,7 @@ Mesh repairSoup(TriangleSoup&& soup, bool recentre, MeshReport& report) {
     report = {};
     report.polygons = soup.polygons;
     report.badIndexFaces = soup.badIndexFaces;
+    report.yUp = soup.yUp;
     const size_t facesInFile = soup.triangles.size() + soup.badIndexFaces;
     Mesh mesh;
     std::vector<uint8_t> usable(soup.positions.size(), 1);

@@ -1,4 +1,4 @@
-// OBJ, OFF and ascii text in general: vertices and polygons; materials, groups and texture coordinates are passed over.
+// OBJ, OFF and ascii text in general: vertices and polygons; materials and groups are passed over.
 #include "base/error.h"
 #include "base/text_scanner.h"
 #include "scene/triangle_soup.h"
@@ -31,6 +31,14 @@ DVec3 threeNumbers(TextScanner& words, const char* what, size_t lineNumber) {
     return v;
 }
 
+/// "vt": v may be missing.
+Vec2 twoNumbers(TextScanner& words, size_t lineNumber) {
+    const std::string_view first = words.word(), second = words.word('#');
+    const auto u = TextScanner::number(first);
+    if (!u) throw Error("line {}: vt holds \"{}\" where a number was expected", lineNumber, first.substr(0, 40));
+    return {float(*u), float(TextScanner::number(second).value_or(0))};
+}
+
 /// Index of a corner from 0; negative indices count from the last vertex so far, 0 and nonsense give -1.
 int64_t fromOne(std::optional<int64_t> index, size_t soFar) {
     if (!index || *index == 0) return -1;
@@ -47,8 +55,18 @@ TriangleSoup readObj(std::string_view bytes, const MeshLimits& limits) {
         uint32_t vertex, normal;
     };
     std::vector<Corner> corners;  // which normal a face gives a vertex; both may be declared later in the file
-    std::vector<std::vector<int64_t>> late;
-    std::vector<int64_t> face;
+    struct Face {
+        std::vector<int64_t> vertices, texcoords;
+    };
+    std::vector<Face> late;
+    std::vector<Vec2> texcoords, places;
+    Face face;
+    const auto addFace = [&](const Face& f) {
+        places.clear();
+        for (const int64_t t : f.texcoords)
+            if (t >= 0 && t < int64_t(texcoords.size())) places.push_back(texcoords[size_t(t)]);
+        soup.addFace(f.vertices, soup.positions.size(), limits, &places);
+    };
     std::string joined;
     TextScanner scanner(bytes);
     for (size_t lineNumber = 1; !scanner.atEnd(); ++lineNumber) {
@@ -60,12 +78,19 @@ TriangleSoup readObj(std::string_view bytes, const MeshLimits& limits) {
             soup.positions.push_back(threeNumbers(words, "v", lineNumber));
         } else if (key == "vn") {
             normals.emplace_back(threeNumbers(words, "vn", lineNumber));
+        } else if (key == "vt") {
+            texcoords.push_back(twoNumbers(words, lineNumber));
         } else if (key == "f") {
-            face.clear();
+            face.vertices.clear();
+            face.texcoords.clear();
             for (std::string_view word = words.word('#'); !word.empty(); word = words.word('#')) {
                 const int64_t vertex = fromOne(TextScanner::integer(word), soup.positions.size());
-                face.push_back(vertex);
+                face.vertices.push_back(vertex);
                 const size_t first = word.find('/');
+                if (first != word.npos)
+                    if (const int64_t t = fromOne(TextScanner::integer(word.substr(first + 1)), texcoords.size());
+                        t >= 0)
+                        face.texcoords.push_back(t);
                 const size_t second = first == word.npos ? first : word.find('/', first + 1);
                 if (second == word.npos || vertex < 0 || vertex >= TriangleSoup::noVertex) continue;
                 const int64_t normal = fromOne(TextScanner::integer(word.substr(second + 1)), normals.size());
@@ -74,12 +99,13 @@ TriangleSoup readObj(std::string_view bytes, const MeshLimits& limits) {
             }
             // Some writers put faces before their vertices, so indices are checked at the end where they are ahead.
             bool ahead = false;
-            for (const int64_t corner : face) ahead = ahead || corner >= int64_t(soup.positions.size());
+            for (const int64_t corner : face.vertices) ahead = ahead || corner >= int64_t(soup.positions.size());
+            for (const int64_t place : face.texcoords) ahead = ahead || place >= int64_t(texcoords.size());
             if (ahead) late.push_back(face);
-            else soup.addFace(face, soup.positions.size(), limits);
+            else addFace(face);
         }
     }
-    for (const auto& lateFace : late) soup.addFace(lateFace, soup.positions.size(), limits);
+    for (const Face& lateFace : late) addFace(lateFace);
     if (!corners.empty()) {
         soup.normals.assign(soup.positions.size(), Vec3(0));
         for (const Corner& c : corners)

@@ -177,13 +177,26 @@ void PlyCursor::skip(const PlyElement& element) {
 
 namespace {
 
-void readVertices(PlyCursor& cursor, const PlyElement& element, TriangleSoup& soup) {
+/// Where texture coordinates stand among the properties of a vertex: [0] is -1 where it has none.
+std::array<int, 2> texcoordsAt(const PlyElement& element) {
+    constexpr const char* names[][2] = {{"s", "t"}, {"u", "v"}, {"texture_u", "texture_v"}};
+    for (const auto& [first, second] : names) {
+        const int u = element.find(first), v = element.find(second);
+        if (u >= 0 && v >= 0 && !element.properties[size_t(u)].isList && !element.properties[size_t(v)].isList)
+            return {u, v};
+    }
+    return {-1, -1};
+}
+
+void readVertices(PlyCursor& cursor, const PlyElement& element, TriangleSoup& soup, std::vector<Vec2>& texcoords) {
     const int x = element.find("x"), y = element.find("y"), z = element.find("z");
     if (x < 0 || y < 0 || z < 0) throw Error("element vertex has no x, y and z");
     const int nx = element.find("nx"), ny = element.find("ny"), nz = element.find("nz");
     const bool hasNormals = nx >= 0 && ny >= 0 && nz >= 0;
     soup.positions.resize(element.count);
     if (hasNormals) soup.normals.resize(element.count);
+    const auto [u, t] = texcoordsAt(element);
+    if (u >= 0) texcoords.resize(element.count);
     std::vector<double> ignored;
     std::vector<double> row(element.properties.size());
     for (size_t v = 0; v < element.count; ++v) {
@@ -193,6 +206,7 @@ void readVertices(PlyCursor& cursor, const PlyElement& element, TriangleSoup& so
         }
         soup.positions[v] = {row[size_t(x)], row[size_t(y)], row[size_t(z)]};
         if (hasNormals) soup.normals[v] = Vec3(DVec3(row[size_t(nx)], row[size_t(ny)], row[size_t(nz)]));
+        if (u >= 0) texcoords[v] = Vec2(float(row[size_t(u)]), float(row[size_t(t)]));
     }
 }
 
@@ -204,19 +218,25 @@ void readFaces(PlyCursor& cursor, const PlyElement& element, size_t vertices, bo
     int wanted = element.find("vertex_indices");
     if (wanted < 0) wanted = element.find("vertex_index");
     if (wanted < 0 || !element.properties[size_t(wanted)].isList) return cursor.skip(element);
+    int texcoord = element.find("texcoord");
+    if (texcoord >= 0 && !element.properties[size_t(texcoord)].isList) texcoord = -1;
     if (!strips) soup.triangles.reserve(std::min(element.count, limits.maxTriangles));
-    std::vector<double> values, ignored;
+    std::vector<double> values, texcoords, ignored;
     std::vector<int64_t> corners;
+    std::vector<Vec2> places;
     for (size_t f = 0; f < element.count; ++f) {
         for (size_t p = 0; p < element.properties.size(); ++p) {
             const PlyProperty& property = element.properties[p];
-            if (property.isList) cursor.list(property, int(p) == wanted ? values : ignored);
-            else cursor.scalar(property.type);
+            if (!property.isList) cursor.scalar(property.type);
+            else cursor.list(property, int(p) == wanted ? values : int(p) == texcoord ? texcoords : ignored);
         }
         if (!strips) {
             corners.resize(values.size());
             for (size_t c = 0; c < values.size(); ++c) corners[c] = indexOf(values[c]);
-            soup.addFace(corners, vertices, limits);
+            places.clear();
+            for (size_t i = 0; i + 1 < texcoords.size(); i += 2)
+                places.emplace_back(float(texcoords[i]), float(texcoords[i + 1]));
+            soup.addFace(corners, vertices, limits, &places);
             continue;
         }
         size_t start = 0;
@@ -246,10 +266,11 @@ TriangleSoup readPly(std::string_view bytes, const MeshLimits& limits) {
     if (!hasVertices) throw Error("has no element vertex");
     TriangleSoup soup;
     PlyCursor cursor(bytes, header);
+    std::vector<Vec2> texcoords;
     bool done = false;
     for (const PlyElement& element : header.elements) {
         if (element.name == "vertex" && !done) {
-            readVertices(cursor, element, soup);
+            readVertices(cursor, element, soup, texcoords);
             vertices = element.count;
             done = true;
         } else if (element.name == "face" || element.name == "tristrips") {
@@ -258,6 +279,13 @@ TriangleSoup readPly(std::string_view bytes, const MeshLimits& limits) {
             cursor.skip(element);
         }
     }
+    if (!texcoords.empty() && soup.texcoords.empty())
+        for (const Triangle& t : soup.triangles) {
+            FaceTexcoords places{};
+            for (size_t k = 0; k < 3; ++k)
+                if (t[k] < texcoords.size()) places[k] = texcoords[t[k]];
+            soup.texcoords.push_back(places);
+        }
     return soup;
 }
 

@@ -16,11 +16,15 @@ struct TriangleSoup {
     std::vector<DVec3> positions;  ///< as the file has them: double, because scenes lie far from their origin
     std::vector<Vec3> normals;     ///< as many as positions, or empty; not normalised, zero where the file gives none
     std::vector<Triangle> triangles;
-    size_t polygons = 0;       ///< faces of more than three corners, cut into fans
+    std::vector<FaceTexcoords> texcoords;  ///< of the first triangles; those behind have none
+    bool yUp = false;                      ///< as MeshReport's
+    size_t polygons = 0;                   ///< faces of more than three corners, cut into fans
     size_t badIndexFaces = 0;  ///< faces with a corner outside the vertices, or fewer than three corners: dropped
 
-    /// Appends a face of any number of corners as a fan. Indices are checked against `vertices`.
-    void addFace(const std::vector<int64_t>& corners, size_t vertices, const MeshLimits& limits);
+    /// Appends a face of any number of corners as a fan. Indices are checked against `vertices`. `places`: texture
+    /// coordinates, one a corner; null where the face has none.
+    void addFace(const std::vector<int64_t>& corners, size_t vertices, const MeshLimits& limits,
+                 const std::vector<Vec2>* places = nullptr);
 };
 
 /// The readers take the whole file's bytes and throw Error without the file's name. Counts are held against the bytes
@@ -30,6 +34,8 @@ TriangleSoup readObj(std::string_view bytes, const MeshLimits& limits);
 TriangleSoup readOff(std::string_view bytes, const MeshLimits& limits);
 TriangleSoup readBinaryOff(std::string_view bytes, const MeshLimits& limits);
 TriangleSoup readStl(std::string_view bytes, const MeshLimits& limits);
+/// `folder`: where the files that it names are.
+TriangleSoup readGltf(std::string_view bytes, const std::filesystem::path& folder, const MeshLimits& limits);
 
 /// Drops faces that are no surface, fills in normals, turns faces round that are turned against the file's normals at
 /// all their corners, counts what is left (see MeshReport). Vertices keep their order; those that are not finite are

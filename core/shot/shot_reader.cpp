@@ -183,6 +183,7 @@ MeshMend mendOf(const JsonFields& object) {
 CaptureFix captureFixOf(const JsonFields& object) {
     CaptureFix fix;
     fix.up = text(object, "up");
+    fix.meshUp = text(object, "mesh_up");
     fix.flipCameras = object.get("flip_cameras", false);
     fix.scale = object.get("scale", 1.0);
     fix.meshScale = object.get("mesh_scale", 1.0);
@@ -197,6 +198,7 @@ CaptureFix captureFixOf(const JsonFields& object) {
     for (const JsonFields& p : object.list("proxy_lights"))
         fix.proxies.push_back({p.get<DVec3>("centre"), p.get("radius", 0.0f), p.get("sigma", Vec3(0)),
                                p.get("found", false), glm::max(p.get("radiance", Rgb(0)), Rgb(0))});
+    if (!fix.meshUp.empty()) withContext(object.name("mesh_up"), [&] { axisFromName(fix.meshUp); });
     if (!fix.up.empty()) withContext(object.name("up"), [&] { axisFromName(fix.up); });
     return fix;
 }

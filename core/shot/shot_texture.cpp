@@ -1,33 +1,23 @@
 #include "shot/shot_texture.h"
 
-#include <unordered_map>
-
 #include "base/error.h"
-#include "base/random.h"
 #include "image/image_io.h"
+#include "scene/texcoords.h"
 
 namespace relamp {
 namespace {
 
-/// The same for all orders of the corners.
-uint64_t keyOf(Triangle corners) {
-    std::sort(corners.begin(), corners.end());
-    return mixBits(mixBits(mixBits(corners[0]) + corners[1]) + corners[2]);
-}
-
-/// Where the corners of `triangle`, which is that face in some order, lie in an image of `size`; negative where the
-/// face says nothing of use.
-std::array<Vec2, 3> cornersOf(const TexturedFace& face, const Triangle& triangle, const Vec2& size) {
+/// Where corners lie in an image of `size`; negative where that says nothing of use.
+std::array<Vec2, 3> cornersOf(const FaceTexcoords& places, const Vec2& size) {
     const std::array<Vec2, 3> nowhere{Vec2(-1), Vec2(-1), Vec2(-1)};
+    if (places == FaceTexcoords{}) return nowhere;
     std::array<Vec2, 3> corners = nowhere;
-    for (size_t k = 0; k < 3; ++k)
-        for (size_t i = 0; i < 3; ++i) {
-            if (face.corners[i] != triangle[k]) continue;
-            const Vec2 uv = face.texcoords[i];
-            if (!(uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1)) return nowhere;
-            corners[k] = Vec2(uv.x, 1 - uv.y) * size;
-        }
-    return corners[0].x >= 0 && corners[1].x >= 0 && corners[2].x >= 0 ? corners : nowhere;
+    for (size_t k = 0; k < 3; ++k) {
+        const Vec2 uv = places[k];
+        if (!(uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1)) return nowhere;
+        corners[k] = Vec2(uv.x, 1 - uv.y) * size;
+    }
+    return corners;
 }
 
 }  // namespace
@@ -63,15 +53,9 @@ std::shared_ptr<const AlbedoTexture> readTexture(const std::filesystem::path& im
     texture->width = pixels.width;
     texture->height = pixels.height;
     texture->texels = std::move(pixels.pixels);
-    std::unordered_map<uint64_t, uint32_t> place;
-    for (uint32_t f = 0; f < textured.size(); ++f) place.emplace(keyOf(textured[f].corners), f);
     const Vec2 size(float(pixels.width), float(pixels.height));
-    for (const Triangle& t : triangles) {
-        std::array<Vec2, 3> corners{Vec2(-1), Vec2(-1), Vec2(-1)};
-        if (const auto found = place.find(keyOf(t)); found != place.end())
-            corners = cornersOf(textured[found->second], t, size);
-        texture->corners.push_back(corners);
-    }
+    for (const FaceTexcoords& places : texcoordsOf(textured, triangles))
+        texture->corners.push_back(cornersOf(places, size));
     return texture;
 }
 

@@ -161,6 +161,7 @@ Json fixToJson(const CaptureFix& fix, const fs::path& capture) {
                  {"mesh", kept(fix.mesh)},
                  {"from_brackets", fix.fromBrackets},
                  {"proxy_lights", proxiesToJson(fix.proxies)}};
+    if (!fix.meshUp.empty()) json["mesh_up"] = fix.meshUp;
     if (fix.smoothNormals >= 0) json["smooth_normals"] = fix.smoothNormals;
     if (!fix.registration.empty()) json["registration"] = registrationJson(fix.registration);
     if (!fix.mend.empty()) json["mesh_mend"] = mendToJson(fix.mend);

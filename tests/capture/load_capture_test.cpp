@@ -9,6 +9,7 @@
 #include "capture/capture_formats.h"
 #include "capture/check.h"
 #include "capture/photograph_reader.h"
+#include "support/known_world.h"
 #include "support/temporary_folder.h"
 
 namespace relamp {
@@ -54,6 +55,47 @@ TEST_F(LoadCapture, ReadsViewsMeshAndImages) {
     EXPECT_EQ(capture.mesh.triangles.size(), 2u);
     EXPECT_TRUE(capture.notes.empty());
     EXPECT_TRUE(load({.images = false}).views[0].image.pixels.empty());
+}
+
+/// glTF has Y up; the buffer beside it is one of the capture's files.
+TEST_F(LoadCapture, TurnsAGltfMeshToTheCamerasUp) {
+    std::filesystem::remove(folder / "mesh.obj");
+    std::string buffer;
+    for (const float x :
+         {-1.f, 0.f, 1.f, 1.f, 0.f, 1.f, 1.f, 0.f, -1.f, -1.f, 0.f, 1.f, 1.f, 0.f, -1.f, -1.f, 0.f, -1.f})
+        buffer.append(reinterpret_cast<const char*>(&x), 4);
+    folder.write("mesh.bin", buffer);
+    const json gltf{{"asset", {{"version", "2.0"}}},
+                    {"buffers", {{{"byteLength", 72}, {"uri", "mesh.bin"}}}},
+                    {"bufferViews", {{{"buffer", 0}, {"byteLength", 72}}}},
+                    {"accessors", {{{"bufferView", 0}, {"componentType", 5126}, {"count", 6}, {"type", "VEC3"}}}},
+                    {"meshes", {{{"primitives", {{{"attributes", {{"POSITION", 0}}}}}}}}},
+                    {"nodes", {{{"mesh", 0}}}}};
+    folder.write("mesh.gltf", gltf.dump());
+    const Capture capture = load();
+    EXPECT_EQ(capture.mesh.positions[2], Vec3(1, 1, 0));
+    EXPECT_LT(glm::distance(capture.mesh.normals[0], Vec3(0, 0, 1)), 1e-6f);
+    EXPECT_TRUE(anyHolds(capture.notes, "--mesh-up z"));
+    LoadOptions asItIs;
+    asItIs.fix.meshUp = "z";
+    EXPECT_EQ(load(asItIs).mesh.positions[2], Vec3(1, 0, -1));
+    file["up"] = "y";
+    EXPECT_EQ(load().mesh.positions[2], Vec3(1, 1, 0));  // as the cameras
+    Progress progress;
+    EXPECT_THROW(captureFiles(folder.path(), {}, progress).refuse(folder / "mesh.bin"), Error);
+}
+
+/// A mesh that lies on its side beside the cameras is noticed by what the photographs say of its places.
+TEST_F(LoadCapture, OffersTheUpThatPhotographsSpeakFor) {
+    test::paintKnownWorld(folder / "room", true, 6, 16);
+    Progress progress;
+    const auto warnings = [&](const std::string& meshUp) {
+        LoadOptions options;
+        options.fix.meshUp = meshUp;
+        return checkCapture(loadCapture(folder / "room", options, progress), progress).warnings;
+    };
+    EXPECT_FALSE(anyHolds(warnings(""), "--mesh-up"));
+    EXPECT_TRUE(anyHolds(warnings("y"), "--mesh-up z"));
 }
 
 TEST_F(LoadCapture, NamesTheFrameWhoseImageIsMissing) {

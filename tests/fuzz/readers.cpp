@@ -10,6 +10,7 @@
 #include "plate/plate_camera.h"
 #include "relight/ies_profile.h"
 #include "scene/mesh_io.h"
+#include "scene/texcoords.h"
 
 namespace relamp::fuzz {
 namespace {
@@ -21,9 +22,11 @@ const Target camera("camera", [](std::string_view bytes) { readCameraFile(fileWi
 
 template <int kind>
 void mesh(std::string_view bytes) {
-    constexpr const char* names[] = {"mesh.ply", "mesh.obj", "mesh.off", "mesh.stl", "mesh.om"};
+    constexpr const char* names[] = {"mesh.ply", "mesh.obj", "mesh.off", "mesh.stl", "mesh.om", "mesh.glb"};
     MeshReport report;
-    const Mesh read = readMesh(fileWith(names[kind], bytes), &report);
+    std::vector<TexturedFace> faces;
+    const Mesh read = readMesh(fileWith(names[kind], bytes), &report, {}, &faces);
+    texcoordsOf(faces, read.triangles);
     for (const Triangle& t : read.triangles)
         for (const uint32_t v : t)
             if (v >= read.vertexCount()) throw std::logic_error("a triangle names a vertex that is not there");
@@ -31,7 +34,7 @@ void mesh(std::string_view bytes) {
         if (!std::isfinite(p.x + p.y + p.z)) throw std::logic_error("a position that is no number");
 }
 const Target ply("mesh-ply", mesh<0>), obj("mesh-obj", mesh<1>), off("mesh-off", mesh<2>), stl("mesh-stl", mesh<3>),
-    om("mesh-om", mesh<4>);
+    om("mesh-om", mesh<4>), gltf("mesh-gltf", mesh<5>);
 const Target vertexPly("vertex-ply", [](std::string_view bytes) { readVertexPly(fileWith("vertices.ply", bytes)); });
 
 const Target ies("ies", [](std::string_view bytes) {

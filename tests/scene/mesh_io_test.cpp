@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "scene/texcoords.h"
 #include "support/temporary_folder.h"
 
 namespace relamp {
@@ -303,6 +304,51 @@ TEST(MeshIo, CountsBeyondTheFileAreRefusedBeforeMemoryIsAskedFor) {
     EXPECT_NE(errorFor("a.off", binaryOff).find("more than the file holds"), std::string::npos);
 }
 
+TEST(MeshIo, TexturePlacesOfObjAndPlyFollowTheirCorners) {
+    const test::TemporaryFolder folder;
+    const FaceTexcoords first{Vec2(0, 0), Vec2(1, 0), Vec2(1, 0.5f)}, second{Vec2(0, 0), Vec2(1, 0.5f), Vec2(0, 0.5f)};
+    const auto expectPlaces = [&](const std::string& name, const std::string& bytes) {
+        std::vector<TexturedFace> faces;
+        readMesh(folder.write(name, bytes), nullptr, {}, &faces);
+        ASSERT_EQ(faces.size(), 2u) << bytes;
+        EXPECT_EQ(faces[0].corners, (Triangle{0, 1, 2}));
+        EXPECT_EQ(faces[0].texcoords, first) << bytes;
+        EXPECT_EQ(faces[1].corners, (Triangle{0, 2, 3}));
+        EXPECT_EQ(faces[1].texcoords, second) << bytes;
+    };
+    const std::string v = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n", vt = "vt 0 0.5\nvt 0\nvt 1 0 0\nvt 1 0.5\n";
+    expectPlaces("a.obj", v + vt + "f 1/2 2/3 3/4 4/1\n");
+    expectPlaces("a.obj", v + vt + "vn 0 0 1\nf 1/2/1 2/3/1 3/-1/1 4/-4/1\n");
+    expectPlaces("a.obj", "f 1/2 2/3 3/4 4/1\n" + v + vt);
+    const std::string face = "element face 1\nproperty list uchar int vertex_indices\n",
+                      vertices = "property float x\nproperty float y\nproperty float z\n";
+    for (const auto& [u, t] : {std::pair{"s", "t"}, std::pair{"u", "v"}, std::pair{"texture_u", "texture_v"}})
+        expectPlaces("a.ply", fmt::format("ply\nformat ascii 1.0\nelement vertex 4\nproperty float {}\n{}property "
+                                          "float {}\n{}end_header\n0 0 0 0 0\n1 1 0 0 0\n1 1 1 0 0.5\n0 0 1 0 "
+                                          "0.5\n4 0 1 2 3\n",
+                                          u, vertices, t, face));
+    expectPlaces("a.ply", "ply\nformat ascii 1.0\nelement vertex 4\n" + vertices + face +
+                              "property int texnumber\nproperty list uchar float texcoord\nend_header\n"
+                              "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3 0 8 0 0 1 0 1 0.5 0 0.5\n");
+    // Corners without a place, or with one that is not there, leave their face without.
+    std::vector<TexturedFace> faces;
+    for (const char* f : {"f 1/2 2/3 3\n", "f 1/2 2/3 3/9\n", "f 1 2 3\n", "f 1//1 2//1 3//1\n"}) {
+        readMesh(folder.write("a.obj", v + vt + f), nullptr, {}, &faces);
+        EXPECT_TRUE(faces.empty()) << f;
+    }
+    EXPECT_EQ(errorFor("a.obj", v + "vt red\n"), "line 5: vt holds \"red\" where a number was expected");
+}
+
+TEST(MeshIo, TexturePlacesAreFoundByTheVerticesOfATriangle) {
+    const std::vector<TexturedFace> faces{{{4, 1, 2}, {Vec2(0.4f), Vec2(0.1f), Vec2(0.2f)}},
+                                          {{2, 4, 1}, {Vec2(1), Vec2(1), Vec2(1)}},
+                                          {{0, 1, 2}, {Vec2(0.5f), Vec2(0.6f), Vec2(0.7f)}}};
+    const std::vector<FaceTexcoords> found = texcoordsOf(faces, {{1, 2, 4}, {1, 2, 5}, {2, 1, 0}});
+    EXPECT_EQ(found[0], (FaceTexcoords{Vec2(0.1f), Vec2(0.2f), Vec2(0.4f)}));
+    EXPECT_EQ(found[1], FaceTexcoords{});
+    EXPECT_EQ(found[2], (FaceTexcoords{Vec2(0.7f), Vec2(0.6f), Vec2(0.5f)}));
+}
+
 TEST(MeshIo, LimitsAreKept) {
     const std::string file = asciiPly("4", "1", "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n");
     EXPECT_EQ(errorFor("a.ply", file, {3, 100}), "element vertex has 4 entries, expected at most 3");
@@ -341,7 +387,7 @@ TEST(MeshIo, FilesThatAreNoMeshAreNamed) {
               (folder / "none.ply").string() + ": does not exist");
     EXPECT_EQ(errorFor("a.ply", ""), "is empty");
     EXPECT_EQ(errorFor("a.ply", "hello"), "is no PLY file");
-    EXPECT_EQ(errorFor("a.txt", "hello"), "is no mesh relamp reads, expected PLY, OBJ, STL, OFF or OM");
+    EXPECT_EQ(errorFor("a.txt", "hello"), "is no mesh relamp reads, expected PLY, OBJ, glTF, STL, OFF or OM");
     EXPECT_EQ(errorFor("a.ply", "ply\nformat ascii 1.0\n"), "header: ends without end_header");
     EXPECT_EQ(errorFor("a.ply", "ply\nformat ebcdic 1.0\n"), "header: format \"ebcdic\" is unknown");
     EXPECT_EQ(errorFor("a.ply", "ply\nformat ascii 1.0\nend_header\n"), "has no element vertex");

@@ -16,19 +16,20 @@ namespace {
 
 /// The mesh of a foreign capture: by the usual names, by those that the programs give, or the only one there is.
 fs::path findForeignMesh(const fs::path& folder, const fs::path& beside, std::vector<std::string>& notes) {
-    constexpr const char* own[] = {"texturedMesh.obj", "model.obj",           "model.ply",         "export.obj",
-                                   "raw.obj",          "textured_output.obj", "export_refined.obj"};
+    constexpr const char* own[] = {"texturedMesh.obj",    "model.obj",          "model.ply", "export.obj", "raw.obj",
+                                   "textured_output.obj", "export_refined.obj", "raw.glb",   "model.glb"};
     const fs::path places[] = {folder, folder / "mesh", beside, beside / ".."};
     if (const auto mesh = findMeshIn(places, own)) return *mesh;
     std::vector<fs::path> meshes;
     std::error_code failed;
     for (fs::directory_iterator at(folder, failed); !failed && at != fs::directory_iterator(); at.increment(failed)) {
         const std::string ending = at->path().extension().string();
-        if ((ending == ".ply" || ending == ".obj" || ending == ".stl" || ending == ".off") && isFile(at->path()))
+        constexpr const char* endings[] = {".ply", ".obj", ".glb", ".gltf", ".stl", ".off"};
+        if (std::find(std::begin(endings), std::end(endings), ending) != std::end(endings) && isFile(at->path()))
             meshes.push_back(at->path());
     }
     if (meshes.size() != 1)
-        throw Error("{}: holds {} (mesh.ply, mesh.obj, mesh.stl, mesh.off), name it with --mesh", folder.string(),
+        throw Error("{}: holds {} (mesh.ply, .obj, .glb, .gltf, .stl, .off), name it with --mesh", folder.string(),
                     meshes.empty() ? "no mesh" : "several meshes and none of the usual name");
     notes.push_back(fmt::format("{} is taken as the mesh, because there is no other.", meshes[0].filename().string()));
     return meshes[0];
