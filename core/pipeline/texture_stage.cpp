@@ -3,6 +3,7 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/statistics.h"
+#include "texture/own_charts.h"
 
 namespace relamp {
 namespace {
@@ -43,6 +44,9 @@ void planTexture(const Capture& capture, const Scene& scene, const RadianceSampl
             fmt::format("the mesh is as fine as the photographs: its vertices lie {:.1f} pixels apart", apart),
             seconds);
     plan.stages.push_back({Stage::texture, seconds, -1, mib, -1});
+    if (!capture.texcoords) return;
+    if (const OwnCharts own = ownCharts(capture.mesh, *capture.texcoords); !own.why.empty())
+        plan.leftOut.push_back({Omission::ownTexcoords, own.why, 0, 0});
 }
 
 void addTexture(const Capture& capture, const Scene& scene, std::optional<int> side, Estimate& estimate,
@@ -54,12 +58,14 @@ void addTexture(const Capture& capture, const Scene& scene, std::optional<int> s
             if (side) options.mostSide = *side;
             options.always = side.has_value();
             TextureFit fit = fitTexture(capture, scene, estimate, options, progress);
+            if (!fit.whyNotOwn.empty()) estimate.leftOut.push_back({Omission::ownTexcoords, fit.whyNotOwn});
             if (fit.texture)
                 logInfo(
-                    "texture of {} x {}, {} charts, {:.0f} % of the photographs' resolution; squared error of views "
+                    "texture of {} x {}, {} charts{}, {:.0f} % of the photographs' resolution; squared error of views "
                     "left "
                     "out {:+.0f} %",
-                    fit.texture->width, fit.texture->height, fit.charts, 100 * fit.scale, -fit.gain.percent());
+                    fit.texture->width, fit.texture->height, fit.charts,
+                    fit.own ? " by the mesh's own texture coordinates" : "", 100 * fit.scale, -fit.gain.percent());
             else estimate.leftOut.push_back({Omission::texture, fit.why});
             estimate.reflectance.texture = std::move(fit.texture);
             estimate.heldOutTexture = std::move(fit.without);

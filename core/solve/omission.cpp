@@ -16,6 +16,7 @@ constexpr NameRow<Omission> omissionRows[] = {
     {Omission::triangles, "triangles"},
     {Omission::unobservedLight, "unobserved light"},
     {Omission::texture, "albedo per texel"},
+    {Omission::ownTexcoords, "the mesh's own texture coordinates"},
     {Omission::fullInterreflection, "interreflection at full detail"},
     {Omission::unobservedVertices, "vertices that no photograph shows"},
     {Omission::agreeingRays, "rays between rays that agree"},

@@ -15,6 +15,7 @@ enum class Omission {
     triangles,
     unobservedLight,
     texture,
+    ownTexcoords,
     // Parts of the work (pipeline/plan.h).
     fullInterreflection,
     unobservedVertices,

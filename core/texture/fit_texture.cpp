@@ -7,9 +7,10 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "base/statistics.h"
-#include "texture/atlas.h"
+#include "texture/own_charts.h"
 #include "texture/photograph_geometry.h"
 #include "texture/seams.h"
+#include "texture/texels_inside.h"
 #include "texture/vertex_texels.h"
 
 namespace relamp {
@@ -213,6 +214,13 @@ public:
                 for (int x = std::max(0, int(low.x) - 1); x <= std::min(atlas.width - 1, int(high.x) + 1); ++x)
                     keep[size_t(y) * size_t(atlas.width) + size_t(x)] = fraction[atlas.chartOf[t]];
         }
+        // Charts of the mesh's own lie in one another's rectangles.
+        for (uint32_t t = 0; t < atlas.corners.size(); ++t)
+            if (texture.has(t))
+                texelsInside(atlas.corners[t], atlas.width, [&](size_t at) {
+                    keep[at] = fraction[atlas.chartOf[t]];
+                    return true;
+                });
         parallelFor(keep.size(), 1 << 14,
                     [&](size_t i) { texture.texels[i] = start_[i] + keep[i] * (texture.texels[i] - start_[i]); });
     }
@@ -345,6 +353,25 @@ double textureMib(double pixels, const TextureOptions& options) {
     return (44 * texels + std::min(4 * pixels, mostSamples) / 4 * sizeof(TracedPixel)) / (1 << 20);
 }
 
+namespace {
+
+/// By the mesh's own texture coordinates where it has some that are fit for it, else by charts of our making.
+Atlas atlasFor(const Capture& capture, const Mesh& mesh, const std::vector<float>& texelsPerMetre,
+               const AtlasOptions& options, TextureFit& fit, Progress& progress) {
+    if (capture.texcoords) {
+        OwnCharts own = ownCharts(mesh, *capture.texcoords);
+        if (own.why.empty())
+            if (Atlas atlas = layOutOwn(mesh, own, texelsPerMetre, options); atlas.width > 0) {
+                fit.own = true;
+                return atlas;
+            }
+        fit.whyNotOwn = own.why;
+    }
+    return layOut(mesh, texelsPerMetre, options, progress);
+}
+
+}  // namespace
+
 TextureFit fitTexture(const Capture& capture, const Scene& scene, const Estimate& estimate,
                       const TextureOptions& options, Progress& progress) {
     TextureFit fit;
@@ -357,8 +384,8 @@ TextureFit fitTexture(const Capture& capture, const Scene& scene, const Estimate
         photographGeometry(capture, scene, estimate.emitters.emitterOfTriangle, pixelsPerMetre, progress);
     AtlasOptions layout;
     layout.mostSide = options.mostSide;
-    const Atlas atlas =
-        layOut(scene.mesh, densityOf(scene, estimate, pixelsPerMetre, options.texelsPerPixel), layout, progress);
+    const Atlas atlas = atlasFor(
+        capture, scene.mesh, densityOf(scene, estimate, pixelsPerMetre, options.texelsPerPixel), layout, fit, progress);
     if (atlas.width == 0) {
         fit.why = "no surface is matte";
         return fit;

@@ -34,8 +34,10 @@ struct TextureFit {
         without;  ///< the same from all views but n / 3 and 2 n / 3 of n; null with three
     TextureGain gain;
     size_t charts = 0;
-    float scale = 1;  ///< of the resolution that photographs have, at most 1
-    std::string why;  ///< there is none
+    bool own = false;       ///< laid out by the mesh's own texture coordinates
+    std::string whyNotOwn;  ///< the mesh's own texture coordinates are not used, though it has some
+    float scale = 1;        ///< of the resolution that photographs have, at most 1
+    std::string why;        ///< there is none
 };
 
 /// Super-resolution by back-projection [IraniPeleg91] [Goldluecke14]: every photograph is predicted through its

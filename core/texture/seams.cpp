@@ -1,10 +1,19 @@
 #include "texture/seams.h"
 
+#include "scene/equal_vertices.h"
 #include "texture/charts.h"
 
 namespace relamp {
 
-std::vector<SeamPoint> seamPoints(const Mesh& mesh, const AlbedoTexture& texture) {
+std::vector<SeamPoint> seamPoints(const Mesh& captured, const AlbedoTexture& texture) {
+    // Writers split vertices where charts of their own end: at the seams.
+    Mesh mesh;
+    mesh.triangles = captured.triangles;
+    if (captured.normals.size() == captured.positions.size()) {
+        const std::vector<uint32_t> first = firstEqualVertex(captured.positions, captured.normals);
+        for (Triangle& t : mesh.triangles)
+            for (uint32_t& v : t) v = first[v];
+    }
     const auto beside = trianglesBeside(mesh);
     std::vector<SeamPoint> points;
     for (uint32_t t = 0; t < beside.size(); ++t)

@@ -10,8 +10,9 @@ struct SeamPoint {
     Vec2 here, there;
 };
 
-/// Places on all edges between triangles whose charts differ, about one a texel. Cost: O(triangles log triangles).
-std::vector<SeamPoint> seamPoints(const Mesh& mesh, const AlbedoTexture& texture);
+/// Places on all edges between triangles whose charts differ, about one a texel. Vertices with one position and one
+/// normal count as one. Cost: O(triangles log triangles).
+std::vector<SeamPoint> seamPoints(const Mesh& captured, const AlbedoTexture& texture);
 
 /// Moves the texels on both sides of the seams until both say the same, by rounds of projection on one place after the
 /// other (Kaczmarz). Only texels that touch a seam change.

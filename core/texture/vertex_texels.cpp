@@ -17,7 +17,7 @@ std::vector<Rgb> texelsOfVertices(const Mesh& mesh, const std::vector<Rgb>& valu
             for (int x = std::max(0, int(low.x - 1)); x <= std::min(texture.width - 1, int(high.x + 1)); ++x) {
                 const Vec2 c = Vec2(float(x) + 0.5f, float(y) + 0.5f) - p[0];
                 float b1 = 0, b2 = 0;
-                if (area > 0) {
+                if (area != 0) {  // mirrored charts, too
                     b1 = (c.x * b.y - c.y * b.x) / area;
                     b2 = (a.x * c.y - a.y * c.x) / area;
                 }

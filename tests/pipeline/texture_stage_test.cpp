@@ -56,6 +56,18 @@ TEST(TextureStage, FollowsTheArtistsWord) {
     EXPECT_TRUE(planned(SeenSheet(300).plan({}, true)));
 }
 
+TEST(TextureStage, SaysWhyTheMeshsOwnTexcoordsAreNotUsed) {
+    SeenSheet sheet(20);
+    std::vector<TexturedFace> faces;
+    for (const Triangle& t : sheet.scene.mesh.triangles) faces.push_back({t, {Vec2(0, 0), Vec2(1, 0), Vec2(0, 1)}});
+    sheet.capture.texcoords = std::make_shared<const std::vector<TexturedFace>>(faces);
+    const SolvePlan plan = sheet.plan();
+    ASSERT_EQ(plan.leftOut.size(), 1u);
+    EXPECT_EQ(plan.leftOut[0].what, Omission::ownTexcoords);
+    EXPECT_EQ(plan.leftOut[0].reason, "triangles lie on one another in the image");
+    EXPECT_EQ(plan.stages.size(), 1u);
+}
+
 TEST(TextureStage, WithoutTimeThereIsNone) {
     const SeenSheet sheet(20);
     Estimate estimate = test::matteEstimate(sheet.scene, Rgb(0.5f), Rgb(1));

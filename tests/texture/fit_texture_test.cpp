@@ -96,6 +96,39 @@ TEST(FitTexture, FindsAPrintThatVerticesMiss) {
     EXPECT_LT(texels, 0.03);  // stripes of two and a half pixels through a pixel's own blur
 }
 
+TEST(FitTexture, LiesAsTheMeshsOwnTexcoordsSay) {
+    PrintedSheet sheet;
+    std::vector<TexturedFace> faces;
+    for (const Triangle& t : sheet.scene.mesh.triangles) {
+        TexturedFace face{t, {}};
+        for (size_t k = 0; k < 3; ++k) {
+            const Vec3& p = sheet.scene.mesh.positions[t[k]];
+            face.texcoords[k] = Vec2(0.5f) + 0.45f * Vec2(p.y, p.x);
+        }
+        faces.push_back(face);
+    }
+    sheet.capture.texcoords = std::make_shared<const std::vector<TexturedFace>>(faces);
+    const TextureFit fit = sheet.fit();
+    ASSERT_TRUE(fit.texture) << fit.why;
+    EXPECT_TRUE(fit.own) << fit.whyNotOwn;
+    for (uint32_t t = 0; t < faces.size(); ++t)
+        for (size_t k = 0; k < 3; ++k) {
+            const Vec2 place = fit.texture->corners[t][k] / float(fit.texture->width);
+            EXPECT_LT(glm::distance(Vec2(place.x, 1 - place.y), faces[t].texcoords[k]), 1e-6f);
+        }
+    const double texels = PrintedSheet::errorOf(
+        [&](uint32_t t, const Vec2& b) { return fit.texture->at(fit.texture->place(t, b)); }, sheet.scene.mesh);
+    EXPECT_LT(texels, 0.03);
+    // Where they lie on one another, charts of our making do.
+    for (TexturedFace& face : faces)
+        for (Vec2& place : face.texcoords) place.x = std::abs(place.x - 0.5f);
+    sheet.capture.texcoords = std::make_shared<const std::vector<TexturedFace>>(faces);
+    const TextureFit other = sheet.fit();
+    ASSERT_TRUE(other.texture);
+    EXPECT_FALSE(other.own);
+    EXPECT_EQ(other.whyNotOwn, "triangles lie on one another in the image");
+}
+
 TEST(FitTexture, OfAPlainSheetIsNotWorthIt) {
     const TextureFit fit = PrintedSheet(false).fit();
     EXPECT_FALSE(fit.texture);
