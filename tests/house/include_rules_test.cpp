@@ -91,6 +91,7 @@ const std::vector<Library> libraries{
     {"imgui", {"ui/"}},
     {"stb/", {"texture/atlas.cpp"}},
     {"pugixml", {"capture/formats/metashape.cpp"}},
+    {"pybind11", {"app/python/"}},
 };
 
 struct Include {

@@ -1,0 +1,102 @@
+"""What docs/python.md promises, on a small capture. Run by ctest with PYTHONPATH on the module."""
+import json
+import pathlib
+import re
+import sys
+import tempfile
+
+import numpy
+
+import relamp
+
+source = pathlib.Path(sys.argv[1])
+folder = pathlib.Path(tempfile.mkdtemp(prefix="relamp-python-"))
+
+
+def raises(kind, text, act):
+    try:
+        act()
+    except kind as error:
+        assert text in str(error), str(error)
+        return
+    raise AssertionError(f"nothing was raised, expected {kind.__name__}: {text}")
+
+
+def capture_of(place):
+    """A square metre under a grey sky, seen by three cameras from above: photographs as small HDR files."""
+    (place / "images").mkdir(parents=True)
+    (place / "mesh.obj").write_text(
+        "".join(f"v {x / 8 - 0.5} {y / 8 - 0.5} 0\n" for y in range(9) for x in range(9))
+        + "".join(f"f {9 * y + x + 1} {9 * y + x + 2} {9 * y + x + 11} {9 * y + x + 10}\n" for y in range(8) for x in range(8))
+    )
+    frames = []
+    for view in range(3):
+        header = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 24 +X 32\n"
+        pixel = bytes([64, 72, 80, 128])
+        (place / f"images/{view}.hdr").write_bytes(header + pixel * (24 * 32))
+        frames.append({"file_path": f"images/{view}.hdr",
+                       "transform_matrix": [[1, 0, 0, 0.1 * view], [0, 1, 0, 0], [0, 0, 1, 1.2], [0, 0, 0, 1]]})
+    (place / "transforms.json").write_text(json.dumps({"w": 32, "h": 24, "fl_x": 40, "frames": frames}))
+    return place
+
+
+try:
+    capture = capture_of(folder / "capture")
+    told = []
+    shot = relamp.solve(capture, folder / "a.relamp", quality="draft", progress=lambda *what: told.append(what))
+    assert all(isinstance(label, str) and 0 <= fraction <= 1 for label, fraction in told)
+    assert shot.views == [f"images/{i}.hdr" for i in range(3)], shot.views
+    assert shot.positions.shape == (81, 3) and shot.positions.dtype == numpy.float32
+    assert shot.triangles.shape == (128, 3) and shot.triangles.max() == 80
+    assert shot.albedo.shape == (81, 3) and shot.confidence.shape == (81,)
+    assert shot.info["version"] == 2 and "look" not in shot.info
+
+    # Arrays are views that outlive their owner and may not be written to.
+    assert numpy.shares_memory(shot.positions, shot.positions)
+    raises(ValueError, "read-only", lambda: shot.positions.__setitem__((0, 0), 1))
+    frame = relamp.open(shot.folder).render(1, samples=2)
+    beauty, depth = frame.beauty, frame.depth
+    assert beauty.shape == (24, 32, 3) and depth.shape == (24, 32)
+    assert abs(depth[12, 16] - 1.2) < 1e-3, depth[12, 16]
+    total = frame.world + sum(frame.lights.values())
+    del frame
+    assert numpy.abs(total - beauty).max() < 1e-4 and beauty.max() > 0
+    assert numpy.array_equal(beauty, shot.render(1, samples=2, threads=1).beauty)
+
+    # Looks are documents; another pose is another picture.
+    dark = {"version": 1, "environment": {"source": "none"}}
+    assert shot.render(look=dark, samples=1).world.max() == 0
+    shot.look = dark
+    assert shot.look["environment"]["source"] == "none"
+    shot.save()
+    assert relamp.open(folder / "a.relamp").look["environment"]["source"] == "none"
+    far = numpy.eye(4)
+    far[2, 3] = 2.4
+    assert abs(shot.render(pose=far, samples=1).depth[12, 16] - 2.4) < 1e-3
+    shot.export(folder / "scene")
+    assert (folder / "scene/lights.gltf").is_file()
+
+    # Faults name themselves, and nothing is half done.
+    raises(relamp.Error, "add --overwrite", lambda: shot.export(folder / "scene"))
+    raises(relamp.Error, "camera: is 3", lambda: shot.render(3))
+    raises(relamp.Error, "pose: expected 4 x 4", lambda: shot.render(pose=[1, 2]))
+    raises(relamp.Error, "emitters[0]", lambda: setattr(shot, "look", {"version": 1, "emitters": [{"id": 5}]}))
+    raises(relamp.Error, "exists already", lambda: relamp.solve(capture, folder / "a.relamp"))
+    raises(relamp.Error, "none.relamp", lambda: relamp.open(folder / "none.relamp"))
+    raises(relamp.Cancelled, "", lambda: shot.render(samples=4096, progress=lambda *_: False))
+    raises(ZeroDivisionError, "", lambda: shot.render(samples=4096, progress=lambda *_: 1 / 0))
+    raises(relamp.Cancelled, "",
+           lambda: relamp.solve(source / "assets/captures/desk-lamp", folder / "b.relamp", progress=lambda *_: False))
+    assert not (folder / "b.relamp").exists()
+
+    # Stub and module name the same things.
+    stub = (source / "app/python/relamp.pyi").read_text()
+    for name in ("Error", "Cancelled", "Frame", "Shot"):
+        for member in [n for n in dir(getattr(relamp, name)) if not n.startswith("_")]:
+            known = re.search(rf"\bdef {member}\(|^    {member}:", stub, re.M)
+            assert known or name in ("Error", "Cancelled"), f"{name}.{member} is not in the stub"
+    print("ok")
+finally:
+    import shutil
+
+    shutil.rmtree(folder)
