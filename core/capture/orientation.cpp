@@ -62,7 +62,7 @@ void orientCapture(Capture& capture, const Vec3& up, const CaptureFix& fix) {
     if (!fix.meshUp.empty()) worldFromMesh = rotationToZUp(axisFromName(fix.meshUp));
     else if (capture.meshReport.yUp && up == Vec3(0, 0, 1)) {
         worldFromMesh = rotationToZUp({0, 1, 0});
-        capture.notes.push_back(
+        capture.notes.emplace_back(
             "The mesh has Y up, as glTF says, and was turned to the cameras' Z; --mesh-up z leaves it as it is.");
     }
     if (worldFromMesh != Mat3(1)) {
