@@ -162,6 +162,7 @@ def add_surface(gltf, buffer, node):
         for loop in mesh.loops:
             at = 2 * loop.vertex_index
             layer.data[loop.index].uv = (places[at], 1 - places[at + 1])
+    if "COLOR_0" not in attributes:
         albedo = nodes.new("ShaderNodeTexImage")
         albedo.image = bpy.data.images.load(os.path.join(FOLDER, "albedo.exr"), check_existing=True)
         albedo.image.colorspace_settings.is_data = True

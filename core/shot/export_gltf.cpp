@@ -65,8 +65,7 @@ Json materialOf(const ExportedComponent& component) {
             material["extras"]["relamp_lobes"].push_back({{"kind", kindName(l.lobe.kind)},
                                                           {"alpha", l.lobe.alpha},
                                                           {"weight", {l.weight.x, l.weight.y, l.weight.z}}});
-        if (!component.texcoords.empty())
-            material["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}, {"texCoord", 0}};
+        if (component.textured) material["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}, {"texCoord", 0}};
         return material;
     }
     const float strength = maxChannel(component.radiance) > 0 ? maxChannel(component.radiance) : 1.0f;
@@ -87,9 +86,8 @@ void addComponent(Document& d, const ExportedComponent& component, const DVec3& 
         std::vector<Vec2> down = component.texcoords;
         for (Vec2& at : down) at.y = 1 - at.y;
         attributes["TEXCOORD_0"] = d.places(down);
-    } else if (!component.emits) {
-        attributes["COLOR_0"] = d.vectors(component.albedo);
     }
+    if (!component.emits && !component.textured) attributes["COLOR_0"] = d.vectors(component.albedo);
     const int faces = d.add(component.triangles.data(), component.triangles.size() * sizeof(Triangle),
                             component.triangles.size() * 3, indices, "SCALAR", indexBuffer);
     d.root["materials"].push_back(materialOf(component));
@@ -124,7 +122,7 @@ void addView(Document& d, const ExportedView& view, const DVec3& origin) {
 Gltf gltfOf(const ExportedScene& scene, const std::string& bufferFile, const std::string& textureFile) {
     Document d;
     if (std::any_of(scene.components.begin(), scene.components.end(),
-                    [](const ExportedComponent& c) { return !c.texcoords.empty(); })) {
+                    [](const ExportedComponent& c) { return c.textured; })) {
         d.root["images"] = {{{"uri", textureFile}, {"name", "albedo"}}};
         d.root["samplers"] = {{{"magFilter", 9729}, {"minFilter", 9729}, {"wrapS", 33071}, {"wrapT", 33071}}};
         d.root["textures"] = {{{"source", 0}, {"sampler", 0}}};

@@ -23,7 +23,7 @@ std::string emitterShader(const ExportedComponent& p, const std::string& name) {
 std::string surfaceShader(const ExportedComponent& p, const std::string& name, const std::string& textureFile) {
     const SurfaceMaterial surface = surfaceMaterialOf(p);
     std::string s;
-    if (p.texcoords.empty())
+    if (!p.textured)
         s = fmt::format("  <geompropvalue name=\"{}_albedo\" type=\"color3\">\n", name) +
             input("geomprop", "string", "displayColor") + "  </geompropvalue>\n";
     else

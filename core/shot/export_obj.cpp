@@ -30,7 +30,7 @@ Obj objOf(const ExportedScene& scene, const std::string& materialFile, const std
         obj.materials += fmt::format("newmtl {}\n", material);
         if (c.emits) {
             obj.materials += fmt::format("Kd 0 0 0\nKe {} {} {}\n\n", c.radiance.x, c.radiance.y, c.radiance.z);
-        } else if (!c.texcoords.empty()) {
+        } else if (c.textured) {
             obj.materials += fmt::format("Kd 1 1 1\nmap_Kd {}\n\n", textureFile);
         } else {
             const Rgb mean = meanAlbedo(c);
@@ -40,7 +40,7 @@ Obj objOf(const ExportedScene& scene, const std::string& materialFile, const std
         for (size_t v = 0; v < c.positions.size(); ++v) {
             const DVec3 p = scene.origin + DVec3(c.origin) + DVec3(c.positions[v]);
             // Colours of vertices, as many programs read them, where there is no texture.
-            if (c.emits || !c.texcoords.empty()) obj.geometry += fmt::format("v {:.9g} {:.9g} {:.9g}\n", p.x, p.y, p.z);
+            if (c.emits || c.textured) obj.geometry += fmt::format("v {:.9g} {:.9g} {:.9g}\n", p.x, p.y, p.z);
             else
                 obj.geometry += fmt::format("v {:.9g} {:.9g} {:.9g} {:.5g} {:.5g} {:.5g}\n", p.x, p.y, p.z,
                                             c.albedo[v].x, c.albedo[v].y, c.albedo[v].z);

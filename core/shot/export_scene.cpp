@@ -11,6 +11,7 @@
 #include "image/environment_map.h"
 #include "image/image_io.h"
 #include "scene/mesh_io.h"
+#include "scene/texcoords.h"
 #include "shot/shot_texture.h"
 
 namespace relamp {
@@ -67,14 +68,16 @@ struct Selected {
 };
 
 /// The selected triangles with their vertices numbered anew. A vertex on the seam between two charts is there twice.
-ExportedComponent componentOf(const RelitScene& relit, const Selected& selected, const std::string& id,
-                              const std::string& name, const Vec3& origin) {
+/// `own`: texture coordinates that the capture's file has, per triangle; empty where it has none.
+ExportedComponent componentOf(const RelitScene& relit, const std::vector<FaceTexcoords>& own, const Selected& selected,
+                              const std::string& id, const std::string& name, const Vec3& origin) {
     const Mesh& mesh = relit.scene.mesh;
     const AlbedoTexture* texture = relit.texture.get();
     ExportedComponent component;
     component.id = id;
     component.name = name;
     component.origin = origin;
+    component.textured = selected.textured;
     std::map<std::tuple<uint32_t, float, float>, uint32_t> place;
     for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
         if (!selected.holds(relit, t)) continue;
@@ -83,6 +86,8 @@ ExportedComponent componentOf(const RelitScene& relit, const Selected& selected,
         if (selected.textured) {
             texcoords = texcoordsOf(*texture, t);
             if (!relit.mirrored.empty() && relit.mirrored[t]) std::swap(texcoords[1], texcoords[2]);
+        } else if (!own.empty()) {
+            texcoords = own[t];
         }
         for (size_t k = 0; k < 3; ++k) {
             const uint32_t v = triangle[k];
@@ -92,13 +97,15 @@ ExportedComponent componentOf(const RelitScene& relit, const Selected& selected,
                 component.positions.push_back(mesh.positions[v] - origin);
                 component.normals.push_back(mesh.normals[v]);
                 component.albedo.push_back(relit.weightsAt(v).albedo());
-                if (selected.textured) component.texcoords.push_back(texcoords[k]);
+                component.texcoords.push_back(texcoords[k]);
             }
             triangle[k] = at->second;
         }
         component.triangles.push_back(triangle);
         component.area += mesh.triangleArea(t);
     }
+    if (std::all_of(component.texcoords.begin(), component.texcoords.end(), [](const Vec2& p) { return p == Vec2(0); }))
+        component.texcoords.clear();
     return component;
 }
 
@@ -213,9 +220,12 @@ std::vector<const char*> coefficients(LensModel model) {
 ExportedScene exportedScene(const RelitScene& relit, const Capture& capture) {
     ExportedScene scene;
     scene.origin = capture.origin;
+    const std::vector<FaceTexcoords> own =
+        capture.texcoords ? texcoordsOf(*capture.texcoords, relit.scene.mesh.triangles) : std::vector<FaceTexcoords>();
     for (size_t e = 0; e < relit.emitters.size(); ++e) {
         const RelitEmitter& emitter = relit.emitters[e];
-        scene.components.push_back(componentOf(relit, {int(e)}, emitter.id, emitter.name, emitter.surface.centroid));
+        scene.components.push_back(
+            componentOf(relit, own, {int(e)}, emitter.id, emitter.name, emitter.surface.centroid));
         scene.components.back().radiance = emitter.emission.level;
         scene.components.back().sunDegrees = emitter.sunDegrees;
         scene.components.back().shadows = emitter.shadows;
@@ -236,7 +246,7 @@ ExportedScene exportedScene(const RelitScene& relit, const Capture& capture) {
         size_t count = 0;
         for (uint32_t m = 0; m < materials.lobes.size(); ++m) {
             const std::string name = count == 0 ? kind : fmt::format("{} {}", kind, count + 1);
-            ExportedComponent component = componentOf(relit, {-1, textured, m, &materials}, name, name, Vec3(0));
+            ExportedComponent component = componentOf(relit, own, {-1, textured, m, &materials}, name, name, Vec3(0));
             if (component.triangles.empty()) continue;
             component.lobes = materials.lobes[m];
             scene.components.push_back(std::move(component));

@@ -25,7 +25,8 @@ struct ExportedComponent {
     std::vector<Vec3> normals;
     std::vector<Rgb> albedo;          ///< diffuse
     std::vector<ExportedLobe> lobes;  ///< the same on all of it; empty: matte
-    std::vector<Vec2> texcoords;      ///< u to the right, v up; empty: its colour is `albedo` alone
+    std::vector<Vec2> texcoords;      ///< u to the right, v up; of the texture, or as the capture's file has them
+    bool textured = false;            ///< its colour is the texture's; else `albedo`
     std::vector<Triangle> triangles;  ///< counter-clockwise from outside
     Rgb radiance{0};                  ///< emitted, linear Rec.709; where it is shaped: the shaping's unit
     LightShaping shaping{};           ///< of an added light

@@ -90,6 +90,10 @@ std::string meshOf(const ExportedComponent& given, const DVec3& origin, const st
             "        double3 xformOp:translate = {}\n        uniform token[] xformOpOrder = [\"xformOp:translate\"]\n",
             origin == DVec3(0) ? tuple(p.origin) : wideTuple(origin + DVec3(p.origin)));
     }
+    if (!p.texcoords.empty())
+        s += "        texCoord2f[] primvars:st = " +
+             list(p.texcoords, [](const Vec2& v) { return fmt::format("({}, {})", v.x, v.y); }) +
+             " (\n            interpolation = \"vertex\"\n        )\n";
     if (p.emits) {
         const float brightest = maxChannel(p.radiance) > 0 ? maxChannel(p.radiance) : 0.0f;
         // What is not normalised counts in candela, where ours is in parts of the largest.
@@ -99,10 +103,7 @@ std::string meshOf(const ExportedComponent& given, const DVec3& origin, const st
             "0\n",
             tuple(brightest > 0 ? p.radiance / brightest : Rgb(1)), intensity);
         s += fmt::format("        rel material:binding = </relamp/Materials/{}>\n", name);
-    } else if (!p.texcoords.empty()) {
-        s += "        texCoord2f[] primvars:st = " +
-             list(p.texcoords, [](const Vec2& v) { return fmt::format("({}, {})", v.x, v.y); }) +
-             " (\n            interpolation = \"vertex\"\n        )\n";
+    } else if (p.textured) {
         s += fmt::format("        rel material:binding = </relamp/Materials/{}>\n", name);
     } else {
         s += "        color3f[] primvars:displayColor = " + list(p.albedo, tuple) +
@@ -150,9 +151,9 @@ std::string glossInputs(const ExportedComponent& p) {
         surface.roughness, surface.metallic, (1 + root) / (1 - root));
 }
 
-/// Its colour is a texture of `file`, or the primvar displayColor where it has no texture coordinates.
+/// Its colour is a texture of `file`, or the primvar displayColor.
 std::string surfaceMaterial(const ExportedComponent& p, const std::string& name, const std::string& file) {
-    if (p.texcoords.empty())
+    if (!p.textured)
         return fmt::format(
             "        def Material \"{0}\"\n        {{\n            token outputs:surface.connect = "
             "</relamp/Materials/{0}/surface.outputs:surface>\n\n"

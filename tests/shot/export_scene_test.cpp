@@ -180,6 +180,38 @@ TEST_F(ExportedTexture, LiesOnItsTrianglesAndTheOthersKeepTheirColours) {
     }
 }
 
+/// Without a texture of ours the file's coordinates go out all the same, for what others paint or bake.
+TEST_F(ExportedShot, KeepsTheTexcoordsOfTheFile) {
+    std::vector<TexturedFace> faces;
+    for (const Triangle& t : shot.capture.mesh.triangles) {
+        TexturedFace face{t, {}};
+        for (size_t k = 0; k < 3; ++k) face.texcoords[k] = 0.3f * Vec2(shot.capture.mesh.positions[t[k]]) + Vec2(0.5f);
+        faces.push_back(face);
+    }
+    faces.pop_back();
+    shot.capture.texcoords = std::make_shared<const std::vector<TexturedFace>>(faces);
+    exportScene(shot, relit, out(), true);
+    const auto gltf = parsed("lights.gltf");
+    EXPECT_FALSE(gltf.contains("textures"));
+    EXPECT_FALSE(gltf["meshes"][0]["primitives"][0]["attributes"].contains("TEXCOORD_0"));  // an added light
+    const auto& attributes = gltf["meshes"][1]["primitives"][0]["attributes"];
+    EXPECT_TRUE(attributes.contains("TEXCOORD_0") && attributes.contains("COLOR_0"));
+    EXPECT_NE(test::TemporaryFolder::read(out() / "lights.usda").find("primvars:st"), std::string::npos);
+    // Read again they lie where they lay, in both files; glTF's positions are turned to Y up.
+    for (const char* name : {"surfaces.obj", "lights.gltf"}) {
+        MeshReport report;
+        std::vector<TexturedFace> found;
+        const Mesh mesh = readMesh(out() / name, &report, {}, &found);
+        ASSERT_EQ(found.size(), faces.size()) << name;
+        for (const TexturedFace& face : found)
+            for (size_t k = 0; k < 3; ++k) {
+                const Vec3 p = mesh.positions[face.corners[k]] + Vec3(report.origin);
+                const Vec2 across(p.x, report.yUp ? -p.z : p.y);
+                EXPECT_LT(glm::distance(face.texcoords[k], 0.3f * across + Vec2(0.5f)), 1e-5f) << name;
+            }
+    }
+}
+
 TEST_F(ExportedTexture, IsNamedInGltfUsdAndObj) {
     const auto gltf = parsed("lights.gltf");
     EXPECT_EQ(gltf["images"][0]["uri"], "albedo.png");
