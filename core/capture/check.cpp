@@ -239,7 +239,7 @@ float disagreement(const std::vector<ViewSight>& sights) {
 std::string meshUpGuess(const Capture& capture, const std::vector<uint8_t>& referenced, size_t stride, float now,
                         Progress& progress) {
     constexpr float usual = 0.25f, clearly = 0.6f;  // stops; of what they disagree by now
-    if (now < usual) return "";
+    if (now < usual || capture.views.empty() || capture.views[0].image.pixels.empty()) return "";
     std::string best;
     float least = clearly * now;
     const Mat3 turn = rotationToZUp({0, 1, 0});

@@ -1,4 +1,4 @@
-// glTF 2.0 (.glb, .gltf): triangles of the scene's nodes where these put them. Materials, skins and motion are passed
+// glTF 2.0 (.glb, .gltf): triangles of the scene's nodes where these put them. Materials and motion are passed
 // over. Y stays up here; what is up is the capture's to say.
 #include <glm/gtc/quaternion.hpp>
 #include <map>
@@ -154,15 +154,23 @@ private:
     TriangleSoup soup_;
     std::vector<std::vector<Primitive>> primitives_;  // of each mesh, once it is known
     std::vector<uint8_t> known_;
+    size_t numbers_ = 0;  // that were read
 
-    /// One mesh may be placed by many nodes: a small file would stand for any number of triangles. Asked when the bytes
-    /// of its buffers are known.
+    /// One mesh may be placed by many nodes, and one accessor named by many primitives: a small file would stand for
+    /// any number of triangles. Asked when the bytes of its buffers are known.
     void checkSize(size_t vertices, size_t corners, const std::string& where) const {
-        constexpr size_t perByte = 8;
+        constexpr size_t perByte = 8, numbersPerByte = 64;
         if (vertices > limits_.maxVertices) throw Error("{}: has more than {} vertices", where, limits_.maxVertices);
-        if (std::max(vertices, corners / 3) > perByte * document_.bytes())
+        if (std::max(vertices, corners / 3) > perByte * document_.bytes() ||
+            numbers_ > numbersPerByte * document_.bytes())
             throw Error("{}: its meshes are placed so often that they have more than {} vertices or triangles", where,
                         perByte * document_.bytes());
+    }
+
+    GltfValues read(size_t accessor, size_t width, bool whole, const std::string& where) {
+        GltfValues values = document_.read(accessor, width, whole, where);
+        numbers_ += values.values.size();
+        return values;
     }
 
     void addMesh(size_t index, const DMat4& world, const std::string& from) {
@@ -180,7 +188,7 @@ private:
     void addVertices(const Primitive& p, const DMat4& world) {
         const size_t count = document_.count(p.positions, limits_.maxVertices, p.where + ".POSITION"),
                      before = soup_.positions.size();
-        const GltfValues positions = document_.read(p.positions, 3, false, p.where + ".POSITION");
+        const GltfValues positions = read(p.positions, 3, false, p.where + ".POSITION");
         checkSize(before + count, 0, p.where + ".POSITION");
         for (size_t v = 0; v < count; ++v) soup_.positions.emplace_back(world * glm::dvec4(positions.vector(v), 1));
         // Normals turn by the inverse transpose; up to its sign and length that is the matrix of cofactors.
@@ -190,7 +198,7 @@ private:
                               sign * glm::cross(m[0], m[1]));
         soup_.normals.resize(soup_.positions.size(), Vec3(0));
         if (p.normals == nothing) return;
-        const GltfValues normals = document_.read(p.normals, 3, false, p.where + ".NORMAL");
+        const GltfValues normals = read(p.normals, 3, false, p.where + ".NORMAL");
         for (size_t v = 0; v < std::min(count, normals.count); ++v) {
             const DVec3 n = turn * normals.vector(v);
             const double length = glm::length(n);
@@ -201,11 +209,11 @@ private:
     void addFaces(const Primitive& p, size_t first, bool mirrored) {
         const size_t vertices = document_.count(p.positions, limits_.maxVertices, p.where + ".POSITION");
         GltfValues indices;
-        if (p.indices != nothing) indices = document_.read(p.indices, 1, true, p.where + " with its indices");
+        if (p.indices != nothing) indices = read(p.indices, 1, true, p.where + " with its indices");
         const size_t corners = p.indices == nothing ? vertices : indices.count;
         checkSize(soup_.positions.size(), 3 * soup_.triangles.size() + corners * (p.mode == 4 ? 1 : 3), p.where);
         GltfValues texcoords;
-        if (p.texcoords != nothing) texcoords = document_.read(p.texcoords, 2, false, p.where + ".TEXCOORD_0");
+        if (p.texcoords != nothing) texcoords = read(p.texcoords, 2, false, p.where + ".TEXCOORD_0");
         const auto cornerAt = [&](size_t i) { return p.indices == nothing ? i : size_t(indices.values[i]); };
         std::vector<int64_t> face(3);
         std::vector<Vec2> places(3);

@@ -298,6 +298,12 @@ TEST(GltfReader, ClaimsBeyondTheFileAreRefusedBeforeMemoryIsAskedFor) {
     for (int i = 0; i < 200; ++i) primitives.push_back(many.primitive());
     many.root["meshes"][0]["primitives"] = primitives;
     EXPECT_NE(refusalOf(many).find("its meshes are placed so often that they have more than"), std::string::npos);
+    // The same of its texture alone.
+    many.root["meshes"][0]["primitives"] = json::array();
+    many.primitive() = SquareFile().primitive();
+    many.add(std::string(64000, 0), 5121, "VEC2", 32000);
+    many.primitive()["attributes"]["TEXCOORD_0"] = 4;
+    EXPECT_NE(refusalOf(many).find("its meshes are placed so often"), std::string::npos);
     EXPECT_EQ(refusalOf(SquareFile().glb(), "a.glb", {3, 100}), "accessors[0].count: is 4, expected at most 3");
 }
 
