@@ -37,7 +37,7 @@ Capture loadCapture(const std::filesystem::path& folder, const LoadOptions& opti
     std::vector<TexturedFace> texcoords;
     capture.mesh = readMesh(source.mesh, &capture.meshReport, {}, &texcoords);
     if (!texcoords.empty()) capture.texcoords = std::make_shared<const std::vector<TexturedFace>>(std::move(texcoords));
-    const Vec3 up = fix.up.empty() ? source.up : axisFromName(fix.up);
+    const Vec3 up = fix.up.empty() ? source.up : withContext("--up", [&] { return axisFromName(fix.up); });
 
     const PhotographReader photographs(std::move(source), folder, options, progress);
     capture.notes.insert(capture.notes.end(), photographs.notes().begin(), photographs.notes().end());

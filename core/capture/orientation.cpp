@@ -59,7 +59,8 @@ void orientCapture(Capture& capture, const Vec3& up, const CaptureFix& fix) {
     capture.worldFromFile = rotationToZUp(up);
     const bool turned = capture.worldFromFile != Mat3(1);
     Mat3 worldFromMesh = capture.worldFromFile;
-    if (!fix.meshUp.empty()) worldFromMesh = rotationToZUp(axisFromName(fix.meshUp));
+    if (!fix.meshUp.empty())
+        worldFromMesh = withContext("--mesh-up", [&] { return rotationToZUp(axisFromName(fix.meshUp)); });
     else if (capture.meshReport.yUp && up == Vec3(0, 0, 1)) {
         worldFromMesh = rotationToZUp({0, 1, 0});
         capture.notes.emplace_back(

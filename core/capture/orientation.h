@@ -14,8 +14,7 @@ namespace relamp {
 /// What the user says beside and against the files. Kept in the shot, so that it opens the same way.
 struct CaptureFix {
     std::string up{};  ///< "x", "-y", ... or "0.1,-0.9,0.2": the direction that is up in the files; empty: as they say
-    std::string
-        meshUp{};  ///< the same of the mesh's file; empty: Y of a glTF where the others have Z, else as they have
+    std::string meshUp{};  ///< the same of the mesh; empty: as they have, of a glTF Y where they have Z
     bool flipCameras =
         false;         ///< the matrices have OpenCV's axes (Y down, looks along +Z) though they should have OpenGL's
     double scale = 1;  ///< metres one unit of the files is long; more than 0

@@ -79,6 +79,8 @@ TEST_F(LoadCapture, TurnsAGltfMeshToTheCamerasUp) {
     LoadOptions asItIs;
     asItIs.fix.meshUp = "z";
     EXPECT_EQ(load(asItIs).mesh.positions[2], Vec3(1, 0, -1));
+    asItIs.fix.meshUp = "w";
+    EXPECT_NE(test::messageOf([&] { load(asItIs); }).find("--mesh-up: expected \"x\""), std::string::npos);
     file["up"] = "y";
     EXPECT_EQ(load().mesh.positions[2], Vec3(1, 1, 0));  // as the cameras
     Progress progress;

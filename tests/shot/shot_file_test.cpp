@@ -45,6 +45,7 @@ protected:
         shot.look.emitters.push_back({"emitter-1", true, test::translation({0, 0, 0.5f}), Rgb(2)});
         shot.quality = "draft";
         shot.seed = 77;
+        shot.fix.meshUp = "z";
         shot.resources = {12.5, 345, 2};
         target = folder / "out.relamp";
     }
@@ -85,6 +86,7 @@ TEST_F(ShotFile, SurvivesARoundTrip) {
     EXPECT_EQ(b.mode, a.mode);
     EXPECT_EQ(back.quality, "draft");
     EXPECT_EQ(back.seed, 77u);
+    EXPECT_EQ(back.fix.meshUp, "z");
     EXPECT_EQ(back.resources.seconds, 12.5);
     ASSERT_EQ(b.emitters.emitters.size(), 1u);
     EXPECT_EQ(b.emitters.emitters[0].id, "emitter-1");
@@ -415,6 +417,7 @@ TEST_F(ShotFile, NamesTheFieldOfShotJsonThatIsBad) {
         {"/basis/1/kind", "\"velvet\"", "basis[1].kind: is velvet"},
         {"/basis/1/alpha", "0", "basis[1].alpha: is 0"},
         {"/basis/1/alpha", "\"wide\"", "basis[1].alpha: expected a number"},
+        {"/capture_fix/mesh_up", "\"w\"", "capture_fix.mesh_up: expected \"x\""},
         {"/capture_fix/registration", "1", "capture_fix.registration: expected an object"},
         {"/capture_fix/registration", R"({"displacements": [20000]})",
          "capture_fix.registration.displacements: expected -10000 to 10000"},
