@@ -16,8 +16,8 @@ namespace fs = std::filesystem;
 using Names = std::set<std::string>;
 
 /// The conductor, the back rooms that look at everything, and the program may know every room of the core.
-const Names coreRooms{"base",  "image",   "wavelet", "brdf", "capture", "scene",  "radiance", "clusters", "transport",
-                      "solve", "texture", "relight", "edit", "shot",    "plate", "report", "pipeline", "display"};
+const Names coreRooms{"base",  "image",   "wavelet", "brdf", "capture", "scene", "radiance", "clusters", "transport",
+                      "solve", "texture", "relight", "edit", "shot",    "plate", "report",   "pipeline", "display"};
 
 /// Ground floor and the rooms of the walk before `room`: what a room on the walk may include.
 Names upTo(const std::string& room) {
