@@ -207,7 +207,7 @@ std::string Editor::namesOf(const std::vector<std::string>& ids) const {
 void Editor::storeSnapshot(size_t which) {
     if (!estimate() || which >= state.snapshots.size()) return;
     state.snapshots[which] = LookSnapshot{look(), localTime().substr(11, 5)};
-    impl_->snapshotsUnsaved = true;
+    ++impl_->changesBeside;
     say(fmt::format("The present look is snapshot {}", char('A' + which)));
 }
 

@@ -88,7 +88,9 @@ struct Editor::Impl {
     bool pollPlayback(const RelightRequest& request);
 
     // ---- autosave
-    bool snapshotsUnsaved = false;  ///< snapshots that the shot's folder does not hold
+    /// Changes that the history does not hold: snapshots, another place of the capture. How many there were, and how
+    /// many the shot's folder holds.
+    uint64_t changesBeside = 0, savedBeside = 0;
     Autosave autosave;
     uint64_t autosavedRevision = 0;
     double lastAutosave = -1e9, lastEstimateTry = -1e9;  ///< seconds()

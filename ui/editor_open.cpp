@@ -207,7 +207,7 @@ void Editor::Impl::setDocument(Document document, Version version, const std::st
     ours.panels.bottomFolded = true;
     ours.viewport.compareWith = -1;
     ours.snapshots = {};
-    snapshotsUnsaved = false;
+    changesBeside = savedBeside = 0;
     ours.viewport.throughView = false;
     ours.viewport.mode = solved ? ViewMode::relit : ViewMode::photograph;
     autosave.clear();
@@ -380,6 +380,7 @@ void Editor::Impl::openShotFolder(const fs::path& folder, std::optional<FoundWor
                 setDocument(std::move(*document), version, "Opened");
                 if (!places.environment.empty()) history.push("Locate the environment", found);
                 self.state.snapshots = kept;
+                if (!places.capture.empty()) ++changesBeside;  // saving keeps its new place
                 if (mine && mine->held()) shotLock = mine;
                 if (!trouble.empty())
                     self.fail("The photographs could not be opened", trouble,

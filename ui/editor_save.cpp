@@ -75,20 +75,20 @@ void Editor::Impl::saveTo(const fs::path& folder) {
         return;
     }
     const Document document = self.state.document;
-    snapshotsUnsaved = false;
     const size_t entry = history.index();
-    const uint64_t revision = history.revision();
+    const uint64_t revision = history.revision(), beside = changesBeside;
     saving = std::make_unique<Job<Finish>>(
-        [this, version, estimate, document, folder, entry, revision, mine,
+        [this, version, estimate, document, folder, entry, revision, beside, mine,
          kept = self.state.snapshots](Progress&) -> Finish {
             const Shot shot = shotOf(*estimate, sourceOf(document), version.look);
             saveShot(shot, document.scene->mesh, folder, true);
             writeSnapshots(kept, folder, document.capture->origin);
-            return [this, folder, entry, revision, mine, estimate] {
+            return [this, folder, entry, revision, beside, mine, estimate] {
                 self.state.document.shotFolder = folder;
                 self.state.document.readOnly = false;
                 shotLock = mine->held() ? mine : nullptr;
                 savedEstimate = estimate;
+                savedBeside = beside;
                 // Edits made while it was written are still unsaved.
                 if (history.index() == entry && history.revision() == revision) {
                     history.markSaved();
@@ -241,7 +241,7 @@ void Editor::Impl::pollAutosave() {
 }
 
 bool Editor::unsavedChanges() const {
-    return state.document.capture && (history().unsavedChanges() || impl_->snapshotsUnsaved);
+    return state.document.capture && (history().unsavedChanges() || impl_->changesBeside != impl_->savedBeside);
 }
 
 void Editor::Impl::offerLostWork() {

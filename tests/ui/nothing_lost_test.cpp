@@ -237,6 +237,15 @@ TEST(MovedShot, itsCaptureIsLocatedOrLeftOut) {
     EXPECT_TRUE(editor.state.notices.empty());
     EXPECT_EQ(editor.state.document.captureFolder, elsewhere);
     EXPECT_TRUE(editor.state.document.samples);
+    // Saving keeps the new place, and leaving without it asks.
+    EXPECT_TRUE(editor.unsavedChanges());
+    editor.save();
+    p.until([&] { return !editor.unsavedChanges(); });
+    editor.openNow(shot);
+    settle(p);
+    EXPECT_FALSE(editor.state.missing);
+    EXPECT_FALSE(editor.unsavedChanges());
+    fs::rename(elsewhere, moved.folder / "third");
     const size_t vertices = editor.state.document.scene->mesh.vertexCount();
     // Without it: the same mesh and light, no photographs.
     editor.openNow(shot);
@@ -339,6 +348,17 @@ TEST(Snapshots, areKeptWithTheShotAndRecalledByOneEdit) {
     EXPECT_FALSE(editor.state.snapshots[2]);
     EXPECT_EQ(editor.state.snapshots[1]->look, editor.look());
     EXPECT_FALSE(editor.unsavedChanges());
+}
+
+TEST(Snapshots, stayUnsavedWhenSavingFails) {
+    Panels p;
+    p.openSolved();
+    Editor& editor = *p.editor;
+    editor.storeSnapshot(0);
+    p.folder.write("a file", "x");
+    editor.saveAs(p.folder / "a file/mine.relamp");
+    p.until([&] { return !editor.state.notices.empty(); });
+    EXPECT_TRUE(editor.unsavedChanges());
 }
 
 TEST(LightClipboard, pastesLightsAndTheirValues) {
