@@ -169,7 +169,8 @@ ImVec2 tooltipPlace(const std::string& explanation) {
 }  // namespace
 
 void tooltip(const std::string& explanation) {
-    if (explanation.empty() ||
+    // No hint while the item is dragged or typed into.
+    if (explanation.empty() || ImGui::IsItemActive() ||
         !ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled | ImGuiHoveredFlags_AllowWhenOverlapped))
         return;
     const ImVec2 at = ImGui::GetItemRectMin();

@@ -138,7 +138,9 @@ std::unique_ptr<OIIO::ImageInput> openImage(const fs::path& file) {
     if (!input) {
         if (reason.empty()) reason = OIIO::geterror();
         refuseMemory(file, reason);
-        throw Error("{}: is not a readable image ({})", file.string(), reason.empty() ? "unknown format" : reason);
+        if (reason.empty() || reason.find("could not find a format reader") != std::string::npos)
+            reason = "unknown format";
+        throw Error("{}: is not a readable image ({})", file.string(), reason);
     }
     seekColours(*input);
     const OIIO::ImageSpec& spec = input->spec();

@@ -126,7 +126,7 @@ struct Dialog {
 const Dialog recoveryDialog{"Work from before a crash###recovery", 30, 0, true, drawRecoveryOffer};
 const Dialog lockedDialog{"Open elsewhere###locked", 32, 0, true, drawLockedQuestion};
 const Dialog missingDialog{"Something is missing###missing", 32, 0, true, drawMissingQuestion};
-const Dialog unsavedDialog{"Save first?###unsaved", 28, 0, true, drawUnsavedQuestion};
+const Dialog unsavedDialog{"###unsaved", 28, 0, true, drawUnsavedQuestion};
 const Dialog noticeDialog{"###notice", 32, 0, true, drawNotice};
 const Dialog browserDialog{"###browser", 58, 36, true, drawBrowser};
 const Dialog exportDialog{"Export frames###export", 34, 0, true, drawExportDialog};
@@ -179,6 +179,8 @@ void browse(const BrowserRequest& request, std::function<void(Editor&, const fs:
     b.editor = nullptr;  // the next drawDialogs takes it
 }
 
+const fs::path& browserFolder() { return browsing().browser.folder(); }
+
 bool dialogOpen(const Editor& editor) {
     return mostUrgent(editor) != nullptr || editor.state.panels.openBrowser || editor.state.panels.saveBrowser ||
            editor.state.panels.environmentBrowser;
@@ -225,6 +227,8 @@ void drawDialogs(Editor& editor) {
                                             {screen.x, screen.y - em(1)});
         std::string title = dialog->title;
         if (dialog == &browserDialog) title = browsing().browser.request().title + title;
+        if (dialog == &unsavedDialog)
+            title = (editor.state.unsaved->edits ? "Save first?" : "Stop the estimate?") + title;
         if (dialog == &noticeDialog) title = shown(editor.state.notices.front().title) + title;
         const ImGuiWindowFlags flags = ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse |
                                        (height > 0 ? 0 : ImGuiWindowFlags_NoResize);

@@ -23,6 +23,9 @@ void drawImportDoctor(Editor& editor);
 /// Opens the file browser for a panel; `chosen` runs when something was chosen.
 void browse(const BrowserRequest& request, std::function<void(Editor&, const std::filesystem::path&)> chosen);
 
+/// Where the file browser stands, or stood last; for tests.
+const std::filesystem::path& browserFolder();
+
 /// Name to begin with when a document is saved: "room.relamp", also for a shot of that name.
 std::string nameToSave(const Document& document);
 

@@ -88,6 +88,28 @@ TEST(Dialogs, unsavedWorkIsAskedAboutAndCancelStays) {
     EXPECT_FALSE(p.editor->state.unsaved);
 }
 
+TEST(Dialogs, theBrowserBeginsBesideWhatIsOpenAndStaysWhereItWasLeft) {
+    Panels p;
+    p.openSolved();
+    const auto folderAfter = [&](const std::function<void()>& there) {
+        p.editor->state.panels.openBrowser = true;
+        p.frame({});
+        p.frames(3);
+        const std::filesystem::path folder = browserFolder();
+        there();
+        p.key(keyEscape);
+        p.frames(3);
+        EXPECT_FALSE(dialogOpen(*p.editor));
+        return folder;
+    };
+    const std::filesystem::path beside = PaintedRoom::get().shot.parent_path();
+    EXPECT_EQ(folderAfter([&] { p.key(keyBackspace), p.frames(3); }), beside);
+    EXPECT_EQ(folderAfter([] {}), beside.parent_path()) << "cancelling forgets nothing";
+    p.editor->saveAs(p.folder / "mine.relamp");
+    p.until([&] { return p.editor->state.document.shotFolder == p.folder / "mine.relamp"; });
+    EXPECT_EQ(folderAfter([] {}), p.folder.path()) << "what is open now lies elsewhere";
+}
+
 TEST(ExportDialog, saysWhatIsWrongBeforeItStarts) {
     const TemporaryFolder folder;
     ExportRequest r;

@@ -87,6 +87,25 @@ TEST(Habits, aHintCoversNoControlOfItsPanel) {
     EXPECT_GE(hint->Pos.x, 300);
 }
 
+TEST(Habits, aHintGoesWhileItsFieldIsTypedInto) {
+    Panels p;
+    p.windowSize(300, 400);
+    std::string words;
+    p.frame([&] {
+        inputText("##words", words);
+        tooltip("What it is for");
+    });
+    const auto shows = [&](const ImVec2& at) {
+        p.mouse(at);
+        for (int i = 0; i < 60; ++i) p.frames(1);
+        const ImGuiWindow* hint = ImGui::FindWindowByName("##Tooltip_00");
+        return hint && hint->Active;
+    };
+    EXPECT_TRUE(shows({40, 15}));
+    p.click({40, 15});
+    EXPECT_FALSE(shows({40, 15}));
+}
+
 TEST(Habits, shiftIsFineInFieldsAsInTheViewport) {
     Panels p;
     p.openSolved();
