@@ -6,6 +6,8 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/json_fields.h"
+#include "base/log.h"
+#include "relight/look_keys.h"
 
 namespace relamp {
 namespace {
@@ -25,6 +27,13 @@ double lengthOf(const Json& value, const std::string& where) {
 }
 
 float realOf(const Json& value, const std::string& where) { return float(wideNumberOf(value, where)); }
+
+/// Beyond, light leaves what images hold.
+float stopsOf(const Json& value, const std::string& where) {
+    const double x = wideNumberOf(value, where);
+    if (!(std::abs(x) <= 64)) throw Error("{}: is {}, expected -64 to 64 stops", where, x);
+    return float(x);
+}
 
 Rgb colourOf(const Json& value, const std::string& where) {
     if (!value.is_array() || value.size() != 3) throw Error("{}: expected three numbers", where);
@@ -215,7 +224,7 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
         if (at->contains("yaw_degrees"))
             look.environment.yawDegrees = float(lengthOf((*at)["yaw_degrees"], "environment.yaw_degrees"));
         if (at->contains("exposure_stops"))
-            look.environment.exposureStops = realOf((*at)["exposure_stops"], "environment.exposure_stops");
+            look.environment.exposureStops = stopsOf((*at)["exposure_stops"], "environment.exposure_stops");
         if (at->contains("tint")) look.environment.tint = colourOf((*at)["tint"], "environment.tint");
     }
     size_t i = 0;
@@ -282,7 +291,12 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
 
 Look readLook(const std::filesystem::path& file, const DVec3& origin) {
     const std::string text = readBytes(file, 64 << 20);
-    return withContext(file.string(), [&] { return lookFromJson(parseJson(text), file.parent_path(), origin); });
+    return withContext(file.string(), [&] {
+        const Json document = parseJson(text);
+        const Look look = lookFromJson(document, file.parent_path(), origin);
+        for (const std::string& key : unknownLookKeys(document)) logWarning("{}: {}; passed over", file.string(), key);
+        return look;
+    });
 }
 
 Json lookToJson(const Look& look, const DVec3& origin) {

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "relight/look_keys.h"
 #include "support/temporary_folder.h"
 
 namespace relamp {
@@ -105,6 +106,7 @@ TEST(Look, NamesTheFieldThatIsBad) {
         {"/environment/yaw_degrees", "\"north\"", "environment.yaw_degrees: expected a number"},
         {"/environment/yaw_degrees", "1e300", "environment.yaw_degrees: is 1e+300"},
         {"/environment/exposure_stops", "null", "environment.exposure_stops: expected a number"},
+        {"/environment/exposure_stops", "1e30", "environment.exposure_stops: is 1e+30, expected -64 to 64 stops"},
         {"/environment/tint", "[1, 2]", "environment.tint: expected three numbers"},
         {"/environment/tint", "[1, 2, -3]", "environment.tint[2]: is -3"},
         {"/emitters", "{}", "emitters: expected a list"},
@@ -207,6 +209,29 @@ TEST(Look, NamesTheBadFieldOfPartsAndCopies) {
         document[json::json_pointer(c.pointer)] = json::parse(c.value);
         EXPECT_EQ(test::messageOf([&] { lookFromJson(document, ""); }), c.message);
     }
+}
+
+TEST(Look, KeysThatNoLookHasAreNamed) {
+    json document = whole();
+    document["keys"] = {{{"frame", 1}, {"ease", "hold"}, {"look", whole()}}};
+    EXPECT_EQ(unknownLookKeys(document), std::vector<std::string>{});
+    document["emiters"] = document["emitters"];
+    document["emitters"][0]["radiance"] = {1, 1, 1};
+    document["keys"][0]["look"]["environment"]["yaw"] = 3;
+    document["added_emitters"][0]["shaping"] = {{"cone", 30}};
+    const std::vector<std::string> found = unknownLookKeys(document);
+    ASSERT_EQ(found.size(), 4u);
+    for (const char* key : {"emiters: is no key here (there are version, environment, ", "emitters[0].radiance: ",
+                            "keys[0].look.environment.yaw: ", "added_emitters[0].shaping.cone: "})
+        EXPECT_TRUE(std::any_of(found.begin(), found.end(), [&](const auto& f) { return f.starts_with(key); })) << key;
+    // What is written is known.
+    Look look = lookFromJson(whole(), "/somewhere");
+    look.emitters[0].name = look.added[0].name = "key";
+    look.emitters[0].shadows = look.added[0].shadows = look.added[0].enabled = false;
+    look.parts[0].attachedTo = "emitter-1";
+    look.added[0].shaping = {30, 0.5f, 2, "a.ies", "b.png", "c.exr"};
+    look.keys = {{5, look, KeyEase::smooth}};
+    EXPECT_EQ(unknownLookKeys(lookToJson(look)), std::vector<std::string>{});
 }
 
 TEST(Look, FilesAreNamedInErrors) {
