@@ -47,6 +47,7 @@ struct Editor::Impl {
     std::string stageNow;                ///< the stage that runs
     double stageSince = 0;               ///< Progress::seconds() when it began
     bool shownOnce = false;              ///< the solve's first result was brought up
+    double wholeAt = 0;                  ///< Progress::seconds() when JobStatus::whole was told
     std::atomic<double> jobWhole{-1};    ///< fraction of the running job that it tells by itself; < 0: it does not
     std::optional<double> planHeardAt;   ///< Progress::seconds() when state.plan was last heard of; none: not yet
     std::filesystem::path goOnWhenOpen;  ///< record of the interrupted estimate for which a document is being opened

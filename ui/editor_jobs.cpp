@@ -30,6 +30,7 @@ void Editor::Impl::start(JobStatus::Kind kind, const std::string& title, std::fu
     status->title = title;
     onJobEnd = std::move(onEnd);
     jobWhole = -1;
+    wholeAt = 0;
     stageNow.clear();
     stageSince = 0;
     job = std::make_unique<Job<Finish>>(std::move(work), options.wake);
@@ -56,9 +57,12 @@ void Editor::Impl::tellWholeJob() {
     }
     if (status->kind == JobStatus::Kind::solve) {
         status->secondsLeft = solveSecondsLeft();
-        if (status->secondsLeft && status->seconds > 0)
-            status->whole =
-                std::max(status->whole.value_or(0), status->seconds / (status->seconds + *status->secondsLeft));
+        if (status->secondsLeft && status->seconds > 0) {
+            // What is missing goes at the pace of the time left: the bar neither stands nor goes back where that grows.
+            const double left = std::max(*status->secondsLeft, 0.5), since = status->seconds - wholeAt;
+            status->whole = 1 - (1 - status->whole.value_or(0)) * left / (left + since);
+            wholeAt = status->seconds;
+        }
     } else if (const double whole = jobWhole; whole >= 0) {
         status->whole = std::max(status->whole.value_or(0), whole);
         if (whole > 0.02) status->secondsLeft = status->seconds * (1 - whole) / whole;

@@ -49,6 +49,7 @@ void writeItemMap(const Editor& editor) {
                   {"document", state.document.name()},
                   {"estimate", editor.estimate() != nullptr},
                   {"job", editor.job() ? editor.job()->title : ""},
+                  {"progress", editor.job() ? editor.job()->whole.value_or(0) : 0},
                   {"stage", editor.job() ? editor.job()->stage : ""},
                   {"busy", editor.busy()},
                   {"live", editor.liveFrame() != nullptr},
