@@ -4,6 +4,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "support/colmap_copy.h"
 #include "support/known_world.h"
 #include "support/run_program.h"
 #include "whole/relamp_program.h"
@@ -255,29 +256,7 @@ TEST(CommandLine, SolvesRendersAndTellsWhatIsInAShot) {
 TEST(CommandLine, AColmapCaptureIsSolvedAndItsShotOpensByItself) {
     const test::TemporaryFolder folder;
     test::paintKnownWorld(folder / "room", true, 5, 8);
-    const json file = json::parse(test::TemporaryFolder::read(folder / "room/transforms.json"));
-    std::string images;
-    for (size_t i = 0; i < file["frames"].size(); ++i) {
-        const json& m = file["frames"][i]["transform_matrix"];
-        const auto at = [&](size_t r, size_t c) { return m[r][c].get<double>(); };
-        // cameraFromWorld with y and z turned about: rows are right, down, ahead.
-        glm::dmat3 r;
-        DVec3 t(0);
-        for (int row = 0; row < 3; ++row)
-            for (int c = 0; c < 3; ++c) {
-                r[c][row] = (row == 0 ? 1 : -1) * at(size_t(c), size_t(row));
-                t[row] -= r[c][row] * at(size_t(c), 3);
-            }
-        const double w = std::sqrt(std::max(0.0, 1 + r[0][0] + r[1][1] + r[2][2])) / 2;
-        ASSERT_GT(w, 1e-3);
-        images +=
-            fmt::format("{} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} 4 {}\r\n\r\n", 90 - 7 * i, w,
-                        (r[1][2] - r[2][1]) / (4 * w), (r[2][0] - r[0][2]) / (4 * w), (r[0][1] - r[1][0]) / (4 * w),
-                        t.x, t.y, t.z, file["frames"][i]["file_path"].get<std::string>());
-    }
-    folder.write("room/recon/cameras.txt", "4 PINHOLE 96 72 95 95 48 36\r\n");
-    folder.write("room/recon/images.txt", images);
-    fs::remove(folder / "room/transforms.json");
+    test::makeColmap(folder / "room", "recon");
     fs::rename(folder / "room/mesh.ply", folder / "room/scan.ply");
     const std::string capture = folder / "room", shot = folder / "x.relamp";
     expectBadInput(relamp({"solve", capture, "-o", shot}), {"transforms.json", "does not exist"});
