@@ -64,10 +64,22 @@ private:
     std::deque<KeyPress> queue_;
 };
 
+/// What is still to be drawn.
+struct Pending {
+    int extraFrames = 3;    ///< the interface settles over some frames
+    bool heldBack = false;  ///< the last frame waits for the light of its step
+};
+
+/// A drag where drawing takes the processors that the light of its next step needs.
+bool sparingDrag(const Editor& editor, const Viewport* viewport) {
+    return viewport && viewport->software() && editor.inGesture();
+}
+
 /// How long the loop may sleep: as long as it can while nothing happens.
-double patience(const Editor& editor, const Window& window, const Gui& gui, const KeyQueue& keys, int extraFrames) {
-    if (extraFrames > 0 || keys.waiting() || window.keysWaiting() || window.buttonsWaiting()) return 0;
-    if (editor.inGesture() || panelsBusy()) return 1.0 / 60;
+double patience(const Editor& editor, const Window& window, const Gui& gui, const KeyQueue& keys,
+                const Pending& pending, bool sparing) {
+    if (pending.extraFrames > 0 || keys.waiting() || window.keysWaiting() || window.buttonsWaiting()) return 0;
+    if (pending.heldBack || panelsBusy() || (editor.inGesture() && !sparing)) return 1.0 / 60;
     if (editor.busy()) return 0.1;          // stages and times; images wake the window themselves
     if (gui.typing()) return 0.5;           // the caret blinks
     if (editor.unsavedChanges()) return 5;  // autosave
@@ -83,8 +95,8 @@ struct Drawn {
 /// In a drag a frame without the light of the present step would only hold that light up, where drawing takes the same
 /// processors. A tenth of a second at most.
 bool waitForLight(const Editor& editor, const Viewport* viewport, const Drawn& drawn) {
-    return viewport && viewport->software() && editor.inGesture() && editor.imageOwed() &&
-           editor.liveFrame() == drawn.light && secondsSince(drawn.time) < 0.1;
+    return sparingDrag(editor, viewport) && editor.imageOwed() && editor.liveFrame() == drawn.light &&
+           secondsSince(drawn.time) < 0.1;
 }
 
 std::string titleOf(const Editor& editor) {
@@ -114,21 +126,22 @@ bool runWindow(Editor& editor, const ApplicationOptions& options, fs::path& open
     editor.state.gpu = window.renderer();
     if (!(editor.state.uiScale > 0)) editor.state.uiScale = options.scale > 0 ? options.scale : window.contentScale();
     KeyQueue keys;
-    int extraFrames = 3;
+    Pending pending;
     std::string title, quality = options.quality;
     Clock::time_point second = Clock::now();
     int frames = 0;
     Drawn drawn;
     bool lost = false, shownBusy = false;  // shownBusy: the last frame showed work that was going on
     while (!editor.quitting()) {
+        const bool sparing = sparingDrag(editor, viewport.get());
         const bool event =
-            window.wait(shownBusy && !editor.busy() ? 0 : patience(editor, window, gui, keys, extraFrames));
-        if (event) extraFrames = 3;
-        else if (extraFrames > 0) --extraFrames;
+            window.wait(shownBusy && !editor.busy() ? 0 : patience(editor, window, gui, keys, pending, sparing));
+        if (event) pending.extraFrames = sparing ? 0 : 3;
+        else if (pending.extraFrames > 0) --pending.extraFrames;
         for (const fs::path& path : window.takeDropped()) editor.open(captureFolderOf(path));
         if (window.closeRequested()) editor.requestQuit();
         editor.poll();
-        if (shownBusy && !editor.busy()) extraFrames = 3;  // what has just ended is still to be shown
+        if (shownBusy && !editor.busy()) pending.extraFrames = 3;  // what has just ended is still to be shown
         if (!openWhenAsked.empty() && !editor.state.recovery && !editor.job()) {
             if (!editor.state.document.capture) editor.openNow(openWhenAsked);
             openWhenAsked.clear();
@@ -144,8 +157,9 @@ bool runWindow(Editor& editor, const ApplicationOptions& options, fs::path& open
         }
         window.setFullScreen(editor.state.fullScreen);
         if (window.minimised()) continue;
-        if (!event && extraFrames == 0 && !editor.busy() && !editor.inGesture() && !panelsBusy() && !keys.waiting() &&
-            !window.buttonsWaiting() && !gui.typing())
+        if (!event && pending.extraFrames == 0 && !pending.heldBack && (sparing || !editor.busy()) &&
+            (sparing || !editor.inGesture()) && !panelsBusy() && !keys.waiting() && !window.buttonsWaiting() &&
+            !gui.typing())
             continue;
 
         const Vec2 size = window.size(), pixels = window.framebufferSize();
@@ -158,10 +172,12 @@ bool runWindow(Editor& editor, const ApplicationOptions& options, fs::path& open
         keys.deliver(editor, gui, viewport.get());
         shownBusy = editor.busy();
         drawLayout(editor, viewport.get(), reason);
-        if (waitForLight(editor, viewport.get(), drawn)) {
+        pending.heldBack = waitForLight(editor, viewport.get(), drawn);
+        if (pending.heldBack) {
             gui.skipFrame();
             continue;
         }
+        if (sparing && !editor.inGesture()) pending.extraFrames = 3;  // the drag has just ended
         drawn = {editor.liveFrame(), Clock::now()};
         const double cpu = secondsSince(start);
         gui.endFrame(int(pixels.x), int(pixels.y));

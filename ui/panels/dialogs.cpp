@@ -444,6 +444,8 @@ bool drawKeysDialog(Editor& editor) {
                      {"Ctrl", "while moving: snap"},
                      {"Shift", "while moving: fine"},
                      {"Esc", "while dragging anything: take it back"},
+                     {"Left drag", "over the image: selects the lights inside, with Ctrl besides those selected"},
+                     {"Esc", "while a rectangle is drawn: give it up; nothing is selected anew"},
                      {"Middle drag", "Rotate the view (or Alt and left)"},
                      {"Shift+Middle", "Shift the view"},
                      {"Wheel", "Nearer or farther"}};
