@@ -180,7 +180,7 @@ bool runWindow(Editor& editor, const ApplicationOptions& options, fs::path& open
         if (sparing && !editor.inGesture()) pending.extraFrames = 3;  // the drag has just ended
         drawn = {editor.liveFrame(), Clock::now()};
         const double cpu = secondsSince(start);
-        gui.endFrame(int(pixels.x), int(pixels.y));
+        gui.endFrame(int(pixels.x), int(pixels.y), sparingDrag(editor, viewport.get()) ? viewport->texture() : 0);
         window.swap();
         writeItemMap(editor);
         ++frames;

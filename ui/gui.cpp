@@ -9,7 +9,10 @@
 #include "backends/imgui_impl_glfw.h"
 #include "backends/imgui_impl_opengl3.h"
 #include "base/is_there.h"
+#include "changed_parts.h"
 #include "theme.h"
+#include "viewport/gl_objects.h"
+#include "widgets.h"
 #include "window.h"
 
 namespace relamp::ui {
@@ -46,7 +49,14 @@ void buildFonts(float pixels) {
 
 }  // namespace
 
-Gui::Gui(Window& window) : window_(window) {
+/// The interface as it was drawn last, in an image of its own.
+struct KeptInterface {
+    GlTarget target;
+    ChangedParts parts;
+    bool holds = false;  ///< the last frame was drawn into it
+};
+
+Gui::Gui(Window& window) : window_(window), kept_(std::make_unique<KeptInterface>()) {
     ImGui::CreateContext();
     ImGuiIO& io = ImGui::GetIO();
     io.IniFilename = nullptr;
@@ -62,6 +72,7 @@ Gui::Gui(Window& window) : window_(window) {
 }
 
 Gui::~Gui() {
+    kept_.reset();
     ImGui_ImplOpenGL3_Shutdown();
     ImGui_ImplGlfw_Shutdown();
     ImGui::DestroyContext();
@@ -120,8 +131,43 @@ void Gui::beginFrame() {
     ImGui::NewFrame();
 }
 
-void Gui::endFrame(int framebufferWidth, int framebufferHeight) {
+void Gui::drawChanged(int width, int height, uint64_t changing) {
+    ImDrawData& data = *ImGui::GetDrawData();
+    if (!std::exchange(kept_->holds, true) || kept_->target.width != width || kept_->target.height != height)
+        kept_->parts.forget();
+    kept_->target.resize(width, height, GL_RGBA8, 0, GL_NEAREST);
+    glBindFramebuffer(GL_FRAMEBUFFER, kept_->target.framebuffer.id());
+    glClearColor(0.1f, 0.1f, 0.1f, 1);
+    const ImVec2 density = data.FramebufferScale;
+    std::vector<ImVec4> clips;
+    for (int i = 0; i < data.CmdListsCount; ++i)
+        for (const ImDrawCmd& command : data.CmdLists[i]->CmdBuffer) clips.push_back(command.ClipRect);
+    for (const ChangedPart& part : kept_->parts.next(data, textureId(changing))) {
+        const int left = int(part.low.x * density.x), right = int(std::ceil(part.high.x * density.x)),
+                  top = int(part.low.y * density.y), bottom = int(std::ceil(part.high.y * density.y));
+        glEnable(GL_SCISSOR_TEST);
+        glScissor(left, height - bottom, right - left, bottom - top);
+        glClear(GL_COLOR_BUFFER_BIT);
+        glDisable(GL_SCISSOR_TEST);
+        size_t clip = 0;
+        for (int i = 0; i < data.CmdListsCount; ++i)
+            for (ImDrawCmd& command : data.CmdLists[i]->CmdBuffer) {
+                const ImVec4& whole = clips[clip++];
+                command.ClipRect = {std::max(whole.x, part.low.x), std::max(whole.y, part.low.y),
+                                    std::min(whole.z, part.high.x), std::min(whole.w, part.high.y)};
+            }
+        ImGui_ImplOpenGL3_RenderDrawData(&data);
+    }
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, kept_->target.framebuffer.id());
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+    glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+}
+
+void Gui::endFrame(int framebufferWidth, int framebufferHeight, uint64_t changing) {
     ImGui::Render();
+    if (changing) return drawChanged(framebufferWidth, framebufferHeight, changing);
+    kept_->holds = false;
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     glViewport(0, 0, framebufferWidth, framebufferHeight);
     glClearColor(0.1f, 0.1f, 0.1f, 1);

@@ -1,10 +1,13 @@
 // Dear ImGui's context, fonts and drawing. The only place that knows its backends and its font calls.
 #pragma once
+#include <cstdint>
+#include <memory>
 #include <string>
 
 namespace relamp::ui {
 
 class Window;
+struct KeptInterface;
 
 class Gui {
 public:
@@ -17,8 +20,9 @@ public:
     /// Loads fonts for this scale and density when they changed. `density` = framebuffer pixels per screen unit.
     void setScale(float scale, float density);
     void beginFrame();
-    /// Draws everything over a clear background.
-    void endFrame(int framebufferWidth, int framebufferHeight);
+    /// Draws everything over a clear background. With `changing`, the texture of an image that is new in each frame,
+    /// what looks as in the frame before is not drawn again.
+    void endFrame(int framebufferWidth, int framebufferHeight, uint64_t changing = 0);
     /// Ends a frame of which nothing is drawn.
     void skipFrame();
     /// A text field has the keyboard.
@@ -28,6 +32,8 @@ public:
 
 private:
     Window& window_;
+    std::unique_ptr<KeptInterface> kept_;
+    void drawChanged(int width, int height, uint64_t changing);
     float scale_ = 0, density_ = 0;
     bool down_[5] = {};                                     ///< buttons of the mouse
     double pressedAt_[5] = {-1e6, -1e6, -1e6, -1e6, -1e6};  ///< glfwGetTime() of the first click of a pair

@@ -85,7 +85,8 @@ void Viewport::Impl::draw(Editor& editor) {
         }
         // Not while something moves: the next change starts anew.
         if (!image.settled() && !editor.inGesture()) stayAwake();
-        canvas.list->AddRectFilled(at, {at.x + area.x, at.y + area.y}, IM_COL32(24, 24, 24, 255));
+        if (eye.corner != canvas.corner || eye.size != canvas.size)
+            canvas.list->AddRectFilled(at, {at.x + area.x, at.y + area.y}, IM_COL32(24, 24, 24, 255));
         canvas.list->AddImage(textureId(image.texture()), toIm(eye.corner), toIm(eye.corner + eye.size), {0, 1},
                               {1, 0});
     } else {
@@ -96,7 +97,7 @@ void Viewport::Impl::draw(Editor& editor) {
     canvas.list->PushClipRect(at, {at.x + area.x, at.y + area.y}, true);
     interaction.draw(canvas, image);
     canvas.list->PopClipRect();
-    if (interaction.gestureRunning()) stayAwake();
+    if (interaction.gestureRunning() && !software) stayAwake();
     cpuMs = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count() - drawMs;
 }
 
@@ -113,6 +114,7 @@ void Viewport::draw(Editor& editor) {
     }
 }
 
+uint64_t Viewport::texture() const { return impl_->image.renderer().texture(); }
 bool Viewport::software() const { return impl_->software; }
 bool Viewport::takesEscape() const { return impl_->interaction.takesEscape(); }
 double Viewport::cpuMs() const { return impl_->cpuMs; }

@@ -15,6 +15,8 @@ public:
     /// Fills the present ImGui window's content region: toolbar on top, image, overlays. Mouse and keys inside it act
     /// on `editor`.
     void draw(Editor& editor);
+    /// Shows the image.
+    uint64_t texture() const;
     /// The driver draws on the processors that also relight.
     bool software() const;
     /// A drag over the image that Esc gives up.
