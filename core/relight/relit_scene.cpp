@@ -187,7 +187,8 @@ std::shared_ptr<const DistantLight> distantOfLook(const Estimate& estimate, cons
     return std::make_shared<const DistantLight>(grid, std::move(cells));
 }
 
-EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const Look& look, const PartsApart& apart) {
+EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const Look& look, const PartsApart& apart,
+                            std::shared_ptr<const ClosedMesh>* kept) {
     const std::vector<EmitterCluster>& clusters = estimate.emitters.emitters;
     EditedGeometry out;
     std::vector<Mat4> matrix(clusters.size(), Mat4(1));
@@ -226,8 +227,13 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
     };
     out.emitterOfTriangle = estimate.emitters.emitterOfTriangle;
     for (size_t e = 0; e < clusters.size(); ++e) addEmitter(e, matrix[e]);
-    const ClosedMesh closed =
-        closeStandingEmitters(scene, clusters, {partOfEmitter.begin(), partOfEmitter.begin() + long(clusters.size())});
+    std::vector<uint8_t> leaves(clusters.size());
+    for (size_t e = 0; e < clusters.size(); ++e) leaves[e] = partOfEmitter[e] != 0;
+    std::shared_ptr<const ClosedMesh> closedHere;
+    std::shared_ptr<const ClosedMesh>& closedMesh = kept ? *kept : closedHere;
+    if (!closedMesh || closedMesh->left != leaves)
+        closedMesh = std::make_shared<const ClosedMesh>(closeStandingEmitters(scene, clusters, leaves));
+    const ClosedMesh& closed = *closedMesh;
     for (size_t e = 0; e < clusters.size(); ++e) {
         out.emitters.push_back(
             {clusters[e].id, emitterSurface(closed.mesh, closed.emitters[e], matrix[e]), {radiance[e]}});

@@ -14,6 +14,8 @@
 
 namespace relamp {
 
+struct ClosedMesh;
+
 struct RelitEmitter {
     std::string id;
     EmitterSurface surface;
@@ -56,8 +58,10 @@ struct PartsApart {
 };
 
 /// Applies the geometry and the emitters of a look. Cost: one pass over the mesh. Throws Error as applyLook does.
+/// `closed`: of an earlier call for the same scene and estimate; used where the same emitters leave, replaced
+/// elsewhere.
 EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const Look& look,
-                            const PartsApart& apart = {});
+                            const PartsApart& apart = {}, std::shared_ptr<const ClosedMesh>* closed = nullptr);
 
 /// The environment of a look. Throws Error naming an unreadable file.
 std::shared_ptr<const DistantLight> distantOfLook(const Estimate& estimate, const EnvironmentLook& look);

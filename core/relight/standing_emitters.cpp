@@ -169,7 +169,7 @@ private:
 ClosedMesh closeStandingEmitters(const Scene& scene, const std::vector<EmitterCluster>& emitters,
                                  const std::vector<uint8_t>& leaves) {
     constexpr float mostlyShared = 0.8f, standsOut = 2;
-    ClosedMesh out{scene.mesh, {}, emitters, {}, {}};
+    ClosedMesh out{scene.mesh, {}, emitters, {}, {}, leaves};
     out.vertexOrigin.resize(scene.mesh.vertexCount());
     std::iota(out.vertexOrigin.begin(), out.vertexOrigin.end(), 0u);
     Closing closing(scene, out);

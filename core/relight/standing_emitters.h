@@ -15,6 +15,7 @@ struct ClosedMesh {
     std::vector<EmitterCluster> emitters;   ///< with the triangles of their undersides
     std::vector<int> emitterOfNewTriangle;  ///< per triangle behind the capture's: -1 for those of the ground
     std::vector<uint32_t> untextured;  ///< the capture's triangles about the emitters' places, whose texels they hid
+    std::vector<uint8_t> left;         ///< per emitter 1: it leaves
 };
 
 /// Closes the border between each piece of an emitter and the surface that goes on there (80 % of the border's edges):

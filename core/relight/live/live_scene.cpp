@@ -159,7 +159,7 @@ LiveScene::LiveScene(std::shared_ptr<const Scene> scene, std::shared_ptr<const E
         throw Error("live relighting: the grid's side is {}, expected 8, 16, 32 or 64", options.gridSide);
     const auto start = Clock::now();
     const PartsApart apart = s.apartOf({});
-    s.takeGeometry({}, editGeometry(*s.scene, *s.estimate, {}, apart), apart);
+    s.takeGeometry({}, editGeometry(*s.scene, *s.estimate, {}, apart, &s.closed), apart);
     s.report.cachedBlocks = s.matte.bake(s.vertices, s.occluders, options.cacheFolder, progress);
     s.matte.chooseDevice(options.devices.sums, options.forceDevice, progress);
     s.matte.offerDevice(options.devices.shadows, options.forceDevice);
@@ -186,7 +186,7 @@ void LiveScene::setLook(const Look& look) {
     State& s = *state_;
     // Everything that can fail comes first.
     PartsApart apart = s.apartOf(look);
-    EditedGeometry edited = editGeometry(*s.scene, *s.estimate, look, apart);
+    EditedGeometry edited = editGeometry(*s.scene, *s.estimate, look, apart, &s.closed);
     std::shared_ptr<const DistantLight> environment = s.unturnedOf(look.environment);
     const bool materials = look.neutralMaterials != s.look.neutralMaterials;
     s.takeGeometry(look, std::move(edited), std::move(apart));

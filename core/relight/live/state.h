@@ -16,7 +16,8 @@ struct LiveScene::State {
 
     PartsApart apart;  ///< components that were ever moved; they stay out of the bake
     EditedGeometry geometry;
-    std::vector<std::string> partNames;  ///< of the parts: which one is the same through edits
+    std::shared_ptr<const ClosedMesh> closed;  ///< of the last look: the steps of a drag share it
+    std::vector<std::string> partNames;        ///< of the parts: which one is the same through edits
     LiveVertices vertices;
     LiveOccluders occluders;
     std::shared_ptr<const std::vector<int>> emitterOfTriangle;
