@@ -159,6 +159,18 @@ std::vector<std::vector<float>> addedFactors(const NearFieldCorrection& correcti
     return added;
 }
 
+/// The mesh that is closed where emitters with a part of their own leave it; `kept` where it is that one already.
+std::shared_ptr<const ClosedMesh> closedFor(const Scene& scene, const std::vector<EmitterCluster>& clusters,
+                                            const std::vector<uint32_t>& partOfEmitter,
+                                            std::shared_ptr<const ClosedMesh>* kept) {
+    std::vector<uint8_t> leaves(clusters.size());
+    for (size_t e = 0; e < clusters.size(); ++e) leaves[e] = partOfEmitter[e] != 0;
+    if (kept && *kept && (*kept)->left == leaves) return *kept;
+    auto closed = std::make_shared<const ClosedMesh>(closeStandingEmitters(scene, clusters, leaves));
+    if (kept) *kept = closed;
+    return closed;
+}
+
 DirectionGrid gridFor(const Image& map) {
     DirectionGrid grid{64};
     while (grid.side < 512 && grid.side * 2 <= map.width) grid.side *= 2;
@@ -227,12 +239,7 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
     };
     out.emitterOfTriangle = estimate.emitters.emitterOfTriangle;
     for (size_t e = 0; e < clusters.size(); ++e) addEmitter(e, matrix[e]);
-    std::vector<uint8_t> leaves(clusters.size());
-    for (size_t e = 0; e < clusters.size(); ++e) leaves[e] = partOfEmitter[e] != 0;
-    std::shared_ptr<const ClosedMesh> closedHere;
-    std::shared_ptr<const ClosedMesh>& closedMesh = kept ? *kept : closedHere;
-    if (!closedMesh || closedMesh->left != leaves)
-        closedMesh = std::make_shared<const ClosedMesh>(closeStandingEmitters(scene, clusters, leaves));
+    const std::shared_ptr<const ClosedMesh> closedMesh = closedFor(scene, clusters, partOfEmitter, kept);
     const ClosedMesh& closed = *closedMesh;
     for (size_t e = 0; e < clusters.size(); ++e) {
         out.emitters.push_back(

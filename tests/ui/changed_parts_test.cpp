@@ -17,7 +17,7 @@ struct Column : Panels {
     ImVec2 numberLow, numberHigh, imageLow, imageHigh;
     ChangedParts parts;
 
-    std::vector<ChangedPart> next(ImTextureID changing = {}) {
+    std::vector<ChangedPart> next(ImTextureID changing = textureId(99)) {
         frame([this] {
             for (int i = 0; i < 8; ++i) {
                 ImGui::Text("%d", i == 3 ? number : i);

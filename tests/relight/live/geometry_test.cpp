@@ -128,6 +128,14 @@ TEST(LiveGeometry, PartsKeptApartDoubleTheSameVerticesWhereverTheyStand) {
     for (size_t v = 0; v < a.mesh.vertexCount(); ++v)
         EXPECT_EQ(a.mesh.positions[v], w.scene.mesh.positions[a.vertexOrigin[v]]);
     EXPECT_FALSE(editGeometry(w.scene, w.estimate, {}).moved);
+    // Steps of a drag share what closes the mesh; another set of leaving emitters does not.
+    std::shared_ptr<const ClosedMesh> closed;
+    EXPECT_EQ(editGeometry(w.scene, w.estimate, {}, apart, &closed).mesh.positions, a.mesh.positions);
+    const std::shared_ptr<const ClosedMesh> first = closed;
+    EXPECT_EQ(editGeometry(w.scene, w.estimate, moved, apart, &closed).mesh.positions, b.mesh.positions);
+    EXPECT_EQ(closed, first);
+    EXPECT_EQ(editGeometry(w.scene, w.estimate, {}, {}, &closed).mesh.positions, w.scene.mesh.positions);
+    EXPECT_NE(closed, first);
 }
 
 }  // namespace
