@@ -9,6 +9,7 @@ uniform int orthographic;
 uniform int shading;     // 0: colours as they are, 1: a soft light at the eye, so that form stays readable
 out vec3 vertexColour;
 out vec3 place;
+invariant gl_Position;  // as in seen.vert, to the bit
 
 void main() {
     gl_Position = clipFromWorld * vec4(position, 1.0);

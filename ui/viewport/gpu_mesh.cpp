@@ -46,13 +46,7 @@ void GpuMesh::bindGeometry() {
 void GpuMesh::draw(GlBuffer* colours, bool textured) {
     if (!indexCount_) return;
     bindGeometry();
-    if (colours) {
-        glEnableVertexAttribArray(2);
-        glBindBuffer(GL_ARRAY_BUFFER, colours->id());
-        glVertexAttribPointer(2, 3, GL_FLOAT, GL_FALSE, 0, nullptr);
-    } else {
-        glDisableVertexAttribArray(2);
-    }
+    bindColours(colours);
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.id());
     if (textured) {
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, positions_.id());
@@ -63,10 +57,17 @@ void GpuMesh::draw(GlBuffer* colours, bool textured) {
     glBindVertexArray(0);
 }
 
-void GpuMesh::drawSubset(GlBuffer& indices, size_t count) {
+void GpuMesh::bindColours(GlBuffer* colours) {
+    if (!colours) return glDisableVertexAttribArray(2);
+    glEnableVertexAttribArray(2);
+    glBindBuffer(GL_ARRAY_BUFFER, colours->id());
+    glVertexAttribPointer(2, 3, GL_FLOAT, GL_FALSE, 0, nullptr);
+}
+
+void GpuMesh::drawSubset(GlBuffer& indices, size_t count, GlBuffer* colours) {
     if (!count) return;
     bindGeometry();
-    glDisableVertexAttribArray(2);
+    bindColours(colours);
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices.id());
     glDrawElements(GL_TRIANGLES, GLsizei(count), GL_UNSIGNED_INT, nullptr);
     glBindVertexArray(0);

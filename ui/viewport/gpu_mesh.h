@@ -24,8 +24,8 @@ public:
     /// Binds everything and draws. `colours`: a buffer of one RGB a vertex; null: none. `textured`: the shader finds
     /// positions, corners and texture coordinates in storage buffers 0 to 2.
     void draw(GlBuffer* colours, bool textured = false);
-    /// The positions as they are, with an index buffer of the caller's.
-    void drawSubset(GlBuffer& indices, size_t count);
+    /// The same without a texture, with an index buffer of the caller's.
+    void drawSubset(GlBuffer& indices, size_t count, GlBuffer* colours = nullptr);
 
 private:
     std::shared_ptr<const Mesh> mesh_;
@@ -34,6 +34,7 @@ private:
     GlBuffer positions_, normals_, indices_, texcoords_;
     size_t indexCount_ = 0;
     void bindGeometry();
+    void bindColours(GlBuffer* colours);
 };
 
 }  // namespace relamp::ui

@@ -13,6 +13,11 @@ Vec2 shiftOf(int sample) {
     return p - 0.5f;
 }
 
+Mat4 shifted(const EyeView& eye, int sample) {
+    const Vec2 shift = 2.0f * shiftOf(sample) / Vec2(float(eye.width), float(eye.height));
+    return glm::translate(Mat4(1), Vec3(shift, 0)) * eye.clipFromWorld;
+}
+
 void setMatrix(const GlProgram& program, const char* name, const Mat4& m) {
     glUniformMatrix4fv(program.uniform(name), 1, GL_FALSE, glm::value_ptr(m));
 }
@@ -39,7 +44,8 @@ Renderer::Renderer()
       lines_("lines.vert", "lines.frag"),
       flat_("flat.vert", "flat.frag"),
       outline_("whole.vert", "outline.frag"),
-      averaging_("whole.vert", "average.frag") {
+      averaging_("whole.vert", "average.frag"),
+      seen_("seen.vert", "seen.frag") {
     setDisplay(displayTransform().shader(displayTransform().defaultView()));
 }
 
@@ -133,7 +139,8 @@ void Renderer::drawLayer(const ImageJob& job, const SceneLayer& layer, const Mat
             bindTexture(0, layer.texture);
             glUniform1f(mesh_.uniform("kind"), layer.display ? 2.0f : 1.0f);
         }
-        layer.mesh->draw(layer.instead ? nullptr : layer.colours, !layer.instead && layer.texture);
+        if (layer.some) layer.mesh->drawSubset(*layer.some, 3 * layer.someTriangles, layer.colours);
+        else layer.mesh->draw(layer.instead ? nullptr : layer.colours, !layer.instead && layer.texture);
         glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
         glDisable(GL_DEPTH_TEST);
     }
@@ -256,8 +263,7 @@ void Renderer::draw(const ImageJob& job, int sample) {
     const int width = job.eye.width, height = job.eye.height;
     if (sample == 1) addToAverage(1);  // what the screen shows is the first image of the average
     resize(width, height);
-    const Vec2 shift = 2.0f * shiftOf(sample) / Vec2(float(width), float(height));
-    const Mat4 clipFromWorld = glm::translate(Mat4(1), Vec3(shift, 0)) * job.eye.clipFromWorld;
+    const Mat4 clipFromWorld = shifted(job.eye, sample);
     glViewport(0, 0, width, height);
     glBindFramebuffer(GL_FRAMEBUFFER, scene_.framebuffer.id());
     glClearColor(0, 0, 0, 0);
@@ -273,6 +279,32 @@ void Renderer::draw(const ImageJob& job, int sample) {
     if (averaged_) addToAverage(1 / float(sample + 1));
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     glUseProgram(0);
+}
+
+std::vector<uint8_t> Renderer::seenTriangles(const EyeView& eye, GpuMesh& mesh, GlBuffer& indices, size_t triangles) {
+    resize(eye.width, eye.height);
+    numbers_.resize(eye.width, eye.height, GL_RGBA8, depth_.id(), GL_NEAREST);
+    glBindFramebuffer(GL_FRAMEBUFFER, numbers_.framebuffer.id());
+    glViewport(0, 0, eye.width, eye.height);
+    glClearColor(0, 0, 0, 0);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    glDisable(GL_CULL_FACE);
+    glDisable(GL_BLEND);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_LESS);
+    seen_.use();
+    setMatrix(seen_, "clipFromWorld", shifted(eye, 0));
+    mesh.drawSubset(indices, 3 * triangles);
+    glDisable(GL_DEPTH_TEST);
+    std::vector<uint8_t> pixels(size_t(eye.width) * size_t(eye.height) * 4), seen(triangles, 0);
+    glPixelStorei(GL_PACK_ALIGNMENT, 4);
+    glReadPixels(0, 0, eye.width, eye.height, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    for (size_t i = 0; i < pixels.size(); i += 4) {
+        const size_t number = size_t(pixels[i]) + 256 * size_t(pixels[i + 1]) + 65536 * size_t(pixels[i + 2]);
+        if (number > 0 && number <= triangles) seen[number - 1] = 1;
+    }
+    return seen;
 }
 
 std::vector<uint8_t> Renderer::readBack(int& width, int& height) {

@@ -17,10 +17,12 @@ struct SceneLayer {
     GLuint behind = 0;          ///< image behind the mesh: the photograph
     GpuMesh* mesh = nullptr;
     GlBuffer* colours = nullptr;
-    bool display = false;  ///< the colours are display values
-    bool shading = false;  ///< a soft light at the eye
-    GLuint texture = 0;    ///< factor on the colours by the mesh's texture coordinates; 0: none
-    GLuint instead = 0;    ///< image shown in place of the mesh, which then gives depth only
+    bool display = false;      ///< the colours are display values
+    bool shading = false;      ///< a soft light at the eye
+    GlBuffer* some = nullptr;  ///< indices of the triangles to draw; nullptr: all
+    size_t someTriangles = 0;
+    GLuint texture = 0;  ///< factor on the colours by the mesh's texture coordinates; 0: none
+    GLuint instead = 0;  ///< image shown in place of the mesh, which then gives depth only
 };
 
 struct LineVertex {
@@ -54,13 +56,15 @@ public:
     void draw(const ImageJob& job, int sample);
     /// The finished image, bottom row first.
     GLuint texture() { return averaged_ ? average_.colour.id() : screen_.colour.id(); }
+    /// Per triangle of `indices` 1 where draw() would show it in the first image of an average.
+    std::vector<uint8_t> seenTriangles(const EyeView& eye, GpuMesh& mesh, GlBuffer& indices, size_t triangles);
     /// Reads the finished image back, top row first (tests, screenshots, scope); alpha is what of a pixel is covered.
     std::vector<uint8_t> readBack(int& width, int& height);
     static constexpr int samplesAtRest = 6;
 
 private:
-    GlProgram mesh_, image_, environment_, display_, lines_, flat_, outline_, averaging_;
-    GlTarget scene_, screen_, average_, mask_;
+    GlProgram mesh_, image_, environment_, display_, lines_, flat_, outline_, averaging_, seen_;
+    GlTarget scene_, screen_, average_, mask_, numbers_;
     GlTexture depth_;
     int depthWidth_ = 0, depthHeight_ = 0;
     GlVertexArray none_, lineArray_;

@@ -143,6 +143,11 @@ void ViewportImage::compose(Editor& editor, const EyeView& eye) {
         }
         job_.layers.push_back(layer);
     }
+    // In a drag the eye stands still: what it does not see need not be drawn in every step.
+    if (!software_ || !editor.inGesture()) seen_.forget();
+    else if (job_.layers.size() == 1 && job_.layers[0].colours && !job_.layers[0].texture && !job_.layers[0].instead &&
+             seen_.follow(renderer_, eye, *job_.layers[0].mesh, visible_, visibleVersion_))
+        job_.layers[0].some = &seen_.indices(), job_.layers[0].someTriangles = seen_.count();
     job_.wires = key_.wires && meshes_[0].drawable ? &meshes_[0].geometry : nullptr;
     if (job_.wires) job_.wireStrength = wireStrength(*editor.state.document.scene, eye);
     makeLines(editor);

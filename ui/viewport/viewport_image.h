@@ -7,6 +7,7 @@
 #include "viewport/paint.h"
 #include "viewport/photograph.h"
 #include "viewport/renderer.h"
+#include "viewport/seen_triangles.h"
 
 namespace relamp::ui {
 
@@ -60,6 +61,7 @@ private:
     bool software_ = softwareRenderer();  ///< each pixel costs the processors that relight
     double drawMs_ = 0;
     ImageJob job_;
+    SeenTriangles seen_;  ///< of the eye of a drag, where software draws
     std::array<Painted, 3> meshes_;
     size_t pickSlot_ = 0;  ///< strip whose mesh can be picked: the present look where it is shown
     PhotographTextures photographs_;
