@@ -113,13 +113,17 @@ void decideBounce(SolveRun& s, bool coarse) {
         s.bounce.withdraw();
         return;
     }
-    if (s.in.options.bounce == Bounce::on || after < before) {
+    // Below that textures decide by chance (0.1 to 0.2 % on scenes without bounced light); where there is bounced light
+    // it is 6 to 20 %.
+    constexpr double evidence = 0.99;
+    if (s.in.options.bounce == Bounce::on || after < evidence * before) {
         updateBounce(s);
         return;
     }
     s.light.lighting = without;
-    s.bounce.forget(fmt::format("ratios of radiance are explained better without it (misfit {:.4g}, with it {:.4g})",
-                                before, after));
+    s.bounce.forget(
+        fmt::format("with it ratios of radiance are not explained clearly better (misfit {:.4g}, without it {:.4g})",
+                    after, before));
     if (!coarse) return;
     s.plan.choices.bounce = false;
     s.plan.leftOut.push_back({Omission::interreflection, s.bounce.absentBecause, 0, 0});
