@@ -249,7 +249,7 @@ TEST(ImportDoctor, drawsACaptureThatStandsOnItsSide) {
     p.editor->state.panels.doctor = true;
     p.frame({});
     p.frames(3);
-    p.editor->fixCapture({"y", false});
+    p.editor->fixCapture({.up = "y"});
     p.until([&] { return !p.editor->job(); });
     p.frames(3);
     EXPECT_EQ(p.editor->state.document.fix.up, "y");
