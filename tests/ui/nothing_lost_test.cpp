@@ -418,7 +418,7 @@ TEST(LiveImage, isOwedUntilItShowsTheStepOfTheHand) {
     by[3] = Vec4(0.1f, 0, 0, 1);
     editor.preview([&](Look& look) { moveEmitter(look, id, by); });
     editor.requestImage();
-    EXPECT_TRUE(editor.imageOwed());
+    // On a busy machine the image may be there before this thread goes on.
     p.until([&] { return !editor.imageOwed(); });
     // The first image that comes has the light at its new place.
     EXPECT_NE(editor.liveFrame()->mesh, before->mesh);
