@@ -3,6 +3,7 @@
 
 #include "base/box.h"
 #include "base/error.h"
+#include "scene/equal_vertices.h"
 #include "scene/triangle_soup.h"
 
 namespace relamp {
@@ -28,16 +29,9 @@ bool isDegenerate(const std::vector<Vec3>& positions, const Triangle& t) {
 
 /// For each vertex the first one at the same position, so that seams of normals or texture are no holes.
 std::vector<uint32_t> weldedVertices(const std::vector<Vec3>& positions) {
-    std::vector<uint32_t> order(positions.size()), first(positions.size());
-    std::iota(order.begin(), order.end(), 0u);
-    const auto key = [&](uint32_t v) { return std::array<float, 3>{positions[v].x, positions[v].y, positions[v].z}; };
-    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
-        const auto ka = key(a), kb = key(b);
-        return ka != kb ? ka < kb : a < b;
+    return firstOfEqual(positions.size(), [&](uint32_t v) {
+        return std::array<float, 3>{positions[v].x, positions[v].y, positions[v].z};
     });
-    for (size_t i = 0; i < order.size(); ++i)
-        first[order[i]] = i > 0 && key(order[i]) == key(order[i - 1]) ? first[order[i - 1]] : order[i];
-    return first;
 }
 
 /// Triangles with the same corners, or at the same place and turned the same way: one stays. A hundred thousand of them

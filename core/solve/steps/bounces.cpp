@@ -8,12 +8,9 @@ namespace relamp {
 
 void updateBounce(SolveRun& s) {
     if (!s.bounce.traced()) return;
-    std::vector<Rgb> lit;
-    {
-        const Irradiance irradiance = s.irradiance();
-        updateAlbedo(s, irradiance);
-        lit = irradiance.value;
-    }
+    Irradiance irradiance = s.irradiance();
+    updateAlbedo(s, irradiance);
+    std::vector<Rgb> lit = std::move(irradiance.value);
     const std::vector<Rgb>& albedo = s.surfaces.albedo.albedo;
     BounceModel::HiddenSenders hidden;
     hidden.vertices = s.bounce.hiddenSenders(s.observed.matte.vertices, s.emitters.skip());
@@ -24,7 +21,7 @@ void updateBounce(SolveRun& s) {
     const MatteObservations& matte = s.observed.matte;
     for (size_t i = 0; i < s.bounce.atObservation.size(); ++i) lit[i] -= s.bounce.atObservation[i];
     s.bounce.take(matte.vertices, matte.radiance, s.in.scene.mesh.vertexCount(), hidden);
-    if (!(s.in.options.meshError > 0)) return;
+    if (!mayShowEmitters(s)) return;
     for (size_t i = 0; i < lit.size(); ++i) lit[i] += s.bounce.atObservation[i];
     s.bounce.take(matte.vertices, reflectedAtMost(matte, lit, s.in.scene.component), s.in.scene.mesh.vertexCount(),
                   hidden);

@@ -99,6 +99,8 @@ void updateBounce(SolveRun& s);
 
 // surfaces.cpp
 void solveReflectance(SolveRun& s);
+/// Whether the mesh is off, so that vertices may show the emitters beside them.
+bool mayShowEmitters(const SolveRun& s);
 /// `known` with the deviations of a mesh that is off: edges of shadows, and vertices that show an emitter beside them.
 Irradiance unsureIrradiance(const SolveRun& s, const Irradiance& known);
 /// Albedo of every vertex under `irradiance`; metals have none.

@@ -108,10 +108,11 @@ void askAlbedoStrength(SolveRun& s, const Irradiance& irradiance) {
     if (s.surfaces.smoothness.factor != 1) updateAlbedo(s, irradiance);
 }
 
+bool mayShowEmitters(const SolveRun& s) { return s.in.options.meshError > 0 && !s.emitters.surfaces.empty(); }
+
 Irradiance unsureIrradiance(const SolveRun& s, const Irradiance& known) {
     Irradiance irradiance = unsureAtShadows(s.in.scene, s.observed.matte, known);
-    if (!(s.in.options.meshError > 0) || s.emitters.surfaces.empty()) return irradiance;
-    return unsureAboveWhite(s.observed.matte, std::move(irradiance));
+    return mayShowEmitters(s) ? unsureAboveWhite(s.observed.matte, std::move(irradiance)) : irradiance;
 }
 
 void updateAlbedo(SolveRun& s, const Irradiance& known) {

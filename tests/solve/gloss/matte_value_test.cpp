@@ -1,0 +1,36 @@
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "solve/gloss/matte.h"
+
+namespace relamp {
+namespace {
+
+/// Mean over many vertices of what `quantile` makes of nine observations: radiance 1 with noise of 10 %, and `gloss`
+/// more in two of three views.
+double meanMatteValue(float quantile, float gloss) {
+    std::mt19937 random(1);
+    std::normal_distribution<float> noise(0, 0.1f);
+    double sum = 0;
+    constexpr int vertices = 2000;
+    for (int v = 0; v < vertices; ++v) {
+        std::vector<MatteObservation> seen;
+        for (int k = 0; k < 9; ++k) seen.push_back({1 + noise(random) + (k % 3 ? gloss : 0), 1, 0.1f});
+        sum += double(robustMatteValue(seen, quantile).radiance);
+    }
+    return sum / vertices;
+}
+
+TEST(MatteValue, NoiseIsNoGloss) {
+    EXPECT_NEAR(meanMatteValue(0.5f, 0), 1, 0.005);
+    EXPECT_NEAR(meanMatteValue(0.25f, 0), 1, 0.01);
+}
+
+TEST(MatteValue, ALowQuantileLeavesGlossOut) {
+    EXPECT_NEAR(meanMatteValue(0.25f, 1), 1, 0.05);
+    EXPECT_GT(meanMatteValue(0.5f, 1), 1.9);
+}
+
+}  // namespace
+}  // namespace relamp
