@@ -13,13 +13,13 @@ double meanMatteValue(float quantile, float gloss) {
     std::mt19937 random(1);
     std::normal_distribution<float> noise(0, 0.1f);
     double sum = 0;
-    constexpr int vertices = 2000;
-    for (int v = 0; v < vertices; ++v) {
+    constexpr int places = 2000;
+    for (int v = 0; v < places; ++v) {
         std::vector<MatteObservation> seen;
         for (int k = 0; k < 9; ++k) seen.push_back({1 + noise(random) + (k % 3 ? gloss : 0), 1, 0.1f});
         sum += double(robustMatteValue(seen, quantile).radiance);
     }
-    return sum / vertices;
+    return sum / places;
 }
 
 TEST(MatteValue, NoiseIsNoGloss) {
