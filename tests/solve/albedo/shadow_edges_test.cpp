@@ -81,6 +81,17 @@ TEST(ShadowEdges, AreNeitherEvenLightNorTheTurnOfTheSurface) {
     }
 }
 
+TEST(ShadowEdges, AreNotWhereLightFadesSmoothly) {
+    const Scene scene = foldedScene(side);
+    const auto light = [](uint32_t x) { return 0.1f + 0.02f * float((int(x) - 10) * (int(x) - 10)); };
+    const Shadowed s(
+        scene, [&](uint32_t x) { return 0.5f * light(x); }, light);
+    const Irradiance unsure = unsureAtShadows(scene, s.matte, s.irradiance);
+    const float floor = 0.01f * 0.6f;
+    for (uint32_t x = 4; x < 16; ++x)
+        EXPECT_LT(unsure.sigma[10 * side + x].x, 0.02f * light(x) + floor) << "column " << x;
+}
+
 TEST(ShadowEdges, OfNothingObservedAreNone) {
     const Scene scene = foldedScene(side);
     EXPECT_TRUE(unsureAtShadows(scene, {}, {}).value.empty());
