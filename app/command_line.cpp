@@ -69,6 +69,28 @@ void addSolveOptions(CLI::App& verb, SolveArguments& solve) {
         ->capture_default_str();
     verb.add_option("--merl", solve.merl,
                     "Folder of measured reflectance (MERL .binary files): each joins the basis as one lobe");
+    verb.add_option(
+            "--light-probe", solve.probes,
+            "Latitude-longitude image of the light on the set (EXR, HDR): how it is turned and its exposure are "
+            "found. May be given more than once")
+        ->allow_extra_args(false)
+        ->take_all();
+    verb.add_option("--mirror-ball", solve.mirrorBalls,
+                    "[FILE@]VIEW[:X,Y,RADIUS]: a mirror ball in a photograph taken with the camera of a view, or in "
+                    "the view's own; about where it is, in pixels. May be given more than once")
+        ->allow_extra_args(false)
+        ->take_all();
+    verb.add_option(
+            "--grey", solve.grey,
+            "VIEW:X,Y,RADIUS[=ALBEDO]: grey card or ball in a view, a disc of pixels on the mesh; its albedo is "
+            "0.18 unless given. May be given more than once")
+        ->allow_extra_args(false)
+        ->take_all();
+    verb.add_option("--chart", solve.charts,
+                    "VIEW:X,Y,X,Y,X,Y,X,Y: a chart of 24 patches in a view: the middles of dark skin, bluish green, "
+                    "black and white. May be given more than once")
+        ->allow_extra_args(false)
+        ->take_all();
     verb.add_option("--palette", solve.palette,
                     "How many materials of one colour each the scene has, where it has few; 0: nothing is said")
         ->check(CLI::Range(0, 64))

@@ -24,8 +24,6 @@
 
 namespace relamp::cli {
 
-namespace {
-
 std::vector<double> numbersOf(const std::string& text, const std::string& option, size_t count) {
     std::vector<double> values;
     size_t at = 0;
@@ -43,6 +41,8 @@ std::vector<double> numbersOf(const std::string& text, const std::string& option
         throw UsageError(fmt::format("{}: expected {} numbers, got {}", option, count, values.size()));
     return values;
 }
+
+namespace {
 
 GaugeChoice gaugeOf(const std::string& text) {
     GaugeChoice gauge;
@@ -144,6 +144,7 @@ PipelineOptions pipelineOptions(const SolveArguments& a) {
     options.solve.palette = size_t(a.palette);
     options.solve.seed = a.seed;
     chooseBasis(a.basis, a.merl, options.solve);
+    takeReferences(a, options);
     if (a.meshTriangles >= 0) options.meshTriangles = size_t(a.meshTriangles);
     options.texture = textureFrom(a.texture);
     options.everything = a.everything;
@@ -164,6 +165,7 @@ int solve(const SolveArguments& a, Progress& progress) {
     checkShotCanBeWritten(a.output);
     InputFiles inputs = captureFiles(a.capture, a.fix, progress);
     inputs.addFolder(a.merl);
+    for (const fs::path& file : referenceFiles(a)) inputs.add(file);
     checkShotCanBeWritten(a.output, inputs);
     const ShotLock lock = ShotLock::take(a.output);
     if (!lock.owner().empty())
@@ -291,6 +293,10 @@ int showInfo(const fs::path& path, const CaptureFix& fix, bool json, Progress& p
     }
     text += fmt::format("  environment: {} coefficients\n  gauge: {} ({})\n", dumpJson(result["environment"]["leaves"]),
                         result["gauge"]["kind"].get<std::string>(), result["gauge"]["evidence"].get<std::string>());
+    for (const auto& probe : result.value("light_probes", nlohmann::json::array()))
+        text += fmt::format("  light probe {}\n", probe["words"].get<std::string>());
+    for (const auto& patch : result.value("known_patches", nlohmann::json::array()))
+        text += fmt::format("  known albedo: {}\n", patch["words"].get<std::string>());
     if (result["gauge"].contains("sigma")) {
         const auto& sigma = result["gauge"]["sigma"];
         text += fmt::format(

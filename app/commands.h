@@ -23,6 +23,8 @@ struct SolveArguments {
     fs::path capture, output;
     CaptureFix fix;
     fs::path merl;
+    std::vector<fs::path> probes;                        ///< light probes
+    std::vector<std::string> mirrorBalls, grey, charts;  ///< as on the command line
     std::string mode = "near-field", quality = "standard", gauge = "auto", bounce = "auto", basis = "built-in",
                 smoothLight = "auto", smoothSurfaces = "auto";
     double timeBudget = 0;
@@ -86,6 +88,17 @@ struct MergeArguments {
 
 /// "X,Y,Z" or "X,Y,Z,RADIUS". Throws UsageError.
 ProxyLight proxyLightOf(const std::string& text);
+/// "[FILE@]VIEW[:X,Y,RADIUS]"; reads the file. Throws UsageError.
+MirrorBall mirrorBallOf(const std::string& text);
+/// "VIEW:X,Y,RADIUS[=ALBEDO]" and "VIEW:X,Y,X,Y,X,Y,X,Y", appended. Throw UsageError.
+void addGreyPatch(const std::string& text, std::vector<KnownPatch>& patches);
+void addChart(const std::string& text, std::vector<KnownPatch>& patches);
+/// Those of the command line, which are read. Throws UsageError, and Error for a bad file.
+void takeReferences(const SolveArguments& arguments, PipelineOptions& options);
+/// The files that light references are read from.
+std::vector<fs::path> referenceFiles(const SolveArguments& arguments);
+/// "1,2.5,3" as `count` numbers. Throws UsageError that names the option.
+std::vector<double> numbersOf(const std::string& text, const std::string& option, size_t count);
 /// Becomes relamp-editor, which lies beside this program or on the PATH. Throws Error when it is not installed.
 int edit(const std::string& path);
 int check(const fs::path& capture, const CaptureFix& fix, bool json, Progress& progress);

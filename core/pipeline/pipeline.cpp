@@ -29,7 +29,10 @@ void chooseBasis(const std::string& name, const std::filesystem::path& merl, Sol
 }
 
 uint64_t fingerprintOf(const Capture& capture, const PipelineOptions& options) {
-    return solveFingerprint(capture, options.solve, options.everything) ^
+    uint64_t probes = 0;
+    for (const LightProbe& probe : options.probes) probes = mixBits(probes ^ fingerprintOf(probe));
+    for (const MirrorBall& ball : options.mirrorBalls) probes = mixBits(probes ^ fingerprintOf(ball));
+    return solveFingerprint(capture, options.solve, options.everything) ^ probes ^
            (options.registration ? mixBits(0x726567) : 0) ^
            (options.meshTriangles ? mixBits(uint64_t(*options.meshTriangles)) : 0);
 }
@@ -180,6 +183,8 @@ Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepare
     // What this scene does not need.
     SolveOptions solve = options.solve;
     solve.meshError = prepared.meshError;
+    const std::vector<ProbeFit> probes =
+        fitProbes(options.probes, scene, *prepared.samples, prepared.clusters, options.solve, solve.probes, progress);
     meter.begin(Stage::planning);
     if (options.plan && !extras.resume)
         solve.plan = planSolve(capture, scene, *prepared.samples, prepared.clusters, options.solve, options.everything,
@@ -197,6 +202,7 @@ Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepare
     }
     Estimate estimate = carried(
         solveScene(capture, scene, *prepared.samples, prepared.clusters, solve, progress, listener, extras.resume));
+    takeProbes(probes, estimate);
     if (prepared.working)
         estimate.leftOut.push_back(
             {Omission::triangles, fmt::format("the solve ran on {} of {}, and what it found was carried back",
@@ -231,13 +237,15 @@ Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepare
     return estimate;
 }
 
-PipelineResult runPipeline(const std::filesystem::path& captureFolder, const PipelineOptions& options,
-                           Progress& progress, const SolveListener* listener) {
+PipelineResult runPipeline(const std::filesystem::path& captureFolder, const PipelineOptions& asked, Progress& progress,
+                           const SolveListener* listener) {
+    PipelineOptions options = asked;
     PipelineResult r;
     StageMeter meter(progress);
     // Photographs, cameras, mesh.
     meter.begin(Stage::photographs);
     r.capture = loadCapture(captureFolder, options.load, progress);
+    for (const MirrorBall& ball : options.mirrorBalls) options.probes.push_back(probeOf(ball, r.capture));
     if (options.findLight) {
         meter.begin(Stage::unobservedLight);
         r.search = searchUnobservedLight(r.capture, options, progress);

@@ -7,6 +7,7 @@
 #include "base/stage_meter.h"
 #include "capture/load_capture.h"
 #include "pipeline/plan.h"
+#include "pipeline/probe_stage.h"
 #include "radiance/gather.h"
 #include "scene/decimate.h"
 #include "scene/scene.h"
@@ -24,7 +25,9 @@ struct PipelineOptions {
     bool photometric =
         true;  ///< exposure, white balance and fall-off are taken out of the photographs where they differ clearly
     bool registration = true;  ///< cameras and mesh are brought together where photographs agree clearly better so
-    bool mend = true;        ///< emitters that the mesh does not show as the photographs do get their shape from these
+    bool mend = true;  ///< emitters that the mesh does not show as the photographs do get their shape from these
+    std::vector<LightProbe> probes = {};       ///< images of the light as it was on the set
+    std::vector<MirrorBall> mirrorBalls = {};  ///< the same; they join the probes when the capture is read
     bool findLight = false;  ///< looks for an emitter that no photograph shows and puts a proxy in its place
     std::optional<size_t> meshTriangles = {};  ///< that the mesh may have in the solve (pipeline/working_mesh.h); 0: as
                                                ///< it is, none: large meshes are decimated

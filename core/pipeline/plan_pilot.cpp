@@ -261,7 +261,7 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
 
 std::vector<double> pilotMisfits(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& emitters,
                                  const MatteObservations& all, const std::vector<AlbedoPair>& pairs,
-                                 const SolveOptions& options, Progress& progress) {
+                                 const SolveOptions& options, Progress& progress, const FittedProbes& probes) {
     const PilotPairs part(scene, all, pairs, options.seed);
     const Visibility visibility =
         computeVisibility(scene, {.gridSide = pilotSide, .only = &part.wanted, .axes = scene.axes}, progress);
@@ -275,8 +275,9 @@ std::vector<double> pilotMisfits(const Scene& scene, const RadianceSamples& samp
         lambertInfluence(scene, visibility, nearField, lighting.leaves, part.matte.vertices, progress);
     double middle = 0;
     const AlbedoFreeOptions fit = pilotFit(part.matte, emitters, middle, lighting);
-    solveAlbedoFree(rows, part.matte, part.pairs, lightAnchors(samples, emitters, lighting.leaves), nullptr, fit,
-                    lighting, progress, {});
+    LightAnchors anchors = lightAnchors(samples, emitters, lighting.leaves);
+    for (const auto& probe : probes) anchors.probes.push_back(probeAnchor(*probe, lighting.leaves));
+    solveAlbedoFree(rows, part.matte, part.pairs, anchors, nullptr, fit, lighting, progress, {});
     const std::vector<Rgb> lit = litBy(rows, lighting);
     std::vector<double> misfits;
     for (const AlbedoPair& p : part.pairs) misfits.push_back(pairMisfit(part.matte, p, lit, lit));

@@ -39,9 +39,9 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
                        const SolveOptions& options, Progress& progress);
 
 /// Misfit of each of the pilot's pairs, bent, under the coarse light fitted to them: what fits with other normals can
-/// be held against, pair by pair.
+/// be held against, pair by pair. `probes`: light probes that take part.
 std::vector<double> pilotMisfits(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& emitters,
                                  const MatteObservations& matte, const std::vector<AlbedoPair>& pairs,
-                                 const SolveOptions& options, Progress& progress);
+                                 const SolveOptions& options, Progress& progress, const FittedProbes& probes = {});
 
 }  // namespace relamp

@@ -289,6 +289,11 @@ std::string reportPage(const SolveReport& r) {
         fmt::format("<h1>{}: how it was solved</h1>\n<p>Capture {}, {}. Brightness scale: {}</p>\n", htmlText(r.shot),
                     htmlText(r.capture), htmlText(r.estimate.mode),
                     htmlText(r.estimate.gauge.evidence.empty() ? "not said" : r.estimate.gauge.evidence));
+    for (const ProbeFit& probe : r.estimate.probes)
+        content += fmt::format("<p>Light probe {}. The light found differs from it by {:.0f} %.</p>\n",
+                               htmlText(probe.words), 100 * probe.residual);
+    for (const PatchFit& patch : r.estimate.patches)
+        content += fmt::format("<p>Known albedo: {}.</p>\n", htmlText(patch.words));
     content += section("Figures", "What the solve came to.") + figuresTable(r);
     if (r.truth)
         content += section("Against the truth",

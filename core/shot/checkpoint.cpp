@@ -100,6 +100,11 @@ uint64_t solveFingerprint(const Capture& capture, const SolveOptions& o, bool ev
         if (lobe.measured) f.all(lobe.measured->cells);
     }
     f.text(o.gauge.emitter);
+    for (const KnownPatch& patch : o.patches)
+        for (const double value :
+             {double(patch.view), double(patch.centre.x), double(patch.centre.y), double(patch.radius),
+              double(patch.albedo.x), double(patch.albedo.y), double(patch.albedo.z), double(patch.noise)})
+            f.number(value);
     f.add(o.seed);
     return f.value();
 }

@@ -205,9 +205,35 @@ CaptureFix captureFixOf(const JsonFields& object) {
 
 GaugeReport gaugeOf(const JsonFields& object) {
     const JsonFields from = object.object("from");
-    return {text(object, "kind"),        text(object, "evidence"),     object.get("scale", Rgb(1)),
-            object.get("sigma", Rgb(0)), from.get("emitters", Rgb(0)), from.get("background", Rgb(0)),
-            from.get("gloss", Rgb(0)),   from.get("bounces", Rgb(0))};
+    return {text(object, "kind"),
+            text(object, "evidence"),
+            object.get("scale", Rgb(1)),
+            object.get("sigma", Rgb(0)),
+            from.get("emitters", Rgb(0)),
+            from.get("background", Rgb(0)),
+            from.get("gloss", Rgb(0)),
+            from.get("bounces", Rgb(0)),
+            from.get("light_probes", Rgb(0)),
+            from.get("known_patches", Rgb(0))};
+}
+
+ProbeFit probeOf(const JsonFields& object) {
+    ProbeFit probe;
+    probe.name = text(object, "name");
+    probe.by = text(object, "fitted_to");
+    probe.used = object.get("used", false);
+    probe.yawDegrees = object.get("yaw_degrees", 0.0f);
+    probe.yawSigma = object.get("yaw_sigma", 0.0f);
+    probe.gain = object.get("gain", Rgb(1));
+    probe.gainSigma = object.get("gain_sigma", 0.0f);
+    probe.noise = object.get("noise", 0.0f);
+    probe.held = object.get("held", 0.0f);
+    probe.compared = object.get("compared", 0.0f);
+    probe.residual = object.get("residual", 0.0f);
+    probe.contradicted = object.get("contradicted", false);
+    probe.measuredNoise = object.get("measured_noise", 0.0f);
+    probe.words = text(object, "words");
+    return probe;
 }
 
 PriorStrength priorOf(const JsonFields& object) {
@@ -247,6 +273,10 @@ void readShotDocument(const Json& json, const fs::path& folder, Shot& shot, std:
     e.plan = planOf(document.object("plan"));
     e.reproduction = reproductionOf(document.object("reproduction"));
     e.gauge = gaugeOf(document.object("gauge"));
+    for (const JsonFields& p : document.list("light_probes")) e.probes.push_back(probeOf(p));
+    for (const JsonFields& p : document.list("known_patches"))
+        e.patches.push_back({text(p, "name"), p.get("told", Rgb(0)), p.get("found", Rgb(0)), p.get("noise", 0.0f),
+                             p.get("doubtful", false), text(p, "words")});
     for (const JsonFields& c : document.list("palette"))
         e.palette.push_back({c.get<Vec3>("albedo"), c.get("fraction", 0.0f)});
     const JsonFields priors = document.object("priors");

@@ -66,6 +66,24 @@ Json emittersJson(const Shot& shot) {
     return list;
 }
 
+Json probeJson(const ProbeFit& probe) {
+    return {{"name", probe.name},
+            {"fitted_to", probe.by},
+            {"used", probe.used},
+            {"doubtful", probe.doubtful()},
+            {"yaw_degrees", probe.yawDegrees},
+            {"yaw_sigma", probe.yawSigma},
+            {"gain", toJson(probe.gain)},
+            {"gain_sigma", probe.gainSigma},
+            {"noise", probe.noise},
+            {"held", probe.held},
+            {"compared", probe.compared},
+            {"residual", probe.residual},
+            {"contradicted", probe.contradicted},
+            {"measured_noise", probe.measuredNoise},
+            {"words", probe.words}};
+}
+
 Json gaugeJson(const GaugeReport& gauge) {
     Json json = {{"kind", gauge.kind}, {"evidence", gauge.evidence}, {"scale", toJson(gauge.scale)}};
     if (gauge.sigma.x > 0)
@@ -75,6 +93,8 @@ Json gaugeJson(const GaugeReport& gauge) {
                        {"background", toJson(gauge.fromBackground)},
                        {"gloss", toJson(gauge.fromGloss)},
                        {"bounces", toJson(gauge.fromBounces)}}}});
+    if (gauge.fromProbes != Rgb(0)) json["from"]["light_probes"] = toJson(gauge.fromProbes);
+    if (gauge.fromPatches != Rgb(0)) json["from"]["known_patches"] = toJson(gauge.fromPatches);
     return json;
 }
 
@@ -186,6 +206,14 @@ Json shotInfo(const Shot& shot) {
                                             {"evidence", evidenceJson(r.evidence)}});
     info["environment"] = {{"leaves", e.lighting.leaves.size()}, {"grid_side", e.environmentSide}};
     info["gauge"] = gaugeJson(e.gauge);
+    for (const ProbeFit& probe : e.probes) info["light_probes"].push_back(probeJson(probe));
+    for (const PatchFit& patch : e.patches)
+        info["known_patches"].push_back({{"name", patch.name},
+                                         {"told", toJson(patch.told)},
+                                         {"found", toJson(patch.found)},
+                                         {"noise", patch.noise},
+                                         {"doubtful", patch.doubtful},
+                                         {"words", patch.words}});
     for (const PaletteColour& colour : e.palette)
         info["palette"].push_back({{"albedo", toJson(colour.albedo)}, {"fraction", colour.fraction}});
     info["priors"] = priorsJson(e);

@@ -9,7 +9,9 @@
 #include "brdf/lobe_weights.h"
 #include "clusters/emitter_clusters.h"
 #include "solve/albedo/palette.h"
+#include "solve/known_patch.h"
 #include "solve/omission.h"
+#include "solve/probe/probe_fit.h"
 #include "solve/reproduction.h"
 #include "solve/solve_plan.h"
 #include "transport/lighting.h"
@@ -55,8 +57,8 @@ struct GaugeReport {
     std::string evidence;  ///< one sentence
     Rgb scale{1};          ///< factor that was applied to the lighting by a --gauge option
     Rgb sigma{0};          ///< relative standard deviation of the scale; 0 where it was not assessed
-    Rgb fromEmitters{0}, fromBackground{0}, fromGloss{0},
-        fromBounces{0};  ///< fractions of the evidence on the scale, together 1, or all 0
+    Rgb fromEmitters{0}, fromBackground{0}, fromGloss{0}, fromBounces{0}, fromProbes{0},
+        fromPatches{0};  ///< fractions of the evidence on the scale, together 1, or all 0
 };
 
 /// How strong a prior was, as a factor on its usual strength.
@@ -114,6 +116,8 @@ struct Estimate {
     std::vector<LeftOut> leftOut;
     SolvePlan plan;  ///< what was decided beforehand, and what the stages cost
     GaugeReport gauge;
+    std::vector<ProbeFit> probes;   ///< light probes that were given, used or not
+    std::vector<PatchFit> patches;  ///< surfaces of known albedo that were given
     PriorStrength lightSmoothness, albedoSmoothness;
     std::vector<PaletteColour> palette;  ///< materials, where the artist said how many; most used first
     StabilityReport stability;

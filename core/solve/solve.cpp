@@ -45,6 +45,10 @@ Estimate solveScene(const Capture& capture, const Scene& scene, const RadianceSa
         (options.gauge.view < 0 || size_t(options.gauge.view) >= capture.views.size()))
         throw Error("--gauge white-patch: view {} does not exist, expected 0 to {}", options.gauge.view,
                     capture.views.size() - 1);
+    for (const KnownPatch& patch : options.patches)
+        if (patch.view >= capture.views.size())
+            throw Error("{}: view {} does not exist, expected 0 to {}", patch.name, patch.view,
+                        capture.views.size() - 1);
     SolveRun s(capture, scene, samples, options, progress, listener);
     if (resume) resumeSolve(s, *resume);
     else beginSolve(s, clusters);  // matte observations, pairs, visibility, near field: D and N

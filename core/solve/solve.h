@@ -11,6 +11,8 @@
 #include "radiance/samples.h"
 #include "solve/albedo/albedo_step.h"
 #include "solve/estimate.h"
+#include "solve/known_patch.h"
+#include "solve/probe/light_probe.h"
 #include "solve/solve_checkpoint.h"
 
 namespace relamp {
@@ -49,6 +51,8 @@ struct SolveOptions {
     uint64_t seed = 1;
     BrdfBasis basis = builtInBasis();  ///< lobes that surfaces may have
     size_t mostLobes = 1;              ///< that one component may mix; more than 1 with a wide basis
+    FittedProbes probes;               ///< light probes of the set that take part
+    std::vector<KnownPatch> patches;   ///< surfaces whose albedo is known
     float meshError = 0;               ///< metres that the mesh may be off by; 0: it is exact
     SolvePlan plan;                    ///< what takes part: the planner's word (pipeline/plan.h)
 };

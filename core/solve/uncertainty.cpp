@@ -108,6 +108,44 @@ std::string changeInWords(const Eigen::VectorXd& change, const Eigen::VectorXd& 
                        sideInWords(change, -1, lighting, emitterNames));
 }
 
+/// What the scale of a channel rests on, for the free unknowns; `observations` for all of them.
+struct ScaleEvidence {
+    const Eigen::MatrixXd& all;
+    const Eigen::VectorXd &mean, &known, &background;
+    const Eigen::MatrixXd& observations;
+};
+
+/// The deviation of the scale of channel c, and what fixes it: the evidence that is lost without each source.
+template <class Restricted>
+void assessScale(const ScaleEvidence& e, const Restricted& restricted, const UncertaintyOptions& options, int c,
+                 LightUncertainty& result) {
+    const double precision = 1 / scaleVariance(e.all, e.mean);
+    result.scaleSigma[c] = float(std::min(mostSigma, std::hypot(1 / std::sqrt(precision), double(options.scaleFloor))));
+    const auto lost = [&](const Eigen::MatrixXd& part) {
+        Eigen::MatrixXd rest = e.all - part;
+        rest.diagonal() += 1e-9 * e.all.diagonal();
+        return std::max(0.0, precision - 1 / scaleVariance(rest, e.mean));
+    };
+    const Eigen::MatrixXd &probes = options.probes[size_t(c)], &patches = options.patches[size_t(c)];
+    const bool patched = patches.size() > 0 && patches.size() == e.observations.size();
+    const double known = lost(e.known.asDiagonal()), background = lost(e.background.asDiagonal()),
+                 gloss = patched                 ? lost(restricted(e.observations - patches))
+                         : e.observations.size() ? lost(restricted(e.observations))
+                                                 : 0.0,
+                 probed = probes.size() ? lost(restricted(probes)) : 0.0,
+                 told = patched ? lost(restricted(patches)) : 0.0,
+                 bounces =
+                     options.bounced ? std::max(0.0, precision - known - background - gloss - probed - told) : 0.0,
+                 sum = known + background + gloss + bounces + probed + told;
+    if (!(sum > 0)) return;
+    result.fromEmitters[c] = float(known / sum);
+    result.fromBackground[c] = float(background / sum);
+    result.fromGloss[c] = float(gloss / sum);
+    result.fromBounces[c] = float(bounces / sum);
+    result.fromProbes[c] = float(probed / sum);
+    result.fromPatches[c] = float(told / sum);
+}
+
 }  // namespace
 
 LightUncertainty lightUncertainty(const LightInformation& information, const InfluenceMatrix& b,
@@ -156,29 +194,11 @@ LightUncertainty lightUncertainty(const LightInformation& information, const Inf
             result.scaleSigma[c] = float(mostSigma);
             continue;
         }
-        // The scale, and what fixes it: the evidence that is lost without each source.
-        const double precision = 1 / scaleVariance(all, mean);
-        result.scaleSigma[c] =
-            float(std::min(mostSigma, std::hypot(1 / std::sqrt(precision), double(options.scaleFloor))));
-        const auto lost = [&](const Eigen::MatrixXd& part) {
-            Eigen::MatrixXd rest = all - part;
-            rest.diagonal() += 1e-9 * all.diagonal();
-            return std::max(0.0, precision - 1 / scaleVariance(rest, mean));
-        };
         Eigen::VectorXd background = Eigen::VectorXd::Zero(m), known = Eigen::VectorXd::Zero(m);
         for (Eigen::Index k = 0; k < m; ++k)
             (size_t(free[size_t(k)]) < leaves ? background : known)(k) =
                 (options.backdrop && size_t(free[size_t(k)]) < leaves ? 0 : 1) * seen(free[size_t(k)]) / widening;
-        double parts[4] = {lost(known.asDiagonal()), lost(background.asDiagonal()),
-                           observations.size() ? lost(restricted(observations)) : 0.0, 0.0};
-        parts[3] = options.bounced ? std::max(0.0, precision - parts[0] - parts[1] - parts[2]) : 0.0;
-        const double sum = parts[0] + parts[1] + parts[2] + parts[3];
-        if (sum > 0) {
-            result.fromEmitters[c] = float(parts[0] / sum);
-            result.fromBackground[c] = float(parts[1] / sum);
-            result.fromGloss[c] = float(parts[2] / sum);
-            result.fromBounces[c] = float(parts[3] / sum);
-        }
+        assessScale({all, mean, known, background, observations}, restricted, options, c, result);
         if (options.scaleOnly) continue;
 
         const auto relative = [&](size_t i, double sigma) {

@@ -18,6 +18,9 @@ struct UncertaintyOptions {
     bool bounced = false;      ///< bounced light of known radiance is in the model
     bool backdrop =
         false;  ///< the background seen is not what lights the scene (tiesScale): it says nothing of the scale
+    /// Of LightInformation::all, per channel, the part of light probes, and that of surfaces of known albedo, which
+    /// LightInformation::observations holds too; empty without any.
+    std::array<Eigen::MatrixXd, 3> probes = {}, patches = {};
     bool scaleOnly = false;  ///< leave out everything but the scale and what fixes it
 };
 
@@ -28,7 +31,7 @@ struct LightUncertainty {
     std::vector<Rgb> litSigma;      ///< per row: of the light on it, and so of its albedo; relative
     Rgb scaleSigma{0};              ///< of the brightness of all light against all albedo, relative; at most 10
     /// Fractions of the evidence that fixes this scale, each in [0, 1], together 1 (or 0 where there is none).
-    Rgb fromEmitters{0}, fromBackground{0}, fromGloss{0}, fromBounces{0};
+    Rgb fromEmitters{0}, fromBackground{0}, fromGloss{0}, fromBounces{0}, fromProbes{0}, fromPatches{0};
     std::string weakest;     ///< the direction of light that the photographs tell least about, in words
     float weakestSigma = 0;  ///< what it may add to or take from the light on the surfaces, root mean square, relative
 };

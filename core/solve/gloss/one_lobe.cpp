@@ -7,6 +7,37 @@
 #include "solve/ratio/albedo_free.h"
 
 namespace relamp {
+namespace {
+
+/// What a light probe holds, as z_i = w g probe_i. A gain g that nothing tells is eliminated. `x`: where the last round
+/// ended, null in the first.
+void tieProbe(const ProbeAnchor& probe, int c, double unit, const Eigen::VectorXd* x, Eigen::MatrixXd& q) {
+    constexpr double weight = 16, bend = 2.5 * 2.5;  // beside the background's as in LightPrior
+    const Eigen::Index leaves = Eigen::Index(probe.radiance.size()), w = q.rows() - 1;
+    const bool tied = probe.gainSigma > 0;
+    Eigen::VectorXd pull = Eigen::VectorXd::Zero(leaves);
+    double all = 0;
+    for (Eigen::Index i = 0; i < leaves; ++i) {
+        const double value = probe.radiance[size_t(i)][c], held = probe.held[size_t(i)];
+        if (held < 0.5) continue;
+        double strength = held / (double(probe.noise) * probe.noise * (value * value + 0.01 * unit * unit + 1e-30));
+        if (x && tied && (*x)(w) > 0) strength /= 1 + strength * std::pow((*x)(i) / (*x)(w)-value, 2) / bend;
+        strength *= weight;
+        q(i, i) += strength;
+        pull(i) = strength * value;
+        all += strength * value * value;
+    }
+    if (!(all > 0)) return;
+    if (tied) {
+        q(w, w) += all;
+        q.col(w).head(leaves) -= pull;
+        q.row(w).head(leaves) -= pull.transpose();
+    } else {
+        q.topLeftCorner(leaves, leaves) -= pull * pull.transpose() / all;
+    }
+}
+
+}  // namespace
 
 OneLobeFit fitOneLobe(const InfluenceMatrix& rows, const std::vector<GlossyObservation>& observations,
                       const LightAnchors& anchors, const Lighting& guess, Progress& progress) {
@@ -56,6 +87,7 @@ OneLobeFit fitOneLobe(const InfluenceMatrix& rows, const std::vector<GlossyObser
                 const double spread = 0.02 + 0.7 * (1 - double(a.coverage)), value = a.radiance[c];
                 tie(Eigen::Index(i), value, 3 / (spread * spread) / (value * value + 0.01 * unit * unit + 1e-30));
             }
+            for (const ProbeAnchor& p : anchors.probes) tieProbe(p, c, unit, round ? &x : nullptr, q);
             for (size_t e = 0; e < emitters; ++e) {
                 const double value = anchors.emitterRadiance[e][c];
                 if (!anchors.emitterClipped[e])

@@ -11,6 +11,8 @@ std::vector<Rgb> firstRadiance(const EmitterClusters& clusters) {
 bool tiesScale(const LightAnchors& anchors, float darkness) {
     for (size_t e = 0; e < anchors.emitterRadiance.size(); ++e)
         if (!anchors.emitterClipped[e] || maxChannel(anchors.emitterRadiance[e]) > 0) return true;
+    for (const ProbeAnchor& p : anchors.probes)
+        if (p.gainSigma > 0) return true;
     // A surface that all of it lights from straight ahead sends at most this back; `darkness` is a thousandth of the
     // brightest surfaces.
     double light = 0;

@@ -14,8 +14,17 @@ struct LeafAnchor {
     float area = 0;  ///< of it that is seen, steradians
 };
 
+/// What a light probe holds of each leaf (solve/probe).
+struct ProbeAnchor {
+    std::vector<Rgb> radiance;  ///< mean over what is held of the leaf, in the photographs' unit
+    std::vector<float> held;    ///< fraction of the leaf
+    float noise = 0;            ///< relative deviation of a leaf
+    float gainSigma = 0;        ///< of one factor on all of them, relative; 0: nothing but the fit tells it
+};
+
 struct LightAnchors {
     std::vector<LeafAnchor> leaves;
+    std::vector<ProbeAnchor> probes;
     std::vector<Rgb> emitterRadiance;
     std::vector<float> emitterSigma;      ///< relative
     std::vector<uint8_t> emitterClipped;  ///< 1: a lower bound
@@ -25,9 +34,9 @@ struct LightAnchors {
 std::vector<Rgb> firstRadiance(const EmitterClusters& clusters);
 
 /// Does light seen directly tie the scale of all light down? An emitter that was seen does, clipped or not (a lower
-/// bound). Background does unless it is a backdrop: too small or too black beside the surfaces (`darkness`:
-/// LightPriorOptions) to give even three thousandths of the light on the brightest, so what lights them comes from
-/// elsewhere.
+/// bound), and a light probe whose exposure is known. Background does unless it is a backdrop: too small or too black
+/// beside the surfaces (`darkness`: LightPriorOptions) to give even three thousandths of the light on the brightest, so
+/// what lights them comes from elsewhere.
 bool tiesScale(const LightAnchors& anchors, float darkness);
 
 LightAnchors lightAnchors(const RadianceSamples& samples, const EmitterClusters& clusters, const LightLeaves& leaves);

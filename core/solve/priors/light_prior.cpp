@@ -13,6 +13,7 @@ LightPrior::LightPrior(const LightLeaves& leaves, const LightAnchors& anchors, c
     for (const auto& [i, j] : neighbours_)
         edge_.push_back(16.0 / double(1u << std::max(leaves[i].level, leaves[j].level)));
     for (size_t i = 0; i < leaves.size(); ++i) fraction_(Eigen::Index(i)) = double(leaves[i].solidAngle()) / (4 * piD);
+    for (const ProbeAnchor& p : anchors.probes) probes_.emplace_back(p, fraction_);
     if (!rows) return;
     Eigen::VectorXd received = Eigen::VectorXd::Zero(fraction_.size());
     for (size_t r = 0; r < rows->rows; ++r)
@@ -57,6 +58,13 @@ Eigen::VectorXd LightPrior::seenDirectly(const Eigen::VectorXd& x, int channel, 
     return weights;
 }
 
+Eigen::MatrixXd LightPrior::fromProbes(const Eigen::VectorXd& x, int channel) const {
+    Eigen::MatrixXd q = Eigen::MatrixXd::Zero(x.size(), x.size());
+    Eigen::VectorXd moment = Eigen::VectorXd::Zero(x.size());
+    for (const ProbeRows& p : probes_) p.add(x, channel, q, moment);
+    return q;
+}
+
 LightPrior::Difference LightPrior::difference(const Eigen::VectorXd& x, size_t pair, double unit, bool free) const {
     const auto [i, j] = neighbours_[pair];
     const double middle = 0.5 * (x(i) + x(j)), d2 = unit * unit + middle * middle + 1e-300, d = std::sqrt(d2),
@@ -76,6 +84,7 @@ double LightPrior::value(const Eigen::VectorXd& x, int channel) const {
     for (Eigen::Index i = 0; i < fraction_.size(); ++i)
         sum += background(size_t(i), channel, unit) *
                std::pow(x(i) - double(anchors_.leaves[size_t(i)].radiance[channel]), 2);
+    for (const ProbeRows& p : probes_) sum += p.value(x, channel);
     return sum;
 }
 
@@ -169,6 +178,7 @@ void LightPrior::add(const Eigen::VectorXd& x, int channel, Eigen::MatrixXd& q, 
         q(i, i) += w;
         moment(i) += w * double(anchors_.leaves[size_t(i)].radiance[channel]);
     }
+    for (const ProbeRows& p : probes_) p.add(x, channel, q, moment);
     for (size_t e = 0; e < anchors_.emitterRadiance.size(); ++e) {
         const Eigen::Index i = leaves + Eigen::Index(e);
         const double value = anchors_.emitterRadiance[e][channel];

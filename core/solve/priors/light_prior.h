@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "solve/priors/anchors.h"
+#include "solve/probe/probe_rows.h"
 #include "solve/ratio/influence_rows.h"
 
 namespace relamp {
@@ -33,6 +34,7 @@ public:
     /// between the others would count any more.
     LightPrior(const LightLeaves& leaves, const LightAnchors& anchors, const LightPriorOptions& options,
                std::optional<InfluenceRows> rows = {});
+    LightPrior(const LightPrior&) = delete;
     /// Sum of the smoothness and background terms (the emitters' near-equalities hold by construction).
     double value(const Eigen::VectorXd& x, int channel) const;
     /// Adds the quadratic model of the priors about x: q, moment (minimise x'qx - 2 moment'x) and the lower bounds of
@@ -50,12 +52,18 @@ public:
     /// emitters.
     Eigen::VectorXd seenDirectly(const Eigen::VectorXd& x, int channel, const Eigen::MatrixXd& q) const;
 
+    /// Of what `add` adds, the part that comes from light probes.
+    Eigen::MatrixXd fromProbes(const Eigen::VectorXd& x, int channel) const;
+    /// The gain of light probe `probe` under the light x, beside what its anchor has.
+    double gainOf(size_t probe, const Eigen::VectorXd& x, int channel) const { return probes_[probe].gain(x, channel); }
+
 private:
     const LightAnchors& anchors_;
     LightPriorOptions options_;
     std::vector<std::pair<uint32_t, uint32_t>> neighbours_;
     std::vector<double> edge_;  ///< per pair: length of its edge over that of the leaves of a side of 16
     Eigen::VectorXd fraction_;  ///< of each leaf in the mean brightness; together 1
+    std::vector<ProbeRows> probes_;
     /// Relative difference of a pair, and its derivative: along its two leaves, and -beta along the mean.
     struct Difference {
         double value, along[2], beta, atPresent;  ///< atPresent: the derivative times x itself

@@ -135,7 +135,8 @@ RatioFit::RatioFit(const InfluenceRows& influence, const MatteObservations& matt
       leafCount_(lighting.leaves.size()),
       emitterCount_(anchors.emitterRadiance.size()),
       n_(Index(influence.columns)),
-      anchored_(options.bounce != nullptr || tiesScale(anchors, options.light.darkness)),
+      anchored_(options.bounce != nullptr || (viewRows && viewRows->tieScale) ||
+                tiesScale(anchors, options.light.darkness)),
       adjacency_(influence.rows, pairs),
       prior_(lighting.leaves, anchors, options.light, influence),
       variance_(pairs.size()),
@@ -243,8 +244,9 @@ double RatioFit::evaluate(const Channels& light, const Irradiances& at, double s
             mean += r * r / 3;
         }
         const double variance = double(viewRows_->sigma[i]) * viewRows_->sigma[i];
-        viewWeight_[i] = float(1 / (variance * (1 + mean / variance / (scale * scale))));
-        sums.objective += cauchy.loss(mean / variance);
+        const double count = viewRows_->count.empty() ? 1 : double(viewRows_->count[i]);
+        viewWeight_[i] = float(count / (variance * (1 + mean / variance / (scale * scale))));
+        sums.objective += cauchy.loss(mean / variance, count);
     }
     // The data term is a mean over channels.
     for (int c = 0; c < 3; ++c) sums.objective += prior_.value(light[size_t(c)], c) / 3;

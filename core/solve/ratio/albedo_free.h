@@ -48,7 +48,9 @@ struct AlbedoFreeOptions {
 struct ViewRows {
     InfluenceMatrix influence[3];  ///< per channel, the same number of rows
     std::vector<Rgb> radiance;
-    std::vector<float> sigma;  ///< radiance
+    std::vector<float> sigma;       ///< radiance
+    std::vector<float> count = {};  ///< of observations that a row counts for; empty: one each
+    bool tieScale = false;          ///< their reflectance is known without the light, so they tell its scale
 };
 
 /// What fixed the light: the quadratic model of the objective about the answer.

@@ -119,6 +119,10 @@ std::vector<Rgb> LightProblem::directAt(const SolveInput& in, const EmitterDecis
 void LightProblem::anchor(const SolveInput& in, const EmitterDecision& emitters) {
     anchors = lightAnchors(in.samples, emitters.clusters, lighting.leaves);
     if (backgroundRefuted) anchors.leaves.assign(anchors.leaves.size(), LeafAnchor{});
+    for (const auto& probe : in.options.probes) {
+        anchors.probes.push_back(probeAnchor(*probe, lighting.leaves));
+        if (backgroundRefuted) anchors.probes.back().gainSigma = 0;
+    }
     // Inside a leaf that the background covers, its brightness is known in detail.
     const DirectionGrid& grid = in.samples.backgroundGrid;
     leafShape.assign(size_t(grid.cells()), 1.0f);
@@ -129,6 +133,7 @@ void LightProblem::anchor(const SolveInput& in, const EmitterDecision& emitters)
         if (a.coverage < 0.95f || a.clipped || in.samples.backgroundPixels[cell] < 4 || !(mean > 0)) continue;
         leafShape[cell] = luminance(in.samples.background[cell]) / mean;
     }
+    if (!anchors.probes.empty()) shapeByProbes(in.options.probes, anchors, grid, leafOf, leafShape);
 }
 
 bool LightProblem::refuteBackground(const SolveInput& in, const EmitterDecision& emitters,

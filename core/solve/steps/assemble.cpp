@@ -20,6 +20,8 @@ void assembleEnvironment(const SolveRun& s, Estimate& estimate) {
         estimate.environment[size_t(c)] = direct && s.light.anchors.leaves[leaf].coverage > 0.05f
                                               ? s.in.samples.background[size_t(coarse)]
                                               : s.light.lighting.leafRadiance[leaf];
+        if (!direct && !s.light.anchors.probes.empty() && !s.light.environmentBlack)
+            estimate.environment[size_t(c)] *= detailOf(s.in.options.probes, s.light.anchors, size_t(c), leaf);
     }
 }
 
@@ -137,11 +139,14 @@ Estimate finishSolve(SolveRun& s) {
     Estimate estimate = assemble(s);
     assessConditioning(s, estimate);
     const Irradiance irradiance = s.irradiance();
+    if (!s.in.options.patches.empty()) s.patchPart = patchInformation(s);
     const LightUncertainty light = uncertaintyOf(s, irradiance, false);
     const Irradiance unsure = unsureIrradiance(s, irradiance);
     assessUncertainty(s, unsure, light, estimate);
     estimate.heldOut = holdOutViews(s, unsure);
+    estimate.probes = probesUnder(s, irradiance);
     applyGauge(s, irradiance, light, estimate);
+    estimate.patches = patchesUnder(s, estimate);
     estimate.surfaceLight = surfaceLightOf(s, irradiance, estimate.gauge.scale);
     if (s.gloss.empty())
         estimate.leftOut.push_back({Omission::glossyLobes, "no surface changes with the view beyond noise"});

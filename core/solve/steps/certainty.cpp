@@ -73,6 +73,8 @@ LightUncertainty uncertaintyOf(const SolveRun& s, const Irradiance& irradiance, 
     options.bounced = s.bounce.joined();
     options.scaleOnly = scaleOnly;
     options.backdrop = !tiesScale(s.light.anchors, s.light.prior.darkness);
+    if (!s.light.anchors.probes.empty()) options.probes = probeInformation(s);
+    options.patches = s.patchPart;
     std::vector<std::string> names;
     for (const EmitterCluster& e : s.emitters.clusters.emitters) names.push_back(e.id);
     LightUncertainty light = lightUncertainty(s.light.information, s.light.influence, irradiance.value,

@@ -1,5 +1,6 @@
 // The scale of light against albedo: what fixes it, and how well that is known.
 #include "base/log.h"
+#include "base/printable.h"
 #include "solve/steps/steps.h"
 
 namespace relamp {
@@ -187,6 +188,10 @@ void applyGauge(const SolveRun& s, const Irradiance& irradiance, const LightUnce
                                        [](uint8_t clipped) { return !clipped; });
     if (s.in.options.gauge.kind != GaugeChoice::Kind::automatic) {
         scale = givenGauge(s, gauge);
+    } else if (!s.in.options.patches.empty() && assessed && s.hasMatte() && s.in.options.nearField) {
+        gauge.kind = "known albedo";
+        gauge.evidence = fmt::format("the albedo of {} was told{}", counted(s.in.options.patches.size(), "patch"),
+                                     unclipped ? ", and light is seen directly and unclipped beside it" : "");
     } else if (unclipped) {
         gauge.kind = "emitter";
         const size_t count = s.emitters.clusters.emitters.size();
@@ -197,7 +202,14 @@ void applyGauge(const SolveRun& s, const Irradiance& irradiance, const LightUnce
                                           count);
     } else if (!refuted && assessed && luminance(scaleSigma) < enoughSigma) {
         const float gloss = luminance(light.fromGloss), bounced = luminance(light.fromBounces);
-        if (bounced > gloss && bounced > luminance(light.fromBackground)) {
+        const float probes = luminance(light.fromProbes);
+        if (probes > std::max({gloss, bounced, luminance(light.fromBackground)})) {
+            gauge.kind = "light probe";
+            gauge.evidence = fmt::format(
+                "a light probe holds all of the light, and background that photographs show of it tells its exposure "
+                "({:.0f} % of the light on the surfaces is seen directly)",
+                100 * seen.fraction);
+        } else if (bounced > gloss && bounced > luminance(light.fromBackground)) {
             gauge.kind = "bounced light";
             gauge.evidence = fmt::format(
                 "{:.0f} % of the light on the surfaces comes from other surfaces, whose brightness the photographs "
@@ -223,13 +235,16 @@ void applyGauge(const SolveRun& s, const Irradiance& irradiance, const LightUnce
         scale = assumedGauge(s, irradiance, seen, gauge);
         gauge.sigma = Rgb(assumedSigma);
     }
-    const bool evidence = gauge.kind == "emitter" || gauge.kind == "background" || gauge.kind == "bounced light";
+    const bool evidence = gauge.kind == "emitter" || gauge.kind == "background" || gauge.kind == "bounced light" ||
+                          gauge.kind == "light probe" || gauge.kind == "known albedo";
     if (assessed && evidence) {
         gauge.sigma = scaleSigma;
         gauge.fromEmitters = light.fromEmitters;
         gauge.fromBackground = light.fromBackground;
         gauge.fromGloss = light.fromGloss;
         gauge.fromBounces = light.fromBounces;
+        gauge.fromProbes = light.fromProbes;
+        gauge.fromPatches = light.fromPatches;
         // Surfaces that would be more than white are evidence too.
         if (upper > 1) gauge.sigma = glm::max(gauge.sigma, Rgb(std::min(upper - 1, 1.0f)));
     }
@@ -239,6 +254,7 @@ void applyGauge(const SolveRun& s, const Irradiance& irradiance, const LightUnce
     for (Rgb& l : estimate.lighting.leafRadiance) l *= scale;
     for (Rgb& l : estimate.lighting.emitterRadiance) l *= scale;
     for (Rgb& l : estimate.environment) l *= scale;
+    for (ProbeFit& probe : estimate.probes) probe.gain *= scale;
     for (Rgb& sigma : estimate.environmentSigma) sigma *= scale;
     for (Rgb& sigma : estimate.emitterSigma) sigma *= scale;
     for (auto& lobe : estimate.reflectance.weight)

@@ -7,6 +7,9 @@
 namespace relamp {
 
 AlbedoFreeReport fitLight(SolveRun& s, const RatioFitRequest& request) {
+    std::optional<ViewRows> withPatches;
+    if (!s.in.options.patches.empty()) withPatches = addPatchRows(s, request.views);
+    const ViewRows* views = withPatches ? &*withPatches : request.views;
     const MetalRatios* metals = request.metals;
     AlbedoFreeOptions o;
     o.chroma = request.chroma;
@@ -37,7 +40,7 @@ AlbedoFreeReport fitLight(SolveRun& s, const RatioFitRequest& request) {
         metals ? InfluenceRows(s.light.influence, metals->rows) : InfluenceRows(s.light.influence);
     AlbedoFreeReport report = solveAlbedoFree(
         rows, metals ? metals->observations : s.observed.matte, metals ? metals->pairs : s.observed.pairs,
-        s.light.anchors, request.views, o, s.light.lighting, s.in.progress,
+        s.light.anchors, views, o, s.light.lighting, s.in.progress,
         [&](int i, double objective, double rmse) { s.record(request.stage, i, objective, rmse); });
     s.stability.kktResidual = report.kktResidual;
     // Cut before its first step, a fit says nothing of what fixes the light.

@@ -49,6 +49,7 @@ struct SolveRun {
     BounceModel bounce;
     GlossModel gloss;
     SurfaceState surfaces;
+    std::array<Eigen::MatrixXd, 3> patchPart;  ///< of the light's information, known at the end (references.cpp)
 
     bool stopped() const { return in.stopped(); }
     bool hasMatte() const { return observed.hasMatte(); }

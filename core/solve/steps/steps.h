@@ -115,7 +115,7 @@ void startFromConstantAlbedo(SolveRun& s);
 void askLightStrength(SolveRun& s);
 void askAlbedoStrength(SolveRun& s, const Irradiance& irradiance);
 
-// closing: assemble.cpp, certainty.cpp, gauge.cpp, hold_out.cpp
+// closing: assemble.cpp, certainty.cpp, gauge.cpp, hold_out.cpp, references.cpp
 /// Lighting, environment image, emitters and reflectance as they stand, before the gauge.
 Estimate assemble(const SolveRun& s);
 /// From the square along the scene's axes to the world's.
@@ -130,6 +130,17 @@ LightUncertainty uncertaintyOf(const SolveRun& s, const Irradiance& irradiance, 
 void assessUncertainty(const SolveRun& s, const Irradiance& irradiance, const LightUncertainty& light,
                        Estimate& estimate);
 void applyGauge(const SolveRun& s, const Irradiance& irradiance, const LightUncertainty& light, Estimate& estimate);
+/// `views`, which may be null, and rows for patches of known albedo: the mean radiance of nine parts of each, or of all
+/// of a small one, in its photograph. Throws Error that names a patch in which no surface is seen.
+ViewRows addPatchRows(SolveRun& s, const ViewRows* views);
+/// What the estimate makes of the patches; says so in the log, as a warning for those that do not agree.
+std::vector<PatchFit> patchesUnder(const SolveRun& s, const Estimate& estimate);
+/// The part of the light's information that comes from patches, per channel, were none of them an outlier.
+std::array<Eigen::MatrixXd, 3> patchInformation(SolveRun& s);
+/// The part of the light's information that comes from light probes, per channel.
+std::array<Eigen::MatrixXd, 3> probeInformation(const SolveRun& s);
+/// How the probes that took part fit the light found, before the gauge.
+std::vector<ProbeFit> probesUnder(const SolveRun& s, const Irradiance& irradiance);
 /// Two views are held out in turn: albedo of all vertices without them, under the light that all views gave.
 std::vector<HeldOutAlbedo> holdOutViews(const SolveRun& s, const Irradiance& irradiance);
 

@@ -27,7 +27,9 @@ void solveReflectance(SolveRun& s) {
     for (uint32_t p = 0; p < s.in.scene.components && !s.stopped(); ++p) {
         if ((!s.observed.matte.componentGlossy[p] && !s.in.choices.matteComponents) || sizes[p] < 30) continue;
         const bool metal = s.hasMatte() && s.observed.matte.componentGlossy[p] == 2;
-        glossOptions.lambertGain = !metal ? 1.6f : s.gloss.heard ? 3.0f : 1e30f;
+        // Light that a probe holds fast leaves more for a free matte part of every vertex to take up.
+        const bool suspect = metal || (!s.hasMatte() && !s.in.options.probes.empty());
+        glossOptions.lambertGain = metal && !s.gloss.heard ? 1e30f : suspect ? 3.0f : 1.6f;
         ComponentGloss g;
         try {
             const Progress::Dispensable mayEnd(s.in.progress);

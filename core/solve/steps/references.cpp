@@ -1,0 +1,192 @@
+// Light references in a solve: patches of known albedo, and light probes under the light found.
+#include <map>
+
+#include "base/log.h"
+#include "solve/light/weighted_gram.h"
+#include "solve/steps/steps.h"
+
+namespace relamp {
+namespace {
+
+constexpr int patchParts = 3;       // a side, of a patch that is not small
+constexpr float smallPatch = 6;     // pixels
+constexpr int partPixels = 12;      // a side, looked at in a patch at most
+constexpr float patchCount = 1000;  // observations that a patch counts for: model errors must not outvote it
+constexpr float patchDoubt = 3;     // deviations
+constexpr float leastDoubt = 0.05f;
+
+/// A part of a patch: where its pixels lie on the mesh, and what they show.
+struct PatchPart {
+    size_t patch = 0;
+    std::map<uint32_t, float> vertices;  ///< with their weight in the mean
+    Rgb radiance{0};                     ///< mean
+};
+
+std::vector<PatchPart> partsOf(const SolveInput& in, size_t index) {
+    const KnownPatch& patch = in.options.patches[index];
+    const View& view = in.capture.views[patch.view];
+    const int side = patch.radius < smallPatch ? 1 : patchParts,
+              steps = std::clamp(int(2 * patch.radius), 1, partPixels);
+    std::vector<PatchPart> parts(size_t(side * side));
+    std::vector<float> count(parts.size(), 0);
+    for (int k = 0; k < steps * steps; ++k) {
+        const Vec2 at = (Vec2(k % steps, k / steps) + 0.5f) / float(steps) * 2.0f - 1.0f;
+        if (glm::length(at) > 1) continue;
+        const Vec2 pixel = patch.centre + patch.radius * at;
+        const int x = int(std::floor(pixel.x)), y = int(std::floor(pixel.y));
+        if (x < 0 || y < 0 || x >= view.image.width || y >= view.image.height || !view.image.usableAt(x, y)) continue;
+        const Rgb shown = view.image.at(x, y);
+        if (view.saturation > 0 && maxChannel(shown) >= view.saturation) continue;
+        const Hit hit = in.scene.cameraTracer->closest(
+            {Vec3(view.camera.position()), view.camera.rayDirection(Vec2(x, y) + 0.5f), 0, 1e30f});
+        if (!hit) continue;
+        const auto cell = [&](float t) { return std::min(side - 1, int((t + 1) / 2 * float(side))); };
+        const size_t p = size_t(cell(at.y) * side + cell(at.x));
+        const Triangle& t = in.scene.mesh.triangles[hit.triangle];
+        parts[p].vertices[t[0]] += 1 - hit.barycentric.x - hit.barycentric.y;
+        parts[p].vertices[t[1]] += hit.barycentric.x;
+        parts[p].vertices[t[2]] += hit.barycentric.y;
+        parts[p].radiance += shown;
+        ++count[p];
+    }
+    std::vector<PatchPart> found;
+    for (size_t p = 0; p < parts.size(); ++p) {
+        if (count[p] == 0) continue;
+        parts[p].patch = index;
+        parts[p].radiance /= count[p];
+        for (auto& [vertex, weight] : parts[p].vertices) weight /= count[p];
+        found.push_back(std::move(parts[p]));
+    }
+    if (found.empty())
+        throw Error("{}: at pixel {:.0f},{:.0f} of view {} no surface of the mesh is seen unclipped", patch.name,
+                    patch.centre.x, patch.centre.y, patch.view);
+    return found;
+}
+
+/// The unknowns of channel c.
+Eigen::VectorXd unknownsOf(const Lighting& lighting, int c) {
+    const size_t leaves = lighting.leafRadiance.size();
+    Eigen::VectorXd x(Eigen::Index(leaves + lighting.emitterRadiance.size()));
+    for (size_t i = 0; i < leaves; ++i) x(Eigen::Index(i)) = lighting.leafRadiance[i][c];
+    for (size_t e = 0; e < lighting.emitterRadiance.size(); ++e)
+        x(Eigen::Index(leaves + e)) = lighting.emitterRadiance[e][c];
+    return x;
+}
+
+}  // namespace
+
+ViewRows addPatchRows(SolveRun& s, const ViewRows* views) {
+    std::vector<PatchPart> parts;
+    std::vector<size_t> partsOfPatch(s.in.options.patches.size(), 0);
+    for (size_t p = 0; p < s.in.options.patches.size(); ++p)
+        for (PatchPart& part : partsOf(s.in, p)) {
+            ++partsOfPatch[p];
+            parts.push_back(std::move(part));
+        }
+    std::map<uint32_t, uint32_t> rowOf;
+    for (const PatchPart& part : parts)
+        for (const auto& [vertex, weight] : part.vertices) rowOf.emplace(vertex, 0);
+    std::vector<uint32_t> vertices;
+    for (auto& [vertex, row] : rowOf) {
+        row = uint32_t(vertices.size());
+        vertices.push_back(vertex);
+    }
+    const InfluenceMatrix lambert = s.rowsOf(vertices);
+    ViewRows all = views ? *views : ViewRows{};
+    all.count.resize(all.radiance.size(), 1);
+    all.tieScale = true;
+    const size_t first = all.radiance.size(), columns = lambert.columns;
+    for (InfluenceMatrix& m : all.influence) {
+        m.columns = columns;
+        m.rows = first + parts.size();
+        m.values.resize(m.rows * columns, 0.0f);
+    }
+    for (size_t i = 0; i < parts.size(); ++i) {
+        const KnownPatch& patch = s.in.options.patches[parts[i].patch];
+        Rgb bounced(0);
+        for (const auto& [vertex, weight] : parts[i].vertices) {
+            const float* row = lambert.row(rowOf[vertex]);
+            for (int c = 0; c < 3; ++c)
+                for (size_t k = 0; k < columns; ++k)
+                    all.influence[c].row(first + i)[k] += weight * patch.albedo[c] * row[k];
+            if (s.bounce.joined()) bounced += weight * s.bounce.atVertex[vertex];
+        }
+        all.radiance.push_back(parts[i].radiance - patch.albedo * bounced);
+        all.sigma.push_back(std::max(patch.noise * luminance(parts[i].radiance), 1e-20f));
+        all.count.push_back(patchCount / float(partsOfPatch[parts[i].patch]));
+    }
+    return all;
+}
+
+std::array<Eigen::MatrixXd, 3> patchInformation(SolveRun& s) {
+    const ViewRows rows = addPatchRows(s, nullptr);
+    std::array<Eigen::MatrixXd, 3> parts;
+    for (size_t c = 0; c < 3; ++c) {
+        const InfluenceMatrix& b = rows.influence[c];
+        parts[c] = weightedGram(
+            b,
+            [&](size_t i, float* out) {
+                const float w = rows.count[i] / (rows.sigma[i] * rows.sigma[i]);
+                for (size_t k = 0; k < b.columns; ++k) out[k] = w * b.row(i)[k];
+            },
+            s.in.progress);
+    }
+    return parts;
+}
+
+std::vector<PatchFit> patchesUnder(const SolveRun& s, const Estimate& estimate) {
+    std::vector<PatchFit> fits;
+    for (size_t p = 0; p < s.in.options.patches.size(); ++p) {
+        const KnownPatch& patch = s.in.options.patches[p];
+        PatchFit fit{patch.name, patch.albedo, Rgb(0), patch.noise, false, ""};
+        const std::vector<PatchPart> parts = partsOf(s.in, p);
+        for (const PatchPart& part : parts)
+            for (const auto& [vertex, weight] : part.vertices)
+                fit.found += weight / float(parts.size()) * estimate.reflectance.weight[0][vertex];
+        float off = 0;
+        for (int c = 0; c < 3; ++c) off = std::max(off, std::abs(fit.found[c] / std::max(fit.told[c], 1e-6f) - 1));
+        fit.doubtful = off > std::max(patchDoubt * patch.noise, leastDoubt);
+        fit.words = fmt::format("{}: albedo {:.3f} {:.3f} {:.3f} was told, {:.3f} {:.3f} {:.3f} found{}", fit.name,
+                                fit.told.x, fit.told.y, fit.told.z, fit.found.x, fit.found.y, fit.found.z,
+                                fit.doubtful ? "; other measurements or other patches contradict it" : "");
+        if (fit.doubtful) logWarning("{}", fit.words);
+        else logInfo("{}", fit.words);
+        fits.push_back(std::move(fit));
+    }
+    return fits;
+}
+
+std::array<Eigen::MatrixXd, 3> probeInformation(const SolveRun& s) {
+    const LightPrior prior(s.light.lighting.leaves, s.light.anchors, s.light.prior, s.light.influence);
+    std::array<Eigen::MatrixXd, 3> parts;
+    for (int c = 0; c < 3; ++c) parts[size_t(c)] = prior.fromProbes(unknownsOf(s.light.lighting, c), c);
+    return parts;
+}
+
+std::vector<ProbeFit> probesUnder(const SolveRun& s, const Irradiance& irradiance) {
+    std::vector<ProbeFit> fits;
+    const std::vector<ProbeAnchor>& anchors = s.light.anchors.probes;
+    if (anchors.empty() || s.light.environmentBlack) return fits;
+    const LightPrior prior(s.light.lighting.leaves, s.light.anchors, s.light.prior, s.light.influence);
+    const std::vector<Rgb> received = contributionsOf(s, irradiance);
+    for (size_t p = 0; p < anchors.size(); ++p) {
+        ProbeFit fit = s.in.options.probes[p]->fit;
+        double squares = 0, all = 0;
+        for (int c = 0; c < 3; ++c) {
+            const float gain = float(prior.gainOf(p, unknownsOf(s.light.lighting, c), c));
+            if (gain > 0) fit.gain[c] *= gain;
+            for (size_t i = 0; i < anchors[p].radiance.size(); ++i) {
+                const double probed = double(gain * anchors[p].radiance[i][c]), held = anchors[p].held[i],
+                             found = s.light.lighting.leafRadiance[i][c], both = std::max(probed, found);
+                if (held < 0.5 || !(both > 0)) continue;
+                squares += double(received[i][c]) * std::pow((found - probed) / both, 2);
+                all += double(received[i][c]);
+            }
+        }
+        fit.residual = all > 0 ? float(std::sqrt(squares / all)) : 0.0f;
+        fits.push_back(std::move(fit));
+    }
+    return fits;
+}
+
+}  // namespace relamp
