@@ -3,6 +3,7 @@
 // more, because its mutations would not get past the first lines.
 //
 //   relamp_fuzz TARGET CORPUS [MUTATIONS [SEED]]
+//   relamp_fuzz all CORPORA [MUTATIONS [SEED]]: every target, on the folder of its name
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -106,45 +107,61 @@ bool good(const std::string& target, const std::string& bytes, const std::string
     }
 }
 
+/// False when there was a finding, or when the corpus tests little.
+bool runCorpus(const std::string& target, const fs::path& corpus, int mutations, unsigned seed) {
+    if (target == "merl") mutations /= 3;  // files of 35 MB
+    std::vector<std::string> seeds;
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(corpus)) files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    size_t whole = 0, wholeMutations = 0;
+    for (const fs::path& file : files) {
+        seeds.push_back(read(file));
+        if (!good(target, seeds.back(), file.string(), whole)) return false;
+    }
+    if (seeds.empty()) {
+        std::fprintf(stderr, "%s: no seeds in %s\n", target.c_str(), corpus.c_str());
+        return false;
+    }
+    if (whole == 0) {
+        std::fprintf(stderr, "%s: none of %zu files in %s is read to its end, so they test little\n", target.c_str(),
+                     seeds.size(), corpus.c_str());
+        return false;
+    }
+    Mutator mutator(seeds, seed);
+    for (int i = 0; i < mutations; ++i)
+        if (!good(target, mutator.next(), "mutation " + std::to_string(i), wholeMutations)) return false;
+    std::printf("%s: %zu files, %zu of them good; %d mutations, %zu of them good\n", target.c_str(), seeds.size(),
+                whole, mutations, wholeMutations);
+    return true;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc < 3 || !relamp::fuzz::targets().count(argv[1])) {
-        std::fputs("relamp_fuzz TARGET CORPUS [MUTATIONS [SEED]]; targets:", stderr);
+    const bool all = argc > 1 && std::string(argv[1]) == "all";
+    if (argc < 3 || (!all && !relamp::fuzz::targets().count(argv[1]))) {
+        std::fputs("relamp_fuzz TARGET CORPUS [MUTATIONS [SEED]]; targets: all", stderr);
         for (const auto& [name, run] : relamp::fuzz::targets()) std::fprintf(stderr, " %s", name.c_str());
         std::fputc('\n', stderr);
         return 2;
     }
-    const std::string target = argv[1];
     const int mutations = argc > 3 ? std::atoi(argv[3]) : 0;
+    const unsigned seed = argc > 4 ? unsigned(std::atoi(argv[4])) : 1;
     const relamp::ThreadLimit oneThread(1);
 #ifndef RELAMP_SANITIZED
     // Memory that a small file asks for is a finding: then a std::bad_alloc comes.
     const rlimit limit{rlim_t(3) << 30, rlim_t(3) << 30};
     setrlimit(RLIMIT_AS, &limit);
 #endif
-    std::vector<std::string> seeds;
-    std::vector<fs::path> files;
-    for (const auto& entry : fs::directory_iterator(argv[2])) files.push_back(entry.path());
-    std::sort(files.begin(), files.end());
-    size_t whole = 0, wholeMutations = 0;
-    for (const fs::path& file : files) {
-        seeds.push_back(read(file));
-        if (!good(target, seeds.back(), file.string(), whole)) return 1;
-    }
-    if (seeds.empty()) {
-        std::fprintf(stderr, "%s: no seeds in %s\n", target.c_str(), argv[2]);
-        return 1;
-    }
-    if (whole == 0) {
-        std::fprintf(stderr, "%s: none of %zu files in %s is read to its end, so they test little\n", target.c_str(),
-                     seeds.size(), argv[2]);
-        return 1;
-    }
-    Mutator mutator(seeds, argc > 4 ? unsigned(std::atoi(argv[4])) : 1);
-    for (int i = 0; i < mutations; ++i)
-        if (!good(target, mutator.next(), "mutation " + std::to_string(i), wholeMutations)) return 1;
-    std::printf("%s: %zu files, %zu of them good; %d mutations, %zu of them good\n", target.c_str(), seeds.size(),
-                whole, mutations, wholeMutations);
-    return 0;
+    if (!all) return runCorpus(argv[1], argv[2], mutations, seed) ? 0 : 1;
+    int findings = 0;
+    for (const auto& entry : fs::directory_iterator(argv[2]))
+        if (!relamp::fuzz::targets().count(entry.path().filename())) {
+            std::fprintf(stderr, "%s: no target has this name\n", entry.path().c_str());
+            ++findings;
+        }
+    for (const auto& [name, run] : relamp::fuzz::targets())
+        findings += runCorpus(name, fs::path(argv[2]) / name, mutations, seed) ? 0 : 1;
+    return findings == 0 ? 0 : 1;
 }
