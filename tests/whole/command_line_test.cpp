@@ -420,6 +420,17 @@ TEST_F(BadCapture, ThatIsClippedAllOver) {
     expectSentenceOrNote();
 }
 
+TEST_F(BadCapture, WithShuffledCamerasIsPoorUnlessThatIsAccepted) {
+    const json frames = file["frames"];
+    for (size_t i = 0; i < frames.size(); ++i)
+        file["frames"][i]["file_path"] = frames[(i + 2) % frames.size()]["file_path"];
+    EXPECT_EQ(solve().exitCode, 4);
+    EXPECT_EQ(relamp({"solve", folder / "capture", "-o", folder / "x.relamp", "--quality", "draft", "--overwrite",
+                      "--accept-poor"})
+                  .exitCode,
+              0);
+}
+
 TEST_F(BadCapture, WithOneViewOnly) {
     file["frames"] = {file["frames"][1]};
     expectSentenceOrNote();
