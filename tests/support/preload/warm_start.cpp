@@ -3,11 +3,9 @@
 // constructors and main, its own folder and outputs. Without RELAMP_WARM_SOCKET nothing is changed.
 #include <dlfcn.h>
 #include <fcntl.h>
-#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -76,7 +74,6 @@ extern "C" __attribute__((visibility("default"))) int __libc_start_main(Main pro
         const int line = std::atoi(socket);
         unsetenv("RELAMP_WARM_SOCKET");
         unsetenv("LD_PRELOAD");
-        prctl(PR_SET_PDEATHSIG, SIGKILL);
         argv = nextRun(line, argc);
         // The libraries' own ends are left out: they may wait for threads of the first process (log4cplus does).
         loader = nullptr;
