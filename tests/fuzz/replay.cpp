@@ -5,10 +5,13 @@
 //   relamp_fuzz TARGET CORPUS [MUTATIONS [SEED]]
 //   relamp_fuzz all CORPORA [MUTATIONS [SEED]]: every target, on the folder of its name
 #include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
+#include <functional>
 #include <random>
 #include <sstream>
 #include <vector>
@@ -136,6 +139,20 @@ bool runCorpus(const std::string& target, const fs::path& corpus, int mutations,
     return true;
 }
 
+/// In a process of its own, so that targets share no files and a crash is one target's. True when it ended well.
+bool endsWell(const std::function<bool()>& part) {
+    const pid_t child = fork();
+    if (child == 0) {
+        const bool good = part();
+        std::error_code ignored;
+        fs::remove_all(relamp::fuzz::folder(), ignored);
+        std::fflush(nullptr);
+        _exit(good ? 0 : 1);  // not the libraries' ends, which may wait for threads of the first process
+    }
+    int status = 1;
+    return child > 0 && waitpid(child, &status, 0) == child && status == 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -148,20 +165,26 @@ int main(int argc, char** argv) {
     }
     const int mutations = argc > 3 ? std::atoi(argv[3]) : 0;
     const unsigned seed = argc > 4 ? unsigned(std::atoi(argv[4])) : 1;
-    const relamp::ThreadLimit oneThread(1);
 #ifndef RELAMP_SANITIZED
     // Memory that a small file asks for is a finding: then a std::bad_alloc comes.
     const rlimit limit{rlim_t(3) << 30, rlim_t(3) << 30};
     setrlimit(RLIMIT_AS, &limit);
 #endif
-    if (!all) return runCorpus(argv[1], argv[2], mutations, seed) ? 0 : 1;
+    const auto run = [&](const std::string& target, const fs::path& corpus) {
+        const relamp::ThreadLimit oneThread(1);
+        return runCorpus(target, corpus, mutations, seed);
+    };
+    if (!all) return run(argv[1], argv[2]) ? 0 : 1;
     int findings = 0;
     for (const auto& entry : fs::directory_iterator(argv[2]))
         if (!relamp::fuzz::targets().count(entry.path().filename())) {
             std::fprintf(stderr, "%s: no target has this name\n", entry.path().c_str());
             ++findings;
         }
-    for (const auto& [name, run] : relamp::fuzz::targets())
-        findings += runCorpus(name, fs::path(argv[2]) / name, mutations, seed) ? 0 : 1;
+    for (const auto& [name, target] : relamp::fuzz::targets())
+        if (!endsWell([&, target = name] { return run(target, fs::path(argv[2]) / target); })) {
+            std::fprintf(stderr, "%s: did not end well\n", name.c_str());
+            ++findings;
+        }
     return findings == 0 ? 0 : 1;
 }
