@@ -38,7 +38,9 @@ Chosen chosenLights(const PaintArguments& a, const Scene& scene, const Shot& sho
         const bool named = std::any_of(a.lights.begin(), a.lights.end(), [&](const std::string& name) {
             return name == all[e].id || name == all[e].name;
         });
-        if (!named && !(a.lights.empty() && all[e].enabled)) continue;
+        if (!named && !(a.lights.empty() && all[e].shines())) continue;
+        if (!(maxChannel(all[e].groupFactor) > 0))
+            throw UsageError(fmt::format("--lights: {} is in a group that is off", all[e].name));
         out.ids.push_back(all[e].id);
         out.emitters.push_back(e);
     }

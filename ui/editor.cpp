@@ -31,6 +31,10 @@ Look lookThatFits(const Look& look, const Estimate& estimate, size_t vertices) {
                    (geometry == EmitterShapeInfo::Geometry::component && e.seedVertex >= vertices);
         });
         std::erase_if(one.parts, [&](const PartLook& p) { return p.seedVertex >= vertices; });
+        dropMembers(one.groups, [&](const std::string& id) {
+            return !known(id) &&
+                   std::none_of(one.added.begin(), one.added.end(), [&](const AddedEmitter& e) { return e.id == id; });
+        });
     });
     return out;
 }

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "base/box.h"
+#include "edit/group_edits.h"
 
 namespace relamp {
 namespace {
@@ -132,6 +133,7 @@ std::vector<EmitterState> emittersOf(const Scene& scene, const Estimate& estimat
         s.pivot = Vec3(s.matrix * Vec4(clusters[i].centroid, 1));
         s.axes = axesFrom(s.matrix, facingOf(clusters[i]));
         s.area = clusters[i].area;
+        s.groupFactor = groupFactor(look.groups, s.id);
         out.push_back(s);
     }
     for (size_t i = 0; i < look.added.size(); ++i) {
@@ -156,6 +158,7 @@ std::vector<EmitterState> emittersOf(const Scene& scene, const Estimate& estimat
         s.pivot = Vec3(s.matrix * Vec4(part.centroid, 1));
         s.axes = axesFrom(s.matrix, part.facing);
         s.area = part.area;
+        s.groupFactor = groupFactor(look.groups, s.id);
         out.push_back(s);
     }
     return out;
@@ -281,7 +284,9 @@ std::string duplicateEmitter(Look& look, const Estimate& estimate, const std::st
             return {};  // a component of mesh exists once
         copy.matrix = aside * copy.matrix;
         copy.name.clear();
-        return addEmitter(look, estimate, std::move(copy));
+        const std::string made = addEmitter(look, estimate, std::move(copy));
+        joinGroupOf(look, id, made);
+        return made;
     }
     const int c = clusterIndex(estimate, id);
     if (c < 0) return {};
@@ -295,7 +300,9 @@ std::string duplicateEmitter(Look& look, const Estimate& estimate, const std::st
         copy.radiance *= e->powerScale;
         copy.shadows = e->shadows;
     }
-    return addEmitter(look, estimate, std::move(copy));
+    const std::string made = addEmitter(look, estimate, std::move(copy));
+    joinGroupOf(look, id, made);
+    return made;
 }
 
 void removeEmitter(Look& look, const std::string& id) {
@@ -303,6 +310,7 @@ void removeEmitter(Look& look, const std::string& id) {
         std::erase_if(look.added, [&](const AddedEmitter& e) { return e.id == id; });
         for (PartLook& part : look.parts)
             if (part.attachedTo == id) part.attachedTo.clear();
+        dropMembers(look.groups, [&](const std::string& member) { return member == id; });
     } else {
         setEnabled(look, id, false);
     }

@@ -21,13 +21,16 @@ struct EmitterState {
     bool enabled = true, shadows = true;
     bool sun = false;          ///< shines from far away: radiance is what a white matte surface shows that faces it
     Mat4 matrix{1};            ///< as in the look
-    Rgb radiance{0};           ///< when enabled: what it sends now
+    Rgb radiance{0};           ///< when enabled: what it sends now, without its group
+    Rgb groupFactor{1};        ///< what its group multiplies that by; 0: the group is off
     Rgb recoveredRadiance{0};  ///< what the solve found; for added ones the same as radiance
     Vec3 pivot{0};             ///< world: centroid after the matrix
     Mat3 axes{
         1};  ///< columns: local x, y and facing axis, unit, world; z points where it faces (away from the surface)
     float area = 0;        ///< square metres before the matrix
     bool changed = false;  ///< differs from what was recovered, by more than its name; added ones always
+    /// Neither it nor its group is off.
+    bool shines() const { return enabled && maxChannel(groupFactor) > 0; }
 };
 
 /// Recovered ones in order, then added ones.

@@ -40,6 +40,21 @@ void carryOver(const Look& before, const Look& after, Look& key) {
     }
 }
 
+/// Which groups there are, and of what; each keeps its own light in the key, also under a new name.
+void carryGroups(const Look& before, const Look& after, Look& key) {
+    if (before.groups == after.groups) return;
+    std::vector<LightGroup> groups = after.groups;
+    for (LightGroup& group : groups) {
+        const auto was = std::find_if(before.groups.begin(), before.groups.end(), [&](const LightGroup& g) {
+            return g.name == group.name || g.members == group.members;
+        });
+        if (was == before.groups.end()) continue;
+        for (const LightGroup& own : key.groups)
+            if (own.name == was->name) group.enabled = own.enabled, group.powerScale = own.powerScale;
+    }
+    key.groups = std::move(groups);
+}
+
 }  // namespace
 
 int keyAt(const Look& look, int frame) {
@@ -81,7 +96,10 @@ void easeKey(Look& look, int frame, KeyEase ease) {
 
 void keyEdit(const Look& before, Look& look, int frame) {
     if (look.keys.empty() || look.keys != before.keys || look == before) return;
-    for (LookKey& key : look.keys) carryOver(before, look, key.look);
+    for (LookKey& key : look.keys) {
+        carryOver(before, look, key.look);
+        carryGroups(before, look, key.look);
+    }
     setKey(look, frame);
 }
 

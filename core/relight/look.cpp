@@ -280,6 +280,7 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
         if (p.contains("attached_to")) part.attachedTo = textOf(p, "attached_to", where);
         look.parts.push_back(part);
     }
+    look.groups = groupsFromJson(document);
     if (const auto at = document.find("materials"); at != document.end()) {
         if (!at->is_object()) throw Error("materials: expected an object");
         if (const auto neutral = at->find("neutral"); neutral != at->end())
@@ -340,6 +341,7 @@ Json lookToJson(const Look& look, const DVec3& origin) {
             {{"seed_vertex", p.seedVertex}, {"matrix", matrixToJson(p.matrix, ActsOn::world, origin)}});
         if (!p.attachedTo.empty()) document["parts"].back()["attached_to"] = p.attachedTo;
     }
+    if (!look.groups.empty()) document["groups"] = groupsToJson(look.groups);
     document["materials"] = {{"neutral", look.neutralMaterials}};
     for (const LookKey& key : look.keys) {
         Json one{{"frame", key.frame}, {"look", lookToJson(key.look, origin)}};

@@ -9,6 +9,7 @@
 
 #include "base/math.h"
 #include "relight/emitter_shape.h"
+#include "relight/light_group.h"
 #include "relight/light_shaping.h"
 
 namespace relamp {
@@ -63,6 +64,7 @@ struct Look {
     std::vector<EmitterLook> emitters;  ///< those not named stay as recovered
     std::vector<AddedEmitter> added;
     std::vector<PartLook> parts;
+    std::vector<LightGroup> groups;
     bool neutralMaterials = false;  ///< every surface at its own brightness without colour
     /// Looks at frames, by frame, none twice; what lies between follows from them (look_track.h). Empty: the look is
     /// the same in every frame.
@@ -82,7 +84,8 @@ struct LookKey {
 
 inline bool Look::operator==(const Look& other) const {
     return environment == other.environment && emitters == other.emitters && added == other.added &&
-           parts == other.parts && neutralMaterials == other.neutralMaterials && keys == other.keys;
+           parts == other.parts && groups == other.groups && neutralMaterials == other.neutralMaterials &&
+           keys == other.keys;
 }
 
 /// Calls `change` with a look and with those of its keys.

@@ -33,12 +33,14 @@ const KeyTable& lookTable() {
         {"id", "shape", "matrix", "size", "seed_vertex", "source", "radiance", "enabled", "shadows", "name"},
         {{"shaping", &shaping}}};
     static const KeyTable part{{"seed_vertex", "matrix", "attached_to"}, {}};
+    static const KeyTable group{{"name", "members", "enabled", "power_scale"}, {}};
     static const KeyTable materials{{"neutral"}, {}};
     static const KeyTable whole{{"version"},
                                 {{"environment", &environment},
                                  {"emitters", &emitter},
                                  {"added_emitters", &added},
                                  {"parts", &part},
+                                 {"groups", &group},
                                  {"materials", &materials}}};
     return whole;
 }

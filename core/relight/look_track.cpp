@@ -132,6 +132,12 @@ Look blendLooks(const Look& a, const Look& b, float t, const LookPivots& pivots)
             e.enabled = true;
         }
     }
+    for (LightGroup& g : out.groups) {
+        const LightGroup* other = find(b.groups, [&](const LightGroup& x) { return x.name == g.name; });
+        if (!other || !(g.enabled || other->enabled)) continue;
+        g.powerScale = blendLight(g.enabled ? g.powerScale : Rgb(0), other->enabled ? other->powerScale : Rgb(0), t);
+        g.enabled = true;
+    }
     for (const PartLook& p : b.parts)
         if (!find(out.parts, [&](const PartLook& x) { return x.seedVertex == p.seedVertex; }))
             out.parts.push_back({p.seedVertex, Mat4(1), p.attachedTo});

@@ -87,6 +87,13 @@ size_t emitterNamed(const std::vector<EmitterCluster>& clusters, const std::stri
     throw Error("{}: there is no emitter named {}", where, id);
 }
 
+void expectMembers(const std::vector<EmitterCluster>& clusters, const Look& look) {
+    for (const LightGroup& group : look.groups)
+        for (const std::string& id : group.members)
+            if (std::none_of(look.added.begin(), look.added.end(), [&](const AddedEmitter& e) { return e.id == id; }))
+                emitterNamed(clusters, id, "groups");
+}
+
 /// The triangles of a mesh component that no emitter has yet.
 EmitterCluster clusterOfComponent(const Scene& scene, const AddedEmitter& added,
                                   const std::vector<int>& emitterOfTriangle) {
@@ -212,6 +219,8 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
         radiance[at] = e.enabled ? radiance[at] * e.powerScale : Rgb(0);
         shadows[at] = e.shadows;
     }
+    expectMembers(clusters, look);
+    for (size_t e = 0; e < clusters.size(); ++e) radiance[e] *= groupFactor(look.groups, clusters[e].id);
     // Which part each triangle is of: its emitter's own, else that of the parts on its component of the mesh, else the
     // ground.
     out.parts.emplace_back();
@@ -249,7 +258,8 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
     for (size_t i = 0; i < look.added.size(); ++i) {
         const AddedEmitter& added = look.added[i];
         const int e = int(clusters.size() + i);
-        RelitEmitter emitter{added.id, {}, {added.enabled ? added.radiance : Rgb(0)}};
+        const Rgb sent = added.enabled ? added.radiance * groupFactor(look.groups, added.id) : Rgb(0);
+        RelitEmitter emitter{added.id, {}, {sent}};
         const EmitterShapeInfo& info = infoOf(added.shape);
         emitter.shadows = added.shadows;
         if (info.distant) emitter.sunDegrees = std::clamp(added.size.x, 0.01f, 90.0f);

@@ -1,5 +1,6 @@
 // The menu Light: the estimate, the lights, what is added, and the environment.
 #include "actions/menus.h"
+#include "edit/group_edits.h"
 #include "panels/emitter_controls.h"
 
 namespace relamp::ui {
@@ -101,6 +102,37 @@ void addSelected(const Adder& add) {
          {{keyF2}},
          [](Editor& e) { e.state.panels.renameLight = true; },
          hasSelection,
+         {},
+         false});
+    add({"light.group",
+         "Group",
+         "The selected lights become a group with a switch, an exposure and a colour of its own.",
+         "Light",
+         {{'G', true}},
+         [](Editor& e) {
+             e.edit("Group " + e.namesOf(e.state.selection.emitters),
+                    [&](Look& look) { groupLights(look, e.state.selection.emitters); });
+         },
+         hasSelection,
+         {},
+         false});
+    add({"light.dissolve",
+         "Dissolve group",
+         "The groups of the selected lights end; their lights stay.",
+         "Light",
+         {{'G', true, true}},
+         [](Editor& e) {
+             e.edit("Dissolve group", [&](Look& look) {
+                 for (const std::string& id : e.state.selection.emitters)
+                     if (const LightGroup* group = groupOf(look.groups, id))
+                         dissolveGroup(look, std::string(group->name));
+             });
+         },
+         [](const Editor& e) {
+             const auto grouped = [&](const std::string& id) { return groupOf(e.look().groups, id) != nullptr; };
+             const auto& ids = e.state.selection.emitters;
+             return hasSelection(e) && std::any_of(ids.begin(), ids.end(), grouped);
+         },
          {},
          false});
     add({"light.reset",

@@ -131,10 +131,11 @@ float areaOf(const Editor& editor, const EmitterState& emitter) {
 }
 
 float powerOf(const Editor& editor, const EmitterState& emitter) {
-    if (!emitter.enabled) return 0;
-    if (emitter.sun) return pi * luminance(emitter.radiance);
+    if (!emitter.shines()) return 0;
+    if (emitter.sun) return pi * luminance(emitter.radiance * emitter.groupFactor);
     const AddedEmitter* added = addedOf(editor, emitter);
-    return pi * luminance(emitter.radiance * (added ? shapedFraction(*added) : Rgb(1))) * areaOf(editor, emitter);
+    return pi * luminance(emitter.radiance * emitter.groupFactor * (added ? shapedFraction(*added) : Rgb(1))) *
+           areaOf(editor, emitter);
 }
 
 void stopsControl(Editor& editor, const EmitterState& emitter, const char* id) {

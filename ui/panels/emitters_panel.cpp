@@ -74,14 +74,14 @@ void nameCell(Editor& editor, const EmitterState& emitter, float side, std::stri
                                               em(0.15f));
     drawIcon(ImGui::GetWindowDrawList(), weak ? Icon::warning : iconOf(editor, emitter),
              {at.x + em(0.6f), at.y + (side - em(0.95f)) / 2}, em(0.95f),
-             ImGui::GetColorU32(weak              ? warningColour
-                                : emitter.enabled ? ImGui::GetStyleColorVec4(ImGuiCol_Text)
-                                                  : dimColour));
+             ImGui::GetColorU32(weak               ? warningColour
+                                : emitter.shines() ? ImGui::GetStyleColorVec4(ImGuiCol_Text)
+                                                   : dimColour));
     ImGui::SetCursorPosX(start.x + em(1.8f));
     ImGui::AlignTextToFramePadding();
     const std::string name = elided(shown(emitter.name) + (emitter.recovered && emitter.changed ? " *" : ""),
                                     ImGui::GetContentRegionAvail().x);
-    if (emitter.enabled) text(name);
+    if (emitter.shines()) text(name);
     else dimText(name);
 }
 
@@ -166,6 +166,7 @@ void drawEmittersPanel(Editor& editor) {
         }
         ImGui::EndTable();
     }
+    drawLightGroups(editor);
     addEmitterButton(editor);
     if (!editor.state.viewport.solo.empty()) {
         sameLineIfFits(buttonWidth("Show all"));

@@ -193,7 +193,7 @@ void light(Editor& editor, const EmitterState& emitter, const std::vector<std::s
                         for (const std::string& id : targets) setShadows(look, id, shadows);
                     });
     fact(emitter.sun ? "Irradiance" : "Power",
-         number(double(powerOf(editor, emitter))) + (emitter.enabled ? "" : " (off)"),
+         number(double(powerOf(editor, emitter))) + (emitter.shines() ? "" : " (off)"),
          emitter.sun ? "Light that falls on a square metre which faces it"
                      : "All light it sends out: radiance times area, in image units times square metres");
     if (emitter.sun) return;

@@ -28,7 +28,7 @@ std::vector<std::string> lightsOf(const Editor& editor) {
     const bool selected = anySelected(editor);
     std::vector<std::string> ids;
     for (const EmitterState& e : editor.emitters())
-        if (e.enabled && (!selected || editor.state.selection.has(e.id))) ids.push_back(e.id);
+        if (e.shines() && (!selected || editor.state.selection.has(e.id))) ids.push_back(e.id);
     return ids;
 }
 

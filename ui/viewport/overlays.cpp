@@ -91,7 +91,7 @@ void drawEmitterMarks(const Canvas& canvas, const std::string& hovered) {
         const bool selected = canvas.editor->state.selection.has(emitter.id),
                    active = canvas.editor->state.selection.active() == emitter.id;
         const bool lit =
-            emitter.enabled && (solo.empty() || std::find(solo.begin(), solo.end(), emitter.id) != solo.end());
+            emitter.shines() && (solo.empty() || std::find(solo.begin(), solo.end(), emitter.id) != solo.end());
         Rgb tint = emitter.radiance;
         const float most = maxChannel(tint);
         tint = most > 0 ? glm::pow(glm::max(tint / most, Rgb(0)), Rgb(1 / 2.2f)) : Rgb(0.5f);
@@ -130,7 +130,7 @@ void drawEmitterMarks(const Canvas& canvas, const std::string& hovered) {
         if (hovered == emitter.id)
             labelAt(canvas, *at + Vec2(14, 10) * s,
                     shown(emitter.name) + (lit               ? ""
-                                           : emitter.enabled ? " (another is solo)"
+                                           : emitter.shines() ? " (another is solo)"
                                                              : " (off)"));
     }
 }
