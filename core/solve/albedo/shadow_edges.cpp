@@ -50,34 +50,42 @@ private:
     std::vector<uint32_t> reached_, members_;
 };
 
+constexpr int quadraticTerms = 6;
+using Terms = Eigen::Matrix<double, quadraticTerms, 1>;
+
 /// What no smooth course of light over the tangent plane explains: twice the largest residual of a quadratic fitted to
 /// the irradiance of `members` (with few of them, of a plane or a constant), and for a jump about its height.
+/// `terms` is room to work in.
 Rgb jumpAbout(const Scene& scene, const MatteObservations& matte, const std::vector<Rgb>& irradiance,
-              const std::vector<uint32_t>& members) {
+              const std::vector<uint32_t>& members, std::vector<Terms>& terms) {
     const size_t n = members.size();
-    const int terms = n >= 12 ? 6 : n >= 6 ? 3 : 1;
+    const int used = n >= 12 ? quadraticTerms : n >= 6 ? 3 : 1;
     const uint32_t v = matte.vertices[members[0]];
-    const Vec3 normal = scene.mesh.normals[v], origin = scene.mesh.positions[v],
-               across = std::abs(normal.x) < 0.6f ? Vec3(1, 0, 0) : Vec3(0, 1, 0),
-               t = glm::normalize(glm::cross(normal, across)), b = glm::cross(normal, t);
-    float radius = 0;
+    const Vec3 origin = scene.mesh.positions[v];
+    const Mat3 frame = frameAround(scene.mesh.normals[v]);
+    float radius = 1e-30f;
     for (const uint32_t m : members)
         radius = std::max(radius, glm::distance(origin, scene.mesh.positions[matte.vertices[m]]));
-    Eigen::Matrix<double, Eigen::Dynamic, 6> design(n, 6);
-    Eigen::Matrix<double, Eigen::Dynamic, 3> value(n, 3);
+    terms.resize(n);
+    Eigen::Matrix<double, quadraticTerms, quadraticTerms> normalMatrix = decltype(normalMatrix)::Zero();
+    Eigen::Matrix<double, quadraticTerms, 3> right = decltype(right)::Zero();
     for (size_t k = 0; k < n; ++k) {
-        const Vec3 d = (scene.mesh.positions[matte.vertices[members[k]]] - origin) / std::max(radius, 1e-30f);
-        const double x = glm::dot(d, t), y = glm::dot(d, b);
-        design.row(Eigen::Index(k)) << 1, x, y, x * x, x * y, y * y;
+        const Vec3 d = (scene.mesh.positions[matte.vertices[members[k]]] - origin) / radius;
+        const double x = glm::dot(d, frame[0]), y = glm::dot(d, frame[1]);
+        terms[k] << 1, x, y, x * x, x * y, y * y;
+        terms[k].tail(quadraticTerms - used).setZero();
         const Rgb e = irradiance[members[k]];
-        value.row(Eigen::Index(k)) << e.x, e.y, e.z;
+        normalMatrix += terms[k] * terms[k].transpose();
+        right += terms[k] * Eigen::RowVector3d(e.x, e.y, e.z);
     }
-    const auto used = design.leftCols(terms);
-    Eigen::MatrixXd normalMatrix = used.transpose() * used;
-    normalMatrix.diagonal().tail(terms - 1).array() += 1e-3 * double(n);  // members on a line, or a few
-    const Eigen::MatrixXd residual = value - used * normalMatrix.ldlt().solve(used.transpose() * value);
-    const Eigen::Vector3d most = residual.cwiseAbs().colwise().maxCoeff();
-    return 2.0f * Rgb(float(most(0)), float(most(1)), float(most(2)));
+    normalMatrix.diagonal().tail<quadraticTerms - 1>().array() += 1e-3 * double(n);  // members on a line, or a few
+    const Eigen::Matrix<double, quadraticTerms, 3> fit = normalMatrix.ldlt().solve(right);
+    Rgb most(0);
+    for (size_t k = 0; k < n; ++k) {
+        const Eigen::RowVector3d smooth = terms[k].transpose() * fit;
+        most = glm::max(most, glm::abs(irradiance[members[k]] - Rgb(smooth(0), smooth(1), smooth(2))));
+    }
+    return 2.0f * most;
 }
 
 }  // namespace
@@ -94,9 +102,10 @@ Irradiance unsureAtShadows(const Scene& scene, const MatteObservations& matte, I
     const size_t count = matte.vertices.size();
     parallelFor((count + block - 1) / block, 1, [&](size_t part) {
         Neighbourhood neighbourhood(scene, observation);
+        std::vector<Terms> terms;
         for (size_t i = part * block; i < std::min(count, (part + 1) * block); ++i) {
             const Rgb value = irradiance.value[i],
-                      jump = jumpAbout(scene, matte, irradiance.value, neighbourhood.about(matte.vertices[i])),
+                      jump = jumpAbout(scene, matte, irradiance.value, neighbourhood.about(matte.vertices[i]), terms),
                       edge = 2.0f * jump * jump / (jump + value + Rgb(1e-20f));
             Rgb& sigma = irradiance.sigma[i];
             sigma = glm::sqrt(sigma * sigma + edge * edge + Rgb(floor * floor));
