@@ -23,6 +23,7 @@ void setGroupStops(LightGroup& group, float stops) {
 
 void nameOfGroup(Editor& editor, const LightGroup& group, float side) {
     const std::vector<std::string>& selected = editor.state.selection.emitters;
+    ImGui::SetCursorPosX(ImGui::GetCursorPosX() + em(1.8f));  // under the lights' names
     ImGui::AlignTextToFramePadding();
     const std::string words = fmt::format("{} ({})", shown(group.name), group.members.size());
     if (ImGui::Selectable((elided(words, ImGui::GetContentRegionAvail().x) + "###group").c_str(),
