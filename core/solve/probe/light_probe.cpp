@@ -1,6 +1,7 @@
 #include "solve/probe/light_probe.h"
 
 #include "base/error.h"
+#include "base/log.h"
 #include "base/parallel.h"
 #include "base/statistics.h"
 #include "image/environment_map.h"
@@ -219,7 +220,37 @@ LightProbe readLightProbe(const std::filesystem::path& file) {
     for (size_t i = 0; i < image.pixels.size(); ++i)
         if (image.usable.empty() || image.usable[i]) brightest = std::max(brightest, maxChannel(image.pixels[i]));
     if (!(brightest > 0)) throw Error("{}: holds no light: every texel is black or left out", file.string());
+    if (const size_t clipped = leaveOutClipped(image))
+        logWarning("{}: {:.1f} % of its texels are clipped, so it says nothing in their directions", probe.name,
+                   100.0 * double(clipped) / double(image.pixels.size()));
     return probe;
+}
+
+size_t leaveOutClipped(Image& image) {
+    constexpr float sameLevel = 0.999f, farAbove = 2;
+    constexpr size_t leastTexels = 8;
+    const size_t count = image.pixels.size();
+    std::vector<uint8_t> clipped(count, 0);
+    for (int c = 0; c < 3; ++c) {
+        float most = 0;
+        std::vector<float> values;
+        for (size_t i = 0; i < count; ++i)
+            if (image.usable.empty() || image.usable[i]) {
+                values.push_back(image.pixels[i][c]);
+                most = std::max(most, values.back());
+            }
+        const auto atTop =
+            size_t(std::count_if(values.begin(), values.end(), [&](float v) { return v >= sameLevel * most; }));
+        if (atTop < leastTexels || !(most > farAbove * medianOf(std::move(values)))) continue;
+        for (size_t i = 0; i < count; ++i)
+            if ((image.usable.empty() || image.usable[i]) && image.pixels[i][c] >= sameLevel * most) clipped[i] = 1;
+    }
+    const auto found = size_t(std::count(clipped.begin(), clipped.end(), 1));
+    if (found == 0) return 0;
+    if (image.usable.empty()) image.usable.assign(count, 1);
+    for (size_t i = 0; i < count; ++i)
+        if (clipped[i]) image.usable[i] = 0;
+    return found;
 }
 
 ProbeFit fitToBackground(const LightProbe& probe, const RadianceSamples& samples) {

@@ -36,6 +36,10 @@ using FittedProbes = std::vector<std::shared_ptr<const FittedProbe>>;
 /// more. Single texels that are not finite count as not held.
 LightProbe readLightProbe(const std::filesystem::path& file);
 
+/// Directions at which the image clips count as not held, for it says too little there: eight texels or more with the
+/// largest value of a channel, which is twice its median or more. How many they are.
+size_t leaveOutClipped(Image& image);
+
 /// The yaw under which background and probe are most alike in log radiance, up to one factor a channel (robust, 0.05
 /// degrees fine; its deviation by leaving quarters of the sphere out), that factor, and as noise the deviation that is
 /// left between patches of 7 degrees. `fit.by` is empty where photographs show too little background in directions that

@@ -146,6 +146,23 @@ TEST(LightProbe, DirectionsThatItDoesNotHoldSayNothing) {
     for (size_t i = 0; i < leaves.size(); ++i) EXPECT_LT(maxChannel(anchor.radiance[i]), 20);
 }
 
+TEST(LightProbe, ClippedTexelsAreNotHeld) {
+    Image sky = latLongOf(probedSky, 128), clipped = sky, even = sky;
+    EXPECT_EQ(leaveOutClipped(sky), 0u) << "the peak of a window is no plateau";
+    constexpr float level = 2;
+    size_t above = 0;
+    for (Rgb& p : clipped.pixels) {
+        above += maxChannel(p) >= level;
+        p = glm::min(p, Rgb(level));
+    }
+    ASSERT_GT(above, 20u);
+    EXPECT_EQ(leaveOutClipped(clipped), above);
+    for (size_t i = 0; i < clipped.pixels.size(); ++i)
+        EXPECT_EQ(clipped.usable[i], maxChannel(clipped.pixels[i]) < level ? 1 : 0);
+    for (Rgb& p : even.pixels) p = Rgb(1);
+    EXPECT_EQ(leaveOutClipped(even), 0u) << "an even environment is not clipped";
+}
+
 TEST(LightProbe, FilesThatAreNoneAreErrorsThatNameThem) {
     const test::TemporaryFolder folder;
     const auto expectError = [&](const std::string& name, const std::string& word) {
