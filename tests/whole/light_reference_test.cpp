@@ -85,8 +85,8 @@ TEST(LightReference, AProbeOfAnotherPlaceChangesNothingAndIsSaid) {
     EXPECT_NE(r.error.find("does not show the light of these photographs"), std::string::npos) << r.error;
     EXPECT_FALSE(world.info("with.relamp")["light_probes"][0]["used"].get<bool>());
     for (const char* file : {"reflectance.ply", "environment.exr"})
-        EXPECT_EQ(test::TemporaryFolder::read(world.folder / "with.relamp" / file),
-                  test::TemporaryFolder::read(world.folder / "without.relamp" / file))
+        EXPECT_TRUE(test::TemporaryFolder::read(world.folder / "with.relamp" / file) ==
+                    test::TemporaryFolder::read(world.folder / "without.relamp" / file))
             << file;
 }
 

@@ -228,7 +228,7 @@ LightProbe readLightProbe(const std::filesystem::path& file) {
 
 size_t leaveOutClipped(Image& image) {
     constexpr float sameLevel = 0.999f, farAbove = 2;
-    constexpr size_t leastTexels = 8;
+    constexpr size_t leastTexels = 8, mostParts = 4;  // more than a quarter of the image is a pattern
     const size_t count = image.pixels.size();
     std::vector<uint8_t> clipped(count, 0);
     for (int c = 0; c < 3; ++c) {
@@ -241,7 +241,8 @@ size_t leaveOutClipped(Image& image) {
             }
         const auto atTop =
             size_t(std::count_if(values.begin(), values.end(), [&](float v) { return v >= sameLevel * most; }));
-        if (atTop < leastTexels || !(most > farAbove * medianOf(std::move(values)))) continue;
+        if (atTop < leastTexels || atTop * mostParts > count || !(most > farAbove * medianOf(std::move(values))))
+            continue;
         for (size_t i = 0; i < count; ++i)
             if ((image.usable.empty() || image.usable[i]) && image.pixels[i][c] >= sameLevel * most) clipped[i] = 1;
     }

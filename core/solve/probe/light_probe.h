@@ -36,8 +36,8 @@ using FittedProbes = std::vector<std::shared_ptr<const FittedProbe>>;
 /// more. Single texels that are not finite count as not held.
 LightProbe readLightProbe(const std::filesystem::path& file);
 
-/// Directions at which the image clips count as not held, for it says too little there: eight texels or more with the
-/// largest value of a channel, which is twice its median or more. How many they are.
+/// Directions at which the image clips count as not held, for it says too little there: eight texels or more, a
+/// quarter of the image at most, with the largest value of a channel, which is twice its median or more. How many.
 size_t leaveOutClipped(Image& image);
 
 /// The yaw under which background and probe are most alike in log radiance, up to one factor a channel (robust, 0.05
