@@ -106,6 +106,49 @@ void expectPaints(const std::string& shot, const test::TemporaryFolder& folder) 
     expectBadInput(relamp({"paint", shot, "--target", target, "-o", folder / "nowhere/look.json"}), {"nowhere"});
 }
 
+/// A group that is off is its lights off, to the bit; one that is dimmed is its lights dimmed. `paint` refuses the
+/// lights of one that is off, and takes them again once it is on.
+void expectGroups(const std::string& shot, const test::TemporaryFolder& folder) {
+    const std::string lamp = R"({"id": "added-1", "shape": "rectangle", "size": [0.3, 0.3], "radiance": [4, 4, 4],
+        "matrix": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 1.5], [0, 0, 0, 1]]})";
+    const auto rendered = [&](const std::string& name, const std::string& look) {
+        folder.write(name + ".json", look);
+        const test::ProgramResult r = relamp({"render", shot, "-o", folder / (name + ".exr"), "--edits",
+                                              folder / (name + ".json"), "--samples", "1", "--size", "24x18"});
+        EXPECT_EQ(r.exitCode, 0) << r.error;
+        return readImage(folder / (name + ".exr")).pixels;
+    };
+    const auto grouped = [&](const std::string& group) {
+        return R"({"groups": [{"name": "Both", "members": ["emitter-1", "added-1"], )" + group +
+               R"(}], "added_emitters": [)" + lamp + "]}";
+    };
+    const auto single = [&](const std::string& edit, const std::string& added) {
+        json look{{"emitters", {json::parse(edit)}}, {"added_emitters", {json::parse(lamp)}}};
+        look["added_emitters"][0].update(json::parse(added));
+        return look.dump();
+    };
+    const auto off = rendered("group-off", grouped(R"("enabled": false)"));
+    EXPECT_EQ(off, rendered("lights-off", single(R"({"id": "emitter-1", "enabled": false})", R"({"enabled": false})")));
+    const auto dimmed = rendered("group-dim", grouped(R"("power_scale": [0.5, 0.5, 0.5])"));
+    EXPECT_EQ(dimmed, rendered("lights-dim", single(R"({"id": "emitter-1", "power_scale": [0.5, 0.5, 0.5]})",
+                                                    R"({"radiance": [2, 2, 2]})")));
+    const auto on = rendered("group-on", grouped(R"("enabled": true)"));
+    EXPECT_NE(on, off);
+    EXPECT_NE(on, dimmed);
+    for (const char* light : {"emitter-1", "added-1"}) {
+        const std::string target = folder / "group-on.exr";
+        const test::ProgramResult refused =
+            relamp({"paint", shot, "--target", target, "--lights", light, "--edits", folder / "group-off.json"});
+        EXPECT_EQ(refused.exitCode, 2) << refused.error;
+        EXPECT_EQ(refused.out, "");
+        EXPECT_NE(refused.error.find("is in a group that is off"), std::string::npos) << refused.error;
+    }
+    EXPECT_EQ(relamp({"paint", shot, "--target", folder / "group-off.exr", "--lights", "added-1", "--edits",
+                      folder / "group-on.json"})
+                  .exitCode,
+              0);
+}
+
 TEST(CommandLine, SolvesRendersAndTellsWhatIsInAShot) {
     const test::TemporaryFolder folder;
     test::paintKnownWorld(folder / "capture", true, 6, 14);
@@ -231,6 +274,7 @@ TEST(CommandLine, SolvesRendersAndTellsWhatIsInAShot) {
         EXPECT_FALSE(fs::exists(folder / "one.exr"));
     }
     expectPaints(shot, folder);
+    expectGroups(shot, folder);
     // Bad files name themselves.
     folder.write("edits.json", R"({"emitters": [{"id": "emitter-9"}]})");
     expectBadInput(relamp({"render", shot, "-o", folder / "one.exr", "--edits", folder / "edits.json"}), {"emitter-9"});
