@@ -387,25 +387,6 @@ TEST(LightClipboard, pastesLightsAndTheirValues) {
     EXPECT_NEAR(editor.emitter(first.id)->radiance.z, 0.1f * first.radiance.z, 1e-4);
 }
 
-TEST(RestImage, isNeverCoarserThanTheImageBeforeIt) {
-    Panels p;
-    p.openSolved();
-    Editor& editor = *p.editor;
-    editor.setEye(relamp::test::cameraAt({2, -1.5, 1.5}, {0, 0, 0.2}, 80, 60, 80), false);
-    size_t images = 0;
-    std::shared_ptr<const Frame> last;
-    p.until([&] {
-        if (const auto rest = editor.restFrame(); rest && rest != last) {
-            EXPECT_EQ(rest->width, 80);
-            EXPECT_EQ(rest->height, 60);
-            last = rest;
-            ++images;
-        }
-        return !editor.busy() && images > 0;
-    });
-    EXPECT_GT(images, 0u);
-}
-
 TEST(LiveImage, isOwedUntilItShowsTheStepOfTheHand) {
     Panels p;
     p.openSolved();
