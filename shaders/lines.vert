@@ -7,7 +7,7 @@ out vec4 vertexColour;
 
 void main() {
     gl_Position = clipFromWorld * vec4(position, 1.0);
-    // A hair nearer, so that the grid is not torn by a floor at the same height.
-    gl_Position.z -= 2e-5 * gl_Position.w;
+    // A hair farther, so that the grid is not torn by a floor at the same height, which hides it.
+    gl_Position.z += 1e-4 * gl_Position.w;
     vertexColour = colour;
 }

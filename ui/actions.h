@@ -26,6 +26,7 @@ struct Action {
     std::function<bool(const Editor&)> enabled;  ///< empty: always
     std::function<bool(const Editor&)> checked;  ///< empty: not a switch
     bool separatorBefore = false;
+    std::string submenu = {};  ///< of `menu`; neighbours with the same one stand in it
 };
 
 const std::vector<Action>& actions();

@@ -273,6 +273,7 @@ void Editor::Impl::pollImage() {
         request.cacheFolder = options.cacheFolder;
         request.restImage = eye.width > 0 && eye.height > 0 && infoOf(self.state.viewport.mode).restImage &&
                             !history.inGesture() && !job && !self.state.time.playing && !self.state.time.scrubbing;
+        request.region = self.state.viewport.region;
         request.dragging = history.inGesture() || self.state.time.playing || self.state.time.scrubbing;
         request.time = timeTag();
         if (self.state.selection.point) {

@@ -34,10 +34,14 @@ public:
 
     // ---- documents; loading and saving run in the background
     /// A capture folder, a transforms.json, a shot folder, or an environment image (then the look's environment).
-    /// Asks first when edits are unsaved.
+    /// Asks first when edits are unsaved, and what a panorama is for where nothing is estimated yet.
     void open(const std::filesystem::path& path);
     /// Reads the image in the background; it becomes the look's environment, one edit, once it has been read.
     void openEnvironment(const std::filesystem::path& file);
+    /// Reads a panorama in the background; the next estimates take it as a light reference, once it has been read.
+    void addLightProbe(const std::filesystem::path& file);
+    /// Answer to state.panorama.
+    void answerPanorama(PanoramaUse use);
     /// Runs `read` of this file in the background, then `done` here; what it throws is shown, and `done` does not run.
     void readInBackground(const std::filesystem::path& file, const std::function<void()>& read,
                           const std::function<void(Editor&)>& done);
@@ -126,7 +130,8 @@ public:
     std::shared_ptr<const LiveFrame> distantOnlyFrame() const;
     /// The look that is compared with (mode before and after): as recovered, or a snapshot.
     std::shared_ptr<const LiveFrame> beforeFrame() const;
-    /// A per-pixel image from the present eye, rendered at rest; null while something moves.
+    /// A per-pixel image from the present eye, rendered at rest; null while something moves. Where the viewport has a
+    /// region, of that alone.
     std::shared_ptr<const Frame> restFrame() const;
     /// The viewport tells where it is seen from, and how large it is; cheap when nothing changed.
     void setEye(const Camera& eye, bool orthographic);

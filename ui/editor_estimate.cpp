@@ -4,6 +4,7 @@
 #include "editor_impl.h"
 #include "interrupted.h"
 #include "pipeline/time_left.h"
+#include "settings.h"
 #include "thumbnails.h"
 
 namespace relamp::ui {
@@ -27,7 +28,7 @@ bool Editor::stale() const {
            a.gauge.emitter != b.gauge.emitter || a.gauge.radiance != b.gauge.radiance || a.gauge.view != b.gauge.view ||
            a.gauge.pixel != b.gauge.pixel || a.palette != b.palette || a.lightSmoothness != b.lightSmoothness ||
            a.albedoSmoothness != b.albedoSmoothness || a.basis != b.basis || a.merl != b.merl || a.bounce != b.bounce ||
-           a.meshTriangles != b.meshTriangles || a.texture != b.texture;
+           a.meshTriangles != b.meshTriangles || a.texture != b.texture || a.lightProbes != b.lightProbes;
 }
 
 void Editor::solve(const SolveRequest& request) { impl_->solve(request, false); }
@@ -170,6 +171,11 @@ void Editor::Impl::takeEstimate(const SolveRequest& request, std::shared_ptr<con
     if (request.nearField) {
         version.look = lookThatFits(version.look, *estimate, self.state.document.scene->mesh.vertexCount());
         version.estimate = estimate;
+        if (const fs::path file = std::exchange(self.state.environmentToCome, {}); !file.empty()) {
+            version.look.environment.source = EnvironmentLook::Source::file;
+            version.look.environment.file = file;
+            remember(self.state.recentEnvironments, file);
+        }
         solvedWith = request;
         self.state.document.quality = request.quality;
         self.state.document.seed = request.seed;

@@ -9,6 +9,19 @@
 namespace relamp::ui {
 namespace {
 
+/// The part of each frame that is rendered; nothing: all of it. `shown` is the viewport's image, from which a frame of
+/// another shape takes more or less at its sides.
+std::optional<ImageBox> boxToExport(const ExportRequest& request, const std::optional<ImageRegion>& region,
+                                    const Camera& shown, const Camera& frame) {
+    using Views = ExportRequest::Views;
+    if (!region || !request.regionOnly || (request.views != Views::present && request.views != Views::timeline))
+        return std::nullopt;
+    const double wider = double(frame.width) / frame.height * shown.height / std::max(shown.width, 1);
+    const auto side = [&](float x) { return float(std::clamp(0.5 + (double(x) - 0.5) / wider, 0.0, 1.0)); };
+    return boxOf({{side(region->low.x), region->low.y}, {side(region->high.x), region->high.y}}, frame.width,
+                 frame.height);
+}
+
 /// The frames that were asked for, with their cameras. Throws Error.
 std::vector<FrameJob> framesOf(const ExportRequest& request, const Capture& capture, int view, const Camera& eye) {
     std::vector<FrameJob> jobs;
@@ -74,8 +87,9 @@ void Editor::exportFrames(const ExportRequest& request) {
     impl_->start(
         JobStatus::Kind::exportFrames,
         jobs.size() == 1 ? "Rendering a frame" : fmt::format("Rendering {} frames", jobs.size()),
-        [impl, jobs, look, estimate, request, pivots = impl->pivots(), scene = state.document.scene,
-         folder = state.document.captureFolder, fix = state.document.fix,
+        [impl, jobs, look, estimate, request, region = state.viewport.region, shown = impl->eye,
+         pivots = impl->pivots(), scene = state.document.scene, folder = state.document.captureFolder,
+         fix = state.document.fix,
          origin = state.document.capture ? state.document.capture->origin : DVec3(0)](Progress& progress) -> Finish {
             // No frame may take the place of a photograph or the mesh.
             if (isThere(folder)) {
@@ -105,8 +119,10 @@ void Editor::exportFrames(const ExportRequest& request) {
                         relit = applyLook(*scene, *estimate, now, progress);
                         applied = now;
                     }
-                    const Frame frame = renderFrame(*relit, one.camera, options, progress);
-                    writeFrame(one.file, frame, *relit, one.camera, request.layers, origin);
+                    const std::optional<ImageBox> box = boxToExport(request, region, shown, one.camera);
+                    const Frame frame =
+                        renderFrame(*relit, box ? cropped(one.camera, *box) : one.camera, options, progress);
+                    writeFrame(one.file, frame, *relit, one.camera, request.layers, origin, box);
                     ++written;
                     logInfo("{}: written ({} of {})", one.file.string(), written, jobs.size());
                 } catch (const OutOfResources& error) {

@@ -90,6 +90,10 @@ void Editor::open(const fs::path& given) {
     // An environment image becomes the look's environment.
     std::error_code error;
     if (fs::is_regular_file(path, error) && path.filename() != "shot.json" && path.extension() != ".relamp") {
+        if (!estimate() && state.document.capture && (path.extension() == ".exr" || path.extension() == ".hdr")) {
+            state.panorama = PanoramaQuestion{cleaned(path)};
+            return;
+        }
         if (!estimate()) {
             fail("Open a capture first",
                  fmt::format("{} is a file. A capture is a folder with {}, photographs and a mesh.",
@@ -122,6 +126,32 @@ void Editor::openEnvironment(const fs::path& given) {
                 look.environment.file = file;
             });
             remember(editor.state.recentEnvironments, file);
+        });
+}
+
+void Editor::addLightProbe(const fs::path& given) {
+    const fs::path file = cleaned(given);
+    readInBackground(
+        file, [file] { readLightProbe(file); },
+        [file](Editor& editor) {
+            std::vector<fs::path>& probes = editor.state.solve.lightProbes;
+            if (std::find(probes.begin(), probes.end(), file) == probes.end()) probes.push_back(file);
+            editor.say(file.filename().string() + " is a light reference of the next estimate");
+        });
+}
+
+void Editor::answerPanorama(PanoramaUse use) {
+    if (!state.panorama) return;
+    const fs::path file = std::exchange(state.panorama, {})->file;
+    if (use == PanoramaUse::lightReference) addLightProbe(file);
+    if (use != PanoramaUse::environment) return;
+    if (estimate()) return openEnvironment(file);  // one came while this was asked
+    readInBackground(
+        file, [file] { readImage(file); },
+        [file](Editor& editor) {
+            if (editor.estimate()) return editor.openEnvironment(file);
+            editor.state.environmentToCome = file;
+            editor.say(file.filename().string() + " becomes the environment with the first estimate");
         });
 }
 
@@ -183,6 +213,7 @@ void Editor::Impl::setDocument(Document document, Version version, const std::st
     ours.plan = version.estimate ? version.estimate->plan : SolvePlan{};
     ours.solve.quality = document.quality;
     ours.solve.seed = document.seed;
+    if (ours.document.captureFolder != document.captureFolder) ours.solve.lightProbes.clear();
     solvedWith.reset();
     if (solved) solvedWith = ours.solve;
     history = History(std::move(version), label);
@@ -196,6 +227,8 @@ void Editor::Impl::setDocument(Document document, Version version, const std::st
         ours.time.last = std::max(ours.time.last, keys.back().frame);
         ours.time.frame = keys.front().frame;
     }
+    ours.environmentToCome.clear();
+    ours.panorama.reset();
     snapshot.reset();
     ours.scope.reset();
     ours.probe.reset();
@@ -204,6 +237,7 @@ void Editor::Impl::setDocument(Document document, Version version, const std::st
     ours.pointLight.reset();
     ours.viewport.solo.clear();
     ours.viewport.hiddenComponents.clear();
+    ours.viewport.region.reset();
     ours.panels.bottomFolded = true;
     ours.viewport.compareWith = -1;
     ours.snapshots = {};

@@ -14,6 +14,8 @@
 #include "capture/check.h"
 #include "display/scope.h"
 #include "edit/light_brush.h"
+#include "image/image_region.h"
+#include "length_unit.h"
 #include "radiance/samples.h"
 #include "relight/live/live_scene.h"
 #include "scene/scene.h"
@@ -64,7 +66,7 @@ struct LightBrushState {
     bool environment = false;  ///< it may change too
 };
 /// What a click in the viewport means once: armed by a button of the inspector, Esc disarms.
-enum class ClickTask { none, aim, reflect, illuminate, attach, newPart, takeColour };
+enum class ClickTask { none, aim, reflect, illuminate, attach, newPart, takeColour, region };
 
 struct ViewportState {
     ViewMode mode = ViewMode::relit;
@@ -74,7 +76,7 @@ struct ViewportState {
     bool meshOverlay = false;  ///< wireframe over the photograph: how well cameras and mesh agree
     bool frusta = true, grid = true, directionDome = false;
     float exposureStops = 0;
-    std::string displayView = "Standard";
+    std::string displayView;  ///< empty: as it suits the scene (displayViewOf)
     bool falseColour = false;
     float wipeLeft = 1.0f / 3, wipeRight = 2.0f / 3;  ///< dividers of the wipe, fraction of the width
     float splitAt = 0.5f;                             ///< divider of the correction colours
@@ -87,7 +89,8 @@ struct ViewportState {
     ClickTask clickTask = ClickTask::none;
     std::set<uint32_t> hiddenComponents;  ///< components of the mesh the user has hidden
     std::vector<std::string> solo;        ///< emitters that alone are lit on screen; empty: all
-    float aspect = 16.0f / 9;             ///< of the last drawn viewport
+    std::optional<ImageRegion> region;  ///< of the image, which alone is rendered at rest and exported; none: all of it
+    float aspect = 16.0f / 9;           ///< of the last drawn viewport
 };
 
 /// A background job as the panels see it.
@@ -124,6 +127,12 @@ struct MissingQuestion {
 };
 enum class MissingAnswer { located, without, cancel };
 
+/// Asked of a panorama that is opened beside a capture that is not estimated.
+struct PanoramaQuestion {
+    std::filesystem::path file;
+};
+enum class PanoramaUse { lightReference, environment, none };
+
 /// Work found after a crash.
 struct RecoveryOffer {
     std::filesystem::path file;
@@ -141,8 +150,9 @@ struct SolveRequest {
     std::string basis = "built-in";                   ///< lobes that surfaces may have (brdf/basis.h, basisNamed)
     std::filesystem::path merl;                       ///< folder with measured materials that join them; empty: none
     SolveOptions::Bounce bounce = SolveOptions::Bounce::automatic;
-    std::optional<size_t> meshTriangles = {};  ///< as PipelineOptions::meshTriangles
-    std::optional<int> texture = {};           ///< as PipelineOptions::texture
+    std::optional<size_t> meshTriangles = {};             ///< as PipelineOptions::meshTriangles
+    std::optional<int> texture = {};                      ///< as PipelineOptions::texture
+    std::vector<std::filesystem::path> lightProbes = {};  ///< panoramas of the set as it was photographed
 };
 
 /// An estimate that did not come to its end and can go on where it stood (interrupted.h).
@@ -174,6 +184,7 @@ struct ExportRequest {
     int width = 0, height = 0;  ///< 0: the view's own size, or the viewport's
     int samples = 8;
     bool denoise = true;
+    bool regionOnly = true;         ///< where the viewport has one and its image is exported
     std::string layers = "groups";  ///< as render --layers; "" for beauty only
     std::filesystem::path file;     ///< #### is the frame's number
 };
@@ -245,6 +256,8 @@ struct EditorState {
     std::optional<InterruptedEstimate> interrupted;  ///< offered: of the open capture, or, without one, the latest
     std::optional<LockedQuestion> locked;
     std::optional<MissingQuestion> missing;
+    std::optional<PanoramaQuestion> panorama;
+    std::filesystem::path environmentToCome;               ///< of the look, once there is a first estimate; empty: none
     std::array<std::optional<LookSnapshot>, 3> snapshots;  ///< A, B, C
     CopiedLights copied;
     std::string message;                 ///< what has just been done, shown for a while in the status bar
@@ -262,6 +275,7 @@ struct EditorState {
     std::vector<std::filesystem::path> recentEnvironments;
     std::optional<PointLight> pointLight;  ///< answer for selection.point, when it has come
     float uiScale = 1;
+    LengthUnit lengthUnit = LengthUnit::metres;  ///< of what is shown and typed
     double framesPerSecond = 0,
            frameCpuMs = 0;  ///< of the last busy second; own work of a frame without the rasteriser's
     std::string gpu;        ///< "llvmpipe ...", for the status bar

@@ -44,6 +44,7 @@ Json toJson(const SolveRequest& r) {
               {"bounce", int(r.bounce)}};
     if (r.meshTriangles) json["mesh_triangles"] = *r.meshTriangles;
     if (r.texture) json["texture"] = *r.texture;
+    for (const fs::path& probe : r.lightProbes) json["light_probes"].push_back(probe.string());
     return json;
 }
 
@@ -73,6 +74,8 @@ SolveRequest requestOf(const Json& json) {
     r.bounce = SolveOptions::Bounce(bounce);
     if (json.contains("mesh_triangles")) r.meshTriangles = json.at("mesh_triangles").get<size_t>();
     if (json.contains("texture")) r.texture = json.at("texture").get<int>();
+    if (json.contains("light_probes"))
+        for (const Json& probe : json.at("light_probes")) r.lightProbes.emplace_back(probe.get<std::string>());
     return r;
 }
 
@@ -101,6 +104,7 @@ PipelineOptions pipelineOptionsOf(const SolveRequest& request) {
     chooseBasis(request.basis, request.merl, options.solve);
     options.meshTriangles = request.meshTriangles;
     options.texture = request.texture;
+    for (const fs::path& probe : request.lightProbes) options.probes.push_back(readLightProbe(probe));
     return options;
 }
 

@@ -9,7 +9,7 @@
 
 namespace relamp::ui {
 
-/// What a request means for the pipeline. Throws Error when measured materials cannot be read.
+/// What a request means for the pipeline. Throws Error when measured materials or light references cannot be read.
 PipelineOptions pipelineOptionsOf(const SolveRequest& request);
 
 /// The place of a capture's record. Empty without a state folder.

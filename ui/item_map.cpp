@@ -56,6 +56,7 @@ void writeItemMap(const Editor& editor) {
                   {"live_meshes", liveMeshes},  // how often a moved light has been shown
                   {"refined", editor.liveFrame() && editor.liveFrame()->refined},
                   {"rest", editor.restFrame() != nullptr},
+                  {"region", state.viewport.region.has_value()},
                   {"gesture", editor.inGesture()},
                   {"mode", int(state.viewport.mode)},
                   {"through_view", state.viewport.throughView},

@@ -127,12 +127,16 @@ bool dragLook(Editor& editor, const char* id, const std::string& label, float va
     if (range.least != range.most) flags |= ImGuiSliderFlags_AlwaysClamp;
     bool changed = false;
     float speed = range.speed;
-    if (const FineDrag fine(speed); range.offset == 0) {
+    if (const FineDrag fine(speed); range.offset == 0 && range.unit == 1) {
         changed = ImGui::DragFloat(id, &now, speed, range.least, range.most, range.format, flags);
     } else {
-        double wide = range.offset + double(now);
-        changed = ImGui::DragScalar(id, ImGuiDataType_Double, &wide, speed, nullptr, nullptr, range.format);
-        if (changed) now = float(wide - range.offset);
+        const auto toShown = [&](double v) { return (v + range.offset) / range.unit; };
+        double wide = toShown(now);
+        const double least = toShown(range.least), most = toShown(range.most);
+        const bool bounded = range.least != range.most;
+        changed = ImGui::DragScalar(id, ImGuiDataType_Double, &wide, float(speed / range.unit),
+                                    bounded ? &least : nullptr, bounded ? &most : nullptr, range.format, flags);
+        if (changed) now = float(wide * range.unit - range.offset);
     }
     changed = changed && std::isfinite(now);
     if (ImGui::IsItemActive()) held = {key, now};

@@ -8,6 +8,7 @@
 #include <string>
 #include <thread>
 
+#include "image/image_region.h"
 #include "relight/frame.h"
 #include "relight/live/live_scene.h"
 #include "relight/relit_scene.h"
@@ -23,6 +24,7 @@ struct RelightRequest {
     bool orthographic = false;
     std::filesystem::path cacheFolder;  ///< of baked transport; empty: none
     bool restImage = false;             ///< per-pixel image once nothing moves
+    std::optional<ImageRegion> region;  ///< that it covers; none: the whole image
     bool dragging = false;              ///< the next step is near: no more is done than is looked at
     int64_t time = 0;                   ///< handed back with the image
     uint64_t pickSerial = 0;            ///< a new number asks about a new point

@@ -77,8 +77,13 @@ void loadSettings(const fs::path& folder, EditorState& state) {
     p.bottomHeight = number(document, "bottom_height", p.bottomHeight, 60, 600);
     state.uiScale = number(document, "ui_scale", 0, 0, 3);
     readEstimate(document, state.solve);
-    if (const auto at = document.find("display_view"); at != document.end() && at->is_string())
+    if (const auto at = document.find("length_unit"); at != document.end() && at->is_string())
+        state.lengthUnit = lengthUnitNamed(at->get<std::string>()).value_or(state.lengthUnit);
+    if (const auto at = document.find("view_transform"); at != document.end() && at->is_string())
         state.viewport.displayView = at->get<std::string>();
+    else if (const auto old = document.find("display_view"); old != document.end() && old->is_string())
+        // Versions that had no automatic choice wrote Standard where nothing was chosen.
+        if (const auto name = old->get<std::string>(); name != "Standard") state.viewport.displayView = name;
 }
 
 void saveSettings(const fs::path& folder, const EditorState& state) {
@@ -87,7 +92,8 @@ void saveSettings(const fs::path& folder, const EditorState& state) {
                   {"left_width", state.panels.leftWidth},
                   {"right_width", state.panels.rightWidth},
                   {"bottom_height", state.panels.bottomHeight},
-                  {"display_view", state.viewport.displayView},
+                  {"view_transform", state.viewport.displayView},
+                  {"length_unit", infoOf(state.lengthUnit).name},
                   {"estimate", estimateJson(state.solve)}};
     for (const fs::path& p : state.recent) document["recent"].push_back(p.string());
     for (const fs::path& p : state.recentEnvironments) document["recent_environments"].push_back(p.string());

@@ -110,6 +110,7 @@ struct DragRange {
     const char* format = "%.3f";
     bool logarithmic = false;
     double offset = 0;  ///< added to what is shown, and taken off what is typed
+    double unit = 1;    ///< one of what is shown, in the unit of the value; speed, least and most are the value's
 };
 /// A number to drag or to type (double click). `label` names the history entry; `id` is ImGui's.
 bool dragLook(Editor& editor, const char* id, const std::string& label, float value, const DragRange& range,

@@ -65,6 +65,11 @@ struct ChannelPart {
     std::vector<ChannelFormat> channels;
 };
 
+/// Where rows lie in a larger image; 0 x 0: they are all of it.
+struct FileWindow {
+    int left = 0, top = 0, wholeWidth = 0, wholeHeight = 0;
+};
+
 /// Fills rows [first, first + count): out[c] takes count x width values of channel c, counted through all parts.
 using FillChannelRows = std::function<void(int first, int count, const std::vector<float*>& out)>;
 
@@ -72,10 +77,12 @@ using FillChannelRows = std::function<void(int first, int count, const std::vect
 /// top to bottom. One part is a single-part file; several are a multi-part one, for which the pixels wait in a nameless
 /// file beside the target. Memory: one strip. `between` is called after every few rows that were packed, which takes
 /// longer than rendering them can. Whole or not at all; errors as writeChannels, and whatever `fill` and `between`
-/// throw.
+/// throw. With a `window` the rows are the file's data window, and the whole image is its
+/// display window.
 void writeChannelRows(const std::filesystem::path& file, int width, int height, int stripRows,
                       const std::vector<ChannelPart>& parts, const FillChannelRows& fill,
-                      const std::map<std::string, std::string>& header = {}, const std::function<void()>& between = {});
+                      const std::map<std::string, std::string>& header = {}, const std::function<void()>& between = {},
+                      const FileWindow& window = {});
 
 /// Fills rows [first, first + count) of an image.
 using FillColourRows = std::function<void(int first, int count, Rgb* out)>;

@@ -297,7 +297,7 @@ void holdToHalf(std::vector<float>& plane, size_t count) {
 
 void writeChannelRows(const fs::path& file, int width, int height, int stripRows, const std::vector<ChannelPart>& parts,
                       const FillChannelRows& fill, const std::map<std::string, std::string>& header,
-                      const std::function<void()>& between) {
+                      const std::function<void()>& between, const FileWindow& window) {
     if (width <= 0 || height <= 0 || parts.empty()) throw Error("{}: there are no pixels to write", file.string());
     if (lowerExtension(file) != ".exr") throw Error("{}: layers are written as .exr only", file.string());
     stripRows = std::min((std::max(stripRows, 1) + rowsInZip - 1) / rowsInZip * rowsInZip, height);
@@ -313,6 +313,8 @@ void writeChannelRows(const fs::path& file, int width, int height, int stripRows
             all.push_back(channel);
         }
         if (parts.size() > 1) spec.attribute("oiio:subimagename", part.name);
+        spec.x = window.left, spec.y = window.top;
+        if (window.wholeWidth > 0) spec.full_width = window.wholeWidth, spec.full_height = window.wholeHeight;
         putExrDefaults(spec);
         putHeader(spec, header);
         specs.push_back(std::move(spec));
@@ -335,7 +337,7 @@ void writeChannelRows(const fs::path& file, int width, int height, int stripRows
                 filled(first, count);
                 std::vector<const float*> planes;
                 for (const auto& plane : strip.planes) planes.push_back(plane.data());
-                writePlanes(encoder, planes, width, first, count, between);
+                writePlanes(encoder, planes, width, window.top + first, count, between);
             });
         } else {
             DiskFile waiting(temporary, file.string(), true);
@@ -363,7 +365,7 @@ void writeChannelRows(const fs::path& file, int width, int height, int stripRows
                         planes.push_back(strip.planes[c].data());
                     }
                     waiting.check();
-                    writePlanes(encoder, planes, width, first, count, between);
+                    writePlanes(encoder, planes, width, window.top + first, count, between);
                 });
                 channel += parts[p].channels.size();
             }
@@ -374,8 +376,9 @@ void writeChannelRows(const fs::path& file, int width, int height, int stripRows
             std::vector<float> last(size_t(width) * parts.back().channels.size());
             auto written = OIIO::ImageInput::open(temporary.string());
             const int part = int(parts.size()) - 1;
-            encoder.check(written && written->read_scanlines(part, 0, height - 1, height, 0, 0,
-                                                             int(parts.back().channels.size()), floats, last.data()));
+            encoder.check(written &&
+                          written->read_scanlines(part, 0, window.top + height - 1, window.top + height, 0, 0,
+                                                  int(parts.back().channels.size()), floats, last.data()));
         }
     });
 }

@@ -46,7 +46,8 @@ std::vector<std::string> namesOf(const RelitScene& relit) {
 }
 
 double writeLayers(const std::filesystem::path& file, const Camera& camera, const FrameLayers& layers,
-                   const FrameFileOptions& options, const RowsOf& rowsOf, const std::function<void()>& between = {}) {
+                   const FrameFileOptions& options, const RowsOf& rowsOf, const std::function<void()>& between = {},
+                   const std::optional<ImageBox>& region = {}) {
     std::map<std::string, std::string> header = options.header;
     Camera placed = camera;
     placed.worldFromCamera[3] += glm::dvec4(layers.origin(), 0);
@@ -54,14 +55,14 @@ double writeLayers(const std::filesystem::path& file, const Camera& camera, cons
     header.merge(layers.header());
     header.emplace("Software", "relamp " RELAMP_VERSION);
     GroupCheck groups{options.ratio != Ratio::none};
-    writeChannelRows(
-        file, camera.width, camera.height, stripRowsOf(camera.width), layers.parts(options.multipart),
-        [&](int first, int count, const std::vector<float*>& out) {
-            FrameStrip strip = rowsOf(first, count);
-            groups.add(strip);
-            layers.fill(strip, out);
-        },
-        header, between);
+    const ImageBox box = region.value_or(ImageBox{0, 0, camera.width, camera.height});
+    writeChannelRows(file, box.width, box.height, stripRowsOf(box.width), layers.parts(options.multipart),
+                     [&](int first, int count, const std::vector<float*>& out) {
+                         FrameStrip strip = rowsOf(first, count);
+                         groups.add(strip);
+                         layers.fill(strip, out);
+                     },
+                     header, between, {box.left, box.top, camera.width, camera.height});
     return groups.relative();
 }
 
@@ -194,13 +195,12 @@ double writeFrameFile(const std::filesystem::path& file, const Camera& camera, c
 }
 
 double writeFrame(const std::filesystem::path& file, const Frame& frame, const RelitScene& relit, const Camera& camera,
-                  const std::string& layers, const DVec3& origin) {
+                  const std::string& layers, const DVec3& origin, const std::optional<ImageBox>& region) {
     LayerRequest request = layerRequest(layers);
     if (request.residual && !request.all) throw BadOption("--layers residual: needs the photograph");
     request.residual = false;
     Camera sized = camera;
-    sized.width = frame.width;
-    sized.height = frame.height;
+    if (!region) sized.width = frame.width, sized.height = frame.height;
     const RowsOf rowsOf = [&](int first, int count) {
         FrameStrip strip;
         strip.frame = frame.rows(first, count);
@@ -208,7 +208,9 @@ double writeFrame(const std::filesystem::path& file, const Frame& frame, const R
         return strip;
     };
     if (extensionOf(file) == ".exr")
-        return writeLayers(file, sized, FrameLayers(request, LayerNaming::blender, namesOf(relit), origin), {}, rowsOf);
+        return writeLayers(file, sized, FrameLayers(request, LayerNaming::blender, namesOf(relit), origin), {}, rowsOf,
+                           {}, region);
+    sized.width = frame.width, sized.height = frame.height;
     return writeImage(file, sized, {}, std::nullopt, rowsOf);
 }
 

@@ -3,8 +3,10 @@
 #pragma once
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 
+#include "image/image_region.h"
 #include "relight/frame.h"
 #include "shot/frame_jobs.h"
 #include "shot/frame_layers.h"
@@ -56,9 +58,11 @@ double writeFrameFile(const std::filesystem::path& file, const Camera& camera, c
 void checkLayers(const std::string& layers);
 
 /// The same for a frame that is rendered already: root RGBA and the layers it can give (no residual; the correction is
-/// that of the frame's own light).
+/// that of the frame's own light). With a `region` the frame is that part of the camera's image: EXR keeps it in its
+/// place (data window in display window), PNG and JPEG hold it alone.
 double writeFrame(const std::filesystem::path& file, const Frame& frame, const RelitScene& relit, const Camera& camera,
-                  const std::string& layers, const DVec3& origin = DVec3(0));
+                  const std::string& layers, const DVec3& origin = DVec3(0),
+                  const std::optional<ImageBox>& region = {});
 
 /// worldToCamera and worldToNDC for an EXR's header, as 16 numbers each, rows times matrix as OpenEXR has it. Camera
 /// axes: +X right, +Y up, looks down -Z; NDC in [-1, 1], y up, z from -1 (1 cm) to 1 (1 km); distortion is left out.

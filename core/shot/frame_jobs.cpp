@@ -130,4 +130,12 @@ std::vector<FrameJob> frameJobs(const Capture& capture, const std::string& camer
     return jobs;
 }
 
+Camera cropped(Camera camera, const ImageBox& box) {
+    camera.centreX -= box.left;
+    camera.centreY -= box.top;
+    camera.width = box.width;
+    camera.height = box.height;
+    return camera;
+}
+
 }  // namespace relamp

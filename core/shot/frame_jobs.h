@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "capture/capture.h"
+#include "image/image_region.h"
 #include "shot/frame_numbers.h"
 
 namespace relamp {
@@ -24,6 +25,9 @@ struct FrameJob {
 /// option, Error when a camera file is bad.
 std::vector<FrameJob> frameJobs(const Capture& capture, const std::string& camera, const std::string& frames,
                                 const std::string& size, const std::filesystem::path& output);
+
+/// The camera of that part of its image.
+Camera cropped(Camera camera, const ImageBox& box);
 
 /// Numbers of a range expression, at most a million; throws BadOption naming the option and what is wrong.
 std::vector<int> parseFrameRange(const std::string& text, const std::string& option = "--frames");

@@ -169,6 +169,19 @@ TEST(GuiWindow, anArtistOpensEstimatesMovesTheEmitterSwapsTheSkyAndExports) {
     const Image blue = desk.screenshot("06-sky");
     EXPECT_GT(differenceIn(blue, moved, image), 0.01);
 
+    // Only a part of the image is rendered at rest, until that is given up.
+    const int middleX = (image.x0 + image.x1) / 2, middleY = (image.y0 + image.y1) / 2;
+    desk.key("shift+b");
+    desk.drag(middleX, middleY, middleX + 150, middleY + 100);
+    ASSERT_TRUE(desk.until([](const Json& m) { return m["region"] == true && m["rest"] == true; }, 30)) << state(desk);
+    const Image region = desk.screenshot("06-region");
+    EXPECT_LT(differenceIn(region, blue, image), 0.03);
+    EXPECT_GT(differenceIn(region, blue, {middleX - 4, middleY - 4, middleX + 4, middleY + 104}), 0.01)
+        << "its border is drawn";
+    desk.key("shift+b");
+    ASSERT_TRUE(desk.until([](const Json& m) { return m["region"] == false; }, 10)) << state(desk);
+    ASSERT_TRUE(desk.settled());
+
     // Save the shot, then export a frame and compare it with the command line's for the same look.
     desk.key("ctrl+s");
     ASSERT_TRUE(desk.untilItem("##save name"));

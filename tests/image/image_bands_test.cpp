@@ -123,5 +123,26 @@ TEST(ImageBands, TilesAreReadRowByRow) {
     EXPECT_NE(test::messageOf([&] { readImage(folder.write("half.exr", half)); }).find("half.exr"), std::string::npos);
 }
 
+TEST(ImageBands, DeepFilesAreRefusedByNameAndLevelsAndViewsGiveTheFirst) {
+    const std::filesystem::path corpus = std::filesystem::path(RELAMP_SOURCE_DIR) / "tests/fuzz/corpus/image-exr";
+    const test::TemporaryFolder folder;
+    const auto copy = [&](const char* name) {
+        std::filesystem::copy_file(corpus / name, folder / (std::string(name) + ".exr"));
+        return folder / (std::string(name) + ".exr");
+    };
+    for (const char* name : {"deep", "deep-tiled"})
+        EXPECT_NE(test::messageOf([&] {
+                      readImage(copy(name));
+                  }).find(std::string(name) + ".exr: is a deep image, expected a flat one"),
+                  std::string::npos);
+    for (const char* name : {"mip-mapped", "two-views"}) {
+        const Image image = readImage(copy(name));
+        ASSERT_EQ(std::pair(image.width, image.height), std::pair(8, 4)) << name;
+        for (int y = 0; y < 4; ++y)
+            for (int x = 0; x < 8; ++x)
+                EXPECT_EQ(image.at(x, y), Rgb(0.25f + float(x), 0.5f + float(y), 0.125f * float(x + y))) << name;
+    }
+}
+
 }  // namespace
 }  // namespace relamp

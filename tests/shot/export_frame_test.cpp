@@ -152,6 +152,34 @@ TEST_F(WrittenFrame, HasRootColourAndAlphaOnlyUnlessLayersAreAskedFor) {
     EXPECT_EQ(header.compression, "zip");
 }
 
+TEST_F(WrittenFrame, OfARegionLiesInItsPlaceInTheWholeImage) {
+    const ImageBox box = boxOf({{0.25f, 0.25f}, {0.66f, 0.68f}}, camera.width, camera.height);
+    EXPECT_EQ(box, (ImageBox{6, 4, 10, 7}));
+    FrameOptions options;
+    options.samplesPerPixel = 1;
+    Progress progress;
+    const Frame part = renderFrame(relit, cropped(camera, box), options, progress);
+    EXPECT_LT(writeFrame(folder / "part.exr", part, relit, camera, "groups,depth", {}, box), 1e-5);
+    writeFrame(folder / "part.png", part, relit, camera, "", {}, box);
+    const Image whole = readImage(folder / "part.exr");
+    ASSERT_EQ(std::pair(whole.width, whole.height), std::pair(24, 16));
+    ASSERT_EQ(whole.usable.size(), whole.pixels.size());
+    for (int y = 0; y < whole.height; ++y)
+        for (int x = 0; x < whole.width; ++x) {
+            const size_t p = size_t(y * whole.width + x);
+            const bool inside = x >= box.left && x < box.left + box.width && y >= box.top && y < box.top + box.height;
+            const size_t q = inside ? size_t((y - box.top) * box.width + x - box.left) : 0;
+            EXPECT_EQ(whole.usable[p] != 0, inside && part.alpha[q] >= 0.5f) << x << " " << y;
+            if (!inside) continue;
+            EXPECT_NEAR(whole.pixels[p].y, part.beauty[q].y, 1e-3f * part.beauty[q].y + 1e-4f);
+            EXPECT_NEAR(part.depth[q], frame.depth[p], 1e-4f * frame.depth[p]) << "the part shows what the whole shows";
+        }
+    EXPECT_EQ(readImageSize(folder / "part.png"), std::pair(10, 7));
+    // A region of no extent is the pixel it lies in.
+    EXPECT_EQ(boxOf({{1, 1}, {1, 1}}, 24, 16), (ImageBox{23, 15, 1, 1}));
+    EXPECT_EQ(boxOf({}, 24, 16), (ImageBox{0, 0, 24, 16}));
+}
+
 TEST_F(WrittenFrame, HasEveryLayerWithNamesThatOtherProgramsRead) {
     const test::ExrHeader header = write("all");
     const std::regex form("([A-Za-z][A-Za-z0-9_]*\\.)?[A-Za-z]");

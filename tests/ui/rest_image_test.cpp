@@ -1,4 +1,6 @@
 // The per-pixel image that the viewport shows at rest.
+#include "actions.h"
+#include "image/image_io.h"
 #include "ui/panels/panel_harness.h"
 #include "viewport/picking.h"
 
@@ -79,6 +81,53 @@ TEST(RestImage, isNeverCoarserOrWorseThanTheImageBeforeIt) {
     editor.state.viewport.mode = ViewMode::relit;
     untilIdle(p);
     EXPECT_EQ(editor.restFrame(), last);
+}
+
+TEST(RenderRegion, aloneIsRenderedAtRestAndExported) {
+    Panels p;
+    p.openSolved();
+    Editor& editor = *p.editor;
+    editor.setEye(relamp::test::cameraAt({2, -1.5, 1.5}, {0, 0, 0.2}, 80, 60, 80), false);
+    untilIdle(p);
+    const auto sizeAtRest = [&] {
+        untilIdle(p);
+        p.until([&] { return editor.restFrame() != nullptr; });
+        return std::pair(editor.restFrame()->width, editor.restFrame()->height);
+    };
+    EXPECT_EQ(sizeAtRest(), std::pair(80, 60));
+    const auto live = editor.liveFrame();
+    // The first one arms the pointer, again it disarms.
+    EXPECT_TRUE(runAction(editor, "view.region"));
+    EXPECT_EQ(editor.state.viewport.clickTask, ClickTask::region);
+    EXPECT_TRUE(runAction(editor, "view.region"));
+    EXPECT_EQ(editor.state.viewport.clickTask, ClickTask::none);
+    editor.state.viewport.region = relamp::ImageRegion{{0.25f, 0.5f}, {0.5f, 1}};
+    editor.poll();
+    EXPECT_FALSE(editor.imageOwed()) << "the light per vertex is the same";
+    EXPECT_EQ(sizeAtRest(), std::pair(20, 30));
+    EXPECT_EQ(editor.liveFrame(), live);
+
+    ExportRequest request;
+    request.file = p.folder / "part.png";
+    request.samples = 1;
+    request.layers = "";
+    const auto exported = [&] {
+        editor.exportFrames(request);
+        p.until([&] { return !editor.job(); });
+        return readImageSize(request.file);
+    };
+    EXPECT_EQ(exported(), std::pair(20, 30));
+    // A wider frame has more at its sides, and the region stays on what it shows.
+    request.width = 160, request.height = 60;
+    EXPECT_EQ(exported(), std::pair(20, 30));
+    request.regionOnly = false;
+    EXPECT_EQ(exported(), std::pair(160, 60));
+    request.regionOnly = true;
+    request.views = ExportRequest::Views::capture;
+    EXPECT_EQ(exported(), std::pair(160, 60)) << "photographs have no region";
+    EXPECT_TRUE(runAction(editor, "view.region"));
+    EXPECT_FALSE(editor.state.viewport.region);
+    EXPECT_EQ(sizeAtRest(), std::pair(80, 60));
 }
 
 }  // namespace

@@ -171,6 +171,31 @@ TEST_F(HostileInput, EmptyAndSenselessValuesAreWrongUsage) {
     expectEnd(relamp({"render", shot, "-o", folder / "f.exr", "--size", "99999999x2"}), 2, {"--size"}, "a wide strip");
 }
 
+TEST_F(HostileInput, ALocaleWithADecimalCommaChangesNothing) {
+    // Where the sources of locales are installed there is one; elsewhere the name alone must do no harm.
+    const std::string locales = folder / "locales";
+    fs::create_directories(locales);
+    shell("localedef -i de_DE -f UTF-8 '" + locales + "/de_DE.UTF-8'");
+    const std::string comma = "LOCPATH='" + locales + "' LC_ALL=de_DE.UTF-8 ";
+    const auto said = [&](const std::string& where, const std::string& command) {
+        const test::ProgramResult r = shell(where + "relamp " + command);
+        EXPECT_EQ(r.exitCode, 0) << command << ": " << r.error;
+        return r.out;
+    };
+    for (const std::string& command : {"info '" + shot + "' --json", "check '" + capture + "' --json --scale 1.5"})
+        EXPECT_EQ(said(comma, command), said("", command));
+    folder.write("look.json", R"({"environment": {"exposure_stops": 0.5, "yaw_degrees": 12.25}})");
+    for (const std::string name : {"plain", "comma"})
+        said(name == "comma" ? comma : "", "render '" + shot + "' -o '" + (folder / (name + ".exr")).string() +
+                                               "' --samples 1 --size 8x6 --env-yaw 12.5 --edits '" +
+                                               (folder / "look.json").string() + "'");
+    EXPECT_EQ(test::TemporaryFolder::read(folder / "plain.exr"), test::TemporaryFolder::read(folder / "comma.exr"));
+    EXPECT_EQ(
+        shell(comma + "relamp render '" + shot + "' -o '" + (folder / "c.exr").string() + "' --env-yaw 12,5").exitCode,
+        2)
+        << "a comma is no decimal point anywhere";
+}
+
 TEST_F(HostileInput, AResultThatCannotBePrintedIsAnError) {
     for (const std::string& line : {"info " + shot + " --json", "info " + shot, "info " + capture,
                                     "check " + capture + " --json", std::string("--help"), std::string("--version")})

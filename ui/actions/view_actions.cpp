@@ -1,5 +1,6 @@
 // The menu View: modes, the camera, the image on screen, and what is drawn over it.
 #include <algorithm>
+#include <cctype>
 
 #include "actions/menus.h"
 #include "viewport/navigation.h"
@@ -128,6 +129,27 @@ void addImage(const Adder& add) {
          false});
 }
 
+void toggleRegion(Editor& e) {
+    ViewportState& viewport = e.state.viewport;
+    if (viewport.clickTask == ClickTask::region) viewport.clickTask = ClickTask::none;
+    else if (viewport.region) viewport.region.reset();
+    else viewport.clickTask = ClickTask::region;
+}
+
+void addRegion(const Adder& add) {
+    add({"view.region",
+         "Render region",
+         "Drag a rectangle: only what lies in it is rendered at rest, and exported. Again removes it.",
+         "View",
+         {{'B', false, true}},
+         toggleRegion,
+         hasEstimate,
+         [](const Editor& e) {
+             return e.state.viewport.region.has_value() || e.state.viewport.clickTask == ClickTask::region;
+         },
+         false});
+}
+
 void addOverlays(const Adder& add) {
     add({"view.overlays",
          "Overlays",
@@ -224,7 +246,7 @@ void addTextSize(const Adder& add) {
          [](Editor& e) { scaleUi(e, 1.125f); },
          {},
          {},
-         true});
+         false});
     add({"view.smaller",
          "Smaller text",
          "Makes everything in the window smaller.",
@@ -236,6 +258,23 @@ void addTextSize(const Adder& add) {
          false});
 }
 
+void addUnits(const Adder& add) {
+    for (size_t i = 0; i < lengthUnitCount; ++i) {
+        const LengthUnit unit{int(i)};
+        const std::string name = infoOf(unit).name;
+        Action a;
+        a.id = "view.unit." + name;
+        a.label = char(std::toupper(name[0])) + name.substr(1);
+        a.explanation = fmt::format("Lengths are shown and typed in {}. Files stay in metres.", name);
+        a.menu = "View";
+        a.run = [unit](Editor& e) { e.state.lengthUnit = unit; };
+        a.checked = [unit](const Editor& e) { return e.state.lengthUnit == unit; };
+        a.separatorBefore = i == 0;
+        a.submenu = "Unit of length";
+        add(std::move(a));
+    }
+}
+
 }  // namespace
 
 void addViewActions(std::vector<Action>& table) {
@@ -243,8 +282,10 @@ void addViewActions(std::vector<Action>& table) {
     for (const ViewModeInfo& info : viewModes()) add(modeAction(info));
     addCamera(add);
     addImage(add);
+    addRegion(add);
     addOverlays(add);
     addWindow(add);
+    addUnits(add);
     addTextSize(add);
 }
 

@@ -13,6 +13,7 @@ bool drawUnsavedQuestion(Editor& editor);
 bool drawRecoveryOffer(Editor& editor);
 bool drawLockedQuestion(Editor& editor);
 bool drawMissingQuestion(Editor& editor);
+bool drawPanoramaQuestion(Editor& editor);
 bool drawExportDialog(Editor& editor);
 bool drawKeysDialog(Editor& editor);
 bool drawAboutDialog(Editor& editor);

@@ -259,10 +259,9 @@ void drawUnobservedLights(Editor& editor) {
         const ProxyLight& proxy = document.fix.proxies[i];
         if (proxy.observed()) continue;  // a light of the photographs, which has its place in the list of lights
         ImGui::PushID(int(i));
-        wrapped(fmt::format("Light at {:.3f} {:.3f} {:.3f} m{}", proxy.centre.x, proxy.centre.y, proxy.centre.z,
-                            proxy.found
-                                ? fmt::format(", +- {:.3f} {:.3f} {:.3f}", proxy.sigma.x, proxy.sigma.y, proxy.sigma.z)
-                                : std::string(", as you said")));
+        wrapped(fmt::format("Light at {}{}", placeText(DVec3(proxy.centre), editor.state.lengthUnit),
+                            proxy.found ? ", +- " + placeText(DVec3(proxy.sigma), editor.state.lengthUnit)
+                                        : std::string(", as you said")));
         tooltip(told && proxy.found && i + 1 == document.fix.proxies.size()
                     ? shown(last.words)
                     : "It stands in the mesh as a small sphere; the estimate finds its power");
@@ -344,6 +343,7 @@ void drawEstimateSettings(Editor& editor) {
     }
     tooltip(qualities[quality].explanation);
     gaugeSettings(editor);
+    drawLightReferences(editor);
     dimText("Kinds of light");
     if (radio("Lights and distant light", solve.nearField,
               "Finds lights that stand in the scene as well as light from far away. This is what you want."))

@@ -145,7 +145,8 @@ void viewsRow(Editor& editor, size_t views) {
     ImGui::EndGroup();
 }
 
-void sizeRow(ExportRequest& request) {
+void sizeRow(Editor& editor) {
+    ExportRequest& request = editor.state.exportFrames;
     row("Size");
     int size[2] = {request.width, request.height};
     ImGui::SetNextItemWidth(em(8));
@@ -158,6 +159,13 @@ void sizeRow(ExportRequest& request) {
         tooltip(w ? fmt::format("{} x {} pixels", w, h) : "As large as the photograph, or the viewport");
     }
     if ((request.width > 0) != (request.height > 0)) warningText("Give both numbers, or neither.");
+    using Views = ExportRequest::Views;
+    if (editor.state.viewport.region && (request.views == Views::present || request.views == Views::timeline)) {
+        row("");
+        checkbox("Region only", request.regionOnly,
+                 "Renders the viewport's region alone. EXR keeps it in its place in the whole frame (data window); PNG "
+                 "and JPEG hold nothing else.");
+    }
 }
 
 void samplesRow(ExportRequest& request) {
@@ -281,7 +289,7 @@ bool drawExportDialog(Editor& editor) {
     viewsRow(editor, views);
     const ExportProblems problems = checkExport(request, views, editor.state.selection.view);
     if (!problems.range.empty()) warningText(problems.range);
-    sizeRow(request);
+    sizeRow(editor);
     samplesRow(request);
     layersRow(request);
     if (!problems.layers.empty()) warningText(problems.layers);

@@ -208,7 +208,10 @@ void drawImportDoctor(Editor& editor) {
             fact("Views a point", fmt::format("{:.1f}", check->meanViewsPerVertex),
                  "Photographs that show a point of the surface, on average");
             const Vec3 extent = check->meshMax - check->meshMin;
-            fact("Size", fmt::format("{:.3g} x {:.3g} x {:.3g} m", extent.x, extent.y, extent.z),
+            fact("Size",
+                 fmt::format("{} x {} x {}", lengthText(extent.x, editor.state.lengthUnit),
+                             lengthText(extent.y, editor.state.lengthUnit),
+                             lengthText(extent.z, editor.state.lengthUnit)),
                  "A table that is 75 m high means that the units are wrong");
             fact("Exposure", fmt::format("{:.2f} stops between the views", check->exposureSpreadStops),
                  "All views must share one exposure scale; below a quarter of a stop is fine");

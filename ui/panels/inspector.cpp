@@ -24,7 +24,7 @@ void inspectView(Editor& editor, int index) {
     fact("Lens model", lensModelName(camera.model),
          "How the lens bends straight lines; SIMPLE_PINHOLE and PINHOLE do not");
     const DVec3 p = document.capture->origin + camera.position();
-    fact("Stands at", fmt::format("{:.2f}  {:.2f}  {:.2f} m", p.x, p.y, p.z));
+    fact("Stands at", placeText(p, editor.state.lengthUnit));
     if (document.check && size_t(index) < document.check->views.size()) {
         const ViewCheck& check = document.check->views[size_t(index)];
         fact("Shows the mesh", percent(check.meshFraction), "Fraction of its pixels that see the mesh");
@@ -103,6 +103,7 @@ void inspectScene(Editor& editor) {
     if (!estimate->timeline.empty())
         fact("Error", fmt::format("{:.3g}", estimate->timeline.back().rmse),
              "Mean difference between photographs and model, in the radiance units of the photographs");
+    inspectLightReferences(*estimate);
     if (section("Certainty", "Figures about the calculation itself", false)) {
         const StabilityReport& s = estimate->stability;
         fact("Unknowns", fmt::format("{}, {} of them determined", s.unknowns, s.effectiveRank),

@@ -10,6 +10,8 @@ void inspectBeam(Editor& editor, const EmitterState& emitter);
 void inspectPoint(Editor& editor, const PickedPoint& point);
 void inspectView(Editor& editor, int view);
 void inspectScene(Editor& editor);
+/// How well light references agreed; nothing where there were none.
+void inspectLightReferences(const Estimate& estimate);
 
 /// Position, rotation and scale out of a matrix without shear: rotation in degrees about x, then y, then z.
 struct Placement {

@@ -87,10 +87,15 @@ void triple(Editor& editor, const char* name, const std::string& label, const Ve
 void place(Editor& editor, const EmitterState& emitter, const std::vector<std::string>& targets) {
     const std::string who = editor.namesOf(targets);
     const float size = editor.state.document.scene ? editor.state.document.scene->diagonal : 2;
+    const LengthUnitInfo& unit = infoOf(editor.state.lengthUnit);
+    const std::string format = unit.format(), withSymbol = fmt::format("{} {}", format, unit.symbol);
     const auto startOf = [&editor](const std::string& id) { return emitterAtStart(editor, id); };
     triple(
-        editor, "Position (m)", "Move " + who, emitter.pivot, {size / 800, 0, 0, "%.3f"},
-        "Where the middle of the light is, in metres. Its shadows and its geometry move along; so do attached parts.",
+        editor, fmt::format("Position ({})", unit.symbol).c_str(), "Move " + who, emitter.pivot,
+        {.speed = size / 800, .format = format.c_str(), .unit = unit.inMetres},
+        fmt::format(
+            "Where the middle of the light is, in {}. Its shadows and its geometry move along; so do attached parts.",
+            unit.name),
         [&](Look& look, int axis, float value) {
             const auto active = startOf(emitter.id);
             if (!active) return;
@@ -132,24 +137,25 @@ void place(Editor& editor, const EmitterState& emitter, const std::vector<std::s
         if (const int sizes = infoOf(added.shape).sizes) {
             const Vec2 before = added.size;
             const bool two = sizes == 2, sun = emitter.sun;
-            dimText(sun ? "Angle (degrees)" : two ? "Width and height (m)" : "Diameter (m)");
+            dimText(sun ? "Angle (degrees)"
+                        : fmt::format("{} ({})", two ? "Width and height" : "Diameter", unit.symbol));
             const float width =
                 (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemInnerSpacing.x) / (two ? 2.0f : 1.0f);
             for (int k = 0; k < (two ? 2 : 1); ++k) {
                 if (k) ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
                 ImGui::SetNextItemWidth(std::floor(width));
-                dragLook(
-                    editor, k ? "##height" : "##width", "Size of " + emitter.name, before[k],
-                    sun ? DragRange{0.02f, 0.05f, 45, "%.2f\u00b0"} : DragRange{size / 2000, 1e-4f, 1e4f, "%.3f m"},
-                    sun ? "How large it stands in the sky; the real one has 0.53 degrees. Larger gives softer "
-                          "shadows, the brightness stays."
-                        : "Size of the light before Scale. Larger gives softer shadows.",
-                    [&](Look& look, float value) {
-                        Vec2 changed = before;
-                        changed[k] = std::max(value, 1e-4f);
-                        if (!two) changed = Vec2(changed[0]);
-                        setSize(look, emitter.id, changed);
-                    });
+                dragLook(editor, k ? "##height" : "##width", "Size of " + emitter.name, before[k],
+                         sun ? DragRange{0.02f, 0.05f, 45, "%.2f\u00b0"}
+                             : DragRange{size / 2000, 1e-4f, 1e4f, withSymbol.c_str(), false, 0, unit.inMetres},
+                         sun ? "How large it stands in the sky; the real one has 0.53 degrees. Larger gives softer "
+                               "shadows, the brightness stays."
+                             : "Size of the light before Scale. Larger gives softer shadows.",
+                         [&](Look& look, float value) {
+                             Vec2 changed = before;
+                             changed[k] = std::max(value, 1e-4f);
+                             if (!two) changed = Vec2(changed[0]);
+                             setSize(look, emitter.id, changed);
+                         });
             }
         }
     }
@@ -198,8 +204,7 @@ void light(Editor& editor, const EmitterState& emitter, const std::vector<std::s
                      : "All light it sends out: radiance times area, in image units times square metres");
     if (emitter.sun) return;
     const float area = areaOf(editor, emitter);
-    fact("Area", area < 0.1f ? fmt::format("{:.3g} cm\u00b2", area * 1e4f) : fmt::format("{:.3g} m\u00b2", area),
-         "Surface that shines");
+    fact("Area", areaText(area, editor.state.lengthUnit), "Surface that shines");
 }
 
 void parts(Editor& editor, const EmitterState& emitter) {

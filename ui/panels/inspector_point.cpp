@@ -68,7 +68,7 @@ void inspectPoint(Editor& editor, const PickedPoint& point) {
     text("Picked spot");
     const auto& capture = editor.state.document.capture;
     const DVec3 place = (capture ? capture->origin : DVec3(0)) + DVec3(point.position);
-    fact("Position", fmt::format("{:.3f}  {:.3f}  {:.3f} m", place.x, place.y, place.z));
+    fact("Position", placeText(place, editor.state.lengthUnit));
     const auto estimate = editor.estimate();
     if (section("Where its light comes from", "Parts of the light that this spot sends towards the eye")) {
         const auto& light = editor.state.pointLight;

@@ -1,4 +1,6 @@
 // Menus, read from the table of actions.
+#include <utility>
+
 #include "actions.h"
 #include "item_map.h"
 #include "panels/panels.h"
@@ -31,11 +33,27 @@ void drawMenuBar(Editor& editor) {
     const Action* wanted = nullptr;
     for (const std::string& menu : menus) {
         if (!ImGui::BeginMenu(menu.c_str())) continue;
-        bool first = true;
+        bool first = true, open = true;
+        std::string inside;  // the submenu that is begun, closed or not
+        const auto leave = [&] {
+            if (!std::exchange(inside, {}).empty() && open) ImGui::EndMenu();
+            open = true;
+        };
         for (const Action& action : actions()) {
             if (action.menu != menu) continue;
-            if (action.separatorBefore && !first) ImGui::Separator();
+            if (action.submenu != inside) {
+                leave();
+                if (action.separatorBefore && !first) ImGui::Separator();
+                inside = action.submenu;
+                if (!inside.empty()) {
+                    open = ImGui::BeginMenu(inside.c_str());
+                    noteItem("menu " + inside);
+                }
+            } else if (action.separatorBefore && !first) {
+                ImGui::Separator();
+            }
             first = false;
+            if (!open) continue;
             const std::string keys = action.keys.empty() ? "" : action.keys.front().text();
             const bool enabled = !action.enabled || action.enabled(editor),
                        checked = action.checked && action.checked(editor);
@@ -45,6 +63,7 @@ void drawMenuBar(Editor& editor) {
             tooltip(action.explanation);
             if (action.id == "file.open") drawRecent(editor);
         }
+        leave();
         ImGui::EndMenu();
     }
     // After the menus: what it does may change what they show.

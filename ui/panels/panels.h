@@ -39,6 +39,7 @@ void drawMaterialsPanel(Editor& editor);
 void drawEstimatePanel(Editor& editor);   ///< button and settings
 void drawEstimateButton(Editor& editor);  ///< or, while it runs, how far it is
 void drawEstimateSettings(Editor& editor);
+void drawLightReferences(Editor& editor);  ///< panoramas of the set that the next estimate takes
 /// An estimate that was stopped or killed can go on: the button for it, above the one that estimates.
 bool interruptedOfferShown(const Editor& editor);
 void drawInterruptedOffer(Editor& editor);

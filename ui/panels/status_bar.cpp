@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "panels/panels.h"
+#include "viewport/navigation.h"
 #include "widgets.h"
 
 namespace relamp::ui {
@@ -103,7 +104,7 @@ std::vector<Piece> piecesOf(const Editor& editor) {
                               false, assumed ? warningColour : dimColour});
     }
     components.push_back(
-        {state.viewport.displayView +
+        {displayViewOf(editor) +
              (state.viewport.exposureStops != 0 ? " " + signedStops(state.viewport.exposureStops) : ""),
          "How linear light becomes screen colours, and the exposure of the screen in stops. Files are not touched.", 50,
          false, dimColour});

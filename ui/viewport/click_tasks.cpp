@@ -70,6 +70,7 @@ std::string editLabelOf(ClickTask task) {
         case ClickTask::attach: return "Attach an object to";
         case ClickTask::takeColour: return "Take the colour for";
         case ClickTask::newPart: return "Make an object shine";
+        case ClickTask::region:
         case ClickTask::none: break;
     }
     return {};
@@ -151,6 +152,7 @@ bool runClickTask(Editor& editor, const std::optional<PickedPoint>& point, const
             if (!added.empty() && editor.emitter(added)) editor.state.selection.emitters = {added};
             break;
         }
+        case ClickTask::region:  // a drag
         case ClickTask::none: break;
     }
     editor.state.viewport.clickTask = ClickTask::none;

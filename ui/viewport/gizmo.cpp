@@ -86,9 +86,9 @@ GizmoMotion moved(const GizmoDrag& d, const Ray& now, const EyeView& eye, const 
     }
     motion.change = glm::translate(Mat4(1), world);
     const Vec3 o(cleared(motion.offset.x), cleared(motion.offset.y), cleared(motion.offset.z));
-    motion.readout = axis >= 0 ? fmt::format("Move {} {:.3f} m", axisNames(d.handle), o[axis])
-                               : fmt::format("Move {}{}{:.3f}, {:.3f}, {:.3f} m ({:.3f} m)", axisNames(d.handle),
-                                             normal >= 0 ? " " : "", o.x, o.y, o.z, glm::length(o));
+    motion.readout = axis >= 0 ? fmt::format("Move {} {}", axisNames(d.handle), lengthText(o[axis], d.unit))
+                               : fmt::format("Move {}{}{} ({})", axisNames(d.handle), normal >= 0 ? " " : "",
+                                             placeText(DVec3(o), d.unit), lengthText(glm::length(o), d.unit));
     return motion;
 }
 

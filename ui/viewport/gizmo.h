@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "length_unit.h"
 #include "scene/ray_tracer.h"
 #include "viewport/eye_view.h"
 
@@ -46,6 +47,7 @@ struct GizmoDrag {
     Ray start;         ///< the mouse then
     bool byKey =
         false;  ///< G, R or S: the mouse is far from the handle, so turns follow its angle about the pivot on screen
+    LengthUnit unit = LengthUnit::metres;  ///< of the readout
 };
 
 /// Steps of Ctrl: lengths fall on multiples counted from the world's origin, turns and factors on multiples counted
@@ -61,7 +63,7 @@ struct GizmoMotion {
     Vec3 offset{0};       ///< metres along the frame's axes (move)
     float degrees = 0;    ///< rotate
     Vec3 factor{1};       ///< scale
-    std::string readout;  ///< "Move X 0.250 m"
+    std::string readout;  ///< "Move X 0.250 m", in the drag's unit
 };
 
 /// `typed`: a number in place of the mouse (metres, degrees or a factor).

@@ -117,6 +117,10 @@ void Interaction::probe(Editor& editor, const Canvas& canvas, const ViewportImag
 
 void Interaction::press(Editor& editor, const Canvas& canvas, const ViewportImage& image, const Vec2& mouse) {
     pressedAt_ = mouse;
+    if (editor.state.viewport.clickTask == ClickTask::region) {
+        drag_ = Drag::region;
+        return;
+    }
     drag_ = Drag::click;
     if (const auto axis = editor.state.viewport.overlays ? axisAt(canvas, mouse) : std::nullopt) {
         lookAlongAxis(editor, axis->first, axis->second);
@@ -149,6 +153,17 @@ void Interaction::selectBox(Editor& editor, const Canvas& canvas, const Vec2& mo
     for (const std::string& id : emitterMarksIn(canvas, pressedAt_, mouse))
         if (!editor.state.selection.has(id)) selected.push_back(id);
     editor.pick(std::nullopt);
+}
+
+void Interaction::setRegion(Editor& editor, const Canvas& canvas, const Vec2& mouse) const {
+    editor.state.viewport.clickTask = ClickTask::none;
+    const auto fraction = [&](const Vec2& at) {
+        return glm::clamp((at - canvas.eye->corner) / canvas.eye->size, Vec2(0), Vec2(1));
+    };
+    const Vec2 a = fraction(pressedAt_), b = fraction(mouse), low = glm::min(a, b), high = glm::max(a, b);
+    const Vec2 size = (high - low) * canvas.eye->size;
+    if (std::min(size.x, size.y) < 5 * canvas.scale) return;  // a click: none
+    editor.state.viewport.region = ImageRegion{low, high};
 }
 
 void Interaction::click(Editor& editor, const Canvas& canvas, const ViewportImage& image, const Vec2& mouse) {
@@ -242,6 +257,16 @@ void Interaction::act(Editor& editor, const Canvas& canvas, const ViewportImage&
             if (ImGui::IsMouseClicked(ImGuiMouseButton_Right) || input().pressed == keyEscape) drag_ = Drag::none;
             else if (!held) selectBox(editor, canvas, mouse), drag_ = Drag::none;
             break;
+        case Drag::region:
+            if (editor.state.viewport.clickTask != ClickTask::region || input().pressed == keyEscape ||
+                ImGui::IsMouseClicked(ImGuiMouseButton_Right)) {
+                editor.state.viewport.clickTask = ClickTask::none;
+                drag_ = Drag::none;
+            } else if (!held) {
+                setRegion(editor, canvas, mouse);
+                drag_ = Drag::none;
+            }
+            break;
         case Drag::click:
             if (!held) {
                 click(editor, canvas, image, mouse);
@@ -258,9 +283,11 @@ void Interaction::act(Editor& editor, const Canvas& canvas, const ViewportImage&
 
 namespace {
 /// The keys that mean something while a light is transformed.
-std::string hintsFor(const TransformGesture& gesture) {
+std::string hintsFor(const TransformGesture& gesture, LengthUnit unit) {
     const bool turns = gesture.state().kind == GizmoKind::rotate;
-    const char* const amount = turns ? "degrees" : gesture.state().kind == GizmoKind::move ? "metres" : "a factor";
+    const char* const amount = turns                                     ? "degrees"
+                               : gesture.state().kind == GizmoKind::move ? infoOf(unit).name
+                                                                         : "a factor";
     return fmt::format("X Y Z: axis{}   0-9: {}   Ctrl: snap   Shift: fine   {}   Esc: back",
                        turns ? "" : ", Shift: plane", amount,
                        gesture.byKey() ? "Click or Enter: done" : "Release: done");
@@ -269,7 +296,7 @@ std::string hintsFor(const TransformGesture& gesture) {
 
 void Interaction::draw(const Canvas& canvas, const ViewportImage& image) {
     Editor& editor = *canvas.editor;
-    editor.state.keyHints = gesture_.running() ? hintsFor(gesture_)
+    editor.state.keyHints = gesture_.running() ? hintsFor(gesture_, editor.state.lengthUnit)
                             : editor.state.viewport.clickTask != ClickTask::none
                                 ? hintOf(editor.state.viewport.clickTask)
                                 : "";
@@ -292,7 +319,13 @@ void Interaction::draw(const Canvas& canvas, const ViewportImage& image) {
     if (overlays) drawAxes(canvas, hovered_ ? mouse : Vec2(-1e6f));
     drawFrustumName(canvas, hoveredView_);
     if ((hovered_ || stroke_.running()) && painting(editor)) stroke_.draw(canvas, mouse);
-    if (drag_ == Drag::box) {
+    if (const auto& region = editor.state.viewport.region) {
+        const Vec2 a = canvas.eye->corner + region->low * canvas.eye->size,
+                   b = canvas.eye->corner + region->high * canvas.eye->size;
+        canvas.list->AddRect(toIm(a), toIm(b), IM_COL32(0, 0, 0, 150), 0, 0, 3 * canvas.scale);
+        canvas.list->AddRect(toIm(a), toIm(b), IM_COL32(255, 170, 70, 230), 0, 0, canvas.scale);
+    }
+    if (drag_ == Drag::box || drag_ == Drag::region) {
         canvas.list->AddRectFilled(toIm(pressedAt_), toIm(mouse), IM_COL32(120, 170, 255, 30));
         canvas.list->AddRect(toIm(pressedAt_), toIm(mouse), IM_COL32(150, 190, 255, 200), 0, 0, canvas.scale);
     }

@@ -18,12 +18,14 @@ public:
     void act(Editor& editor, const Canvas& canvas, const ViewportImage& image, bool hovered, bool active);
     void draw(const Canvas& canvas, const ViewportImage& image);
     /// The pointer draws a box, a stroke or a light's place: Esc gives that up, and does nothing else.
-    bool takesEscape() const { return drag_ == Drag::box || drag_ == Drag::stroke || drag_ == Drag::placement; }
+    bool takesEscape() const {
+        return drag_ == Drag::box || drag_ == Drag::region || drag_ == Drag::stroke || drag_ == Drag::placement;
+    }
     bool gestureRunning() const { return gesture_.running(); }
     void abandon(Editor& editor) { gesture_.abandon(editor); }
 
 private:
-    enum class Drag { none, orbit, pan, handle, divider, click, box, stroke, placement };
+    enum class Drag { none, orbit, pan, handle, divider, click, box, region, stroke, placement };
     Drag drag_ = Drag::none;
     int divider_ = -1;
     Vec2 pressedAt_{0};
@@ -47,6 +49,8 @@ private:
     void press(Editor& editor, const Canvas& canvas, const ViewportImage& image, const Vec2& mouse);
     /// Selects the lights between where the drag began and `mouse`.
     void selectBox(Editor& editor, const Canvas& canvas, const Vec2& mouse) const;
+    /// What lies between where the drag began and `mouse` becomes the region that is rendered.
+    void setRegion(Editor& editor, const Canvas& canvas, const Vec2& mouse) const;
     void click(Editor& editor, const Canvas& canvas, const ViewportImage& image, const Vec2& mouse);
 };
 

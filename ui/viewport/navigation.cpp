@@ -1,6 +1,7 @@
 #include "viewport/navigation.h"
 
 #include "base/box.h"
+#include "viewport/display_transform.h"
 
 namespace relamp::ui {
 namespace {
@@ -152,6 +153,22 @@ void setMode(Editor& editor, ViewMode mode) { editor.state.viewport.mode = mode;
 void changeExposure(Editor& editor, float stops) {
     float& exposure = editor.state.viewport.exposureStops;
     exposure = std::clamp(exposure + stops, -20.0f, 20.0f);
+}
+
+std::string displayViewOf(const Editor& editor) {
+    const DisplayTransform& display = displayTransform();
+    const auto has = [&](const std::string& name) {
+        return std::find(display.views().begin(), display.views().end(), name) != display.views().end();
+    };
+    const std::string& chosen = editor.state.viewport.displayView;
+    if (!chosen.empty() && has(chosen)) return chosen;
+    const std::string soft = "Soft highlights";
+    const auto& capture = editor.state.document.capture;
+    const bool bright = !editor.emitters().empty() ||
+                        (capture && std::any_of(capture->views.begin(), capture->views.end(), [](const View& view) {
+                             return view.saturation == 0 && !view.image.pixels.empty();
+                         }));
+    return bright && display.source() == "built in" && has(soft) ? soft : display.defaultView();
 }
 
 }  // namespace relamp::ui

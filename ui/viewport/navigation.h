@@ -31,4 +31,8 @@ std::optional<uint32_t> pickedCaptureVertex(const Editor& editor);
 void setMode(Editor& editor, ViewMode mode);
 void changeExposure(Editor& editor, float stops);
 
+/// The view transform in use: the chosen one, or, where the artist leaves it to the window, one that keeps the hue of
+/// what is brighter than the screen where there is such a thing (lights, photographs without a clip level).
+std::string displayViewOf(const Editor& editor);
+
 }  // namespace relamp::ui

@@ -129,9 +129,9 @@ void drawEmitterMarks(const Canvas& canvas, const std::string& hovered) {
         }
         if (hovered == emitter.id)
             labelAt(canvas, *at + Vec2(14, 10) * s,
-                    shown(emitter.name) + (lit               ? ""
+                    shown(emitter.name) + (lit                ? ""
                                            : emitter.shines() ? " (another is solo)"
-                                                             : " (off)"));
+                                                              : " (off)"));
     }
 }
 
@@ -320,6 +320,7 @@ const char* hintOf(ClickTask task) {
         case ClickTask::illuminate: return "Click, or drag over, what it lights (Esc cancels)";
         case ClickTask::attach: return "Click the object that follows the light (Esc cancels)";
         case ClickTask::takeColour: return "Click where the light's new colour is seen (Esc cancels)";
+        case ClickTask::region: return "Drag a rectangle over what is to be rendered (Esc cancels)";
         case ClickTask::newPart: return "Click the object that shines (Esc cancels)";
         default: return "";
     }

@@ -97,8 +97,29 @@ void Renderer::drawLayer(const ImageJob& job, const SceneLayer& layer, const Mat
     const int left = int(std::lround(layer.left * float(eye.width))),
               right = int(std::lround(layer.right * float(eye.width)));
     if (right <= left) return;
+    const ImageBox whole{left, 0, right - left, eye.height};
+    if (!layer.instead || !layer.insteadBox) {
+        drawPart(job, layer, clipFromWorld, whole);
+        return;
+    }
+    SceneLayer around = layer;
+    around.instead = 0;
+    drawPart(job, around, clipFromWorld, whole);
+    ImageBox inside = *layer.insteadBox;
+    const int end = std::min(inside.left + inside.width, right);
+    inside.left = std::max(inside.left, left);
+    inside.width = end - inside.left;
+    if (inside.width <= 0) return;
     glEnable(GL_SCISSOR_TEST);
-    glScissor(left, 0, right - left, eye.height);
+    glScissor(inside.left, eye.height - inside.top - inside.height, inside.width, inside.height);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    drawPart(job, layer, clipFromWorld, inside);
+}
+
+void Renderer::drawPart(const ImageJob& job, const SceneLayer& layer, const Mat4& clipFromWorld, const ImageBox& box) {
+    const EyeView& eye = job.eye;
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(box.left, eye.height - box.top - box.height, box.width, box.height);
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_BLEND);
     if (layer.environment) {
@@ -120,7 +141,14 @@ void Renderer::drawLayer(const ImageJob& job, const SceneLayer& layer, const Mat
         glDisable(GL_BLEND);
     };
     if (layer.behind) drawImage(layer.behind);
-    if (layer.instead) drawImage(layer.instead);
+    if (layer.instead && layer.insteadBox) {
+        const ImageBox& at = *layer.insteadBox;
+        glViewport(at.left, eye.height - at.top - at.height, at.width, at.height);
+        drawImage(layer.instead);
+        glViewport(0, 0, eye.width, eye.height);
+    } else if (layer.instead) {
+        drawImage(layer.instead);
+    }
     if (layer.mesh && (layer.colours || layer.instead)) {
         glEnable(GL_DEPTH_TEST);
         glDepthFunc(GL_LESS);

@@ -2,8 +2,10 @@
 // and outlines in display colours. Called only when something changed; at rest a few images with shifted pixels are
 // averaged, which smooths edges.
 #pragma once
+#include <optional>
 #include <vector>
 
+#include "image/image_region.h"
 #include "viewport/display_transform.h"
 #include "viewport/eye_view.h"
 #include "viewport/gpu_mesh.h"
@@ -21,8 +23,9 @@ struct SceneLayer {
     bool shading = false;      ///< a soft light at the eye
     GlBuffer* some = nullptr;  ///< indices of the triangles to draw; nullptr: all
     size_t someTriangles = 0;
-    GLuint texture = 0;  ///< factor on the colours by the mesh's texture coordinates; 0: none
-    GLuint instead = 0;  ///< image shown in place of the mesh, which then gives depth only
+    GLuint texture = 0;                  ///< factor on the colours by the mesh's texture coordinates; 0: none
+    GLuint instead = 0;                  ///< image shown in place of the mesh, which then gives depth only
+    std::optional<ImageBox> insteadBox;  ///< of the image, where it is shown; none: everywhere
 };
 
 struct LineVertex {
@@ -74,6 +77,8 @@ private:
 
     void resize(int width, int height);
     void drawLayer(const ImageJob& job, const SceneLayer& layer, const Mat4& clipFromWorld);
+    /// A layer between two columns, or inside a box of them.
+    void drawPart(const ImageJob& job, const SceneLayer& layer, const Mat4& clipFromWorld, const ImageBox& box);
     void drawDisplay(const ImageJob& job);
     void drawLines(const ImageJob& job, const Mat4& clipFromWorld);
     void drawWires(const ImageJob& job, const Mat4& clipFromWorld);

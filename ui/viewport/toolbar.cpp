@@ -192,12 +192,18 @@ void displayCombo(Editor& editor, float width) {
     const DisplayTransform& display = displayTransform();
     std::string& view = editor.state.viewport.displayView;
     ImGui::SetNextItemWidth(width);
-    if (ImGui::BeginCombo("##display", view.c_str())) {
+    const std::string present = displayViewOf(editor);
+    if (ImGui::BeginCombo("##display", present.c_str())) {
+        if (ImGui::Selectable("Automatic", view.empty())) view.clear();
+        tooltip(
+            "Soft highlights where lights are brighter than the screen, so that they keep their colour; else "
+            "Standard.");
         for (const std::string& name : display.views())
             if (ImGui::Selectable(name.c_str(), name == view)) view = name;
         ImGui::EndCombo();
     }
-    tooltip("How scene light becomes screen colour. Configuration: " + display.source() +
+    tooltip("How scene light becomes screen colour; files are not affected. " +
+            (view.empty() ? "Now by itself: " + present + ". " : std::string()) + "Configuration: " + display.source() +
             (display.source() == "built in" ? " ($OCIO names another one)." : "."));
 }
 
@@ -236,7 +242,7 @@ void addImageItems(Editor& editor, std::vector<Item>& items, bool roomy) {
                      [&editor] { exposureField(editor, em(8), true); }});
     const DisplayTransform& display = displayTransform();
     if (std::find(display.views().begin(), display.views().end(), viewport.displayView) == display.views().end())
-        viewport.displayView = display.defaultView();
+        viewport.displayView.clear();
     float viewWidth = 0;
     for (const std::string& name : display.views())
         viewWidth = std::max(viewWidth, ImGui::CalcTextSize(name.c_str()).x);

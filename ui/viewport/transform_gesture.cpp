@@ -39,8 +39,12 @@ void TransformGesture::begin(Editor& editor, GizmoKind kind, GizmoHandle handle,
     pivot_ = *pivot;
     local_ = editor.state.viewport.localAxes;
     emitters_ = editor.state.selection.emitters;
-    drag_ = {kind, handle, gizmoFrameAt(pivot_.origin, local_ ? pivot_.local : Mat3(1), eye, points), eye.rayAt(mouse),
-             byKey};
+    drag_ = {kind,
+             handle,
+             gizmoFrameAt(pivot_.origin, local_ ? pivot_.local : Mat3(1), eye, points),
+             eye.rayAt(mouse),
+             byKey,
+             editor.state.lengthUnit};
     lastMouse_ = effective_ = mouse;
     number_.clear();
     readout_.clear();
@@ -108,8 +112,12 @@ void TransformGesture::apply(Editor& editor, const EyeView& eye) {
     snap.on = control_;
     const float radius = sceneExtent(editor).radius;
     // A decimetre in a room; a step that makes sense in smaller and larger scenes.
-    snap.metres = radius > 0.5f && radius < 20 ? 0.1f : roundStep(radius / 20);
-    const auto typed = numberIn(number_);
+    const LengthUnitInfo& unit = infoOf(drag_.unit);
+    const auto inMetres = float(unit.inMetres);
+    snap.metres =
+        radius > 0.5f && radius < 20 ? float(unit.snap) * inMetres : roundStep(radius / 20 / inMetres) * inMetres;
+    auto typed = numberIn(number_);
+    if (typed && drag_.kind == GizmoKind::move) *typed *= inMetres;
     const GizmoMotion motion = drag(drag_, eye.rayAt(effective_), eye, snap, typed);
     readout_ = motion.readout;
     if (local_ && drag_.handle != GizmoHandle::screen) readout_ += " local";

@@ -18,9 +18,11 @@ bool looksThrough(const Editor& editor) {
            editor.state.selection.view < int(capture->views.size());
 }
 
-bool sameAspect(const Frame& frame, const EyeView& eye) {
-    const float a = float(frame.width) / float(std::max(frame.height, 1)),
-                b = float(eye.width) / float(std::max(eye.height, 1));
+/// The frame covers this part of the eye's image.
+bool covers(const Frame& frame, const EyeView& eye, const std::optional<ImageRegion>& region) {
+    const ImageBox box = boxOf(region.value_or(ImageRegion{}), std::max(eye.width, 1), std::max(eye.height, 1));
+    if (region && (frame.width != box.width || frame.height != box.height)) return false;
+    const float a = float(frame.width) / float(std::max(frame.height, 1)), b = float(box.width) / float(box.height);
     return frame.width > 0 && std::abs(a / b - 1) < 0.02f &&
            frame.beauty.size() == size_t(frame.width) * size_t(frame.height) &&
            frame.alpha.size() == frame.beauty.size();
@@ -51,7 +53,7 @@ ViewportImage::Key ViewportImage::keyOf(const Editor& editor, const EyeView& eye
     for (const Strip& strip : key.strips) key.paints.push_back(paintKey(editor, strip.paint));
     key.stops = viewport.exposureStops;
     key.pixelsPerPoint = pixelsPerPoint;
-    key.displayView = viewport.displayView;
+    key.displayView = displayViewOf(editor);
     key.falseColour = viewport.falseColour;
     key.through = looksThrough(editor);
     key.wires = viewport.meshOverlay;
@@ -71,8 +73,8 @@ ViewportImage::Key ViewportImage::keyOf(const Editor& editor, const EyeView& eye
     bool model = false;
     for (const Strip& strip : key.strips) model = model || strip.paint == Paint::model;
     if (const auto rest = editor.restFrame();
-        rest && model && live && key.hidden.empty() && !editor.inGesture() && sameAspect(*rest, eye))
-        key.rest = rest;
+        rest && model && live && key.hidden.empty() && !editor.inGesture() && covers(*rest, eye, viewport.region))
+        key.rest = rest, key.region = viewport.region;
     return key;
 }
 
@@ -139,6 +141,7 @@ void ViewportImage::compose(Editor& editor, const EyeView& eye) {
                 layer.display = mesh.display, layer.shading = mesh.shading;
                 if (mesh.texture) layer.texture = detailTexture(editor);
                 if (strip.paint == Paint::model && key_.rest) layer.instead = restTexture(editor.restFrame());
+                if (layer.instead && key_.region) layer.insteadBox = boxOf(*key_.region, eye.width, eye.height);
             }
         }
         job_.layers.push_back(layer);

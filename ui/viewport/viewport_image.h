@@ -41,6 +41,7 @@ private:
         int view = -1;
         std::set<uint32_t> hidden;
         std::vector<std::string> selected;
+        std::optional<ImageRegion> region;
         std::shared_ptr<const void> rest, distant, capture, live;
         bool operator==(const Key&) const = default;
     };

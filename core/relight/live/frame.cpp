@@ -45,6 +45,19 @@ Rgb LiveScene::State::bouncingAlbedo(size_t vertex) const {
     return sum;
 }
 
+std::vector<uint8_t> LiveScene::State::shiningAtEye() const {
+    const Mesh& mesh = *vertices.mesh;
+    std::vector<uint8_t> shines(mesh.vertexCount(), 0);
+    for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const int e = (*emitterOfTriangle)[t];
+        if (e < 0) continue;
+        const Vec3 towardEye = eye.orthographic ? -eye.forward : eye.position - mesh.positions[mesh.triangles[t][0]];
+        if (geometry.emitters[size_t(e)].surface.twoSided || glm::dot(mesh.faceNormal(t), towardEye) > 0)
+            for (const uint32_t v : mesh.triangles[t]) shines[v] = 1;
+    }
+    return shines;
+}
+
 void LiveScene::State::makeFrame() {
     auto out = std::make_shared<LiveFrame>();
     out->mesh = vertices.mesh;
@@ -73,10 +86,11 @@ void LiveScene::State::makeFrame() {
         for (size_t e = 0; e < emitters; ++e) direct[v] += near[e].light(v) * geometry.emitters[e].emission.level;
     });
     if (bouncing) followBounces(direct);
+    const std::vector<uint8_t> shines = shiningAtEye();
     parallelFor(n, 2048, [&](size_t v) {
         if (vertices.kind[v] == LiveVertices::emitting) {
             const int e = geometry.parts[vertices.part[v]].emitter;
-            out->radiance[v] = geometry.emitters[size_t(e)].emission.shown(vertices.mesh->normals[v]);
+            if (shines[v]) out->radiance[v] = geometry.emitters[size_t(e)].emission.shown(vertices.mesh->normals[v]);
             return;
         }
         if (!vertices.lit(v)) return;

@@ -74,7 +74,8 @@ struct LiveFrame {
     std::shared_ptr<const std::vector<int>> emitterOfTriangle;  ///< index into emitterRadiance; -1: none
     std::vector<std::string> emitterIds;                        ///< recovered ones in order, then added ones
     std::vector<Rgb> emitterRadiance;                           ///< 0 when off
-    std::vector<Rgb> radiance;  ///< per vertex towards the eye; an emitter's own radiance on its surface
+    std::vector<Rgb> radiance;  ///< per vertex towards the eye; an emitter's own radiance on its surface, 0
+                                ///< behind one that shines to one side
     std::vector<std::vector<float>>
         formFactor;  ///< per emitter, per vertex: with shadows, times radiance it is what a white matte surface shows;
                      ///< of a shaping with colours their luminance

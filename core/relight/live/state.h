@@ -65,6 +65,8 @@ struct LiveScene::State {
     /// Environment on matte vertices and what gloss has to take again.
     void sumLight();
     void makeFrame();
+    /// Per vertex 1 where an emitter sends light towards the eye: one that shines to one side is black from behind.
+    std::vector<uint8_t> shiningAtEye() const;
     /// Takes bounced light on from the last image's towards that of the given direct light (per vertex, as a white
     /// matte surface shows it).
     void followBounces(const std::vector<Rgb>& direct);

@@ -173,6 +173,29 @@ TEST(LiveScene, ADiskAboveAPlaneHasItsClosedFormFactor) {
     }
 }
 
+TEST(LiveScene, AnEmitterThatShinesToOneSideIsBlackFromBehind) {
+    const auto scene = std::make_shared<Scene>(test::sceneOf(test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 2, 2)));
+    const auto estimate = std::make_shared<Estimate>(test::matteEstimate(*scene, Rgb(0.5f), Rgb(0)));
+    Look look;
+    look.added.push_back({EmitterShape::disk, "disk-1", test::translation({0, 0, 1}), Vec2(0.5f), Rgb(4)});
+    look.added.push_back({EmitterShape::sphere, "ball-1", test::translation({2, 0, 1}), Vec2(0.5f), Rgb(7)});
+    Progress progress;
+    LiveScene live(scene, estimate, {}, progress);
+    live.setLook(look);
+    const auto shownFrom = [&](const Vec3& place) {
+        live.setEye({place, glm::normalize(Vec3(0, 0, 1) - place)});
+        const auto frame = refined(live);
+        std::array<float, 2> brightest{0, 0};
+        for (size_t t = 0; t < frame->mesh->triangles.size(); ++t)
+            if (const int e = (*frame->emitterOfTriangle)[t]; e >= 0)
+                for (const uint32_t v : frame->mesh->triangles[t])
+                    brightest[size_t(e)] = std::max(brightest[size_t(e)], frame->radiance[v].x);
+        return brightest;
+    };
+    EXPECT_EQ(shownFrom({0.2f, 0.1f, 0.3f}), (std::array<float, 2>{4, 7})) << "it faces down";
+    EXPECT_EQ(shownFrom({0.2f, 0.1f, 3}), (std::array<float, 2>{0, 7}));
+}
+
 TEST(LiveScene, AgreesWithBruteForceBeforeAndAfterEdits) {
     const World w = world();
     Progress progress;
