@@ -335,8 +335,8 @@ bool iconButton(const char* id, Icon icon, const std::string& explanation, bool 
 
 bool iconTextButton(const char* label, Icon icon, const std::string& explanation, bool on, float width) {
     const float side = ImGui::GetFontSize(), gap = em(0.4f);
-    const ImVec2 padding = ImGui::GetStyle().FramePadding, words = ImGui::CalcTextSize(label, nullptr, true);
-    if (width <= 0) width = words.x + side + gap + 2 * padding.x;
+    const ImVec2 padding = ImGui::GetStyle().FramePadding, extent = ImGui::CalcTextSize(label, nullptr, true);
+    if (width <= 0) width = extent.x + side + gap + 2 * padding.x;
     const ImVec2 at = ImGui::GetCursorScreenPos();
     ImGui::PushID(label);
     const bool pressed = ImGui::InvisibleButton("##button", {width, ImGui::GetFrameHeight()});
@@ -347,10 +347,13 @@ bool iconTextButton(const char* label, Icon icon, const std::string& explanation
                                        : ImGui::IsItemHovered() ? ImGuiCol_ButtonHovered
                                                                 : ImGuiCol_Button);
     list->AddRectFilled(ImGui::GetItemRectMin(), ImGui::GetItemRectMax(), ground, ImGui::GetStyle().FrameRounding);
-    drawIcon(list, icon, {at.x + padding.x, at.y + padding.y}, side, colourOf(ImGuiCol_Text));
     const std::string word(label, ImGui::FindRenderedTextEnd(label));
     const std::string fits = elided(word, width - side - gap - 2 * padding.x, false);
-    list->AddText({at.x + padding.x + side + gap, at.y + padding.y}, colourOf(ImGuiCol_Text), fits.c_str());
+    // One or two letters and dots say less than the icon alone.
+    const bool words = fits == word || fits.size() > 6;
+    const float left = words ? padding.x : std::max(0.0f, (width - side) / 2);
+    drawIcon(list, icon, {at.x + left, at.y + padding.y}, side, colourOf(ImGuiCol_Text));
+    if (words) list->AddText({at.x + left + side + gap, at.y + padding.y}, colourOf(ImGuiCol_Text), fits.c_str());
     note(label);
     tooltip(explanation);
     return pressed;

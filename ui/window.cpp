@@ -116,12 +116,12 @@ Window::~Window() {
 
 bool Window::wait(double seconds) {
     events.any = false;
-    if (woken.exchange(false)) glfwPollEvents();
+    const bool before = woken.exchange(false);  // since the last wait: counts as much as what comes in this one
+    if (before) glfwPollEvents();
     else if (seconds < 0) glfwWaitEvents();
     else if (seconds == 0) glfwPollEvents();
     else glfwWaitEventsTimeout(seconds);
-    const bool wasWoken = woken.exchange(false);
-    return events.any || wasWoken;
+    return woken.exchange(false) || before || events.any;
 }
 
 void Window::wake() {

@@ -294,6 +294,9 @@ Look readLook(const std::filesystem::path& file, const DVec3& origin) {
     const std::string text = readBytes(file, 64 << 20);
     return withContext(file.string(), [&] {
         const Json document = parseJson(text);
+        // Of these, what is captured would be taken for the edits that were asked for.
+        if (document.is_object() && document.contains("look"))
+            throw Error("is a shot or an autosave, expected an edits document, as stands under its \"look\"");
         const Look look = lookFromJson(document, file.parent_path(), origin);
         for (const std::string& key : unknownLookKeys(document)) logWarning("{}: {}; passed over", file.string(), key);
         return look;

@@ -171,6 +171,13 @@ TEST_F(HostileInput, EmptyAndSenselessValuesAreWrongUsage) {
     expectEnd(relamp({"render", shot, "-o", folder / "f.exr", "--size", "99999999x2"}), 2, {"--size"}, "a wide strip");
 }
 
+TEST_F(HostileInput, AShotOrAnAutosaveIsNoEditsDocument) {
+    folder.write("work.autosave.json", R"({"capture": "/nowhere", "look": {"emitters": []}, "steps": []})");
+    for (const std::string& file : {(folder / "x.relamp/shot.json").string(), (folder / "work.autosave.json").string()})
+        expectEnd(render({"-o", folder / "frame.exr", "--edits", file}), 3, {file, "is a shot or an autosave"}, file);
+    EXPECT_FALSE(fs::exists(folder / "frame.exr"));
+}
+
 TEST_F(HostileInput, ALocaleWithADecimalCommaChangesNothing) {
     // Where the sources of locales are installed there is one; elsewhere the name alone must do no harm.
     const std::string locales = folder / "locales";

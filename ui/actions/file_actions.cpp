@@ -160,7 +160,7 @@ void addEditActions(std::vector<Action>& table) {
     addSnapshotActions(table);
     add({"edit.selectNone",
          "Deselect",
-         "Select nothing; also disarms a click that waits.",
+         "Select nothing; first disarms a click that waits, or the brush of light.",
          "Edit",
          {{keyEscape}},
          [](Editor& e) {
@@ -168,12 +168,16 @@ void addEditActions(std::vector<Action>& table) {
                  e.state.viewport.clickTask = ClickTask::none;
                  return;
              }
+             if (e.state.viewport.tool == Tool::paint) {
+                 e.state.viewport.tool = Tool::select;  // what is selected stays
+                 return;
+             }
              e.state.selection.emitters.clear();
              e.pick(std::nullopt);
          },
          [](const Editor& e) {
-             return e.state.viewport.clickTask != ClickTask::none || !e.state.selection.emitters.empty() ||
-                    e.state.selection.point;
+             return e.state.viewport.clickTask != ClickTask::none || e.state.viewport.tool == Tool::paint ||
+                    !e.state.selection.emitters.empty() || e.state.selection.point;
          },
          {},
          true});

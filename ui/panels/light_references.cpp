@@ -112,7 +112,7 @@ void inspectLightReferences(const Estimate& estimate) {
                 fact("Light found differs", percent(double(fit.residual)),
                      "From the panorama, weighted by what the surfaces receive");
         }
-        saidOf(fit);
+        if (fit.doubtful() || fit.by.empty()) saidOf(fit);
     }
 }
 

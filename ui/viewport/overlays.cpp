@@ -161,6 +161,7 @@ int frustumAt(const Canvas& canvas, const Vec2& mouse) {
     int best = -1;
     float nearest = 6 * canvas.scale;
     for (size_t i = 0; i < capture->views.size(); ++i) {
+        if (!frustumShown(capture->views[i].camera, canvas.eye->position, depth)) continue;
         const auto corners = frustumCorners(capture->views[i].camera, depth);
         const Vec3 eye(capture->views[i].camera.position());
         for (size_t k = 0; k < 4; ++k) {

@@ -40,6 +40,10 @@ std::array<Vec3, 4> frustumCorners(const Camera& camera, float depth) {
     return corners;
 }
 
+bool frustumShown(const Camera& camera, const Vec3& eye, float depth) {
+    return glm::distance(Vec3(camera.position()), eye) > 1.5f * depth;
+}
+
 void addFrustum(std::vector<LineVertex>& lines, const Camera& camera, float depth, bool selected) {
     const Vec4 colour = selected ? Vec4(1.0f, 0.72f, 0.30f, 1.0f) : Vec4(0.66f, 0.70f, 0.76f, 0.75f);
     const auto corners = frustumCorners(camera, depth);

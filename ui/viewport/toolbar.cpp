@@ -246,7 +246,7 @@ void addImageItems(Editor& editor, std::vector<Item>& items, bool roomy) {
     float viewWidth = 0;
     for (const std::string& name : display.views())
         viewWidth = std::max(viewWidth, ImGui::CalcTextSize(name.c_str()).x);
-    viewWidth = std::min(viewWidth + side + em(0.9f), roomy ? em(9) : em(5.6f));
+    viewWidth = std::min(viewWidth + side + em(0.9f), em(roomy ? 9 : 7.6f));
     items.push_back({60, viewWidth, false, [&editor, viewWidth] { displayCombo(editor, viewWidth); },
                      [&editor] { displayCombo(editor, em(10)); }});
     bool& falseOn = viewport.falseColour;

@@ -153,7 +153,7 @@ void ViewportImage::compose(Editor& editor, const EyeView& eye) {
         job_.layers[0].some = &seen_.indices(), job_.layers[0].someTriangles = seen_.count();
     job_.wires = key_.wires && meshes_[0].drawable ? &meshes_[0].geometry : nullptr;
     if (job_.wires) job_.wireStrength = wireStrength(*editor.state.document.scene, eye);
-    makeLines(editor);
+    makeLines(editor, eye);
     job_.lines = &lines_;
     job_.lineVertices = lineVertices_;
     makeOutline(editor, eye, key_.pixelsPerPoint);
@@ -213,17 +213,20 @@ GLuint ViewportImage::detailTexture(const Editor& editor) {
     return detail_.id();
 }
 
-void ViewportImage::makeLines(const Editor& editor) {
-    const LineKey wanted{editor.state.document.capture, editor.state.document.scene, key_.grid, key_.frusta, key_.view};
+void ViewportImage::makeLines(const Editor& editor, const EyeView& eye) {
+    const SceneExtent& extent = sceneExtent(editor);
+    const float depth = frustumDepth(extent.radius);
+    LineKey wanted{editor.state.document.capture, editor.state.document.scene, key_.grid, key_.frusta, key_.view, {}};
+    if (wanted.frusta && editor.state.document.capture)
+        for (const View& view : editor.state.document.capture->views)
+            wanted.cameras.push_back(frustumShown(view.camera, eye.position, depth));
     if (wanted == lineKey_) return;
     lineKey_ = wanted;
     std::vector<LineVertex> lines;
-    const SceneExtent& extent = sceneExtent(editor);
     if (wanted.grid && editor.state.document.scene) addGrid(lines, extent);
-    if (wanted.frusta && editor.state.document.capture)
-        for (size_t i = 0; i < editor.state.document.capture->views.size(); ++i)
-            addFrustum(lines, editor.state.document.capture->views[i].camera, frustumDepth(extent.radius),
-                       int(i) == wanted.view);
+    for (size_t i = 0; i < wanted.cameras.size(); ++i)
+        if (wanted.cameras[i])
+            addFrustum(lines, editor.state.document.capture->views[i].camera, depth, int(i) == wanted.view);
     lineVertices_ = lines.size();
     if (lineVertices_) lines_.upload(GL_ARRAY_BUFFER, lines);
 }

@@ -79,6 +79,7 @@ private:
         std::shared_ptr<const void> capture, scene;
         bool grid = false, frusta = false;
         int view = -1;
+        std::vector<bool> cameras;  ///< whose frustum is shown
         bool operator==(const LineKey&) const = default;
     } lineKey_;
     std::string displayView_;
@@ -88,7 +89,7 @@ private:
     Painted& painted(const Editor& editor, size_t slot, const PaintKey& key);
     /// Gives the geometry its texture coordinates, where its paint shows a texture.
     void placeTexture(const Editor& editor, Painted& painted, const std::vector<uint8_t>& visible, bool otherTriangles);
-    void makeLines(const Editor& editor);
+    void makeLines(const Editor& editor, const EyeView& eye);
     void makeOutline(const Editor& editor, const EyeView& eye, float pixelsPerPoint);
     GLuint environmentTexture(const std::shared_ptr<const DistantLight>& distant);
     /// The texture of the estimate that is edited; 0: it has none.
