@@ -2,12 +2,16 @@
 in vec3 vertexColour;
 in vec3 place;
 uniform float kind;      // alpha of the scene image: 1 scene-linear, 2 display values
-uniform int textured;    // 1: `detail` is a factor on the colour
-uniform sampler2D detail;
+layout(location = 0) out vec4 scene;
+
+// Programs are apart by TEXTURED, because software rasterisers evaluate both sides of a branch.
+//EXTRA
+
+#ifdef TEXTURED
+uniform sampler2D detail;  // a factor on the colour
 layout(std430, binding = 0) readonly buffer Positions { float positions[]; };
 layout(std430, binding = 1) readonly buffer Corners { uint corners[]; };
 layout(std430, binding = 2) readonly buffer Texcoords { vec2 texcoords[]; };
-layout(location = 0) out vec4 scene;
 
 vec3 positionOf(int corner) {
     uint v = corners[3 * gl_PrimitiveID + corner];
@@ -27,9 +31,12 @@ vec3 detailHere() {
     vec2 at = t0 + u * (texcoords[3 * gl_PrimitiveID + 1] - t0) + v * (texcoords[3 * gl_PrimitiveID + 2] - t0);
     return textureLod(detail, at, 0.0).rgb;
 }
+#else
+vec3 detailHere() { return vec3(1.0); }
+#endif
 
 void main() {
-    vec3 colour = textured == 1 ? vertexColour * detailHere() : vertexColour;
+    vec3 colour = vertexColour * detailHere();
     // Half floats end at 65504; what is brighter stays brighter than everything else.
     scene = vec4(clamp(colour, vec3(0.0), vec3(60000.0)), kind);
 }

@@ -86,17 +86,18 @@ double patience(const Editor& editor, const Window& window, const Gui& gui, cons
     return -1;
 }
 
-/// What the screen shows, since when.
+/// What the screen shows, and since when a newer frame waits for its light.
 struct Drawn {
     std::shared_ptr<const LiveFrame> light;
-    Clock::time_point time;
+    std::optional<Clock::time_point> waitingSince;
 };
 
 /// In a drag a frame without the light of the present step would only hold that light up, where drawing takes the same
 /// processors. A tenth of a second at most.
-bool waitForLight(const Editor& editor, const Viewport* viewport, const Drawn& drawn) {
-    return sparingDrag(editor, viewport) && editor.imageOwed() && editor.liveFrame() == drawn.light &&
-           secondsSince(drawn.time) < 0.1;
+bool waitForLight(const Editor& editor, const Viewport* viewport, Drawn& drawn) {
+    if (!sparingDrag(editor, viewport) || !editor.imageOwed() || editor.liveFrame() != drawn.light) return false;
+    if (!drawn.waitingSince) drawn.waitingSince = Clock::now();
+    return secondsSince(*drawn.waitingSince) < 0.1;
 }
 
 std::string titleOf(const Editor& editor) {
@@ -178,7 +179,7 @@ bool runWindow(Editor& editor, const ApplicationOptions& options, fs::path& open
             continue;
         }
         if (sparing && !editor.inGesture()) pending.extraFrames = 3;  // the drag has just ended
-        drawn = {editor.liveFrame(), Clock::now()};
+        drawn = {editor.liveFrame(), {}};
         const double cpu = secondsSince(start);
         gui.endFrame(int(pixels.x), int(pixels.y), sparingDrag(editor, viewport.get()) ? viewport->texture() : 0);
         window.swap();

@@ -21,6 +21,9 @@ namespace {
 /// A hand in a drag that has not moved for this long lies still: then the image is refined.
 constexpr std::chrono::milliseconds handAtRest(250);
 
+/// Seconds that the first image at rest may take; with what comes before it, less than five from the release.
+constexpr double firstImagePatience = 4;
+
 /// From the axis to the farthest corner of the image, with a little to spare for a turn of the head; radians.
 float halfAngleOf(const Camera& camera) {
     if (!(camera.focalX > 0) || !(camera.focalY > 0)) return 0;
@@ -117,18 +120,20 @@ void RelightWorker::renderAtRest(const RelightRequest& request, uint64_t serial,
     restEnvironment_ = request.look.environment;
     if (file && !restDistant_) restDistant_ = distantOfLook(*request.estimate, restEnvironment_);
     const RelitScene relit = applyLook(*request.scene, *request.estimate, request.look, *progress, restDistant_);
+    const Camera eye = request.region
+                           ? cropped(request.eye, boxOf(*request.region, request.eye.width, request.eye.height))
+                           : request.eye;
     FrameOptions options;
     options.background = false;
-    options.samplesPerPixel = 3;
+    // Three, or two where three took too long the last time: that is the difference between 40 and 39 dB.
+    const double pixels = double(eye.width) * eye.height;
+    options.samplesPerPixel = 3 * pixels * restSecondsPerSample_ <= firstImagePatience ? 3 : 2;
     options.denoise = true;
     options.groups = false;
     // Whole passes that add up. A slow machine ends with the first of them. Each is denoised with all its samples: one
     // of three is as clean as two of two, in two thirds of the time.
     // A region is done sooner, and gets more of them.
     const int passes = request.region ? 12 : 3;
-    const Camera eye = request.region
-                           ? cropped(request.eye, boxOf(*request.region, request.eye.width, request.eye.height))
-                           : request.eye;
     constexpr double patience = 4.2;  // seconds; with the wait before it, five from the release to the last image
     Frame sum;
     for (int pass = 0; pass < passes; ++pass) {
@@ -136,6 +141,7 @@ void RelightWorker::renderAtRest(const RelightRequest& request, uint64_t serial,
         options.seed = uint64_t(pass + 2);
         Frame frame = renderFrame(relit, eye, options, *progress);
         if (pass == 0) {
+            restSecondsPerSample_ = progress->seconds() / (options.samplesPerPixel * pixels);
             sum = std::move(frame);
         } else {
             for (size_t i = 0; i < sum.beauty.size(); ++i) {

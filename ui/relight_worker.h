@@ -90,6 +90,7 @@ private:
     /// Of the last image at rest, used by the thread alone: a large file is not read again for each.
     EnvironmentLook restEnvironment_;
     std::shared_ptr<const DistantLight> restDistant_;
+    double restSecondsPerSample_ = 0;  ///< and pixel, of the last image at rest; 0: there was none
     bool working_ = false, refining_ = false;
     std::jthread thread_;
 

@@ -39,6 +39,7 @@ GLenum kindOf(const DisplayLut& lut) {
 
 Renderer::Renderer()
     : mesh_("mesh.vert", "mesh.frag"),
+      texturedMesh_("mesh.vert", "mesh.frag", "#define TEXTURED"),
       image_("whole.vert", "image.frag"),
       environment_("whole.vert", "environment.frag"),
       lines_("lines.vert", "lines.frag"),
@@ -157,15 +158,17 @@ void Renderer::drawPart(const ImageJob& job, const SceneLayer& layer, const Mat4
             flat_.use();
             setMatrix(flat_, "clipFromWorld", clipFromWorld);
         } else {
-            mesh_.use();
-            setMatrix(mesh_, "clipFromWorld", clipFromWorld);
-            setVector(mesh_, "eye", eye.orthographic ? -eye.forward : eye.position);
-            setInt(mesh_, "orthographic", eye.orthographic);
-            setInt(mesh_, "shading", layer.shading);
-            setInt(mesh_, "textured", layer.texture != 0);
-            setInt(mesh_, "detail", 0);
-            bindTexture(0, layer.texture);
-            glUniform1f(mesh_.uniform("kind"), layer.display ? 2.0f : 1.0f);
+            GlProgram& mesh = layer.texture ? texturedMesh_ : mesh_;
+            mesh.use();
+            setMatrix(mesh, "clipFromWorld", clipFromWorld);
+            setVector(mesh, "eye", eye.orthographic ? -eye.forward : eye.position);
+            setInt(mesh, "orthographic", eye.orthographic);
+            setInt(mesh, "shading", layer.shading);
+            if (layer.texture) {
+                setInt(mesh, "detail", 0);
+                bindTexture(0, layer.texture);
+            }
+            glUniform1f(mesh.uniform("kind"), layer.display ? 2.0f : 1.0f);
         }
         if (layer.some) layer.mesh->drawSubset(*layer.some, 3 * layer.someTriangles, layer.colours);
         else layer.mesh->draw(layer.instead ? nullptr : layer.colours, !layer.instead && layer.texture);

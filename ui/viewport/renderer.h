@@ -66,7 +66,7 @@ public:
     static constexpr int samplesAtRest = 6;
 
 private:
-    GlProgram mesh_, image_, environment_, display_, lines_, flat_, outline_, averaging_, seen_;
+    GlProgram mesh_, texturedMesh_, image_, environment_, display_, lines_, flat_, outline_, averaging_, seen_;
     GlTarget scene_, screen_, average_, mask_, numbers_;
     GlTexture depth_;
     int depthWidth_ = 0, depthHeight_ = 0;
