@@ -67,8 +67,8 @@ const EmitterShapeInfo shapes[] = {
      1, true, Vec2(0.3f), 30, diskMesh, diskArea},
     {Shape::sun, "sun", "Sun", "Parallel light from far away, with sharp shadows", "Add sun", "sun", Geometry::own, 1,
      true, Vec2(0.53f), 180, diskMesh, diskArea, true},
-    {Shape::part, "part", "Part of the scene...", "Then click the part that shall shine", "Add light from a part",
-     "mesh", Geometry::component},
+    {Shape::part, "part", "Object of the scene...", "Then click the object that is to shine",
+     "Add light from an object", "mesh", Geometry::component},
     {Shape::copy, "copy", "", "", "Add copy", "copy", Geometry::emitter},
 };
 

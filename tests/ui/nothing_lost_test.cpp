@@ -361,6 +361,20 @@ TEST(Snapshots, stayUnsavedWhenSavingFails) {
     EXPECT_TRUE(editor.unsavedChanges());
 }
 
+TEST(Escape, leavesTheBrushOfLightBeforeTheSelection) {
+    Panels p;
+    p.openSolved();
+    Editor& editor = *p.editor;
+    const std::vector<std::string> selected{editor.emitters()[0].id};
+    editor.state.selection.emitters = selected;
+    editor.state.viewport.tool = Tool::paint;
+    EXPECT_TRUE(runAction(editor, "edit.selectNone"));
+    EXPECT_EQ(editor.state.viewport.tool, Tool::select);
+    EXPECT_EQ(editor.state.selection.emitters, selected);
+    EXPECT_TRUE(runAction(editor, "edit.selectNone"));
+    EXPECT_TRUE(editor.state.selection.emitters.empty());
+}
+
 TEST(LightClipboard, pastesLightsAndTheirValues) {
     Panels p;
     p.openSolved();
