@@ -5,6 +5,7 @@
 
 #include "base/progress.h"
 #include "capture/capture.h"
+#include "clusters/emission_pattern.h"
 #include "radiance/samples.h"
 #include "scene/scene.h"
 
@@ -40,6 +41,9 @@ struct EmitterCluster {
     Vec3 normal{0};           ///< area-weighted mean, unit; 0 for closed parts
     float area = 0;           ///< square metres
     EmitterEvidence evidence;
+    /// Of each of `vertices`: its radiance in parts of `radiance`, the mean over the surface; empty: it shines evenly.
+    std::vector<float> level = {};
+    std::shared_ptr<const EmissionPattern> pattern = {};  ///< the same for any point of the surface; null: evenly
 };
 
 struct RejectedPatch {

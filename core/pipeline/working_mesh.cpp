@@ -87,11 +87,14 @@ Estimate carriedBack(const Estimate& found, const DecimatedMesh& working, const 
     for (EmitterCluster& e : carried.emitters) {
         e.vertices.clear();
         e.triangles.clear();
+        e.level.clear();
         e.area = 0;
     }
     for (uint32_t v = 0; v < n; ++v)
         if (const int e = carried.emitterOfVertex[v]; e >= 0) {
-            carried.emitters[size_t(e)].vertices.push_back(v);
+            EmitterCluster& cluster = carried.emitters[size_t(e)];
+            cluster.vertices.push_back(v);
+            if (cluster.pattern) cluster.level.push_back(cluster.pattern->at(mesh.positions[v]));
             for (std::vector<Rgb>& w : r.weight) w[v] = Rgb(0);  // emitters only emit
             for (HeldOutAlbedo& held : result.heldOut) held.albedo[v] = Rgb(0);
         }
@@ -103,6 +106,7 @@ Estimate carriedBack(const Estimate& found, const DecimatedMesh& working, const 
         carried.emitters[size_t(e)].triangles.push_back(t);
         carried.emitters[size_t(e)].area += mesh.triangleArea(t);
     }
+    for (EmitterCluster& e : carried.emitters) rebuildPattern(mesh, e);
     carried.candidates.clear();
     if (const NearFieldCorrection& fix = found.nearFieldCorrection; !fix.empty()) {
         result.nearFieldCorrection.emitter.assign(n, -1);

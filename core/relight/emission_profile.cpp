@@ -44,6 +44,9 @@ ShapedEmission::ShapedEmission(const LightShaping& shaping, const Mat4& matrix, 
     if (!shaping.surfaceFile.empty() && flat) surface_ = shapingImageOf(shaping.surfaceFile);
 }
 
+ShapedEmission::ShapedEmission(std::shared_ptr<const EmissionPattern> pattern, const Mat4& matrix)
+    : toSurface_(glm::inverse(matrix)), pattern_(std::move(pattern)) {}
+
 Rgb ShapedEmission::byDirection(const Vec3& local) const {
     Rgb factor(1);
     const float cosine = std::clamp(-local.z, -1.0f, 1.0f);
@@ -65,7 +68,7 @@ Rgb ShapedEmission::byDirection(const Vec3& local) const {
 }
 
 Rgb ShapedEmission::factor(const Vec3& away, const Vec3& point) const {
-    Rgb factor = byDirection(away * toWorld_);
+    Rgb factor = patternAt(point) * byDirection(away * toWorld_);
     if (surface_ && maxChannel(factor) > 0) {
         // Seen from its front, along +Z with +Y up, +X lies to the left.
         const Vec3 own(toSurface_ * Vec4(point, 1));

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "base/math.h"
+#include "clusters/emission_pattern.h"
 #include "relight/light_shaping.h"
 #include "relight/shaping_files.h"
 
@@ -15,11 +16,15 @@ public:
     /// `matrix`, `size`: of the added emitter; `flat`: it has a front alone. Cost: files are read once and kept while
     /// they stay as they are. Throws Error naming a file that cannot be read.
     ShapedEmission(const LightShaping& shaping, const Mat4& matrix, const Vec2& size, bool flat);
+    /// A recovered emitter that shines unevenly, moved by `matrix`.
+    ShapedEmission(std::shared_ptr<const EmissionPattern> pattern, const Mat4& matrix);
 
     /// Radiance from `point` into the unit direction `away`, in parts of the light's level.
     Rgb factor(const Vec3& away, const Vec3& point) const;
-    /// What its surface shows on average in a direction.
-    Rgb shown(const Vec3& away) const { return byDirection(away * toWorld_) * (surface_ ? surface_->mean : Rgb(1)); }
+    /// What is painted on its surface at `point`, seen along `away`: an image by its mean.
+    Rgb shown(const Vec3& away, const Vec3& point) const {
+        return patternAt(point) * byDirection(away * toWorld_) * (surface_ ? surface_->mean : Rgb(1));
+    }
     /// Power in parts of what the light sends without shaping. Cost: 4096 directions.
     Rgb mean() const;
     /// The unit direction it shines along.
@@ -29,14 +34,18 @@ public:
 private:
     LightShaping shaping_;
     Mat3 toWorld_{1};    // unit columns: the light's own axes
-    Mat4 toSurface_{1};  // world to the shape before its matrix
+    Mat4 toSurface_{1};  // world to the shape, or the captured emitter, before its matrix
     Vec2 size_{1};
     bool flat_ = false;
     float innerDegrees_ = 180, gobo_ = 1;  // where the cone begins to fade; 1 / tangent of its edge
     std::shared_ptr<const IesProfile> ies_;
     std::shared_ptr<const ShapingImage> goboImage_, surface_;
+    std::shared_ptr<const EmissionPattern> pattern_;
 
     Rgb byDirection(const Vec3& local) const;
+    float patternAt(const Vec3& point) const {
+        return pattern_ ? pattern_->at(Vec3(toSurface_ * Vec4(point, 1))) : 1.0f;
+    }
 };
 
 struct EmissionProfile {
@@ -46,8 +55,8 @@ struct EmissionProfile {
     Rgb radiance(const Vec3& away, const Vec3& point) const {
         return shaped ? level * shaped->factor(away, point) : level;
     }
-    /// What the viewport paints on the light itself, seen along `away`.
-    Rgb shown(const Vec3& away) const { return shaped ? level * shaped->shown(away) : level; }
+    /// What the viewport paints on the light itself at `point`, seen along `away`.
+    Rgb shown(const Vec3& away, const Vec3& point) const { return shaped ? level * shaped->shown(away, point) : level; }
     bool dark() const { return !(maxChannel(level) > 0); }
 };
 

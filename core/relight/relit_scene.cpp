@@ -254,6 +254,9 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
         out.emitters.push_back(
             {clusters[e].id, emitterSurface(closed.mesh, closed.emitters[e], matrix[e]), {radiance[e]}});
         out.emitters.back().shadows = shadows[e];
+        if (clusters[e].pattern)
+            out.emitters.back().emission.shaped =
+                std::make_shared<const ShapedEmission>(clusters[e].pattern, matrix[e]);
     }
     for (size_t i = 0; i < look.added.size(); ++i) {
         const AddedEmitter& added = look.added[i];
@@ -277,6 +280,8 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
         } else if (geometry == EmitterShapeInfo::Geometry::emitter) {
             const EmitterCluster& source = clusters[emitterNamed(clusters, added.source, "added_emitters")];
             emitter.surface = emitterSurface(scene.mesh, source, added.matrix);
+            if (source.pattern)
+                emitter.emission.shaped = std::make_shared<const ShapedEmission>(source.pattern, added.matrix);
         }
         out.emitters.push_back(std::move(emitter));
     }

@@ -207,6 +207,21 @@ void assignEmitters(const std::vector<float>& emitter, const Mesh& mesh, Emitter
     }
 }
 
+/// The emitters that shine unevenly, by `level` of every vertex. Throws Error naming a value that cannot be.
+void takeLevels(const std::vector<float>& level, const Mesh& mesh, EmitterClusters& clusters) {
+    if (level.empty()) return;
+    for (EmitterCluster& e : clusters.emitters) {
+        for (const uint32_t v : e.vertices) {
+            if (!(level[v] > 0) || level[v] > 1e6f)
+                throw Error("reflectance.ply: emission_level of vertex {} is {}, expected more than 0 and at most 1e6",
+                            v, level[v]);
+            e.level.push_back(level[v]);
+        }
+        if (std::all_of(e.level.begin(), e.level.end(), [](float l) { return l == 1; })) e.level.clear();
+        rebuildPattern(mesh, e);
+    }
+}
+
 /// The mesh that a shot was made on, with nothing of the capture beside it.
 Capture captureFromShot(const fs::path& folder, const fs::path& captureFolder, Progress& progress) {
     Capture capture;
@@ -260,6 +275,7 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress, const
     std::vector<float> emitter = files.column("emitter", -1);
     nameBalls(shot.capture, e.emitters, emitter);
     assignEmitters(emitter, shot.capture.mesh, e.emitters);
+    takeLevels(files.emissionLevel(), shot.capture.mesh, e.emitters);
     return shot;
 }
 

@@ -16,6 +16,7 @@ namespace {
 
 constexpr const char* ownFile = "reflectance.ply";
 constexpr const char* addedFile = "added.ply";
+constexpr const char* levelColumn = "emission_level";
 
 /// Vertices of the mesh without the balls that were fitted to photographs: those of the file, and proxies that were
 /// told.
@@ -40,6 +41,17 @@ std::vector<float> emitterColumn(const Shot& shot, const Mesh& mesh, size_t vert
             if (!used[v] && glm::length(mesh.positions[v] - box.centre()) < reach) column[v] = float(emitter[ball]);
     }
     return column;
+}
+
+/// Of emitters that shine unevenly, else 1; empty where all shine evenly.
+std::vector<float> levelsOf(const EmitterClusters& clusters, size_t vertices) {
+    std::vector<float> levels;
+    for (const EmitterCluster& e : clusters.emitters) {
+        if (e.level.empty()) continue;
+        levels.resize(vertices, 1);
+        for (size_t i = 0; i < e.vertices.size(); ++i) levels[e.vertices[i]] = e.level[i];
+    }
+    return levels;
 }
 
 /// Vertices of the mesh: the file's, `added` that follow them, proxies.
@@ -101,6 +113,8 @@ void writeReflectance(const Shot& shot, const Mesh& mesh, const fs::path& folder
     properties.push_back({"emitter", emitterColumn(shot, mesh, vertices), true});
     properties.push_back({"confidence", r.confidence, false});
     if (!r.sigma.empty()) properties.push_back({"albedo_sigma", r.sigma, false});
+    if (std::vector<float> levels = levelsOf(shot.estimate.emitters, mesh.vertexCount()); !levels.empty())
+        properties.push_back({levelColumn, std::move(levels), false});
     if (const NearFieldCorrection& fix = shot.estimate.nearFieldCorrection; !fix.empty()) {
         properties.push_back({"corrected_emitter", {fix.emitter.begin(), fix.emitter.end()}, true});
         properties.push_back({"added_form_factor", fix.formFactor, false});
@@ -178,6 +192,10 @@ Reflectance ReflectanceFiles::reflectance(const BrdfBasis& basis) const {
     r.confidence = column("confidence");
     if (has("albedo_sigma")) r.sigma = column("albedo_sigma");
     return r;
+}
+
+std::vector<float> ReflectanceFiles::emissionLevel() const {
+    return has(levelColumn) ? column(levelColumn, 1) : std::vector<float>();
 }
 
 NearFieldCorrection ReflectanceFiles::nearFieldCorrection(size_t emitters) const {

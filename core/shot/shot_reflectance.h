@@ -24,6 +24,8 @@ public:
     /// or not one finite value a vertex.
     std::vector<float> column(const std::string& name, float missing = 0) const;
     Reflectance reflectance(const BrdfBasis& basis) const;
+    /// Radiance of each vertex of an emitter in parts of the emitter's; empty where the files have none.
+    std::vector<float> emissionLevel() const;
     /// Of so many emitters; empty where the files have none.
     NearFieldCorrection nearFieldCorrection(size_t emitters) const;
     /// Their vertices are numbered as the mesh's.

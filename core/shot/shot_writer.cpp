@@ -1,6 +1,7 @@
 // A shot as the document of shot.json.
 #include <nlohmann/json.hpp>
 
+#include "base/statistics.h"
 #include "pipeline/plan.h"
 #include "shot/shot_document.h"
 
@@ -57,6 +58,7 @@ Json emittersJson(const Shot& shot) {
                {"views_seen", c.evidence.viewsSeen},
                {"clipped_fraction", c.evidence.clippedFraction},
                {"evidence", evidenceJson(c.evidence)}};
+        if (!c.level.empty()) j["level_range"] = {quantileOf(c.level, 0.05), quantileOf(c.level, 0.95)};
         if (c.unobserved) j["unobserved"] = true;
         if (c.positionSigma != Vec3(0)) j["position_stddev"] = toJson(c.positionSigma);
         if (i < e.emitterSigma.size()) j["radiance_stddev"] = toJson(e.emitterSigma[i]);

@@ -108,6 +108,7 @@ void fields(File& f, EmitterClusters& c) {
         f.plain(e.normal);
         f.plain(e.area);
         fields(f, e.evidence);
+        list(f, e.level);
     });
     listOf(f, c.rejected, [&](RejectedPatch& r) {
         f.plain(r.centroid);

@@ -125,7 +125,7 @@ void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emit
             const float evenness = s.formFactor * float(samples.size()) /
                                    totals[e];  // 1 but for what a sample stands for more or less than its fraction
             row[leaves.size() + e] +=
-                evenness * evaluateLobe(lobe, light, eye) * light.z / (areaDensity + directionDensity(light));
+                s.level * evenness * evaluateLobe(lobe, light, eye) * light.z / (areaDensity + directionDensity(light));
         }
     }
     const Vec2 shift = randomShift(options.seed, scene.rank[vertex], 7);
@@ -156,7 +156,8 @@ void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emit
                 glm::dot(scene.mesh.faceNormal(hits[i].triangle), rays[i].direction) >= 0)
                 continue;
             const float areaDensity = local[i].z / (pi * totals[size_t(e)]) * float(options.emitterSamples);
-            row[leaves.size() + size_t(e)] += value / (areaDensity + density);
+            const float level = emitters[size_t(e)].levelAt(origin + hits[i].distance * rays[i].direction);
+            row[leaves.size() + size_t(e)] += level * value / (areaDensity + density);
         }
         pending = 0;
     };

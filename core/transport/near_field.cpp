@@ -10,6 +10,8 @@ namespace relamp {
 EmitterSurface emitterSurface(const Mesh& mesh, const EmitterCluster& cluster, const Mat4& toWorld) {
     EmitterSurface s;
     s.twoSided = cluster.twoSided;
+    s.pattern = cluster.pattern;
+    if (s.pattern) s.toCaptured = glm::inverse(toWorld);
     const auto moved = [&](uint32_t v) { return Vec3(toWorld * Vec4(mesh.positions[v], 1)); };
     const bool mirrored = glm::determinant(Mat3(toWorld)) < 0;
     float sum = 0;
@@ -41,6 +43,7 @@ EmitterSurface emitterSurface(const Mesh& mesh, const EmitterCluster& cluster, c
 EmitterSurface orderedEmitterSurface(const Scene& scene, const EmitterCluster& cluster) {
     EmitterCluster ordered;
     ordered.twoSided = cluster.twoSided;
+    ordered.pattern = cluster.pattern;
     ordered.triangles = alongEmitter(scene.mesh, cluster.triangles, scene.axes);
     return emitterSurface(scene.mesh, ordered);
 }
@@ -191,6 +194,7 @@ float sampleEmitter(const Scene& scene, const EmitterSurface& emitter, const Vec
         s.formFactor = d2 > 0 && fraction > 0 ? std::clamp(kernel / fraction, 0.25f, 4.0f) : 1.0f;
         weights += s.formFactor;
         s.direction = distance > 0 ? to / distance : normal;
+        s.level = emitter.levelAt(target);
         samples.push_back(s);
         rays[pending++] = {origin, s.direction, 0, std::max(0.0f, distance * (1 - 1e-4f) - back)};
         if (pending == 8) flush();
@@ -227,10 +231,13 @@ void addNearField(const Scene& scene, const EmitterClusters& clusters, const Nea
                     const float total =
                         sampleEmitter(scene, surfaces[e], scene.mesh.positions[v], scene.mesh.normals[v], 0,
                                       mixBits(options.seed) ^ (uint64_t(scene.rank[v]) * 31 + e), samples);
-                    float seen = 0;
-                    for (const EmitterSample& s : samples) seen += s.formFactor * s.visible;
+                    float seen = 0, open = total;
+                    for (const EmitterSample& s : samples) {
+                        seen += s.formFactor * s.visible * s.level;
+                        open += s.formFactor * (s.level - 1);
+                    }
                     result.formFactor[v * result.emitters + e] = seen;
-                    result.unshadowed[v * result.emitters + e] = total;
+                    result.unshadowed[v * result.emitters + e] = open;
                 }
             }
         },

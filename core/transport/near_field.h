@@ -16,7 +16,11 @@ struct EmitterSurface {
     std::vector<float> cumulativeArea;  ///< running sum of areas
     bool twoSided = false;
     Vec3 centroid{0};
-    float radius = 0;  ///< of the sphere about the centroid that holds it
+    float radius = 0;                                     ///< of the sphere about the centroid that holds it
+    std::shared_ptr<const EmissionPattern> pattern = {};  ///< null: it shines evenly
+    Mat4 toCaptured{1};                                   ///< from the world to where the pattern was captured
+    /// Radiance from a point of the surface in parts of the emitter's.
+    float levelAt(const Vec3& point) const { return pattern ? pattern->at(Vec3(toCaptured * Vec4(point, 1))) : 1.0f; }
     float area() const { return cumulativeArea.empty() ? 0 : cumulativeArea.back(); }
 };
 
@@ -38,6 +42,7 @@ struct EmitterSample {
     Vec3 direction{0};     ///< unit, world
     float formFactor = 0;  ///< its part of the form factor: sums to the unshadowed one
     float visible = 0;     ///< 1 or 0
+    float level = 1;       ///< EmitterSurface::levelAt where it arrives
 };
 
 /// `count` samples spread over what the emitter covers in proportion to the form factor. Returns the unshadowed form
@@ -54,7 +59,8 @@ struct NearFieldOptions {
         nullptr;  ///< per vertex: 0 leaves it out, it then gets no light; null: every vertex
 };
 
-/// Per vertex and emitter the form factor with shadows: a Lambert surface of albedo 1 shows formFactor x radiance.
+/// Per vertex and emitter the form factor with shadows, each part times its level: a Lambert surface of albedo 1 shows
+/// formFactor x radiance.
 struct NearField {
     size_t emitters = 0;
     std::vector<float> formFactor;  ///< vertex-major, emitters values a vertex

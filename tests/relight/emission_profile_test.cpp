@@ -183,7 +183,7 @@ TEST_F(ShapedLightWithFiles, ShowsItsSurfaceImageUprightFromItsFront) {
     EXPECT_EQ(emission.factor({0, 0, -1}, {0.5f, -0.25f, 0}), Rgb(0, 0, 1));
     EXPECT_EQ(emission.factor({0, 0, -1}, {-0.5f, -0.25f, 0}), Rgb(0));
     EXPECT_LT(glm::distance(emission.mean(), Rgb(0.25f)), 1e-4f);
-    EXPECT_LT(glm::distance(emission.shown({0, 0, -1}), Rgb(0.25f)), 1e-4f);
+    EXPECT_LT(glm::distance(emission.shown({0, 0, -1}, Vec3(0)), Rgb(0.25f)), 1e-4f);
 }
 
 TEST_F(ShapedLightWithFiles, LightsTheViewportAsItLightsFrames) {

@@ -155,6 +155,34 @@ TEST(ApplyLook, WhatFormFactorsLackIsAddedUntilTheEmitterMoves) {
     EXPECT_EQ(middle(off), Rgb(0));
 }
 
+TEST(ApplyLook, AnUnevenEmitterAndItsCopyTakeTheirPatternAlong) {
+    World w = world();
+    EmitterCluster& emitter = w.estimate.emitters.emitters[0];
+    for (const uint32_t v : emitter.vertices) emitter.level.push_back(1 + 0.5f * w.scene.mesh.positions[v].x);
+    rebuildPattern(w.scene.mesh, emitter);
+    Look look;
+    // A quarter turn about z, and up: what was its +X side faces +Y.
+    const Mat4 turned(Vec4(0, 1, 0, 0), Vec4(-1, 0, 0, 0), Vec4(0, 0, 1, 0), Vec4(0, 0, 0.5f, 1));
+    look.emitters.push_back({emitter.id, true, turned});
+    AddedEmitter copy;
+    copy.id = "new-1";
+    copy.shape = EmitterShape::copy;
+    copy.source = emitter.id;
+    copy.radiance = Rgb(1);
+    copy.matrix[3] = Vec4(0, 0, -1, 1);
+    look.added.push_back(copy);
+    Progress progress;
+    const RelitScene relit = applyLook(w.scene, w.estimate, look, progress);
+    const Vec3 down(0, 0, -1);
+    const auto sent = [&](size_t e, const Vec3& at) { return relit.emitters[e].emission.radiance(down, at).x; };
+    EXPECT_NEAR(sent(0, {0.1f, 0.8f, 0.5f}), 14, 0.3f);
+    EXPECT_NEAR(sent(0, {0.1f, -0.8f, 0.5f}), 6, 0.3f);
+    EXPECT_NEAR(sent(1, {0.8f, 0.1f, -1}), 1.4f, 0.03f);
+    EXPECT_NEAR(sent(1, {-0.8f, 0.1f, -1}), 0.6f, 0.03f);
+    EXPECT_NEAR(relit.emitters[0].surface.levelAt({0, 0.8f, 0.5f}), 1.4f, 0.03f);
+    EXPECT_EQ(relit.emitters[0].emission.shaped->mean(), Rgb(1));
+}
+
 TEST(ApplyLook, SwitchesAnEmitterOffWithoutTakingItAway) {
     const World w = world();
     Look look;

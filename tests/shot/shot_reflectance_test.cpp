@@ -135,5 +135,32 @@ TEST_F(AddedSurfaces, WhatFormFactorsLackComesBack) {
     EXPECT_EQ(back.formFactor, fix.formFactor);
 }
 
+TEST_F(AddedSurfaces, HowUnevenlyAnEmitterShinesComesBack) {
+    EmitterClusters& clusters = shot.estimate.emitters;
+    clusters.emitters.resize(1);
+    EmitterCluster& emitter = clusters.emitters[0];
+    emitter.id = "emitter-1";
+    emitter.vertices = {0, 1, 2};
+    emitter.level = {0.5f, 1.25f, 1.5f};
+    shot.estimate.lighting.emitterRadiance = {Rgb(1)};
+    for (const uint32_t v : emitter.vertices) clusters.emitterOfVertex[v] = 0;
+    saveShot(shot, mesh, target(), true);
+    EXPECT_EQ(json::parse(test::TemporaryFolder::read(target() / "shot.json"))["emitters"][0]["level_range"].size(),
+              2u);
+    const EmitterCluster back = open().estimate.emitters.emitters[0];
+    EXPECT_EQ(back.vertices, emitter.vertices);
+    EXPECT_EQ(back.level, emitter.level);
+    ASSERT_TRUE(back.pattern);
+    EXPECT_NEAR(back.pattern->at(mesh.positions[0]), 0.5f, 0.1f);
+    // Even ones have no column, and values that cannot be are named.
+    emitter.level = {-1, 1, 1};
+    saveShot(shot, mesh, target(), true);
+    EXPECT_NE(openError().find("emission_level of vertex 0 is -1"), std::string::npos) << openError();
+    emitter.level.clear();
+    saveShot(shot, mesh, target(), true);
+    EXPECT_EQ(test::TemporaryFolder::read(target() / "reflectance.ply").find("emission_level"), std::string::npos);
+    EXPECT_FALSE(open().estimate.emitters.emitters[0].pattern);
+}
+
 }  // namespace
 }  // namespace relamp

@@ -16,9 +16,9 @@ auto fieldsOf(EmitterEvidence& e) {
 }
 auto fieldsOf(EmitterCluster& e) {
     auto& [id, vertices, triangles, radiance, sigma, twoSided, fitted, unobserved, position, centroid, normal, area,
-           evidence] = e;
+           evidence, emission, pattern] = e;
     return std::tie(id, vertices, triangles, radiance, sigma, twoSided, fitted, unobserved, position, centroid, normal,
-                    area, evidence);
+                    area, evidence, emission);
 }
 auto fieldsOf(RejectedPatch& r) {
     auto& [centroid, radiance, evidence, reason, besideBall] = r;

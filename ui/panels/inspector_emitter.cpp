@@ -1,6 +1,7 @@
 // One light, or the active one of several: place, size, light, attached geometry, evidence.
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "base/statistics.h"
 #include "display/vertex_images.h"
 #include "panels/emitter_controls.h"
 #include "panels/inspector.h"
@@ -272,7 +273,12 @@ void evidence(Editor& editor, const EmitterState& emitter) {
     if (e.sceneContrast > 0)
         wrapped(fmt::format("It is {:.3g} times as bright as the brightest other surfaces.", e.sceneContrast));
     if (sigma >= 0) wrapped(fmt::format("Its brightness is known to about {}.", percent(double(sigma))));
-    if (e.uniformity > 0.12f)
+    if (!cluster.level.empty())
+        wrapped(fmt::format(
+            "It shines unevenly: most of its surface has {:.2g} to {:.2g} times its mean radiance. Moved or "
+            "turned, it keeps that.",
+            quantileOf(cluster.level, 0.05), quantileOf(cluster.level, 0.95)));
+    else if (e.uniformity > 0.12f)
         wrapped(fmt::format("It glows unevenly, by {} either way. It is given one brightness, the mean.",
                             percent(double(e.uniformity))));
     if (e.clippedFraction > 0.005f)

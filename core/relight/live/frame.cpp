@@ -90,7 +90,9 @@ void LiveScene::State::makeFrame() {
     parallelFor(n, 2048, [&](size_t v) {
         if (vertices.kind[v] == LiveVertices::emitting) {
             const int e = geometry.parts[vertices.part[v]].emitter;
-            if (shines[v]) out->radiance[v] = geometry.emitters[size_t(e)].emission.shown(vertices.mesh->normals[v]);
+            if (shines[v])
+                out->radiance[v] =
+                    geometry.emitters[size_t(e)].emission.shown(vertices.mesh->normals[v], vertices.mesh->positions[v]);
             return;
         }
         if (!vertices.lit(v)) return;

@@ -51,8 +51,8 @@ std::vector<std::vector<Rgb>> lobeResponses(const Scene& scene, const std::vecto
                     if (s.visible == 0 || light.z <= 0) continue;
                     const float area = light.z / (pi * totals[e]) * float(samples.size()),
                                 evenness = s.formFactor * float(samples.size()) / totals[e];
-                    arriving.push_back(
-                        {light, lighting.emitterRadiance[e] * (evenness * light.z / (area + density(light)))});
+                    arriving.push_back({light, lighting.emitterRadiance[e] *
+                                                   (s.level * evenness * light.z / (area + density(light)))});
                 }
             }
             Ray rays[8];
@@ -83,7 +83,9 @@ std::vector<std::vector<Rgb>> lobeResponses(const Scene& scene, const std::vecto
                         glm::dot(scene.mesh.faceNormal(hits[i].triangle), rays[i].direction) >= 0)
                         continue;
                     const float area = local[i].z / (pi * totals[size_t(e)]) * float(options.emitterSamples);
-                    arriving.push_back({local[i], lighting.emitterRadiance[size_t(e)] * (local[i].z / (area + drawn))});
+                    const float level = emitters[size_t(e)].levelAt(origin + hits[i].distance * rays[i].direction);
+                    arriving.push_back(
+                        {local[i], lighting.emitterRadiance[size_t(e)] * (level * local[i].z / (area + drawn))});
                 }
                 pending = 0;
             };

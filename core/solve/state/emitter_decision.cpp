@@ -75,11 +75,15 @@ EmitterDecision EmitterDecision::of(const Scene& scene, const EmitterClusters& f
 }
 
 EmitterDecision EmitterDecision::of(const Scene& scene, EmitterClusters clusters, std::vector<uint8_t> suspect) {
-    for (const EmitterCluster& e : clusters.emitters) {
+    for (EmitterCluster& e : clusters.emitters) {
         for (uint32_t v : e.vertices)
             if (v >= scene.mesh.vertexCount()) throw Error("the checkpoint names a vertex that does not exist");
         for (uint32_t t : e.triangles)
             if (t >= scene.mesh.triangles.size()) throw Error("the checkpoint names a triangle that does not exist");
+        if (!e.level.empty() && e.level.size() != e.vertices.size())
+            throw Error("the checkpoint holds {} levels of an emitter of {} vertices", e.level.size(),
+                        e.vertices.size());
+        rebuildPattern(scene.mesh, e);
     }
     EmitterDecision d{std::move(clusters), std::move(suspect), {}};
     indexEmitters(scene, d.clusters);
