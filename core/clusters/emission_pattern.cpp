@@ -1,7 +1,5 @@
 #include "clusters/emission_pattern.h"
 
-#include <Eigen/Dense>
-
 #include "base/box.h"
 #include "base/statistics.h"
 #include "clusters/patches.h"
@@ -15,21 +13,21 @@ constexpr size_t fewestVertices = 24;
 
 /// The value at `corner` of the plane that fits the points around it; -1 where there are none.
 float planeAt(const Vec3& corner, float cell, const std::vector<Vec3>& points, const std::vector<float>& levels) {
-    Eigen::Matrix4d products = Eigen::Matrix4d::Zero();
-    Eigen::Vector4d moments = Eigen::Vector4d::Zero();
+    glm::dmat4 products(0);
+    glm::dvec4 moments(0);
     for (size_t i = 0; i < points.size(); ++i) {
         const Vec3 d = (points[i] - corner) / cell;
         const double squared = glm::dot(d, d);
         if (squared > 4) continue;
         const double weight = std::exp(-2 * squared);
-        const Eigen::Vector4d terms(1, d.x, d.y, d.z);
-        products += weight * terms * terms.transpose();
+        const glm::dvec4 terms(1, d.x, d.y, d.z);
+        products += weight * glm::outerProduct(terms, terms);
         moments += weight * double(levels[i]) * terms;
     }
-    if (!(products(0, 0) > 0)) return -1;
+    if (!(products[0][0] > 0)) return -1;
     // Flat emitters and lone points do not tell the slope across or at all.
-    for (int k = 1; k < 4; ++k) products(k, k) += 1e-2 * products(0, 0);
-    return float(products.ldlt().solve(moments)(0));
+    for (int k = 1; k < 4; ++k) products[k][k] += 1e-2 * products[0][0];
+    return float((glm::inverse(products) * moments).x);
 }
 
 /// Median distance of a point to the one next to it, of 64 of them.

@@ -177,8 +177,6 @@ Rgb meanRadiance(const Scene& scene, const std::vector<VertexRadiance>& seen, co
     return area > 0 ? Rgb(sum / area) : cluster.radiance;
 }
 
-constexpr const char* fadesOut = "fades out without an edge";
-
 /// The search for emitters: what it knows of the scene, and what it has found so far.
 class ClusterSearch {
 public:
@@ -220,8 +218,8 @@ public:
 
     /// Bright parts none of whose patches is an emitter by itself, but which are one as a whole.
     void findUnevenEmitters() {
-        for (EmitterPatch& part :
-             brightPatches(scene_, seen_, 0.75f * options_.unevenContrast * reference_, acceptedByThemselves())) {
+        for (EmitterPatch& part : brightPatches(scene_, seen_, 0.75f * options_.unevenContrast * reference_,
+                                                withoutSteps(scene_, patches_, accepted_))) {
             std::vector<int> inPatch(seen_.size(), -1);
             for (uint32_t v : part.vertices) inPatch[v] = 0;
             judgePatch(scene_, samples_, seen_, inPatch, 0, reference_, part);
@@ -364,29 +362,6 @@ private:
             for (uint32_t v : e.vertices) taken_[v] = 1;
     }
 
-    /// Per vertex 1 on accepted patches, but for those that touch a brighter one which fades out without an edge: such
-    /// a patch may be a step in the middle of an uneven emitter.
-    std::vector<uint8_t> acceptedByThemselves() const {
-        constexpr float brighter = 1.2f;
-        std::vector<int> patchOf(seen_.size(), -1);
-        for (size_t i = 0; i < patches_.size(); ++i)
-            for (const uint32_t v : patches_[i].vertices) patchOf[v] = int(i);
-        std::vector<uint8_t> left = accepted_;
-        for (const EmitterPatch& patch : patches_) {
-            if (!patch.reject.empty()) continue;
-            const bool step = std::any_of(patch.vertices.begin(), patch.vertices.end(), [&](uint32_t v) {
-                for (uint32_t e = scene_.graph.start[v]; e < scene_.graph.start[v + 1]; ++e)
-                    if (const int other = patchOf[scene_.graph.to[e]];
-                        other >= 0 && patches_[size_t(other)].reject == fadesOut &&
-                        maxChannel(patches_[size_t(other)].radiance) > brighter * maxChannel(patch.radiance))
-                        return true;
-                return false;
-            });
-            for (size_t k = 0; step && k < patch.vertices.size(); ++k) left[patch.vertices[k]] = 0;
-        }
-        return left;
-    }
-
     /// Takes back what was accepted inside a part (`inPart` 0) that is an emitter as a whole.
     void dropInside(const std::vector<int>& inPart) {
         const auto inside = [&](const EmitterCluster& e) {
@@ -411,7 +386,7 @@ private:
         if (e.sceneContrast < options_.minContrast && e.uniformity > 0.06f)
             return "no brighter than other surfaces and not uniform";
         if (e.uniformity > 0.12f) return "its radiance varies as shading does";
-        if (e.edgeDrop > 0.8f) return fadesOut;
+        if (e.edgeDrop > 0.8f) return fadesOutReason;
         if (tooFewPixels(scene_, capture_, samples_, patch)) return tooFewPixelsReason;
         if (onlyRim(scene_, nearRim_, seenOfComponent_, patch))
             return "lies at the rim of a hole, where a pixel may show what is behind";

@@ -144,6 +144,28 @@ void mergeLikePatches(const Scene& scene, std::vector<EmitterPatch>& patches, co
         }
 }
 
+std::vector<uint8_t> withoutSteps(const Scene& scene, const std::vector<EmitterPatch>& patches,
+                                  std::vector<uint8_t> accepted) {
+    constexpr float brighter = 1.2f;
+    std::vector<int> patchOf(accepted.size(), -1);
+    for (size_t i = 0; i < patches.size(); ++i)
+        for (const uint32_t v : patches[i].vertices) patchOf[v] = int(i);
+    const auto besideBrighter = [&](uint32_t v, const EmitterPatch& patch) {
+        for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e) {
+            const int other = patchOf[scene.graph.to[e]];
+            if (other >= 0 && patches[size_t(other)].reject == fadesOutReason &&
+                maxChannel(patches[size_t(other)].radiance) > brighter * maxChannel(patch.radiance))
+                return true;
+        }
+        return false;
+    };
+    for (const EmitterPatch& patch : patches)
+        if (patch.reject.empty() && std::any_of(patch.vertices.begin(), patch.vertices.end(),
+                                                [&](uint32_t v) { return besideBrighter(v, patch); }))
+            for (const uint32_t v : patch.vertices) accepted[v] = 0;
+    return accepted;
+}
+
 std::vector<EmitterPatch> brightPatches(const Scene& scene, const std::vector<VertexRadiance>& seen, float floor,
                                         const std::vector<uint8_t>& except) {
     std::vector<EmitterPatch> parts;

@@ -24,6 +24,7 @@ struct EmitterPatch {
 };
 
 constexpr const char* tooFewPixelsReason = "is seen by too few pixels to tell a light from a bright speck";
+constexpr const char* fadesOutReason = "fades out without an edge";
 constexpr size_t smallestPatch = 4;  ///< vertices
 
 /// What the views agree on about each vertex.
@@ -35,6 +36,11 @@ std::vector<EmitterPatch> growPatches(const Scene& scene, const std::vector<Vert
 
 /// Patches of one radiance on one connected component are one emitter seen in parts.
 void mergeLikePatches(const Scene& scene, std::vector<EmitterPatch>& patches, const std::vector<VertexRadiance>& seen);
+
+/// `accepted`, per vertex 1 on accepted patches, but for those that touch a brighter one which fades out without an
+/// edge: such a patch may be a step in the middle of an uneven emitter.
+std::vector<uint8_t> withoutSteps(const Scene& scene, const std::vector<EmitterPatch>& patches,
+                                  std::vector<uint8_t> accepted);
 
 /// Parts of connected vertices above `floor`, in an order that does not know the file's; none that has a vertex in
 /// `except`.

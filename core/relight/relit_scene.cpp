@@ -166,6 +166,19 @@ std::vector<std::vector<float>> addedFactors(const NearFieldCorrection& correcti
     return added;
 }
 
+void nameEmitters(const std::vector<EmitterCluster>& clusters, const Look& look, std::vector<RelitEmitter>& emitters) {
+    std::vector<std::string> ids;
+    ids.reserve(clusters.size());
+    for (const EmitterCluster& cluster : clusters) ids.push_back(cluster.id);
+    const std::vector<std::string> names = emitterNames(ids, look);
+    for (size_t e = 0; e < names.size(); ++e) emitters[e].name = names[e];
+}
+
+/// How a recovered emitter that was moved by `matrix` shines over its surface; null: evenly.
+std::shared_ptr<const ShapedEmission> patternOf(const EmitterCluster& cluster, const Mat4& matrix) {
+    return cluster.pattern ? std::make_shared<const ShapedEmission>(cluster.pattern, matrix) : nullptr;
+}
+
 /// The mesh that is closed where emitters with a part of their own leave it; `kept` where it is that one already.
 std::shared_ptr<const ClosedMesh> closedFor(const Scene& scene, const std::vector<EmitterCluster>& clusters,
                                             const std::vector<uint32_t>& partOfEmitter,
@@ -251,12 +264,10 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
     const std::shared_ptr<const ClosedMesh> closedMesh = closedFor(scene, clusters, partOfEmitter, kept);
     const ClosedMesh& closed = *closedMesh;
     for (size_t e = 0; e < clusters.size(); ++e) {
-        out.emitters.push_back(
-            {clusters[e].id, emitterSurface(closed.mesh, closed.emitters[e], matrix[e]), {radiance[e]}});
+        out.emitters.push_back({clusters[e].id,
+                                emitterSurface(closed.mesh, closed.emitters[e], matrix[e]),
+                                {radiance[e], patternOf(clusters[e], matrix[e])}});
         out.emitters.back().shadows = shadows[e];
-        if (clusters[e].pattern)
-            out.emitters.back().emission.shaped =
-                std::make_shared<const ShapedEmission>(clusters[e].pattern, matrix[e]);
     }
     for (size_t i = 0; i < look.added.size(); ++i) {
         const AddedEmitter& added = look.added[i];
@@ -280,16 +291,11 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
         } else if (geometry == EmitterShapeInfo::Geometry::emitter) {
             const EmitterCluster& source = clusters[emitterNamed(clusters, added.source, "added_emitters")];
             emitter.surface = emitterSurface(scene.mesh, source, added.matrix);
-            if (source.pattern)
-                emitter.emission.shaped = std::make_shared<const ShapedEmission>(source.pattern, added.matrix);
+            emitter.emission.shaped = patternOf(source, added.matrix);
         }
         out.emitters.push_back(std::move(emitter));
     }
-    std::vector<std::string> ids;
-    ids.reserve(clusters.size());
-    for (const EmitterCluster& cluster : clusters) ids.push_back(cluster.id);
-    const std::vector<std::string> names = emitterNames(ids, look);
-    for (size_t e = 0; e < names.size(); ++e) out.emitters[e].name = names[e];
+    nameEmitters(clusters, look, out.emitters);
     out.mesh = closed.mesh;
     out.vertexOrigin = closed.vertexOrigin;
     out.untextured = closed.untextured;
