@@ -13,9 +13,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* referenceWords =
-    "A panorama of the set as it was when the photographs were taken (EXR or HDR). It measures the environment where "
-    "no "
-    "photograph shows it. How it is turned and exposed is found.";
+    "A panorama of the set as it was when the photographs were taken (EXR or HDR). It measures the environment "
+    "where no photograph shows it. How it is turned and exposed is found.";
 
 /// What the last estimate found of this file; null: it did not have it.
 const ProbeFit* fitOf(const Editor& editor, const fs::path& file) {
