@@ -3,6 +3,7 @@
 #include "base/box.h"
 #include "base/statistics.h"
 #include "clusters/patches.h"
+#include "scene/rim.h"
 
 namespace relamp {
 namespace {
@@ -10,6 +11,7 @@ namespace {
 constexpr int cubesAlong = 16;
 constexpr float darkest = 0.02f, brightest = 50;
 constexpr size_t fewestVertices = 24;
+constexpr size_t mostPoints = 20000;  // a cube has more than a few of them then
 
 /// The value at `corner` of the plane that fits the points around it; -1 where there are none.
 float planeAt(const Vec3& corner, float cell, const std::vector<Vec3>& points, const std::vector<float>& levels) {
@@ -68,20 +70,32 @@ void fillUnknown(const std::vector<std::vector<uint32_t>>& neighbours, std::vect
 }
 
 /// What is not known (below 0) goes on from what lies within three edges as a plane does, by half to double at most.
-void continueOutward(const Scene& scene, const std::vector<uint32_t>& vertices, std::vector<float>& level) {
+void continueOutward(const Scene& scene, const std::vector<uint32_t>& vertices,
+                     const std::vector<std::vector<uint32_t>>& neighbours, std::vector<float>& level) {
+    const std::vector<float> known = level;
+    std::vector<uint32_t> reached, met(level.size(), 0);  // met: by which vertex last, counted from 1
     std::vector<Vec3> points;
-    std::vector<float> known;
-    for (size_t i = 0; i < level.size(); ++i)
-        if (level[i] >= 0) points.push_back(scene.mesh.positions[vertices[i]]), known.push_back(level[i]);
+    std::vector<float> levels;
     for (size_t i = 0; i < level.size(); ++i) {
-        if (level[i] >= 0) continue;
+        if (known[i] >= 0) continue;
+        reached.assign(1, uint32_t(i));
+        met[i] = uint32_t(i + 1);
+        for (size_t edge = 0, begin = 0; edge < 3; ++edge)
+            for (const size_t end = reached.size(); begin < end; ++begin)
+                for (const uint32_t k : neighbours[reached[begin]])
+                    if (met[k] != i + 1) met[k] = uint32_t(i + 1), reached.push_back(k);
+        points.clear();
+        levels.clear();
         const Vec3 at = scene.mesh.positions[vertices[i]];
-        const float reach = 1.5f * scene.vertexSpacing[vertices[i]], plane = planeAt(at, reach, points, known);
-        if (plane < 0) continue;
         float nearest = 1e30f, own = 1;
-        for (size_t k = 0; k < points.size(); ++k)
-            if (const float d = glm::distance(points[k], at); d < nearest) nearest = d, own = known[k];
-        level[i] = std::clamp(plane, own / 2, own * 2);
+        for (const uint32_t k : reached) {
+            if (known[k] < 0) continue;
+            points.push_back(scene.mesh.positions[vertices[k]]);
+            levels.push_back(known[k]);
+            if (const float d = glm::distance(points.back(), at); d < nearest) nearest = d, own = known[k];
+        }
+        const float plane = planeAt(at, 1.5f * scene.vertexSpacing[vertices[i]], points, levels);
+        if (plane >= 0) level[i] = std::clamp(plane, own / 2, own * 2);
     }
 }
 
@@ -102,11 +116,17 @@ float meanOverSurface(const Mesh& mesh, const EmitterCluster& cluster, const std
 
 }  // namespace
 
-EmissionPattern::EmissionPattern(const std::vector<Vec3>& points, const std::vector<float>& levels) {
+EmissionPattern::EmissionPattern(std::vector<Vec3> points, std::vector<float> levels) {
     Box box;
     for (const Vec3& p : points) box.grow(p);
     level_.assign(1, 1.0f);
     if (points.empty()) return;
+    if (const size_t step = points.size() / mostPoints + 1; step > 1) {
+        size_t kept = 0;
+        for (size_t i = 0; i < points.size(); i += step, ++kept) points[kept] = points[i], levels[kept] = levels[i];
+        points.resize(kept);
+        levels.resize(kept);
+    }
     const Vec3 size = box.size();
     low_ = box.min;
     cell_ = std::max({maxChannel(size) / cubesAlong, spacingOf(points), 1e-12f});
@@ -171,19 +191,22 @@ void takeEmissionPattern(const Scene& scene, const std::vector<VertexRadiance>& 
     const std::vector<int> place = placesOf(seen.size(), cluster.vertices);
     const size_t n = cluster.vertices.size();
     std::vector<std::vector<uint32_t>> neighbours(n);
+    const std::vector<uint8_t> rim = rimVertices(scene.mesh);
     std::vector<uint8_t> border(n, 0);
-    for (size_t i = 0; i < n; ++i)
+    for (size_t i = 0; i < n; ++i) {
+        border[i] = rim[cluster.vertices[i]];
         for (uint32_t e = scene.graph.start[cluster.vertices[i]]; e < scene.graph.start[cluster.vertices[i] + 1]; ++e) {
             const int j = place[scene.graph.to[e]];
             if (j >= 0) neighbours[i].push_back(uint32_t(j));
             else border[i] = 1;
         }
+    }
     std::vector<float> level(n, -1);
     for (size_t i = 0; i < n; ++i)
         if (const VertexRadiance& s = seen[cluster.vertices[i]]; s.weight > 0.1f && !border[i])
             level[i] = std::clamp(luminance(s.radiance) / mean, darkest, brightest);
     if (size_t(std::count_if(level.begin(), level.end(), [](float l) { return l >= 0; })) < fewestVertices) return;
-    continueOutward(scene, cluster.vertices, level);
+    continueOutward(scene, cluster.vertices, neighbours, level);
     fillUnknown(neighbours, level);
     const std::vector<float> raw = level;
     for (size_t i = 0; i < n; ++i) {
