@@ -3,6 +3,7 @@
 #include "base/log.h"
 #include "base/statistics.h"
 #include "clusters/emitter_mend.h"
+#include "pipeline/flat_emitters.h"
 #include "pipeline/light_obstacles.h"
 #include "radiance/back_sides.h"
 #include "radiance/free_space.h"
@@ -52,9 +53,15 @@ public:
         say(fmt::format("photographs show {:.0f} cm2 of round surfaces that the mesh lacks: added", 1e4f * area));
     }
 
-    void shapeEmitters() {
+    /// `inexact`: the mesh is known to be off somewhere.
+    void shapeEmitters(bool inexact) {
         meter_.begin(Stage::emitters);
         EmitterMend found = mendEmitters(*prepared_.scene, capture_, *prepared_.samples, prepared_.clusters);
+        if (inexact)
+            for (EmitterMove& m : liftedFronts(*prepared_.scene, capture_, *prepared_.samples, prepared_.clusters)) {
+                std::erase_if(found.moves, [&](const EmitterMove& other) { return other.centroid == m.centroid; });
+                found.moves.push_back(std::move(m));
+            }
         if (!found.needed()) return;
         add(found.removed, mend_.removed);
         const auto move = [&] {
@@ -205,7 +212,7 @@ MeshMend mendMesh(const PipelineOptions& options, Capture& capture, Prepared& pr
     MeshMender mender(options, capture, prepared, meter, progress);
     const bool skirts = mender.takeSkirtsOff();
     if (skirts || moved) mender.completeSurfaces();
-    mender.shapeEmitters();
+    mender.shapeEmitters(skirts || moved);
     return std::move(mender).result();
 }
 

@@ -9,17 +9,20 @@ namespace relamp {
 namespace {
 
 /// A correction matters where it may change the light by this fraction.
-constexpr float matters = 0.1f;
-/// Farther than so many times what the mesh is off by, its errors are those of a direction, which are small.
-constexpr float nearby = 15;
+constexpr float matters = 0.05f;
+/// Farther than so many times what the mesh is off by, its errors are those of a direction, which are small unless the
+/// light grazes the surface: then they count up to `alongSurface` times.
+constexpr float nearby = 15, alongSurface = 40;
+constexpr float grazing = 0.35f;  ///< cosine of the light's middle to the surface's normal
 /// Standard deviation of a difference of log albedo across an edge; smaller ones count as this small.
-constexpr double albedoStep = 0.1, smallest = 0.02;
+constexpr double albedoStep = 0.1, smallest = 0.05;
 /// Standard deviation of a difference, between neighbours, of the correction over its own standard deviation.
 constexpr double smoothness = 0.1;
 /// Neighbours err alike: a vertex says no more of the correction's size than this fraction of a value of its own.
-constexpr double independent = 0.05;
+constexpr double independent = 0.005;
 /// The variation must fall below this fraction of what it was: a papered wall is less even by itself.
-constexpr double clearly = 0.8;
+constexpr double clearly = 0.96;
+constexpr size_t leastVertices = 100;  ///< that an emitter is wrong for
 
 /// One vertex whose light may be wrong.
 struct Doubtful {
@@ -29,17 +32,23 @@ struct Doubtful {
     float formFactor = 0;  ///< as the mesh has it
 };
 
-/// The corner of an emitter that is nearest to a point, or none within `reach`.
+/// The corner of an emitter that is nearest to a point, or none within `reach`; and how far the emitter rises above the
+/// point's surface.
 struct Nearest {
     float squared = 0;
     uint32_t vertex = ~0u;
+    float height = 0;
 };
-Nearest nearestOf(const Vec3& point, const Mesh& mesh, const EmitterCluster& emitter, float reach) {
+Nearest nearestOf(const Vec3& point, const Vec3& normal, const Mesh& mesh, const EmitterCluster& emitter, float reach) {
     Nearest best{reach * reach};
     for (uint32_t t : emitter.triangles)
         for (uint32_t v : mesh.triangles[t]) {
             const Vec3 d = mesh.positions[v] - point;
-            if (glm::dot(d, d) < best.squared) best = {glm::dot(d, d), v};
+            best.height = std::max(best.height, glm::dot(d, normal));
+            if (glm::dot(d, d) < best.squared) {
+                best.squared = glm::dot(d, d);
+                best.vertex = v;
+            }
         }
     return best;
 }
@@ -70,15 +79,21 @@ std::vector<Doubtful> doubtfulOf(const NearFieldCorrectionInput& in, Progress& p
             for (size_t e = 0; e < emitters.size(); ++e) {
                 const float power = maxChannel(in.radiance[e]);
                 if (!(power > 0) || !(light > 0)) continue;
-                const float reach = std::min(nearby, power / (matters * light)) * in.meshError;
+                const float reach = std::min(alongSurface, power / (matters * light)) * in.meshError;
                 const Vec3 to = emitters[e].centroid - point;
                 if (glm::length(to) > reach + std::sqrt(emitters[e].area) * 2) continue;
-                const Nearest nearest = nearestOf(point, in.scene.mesh, emitters[e], reach);
+                const Nearest nearest = nearestOf(point, in.scene.mesh.normals[v], in.scene.mesh, emitters[e], reach);
                 if (nearest.vertex == ~0u || !mayReach(in.scene, v, nearest.vertex, in.meshError)) continue;
+                const bool grazes = glm::dot(to, in.scene.mesh.normals[v]) < grazing * glm::length(to);
+                if (!grazes && nearest.squared > nearby * nearby * in.meshError * in.meshError) continue;
                 // The emitter covers no more than half of what the vertex sees, and little of it from afar.
                 const float d2 = nearest.squared;
                 const float covers = std::min(0.5f, emitters[e].area / (pi * std::max(d2, 1e-20f)));
-                const float sigma = 2 * covers * in.meshError / std::max(std::sqrt(d2), in.meshError);
+                // A strip that stands on the surface, off by the mesh's error in its height.
+                const float height = std::max(nearest.height, in.meshError);
+                const float strip = 0.5f - 0.5f / std::sqrt(1 + height * height / std::max(d2, 1e-20f));
+                const float sigma =
+                    2 * in.meshError * std::min(covers / std::max(std::sqrt(d2), in.meshError), strip / height);
                 const float change = sigma * power / light;
                 if (change <= most) continue;
                 most = change;
@@ -114,14 +129,17 @@ public:
         }
     }
 
-    /// Mean absolute difference of log albedo across the edges.
-    double variation() const {
-        double sum = 0;
+    /// Per emitter: mean absolute difference of log albedo across the edges at vertices that it may be wrong for.
+    std::vector<double> variation() const {
+        std::vector<double> sum(in_.emitters.emitters.size(), 0), count = sum;
         for (const Edge& e : edges_) {
             const Rgb d = logAlbedo(e.i, e.a) - logAlbedo(e.k, e.b);
-            sum += double(std::sqrt(glm::dot(d, d) / 3));
+            const auto emitter = size_t(doubtful_[size_t(e.a)].emitter);
+            sum[emitter] += double(std::sqrt(glm::dot(d, d) / 3));
+            count[emitter] += 1;
         }
-        return sum / std::max<double>(1, double(edges_.size()));
+        for (size_t k = 0; k < sum.size(); ++k) sum[k] /= std::max(1.0, count[k]);
+        return sum;
     }
 
     void step() {
@@ -164,15 +182,18 @@ public:
             t_(i) = std::clamp(t_(i) - std::clamp(change(i), -0.5, 0.5), lowest(size_t(i)), 4.0);
     }
 
-    /// Root mean square relative change of the light.
-    double change() const {
-        double sum = 0;
+    /// Per emitter: vertices it may be wrong for, and the root mean square relative change of their light.
+    std::vector<std::pair<size_t, double>> changes() const {
+        std::vector<std::pair<size_t, double>> result(in_.emitters.emitters.size(), {0, 0});
         for (size_t d = 0; d < doubtful_.size(); ++d) {
             const uint32_t i = doubtful_[d].observation;
             const double before = double(luminance(in_.irradiance.value[i]));
+            auto& [count, sum] = result[size_t(doubtful_[d].emitter)];
+            ++count;
             sum += std::pow(double(luminance(lightAt(i, int(d)))) / std::max(before, 1e-20) - 1, 2);
         }
-        return std::sqrt(sum / std::max<double>(1, double(doubtful_.size())));
+        for (auto& [count, sum] : result) sum = std::sqrt(sum / std::max<double>(1, double(count)));
+        return result;
     }
 
     float added(size_t d) const { return float(t_(Eigen::Index(d))) * doubtful_[d].sigma; }
@@ -212,21 +233,29 @@ NearFieldCorrection correctNearField(const NearFieldCorrectionInput& in, Progres
     const std::vector<Doubtful> doubtful = doubtfulOf(in, progress);
     if (doubtful.size() < 10) return out;
     Fit fit(in, doubtful);
-    const double before = fit.variation();
+    const std::vector<double> before = fit.variation();
     constexpr int steps = 12;
     for (int i = 0; i < steps; ++i) {
         progress.check();
         fit.step();
     }
-    const double after = fit.variation(), change = fit.change();
-    logInfo(
-        "light close to emitters: {} vertices, changed by {:.1f} %; log albedo varies by {:.3f} and then {:.3f} an "
-        "edge",
-        doubtful.size(), 100 * change, before, after);
-    if (!(after < clearly * before)) return out;
+    const std::vector<double> after = fit.variation();
+    const std::vector<std::pair<size_t, double>> changes = fit.changes();
+    std::vector<uint8_t> better(before.size(), 0);
+    for (size_t e = 0; e < before.size(); ++e) {
+        if (changes[e].first == 0) continue;
+        better[e] = changes[e].first >= leastVertices && after[e] < clearly * before[e];
+        logInfo(
+            "light close to {}: {} vertices, changed by {:.1f} %; log albedo varies by {:.3f} and then {:.3f} an "
+            "edge{}",
+            in.emitters.emitters[e].id, changes[e].first, 100 * changes[e].second, before[e], after[e],
+            better[e] ? "" : ": left as it is");
+    }
+    if (std::none_of(better.begin(), better.end(), [](uint8_t b) { return b; })) return out;
     out.emitter.assign(in.scene.mesh.vertexCount(), -1);
     out.formFactor.assign(out.emitter.size(), 0);
     for (size_t d = 0; d < doubtful.size(); ++d) {
+        if (!better[size_t(doubtful[d].emitter)]) continue;
         const uint32_t v = in.matte.vertices[doubtful[d].observation];
         out.emitter[v] = doubtful[d].emitter;
         out.formFactor[v] = fit.added(d);

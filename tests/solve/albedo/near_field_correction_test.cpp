@@ -29,8 +29,12 @@ struct Wall {
         return int(std::floor((p.x + 10) / 0.08f)) % 2 ? Rgb(0.6f, 0.5f, 0.4f) : Rgb(0.3f, 0.35f, 0.4f);
     }
 
-    /// `missing`: form factor that the mesh lacks beside the panel.
-    explicit Wall(float missing) : scene(test::sceneOf(mesh())) {
+    /// Form factor of a strip that stands up from the wall.
+    static float strip(float height, float d) { return 0.5f - 0.5f / std::sqrt(1 + height * height / (d * d)); }
+
+    /// `missing`: form factor that the mesh lacks beside the panel. `higher`: so much the panel is farther from the
+    /// wall than in the mesh.
+    explicit Wall(float missing, float higher = 0) : scene(test::sceneOf(mesh())) {
         const size_t wall = 61 * 61;
         EmitterCluster panel;
         for (uint32_t t = 0; t < scene.mesh.triangles.size(); ++t)
@@ -49,7 +53,8 @@ struct Wall {
             matte.vertices.push_back(v);
             known.value.push_back(light);
             known.sigma.push_back(0.01f * light);
-            actual.push_back(light + missing * std::exp(-d / 0.04f) * radiance[0]);
+            const float rises = strip(0.02f + higher, d) - strip(0.02f, d);
+            actual.push_back(light + (missing * std::exp(-d / 0.04f) + rises) * radiance[0]);
             matte.radiance.push_back(albedoAt(p) * actual.back());
             matte.sigma.push_back(0.01f * matte.radiance.back());
         }
@@ -59,11 +64,12 @@ struct Wall {
         Progress progress;
         return correctNearField({scene, matte, known, nearField, emitters, radiance, meshError}, progress);
     }
-    /// Root mean square relative error of the light within 10 cm of the panel.
-    double error(const Irradiance& light) const {
+    /// Root mean square relative error of the light at such distances from the panel.
+    double error(const Irradiance& light, float from = 0, float to = 0.1f) const {
         double sum = 0, count = 0;
         for (size_t i = 0; i < matte.vertices.size(); ++i) {
-            if (distance(scene.mesh.positions[matte.vertices[i]]) > 0.1f) continue;
+            const float d = distance(scene.mesh.positions[matte.vertices[i]]);
+            if (d < from || d > to) continue;
             sum += std::pow(double(light.value[i].x / actual[i].x - 1), 2);
             ++count;
         }
@@ -81,6 +87,17 @@ TEST(NearFieldCorrection, FindsTheLightFromAGapThatTheMeshDoesNotHave) {
     EXPECT_LT(wall.error(corrected), 0.3 * wall.error(wall.known));
     for (size_t v = 0; v < found.emitter.size(); ++v)
         if (Wall::distance(wall.scene.mesh.positions[v]) > 0.4f) { EXPECT_NEAR(found.formFactor[v], 0, 2e-3) << v; }
+}
+
+TEST(NearFieldCorrection, FollowsLightAlongAWallFartherThanLightFromAbove) {
+    const Wall wall(0, 0.01f);
+    const NearFieldCorrection found = wall.correct(0.005f);  // 15 times that: 7.5 cm
+    ASSERT_FALSE(found.empty());
+    Irradiance corrected = wall.known;
+    addCorrection(found, wall.matte.vertices, wall.radiance, corrected);
+    EXPECT_GT(wall.error(wall.known, 0.08f, 0.15f), 0.05);
+    EXPECT_LT(wall.error(corrected, 0.08f, 0.15f), 0.75 * wall.error(wall.known, 0.08f, 0.15f));
+    EXPECT_LT(wall.error(corrected, 0, 0.08f), 0.5 * wall.error(wall.known, 0, 0.08f));
 }
 
 TEST(NearFieldCorrection, LeavesLightThatIsRightAlone) {
