@@ -11,6 +11,7 @@ namespace relamp {
 /// An emitter whose surface moves.
 struct EmitterMove {
     std::vector<MeshMend::MovedVertex> vertices;
+    std::vector<uint32_t> shining = {};  ///< of them, those that shine though few pixels show it
     Vec3 centroid{0};   ///< before
     float radius = 0;   ///< of the sphere about it that holds the emitter
     float overlap = 0;  ///< of its pixels and the mesh, before

@@ -123,6 +123,7 @@ std::vector<EmitterMove> liftedFronts(const Scene& scene, const Capture& capture
                 to += Vec3((rim / std::max(reach, 1e-30) - 1) * (x * fit->first + y * fit->second));
             if (glm::distance(to, scene.mesh.positions[v]) > 2 * std::max(edge, std::abs(newHeight - height))) continue;
             move.vertices.push_back({v, to});
+            move.shining.push_back(v);
             move.radius = std::max(move.radius, glm::length(from));
         }
         move.words = fmt::format(

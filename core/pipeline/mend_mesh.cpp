@@ -66,8 +66,12 @@ public:
         add(found.removed, mend_.removed);
         const auto move = [&] {
             mend_.moved.clear();
-            for (const EmitterMove& m : found.moves)
+            mend_.shining.clear();
+            for (const EmitterMove& m : found.moves) {
                 mend_.moved.insert(mend_.moved.end(), m.vertices.begin(), m.vertices.end());
+                mend_.shining.insert(mend_.shining.end(), m.shining.begin(), m.shining.end());
+            }
+            std::sort(mend_.shining.begin(), mend_.shining.end());
             apply(found.balls);
         };
         move();

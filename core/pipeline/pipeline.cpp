@@ -5,7 +5,7 @@
 #include "base/statistics.h"
 #include "brdf/measured_gloss.h"
 #include "capture/own_axes.h"
-#include "clusters/moved_emitters.h"
+#include "clusters/shining_sides.h"
 #include "pipeline/mend_mesh.h"
 #include "pipeline/normals_choice.h"
 #include "pipeline/reproduction.h"
@@ -146,7 +146,7 @@ Corrections correctCapture(const PipelineOptions& options, Capture& capture, Pre
             prepared.scene = std::make_shared<const Scene>(buildScene(capture.mesh, progress, ownAxes(capture)));
         }
     }
-    if (!prepared.working) shineAsMoved(*prepared.scene, done.mend.moved, prepared.clusters);
+    if (!prepared.working) letSidesShine(*prepared.scene, done.mend.shining, prepared.clusters);
     if (!done.registration.empty() || !done.mend.empty()) prepared.meshError = halfAnEdge(*prepared.scene);
     return done;
 }

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "clusters/moved_emitters.h"
+#include "clusters/shining_sides.h"
 #include "radiance/gather.h"
 #include "support/estimates.h"
 
@@ -121,7 +121,7 @@ TEST(FlatEmitters, ItsSidesShineWithIt) {
     const std::vector<EmitterMove> moves = screen.lifted();
     ASSERT_EQ(moves.size(), 1u);
     screen.apply(moves[0]);
-    shineAsMoved(screen.scene, moves[0].vertices, screen.clusters);
+    letSidesShine(screen.scene, moves[0].shining, screen.clusters);
     const float real = 4 * (halfWidth + halfHeight) * (front - back);
     EXPECT_GT(screen.sides(), 0.8f * real);
     EXPECT_LT(screen.sides(), 1.8f * real);  // down to the wall
@@ -134,14 +134,13 @@ TEST(FlatEmitters, ItsSidesShineWithIt) {
     }
 }
 
-TEST(FlatEmitters, WhatWasMovedElsewhereIsNoEmitters) {
+TEST(FlatEmitters, SidesThatNoEmitterReachesStayDark) {
     Screen screen(false);
-    std::vector<MeshMend::MovedVertex> moved;
+    std::vector<uint32_t> shining;
     for (uint32_t v = 0; v < screen.scene.mesh.vertexCount(); ++v)
-        if (const Vec3 p = screen.scene.mesh.positions[v]; p.x > 0.38f)
-            moved.push_back({v, p});  // its rim and the wall
+        if (screen.scene.mesh.positions[v].x > 0.6f) shining.push_back(v);  // the wall beside it
     const size_t before = screen.clusters.emitters.at(0).vertices.size();
-    shineAsMoved(screen.scene, moved, screen.clusters);
+    letSidesShine(screen.scene, shining, screen.clusters);
     EXPECT_EQ(screen.clusters.emitters.at(0).vertices.size(), before);
 }
 

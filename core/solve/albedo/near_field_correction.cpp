@@ -8,21 +8,24 @@
 namespace relamp {
 namespace {
 
-/// A correction matters where it may change the light by this fraction.
-constexpr float matters = 0.05f;
+/// A correction matters where it may change the light by this fraction; that of a screen, which is smooth and far, too.
+constexpr float matters = 0.1f, mattersFromScreen = 0.05f;
 /// Farther than so many times what the mesh is off by, its errors are those of a direction, which are small unless the
-/// light grazes the surface: then they count up to `alongSurface` times.
-constexpr float nearby = 15, alongSurface = 40;
+/// light grazes the surface, as a screen's does its wall.
+constexpr float nearby = 15, nearScreen = 40;
 constexpr float grazing = 0.35f;  ///< cosine of the light's middle to the surface's normal
+constexpr float wide = 5;         ///< times as wide as it is high above a surface is a screen
 /// Standard deviation of a difference of log albedo across an edge; smaller ones count as this small.
-constexpr double albedoStep = 0.1, smallest = 0.05;
+constexpr double albedoStep = 0.1, smallest = 0.02;
 /// Standard deviation of a difference, between neighbours, of the correction over its own standard deviation.
 constexpr double smoothness = 0.1;
-/// Neighbours err alike: a vertex says no more of the correction's size than this fraction of a value of its own.
-constexpr double independent = 0.005;
+/// Neighbours err alike: a vertex says no more of the correction's size than this fraction of a value of its own. One
+/// height of a screen is behind all that is wrong beside it.
+constexpr double independent = 0.05, independentAtScreen = 0.005;
 /// The variation must fall below this fraction of what it was: a papered wall is less even by itself.
-constexpr double clearly = 0.96;
-constexpr size_t leastVertices = 100;  ///< that an emitter is wrong for
+constexpr double clearly = 0.8, clearlyAtScreen = 0.96;
+constexpr size_t leastVertices = 10;  ///< that an emitter is wrong for
+constexpr double mostChange = 3;  ///< of the light (root mean square): beyond it vertices are in a shadow, not beside
 
 /// One vertex whose light may be wrong.
 struct Doubtful {
@@ -30,6 +33,7 @@ struct Doubtful {
     int emitter = -1;
     float sigma = 0;       ///< of the form factor
     float formFactor = 0;  ///< as the mesh has it
+    bool screen = false;   ///< of an emitter that is low above the vertex's surface beside its width
 };
 
 /// The corner of an emitter that is nearest to a point, or none within `reach`; and how far the emitter rises above the
@@ -75,29 +79,31 @@ std::vector<Doubtful> doubtfulOf(const NearFieldCorrectionInput& in, Progress& p
             const uint32_t v = in.matte.vertices[i];
             const Vec3& point = in.scene.mesh.positions[v];
             const float light = maxChannel(in.irradiance.value[i]);
-            float most = matters;
+            float most = 0;
             for (size_t e = 0; e < emitters.size(); ++e) {
                 const float power = maxChannel(in.radiance[e]);
                 if (!(power > 0) || !(light > 0)) continue;
-                const float reach = std::min(alongSurface, power / (matters * light)) * in.meshError;
+                const float reach = std::min(nearScreen, power / (mattersFromScreen * light)) * in.meshError;
                 const Vec3 to = emitters[e].centroid - point;
-                if (glm::length(to) > reach + std::sqrt(emitters[e].area) * 2) continue;
-                const Nearest nearest = nearestOf(point, in.scene.mesh.normals[v], in.scene.mesh, emitters[e], reach);
+                const float side = std::sqrt(emitters[e].area);
+                if (glm::length(to) > reach + side * 2) continue;
+                const Vec3& normal = in.scene.mesh.normals[v];
+                const Nearest nearest = nearestOf(point, normal, in.scene.mesh, emitters[e], reach);
                 if (nearest.vertex == ~0u || !mayReach(in.scene, v, nearest.vertex, in.meshError)) continue;
-                const bool grazes = glm::dot(to, in.scene.mesh.normals[v]) < grazing * glm::length(to);
-                if (!grazes && nearest.squared > nearby * nearby * in.meshError * in.meshError) continue;
+                const float d2 = nearest.squared, distance = std::max(std::sqrt(d2), in.meshError),
+                            height = std::max(nearest.height, in.meshError);
+                const bool screen = side > wide * height && glm::dot(to, normal) < grazing * glm::length(to);
+                if (!screen && d2 > nearby * nearby * in.meshError * in.meshError) continue;
                 // The emitter covers no more than half of what the vertex sees, and little of it from afar.
-                const float d2 = nearest.squared;
                 const float covers = std::min(0.5f, emitters[e].area / (pi * std::max(d2, 1e-20f)));
+                float sigma = 2 * in.meshError * covers / distance;
                 // A strip that stands on the surface, off by the mesh's error in its height.
-                const float height = std::max(nearest.height, in.meshError);
-                const float strip = 0.5f - 0.5f / std::sqrt(1 + height * height / std::max(d2, 1e-20f));
-                const float sigma =
-                    2 * in.meshError * std::min(covers / std::max(std::sqrt(d2), in.meshError), strip / height);
+                if (screen)
+                    sigma = std::min(sigma, in.meshError / height * (1 - distance / std::hypot(distance, height)));
                 const float change = sigma * power / light;
-                if (change <= most) continue;
+                if (change <= (screen ? mattersFromScreen : matters) || change <= most) continue;
                 most = change;
-                all[i] = {uint32_t(i), int(e), sigma, in.nearField.at(v, e)};
+                all[i] = {uint32_t(i), int(e), sigma, in.nearField.at(v, e), screen};
             }
         },
         &progress);
@@ -145,8 +151,9 @@ public:
     void step() {
         const Eigen::Index n = t_.size();
         std::vector<Eigen::Triplet<double>> triplets;
-        std::vector<double> diagonal(size_t(n), independent);  // t has the standard deviation 1
-        Eigen::VectorXd gradient = independent * t_;
+        std::vector<double> diagonal;  // t has the standard deviation 1
+        for (const Doubtful& d : doubtful_) diagonal.push_back(d.screen ? independentAtScreen : independent);
+        Eigen::VectorXd gradient = Eigen::Map<const Eigen::VectorXd>(diagonal.data(), n).cwiseProduct(t_);
         for (const Edge& e : edges_) {
             const Rgb d = logAlbedo(e.i, e.a) - logAlbedo(e.k, e.b);
             const double size = std::sqrt(double(glm::dot(d, d)) / 3);
@@ -241,10 +248,12 @@ NearFieldCorrection correctNearField(const NearFieldCorrectionInput& in, Progres
     }
     const std::vector<double> after = fit.variation();
     const std::vector<std::pair<size_t, double>> changes = fit.changes();
-    std::vector<uint8_t> better(before.size(), 0);
+    std::vector<uint8_t> better(before.size(), 0), screen = better;
+    for (const Doubtful& d : doubtful) screen[size_t(d.emitter)] |= d.screen;
     for (size_t e = 0; e < before.size(); ++e) {
         if (changes[e].first == 0) continue;
-        better[e] = changes[e].first >= leastVertices && after[e] < clearly * before[e];
+        better[e] = changes[e].first >= leastVertices && changes[e].second < mostChange &&
+                    after[e] < (screen[e] ? clearlyAtScreen : clearly) * before[e];
         logInfo(
             "light close to {}: {} vertices, changed by {:.1f} %; log albedo varies by {:.3f} and then {:.3f} an "
             "edge{}",
