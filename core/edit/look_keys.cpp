@@ -7,6 +7,7 @@ namespace {
 
 Look withoutKeys(Look look) {
     look.keys.clear();
+    look.plate.reset();
     return look;
 }
 
@@ -95,7 +96,7 @@ void easeKey(Look& look, int frame, KeyEase ease) {
 }
 
 void keyEdit(const Look& before, Look& look, int frame) {
-    if (look.keys.empty() || look.keys != before.keys || look == before) return;
+    if (look.keys.empty() || look.keys != before.keys || withoutKeys(look) == withoutKeys(before)) return;
     for (LookKey& key : look.keys) {
         carryOver(before, look, key.look);
         carryGroups(before, look, key.look);

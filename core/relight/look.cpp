@@ -171,6 +171,7 @@ constexpr const char* easeNames[] = {"linear", "smooth", "hold"};
 std::vector<LookKey> keysFromJson(const Json& document, const std::filesystem::path& folder, const DVec3& origin) {
     Json rest = document;
     rest.erase("keys");
+    rest.erase("plate");
     const Json& list = document["keys"];
     if (!list.is_array()) throw Error("keys: expected a list");
     std::vector<LookKey> keys;
@@ -183,6 +184,7 @@ std::vector<LookKey> keysFromJson(const Json& document, const std::filesystem::p
             throw Error("{}.frame: expected a frame number", where);
         const auto look = key.find("look");
         if (look == key.end() || !look->is_object()) throw Error("{}.look: expected an object", where);
+        if (look->contains("plate")) throw Error("{}.look.plate: a key has none of its own", where);
         if (look->contains("keys")) throw Error("{}.look.keys: a key has none of its own", where);
         Json whole = rest;
         whole.update(*look);
@@ -286,6 +288,7 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
         if (const auto neutral = at->find("neutral"); neutral != at->end())
             look.neutralMaterials = flagOf(*neutral, "materials.neutral");
     }
+    if (const auto at = document.find("plate"); at != document.end()) look.plate = plateLookFromJson(*at, folder);
     if (document.contains("keys")) look.keys = keysFromJson(document, folder, origin);
     return look;
 }
@@ -346,6 +349,7 @@ Json lookToJson(const Look& look, const DVec3& origin) {
     }
     if (!look.groups.empty()) document["groups"] = groupsToJson(look.groups);
     document["materials"] = {{"neutral", look.neutralMaterials}};
+    if (look.plate) document["plate"] = plateLookToJson(*look.plate);
     for (const LookKey& key : look.keys) {
         Json one{{"frame", key.frame}, {"look", lookToJson(key.look, origin)}};
         if (key.ease != KeyEase::linear) one["ease"] = easeNames[int(key.ease)];

@@ -11,6 +11,7 @@
 #include "relight/emitter_shape.h"
 #include "relight/light_group.h"
 #include "relight/light_shaping.h"
+#include "relight/plate_look.h"
 
 namespace relamp {
 
@@ -69,6 +70,8 @@ struct Look {
     /// Looks at frames, by frame, none twice; what lies between follows from them (look_track.h). Empty: the look is
     /// the same in every frame.
     std::vector<LookKey> keys;
+    /// A shot filmed in the set that is relit; changes no light, and no key has one.
+    std::optional<PlateLook> plate;
     bool operator==(const Look& other) const;
 };
 
@@ -85,7 +88,7 @@ struct LookKey {
 inline bool Look::operator==(const Look& other) const {
     return environment == other.environment && emitters == other.emitters && added == other.added &&
            parts == other.parts && groups == other.groups && neutralMaterials == other.neutralMaterials &&
-           keys == other.keys;
+           keys == other.keys && plate == other.plate;
 }
 
 /// Calls `change` with a look and with those of its keys.

@@ -48,9 +48,14 @@ const KeyTable& lookTable() {
 /// Also with `keys`, whose looks have none of their own.
 const KeyTable& documentTable() {
     static const KeyTable key{{"frame", "ease"}, {{"look", &lookTable()}}};
+    static const KeyTable plate{
+        {"files", "files_absolute", "camera", "camera_absolute", "lens", "lens_absolute", "matte", "matte_absolute",
+         "camera_offset", "rotation", "curve", "match", "matte_light"},
+        {}};
     static const KeyTable whole = [] {
         KeyTable table = lookTable();
         table.inner.push_back({"keys", &key});
+        table.inner.push_back({"plate", &plate});
         return table;
     }();
     return whole;

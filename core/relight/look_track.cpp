@@ -155,6 +155,7 @@ float eased(KeyEase ease, float t) {
 }  // namespace
 
 LookTrack::LookTrack(Look look) {
+    look.plate.reset();  // it is relit, and is no light
     if (look.keys.empty()) keys_.push_back({1, std::move(look), KeyEase::linear});
     else *this = LookTrack(std::move(look.keys));
 }

@@ -8,10 +8,12 @@
 
 namespace relamp {
 
-/// Each look is kept as long as it lasts. Keeps references to shot, scene and track.
+/// Each look is kept as long as it lasts. Keeps references to estimate, scene and track.
 class RelitLooks {
 public:
-    RelitLooks(const Shot& shot, const Scene& scene, const LookTrack& track);
+    RelitLooks(const Shot& shot, const Scene& scene, const LookTrack& track)
+        : RelitLooks(shot.estimate, scene, track) {}
+    RelitLooks(const Estimate& estimate, const Scene& scene, const LookTrack& track);
 
     Look lookAt(int frame) const { return track_.at(frame, pivots_); }
     /// Good until the next call. Throws Error as applyLook does, Cancelled.
@@ -21,7 +23,7 @@ public:
     const RelitScene& captured(Progress& progress);
 
 private:
-    const Shot& shot_;
+    const Estimate& estimate_;
     const Scene& scene_;
     const LookTrack& track_;
     LookPivots pivots_;

@@ -5,6 +5,8 @@
 #include "base/atomic_file.h"
 #include "base/is_there.h"
 #include "base/json_fields.h"
+#include "relight/plate_look.h"
+#include "shot/frame_numbers.h"
 
 namespace relamp {
 namespace fs = std::filesystem;
@@ -42,6 +44,25 @@ void eachMeasured(Json& document, Each&& each) {
         if (const std::string file = textIn(lobe, "file"); !file.empty()) each(lobe, fs::path(file));
 }
 
+/// Files of a sequence count as there when their folder is; of FILE#NAME the file.
+bool plateIsThere(const fs::path& path) {
+    if (numberPlace(path.filename().string()) && isFolder(path.parent_path())) return true;
+    const std::string text = path.string();
+    const size_t mark = text.rfind('#');
+    return isThere(path) || (mark != std::string::npos && isThere(text.substr(0, mark)));
+}
+
+/// Files of a plate that are not at their relative paths are taken from their absolute ones, where those are there.
+void placePlate(Json& document, const fs::path& folder) {
+    if (!document.contains("look") || !document["look"].is_object() || !document["look"].contains("plate")) return;
+    Json& plate = document["look"]["plate"];
+    for (const char* key : plateFileKeys) {
+        const std::string named = textIn(plate, key), whole = textIn(plate, (std::string(key) + "_absolute").c_str());
+        if (!named.empty() && !whole.empty() && !plateIsThere(from(folder, named)) && plateIsThere(whole))
+            plate[key] = whole;
+    }
+}
+
 }  // namespace
 
 void placeShot(Json& document, const fs::path& folder, const ShotPlaces& places) {
@@ -52,6 +73,7 @@ void placeShot(Json& document, const fs::path& folder, const ShotPlaces& places)
                !named.empty() && !whole.empty() && !isFolder(from(folder, named)) && isFolder(whole)) {
         document["capture"] = whole;
     }
+    placePlate(document, folder);
     if (places.withoutEnvironment)
         if (Json* environment = environmentOf(document)) {
             environment->erase("file");

@@ -253,6 +253,13 @@ void placeFiles(Json& look, const std::function<std::string(const fs::path&)>& p
         if (const auto at = object.find(key); at != object.end()) *at = place(at->get<std::string>());
     };
     put(look["environment"], "file");
+    if (const auto plate = look.find("plate"); plate != look.end())
+        for (const char* key : plateFileKeys)
+            if (plate->contains(key)) {
+                const fs::path whole = fs::absolute((*plate)[key].get<std::string>()).lexically_normal();
+                (*plate)[std::string(key) + "_absolute"] = whole.string();
+                put(*plate, key);
+            }
     for (Json& added : look["added_emitters"])
         if (const auto shaping = added.find("shaping"); shaping != added.end())
             for (const char* key : {"ies_file", "gobo_file", "surface_file"}) put(*shaping, key);
