@@ -139,7 +139,7 @@ bool runWindow(Editor& editor, const ApplicationOptions& options, fs::path& open
             window.wait(shownBusy && !editor.busy() ? 0 : patience(editor, window, gui, keys, pending, sparing));
         if (event) pending.extraFrames = sparing ? 0 : 3;
         else if (pending.extraFrames > 0) --pending.extraFrames;
-        for (const fs::path& path : window.takeDropped()) editor.open(captureFolderOf(path));
+        if (const std::vector<fs::path> dropped = window.takeDropped(); !dropped.empty()) editor.openDropped(dropped);
         if (window.closeRequested()) editor.requestQuit();
         editor.poll();
         if (shownBusy && !editor.busy()) pending.extraFrames = 3;  // what has just ended is still to be shown

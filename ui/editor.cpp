@@ -60,6 +60,7 @@ Editor::Impl::Impl(Editor& editor, EditorOptions editorOptions)
       relight(options.wake, devicesFor(options.gpu), options.gpu == EditorOptions::Gpu::on),
       relightDistant(options.wake, devicesFor(options.gpu), options.gpu == EditorOptions::Gpu::on),
       relightBefore(options.wake),
+      plates(options.wake),
       autosave(options.stateFolder) {}
 
 Editor::Editor(EditorOptions options) : impl_(std::make_unique<Impl>(*this, std::move(options))) {
@@ -211,6 +212,7 @@ std::string Editor::namesOf(const std::vector<std::string>& ids) const {
 void Editor::storeSnapshot(size_t which) {
     if (!estimate() || which >= state.snapshots.size()) return;
     state.snapshots[which] = LookSnapshot{look(), localTime().substr(11, 5)};
+    state.snapshots[which]->look.plate.reset();
     ++impl_->changesBeside;
     say(fmt::format("The present look is snapshot {}", char('A' + which)));
 }
@@ -218,7 +220,11 @@ void Editor::storeSnapshot(size_t which) {
 void Editor::recallSnapshot(size_t which) {
     if (!estimate() || which >= state.snapshots.size() || !state.snapshots[which]) return;
     const size_t before = history().index();
-    edit(fmt::format("Snapshot {}", char('A' + which)), [&](Look& look) { look = state.snapshots[which]->look; });
+    edit(fmt::format("Snapshot {}", char('A' + which)), [&](Look& look) {
+        const std::optional<PlateLook> plate = look.plate;
+        look = state.snapshots[which]->look;
+        look.plate = plate;
+    });
     if (history().index() == before) say(fmt::format("The present look is snapshot {} already", char('A' + which)));
     std::erase_if(state.selection.emitters, [&](const std::string& id) { return !emitter(id); });
 }
@@ -250,6 +256,7 @@ Look Editor::Impl::shownLook(const Estimate& estimate) const {
     Look look = lookThatFits(self.look(), estimate,
                              self.state.document.scene ? self.state.document.scene->mesh.vertexCount() : 0);
     look.keys.clear();
+    look.plate.reset();
     const std::vector<std::string>& solo = self.state.viewport.solo;
     if (!solo.empty()) {
         const auto alone = [&](const std::string& id) { return std::find(solo.begin(), solo.end(), id) != solo.end(); };
@@ -269,6 +276,8 @@ void Editor::Impl::pollImage() {
         request.estimate = estimate;
         request.look = shownLook(*estimate);
         request.eye = eye;
+        // The eye follows the frame at once, before the viewport is drawn anew.
+        if (const Camera* camera = self.plateCamera()) request.eye.worldFromCamera = camera->worldFromCamera;
         request.orthographic = orthographic;
         request.cacheFolder = options.cacheFolder;
         request.restImage = eye.width > 0 && eye.height > 0 && infoOf(self.state.viewport.mode).restImage &&
@@ -322,7 +331,10 @@ void Editor::Impl::pollImage() {
 
 // ---- once a frame
 
-bool Editor::busy() const { return impl_->job || impl_->saving || state.time.playing || refining(); }
+bool Editor::busy() const {
+    return impl_->job || impl_->saving || state.time.playing || refining() || impl_->plateOpening ||
+           (plateCamera() && impl_->plates.working());
+}
 
 const std::filesystem::path& Editor::configFolder() const { return impl_->options.configFolder; }
 
@@ -338,6 +350,7 @@ void Editor::poll() {
     impl_->takeSnapshots();
     impl_->pollJob();
     impl_->pollSaving();
+    impl_->pollPlate();
     impl_->pollImage();
     impl_->pollAutosave();
 }

@@ -108,6 +108,21 @@ public:
     /// It is kept: it can be shown at once.
     bool frameKept(int frame) const;
 
+    // ---- the plate: a shot filmed in the captured set (Look::plate)
+    /// Opens it in the background; it becomes the look's plate, one edit, once it has been opened. What it lacks is
+    /// named; where nothing of it can be used, it is not taken.
+    void importPlate(const PlateLook& plate);
+    void removePlate();
+    /// Of what was dropped at once: frames of a sequence with or without their camera are offered as a plate,
+    /// everything else is opened.
+    void openDropped(const std::vector<std::filesystem::path>& paths);
+    /// The look's, once it has been opened; null before, and without one.
+    std::shared_ptr<const OpenPlate> plate() const;
+    /// Its camera in the present frame; null where the viewport does not look through it.
+    const Camera* plateCamera() const;
+    /// Its image in the present frame, or the last one shown until that has been read; null: none.
+    std::shared_ptr<const PlateImage> plateImage() const;
+
     // ---- background work
     void solve(const SolveRequest& request);
     /// Answer to state.interrupted: goes on with it, after opening its capture where that is not open, or throws it

@@ -1,13 +1,16 @@
 // Rendering frames to files in the background.
+#include "base/atomic_file.h"
 #include "base/input_files.h"
 #include "base/is_there.h"
 #include "capture/photograph_reader.h"
 #include "editor_impl.h"
 #include "shot/export_frame.h"
 #include "shot/frame_jobs.h"
+#include "shot/relit_looks.h"
 
 namespace relamp::ui {
 namespace {
+namespace fs = std::filesystem;
 
 /// The part of each frame that is rendered; nothing: all of it. `shown` is the viewport's image, from which a frame of
 /// another shape takes more or less at its sides.
@@ -20,6 +23,34 @@ std::optional<ImageBox> boxToExport(const ExportRequest& request, const std::opt
     const auto side = [&](float x) { return float(std::clamp(0.5 + (double(x) - 0.5) / wider, 0.0, 1.0)); };
     return boxOf({{side(region->low.x), region->low.y}, {side(region->high.x), region->high.y}}, frame.width,
                  frame.height);
+}
+
+/// Frames of the plate by number, with what of the range it lacks. Throws Error.
+std::vector<FrameJob> plateFramesOf(const ExportRequest& request, const OpenPlate* open,
+                                    std::vector<std::string>& lacking) {
+    if (!open) throw Error("the plate is not open yet");
+    if (open->plate.frames.empty()) throw Error(open->trouble);
+    std::vector<int> wanted;
+    if (!request.range.empty()) wanted = parseFrameRange(request.range);
+    else
+        for (const PlateFrame& frame : open->plate.frames) wanted.push_back(frame.number);
+    std::vector<FrameJob> jobs;
+    for (const int number : wanted) {
+        const PlateFrame* frame = open->at(number);
+        if (!frame || frame->number != number) {
+            lacking.push_back(fmt::format("frame {}: the plate has none that can be relit", number));
+            continue;
+        }
+        const std::string name = numbered(request.file, number);
+        if (name.empty() && wanted.size() > 1) throw Error("the name needs #### for the number of the frame");
+        FrameJob job;
+        job.camera = frame->camera;
+        job.file = name.empty() ? request.file : fs::path(name);
+        job.number = number;
+        jobs.push_back(std::move(job));
+    }
+    if (jobs.empty()) throw Error("the plate has none of these frames");
+    return jobs;
 }
 
 /// The frames that were asked for, with their cameras. Throws Error.
@@ -59,6 +90,132 @@ std::vector<FrameJob> framesOf(const ExportRequest& request, const Capture& capt
     return jobs;
 }
 
+/// All that an export works with; shared with its thread.
+struct ExportWork {
+    std::vector<FrameJob> jobs;
+    std::vector<std::string> failures;  ///< sentences, one a frame that could not be written
+    size_t written = 0, asked = 0;
+    ExportRequest request;
+    Look look;
+    std::shared_ptr<const Estimate> estimate;
+    std::shared_ptr<const OpenPlate> plate;  ///< null: what is rendered is no plate
+    std::optional<ImageRegion> region;
+    Camera shown;
+    Document document;  ///< of it capture, scene, folder and fix
+
+    void run(Progress& progress, const std::function<void(double)>& whole);
+
+private:
+    FrameOptions options_;
+    FrameFileOptions fileOptions_;
+    LayerRequest layers_;
+    std::optional<PhotographReader> photographs_;
+
+    void refuseInputs(Progress& progress) const;
+    void writeOne(const FrameJob& job, RelitLooks& looks, PlateRelighter* plates, Progress& progress);
+};
+
+/// No frame may take the place of a photograph, the mesh or the plate.
+void ExportWork::refuseInputs(Progress& progress) const {
+    InputFiles inputs;
+    if (isThere(document.captureFolder)) inputs = captureFiles(document.captureFolder, document.fix, progress);
+    if (plate) {
+        for (const PlateFrame& frame : plate->plate.frames)
+            for (const fs::path& file : {frame.file, frame.matte}) inputs.add(file);
+        inputs.add(plate->look.cameras);
+        inputs.add(plate->look.lens);
+    }
+    for (const FrameJob& job : jobs) inputs.refuse(job.file);
+}
+
+void ExportWork::writeOne(const FrameJob& job, RelitLooks& looks, PlateRelighter* plates, Progress& progress) {
+    FrameSources sources;
+    sources.origin = document.capture->origin;
+    if (plates) {
+        const PlateFrame* frame = plate->at(job.number);
+        const RelitPlate relit = plates->relit(size_t(frame - plate->plate.frames.data()), progress);
+        if (!(relit.covered > 0))
+            logWarning("frame {}: its camera sees nothing of the capture; the plate stays as it is", job.number);
+        sources.look = &looks.at(job.number, progress);
+        if (layers_.correction) sources.captured = &looks.captured(progress);
+        sources.finished = &relit.image;
+        writeFrameFile(job.file, job.camera, sources, options_, fileOptions_, progress);
+        if (relit.matteLight)
+            writeBytesAtomically(fs::path(job.file).replace_extension(".light.json"),
+                                 matteLightJson(job.number, *relit.matteLight, sources.origin));
+        return;
+    }
+    sources.look = &looks.at(job.number, progress);
+    if (const std::optional<ImageBox> box = boxToExport(request, region, shown, job.camera)) {
+        const Frame frame = renderFrame(*sources.look, cropped(job.camera, *box), options_, progress);
+        writeFrame(job.file, frame, *sources.look, job.camera, request.layers, sources.origin, box);
+        return;
+    }
+    View photograph;
+    if ((fileOptions_.ratio != Ratio::none || layers_.residual || fileOptions_.view == DisplayView::automatic) &&
+        job.view >= 0 && !job.resized && isThere(document.captureFolder)) {
+        if (!photographs_) {
+            LoadOptions load;
+            load.fix = document.fix;
+            photographs_.emplace(document.captureFolder, load, progress);
+        }
+        std::vector<std::string> notes;
+        photograph = photographs_->read(size_t(job.view), notes, progress);
+        sources.photograph = &photograph.image;
+        sources.saturation = photograph.saturation;
+    }
+    if (fileOptions_.ratio != Ratio::none || layers_.residual || layers_.correction)
+        sources.captured = &looks.captured(progress);
+    writeFrameFile(job.file, job.camera, sources, options_, fileOptions_, progress);
+}
+
+void ExportWork::run(Progress& progress, const std::function<void(double)>& whole) {
+    refuseInputs(progress);
+    options_.samplesPerPixel = request.samples;
+    // What is filtered away of the model would be taken for detail of the photograph.
+    options_.denoise = request.denoise && (plate || request.ratio == Ratio::none);
+    layers_ = layerRequest(request.layers);
+    fileOptions_ = {request.layers, request.naming, request.multipart, request.ratio, request.view, {}};
+    fileOptions_.header = {{"relamp:gauge", estimate->gauge.kind + ": " + estimate->gauge.evidence}};
+    const LookTrack track(look);
+    RelitLooks looks(*estimate, *document.scene, track);
+    // One bar for all of them: what comes before the first image takes a twentieth.
+    std::atomic<size_t> index{0};
+    std::atomic<bool> begun{false};
+    progress.setListener([&](const std::string& label, double fraction) {
+        const bool light = label.starts_with("Light of frame");
+        if (!begun || !(light || label == "Frame" || label == jobs[index].file.filename().string())) return;
+        // Of a plate most of the time is its light.
+        const double part = !plate ? fraction : light ? 0.8 * fraction : 0.8 + 0.2 * fraction;
+        whole(0.05 + 0.95 * (double(index) + part) / double(jobs.size()));
+    });
+    const std::shared_ptr<void> quiet(nullptr, [&](void*) { progress.setListener({}); });
+    PlateRequest plateRequest;
+    std::optional<PlateRelighter> plates;
+    if (plate) {
+        plateRequest = plate->request;
+        plateRequest.ratio = request.ratio == Ratio::none ? Ratio::quotient : request.ratio;
+        fileOptions_.ratio = plateRequest.ratio;
+        plates.emplace(plate->plate, plateRequest, looks, options_, progress);
+    }
+    whole(0.05);
+    for (const FrameJob& one : jobs) {
+        index = size_t(&one - jobs.data());
+        try {
+            begun = false;  // applying the look has steps of its own
+            looks.at(one.number, progress);
+            begun = true;
+            writeOne(one, looks, plates ? &*plates : nullptr, progress);
+            ++written;
+            logInfo("{}: written ({} of {})", one.file.string(), written, jobs.size());
+        } catch (const OutOfResources& error) {
+            // The others would not fit either.
+            failures.insert(failures.begin(), error.what());
+            break;
+        } catch (const Error& error) { failures.push_back(error.what()); }
+    }
+}
+
 }  // namespace
 
 void Editor::exportFrames(const ExportRequest& request) {
@@ -73,73 +230,41 @@ void Editor::exportFrames(const ExportRequest& request) {
              "Wait for it, or stop it in the status bar.");
         return;
     }
-    std::vector<FrameJob> jobs;
+    const auto work = std::make_shared<ExportWork>();
+    const bool ofPlate = request.views == ExportRequest::Views::plate;
     try {
-        jobs = framesOf(request, *state.document.capture, state.selection.view, impl_->eye);
+        work->jobs = ofPlate ? plateFramesOf(request, plate().get(), work->failures)
+                             : framesOf(request, *state.document.capture, state.selection.view, impl_->eye);
     } catch (const Error& error) {
         fail("The export could not start", error.what(), "Change it in the export window and try again.");
         state.panels.exportFrames = true;
         return;
     }
     Impl* impl = impl_.get();
-    Look look = lookThatFits(this->look(), *estimate, state.document.scene->mesh.vertexCount());
-    if (request.views != ExportRequest::Views::timeline) look.keys.clear();
-    impl_->start(
-        JobStatus::Kind::exportFrames,
-        jobs.size() == 1 ? "Rendering a frame" : fmt::format("Rendering {} frames", jobs.size()),
-        [impl, jobs, look, estimate, request, region = state.viewport.region, shown = impl->eye,
-         pivots = impl->pivots(), scene = state.document.scene, folder = state.document.captureFolder,
-         fix = state.document.fix,
-         origin = state.document.capture ? state.document.capture->origin : DVec3(0)](Progress& progress) -> Finish {
-            // No frame may take the place of a photograph or the mesh.
-            if (isThere(folder)) {
-                const InputFiles inputs = captureFiles(folder, fix, progress);
-                for (const FrameJob& job : jobs) inputs.refuse(job.file);
-            }
-            const LookTrack track(look);
-            std::optional<RelitScene> relit;
-            Look applied;
-            FrameOptions options;
-            options.samplesPerPixel = request.samples;
-            options.denoise = request.denoise;
-            std::vector<std::string> failures;
-            size_t written = 0;
-            // One bar for all of them: what comes before the first image takes a twentieth.
-            std::atomic<size_t> index{0};
-            progress.setListener([&, impl](const std::string& label, double fraction) {
-                if (label == "Frame") impl->jobWhole = 0.05 + 0.95 * (double(index) + fraction) / double(jobs.size());
-            });
-            const std::shared_ptr<void> quiet(nullptr, [&](void*) { progress.setListener({}); });
-            impl->jobWhole = 0.05;
-            for (const FrameJob& one : jobs) {
-                index = size_t(&one - jobs.data());
-                try {
-                    if (const Look now = track.at(one.number, pivots); !relit || !(now == applied)) {
-                        relit.reset();
-                        relit = applyLook(*scene, *estimate, now, progress);
-                        applied = now;
-                    }
-                    const std::optional<ImageBox> box = boxToExport(request, region, shown, one.camera);
-                    const Frame frame =
-                        renderFrame(*relit, box ? cropped(one.camera, *box) : one.camera, options, progress);
-                    writeFrame(one.file, frame, *relit, one.camera, request.layers, origin, box);
-                    ++written;
-                    logInfo("{}: written ({} of {})", one.file.string(), written, jobs.size());
-                } catch (const OutOfResources& error) {
-                    // The others would not fit either.
-                    failures.insert(failures.begin(), error.what());
-                    break;
-                } catch (const Error& error) { failures.push_back(error.what()); }
-            }
-            return [impl, failures, written, all = jobs.size()] {
-                if (failures.empty()) return;
-                impl->self.fail(
-                    fmt::format("{} frame(s) could not be written", all - written), failures.front(),
-                    fmt::format(
-                        "{} frame(s) were written. Free space or choose another folder, then export the others again.",
-                        written));
-            };
-        });
+    work->asked = work->jobs.size() + work->failures.size();
+    work->request = request;
+    work->look = lookThatFits(this->look(), *estimate, state.document.scene->mesh.vertexCount());
+    if (request.views != ExportRequest::Views::timeline && !ofPlate) work->look.keys.clear();
+    work->estimate = estimate;
+    if (ofPlate) work->plate = plate();
+    work->region = state.viewport.region;
+    work->shown = impl->eye;
+    work->document = state.document;
+    const size_t count = work->jobs.size();
+    impl_->start(JobStatus::Kind::exportFrames,
+                 count == 1 ? "Rendering a frame" : fmt::format("Rendering {} frames", count),
+                 [impl, work](Progress& progress) -> Finish {
+                     work->run(progress, [impl](double whole) { impl->jobWhole = whole; });
+                     return [impl, work] {
+                         if (work->failures.empty()) return;
+                         impl->self.fail(
+                             fmt::format("{} frame(s) could not be written", work->asked - work->written),
+                             work->failures.front(),
+                             fmt::format("{} frame(s) were written. Free space or choose another folder, then export "
+                                         "the others again.",
+                                         work->written));
+                     };
+                 });
 }
 
 }  // namespace relamp::ui

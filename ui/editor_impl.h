@@ -8,6 +8,7 @@
 
 #include "base/job.h"
 #include "editor.h"
+#include "plate_player.h"
 #include "relight/look_track.h"
 #include "relight_worker.h"
 #include "shot/autosave.h"
@@ -87,6 +88,16 @@ struct Editor::Impl {
     int64_t timeTag() const;
     /// Takes the next frame when it is due. True: `request` needs no work, its image is kept.
     bool pollPlayback(const RelightRequest& request);
+
+    // ---- the plate
+    PlatePlayer plates;
+    std::vector<std::shared_ptr<const OpenPlate>> openPlates;  ///< the last ones, so that undo has them at once
+    std::unique_ptr<Job<std::shared_ptr<const OpenPlate>>> plateOpening;
+    /// Opens what the look names, and asks for the image of the present frame.
+    void pollPlate();
+    void keepPlate(std::shared_ptr<const OpenPlate> open);
+    /// Shows it: frames of the time line, its camera.
+    void goToPlate(const OpenPlate& plate);
 
     // ---- autosave
     /// Changes that the history does not hold: snapshots, another place of the capture. How many there were, and how

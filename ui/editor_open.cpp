@@ -242,7 +242,10 @@ void Editor::Impl::setDocument(Document document, Version version, const std::st
     ours.viewport.compareWith = -1;
     ours.snapshots = {};
     changesBeside = savedBeside = 0;
-    ours.viewport.throughView = false;
+    ours.viewport.throughView = ours.viewport.throughPlate = false;
+    ours.plateImport.reset();
+    openPlates.clear();
+    plateOpening.reset();
     ours.viewport.mode = solved ? ViewMode::relit : ViewMode::photograph;
     autosave.clear();
     autosavedEstimate.reset();

@@ -16,9 +16,11 @@
 #include "edit/light_brush.h"
 #include "image/image_region.h"
 #include "length_unit.h"
+#include "plate/relight_plate.h"
 #include "radiance/samples.h"
 #include "relight/live/live_scene.h"
 #include "scene/scene.h"
+#include "shot/export_frame.h"
 #include "shot/shot_file.h"
 #include "solve/solve.h"
 #include "view_mode.h"
@@ -71,8 +73,10 @@ enum class ClickTask { none, aim, reflect, illuminate, attach, newPart, takeColo
 struct ViewportState {
     ViewMode mode = ViewMode::relit;
     OrbitCamera camera;
-    bool throughView = false;  ///< look through selection.view; its photograph lies behind
-    bool photographBehind = true;
+    bool throughView = false;      ///< look through selection.view; its photograph lies behind
+    bool throughPlate = false;     ///< look through the plate's camera of the present frame; the plate lies behind
+    bool photographBehind = true;  ///< and the plate
+    float plateOpacity = 1;
     bool meshOverlay = false;  ///< wireframe over the photograph: how well cameras and mesh agree
     bool frusta = true, grid = true, directionDome = false;
     float exposureStops = 0;
@@ -178,15 +182,40 @@ struct ExportRequest {
         capture,
         all,
         range,
-        timeline
-    } views = Views::present;   ///< the viewport's eye, the selected view, ..., the eye over the frames of `range`
-    std::string range = "1";    ///< "1-3,5" of the views, counted from 1; of the time line
+        timeline,
+        plate
+    } views =
+        Views::present;  ///< the viewport's eye, the selected view, ..., the eye over the frames of `range`, the plate
+    std::string range = "1";    ///< "1-3,5" of the views, counted from 1; of the time line; of the plate
+    Ratio ratio = Ratio::none;  ///< of views at their own size, and of the plate, where none means quotient
+    LayerNaming naming = LayerNaming::blender;
+    bool multipart = false;
+    DisplayView view = DisplayView::standard;
     int width = 0, height = 0;  ///< 0: the view's own size, or the viewport's
     int samples = 8;
     bool denoise = true;
     bool regionOnly = true;         ///< where the viewport has one and its image is exported
     std::string layers = "groups";  ///< as render --layers; "" for beauty only
     std::filesystem::path file;     ///< #### is the frame's number
+};
+
+/// A plate that is open in the window: files, cameras, and what it lacks.
+struct OpenPlate {
+    PlateLook look;        ///< it was opened from
+    PlateRequest request;  ///< the same for the relighting
+    Plate plate;           ///< no frames: nothing of it could be used
+    PlateGains gains;      ///< of the estimate; none: as it is
+    std::string trouble;   ///< why nothing could be used; empty: something can
+    std::shared_ptr<const Capture> capture;
+    std::shared_ptr<const Estimate> estimate;  ///< that the gains are of; null: none
+    /// The frame `number`, else the nearest before it, else the first; null without frames.
+    const PlateFrame* at(int number) const;
+};
+
+/// A frame of the plate to be shown: without lens distortion, in the capture's scale, at most 1280 pixels wide or high.
+struct PlateImage {
+    int frame = 0, width = 0, height = 0;
+    std::vector<Vec4> pixels;  ///< premultiplied by coverage, top row first; empty: it could not be read
 };
 
 /// What the last search for an emitter that no photograph shows said, and of which capture.
@@ -257,6 +286,7 @@ struct EditorState {
     std::optional<LockedQuestion> locked;
     std::optional<MissingQuestion> missing;
     std::optional<PanoramaQuestion> panorama;
+    std::optional<PlateLook> plateImport;                  ///< the dialog that imports a plate, and what is in it
     std::filesystem::path environmentToCome;               ///< of the look, once there is a first estimate; empty: none
     std::array<std::optional<LookSnapshot>, 3> snapshots;  ///< A, B, C
     CopiedLights copied;

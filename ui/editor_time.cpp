@@ -35,6 +35,7 @@ const Look& Editor::look() const {
     if (impl_->timedRevision != history().revision() || impl_->timedFrame != state.time.frame) {
         impl_->timed = LookTrack(now).at(state.time.frame, impl_->pivots());
         impl_->timed.keys = now.keys;
+        impl_->timed.plate = now.plate;
         impl_->timedRevision = history().revision();
         impl_->timedFrame = state.time.frame;
     }
@@ -108,6 +109,9 @@ bool Editor::Impl::pollPlayback(const RelightRequest& request) {
     Playback& p = playback;
     RelightRequest of = request;
     of.look = {};
+    // A plate's camera is where it is in each frame.
+    const bool throughPlate = self.plateCamera() != nullptr;
+    if (throughPlate) of.eye.worldFromCamera = DMat4(1);
     if (p.revision != history.revision() || p.solo != self.state.viewport.solo || !sameImage(p.of, of)) {
         p = {};
         p.revision = history.revision();
@@ -120,6 +124,7 @@ bool Editor::Impl::pollPlayback(const RelightRequest& request) {
         p.since = seconds();
     };
     if (p.shownFrame != time.frame) {
+        if (throughPlate && !plates.ready()) return false;
         const RelitImage made = relight.frame();
         if (const auto kept = p.kept.find(time.frame); kept != p.kept.end()) {
             show(kept->second);

@@ -60,6 +60,8 @@ void writeItemMap(const Editor& editor) {
                   {"gesture", editor.inGesture()},
                   {"mode", int(state.viewport.mode)},
                   {"through_view", state.viewport.throughView},
+                  {"plate_frame", editor.plateImage() ? editor.plateImage()->frame : 0},
+                  {"time", state.time.frame},
                   {"view", state.selection.view},
                   {"selected", state.selection.emitters},
                   {"point", state.selection.point.has_value()},

@@ -77,6 +77,11 @@ void loadSettings(const fs::path& folder, EditorState& state) {
     p.bottomHeight = number(document, "bottom_height", p.bottomHeight, 60, 600);
     state.uiScale = number(document, "ui_scale", 0, 0, 3);
     readEstimate(document, state.solve);
+    if (const auto at = document.find("export_file"); at != document.end() && at->is_string()) {
+        // Where frames went last; a folder that is gone is no place.
+        const fs::path place = at->get<std::string>();
+        if (fs::is_directory(place.parent_path(), error)) state.exportFrames.file = place;
+    }
     if (const auto at = document.find("length_unit"); at != document.end() && at->is_string())
         state.lengthUnit = lengthUnitNamed(at->get<std::string>()).value_or(state.lengthUnit);
     if (const auto at = document.find("view_transform"); at != document.end() && at->is_string())
@@ -94,6 +99,7 @@ void saveSettings(const fs::path& folder, const EditorState& state) {
                   {"bottom_height", state.panels.bottomHeight},
                   {"view_transform", state.viewport.displayView},
                   {"length_unit", infoOf(state.lengthUnit).name},
+                  {"export_file", state.exportFrames.file.string()},
                   {"estimate", estimateJson(state.solve)}};
     for (const fs::path& p : state.recent) document["recent"].push_back(p.string());
     for (const fs::path& p : state.recentEnvironments) document["recent_environments"].push_back(p.string());

@@ -64,6 +64,17 @@ PlateFiles plateFiles(const fs::path& pattern, const char* what) {
     return files;
 }
 
+fs::path platePattern(const fs::path& frame) {
+    std::string name = frame.filename().string();
+    const size_t dot = name.rfind('.');
+    const size_t last = name.find_last_of("0123456789", dot == std::string::npos || dot == 0 ? dot : dot - 1);
+    if (last == std::string::npos || numberPlace(name)) return frame;
+    const size_t before = name.find_last_not_of("0123456789", last),
+                 first = before == std::string::npos ? 0 : before + 1;
+    name.replace(first, last + 1 - first, std::string(last + 1 - first, '#'));
+    return frame.parent_path() / name;
+}
+
 Image readPlate(const fs::path& file, PlateCurve curve, float& saturation, const std::function<void()>& between) {
     ImageReport report;
     const bool told = curve != PlateCurve::automatic;

@@ -33,6 +33,9 @@ using PlateFiles = std::map<int, std::filesystem::path>;
 /// Error when nothing is there. Cost: one listing of the folder.
 PlateFiles plateFiles(const std::filesystem::path& pattern, const char* what);
 
+/// The pattern of the sequence that `frame` is of: plate.1001.exr gives plate.####.exr; a name without a number stays.
+std::filesystem::path platePattern(const std::filesystem::path& frame);
+
 /// One frame as linear radiance; `saturation`: from where on it is clipped, 0: nowhere known. Throws Error naming the
 /// file, and whatever `between` throws.
 Image readPlate(const std::filesystem::path& file, PlateCurve curve, float& saturation,

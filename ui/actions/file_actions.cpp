@@ -51,6 +51,27 @@ void addFileActions(std::vector<Action>& table) {
          hasEstimate,
          {},
          true});
+    add({"file.importPlate",
+         "Import plate...",
+         "A shot that was filmed in the captured set with a tracked camera: its frames are shown and relit.",
+         "File",
+         {},
+         [](Editor& e) {
+             const std::optional<PlateLook>& plate = e.look().plate;
+             e.state.plateImport = plate ? *plate : PlateLook{};
+         },
+         hasEstimate,
+         {},
+         true});
+    add({"file.removePlate",
+         "Remove the plate",
+         "The shot does without it; its files stay as they are. One edit, which can be undone.",
+         "File",
+         {},
+         [](Editor& e) { e.removePlate(); },
+         [](const Editor& e) { return hasEstimate(e) && e.look().plate.has_value(); },
+         {},
+         false});
     add({"file.doctor",
          "Check the capture...",
          "Cameras against mesh, exposure, clipped pixels: what to look at before estimating.",

@@ -52,6 +52,15 @@ void addCamera(const Adder& add) {
          hasDocument,
          [](const Editor& e) { return e.state.viewport.throughView; },
          false});
+    add({"view.lookThroughPlate",
+         "Look through the plate",
+         "The viewport takes the place of the plate's tracked camera and follows it from frame to frame.",
+         "View",
+         {{'C', false, true}},
+         [](Editor& e) { toggleLookThroughPlate(e); },
+         [](const Editor& e) { return e.plate() != nullptr; },
+         [](const Editor& e) { return e.plateCamera() != nullptr; },
+         false});
     add({"view.next",
          "Next photograph",
          "Selects the next photograph.",
@@ -162,7 +171,7 @@ void addOverlays(const Adder& add) {
          true});
     add({"view.photograph",
          "Background photo",
-         "Shows the photograph behind the scene when you look through it.",
+         "Shows the photograph, or the plate, behind the scene when you look through it.",
          "View",
          {},
          [](Editor& e) { e.state.viewport.photographBehind = !e.state.viewport.photographBehind; },

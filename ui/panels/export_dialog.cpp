@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "item_map.h"
 #include "panels/dialogs.h"
 #include "shot/export_frame.h"
 #include "widgets.h"
@@ -46,12 +47,28 @@ std::string withoutOption(std::string words) {
 
 }  // namespace
 
-ExportProblems checkExport(const ExportRequest& request, size_t views, int selectedView) {
+ExportProblems checkExport(const ExportRequest& request, size_t views, int selectedView, const OpenPlate* plate) {
     using Views = ExportRequest::Views;
     ExportProblems problems;
     int first = 1;
     if (request.views == Views::present) problems.frames = 1;
-    else if (request.views == Views::timeline) {
+    else if (request.views == Views::plate) {
+        try {
+            if (!plate || plate->plate.frames.empty()) throw Error("The plate is not open");
+            std::vector<int> numbers;
+            if (!request.range.empty()) numbers = parseFrameRange(request.range);
+            else
+                for (const PlateFrame& frame : plate->plate.frames) numbers.push_back(frame.number);
+            std::erase_if(numbers, [&](int n) { return plate->at(n)->number != n; });
+            problems.frames = numbers.size();
+            if (numbers.empty())
+                problems.range = fmt::format("The plate has none of these frames; it has {} to {}.",
+                                             plate->plate.frames.front().number, plate->plate.frames.back().number);
+            else first = numbers.front();
+        } catch (const Error& error) {
+            problems.range = withoutOption(error.what()) + ". Write numbers like 1-24 or 1-48:2.";
+        }
+    } else if (request.views == Views::timeline) {
         try {
             const std::vector<int> numbers = parseFrameRange(request.range);
             problems.frames = numbers.size();
@@ -92,6 +109,14 @@ ExportProblems checkExport(const ExportRequest& request, size_t views, int selec
         problems.file = fmt::format("You may not write into {}.", shown(parent));
     if (extension != ".exr" && !extension.empty() && !request.layers.empty() && problems.file.empty())
         problems.layers = "PNG and JPEG hold the image only; layers need .exr.";
+    const bool photographs =
+        request.views == Views::capture || request.views == Views::all || request.views == Views::range;
+    const bool ownSize = request.width == 0 && request.height == 0;
+    const bool residual = ("," + request.layers + ",").find(",residual,") != std::string::npos;
+    if (residual && !(photographs && ownSize) && problems.layers.empty())
+        problems.layers = "The residual is photograph minus model: it needs views at their own size.";
+    if (request.ratio != Ratio::none && request.views != Views::plate && !(photographs && ownSize))
+        problems.layers = "Relighting the photograph itself needs views at their own size.";
     std::string firstName = name;
     if (length && width <= 32 && request.views != Views::present && request.views != Views::capture)
         firstName = name.substr(0, at) + fmt::format("{:0{}}", first, width) + name.substr(at + length);
@@ -142,11 +167,67 @@ void viewsRow(Editor& editor, size_t views) {
     } else if (request.views == Views::timeline) {
         request.views = Views::present;
     }
+    if (const auto plate = editor.plate(); plate && !plate->plate.frames.empty()) {
+        if (radio("Frames of the plate:", request.views == Views::plate,
+                  "The plate relit, at its own size, through its own camera")) {
+            request.views = Views::plate;
+            request.range = fmt::format("{}-{}", plate->plate.frames.front().number, plate->plate.frames.back().number);
+        }
+        noteItem("export plate");
+        if (request.views == Views::plate) {
+            ImGui::SameLine();
+            ImGui::SetNextItemWidth(-FLT_MIN);
+            inputText("##plate frames", request.range, "all of them");
+        }
+    } else if (request.views == Views::plate && !editor.look().plate) {
+        request.views = Views::present;
+    }
     ImGui::EndGroup();
+}
+
+/// Whether the model is written, or what a camera took is relit.
+void ratioRow(ExportRequest& request) {
+    using Views = ExportRequest::Views;
+    const bool plate = request.views == Views::plate;
+    if (request.views == Views::present || request.views == Views::timeline) {
+        request.ratio = Ratio::none;
+        return;
+    }
+    row("Relit");
+    constexpr const char* names[] = {"The model", "Photograph x new / old", "Photograph + new - old"};
+    constexpr const char* ofPlate[] = {"Plate x new / old", "Plate x new / old", "Plate + new - old"};
+    constexpr const char* explanations[] = {
+        "The scene as the model has it", "Keeps the detail and grain of the photograph, or of the plate",
+        "The same, with the model's errors where they were: where the light gets much brighter"};
+    const auto label = [&](int i) { return plate ? ofPlate[i] : names[i]; };
+    ImGui::SetNextItemWidth(em(14));
+    if (ImGui::BeginCombo("##ratio", label(int(request.ratio)))) {
+        for (int i = plate ? 1 : 0; i < 3; ++i) {
+            if (ImGui::Selectable(label(i), int(request.ratio) == i)) request.ratio = Ratio(i);
+            tooltip(explanations[i]);
+        }
+        ImGui::EndCombo();
+    }
+    tooltip(explanations[plate && request.ratio == Ratio::none ? 1 : int(request.ratio)]);
+}
+
+/// What the plate shows and the capture does not hold. It belongs to the plate: one edit.
+void matteRow(Editor& editor) {
+    const auto plate = editor.plate();
+    if (editor.state.exportFrames.views != ExportRequest::Views::plate || !plate) return;
+    row("Matte");
+    const std::string name = plate->look.matte.empty() ? "none" : shown(plate->look.matte.filename());
+    text(elided(name, em(12)));
+    tooltip(plate->look.matte.empty() ? "Everything in the plate is relit" : shown(plate->look.matte));
+    ImGui::SameLine();
+    if (ImGui::SmallButton("Change...")) editor.state.plateImport = plate->look;
+    tooltip("Files and settings of the plate");
+    for (const std::string& fault : plate->plate.faults) warningText(shown(fault) + ".");
 }
 
 void sizeRow(Editor& editor) {
     ExportRequest& request = editor.state.exportFrames;
+    if (request.views == ExportRequest::Views::plate) return;  // it keeps its own
     row("Size");
     int size[2] = {request.width, request.height};
     ImGui::SetNextItemWidth(em(8));
@@ -181,7 +262,8 @@ void samplesRow(ExportRequest& request) {
 void layersRow(ExportRequest& request) {
     row("Layers");
     ImGui::BeginGroup();
-    std::string layers = request.layers == "all" ? "groups,albedo,normal,position,depth" : request.layers;
+    std::string layers =
+        request.layers == "all" ? "groups,albedo,normal,position,depth,correction,cryptomatte" : request.layers;
     const auto has = [&](const std::string& name) {
         return ("," + layers + ",").find("," + name + ",") != std::string::npos;
     };
@@ -195,7 +277,10 @@ void layersRow(ExportRequest& request) {
         {"albedo", "Surface colour", "Colour of the surfaces in white light"},
         {"normal", "Normals", "Direction of the surface, for relighting tricks in compositing"},
         {"position", "Positions", "Place of the surface in the world, metres"},
-        {"depth", "Depth", "Distance along the camera's axis, metres"}};
+        {"depth", "Depth", "Distance along the camera's axis, metres"},
+        {"correction", "Correction", "What a reading without lights in the scene would bake into the surface"},
+        {"residual", "Residual", "Photograph minus model, of views at their own size"},
+        {"cryptomatte", "Cryptomatte", "Mattes of the lights"}};
     std::string chosen;
     int index = 0;
     for (const auto& layer : known) {
@@ -206,6 +291,29 @@ void layersRow(ExportRequest& request) {
     }
     request.layers = chosen;
     ImGui::EndGroup();
+}
+
+/// How layers are called and stored in EXR; what PNG and JPEG show.
+void formatRow(ExportRequest& request) {
+    if (lowered(request.file.extension().string()) == ".exr" || request.file.empty()) {
+        if (request.layers.empty()) return;
+        row("");
+        bool arnold = request.naming == LayerNaming::arnold;
+        if (checkbox("Arnold's names", arnold, "Light groups are called RGBA_GROUP instead of Combined_GROUP"))
+            request.naming = arnold ? LayerNaming::arnold : LayerNaming::blender;
+        sameLineIfFits(em(12));
+        checkbox("A part for each layer", request.multipart, "Multi-part EXR: programs read single layers faster");
+        return;
+    }
+    row("Shown");
+    constexpr const char* names[] = {"sRGB", "sRGB, exposed by itself", "Without a curve"};
+    ImGui::SetNextItemWidth(em(14));
+    if (ImGui::BeginCombo("##view", names[int(request.view)])) {
+        for (int i = 0; i < 3; ++i)
+            if (ImGui::Selectable(names[i], int(request.view) == i)) request.view = DisplayView(i);
+        ImGui::EndCombo();
+    }
+    tooltip("What PNG and JPEG show of the scene's light");
 }
 
 void fileRow(Editor& editor) {
@@ -287,12 +395,16 @@ bool drawExportDialog(Editor& editor) {
     const bool exporting = job && job->kind == JobStatus::Kind::exportFrames;
     ImGui::BeginDisabled(exporting);
     viewsRow(editor, views);
-    const ExportProblems problems = checkExport(request, views, editor.state.selection.view);
+    const auto plate = editor.plate();
+    const ExportProblems problems = checkExport(request, views, editor.state.selection.view, plate.get());
     if (!problems.range.empty()) warningText(problems.range);
+    ratioRow(request);
+    matteRow(editor);
     sizeRow(editor);
     samplesRow(request);
     layersRow(request);
     if (!problems.layers.empty()) warningText(problems.layers);
+    formatRow(request);
     fileRow(editor);
     summaryOf(problems);
     ImGui::EndDisabled();

@@ -12,6 +12,8 @@ struct ExportProblems {
     size_t frames = 0;
     bool ok() const { return range.empty() && file.empty() && layers.empty() && frames > 0; }
 };
-ExportProblems checkExport(const ExportRequest& request, size_t views, int selectedView);
+/// `plate`: the one that is open; null: none.
+ExportProblems checkExport(const ExportRequest& request, size_t views, int selectedView,
+                           const OpenPlate* plate = nullptr);
 
 }  // namespace relamp::ui

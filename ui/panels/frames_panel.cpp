@@ -71,6 +71,14 @@ void playRow(Editor& editor) {
         "come at this speed.");
     sameLineIfFits(em(5));
     checkbox("Loop", time.loop, "Playing begins again at its end");
+    if (editor.plate()) {
+        sameLineIfFits(em(9));
+        ImGui::SetNextItemWidth(em(8));
+        float& opacity = editor.state.viewport.plateOpacity;
+        ImGui::SliderFloat("##opacity", &opacity, 0, 1, "plate %.2f", ImGuiSliderFlags_AlwaysClamp);
+        noteItem("plate opacity");
+        tooltip("How opaque the plate lies behind the scene, when you look through its camera");
+    }
     if (!keyed)
         dimText("No keys yet: go to a frame, set the lights, press K. Then go to another frame and change them.");
 }
@@ -105,6 +113,11 @@ public:
             if (editor_.frameKept(f))
                 list->AddRectFilled({x(f - 0.5), high_.y - em(0.25f)}, {x(f + 0.5), high_.y},
                                     IM_COL32(72, 108, 148, 255));
+        if (const auto plate = editor_.plate())
+            for (const PlateFrame& frame : plate->plate.frames)
+                if (frame.number >= time_.first && frame.number <= time_.last)
+                    list->AddRectFilled({x(frame.number - 0.5), high_.y - em(0.4f)},
+                                        {x(frame.number + 0.5), high_.y - em(0.25f)}, IM_COL32(120, 120, 120, 255));
         const int step = stepOf();
         for (int f = (time_.first + step - 1) / step * step; f <= time_.last; f += step) {
             list->AddLine({x(f), low_.y}, {x(f), low_.y + em(0.5f)}, IM_COL32(255, 255, 255, 90));
@@ -162,7 +175,8 @@ void drawStrip(Editor& editor) {
     }
     if (!ImGui::IsItemActive())
         tooltip(under >= 0 ? fmt::format("Key at frame {}: drag it to another frame, or click to go there", under)
-                           : "Drag to go through the frames. Blue: frames that were played and come at once");
+                           : "Drag to go through the frames. Blue: frames that were played and come at once. Grey: "
+                             "frames of the plate");
 }
 
 }  // namespace

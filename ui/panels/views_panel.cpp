@@ -5,6 +5,7 @@
 #include "item_map.h"
 #include "panels/images.h"
 #include "panels/panels.h"
+#include "viewport/navigation.h"
 #include "widgets.h"
 
 namespace relamp::ui {
@@ -64,6 +65,40 @@ void badges(const ImVec2& corner, const ViewCheck* check, bool worst, bool poor)
         list->AddText({corner.x + em(0.45f), y}, ImGui::GetColorU32(warningColour), mark.word);
         y += size.y + em(0.15f);
     }
+}
+
+/// The plate's camera beside those of the photographs.
+void drawPlateEntry(Editor& editor) {
+    const std::optional<PlateLook>& named = editor.look().plate;
+    if (!named) return;
+    const auto plate = editor.plate();
+    const bool through = editor.plateCamera() != nullptr;
+    const float icon = ImGui::GetFrameHeight() + ImGui::GetStyle().ItemSpacing.x;
+    const std::string name = shown(named->files.filename());
+    std::string words = shown(named->files);
+    if (!plate) words += "\nIt is being opened.";
+    else if (!plate->trouble.empty()) words += "\nIt cannot be shown: " + shown(plate->trouble);
+    else {
+        const auto& frames = plate->plate.frames;
+        words += fmt::format("\n{} frames, {} to {}", frames.size(), frames.front().number, frames.back().number);
+        for (const std::string& fault : plate->plate.faults) words += "\n" + shown(fault);
+        for (const std::string& note : plate->plate.notes) words += "\n" + shown(note);
+        words += "\n\nA click looks through its camera (Shift+C).";
+    }
+    const bool usable = plate && plate->trouble.empty();
+    const bool lacking = plate && (!usable || !plate->plate.faults.empty());
+    const float width = ImGui::GetContentRegionAvail().x - icon;
+    ImGui::BeginDisabled(!usable);
+    if (lacking) ImGui::PushStyleColor(ImGuiCol_Text, warningColour);
+    if (ImGui::Selectable((elided("Plate " + name, width) + "###plate").c_str(), through, 0, {width, 0}))
+        toggleLookThroughPlate(editor);
+    if (lacking) ImGui::PopStyleColor();
+    ImGui::EndDisabled();
+    noteItem("plate");
+    if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) tooltip(words);
+    ImGui::SameLine(ImGui::GetCursorPosX() + ImGui::GetContentRegionAvail().x - ImGui::GetFrameHeight());
+    if (iconButton("##remove plate", Icon::trash, "The shot does without the plate; its files stay as they are"))
+        editor.removePlate();
 }
 
 }  // namespace
@@ -157,9 +192,10 @@ void drawViewsPanel(Editor& editor) {
                 }
     }
     ImGui::EndChild();
-    if (editor.state.viewport.throughView) {
+    drawPlateEntry(editor);
+    if (looksThrough(editor)) {
         if (button("Leave the camera", "Back to the free camera of the viewport (C)", -FLT_MIN))
-            editor.state.viewport.throughView = false;
+            editor.state.viewport.throughView = editor.state.viewport.throughPlate = false;
     } else if (button("Look through this camera",
                       "The viewport takes the place of the camera that took the selected photograph (C)", -FLT_MIN)) {
         editor.state.viewport.throughView = true;

@@ -38,7 +38,7 @@ void Interaction::moveCamera(Editor& editor, const Canvas& canvas, bool hovered,
     if (!editor.state.document.scene) return;
     OrbitCamera& camera = editor.state.viewport.camera;
     const auto leave = [&] {
-        if (editor.state.viewport.throughView) leaveView(editor);
+        if (looksThrough(editor)) leaveView(editor);
     };
     if (drag_ == Drag::none && active && !gesture_.running()) {
         const bool alt = input().alt || io.KeyAlt, shift = input().shift || io.KeyShift;

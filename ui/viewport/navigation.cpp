@@ -11,7 +11,7 @@ const Capture* captureOf(const Editor& editor) { return editor.state.document.ca
 /// A sphere about the target fills the viewport's smaller side.
 void frameSphere(Editor& editor, const Vec3& centre, float radius) {
     ViewportState& viewport = editor.state.viewport;
-    if (viewport.throughView) leaveView(editor);
+    if (looksThrough(editor)) leaveView(editor);
     const float narrow = std::min(viewport.aspect, 1.0f);
     viewport.camera.frame(centre, radius / std::max(narrow, 0.1f));
 }
@@ -33,7 +33,7 @@ const SceneExtent& sceneExtent(const Editor& editor) {
 
 void frameAll(Editor& editor) {
     const SceneExtent& extent = sceneExtent(editor);
-    if (editor.state.viewport.throughView) leaveView(editor);
+    if (looksThrough(editor)) leaveView(editor);
     editor.state.viewport.camera.frameBox(extent.low, extent.high, editor.state.viewport.aspect);
 }
 
@@ -69,15 +69,29 @@ void lookThrough(Editor& editor, int view) {
     if (!capture || view < 0 || view >= int(capture->views.size())) return;
     editor.state.selection.view = view;
     editor.state.viewport.throughView = true;
+    editor.state.viewport.throughPlate = false;
+}
+
+bool looksThrough(const Editor& editor) { return editor.state.viewport.throughView || editor.plateCamera() != nullptr; }
+
+void toggleLookThroughPlate(Editor& editor) {
+    if (editor.plateCamera()) {
+        leaveView(editor);
+        return;
+    }
+    editor.state.viewport.throughView = false;
+    editor.state.viewport.throughPlate = editor.plate() != nullptr;
 }
 
 void leaveView(Editor& editor) {
     ViewportState& viewport = editor.state.viewport;
     const Capture* capture = captureOf(editor);
-    viewport.throughView = false;
+    const Camera* plate = editor.plateCamera();
     const int view = editor.state.selection.view;
-    if (!capture || view < 0 || view >= int(capture->views.size())) return;
-    const Camera& camera = capture->views[size_t(view)].camera;
+    const bool known = plate || (capture && view >= 0 && view < int(capture->views.size()));
+    const Camera camera = plate ? *plate : known ? capture->views[size_t(view)].camera : Camera();
+    viewport.throughView = viewport.throughPlate = false;
+    if (!known) return;
     const SceneExtent& extent = sceneExtent(editor);
     float distance = float(camera.depthOf(DVec3(extent.centre)));
     if (const auto& scene = editor.state.document.scene; scene && scene->tracer)
@@ -93,7 +107,7 @@ void leaveView(Editor& editor) {
 }
 
 void toggleLookThrough(Editor& editor) {
-    if (editor.state.viewport.throughView) leaveView(editor);
+    if (looksThrough(editor)) leaveView(editor);
     else lookThrough(editor, std::max(editor.state.selection.view, 0));
 }
 
@@ -105,7 +119,7 @@ void stepView(Editor& editor, int step) {
 }
 
 void lookAlongAxis(Editor& editor, int axis, int sign) {
-    if (editor.state.viewport.throughView) leaveView(editor);
+    if (looksThrough(editor)) leaveView(editor);
     OrbitCamera& camera = editor.state.viewport.camera;
     const float side = sign > 0 ? 0.0f : pi;
     if (axis == 0) camera.azimuth = side, camera.elevation = 0;
@@ -114,7 +128,7 @@ void lookAlongAxis(Editor& editor, int axis, int sign) {
 }
 
 void toggleOrthographic(Editor& editor) {
-    if (editor.state.viewport.throughView) leaveView(editor);
+    if (looksThrough(editor)) leaveView(editor);
     editor.state.viewport.camera.orthographic = !editor.state.viewport.camera.orthographic;
 }
 

@@ -16,6 +16,10 @@ void lookThrough(Editor& editor, int view);
 /// Back to the orbit camera, starting from where the photograph was taken.
 void leaveView(Editor& editor);
 void toggleLookThrough(Editor& editor);
+/// The viewport takes the place of a photograph's camera, or of the plate's.
+bool looksThrough(const Editor& editor);
+/// Looks through the plate's camera of the present frame, or leaves it. Without a plate: nothing happens.
+void toggleLookThroughPlate(Editor& editor);
 /// Next (+1) or previous (-1) photograph, going round; looks through it when a photograph is looked through.
 void stepView(Editor& editor, int step);
 /// Looks along an axis at the orbit's target: axis 0, 1, 2 for x, y, z; `sign` +1 looks from its positive end.

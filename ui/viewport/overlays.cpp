@@ -156,7 +156,7 @@ std::vector<std::string> emitterMarksIn(const Canvas& canvas, const Vec2& a, con
 
 int frustumAt(const Canvas& canvas, const Vec2& mouse) {
     const auto& capture = canvas.editor->state.document.capture;
-    if (!capture || !canvas.editor->state.viewport.frusta || canvas.editor->state.viewport.throughView) return -1;
+    if (!capture || !canvas.editor->state.viewport.frusta || looksThrough(*canvas.editor)) return -1;
     const float depth = frustumDepth(sceneExtent(*canvas.editor).radius);
     int best = -1;
     float nearest = 6 * canvas.scale;

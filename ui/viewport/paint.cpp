@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "display/vertex_images.h"
+#include "viewport/navigation.h"
 
 namespace relamp::ui {
 namespace {
@@ -46,9 +47,7 @@ std::string missingFor(const Editor& editor, Needs needs) {
     switch (needs) {
         case Needs::nothing: break;
         case Needs::photographs:
-            return editor.state.document.samples || editor.state.viewport.throughView
-                       ? ""
-                       : "The photographs are being read";
+            return editor.state.document.samples || looksThrough(editor) ? "" : "The photographs are being read";
         case Needs::estimate: return estimateMissing;
         case Needs::distantEstimate: return editor.distantOnly() ? "" : needsDistant;
         case Needs::emitter: {

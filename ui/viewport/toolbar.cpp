@@ -280,7 +280,9 @@ void addImageItems(Editor& editor, std::vector<Item>& items, bool roomy) {
                  overlays = !overlays;
          },
          [&overlays] { ImGui::MenuItem("Overlays", "O", &overlays); }});
-    const std::string camera = viewport.throughView ? fmt::format("View {}", editor.state.selection.view + 1) : "Free";
+    const std::string camera = editor.plateCamera()   ? "Plate"
+                               : viewport.throughView ? fmt::format("View {}", editor.state.selection.view + 1)
+                                                      : "Free";
     const float cameraWidth =
         std::max(ImGui::CalcTextSize(camera.c_str()).x, ImGui::CalcTextSize("View 8").x) + em(0.6f);
     const auto enabled = [&editor] { return editor.state.document.capture != nullptr; };
@@ -288,7 +290,7 @@ void addImageItems(Editor& editor, std::vector<Item>& items, bool roomy) {
         {80, cameraWidth, true,
          [&editor, camera, cameraWidth, enabled] {
              ImGui::BeginDisabled(!enabled());
-             if (textButton("##camera", camera, cameraWidth, editor.state.viewport.throughView,
+             if (textButton("##camera", camera, cameraWidth, looksThrough(editor),
                             "Looks through the selected photograph's camera, or freely (C). Comma and "
                             "period go through the photographs."))
                  toggleLookThrough(editor);

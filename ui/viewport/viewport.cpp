@@ -34,6 +34,8 @@ EyeView Viewport::Impl::eyeFor(const Editor& editor, const Vec2& corner, const V
     const int view = editor.state.selection.view;
     // Depths enclose the cameras' drawings and lights that were moved outside.
     const float reach = 3.2f * extent.wholeRadius;
+    if (const Camera* plate = editor.plateCamera())
+        return eyeOf(*plate, corner, size, density, extent.wholeCentre, reach);
     if (editor.state.viewport.throughView && capture && view >= 0 && view < int(capture->views.size()) &&
         capture->views[size_t(view)].camera.width > 0)
         return eyeOf(capture->views[size_t(view)].camera, corner, size, density, extent.wholeCentre, reach);

@@ -12,9 +12,9 @@
 namespace relamp::ui {
 namespace {
 
-bool looksThrough(const Editor& editor) {
+bool throughPhotograph(const Editor& editor) {
     const auto& capture = editor.state.document.capture;
-    return editor.state.viewport.throughView && capture && editor.state.selection.view >= 0 &&
+    return !editor.plateCamera() && editor.state.viewport.throughView && capture && editor.state.selection.view >= 0 &&
            editor.state.selection.view < int(capture->views.size());
 }
 
@@ -55,7 +55,9 @@ ViewportImage::Key ViewportImage::keyOf(const Editor& editor, const EyeView& eye
     key.pixelsPerPoint = pixelsPerPoint;
     key.displayView = displayViewOf(editor);
     key.falseColour = viewport.falseColour;
-    key.through = looksThrough(editor);
+    key.through = throughPhotograph(editor) || editor.plateCamera();
+    key.plate = editor.plateImage();
+    key.plateOpacity = viewport.plateOpacity;
     key.wires = viewport.meshOverlay;
     key.photographBehind = viewport.photographBehind, key.dome = viewport.directionDome;
     key.grid = viewport.grid && viewport.overlays && !key.through;
@@ -111,7 +113,10 @@ void ViewportImage::compose(Editor& editor, const EyeView& eye) {
     job_.layers.clear();
     job_.stops = key_.stops;
     job_.falseColour = key_.falseColour;
-    const GLuint photograph = key_.through ? photographs_.texture(editor.state.document.capture, key_.view) : 0;
+    const bool plate = editor.plateCamera() != nullptr;
+    const GLuint photograph = plate          ? plateTexture()
+                              : key_.through ? photographs_.texture(editor.state.document.capture, key_.view)
+                                             : 0;
     const auto live = editor.liveFrame();
     const auto present =
         std::find_if(key_.strips.begin(), key_.strips.end(), [](const Strip& s) { return s.paint == Paint::model; });
@@ -130,9 +135,10 @@ void ViewportImage::compose(Editor& editor, const EyeView& eye) {
             const bool photographShows = photograph && key_.photographBehind && model && key_.ownEnvironment;
             if (photographShows) {
                 const auto& samples = editor.state.document.samples;
-                const GLuint backdrop = live && samples ? photographs_.backdrop(editor.state.document.capture,
-                                                                                key_.view, *samples, live->distant)
-                                                        : 0;
+                const GLuint backdrop =
+                    live && samples && !plate
+                        ? photographs_.backdrop(editor.state.document.capture, key_.view, *samples, live->distant)
+                        : 0;
                 layer.behind = backdrop ? backdrop : photograph;
             } else if (key_.distant && model) layer.environment = environmentTexture(live ? live->distant : nullptr);
             if (mesh.drawable) {
@@ -292,6 +298,22 @@ GLuint ViewportImage::environmentTexture(const std::shared_ptr<const DistantLigh
         environmentShown_ = distant;
     }
     return environment_.id();
+}
+
+GLuint ViewportImage::plateTexture() {
+    if (!key_.plate || key_.plate->pixels.empty()) return 0;
+    if (plateShown_ != key_.plate || plateOpacityShown_ != key_.plateOpacity) {
+        std::vector<Vec4> faded;
+        if (key_.plateOpacity < 1) {
+            faded = key_.plate->pixels;
+            for (Vec4& pixel : faded) pixel *= key_.plateOpacity;
+        }
+        const std::vector<Vec4>& pixels = faded.empty() ? key_.plate->pixels : faded;
+        uploadHalf(plate_, key_.plate->width, key_.plate->height, &pixels[0].x, false);
+        plateShown_ = key_.plate;
+        plateOpacityShown_ = key_.plateOpacity;
+    }
+    return plate_.id();
 }
 
 GLuint ViewportImage::restTexture(const std::shared_ptr<const Frame>& frame) {

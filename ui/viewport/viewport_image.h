@@ -43,6 +43,8 @@ private:
         std::vector<std::string> selected;
         std::optional<ImageRegion> region;
         std::shared_ptr<const void> rest, distant, capture, live;
+        std::shared_ptr<const PlateImage> plate;
+        float plateOpacity = 1;
         bool operator==(const Key&) const = default;
     };
     /// A mesh with colours for one strip.
@@ -69,7 +71,9 @@ private:
     std::vector<uint8_t> visible_;
     uint64_t visibleVersion_ = 0;
     std::set<uint32_t> hiddenShown_;
-    GlTexture environment_, rest_, detail_;
+    GlTexture environment_, rest_, detail_, plate_;
+    std::shared_ptr<const PlateImage> plateShown_;
+    float plateOpacityShown_ = 1;
     std::shared_ptr<const Estimate> detailShown_;
     std::shared_ptr<const DistantLight> environmentShown_;
     std::shared_ptr<const Frame> restShown_;
@@ -94,6 +98,8 @@ private:
     GLuint environmentTexture(const std::shared_ptr<const DistantLight>& distant);
     /// The texture of the estimate that is edited; 0: it has none.
     GLuint detailTexture(const Editor& editor);
+    /// Of the plate's present frame, as opaque as it is wanted; 0: there is none.
+    GLuint plateTexture();
     GLuint restTexture(const std::shared_ptr<const Frame>& frame);
 };
 

@@ -1,0 +1,53 @@
+// Reads frames of a plate ahead of what is shown, one at a time, on a thread of its own; keeps those that were read.
+#pragma once
+#include <functional>
+#include <map>
+#include <memory>
+
+#include "base/job.h"
+#include "editor_state.h"
+
+namespace relamp::ui {
+
+/// Opens the plate of `look`: files, cameras, and, with an `estimate`, its colours against the capture's (few pixels of
+/// four frames). What cannot be used at all comes back as `trouble`. Throws Cancelled. Cost: a listing of the folder,
+/// four frames read; with an estimate about a second.
+std::shared_ptr<const OpenPlate> openPlateOf(const PlateLook& look, const std::shared_ptr<const Capture>& capture,
+                                             const std::shared_ptr<const Scene>& scene,
+                                             const std::shared_ptr<const Estimate>& estimate, Progress& progress);
+
+/// The image of one frame. Throws Error naming the file, Cancelled.
+PlateImage readPlateImage(const OpenPlate& plate, const PlateFrame& frame, Progress& progress);
+
+/// Used on one thread.
+class PlatePlayer {
+public:
+    /// `wake` is called on the reading thread when a frame has been read.
+    explicit PlatePlayer(std::function<void()> wake) : wake_(std::move(wake)) {}
+
+    /// Takes what was read, and reads what is missing of `frame` first, then, when `ahead`, of the frames after it.
+    /// Null: nothing is shown. Returns the trouble with a frame that could not be read, once; else empty.
+    std::string show(const std::shared_ptr<const OpenPlate>& plate, int frame, bool ahead);
+    /// Of the frame asked for last, or the last one that was shown until it has been read.
+    const std::shared_ptr<const PlateImage>& image() const { return shown_; }
+    /// The image of the frame asked for last is there, or cannot be had.
+    bool ready() const { return ready_; }
+    bool working() const { return reading_ != nullptr; }
+
+private:
+    static constexpr size_t mostBytes = size_t(512) << 20;
+    std::function<void()> wake_;
+    std::shared_ptr<const OpenPlate> plate_;
+    std::map<int, std::shared_ptr<const PlateImage>> kept_;
+    size_t bytes_ = 0;
+    std::shared_ptr<const PlateImage> shown_;
+    bool ready_ = true;
+    int readingFrame_ = 0;
+    std::string trouble_;
+    std::unique_ptr<Job<PlateImage>> reading_;
+
+    void take();
+    void keep(std::shared_ptr<const PlateImage> image);
+};
+
+}  // namespace relamp::ui
