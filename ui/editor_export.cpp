@@ -260,9 +260,10 @@ void Editor::exportFrames(const ExportRequest& request) {
                          impl->self.fail(
                              fmt::format("{} frame(s) could not be written", work->asked - work->written),
                              work->failures.front(),
-                             fmt::format("{} frame(s) were written. Free space or choose another folder, then export "
-                                         "the others again.",
-                                         work->written));
+                             fmt::format("{} frame(s) were written. {}", work->written,
+                                         work->plate && work->jobs.size() == work->written
+                                             ? "Those are all that the plate has."
+                                             : "Free space or choose another folder, then export the others again."));
                      };
                  });
 }

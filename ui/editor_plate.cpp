@@ -11,7 +11,7 @@ constexpr size_t mostPlates = 4;
 
 std::string joined(const std::vector<std::string>& sentences) {
     std::string text;
-    for (const std::string& one : sentences) text += (text.empty() ? "" : ".\n") + one;
+    for (const std::string& one : sentences) text += (text.empty() ? "" : ". ") + one;
     return text;
 }
 
@@ -157,12 +157,10 @@ void Editor::Impl::pollPlate() {
                           "Everything else is as it was. File, Import plate... says where it is now.");
             for (const std::string& fault : open->plate.faults)
                 if (!known) self.log(LogLevel::warning, fault);
-            if (const TimeState& time = self.state.time;
-                !open->plate.frames.empty() &&
-                (time.last < open->plate.frames.front().number || time.first > open->plate.frames.back().number)) {
-                self.state.time.first = open->plate.frames.front().number;
-                self.state.time.last = std::max(open->plate.frames.back().number, time.first);
-                self.goToFrame(time.first);
+            if (TimeState& time = self.state.time; !known && !open->plate.frames.empty()) {
+                time.first = open->plate.frames.front().number;
+                time.last = std::max(open->plate.frames.back().number, time.first);
+                self.goToFrame(std::clamp(time.frame, time.first, time.last));
             }
         } catch (const std::exception& error) {
             // Stopped, or out of memory: it is tried again when it is wanted.

@@ -15,7 +15,7 @@ PlateLook plateLookFromJson(const Json& plate, const std::filesystem::path& fold
     };
     const auto file = [&](const char* key) {
         const std::string named = text(key, "");
-        return named.empty() ? std::filesystem::path() : folder / named;
+        return named.empty() ? std::filesystem::path() : (folder / named).lexically_normal();
     };
     PlateLook look;
     look.files = file("files");

@@ -72,6 +72,18 @@ TEST(KeyEdit, SetsTheKeyOfItsFrameOnlyWhereThereAreKeys) {
     EXPECT_EQ(after.keys[1].look.environment.yawDegrees, 3);
 }
 
+TEST(KeyEdit, APlateIsOfNoKey) {
+    Look before = turned(0);
+    setKey(before, 1);
+    Look after = before;
+    after.plate = PlateLook{"plate.####.exr", "track.usda"};
+    keyEdit(before, after, 4);
+    EXPECT_EQ(framesOf(after), (std::vector<int>{1}));
+    setKey(after, 4);
+    EXPECT_FALSE(after.keys[1].look.plate);
+    EXPECT_TRUE(after.plate);
+}
+
 TEST(KeyEdit, LightsComeGoAndAreNamedInEveryKey) {
     Look before;
     AddedEmitter disk;

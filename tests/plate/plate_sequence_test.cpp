@@ -27,6 +27,14 @@ TEST(PlateFiles, OneImageBearsTheNumberInItsName) {
     EXPECT_EQ(plateFiles(folder.write("still.exr", ""), "--plate").begin()->first, 1);
 }
 
+TEST(PlateFiles, OneFrameNamesTheOthers) {
+    EXPECT_EQ(platePattern("/a/plate.1001.exr"), "/a/plate.####.exr");
+    EXPECT_EQ(platePattern("shot2_v03.007.png"), "shot2_v03.###.png");
+    EXPECT_EQ(platePattern("12.jpg"), "##.jpg");
+    EXPECT_EQ(platePattern("still.exr"), "still.exr");
+    EXPECT_EQ(platePattern("plate.####.exr"), "plate.####.exr");
+}
+
 TEST(PlateFiles, WhatIsNotThereIsNamedWithItsOption) {
     const TemporaryFolder folder;
     const auto message = [&](const std::string& pattern) {

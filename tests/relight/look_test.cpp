@@ -211,6 +211,42 @@ TEST(Look, NamesTheBadFieldOfPartsAndCopies) {
     }
 }
 
+TEST(Look, HoldsAPlateWithItsSettingsThatNoKeyHas) {
+    json document = whole();
+    document["plate"] = {{"files", "plate.####.exr"},
+                         {"camera", "/tracks/a.usda#cam"},
+                         {"matte", "m.##.png"},
+                         {"camera_offset", -3},
+                         {"rotation", "XYZ"},
+                         {"curve", "srgb"},
+                         {"match", "off"},
+                         {"matte_light", "relight"}};
+    document["keys"] = {{{"frame", 1}, {"look", {{"materials", {{"neutral", false}}}}}}};
+    const Look look = lookFromJson(document, "/somewhere");
+    PlateLook expected{
+        "/somewhere/plate.####.exr", "/tracks/a.usda#cam", {}, "/somewhere/m.##.png", -3, "XYZ", "srgb", "off", true};
+    ASSERT_TRUE(look.plate);
+    EXPECT_EQ(*look.plate, expected);
+    EXPECT_FALSE(look.keys.at(0).look.plate);
+    EXPECT_EQ(lookFromJson(lookToJson(look), "/elsewhere"), look);
+    EXPECT_EQ(unknownLookKeys(lookToJson(look)), std::vector<std::string>{});
+    expected = {"p.exr", "c.chan"};
+    EXPECT_EQ(plateLookToJson(expected).size(), 2u) << "what is usual is not written";
+    for (const auto& [key, bad] : std::vector<std::pair<std::string, json>>{
+             {"files", ""}, {"camera", nullptr}, {"camera_offset", 0.5}, {"curve", 7}, {"matte_light", "dim"}}) {
+        json broken = document;
+        broken["plate"][key] = bad;
+        try {
+            lookFromJson(broken, "/somewhere");
+            ADD_FAILURE() << key;
+        } catch (const Error& error) {
+            EXPECT_TRUE(std::string(error.what()).starts_with("plate." + key)) << error.what();
+        }
+    }
+    document["keys"][0]["look"]["plate"] = document["plate"];
+    EXPECT_THROW(lookFromJson(document, "/somewhere"), Error);
+}
+
 TEST(Look, KeysThatNoLookHasAreNamed) {
     json document = whole();
     document["keys"] = {{{"frame", 1}, {"ease", "hold"}, {"look", whole()}}};

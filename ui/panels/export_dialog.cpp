@@ -145,12 +145,14 @@ void viewsRow(Editor& editor, size_t views) {
     if (radio(fmt::format("All {} views###all", views).c_str(), request.views == Views::all,
               "A frame from the camera of every photograph"))
         request.views = Views::all;
-    if (radio("Some views:", request.views == Views::range,
-              "Frames from the cameras of these photographs, counted from 1"))
-        request.views = Views::range;
+    const bool some = request.views == Views::range;
+    std::string range = some ? request.range : "";
+    bool chosen = radio("Some views:", some, "Frames from the cameras of these photographs, counted from 1");
+    if (chosen && !some) range = fmt::format("1-{}", views);
     ImGui::SameLine();
     ImGui::SetNextItemWidth(-FLT_MIN);
-    if (inputText("##range", request.range, "1-3,5,7-20:2")) request.views = Views::range;
+    chosen = inputText("##range", range, "1-3,5,7-20:2") || chosen;
+    if (chosen) request.views = Views::range, request.range = range;
     tooltip("Numbers of the photographs: 1-3,5 are four views; 1-20:2 is every second one");
     if (!editor.look().keys.empty()) {
         const TimeState& time = editor.state.time;

@@ -89,10 +89,12 @@ void drawPlateEntry(Editor& editor) {
     const bool lacking = plate && (!usable || !plate->plate.faults.empty());
     const float width = ImGui::GetContentRegionAvail().x - icon;
     ImGui::BeginDisabled(!usable);
-    if (lacking) ImGui::PushStyleColor(ImGuiCol_Text, warningColour);
-    if (ImGui::Selectable((elided("Plate " + name, width) + "###plate").c_str(), through, 0, {width, 0}))
-        toggleLookThroughPlate(editor);
-    if (lacking) ImGui::PopStyleColor();
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    if (ImGui::Selectable("###plate", through, 0, {width, 0})) toggleLookThroughPlate(editor);
+    // The name has # in it, which a label ends at.
+    ImGui::GetWindowDrawList()->AddText(
+        at, ImGui::GetColorU32(lacking ? warningColour : ImGui::GetStyle().Colors[ImGuiCol_Text]),
+        elided("Plate: " + name, width).c_str());
     ImGui::EndDisabled();
     noteItem("plate");
     if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) tooltip(words);
