@@ -60,7 +60,7 @@ void writeItemMap(const Editor& editor) {
                   {"gesture", editor.inGesture()},
                   {"mode", int(state.viewport.mode)},
                   {"through_view", state.viewport.throughView},
-                  {"plate_frame", editor.plateImage() ? editor.plateImage()->frame : 0},
+                  {"plate_frame", editor.plateImage() ? editor.plateImage()->frame : -1},
                   {"time", state.time.frame},
                   {"view", state.selection.view},
                   {"selected", state.selection.emitters},
