@@ -164,8 +164,9 @@ public:
         xdotool("key " + chord);
         pause();
     }
-    void type(const std::string& text) const {
-        xdotool("type --delay 30 '" + text + "'");
+    /// `delay`: milliseconds between two characters.
+    void type(const std::string& text, int delay = 30) const {
+        xdotool("type --delay " + std::to_string(delay) + " '" + text + "'");
         pause();
     }
     /// A moment, and two frames of the window: a slow machine gets the time it needs.
