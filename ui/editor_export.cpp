@@ -82,6 +82,13 @@ std::vector<FrameJob> framesOf(const ExportRequest& request, const Capture& capt
             one.number = number;
             jobs.push_back(one);
         }
+    } else if (request.views == Views::turntable) {
+        jobs = frameJobs(capture, fmt::format("turntable:{}", request.moveFrames), "", size, request.file);
+    } else if (request.views == Views::path) {
+        std::string through;
+        for (const int number : parseFrameRange(request.range))
+            through += fmt::format("{}{}", through.empty() ? "" : ",", number - 1);
+        jobs = frameJobs(capture, fmt::format("path:{}:{}", through, request.moveFrames), "", size, request.file);
     } else if (request.views == Views::capture) {
         jobs = frameJobs(capture, std::to_string(view), "", size, request.file);
     } else {
@@ -244,7 +251,11 @@ void Editor::exportFrames(const ExportRequest& request) {
     work->asked = work->jobs.size() + work->failures.size();
     work->request = request;
     work->look = lookThatFits(this->look(), *estimate, state.document.scene->mesh.vertexCount());
-    if (request.views != ExportRequest::Views::timeline && !ofPlate) work->look.keys.clear();
+    using Views = ExportRequest::Views;
+    // Stills show the look of the present frame.
+    if (request.views == Views::present || request.views == Views::capture || request.views == Views::all ||
+        request.views == Views::range)
+        work->look.keys.clear();
     work->estimate = estimate;
     if (ofPlate) work->plate = plate();
     work->region = state.viewport.region;

@@ -177,6 +177,39 @@ TEST(EditorPlate, RelitFramesAreWrittenAndThoseItLacksAreNamed) {
     EXPECT_TRUE(TemporaryFolder::read(s.folder / "shots/plate/plate.01.exr") == bytes);
 }
 
+TEST(EditorExport, ATurntableAndAWayThroughViewsFollowTheKeys) {
+    Session s;
+    s.openEstimated();
+    Editor& e = *s.editor;
+    e.setKey();
+    e.goToFrame(3);
+    e.edit("Off", [](Look& look) { setEnabled(look, "emitter-1", false); });
+    ExportRequest request;
+    request.views = ExportRequest::Views::path;
+    request.range = "2,1,2";
+    request.moveFrames = 3;
+    request.samples = 1;
+    request.layers = "correction";
+    request.file = s.folder / "way.#.exr";
+    e.exportFrames(request);
+    s.until([&] { return !e.job(); });
+    request.views = ExportRequest::Views::turntable;
+    request.moveFrames = 2;
+    request.width = 32, request.height = 24;
+    request.file = s.folder / "turn.#.exr";
+    e.exportFrames(request);
+    s.until([&] { return !e.job(); });
+    ASSERT_TRUE(e.state.notices.empty()) << e.state.notices[0].text;
+    const auto sumOf = [&](const char* name) {
+        double sum = 0;
+        for (const Rgb& pixel : readImage(s.folder / name).pixels) sum += double(luminance(pixel));
+        return sum;
+    };
+    EXPECT_LT(sumOf("way.3.exr"), 0.95 * sumOf("way.1.exr")) << "the same camera, the light off";
+    EXPECT_EQ(readImage(s.folder / "turn.2.exr").width, 32);
+    EXPECT_FALSE(fs::exists(s.folder / "turn.3.exr"));
+}
+
 TEST(EditorPlate, BadFilesAreNamedAndTheDialogComesBackWithThem) {
     PlateSession s;
     Editor& e = *s.editor;

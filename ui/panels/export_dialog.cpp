@@ -76,6 +76,16 @@ ExportProblems checkExport(const ExportRequest& request, size_t views, int selec
         } catch (const Error& error) {
             problems.range = withoutOption(error.what()) + ". Write numbers like 1-24 or 1-48:2.";
         }
+    } else if (request.views == Views::turntable) {
+        problems.frames = size_t(std::max(request.moveFrames, 0));
+    } else if (request.views == Views::path) {
+        problems.frames = size_t(std::max(request.moveFrames, 0));
+        try {
+            const std::vector<int> numbers = parseFrameRange(request.range);
+            if (std::any_of(numbers.begin(), numbers.end(), [&](int n) { return n < 1 || size_t(n) > views; }))
+                problems.range = fmt::format("One of these views does not exist; there are 1 to {}.", views);
+            else if (numbers.size() < 2) problems.range = "A way goes through two views at least.";
+        } catch (const Error& error) { problems.range = withoutOption(error.what()) + ". Write numbers like 1-3,5."; }
     } else if (request.views == Views::capture) {
         problems.frames = selectedView >= 0 && size_t(selectedView) < views;
         first = selectedView + 1;
@@ -132,6 +142,34 @@ void row(const char* name) {
     ImGui::SameLine(em(9));
 }
 
+/// A turntable, and a way through views.
+void movingCameras(ExportRequest& request, size_t views) {
+    using Views = ExportRequest::Views;
+    const auto count = [&] {
+        ImGui::SameLine();
+        ImGui::SetNextItemWidth(em(6));
+        ImGui::DragInt("##count", &request.moveFrames, 0.3f, 1, 100'000, "%d frames", ImGuiSliderFlags_AlwaysClamp);
+        tooltip("How many frames the camera takes for it");
+    };
+    if (radio("A turntable", request.views == Views::turntable,
+              "The first photograph's camera goes once round what the photographs look at"))
+        request.views = Views::turntable;
+    if (request.views == Views::turntable) count();
+    if (views < 2) return;
+    if (radio("A way through views:", request.views == Views::path,
+              "The camera moves smoothly from view to view, in this order") &&
+        request.views != Views::path) {
+        request.views = Views::path;
+        request.range = fmt::format("1-{}", views);
+    }
+    if (request.views != Views::path) return;
+    count();
+    ImGui::SameLine();
+    ImGui::SetNextItemWidth(-FLT_MIN);
+    inputText("##way", request.range, "1,4,6");
+    tooltip("Numbers of the photographs, in the order of the way: 1,4,6 or 1-8");
+}
+
 void viewsRow(Editor& editor, size_t views) {
     using Views = ExportRequest::Views;
     ExportRequest& request = editor.state.exportFrames;
@@ -169,6 +207,7 @@ void viewsRow(Editor& editor, size_t views) {
     } else if (request.views == Views::timeline) {
         request.views = Views::present;
     }
+    movingCameras(request, views);
     if (const auto plate = editor.plate(); plate && !plate->plate.frames.empty()) {
         if (radio("Frames of the plate:", request.views == Views::plate,
                   "The plate relit, at its own size, through its own camera")) {
@@ -191,7 +230,8 @@ void viewsRow(Editor& editor, size_t views) {
 void ratioRow(ExportRequest& request) {
     using Views = ExportRequest::Views;
     const bool plate = request.views == Views::plate;
-    if (request.views == Views::present || request.views == Views::timeline) {
+    if (request.views == Views::present || request.views == Views::timeline || request.views == Views::turntable ||
+        request.views == Views::path) {
         request.ratio = Ratio::none;
         return;
     }

@@ -87,6 +87,18 @@ TEST(PlatePanels, theExportOffersItsFramesAndSaysWhatCannotBe) {
     r.views = ExportRequest::Views::all;
     r.ratio = Ratio::difference;
     EXPECT_TRUE(checkExport(r, 6, 0).ok());
+    r.ratio = Ratio::none;
+    r.layers = "";
+    r.views = ExportRequest::Views::turntable;
+    r.moveFrames = 12;
+    EXPECT_EQ(checkExport(r, 6, 0).frames, 12u);
+    r.views = ExportRequest::Views::path;
+    for (const auto& [range, good] : {std::pair("3,1,6", true), {"2", false}, {"1,7", false}, {"0-2", false}}) {
+        r.range = range;
+        EXPECT_EQ(checkExport(r, 6, 0).ok(), good) << range;
+    }
+    r.views = ExportRequest::Views::all;
+    r.ratio = Ratio::difference;
     r.width = 10, r.height = 10;
     EXPECT_FALSE(checkExport(r, 6, 0).ok()) << "the photographs have another size";
 }
