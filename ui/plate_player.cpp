@@ -71,6 +71,7 @@ std::shared_ptr<const OpenPlate> openPlateOf(const PlateLook& look, const std::s
         return open;
     }
     std::erase_if(open->plate.frames, [&](const PlateFrame& frame) {
+        progress.check();
         try {
             const auto [width, height] = readImageSize(frame.file);
             if (width == frame.camera.width && height == frame.camera.height) return false;

@@ -208,6 +208,15 @@ TEST(EditorExport, ATurntableAndAWayThroughViewsFollowTheKeys) {
     EXPECT_LT(sumOf("way.3.exr"), 0.95 * sumOf("way.1.exr")) << "the same camera, the light off";
     EXPECT_EQ(readImage(s.folder / "turn.2.exr").width, 32);
     EXPECT_FALSE(fs::exists(s.folder / "turn.3.exr"));
+    // Where frames went is remembered, as long as the place is there.
+    e.state.exportFrames.file = request.file;
+    s.editor.reset();
+    s.start();
+    EXPECT_EQ(s.editor->state.exportFrames.file, request.file);
+    s.editor->state.exportFrames.file = s.folder / "gone/turn.#.exr";
+    s.editor.reset();
+    s.start();
+    EXPECT_TRUE(s.editor->state.exportFrames.file.empty());
 }
 
 TEST(EditorPlate, BadFilesAreNamedAndTheDialogComesBackWithThem) {
