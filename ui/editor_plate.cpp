@@ -55,7 +55,8 @@ void Editor::importPlate(const PlateLook& given) {
             if (!open->trouble.empty()) throw Error(open->trouble);
             return [impl, open] {
                 impl->keepPlate(open);
-                impl->self.edit("Import plate " + open->look.files.filename().string(),
+                const char* what = impl->self.look().plate ? "Change the plate to " : "Import plate ";
+                impl->self.edit(what + open->look.files.filename().string(),
                                 [&](Look& changed) { changed.plate = open->look; });
                 impl->goToPlate(*open);
                 for (const std::string& note : open->plate.notes) impl->self.log(LogLevel::info, note);
@@ -162,8 +163,9 @@ void Editor::Impl::pollPlate() {
                 time.last = std::max(open->plate.frames.back().number, time.first);
                 self.goToFrame(std::clamp(time.frame, time.first, time.last));
             }
+        } catch (const Cancelled&) {
+            // It is opened again when it is wanted.
         } catch (const std::exception& error) {
-            // Stopped, or out of memory: it is tried again when it is wanted.
             self.log(LogLevel::info, std::string("The plate was not opened: ") + error.what());
         }
     }

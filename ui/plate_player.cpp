@@ -45,6 +45,10 @@ PlateGains gainsOf(const OpenPlate& open, const Scene& scene, const Estimate& es
         key.read = [&open, &frame, &progress](float& saturation) {
             return readPlate(frame.file, open.request.curve, saturation, [&] { progress.check(); });
         };
+        if (!frame.matte.empty())
+            key.matte = [&frame, &progress] {
+                return readMatte(frame.matte, frame.camera.width, frame.camera.height, [&] { progress.check(); });
+            };
         keys.push_back(std::move(key));
     }
     return matchPlate(applyLook(scene, estimate, Look{}, progress), keys, options, progress);
@@ -65,7 +69,7 @@ std::shared_ptr<const OpenPlate> openPlateOf(const PlateLook& look, const std::s
         open->plate = openPlate(*capture, open->request, progress);
         if (open->plate.frames.empty())
             throw Error(open->plate.faults.empty() ? "no frame can be used" : open->plate.faults.front());
-    } catch (const Error& error) {
+    } catch (const std::exception& error) {
         open->plate = {};
         open->trouble = inWindowWords(error.what());
         return open;
@@ -83,7 +87,7 @@ std::shared_ptr<const OpenPlate> openPlateOf(const PlateLook& look, const std::s
     });
     try {
         if (estimate && scene && !open->plate.frames.empty()) open->gains = gainsOf(*open, *scene, *estimate, progress);
-    } catch (const Error& error) {
+    } catch (const std::exception& error) {
         open->plate.notes.push_back(std::string("Its colours were not matched: ") + error.what());
     }
     return open;

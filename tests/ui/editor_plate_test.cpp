@@ -167,6 +167,24 @@ TEST(EditorPlate, RelitFramesAreWrittenAndThoseItLacksAreNamed) {
     EXPECT_LT(after, 0.9 * before);
     EXPECT_GT(after, 0.05 * before);
     EXPECT_FALSE(fs::exists(s.folder / "relit.0003.exr"));
+    // What a matte holds out stays as it is. It is a change of the plate, which can be undone.
+    e.state.notices.clear();
+    writeImage(s.folder / "white.exr", Image(captured.width, captured.height, Rgb(1)));
+    s.plate.matte = s.folder / "white.exr";
+    s.import();
+    e.state.notices.clear();
+    ASSERT_EQ(e.plate()->plate.frames.size(), 3u);
+    request.range = "4";
+    request.file = s.folder / "held.exr";
+    e.exportFrames(request);
+    s.until([&] { return !e.job(); });
+    ASSERT_TRUE(e.state.notices.empty()) << e.state.notices[0].text;
+    const Image held = readImage(s.folder / "held.exr");
+    for (size_t p = 0; p < held.pixels.size(); p += 7)
+        EXPECT_NEAR(held.pixels[p].y, captured.pixels[p].y, 1e-3f * captured.pixels[p].y + 1e-6f);
+    e.undo();
+    EXPECT_TRUE(e.plate()->look.matte.empty());
+    request.range = "1-4";
     // Its own frames are not written over.
     e.state.notices.clear();
     request.file = s.plate.files;
