@@ -95,6 +95,7 @@ int run(const relamp::cli::CommandLine& line, relamp::Progress& progress) {
         case cli::Verb::compare: return cli::compare(line.compare, progress);
         case cli::Verb::mergeHdr: return cli::mergeHdr(line.merge, progress);
         case cli::Verb::report: return cli::report(line.report, progress);
+        case cli::Verb::scan: return cli::scan(line.scan, progress);
         case cli::Verb::stress: return cli::stress(line.stress, progress);
         case cli::Verb::info: return cli::info(line.path, line.fix, line.json, progress);
     }

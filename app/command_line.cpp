@@ -343,6 +343,30 @@ CLI::App* addReport(CLI::App& app, CommandLine& line) {
     return verb;
 }
 
+CLI::App* addScan(CLI::App& app, CommandLine& line) {
+    CLI::App* verb = app.add_subcommand(
+        "scan", "Photographs of projected Gray codes become a capture: mesh, cameras, the projector's place");
+    verb->add_option("folder", line.scan.folder, "Folder with cameras.json and a folder of photographs for each camera")
+        ->required();
+    verb->add_option("-o,--output", line.scan.output, "Capture folder to write")->required();
+    verb->add_option("--cameras", line.scan.cameras, "Calibration, in place of cameras.json in the folder");
+    verb->add_option("--bits", line.scan.bits,
+                     "Bits along the projector's columns and rows, as 10,9; else by the number of photographs");
+    verb->add_option("--projector-size", line.scan.projector, "Its pixels, as 1024x768; else as many as the bits have");
+    verb->add_option("--up", line.scan.up,
+                     "What is up in the calibration: x, y, z, -x, -y, -z or X,Y,Z; else as the cameras were held");
+    verb->add_option("--max-gap", line.scan.mostGap,
+                     "Millimetres by which rays may miss each other; else four times their median")
+        ->check(CLI::PositiveNumber);
+    verb->add_option("--triangles", line.scan.triangles, "About how many the mesh has at most")
+        ->check(CLI::Range(size_t(1000), size_t(100'000'000)))
+        ->capture_default_str();
+    verb->add_option("--threads", line.scan.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
+    verb->add_flag("--overwrite", line.scan.overwrite, "Write into a folder that holds something");
+    verb->add_flag("--json", line.scan.json, "One JSON object");
+    return verb;
+}
+
 CLI::App* addStress(CLI::App& app, CommandLine& line) {
     CLI::App* verb = app.add_subcommand("stress", "Stiff and extreme variants: a stability table");
     verb->add_option("path", line.stress.path, "Capture or shot folder")->required();
@@ -396,7 +420,8 @@ std::optional<CommandLine> parseCommandLine(int argc, char** argv, int& exitCode
         {addRender(app, line), Verb::render},  {addExport(app, line), Verb::exportShot},
         {addPaint(app, line), Verb::paint},    {addCompare(app, line), Verb::compare},
         {addMerge(app, line), Verb::mergeHdr}, {addReport(app, line), Verb::report},
-        {addStress(app, line), Verb::stress},  {addInfo(app, line), Verb::info},
+        {addScan(app, line), Verb::scan},      {addStress(app, line), Verb::stress},
+        {addInfo(app, line), Verb::info},
     };
     try {
         app.parse(argc, argv);

@@ -4,11 +4,12 @@
 
 #include "commands.h"
 #include "report_command.h"
+#include "scan_command.h"
 #include "stress_command.h"
 
 namespace relamp::cli {
 
-enum class Verb { edit, check, plan, solve, render, exportShot, paint, compare, mergeHdr, report, stress, info };
+enum class Verb { edit, check, plan, solve, render, exportShot, paint, compare, mergeHdr, report, scan, stress, info };
 
 /// The verb, and the arguments of all of them; only the verb's own are filled.
 struct CommandLine {
@@ -25,6 +26,7 @@ struct CommandLine {
     CompareArguments compare;
     MergeArguments merge;
     ReportArguments report;
+    ScanArguments scan;
     StressArguments stress;
 };
 

@@ -1,7 +1,7 @@
 # Completion of relamp for bash. Verbs are known; options are asked of the program itself.
 _relamp() {
     local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} verb="" i
-    local verbs="check plan solve render export paint compare report merge-hdr stress info edit"
+    local verbs="check plan solve render export paint compare report merge-hdr scan stress info edit"
     for ((i = 1; i < COMP_CWORD; i++)); do
         [[ " $verbs " == *" ${COMP_WORDS[i]} "* ]] && verb=${COMP_WORDS[i]} && break
     done
