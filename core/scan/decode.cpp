@@ -11,7 +11,7 @@ namespace {
 
 /// Bits, counted from the finest, that separate direct from global light: fine enough to light all but evenly what
 /// global light comes from, coarse enough to be sharp.
-constexpr int finestSeparating = 1, coarsestSeparating = 3;
+constexpr int finestSeparating = 1, coarsestSeparating = 3, coarsestForNoise = 4;
 constexpr size_t noiseBins = 12;
 
 /// What a photograph is read as in pairs: pattern and inverse, where one alone is completed by white and black.
@@ -27,10 +27,11 @@ struct LightParts {
     std::array<float, noiseBins> noise{};
     float brightest = 0;
     size_t pixels() const { return white.values.size(); }
-    float noiseAt(size_t i) const {
+    size_t binOf(size_t i) const {
         const float root = std::sqrt(std::max(0.0f, white.values[i] / brightest));
-        return noise[std::min(noiseBins - 1, size_t(root * float(noiseBins)))];
+        return std::min(noiseBins - 1, size_t(root * float(noiseBins)));
     }
+    float noiseAt(size_t i) const { return noise[binOf(i)]; }
 };
 
 GreyImage readPlace(const PatternStack& stack, size_t place, const GreyImage* like) {
@@ -87,52 +88,90 @@ LightParts readWhiteAndBlack(const PatternStack& stack) {
     return light;
 }
 
+/// Standard deviation of a photograph by brightness: pattern + inverse is the same light for every bit, so the sums of
+/// two bits differ by the noise of four photographs.
+class NoiseMeter {
+public:
+    explicit NoiseMeter(const LightParts& light)
+        : light_(light), stride_(std::max<size_t>(1, light.pixels() / 200'000)) {}
+
+    void add(const PatternPair& pair) {
+        std::vector<float> sums;
+        for (size_t i = 0; i < light_.pixels(); i += stride_) {
+            // Beside edges a camera's curve that is no sRGB changes the sum.
+            const float whole = light_.white.values[i] - light_.black.values[i];
+            const bool plain = std::abs(pair.pattern[i] - pair.inverse[i]) > 0.8f * whole;
+            sums.push_back(plain ? pair.pattern[i] + pair.inverse[i] : NAN);
+        }
+        for (size_t k = 0; k < before_.size(); ++k)
+            if (std::isfinite(sums[k] - before_[k]))
+                residuals_[light_.binOf(k * stride_)].push_back(std::abs(sums[k] - before_[k]));
+        before_ = std::move(sums);
+    }
+    /// Bins with few pixels take the noise of the next darker one.
+    std::array<float, noiseBins> noise() {
+        const float floor = 2e-4f * light_.brightest;
+        std::array<float, noiseBins> noise{};
+        float darker = floor;
+        for (size_t b = 0; b < noiseBins; ++b) {
+            if (residuals_[b].size() >= 100)
+                darker = std::max(floor, 0.5f * 1.4826f * medianOf(std::move(residuals_[b])));
+            noise[b] = darker;
+        }
+        return noise;
+    }
+
+private:
+    const LightParts& light_;
+    size_t stride_;
+    std::vector<float> before_;
+    std::array<std::vector<float>, noiseBins> residuals_;
+};
+
 void separate(const PatternStack& stack, LightParts& light, Progress& progress) {
+    struct Pair {
+        size_t place;
+        int fine;
+    };
+    std::vector<Pair> pairs;
     std::vector<size_t> places;
     for (int axis : {0, 1})
-        for (int fine = finestSeparating; fine <= coarsestSeparating; ++fine) {
+        for (int fine = finestSeparating; fine <= coarsestForNoise; ++fine) {
             const int bit = stack.bits[size_t(axis)] - 1 - fine;
             if (bit < 0) continue;
             const size_t place = patternPlace(stack.bits, axis, bit);
-            if (stack.there[place] && stack.there[place + 1]) places.push_back(place);
+            if (!stack.there[place] || !stack.there[place + 1]) continue;
+            pairs.push_back({place, fine});
+            places.push_back(place);
         }
     std::vector<float> most(light.pixels(), -1e30f), least(light.pixels(), 1e30f);
-    std::array<std::vector<float>, noiseBins> residuals;
-    const size_t stride = std::max<size_t>(1, light.pixels() / 200'000);
+    NoiseMeter meter(light);
     progress.begin("Separating direct light", places.size());
-    forEachPair(stack, places, light, progress, [&](size_t, const PatternPair& pair) {
+    forEachPair(stack, places, light, progress, [&](size_t which, const PatternPair& pair) {
+        if (pairs[which].fine >= coarsestSeparating) meter.add(pair);
+        if (pairs[which].fine > coarsestSeparating) return;
         for (size_t i = 0; i < light.pixels(); ++i) {
             most[i] = std::max({most[i], pair.pattern[i], pair.inverse[i]});
             least[i] = std::min({least[i], pair.pattern[i], pair.inverse[i]});
         }
-        for (size_t i = 0; i < light.pixels(); i += stride) {
-            const float white = light.white.values[i];
-            const float root = std::sqrt(std::max(0.0f, white / light.brightest));
-            residuals[std::min(noiseBins - 1, size_t(root * float(noiseBins)))].push_back(
-                std::abs(pair.pattern[i] + pair.inverse[i] - white - light.black.values[i]));
-        }
     });
-    const float floor = 2e-4f * light.brightest;
-    // Four photographs are in a residual; empty bins take the noise of the next darker one.
-    float before = floor;
-    for (size_t b = 0; b < noiseBins; ++b) {
-        if (residuals[b].size() >= 100) before = std::max(floor, 0.5f * 1.4826f * medianOf(std::move(residuals[b])));
-        light.noise[b] = before;
-    }
+    light.noise = meter.noise();
     light.direct.resize(light.pixels());
     light.global.resize(light.pixels());
     for (size_t i = 0; i < light.pixels(); ++i) {
         const float black = light.black.values[i], whole = light.white.values[i] - black;
-        light.direct[i] = places.empty() ? whole : most[i] - least[i];
-        light.global[i] = places.empty() ? 0 : std::max(0.0f, 2 * (least[i] - black));
+        light.direct[i] = most[i] < least[i] ? whole : most[i] - least[i];
+        light.global[i] = most[i] < least[i] ? 0 : std::max(0.0f, 2 * (least[i] - black));
     }
 }
 
 /// Whether a bit is 0, 1 or not known (2).
 int classified(float pattern, float inverse, float direct, float global, float noise, const DecodeOptions& options,
-               bool whole) {
+               bool whole, int fine) {
     const float difference = std::abs(pattern - inverse), sigma = noise * (whole ? 1.4142f : 2.4495f);
-    if (!(difference > std::max(options.noises * sigma, options.leastContrast * direct))) return 2;
+    // A wrong finest bit is wrong by one pixel of the projector, the next by up to three.
+    const float noises = options.noises * float(std::min(fine + 1, 3)) / 3;
+    if (!(difference > std::max(noises * sigma, options.leastContrast * direct))) return 2;
     const int bit = pattern > inverse;
     if (direct > global) return bit;
     const float off = bit ? inverse : pattern, on = bit ? pattern : inverse, slack = 2 * noise;
@@ -172,7 +211,8 @@ GrayBits readBits(const PatternStack& stack, int axis, const LightParts& light, 
         const int bit = fine[which];
         parallelFor(light.pixels(), 16384, [&](size_t i) {
             const float black = light.black.values[i], p = pair.pattern[i] - black, q = pair.inverse[i] - black;
-            const int value = classified(p, q, light.direct[i], light.global[i], light.noiseAt(i), options, pair.whole);
+            const int value =
+                classified(p, q, light.direct[i], light.global[i], light.noiseAt(i), options, pair.whole, bit);
             if (value == 2) out.unsure[i] = uint16_t(out.unsure[i] | 1u << bit);
             // What is not sure keeps its likelier value.
             if (p > q) out.gray[i] = uint16_t(out.gray[i] | 1u << bit);
@@ -236,7 +276,8 @@ DecodedView decodePatterns(const PatternStack& stack, const DecodeOptions& optio
         GrayBits bits = readBits(stack, axis, light, options, view.lost, progress);
         const int coarsest = exactnessOf(view.lost.bits[size_t(axis)], stack.bits[size_t(axis)]);
         view.lost.exactness[size_t(axis)] = coarsest;
-        takeCodes(bits, light, lit, options.projectorSize[size_t(axis)], std::max(options.widestInterval, coarsest));
+        takeCodes(bits, light, lit, options.projectorSize[size_t(axis)],
+                  coarsest > 1 ? std::max(options.widestInterval, 2 * coarsest) : options.widestInterval);
         bits.gray = bits.unsure = {};
         const float slope = slopeOf(bits.map);
         view.slope = std::max(view.slope, slope);

@@ -26,9 +26,9 @@ struct PatternStack {
 
 struct DecodeOptions {
     std::array<int, 2> projectorSize{};  ///< codes beyond it are none; 0: as the bits have
-    float noises = 3;             ///< pattern and inverse differ by more than this many standard deviations of noise
-    float leastContrast = 0.15f;  ///< and by this fraction of the light that comes from the projector directly
-    int widestInterval = 4;       ///< codes that are less exact are left out, projector pixels
+    float noises = 3;            ///< pattern and inverse differ by more than this many standard deviations of noise
+    float leastContrast = 0.1f;  ///< and by this fraction of the light that comes from the projector directly
+    int widestInterval = 4;      ///< codes that are less exact are left out, projector pixels
 };
 
 /// Bits of a camera that no photograph shows, by axis.
@@ -54,7 +54,7 @@ struct DecodedView {
 
 /// Thresholds by direct and global light [Nayar06] [XuAliaga07]: the fine patterns give each pixel's direct light d and
 /// indirect light g. A bit is read where the intervals [0, g] and [d, d + g] tell pattern from inverse, and where both
-/// differ by more than the noise, which follows from pattern + inverse = white + black. A pattern or inverse alone is
+/// differ by more than the noise, which pattern + inverse of several bits tell. A pattern or inverse alone is
 /// held against that sum. Places are then fitted over a few pixels (code_fit.h). Same bits on any number of threads.
 /// Memory: about 48 bytes a pixel, and 28 for each photograph that is read at once. Throws Error: white is darker than
 /// black, sizes differ, nothing is lit; whatever `read` throws; Cancelled.

@@ -1,5 +1,6 @@
 // Reflected binary (Gray) codes with bits that are not known.
 #pragma once
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 
@@ -18,24 +19,26 @@ struct CodeInterval {
     float middle() const { return 0.5f * float(low + high); }
 };
 
-/// What Gray bits say of which those in `unsure` (same numbering, bit 0 is the finest) are not known. One unknown bit
-/// leaves two codes: beside a stripe's edge, where it is the pattern that is half lit, they are neighbours, and the
-/// edge lies between them. Otherwise the code is as coarse as the coarsest unknown bit. Wider ones than `widest` are
-/// none.
+/// What Gray bits say of which those in `unsure` (same numbering, bit 0 is the finest) are not known: the smallest
+/// interval that holds the codes of all their values. Beside a stripe's edge, where it is the pattern that is half lit,
+/// an unknown bit of any weight leaves two neighbouring codes, and the edge lies between them. Of more than three
+/// unknown bits the coarsest counts. Intervals wider than `widest` are none.
 inline CodeInterval intervalOf(uint32_t gray, uint32_t unsure, int widest) {
-    const uint32_t code = numberOfGray(gray);
-    uint32_t low = code, high = code + 1;
-    if (std::has_single_bit(unsure)) {
-        const uint32_t other = numberOfGray(gray ^ unsure);
-        low = std::min(code, other);
-        high = std::max(code, other) + 1;
-    } else if (unsure) {
+    uint32_t low = numberOfGray(gray), high = low;
+    if (std::popcount(unsure) <= 3) {
+        // Every subset of the unknown bits, flipped.
+        for (uint32_t flipped = unsure; flipped; flipped = (flipped - 1) & unsure) {
+            const uint32_t code = numberOfGray(gray ^ flipped);
+            low = std::min(low, code);
+            high = std::max(high, code);
+        }
+    } else {
         const int lost = std::bit_width(unsure);
-        low = code >> lost << lost;
-        high = low + (1u << lost);
+        low = low >> lost << lost;
+        high = low + (1u << lost) - 1;
     }
-    if (high - low > uint32_t(widest)) return {};
-    return {uint16_t(low), uint16_t(high)};
+    if (high - low >= uint32_t(widest)) return {};
+    return {uint16_t(low), uint16_t(high + 1)};
 }
 
 }  // namespace relamp

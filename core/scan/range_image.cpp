@@ -51,14 +51,18 @@ SourceRange rangeFrom(const RangeSource& self, const std::vector<DVec3>& directi
     return out;
 }
 
-PairFigures figuresOf(const SourceRange& range, double mostGap) {
+PairFigures figuresOf(const SourceRange& range, double mostGap, const Camera& camera) {
     PairFigures figures;
-    std::vector<float> gaps;
+    std::vector<float> gaps, along;
     for (size_t i = 0; i < range.along.size(); ++i)
-        if (range.along[i] > 0) gaps.push_back(range.gap[i]);
+        if (range.along[i] > 0) {
+            gaps.push_back(range.gap[i]);
+            along.push_back(range.along[i]);
+        }
     figures.matches = gaps.size();
     figures.medianGap = double(medianOf(gaps));
-    figures.mostGap = mostGap > 0 ? mostGap : 4 * figures.medianGap;
+    const double pixel = double(medianOf(std::move(along))) / std::max(1e-9, std::min(camera.focalX, camera.focalY));
+    figures.mostGap = mostGap > 0 ? mostGap : std::max(4 * figures.medianGap, 2 * pixel);
     for (float gap : gaps) figures.used += double(gap) <= figures.mostGap;
     return figures;
 }
@@ -86,8 +90,8 @@ RangeImage measureRange(const std::vector<RangeSource>& views, size_t self, cons
     std::vector<double> weight(count), sum(count);
     out.gap.assign(count, 0);
     figures.assign(views.size() + 1, {});
-    const auto take = [&](const SourceRange& range, PairFigures& pair) {
-        pair = figuresOf(range, options.mostGap);
+    const auto take = [&](const SourceRange& range, const Camera& other, PairFigures& pair) {
+        pair = figuresOf(range, options.mostGap, other);
         const double floor = 1e-9 + pair.medianGap;
         for (size_t i = 0; i < count; ++i) {
             if (!(range.along[i] > 0) || double(range.gap[i]) > pair.mostGap) continue;
@@ -104,13 +108,14 @@ RangeImage measureRange(const std::vector<RangeSource>& views, size_t self, cons
             if (!pixel) return std::nullopt;
             return DVec3(views[v].camera->rayDirection(Vec2(*pixel)));
         };
-        take(rangeFrom(own, out.directions, views[v].camera->position(), rayOf, progress), figures[v]);
+        take(rangeFrom(own, out.directions, views[v].camera->position(), rayOf, progress), *views[v].camera,
+             figures[v]);
     }
     if (projector) {
         const auto rayOf = [&](const Vec2& place) -> std::optional<DVec3> {
             return DVec3(projector->rayDirection(place));
         };
-        take(rangeFrom(own, out.directions, projector->position(), rayOf, progress), figures.back());
+        take(rangeFrom(own, out.directions, projector->position(), rayOf, progress), *projector, figures.back());
     }
     out.distance.resize(count);
     for (size_t i = 0; i < count; ++i) out.distance[i] = weight[i] > 0 ? float(sum[i] / weight[i]) : 0;
@@ -119,19 +124,21 @@ RangeImage measureRange(const std::vector<RangeSource>& views, size_t self, cons
 
 namespace {
 
-/// Value at the middle of the plane through the distances of similar neighbours; none with few of them.
-std::optional<double> planeAt(const RangeImage& range, const Camera& camera, int x, int y, int radius, double slope,
-                              double noise) {
+/// Distances around a pixel that are similar to one of them.
+struct Around {
+    std::optional<double> plane;  ///< value at the pixel of the plane through them; none with few
+    bool enclosed = false;        ///< they lie on all sides
+};
+
+Around planeAt(const RangeImage& range, const Camera& camera, int x, int y, int radius, double own, double slope,
+               double noise) {
     const auto width = size_t(range.width);
-    const auto own = double(range.distance[size_t(y) * width + size_t(x)]);
     double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0, sd = 0, sxd = 0, syd = 0;
     for (int j = std::max(0, y - radius); j <= std::min(range.height - 1, y + radius); ++j)
         for (int i = std::max(0, x - radius); i <= std::min(range.width - 1, x + radius); ++i) {
             const auto d = double(range.distance[size_t(j) * width + size_t(i)]);
-            const double dx = i - x, dy = j - y;
-            if (!(d > 0) ||
-                std::abs(d - own) > mostStep(camera, own, slope, std::max(std::abs(dx), std::abs(dy)), noise))
-                continue;
+            const double dx = i - x, dy = j - y, apart = std::max(std::abs(dx), std::abs(dy));
+            if (!(d > 0) || std::abs(d - own) > mostStep(camera, own, slope, apart, noise)) continue;
             const double off = d - own;
             n += 1;
             sx += dx;
@@ -143,12 +150,44 @@ std::optional<double> planeAt(const RangeImage& range, const Camera& camera, int
             sxd += dx * off;
             syd += dy * off;
         }
-    if (n < 0.4 * (2 * radius + 1) * (2 * radius + 1)) return std::nullopt;
+    if (n < 0.4 * (2 * radius + 1) * (2 * radius + 1)) return {};
     const double vxx = sxx - sx * sx / n, vxy = sxy - sx * sy / n, vyy = syy - sy * sy / n;
     const double vxd = sxd - sx * sd / n, vyd = syd - sy * sd / n, determinant = vxx * vyy - vxy * vxy;
-    if (!(determinant > 1e-3 * (vxx + vyy) * (vxx + vyy))) return std::nullopt;
+    if (!(determinant > 1e-3 * (vxx + vyy) * (vxx + vyy))) return {};
     const double b = (vyy * vxd - vxy * vyd) / determinant, c = (vxx * vyd - vxy * vxd) / determinant;
-    return own + (sd - b * sx - c * sy) / n;
+    return {own + (sd - b * sx - c * sy) / n, std::max(std::abs(sx), std::abs(sy)) < 0.2 * radius * n};
+}
+
+/// The middle one of the distances around a pixel; 0 with few.
+double middleAround(const RangeImage& range, int x, int y, int radius) {
+    std::vector<float> found;
+    for (int j = std::max(0, y - radius); j <= std::min(range.height - 1, y + radius); ++j)
+        for (int i = std::max(0, x - radius); i <= std::min(range.width - 1, x + radius); ++i)
+            if (const float d = range.distance[size_t(j) * size_t(range.width) + size_t(i)]; d > 0) found.push_back(d);
+    if (found.size() * 5 < size_t(2 * (2 * radius + 1) * (2 * radius + 1))) return 0;
+    return double(medianOf(std::move(found)));
+}
+
+/// Gives pixels without a distance that of the plane through those around them.
+size_t fillHoles(RangeImage& range, const Camera& camera, int radius, double slope, double noise) {
+    std::vector<float> filled(range.distance.size());
+    parallelFor(size_t(range.height), 8, [&](size_t y) {
+        for (int x = 0; x < range.width; ++x) {
+            const size_t i = y * size_t(range.width) + size_t(x);
+            if (range.distance[i] > 0) continue;
+            const double own = middleAround(range, x, int(y), radius);
+            if (!(own > 0)) continue;
+            const Around around = planeAt(range, camera, x, int(y), radius, own, slope, noise);
+            if (around.plane && around.enclosed) filled[i] = float(*around.plane);
+        }
+    });
+    size_t count = 0;
+    for (size_t i = 0; i < filled.size(); ++i)
+        if (filled[i] > 0) {
+            range.distance[i] = filled[i];
+            ++count;
+        }
+    return count;
 }
 
 /// Median difference of distance from a pixel to the next: noise and slope together.
@@ -184,7 +223,7 @@ void removeLoners(RangeImage& range, const Camera& camera, double slope, double 
 
 }  // namespace
 
-double smoothRange(RangeImage& range, const Camera& camera, int radius, double slope, Progress& progress) {
+Smoothing smoothRange(RangeImage& range, const Camera& camera, int radius, double slope, Progress& progress) {
     const double first = medianStep(range);
     removeLoners(range, camera, slope, first);
     std::vector<float> fitted(range.distance.size());
@@ -198,7 +237,8 @@ double smoothRange(RangeImage& range, const Camera& camera, int radius, double s
                     const size_t i = y * width + size_t(x);
                     fitted[i] = 0;
                     if (!(range.distance[i] > 0)) continue;
-                    const auto plane = planeAt(range, camera, x, int(y), radius, slope, noise);
+                    const auto own = double(range.distance[i]);
+                    const auto plane = planeAt(range, camera, x, int(y), radius, own, slope, noise).plane;
                     if (plane) fitted[i] = float(*plane);
                 }
             },
@@ -216,7 +256,9 @@ double smoothRange(RangeImage& range, const Camera& camera, int radius, double s
         if (fitted[i] > 0) range.distance[i] += std::clamp(fitted[i] - range.distance[i], -most, most);
         else range.distance[i] = 0;
     }
-    return noise;
+    Smoothing done{noise, 0};
+    for (int round = 0; round < 2; ++round) done.filled += fillHoles(range, camera, radius, slope, noise);
+    return done;
 }
 
 }  // namespace relamp

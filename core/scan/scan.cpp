@@ -66,6 +66,7 @@ void decodeAll(const ScanCalibration& calibration, const ScanInput& input, const
         figures.coarse = view.coarse;
         figures.photographNoise = view.noise;
         figures.global = view.global;
+        figures.slope = view.slope;
         figures.lost = view.lost;
         noteLost(result, figures);
         result.cameras.push_back(std::move(figures));
@@ -185,8 +186,10 @@ ScanResult scanSurface(const ScanCalibration& calibration, const ScanInput& inpu
     for (size_t c = 0; c < input.size(); ++c) {
         RangeImage& range = result.ranges[c];
         const Camera& camera = calibration.cameras[c].camera;
-        result.cameras[c].noise = smoothRange(range, camera, 2, options.mesh.slope, progress);
-        result.cameras[c].points = range.count();
+        const Smoothing smoothing = smoothRange(range, camera, 2, options.mesh.slope, progress);
+        result.cameras[c].noise = smoothing.noise;
+        result.cameras[c].filled = smoothing.filled;
+        result.cameras[c].points = range.count() - smoothing.filled;
         views.push_back({&camera, &range, result.cameras[c].noise});
     }
     result.mesh = meshRanges(views, options.mesh, progress);

@@ -10,7 +10,7 @@ namespace relamp {
 struct ScanOptions {
     ScanBits bits{};                     ///< 0: by the number of photographs
     std::array<int, 2> projectorSize{};  ///< pixels; 0: of the calibration, else as many as the bits have
-    double mostGap = 0;                  ///< metres by which rays may miss each other; 0: four times their median
+    double mostGap = 0;  ///< metres by which rays may miss each other; 0: four times their median, two pixels at least
     RangeMeshOptions mesh{};
     DecodeOptions decode{};
     size_t maxPixels = size_t(1) << 26;  ///< of a photograph
@@ -25,11 +25,13 @@ struct ScanCameraFigures {
     size_t pixels = 0, lit = 0, decoded = 0, coarse = 0;
     size_t matched = 0;         ///< that another camera sees too, within the allowed gap
     size_t points = 0;          ///< with a place in space
+    size_t filled = 0;          ///< between such pixels, with one from those around them
     double medianGap = 0;       ///< metres, to the other cameras; 0: there are none
     double projectorGap = 0;    ///< metres, to the projector; 0: it is not known
     double noise = 0;           ///< of distances, metres, before smoothing
     float photographNoise = 0;  ///< relative
     float global = 0;           ///< median fraction of indirect light in white
+    float slope = 0;            ///< projector pixels from a pixel to the next
     LostBits lost;
 };
 

@@ -65,12 +65,14 @@ Json cameraJson(const ScanResult& result, const ScanCameraFigures& camera) {
             {"coarse", camera.coarse},
             {"matched", camera.matched},
             {"points", camera.points},
+            {"filled", camera.filled},
             {"coverage", double(camera.points) / double(std::max<size_t>(1, camera.lit))},
             {"median_gap", camera.medianGap},
             {"median_projector_gap", camera.projectorGap},
             {"noise", camera.noise},
             {"photograph_noise", camera.photographNoise},
             {"global_fraction", camera.global},
+            {"codes_per_pixel", camera.slope},
             {"missing", std::move(absent)},
             {"code_exactness", camera.lost.exactness}};
 }
@@ -101,7 +103,7 @@ Vec3 scanUp(const ScanCalibration& calibration, const std::string& name) {
     for (const ScanCamera& camera : calibration.cameras) cameras.push_back(camera.camera);
     const Vec3 up(guessUp(cameras).value_or(DVec3(0, 0, 1)));
     for (int axis = 0; axis < 3; ++axis)
-        if (std::abs(up[axis]) > 0.94f) {
+        if (std::abs(up[axis]) > 0.9f) {
             Vec3 whole(0);
             whole[axis] = up[axis] > 0 ? 1.0f : -1.0f;
             return whole;

@@ -9,7 +9,7 @@
 namespace relamp {
 
 /// The axis of the calibration that is up: `name` (as axisFromName takes it), or, for an empty one, the axis nearest to
-/// where the cameras' upper sides point, within 20 degrees, else that direction. Throws Error for another name.
+/// where the cameras' upper sides point, within 25 degrees, else that direction. Throws Error for another name.
 Vec3 scanUp(const ScanCalibration& calibration, const std::string& name);
 
 /// Every file that a scan reads.
