@@ -81,7 +81,8 @@ TEST(ScanPhotographs, AreFoundByNumberAndWhatIsMissingIsSaid) {
 TEST(ScanCalibration, EveryFieldThatIsWrongIsNamed) {
     const test::TemporaryFolder folder;
     const std::string good = R"({"units":"millimetre","views":[{"name":"a","image":"a/0.jpg","width":8,"height":6,
-"K":[[10,0,3.5],[0,10,2.5],[0,0,1]],"R":[[1,0,0],[0,1,0],[0,0,1]],"t":[0,0,500],"distortion_k1k2p1p2k3":[0,0,0,0,0]}]})";
+"K":[[10,0,3.5],[0,10,2.5],[0,0,1]],"R":[[1,0,0],[0,1,0],[0,0,1]],"t":[0,0,500],
+"distortion_k1k2p1p2k3":[0,0,0,0,0]}]})";
     const auto with = [&](const std::string& from, const std::string& to) {
         std::string text = good;
         text.replace(text.find(from), from.size(), to);
