@@ -46,6 +46,23 @@ Json jsonOf(const DVec3& v) { return Json::array({v.x, v.y, v.z}); }
 /// A position of the calibration's axes in relamp's world.
 DVec3 inWorld(const DVec3& position, const Vec3& up) { return glm::dmat3(rotationToZUp(up)) * position; }
 
+/// As cameras.json has it, in metres.
+Json calibrationJson(const Camera& c) {
+    const glm::dmat3 axes(c.worldFromCamera);
+    Json rotation = Json::array(), shift = Json::array();
+    for (int r = 0; r < 3; ++r) {
+        const DVec3 axis = r == 0 ? axes[r] : -axes[r];  // OpenGL's axes to OpenCV's
+        rotation.push_back(jsonOf(axis));
+        shift.push_back(-glm::dot(axis, c.position()));
+    }
+    return {{"width", c.width},
+            {"height", c.height},
+            {"K", {{c.focalX, 0, c.centreX - 0.5}, {0, c.focalY, c.centreY - 0.5}, {0, 0, 1}}},
+            {"R", std::move(rotation)},
+            {"t", std::move(shift)},
+            {"distortion", c.distortion}};
+}
+
 const char* nameOf(ProjectorFrom from) {
     switch (from) {
         case ProjectorFrom::nowhere: return "none";
@@ -83,9 +100,7 @@ Json projectorJson(const ScanResult& result, const Vec3& up) {
     const Camera& p = *result.projector;
     projector["position"] = jsonOf(inWorld(p.position(), up));
     projector["position_in_files"] = jsonOf(p.position());
-    projector["focal"] = {p.focalX, p.focalY};
-    projector["centre"] = {p.centreX, p.centreY};
-    projector["distortion"] = p.distortion;
+    projector["calibration"] = calibrationJson(p);
     if (result.projectorFrom != ProjectorFrom::resection) return projector;
     const DVec3 sigma = inWorld(result.resection.positionSigma, up);
     projector["position_sigma"] = jsonOf(glm::abs(sigma));

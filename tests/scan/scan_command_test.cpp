@@ -68,6 +68,17 @@ TEST(ScanCommand, PhotographsBecomeACaptureThatOthersRead) {
     EXPECT_NEAR(report["projector"]["position"][1].get<double>(), -truth.z, 0.03);
     EXPECT_NEAR(report["projector"]["position"][2].get<double>(), truth.y, 0.03);
 
+    // The projector that was found is what a scan by one camera takes.
+    nlohmann::json one = calibrationJson(scene.calibration);
+    one["views"].erase(1);
+    one["projector"] = report["projector"]["calibration"];
+    for (auto& shift : one["projector"]["t"]) shift = shift.get<double>() * 1000;
+    const fs::path calibration = folder.write("scan/one.json", one.dump());
+    const test::ProgramResult alone =
+        scan({"-o", (folder / "one").string(), "--cameras", calibration.string(), "--json"});
+    ASSERT_EQ(alone.exitCode, 0) << alone.error;
+    EXPECT_GT(nlohmann::json::parse(alone.out)["cameras"][0]["coverage"].get<double>(), 0.75);
+
     Progress progress;
     const Capture capture = loadCapture(out, {}, progress);
     ASSERT_EQ(capture.views.size(), 2u);
