@@ -160,6 +160,14 @@ Around planeAt(const RangeImage& range, const Camera& camera, int x, int y, int 
 
 /// The middle one of the distances around a pixel; 0 with few.
 double middleAround(const RangeImage& range, int x, int y, int radius) {
+    // Most pixels without a distance are far from any.
+    size_t corners = 0;
+    for (const int dy : {-radius, 0, radius})
+        for (const int dx : {-radius, 0, radius}) {
+            const int i = std::clamp(x + dx, 0, range.width - 1), j = std::clamp(y + dy, 0, range.height - 1);
+            corners += range.distance[size_t(j) * size_t(range.width) + size_t(i)] > 0;
+        }
+    if (corners < 3) return 0;
     std::vector<float> found;
     for (int j = std::max(0, y - radius); j <= std::min(range.height - 1, y + radius); ++j)
         for (int i = std::max(0, x - radius); i <= std::min(range.width - 1, x + radius); ++i)
@@ -257,7 +265,11 @@ Smoothing smoothRange(RangeImage& range, const Camera& camera, int radius, doubl
         else range.distance[i] = 0;
     }
     Smoothing done{noise, 0};
-    for (int round = 0; round < 2; ++round) done.filled += fillHoles(range, camera, radius, slope, noise);
+    // Small gaps first, so that larger ones are closed from firm ground.
+    for (const int reach : {radius, radius, 2 * radius + 1, 2 * radius + 1}) {
+        progress.check();
+        done.filled += fillHoles(range, camera, reach, slope, noise);
+    }
     return done;
 }
 

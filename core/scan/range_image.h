@@ -48,7 +48,7 @@ struct Smoothing {
 
 /// Takes out what stands alone among its neighbours, and fits a plane to the distances around each pixel (`radius` to
 /// each side), towards which it moves by at most 2.5 standard deviations of the noise. Pixels without a distance get
-/// the plane's where distances lie on all sides of them: gaps of up to three pixels close. `slope`: largest step of
+/// the plane's where distances lie on all sides of them: gaps of a few pixels close. `slope`: largest step of
 /// distance from pixel to pixel of one surface, as a multiple of a pixel's size there. Cost: 0.2 us a pixel for a
 /// radius of 2. Throws Cancelled.
 Smoothing smoothRange(RangeImage& range, const Camera& camera, int radius, double slope, Progress& progress);
