@@ -9,6 +9,7 @@
 #include "image/image_io.h"
 #include "plate/plate_camera.h"
 #include "relight/ies_profile.h"
+#include "scan/scan_calibration.h"
 #include "scene/mesh_io.h"
 #include "scene/texcoords.h"
 
@@ -19,6 +20,8 @@ std::pair<int, int> someSize(const std::string&) { return {640, 480}; }
 
 const Target transforms("transforms", [](std::string_view bytes) { parseTransforms(std::string(bytes), someSize); });
 const Target camera("camera", [](std::string_view bytes) { readCameraFile(fileWith("camera.json", bytes)); });
+const Target scanCameras("scan-cameras",
+                         [](std::string_view bytes) { readScanCalibration(fileWith("cameras.json", bytes)); });
 
 template <int kind>
 void mesh(std::string_view bytes) {
