@@ -127,8 +127,7 @@ std::vector<EmitterMove> liftedFronts(const Scene& scene, const Capture& capture
             move.radius = std::max(move.radius, glm::length(from));
         }
         move.words = fmt::format(
-            "outlines of a flat light at {:.2f} {:.2f} {:.2f} meet {:.1f} mm {} the mesh: its front goes there, and "
-            "its "
+            "outlines of a flat light at {:.2f} {:.2f} {:.2f} meet {:.1f} mm {} the mesh: its front goes there, its "
             "rim to them",
             e.centroid.x + capture.origin.x, e.centroid.y + capture.origin.y, e.centroid.z + capture.origin.z,
             1000 * std::abs(fit->front), fit->front > 0 ? "before" : "behind");

@@ -4,10 +4,10 @@
 
 namespace relamp {
 
-/// Fronts of flat emitters that the mesh has at another depth than their outlines say, by two standard deviations and
-/// more (solve/registration/flat_outline.h). The front's vertices move along its normal, and those between it and the
-/// surface behind in proportion. A bump of half the height hides a third of the light that a screen sends along its
-/// wall. O(pixels x emitters).
+/// Moves of flat emitters before a surface whose outlines tell their depth (solve/registration/flat_outline.h) to a
+/// third of their height or better. The front goes there along its normal, what lies between it and the surface goes
+/// with it in proportion, and the rim goes to the outline. A low, rounded bump sends the wall beside it too little of a
+/// screen's light. Emitters that shine to both sides, proxies and fitted balls stay. O(pixels x emitters).
 std::vector<EmitterMove> liftedFronts(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                                       const EmitterClusters& clusters);
 

@@ -78,7 +78,7 @@ std::vector<BoundaryPoint> pointsOf(const Capture& capture, const std::vector<Em
     return points;
 }
 
-/// Between which of the directions an angle lies: the lower one, and the share of the next.
+/// Between which of the directions an angle lies: the lower one, and the weight of the next.
 std::pair<int, double> directionOf(double x, double y) {
     const double turns = std::atan2(y, x) / (2 * piD) + 1, place = (turns - std::floor(turns)) * directions;
     return {int(place) % directions, place - std::floor(place)};
@@ -87,14 +87,14 @@ std::pair<int, double> directionOf(double x, double y) {
 /// What a point says: shape and depth that it asks for, linear about present depths.
 struct SlabRow {
     int direction = 0;                ///< the point lies between this one and the next
-    double share = 0;                 ///< of the next
+    double next = 0;                  ///< weight of the next one
     double ofShape = 0, ofDepth = 0;  ///< pixels a metre
     bool back = false;
     double value = 0;  ///< pixels
 
     double residual(const Eigen::VectorXd& x) const {
         return ofDepth * x[directions + back] -
-               ofShape * ((1 - share) * x[direction] + share * x[(direction + 1) % directions]) - value;
+               ofShape * ((1 - next) * x[direction] + next * x[(direction + 1) % directions]) - value;
     }
 };
 
@@ -110,7 +110,7 @@ SlabRow rowOf(const BoundaryPoint& point, const std::array<double, 2>& depths) {
         row.back = glm::dot(across, DVec2(point.ray.eye)) > glm::dot(across, at);
     }
     const double depth = depths[row.back], distance = glm::length(at);
-    std::tie(row.direction, row.share) = directionOf(at.x, at.y);
+    std::tie(row.direction, row.next) = directionOf(at.x, at.y);
     const double pixel = glm::length(DVec3(at, depth) - point.ray.eye) / point.focal;
     row.ofShape = glm::dot(across, at) / std::max(1e-30, distance) / pixel;
     row.ofDepth = glm::dot(across, DVec2(point.ray.along)) / point.ray.along.z / pixel;
@@ -121,8 +121,8 @@ SlabRow rowOf(const BoundaryPoint& point, const std::array<double, 2>& depths) {
 }  // namespace
 
 double FlatOutline::edgeTowards(double x, double y) const {
-    const auto [direction, share] = directionOf(x, y);
-    return (1 - share) * shape[size_t(direction)] + share * shape[size_t(direction + 1) % shape.size()];
+    const auto [direction, next] = directionOf(x, y);
+    return (1 - next) * shape[size_t(direction)] + next * shape[size_t(direction + 1) % shape.size()];
 }
 
 std::optional<FlatOutline> fitFlatOutline(const Capture& capture, const std::vector<EmitterOutline>& outlines,
@@ -143,7 +143,7 @@ std::optional<FlatOutline> fitFlatOutline(const Capture& capture, const std::vec
         for (size_t i = 0; i < points.size(); ++i) {
             const SlabRow& row = rows[i] = rowOf(points[i], depths);
             const std::array<int, 3> columns{row.direction, (row.direction + 1) % directions, directions + row.back};
-            const std::array<double, 3> slopes{-row.ofShape * (1 - row.share), -row.ofShape * row.share, row.ofDepth};
+            const std::array<double, 3> slopes{-row.ofShape * (1 - row.next), -row.ofShape * row.next, row.ofDepth};
             for (size_t a = 0; a < 3; ++a) {
                 right[columns[a]] += weights[i] * slopes[a] * row.value;
                 for (size_t b = 0; b < 3; ++b) gram(columns[a], columns[b]) += weights[i] * slopes[a] * slopes[b];
