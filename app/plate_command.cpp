@@ -11,14 +11,8 @@ namespace relamp::cli {
 namespace {
 
 PlateRequest requestOf(const RenderArguments& a, Ratio ratio) {
-    PlateRequest request;
-    request.plate = a.plate;
-    request.cameras = a.plateCamera;
-    request.track = {a.plateLens, a.plateRotation, a.plateOffset};
-    request.curve = plateCurve(a.plateCurve);
-    request.match = plateMatching(a.plateMatch);
-    request.matte = a.matte;
-    request.relightMatte = a.matteLight == "relight";
+    PlateRequest request = plateRequest({a.plate, a.plateCamera, a.plateLens, a.matte, a.plateOffset, a.plateRotation,
+                                         a.plateCurve, a.plateMatch, a.matteLight == "relight"});
     request.ratio = ratio == Ratio::none ? Ratio::quotient : ratio;
     return request;
 }

@@ -71,11 +71,7 @@ void Editor::Impl::solve(const SolveRequest& request, bool goOn) {
                   "Put them back and open the capture again.");
         return;
     }
-    if (job) {
-        self.fail("Something else is running", status->title + " is not finished.",
-                  "Wait for it, or stop it in the status bar.");
-        return;
-    }
+    if (refusedWhileRunning()) return;
     self.autosave();
     self.state.interrupted.reset();
     const size_t which = request.nearField ? 0 : 1;

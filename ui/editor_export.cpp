@@ -232,11 +232,7 @@ void Editor::exportFrames(const ExportRequest& request) {
              "Press Ctrl+Enter to estimate first.");
         return;
     }
-    if (impl_->job) {
-        fail("Something else is running", impl_->status->title + " is not finished.",
-             "Wait for it, or stop it in the status bar.");
-        return;
-    }
+    if (impl_->refusedWhileRunning()) return;
     const auto work = std::make_shared<ExportWork>();
     const bool ofPlate = request.views == ExportRequest::Views::plate;
     try {

@@ -35,6 +35,9 @@ struct Editor::Impl {
     std::filesystem::path saveNext;                ///< asked for while another save was under way
     std::function<void()> whenSaved;               ///< continues what the unsaved-changes question held up
 
+    /// Says so, and true, where a job runs.
+    bool refusedWhileRunning();
+
     // ---- intermediate results of a running solve, from its thread
     std::mutex solveMutex;
     std::vector<TimelineEntry> newEntries;

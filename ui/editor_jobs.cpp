@@ -23,6 +23,13 @@ fs::path Editor::Impl::documentPath() const {
     return self.state.document.shotFolder.empty() ? self.state.document.captureFolder : self.state.document.shotFolder;
 }
 
+bool Editor::Impl::refusedWhileRunning() {
+    if (!job) return false;
+    self.fail("Something else is running", status->title + " is not finished.",
+              "Wait for it, or stop it in the status bar.");
+    return true;
+}
+
 void Editor::Impl::start(JobStatus::Kind kind, const std::string& title, std::function<Finish(Progress&)> work,
                          std::function<void(bool)> onEnd) {
     status = JobStatus{};

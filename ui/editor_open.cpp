@@ -157,11 +157,7 @@ void Editor::answerPanorama(PanoramaUse use) {
 
 void Editor::readInBackground(const fs::path& file, const std::function<void()>& read,
                               const std::function<void(Editor&)>& done) {
-    if (impl_->job) {
-        fail("Something else is running", impl_->status->title + " is not finished.",
-             "Wait for it, or stop it in the status bar.");
-        return;
-    }
+    if (impl_->refusedWhileRunning()) return;
     impl_->start(JobStatus::Kind::open, "Reading " + file.filename().string(),
                  [impl = impl_.get(), read, done](Progress& progress) -> Finish {
                      progress.begin("Reading the file", 1);
@@ -173,11 +169,7 @@ void Editor::readInBackground(const fs::path& file, const std::function<void()>&
 void Editor::openNow(const fs::path& given) {
     fs::path path = captureFolderOf(cleaned(given));
     if (path.filename() == "shot.json") path = path.parent_path();
-    if (impl_->job) {
-        fail("Something else is running", impl_->status->title + " is not finished.",
-             "Wait for it, or stop it in the status bar.");
-        return;
-    }
+    if (impl_->refusedWhileRunning()) return;
     mendShot(path);
     if (!isThere(path)) {
         fail("This could not be opened", path.string() + " does not exist.", "It may have been moved or renamed.");

@@ -39,11 +39,7 @@ void Editor::importPlate(const PlateLook& given) {
              "Press Ctrl+Enter to estimate first.");
         return;
     }
-    if (impl_->job) {
-        fail("Something else is running", impl_->status->title + " is not finished.",
-             "Wait for it, or stop it in the status bar.");
-        return;
-    }
+    if (impl_->refusedWhileRunning()) return;
     PlateLook look = given;
     for (fs::path* file : {&look.files, &look.cameras, &look.lens, &look.matte})
         if (!file->empty()) *file = cleaned(*file);

@@ -8,18 +8,6 @@ namespace {
 
 constexpr int longestSide = 1280;
 
-PlateRequest requestOf(const PlateLook& look) {
-    PlateRequest request;
-    request.plate = look.files;
-    request.cameras = look.cameras;
-    request.track = {look.lens, look.rotation, look.offset};
-    request.curve = plateCurve(look.curve);
-    request.match = plateMatching(look.match);
-    request.matte = look.matte;
-    request.relightMatte = look.relightMatte;
-    return request;
-}
-
 /// An error of the command line without the option's name.
 std::string inWindowWords(std::string words) {
     for (const char* option : {"--plate-camera ", "--plate ", "--matte "})
@@ -65,7 +53,7 @@ std::shared_ptr<const OpenPlate> openPlateOf(const PlateLook& look, const std::s
     open->estimate = estimate;
     progress.begin("Opening the plate", 0);
     try {
-        open->request = requestOf(look);
+        open->request = plateRequest(look);
         open->plate = openPlate(*capture, open->request, progress);
         if (open->plate.frames.empty())
             throw Error(open->plate.faults.empty() ? "no frame can be used" : open->plate.faults.front());

@@ -296,6 +296,27 @@ Transforms readTransforms(const std::filesystem::path& file, const ImageSize& si
     return withContext(file.filename().string(), [&] { return parseTransforms(text, sizeOf); });
 }
 
+Json transformsFrame(const Camera& camera, const std::string& filePath) {
+    Json rows = Json::array();
+    for (int r = 0; r < 4; ++r) {
+        Json row = Json::array();
+        for (int k = 0; k < 4; ++k) row.push_back(camera.worldFromCamera[k][r]);
+        rows.push_back(std::move(row));
+    }
+    Json frame{{"file_path", filePath},
+               {"camera_model", lensModelName(camera.model)},
+               {"w", camera.width},
+               {"h", camera.height},
+               {"fl_x", camera.focalX},
+               {"fl_y", camera.focalY},
+               {"cx", camera.centreX},
+               {"cy", camera.centreY},
+               {"transform_matrix", std::move(rows)}};
+    const auto names = coefficientNames(camera.model);
+    for (size_t i = 0; i < names.size(); ++i) frame[names[i]] = camera.distortion[i];
+    return frame;
+}
+
 Camera readCameraFile(const std::filesystem::path& file) {
     const std::string text = readBytes(file, maxFileBytes);
     return withContext(file.filename().string(), [&] {

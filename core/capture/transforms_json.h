@@ -3,6 +3,7 @@
 #pragma once
 #include <filesystem>
 #include <functional>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -41,5 +42,8 @@ Transforms parseTransforms(const std::string& text, const ImageSize& sizeOf);
 
 /// The same for a file of at most 64 MiB; errors begin with its name.
 Transforms readTransforms(const std::filesystem::path& file, const ImageSize& sizeOf);
+
+/// A frame of the file: what parseTransforms reads as `filePath` and `camera`.
+nlohmann::json transformsFrame(const Camera& camera, const std::string& filePath);
 
 }  // namespace relamp

@@ -56,6 +56,18 @@ Json numbersOf(const Vec3& v) { return Json::array({v.x, v.y, v.z}); }
 
 }  // namespace
 
+PlateRequest plateRequest(const PlateLook& look) {
+    PlateRequest request;
+    request.plate = look.files;
+    request.cameras = look.cameras;
+    request.track = {look.lens, look.rotation, look.offset};
+    request.curve = plateCurve(look.curve);
+    request.match = plateMatching(look.match);
+    request.matte = look.matte;
+    request.relightMatte = look.relightMatte;
+    return request;
+}
+
 Plate openPlate(const Capture& capture, const PlateRequest& request, Progress& progress) {
     Plate plate;
     const PlateFiles files = plateFiles(request.plate, "--plate");

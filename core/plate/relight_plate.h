@@ -7,6 +7,7 @@
 #include "plate/plate_camera.h"
 #include "plate/plate_light.h"
 #include "plate/plate_match.h"
+#include "relight/plate_look.h"
 #include "shot/relit_looks.h"
 
 namespace relamp {
@@ -21,6 +22,9 @@ struct PlateRequest {
     Ratio ratio = Ratio::quotient;
     int neighbours = 2;  ///< frames before and after that steady a frame's light
 };
+
+/// A look's plate as a request. Throws Error for a curve or matching of another name.
+PlateRequest plateRequest(const PlateLook& look);
 
 struct PlateFrame {
     int number = 1;

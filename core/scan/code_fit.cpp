@@ -7,36 +7,12 @@
 
 #include "base/parallel.h"
 #include "base/statistics.h"
+#include "scan/affine_fit.h"
 
 namespace relamp {
 namespace {
 
-/// Weighted normal equations of u = a + b x + c y.
-struct PlaneSums {
-    double w = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, u = 0, xu = 0, yu = 0;
-    void add(double px, double py, double value, double weight) {
-        w += weight;
-        x += weight * px;
-        y += weight * py;
-        xx += weight * px * px;
-        xy += weight * px * py;
-        yy += weight * py * py;
-        u += weight * value;
-        xu += weight * px * value;
-        yu += weight * py * value;
-    }
-    /// a, b, c; none where the points lie on a line.
-    std::optional<DVec3> solved() const {
-        if (!(w > 0)) return std::nullopt;
-        const double mx = x / w, my = y / w, mu = u / w;
-        const double sxx = xx / w - mx * mx, sxy = xy / w - mx * my, syy = yy / w - my * my;
-        const double sxu = xu / w - mx * mu, syu = yu / w - my * mu;
-        const double determinant = sxx * syy - sxy * sxy;
-        if (!(determinant > 1e-3 * (sxx + syy) * (sxx + syy)) || !(sxx + syy > 1e-9)) return std::nullopt;
-        const double b = (syy * sxu - sxy * syu) / determinant, c = (sxx * syu - sxy * sxu) / determinant;
-        return DVec3(mu - b * mx - c * my, b, c);
-    }
-};
+using CodePlane = AffineFit<double>::Plane;
 
 struct Crossing {
     float at = 0;  ///< from the first pixel to the second, 0 to 1
@@ -68,29 +44,29 @@ public:
         const CodeInterval own = map_.codes[index(x, y)];
         constexpr float none = std::numeric_limits<float>::quiet_NaN();
         if (own.width() == 0) return none;
-        std::optional<DVec3> plane;
+        std::optional<CodePlane> plane;
         int counted = 0;
         for (int round = 0; round < 2; ++round) {
-            const PlaneSums sums = gathered(x, y, plane, counted);
+            const AffineFit<double> sums = gathered(x, y, plane, counted);
             plane = sums.solved();
             if (!plane) return none;
         }
         const int window = (2 * radius_ + 1) * (2 * radius_ + 1);
-        const double off = std::abs(plane->x - double(own.middle()));
+        const double off = std::abs(plane->at - double(own.middle()));
         if (counted * 3 < window || !(off <= 0.5 * own.width() + 0.75)) return none;
-        return float(plane->x);
+        return float(plane->at);
     }
 
 private:
     size_t index(int x, int y) const { return size_t(y) * size_t(map_.width) + size_t(x); }
 
-    PlaneSums gathered(int x, int y, const std::optional<DVec3>& before, int& counted) const {
-        PlaneSums sums;
+    AffineFit<double> gathered(int x, int y, const std::optional<CodePlane>& before, int& counted) const {
+        AffineFit<double> sums;
         counted = 0;
         const float own = map_.codes[index(x, y)].middle();
         const auto near = [&](double dx, double dy, double place, double width) {
             if (!before) return std::abs(place - double(own)) <= double(gate_) + 0.5 * width;
-            return std::abs(place - (before->x + before->y * dx + before->z * dy)) <= 0.75 + 0.5 * width;
+            return std::abs(place - (before->at + before->alongX * dx + before->alongY * dy)) <= 0.75 + 0.5 * width;
         };
         for (int j = std::max(0, y - radius_); j <= std::min(map_.height - 1, y + radius_); ++j)
             for (int i = std::max(0, x - radius_); i <= std::min(map_.width - 1, x + radius_); ++i) {
@@ -106,7 +82,7 @@ private:
     }
 
     template <class Near>
-    void addCrossing(PlaneSums& sums, int x, int y, int i, int j, int right, int down, const Near& near) const {
+    void addCrossing(AffineFit<double>& sums, int x, int y, int i, int j, int right, int down, const Near& near) const {
         const auto crossing = crossingOf(map_, index(i, j), index(i + right, j + down));
         if (!crossing) return;
         const double dx = i - x + right * double(crossing->at), dy = j - y + down * double(crossing->at);

@@ -3,40 +3,9 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "scan/affine_fit.h"
 
 namespace relamp {
-namespace {
-
-/// Sums of an affine map from places to pixels, about the place that is asked for.
-struct AffineSums {
-    double w = 0, u = 0, v = 0, uu = 0, uv = 0, vv = 0;
-    glm::dvec2 p{0}, up{0}, vp{0};
-    void add(double du, double dv, const glm::dvec2& pixel, double weight) {
-        w += weight;
-        u += weight * du;
-        v += weight * dv;
-        uu += weight * du * du;
-        uv += weight * du * dv;
-        vv += weight * dv * dv;
-        p += weight * pixel;
-        up += weight * du * pixel;
-        vp += weight * dv * pixel;
-    }
-    /// The map's value at the origin; none where the places lie on a line.
-    std::optional<glm::dvec2> atOrigin() const {
-        const double mu = u / w, mv = v / w;
-        const glm::dvec2 mp = p / w;
-        const double suu = uu / w - mu * mu, suv = uv / w - mu * mv, svv = vv / w - mv * mv;
-        const double determinant = suu * svv - suv * suv;
-        if (!(determinant > 1e-2 * (suu + svv) * (suu + svv)) || !(suu + svv > 1e-6)) return std::nullopt;
-        const glm::dvec2 sup = up / w - mu * mp, svp = vp / w - mv * mp;
-        const glm::dvec2 byU = (svv * sup - suv * svp) / determinant, byV = (suu * svp - suv * sup) / determinant;
-        return mp - byU * mu - byV * mv;
-    }
-};
-
-}  // namespace
-
 CodeIndex::CodeIndex(const DecodedView& view, const std::array<int, 2>& projectorSize)
     : view_(view), size_(projectorSize) {
     const size_t cells = size_t(size_[0]) * size_t(size_[1]);
@@ -79,7 +48,7 @@ std::optional<glm::dvec2> CodeIndex::pixelOf(const Vec2& place) const {
     });
     if (!(nearest <= 1)) return std::nullopt;
     const glm::dvec2 about = pixelAt(anchor);
-    AffineSums sums;
+    AffineFit<glm::dvec2> sums;
     forEach([&](uint32_t i) {
         const glm::dvec2 pixel = pixelAt(i);
         if (std::max(std::abs(pixel.x - about.x), std::abs(pixel.y - about.y)) > double(reach_)) return;
@@ -88,8 +57,8 @@ std::optional<glm::dvec2> CodeIndex::pixelOf(const Vec2& place) const {
             (1.75 - std::min(1.7, double(std::abs(off.x)))) * (1.75 - std::min(1.7, double(std::abs(off.y))));
         sums.add(double(off.x), double(off.y), pixel, weight);
     });
-    if (const auto fitted = sums.atOrigin())
-        if (glm::length(*fitted - about) <= double(reach_)) return fitted;
+    if (const auto fitted = sums.solved(1e-2))
+        if (glm::length(fitted->at - about) <= double(reach_)) return fitted->at;
     if (nearest <= 0.25f) return about;
     return std::nullopt;
 }

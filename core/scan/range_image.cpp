@@ -4,6 +4,7 @@
 
 #include "base/parallel.h"
 #include "base/statistics.h"
+#include "scan/affine_fit.h"
 
 namespace relamp {
 namespace {
@@ -133,29 +134,19 @@ struct Around {
 Around planeAt(const RangeImage& range, const Camera& camera, int x, int y, int radius, double own, double slope,
                double noise) {
     const auto width = size_t(range.width);
-    double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0, sd = 0, sxd = 0, syd = 0;
+    AffineFit<double> sums;
     for (int j = std::max(0, y - radius); j <= std::min(range.height - 1, y + radius); ++j)
         for (int i = std::max(0, x - radius); i <= std::min(range.width - 1, x + radius); ++i) {
             const auto d = double(range.distance[size_t(j) * width + size_t(i)]);
             const double dx = i - x, dy = j - y, apart = std::max(std::abs(dx), std::abs(dy));
             if (!(d > 0) || std::abs(d - own) > mostStep(camera, own, slope, apart, noise)) continue;
-            const double off = d - own;
-            n += 1;
-            sx += dx;
-            sy += dy;
-            sxx += dx * dx;
-            sxy += dx * dy;
-            syy += dy * dy;
-            sd += off;
-            sxd += dx * off;
-            syd += dy * off;
+            sums.add(dx, dy, d - own);
         }
-    if (n < 0.4 * (2 * radius + 1) * (2 * radius + 1)) return {};
-    const double vxx = sxx - sx * sx / n, vxy = sxy - sx * sy / n, vyy = syy - sy * sy / n;
-    const double vxd = sxd - sx * sd / n, vyd = syd - sy * sd / n, determinant = vxx * vyy - vxy * vxy;
-    if (!(determinant > 1e-3 * (vxx + vyy) * (vxx + vyy))) return {};
-    const double b = (vyy * vxd - vxy * vyd) / determinant, c = (vxx * vyd - vxy * vxd) / determinant;
-    return {own + (sd - b * sx - c * sy) / n, std::max(std::abs(sx), std::abs(sy)) < 0.2 * radius * n};
+    const double count = sums.w;
+    if (count < 0.4 * (2 * radius + 1) * (2 * radius + 1)) return {};
+    const auto plane = sums.solved();
+    if (!plane) return {};
+    return {own + plane->at, std::max(std::abs(sums.x), std::abs(sums.y)) < 0.2 * radius * count};
 }
 
 /// The middle one of the distances around a pixel; 0 with few.

@@ -6,6 +6,7 @@
 #include "base/json_fields.h"
 #include "base/printable.h"
 #include "capture/orientation.h"
+#include "capture/transforms_json.h"
 #include "image/image_files.h"
 #include "image/image_io.h"
 #include "scene/mesh_io.h"
@@ -16,29 +17,6 @@ namespace fs = std::filesystem;
 
 std::string imageName(const ScanCamera& camera, const ScanPhotographs& photographs) {
     return camera.name + lowerExtension(photographs.files[0]);
-}
-
-Json frameOf(const ScanCamera& scan, const std::string& image) {
-    const Camera& c = scan.camera;
-    Json frame{{"file_path", "images/" + image},
-               {"camera_model", lensModelName(c.model)},
-               {"w", c.width},
-               {"h", c.height},
-               {"fl_x", c.focalX},
-               {"fl_y", c.focalY},
-               {"cx", c.centreX},
-               {"cy", c.centreY}};
-    static const char* const names[] = {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"};
-    if (c.model == LensModel::fullOpenCv)
-        for (size_t i = 0; i < 8; ++i) frame[names[i]] = c.distortion[i];
-    Json rows = Json::array();
-    for (int r = 0; r < 4; ++r) {
-        Json row = Json::array();
-        for (int k = 0; k < 4; ++k) row.push_back(c.worldFromCamera[k][r]);
-        rows.push_back(std::move(row));
-    }
-    frame["transform_matrix"] = std::move(rows);
-    return frame;
 }
 
 Json jsonOf(const DVec3& v) { return Json::array({v.x, v.y, v.z}); }
@@ -162,7 +140,7 @@ void writeScanCapture(const ScanResult& result, const ScanCalibration& calibrati
         const std::string image = imageName(camera, photographs[c]);
         writeImage(folder / "masks" / (image + ".png"), coverageOf(result.mesh.mesh, camera.camera, progress));
         writeBytesAtomically(folder / "images" / image, readBytes(photographs[c].files[0]));
-        frames.push_back(frameOf(camera, image));
+        frames.push_back(transformsFrame(camera.camera, "images/" + image));
     }
     writeVertexPly(folder / "mesh.ply", result.mesh.mesh, {});
     writeBytesAtomically(folder / "scan.json", dumpJson(scanJson(result, up), 1) + "\n");

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/json_fields.h"
 #include "brdf/layered_albedo.h"
+#include "capture/transforms_json.h"
 #include "image/environment_map.h"
 #include "image/image_io.h"
 #include "scene/mesh_io.h"
@@ -196,25 +197,6 @@ void writeMaterials(const fs::path& file, const RelitScene& relit, const DVec3& 
     writeVertexPly(file, relit.scene.mesh, properties, origin);
 }
 
-/// Names of the distortion's coefficients in COLMAP's order.
-std::vector<const char*> coefficients(LensModel model) {
-    switch (model) {
-        case LensModel::simplePinhole:
-        case LensModel::pinhole: return {};
-        case LensModel::fov: return {"omega"};
-        case LensModel::simpleRadial:
-        case LensModel::simpleRadialFisheye: return {"k1"};
-        case LensModel::radial:
-        case LensModel::radialFisheye: return {"k1", "k2"};
-        case LensModel::openCv: return {"k1", "k2", "p1", "p2"};
-        case LensModel::openCvFisheye: return {"k1", "k2", "k3", "k4"};
-        case LensModel::fullOpenCv: return {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"};
-        case LensModel::brown: return {"k1", "k2", "p1", "p2", "k3", "k4", "skew"};
-        case LensModel::thinPrismFisheye: return {"k1", "k2", "p1", "p2", "k3", "k4", "sx1", "sy1"};
-    }
-    return {};
-}
-
 }  // namespace
 
 ExportedScene exportedScene(const RelitScene& relit, const Capture& capture) {
@@ -262,25 +244,10 @@ std::string transformsOf(const Capture& capture, const fs::path& folder, const s
     for (const View& view : capture.views) {
         Camera c = view.camera;
         c.worldFromCamera[3] += glm::dvec4(capture.origin, 0);
-        Json rows = Json::array();
-        for (int r = 0; r < 4; ++r)
-            rows.push_back(
-                {c.worldFromCamera[0][r], c.worldFromCamera[1][r], c.worldFromCamera[2][r], c.worldFromCamera[3][r]});
         const std::string image = view.file.empty()
                                       ? view.name
                                       : fs::proximate(fs::absolute(view.file), fs::absolute(folder)).generic_string();
-        Json frame{{"file_path", image},
-                   {"camera_model", lensModelName(c.model)},
-                   {"w", c.width},
-                   {"h", c.height},
-                   {"fl_x", c.focalX},
-                   {"fl_y", c.focalY},
-                   {"cx", c.centreX},
-                   {"cy", c.centreY},
-                   {"transform_matrix", rows}};
-        const auto names = coefficients(c.model);
-        for (size_t i = 0; i < names.size(); ++i) frame[names[i]] = c.distortion[i];
-        frames.push_back(std::move(frame));
+        frames.push_back(transformsFrame(c, image));
     }
     return dumpJson({{"mesh_path", meshFile}, {"up", "z"}, {"frames", frames}}, 1) + "\n";
 }

@@ -31,26 +31,12 @@ struct World {
         const size_t floorVertices = floor().vertexCount();
         for (int i = 0; i < 6; ++i) {
             const double turn = 2 * piD * i / 6;
-            View view;
-            view.camera = test::cameraAt({1.5 * std::cos(turn), 1.5 * std::sin(turn), 1.0}, {0, 0, 0.3}, 320, 240, 320);
-            view.image = Image(320, 240, Rgb(0.02f));
-            for (int y = 0; y < 240; ++y)
-                for (int x = 0; x < 320; ++x) {
-                    constexpr int cut = 4;  // subpixels, as a lens sees edges
-                    Rgb sum(0);
-                    for (int s = 0; s < cut * cut; ++s) {
-                        const Vec2 at(float(x) + (float(s % cut) + 0.5f) / cut,
-                                      float(y) + (float(s / cut) + 0.5f) / cut);
-                        const Hit hit = real.tracer->closest(
-                            {Vec3(view.camera.position()), view.camera.rayDirection(at), 0, 1e30f});
-                        if (hit)
-                            sum +=
-                                real.mesh.triangles[hit.triangle][0] >= floorVertices ? light : Rgb(0.2f, 0.18f, 0.15f);
-                        else sum += Rgb(0.02f);
-                    }
-                    view.image.at(x, y) = sum / float(cut * cut);
-                }
-            capture.views.push_back(view);
+            const Camera camera =
+                test::cameraAt({1.5 * std::cos(turn), 1.5 * std::sin(turn), 1.0}, {0, 0, 0.3}, 320, 240, 320);
+            capture.views.push_back(test::photographOf(real, camera, [&](const Hit& hit) {
+                if (!hit) return Rgb(0.02f);
+                return real.mesh.triangles[hit.triangle][0] >= floorVertices ? light : Rgb(0.2f, 0.18f, 0.15f);
+            }));
         }
         capture.mesh = scene.mesh;
         Progress progress;

@@ -35,24 +35,12 @@ struct Screen {
         const size_t wallVertices = wall().vertexCount();
         for (int i = 0; i < 8; ++i) {
             const double turn = 2 * piD * i / 8, out = i % 2 ? 1.4 : 0.7;
-            View view;
-            view.camera = test::cameraAt({out * std::cos(turn), out * std::sin(turn), 1.4}, {0, 0, 0}, 240, 180, 150);
-            view.image = Image(240, 180, Rgb(0.02f));
-            for (int y = 0; y < 180; ++y)
-                for (int x = 0; x < 240; ++x) {
-                    constexpr int cut = 4;  // subpixels, as a lens sees edges
-                    Rgb sum(0);
-                    for (int s = 0; s < cut * cut; ++s) {
-                        const Vec2 at(float(x) + (float(s % cut) + 0.5f) / cut,
-                                      float(y) + (float(s / cut) + 0.5f) / cut);
-                        const Hit hit = truth.tracer->closest(
-                            {Vec3(view.camera.position()), view.camera.rayDirection(at), 0, 1e30f});
-                        if (!hit) continue;
-                        sum += truth.mesh.triangles[hit.triangle][0] >= wallVertices ? light : Rgb(0.1f);
-                    }
-                    view.image.at(x, y) = sum / float(cut * cut);
-                }
-            capture.views.push_back(view);
+            const Camera camera =
+                test::cameraAt({out * std::cos(turn), out * std::sin(turn), 1.4}, {0, 0, 0}, 240, 180, 150);
+            capture.views.push_back(test::photographOf(truth, camera, [&](const Hit& hit) {
+                if (!hit) return Rgb(0);
+                return truth.mesh.triangles[hit.triangle][0] >= wallVertices ? light : Rgb(0.1f);
+            }));
         }
         capture.mesh = scene.mesh;
         look();

@@ -48,6 +48,23 @@ Camera cameraAt(const DVec3& eye, const DVec3& target, int width, int height, do
     return camera;
 }
 
+View photographOf(const Scene& scene, const Camera& camera, const std::function<Rgb(const Hit&)>& radiance) {
+    constexpr int cut = 4;
+    View view;
+    view.camera = camera;
+    view.image = Image(camera.width, camera.height, Rgb(0));
+    for (int y = 0; y < camera.height; ++y)
+        for (int x = 0; x < camera.width; ++x) {
+            Rgb sum(0);
+            for (int s = 0; s < cut * cut; ++s) {
+                const Vec2 at(float(x) + (float(s % cut) + 0.5f) / cut, float(y) + (float(s / cut) + 0.5f) / cut);
+                sum += radiance(scene.tracer->closest({Vec3(camera.position()), camera.rayDirection(at), 0, 1e30f}));
+            }
+            view.image.at(x, y) = sum / float(cut * cut);
+        }
+    return view;
+}
+
 Mat4 translation(const Vec3& by) { return Mat4(Vec4(1, 0, 0, 0), Vec4(0, 1, 0, 0), Vec4(0, 0, 1, 0), Vec4(by, 1)); }
 
 }  // namespace relamp::test
