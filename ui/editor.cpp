@@ -213,6 +213,7 @@ void Editor::storeSnapshot(size_t which) {
     if (!estimate() || which >= state.snapshots.size()) return;
     state.snapshots[which] = LookSnapshot{look(), localTime().substr(11, 5)};
     state.snapshots[which]->look.plate.reset();
+    state.snapshots[which]->look.bookmarks.clear();
     ++impl_->changesBeside;
     say(fmt::format("The present look is snapshot {}", char('A' + which)));
 }
@@ -221,9 +222,10 @@ void Editor::recallSnapshot(size_t which) {
     if (!estimate() || which >= state.snapshots.size() || !state.snapshots[which]) return;
     const size_t before = history().index();
     edit(fmt::format("Snapshot {}", char('A' + which)), [&](Look& look) {
-        const std::optional<PlateLook> plate = look.plate;
-        look = state.snapshots[which]->look;
-        look.plate = plate;
+        Look recalled = state.snapshots[which]->look;
+        recalled.plate = look.plate;
+        recalled.bookmarks = look.bookmarks;
+        look = std::move(recalled);
     });
     if (history().index() == before) say(fmt::format("The present look is snapshot {} already", char('A' + which)));
     std::erase_if(state.selection.emitters, [&](const std::string& id) { return !emitter(id); });
@@ -257,6 +259,7 @@ Look Editor::Impl::shownLook(const Estimate& estimate) const {
                              self.state.document.scene ? self.state.document.scene->mesh.vertexCount() : 0);
     look.keys.clear();
     look.plate.reset();
+    look.bookmarks.clear();
     const std::vector<std::string>& solo = self.state.viewport.solo;
     if (!solo.empty()) {
         const auto alone = [&](const std::string& id) { return std::find(solo.begin(), solo.end(), id) != solo.end(); };

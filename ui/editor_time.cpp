@@ -36,6 +36,7 @@ const Look& Editor::look() const {
         impl_->timed = LookTrack(now).at(state.time.frame, impl_->pivots());
         impl_->timed.keys = now.keys;
         impl_->timed.plate = now.plate;
+        impl_->timed.bookmarks = now.bookmarks;
         impl_->timedRevision = history().revision();
         impl_->timedFrame = state.time.frame;
     }

@@ -266,6 +266,7 @@ void renameEmitter(Look& look, const std::string& id, const std::string& name) {
 void resetLook(Look& look) {
     Look fresh;
     fresh.plate = look.plate;
+    fresh.bookmarks = look.bookmarks;
     for (const EmitterLook& e : look.emitters)
         if (!e.name.empty()) recoveredLook(fresh, e.id, true)->name = e.name;
     look = fresh;

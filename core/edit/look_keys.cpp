@@ -8,6 +8,7 @@ namespace {
 Look withoutKeys(Look look) {
     look.keys.clear();
     look.plate.reset();
+    look.bookmarks.clear();
     return look;
 }
 

@@ -172,6 +172,7 @@ std::vector<LookKey> keysFromJson(const Json& document, const std::filesystem::p
     Json rest = document;
     rest.erase("keys");
     rest.erase("plate");
+    rest.erase("bookmarks");
     const Json& list = document["keys"];
     if (!list.is_array()) throw Error("keys: expected a list");
     std::vector<LookKey> keys;
@@ -184,12 +185,12 @@ std::vector<LookKey> keysFromJson(const Json& document, const std::filesystem::p
             throw Error("{}.frame: expected a frame number", where);
         const auto look = key.find("look");
         if (look == key.end() || !look->is_object()) throw Error("{}.look: expected an object", where);
-        if (look->contains("plate")) throw Error("{}.look.plate: a key has none of its own", where);
-        if (look->contains("keys")) throw Error("{}.look.keys: a key has none of its own", where);
-        Json whole = rest;
-        whole.update(*look);
+        for (const char* whole : {"plate", "keys", "bookmarks"})
+            if (look->contains(whole)) throw Error("{}.look.{}: a key has none of its own", where, whole);
+        Json merged = rest;
+        merged.update(*look);
         LookKey made{frame->get<int>(), {}, KeyEase::linear};
-        withContext(where + ".look", [&] { made.look = lookFromJson(whole, folder, origin); });
+        withContext(where + ".look", [&] { made.look = lookFromJson(merged, folder, origin); });
         if (key.contains("ease")) {
             const std::string ease = textOf(key, "ease", where);
             const auto name = std::find(std::begin(easeNames), std::end(easeNames), ease);
@@ -289,6 +290,7 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
             look.neutralMaterials = flagOf(*neutral, "materials.neutral");
     }
     if (const auto at = document.find("plate"); at != document.end()) look.plate = plateLookFromJson(*at, folder);
+    look.bookmarks = bookmarksFromJson(document, origin);
     if (document.contains("keys")) look.keys = keysFromJson(document, folder, origin);
     return look;
 }
@@ -350,6 +352,7 @@ Json lookToJson(const Look& look, const DVec3& origin) {
     if (!look.groups.empty()) document["groups"] = groupsToJson(look.groups);
     document["materials"] = {{"neutral", look.neutralMaterials}};
     if (look.plate) document["plate"] = plateLookToJson(*look.plate);
+    if (!look.bookmarks.empty()) document["bookmarks"] = bookmarksToJson(look.bookmarks, origin);
     for (const LookKey& key : look.keys) {
         Json one{{"frame", key.frame}, {"look", lookToJson(key.look, origin)}};
         if (key.ease != KeyEase::linear) one["ease"] = easeNames[int(key.ease)];

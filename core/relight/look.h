@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/math.h"
+#include "relight/camera_bookmark.h"
 #include "relight/emitter_shape.h"
 #include "relight/light_group.h"
 #include "relight/light_shaping.h"
@@ -72,6 +73,8 @@ struct Look {
     std::vector<LookKey> keys;
     /// A shot filmed in the set that is relit; changes no light, and no key has one.
     std::optional<PlateLook> plate;
+    /// Views that were kept, in the order of the list; they change no light, and no key has any.
+    std::vector<CameraBookmark> bookmarks;
     bool operator==(const Look& other) const;
 };
 
@@ -88,7 +91,7 @@ struct LookKey {
 inline bool Look::operator==(const Look& other) const {
     return environment == other.environment && emitters == other.emitters && added == other.added &&
            parts == other.parts && groups == other.groups && neutralMaterials == other.neutralMaterials &&
-           keys == other.keys && plate == other.plate;
+           keys == other.keys && plate == other.plate && bookmarks == other.bookmarks;
 }
 
 /// Calls `change` with a look and with those of its keys.

@@ -52,10 +52,14 @@ const KeyTable& documentTable() {
         {"files", "files_absolute", "camera", "camera_absolute", "lens", "lens_absolute", "matte", "matte_absolute",
          "camera_offset", "rotation", "curve", "match", "matte_light"},
         {}};
+    static const KeyTable bookmark{
+        {"name", "target", "distance", "azimuth_degrees", "elevation_degrees", "vertical_fov_degrees", "orthographic"},
+        {}};
     static const KeyTable whole = [] {
         KeyTable table = lookTable();
         table.inner.push_back({"keys", &key});
         table.inner.push_back({"plate", &plate});
+        table.inner.push_back({"bookmarks", &bookmark});
         return table;
     }();
     return whole;

@@ -156,6 +156,7 @@ float eased(KeyEase ease, float t) {
 
 LookTrack::LookTrack(Look look) {
     look.plate.reset();  // it is relit, and is no light
+    look.bookmarks.clear();
     if (look.keys.empty()) keys_.push_back({1, std::move(look), KeyEase::linear});
     else *this = LookTrack(std::move(look.keys));
 }

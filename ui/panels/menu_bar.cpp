@@ -31,7 +31,13 @@ void drawMenuBar(Editor& editor) {
         if (!action.menu.empty() && std::find(menus.begin(), menus.end(), action.menu) == menus.end())
             menus.push_back(action.menu);
     const Action* wanted = nullptr;
+    // A menu that is taller than the room below the bar scrolls: laid over the bar, the click that opens it would also
+    // choose what comes to lie under the pointer.
+    const ImGuiIO& io = ImGui::GetIO();
+    const float room = io.DisplaySize.y - ImGui::GetWindowPos().y - ImGui::GetWindowSize().y - em(0.6f);
     for (const std::string& menu : menus) {
+        if (ImGui::IsPopupOpen(menu.c_str()))
+            ImGui::SetNextWindowSizeConstraints({0, 0}, {FLT_MAX, std::max(room, em(8))});
         if (!ImGui::BeginMenu(menu.c_str())) continue;
         bool first = true, open = true;
         std::string inside;  // the submenu that is begun, closed or not

@@ -32,6 +32,7 @@ void drawQualityBanner(Editor& editor);
 
 // ---- parts of the left column, each usable alone
 void drawViewsPanel(Editor& editor);
+void drawBookmarks(Editor& editor);      ///< nothing where there are none
 void drawEmittersPanel(Editor& editor);  ///< shows as many columns as fit
 void drawLightGroups(Editor& editor);    ///< nothing where there are none
 void drawEnvironmentPanel(Editor& editor);

@@ -195,13 +195,23 @@ void drawViewsPanel(Editor& editor) {
     }
     ImGui::EndChild();
     drawPlateEntry(editor);
+    drawBookmarks(editor);
+    const float side = ImGui::GetFrameHeight(),
+                rest = ImGui::GetContentRegionAvail().x - side - ImGui::GetStyle().ItemSpacing.x;
     if (looksThrough(editor)) {
-        if (button("Leave the camera", "Back to the free camera of the viewport (C)", -FLT_MIN))
-            editor.state.viewport.throughView = editor.state.viewport.throughPlate = false;
+        if (button("Leave the camera", "The free camera goes on from here (C)", rest)) leaveView(editor);
     } else if (button("Look through this camera",
-                      "The viewport takes the place of the camera that took the selected photograph (C)", -FLT_MIN)) {
-        editor.state.viewport.throughView = true;
+                      "The viewport takes the place of the camera that took the selected photograph (C)", rest)) {
+        lookThrough(editor, editor.state.selection.view);
     }
+    ImGui::SameLine();
+    ImGui::BeginDisabled(!estimate);
+    if (iconButton("##bookmark", Icon::plus,
+                   "Bookmark this view: keeps what the viewport shows in this list (Shift+V). Needs an estimate.",
+                   false, side))
+        bookmarkView(editor);
+    ImGui::EndDisabled();
+    noteItem("bookmark this view");
 }
 
 }  // namespace relamp::ui

@@ -1,6 +1,7 @@
 #include "viewport/navigation.h"
 
 #include "base/box.h"
+#include "edit/bookmark_edits.h"
 #include "viewport/display_transform.h"
 
 namespace relamp::ui {
@@ -14,6 +15,30 @@ void frameSphere(Editor& editor, const Vec3& centre, float radius) {
     if (looksThrough(editor)) leaveView(editor);
     const float narrow = std::min(viewport.aspect, 1.0f);
     viewport.camera.frame(centre, radius / std::max(narrow, 0.1f));
+}
+
+/// The viewport's camera: the free one, or the orbit that comes next to a photograph's or the plate's.
+OrbitCamera orbitCamera(const Editor& editor) {
+    const ViewportState& viewport = editor.state.viewport;
+    OrbitCamera orbit = viewport.camera;
+    const Capture* capture = captureOf(editor);
+    const Camera* plate = editor.plateCamera();
+    const int view = editor.state.selection.view;
+    const bool photograph = viewport.throughView && capture && view >= 0 && view < int(capture->views.size());
+    if (!plate && !photograph) return orbit;
+    const Camera& camera = plate ? *plate : capture->views[size_t(view)].camera;
+    const SceneExtent& extent = sceneExtent(editor);
+    float distance = float(camera.depthOf(DVec3(extent.centre)));
+    if (const auto& scene = editor.state.document.scene; scene && scene->tracer)
+        if (const Hit hit = scene->tracer->closest({Vec3(camera.position()), Vec3(camera.forward())}))
+            distance = hit.distance;
+    orbit.matchCamera(camera, distance > 0 ? distance : extent.radius);
+    // In a viewport narrower than the photograph the letterbox made the image smaller: more is seen above and below.
+    const float imageAspect = float(camera.width) / float(std::max(camera.height, 1));
+    if (viewport.aspect < imageAspect)
+        orbit.verticalFov = std::min(
+            2 * std::atan(std::tan(orbit.verticalFov / 2) * imageAspect / std::max(viewport.aspect, 0.05f)), 2.6f);
+    return orbit;
 }
 
 }  // namespace
@@ -85,25 +110,44 @@ void toggleLookThroughPlate(Editor& editor) {
 
 void leaveView(Editor& editor) {
     ViewportState& viewport = editor.state.viewport;
-    const Capture* capture = captureOf(editor);
-    const Camera* plate = editor.plateCamera();
-    const int view = editor.state.selection.view;
-    const bool known = plate || (capture && view >= 0 && view < int(capture->views.size()));
-    const Camera camera = plate ? *plate : known ? capture->views[size_t(view)].camera : Camera();
+    viewport.camera = orbitCamera(editor);
     viewport.throughView = viewport.throughPlate = false;
-    if (!known) return;
-    const SceneExtent& extent = sceneExtent(editor);
-    float distance = float(camera.depthOf(DVec3(extent.centre)));
-    if (const auto& scene = editor.state.document.scene; scene && scene->tracer)
-        if (const Hit hit = scene->tracer->closest({Vec3(camera.position()), Vec3(camera.forward())}))
-            distance = hit.distance;
-    viewport.camera.matchCamera(camera, distance > 0 ? distance : extent.radius);
-    // In a viewport narrower than the photograph the letterbox made the image smaller: more is seen above and below.
-    const float imageAspect = float(camera.width) / float(std::max(camera.height, 1));
-    if (viewport.aspect < imageAspect)
-        viewport.camera.verticalFov = std::min(
-            2 * std::atan(std::tan(viewport.camera.verticalFov / 2) * imageAspect / std::max(viewport.aspect, 0.05f)),
-            2.6f);
+}
+
+CameraBookmark presentView(const Editor& editor) {
+    const OrbitCamera camera = orbitCamera(editor);
+    return {
+        {}, camera.target, camera.distance, camera.azimuth, camera.elevation, camera.verticalFov, camera.orthographic};
+}
+
+void goToBookmark(Editor& editor, const CameraBookmark& bookmark) {
+    ViewportState& viewport = editor.state.viewport;
+    viewport.throughView = viewport.throughPlate = false;
+    viewport.camera = {bookmark.target,    bookmark.distance,    bookmark.azimuth,
+                       bookmark.elevation, bookmark.verticalFov, bookmark.orthographic};
+}
+
+void bookmarkView(Editor& editor) {
+    if (!editor.estimate()) return;
+    const CameraBookmark view = presentView(editor);
+    editor.edit("Bookmark this view", [&](Look& look) { addBookmark(look, view); });
+}
+
+const CameraBookmark* presentBookmark(const Editor& editor) {
+    if (looksThrough(editor)) return nullptr;
+    CameraBookmark view = presentView(editor);
+    for (const CameraBookmark& bookmark : editor.look().bookmarks) {
+        view.name = bookmark.name;
+        if (bookmark == view) return &bookmark;
+    }
+    return nullptr;
+}
+
+void nextBookmark(Editor& editor) {
+    const std::vector<CameraBookmark>& all = editor.look().bookmarks;
+    if (all.empty()) return;
+    const CameraBookmark* now = presentBookmark(editor);
+    goToBookmark(editor, all[now ? size_t(now - all.data() + 1) % all.size() : 0]);
 }
 
 void toggleLookThrough(Editor& editor) {

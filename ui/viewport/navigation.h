@@ -20,6 +20,16 @@ void toggleLookThrough(Editor& editor);
 bool looksThrough(const Editor& editor);
 /// Looks through the plate's camera of the present frame, or leaves it. Without a plate: nothing happens.
 void toggleLookThroughPlate(Editor& editor);
+/// The present view without a name; that of a photograph or a plate as the orbit camera shows it (roll is lost).
+CameraBookmark presentView(const Editor& editor);
+/// The free camera takes a view that was kept.
+void goToBookmark(Editor& editor, const CameraBookmark& bookmark);
+/// The present view joins the look's bookmarks: one edit. Nothing happens before an estimate.
+void bookmarkView(Editor& editor);
+/// The bookmark that the free camera stands at; null: none.
+const CameraBookmark* presentBookmark(const Editor& editor);
+/// To the bookmark after the present one, going round; to the first from elsewhere.
+void nextBookmark(Editor& editor);
 /// Next (+1) or previous (-1) photograph, going round; looks through it when a photograph is looked through.
 void stepView(Editor& editor, int step);
 /// Looks along an axis at the orbit's target: axis 0, 1, 2 for x, y, z; `sign` +1 looks from its positive end.

@@ -33,6 +33,31 @@ TEST(Habits, escClosesAMenuAndNothingElse) {
     EXPECT_EQ(p.editor->state.selection.emitters.size(), 1u);
 }
 
+TEST(Habits, aClickThatOpensAMenuChoosesNothingInAShortWindow) {
+    Panels p(900, 300);
+    p.openSolved();
+    drawMenus(p);
+    p.frames(2);
+    const ViewMode mode = p.editor->state.viewport.mode;
+    for (float x = 10; x < 260; x += 20) {
+        p.mouse({x, 8});
+        p.frames(2);
+        p.press(true);
+        p.frames(6);
+        p.press(false);
+        p.frames(2);
+        for (const ImGuiPopupData& popup : ImGui::GetCurrentContext()->OpenPopupStack) {
+            ASSERT_TRUE(popup.Window);
+            EXPECT_GE(popup.Window->Pos.y, 12) << "over the bar, at " << x;
+            EXPECT_LE(popup.Window->Pos.y + popup.Window->Size.y, 300);
+        }
+        EXPECT_EQ(p.editor->state.viewport.mode, mode);
+        EXPECT_FALSE(p.editor->job());
+        p.key(keyEscape);
+        p.frames(2);
+    }
+}
+
 TEST(Palette, ranksWhatIsTypedAndNeverRunsAnotherCommand) {
     std::string best;
     int score = -1;
