@@ -151,20 +151,35 @@ void fact(const std::string& name, const std::string& value, const std::string& 
 }
 
 namespace {
-/// Where nothing is covered that belongs to the same list of controls: beside a column or a menu, above or below a row.
-ImVec2 tooltipPlace(const std::string& explanation) {
+struct HintPlace {
+    ImVec2 at;
+    float wrap;  ///< width of its lines
+};
+
+/// Where nothing is covered that belongs to the same list of controls: beside a column, a menu or a dialog, in shorter
+/// lines where there is less room, else above or below a row.
+HintPlace hintPlace(const std::string& explanation) {
     const ImVec2 screen = ImGui::GetIO().DisplaySize, low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
-    const ImVec2 words = ImGui::CalcTextSize(explanation.c_str(), nullptr, false, em(26));
-    const ImVec2 size{words.x + em(1.2f), words.y + em(0.9f)};
     const ImGuiWindow* around = ImGui::GetCurrentWindow()->RootWindow;
-    const float gap = em(0.3f), left = around->Pos.x, right = around->Pos.x + around->Size.x;
+    const float gap = em(0.3f), left = around->Pos.x, right = around->Pos.x + around->Size.x, full = em(26);
+    const auto sizeAt = [&](float wrap) {
+        const ImVec2 words = ImGui::CalcTextSize(explanation.c_str(), nullptr, false, wrap);
+        return ImVec2(words.x + em(1.2f), words.y + em(0.9f));
+    };
     const auto inside = [](float at, float length, float all) { return std::max(0.0f, std::min(at, all - length)); };
     if (around->Size.x < 0.6f * screen.x && around->Size.y > 2 * (high.y - low.y)) {
-        if (right + gap + size.x <= screen.x) return {right + gap, inside(low.y, size.y, screen.y)};
-        if (left - gap - size.x >= 0) return {left - gap - size.x, inside(low.y, size.y, screen.y)};
+        const float roomRight = screen.x - right - gap, roomLeft = left - gap;
+        for (const float wrap : {full, std::max(roomRight, roomLeft) - em(1.3f)}) {
+            if (wrap < em(10)) break;
+            const ImVec2 size = sizeAt(std::min(wrap, full));
+            const float y = inside(low.y, size.y, screen.y);
+            if (size.x <= roomRight) return {{right + gap, y}, std::min(wrap, full)};
+            if (size.x <= roomLeft) return {{left - gap - size.x, y}, std::min(wrap, full)};
+        }
     }
+    const ImVec2 size = sizeAt(full);
     const bool below = low.y < 0.5f * screen.y && high.y + gap + size.y <= screen.y;
-    return {inside(low.x, size.x, screen.x), below ? high.y + gap : std::max(0.0f, low.y - gap - size.y)};
+    return {{inside(low.x, size.x, screen.x), below ? high.y + gap : std::max(0.0f, low.y - gap - size.y)}, full};
 }
 }  // namespace
 
@@ -185,9 +200,10 @@ void tooltip(const std::string& explanation) {
     if (ImGui::IsMouseDown(ImGuiMouseButton_Left) || ImGui::IsMouseDown(ImGuiMouseButton_Right)) return;
     ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {em(0.6f), em(0.45f)});
     ImGui::PushStyleVar(ImGuiStyleVar_Alpha, 1.0f);
-    ImGui::SetNextWindowPos(tooltipPlace(explanation));
+    const HintPlace place = hintPlace(explanation);
+    ImGui::SetNextWindowPos(place.at);
     ImGui::BeginTooltip();
-    ImGui::PushTextWrapPos(em(26));
+    ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + place.wrap);
     text(explanation);
     ImGui::PopTextWrapPos();
     ImGui::EndTooltip();

@@ -39,6 +39,10 @@ void emitterMenu(Editor& editor, const std::string& id);
 /// "Add light" with its choices.
 void addEmitterButton(Editor& editor, float width = 0);
 
+/// Width, pixels, from which a table of lights shows exposure and colour of its rows; below it names would not be
+/// readable, and the inspector alone has them.
+float widthForExposures();
+
 /// A new light in front of what the camera looks at, facing it.
 AddedEmitter newEmitter(const Editor& editor, EmitterShape shape);
 void addNewEmitter(Editor& editor, EmitterShape shape);

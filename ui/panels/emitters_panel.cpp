@@ -34,14 +34,15 @@ void evidenceCell(Editor& editor, const EmitterState& emitter) {
 
 /// Columns that there is room for.
 struct Columns {
-    bool titles, colour, kelvin, power, evidence;
+    bool titles, exposure, colour, kelvin, power, evidence;
     explicit Columns(float room)
         : titles(room > em(19)),
+          exposure(room > widthForExposures()),
           colour(room > em(16)),
           kelvin(room > em(26)),
           power(room > em(31)),
           evidence(room > em(38)) {}
-    int count() const { return 4 + colour + kelvin + power + evidence; }
+    int count() const { return 3 + exposure + colour + kelvin + power + evidence; }
 };
 
 /// `menuOf`: set to its id by a right click.
@@ -90,9 +91,11 @@ void valueCells(Editor& editor, const EmitterState& emitter, float side, const C
     muteButton(editor, emitter, side);
     ImGui::TableNextColumn();
     soloButton(editor, emitter, side);
-    ImGui::TableNextColumn();
-    ImGui::SetNextItemWidth(-FLT_MIN);
-    stopsControl(editor, emitter, "##stops");
+    if (columns.exposure) {
+        ImGui::TableNextColumn();
+        ImGui::SetNextItemWidth(-FLT_MIN);
+        stopsControl(editor, emitter, "##stops");
+    }
     if (columns.colour) {
         ImGui::TableNextColumn();
         colourControl(editor, emitter, "##colour", side);
@@ -119,6 +122,8 @@ void valueCells(Editor& editor, const EmitterState& emitter, float side, const C
 
 }  // namespace
 
+float widthForExposures() { return em(13.5f); }
+
 void drawEmittersPanel(Editor& editor) {
     // A copy, because a click may change the look, and with it the list.
     const std::vector<EmitterState> emitters = editor.emitters();
@@ -139,7 +144,7 @@ void drawEmittersPanel(Editor& editor) {
         ImGui::TableSetupColumn("Light", ImGuiTableColumnFlags_WidthStretch, 1);
         ImGui::TableSetupColumn("On", ImGuiTableColumnFlags_WidthFixed, side);
         ImGui::TableSetupColumn("Solo", ImGuiTableColumnFlags_WidthFixed, columns.titles ? em(2) : side);
-        ImGui::TableSetupColumn("Exposure", ImGuiTableColumnFlags_WidthFixed, em(4.2f));
+        if (columns.exposure) ImGui::TableSetupColumn("Exposure", ImGuiTableColumnFlags_WidthFixed, em(4.2f));
         if (columns.colour)
             ImGui::TableSetupColumn("Colour", ImGuiTableColumnFlags_WidthFixed, columns.titles ? em(2.9f) : side);
         if (columns.kelvin) ImGui::TableSetupColumn("Kelvin", ImGuiTableColumnFlags_WidthFixed, em(5.2f));

@@ -99,4 +99,16 @@ EnvironmentImage environmentImage(const std::filesystem::path& file) {
     return {thumbnail("env:" + file.string(), [&] { return reading->display; }), false, {}};
 }
 
+std::string captionOf(const std::filesystem::path& file, float width) {
+    const auto fits = [&](const std::string& words) { return ImGui::CalcTextSize(words.c_str()).x <= width; };
+    const std::string whole = shown(file.filename()), stem = shown(file.stem());
+    if (fits(whole)) return whole;
+    if (fits(stem)) return stem;
+    for (size_t i = 1; i < stem.size(); ++i) {
+        if ((static_cast<unsigned char>(stem[i]) & 0xC0) == 0x80) continue;  // inside a character
+        if (const std::string end = "..." + stem.substr(i); fits(end)) return end;
+    }
+    return {};
+}
+
 }  // namespace relamp::ui

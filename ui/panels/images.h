@@ -10,6 +10,10 @@ namespace relamp::ui {
 /// Texture of a view's photograph, all views at one exposure; 0 without a window.
 uint64_t viewImage(const Document& document, size_t view);
 
+/// The file's name within `width` pixels: whole, else without its ending, else the end of that, which tells numbered
+/// files apart.
+std::string captionOf(const std::filesystem::path& file, float width);
+
 struct EnvironmentImage {
     uint64_t texture = 0;
     bool loading = false;

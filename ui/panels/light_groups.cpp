@@ -68,13 +68,15 @@ void groupSolo(Editor& editor, const LightGroup& group, float side) {
     noteItem("solo group " + group.name);
 }
 
-void drawGroup(Editor& editor, const LightGroup& group, float side) {
+/// `values`: exposure and colour too.
+void drawGroup(Editor& editor, const LightGroup& group, float side, bool values) {
     ImGui::TableNextColumn();
     nameOfGroup(editor, group, side);
     ImGui::TableNextColumn();
     groupSwitch(editor, group, side);
     ImGui::TableNextColumn();
     groupSolo(editor, group, side);
+    if (!values) return;
     ImGui::TableNextColumn();
     ImGui::SetNextItemWidth(-FLT_MIN);
     dragLook(editor, "##stops", "Exposure of " + group.name, groupStops(group), {0.02f, darkestGroup, 20, "%+.2f"},
@@ -98,17 +100,20 @@ void drawLightGroups(Editor& editor) {
     const std::vector<LightGroup> groups = editor.look().groups;
     if (groups.empty()) return;
     const float side = ImGui::GetFrameHeight();
-    if (!ImGui::BeginTable("##groups", 5,
+    const bool values = ImGui::GetContentRegionAvail().x > widthForExposures();
+    if (!ImGui::BeginTable("##groups", values ? 5 : 3,
                            ImGuiTableFlags_RowBg | ImGuiTableFlags_NoPadOuterX | ImGuiTableFlags_SizingFixedFit))
         return;
     ImGui::TableSetupColumn("Group", ImGuiTableColumnFlags_WidthStretch, 1);
     for (const char* column : {"On", "Solo"}) ImGui::TableSetupColumn(column, ImGuiTableColumnFlags_WidthFixed, side);
-    ImGui::TableSetupColumn("Exposure", ImGuiTableColumnFlags_WidthFixed, em(4.2f));
-    ImGui::TableSetupColumn("Colour", ImGuiTableColumnFlags_WidthFixed, side);
+    if (values) {
+        ImGui::TableSetupColumn("Exposure", ImGuiTableColumnFlags_WidthFixed, em(4.2f));
+        ImGui::TableSetupColumn("Colour", ImGuiTableColumnFlags_WidthFixed, side);
+    }
     for (const LightGroup& group : groups) {
         ImGui::PushID(group.name.c_str());
         ImGui::TableNextRow();
-        drawGroup(editor, group, side);
+        drawGroup(editor, group, side, values);
         ImGui::PopID();
     }
     ImGui::EndTable();

@@ -140,12 +140,14 @@ void drawViewsPanel(Editor& editor) {
         return g;
     };
     // A third of the column at least is left to what comes below.
-    const float most = std::clamp(0.45f * ImGui::GetWindowHeight(), em(8), em(19)),
+    const float most = std::clamp(0.45f * ImGui::GetWindowHeight(), em(8), em(30)),
                 room = ImGui::GetContentRegionAvail().x;
     // Smaller images rather than a second scrollbar in the column, until they are too small to tell apart.
     Grid grid = gridFor(room, em(6.4f));
     for (float least = em(5.4f); grid.whole > most && least > em(2.6f); least -= em(0.5f)) grid = gridFor(room, least);
-    if (grid.whole > most) grid = gridFor(room - ImGui::GetStyle().ScrollbarSize - em(0.2f), em(6.4f));
+    // Two beside each other at least, where they must scroll.
+    const float scrolling = room - ImGui::GetStyle().ScrollbarSize - em(0.2f);
+    if (grid.whole > most) grid = gridFor(scrolling, std::clamp((scrolling - spacing) / 2, em(3), em(6.4f)));
     const auto [columns, rows, width, height, cell, whole] = grid;
     if (beginChild("##views", {0, std::min(whole + em(0.2f), most)}, false)) {
         ImGuiListClipper clipper;
@@ -184,7 +186,7 @@ void drawViewsPanel(Editor& editor) {
                     if (doubled) editor.state.selection.view = i, editor.state.viewport.throughView = true;
                     badges(corner, check, found && found == worst, found && found->psnr < Reproduction::gateDb);
                     ImGui::SetCursorScreenPos({corner.x, corner.y + height + em(0.1f)});
-                    const std::string name = elided(shown(std::filesystem::path(view.name).filename()), width);
+                    const std::string name = captionOf(view.name, width);
                     if (selected) text(name);
                     else dimText(name);
                     ImGui::SetCursorScreenPos({corner.x, corner.y + cell - 1});
@@ -200,7 +202,8 @@ void drawViewsPanel(Editor& editor) {
                 rest = ImGui::GetContentRegionAvail().x - side - ImGui::GetStyle().ItemSpacing.x;
     if (looksThrough(editor)) {
         if (button("Leave the camera", "The free camera goes on from here (C)", rest)) leaveView(editor);
-    } else if (button("Look through this camera",
+    } else if (button(buttonWidth("Look through this camera") <= rest ? "Look through this camera###through"
+                                                                      : "Look through###through",
                       "The viewport takes the place of the camera that took the selected photograph (C)", rest)) {
         lookThrough(editor, editor.state.selection.view);
     }

@@ -21,6 +21,16 @@ struct Table : Panels {
     ImGuiID control(const char* name) { return idOf("test", {"##emitters", id.c_str(), name}); }
 };
 
+TEST(EmitterTable, namesStayReadableInANarrowColumn) {
+    Table t;
+    t.windowSize(em(13), 300);
+    t.frames(2);
+    EXPECT_FALSE(t.find(t.control("##stops"))) << "the inspector has it";
+    const auto at = t.find(t.control("##mute"));
+    ASSERT_TRUE(at);
+    EXPECT_GT(at->x, em(6));
+}
+
 TEST(EmitterTable, draggingStopsIsOneEntryAndUndoRestores) {
     Table t;
     const Look before = t.editor->look();

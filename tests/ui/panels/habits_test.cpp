@@ -112,6 +112,24 @@ TEST(Habits, aHintCoversNoControlOfItsPanel) {
     EXPECT_GE(hint->Pos.x, 300);
 }
 
+TEST(Habits, aHintIsNarrowerWhereThereIsLittleRoomBesideADialog) {
+    Panels p(820, 700);
+    p.windowSize(490, 400);
+    p.frame([] {
+        for (int i = 0; i < 8; ++i) {
+            ImGui::PushID(i);
+            button("A control", "What it does, in a sentence that is long enough to need more than one line of text.");
+            ImGui::PopID();
+        }
+    });
+    p.mouse({40, 40});
+    for (int i = 0; i < 60; ++i) p.frames(1);
+    const ImGuiWindow* hint = ImGui::FindWindowByName("##Tooltip_00");
+    ASSERT_TRUE(hint && hint->Active);
+    EXPECT_GE(hint->Pos.x, 490);
+    EXPECT_LE(hint->Pos.x + hint->Size.x, 820);
+}
+
 TEST(Habits, aHintGoesWhileItsFieldIsTypedInto) {
     Panels p;
     p.windowSize(300, 400);

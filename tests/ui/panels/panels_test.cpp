@@ -8,6 +8,7 @@
 #include "panels/dialogs.h"
 #include "panels/emitter_controls.h"
 #include "panels/export_dialog.h"
+#include "panels/images.h"
 #include "panels/inspector.h"
 #include "ui/panels/panel_harness.h"
 
@@ -64,6 +65,17 @@ void drawEveryDialog(Panels& p) {
         EXPECT_FALSE(dialogOpen(*p.editor));
         EXPECT_EQ(ImGui::GetCurrentContext()->OpenPopupStack.Size, 0);
     }
+}
+
+TEST(ViewsPanel, captionsOfNumberedPhotographsStayDifferentInLittleRoom) {
+    Panels p;
+    p.frame([] {
+        const float whole = ImGui::CalcTextSize("0011.exr").x, stem = ImGui::CalcTextSize("0011").x;
+        EXPECT_EQ(captionOf("images/0011.exr", whole), "0011.exr");
+        EXPECT_EQ(captionOf("images/0011.exr", whole - 1), "0011");
+        const float room = ImGui::CalcTextSize("...0011").x;
+        EXPECT_EQ(captionOf("images/DSC_0011.exr", std::max(room, stem)), "...0011");
+    });
 }
 
 TEST(QualityBanner, namesTheCauseOfAPoorEstimateUntilItIsClosed) {
