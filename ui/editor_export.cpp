@@ -53,8 +53,17 @@ std::vector<FrameJob> plateFramesOf(const ExportRequest& request, const OpenPlat
     return jobs;
 }
 
+/// A way through the views of `range`, counted from 1, as a camera of the command line.
+std::string wayThrough(const ExportRequest& request) {
+    std::string through;
+    for (const int number : parseFrameRange(request.range))
+        through += fmt::format("{}{}", through.empty() ? "" : ",", number - 1);
+    return fmt::format("path:{}:{}", through, request.moveFrames);
+}
+
 /// The frames that were asked for, with their cameras. Throws Error.
-std::vector<FrameJob> framesOf(const ExportRequest& request, const Capture& capture, int view, const Camera& eye) {
+std::vector<FrameJob> framesOf(const ExportRequest& request, const Capture& capture,
+                               const std::vector<CameraBookmark>& bookmarks, int view, const Camera& eye) {
     std::vector<FrameJob> jobs;
     checkLayers(request.layers);
     const std::string size =
@@ -85,10 +94,16 @@ std::vector<FrameJob> framesOf(const ExportRequest& request, const Capture& capt
     } else if (request.views == Views::turntable) {
         jobs = frameJobs(capture, fmt::format("turntable:{}", request.moveFrames), "", size, request.file);
     } else if (request.views == Views::path) {
-        std::string through;
-        for (const int number : parseFrameRange(request.range))
-            through += fmt::format("{}{}", through.empty() ? "" : ",", number - 1);
-        jobs = frameJobs(capture, fmt::format("path:{}:{}", through, request.moveFrames), "", size, request.file);
+        jobs = frameJobs(capture, wayThrough(request), "", size, request.file);
+    } else if (request.views == Views::bookmarks) {
+        Capture places;
+        for (const CameraBookmark& bookmark : bookmarks) {
+            View place;
+            place.camera = OrbitCamera::at(bookmark).asCamera(size.empty() ? eye.width : request.width,
+                                                              size.empty() ? eye.height : request.height);
+            places.views.push_back(std::move(place));
+        }
+        jobs = frameJobs(places, wayThrough(request), "", "", request.file);
     } else if (request.views == Views::capture) {
         jobs = frameJobs(capture, std::to_string(view), "", size, request.file);
     } else {
@@ -236,8 +251,9 @@ void Editor::exportFrames(const ExportRequest& request) {
     const auto work = std::make_shared<ExportWork>();
     const bool ofPlate = request.views == ExportRequest::Views::plate;
     try {
-        work->jobs = ofPlate ? plateFramesOf(request, plate().get(), work->failures)
-                             : framesOf(request, *state.document.capture, state.selection.view, impl_->eye);
+        work->jobs =
+            ofPlate ? plateFramesOf(request, plate().get(), work->failures)
+                    : framesOf(request, *state.document.capture, look().bookmarks, state.selection.view, impl_->eye);
     } catch (const Error& error) {
         fail("The export could not start", error.what(), "Change it in the export window and try again.");
         state.panels.exportFrames = true;

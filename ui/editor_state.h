@@ -185,10 +185,11 @@ struct ExportRequest {
         timeline,   ///< the viewport's eye over the frames of `range`
         turntable,  ///< once round what the views look at
         path,       ///< a smooth way through the views of `range`
+        bookmarks,  ///< a smooth way through the look's bookmarks of `range`
         plate
     } views = Views::present;   ///< the viewport's eye, the selected view, ...
     int moveFrames = 48;        ///< of a turntable or a path
-    std::string range = "1";    ///< "1-3,5" of the views, counted from 1; of the time line; of the plate
+    std::string range = "1";    ///< "1-3,5" of the views or bookmarks, counted from 1; of the time line; of the plate
     Ratio ratio = Ratio::none;  ///< of views at their own size, and of the plate, where none means quotient
     LayerNaming naming = LayerNaming::blender;
     bool multipart = false;

@@ -195,7 +195,7 @@ TEST(EditorPlate, RelitFramesAreWrittenAndThoseItLacksAreNamed) {
     EXPECT_TRUE(TemporaryFolder::read(s.folder / "shots/plate/plate.01.exr") == bytes);
 }
 
-TEST(EditorExport, ATurntableAndAWayThroughViewsFollowTheKeys) {
+TEST(EditorExport, ATurntableAndWaysThroughViewsAndBookmarksFollowTheKeys) {
     Session s;
     s.openEstimated();
     Editor& e = *s.editor;
@@ -217,6 +217,20 @@ TEST(EditorExport, ATurntableAndAWayThroughViewsFollowTheKeys) {
     request.file = s.folder / "turn.#.exr";
     e.exportFrames(request);
     s.until([&] { return !e.job(); });
+    // Of two bookmarks one looks at the room, the other past it.
+    request.views = ExportRequest::Views::bookmarks;
+    request.range = "2,1";
+    request.file = s.folder / "kept.#.exr";
+    e.edit("Two bookmarks", [](Look& look) {
+        CameraBookmark view;
+        view.target = {0, 0, 0.5f};
+        look.bookmarks = {view, view};
+        look.bookmarks[0].target.z = 1e4f;
+        look.bookmarks[0].name = "away";
+        look.bookmarks[1].name = "there";
+    });
+    e.exportFrames(request);
+    s.until([&] { return !e.job(); });
     ASSERT_TRUE(e.state.notices.empty()) << e.state.notices[0].text;
     const auto sumOf = [&](const char* name) {
         double sum = 0;
@@ -225,6 +239,8 @@ TEST(EditorExport, ATurntableAndAWayThroughViewsFollowTheKeys) {
     };
     EXPECT_LT(sumOf("way.3.exr"), 0.95 * sumOf("way.1.exr")) << "the same camera, the light off";
     EXPECT_EQ(readImage(s.folder / "turn.2.exr").width, 32);
+    EXPECT_EQ(readImage(s.folder / "kept.2.exr").width, 32);
+    EXPECT_NE(sumOf("kept.1.exr"), sumOf("kept.2.exr")) << "from one bookmark to the other";
     EXPECT_FALSE(fs::exists(s.folder / "turn.3.exr"));
     // Where frames went is remembered, as long as the place is there.
     e.state.exportFrames.file = request.file;

@@ -47,7 +47,8 @@ std::string withoutOption(std::string words) {
 
 }  // namespace
 
-ExportProblems checkExport(const ExportRequest& request, size_t views, int selectedView, const OpenPlate* plate) {
+ExportProblems checkExport(const ExportRequest& request, size_t views, int selectedView, const OpenPlate* plate,
+                           size_t bookmarks) {
     using Views = ExportRequest::Views;
     ExportProblems problems;
     int first = 1;
@@ -78,13 +79,17 @@ ExportProblems checkExport(const ExportRequest& request, size_t views, int selec
         }
     } else if (request.views == Views::turntable) {
         problems.frames = size_t(std::max(request.moveFrames, 0));
-    } else if (request.views == Views::path) {
+    } else if (request.views == Views::path || request.views == Views::bookmarks) {
+        const bool kept = request.views == Views::bookmarks;
+        const size_t places = kept ? bookmarks : views;
         problems.frames = size_t(std::max(request.moveFrames, 0));
         try {
             const std::vector<int> numbers = parseFrameRange(request.range);
-            if (std::any_of(numbers.begin(), numbers.end(), [&](int n) { return n < 1 || size_t(n) > views; }))
-                problems.range = fmt::format("One of these views does not exist; there are 1 to {}.", views);
-            else if (numbers.size() < 2) problems.range = "A way goes through two views at least.";
+            if (std::any_of(numbers.begin(), numbers.end(), [&](int n) { return n < 1 || size_t(n) > places; }))
+                problems.range = fmt::format("One of these {} does not exist; there are 1 to {}.",
+                                             kept ? "bookmarks" : "views", places);
+            else if (numbers.size() < 2)
+                problems.range = fmt::format("A way goes through two {} at least.", kept ? "bookmarks" : "views");
         } catch (const Error& error) { problems.range = withoutOption(error.what()) + ". Write numbers like 1-3,5."; }
     } else if (request.views == Views::capture) {
         problems.frames = selectedView >= 0 && size_t(selectedView) < views;
@@ -142,8 +147,8 @@ void row(const char* name) {
     ImGui::SameLine(em(9));
 }
 
-/// A turntable, and a way through views.
-void movingCameras(ExportRequest& request, size_t views) {
+/// A turntable, and a way through views or bookmarks.
+void movingCameras(ExportRequest& request, size_t views, size_t bookmarks) {
     using Views = ExportRequest::Views;
     const auto count = [&] {
         ImGui::SameLine();
@@ -155,19 +160,27 @@ void movingCameras(ExportRequest& request, size_t views) {
               "The first photograph's camera goes once round what the photographs look at"))
         request.views = Views::turntable;
     if (request.views == Views::turntable) count();
-    if (views < 2) return;
-    if (radio("A way through views:", request.views == Views::path,
-              "The camera moves smoothly from view to view, in this order") &&
-        request.views != Views::path) {
-        request.views = Views::path;
-        request.range = fmt::format("1-{}", views);
-    }
-    if (request.views != Views::path) return;
-    count();
-    ImGui::SameLine();
-    ImGui::SetNextItemWidth(-FLT_MIN);
-    inputText("##way", request.range, "1,4,6");
-    tooltip("Numbers of the photographs, in the order of the way: 1,4,6 or 1-8");
+    const auto way = [&](Views which, size_t places, const char* label, const char* what, const char* numbers) {
+        if (places < 2) {
+            if (request.views == which) request.views = Views::present;
+            return;
+        }
+        if (radio(label, request.views == which, what) && request.views != which) {
+            request.views = which;
+            request.range = fmt::format("1-{}", places);
+        }
+        if (request.views != which) return;
+        count();
+        ImGui::SameLine();
+        ImGui::SetNextItemWidth(-FLT_MIN);
+        inputText("##way", request.range, "1,4,6");
+        tooltip(numbers);
+    };
+    way(Views::path, views, "A way through views:", "The camera moves smoothly from view to view, in this order",
+        "Numbers of the photographs, in the order of the way: 1,4,6 or 1-8");
+    way(Views::bookmarks, bookmarks, "A way through bookmarks:",
+        "The camera moves smoothly from bookmark to bookmark, in this order, in perspective",
+        "Places of the bookmarks in their list, in the order of the way: 1,3,2 or 1-4");
 }
 
 void viewsRow(Editor& editor, size_t views) {
@@ -207,7 +220,7 @@ void viewsRow(Editor& editor, size_t views) {
     } else if (request.views == Views::timeline) {
         request.views = Views::present;
     }
-    movingCameras(request, views);
+    movingCameras(request, views, editor.look().bookmarks.size());
     if (const auto plate = editor.plate(); plate && !plate->plate.frames.empty()) {
         if (radio("Frames of the plate:", request.views == Views::plate,
                   "The plate relit, at its own size, through its own camera")) {
@@ -231,7 +244,7 @@ void ratioRow(ExportRequest& request) {
     using Views = ExportRequest::Views;
     const bool plate = request.views == Views::plate;
     if (request.views == Views::present || request.views == Views::timeline || request.views == Views::turntable ||
-        request.views == Views::path) {
+        request.views == Views::path || request.views == Views::bookmarks) {
         request.ratio = Ratio::none;
         return;
     }
@@ -438,7 +451,8 @@ bool drawExportDialog(Editor& editor) {
     ImGui::BeginDisabled(exporting);
     viewsRow(editor, views);
     const auto plate = editor.plate();
-    const ExportProblems problems = checkExport(request, views, editor.state.selection.view, plate.get());
+    const ExportProblems problems =
+        checkExport(request, views, editor.state.selection.view, plate.get(), editor.look().bookmarks.size());
     if (!problems.range.empty()) warningText(problems.range);
     ratioRow(request);
     matteRow(editor);

@@ -12,8 +12,8 @@ struct ExportProblems {
     size_t frames = 0;
     bool ok() const { return range.empty() && file.empty() && layers.empty() && frames > 0; }
 };
-/// `plate`: the one that is open; null: none.
+/// `plate`: the one that is open; null: none. `bookmarks`: how many the look has.
 ExportProblems checkExport(const ExportRequest& request, size_t views, int selectedView,
-                           const OpenPlate* plate = nullptr);
+                           const OpenPlate* plate = nullptr, size_t bookmarks = 0);
 
 }  // namespace relamp::ui

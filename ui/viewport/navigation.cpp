@@ -114,17 +114,12 @@ void leaveView(Editor& editor) {
     viewport.throughView = viewport.throughPlate = false;
 }
 
-CameraBookmark presentView(const Editor& editor) {
-    const OrbitCamera camera = orbitCamera(editor);
-    return {
-        {}, camera.target, camera.distance, camera.azimuth, camera.elevation, camera.verticalFov, camera.orthographic};
-}
+CameraBookmark presentView(const Editor& editor) { return orbitCamera(editor).bookmark(); }
 
 void goToBookmark(Editor& editor, const CameraBookmark& bookmark) {
     ViewportState& viewport = editor.state.viewport;
     viewport.throughView = viewport.throughPlate = false;
-    viewport.camera = {bookmark.target,    bookmark.distance,    bookmark.azimuth,
-                       bookmark.elevation, bookmark.verticalFov, bookmark.orthographic};
+    viewport.camera = OrbitCamera::at(bookmark);
 }
 
 void bookmarkView(Editor& editor) {

@@ -14,6 +14,15 @@ Vec3 towardEye(float azimuth, float elevation) {
 Vec3 rightOf(float azimuth) { return {-std::sin(azimuth), std::cos(azimuth), 0}; }
 }  // namespace
 
+OrbitCamera OrbitCamera::at(const CameraBookmark& bookmark) {
+    return {bookmark.target,    bookmark.distance,    bookmark.azimuth,
+            bookmark.elevation, bookmark.verticalFov, bookmark.orthographic};
+}
+
+CameraBookmark OrbitCamera::bookmark() const {
+    return {{}, target, distance, azimuth, elevation, verticalFov, orthographic};
+}
+
 Vec3 OrbitCamera::position() const { return target + distance * towardEye(azimuth, elevation); }
 
 void OrbitCamera::orbit(const Vec2& pixels) {

@@ -2,6 +2,7 @@
 #pragma once
 #include "base/math.h"
 #include "capture/camera.h"
+#include "relight/camera_bookmark.h"
 
 namespace relamp::ui {
 
@@ -13,6 +14,9 @@ struct OrbitCamera {
     float verticalFov = 0.7f;  ///< radians
     bool orthographic = false;
 
+    static OrbitCamera at(const CameraBookmark& bookmark);
+    /// Without a name.
+    CameraBookmark bookmark() const;
     Vec3 position() const;
     void orbit(const Vec2& pixels);                      ///< a drag
     void pan(const Vec2& pixels, float viewportHeight);  ///< the target follows the hand

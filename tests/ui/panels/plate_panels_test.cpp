@@ -97,6 +97,11 @@ TEST(PlatePanels, theExportOffersItsFramesAndSaysWhatCannotBe) {
         r.range = range;
         EXPECT_EQ(checkExport(r, 6, 0).ok(), good) << range;
     }
+    r.views = ExportRequest::Views::bookmarks;
+    for (const auto& [range, good] : {std::pair("2,1", true), {"1", false}, {"1-3", false}}) {
+        r.range = range;
+        EXPECT_EQ(checkExport(r, 6, 0, nullptr, 2).ok(), good) << range;
+    }
     r.views = ExportRequest::Views::all;
     r.ratio = Ratio::difference;
     r.width = 10, r.height = 10;
