@@ -426,10 +426,14 @@ bool footer(Editor& editor, const ExportProblems& problems, bool exporting) {
         if (button("Run in background", "Closes this page; the status bar shows how far it is")) done = true;
     } else {
         const bool sizes = (request.width > 0) == (request.height > 0);
+        std::string problem;  // what asks for it may be scrolled out of sight
+        for (const std::string* one : {&problems.range, &problems.file, &problems.layers})
+            if (problem.empty()) problem = *one;
         ImGui::BeginDisabled(!problems.ok() || !sizes || !editor.estimate() || job);
         if (primaryButton("Export",
                           !editor.estimate() ? "Estimate first"
                           : job              ? "Wait until the running job is finished"
+                          : !problem.empty() ? problem.c_str()
                                              : "Renders the frames in the background",
                           em(8)))
             editor.exportFrames(request);
@@ -448,6 +452,16 @@ bool drawExportDialog(Editor& editor) {
     const size_t views = capture ? capture->views.size() : 0;
     const auto& job = editor.job();
     const bool exporting = job && job->kind == JobStatus::Kind::exportFrames;
+    // In a short window what is asked scrolls, and the buttons stay in sight.
+    static float asked = 0;  // its height
+    const ImGuiStyle& style = ImGui::GetStyle();
+    const float buttons =
+        ImGui::GetFrameHeight() + 2 * style.ItemSpacing.y +
+        (exporting ? ImGui::GetFrameHeight() + ImGui::GetTextLineHeight() + 2 * style.ItemSpacing.y : 0);
+    const float room = ImGui::GetIO().DisplaySize.y - em(1) - ImGui::GetCursorPosY() - style.WindowPadding.y - buttons;
+    const bool scrolls = asked > room;
+    if (scrolls) beginChild("##asked", {0, std::max(room, em(4))});
+    const float top = ImGui::GetCursorPosY();
     ImGui::BeginDisabled(exporting);
     viewsRow(editor, views);
     const auto plate = editor.plate();
@@ -464,6 +478,8 @@ bool drawExportDialog(Editor& editor) {
     fileRow(editor);
     summaryOf(problems);
     ImGui::EndDisabled();
+    asked = ImGui::GetCursorPosY() - top;
+    if (scrolls) ImGui::EndChild();
 
     ImGui::Spacing();
     bool done = footer(editor, problems, exporting);

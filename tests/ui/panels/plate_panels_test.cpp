@@ -108,5 +108,21 @@ TEST(PlatePanels, theExportOffersItsFramesAndSaysWhatCannotBe) {
     EXPECT_FALSE(checkExport(r, 6, 0).ok()) << "the photographs have another size";
 }
 
+TEST(ExportDialog, itsButtonsStayInSightInAShortWindow) {
+    Panels p(800, 300);
+    p.openSolved();
+    p.editor->state.panels.exportFrames = true;
+    p.frame({});
+    p.frames(4);
+    const auto close = p.find(Panels::idOf("Export frames###export", {"Close"}));
+    ASSERT_TRUE(close);
+    EXPECT_LT(close->y, 300);
+    const ImGuiWindow* dialog = ImGui::FindWindowByName("Export frames###export");
+    ASSERT_TRUE(dialog);
+    EXPECT_EQ(dialog->ScrollMax.y, 0) << "one scrollbar, of what is asked";
+    p.click(*close);
+    EXPECT_FALSE(p.editor->state.panels.exportFrames);
+}
+
 }  // namespace
 }  // namespace relamp::ui::test
