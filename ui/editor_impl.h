@@ -101,6 +101,14 @@ struct Editor::Impl {
     void keepPlate(std::shared_ptr<const OpenPlate> open);
     /// Shows it: frames of the time line, its camera.
     void goToPlate(const OpenPlate& plate);
+    /// The strip of frames has the plate's while there is one, and its own again after.
+    struct FramesBeforePlate {
+        int first, last;
+        std::filesystem::path plate;  ///< whose frames the strip has
+    };
+    std::optional<FramesBeforePlate> beforePlate;
+    void takeFramesOf(const OpenPlate& plate);
+    void leaveFramesOfPlate();
 
     // ---- autosave
     /// Changes that the history does not hold: snapshots, another place of the capture. How many there were, and how

@@ -238,6 +238,7 @@ void Editor::Impl::setDocument(Document document, Version version, const std::st
     ours.plateImport.reset();
     openPlates.clear();
     plateOpening.reset();
+    beforePlate.reset();
     ours.viewport.mode = solved ? ViewMode::relit : ViewMode::photograph;
     autosave.clear();
     autosavedEstimate.reset();

@@ -128,12 +128,30 @@ void Editor::Impl::keepPlate(std::shared_ptr<const OpenPlate> open) {
     if (openPlates.size() > mostPlates) openPlates.erase(openPlates.begin());
 }
 
-void Editor::Impl::goToPlate(const OpenPlate& open) {
+void Editor::Impl::takeFramesOf(const OpenPlate& open) {
     if (open.plate.frames.empty()) return;
     TimeState& time = self.state.time;
+    beforePlate = {beforePlate ? beforePlate->first : time.first, beforePlate ? beforePlate->last : time.last,
+                   open.look.files};
     time.first = open.plate.frames.front().number;
     time.last = std::max(open.plate.frames.back().number, time.first);
-    time.frame = std::clamp(time.frame, time.first, time.last);
+    self.goToFrame(std::clamp(time.frame, time.first, time.last));
+}
+
+void Editor::Impl::leaveFramesOfPlate() {
+    TimeState& time = self.state.time;
+    time.first = beforePlate->first, time.last = beforePlate->last;
+    for (const LookKey& key : history.present().look.keys) {
+        time.first = std::min(time.first, key.frame);
+        time.last = std::max(time.last, key.frame);
+    }
+    beforePlate.reset();
+    self.goToFrame(std::clamp(time.frame, time.first, time.last));
+}
+
+void Editor::Impl::goToPlate(const OpenPlate& open) {
+    if (open.plate.frames.empty()) return;
+    takeFramesOf(open);
     ViewportState& viewport = self.state.viewport;
     viewport.throughView = false;
     viewport.throughPlate = true;
@@ -154,11 +172,6 @@ void Editor::Impl::pollPlate() {
                           "Everything else is as it was. File, Import plate... says where it is now.");
             for (const std::string& fault : open->plate.faults)
                 if (!known) self.log(LogLevel::warning, fault);
-            if (TimeState& time = self.state.time; !known && !open->plate.frames.empty()) {
-                time.first = open->plate.frames.front().number;
-                time.last = std::max(open->plate.frames.back().number, time.first);
-                self.goToFrame(std::clamp(time.frame, time.first, time.last));
-            }
         } catch (const Cancelled&) {
             // It is opened again when it is wanted.
         } catch (const std::exception& error) {
@@ -174,6 +187,10 @@ void Editor::Impl::pollPlate() {
             [look = *wanted, capture = self.state.document.capture, scene = self.state.document.scene,
              solved](Progress& progress) { return openPlateOf(look, capture, scene, solved, progress); },
             options.wake);
+    if (!history.inGesture()) {
+        if (open && (!beforePlate || beforePlate->plate != open->look.files)) takeFramesOf(*open);
+        else if (!wanted && beforePlate) leaveFramesOfPlate();
+    }
     if (!open) {
         plates.show(nullptr, 0, false);
         return;

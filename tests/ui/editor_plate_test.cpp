@@ -52,8 +52,13 @@ TEST(EditorPlate, ImportAndRemovalAreOneEditEachAndWhatIsLackingIsNamed) {
     EXPECT_TRUE(e.unsavedChanges());
     e.undo();
     EXPECT_FALSE(e.look().plate || e.plate() || e.plateCamera());
+    e.poll();
+    EXPECT_EQ(e.state.time.first, 1) << "the strip has its own frames again";
+    EXPECT_EQ(e.state.time.last, 48);
     e.redo();
     EXPECT_TRUE(e.plate()) << "at once, without being opened again";
+    e.poll();
+    EXPECT_EQ(e.state.time.last, 4);
     // Keys and other edits leave it alone, and it makes no key.
     e.setKey();
     EXPECT_TRUE(runAction(e, "file.removePlate"));
