@@ -103,7 +103,7 @@ struct Editor::Impl {
     void goToPlate(const OpenPlate& plate);
     /// The strip of frames has the plate's while there is one, and its own again after.
     struct FramesBeforePlate {
-        int first, last;
+        int first, last, frame;
         std::filesystem::path plate;  ///< whose frames the strip has
     };
     std::optional<FramesBeforePlate> beforePlate;

@@ -131,8 +131,8 @@ void Editor::Impl::keepPlate(std::shared_ptr<const OpenPlate> open) {
 void Editor::Impl::takeFramesOf(const OpenPlate& open) {
     if (open.plate.frames.empty()) return;
     TimeState& time = self.state.time;
-    beforePlate = {beforePlate ? beforePlate->first : time.first, beforePlate ? beforePlate->last : time.last,
-                   open.look.files};
+    if (!beforePlate) beforePlate = {time.first, time.last, time.frame, {}};
+    beforePlate->plate = open.look.files;
     time.first = open.plate.frames.front().number;
     time.last = std::max(open.plate.frames.back().number, time.first);
     self.goToFrame(std::clamp(time.frame, time.first, time.last));
@@ -145,8 +145,9 @@ void Editor::Impl::leaveFramesOfPlate() {
         time.first = std::min(time.first, key.frame);
         time.last = std::max(time.last, key.frame);
     }
+    const int frame = time.frame >= time.first && time.frame <= time.last ? time.frame : beforePlate->frame;
     beforePlate.reset();
-    self.goToFrame(std::clamp(time.frame, time.first, time.last));
+    self.goToFrame(frame);
 }
 
 void Editor::Impl::goToPlate(const OpenPlate& open) {

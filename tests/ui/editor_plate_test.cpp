@@ -55,6 +55,7 @@ TEST(EditorPlate, ImportAndRemovalAreOneEditEachAndWhatIsLackingIsNamed) {
     e.poll();
     EXPECT_EQ(e.state.time.first, 1) << "the strip has its own frames again";
     EXPECT_EQ(e.state.time.last, 48);
+    EXPECT_EQ(e.state.time.frame, 1);
     e.redo();
     EXPECT_TRUE(e.plate()) << "at once, without being opened again";
     e.poll();
