@@ -60,13 +60,19 @@ Areas areasOf(const Editor& editor, const ImVec2& screen) {
     return a;
 }
 
-/// Scene or inspector, by two tabs; a new selection brings the inspector.
+/// Scene or inspector, by two tabs; a new selection brings the inspector: once the menu that came with it has closed,
+/// and not while several lights are being selected in the scene.
 void drawOnlyColumn(Editor& editor) {
     PanelState& p = editor.state.panels;
     std::string selected = editor.state.selection.active();
     if (editor.state.selection.point) selected += "point";
-    const bool turn = selected != p.narrowSelection && !selected.empty();
-    p.narrowSelection = selected;
+    const ImGuiIO& io = ImGui::GetIO();
+    const bool menu = ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel);
+    const bool several =
+        (io.KeyCtrl || io.KeyShift) &&
+        ImGui::IsWindowHovered(ImGuiHoveredFlags_RootAndChildWindows | ImGuiHoveredFlags_AllowWhenBlockedByActiveItem);
+    const bool turn = selected != p.narrowSelection && !selected.empty() && !menu && !several;
+    if (!menu) p.narrowSelection = selected;
     if (!ImGui::BeginTabBar("##column")) return;
     const bool asked = turn && !p.narrowInspector;
     if (asked) p.narrowInspector = true;

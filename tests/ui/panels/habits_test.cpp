@@ -1,5 +1,6 @@
 // What hands expect of any editor: keys, menus, dialogs, hints, numbers.
 #include "actions.h"
+#include "layout.h"
 #include "panels/dialogs.h"
 #include "panels/emitter_controls.h"
 #include "panels/panels.h"
@@ -56,6 +57,37 @@ TEST(Habits, aClickThatOpensAMenuChoosesNothingInAShortWindow) {
         p.key(keyEscape);
         p.frames(2);
     }
+}
+
+TEST(Habits, aLightsMenuStaysOpenWhereSceneAndInspectorShareAColumn) {
+    Panels p(1024, 640);
+    p.openSolved();
+    Editor& e = *p.editor;
+    const auto frames = [&](int count) {
+        for (int i = 0; i < count; ++i) {
+            ImGui::NewFrame();
+            drawLayout(e, nullptr, "tests have no window");
+            ImGui::Render();
+            input().pressed = 0;
+        }
+    };
+    frames(4);
+    for (float y = 64; y < 560 && e.state.selection.emitters.empty(); y += 8) {
+        p.mouse({780, y});
+        frames(2);
+        ImGui::GetIO().MouseDown[1] = true;
+        frames(1);
+        ImGui::GetIO().MouseDown[1] = false;
+        frames(1);
+    }
+    ASSERT_EQ(e.state.selection.emitters.size(), 1u) << "a right click selects";
+    frames(5);
+    EXPECT_EQ(openPopups(), 1) << "the column with the menu is still there";
+    EXPECT_FALSE(e.state.panels.narrowInspector);
+    input().pressed = keyEscape;
+    frames(4);
+    EXPECT_EQ(openPopups(), 0);
+    EXPECT_TRUE(e.state.panels.narrowInspector);
 }
 
 TEST(Palette, ranksWhatIsTypedAndNeverRunsAnotherCommand) {
