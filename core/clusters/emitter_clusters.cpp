@@ -308,6 +308,7 @@ public:
     /// What a mesh that is not exact makes of an emitter.
     void dropFalseEmitters() {
         joinSplitEmitters(scene_, result.emitters);
+        joinBlurredParts(scene_, result.emitters, result.candidates);
         const std::vector<EmitterCluster> emitters = result.emitters;
         const auto dropFalse = [&](std::vector<EmitterCluster>& clusters) {
             std::erase_if(clusters, [&](EmitterCluster& e) {

@@ -9,7 +9,7 @@
 namespace relamp {
 namespace {
 
-constexpr float sameRadiance = 0.03f;
+constexpr float sameRadiance = 0.03f, hair = 0.006f;
 
 bool alike(const Rgb& a, const Rgb& b) {
     return maxChannel(glm::abs(a - b)) <= sameRadiance * std::max(maxChannel(a), maxChannel(b));
@@ -48,6 +48,14 @@ bool near(const Scene& scene, const EmitterCluster& a, const EmitterCluster& b, 
     });
 }
 
+/// Whether `part` is as small, as dim and of that hue as the blurred rim of `emitter` is.
+bool blurred(const EmitterCluster& part, const EmitterCluster& emitter) {
+    constexpr float least = 0.4f, largest = 0.1f, sameHue = 0.05f;
+    const float own = maxChannel(part.radiance), whole = maxChannel(emitter.radiance);
+    return own > least * whole && own < whole && part.area < largest * emitter.area &&
+           maxChannel(glm::abs(part.radiance / own - emitter.radiance / whole)) < sameHue;
+}
+
 /// `b` becomes part of `a`.
 void join(const EmitterCluster& b, EmitterCluster& a) {
     const float whole = std::max(a.area + b.area, 1e-20f);
@@ -69,7 +77,6 @@ void join(const EmitterCluster& b, EmitterCluster& a) {
 }  // namespace
 
 void joinSplitEmitters(const Scene& scene, std::vector<EmitterCluster>& emitters) {
-    constexpr float hair = 0.006f;
     std::stable_sort(emitters.begin(), emitters.end(), [](const EmitterCluster& a, const EmitterCluster& b) {
         return emitterPower(a) > emitterPower(b);
     });
@@ -86,6 +93,19 @@ void joinSplitEmitters(const Scene& scene, std::vector<EmitterCluster>& emitters
             emitters.erase(emitters.begin() + ptrdiff_t(k));
             k = i + 1;  // what is larger now may reach others
         }
+}
+
+void joinBlurredParts(const Scene& scene, std::vector<EmitterCluster>& emitters,
+                      std::vector<EmitterCluster>& candidates) {
+    std::erase_if(candidates, [&](const EmitterCluster& part) {
+        if (part.unobserved || part.fitted) return false;
+        for (EmitterCluster& e : emitters)
+            if (!e.unobserved && !e.fitted && blurred(part, e) && near(scene, e, part, hair * scene.diagonal)) {
+                join(part, e);
+                return true;
+            }
+        return false;
+    });
 }
 
 bool showsEmitterPastEdge(const Scene& scene, const Capture& capture, const RadianceSamples& samples,

@@ -12,6 +12,11 @@ namespace relamp {
 /// Cost: O(n m) in the vertices of the two that lie near the other's box.
 void joinSplitEmitters(const Scene& scene, std::vector<EmitterCluster>& emitters);
 
+/// Candidates a hair from an emitter that are of its hue, 0.4 to 1 times as bright and at most a tenth as large become
+/// part of it: pixels at its rim show it half. Cost as above.
+void joinBlurredParts(const Scene& scene, std::vector<EmitterCluster>& emitters,
+                      std::vector<EmitterCluster>& candidates);
+
 /// Whether `patch` shows nothing but `emitter` past the mesh's edge: of the same radiance, elsewhere in space, and in
 /// every photograph within 8 pixels of the emitter.
 bool showsEmitterPastEdge(const Scene& scene, const Capture& capture, const RadianceSamples& samples,

@@ -59,6 +59,27 @@ TEST(FalseEmitters, PatchesOfOneRadianceAHairApartAreOneEmitter) {
     EXPECT_TRUE(std::is_sorted(joined->triangles.begin(), joined->triangles.end()));
 }
 
+TEST(FalseEmitters, ABlurredRimIsPartOfItsEmitterAndADimmerLightIsNot) {
+    const Scene scene = test::sceneOf(test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 200, 200));
+    const auto strip = [&](float from, float to, const Rgb& radiance) {
+        return clusterOf(scene, radiance,
+                         [&](const Vec3& p) { return p.x > from && p.x < to && std::abs(p.y) < 0.2f; });
+    };
+    const Rgb bright(8, 5, 3);
+    std::vector<EmitterCluster> emitters{strip(0, 0.4f, bright)};
+    const float whole = emitters[0].area;
+    // The rim of 2 cm at 0.8 of its radiance; then one as dim as a surface, one of another hue, one far off, a large
+    // one.
+    std::vector<EmitterCluster> candidates{strip(0.395f, 0.425f, 0.8f * bright), strip(0.395f, 0.425f, 0.2f * bright),
+                                           strip(0.395f, 0.425f, Rgb(6, 5, 3)), strip(0.495f, 0.525f, 0.8f * bright),
+                                           strip(-0.2f, 0.005f, 0.8f * bright)};
+    const float rim = candidates[0].area;
+    joinBlurredParts(scene, emitters, candidates);
+    EXPECT_EQ(candidates.size(), 4u);
+    EXPECT_NEAR(emitters[0].area, whole + rim, 1e-6f);
+    EXPECT_EQ(emitters[0].radiance, bright);
+}
+
 TEST(FalseEmitters, WhatAnEmitterLightsWithAPlausibleAlbedoIsNamedAndAnEmitterOfItsOwnIsNot) {
     const Scene scene = roomScene();
     const std::vector<EmitterCluster> emitters{clusterOf(scene, Rgb(100, 80, 60), onEmitter)};
