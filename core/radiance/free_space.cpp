@@ -15,17 +15,18 @@
 namespace relamp {
 namespace {
 
-constexpr float alike = 0.1f;               ///< of log radiance: what background or surface may be off by
-constexpr float explained = 0.2f;           ///< up to which the background explains a vertex
-constexpr float bend = 0.25f;               ///< beyond which a vertex says no more
-constexpr float unknownBackground = alike;  ///< how well one that nobody saw would explain a vertex
-constexpr size_t leastViews = 2;            ///< that refute a surface
-constexpr int meanRings = 3;                ///< of neighbours that a vertex is asked with
-constexpr size_t borderRings = 10;          ///< of neighbours by which the edges in the photographs may move a border
-constexpr float priorWeight = 0.05f;        ///< of a vertex that is sure
-constexpr float leastLikeness = 0.01f;      ///< of neighbours
-constexpr size_t leastRegion = 30;          ///< vertices of a skirt
-constexpr size_t leastBackground = 16;      ///< cells without which nothing is said
+constexpr float alike = 0.1f;                 ///< of log radiance: what background or surface may be off by
+constexpr float explained = 0.2f;             ///< up to which the background explains a vertex
+constexpr float bend = 0.25f;                 ///< beyond which a vertex says no more
+constexpr float unknownBackground = alike;    ///< how well one that nobody saw would explain a vertex
+constexpr float unknownDiffers = -alike / 2;  ///< no surface of one radiance, before a background that nobody saw
+constexpr size_t leastViews = 2;              ///< that refute a surface
+constexpr int meanRings = 3;                  ///< of neighbours that a vertex is asked with
+constexpr size_t borderRings = 10;            ///< of neighbours by which the edges in the photographs may move a border
+constexpr float priorWeight = 0.05f;          ///< of a vertex that is sure
+constexpr float leastLikeness = 0.01f;        ///< of neighbours
+constexpr size_t leastRegion = 30;            ///< vertices of a skirt
+constexpr size_t leastBackground = 16;        ///< cells without which nothing is said
 
 /// What the background shows around a direction.
 class Background {
@@ -125,7 +126,7 @@ Evidence evidenceOf(const Scene& scene, const Capture& capture, const RadianceSa
         const float differs = views < leastViews ? 0 : medianOf(std::move(asSurface));
         const size_t known = asBackground.size();
         if (known == 0) {
-            if (differs > bend) better[v] = -alike / 2;
+            if (differs > bend) better[v] = unknownDiffers;
             if (views >= leastViews && differs < alike) better[v] = alike - differs;
             return;
         }
@@ -263,12 +264,13 @@ std::vector<uint8_t> skirtsOf(const Scene& scene, const RadianceSamples& samples
     for (uint32_t seed = 0; seed < better.size(); ++seed) {
         if (!(around[seed] < 0) || visited[seed]) continue;
         const std::vector<uint32_t> region = regionOf(scene, seed, visited, [&](uint32_t v) { return around[v] < 0; });
-        size_t refuted = 0, atRim = 0;
+        size_t refuted = 0, telling = 0, atRim = 0;
         for (const uint32_t v : region) {
             refuted += better[v] < -alike;
+            telling += better[v] != 0 && better[v] != unknownDiffers;
             atRim += rim[v];
         }
-        if (region.size() < least || refuted * 4 < region.size() || atRim == 0) continue;
+        if (region.size() < least || refuted < leastRegion || refuted * 4 < telling || atRim == 0) continue;
         for (const uint32_t v : region) skirt[v] = 1;
     }
     skirt = delimited(scene, samples, evidence, isLight, skirt);
