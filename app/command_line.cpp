@@ -223,7 +223,7 @@ CLI::App* addRender(CLI::App& app, CommandLine& line) {
     verb->add_option("--env-yaw", line.render.yaw, "Degrees about the vertical")->check(CLI::Range(-1e6, 1e6));
     verb->add_option("--camera", line.render.camera,
                      "A view's number, a camera file, all, turntable:N, or path:V,V,...:N (a spline through views)")
-        ->capture_default_str();
+        ->default_str("0, or the plate of the look");
     verb->add_option("--frames", line.render.frames, "Of a sequence: 1-3,5,7-20:2");
     verb->add_option("--size", line.render.size, "WxH in place of the camera's own");
     verb->add_option("--layers", line.render.layers,

@@ -42,8 +42,9 @@ struct SolveArguments {
 
 struct RenderArguments {
     fs::path shot, output, edits;
-    std::string environment, camera = "0", frames, size, layers, naming = "blender", ratio, view = "standard",
-                             denoise = "auto";
+    /// `camera` empty: not given, view 0 or the plate of the look.
+    std::string environment, camera, frames, size, layers, naming = "blender", ratio, view = "standard",
+                                                           denoise = "auto";
     float yaw = 0;
     int samples = 0, threads = 0;
     uint64_t seed = 1;

@@ -10,11 +10,32 @@
 namespace relamp::cli {
 namespace {
 
-PlateRequest requestOf(const RenderArguments& a, Ratio ratio) {
-    PlateRequest request = plateRequest({a.plate, a.plateCamera, a.plateLens, a.matte, a.plateOffset, a.plateRotation,
-                                         a.plateCurve, a.plateMatch, a.matteLight == "relight"});
-    request.ratio = ratio == Ratio::none ? Ratio::quotient : ratio;
-    return request;
+struct PlateOptions {
+    PlateRequest request;
+    FrameFileOptions file;
+    bool correction = false;
+};
+
+/// Throws UsageError.
+PlateOptions readOptions(const RenderArguments& a) {
+    PlateOptions options;
+    try {
+        options.correction = layerRequest(a.layers).correction;
+        options.file = fileOptionsOf(a);
+        options.request = plateRequest({a.plate, a.plateCamera, a.plateLens, a.matte, a.plateOffset, a.plateRotation,
+                                        a.plateCurve, a.plateMatch, a.matteLight == "relight"});
+        options.request.ratio = options.file.ratio == Ratio::none ? Ratio::quotient : options.file.ratio;
+        options.file.ratio = options.request.ratio;
+    } catch (const BadOption& error) { throw UsageError(error.what()); }
+    return options;
+}
+
+RenderArguments withPlate(RenderArguments a, const PlateLook& plate) {
+    a.plate = plate.files, a.plateCamera = plate.cameras, a.plateLens = plate.lens, a.matte = plate.matte;
+    a.plateOffset = plate.offset, a.plateRotation = plate.rotation;
+    a.plateCurve = plate.curve, a.plateMatch = plate.match;
+    a.matteLight = plate.relightMatte ? "relight" : "keep";
+    return a;
 }
 
 /// The frames that were asked for with the files they become.
@@ -64,19 +85,18 @@ void say(const PlateGains& gains) {
 }  // namespace
 
 int renderPlate(const RenderArguments& a, Progress& progress) {
-    if (a.camera != "0") throw UsageError("--camera: a plate has its own, --plate-camera");
+    if (!a.camera.empty()) throw UsageError("--camera: a plate has its own, --plate-camera");
     if (!a.size.empty()) throw UsageError("--size: a plate keeps its own");
-    FrameFileOptions fileOptions;
-    PlateRequest request;
-    bool correction = false;
-    try {
-        correction = layerRequest(a.layers).correction;
-        fileOptions = fileOptionsOf(a);
-        request = requestOf(a, fileOptions.ratio);
-        fileOptions.ratio = request.ratio;
-    } catch (const BadOption& error) { throw UsageError(error.what()); }
+    readOptions(a);  // before a shot is opened
     const Shot shot = openShot(a.shot, false, progress);
-    const LookTrack track = trackOf(a, shot);
+    return relightPlate(a, shot, lookOf(a, shot), progress);
+}
+
+int relightPlate(const RenderArguments& given, const Shot& shot, const Look& look, Progress& progress) {
+    const RenderArguments a = given.plate.empty() && look.plate ? withPlate(given, *look.plate) : given;
+    const PlateOptions asked = readOptions(a);
+    const PlateRequest& request = asked.request;
+    const LookTrack track = trackOf(a, look);
     Plate plate;
     PlateJobs jobs;
     try {
@@ -89,6 +109,7 @@ int renderPlate(const RenderArguments& a, Progress& progress) {
     if (request.relightMatte)
         for (const fs::path& file : jobs.files) outputs.push_back(lightFileOf(file));
     refuseInputs(a, shot, track, outputs, progress);
+    FrameFileOptions fileOptions = asked.file;
     fileOptions.header = {{"relamp:gauge", shot.estimate.gauge.kind + ": " + shot.estimate.gauge.evidence},
                           {"relamp:shot", shotHash(a.shot)}};
     const Scene scene = buildScene(shot.capture.mesh, progress, ownAxes(shot.capture));
@@ -111,7 +132,7 @@ int renderPlate(const RenderArguments& a, Progress& progress) {
         FrameSources sources;
         sources.origin = shot.capture.origin;
         sources.look = &looks.at(frame.number, progress);
-        if (correction) sources.captured = &looks.captured(progress);
+        if (asked.correction) sources.captured = &looks.captured(progress);
         sources.finished = &relit.image;
         writeFrameFile(jobs.files[index], frame.camera, sources, options, fileOptions, progress);
         if (relit.matteLight)

@@ -1,6 +1,7 @@
 // relamp render: frames of a shot under a look, from any camera, one after the other.
 #include <optional>
 
+#include "base/log.h"
 #include "base/parallel.h"
 #include "capture/own_axes.h"
 #include "capture/photograph_reader.h"
@@ -57,10 +58,15 @@ int render(const RenderArguments& a, Progress& progress) {
     const bool photographs =
         fileOptions.ratio != Ratio::none || request.residual || fileOptions.view == DisplayView::automatic;
     const Shot shot = openShot(a.shot, false, progress);
-    const LookTrack track = trackOf(a, shot);
+    const Look look = lookOf(a, shot);
+    if (look.plate && a.camera.empty() && a.size.empty()) {
+        logInfo("{}: the plate of the look is relit; --camera renders other frames", look.plate->files.string());
+        return relightPlate(a, shot, look, progress);
+    }
+    const LookTrack track = trackOf(a, look);
     std::vector<FrameJob> jobs;
     try {
-        jobs = frameJobs(shot.capture, a.camera, a.frames, a.size, a.output);
+        jobs = frameJobs(shot.capture, a.camera.empty() ? "0" : a.camera, a.frames, a.size, a.output);
         const bool needsPhotograph = fileOptions.ratio != Ratio::none || (request.residual && !request.all);
         for (const FrameJob& job : jobs)
             if (needsPhotograph && (job.view < 0 || job.resized))

@@ -8,16 +8,20 @@
 
 namespace relamp::cli {
 
-LookTrack trackOf(const RenderArguments& a, const Shot& shot) {
-    LookTrack track = a.edits.empty() ? LookTrack(shot.look) : readLookTrack(a.edits, shot.capture.origin);
-    track.apply([&](Look& look) {
-        if (a.environment == "none") look.environment.source = EnvironmentLook::Source::none;
-        else if (a.environment == "recovered") look.environment.source = EnvironmentLook::Source::recovered;
+Look lookOf(const RenderArguments& a, const Shot& shot) {
+    return a.edits.empty() ? shot.look : readLook(a.edits, shot.capture.origin);
+}
+
+LookTrack trackOf(const RenderArguments& a, const Look& look) {
+    LookTrack track(look);
+    track.apply([&](Look& one) {
+        if (a.environment == "none") one.environment.source = EnvironmentLook::Source::none;
+        else if (a.environment == "recovered") one.environment.source = EnvironmentLook::Source::recovered;
         else if (!a.environment.empty()) {
-            look.environment.source = EnvironmentLook::Source::file;
-            look.environment.file = a.environment;
+            one.environment.source = EnvironmentLook::Source::file;
+            one.environment.file = a.environment;
         }
-        look.environment.yawDegrees += a.yaw;
+        one.environment.yawDegrees += a.yaw;
     });
     return track;
 }

@@ -10,7 +10,10 @@
 namespace relamp::cli {
 
 /// The looks that the options ask for.
-LookTrack trackOf(const RenderArguments& arguments, const Shot& shot);
+Look lookOf(const RenderArguments& arguments, const Shot& shot);
+LookTrack trackOf(const RenderArguments& arguments, const Look& look);
+/// Frames of the plate that the arguments name, or else the look.
+int relightPlate(const RenderArguments& arguments, const Shot& shot, const Look& look, Progress& progress);
 
 /// Throws BadOption.
 FrameFileOptions fileOptionsOf(const RenderArguments& arguments);
