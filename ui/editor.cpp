@@ -36,6 +36,14 @@ Look lookThatFits(const Look& look, const Estimate& estimate, size_t vertices) {
                    std::none_of(one.added.begin(), one.added.end(), [&](const AddedEmitter& e) { return e.id == id; });
         });
     });
+    std::erase_if(out.curves, [&](const ValueCurve& curve) {
+        bool there = !infoOf(curve.what.value).ofLight() || known(curve.what.of);
+        eachLook(out, [&](const Look& one) {
+            there = there || std::any_of(one.added.begin(), one.added.end(),
+                                         [&](const AddedEmitter& e) { return e.id == curve.what.of; });
+        });
+        return !there;
+    });
     return out;
 }
 
@@ -113,7 +121,7 @@ void Editor::edit(const std::string& label, const std::function<void(Look&)>& ch
     Look look = before;
     change(look);
     if (look == before) return;
-    keyEdit(before, look, state.time.frame);
+    keyEdit(before, look, state.time.frame, pivots());
     impl_->history.pushLook(label, std::move(look));
 }
 
@@ -126,7 +134,7 @@ void Editor::preview(const std::function<void(Look&)>& change) {
     if (!inGesture()) return;
     Look look = history().gestureStart();
     change(look);
-    keyEdit(history().gestureStart(), look, state.time.frame);
+    keyEdit(history().gestureStart(), look, state.time.frame, pivots());
     impl_->history.preview(std::move(look));
 }
 void Editor::commitGesture() { impl_->history.commit(); }
@@ -258,6 +266,7 @@ Look Editor::Impl::shownLook(const Estimate& estimate) const {
     Look look = lookThatFits(self.look(), estimate,
                              self.state.document.scene ? self.state.document.scene->mesh.vertexCount() : 0);
     look.keys.clear();
+    look.curves.clear();
     look.plate.reset();
     look.bookmarks.clear();
     const std::vector<std::string>& solo = self.state.viewport.solo;

@@ -100,8 +100,15 @@ public:
     void easeKey(int frame, KeyEase ease);
     /// Shows another frame; no edit.
     void goToFrame(int frame);
-    /// To the key before (-1) or after (+1) the present frame.
+    /// To the key before (-1) or after (+1) the present frame, of the look or of a single value.
     void goToKey(int direction);
+    /// Keys of single values at the present frame; from then on edits of such a value set its keys. One edit each.
+    void setValueKeys(const std::vector<KeyedOf>& values);
+    /// `frame` < 0: all of them; the value stays as it is shown.
+    void deleteValueKeys(const std::vector<KeyedOf>& values, int frame);
+    void goToValueKey(const KeyedOf& value, int direction);
+    /// What positions of lights count from.
+    LookPivots pivots() const;
     /// Every frame is shown once, as fast as it can be made; frames that were shown are kept (up to a gibibyte), and
     /// come at their own speed from then on, until look or eye change.
     void play(bool on);

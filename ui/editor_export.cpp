@@ -267,7 +267,7 @@ void Editor::exportFrames(const ExportRequest& request) {
     // Stills show the look of the present frame.
     if (request.views == Views::present || request.views == Views::capture || request.views == Views::all ||
         request.views == Views::range)
-        work->look.keys.clear();
+        work->look.keys.clear(), work->look.curves.clear();
     work->estimate = estimate;
     if (ofPlate) work->plate = plate();
     work->region = state.viewport.region;

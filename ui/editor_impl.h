@@ -86,7 +86,6 @@ struct Editor::Impl {
     mutable Look timed;  ///< the look at timedFrame
     mutable uint64_t timedRevision = 0;
     mutable int timedFrame = 0;
-    LookPivots pivots() const;
     /// Of a request for the present frame of the present history.
     int64_t timeTag() const;
     /// Takes the next frame when it is due. True: `request` needs no work, its image is kept.

@@ -2,6 +2,7 @@
 #include "base/is_there.h"
 #include "capture/capture_formats.h"
 #include "capture/own_axes.h"
+#include "edit/look_keys.h"
 #include "editor_impl.h"
 #include "interrupted.h"
 #include "pipeline/pipeline.h"
@@ -214,10 +215,10 @@ void Editor::Impl::setDocument(Document document, Version version, const std::st
     emittersRevision = timedRevision = 0;
     playback = {};
     ours.time = {};
-    if (const auto& keys = history.present().look.keys; !keys.empty()) {
-        ours.time.first = std::min(1, keys.front().frame);
-        ours.time.last = std::max(ours.time.last, keys.back().frame);
-        ours.time.frame = keys.front().frame;
+    if (const std::vector<int> keys = keyFrames(history.present().look); !keys.empty()) {
+        ours.time.first = std::min(1, keys.front());
+        ours.time.last = std::max(ours.time.last, keys.back());
+        ours.time.frame = keys.front();
     }
     ours.environmentToCome.clear();
     ours.panorama.reset();

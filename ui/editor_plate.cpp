@@ -1,5 +1,6 @@
 // The plate of the look: imported, shown, taken away, and what is dropped on the window.
 #include "capture/capture_formats.h"
+#include "edit/look_keys.h"
 #include "editor_impl.h"
 #include "image/image_io.h"
 
@@ -141,9 +142,9 @@ void Editor::Impl::takeFramesOf(const OpenPlate& open) {
 void Editor::Impl::leaveFramesOfPlate() {
     TimeState& time = self.state.time;
     time.first = beforePlate->first, time.last = beforePlate->last;
-    for (const LookKey& key : history.present().look.keys) {
-        time.first = std::min(time.first, key.frame);
-        time.last = std::max(time.last, key.frame);
+    for (const int frame : keyFrames(history.present().look)) {
+        time.first = std::min(time.first, frame);
+        time.last = std::max(time.last, frame);
     }
     const int frame = time.frame >= time.first && time.frame <= time.last ? time.frame : beforePlate->frame;
     beforePlate.reset();

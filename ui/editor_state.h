@@ -14,6 +14,7 @@
 #include "capture/check.h"
 #include "display/scope.h"
 #include "edit/light_brush.h"
+#include "edit/value_key_edits.h"
 #include "image/image_region.h"
 #include "length_unit.h"
 #include "plate/relight_plate.h"
@@ -234,11 +235,20 @@ struct RunCurve {
 };
 
 /// Where the user is in time. The keys themselves belong to the look.
+/// A key in the view of curves; of values with several numbers one of them.
+struct CurveHandle {
+    KeyPick key;
+    int component = 0;
+    bool operator==(const CurveHandle&) const = default;
+};
+
 struct TimeState {
     int frame = 1, first = 1, last = 48;
     double framesPerSecond = 24;
     bool playing = false, loop = true;
-    bool scrubbing = false;  ///< the playhead is being dragged
+    bool scrubbing = false;            ///< the playhead is being dragged
+    bool curves = false;               ///< the panel Frames shows values against frames
+    std::vector<CurveHandle> handles;  ///< selected ones there
 };
 
 struct LogEntry {

@@ -13,17 +13,27 @@ size_t bytesOf(const LiveFrame& frame) {
     return bytes;
 }
 
+/// Of sorted frames; the present one where there is none on that side.
+int nextOf(const std::vector<int>& frames, int frame, int direction) {
+    if (direction > 0) {
+        const auto after = std::upper_bound(frames.begin(), frames.end(), frame);
+        return after == frames.end() ? frame : *after;
+    }
+    const auto at = std::lower_bound(frames.begin(), frames.end(), frame);
+    return at == frames.begin() ? frame : *std::prev(at);
+}
+
 }  // namespace
 
-LookPivots Editor::Impl::pivots() const {
+LookPivots Editor::pivots() const {
     LookPivots pivots;
-    pivots.emitter = [estimate = self.estimate()](const std::string& id) {
+    pivots.emitter = [estimate = estimate()](const std::string& id) {
         if (estimate)
             for (const EmitterCluster& e : estimate->emitters.emitters)
                 if (e.id == id) return e.centroid;
         return Vec3(0);
     };
-    pivots.vertex = [scene = self.state.document.scene](uint32_t v) {
+    pivots.vertex = [scene = state.document.scene](uint32_t v) {
         return scene && v < scene->mesh.vertexCount() ? scene->mesh.positions[v] : Vec3(0);
     };
     return pivots;
@@ -31,10 +41,11 @@ LookPivots Editor::Impl::pivots() const {
 
 const Look& Editor::look() const {
     const Look& now = history().present().look;
-    if (now.keys.empty() || inGesture()) return now;
+    if ((now.keys.empty() && now.curves.empty()) || inGesture()) return now;
     if (impl_->timedRevision != history().revision() || impl_->timedFrame != state.time.frame) {
-        impl_->timed = LookTrack(now).at(state.time.frame, impl_->pivots());
+        impl_->timed = LookTrack(now).at(state.time.frame, pivots());
         impl_->timed.keys = now.keys;
+        impl_->timed.curves = now.curves;
         impl_->timed.plate = now.plate;
         impl_->timed.bookmarks = now.bookmarks;
         impl_->timedRevision = history().revision();
@@ -72,17 +83,30 @@ void Editor::goToFrame(int frame) {
     state.time.frame = std::clamp(frame, 0, 100'000'000);
 }
 
-void Editor::goToKey(int direction) {
-    const std::vector<LookKey>& keys = look().keys;
-    int found = state.time.frame;
-    for (const LookKey& key : keys) {
-        if (direction > 0 && key.frame > state.time.frame) {
-            found = key.frame;
-            break;
-        }
-        if (direction < 0 && key.frame < state.time.frame) found = key.frame;
-    }
-    goToFrame(found);
+void Editor::goToKey(int direction) { goToFrame(nextOf(keyFrames(look()), state.time.frame, direction)); }
+
+void Editor::setValueKeys(const std::vector<KeyedOf>& values) {
+    edit(fmt::format("Set key of {} at frame {}", values.empty() ? "" : infoOf(values.front().value).label,
+                     state.time.frame),
+         [&](Look& look) {
+             for (const KeyedOf& value : values) setValueKey(look, value, state.time.frame, pivots());
+         });
+}
+
+void Editor::deleteValueKeys(const std::vector<KeyedOf>& values, int frame) {
+    edit(frame < 0 ? "Delete keys" : fmt::format("Delete key at frame {}", frame), [&](Look& look) {
+        for (const KeyedOf& value : values)
+            if (frame >= 0) deleteValueKey(look, value, frame);
+            else std::erase_if(look.curves, [&](const ValueCurve& curve) { return curve.what == value; });
+    });
+}
+
+void Editor::goToValueKey(const KeyedOf& value, int direction) {
+    const ValueCurve* curve = curveOf(look(), value);
+    if (!curve) return;
+    std::vector<int> frames;
+    for (const ValueKey& key : curve->keys) frames.push_back(key.frame);
+    goToFrame(nextOf(frames, state.time.frame, direction));
 }
 
 void Editor::play(bool on) {

@@ -54,9 +54,13 @@ Areas areasOf(const Editor& editor, const ImVec2& screen) {
         a.left = std::floor(std::max(a.left, least)), a.right = std::floor(std::max(a.right, least));
     }
     const float body = screen.y - a.top - a.status;
-    a.bottom = p.bottomFolded
-                   ? bottomPanelFoldedHeight()
-                   : std::floor(std::clamp(p.bottomHeight * scale, 60 * scale, std::max(60 * scale, 0.35f * body)));
+    // A view of curves needs height; the image keeps half of it.
+    const bool curves = editor.state.time.curves && p.bottomTab == framesTab;
+    const float wanted = curves ? std::max(p.bottomHeight, 330.0f) : p.bottomHeight;
+    a.bottom =
+        p.bottomFolded
+            ? bottomPanelFoldedHeight()
+            : std::floor(std::clamp(wanted * scale, 60 * scale, std::max(60 * scale, (curves ? 0.5f : 0.35f) * body)));
     return a;
 }
 

@@ -1,12 +1,17 @@
 #include "edit/look_keys.h"
 
 #include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "edit/value_key_edits.h"
 
 namespace relamp {
 namespace {
 
 Look withoutKeys(Look look) {
     look.keys.clear();
+    look.curves.clear();
     look.plate.reset();
     look.bookmarks.clear();
     return look;
@@ -57,12 +62,92 @@ void carryGroups(const Look& before, const Look& after, Look& key) {
     key.groups = std::move(groups);
 }
 
+/// A movement of a light that its keys of values say, taken back. Rounding must not look like an edit.
+void takeBackMoves(const Look& before, Look& look, const std::string& id, const LookPivots& pivots) {
+    const auto near = [](const Mat4& a, const Mat4& b) {
+        float most = 0, size = 1;
+        for (int c = 0; c < 4; ++c)
+            for (int r = 0; r < 4; ++r)
+                most = std::max(most, std::abs(a[c][r] - b[c][r])), size = std::max(size, std::abs(b[c][r]));
+        return most < 1e-4f * size;
+    };
+    for (const ValueCurve& curve : before.curves)
+        if (curve.what.of == id && curve.what.value <= KeyedValue::scale)
+            if (const auto was = valueOf(before, curve.what, pivots)) setValue(look, curve.what, *was, pivots);
+    for (EmitterLook& light : look.emitters)
+        if (light.id == id)
+            if (const EmitterLook* was = named(before.emitters, id); near(light.matrix, was ? was->matrix : Mat4(1)))
+                light.matrix = was ? was->matrix : Mat4(1);
+    for (AddedEmitter& light : look.added)
+        if (light.id == id)
+            if (const AddedEmitter* was = named(before.added, id); was && near(light.matrix, was->matrix))
+                light.matrix = was->matrix;
+    for (PartLook& part : look.parts)
+        if (part.attachedTo == id)
+            for (const PartLook& was : before.parts)
+                if (was.seedVertex == part.seedVertex && near(part.matrix, was.matrix)) part.matrix = was.matrix;
+}
+
+/// Keys of what is gone go, and those of a group follow its name.
+void carryCurves(const Look& before, Look& look) {
+    for (ValueCurve& curve : look.curves)
+        if (infoOf(curve.what.value).owner == KeyedValueInfo::Owner::group)
+            for (const LightGroup& was : before.groups)
+                if (was.name == curve.what.of && !valueOf(look, curve.what, {}))
+                    for (const LightGroup& group : look.groups)
+                        if (group.members == was.members) {
+                            curve.what.of = group.name;
+                            break;
+                        }
+    std::erase_if(look.curves, [&](const ValueCurve& curve) {
+        return valueOf(before, curve.what, {}) && !valueOf(look, curve.what, {});
+    });
+    // An added light that is gone must not be taken for a recovered one.
+    std::erase_if(look.curves, [&](const ValueCurve& curve) {
+        return infoOf(curve.what.value).ofLight() && named(before.added, curve.what.of) &&
+               !named(look.added, curve.what.of);
+    });
+}
+
+/// What changed of the values that have keys of their own, into those; the look keeps what it had.
+void keyValues(const Look& before, Look& look, int frame, const LookPivots& pivots) {
+    if (before.curves.empty()) return;
+    carryCurves(before, look);
+    const std::vector<ValueCurve> curves = look.curves;
+    for (const ValueCurve& curve : curves) {
+        const auto was = valueOf(before, curve.what, pivots), now = valueOf(look, curve.what, pivots);
+        if (!was || !now) continue;
+        const float size = std::max(1e-3f, std::max(glm::length(*was), glm::length(*now)));
+        if (glm::distance(*was, *now) > 1e-5f * size) setValueKey(look, curve.what, frame, pivots);
+    }
+    for (const ValueCurve& curve : curves)
+        if (curve.what.value <= KeyedValue::scale) takeBackMoves(before, look, curve.what.of, pivots);
+        else if (const auto was = valueOf(before, curve.what, pivots)) setValue(look, curve.what, *was, pivots);
+}
+
+void keyLook(const Look& before, Look& look, int frame) {
+    if (look.keys.empty() || look.keys != before.keys || withoutKeys(look) == withoutKeys(before)) return;
+    for (LookKey& key : look.keys) {
+        carryOver(before, look, key.look);
+        carryGroups(before, look, key.look);
+    }
+    setKey(look, frame);
+}
+
 }  // namespace
 
 int keyAt(const Look& look, int frame) {
     for (size_t i = 0; i < look.keys.size(); ++i)
         if (look.keys[i].frame == frame) return int(i);
     return -1;
+}
+
+std::vector<int> keyFrames(const Look& look) {
+    std::set<int> frames;
+    for (const LookKey& key : look.keys) frames.insert(key.frame);
+    for (const ValueCurve& curve : look.curves)
+        for (const ValueKey& key : curve.keys) frames.insert(key.frame);
+    return {frames.begin(), frames.end()};
 }
 
 void setKey(Look& look, int frame) {
@@ -96,13 +181,10 @@ void easeKey(Look& look, int frame, KeyEase ease) {
     if (const int at = keyAt(look, frame); at >= 0) look.keys[size_t(at)].ease = ease;
 }
 
-void keyEdit(const Look& before, Look& look, int frame) {
-    if (look.keys.empty() || look.keys != before.keys || withoutKeys(look) == withoutKeys(before)) return;
-    for (LookKey& key : look.keys) {
-        carryOver(before, look, key.look);
-        carryGroups(before, look, key.look);
-    }
-    setKey(look, frame);
+void keyEdit(const Look& before, Look& look, int frame, const LookPivots& pivots) {
+    if (look.curves == before.curves && look.keys == before.keys) keyValues(before, look, frame, pivots);
+    keyLook(before, look, frame);
+    applyValueKeys(look, frame, pivots);
 }
 
 }  // namespace relamp

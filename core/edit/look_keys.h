@@ -1,11 +1,14 @@
 // Keys of a look: set, taken away, moved and eased, as an artist does on a time line.
 #pragma once
-#include "relight/look.h"
+#include "relight/look_track.h"
 
 namespace relamp {
 
 /// Index of the key at a frame; none: -1.
 int keyAt(const Look& look, int frame);
+
+/// Of all keys, of looks and of single values, ascending, each once.
+std::vector<int> keyFrames(const Look& look);
 
 /// The look as it stands becomes the key at `frame`; one that is there keeps its ease.
 void setKey(Look& look, int frame);
@@ -15,9 +18,10 @@ void deleteKey(Look& look, int frame);
 void moveKey(Look& look, int from, int to);
 void easeKey(Look& look, int frame, KeyEase ease);
 
-/// After an edit at `frame` from `before` to `look`: what changed goes into a key there. Lights that came, went or took
-/// another name do so in every key. Nothing happens without keys, where the edit changed nothing, and where it changed
-/// the keys themselves.
-void keyEdit(const Look& before, Look& look, int frame);
+/// After an edit at `frame` from `before` to `look`: what changed goes into a key there. A value that has keys of its
+/// own gets one of those, everything else goes into the key of the look, where it has any. Lights that came, went or
+/// took another name do so in every key. Nothing is keyed where the edit changed the keys themselves; values that have
+/// keys of their own are then what these say at `frame`.
+void keyEdit(const Look& before, Look& look, int frame, const LookPivots& pivots = {});
 
 }  // namespace relamp

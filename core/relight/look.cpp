@@ -165,39 +165,28 @@ std::vector<std::filesystem::path> filesOf(const Look& look) {
 
 namespace {
 
-constexpr const char* easeNames[] = {"linear", "smooth", "hold"};
-
 /// What the document holds beside `keys` is taken by each look that does not say otherwise.
 std::vector<LookKey> keysFromJson(const Json& document, const std::filesystem::path& folder, const DVec3& origin) {
     Json rest = document;
     rest.erase("keys");
     rest.erase("plate");
     rest.erase("bookmarks");
+    rest.erase("value_keys");
     const Json& list = document["keys"];
     if (!list.is_array()) throw Error("keys: expected a list");
     std::vector<LookKey> keys;
     for (const Json& key : list) {
         const std::string where = fmt::format("keys[{}]", keys.size());
         if (!key.is_object()) throw Error("{}: expected an object", where);
-        const auto frame = key.find("frame");
-        if (frame == key.end() || !frame->is_number_integer() || frame->get<int64_t>() < 0 ||
-            frame->get<int64_t>() > 100'000'000)
-            throw Error("{}.frame: expected a frame number", where);
+        const int frame = keyFrameFromJson(key, where);
         const auto look = key.find("look");
         if (look == key.end() || !look->is_object()) throw Error("{}.look: expected an object", where);
-        for (const char* whole : {"plate", "keys", "bookmarks"})
+        for (const char* whole : {"plate", "keys", "bookmarks", "value_keys"})
             if (look->contains(whole)) throw Error("{}.look.{}: a key has none of its own", where, whole);
         Json merged = rest;
         merged.update(*look);
-        LookKey made{frame->get<int>(), {}, KeyEase::linear};
+        LookKey made{frame, {}, keyEaseFromJson(key, where)};
         withContext(where + ".look", [&] { made.look = lookFromJson(merged, folder, origin); });
-        if (key.contains("ease")) {
-            const std::string ease = textOf(key, "ease", where);
-            const auto name = std::find(std::begin(easeNames), std::end(easeNames), ease);
-            if (name == std::end(easeNames))
-                throw Error("{}.ease: is {}, expected linear, smooth or hold", where, ease.substr(0, 40));
-            made.ease = KeyEase(name - std::begin(easeNames));
-        }
         keys.push_back(std::move(made));
     }
     if (keys.empty()) throw Error("keys: is empty, expected a look");
@@ -292,6 +281,7 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
     if (const auto at = document.find("plate"); at != document.end()) look.plate = plateLookFromJson(*at, folder);
     look.bookmarks = bookmarksFromJson(document, origin);
     if (document.contains("keys")) look.keys = keysFromJson(document, folder, origin);
+    look.curves = valueKeysFromJson(document, look, origin);
     return look;
 }
 
@@ -355,9 +345,10 @@ Json lookToJson(const Look& look, const DVec3& origin) {
     if (!look.bookmarks.empty()) document["bookmarks"] = bookmarksToJson(look.bookmarks, origin);
     for (const LookKey& key : look.keys) {
         Json one{{"frame", key.frame}, {"look", lookToJson(key.look, origin)}};
-        if (key.ease != KeyEase::linear) one["ease"] = easeNames[int(key.ease)];
+        if (key.ease != KeyEase::linear) one["ease"] = keyEaseNames[int(key.ease)];
         document["keys"].push_back(std::move(one));
     }
+    if (!look.curves.empty()) document["value_keys"] = valueKeysToJson(look, origin);
     return document;
 }
 

@@ -13,6 +13,7 @@
 #include "relight/light_group.h"
 #include "relight/light_shaping.h"
 #include "relight/plate_look.h"
+#include "relight/value_keys.h"
 
 namespace relamp {
 
@@ -71,15 +72,14 @@ struct Look {
     /// Looks at frames, by frame, none twice; what lies between follows from them (look_track.h). Empty: the look is
     /// the same in every frame.
     std::vector<LookKey> keys;
+    /// Keys of single values, each value once; in every frame they have the last word. No key has any.
+    std::vector<ValueCurve> curves;
     /// A shot filmed in the set that is relit; changes no light, and no key has one.
     std::optional<PlateLook> plate;
     /// Views that were kept, in the order of the list; they change no light, and no key has any.
     std::vector<CameraBookmark> bookmarks;
     bool operator==(const Look& other) const;
 };
-
-/// How a look goes over into the next key's.
-enum class KeyEase { linear, smooth, hold };
 
 struct LookKey {
     int frame = 1;
@@ -91,7 +91,7 @@ struct LookKey {
 inline bool Look::operator==(const Look& other) const {
     return environment == other.environment && emitters == other.emitters && added == other.added &&
            parts == other.parts && groups == other.groups && neutralMaterials == other.neutralMaterials &&
-           keys == other.keys && plate == other.plate && bookmarks == other.bookmarks;
+           keys == other.keys && curves == other.curves && plate == other.plate && bookmarks == other.bookmarks;
 }
 
 /// Calls `change` with a look and with those of its keys.

@@ -55,11 +55,14 @@ const KeyTable& documentTable() {
     static const KeyTable bookmark{
         {"name", "target", "distance", "azimuth_degrees", "elevation_degrees", "vertical_fov_degrees", "orthographic"},
         {}};
+    static const KeyTable valueKey{{"frame", "value", "ease"}, {}};
+    static const KeyTable curve{{"value", "light", "group"}, {{"keys", &valueKey}}};
     static const KeyTable whole = [] {
         KeyTable table = lookTable();
         table.inner.push_back({"keys", &key});
         table.inner.push_back({"plate", &plate});
         table.inner.push_back({"bookmarks", &bookmark});
+        table.inner.push_back({"value_keys", &curve});
         return table;
     }();
     return whole;

@@ -2,6 +2,7 @@
 
 #include <glm/gtc/quaternion.hpp>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "base/atomic_file.h"
 #include "base/error.h"
@@ -36,14 +37,6 @@ Mat4 blendMatrices(const Mat4& a, const Mat4& b, double t, const Vec3& pivot) {
     DMat4 m(linear);
     m[3] = glm::dvec4((1 - t) * from + t * to - linear * DVec3(pivot), 1);
     return Mat4(m);
-}
-
-Rgb blendLight(const Rgb& a, const Rgb& b, float t) {
-    Rgb out;
-    for (int c = 0; c < 3; ++c)
-        out[c] = a[c] > 0 && b[c] > 0 ? std::exp2((1 - t) * std::log2(a[c]) + t * std::log2(b[c]))
-                                      : (1 - t) * a[c] + t * b[c];
-    return out;
 }
 
 template <class T, class Same>
@@ -98,6 +91,14 @@ Vec3 pivotOfPart(const PartLook& part, const Look& a, const Look& b, const std::
 
 }  // namespace
 
+Rgb blendLight(const Rgb& a, const Rgb& b, float t) {
+    Rgb out;
+    for (int c = 0; c < 3; ++c)
+        out[c] = a[c] > 0 && b[c] > 0 ? std::exp2((1 - t) * std::log2(a[c]) + t * std::log2(b[c]))
+                                      : (1 - t) * a[c] + t * b[c];
+    return out;
+}
+
 Look blendLooks(const Look& a, const Look& b, float t, const LookPivots& pivots) {
     if (t <= 0) return a;
     if (t >= 1) return b;
@@ -146,19 +147,12 @@ Look blendLooks(const Look& a, const Look& b, float t, const LookPivots& pivots)
     return out;
 }
 
-namespace {
-
-float eased(KeyEase ease, float t) {
-    return ease == KeyEase::hold ? 0.0f : ease == KeyEase::smooth ? t * t * (3 - 2 * t) : t;
-}
-
-}  // namespace
-
 LookTrack::LookTrack(Look look) {
     look.plate.reset();  // it is relit, and is no light
     look.bookmarks.clear();
+    curves_ = std::exchange(look.curves, {});
     if (look.keys.empty()) keys_.push_back({1, std::move(look), KeyEase::linear});
-    else *this = LookTrack(std::move(look.keys));
+    else keys_ = LookTrack(std::move(look.keys)).keys_;
 }
 
 LookTrack::LookTrack(std::vector<LookKey> keys) : keys_(std::move(keys)) {
@@ -170,7 +164,18 @@ LookTrack::LookTrack(std::vector<LookKey> keys) : keys_(std::move(keys)) {
     sameNames(keys_, &Look::added, false);
 }
 
+bool LookTrack::moves() const {
+    return keys_.size() > 1 ||
+           std::any_of(curves_.begin(), curves_.end(), [](const ValueCurve& curve) { return curve.keys.size() > 1; });
+}
+
 Look LookTrack::at(int frame, const LookPivots& pivots) const {
+    Look look = betweenKeys(frame, pivots);
+    for (const ValueCurve& curve : curves_) setValue(look, curve.what, valueAt(curve, frame), pivots);
+    return look;
+}
+
+Look LookTrack::betweenKeys(int frame, const LookPivots& pivots) const {
     if (frame <= keys_.front().frame) return keys_.front().look;
     for (size_t i = 1; i < keys_.size(); ++i) {
         const LookKey &a = keys_[i - 1], &b = keys_[i];
@@ -183,6 +188,16 @@ Look LookTrack::at(int frame, const LookPivots& pivots) const {
 }
 
 void LookTrack::apply(const std::function<void(Look&)>& change) {
+    // A key's value is changed as the look's own would be.
+    for (ValueCurve& curve : curves_)
+        for (ValueKey& key : curve.keys) {
+            Look look = keys_.front().look;
+            setValue(look, curve.what, key.value, {});
+            const std::optional<Vec3> before = valueOf(look, curve.what, {});
+            change(look);
+            if (const std::optional<Vec3> now = valueOf(look, curve.what, {}); now && before && *now != *before)
+                key.value += *now - *before;
+        }
     for (LookKey& key : keys_) change(key.look);
 }
 

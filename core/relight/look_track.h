@@ -24,21 +24,26 @@ struct LookPivots {
 /// added in one look only) is the first look's until t is 1.
 Look blendLooks(const Look& a, const Look& b, float t, const LookPivots& pivots);
 
+/// Even steps in stops where both are above 0, else linear.
+Rgb blendLight(const Rgb& a, const Rgb& b, float t);
+
 class LookTrack {
 public:
-    /// The look's keys; without any, one look for every frame.
+    /// The look's keys, of whole looks and of single values; without any, one look for every frame.
     explicit LookTrack(Look look);
     /// Sorted by frame; throws Error when there are none or two have the same frame.
     explicit LookTrack(std::vector<LookKey> keys);
-    /// Before the first key its look, after the last one that one's.
+    /// Before the first key its look, after the last one that one's; then the values that have keys of their own.
     Look at(int frame, const LookPivots& pivots) const;
-    bool moves() const { return keys_.size() > 1; }
+    bool moves() const;
 
-    /// Changes that hold for every key.
+    /// Changes that hold for every key, of looks and of values.
     void apply(const std::function<void(Look&)>& change);
 
 private:
+    Look betweenKeys(int frame, const LookPivots& pivots) const;
     std::vector<LookKey> keys_;
+    std::vector<ValueCurve> curves_;
 };
 
 /// The edits document of docs/interface.md 3, with or without `keys`. Throws Error naming file and field.

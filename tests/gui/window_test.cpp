@@ -114,9 +114,8 @@ void relightAPlate(const Desktop& desk, const std::filesystem::path& capture, co
     ASSERT_TRUE(desk.until([&](const Json& m) { return m["job"] == "" && std::filesystem::exists(byWindow); }, 60))
         << state(desk);
     EXPECT_EQ(desk.map()["notice"], "");
-    const test::ProgramResult line =
-        test::runProgram({RELAMP_BINARY, "render", shot.string(), "-o", byLine.string(), "--plate", files,
-                          "--plate-camera", track, "--frames", "4", "--samples", "8", "--layers", "groups"});
+    const test::ProgramResult line = test::runProgram({RELAMP_BINARY, "render", shot.string(), "-o", byLine.string(),
+                                                       "--frames", "4", "--samples", "8", "--layers", "groups"});
     ASSERT_EQ(line.exitCode, 0) << line.error;
     expectSameFrame(byWindow, byLine);
 }

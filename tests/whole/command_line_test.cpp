@@ -14,22 +14,9 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+using test::expectBadInput;
+using test::linesOf;
 using test::relamp;
-
-size_t linesOf(const std::string& text) { return size_t(std::count(text.begin(), text.end(), '\n')); }
-
-/// Bad input: exit code 3, nothing on stdout, and one sentence at the end of stderr that holds each of `words`.
-void expectBadInput(const test::ProgramResult& r, const std::vector<std::string>& words) {
-    EXPECT_EQ(r.exitCode, 3) << r.error;
-    EXPECT_EQ(r.out, "");
-    ASSERT_FALSE(r.error.empty());
-    const size_t begin = ("\n" + r.error).rfind("\nrelamp: ");
-    ASSERT_NE(begin, std::string::npos) << r.error;
-    const std::string last = r.error.substr(begin);
-    EXPECT_EQ(linesOf(last), 1u) << last;
-    for (const std::string& word : words)
-        EXPECT_NE(last.find(word), std::string::npos) << "expected " << word << " in: " << last;
-}
 
 TEST(CommandLine, WrongUsageIsExitCodeTwoWithNothingOnStdout) {
     const std::vector<std::vector<std::string>> wrong{
@@ -237,6 +224,24 @@ TEST(CommandLine, SolvesRendersAndTellsWhatIsInAShot) {
         << "frame 2 is another part's";
     EXPECT_EQ(readImage(folder / "relit.01.exr").pixels, readImage(folder / "plate.0001.exr").pixels)
         << "nothing is edited in frame 1";
+    // The same plate as the look's own, with the light keyed alone; options win.
+    folder.write("own.json",
+                 R"({"plate": {"files": "plate.####.exr", "camera": "capture/transforms.json"}, "value_keys": [
+            {"light": "emitter-1", "value": "enabled",
+             "keys": [{"frame": 1, "value": true}, {"frame": 3, "value": false}]}]})");
+    const test::ProgramResult own =
+        relamp({"render", shot, "-o", folder / "own.##.exr", "--edits", folder / "own.json", "--samples", "2"});
+    EXPECT_EQ(own.exitCode, 5) << own.error;
+    for (const char* number : {"01", "03"})
+        EXPECT_EQ(readImage(folder / (std::string("own.") + number + ".exr")).pixels,
+                  readImage(folder / (std::string("relit.") + number + ".exr")).pixels)
+            << number;
+    EXPECT_EQ(relamp({"render", shot, "-o", folder / "view.exr", "--edits", folder / "own.json", "--camera", "0",
+                      "--samples", "1"})
+                  .exitCode,
+              0);
+    expectBadInput(relamp({"render", shot, "-o", folder / "plate.####.exr", "--edits", folder / "own.json"}),
+                   {"plate.0001.exr"});
     EXPECT_NE(readImage(folder / "relit.03.exr").pixels, readImage(folder / "plate.0003.exr").pixels);
     const test::ProgramResult ratio = relamp({"render", shot, "-o", folder / "ratio.exr", "--ratio", "--edits", keys,
                                               "--camera", "0", "--samples", "1", "--layers", "all", "--multipart"});
@@ -318,44 +323,6 @@ TEST(CommandLine, AColmapCaptureIsSolvedAndItsShotOpensByItself) {
     EXPECT_EQ(json::parse(relamp({"info", shot, "--json"}).out)["emitters"].size(), 1u);
     const test::ProgramResult frame = relamp({"render", shot, "-o", (folder / "f.exr").string(), "--samples", "1"});
     EXPECT_EQ(frame.exitCode, 0) << frame.error;
-}
-
-TEST(CommandLine, BracketsAreMergedFromTheirTimes) {
-    const test::TemporaryFolder folder;
-    const std::vector<double> times{0.25, 1, 4};
-    for (size_t i = 0; i < times.size(); ++i) {
-        Image image(120, 90);
-        for (int y = 0; y < 90; ++y)
-            for (int x = 0; x < 120; ++x)
-                image.at(x, y) = Rgb(std::pow(10.0f, -2.2f + 2.2f * float(x) / 119)) * float(times[i]);
-        writeImage(folder / fmt::format("{}.png", i), image);
-    }
-    const std::string a = folder / "0.png", b = folder / "1.png", c = folder / "2.png", out = folder / "out.exr";
-    const test::ProgramResult merged = relamp({"merge-hdr", a, b, c, "-o", out, "--times", "0.25,1,4", "--response",
-                                               folder / "curve.json", "--ghosts", folder / "ghosts.png"});
-    ASSERT_EQ(merged.exitCode, 0) << merged.error;
-    EXPECT_EQ(merged.out, "");
-    const Image image = readImage(out);
-    // sRGB's own curve is found: radiance grows by 10^(2.2 / 119) from pixel to pixel.
-    EXPECT_NEAR(std::log10(image.at(100, 40).y / image.at(40, 40).y), 60 * 2.2 / 119, 0.06);
-    EXPECT_EQ(json::parse(test::TemporaryFolder::read(folder / "curve.json"))["log_exposure"]["g"].size(), 256u);
-    EXPECT_EQ(readImage(folder / "ghosts.png").at(60, 40), Rgb(1));
-    expectBadInput(relamp({"merge-hdr", a, b, "-o", out}), {a, "exposure time"});
-    // A curve that was written serves again, for two exposures of the three as well.
-    const std::string curve = folder / "curve.json", again = folder / "again.exr";
-    ASSERT_EQ(relamp({"merge-hdr", a, b, "-o", again, "--times", "0.25,1", "--use-response", curve}).exitCode, 0);
-    EXPECT_NEAR(readImage(again).at(80, 40).y / image.at(80, 40).y, 1, 0.05);
-    for (const char* bad :
-         {"[1, 2]", "{\"log_exposure\": 5}", "{\"log_exposure\": {\"r\": [1]}}", "{\"log_exposure\": {\"r\": [[[[", ""})
-        expectBadInput(relamp({"merge-hdr", a, b, "-o", again, "--times", "0.25,1", "--use-response",
-                               folder.write("bad.json", bad)}),
-                       {"bad.json"});
-    for (const std::vector<std::string>& wrong :
-         std::vector<std::vector<std::string>>{{"merge-hdr", a, "-o", out},
-                                               {"merge-hdr", a, b, "-o", out, "--times", "1"},
-                                               {"merge-hdr", a, b, "-o", out, "--times", "1,0"},
-                                               {"merge-hdr", a, b, "-o", folder / "x.png", "--times", "1,2"}})
-        EXPECT_EQ(relamp(wrong).exitCode, 2) << wrong.back();
 }
 
 TEST(CommandLine, AnInterruptEndsASolveWithItsOwnCodeAndLeavesNothingBehind) {

@@ -5,7 +5,7 @@
 namespace relamp::ui {
 namespace {
 
-bool hasKeys(const Editor& e) { return hasEstimate(e) && !e.look().keys.empty(); }
+bool hasKeys(const Editor& e) { return hasEstimate(e) && !keyFrames(e.look()).empty(); }
 bool onKey(const Editor& e) { return hasEstimate(e) && keyAt(e.look(), e.state.time.frame) >= 0; }
 
 }  // namespace
@@ -63,6 +63,19 @@ void addTimeActions(std::vector<Action>& table) {
          [](Editor& e) { e.goToKey(1); },
          hasKeys,
          {},
+         false});
+    add({"time.curves",
+         "Curves of values",
+         "Values with keys of their own against frames, in the panel Frames.",
+         "",
+         {},
+         [](Editor& e) {
+             e.state.time.curves = !e.state.time.curves || e.state.panels.bottomTab != framesTab;
+             e.state.panels.bottomTab = framesTab;
+             e.state.panels.bottomFolded = false;
+         },
+         hasDocument,
+         [](const Editor& e) { return e.state.time.curves; },
          false});
     add({"time.frames",
          "Show frames",

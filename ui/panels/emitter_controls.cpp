@@ -5,6 +5,7 @@
 
 #include "item_map.h"
 #include "panels/light_presets.h"
+#include "panels/value_key_menu.h"
 #include "widgets.h"
 
 namespace relamp::ui {
@@ -145,7 +146,7 @@ void stopsControl(Editor& editor, const EmitterState& emitter, const char* id) {
                                  : "Exposure against the strongest recovered light, in stops: +1 is twice as bright. "
                                    "Of a sun against one that lights a white surface to 1.";
     dragLook(editor, id, describe(editor, "Exposure of", targets), stopsOf(editor, emitter), {0.02f, -20, 20, "%+.2f"},
-             targets.size() > 1 ? what + " All selected ones change by the same factor." : what,
+             (targets.size() > 1 ? what + " All selected ones change by the same factor." : what) + keysHint,
              [&](Look& look, float stops) {
                  const auto first = emitterAtStart(editor, emitter.id);
                  if (!first) return;
@@ -162,6 +163,7 @@ void stopsControl(Editor& editor, const EmitterState& emitter, const char* id) {
                          setRadiance(look, *editor.estimate(), target, base * (black ? wanted : wanted / before));
                      }
              });
+    valueKeyMenu(editor, powersOf(editor, targets));
 }
 
 namespace {
@@ -178,6 +180,7 @@ void kelvinControl(Editor& editor, const EmitterState& emitter, const char* id) 
     kelvinLook(editor, id, describe(editor, "Colour temperature of", targets), emitter.radiance,
                "Colour temperature: 2700 K is a warm bulb, 6504 K is white, more is bluish. Tint and brightness stay.",
                [&](Look& look, const Rgb& tint) { setColour(editor, look, targets, tint); });
+    valueKeyMenu(editor, powersOf(editor, targets));
 }
 
 void tintControl(Editor& editor, const EmitterState& emitter, const char* id) {
@@ -185,6 +188,7 @@ void tintControl(Editor& editor, const EmitterState& emitter, const char* id) {
     tintLook(editor, id, describe(editor, "Tint of", targets), emitter.radiance,
              "Tint of its colour: above 0 greener, below 0 more magenta. Temperature and brightness stay.",
              [&](Look& look, const Rgb& tint) { setColour(editor, look, targets, tint); });
+    valueKeyMenu(editor, powersOf(editor, targets));
 }
 
 void colourControl(Editor& editor, const EmitterState& emitter, const char* id, float size) {
@@ -211,6 +215,7 @@ void muteButton(Editor& editor, const EmitterState& emitter, float size) {
         });
     }
     noteItem("mute " + emitter.id);
+    valueKeyMenu(editor, valuesOf(KeyedValue::enabled, targetsOf(editor, emitter.id)));
 }
 
 void soloButton(Editor& editor, const EmitterState& emitter, float size) {

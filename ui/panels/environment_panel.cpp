@@ -5,6 +5,7 @@
 #include "panels/dialogs.h"
 #include "panels/images.h"
 #include "panels/panels.h"
+#include "panels/value_key_menu.h"
 #include "widgets.h"
 
 namespace relamp::ui {
@@ -132,17 +133,20 @@ void drawEnvironmentPanel(Editor& editor) {
         ImGui::SameLine(label);
         ImGui::SetNextItemWidth(std::max(em(3), ImGui::GetContentRegionAvail().x - icon));
     };
+    const std::string hint = keysHint;
     row("Rotate");
     dragLook(editor, "##yaw", "Rotate the environment", environment.yawDegrees, {0.5f, 0, 0, "%.1f\u00b0"},
-             "Turns the environment about the vertical axis, counter-clockwise seen from above.",
+             "Turns the environment about the vertical axis, counter-clockwise seen from above." + hint,
              [](Look& look, float value) { look.environment.yawDegrees = wrapDegrees(value); });
+    valueKeyMenu(editor, {{KeyedValue::yaw, {}}});
     resetIcon(editor, "##reset yaw", environment.yawDegrees != 0, "Reset the environment's rotation",
               [](Look& look) { look.environment.yawDegrees = 0; });
     row("Exposure");
     dragLook(editor, "##stops", "Exposure of the environment", environment.exposureStops,
              {0.02f, -20, 20, "%+.2f stops"},
-             "Exposure of the environment in stops: +1 is twice as bright, -1 half. The lights stay.",
+             "Exposure of the environment in stops: +1 is twice as bright, -1 half. The lights stay." + hint,
              [](Look& look, float value) { look.environment.exposureStops = value; });
+    valueKeyMenu(editor, {{KeyedValue::exposure, {}}});
     resetIcon(editor, "##reset stops", environment.exposureStops != 0, "Reset the environment's exposure",
               [](Look& look) { look.environment.exposureStops = 0; });
     row("White");
@@ -152,9 +156,11 @@ void drawEnvironmentPanel(Editor& editor) {
         look.environment.tint =
             colour / std::max(luminance(colour), 1e-12f) * std::max(luminance(look.environment.tint), 1e-12f);
     };
-    kelvinLook(editor, "##kelvin", "White balance of the environment", environment.tint,
-               "Tints the environment: 6504 K leaves it as it is, less is warmer, more is bluer. Its brightness stays.",
-               tinted);
+    kelvinLook(
+        editor, "##kelvin", "White balance of the environment", environment.tint,
+        "Tints the environment: 6504 K leaves it as it is, less is warmer, more is bluer. Its brightness stays." + hint,
+        tinted);
+    valueKeyMenu(editor, {{KeyedValue::tint, {}}});
     ImGui::SameLine();
     colourLook(editor, "##tint", "Tint of the environment", environment.tint, ImGui::GetFrameHeight(),
                "Any other tint of the environment. Its brightness stays.", tinted);

@@ -205,7 +205,7 @@ void viewsRow(Editor& editor, size_t views) {
     chosen = inputText("##range", range, "1-3,5,7-20:2") || chosen;
     if (chosen) request.views = Views::range, request.range = range;
     tooltip("Numbers of the photographs: 1-3,5 are four views; 1-20:2 is every second one");
-    if (!editor.look().keys.empty()) {
+    if (!editor.look().keys.empty() || !editor.look().curves.empty()) {
         const TimeState& time = editor.state.time;
         if (radio("Frames of the time line:", request.views == Views::timeline,
                   "What the viewport shows, in each of these frames")) {

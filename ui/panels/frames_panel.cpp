@@ -1,6 +1,7 @@
 // Time: the frame that is shown, the look's keys on a strip, and playing.
 #include "edit/look_keys.h"
 #include "item_map.h"
+#include "panels/curve_view.h"
 #include "panels/panels.h"
 #include "widgets.h"
 
@@ -23,7 +24,7 @@ bool wholeNumber(const char* id, const char* name, int& value, int least, int mo
 
 void playRow(Editor& editor) {
     TimeState& time = editor.state.time;
-    const bool keyed = !editor.look().keys.empty();
+    const bool keyed = !keyFrames(editor.look()).empty();
     ImGui::BeginDisabled(!editor.estimate());
     if (button(time.playing ? "Pause###play" : "Play###play", "Shows one frame after the other (Space)", em(4.5f)))
         editor.play(!time.playing);
@@ -79,14 +80,19 @@ void playRow(Editor& editor) {
         noteItem("plate opacity");
         tooltip("How opaque the plate lies behind the scene, when you look through its camera");
     }
-    if (!keyed)
-        dimText("No keys yet: go to a frame, set the lights, press K. Then go to another frame and change them.");
+    sameLineIfFits(em(6));
+    checkbox("Curves", time.curves, "Values that have keys of their own, against the frames");
+    noteItem("curves shown");
+    if (!keyed && !time.curves)
+        dimText(
+            "No keys yet: go to a frame, set the lights, press K, and change them at another frame. Right click on a "
+            "value keys that alone.");
 }
 
 /// The strip: numbers, kept frames, keys and the playhead.
-class Strip {
+class TimeStrip {
 public:
-    Strip(Editor& editor, const ImVec2& low, const ImVec2& high)
+    TimeStrip(Editor& editor, const ImVec2& low, const ImVec2& high)
         : editor_(editor), time_(editor.state.time), low_(low), high_(high) {}
 
     float x(double frame) const {
@@ -131,6 +137,10 @@ public:
             const ImU32 colour = key.frame == time_.frame ? IM_COL32(255, 190, 110, 255) : IM_COL32(210, 210, 210, 255);
             list->AddQuadFilled({at - r, y}, {at, y - r}, {at + r, y}, {at, y + r}, colour);
         }
+        for (const ValueCurve& curve : editor_.look().curves)
+            for (const ValueKey& key : curve.keys)
+                if (key.frame >= time_.first && key.frame <= time_.last)
+                    list->AddCircleFilled({x(key.frame), high_.y - em(0.65f)}, em(0.2f), IM_COL32(110, 160, 230, 255));
     }
 
 private:
@@ -151,12 +161,12 @@ private:
 void drawStrip(Editor& editor) {
     TimeState& time = editor.state.time;
     const ImVec2 room = ImGui::GetContentRegionAvail();
-    const float height = std::max(em(2.6f), std::min(room.y - 2, em(4)));
+    const float height = time.curves ? em(2.6f) : std::max(em(2.6f), std::min(room.y - 2, em(4)));
     const ImVec2 low = ImGui::GetCursorScreenPos(), high(low.x + std::max(room.x, em(8)), low.y + height);
     static int lifted = -1;
     ImGui::InvisibleButton("##strip", {high.x - low.x, height});
     noteItem("frames strip");
-    const Strip strip(editor, low, high);
+    const TimeStrip strip(editor, low, high);
     const ImVec2 pointer = ImGui::GetIO().MousePos;
     const int under = ImGui::IsItemHovered() ? strip.keyUnder(pointer) : -1;
     if (ImGui::IsItemActivated()) lifted = pointer.y > low.y + em(1) ? under : -1;
@@ -175,8 +185,8 @@ void drawStrip(Editor& editor) {
     }
     if (!ImGui::IsItemActive())
         tooltip(under >= 0 ? fmt::format("Key at frame {}: drag it to another frame, or click to go there", under)
-                           : "Drag to go through the frames. Blue: frames that were played and come at once. Grey: "
-                             "frames of the plate");
+                           : "Drag to go through the frames. Diamonds: keys of the look; dots: keys of single values. "
+                             "Blue: frames that were played and come at once. Grey: frames of the plate");
 }
 
 }  // namespace
@@ -184,6 +194,7 @@ void drawStrip(Editor& editor) {
 void drawFramesPanel(Editor& editor) {
     playRow(editor);
     drawStrip(editor);
+    if (editor.state.time.curves) drawCurveView(editor);
 }
 
 }  // namespace relamp::ui

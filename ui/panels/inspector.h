@@ -1,6 +1,7 @@
 // Parts of the inspector, one for each kind of thing that can be selected.
 #pragma once
 #include "editor.h"
+#include "relight/placement.h"
 
 namespace relamp::ui {
 
@@ -12,12 +13,5 @@ void inspectView(Editor& editor, int view);
 void inspectScene(Editor& editor);
 /// How well light references agreed; nothing where there were none.
 void inspectLightReferences(const Estimate& estimate);
-
-/// Position, rotation and scale out of a matrix without shear: rotation in degrees about x, then y, then z.
-struct Placement {
-    Vec3 degrees{0}, scale{1};
-};
-Placement placementOf(const Mat4& matrix);
-Mat3 rotationOf(const Vec3& degrees);
 
 }  // namespace relamp::ui

@@ -3,6 +3,7 @@
 #include "panels/dialogs.h"
 #include "panels/emitter_controls.h"
 #include "panels/inspector.h"
+#include "panels/value_key_menu.h"
 #include "relight/shaping_files.h"
 #include "widgets.h"
 
@@ -45,11 +46,14 @@ void setShaping(Editor& editor, const std::string& id, const std::string& label,
 }
 
 void shapingNumber(Editor& editor, const EmitterState& emitter, const char* id, const std::string& what, float value,
-                   const DragRange& range, const std::string& explanation, float LightShaping::*number) {
-    dragLook(editor, id, what + " of " + emitter.name, value, range, explanation, [&](Look& look, float typed) {
-        shapeEmitter(look, emitter.id,
-                     [&](LightShaping& s) { s.*number = std::clamp(typed, range.least, range.most); });
-    });
+                   const DragRange& range, const std::string& explanation, float LightShaping::*number,
+                   KeyedValue keyed) {
+    dragLook(editor, id, what + " of " + emitter.name, value, range, explanation + keysHint,
+             [&](Look& look, float typed) {
+                 shapeEmitter(look, emitter.id,
+                              [&](LightShaping& s) { s.*number = std::clamp(typed, range.least, range.most); });
+             });
+    valueKeyMenu(editor, {{keyed, emitter.id}});
 }
 
 void fileRow(Editor& editor, const EmitterState& emitter, const LightShaping& shaping, const ShapingRow& row) {
@@ -114,14 +118,14 @@ void inspectBeam(Editor& editor, const EmitterState& emitter) {
         editor, emitter, "##cone", "Cone", shaping.coneDegrees, {0.3f, 0.1f, 180, "%.1f\u00b0"},
         "Angle from the middle of the beam to its edge, in degrees; 180 is no cone. Inside the light stays as "
         "bright, so a narrow beam sends less of it.",
-        &LightShaping::coneDegrees);
+        &LightShaping::coneDegrees, KeyedValue::coneDegrees);
     row("Softness");
     shapingNumber(editor, emitter, "##softness", "Softness", shaping.coneSoftness, {0.004f, 0, 1, "%.2f"},
                   "How much of the cone is its soft edge: 0 is sharp, 1 fades from the middle on.",
-                  &LightShaping::coneSoftness);
+                  &LightShaping::coneSoftness, KeyedValue::coneSoftness);
     row("Focus");
     shapingNumber(editor, emitter, "##focus", "Focus", shaping.focus, {0.05f, 0, 1000, "%.1f"},
-                  "Draws the light to the middle of the beam: 0 is even.", &LightShaping::focus);
+                  "Draws the light to the middle of the beam: 0 is even.", &LightShaping::focus, KeyedValue::focus);
     for (const ShapingRow& file : shapingRows())
         if (info.flat || !file.flatOnly) fileRow(editor, emitter, shaping, file);
 }

@@ -5,43 +5,11 @@
 #include "display/vertex_images.h"
 #include "panels/emitter_controls.h"
 #include "panels/inspector.h"
+#include "panels/value_key_menu.h"
 #include "viewport/overlays.h"
 #include "widgets.h"
 
 namespace relamp::ui {
-
-Mat3 rotationOf(const Vec3& degrees) {
-    const Vec3 r = degrees * (pi / 180);
-    const float cx = std::cos(r.x), sx = std::sin(r.x), cy = std::cos(r.y), sy = std::sin(r.y), cz = std::cos(r.z),
-                sz = std::sin(r.z);
-    return Mat3(Vec3(cz, sz, 0), Vec3(-sz, cz, 0), Vec3(0, 0, 1)) *
-           Mat3(Vec3(cy, 0, -sy), Vec3(0, 1, 0), Vec3(sy, 0, cy)) *
-           Mat3(Vec3(1, 0, 0), Vec3(0, cx, sx), Vec3(0, -sx, cx));
-}
-
-Placement placementOf(const Mat4& matrix) {
-    Placement p;
-    Mat3 m(matrix);
-    p.scale = {glm::length(m[0]), glm::length(m[1]), glm::length(m[2])};
-    for (int k = 0; k < 3; ++k) p.scale[k] = std::max(p.scale[k], 1e-9f);
-    Vec3 x = m[0] / p.scale.x, y = m[1] / p.scale.y;
-    y -= x * glm::dot(x, y);
-    y /= std::max(glm::length(y), 1e-9f);
-    if (glm::determinant(m) < 0) p.scale.z = -p.scale.z;
-    const Vec3 z = glm::cross(x, y);
-    const float across = std::hypot(x.x, x.y);
-    Vec3 r{0, std::atan2(-x.z, across), 0};
-    if (across > 1e-5f) {
-        r.x = std::atan2(y.z, z.z);
-        r.z = std::atan2(x.y, x.x);
-    } else {
-        r.z = std::atan2(-y.x, y.y);
-    }
-    p.degrees = r * (180 / pi);
-    for (int k = 0; k < 3; ++k)
-        if (std::abs(p.degrees[k]) < 5e-4f) p.degrees[k] = 0;
-    return p;
-}
 
 namespace {
 
@@ -62,7 +30,7 @@ Mat3 diagonal(const Vec3& d) { return Mat3(Vec3(d.x, 0, 0), Vec3(0, d.y, 0), Vec
 /// Three numbers in a row under one name.
 void triple(Editor& editor, const char* name, const std::string& label, const Vec3& value, const DragRange& range,
             const std::string& explanation, const std::function<void(Look&, int, float)>& apply,
-            const DVec3& offset = DVec3(0)) {
+            const std::vector<KeyedOf>& keyed, const DVec3& offset = DVec3(0)) {
     ImGui::PushID(name);
     dimText(name);
     tooltip(explanation);
@@ -76,8 +44,9 @@ void triple(Editor& editor, const char* name, const std::string& label, const Ve
         ImGui::SetNextItemWidth(std::floor(width));
         DragRange own = range;
         own.offset = offset[k];
-        dragLook(editor, ids[k], label, value[k], own, axes[k] + explanation,
+        dragLook(editor, ids[k], label, value[k], own, axes[k] + explanation + keysHint,
                  [&](Look& look, float number) { apply(look, k, number); });
+        valueKeyMenu(editor, keyed);
         const ImVec2 a = ImGui::GetItemRectMin(), b = ImGui::GetItemRectMax();
         ImGui::GetWindowDrawList()->AddRectFilled(a, {a.x + std::max(2.0f, em(0.14f)), b.y}, marks[k],
                                                   ImGui::GetStyle().FrameRounding);
@@ -104,35 +73,40 @@ void place(Editor& editor, const EmitterState& emitter, const std::vector<std::s
             by[axis] = value - active->pivot[axis];
             for (const std::string& id : targets) moveEmitter(look, id, shift(by));
         },
+        valuesOf(KeyedValue::position, targets),
         editor.state.document.capture ? editor.state.document.capture->origin : DVec3(0));
     const Placement now = placementOf(emitter.matrix);
-    triple(editor, "Rotation (degrees)", "Rotate " + who, now.degrees, {0.5f, 0, 0, "%.1f\u00b0"},
-           emitter.recovered ? "Rotate about its middle, in degrees, against how it was recovered."
-                             : "Rotate about its middle, in degrees.",
-           [&](Look& look, int axis, float value) {
-               const auto active = startOf(emitter.id);
-               if (!active) return;
-               const Placement before = placementOf(active->matrix);
-               Vec3 degrees = before.degrees;
-               degrees[axis] = value;
-               const Mat3 change = rotationOf(degrees) * glm::transpose(rotationOf(before.degrees));
-               for (const std::string& id : targets)
-                   if (const auto start = startOf(id)) moveEmitter(look, id, around(start->pivot, change));
-           });
-    triple(editor, "Scale", "Scale " + who, now.scale, {0.005f, 0.001f, 1000, "%.3f", true},
-           "Size against how it was recovered. A larger light sends more light, because its brightness stays.",
-           [&](Look& look, int axis, float value) {
-               for (const std::string& id : targets)
-                   if (const auto start = startOf(id)) {
-                       const Placement before = placementOf(start->matrix);
-                       const float factor =
-                           std::max(value, 1e-3f) / std::abs(placementOf(startOf(emitter.id)->matrix).scale[axis]);
-                       Vec3 scale(1);
-                       scale[axis] = factor;
-                       const Mat3 r = rotationOf(before.degrees);
-                       moveEmitter(look, id, around(start->pivot, r * diagonal(scale) * glm::transpose(r)));
-                   }
-           });
+    triple(
+        editor, "Rotation (degrees)", "Rotate " + who, now.degrees, {0.5f, 0, 0, "%.1f\u00b0"},
+        emitter.recovered ? "Rotate about its middle, in degrees, against how it was recovered."
+                          : "Rotate about its middle, in degrees.",
+        [&](Look& look, int axis, float value) {
+            const auto active = startOf(emitter.id);
+            if (!active) return;
+            const Placement before = placementOf(active->matrix);
+            Vec3 degrees = before.degrees;
+            degrees[axis] = value;
+            const Mat3 change = rotationOf(degrees) * glm::transpose(rotationOf(before.degrees));
+            for (const std::string& id : targets)
+                if (const auto start = startOf(id)) moveEmitter(look, id, around(start->pivot, change));
+        },
+        valuesOf(KeyedValue::rotation, targets));
+    triple(
+        editor, "Scale", "Scale " + who, now.scale, {0.005f, 0.001f, 1000, "%.3f", true},
+        "Size against how it was recovered. A larger light sends more light, because its brightness stays.",
+        [&](Look& look, int axis, float value) {
+            for (const std::string& id : targets)
+                if (const auto start = startOf(id)) {
+                    const Placement before = placementOf(start->matrix);
+                    const float factor =
+                        std::max(value, 1e-3f) / std::abs(placementOf(startOf(emitter.id)->matrix).scale[axis]);
+                    Vec3 scale(1);
+                    scale[axis] = factor;
+                    const Mat3 r = rotationOf(before.degrees);
+                    moveEmitter(look, id, around(start->pivot, r * diagonal(scale) * glm::transpose(r)));
+                }
+        },
+        valuesOf(KeyedValue::scale, targets));
     if (!emitter.recovered && size_t(emitter.index) < editor.look().added.size()) {
         const AddedEmitter& added = editor.look().added[size_t(emitter.index)];
         if (const int sizes = infoOf(added.shape).sizes) {
@@ -157,6 +131,7 @@ void place(Editor& editor, const EmitterState& emitter, const std::vector<std::s
                              if (!two) changed = Vec2(changed[0]);
                              setSize(look, emitter.id, changed);
                          });
+                valueKeyMenu(editor, {{KeyedValue::size, emitter.id}});
             }
         }
     }
@@ -180,18 +155,20 @@ void light(Editor& editor, const EmitterState& emitter, const std::vector<std::s
     colourControl(editor, emitter, "##colour", ImGui::GetFrameHeight());
     row("Tint");
     tintControl(editor, emitter, "##tint");
-    triple(editor, "Radiance (red, green, blue)", "Radiance of " + editor.namesOf(targets), emitter.radiance,
-           {std::max(1e-4f, maxChannel(emitter.radiance) / 300), 0, 1e9f, "%.4g"},
-           "The value of a pixel that sees the light directly, linear, in the units of the photographs; of a sun, of a "
-           "pixel that sees a white matte surface facing it.",
-           [&](Look& look, int axis, float value) {
-               for (const std::string& id : targets)
-                   if (const auto start = emitterAtStart(editor, id)) {
-                       Rgb changed = start->radiance;
-                       changed[axis] = std::max(0.0f, value);
-                       setRadiance(look, *editor.estimate(), id, changed);
-                   }
-           });
+    triple(
+        editor, "Radiance (red, green, blue)", "Radiance of " + editor.namesOf(targets), emitter.radiance,
+        {std::max(1e-4f, maxChannel(emitter.radiance) / 300), 0, 1e9f, "%.4g"},
+        "The value of a pixel that sees the light directly, linear, in the units of the photographs; of a sun, of a "
+        "pixel that sees a white matte surface facing it.",
+        [&](Look& look, int axis, float value) {
+            for (const std::string& id : targets)
+                if (const auto start = emitterAtStart(editor, id)) {
+                    Rgb changed = start->radiance;
+                    changed[axis] = std::max(0.0f, value);
+                    setRadiance(look, *editor.estimate(), id, changed);
+                }
+        },
+        powersOf(editor, targets));
     bool shadows = emitter.shadows;
     if (checkbox("Casts shadows", shadows,
                  "Off: its light passes through everything, as a fill light's may. No real light does that."))
@@ -199,6 +176,7 @@ void light(Editor& editor, const EmitterState& emitter, const std::vector<std::s
                     [&](Look& look) {
                         for (const std::string& id : targets) setShadows(look, id, shadows);
                     });
+    valueKeyMenu(editor, valuesOf(KeyedValue::shadows, targets));
     fact(emitter.sun ? "Irradiance" : "Power",
          number(double(powerOf(editor, emitter))) + (emitter.shines() ? "" : " (off)"),
          emitter.sun ? "Light that falls on a square metre which faces it"

@@ -3,6 +3,7 @@
 #include "item_map.h"
 #include "panels/emitter_controls.h"
 #include "panels/panels.h"
+#include "panels/value_key_menu.h"
 #include "widgets.h"
 
 namespace relamp::ui {
@@ -55,6 +56,7 @@ void groupSwitch(Editor& editor, const LightGroup& group, float side) {
         editor.edit((on ? "Switch off " : "Switch on ") + group.name,
                     [&](Look& look) { changeGroup(look, group.name, [&](LightGroup& g) { g.enabled = !on; }); });
     noteItem("mute group " + group.name);
+    valueKeyMenu(editor, {{KeyedValue::groupEnabled, group.name}});
 }
 
 void groupSolo(Editor& editor, const LightGroup& group, float side) {
@@ -83,6 +85,7 @@ void drawGroup(Editor& editor, const LightGroup& group, float side, bool values)
              "Exposure of all its lights, in stops: +1 is twice as bright, -1 half.", [&](Look& look, float stops) {
                  changeGroup(look, group.name, [&](LightGroup& g) { setGroupStops(g, stops); });
              });
+    valueKeyMenu(editor, {{KeyedValue::groupPower, group.name}});
     ImGui::TableNextColumn();
     colourLook(editor, "##colour", "Colour of " + group.name, group.powerScale, side,
                "Multiplies the colour of all its lights; click to change. The exposure stays.",

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "panels/panels.h"
+#include "panels/value_key_menu.h"
 #include "widgets.h"
 
 namespace relamp::ui {
@@ -64,6 +65,7 @@ void drawMaterialsPanel(Editor& editor) {
                  "Every surface keeps its brightness but loses its colour: what is coloured then is the light"))
         editor.edit(neutral ? "Neutral surfaces" : "Coloured surfaces",
                     [&](Look& look) { look.neutralMaterials = neutral; });
+    valueKeyMenu(editor, {{KeyedValue::neutral, {}}});
     ImGui::EndDisabled();
     if (!estimate) return dimWrapped("After the estimate: how matte and how glossy the surfaces were found to be.");
     dimText("Kinds of reflection in use");

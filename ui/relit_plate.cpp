@@ -1,0 +1,1 @@
+#include "relit_plate.h"

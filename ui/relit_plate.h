@@ -1,0 +1,2 @@
+// The present frame of a plate relit in the background.
+#pragma once
