@@ -89,13 +89,23 @@ void relightAPlate(const Desktop& desk, const std::filesystem::path& capture, co
     desk.key("m");
     ASSERT_TRUE(desk.until([&](const Json& m) { return m["entry"] == entry + 3; }, 10)) << state(desk);
     EXPECT_GT(differenceIn(desk.screenshot("08-plate-last"), first, image), 0.01) << "another camera and another light";
+    // The environment's exposure alone is keyed here, and changed at another frame.
+    const auto [x, y] = desk.middleOf("Exposure of the environment");
+    desk.click(x, y, 3);
+    desk.click("value Set key");
+    ASSERT_TRUE(desk.until([&](const Json& m) { return m["entry"] == entry + 4; }, 10)) << state(desk);
+    desk.click(strip[0].get<int>() + 4, strip[3].get<int>() - 8);
+    ASSERT_TRUE(desk.until([](const Json& m) { return m["time"] == 1; }, 10)) << state(desk);
+    desk.drag(x, y, x + 60, y);
+    ASSERT_TRUE(desk.until([&](const Json& m) { return m["entry"] == entry + 5; }, 10)) << state(desk);
+    desk.screenshot("08-plate-value");
     desk.key("space");
     ASSERT_TRUE(desk.until([](const Json& m) { return m["time"] == 4 && m["plate_frame"] == 4; }, 30)) << state(desk);
     desk.key("space");
     desk.key("ctrl+z");
-    ASSERT_TRUE(desk.until([&](const Json& m) { return m["entry"] == entry + 2; }, 10)) << state(desk);
+    ASSERT_TRUE(desk.until([&](const Json& m) { return m["entry"] == entry + 4; }, 10)) << state(desk);
     desk.key("ctrl+shift+z");
-    ASSERT_TRUE(desk.until([&](const Json& m) { return m["entry"] == entry + 3; }, 10)) << state(desk);
+    ASSERT_TRUE(desk.until([&](const Json& m) { return m["entry"] == entry + 5; }, 10)) << state(desk);
     desk.key("ctrl+s");
     ASSERT_TRUE(desk.until([](const Json& m) { return m["unsaved"] == false; }, 30)) << state(desk);
 

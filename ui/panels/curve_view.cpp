@@ -17,7 +17,8 @@ constexpr const char* easeTips[] = {"From these keys to the next at even speed",
                                     "Stays until the next key, then changes at once"};
 constexpr ImU32 componentColours[] = {IM_COL32(226, 110, 110, 255), IM_COL32(126, 196, 110, 255),
                                       IM_COL32(110, 150, 230, 255)};
-constexpr ImU32 singleColour = IM_COL32(230, 200, 120, 255);
+constexpr ImU32 singleColours[] = {IM_COL32(230, 200, 120, 255), IM_COL32(110, 200, 200, 255),
+                                   IM_COL32(210, 140, 220, 255), IM_COL32(200, 200, 200, 255)};
 
 /// Numbers of a value that have curves: brightness stands for red, green and blue.
 int curvesOf(const KeyedValueInfo& info) { return info.kind == KeyedValueInfo::Kind::light ? 1 : info.components; }
@@ -36,6 +37,11 @@ std::string unitOf(const KeyedValueInfo& info) {
         case KeyedValue::coneDegrees: return "\u00b0";
         default: return info.kind == KeyedValueInfo::Kind::light || info.value == KeyedValue::exposure ? " stops" : "";
     }
+}
+
+/// Of the curve at this place of the list, and of one of its numbers.
+ImU32 colourOf(const KeyedValueInfo& info, size_t place, int component) {
+    return curvesOf(info) > 1 ? componentColours[component] : singleColours[place % std::size(singleColours)];
 }
 
 struct Span {
@@ -212,7 +218,7 @@ private:
         const KeyedValueInfo& info = infoOf(curve.what.value);
         const int numbers = curvesOf(info);
         for (int c = 0; c < numbers; ++c) {
-            const ImU32 colour = numbers > 1 ? componentColours[c] : singleColour;
+            const ImU32 colour = colourOf(info, i, c);
             // Whole frames are what exists; a step every few pixels is enough to see the way.
             const int step = std::max(1, int(std::ceil(float(time_.last - time_.first) / (high_.x - low_.x) * 3)));
             std::vector<ImVec2> way;
@@ -228,7 +234,7 @@ private:
                 const bool chosen = std::find(time_.handles.begin(), time_.handles.end(),
                                               CurveHandle{{curve.what, key.frame}, c}) != time_.handles.end();
                 const float r = em(chosen ? 0.42f : 0.32f);
-                ImU32 colour = numbers > 1 ? componentColours[c] : singleColour;
+                ImU32 colour = colourOf(info, i, c);
                 if (info.kind == KeyedValueInfo::Kind::light) colour = ImGui::GetColorU32(lightColour(key.value));
                 list->AddQuadFilled({p.x - r, p.y}, {p.x, p.y - r}, {p.x + r, p.y}, {p.x, p.y + r}, colour);
                 list->AddQuad({p.x - r, p.y}, {p.x, p.y - r}, {p.x + r, p.y}, {p.x, p.y + r},
@@ -249,8 +255,14 @@ std::vector<ValueCurve> shownCurves(const Editor& editor) {
 }
 
 /// A value under the pointer or in the list, in words.
-std::string valueWords(const ValueCurve& curve, const Vec3& value) {
+std::string valueWords(const Editor& editor, const ValueCurve& curve, Vec3 value) {
     const KeyedValueInfo& info = infoOf(curve.what.value);
+    // As the inspector shows it: in the world.
+    if (curve.what.value == KeyedValue::position)
+        if (const EmitterState* light = editor.emitter(curve.what.of))
+            if (const auto now = valueOf(editor.look(), curve.what, editor.pivots()))
+                value += light->pivot - *now +
+                         (editor.state.document.capture ? Vec3(editor.state.document.capture->origin) : Vec3(0));
     if (info.kind == KeyedValueInfo::Kind::flag) return value.x > 0.5f ? "on" : "off";
     std::string words;
     for (int c = 0; c < curvesOf(info); ++c)
@@ -289,14 +301,24 @@ void keyMenu(Editor& editor) {
 }
 
 void curveList(Editor& editor, const std::vector<ValueCurve>& curves) {
-    for (const ValueCurve& curve : curves) {
-        ImGui::PushID(&curve);
+    for (size_t i = 0; i < curves.size(); ++i) {
+        const ValueCurve& curve = curves[i];
+        const KeyedValueInfo& info = infoOf(curve.what.value);
+        ImGui::PushID(int(i));
+        const ImVec2 at = ImGui::GetCursorScreenPos();
+        const int numbers = curvesOf(info);
+        const float high = ImGui::GetTextLineHeight() / float(numbers);
+        for (int c = 0; c < numbers; ++c)
+            ImGui::GetWindowDrawList()->AddRectFilled(
+                {at.x, at.y + high * float(c)}, {at.x + em(0.4f), at.y + high * float(c + 1)}, colourOf(info, i, c));
+        ImGui::Indent(em(0.8f));
         const Vec3 value = valueAt(curve, editor.state.time.frame);
         const float room = ImGui::GetContentRegionAvail().x;
         const std::string name = nameOfValues(editor, {curve.what});
         text(elided(name, room));
         tooltip(fmt::format("{}: {} key{}", name, curve.keys.size(), curve.keys.size() == 1 ? "" : "s"));
-        dimText(elided(valueWords(curve, value), room));
+        dimText(elided(valueWords(editor, curve, value), room));
+        ImGui::Unindent(em(0.8f));
         ImGui::PopID();
     }
 }
@@ -311,6 +333,11 @@ void forgetLostHandles(Editor& editor, const std::vector<ValueCurve>& curves) {
 
 }  // namespace
 
+float curveListWidth(const Editor& editor) {
+    if (shownCurves(editor).empty()) return 0;
+    return std::floor(std::min(em(13), ImGui::GetContentRegionAvail().x * 0.35f)) + ImGui::GetStyle().ItemSpacing.x;
+}
+
 void drawCurveView(Editor& editor) {
     static Gesture gesture;
     const std::vector<ValueCurve> curves = shownCurves(editor);
@@ -323,7 +350,7 @@ void drawCurveView(Editor& editor) {
                          "shown.");
         return;
     }
-    const float side = std::min(em(13), room.x * 0.35f), height = std::max(em(4), room.y - 2);
+    const float side = curveListWidth(editor) - ImGui::GetStyle().ItemSpacing.x, height = std::max(em(4), room.y - 2);
     if (beginChild("##curve list", {side, height})) curveList(editor, curves);
     ImGui::EndChild();
     ImGui::SameLine();
@@ -383,7 +410,7 @@ void drawCurveView(Editor& editor) {
             if (const ValueCurve* curve = curveOf(editor.look(), handle->key.what))
                 if (const ValueKey* key = valueKeyAt(*curve, handle->key.frame))
                     words = fmt::format("{}, frame {}: {}", nameOfValues(editor, {curve->what}), key->frame,
-                                        valueWords(*curve, key->value));
+                                        valueWords(editor, *curve, key->value));
         tooltip(words);
     }
 }

@@ -4,6 +4,8 @@
 
 namespace relamp::ui {
 
+/// Pixels left of the curves, for their names; 0 where there are none.
+float curveListWidth(const Editor& editor);
 /// Fills what is left of the panel.
 void drawCurveView(Editor& editor);
 

@@ -160,6 +160,8 @@ private:
 
 void drawStrip(Editor& editor) {
     TimeState& time = editor.state.time;
+    // Frames stand over those of the curves.
+    if (time.curves) ImGui::SetCursorPosX(ImGui::GetCursorPosX() + curveListWidth(editor));
     const ImVec2 room = ImGui::GetContentRegionAvail();
     const float height = time.curves ? em(2.6f) : std::max(em(2.6f), std::min(room.y - 2, em(4)));
     const ImVec2 low = ImGui::GetCursorScreenPos(), high(low.x + std::max(room.x, em(8)), low.y + height);
