@@ -69,6 +69,7 @@ Editor::Impl::Impl(Editor& editor, EditorOptions editorOptions)
       relightDistant(options.wake, devicesFor(options.gpu), options.gpu == EditorOptions::Gpu::on),
       relightBefore(options.wake),
       plates(options.wake),
+      relitPlates(options.wake),
       autosave(options.stateFolder) {}
 
 Editor::Editor(EditorOptions options) : impl_(std::make_unique<Impl>(*this, std::move(options))) {
@@ -345,7 +346,7 @@ void Editor::Impl::pollImage() {
 
 bool Editor::busy() const {
     return impl_->job || impl_->saving || state.time.playing || refining() || impl_->plateOpening ||
-           (plateCamera() && impl_->plates.working());
+           (plateCamera() && impl_->plates.working()) || impl_->relitPlates.working();
 }
 
 const std::filesystem::path& Editor::configFolder() const { return impl_->options.configFolder; }

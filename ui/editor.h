@@ -127,8 +127,13 @@ public:
     std::shared_ptr<const OpenPlate> plate() const;
     /// Its camera in the present frame; null where the viewport does not look through it.
     const Camera* plateCamera() const;
-    /// Its image in the present frame, or the last one shown until that has been read; null: none.
+    /// Its image in the present frame, relit where that is wanted and there, or the last one shown until that has been
+    /// read; null: none.
     std::shared_ptr<const PlateImage> plateImage() const;
+    /// The same relit as it is exported, where state.viewport.plateRelit wants that and it has been made; else null. It
+    /// is made while nothing moves, and stays until the next one of its frame is there.
+    std::shared_ptr<const PlateImage> relitPlateImage() const;
+    bool relightingPlate() const;
 
     // ---- background work
     void solve(const SolveRequest& request);

@@ -11,6 +11,7 @@
 #include "plate_player.h"
 #include "relight/look_track.h"
 #include "relight_worker.h"
+#include "relit_plate.h"
 #include "shot/autosave.h"
 #include "shot/shot_lock.h"
 
@@ -93,11 +94,14 @@ struct Editor::Impl {
 
     // ---- the plate
     PlatePlayer plates;
+    RelitPlates relitPlates;
     std::vector<std::shared_ptr<const OpenPlate>> openPlates;  ///< the last ones, so that undo has them at once
     std::unique_ptr<Job<std::shared_ptr<const OpenPlate>>> plateOpening;
     /// Opens what the look names, and asks for the image of the present frame.
     void pollPlate();
     void keepPlate(std::shared_ptr<const OpenPlate> open);
+    /// Relights the plate's present frame at rest, where that is wanted.
+    void pollRelitPlate();
     /// Shows it: frames of the time line, its camera.
     void goToPlate(const OpenPlate& plate);
     /// The strip of frames has the plate's while there is one, and its own again after.

@@ -122,7 +122,35 @@ const Camera* Editor::plateCamera() const {
     return frame ? &frame->camera : nullptr;
 }
 
-std::shared_ptr<const PlateImage> Editor::plateImage() const { return plateCamera() ? impl_->plates.image() : nullptr; }
+std::shared_ptr<const PlateImage> Editor::plateImage() const {
+    if (!plateCamera()) return nullptr;
+    const auto relit = relitPlateImage();
+    return relit ? relit : impl_->plates.image();
+}
+
+std::shared_ptr<const PlateImage> Editor::relitPlateImage() const {
+    const auto open = plate();
+    const PlateFrame* frame = open && state.viewport.plateRelit ? open->at(state.time.frame) : nullptr;
+    return frame ? impl_->relitPlates.image(open, frame->number) : nullptr;
+}
+
+bool Editor::relightingPlate() const { return impl_->relitPlates.working(); }
+
+void Editor::Impl::pollRelitPlate() {
+    const EditorState& state = self.state;
+    std::optional<RelitPlateRequest> wanted;
+    const std::shared_ptr<const Estimate>& solved = history.present().estimate;
+    if (state.viewport.plateRelit && self.plateCamera() && solved && state.document.scene && !job &&
+        !history.inGesture() && !state.time.playing && !state.time.scrubbing) {
+        const ExportRequest& as = state.exportFrames;
+        Look look = lookThatFits(history.present().look, *solved, state.document.scene->mesh.vertexCount());
+        look.bookmarks.clear();
+        wanted = RelitPlateRequest{self.plate(),     state.document.scene, solved,     std::move(look),
+                                   state.time.frame, as.samples,           as.denoise, as.ratio};
+    }
+    const std::string trouble = relitPlates.want(wanted);
+    if (!trouble.empty()) self.fail("The plate could not be relit", trouble, "It is shown as it is.");
+}
 
 void Editor::Impl::keepPlate(std::shared_ptr<const OpenPlate> open) {
     openPlates.push_back(std::move(open));
@@ -193,6 +221,7 @@ void Editor::Impl::pollPlate() {
         if (open && (!beforePlate || beforePlate->plate != open->look.files)) takeFramesOf(*open);
         else if (!wanted && beforePlate) leaveFramesOfPlate();
     }
+    pollRelitPlate();
     if (!open) {
         plates.show(nullptr, 0, false);
         return;

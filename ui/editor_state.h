@@ -78,6 +78,7 @@ struct ViewportState {
     bool throughPlate = false;     ///< look through the plate's camera of the present frame; the plate lies behind
     bool photographBehind = true;  ///< and the plate
     float plateOpacity = 1;
+    bool plateRelit = false;   ///< at rest the plate is shown relit, as it is exported
     bool meshOverlay = false;  ///< wireframe over the photograph: how well cameras and mesh agree
     bool frusta = true, grid = true, directionDome = false;
     float exposureStops = 0;

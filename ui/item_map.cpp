@@ -61,6 +61,7 @@ void writeItemMap(const Editor& editor) {
                   {"mode", int(state.viewport.mode)},
                   {"through_view", state.viewport.throughView},
                   {"plate_frame", editor.plateImage() ? editor.plateImage()->frame : -1},
+                  {"plate_relit", editor.relitPlateImage() != nullptr},
                   {"time", state.time.frame},
                   {"view", state.selection.view},
                   {"selected", state.selection.emitters},

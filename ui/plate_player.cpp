@@ -88,19 +88,23 @@ const PlateFrame* OpenPlate::at(int number) const {
     return after == plate.frames.begin() ? &plate.frames.front() : &*std::prev(after);
 }
 
-PlateImage readPlateImage(const OpenPlate& plate, const PlateFrame& frame, Progress& progress) {
+PlateImage shownPlate(Image image, const PlateFrame& frame, const Rgb& gain) {
     View view;
     view.name = frame.file.filename().string();
     view.camera = frame.camera;
-    float saturation = 0;
-    view.image = readPlate(frame.file, plate.request.curve, saturation, [&] { progress.check(); });
-    const Rgb gain = plate.gains.at(frame.number);
+    view.image = std::move(image);
     if (gain != Rgb(1))
         for (Rgb& pixel : view.image.pixels) pixel /= glm::max(gain, Rgb(1e-6f));
-    PlateImage image;
-    image.frame = frame.number;
-    image.pixels = straightened(view, longestSide, image.width, image.height);
-    return image;
+    PlateImage out;
+    out.frame = frame.number;
+    out.pixels = straightened(view, longestSide, out.width, out.height);
+    return out;
+}
+
+PlateImage readPlateImage(const OpenPlate& plate, const PlateFrame& frame, Progress& progress) {
+    float saturation = 0;
+    Image image = readPlate(frame.file, plate.request.curve, saturation, [&] { progress.check(); });
+    return shownPlate(std::move(image), frame, plate.gains.at(frame.number));
 }
 
 void PlatePlayer::keep(std::shared_ptr<const PlateImage> image) {

@@ -16,6 +16,8 @@ std::shared_ptr<const OpenPlate> openPlateOf(const PlateLook& look, const std::s
                                              const std::shared_ptr<const Scene>& scene,
                                              const std::shared_ptr<const Estimate>& estimate, Progress& progress);
 
+/// An image of the plate as it is shown; `gain`: plate / capture.
+PlateImage shownPlate(Image image, const PlateFrame& frame, const Rgb& gain);
 /// The image of one frame. Throws Error naming the file, Cancelled.
 PlateImage readPlateImage(const OpenPlate& plate, const PlateFrame& frame, Progress& progress);
 

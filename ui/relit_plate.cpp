@@ -1,1 +1,67 @@
 #include "relit_plate.h"
+
+#include "plate_player.h"
+#include "relight/look_track.h"
+#include "shot/relit_looks.h"
+
+namespace relamp::ui {
+namespace {
+
+/// The first pass shows something soon, the second what is exported (PlateRequest::neighbours).
+constexpr int passNeighbours[] = {0, 2};
+
+}  // namespace
+
+PlateImage relitPlateImage(const RelitPlateRequest& request, int neighbours, Progress& progress) {
+    const Plate& plate = request.plate->plate;
+    const PlateFrame* frame = request.plate->at(request.frame);
+    if (!frame) throw Error("the plate has no frames");
+    PlateRequest ofPlate = request.plate->request;
+    ofPlate.ratio = request.ratio == Ratio::none ? Ratio::quotient : request.ratio;
+    ofPlate.neighbours = neighbours;
+    FrameOptions options;
+    options.samplesPerPixel = request.samples;
+    options.denoise = request.denoise;
+    const LookTrack track(request.look);
+    RelitLooks looks(*request.estimate, *request.scene, track);
+    PlateRelighter relighter(plate, ofPlate, looks, options, progress);
+    RelitPlate relit = relighter.relit(size_t(frame - plate.frames.data()), progress);
+    return shownPlate(std::move(relit.image), *frame, relit.gain);
+}
+
+void RelitPlates::take() {
+    if (!job_ || !job_->done()) return;
+    const std::unique_ptr<Job<PlateImage>> finished = std::move(job_);
+    const std::optional<RelitPlateRequest> of = std::exchange(making_, {});
+    try {
+        image_ = std::make_shared<const PlateImage>(finished->take());
+        passes_ = pass_;
+    } catch (const Cancelled&) { return; } catch (const std::exception& error) {
+        trouble_ = error.what();
+        passes_ = int(std::size(passNeighbours));  // it would fail again
+        image_.reset();
+    }
+    made_ = of;
+}
+
+std::string RelitPlates::want(const std::optional<RelitPlateRequest>& request) {
+    take();
+    if (job_ && making_ != request) job_->progress().requestStop();
+    const bool same = request && made_ == request;
+    if (request && !job_ && (!same || passes_ < int(std::size(passNeighbours)))) {
+        pass_ = same ? passes_ + 1 : 1;
+        making_ = request;
+        job_ = std::make_unique<Job<PlateImage>>(
+            [of = *request, neighbours = passNeighbours[pass_ - 1]](Progress& progress) {
+                return relitPlateImage(of, neighbours, progress);
+            },
+            wake_);
+    }
+    return std::exchange(trouble_, {});
+}
+
+std::shared_ptr<const PlateImage> RelitPlates::image(const std::shared_ptr<const OpenPlate>& plate, int frame) const {
+    return made_ && made_->plate == plate && image_ && image_->frame == frame ? image_ : nullptr;
+}
+
+}  // namespace relamp::ui

@@ -1,2 +1,53 @@
-// The present frame of a plate relit in the background.
+// The present frame of a plate relit as the export relights it, on a thread of its own.
 #pragma once
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "base/job.h"
+#include "editor_state.h"
+
+namespace relamp::ui {
+
+struct RelitPlateRequest {
+    std::shared_ptr<const OpenPlate> plate;
+    std::shared_ptr<const Scene> scene;
+    std::shared_ptr<const Estimate> estimate;
+    Look look;  ///< with its keys
+    int frame = 0;
+    int samples = 8;  ///< as in ExportRequest
+    bool denoise = true;
+    Ratio ratio = Ratio::quotient;
+    bool operator==(const RelitPlateRequest&) const = default;
+};
+
+/// One frame as it is exported, but straightened and scaled as a PlateImage. `neighbours`: frames before and after that
+/// steady its light. Cost: that of an exported frame, with the matching of the plate's colours. Throws Error,
+/// Cancelled.
+PlateImage relitPlateImage(const RelitPlateRequest& request, int neighbours, Progress& progress);
+
+/// Used on one thread. A frame comes first from its own light alone, then steadied by its neighbours.
+class RelitPlates {
+public:
+    /// `wake` is called on the working thread when there is something new.
+    explicit RelitPlates(std::function<void()> wake) : wake_(std::move(wake)) {}
+
+    /// What is wanted from now on; work on anything else is stopped, and never waited for. Nothing: none, what is there
+    /// stays. Returns the trouble with the last request, once; else empty.
+    std::string want(const std::optional<RelitPlateRequest>& request);
+    /// The last one made, where it is of this frame of this plate; else null.
+    std::shared_ptr<const PlateImage> image(const std::shared_ptr<const OpenPlate>& plate, int frame) const;
+    bool working() const { return job_ != nullptr; }
+
+private:
+    std::function<void()> wake_;
+    std::optional<RelitPlateRequest> made_, making_;
+    std::shared_ptr<const PlateImage> image_;
+    int passes_ = 0, pass_ = 0;  ///< of `made_`, done; of `making_`, in work
+    std::string trouble_;
+    std::unique_ptr<Job<PlateImage>> job_;
+
+    void take();
+};
+
+}  // namespace relamp::ui

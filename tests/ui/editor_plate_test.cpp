@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "actions.h"
+#include "relit_plate.h"
 #include "ui/editor_session.h"
 
 namespace relamp::ui {
@@ -305,6 +306,43 @@ TEST(EditorPlate, ADroppedSequenceIsOfferedAndSoIsItsCamera) {
     e.openDropped({captureFolder()});
     EXPECT_FALSE(e.state.plateImport);
     s.until([&] { return !e.job(); });
+}
+
+TEST(EditorPlate, AtRestItIsShownAsItIsExported) {
+    PlateSession s;
+    Editor& e = *s.editor;
+    s.import();
+    e.state.exportFrames.samples = 2;
+    e.goToFrame(1);
+    s.until([&] { return e.plateImage() && e.plateImage()->frame == 1; });
+    const auto plain = e.plateImage();
+    EXPECT_TRUE(runAction(e, "time.plateRelit"));
+    s.until([&] { return e.relitPlateImage() && !e.relightingPlate(); });
+    EXPECT_EQ(e.plateImage()->pixels, plain->pixels) << "nothing is edited";
+    e.edit("Off", [](Look& look) { setEnabled(look, "emitter-1", false); });
+    s.until([&] { return e.relitPlateImage()->pixels != plain->pixels && !e.relightingPlate(); });
+    const auto off = e.plateImage();
+    EXPECT_EQ(off, e.relitPlateImage());
+    double before = 0, after = 0;
+    for (const Vec4& pixel : plain->pixels) before += double(pixel.y);
+    for (const Vec4& pixel : off->pixels) after += double(pixel.y);
+    EXPECT_LT(after, 0.95 * before);
+    // The second pass is what the export computes.
+    Progress progress;
+    Look look = e.history().present().look;
+    look.bookmarks.clear();
+    const PlateImage exported =
+        relitPlateImage({e.plate(), e.state.document.scene, e.estimate(), look, 1, 2, e.state.exportFrames.denoise},
+                        PlateRequest{}.neighbours, progress);
+    s.until([&] { return e.relitPlateImage()->pixels == exported.pixels; });
+    // A drag stops it and is never waited for; its last image stays until the next.
+    e.beginGesture("Turn");
+    e.preview([](Look& l) { l.environment.yawDegrees = 90; });
+    s.until([&] { return !e.relightingPlate(); });
+    EXPECT_EQ(e.plateImage()->pixels, exported.pixels);
+    e.abandonGesture();
+    e.state.viewport.plateRelit = false;
+    EXPECT_EQ(e.plateImage()->pixels, plain->pixels);
 }
 
 }  // namespace

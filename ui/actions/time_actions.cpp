@@ -77,6 +77,18 @@ void addTimeActions(std::vector<Action>& table) {
          hasDocument,
          [](const Editor& e) { return e.state.time.curves; },
          false});
+    add({"time.plateRelit",
+         "Plate relit",
+         "Shows the plate as the export relights it, once nothing moves; key 1 shows it alone.",
+         "",
+         {},
+         [](Editor& e) {
+             e.state.viewport.plateRelit = !e.state.viewport.plateRelit;
+             if (e.state.viewport.plateRelit) e.state.viewport.mode = ViewMode::photograph;
+         },
+         [](const Editor& e) { return hasEstimate(e) && e.plate(); },
+         [](const Editor& e) { return e.state.viewport.plateRelit; },
+         false});
     add({"time.frames",
          "Show frames",
          "The strip of frames with the keys, in the bottom panel.",

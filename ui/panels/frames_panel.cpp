@@ -79,6 +79,18 @@ void playRow(Editor& editor) {
         ImGui::SliderFloat("##opacity", &opacity, 0, 1, "plate %.2f", ImGuiSliderFlags_AlwaysClamp);
         noteItem("plate opacity");
         tooltip("How opaque the plate lies behind the scene, when you look through its camera");
+        sameLineIfFits(em(7));
+        ViewportState& viewport = editor.state.viewport;
+        if (checkbox("Plate relit", viewport.plateRelit,
+                     "Shows the plate as the export relights it, once nothing moves: with key 1, in the wipe (9), and "
+                     "behind the scene") &&
+            viewport.plateRelit)
+            viewport.mode = ViewMode::photograph;
+        noteItem("plate relit");
+        if (editor.relightingPlate()) {
+            ImGui::SameLine();
+            dimText("relighting...");
+        }
     }
     sameLineIfFits(em(6));
     checkbox("Curves", time.curves, "Values that have keys of their own, against the frames");
