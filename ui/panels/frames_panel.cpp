@@ -127,6 +127,7 @@ public:
     void draw(int lifted, int liftedTo) const {
         ImDrawList* list = ImGui::GetWindowDrawList();
         list->AddRectFilled(low_, high_, IM_COL32(24, 24, 24, 255), 3);
+        list->PushClipRect(low_, high_, true);
         for (int f = time_.first; f <= time_.last && time_.last - time_.first < 4096; ++f)
             if (editor_.frameKept(f))
                 list->AddRectFilled({x(f - 0.5), high_.y - em(0.25f)}, {x(f + 0.5), high_.y},
@@ -153,6 +154,7 @@ public:
             for (const ValueKey& key : curve.keys)
                 if (key.frame >= time_.first && key.frame <= time_.last)
                     list->AddCircleFilled({x(key.frame), high_.y - em(0.65f)}, em(0.2f), IM_COL32(110, 160, 230, 255));
+        list->PopClipRect();
     }
 
 private:
