@@ -12,7 +12,8 @@ constexpr int passNeighbours[] = {0, 2};
 
 }  // namespace
 
-PlateImage relitPlateImage(const RelitPlateRequest& request, int neighbours, Progress& progress) {
+PlateImage relitPlateImage(const RelitPlateRequest& request, int neighbours, std::shared_ptr<const PlateGains>& gains,
+                           Progress& progress) {
     const Plate& plate = request.plate->plate;
     const PlateFrame* frame = request.plate->at(request.frame);
     if (!frame) throw Error("the plate has no frames");
@@ -24,22 +25,27 @@ PlateImage relitPlateImage(const RelitPlateRequest& request, int neighbours, Pro
     options.denoise = request.denoise;
     const LookTrack track(request.look);
     RelitLooks looks(*request.estimate, *request.scene, track);
-    PlateRelighter relighter(plate, ofPlate, looks, options, progress);
+    if (!gains)
+        gains = std::make_shared<const PlateGains>(PlateRelighter(plate, ofPlate, looks, options, progress).gains());
+    PlateRelighter relighter(plate, ofPlate, looks, options, *gains);
     RelitPlate relit = relighter.relit(size_t(frame - plate.frames.data()), progress);
     return shownPlate(std::move(relit.image), *frame, relit.gain);
 }
 
 void RelitPlates::take() {
     if (!job_ || !job_->done()) return;
-    const std::unique_ptr<Job<PlateImage>> finished = std::move(job_);
+    const std::unique_ptr<Job<Made>> finished = std::move(job_);
     const std::optional<RelitPlateRequest> of = std::exchange(making_, {});
     try {
-        image_ = std::make_shared<const PlateImage>(finished->take());
+        Made made = finished->take();
+        image_ = std::make_shared<const PlateImage>(std::move(made.image));
+        gains_ = std::move(made.gains);
         passes_ = pass_;
     } catch (const Cancelled&) { return; } catch (const std::exception& error) {
         trouble_ = error.what();
         passes_ = int(std::size(passNeighbours));  // it would fail again
         image_.reset();
+        gains_.reset();
     }
     made_ = of;
 }
@@ -51,9 +57,12 @@ std::string RelitPlates::want(const std::optional<RelitPlateRequest>& request) {
     if (request && !job_ && (!same || passes_ < int(std::size(passNeighbours)))) {
         pass_ = same ? passes_ + 1 : 1;
         making_ = request;
-        job_ = std::make_unique<Job<PlateImage>>(
-            [of = *request, neighbours = passNeighbours[pass_ - 1]](Progress& progress) {
-                return relitPlateImage(of, neighbours, progress);
+        const bool known = made_ && made_->plate == request->plate && made_->estimate == request->estimate;
+        job_ = std::make_unique<Job<Made>>(
+            [of = *request, neighbours = passNeighbours[pass_ - 1],
+             gains = known ? gains_ : nullptr](Progress& progress) mutable {
+                PlateImage image = relitPlateImage(of, neighbours, gains, progress);
+                return Made{std::move(image), std::move(gains)};
             },
             wake_);
     }

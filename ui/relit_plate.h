@@ -22,9 +22,10 @@ struct RelitPlateRequest {
 };
 
 /// One frame as it is exported, but straightened and scaled as a PlateImage. `neighbours`: frames before and after that
-/// steady its light. Cost: that of an exported frame, with the matching of the plate's colours. Throws Error,
-/// Cancelled.
-PlateImage relitPlateImage(const RelitPlateRequest& request, int neighbours, Progress& progress);
+/// steady its light. `gains`: of this plate and estimate; made where null. Cost: that of an exported frame, and where
+/// they are made of matching the plate's colours. Throws Error, Cancelled.
+PlateImage relitPlateImage(const RelitPlateRequest& request, int neighbours, std::shared_ptr<const PlateGains>& gains,
+                           Progress& progress);
 
 /// Used on one thread. A frame comes first from its own light alone, then steadied by its neighbours.
 class RelitPlates {
@@ -45,7 +46,12 @@ private:
     std::shared_ptr<const PlateImage> image_;
     int passes_ = 0, pass_ = 0;  ///< of `made_`, done; of `making_`, in work
     std::string trouble_;
-    std::unique_ptr<Job<PlateImage>> job_;
+    struct Made {
+        PlateImage image;
+        std::shared_ptr<const PlateGains> gains;
+    };
+    std::shared_ptr<const PlateGains> gains_;  ///< of `made_`
+    std::unique_ptr<Job<Made>> job_;
 
     void take();
 };

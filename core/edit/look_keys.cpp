@@ -182,8 +182,10 @@ void easeKey(Look& look, int frame, KeyEase ease) {
 }
 
 void keyEdit(const Look& before, Look& look, int frame, const LookPivots& pivots) {
-    if (look.curves == before.curves && look.keys == before.keys) keyValues(before, look, frame, pivots);
-    keyLook(before, look, frame);
+    if (look.curves == before.curves && look.keys == before.keys) {
+        keyValues(before, look, frame, pivots);
+        keyLook(before, look, frame);
+    }
     applyValueKeys(look, frame, pivots);
 }
 

@@ -58,6 +58,10 @@ public:
     /// Matches the plate's colours over the whole plate. `looks` gives the scene of each frame.
     PlateRelighter(const Plate& plate, const PlateRequest& request, RelitLooks& looks, const FrameOptions& options,
                    Progress& progress);
+    /// With gains that were matched before, of the same plate, request and estimate.
+    PlateRelighter(const Plate& plate, const PlateRequest& request, RelitLooks& looks, const FrameOptions& options,
+                   PlateGains gains)
+        : plate_(plate), request_(request), looks_(looks), options_(options), gains_(std::move(gains)) {}
     const PlateGains& gains() const { return gains_; }
 
     /// Frame `index` of the plate, the same bits whichever frames came before. Memory: 29 bytes a pixel for it and each

@@ -331,9 +331,10 @@ TEST(EditorPlate, AtRestItIsShownAsItIsExported) {
     Progress progress;
     Look look = e.history().present().look;
     look.bookmarks.clear();
+    std::shared_ptr<const PlateGains> gains;
     const PlateImage exported =
         relitPlateImage({e.plate(), e.state.document.scene, e.estimate(), look, 1, 2, e.state.exportFrames.denoise},
-                        PlateRequest{}.neighbours, progress);
+                        PlateRequest{}.neighbours, gains, progress);
     s.until([&] { return e.relitPlateImage()->pixels == exported.pixels; });
     // A drag stops it and is never waited for; its last image stays until the next.
     e.beginGesture("Turn");
