@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "item_map.h"
+#include "panels/emitter_controls.h"
 #include "panels/value_key_menu.h"
 #include "widgets.h"
 
@@ -257,12 +258,18 @@ std::vector<ValueCurve> shownCurves(const Editor& editor) {
 /// A value under the pointer or in the list, in words.
 std::string valueWords(const Editor& editor, const ValueCurve& curve, Vec3 value) {
     const KeyedValueInfo& info = infoOf(curve.what.value);
-    // As the inspector shows it: in the world.
+    // As the inspector shows them: in the world, and in stops against what was recovered.
     if (curve.what.value == KeyedValue::position)
         if (const EmitterState* light = editor.emitter(curve.what.of))
             if (const auto now = valueOf(editor.look(), curve.what, editor.pivots()))
                 value += light->pivot - *now +
                          (editor.state.document.capture ? Vec3(editor.state.document.capture->origin) : Vec3(0));
+    if (curve.what.value == KeyedValue::powerScale || curve.what.value == KeyedValue::radiance)
+        if (const EmitterState* light = editor.emitter(curve.what.of)) {
+            EmitterState shown = *light;
+            shown.radiance = light->recovered ? value * light->recoveredRadiance : value;
+            return fmt::format("{:+.2f} stops", stopsOf(editor, shown));
+        }
     if (info.kind == KeyedValueInfo::Kind::flag) return value.x > 0.5f ? "on" : "off";
     std::string words;
     for (int c = 0; c < curvesOf(info); ++c)
