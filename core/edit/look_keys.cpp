@@ -109,6 +109,20 @@ void carryCurves(const Look& before, Look& look) {
     });
 }
 
+/// How far a value may be off though nobody changed it: a light that is turned or scaled about its place keeps that up
+/// to single precision, and angles are taken out of a matrix.
+float roundingOf(const Look& look, const KeyedOf& what, float size, const LookPivots& pivots) {
+    constexpr float relative = 1e-5f;
+    if (what.value == KeyedValue::rotation) return std::max(2e-3f, relative * size);
+    if (what.value != KeyedValue::position) return relative * std::max(1e-3f, size);
+    const AddedEmitter* added = named(look.added, what.of);
+    const auto geometry = added ? infoOf(added->shape).geometry : EmitterShapeInfo::Geometry::emitter;
+    if (geometry == EmitterShapeInfo::Geometry::own) return relative * size;
+    return relative * (size + glm::length(geometry == EmitterShapeInfo::Geometry::component
+                                              ? pivots.vertex(added->seedVertex)
+                                              : pivots.emitter(added ? added->source : what.of)));
+}
+
 /// What changed of the values that have keys of their own, into those; the look keeps what it had.
 void keyValues(const Look& before, Look& look, int frame, const LookPivots& pivots) {
     if (before.curves.empty()) return;
@@ -117,8 +131,9 @@ void keyValues(const Look& before, Look& look, int frame, const LookPivots& pivo
     for (const ValueCurve& curve : curves) {
         const auto was = valueOf(before, curve.what, pivots), now = valueOf(look, curve.what, pivots);
         if (!was || !now) continue;
-        const float size = std::max(1e-3f, std::max(glm::length(*was), glm::length(*now)));
-        if (glm::distance(*was, *now) > 1e-5f * size) setValueKey(look, curve.what, frame, pivots);
+        if (glm::distance(*was, *now) >
+            roundingOf(before, curve.what, std::max(glm::length(*was), glm::length(*now)), pivots))
+            setValueKey(look, curve.what, frame, pivots);
     }
     for (const ValueCurve& curve : curves)
         if (curve.what.value <= KeyedValue::scale) takeBackMoves(before, look, curve.what.of, pivots);

@@ -5,6 +5,7 @@
 #include "edit/emitter_edits.h"
 #include "edit/group_edits.h"
 #include "edit/look_keys.h"
+#include "relight/placement.h"
 #include "support/estimates.h"
 
 namespace relamp {
@@ -65,6 +66,28 @@ TEST(ValueKeyEdits, ATurnIsKeyedWithoutTheMoveThatCameWithIt) {
     EXPECT_EQ(keyedFrames(look, ofTurn), (std::vector<int>{1, 20}));
     EXPECT_EQ(look.keys.size(), 2u) << "it turned where it stood";
     EXPECT_NEAR(curveOf(look, ofTurn)->keys[1].value.z, 90, 1e-3);
+}
+
+TEST(ValueKeyEdits, WhatTurnsAndGrowsWhereItStandsKeepsItsPlaceWithoutAKey) {
+    LookPivots pivots;
+    pivots.emitter = [](const std::string&) { return Vec3(5.3f, 4.1f, 1.7f); };
+    const KeyedOf place{KeyedValue::position, "emitter-1"};
+    Look look;
+    setValueKey(look, place, 1, pivots);
+    setValueKey(look, ofTurn, 1, pivots);
+    for (int step = 2; step < 30; ++step) {
+        Look after = look;
+        const Mat4 now = after.emitters.empty() ? Mat4(1) : after.emitters[0].matrix;
+        const Vec3 stands(now * Vec4(pivots.emitter(""), 1));
+        const Mat3 change = step % 2 ? rotationOf({3, 7, 11}) : 1.07f * Mat3(1);
+        Mat4 about(change);
+        about[3] = Vec4(stands - change * stands, 1);
+        moveEmitter(after, "emitter-1", about);
+        keyEdit(look, after, step, pivots);
+        look = after;
+    }
+    EXPECT_EQ(keyedFrames(look, place), std::vector<int>{1});
+    EXPECT_EQ(keyedFrames(look, ofTurn).size(), 15u) << "at every turn, and at no growth";
 }
 
 TEST(ValueKeyEdits, DragsMoveSeveralKeysInTimeAndValue) {
