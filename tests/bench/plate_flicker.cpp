@@ -49,7 +49,12 @@ struct Differences {
     void print(const char* what) const {
         double squares = 0;
         for (const double d : all) squares += d * d;
-        std::printf("%s: RMS %.3f %%, median %.3f %%\n", what, 100 * std::sqrt(squares / double(all.size())),
+        const double most = quantileOf(all, 0.99);
+        double common = 0, count = 0;
+        for (const double d : all)
+            if (d <= most) common += d * d, ++count;
+        std::printf("%s: RMS %.3f %% (%.3f %% without the largest hundredth), median %.3f %%\n", what,
+                    100 * std::sqrt(squares / double(all.size())), 100 * std::sqrt(common / count),
                     100 * quantileOf(all, 0.5));
     }
 };
