@@ -10,6 +10,7 @@ namespace relamp {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+constexpr size_t fewestLevelVertices = 1500;  // of a level of detail: a smaller one hides shadows and saves nothing
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 /// Environments that terms of the transport are chosen against, beside the constant one and the sun: the recovered one
@@ -119,12 +120,18 @@ void LiveScene::State::coarse(Progress& progress) {
         followBlockers();
         matte.start(vertices, occluders, blockers);
         nearPlace.start(near, vertices, occluders, blockers, options.seed);
-        matte.coarse(vertices, occluders, blockers, progress);
+        if (!eye.orthographic && eye.halfAngle > 0)
+            nearLevels.gaze = {eye.position, eye.forward, std::cos(eye.halfAngle)};
+        else nearLevels.gaze = {};
+        matte.coarse(vertices, occluders, blockers, nearLevels.gaze, progress);
         carried.coarse(vertices, occluders, progress);
         nearPlace.finish(near);
         for (NearEmitter& e : near)
             nearCoarse(
-                e, vertices, occluders, [&](size_t v) { return matte.groundClear(e.part, v); }, options.seed, progress);
+                e, vertices, occluders, [&](size_t v) { return matte.groundClear(e.part, v); }, options.seed, progress,
+                &nearLevels, &scene->graph);
+        report.lightBetween = size_t(std::count_if(nearLevels.between.begin(), nearLevels.between.end(),
+                                                   [](uint8_t between) { return between != 0; }));
     }
     if (newGeometry || newLight) sumLight();
     if (newLight && !geometryMoved) report.lightMs = 1e3 * secondsSince(start);
@@ -161,6 +168,9 @@ LiveScene::LiveScene(std::shared_ptr<const Scene> scene, std::shared_ptr<const E
     const PartsApart apart = s.apartOf({});
     s.takeGeometry({}, editGeometry(*s.scene, *s.estimate, {}, apart, &s.closed), apart);
     s.report.cachedBlocks = s.matte.bake(s.vertices, s.occluders, options.cacheFolder, progress);
+    std::vector<uint8_t> stays(s.scene->mesh.vertexCount());
+    for (size_t v = 0; v < stays.size(); ++v) stays[v] = s.vertices.kind[v] == LiveVertices::ground;
+    s.nearLevels.levels = LiveLevels(s.scene->mesh, s.scene->graph, stays, fewestLevelVertices);
     s.matte.chooseDevice(options.devices.sums, options.forceDevice, progress);
     s.matte.offerDevice(options.devices.shadows, options.forceDevice);
     if (options.devices.near || options.devices.shadows)

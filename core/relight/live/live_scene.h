@@ -46,6 +46,7 @@ struct LiveReport {
     double bakeSeconds = 0;     ///< transport of the environment, once a scene
     double lightMs = 0;         ///< last change of the environment or of a power
     double moveMs = 0;          ///< last coarse answer to a moved emitter
+    size_t lightBetween = 0;    ///< there: vertices of the last emitter whose light lies between that of others
     double eyeMs = 0;           ///< last glossy pass
     size_t bytesPerVertex = 0;  ///< of stored transport
     size_t storeBytes = 0;      ///< of the coefficients alone, which every change of the environment streams once

@@ -217,14 +217,24 @@ void LiveMatte::release(const LiveVertices& vertices, const LiveOccluders& occlu
     progress.check();
 }
 
-void LiveMatte::traceShadow(Shadow& shadow, size_t chunk, bool coarse, const LiveVertices& vertices,
+bool LiveMatte::missed(size_t chunk, const LiveVertices& vertices, const Gaze& gaze) const {
+    for (size_t s = chunk * run; s < std::min((chunk + 1) * run, slots()); ++s)
+        if (vertexOfSlot_[s] != none && !gaze.misses(vertices.mesh->positions[vertexOfSlot_[s]], normal_[s]))
+            return false;
+    return true;
+}
+
+void LiveMatte::traceShadow(Shadow& shadow, size_t chunk, Rays density, const LiveVertices& vertices,
                             const LiveOccluders& occluders, const LivePart& part) {
+    const bool coarse = density != Rays::quarter, shared = density == Rays::shared;
     CellLists& lists = shadow.lists[chunk];
     const bool had = !lists.entries.empty();
     thread_local std::vector<uint16_t> before;
     before.assign(lists.entries.begin(), lists.entries.end());
     lists.clear(run);
     const Occluded8 occluded = [&](std::span<const Ray> rays) { return part.occluded8(rays); };
+    thread_local ConeAnswers answers;
+    answers.angle = -1;
     for (size_t i = 0; i < run; ++i) {
         const size_t s = chunk * run + i;
         shadow.clear[s] = 0;
@@ -233,8 +243,12 @@ void LiveMatte::traceShadow(Shadow& shadow, size_t chunk, bool coarse, const Liv
             float angle;
             const Vec3 position = vertices.mesh->positions[vertexOfSlot_[s]];
             part.cone(position, axis, angle);
-            shadow.clear[s] = traceCone(grid_, occluders.origin(position, normal_[s]), normal_[s], axis, angle,
-                                        masksOf(s), coarse, occluded, lists.entries);
+            const Vec3 origin = occluders.origin(position, normal_[s]);
+            bool whole = false;
+            if (!shared || !coneFromAnswers(grid_, normal_[s], axis, angle, masksOf(s), answers, lists.entries, whole))
+                whole = traceCone(grid_, origin, normal_[s], axis, angle, masksOf(s), coarse, occluded, lists.entries,
+                                  shared ? &answers : nullptr);
+            shadow.clear[s] = whole;
         }
         lists.start[i + 1] = uint32_t(lists.entries.size());
     }
@@ -292,7 +306,7 @@ bool LiveMatte::refine(const LiveVertices& vertices, const LiveOccluders& occlud
     parallelFor(wanted.size(), 1, [&](size_t i) {
         for (size_t b = 1; b < shadows_.size(); ++b)
             if (shadows_[b].level[wanted[i]] < 2)
-                traceShadow(shadows_[b], wanted[i], false, vertices, occluders, occluders.parts[b]);
+                traceShadow(shadows_[b], wanted[i], Rays::quarter, vertices, occluders, occluders.parts[b]);
     });
     return true;
 }

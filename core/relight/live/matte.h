@@ -42,10 +42,10 @@ public:
                  Progress& progress);
     /// Begins on the device what coarse() then takes; nothing without one.
     void start(const LiveVertices& vertices, const LiveOccluders& occluders, const DeviceBlockers& blockers);
-    /// Brings stale lists of blocked cells up to date with a ray a cell. `blockers`: of the device, where place() is
-    /// open.
+    /// Brings stale lists of blocked cells up to date with a ray a cell, those of runs of vertices that `gaze` misses
+    /// only if they were never traced. `blockers`: of the device, where place() is open.
     void coarse(const LiveVertices& vertices, const LiveOccluders& occluders, const DeviceBlockers& blockers,
-                Progress& progress);
+                const Gaze& gaze, Progress& progress);
     /// One batch towards a ray a quarter cell; false when nothing is left.
     bool refine(const LiveVertices& vertices, const LiveOccluders& occluders, Progress& progress);
     /// One batch of blocks that release() left stale; false when there is none. Nothing visible waits for it: the lists
@@ -66,6 +66,7 @@ public:
 
 private:
     static constexpr size_t run = ShadowQuery::run;
+    static constexpr size_t manySlots = 8192;  // fewer have little to share
     struct Shadow {
         std::string name;
         std::vector<CellLists> lists;  // per chunk
@@ -109,8 +110,12 @@ private:
     }
     uint64_t keyOf(const LiveVertices& vertices, const LiveOccluders& occluders) const;
     TransportBlock bakeBlock(size_t block, const LiveVertices& vertices, const LiveOccluders& occluders);
-    void traceShadow(Shadow& shadow, size_t chunk, bool coarse, const LiveVertices& vertices,
+    /// From finest to coarsest: a ray a quarter cell; a ray a cell; the latter at a few vertices of a chunk for the
+    /// ones beside them.
+    enum class Rays { quarter, cell, shared };
+    void traceShadow(Shadow& shadow, size_t chunk, Rays rays, const LiveVertices& vertices,
                      const LiveOccluders& occluders, const LivePart& part);
+    bool missed(size_t chunk, const LiveVertices& vertices, const Gaze& gaze) const;
     /// Of what a shadow's chunk held before its entries were taken anew.
     void noteShadow(Shadow& shadow, size_t chunk, uint8_t level, bool had, std::span<const uint16_t> before);
     bool whollyStale(size_t part, const LiveOccluders& occluders) const;

@@ -47,7 +47,7 @@ void LiveMatte::takeAnswers(Shadow& shadow, const ShadowAnswers& answers) {
 }
 
 void LiveMatte::coarse(const LiveVertices& vertices, const LiveOccluders& occluders, const DeviceBlockers& blockers,
-                       Progress& progress) {
+                       const Gaze& gaze, Progress& progress) {
     slotOfVertex_.resize(std::max(slotOfVertex_.size(), vertices.count()), EditedPart::none);
     for (const uint32_t b : std::exchange(started_, {}))
         if (const ShadowAnswers* answers = place_.finish()) takeAnswers(shadows_[b], *answers);
@@ -55,7 +55,8 @@ void LiveMatte::coarse(const LiveVertices& vertices, const LiveOccluders& occlud
         if (!whollyStale(b, occluders)) continue;
         Shadow& own = shadows_[b];
         const auto begin = std::chrono::steady_clock::now();
-        parallelFor(chunks(), 1, [&](size_t c) { traceShadow(own, c, true, vertices, occluders, occluders.parts[b]); });
+        parallelFor(chunks(), 1,
+                    [&](size_t c) { traceShadow(own, c, Rays::cell, vertices, occluders, occluders.parts[b]); });
         const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
         progress.check();
         place_.measure(queryOf(b, vertices, occluders, blockers), took.count(), [&](const ShadowAnswers& answers) {
@@ -69,9 +70,16 @@ void LiveMatte::coarse(const LiveVertices& vertices, const LiveOccluders& occlud
             return double(same) / double(slots());
         });
     }
+    const Rays rays = slots() < manySlots ? Rays::cell : Rays::shared;
     parallelFor(chunks(), 1, [&](size_t c) {
+        bool any = false, traced = true;
+        for (size_t b = 1; b < shadows_.size(); ++b) {
+            any |= !shadows_[b].level[c];
+            traced &= !shadows_[b].lists[c].start.empty();
+        }
+        if (!any || (traced && missed(c, vertices, gaze))) return;
         for (size_t b = 1; b < shadows_.size(); ++b)
-            if (!shadows_[b].level[c]) traceShadow(shadows_[b], c, true, vertices, occluders, occluders.parts[b]);
+            if (!shadows_[b].level[c]) traceShadow(shadows_[b], c, rays, vertices, occluders, occluders.parts[b]);
     });
     progress.check();
 }

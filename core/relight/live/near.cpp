@@ -15,12 +15,12 @@ uint64_t seedOf(uint64_t seed, size_t vertex, const NearEmitter& emitter) {
 }
 
 void sampleVertex(NearEmitter& e, const LiveVertices& vertices, const LiveOccluders& occluders, uint64_t seed, size_t v,
-                  int level, bool groundClear = false) {
+                  int level, bool groundClear = false, Vec3* flux = nullptr) {
     const Vec3 point = vertices.mesh->positions[v], to = e.centre - point;
     const bool close = level < 3 && glm::dot(to, to) < nearRadii * nearRadii * e.radius * e.radius;
     e.factor[v] = nearFactor(e, occluders, point, vertices.mesh->normals[v], level == 1 ? coarseCut : fineCut,
                              nearSamples(level) * (close ? 2 : 1), seedOf(seed, v, e), e.open[v], groundClear,
-                             e.shape.empty() ? nullptr : &e.shape[v]);
+                             e.shape.empty() ? nullptr : &e.shape[v], flux);
     e.level[v] = uint8_t(level);
 }
 
@@ -52,8 +52,10 @@ bool atEdge(const NearEmitter& e, const LiveVertices& vertices, const VertexGrap
 }  // namespace
 
 float nearFactor(const NearEmitter& e, const LiveOccluders& occluders, const Vec3& point, const Vec3& normal,
-                 const CutTolerance& tolerance, int count, uint64_t seed, float& open, bool groundClear, Rgb* shape) {
+                 const CutTolerance& tolerance, int count, uint64_t seed, float& open, bool groundClear, Rgb* shape,
+                 Vec3* flux) {
     open = 0;
+    if (flux) *flux = Vec3(0);
     if (shape) *shape = Rgb(0);
     if (glm::dot(e.centre - point, normal) < -e.radius) return 0;
     thread_local EmitterComponents cut;
@@ -61,6 +63,10 @@ float nearFactor(const NearEmitter& e, const LiveOccluders& occluders, const Vec
     e.tree.cut(point, normal, tolerance, cut);
     open = cut.open;
     if (!(open > 0)) return 0;
+    if (flux)
+        for (const EmitterComponents::Piece& p : cut.components)
+            if (const float height = glm::dot(p.centre - point, normal); height > 0)
+                *flux += (p.factor / height) * (p.centre - point);
     if (shape && e.shaped) {
         *shape = shapeOf(e, point, cut);
         if (!(maxChannel(*shape) > 0)) return open;
@@ -123,11 +129,124 @@ float nearFactor(const NearEmitter& e, const LiveOccluders& occluders, const Vec
     return all > 0 ? open * (seen / all) : open;
 }
 
+namespace {
+
+/// Shadows of neighbours that differ by less are one: two of four samples.
+constexpr float shadowStep = 0.3f;
+/// Light that changes by a smaller factor among parents is within 1 % of what lies between them.
+constexpr float fall = 1.3f;
+constexpr float sameNormal = 0.995f;
+
+bool wholeAbove(const NearEmitter& e, const LiveVertices& vertices, size_t v) {
+    return glm::dot(e.centre - vertices.mesh->positions[v], vertices.mesh->normals[v]) > e.radius;
+}
+
+/// Takes the light of a vertex from its parents; false where that could be far off.
+bool takeBetween(NearEmitter& e, const LiveVertices& vertices, NearLevels& detail, size_t v) {
+    const std::span<const LiveLevels::Parent> parents = detail.levels.parents(v);
+    if (parents.empty()) return false;
+    const Vec3 normal = vertices.mesh->normals[v];
+    const bool rough = detail.gaze.misses(vertices.mesh->positions[v], normal);
+    Vec3 flux(0);
+    Rgb shape(0);
+    float open = 0, seen = 0, leastSeen = 1, mostSeen = 0, least = 1e30f, most = 0;
+    // A vector, for any normal, where all of the emitter is above the horizon; else a number, for the same normal.
+    bool above = rough || wholeAbove(e, vertices, v);
+    for (const LiveLevels::Parent& p : parents) above = above && wholeAbove(e, vertices, p.vertex);
+    for (const LiveLevels::Parent& p : parents) {
+        const size_t u = p.vertex;
+        if (!vertices.lit(u) || !e.level[u] ||
+            (!rough && !above && glm::dot(vertices.mesh->normals[u], normal) < sameNormal))
+            return false;
+        const float own = e.seen(u), strength = above ? glm::length(detail.flux[u]) : e.open[u];
+        if (above) flux += p.weight * detail.flux[u];
+        open += p.weight * e.open[u];
+        seen += p.weight * own;
+        leastSeen = std::min(leastSeen, own);
+        mostSeen = std::max(mostSeen, own);
+        least = std::min(least, strength);
+        most = std::max(most, strength);
+        if (!e.shape.empty()) shape += p.weight * e.shape[u];
+    }
+    if (!rough && (most > fall * least || mostSeen - leastSeen > shadowStep)) return false;
+    if (!e.shape.empty()) {
+        for (const LiveLevels::Parent& p : parents)
+            if (!rough && maxChannel(glm::abs(e.shape[p.vertex] - shape)) > 0.05f * maxChannel(shape)) return false;
+        e.shape[v] = shape;
+    }
+    detail.flux[v] = flux;
+    e.open[v] = std::clamp(above ? glm::dot(flux, normal) : open, 0.0f, 1.0f);
+    e.factor[v] = e.open[v] * std::clamp(seen, 0.0f, 1.0f);
+    e.level[v] = 1;
+    detail.between[v] = rough ? 2 : 1;
+    return true;
+}
+
+/// Computes what lies between others beside a vertex that is seen otherwise, and goes on from there: so a shadow is
+/// followed along its edge once any vertex has met it.
+template <class Compute>
+void followShadows(NearEmitter& e, const LiveVertices& vertices, const VertexGraph& graph, NearLevels& detail,
+                   const Compute& compute) {
+    const size_t n = detail.between.size();
+    std::vector<uint8_t> wanted(n, 0);
+    const auto otherwise = [&](size_t v, uint32_t u) {
+        return detail.between[u] == 1 && vertices.lit(u) && e.open[u] > 0 &&
+               std::abs(e.seen(u) - e.seen(v)) > shadowStep;
+    };
+    parallelFor(n, 4096, [&](size_t u) {
+        if (detail.between[u] != 1) return;
+        for (uint32_t i = graph.start[u]; i < graph.start[u + 1]; ++i) {
+            const uint32_t v = graph.to[i];
+            if (!detail.between[v] && vertices.lit(v) && e.open[v] > 0 && otherwise(v, uint32_t(u))) {
+                wanted[u] = 1;
+                return;
+            }
+        }
+    });
+    std::vector<uint32_t> front;
+    for (uint32_t v = 0; v < n; ++v)
+        if (wanted[v]) front.push_back(v);
+    while (!front.empty()) {
+        parallelFor(front.size(), 64, [&](size_t i) { compute(front[i]); });
+        for (const uint32_t v : front) detail.between[v] = 0;
+        std::vector<uint32_t> next;
+        for (const uint32_t v : front)
+            for (uint32_t i = graph.start[v]; i < graph.start[v + 1]; ++i)
+                if (const uint32_t u = graph.to[i]; !wanted[u] && e.open[v] > 0 && otherwise(v, u)) {
+                    wanted[u] = 1;
+                    next.push_back(u);
+                }
+        front = std::move(next);
+    }
+}
+
+}  // namespace
+
 void nearCoarse(NearEmitter& e, const LiveVertices& vertices, const LiveOccluders& occluders,
-                const std::function<bool(size_t)>& groundClear, uint64_t seed, Progress& progress) {
+                const std::function<bool(size_t)>& groundClear, uint64_t seed, Progress& progress, NearLevels* detail,
+                const VertexGraph* graph) {
+    const auto stale = [&](size_t v) { return !e.level[v] && vertices.lit(v); };
+    const auto all = [&] {
+        for (const std::vector<uint32_t>& set : detail->levels.sets())
+            for (const uint32_t v : set)
+                if (e.level[v] && vertices.lit(v)) return false;
+        return true;
+    };
+    if (detail && graph && !detail->levels.empty() && all()) {
+        detail->flux.resize(vertices.count());
+        detail->between.assign(graph->start.size() - 1, 0);
+        const auto compute = [&](size_t v) {
+            sampleVertex(e, vertices, occluders, seed, v, 1, groundClear(v), &detail->flux[v]);
+        };
+        for (const std::vector<uint32_t>& set : detail->levels.sets())
+            parallelFor(set.size(), 256, [&](size_t i) {
+                if (stale(set[i]) && !takeBetween(e, vertices, *detail, set[i])) compute(set[i]);
+            });
+        followShadows(e, vertices, *graph, *detail, compute);
+        progress.check();
+    }
     parallelFor(vertices.count(), 256, [&](size_t v) {
-        if (e.level[v] || !vertices.lit(v)) return;
-        sampleVertex(e, vertices, occluders, seed, v, 1, groundClear(v));
+        if (stale(v)) sampleVertex(e, vertices, occluders, seed, v, 1, groundClear(v));
     });
     progress.check();
 }

@@ -5,6 +5,8 @@
 
 #include "relight/emission_profile.h"
 #include "relight/live/emitter_tree.h"
+#include "relight/live/gaze.h"
+#include "relight/live/levels.h"
 #include "relight/live/parts.h"
 
 namespace relamp {
@@ -57,15 +59,29 @@ struct NearEmitter {
 
 /// Form factor and its open value from `count` samples, the same pattern for the same seed. `groundClear`: the ground
 /// is known to hide nothing of it; then rays are only cast at parts, and none where no part can stand between. `shape`,
-/// of a shaped emitter: what of the open light its shaping lets through; where that is nothing no ray is cast.
+/// of a shaped emitter: what of the open light its shaping lets through; where that is nothing no ray is cast. `flux`:
+/// the vector whose product with a normal is the open value, for normals that have all of the emitter above their
+/// horizon.
 float nearFactor(const NearEmitter& emitter, const LiveOccluders& occluders, const Vec3& point, const Vec3& normal,
                  const CutTolerance& tolerance, int count, uint64_t seed, float& open, bool groundClear = false,
-                 Rgb* shape = nullptr);
+                 Rgb* shape = nullptr, Vec3* flux = nullptr);
+
+/// Vertices between which the light of an emitter in a hand lies, and memory for it.
+struct NearLevels {
+    LiveLevels levels;
+    std::vector<Vec3> flux;        ///< per vertex, of one emitter
+    std::vector<uint8_t> between;  ///< per vertex 1: its value lies between those of its parents; 2: whatever they are
+    Gaze gaze;                     ///< what it misses lies between its parents, however they differ
+};
 
 /// All stale vertices from 4 samples, or none where `groundClear` says so of a vertex (LiveMatte::groundClear). Cost:
-/// about a microsecond a vertex and emitter, a third of it without rays.
+/// about a microsecond a vertex and emitter, a third of it without rays. With `detail`, of an emitter that is stale
+/// everywhere: a vertex takes its light from its parents where that changes little between them and their shadows
+/// agree, unless a neighbour's differs; a shadow that no vertex of a coarser level meets is missed. Cost: about a
+/// third. `graph`: the capture's neighbours.
 void nearCoarse(NearEmitter& emitter, const LiveVertices& vertices, const LiveOccluders& occluders,
-                const std::function<bool(size_t)>& groundClear, uint64_t seed, Progress& progress);
+                const std::function<bool(size_t)>& groundClear, uint64_t seed, Progress& progress,
+                NearLevels* detail = nullptr, const VertexGraph* graph = nullptr);
 /// Takes samples of a level at the chosen vertices elsewhere; false: it did not.
 using SampleElsewhere = std::function<bool(NearEmitter&, std::span<const uint32_t> chosen, int level)>;
 /// One batch of refinement, eight times as large where `elsewhere` is given; false when nothing is left. `graph`: the

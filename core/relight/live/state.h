@@ -26,6 +26,7 @@ struct LiveScene::State {
     LiveCarried carried;
     std::vector<NearEmitter> near;
     NearPlace nearPlace;
+    NearLevels nearLevels;    ///< of the capture's vertices that stay in place
     DeviceBlockers blockers;  ///< kept while a device is in use
     LiveGloss gloss;
     std::vector<Rgb> distantMatte;  ///< per vertex, before exposure and tint

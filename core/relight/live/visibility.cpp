@@ -118,17 +118,29 @@ void traceCells(const LiveGrid& grid, const Vec3& origin, const Vec3& normal, bo
 }
 
 bool traceCone(const LiveGrid& grid, const Vec3& origin, const Vec3& normal, const Vec3& axis, float angle,
-               std::span<const uint8_t> among, bool coarse, const Occluded8& occluded, std::vector<uint16_t>& entries) {
+               std::span<const uint8_t> among, bool coarse, const Occluded8& occluded, std::vector<uint16_t>& entries,
+               ConeAnswers* keep) {
+    if (keep) *keep = {axis, -1, std::move(keep->cells), std::move(keep->quarters), std::move(keep->blocked)};
     if (glm::dot(axis, normal) < -std::sin(std::min(angle, pi / 2)) && angle < pi / 2) return false;
     thread_local std::vector<uint8_t> found;
     thread_local std::vector<uint16_t> cells;
     cells.clear();
     bool whole = true;
+    if (keep) {
+        keep->angle = angle;
+        keep->cells.clear();
+        keep->quarters.clear();
+    }
     grid.cellsInCone(axis, angle, [&](size_t c) {
         const unsigned quarters = nibbleOf(among.data(), c);
+        if (keep) {
+            keep->cells.push_back(uint16_t(c));
+            keep->quarters.push_back(uint8_t(quarters));
+        }
         if (quarters) cells.push_back(uint16_t(c));
         if (whole && quarters != 15) whole = !hiddenInCone(grid, c, quarters, normal, axis, angle);
     });
+    if (keep) keep->blocked.assign(keep->cells.size(), 0);
     if (cells.empty()) return false;
     found.assign(cells.size(), 0);
     if (coarse) {
@@ -168,7 +180,36 @@ bool traceCone(const LiveGrid& grid, const Vec3& origin, const Vec3& normal, con
     }
     for (size_t i = 0; i < cells.size(); ++i)
         if (found[i]) entries.push_back(uint16_t(cells[i] << 4 | found[i]));
+    if (keep)
+        for (size_t i = 0, k = 0; i < cells.size(); ++i) {
+            while (keep->cells[k] != cells[i]) ++k;
+            keep->blocked[k] = found[i];
+        }
     return whole;
+}
+
+bool coneFromAnswers(const LiveGrid& grid, const Vec3& normal, const Vec3& axis, float angle,
+                     std::span<const uint8_t> among, const ConeAnswers& answers, std::vector<uint16_t>& entries,
+                     bool& whole) {
+    // Of a cell's width: where the cone looks and how wide it is.
+    const float slack = 0.3f * 2 * std::sqrt(pi) / float(grid.grid().side);
+    if (answers.angle < 0 || angle >= pi / 2 || std::abs(angle - answers.angle) > slack) return false;
+    const Vec3 apart = axis - answers.axis;
+    if (glm::dot(apart, apart) > slack * slack) return false;
+    // A cell of which the other vertex saw nothing has no answer.
+    for (size_t i = 0; i < answers.cells.size(); ++i)
+        if (!answers.quarters[i] && nibbleOf(among.data(), answers.cells[i])) return false;
+    whole = glm::dot(axis, normal) >= -std::sin(angle);
+    bool any = false;
+    for (size_t i = 0; i < answers.cells.size(); ++i) {
+        const size_t c = answers.cells[i];
+        const unsigned quarters = nibbleOf(among.data(), c);
+        any |= quarters != 0;
+        if (quarters && answers.blocked[i]) entries.push_back(uint16_t(c << 4 | quarters));
+        if (whole && quarters != 15) whole = !hiddenInCone(grid, c, quarters, normal, axis, angle);
+    }
+    whole &= any;
+    return true;
 }
 
 }  // namespace relamp

@@ -31,10 +31,25 @@ struct CellLists {
     }
 };
 
+/// Cells of a cone and what answered for each, kept from one vertex for the next ones beside it.
+struct ConeAnswers {
+    Vec3 axis{0};
+    float angle = -1;  ///< none
+    std::vector<uint16_t> cells;
+    std::vector<uint8_t> quarters, blocked;  ///< per cell: what traceCone was asked for, and what of it is blocked
+};
+
 /// The quarters of `among` (masks of one vertex) inside the cone that `occluded` blocks, appended as entries. `coarse`:
 /// a ray a cell stands for its quarters, in wide cones a ray for four or sixteen cells. True when every quarter above
-/// the horizon that meets the cone is in `among`.
+/// the horizon that meets the cone is in `among`. `keep`: takes the answers.
 bool traceCone(const LiveGrid& grid, const Vec3& origin, const Vec3& normal, const Vec3& axis, float angle,
-               std::span<const uint8_t> among, bool coarse, const Occluded8& occluded, std::vector<uint16_t>& entries);
+               std::span<const uint8_t> among, bool coarse, const Occluded8& occluded, std::vector<uint16_t>& entries,
+               ConeAnswers* keep = nullptr);
+
+/// The same from the answers of a vertex that sees the cone a small part of a cell elsewhere, without rays; false where
+/// they do not do, `entries` is then as it was. `whole`: what traceCone returns.
+bool coneFromAnswers(const LiveGrid& grid, const Vec3& normal, const Vec3& axis, float angle,
+                     std::span<const uint8_t> among, const ConeAnswers& answers, std::vector<uint16_t>& entries,
+                     bool& whole);
 
 }  // namespace relamp
