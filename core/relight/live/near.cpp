@@ -1,5 +1,7 @@
 #include "relight/live/near.h"
 
+#include <atomic>
+
 #include "base/parallel.h"
 #include "base/random.h"
 
@@ -143,41 +145,48 @@ bool wholeAbove(const NearEmitter& e, const LiveVertices& vertices, size_t v) {
 
 /// Takes the light of a vertex from its parents; false where that could be far off.
 bool takeBetween(NearEmitter& e, const LiveVertices& vertices, NearLevels& detail, size_t v) {
+    using Known = NearLevels::Known;
     const std::span<const LiveLevels::Parent> parents = detail.levels.parents(v);
     if (parents.empty()) return false;
     const Vec3 normal = vertices.mesh->normals[v];
-    const bool rough = detail.gaze.misses(vertices.mesh->positions[v], normal);
+    const bool rough = detail.gaze.misses(vertices.mesh->positions[v], normal), wholly = wholeAbove(e, vertices, v);
     Vec3 flux(0);
     Rgb shape(0);
-    float open = 0, seen = 0, leastSeen = 1, mostSeen = 0, least = 1e30f, most = 0;
-    // A vector, for any normal, where all of the emitter is above the horizon; else a number, for the same normal.
-    bool above = rough || wholeAbove(e, vertices, v);
-    for (const LiveLevels::Parent& p : parents) above = above && wholeAbove(e, vertices, p.vertex);
+    float factor = 0, seen = 0, leastSeen = 1, mostSeen = 0, leastFlux = 1e30f, mostFlux = 0, leastFactor = 1e30f,
+          mostFactor = 0;
+    bool above = wholly;
     for (const LiveLevels::Parent& p : parents) {
-        const size_t u = p.vertex;
-        if (!vertices.lit(u) || !e.level[u] ||
-            (!rough && !above && glm::dot(vertices.mesh->normals[u], normal) < sameNormal))
-            return false;
-        const float own = e.seen(u), strength = above ? glm::length(detail.flux[u]) : e.open[u];
-        if (above) flux += p.weight * detail.flux[u];
-        open += p.weight * e.open[u];
-        seen += p.weight * own;
-        leastSeen = std::min(leastSeen, own);
-        mostSeen = std::max(mostSeen, own);
-        least = std::min(least, strength);
-        most = std::max(most, strength);
-        if (!e.shape.empty()) shape += p.weight * e.shape[u];
+        const Known& own = detail.known[p.vertex];
+        if (own.state == Known::nothing) return false;
+        above &= own.state == Known::whole;
+        flux += p.weight * own.flux;
+        factor += p.weight * own.factor;
+        seen += p.weight * own.seen;
+        leastSeen = std::min(leastSeen, own.seen);
+        mostSeen = std::max(mostSeen, own.seen);
+        const float strength = glm::dot(own.flux, own.flux);
+        leastFlux = std::min(leastFlux, strength);
+        mostFlux = std::max(mostFlux, strength);
+        leastFactor = std::min(leastFactor, own.factor);
+        mostFactor = std::max(mostFactor, own.factor);
+        if (!e.shape.empty()) shape += p.weight * e.shape[p.vertex];
     }
-    if (!rough && (most > fall * least || mostSeen - leastSeen > shadowStep)) return false;
-    if (!e.shape.empty()) {
-        for (const LiveLevels::Parent& p : parents)
-            if (!rough && maxChannel(glm::abs(e.shape[p.vertex] - shape)) > 0.05f * maxChannel(shape)) return false;
-        e.shape[v] = shape;
+    // A vector, for any normal, where all of the emitter is above the horizon; else a number, for the same normal.
+    if (!rough) {
+        if (mostSeen - leastSeen > shadowStep) return false;
+        if (above ? mostFlux > fall * fall * leastFlux : mostFactor > fall * leastFactor) return false;
+        for (const LiveLevels::Parent& p : parents) {
+            if (!above && glm::dot(vertices.mesh->normals[p.vertex], normal) < sameNormal) return false;
+            if (!e.shape.empty() && maxChannel(glm::abs(e.shape[p.vertex] - shape)) > 0.05f * maxChannel(shape))
+                return false;
+        }
     }
-    detail.flux[v] = flux;
-    e.open[v] = std::clamp(above ? glm::dot(flux, normal) : open, 0.0f, 1.0f);
-    e.factor[v] = e.open[v] * std::clamp(seen, 0.0f, 1.0f);
+    if (!e.shape.empty()) e.shape[v] = glm::max(shape, Rgb(0));
+    e.open[v] = std::clamp(above || rough ? glm::dot(flux, normal) : factor, 0.0f, 1.0f);
+    seen = std::clamp(seen, 0.0f, 1.0f);
+    e.factor[v] = e.open[v] * seen;
     e.level[v] = 1;
+    detail.known[v] = {flux, e.open[v], seen, wholly ? Known::whole : Known::open};
     detail.between[v] = rough ? 2 : 1;
     return true;
 }
@@ -193,15 +202,11 @@ void followShadows(NearEmitter& e, const LiveVertices& vertices, const VertexGra
         return detail.between[u] == 1 && vertices.lit(u) && e.open[u] > 0 &&
                std::abs(e.seen(u) - e.seen(v)) > shadowStep;
     };
-    parallelFor(n, 4096, [&](size_t u) {
-        if (detail.between[u] != 1) return;
-        for (uint32_t i = graph.start[u]; i < graph.start[u + 1]; ++i) {
-            const uint32_t v = graph.to[i];
-            if (!detail.between[v] && vertices.lit(v) && e.open[v] > 0 && otherwise(v, uint32_t(u))) {
-                wanted[u] = 1;
-                return;
-            }
-        }
+    parallelFor(n, 4096, [&](size_t v) {
+        if (detail.between[v] || !vertices.lit(v) || !(e.open[v] > 0)) return;
+        for (uint32_t i = graph.start[v]; i < graph.start[v + 1]; ++i)
+            if (const uint32_t u = graph.to[i]; otherwise(v, u))
+                std::atomic_ref(wanted[u]).store(1, std::memory_order_relaxed);
     });
     std::vector<uint32_t> front;
     for (uint32_t v = 0; v < n; ++v)
@@ -233,14 +238,19 @@ void nearCoarse(NearEmitter& e, const LiveVertices& vertices, const LiveOccluder
         return true;
     };
     if (detail && graph && !detail->levels.empty() && all()) {
-        detail->flux.resize(vertices.count());
+        detail->known.resize(vertices.count());
         detail->between.assign(graph->start.size() - 1, 0);
         const auto compute = [&](size_t v) {
-            sampleVertex(e, vertices, occluders, seed, v, 1, groundClear(v), &detail->flux[v]);
+            NearLevels::Known& known = detail->known[v];
+            sampleVertex(e, vertices, occluders, seed, v, 1, groundClear(v), &known.flux);
+            known.factor = e.open[v];
+            known.seen = e.seen(v);
+            known.state = wholeAbove(e, vertices, v) ? NearLevels::Known::whole : NearLevels::Known::open;
         };
         for (const std::vector<uint32_t>& set : detail->levels.sets())
             parallelFor(set.size(), 256, [&](size_t i) {
-                if (stale(set[i]) && !takeBetween(e, vertices, *detail, set[i])) compute(set[i]);
+                if (!stale(set[i])) detail->known[set[i]].state = NearLevels::Known::nothing;
+                else if (!takeBetween(e, vertices, *detail, set[i])) compute(set[i]);
             });
         followShadows(e, vertices, *graph, *detail, compute);
         progress.check();

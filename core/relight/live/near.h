@@ -68,8 +68,15 @@ float nearFactor(const NearEmitter& emitter, const LiveOccluders& occluders, con
 
 /// Vertices between which the light of an emitter in a hand lies, and memory for it.
 struct NearLevels {
+    /// What a vertex gives those that lie beside it, in one place of memory.
+    struct Known {
+        enum State : uint32_t { nothing, open, whole };  ///< whole: all of the emitter is above its horizon
+        Vec3 flux{0};
+        float factor = 0, seen = 1;  ///< without shadows, what of it they leave
+        State state = nothing;
+    };
     LiveLevels levels;
-    std::vector<Vec3> flux;        ///< per vertex, of one emitter
+    std::vector<Known> known;      ///< per vertex, of one emitter
     std::vector<uint8_t> between;  ///< per vertex 1: its value lies between those of its parents; 2: whatever they are
     Gaze gaze;                     ///< what it misses lies between its parents, however they differ
 };
