@@ -225,6 +225,27 @@ void followShadows(NearEmitter& e, const LiveVertices& vertices, const VertexGra
     }
 }
 
+/// In half shadow the mean over neighbours: four samples a vertex would crawl with the emitter.
+void smoothShadows(NearEmitter& e, const LiveVertices& vertices, const VertexGraph& graph, const NearLevels& detail) {
+    std::vector<float> smooth(detail.between.size(), -1);
+    parallelFor(smooth.size(), 4096, [&](size_t v) {
+        if (detail.between[v] || !vertices.lit(v) || !partlySeen(e, v)) return;
+        float sum = e.seen(v), weight = 1;
+        for (uint32_t i = graph.start[v]; i < graph.start[v + 1]; ++i) {
+            const uint32_t u = graph.to[i];
+            if (!vertices.lit(u) || !(e.open[u] > 0) || detail.between[u] == 2 ||
+                glm::dot(vertices.mesh->normals[u], vertices.mesh->normals[v]) < 0.9f)
+                continue;
+            sum += e.seen(u);
+            weight += 1;
+        }
+        smooth[v] = sum / weight;
+    });
+    parallelFor(smooth.size(), 4096, [&](size_t v) {
+        if (smooth[v] >= 0) e.factor[v] = e.open[v] * smooth[v];
+    });
+}
+
 }  // namespace
 
 void nearCoarse(NearEmitter& e, const LiveVertices& vertices, const LiveOccluders& occluders,
@@ -253,6 +274,7 @@ void nearCoarse(NearEmitter& e, const LiveVertices& vertices, const LiveOccluder
                 else if (!takeBetween(e, vertices, *detail, set[i])) compute(set[i]);
             });
         followShadows(e, vertices, *graph, *detail, compute);
+        smoothShadows(e, vertices, *graph, *detail);
         progress.check();
     }
     parallelFor(vertices.count(), 256, [&](size_t v) {

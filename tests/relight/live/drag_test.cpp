@@ -57,8 +57,8 @@ TEST(LiveDrag, ItTakesLightAtFewVerticesAndShowsNearlyTheImageAtRest) {
         EXPECT_GT(image->report.lightBetween, w.vertices / 3);
         const std::shared_ptr<const LiveFrame> rest = atRest();
         const auto [rms, most] = shownDifference(*image, *rest, gaze);
-        EXPECT_LT(rms, 0.025f) << by.x;
-        EXPECT_LT(most, 0.1f) << by.x;
+        EXPECT_LT(rms, 0.018f) << by.x;
+        EXPECT_LT(most, 0.07f) << by.x;
     }
     step(Vec3(-0.5f, -0.3f, 0));
     {
