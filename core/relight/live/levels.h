@@ -17,7 +17,7 @@ public:
         float weight = 0;
     };
     LiveLevels() = default;
-    /// Levels over the vertices that `wanted` marks (a byte a vertex, 0: no), each about a quarter of the one before,
+    /// Levels over the vertices that `wanted` marks (a byte a vertex, 0: no), each about a third of the one before,
     /// until one has fewer than `fewest`. Cost: about a microsecond a vertex. Memory: 44 bytes a vertex.
     LiveLevels(const Mesh& mesh, const VertexGraph& graph, std::span<const uint8_t> wanted, size_t fewest);
 
