@@ -8,7 +8,6 @@
 // least of the steps: other work on the machine disturbs that the least. Error: root mean square and 99th percentile of
 // the difference of display values (sRGB, exposed so that the 90th percentile of the image at rest is white), over all
 // lit vertices.
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
@@ -16,6 +15,7 @@
 #include <cstring>
 
 #include "bench/bench_world.h"
+#include "bench/processor_time.h"
 #include "relight/live/gaze.h"
 #include "relight/live/live_scene.h"
 #include "shot/shot_file.h"
@@ -23,13 +23,6 @@
 namespace {
 using namespace relamp;
 using Clock = std::chrono::steady_clock;
-
-double processorMs() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return 1e3 * double(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-           1e-3 * double(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
-}
 
 float display(float radiance, float white) {
     const float x = std::clamp(radiance / white, 0.0f, 1.0f);

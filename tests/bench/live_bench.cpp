@@ -1,7 +1,6 @@
 // Figures of live relighting on a solved shot: live_bench SHOT.relamp [IMAGE.exr]. Medians of several runs; copy
 // bandwidth beside them, because the machine is shared and only ratios mean something. IMAGE: view 0 as the first
 // image of a drag shows it that ends where the emitter stood; IMAGE-refined.exr: the same at rest.
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
@@ -10,6 +9,7 @@
 #include <functional>
 
 #include "base/parallel.h"
+#include "bench/processor_time.h"
 #include "edit/light_brush.h"
 #include "image/image_io.h"
 #include "relight/live/live_scene.h"
@@ -21,13 +21,7 @@ using Clock = std::chrono::steady_clock;
 
 /// Processor time of this process over the number of cores: what the wall clock would say if nobody else worked here
 /// and no core idled.
-double processorMs() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return (1e3 * double(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-            1e-3 * double(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec)) /
-           availableThreads();
-}
+double coreMs() { return processorMs() / availableThreads(); }
 
 struct Cost {
     double wall = 0, processor = 0;
@@ -36,9 +30,9 @@ struct Cost {
 
 Cost costOf(const std::function<void()>& part) {
     const auto start = Clock::now();
-    const double before = processorMs();
+    const double before = coreMs();
     part();
-    return {1e3 * std::chrono::duration<double>(Clock::now() - start).count(), processorMs() - before};
+    return {1e3 * std::chrono::duration<double>(Clock::now() - start).count(), coreMs() - before};
 }
 double msOf(const std::function<void()>& part) { return costOf(part).wall; }
 

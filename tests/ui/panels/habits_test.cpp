@@ -127,9 +127,8 @@ TEST(Habits, aDialogStaysInTheMiddleWhenTheWindowChanges) {
     EXPECT_LT(offCentre(), 2);
 }
 
-TEST(Habits, aHintCoversNoControlOfItsPanel) {
-    Panels p;
-    p.windowSize(300, 400);
+/// The pointer rests on the second of eight controls below each other.
+const ImGuiWindow* hintInColumn(Panels& p) {
     p.frame([] {
         for (int i = 0; i < 8; ++i) {
             ImGui::PushID(i);
@@ -139,7 +138,13 @@ TEST(Habits, aHintCoversNoControlOfItsPanel) {
     });
     p.mouse({40, 40});
     for (int i = 0; i < 60; ++i) p.frames(1);
-    const ImGuiWindow* hint = ImGui::FindWindowByName("##Tooltip_00");
+    return ImGui::FindWindowByName("##Tooltip_00");
+}
+
+TEST(Habits, aHintCoversNoControlOfItsPanel) {
+    Panels p;
+    p.windowSize(300, 400);
+    const ImGuiWindow* hint = hintInColumn(p);
     ASSERT_TRUE(hint && hint->Active);
     EXPECT_GE(hint->Pos.x, 300);
 }
@@ -147,16 +152,7 @@ TEST(Habits, aHintCoversNoControlOfItsPanel) {
 TEST(Habits, aHintIsNarrowerWhereThereIsLittleRoomBesideADialog) {
     Panels p(820, 700);
     p.windowSize(490, 400);
-    p.frame([] {
-        for (int i = 0; i < 8; ++i) {
-            ImGui::PushID(i);
-            button("A control", "What it does, in a sentence that is long enough to need more than one line of text.");
-            ImGui::PopID();
-        }
-    });
-    p.mouse({40, 40});
-    for (int i = 0; i < 60; ++i) p.frames(1);
-    const ImGuiWindow* hint = ImGui::FindWindowByName("##Tooltip_00");
+    const ImGuiWindow* hint = hintInColumn(p);
     ASSERT_TRUE(hint && hint->Active);
     EXPECT_GE(hint->Pos.x, 490);
     EXPECT_LE(hint->Pos.x + hint->Size.x, 820);
