@@ -8,10 +8,19 @@
 namespace relamp {
 namespace {
 
-ValueCurve* curveIn(Look& look, const KeyedOf& what) {
-    for (ValueCurve& curve : look.curves)
-        if (curve.what == what) return &curve;
-    return nullptr;
+template <class AnyLook>
+auto* curveIn(AnyLook& look, const KeyedOf& what) {
+    const auto at = std::find_if(look.curves.begin(), look.curves.end(),
+                                 [&](const ValueCurve& curve) { return curve.what == what; });
+    return at == look.curves.end() ? nullptr : &*at;
+}
+
+/// A key between two goes on as the one before it.
+KeyEase easeAt(const ValueCurve& curve, int frame) {
+    KeyEase ease = KeyEase::linear;
+    for (const ValueKey& key : curve.keys)
+        if (key.frame <= frame) ease = key.ease;
+    return ease;
 }
 
 /// Puts the key in; one that is at its frame already gives way.
@@ -33,11 +42,7 @@ Vec3 draggedValue(const KeyedOf& what, Vec3 value, const KeyDrag& drag) {
 
 }  // namespace
 
-const ValueCurve* curveOf(const Look& look, const KeyedOf& what) {
-    for (const ValueCurve& curve : look.curves)
-        if (curve.what == what) return &curve;
-    return nullptr;
-}
+const ValueCurve* curveOf(const Look& look, const KeyedOf& what) { return curveIn(look, what); }
 
 const ValueKey* valueKeyAt(const ValueCurve& curve, int frame) {
     for (const ValueKey& key : curve.keys)
@@ -53,21 +58,16 @@ void setValueKey(Look& look, const KeyedOf& what, int frame, const LookPivots& p
         look.curves.push_back({what, {{frame, *value, KeyEase::linear}}});
         return;
     }
-    ValueKey key{frame, *value, KeyEase::linear};
+    ValueKey key{frame, *value, easeAt(*curve, frame)};
     if (what.value == KeyedValue::rotation) key.value = anglesNear(*value, valueAt(*curve, frame));
     if (what.value == KeyedValue::yaw) key.value.x += 360 * std::round((valueAt(*curve, frame).x - key.value.x) / 360);
-    for (const ValueKey& other : curve->keys)
-        if (other.frame <= frame) key.ease = other.ease;
     putKey(*curve, key);
 }
 
 void putOnCurve(Look& look, const KeyedOf& what, int frame) {
     ValueCurve* curve = curveIn(look, what);
     if (!curve || valueKeyAt(*curve, frame)) return;
-    ValueKey key{frame, valueAt(*curve, frame), KeyEase::linear};
-    for (const ValueKey& other : curve->keys)
-        if (other.frame <= frame) key.ease = other.ease;
-    putKey(*curve, key);
+    putKey(*curve, {frame, valueAt(*curve, frame), easeAt(*curve, frame)});
 }
 
 void deleteValueKey(Look& look, const KeyedOf& what, int frame) { deleteValueKeys(look, {{what, frame}}); }

@@ -150,7 +150,7 @@ class Renderer:
     def even(self, radiance, path):
         return write_pixels(np.full((64, 128, 3), radiance, np.float32), path)
 
-    def surround(self, path):
+    def light_from(self, path):
         self.panorama_node.image = bpy.data.images.load(path)
         self.panorama_node.image.colorspace_settings.name = "Non-Color"
 

@@ -55,7 +55,7 @@ class Made:
 
 def still_life(data):
     s = Made(data, 6)
-    s.bounces, s.surroundings, s.others, s.fov = 0, ("polyhaven_studio.hdr", 0.45), ("polyhaven_city.hdr", 0.3), 50
+    s.bounces, s.environment, s.others, s.fov = 0, ("polyhaven_studio.hdr", 0.45), ("polyhaven_city.hdr", 0.3), 50
     top = shapes.lathe([(max(r, 1e-3), 0) for r in np.linspace(0.66, 0, 60)], 260)
     edge = shapes.lathe([(0.66, -0.0001 - 0.05 * t) for t in np.linspace(1, 0, 6)], 260)
     s.add("table", shapes.join([top, edge]), s.spots((0.55, 0.42, 0.3), (0.44, 0.33, 0.24), 0.08))
@@ -79,7 +79,7 @@ def still_life(data):
 
 def kitchen(data):
     s = Made(data, 7)
-    s.bounces, s.surroundings, s.others, s.fov = 4, ("polyhaven_city.hdr", 0.12), ("polyhaven_studio.hdr", 0.5), 58
+    s.bounces, s.environment, s.others, s.fov = 4, ("polyhaven_city.hdr", 0.12), ("polyhaven_studio.hdr", 0.5), 58
     counter = shapes.box((-1.2, -0.05, 0), (1.2, 0.6, 0.12), 0.022)
     s.add("counter", counter, shapes.bands((0.62, 0.55, 0.45), (0.55, 0.48, 0.39), 0, 0.2))
     tiles = shapes.checks((0.78, 0.78, 0.74), (0.45, 0.6, 0.68), (0, 2), 0.15)
@@ -106,7 +106,7 @@ def kitchen(data):
 
 def loft(data):
     s = Made(data, 5)
-    s.bounces, s.surroundings, s.others, s.fov = 4, ("polyhaven_lobby.hdr", 0.35), ("polyhaven_sunrise.hdr", 0.25), 62
+    s.bounces, s.environment, s.others, s.fov = 4, ("polyhaven_lobby.hdr", 0.35), ("polyhaven_sunrise.hdr", 0.25), 62
     floor = shapes.grid((-1.8, -1.5, 0), (3.6, 0, 0), (0, 3, 0), 120, 100)
     s.add("floor", floor, shapes.checks((0.42, 0.3, 0.2), (0.36, 0.25, 0.16), (0, 1), 0.3))
     s.add("back", shapes.grid((-1.8, 1.5, 0), (3.6, 0, 0), (0, 0, 2.3), 110, 70), (0.55, 0.62, 0.6))
@@ -172,7 +172,7 @@ def main():
         os.makedirs(f"{out}/{folder}", exist_ok=True)
     renderer = Renderer(scene.objects, scene.bounces, scene.fov)
     write_mesh(out, scene, renderer.normals())
-    own = renderer.panorama(f"{data}/hdri/{scene.surroundings[0]}", scene.surroundings[1], f"{out}/truth/env.exr")
+    own = renderer.panorama(f"{data}/hdri/{scene.environment[0]}", scene.environment[1], f"{out}/truth/env.exr")
     other = renderer.panorama(f"{data}/hdri/{scene.others[0]}", scene.others[1], f"{out}/truth/env-other.exr")
     white = renderer.even(0.5, f"{out}/truth/env-white.exr")
     cameras = [camera_at(*c) for c in scene.cameras]
@@ -180,14 +180,14 @@ def main():
     frames = [{"file_path": f"images/{i:04}.exr", "transform_matrix": m.tolist()} for i, m in enumerate(cameras)]
     with open(f"{out}/transforms.json", "w") as f:
         json.dump({**intrinsics, "mesh_path": "mesh.ply", "frames": frames}, f, indent=1)
-    renderer.surround(own)
+    renderer.light_from(own)
     for i, m in enumerate(cameras):
         renderer.render(m, f"{out}/images/{i:04}.exr", 40, i + 1)
     lights = [o["name"] for o in scene.objects if o["radiance"]]
     entries = []
 
-    def entry(name, edits=(), surroundings=None, matrix=None):
-        renderer.surround(surroundings or own)
+    def entry(name, edits=(), environment=None, matrix=None):
+        renderer.light_from(environment or own)
         for light, move, power in edits:
             renderer.change(light, move, power)
         m = cameras[scene.main] if matrix is None else matrix
@@ -202,7 +202,7 @@ def main():
             told.append({"emitter_id": lights.index(light), "matrix": moved.tolist(), "power_scale": list(power)})
         camera = scene.main if matrix is None else {**intrinsics, "transform_matrix": matrix.tolist()}
         entries.append({"name": name, "about": name, "camera": camera, "image": f"relit/{name}.exr", "edits": told,
-                        "env": os.path.basename(surroundings) if surroundings else "unchanged"})
+                        "env": os.path.basename(environment) if environment else "unchanged"})
         with open(f"{out}/truth/relight.json", "w") as f:
             json.dump(entries, f, indent=1)
     off = [(light, None, (0, 0, 0)) for light in lights]
@@ -210,7 +210,7 @@ def main():
     for name, *edit in scene.edits:
         entry(name, [edit])
     entry("only-world", off)
-    entry("other-environment", surroundings=other)
+    entry("other-environment", environment=other)
     entry("white", off, white)
     entry("novel-view", matrix=camera_at(*scene.novel))
 
