@@ -89,11 +89,6 @@ struct MergeArguments {
 
 /// "X,Y,Z" or "X,Y,Z,RADIUS". Throws UsageError.
 ProxyLight proxyLightOf(const std::string& text);
-/// "[FILE@]VIEW[:X,Y,RADIUS]"; reads the file. Throws UsageError.
-MirrorBall mirrorBallOf(const std::string& text);
-/// "VIEW:X,Y,RADIUS[=ALBEDO]" and "VIEW:X,Y,X,Y,X,Y,X,Y", appended. Throw UsageError.
-void addGreyPatch(const std::string& text, std::vector<KnownPatch>& patches);
-void addChart(const std::string& text, std::vector<KnownPatch>& patches);
 /// Those of the command line, which are read. Throws UsageError, and Error for a bad file.
 void takeReferences(const SolveArguments& arguments, PipelineOptions& options);
 /// The files that light references are read from.

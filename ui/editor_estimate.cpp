@@ -28,7 +28,8 @@ bool Editor::stale() const {
            a.gauge.emitter != b.gauge.emitter || a.gauge.radiance != b.gauge.radiance || a.gauge.view != b.gauge.view ||
            a.gauge.pixel != b.gauge.pixel || a.palette != b.palette || a.lightSmoothness != b.lightSmoothness ||
            a.albedoSmoothness != b.albedoSmoothness || a.basis != b.basis || a.merl != b.merl || a.bounce != b.bounce ||
-           a.meshTriangles != b.meshTriangles || a.texture != b.texture || a.lightProbes != b.lightProbes;
+           a.meshTriangles != b.meshTriangles || a.texture != b.texture || a.lightProbes != b.lightProbes ||
+           a.marks != b.marks;
 }
 
 void Editor::solve(const SolveRequest& request) { impl_->solve(request, false); }
@@ -120,7 +121,7 @@ void Editor::Impl::solve(const SolveRequest& request, bool goOn) {
 
 std::shared_ptr<const Estimate> Editor::Impl::runEstimate(const EstimateInputs& in, Progress& progress) {
     progress.setBudget(in.request.budgetSeconds);
-    const PipelineOptions pipeline = pipelineOptionsOf(in.request);
+    PipelineOptions pipeline = pipelineOptionsOf(in.request);
     EstimateKeeper keeper(in.kept, fingerprintOf(*in.capture, pipeline), options.checkpointSeconds);
     const auto tell = [this](const std::function<void()>& what) {
         {
@@ -143,11 +144,20 @@ std::shared_ptr<const Estimate> Editor::Impl::runEstimate(const EstimateInputs& 
     const std::optional<SolveCheckpoint> earlier = in.goOn ? keeper.earlier() : std::nullopt;
     if (earlier) tell([&] { newEntries = earlier->timeline; });
     try {
-        const Prepared prepared = prepare(*in.capture, pipeline, meter, progress, in.scene, in.samples);
+        std::shared_ptr<const Capture> capture = in.capture;
+        std::shared_ptr<const RadianceSamples> samples = in.samples;
+        if (!pipeline.mirrorBalls.empty()) {
+            // A ball is masked in its photograph, so what that shows of the mesh is looked up anew.
+            auto masked = std::make_shared<Capture>(*capture);
+            takeMirrorBalls(pipeline, *masked);
+            capture = std::move(masked);
+            samples.reset();
+        }
+        const Prepared prepared = prepare(*capture, pipeline, meter, progress, in.scene, samples);
         const SolveExtras extras{&listener, earlier ? &*earlier : nullptr,
                                  [&](const SolvePlan& plan) { tell([&] { newPlan = plan; }); }};
         auto estimate = std::make_shared<const Estimate>(
-            solvePrepared(*in.capture, *in.scene, prepared, pipeline, meter, progress, extras));
+            solvePrepared(*capture, *in.scene, prepared, pipeline, meter, progress, extras));
         keeper.finished();
         return estimate;
     } catch (const Cancelled&) {

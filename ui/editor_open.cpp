@@ -206,7 +206,10 @@ void Editor::Impl::setDocument(Document document, Version version, const std::st
     ours.plan = version.estimate ? version.estimate->plan : SolvePlan{};
     ours.solve.quality = document.quality;
     ours.solve.seed = document.seed;
-    if (ours.document.captureFolder != document.captureFolder) ours.solve.lightProbes.clear();
+    if (ours.document.captureFolder != document.captureFolder) {
+        ours.solve.lightProbes.clear();
+        ours.solve.marks.clear();
+    }
     solvedWith.reset();
     if (solved) solvedWith = ours.solve;
     history = History(std::move(version), label);
@@ -237,6 +240,7 @@ void Editor::Impl::setDocument(Document document, Version version, const std::st
     changesBeside = savedBeside = 0;
     ours.viewport.throughView = ours.viewport.throughPlate = false;
     ours.plateImport.reset();
+    ours.marking.reset();
     openPlates.clear();
     plateOpening.reset();
     beforePlate.reset();

@@ -17,6 +17,7 @@
 #include "edit/value_key_edits.h"
 #include "image/image_region.h"
 #include "length_unit.h"
+#include "pipeline/marked_reference.h"
 #include "plate/relight_plate.h"
 #include "radiance/samples.h"
 #include "relight/live/live_scene.h"
@@ -139,6 +140,14 @@ struct PanoramaQuestion {
 };
 enum class PanoramaUse { lightReference, environment, none };
 
+/// A light reference that is being marked in a photograph.
+struct ReferenceMarking {
+    MarkedReference mark;
+    std::optional<size_t> replaces = {};  ///< of SolveRequest::marks; none: it is a new one
+    Vec2 middle{0};                       ///< pixel of the photograph in the middle of the dialog
+    float zoom = 0;                       ///< 1: all of it is seen; 0: nothing was drawn yet
+};
+
 /// Work found after a crash.
 struct RecoveryOffer {
     std::filesystem::path file;
@@ -159,6 +168,7 @@ struct SolveRequest {
     std::optional<size_t> meshTriangles = {};             ///< as PipelineOptions::meshTriangles
     std::optional<int> texture = {};                      ///< as PipelineOptions::texture
     std::vector<std::filesystem::path> lightProbes = {};  ///< panoramas of the set as it was photographed
+    std::vector<MarkedReference> marks = {};              ///< mirror balls, greys and charts that photographs show
 };
 
 /// An estimate that did not come to its end and can go on where it stood (interrupted.h).
@@ -300,6 +310,7 @@ struct EditorState {
     std::optional<LockedQuestion> locked;
     std::optional<MissingQuestion> missing;
     std::optional<PanoramaQuestion> panorama;
+    std::optional<ReferenceMarking> marking;               ///< the dialog that marks one, and what is in it
     std::optional<PlateLook> plateImport;                  ///< the dialog that imports a plate, and what is in it
     std::filesystem::path environmentToCome;               ///< of the look, once there is a first estimate; empty: none
     std::array<std::optional<LookSnapshot>, 3> snapshots;  ///< A, B, C

@@ -23,6 +23,32 @@ fs::path checkpointOf(const fs::path& record) {
     return file.replace_extension(".checkpoint");
 }
 
+Json toJson(const MarkedReference& mark) {
+    Json json{{"kind", int(mark.kind)},
+              {"view", mark.view},
+              {"points", Json::array()},
+              {"radius", mark.radius},
+              {"albedo", {mark.albedo.x, mark.albedo.y, mark.albedo.z}},
+              {"photograph", mark.photograph.string()}};
+    for (const Vec2& p : mark.points) json["points"].push_back({p.x, p.y});
+    return json;
+}
+
+MarkedReference markOf(const Json& json) {
+    MarkedReference mark;
+    const int kind = json.at("kind").get<int>();
+    if (kind < 0 || kind > int(MarkedReference::Kind::chart)) throw Error("a light reference that does not exist");
+    mark.kind = MarkedReference::Kind(kind);
+    mark.view = json.at("view").get<size_t>();
+    for (const Json& p : json.at("points")) mark.points.emplace_back(p.at(0).get<float>(), p.at(1).get<float>());
+    const size_t points = mark.kind == MarkedReference::Kind::chart ? 4 : 1;
+    if (mark.points.size() != points) throw Error("a light reference without its points");
+    mark.radius = json.at("radius").get<float>();
+    for (int c = 0; c < 3; ++c) mark.albedo[c] = json.at("albedo").at(size_t(c)).get<float>();
+    mark.photograph = json.at("photograph").get<std::string>();
+    return mark;
+}
+
 Json toJson(const SolveRequest& r) {
     Json json{{"near_field", r.nearField},
               {"quality", r.quality},
@@ -45,6 +71,7 @@ Json toJson(const SolveRequest& r) {
     if (r.meshTriangles) json["mesh_triangles"] = *r.meshTriangles;
     if (r.texture) json["texture"] = *r.texture;
     for (const fs::path& probe : r.lightProbes) json["light_probes"].push_back(probe.string());
+    for (const MarkedReference& mark : r.marks) json["marks"].push_back(toJson(mark));
     return json;
 }
 
@@ -76,6 +103,8 @@ SolveRequest requestOf(const Json& json) {
     if (json.contains("texture")) r.texture = json.at("texture").get<int>();
     if (json.contains("light_probes"))
         for (const Json& probe : json.at("light_probes")) r.lightProbes.emplace_back(probe.get<std::string>());
+    if (json.contains("marks"))
+        for (const Json& mark : json.at("marks")) r.marks.push_back(markOf(mark));
     return r;
 }
 
@@ -105,6 +134,7 @@ PipelineOptions pipelineOptionsOf(const SolveRequest& request) {
     options.meshTriangles = request.meshTriangles;
     options.texture = request.texture;
     for (const fs::path& probe : request.lightProbes) options.probes.push_back(readLightProbe(probe));
+    for (const MarkedReference& mark : request.marks) takeReference(mark, options);
     return options;
 }
 

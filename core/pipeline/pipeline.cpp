@@ -151,6 +151,10 @@ Corrections correctCapture(const PipelineOptions& options, Capture& capture, Pre
     return done;
 }
 
+void takeMirrorBalls(PipelineOptions& options, Capture& capture) {
+    for (const MirrorBall& ball : options.mirrorBalls) options.probes.push_back(probeOf(ball, capture));
+}
+
 UnobservedLightSearch searchUnobservedLight(const Capture& capture, const PipelineOptions& options, Progress& progress,
                                             std::shared_ptr<const Scene> scene,
                                             std::shared_ptr<const RadianceSamples> samples) {
@@ -247,7 +251,7 @@ PipelineResult runPipeline(const std::filesystem::path& captureFolder, const Pip
     // Photographs, cameras, mesh.
     meter.begin(Stage::photographs);
     r.capture = loadCapture(captureFolder, options.load, progress);
-    for (const MirrorBall& ball : options.mirrorBalls) options.probes.push_back(probeOf(ball, r.capture));
+    takeMirrorBalls(options, r.capture);
     if (options.findLight) {
         meter.begin(Stage::unobservedLight);
         r.search = searchUnobservedLight(r.capture, options, progress);

@@ -47,6 +47,10 @@ void chooseBasis(const std::string& name, const std::filesystem::path& merl, Sol
 /// Everything that the answer for `capture` rests on, as a number (shot/checkpoint.h).
 uint64_t fingerprintOf(const Capture& capture, const PipelineOptions& options);
 
+/// Unwraps the mirror balls, which join the probes; those in the capture's own photographs are masked there. Throws
+/// Error that names a ball which is not found.
+void takeMirrorBalls(PipelineOptions& options, Capture& capture);
+
 /// Products of rooms 2 to 4 for the mesh that the solve runs on. Whoever knows the emitters may change `clusters`.
 struct Prepared {
     std::optional<DecimatedMesh> working;  ///< that mesh, where the capture's is too large

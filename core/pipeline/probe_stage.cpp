@@ -49,13 +49,14 @@ uint64_t fingerprintOfImage(const Image& image, uint64_t state) {
 
 }  // namespace
 
-LightProbe probeOf(const MirrorBall& ball, Capture& capture) {
+BallInView findBall(const MirrorBall& ball, const Capture& capture) {
     if (ball.view >= capture.views.size())
         throw Error("mirror ball {}: view {} does not exist, expected 0 to {}", ball.name, ball.view,
                     capture.views.size() - 1);
-    View& view = capture.views[ball.view];
+    const View& view = capture.views[ball.view];
     const Image& photograph = ball.photograph ? *ball.photograph : view.image;
-    Camera camera = view.camera;
+    BallInView found;
+    Camera& camera = found.camera = view.camera;
     const double scale = double(photograph.width) / camera.width;
     if (std::abs(photograph.height - scale * camera.height) > 1.5)
         throw Error("mirror ball {}: is {} x {} pixels, expected the shape of view {}, {} x {}", ball.name,
@@ -63,8 +64,15 @@ LightProbe probeOf(const MirrorBall& ball, Capture& capture) {
     for (double* v : {&camera.focalX, &camera.focalY, &camera.centreX, &camera.centreY}) *v *= scale;
     camera.width = photograph.width;
     camera.height = photograph.height;
-    return withContext("mirror ball " + ball.name, [&] {
-        const BallRim rim = findBallRim(photograph, camera, ball.hint);
+    withContext("mirror ball " + ball.name, [&] { found.rim = findBallRim(photograph, camera, ball.hint); });
+    return found;
+}
+
+LightProbe probeOf(const MirrorBall& ball, Capture& capture) {
+    const auto [camera, rim] = findBall(ball, capture);
+    View& view = capture.views[ball.view];
+    const Image& photograph = ball.photograph ? *ball.photograph : view.image;
+    return withContext("mirror ball " + ball.name, [&, &camera = camera, &rim = rim] {
         LightProbe probe;
         probe.name = "mirror ball " + ball.name;
         probe.aligned = true;

@@ -15,8 +15,16 @@ struct MirrorBall {
     std::optional<BallHint> hint;
 };
 
-/// What the ball mirrors. Throws Error that names it: no such view, another shape than the view's, no ball found. A
-/// ball in the capture's own photograph is masked there: it is no background.
+/// Where the ball is, and the camera of the photograph that shows it. Throws Error that names the ball: no such view,
+/// another shape than the view's, no ball found.
+struct BallInView {
+    Camera camera;
+    BallRim rim;
+};
+BallInView findBall(const MirrorBall& ball, const Capture& capture);
+
+/// What the ball mirrors. Throws Error as findBall, and for a ball that shows nothing. A ball in the capture's own
+/// photograph is masked there: it is no background.
 LightProbe probeOf(const MirrorBall& ball, Capture& capture);
 
 /// Fits each probe to the background, and asks the shading of the surfaces: where the pilot's pairs are explained worse

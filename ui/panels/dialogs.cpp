@@ -127,6 +127,7 @@ const Dialog recoveryDialog{"Work from before a crash###recovery", 30, 0, true, 
 const Dialog lockedDialog{"Open elsewhere###locked", 32, 0, true, drawLockedQuestion};
 const Dialog missingDialog{"Something is missing###missing", 32, 0, true, drawMissingQuestion};
 const Dialog panoramaDialog{"What is this panorama?###panorama", 34, 0, true, drawPanoramaQuestion};
+const Dialog referenceDialog{"Mark a light reference###reference", 56, 40, true, drawReferenceDialog};
 const Dialog plateDialog{"Import plate###plate", 34, 0, true, drawPlateDialog};
 const Dialog unsavedDialog{"###unsaved", 28, 0, true, drawUnsavedQuestion};
 const Dialog noticeDialog{"###notice", 32, 0, true, drawNotice};
@@ -165,6 +166,7 @@ const Dialog* mostUrgent(const Editor& editor) {
     if (state.locked) return &lockedDialog;
     if (state.missing) return &missingDialog;
     if (state.panorama) return &panoramaDialog;
+    if (state.marking) return &referenceDialog;
     if (state.plateImport) return &plateDialog;
     if (state.panels.palette) return &paletteDialog;
     if (state.panels.exportFrames) return &exportDialog;

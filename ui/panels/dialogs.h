@@ -14,6 +14,7 @@ bool drawRecoveryOffer(Editor& editor);
 bool drawLockedQuestion(Editor& editor);
 bool drawMissingQuestion(Editor& editor);
 bool drawPanoramaQuestion(Editor& editor);
+bool drawReferenceDialog(Editor& editor);
 bool drawPlateDialog(Editor& editor);
 bool drawExportDialog(Editor& editor);
 bool drawKeysDialog(Editor& editor);

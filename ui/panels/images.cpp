@@ -14,16 +14,47 @@
 namespace relamp::ui {
 namespace {
 
+const std::string photographKey = "photograph:";
+
 /// Filled by a thread of its own, which may outlive the window.
 struct Reading {
     std::atomic<bool> done{false};
     Image display;
+    int width = 0, height = 0;  // of what was read
     std::string error;
 };
 
-std::map<std::filesystem::path, std::shared_ptr<Reading>>& readings() {
-    static std::map<std::filesystem::path, std::shared_ptr<Reading>> all;
+std::map<std::string, std::shared_ptr<Reading>>& readings() {
+    static std::map<std::string, std::shared_ptr<Reading>> all;
     return all;
+}
+
+/// What `read` gives, at most `longestSide` pixels; the first call with a key starts a thread.
+std::shared_ptr<Reading> readOnce(const std::string& key, int longestSide, const std::function<Image()>& read) {
+    auto& reading = readings()[key];
+    if (!reading) {
+        reading = std::make_shared<Reading>();
+        std::thread([reading, longestSide, read] {
+            try {
+                const Image image = read();
+                reading->width = image.width;
+                reading->height = image.height;
+                reading->display = displayImage(image, longestSide);
+            } catch (const std::exception& error) { reading->error = error.what(); } catch (...) {
+                reading->error = "It cannot be read.";
+            }
+            reading->done = true;
+        }).detach();
+    }
+    if (!reading->done) stayAwake();
+    return reading;
+}
+
+PhotographImage photographOf(const std::string& key, const std::function<Image()>& read) {
+    const std::shared_ptr<Reading> reading = readOnce(key, 2048, read);
+    if (!reading->done) return {0, 0, 0, true, {}};
+    if (!reading->error.empty()) return {0, 0, 0, false, reading->error};
+    return {thumbnail(key, [&] { return std::move(reading->display); }), reading->width, reading->height, false, {}};
 }
 
 }  // namespace
@@ -78,25 +109,31 @@ EnvironmentImage recoveredEnvironmentImage(const std::shared_ptr<const Estimate>
 
 EnvironmentImage environmentImage(const std::filesystem::path& file) {
     if (file.empty()) return {};
-    auto& all = readings();
-    auto& reading = all[file];
-    if (!reading) {
-        reading = std::make_shared<Reading>();
-        std::thread([reading, file] {
-            try {
-                reading->display = displayImage(readEnvironment(file), 256);
-            } catch (const std::exception& error) { reading->error = error.what(); } catch (...) {
-                reading->error = "It cannot be read.";
-            }
-            reading->done = true;
-        }).detach();
-    }
-    if (!reading->done) {
-        stayAwake();
-        return {0, true, {}};
-    }
+    const std::shared_ptr<Reading> reading =
+        readOnce("env:" + file.string(), 256, [file] { return readEnvironment(file); });
+    if (!reading->done) return {0, true, {}};
     if (!reading->error.empty()) return {0, false, reading->error};
     return {thumbnail("env:" + file.string(), [&] { return reading->display; }), false, {}};
+}
+
+PhotographImage viewPhotograph(const Document& document, size_t view) {
+    if (!document.capture || view >= document.capture->views.size()) return {};
+    const Camera& camera = document.capture->views[view].camera;
+    const std::string key = fmt::format("{}{}", photographKey, view);
+    PhotographImage shown =
+        photographOf(key, [capture = document.capture, view] { return capture->views[view].image; });
+    shown.width = camera.width;
+    shown.height = camera.height;
+    return shown;
+}
+
+PhotographImage filePhotograph(const std::filesystem::path& file) {
+    return photographOf(photographKey + file.string(), [file] { return readImage(file); });
+}
+
+void dropPhotographs() {
+    std::erase_if(readings(), [](const auto& entry) { return entry.first.starts_with(photographKey); });
+    dropThumbnails(photographKey);
 }
 
 std::string captionOf(const std::filesystem::path& file, float width) {

@@ -14,6 +14,19 @@ uint64_t viewImage(const Document& document, size_t view);
 /// files apart.
 std::string captionOf(const std::filesystem::path& file, float width);
 
+/// A photograph as large as a dialog shows it, at most 2048 pixels. It is made in the background, and kept until
+/// dropPhotographs().
+struct PhotographImage {
+    uint64_t texture = 0;
+    int width = 0, height = 0;  ///< pixels of the photograph itself; 0: not known yet
+    bool loading = false;
+    std::string error;  ///< why the file cannot be shown
+};
+PhotographImage viewPhotograph(const Document& document, size_t view);
+PhotographImage filePhotograph(const std::filesystem::path& file);
+/// Frees them: they are large.
+void dropPhotographs();
+
 struct EnvironmentImage {
     uint64_t texture = 0;
     bool loading = false;
