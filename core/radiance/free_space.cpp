@@ -3,6 +3,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <functional>
 
 #include "base/parallel.h"
 #include "base/statistics.h"
@@ -158,9 +159,9 @@ std::vector<float> overNeighbours(const Scene& scene, std::vector<float> value) 
 }
 
 /// Connected vertices for which `joins` holds, from `seed` on; marks them in `visited`.
-template <class Joins>
-std::vector<uint32_t> regionOf(const Scene& scene, uint32_t seed, std::vector<uint8_t>& visited, const Joins& joins) {
-    std::vector<uint32_t> region{seed};
+std::vector<uint32_t> regionOf(const Scene& scene, uint32_t seed, std::vector<uint8_t>& visited,
+                               const std::function<bool(uint32_t)>& joins) {
+    std::vector<uint32_t> region(1, seed);
     visited[seed] = 1;
     for (size_t i = 0; i < region.size(); ++i)
         for (uint32_t e = scene.graph.start[region[i]]; e < scene.graph.start[region[i] + 1]; ++e) {
@@ -170,6 +171,18 @@ std::vector<uint32_t> regionOf(const Scene& scene, uint32_t seed, std::vector<ui
             region.push_back(w);
         }
     return region;
+}
+
+/// What was labelled anew without being connected with anything that was found: an edge of a surface, such as a
+/// table's.
+void dropIslands(const Scene& scene, const std::vector<uint8_t>& found, std::vector<uint8_t>& skirt) {
+    std::vector<uint8_t> visited(skirt.size(), 0);
+    for (uint32_t seed = 0; seed < skirt.size(); ++seed) {
+        if (!skirt[seed] || visited[seed]) continue;
+        const std::vector<uint32_t> island = regionOf(scene, seed, visited, [&](uint32_t v) { return skirt[v] != 0; });
+        if (std::any_of(island.begin(), island.end(), [&](uint32_t v) { return found[v] != 0; })) continue;
+        for (const uint32_t v : island) skirt[v] = 0;
+    }
 }
 
 /// What skirts cut off from the rest is of them where it is small and no light.
@@ -273,7 +286,9 @@ std::vector<uint8_t> skirtsOf(const Scene& scene, const RadianceSamples& samples
         if (region.size() < least || refuted < leastRegion || refuted * 4 < telling || atRim == 0) continue;
         for (const uint32_t v : region) skirt[v] = 1;
     }
+    const std::vector<uint8_t> found = skirt;
     skirt = delimited(scene, samples, evidence, isLight, skirt);
+    dropIslands(scene, found, skirt);
     addIslands(scene, 2 * least, isLight, skirt);
     return skirt;
 }
