@@ -40,6 +40,17 @@ void addCaptureOptions(CLI::App& verb, CaptureFix& fix) {
             "is solved for. May be given more than once")
         ->allow_extra_args(false)
         ->take_all();
+    verb.add_option_function<std::vector<std::string>>(
+            "--state",
+            [&fix](const std::vector<std::string>& states) {
+                try {
+                    for (const std::string& state : states) fix.states.push_back(statePatternOf(state));
+                } catch (const Error& error) { throw CLI::ValidationError(error.what()); }
+            },
+            "NAME=PATTERN: photographs whose names match (* and ?, or a folder) were taken in the lighting state NAME, "
+            "between which only lamps were switched. May be given more than once")
+        ->allow_extra_args(false)
+        ->take_all();
     verb.add_flag("--from-brackets", fix.fromBrackets, "Merge the frames' exposures even where HDR images are named");
 }
 
@@ -220,6 +231,9 @@ CLI::App* addRender(CLI::App& app, CommandLine& line) {
     verb->add_option("--edits", line.render.edits,
                      "Edits document (JSON) in place of the shot's own look; with `keys` it changes over the frames");
     verb->add_option("--env", line.render.environment, "A latitude-longitude file, none, or recovered");
+    verb->add_option("--state", line.render.state,
+                     "Lighting state of the photographs whose light frames have and edits start from; unless given, "
+                     "that of the view, where nothing is edited");
     verb->add_option("--env-yaw", line.render.yaw, "Degrees about the vertical")->check(CLI::Range(-1e6, 1e6));
     verb->add_option("--camera", line.render.camera,
                      "A view's number, a camera file, all, turntable:N, or path:V,V,...:N (a spline through views)")

@@ -43,7 +43,7 @@ struct SolveArguments {
 struct RenderArguments {
     fs::path shot, output, edits;
     /// `camera` empty: not given, view 0 or the plate of the look.
-    std::string environment, camera, frames, size, layers, naming = "blender", ratio, view = "standard",
+    std::string environment, state, camera, frames, size, layers, naming = "blender", ratio, view = "standard",
                                                            denoise = "auto";
     float yaw = 0;
     int samples = 0, threads = 0;

@@ -64,6 +64,7 @@ int render(const RenderArguments& a, Progress& progress) {
         return relightPlate(a, shot, look, progress);
     }
     const LookTrack track = trackOf(a, look);
+    const std::optional<size_t> state = stateOf(a, shot);
     std::vector<FrameJob> jobs;
     try {
         jobs = frameJobs(shot.capture, a.camera.empty() ? "0" : a.camera, a.frames, a.size, a.output);
@@ -80,6 +81,7 @@ int render(const RenderArguments& a, Progress& progress) {
                           {"relamp:shot", shotHash(a.shot)}};
     const Scene scene = buildScene(shot.capture.mesh, progress, ownAxes(shot.capture));
     RelitLooks looks(shot, scene, track);
+    looks.base(state);
     Photographs taken(shot);
     FrameOptions options;
     options.seed = a.seed;
@@ -89,13 +91,15 @@ int render(const RenderArguments& a, Progress& progress) {
         const FrameJob& job = jobs[index];
         FrameSources sources;
         sources.origin = shot.capture.origin;
-        sources.look = &looks.at(job.number, progress);
+        std::optional<size_t> ofView;
+        if (job.view >= 0) ofView = shot.capture.views[size_t(job.view)].state;
+        sources.look = &looks.at(job.number, progress, ofView);
         if (const View* view = photographs ? taken.of(job, progress) : nullptr) {
             sources.photograph = &view->image;
             sources.saturation = view->saturation;
         }
         if (fileOptions.ratio != Ratio::none || request.residual || request.correction)
-            sources.captured = &looks.captured(progress);
+            sources.captured = &looks.captured(progress, ofView);
         const double groupError = writeFrameFile(job.file, job.camera, sources, options, fileOptions, progress);
         return fmt::format("light groups and rest are the beauty within {:.2g}", groupError);
     });

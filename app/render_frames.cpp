@@ -4,12 +4,24 @@
 
 #include "base/is_there.h"
 #include "base/log.h"
+#include "base/printable.h"
 #include "plate/plate_sequence.h"
 
 namespace relamp::cli {
 
 Look lookOf(const RenderArguments& a, const Shot& shot) {
     return a.edits.empty() ? shot.look : readLook(a.edits, shot.capture.origin);
+}
+
+std::optional<size_t> stateOf(const RenderArguments& a, const Shot& shot) {
+    if (a.state.empty()) return {};
+    std::string names;
+    for (size_t s = 0; s < shot.estimate.states.size(); ++s) {
+        if (shot.estimate.states[s].name == a.state) return s;
+        names += (s ? ", " : "") + shot.estimate.states[s].name;
+    }
+    throw UsageError(names.empty() ? "--state: the photographs of this shot are of one lighting state"
+                                   : fmt::format("--state {}: expected one of {}", printable(a.state), names));
 }
 
 LookTrack trackOf(const RenderArguments& a, const Look& look) {

@@ -1,6 +1,7 @@
 // What `relamp render` of cameras and of plates share.
 #pragma once
 #include <functional>
+#include <optional>
 
 #include "commands.h"
 #include "relight/look_track.h"
@@ -12,6 +13,8 @@ namespace relamp::cli {
 /// The looks that the options ask for.
 Look lookOf(const RenderArguments& arguments, const Shot& shot);
 LookTrack trackOf(const RenderArguments& arguments, const Look& look);
+/// The lighting state that --state names; none where it is not given. Throws UsageError for another name.
+std::optional<size_t> stateOf(const RenderArguments& arguments, const Shot& shot);
 /// Frames of the plate that the arguments name, or else the look.
 int relightPlate(const RenderArguments& arguments, const Shot& shot, const Look& look, Progress& progress);
 

@@ -22,6 +22,7 @@ struct View {
     Image image;  ///< `usable` marks masked, NaN, Inf and negative pixels as 0
     ImageReport imageReport;
     float saturation = 0;  ///< radiance at and above which a pixel counts as clipped; 0: the file has no clip level
+    uint32_t state = 0;    ///< in Capture::states, the lighting state it was taken in
 };
 
 /// What a COLMAP model says of its own fit; absent for other captures.
@@ -38,7 +39,8 @@ struct Capture {
     DVec3 origin{
         0};  ///< where positions of mesh, cameras, points and proxies count from, metres, Z up: 0 unless the capture
              ///< lies far from its own origin. What leaves relamp or comes in has it added or taken off
-    std::vector<View> views;  ///< in the order of transforms.json, COLMAP's by name; --camera N counts from 0
+    std::vector<View> views;          ///< in the order of transforms.json, COLMAP's by name; --camera N counts from 0
+    std::vector<std::string> states;  ///< names of the lighting states of the photographs; empty: there is one
     Mesh mesh;
     MeshReport meshReport;
     /// Faces of the mesh's file that have texture coordinates, by their vertices. Null where none has.

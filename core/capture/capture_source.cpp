@@ -2,6 +2,7 @@
 
 #include "base/is_there.h"
 #include "capture/capture_formats.h"
+#include "capture/lighting_states.h"
 
 namespace relamp {
 namespace fs = std::filesystem;
@@ -61,6 +62,7 @@ CaptureSource captureSource(const fs::path& folder, const CaptureFix& fix, Progr
     progress.begin(found->format->reading, 1);
     CaptureSource source = found->format->read(folder, found->cameras, fix, progress);
     source.cameras = found->cameras;
+    assignStates(fix.states, source);
     return source;
 }
 

@@ -17,12 +17,15 @@ struct FrameSource {
     std::filesystem::path file;
     Camera camera;
     std::vector<Exposure> exposures;
-    bool fitSize = false;  ///< an image of the same shape and another size scales the camera
+    bool fitSize = false;     ///< an image of the same shape and another size scales the camera
+    std::string state = {};   ///< lighting state that the file names; empty: none
+    uint32_t stateIndex = 0;  ///< in CaptureSource::states
 };
 
 struct CaptureSource {
     std::string where = "transforms.json";  ///< for errors
     std::vector<FrameSource> frames;
+    std::vector<std::string> states;                ///< lighting states; empty: none is named
     std::filesystem::path cameras;                  ///< the file or folder that holds them
     std::vector<std::filesystem::path> otherFiles;  ///< read beside it: lists, frames, where the mesh was aligned to
     std::filesystem::path mesh;

@@ -31,6 +31,7 @@ Capture loadCapture(const std::filesystem::path& folder, const LoadOptions& opti
     Capture capture;
     capture.folder = folder;
     capture.notes = std::move(source.notes);
+    capture.states = std::move(source.states);
     capture.reconstruction = source.reconstruction;
     capture.points = std::move(source.points);
     progress.begin("Reading the mesh", 1);

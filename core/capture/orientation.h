@@ -5,6 +5,7 @@
 #include <string>
 
 #include "capture/capture.h"
+#include "capture/lighting_states.h"
 #include "capture/mesh_mend.h"
 #include "capture/photometric.h"
 #include "capture/registration_fix.h"
@@ -27,8 +28,9 @@ struct CaptureFix {
     bool fromBrackets = false;  ///< merge `exposures` even where an HDR image is named
     std::vector<ProxyLight> proxies{};  ///< emitters that the mesh does not hold
     RegistrationFix registration{};     ///< of cameras and mesh; found by a solve
-    MeshMend mend{};               ///< of the mesh, where emitters are not what photographs show of them; by a solve
-    PhotometricFix photometric{};  ///< what the photographs' exposures differ by; found by a solve
+    MeshMend mend{};  ///< of the mesh, where emitters are not what photographs show of them; by a solve
+    std::vector<StatePattern> states{};  ///< lighting states of the photographs, against what the files name
+    PhotometricFix photometric{};        ///< what the photographs' exposures differ by; found by a solve
     bool operator==(const CaptureFix&) const = default;
 };
 

@@ -133,6 +133,7 @@ View withoutPixels(const FrameSource& frame) {
     view.name = frame.name;
     view.file = frame.file;
     view.camera = frame.camera;
+    view.state = frame.stateIndex;
     return view;
 }
 

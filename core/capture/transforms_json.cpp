@@ -7,7 +7,9 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/json_fields.h"
+#include "base/printable.h"
 #include "capture/camera_fault.h"
+#include "capture/lighting_states.h"
 #include "capture/load_capture.h"
 #include "capture/rigid.h"
 
@@ -216,6 +218,37 @@ std::vector<Exposure> readExposures(const Keys& frameKeys, const json& frame) {
     return exposures;
 }
 
+std::string readState(const Keys& keys) {
+    if (!keys.has("state")) return "";
+    std::string name = keys.text("state");
+    if (const std::string fault = faultOfStateName(name); !fault.empty()) keys.fail("state", fault);
+    return name;
+}
+
+/// What the capture says of its lighting states beside their frames: whether one has an environment of its own.
+void checkStates(const json& root, const Transforms& transforms) {
+    const auto table = root.find("states");
+    if (table == root.end() || table->is_null()) return;
+    if (!table->is_object()) throw Error("states is {}, expected an object with a key for each", kindOf(*table));
+    for (const auto& [name, state] : table->items()) {
+        const std::string where = fmt::format("states: \"{}\"", printable(name).substr(0, 80));
+        if (!state.is_object()) throw Error("{}: is {}, expected an object", where, kindOf(state));
+        if (std::none_of(transforms.frames.begin(), transforms.frames.end(),
+                         [&, &key = name](const TransformsFrame& frame) { return frame.state == key; }))
+            throw Error("{}: no frame names this state", where);
+        const auto environment = state.find("environment");
+        if (environment == state.end() || environment->is_null()) continue;
+        const std::string kind = textOf(*environment, where + ": environment");
+        if (kind == "own")
+            throw Error(
+                "{}: environment is \"own\", which one capture cannot hold: between its states only lamps may change; "
+                "make a capture of the photographs of this state",
+                where);
+        if (kind != "shared")
+            throw Error("{}: environment is \"{}\", expected \"shared\"", where, printable(kind).substr(0, 80));
+    }
+}
+
 /// Nerfstudio's keys that say where the mesh may not be.
 void noteNerfstudio(const json& root, Transforms& transforms) {
     if (const auto it = root.find("applied_transform"); it != root.end() && it->is_array()) {
@@ -267,6 +300,7 @@ Transforms parseTransforms(const std::string& text, const ImageSize& sizeOf) {
         TransformsFrame frame;
         frame.filePath = Keys(object, nullptr, "").has("file_path") ? keys.text("file_path") : "";
         frame.exposures = readExposures(keys, object);
+        frame.state = readState(keys);
         if (frame.filePath.empty() && frame.exposures.empty()) throw Error("{}: file_path is missing", name);
         std::vector<std::string> ignored;
         readIntrinsics(
@@ -283,6 +317,7 @@ Transforms parseTransforms(const std::string& text, const ImageSize& sizeOf) {
         for (const std::string& sentence : ignored) ++ignoredCounts[sentence];
         result.frames.push_back(std::move(frame));
     }
+    checkStates(root, result);
     if (rescaled)
         result.notes.push_back(fmt::format("{} of {} transform matrices held a uniform scale, which was taken out.",
                                            rescaled, frames->size()));

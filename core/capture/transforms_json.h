@@ -24,6 +24,7 @@ struct TransformsFrame {
     std::string filePath;  ///< as written, relative to the capture folder; empty when only brackets are given
     Camera camera;
     std::vector<Exposure> exposures;
+    std::string state;  ///< lighting state; empty when the key is absent
 };
 
 struct Transforms {

@@ -39,6 +39,7 @@ CaptureSource sourceFromTransforms(const fs::path& folder, const fs::path& file,
         const std::string& path = frame.filePath.empty() ? frame.exposures[0].filePath : frame.filePath;
         source.frames.push_back(
             {fmt::format("{}: frame {}", name, i), path, images(path), frame.camera, std::move(frame.exposures)});
+        source.frames.back().state = std::move(frame.state);
     }
     return source;
 }

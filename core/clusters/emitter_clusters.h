@@ -44,6 +44,10 @@ struct EmitterCluster {
     /// Of each of `vertices`: its radiance in parts of `radiance`, the mean over the surface; empty: it shines evenly.
     std::vector<float> level = {};
     std::shared_ptr<const EmissionPattern> pattern = {};  ///< the same for any point of the surface; null: evenly
+    /// In each lighting state of the capture, in parts of `radiance`, which it has where it is brightest; 0: off.
+    /// Empty: it shines alike in all.
+    std::vector<float> inState = {};
+    float levelIn(size_t state) const { return inState.empty() ? 1.0f : inState[state]; }
 };
 
 struct RejectedPatch {

@@ -6,11 +6,14 @@
 #include "brdf/measured_gloss.h"
 #include "capture/own_axes.h"
 #include "clusters/shining_sides.h"
+#include "clusters/state_emitters.h"
 #include "pipeline/mend_mesh.h"
 #include "pipeline/normals_choice.h"
 #include "pipeline/reproduction.h"
+#include "pipeline/state_checks.h"
 #include "pipeline/texture_stage.h"
 #include "pipeline/working_mesh.h"
+#include "radiance/state_parts.h"
 #include "scene/smooth_normals.h"
 #include "shot/checkpoint.h"
 #include "solve/photometric_estimate.h"
@@ -74,6 +77,39 @@ float halfAnEdge(const Scene& scene) {
     return lengths.empty() ? 0.0f : medianOf(lengths) / 2;
 }
 
+/// What the brightest lighting state says alone, of emitters as they are in it.
+struct StatePart {
+    std::shared_ptr<const RadianceSamples> samples;
+    EmitterClusters clusters;
+};
+
+/// Of a capture with one state: all of it.
+StatePart brightestPart(const Prepared& prepared) {
+    if (prepared.samples->states == 1) return {prepared.samples, prepared.clusters};
+    const uint32_t state = brightestState(prepared.clusters, *prepared.samples);
+    return {std::make_shared<const RadianceSamples>(samplesOfState(*prepared.samples, state)),
+            clustersInState(*prepared.scene, prepared.clusters, state)};
+}
+
+/// mendMesh by the photographs of the state in which emitters are brightest.
+MeshMend mendByBrightestState(const PipelineOptions& options, Capture& capture, Prepared& prepared, bool moved,
+                              StageMeter& meter, Progress& progress) {
+    if (capture.states.size() <= 1) return mendMesh(options, capture, prepared, moved, meter, progress);
+    const uint32_t state = brightestState(prepared.clusters, *prepared.samples);
+    Capture part = captureOfState(capture, state);
+    const size_t proxies = part.proxies.size();
+    Prepared ofPart = prepared;
+    ofPart.samples = std::make_shared<const RadianceSamples>(samplesOfPart(*prepared.samples, state));
+    ofPart.clusters = clustersInState(*prepared.scene, prepared.clusters, state);
+    MeshMend mend = mendMesh(options, part, ofPart, moved, meter, progress);
+    if (mend.empty() && part.proxies.size() == proxies) return mend;
+    capture.mesh = std::move(part.mesh);
+    capture.proxies = std::move(part.proxies);
+    capture.notes.insert(capture.notes.end(), part.notes.begin(), part.notes.end());
+    prepared = prepare(capture, options, meter, progress);
+    return mend;
+}
+
 }  // namespace
 
 Prepared prepare(const Capture& capture, const PipelineOptions& options, StageMeter& meter, Progress& progress,
@@ -93,12 +129,13 @@ Prepared prepare(const Capture& capture, const PipelineOptions& options, StageMe
     p.samples = std::move(samples);
     // High-radiance components become emitting patches ([Put15] 3.3).
     meter.begin(Stage::emitters);
-    p.clusters = clusterEmitters(*p.scene, capture, *p.samples, options.clusters, progress);
+    p.clusters = clusterEmittersOfStates(*p.scene, capture, *p.samples, options.clusters, progress);
     return p;
 }
 
 Corrections correctCapture(const PipelineOptions& options, Capture& capture, Prepared& prepared, StageMeter& meter,
                            Progress& progress) {
+    refuseOtherEnvironments(capture, *prepared.samples);
     const CaptureFix& told = options.load.fix;
     Corrections done{told.registration, told.photometric, told.mend, std::max(0, told.smoothNormals)};
     const bool mended = !told.mend.empty() || std::any_of(told.proxies.begin(), told.proxies.end(),
@@ -130,12 +167,13 @@ Corrections correctCapture(const PipelineOptions& options, Capture& capture, Pre
         }
     }
     if (options.mend && !mended && !prepared.working)
-        done.mend = mendMesh(options, capture, prepared, !done.registration.empty(), meter, progress);
+        done.mend = mendByBrightestState(options, capture, prepared, !done.registration.empty(), meter, progress);
     // Are the mesh's normals good enough to shade with? A decimated mesh's are means already.
     if (told.smoothNormals < 0 && !prepared.working) {
         meter.begin(Stage::normals);
+        const StatePart part = brightestPart(prepared);
         if (const NormalsChoice choice =
-                chooseNormals(*prepared.scene, *prepared.samples, prepared.clusters, options.solve, progress);
+                chooseNormals(*prepared.scene, *part.samples, part.clusters, options.solve, progress);
             choice.rounds > 0) {
             done.smoothedNormals = choice.rounds;
             capture.mesh.normals = smoothedNormals(capture.mesh, choice.rounds);
@@ -158,6 +196,8 @@ void takeMirrorBalls(PipelineOptions& options, Capture& capture) {
 UnobservedLightSearch searchUnobservedLight(const Capture& capture, const PipelineOptions& options, Progress& progress,
                                             std::shared_ptr<const Scene> scene,
                                             std::shared_ptr<const RadianceSamples> samples) {
+    if (capture.states.size() > 1)
+        throw Error("--find-light: the search knows one lighting state, this capture has {}", capture.states.size());
     StageMeter meter(progress);
     const Prepared p = prepare(capture, options, meter, progress, std::move(scene), std::move(samples));
     UnobservedLightOptions search;
@@ -189,12 +229,13 @@ Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepare
     // What this scene does not need.
     SolveOptions solve = options.solve;
     solve.meshError = prepared.meshError;
+    const StatePart part = brightestPart(prepared);
     const std::vector<ProbeFit> probes =
-        fitProbes(options.probes, scene, *prepared.samples, prepared.clusters, options.solve, solve.probes, progress);
+        fitProbes(options.probes, scene, *part.samples, part.clusters, options.solve, solve.probes, progress);
     meter.begin(Stage::planning);
     if (options.plan && !extras.resume)
-        solve.plan = planSolve(capture, scene, *prepared.samples, prepared.clusters, options.solve, options.everything,
-                               progress);
+        solve.plan =
+            planSolve(capture, scene, *part.samples, part.clusters, options.solve, options.everything, progress);
     if (options.plan && !extras.resume)
         planTexture(capture, scene, *prepared.samples, options.texture, options.everything, solve.plan);
     meter.end();

@@ -6,9 +6,12 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "base/statistics.h"
+#include "clusters/state_emitters.h"
 #include "display/display_image.h"
 #include "radiance/agreement.h"
+#include "radiance/state_parts.h"
 #include "relight/frame.h"
+#include "relight/state_look.h"
 
 namespace relamp {
 namespace {
@@ -166,6 +169,29 @@ void explainMisfit(const Estimate& estimate, const PhotographAgreement& agreemen
         r.advice += " Distant light alone was asked for: lights in the scene are not explained by it.";
 }
 
+/// The light of the photographs' lighting states.
+struct LitState {
+    std::unique_ptr<const RelitScene> relit;
+    std::unique_ptr<const FrameRenderer> renderer;
+    std::shared_ptr<const RadianceSamples> samples;
+};
+
+std::vector<LitState> litStates(const Capture& capture, const Scene& scene, const Estimate& estimate,
+                                const RadianceSamples& samples, const FrameOptions& frame, Progress& progress) {
+    std::vector<LitState> states(std::max<size_t>(1, capture.states.size()));
+    const std::vector<EmitterCluster>& emitters = estimate.emitters.emitters;
+    for (size_t s = 0; s < states.size(); ++s) {
+        Look look;
+        if (states.size() > 1) look = withLevels({}, emitters, levelsInState(emitters, s));
+        states[s].relit = std::make_unique<const RelitScene>(applyLook(scene, estimate, look, progress));
+        states[s].renderer = std::make_unique<const FrameRenderer>(*states[s].relit, capture.views[0].camera, frame);
+        states[s].samples = states.size() == 1
+                                ? std::shared_ptr<const RadianceSamples>(&samples, [](const RadianceSamples*) {})
+                                : std::make_shared<const RadianceSamples>(samplesOfState(samples, uint32_t(s)));
+    }
+    return states;
+}
+
 }  // namespace
 
 Reproduction measureReproduction(const Capture& capture, const Scene& scene, const Estimate& estimate,
@@ -174,8 +200,7 @@ Reproduction measureReproduction(const Capture& capture, const Scene& scene, con
     Reproduction result;
     if (capture.views.empty() || capture.views[0].image.pixels.empty()) return result;
     const FrameOptions frame;
-    const RelitScene relit = applyLook(scene, estimate, {}, progress);
-    const FrameRenderer renderer(relit, capture.views[0].camera, frame);
+    const std::vector<LitState> states = litStates(capture, scene, estimate, samples, frame, progress);
     progress.begin("How well are the photographs explained?", capture.views.size());
     std::vector<ComparedPixels> pixels;
     for (const View& view : capture.views) {
@@ -183,8 +208,9 @@ Reproduction measureReproduction(const Capture& capture, const Scene& scene, con
         ViewReproduction v{view.name};
         v.pixels = pixels.back().at.size();
         if (v.pixels) {
-            v.psnr = framePsnr(view, pixels.back(), samples, renderer, progress);
-            if (options.diagnose) v.observed = observedPsnr(view, pixels.back(), solved, samples);
+            const LitState& state = states[view.state];
+            v.psnr = framePsnr(view, pixels.back(), samples, *state.renderer, progress);
+            if (options.diagnose) v.observed = observedPsnr(view, pixels.back(), solved, *state.samples);
         }
         result.views.push_back(std::move(v));
         progress.advance();
@@ -208,14 +234,17 @@ Reproduction measureReproduction(const Capture& capture, const Scene& scene, con
         const auto at = std::find_if(result.views.begin(), result.views.end(),
                                      [&](const ViewReproduction& v) { return v.name == view.name; });
         if (at == result.views.end()) continue;
-        RelitScene without = relit;
+        RelitScene without = *states[view.state].relit;
         without.weight[0] = held.albedo;
         without.texture = estimate.heldOutTexture;
         at->heldOut = framePsnr(view, pixels[held.view], samples, FrameRenderer(without, view.camera, frame), progress);
         heldOut.push_back(at->heldOut);
     }
     for (double h : heldOut) result.heldOut += h / double(heldOut.size());
-    if (result.poor()) explainMisfit(estimate, photographAgreement(capture, solved, samples, progress), result);
+    if (result.poor()) {
+        const LitState& brightest = states[estimate.states.size() > 1 ? brightestState(estimate.emitters, samples) : 0];
+        explainMisfit(estimate, photographAgreement(capture, solved, *brightest.samples, progress), result);
+    }
     return result;
 }
 

@@ -157,6 +157,10 @@ RadianceSamples gatherRadiance(const Capture& capture, const Scene& scene, const
     progress.begin("What each pixel sees", rows);
     for (const View& view : capture.views) result.geometry.push_back(traceView(view, scene, progress));
 
+    if (capture.states.size() > 1) {
+        result.states = uint32_t(capture.states.size());
+        for (const View& view : capture.views) result.stateOfView.push_back(view.state);
+    }
     result.backgroundGrid.axes = scene.axes;
     const size_t n = scene.mesh.vertexCount(), views = capture.views.size();
     progress.begin("Radiance of each vertex", n);

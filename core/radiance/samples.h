@@ -36,6 +36,8 @@ struct RadianceSamples {
     std::vector<uint32_t> start;
     std::vector<RadianceSample> samples;
     std::vector<ViewGeometry> geometry;  ///< per view
+    uint32_t states = 1;                 ///< lighting states of the photographs
+    std::vector<uint32_t> stateOfView;   ///< per view; empty: all are in one
     /// Distant light seen directly: mean radiance of background pixels per cell, and how many saw it (0: unobserved).
     DirectionGrid backgroundGrid{128};
     std::vector<Rgb> background;
@@ -44,6 +46,7 @@ struct RadianceSamples {
     float relativeNoise = 0.01f;  ///< standard deviation of a sample over its radiance, from pixel differences
     float noiseFloor = 0;         ///< radiance: standard deviation of a dark sample
 
+    uint32_t stateOf(uint32_t view) const { return stateOfView.empty() ? 0 : stateOfView[view]; }
     size_t countOf(uint32_t v) const { return start[v + 1] - start[v]; }
     /// Standard deviation of an observation of this radiance (one channel).
     float sigma(float radiance) const {

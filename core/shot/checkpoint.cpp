@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr char magic[8] = {'r', 'e', 'l', 'a', 'm', 'p', 'C', 'P'};
-constexpr uint32_t formatVersion = 11;
+constexpr uint32_t formatVersion = 12;
 
 struct CheckpointHeader {
     char magic[8];
@@ -78,6 +78,7 @@ uint64_t solveFingerprint(const Capture& capture, const SolveOptions& o, bool ev
             for (int k = 0; k < 3; ++k) f.number(d[k]);
         }
         f.number(view.saturation);
+        if (capture.states.size() > 1) f.add(view.state);
         f.all(view.image.pixels);
         f.all(view.image.usable);
     }

@@ -1,5 +1,7 @@
 #include "shot/relit_looks.h"
 
+#include "relight/state_look.h"
+
 namespace relamp {
 namespace {
 
@@ -19,9 +21,10 @@ LookPivots pivotsOf(const Estimate& estimate, const Mesh& mesh) {
 RelitLooks::RelitLooks(const Estimate& estimate, const Scene& scene, const LookTrack& track)
     : estimate_(estimate), scene_(scene), track_(track), pivots_(pivotsOf(estimate, scene.mesh)) {}
 
-const RelitScene& RelitLooks::at(int frame, Progress& progress) {
+const RelitScene& RelitLooks::at(int frame, Progress& progress, std::optional<size_t> state) {
     Look look = lookAt(frame);
-    if (look == Look{}) return captured(progress);
+    if (look == Look{}) return captured(progress, base_ ? base_ : state);
+    look = inState(std::move(look), base_);
     if (!relit_ || !(look == look_)) {
         relit_.reset();
         relit_ = std::make_shared<const RelitScene>(applyLook(scene_, estimate_, look, progress));
@@ -30,9 +33,18 @@ const RelitScene& RelitLooks::at(int frame, Progress& progress) {
     return *relit_;
 }
 
-const RelitScene& RelitLooks::captured(Progress& progress) {
-    if (!captured_) captured_ = std::make_shared<const RelitScene>(applyLook(scene_, estimate_, Look{}, progress));
-    return *captured_;
+const RelitScene& RelitLooks::captured(Progress& progress, std::optional<size_t> state) {
+    if (!state) state = base_;
+    if (estimate_.states.empty()) state = {};
+    std::shared_ptr<const RelitScene>& relit = captured_[state];
+    if (!relit)
+        relit = std::make_shared<const RelitScene>(applyLook(scene_, estimate_, inState({}, state), progress));
+    return *relit;
+}
+
+Look RelitLooks::inState(Look look, std::optional<size_t> state) const {
+    const std::vector<EmitterCluster>& emitters = estimate_.emitters.emitters;
+    return state ? withLevels(std::move(look), emitters, levelsInState(emitters, *state)) : look;
 }
 
 }  // namespace relamp

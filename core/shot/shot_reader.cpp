@@ -1,6 +1,7 @@
 // What the document of shot.json says of a shot. Version 2 only: older documents are upgraded first.
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/json_fields.h"
 #include "capture/load_capture.h"
 #include "pipeline/reproduction.h"
 #include "shot/shot_document.h"
@@ -34,6 +35,27 @@ void readEmitters(const JsonFields& document, Estimate& e, std::vector<DVec3>& c
         e.identifiability.push_back(f.get("identifiability", 0.0f));
         e.lighting.emitterRadiance.push_back(c.radiance);
         e.emitters.emitters.push_back(std::move(c));
+    }
+}
+
+/// Shots of captures with one lighting state, and those of earlier versions, have none.
+void readStates(const JsonFields& document, Estimate& e) {
+    for (const JsonFields& s : document.list("states")) {
+        LightingState state{text(s, "name"), {}};
+        if (const std::string fault = faultOfStateName(state.name); !fault.empty())
+            throw Error("{}: {}", s.name("name"), fault);
+        if (e.states.size() == mostStates) throw Error("states: has more than {} entries", mostStates);
+        if (const Json* views = s.find("views"); views && views->is_array())
+            for (const Json& view : *views) state.views.push_back(textOf(view, s.name("views")));
+        for (EmitterCluster& c : e.emitters.emitters) c.inState.push_back(1);
+        for (const JsonFields& l : s.list("emitters")) {
+            const std::string id = text(l, "id");
+            const float level = l.get("level", 1.0f);
+            if (!(level >= 0 && level < 1e6f)) throw Error("{}: is {}, expected 0 or more", l.name("level"), level);
+            for (EmitterCluster& c : e.emitters.emitters)
+                if (c.id == id) c.inState.back() = level;
+        }
+        e.states.push_back(std::move(state));
     }
 }
 
@@ -195,6 +217,11 @@ CaptureFix captureFixOf(const JsonFields& object) {
     fix.fromBrackets = object.get("from_brackets", false);
     fix.registration = registrationOf(object.object("registration"));
     fix.mend = mendOf(object.object("mesh_mend"));
+    for (const JsonFields& s : object.list("states")) {
+        fix.states.push_back({text(s, "name"), text(s, "pattern")});
+        if (const std::string fault = faultOfStateName(fix.states.back().name); !fault.empty())
+            throw Error("{}: {}", s.name("name"), fault);
+    }
     fix.photometric = photometricOf(object.object("photometric"));
     for (const JsonFields& p : object.list("proxy_lights"))
         fix.proxies.push_back({p.get<DVec3>("centre"), p.get("radius", 0.0f), p.get("sigma", Vec3(0)),
@@ -265,6 +292,7 @@ void readShotDocument(const Json& json, const fs::path& folder, Shot& shot, std:
     shot.quality = text(document, "quality", "standard");
     shot.seed = document.get("seed", uint64_t(1));
     readEmitters(document, e, centroids);
+    readStates(document, e);
     e.reflectance.basis = basisOf(document, folder);
     for (const JsonFields& t : document.list("timeline"))
         e.timeline.push_back({t.get("seconds", 0.0), text(t, "stage"), t.get("iteration", 0), t.get("objective", 0.0),

@@ -68,6 +68,18 @@ Json emittersJson(const Shot& shot) {
     return list;
 }
 
+/// The photographs' lighting states, with the level of each emitter in them.
+Json statesJson(const Estimate& e) {
+    Json states = Json::array();
+    for (size_t s = 0; s < e.states.size(); ++s) {
+        Json levels = Json::array();
+        for (const EmitterCluster& c : e.emitters.emitters)
+            levels.push_back({{"id", c.id}, {"level", std::max(0.0f, c.levelIn(s))}});
+        states.push_back({{"name", e.states[s].name}, {"views", e.states[s].views}, {"emitters", levels}});
+    }
+    return states;
+}
+
 Json probeJson(const ProbeFit& probe) {
     return {{"name", probe.name},
             {"fitted_to", probe.by},
@@ -188,6 +200,8 @@ Json fixToJson(const CaptureFix& fix, const fs::path& capture) {
     if (fix.smoothNormals >= 0) json["smooth_normals"] = fix.smoothNormals;
     if (!fix.registration.empty()) json["registration"] = registrationJson(fix.registration);
     if (!fix.mend.empty()) json["mesh_mend"] = mendToJson(fix.mend);
+    for (const StatePattern& state : fix.states)
+        json["states"].push_back({{"name", state.name}, {"pattern", state.pattern}});
     if (!fix.photometric.empty()) json["photometric"] = photometricJson(fix.photometric);
     return json;
 }
@@ -209,6 +223,7 @@ Json shotInfo(const Shot& shot) {
                                             {"evidence", evidenceJson(r.evidence)}});
     info["environment"] = {{"leaves", e.lighting.leaves.size()}, {"grid_side", e.environmentSide}};
     info["gauge"] = gaugeJson(e.gauge);
+    if (!e.states.empty()) info["states"] = statesJson(e);
     for (const ProbeFit& probe : e.probes) info["light_probes"].push_back(probeJson(probe));
     for (const PatchFit& patch : e.patches)
         info["known_patches"].push_back({{"name", patch.name},

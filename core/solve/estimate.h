@@ -91,6 +91,7 @@ struct StabilityReport {
 struct SurfaceLight {
     std::vector<Rgb> white;    ///< radiance of a white matte surface there, bounced light included; 0: not known
     std::vector<Rgb> coating;  ///< radiance that a coating over the matte part adds, mean of the views
+    uint32_t state = 0;        ///< lighting state of the photographs; others show other light
     bool empty() const { return white.empty(); }
 };
 
@@ -102,6 +103,12 @@ struct NearFieldCorrection {
     bool empty() const { return emitter.empty(); }
 };
 
+/// A lighting state of the photographs: lamps are switched between states, everything else stays.
+struct LightingState {
+    std::string name;
+    std::vector<std::string> views;  ///< names of its photographs
+};
+
 struct Estimate {
     Lighting lighting;
     Reflectance reflectance;
@@ -111,6 +118,7 @@ struct Estimate {
     int environmentSide = 256;
     std::vector<Rgb> environmentSigma;  ///< its standard deviation, per cell, radiance; empty where it was not assessed
     std::vector<Rgb> emitterSigma;      ///< standard deviation of each emitter's radiance
+    std::vector<LightingState> states;   ///< of the photographs, for EmitterCluster::inState; empty: there is one
     std::vector<float> identifiability;  ///< per emitter: fraction of its effect that no distant light can imitate
     std::vector<TimelineEntry> timeline;
     std::vector<LeftOut> leftOut;

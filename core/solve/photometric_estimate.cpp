@@ -18,7 +18,8 @@ struct Look {
     float weight = 0;
 };
 
-/// Usable observations, vertex after vertex; only vertices that two views see.
+/// Usable observations, vertex after vertex; only vertices that two views see. What a vertex shows in different
+/// lighting states are different vertices.
 struct Looks {
     std::vector<uint32_t> start{0};
     std::vector<Look> observations;
@@ -26,10 +27,12 @@ struct Looks {
 
 Looks usableObservations(const Capture& capture, const Scene& scene, const RadianceSamples& samples) {
     Looks result;
-    for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v) {
+    for (size_t k = 0; k < scene.mesh.vertexCount() * samples.states; ++k) {
         const size_t first = result.observations.size();
+        const auto v = uint32_t(k / samples.states);
         for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
             const RadianceSample& r = samples.samples[s];
+            if (samples.stateOf(r.view) != k % samples.states) continue;
             const float darkest = std::min({r.radiance.x, r.radiance.y, r.radiance.z});
             if (r.clipped || r.weight < leastWeight || !(darkest > 4 * samples.noiseFloor)) continue;
             const Camera& camera = capture.views[r.view].camera;

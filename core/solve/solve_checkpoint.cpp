@@ -66,7 +66,7 @@ template <class T>
 constexpr bool gapless =
     std::has_unique_object_representations_v<T> || std::is_floating_point_v<T> || std::is_same_v<T, Rgb>;
 template <>
-constexpr bool gapless<GlossyObservation> = sizeof(GlossyObservation) == 2 * sizeof(uint32_t) + 7 * sizeof(float);
+constexpr bool gapless<GlossyObservation> = sizeof(GlossyObservation) == 3 * sizeof(uint32_t) + 7 * sizeof(float);
 template <>
 constexpr bool gapless<PaletteColour> = sizeof(PaletteColour) == 4 * sizeof(float);
 
@@ -109,6 +109,7 @@ void fields(File& f, EmitterClusters& c) {
         f.plain(e.area);
         fields(f, e.evidence);
         list(f, e.level);
+        list(f, e.inState);
     });
     listOf(f, c.rejected, [&](RejectedPatch& r) {
         f.plain(r.centroid);

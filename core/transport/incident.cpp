@@ -78,10 +78,10 @@ void lambertInfluenceOfLeaves(const Scene& scene, const Visibility& visibility, 
         &progress);
 }
 
-Rgb outgoingAt(const Scene& scene, const Hit& hit, const std::vector<Rgb>& outgoing) {
+Rgb outgoingAt(const Scene& scene, const Hit& hit, const std::vector<Rgb>& outgoing, size_t from) {
     const Triangle& t = scene.mesh.triangles[hit.triangle];
     const Vec2 b = hit.barycentric;
-    return (1 - b.x - b.y) * outgoing[t[0]] + b.x * outgoing[t[1]] + b.y * outgoing[t[2]];
+    return (1 - b.x - b.y) * outgoing[from + t[0]] + b.x * outgoing[from + t[1]] + b.y * outgoing[from + t[2]];
 }
 
 Rgb lightOfRow(const float* row, const Lighting& lighting) {
@@ -149,7 +149,7 @@ void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emit
             const int e = emitterOfTriangle.empty() ? -1 : emitterOfTriangle[hits[i].triangle];
             if (e < 0 && mirrored && options.outgoing &&
                 glm::dot(scene.mesh.faceNormal(hits[i].triangle), rays[i].direction) < 0) {
-                *mirrored += value / density * outgoingAt(scene, hits[i], *options.outgoing);
+                *mirrored += value / density * options.outgoingAt(scene, hits[i]);
             }
             if (e < 0 || !(totals[size_t(e)] > 0)) continue;
             if (!emitters[size_t(e)].twoSided &&
@@ -175,6 +175,7 @@ void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emit
         shoot({radius * std::cos(angle), radius * std::sin(angle), std::sqrt(std::max(0.0f, 1 - u.x))});
     }
     flush();
+    for (size_t e = 0; options.levels && e < emitters.size(); ++e) row[leaves.size() + e] *= options.levelOf(e);
 }
 
 }  // namespace relamp

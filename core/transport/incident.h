@@ -17,8 +17,12 @@ struct InfluenceMatrix {
     const float* row(size_t r) const { return &values[r * columns]; }
 };
 
-/// Of outgoing radiance per vertex, what the point of a hit sends.
-Rgb outgoingAt(const Scene& scene, const Hit& hit, const std::vector<Rgb>& outgoing);
+/// Of outgoing radiance per vertex, what the point of a hit sends. `from`: place in it of vertex 0.
+Rgb outgoingAt(const Scene& scene, const Hit& hit, const std::vector<Rgb>& outgoing, size_t from = 0);
+
+/// Of each lighting state of the photographs, the level of each emitter: its radiance there in parts of that in its
+/// brightest state. Empty: there is one state.
+using EmitterLevels = std::vector<std::vector<float>>;
 
 /// What a row (leaves, then emitters) says of the given light.
 Rgb lightOfRow(const float* row, const Lighting& lighting);
@@ -46,12 +50,26 @@ struct LobeRowOptions {
     DirectionGrid shapeGrid;
     /// Optional: radiance that the surfaces send, per vertex; what a lobe shows of it is an offset beside its row.
     const std::vector<Rgb>* outgoing = nullptr;
+    /// Optional: levels of the emitters. `outgoing` then holds the lighting states one after the other.
+    const EmitterLevels* levels = nullptr;
+    uint32_t state = 0;  ///< lighting state of the look
+
+    float levelOf(size_t emitter) const { return levels ? (*levels)[state][emitter] : 1.0f; }
+    /// Radiance of the emitters in that state.
+    std::vector<Rgb> shining(const Lighting& lighting) const {
+        std::vector<Rgb> radiance = lighting.emitterRadiance;
+        for (size_t e = 0; levels && e < radiance.size(); ++e) radiance[e] *= levelOf(e);
+        return radiance;
+    }
+    Rgb outgoingAt(const Scene& scene, const Hit& hit) const {
+        return relamp::outgoingAt(scene, hit, *outgoing, state * scene.mesh.vertexCount());
+    }
 };
 
 /// One row for a look at `vertex` from the unit direction `towardEye` through a GGX lobe: `row` holds leaves then
-/// emitters. Lobe, cosine and emitter samples are combined by multiple importance sampling (balance heuristic, Veach
-/// 1997). `mirrored`, if not null: what the lobe shows of other surfaces, by `options.outgoing`; their backs send
-/// nothing.
+/// emitters, these times their levels. Lobe, cosine and emitter samples are combined by multiple importance sampling
+/// (balance heuristic, Veach 1997). `mirrored`, if not null: what the lobe shows of other surfaces, by
+/// `options.outgoing`; their backs send nothing.
 void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emitters,
                      const std::vector<int>& emitterOfTriangle, const LightLeaves& leaves, const Lobe& lobe,
                      uint32_t vertex, const Vec3& towardEye, const LobeRowOptions& options, float* row,

@@ -215,4 +215,5 @@ def main():
     entry("novel-view", matrix=camera_at(*scene.novel))
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -57,6 +57,7 @@ AlbedoSystem albedoSystem(const Scene& scene, const MatteObservations& matte, co
             system.moment(Eigen::Index(v)) += weight * double(aim[c]);
         }
     system.precision.resize(matte.vertices.size(), 0);
+    std::vector<double> precision(n, 0);  // of all lighting states
     for (size_t i = 0; i < matte.vertices.size(); ++i) {
         const uint32_t v = matte.vertices[i];
         const double l = lit[i][c], y = matte.radiance[i][c], albedo = std::exp(double(logAlbedo[v][c]));
@@ -68,7 +69,8 @@ AlbedoSystem albedoSystem(const Scene& scene, const MatteObservations& matte, co
         diagonal[v] += p;
         system.moment(Eigen::Index(v)) += p * (double(logAlbedo[v][c]) + step);
         system.precision[i] = p;
-        system.own[v] = float(p / diagonal[v]);
+        precision[v] += p;
+        system.own[v] = float(precision[v] / diagonal[v]);
     }
     for (size_t v = 0; v < n; ++v) triplets.emplace_back(int(v), int(v), diagonal[v]);
     system.matrix.setFromTriplets(triplets.begin(), triplets.end());
@@ -95,9 +97,18 @@ AlbedoResult solveAlbedo(const Scene& scene, const MatteObservations& matte, con
     }
     std::vector<Rgb> logAlbedo(n);
     for (Rgb& a : logAlbedo) a = glm::log(typical);
+    // The start is from the brightest lighting state.
+    std::vector<Rgb> brightest(matte.states() > 1 ? n : 0, Rgb(0));
+    const auto outshone = [&](size_t i, int c) {
+        if (brightest.empty()) return false;
+        float& most = brightest[matte.vertices[i]][c];
+        if (!(lit[i][c] > most)) return true;
+        most = lit[i][c];
+        return false;
+    };
     for (size_t i = 0; i < matte.vertices.size(); ++i)
         for (int c = 0; c < 3; ++c)
-            if (lit[i][c] > 2 * litSigma[i][c] && matte.radiance[i][c] > 0 && lit[i][c] > 0)
+            if (lit[i][c] > 2 * litSigma[i][c] && matte.radiance[i][c] > 0 && lit[i][c] > 0 && !outshone(i, c))
                 logAlbedo[matte.vertices[i]][c] = std::log(std::clamp(matte.radiance[i][c] / lit[i][c], 1e-4f, 20.0f));
 
     Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors[3];

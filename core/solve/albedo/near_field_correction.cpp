@@ -272,12 +272,13 @@ NearFieldCorrection correctNearField(const NearFieldCorrectionInput& in, Progres
     return out;
 }
 
-void addCorrection(const NearFieldCorrection& correction, const std::vector<uint32_t>& vertices,
-                   const std::vector<Rgb>& radiance, Irradiance& irradiance) {
+void addCorrection(const NearFieldCorrection& correction, const MatteObservations& matte,
+                   const std::vector<Rgb>& radiance, const EmitterLevels& levels, Irradiance& irradiance) {
     if (correction.empty()) return;
-    for (size_t i = 0; i < vertices.size(); ++i)
-        if (const int e = correction.emitter[vertices[i]]; e >= 0) {
-            const float fraction = correction.formFactor[vertices[i]];
+    for (size_t i = 0; i < matte.vertices.size(); ++i)
+        if (const int e = correction.emitter[matte.vertices[i]]; e >= 0) {
+            const float fraction = correction.formFactor[matte.vertices[i]] *
+                                   (levels.empty() ? 1.0f : levels[matte.stateOf(i)][size_t(e)]);
             irradiance.value[i] = glm::max(irradiance.value[i] + fraction * radiance[size_t(e)], Rgb(0));
         }
 }

@@ -26,8 +26,9 @@ struct NearFieldCorrectionInput {
 /// emitter each. Empty where the variation falls by less than a fifth. Throws Cancelled. O(v^1.5) for v such vertices.
 NearFieldCorrection correctNearField(const NearFieldCorrectionInput& input, Progress& progress);
 
-/// Adds to the irradiance what the correction adds.
-void addCorrection(const NearFieldCorrection& correction, const std::vector<uint32_t>& vertices,
-                   const std::vector<Rgb>& radiance, Irradiance& irradiance);
+/// Adds to the irradiance of observations what the correction adds. `levels`: of the emitters in each lighting state;
+/// empty: there is one.
+void addCorrection(const NearFieldCorrection& correction, const MatteObservations& matte,
+                   const std::vector<Rgb>& radiance, const EmitterLevels& levels, Irradiance& irradiance);
 
 }  // namespace relamp

@@ -90,7 +90,9 @@ Rgb jumpAbout(const Scene& scene, const MatteObservations& matte, const std::vec
 
 }  // namespace
 
-Irradiance unsureAtShadows(const Scene& scene, const MatteObservations& matte, Irradiance irradiance) {
+namespace {
+
+Irradiance unsureInOneState(const Scene& scene, const MatteObservations& matte, Irradiance irradiance) {
     if (scene.mesh.normals.size() != scene.mesh.vertexCount() || matte.vertices.empty()) return irradiance;
     std::vector<uint32_t> observation(scene.mesh.vertexCount(), notObserved);
     for (size_t i = 0; i < matte.vertices.size(); ++i) observation[matte.vertices[i]] = uint32_t(i);
@@ -111,6 +113,17 @@ Irradiance unsureAtShadows(const Scene& scene, const MatteObservations& matte, I
             sigma = glm::sqrt(sigma * sigma + edge * edge + Rgb(floor * floor));
         }
     });
+    return irradiance;
+}
+
+}  // namespace
+
+Irradiance unsureAtShadows(const Scene& scene, const MatteObservations& matte, Irradiance irradiance) {
+    if (matte.states() == 1) return unsureInOneState(scene, matte, std::move(irradiance));
+    for (size_t s = 0; s < matte.states(); ++s) {
+        const Irradiance part = unsureInOneState(scene, matte.inState(s), irradiance.inState(matte, s));
+        std::copy(part.sigma.begin(), part.sigma.end(), irradiance.sigma.begin() + ptrdiff_t(matte.beginOf(s)));
+    }
     return irradiance;
 }
 

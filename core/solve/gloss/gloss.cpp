@@ -16,15 +16,18 @@ std::vector<GlossyObservation> glossyObservations(const Capture& capture, const 
         if (scene.component[v] == component && samples.countOf(v) >= 2) vertices.push_back(v);
     std::sort(vertices.begin(), vertices.end(), [&](uint32_t a, uint32_t b) { return scene.rank[a] < scene.rank[b]; });
     std::vector<GlossyObservation> observations;
+    const auto byState = [](const GlossyObservation& a, const GlossyObservation& b) { return a.state < b.state; };
     const double step = std::max(1.0, double(vertices.size()) / double(options.maxVertices));
     for (double at = 0; at < double(vertices.size()); at += step) {
         const uint32_t v = vertices[size_t(at)];
+        const size_t first = observations.size();
         for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
             const RadianceSample& r = samples.samples[s];
             if (r.clipped || r.weight < 0.25f) continue;
             GlossyObservation observation;
             observation.vertex = v;
             observation.view = r.view;
+            observation.state = samples.stateOf(r.view);
             observation.radiance = r.radiance;
             const float y = (r.radiance.x + r.radiance.y + r.radiance.z) / 3;
             observation.sigma = std::sqrt(samples.sigma(y) * samples.sigma(y) / r.weight + 0.03f * 0.03f * y * y);
@@ -32,6 +35,7 @@ std::vector<GlossyObservation> glossyObservations(const Capture& capture, const 
                 glm::normalize(Vec3(capture.views[r.view].camera.position()) - scene.mesh.positions[v]);
             observations.push_back(observation);
         }
+        if (samples.states > 1) std::stable_sort(observations.begin() + ptrdiff_t(first), observations.end(), byState);
     }
     return observations;
 }
@@ -49,8 +53,10 @@ InfluenceMatrix glossyRows(const Scene& scene, const std::vector<EmitterSurface>
     parallelFor(
         observations.size(), 16,
         [&](size_t i) {
+            LobeRowOptions here = options;
+            here.state = observations[i].state;
             glossyInfluence(scene, emitters, emitterOfTriangle, leaves, lobe, observations[i].vertex,
-                            observations[i].towardEye, options, matrix.row(i), mirrored ? &(*mirrored)[i] : nullptr);
+                            observations[i].towardEye, here, matrix.row(i), mirrored ? &(*mirrored)[i] : nullptr);
         },
         &progress);
     return matrix;
@@ -68,9 +74,9 @@ struct LobeFit {
 LobeFit fitLobe(const std::vector<GlossyObservation>& observations, const std::vector<Rgb>& response,
                 bool withLambert) {
     LobeFit fit;
-    std::vector<size_t> starts;  // observations are grouped by vertex
+    std::vector<size_t> starts;  // observations are grouped by vertex and state
     for (size_t i = 0; i < observations.size(); ++i)
-        if (i == 0 || observations[i].vertex != observations[i - 1].vertex) starts.push_back(i);
+        if (i == 0 || !observations[i].sharesMatte(observations[i - 1])) starts.push_back(i);
     starts.push_back(observations.size());
     std::vector<float> robust(observations.size(), 1);
     std::vector<uint8_t> zero(starts.size() * 3, 0);
@@ -173,7 +179,7 @@ MetalEvidence metalEvidence(const InfluenceMatrix& rows, const Lighting& lightin
         fitLobe(observations, responses(rows, lighting, std::vector<Rgb>(observations.size(), Rgb(0))), false).residual;
     size_t vertices = 0;
     for (size_t i = 0; i < observations.size(); ++i)
-        vertices += i == 0 || observations[i].vertex != observations[i - 1].vertex;
+        vertices += i == 0 || !observations[i].sharesMatte(observations[i - 1]);
     const double without = fitLobe(observations, std::vector<Rgb>(observations.size(), Rgb(0)), true).residual;
     evidence.alikeFromEverywhere = observations.size() > vertices
                                        ? without * double(observations.size()) / double(observations.size() - vertices)

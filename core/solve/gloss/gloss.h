@@ -19,6 +19,10 @@ struct GlossyObservation {
     Rgb radiance{0};
     float sigma = 0;  ///< standard deviation, radiance
     Vec3 towardEye{0};
+    uint32_t state = 0;  ///< lighting state of the view
+
+    /// Both have one matte part: of one vertex, under one light.
+    bool sharesMatte(const GlossyObservation& other) const { return vertex == other.vertex && state == other.state; }
 };
 
 /// Lobes of one component: the same weights all over it, beside a Lambert albedo per vertex.

@@ -41,6 +41,9 @@ std::vector<std::vector<Rgb>> lobeResponses(const Scene& scene, const std::vecto
                 for (const float alpha : widths) sum += float(each) * ggxSampleDensity(light, eye, alpha);
                 return sum;
             };
+            LobeRowOptions here = options;
+            here.state = observation.state;
+            const std::vector<Rgb> shines = here.shining(lighting);
             totals.assign(emitters.size(), 0);
             const uint32_t rank = scene.rank[observation.vertex];
             for (size_t e = 0; e < emitters.size(); ++e) {
@@ -51,8 +54,7 @@ std::vector<std::vector<Rgb>> lobeResponses(const Scene& scene, const std::vecto
                     if (s.visible == 0 || light.z <= 0) continue;
                     const float area = light.z / (pi * totals[e]) * float(samples.size()),
                                 evenness = s.formFactor * float(samples.size()) / totals[e];
-                    arriving.push_back({light, lighting.emitterRadiance[e] *
-                                                   (s.level * evenness * light.z / (area + density(light)))});
+                    arriving.push_back({light, shines[e] * (s.level * evenness * light.z / (area + density(light)))});
                 }
             }
             Ray rays[8];
@@ -76,16 +78,14 @@ std::vector<std::vector<Rgb>> lobeResponses(const Scene& scene, const std::vecto
                     const int e = emitterOfTriangle.empty() ? -1 : emitterOfTriangle[hits[i].triangle];
                     if (e < 0 && options.outgoing &&
                         glm::dot(scene.mesh.faceNormal(hits[i].triangle), rays[i].direction) < 0)
-                        arriving.push_back(
-                            {local[i], outgoingAt(scene, hits[i], *options.outgoing) * (local[i].z / drawn)});
+                        arriving.push_back({local[i], here.outgoingAt(scene, hits[i]) * (local[i].z / drawn)});
                     if (e < 0 || !(totals[size_t(e)] > 0)) continue;
                     if (!emitters[size_t(e)].twoSided &&
                         glm::dot(scene.mesh.faceNormal(hits[i].triangle), rays[i].direction) >= 0)
                         continue;
                     const float area = local[i].z / (pi * totals[size_t(e)]) * float(options.emitterSamples);
                     const float level = emitters[size_t(e)].levelAt(origin + hits[i].distance * rays[i].direction);
-                    arriving.push_back(
-                        {local[i], lighting.emitterRadiance[size_t(e)] * (level * local[i].z / (area + drawn))});
+                    arriving.push_back({local[i], shines[size_t(e)] * (level * local[i].z / (area + drawn))});
                 }
                 pending = 0;
             };
@@ -143,7 +143,7 @@ std::vector<LobeChoice> chooseLobes(const std::vector<Lobe>& lobes, const std::v
     const size_t n = lobes.size(), count = observations.size();
     std::vector<size_t> starts;
     for (size_t i = 0; i < count; ++i)
-        if (i == 0 || observations[i].vertex != observations[i - 1].vertex) starts.push_back(i);
+        if (i == 0 || !observations[i].sharesMatte(observations[i - 1])) starts.push_back(i);
     starts.push_back(count);
     std::vector<float> robust(count, 1);
     std::vector<LobeChoice> choices;

@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "base/statistics.h"
+#include "radiance/state_parts.h"
 
 namespace relamp {
 namespace {
@@ -60,8 +61,23 @@ MatteValue robustMatteValue(std::vector<MatteObservation>& observations, float q
     return value;
 }
 
-MatteObservations matteObservations(const Scene& scene, const RadianceSamples& samples,
-                                    const std::vector<uint8_t>& skip, const std::vector<uint8_t>* componentGlossy) {
+size_t MatteObservations::stateOf(size_t i) const {
+    if (stateStart.empty()) return 0;
+    return size_t(std::upper_bound(stateStart.begin() + 1, stateStart.end(), uint32_t(i)) - stateStart.begin()) - 1;
+}
+
+MatteObservations MatteObservations::inState(size_t state) const {
+    const auto part = [&](const auto& list) {
+        return std::decay_t<decltype(list)>(list.begin() + ptrdiff_t(beginOf(state)),
+                                            list.begin() + ptrdiff_t(endOf(state)));
+    };
+    return {part(vertices), part(radiance), part(sigma), viewSpread, componentGlossy};
+}
+
+namespace {
+
+MatteObservations matteOfOneState(const Scene& scene, const RadianceSamples& samples, const std::vector<uint8_t>& skip,
+                                  const std::vector<uint8_t>* componentGlossy) {
     MatteObservations result;
     const size_t n = scene.mesh.vertexCount();
     // How much each component's look changes with the view, beyond noise: the spread of the better observations.
@@ -121,6 +137,48 @@ MatteObservations matteObservations(const Scene& scene, const RadianceSamples& s
         result.sigma.push_back(sigma);
     }
     return result;
+}
+
+/// A component shines if it does in any state: without the lamp there may be nothing to mirror. It is a metal only
+/// where it is none that is matte in another state.
+std::vector<uint8_t> glossyInAny(const std::vector<MatteObservations>& states, size_t components) {
+    std::vector<uint8_t> glossy(components, 0);
+    for (size_t p = 0; p < components; ++p) {
+        bool matte = false;
+        for (const MatteObservations& state : states) {
+            glossy[p] = std::max(glossy[p], state.componentGlossy[p]);
+            matte |= state.componentGlossy[p] == 0 && state.viewSpread[p] > 0;
+        }
+        if (matte) glossy[p] = std::min<uint8_t>(glossy[p], 1);
+    }
+    return glossy;
+}
+
+}  // namespace
+
+MatteObservations matteObservations(const Scene& scene, const RadianceSamples& samples,
+                                    const std::vector<uint8_t>& skip, const std::vector<uint8_t>* componentGlossy) {
+    if (samples.states == 1) return matteOfOneState(scene, samples, skip, componentGlossy);
+    std::vector<RadianceSamples> parts;
+    std::vector<MatteObservations> states;
+    for (uint32_t s = 0; s < samples.states; ++s) parts.push_back(samplesOfState(samples, s));
+    for (const RadianceSamples& part : parts) states.push_back(matteOfOneState(scene, part, skip, componentGlossy));
+    MatteObservations all;
+    all.componentGlossy = componentGlossy ? *componentGlossy : glossyInAny(states, scene.components);
+    all.viewSpread.assign(scene.components, 0);
+    for (size_t s = 0; s < states.size(); ++s) {
+        MatteObservations& state = states[s];
+        for (size_t p = 0; p < scene.components; ++p)
+            all.viewSpread[p] = std::max(all.viewSpread[p], state.viewSpread[p]);
+        if (state.componentGlossy != all.componentGlossy)
+            state = matteOfOneState(scene, parts[s], skip, &all.componentGlossy);
+        all.stateStart.push_back(uint32_t(all.vertices.size()));
+        all.vertices.insert(all.vertices.end(), state.vertices.begin(), state.vertices.end());
+        all.radiance.insert(all.radiance.end(), state.radiance.begin(), state.radiance.end());
+        all.sigma.insert(all.sigma.end(), state.sigma.begin(), state.sigma.end());
+    }
+    all.stateStart.push_back(uint32_t(all.vertices.size()));
+    return all;
 }
 
 double backgroundOverSurfaces(const RadianceSamples& samples, const MatteObservations& matte) {

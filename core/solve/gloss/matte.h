@@ -5,14 +5,25 @@
 
 namespace relamp {
 
-/// One matte observation per usable vertex: lists of equal length.
+/// One matte observation per usable vertex, or with several lighting states one per vertex and state: lists of equal
+/// length.
 struct MatteObservations {
-    std::vector<uint32_t> vertices;  ///< ascending
+    std::vector<uint32_t> vertices;  ///< ascending, in each lighting state
     std::vector<Rgb> radiance;       ///< robust mean over views (lower quantile where the surface is glossy)
     std::vector<Rgb> sigma;          ///< its standard deviation
     std::vector<float> viewSpread;   ///< per mesh component: median relative spread between views, 0 with one view
     std::vector<uint8_t>
         componentGlossy;  ///< per mesh component: 0 matte, 1 coated (matte under gloss), 2 no matte signal (metal)
+    /// Observations of lighting state s are stateStart[s] ... stateStart[s + 1] - 1; empty: there is one state.
+    std::vector<uint32_t> stateStart = {};
+
+    size_t states() const { return stateStart.empty() ? 1 : stateStart.size() - 1; }
+    size_t beginOf(size_t state) const { return stateStart.empty() ? 0 : stateStart[state]; }
+    size_t endOf(size_t state) const { return stateStart.empty() ? vertices.size() : stateStart[state + 1]; }
+    /// The state of observation i.
+    size_t stateOf(size_t i) const;
+    /// The observations of one state.
+    MatteObservations inState(size_t state) const;
 };
 
 /// One look at a vertex in one channel.
@@ -27,8 +38,9 @@ struct MatteValue {
 /// be empty. O(n log n).
 MatteValue robustMatteValue(std::vector<MatteObservation>& observations, float quantile);
 
-/// `skip[v]` non-zero leaves vertex v out (emitters). `pieceGlossy`, if not null, is taken for
-/// MatteObservations::pieceGlossy instead of what the differences between views suggest.
+/// `skip[v]` non-zero leaves vertex v out (emitters). Views of several lighting states are read state by state.
+/// `componentGlossy`, if not null, is taken for MatteObservations::componentGlossy instead of what the differences
+/// between views suggest.
 MatteObservations matteObservations(const Scene& scene, const RadianceSamples& samples,
                                     const std::vector<uint8_t>& skip,
                                     const std::vector<uint8_t>* componentGlossy = nullptr);

@@ -20,16 +20,21 @@ void matteUnderGloss(const Capture& capture, const Scene& scene, const RadianceS
             std::vector<Rgb> coating;
             std::vector<uint32_t> usable;
             float best = 0;
+            LobeRowOptions rows = options.rows;
+            rows.state = uint32_t(matte.stateOf(here[k]));
+            const auto counts = [&](const RadianceSample& r) {
+                return !r.clipped && samples.stateOf(r.view) == rows.state;
+            };
             for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s)
-                if (!samples.samples[s].clipped) best = std::max(best, samples.samples[s].weight);
+                if (counts(samples.samples[s])) best = std::max(best, samples.samples[s].weight);
             for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
                 const RadianceSample& r = samples.samples[s];
-                if (r.clipped || r.weight < 0.2f * best) continue;
+                if (!counts(r) || r.weight < 0.2f * best) continue;
                 const Vec3 towardEye =
                     glm::normalize(Vec3(capture.views[r.view].camera.position()) - scene.mesh.positions[v]);
                 Rgb reflected(0);
-                glossyInfluence(scene, emitters, emitterOfTriangle, lighting.leaves, *gloss.lobe, v, towardEye,
-                                options.rows, row.data(), &reflected);
+                glossyInfluence(scene, emitters, emitterOfTriangle, lighting.leaves, *gloss.lobe, v, towardEye, rows,
+                                row.data(), &reflected);
                 coating.push_back(gloss.weight * (lightOfRow(row.data(), lighting) + reflected));
                 usable.push_back(s);
             }

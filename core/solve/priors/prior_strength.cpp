@@ -159,16 +159,18 @@ PriorStrength testAlbedoStrength(const Scene& scene, const RadianceSamples& samp
         for (size_t i = 0; i < matte.vertices.size(); ++i) {
             const uint32_t v = matte.vertices[i];
             if (matte.componentGlossy[scene.component[v]] || !(system.precision[i] > 0)) continue;
+            const size_t state = matte.stateOf(i);
+            const auto counts = [&](const RadianceSample& r) { return !r.clipped && samples.stateOf(r.view) == state; };
             float weights = 0;
             for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s)
-                weights += samples.samples[s].clipped ? 0 : samples.samples[s].weight;
+                weights += counts(samples.samples[s]) ? samples.samples[s].weight : 0;
             const double diagonal = system.matrix.coeff(int(v), int(v)),
                          whole = std::clamp(system.precision[i] * inverse(Eigen::Index(v)),
                                             system.precision[i] / diagonal, 0.98);
             for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
                 const RadianceSample& r = samples.samples[s];
                 const float y = r.radiance[channel];
-                if (r.clipped || !(y > 0)) continue;
+                if (!counts(r) || !(y > 0)) continue;
                 const double fraction = double(r.weight / weights) * whole,
                              residual = (std::log(double(y) / lit[i][channel]) - x(Eigen::Index(v))) / (1 - fraction);
                 const double sigma2 = std::pow(double(samples.sigma(y) / y), 2) / double(r.weight) + 4e-4 +

@@ -198,14 +198,18 @@ void RatioFit::takeVariance(const Irradiances& at) {
                 return std::min(1e6, RatioResidual::variance(ya, yb, la, lb, sigmaP, sigmaQ));
             };
             variance_[k].noise[c] = float(varianceOf(matte_.sigma[p.a][c] * lb, matte_.sigma[p.b][c] * la) + 1e-12);
+            const float mismatch = p.same ? options_.sameMismatch : options_.mismatch;
             variance_[k].model[c] =
                 float(varianceOf(options_.mixing * mixing[p.a][c] * yb, options_.mixing * mixing[p.b][c] * ya) +
-                      2 * double(options_.mismatch) * options_.mismatch);
+                      2 * double(mismatch) * mismatch);
             residual[k][c] = float(RatioResidual::value(ya, yb, la, lb));
         }
     });
     report_.chroma = options_.chroma ? *options_.chroma : chromaFraction(residual, variance_);
-    parallelFor(pairs_.size(), 4096, [&](size_t k) { precision_[k] = pairPrecision(variance_[k], report_.chroma); });
+    // Between two states of one vertex there is no texture, in which the channels would err together.
+    parallelFor(pairs_.size(), 4096, [&](size_t k) {
+        precision_[k] = pairPrecision(variance_[k], pairs_[k].same ? ChromaFraction{} : report_.chroma);
+    });
 }
 
 double RatioFit::evaluate(const Channels& light, const Irradiances& at, double scale, double* rmse) {

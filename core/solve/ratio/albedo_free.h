@@ -17,7 +17,8 @@ namespace relamp {
 
 struct AlbedoFreeOptions {
     int iterations = 12;
-    float mismatch = 0.015f;   ///< relative model error of an observation (tau)
+    float mismatch = 0.015f;     ///< relative model error of an observation (tau)
+    float sameMismatch = 0.01f;  ///< of one vertex's in two lighting states, which is off alike in both for the most
     float mixing = 0.25f;      ///< fraction of the irradiance step to the next vertex that an observation may be off by
     float robustScale = 2.5f;  ///< Cauchy scale in standard deviations
     float tolerance = 1e-3f;   ///< relative change of the irradiance that counts as none

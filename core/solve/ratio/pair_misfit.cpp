@@ -6,7 +6,7 @@ namespace relamp {
 
 double pairMisfit(const MatteObservations& matte, const AlbedoPair& pair, const std::vector<Rgb>& lit,
                   const std::vector<Rgb>& again) {
-    const auto [a, b, weight, edge] = pair;
+    const auto [a, b, weight, edge, same] = pair;
     double sum = 0;
     for (int c = 0; c < 3; ++c) {
         const double ya = matte.radiance[a][c], yb = matte.radiance[b][c], la = lit[a][c], lb = lit[b][c];

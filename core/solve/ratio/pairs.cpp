@@ -180,6 +180,41 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
     return pairs;
 }
 
+namespace {
+
+/// One vertex in two lighting states has one albedo.
+void addPairsOfStates(const MatteObservations& matte, const PairOptions& options, size_t vertices,
+                      const std::vector<uint32_t>& component, std::vector<AlbedoPair>& pairs) {
+    std::vector<std::vector<uint32_t>> observed(matte.states(), std::vector<uint32_t>(vertices, noPlace));
+    for (size_t s = 0; s < matte.states(); ++s)
+        for (size_t i = matte.beginOf(s); i < matte.endOf(s); ++i) observed[s][matte.vertices[i]] = uint32_t(i);
+    std::vector<uint32_t> here;
+    for (uint32_t v = 0; v < vertices; ++v) {
+        here.clear();
+        for (const std::vector<uint32_t>& state : observed)
+            if (state[v] != noPlace && matte.componentGlossy[component[v]] < 2) here.push_back(state[v]);
+        for (size_t a = 0; a < here.size(); ++a)
+            for (size_t b = a + 1; b < here.size(); ++b)
+                pairs.push_back({here[a], here[b], 2 * options.sameWeight / float(here.size()), false, true});
+    }
+}
+
+/// Pairs of each lighting state, and those between them.
+std::vector<AlbedoPair> pairsOfStates(const Scene& scene, const MatteObservations& matte, const PairOptions& options) {
+    if (matte.states() == 1) return albedoPairs(scene, matte, options);
+    std::vector<AlbedoPair> pairs;
+    for (size_t s = 0; s < matte.states(); ++s)
+        for (AlbedoPair& p : albedoPairs(scene, matte.inState(s), options)) {
+            p.a += uint32_t(matte.beginOf(s));
+            p.b += uint32_t(matte.beginOf(s));
+            pairs.push_back(p);
+        }
+    addPairsOfStates(matte, options, scene.mesh.vertexCount(), scene.component, pairs);
+    return pairs;
+}
+
+}  // namespace
+
 RatioObservations ratioObservations(const Scene& scene, const RadianceSamples& samples, std::vector<uint8_t> skip,
                                     uint64_t seed, bool noMetals) {
     RatioObservations result;
@@ -196,7 +231,7 @@ RatioObservations ratioObservations(const Scene& scene, const RadianceSamples& s
     options.seed = seed;
     // Distant light alone changes with the way a surface faces, not with its place.
     if (std::none_of(skip.begin(), skip.end(), [](uint8_t s) { return s != 0; })) options.longPairs = 0;
-    result.pairs = albedoPairs(scene, result.matte, options);
+    result.pairs = pairsOfStates(scene, result.matte, options);
     result.skip = std::move(skip);
     result.seed = seed;
     return result;

@@ -10,6 +10,7 @@ struct AlbedoPair {
     uint32_t a = 0, b = 0;  ///< positions in MatteObservations
     float weight = 1;
     bool edge = false;  ///< of the mesh
+    bool same = false;  ///< one vertex in two lighting states: the albedo is exactly one
 };
 
 struct PairOptions {
@@ -21,6 +22,7 @@ struct PairOptions {
     int longPairs = 2;            ///< a vertex, on average twice as many
     float longWeight = 0.5f;
     float longCosine = 0.7f;  ///< normals less than 45 degrees apart
+    float sameWeight = 2;     ///< of all pairs that a vertex has between lighting states, each with all others
 };
 
 /// Mesh edges, the ends of short random walks on the mesh, corner pairs (near in space, differently oriented: decisive

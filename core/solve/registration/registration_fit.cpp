@@ -30,6 +30,8 @@ RegistrationFit::RegistrationFit(const Capture& capture, const Scene& scene, con
         unknowns_.poses.push_back({view.name, DVec3(0), DVec3(0)});
         cameras_.push_back(view.camera);
         pixels += double(view.image.width) * double(view.image.height);
+        stateOfView_.push_back(view.state);
+        states_ = std::max(states_, view.state + 1);
     }
     edges_.resize(capture.views.size());
     parallelFor(edges_.size(), 1,
@@ -112,18 +114,25 @@ void RegistrationFit::observe(size_t place) {
 }
 
 std::vector<PairResidual> RegistrationFit::residualsOf(const PlacePair& pair, bool ofLeftOutViews) const {
+    std::vector<PairResidual> all;
+    for (uint32_t state = 0; state < states_; ++state) addResiduals(pair, state, ofLeftOutViews, all);
+    return all;
+}
+
+void RegistrationFit::addResiduals(const PlacePair& pair, uint32_t state, bool ofLeftOutViews,
+                                   std::vector<PairResidual>& all) const {
     std::vector<PairResidual> found, measured;
     uint32_t a = places_.firstObservation[pair.from], b = places_.firstObservation[pair.to];
     const uint32_t aEnd = places_.firstObservation[pair.from + 1], bEnd = places_.firstObservation[pair.to + 1];
     while (a < aEnd && b < bEnd) {
         const PlaceObservation &from = places_.observations[a], &to = places_.observations[b];
-        if (from.view == to.view && from.valid && to.valid)
+        if (from.view == to.view && from.valid && to.valid && (states_ == 1 || stateOfView_[from.view] == state))
             (isLeftOut(from.view) ? measured : found)
                 .push_back({&from, &to, double(from.value - to.value), double(std::min(from.weight, to.weight))});
         a += from.view <= to.view;
         b += to.view <= from.view;
     }
-    if (found.size() < 3) return {};
+    if (found.size() < 3) return;
     if (found.size() > mostViews) {
         // Other ones for each pair, so that every view takes part somewhere.
         std::rotate(found.begin(), found.begin() + std::ptrdiff_t(mixBits(pair.from) % found.size()), found.end());
@@ -142,7 +151,7 @@ std::vector<PairResidual> RegistrationFit::residualsOf(const PlacePair& pair, bo
     }
     std::vector<PairResidual>& asked = ofLeftOutViews ? measured : found;
     for (PairResidual& r : asked) r.value -= sum / weights;
-    return asked;
+    all.insert(all.end(), asked.begin(), asked.end());
 }
 
 RegistrationFit::Loss RegistrationFit::misfit(bool leftOutRegions, bool leftOutViews) const {
@@ -200,10 +209,14 @@ void RegistrationFit::step(const RegistrationPriors& priors, bool all) {
         for (size_t k = begin; k < end; ++k) {
             const PlacePair& pair = places_.pairs[k];
             if (pair.leftOut && !all) continue;
-            const std::vector<PairResidual> residuals = residualsOf(pair);
-            if (!residuals.empty())
-                parts[part].add(residuals, graph_.shares[places_.vertex[pair.from]],
-                                graph_.shares[places_.vertex[pair.to]]);
+            // Each state has a mean of its own.
+            for (uint32_t state = 0; state < states_; ++state) {
+                std::vector<PairResidual> residuals;
+                addResiduals(pair, state, false, residuals);
+                if (!residuals.empty())
+                    parts[part].add(residuals, graph_.shares[places_.vertex[pair.from]],
+                                    graph_.shares[places_.vertex[pair.to]]);
+            }
         }
     });
     NormalEquations equations = std::move(parts[0]);

@@ -62,6 +62,8 @@ private:
     Eigen::Matrix<double, 2, 6> pixelsByPose(size_t place, const PlaceObservation& o) const;
     bool isLeftOut(size_t view) const { return viewsLeftOut_ && view % 4 == 3; }
     std::vector<PairResidual> residualsOf(const PlacePair& pair, bool ofLeftOutViews = false) const;
+    /// The same of the views of one lighting state, added to `all`.
+    void addResiduals(const PlacePair& pair, uint32_t state, bool ofLeftOutViews, std::vector<PairResidual>& all) const;
     void takeMotions();
     void addPriors(const RegistrationPriors& priors, NormalEquations& equations) const;
     DVec3 pointOf(size_t place) const;
@@ -70,6 +72,8 @@ private:
     const Scene& scene_;
     DisplacementGraph graph_;
     Places places_;
+    std::vector<uint32_t> stateOfView_;  ///< lighting state; surfaces differ between them
+    uint32_t states_ = 1;
     std::vector<std::vector<uint8_t>> edges_;  ///< of each view: edgeDistance
     int factor_ = 1;                           ///< that photographs are made smaller by
     float clear_ = 0;                          ///< pixels that a place must be from edges

@@ -13,6 +13,17 @@ std::vector<EmitterSurface> surfacesOf(const Scene& scene, const EmitterClusters
     return surfaces;
 }
 
+/// Levels that no photograph tells count as full.
+EmitterLevels levelsOf(const EmitterClusters& clusters) {
+    EmitterLevels levels;
+    for (const EmitterCluster& e : clusters.emitters)
+        for (size_t s = 0; s < e.inState.size(); ++s) {
+            if (levels.size() <= s) levels.resize(s + 1);
+            levels[s].push_back(e.inState[s] < 0 ? 1.0f : e.inState[s]);
+        }
+    return levels;
+}
+
 /// At most 64 of the patch's vertices that a photograph shows, spread over it.
 std::vector<uint32_t> someOf(const SolveInput& in, const EmitterCluster& cluster) {
     std::vector<uint32_t> some, spread = cluster.vertices;
@@ -30,12 +41,17 @@ std::vector<uint32_t> someOf(const SolveInput& in, const EmitterCluster& cluster
 /// no emitter.
 float demandedAlbedo(const EmitterClusters& clusters, size_t e, const InfluenceMatrix& rows, const Lighting& lighting) {
     const EmitterCluster& cluster = clusters.emitters[e];
+    // Asked where it shines most: other lamps may be off there.
+    const size_t state =
+        size_t(std::max_element(cluster.inState.begin(), cluster.inState.end()) - cluster.inState.begin());
     std::vector<float> demanded;
     for (size_t i = 0; i < rows.rows; ++i) {
         Rgb lit(0);
         for (size_t k = 0; k < lighting.leaves.size(); ++k) lit += rows.row(i)[k] * lighting.leafRadiance[k];
         for (size_t o = 0; o < clusters.emitters.size(); ++o)
-            if (o != e) lit += rows.row(i)[lighting.leaves.size() + o] * lighting.emitterRadiance[o];
+            if (o != e)
+                lit += rows.row(i)[lighting.leaves.size() + o] *
+                       (std::max(0.0f, clusters.emitters[o].levelIn(state)) * lighting.emitterRadiance[o]);
         float worst = 0;
         for (int c = 0; c < 3; ++c)
             if (cluster.radiance[c] > 0.2f * maxChannel(cluster.radiance))
@@ -71,6 +87,7 @@ EmitterDecision EmitterDecision::of(const Scene& scene, const EmitterClusters& f
     }
     indexEmitters(scene, d.clusters);
     d.surfaces = surfacesOf(scene, d.clusters);
+    d.levels = levelsOf(d.clusters);
     return d;
 }
 
@@ -85,10 +102,21 @@ EmitterDecision EmitterDecision::of(const Scene& scene, EmitterClusters clusters
                         e.vertices.size());
         rebuildPattern(scene.mesh, e);
     }
-    EmitterDecision d{std::move(clusters), std::move(suspect), {}};
+    EmitterDecision d{std::move(clusters), std::move(suspect), {}, {}};
     indexEmitters(scene, d.clusters);
     d.surfaces = surfacesOf(scene, d.clusters);
+    d.levels = levelsOf(d.clusters);
     return d;
+}
+
+Lighting EmitterDecision::inState(Lighting lighting, size_t state) const {
+    for (size_t e = 0; !levels.empty() && e < lighting.emitterRadiance.size(); ++e)
+        lighting.emitterRadiance[e] *= levels[state][e];
+    return lighting;
+}
+
+void EmitterDecision::dim(float* row, size_t leaves, size_t state) const {
+    for (size_t e = 0; !levels.empty() && e < levels[state].size(); ++e) row[leaves + e] *= levels[state][e];
 }
 
 std::vector<uint8_t> EmitterDecision::skip() const {
@@ -114,7 +142,10 @@ bool EmitterDecision::judge(const SolveInput& in, const Lighting& lighting,
     clusters.emitters = std::move(kept);
     suspect.assign(clusters.emitters.size(), 0);
     indexEmitters(in.scene, clusters);
-    if (changed) surfaces = surfacesOf(in.scene, clusters);
+    if (changed) {
+        surfaces = surfacesOf(in.scene, clusters);
+        levels = levelsOf(clusters);
+    }
     return changed;
 }
 

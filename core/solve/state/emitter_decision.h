@@ -3,7 +3,7 @@
 #include <functional>
 
 #include "solve/state/solve_input.h"
-#include "transport/near_field.h"
+#include "transport/incident.h"
 
 namespace relamp {
 
@@ -11,6 +11,7 @@ struct EmitterDecision {
     EmitterClusters clusters;              ///< emitters and candidates together, strongest first; what was rejected
     std::vector<uint8_t> suspect;          ///< per emitter: 1 = only a light fit can decide
     std::vector<EmitterSurface> surfaces;  ///< of the emitters, in their order
+    EmitterLevels levels;                  ///< of the emitters in each lighting state; empty: there is one
 
     /// `nearField` false: nothing stands in the scene.
     static EmitterDecision of(const Scene& scene, const EmitterClusters& found, bool nearField);
@@ -18,6 +19,10 @@ struct EmitterDecision {
     static EmitterDecision of(const Scene& scene, EmitterClusters clusters, std::vector<uint8_t> suspect);
     /// Per vertex 1 where an emitter lies.
     std::vector<uint8_t> skip() const;
+    /// What the emitters send in a lighting state under `lighting`, which has them as bright as they get.
+    Lighting inState(Lighting lighting, size_t state) const;
+    /// Columns of the emitters in rows of direct light, times their levels in a lighting state.
+    void dim(float* row, size_t leaves, size_t state) const;
     /// Re-fit test: a suspect that needs an albedo below 1.5 under the light of everything else is a surface, others
     /// are emitters. `rowsOf`: influence of leaves and emitters on vertices. True when the set changed; surfaces and
     /// near-field transport are then those of before.

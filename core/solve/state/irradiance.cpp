@@ -4,6 +4,11 @@
 
 namespace relamp {
 
+Irradiance Irradiance::inState(const MatteObservations& matte, size_t state) const {
+    const ptrdiff_t begin = ptrdiff_t(matte.beginOf(state)), end = ptrdiff_t(matte.endOf(state));
+    return {{value.begin() + begin, value.begin() + end}, {sigma.begin() + begin, sigma.begin() + end}};
+}
+
 Irradiance irradianceOf(const InfluenceMatrix& rows, const Lighting& lighting, const std::vector<Rgb>& bounce,
                         const std::vector<AlbedoPair>& pairs) {
     Irradiance result;

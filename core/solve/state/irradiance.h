@@ -11,6 +11,9 @@ struct Irradiance {
     std::vector<Rgb> value;
     /// Standard deviation: at shadow edges an observation mixes irradiance with its neighbours'.
     std::vector<Rgb> sigma;
+
+    /// Of the observations of one lighting state.
+    Irradiance inState(const MatteObservations& matte, size_t state) const;
 };
 
 /// Of `rows` under `lighting`, with light from other surfaces if `bounce` is not empty. Cost O(rows columns).

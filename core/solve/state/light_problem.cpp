@@ -103,15 +103,39 @@ InfluenceMatrix LightProblem::rowsOf(const SolveInput& in, const EmitterDecision
     return matrix;
 }
 
+InfluenceMatrix LightProblem::rowsOf(const SolveInput& in, const EmitterDecision& emitters,
+                                     const MatteObservations& matte) {
+    if (matte.states() == 1) return rowsOf(in, emitters, matte.vertices);
+    // A vertex has one row, of which each state takes its part of the emitters.
+    std::vector<uint32_t> vertices = matte.vertices;
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    const InfluenceMatrix all = rowsOf(in, emitters, vertices);
+    InfluenceMatrix rows;
+    rows.rows = matte.vertices.size();
+    rows.columns = all.columns;
+    rows.values.resize(rows.rows * rows.columns);
+    for (size_t s = 0; s < matte.states(); ++s) {
+        size_t at = 0;
+        for (size_t i = matte.beginOf(s); i < matte.endOf(s); ++i) {
+            while (vertices[at] != matte.vertices[i]) ++at;
+            std::copy(all.row(at), all.row(at) + all.columns, rows.row(i));
+            emitters.dim(rows.row(i), lighting.leaves.size(), s);
+        }
+    }
+    return rows;
+}
+
 std::vector<Rgb> LightProblem::directAt(const SolveInput& in, const EmitterDecision& emitters,
-                                        const std::vector<uint32_t>& vertices) {
+                                        const std::vector<uint32_t>& vertices, size_t state) {
+    const Lighting shining = emitters.inState(lighting, state);
     std::vector<Rgb> out;
     constexpr size_t block = 2048;  // rows are as wide as there are leaves: not all at once
     for (size_t begin = 0; begin < vertices.size(); begin += block) {
         const std::vector<uint32_t> some(vertices.begin() + ptrdiff_t(begin),
                                          vertices.begin() + ptrdiff_t(std::min(vertices.size(), begin + block)));
         const InfluenceMatrix rows = rowsOf(in, emitters, some);
-        for (size_t i = 0; i < some.size(); ++i) out.push_back(lightOfRow(rows.row(i), lighting));
+        for (size_t i = 0; i < some.size(); ++i) out.push_back(lightOfRow(rows.row(i), shining));
     }
     return out;
 }

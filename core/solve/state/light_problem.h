@@ -53,9 +53,11 @@ struct LightProblem {
     /// Rows of direct light for the vertices, whose transport is computed if it is not known yet.
     InfluenceMatrix rowsOf(const SolveInput& in, const EmitterDecision& emitters,
                            const std::vector<uint32_t>& vertices);
-    /// Direct light at any vertices, as a white matte surface shows it.
+    /// Rows of direct light for observations, in the lighting state of each.
+    InfluenceMatrix rowsOf(const SolveInput& in, const EmitterDecision& emitters, const MatteObservations& matte);
+    /// Direct light at any vertices in a lighting state, as a white matte surface shows it.
     std::vector<Rgb> directAt(const SolveInput& in, const EmitterDecision& emitters,
-                              const std::vector<uint32_t>& vertices);
+                              const std::vector<uint32_t>& vertices, size_t state);
 
     /// anchors for the present leaves, without the background where it was refuted, and the leaves' shapes.
     void anchor(const SolveInput& in, const EmitterDecision& emitters);

@@ -5,7 +5,8 @@ namespace relamp {
 SolveObservations SolveObservations::of(const SolveInput& in, std::vector<uint8_t> skip, bool noMetals,
                                         const RatioObservations* planned) {
     RatioObservations anew;
-    if (!planned || planned->skip != skip || planned->seed != in.options.seed || planned->noMetals != noMetals) {
+    if (!planned || planned->skip != skip || planned->seed != in.options.seed || planned->noMetals != noMetals ||
+        planned->matte.states() != in.samples.states) {
         anew = ratioObservations(in.scene, in.samples, std::move(skip), in.options.seed, noMetals);
         planned = &anew;
     }
@@ -40,11 +41,13 @@ void SolveObservations::readAsMatte(const SolveInput& in, const std::vector<uint
     keepAsPhotographed();
     for (uint32_t v : matte.vertices) skip[v] = !components[in.scene.component[v]];
     const MatteObservations median = matteObservations(in.scene, in.samples, skip, &glossy);
-    size_t i = 0;
-    for (size_t k = 0; k < median.vertices.size(); ++k) {
-        while (matte.vertices[i] != median.vertices[k]) ++i;
-        matte.radiance[i] = median.radiance[k];
-        matte.sigma[i] = median.sigma[k];
+    for (size_t state = 0; state < matte.states(); ++state) {
+        size_t i = matte.beginOf(state);
+        for (size_t k = median.beginOf(state); k < median.endOf(state); ++k) {
+            while (matte.vertices[i] != median.vertices[k]) ++i;
+            matte.radiance[i] = median.radiance[k];
+            matte.sigma[i] = median.sigma[k];
+        }
     }
 }
 

@@ -43,6 +43,9 @@ Estimate assemble(const SolveRun& s) {
     estimate.mode = s.in.options.nearField ? "near-field" : "distant-only";
     estimate.lighting = s.light.lighting;
     estimate.emitters = s.emitters.clusters;
+    for (const std::string& name : s.in.capture.states) estimate.states.push_back({name, {}});
+    for (const View& view : s.in.capture.views)
+        if (!estimate.states.empty()) estimate.states[view.state].views.push_back(view.name);
     estimate.nearFieldCorrection = s.light.correction;
     estimate.cancelled = s.stopped();
     estimate.interreflection = s.bounce.joined();
@@ -89,7 +92,8 @@ SurfaceLight surfaceLightOf(const SolveRun& s, const Irradiance& irradiance, con
     const MatteObservations &matte = s.observed.matte, &coated = s.observed.withCoatings;
     light.white.assign(s.in.scene.mesh.vertexCount(), Rgb(0));
     light.coating.assign(light.white.size(), Rgb(0));
-    for (size_t i = 0; i < matte.vertices.size(); ++i) {
+    light.state = s.mainState();
+    for (size_t i = matte.beginOf(light.state); i < matte.endOf(light.state); ++i) {
         light.white[matte.vertices[i]] = irradiance.value[i] * scale;
         if (!coated.vertices.empty())
             light.coating[matte.vertices[i]] = glm::max(coated.radiance[i] - matte.radiance[i], Rgb(0));
@@ -100,10 +104,13 @@ SurfaceLight surfaceLightOf(const SolveRun& s, const Irradiance& irradiance, con
 /// On an inexact mesh, and the albedo with it.
 void correctLightNearEmitters(SolveRun& s) {
     if (!(s.in.options.meshError > 0) || !s.in.options.nearField || !s.hasMatte() || s.stopped()) return;
-    s.light.correction =
-        correctNearField({s.in.scene, s.observed.matte, s.irradiance(), s.light.nearField, s.emitters.clusters,
-                          s.light.lighting.emitterRadiance, s.in.options.meshError},
-                         s.in.progress);
+    // In the state in which emitters are brightest.
+    const uint32_t state = s.mainState();
+    const MatteObservations& all = s.observed.matte;
+    s.light.correction = correctNearField(
+        {s.in.scene, all.inState(state), s.irradiance().inState(all, state), s.light.nearField, s.emitters.clusters,
+         s.emitters.inState(s.light.lighting, state).emitterRadiance, s.in.options.meshError},
+        s.in.progress);
     if (!s.light.correction.empty()) updateAlbedo(s, s.irradiance());
 }
 

@@ -17,7 +17,7 @@ void rebuildRows(SolveRun& s) {
     }
     s.meter.begin(Stage::rows);
     s.light.anchor(s.in, s.emitters);
-    s.light.influence = s.rowsOf(s.observed.matte.vertices);
+    s.light.influence = s.light.rowsOf(s.in, s.emitters, s.observed.matte);
 }
 
 void finishVisibility(SolveRun& s) {
@@ -26,7 +26,7 @@ void finishVisibility(SolveRun& s) {
     s.meter.begin(Stage::visibility);
     s.light.learnVisibility(s.in, 1);
     s.meter.begin(stage);
-    s.light.influence = s.rowsOf(s.observed.matte.vertices);
+    s.light.influence = s.light.rowsOf(s.in, s.emitters, s.observed.matte);
 }
 
 void beginSolve(SolveRun& s, const EmitterClusters& clusters) {

@@ -12,19 +12,22 @@ void updateBounce(SolveRun& s) {
     updateAlbedo(s, irradiance);
     std::vector<Rgb> lit = std::move(irradiance.value);
     const std::vector<Rgb>& albedo = s.surfaces.albedo.albedo;
-    BounceModel::HiddenSenders hidden;
-    hidden.vertices = s.bounce.hiddenSenders(s.observed.matte.vertices, s.emitters.skip());
-    if (!albedo.empty()) {
-        for (const uint32_t v : hidden.vertices) hidden.albedo.push_back(albedo[v]);
-        hidden.direct = s.light.directAt(s.in, s.emitters, hidden.vertices);
-    }
     const MatteObservations& matte = s.observed.matte;
+    std::vector<BounceModel::HiddenSenders> hidden(matte.states());
+    for (size_t state = 0; state < matte.states(); ++state) {
+        const std::vector<uint32_t> shown(matte.vertices.begin() + ptrdiff_t(matte.beginOf(state)),
+                                          matte.vertices.begin() + ptrdiff_t(matte.endOf(state)));
+        BounceModel::HiddenSenders& senders = hidden[state];
+        senders.vertices = s.bounce.hiddenSenders(shown, s.emitters.skip());
+        if (albedo.empty()) continue;
+        for (const uint32_t v : senders.vertices) senders.albedo.push_back(albedo[v]);
+        senders.direct = s.light.directAt(s.in, s.emitters, senders.vertices, state);
+    }
     for (size_t i = 0; i < s.bounce.atObservation.size(); ++i) lit[i] -= s.bounce.atObservation[i];
-    s.bounce.take(matte.vertices, matte.radiance, s.in.scene.mesh.vertexCount(), hidden);
+    s.bounce.take(matte, matte.radiance, s.in.scene.mesh.vertexCount(), hidden);
     if (!mayShowEmitters(s)) return;
     for (size_t i = 0; i < lit.size(); ++i) lit[i] += s.bounce.atObservation[i];
-    s.bounce.take(matte.vertices, reflectedAtMost(matte, lit, s.in.scene.component), s.in.scene.mesh.vertexCount(),
-                  hidden);
+    s.bounce.take(matte, reflectedAtMost(matte, lit, s.in.scene.component), s.in.scene.mesh.vertexCount(), hidden);
 }
 
 void joinLikelyBounce(SolveRun& s) {
@@ -42,7 +45,7 @@ namespace {
 /// Misfit of the pairs under the present light, bounced light and the noise of its rays left aside.
 double bouncedMisfit(const SolveRun& s, const BounceRays& others) {
     const std::vector<Rgb> lit = s.irradiance().value;
-    std::vector<Rgb> again = s.bounce.along(others, s.observed.matte.vertices);
+    std::vector<Rgb> again = s.bounce.along(others, s.observed.matte);
     for (size_t i = 0; i < again.size(); ++i) again[i] += lit[i] - s.bounce.atObservation[i];
     return pairMisfit(s.observed.matte, s.observed.pairs, lit, again);
 }

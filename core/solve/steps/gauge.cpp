@@ -140,8 +140,9 @@ void boundAlbedo(const SolveRun& s, const Irradiance& irradiance, const Rgb& sca
                                 : glm::max(s.observed.withCoatings.radiance[i] - s.observed.matte.radiance[i], Rgb(0));
         const Rgb free = s.surfaces.albedo.albedo[v] / scale * white + coating,
                   cut = glm::min(s.surfaces.albedo.albedo[v] / scale, Rgb(1)) * white + coating;
+        const size_t state = s.observed.matte.stateOf(i);
         for (uint32_t k = s.in.samples.start[v]; k < s.in.samples.start[v + 1]; ++k)
-            for (int c = 0; c < 3; ++c) {
+            for (int c = 0; c < 3 && s.in.samples.stateOf(s.in.samples.samples[k].view) == state; ++c) {
                 const auto display = [&](float y) { return std::pow(std::clamp(y * exposure, 0.0f, 1.0f), 1 / 2.2f); };
                 const double y = display(s.in.samples.samples[k].radiance[c]);
                 own += std::pow(display(free[c]) - y, 2);

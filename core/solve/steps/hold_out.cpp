@@ -5,21 +5,27 @@ namespace relamp {
 
 std::vector<HeldOutAlbedo> holdOutViews(const SolveRun& s, const Irradiance& irradiance) {
     std::vector<HeldOutAlbedo> held;
-    const size_t views = s.in.capture.views.size();
+    const uint32_t state = s.mainState();
+    std::vector<size_t> ofState;
+    for (size_t i = 0; i < s.in.capture.views.size(); ++i)
+        if (s.in.samples.stateOf(uint32_t(i)) == state) ofState.push_back(i);
+    const size_t views = ofState.size();
     if (views < 4 || !s.hasMatte() || s.stopped()) return held;
     const std::vector<uint8_t> skip = s.emitters.skip();
     std::vector<uint32_t> at(s.in.scene.mesh.vertexCount(), 0);
-    for (uint32_t i = 0; i < s.observed.matte.vertices.size(); ++i) at[s.observed.matte.vertices[i]] = i;
+    for (size_t i = s.observed.matte.beginOf(state); i < s.observed.matte.endOf(state); ++i)
+        at[s.observed.matte.vertices[i]] = uint32_t(i);
     AlbedoPrior prior = s.surfaces.prior;
     prior.iterations = 2;
-    for (const size_t view : {views / 3, 2 * views / 3}) {
+    for (const size_t view : {ofState[views / 3], ofState[2 * views / 3]}) {
         RadianceSamples others;
         others.relativeNoise = s.in.samples.relativeNoise;
         others.noiseFloor = s.in.samples.noiseFloor;
         others.start.assign(1, 0);
         for (uint32_t v = 0; v < skip.size(); ++v) {
             for (uint32_t i = s.in.samples.start[v]; i < s.in.samples.start[v + 1]; ++i)
-                if (s.in.samples.samples[i].view != view) others.samples.push_back(s.in.samples.samples[i]);
+                if (s.in.samples.samples[i].view != view && s.in.samples.stateOf(s.in.samples.samples[i].view) == state)
+                    others.samples.push_back(s.in.samples.samples[i]);
             others.start.push_back(uint32_t(others.samples.size()));
         }
         MatteObservations matte = matteObservations(s.in.scene, others, skip, &s.observed.matte.componentGlossy);

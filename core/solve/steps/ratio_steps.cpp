@@ -162,8 +162,10 @@ ViewRows viewRows(SolveRun& s, Progress& progress) {
                        *g.lobe, g.observations, options.rows, progress, &mirrored);
         std::vector<uint32_t> vertices;
         for (const GlossyObservation& observation : g.observations) vertices.push_back(observation.vertex);
-        const InfluenceMatrix lambert = s.rowsOf(vertices);
+        InfluenceMatrix lambert = s.rowsOf(vertices);
         for (size_t i = 0; i < g.observations.size(); ++i, ++at) {
+            const size_t state = g.observations[i].state;
+            s.emitters.dim(lambert.row(i), s.light.lighting.leaves.size(), state);
             const Rgb albedo =
                 !s.surfaces.albedo.albedo.empty() ? s.surfaces.albedo.albedo[g.observations[i].vertex] : Rgb(0);
             for (int c = 0; c < 3; ++c)
@@ -171,7 +173,9 @@ ViewRows viewRows(SolveRun& s, Progress& progress) {
                     result.influence[c].row(at)[k] = g.weight[c] * lobe.row(i)[k] + albedo[c] * lambert.row(i)[k];
             result.radiance.push_back(
                 g.observations[i].radiance - g.weight * mirrored[i] -
-                (s.bounce.atVertex.empty() ? Rgb(0) : albedo * s.bounce.atVertex[g.observations[i].vertex]));
+                (s.bounce.atVertex.empty()
+                     ? Rgb(0)
+                     : albedo * s.bounce.atVertex[state * s.in.scene.mesh.vertexCount() + g.observations[i].vertex]));
             result.sigma.push_back(2.0f * g.observations[i].sigma);
         }
     }

@@ -104,12 +104,15 @@ ViewRows addPatchRows(SolveRun& s, const ViewRows* views) {
     for (size_t i = 0; i < parts.size(); ++i) {
         const KnownPatch& patch = s.in.options.patches[parts[i].patch];
         Rgb bounced(0);
+        const size_t state = s.in.samples.stateOf(uint32_t(patch.view));
         for (const auto& [vertex, weight] : parts[i].vertices) {
-            const float* row = lambert.row(rowOf[vertex]);
+            std::vector<float> row(lambert.row(rowOf[vertex]), lambert.row(rowOf[vertex]) + columns);
+            s.emitters.dim(row.data(), s.light.lighting.leaves.size(), state);
             for (int c = 0; c < 3; ++c)
                 for (size_t k = 0; k < columns; ++k)
                     all.influence[c].row(first + i)[k] += weight * patch.albedo[c] * row[k];
-            if (s.bounce.joined()) bounced += weight * s.bounce.atVertex[vertex];
+            if (s.bounce.joined())
+                bounced += weight * s.bounce.atVertex[state * s.in.scene.mesh.vertexCount() + vertex];
         }
         all.radiance.push_back(parts[i].radiance - patch.albedo * bounced);
         all.sigma.push_back(std::max(patch.noise * luminance(parts[i].radiance), 1e-20f));

@@ -106,7 +106,7 @@ void resumeSolve(SolveRun& s, const SolveCheckpoint& c) {
         s.bounce.trace(s.in, BounceOptions{}.rays);
         s.bounce.atVertex = c.vertexBounce;
         s.bounce.outgoing = c.outgoing;
-        if (!s.bounce.atVertex.empty()) s.bounce.takeAtObservations(s.observed.matte.vertices);
+        if (!s.bounce.atVertex.empty()) s.bounce.takeAtObservations(s.observed.matte);
     }
     s.gloss.components = c.gloss;
     s.gloss.early = c.firstGloss;

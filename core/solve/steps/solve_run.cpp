@@ -21,6 +21,7 @@ LobeRowOptions SolveRun::rowOptions() const {
     options.shape = light.leafShape.empty() ? nullptr : &light.leafShape;
     options.shapeGrid = in.samples.backgroundGrid;
     options.outgoing = bounce.outgoing.empty() ? nullptr : &bounce.outgoing;
+    options.levels = emitters.levels.empty() ? nullptr : &emitters.levels;
     return options;
 }
 

@@ -1,6 +1,7 @@
 // One solve under way: the values that its steps change, and the log of what they did. Not a door.
 #pragma once
 #include "base/stage_meter.h"
+#include "clusters/state_emitters.h"
 #include "solve/albedo/near_field_correction.h"
 #include "solve/state/bounce_model.h"
 #include "solve/state/gloss_model.h"
@@ -57,9 +58,11 @@ struct SolveRun {
     /// What the present light makes of the observations.
     Irradiance irradiance() const {
         Irradiance found = irradianceOf(light.influence, light.lighting, bounce.atObservation, observed.pairs);
-        addCorrection(light.correction, observed.matte.vertices, light.lighting.emitterRadiance, found);
+        addCorrection(light.correction, observed.matte, light.lighting.emitterRadiance, emitters.levels, found);
         return found;
     }
+    /// The lighting state for what one state tells alone: the one in which emitters are brightest.
+    uint32_t mainState() const { return brightestState(emitters.clusters, in.samples); }
     double mismatch(const Irradiance& irradiance) const {
         return pairMismatch(observed.matte, observed.pairs, irradiance);
     }

@@ -1,0 +1,196 @@
+#include "clusters/state_emitters.h"
+
+#include "base/log.h"
+#include "base/statistics.h"
+#include "radiance/agreement.h"
+#include "radiance/state_parts.h"
+
+namespace relamp {
+namespace {
+
+constexpr float overlapOfOne = 0.3f;  // of the smaller patch's vertices: two patches are one emitter
+constexpr float visiblyOn = 1.6f;     // times ordinary surfaces of the same state, as ClusterOptions::minContrast
+constexpr float leastLevel = 1e-3f;
+constexpr float oneHue = 0.05f;  // relative, of the ratio in a channel
+constexpr size_t leastVertices = 3;
+
+/// One state's patches.
+struct Found {
+    EmitterCluster cluster;
+    bool certain = false;
+};
+
+/// How many of `cluster`'s vertices are marked, over those of the smaller of the two patches.
+float overlapOf(const EmitterCluster& a, const EmitterCluster& b) {
+    size_t both = 0, i = 0, k = 0;
+    while (i < a.vertices.size() && k < b.vertices.size()) {
+        both += a.vertices[i] == b.vertices[k];
+        const bool first = a.vertices[i] <= b.vertices[k], second = b.vertices[k] <= a.vertices[i];
+        i += first;
+        k += second;
+    }
+    return float(both) / float(std::max<size_t>(1, std::min(a.vertices.size(), b.vertices.size())));
+}
+
+/// The patches of all states, each once: the brightest stays, and takes what others know of it.
+std::vector<Found> joined(std::vector<Found> all) {
+    std::stable_sort(all.begin(), all.end(), [](const Found& a, const Found& b) {
+        return luminance(a.cluster.radiance) > luminance(b.cluster.radiance);
+    });
+    std::vector<Found> kept;
+    for (Found& f : all) {
+        const auto same = std::find_if(kept.begin(), kept.end(),
+                                       [&](const Found& k) { return overlapOf(k.cluster, f.cluster) > overlapOfOne; });
+        if (same == kept.end()) kept.push_back(std::move(f));
+        else same->certain |= f.certain;
+    }
+    return kept;
+}
+
+/// Radiance that ordinary surfaces of a state have at most: the 95th percentile outside all emitters.
+float ordinaryRadiance(const RadianceSamples& samples, const std::vector<uint8_t>& emits) {
+    std::vector<float> values;
+    for (uint32_t v = 0; v < emits.size(); ++v)
+        if (!emits[v])
+            if (const auto seen = medianObservation(samples, v)) values.push_back(maxChannel(*seen));
+    return values.empty() ? 0.0f : quantileOf(std::move(values), 0.95);
+}
+
+/// What the emitter's vertices show in a state; empty where too few are seen.
+std::vector<std::pair<uint32_t, Rgb>> shownIn(const RadianceSamples& samples, const EmitterCluster& cluster) {
+    std::vector<std::pair<uint32_t, Rgb>> shown;
+    for (const uint32_t v : cluster.vertices)
+        if (const auto seen = medianObservation(samples, v)) shown.emplace_back(v, *seen);
+    if (shown.size() < std::min(leastVertices, cluster.vertices.size())) shown.clear();
+    return shown;
+}
+
+/// Median over the vertices that both states show, per channel; where there are none, of the medians.
+Rgb ratioOf(const std::vector<std::pair<uint32_t, Rgb>>& here, const std::vector<std::pair<uint32_t, Rgb>>& fullest) {
+    std::vector<float> ratio[3], above[3], below[3];
+    for (size_t i = 0, k = 0; i < here.size(); ++i) {
+        while (k < fullest.size() && fullest[k].first < here[i].first) ++k;
+        if (k == fullest.size() || fullest[k].first != here[i].first) continue;
+        for (int c = 0; c < 3; ++c)
+            if (fullest[k].second[c] > 0) ratio[c].push_back(here[i].second[c] / fullest[k].second[c]);
+    }
+    Rgb result(0);
+    for (int c = 0; c < 3; ++c) {
+        if (ratio[c].size() >= leastVertices) {
+            result[c] = medianOf(std::move(ratio[c]));
+            continue;
+        }
+        for (const auto& [v, radiance] : here) above[c].push_back(radiance[c]);
+        for (const auto& [v, radiance] : fullest) below[c].push_back(radiance[c]);
+        const float under = below[c].empty() ? 0.0f : medianOf(std::move(below[c]));
+        result[c] = under > 0 && !above[c].empty() ? medianOf(std::move(above[c])) / under : 0.0f;
+    }
+    return result;
+}
+
+/// Fills inState. `ordinary`: per state, of its surfaces.
+void measureLevels(const std::vector<RadianceSamples>& ofState, const std::vector<float>& ordinary,
+                   const Capture& capture, EmitterCluster& cluster) {
+    std::vector<std::vector<std::pair<uint32_t, Rgb>>> shown;
+    std::vector<float> brightness;
+    for (const RadianceSamples& samples : ofState) {
+        shown.push_back(shownIn(samples, cluster));
+        std::vector<float> values;
+        for (const auto& [v, radiance] : shown.back()) values.push_back(luminance(radiance));
+        brightness.push_back(values.empty() ? -1.0f : medianOf(std::move(values)));
+    }
+    const size_t fullest = size_t(std::max_element(brightness.begin(), brightness.end()) - brightness.begin());
+    cluster.inState.assign(ofState.size(), 1.0f);
+    for (size_t s = 0; s < ofState.size(); ++s) {
+        if (s == fullest) continue;
+        float& level = cluster.inState[s];
+        level = -1;
+        if (shown[s].empty() || shown[fullest].empty()) continue;
+        const Rgb ratio = ratioOf(shown[s], shown[fullest]);
+        level = luminance(ratio * cluster.radiance) / std::max(luminance(cluster.radiance), 1e-20f);
+        const bool on = level > leastLevel && level * maxChannel(cluster.radiance) > visiblyOn * ordinary[s];
+        // What a lamp that is off shows of the others is no light of its own.
+        if (!on) level = 0;
+        float off = 0;
+        for (int c = 0; c < 3; ++c)
+            if (cluster.radiance[c] > 0.2f * maxChannel(cluster.radiance))
+                off = std::max(off, std::abs(ratio[c] / std::max(level, 1e-20f) - 1));
+        if (on && off > oneHue)
+            logWarning("a light at {:.2f} {:.2f} {:.2f} changes its hue by {:.0f} % in state {}: its mean is taken",
+                       cluster.centroid.x + capture.origin.x, cluster.centroid.y + capture.origin.y,
+                       cluster.centroid.z + capture.origin.z, 100 * off, capture.states[s]);
+    }
+}
+
+}  // namespace
+
+EmitterClusters clusterEmittersOfStates(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                                        const ClusterOptions& options, Progress& progress) {
+    if (samples.states == 1) return clusterEmitters(scene, capture, samples, options, progress);
+    std::vector<Found> all;
+    EmitterClusters result;
+    std::vector<RadianceSamples> ofState;
+    for (uint32_t s = 0; s < samples.states; ++s) {
+        logInfo("lights in state {}:", capture.states[s]);
+        EmitterClusters found =
+            clusterEmitters(scene, captureOfState(capture, s), samplesOfPart(samples, s), options, progress);
+        for (EmitterCluster& e : found.emitters) all.push_back({std::move(e), true});
+        for (EmitterCluster& e : found.candidates) all.push_back({std::move(e), false});
+        for (RejectedPatch& r : found.rejected) result.rejected.push_back(std::move(r));
+        ofState.push_back(samplesOfState(samples, s));
+    }
+    all = joined(std::move(all));
+    std::vector<uint8_t> emits(scene.mesh.vertexCount(), 0);
+    for (const Found& f : all)
+        for (const uint32_t v : f.cluster.vertices) emits[v] = 1;
+    std::vector<float> ordinary;
+    for (const RadianceSamples& part : ofState) ordinary.push_back(ordinaryRadiance(part, emits));
+    for (Found& f : all) {
+        measureLevels(ofState, ordinary, capture, f.cluster);
+        (f.certain ? result.emitters : result.candidates).push_back(std::move(f.cluster));
+    }
+    indexEmitters(scene, result);
+    for (const EmitterCluster& e : result.emitters) {
+        std::string words;
+        for (size_t s = 0; s < e.inState.size(); ++s)
+            words += e.inState[s] < 0 ? fmt::format("{}{}: not seen", s ? ", " : "", capture.states[s])
+                                      : fmt::format("{}{}: {:.3g}", s ? ", " : "", capture.states[s], e.inState[s]);
+        logInfo("{} in the lighting states: {}", e.id, words);
+    }
+    return result;
+}
+
+EmitterClusters clustersInState(const Scene& scene, const EmitterClusters& all, uint32_t state) {
+    EmitterClusters result = all;
+    const auto dim = [&](std::vector<EmitterCluster>& list) {
+        std::erase_if(list, [&](const EmitterCluster& e) { return !(e.levelIn(state) > 0); });
+        for (EmitterCluster& e : list) {
+            e.radiance *= e.levelIn(state);
+            e.inState.clear();
+        }
+    };
+    dim(result.emitters);
+    dim(result.candidates);
+    indexEmitters(scene, result);
+    return result;
+}
+
+uint32_t brightestState(const EmitterClusters& clusters, const RadianceSamples& samples) {
+    std::vector<size_t> observations(samples.states, 0);
+    for (const RadianceSample& s : samples.samples) ++observations[samples.stateOf(s.view)];
+    uint32_t best = 0;
+    double most = -1;
+    for (uint32_t s = 0; s < samples.states; ++s) {
+        double power = 0;
+        for (const EmitterCluster& e : clusters.emitters)
+            power += double(emitterPower(e)) * double(std::max(0.0f, e.levelIn(s)));
+        if (!(power > most * (1 + 1e-3)) && !(power > most * (1 - 1e-3) && observations[s] > observations[best]))
+            continue;
+        if (observations[s] == 0) continue;
+        most = power;
+        best = s;
+    }
+    return best;
+}
+
+}  // namespace relamp

@@ -1,0 +1,17 @@
+// What belongs to one lighting state of a capture: for all that compares photographs with each other.
+#pragma once
+#include "capture/capture.h"
+#include "radiance/samples.h"
+
+namespace relamp {
+
+/// The observations of one state. Views keep their numbers; geometry is left out. Cost: O(observations).
+RadianceSamples samplesOfState(const RadianceSamples& all, uint32_t state);
+
+/// A capture of the views of one state, numbered anew. Memory: their photographs.
+Capture captureOfState(const Capture& capture, uint32_t state);
+
+/// The observations of one state as of such a capture, with its views' geometry. The background is that of all states.
+RadianceSamples samplesOfPart(const RadianceSamples& all, uint32_t state);
+
+}  // namespace relamp
