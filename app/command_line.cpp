@@ -48,7 +48,7 @@ void addCaptureOptions(CLI::App& verb, CaptureFix& fix) {
                 } catch (const Error& error) { throw CLI::ValidationError(error.what()); }
             },
             "NAME=PATTERN: photographs whose names match (* and ?, or a folder) were taken in the lighting state NAME, "
-            "between which only lamps were switched. May be given more than once")
+            "between which only lights were switched. May be given more than once")
         ->allow_extra_args(false)
         ->take_all();
     verb.add_flag("--from-brackets", fix.fromBrackets, "Merge the frames' exposures even where HDR images are named");
@@ -233,7 +233,7 @@ CLI::App* addRender(CLI::App& app, CommandLine& line) {
     verb->add_option("--env", line.render.environment, "A latitude-longitude file, none, or recovered");
     verb->add_option("--state", line.render.state,
                      "Lighting state of the photographs whose light frames have and edits start from; unless given, "
-                     "that of the view, where nothing is edited");
+                     "that of the view, without --edits and edits in the shot");
     verb->add_option("--env-yaw", line.render.yaw, "Degrees about the vertical")->check(CLI::Range(-1e6, 1e6));
     verb->add_option("--camera", line.render.camera,
                      "A view's number, a camera file, all, turntable:N, or path:V,V,...:N (a spline through views)")

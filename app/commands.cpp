@@ -9,6 +9,7 @@
 #include "base/json_fields.h"
 #include "base/log.h"
 #include "base/parallel.h"
+#include "base/printable.h"
 #include "capture/brackets.h"
 #include "capture/check.h"
 #include "capture/photograph_reader.h"
@@ -263,6 +264,10 @@ int showInfo(const fs::path& path, const CaptureFix& fix, bool json, Progress& p
                   {"vertices", capture.mesh.vertexCount()},
                   {"triangles", capture.mesh.triangles.size()},
                   {"notes", capture.notes}};
+        for (size_t s = 0; s < capture.states.size(); ++s)
+            result["states"].push_back({{"name", capture.states[s]},
+                                        {"views", std::count_if(capture.views.begin(), capture.views.end(),
+                                                                [&](const View& view) { return view.state == s; })}});
     }
     if (json) {
         if (isShot) addKeysOfVersion1(result);
@@ -273,6 +278,9 @@ int showInfo(const fs::path& path, const CaptureFix& fix, bool json, Progress& p
     if (!isShot) {
         text += fmt::format("capture: {} views, {} vertices, {} triangles\n", dumpJson(result["views"]),
                             dumpJson(result["vertices"]), dumpJson(result["triangles"]));
+        for (const auto& state : result.value("states", nlohmann::json::array()))
+            text += fmt::format("  lighting state {}: {} views\n", printable(state["name"].get<std::string>()),
+                                dumpJson(state["views"]));
         printResult(text);
         return 0;
     }
@@ -290,6 +298,13 @@ int showInfo(const fs::path& path, const CaptureFix& fix, bool json, Progress& p
         text += e.contains("position_stddev") ? fmt::format("; place found from shading, standard deviation {} m\n",
                                                             dumpJson(e["position_stddev"]))
                                               : "\n";
+    }
+    for (const auto& state : result.value("states", nlohmann::json::array())) {
+        text += fmt::format("  lighting state {}: {} views", printable(state["name"].get<std::string>()),
+                            state["views"].size());
+        for (const auto& e : state["emitters"])
+            text += fmt::format(", {} at {:.3g}", e["id"].get<std::string>(), e["level"].get<double>());
+        text += "\n";
     }
     text += fmt::format("  environment: {} coefficients\n  gauge: {} ({})\n", dumpJson(result["environment"]["leaves"]),
                         result["gauge"]["kind"].get<std::string>(), result["gauge"]["evidence"].get<std::string>());

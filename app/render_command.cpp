@@ -93,7 +93,8 @@ int render(const RenderArguments& a, Progress& progress) {
         sources.origin = shot.capture.origin;
         std::optional<size_t> ofView;
         if (job.view >= 0) ofView = shot.capture.views[size_t(job.view)].state;
-        sources.look = &looks.at(job.number, progress, ofView);
+        // An edits document counts from lights as bright as they get, whichever view sees them.
+        sources.look = &looks.at(job.number, progress, a.edits.empty() ? ofView : std::nullopt);
         if (const View* view = photographs ? taken.of(job, progress) : nullptr) {
             sources.photograph = &view->image;
             sources.saturation = view->saturation;

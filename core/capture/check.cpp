@@ -138,6 +138,7 @@ void judgeBackground(const View& view, const DepthImage& depth, ViewCheck& check
 struct ViewSight {
     std::vector<uint8_t> sees;      ///< per vertex
     std::vector<float> brightness;  ///< log2 luminance per sampled vertex; NaN where it is not seen
+    uint32_t state = 0;             ///< lighting state of the view
 };
 
 ViewSight lookAt(const View& view, const Mesh& mesh, const std::vector<uint8_t>& referenced, size_t stride,
@@ -149,6 +150,7 @@ ViewSight lookAt(const View& view, const Mesh& mesh, const std::vector<uint8_t>&
     check.meshFraction = double(covered) / double(depth.depth.size());
     judgeBackground(view, depth, check);
     ViewSight sight;
+    sight.state = view.state;
     sight.sees.assign(mesh.vertexCount(), 0);
     sight.brightness.assign((mesh.vertexCount() + stride - 1) / stride, std::numeric_limits<float>::quiet_NaN());
     const DVec3 eye = view.camera.position();
@@ -181,33 +183,44 @@ float medianWithout(const std::vector<float>& sorted, size_t leftOut) {
 }
 
 /// Each view's brightness against the other views that see the same vertices: the median difference to the median of
-/// the others, refined a few times with the differences found so far taken out.
+/// the others, refined a few times with the differences found so far taken out. Views of other lighting states show
+/// other light.
 void compareExposures(const std::vector<ViewSight>& sights, CaptureCheck& check) {
     if (sights.empty()) return;
+    uint32_t states = 1;
+    for (const ViewSight& sight : sights) states = std::max(states, sight.state + 1);
     std::vector<float> stops(sights.size(), 0.0f);
     std::vector<std::vector<float>> differences(sights.size());
     std::vector<std::pair<float, size_t>> seen;
     std::vector<float> sorted;
     for (int round = 0; round < 6; ++round) {
         for (auto& d : differences) d.clear();
-        for (size_t s = 0; s < sights[0].brightness.size(); ++s) {
+        for (size_t k = 0; k < sights[0].brightness.size() * states; ++k) {
+            const size_t s = k / states;
             seen.clear();
             sorted.clear();
             for (size_t i = 0; i < sights.size(); ++i)
-                if (!std::isnan(sights[i].brightness[s])) seen.emplace_back(sights[i].brightness[s] - stops[i], i);
+                if (sights[i].state == k % states && !std::isnan(sights[i].brightness[s]))
+                    seen.emplace_back(sights[i].brightness[s] - stops[i], i);
             if (seen.size() < 2) continue;
             std::sort(seen.begin(), seen.end());
             for (const auto& [value, view] : seen) sorted.push_back(value);
-            for (size_t k = 0; k < seen.size(); ++k)
-                differences[seen[k].second].push_back(sorted[k] - medianWithout(sorted, k));
+            for (size_t j = 0; j < seen.size(); ++j)
+                differences[seen[j].second].push_back(sorted[j] - medianWithout(sorted, j));
         }
         // Half steps, because two views that correct each other fully would swing.
         for (size_t i = 0; i < sights.size(); ++i) {
             check.views[i].comparedVertices = differences[i].size();
             stops[i] += 0.5f * medianOf(differences[i]);
         }
-        const float middle = medianOf(stops);
-        for (float& value : stops) value -= middle;
+        for (uint32_t state = 0; state < states; ++state) {
+            std::vector<float> ofState;
+            for (size_t i = 0; i < sights.size(); ++i)
+                if (sights[i].state == state) ofState.push_back(stops[i]);
+            const float middle = medianOf(std::move(ofState));
+            for (size_t i = 0; i < sights.size(); ++i)
+                if (sights[i].state == state) stops[i] -= middle;
+        }
     }
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (size_t i = 0; i < sights.size(); ++i) {
@@ -470,6 +483,9 @@ CaptureCheck checkCapture(const Capture& capture, Progress& progress) {
     double open = 0, light = 0;
     for (const ViewCheck& v : check.views) open += v.openFraction, light += v.openFraction * v.lightFraction;
     check.backdrop = open > 0.1 * double(check.views.size()) && light < 0.05 * open;
+    for (size_t s = 0; s < capture.states.size(); ++s)
+        check.states.emplace_back(capture.states[s], std::count_if(capture.views.begin(), capture.views.end(),
+                                                                   [&](const View& view) { return view.state == s; }));
     comparePoints(capture, check);
     compareExposures(sights, check);
     guessAxes(capture, check);

@@ -30,6 +30,7 @@ struct ViewCheck {
 
 struct CaptureCheck {
     std::vector<ViewCheck> views;
+    std::vector<std::pair<std::string, size_t>> states;  ///< lighting states, with how many views each has
     MeshReport mesh;
     Vec3 meshMin{0}, meshMax{0};     ///< metres from origin, bounding box of the triangles
     DVec3 origin{0};                 ///< Capture::origin

@@ -241,7 +241,7 @@ void checkStates(const json& root, const Transforms& transforms) {
         const std::string kind = textOf(*environment, where + ": environment");
         if (kind == "own")
             throw Error(
-                "{}: environment is \"own\", which one capture cannot hold: between its states only lamps may change; "
+                "{}: environment is \"own\", which one capture cannot hold: between its states only lights may change; "
                 "make a capture of the photographs of this state",
                 where);
         if (kind != "shared")

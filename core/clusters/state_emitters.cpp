@@ -109,7 +109,7 @@ void measureLevels(const std::vector<RadianceSamples>& ofState, const std::vecto
         const Rgb ratio = ratioOf(shown[s], shown[fullest]);
         level = luminance(ratio * cluster.radiance) / std::max(luminance(cluster.radiance), 1e-20f);
         const bool on = level > leastLevel && level * maxChannel(cluster.radiance) > visiblyOn * ordinary[s];
-        // What a lamp that is off shows of the others is no light of its own.
+        // What an emitter that is off shows of the others is no light of its own.
         if (!on) level = 0;
         float off = 0;
         for (int c = 0; c < 3; ++c)

@@ -52,7 +52,7 @@ void refuseOtherEnvironments(const Capture& capture, const RadianceSamples& samp
         if (std::abs(gain) > mostGain || differs > mostOther)
             throw Error(
                 "the background that states {} and {} show differs by {:.0f} %, {:.0f} % of it by more than 25 %: the "
-                "exposure or the environment has changed. Between lighting states only lamps may change: use one "
+                "exposure or the environment has changed. Between lighting states only lights may change: use one "
                 "exposure, and make a capture of each environment",
                 capture.states[0], capture.states[s], 100 * (std::exp(std::abs(gain)) - 1), 100 * differs);
     }

@@ -103,7 +103,7 @@ struct NearFieldCorrection {
     bool empty() const { return emitter.empty(); }
 };
 
-/// A lighting state of the photographs: lamps are switched between states, everything else stays.
+/// A lighting state of the photographs: emitters are switched between states, everything else stays.
 struct LightingState {
     std::string name;
     std::vector<std::string> views;  ///< names of its photographs

@@ -21,7 +21,7 @@ namespace {
 
 /// Light that leaves a matte point: 8 x 8 points on the emitter, 16 x 16 directions of the sky, each with one ray.
 Rgb paintPoint(const KnownWorld& world, const RayTracer& tracer, const Vec3& position, const Vec3& normal,
-               uint64_t seed, bool emitter) {
+               uint64_t seed, float emitter) {
     const Vec3 origin = position + normal * 1e-4f;
     const Vec2 shift = randomShift(seed, 1, 2), emitterShift = randomShift(seed, 3, 4);
     const Mat3 frame = frameAround(normal);
@@ -32,7 +32,7 @@ Rgb paintPoint(const KnownWorld& world, const RayTracer& tracer, const Vec3& pos
         const Vec3 d = frame * cosineHemisphere(u);
         if (!tracer.occluded({origin, d, 0, 1e30f})) irradiance += DVec3(KnownWorld::sky(d)) * (piD / (side * side));
     }
-    for (int i = 0; emitter && i < emitterSide * emitterSide; ++i) {
+    for (int i = 0; emitter > 0 && i < emitterSide * emitterSide; ++i) {
         const Vec2 u =
             (Vec2(float(i % emitterSide), float(i / emitterSide)) + emitterShift) / float(emitterSide) - 0.5f;
         const Vec3 to = world.emitterCentre + world.emitterSide * Vec3(u.x, u.y, 0) - origin;
@@ -40,8 +40,8 @@ Rgb paintPoint(const KnownWorld& world, const RayTracer& tracer, const Vec3& pos
         const Vec3 d = to / std::sqrt(d2);
         const float cosine = glm::dot(d, normal), facing = d.z;
         if (cosine <= 0 || facing <= 0 || tracer.occluded({origin, d, 0, std::sqrt(d2) * 0.999f})) continue;
-        irradiance += DVec3(world.emitterRadiance) * double(cosine * facing / d2 * world.emitterSide *
-                                                            world.emitterSide / (emitterSide * emitterSide));
+        irradiance += DVec3(emitter * world.emitterRadiance) * double(cosine * facing / d2 * world.emitterSide *
+                                                                      world.emitterSide / (emitterSide * emitterSide));
     }
     return KnownWorld::albedoAt(position) * Rgb(irradiance) / pi;
 }
@@ -53,7 +53,7 @@ std::vector<Rgb> paintBounces(const KnownWorld& world, const Scene& scene, const
     const Mesh& mesh = scene.mesh;
     std::vector<Rgb> direct(mesh.vertexCount()), bounced(mesh.vertexCount(), Rgb(0));
     for (size_t v = 0; v < direct.size(); ++v)
-        direct[v] = paintPoint(world, *scene.tracer, mesh.positions[v], mesh.normals[v], 900000 + v, emitter);
+        direct[v] = paintPoint(world, *scene.tracer, mesh.positions[v], mesh.normals[v], 900000 + v, emitter ? 1 : 0);
     for (int bounce = 0; bounce < 3; ++bounce) {
         std::vector<Rgb> next(mesh.vertexCount(), Rgb(0));
         parallelFor(next.size(), 16, [&](size_t v) {
@@ -80,7 +80,7 @@ std::vector<Rgb> paintBounces(const KnownWorld& world, const Scene& scene, const
 }  // namespace
 
 KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool emitter, int views, int floorCuts, bool room,
-                           bool metalBall) {
+                           bool metalBall, const std::vector<float>& levels) {
     KnownWorld world;
     world.views = views;
     world.mesh = sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, floorCuts, floorCuts);
@@ -107,7 +107,9 @@ KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool emitter, in
     writeVertexPly(folder / "mesh.ply", world.mesh, {});
     nlohmann::json file{
         {"w", 96}, {"h", 72}, {"fl_x", 95}, {"mesh_path", "mesh.ply"}, {"frames", nlohmann::json::array()}};
-    for (int i = 0; i < views; ++i) {
+    for (int k = 0; k < views * int(levels.size()); ++k) {
+        const int i = k % views;
+        const float level = emitter ? levels[size_t(k / views)] : 0;
         // High ones look down, low ones see the underside of the emitter and the sky.
         const double a = room ? -1.5 + 1.5 * i / (views - 1) : 2 * piD * i / views + 0.3;  // before the open sides
         const bool low = i % 2;
@@ -122,7 +124,7 @@ KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool emitter, in
                 return;
             }
             if (shines[hit.triangle]) {
-                image.pixels[p] = d.z > 0 ? world.emitterRadiance : Rgb(0);
+                image.pixels[p] = d.z > 0 ? level * world.emitterRadiance : Rgb(0);
                 return;
             }
             const Vec3 normal = scene.normalOf(hit);
@@ -141,16 +143,17 @@ KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool emitter, in
             const Vec2 b = hit.barycentric;
             const Rgb indirect = (1 - b.x - b.y) * bounced[t[0]] + b.x * bounced[t[1]] + b.y * bounced[t[2]];
             const Vec3 point = scene.pointOf(hit);
-            image.pixels[p] = paintPoint(world, *scene.tracer, point, normal, size_t(i) * 10000 + p, emitter) +
+            image.pixels[p] = paintPoint(world, *scene.tracer, point, normal, size_t(k) * 10000 + p, level) +
                               KnownWorld::albedoAt(point) * indirect;
         });
-        const std::string name = fmt::format("images/{:02}.exr", i);
+        const std::string name = fmt::format("images/{:02}.exr", k);
         writeImage(folder / name, image);
         nlohmann::json rows = nlohmann::json::array();
         for (int r = 0; r < 4; ++r)
             rows.push_back({camera.worldFromCamera[0][r], camera.worldFromCamera[1][r], camera.worldFromCamera[2][r],
                             camera.worldFromCamera[3][r]});
         file["frames"].push_back({{"file_path", name}, {"transform_matrix", rows}});
+        if (levels.size() > 1) file["frames"].back()["state"] = fmt::format("lamp {}", level);
     }
     std::ofstream(folder / "transforms.json") << file.dump(1);
     return world;

@@ -43,8 +43,9 @@ Rgb skyIrradiance(const std::function<Rgb(const Vec3&)>& radiance, const Vec3& n
 
 /// Writes transforms.json, mesh.ply and the photographs (96 x 72, EXR) into `folder`; `emitter` false leaves the
 /// emitter dark and out. `room`: two walls behind the floor, and surfaces light each other. `metalBall`: the ball
-/// mirrors the sky, tinted, and has no albedo.
+/// mirrors the sky, tinted, and has no albedo. `levels`: of the emitter in lighting states, each of which photographs
+/// every view; the states are "lamp LEVEL".
 KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool emitter = true, int views = 10, int floorCuts = 24,
-                           bool room = false, bool metalBall = false);
+                           bool room = false, bool metalBall = false, const std::vector<float>& levels = {1});
 
 }  // namespace relamp::test

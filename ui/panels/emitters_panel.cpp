@@ -136,6 +136,7 @@ void drawEmittersPanel(Editor& editor) {
         addEmitterButton(editor, ImGui::GetContentRegionAvail().x);
         return;
     }
+    drawLightingStates(editor);
     const float room = ImGui::GetContentRegionAvail().x;
     const Columns columns(room);
     const float side = ImGui::GetFrameHeight();

@@ -32,9 +32,10 @@ void drawQualityBanner(Editor& editor);
 
 // ---- parts of the left column, each usable alone
 void drawViewsPanel(Editor& editor);
-void drawBookmarks(Editor& editor);      ///< nothing where there are none
-void drawEmittersPanel(Editor& editor);  ///< shows as many columns as fit
-void drawLightGroups(Editor& editor);    ///< nothing where there are none
+void drawBookmarks(Editor& editor);       ///< nothing where there are none
+void drawEmittersPanel(Editor& editor);   ///< shows as many columns as fit
+void drawLightGroups(Editor& editor);     ///< nothing where there are none
+void drawLightingStates(Editor& editor);  ///< of the photographs; nothing where there is one
 void drawEnvironmentPanel(Editor& editor);
 void drawMaterialsPanel(Editor& editor);
 void drawEstimatePanel(Editor& editor);   ///< button and settings

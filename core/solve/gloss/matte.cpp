@@ -139,7 +139,7 @@ MatteObservations matteOfOneState(const Scene& scene, const RadianceSamples& sam
     return result;
 }
 
-/// A component shines if it does in any state: without the lamp there may be nothing to mirror. It is a metal only
+/// A component shines if it does in any state: without the emitter there may be nothing to mirror. It is a metal only
 /// where it is none that is matte in another state.
 std::vector<uint8_t> glossyInAny(const std::vector<MatteObservations>& states, size_t components) {
     std::vector<uint8_t> glossy(components, 0);

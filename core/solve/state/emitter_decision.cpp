@@ -41,7 +41,7 @@ std::vector<uint32_t> someOf(const SolveInput& in, const EmitterCluster& cluster
 /// no emitter.
 float demandedAlbedo(const EmitterClusters& clusters, size_t e, const InfluenceMatrix& rows, const Lighting& lighting) {
     const EmitterCluster& cluster = clusters.emitters[e];
-    // Asked where it shines most: other lamps may be off there.
+    // Asked where it shines most: others may be off there.
     const size_t state =
         size_t(std::max_element(cluster.inState.begin(), cluster.inState.end()) - cluster.inState.begin());
     std::vector<float> demanded;

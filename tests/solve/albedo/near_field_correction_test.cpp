@@ -82,7 +82,7 @@ TEST(NearFieldCorrection, FindsTheLightFromAGapThatTheMeshDoesNotHave) {
     const NearFieldCorrection found = wall.correct(0.012f);
     ASSERT_FALSE(found.empty());
     Irradiance corrected = wall.known;
-    addCorrection(found, wall.matte.vertices, wall.radiance, corrected);
+    addCorrection(found, wall.matte, wall.radiance, {}, corrected);
     EXPECT_GT(wall.error(wall.known), 0.3);
     EXPECT_LT(wall.error(corrected), 0.3 * wall.error(wall.known));
     for (size_t v = 0; v < found.emitter.size(); ++v)
@@ -94,7 +94,7 @@ TEST(NearFieldCorrection, FollowsLightAlongAWallFartherThanLightFromAbove) {
     const NearFieldCorrection found = wall.correct(0.005f);  // 15 times that: 7.5 cm
     ASSERT_FALSE(found.empty());
     Irradiance corrected = wall.known;
-    addCorrection(found, wall.matte.vertices, wall.radiance, corrected);
+    addCorrection(found, wall.matte, wall.radiance, {}, corrected);
     EXPECT_GT(wall.error(wall.known, 0.08f, 0.15f), 0.05);
     EXPECT_LT(wall.error(corrected, 0.08f, 0.15f), 0.75 * wall.error(wall.known, 0.08f, 0.15f));
     EXPECT_LT(wall.error(corrected, 0, 0.08f), 0.5 * wall.error(wall.known, 0, 0.08f));

@@ -1,0 +1,169 @@
+// Photographs of one scene in several lighting states, solved together.
+#include "base/json_fields.h"
+#include "clusters/state_emitters.h"
+#include "pipeline/pipeline.h"
+#include "pipeline/shot_of.h"
+#include "pipeline/state_checks.h"
+#include "radiance/state_parts.h"
+#include "relight/state_look.h"
+#include "shot/relit_looks.h"
+#include "support/known_world.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace relamp {
+namespace {
+
+/// A lamp over a floor with things on it: full, at a quarter, off; five views each.
+struct ThreeStates {
+    test::TemporaryFolder folder;
+    test::KnownWorld world = test::paintKnownWorld(folder / "room", true, 5, 12, false, false, {0.25f, 1, 0});
+    PipelineOptions options;
+    Progress progress;
+    StageMeter meter{progress};
+    Capture capture = loadCapture(folder / "room", {}, progress);
+
+    ThreeStates() {
+        options.solve = solveOptionsFor("draft");
+        options.texture = 0;
+    }
+    Prepared prepared() { return prepare(capture, options, meter, progress); }
+};
+
+/// True over found albedo of observed floor vertices, least squares over the channels.
+double scaleOf(const test::KnownWorld& world, const Estimate& estimate) {
+    double both = 0, own = 0;
+    for (size_t v = 0; v < world.floorVertices; ++v) {
+        if (!estimate.reflectance.observed[v]) continue;
+        const Rgb a = estimate.reflectance.weight[0][v], b = world.albedo[v];
+        both += double(glm::dot(a, b));
+        own += double(glm::dot(a, a));
+    }
+    return both / own;
+}
+
+TEST(LightingStates, LevelsOfALampAreMeasuredInThePhotographs) {
+    ThreeStates s;
+    const Prepared prepared = s.prepared();
+    ASSERT_EQ(prepared.samples->states, 3u);
+    ASSERT_EQ(prepared.clusters.emitters.size(), 1u);
+    const EmitterCluster& lamp = prepared.clusters.emitters[0];
+    ASSERT_EQ(lamp.inState.size(), 3u);
+    EXPECT_NEAR(lamp.inState[0], 0.25f, 1e-3f);
+    EXPECT_EQ(lamp.inState[1], 1);
+    EXPECT_EQ(lamp.inState[2], 0);
+    EXPECT_NEAR(lamp.radiance.x, s.world.emitterRadiance.x, 0.05f);
+    EXPECT_EQ(brightestState(prepared.clusters, *prepared.samples), 1u);
+    EXPECT_TRUE(clustersInState(*prepared.scene, prepared.clusters, 2).emitters.empty());
+    EXPECT_NEAR(clustersInState(*prepared.scene, prepared.clusters, 0).emitters[0].radiance.x,
+                0.25f * s.world.emitterRadiance.x, 0.05f);
+}
+
+TEST(LightingStates, EachTakesItsOwnPhotographs) {
+    ThreeStates s;
+    const Prepared prepared = s.prepared();
+    size_t observations = 0;
+    for (uint32_t state = 0; state < 3; ++state) {
+        const RadianceSamples of = samplesOfState(*prepared.samples, state);
+        observations += of.samples.size();
+        for (const RadianceSample& sample : of.samples) EXPECT_EQ(s.capture.views[sample.view].state, state);
+        const Capture part = captureOfState(s.capture, state);
+        const RadianceSamples ofPart = samplesOfPart(*prepared.samples, state);
+        ASSERT_EQ(part.views.size(), 5u);
+        ASSERT_EQ(ofPart.geometry.size(), 5u);
+        EXPECT_EQ(ofPart.samples.size(), of.samples.size());
+        for (size_t k = 0; k < of.samples.size(); ++k)
+            EXPECT_EQ(part.views[ofPart.samples[k].view].name, s.capture.views[of.samples[k].view].name);
+    }
+    EXPECT_EQ(observations, prepared.samples->samples.size());
+}
+
+TEST(LightingStates, TogetherTheyFixTheScaleAndEveryStateIsReproduced) {
+    ThreeStates s;
+    Prepared prepared = s.prepared();
+    const Corrections done = correctCapture(s.options, s.capture, prepared, s.meter, s.progress);
+    EXPECT_TRUE(done.photometric.empty());
+    const Estimate found = solvePrepared(s.capture, *prepared.scene, prepared, s.options, s.meter, s.progress);
+    EXPECT_NEAR(scaleOf(s.world, found), 1, 0.02);
+    ASSERT_EQ(found.states.size(), 3u);
+    EXPECT_EQ(found.states[1].name, "lamp 1");
+    EXPECT_EQ(found.states[1].views.size(), 5u);
+    ASSERT_EQ(found.lighting.emitterRadiance.size(), 1u);
+    EXPECT_NEAR(found.lighting.emitterRadiance[0].x / s.world.emitterRadiance.x, 1, 0.005);
+    ASSERT_EQ(found.reproduction.views.size(), 15u);
+    for (const ViewReproduction& view : found.reproduction.views) EXPECT_GT(view.psnr, 28) << view.name;
+
+    // The shot keeps them.
+    ShotSource source;
+    source.captureFolder = s.folder / "room";
+    const std::filesystem::path folder = s.folder / "room.relamp";
+    saveShot(shotOf(found, source), s.capture.mesh, folder, false);
+    const Shot shot = openShot(folder, false, s.progress);
+    ASSERT_EQ(shot.estimate.states.size(), 3u);
+    EXPECT_EQ(shot.estimate.states[2].views, found.states[2].views);
+    EXPECT_EQ(shot.estimate.emitters.emitters[0].inState, found.emitters.emitters[0].inState);
+    EXPECT_EQ(shot.capture.views[12].state, 2u);
+
+    // Frames of a view have the light of its state, and a state can be asked for.
+    const LookTrack track(Look{});
+    RelitLooks looks(shot.estimate, *prepared.scene, track);
+    const auto power = [](const RelitScene& relit) { return relit.emitters[0].emission.level.x; };
+    const float full = power(looks.at(1, s.progress));
+    EXPECT_EQ(power(looks.at(1, s.progress, 2)), 0);
+    EXPECT_NEAR(power(looks.at(1, s.progress, 0)) / full, 0.25f, 1e-3f);
+    looks.base(0);
+    EXPECT_NEAR(power(looks.at(1, s.progress, 2)) / full, 0.25f, 1e-3f);
+}
+
+TEST(LightingStates, ASolveThatWasPutAsideGoesOnInTheSameBits) {
+    ThreeStates s;
+    s.options.reproduce = false;
+    Prepared prepared = s.prepared();
+    std::vector<SolveCheckpoint> kept;
+    SolveListener listener;
+    listener.checkpoint = [&](const SolveCheckpoint& c) {
+        if (c.between) kept.push_back(checkpointFromBytes(checkpointBytes(c)));
+    };
+    const Estimate whole =
+        solvePrepared(s.capture, *prepared.scene, prepared, s.options, s.meter, s.progress, {&listener, nullptr, {}});
+    ASSERT_GT(kept.size(), 3u);
+    const Estimate resumed = solvePrepared(s.capture, *prepared.scene, prepared, s.options, s.meter, s.progress,
+                                           {nullptr, &kept[kept.size() / 2], {}});
+    EXPECT_EQ(resumed.reflectance.weight, whole.reflectance.weight);
+    EXPECT_EQ(resumed.environment, whole.environment);
+}
+
+TEST(LightingStates, ABackgroundThatChangesIsRefusedByName) {
+    ThreeStates s;
+    for (View& view : s.capture.views)
+        if (view.state == 2)
+            for (Rgb& pixel : view.image.pixels) pixel *= 1.4f;
+    Prepared prepared = s.prepared();
+    try {
+        correctCapture(s.options, s.capture, prepared, s.meter, s.progress);
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("states lamp 0.25 and lamp 0 show differs by 40 %"), std::string::npos)
+            << error.what();
+    }
+}
+
+TEST(LightingStates, ALookMixesTwoOfThem) {
+    std::vector<EmitterCluster> emitters(2);
+    emitters[0].id = "emitter-1";
+    emitters[0].inState = {1, 0};
+    emitters[1].id = "emitter-2";
+    emitters[1].inState = {0.5f, 1};
+    EXPECT_EQ(levelsBetween(emitters, 0, 1, 0.25f), (std::vector<float>{0.75f, 0.625f}));
+    Look look;
+    look.emitters.push_back({"emitter-2"});
+    look.emitters[0].powerScale = Rgb(2, 1, 1);
+    const Look dimmed = withLevels(look, emitters, levelsInState(emitters, 0));
+    ASSERT_EQ(dimmed.emitters.size(), 1u);
+    EXPECT_EQ(dimmed.emitters[0].powerScale, Rgb(1, 0.5f, 0.5f));
+    EXPECT_EQ(withLevels(Look{}, emitters, levelsInState(emitters, 1)).emitters[0].powerScale, Rgb(0));
+}
+
+}  // namespace
+}  // namespace relamp
