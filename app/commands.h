@@ -44,7 +44,7 @@ struct RenderArguments {
     fs::path shot, output, edits;
     /// `camera` empty: not given, view 0 or the plate of the look.
     std::string environment, state, camera, frames, size, layers, naming = "blender", ratio, view = "standard",
-                                                           denoise = "auto";
+                                                                  denoise = "auto";
     float yaw = 0;
     int samples = 0, threads = 0;
     uint64_t seed = 1;

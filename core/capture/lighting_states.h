@@ -1,5 +1,5 @@
-// Lighting states: photographs of one scene between which lights were switched. Each photograph belongs to one state, by
-// its frame's word or by a pattern that its name matches.
+// Lighting states: photographs of one scene between which lights were switched. Each photograph belongs to one state,
+// by its frame's word or by a pattern that its name matches.
 #pragma once
 #include <string>
 #include <vector>

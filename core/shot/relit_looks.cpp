@@ -37,8 +37,7 @@ const RelitScene& RelitLooks::captured(Progress& progress, std::optional<size_t>
     if (!state) state = base_;
     if (estimate_.states.empty()) state = {};
     std::shared_ptr<const RelitScene>& relit = captured_[state];
-    if (!relit)
-        relit = std::make_shared<const RelitScene>(applyLook(scene_, estimate_, inState({}, state), progress));
+    if (!relit) relit = std::make_shared<const RelitScene>(applyLook(scene_, estimate_, inState({}, state), progress));
     return *relit;
 }
 

@@ -118,7 +118,7 @@ struct Estimate {
     int environmentSide = 256;
     std::vector<Rgb> environmentSigma;  ///< its standard deviation, per cell, radiance; empty where it was not assessed
     std::vector<Rgb> emitterSigma;      ///< standard deviation of each emitter's radiance
-    std::vector<LightingState> states;   ///< of the photographs, for EmitterCluster::inState; empty: there is one
+    std::vector<LightingState> states;  ///< of the photographs, for EmitterCluster::inState; empty: there is one
     std::vector<float> identifiability;  ///< per emitter: fraction of its effect that no distant light can imitate
     std::vector<TimelineEntry> timeline;
     std::vector<LeftOut> leftOut;
