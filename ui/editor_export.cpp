@@ -186,8 +186,10 @@ void ExportWork::writeOne(const FrameJob& job, RelitLooks& looks, PlateRelighter
         sources.photograph = &photograph.image;
         sources.saturation = photograph.saturation;
     }
+    std::optional<size_t> state;  // of the photograph; what is shown counts from lights as bright as they get
+    if (job.view >= 0) state = document.capture->views[size_t(job.view)].state;
     if (fileOptions_.ratio != Ratio::none || layers_.residual || layers_.correction)
-        sources.captured = &looks.captured(progress);
+        sources.captured = &looks.captured(progress, state);
     writeFrameFile(job.file, job.camera, sources, options_, fileOptions_, progress);
 }
 

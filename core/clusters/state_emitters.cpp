@@ -11,7 +11,8 @@ namespace {
 constexpr float overlapOfOne = 0.3f;  // of the smaller patch's vertices: two patches are one emitter
 constexpr float visiblyOn = 1.6f;     // times ordinary surfaces of the same state, as ClusterOptions::minContrast
 constexpr float leastLevel = 1e-3f;
-constexpr float oneHue = 0.05f;  // relative, of the ratio in a channel
+constexpr float asShading = 0.2f;  // spread of a level over an emitter
+constexpr float oneHue = 0.05f;    // relative, of the ratio in a channel
 constexpr size_t leastVertices = 3;
 
 /// One state's patches.
@@ -88,6 +89,22 @@ Rgb ratioOf(const std::vector<std::pair<uint32_t, Rgb>>& here, const std::vector
     return result;
 }
 
+/// Robust relative spread of that ratio over the vertices: an emitter dims as a whole, while what it reflects varies as
+/// shading does.
+float spreadOfRatio(const std::vector<std::pair<uint32_t, Rgb>>& here,
+                    const std::vector<std::pair<uint32_t, Rgb>>& fullest) {
+    std::vector<float> ratio;
+    for (size_t i = 0, k = 0; i < here.size(); ++i) {
+        while (k < fullest.size() && fullest[k].first < here[i].first) ++k;
+        if (k == fullest.size() || fullest[k].first != here[i].first) continue;
+        ratio.push_back(luminance(here[i].second) / std::max(luminance(fullest[k].second), 1e-20f));
+    }
+    if (ratio.size() < 2 * leastVertices) return 0;
+    const float middle = std::max(medianOf(ratio), 1e-20f);
+    for (float& r : ratio) r = std::abs(r / middle - 1);
+    return 1.4826f * medianOf(std::move(ratio));
+}
+
 /// Fills inState. `ordinary`: per state, of its surfaces.
 void measureLevels(const std::vector<RadianceSamples>& ofState, const std::vector<float>& ordinary,
                    const Capture& capture, EmitterCluster& cluster) {
@@ -108,7 +125,8 @@ void measureLevels(const std::vector<RadianceSamples>& ofState, const std::vecto
         if (shown[s].empty() || shown[fullest].empty()) continue;
         const Rgb ratio = ratioOf(shown[s], shown[fullest]);
         level = luminance(ratio * cluster.radiance) / std::max(luminance(cluster.radiance), 1e-20f);
-        const bool on = level > leastLevel && level * maxChannel(cluster.radiance) > visiblyOn * ordinary[s];
+        const bool on = level > leastLevel && level * maxChannel(cluster.radiance) > visiblyOn * ordinary[s] &&
+                        spreadOfRatio(shown[s], shown[fullest]) < asShading;
         // What an emitter that is off shows of the others is no light of its own.
         if (!on) level = 0;
         float off = 0;

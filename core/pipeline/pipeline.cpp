@@ -229,6 +229,9 @@ Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepare
     // What this scene does not need.
     SolveOptions solve = options.solve;
     solve.meshError = prepared.meshError;
+    if (!options.solve.nearField && prepared.samples->states > 1)
+        throw Error("--mode distant-only: knows one lighting state, and these photographs are of {}",
+                    prepared.samples->states);
     const StatePart part = brightestPart(prepared);
     const std::vector<ProbeFit> probes =
         fitProbes(options.probes, scene, *part.samples, part.clusters, options.solve, solve.probes, progress);

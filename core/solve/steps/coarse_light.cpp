@@ -13,6 +13,9 @@ void coarseLight(SolveRun& s) {
         joinLikelyBounce(s);
         fitLight(s, {"light from ratios, coarse", s.in.options.startIterations, FitEnd::coarse});
     }
+    for (int round = 0; round < 4 && fitUnknownLevels(s); ++round)
+        fitLight(s, {"light from ratios, coarse", 6, FitEnd::coarse});
+    keepFittedLevels(s);
     leaveOutBlackEnvironment(s);
     if (s.bounce.joined()) updateBounce(s);
     if (s.stopped()) return;

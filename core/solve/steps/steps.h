@@ -74,6 +74,13 @@ bool confirmEmitters(SolveRun& s);
 /// and black): less than the photographs can tell.
 void leaveOutBlackEnvironment(SolveRun& s);
 
+// unknown_levels.cpp
+/// Levels that no photograph shows directly (EmitterCluster::inState below 0), from the ratios of radiance between
+/// lighting states under the present light; rows follow. True when one changed by more than a hundredth.
+bool fitUnknownLevels(SolveRun& s);
+/// They are known from now on.
+void keepFittedLevels(SolveRun& s);
+
 // finer_light.cpp
 /// Splits strong leaves; false when there is nothing left to split.
 bool refineLeaves(SolveRun& s);
