@@ -116,6 +116,43 @@ TEST(LightingStates, TogetherTheyFixTheScaleAndEveryStateIsReproduced) {
     EXPECT_NEAR(power(looks.at(1, s.progress, 2)) / full, 0.25f, 1e-3f);
 }
 
+TEST(LightingStates, ALevelThatNoPhotographShowsFollowsFromTheShading) {
+    ThreeStates s;
+    s.options.reproduce = false;
+    Prepared prepared = s.prepared();
+    ASSERT_EQ(prepared.clusters.emitters.size(), 1u);
+    prepared.clusters.emitters[0].inState[0] = prepared.clusters.emitters[0].inState[2] = -1;
+    const Estimate found = solvePrepared(s.capture, *prepared.scene, prepared, s.options, s.meter, s.progress);
+    ASSERT_EQ(found.emitters.emitters.size(), 1u);
+    EXPECT_NEAR(found.emitters.emitters[0].inState[0], 0.25f, 0.02f);
+    EXPECT_NEAR(found.emitters.emitters[0].inState[2], 0, 0.02f);
+}
+
+TEST(LightingStates, EachVertexIsPairedWithItselfBetweenThem) {
+    ThreeStates s;
+    const Prepared prepared = s.prepared();
+    std::vector<uint8_t> skip(s.capture.mesh.vertexCount(), 0);
+    for (size_t v = 0; v < skip.size(); ++v) skip[v] = prepared.clusters.emitterOfVertex[v] >= 0;
+    const RatioObservations all = ratioObservations(*prepared.scene, *prepared.samples, skip, 1);
+    ASSERT_EQ(all.matte.states(), 3u);
+    std::vector<float> weight(all.matte.vertices.size(), 0);
+    for (const AlbedoPair& p : all.pairs) {
+        const size_t a = all.matte.stateOf(p.a), b = all.matte.stateOf(p.b);
+        EXPECT_EQ(p.same, a != b);
+        if (!p.same) continue;
+        EXPECT_EQ(all.matte.vertices[p.a], all.matte.vertices[p.b]);
+        weight[p.a] += p.weight;
+        weight[p.b] += p.weight;
+    }
+    size_t inAll = 0;
+    for (const float w : weight) inAll += std::abs(w - 8.0f / 3) < 1e-4f;
+    EXPECT_GT(inAll, all.matte.vertices.size() / 2) << "two partners of weight 4/3 for most";
+    // One state alone has the pairs that it would have by itself.
+    const RatioObservations one = ratioObservations(*prepared.scene, samplesOfState(*prepared.samples, 1), skip, 1);
+    EXPECT_EQ(one.matte.vertices, all.matte.inState(1).vertices);
+    EXPECT_EQ(one.matte.radiance, all.matte.inState(1).radiance);
+}
+
 TEST(LightingStates, ASolveThatWasPutAsideGoesOnInTheSameBits) {
     ThreeStates s;
     s.options.reproduce = false;

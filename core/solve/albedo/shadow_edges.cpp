@@ -88,10 +88,6 @@ Rgb jumpAbout(const Scene& scene, const MatteObservations& matte, const std::vec
     return 2.0f * most;
 }
 
-}  // namespace
-
-namespace {
-
 Irradiance unsureInOneState(const Scene& scene, const MatteObservations& matte, Irradiance irradiance) {
     if (scene.mesh.normals.size() != scene.mesh.vertexCount() || matte.vertices.empty()) return irradiance;
     std::vector<uint32_t> observation(scene.mesh.vertexCount(), notObserved);

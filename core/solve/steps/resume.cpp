@@ -72,6 +72,10 @@ void resumeSolve(SolveRun& s, const SolveCheckpoint& c) {
     s.in.progress.takeOver(c.seconds);
     s.meter.begin(Stage::resuming);
     s.plan = c.plan;
+    for (const EmitterCluster& e : c.clusters.emitters)
+        if (e.inState.size() != (s.in.samples.states > 1 ? s.in.samples.states : 0))
+            throw Error("the checkpoint holds {} levels of an emitter in {} lighting states", e.inState.size(),
+                        s.in.samples.states);
     s.emitters = EmitterDecision::of(s.in.scene, c.clusters, c.suspect);
     s.gloss.noMetals = c.noMetals;
     s.light.backgroundRefuted = c.backgroundRefuted;
