@@ -1,4 +1,4 @@
-// Lighting states of the photographs as edits: lamps on and off as they were, or between two states.
+// Lighting states of the photographs as edits: emitters on and off as they were, or between two states.
 #pragma once
 #include <optional>
 #include <vector>

@@ -150,8 +150,7 @@ RatioFit::RatioFit(const InfluenceRows& influence, const MatteObservations& matt
         for (size_t i = 0; i < leafCount_; ++i) x(Index(i)) = lighting.leafRadiance[i][c];
         for (size_t e = 0; e < emitterCount_; ++e) x(Index(leafCount_ + e)) = lighting.emitterRadiance[e][c];
     }
-    // Directions that light no observation have columns of zeros, and some that light all alike are not worth being
-    // told apart.
+    // Directions that light no observation have columns of zeros; some that light all alike need not be told apart.
     if (!options.fold.empty() || !options.emptyColumns) {
         fold_ = foldColumns(influence, options.fold.empty() ? rows_ : options.foldedRows, options.fold);
         if (fold_->folded.columns * 10 > influence.columns * 9) fold_.reset();
@@ -206,10 +205,9 @@ void RatioFit::takeVariance(const Irradiances& at) {
         }
     });
     report_.chroma = options_.chroma ? *options_.chroma : chromaFraction(residual, variance_);
-    // Between two states of one vertex there is no texture, in which the channels would err together.
-    parallelFor(pairs_.size(), 4096, [&](size_t k) {
-        precision_[k] = pairPrecision(variance_[k], pairs_[k].same ? ChromaFraction{} : report_.chroma);
-    });
+    // Between two states of one vertex channels err apart: there is no texture.
+    const auto chroma = [&](size_t k) { return pairs_[k].same ? ChromaFraction{} : report_.chroma; };
+    parallelFor(pairs_.size(), 4096, [&](size_t k) { precision_[k] = pairPrecision(variance_[k], chroma(k)); });
 }
 
 double RatioFit::evaluate(const Channels& light, const Irradiances& at, double scale, double* rmse) {
