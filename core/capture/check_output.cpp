@@ -65,7 +65,7 @@ nlohmann::json toJson(const CaptureCheck& check) {
     for (json& v : result["views"]) v["light_share_of_background"] = v["light_fraction_of_background"];
     for (const char* what : {"seen", "seen_twice"})
         result["coverage"][fmt::format("{}_share", what)] = result["coverage"][fmt::format("{}_fraction", what)];
-    for (const auto& [name, views] : check.states) result["states"].push_back({{"name", name}, {"views", views}});
+    for (const auto& [name, count] : check.states) result["states"].push_back({{"name", name}, {"views", count}});
     result["camera_distance"] = check.cameraDistance;
     if (const auto& r = check.reconstruction)
         result["reconstruction"] = {{"points", r->points},
@@ -88,8 +88,8 @@ std::string toText(const CaptureCheck& check) {
                             longest, fmt::format("{} x {}", v.width, v.height), 100 * v.meshFraction,
                             100 * v.clippedFraction, 100 * v.maskedFraction, v.meanRadiance, 100 * v.verticesInside,
                             v.exposureStops);
-    for (const auto& [name, views] : check.states)
-        text += fmt::format("lighting state {}: {} views\n", printable(name), views);
+    for (const auto& [name, count] : check.states)
+        text += fmt::format("lighting state {}: {} views\n", printable(name), count);
     const MeshReport& m = check.mesh;
     const Vec3 size = check.meshMax - check.meshMin;
     text += fmt::format("\nmesh: {} vertices, {} triangles, {:.3g} x {:.3g} x {:.3g} m\n", m.vertices, m.triangles,

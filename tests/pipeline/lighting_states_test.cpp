@@ -1,16 +1,18 @@
 // Photographs of one scene in several lighting states, solved together.
-#include "base/json_fields.h"
-#include "clusters/state_emitters.h"
 #include "pipeline/pipeline.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "clusters/state_emitters.h"
 #include "pipeline/shot_of.h"
 #include "pipeline/state_checks.h"
 #include "radiance/state_parts.h"
 #include "relight/state_look.h"
 #include "shot/relit_looks.h"
+#include "solve/ratio/pairs.h"
 #include "support/known_world.h"
-
-#include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 namespace relamp {
 namespace {
