@@ -16,9 +16,9 @@ auto fieldsOf(EmitterEvidence& e) {
 }
 auto fieldsOf(EmitterCluster& e) {
     auto& [id, vertices, triangles, radiance, sigma, twoSided, fitted, unobserved, position, centroid, normal, area,
-           evidence, emission, pattern] = e;
+           evidence, emission, pattern, inState] = e;
     return std::tie(id, vertices, triangles, radiance, sigma, twoSided, fitted, unobserved, position, centroid, normal,
-                    area, evidence, emission);
+                    area, evidence, emission, inState);
 }
 auto fieldsOf(RejectedPatch& r) {
     auto& [centroid, radiance, evidence, reason, besideBall] = r;
@@ -37,8 +37,8 @@ auto fieldsOf(Lobe& lobe) {
     return std::tie(kind, alpha, name, parts, fraction);
 }
 auto fieldsOf(GlossyObservation& observation) {
-    auto& [vertex, view, radiance, sigma, towardEye] = observation;
-    return std::tie(vertex, view, radiance, sigma, towardEye);
+    auto& [vertex, view, radiance, sigma, towardEye, state] = observation;
+    return std::tie(vertex, view, radiance, sigma, towardEye, state);
 }
 auto fieldsOf(ComponentGloss& g) {
     auto& [component, lobe, weight, matte, residual, residualMatte, observations] = g;
