@@ -91,6 +91,16 @@ StatePart brightestPart(const Prepared& prepared) {
             clustersInState(*prepared.scene, prepared.clusters, state)};
 }
 
+/// The plan knows one state. Its steps have as many more rows as there are more observations; visibility has not.
+void countAllStates(const RadianceSamples& all, const RadianceSamples& part, SolvePlan& plan) {
+    const double more = double(all.samples.size()) / double(std::max<size_t>(1, part.samples.size()));
+    for (PlannedStage& stage : plan.stages) {
+        if (stage.stage == Stage::visibility) continue;
+        if (stage.predictedSeconds > 0) stage.predictedSeconds *= more;
+        if (stage.predictedMib > 0) stage.predictedMib *= more;
+    }
+}
+
 /// mendMesh by the photographs of the state in which emitters are brightest.
 MeshMend mendByBrightestState(const PipelineOptions& options, Capture& capture, Prepared& prepared, bool moved,
                               StageMeter& meter, Progress& progress) {
@@ -239,6 +249,7 @@ Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepare
     if (options.plan && !extras.resume)
         solve.plan =
             planSolve(capture, scene, *part.samples, part.clusters, options.solve, options.everything, progress);
+    if (prepared.samples->states > 1) countAllStates(*prepared.samples, *part.samples, solve.plan);
     if (options.plan && !extras.resume)
         planTexture(capture, scene, *prepared.samples, options.texture, options.everything, solve.plan);
     meter.end();
