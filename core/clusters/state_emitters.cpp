@@ -57,48 +57,73 @@ float ordinaryRadiance(const RadianceSamples& samples, const std::vector<uint8_t
     return values.empty() ? 0.0f : quantileOf(std::move(values), 0.95);
 }
 
-/// What the emitter's vertices show in a state; empty where too few are seen.
-std::vector<std::pair<uint32_t, Rgb>> shownIn(const RadianceSamples& samples, const EmitterCluster& cluster) {
-    std::vector<std::pair<uint32_t, Rgb>> shown;
-    for (const uint32_t v : cluster.vertices)
-        if (const auto seen = medianObservation(samples, v)) shown.emplace_back(v, *seen);
-    if (shown.size() < std::min(leastVertices, cluster.vertices.size())) shown.clear();
-    return shown;
+/// What a vertex of an emitter shows in a state.
+struct ShownVertex {
+    uint32_t vertex = 0;
+    Rgb radiance{0};
+    bool clipped = false;  ///< in half of its observations or more: a lower bound
+};
+
+/// Of all vertices that the state shows; empty where they are too few.
+std::vector<ShownVertex> shownIn(const RadianceSamples& samples, const EmitterCluster& cluster) {
+    std::vector<ShownVertex> all;
+    for (const uint32_t v : cluster.vertices) {
+        std::vector<float> channel[3];
+        size_t clipped = 0;
+        for (uint32_t k = samples.start[v]; k < samples.start[v + 1]; ++k) {
+            for (int c = 0; c < 3; ++c) channel[c].push_back(samples.samples[k].radiance[c]);
+            clipped += samples.samples[k].clipped;
+        }
+        if (channel[0].empty()) continue;
+        const bool bound = 2 * clipped >= channel[0].size();
+        all.push_back(
+            {v, Rgb(medianOf(std::move(channel[0])), medianOf(std::move(channel[1])), medianOf(std::move(channel[2]))),
+             bound});
+    }
+    if (all.size() < std::min(leastVertices, cluster.vertices.size())) all.clear();
+    return all;
 }
 
-/// Median over the vertices that both states show, per channel; where there are none, of the medians.
-Rgb ratioOf(const std::vector<std::pair<uint32_t, Rgb>>& here, const std::vector<std::pair<uint32_t, Rgb>>& fullest) {
-    std::vector<float> ratio[3], above[3], below[3];
+bool mostlyClipped(const std::vector<ShownVertex>& shown) {
+    return 2 * std::count_if(shown.begin(), shown.end(), [](const ShownVertex& s) { return s.clipped; }) >=
+           std::ptrdiff_t(shown.size());
+}
+
+/// Calls act(here, there) for each vertex that both states show.
+template <class Act>
+void forShared(const std::vector<ShownVertex>& here, const std::vector<ShownVertex>& there, Act&& act) {
     for (size_t i = 0, k = 0; i < here.size(); ++i) {
-        while (k < fullest.size() && fullest[k].first < here[i].first) ++k;
-        if (k == fullest.size() || fullest[k].first != here[i].first) continue;
-        for (int c = 0; c < 3; ++c)
-            if (fullest[k].second[c] > 0) ratio[c].push_back(here[i].second[c] / fullest[k].second[c]);
+        while (k < there.size() && there[k].vertex < here[i].vertex) ++k;
+        if (k < there.size() && there[k].vertex == here[i].vertex) act(here[i].radiance, there[k].radiance);
     }
+}
+
+/// Median over the vertices that both states show, per channel; where they are too few, of the medians.
+Rgb ratioOf(const std::vector<ShownVertex>& here, const std::vector<ShownVertex>& fullest) {
     Rgb result(0);
     for (int c = 0; c < 3; ++c) {
-        if (ratio[c].size() >= leastVertices) {
-            result[c] = medianOf(std::move(ratio[c]));
+        std::vector<float> ratio, above, below;
+        forShared(here, fullest, [&](const Rgb& a, const Rgb& b) {
+            if (b[c] > 0) ratio.push_back(a[c] / b[c]);
+        });
+        if (ratio.size() >= leastVertices) {
+            result[c] = medianOf(std::move(ratio));
             continue;
         }
-        for (const auto& [v, radiance] : here) above[c].push_back(radiance[c]);
-        for (const auto& [v, radiance] : fullest) below[c].push_back(radiance[c]);
-        const float under = below[c].empty() ? 0.0f : medianOf(std::move(below[c]));
-        result[c] = under > 0 && !above[c].empty() ? medianOf(std::move(above[c])) / under : 0.0f;
+        for (const ShownVertex& s : here) above.push_back(s.radiance[c]);
+        for (const ShownVertex& s : fullest) below.push_back(s.radiance[c]);
+        const float under = below.empty() ? 0.0f : medianOf(std::move(below));
+        result[c] = under > 0 && !above.empty() ? medianOf(std::move(above)) / under : 0.0f;
     }
     return result;
 }
 
 /// Robust relative spread of that ratio over the vertices: an emitter dims as a whole, while what it reflects varies as
 /// shading does.
-float spreadOfRatio(const std::vector<std::pair<uint32_t, Rgb>>& here,
-                    const std::vector<std::pair<uint32_t, Rgb>>& fullest) {
+float spreadOfRatio(const std::vector<ShownVertex>& here, const std::vector<ShownVertex>& fullest) {
     std::vector<float> ratio;
-    for (size_t i = 0, k = 0; i < here.size(); ++i) {
-        while (k < fullest.size() && fullest[k].first < here[i].first) ++k;
-        if (k == fullest.size() || fullest[k].first != here[i].first) continue;
-        ratio.push_back(luminance(here[i].second) / std::max(luminance(fullest[k].second), 1e-20f));
-    }
+    forShared(here, fullest,
+              [&](const Rgb& a, const Rgb& b) { ratio.push_back(luminance(a) / std::max(luminance(b), 1e-20f)); });
     if (ratio.size() < 2 * leastVertices) return 0;
     const float middle = std::max(medianOf(ratio), 1e-20f);
     for (float& r : ratio) r = std::abs(r / middle - 1);
@@ -108,12 +133,12 @@ float spreadOfRatio(const std::vector<std::pair<uint32_t, Rgb>>& here,
 /// Fills inState. `ordinary`: per state, of its surfaces.
 void measureLevels(const std::vector<RadianceSamples>& ofState, const std::vector<float>& ordinary,
                    const Capture& capture, EmitterCluster& cluster) {
-    std::vector<std::vector<std::pair<uint32_t, Rgb>>> shown;
+    std::vector<std::vector<ShownVertex>> shown;
     std::vector<float> brightness;
     for (const RadianceSamples& samples : ofState) {
         shown.push_back(shownIn(samples, cluster));
         std::vector<float> values;
-        for (const auto& [v, radiance] : shown.back()) values.push_back(luminance(radiance));
+        for (const ShownVertex& s : shown.back()) values.push_back(luminance(s.radiance));
         brightness.push_back(values.empty() ? -1.0f : medianOf(std::move(values)));
     }
     const size_t fullest = size_t(std::max_element(brightness.begin(), brightness.end()) - brightness.begin());
@@ -129,6 +154,11 @@ void measureLevels(const std::vector<RadianceSamples>& ofState, const std::vecto
                         spreadOfRatio(shown[s], shown[fullest]) < asShading;
         // What an emitter that is off shows of the others is no light of its own.
         if (!on) level = 0;
+        // A clipped one is brighter by nobody knows how much.
+        if (on && (mostlyClipped(shown[fullest]) || mostlyClipped(shown[s]))) {
+            level = -1;
+            continue;
+        }
         float off = 0;
         for (int c = 0; c < 3; ++c)
             if (cluster.radiance[c] > 0.2f * maxChannel(cluster.radiance))

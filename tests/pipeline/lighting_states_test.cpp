@@ -139,6 +139,23 @@ TEST(LightingStates, ALevelThatNoPhotographShowsFollowsFromTheShading) {
     EXPECT_NEAR(found.emitters.emitters[0].inState[2], 0, 0.02f);
 }
 
+TEST(LightingStates, AClippedLightIsOffWhereItIsDarkAndUnknownWhereItIsDimmed) {
+    ThreeStates s;
+    const float clip = 0.2f * s.world.emitterRadiance.z;
+    for (View& view : s.capture.views) {
+        view.saturation = clip;
+        for (Rgb& pixel : view.image.pixels) pixel = glm::min(pixel, Rgb(clip));
+    }
+    const Prepared prepared = s.prepared();
+    const std::vector<EmitterCluster>& found =
+        prepared.clusters.emitters.empty() ? prepared.clusters.candidates : prepared.clusters.emitters;
+    ASSERT_EQ(found.size(), 1u);
+    // Both are clipped, so which is brighter is not known; that it is off in the third state is.
+    EXPECT_EQ(std::count(found[0].inState.begin(), found[0].inState.end(), 1.0f), 1);
+    EXPECT_EQ(std::count(found[0].inState.begin(), found[0].inState.end(), -1.0f), 1);
+    EXPECT_EQ(found[0].inState[2], 0);
+}
+
 TEST(LightingStates, EachVertexIsPairedWithItselfBetweenThem) {
     ThreeStates s;
     const Prepared prepared = s.prepared();

@@ -25,11 +25,13 @@ double misfitAt(const std::vector<LevelPair>& pairs, double level) {
     return sum;
 }
 
-/// The level from 0 to 1 under which the ratios fit best.
+/// The level under which the ratios fit best: from 0 to 4, because the brightest state may be another one than it seems
+/// where all are clipped.
 float bestLevel(const std::vector<LevelPair>& pairs) {
-    double best = 1, width = 1;
-    for (int round = 0; round < 3; ++round) {
-        const double from = std::max(0.0, best - width), to = std::min(1.0, best + width);
+    constexpr double most = 4;
+    double best = most / 2, width = most / 2;
+    for (int round = 0; round < 4; ++round) {
+        const double from = std::max(0.0, best - width), to = std::min(most, best + width);
         double least = std::numeric_limits<double>::infinity();
         for (int k = 0; k <= levelsTried; ++k) {
             const double level = from + (to - from) * k / levelsTried;
@@ -92,7 +94,7 @@ void keepFittedLevels(SolveRun& s) {
         for (size_t state = 0; state < emitter.inState.size(); ++state) {
             if (emitter.inState[state] >= 0) continue;
             emitter.inState[state] = s.emitters.levels[state][e];
-            logWarning("no photograph of state {} shows {}: by the shading its level is {:.3f}",
+            logWarning("no photograph of state {} shows {} unclipped: by the shading its level is {:.3f}",
                        s.in.capture.states[state], emitter.id, emitter.inState[state]);
         }
     }
