@@ -260,6 +260,7 @@ struct TimeState {
     bool scrubbing = false;            ///< the playhead is being dragged
     bool curves = false;               ///< the panel Frames shows values against frames
     std::vector<CurveHandle> handles;  ///< selected ones there
+    bool takesDelete = false;          ///< the key Del is theirs
 };
 
 struct LogEntry {

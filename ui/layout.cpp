@@ -96,6 +96,7 @@ void drawOnlyColumn(Editor& editor) {
 
 void drawLayout(Editor& editor, Viewport* viewport, const std::string& reason) {
     beginPanelFrame();
+    editor.state.time.takesDelete = false;
     PanelState& p = editor.state.panels;
     const float scale = editor.state.uiScale;
     if (!p.hidden && ImGui::BeginMainMenuBar()) {

@@ -6,6 +6,7 @@
 
 #include "base/box.h"
 #include "edit/group_edits.h"
+#include "edit/value_key_edits.h"
 
 namespace relamp {
 namespace {
@@ -288,6 +289,7 @@ std::string duplicateEmitter(Look& look, const Estimate& estimate, const std::st
         copy.name.clear();
         const std::string made = addEmitter(look, estimate, std::move(copy));
         joinGroupOf(look, id, made);
+        copyValueKeys(look, id, made, offset, {});
         return made;
     }
     const int c = clusterIndex(estimate, id);
@@ -304,6 +306,7 @@ std::string duplicateEmitter(Look& look, const Estimate& estimate, const std::st
     }
     const std::string made = addEmitter(look, estimate, std::move(copy));
     joinGroupOf(look, id, made);
+    copyValueKeys(look, id, made, offset, estimate.lighting.emitterRadiance[size_t(c)]);
     return made;
 }
 

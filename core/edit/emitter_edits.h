@@ -65,7 +65,8 @@ void resetLook(Look& look);
 
 /// Gives the emitter a fresh id ("rectangle-1") and returns it.
 std::string addEmitter(Look& look, const Estimate& estimate, AddedEmitter emitter);
-/// A copy beside the original, `offset` metres away. Empty when the id is unknown.
+/// A copy beside the original, `offset` metres away, with keys of its own for the values that have keys. Empty when the
+/// id is unknown.
 std::string duplicateEmitter(Look& look, const Estimate& estimate, const std::string& id, const Vec3& offset);
 /// Added ones disappear; recovered ones are switched off, because their part is part of the capture.
 void removeEmitter(Look& look, const std::string& id);

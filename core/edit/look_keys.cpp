@@ -197,10 +197,18 @@ void easeKey(Look& look, int frame, KeyEase ease) {
 }
 
 void keyEdit(const Look& before, Look& look, int frame, const LookPivots& pivots) {
+    // Keys that came along with a new light are no edit of keys.
+    const auto brought = std::stable_partition(look.curves.begin(), look.curves.end(), [&](const ValueCurve& curve) {
+        return !infoOf(curve.what.value).ofLight() || named(before.added, curve.what.of) ||
+               !named(look.added, curve.what.of);
+    });
+    const std::vector<ValueCurve> fresh(brought, look.curves.end());
+    look.curves.erase(brought, look.curves.end());
     if (look.curves == before.curves && look.keys == before.keys) {
         keyValues(before, look, frame, pivots);
         keyLook(before, look, frame);
     }
+    look.curves.insert(look.curves.end(), fresh.begin(), fresh.end());
     applyValueKeys(look, frame, pivots);
 }
 

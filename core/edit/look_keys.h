@@ -20,8 +20,8 @@ void easeKey(Look& look, int frame, KeyEase ease);
 
 /// After an edit at `frame` from `before` to `look`: what changed goes into a key there. A value that has keys of its
 /// own gets one of those, everything else goes into the key of the look, where it has any. Lights that came, went or
-/// took another name do so in every key. Nothing is keyed where the edit changed the keys themselves; values that have
-/// keys of their own are then what these say at `frame`.
+/// took another name do so in every key; a new light keeps the keys of values that came with it. Nothing is keyed where
+/// the edit changed the keys themselves; values that have keys of their own are then what these say at `frame`.
 void keyEdit(const Look& before, Look& look, int frame, const LookPivots& pivots = {});
 
 }  // namespace relamp

@@ -104,4 +104,21 @@ void deleteValueKeys(Look& look, const std::vector<KeyPick>& picks) {
     std::erase_if(look.curves, [](const ValueCurve& curve) { return curve.keys.empty(); });
 }
 
+void copyValueKeys(Look& look, const std::string& from, const std::string& to, const Vec3& offset,
+                   const std::optional<Rgb>& recoveredRadiance) {
+    std::vector<ValueCurve> copies;
+    for (const ValueCurve& curve : look.curves) {
+        if (!infoOf(curve.what.value).ofLight() || curve.what.of != from) continue;
+        ValueCurve copy = curve;
+        copy.what.of = to;
+        if (copy.what.value == KeyedValue::powerScale) copy.what.value = KeyedValue::radiance;
+        for (ValueKey& key : copy.keys) {
+            if (curve.what.value == KeyedValue::position) key.value += offset;
+            if (curve.what.value == KeyedValue::powerScale) key.value *= recoveredRadiance.value_or(Rgb(1));
+        }
+        copies.push_back(std::move(copy));
+    }
+    look.curves.insert(look.curves.end(), copies.begin(), copies.end());
+}
+
 }  // namespace relamp

@@ -37,4 +37,10 @@ std::vector<KeyPick> dragValueKeys(Look& look, const std::vector<KeyPick>& picks
 void easeValueKeys(Look& look, const std::vector<KeyPick>& picks, KeyEase ease);
 void deleteValueKeys(Look& look, const std::vector<KeyPick>& picks);
 
+/// The copy of a light goes through what the light goes through: it gets keys of its own for each value that has keys,
+/// with places `offset` metres away. `recoveredRadiance`: what a recovered light sends by itself, which its copy has as
+/// its own; nothing where the light was added.
+void copyValueKeys(Look& look, const std::string& from, const std::string& to, const Vec3& offset,
+                   const std::optional<Rgb>& recoveredRadiance);
+
 }  // namespace relamp

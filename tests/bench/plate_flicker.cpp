@@ -1,7 +1,8 @@
 // How steady a relit plate is: the same surface points in neighbouring frames, in the plate, in the relit plate, and in
 // the factor between them; and whether what a matte holds out is the plate, bit for bit.
 //   plate_flicker mattes FOLDER WIDTH HEIGHT FRAMES     writes matte.####.exr: a soft disc that crosses the frame
-//   plate_flicker SHOT CAMERAS PLATE RELIT MATTE|-      patterns with ####
+//   plate_flicker SHOT CAMERAS PLATE RELIT MATTE|- [MAP.exr]
+//       patterns with ####; MAP: where the factor differs, in each frame's place the largest of all pairs
 #include <cstdio>
 
 #include "base/statistics.h"
@@ -27,6 +28,8 @@ void writeMattes(const std::filesystem::path& folder, int width, int height, int
         writeImage(folder / fmt::format("matte.{:04}.exr", f), matte);
     }
 }
+
+constexpr int sparse = 6;  ///< pixels from one point to the next
 
 struct Moment {
     Camera camera;
@@ -61,12 +64,12 @@ struct Differences {
 
 /// Points that both cameras see, away from edges of depth and from lights.
 void compare(const Scene& scene, const std::vector<bool>& shines, const Moment& a, const Moment& b, Differences& plate,
-             Differences& relit, Differences& factor) {
+             Differences& relit, Differences& factor, Image& map) {
     const auto hitAt = [&](const Camera& camera, const Vec2& pixel) {
         return scene.cameraTracer->closest({Vec3(camera.position()), camera.rayDirection(pixel), 0, 1e30f});
     };
-    for (int y = 4; y < a.camera.height - 4; y += 6)
-        for (int x = 4; x < a.camera.width - 4; x += 6) {
+    for (int y = 4; y < a.camera.height - 4; y += sparse)
+        for (int x = 4; x < a.camera.width - 4; x += sparse) {
             const Vec2 pixel(float(x) + 0.5f, float(y) + 0.5f);
             const Hit hit = hitAt(a.camera, pixel);
             if (!hit || shines[hit.triangle]) continue;
@@ -94,6 +97,8 @@ void compare(const Scene& scene, const std::vector<bool>& shines, const Moment& 
             plate.add(p, q);
             relit.add(r, s);
             factor.add(r / p, s / q);
+            float& most = map.at(x / sparse, y / sparse).x;
+            most = std::max(most, float(factor.all.back()));
         }
 }
 
@@ -102,7 +107,7 @@ int run(const std::vector<std::string>& a) {
         writeMattes(a[1], std::stoi(a[2]), std::stoi(a[3]), std::stoi(a[4]));
         return 0;
     }
-    if (a.size() != 5) return 2;
+    if (a.size() < 5 || a.size() > 6) return 2;
     Progress progress;
     const Shot shot = openShot(a[0], false, progress);
     const Scene scene = buildScene(shot.capture.mesh, progress);
@@ -116,19 +121,22 @@ int run(const std::vector<std::string>& a) {
     Differences plate, relit, factor;
     std::optional<Moment> before;
     size_t held = 0, wrong = 0;
+    Image map;
     for (const FrameJob& job : jobs) {
         if (!plates.contains(job.number) || !relits.contains(job.number)) continue;
         Moment now{job.camera, readImage(plates.at(job.number)), readImage(relits.at(job.number)), {}};
         if (!mattes.empty()) now.matte = readImage(mattes.at(job.number));
         for (size_t p = 0; p < now.matte.pixels.size(); ++p)
             if (now.matte.pixels[p].y >= 1) ++held, wrong += now.plate.pixels[p] != now.relit.pixels[p];
-        if (before) compare(scene, shines, *before, now, plate, relit, factor);
+        if (!before) map = Image(now.camera.width / sparse + 1, now.camera.height / sparse + 1);
+        else compare(scene, shines, *before, now, plate, relit, factor, map);
         before = std::move(now);
     }
     std::printf("%zu pairs of points; held out: %zu pixels, %zu of them changed\n", factor.all.size(), held, wrong);
     plate.print("plate");
     relit.print("relit");
     factor.print("factor");
+    if (a.size() == 6) writeImage(a[5], map);
     return 0;
 }
 

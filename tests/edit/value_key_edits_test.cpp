@@ -135,5 +135,44 @@ TEST(ValueKeyEdits, KeysGoWithTheirLightAndFollowTheirGroup) {
     EXPECT_TRUE(look.curves.empty());
 }
 
+TEST(ValueKeyEdits, ACopyOfALightGoesThroughTheSame) {
+    Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 4, 4);
+    const auto square = test::append(mesh, test::squareAbove(0.2f, 0, 0, 1, 2));
+    const Scene scene = test::sceneOf(mesh);
+    const Estimate estimate =
+        test::matteEstimate(scene, Rgb(0.5f), Rgb(0), test::emittersOf(scene, {square}, {Rgb(4, 2, 1)}));
+    const Vec3 aside(0.5f, 0, 0);
+    Look look;
+    setValueKey(look, ofPower, 1, {});
+    setValueKey(look, {KeyedValue::position, "emitter-1"}, 1, {});
+    look = editedAt(look, 9, [&](Look& l) {
+        setRadiance(l, estimate, "emitter-1", Rgb(16, 8, 4));
+        moveEmitter(l, "emitter-1", test::translation({0, 0, 2}));
+    });
+    setKey(look, 1);
+    const std::vector<ValueCurve> own = look.curves;
+    std::string copy, second;
+    look = editedAt(look, 5, [&](Look& l) { copy = duplicateEmitter(l, estimate, "emitter-1", aside); });
+    look = editedAt(look, 5, [&](Look& l) { second = duplicateEmitter(l, estimate, copy, aside); });
+    ASSERT_EQ(look.curves.size(), 6u);
+    EXPECT_TRUE(std::equal(own.begin(), own.end(), look.curves.begin())) << "the light itself keeps its keys";
+    ASSERT_EQ(look.keys.size(), 2u) << "the edit is in the key of its frame";
+    EXPECT_EQ(look.keys[0].look.added.size(), 2u) << "and the copies are there in every frame";
+    const LookTrack track(look);
+    for (const int frame : {1, 5, 9}) {
+        const Look at = track.at(frame, {});
+        ASSERT_EQ(at.added.size(), 2u) << frame;
+        for (int i = 0; i < 2; ++i) {
+            const AddedEmitter& light = at.added[size_t(i)];
+            EXPECT_LT(glm::distance(light.radiance, *radianceOf(at, estimate, "emitter-1")), 1e-3f) << frame;
+            EXPECT_LT(glm::distance(Vec3(light.matrix[3]), float(i + 1) * aside + Vec3(0, 0, 0.25f * float(frame - 1))),
+                      1e-4f)
+                << frame;
+        }
+    }
+    look = editedAt(look, 5, [&](Look& l) { removeEmitter(l, second); });
+    EXPECT_EQ(look.curves.size(), 4u);
+}
+
 }  // namespace
 }  // namespace relamp

@@ -176,7 +176,7 @@ void addSelected(const Adder& add) {
          "Light",
          {{keyDelete}, {'X', false, true}},
          [](Editor& e) { deleteEmitters(e, e.state.selection.emitters); },
-         hasSelection,
+         [](const Editor& e) { return hasSelection(e) && !e.state.time.takesDelete; },
          {},
          false});
 }

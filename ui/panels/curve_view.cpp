@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "item_map.h"
+#include "keys.h"
+#include "panels/curve_values.h"
 #include "panels/emitter_controls.h"
 #include "panels/value_key_menu.h"
 #include "widgets.h"
@@ -16,57 +18,13 @@ namespace {
 constexpr const char* easeWords[] = {"Linear", "Smooth", "Hold"};
 constexpr const char* easeTips[] = {"From these keys to the next at even speed", "Starts and ends slowly",
                                     "Stays until the next key, then changes at once"};
-constexpr ImU32 componentColours[] = {IM_COL32(226, 110, 110, 255), IM_COL32(126, 196, 110, 255),
-                                      IM_COL32(110, 150, 230, 255)};
-constexpr ImU32 singleColours[] = {IM_COL32(230, 200, 120, 255), IM_COL32(110, 200, 200, 255),
-                                   IM_COL32(210, 140, 220, 255), IM_COL32(200, 200, 200, 255)};
-
-/// Numbers of a value that have curves: brightness stands for red, green and blue.
-int curvesOf(const KeyedValueInfo& info) { return info.kind == KeyedValueInfo::Kind::light ? 1 : info.components; }
-
-float shownValue(const KeyedValueInfo& info, const Vec3& value, int component) {
-    if (info.kind != KeyedValueInfo::Kind::light) return value[component];
-    const float light = luminance(value);
-    return light > 0 ? std::max(std::log2(light), -20.0f) : -20.0f;
-}
-
-std::string unitOf(const KeyedValueInfo& info) {
-    switch (info.value) {
-        case KeyedValue::position: return " m";
-        case KeyedValue::rotation:
-        case KeyedValue::yaw:
-        case KeyedValue::coneDegrees: return "\u00b0";
-        default: return info.kind == KeyedValueInfo::Kind::light || info.value == KeyedValue::exposure ? " stops" : "";
-    }
-}
-
-/// Of the curve at this place of the list, and of one of its numbers.
-ImU32 colourOf(const KeyedValueInfo& info, size_t place, int component) {
-    return curvesOf(info) > 1 ? componentColours[component] : singleColours[place % std::size(singleColours)];
-}
-
-struct Span {
-    float low = 0, high = 1;
-};
-
-Span spanOf(const ValueCurve& curve) {
-    const KeyedValueInfo& info = infoOf(curve.what.value);
-    Span span{INFINITY, -INFINITY};
-    for (const ValueKey& key : curve.keys)
-        for (int c = 0; c < curvesOf(info); ++c) {
-            const float value = shownValue(info, key.value, c);
-            span = {std::min(span.low, value), std::max(span.high, value)};
-        }
-    const float room = std::max(0.5f, 0.15f * (span.high - span.low));
-    return {span.low - room, span.high + room};
-}
 
 /// What a press began and where it was: spans stay while keys are dragged, so that they follow the pointer.
 struct Gesture {
     enum class Kind { none, keys, box } kind = Kind::none;
     ImVec2 from{0, 0};
     std::vector<CurveHandle> handles;  ///< as they were
-    std::vector<std::pair<KeyedOf, Span>> spans;
+    std::vector<std::pair<KeyedOf, CurveSpan>> spans;
 };
 
 class CurveView {
@@ -79,7 +37,7 @@ public:
           curves_(std::move(curves)),
           gesture_(gesture) {
         for (const ValueCurve& curve : curves_) {
-            Span span = spanOf(curve);
+            CurveSpan span = spanOf(curve);
             for (const auto& [what, held] : gesture_.spans)
                 if (what == curve.what) span = held;
             spans_.push_back(span);
@@ -92,7 +50,7 @@ public:
     }
     int frameAt(float at) const { return int(std::lround(frameNear(at))); }
     float y(size_t curve, float value) const {
-        const Span& s = spans_[curve];
+        const CurveSpan& s = spans_[curve];
         return high_.y - (value - s.low) / (s.high - s.low) * (high_.y - low_.y);
     }
     ImVec2 place(size_t curve, const ValueKey& key, int component) const {
@@ -191,6 +149,7 @@ public:
         ImDrawList* list = ImGui::GetWindowDrawList();
         list->AddRectFilled(low_, high_, IM_COL32(24, 24, 24, 255), 3);
         list->PushClipRect(low_, high_, true);
+        drawAxes(list);
         list->AddLine({x(float(time_.frame)), low_.y}, {x(float(time_.frame)), high_.y}, IM_COL32(255, 150, 60, 160),
                       2);
         for (size_t i = 0; i < curves_.size(); ++i) drawCurve(list, i);
@@ -207,19 +166,46 @@ private:
     ImVec2 low_, high_;
     std::vector<ValueCurve> curves_;
     Gesture& gesture_;
-    std::vector<Span> spans_;
+    std::vector<CurveSpan> spans_;
 
     float frameNear(float at) const {
         const float part = (at - low_.x - em(1)) / std::max(1.0f, high_.x - low_.x - em(2));
         return std::clamp(float(time_.first) + part * float(time_.last - time_.first), float(time_.first),
                           float(time_.last));
     }
+    /// Numbers of the frames, and of the curve whose key was selected last, or else the first one.
+    void drawAxes(ImDrawList* list) const {
+        const float line = ImGui::GetTextLineHeight();
+        const ImU32 faint = IM_COL32(255, 255, 255, 22), grey = IM_COL32(255, 255, 255, 120);
+        const int step = frameStep(time_.last - time_.first, high_.x - low_.x);
+        for (int f = (time_.first + step - 1) / step * step; f <= time_.last; f += step) {
+            list->AddLine({x(float(f)), low_.y}, {x(float(f)), high_.y}, faint);
+            const std::string words = std::to_string(f);
+            list->AddText({std::min(x(float(f)) + 3, high_.x - ImGui::CalcTextSize(words.c_str()).x), high_.y - line},
+                          grey, words.c_str());
+        }
+        size_t curve = 0;
+        int component = 0;
+        if (!time_.handles.empty())
+            for (size_t i = 0; i < curves_.size(); ++i)
+                if (curves_[i].what == time_.handles.back().key.what)
+                    curve = i, component = time_.handles.back().component;
+        const KeyedValueInfo& info = infoOf(curves_[curve].what.value);
+        const ImU32 colour = (curveColour(info, curve, component) & ~IM_COL32_A_MASK) | IM_COL32(0, 0, 0, 200);
+        const int most = std::max(2, int((high_.y - low_.y) / (2.2f * line)));
+        for (const AxisTick& tick : axisTicks(editor_, curves_[curve].what, component, spans_[curve], most)) {
+            const float at = y(curve, tick.drawn);
+            list->AddLine({low_.x, at}, {high_.x, at}, faint);
+            if (at < high_.y - 1.6f * line)
+                list->AddText({low_.x + 3, std::max(at - line, low_.y)}, colour, tick.words.c_str());
+        }
+    }
     void drawCurve(ImDrawList* list, size_t i) const {
         const ValueCurve& curve = curves_[i];
         const KeyedValueInfo& info = infoOf(curve.what.value);
         const int numbers = curvesOf(info);
         for (int c = 0; c < numbers; ++c) {
-            const ImU32 colour = colourOf(info, i, c);
+            const ImU32 colour = curveColour(info, i, c);
             // Whole frames are what exists; a step every few pixels is enough to see the way.
             const int step = std::max(1, int(std::ceil(float(time_.last - time_.first) / (high_.x - low_.x) * 3)));
             std::vector<ImVec2> way;
@@ -235,7 +221,7 @@ private:
                 const bool chosen = std::find(time_.handles.begin(), time_.handles.end(),
                                               CurveHandle{{curve.what, key.frame}, c}) != time_.handles.end();
                 const float r = em(chosen ? 0.42f : 0.32f);
-                ImU32 colour = colourOf(info, i, c);
+                ImU32 colour = curveColour(info, i, c);
                 if (info.kind == KeyedValueInfo::Kind::light) colour = ImGui::GetColorU32(lightColour(key.value));
                 list->AddQuadFilled({p.x - r, p.y}, {p.x, p.y - r}, {p.x + r, p.y}, {p.x, p.y + r}, colour);
                 list->AddQuad({p.x - r, p.y}, {p.x, p.y - r}, {p.x + r, p.y}, {p.x, p.y + r},
@@ -255,33 +241,17 @@ std::vector<ValueCurve> shownCurves(const Editor& editor) {
     return curves;
 }
 
-/// A value under the pointer or in the list, in words.
-std::string valueWords(const Editor& editor, const ValueCurve& curve, Vec3 value) {
-    const KeyedValueInfo& info = infoOf(curve.what.value);
-    // As the inspector shows them: in the world, and in stops against what was recovered.
-    if (curve.what.value == KeyedValue::position)
-        if (const EmitterState* light = editor.emitter(curve.what.of))
-            if (const auto now = valueOf(editor.look(), curve.what, editor.pivots()))
-                value += light->pivot - *now +
-                         (editor.state.document.capture ? Vec3(editor.state.document.capture->origin) : Vec3(0));
-    if (curve.what.value == KeyedValue::powerScale || curve.what.value == KeyedValue::radiance)
-        if (const EmitterState* light = editor.emitter(curve.what.of)) {
-            EmitterState shown = *light;
-            shown.radiance = light->recovered ? value * light->recoveredRadiance : value;
-            return fmt::format("{:+.2f} stops", stopsOf(editor, shown));
-        }
-    if (info.kind == KeyedValueInfo::Kind::flag) return value.x > 0.5f ? "on" : "off";
-    std::string words;
-    for (int c = 0; c < curvesOf(info); ++c)
-        words += fmt::format("{}{:.3g}", c ? "  " : "", shownValue(info, value, c));
-    return words + unitOf(info);
-}
-
 std::vector<KeyPick> picksOf(const std::vector<CurveHandle>& handles) {
     std::vector<KeyPick> picks;
     for (const CurveHandle& handle : handles)
         if (std::find(picks.begin(), picks.end(), handle.key) == picks.end()) picks.push_back(handle.key);
     return picks;
+}
+
+void deleteChosen(Editor& editor) {
+    const std::vector<KeyPick> picks = picksOf(editor.state.time.handles);
+    editor.edit("Delete keys", [&](Look& look) { deleteValueKeys(look, picks); });
+    editor.state.time.handles.clear();
 }
 
 /// Under the right button: what is done to the selected keys.
@@ -297,10 +267,7 @@ void keyMenu(Editor& editor) {
         tooltip(easeTips[e]);
     }
     ImGui::Separator();
-    if (ImGui::MenuItem("Delete keys")) {
-        editor.edit("Delete keys", [&](Look& look) { deleteValueKeys(look, picks); });
-        editor.state.time.handles.clear();
-    }
+    if (ImGui::MenuItem("Delete keys", "Del")) deleteChosen(editor);
     noteItem("curve delete");
     tooltip("Forgets the selected keys");
     ImGui::EndDisabled();
@@ -317,7 +284,7 @@ void curveList(Editor& editor, const std::vector<ValueCurve>& curves) {
         const float high = ImGui::GetTextLineHeight() / float(numbers);
         for (int c = 0; c < numbers; ++c)
             ImGui::GetWindowDrawList()->AddRectFilled(
-                {at.x, at.y + high * float(c)}, {at.x + em(0.4f), at.y + high * float(c + 1)}, colourOf(info, i, c));
+                {at.x, at.y + high * float(c)}, {at.x + em(0.4f), at.y + high * float(c + 1)}, curveColour(info, i, c));
         ImGui::Indent(em(0.8f));
         const Vec3 value = valueAt(curve, editor.state.time.frame);
         const float room = ImGui::GetContentRegionAvail().x;
@@ -407,12 +374,17 @@ void drawCurveView(Editor& editor) {
         ImGui::OpenPopup("##curve keys");
     }
     keyMenu(editor);
+    // The part of the window that was clicked last has the key Del: keys here, lights elsewhere.
+    bool& takes = editor.state.time.takesDelete;
+    takes = !editor.state.time.handles.empty() && !editor.inGesture() &&
+            ImGui::IsWindowFocused(ImGuiFocusedFlags_RootAndChildWindows);
+    if (takes && input().pressed == keyDelete) deleteChosen(editor);
     view.draw(pointer);
     if (!ImGui::IsItemActive() && hovered) {
         std::string words =
             "Drag keys in time and value, Shift in one direction alone. A box selects several; right "
-            "click: how they go on, delete. Double click on a curve sets a key. Each value has its own "
-            "scale.";
+            "click: how they go on; Del deletes. Double click on a curve sets a key. Each value has its own scale: the "
+            "numbers are those of the key that was selected last.";
         if (const auto handle = view.handleAt(pointer))
             if (const ValueCurve* curve = curveOf(editor.look(), handle->key.what))
                 if (const ValueKey* key = valueKeyAt(*curve, handle->key.frame))

@@ -1,6 +1,7 @@
 // Time: the frame that is shown, the look's keys on a strip, and playing.
 #include "edit/look_keys.h"
 #include "item_map.h"
+#include "panels/curve_values.h"
 #include "panels/curve_view.h"
 #include "panels/panels.h"
 #include "widgets.h"
@@ -137,7 +138,7 @@ public:
                 if (frame.number >= time_.first && frame.number <= time_.last)
                     list->AddRectFilled({x(frame.number - 0.5), high_.y - em(0.4f)},
                                         {x(frame.number + 0.5), high_.y - em(0.25f)}, IM_COL32(120, 120, 120, 255));
-        const int step = stepOf();
+        const int step = frameStep(time_.last - time_.first, high_.x - low_.x);
         for (int f = (time_.first + step - 1) / step * step; f <= time_.last; f += step) {
             list->AddLine({x(f), low_.y}, {x(f), low_.y + em(0.5f)}, IM_COL32(255, 255, 255, 90));
             list->AddText({x(f) + 3, low_.y}, IM_COL32(255, 255, 255, 120), std::to_string(f).c_str());
@@ -162,14 +163,6 @@ private:
     const TimeState& time_;
     ImVec2 low_, high_;
     static float margin() { return em(1); }
-    /// Between numbers: 1, 2 or 5 times a power of ten, wide enough for them.
-    int stepOf() const {
-        const double wanted = std::max(1, time_.last - time_.first) * double(em(3.5f)) / double(high_.x - low_.x);
-        for (int step = 1; step < 100'000'000; step *= 10)
-            for (int factor : {1, 2, 5})
-                if (step * factor >= wanted) return step * factor;
-        return 100'000'000;
-    }
 };
 
 void drawStrip(Editor& editor) {
