@@ -50,6 +50,7 @@ public:
         if (queue_.empty()) return;
         const KeyPress key = queue_.front();
         queue_.pop_front();
+        if (key.key == keyEscape && gui.escapeUsed()) return;
         // As they were when the key went down: by now they may be up again.
         input().control = key.control, input().shift = key.shift, input().alt = key.alt;
         const bool ofADrag = viewport && viewport->takesEscape() && key.key == keyEscape;
@@ -167,7 +168,7 @@ bool runWindow(Editor& editor, const ApplicationOptions& options, fs::path& open
         if (!(size.x > 0 && size.y > 0)) continue;
         const Clock::time_point start = Clock::now();
         gui.setScale(editor.state.uiScale, pixels.x / size.x);
-        gui.beginFrame();
+        gui.beginFrame(!editor.state.panels.palette);
         window.readModifiers();
         keys.add(window.takeKeys(), gui);
         keys.deliver(editor, gui, viewport.get());

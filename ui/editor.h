@@ -133,6 +133,9 @@ public:
     /// The same relit as it is exported, where state.viewport.plateRelit wants that and it has been made; else null. It
     /// is made while nothing moves, and stays until the next one of its frame is there.
     std::shared_ptr<const PlateImage> relitPlateImage() const;
+    /// The plate under the present look, for the view mode *Relit* at rest; null while anything moves, and until it has
+    /// been made.
+    std::shared_ptr<const PlateImage> relitAtRest() const;
     bool relightingPlate() const;
 
     // ---- background work

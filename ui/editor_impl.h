@@ -95,6 +95,7 @@ struct Editor::Impl {
     // ---- the plate
     PlatePlayer plates;
     RelitPlates relitPlates;
+    std::shared_ptr<const PlateImage> relitNow;  ///< of the present look and frame, once nothing moves
     std::vector<std::shared_ptr<const OpenPlate>> openPlates;  ///< the last ones, so that undo has them at once
     std::unique_ptr<Job<std::shared_ptr<const OpenPlate>>> plateOpening;
     /// Opens what the look names, and asks for the image of the present frame.

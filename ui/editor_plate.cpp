@@ -27,6 +27,11 @@ bool isTrack(const fs::path& path) {
     return ending == ".chan" || ending == ".usda";
 }
 
+/// The view mode that shows the present look shows the plate under it, and not the model before a plate that is faded.
+bool plateShownRelit(const ViewportState& viewport) {
+    return viewport.mode == ViewMode::relit && viewport.photographBehind && viewport.plateOpacity >= 1;
+}
+
 bool isPlateImage(const fs::path& path) {
     static const std::set<std::string> endings{".exr", ".dpx", ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".hdr"};
     return endings.contains(endingOf(path));
@@ -134,13 +139,18 @@ std::shared_ptr<const PlateImage> Editor::relitPlateImage() const {
     return frame ? impl_->relitPlates.image(open, frame->number) : nullptr;
 }
 
+std::shared_ptr<const PlateImage> Editor::relitAtRest() const {
+    return plateShownRelit(state.viewport) && plateCamera() ? impl_->relitNow : nullptr;
+}
+
 bool Editor::relightingPlate() const { return impl_->relitPlates.working(); }
 
 void Editor::Impl::pollRelitPlate() {
     const EditorState& state = self.state;
     std::optional<RelitPlateRequest> wanted;
     const std::shared_ptr<const Estimate>& solved = history.present().estimate;
-    if (state.viewport.plateRelit && self.plateCamera() && solved && state.document.scene && !job &&
+    const bool steadied = state.viewport.plateRelit;
+    if ((steadied || plateShownRelit(state.viewport)) && self.plateCamera() && solved && state.document.scene && !job &&
         !history.inGesture() && !state.time.playing && !state.time.scrubbing) {
         const ExportRequest& as = state.exportFrames;
         Look look = lookThatFits(history.present().look, *solved, state.document.scene->mesh.vertexCount());
@@ -148,7 +158,10 @@ void Editor::Impl::pollRelitPlate() {
         wanted = RelitPlateRequest{self.plate(),     state.document.scene, solved,     std::move(look),
                                    state.time.frame, as.samples,           as.denoise, as.ratio};
     }
-    const std::string trouble = relitPlates.want(wanted);
+    // The image of the model comes first: it takes less time.
+    const bool now = wanted && (steadied || self.restFrame() || relitPlates.image(*wanted));
+    const std::string trouble = relitPlates.want(now ? wanted : std::nullopt, steadied);
+    relitNow = wanted ? relitPlates.image(*wanted) : nullptr;
     if (!trouble.empty()) self.fail("The plate could not be relit", trouble, "It is shown as it is.");
 }
 

@@ -107,7 +107,7 @@ void holdModifiers([[maybe_unused]] const RawKey& k) {
 
 }  // namespace
 
-void Gui::beginFrame() {
+void Gui::beginFrame(bool menuKeys) {
     ImGui_ImplOpenGL3_NewFrame();
     for (const RawKey& k : window_.takeRawKeys()) {
         if (k.character) ImGui_ImplGlfw_CharCallback(window_.handle(), k.character);
@@ -132,7 +132,7 @@ void Gui::beginFrame() {
 #if IMGUI_VERSION_NUM < 18700
     std::copy(std::begin(down_), std::end(down_), io.MouseDown);
 #endif
-    ImGui::NewFrame();
+    escapeUsed_ = beginGuiFrame(menuKeys);
 }
 
 void Gui::drawChanged(int width, int height, uint64_t changing) {
@@ -183,6 +183,31 @@ void Gui::skipFrame() { ImGui::EndFrame(); }
 
 bool Gui::typing() const { return ImGui::GetIO().WantTextInput; }
 bool Gui::popupOpen() const { return ImGui::GetCurrentContext()->OpenPopupStack.Size > 0; }
+
+bool beginGuiFrame(bool menuKeys) {
+    ImGuiContext& g = *ImGui::GetCurrentContext();
+    const int open = g.OpenPopupStack.Size;
+    const ImGuiWindow* top = open > 0 ? g.OpenPopupStack.back().Window : nullptr;
+    const bool menu = menuKeys && top && !(top->Flags & ImGuiWindowFlags_Modal);
+    // A number or a text in it that is being changed keeps its keys.
+    const bool moves = menu && g.ActiveId == 0;
+    if (moves) {
+        g.IO.ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
+    } else if (g.IO.ConfigFlags & ImGuiConfigFlags_NavEnableKeyboard) {
+        g.IO.ConfigFlags &= ~ImGuiConfigFlags_NavEnableKeyboard;
+        g.NavDisableHighlight = true;
+        g.NavDisableMouseHover = false;
+    }
+#if IMGUI_VERSION_NUM < 18700
+    // It has Space alone for this.
+    if (const int enter = g.IO.KeyMap[ImGuiKey_Enter]; moves && enter >= 0 && g.IO.KeysDown[enter])
+        g.IO.NavInputs[ImGuiNavInput_Activate] = 1;
+#endif
+    ImGui::NewFrame();
+    const bool closed = moves && g.OpenPopupStack.Size < open;
+    if (closed) menuTookEscape();
+    return closed;
+}
 
 void createHeadlessGui(float width, float height) {
     ImGui::CreateContext();

@@ -19,7 +19,8 @@ public:
 
     /// Loads fonts for this scale and density when they changed. `density` = framebuffer pixels per screen unit.
     void setScale(float scale, float density);
-    void beginFrame();
+    /// `menuKeys`: as for beginGuiFrame().
+    void beginFrame(bool menuKeys);
     /// Draws everything over a clear background. With `changing`, the texture of an image that is new in each frame,
     /// what looks as in the frame before is not drawn again.
     void endFrame(int framebufferWidth, int framebufferHeight, uint64_t changing = 0);
@@ -29,15 +30,22 @@ public:
     bool typing() const;
     /// A menu, a dialog or a combo is open.
     bool popupOpen() const;
+    /// Esc closed a menu in this frame: the key is used up.
+    bool escapeUsed() const { return escapeUsed_; }
 
 private:
     Window& window_;
     std::unique_ptr<KeptInterface> kept_;
     void drawChanged(int width, int height, uint64_t changing);
     float scale_ = 0, density_ = 0;
+    bool escapeUsed_ = false;
     bool down_[5] = {};                                     ///< buttons of the mouse
     double pressedAt_[5] = {-1e6, -1e6, -1e6, -1e6, -1e6};  ///< glfwGetTime() of the first click of a pair
 };
+
+/// Begins a frame of Dear ImGui. While a menu or a combo is open, the arrow keys go through it, Enter chooses and Esc
+/// closes it; elsewhere keys are commands. `menuKeys` false: what is open has keys of its own. True: Esc closed a menu.
+bool beginGuiFrame(bool menuKeys);
 
 /// For tests without a window: a context with its font atlas built.
 void createHeadlessGui(float width, float height);

@@ -62,6 +62,7 @@ void writeItemMap(const Editor& editor) {
                   {"through_view", state.viewport.throughView},
                   {"plate_frame", editor.plateImage() ? editor.plateImage()->frame : -1},
                   {"plate_relit", editor.relitPlateImage() != nullptr},
+                  {"plate_at_rest", editor.relitAtRest() != nullptr},
                   {"time", state.time.frame},
                   {"view", state.selection.view},
                   {"selected", state.selection.emitters},

@@ -8,7 +8,7 @@ namespace relamp::ui {
 namespace {
 
 /// The first pass shows something soon, the second what is exported (PlateRequest::neighbours).
-constexpr int passNeighbours[] = {0, 2};
+const int passNeighbours[] = {0, PlateRequest{}.neighbours};
 
 }  // namespace
 
@@ -50,11 +50,11 @@ void RelitPlates::take() {
     made_ = of;
 }
 
-std::string RelitPlates::want(const std::optional<RelitPlateRequest>& request) {
+std::string RelitPlates::want(const std::optional<RelitPlateRequest>& request, bool steadied) {
     take();
     if (job_ && making_ != request) job_->progress().requestStop();
     const bool same = request && made_ == request;
-    if (request && !job_ && (!same || passes_ < int(std::size(passNeighbours)))) {
+    if (request && !job_ && (!same || passes_ < (steadied ? int(std::size(passNeighbours)) : 1))) {
         pass_ = same ? passes_ + 1 : 1;
         making_ = request;
         const bool known = made_ && made_->plate == request->plate && made_->estimate == request->estimate;

@@ -34,10 +34,14 @@ public:
     explicit RelitPlates(std::function<void()> wake) : wake_(std::move(wake)) {}
 
     /// What is wanted from now on; work on anything else is stopped, and never waited for. Nothing: none, what is there
-    /// stays. Returns the trouble with the last request, once; else empty.
-    std::string want(const std::optional<RelitPlateRequest>& request);
+    /// stays. `steadied`: also the second pass. Returns the trouble with the last request, once; else empty.
+    std::string want(const std::optional<RelitPlateRequest>& request, bool steadied);
     /// The last one made, where it is of this frame of this plate; else null.
     std::shared_ptr<const PlateImage> image(const std::shared_ptr<const OpenPlate>& plate, int frame) const;
+    /// The one made for just this; else null.
+    std::shared_ptr<const PlateImage> image(const RelitPlateRequest& request) const {
+        return made_ == request ? image_ : nullptr;
+    }
     bool working() const { return job_ != nullptr; }
 
 private:

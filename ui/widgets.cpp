@@ -4,6 +4,7 @@
 #include <imgui_stdlib.h>
 
 #include <cmath>
+#include <utility>
 
 #include "image/image_io.h"
 #include "item_map.h"
@@ -19,7 +20,7 @@ struct Hover {
     bool seen = false;  ///< in this frame
 };
 Hover hover;
-bool awake = false, awakeLast = false, escapeTaken = false;
+bool awake = false, awakeLast = false, escapeTaken = false, escapeOfMenu = false;
 
 constexpr double tooltipDelay = 0.45;
 
@@ -56,6 +57,7 @@ bool keyPressed(ImGuiKey key, bool repeat) {
 
 bool escapePressed() { return !escapeTaken && (input().pressed == keyEscape || keyPressed(ImGuiKey_Escape)); }
 void takeEscape() { escapeTaken = true; }
+void menuTookEscape() { escapeOfMenu = true; }
 bool enterPressed() {
     return input().pressed == keyEnter || input().pressed == keyPadEnter || keyPressed(ImGuiKey_Enter);
 }
@@ -477,7 +479,8 @@ bool panelsBusy() { return awake || awakeLast; }
 void stayAwake() { awake = true; }
 void beginPanelFrame() {
     awakeLast = awake;
-    awake = escapeTaken = false;
+    awake = false;
+    escapeTaken = std::exchange(escapeOfMenu, false);
     if (!hover.seen) hover = {};
     hover.seen = false;
 }

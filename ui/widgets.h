@@ -22,6 +22,8 @@ bool keyPressed(ImGuiKey key, bool repeat = false);
 bool escapePressed();
 /// Nothing else in this frame takes it for its own.
 void takeEscape();
+/// A menu took it before the frame began.
+void menuTookEscape();
 bool enterPressed();
 bool inputText(const char* label, std::string& text, const char* hint = "", ImGuiInputTextFlags flags = 0);
 

@@ -28,7 +28,6 @@ IrradianceCube irradianceCube(const RelitScene& relit, const Vec3& point, int sa
         Gather gloss, matte;
         gloss.clear(relit.emitters.size());
         matte.clear(relit.emitters.size());
-        shader.begin();
         for (int i = 0; i < samples; ++i) shader.gather(white, uint32_t(i), mixBits(seed * 0x51ed + a), gloss, matte);
         Rgb sum = matte.world;
         for (const Rgb& group : matte.byEmitter) sum += group;

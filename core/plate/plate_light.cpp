@@ -21,19 +21,15 @@ void bilinear(const Vec2& at, int width, int height, Visit&& visit) {
         }
 }
 
-Rgb logRatio(const PlateLight& light, size_t p, float floor) {
-    return glm::log((glm::max(light.after[p], Rgb(0)) + floor) / (glm::max(light.before[p], Rgb(0)) + floor));
-}
-
 constexpr int edge = 2;
 
 /// Clears `same` about emitters that changed; `emitting`: 1 where a pixel sees one as captured.
-void clearEdges(PlateLight& light, const std::vector<uint8_t>& emitting) {
+void clearEdges(PlateLight& light, const std::vector<Rgb>& after, const std::vector<uint8_t>& emitting) {
     for (int y = 0; y < light.height; ++y)
         for (int x = 0; x < light.width; ++x) {
             const size_t p = size_t(y) * size_t(light.width) + size_t(x);
             if (!emitting[p]) continue;
-            const Rgb change = glm::abs(light.after[p] - light.before[p]);
+            const Rgb change = glm::abs(after[p] - light.before[p]);
             if (!(maxChannel(change) > 0.1f * maxChannel(light.before[p]))) continue;
             for (int v = std::max(0, y - edge); v <= std::min(light.height - 1, y + edge); ++v)
                 for (int u = std::max(0, x - edge); u <= std::min(light.width - 1, x + edge); ++u)
@@ -53,7 +49,7 @@ public:
     }
     void add(const Frame& old, const std::vector<Rgb>& after, const std::function<bool(size_t)>& same) {
         light_.before.insert(light_.before.end(), old.beauty.begin(), old.beauty.end());
-        light_.after.insert(light_.after.end(), after.begin(), after.end());
+        after_.insert(after_.end(), after.begin(), after.end());
         for (size_t p = 0; p < old.beauty.size(); ++p) {
             const bool emitter = old.emittersSeen[p][0].emitter >= 0, none = old.depth[p] > 1e29f;
             light_.distance.push_back(none || emitter ? 0.0f : glm::distance(old.position[p], eye_));
@@ -62,7 +58,18 @@ public:
         }
     }
     PlateLight take() {
-        clearEdges(light_, emitting_);
+        clearEdges(light_, after_, emitting_);
+        // A thousandth of the model's white, not the plate's, which an actor would change.
+        Image model(light_.width, light_.height);
+        model.pixels = light_.before;
+        light_.floor = ratioFloor(model);
+        light_.logRatio = std::move(after_);
+        parallelFor(light_.logRatio.size(), 1 << 14, [&](size_t p) {
+            Rgb& ratio = light_.logRatio[p];
+            ratio = ratio == light_.before[p] ? Rgb(0)
+                                              : glm::log((glm::max(ratio, Rgb(0)) + light_.floor) /
+                                                         (glm::max(light_.before[p], Rgb(0)) + light_.floor));
+        });
         return std::move(light_);
     }
     /// Calls rows(first, count) for the whole height.
@@ -75,6 +82,7 @@ private:
     const Camera& camera_;
     Vec3 eye_;
     PlateLight light_;
+    std::vector<Rgb> after_;
     std::vector<uint8_t> emitting_;
 };
 
@@ -134,19 +142,19 @@ PlateLight plateLight(const RelitScene& captured, const GroupFactors& factors, c
     return rows.take();
 }
 
-std::vector<Rgb> steadied(const PlateMoment& frame, const std::vector<PlateMoment>& neighbours, float floor) {
+std::vector<Rgb> steadied(const PlateMoment& frame, const std::vector<PlateMoment>& neighbours) {
     const PlateLight& light = *frame.light;
-    std::vector<Rgb> after = light.after;
+    std::vector<Rgb> after(light.before.size());
     const Vec3 eye(frame.camera->position());
     parallelFor(size_t(light.height), 4, [&](size_t y) {
         for (int x = 0; x < light.width; ++x) {
             const size_t p = y * size_t(light.width) + size_t(x);
-            if (!hasRatio(light, p)) continue;
+            Rgb sum = frame.weight * light.logRatio[p];
+            float total = frame.weight;
             const Vec3 point =
                 eye + light.distance[p] * frame.camera->rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f));
-            Rgb sum = logRatio(light, p, floor);
-            float count = 1;
             for (const PlateMoment& other : neighbours) {
+                if (!hasRatio(light, p)) break;
                 const auto at = other.camera->project(DVec3(point));
                 if (!at) continue;
                 const float expected = glm::distance(point, Vec3(other.camera->position()));
@@ -155,14 +163,18 @@ std::vector<Rgb> steadied(const PlateMoment& frame, const std::vector<PlateMomen
                 bilinear(*at, other.light->width, other.light->height, [&](size_t q, float weight) {
                     if (!hasRatio(*other.light, q) || std::abs(other.light->distance[q] - expected) > 0.01f * expected)
                         return;
-                    there += weight * logRatio(*other.light, q, floor);
+                    there += weight * other.light->logRatio[q];
                     weights += weight;
                 });
                 if (weights < 0.5f) continue;
-                sum += there / weights;
-                ++count;
+                there /= weights;
+                sum += other.weight * there;
+                total += other.weight;
             }
-            after[p] = (glm::max(light.before[p], Rgb(0)) + floor) * glm::exp(sum / count) - floor;
+            const Rgb mean = sum / total;
+            after[p] = mean == Rgb(0)
+                           ? light.before[p]
+                           : (glm::max(light.before[p], Rgb(0)) + light.floor) * glm::exp(mean) - light.floor;
         }
     });
     return after;

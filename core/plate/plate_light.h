@@ -10,10 +10,12 @@
 
 namespace relamp {
 
-/// Radiance of one frame as captured and under the look, row by row, in the capture's unit.
+/// What an edit does to one frame, row by row.
 struct PlateLight {
     int width = 0, height = 0;
-    std::vector<Rgb> before, after;
+    float floor = 0;              ///< a thousandth of the frame's white (ratioFloor), in the capture's unit
+    std::vector<Rgb> before;      ///< radiance as captured, in that unit
+    std::vector<Rgb> logRatio;    ///< of (after + floor) / (before + floor); 0 where nothing changed
     std::vector<float> distance;  ///< from the eye to the surface, metres; 0: there is none, or it is an emitter
     /// 1 where look and capture show the same surface, and no emitter within two pixels changed by more than a tenth:
     /// its edge in the plate lies a fraction of a pixel off the model's, and a ratio would leave its outline behind.
@@ -42,13 +44,14 @@ PlateLight plateLight(const RelitScene& captured, const GroupFactors& factors, c
 struct PlateMoment {
     const PlateLight* light = nullptr;
     const Camera* camera = nullptr;
+    float weight = 1;
 };
 
-/// `after` of `frame`, with the noise of its ratio to `before` averaged over the neighbours: each surface point is
-/// found again in them by its place, and counts where the surface seen there lies within a hundredth of its distance.
-/// The mean is that of logarithms. The same light in every frame is assumed: what moves or changes colour must not be
-/// among the neighbours. Cost: about 0.1 microseconds a pixel and neighbour.
-std::vector<Rgb> steadied(const PlateMoment& frame, const std::vector<PlateMoment>& neighbours, float floor);
+/// Radiance of `frame` under the look, with the noise of its ratio to the captured one averaged over the neighbours:
+/// each surface point is found again in them by its place, and counts where the surface seen there lies within a
+/// hundredth of its distance. The weighted mean is that of logarithms. The same light in every frame is assumed: what
+/// moves or changes colour must not be among the neighbours. Cost: about 0.05 microseconds a pixel and neighbour.
+std::vector<Rgb> steadied(const PlateMoment& frame, const std::vector<PlateMoment>& neighbours);
 
 /// The relit plate in the plate's own scale: applyRatio on plate / gain. `after`: what steadied() gave.
 Image relitPlate(const Image& plate, const Rgb& gain, const PlateLight& light, const std::vector<Rgb>& after,

@@ -170,13 +170,13 @@ const PlateLight& PlateRelighter::lightOf(size_t index, Progress& progress) {
     if (held != lights_.end()) return held->second;
     const PlateFrame& frame = plate_.frames[index];
     progress.begin(fmt::format("Light of frame {}", frame.number), size_t(frame.camera.height) * 2);
+    const Look look = looks_.lookAt(frame.number);
     PlateLight light;
-    if (const auto factors = groupFactors(looks_.captured(progress), looks_.lookAt(frame.number))) {
+    if (const auto factors = groupFactors(looks_.captured(progress), look))
         light = plateLight(looks_.captured(progress), *factors, frame.camera, options_, progress);
-    } else {
-        const RelitScene& look = looks_.at(frame.number, progress);
-        light = plateLight(looks_.captured(progress), look, frame.camera, options_, progress);
-    }
+    else
+        light =
+            plateLight(looks_.captured(progress), looks_.at(frame.number, progress), frame.camera, options_, progress);
     return lights_.emplace(index, std::move(light)).first->second;
 }
 
@@ -198,19 +198,18 @@ RelitPlate PlateRelighter::relit(size_t index, Progress& progress) {
     const size_t first = index > reach ? index - reach : 0, last = std::min(plate_.frames.size() - 1, index + reach);
     std::erase_if(lights_, [&](const auto& held) { return held.first < first || held.first > last; });
     lightOf(index, progress);
+    // Falls off evenly: a frame that comes or goes changes the mean by little.
+    const auto weightAt = [&](size_t n) { return float(request_.neighbours + 1 - std::abs(int(n) - int(index))); };
     std::vector<PlateMoment> neighbours;
     for (size_t n = first; n <= last; ++n)
         if (n != index && looks_.lookAt(plate_.frames[n].number) == look)
-            neighbours.push_back({&lightOf(n, progress), &plate_.frames[n].camera});
+            neighbours.push_back({&lightOf(n, progress), &plate_.frames[n].camera, weightAt(n)});
     const PlateLight& light = lightOf(index, progress);
     RatioOptions ratio{request_.ratio};
     ratio.saturation = result.saturation;
-    // A thousandth of the model's white, not the plate's, which an actor would change.
-    Image model(light.width, light.height);
-    model.pixels = light.before;
-    ratio.floor = ratioFloor(model);
+    ratio.floor = light.floor;
     result.image =
-        relitPlate(plate, result.gain, light, steadied({&light, &frame.camera}, neighbours, ratio.floor), ratio);
+        relitPlate(plate, result.gain, light, steadied({&light, &frame.camera, weightAt(index)}, neighbours), ratio);
     if (matte.empty()) return result;
     std::vector<Rgb> factors;
     if (request_.relightMatte) {

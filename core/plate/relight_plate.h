@@ -20,7 +20,7 @@ struct PlateRequest {
     std::filesystem::path matte{};  ///< matte.####.exr, white where the plate is held out; empty: nowhere
     bool relightMatte = false;      ///< by the light at its place (matte_light.h); false: it stays as it is
     Ratio ratio = Ratio::quotient;
-    int neighbours = 2;  ///< frames before and after that steady a frame's light
+    int neighbours = 3;  ///< frames before and after that steady a frame's light
 };
 
 /// A look's plate as a request. Throws Error for a curve or matching of another name.

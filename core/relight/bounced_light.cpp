@@ -57,7 +57,6 @@ BouncedLight bouncedLightOf(const RelitScene& relit, const BouncedLightOptions& 
             gloss.clear(relit.emitters.size());
             for (size_t v = begin; v < end; ++v) {
                 if (!scene.referenced[v] || emitting[v]) continue;
-                shader.begin();
                 shader.whiteAt(uint32_t(v), point);
                 matte.clear(relit.emitters.size());
                 for (int i = 0; i < options.samples; ++i)

@@ -1,5 +1,10 @@
 #include "relight/emitter_sampler.h"
 
+#include <bit>
+#include <cmath>
+
+#include "base/random.h"
+
 namespace relamp {
 
 namespace {
@@ -7,8 +12,11 @@ namespace {
 constexpr size_t leavesAtMost = 64;
 /// Parts whose estimate may be off by less than this fraction of the whole are not cut.
 constexpr float enough = 0.01f;
-/// A cut serves points that are nearer to its own than this fraction of the distance to the emitter.
-constexpr float holds = 0.05f;
+/// A cut serves points that are nearer to its own than this fraction of the distance to the emitter, and normals within
+/// this angle.
+constexpr float holds = 0.05f, holdsNormal = 0.02f;
+/// Steps of a normal's coordinates. Half the diagonal of a step is less than holdsNormal.
+constexpr float normalSteps = 64;
 
 /// Values spread evenly over [middle - half, middle + half].
 struct Range {
@@ -164,10 +172,9 @@ void EmitterSampler::estimate(const Proposal& at, Part& p) const {
         plane = {-glm::dot(centre - point, axis), 0};
     }
     if (surface_.twoSided) plane.middle = std::abs(plane.middle);
-    // Neighbours keep the cut.
-    p.nearest = nearest;
+    // Neighbours share the cut.
     const float slack = holds * std::sqrt(nearest);
-    height.half += slack + 0.02f * std::sqrt(mean);
+    height.half += slack + holdsNormal * std::sqrt(mean);
     plane.half += slack;
     const auto sent = [&](float h, float q, float d2) {
         const float cosines = std::min(1.0f, h * q / std::max(d2, 1e-30f));
@@ -196,19 +203,36 @@ void EmitterSampler::cut(const Part& p, Part& first, Part& second) const {
     second.corners = halves.second;
 }
 
-bool EmitterSampler::prepare(const Vec3& point, const Vec3& normal, Proposal& p) const {
-    const Vec3 away = point - p.point;
-    if (glm::dot(p.normal, p.normal) < 2 && glm::dot(p.normal, normal) > 0.99996f &&
-        glm::dot(away, away) <= p.reach * p.reach)
-        return p.total > 0;
+const EmitterSampler::Proposal* EmitterSampler::prepare(const Vec3& point, const Vec3& normal, Cuts& cuts) const {
+    if (nodes_.empty()) return nullptr;
+    const Node& root = nodes_[0];
+    const Vec3 outside = glm::max(glm::abs((root.centre - point) * root.frame) - root.extent, Vec3(0));
+    // A cell's corner is 0.87 of its width from its middle, and the middle may be nearer to the emitter than the point.
+    const float widest = 0.9f * holds * glm::length(outside) / 0.87f;
+    Vec3 middle = point, facing = normal;
+    // Inside the emitter's box each point has a cut of its own.
+    if (widest > 1e-6f * surface_.radius) {
+        int power = 0;
+        std::frexp(widest, &power);
+        const float width = std::ldexp(1.0f, power - 1);
+        middle = (glm::floor(point / width) + 0.5f) * width;
+        facing = glm::normalize(glm::round(normal * normalSteps));
+    }
+    uint64_t hash = 0;
+    for (const float x : {middle.x, middle.y, middle.z, facing.x, facing.y, facing.z})
+        hash = mixBits(hash ^ std::bit_cast<uint32_t>(x));
+    Proposal& p = cuts.slots_[hash & (cuts.slots_.size() - 1)];
+    if (p.point != middle || p.normal != facing) cutFor(middle, facing, p);
+    return p.total > 0 ? &p : nullptr;
+}
+
+void EmitterSampler::cutFor(const Vec3& point, const Vec3& normal, Proposal& p) const {
     p.point = point;
     p.normal = normal;
-    p.reach = 0;
     p.parts.clear();
     p.leaves.clear();
     p.heap.clear();
     p.total = 0;
-    if (nodes_.empty()) return false;
     Part root;
     root.node = 0;
     root.area = nodes_[0].area;
@@ -240,7 +264,6 @@ bool EmitterSampler::prepare(const Vec3& point, const Vec3& normal, Proposal& p)
     }
     // Leaves in the tree's order. The heap is done with and serves as the stack.
     p.heap.assign(1, 0);
-    float nearest = 1e30f;
     while (!p.heap.empty()) {
         const uint32_t at = p.heap.back();
         p.heap.pop_back();
@@ -253,10 +276,7 @@ bool EmitterSampler::prepare(const Vec3& point, const Vec3& normal, Proposal& p)
             part.cumulative = p.total;
             p.leaves.push_back(at);
         }
-        if (part.child == Part::none) nearest = std::min(nearest, part.nearest);
     }
-    p.reach = holds * std::sqrt(nearest);
-    return p.total > 0;
 }
 
 Vec3 EmitterSampler::sample(const Proposal& p, const Vec2& u, float& density, size_t& triangle) const {

@@ -22,22 +22,31 @@ public:
         float area = 0;
         float weight = 0;       ///< root of estimate times bound of pi times its form factor
         float error = 0;        ///< bound less estimate
-        float nearest = 0;      ///< squared distance
         uint32_t child = none;  ///< the first of two, next to each other
         float cumulative = 0;   ///< of a leaf: weights of leaves up to this one
     };
-    /// The cut for one surface point, good for its neighbours too.
+    /// The cut for the surface points of a small cell of space and of normals.
     struct Proposal {
-        Vec3 point{0}, normal{2};  ///< not a unit vector: no cut yet
-        float reach = 0;           ///< how far around the point it holds
+        Vec3 point{0}, normal{2};  ///< the middle of the cell; not a unit vector: no cut yet
         std::vector<Part> parts;
         std::vector<uint32_t> leaves;  ///< neighbours stay together
         std::vector<uint32_t> heap;
         float total = 0;
     };
-    /// Prepares `proposal`; keeps it where it holds: the same normal within half a degree, and nearer to its point than
-    /// a twentieth of the distance to the emitter. False: no light can arrive. Costs about 5 microseconds.
-    bool prepare(const Vec3& point, const Vec3& normal, Proposal& proposal) const;
+    /// Cuts that were made, found again by their cell.
+    class Cuts {
+    public:
+        /// `atMost`: how many are kept, 8 KiB each; a power of two.
+        explicit Cuts(size_t atMost = 16) : slots_(atMost) {}
+
+    private:
+        friend class EmitterSampler;
+        std::vector<Proposal> slots_;
+    };
+    /// The cut for a surface point: of the cell around it that is a twenty-fifth of its distance to the emitter wide at
+    /// most, and of normals within a degree. It depends on the point alone, whatever `cuts` holds, and is good until
+    /// the next call. Null: no light can arrive. Costs about 5 microseconds where it is not among the cuts.
+    const Proposal* prepare(const Vec3& point, const Vec3& normal, Cuts& cuts) const;
     /// A point on the emitter; `areaDensity` per square metre; its triangle (index into the surface).
     Vec3 sample(const Proposal& proposal, const Vec2& u, float& areaDensity, size_t& triangle) const;
     /// Density per square metre of drawing the given point of the given triangle.
@@ -56,6 +65,7 @@ private:
     std::vector<uint32_t> order_, placeOf_;
     std::vector<double> areaBelow_;  // of the triangles before a place in order_
 
+    void cutFor(const Vec3& point, const Vec3& normal, Proposal& proposal) const;
     uint32_t middleOf(uint32_t begin, uint32_t end);
     Node nodeOf(uint32_t begin, uint32_t end) const;
     void estimate(const Proposal& proposal, Part& part) const;

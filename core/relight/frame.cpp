@@ -52,7 +52,6 @@ public:
         normal = position = Vec3(0);
         float seen[2] = {0, 0};
         std::fill(hits.begin(), hits.end(), 0);
-        shader_.begin();
         for (int i = 0; i < options_.samplesPerPixel; ++i) {
             if (i % 64 == 0) progress.check();
             const Vec2 inside = r2Point(uint32_t(i), randomShift(seed, 0, 0));

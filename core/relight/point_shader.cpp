@@ -1,5 +1,7 @@
 #include "relight/point_shader.h"
 
+#include <bit>
+
 namespace relamp {
 
 SceneLights::SceneLights(const RelitScene& scene) : relit(scene), distant(*scene.distant) {
@@ -19,8 +21,13 @@ SceneLights::SceneLights(const RelitScene& scene) : relit(scene), distant(*scene
 }
 
 PointShader::PointShader(const SceneLights& lights, const FrameOptions& options)
-    : lights_(lights), relit_(lights.relit), options_(options), emitterProposal_(lights.relit.emitters.size()) {
+    : lights_(lights),
+      relit_(lights.relit),
+      options_(options),
+      distantProposals_(8),
+      proposals_(lights.relit.emitters.size(), nullptr) {
     // The fewer emitters, the more samples for each.
+    cuts_.assign(lights.relit.emitters.size(), EmitterSampler::Cuts(lights.lit.size() <= 8 ? 128 : 16));
     emitterSamples_ =
         std::clamp(options.emitterSamples * 4 / int(std::max<size_t>(1, lights.lit.size())), 2, options.emitterSamples);
 }
@@ -51,9 +58,14 @@ void PointShader::surfaceAt(const Hit& hit, const Vec3& direction, ShadedPoint& 
     }
 }
 
-void PointShader::begin() {
-    proposal_.normal = Vec3(2);
-    for (EmitterSampler::Proposal& p : emitterProposal_) p.normal = Vec3(2);
+const DistantSampler::Proposal* PointShader::distantProposalFor(const Vec3& normal) {
+    constexpr float steps = 32;  // of a coordinate: half the diagonal of a step is what prepare() allows
+    const Vec3 facing = glm::normalize(glm::round(normal * steps));
+    uint64_t hash = 0;
+    for (const float x : {facing.x, facing.y, facing.z}) hash = mixBits(hash ^ std::bit_cast<uint32_t>(x));
+    DistantSampler::Proposal& p = distantProposals_[hash % distantProposals_.size()];
+    if (p.normal != facing) p.normal = Vec3(2);
+    return lights_.distant.prepare(facing, p) ? &p : nullptr;
 }
 
 void PointShader::gather(const ShadedPoint& s, uint32_t index, uint64_t seed, Gather& gloss, Gather& matte) {
@@ -72,16 +84,16 @@ void PointShader::gather(const ShadedPoint& s, uint32_t index, uint64_t seed, Ga
     addToFactors(s, matte);
     // A metal has nothing but its lobes: the samples a matte part would want go there.
     lobeCount_ = maxChannel(s.albedo) > 1e-3f ? options_.lobeSamples : 4 * options_.lobeSamples;
-    distantCount_ =
-        !relit_.distant->black() && lights_.distant.prepare(s.normal, proposal_) ? options_.distantSamples : 0;
+    distantProposal_ = relit_.distant->black() ? nullptr : distantProposalFor(s.normal);
+    distantCount_ = distantProposal_ ? options_.distantSamples : 0;
     // A fraction from the cosine alone: where the bright part of the sky is hidden, the rest is not left to chance.
     cosineCount_ = distantCount_ > 0 && maxChannel(s.albedo) > 0 ? std::max(1, options_.distantSamples / 4) : 0;
     const Vec2 shift = randomShift(seed, 1, 0);
     const uint32_t total = uint32_t(options_.samplesPerPixel * options_.distantSamples);
     for (int i = 0; i < distantCount_; ++i) {
         const uint32_t n = permuted(index, uint32_t(i), total);
-        const Vec3 d =
-            lights_.distant.sample(proposal_, {(float(n) + jitter(seed, n)) / float(total), r2Point(n, shift).y});
+        const Vec3 d = lights_.distant.sample(*distantProposal_,
+                                              {(float(n) + jitter(seed, n)) / float(total), r2Point(n, shift).y});
         queue(s, origin, d, 1e30f, -1, 0, gloss, matte);
     }
     for (int i = 0; i < cosineCount_; ++i) {
@@ -90,7 +102,9 @@ void PointShader::gather(const ShadedPoint& s, uint32_t index, uint64_t seed, Ga
         queue(s, origin, s.frame * local, 1e30f, -1, 0, gloss, matte);
     }
     for (size_t e : lights_.lit) {
-        if (!lights_.emitters[e].prepare(s.position, s.normal, emitterProposal_[e])) continue;
+        const EmitterSampler::Proposal* proposal = lights_.emitters[e].prepare(s.position, s.normal, cuts_[e]);
+        proposals_[e] = proposal;
+        if (!proposal) continue;
         const EmitterSurface& surface = relit_.emitters[e].surface;
         const Vec2 turn = randomShift(seed, 2, e);
         const uint32_t all = uint32_t(options_.samplesPerPixel * emitterSamples_);
@@ -99,8 +113,7 @@ void PointShader::gather(const ShadedPoint& s, uint32_t index, uint64_t seed, Ga
             float density = 0;
             size_t t = 0;
             const Vec3 target = lights_.emitters[e].sample(
-                emitterProposal_[e], {(float(n) + jitter(seed + e + 1, n)) / float(all), r2Point(n, turn).y}, density,
-                t);
+                *proposal, {(float(n) + jitter(seed + e + 1, n)) / float(all), r2Point(n, turn).y}, density, t);
             const Vec3 to = target - origin;
             const float distance = glm::length(to);
             if (!(distance > 2 * offset)) continue;
@@ -169,7 +182,7 @@ float PointShader::lobeDensity(const ShadedPoint& s, const Vec3& light) const {
 }
 
 float PointShader::distantDensity(const Vec3& direction, float cosine) const {
-    return float(distantCount_) * lights_.distant.density(proposal_, direction) +
+    return (distantProposal_ ? float(distantCount_) * lights_.distant.density(*distantProposal_, direction) : 0.0f) +
            float(cosineCount_) * std::max(0.0f, cosine) / pi;
 }
 
@@ -243,9 +256,11 @@ void PointShader::flushClosest(const ShadedPoint& s, Gather& gloss, Gather& matt
         const RelitEmitter& emitter = relit_.emitters[size_t(e)];
         const float facing = -glm::dot(relit_.scene.mesh.faceNormal(hits[i].triangle), rays_[i].direction);
         if (facing <= 1e-5f && !emitter.surface.twoSided) continue;
-        const float area = lights_.emitters[size_t(e)].areaDensity(
-            emitterProposal_[size_t(e)], lights_.triangleOnEmitter[hits[i].triangle],
-            rays_[i].origin + hits[i].distance * rays_[i].direction);
+        const EmitterSampler::Proposal* proposal = proposals_[size_t(e)];
+        const float area =
+            proposal ? lights_.emitters[size_t(e)].areaDensity(*proposal, lights_.triangleOnEmitter[hits[i].triangle],
+                                                               rays_[i].origin + hits[i].distance * rays_[i].direction)
+                     : 0.0f;
         const float density =
             float(emitterSamples_) * area * hits[i].distance * hits[i].distance / std::max(std::abs(facing), 1e-5f) +
             own;

@@ -47,9 +47,6 @@ public:
     /// The point that a ray along `direction` met, ready for gather().
     void surfaceAt(const Hit& hit, const Vec3& direction, ShadedPoint& s) const;
 
-    /// Forgets what it knows of the last point: the next bits then depend on the next points alone.
-    void begin();
-
     /// A white matte point at a vertex of the scene, and one anywhere.
     void whiteAt(uint32_t vertex, ShadedPoint& s) const;
     static void whiteAt(const Vec3& position, const Vec3& normal, ShadedPoint& s);
@@ -64,8 +61,10 @@ private:
     const RelitScene& relit_;
     const FrameOptions& options_;
     int emitterSamples_ = 1, distantCount_ = 0, cosineCount_ = 0, lobeCount_ = 0;
-    DistantSampler::Proposal proposal_;
-    std::vector<EmitterSampler::Proposal> emitterProposal_;
+    std::vector<DistantSampler::Proposal> distantProposals_;     ///< found again by their normals
+    const DistantSampler::Proposal* distantProposal_ = nullptr;  ///< of the point; null: no light arrives
+    std::vector<EmitterSampler::Cuts> cuts_;                     ///< by emitter
+    std::vector<const EmitterSampler::Proposal*> proposals_;     ///< of the point, by emitter; null: no light arrives
     // A packet being filled.
     Ray rays_[8];
     int emitter_[8];
@@ -78,6 +77,8 @@ private:
     }
     static float jitter(uint64_t seed, uint32_t n) { return unitFloat(mixBits(seed * 0x2545f491 + n)); }
 
+    /// For a normal within a degree and a half; it depends on the normal alone. Null: no light can arrive.
+    const DistantSampler::Proposal* distantProposalFor(const Vec3& normal);
     /// Samples of its surface alone bring its light; those of lobes do not.
     bool byAreaAlone(size_t emitter) const {
         return relit_.emitters[emitter].sunDegrees > 0 || !relit_.emitters[emitter].shadows;

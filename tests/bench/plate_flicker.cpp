@@ -62,9 +62,10 @@ struct Differences {
     }
 };
 
-/// Points that both cameras see, away from edges of depth and from lights.
+/// Points that both cameras see, away from edges of depth and from lights. Beside creases a pixel shows two surfaces in
+/// parts that depend on where it lies; the true factor between two renderings changes there from frame to frame, too.
 void compare(const Scene& scene, const std::vector<bool>& shines, const Moment& a, const Moment& b, Differences& plate,
-             Differences& relit, Differences& factor, Image& map) {
+             Differences& relit, Differences& factor, Differences& smooth, Image& map) {
     const auto hitAt = [&](const Camera& camera, const Vec2& pixel) {
         return scene.cameraTracer->closest({Vec3(camera.position()), camera.rayDirection(pixel), 0, 1e30f});
     };
@@ -73,11 +74,12 @@ void compare(const Scene& scene, const std::vector<bool>& shines, const Moment& 
             const Vec2 pixel(float(x) + 0.5f, float(y) + 0.5f);
             const Hit hit = hitAt(a.camera, pixel);
             if (!hit || shines[hit.triangle]) continue;
-            bool edge = false;
+            bool edge = false, crease = false;
             for (const Vec2& step : {Vec2(3, 0), Vec2(-3, 0), Vec2(0, 3), Vec2(0, -3)}) {
                 const Hit near = hitAt(a.camera, pixel + step);
                 edge = edge || !near || std::abs(near.distance - hit.distance) > 0.02f * hit.distance ||
                        shines[near.triangle];
+                crease = crease || (near && glm::dot(scene.normalOf(near), scene.normalOf(hit)) < 0.85f);
             }
             if (edge) continue;
             const Vec3 place = Vec3(a.camera.position()) + hit.distance * a.camera.rayDirection(pixel);
@@ -97,6 +99,7 @@ void compare(const Scene& scene, const std::vector<bool>& shines, const Moment& 
             plate.add(p, q);
             relit.add(r, s);
             factor.add(r / p, s / q);
+            if (!crease) smooth.add(r / p, s / q);
             float& most = map.at(x / sparse, y / sparse).x;
             most = std::max(most, float(factor.all.back()));
         }
@@ -118,7 +121,7 @@ int run(const std::vector<std::string>& a) {
     PlateFiles mattes;
     if (a[4] != "-") mattes = plateFiles(a[4], "matte");
     const auto jobs = frameJobs(shot.capture, a[1], "", "", "frame.####.exr");
-    Differences plate, relit, factor;
+    Differences plate, relit, factor, smooth;
     std::optional<Moment> before;
     size_t held = 0, wrong = 0;
     Image map;
@@ -129,13 +132,14 @@ int run(const std::vector<std::string>& a) {
         for (size_t p = 0; p < now.matte.pixels.size(); ++p)
             if (now.matte.pixels[p].y >= 1) ++held, wrong += now.plate.pixels[p] != now.relit.pixels[p];
         if (!before) map = Image(now.camera.width / sparse + 1, now.camera.height / sparse + 1);
-        else compare(scene, shines, *before, now, plate, relit, factor, map);
+        else compare(scene, shines, *before, now, plate, relit, factor, smooth, map);
         before = std::move(now);
     }
     std::printf("%zu pairs of points; held out: %zu pixels, %zu of them changed\n", factor.all.size(), held, wrong);
     plate.print("plate");
     relit.print("relit");
     factor.print("factor");
+    smooth.print("factor away from creases");
     if (a.size() == 6) writeImage(a[5], map);
     return 0;
 }

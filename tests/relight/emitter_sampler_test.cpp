@@ -55,19 +55,20 @@ struct FormFactor {
 /// The form factor of a convex surface from samples, and in closed form.
 FormFactor formFactor(const EmitterSurface& s, const Vec3& point, const Vec3& normal, int n = 20000) {
     const EmitterSampler sampler(s);
-    EmitterSampler::Proposal proposal;
+    EmitterSampler::Cuts cuts;
     FormFactor e;
     for (const auto& c : s.corners) e.exact += double(triangleFormFactor(point, normal, c, s.twoSided));
-    if (!sampler.prepare(point, normal, proposal)) return e;
+    const EmitterSampler::Proposal* proposal = sampler.prepare(point, normal, cuts);
+    if (!proposal) return e;
     double squares = 0;
     int disagree = 0;  // on the border of two parts
     for (int i = 0; i < n; ++i) {
         float density = 0;
         size_t t = 0;
-        const Vec3 to =
-            sampler.sample(proposal, {(float(i) + 0.5f) / float(n), r2Point(uint32_t(i), {0.3f, 0.7f}).y}, density, t) -
-            point;
-        disagree += std::abs(density - sampler.areaDensity(proposal, t, point + to)) > 1e-3f * density;
+        const Vec3 to = sampler.sample(*proposal, {(float(i) + 0.5f) / float(n), r2Point(uint32_t(i), {0.3f, 0.7f}).y},
+                                       density, t) -
+                        point;
+        disagree += std::abs(density - sampler.areaDensity(*proposal, t, point + to)) > 1e-3f * density;
         const float d2 = glm::dot(to, to), d = std::sqrt(d2);
         const float facing = -glm::dot(to, s.normals[t]) / d, height = glm::dot(to, normal) / d;
         const double f = facing > 0 && height > 0 ? double(facing * height / (d2 * pi * density)) : 0;
@@ -101,8 +102,32 @@ TEST(EmitterSampler, GivesNothingBehindTheHorizon) {
     Surface one;
     one.triangle({0, 0, -5}, {1, 0, -5}, {0, 1, -5});
     const EmitterSampler sampler(one.surface);
-    EmitterSampler::Proposal proposal;
-    EXPECT_FALSE(sampler.prepare({0, 0, 0}, {0, 0, 1}, proposal));
+    EmitterSampler::Cuts cuts;
+    EXPECT_FALSE(sampler.prepare({0, 0, 0}, {0, 0, 1}, cuts));
+}
+
+TEST(EmitterSampler, ACutIsThatOfItsPointWhateverCameBefore) {
+    Surface panel;
+    panel.box({1.2f, 0.7f, 0.03f}, 4);
+    const EmitterSampler sampler(panel.surface);
+    EmitterSampler::Cuts kept(2);
+    int shared = 0;
+    for (int i = 0; i < 200; ++i) {
+        const Vec2 u = r2Point(uint32_t(i), {0.1f, 0.6f});
+        const Vec3 point(2 * u.x - 1, u.y, 1 + 0.001f * float(i)), normal = glm::normalize(Vec3(u.x - 0.5f, 0.1f, -1));
+        EmitterSampler::Cuts fresh;
+        const EmitterSampler::Proposal *a = sampler.prepare(point, normal, kept),
+                                       *b = sampler.prepare(point, normal, fresh);
+        ASSERT_TRUE(a && b);
+        ASSERT_EQ(a->leaves, b->leaves);
+        float densities[2] = {0, 0};
+        size_t triangle = 0;
+        EXPECT_EQ(sampler.sample(*a, u, densities[0], triangle), sampler.sample(*b, u, densities[1], triangle));
+        EXPECT_EQ(densities[0], densities[1]);
+        EXPECT_GE(glm::dot(a->normal, normal), 0.9998f);
+        shared += sampler.prepare(point + Vec3(0.002f, 0, 0), normal, fresh)->point == b->point;
+    }
+    EXPECT_GT(shared, 150) << "neighbours have one cut";
 }
 
 }  // namespace

@@ -344,6 +344,28 @@ TEST(EditorPlate, AtRestItIsShownAsItIsExported) {
     e.abandonGesture();
     e.state.viewport.plateRelit = false;
     EXPECT_EQ(e.plateImage()->pixels, plain->pixels);
+    // The mode Relit shows it relit by its own light, after the model, and the model again while a light moves.
+    e.state.viewport.mode = ViewMode::relit;
+    e.edit("Dim", [&](Look& l) { l.environment.exposureStops = -1; });
+    e.setEye(*e.plateCamera(), false);
+    e.poll();
+    s.until([&] { return e.relitAtRest() != nullptr; });
+    EXPECT_TRUE(e.restFrame());
+    EXPECT_FALSE(e.relitPlateImage()) << "nobody asked for the steadied one";
+    look = e.history().present().look;
+    look.bookmarks.clear();
+    const PlateImage alone =
+        relitPlateImage({e.plate(), e.state.document.scene, e.estimate(), look, 1, 2, e.state.exportFrames.denoise}, 0,
+                        gains, progress);
+    EXPECT_TRUE(e.relitAtRest()->pixels == alone.pixels);
+    e.beginGesture("Turn");
+    e.preview([](Look& l) { l.environment.yawDegrees = 90; });
+    e.poll();
+    EXPECT_FALSE(e.relitAtRest());
+    e.abandonGesture();
+    s.until([&] { return e.relitAtRest() != nullptr; });
+    e.state.viewport.plateOpacity = 0.5f;
+    EXPECT_FALSE(e.relitAtRest()) << "the model before a faded plate";
 }
 
 }  // namespace

@@ -83,8 +83,9 @@ void playRow(Editor& editor) {
         sameLineIfFits(em(7));
         ViewportState& viewport = editor.state.viewport;
         if (checkbox("Plate relit", viewport.plateRelit,
-                     "Shows the plate as the export relights it, once nothing moves: with key 1, in the wipe (9), and "
-                     "behind the scene") &&
+                     "Shows the plate as the export relights it, steadied by its neighbours, once nothing moves: with "
+                     "key 1, "
+                     "in the wipe (9), and behind the scene. Key 2 shows it relit by itself at rest.") &&
             viewport.plateRelit)
             viewport.mode = ViewMode::photograph;
         noteItem("plate relit");

@@ -56,7 +56,9 @@ ViewportImage::Key ViewportImage::keyOf(const Editor& editor, const EyeView& eye
     key.displayView = displayViewOf(editor);
     key.falseColour = viewport.falseColour;
     key.through = throughPhotograph(editor) || editor.plateCamera();
-    key.plate = editor.plateImage();
+    key.plate = editor.relitAtRest();
+    key.plateAlone = key.plate != nullptr;
+    if (!key.plate) key.plate = editor.plateImage();
     key.plateOpacity = viewport.plateOpacity;
     key.wires = viewport.meshOverlay;
     key.photographBehind = viewport.photographBehind, key.dome = viewport.directionDome;
@@ -129,7 +131,7 @@ void ViewportImage::compose(Editor& editor, const EyeView& eye) {
         layer.left = strip.left, layer.right = strip.right;
         const bool model =
             strip.paint == Paint::model || strip.paint == Paint::distantModel || strip.paint == Paint::before;
-        if (strip.paint == Paint::photographs && photograph) {
+        if ((strip.paint == Paint::photographs || key_.plateAlone) && photograph) {
             layer.behind = photograph;
         } else {
             const bool photographShows = photograph && key_.photographBehind && model && key_.ownEnvironment;

@@ -37,7 +37,8 @@ private:
         float stops = 0, pixelsPerPoint = 1;
         std::string displayView;
         bool falseColour = false, wires = false, through = false, photographBehind = false, dome = false, grid = false,
-             frusta = false, ownEnvironment = false;
+             frusta = false, ownEnvironment = false,
+             plateAlone = false;
         int view = -1;
         std::set<uint32_t> hidden;
         std::vector<std::string> selected;

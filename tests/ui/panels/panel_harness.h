@@ -42,7 +42,7 @@ inline const std::vector<std::pair<ImGuiKey, int>>& imguiKeys() {
         {ImGuiKey_Escape, int(keyEscape)},       {ImGuiKey_Enter, int(keyEnter)},
         {ImGuiKey_UpArrow, int(keyUp)},          {ImGuiKey_DownArrow, int(keyDown)},
         {ImGuiKey_Backspace, int(keyBackspace)}, {ImGuiKey_LeftArrow, int(keyLeft)},
-        {ImGuiKey_RightArrow, int(keyRight)}};
+        {ImGuiKey_RightArrow, int(keyRight)},    {ImGuiKey_Space, int(keySpace)}};
     return keys;
 }
 #if IMGUI_VERSION_NUM >= 18700
@@ -112,7 +112,7 @@ public:
     /// One frame: `draw` inside a plain window, then the dialogs.
     void frame(const std::function<void()>& draw) {
         last_ = draw;
-        ImGui::NewFrame();
+        if (beginGuiFrame(!editor->state.panels.palette)) input().pressed = 0;
         beginPanelFrame();
         ImGui::SetNextWindowPos({0, 0});
         ImGui::SetNextWindowSize(size_.x > 0 ? size_ : ImGui::GetIO().DisplaySize);

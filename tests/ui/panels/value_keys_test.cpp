@@ -1,5 +1,7 @@
 // Keys of single values by the right button, and the view of curves.
+#include "actions.h"
 #include "edit/value_key_edits.h"
+#include "panels/curve_values.h"
 #include "panels/curve_view.h"
 #include "panels/emitter_controls.h"
 #include "ui/panels/panel_harness.h"
@@ -81,6 +83,35 @@ TEST(ValueKeyMenu, aRightClickKeysAValueAndEveryEditOfItAfter) {
     t.choose("Delete all its keys");
     EXPECT_TRUE(t.editor->look().curves.empty());
     EXPECT_GT(t.editor->look().environment.yawDegrees, 21) << "it stays as it was shown";
+}
+
+TEST(ValueKeyMenu, arrowsGoThroughItEnterChoosesAndEscClosesIt) {
+    Keyed t;
+    t.windowSize(320, 690);
+    t.frame([&] { drawEnvironmentPanel(*t.editor); });
+    const auto yaw = t.find(t.idOf("test", {"##yaw"}));
+    ASSERT_TRUE(yaw);
+    const auto open = [] { return ImGui::GetCurrentContext()->OpenPopupStack.Size > 0; };
+    t.rightClick(*yaw);
+    ASSERT_TRUE(open());
+    t.key(int(keyEscape));
+    EXPECT_FALSE(open());
+    t.key(int(keyEnter));
+    EXPECT_TRUE(t.framesOf(yawOfEnvironment).empty()) << "keys go through open menus alone";
+    t.rightClick(*yaw);
+    t.key(int(keyDown));
+    t.key(int(keyUp));
+    t.key(int(keyEnter));
+    t.frames(2);
+    EXPECT_FALSE(open());
+    EXPECT_EQ(t.framesOf(yawOfEnvironment), std::vector<int>{1}) << "the first item";
+    t.rightClick(*yaw);
+    t.key(int(keyDown));
+    t.key(int(keyDown));
+    t.key(int(keyEnter));
+    t.frames(2);
+    EXPECT_FALSE(open());
+    EXPECT_TRUE(t.editor->look().curves.empty() || t.editor->state.time.curves) << "another item";
 }
 
 TEST(ValueKeyMenu, theInspectorKeysALightsExposureWithoutItsPlace) {
@@ -201,10 +232,68 @@ TEST(CurveView, aBoxSelectsSeveralThatAreEasedAndDeletedTogether) {
     EXPECT_EQ(t.framesOf(yawOfEnvironment), std::vector<int>{21});
     t.editor->undo();
     EXPECT_EQ(t.framesOf(yawOfEnvironment).size(), 3u);
-    // Esc, and another light's selection: nothing of it has curves.
+    // The key Del, where the curves were clicked last.
+    t.mouse({500, 10});
+    t.frames(2);
+    t.press(true);
+    t.mouse({780, 214}), t.frames(2);
+    t.press(false);
+    t.frames(2);
+    EXPECT_TRUE(t.editor->state.time.takesDelete);
+    t.editor->state.selection.emitters = {t.editor->emitters()[0].id};
+    EXPECT_FALSE(runAction(*t.editor, "light.delete")) << "not the light's";
+    t.editor->state.selection.emitters.clear();
+    const size_t before = t.entries();
+    input().pressed = keyDelete;
+    t.frames(2);
+    EXPECT_EQ(t.entries(), before + 1);
+    EXPECT_EQ(t.framesOf(yawOfEnvironment).size(), 2u);
+    EXPECT_FALSE(t.editor->state.time.takesDelete);
+    t.editor->undo();
+    t.frames(2);
+    // Another light's selection: nothing of it has curves.
     t.editor->state.selection.emitters = {t.editor->emitters()[0].id};
     t.frames(2);
     EXPECT_TRUE(t.editor->state.time.handles.empty());
+}
+
+TEST(CurveAxis, ShowsWhatTheInspectorShows) {
+    Keyed t;
+    Editor& editor = *t.editor;
+    const EmitterState light = editor.emitters()[0];
+    const auto words = [&](KeyedValue value, int component, const CurveSpan& span) {
+        std::vector<std::string> list;
+        for (const AxisTick& tick :
+             axisTicks(editor, {value, value == KeyedValue::yaw ? "" : light.id}, component, span, 5))
+            list.push_back(tick.words);
+        return list;
+    };
+    using Words = std::vector<std::string>;
+    EXPECT_EQ(words(KeyedValue::yaw, 0, {-6, 46}), (Words{"0", "20", "40\u00b0"}));
+    EXPECT_EQ(words(KeyedValue::powerScale, 0, {-1.2f, 1.2f}), (Words{"-1.0", "-0.5", "0.0", "0.5", "1.0 stops"}));
+    EXPECT_EQ(words(KeyedValue::enabled, 0, {-0.5f, 1.5f}), (Words{"off", "on"}));
+    EXPECT_TRUE(words(KeyedValue::yaw, 0, {1, 1}).empty());
+    // Places in the world, in the window's unit, though keys count from where the light was captured.
+    editor.state.lengthUnit = LengthUnit::centimetres;
+    const float x = light.pivot.x + float(editor.state.document.capture->origin.x);
+    for (const AxisTick& tick : axisTicks(editor, {KeyedValue::position, light.id}, 0, {-0.5f, 0.5f}, 6))
+        EXPECT_NEAR(std::stod(tick.words), 100 * (tick.drawn + x), 0.01) << tick.words;
+    EXPECT_EQ(words(KeyedValue::position, 0, {-0.5f, 0.5f})
+                  .back()
+                  .substr(words(KeyedValue::position, 0, {-0.5f, 0.5f}).back().size() - 3),
+              " cm");
+    t.frame([] {});
+    EXPECT_EQ(frameStep(47, 800), 5);
+    EXPECT_EQ(frameStep(10000, 800), 1000);
+    // Of a copy they count in the stops that its field shows.
+    editor.state.selection.emitters = {light.id};
+    editor.setValueKeys({{KeyedValue::powerScale, light.id}});
+    duplicateEmitters(editor, {light.id});
+    const std::string copy = editor.state.selection.active();
+    const ValueCurve* curve = curveOf(editor.look(), {KeyedValue::radiance, copy});
+    ASSERT_TRUE(curve);
+    const EmitterState* state = editor.emitter(copy);
+    EXPECT_EQ(valueWords(editor, *curve, curve->keys[0].value), fmt::format("{:+.2f} stops", stopsOf(editor, *state)));
 }
 
 }  // namespace
