@@ -184,19 +184,38 @@ void Gui::skipFrame() { ImGui::EndFrame(); }
 bool Gui::typing() const { return ImGui::GetIO().WantTextInput; }
 bool Gui::popupOpen() const { return ImGui::GetCurrentContext()->OpenPopupStack.Size > 0; }
 
+namespace {
+
+/// Where nothing is marked yet, the first arrow marks the first item of a menu, and does not pass it. True until it is
+/// up again.
+bool marksFirst([[maybe_unused]] bool menu) {
+#if IMGUI_VERSION_NUM < 18700
+    static bool holding = false;
+    ImGuiContext& g = *ImGui::GetCurrentContext();
+    bool arrow = false;
+    for (const ImGuiKey key : {ImGuiKey_UpArrow, ImGuiKey_DownArrow})
+        arrow |= g.IO.KeyMap[key] >= 0 && g.IO.KeysDown[g.IO.KeyMap[key]];
+    holding = menu && arrow && (holding || (g.NavDisableHighlight && g.NavId != 0));
+    return holding;
+#else
+    return false;
+#endif
+}
+
+}  // namespace
+
 bool beginGuiFrame(bool menuKeys) {
     ImGuiContext& g = *ImGui::GetCurrentContext();
     const int open = g.OpenPopupStack.Size;
     const ImGuiWindow* top = open > 0 ? g.OpenPopupStack.back().Window : nullptr;
     const bool menu = menuKeys && top && !(top->Flags & ImGuiWindowFlags_Modal);
     // A number or a text in it that is being changed keeps its keys.
-    const bool moves = menu && g.ActiveId == 0;
+    const bool first = marksFirst(menu && g.ActiveId == 0), moves = menu && g.ActiveId == 0 && !first;
     if (moves) {
         g.IO.ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
     } else if (g.IO.ConfigFlags & ImGuiConfigFlags_NavEnableKeyboard) {
         g.IO.ConfigFlags &= ~ImGuiConfigFlags_NavEnableKeyboard;
-        g.NavDisableHighlight = true;
-        g.NavDisableMouseHover = false;
+        if (!menu) g.NavDisableHighlight = true, g.NavDisableMouseHover = false;
     }
 #if IMGUI_VERSION_NUM < 18700
     // It has Space alone for this.
@@ -204,6 +223,7 @@ bool beginGuiFrame(bool menuKeys) {
         g.IO.NavInputs[ImGuiNavInput_Activate] = 1;
 #endif
     ImGui::NewFrame();
+    if (first) g.NavDisableHighlight = false, g.NavDisableMouseHover = true;
     const bool closed = moves && g.OpenPopupStack.Size < open;
     if (closed) menuTookEscape();
     return closed;
