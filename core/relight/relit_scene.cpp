@@ -339,7 +339,7 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
 }
 
 RelitScene applyLook(const Scene& scene, const Estimate& estimate, const Look& look, Progress& progress,
-                     std::shared_ptr<const DistantLight> distant) {
+                     std::shared_ptr<const DistantLight> distant, uint32_t bounceRays) {
     EditedGeometry geometry = editGeometry(scene, estimate, look);
     RelitScene out;
     out.basis = estimate.reflectance.basis;
@@ -366,7 +366,9 @@ RelitScene applyLook(const Scene& scene, const Estimate& estimate, const Look& l
     out.addedFactor = std::move(geometry.addedFactor);
     out.scene = geometry.moved ? buildScene(std::move(geometry.mesh), progress, scene.axes) : scene;
     out.distant = distant ? std::move(distant) : distantOfLook(estimate, look.environment);
-    if (estimate.interreflection) out.bounced = bouncedLightOf(out, {}, progress);
+    BouncedLightOptions bounce;
+    if (bounceRays > 0) bounce.rays.rays = bounceRays;
+    if (estimate.interreflection) out.bounced = bouncedLightOf(out, bounce, progress);
     return out;
 }
 

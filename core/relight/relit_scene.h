@@ -96,8 +96,9 @@ struct RelitScene {
 
 /// `scene` is the capture's. Cost: a rebuild of the ray tracer when something moved (tens of ms). Throws Error naming
 /// an unknown emitter id, a part's vertex out of range, a component of mesh that shines already, or an unreadable
-/// environment file. `distant`: what distantOfLook gives for this look, where it is known already.
+/// environment file. `distant`: what distantOfLook gives for this look, where it is known already. `bounceRays`: from a
+/// vertex, for light that surfaces send each other; 0: as BounceOptions says.
 RelitScene applyLook(const Scene& scene, const Estimate& estimate, const Look& look, Progress& progress,
-                     std::shared_ptr<const DistantLight> distant = {});
+                     std::shared_ptr<const DistantLight> distant = {}, uint32_t bounceRays = 0);
 
 }  // namespace relamp
