@@ -13,6 +13,20 @@
 namespace relamp::cli {
 namespace {
 
+/// Says what was expected: the checks of CLI11 name the largest number there is. What is no number is its own to tell.
+CLI::Validator above(double least, bool itself, const char* kind, const char* words) {
+    return CLI::Validator(
+        [=](std::string& given) {
+            double value = 0;
+            const auto [end, error] = std::from_chars(given.data(), given.data() + given.size(), value);
+            const bool good = error != std::errc() || value > least || (itself && value == least);
+            return good ? std::string() : fmt::format("{}: expected {}", given, words);
+        },
+        kind);
+}
+CLI::Validator positive() { return above(0, false, "POSITIVE", "a number above 0"); }
+CLI::Validator notNegative() { return above(0, true, "NONNEGATIVE", "0 or more"); }
+
 /// How the capture's files are to be read: the same options for every verb that takes a capture.
 void addCaptureOptions(CLI::App& verb, CaptureFix& fix) {
     verb.add_option("--colmap", fix.colmap,
@@ -22,9 +36,9 @@ void addCaptureOptions(CLI::App& verb, CaptureFix& fix) {
     verb.add_option("--up", fix.up, "What is up in the files: x, y, z, -x, -y, -z or three numbers X,Y,Z");
     verb.add_option("--mesh-up", fix.meshUp,
                     "What is up in the mesh's file, if not what is up in the others (glTF: y)");
-    verb.add_option("--scale", fix.scale, "Metres one unit of the files is long")->check(CLI::PositiveNumber);
+    verb.add_option("--scale", fix.scale, "Metres one unit of the files is long")->check(positive());
     verb.add_option("--mesh-scale", fix.meshScale, "Units of the cameras one unit of the mesh is long")
-        ->check(CLI::PositiveNumber);
+        ->check(positive());
     verb.add_option("--smooth-normals", fix.smoothNormals,
                     "Rounds of smoothing for the normals of a noisy mesh; unless given, a solve asks the photographs")
         ->check(CLI::Range(0, 100));
@@ -119,16 +133,14 @@ void addSolveOptions(CLI::App& verb, SolveArguments& solve) {
     verb.add_option("--mesh-triangles", solve.meshTriangles,
                     "About how many triangles of the mesh the solve uses; 0 for all. Unless given, meshes above "
                     "300000 are solved on 150000; the shot has the whole mesh")
-        ->check(CLI::NonNegativeNumber);
+        ->check(notNegative());
     verb.add_option("--texture", solve.texture,
                     "Albedo per texel: auto (where photographs are finer than the mesh), off, or the side of the "
                     "texture in texels, 64 to 8192")
         ->capture_default_str();
     verb.add_option("--grid-side", solve.gridSide, "Side of the visibility grid (power of two)");
-    verb.add_option("--threads", solve.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
-    verb.add_option("--seed", solve.seed, "Seed of every random choice")
-        ->check(CLI::NonNegativeNumber)
-        ->capture_default_str();
+    verb.add_option("--threads", solve.threads, "Threads, 0 for all cores")->check(notNegative());
+    verb.add_option("--seed", solve.seed, "Seed of every random choice")->check(notNegative())->capture_default_str();
     verb.add_flag("--find-light", solve.findLight,
                   "Look for a light that no photograph shows, by its shading and shadows");
     verb.add_flag("--everything", solve.everything, "Leave nothing out beforehand: every part of the model is fitted");
@@ -171,7 +183,7 @@ CLI::App* addSolve(CLI::App& app, CommandLine& line) {
     verb->add_option("--items", line.solve.items, "Only these of the list, from 1: 3 or 1-4,9");
     verb->add_flag("--skip-existing", line.solve.skipExisting, "Leave shots of the list that are there already");
     verb->add_option("--time-budget", line.solve.timeBudget, "Seconds after which the best answer so far is kept")
-        ->check(CLI::NonNegativeNumber);
+        ->check(notNegative());
     verb->add_option("--gauge", line.solve.gauge,
                      "What fixes the brightness scale: auto, white-patch=V,X,Y, emitter=ID:R,G,B, albedo=A")
         ->capture_default_str();
@@ -255,14 +267,12 @@ CLI::App* addRender(CLI::App& app, CommandLine& line) {
                      "What PNG and JPEG show: standard (sRGB), auto (exposed by itself), raw")
         ->check(CLI::IsMember({"standard", "auto", "raw"}))
         ->capture_default_str();
-    verb->add_option("--samples", line.render.samples, "Samples a pixel")->check(CLI::PositiveNumber);
+    verb->add_option("--samples", line.render.samples, "Samples a pixel")->check(positive());
     verb->add_option("--denoise", line.render.denoise, "Filter the light on matte surfaces; auto: not in ratio frames")
         ->check(CLI::IsMember({"auto", "on", "off"}))
         ->capture_default_str();
-    verb->add_option("--threads", line.render.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
-    verb->add_option("--seed", line.render.seed, "Seed of the sampling")
-        ->check(CLI::NonNegativeNumber)
-        ->capture_default_str();
+    verb->add_option("--threads", line.render.threads, "Threads, 0 for all cores")->check(notNegative());
+    verb->add_option("--seed", line.render.seed, "Seed of the sampling")->check(notNegative())->capture_default_str();
     verb->add_flag("--skip-existing", line.render.skipExisting, "Leave frames that exist");
     addPlateOptions(*verb, line.render);
     return verb;
@@ -274,7 +284,7 @@ CLI::App* addExport(CLI::App& app, CommandLine& line) {
     verb->add_option("shot", line.exported.shot, "Shot folder")->required();
     verb->add_option("-o,--output", line.exported.output, "Folder for the files")->required();
     verb->add_option("--edits", line.exported.edits, "Edits document (JSON) in place of the shot's own look");
-    verb->add_option("--threads", line.exported.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
+    verb->add_option("--threads", line.exported.threads, "Threads, 0 for all cores")->check(notNegative());
     verb->add_flag("--overwrite", line.exported.overwrite, "Write into a folder that holds something");
     return verb;
 }
@@ -299,10 +309,8 @@ CLI::App* addPaint(CLI::App& app, CommandLine& line) {
         ->check(CLI::Range(1e-6, 1e3))
         ->capture_default_str();
     verb->add_option("-o,--output", line.paint.output, "Edits document to write; without it, standard output");
-    verb->add_option("--threads", line.paint.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
-    verb->add_option("--seed", line.paint.seed, "Seed of the sampling")
-        ->check(CLI::NonNegativeNumber)
-        ->capture_default_str();
+    verb->add_option("--threads", line.paint.threads, "Threads, 0 for all cores")->check(notNegative());
+    verb->add_option("--seed", line.paint.seed, "Seed of the sampling")->check(notNegative())->capture_default_str();
     return verb;
 }
 
@@ -314,9 +322,9 @@ CLI::App* addCompare(CLI::App& app, CommandLine& line) {
     verb->add_option("--quality", line.compare.quality, "draft, standard or fine")
         ->check(CLI::IsMember({"draft", "standard", "fine"}))
         ->capture_default_str();
-    verb->add_option("--threads", line.compare.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
+    verb->add_option("--threads", line.compare.threads, "Threads, 0 for all cores")->check(notNegative());
     verb->add_option("--seed", line.compare.seed, "Seed of every random choice")
-        ->check(CLI::NonNegativeNumber)
+        ->check(notNegative())
         ->capture_default_str();
 
     addCaptureOptions(*verb, line.compare.fix);
@@ -335,9 +343,9 @@ CLI::App* addMerge(CLI::App& app, CommandLine& line) {
     verb->add_flag("--keep-ghosts", line.merge.keepGhosts, "Average all exposures, whether or not they agree");
     verb->add_flag("--no-align", line.merge.noAlign, "Do not shift hand-held exposures onto each other");
     verb->add_option("--smoothness", line.merge.smoothness, "Of the response curve")
-        ->check(CLI::PositiveNumber)
+        ->check(positive())
         ->capture_default_str();
-    verb->add_option("--threads", line.merge.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
+    verb->add_option("--threads", line.merge.threads, "Threads, 0 for all cores")->check(notNegative());
     return verb;
 }
 
@@ -353,7 +361,7 @@ CLI::App* addReport(CLI::App& app, CommandLine& line) {
         ->check(CLI::IsMember({"auto", "on", "off"}))
         ->capture_default_str();
     verb->add_option("--truth", line.report.truth, "Folder of known truth: vertices.ply, env.exr, relight.json");
-    verb->add_option("--threads", line.report.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
+    verb->add_option("--threads", line.report.threads, "Threads, 0 for all cores")->check(notNegative());
     return verb;
 }
 
@@ -371,11 +379,11 @@ CLI::App* addScan(CLI::App& app, CommandLine& line) {
                      "What is up in the calibration: x, y, z, -x, -y, -z or X,Y,Z; else as the cameras were held");
     verb->add_option("--max-gap", line.scan.mostGap,
                      "Millimetres by which rays may miss each other; else four times their median")
-        ->check(CLI::PositiveNumber);
+        ->check(positive());
     verb->add_option("--triangles", line.scan.triangles, "About how many the mesh has at most")
         ->check(CLI::Range(size_t(1000), size_t(100'000'000)))
         ->capture_default_str();
-    verb->add_option("--threads", line.scan.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
+    verb->add_option("--threads", line.scan.threads, "Threads, 0 for all cores")->check(notNegative());
     verb->add_flag("--overwrite", line.scan.overwrite, "Write into a folder that holds something");
     verb->add_flag("--json", line.scan.json, "One JSON object");
     return verb;
@@ -386,7 +394,7 @@ CLI::App* addStress(CLI::App& app, CommandLine& line) {
     verb->add_option("path", line.stress.path, "Capture or shot folder")->required();
     verb->add_option("--only", line.stress.only, "Only cases whose name holds this text");
     verb->add_flag("--json", line.stress.json, "One JSON object");
-    verb->add_option("--threads", line.stress.threads, "Threads, 0 for all cores")->check(CLI::NonNegativeNumber);
+    verb->add_option("--threads", line.stress.threads, "Threads, 0 for all cores")->check(notNegative());
     return verb;
 }
 

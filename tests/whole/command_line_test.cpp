@@ -278,6 +278,12 @@ TEST(CommandLine, SolvesRendersAndTellsWhatIsInAShot) {
         EXPECT_EQ(r.exitCode, 2) << extra[0] << " " << extra[1] << ": " << r.error;
         EXPECT_FALSE(fs::exists(folder / "one.exr"));
     }
+    for (const auto& [option, words] : {std::pair("--seed=-1", "--seed: -1: expected 0 or more\n"),
+                                        std::pair("--samples=0", "--samples: 0: expected a number above 0\n")}) {
+        const test::ProgramResult r = relamp({"render", shot, "-o", folder / "one.exr", option});
+        EXPECT_EQ(r.exitCode, 2) << option;
+        EXPECT_NE(r.error.find(words), std::string::npos) << r.error;
+    }
     expectPaints(shot, folder);
     expectGroups(shot, folder);
     // Bad files name themselves.

@@ -81,7 +81,9 @@ std::vector<Piece> piecesOf(const Editor& editor) {
         components.push_back({"stopped early",
                               "The estimate was stopped before its end: this is the best answer so far.", 70, true,
                               warningColour});
-    if (editor.refining())
+    if (editor.relightingPlate())
+        components.push_back({"relighting plate", "The plate is relit under the present look", 30, false, dimColour});
+    else if (editor.refining())
         components.push_back({"refining", "The image gets better while you wait", 30, false, dimColour});
     if (estimate && estimate->reproduction.measured()) {
         const Reproduction& r = estimate->reproduction;
