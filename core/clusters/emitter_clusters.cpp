@@ -310,11 +310,14 @@ public:
         joinSplitEmitters(scene_, result.emitters);
         joinBlurredParts(scene_, result.emitters, result.candidates);
         const std::vector<EmitterCluster> emitters = result.emitters;
+        // What shows a brighter candidate is as little an emitter as what shows a certain one.
+        std::vector<EmitterCluster> shining = emitters;
+        shining.insert(shining.end(), result.candidates.begin(), result.candidates.end());
         const auto dropFalse = [&](std::vector<EmitterCluster>& clusters) {
             std::erase_if(clusters, [&](EmitterCluster& e) {
                 if (e.unobserved || e.fitted) return false;
                 const char* reason = nullptr;
-                for (const EmitterCluster& emitter : emitters)
+                for (const EmitterCluster& emitter : shining)
                     if (emitterPower(emitter) > emitterPower(e) &&
                         showsEmitterPastEdge(scene_, capture_, samples_, emitter, e))
                         reason = "shows a light past the edge of the mesh";
