@@ -348,6 +348,12 @@ std::string percent(double fraction) { return fmt::format("{:.1f} %", 100 * frac
 
 void warn(const Capture& capture, CaptureCheck& check) {
     const auto say = [&](const std::string& sentence) { check.warnings.push_back(sentence); };
+    // What else there is to say would point at poses and mesh, which may be right.
+    if (!check.views.empty() &&
+        std::all_of(check.views.begin(), check.views.end(), [](const ViewCheck& v) { return v.maskedFraction >= 1; }))
+        return say(
+            "No photograph has a pixel that can be used: all are masked, NaN, infinite or negative. Nothing can be "
+            "estimated.");
     if (check.lookBackwards)
         say("The mesh lies behind most cameras: the matrices seem to use OpenCV axes (+Y down, +Z forward), OpenGL "
             "axes are expected.");

@@ -138,6 +138,17 @@ TEST_F(LoadCapture, BadPixelsAreCountedInTheNotes) {
     EXPECT_FALSE(capture.views[1].image.usableAt(0, 0));
 }
 
+TEST_F(LoadCapture, PhotographsOfNothingButNanAreWhatTheCheckWarnsOf) {
+    const Image broken(16, 12, Rgb(std::numeric_limits<float>::quiet_NaN()));
+    writeImage(folder / "images/a.exr", broken);
+    Progress progress;
+    EXPECT_FALSE(anyHolds(checkCapture(load(), progress).warnings, "No photograph has a pixel that can be used"));
+    writeImage(folder / "images/b.exr", broken);
+    const CaptureCheck check = checkCapture(load(), progress);
+    ASSERT_EQ(check.warnings.size(), 1u) << "and of nothing else: poses and mesh may be right";
+    EXPECT_NE(check.warnings[0].find("No photograph has a pixel that can be used"), std::string::npos);
+}
+
 TEST_F(LoadCapture, BlackAndClippedImagesAreNotedAndNotRefused) {
     writeImage(folder / "images/a.exr", Image(16, 12));
     writeImage(folder / "images/b.png", Image(16, 12, Rgb(2)));
