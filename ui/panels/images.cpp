@@ -116,8 +116,16 @@ EnvironmentImage environmentImage(const std::filesystem::path& file) {
     return {thumbnail("env:" + file.string(), [&] { return reading->display; }), false, {}};
 }
 
+void dropPhotographs() {
+    std::erase_if(readings(), [](const auto& entry) { return entry.first.starts_with(photographKey); });
+    dropThumbnails(photographKey);
+}
+
 PhotographImage viewPhotograph(const Document& document, size_t view) {
+    static std::weak_ptr<const Capture> shownCapture;
     if (!document.capture || view >= document.capture->views.size()) return {};
+    if (shownCapture.lock() != document.capture) dropPhotographs();
+    shownCapture = document.capture;
     const Camera& camera = document.capture->views[view].camera;
     const std::string key = fmt::format("{}{}", photographKey, view);
     PhotographImage shown =
@@ -129,11 +137,6 @@ PhotographImage viewPhotograph(const Document& document, size_t view) {
 
 PhotographImage filePhotograph(const std::filesystem::path& file) {
     return photographOf(photographKey + file.string(), [file] { return readImage(file); });
-}
-
-void dropPhotographs() {
-    std::erase_if(readings(), [](const auto& entry) { return entry.first.starts_with(photographKey); });
-    dropThumbnails(photographKey);
 }
 
 std::string captionOf(const std::filesystem::path& file, float width) {

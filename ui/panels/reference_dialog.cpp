@@ -19,6 +19,7 @@ using Kind = MarkedReference::Kind;
 /// Where a ball's rim was found, for what was marked. Filled by a thread of its own, which may outlive the dialog.
 struct FoundRim {
     MarkedReference of;
+    std::weak_ptr<const Capture> in;
     std::atomic<bool> done{false};
     std::vector<Vec2> rim;  ///< pixels
     std::string words, error;
@@ -46,9 +47,10 @@ void lookForRim(const Capture& capture, FoundRim& found) {
 std::shared_ptr<const FoundRim> rimOf(const Document& document, const MarkedReference& mark, bool atRest) {
     static std::shared_ptr<FoundRim> last;
     if (!atRest || !document.capture) return nullptr;
-    if (!last || !(last->of == mark)) {
+    if (!last || !(last->of == mark) || last->in.lock() != document.capture) {
         last = std::make_shared<FoundRim>();
         last->of = mark;
+        last->in = document.capture;
         std::thread([found = last, capture = document.capture] {
             try {
                 lookForRim(*capture, *found);
