@@ -264,10 +264,8 @@ int showInfo(const fs::path& path, const CaptureFix& fix, bool json, Progress& p
                   {"vertices", capture.mesh.vertexCount()},
                   {"triangles", capture.mesh.triangles.size()},
                   {"notes", capture.notes}};
-        for (size_t s = 0; s < capture.states.size(); ++s)
-            result["states"].push_back({{"name", capture.states[s]},
-                                        {"views", std::count_if(capture.views.begin(), capture.views.end(),
-                                                                [&](const View& view) { return view.state == s; })}});
+        for (const auto& [name, views] : viewsOfStates(capture))
+            result["states"].push_back({{"name", name}, {"views", views}});
     }
     if (json) {
         if (isShot) addKeysOfVersion1(result);

@@ -5,6 +5,7 @@
 #include "base/json_fields.h"
 #include "base/parallel.h"
 #include "base/printable.h"
+#include "capture/check.h"
 #include "print_result.h"
 
 namespace relamp::cli {
@@ -16,11 +17,9 @@ int plan(const SolveArguments& a, bool json, Progress& progress) {
     const PipelineResult r = runPipeline(a.capture, options, progress);
     nlohmann::json document = planJson(r.estimate.plan);
     std::string text = planText(r.estimate.plan);
-    for (size_t s = 0; s < r.capture.states.size(); ++s) {
-        const auto views = std::count_if(r.capture.views.begin(), r.capture.views.end(),
-                                         [&](const View& view) { return view.state == s; });
-        document["states"].push_back({{"name", r.capture.states[s]}, {"views", views}});
-        text += fmt::format("Lighting state {}: {} views.\n", printable(r.capture.states[s]), views);
+    for (const auto& [name, views] : viewsOfStates(r.capture)) {
+        document["states"].push_back({{"name", name}, {"views", views}});
+        text += fmt::format("Lighting state {}: {} views.\n", printable(name), views);
     }
     if (r.search) {
         nlohmann::json& found = document["unobserved_light"];

@@ -344,6 +344,14 @@ void comparePoints(const Capture& capture, CaptureCheck& check) {
 
 }  // namespace
 
+std::vector<std::pair<std::string, size_t>> viewsOfStates(const Capture& capture) {
+    std::vector<std::pair<std::string, size_t>> states;
+    for (const std::string& name : capture.states) states.emplace_back(name, 0);
+    for (const View& view : capture.views)
+        if (view.state < states.size()) ++states[view.state].second;
+    return states;
+}
+
 CaptureCheck checkCapture(const Capture& capture, Progress& progress) {
     CaptureCheck check;
     const Mesh& mesh = capture.mesh;
@@ -401,9 +409,7 @@ CaptureCheck checkCapture(const Capture& capture, Progress& progress) {
     double open = 0, light = 0;
     for (const ViewCheck& v : check.views) open += v.openFraction, light += v.openFraction * v.lightFraction;
     check.backdrop = open > 0.1 * double(check.views.size()) && light < 0.05 * open;
-    for (size_t s = 0; s < capture.states.size(); ++s)
-        check.states.emplace_back(capture.states[s], std::count_if(capture.views.begin(), capture.views.end(),
-                                                                   [&](const View& view) { return view.state == s; }));
+    check.states = viewsOfStates(capture);
     comparePoints(capture, check);
     compareExposures(sights, check);
     guessAxes(capture, check);

@@ -54,6 +54,9 @@ struct CaptureCheck {
 /// Cost: a small image is rasterised for each view, O(views x triangles). Throws Cancelled only.
 CaptureCheck checkCapture(const Capture& capture, Progress& progress);
 
+/// Names of the lighting states, with how many views each has; empty: there is one. O(views).
+std::vector<std::pair<std::string, size_t>> viewsOfStates(const Capture& capture);
+
 nlohmann::json toJson(const CaptureCheck& check);
 /// For people: a table of the views, the mesh, the warnings.
 std::string toText(const CaptureCheck& check);

@@ -7,6 +7,8 @@
 #include <tuple>
 
 #include "base/random.h"
+#include "radiance/gather.h"
+#include "support/estimates.h"
 #include "support/shapes.h"
 
 namespace relamp {
@@ -227,6 +229,34 @@ TEST(Clusters, KeepAModeratelyBrightPatchAsACandidateForTheLightFit) {
                  }));
     EXPECT_EQ(found.emitters.size(), 0u);
     EXPECT_EQ(found.candidates.size(), 1u);
+}
+
+TEST(Clusters, WhatShowsABrighterCandidatePastItsEdgeIsNone) {
+    // A sheet over the floor shines, and so does a part of the floor beside its image: a few pixels from it or many, as
+    // the photographs are fine.
+    Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 40, 40);
+    test::append(mesh, test::sheet({0, -0.3, 0.2}, {0.5, 0, 0}, {0, 0.5, 0}, 10, 10));
+    const size_t floorVertices = mesh.vertexCount() - 121;
+    const Scene scene = test::sceneOf(mesh);
+    const auto candidates = [&](int width) {
+        Capture capture;
+        for (const double x : {0.1, 0.5}) {
+            View view;
+            view.camera = test::cameraAt({x, -0.1, 3}, {0.3, 0, 0}, width, width, width);
+            view.image = Image(width, width, Rgb(1));
+            capture.views.push_back(view);
+        }
+        Progress progress;
+        RadianceSamples samples = gatherRadiance(capture, scene, {}, progress);
+        for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v)
+            for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
+                const bool shines = v >= floorVertices || inSquare(scene.mesh.positions[v], 0.25f, 0.45f, 0.1f);
+                samples.samples[s].radiance = shines ? Rgb(5) : shaded(scene, v, samples.samples[s].view);
+            }
+        return clusterEmitters(scene, capture, samples, {}, progress).candidates.size();
+    };
+    EXPECT_EQ(candidates(60), 1u);
+    EXPECT_EQ(candidates(600), 2u);
 }
 
 TEST(Clusters, TakeAWholeBulbWhenItsSeenSideShines) {
