@@ -26,7 +26,7 @@ bool explains(const EmitterSphere& ball, const std::vector<EmitterOutline>& outl
 }
 
 /// Triangles that a ball of light takes the place of: its own, those within it, and those before it where photographs
-/// see it all the same.
+/// see it all the same. Those of other emitters stay: what they show is their own light.
 class Obstacles {
 public:
     Obstacles(const Scene& scene, const EmitterSphere& ball) : scene_(scene), ball_(ball) {
@@ -56,7 +56,8 @@ public:
             }
     }
 
-    void collect(const std::vector<uint32_t>& own, std::set<uint32_t>& removed) const {
+    void collect(const std::vector<uint32_t>& own, const std::vector<int>& emitterOfTriangle,
+                 std::set<uint32_t>& removed) const {
         removed.insert(own.begin(), own.end());
         std::vector<uint8_t> open(scene_.mesh.vertexCount(), 0), closed = open;
         for (uint32_t t = 0; t < in_.size(); ++t)
@@ -73,7 +74,8 @@ public:
             const bool between = in_[t] + out_[t] == 0 && std::all_of(corners.begin(), corners.end(), [&](uint32_t v) {
                                      return open[v] && !closed[v];
                                  });
-            if (within || between || in_[t] > out_[t]) removed.insert(t);
+            const bool seenThrough = between || in_[t] > out_[t];
+            if (within || (seenThrough && emitterOfTriangle[t] < 0)) removed.insert(t);
         }
     }
 
@@ -127,7 +129,7 @@ EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const Radia
                              const std::vector<EmitterOutline>& outlines) {
         Obstacles obstacles(scene, ball);
         for (const EmitterOutline& o : outlines) obstacles.vote(capture.views[o.view], o);
-        obstacles.collect(e.triangles, removed);
+        obstacles.collect(e.triangles, clusters.emitterOfTriangle, removed);
         ProxyLight proxy;
         proxy.centre = ball.centre;
         proxy.radius = float(ball.radius);
@@ -136,7 +138,7 @@ EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const Radia
     };
     for (const EmitterCluster& e : clusters.emitters) {
         if (e.unobserved || e.triangles.empty()) continue;
-        const std::vector<EmitterOutline> outlines = emitterOutlines(scene, capture, e);
+        const std::vector<EmitterOutline> outlines = emitterOutlines(scene, capture, samples, clusters, e);
         if (outlines.size() < 2) continue;
         const float mesh = meshOverlap(samples, e, outlines);
         if (mesh >= wellCovered) continue;
@@ -173,7 +175,7 @@ EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const Radia
         constexpr float leastContrast = 1.6f;
         if (patch.reason != tooFewPixelsReason || patch.evidence.sceneContrast < leastContrast) continue;
         const EmitterCluster e = clusterOf(scene, patch);
-        const std::vector<EmitterOutline> outlines = emitterOutlines(scene, capture, e);
+        const std::vector<EmitterOutline> outlines = emitterOutlines(scene, capture, samples, clusters, e);
         if (outlines.size() < leastViews) continue;
         const std::optional<EmitterSphere> ball = fitSphere(scene, capture, samples, outlines);
         if (!ball || !explains(*ball, outlines)) continue;
@@ -194,7 +196,7 @@ float overlapAfter(const EmitterMove& move, const Scene& scene, const Capture& c
     for (const EmitterCluster& e : clusters.emitters) {
         if (e.unobserved || e.fitted || e.triangles.empty() || glm::distance(e.centroid, move.centroid) > move.radius)
             continue;
-        const std::vector<EmitterOutline> outlines = emitterOutlines(scene, capture, e);
+        const std::vector<EmitterOutline> outlines = emitterOutlines(scene, capture, samples, clusters, e);
         if (outlines.size() >= 2) best = std::max(best, meshOverlap(samples, e, outlines));
     }
     return best;

@@ -1,5 +1,7 @@
 #include "clusters/emitter_sphere.h"
 
+#include <algorithm>
+
 #include "base/random.h"
 #include "base/statistics.h"
 #include "clusters/emitter_pixels.h"
@@ -8,6 +10,7 @@ namespace relamp {
 namespace {
 
 constexpr size_t leastPixels = 8, mostBoundary = 400;
+constexpr float mostOfOthers = 0.03f;  ///< of an outline's pixels
 
 struct PixelBox {
     int left = 1 << 30, top = 1 << 30, right = -1, bottom = -1;  // inclusive
@@ -83,6 +86,18 @@ std::vector<Vec2> boundaryOf(const std::vector<uint8_t>& shows, int width, int h
     const size_t step = all.size() / mostBoundary + 1;
     for (size_t i = 0; i < all.size(); i += step) some.push_back(all[i]);
     return some;
+}
+
+/// Pixels of the outline that the mesh says show another emitter.
+size_t pixelsOfOthers(const ViewGeometry& geometry, const EmitterClusters& clusters, const EmitterCluster& cluster,
+                      const std::vector<uint8_t>& shows) {
+    size_t count = 0;
+    for (size_t p = 0; p < shows.size(); ++p) {
+        const uint32_t t = geometry.triangle[p];
+        count += shows[p] && t != Hit::none && clusters.emitterOfTriangle[t] >= 0 &&
+                 !std::binary_search(cluster.triangles.begin(), cluster.triangles.end(), t);
+    }
+    return count;
 }
 
 /// A boundary point as a ray, and how many pixels a radian has there.
@@ -189,7 +204,8 @@ void judge(const Scene& scene, const Capture& capture, const RadianceSamples& sa
 
 }  // namespace
 
-std::vector<EmitterOutline> emitterOutlines(const Scene& scene, const Capture& capture, const EmitterCluster& cluster) {
+std::vector<EmitterOutline> emitterOutlines(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                                            const EmitterClusters& clusters, const EmitterCluster& cluster) {
     std::vector<EmitterOutline> result;
     for (size_t i = 0; i < capture.views.size(); ++i) {
         const Camera& camera = capture.views[i].camera;
@@ -205,6 +221,8 @@ std::vector<EmitterOutline> emitterOutlines(const Scene& scene, const Capture& c
                 if (outline.shows[size_t(y) * size_t(camera.width) + size_t(x)]) sum += DVec3(x + 0.5, y + 0.5, 1);
         outline.pixels = size_t(sum.z);
         if (outline.pixels < leastPixels) continue;
+        const size_t others = pixelsOfOthers(samples.geometry[i], clusters, cluster, outline.shows);
+        if (float(others) > mostOfOthers * float(outline.pixels)) continue;
         outline.centre = Vec2(float(sum.x / sum.z), float(sum.y / sum.z));
         outline.boundary = boundaryOf(outline.shows, camera.width, camera.height, outline.boundaryLength);
         result.push_back(std::move(outline));

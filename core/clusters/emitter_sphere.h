@@ -21,9 +21,10 @@ struct EmitterOutline {
 };
 
 /// Outlines of the cluster in the views that show it whole: the connected pixels of its radiance that lie about the
-/// projection of its vertices. Views that show it at their border, or in fewer than 8 pixels, are left out.
-/// O(pixels x views).
-std::vector<EmitterOutline> emitterOutlines(const Scene& scene, const Capture& capture, const EmitterCluster& cluster);
+/// projection of its vertices. Views that show it at their border, in fewer than 8 pixels, or as one with another of
+/// `clusters` are left out. O(pixels x views).
+std::vector<EmitterOutline> emitterOutlines(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                                            const EmitterClusters& clusters, const EmitterCluster& cluster);
 
 struct EmitterSphere {
     DVec3 centre{0};    ///< metres

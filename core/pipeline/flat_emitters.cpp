@@ -92,7 +92,7 @@ std::vector<EmitterMove> liftedFronts(const Scene& scene, const Capture& capture
         if (e.unobserved || e.fitted || e.twoSided || e.triangles.empty()) continue;
         const std::optional<Front> front = frontOf(scene, e);
         if (!front || !(front->depth > front->base)) continue;
-        const std::vector<EmitterOutline> outlines = emitterOutlines(scene, capture, e);
+        const std::vector<EmitterOutline> outlines = emitterOutlines(scene, capture, samples, clusters, e);
         const std::optional<FlatOutline> fit =
             fitFlatOutline(capture, outlines, DVec3(e.centroid + front->depth * front->normal), DVec3(front->normal));
         if (!fit) continue;

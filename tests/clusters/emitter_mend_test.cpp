@@ -99,6 +99,34 @@ TEST(EmitterMend, WhatLiesBeforeABallThroughWhichItIsSeenGoes) {
     EXPECT_GE(mend.removed.front(), world.floorTriangles);
 }
 
+/// Two balls of one light; from some of the cameras one hides part of the other.
+constexpr float pairRadius = 0.06f;
+const Vec3 nearer(-0.1f, 0, 0.4f), farther(0.1f, 0, 0.4f);
+
+TEST(EmitterMend, LightsThatHideEachOtherAreNotOneBall) {
+    Mesh both = ballOf(nearer, pairRadius);
+    test::append(both, ballOf(farther, pairRadius));
+    const World world(both, both);
+    ASSERT_EQ(world.clusters.emitters.size(), 2u);
+    EXPECT_FALSE(world.mend().needed());
+}
+
+TEST(EmitterMend, ALightBeforeABallIsNoObstacle) {
+    Mesh both = ballOf(nearer, pairRadius), part = both;
+    test::append(both, ballOf(farther, pairRadius));
+    const size_t whole = part.triangles.size();
+    Mesh half = ballOf(farther, pairRadius);
+    std::erase_if(half.triangles, [&](const Triangle& t) { return half.positions[t[0]].z < farther.z; });
+    test::append(part, half);
+    const World world(both, part);
+    ASSERT_EQ(world.clusters.emitters.size(), 2u);
+    const EmitterMend mend = world.mend();
+    ASSERT_EQ(mend.balls.size(), 1u);
+    EXPECT_NEAR(glm::length(Vec3(mend.balls[0].centre) - farther), 0, 0.002);
+    EXPECT_NEAR(mend.balls[0].radius, pairRadius, 0.002f);
+    EXPECT_GE(mend.removed.front(), world.floorTriangles + whole);
+}
+
 TEST(EmitterMend, AShrunkenBoxMovesOutByWhatIsMissing) {
     const Vec3 size(0.2f, 0.15f, 0.03f);
     const World world(boxOf({0, 0, 0.4f}, size), boxOf({0, 0, 0.4f}, size - 0.012f));
