@@ -7,6 +7,7 @@
 #include "base/statistics.h"
 #include "clusters/emitter_pixels.h"
 #include "clusters/false_emitters.h"
+#include "clusters/patch_extent.h"
 #include "clusters/patches.h"
 #include "clusters/thin_emitters.h"
 #include "scene/rim.h"
@@ -20,43 +21,6 @@ std::vector<uint8_t> withinOneRing(const Scene& scene, const std::vector<uint8_t
         for (uint32_t e = scene.graph.start[v]; of[v] && e < scene.graph.start[v + 1]; ++e)
             result[scene.graph.to[e]] = 1;
     return result;
-}
-
-/// Lets a patch take the unobserved and half-seen rest of its own part.
-/// Vertices that belong to another patch stay there.
-void complete(const Scene& scene, const std::vector<VertexRadiance>& seen, const std::vector<uint8_t>& ofOthers,
-              EmitterCluster& cluster) {
-    std::vector<uint8_t> mine(seen.size(), 0);
-    for (uint32_t v : cluster.vertices) mine[v] = 1;
-    // A connected component whose clearly seen vertices nearly all shine is an emitter as a whole.
-    std::vector<float> shining(scene.components, 0), clear(scene.components, 0);
-    for (uint32_t v = 0; v < seen.size(); ++v) {
-        if (seen[v].weight <= 0) continue;
-        clear[scene.component[v]] += seen[v].weight;
-        if (mine[v]) shining[scene.component[v]] += seen[v].weight;
-    }
-    for (uint32_t v = 0; v < seen.size(); ++v) {
-        const uint32_t p = scene.component[v];
-        if (!mine[v] && !ofOthers[v] && shining[p] > 0.7f * clear[p]) mine[v] = 1;
-    }
-    // Elsewhere unobserved neighbours of similar orientation join, a few rings far.
-    std::vector<uint32_t> ring = cluster.vertices;
-    for (int step = 0; step < 3; ++step) {
-        std::vector<uint32_t> next;
-        for (uint32_t v : ring)
-            for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e) {
-                const uint32_t u = scene.graph.to[e];
-                if (mine[u] || ofOthers[u] || seen[u].weight > 0 ||
-                    glm::dot(scene.mesh.normals[u], scene.mesh.normals[v]) < 0.5f)
-                    continue;
-                mine[u] = 1;
-                next.push_back(u);
-            }
-        ring.swap(next);
-    }
-    cluster.vertices.clear();
-    for (uint32_t v = 0; v < mine.size(); ++v)
-        if (mine[v]) cluster.vertices.push_back(v);
 }
 
 /// Area, centroid and normal of its triangles.
@@ -212,6 +176,7 @@ public:
         measureEnvirons(patchOf);
         for (size_t i = 0; i < patches_.size(); ++i) {
             judgePatch(scene_, samples_, seen_, patchOf, int(i), reference_, patches_[i]);
+            if (splitPatch(i, patchOf)) judgePatch(scene_, samples_, seen_, patchOf, int(i), reference_, patches_[i]);
             takePatch(i);
         }
     }
@@ -377,6 +342,22 @@ private:
         };
         std::erase_if(result.emitters, inside);
         std::erase_if(result.candidates, inside);
+    }
+
+    /// Lamps that are alike on one connected surface become patches of their own, the later ones at the list's end.
+    bool splitPatch(size_t i, std::vector<int>& patchOf) {
+        const std::vector<uint32_t>& whole = patches_[i].vertices;
+        if (2 * whole.size() > seenOfComponent_[scene_.component[whole[0]]]) return false;
+        if (!reasonAgainst(patches_[i]).empty()) return false;
+        std::vector<std::vector<uint32_t>> parts = partsApart(scene_, whole);
+        std::erase_if(parts, [](const std::vector<uint32_t>& part) { return part.size() < smallestPatch; });
+        if (parts.size() < 2) return false;
+        patches_[i].vertices = std::move(parts[0]);
+        for (size_t k = 1; k < parts.size(); ++k) {
+            for (const uint32_t v : parts[k]) patchOf[v] = int(patches_.size());
+            patches_.emplace_back().vertices = std::move(parts[k]);
+        }
+        return true;
     }
 
     /// Why the patch is no emitter; empty when it may be one.

@@ -221,6 +221,25 @@ TEST(Clusters, FindAPairOfOneToAThousandBoth) {
     EXPECT_EQ(found.emitters[1].id, "emitter-2");
 }
 
+/// Emitters on one floor whose places `shines` tells, seen from three views.
+size_t emittersWhere(const std::function<bool(const Vec3&)>& shines) {
+    const Scene scene = floorScene();
+    const auto radiance = [&](uint32_t v, uint32_t i) {
+        return shines(scene.mesh.positions[v]) ? Rgb(60, 50, 40) : shaded(scene, v, i);
+    };
+    return clusters(scene, looks(scene, 3, radiance)).emitters.size();
+}
+
+TEST(Clusters, LampsThatAreAlikeOnOneMeshAreSeveral) {
+    const auto pair = [](const Vec3& p) { return inSquare(p, -0.5f, 0, 0.15f) || inSquare(p, 0.5f, 0.1f, 0.15f); };
+    EXPECT_EQ(emittersWhere(pair), 2u);
+}
+
+TEST(Clusters, ALampBehindABarIsOne) {
+    const auto barred = [](const Vec3& p) { return inSquare(p, 0, 0, 0.3f) && std::abs(p.x) > 0.07f; };
+    EXPECT_EQ(emittersWhere(barred), 1u);
+}
+
 TEST(Clusters, KeepAModeratelyBrightPatchAsACandidateForTheLightFit) {
     const Scene scene = floorScene();
     const EmitterClusters found =

@@ -1,0 +1,108 @@
+#include "clusters/patch_extent.h"
+
+#include <algorithm>
+
+namespace relamp {
+namespace {
+
+/// Some vertices and the box around them.
+struct PatchPart {
+    std::vector<uint32_t> vertices;
+    Vec3 low{1e30f}, high{-1e30f};
+
+    void add(const Scene& scene, uint32_t v) {
+        vertices.push_back(v);
+        low = glm::min(low, scene.mesh.positions[v]);
+        high = glm::max(high, scene.mesh.positions[v]);
+    }
+    void add(const PatchPart& other) {
+        vertices.insert(vertices.end(), other.vertices.begin(), other.vertices.end());
+        low = glm::min(low, other.low);
+        high = glm::max(high, other.high);
+    }
+    /// Whether no more lies between both boxes than half the larger one's diagonal.
+    bool beside(const PatchPart& other) const {
+        const Vec3 gap = glm::max(glm::max(low - other.high, other.low - high), Vec3(0));
+        return glm::length(gap) <= 0.5f * std::max(glm::distance(low, high), glm::distance(other.low, other.high));
+    }
+};
+
+/// Connected parts of some vertices.
+std::vector<PatchPart> connectedParts(const Scene& scene, const std::vector<uint32_t>& vertices) {
+    std::vector<uint8_t> open(scene.mesh.vertexCount(), 0);
+    for (const uint32_t v : vertices) open[v] = 1;
+    std::vector<PatchPart> parts;
+    for (const uint32_t seed : vertices) {
+        if (!open[seed]) continue;
+        open[seed] = 0;
+        PatchPart& part = parts.emplace_back();
+        part.add(scene, seed);
+        for (size_t i = 0; i < part.vertices.size(); ++i)
+            for (uint32_t e = scene.graph.start[part.vertices[i]]; e < scene.graph.start[part.vertices[i] + 1]; ++e) {
+                const uint32_t u = scene.graph.to[e];
+                if (!open[u]) continue;
+                open[u] = 0;
+                part.add(scene, u);
+            }
+    }
+    return parts;
+}
+
+}  // namespace
+
+std::vector<std::vector<uint32_t>> partsApart(const Scene& scene, const std::vector<uint32_t>& vertices) {
+    std::vector<PatchPart> parts = connectedParts(scene, vertices);
+    for (size_t i = 0; i < parts.size(); ++i)
+        for (size_t k = i + 1; k < parts.size();) {
+            if (!parts[i].beside(parts[k])) {
+                ++k;
+                continue;
+            }
+            parts[i].add(parts[k]);
+            parts.erase(parts.begin() + ptrdiff_t(k));
+            k = i + 1;  // what is larger now may reach others
+        }
+    std::vector<std::vector<uint32_t>> result;
+    for (PatchPart& part : parts) {
+        std::sort(part.vertices.begin(), part.vertices.end());
+        result.push_back(std::move(part.vertices));
+    }
+    return result;
+}
+
+void complete(const Scene& scene, const std::vector<VertexRadiance>& seen, const std::vector<uint8_t>& ofOthers,
+              EmitterCluster& cluster) {
+    std::vector<uint8_t> mine(seen.size(), 0);
+    for (uint32_t v : cluster.vertices) mine[v] = 1;
+    // A connected component whose clearly seen vertices nearly all shine is an emitter as a whole.
+    std::vector<float> shining(scene.components, 0), clear(scene.components, 0);
+    for (uint32_t v = 0; v < seen.size(); ++v) {
+        if (seen[v].weight <= 0) continue;
+        clear[scene.component[v]] += seen[v].weight;
+        if (mine[v]) shining[scene.component[v]] += seen[v].weight;
+    }
+    for (uint32_t v = 0; v < seen.size(); ++v) {
+        const uint32_t p = scene.component[v];
+        if (!mine[v] && !ofOthers[v] && shining[p] > 0.7f * clear[p]) mine[v] = 1;
+    }
+    // Elsewhere unobserved neighbours of similar orientation join, a few rings far.
+    std::vector<uint32_t> ring = cluster.vertices;
+    for (int step = 0; step < 3; ++step) {
+        std::vector<uint32_t> next;
+        for (uint32_t v : ring)
+            for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e) {
+                const uint32_t u = scene.graph.to[e];
+                if (mine[u] || ofOthers[u] || seen[u].weight > 0 ||
+                    glm::dot(scene.mesh.normals[u], scene.mesh.normals[v]) < 0.5f)
+                    continue;
+                mine[u] = 1;
+                next.push_back(u);
+            }
+        ring.swap(next);
+    }
+    cluster.vertices.clear();
+    for (uint32_t v = 0; v < mine.size(); ++v)
+        if (mine[v]) cluster.vertices.push_back(v);
+}
+
+}  // namespace relamp
