@@ -20,9 +20,11 @@ float meanRadius(const std::vector<EmitterOutline>& outlines) {
     return float(std::sqrt(pixels / std::max<double>(1, double(outlines.size())) / piD));
 }
 
-/// Whether the ball is what the outlines show. Cameras that are off by half a pixel cost small discs more.
+/// Whether the ball is what the outlines show. Cameras that are off by half a pixel cost small discs more. One view
+/// that shows all of the disc tells its size, and a quarter of it in another one how far away it is.
 bool explains(const EmitterSphere& ball, const std::vector<EmitterOutline>& outlines) {
-    return ball.overlap > 0.95f - 0.7f / std::max(1.0f, meanRadius(outlines)) && ball.seen > 0.8f;
+    return ball.overlap > 0.95f - 0.7f / std::max(1.0f, meanRadius(outlines)) && ball.mostSeen > 0.9f &&
+           ball.nextSeen > 0.25f;
 }
 
 /// Triangles that a ball of light takes the place of: its own, those within it, and those before it where photographs

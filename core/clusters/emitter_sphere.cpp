@@ -199,7 +199,8 @@ void judge(const Scene& scene, const Capture& capture, const RadianceSamples& sa
     }
     std::sort(seen.rbegin(), seen.rend());
     ball.overlap = either ? float(both) / float(either) : 0;
-    ball.seen = seen.size() > 1 ? seen[1] : 0;
+    ball.mostSeen = seen.empty() ? 0 : seen[0];
+    ball.nextSeen = seen.size() > 1 ? seen[1] : 0;
 }
 
 }  // namespace

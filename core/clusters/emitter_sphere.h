@@ -31,7 +31,8 @@ struct EmitterSphere {
     double radius = 0;  ///< metres
     /// Pixels of the outlines and of the sphere's unoccluded disc that both have, over those that either has.
     float overlap = 0;
-    float seen = 0;  ///< of the sphere's discs, the fraction that shows it, in the second best view
+    float mostSeen = 0;  ///< of the sphere's discs, the fraction that shows it, in the best view
+    float nextSeen = 0;  ///< in the second best view
 };
 
 /// The ball whose outline the boundaries follow best (Gauss-Newton on the angle between a boundary's ray and the ball's

@@ -1,8 +1,8 @@
 """Renders a capture with truth, as the shared scenes are, of a scene that nothing was tuned to. Inside Blender:
 
-    blender -b -P tests/bench/made_scenes.py -- DATA OUT still-life|kitchen|loft
+    blender -b -P tests/bench/made_scenes.py -- DATA OUT still-life|kitchen|loft|table:SEED|room:SEED
 
-DATA holds hdri/*.hdr and meshes/*. Cycles renders each light alone and adds them up. 5 to 25 minutes on two cores.
+The last two are drawn at random (made_at_random.py). DATA holds hdri/*.hdr and meshes/*. Cycles renders each light alone and adds them up. 5 to 25 minutes on two cores.
 """
 import json
 import math
@@ -13,6 +13,7 @@ import numpy as np
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import made_at_random  # noqa: E402
 import made_shapes as shapes  # noqa: E402
 from made_render import Renderer, camera_at, write_ply  # noqa: E402
 
@@ -167,7 +168,11 @@ def write_mesh(out, scene, normals):
 
 def main():
     data, out, name = sys.argv[sys.argv.index("--") + 1:][:3]
-    scene = {"still-life": still_life, "kitchen": kitchen, "loft": loft}[name](data)
+    kind, _, seed = name.partition(":")
+    if seed:
+        scene = made_at_random.draw(Made(data, int(seed)), int(seed), kind == "room")
+    else:
+        scene = {"still-life": still_life, "kitchen": kitchen, "loft": loft}[kind](data)
     for folder in ("images", "truth/relit", "truth/masks"):
         os.makedirs(f"{out}/{folder}", exist_ok=True)
     renderer = Renderer(scene.objects, scene.bounces, scene.fov)

@@ -17,7 +17,8 @@ const Rgb light(30, 20, 10);
 Mesh ballOf(const Vec3& centre, float radius) { return test::ball(centre, radius, 12, 24); }
 Mesh boxOf(const Vec3& centre, const Vec3& size) { return test::box(centre - size, centre + size, 8); }
 
-/// Photographs of a floor with `truth` shining above it, and a capture whose mesh has `reconstructed` in its place.
+/// Photographs of a floor, with `screens` on it, and `truth` shining above it, and a capture whose mesh has
+/// `reconstructed` in its place.
 struct World {
     Capture capture;
     Scene scene;
@@ -25,10 +26,11 @@ struct World {
     EmitterClusters clusters;
     size_t floorTriangles = 0;
 
-    World(const Mesh& truth, const Mesh& reconstructed) : scene(sceneWith(reconstructed)) {
-        const Scene real = sceneWith(truth);
-        floorTriangles = floor().triangles.size();
-        const size_t floorVertices = floor().vertexCount();
+    World(const Mesh& truth, const Mesh& reconstructed, const Mesh& screens = {})
+        : scene(sceneWith(reconstructed, screens)) {
+        const Scene real = sceneWith(truth, screens);
+        floorTriangles = floor(screens).triangles.size();
+        const size_t floorVertices = floor(screens).vertexCount();
         for (int i = 0; i < 6; ++i) {
             const double turn = 2 * piD * i / 6;
             const Camera camera =
@@ -44,9 +46,13 @@ struct World {
         clusters = clusterEmitters(scene, capture, samples, {}, progress);
     }
 
-    static Mesh floor() { return test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 40, 40); }
-    static Scene sceneWith(const Mesh& emitter) {
-        Mesh mesh = floor();
+    static Mesh floor(const Mesh& screens) {
+        Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 40, 40);
+        if (!screens.positions.empty()) test::append(mesh, screens);
+        return mesh;
+    }
+    static Scene sceneWith(const Mesh& emitter, const Mesh& screens) {
+        Mesh mesh = floor(screens);
         if (!emitter.positions.empty()) test::append(mesh, emitter);
         return test::sceneOf(std::move(mesh));
     }
@@ -97,6 +103,25 @@ TEST(EmitterMend, WhatLiesBeforeABallThroughWhichItIsSeenGoes) {
     EXPECT_NEAR(mend.balls[0].radius, 0.05f, 0.002f);
     EXPECT_GT(mend.removed.size(), own + 10);
     EXPECT_GE(mend.removed.front(), world.floorTriangles);
+}
+
+TEST(EmitterMend, OneViewOfAllOfABallAndOneOfAPartAreEnough) {
+    const Vec3 centre(0, 0, 0.4f);
+    Mesh half = ballOf(centre, 0.1f), screens;
+    std::erase_if(half.triangles, [&](const Triangle& t) { return half.positions[t[0]].z > centre.z; });
+    // Of the six cameras the first sees all of it, the second 45 % of it, the others nothing.
+    for (int i = 1; i < 6; ++i) {
+        const double a = 2 * piD * i / 6;
+        const Vec3 out(float(std::cos(a)), float(std::sin(a)), 0), along(-out.y, out.x, 0);
+        const Vec3 corner = centre + 0.3f * out - (i == 1 ? 0.01f : 0.2f) * along - Vec3(0, 0, 0.08f);
+        test::append(screens, test::sheet(corner, 0.4f * along, {0, 0, 0.4f}, 8, 8));
+    }
+    const World world(ballOf(centre, 0.1f), half, screens);
+    ASSERT_EQ(world.clusters.emitters.size(), 1u);
+    const EmitterMend mend = world.mend();
+    ASSERT_EQ(mend.balls.size(), 1u);
+    EXPECT_NEAR(glm::length(Vec3(mend.balls[0].centre) - centre), 0, 0.005);
+    EXPECT_NEAR(mend.balls[0].radius, 0.1f, 0.003f);
 }
 
 /// Two balls of one light; from some of the cameras one hides part of the other.
@@ -181,7 +206,7 @@ TEST(EmitterMend, ABallThatTheMeshLacksIsNoneWithoutPhotographsOfIt) {
 }
 
 TEST(MeshMend, TriangleAndVertexNumbersAreChecked) {
-    Mesh mesh = World::floor();
+    Mesh mesh = World::floor({});
     MeshMend mend;
     mend.removed = {0, 5};
     mend.moved = {{3, {1, 2, 3}}};
@@ -201,7 +226,7 @@ TEST(MeshMend, TriangleAndVertexNumbersAreChecked) {
 }
 
 TEST(MeshMend, AddsVerticesAndTrianglesBehindTheFile) {
-    Mesh mesh = World::floor();
+    Mesh mesh = World::floor({});
     const size_t vertices = mesh.vertexCount(), triangles = mesh.triangles.size();
     MeshMend mend;
     mend.removed = {0};
