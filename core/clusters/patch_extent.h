@@ -1,12 +1,12 @@
-// What of a surface one emitter is: its hidden rest, and not the lamps like it elsewhere. Inner part of the clusters,
-// not a door.
+// What of a surface one emitter is: its hidden rest, and not the emitters like it elsewhere. Inner part of the
+// clusters, not a door.
 #pragma once
 #include "clusters/patches.h"
 
 namespace relamp {
 
 /// Vertices of a patch in the groups that lie apart: between two groups' boxes is more than half the larger box's
-/// diagonal. A reconstruction is one component, and holds lamps that are alike.
+/// diagonal. A reconstruction is one component, and holds emitters that are alike.
 std::vector<std::vector<uint32_t>> partsApart(const Scene& scene, const std::vector<uint32_t>& vertices);
 
 /// Lets a patch take the unobserved and half-seen rest of its own part. Vertices marked in `ofOthers` stay there.
