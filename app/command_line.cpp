@@ -451,6 +451,10 @@ std::optional<CommandLine> parseCommandLine(int argc, char** argv, int& exitCode
     } catch (const CLI::ParseError& error) {
         std::ostringstream out, wrong;
         exitCode = app.exit(error, out, wrong) == 0 ? 0 : 2;
+        // The library says that a command is missing, not that it knows none of this name.
+        if (const std::vector<std::string> rest = app.remaining();
+            dynamic_cast<const CLI::RequiredError*>(&error) && app.get_subcommands().empty() && !rest.empty())
+            wrong.str(fmt::format("There is no command {}.\nRun with --help for more information.\n", rest.front()));
         std::fputs(printable(wrong.str(), true).c_str(), stderr);
         if (exitCode == 0) printResult(out.str());
         return std::nullopt;

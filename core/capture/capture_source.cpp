@@ -49,7 +49,8 @@ fs::path placeOf(const fs::path& folder, const std::string& named) {
 
 CaptureSource captureSource(const fs::path& folder, const CaptureFix& fix, Progress& progress) {
     std::error_code ignored;
-    if (!fs::is_directory(folder, ignored)) throw Error("{}: is not a folder", folder.string());
+    if (!fs::is_directory(folder, ignored))
+        throw Error("{}: {}", folder.string(), isThere(folder) ? "is not a folder" : whyNoFile(folder));
     std::optional<FoundCapture> found = findCapture(folder);
     for (const CaptureFormat& format : captureFormats())
         if (format.named && !(fix.*format.named).empty())

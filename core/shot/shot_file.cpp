@@ -236,7 +236,9 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress, const
     Shot shot;
     shot.folder = folder;
     const fs::path file = folder / "shot.json";
-    if (!isThere(file)) throw Error("{}: is not a shot, there is no shot.json in it", folder.string());
+    if (!isThere(file))
+        throw Error("{}: {}", folder.string(),
+                    isThere(folder) ? "is not a shot, there is no shot.json in it" : whyNoFile(folder));
     Json document = parseJson(readBytes(file, 256 << 20), file.string());
     if (!document.is_object()) throw Error("{}: is not valid JSON", file.string());
     Estimate& e = shot.estimate;

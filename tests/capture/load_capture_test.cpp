@@ -206,7 +206,9 @@ TEST_F(LoadCapture, MissingFilesAreNamed) {
               (folder / "transforms.json").string() +
                   ": does not exist, and no other cameras are found; a capture has " + captureMarks());
     EXPECT_EQ(test::messageOf([&] { loadCapture(folder / "none", {}, progress); }),
-              (folder / "none").string() + ": is not a folder");
+              (folder / "none").string() + ": does not exist");
+    EXPECT_EQ(test::messageOf([&] { loadCapture(folder / "mesh.obj", {}, progress); }),
+              (folder / "mesh.obj").string() + ": is not a folder");
     file["mesh_path"] = "model.ply";
     EXPECT_EQ(error(),
               "transforms.json: mesh_path names " + (folder / "model.ply").string() + ", which does not exist");

@@ -49,6 +49,11 @@ TEST(CommandLine, WrongUsageIsExitCodeTwoWithNothingOnStdout) {
     }
 }
 
+TEST(CommandLine, AnUnknownCommandIsNamed) {
+    EXPECT_NE(relamp({"solv", "capture"}).error.find("There is no command solv."), std::string::npos);
+    EXPECT_NE(relamp({"--quiet"}).error.find("required"), std::string::npos);
+}
+
 TEST(CommandLine, HelpAndVersionAreResults) {
     EXPECT_EQ(relamp({"--version"}).exitCode, 0);
     EXPECT_EQ(relamp({"--version"}).out.substr(0, 7), "relamp ");
@@ -62,13 +67,14 @@ TEST(CommandLine, HelpAndVersionAreResults) {
 TEST(CommandLine, WhatIsNotThereIsBadInput) {
     const test::TemporaryFolder folder;
     for (const char* verb : {"check", "info"})
-        expectBadInput(relamp({verb, folder / "absent"}), {(folder / "absent").string()});
+        expectBadInput(relamp({verb, folder / "absent"}), {(folder / "absent").string() + ": does not exist"});
     // A name longer than any may be.
     for (const char* verb : {"check", "info", "stress"})
         expectBadInput(relamp({verb, folder / std::string(300, 'x')}), {"xxx"});
     expectBadInput(relamp({"solve", folder / "absent", "-o", folder / "x.relamp"}), {"absent"});
     expectBadInput(relamp({"check", folder.path()}), {"transforms.json"});
-    expectBadInput(relamp({"render", folder / "absent.relamp", "-o", folder / "f.exr"}), {"absent.relamp"});
+    expectBadInput(relamp({"render", folder / "absent.relamp", "-o", folder / "f.exr"}),
+                   {"absent.relamp: does not exist"});
     EXPECT_EQ(folder.entries(), 0u);
 }
 
