@@ -18,6 +18,11 @@ fs::path& lastFolder() {
 
 }  // namespace
 
+fs::path withHome(const std::string& typed) {
+    if (typed != "~" && !typed.starts_with("~/")) return typed;
+    return homeFolder() / fs::path(typed.size() > 2 ? typed.substr(2) : "");
+}
+
 void FileBrowser::State::go(const fs::path& target, bool remember) {
     std::error_code failed;
     fs::path next = fs::absolute(target, failed).lexically_normal();
@@ -29,7 +34,7 @@ void FileBrowser::State::go(const fs::path& target, bool remember) {
     pathField = shown(next);
     filter.clear();
     problem.clear();
-    askReplace = false;
+    askReplace = typingPath = false;
     read();
 }
 
@@ -105,7 +110,7 @@ bool FileBrowser::State::enter(const FileEntry& entry) {
 }
 
 fs::path FileBrowser::State::target() const {
-    fs::path name = nameField;
+    fs::path name = withHome(nameField);
     if (!request.extensions.empty() && !name.empty() && !hasExtension(name, request.extensions))
         name += request.extensions.front();
     return name.is_absolute() ? name : folder / name;

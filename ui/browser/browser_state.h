@@ -8,6 +8,9 @@
 
 namespace relamp::ui {
 
+/// "~" and "~/..." begin at the home folder.
+std::filesystem::path withHome(const std::string& typed);
+
 struct FileBrowser::State {
     BrowserRequest request;
     std::filesystem::path folder, chosen;
@@ -15,7 +18,8 @@ struct FileBrowser::State {
     std::string pathField, nameField, filter;
     bool everything = false, hidden = false, separate = false;
     bool askReplace = false, focusName = false, scrollToRow = false;
-    std::string problem;  ///< shown beside the buttons
+    bool typingPath = false;  ///< what is typed goes into pathField, though the field is not active
+    std::string problem;      ///< shown beside the buttons
 
     /// Filled by a thread of its own, which outlives the browser when a file server hangs.
     struct Reading {

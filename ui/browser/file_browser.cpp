@@ -4,6 +4,7 @@
 #include <imgui.h>
 
 #include "browser/browser_state.h"
+#include "capture/capture_formats.h"
 #include "widgets.h"
 
 namespace relamp::ui {
@@ -68,6 +69,7 @@ private:
         if (yes) answer_ = FileBrowser::Answer::chosen;
     }
     void path();
+    void takePath();
     void switches();
     void newFolder();
     void places(const std::vector<fs::path>& recent);
@@ -85,8 +87,13 @@ FileBrowser::Answer FileBrowser::Drawing::draw(const std::vector<fs::path>& rece
     path();
     switches();
     newFolder();
-    const float below = ImGui::GetFrameHeightWithSpacing() * (saving_ ? 2 : 1) +
-                        ImGui::GetTextLineHeightWithSpacing() * (s_.problem.empty() && !s_.askReplace ? 0.4f : 2.4f);
+    const float words =
+        s_.problem.empty()
+            ? (s_.askReplace ? 2 * ImGui::GetTextLineHeightWithSpacing() : 0)
+            : ImGui::CalcTextSize(s_.problem.c_str(), nullptr, false, ImGui::GetContentRegionAvail().x - em(2)).y +
+                  ImGui::GetStyle().ItemSpacing.y;
+    const float below =
+        ImGui::GetFrameHeightWithSpacing() * (saving_ ? 2 : 1) + ImGui::GetTextLineHeightWithSpacing() * 0.4f + words;
     height_ = std::max(em(6), ImGui::GetContentRegionAvail().y - below);
     places(recent);
     list();
@@ -116,23 +123,34 @@ void FileBrowser::Drawing::path() {
     ImGui::SetNextItemWidth(-FLT_MIN);
     if (inputText("##path", s_.pathField, "Path of a folder or file",
                   ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll)) {
-        fs::path typed = s_.pathField;
         enterUsed_ = true;
-        if (s_.pathField.starts_with("~"))
-            typed = homeFolder() / fs::path(s_.pathField.size() > 2 ? s_.pathField.substr(2) : "");
-        std::error_code failed;
-        if (fs::is_directory(typed, failed)) next_ = typed;
-        else if (s_.request.mode == BrowserRequest::Mode::save) {
-            s_.nameField = typed.filename().string();
-            next_ = typed.parent_path();
-        } else if (fs::exists(typed, failed)) {
-            s_.chosen = typed;
-            answer_ = FileBrowser::Answer::chosen;
-        } else s_.problem = fmt::format("{} does not exist.", s_.pathField);
+        takePath();
+        if (!s_.problem.empty()) ImGui::SetKeyboardFocusHere(-1);  // to be mended where it was typed
     }
     tooltip("Type or paste a path and press Enter; ~ is your home folder");
     pathActive_ = ImGui::IsItemActive();
+    if (pathActive_) s_.typingPath = false;
     if (const fs::path step = drawBreadcrumbs(s_.folder); !step.empty()) next_ = step;
+}
+
+/// Chooses or goes to what the path names.
+void FileBrowser::Drawing::takePath() {
+    const fs::path typed = s_.folder / withHome(s_.pathField);
+    s_.problem.clear();
+    std::error_code failed;
+    const bool saved = saving_ && s_.request.replacesShots && isShotFolder(typed);  // a name, not a place
+    if (fs::is_directory(typed, failed) && !saved) {
+        const bool whole = s_.request.mode == BrowserRequest::Mode::open && s_.request.captures &&
+                           (isShotFolder(typed) || findCapture(typed));
+        if (whole) s_.chosen = typed, answer_ = FileBrowser::Answer::chosen;
+        else next_ = typed;
+    } else if (s_.request.mode == BrowserRequest::Mode::save) {
+        s_.nameField = typed.filename().string();
+        next_ = typed.parent_path();
+    } else if (fs::exists(typed, failed)) {
+        s_.chosen = typed;
+        answer_ = FileBrowser::Answer::chosen;
+    } else s_.problem = fmt::format("{} does not exist.", shown(s_.pathField));
 }
 
 void FileBrowser::Drawing::switches() {
@@ -141,7 +159,7 @@ void FileBrowser::Drawing::switches() {
     ImGui::SameLine(0, em(0.3f));
     ImGui::SetNextItemWidth(filterWidth);
     if (inputText("##filter", s_.filter, "Filter")) s_.choose();
-    tooltip("Shows only names that contain these letters. Just begin to type.");
+    tooltip("Shows only names that contain these letters. Just begin to type; a path begins with / or ~.");
     filterActive_ = ImGui::IsItemActive();
     if (!s_.request.extensions.empty() && s_.request.mode != BrowserRequest::Mode::folder) {
         sameLineIfFits(buttonWidth("All files") + em(1.6f));
@@ -277,6 +295,7 @@ void FileBrowser::Drawing::row(int i, bool wide, bool widest, const FileEntry*& 
                               ImGuiSelectableFlags_DontClosePopups)) {
         s_.selected = i;
         s_.askReplace = false;
+        s_.typingPath = false, s_.pathField = shown(s_.folder);
         if (saving_ && entry.kind != FileEntry::Kind::folder) s_.nameField = shown(entry.path.filename());
         if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) entered = &entry;
     }
@@ -327,9 +346,15 @@ void FileBrowser::Drawing::buttons() {
     if (button("Cancel", "Closes this without choosing (Esc)", buttonWidth("Cancel") + em(1)))
         answer_ = FileBrowser::Answer::cancelled;
     ImGui::SameLine();
-    if (primaryButton(confirmWord.c_str(), s_.askReplace ? "Overwrites what is there" : "Open selected (Enter)",
-                      buttonWidth(confirmWord) + em(1)))
-        done(s_.confirm());
+    if (primaryButton(confirmWord.c_str(),
+                      s_.askReplace ? "Overwrites what is there"
+                      : saving_     ? "Saves under this name (Enter)"
+                                    : "Open selected (Enter)",
+                      buttonWidth(confirmWord) + em(1))) {
+        // A path that was typed, and not yet gone to with Enter, is what is meant.
+        if (!saving_ && s_.pathField != shown(s_.folder)) takePath();
+        else done(s_.confirm());
+    }
 }
 
 void FileBrowser::Drawing::keys() {
@@ -344,23 +369,31 @@ void FileBrowser::Drawing::keys() {
         if (keyPressed(ImGuiKey_UpArrow, true)) move(s_.selected < 0 ? rows : -1);
         if (keyPressed(ImGuiKey_PageDown, true)) move(page);
         if (keyPressed(ImGuiKey_PageUp, true)) move(-page);
-        if (answer_ == FileBrowser::Answer::none && next_.empty() && !enterUsed_ && enterPressed())
-            done(s_.selected >= 0 ? s_.enter(*s_.rows[size_t(s_.selected)]) : s_.confirm());
+        if (answer_ == FileBrowser::Answer::none && next_.empty() && !enterUsed_ && enterPressed()) {
+            if (s_.typingPath) takePath();
+            else done(s_.selected >= 0 ? s_.enter(*s_.rows[size_t(s_.selected)]) : s_.confirm());
+        }
         if (!filterActive_ && !ImGui::IsAnyItemActive()) {
             if (keyPressed(ImGuiKey_Home)) move(-rows);
             if (keyPressed(ImGuiKey_End)) move(rows);
             if (keyPressed(ImGuiKey_Backspace, true)) {
-                if (s_.filter.empty()) next_ = s_.folder.parent_path();
+                std::string& typed = s_.typingPath ? s_.pathField : s_.filter;
+                if (typed.empty()) next_ = s_.folder.parent_path();
                 else {
-                    while (!s_.filter.empty() && (static_cast<unsigned char>(s_.filter.back()) & 0xC0) == 0x80)
-                        s_.filter.pop_back();
-                    if (!s_.filter.empty()) s_.filter.pop_back();
-                    s_.choose();
+                    while (!typed.empty() && (static_cast<unsigned char>(typed.back()) & 0xC0) == 0x80)
+                        typed.pop_back();
+                    if (!typed.empty()) typed.pop_back();
+                    if (!s_.typingPath) s_.choose();
                 }
             }
             bool typed = false;
-            for (const ImWchar c : ImGui::GetIO().InputQueueCharacters)
-                if (c > 32 && c < 127 && c != '/') s_.filter += char(c), typed = true;
+            for (const ImWchar c : ImGui::GetIO().InputQueueCharacters) {
+                // A path begins with / or ~, and goes where paths stand.
+                if (!s_.typingPath && s_.filter.empty() && (c == '/' || c == '~'))
+                    s_.typingPath = true, s_.pathField.clear(), s_.problem.clear();
+                if (s_.typingPath && c >= 32 && c < 127) s_.pathField += char(c);
+                else if (c > 32 && c < 127 && c != '/') s_.filter += char(c), typed = true;
+            }
             if (typed) s_.choose();
         }
     }

@@ -114,6 +114,54 @@ TEST(FileBrowserKeys, aFolderThatIsNoShotIsNeverReplaced) {
     EXPECT_EQ(b.answer, FileBrowser::Answer::none);
 }
 
+TEST(FileBrowserKeys, aPathThatIsTypedNeedsNoFieldAndIsMendedWhereItWasWrong) {
+    const TemporaryFolder folder;
+    folder.write("room/transforms.json", "{}");
+    BrowserRequest request;
+    request.start = folder.path();
+    request.captures = true;
+    request.extensions = {".json"};
+    const std::string path = (folder / "room").string();
+    {
+        Browsing b(request);
+        b.type(path.substr(0, path.size() - 1));
+        b.key(keyEnter);
+        EXPECT_EQ(b.answer, FileBrowser::Answer::none);
+        b.type("m");
+        b.key(keyEnter);
+        EXPECT_EQ(b.answer, FileBrowser::Answer::chosen);
+        EXPECT_EQ(b.browser.chosen(), folder / "room");
+    }
+    // In the field, what is typed after a wrong path stands there too, and Open takes it without Enter.
+    Browsing again(request);
+    const auto field = again.find(Panels::idOf("test", {"##path"}));
+    ASSERT_TRUE(field);
+    again.click(*field);
+    again.type("/nowhere");
+    again.key(keyEnter);
+    again.frames(2);
+    EXPECT_EQ(again.answer, FileBrowser::Answer::none);
+    again.type(path);
+    EXPECT_EQ(again.browser.names(), Names{"room"}) << "it was no filter";
+    const auto open = again.find(Panels::idOf("test", {"Open"}));
+    ASSERT_TRUE(open);
+    again.click(*open);
+    EXPECT_EQ(again.answer, FileBrowser::Answer::chosen);
+    EXPECT_EQ(again.browser.chosen(), folder / "room");
+}
+
+TEST(FileBrowserKeys, theButtonsStayInSightUnderALongMessage) {
+    const TemporaryFolder folder;
+    BrowserRequest request;
+    request.start = folder.path();
+    request.captures = true;
+    Browsing b(request);
+    b.key(keyEnter);  // nothing can be chosen here: a message of several lines says what could
+    b.frames(3);
+    EXPECT_EQ(ImGui::FindWindowByName("test")->ScrollMax.y, 0);
+    EXPECT_TRUE(b.find(Panels::idOf("test", {"Open"})));
+}
+
 TEST(FileBrowserKeys, escCancels) {
     Browsing b({});
     b.key(keyEscape);
