@@ -28,12 +28,14 @@ void drawBottomPanel(Editor& editor) {
     static_assert(std::size(tabs) == framesTab + 1);
     const int asked = wanted;
     const bool fromOutside = asked != shownTab;
+    int chosen = -1;
     for (int i = 0; i < int(std::size(tabs)); ++i) {
         const bool open =
             ImGui::BeginTabItem(tabs[i].label, nullptr, fromOutside && asked == i ? ImGuiTabItemFlags_SetSelected : 0);
         noteItem(std::string("tab ") + tabs[i].label);
         tooltip(tabs[i].explanation);
-        if (ImGui::IsItemClicked()) folded = false;
+        // By hand as well: a tab that was not under the pointer in the frame before does not take the click.
+        if (ImGui::IsItemClicked()) folded = false, chosen = i;
         if (!open) continue;
         if (!fromOutside || asked == i) wanted = shownTab = i;
         if (!folded) {
@@ -42,6 +44,7 @@ void drawBottomPanel(Editor& editor) {
         }
         ImGui::EndTabItem();
     }
+    if (chosen >= 0) wanted = chosen;
     if (ImGui::TabItemButton(folded ? "Unfold###fold" : "Fold###fold", ImGuiTabItemFlags_Trailing)) folded = !folded;
     noteItem("fold the bottom panel");
     tooltip(folded ? "Shows the panel (Ctrl+B)" : "Leaves the tabs alone, for a larger image (Ctrl+B)");

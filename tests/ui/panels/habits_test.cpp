@@ -296,6 +296,16 @@ TEST(BottomPanel, foldsAfterAnEstimateAndUnfoldsByATab) {
     p.click(*at);
     EXPECT_FALSE(editor.state.panels.bottomFolded);
     EXPECT_EQ(editor.state.panels.bottomTab, 3);
+    // Where frames are slow, the pointer comes and presses between two of them.
+    const auto other = p.find(Panels::idOf("test", {"##bottom", "Log"}), 4);
+    ASSERT_TRUE(other);
+    p.mouse(*at);
+    p.frames(3);
+    p.mouse(*other);
+    p.press(true);
+    p.press(false);
+    p.frames(2);
+    EXPECT_EQ(editor.state.panels.bottomTab, 2);
 }
 
 TEST(StartPage, showsWhatWasOpenLastAndOpensIt) {
