@@ -258,6 +258,7 @@ void Editor::Impl::setDocument(Document document, Version version, const std::st
     dropThumbnails("env:recovered");
     frameScene();
     remember(ours.recent, documentPath());
+    saveSettings(options.configFolder, ours);  // a crash forgets nothing
     if (ours.document.check && !solved) {
         // Only what would spoil an estimate interrupts; the rest stands in the inspector and under File.
         const CaptureCheck& check = *ours.document.check;

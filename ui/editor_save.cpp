@@ -98,6 +98,7 @@ void Editor::Impl::saveTo(const fs::path& folder) {
                     restored.reset();
                 }
                 remember(self.state.recent, folder);
+                saveSettings(options.configFolder, self.state);
                 self.say(folder.string() + ": saved");
                 if (const std::function<void()> next = std::exchange(whenSaved, {})) next();
             };
@@ -153,8 +154,12 @@ void Editor::Impl::saveUnsavedEstimate() {
 
 void Editor::requestQuit() {
     const bool estimating = impl_->job && impl_->status->kind == JobStatus::Kind::solve;
-    if (estimating || unsavedChanges())
-        state.unsaved = UnsavedQuestion{UnsavedQuestion::Then::quit, {}, estimating, unsavedChanges()};
+    std::optional<JobStatus::Kind> running;
+    if (impl_->job &&
+        (impl_->status->kind == JobStatus::Kind::exportFrames || impl_->status->kind == JobStatus::Kind::search))
+        running = impl_->status->kind;
+    if (estimating || running || unsavedChanges())
+        state.unsaved = UnsavedQuestion{UnsavedQuestion::Then::quit, {}, estimating, unsavedChanges(), running};
     else impl_->quit = true;
 }
 

@@ -122,8 +122,9 @@ struct Notice {
 struct UnsavedQuestion {
     enum class Then { open, quit, close } then = Then::quit;
     std::filesystem::path path;
-    bool estimating = false;  ///< an estimate runs, which would end
-    bool edits = true;        ///< there are edits that are not saved
+    bool estimating = false;                   ///< an estimate runs, which would end
+    bool edits = true;                         ///< there are edits that are not saved
+    std::optional<JobStatus::Kind> running{};  ///< an export or a search runs, which would end
 };
 
 /// Asked when a shot names something that is not there: its capture, its environment, measured materials.

@@ -34,6 +34,14 @@ TEST(Editor, savesOpensAgainAndKnowsWhatIsUnsaved) {
     EXPECT_EQ(s.editor->emitters().size(), 1u);
 }
 
+TEST(Editor, whatWasOpenedIsRememberedBeforeACrash) {
+    Session s;
+    s.editor->openNow(captureFolder());
+    s.until([&] { return !s.editor->job(); });
+    EXPECT_NE(TemporaryFolder::read(s.folder / "config/settings.json").find(captureFolder().string()),
+              std::string::npos);
+}
+
 TEST(Editor, anUnsavedEditSurvivesAKilledProcess) {
     Session s(0);
     s.open(captureFolder());

@@ -6,7 +6,6 @@
 #include <map>
 #include <utility>
 
-#include "actions.h"
 #include "browser/listing.h"
 #include "capture/capture_formats.h"
 #include "keys.h"
@@ -157,6 +156,14 @@ void rememberPlace() {
         place.dragged = true;
 }
 
+/// A window as high as its contents has no use for a scrollbar, which fractions of a pixel would bring up, unless the
+/// screen is too short for it.
+bool fitsScreen(const char* title) {
+    const ImGuiWindow* window = ImGui::FindWindowByName(title);
+    return !window || window->ContentSizeIdeal.y + ImGui::GetFrameHeight() + 2 * ImGui::GetStyle().WindowPadding.y <
+                          ImGui::GetIO().DisplaySize.y - em(1);
+}
+
 const Dialog* mostUrgent(const Editor& editor) {
     const EditorState& state = editor.state;
     if (state.recovery) return &recoveryDialog;
@@ -183,6 +190,12 @@ void browse(const BrowserRequest& request, std::function<void(Editor&, const fs:
     b.chosen = std::move(chosen);
     b.open = true;
     b.editor = nullptr;  // the next drawDialogs takes it
+}
+
+bool enterConfirms() {
+    const ImGuiContext& context = *ImGui::GetCurrentContext();
+    return enterPressed() && !ImGui::IsWindowAppearing() && context.ActiveId == 0 &&
+           context.ActiveIdPreviousFrame == 0 && ImGui::IsWindowFocused(ImGuiFocusedFlags_RootAndChildWindows);
 }
 
 const fs::path& browserFolder() { return browsing().browser.folder(); }
@@ -234,10 +247,15 @@ void drawDialogs(Editor& editor) {
         std::string title = dialog->title;
         if (dialog == &browserDialog) title = browsing().browser.request().title + title;
         if (dialog == &unsavedDialog)
-            title = (editor.state.unsaved->edits ? "Save first?" : "Stop the estimate?") + title;
+            title = (editor.state.unsaved->edits                                ? "Save first?"
+                     : editor.state.unsaved->estimating                         ? "Stop the estimate?"
+                     : editor.state.unsaved->running == JobStatus::Kind::search ? "Stop the search?"
+                                                                                : "Stop the export?") +
+                    title;
         if (dialog == &noticeDialog) title = shown(editor.state.notices.front().title) + title;
-        const ImGuiWindowFlags flags = ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse |
-                                       (height > 0 ? 0 : ImGuiWindowFlags_NoResize);
+        ImGuiWindowFlags flags = ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse;
+        if (height == 0) flags |= ImGuiWindowFlags_NoResize;
+        if (height == 0 && fitsScreen(dialog->title)) flags |= ImGuiWindowFlags_NoScrollbar;
         const bool visible = dialog->modal ? ImGui::BeginPopupModal(title.c_str(), nullptr, flags)
                                            : ImGui::BeginPopup(title.c_str(), flags);
         if (visible) {
@@ -292,6 +310,11 @@ bool drawUnsavedQuestion(Editor& editor) {
         editor.state.unsaved->estimating = false;
         editor.state.unsaved->edits = editor.unsavedChanges();
     }
+    if (!editor.job()) editor.state.unsaved->running.reset();
+    if (!editor.state.unsaved->estimating && !editor.state.unsaved->running && !editor.state.unsaved->edits) {
+        editor.answerUnsaved(false, true);  // nothing is left to be lost
+        return true;
+    }
     const UnsavedQuestion question = *editor.state.unsaved;
     const char* then = question.then == UnsavedQuestion::Then::open   ? "before opening something else"
                        : question.then == UnsavedQuestion::Then::quit ? "before you leave"
@@ -300,6 +323,10 @@ bool drawUnsavedQuestion(Editor& editor) {
         wrapped(
             "An estimate is running. Leaving ends it; how far it came is kept, and relamp offers to go on with it next "
             "time.");
+    if (question.running == JobStatus::Kind::exportFrames)
+        wrapped("Frames are being exported. Leaving ends it; frames that are finished stay.");
+    if (question.running == JobStatus::Kind::search)
+        wrapped("A search for an off-camera light is running. Leaving ends it.");
     if (question.edits)
         wrapped(
             fmt::format("{} has edits that are not saved. Save them {}?", shown(editor.state.document.name()), then));
@@ -315,11 +342,14 @@ bool drawUnsavedQuestion(Editor& editor) {
         if (button("Don't save", "Goes on; the edits are lost", em(8))) return answer(false, true);
         sameLineIfFits(em(7));
     } else {
-        if (primaryButton("Leave", "Ends the estimate and closes the window", em(7)) || enter)
+        if (primaryButton("Leave", "Ends what is running and closes the window", em(7)) || enter)
             return answer(false, true);
         sameLineIfFits(em(10));
     }
-    if (button(question.edits ? "Cancel" : "Keep estimating", "Stays here (Esc)", question.edits ? em(7) : em(10)) ||
+    if (button(question.edits        ? "Cancel"
+               : question.estimating ? "Keep estimating"
+                                     : "Stay",
+               "Stays here (Esc)", question.edits ? em(7) : em(10)) ||
         escapePressed())
         return answer(false, false);
     return false;
@@ -395,99 +425,22 @@ bool drawRecoveryOffer(Editor& editor) {
     if (!offer.time.empty()) fact("Last kept", shown(offer.time));
     if (!offer.stage.empty()) fact("Was running", shown(offer.stage), "What was being calculated when it ended");
     ImGui::Spacing();
+    static bool sure = false;
+    if (ImGui::IsWindowAppearing()) sure = false;
+    if (sure) warningText("Discarded work cannot be brought back.");
     if (primaryButton("Restore", "Opens the project with the edits that were kept", em(8)) ||
         (enterPressed() && !ImGui::IsWindowAppearing())) {
         editor.answerRecovery(true);
         return true;
     }
     ImGui::SameLine();
-    if (button("Discard", "Throws the kept edits away; files on disk stay as they are", em(8))) {
+    if (button(sure ? "Discard it###discard" : "Discard...###discard",
+               "Throws the kept edits away; files on disk stay as they are", em(8)) &&
+        std::exchange(sure, !sure)) {
         editor.answerRecovery(false);
         return true;
     }
     return false;
-}
-
-bool drawKeysDialog(Editor& editor) {
-    static std::string filter;
-    ImGui::SetNextItemWidth(-FLT_MIN);
-    inputText("##filter", filter, "Filter");
-    tooltip("Shows only commands and keys that contain this");
-    const float below = ImGui::GetFrameHeightWithSpacing();
-    if (beginChild("##keys", {0, -below})) {
-        std::string menu;
-        const auto matches = [&](const std::string& a, const std::string& b) {
-            return filter.empty() || fuzzyScore(a, filter) > 0 || fuzzyScore(b, filter) > 0;
-        };
-        const auto keysOf = [](const Action& action) {
-            std::string keys;
-            for (const KeyChord& chord : action.keys) keys += (keys.empty() ? "" : ", ") + chord.text();
-            return keys;
-        };
-        float column = em(10);
-        for (const Action& action : actions())
-            column = std::max(column, ImGui::CalcTextSize(keysOf(action).c_str()).x + em(1.5f));
-        const auto row = [&](const std::string& keys, const std::string& label, const std::string& explanation) {
-            const float left = ImGui::GetCursorPosX();
-            text(keys);
-            ImGui::SameLine(left + column);
-            wrapped(label);
-            tooltip(explanation);
-        };
-        for (const Action& action : actions()) {
-            const std::string keys = keysOf(action);
-            if (keys.empty() || !matches(action.label, keys)) continue;
-            if (action.menu != menu) heading((menu = action.menu).empty() ? "Other" : menu);
-            row(keys, action.label, action.explanation);
-        }
-        const struct {
-            const char* keys;
-            const char* label;
-        } hands[] = {{"G, R, S", "Move, rotate or scale the selected lights with the hand"},
-                     {"Alt+G, R, S", "Position, rotation or size back to how it was recovered"},
-                     {"X, Y, Z", "while moving: along this axis only"},
-                     {"0-9", "while moving: type the amount"},
-                     {"Ctrl", "while moving: snap"},
-                     {"Shift", "while moving: fine"},
-                     {"Esc", "while dragging anything: take it back"},
-                     {"Left drag", "over the image: selects the lights inside, with Ctrl besides those selected"},
-                     {"Esc", "while a rectangle is drawn: give it up; nothing is selected anew"},
-                     {"Middle drag", "Rotate the view (or Alt and left)"},
-                     {"Shift+Middle", "Shift the view"},
-                     {"Wheel", "Nearer or farther"}};
-        heading("In the viewport");
-        for (const auto& hand : hands)
-            if (matches(hand.label, hand.keys)) row(hand.keys, hand.label, "");
-    }
-    ImGui::EndChild();
-    const bool close = button("Close", "Closes this page (Esc)", em(7));
-    if (!close && !escapePressed()) return false;
-    editor.state.panels.keys = false;
-    filter.clear();
-    return true;
-}
-
-#ifndef RELAMP_VERSION
-#define RELAMP_VERSION "0.1"
-#endif
-
-bool drawAboutDialog(Editor& editor) {
-    text("relamp " RELAMP_VERSION);
-    dimWrapped("To relamp is to change the lights of a fixture; here, of a captured scene.");
-    ImGui::Spacing();
-    wrapped(
-        "It separates photographs of a scene into the light, near and far, and the reflectance of the surfaces, and "
-        "lets you light the scene anew.");
-    ImGui::Spacing();
-    dimWrapped(
-        "After J. Put, N. Michiels, P. Bekaert: Using near-field light sources to separate illumination from BRDF, "
-        "BMVC 2015. The full bibliography is in core/README.md.");
-    if (!editor.state.gpu.empty()) fact("Graphics", shown(editor.state.gpu));
-    fact("Dear ImGui", ImGui::GetVersion());
-    ImGui::Spacing();
-    if (!button("Close", "Closes this page (Esc)", em(7)) && !escapePressed()) return false;
-    editor.state.panels.about = false;
-    return true;
 }
 
 }  // namespace relamp::ui

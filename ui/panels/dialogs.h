@@ -22,9 +22,15 @@ bool drawAboutDialog(Editor& editor);
 bool drawCommandPalette(Editor& editor);
 /// A window of its own beside the viewport, not modal: its switches change what the viewport shows.
 void drawImportDoctor(Editor& editor);
+/// Its part where photographs get their lighting states.
+void drawStatePatterns(Editor& editor);
 
 /// Opens the file browser for a panel; `chosen` runs when something was chosen.
 void browse(const BrowserRequest& request, std::function<void(Editor&, const std::filesystem::path&)> chosen);
+
+/// Enter was pressed for the button in blue: not to end a field, not in a list that is open, and not before the dialog
+/// could be read.
+bool enterConfirms();
 
 /// Where the file browser stands, or stood last; for tests.
 const std::filesystem::path& browserFolder();

@@ -129,7 +129,7 @@ void drawEmittersPanel(Editor& editor) {
     const std::vector<EmitterState> emitters = editor.emitters();
     if (emitters.empty()) {
         dimWrapped(
-            !editor.state.document.capture ? "Nothing is open."
+            !editor.state.document.capture ? (editor.job() ? "" : "Nothing is open.")
             : !editor.estimate()
                 ? "Lights in the scene appear here after the estimate."
                 : "No surface of this scene shines on its own; all light comes from far away. You can add lights.");

@@ -429,13 +429,15 @@ bool footer(Editor& editor, const ExportProblems& problems, bool exporting) {
         std::string problem;  // what asks for it may be scrolled out of sight
         for (const std::string* one : {&problems.range, &problems.file, &problems.layers})
             if (problem.empty()) problem = *one;
-        ImGui::BeginDisabled(!problems.ok() || !sizes || !editor.estimate() || job);
+        const bool ready = problems.ok() && sizes && editor.estimate() && !job;
+        ImGui::BeginDisabled(!ready);
         if (primaryButton("Export",
                           !editor.estimate() ? "Estimate first"
                           : job              ? "Wait until the running job is finished"
                           : !problem.empty() ? problem.c_str()
-                                             : "Renders the frames in the background",
-                          em(8)))
+                                             : "Renders the frames in the background (Enter)",
+                          em(8)) ||
+            (ready && enterConfirms()))
             editor.exportFrames(request);
         ImGui::EndDisabled();
         ImGui::SameLine();

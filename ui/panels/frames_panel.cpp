@@ -142,7 +142,11 @@ public:
         const int step = frameStep(time_.last - time_.first, high_.x - low_.x);
         for (int f = (time_.first + step - 1) / step * step; f <= time_.last; f += step) {
             list->AddLine({x(f), low_.y}, {x(f), low_.y + em(0.5f)}, IM_COL32(255, 255, 255, 90));
-            list->AddText({x(f) + 3, low_.y}, IM_COL32(255, 255, 255, 120), std::to_string(f).c_str());
+            const std::string words = std::to_string(f);
+            // The last one stands before its line where there is no room behind it.
+            const float width = ImGui::CalcTextSize(words.c_str()).x;
+            const float at = x(f) + 3 + width <= high_.x ? x(f) + 3 : x(f) - 3 - width;
+            list->AddText({at, low_.y}, IM_COL32(255, 255, 255, 120), words.c_str());
         }
         list->AddLine({x(time_.frame), low_.y}, {x(time_.frame), high_.y}, IM_COL32(255, 150, 60, 255), 2);
         const float y = 0.5f * (low_.y + high_.y) + em(0.3f), r = em(0.4f);

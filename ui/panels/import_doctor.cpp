@@ -199,6 +199,8 @@ void drawImportDoctor(Editor& editor) {
             axes(editor, *check);
             heading("Lights that no photograph shows");
             drawUnobservedLights(editor);
+            heading("Lighting states");
+            drawStatePatterns(editor);
             heading("Surface");
             fact("Seen",
                  fmt::format("{} of the surface, {} twice or more", percent(check->seenFraction),

@@ -64,9 +64,12 @@ size_t objectsOf(const std::shared_ptr<const Scene>& scene) {
 void inspectScene(Editor& editor) {
     const Document& document = editor.state.document;
     if (!document.capture)
-        return dimWrapped("Nothing is open. Drop a capture folder or a shot on the window, or press Ctrl+O.");
+        return dimWrapped(editor.job()
+                              ? shown(editor.job()->title) + "..."
+                              : "Nothing is open. Drop a capture folder or a shot on the window, or press Ctrl+O.");
     const auto estimate = editor.estimate();
-    fact("Capture", shown(document.name()), shown(document.captureFolder));
+    const std::filesystem::path& folder = document.captureFolder;
+    fact("Capture", shown((folder.has_filename() ? folder : folder.parent_path()).filename()), shown(folder));
     if (!document.shotFolder.empty()) fact("Shot", shown(document.shotFolder.filename()), shown(document.shotFolder));
     fact("Views", count(document.capture->views.size()));
     if (document.scene) {

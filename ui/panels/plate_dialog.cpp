@@ -134,9 +134,12 @@ bool drawPlateDialog(Editor& editor) {
     if (!missing.empty()) dimWrapped(missing);
     ImGui::Spacing();
     bool done = false;
-    ImGui::BeginDisabled(!missing.empty() || editor.job());
-    if (primaryButton("Import", editor.job() ? "Wait until the running job is finished" : "Opens it in the background",
-                      em(8))) {
+    const bool ready = missing.empty() && !editor.job();
+    ImGui::BeginDisabled(!ready);
+    if (primaryButton("Import",
+                      editor.job() ? "Wait until the running job is finished" : "Opens it in the background (Enter)",
+                      em(8)) ||
+        (ready && enterConfirms())) {
         const PlateLook wanted = plate;
         editor.state.plateImport.reset();
         editor.importPlate(wanted);

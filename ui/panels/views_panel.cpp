@@ -108,6 +108,7 @@ void drawPlateEntry(Editor& editor) {
 void drawViewsPanel(Editor& editor) {
     const Document& document = editor.state.document;
     if (!document.capture) {
+        if (editor.job()) return dimWrapped(shown(editor.job()->title) + "...");
         dimWrapped(
             fmt::format("Drop a capture here: a folder with {}, photographs and a mesh. Or open one:", captureMarks()));
         if (primaryButton("Open...", "Chooses a capture folder or a saved shot", -FLT_MIN))

@@ -289,7 +289,8 @@ void moveDivider(const Canvas& canvas, int index, float screenX) {
 }
 
 void drawEmpty(const Canvas& canvas) {
-    const std::string text = "Drop a capture folder here, or press Ctrl+O";
+    const auto& job = canvas.editor->job();
+    const std::string text = job ? shown(job->title) + "..." : "Drop a capture folder here, or press Ctrl+O";
     const float wrap = std::max(canvas.size.x - 40 * canvas.scale, 60.0f);
     const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
     const Vec2 at = glm::floor(canvas.corner + (canvas.size - Vec2(size.x, size.y)) / 2.0f);

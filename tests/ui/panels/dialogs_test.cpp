@@ -110,6 +110,91 @@ TEST(Dialogs, theBrowserBeginsBesideWhatIsOpenAndStaysWhereItWasLeft) {
     EXPECT_EQ(folderAfter([] {}), p.folder.path()) << "what is open now lies elsewhere";
 }
 
+TEST(Dialogs, onlyOneThatIsHigherThanTheScreenScrolls) {
+    Panels p;
+    p.openCapture();
+    p.editor->state.plateImport = PlateLook{};
+    p.frame({});
+    const auto scrolls = [&] {
+        p.frames(4);
+        const ImGuiWindow* window = ImGui::FindWindowByName("Import plate###plate");
+        return window && window->ScrollbarY;
+    };
+    for (int size = 0; size < 20; ++size) {
+        ImGui::GetIO().FontGlobalScale = 1 + 0.043f * float(size);
+        EXPECT_FALSE(scrolls()) << size;
+    }
+    ImGui::GetIO().DisplaySize.y = 200;
+    EXPECT_TRUE(scrolls());
+    ImGui::GetIO().FontGlobalScale = 1;
+}
+
+TEST(Dialogs, lostWorkIsDiscardedByTwoPressesNotByOne) {
+    Panels p;
+    p.openSolved();
+    p.editor->edit("Neutral", [](Look& look) { look.neutralMaterials = true; });
+    p.editor->state.recovery = RecoveryOffer{};
+    p.frame({});
+    p.frames(3);
+    const auto discard = p.find(Panels::idOf("Work from before a crash###recovery", {"###discard"}));
+    ASSERT_TRUE(discard);
+    p.click(*discard);
+    EXPECT_TRUE(p.editor->state.recovery) << "asked once more";
+    p.editor->state.recovery.reset();
+    p.frames(3);
+    p.editor->state.recovery = RecoveryOffer{};
+    p.frames(3);
+    p.click(*discard);
+    EXPECT_TRUE(p.editor->state.recovery) << "the first press of an earlier offer does not count";
+}
+
+TEST(ExportDialog, enterExportsAndLeavingAsksWhileItRuns) {
+    Panels p;
+    p.openSolved();
+    Editor& editor = *p.editor;
+    ExportRequest& r = editor.state.exportFrames;
+    r.views = ExportRequest::Views::all;
+    r.layers = "";
+    r.width = r.height = 8;
+    editor.state.panels.exportFrames = true;
+    p.frame({});
+    p.frames(3);
+    p.key(keyEnter);
+    p.frames(2);
+    EXPECT_FALSE(editor.job()) << "without a file there is nothing to start";
+    r.file = p.folder / "frame.####.exr";
+    p.frames(2);
+    // Enter that ends a field only ends it.
+    const auto field = p.find(Panels::idOf("Export frames###export", {"##file"}));
+    ASSERT_TRUE(field);
+    p.click(*field);
+    p.key(keyEnter);
+    p.frames(2);
+    EXPECT_FALSE(editor.job());
+    p.key(keyEnter);
+    ASSERT_TRUE(editor.job());
+    EXPECT_EQ(editor.job()->kind, JobStatus::Kind::exportFrames);
+    editor.pauseJob(true);
+    editor.requestQuit();
+    EXPECT_FALSE(editor.quitting()) << "the frames would be lost";
+    ASSERT_TRUE(editor.state.unsaved);
+    EXPECT_FALSE(editor.state.unsaved->edits);
+    p.frames(3);
+    p.key(keyEscape);
+    p.frames(3);
+    EXPECT_FALSE(editor.state.unsaved);
+    EXPECT_FALSE(editor.quitting());
+    ASSERT_TRUE(editor.job());
+    // Once the frames are there, the question has lost its reason.
+    editor.requestQuit();
+    p.frames(2);
+    EXPECT_FALSE(editor.quitting());
+    editor.pauseJob(false);
+    p.until([&] { return !editor.job(); });
+    p.frames(3);
+    EXPECT_TRUE(editor.quitting());
+}
+
 TEST(ExportDialog, saysWhatIsWrongBeforeItStarts) {
     const TemporaryFolder folder;
     ExportRequest r;

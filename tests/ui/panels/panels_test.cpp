@@ -255,6 +255,31 @@ TEST(HistoryPanel, aClickGoesThere) {
     EXPECT_EQ(p.editor->history().entries().size(), start + 3);
 }
 
+TEST(Panels, sayWhatIsBeingOpenedAndWhatAShotWasMadeOf) {
+    { Panels().openSolved(); }
+    Panels p;
+    Editor& editor = *p.editor;
+    std::string words;
+    const auto panels = [&] {
+        ImGui::LogToBuffer();
+        drawViewsPanel(editor);
+        drawInspectorPanel(editor);
+        words = ImGui::GetCurrentContext()->LogBuffer.c_str();
+        ImGui::LogFinish();
+    };
+    p.frame(panels);
+    EXPECT_NE(words.find("Nothing is open."), std::string::npos) << words;
+    editor.openNow(PaintedRoom::get().shot);
+    p.frames(2);
+    EXPECT_NE(words.find("Opening room.relamp"), std::string::npos) << words;
+    EXPECT_EQ(words.find("Nothing is open."), std::string::npos) << words;
+    EXPECT_EQ(words.find("Drop a capture"), std::string::npos) << words;
+    p.until([&] { return !editor.job(); });
+    p.frames(2);
+    EXPECT_NE(words.find("Capture room\n"), std::string::npos) << words;
+    EXPECT_NE(words.find("Shot room.relamp\n"), std::string::npos) << words;
+}
+
 TEST(ImportDoctor, drawsACaptureThatStandsOnItsSide) {
     Panels p;
     p.openCapture();
