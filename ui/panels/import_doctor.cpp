@@ -20,7 +20,10 @@ std::string adviceFor(const std::string& warning) {
     if (has("clipped"))
         return "Add darker exposures of the same view, or accept that what is clipped is known only as \"at least this "
                "bright\".";
-    if (has("stops")) return "Develop all photographs with the same settings, or leave this one out.";
+    if (has("stops"))
+        return "Develop all photographs with the same settings, or leave this one out. Where lights were switched "
+               "between "
+               "photographs, name their lighting states below.";
     if (has("covers"))
         return "Turn on the mesh overlay and look through this camera: mesh and photograph should lie on each other.";
     if (has("left out")) return "Look at its mask: black is ignored.";

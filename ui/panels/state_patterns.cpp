@@ -134,6 +134,7 @@ void drawStatePatterns(Editor& editor) {
         }
         ImGui::EndDisabled();
         if (!fault.empty()) warningText(fault);
+        else if (editor.estimate()) dimWrapped("The present estimate and its edits then go.");
     }
     ImGui::EndDisabled();
 }
