@@ -43,6 +43,14 @@ void addEmitterButton(Editor& editor, float width = 0);
 /// readable, and the inspector alone has them.
 float widthForExposures();
 
+/// The columns of a table of lights that there is room for, pixels; their groups stand under the same ones.
+struct LightColumns {
+    bool titles, exposure, colour, kelvin, power, evidence;
+    explicit LightColumns(float room);
+    int count() const { return 3 + exposure + colour + kelvin + power + evidence; }
+    void setUp(const char* first) const;
+};
+
 /// A new light in front of what the camera looks at, facing it.
 AddedEmitter newEmitter(const Editor& editor, EmitterShape shape);
 void addNewEmitter(Editor& editor, EmitterShape shape);

@@ -32,19 +32,6 @@ void evidenceCell(Editor& editor, const EmitterState& emitter) {
     tooltip(words);
 }
 
-/// Columns that there is room for.
-struct Columns {
-    bool titles, exposure, colour, kelvin, power, evidence;
-    explicit Columns(float room)
-        : titles(room > em(19)),
-          exposure(room > widthForExposures()),
-          colour(room > em(16)),
-          kelvin(room > em(26)),
-          power(room > em(31)),
-          evidence(room > em(38)) {}
-    int count() const { return 3 + exposure + colour + kelvin + power + evidence; }
-};
-
 /// `menuOf`: set to its id by a right click.
 void nameCell(Editor& editor, const EmitterState& emitter, float side, std::string& menuOf) {
     const bool selected = editor.state.selection.has(emitter.id);
@@ -86,7 +73,7 @@ void nameCell(Editor& editor, const EmitterState& emitter, float side, std::stri
     else dimText(name);
 }
 
-void valueCells(Editor& editor, const EmitterState& emitter, float side, const Columns& columns) {
+void valueCells(Editor& editor, const EmitterState& emitter, float side, const LightColumns& columns) {
     ImGui::TableNextColumn();
     muteButton(editor, emitter, side);
     ImGui::TableNextColumn();
@@ -122,6 +109,26 @@ void valueCells(Editor& editor, const EmitterState& emitter, float side, const C
 
 }  // namespace
 
+LightColumns::LightColumns(float room)
+    : titles(room > em(19)),
+      exposure(room > widthForExposures()),
+      colour(room > em(16)),
+      kelvin(room > em(26)),
+      power(room > em(31)),
+      evidence(room > em(38)) {}
+
+void LightColumns::setUp(const char* first) const {
+    const float side = ImGui::GetFrameHeight();
+    ImGui::TableSetupColumn(first, ImGuiTableColumnFlags_WidthStretch, 1);
+    ImGui::TableSetupColumn("On", ImGuiTableColumnFlags_WidthFixed, side);
+    ImGui::TableSetupColumn("Solo", ImGuiTableColumnFlags_WidthFixed, titles ? em(2) : side);
+    if (exposure) ImGui::TableSetupColumn("Exposure", ImGuiTableColumnFlags_WidthFixed, em(4.2f));
+    if (colour) ImGui::TableSetupColumn("Colour", ImGuiTableColumnFlags_WidthFixed, titles ? em(2.9f) : side);
+    if (kelvin) ImGui::TableSetupColumn("Kelvin", ImGuiTableColumnFlags_WidthFixed, em(5.2f));
+    if (power) ImGui::TableSetupColumn("Power", ImGuiTableColumnFlags_WidthFixed, em(4));
+    if (evidence) ImGui::TableSetupColumn("Evidence", ImGuiTableColumnFlags_WidthStretch, 1.6f);
+}
+
 float widthForExposures() { return em(13.5f); }
 
 void drawEmittersPanel(Editor& editor) {
@@ -138,19 +145,11 @@ void drawEmittersPanel(Editor& editor) {
     }
     drawLightingStates(editor);
     const float room = ImGui::GetContentRegionAvail().x;
-    const Columns columns(room);
+    const LightColumns columns(room);
     const float side = ImGui::GetFrameHeight();
     if (ImGui::BeginTable("##emitters", columns.count(),
                           ImGuiTableFlags_RowBg | ImGuiTableFlags_NoPadOuterX | ImGuiTableFlags_SizingFixedFit)) {
-        ImGui::TableSetupColumn("Light", ImGuiTableColumnFlags_WidthStretch, 1);
-        ImGui::TableSetupColumn("On", ImGuiTableColumnFlags_WidthFixed, side);
-        ImGui::TableSetupColumn("Solo", ImGuiTableColumnFlags_WidthFixed, columns.titles ? em(2) : side);
-        if (columns.exposure) ImGui::TableSetupColumn("Exposure", ImGuiTableColumnFlags_WidthFixed, em(4.2f));
-        if (columns.colour)
-            ImGui::TableSetupColumn("Colour", ImGuiTableColumnFlags_WidthFixed, columns.titles ? em(2.9f) : side);
-        if (columns.kelvin) ImGui::TableSetupColumn("Kelvin", ImGuiTableColumnFlags_WidthFixed, em(5.2f));
-        if (columns.power) ImGui::TableSetupColumn("Power", ImGuiTableColumnFlags_WidthFixed, em(4));
-        if (columns.evidence) ImGui::TableSetupColumn("Evidence", ImGuiTableColumnFlags_WidthStretch, 1.6f);
+        columns.setUp("Light");
         // Without room for their titles the columns are explained by their hints, and the names stay readable.
         if (columns.titles) ImGui::TableHeadersRow();
         std::string menuOf;

@@ -8,6 +8,8 @@ namespace relamp::ui {
 void inspectEmitter(Editor& editor, const EmitterState& emitter);
 /// Its section "Beam"; nothing for a light without a shape of its own.
 void inspectBeam(Editor& editor, const EmitterState& emitter);
+/// What the light of an emitter, counted as in PointLight, is called.
+std::string nameOfPart(const Editor& editor, size_t emitter);
 void inspectPoint(Editor& editor, const PickedPoint& point);
 void inspectView(Editor& editor, int view);
 void inspectScene(Editor& editor);

@@ -64,6 +64,11 @@ std::string inWords(float confidence) {
 
 }  // namespace
 
+std::string nameOfPart(const Editor& editor, size_t emitter) {
+    const auto& emitters = editor.emitters();
+    return emitter < emitters.size() ? shown(emitters[emitter].name) : fmt::format("Light {}", emitter + 1);
+}
+
 void inspectPoint(Editor& editor, const PickedPoint& point) {
     text("Picked spot");
     const auto& capture = editor.state.document.capture;
@@ -83,8 +88,8 @@ void inspectPoint(Editor& editor, const PickedPoint& point) {
             std::vector<Part> parts{{"Environment", light->fromEnvironment, ""}};
             const auto& emitters = editor.emitters();
             for (size_t e = 0; e < light->fromEmitter.size(); ++e)
-                parts.push_back({e < emitters.size() ? emitters[e].id : fmt::format("light {}", e + 1),
-                                 light->fromEmitter[e], e < emitters.size() ? emitters[e].id : ""});
+                parts.push_back(
+                    {nameOfPart(editor, e), light->fromEmitter[e], e < emitters.size() ? emitters[e].id : ""});
             float total = 0;
             for (const Part& part : parts) total += std::max(0.0f, luminance(part.radiance));
             std::stable_sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) {

@@ -70,15 +70,14 @@ void groupSolo(Editor& editor, const LightGroup& group, float side) {
     noteItem("solo group " + group.name);
 }
 
-/// `values`: exposure and colour too.
-void drawGroup(Editor& editor, const LightGroup& group, float side, bool values) {
+void drawGroup(Editor& editor, const LightGroup& group, float side, const LightColumns& columns) {
     ImGui::TableNextColumn();
     nameOfGroup(editor, group, side);
     ImGui::TableNextColumn();
     groupSwitch(editor, group, side);
     ImGui::TableNextColumn();
     groupSolo(editor, group, side);
-    if (!values) return;
+    if (!columns.exposure) return;
     ImGui::TableNextColumn();
     ImGui::SetNextItemWidth(-FLT_MIN);
     dragLook(editor, "##stops", "Exposure of " + group.name, groupStops(group), {0.02f, darkestGroup, 20, "%+.2f"},
@@ -86,6 +85,7 @@ void drawGroup(Editor& editor, const LightGroup& group, float side, bool values)
                  changeGroup(look, group.name, [&](LightGroup& g) { setGroupStops(g, stops); });
              });
     valueKeyMenu(editor, {{KeyedValue::groupPower, group.name}});
+    if (!columns.colour) return;
     ImGui::TableNextColumn();
     colourLook(editor, "##colour", "Colour of " + group.name, group.powerScale, side,
                "Multiplies the colour of all its lights; click to change. The exposure stays.",
@@ -103,20 +103,15 @@ void drawLightGroups(Editor& editor) {
     const std::vector<LightGroup> groups = editor.look().groups;
     if (groups.empty()) return;
     const float side = ImGui::GetFrameHeight();
-    const bool values = ImGui::GetContentRegionAvail().x > widthForExposures();
-    if (!ImGui::BeginTable("##groups", values ? 5 : 3,
+    const LightColumns columns(ImGui::GetContentRegionAvail().x);
+    if (!ImGui::BeginTable("##groups", columns.count(),
                            ImGuiTableFlags_RowBg | ImGuiTableFlags_NoPadOuterX | ImGuiTableFlags_SizingFixedFit))
         return;
-    ImGui::TableSetupColumn("Group", ImGuiTableColumnFlags_WidthStretch, 1);
-    for (const char* column : {"On", "Solo"}) ImGui::TableSetupColumn(column, ImGuiTableColumnFlags_WidthFixed, side);
-    if (values) {
-        ImGui::TableSetupColumn("Exposure", ImGuiTableColumnFlags_WidthFixed, em(4.2f));
-        ImGui::TableSetupColumn("Colour", ImGuiTableColumnFlags_WidthFixed, side);
-    }
+    columns.setUp("Group");
     for (const LightGroup& group : groups) {
         ImGui::PushID(group.name.c_str());
         ImGui::TableNextRow();
-        drawGroup(editor, group, side, values);
+        drawGroup(editor, group, side, columns);
         ImGui::PopID();
     }
     ImGui::EndTable();

@@ -45,6 +45,20 @@ TEST(GroupRows, switchAndSoloGoToAllMembersAndUndoRestores) {
     EXPECT_EQ(t.editor->history().index(), entries - 1) << "solo is no edit";
 }
 
+TEST(GroupRows, standUnderTheColumnsOfTheLights) {
+    Grouped t;
+    for (const float width : {340.0f, 980.0f}) {
+        t.windowSize(width, 300);
+        t.frames(3);
+        for (const char* control : {"##mute", "##stops"}) {
+            const auto ofLight = t.find(t.idOf("test", {"##emitters", t.first.c_str(), control}));
+            const auto ofGroup = t.find(t.idOf("test", {"##groups", t.group().name.c_str(), control}));
+            ASSERT_TRUE(ofLight && ofGroup) << control << " at " << width;
+            EXPECT_EQ(ofLight->x, ofGroup->x) << control << " at " << width;
+        }
+    }
+}
+
 TEST(GroupRows, aDragOfTheExposureIsOneEntryForAll) {
     Grouped t;
     const size_t entries = t.editor->history().entries().size();

@@ -166,6 +166,8 @@ TEST(PanelDrawing, everythingDrawsWithAnEstimateInEveryStateOfTheSelection) {
     light.fromEmitter.assign(editor.emitters().size(), Rgb(0.5f, 0.4f, 0.2f));
     light.incident.assign(size_t(light.grid.cells()), Rgb(0.3f));
     editor.state.pointLight = light;
+    editor.edit("Rename", [&](Look& look) { look.added[0].name = "Key"; });
+    EXPECT_EQ(nameOfPart(editor, editor.emitters().size() - 2), "Key") << "not its id";
     p.frame([&] { drawInspectorPanel(editor); });
     p.frames(2);
 }
