@@ -64,7 +64,8 @@ std::optional<ChannelChoice> choiceOf(const OIIO::ImageSpec& spec, std::string_v
         return true;
     };
     if (takeLayer("")) return choice;
-    if (const int y = find("y"); y >= 0) {
+    // Beside X and Z it is a position or a tristimulus value.
+    if (const int y = find("y"); y >= 0 && (find("x") < 0 || find("z") < 0)) {
         choice.r = choice.g = choice.b = y;
         return choice;
     }
@@ -98,6 +99,13 @@ ChannelChoice chooseChannels(const OIIO::ImageInput& input, const fs::path& file
         names += (c ? ", " : "") + spec.channelnames[c].substr(0, 80);
     throw Error("{}: has the channels {}{}, expected R, G and B, or Y", file.string(), names,
                 spec.nchannels > 8 ? ", ..." : "");
+}
+
+/// The library's reason, which may have lines, as part of a sentence.
+std::string inOneLine(std::string reason) {
+    while (!reason.empty() && reason.back() == '\n') reason.pop_back();
+    for (size_t at = 0; (at = reason.find('\n', at)) != std::string::npos; at += 2) reason.replace(at, 1, "; ");
+    return reason;
 }
 
 /// The library turns a lack of memory into a text.
@@ -140,7 +148,7 @@ std::unique_ptr<OIIO::ImageInput> openImage(const fs::path& file) {
         refuseMemory(file, reason);
         if (reason.empty() || reason.find("could not find a format reader") != std::string::npos)
             reason = "unknown format";
-        throw Error("{}: is not a readable image ({})", file.string(), reason);
+        throw Error("{}: is not a readable image ({})", file.string(), inOneLine(reason));
     }
     seekColours(*input);
     const OIIO::ImageSpec& spec = input->spec();
@@ -230,7 +238,7 @@ void readBands(OIIO::ImageInput& input, const fs::path& file, int first, int end
         if (!good || input.has_error()) {
             const std::string reason = input.geterror();
             refuseMemory(file, reason);
-            throw Error("{}: cannot be read to its end ({})", file.string(), reason);
+            throw Error("{}: cannot be read to its end ({})", file.string(), inOneLine(reason));
         }
         take(y, count, samples);
     }

@@ -144,6 +144,8 @@ TEST(ImageIo, WhatHasNoColoursIsRefusedAndTheirPartIsFound) {
     EXPECT_NE(error({"Z"}).find("a.exr: has the channels Z, expected R, G and B, or Y"), std::string::npos);
     EXPECT_NE(error({"R", "G"}).find("has the channels R, G"), std::string::npos);
     EXPECT_NE(error({"u", "v", "w"}).find("has the channels u, v, w"), std::string::npos);
+    EXPECT_NE(error({"X", "Y", "Z"}).find("has the channels X, Y, Z"), std::string::npos);
+    EXPECT_EQ(error({"Y", "Z"}), "") << "luminance and depth";
     EXPECT_EQ(error({"diffuse.B", "diffuse.G", "diffuse.R"}), "");
     const auto part = [](const char* name, const std::vector<const char*>& channels) {
         ChannelPart p{name, {}};
@@ -209,6 +211,16 @@ TEST(ImageIo, ATiffThatWasCutOffIsRefused) {
                   std::string::npos)
             << cut;
     }
+}
+
+TEST(ImageIo, APngThatWasCutOffIsRefusedInOneLine) {
+    test::TemporaryFolder folder;
+    writeImage(folder / "a.png", ramp(64, 64));
+    const std::string bytes = test::TemporaryFolder::read(folder / "a.png");
+    folder.write("a.png", bytes.substr(0, bytes.size() / 2));
+    const std::string error = test::messageOf([&] { readImage(folder / "a.png"); });
+    EXPECT_NE(error.find("a.png: cannot be read to its end"), std::string::npos) << error;
+    EXPECT_EQ(error.find('\n'), std::string::npos) << error;
 }
 
 TEST(ImageIo, UnreadableFilesAreNamed) {
