@@ -217,7 +217,7 @@ TEST(ImageIo, APngThatWasCutOffIsRefusedInOneLine) {
     test::TemporaryFolder folder;
     writeImage(folder / "a.png", ramp(64, 64));
     const std::string bytes = test::TemporaryFolder::read(folder / "a.png");
-    folder.write("a.png", bytes.substr(0, bytes.size() / 2));
+    folder.write("a.png", bytes.substr(0, bytes.size() - 30));
     const std::string error = test::messageOf([&] { readImage(folder / "a.png"); });
     EXPECT_NE(error.find("a.png: cannot be read to its end"), std::string::npos) << error;
     EXPECT_EQ(error.find('\n'), std::string::npos) << error;
