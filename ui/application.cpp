@@ -76,6 +76,10 @@ bool sparingDrag(const Editor& editor, const Viewport* viewport) {
     return viewport && viewport->software() && editor.inGesture();
 }
 
+/// Light that is refined at rest wakes the window whenever there is more of it to show; until then no frame is drawn,
+/// which would take the processors from it where OpenGL is software.
+bool refiningAlone(const Editor& editor) { return editor.refining() && !editor.job() && !editor.state.time.playing; }
+
 /// How long the loop may sleep: as long as it can while nothing happens.
 double patience(const Editor& editor, const Window& window, const Gui& gui, const KeyQueue& keys,
                 const Pending& pending, bool sparing) {
@@ -159,9 +163,9 @@ bool runWindow(Editor& editor, const ApplicationOptions& options, fs::path& open
         }
         window.setFullScreen(editor.state.fullScreen);
         if (window.minimised()) continue;
-        if (!event && pending.extraFrames == 0 && !pending.heldBack && (sparing || !editor.busy()) &&
-            (sparing || !editor.inGesture()) && !panelsBusy() && !keys.waiting() && !window.buttonsWaiting() &&
-            !gui.typing())
+        if (!event && pending.extraFrames == 0 && !pending.heldBack &&
+            (sparing || !editor.busy() || refiningAlone(editor)) && (sparing || !editor.inGesture()) && !panelsBusy() &&
+            !keys.waiting() && !window.buttonsWaiting() && !gui.typing())
             continue;
 
         const Vec2 size = window.size(), pixels = window.framebufferSize();
