@@ -20,7 +20,22 @@ namespace {
 
 /// A hand in a drag that has not moved for this long lies still: then the image is refined.
 constexpr std::chrono::milliseconds handAtRest(250);
-constexpr std::chrono::milliseconds betweenSlicesShown(200);
+
+/// Which slices of the refinement at rest are shown: drawing them all takes as long as the slices where OpenGL is
+/// software.
+class SlicePace {
+public:
+    bool due(bool always) {
+        constexpr std::chrono::milliseconds between(400);
+        const auto now = std::chrono::steady_clock::now();
+        if (!always && now - shown_ < between) return false;
+        shown_ = now;
+        return true;
+    }
+
+private:
+    std::chrono::steady_clock::time_point shown_;
+};
 
 /// Seconds that the first image at rest may take; with what comes before it, less than five from the release.
 constexpr double firstImagePatience = 4;
@@ -197,7 +212,7 @@ void RelightWorker::run(std::stop_token stop) {
     RelightRequest held;  // what `live` shows
     uint64_t done = 0;    // serial of the request that was finished
     bool refined = false;
-    std::chrono::steady_clock::time_point shown;  // when a slice was published
+    SlicePace pace;
     while (!stop.stop_requested()) {
         RelightRequest request;
         uint64_t serial;
@@ -258,12 +273,7 @@ void RelightWorker::run(std::stop_token stop) {
                 // The first image is shown before it is refined: what moves follows the hand. In a drag the next step
                 // waits for the slice that runs: they are short then.
                 refined = live->refine(changed ? 0 : request.dragging ? 0.012 : 0.04, *progress);
-                // At rest not each slice: drawing them all takes as long as the slices where OpenGL is software.
-                const auto now = std::chrono::steady_clock::now();
-                if (refined || changed || request.dragging || now - shown >= betweenSlicesShown) {
-                    publish(*live, request, serial, refined);
-                    shown = now;
-                }
+                if (pace.due(refined || changed || request.dragging)) publish(*live, request, serial, refined);
                 if (!refined) continue;
             } else if (request.time != held.time) {
                 publish(*live, request, serial, true);  // the same image answers for another time

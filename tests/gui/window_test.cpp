@@ -376,11 +376,11 @@ TEST(GuiWindow, aKilledEditorOffersTheWorkAgain) {
     EXPECT_EQ(desk.map()["frame"], frame);
 
     // The dialog opens a COLMAP folder: into its parent, then the first line of the list.
-    std::filesystem::create_directories(folder / "scans/colmap");
-    std::filesystem::copy(folder / "room", folder / "scans/colmap/images", std::filesystem::copy_options::recursive);
-    std::filesystem::rename(folder / "scans/colmap/images/mesh.ply", folder / "scans/colmap/mesh.ply");
-    std::filesystem::rename(folder / "scans/colmap/images/transforms.json", folder / "scans/colmap/transforms.json");
-    test::makeColmap(folder / "scans/colmap", "sparse/0");
+    std::filesystem::create_directories(folder / "scans/hall");
+    std::filesystem::copy(folder / "room", folder / "scans/hall/images", std::filesystem::copy_options::recursive);
+    std::filesystem::rename(folder / "scans/hall/images/mesh.ply", folder / "scans/hall/mesh.ply");
+    std::filesystem::rename(folder / "scans/hall/images/transforms.json", folder / "scans/hall/transforms.json");
+    test::makeColmap(folder / "scans/hall", "sparse/0");
     desk.key("ctrl+o");
     ASSERT_TRUE(desk.untilItem("##path"));
     desk.click("##path");
@@ -391,7 +391,7 @@ TEST(GuiWindow, aKilledEditorOffersTheWorkAgain) {
     desk.key("Down");
     desk.screenshot("14-colmap");
     desk.key("Return");
-    EXPECT_TRUE(desk.until([](const Json& m) { return m["document"] == "colmap"; }, 30)) << state(desk);
+    EXPECT_TRUE(desk.until([](const Json& m) { return m["document"] == "hall"; }, 30)) << state(desk);
     EXPECT_EQ(desk.map()["notice"], "");
 }
 

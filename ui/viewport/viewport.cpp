@@ -86,7 +86,7 @@ void Viewport::Impl::draw(Editor& editor) {
             editor.state.scope = std::make_shared<const Scope>(scopeOf(pixels, width, height));
         }
         // Not while something moves: the next change starts anew.
-        if (!image.settled() && !editor.inGesture()) stayAwake();
+        if (!image.settled() && !editor.inGesture() && !image.awaitsLight(editor)) stayAwake();
         if (eye.corner != canvas.corner || eye.size != canvas.size)
             canvas.list->AddRectFilled(at, {at.x + area.x, at.y + area.y}, IM_COL32(24, 24, 24, 255));
         canvas.list->AddImage(textureId(image.texture()), toIm(eye.corner), toIm(eye.corner + eye.size), {0, 1},

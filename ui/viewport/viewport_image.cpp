@@ -82,6 +82,12 @@ ViewportImage::Key ViewportImage::keyOf(const Editor& editor, const EyeView& eye
     return key;
 }
 
+bool ViewportImage::awaitsLight(const Editor& editor) const {
+    const auto live = editor.liveFrame();
+    return software_ && live && !live->refined &&
+           std::any_of(key_.strips.begin(), key_.strips.end(), [](const Strip& s) { return s.paint == Paint::model; });
+}
+
 void ViewportImage::update(Editor& editor, const EyeView& whole, float pixelsPerPoint) {
     drawMs_ = 0;
     EyeView eye = whole;
@@ -92,7 +98,7 @@ void ViewportImage::update(Editor& editor, const EyeView& whole, float pixelsPer
     Key key = keyOf(editor, eye, pixelsPerPoint);
     if (sample_ >= 0 && key == key_) {
         // Smoothing waits for the end of a drag: the next step would wait for it.
-        if (settled() || editor.inGesture()) return;
+        if (settled() || editor.inGesture() || awaitsLight(editor)) return;
         ++sample_;
     } else {
         key_ = std::move(key);

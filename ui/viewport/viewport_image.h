@@ -19,6 +19,8 @@ public:
     uint64_t texture() { return renderer_.texture(); }
     /// Nothing is left to smooth: no further frame is needed.
     bool settled() const { return sample_ + 1 >= Renderer::samplesAtRest; }
+    /// More light is about to come, and smoothing waits for it: drawing would take the processors that compute it.
+    bool awaitsLight(const Editor& editor) const;
     /// Milliseconds that the last update spent in draw calls, which a software rasteriser runs on this thread.
     double drawMs() const { return drawMs_; }
     const std::vector<Strip>& strips() const { return key_.strips; }
