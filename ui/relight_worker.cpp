@@ -26,7 +26,7 @@ constexpr std::chrono::milliseconds handAtRest(250);
 class SlicePace {
 public:
     bool due(bool always) {
-        constexpr std::chrono::milliseconds between(400);
+        constexpr std::chrono::milliseconds between(250);
         const auto now = std::chrono::steady_clock::now();
         if (!always && now - shown_ < between) return false;
         shown_ = now;

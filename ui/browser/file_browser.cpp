@@ -362,6 +362,7 @@ void FileBrowser::Drawing::keys() {
         const int rows = int(s_.rows.size()),
                   page = std::max(1, int(height_ / ImGui::GetTextLineHeightWithSpacing()) - 2);
         const auto move = [&](int by) {
+            s_.typingPath = false, s_.pathField = shown(s_.folder);
             if (rows)
                 s_.selected = std::clamp(s_.selected + by, 0, rows - 1), s_.scrollToRow = true, s_.askReplace = false;
         };

@@ -43,9 +43,10 @@ bool finished(const std::vector<StatePattern>& patterns) {
                        [](const StatePattern& p) { return !p.name.empty() && !p.pattern.empty(); });
 }
 
-/// What keeps finished patterns from being used; empty: nothing.
+/// What keeps finished patterns from being used; empty: nothing. `others`: photographs that no pattern matches have a
+/// state of their files.
 std::string faultOf(const std::vector<StatePattern>& patterns, const Capture& capture,
-                    const std::vector<size_t>& photographs) {
+                    const std::vector<size_t>& photographs, bool others) {
     for (size_t k = 0; k < patterns.size(); ++k) {
         if (const std::string fault = faultOfStateName(patterns[k].name); !fault.empty())
             return "A name " + fault + ".";
@@ -53,7 +54,7 @@ std::string faultOf(const std::vector<StatePattern>& patterns, const Capture& ca
             return fmt::format("No photograph is left for {}; the first is called {}.", shown(patterns[k].pattern),
                                shown(nameOf(capture, 0)));
     }
-    if (const size_t without = photographs.back(); !patterns.empty() && without > 0)
+    if (const size_t without = photographs.back(); !others && !patterns.empty() && without > 0)
         return fmt::format("{} photograph{} no state; each needs one.", without,
                            without == 1 ? " belongs to" : "s belong to");
     return "";
@@ -109,7 +110,8 @@ void drawStatePatterns(Editor& editor) {
     statesAsRead(*capture);
     ImGui::BeginDisabled(editor.job().has_value());
     const std::vector<size_t> photographs = photographsOf(typed, *capture);
-    const std::string fault = finished(typed) ? faultOf(typed, *capture, photographs) : "";
+    const bool ofFiles = !capture->states.empty() && now.states.empty();
+    const std::string fault = finished(typed) ? faultOf(typed, *capture, photographs, ofFiles) : "";
     patternRows(typed, photographs);
     if (button("Add state", "Names photographs that were taken with the lights switched or dimmed otherwise"))
         typed.push_back({});
