@@ -192,7 +192,10 @@ TEST(GuiWindow, anArtistOpensEstimatesMovesTheEmitterSwapsTheSkyAndExports) {
         desk.moveTo(width / 2, height - 4);
         desk.pause();
         ASSERT_TRUE(desk.settled());
-        std::this_thread::sleep_for(std::chrono::seconds(1));  // edges are smoothed at rest
+        for (Json frame; frame != desk.map()["frame"];) {  // edges are smoothed at rest
+            frame = desk.map()["frame"];
+            std::this_thread::sleep_for(std::chrono::seconds(1));
+        }
     };
     away();
     const Image before = desk.screenshot("03-selected");
