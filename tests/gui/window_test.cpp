@@ -192,6 +192,7 @@ TEST(GuiWindow, anArtistOpensEstimatesMovesTheEmitterSwapsTheSkyAndExports) {
         desk.moveTo(width / 2, height - 4);
         desk.pause();
         ASSERT_TRUE(desk.settled());
+        ASSERT_TRUE(desk.until([](const Json& m) { return m["rest"] == true && m["busy"] == false; }, 60));
         for (Json frame; frame != desk.map()["frame"];) {  // edges are smoothed at rest
             frame = desk.map()["frame"];
             std::this_thread::sleep_for(std::chrono::seconds(1));
