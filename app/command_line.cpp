@@ -65,6 +65,17 @@ void addCaptureOptions(CLI::App& verb, CaptureFix& fix) {
             "between which only lights were switched. May be given more than once")
         ->allow_extra_args(false)
         ->take_all();
+    verb.add_option_function<std::vector<std::string>>(
+            "--state-environment",
+            [&fix](const std::vector<std::string>& states) {
+                try {
+                    for (const std::string& state : states) fix.environments.push_back(stateEnvironmentOf(state));
+                } catch (const Error& error) { throw CLI::ValidationError(error.what()); }
+            },
+            "NAME=own: the lighting state NAME has an environment of its own, such as another time of day; NAME=none: "
+            "no distant light at all; NAME=OTHER: that of state OTHER; NAME=shared. May be given more than once")
+        ->allow_extra_args(false)
+        ->take_all();
     verb.add_flag("--from-brackets", fix.fromBrackets, "Merge the frames' exposures even where HDR images are named");
 }
 

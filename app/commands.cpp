@@ -227,6 +227,13 @@ int compare(const CompareArguments& a, Progress& progress) {
 
 namespace {
 
+/// Of a lighting state of a capture or a shot, where something is said of it.
+std::string environmentText(const nlohmann::json& state) {
+    const auto at = state.find("environment");
+    if (at == state.end()) return "";
+    return ", environment: " + (at->is_string() ? printable(at->get<std::string>()) : "none");
+}
+
 /// How well the photographs are explained, a line a view.
 std::string reproductionText(const nlohmann::json& r) {
     std::string text = fmt::format("  photographs reproduced at {:.1f} dB (median)", r.at("psnr").get<double>());
@@ -266,6 +273,8 @@ int showInfo(const fs::path& path, const CaptureFix& fix, bool json, Progress& p
                   {"notes", capture.notes}};
         for (const auto& [name, views] : viewsOfStates(capture))
             result["states"].push_back({{"name", name}, {"views", views}});
+        for (size_t s = 0; s < capture.environmentOfState.size(); ++s)
+            result["states"][s]["environment"] = environmentInWords(capture, s);
     }
     if (json) {
         if (isShot) addKeysOfVersion1(result);
@@ -277,8 +286,8 @@ int showInfo(const fs::path& path, const CaptureFix& fix, bool json, Progress& p
         text += fmt::format("capture: {} views, {} vertices, {} triangles\n", dumpJson(result["views"]),
                             dumpJson(result["vertices"]), dumpJson(result["triangles"]));
         for (const auto& state : result.value("states", nlohmann::json::array()))
-            text += fmt::format("  lighting state {}: {} views\n", printable(state["name"].get<std::string>()),
-                                dumpJson(state["views"]));
+            text += fmt::format("  lighting state {}: {} views{}\n", printable(state["name"].get<std::string>()),
+                                dumpJson(state["views"]), environmentText(state));
         printResult(text);
         return 0;
     }
@@ -302,7 +311,7 @@ int showInfo(const fs::path& path, const CaptureFix& fix, bool json, Progress& p
                             state["views"].size());
         for (const auto& e : state["emitters"])
             text += fmt::format(", {} at {:.3g}", e["id"].get<std::string>(), e["level"].get<double>());
-        text += "\n";
+        text += environmentText(state) + "\n";
     }
     text += fmt::format("  environment: {} coefficients\n  gauge: {} ({})\n", dumpJson(result["environment"]["leaves"]),
                         result["gauge"]["kind"].get<std::string>(), result["gauge"]["evidence"].get<std::string>());

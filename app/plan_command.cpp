@@ -18,8 +18,14 @@ int plan(const SolveArguments& a, bool json, Progress& progress) {
     nlohmann::json document = planJson(r.estimate.plan);
     std::string text = planText(r.estimate.plan);
     for (const auto& [name, views] : viewsOfStates(r.capture)) {
-        document["states"].push_back({{"name", name}, {"views", views}});
-        text += fmt::format("Lighting state {}: {} views.\n", printable(name), views);
+        nlohmann::json state{{"name", name}, {"views", views}};
+        if (const size_t s = document["states"].size(); s < r.capture.environmentOfState.size())
+            state["environment"] = environmentInWords(r.capture, s);
+        text += fmt::format("Lighting state {}: {} views{}.\n", printable(name), views,
+                            state.contains("environment")
+                                ? ", environment: " + printable(state["environment"].get<std::string>())
+                                : "");
+        document["states"].push_back(std::move(state));
     }
     if (r.search) {
         nlohmann::json& found = document["unobserved_light"];

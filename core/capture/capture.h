@@ -41,6 +41,8 @@ struct Capture {
              ///< lies far from its own origin. What leaves relamp or comes in has it added or taken off
     std::vector<View> views;          ///< in the order of transforms.json, COLMAP's by name; --camera N counts from 0
     std::vector<std::string> states;  ///< names of the lighting states of the photographs; empty: there is one
+    /// Per state the number of its environment, in the order of states, -1: it has none; empty: all states share one.
+    std::vector<int> environmentOfState;
     Mesh mesh;
     MeshReport meshReport;
     /// Faces of the mesh's file that have texture coordinates, by their vertices. Null where none has.

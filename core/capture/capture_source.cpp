@@ -64,6 +64,7 @@ CaptureSource captureSource(const fs::path& folder, const CaptureFix& fix, Progr
     CaptureSource source = found->format->read(folder, found->cameras, fix, progress);
     source.cameras = found->cameras;
     assignStates(fix.states, source);
+    assignEnvironments(fix.environments, source);
     return source;
 }
 

@@ -26,6 +26,8 @@ struct CaptureSource {
     std::string where = "transforms.json";  ///< for errors
     std::vector<FrameSource> frames;
     std::vector<std::string> states;                ///< lighting states; empty: none is named
+    std::vector<StateEnvironment> environments;     ///< that the file names for states
+    std::vector<int> environmentOfState;            ///< see Capture
     std::filesystem::path cameras;                  ///< the file or folder that holds them
     std::vector<std::filesystem::path> otherFiles;  ///< read beside it: lists, frames, where the mesh was aligned to
     std::filesystem::path mesh;

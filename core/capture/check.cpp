@@ -352,6 +352,14 @@ std::vector<std::pair<std::string, size_t>> viewsOfStates(const Capture& capture
     return states;
 }
 
+std::string environmentInWords(const Capture& capture, size_t state) {
+    const std::vector<int>& environments = capture.environmentOfState;
+    if (environments[state] < 0) return "none";
+    const size_t first =
+        size_t(std::find(environments.begin(), environments.end(), environments[state]) - environments.begin());
+    return first == state ? "own" : capture.states[first];
+}
+
 CaptureCheck checkCapture(const Capture& capture, Progress& progress) {
     CaptureCheck check;
     const Mesh& mesh = capture.mesh;
@@ -410,6 +418,8 @@ CaptureCheck checkCapture(const Capture& capture, Progress& progress) {
     for (const ViewCheck& v : check.views) open += v.openFraction, light += v.openFraction * v.lightFraction;
     check.backdrop = open > 0.1 * double(check.views.size()) && light < 0.05 * open;
     check.states = viewsOfStates(capture);
+    for (size_t s = 0; s < capture.environmentOfState.size(); ++s)
+        check.environments.push_back(environmentInWords(capture, s));
     comparePoints(capture, check);
     compareExposures(sights, check);
     guessAxes(capture, check);

@@ -31,6 +31,7 @@ struct ViewCheck {
 struct CaptureCheck {
     std::vector<ViewCheck> views;
     std::vector<std::pair<std::string, size_t>> states;  ///< lighting states, with how many views each has
+    std::vector<std::string> environments;               ///< of them (environmentInWords); empty: all states share one
     MeshReport mesh;
     Vec3 meshMin{0}, meshMax{0};     ///< metres from origin, bounding box of the triangles
     DVec3 origin{0};                 ///< Capture::origin
@@ -56,6 +57,9 @@ CaptureCheck checkCapture(const Capture& capture, Progress& progress);
 
 /// Names of the lighting states, with how many views each has; empty: there is one. O(views).
 std::vector<std::pair<std::string, size_t>> viewsOfStates(const Capture& capture);
+/// Of a capture with environmentOfState, what environment a state has: "none", "own", or the first state that has the
+/// same.
+std::string environmentInWords(const Capture& capture, size_t state);
 
 nlohmann::json toJson(const CaptureCheck& check);
 /// For people: a table of the views, the mesh, the warnings.

@@ -66,6 +66,7 @@ nlohmann::json toJson(const CaptureCheck& check) {
     for (const char* what : {"seen", "seen_twice"})
         result["coverage"][fmt::format("{}_share", what)] = result["coverage"][fmt::format("{}_fraction", what)];
     for (const auto& [name, count] : check.states) result["states"].push_back({{"name", name}, {"views", count}});
+    for (size_t s = 0; s < check.environments.size(); ++s) result["states"][s]["environment"] = check.environments[s];
     result["camera_distance"] = check.cameraDistance;
     if (const auto& r = check.reconstruction)
         result["reconstruction"] = {{"points", r->points},
@@ -88,8 +89,9 @@ std::string toText(const CaptureCheck& check) {
                             longest, fmt::format("{} x {}", v.width, v.height), 100 * v.meshFraction,
                             100 * v.clippedFraction, 100 * v.maskedFraction, v.meanRadiance, 100 * v.verticesInside,
                             v.exposureStops);
-    for (const auto& [name, count] : check.states)
-        text += fmt::format("lighting state {}: {} views\n", printable(name), count);
+    for (size_t s = 0; s < check.states.size(); ++s)
+        text += fmt::format("lighting state {}: {} views{}\n", printable(check.states[s].first), check.states[s].second,
+                            s < check.environments.size() ? ", environment: " + printable(check.environments[s]) : "");
     const MeshReport& m = check.mesh;
     const Vec3 size = check.meshMax - check.meshMin;
     text += fmt::format("\nmesh: {} vertices, {} triangles, {:.3g} x {:.3g} x {:.3g} m\n", m.vertices, m.triangles,

@@ -32,6 +32,7 @@ Capture loadCapture(const std::filesystem::path& folder, const LoadOptions& opti
     capture.folder = folder;
     capture.notes = std::move(source.notes);
     capture.states = std::move(source.states);
+    capture.environmentOfState = std::move(source.environmentOfState);
     capture.reconstruction = source.reconstruction;
     capture.points = std::move(source.points);
     progress.begin("Reading the mesh", 1);

@@ -29,8 +29,9 @@ struct CaptureFix {
     std::vector<ProxyLight> proxies{};  ///< emitters that the mesh does not hold
     RegistrationFix registration{};     ///< of cameras and mesh; found by a solve
     MeshMend mend{};  ///< of the mesh, where emitters are not what photographs show of them; by a solve
-    std::vector<StatePattern> states{};  ///< lighting states of the photographs, against what the files name
-    PhotometricFix photometric{};        ///< what the photographs' exposures differ by; found by a solve
+    std::vector<StatePattern> states{};            ///< lighting states of the photographs, against what the files name
+    std::vector<StateEnvironment> environments{};  ///< of lighting states, against what the files say
+    PhotometricFix photometric{};                  ///< what the photographs' exposures differ by; found by a solve
     bool operator==(const CaptureFix&) const = default;
 };
 

@@ -225,8 +225,8 @@ std::string readState(const Keys& keys) {
     return name;
 }
 
-/// What the capture says of its lighting states beside their frames: whether one has an environment of its own.
-void checkStates(const json& root, const Transforms& transforms) {
+/// What the capture says of its lighting states beside their frames: what environment they have.
+void readStates(const json& root, Transforms& transforms) {
     const auto table = root.find("states");
     if (table == root.end() || table->is_null()) return;
     if (!table->is_object()) throw Error("states is {}, expected an object with a key for each", kindOf(*table));
@@ -239,13 +239,12 @@ void checkStates(const json& root, const Transforms& transforms) {
         const auto environment = state.find("environment");
         if (environment == state.end() || environment->is_null()) continue;
         const std::string kind = textOf(*environment, where + ": environment");
-        if (kind == "own")
-            throw Error(
-                "{}: environment is \"own\", which one capture cannot hold: between its states only lights may change; "
-                "make a capture of the photographs of this state",
-                where);
-        if (kind != "shared")
-            throw Error("{}: environment is \"{}\", expected \"shared\"", where, printable(kind).substr(0, 80));
+        if (kind != "own" && kind != "none" && kind != "shared" &&
+            std::none_of(transforms.frames.begin(), transforms.frames.end(),
+                         [&](const TransformsFrame& frame) { return frame.state == kind; }))
+            throw Error("{}: environment is \"{}\", expected \"shared\", \"own\", \"none\" or another state", where,
+                        printable(kind).substr(0, 80));
+        transforms.environments.push_back({name, kind});
     }
 }
 
@@ -317,7 +316,7 @@ Transforms parseTransforms(const std::string& text, const ImageSize& sizeOf) {
         for (const std::string& sentence : ignored) ++ignoredCounts[sentence];
         result.frames.push_back(std::move(frame));
     }
-    checkStates(root, result);
+    readStates(root, result);
     if (rescaled)
         result.notes.push_back(fmt::format("{} of {} transform matrices held a uniform scale, which was taken out.",
                                            rescaled, frames->size()));

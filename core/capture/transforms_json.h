@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "capture/camera.h"
+#include "capture/lighting_states.h"
 
 namespace relamp {
 
@@ -29,7 +30,8 @@ struct TransformsFrame {
 
 struct Transforms {
     std::vector<TransformsFrame> frames;
-    std::string meshPath;  ///< as written; empty when the key is absent
+    std::vector<StateEnvironment> environments;  ///< of lighting states, where `states` says it
+    std::string meshPath;                        ///< as written; empty when the key is absent
     Vec3 up{0, 0, 1};
     std::vector<std::string> notes;  ///< what was set right or ignored, one sentence each
 };

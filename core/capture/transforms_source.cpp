@@ -33,6 +33,7 @@ CaptureSource sourceFromTransforms(const fs::path& folder, const fs::path& file,
     source.where = name;
     source.notes = std::move(transforms.notes);
     source.up = transforms.up;
+    source.environments = std::move(transforms.environments);
     source.mesh = fix.mesh.empty() ? findMesh(folder, transforms.meshPath, name) : placeOf(folder, fix.mesh);
     for (size_t i = 0; i < transforms.frames.size(); ++i) {
         TransformsFrame& frame = transforms.frames[i];

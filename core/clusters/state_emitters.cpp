@@ -228,7 +228,11 @@ uint32_t brightestState(const EmitterClusters& clusters, const RadianceSamples& 
     for (const RadianceSample& s : samples.samples) ++observations[samples.stateOf(s.view)];
     uint32_t best = 0;
     double most = -1;
+    // What it is for needs distant light where there is some.
+    const bool anyEnvironment = std::any_of(samples.environmentOfState.begin(), samples.environmentOfState.end(),
+                                            [](int environment) { return environment >= 0; });
     for (uint32_t s = 0; s < samples.states; ++s) {
+        if (anyEnvironment && samples.environmentOf(s) < 0) continue;
         double power = 0;
         for (const EmitterCluster& e : clusters.emitters)
             power += double(emitterPower(e)) * double(std::max(0.0f, e.levelIn(s)));

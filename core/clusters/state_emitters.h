@@ -16,7 +16,8 @@ EmitterClusters clusterEmittersOfStates(const Scene& scene, const Capture& captu
 /// The emitters and candidates that shine in one state, with the radiance that they have there.
 EmitterClusters clustersInState(const Scene& scene, const EmitterClusters& all, uint32_t state);
 
-/// The state in which the emitters together are brightest; of equal ones that with the most observations.
+/// The state in which the emitters together are brightest; of equal ones that with the most observations. States
+/// without an environment are passed over.
 uint32_t brightestState(const EmitterClusters& clusters, const RadianceSamples& samples);
 
 }  // namespace relamp

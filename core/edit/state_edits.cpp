@@ -39,13 +39,53 @@ std::vector<float> shownLevels(const Look& look, const Estimate& estimate) {
     return levels;
 }
 
+namespace {
+
+/// A name of none is that of the estimate's own environment.
+int environmentNamed(const std::string& name, const Estimate& estimate) {
+    for (const LightingState& state : estimate.states)
+        if (state.name == name) return state.environment;
+    return 0;
+}
+
+/// The environment of a state; the name is left out where it says nothing new.
+void takeEnvironment(EnvironmentLook& look, const Estimate& estimate, size_t state) {
+    if (!environmentsDiffer(estimate)) return;
+    look.source = EnvironmentLook::Source::recovered;
+    look.state = estimate.states[state].environment == 0 ? "" : estimate.states[state].name;
+    look.mixState.clear();
+    look.mix = 0;
+}
+
+}  // namespace
+
+bool showsEnvironment(const EnvironmentLook& look, const Estimate& estimate, size_t state) {
+    if (!environmentsDiffer(estimate)) return true;
+    return look.source == EnvironmentLook::Source::recovered && (look.mixState.empty() || look.mix == 0) &&
+           environmentNamed(look.state, estimate) == estimate.states[state].environment;
+}
+
+void showState(Look& look, const Estimate& estimate, size_t state) {
+    showLevels(look, estimate, levelsInState(estimate.emitters.emitters, state));
+    takeEnvironment(look.environment, estimate, state);
+}
+
+void showMix(Look& look, const Estimate& estimate, size_t first, size_t second, float fraction) {
+    showLevels(look, estimate, levelsBetween(estimate.emitters.emitters, first, second, fraction));
+    const bool turned = fraction >= 1;
+    takeEnvironment(look.environment, estimate, turned ? second : first);
+    if (turned || !(fraction > 0) || estimate.states[first].environment == estimate.states[second].environment) return;
+    look.environment.mixState = estimate.states[second].name;
+    look.environment.mix = fraction;
+}
+
 std::optional<size_t> shownState(const Look& look, const Estimate& estimate) {
     const std::vector<float> shown = shownLevels(look, estimate);
     for (size_t s = 0; s < estimate.states.size(); ++s) {
         const std::vector<float> levels = levelsInState(estimate.emitters.emitters, s);
         bool same = true;
         for (size_t e = 0; e < shown.size(); ++e) same &= std::abs(shown[e] - levels[e]) < 1e-4f;
-        if (same) return s;
+        if (same && showsEnvironment(look.environment, estimate, s)) return s;
     }
     return {};
 }
@@ -59,7 +99,12 @@ float shownMix(const Look& look, const Estimate& estimate, size_t first, size_t 
         along += (shown[e] - from[e]) * (to[e] - from[e]);
         length += (to[e] - from[e]) * (to[e] - from[e]);
     }
-    return length > 0 ? std::clamp(along / length, 0.0f, 1.0f) : 0.0f;
+    if (length > 0) return std::clamp(along / length, 0.0f, 1.0f);
+    const EnvironmentLook& environment = look.environment;
+    if (estimate.states[first].environment == estimate.states[second].environment) return 0;
+    if (!environment.mixState.empty())
+        return environment.mixState == estimate.states[second].name ? environment.mix : 0;
+    return environmentNamed(environment.state, estimate) == estimate.states[second].environment ? 1.0f : 0.0f;
 }
 
 }  // namespace relamp

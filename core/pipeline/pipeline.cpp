@@ -145,7 +145,7 @@ Prepared prepare(const Capture& capture, const PipelineOptions& options, StageMe
 
 Corrections correctCapture(const PipelineOptions& options, Capture& capture, Prepared& prepared, StageMeter& meter,
                            Progress& progress) {
-    refuseOtherEnvironments(capture, *prepared.samples);
+    warnOfOtherEnvironments(capture, *prepared.samples);
     const CaptureFix& told = options.load.fix;
     Corrections done{told.registration, told.photometric, told.mend, std::max(0, told.smoothNormals)};
     const bool mended = !told.mend.empty() || std::any_of(told.proxies.begin(), told.proxies.end(),
@@ -243,6 +243,9 @@ Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepare
         throw Error("--mode distant-only: knows one lighting state, and these photographs are of {}",
                     prepared.samples->states);
     const StatePart part = brightestPart(prepared);
+    if (part.samples != prepared.samples)
+        solve.probedEnvironment =
+            size_t(std::max(0, prepared.samples->environmentOf(brightestState(prepared.clusters, *prepared.samples))));
     const std::vector<ProbeFit> probes =
         fitProbes(options.probes, scene, *part.samples, part.clusters, options.solve, solve.probes, progress);
     meter.begin(Stage::planning);

@@ -179,10 +179,9 @@ struct LitState {
 std::vector<LitState> litStates(const Capture& capture, const Scene& scene, const Estimate& estimate,
                                 const RadianceSamples& samples, const FrameOptions& frame, Progress& progress) {
     std::vector<LitState> states(std::max<size_t>(1, capture.states.size()));
-    const std::vector<EmitterCluster>& emitters = estimate.emitters.emitters;
     for (size_t s = 0; s < states.size(); ++s) {
         Look look;
-        if (states.size() > 1) look = withLevels({}, emitters, levelsInState(emitters, s));
+        if (states.size() > 1) look = inState({}, estimate, s);
         states[s].relit = std::make_unique<const RelitScene>(applyLook(scene, estimate, look, progress));
         states[s].renderer = std::make_unique<const FrameRenderer>(*states[s].relit, capture.views[0].camera, frame);
         states[s].samples = states.size() == 1

@@ -1,8 +1,10 @@
 #include "pipeline/state_checks.h"
 
-#include "base/error.h"
+#include <map>
+
 #include "base/log.h"
 #include "base/statistics.h"
+#include "capture/lighting_states.h"
 #include "radiance/background_cells.h"
 
 namespace relamp {
@@ -30,10 +32,15 @@ BackgroundCells cellsOf(const Capture& capture, const RadianceSamples& samples, 
 
 }  // namespace
 
-void refuseOtherEnvironments(const Capture& capture, const RadianceSamples& samples) {
-    if (samples.states == 1) return;
-    const BackgroundCells first = cellsOf(capture, samples, 0);
-    for (uint32_t s = 1; s < samples.states; ++s) {
+std::vector<std::string> warnOfOtherEnvironments(const Capture& capture, const RadianceSamples& samples) {
+    std::vector<std::string> warnings;
+    std::map<int, std::pair<uint32_t, BackgroundCells>> seen;  // by environment: its first state
+    for (uint32_t s = 0; samples.states > 1 && s < samples.states; ++s) {
+        const int environment = samples.environmentOf(s);
+        if (environment < 0) continue;
+        const auto [at, isFirst] = seen.try_emplace(environment, s, cellsOf(capture, samples, s));
+        if (isFirst) continue;
+        const auto& [firstState, first] = at->second;
         const BackgroundCells other = cellsOf(capture, samples, s);
         std::vector<float> change;
         for (size_t cell = 0; cell < first.sum.size(); ++cell) {
@@ -47,15 +54,17 @@ void refuseOtherEnvironments(const Capture& capture, const RadianceSamples& samp
         const float differs =
             float(std::count_if(change.begin(), change.end(), [](float c) { return std::abs(c) > otherCell; })) /
             float(change.size());
-        logInfo("background of states {} and {}: {:+.1f} %, {:.0f} % of it differs", capture.states[0],
-                capture.states[s], 100 * (std::exp(gain) - 1), 100 * differs);
-        if (std::abs(gain) > mostGain || differs > mostOther)
-            throw Error(
-                "the background that states {} and {} show differs by {:.0f} %, {:.0f} % of it by more than 25 %: the "
-                "exposure or the environment has changed. Between lighting states only lights may change: use one "
-                "exposure, and make a capture of each environment",
-                capture.states[0], capture.states[s], 100 * (std::exp(std::abs(gain)) - 1), 100 * differs);
+        const std::string &before = capture.states[firstState], &now = capture.states[s];
+        logInfo("background of states {} and {}: {:+.1f} %, {:.0f} % of it differs", before, now,
+                100 * (std::exp(gain) - 1), 100 * differs);
+        if (std::abs(gain) <= mostGain && differs <= mostOther) continue;
+        warnings.push_back(fmt::format(
+            "the background that states {} and {} show differs by {:.0f} %, {:.0f} % of it by more than 25 %: the "
+            "exposure or the environment has changed. {}",
+            before, now, 100 * (std::exp(std::abs(gain)) - 1), 100 * differs, howToSayOwnEnvironment(now)));
+        logWarning("{}", warnings.back());
     }
+    return warnings;
 }
 
 }  // namespace relamp

@@ -5,9 +5,9 @@
 
 namespace relamp {
 
-/// Between the states only emitters may change. Throws Error naming two states whose photographs show another
-/// background: its median differs by 15 %, or a third of it by 25 %. States that do not see enough of it in common are
-/// taken at their word. Cost: one pass over the pixels.
-void refuseOtherEnvironments(const Capture& capture, const RadianceSamples& samples);
+/// Between states that share an environment only emitters may change. Warns of two such states whose photographs show
+/// another background: its median differs by 15 %, or a third of it by 25 %. States that do not see enough of it in
+/// common are taken at their word. Returns the warnings. Cost: one pass over the pixels.
+std::vector<std::string> warnOfOtherEnvironments(const Capture& capture, const RadianceSamples& samples);
 
 }  // namespace relamp

@@ -125,21 +125,25 @@ void estimateNoise(const Capture& capture, RadianceSamples& result) {
 
 void gatherBackground(const Capture& capture, RadianceSamples& result, Progress& progress) {
     const DirectionGrid& grid = result.backgroundGrid;
-    result.background.assign(size_t(grid.cells()), Rgb(0));
-    result.backgroundPixels.assign(size_t(grid.cells()), 0);
-    result.backgroundClipped.assign(size_t(grid.cells()), 0);
+    const size_t cells = size_t(grid.cells()) * result.environments();
+    result.background.assign(cells, Rgb(0));
+    result.backgroundPixels.assign(cells, 0);
+    result.backgroundClipped.assign(cells, 0);
     progress.begin("Background", capture.views.size());
     for (size_t i = 0; i < capture.views.size(); ++i) {
         const View& view = capture.views[i];
         const ViewGeometry& g = result.geometry[i];
-        for (int y = 1; y + 1 < g.height; ++y)
+        const int environment = result.environmentOf(result.stateOf(uint32_t(i)));
+        // What is seen past the mesh of a state without distant light is none.
+        for (int y = 1; environment >= 0 && y + 1 < g.height; ++y)
             for (int x = 1; x + 1 < g.width; ++x) {
                 if (!view.image.usableAt(x, y) || !g.open(x, y)) continue;
-                const int cell = grid.cellOf(view.camera.rayDirection(Vec2(x + 0.5f, y + 0.5f)));
-                result.background[size_t(cell)] += view.image.at(x, y);
-                ++result.backgroundPixels[size_t(cell)];
+                const size_t cell = size_t(environment * grid.cells() +
+                                           grid.cellOf(view.camera.rayDirection(Vec2(x + 0.5f, y + 0.5f))));
+                result.background[cell] += view.image.at(x, y);
+                ++result.backgroundPixels[cell];
                 if (view.saturation > 0 && maxChannel(view.image.at(x, y)) >= view.saturation)
-                    result.backgroundClipped[size_t(cell)] = 1;
+                    result.backgroundClipped[cell] = 1;
             }
         progress.advance();
     }
@@ -160,6 +164,7 @@ RadianceSamples gatherRadiance(const Capture& capture, const Scene& scene, const
     if (capture.states.size() > 1) {
         result.states = uint32_t(capture.states.size());
         for (const View& view : capture.views) result.stateOfView.push_back(view.state);
+        result.environmentOfState = capture.environmentOfState;
     }
     result.backgroundGrid.axes = scene.axes;
     const size_t n = scene.mesh.vertexCount(), views = capture.views.size();

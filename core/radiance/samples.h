@@ -1,5 +1,6 @@
 // Room 3's product: what the photographs say of each vertex, of the distant environment and of each surface pixel.
 #pragma once
+#include <algorithm>
 #include <vector>
 
 #include "base/math.h"
@@ -38,7 +39,10 @@ struct RadianceSamples {
     std::vector<ViewGeometry> geometry;  ///< per view
     uint32_t states = 1;                 ///< lighting states of the photographs
     std::vector<uint32_t> stateOfView;   ///< per view; empty: all are in one
+    /// Per lighting state the number of its environment, -1: it has none; empty: all states have one, number 0.
+    std::vector<int> environmentOfState;
     /// Distant light seen directly: mean radiance of background pixels per cell, and how many saw it (0: unobserved).
+    /// One environment after the other.
     DirectionGrid backgroundGrid{128};
     std::vector<Rgb> background;
     std::vector<uint32_t> backgroundPixels;
@@ -47,6 +51,12 @@ struct RadianceSamples {
     float noiseFloor = 0;         ///< radiance: standard deviation of a dark sample
 
     uint32_t stateOf(uint32_t view) const { return stateOfView.empty() ? 0 : stateOfView[view]; }
+    int environmentOf(uint32_t state) const { return environmentOfState.empty() ? 0 : environmentOfState[state]; }
+    size_t environments() const {
+        int last = 0;
+        for (const int environment : environmentOfState) last = std::max(last, environment);
+        return size_t(last) + 1;
+    }
     size_t countOf(uint32_t v) const { return start[v + 1] - start[v]; }
     /// Standard deviation of an observation of this radiance (one channel).
     float sigma(float radiance) const {

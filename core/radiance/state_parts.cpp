@@ -7,9 +7,15 @@ namespace {
 RadianceSamples observationsOf(const RadianceSamples& all, uint32_t state, const std::vector<uint32_t>* number) {
     RadianceSamples part;
     part.backgroundGrid = all.backgroundGrid;
-    part.background = all.background;
-    part.backgroundPixels = all.backgroundPixels;
-    part.backgroundClipped = all.backgroundClipped;
+    const int environment = all.environmentOf(state);
+    const auto cells = [&](const auto& list, auto& ofState) {
+        const ptrdiff_t count = ptrdiff_t(all.backgroundGrid.cells());
+        if (environment < 0) ofState.assign(size_t(count), {});
+        else ofState.assign(list.begin() + environment * count, list.begin() + (environment + 1) * count);
+    };
+    cells(all.background, part.background);
+    cells(all.backgroundPixels, part.backgroundPixels);
+    cells(all.backgroundClipped, part.backgroundClipped);
     part.relativeNoise = all.relativeNoise;
     part.noiseFloor = all.noiseFloor;
     part.start.reserve(all.start.size());

@@ -5,13 +5,14 @@
 
 namespace relamp {
 
-/// The observations of one state. Views keep their numbers; geometry is left out. Cost: O(observations).
+/// The observations of one state. Views keep their numbers; geometry is left out. The background is
+/// that of the state's environment. Cost: O(observations).
 RadianceSamples samplesOfState(const RadianceSamples& all, uint32_t state);
 
 /// A capture of the views of one state, numbered anew. Memory: their photographs.
 Capture captureOfState(const Capture& capture, uint32_t state);
 
-/// The observations of one state as of such a capture, with its views' geometry. The background is that of all states.
+/// The observations of one state as of such a capture, with its views' geometry. The background likewise.
 RadianceSamples samplesOfPart(const RadianceSamples& all, uint32_t state);
 
 }  // namespace relamp

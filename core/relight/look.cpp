@@ -110,6 +110,15 @@ std::string textOf(const Json& object, const char* key, const std::string& where
 
 bool isControl(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }
 
+/// The lighting states of a recovered environment.
+void readStates(const Json& object, EnvironmentLook& look) {
+    if (object.contains("state")) look.state = textOf(object, "state", "environment");
+    if (object.contains("mix_state")) look.mixState = textOf(object, "mix_state", "environment");
+    if (!object.contains("mix")) return;
+    look.mix = realOf(object["mix"], "environment.mix");
+    if (!(look.mix >= 0 && look.mix <= 1)) throw Error("environment.mix: is {}, expected 0 to 1", look.mix);
+}
+
 std::string nameOf(const Json& object, const std::string& where) {
     const std::string name = textOf(object, "name", where);
     if (std::any_of(name.begin(), name.end(), isControl)) throw Error("{}.name: has a control character in it", where);
@@ -213,6 +222,7 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
         else throw Error("environment.source: is {}, expected recovered, none or file", source);
         if (look.environment.source == EnvironmentLook::Source::file)
             look.environment.file = folder / textOf(*at, "file", "environment");
+        readStates(*at, look.environment);
         if (at->contains("yaw_degrees"))
             look.environment.yawDegrees = float(lengthOf((*at)["yaw_degrees"], "environment.yaw_degrees"));
         if (at->contains("exposure_stops"))
@@ -304,6 +314,11 @@ Json lookToJson(const Look& look, const DVec3& origin) {
     Json& environment = document["environment"];
     environment["source"] = sources[int(look.environment.source)];
     if (look.environment.source == EnvironmentLook::Source::file) environment["file"] = look.environment.file.string();
+    if (!look.environment.state.empty()) environment["state"] = look.environment.state;
+    if (!look.environment.mixState.empty()) {
+        environment["mix_state"] = look.environment.mixState;
+        environment["mix"] = look.environment.mix;
+    }
     environment["yaw_degrees"] = look.environment.yawDegrees;
     environment["exposure_stops"] = look.environment.exposureStops;
     environment["tint"] = {look.environment.tint.x, look.environment.tint.y, look.environment.tint.z};

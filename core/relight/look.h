@@ -20,7 +20,11 @@ namespace relamp {
 struct EnvironmentLook {
     enum class Source { recovered, none, file } source = Source::recovered;
     std::filesystem::path file;  ///< latitude-longitude image, when source is file
-    float yawDegrees = 0;        ///< about +Z, counter-clockwise from above
+    /// When source is recovered: the lighting state whose environment it is; empty: the estimate's own. Of a mix the
+    /// state it goes to, and how much of that it has, 0 to 1.
+    std::string state{}, mixState{};
+    float mix = 0;
+    float yawDegrees = 0;  ///< about +Z, counter-clockwise from above
     float exposureStops = 0;
     Rgb tint{1};
     bool operator==(const EnvironmentLook&) const = default;

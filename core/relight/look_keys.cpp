@@ -25,7 +25,8 @@ struct KeyTable {
 };
 
 const KeyTable& lookTable() {
-    static const KeyTable environment{{"source", "file", "yaw_degrees", "exposure_stops", "tint"}, {}};
+    static const KeyTable environment{
+        {"source", "file", "state", "mix_state", "mix", "yaw_degrees", "exposure_stops", "tint"}, {}};
     static const KeyTable emitter{{"id", "enabled", "matrix", "shadows", "power_scale", "name"}, {}};
     static const KeyTable shaping{{"cone_degrees", "cone_softness", "focus", "ies_file", "gobo_file", "surface_file"},
                                   {}};

@@ -89,6 +89,22 @@ Vec3 pivotOfPart(const PartLook& part, const Look& a, const Look& b, const std::
     return pivots.vertex(part.seedVertex);
 }
 
+/// The recovered environment goes evenly from one lighting state, or mix of two, to another.
+void blendStates(const EnvironmentLook& to, float t, EnvironmentLook& from) {
+    const auto plain = [](const EnvironmentLook& look) { return look.mixState.empty() || look.mix == 0; };
+    if (from.state == to.state && (plain(from) || plain(to) || from.mixState == to.mixState)) {
+        const float before = plain(from) ? 0.0f : from.mix, after = plain(to) ? 0.0f : to.mix;
+        if (plain(from)) from.mixState = to.mixState;
+        from.mix = before + t * (after - before);
+    } else if (plain(from) && plain(to)) {
+        // A mix goes to a state that is named.
+        const bool there = !to.state.empty();
+        from.mixState = there ? to.state : from.state;
+        if (!there) from.state = to.state;
+        from.mix = there ? t : 1 - t;
+    }
+}
+
 }  // namespace
 
 Rgb blendLight(const Rgb& a, const Rgb& b, float t) {
@@ -104,6 +120,8 @@ Look blendLooks(const Look& a, const Look& b, float t, const LookPivots& pivots)
     if (t >= 1) return b;
     Look out = a;
     EnvironmentLook& environment = out.environment;
+    if (environment.source == EnvironmentLook::Source::recovered && b.environment.source == environment.source)
+        blendStates(b.environment, t, environment);
     environment.yawDegrees += t * (b.environment.yawDegrees - a.environment.yawDegrees);
     environment.exposureStops += t * (b.environment.exposureStops - a.environment.exposureStops);
     environment.tint = blendLight(a.environment.tint, b.environment.tint, t);

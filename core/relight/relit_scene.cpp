@@ -197,7 +197,31 @@ DirectionGrid gridFor(const Image& map) {
     return grid;
 }
 
+/// The recovered environment of a lighting state; empty: it has none. No name: the estimate's own.
+std::vector<Rgb> environmentNamed(const Estimate& estimate, const std::string& state, const char* field) {
+    if (state.empty()) return estimate.environment;
+    for (const LightingState& s : estimate.states)
+        if (s.name == state) return environmentOf(estimate, s);
+    throw Error("environment.{}: no lighting state of the photographs is called {}", field, state);
+}
+
+std::vector<Rgb> recoveredCells(const Estimate& estimate, const EnvironmentLook& look) {
+    std::vector<Rgb> cells = environmentNamed(estimate, look.state, "state");
+    cells.resize(estimate.environment.size(), Rgb(0));
+    if (look.mixState.empty()) return cells;
+    std::vector<Rgb> other = environmentNamed(estimate, look.mixState, "mix_state");
+    other.resize(cells.size(), Rgb(0));
+    for (size_t c = 0; c < cells.size(); ++c) cells[c] = (1 - look.mix) * cells[c] + look.mix * other[c];
+    return cells;
+}
+
 }  // namespace
+
+std::vector<Rgb> environmentOf(const Estimate& estimate, const LightingState& state) {
+    if (state.environment < 0) return {};
+    return state.environment == 0 ? estimate.environment
+                                  : estimate.otherEnvironments[size_t(state.environment - 1)].environment;
+}
 
 std::shared_ptr<const DistantLight> distantOfLook(const Estimate& estimate, const EnvironmentLook& look) {
     DirectionGrid grid{estimate.environmentSide};
@@ -210,7 +234,7 @@ std::shared_ptr<const DistantLight> distantOfLook(const Estimate& estimate, cons
         grid = gridFor(map);
         cells = integrateOverCells(map, grid);
     } else {
-        cells = estimate.environment;
+        cells = recoveredCells(estimate, look);
         if (look.yawDegrees != 0)
             cells = integrateOverCells(yawed(latLongFromCells(cells, grid, 1024), look.yawDegrees), grid);
     }

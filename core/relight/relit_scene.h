@@ -63,7 +63,10 @@ struct PartsApart {
 EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const Look& look,
                             const PartsApart& apart = {}, std::shared_ptr<const ClosedMesh>* closed = nullptr);
 
-/// The environment of a look. Throws Error naming an unreadable file.
+/// The environment of a lighting state, in the cells of the estimate's; empty: it has none.
+std::vector<Rgb> environmentOf(const Estimate& estimate, const LightingState& state);
+
+/// The environment of a look. Throws Error naming an unreadable file, or a lighting state that does not exist.
 std::shared_ptr<const DistantLight> distantOfLook(const Estimate& estimate, const EnvironmentLook& look);
 
 struct RelitScene {

@@ -20,6 +20,24 @@ Look withLevels(Look look, const std::vector<EmitterCluster>& emitters, const st
     return look;
 }
 
+bool environmentsDiffer(const Estimate& estimate) {
+    return std::any_of(estimate.states.begin(), estimate.states.end(),
+                       [](const LightingState& s) { return s.environment != 0; });
+}
+
+Look inState(Look look, const Estimate& estimate, size_t state) {
+    const std::vector<EmitterCluster>& emitters = estimate.emitters.emitters;
+    look = withLevels(std::move(look), emitters, levelsInState(emitters, state));
+    if (!environmentsDiffer(estimate)) return look;
+    eachLook(look, [&](Look& one) {
+        EnvironmentLook& environment = one.environment;
+        if (environment.source == EnvironmentLook::Source::recovered && environment.state.empty() &&
+            environment.mixState.empty())
+            environment.state = estimate.states[state].name;
+    });
+    return look;
+}
+
 std::vector<float> levelsInState(const std::vector<EmitterCluster>& emitters, size_t state) {
     std::vector<float> levels;
     for (const EmitterCluster& e : emitters) levels.push_back(std::max(0.0f, e.levelIn(state)));

@@ -2,8 +2,16 @@
 #pragma once
 #include "clusters/emitter_clusters.h"
 #include "relight/look.h"
+#include "solve/estimate.h"
 
 namespace relamp {
+
+/// The light of a lighting state under what `look`, and its keys, make of it: powers of recovered emitters are
+/// multiplied by their levels, and a recovered environment of no state becomes that of the state.
+Look inState(Look look, const Estimate& estimate, size_t state);
+
+/// Whether states differ in their environment: then looks name the state whose environment they have.
+bool environmentsDiffer(const Estimate& estimate);
 
 /// Multiplies the power of each recovered emitter in `look`, and in its keys, by its level; 1 leaves it as it is.
 Look withLevels(Look look, const std::vector<EmitterCluster>& emitters, const std::vector<float>& levels);

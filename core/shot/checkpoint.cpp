@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr char magic[8] = {'r', 'e', 'l', 'a', 'm', 'p', 'C', 'P'};
-constexpr uint32_t formatVersion = 12;
+constexpr uint32_t formatVersion = 13;
 
 struct CheckpointHeader {
     char magic[8];
@@ -82,6 +82,7 @@ uint64_t solveFingerprint(const Capture& capture, const SolveOptions& o, bool ev
         f.all(view.image.pixels);
         f.all(view.image.usable);
     }
+    for (const int environment : capture.environmentOfState) f.add(uint64_t(environment + 1));
     f.all(capture.mesh.positions);
     f.all(capture.mesh.normals);
     f.all(capture.mesh.triangles);

@@ -42,8 +42,7 @@ const RelitScene& RelitLooks::captured(Progress& progress, std::optional<size_t>
 }
 
 Look RelitLooks::inState(Look look, std::optional<size_t> state) const {
-    const std::vector<EmitterCluster>& emitters = estimate_.emitters.emitters;
-    return state ? withLevels(std::move(look), emitters, levelsInState(emitters, *state)) : look;
+    return state ? relamp::inState(std::move(look), estimate_, *state) : look;
 }
 
 }  // namespace relamp

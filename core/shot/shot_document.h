@@ -11,10 +11,13 @@ namespace relamp {
 /// The whole of shot.json for a shot that is to lie in `folder`, to which its paths are relative.
 Json shotDocument(const Shot& shot, const std::filesystem::path& folder);
 
-/// Fills what a document of version 2 says into `shot`; centroids of its emitters still count from the world's origin,
+/// Fills what a document of version 2 or 3 says into `shot`; centroids of its emitters still count from the world's origin,
 /// and the capture is not read. Throws Error naming the field.
 void readShotDocument(const Json& document, const std::filesystem::path& folder, Shot& shot,
                       std::vector<DVec3>& centroids);
+
+/// What files of an estimate's environment are called: of the main one "environment", of others "environment-2", ...
+std::string environmentStem(int environment);
 
 /// Version 1 had other names for some keys (docs/interface.md 2): gives such a document those of version 2.
 void upgradeShotDocument(Json& document);

@@ -58,16 +58,25 @@ void writeColours(const fs::path& file, int width, int height, const std::vector
     writeChannels(file, width, height, channels);
 }
 
-void writeEnvironment(const Estimate& estimate, const fs::path& folder) {
-    const DirectionGrid grid{estimate.environmentSide};
-    const Image map = latLongFromCells(estimate.environment, grid, 1024);
-    writeColours(folder / "environment.exr", map.width, map.height, map.pixels);
+/// `stem`: of the file's name.
+void writeEnvironment(const fs::path& folder, const std::string& stem, int side, const std::vector<Rgb>& cells,
+                      const std::vector<Rgb>& sigma) {
+    const DirectionGrid grid{side};
+    const Image map = latLongFromCells(cells, grid, 1024);
+    writeColours(folder / (stem + ".exr"), map.width, map.height, map.pixels);
     // The cells themselves, so that opening need not integrate the image again.
     fs::create_directories(folder / "cache");
-    writeColours(folder / "cache" / "environment_cells.exr", grid.side, grid.side, estimate.environment);
-    if (estimate.environmentSigma.empty()) return;
-    const Image deviations = latLongFromCells(estimate.environmentSigma, grid, 256);
-    writeColours(folder / "environment_sigma.exr", deviations.width, deviations.height, deviations.pixels);
+    writeColours(folder / "cache" / (stem + "_cells.exr"), grid.side, grid.side, cells);
+    if (sigma.empty()) return;
+    const Image deviations = latLongFromCells(sigma, grid, 256);
+    writeColours(folder / (stem + "_sigma.exr"), deviations.width, deviations.height, deviations.pixels);
+}
+
+void writeEnvironments(const Estimate& e, const fs::path& folder) {
+    writeEnvironment(folder, environmentStem(0), e.environmentSide, e.environment, e.environmentSigma);
+    for (size_t k = 0; k < e.otherEnvironments.size(); ++k)
+        writeEnvironment(folder, environmentStem(int(k) + 1), e.environmentSide, e.otherEnvironments[k].environment,
+                         e.otherEnvironments[k].sigma);
 }
 
 /// Keys of the old shot.json that relamp does not write.
@@ -126,7 +135,7 @@ void saveShot(const Shot& shot, const Mesh& mesh, const fs::path& folder, bool o
     try {
         Json document = shotDocument(shot, target);
         if (exists && isThere(target / "shot.json")) keepUnknownKeys(target / "shot.json", document);
-        writeEnvironment(shot.estimate, fresh);
+        writeEnvironments(shot.estimate, fresh);
         writeReflectance(shot, mesh, fresh);
         if (const auto& texture = shot.estimate.reflectance.texture) writeTexture(*texture, fresh / "albedo.exr");
         writeBytesAtomically(fresh / "shot.json", dumpJson(document, 1) + "\n");
@@ -160,9 +169,9 @@ void checkShotCanBeWritten(const fs::path& folder, const InputFiles& inputs) {
 
 namespace {
 
-/// From the cache when it is whole and not older than environment.exr, which an artist may have painted over.
-std::vector<Rgb> environmentCells(const fs::path& folder, const DirectionGrid& grid) {
-    const fs::path image = folder / "environment.exr", cache = folder / "cache" / "environment_cells.exr";
+/// From the cache when it is whole and not older than the image, which an artist may have painted over.
+std::vector<Rgb> environmentCells(const fs::path& folder, const std::string& stem, const DirectionGrid& grid) {
+    const fs::path image = folder / (stem + ".exr"), cache = folder / "cache" / (stem + "_cells.exr");
     std::error_code failed, missing;
     const auto made = fs::last_write_time(cache, missing), painted = fs::last_write_time(image, failed);
     if (!missing && !failed && made >= painted) {
@@ -174,6 +183,13 @@ std::vector<Rgb> environmentCells(const fs::path& folder, const DirectionGrid& g
         }
     }
     return integrateOverCells(readEnvironment(image), grid);
+}
+
+/// Empty where none was kept.
+std::vector<Rgb> deviationCells(const fs::path& folder, const std::string& stem, const DirectionGrid& grid) {
+    const fs::path image = folder / (stem + "_sigma.exr");
+    std::error_code unreadable;
+    return fs::exists(image, unreadable) ? integrateOverCells(readEnvironment(image), grid) : std::vector<Rgb>{};
 }
 
 /// Vertices of a fitted ball belong to the emitter that has its centre.
@@ -244,8 +260,8 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress, const
     Estimate& e = shot.estimate;
     std::vector<DVec3> centroids;
     withContext(file.string(), [&] {
-        if (const int version = JsonFields(document).get<int>("version"); version != 1 && version != 2)
-            throw Error("version: is {}, expected 1 or 2", version);
+        if (const int version = JsonFields(document).get<int>("version"); version < 1 || version > 3)
+            throw Error("version: is {}, expected 1 to 3", version);
         upgradeShotDocument(document);
         placeShot(document, folder, places);
         readShotDocument(document, folder, shot, centroids);
@@ -270,10 +286,12 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress, const
         e.reflectance.texture = readTexture(folder / "albedo.exr", files.texturedFaces(), shot.capture.mesh.triangles);
     e.nearFieldCorrection = files.nearFieldCorrection(e.emitters.emitters.size());
     const DirectionGrid grid{e.environmentSide};
-    e.environment = environmentCells(folder, grid);
-    const fs::path deviations = folder / "environment_sigma.exr";
-    std::error_code unreadable;
-    if (fs::exists(deviations, unreadable)) e.environmentSigma = integrateOverCells(readEnvironment(deviations), grid);
+    e.environment = environmentCells(folder, environmentStem(0), grid);
+    e.environmentSigma = deviationCells(folder, environmentStem(0), grid);
+    for (size_t k = 0; k < e.otherEnvironments.size(); ++k) {
+        const std::string stem = environmentStem(int(k) + 1);
+        e.otherEnvironments[k] = {environmentCells(folder, stem, grid), deviationCells(folder, stem, grid)};
+    }
     std::vector<float> emitter = files.column("emitter", -1);
     nameBalls(shot.capture, e.emitters, emitter);
     assignEmitters(emitter, shot.capture.mesh, e.emitters);
@@ -286,6 +304,8 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress, const
 InputFiles shotFiles(const Shot& shot, Progress& progress) {
     InputFiles files = captureFiles(shot.captureFolder, shot.fix, progress);
     for (const std::string& part : shotParts()) files.add(shot.folder / part);
+    for (size_t k = 0; k < shot.estimate.otherEnvironments.size(); ++k)
+        for (const char* end : {".exr", "_sigma.exr"}) files.add(shot.folder / (environmentStem(int(k) + 1) + end));
     files.addFolder(shot.folder / "cache");
     for (const Lobe& lobe : shot.estimate.reflectance.basis.lobes)
         if (lobe.measured) files.add(lobe.measured->file);

@@ -4,14 +4,17 @@
 
 #include "base/atomic_file.h"
 #include "base/is_there.h"
+#include "shot/shot_document.h"
 
 namespace relamp {
 
 std::string shotHash(const std::filesystem::path& folder) {
     uint64_t hash = 0xcbf29ce484222325u;
-    for (const char* name : {"shot.json", "environment.exr", "reflectance.ply", "added.ply", "albedo.exr"}) {
-        const bool optional = std::string_view(name) == "added.ply" || std::string_view(name) == "albedo.exr";
-        if (optional && !isThere(folder / name)) continue;
+    std::vector<std::string> names{"shot.json", "environment.exr", "reflectance.ply", "added.ply", "albedo.exr"};
+    for (int k = 1; isThere(folder / (environmentStem(k) + ".exr")); ++k) names.push_back(environmentStem(k) + ".exr");
+    for (size_t k = 0; k < names.size(); ++k) {
+        if (k > 2 && !isThere(folder / names[k])) continue;
+        const std::string& name = names[k];
         for (const char c : readBytes(folder / name)) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
     }
     return fmt::format("{:016x}", hash);

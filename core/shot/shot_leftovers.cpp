@@ -13,6 +13,8 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/log.h"
+#include "capture/lighting_states.h"
+#include "shot/shot_document.h"
 
 namespace relamp {
 namespace {
@@ -57,8 +59,16 @@ std::optional<Leftover> leftoverOf(const fs::path& entry, const std::string& sho
 
 /// Temporary files of the writers, ".environment.4711.exr".
 bool isTemporary(const std::string& name) {
-    for (const char* stem : {".shot.", ".environment.", ".environment_sigma.", ".reflectance."})
+    for (const char* stem : {".shot.", ".environment.", ".environment_sigma.", ".environment-", ".reflectance."})
         if (name.starts_with(stem)) return true;
+    return false;
+}
+
+/// "environment-2.exr" or "environment-2_sigma.exr", of a lighting state.
+bool isStateEnvironment(const std::string& name) {
+    for (int k = 1; k < int(mostStates); ++k)
+        for (const char* end : {".exr", "_sigma.exr"})
+            if (name == environmentStem(k) + end) return true;
     return false;
 }
 
@@ -84,7 +94,8 @@ bool takeBack(const fs::path& from, const fs::path& shot) {
 }  // namespace
 
 bool isPartOfShot(const std::string& name) {
-    return name == "cache" || std::find(shotParts().begin(), shotParts().end(), name) != shotParts().end();
+    return name == "cache" || isStateEnvironment(name) ||
+           std::find(shotParts().begin(), shotParts().end(), name) != shotParts().end();
 }
 
 const std::vector<std::string>& shotParts() {

@@ -1,7 +1,8 @@
-// What the document of shot.json says of a shot. Version 2 only: older documents are upgraded first.
+// What the document of shot.json says of a shot. Versions 2 and 3: older documents are upgraded first.
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/json_fields.h"
+#include "base/printable.h"
 #include "capture/load_capture.h"
 #include "pipeline/reproduction.h"
 #include "shot/shot_document.h"
@@ -38,6 +39,15 @@ void readEmitters(const JsonFields& document, Estimate& e, std::vector<DVec3>& c
     }
 }
 
+/// -1: none.
+int environmentOfFile(const Json& file, const std::string& where) {
+    if (file.is_null()) return -1;
+    const std::string name = textOf(file, where);
+    for (int k = 0; k < int(mostStates); ++k)
+        if (name == environmentStem(k) + ".exr") return k;
+    throw Error("{}: is {}, expected environment.exr, environment-2.exr, ... or null", where, printable(name));
+}
+
 /// Shots of captures with one lighting state, and those of earlier versions, have none.
 void readStates(const JsonFields& document, Estimate& e) {
     for (const JsonFields& s : document.list("states")) {
@@ -55,6 +65,10 @@ void readStates(const JsonFields& document, Estimate& e) {
             for (EmitterCluster& c : e.emitters.emitters)
                 if (c.id == id) c.inState.back() = level;
         }
+        // Documents before version 3 do not say: all states have one environment.
+        if (const Json* file = s.find("environment"))
+            state.environment = environmentOfFile(*file, s.name("environment"));
+        for (int k = int(e.otherEnvironments.size()); k < state.environment; ++k) e.otherEnvironments.emplace_back();
         e.states.push_back(std::move(state));
     }
 }
@@ -222,6 +236,8 @@ CaptureFix captureFixOf(const JsonFields& object) {
         if (const std::string fault = faultOfStateName(fix.states.back().name); !fault.empty())
             throw Error("{}: {}", s.name("name"), fault);
     }
+    for (const JsonFields& s : object.list("state_environments"))
+        fix.environments.push_back({text(s, "state"), text(s, "environment")});
     fix.photometric = photometricOf(object.object("photometric"));
     for (const JsonFields& p : object.list("proxy_lights"))
         fix.proxies.push_back({p.get<DVec3>("centre"), p.get("radius", 0.0f), p.get("sigma", Vec3(0)),

@@ -3,6 +3,7 @@
 
 #include "base/statistics.h"
 #include "pipeline/plan.h"
+#include "relight/state_look.h"
 #include "shot/shot_document.h"
 
 namespace relamp {
@@ -76,6 +77,9 @@ Json statesJson(const Estimate& e) {
         for (const EmitterCluster& c : e.emitters.emitters)
             levels.push_back({{"id", c.id}, {"level", std::max(0.0f, c.levelIn(s))}});
         states.push_back({{"name", e.states[s].name}, {"views", e.states[s].views}, {"emitters", levels}});
+        if (!environmentsDiffer(e)) continue;
+        const int environment = e.states[s].environment;
+        states.back()["environment"] = environment < 0 ? Json() : Json(environmentStem(environment) + ".exr");
     }
     return states;
 }
@@ -202,16 +206,22 @@ Json fixToJson(const CaptureFix& fix, const fs::path& capture) {
     if (!fix.mend.empty()) json["mesh_mend"] = mendToJson(fix.mend);
     for (const StatePattern& state : fix.states)
         json["states"].push_back({{"name", state.name}, {"pattern", state.pattern}});
+    for (const StateEnvironment& one : fix.environments)
+        json["state_environments"].push_back({{"state", one.state}, {"environment", one.environment}});
     if (!fix.photometric.empty()) json["photometric"] = photometricJson(fix.photometric);
     return json;
 }
 
 }  // namespace
 
+std::string environmentStem(int environment) {
+    return environment == 0 ? "environment" : fmt::format("environment-{}", environment + 1);
+}
+
 Json shotInfo(const Shot& shot) {
     const Estimate& e = shot.estimate;
     Json info;
-    info["version"] = 2;
+    info["version"] = environmentsDiffer(e) ? 3 : 2;
     info["mode"] = e.mode;
     info["quality"] = shot.quality;
     info["emitters"] = emittersJson(shot);

@@ -103,10 +103,17 @@ struct NearFieldCorrection {
     bool empty() const { return emitter.empty(); }
 };
 
-/// A lighting state of the photographs: emitters are switched between states, everything else stays.
+/// A lighting state of the photographs: emitters are switched between states, and the environment may be another one.
 struct LightingState {
     std::string name;
     std::vector<std::string> views;  ///< names of its photographs
+    int environment = 0;             ///< 0: Estimate::environment, k: otherEnvironments[k - 1], -1: none
+};
+
+/// The environment of lighting states that do not have Estimate::environment, in its cells.
+struct StateLight {
+    std::vector<Rgb> environment;
+    std::vector<Rgb> sigma;  ///< standard deviation; empty where it was not assessed
 };
 
 struct Estimate {
@@ -119,6 +126,7 @@ struct Estimate {
     std::vector<Rgb> environmentSigma;  ///< its standard deviation, per cell, radiance; empty where it was not assessed
     std::vector<Rgb> emitterSigma;      ///< standard deviation of each emitter's radiance
     std::vector<LightingState> states;  ///< of the photographs, for EmitterCluster::inState; empty: there is one
+    std::vector<StateLight> otherEnvironments;  ///< of states that have an environment of their own
     std::vector<float> identifiability;  ///< per emitter: fraction of its effect that no distant light can imitate
     std::vector<TimelineEntry> timeline;
     std::vector<LeftOut> leftOut;

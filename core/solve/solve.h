@@ -52,6 +52,7 @@ struct SolveOptions {
     BrdfBasis basis = builtInBasis();  ///< lobes that surfaces may have
     size_t mostLobes = 1;              ///< that one component may mix; more than 1 with a wide basis
     FittedProbes probes;               ///< light probes of the set that take part
+    size_t probedEnvironment = 0;      ///< whose probes they are, of the environments of the lighting states
     std::vector<KnownPatch> patches;   ///< surfaces whose albedo is known
     float meshError = 0;               ///< metres that the mesh may be off by; 0: it is exact
     SolvePlan plan;                    ///< what takes part: the planner's word (pipeline/plan.h)

@@ -193,6 +193,7 @@ void fields(File& f, SolveCheckpoint& c) {
         f.plain(leaf.level);
         f.plain(leaf.x);
         f.plain(leaf.y);
+        f.plain(leaf.environment);
     });
     list(f, c.leafRadiance);
     list(f, c.emitterRadiance);

@@ -31,14 +31,17 @@ void lambertInfluenceOfLeaves(const Scene& scene, const Visibility& visibility, 
         if (leaves[i].level <= gridLevel) wanted[i] = 1;
         else fine.push_back(i);
     }
-    const std::vector<uint32_t> leafOfCell = leaves.leafOfCells(grid);
-    std::vector<uint32_t> cells;  // only those whose leaf is wanted
+    std::vector<uint32_t> cells, columns;  // only those whose leaf is wanted
     std::vector<Vec3> directions;
-    for (int c = 0; c < grid.cells(); ++c)
-        if (wanted[leafOfCell[size_t(c)]]) {
-            cells.push_back(uint32_t(c));
-            directions.push_back(grid.direction(c));
-        }
+    for (size_t environment = 0; environment < leaves.environments(); ++environment) {
+        const std::vector<uint32_t> leafOfCell = leaves.leafOfCells(grid, environment);
+        for (int c = 0; c < grid.cells(); ++c)
+            if (wanted[leafOfCell[size_t(c)]]) {
+                cells.push_back(uint32_t(c));
+                columns.push_back(leafOfCell[size_t(c)]);
+                directions.push_back(grid.direction(c));
+            }
+    }
     const float scale = grid.cellSolidAngle() / pi;
     constexpr int raysPerSide = 2;
     progress.begin("Distant influence", vertices.size());
@@ -51,7 +54,7 @@ void lambertInfluenceOfLeaves(const Scene& scene, const Visibility& visibility, 
             for (uint32_t i : leafIndices) row[i] = 0;
             for (size_t k = 0; k < cells.size(); ++k)
                 if (visibility.sees(v, int(cells[k])))
-                    row[leafOfCell[cells[k]]] += scale * std::max(0.0f, glm::dot(normal, directions[k]));
+                    row[columns[k]] += scale * std::max(0.0f, glm::dot(normal, directions[k]));
             if (fine.empty() || !scene.referenced[v]) return;
             const Vec3 origin = rayOrigin(scene, scene.mesh.positions[v], normal);
             Ray rays[8];
@@ -103,6 +106,7 @@ void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emit
     const Mat3 frame = frameAround(normal, leaves.axes());
     const Vec3 eye = glm::transpose(frame) * towardEye;
     const Vec3 origin = rayOrigin(scene, position, normal);
+    const int environment = leaves.environmentOf(options.state);
 
     // Emitter samples: density per steradian of one emitter's sampler is cos / (pi x unshadowed form factor).
     thread_local std::vector<EmitterSample> samples;
@@ -141,9 +145,9 @@ void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emit
             if (!(density > 0)) continue;
             const float value = evaluateLobe(lobe, local[i], eye) * local[i].z;
             if (!hits[i]) {
-                const float shape =
-                    options.shape ? (*options.shape)[size_t(options.shapeGrid.cellOf(rays[i].direction))] : 1.0f;
-                row[leaves.leafOf(rays[i].direction)] += shape * value / density;
+                if (environment < 0) continue;
+                row[leaves.leafOf(rays[i].direction, size_t(environment))] +=
+                    options.shapeAt(rays[i].direction, environment) * value / density;
                 continue;
             }
             const int e = emitterOfTriangle.empty() ? -1 : emitterOfTriangle[hits[i].triangle];

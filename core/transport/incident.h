@@ -45,7 +45,7 @@ struct LobeRowOptions {
     int emitterSamples = 32;  ///< directions drawn from each emitter
     uint64_t seed = 1;
     /// Optional: relative brightness inside a leaf where the background shows it (mean 1 over each leaf), per cell of
-    /// `shapeGrid`.
+    /// `shapeGrid`, one environment after the other.
     const std::vector<float>* shape = nullptr;
     DirectionGrid shapeGrid;
     /// Optional: radiance that the surfaces send, per vertex; what a lobe shows of it is an offset beside its row.
@@ -54,6 +54,9 @@ struct LobeRowOptions {
     const EmitterLevels* levels = nullptr;
     uint32_t state = 0;  ///< lighting state of the look
 
+    float shapeAt(const Vec3& direction, int environment) const {
+        return shape ? (*shape)[size_t(environment * shapeGrid.cells() + shapeGrid.cellOf(direction))] : 1.0f;
+    }
     float levelOf(size_t emitter) const { return levels ? (*levels)[state][emitter] : 1.0f; }
     /// Radiance of the emitters in that state.
     std::vector<Rgb> shining(const Lighting& lighting) const {
@@ -67,9 +70,9 @@ struct LobeRowOptions {
 };
 
 /// One row for a look at `vertex` from the unit direction `towardEye` through a GGX lobe: `row` holds leaves then
-/// emitters, these times their levels. Lobe, cosine and emitter samples are combined by multiple importance sampling
-/// (balance heuristic, Veach 1997). `mirrored`, if not null: what the lobe shows of other surfaces, by
-/// `options.outgoing`; their backs send nothing.
+/// emitters, these times their levels. Leaves of other environments than that of the state hold nothing. Lobe, cosine
+/// and emitter samples are combined by multiple importance sampling (balance heuristic, Veach 1997). `mirrored`, if not
+/// null: what the lobe shows of other surfaces, by `options.outgoing`; their backs send nothing.
 void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emitters,
                      const std::vector<int>& emitterOfTriangle, const LightLeaves& leaves, const Lobe& lobe,
                      uint32_t vertex, const Vec3& towardEye, const LobeRowOptions& options, float* row,

@@ -73,7 +73,7 @@ TEST(LightingStates, WhatIsLeftWithoutOneIsNamed) {
     EXPECT_EQ(statePatternOf("lamp off=a=b"), (StatePattern{"lamp off", "a=b"}));
 }
 
-TEST(LightingStates, ATransformsFileNamesThemAndMayNotGiveOneItsOwnEnvironment) {
+TEST(LightingStates, ATransformsFileNamesThemAndSaysWhatEnvironmentTheyHave) {
     const auto parsed = [](const std::string& state, const std::string& table) {
         return parseTransforms(R"({"w": 8, "h": 8, "fl_x": 8, )" + table +
                                    R"("frames": [{"file_path": "a.exr", "state": )" + state +
@@ -82,9 +82,12 @@ TEST(LightingStates, ATransformsFileNamesThemAndMayNotGiveOneItsOwnEnvironment) 
     };
     EXPECT_EQ(parsed("\"lamp on\"", "").frames[0].state, "lamp on");
     EXPECT_EQ(parsed("\"on\"", R"("states": {"on": {"environment": "shared"}}, )").frames[0].state, "on");
+    for (const char* said : {"own", "none", "shared", "on"})
+        EXPECT_EQ(parsed("\"on\"", fmt::format(R"("states": {{"on": {{"environment": "{}"}}}}, )", said)).environments,
+                  (std::vector<StateEnvironment>{{"on", said}}));
     const std::pair<std::string, std::string> bad[] = {
         {"frame 0: state is a number, expected text", ""},
-        {"states: \"on\": environment is \"own\"", R"("states": {"on": {"environment": "own"}}, )"},
+        {"states: \"on\": environment is a number", R"("states": {"on": {"environment": 2}}, )"},
         {"states: \"on\": environment is \"sunny\"", R"("states": {"on": {"environment": "sunny"}}, )"},
         {"states: \"off\": no frame names this state", R"("states": {"off": {}}, )"},
         {"states: \"on\": is a number", R"("states": {"on": 1}, )"},
@@ -93,6 +96,43 @@ TEST(LightingStates, ATransformsFileNamesThemAndMayNotGiveOneItsOwnEnvironment) 
         EXPECT_NE(errorOf([&] { parsed(table.empty() ? "3" : "\"on\"", table); }).find(message), std::string::npos)
             << message << "; said: " << errorOf([&] { parsed(table.empty() ? "3" : "\"on\"", table); });
     EXPECT_NE(errorOf([&] { parsed("\"\"", ""); }).find("frame 0: state is empty"), std::string::npos);
+}
+
+TEST(LightingStates, HaveEnvironmentsInTheOrderOfTheirFirstStates) {
+    CaptureSource source = photographs({{"a", "noon"}, {"b", "lamp"}, {"c", "dusk"}, {"d", "dark"}, {"e", "late"}});
+    assignStates({}, source);
+    assignEnvironments({}, source);
+    EXPECT_TRUE(source.environmentOfState.empty()) << "all share one";
+    source.environments = {{"dusk", "own"}, {"late", "dusk"}, {"dark", "none"}};
+    assignEnvironments({}, source);
+    EXPECT_EQ(source.environmentOfState, (std::vector<int>{0, 0, 1, -1, 1}));
+    // What is told goes before what the file says.
+    assignEnvironments({{"noon", "own"}, {"dusk", "shared"}, {"dark", "lamp"}}, source);
+    EXPECT_EQ(source.environmentOfState, (std::vector<int>{0, 1, 1, 1, 1}));
+    // States that patterns name anew are not those of which the file speaks.
+    assignStates({{"all", "*"}, {"first", "a"}}, source);
+    assignEnvironments({}, source);
+    EXPECT_TRUE(source.environmentOfState.empty());
+}
+
+TEST(LightingStates, AnEnvironmentThatCannotBeIsNamed) {
+    const auto told = [](const std::vector<StateEnvironment>& environments) {
+        return errorOf([&] {
+            CaptureSource source = photographs({{"a", "on"}, {"b", "off"}});
+            assignStates({}, source);
+            assignEnvironments(environments, source);
+        });
+    };
+    EXPECT_EQ(told({{"off", "own"}}), "");
+    EXPECT_EQ(told({{"dim", "own"}}), "--state-environment dim=own: no photograph is of this state");
+    EXPECT_NE(told({{"on", "sunny"}}).find("the environment of state on is sunny, expected shared, own, none or"),
+              std::string::npos);
+    EXPECT_NE(told({{"on", "off"}, {"off", "on"}}).find("is that of a state that has its environment"),
+              std::string::npos);
+    EXPECT_NE(told({{"on", "none"}, {"off", "none"}}).find("no lighting state has an environment"), std::string::npos);
+    for (const char* bad : {"dusk", "=own", "dusk="})
+        EXPECT_NE(errorOf([&] { stateEnvironmentOf(bad); }).find("--state-environment"), std::string::npos) << bad;
+    EXPECT_EQ(stateEnvironmentOf("a=b=own"), (StateEnvironment{"a=b", "own"}));
 }
 
 }  // namespace

@@ -199,18 +199,19 @@ TEST(LightingStates, ASolveThatWasPutAsideGoesOnInTheSameBits) {
     EXPECT_EQ(resumed.environment, whole.environment);
 }
 
-TEST(LightingStates, ABackgroundThatChangesIsRefusedByName) {
+TEST(LightingStates, ABackgroundThatChangesIsWarnedOfByNameUnlessItIsSaid) {
     ThreeStates s;
     for (View& view : s.capture.views)
         if (view.state == 2)
             for (Rgb& pixel : view.image.pixels) pixel *= 1.4f;
-    Prepared prepared = s.prepared();
-    try {
-        correctCapture(s.options, s.capture, prepared, s.meter, s.progress);
-        FAIL();
-    } catch (const Error& error) {
-        EXPECT_NE(std::string(error.what()).find("states lamp 0.25 and lamp 0 show differs by 40 %"), std::string::npos)
-            << error.what();
+    RadianceSamples samples = *s.prepared().samples;
+    const std::vector<std::string> warnings = warnOfOtherEnvironments(s.capture, samples);
+    ASSERT_EQ(warnings.size(), 1u);
+    for (const char* words : {"states lamp 0.25 and lamp 0 show differs by 40 %", "--state-environment \"lamp 0=own\""})
+        EXPECT_NE(warnings[0].find(words), std::string::npos) << warnings[0];
+    for (const std::vector<int>& said : {std::vector{0, 0, 1}, {0, 0, -1}}) {
+        samples.environmentOfState = said;
+        EXPECT_TRUE(warnOfOtherEnvironments(s.capture, samples).empty());
     }
 }
 

@@ -21,7 +21,7 @@ namespace {
 
 /// Light that leaves a matte point: 8 x 8 points on the emitter, 16 x 16 directions of the sky, each with one ray.
 Rgb paintPoint(const KnownWorld& world, const RayTracer& tracer, const Vec3& position, const Vec3& normal,
-               uint64_t seed, float emitter) {
+               uint64_t seed, float emitter, KnownWorld::Sky sky = KnownWorld::Sky::day) {
     const Vec3 origin = position + normal * 1e-4f;
     const Vec2 shift = randomShift(seed, 1, 2), emitterShift = randomShift(seed, 3, 4);
     const Mat3 frame = frameAround(normal);
@@ -30,7 +30,8 @@ Rgb paintPoint(const KnownWorld& world, const RayTracer& tracer, const Vec3& pos
     for (int i = 0; i < side * side; ++i) {
         const Vec2 u = (Vec2(float(i % side), float(i / side)) + shift) / float(side);
         const Vec3 d = frame * cosineHemisphere(u);
-        if (!tracer.occluded({origin, d, 0, 1e30f})) irradiance += DVec3(KnownWorld::sky(d)) * (piD / (side * side));
+        if (!tracer.occluded({origin, d, 0, 1e30f}))
+            irradiance += DVec3(KnownWorld::sky(d, sky)) * (piD / (side * side));
     }
     for (int i = 0; emitter > 0 && i < emitterSide * emitterSide; ++i) {
         const Vec2 u =
@@ -80,7 +81,8 @@ std::vector<Rgb> paintBounces(const KnownWorld& world, const Scene& scene, const
 }  // namespace
 
 KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool emitter, int views, int floorCuts, bool room,
-                           bool metalBall, const std::vector<float>& levels) {
+                           bool metalBall, const std::vector<float>& levels,
+                           const std::vector<KnownWorld::Sky>& skies) {
     KnownWorld world;
     world.views = views;
     world.mesh = sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, floorCuts, floorCuts);
@@ -109,7 +111,9 @@ KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool emitter, in
         {"w", 96}, {"h", 72}, {"fl_x", 95}, {"mesh_path", "mesh.ply"}, {"frames", nlohmann::json::array()}};
     for (int k = 0; k < views * int(levels.size()); ++k) {
         const int i = k % views;
-        const float level = emitter ? levels[size_t(k / views)] : 0;
+        const size_t state = size_t(k / views);
+        const float level = emitter ? levels[state] : 0;
+        const KnownWorld::Sky sky = skies.empty() ? KnownWorld::Sky::day : skies[state];
         // High ones look down, low ones see the underside of the emitter and the sky.
         const double a = room ? -1.5 + 1.5 * i / (views - 1) : 2 * piD * i / views + 0.3;  // before the open sides
         const bool low = i % 2;
@@ -120,7 +124,7 @@ KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool emitter, in
             const Vec3 d = camera.rayDirection(Vec2(p % 96 + 0.5f, p / 96 + 0.5f));
             const Hit hit = scene.tracer->closest({Vec3(camera.position()), d, 0, 1e30f});
             if (!hit) {
-                image.pixels[p] = KnownWorld::sky(d);
+                image.pixels[p] = KnownWorld::sky(d, sky);
                 return;
             }
             if (shines[hit.triangle]) {
@@ -137,13 +141,13 @@ KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool emitter, in
                 const Vec3 mirrored = glm::reflect(d, normal);
                 image.pixels[p] = scene.tracer->occluded({scene.pointOf(hit) + normal * 1e-4f, mirrored, 0, 1e30f})
                                       ? Rgb(0)
-                                      : world.ballTint * KnownWorld::sky(mirrored);
+                                      : world.ballTint * KnownWorld::sky(mirrored, sky);
                 return;
             }
             const Vec2 b = hit.barycentric;
             const Rgb indirect = (1 - b.x - b.y) * bounced[t[0]] + b.x * bounced[t[1]] + b.y * bounced[t[2]];
             const Vec3 point = scene.pointOf(hit);
-            image.pixels[p] = paintPoint(world, *scene.tracer, point, normal, size_t(k) * 10000 + p, level) +
+            image.pixels[p] = paintPoint(world, *scene.tracer, point, normal, size_t(k) * 10000 + p, level, sky) +
                               KnownWorld::albedoAt(point) * indirect;
         });
         const std::string name = fmt::format("images/{:02}.exr", k);
@@ -153,7 +157,11 @@ KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool emitter, in
             rows.push_back({camera.worldFromCamera[0][r], camera.worldFromCamera[1][r], camera.worldFromCamera[2][r],
                             camera.worldFromCamera[3][r]});
         file["frames"].push_back({{"file_path", name}, {"transform_matrix", rows}});
-        if (levels.size() > 1) file["frames"].back()["state"] = fmt::format("lamp {}", level);
+        if (levels.size() < 2) continue;
+        const std::string named =
+            skies.empty() ? fmt::format("lamp {}", level) : fmt::format("lamp {}, sky {}", level, state);
+        file["frames"].back()["state"] = named;
+        if (!skies.empty()) file["states"][named]["environment"] = sky == KnownWorld::Sky::none ? "none" : "own";
     }
     std::ofstream(folder / "transforms.json") << file.dump(1);
     return world;

@@ -25,6 +25,12 @@ struct KnownWorld {
     int views = 0;
 
     /// Distant radiance: bluish above, a broad warm glow to one side, dim below.
+    enum class Sky { none, day, evening };
+    static Rgb sky(const Vec3& d, Sky which) {
+        // The glow has gone round, and all is redder and dimmer.
+        if (which == Sky::evening) return Rgb(0.6f, 0.4f, 0.3f) * sky({-d.x, -d.y, d.z});
+        return which == Sky::day ? sky(d) : Rgb(0);
+    }
     static Rgb sky(const Vec3& d) {
         const float glow = std::exp(6 * (glm::dot(d, glm::normalize(Vec3(1, -0.6f, 0.5f))) - 1));
         return Rgb(0.15f, 0.18f, 0.22f) + Rgb(0.25f, 0.32f, 0.45f) * std::max(0.0f, d.z) + Rgb(1.6f, 1.1f, 0.6f) * glow;
@@ -44,8 +50,10 @@ Rgb skyIrradiance(const std::function<Rgb(const Vec3&)>& radiance, const Vec3& n
 /// Writes transforms.json, mesh.ply and the photographs (96 x 72, EXR) into `folder`; `emitter` false leaves the
 /// emitter dark and out. `room`: two walls behind the floor, and surfaces light each other. `metalBall`: the ball
 /// mirrors the sky, tinted, and has no albedo. `levels`: of the emitter in lighting states, each of which photographs
-/// every view; the states are "lamp LEVEL".
+/// every view; the states are "lamp LEVEL". `skies`: of the states, which then are "lamp LEVEL, sky N" from 0 on, and
+/// have an environment of their own, or none; empty: all have the same one.
 KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool emitter = true, int views = 10, int floorCuts = 24,
-                           bool room = false, bool metalBall = false, const std::vector<float>& levels = {1});
+                           bool room = false, bool metalBall = false, const std::vector<float>& levels = {1},
+                           const std::vector<KnownWorld::Sky>& skies = {});
 
 }  // namespace relamp::test

@@ -53,6 +53,40 @@ TEST(LightLeaves, FindTheLeafThatHoldsADirection) {
     for (size_t i = 0; i < leaves.size(); ++i) EXPECT_EQ(leaves.leafOf(leaves.direction(i, Vec2(0.5f))), i);
 }
 
+TEST(LightLeaves, OfTwoEnvironmentsHaveTheirOwnQuadtreesAndNeverMeet) {
+    LightLeaves leaves = LightLeaves::uniform(2, Mat3(1), {0, -1, 1, 0});
+    ASSERT_EQ(leaves.size(), 32u);
+    ASSERT_EQ(leaves.environments(), 2u);
+    leaves.split(20);
+    const LightLeaves alone = LightLeaves::uniform(2);
+    for (uint64_t i = 0; i < 500; ++i) {
+        const Vec3 d = someDirection(i);
+        EXPECT_EQ(leaves.leafOf(d), alone.leafOf(d)) << "the first one was not split";
+        const Leaf& other = leaves[leaves.leafOf(d, 1)];
+        EXPECT_EQ(other.environment, 1);
+        EXPECT_EQ(other.level, alone.leafOf(d) == 4 ? 3 : 2);
+    }
+    for (const auto& [a, b] : leaves.neighbourPairs()) EXPECT_EQ(leaves[a].environment, leaves[b].environment);
+    EXPECT_TRUE(leaves.shines(3, 0) && leaves.shines(3, 3) && leaves.shines(20, 2));
+    EXPECT_FALSE(leaves.shines(3, 1) || leaves.shines(20, 1) || leaves.shines(3, 2) || leaves.shines(20, 0));
+    std::vector<Leaf> list;
+    for (size_t i = 0; i < leaves.size(); ++i) list.push_back(leaves[i]);
+    EXPECT_EQ(LightLeaves::of(list, Mat3(1), {0, 1}).leafOf(someDirection(7), 1), leaves.leafOf(someDirection(7), 1));
+    EXPECT_THROW(LightLeaves::of(list), Error) << "there is no second one";
+    list[0].environment = 1;
+    EXPECT_THROW(LightLeaves::of(list, Mat3(1), {0, 1}), Error);
+}
+
+TEST(LightLeaves, OfAPlanAreTakenOverForStatesOfWhichSomeHaveNoEnvironment) {
+    LightLeaves plan = LightLeaves::uniform(1);
+    plan.split(0);
+    const LightLeaves leaves = plan.withStates({0, -1});
+    ASSERT_EQ(leaves.size(), plan.size());
+    EXPECT_TRUE(leaves.shines(5, 0));
+    EXPECT_FALSE(leaves.shines(5, 1));
+    EXPECT_THROW(plan.withStates({0, 1}), Error);
+}
+
 TEST(LightLeaves, SplitKeepsTheOtherLeavesAndPutsTheFirstChildInPlace) {
     LightLeaves leaves = LightLeaves::uniform(1);
     leaves.split(2);

@@ -86,11 +86,13 @@ void drawEnvironmentPanel(Editor& editor) {
     const float width = std::floor(beside ? (room - spacing) / 2 : room);
     const std::string turn = "\nDrag it sideways to turn it.";
     ImGui::BeginGroup();
-    panorama(editor, "##recovered", recoveredEnvironmentImage(estimate), estimate ? "recovered" : "not estimated",
-             width, environment.source == Source::recovered,
+    panorama(editor, "##recovered", recoveredEnvironmentImage(estimate, environment),
+             estimate ? "recovered" : "not estimated", width, environment.source == Source::recovered,
              "The recovered environment. The middle looks along +X, the top is up." +
                  (environment.source == Source::recovered ? turn : ""));
-    dimText("Recovered");
+    dimText(environment.mixState.empty() && environment.state.empty() ? "Recovered"
+            : environment.mixState.empty()                            ? elided(shown(environment.state), width)
+                                                                      : "Recovered, mixed");
     ImGui::EndGroup();
     if (beside) ImGui::SameLine();
     ImGui::BeginGroup();

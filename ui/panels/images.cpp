@@ -8,6 +8,7 @@
 #include "display/display_image.h"
 #include "image/environment_map.h"
 #include "image/image_io.h"
+#include "relight/relit_scene.h"
 #include "thumbnails.h"
 #include "widgets.h"
 
@@ -90,18 +91,27 @@ uint64_t viewImage(const Document& document, size_t view) {
     });
 }
 
-EnvironmentImage recoveredEnvironmentImage(const std::shared_ptr<const Estimate>& estimate) {
+EnvironmentImage recoveredEnvironmentImage(const std::shared_ptr<const Estimate>& estimate,
+                                           const EnvironmentLook& look) {
     static std::weak_ptr<const Estimate> shownEstimate;
+    static EnvironmentLook shownLook;
     if (!estimate || estimate->environment.empty()) return {};
-    if (shownEstimate.lock() != estimate) {
+    EnvironmentLook asRecovered;
+    asRecovered.state = look.state, asRecovered.mixState = look.mixState, asRecovered.mix = look.mix;
+    if (shownEstimate.lock() != estimate || !(shownLook == asRecovered)) {
         shownEstimate = estimate;
+        shownLook = asRecovered;
         dropThumbnails("env:recovered");
     }
     return {thumbnail("env:recovered",
                       [&] {
-                          return displayImage(
-                              latLongFromCells(estimate->environment, DirectionGrid{estimate->environmentSide}, 256),
-                              256);
+                          std::shared_ptr<const DistantLight> light;
+                          try {
+                              light = distantOfLook(*estimate, asRecovered);
+                          } catch (const Error&) {  // a state that the photographs do not have: frames say so
+                              light = distantOfLook(*estimate, {});
+                          }
+                          return displayImage(latLongFromCells(light->cells(), light->grid(), 256), 256);
                       }),
             false,
             {}};

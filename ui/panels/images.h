@@ -32,7 +32,8 @@ struct EnvironmentImage {
     bool loading = false;
     std::string error;  ///< why the file cannot be shown
 };
-EnvironmentImage recoveredEnvironmentImage(const std::shared_ptr<const Estimate>& estimate);
+EnvironmentImage recoveredEnvironmentImage(const std::shared_ptr<const Estimate>& estimate,
+                                           const EnvironmentLook& look);
 /// Of a file; the first call starts to read it.
 EnvironmentImage environmentImage(const std::filesystem::path& file);
 

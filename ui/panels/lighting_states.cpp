@@ -40,9 +40,9 @@ void stateRow(const char* name) {
 
 void drawLightingStates(Editor& editor) {
     const auto estimate = editor.estimate();
-    if (!estimate || estimate->states.size() < 2 || estimate->emitters.emitters.empty()) return;
+    if (!estimate || estimate->states.size() < 2) return;
+    if (estimate->emitters.emitters.empty() && !environmentsDiffer(*estimate)) return;
     const std::vector<LightingState>& states = estimate->states;
-    const std::vector<EmitterCluster>& emitters = estimate->emitters.emitters;
     const std::optional<size_t> now = shownState(editor.look(), *estimate);
     // The ends of the mix are what was chosen last; they are no part of the look.
     ImGuiStorage& kept = *ImGui::GetStateStorage();
@@ -52,11 +52,13 @@ void drawLightingStates(Editor& editor) {
     if (to >= int(states.size()) || to == from) to = from == 0 ? 1 : 0;
     stateRow("State");
     if (const auto picked = stateCombo("##state", *estimate, now ? states[*now].name : "edited", now, {},
-                                       "Lights on and off as in the photographs of one lighting state. Where they "
-                                       "stand, lights you added and the environment stay.")) {
+                                       environmentsDiffer(*estimate)
+                                           ? "Lights and environment as in the photographs of one lighting state. "
+                                             "Where lights stand, and those you added, stay."
+                                           : "Lights on and off as in the photographs of one lighting state. Where "
+                                             "they stand, lights you added and the environment stay.")) {
         from = int(*picked);
-        editor.edit("State " + states[*picked].name,
-                    [&](Look& look) { showLevels(look, *estimate, levelsInState(emitters, *picked)); });
+        editor.edit("State " + states[*picked].name, [&](Look& look) { showState(look, *estimate, *picked); });
         return;
     }
     stateRow("Mix with");
@@ -71,9 +73,7 @@ void drawLightingStates(Editor& editor) {
              fmt::format("From {} (0 %) to {} (100 %): every light goes evenly from one to the other.",
                          shown(states[first].name), shown(states[second].name)),
              [estimate, first, second](Look& look, float percent) {
-                 showLevels(
-                     look, *estimate,
-                     levelsBetween(estimate->emitters.emitters, first, second, std::clamp(percent / 100, 0.0f, 1.0f)));
+                 showMix(look, *estimate, first, second, std::clamp(percent / 100, 0.0f, 1.0f));
              });
     noteItem("mix of states");
 }

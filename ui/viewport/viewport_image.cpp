@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "base/parallel.h"
+#include "edit/state_edits.h"
 #include "image/environment_map.h"
 #include "viewport/navigation.h"
 #include "viewport/picking.h"
@@ -69,6 +70,12 @@ ViewportImage::Key ViewportImage::keyOf(const Editor& editor, const EyeView& eye
     key.selected = editor.state.selection.emitters;
     key.capture = editor.state.document.capture;
     key.ownEnvironment = editor.look().environment.source == EnvironmentLook::Source::recovered;
+    // A photograph of another lighting state may show another environment.
+    if (const auto estimate = editor.estimate(); estimate && key.capture && key.view >= 0 &&
+                                                 size_t(key.view) < key.capture->views.size() &&
+                                                 key.capture->views[size_t(key.view)].state < estimate->states.size())
+        key.ownEnvironment = key.ownEnvironment && showsEnvironment(editor.look().environment, *estimate,
+                                                                    key.capture->views[size_t(key.view)].state);
     const auto live = editor.liveFrame();
     if (live) {
         key.live = live->mesh;

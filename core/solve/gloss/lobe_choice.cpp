@@ -43,6 +43,7 @@ std::vector<std::vector<Rgb>> lobeResponses(const Scene& scene, const std::vecto
             };
             LobeRowOptions here = options;
             here.state = observation.state;
+            const int environment = lighting.leaves.environmentOf(here.state);
             const std::vector<Rgb> shines = here.shining(lighting);
             totals.assign(emitters.size(), 0);
             const uint32_t rank = scene.rank[observation.vertex];
@@ -68,11 +69,10 @@ std::vector<std::vector<Rgb>> lobeResponses(const Scene& scene, const std::vecto
                     const float drawn = density(local[i]);
                     if (!(drawn > 0)) continue;
                     if (!hits[i]) {
-                        const float shape = options.shape
-                                                ? (*options.shape)[size_t(options.shapeGrid.cellOf(rays[i].direction))]
-                                                : 1.0f;
-                        arriving.push_back({local[i], lighting.leafRadiance[lighting.leaves.leafOf(rays[i].direction)] *
-                                                          (shape * local[i].z / drawn)});
+                        if (environment < 0) continue;
+                        const float shape = options.shapeAt(rays[i].direction, environment);
+                        const size_t leaf = lighting.leaves.leafOf(rays[i].direction, size_t(environment));
+                        arriving.push_back({local[i], lighting.leafRadiance[leaf] * (shape * local[i].z / drawn)});
                         continue;
                     }
                     const int e = emitterOfTriangle.empty() ? -1 : emitterOfTriangle[hits[i].triangle];

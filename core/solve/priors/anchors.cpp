@@ -32,16 +32,19 @@ LightAnchors lightAnchors(const RadianceSamples& samples, const EmitterClusters&
     // mean.
     const int parts = std::max(1, (1 << LightLeaves::maxLevel) / grid.side);
     const DirectionGrid fine{grid.side * parts, grid.axes};
-    const std::vector<uint32_t> leafOf = leaves.leafOfCells(fine);
     const float fraction = fine.cellSolidAngle();
-    for (int c = 0; c < grid.cells(); ++c) {
-        if (samples.backgroundPixels[size_t(c)] < 4) continue;
-        for (int k = 0; k < parts * parts; ++k) {
-            const size_t leaf =
-                leafOf[size_t((c / grid.side * parts + k / parts) * fine.side + c % grid.side * parts + k % parts)];
-            sum[leaf] += fraction * samples.background[size_t(c)];
-            area[leaf] += fraction;
-            if (samples.backgroundClipped[size_t(c)]) anchors.leaves[leaf].clipped = true;
+    for (size_t environment = 0; environment < leaves.environments(); ++environment) {
+        const std::vector<uint32_t> leafOf = leaves.leafOfCells(fine, environment);
+        for (int c = 0; c < grid.cells(); ++c) {
+            const size_t seen = environment * size_t(grid.cells()) + size_t(c);
+            if (samples.backgroundPixels[seen] < 4) continue;
+            for (int k = 0; k < parts * parts; ++k) {
+                const size_t leaf =
+                    leafOf[size_t((c / grid.side * parts + k / parts) * fine.side + c % grid.side * parts + k % parts)];
+                sum[leaf] += fraction * samples.background[seen];
+                area[leaf] += fraction;
+                if (samples.backgroundClipped[seen]) anchors.leaves[leaf].clipped = true;
+            }
         }
     }
     for (size_t i = 0; i < leaves.size(); ++i) {

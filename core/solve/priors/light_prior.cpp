@@ -7,22 +7,42 @@ LightPrior::LightPrior(const LightLeaves& leaves, const LightAnchors& anchors, c
     : anchors_(anchors),
       options_(options),
       neighbours_(leaves.neighbourPairs()),
-      fraction_(Eigen::Index(leaves.size())) {
+      fraction_(leaves.environments(), Eigen::VectorXd::Zero(Eigen::Index(leaves.size()))) {
     // Along the common edge: the rim of an emitter costs the same however finely it is divided.
     edge_.reserve(neighbours_.size());
     for (const auto& [i, j] : neighbours_)
         edge_.push_back(16.0 / double(1u << std::max(leaves[i].level, leaves[j].level)));
-    for (size_t i = 0; i < leaves.size(); ++i) fraction_(Eigen::Index(i)) = double(leaves[i].solidAngle()) / (4 * piD);
-    for (const ProbeAnchor& p : anchors.probes) probes_.emplace_back(p, fraction_);
+    for (size_t i = 0; i < leaves.size(); ++i) {
+        environment_.push_back(leaves[i].environment);
+        fraction_[environment_[i]](Eigen::Index(i)) = double(leaves[i].solidAngle()) / (4 * piD);
+    }
+    for (const ProbeAnchor& p : anchors.probes) {
+        const auto held = std::find_if(p.held.begin(), p.held.end(), [](float fraction) { return fraction > 0; });
+        probes_.emplace_back(p, fraction_[held == p.held.end() ? 0 : environment_[size_t(held - p.held.begin())]]);
+    }
     if (!rows) return;
-    Eigen::VectorXd received = Eigen::VectorXd::Zero(fraction_.size());
+    Eigen::VectorXd received = Eigen::VectorXd::Zero(this->leaves());
     for (size_t r = 0; r < rows->rows; ++r)
-        received += Eigen::Map<const Eigen::VectorXf>(rows->row(r), fraction_.size()).cast<double>();
-    if (received.sum() > 0) fraction_ = received / received.sum();
+        received += Eigen::Map<const Eigen::VectorXf>(rows->row(r), received.size()).cast<double>();
+    for (size_t e = 0; e < fraction_.size(); ++e) {
+        Eigen::VectorXd own = received;
+        for (Eigen::Index i = 0; i < own.size(); ++i)
+            if (environment_[size_t(i)] != e) own(i) = 0;
+        if (own.sum() > 0) fraction_[e] = own / own.sum();
+    }
 }
 
-double LightPrior::meanOf(const Eigen::VectorXd& x) const {
-    return std::max({fraction_.dot(x.head(fraction_.size())), double(options_.darkness), 1e-30});
+std::vector<double> LightPrior::meansOf(const Eigen::VectorXd& x) const {
+    std::vector<double> means;
+    for (const Eigen::VectorXd& fraction : fraction_)
+        means.push_back(std::max({fraction.dot(x.head(leaves())), double(options_.darkness), 1e-30}));
+    return means;
+}
+
+std::vector<uint8_t> LightPrior::areFree(const Eigen::VectorXd& x, const std::vector<double>& units) const {
+    std::vector<uint8_t> free;
+    for (size_t e = 0; e < units.size(); ++e) free.push_back(fraction_[e].dot(x.head(leaves())) >= units[e]);
+    return free;
 }
 
 double LightPrior::smoothness(size_t pair) const {
@@ -47,12 +67,12 @@ double LightPrior::emitter(size_t index, int channel, double data) const {
 }
 
 Eigen::VectorXd LightPrior::seenDirectly(const Eigen::VectorXd& x, int channel, const Eigen::MatrixXd& q) const {
-    const Eigen::Index leaves = fraction_.size();
     Eigen::VectorXd weights = Eigen::VectorXd::Zero(q.rows());
-    const double unit = meanOf(x);
-    for (Eigen::Index i = 0; i < leaves; ++i) weights(i) = background(size_t(i), channel, unit);
+    const std::vector<double> units = meansOf(x);
+    for (Eigen::Index i = 0; i < leaves(); ++i)
+        weights(i) = background(size_t(i), channel, units[environment_[size_t(i)]]);
     for (size_t e = 0; e < anchors_.emitterRadiance.size(); ++e) {
-        const Eigen::Index i = leaves + Eigen::Index(e);
+        const Eigen::Index i = leaves() + Eigen::Index(e);
         if (!anchors_.emitterClipped[e]) weights(i) = emitter(e, channel, q(i, i));
     }
     return weights;
@@ -77,37 +97,41 @@ LightPrior::Difference LightPrior::difference(const Eigen::VectorXd& x, size_t p
 }
 
 double LightPrior::value(const Eigen::VectorXd& x, int channel) const {
-    const double unit = meanOf(x);
+    const std::vector<double> units = meansOf(x);
     double sum = 0;
     for (size_t k = 0; k < neighbours_.size(); ++k)
-        sum += smoothness(k) * std::pow(difference(x, k, unit, true).value, 2);
-    for (Eigen::Index i = 0; i < fraction_.size(); ++i)
-        sum += background(size_t(i), channel, unit) *
+        sum += smoothness(k) * std::pow(difference(x, k, units[environmentOf(k)], true).value, 2);
+    for (Eigen::Index i = 0; i < leaves(); ++i)
+        sum += background(size_t(i), channel, units[environment_[size_t(i)]]) *
                std::pow(x(i) - double(anchors_.leaves[size_t(i)].radiance[channel]), 2);
     for (const ProbeRows& p : probes_) sum += p.value(x, channel);
     return sum;
 }
 
-std::array<std::array<double, 3>, 3> LightPrior::hueCoupling(const double* unit) const {
-    std::array<std::array<double, 3>, 3> m{};
-    const double least = 0.01 * std::max({unit[0], unit[1], unit[2]});
-    for (size_t c = 0; c < 3; ++c)
-        for (size_t d = 0; d < c; ++d) {
-            if (unit[c] < least || unit[d] < least) continue;
-            m[c][c] += 1;
-            m[d][d] += 1;
-            m[c][d] = m[d][c] = -1;
-        }
-    return m;
+std::vector<LightPrior::HueCoupling> LightPrior::hueCouplings(const std::array<std::vector<double>, 3>& units) const {
+    std::vector<HueCoupling> couplings(fraction_.size());
+    for (size_t e = 0; e < couplings.size(); ++e) {
+        HueCoupling& m = couplings[e] = {};
+        const double least = 0.01 * std::max({units[0][e], units[1][e], units[2][e]});
+        for (size_t c = 0; c < 3; ++c)
+            for (size_t d = 0; d < c; ++d) {
+                if (units[c][e] < least || units[d][e] < least) continue;
+                m[c][c] += 1;
+                m[d][d] += 1;
+                m[c][d] = m[d][c] = -1;
+            }
+    }
+    return couplings;
 }
 
 double LightPrior::hueValue(const Eigen::VectorXd* x) const {
-    const double unit[3] = {meanOf(x[0]), meanOf(x[1]), meanOf(x[2])};
-    const auto m = hueCoupling(unit);
+    const std::array<std::vector<double>, 3> units{meansOf(x[0]), meansOf(x[1]), meansOf(x[2])};
+    const std::vector<HueCoupling> couplings = hueCouplings(units);
     double sum = 0;
     for (size_t k = 0; k < neighbours_.size(); ++k) {
+        const HueCoupling& m = couplings[environmentOf(k)];
         double r[3];
-        for (size_t c = 0; c < 3; ++c) r[c] = difference(x[c], k, unit[c], true).value;
+        for (size_t c = 0; c < 3; ++c) r[c] = difference(x[c], k, units[c][environmentOf(k)], true).value;
         for (size_t c = 0; c < 3; ++c)
             for (size_t d = 0; d < 3; ++d) sum += double(options_.hue) * smoothness(k) * m[c][d] * r[c] * r[d];
     }
@@ -115,72 +139,81 @@ double LightPrior::hueValue(const Eigen::VectorXd* x) const {
 }
 
 void LightPrior::addHue(const Eigen::VectorXd* x, Eigen::MatrixXd& q, Eigen::VectorXd& moment) const {
-    const Eigen::Index leaves = fraction_.size(), n = x[0].size();
-    const double unit[3] = {meanOf(x[0]), meanOf(x[1]), meanOf(x[2])};
-    const auto m = hueCoupling(unit);
-    Eigen::VectorXd along[3][3];
-    double square[3][3] = {}, pull[3] = {};
-    for (auto& row : along)
-        for (Eigen::VectorXd& v : row) v = Eigen::VectorXd::Zero(leaves);
-    for (size_t k = 0; k < neighbours_.size(); ++k) {
-        const Eigen::Index at[2] = {Eigen::Index(neighbours_[k].first), Eigen::Index(neighbours_[k].second)};
-        Difference r[3];
-        for (size_t c = 0; c < 3; ++c) r[c] = difference(x[c], k, unit[c], unitIsFree(x[c], unit[c]));
-        for (size_t c = 0; c < 3; ++c)
-            for (size_t d = 0; d < 3; ++d) {
-                const double w = double(options_.hue) * smoothness(k) * m[c][d],
-                             residual = w * (r[d].value - r[d].atPresent);
-                if (w == 0) continue;
-                for (int a = 0; a < 2; ++a) {
-                    for (int b = 0; b < 2; ++b)
-                        q(Eigen::Index(c) * n + at[a], Eigen::Index(d) * n + at[b]) +=
-                            w * r[c].along[a] * r[d].along[b];
-                    along[c][d](at[a]) += w * r[d].beta * r[c].along[a];
-                    moment(Eigen::Index(c) * n + at[a]) -= residual * r[c].along[a];
+    const Eigen::Index n = x[0].size();
+    const std::array<std::vector<double>, 3> units{meansOf(x[0]), meansOf(x[1]), meansOf(x[2])};
+    const std::vector<HueCoupling> couplings = hueCouplings(units);
+    std::array<std::vector<uint8_t>, 3> free;
+    for (size_t c = 0; c < 3; ++c) free[c] = areFree(x[c], units[c]);
+    for (size_t e = 0; e < fraction_.size(); ++e) {
+        Eigen::VectorXd along[3][3];
+        double square[3][3] = {}, pull[3] = {};
+        for (auto& row : along)
+            for (Eigen::VectorXd& v : row) v = Eigen::VectorXd::Zero(leaves());
+        for (size_t k = 0; k < neighbours_.size(); ++k) {
+            if (environmentOf(k) != e) continue;
+            const Eigen::Index at[2] = {Eigen::Index(neighbours_[k].first), Eigen::Index(neighbours_[k].second)};
+            Difference r[3];
+            for (size_t c = 0; c < 3; ++c) r[c] = difference(x[c], k, units[c][e], free[c][e]);
+            for (size_t c = 0; c < 3; ++c)
+                for (size_t d = 0; d < 3; ++d) {
+                    const double w = double(options_.hue) * smoothness(k) * couplings[e][c][d],
+                                 residual = w * (r[d].value - r[d].atPresent);
+                    if (w == 0) continue;
+                    for (int a = 0; a < 2; ++a) {
+                        for (int b = 0; b < 2; ++b)
+                            q(Eigen::Index(c) * n + at[a], Eigen::Index(d) * n + at[b]) +=
+                                w * r[c].along[a] * r[d].along[b];
+                        along[c][d](at[a]) += w * r[d].beta * r[c].along[a];
+                        moment(Eigen::Index(c) * n + at[a]) -= residual * r[c].along[a];
+                    }
+                    square[c][d] += w * r[c].beta * r[d].beta;
+                    pull[c] += residual * r[c].beta;
                 }
-                square[c][d] += w * r[c].beta * r[d].beta;
-                pull[c] += residual * r[c].beta;
-            }
-    }
-    for (Eigen::Index c = 0; c < 3; ++c) {
-        moment.segment(c * n, leaves) += pull[c] * fraction_;
-        for (Eigen::Index d = 0; d < 3; ++d)
-            q.block(c * n, d * n, leaves, leaves) += square[c][d] * fraction_ * fraction_.transpose() -
-                                                     along[c][d] * fraction_.transpose() -
-                                                     fraction_ * along[d][c].transpose();
+        }
+        const Eigen::VectorXd& fraction = fraction_[e];
+        for (Eigen::Index c = 0; c < 3; ++c) {
+            moment.segment(c * n, leaves()) += pull[c] * fraction;
+            for (Eigen::Index d = 0; d < 3; ++d)
+                q.block(c * n, d * n, leaves(), leaves()) += square[c][d] * fraction * fraction.transpose() -
+                                                             along[c][d] * fraction.transpose() -
+                                                             fraction * along[d][c].transpose();
+        }
     }
 }
 
 void LightPrior::add(const Eigen::VectorXd& x, int channel, Eigen::MatrixXd& q, Eigen::VectorXd& moment,
                      Eigen::VectorXd& lower) const {
-    const Eigen::Index leaves = fraction_.size();
-    const double unit = meanOf(x);
-    Eigen::VectorXd along = Eigen::VectorXd::Zero(leaves);
-    double square = 0, pull = 0;
-    const bool free = unitIsFree(x, unit);
-    for (size_t k = 0; k < neighbours_.size(); ++k) {
-        const Eigen::Index at[2] = {Eigen::Index(neighbours_[k].first), Eigen::Index(neighbours_[k].second)};
-        const Difference r = difference(x, k, unit, free);
-        const double w = smoothness(k), residual = w * (r.value - r.atPresent);
-        for (int a = 0; a < 2; ++a) {
-            for (int b = 0; b < 2; ++b) q(at[a], at[b]) += w * r.along[a] * r.along[b];
-            along(at[a]) += w * r.beta * r.along[a];
-            moment(at[a]) -= residual * r.along[a];
+    const std::vector<double> units = meansOf(x);
+    const std::vector<uint8_t> free = areFree(x, units);
+    for (size_t e = 0; e < fraction_.size(); ++e) {
+        Eigen::VectorXd along = Eigen::VectorXd::Zero(leaves());
+        double square = 0, pull = 0;
+        for (size_t k = 0; k < neighbours_.size(); ++k) {
+            if (environmentOf(k) != e) continue;
+            const Eigen::Index at[2] = {Eigen::Index(neighbours_[k].first), Eigen::Index(neighbours_[k].second)};
+            const Difference r = difference(x, k, units[e], free[e]);
+            const double w = smoothness(k), residual = w * (r.value - r.atPresent);
+            for (int a = 0; a < 2; ++a) {
+                for (int b = 0; b < 2; ++b) q(at[a], at[b]) += w * r.along[a] * r.along[b];
+                along(at[a]) += w * r.beta * r.along[a];
+                moment(at[a]) -= residual * r.along[a];
+            }
+            square += w * r.beta * r.beta;
+            pull += residual * r.beta;
         }
-        square += w * r.beta * r.beta;
-        pull += residual * r.beta;
+        const Eigen::VectorXd& fraction = fraction_[e];
+        moment.head(leaves()) += pull * fraction;
+        q.topLeftCorner(leaves(), leaves()) +=
+            square * fraction * fraction.transpose() - along * fraction.transpose() - fraction * along.transpose();
     }
-    moment.head(leaves) += pull * fraction_;
-    q.topLeftCorner(leaves, leaves) +=
-        square * fraction_ * fraction_.transpose() - along * fraction_.transpose() - fraction_ * along.transpose();
-    for (Eigen::Index i = 0; i < leaves; ++i) {
-        const double w = background(size_t(i), channel, unit);
+    for (Eigen::Index i = 0; i < leaves(); ++i) {
+        const double w = background(size_t(i), channel, units[environment_[size_t(i)]]);
         q(i, i) += w;
         moment(i) += w * double(anchors_.leaves[size_t(i)].radiance[channel]);
     }
     for (const ProbeRows& p : probes_) p.add(x, channel, q, moment);
     for (size_t e = 0; e < anchors_.emitterRadiance.size(); ++e) {
-        const Eigen::Index i = leaves + Eigen::Index(e);
+        const Eigen::Index i = leaves() + Eigen::Index(e);
         const double value = anchors_.emitterRadiance[e][channel];
         if (anchors_.emitterClipped[e]) {
             lower(i) = value;

@@ -61,20 +61,26 @@ private:
     const LightAnchors& anchors_;
     LightPriorOptions options_;
     std::vector<std::pair<uint32_t, uint32_t>> neighbours_;
-    std::vector<double> edge_;  ///< per pair: length of its edge over that of the leaves of a side of 16
-    Eigen::VectorXd fraction_;  ///< of each leaf in the mean brightness; together 1
+    std::vector<double> edge_;          ///< per pair: length of its edge over that of the leaves of a side of 16
+    std::vector<uint8_t> environment_;  ///< per leaf
+    /// Per environment, of each leaf in its mean brightness: together 1, and 0 for leaves of others.
+    std::vector<Eigen::VectorXd> fraction_;
     std::vector<ProbeRows> probes_;
     /// Relative difference of a pair, and its derivative: along its two leaves, and -beta along the mean.
     struct Difference {
         double value, along[2], beta, atPresent;  ///< atPresent: the derivative times x itself
     };
     Difference difference(const Eigen::VectorXd& x, size_t pair, double unit, bool unitIsFree) const;
-    double meanOf(const Eigen::VectorXd& x) const;
+    Eigen::Index leaves() const { return Eigen::Index(environment_.size()); }
+    /// Per environment.
+    std::vector<double> meansOf(const Eigen::VectorXd& x) const;
+    size_t environmentOf(size_t pair) const { return environment_[neighbours_[pair].first]; }
     /// Which channels' differences count: symmetric, rows sum to zero.
-    std::array<std::array<double, 3>, 3> hueCoupling(const double* unit) const;
-    bool unitIsFree(const Eigen::VectorXd& x, double unit) const {
-        return fraction_.dot(x.head(fraction_.size())) >= unit;
-    }  ///< at the floor it is a constant
+    using HueCoupling = std::array<std::array<double, 3>, 3>;
+    /// Per environment.
+    std::vector<HueCoupling> hueCouplings(const std::array<std::vector<double>, 3>& units) const;
+    /// Per environment: at the floor its mean is a constant.
+    std::vector<uint8_t> areFree(const Eigen::VectorXd& x, const std::vector<double>& units) const;
     double smoothness(size_t pair) const;
     double background(size_t leaf, int channel, double unit) const;
     /// Weight of an unclipped emitter's near-equality beside `data`, the weight that the photographs give it.

@@ -329,10 +329,10 @@ FittedProbe fittedProbe(const LightProbe& probe, const ProbeFit& fit, const Mat3
     return fitted;
 }
 
-ProbeAnchor probeAnchor(const FittedProbe& probe, const LightLeaves& leaves) {
+ProbeAnchor probeAnchor(const FittedProbe& probe, const LightLeaves& leaves, size_t environment) {
     ProbeAnchor anchor{std::vector<Rgb>(leaves.size(), Rgb(0)), std::vector<float>(leaves.size(), 0), probe.fit.noise,
                        probe.fit.gainSigma};
-    const std::vector<uint32_t> leafOf = leaves.leafOfCells(probe.grid);
+    const std::vector<uint32_t> leafOf = leaves.leafOfCells(probe.grid, environment);
     std::vector<DVec3> sum(leaves.size(), DVec3(0));
     std::vector<uint32_t> cells(leaves.size(), 0), held(leaves.size(), 0);
     for (size_t c = 0; c < leafOf.size(); ++c) {

@@ -50,7 +50,7 @@ ProbeFit fitToBackground(const LightProbe& probe, const RadianceSamples& samples
 FittedProbe fittedProbe(const LightProbe& probe, const ProbeFit& fit, const Mat3& axes);
 
 /// Its means over the leaves.
-ProbeAnchor probeAnchor(const FittedProbe& probe, const LightLeaves& leaves);
+ProbeAnchor probeAnchor(const FittedProbe& probe, const LightLeaves& leaves, size_t environment = 0);
 
 /// The brightness of cells of `grid` inside their leaf, as probes that agree with the photographs hold it, where
 /// background does not cover the leaf. `anchors`: of the leaves, those of the probes in their order.

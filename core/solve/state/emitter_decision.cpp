@@ -47,7 +47,8 @@ float demandedAlbedo(const EmitterClusters& clusters, size_t e, const InfluenceM
     std::vector<float> demanded;
     for (size_t i = 0; i < rows.rows; ++i) {
         Rgb lit(0);
-        for (size_t k = 0; k < lighting.leaves.size(); ++k) lit += rows.row(i)[k] * lighting.leafRadiance[k];
+        for (size_t k = 0; k < lighting.leaves.size(); ++k)
+            if (lighting.leaves.shines(k, state)) lit += rows.row(i)[k] * lighting.leafRadiance[k];
         for (size_t o = 0; o < clusters.emitters.size(); ++o)
             if (o != e)
                 lit += rows.row(i)[lighting.leaves.size() + o] *
@@ -110,13 +111,17 @@ EmitterDecision EmitterDecision::of(const Scene& scene, EmitterClusters clusters
 }
 
 Lighting EmitterDecision::inState(Lighting lighting, size_t state) const {
+    for (size_t i = 0; i < lighting.leaves.size(); ++i)
+        if (!lighting.leaves.shines(i, state)) lighting.leafRadiance[i] = Rgb(0);
     for (size_t e = 0; !levels.empty() && e < lighting.emitterRadiance.size(); ++e)
         lighting.emitterRadiance[e] *= levels[state][e];
     return lighting;
 }
 
-void EmitterDecision::dim(float* row, size_t leaves, size_t state) const {
-    for (size_t e = 0; !levels.empty() && e < levels[state].size(); ++e) row[leaves + e] *= levels[state][e];
+void EmitterDecision::dim(float* row, const LightLeaves& leaves, size_t state) const {
+    for (size_t i = 0; i < leaves.size(); ++i)
+        if (!leaves.shines(i, state)) row[i] = 0;
+    for (size_t e = 0; !levels.empty() && e < levels[state].size(); ++e) row[leaves.size() + e] *= levels[state][e];
 }
 
 std::vector<uint8_t> EmitterDecision::skip() const {

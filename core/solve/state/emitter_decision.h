@@ -19,10 +19,11 @@ struct EmitterDecision {
     static EmitterDecision of(const Scene& scene, EmitterClusters clusters, std::vector<uint8_t> suspect);
     /// Per vertex 1 where an emitter lies.
     std::vector<uint8_t> skip() const;
-    /// What the emitters send in a lighting state under `lighting`, which has them as bright as they get.
+    /// The light of a lighting state under `lighting`, which has emitters as bright as they get and all environments.
     Lighting inState(Lighting lighting, size_t state) const;
-    /// Columns of the emitters in rows of direct light, times their levels in a lighting state.
-    void dim(float* row, size_t leaves, size_t state) const;
+    /// A row of direct light of everything becomes that of a lighting state: its environment, and emitters times their
+    /// levels.
+    void dim(float* row, const LightLeaves& leaves, size_t state) const;
     /// Re-fit test: a suspect that needs an albedo below 1.5 under the light of everything else is a surface, others
     /// are emitters. `rowsOf`: influence of leaves and emitters on vertices. True when the set changed; surfaces and
     /// near-field transport are then those of before.

@@ -66,7 +66,12 @@ void LightProblem::traceFinerLeaves(const SolveInput& in, const LightLeaves& lea
     std::vector<FinerDirections> blocks;
     for (size_t i = 0; i < leaves.size(); ++i) {
         const int side = visibility.grid.side >> leaves[i].level, step = std::max(1, side / 2);
-        if (side >= 1 && step < visibility.step) blocks.push_back({leaves[i].x * side, leaves[i].y * side, side, step});
+        if (side < 1 || step >= visibility.step) continue;
+        const FinerDirections block{leaves[i].x * side, leaves[i].y * side, side, step};
+        const auto same = [&](const FinerDirections& b) {
+            return b.x == block.x && b.y == block.y && b.side == block.side;
+        };
+        if (leaves[i].environment == 0 || std::none_of(blocks.begin(), blocks.end(), same)) blocks.push_back(block);
     }
     if (!blocks.empty()) traceFiner(in.scene, only, blocks, visibility, in.progress);
 }
@@ -106,7 +111,7 @@ InfluenceMatrix LightProblem::rowsOf(const SolveInput& in, const EmitterDecision
 InfluenceMatrix LightProblem::rowsOf(const SolveInput& in, const EmitterDecision& emitters,
                                      const MatteObservations& matte) {
     if (matte.states() == 1) return rowsOf(in, emitters, matte.vertices);
-    // A vertex has one row, of which each state takes its part of the emitters.
+    // A vertex has one row, of which each state takes its part.
     std::vector<uint32_t> vertices = matte.vertices;
     std::sort(vertices.begin(), vertices.end());
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
@@ -120,7 +125,7 @@ InfluenceMatrix LightProblem::rowsOf(const SolveInput& in, const EmitterDecision
         for (size_t i = matte.beginOf(s); i < matte.endOf(s); ++i) {
             while (vertices[at] != matte.vertices[i]) ++at;
             std::copy(all.row(at), all.row(at) + all.columns, rows.row(i));
-            emitters.dim(rows.row(i), lighting.leaves.size(), s);
+            emitters.dim(rows.row(i), lighting.leaves, s);
         }
     }
     return rows;
@@ -144,20 +149,27 @@ void LightProblem::anchor(const SolveInput& in, const EmitterDecision& emitters)
     anchors = lightAnchors(in.samples, emitters.clusters, lighting.leaves);
     if (backgroundRefuted) anchors.leaves.assign(anchors.leaves.size(), LeafAnchor{});
     for (const auto& probe : in.options.probes) {
-        anchors.probes.push_back(probeAnchor(*probe, lighting.leaves));
+        anchors.probes.push_back(probeAnchor(*probe, lighting.leaves, in.options.probedEnvironment));
         if (backgroundRefuted) anchors.probes.back().gainSigma = 0;
     }
     // Inside a leaf that the background covers, its brightness is known in detail.
     const DirectionGrid& grid = in.samples.backgroundGrid;
-    leafShape.assign(size_t(grid.cells()), 1.0f);
-    const std::vector<uint32_t> leafOf = lighting.leaves.leafOfCells(grid);
-    for (size_t cell = 0; cell < leafShape.size(); ++cell) {
-        const LeafAnchor& a = anchors.leaves[leafOf[cell]];
-        const float mean = luminance(a.radiance);
-        if (a.coverage < 0.95f || a.clipped || in.samples.backgroundPixels[cell] < 4 || !(mean > 0)) continue;
-        leafShape[cell] = luminance(in.samples.background[cell]) / mean;
+    const size_t cells = size_t(grid.cells());
+    leafShape.clear();
+    for (size_t environment = 0; environment < lighting.leaves.environments(); ++environment) {
+        std::vector<float> shape(cells, 1.0f);
+        const std::vector<uint32_t> leafOf = lighting.leaves.leafOfCells(grid, environment);
+        for (size_t cell = 0; cell < cells; ++cell) {
+            const LeafAnchor& a = anchors.leaves[leafOf[cell]];
+            const float mean = luminance(a.radiance);
+            const size_t seen = environment * cells + cell;
+            if (a.coverage < 0.95f || a.clipped || in.samples.backgroundPixels[seen] < 4 || !(mean > 0)) continue;
+            shape[cell] = luminance(in.samples.background[seen]) / mean;
+        }
+        if (!anchors.probes.empty() && environment == in.options.probedEnvironment)
+            shapeByProbes(in.options.probes, anchors, grid, leafOf, shape);
+        leafShape.insert(leafShape.end(), shape.begin(), shape.end());
     }
-    if (!anchors.probes.empty()) shapeByProbes(in.options.probes, anchors, grid, leafOf, leafShape);
 }
 
 bool LightProblem::refuteBackground(const SolveInput& in, const EmitterDecision& emitters,
@@ -182,7 +194,7 @@ bool LightProblem::refuteBackground(const SolveInput& in, const EmitterDecision&
     return true;
 }
 
-void LightProblem::split(const SolveInput& in, const EmitterDecision& emitters, const std::vector<uint32_t>& observed,
+void LightProblem::split(const SolveInput& in, const EmitterDecision& emitters, const MatteObservations& observed,
                          const std::vector<uint32_t>& chosen) {
     Lighting finer = lighting;
     const size_t before = finer.leaves.size();
@@ -206,7 +218,10 @@ void LightProblem::split(const SolveInput& in, const EmitterDecision& emitters, 
         std::copy(row + before, row + influence.columns, wider.row(r) + finer.leaves.size());
     }
     if (visibility.step > 1) traceFinerLeaves(in, finer.leaves, known);
-    lambertInfluenceOfLeaves(in.scene, visibility, finer.leaves, observed, changed, wider, in.progress);
+    lambertInfluenceOfLeaves(in.scene, visibility, finer.leaves, observed.vertices, changed, wider, in.progress);
+    for (size_t r = 0; finer.leaves.environments() > 1 && r < wider.rows; ++r)
+        for (const size_t state = observed.stateOf(r); const uint32_t k : changed)
+            if (!finer.leaves.shines(k, state)) wider.row(r)[k] = 0;
     influence = std::move(wider);
     lighting = std::move(finer);
     anchor(in, emitters);

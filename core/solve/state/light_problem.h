@@ -13,7 +13,8 @@ struct LightProblem {
     LightAnchors anchors;
     LightPriorOptions prior;
     PriorStrength smoothness;
-    std::vector<float> leafShape;  ///< per cell of the background grid: relative brightness inside its leaf
+    std::vector<float> leafShape;  ///< per cell of the background grid, one environment after the other: relative
+                                   ///< brightness inside its leaf
     LightInformation information;  ///< of the last albedo-free fit
 
     std::vector<uint8_t> known;  ///< vertices whose transport is known
@@ -66,7 +67,7 @@ struct LightProblem {
     /// that was so: the light is to be fitted again.
     bool refuteBackground(const SolveInput& in, const EmitterDecision& emitters, const MatteObservations& matte);
     /// Splits leaves in four. Nothing changes before everything is there: the work may be given up in the middle.
-    void split(const SolveInput& in, const EmitterDecision& emitters, const std::vector<uint32_t>& observed,
+    void split(const SolveInput& in, const EmitterDecision& emitters, const MatteObservations& observed,
                const std::vector<uint32_t>& chosen);
 
     void keepForCut(const SolveInput& in);

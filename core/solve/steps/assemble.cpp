@@ -6,33 +6,64 @@ namespace relamp {
 
 namespace {
 
-void assembleEnvironment(const SolveRun& s, Estimate& estimate) {
-    const DirectionGrid fine{estimate.environmentSide};
-    estimate.environment.resize(size_t(fine.cells()));
+/// Of one environment, the radiance of the cells of the square.
+std::vector<Rgb> environmentCells(const SolveRun& s, const DirectionGrid& fine, size_t environment) {
+    std::vector<Rgb> cells(size_t(fine.cells()));
     const DirectionGrid& seen = s.in.samples.backgroundGrid;
-    const int step = estimate.environmentSide / seen.side;
-    const std::vector<uint32_t> leafOf = s.light.lighting.leaves.leafOfCells(fine);
+    const int step = fine.side / seen.side;
+    const std::vector<uint32_t> leafOf = s.light.lighting.leaves.leafOfCells(fine, environment);
     for (int c = 0; c < fine.cells(); ++c) {
         const uint32_t leaf = leafOf[size_t(c)];
-        const int coarse = (c / fine.side / step) * seen.side + (c % fine.side) / step;
-        const bool direct = !s.light.environmentBlack && s.in.samples.backgroundPixels[size_t(coarse)] >= 4 &&
-                            !s.in.samples.backgroundClipped[size_t(coarse)];
-        estimate.environment[size_t(c)] = direct && s.light.anchors.leaves[leaf].coverage > 0.05f
-                                              ? s.in.samples.background[size_t(coarse)]
-                                              : s.light.lighting.leafRadiance[leaf];
+        const size_t coarse =
+            environment * size_t(seen.cells()) + size_t((c / fine.side / step) * seen.side + (c % fine.side) / step);
+        const bool direct = !s.light.environmentBlack && s.in.samples.backgroundPixels[coarse] >= 4 &&
+                            !s.in.samples.backgroundClipped[coarse];
+        cells[size_t(c)] = direct && s.light.anchors.leaves[leaf].coverage > 0.05f
+                               ? s.in.samples.background[coarse]
+                               : s.light.lighting.leafRadiance[leaf];
         if (!direct && !s.light.anchors.probes.empty() && !s.light.environmentBlack)
-            estimate.environment[size_t(c)] *= detailOf(s.in.options.probes, s.light.anchors, size_t(c), leaf);
+            cells[size_t(c)] *= detailOf(s.in.options.probes, s.light.anchors, size_t(c), leaf);
+    }
+    return cells;
+}
+
+/// The environment of the main state is the estimate's, the others follow in their order.
+void assembleEnvironments(const SolveRun& s, Estimate& estimate) {
+    const DirectionGrid fine{estimate.environmentSide};
+    const std::vector<size_t> order = environmentsInOrder(s);
+    for (size_t k = 0; k < order.size(); ++k) {
+        std::vector<Rgb> cells = environmentCells(s, fine, order[k]);
+        if (k == 0) estimate.environment = std::move(cells);
+        else estimate.otherEnvironments.push_back({std::move(cells), {}});
+    }
+    for (size_t state = 0; state < estimate.states.size(); ++state) {
+        const auto at = std::find(order.begin(), order.end(), size_t(s.in.samples.environmentOf(uint32_t(state))));
+        estimate.states[state].environment = at == order.end() ? -1 : int(at - order.begin());
     }
 }
 
 }  // namespace
 
+std::vector<size_t> environmentsInOrder(const SolveRun& s) {
+    std::vector<size_t> order(1, size_t(std::max(0, s.in.samples.environmentOf(s.mainState()))));
+    for (size_t e = 0; e < s.in.samples.environments(); ++e)
+        if (e != order[0]) order.push_back(e);
+    return order;
+}
+
 void turnEnvironment(const SolveRun& s, Estimate& estimate) {
     if (s.in.scene.axes == Mat3(1)) return;
     const DirectionGrid own{estimate.environmentSide, s.in.scene.axes}, world{estimate.environmentSide};
-    estimate.environment = turnedCells(estimate.environment, own, world, s.stopped() ? 4 : 8);
-    if (!estimate.environmentSigma.empty())
-        estimate.environmentSigma = turnedCells(estimate.environmentSigma, own, world, 2);
+    const auto turn = [&](std::vector<Rgb>& cells, int samples) {
+        if (!cells.empty()) cells = turnedCells(cells, own, world, samples);
+    };
+    const int samples = s.stopped() ? 4 : 8;
+    turn(estimate.environment, samples);
+    turn(estimate.environmentSigma, 2);
+    for (StateLight& other : estimate.otherEnvironments) {
+        turn(other.environment, samples);
+        turn(other.sigma, 2);
+    }
 }
 
 Estimate assemble(const SolveRun& s) {
@@ -50,7 +81,7 @@ Estimate assemble(const SolveRun& s) {
     estimate.cancelled = s.stopped();
     estimate.interreflection = s.bounce.joined();
     estimate.bouncedFraction = s.bounce.joined() ? s.bounce.fraction : 0;
-    assembleEnvironment(s, estimate);
+    assembleEnvironments(s, estimate);
     Reflectance& r = estimate.reflectance;
     const size_t n = s.in.scene.mesh.vertexCount();
     r.basis.lobes.push_back(s.in.options.basis.lobes[0]);
@@ -146,6 +177,7 @@ Estimate finishSolve(SolveRun& s) {
     Estimate estimate = assemble(s);
     assessConditioning(s, estimate);
     const Irradiance irradiance = s.irradiance();
+    if (s.in.samples.states > 1) statesThatDisagree(s, irradiance);
     if (!s.in.options.patches.empty()) s.patchPart = patchInformation(s);
     const LightUncertainty light = uncertaintyOf(s, irradiance, false);
     const Irradiance unsure = unsureIrradiance(s, irradiance);
@@ -165,14 +197,15 @@ Estimate finishSolve(SolveRun& s) {
         estimate.leftOut.push_back(
             {Omission::distantLight, "it gives less than half a percent of the light on the surfaces"});
     if (!estimate.interreflection) estimate.leftOut.push_back({Omission::interreflection, s.bounce.absentBecause});
-    if (s.light.refined && !s.light.environmentBlack && s.light.lighting.leaves.size() < s.in.options.maxLeaves &&
+    const size_t most = s.in.options.maxLeaves * s.in.samples.environments();
+    if (s.light.refined && !s.light.environmentBlack && s.light.lighting.leaves.size() < most &&
         s.light.refinedMisfit > 0)
         estimate.leftOut.push_back(
             {Omission::finerDistantLight,
              "the leaves that are left give too little light, or the last finer ones explained hardly more"});
-    if (s.light.lighting.leaves.size() >= s.in.options.maxLeaves)
+    if (s.light.lighting.leaves.size() >= most)
         estimate.leftOut.push_back(
-            {Omission::finerDistantLight, fmt::format("the limit of {} unknowns was reached", s.in.options.maxLeaves)});
+            {Omission::finerDistantLight, fmt::format("the limit of {} unknowns was reached", most)});
     s.record("done", 0, 0, s.mismatch(irradiance));
     s.meter.end();
     estimate.timeline = s.timeline;

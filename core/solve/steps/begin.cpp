@@ -50,9 +50,11 @@ void beginSolve(SolveRun& s, const EmitterClusters& clusters) {
         return level;
     };
     const int first = light.firstLevel(s.in, s.hasMatte());
-    light.startsFromPlan = s.plan.light && !light.environmentBlack && s.in.options.nearField && s.hasMatte() &&
-                           coarsest(s.plan.light->leaves) == first && first < s.in.options.startLevel;
-    light.lighting.leaves = light.startsFromPlan ? s.plan.light->leaves : LightLeaves::uniform(first, s.in.scene.axes);
+    light.startsFromPlan = s.plan.light && s.in.samples.environments() == 1 && !light.environmentBlack &&
+                           s.in.options.nearField && s.hasMatte() && coarsest(s.plan.light->leaves) == first &&
+                           first < s.in.options.startLevel;
+    light.lighting.leaves =
+        light.startsFromPlan ? s.plan.light->leaves.withStates(s.in.samples.environmentOfState) : s.leavesAt(first);
     rebuildRows(s);
     light.guess(s.emitters.clusters, s.observed.matte);
     if (light.startsFromPlan) light.lighting.leafRadiance = s.plan.light->leafRadiance;

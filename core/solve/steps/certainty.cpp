@@ -119,13 +119,18 @@ void assessUncertainty(const SolveRun& s, const Irradiance& irradiance, const Li
         if (s.emitters.clusters.emitters[e].unobserved && e < light.emitterSigma.size())
             estimate.emitterSigma[e] = estimate.lighting.emitterRadiance[e] * light.emitterSigma[e];
     const DirectionGrid fine{estimate.environmentSide};
-    const std::vector<uint32_t> leafOf = s.light.lighting.leaves.leafOfCells(fine);
-    estimate.environmentSigma.resize(size_t(fine.cells()));
-    for (size_t c = 0; c < estimate.environmentSigma.size(); ++c) {
-        const uint32_t leaf = leafOf[c];
-        const Rgb relative =
-            estimate.environment[c] == s.light.lighting.leafRadiance[leaf] ? light.leafSigma[leaf] : Rgb(background);
-        estimate.environmentSigma[c] = relative * estimate.environment[c];
+    const std::vector<size_t> order = environmentsInOrder(s);
+    for (size_t k = 0; k < order.size(); ++k) {
+        const std::vector<uint32_t> leafOf = s.light.lighting.leaves.leafOfCells(fine, order[k]);
+        const std::vector<Rgb>& cells = k == 0 ? estimate.environment : estimate.otherEnvironments[k - 1].environment;
+        std::vector<Rgb>& deviations = k == 0 ? estimate.environmentSigma : estimate.otherEnvironments[k - 1].sigma;
+        deviations.resize(cells.size());
+        for (size_t c = 0; c < cells.size(); ++c) {
+            const uint32_t leaf = leafOf[c];
+            const Rgb relative =
+                cells[c] == s.light.lighting.leafRadiance[leaf] ? light.leafSigma[leaf] : Rgb(background);
+            deviations[c] = relative * cells[c];
+        }
     }
 }
 

@@ -8,8 +8,7 @@ namespace relamp {
 
 bool refineLeaves(SolveRun& s) {
     if (s.light.refined) return false;
-    const size_t limit = s.hasMatte() ? s.in.options.maxLeaves
-                                      : s.in.options.maxLeaves + 3 * (size_t(1) << (2 * s.in.options.startLevel));
+    const size_t limit = s.mostLeaves();
     if (s.light.environmentBlack || s.stopped() || s.light.lighting.leaves.size() >= limit) return false;
     finishVisibility(s);
     // What a leaf gives of the light at a vertex, on average over the vertices: a sky counts in the shadow of its sun,
@@ -47,16 +46,26 @@ std::vector<Rgb> contributionsOf(const SolveRun& s, const Irradiance& irradiance
     std::vector<uint32_t> some;
     for (uint32_t r = 0; r < s.light.influence.rows; ++r)
         if (s.in.scene.rank[s.observed.matte.vertices[r]] % 5 == 0) some.push_back(r);
-    return lightContributions(s.light.influence, s.light.lighting, irradiance.value, some);
+    std::vector<Rgb> fractions = lightContributions(s.light.influence, s.light.lighting, irradiance.value, some);
+    const LightLeaves& leaves = s.light.lighting.leaves;
+    if (s.in.samples.environmentOfState.empty()) return fractions;
+    // Of the light of those states that have the leaf's environment.
+    std::vector<size_t> lit(leaves.environments(), 0);
+    for (const uint32_t r : some)
+        if (const int e = leaves.environmentOf(s.observed.matte.stateOf(r)); e >= 0) ++lit[size_t(e)];
+    for (size_t i = 0; i < fractions.size(); ++i)
+        fractions[i] *= float(some.size()) / float(std::max<size_t>(1, lit[leaves[i].environment]));
+    return fractions;
 }
 
 std::vector<uint32_t> leavesAsMatteTellsThem(const SolveRun& s, const Irradiance& irradiance) {
     const std::vector<Rgb> fraction = contributionsOf(s, irradiance);
     const size_t leaves = s.light.lighting.leaves.size();
-    std::map<std::tuple<int, int, int>, std::vector<uint32_t>> brothers;
+    std::map<std::tuple<int, int, int, int>, std::vector<uint32_t>> brothers;
     for (uint32_t i = 0; i < leaves; ++i) {
         const Leaf& leaf = s.light.lighting.leaves[i];
-        if (leaf.level > s.in.options.startLevel) brothers[{leaf.level, leaf.x / 2, leaf.y / 2}].push_back(i);
+        if (leaf.level > s.in.options.startLevel)
+            brothers[{leaf.environment, leaf.level, leaf.x / 2, leaf.y / 2}].push_back(i);
     }
     constexpr uint32_t alone = ~0u;
     std::vector<uint32_t> group(s.light.influence.columns, alone);

@@ -255,6 +255,10 @@ void applyGauge(const SolveRun& s, const Irradiance& irradiance, const LightUnce
     for (Rgb& l : estimate.lighting.leafRadiance) l *= scale;
     for (Rgb& l : estimate.lighting.emitterRadiance) l *= scale;
     for (Rgb& l : estimate.environment) l *= scale;
+    for (StateLight& other : estimate.otherEnvironments) {
+        for (Rgb& l : other.environment) l *= scale;
+        for (Rgb& sigma : other.sigma) sigma *= scale;
+    }
     for (ProbeFit& probe : estimate.probes) probe.gain *= scale;
     for (Rgb& sigma : estimate.environmentSigma) sigma *= scale;
     for (Rgb& sigma : estimate.emitterSigma) sigma *= scale;

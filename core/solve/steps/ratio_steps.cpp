@@ -165,7 +165,7 @@ ViewRows viewRows(SolveRun& s, Progress& progress) {
         InfluenceMatrix lambert = s.rowsOf(vertices);
         for (size_t i = 0; i < g.observations.size(); ++i, ++at) {
             const size_t state = g.observations[i].state;
-            s.emitters.dim(lambert.row(i), s.light.lighting.leaves.size(), state);
+            s.emitters.dim(lambert.row(i), s.light.lighting.leaves, state);
             const Rgb albedo =
                 !s.surfaces.albedo.albedo.empty() ? s.surfaces.albedo.albedo[g.observations[i].vertex] : Rgb(0);
             for (int c = 0; c < 3; ++c)

@@ -107,7 +107,7 @@ ViewRows addPatchRows(SolveRun& s, const ViewRows* views) {
         const size_t state = s.in.samples.stateOf(uint32_t(patch.view));
         for (const auto& [vertex, weight] : parts[i].vertices) {
             std::vector<float> row(lambert.row(rowOf[vertex]), lambert.row(rowOf[vertex]) + columns);
-            s.emitters.dim(row.data(), s.light.lighting.leaves.size(), state);
+            s.emitters.dim(row.data(), s.light.lighting.leaves, state);
             for (int c = 0; c < 3; ++c)
                 for (size_t k = 0; k < columns; ++k)
                     all.influence[c].row(first + i)[k] += weight * patch.albedo[c] * row[k];

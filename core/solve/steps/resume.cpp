@@ -84,7 +84,7 @@ void resumeSolve(SolveRun& s, const SolveCheckpoint& c) {
     s.light.environmentBlack = c.environmentBlack;
     s.light.refined = c.refined;
     s.light.refinedMisfit = c.refinedMisfit;
-    s.light.lighting.leaves = LightLeaves::of(c.leaves, s.in.scene.axes);
+    s.light.lighting.leaves = LightLeaves::of(c.leaves, s.in.scene.axes, s.in.samples.environmentOfState);
     s.light.lighting.leafRadiance = c.leafRadiance;
     s.light.lighting.emitterRadiance = c.emitterRadiance;
     if (c.visibilityStep > uint32_t(s.in.options.visibilitySide) || (c.visibilityStep & (c.visibilityStep - 1)))

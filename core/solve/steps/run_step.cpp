@@ -28,7 +28,7 @@ void startWithoutMatte(SolveRun& s) {
     if (!startFromConstantReflectance(s)) {
         // Neither metals nor quite matte: what the views have in common is taken for matte.
         observeAnew(s);
-        s.light.lighting.leaves = LightLeaves::uniform(s.light.firstLevel(s.in, s.hasMatte()), s.in.scene.axes);
+        s.light.lighting.leaves = s.leavesAt(s.light.firstLevel(s.in, s.hasMatte()));
         s.light.guess(s.emitters.clusters, s.observed.matte);
         rebuildRows(s);
     }

@@ -63,14 +63,21 @@ struct SolveRun {
     }
     /// The lighting state for what one state tells alone: the one in which emitters are brightest.
     uint32_t mainState() const { return brightestState(emitters.clusters, in.samples); }
+    /// How many leaves the light may have: each environment as many as one alone.
+    size_t mostLeaves() const {
+        const size_t more = hasMatte() ? 0 : 3 * (size_t(1) << (2 * in.options.startLevel));
+        return in.samples.environments() * (in.options.maxLeaves + more);
+    }
     double mismatch(const Irradiance& irradiance) const {
         return pairMismatch(observed.matte, observed.pairs, irradiance);
     }
+    /// Leaves of one level, of the environments of all lighting states.
+    LightLeaves leavesAt(int level) const {
+        return LightLeaves::uniform(level, in.scene.axes, in.samples.environmentOfState);
+    }
     /// How lobes' rows are computed under the present light.
     LobeRowOptions rowOptions() const;
-    void splitLeaves(const std::vector<uint32_t>& chosen) {
-        light.split(in, emitters, observed.matte.vertices, chosen);
-    }
+    void splitLeaves(const std::vector<uint32_t>& chosen) { light.split(in, emitters, observed.matte, chosen); }
     /// One line of the timeline; a checkpoint where one is due.
     void record(const std::string& stage, int iteration, double objective, double rmse);
     /// The plan with what the stages cost so far.

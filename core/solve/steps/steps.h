@@ -74,6 +74,11 @@ bool confirmEmitters(SolveRun& s);
 /// and black): less than the photographs can tell.
 void leaveOutBlackEnvironment(SolveRun& s);
 
+// state_agreement.cpp
+/// Lighting states that share an environment, though ratios of radiance between them are more than 6 % off beyond noise
+/// (median): warns of them and returns the warnings.
+std::vector<std::string> statesThatDisagree(const SolveRun& s, const Irradiance& irradiance);
+
 // unknown_levels.cpp
 /// Levels that no photograph shows directly (EmitterCluster::inState below 0), from the ratios of radiance between
 /// lighting states under the present light; rows follow. True when one changed by more than a hundredth.
@@ -125,6 +130,8 @@ void askAlbedoStrength(SolveRun& s, const Irradiance& irradiance);
 // closing: assemble.cpp, certainty.cpp, gauge.cpp, hold_out.cpp, references.cpp
 /// Lighting, environment image, emitters and reflectance as they stand, before the gauge.
 Estimate assemble(const SolveRun& s);
+/// The environments of the lighting states in the order of an estimate's: first that of the main state.
+std::vector<size_t> environmentsInOrder(const SolveRun& s);
 /// From the square along the scene's axes to the world's.
 void turnEnvironment(const SolveRun& s, Estimate& estimate);
 /// Gives the listener, if there is one, an estimate as things stand; the values are afterwards as they were.

@@ -11,7 +11,7 @@ namespace {
 /// The solved room as if its photographs had been taken with its light on and, at a half and none, in two more states.
 struct SeveralStates : Panels {
     std::string lamp;
-    SeveralStates() {
+    explicit SeveralStates(bool dark = false) {
         openSolved();
         lamp = editor->emitters()[0].id;
         const std::filesystem::path shot = folder / "states.relamp";
@@ -21,6 +21,8 @@ struct SeveralStates : Panels {
         for (const auto& [name, level] : {std::pair{"on", 1.0}, {"half", 0.5}, {"off", 0.0}})
             document["states"].push_back(
                 {{"name", name}, {"views", {"a"}}, {"emitters", {{{"id", lamp}, {"level", level}}}}});
+        // Without its light the room has no sky either.
+        if (dark) document["states"][2]["environment"] = nullptr;
         std::ofstream(shot / "shot.json") << document.dump();
         editor->openNow(shot);
         until([&] { return !editor->job() && editor->estimate() && editor->estimate()->states.size() == 3; });
@@ -84,6 +86,19 @@ TEST(LightingStates, aDragMixesTwoAsOneEntry) {
     EXPECT_FALSE(shownState(t.editor->look(), *t.editor->estimate()));
     t.editor->undo();
     EXPECT_EQ(t.light().radiance, full);
+}
+
+TEST(LightingStates, oneWithoutAnEnvironmentTakesItAwayAndUndoBringsItBack) {
+    SeveralStates t(true);
+    t.choose("##state", 2);
+    EXPECT_EQ(t.editor->look().environment.state, "off");
+    EXPECT_EQ(shownState(t.editor->look(), *t.editor->estimate()), 2u);
+    t.choose("##state", 1);
+    EXPECT_EQ(t.editor->look().environment, EnvironmentLook{});
+    t.editor->undo();
+    EXPECT_EQ(t.editor->look().environment.state, "off");
+    t.editor->undo();
+    EXPECT_EQ(t.editor->look().environment, EnvironmentLook{});
 }
 
 TEST(LightingStates, aShotOfOneStateHasNoList) {
