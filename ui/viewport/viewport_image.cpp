@@ -71,11 +71,11 @@ ViewportImage::Key ViewportImage::keyOf(const Editor& editor, const EyeView& eye
     key.capture = editor.state.document.capture;
     key.ownEnvironment = editor.look().environment.source == EnvironmentLook::Source::recovered;
     // A photograph of another lighting state may show another environment.
-    if (const auto estimate = editor.estimate(); estimate && key.capture && key.view >= 0 &&
-                                                 size_t(key.view) < key.capture->views.size() &&
-                                                 key.capture->views[size_t(key.view)].state < estimate->states.size())
-        key.ownEnvironment = key.ownEnvironment && showsEnvironment(editor.look().environment, *estimate,
-                                                                    key.capture->views[size_t(key.view)].state);
+    const auto capture = editor.state.document.capture;
+    const auto estimate = editor.estimate();
+    if (estimate && capture && key.view >= 0 && size_t(key.view) < capture->views.size())
+        if (const size_t state = capture->views[size_t(key.view)].state; state < estimate->states.size())
+            key.ownEnvironment = key.ownEnvironment && showsEnvironment(editor.look().environment, *estimate, state);
     const auto live = editor.liveFrame();
     if (live) {
         key.live = live->mesh;

@@ -219,7 +219,7 @@ void LightProblem::split(const SolveInput& in, const EmitterDecision& emitters, 
     }
     if (visibility.step > 1) traceFinerLeaves(in, finer.leaves, known);
     lambertInfluenceOfLeaves(in.scene, visibility, finer.leaves, observed.vertices, changed, wider, in.progress);
-    for (size_t r = 0; finer.leaves.environments() > 1 && r < wider.rows; ++r)
+    for (size_t r = 0; !in.samples.environmentOfState.empty() && r < wider.rows; ++r)
         for (const size_t state = observed.stateOf(r); const uint32_t k : changed)
             if (!finer.leaves.shines(k, state)) wider.row(r)[k] = 0;
     influence = std::move(wider);

@@ -30,7 +30,7 @@ std::vector<std::string> statesThatDisagree(const SolveRun& s, const Irradiance&
     std::map<std::pair<size_t, size_t>, Disagreement> between;
     for (const AlbedoPair& p : s.observed.pairs) {
         if (!p.same) continue;
-        const auto states = std::minmax(matte.stateOf(p.a), matte.stateOf(p.b));
+        const auto states = std::minmax({matte.stateOf(p.a), matte.stateOf(p.b)});
         const LightLeaves& leaves = s.light.lighting.leaves;
         if (leaves.environmentOf(states.first) != leaves.environmentOf(states.second)) continue;
         const double ya = double(luminance(matte.radiance[p.a])), yb = double(luminance(matte.radiance[p.b])),
