@@ -230,8 +230,7 @@ namespace {
 /// Of a lighting state of a capture or a shot, where something is said of it.
 std::string environmentText(const nlohmann::json& state) {
     const auto at = state.find("environment");
-    if (at == state.end()) return "";
-    return ", environment: " + (at->is_string() ? printable(at->get<std::string>()) : "none");
+    return at == state.end() ? "" : ", environment: " + printable(at->get<std::string>());
 }
 
 /// How well the photographs are explained, a line a view.

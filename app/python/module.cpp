@@ -1,6 +1,7 @@
 // The module `relamp`: shots opened, solved, edited, rendered and exported from Python.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
 #include <nlohmann/json.hpp>
@@ -14,6 +15,7 @@
 #include "pipeline/shot_of.h"
 #include "pipeline/texture_stage.h"
 #include "relight/frame.h"
+#include "relight/state_look.h"
 #include "shot/export_scene.h"
 #include "shot/shot_lock.h"
 
@@ -66,14 +68,14 @@ public:
     py::object look() const { return objectOf(lookToJson(shot_.look, shot_.capture.origin)); }
     void setLook(const py::object& look) { shot_.look = lookOf(look); }
 
-    RenderedFrame render(int view, const py::object& pose, const py::object& look, int samples, uint64_t seed,
-                         bool denoise, int threads, const py::object& tell) {
+    RenderedFrame render(int view, const py::object& pose, const py::object& look, const py::object& state, int samples,
+                         uint64_t seed, bool denoise, int threads, const py::object& tell) {
         if (view < 0 || size_t(view) >= shot_.capture.views.size())
             throw Error("camera: is {}, the capture has {} views, from 0", view, shot_.capture.views.size());
         if (samples < 1 || samples > 4096) throw Error("samples: is {}, expected 1 to 4096", samples);
         Camera camera = shot_.capture.views[size_t(view)].camera;
         if (!pose.is_none()) camera.worldFromCamera = poseOf(pose);
-        const Look edits = look.is_none() ? shot_.look : lookOf(look);
+        const Look edits = inStateNamed(look.is_none() ? shot_.look : lookOf(look), state);
         RenderedFrame result;
         Progress progress;
         runJob(tell, progress, [&] {
@@ -89,8 +91,9 @@ public:
         return result;
     }
 
-    void exportTo(const fs::path& folder, const py::object& look, bool overwrite, const py::object& tell) {
-        const Look edits = look.is_none() ? shot_.look : lookOf(look);
+    void exportTo(const fs::path& folder, const py::object& look, const py::object& state, bool overwrite,
+                  const py::object& tell) {
+        const Look edits = inStateNamed(look.is_none() ? shot_.look : lookOf(look), state);
         Progress progress;
         runJob(tell, progress, [&] {
             InputFiles inputs = shotFiles(shot_, progress);
@@ -118,6 +121,14 @@ private:
     Look lookOf(const py::object& look) const {
         return lookFromJson(jsonOf(look), fs::current_path(), shot_.capture.origin);
     }
+    /// The light of a lighting state of the photographs, by its name; None: lights as bright as they get.
+    Look inStateNamed(Look look, const py::object& state) const {
+        if (state.is_none()) return look;
+        const std::string name = state.cast<std::string>();
+        for (size_t s = 0; s < shot_.estimate.states.size(); ++s)
+            if (shot_.estimate.states[s].name == name) return inState(std::move(look), shot_.estimate, s);
+        throw Error("state: no lighting state of the photographs is called {}", name);
+    }
     DMat4 poseOf(const py::object& pose) const {
         const auto rows = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(pose);
         if (!rows || rows.ndim() != 2 || rows.shape(0) != 4 || rows.shape(1) != 4)
@@ -134,9 +145,13 @@ private:
 };
 
 OpenShot solve(const fs::path& capture, const fs::path& output, const std::string& quality, const std::string& mode,
-               const py::object& texture, double timeBudget, uint64_t seed, int threads, bool overwrite,
-               const py::object& tell) {
+               const py::object& texture, const std::map<std::string, std::string>& states,
+               const std::map<std::string, std::string>& environments, double timeBudget, uint64_t seed, int threads,
+               bool overwrite, const py::object& tell) {
     PipelineOptions options;
+    CaptureFix& fix = options.load.fix;
+    for (const auto& [name, pattern] : states) fix.states.push_back({name, pattern});
+    for (const auto& [name, environment] : environments) fix.environments.push_back({name, environment});
     options.solve = solveOptionsFor(quality);
     options.solve.seed = seed;
     if (mode == "distant-only") options.solve.nearField = false;
@@ -152,11 +167,11 @@ OpenShot solve(const fs::path& capture, const fs::path& output, const std::strin
     progress.setBudget(timeBudget);
     runJob(tell, progress, [&] {
         const ThreadLimit limit(threads);
-        checkShotCanBeWritten(output, captureFiles(capture, {}, progress));
+        checkShotCanBeWritten(output, captureFiles(capture, fix, progress));
         const ShotLock lock = ShotLock::take(output);
         if (!lock.owner().empty()) throw Error("{}: is open elsewhere ({})", output.string(), lock.owner());
         PipelineResult r = runPipeline(capture, options, progress);
-        ShotSource source = sourceOf(r, capture, {}, quality, seed);
+        ShotSource source = sourceOf(r, capture, fix, quality, seed);
         source.resources = {progress.seconds(), peakMib(), threads > 0 ? threads : availableThreads()};
         saveShot(shotOf(std::move(r.estimate), source), r.scene->mesh, output, overwrite);
     });
@@ -243,12 +258,14 @@ void bindShot(py::module_& m) {
             },
             "Of each vertex' albedo, 0 to 1.")
         .def("render", &OpenShot::render, py::arg("camera") = 0, py::kw_only(), py::arg("pose") = py::none(),
-             py::arg("look") = py::none(), py::arg("samples") = 8, py::arg("seed") = 1, py::arg("denoise") = true,
-             py::arg("threads") = 0, py::arg("progress") = py::none(),
+             py::arg("look") = py::none(), py::arg("state") = py::none(), py::arg("samples") = 8, py::arg("seed") = 1,
+             py::arg("denoise") = true, py::arg("threads") = 0, py::arg("progress") = py::none(),
              "A frame through the lens of view `camera`; `pose` (worldFromCamera, 4 x 4, looks along -Z) puts it "
-             "elsewhere. `look`: a document in place of the shot's.")
+             "elsewhere. `look`: a document in place of the shot's. `state`: the lighting state of the photographs "
+             "whose "
+             "light it edits.")
         .def("export", &OpenShot::exportTo, py::arg("folder"), py::kw_only(), py::arg("look") = py::none(),
-             py::arg("overwrite") = false, py::arg("progress") = py::none(),
+             py::arg("state") = py::none(), py::arg("overwrite") = false, py::arg("progress") = py::none(),
              "Writes lights, surfaces, cameras and environment for other programs (docs/interface.md 6).")
         .def("save", &OpenShot::save, py::arg("folder") = py::none(), py::kw_only(), py::arg("overwrite") = false,
              "Writes the shot with its look, where it lies or elsewhere.");
@@ -278,8 +295,10 @@ PYBIND11_MODULE(relamp, m) {
         py::arg("shot"), py::kw_only(), py::arg("progress") = py::none(), "Opens NAME.relamp.");
     m.def("solve", &python::solve, py::arg("capture"), py::arg("output"), py::kw_only(),
           py::arg("quality") = "standard", py::arg("mode") = "near-field", py::arg("texture") = py::none(),
-          py::arg("time_budget") = 0.0, py::arg("seed") = 1, py::arg("threads") = 0, py::arg("overwrite") = false,
-          py::arg("progress") = py::none(),
+          py::arg("states") = std::map<std::string, std::string>{},
+          py::arg("state_environments") = std::map<std::string, std::string>{}, py::arg("time_budget") = 0.0,
+          py::arg("seed") = 1, py::arg("threads") = 0, py::arg("overwrite") = false, py::arg("progress") = py::none(),
           "Solves a capture into the shot `output` and opens it. `progress(label, fraction)` is called about ten times "
-          "a second; where it returns False the solve stops with relamp.Cancelled.");
+          "a second; where it returns False the solve stops with relamp.Cancelled. `states`: lighting states by name, "
+          "with patterns of their photographs; `state_environments`: own, none, shared, or the state whose it is.");
 }

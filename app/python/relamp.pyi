@@ -69,6 +69,7 @@ class Shot:
         *,
         pose: Optional[ArrayLike] = None,
         look: Optional[Look] = None,
+        state: Optional[str] = None,
         samples: int = 8,
         seed: int = 1,
         denoise: bool = True,
@@ -76,7 +77,13 @@ class Shot:
         progress: Progress = None,
     ) -> Frame: ...
     def export(
-        self, folder: Path, *, look: Optional[Look] = None, overwrite: bool = False, progress: Progress = None
+        self,
+        folder: Path,
+        *,
+        look: Optional[Look] = None,
+        state: Optional[str] = None,
+        overwrite: bool = False,
+        progress: Progress = None,
     ) -> None: ...
     def save(self, folder: Optional[Path] = None, *, overwrite: bool = False) -> None: ...
 
@@ -88,6 +95,8 @@ def solve(
     quality: str = "standard",
     mode: str = "near-field",
     texture: Optional[int] = None,
+    states: dict[str, str] = {},
+    state_environments: dict[str, str] = {},
     time_budget: float = 0.0,
     seed: int = 1,
     threads: int = 0,

@@ -11,8 +11,8 @@ namespace relamp {
 /// The whole of shot.json for a shot that is to lie in `folder`, to which its paths are relative.
 Json shotDocument(const Shot& shot, const std::filesystem::path& folder);
 
-/// Fills what a document of version 2 or 3 says into `shot`; centroids of its emitters still count from the world's origin,
-/// and the capture is not read. Throws Error naming the field.
+/// Fills what a document of version 2 or 3 says into `shot`; centroids of its emitters still count from the world's
+/// origin, and the capture is not read. Throws Error naming the field.
 void readShotDocument(const Json& document, const std::filesystem::path& folder, Shot& shot,
                       std::vector<DVec3>& centroids);
 

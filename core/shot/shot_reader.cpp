@@ -41,11 +41,11 @@ void readEmitters(const JsonFields& document, Estimate& e, std::vector<DVec3>& c
 
 /// -1: none.
 int environmentOfFile(const Json& file, const std::string& where) {
-    if (file.is_null()) return -1;
     const std::string name = textOf(file, where);
+    if (name == "none") return -1;
     for (int k = 0; k < int(mostStates); ++k)
         if (name == environmentStem(k) + ".exr") return k;
-    throw Error("{}: is {}, expected environment.exr, environment-2.exr, ... or null", where, printable(name));
+    throw Error("{}: is {}, expected environment.exr, environment-2.exr, ... or none", where, printable(name));
 }
 
 /// Shots of captures with one lighting state, and those of earlier versions, have none.

@@ -79,7 +79,7 @@ Json statesJson(const Estimate& e) {
         states.push_back({{"name", e.states[s].name}, {"views", e.states[s].views}, {"emitters", levels}});
         if (!environmentsDiffer(e)) continue;
         const int environment = e.states[s].environment;
-        states.back()["environment"] = environment < 0 ? Json() : Json(environmentStem(environment) + ".exr");
+        states.back()["environment"] = environment < 0 ? "none" : environmentStem(environment) + ".exr";
     }
     return states;
 }

@@ -87,7 +87,7 @@ TEST(LightingStates, ATransformsFileNamesThemAndSaysWhatEnvironmentTheyHave) {
                   (std::vector<StateEnvironment>{{"on", said}}));
     const std::pair<std::string, std::string> bad[] = {
         {"frame 0: state is a number, expected text", ""},
-        {"states: \"on\": environment is a number", R"("states": {"on": {"environment": 2}}, )"},
+        {"states: \"on\": environment: expected a text", R"("states": {"on": {"environment": 2}}, )"},
         {"states: \"on\": environment is \"sunny\"", R"("states": {"on": {"environment": "sunny"}}, )"},
         {"states: \"off\": no frame names this state", R"("states": {"off": {}}, )"},
         {"states: \"on\": is a number", R"("states": {"on": 1}, )"},

@@ -53,7 +53,7 @@ double skyError(const std::vector<Rgb>& cells, int side, Sky sky) {
         for (int c = 0; c < grid.cells(); ++c)
             found += DVec3(cells[size_t(c)]) * double(std::max(0.0f, glm::dot(normal, grid.direction(c))));
         const DVec3 truth =
-            DVec3(test::skyIrradiance([&](const Vec3& d) { return test::KnownWorld::sky(d, sky); }, normal));
+            DVec3(test::skyIrradiance([&](const Vec3& d) { return test::KnownWorld::skyAt(sky, d); }, normal));
         const DVec3 off = found * double(grid.cellSolidAngle()) - truth;
         squares += glm::dot(off, off);
         all += glm::dot(truth, truth);
@@ -100,6 +100,20 @@ TEST(StateEnvironments, AreFoundEachByItselfAndAShotKeepsThem) {
     EXPECT_EQ(shot.estimate.otherEnvironments[0].environment, found.otherEnvironments[0].environment);
     for (size_t state = 0; state < 3; ++state)
         EXPECT_EQ(shot.estimate.states[state].environment, found.states[state].environment);
+
+    const test::TemporaryFolder broken;
+    std::filesystem::copy(place, broken / "room.relamp", std::filesystem::copy_options::recursive);
+    nlohmann::json document = nlohmann::json::parse(std::ifstream(place / "shot.json"));
+    document["states"][2]["environment"] = "sky.exr";
+    std::ofstream(broken / "room.relamp" / "shot.json") << document.dump();
+    try {
+        openShot(broken / "room.relamp", false, s.progress);
+        ADD_FAILURE() << "a shot with an environment that does not exist was opened";
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("states[2].environment: is sky.exr, expected environment.exr"),
+                  std::string::npos)
+            << error.what();
+    }
 
     // Frames of a view have the light of its state, and a state can be asked for.
     const LookTrack track(Look{});

@@ -51,6 +51,17 @@ try:
     assert shot.albedo.shape == (81, 3) and shot.confidence.shape == (81,)
     assert shot.info["version"] == 2 and "look" not in shot.info
 
+    # Lighting states: told by pattern, one of them without a sky, asked for by name.
+    assert "states" not in shot.info
+    raises(relamp.Error, "state: no lighting state of the photographs is called night",
+           lambda: shot.render(state="night"))
+    raises(relamp.Error, "--state-environment night=own: no photograph is of this state",
+           lambda: relamp.solve(capture, folder / "b.relamp", state_environments={"night": "own"}))
+    dark = relamp.solve(capture, folder / "b.relamp", quality="draft", states={"day": "*", "night": "*2.hdr"},
+                        state_environments={"night": "none"})
+    assert [state["name"] for state in dark.info["states"]] == ["day", "night"]
+    assert dark.render(state="day", samples=1).beauty.max() > 0 == dark.render(state="night", samples=1).beauty.max()
+
     # Arrays are views that outlive their owner and may not be written to.
     assert numpy.shares_memory(shot.positions, shot.positions)
     raises(ValueError, "read-only", lambda: shot.positions.__setitem__((0, 0), 1))

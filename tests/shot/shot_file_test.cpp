@@ -386,7 +386,7 @@ TEST_F(ShotFile, NamesTheFieldOfShotJsonThatIsBad) {
         const char* message;
     } cases[] = {
         {"/version", "", "version: is missing"},
-        {"/version", "3", "version: is 3, expected 1 or 2"},
+        {"/version", "4", "version: is 4, expected 1 to 3"},
         {"/version", "\"1\"", "version: expected a number"},
         {"/capture", "", "capture: is missing"},
         {"/capture", "5", "capture: expected a text"},

@@ -29,8 +29,8 @@ auto fieldsOf(EmitterClusters& c) {
     return std::tie(emitters, rejected);
 }
 auto fieldsOf(Leaf& leaf) {
-    auto& [level, x, y] = leaf;
-    return std::tie(level, x, y);
+    auto& [level, x, y, environment] = leaf;
+    return std::tie(level, x, y, environment);
 }
 auto fieldsOf(Lobe& lobe) {
     auto& [kind, alpha, name, measured, parts, fraction] = lobe;

@@ -31,7 +31,7 @@ Rgb paintPoint(const KnownWorld& world, const RayTracer& tracer, const Vec3& pos
         const Vec2 u = (Vec2(float(i % side), float(i / side)) + shift) / float(side);
         const Vec3 d = frame * cosineHemisphere(u);
         if (!tracer.occluded({origin, d, 0, 1e30f}))
-            irradiance += DVec3(KnownWorld::sky(d, sky)) * (piD / (side * side));
+            irradiance += DVec3(KnownWorld::skyAt(sky, d)) * (piD / (side * side));
     }
     for (int i = 0; emitter > 0 && i < emitterSide * emitterSide; ++i) {
         const Vec2 u =
@@ -124,7 +124,7 @@ KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool emitter, in
             const Vec3 d = camera.rayDirection(Vec2(p % 96 + 0.5f, p / 96 + 0.5f));
             const Hit hit = scene.tracer->closest({Vec3(camera.position()), d, 0, 1e30f});
             if (!hit) {
-                image.pixels[p] = KnownWorld::sky(d, sky);
+                image.pixels[p] = KnownWorld::skyAt(sky, d);
                 return;
             }
             if (shines[hit.triangle]) {
@@ -141,7 +141,7 @@ KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool emitter, in
                 const Vec3 mirrored = glm::reflect(d, normal);
                 image.pixels[p] = scene.tracer->occluded({scene.pointOf(hit) + normal * 1e-4f, mirrored, 0, 1e30f})
                                       ? Rgb(0)
-                                      : world.ballTint * KnownWorld::sky(mirrored, sky);
+                                      : world.ballTint * KnownWorld::skyAt(sky, mirrored);
                 return;
             }
             const Vec2 b = hit.barycentric;

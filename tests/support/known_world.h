@@ -26,7 +26,7 @@ struct KnownWorld {
 
     /// Distant radiance: bluish above, a broad warm glow to one side, dim below.
     enum class Sky { none, day, evening };
-    static Rgb sky(const Vec3& d, Sky which) {
+    static Rgb skyAt(Sky which, const Vec3& d) {
         // The glow has gone round, and all is redder and dimmer.
         if (which == Sky::evening) return Rgb(0.6f, 0.4f, 0.3f) * sky({-d.x, -d.y, d.z});
         return which == Sky::day ? sky(d) : Rgb(0);

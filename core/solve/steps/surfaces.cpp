@@ -112,8 +112,27 @@ void askAlbedoStrength(SolveRun& s, const Irradiance& irradiance) {
 
 bool mayShowEmitters(const SolveRun& s) { return s.in.options.meshError > 0 && !s.emitters.surfaces.empty(); }
 
+namespace {
+
+/// What the model does not hold of the light is a part of the light there is, not of what arrives: in a state without
+/// distant light a vertex in shadow shows hardly more than that, and another state tells its albedo.
+void unsureInTheDark(const SolveRun& s, Irradiance& irradiance) {
+    constexpr float missing = 0.01f;
+    std::vector<Rgb> brightest(s.in.scene.mesh.vertexCount(), Rgb(0));
+    const std::vector<uint32_t>& vertices = s.observed.matte.vertices;
+    for (size_t i = 0; i < vertices.size(); ++i)
+        brightest[vertices[i]] = glm::max(brightest[vertices[i]], irradiance.value[i]);
+    for (size_t i = 0; i < vertices.size(); ++i) {
+        const Rgb off = missing * (brightest[vertices[i]] - irradiance.value[i]);
+        irradiance.sigma[i] = glm::sqrt(irradiance.sigma[i] * irradiance.sigma[i] + off * off);
+    }
+}
+
+}  // namespace
+
 Irradiance unsureIrradiance(const SolveRun& s, const Irradiance& known) {
     Irradiance irradiance = unsureAtShadows(s.in.scene, s.observed.matte, known);
+    if (!s.in.samples.environmentOfState.empty()) unsureInTheDark(s, irradiance);
     return mayShowEmitters(s) ? unsureAboveWhite(s.observed.matte, std::move(irradiance)) : irradiance;
 }
 

@@ -95,7 +95,7 @@ TEST(LightPrior, OfTwoEnvironmentsIsTheSumOfBothAndHasTheGradientOfItsValue) {
     const Eigen::Index n = Eigen::Index(p.truth.leaves.size());
     p.anchors.emitterRadiance.clear();
     const LightPrior alone(p.truth.leaves, p.anchors, {});
-    const Eigen::VectorXd x = unknowns(p.truth, 1).head(n);
+    const Eigen::VectorXd x = unknowns(p.truth, 0).head(n);
     const LightLeaves both = LightLeaves::uniform(3, Mat3(1), {0, 1});
     ASSERT_EQ(Eigen::Index(both.size()), 2 * n);
     LightAnchors anchors = p.anchors;
@@ -103,18 +103,18 @@ TEST(LightPrior, OfTwoEnvironmentsIsTheSumOfBothAndHasTheGradientOfItsValue) {
     const LightPrior together(both, anchors, {});
     Eigen::VectorXd two(2 * n);
     two << x, 5 * x.reverse();
-    const double value = together.value(two, 1);
-    EXPECT_NEAR(value, alone.value(x, 1) + alone.value(x.reverse(), 1), 1e-9 * value) << "each in its own brightness";
+    const double value = together.value(two, 0);
+    EXPECT_NEAR(value, alone.value(x, 0) + alone.value(x.reverse(), 0), 1e-9 * value) << "each in its own brightness";
     Eigen::MatrixXd q = Eigen::MatrixXd::Zero(2 * n, 2 * n);
     Eigen::VectorXd moment = Eigen::VectorXd::Zero(2 * n), lower = moment;
-    together.add(two, 1, q, moment, lower);
+    together.add(two, 0, q, moment, lower);
     EXPECT_EQ(q.topRightCorner(n, n).cwiseAbs().maxCoeff(), 0);
     const Eigen::VectorXd slope = 2 * (q * two - moment);
     for (Eigen::Index i = 2; i < 2 * n; i += 17) {
         Eigen::VectorXd up = two, down = two;
         up(i) += 1e-5;
         down(i) -= 1e-5;
-        EXPECT_NEAR((together.value(up, 1) - together.value(down, 1)) / 2e-5, slope(i),
+        EXPECT_NEAR((together.value(up, 0) - together.value(down, 0)) / 2e-5, slope(i),
                     1e-3 * slope.cwiseAbs().maxCoeff())
             << i;
     }

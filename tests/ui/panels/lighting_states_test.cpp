@@ -22,7 +22,7 @@ struct SeveralStates : Panels {
             document["states"].push_back(
                 {{"name", name}, {"views", {"a"}}, {"emitters", {{{"id", lamp}, {"level", level}}}}});
         // Without its light the room has no sky either.
-        if (dark) document["states"][2]["environment"] = nullptr;
+        if (dark) document["states"][2]["environment"] = "none";
         std::ofstream(shot / "shot.json") << document.dump();
         editor->openNow(shot);
         until([&] { return !editor->job() && editor->estimate() && editor->estimate()->states.size() == 3; });
