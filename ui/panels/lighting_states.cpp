@@ -70,8 +70,9 @@ void drawLightingStates(Editor& editor) {
     const float mix = shownMix(editor.look(), *estimate, size_t(from), size_t(to));
     const size_t first = size_t(from), second = size_t(to);
     dragLook(editor, "##mix", "Mix lighting states", 100 * mix, {0.5f, 0, 100, "%.0f %%"},
-             fmt::format("From {} (0 %) to {} (100 %): every light goes evenly from one to the other.",
-                         shown(states[first].name), shown(states[second].name)),
+             fmt::format("From {} (0 %) to {} (100 %): {} evenly from one to the other.", shown(states[first].name),
+                         shown(states[second].name),
+                         environmentsDiffer(*estimate) ? "lights and environment go" : "every light goes"),
              [estimate, first, second](Look& look, float percent) {
                  showMix(look, *estimate, first, second, std::clamp(percent / 100, 0.0f, 1.0f));
              });
