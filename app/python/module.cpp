@@ -1,7 +1,6 @@
 // The module `relamp`: shots opened, solved, edited, rendered and exported from Python.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
-#include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
 #include <nlohmann/json.hpp>
@@ -145,13 +144,15 @@ private:
 };
 
 OpenShot solve(const fs::path& capture, const fs::path& output, const std::string& quality, const std::string& mode,
-               const py::object& texture, const std::map<std::string, std::string>& states,
-               const std::map<std::string, std::string>& environments, double timeBudget, uint64_t seed, int threads,
-               bool overwrite, const py::object& tell) {
+               const py::object& texture, const py::dict& states, const py::dict& environments, double timeBudget,
+               uint64_t seed, int threads, bool overwrite, const py::object& tell) {
     PipelineOptions options;
     CaptureFix& fix = options.load.fix;
-    for (const auto& [name, pattern] : states) fix.states.push_back({name, pattern});
-    for (const auto& [name, environment] : environments) fix.environments.push_back({name, environment});
+    // In their order: of patterns the last that matches counts.
+    for (const auto& [name, pattern] : states)
+        fix.states.push_back({name.cast<std::string>(), pattern.cast<std::string>()});
+    for (const auto& [name, environment] : environments)
+        fix.environments.push_back({name.cast<std::string>(), environment.cast<std::string>()});
     options.solve = solveOptionsFor(quality);
     options.solve.seed = seed;
     if (mode == "distant-only") options.solve.nearField = false;
@@ -261,9 +262,8 @@ void bindShot(py::module_& m) {
              py::arg("look") = py::none(), py::arg("state") = py::none(), py::arg("samples") = 8, py::arg("seed") = 1,
              py::arg("denoise") = true, py::arg("threads") = 0, py::arg("progress") = py::none(),
              "A frame through the lens of view `camera`; `pose` (worldFromCamera, 4 x 4, looks along -Z) puts it "
-             "elsewhere. `look`: a document in place of the shot's. `state`: the lighting state of the photographs "
-             "whose "
-             "light it edits.")
+             "elsewhere. `look`: a document in place of the shot's. `state`: the name of a lighting state, whose light "
+             "the look edits.")
         .def("export", &OpenShot::exportTo, py::arg("folder"), py::kw_only(), py::arg("look") = py::none(),
              py::arg("state") = py::none(), py::arg("overwrite") = false, py::arg("progress") = py::none(),
              "Writes lights, surfaces, cameras and environment for other programs (docs/interface.md 6).")
@@ -295,8 +295,7 @@ PYBIND11_MODULE(relamp, m) {
         py::arg("shot"), py::kw_only(), py::arg("progress") = py::none(), "Opens NAME.relamp.");
     m.def("solve", &python::solve, py::arg("capture"), py::arg("output"), py::kw_only(),
           py::arg("quality") = "standard", py::arg("mode") = "near-field", py::arg("texture") = py::none(),
-          py::arg("states") = std::map<std::string, std::string>{},
-          py::arg("state_environments") = std::map<std::string, std::string>{}, py::arg("time_budget") = 0.0,
+          py::arg("states") = py::dict(), py::arg("state_environments") = py::dict(), py::arg("time_budget") = 0.0,
           py::arg("seed") = 1, py::arg("threads") = 0, py::arg("overwrite") = false, py::arg("progress") = py::none(),
           "Solves a capture into the shot `output` and opens it. `progress(label, fraction)` is called about ten times "
           "a second; where it returns False the solve stops with relamp.Cancelled. `states`: lighting states by name, "
