@@ -9,6 +9,15 @@ namespace fs = std::filesystem;
 
 using Names = std::vector<std::string>;
 
+/// Captures and JSON files, from `folder` on.
+BrowserRequest captureRequest(const TemporaryFolder& folder) {
+    BrowserRequest request;
+    request.start = folder.path();
+    request.captures = true;
+    request.extensions = {".json"};
+    return request;
+}
+
 /// A browser drawn alone.
 struct Browsing : Panels {
     FileBrowser browser;
@@ -54,10 +63,7 @@ TEST(FileBrowserKeys, arrowsEnterAndBackspaceWalkThroughFolders) {
 TEST(FileBrowserKeys, captureFoldersAreChosenNotEntered) {
     const TemporaryFolder folder;
     folder.write("room/transforms.json", "{}");
-    BrowserRequest request;
-    request.start = folder.path();
-    request.captures = true;
-    request.extensions = {".json"};
+    const BrowserRequest request = captureRequest(folder);
     Browsing b(request);
     b.key(keyDown);
     b.key(keyEnter);
@@ -70,10 +76,7 @@ TEST(FileBrowserKeys, aColmapFolderIsACaptureLikeAnyOther) {
     folder.write("room/sparse/0/cameras.txt", "x");
     folder.write("room/sparse/0/images.txt", "x");
     folder.write("room/images/a.exr", "x");
-    BrowserRequest request;
-    request.start = folder.path();
-    request.captures = true;
-    request.extensions = {".json"};
+    const BrowserRequest request = captureRequest(folder);
     Browsing b(request);
     b.key(keyDown);
     b.key(keyEnter);
@@ -117,10 +120,7 @@ TEST(FileBrowserKeys, aFolderThatIsNoShotIsNeverReplaced) {
 TEST(FileBrowserKeys, aPathThatIsTypedNeedsNoFieldAndIsMendedWhereItWasWrong) {
     const TemporaryFolder folder;
     folder.write("room/transforms.json", "{}");
-    BrowserRequest request;
-    request.start = folder.path();
-    request.captures = true;
-    request.extensions = {".json"};
+    const BrowserRequest request = captureRequest(folder);
     const std::string path = (folder / "room").string();
     {
         Browsing b(request);
