@@ -18,10 +18,10 @@ namespace {
 
 constexpr float alike = 0.1f;                 ///< of log radiance: what background or surface may be off by
 constexpr float explained = 0.2f;             ///< up to which the background explains a vertex
+constexpr int wholeRange = 5;                 ///< cells of nine without which the background's range is not known
 constexpr float bend = 0.25f;                 ///< beyond which a vertex says no more
 constexpr float unknownBackground = alike;    ///< how well one that nobody saw would explain a vertex
 constexpr float unknownDiffers = -alike / 2;  ///< no surface of one radiance, before a background that nobody saw
-constexpr size_t leastViews = 2;              ///< that refute a surface
 constexpr int meanRings = 3;                  ///< of neighbours that a vertex is asked with
 constexpr size_t borderRings = 10;            ///< of neighbours by which the edges in the photographs may move a border
 constexpr float priorWeight = 0.05f;          ///< of a vertex that is sure
@@ -51,6 +51,7 @@ public:
         }
         low_.assign(sum.size(), Rgb(1e30f));
         high_.assign(sum.size(), Rgb(0));
+        around_.assign(sum.size(), 0);
         for (int y = 0; y < grid_.side; ++y)
             for (int x = 0; x < grid_.side; ++x)
                 for (int k = 0; k < 9; ++k) {
@@ -61,6 +62,7 @@ public:
                     const Rgb mean = sum[from] / float(pixels[from]);
                     low_[to] = glm::min(low_[to], mean);
                     high_[to] = glm::max(high_[to], mean);
+                    ++around_[to];
                     if (k == 4) ++known_;
                 }
         floor_ = samples.noiseFloor;
@@ -83,64 +85,65 @@ public:
     float distance(const Vec3& direction, const Rgb& radiance) const {
         const auto cell = size_t(grid_.cellOf(direction));
         if (!(high_[cell].x >= low_[cell].x)) return -1;
-        return logDistance(radiance, low_[cell], high_[cell], floor_);
+        const float apart = logDistance(radiance, low_[cell], high_[cell], floor_);
+        // Where few cells around are known the background may well show something else as well.
+        return around_[cell] < wholeRange && apart > alike ? -1 : apart;
     }
 
 private:
     DirectionGrid grid_{256};
     std::vector<Rgb> low_, high_;
+    std::vector<uint8_t> around_;                   ///< cells of the nine that are known
     size_t known_ = 0, shared_ = 0, agreeing_ = 0;  ///< cells: seen, seen by several views, alike to these
     float floor_ = 0;
 };
 
-struct Evidence {
-    /// How much better a surface explains what the photographs show at a vertex than the background does, in log
-    /// radiance: within [-bend, bend], 0 where they tell nothing.
-    std::vector<float> better;
-    std::vector<uint8_t> asBackground;  ///< 1: photographs of the vertex show about what the background does there
-};
+/// How much better a surface explains a vertex than the background does, in log radiance: within [-bend, bend].
+/// `apart`: of each photograph from the others, none of a single one. `off`: from the background, where it is known.
+float surfaceBefore(std::vector<float> apart, std::vector<float> off) {
+    const size_t views = apart.size(), known = off.size();
+    const float differs = views ? medianOf(std::move(apart)) : 0;
+    float least = known ? medianOf(off) : 0;
+    // A few directions in which the background is something else tell nothing of the others.
+    if (known == 0 || (least > explained && 2 * known < views)) {
+        if (differs > bend) return unknownDiffers;
+        return views ? std::max(0.0f, alike - differs) : 0;
+    }
+    // Prints finer than the mesh differ between views as well: the background has to explain them.
+    if (least > explained) return bend;
+    if (views == 0) return least < alike ? unknownDiffers : 0;
+    if (known < views) {
+        off.resize(views, unknownBackground);
+        least = std::max(least, medianOf(std::move(off)));
+    }
+    return std::clamp(least - differs, -bend, bend);
+}
 
-Evidence evidenceOf(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
-                    const Background& background, const std::vector<uint8_t>& isLight) {
-    Evidence evidence{std::vector<float>(scene.mesh.vertexCount(), 0),
-                      std::vector<uint8_t>(scene.mesh.vertexCount(), 0)};
-    std::vector<float>& better = evidence.better;
+/// Per vertex surfaceBefore; 0 where photographs tell nothing.
+std::vector<float> evidenceOf(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                              const Background& background, const std::vector<uint8_t>& isLight) {
+    std::vector<float> better(scene.mesh.vertexCount(), 0);
     const float floor = samples.noiseFloor;
     parallelFor(better.size(), 256, [&](size_t v) {
         if (isLight[v]) better[v] = bend;
         if (isLight[v] || !scene.referenced[v]) return;
-        std::vector<float> asSurface, asBackground;
+        std::vector<float> apart, off;
         for (uint32_t k = samples.start[v]; k < samples.start[v + 1]; ++k) {
             const RadianceSample& s = samples.samples[k];
             if (s.clipped) continue;
             const Vec3 eye(capture.views[s.view].camera.position());
-            const float apart = background.distance(glm::normalize(scene.mesh.positions[v] - eye), s.radiance);
-            if (apart >= 0) asBackground.push_back(apart);
+            const float distance = background.distance(glm::normalize(scene.mesh.positions[v] - eye), s.radiance);
+            if (distance >= 0) off.push_back(distance);
             const std::optional<Rgb> others = medianObservation(samples, uint32_t(v), s.view);
             if (!others) continue;
             float sum = 0;
             for (int c = 0; c < 3; ++c)
                 sum += std::abs(std::log(std::max(s.radiance[c], floor) / std::max((*others)[c], floor)));
-            asSurface.push_back(sum / 3);
+            apart.push_back(sum / 3);
         }
-        const size_t views = asSurface.size();
-        const float differs = views < leastViews ? 0 : medianOf(std::move(asSurface));
-        const size_t known = asBackground.size();
-        if (known == 0) {
-            if (differs > bend) better[v] = unknownDiffers;
-            if (views >= leastViews && differs < alike) better[v] = alike - differs;
-            return;
-        }
-        float off = medianOf(asBackground);
-        if (known < views) {
-            asBackground.resize(views, unknownBackground);
-            off = std::max(off, medianOf(std::move(asBackground)));
-        }
-        // Prints finer than the mesh differ between views as well: the background has to explain them.
-        better[v] = off > explained ? bend : std::clamp(off - differs, -bend, bend);
-        evidence.asBackground[v] = known >= leastViews && off < alike;
+        better[v] = surfaceBefore(std::move(apart), std::move(off));
     });
-    return evidence;
+    return better;
 }
 
 /// The mean over a few rings of neighbours.
@@ -234,7 +237,7 @@ std::vector<float> likeness(const Scene& scene, const RadianceSamples& samples) 
 }
 
 /// Skirts up to the edges that photographs show: vertices near their borders are labelled anew.
-std::vector<uint8_t> delimited(const Scene& scene, const RadianceSamples& samples, const Evidence& evidence,
+std::vector<uint8_t> delimited(const Scene& scene, const RadianceSamples& samples, const std::vector<float>& better,
                                const std::vector<uint8_t>& isLight, const std::vector<uint8_t>& skirt) {
     std::vector<size_t> rings(skirt.size(), ~size_t(0));  // from the other kind
     std::vector<uint32_t> reached;
@@ -255,10 +258,9 @@ std::vector<uint8_t> delimited(const Scene& scene, const RadianceSamples& sample
     }
     std::vector<LabelPrior> priors(skirt.size());
     for (size_t v = 0; v < skirt.size(); ++v) {
-        const float better = evidence.better[v];
         if (rings[v] >= borderRings || isLight[v])
             priors[v] = {skirt[v] && !isLight[v] ? 0.0f : 1.0f, std::numeric_limits<float>::infinity()};
-        else priors[v] = {better > 0 ? 1.0f : 0.0f, priorWeight * std::abs(better) / bend};
+        else priors[v] = {better[v] > 0 ? 1.0f : 0.0f, priorWeight * std::abs(better[v]) / bend};
     }
     const std::vector<float> labels = randomWalkerLabels(scene.graph, likeness(scene, samples), priors);
     std::vector<uint8_t> result(skirt.size());
@@ -267,9 +269,8 @@ std::vector<uint8_t> delimited(const Scene& scene, const RadianceSamples& sample
 }
 
 /// Vertices of skirts: large regions, at a rim of the mesh, that the background explains and a surface does not.
-std::vector<uint8_t> skirtsOf(const Scene& scene, const RadianceSamples& samples, const Evidence& evidence,
+std::vector<uint8_t> skirtsOf(const Scene& scene, const RadianceSamples& samples, const std::vector<float>& better,
                               const std::vector<uint8_t>& isLight) {
-    const std::vector<float>& better = evidence.better;
     const std::vector<float> around = overNeighbours(scene, better);
     const std::vector<uint8_t> rim = rimVertices(scene.mesh);
     const size_t least = std::max<size_t>(leastRegion, better.size() / 500);
@@ -287,7 +288,7 @@ std::vector<uint8_t> skirtsOf(const Scene& scene, const RadianceSamples& samples
         for (const uint32_t v : region) skirt[v] = 1;
     }
     const std::vector<uint8_t> found = skirt;
-    skirt = delimited(scene, samples, evidence, isLight, skirt);
+    skirt = delimited(scene, samples, better, isLight, skirt);
     dropIslands(scene, found, skirt);
     addIslands(scene, 2 * least, isLight, skirt);
     return skirt;
@@ -299,8 +300,8 @@ std::vector<uint32_t> freeSpaceTriangles(const Scene& scene, const Capture& capt
                                          const std::vector<uint8_t>& isLight, Progress& progress) {
     const Background background(capture, samples);
     if (background.known() < leastBackground || !background.distant()) return {};
-    const Evidence evidence = evidenceOf(scene, capture, samples, background, isLight);
-    const std::vector<uint8_t> skirt = skirtsOf(scene, samples, evidence, isLight);
+    const std::vector<float> better = evidenceOf(scene, capture, samples, background, isLight);
+    const std::vector<uint8_t> skirt = skirtsOf(scene, samples, better, isLight);
     const auto corners = [&](uint32_t t) {
         int count = 0;
         for (const uint32_t v : scene.mesh.triangles[t]) count += skirt[v];
@@ -308,7 +309,7 @@ std::vector<uint32_t> freeSpaceTriangles(const Scene& scene, const Capture& capt
     };
     const auto isSurface = [&](uint32_t t) {
         const Triangle& at = scene.mesh.triangles[t];
-        return std::any_of(at.begin(), at.end(), [&](uint32_t v) { return evidence.better[v] > alike; });
+        return std::any_of(at.begin(), at.end(), [&](uint32_t v) { return better[v] > alike; });
     };
     // Pixels that show the background through a skirt deny all that lies along their ray.
     std::vector<uint32_t> passed(scene.mesh.triangles.size(), 0), stopped = passed;
