@@ -18,7 +18,7 @@ int exportShot(const ExportArguments& a, Progress& progress) {
     const Scene scene = buildScene(shot.capture.mesh, progress, ownAxes(shot.capture));
     const RelitScene relit = applyLook(scene, shot.estimate, look, progress);
     progress.check();
-    exportScene(shot, relit, a.output, a.overwrite, inputs);
+    for (const std::string& line : exportScene(shot, relit, a.output, a.overwrite, inputs)) logInfo("{}", line);
     logInfo("{}: {}, environment, materials and {} written", a.output.string(), counted(relit.emitters.size(), "light"),
             counted(shot.capture.views.size(), "camera"));
     return 0;

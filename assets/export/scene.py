@@ -17,6 +17,7 @@ import sys
 import bpy
 import mathutils
 
+LEVEL = "relamp level"
 FOLDER = os.path.dirname(os.path.abspath(__file__))
 
 
@@ -60,9 +61,14 @@ def maths(nodes, links, operation, a, b=None):
 
 
 def strength_of(light, nodes, links):
-    """1, or what the front's side, cone and focus leave; None where nothing is to be multiplied."""
+    """1, or what the front's side, uneven radiance, cone and focus leave; None where nothing is to be multiplied."""
     geometry = nodes.new("ShaderNodeNewGeometry")
     strength = None if light["two_sided"] else maths(nodes, links, "SUBTRACT", 1, geometry.outputs["Backfacing"])
+    if "levels" in light:
+        level = nodes.new("ShaderNodeAttribute")
+        level.attribute_name = LEVEL
+        own = level.outputs["Fac"]
+        strength = own if strength is None else maths(nodes, links, "MULTIPLY", strength, own)
     shaping = light.get("shaping", {})
     for key in ("ies_file", "gobo_file", "surface_file"):
         if key in shaping:
@@ -107,6 +113,8 @@ def add_light(light, base):
         thing.rotation_quaternion = mathutils.Vector(light["direction"]).to_track_quat("-Z", "Y")
     else:
         thing = mesh_of(light["name"], light["positions"], light["triangles"], base)
+        if "levels" in light:
+            thing.data.attributes.new(LEVEL, "FLOAT", "POINT").data.foreach_set("value", light["levels"])
         material, nodes, links, output = new_material(light["name"])
         emission = nodes.new("ShaderNodeEmission")
         strongest = max(max(light["radiance"]), 1e-30)

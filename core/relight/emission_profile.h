@@ -25,6 +25,11 @@ public:
     Rgb shown(const Vec3& away, const Vec3& point) const {
         return patternAt(point) * byDirection(away * toWorld_) * (surface_ ? surface_->mean : Rgb(1));
     }
+    bool even() const { return !pattern_; }
+    /// Of a recovered emitter that shines unevenly: radiance at `point` in parts of its level.
+    float patternAt(const Vec3& point) const {
+        return pattern_ ? pattern_->at(Vec3(toSurface_ * Vec4(point, 1))) : 1.0f;
+    }
     /// Power in parts of what the light sends without shaping. Cost: 4096 directions.
     Rgb mean() const;
     /// The unit direction it shines along.
@@ -43,9 +48,6 @@ private:
     std::shared_ptr<const EmissionPattern> pattern_;
 
     Rgb byDirection(const Vec3& local) const;
-    float patternAt(const Vec3& point) const {
-        return pattern_ ? pattern_->at(Vec3(toSurface_ * Vec4(point, 1))) : 1.0f;
-    }
 };
 
 struct EmissionProfile {

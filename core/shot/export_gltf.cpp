@@ -19,6 +19,7 @@ struct Document {
               {"scene", 0},
               {"extensionsUsed", {"KHR_materials_emissive_strength", "KHR_materials_specular"}}};
     std::string buffer;
+    std::map<std::string, Image> images;
 
     /// Appends `bytes` as a view and an accessor over it; returns the accessor's number.
     int add(const void* bytes, size_t size, size_t count, int component, const char* type, int target) {
@@ -37,6 +38,13 @@ struct Document {
     int vectors(const std::vector<Vec3>& values) {
         return add(values.data(), values.size() * sizeof(Vec3), values.size(), floats, "VEC3", vertexBuffer);
     }
+    /// The number of a texture that is not repeated.
+    int texture(const std::string& file, const std::string& name) {
+        root["samplers"] = {{{"magFilter", 9729}, {"minFilter", 9729}, {"wrapS", 33071}, {"wrapT", 33071}}};
+        root["images"].push_back({{"uri", file}, {"name", name}});
+        root["textures"].push_back({{"source", root["images"].size() - 1}, {"sampler", 0}});
+        return int(root["textures"].size()) - 1;
+    }
     void child(Json node) {
         root["nodes"].push_back(std::move(node));
         root["nodes"][0]["children"].push_back(root["nodes"].size() - 1);
@@ -49,6 +57,44 @@ int positions(Document& d, const ExportedComponent& component) {
     d.root["accessors"][size_t(at)]["min"] = {box.min.x, box.min.y, box.min.z};
     d.root["accessors"][size_t(at)]["max"] = {box.max.x, box.max.y, box.max.z};
     return at;
+}
+
+/// A texture of levels over the largest, 2 x 2 texels a triangle: its corners lie in the middle of three, the fourth
+/// lies in their plane, and so filtering is linear on the triangle. `places` becomes where the corners lie, v
+/// downwards.
+Image levelsOf(const ExportedComponent& component, float most, std::vector<Vec2>& places) {
+    const auto count = uint32_t(component.triangles.size());
+    const auto columns = uint32_t(std::ceil(std::sqrt(double(count)))), rows = (count + columns - 1) / columns;
+    Image image(int(2 * columns), int(2 * rows));
+    for (uint32_t t = 0; t < count; ++t) {
+        const Triangle& at = component.triangles[t];
+        const int x = int(2 * (t % columns)), y = int(2 * (t / columns));
+        const float a = component.level[at[0]] / most, b = component.level[at[1]] / most,
+                    c = component.level[at[2]] / most;
+        image.at(x, y) = Rgb(a);
+        image.at(x + 1, y) = Rgb(b);
+        image.at(x, y + 1) = Rgb(c);
+        image.at(x + 1, y + 1) = Rgb(std::clamp(b + c - a, 0.0f, 1.0f));
+        for (const Vec2 corner : {Vec2(0.5f), Vec2(1.5f, 0.5f), Vec2(0.5f, 1.5f)})
+            places.push_back((Vec2(x, y) + corner) / Vec2(image.width, image.height));
+    }
+    return image;
+}
+
+/// With vertices that belong to one triangle each.
+ExportedComponent cornersApart(const ExportedComponent& component) {
+    ExportedComponent apart = component;
+    apart.positions.clear();
+    apart.normals.clear();
+    apart.texcoords.clear();
+    for (Triangle& t : apart.triangles)
+        for (uint32_t& v : t) {
+            apart.positions.push_back(component.positions[v]);
+            apart.normals.push_back(component.normals[v]);
+            if (!component.texcoords.empty()) apart.texcoords.push_back(component.texcoords[v]);
+            v = uint32_t(apart.positions.size()) - 1;
+        }
+    return apart;
 }
 
 Json materialOf(const ExportedComponent& component) {
@@ -77,8 +123,10 @@ Json materialOf(const ExportedComponent& component) {
     return material;
 }
 
-void addComponent(Document& d, const ExportedComponent& component, const DVec3& origin) {
-    if (component.triangles.empty()) return;
+void addComponent(Document& d, const ExportedComponent& given, const DVec3& origin) {
+    if (given.triangles.empty()) return;
+    const bool uneven = !given.level.empty();
+    const ExportedComponent component = uneven ? cornersApart(given) : given;
     static_assert(sizeof(Vec3) == 12 && sizeof(Triangle) == 12);
     Json attributes{{"POSITION", positions(d, component)}, {"NORMAL", d.vectors(component.normals)}};
     if (!component.texcoords.empty()) {
@@ -90,7 +138,19 @@ void addComponent(Document& d, const ExportedComponent& component, const DVec3& 
     if (!component.emits && !component.textured) attributes["COLOR_0"] = d.vectors(component.albedo);
     const int faces = d.add(component.triangles.data(), component.triangles.size() * sizeof(Triangle),
                             component.triangles.size() * 3, indices, "SCALAR", indexBuffer);
-    d.root["materials"].push_back(materialOf(component));
+    Json material = materialOf(component);
+    if (uneven) {
+        const float most = std::max(*std::max_element(given.level.begin(), given.level.end()), 1e-6f);
+        const std::string file = fmt::format("emission-{}.png", d.images.size() + 1);
+        const int set = component.texcoords.empty() ? 0 : 1;
+        std::vector<Vec2> places;
+        d.images[file] = levelsOf(given, most, places);
+        attributes[fmt::format("TEXCOORD_{}", set)] = d.places(places);
+        material["emissiveTexture"] = {{"index", d.texture(file, component.name)}, {"texCoord", set}};
+        Json& strength = material["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"];
+        strength = strength.get<float>() * most;
+    }
+    d.root["materials"].push_back(std::move(material));
     d.root["meshes"].push_back(
         {{"name", component.name},
          {"primitives",
@@ -122,18 +182,15 @@ void addView(Document& d, const ExportedView& view, const DVec3& origin) {
 Gltf gltfOf(const ExportedScene& scene, const std::string& bufferFile, const std::string& textureFile) {
     Document d;
     if (std::any_of(scene.components.begin(), scene.components.end(),
-                    [](const ExportedComponent& c) { return c.textured; })) {
-        d.root["images"] = {{{"uri", textureFile}, {"name", "albedo"}}};
-        d.root["samplers"] = {{{"magFilter", 9729}, {"minFilter", 9729}, {"wrapS", 33071}, {"wrapT", 33071}}};
-        d.root["textures"] = {{{"source", 0}, {"sampler", 0}}};
-    }
+                    [](const ExportedComponent& c) { return c.textured; }))
+        d.texture(textureFile, "albedo");
     const double half = std::sqrt(0.5);
     d.root["nodes"].push_back({{"name", "relamp"}, {"rotation", {-half, 0, 0, half}}, {"children", Json::array()}});
     d.root["scenes"] = {{{"nodes", {0}}}};
     for (const ExportedComponent& component : scene.components) addComponent(d, component, scene.origin);
     for (const ExportedView& view : scene.views) addView(d, view, scene.origin);
     d.root["buffers"] = {{{"uri", bufferFile}, {"byteLength", d.buffer.size()}}};
-    return {dumpJson(d.root, 1) + "\n", d.buffer};
+    return {dumpJson(d.root, 1) + "\n", d.buffer, std::move(d.images)};
 }
 
 }  // namespace relamp

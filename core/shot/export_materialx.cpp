@@ -14,6 +14,13 @@ std::string colour(const char* name, const Rgb& c) {
 }
 
 std::string emitterShader(const ExportedComponent& p, const std::string& name) {
+    if (!p.level.empty())
+        return fmt::format("  <geompropvalue name=\"{}_emission\" type=\"color3\">\n", name) +
+               input("geomprop", "string", "emission") + "  </geompropvalue>\n" +
+               fmt::format("  <surface_unlit name=\"{}_shader\" type=\"surfaceshader\">\n", name) +
+               input("emission", 1.0f) +
+               fmt::format("    <input name=\"emission_color\" type=\"color3\" nodename=\"{}_emission\" />\n", name) +
+               "  </surface_unlit>\n";
     const float brightest = maxChannel(p.radiance) > 0 ? maxChannel(p.radiance) : 0.0f;
     return fmt::format("  <surface_unlit name=\"{}_shader\" type=\"surfaceshader\">\n", name) +
            input("emission", brightest) + colour("emission_color", brightest > 0 ? p.radiance / brightest : Rgb(0)) +

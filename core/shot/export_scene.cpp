@@ -110,6 +110,12 @@ ExportedComponent componentOf(const RelitScene& relit, const std::vector<FaceTex
     return component;
 }
 
+/// With the names of the copies beside the scene.
+Json exportedShaping(LightShaping shaping) {
+    for (fs::path* file : {&shaping.iesFile, &shaping.goboFile, &shaping.surfaceFile}) *file = file->filename();
+    return shapingToJson(shaping);
+}
+
 Json lightsJson(const Shot& shot, const ExportedScene& scene, bool interreflection) {
     Json lights = Json::array();
     for (const ExportedComponent& p : scene.components) {
@@ -143,8 +149,9 @@ Json lightsJson(const Shot& shot, const ExportedScene& scene, bool interreflecti
                           {"positions", positions},
                           {"triangles", triangles}});
         if (!p.shadows) lights.back()["shadows"] = false;
+        if (!p.level.empty()) lights.back()["levels"] = p.level;
         if (!p.shaping.plain()) {
-            lights.back()["shaping"] = shapingToJson(p.shaping);
+            lights.back()["shaping"] = exportedShaping(p.shaping);
             lights.back()["shaping"]["axis"] = listOf(p.axis);
         }
     }
@@ -197,6 +204,40 @@ void writeMaterials(const fs::path& file, const RelitScene& relit, const DVec3& 
     writeVertexPly(file, relit.scene.mesh, properties, origin);
 }
 
+/// What light shapes are made of is copied beside the scene, which names the copies. Two files of one name get two.
+void copyShapingFiles(ExportedScene& scene, const fs::path& folder, const InputFiles& inputs) {
+    std::map<std::string, fs::path> copies;  // by name
+    for (ExportedComponent& component : scene.components)
+        for (fs::path* file :
+             {&component.shaping.iesFile, &component.shaping.goboFile, &component.shaping.surfaceFile}) {
+            if (file->empty()) continue;
+            const std::string stem = file->stem().string(), extension = file->extension().string();
+            std::string name = stem + extension;
+            for (int i = 2; !copies.emplace(name, *file).second && copies[name] != *file; ++i)
+                name = fmt::format("{}-{}{}", stem, i, extension);
+            inputs.refuse(folder / name);
+            writeBytesAtomically(folder / name, readBytes(*file));
+            *file = folder / name;
+        }
+}
+
+/// One line a light.
+std::vector<std::string> leftOut(const ExportedScene& scene) {
+    std::vector<std::string> lines;
+    for (const ExportedComponent& c : scene.components) {
+        if (c.shaping.plain()) continue;
+        std::string line =
+            fmt::format("{}: lights.gltf, surfaces.obj and materials.mtlx have its radiance without its shape", c.name);
+        if (!c.shaping.goboFile.empty() || !c.shaping.surfaceFile.empty())
+            line += "; lights.usda and scene.py leave its images out";
+        lines.push_back(line);
+    }
+    for (const ExportedComponent& c : scene.components)
+        if (!c.level.empty())
+            lines.push_back(fmt::format("{}: surfaces.obj has the mean of its uneven radiance", c.name));
+    return lines;
+}
+
 }  // namespace
 
 ExportedScene exportedScene(const RelitScene& relit, const Capture& capture) {
@@ -214,9 +255,12 @@ ExportedScene exportedScene(const RelitScene& relit, const Capture& capture) {
         if (emitter.sunDegrees > 0 && !emitter.surface.normals.empty())
             scene.components.back().axis = emitter.surface.normals[0];
         if (const ShapedEmission* shaped = emitter.emission.shaped.get()) {
-            scene.components.back().shaping = shaped->shaping();
-            scene.components.back().axis = shaped->axis();
-            scene.components.back().shapedFraction = shaped->mean();
+            ExportedComponent& light = scene.components.back();
+            light.shaping = shaped->shaping();
+            light.axis = shaped->axis();
+            light.shapedFraction = shaped->mean();
+            for (size_t v = 0; !shaped->even() && v < light.positions.size(); ++v)
+                light.level.push_back(shaped->patternAt(light.positions[v] + light.origin));
         }
         scene.components.back().emits = true;
         scene.components.back().twoSided = emitter.surface.twoSided;
@@ -252,8 +296,8 @@ std::string transformsOf(const Capture& capture, const fs::path& folder, const s
     return dumpJson({{"mesh_path", meshFile}, {"up", "z"}, {"frames", frames}}, 1) + "\n";
 }
 
-void exportScene(const Shot& shot, const RelitScene& relit, const fs::path& folder, bool overwrite,
-                 const InputFiles& inputs) {
+std::vector<std::string> exportScene(const Shot& shot, const RelitScene& relit, const fs::path& folder, bool overwrite,
+                                     const InputFiles& inputs) {
     std::error_code failed;
     if (fs::exists(folder, failed) &&
         (!fs::is_directory(folder, failed) || (!overwrite && !fs::is_empty(folder, failed))))
@@ -264,13 +308,18 @@ void exportScene(const Shot& shot, const RelitScene& relit, const fs::path& fold
         inputs.refuse(folder / name);
     fs::create_directories(folder, failed);
     if (failed) throw Error("{}: cannot be made ({})", folder.string(), failed.message());
-    const ExportedScene scene = exportedScene(relit, shot.capture);
+    ExportedScene scene = exportedScene(relit, shot.capture);
+    copyShapingFiles(scene, folder, inputs);
     writeEnvironment(folder / "environment.exr", *relit.distant);
     writeMaterials(folder / "materials.ply", relit, shot.capture.origin);
     writeBytesAtomically(folder / "transforms.json", transformsOf(shot.capture, folder, "materials.ply"));
     writeBytesAtomically(folder / "lights.usda", usdaOf(scene, "environment.exr"));
     const Gltf gltf = gltfOf(scene, "lights.bin");
     writeBytesAtomically(folder / "lights.bin", gltf.buffer);
+    for (const auto& [name, image] : gltf.images) {
+        inputs.refuse(folder / name);
+        writeImage(folder / name, image);
+    }
     writeBytesAtomically(folder / "lights.gltf", gltf.json);
     const Obj obj = objOf(scene, "surfaces.mtl");
     writeBytesAtomically(folder / "surfaces.mtl", obj.materials);
@@ -288,6 +337,7 @@ void exportScene(const Shot& shot, const RelitScene& relit, const fs::path& fold
     }
     writeBytesAtomically(folder / "lights.json",
                          dumpJson(lightsJson(shot, scene, !relit.bounced.world.empty()), 1) + "\n");
+    return leftOut(scene);
 }
 
 }  // namespace relamp

@@ -1,6 +1,7 @@
 // The scene for other programs: lights as JSON, USD and glTF, the environment, the materials and the cameras.
 #pragma once
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,7 @@ struct ExportedComponent {
     bool textured = false;            ///< its colour is the texture's; else `albedo`
     std::vector<Triangle> triangles;  ///< counter-clockwise from outside
     Rgb radiance{0};                  ///< emitted, linear Rec.709; where it is shaped: the shaping's unit
+    std::vector<float> level{};       ///< per vertex, emitted radiance in parts of `radiance`; empty: even
     LightShaping shaping{};           ///< of an added light
     Vec3 axis{0, 0, -1};              ///< that the shaping counts from, unit
     Rgb shapedFraction{1};            ///< of the power that it would have without shaping
@@ -55,16 +57,19 @@ ExportedScene exportedScene(const RelitScene& relit, const Capture& capture);
 
 /// USD as text: a Mesh with MeshLightAPI and an emissive UsdPreviewSurface per emitter, a DomeLight over
 /// `environmentFile`, a Camera per view, ShapingAPI where a light has a cone, focus or photometric file, the rest of
-/// the mesh with its albedo as displayColor, or as a UsdUVTexture of `textureFile` (linear). Z up, metres. Prims are
-/// called after their emitters, channel-safe; ids stand in relamp:id.
+/// the mesh with its albedo as displayColor, or as a UsdUVTexture of `textureFile` (linear). A light that shines
+/// unevenly takes its emission from its material, whose colour is the primvar emission. Z up, metres. Prims are called
+/// after their emitters, channel-safe; ids stand in relamp:id.
 std::string usdaOf(const ExportedScene& scene, const std::string& environmentFile,
                    const std::string& textureFile = "albedo.exr");
 
 /// glTF 2.0 with its binary buffer, to be stored as `bufferFile` beside it: emitters are meshes whose material has
-/// emissiveFactor and KHR_materials_emissive_strength (radiance = factor x strength), the rest has its albedo as
-/// COLOR_0, or as baseColorTexture from `textureFile` (sRGB), cameras are nodes. The root turns Z up to glTF's Y up.
+/// emissiveFactor and KHR_materials_emissive_strength (radiance = factor x strength), one that shines unevenly an
+/// emissiveTexture as well, the rest has its albedo as COLOR_0, or as baseColorTexture from `textureFile` (sRGB),
+/// cameras are nodes. The root turns Z up to glTF's Y up.
 struct Gltf {
     std::string json, buffer;
+    std::map<std::string, Image> images{};  ///< by file name, linear, to be stored as sRGB beside it
 };
 Gltf gltfOf(const ExportedScene& scene, const std::string& bufferFile, const std::string& textureFile = "albedo.png");
 
@@ -97,9 +102,10 @@ std::string transformsOf(const Capture& capture, const std::filesystem::path& fo
 /// Writes lights.json, lights.usda, lights.gltf with lights.bin, surfaces.obj with surfaces.mtl, materials.mtlx,
 /// scene.py for Blender, relight.nk for Nuke, environment.exr (float, 1024 x 512), materials.ply (all vertices: albedo,
 /// weights of every lobe, emitter) and transforms.json into `folder`, each whole or not at all. Where there is a
-/// texture also albedo.exr (linear) and albedo.png (sRGB, 8 bits). Throws Error when the folder holds something already
-/// and `overwrite` is false; OutOfResources when the disk is full.
-void exportScene(const Shot& shot, const RelitScene& relit, const std::filesystem::path& folder, bool overwrite,
-                 const InputFiles& inputs = {});
+/// texture also albedo.exr (linear) and albedo.png (sRGB, 8 bits); for each light that shines unevenly emission-N.png;
+/// copies of photometric files and images of lights. What formats cannot hold of a light's shape is returned in words.
+/// Throws Error when the folder holds something already and `overwrite` is false; OutOfResources when the disk is full.
+std::vector<std::string> exportScene(const Shot& shot, const RelitScene& relit, const std::filesystem::path& folder,
+                                     bool overwrite, const InputFiles& inputs = {});
 
 }  // namespace relamp

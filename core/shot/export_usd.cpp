@@ -51,7 +51,7 @@ std::string shapingOf(const LightShaping& shaping) {
         "        float inputs:shaping:focus = {}\n",
         shaping.coneDegrees, shaping.coneSoftness, shaping.focus);
     if (shaping.iesFile.empty()) return s;
-    std::string file = std::filesystem::absolute(shaping.iesFile).generic_string();
+    std::string file = "./" + shaping.iesFile.filename().generic_string();
     std::erase_if(file, [](char c) { return c == '@' || static_cast<unsigned char>(c) < 32; });
     return s + "        asset inputs:shaping:ies:file = @" + file +
            "@\n        bool inputs:shaping:ies:normalize = 0\n";
@@ -95,13 +95,21 @@ std::string meshOf(const ExportedComponent& given, const DVec3& origin, const st
              list(p.texcoords, [](const Vec2& v) { return fmt::format("({}, {})", v.x, v.y); }) +
              " (\n            interpolation = \"vertex\"\n        )\n";
     if (p.emits) {
-        const float brightest = maxChannel(p.radiance) > 0 ? maxChannel(p.radiance) : 0.0f;
+        const float brightest = !p.level.empty() ? 1.0f : std::max(maxChannel(p.radiance), 0.0f);
         // What is not normalised counts in candela, where ours is in parts of the largest.
         const float intensity = p.shaping.iesFile.empty() ? brightest : brightest / iesOf(p.shaping.iesFile)->most;
+        // A mesh light's emission is its material's, tinted, unless it says otherwise.
         s += fmt::format(
             "        color3f inputs:color = {}\n        float inputs:intensity = {}\n        bool inputs:normalize = "
-            "0\n",
-            tuple(brightest > 0 ? p.radiance / brightest : Rgb(1)), intensity);
+            "0\n        uniform token light:materialSyncMode = \"{}\"\n",
+            tuple(brightest > 0 && p.level.empty() ? p.radiance / brightest : Rgb(1)), intensity,
+            p.level.empty() ? "independent" : "materialGlowTintsLight");
+        if (!p.level.empty()) {
+            std::vector<Rgb> emission;
+            for (const float level : p.level) emission.push_back(level * p.radiance);
+            s += "        color3f[] primvars:emission = " + list(emission, tuple) +
+                 " (\n            interpolation = \"vertex\"\n        )\n";
+        }
         s += fmt::format("        rel material:binding = </relamp/Materials/{}>\n", name);
     } else if (p.textured) {
         s += fmt::format("        rel material:binding = </relamp/Materials/{}>\n", name);
@@ -129,14 +137,23 @@ std::string sunOf(const ExportedComponent& p, const std::string& name) {
 }
 
 std::string materialOf(const ExportedComponent& p, const std::string& name) {
+    const std::string reader =
+        p.level.empty()
+            ? ""
+            : "\n            def Shader \"glow\"\n            {\n                uniform token info:id = "
+              "\"UsdPrimvarReader_float3\"\n                string inputs:varname = \"emission\"\n                "
+              "float3 outputs:result\n            }\n";
+    const std::string emission = p.level.empty()
+                                     ? " = " + tuple(p.radiance)
+                                     : fmt::format(".connect = </relamp/Materials/{}/glow.outputs:result>", name);
     return fmt::format(
         "        def Material \"{0}\"\n        {{\n            token outputs:surface.connect = "
         "</relamp/Materials/{0}/surface.outputs:surface>\n\n"
         "            def Shader \"surface\"\n            {{\n                uniform token info:id = "
         "\"UsdPreviewSurface\"\n                color3f inputs:diffuseColor = (0, 0, 0)\n"
-        "                color3f inputs:emissiveColor = {1}\n                float inputs:roughness = 1\n              "
-        "  token outputs:surface\n            }}\n        }}\n\n",
-        name, tuple(p.radiance));
+        "                color3f inputs:emissiveColor{1}\n                float inputs:roughness = 1\n              "
+        "  token outputs:surface\n            }}\n{2}        }}\n\n",
+        name, emission, reader);
 }
 
 /// Roughness and coating; UsdPreviewSurface has no weight of the coating, so its index follows from the reflectance at

@@ -63,6 +63,10 @@ TEST_F(Blender, RendersTheRebuiltSceneAsRelampDoes) {
     // A principal point off the centre, so that the camera's shifts take part.
     shot.capture.views[0].camera.centreX += 2;
     shot.capture.views[0].camera.centreY -= 1.5;
+    // One end of the lamp shines twice as brightly as the other.
+    const std::vector<Vec3> ends{{0, 0.375f, 1}, {0, 0.625f, 1}, {0.5f, 0.375f, 1}, {0.5f, 0.625f, 1}};
+    relit.emitters[0].emission.shaped = std::make_shared<const ShapedEmission>(
+        std::make_shared<const EmissionPattern>(ends, std::vector<float>{1.33f, 1.33f, 0.67f, 0.67f}), Mat4(1));
     exportScene(shot, relit, folder / "out", false);
     const auto rendered = folder / "cycles.exr";
     const test::ProgramResult r =

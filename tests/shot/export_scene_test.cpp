@@ -102,7 +102,7 @@ TEST_F(ExportedShot, HasSunsAndShapedLightsAsUsdLuxHasThem) {
     look.added[1].shaping.iesFile = ies;
     const Scene scene = test::sceneOf(test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 2, 2));
     const RelitScene lit = test::relitOf(scene, shot.estimate, look);
-    exportScene(shot, lit, folder / "lights", false);
+    const std::vector<std::string> words = exportScene(shot, lit, folder / "lights", false);
     const std::string usd = test::TemporaryFolder::read(folder / "lights/lights.usda");
     for (const char* text : {"def DistantLight \"sun_1\"", "float inputs:angle = 0.53", "bool inputs:shadow:enable = 0",
                              "\"MeshLightAPI\", \"ShapingAPI\"", "inputs:shaping:cone:angle = 30", "beam.ies@",
@@ -115,12 +115,58 @@ TEST_F(ExportedShot, HasSunsAndShapedLightsAsUsdLuxHasThem) {
     EXPECT_EQ(lights[0]["direction"], (nlohmann::json{0, 0, -1}));
     EXPECT_EQ(lights[1]["shaping"]["cone_degrees"], 30);
     EXPECT_LT(lights[1]["flux"][0].get<double>(), 10 * piD * piD * 0.0025 / 4);
+    // The scene holds what its lights are made of, and says what formats leave out.
+    EXPECT_EQ(lights[1]["shaping"]["ies_file"], "beam.ies");
+    EXPECT_EQ(test::TemporaryFolder::read(folder / "lights/beam.ies"), test::TemporaryFolder::read(ies));
+    EXPECT_NE(usd.find("@./beam.ies@"), std::string::npos);
+    ASSERT_EQ(words.size(), 1u);
+    EXPECT_NE(words[0].find("spot-1: lights.gltf"), std::string::npos) << words[0];
     // A cone needs no photometric file.
     look.added[1].shaping.iesFile.clear();
     const std::string plain =
         usdaOf(exportedScene(test::relitOf(scene, shot.estimate, look), shot.capture), "environment.exr");
     EXPECT_NE(plain.find("inputs:shaping:cone:angle = 30"), std::string::npos);
     EXPECT_EQ(plain.find("ies:file"), std::string::npos);
+}
+
+TEST_F(ExportedShot, KeepsTheUnevenRadianceOfALight) {
+    // From 0.5 at its left end (x = 0) to 1.5 at its right one.
+    const std::vector<Vec3> ends{{0, 1.75f, 3}, {0, 2.25f, 3}, {2, 1.75f, 3}, {2, 2.25f, 3}};
+    relit.emitters[0].emission.shaped = std::make_shared<const ShapedEmission>(
+        std::make_shared<const EmissionPattern>(ends, std::vector<float>{0.5f, 0.5f, 1.5f, 1.5f}), Mat4(1));
+    const std::vector<std::string> words = exportScene(shot, relit, folder / "uneven", false);
+    ASSERT_EQ(words.size(), 1u);
+    EXPECT_NE(words[0].find("mean"), std::string::npos) << words[0];
+    const auto in = [&](const char* name) { return test::TemporaryFolder::read(folder / "uneven" / name); };
+    const auto light = nlohmann::json::parse(in("lights.json"))["lights"].at(0);
+    ASSERT_EQ(light["levels"].size(), light["positions"].size());
+    for (size_t v = 0; v < light["levels"].size(); ++v)
+        EXPECT_NEAR(light["levels"][v].get<double>(), 0.5 + light["positions"][v][0].get<double>() / 2, 0.01);
+    // Every corner of a triangle reads its level from the texture.
+    const auto gltf = nlohmann::json::parse(in("lights.gltf"));
+    const auto& part = gltf["meshes"][0]["primitives"][0];
+    const auto& material = gltf["materials"][part["material"].get<size_t>()];
+    EXPECT_NEAR(material["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"].get<double>(), 60, 0.5);
+    const auto& texture = gltf["textures"][material["emissiveTexture"]["index"].get<size_t>()];
+    const Image levels = readImage(folder / "uneven" / gltf["images"][texture["source"].get<size_t>()]["uri"]);
+    const std::string bytes = in("lights.bin");
+    const auto read = [&](const char* name, int size, size_t i, float* out) {
+        const auto& accessor = gltf["accessors"][part["attributes"][name].get<size_t>()];
+        const auto& view = gltf["bufferViews"][accessor["bufferView"].get<size_t>()];
+        std::memcpy(out, bytes.data() + view["byteOffset"].get<size_t>() + 4 * i * size_t(size), 4 * size_t(size));
+    };
+    for (size_t i = 0; i < 6; ++i) {
+        float position[3], place[2];
+        read("POSITION", 3, i, position);
+        read("TEXCOORD_0", 2, i, place);
+        const float level = levels.at(int(place[0] * float(levels.width)), int(place[1] * float(levels.height))).x;
+        EXPECT_NEAR(1.5f * level, 1 + position[0] / 2, 0.02f);
+    }
+    const std::string usd = in("lights.usda"), materials = in("materials.mtlx");
+    for (const char* text : {"color3f[] primvars:emission = [(", "\"materialGlowTintsLight\"",
+                             "emissiveColor.connect = </relamp/Materials/light_1/glow.outputs:result>"})
+        EXPECT_NE(usd.find(text), std::string::npos) << text;
+    EXPECT_NE(materials.find("nodename=\"light_1_emission\""), std::string::npos);
 }
 
 TEST_F(ExportedShot, HasEnvironmentMaterialsAndCameras) {
