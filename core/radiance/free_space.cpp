@@ -84,11 +84,10 @@ public:
     /// saw the background there.
     float distance(const Vec3& direction, const Rgb& radiance) const {
         const auto cell = size_t(grid_.cellOf(direction));
-        if (!(high_[cell].x >= low_[cell].x)) return -1;
-        const float apart = logDistance(radiance, low_[cell], high_[cell], floor_);
-        // Where few cells around are known the background may well show something else as well.
-        return around_[cell] < wholeRange && apart > alike ? -1 : apart;
+        return high_[cell].x >= low_[cell].x ? logDistance(radiance, low_[cell], high_[cell], floor_) : -1;
     }
+    /// Whether what is known there is all that it may show.
+    bool whole(const Vec3& direction) const { return around_[size_t(grid_.cellOf(direction))] >= wholeRange; }
 
 private:
     DirectionGrid grid_{256};
@@ -100,14 +99,16 @@ private:
 
 /// How much better a surface explains a vertex than the background does, in log radiance: within [-bend, bend].
 /// `apart`: of each photograph from the others, none of a single one. `off`: from the background, where it is known.
-float surfaceBefore(std::vector<float> apart, std::vector<float> off) {
+/// `sure`: of how many of these the background may not be as well.
+float surfaceBefore(std::vector<float> apart, std::vector<float> off, size_t sure) {
     const size_t views = apart.size(), known = off.size();
     const float differs = views ? medianOf(std::move(apart)) : 0;
     float least = known ? medianOf(off) : 0;
-    // A few directions in which the background is something else tell nothing of the others.
-    if (known == 0 || (least > explained && 2 * known < views)) {
-        if (differs > bend) return unknownDiffers;
-        return views ? std::max(0.0f, alike - differs) : 0;
+    // A few directions in which the background seems to be something else tell nothing against those that differ.
+    if (known == 0 || (least > explained && (sure == 0 || 2 * sure < views))) {
+        if (differs > bend) return known ? 0 : unknownDiffers;
+        if (views == 0 || differs > alike) return 0;
+        return known ? bend : alike - differs;
     }
     // Prints finer than the mesh differ between views as well: the background has to explain them.
     if (least > explained) return bend;
@@ -128,12 +129,15 @@ std::vector<float> evidenceOf(const Scene& scene, const Capture& capture, const 
         if (isLight[v]) better[v] = bend;
         if (isLight[v] || !scene.referenced[v]) return;
         std::vector<float> apart, off;
+        size_t sure = 0;
         for (uint32_t k = samples.start[v]; k < samples.start[v + 1]; ++k) {
             const RadianceSample& s = samples.samples[k];
             if (s.clipped) continue;
             const Vec3 eye(capture.views[s.view].camera.position());
-            const float distance = background.distance(glm::normalize(scene.mesh.positions[v] - eye), s.radiance);
+            const Vec3 direction = glm::normalize(scene.mesh.positions[v] - eye);
+            const float distance = background.distance(direction, s.radiance);
             if (distance >= 0) off.push_back(distance);
+            sure += distance >= 0 && background.whole(direction);
             const std::optional<Rgb> others = medianObservation(samples, uint32_t(v), s.view);
             if (!others) continue;
             float sum = 0;
@@ -141,7 +145,7 @@ std::vector<float> evidenceOf(const Scene& scene, const Capture& capture, const 
                 sum += std::abs(std::log(std::max(s.radiance[c], floor) / std::max((*others)[c], floor)));
             apart.push_back(sum / 3);
         }
-        better[v] = surfaceBefore(std::move(apart), std::move(off));
+        better[v] = surfaceBefore(std::move(apart), std::move(off), sure);
     });
     return better;
 }
@@ -329,6 +333,7 @@ std::vector<uint32_t> freeSpaceTriangles(const Scene& scene, const Capture& capt
                 }
                 const Vec3 direction = view.camera.rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f));
                 const float apart = background.distance(direction, view.image.at(x, y));
+                if (apart > explained) vote(stopped[first]);
                 if (apart < 0 || apart > alike) continue;
                 float from = 0;
                 for (int layers = 0; layers < 8; ++layers) {
