@@ -2,6 +2,7 @@
 
 #include "base/log.h"
 #include "pipeline/plan_pilot.h"
+#include "radiance/agreement.h"
 
 namespace relamp {
 namespace {
@@ -15,10 +16,15 @@ std::vector<std::vector<uint32_t>> suspectsOf(const Scene& scene, const Radiance
     for (const EmitterCluster& e : emitters.emitters) {
         if (!e.fitted) continue;
         const float radius = std::sqrt(e.area / (4 * pi));
-        const auto within = [&](float reach, bool observedToo) {
+        // A surface beside a light shows less than half of it, the light's own remains more.
+        const auto shines = [&](uint32_t v) {
+            const std::optional<Rgb> seen = medianObservation(samples, v);
+            return seen && luminance(*seen) > 0.5f * luminance(e.radiance);
+        };
+        const auto within = [&](float reach, bool shiningToo) {
             std::vector<uint32_t> found;
             for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v)
-                if (scene.referenced[v] && (observedToo || samples.countOf(v) == 0) &&
+                if (scene.referenced[v] && (samples.countOf(v) == 0 || (shiningToo && shines(v))) &&
                     emitters.emitterOfVertex[v] < 0 &&
                     glm::length(scene.mesh.positions[v] - e.centroid) < reach * radius)
                     found.push_back(v);

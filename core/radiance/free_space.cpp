@@ -333,7 +333,6 @@ std::vector<uint32_t> freeSpaceTriangles(const Scene& scene, const Capture& capt
                 }
                 const Vec3 direction = view.camera.rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f));
                 const float apart = background.distance(direction, view.image.at(x, y));
-                if (apart > explained) vote(stopped[first]);
                 if (apart < 0 || apart > alike) continue;
                 float from = 0;
                 for (int layers = 0; layers < 8; ++layers) {
