@@ -35,6 +35,9 @@ ShapedEmission::ShapedEmission(const LightShaping& shaping, const Mat4& matrix, 
     Vec3 y = glm::cross(z, x);
     if (glm::dot(y, Vec3(matrix[1])) < 0) y = -y;
     toWorld_ = Mat3(x, y, z);
+    doors_ = flat && shaping.doors();
+    middle_ = Vec3(matrix[3]);
+    half_ = size / 2.0f * Vec2(glm::length(Vec3(matrix[0])), glm::length(Vec3(matrix[1])));
     innerDegrees_ = shaping.coneDegrees * (1 - shaping.coneSoftness);
     if (!shaping.iesFile.empty()) ies_ = iesOf(shaping.iesFile);
     if (!shaping.goboFile.empty()) {
@@ -67,7 +70,22 @@ Rgb ShapedEmission::byDirection(const Vec3& local) const {
     return factor;
 }
 
+bool ShapedEmission::pastDoors(const Vec3& local, const Vec2& point) const {
+    const float forward = -local.z;
+    for (const BarnDoor& door : barnDoors) {
+        const float degrees = shaping_.*door.degrees;
+        if (degrees >= 90) continue;
+        // In the plane across the hinge: light that leaves at a wider angle than the door's end is seen under is
+        // stopped.
+        const float half = half_[door.axis], turned = degrees * (pi / 180);
+        const float end = half + 2 * half * std::sin(turned) - door.side * point[door.axis];
+        if (door.side * local[door.axis] * 2 * half * std::cos(turned) > end * forward) return false;
+    }
+    return true;
+}
+
 Rgb ShapedEmission::factor(const Vec3& away, const Vec3& point) const {
+    if (doors_ && !pastDoors(away * toWorld_, fromMiddle(point))) return Rgb(0);
     Rgb factor = patternAt(point) * byDirection(away * toWorld_);
     if (surface_ && maxChannel(factor) > 0) {
         // Seen from its front, along +Z with +Y up, +X lies to the left.
@@ -85,7 +103,8 @@ Rgb ShapedEmission::mean() const {
         if (flat_) {
             Vec3 local = cosineHemisphere(u);
             local.z = -local.z;
-            sum += byDirection(local);
+            const Vec2 on(unitFloat(mixBits(2 * i)), unitFloat(mixBits(2 * i + 1)));
+            if (!doors_ || pastDoors(local, (2.0f * on - 1.0f) * half_)) sum += byDirection(local);
         } else {
             // A closed convex surface shows the same area to all directions.
             const float z = 2 * u.x - 1, r = std::sqrt(std::max(0.0f, 1 - z * z));

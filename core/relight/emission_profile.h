@@ -23,6 +23,7 @@ public:
     Rgb factor(const Vec3& away, const Vec3& point) const;
     /// What is painted on its surface at `point`, seen along `away`: an image by its mean.
     Rgb shown(const Vec3& away, const Vec3& point) const {
+        if (doors_ && !pastDoors(away * toWorld_, fromMiddle(point))) return Rgb(0);
         return patternAt(point) * byDirection(away * toWorld_) * (surface_ ? surface_->mean : Rgb(1));
     }
     bool even() const { return !pattern_; }
@@ -30,7 +31,8 @@ public:
     float patternAt(const Vec3& point) const {
         return pattern_ ? pattern_->at(Vec3(toSurface_ * Vec4(point, 1))) : 1.0f;
     }
-    /// Power in parts of what the light sends without shaping. Cost: 4096 directions.
+    /// Power in parts of what the light sends without shaping. Cost: 4096 directions. A disk's barn doors are counted
+    /// as those of the square about it.
     Rgb mean() const;
     /// The unit direction it shines along.
     Vec3 axis() const { return -Vec3(toWorld_[2]); }
@@ -47,7 +49,14 @@ private:
     std::shared_ptr<const ShapingImage> goboImage_, surface_;
     std::shared_ptr<const EmissionPattern> pattern_;
 
+    bool doors_ = false;
+    Vec3 middle_{0};  // of a flat light, and half its sides
+    Vec2 half_{0};
+
     Rgb byDirection(const Vec3& local) const;
+    /// Whether light from `point`, in the light's own axes about its middle, passes all barn doors.
+    bool pastDoors(const Vec3& local, const Vec2& point) const;
+    Vec2 fromMiddle(const Vec3& point) const { return Vec2((point - middle_) * toWorld_); }
 };
 
 struct EmissionProfile {

@@ -23,6 +23,7 @@ LightShaping shapingFromJson(const Json& object, const std::string& where, const
     out.coneDegrees = within("cone_degrees", out.coneDegrees, 0.1f, 180);
     out.coneSoftness = within("cone_softness", out.coneSoftness, 0, 1);
     out.focus = within("focus", out.focus, 0, 1000);
+    for (const BarnDoor& door : barnDoors) out.*door.degrees = within(door.key, 90, mostShutDoor, 90);
     out.iesFile = file("ies_file");
     out.goboFile = file("gobo_file");
     out.surfaceFile = file("surface_file");
@@ -35,6 +36,8 @@ Json shapingToJson(const LightShaping& shaping) {
     if (shaping.coneDegrees != plain.coneDegrees) out["cone_degrees"] = shaping.coneDegrees;
     if (shaping.coneSoftness != plain.coneSoftness) out["cone_softness"] = shaping.coneSoftness;
     if (shaping.focus != plain.focus) out["focus"] = shaping.focus;
+    for (const BarnDoor& door : barnDoors)
+        if (shaping.*door.degrees < 90) out[door.key] = shaping.*door.degrees;
     if (!shaping.iesFile.empty()) out["ies_file"] = shaping.iesFile.string();
     if (!shaping.goboFile.empty()) out["gobo_file"] = shaping.goboFile.string();
     if (!shaping.surfaceFile.empty()) out["surface_file"] = shaping.surfaceFile.string();
@@ -46,6 +49,7 @@ LightShaping blendShapings(const LightShaping& a, const LightShaping& b, float t
     out.coneDegrees += t * (b.coneDegrees - a.coneDegrees);
     out.coneSoftness += t * (b.coneSoftness - a.coneSoftness);
     out.focus += t * (b.focus - a.focus);
+    for (const BarnDoor& door : barnDoors) out.*door.degrees += t * (b.*door.degrees - a.*door.degrees);
     return out;
 }
 

@@ -28,7 +28,8 @@ const KeyTable& lookTable() {
     static const KeyTable environment{
         {"source", "file", "state", "mix_state", "mix", "yaw_degrees", "exposure_stops", "tint"}, {}};
     static const KeyTable emitter{{"id", "enabled", "matrix", "shadows", "power_scale", "name"}, {}};
-    static const KeyTable shaping{{"cone_degrees", "cone_softness", "focus", "ies_file", "gobo_file", "surface_file"},
+    static const KeyTable shaping{{"cone_degrees", "cone_softness", "focus", "left_door_degrees", "right_door_degrees",
+                                   "top_door_degrees", "bottom_door_degrees", "ies_file", "gobo_file", "surface_file"},
                                   {}};
     static const KeyTable added{
         {"id", "shape", "matrix", "size", "seed_vertex", "source", "radiance", "enabled", "shadows", "name"},

@@ -24,6 +24,12 @@ constexpr KeyedValueInfo valueTable[] = {
     {KeyedValue::coneDegrees, "shaping.cone_degrees", "Cone", Owner::shaped, 1, Kind::number, 0.1f, 180},
     {KeyedValue::coneSoftness, "shaping.cone_softness", "Softness", Owner::shaped, 1, Kind::number, 0, 1},
     {KeyedValue::focus, "shaping.focus", "Focus", Owner::shaped, 1, Kind::number, 0, 1000},
+    {KeyedValue::leftDoor, "shaping.left_door_degrees", "Left door", Owner::shaped, 1, Kind::number, mostShutDoor, 90},
+    {KeyedValue::rightDoor, "shaping.right_door_degrees", "Right door", Owner::shaped, 1, Kind::number, mostShutDoor,
+     90},
+    {KeyedValue::topDoor, "shaping.top_door_degrees", "Top door", Owner::shaped, 1, Kind::number, mostShutDoor, 90},
+    {KeyedValue::bottomDoor, "shaping.bottom_door_degrees", "Bottom door", Owner::shaped, 1, Kind::number, mostShutDoor,
+     90},
     {KeyedValue::groupPower, "power_scale", "Exposure and colour", Owner::group, 3, Kind::light, 0, 1e30f},
     {KeyedValue::groupEnabled, "enabled", "Shines", Owner::group, 1, Kind::flag, 0, 1},
     {KeyedValue::yaw, "environment.yaw_degrees", "Rotation", Owner::look, 1, Kind::number, -1e6f, 1e6f},
@@ -118,6 +124,10 @@ std::optional<Vec3> valueOfLight(const Look& look, const KeyedOf& what, const Lo
         case KeyedValue::coneDegrees: return Vec3(added->shaping.coneDegrees, 0, 0);
         case KeyedValue::coneSoftness: return Vec3(added->shaping.coneSoftness, 0, 0);
         case KeyedValue::focus: return Vec3(added->shaping.focus, 0, 0);
+        case KeyedValue::leftDoor: return Vec3(added->shaping.leftDoor, 0, 0);
+        case KeyedValue::rightDoor: return Vec3(added->shaping.rightDoor, 0, 0);
+        case KeyedValue::topDoor: return Vec3(added->shaping.topDoor, 0, 0);
+        case KeyedValue::bottomDoor: return Vec3(added->shaping.bottomDoor, 0, 0);
         default: return {};
     }
 }
@@ -154,6 +164,10 @@ void setValueOfLight(Look& look, const KeyedOf& what, const Vec3& value, const L
         case KeyedValue::coneDegrees: added->shaping.coneDegrees = value.x; return;
         case KeyedValue::coneSoftness: added->shaping.coneSoftness = value.x; return;
         case KeyedValue::focus: added->shaping.focus = value.x; return;
+        case KeyedValue::leftDoor: added->shaping.leftDoor = value.x; return;
+        case KeyedValue::rightDoor: added->shaping.rightDoor = value.x; return;
+        case KeyedValue::topDoor: added->shaping.topDoor = value.x; return;
+        case KeyedValue::bottomDoor: added->shaping.bottomDoor = value.x; return;
         default: return;
     }
 }

@@ -120,6 +120,47 @@ TEST(ShapedLight, TurnsWithItsMatrixWhateverItsScaleIs) {
     }
 }
 
+TEST(ShapedLight, EndsAtItsBarnDoors) {
+    const Plane plane;
+    LightShaping ahead;
+    ahead.rightDoor = 0;
+    const Look look = lightAbove(ahead, EmitterShape::rectangle);
+    const Frame frame = plane.frameOf(look, 64), open = plane.frameOf(lightAbove({}, EmitterShape::rectangle), 64);
+    // A door as long as the light is wide hides, from where it is seen under the tangent t to that side, t of it.
+    double left[2] = {}, expected = 0, right = 0;
+    for (size_t p = 0; p < frame.beauty.size(); ++p) {
+        const double tangent = double(frame.position[p].x) / 2;
+        (tangent < 0 ? left[0] : right) += double(frame.beauty[p].y);
+        if (tangent < 0) left[1] += double(open.beauty[p].y);
+        else expected += std::max(0.0, 1 - tangent) * double(open.beauty[p].y);
+    }
+    EXPECT_NEAR(left[0] / left[1], 1, 0.01);
+    EXPECT_NEAR(right / expected, 1, 0.01);
+    // Half shut: from the middle nothing leaves to the right, from the left end what stays inside the door's end.
+    ahead.rightDoor = -30;
+    ahead.topDoor = 45;
+    const ShapedEmission emission(ahead, Mat4(1), Vec2(2, 1), true);
+    const auto passes = [&](const Vec3& away, const Vec3& from) {
+        return emission.factor(glm::normalize(away), from).x > 0;
+    };
+    EXPECT_FALSE(passes({0.01f, 0, -1}, Vec3(0)));
+    EXPECT_TRUE(passes({-0.01f, 0, -1}, Vec3(0)));
+    EXPECT_TRUE(passes({0.57f, 0, -1}, {-1, 0, 0}));  // the end lies 1 to the right and 1.732 ahead
+    EXPECT_FALSE(passes({0.59f, 0, -1}, {-1, 0, 0}));
+    EXPECT_TRUE(passes({-0.01f, 1.70f, -1}, Vec3(0)));  // 0.5 + 0.707 up and 0.707 ahead
+    EXPECT_FALSE(passes({-0.01f, 1.72f, -1}, Vec3(0)));
+    EXPECT_TRUE(passes({-0.01f, -9, -1}, Vec3(0)));
+    // Its power: 1 - sine of the edge's angle on one side, averaged over the light, in closed form.
+    LightShaping both;
+    both.leftDoor = both.rightDoor = 0;
+    double power = 0;
+    for (int i = 0; i < 1000; ++i) {
+        const double t = (i + 0.5) / 1000;  // tangent of the right door's end, from right to left
+        power += (t / std::sqrt(1 + t * t) + (1 - t) / std::sqrt(1 + (1 - t) * (1 - t))) / 2 / 1000;
+    }
+    EXPECT_NEAR(double(ShapedEmission(both, Mat4(1), Vec2(1), true).mean().x), power, 0.02);
+}
+
 class ShapedLightWithFiles : public ::testing::Test {
 protected:
     test::TemporaryFolder folder;
@@ -192,7 +233,9 @@ TEST_F(ShapedLightWithFiles, LightsTheViewportAsItLightsFrames) {
     const std::shared_ptr<const Estimate> estimate(plane, &plane->estimate);
     Progress progress;
     LiveScene live(scene, estimate, {}, progress);
-    LightShaping cone, gobo, profile, surface;
+    LightShaping cone, gobo, profile, surface, doors;
+    doors.leftDoor = 20;
+    doors.topDoor = -10;
     cone.coneDegrees = 30;
     cone.coneSoftness = 0.5f;
     gobo.coneDegrees = 40;
@@ -203,10 +246,12 @@ TEST_F(ShapedLightWithFiles, LightsTheViewportAsItLightsFrames) {
         LightShaping shaping;
         EmitterShape shape;
         float size;
+        double within = 0.02;
     } cases[] = {{cone, EmitterShape::disk, 0.1f},
                  {gobo, EmitterShape::disk, 0.1f},
                  {profile, EmitterShape::sphere, 0.2f},
-                 {surface, EmitterShape::rectangle, 1}};
+                 {surface, EmitterShape::rectangle, 1},
+                 {doors, EmitterShape::rectangle, 0.4f, 0.05}};  // at the middles of its parts
     for (const auto& c : cases) {
         const Look look = lightAbove(c.shaping, c.shape, c.size);
         live.setLook(look);
@@ -228,7 +273,7 @@ TEST_F(ShapedLightWithFiles, LightsTheViewportAsItLightsFrames) {
             fromView += (1 - fy) * ((1 - fx) * at[{x0, y0}] + fx * at[{x0 + 1, y0}]) +
                         fy * ((1 - fx) * at[{x0, y0 + 1}] + fx * at[{x0 + 1, y0 + 1}]);
         }
-        for (int k = 0; k < 3; ++k) EXPECT_NEAR(fromView[k] / fromFrame[k], 1, 0.02) << int(c.shape) << " " << k;
+        for (int k = 0; k < 3; ++k) EXPECT_NEAR(fromView[k] / fromFrame[k], 1, c.within) << int(c.shape) << " " << k;
     }
 }
 
@@ -259,6 +304,7 @@ TEST_F(ShapedLightWithFiles, SurvivesItsDocumentAndBlendsBetweenKeys) {
     shaping.coneDegrees = 35;
     shaping.coneSoftness = 0.25f;
     shaping.focus = 2;
+    shaping.bottomDoor = 10;
     shaping.iesFile = ies();
     shaping.goboFile = image();
     const Look look = lightAbove(shaping, EmitterShape::spot);
@@ -269,12 +315,14 @@ TEST_F(ShapedLightWithFiles, SurvivesItsDocumentAndBlendsBetweenKeys) {
     Look other = look;
     other.added[0].shaping.coneDegrees = 15;
     other.added[0].shaping.focus = 0;
+    other.added[0].shaping.bottomDoor = 90;
     LookPivots pivots;
     pivots.emitter = [](const std::string&) { return Vec3(0); };
     pivots.vertex = [](uint32_t) { return Vec3(0); };
     const Look between = blendLooks(look, other, 0.25f, pivots);
     EXPECT_FLOAT_EQ(between.added[0].shaping.coneDegrees, 30);
     EXPECT_FLOAT_EQ(between.added[0].shaping.focus, 1.5f);
+    EXPECT_FLOAT_EQ(between.added[0].shaping.bottomDoor, 30);
     EXPECT_EQ(between.added[0].shaping.iesFile, shaping.iesFile);
 }
 
@@ -292,6 +340,7 @@ TEST_F(ShapedLightWithFiles, SaysWhichFieldOfItsDocumentIsWrong) {
     EXPECT_EQ(says("cone_degrees", 0), "added_emitters[0].shaping.cone_degrees: is 0, expected 0.1 to 180");
     EXPECT_EQ(says("cone_softness", 1.5), "added_emitters[0].shaping.cone_softness: is 1.5, expected 0 to 1");
     EXPECT_EQ(says("focus", -1), "added_emitters[0].shaping.focus: is -1, expected 0 to 1000");
+    EXPECT_EQ(says("top_door_degrees", 91), "added_emitters[0].shaping.top_door_degrees: is 91, expected -60 to 90");
     EXPECT_NE(says("ies_file", 3).find("added_emitters[0].shaping.ies_file"), std::string::npos);
     EXPECT_NE(says("", 3).find("added_emitters[0].shaping: expected an object"), std::string::npos);
     EXPECT_EQ(says("focus", 1, "part"), "added_emitters[0].shaping: a part has none");

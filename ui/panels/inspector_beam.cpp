@@ -1,4 +1,4 @@
-// How an added light is shaped: cone, photometric file, images.
+// How an added light is shaped: cone, barn doors, photometric file, images.
 #include "item_map.h"
 #include "panels/dialogs.h"
 #include "panels/emitter_controls.h"
@@ -104,7 +104,8 @@ void inspectBeam(Editor& editor, const EmitterState& emitter) {
     const AddedEmitter& added = editor.look().added[size_t(emitter.index)];
     const EmitterShapeInfo& info = infoOf(added.shape);
     if (!info.shapeable()) return;
-    if (!section("Beam", "Where its light goes: a cone, a real luminaire's profile, patterns", !added.shaping.plain()))
+    if (!section("Beam", "Where its light goes: a cone, barn doors, a real luminaire's profile, patterns",
+                 !added.shaping.plain()))
         return;
     const LightShaping shaping = added.shaping;
     const auto row = [&](const char* name) {
@@ -126,6 +127,21 @@ void inspectBeam(Editor& editor, const EmitterState& emitter) {
     row("Focus");
     shapingNumber(editor, emitter, "##focus", "Focus", shaping.focus, {0.05f, 0, 1000, "%.1f"},
                   "Draws the light to the middle of the beam: 0 is even.", &LightShaping::focus, KeyedValue::focus);
+    const std::string doors =
+        "Barn doors are flaps on the sides of a light. Degrees that this one stands open: 90 is wide open and leaves "
+        "the "
+        "light alone, 0 is straight ahead, less closes it over the light. Sides are as the light sees them.";
+    const auto doorRow = [&](const char* name, float LightShaping::*degrees, KeyedValue keyed) {
+        row(name);
+        shapingNumber(editor, emitter, (std::string("##") + name).c_str(), name, shaping.*degrees,
+                      {0.3f, mostShutDoor, 90, "%.1f\u00b0"}, doors, degrees, keyed);
+    };
+    if (info.flat) {
+        doorRow("Left door", &LightShaping::leftDoor, KeyedValue::leftDoor);
+        doorRow("Right door", &LightShaping::rightDoor, KeyedValue::rightDoor);
+        doorRow("Top door", &LightShaping::topDoor, KeyedValue::topDoor);
+        doorRow("Bottom door", &LightShaping::bottomDoor, KeyedValue::bottomDoor);
+    }
     for (const ShapingRow& file : shapingRows())
         if (info.flat || !file.flatOnly) fileRow(editor, emitter, shaping, file);
 }
