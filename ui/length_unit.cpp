@@ -1,5 +1,7 @@
 #include "length_unit.h"
 
+#include "base/significant.h"
+
 namespace relamp::ui {
 namespace {
 
@@ -36,7 +38,7 @@ std::string placeText(const DVec3& metres, LengthUnit unit) {
 std::string areaText(double squareMetres, LengthUnit unit) {
     const LengthUnitInfo& info =
         infoOf(unit == LengthUnit::metres && squareMetres < 0.1 ? LengthUnit::centimetres : unit);
-    return fmt::format("{:.3g} {}\u00b2", squareMetres / (info.inMetres * info.inMetres), info.symbol);
+    return fmt::format("{} {}\u00b2", significant(squareMetres / (info.inMetres * info.inMetres), 3), info.symbol);
 }
 
 }  // namespace relamp::ui

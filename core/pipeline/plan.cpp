@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/log.h"
+#include "base/significant.h"
 #include "pipeline/plan_costs.h"
 
 namespace relamp {
@@ -118,12 +119,11 @@ private:
 
     void environment() {
         if (judged_ && !emitters_.emitters.empty() && pilot_.distantFraction < 0.003 && pilot_.background < 0.05)
-            leaveOut(
-                Omission::distantLight,
-                fmt::format(
-                    "of the light on {} points {:.2g} % comes from afar, and the background is black where it is seen",
-                    pilot_.points, 100 * pilot_.distantFraction),
-                &PlanChoices::distantLight);
+            leaveOut(Omission::distantLight,
+                     fmt::format(
+                         "of the light on {} points {} % comes from afar, and the background is black where it is seen",
+                         pilot_.points, significant(100 * pilot_.distantFraction, 2)),
+                     &PlanChoices::distantLight);
     }
 
     void bouncedLight() {
@@ -249,10 +249,10 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
     plan.planningSeconds = progress.seconds() - start;
     progress.advance();
     logInfo(
-        "plan: {:.1f} s to come, {:.1f} s left out; distant light {:.2g} %, bounced light {:.1f} % (misfit {:+.1f} "
+        "plan: {:.1f} s to come, {:.1f} s left out; distant light {} %, bounced light {:.1f} % (misfit {:+.1f} "
         "standard errors), planned in {:.2f} s",
-        plan.predictedSeconds(), plan.savedSeconds(), 100 * pilot.distantFraction, 100 * pilot.bouncedFraction,
-        pilot.bounceWorse, plan.planningSeconds);
+        plan.predictedSeconds(), plan.savedSeconds(), significant(100 * pilot.distantFraction, 2),
+        100 * pilot.bouncedFraction, pilot.bounceWorse, plan.planningSeconds);
     return plan;
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "base/significant.h"
 #include "display/html.h"
 #include "image/image_io.h"
 
@@ -29,7 +30,9 @@ std::string evidenceText(const EmitterEvidence& e) {
 
 }  // namespace
 
-std::string rgbText(const Rgb& c) { return fmt::format("{:.3g} {:.3g} {:.3g}", c.x, c.y, c.z); }
+std::string rgbText(const Rgb& c) {
+    return significant(c.x, 3) + " " + significant(c.y, 3) + " " + significant(c.z, 3);
+}
 
 std::string swatch(const Rgb& c) {
     const Rgb hue = c / std::max(maxChannel(c), 1e-12f);
@@ -48,14 +51,14 @@ std::string emittersTable(const Estimate& e) {
         const std::string fraction =
             i < e.identifiability.size() ? fmt::format("{:.0f} %", 100 * e.identifiability[i]) : "";
         const std::string clipped = emitter.evidence.clippedFraction > 0
-                                        ? fmt::format("<small>{:.0f} % of the looks are clipped</small>",
+                                        ? fmt::format("<small>{:.0f} % of the observations are clipped</small>",
                                                       100 * emitter.evidence.clippedFraction)
                                         : "";
         rows += fmt::format(
             "<tr><td class=\"number\">{}{}</td><td class=\"number\">{}<small>{}</small></td><td "
-            "class=\"number\">{:.3g} cm\u00b2</td><td class=\"number\">{}{}</td>"
+            "class=\"number\">{} cm\u00b2</td><td class=\"number\">{}{}</td>"
             "<td class=\"number\">{}</td><td>{}<small>{}</small></td></tr>\n",
-            swatch(radiance), htmlText(emitter.id), rgbText(radiance), sigma, emitter.area * 1e4,
+            swatch(radiance), htmlText(emitter.id), rgbText(radiance), sigma, significant(emitter.area * 1e4, 3),
             emitter.evidence.viewsSeen, clipped, fraction, htmlText(evidenceText(emitter.evidence)),
             fmt::format("{} observations", emitter.evidence.samples));
     }

@@ -17,6 +17,7 @@ TEST(LengthUnit, lengthsPlacesAndAreasAreSaidInIt) {
     EXPECT_EQ(lengthText(0.3048, LengthUnit::feet), "1.000 ft");
     EXPECT_EQ(placeText({1, -0.5, 0}, LengthUnit::centimetres), "100.0  -50.0  0.0 cm");
     EXPECT_EQ(areaText(0.01, LengthUnit::metres), "100 cm\u00b2");
+    EXPECT_EQ(areaText(0.36, LengthUnit::centimetres), "3600 cm\u00b2");
     EXPECT_EQ(areaText(0.3048 * 0.3048, LengthUnit::feet), "1 ft\u00b2");
     for (size_t i = 0; i < lengthUnitCount; ++i)
         EXPECT_EQ(lengthUnitNamed(infoOf(LengthUnit(int(i))).name), LengthUnit(int(i)));

@@ -1,6 +1,7 @@
 // The first answer: coarse light, which emitters are emitters, strong directions finer than the rest, and lobes by a
 // few observations.
 #include "base/log.h"
+#include "base/significant.h"
 #include "solve/gloss/one_lobe.h"
 #include "solve/steps/steps.h"
 
@@ -97,7 +98,8 @@ void leaveOutBlackEnvironment(SolveRun& s) {
             all += light;
             if (leaf) distant += light;
         }
-    logInfo("distant light gives {:.2g} % of the light on the surfaces", all > 0 ? 100 * distant / all : 0.0);
+    logInfo("distant light gives {} % of the light on the surfaces",
+            significant(all > 0 ? 100 * distant / all : 0.0, 2));
     // Where the background is seen and black, a little light from beside it is what the fit could not place.
     const double background = backgroundOverSurfaces(s.in.samples, s.observed.matte);
     const bool black = background >= 0 && background < 0.05;
