@@ -74,6 +74,12 @@ int render(const RenderArguments& a, Progress& progress) {
                 throw BadOption("{}: needs a photograph: --camera a view's number or all, without --size",
                                 fileOptions.ratio != Ratio::none ? "--ratio" : "--layers residual");
     } catch (const BadOption& error) { throw UsageError(error.what()); }
+    if (jobs.front().still && !track.moves())
+        logWarning(
+            "--frames {}: {} shows the same, because neither camera nor look changes; --camera all has a frame for "
+            "each "
+            "photograph, --edits a look with keys",
+            a.frames, jobs.size() == 1 ? "this frame number" : fmt::format("each of {} frames", jobs.size()));
     std::vector<fs::path> files;
     for (const FrameJob& job : jobs) files.push_back(job.file);
     refuseInputs(a, shot, track, files, progress);

@@ -27,6 +27,7 @@ std::vector<FrameJob> stillJobs(const FrameJob& still, const std::string& frames
             throw BadOption("{}: several frames need a name with #### or %04d", still.file.string());
         if (!name.empty()) jobs[i].file = name;
         jobs[i].number = wanted[i];
+        jobs[i].still = true;
     }
     return jobs;
 }

@@ -16,6 +16,7 @@ struct FrameJob {
     int number = 1;        ///< in the sequence, from 1: what keyed looks go by
     int view = -1;         ///< the capture's view whose camera this is, from 0; -1: a camera of its own
     bool resized = false;  ///< not at the camera's own size
+    bool still = false;    ///< one camera for all frames of a range: only a look with keys tells them apart
 };
 
 /// `camera`: a view's number (from 0), a camera file (one camera, or a transforms.json with `frames`), turntable:N,

@@ -216,6 +216,14 @@ TEST(CommandLine, SolvesRendersAndTellsWhatIsInAShot) {
                   .exitCode,
               0);
     EXPECT_NE(readImage(folder / "still.1.exr").pixels, readImage(folder / "still.3.exr").pixels);
+    const std::vector<std::string> still{
+        "render", shot, "-o", folder / "still.exr", "--frames", "99", "--samples", "1", "--size", "24x18"};
+    const test::ProgramResult unkeyed = relamp(still);
+    EXPECT_EQ(unkeyed.exitCode, 0);
+    EXPECT_NE(unkeyed.error.find("--frames 99: "), std::string::npos) << unkeyed.error;
+    std::vector<std::string> keyed = still;
+    keyed.insert(keyed.end(), {"--edits", keys});
+    EXPECT_EQ(relamp(keyed).error.find("--frames 99: "), std::string::npos);
     fs::copy(folder / "capture/images/00.exr", folder / "plate.0001.exr");
     fs::copy(folder / "capture/images/01.exr", folder / "plate.0003.exr");
     const test::ProgramResult plate =
