@@ -10,6 +10,7 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/printable.h"
+#include "base/significant.h"
 #include "capture/brackets.h"
 #include "capture/check.h"
 #include "capture/photograph_reader.h"
@@ -155,6 +156,34 @@ PipelineOptions pipelineOptions(const SolveArguments& a) {
     return options;
 }
 
+namespace {
+
+/// The folders that a shot will lie in, made before the solve: its lock and its checkpoint lie there too. In the end
+/// those that stayed empty go again.
+class FoldersForShot {
+public:
+    explicit FoldersForShot(const fs::path& shot) {
+        std::error_code failed;
+        const fs::path parent = folderPlace(shot).parent_path();
+        for (fs::path place = parent; place.has_relative_path() && !fs::exists(place, failed);
+             place = place.parent_path())
+            made_.push_back(place);
+        fs::create_directories(parent, failed);
+        if (failed) throw Error("{}: cannot be made ({})", parent.string(), failed.message());
+    }
+    ~FoldersForShot() {
+        std::error_code notEmpty;
+        for (const fs::path& place : made_) fs::remove(place, notEmpty);
+    }
+    FoldersForShot(const FoldersForShot&) = delete;
+    FoldersForShot& operator=(const FoldersForShot&) = delete;
+
+private:
+    std::vector<fs::path> made_;  ///< innermost first
+};
+
+}  // namespace
+
 int solve(const SolveArguments& a, Progress& progress) {
     if (a.capture.empty()) throw UsageError("solve: expected a capture, or --list FILE");
     if (!a.items.empty() || a.skipExisting) throw UsageError("solve: --items and --skip-existing belong to --list");
@@ -168,6 +197,7 @@ int solve(const SolveArguments& a, Progress& progress) {
     inputs.addFolder(a.merl);
     for (const fs::path& file : referenceFiles(a)) inputs.add(file);
     checkShotCanBeWritten(a.output, inputs);
+    const FoldersForShot folders(a.output);
     const ShotLock lock = ShotLock::take(a.output);
     if (!lock.owner().empty())
         throw Error("{}: is open elsewhere ({}); close it there or choose another name", a.output.string(),
@@ -294,9 +324,10 @@ int showInfo(const fs::path& path, const CaptureFix& fix, bool json, Progress& p
                         result["resources"]["seconds"].get<double>());
     if (result.contains("reproduction")) text += reproductionText(result["reproduction"]);
     for (const auto& e : result["emitters"])
-        text += fmt::format("  {}  radiance {}  area {:.4g} m2  seen in {} views  identifiable {:.0f} %\n",
-                            e["id"].get<std::string>(), dumpJson(e["radiance"]), e["area_m2"].get<double>(),
-                            dumpJson(e["views_seen"]), 100 * e.value("identifiability", 0.0));
+        text +=
+            fmt::format("  {}  radiance {}  area {} m2  seen in {} views  identifiable {:.0f} %\n",
+                        e["id"].get<std::string>(), dumpJson(e["radiance"]), significant(e["area_m2"].get<double>(), 4),
+                        dumpJson(e["views_seen"]), 100 * e.value("identifiability", 0.0));
     for (const auto& e : result["emitters"]) {
         if (!e.value("unobserved", false)) continue;
         text += fmt::format("  {} is a proxy at {} m: its radiance was solved for, not seen",

@@ -18,8 +18,8 @@ using test::TemporaryFolder;
 
 struct KilledSolve {
     TemporaryFolder folder;
-    std::string capture = folder / "capture", whole = folder / "whole.relamp", shot = folder / "x.relamp";
-    fs::path checkpoint = checkpointFile(folder.path() / "x.relamp");
+    std::string capture = folder / "capture", whole = folder / "whole.relamp", shot = folder / "not/yet/x.relamp";
+    fs::path checkpoint = checkpointFile(shot);
 
     KilledSolve() { test::paintKnownWorld(folder / "capture", true, 6, 14); }
     std::vector<std::string> command(const std::string& output, bool resume = false) const {
@@ -68,11 +68,12 @@ TEST(Killed, ADamagedOrForeignCheckpointIsRefusedAndTheSolveStartsAnew) {
     std::string bytes = TemporaryFolder::read(s.checkpoint);
     const std::string good = bytes;
     bytes[bytes.size() / 2] = char(bytes[bytes.size() / 2] ^ 1);
-    s.folder.write(s.checkpoint.filename().string(), bytes);
+    const std::string name = "not/yet/" + s.checkpoint.filename().string();
+    s.folder.write(name, bytes);
     const test::ProgramResult damaged = relamp(s.command(s.shot, true));
     EXPECT_EQ(damaged.exitCode, 0) << damaged.error;
     EXPECT_NE(damaged.error.find("is damaged; the solve starts anew"), std::string::npos) << damaged.error;
-    s.folder.write(s.checkpoint.filename().string(), good);
+    s.folder.write(name, good);
     std::vector<std::string> other = s.command(s.shot, true);
     other.insert(other.end(), {"--overwrite", "--seed", "2"});
     const test::ProgramResult foreign = relamp(other);
