@@ -2,11 +2,14 @@
 #include "base/atomic_file.h"
 #include "base/input_files.h"
 #include "base/is_there.h"
+#include "base/printable.h"
 #include "capture/photograph_reader.h"
 #include "editor_impl.h"
 #include "shot/export_frame.h"
 #include "shot/frame_jobs.h"
 #include "shot/relit_looks.h"
+#include "viewport/display_transform.h"
+#include "viewport/navigation.h"
 
 namespace relamp::ui {
 namespace {
@@ -123,6 +126,8 @@ struct ExportWork {
     std::shared_ptr<const OpenPlate> plate;  ///< null: what is rendered is no plate
     std::optional<ImageRegion> region;
     Camera shown;
+    std::string displayView;  ///< of the viewport, with its exposure
+    float exposureStops = 0;
     Document document;  ///< of it capture, scene, folder and fix
 
     void run(Progress& progress, const std::function<void(double)>& whole);
@@ -170,7 +175,7 @@ void ExportWork::writeOne(const FrameJob& job, RelitLooks& looks, PlateRelighter
     sources.look = &looks.at(job.number, progress);
     if (const std::optional<ImageBox> box = boxToExport(request, region, shown, job.camera)) {
         const Frame frame = renderFrame(*sources.look, cropped(job.camera, *box), options_, progress);
-        writeFrame(job.file, frame, *sources.look, job.camera, request.layers, sources.origin, box);
+        writeFrame(job.file, frame, *sources.look, job.camera, request.layers, sources.origin, box, fileOptions_);
         return;
     }
     View photograph;
@@ -199,7 +204,16 @@ void ExportWork::run(Progress& progress, const std::function<void(double)>& whol
     // What is filtered away of the model would be taken for detail of the photograph.
     options_.denoise = request.denoise && (plate || request.ratio == Ratio::none);
     layers_ = layerRequest(request.layers);
-    fileOptions_ = {request.layers, request.naming, request.multipart, request.ratio, request.view, {}};
+    fileOptions_ = {request.layers,
+                    request.naming,
+                    request.multipart,
+                    request.ratio,
+                    request.view.value_or(DisplayView::standard),
+                    {}};
+    if (!request.view)
+        fileOptions_.display = [this](Rgb* pixels, size_t count) {
+            displayTransform().apply(displayView, exposureStops, pixels, count);
+        };
     fileOptions_.header = {{"relamp:gauge", estimate->gauge.kind + ": " + estimate->gauge.evidence}};
     const LookTrack track(look);
     RelitLooks looks(*estimate, *document.scene, track);
@@ -274,23 +288,24 @@ void Editor::exportFrames(const ExportRequest& request) {
     if (ofPlate) work->plate = plate();
     work->region = state.viewport.region;
     work->shown = impl->eye;
+    work->displayView = displayViewOf(*this);
+    work->exposureStops = state.viewport.exposureStops;
     work->document = state.document;
     const size_t count = work->jobs.size();
-    impl_->start(JobStatus::Kind::exportFrames,
-                 count == 1 ? "Rendering a frame" : fmt::format("Rendering {} frames", count),
-                 [impl, work](Progress& progress) -> Finish {
-                     work->run(progress, [impl](double whole) { impl->jobWhole = whole; });
-                     return [impl, work] {
-                         if (work->failures.empty()) return;
-                         impl->self.fail(
-                             fmt::format("{} frame(s) could not be written", work->asked - work->written),
-                             work->failures.front(),
-                             fmt::format("{} frame(s) were written. {}", work->written,
-                                         work->plate && work->jobs.size() == work->written
-                                             ? "Those are all that the plate has."
-                                             : "Free space or choose another folder, then export the others again."));
-                     };
-                 });
+    impl_->start(
+        JobStatus::Kind::exportFrames, count == 1 ? "Rendering a frame" : fmt::format("Rendering {} frames", count),
+        [impl, work](Progress& progress) -> Finish {
+            work->run(progress, [impl](double whole) { impl->jobWhole = whole; });
+            return [impl, work] {
+                if (work->failures.empty()) return;
+                impl->self.fail(
+                    counted(work->asked - work->written, "frame") + " could not be written", work->failures.front(),
+                    fmt::format("Written: {}. {}", counted(work->written, "frame"),
+                                work->plate && work->jobs.size() == work->written
+                                    ? "Those are all that the plate has."
+                                    : "Free space or choose another folder, then export the others again."));
+            };
+        });
 }
 
 }  // namespace relamp::ui

@@ -206,8 +206,8 @@ struct ExportRequest {
     Ratio ratio = Ratio::none;  ///< of views at their own size, and of the plate, where none means quotient
     LayerNaming naming = LayerNaming::blender;
     bool multipart = false;
-    DisplayView view = DisplayView::standard;
-    int width = 0, height = 0;  ///< 0: the view's own size, or the viewport's
+    std::optional<DisplayView> view{};  ///< of PNG and JPEG; none: view transform and exposure of the viewport
+    int width = 0, height = 0;          ///< 0: the view's own size, or the viewport's
     int samples = 8;
     bool denoise = true;
     bool regionOnly = true;         ///< where the viewport has one and its image is exported
@@ -290,6 +290,7 @@ struct PanelState {
     std::string narrowSelection;   ///< what was selected when that was decided
 
     bool history = true, log = true, doctor = false, keys = false, palette = false, exportFrames = false, about = false;
+    bool saveLookBrowser = false, loadLookBrowser = false;
     bool openBrowser = false, saveBrowser = false, environmentBrowser = false, solveSettings = false;
     bool renameLight = false;  ///< asks the inspector to put the cursor into the active light's name
     int bottomTab = 0;
@@ -329,7 +330,7 @@ struct EditorState {
     SolvePlan plan;                                 ///< of the estimate that runs or was made last; empty: none
     std::vector<LogEntry> log;
     std::vector<std::filesystem::path> recent;  ///< captures and shots, latest first
-    std::vector<std::filesystem::path> recentEnvironments;
+    std::vector<std::filesystem::path> recentEnvironments, recentLooks;
     std::optional<PointLight> pointLight;  ///< answer for selection.point, when it has come
     float uiScale = 1;
     LengthUnit lengthUnit = LengthUnit::metres;  ///< of what is shown and typed

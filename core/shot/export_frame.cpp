@@ -70,12 +70,16 @@ double writeImage(const std::filesystem::path& file, const Camera& camera, const
                   std::optional<float> exposure, const RowsOf& rowsOf) {
     GroupCheck groups{options.ratio != Ratio::none};
     const DisplayView view = options.view;
-    const bool hdr = extensionOf(file) == ".hdr";
+    const bool hdr = extensionOf(file) == ".hdr", displayed = options.display && !hdr;
     writeColourRows(
         file, camera.width, camera.height, stripRowsOf(camera.width),
         [&](int first, int count, Rgb* out) {
             FrameStrip strip = rowsOf(first, count);
             groups.add(strip);
+            if (displayed) {
+                std::copy(strip.frame.beauty.begin(), strip.frame.beauty.end(), out);
+                return options.display(out, strip.frame.beauty.size());
+            }
             if (view == DisplayView::automatic && !exposure) {
                 Image seen(strip.frame.width, count);
                 seen.pixels = strip.frame.beauty;
@@ -84,7 +88,7 @@ double writeImage(const std::filesystem::path& file, const Camera& camera, const
             const float factor = view == DisplayView::automatic && !hdr ? *exposure : 1.0f;
             for (size_t p = 0; p < strip.frame.beauty.size(); ++p) out[p] = strip.frame.beauty[p] * factor;
         },
-        view == DisplayView::raw);
+        displayed || view == DisplayView::raw);
     return groups.relative();
 }
 
@@ -195,7 +199,8 @@ double writeFrameFile(const std::filesystem::path& file, const Camera& camera, c
 }
 
 double writeFrame(const std::filesystem::path& file, const Frame& frame, const RelitScene& relit, const Camera& camera,
-                  const std::string& layers, const DVec3& origin, const std::optional<ImageBox>& region) {
+                  const std::string& layers, const DVec3& origin, const std::optional<ImageBox>& region,
+                  const FrameFileOptions& how) {
     LayerRequest request = layerRequest(layers);
     if (request.residual && !request.all) throw BadOption("--layers residual: needs the photograph");
     request.residual = false;
@@ -211,7 +216,7 @@ double writeFrame(const std::filesystem::path& file, const Frame& frame, const R
         return writeLayers(file, sized, FrameLayers(request, LayerNaming::blender, namesOf(relit), origin), {}, rowsOf,
                            {}, region);
     sized.width = frame.width, sized.height = frame.height;
-    return writeImage(file, sized, {}, std::nullopt, rowsOf);
+    return writeImage(file, sized, how, std::nullopt, rowsOf);
 }
 
 }  // namespace relamp

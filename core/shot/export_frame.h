@@ -2,6 +2,7 @@
 // written strip by strip, so that its size is not bounded by memory.
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -32,6 +33,8 @@ struct FrameFileOptions {
     Ratio ratio = Ratio::none;
     DisplayView view = DisplayView::standard;
     std::map<std::string, std::string> header;  ///< more entries for the EXR's header
+    /// In place of `view`: turns scene-linear radiance into the values of PNG and JPEG, in [0, 1], in place.
+    std::function<void(Rgb* pixels, size_t count)> display{};
 };
 
 /// What a frame is made from. `captured` and `photograph` may be null: without them there is no residual and no ratio,
@@ -58,11 +61,11 @@ double writeFrameFile(const std::filesystem::path& file, const Camera& camera, c
 void checkLayers(const std::string& layers);
 
 /// The same for a frame that is rendered already: root RGBA and the layers it can give (no residual; the correction is
-/// that of the frame's own light). With a `region` the frame is that part of the camera's image: EXR keeps it in its
-/// place (data window in display window), PNG and JPEG hold it alone.
+/// that of the frame's own light). Of `how` PNG and JPEG take `view` and `display`. With a `region` the frame is that
+/// part of the camera's image: EXR keeps it in its place (data window in display window), PNG and JPEG hold it alone.
 double writeFrame(const std::filesystem::path& file, const Frame& frame, const RelitScene& relit, const Camera& camera,
-                  const std::string& layers, const DVec3& origin = DVec3(0),
-                  const std::optional<ImageBox>& region = {});
+                  const std::string& layers, const DVec3& origin = DVec3(0), const std::optional<ImageBox>& region = {},
+                  const FrameFileOptions& how = {});
 
 /// worldToCamera and worldToNDC for an EXR's header, as 16 numbers each, rows times matrix as OpenEXR has it. Camera
 /// axes: +X right, +Y up, looks down -Z; NDC in [-1, 1], y up, z from -1 (1 cm) to 1 (1 km); distortion is left out.

@@ -164,7 +164,7 @@ TEST(EditorPlate, RelitFramesAreWrittenAndThoseItLacksAreNamed) {
     EXPECT_EQ(e.job()->title, "Rendering 2 frames");
     s.until([&] { return !e.job(); });
     ASSERT_EQ(e.state.notices.size(), 1u);
-    EXPECT_EQ(e.state.notices[0].title, "2 frame(s) could not be written");
+    EXPECT_EQ(e.state.notices[0].title, "2 frames could not be written");
     EXPECT_NE(e.state.notices[0].text.find("frame 2"), std::string::npos) << e.state.notices[0].text;
     const Image captured = readImage(captureFolder() / "images/04.exr"), relit = readImage(s.folder / "relit.0004.exr");
     ASSERT_EQ(relit.pixels.size(), captured.pixels.size());

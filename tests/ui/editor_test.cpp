@@ -6,6 +6,7 @@
 #include "actions.h"
 #include "image/image_io.h"
 #include "ui/editor_session.h"
+#include "viewport/display_transform.h"
 
 namespace relamp::ui {
 namespace {
@@ -96,6 +97,26 @@ TEST(Editor, exportsWhatTheCommandLineWouldRender) {
     ASSERT_EQ(written.pixels.size(), frame.beauty.size());
     for (size_t i = 0; i < frame.beauty.size(); i += 17)
         EXPECT_NEAR(written.pixels[i].x, frame.beauty[i].x, 2e-3f * frame.beauty[i].x + 1e-6f);
+    // PNG as the viewport shows it, unless something else is asked for.
+    s.editor->state.viewport.exposureStops = -1;
+    s.editor->state.viewport.displayView = "ACES 1.0 SDR";
+    const auto png = [&](std::optional<DisplayView> view) {
+        request.view = view;
+        request.file = s.folder / "frame.png";
+        s.editor->exportFrames(request);
+        s.until([&] { return !s.editor->job(); });
+        return readCodes(request.file);
+    };
+    std::vector<Rgb> display = frame.beauty;
+    displayTransform().apply("ACES 1.0 SDR", -1, display.data(), display.size());
+    const CodeImage asShown = png(std::nullopt), standard = png(DisplayView::standard);
+    for (size_t i = 0; i < display.size(); i += 17)
+        for (int c = 0; c < 3; ++c) {
+            const auto code = [&](float value) { return 65535 * std::clamp(value, 0.0f, 1.0f); };
+            EXPECT_NEAR(float(asShown.codes[3 * i + size_t(c)]), code(display[i][c]), 400);
+            EXPECT_NEAR(float(standard.codes[3 * i + size_t(c)]), code(srgbEncode(frame.beauty[i][c])), 400);
+        }
+    request.view.reset();
     // A photograph stays as it is.
     const std::filesystem::path photograph = captureFolder() / "images/00.exr";
     ASSERT_TRUE(std::filesystem::exists(photograph));

@@ -117,6 +117,12 @@ TEST(RenderRegion, aloneIsRenderedAtRestAndExported) {
         return readImageSize(request.file);
     };
     EXPECT_EQ(exported(), std::pair(20, 30));
+    // A region too is written as the viewport shows it.
+    const Image bright = readImage(request.file);
+    editor.state.viewport.exposureStops = -20;
+    EXPECT_EQ(exported(), std::pair(20, 30));
+    EXPECT_NE(readImage(request.file).pixels, bright.pixels);
+    editor.state.viewport.exposureStops = 0;
     // A wider frame has more at its sides, and the region stays on what it shows.
     request.width = 160, request.height = 60;
     EXPECT_EQ(exported(), std::pair(20, 30));

@@ -111,7 +111,7 @@ void addCamera(const Adder& add) {
 void addImage(const Adder& add) {
     add({"view.brighter",
          "Brighter",
-         "The image on screen, half a stop brighter. Files are not affected.",
+         "The image on screen, half a stop brighter. EXR files are not affected.",
          "View",
          {{'E'}},
          [](Editor& e) { changeExposure(e, 0.5f); },
@@ -120,7 +120,7 @@ void addImage(const Adder& add) {
          true});
     add({"view.darker",
          "Darker",
-         "The image on screen, half a stop darker. Files are not affected.",
+         "The image on screen, half a stop darker. EXR files are not affected.",
          "View",
          {{'E', false, true}},
          [](Editor& e) { changeExposure(e, -0.5f); },

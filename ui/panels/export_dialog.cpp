@@ -8,30 +8,12 @@
 #include "item_map.h"
 #include "panels/dialogs.h"
 #include "shot/export_frame.h"
+#include "viewport/navigation.h"
 #include "widgets.h"
 
 namespace relamp::ui {
 namespace {
 namespace fs = std::filesystem;
-
-/// Place of the frame number in a name: "####" or "%04d"; length 0: none.
-std::pair<size_t, size_t> tokenOf(const std::string& name, size_t& width) {
-    if (const size_t hash = name.find('#'); hash != std::string::npos) {
-        const size_t end = std::min(name.find_first_not_of('#', hash), name.size());
-        width = end - hash;
-        return {hash, end - hash};
-    }
-    if (const size_t percentSign = name.find('%'); percentSign != std::string::npos) {
-        const size_t end = name.find_first_not_of("0123456789", percentSign + 1);
-        if (end != std::string::npos && name[end] == 'd') {
-            width = end > percentSign + 1 && end - percentSign < 5
-                        ? size_t(std::stoi(name.substr(percentSign + 1, end - percentSign - 1)))
-                        : 1;
-            return {percentSign, end + 1 - percentSign};
-        }
-    }
-    return {0, 0};
-}
 
 std::string lowered(std::string s) {
     for (char& c : s) c = c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
@@ -108,14 +90,13 @@ ExportProblems checkExport(const ExportRequest& request, size_t views, int selec
         }
     }
     const std::string name = request.file.filename().string(), extension = lowered(request.file.extension().string());
-    size_t width = 0;
-    const auto [at, length] = tokenOf(name, width);
+    const std::optional<NumberPlace> number = numberPlace(name);
     std::error_code failed;
     const fs::path parent = request.file.parent_path();
     if (name.empty()) problems.file = "Choose where the frames go.";
     else if (extension != ".exr" && extension != ".png" && extension != ".jpg" && extension != ".jpeg")
         problems.file = "The name must end in .exr (for compositing), .png or .jpg (to look at).";
-    else if (problems.frames > 1 && length == 0)
+    else if (problems.frames > 1 && !number)
         problems.file =
             "Several frames need a place for the number: name.####.exr becomes name.0001.exr, name.0002.exr and so on.";
     else if (!parent.empty() && !fs::is_directory(parent, failed))
@@ -133,8 +114,9 @@ ExportProblems checkExport(const ExportRequest& request, size_t views, int selec
     if (request.ratio != Ratio::none && request.views != Views::plate && !(photographs && ownSize))
         problems.layers = "Relighting the photograph itself needs views at their own size.";
     std::string firstName = name;
-    if (length && width <= 32 && request.views != Views::present && request.views != Views::capture)
-        firstName = name.substr(0, at) + fmt::format("{:0{}}", first, width) + name.substr(at + length);
+    if (number && number->width <= 32 && request.views != Views::present && request.views != Views::capture)
+        firstName =
+            name.substr(0, number->begin) + fmt::format("{:0{}}", first, number->width) + name.substr(number->end);
     problems.firstFile = firstName;
     return problems;
 }
@@ -331,9 +313,10 @@ void layersRow(ExportRequest& request) {
          "The part of each light by itself: their sum is the image, so that lights can be graded in compositing"},
         {"albedo", "Surface colour", "Colour of the surfaces in white light"},
         {"normal", "Normals", "Direction of the surface, for relighting tricks in compositing"},
-        {"position", "Positions", "Place of the surface in the world, metres"},
+        {"position", "Positions", "Position of the surface in the world, metres"},
         {"depth", "Depth", "Distance along the camera's axis, metres"},
-        {"correction", "Correction", "What a reading without lights in the scene would bake into the surface"},
+        {"correction", "Baked light",
+         "The light that a reading without lights in the scene would bake into the surface (layer correction)"},
         {"residual", "Residual", "Photograph minus model, of views at their own size"},
         {"cryptomatte", "Cryptomatte", "Mattes of the lights"}};
     std::string chosen;
@@ -349,7 +332,8 @@ void layersRow(ExportRequest& request) {
 }
 
 /// How layers are called and stored in EXR; what PNG and JPEG show.
-void formatRow(ExportRequest& request) {
+void formatRow(Editor& editor) {
+    ExportRequest& request = editor.state.exportFrames;
     if (lowered(request.file.extension().string()) == ".exr" || request.file.empty()) {
         if (request.layers.empty()) return;
         row("");
@@ -361,14 +345,22 @@ void formatRow(ExportRequest& request) {
         return;
     }
     row("Shown");
-    constexpr const char* names[] = {"sRGB", "sRGB, exposed by itself", "Without a curve"};
-    ImGui::SetNextItemWidth(em(14));
-    if (ImGui::BeginCombo("##view", names[int(request.view)])) {
-        for (int i = 0; i < 3; ++i)
-            if (ImGui::Selectable(names[i], int(request.view) == i)) request.view = DisplayView(i);
+    const float stops = editor.state.viewport.exposureStops;
+    const std::string asShown =
+        "As in the window: " + displayViewOf(editor) + (stops != 0 ? ", " + signedStops(stops) + " stops" : "");
+    const std::string names[] = {asShown, "sRGB", "sRGB, exposed by itself", "Without a curve"};
+    const int present = request.view ? 1 + int(*request.view) : 0;
+    ImGui::SetNextItemWidth(std::min(em(20), ImGui::GetContentRegionAvail().x));
+    if (ImGui::BeginCombo("##view", names[present].c_str())) {
+        for (int i = 0; i < 4; ++i) {
+            if (ImGui::Selectable(names[i].c_str(), present == i))
+                request.view = i ? std::optional(DisplayView(i - 1)) : std::nullopt;
+            noteItem(fmt::format("export view {}", i));
+        }
         ImGui::EndCombo();
     }
-    tooltip("What PNG and JPEG show of the scene's light");
+    noteItem("export view");
+    tooltip("What PNG and JPEG show of the scene's light. As in the window: with its view transform and exposure.");
 }
 
 void fileRow(Editor& editor) {
@@ -476,7 +468,7 @@ bool drawExportDialog(Editor& editor) {
     samplesRow(request);
     layersRow(request);
     if (!problems.layers.empty()) warningText(problems.layers);
-    formatRow(request);
+    formatRow(editor);
     fileRow(editor);
     summaryOf(problems);
     ImGui::EndDisabled();

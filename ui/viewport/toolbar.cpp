@@ -184,7 +184,8 @@ void exposureField(Editor& editor, float width, bool words) {
     noteItem("##exposure");
     if (ImGui::IsItemClicked(ImGuiMouseButton_Right)) viewport.exposureStops = 0;
     tooltip(
-        "Exposure of the image on screen, in stops. Files are not affected. Drag, or double click to type; Shift is "
+        "Exposure of the image on screen, in stops. EXR files are not affected. Drag, or double click to type; Shift "
+        "is "
         "finer, a right click resets. E and Shift+E go by half a stop.");
 }
 
@@ -202,7 +203,7 @@ void displayCombo(Editor& editor, float width) {
             if (ImGui::Selectable(name.c_str(), name == view)) view = name;
         ImGui::EndCombo();
     }
-    tooltip("How scene light becomes screen colour; files are not affected. " +
+    tooltip("How scene light becomes screen colour; EXR files are not affected. " +
             (view.empty() ? "Now by itself: " + present + ". " : std::string()) + "Configuration: " + display.source() +
             (display.source() == "built in" ? " ($OCIO names another one)." : "."));
 }
