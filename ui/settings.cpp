@@ -71,6 +71,7 @@ void loadSettings(const fs::path& folder, EditorState& state) {
     }
     paths(document, "recent", state.recent);
     paths(document, "recent_environments", state.recentEnvironments);
+    paths(document, "recent_looks", state.recentLooks);
     PanelState& p = state.panels;
     p.leftWidth = number(document, "left_width", p.leftWidth, 200, 800);
     p.rightWidth = number(document, "right_width", p.rightWidth, 200, 800);
@@ -94,6 +95,7 @@ void loadSettings(const fs::path& folder, EditorState& state) {
 void saveSettings(const fs::path& folder, const EditorState& state) {
     Json document{{"recent", Json::array()},
                   {"recent_environments", Json::array()},
+                  {"recent_looks", Json::array()},
                   {"left_width", state.panels.leftWidth},
                   {"right_width", state.panels.rightWidth},
                   {"bottom_height", state.panels.bottomHeight},
@@ -103,6 +105,7 @@ void saveSettings(const fs::path& folder, const EditorState& state) {
                   {"estimate", estimateJson(state.solve)}};
     for (const fs::path& p : state.recent) document["recent"].push_back(p.string());
     for (const fs::path& p : state.recentEnvironments) document["recent_environments"].push_back(p.string());
+    for (const fs::path& p : state.recentLooks) document["recent_looks"].push_back(p.string());
     std::error_code error;
     fs::create_directories(folder, error);
     try {

@@ -9,6 +9,7 @@
 #include "browser/listing.h"
 #include "capture/capture_formats.h"
 #include "keys.h"
+#include "look_files.h"
 #include "panels/panels.h"
 #include "widgets.h"
 
@@ -89,6 +90,38 @@ void takeBrowserFlags(Editor& editor) {
         request.note = "A latitude-longitude panorama, twice as wide as high (EXR or HDR).";
         if (!editor.look().environment.file.empty()) request.start = editor.look().environment.file.parent_path();
         browse(request, [](Editor& e, const fs::path& path) { e.openEnvironment(path); });
+    }
+}
+
+/// Where looks lie: beside the last one, else beside the shot.
+fs::path folderOfLooks(const Editor& editor) {
+    const Document& document = editor.state.document;
+    if (!editor.state.recentLooks.empty()) return editor.state.recentLooks.front().parent_path();
+    return document.shotFolder.empty() ? document.captureFolder.parent_path() : document.shotFolder.parent_path();
+}
+
+void beginLookBrowsers(Editor& editor) {
+    PanelState& panels = editor.state.panels;
+    if (std::exchange(panels.saveLookBrowser, false)) {
+        BrowserRequest request;
+        request.mode = BrowserRequest::Mode::save;
+        request.title = "Save the look";
+        request.confirm = "Save";
+        request.extensions = {".json"};
+        request.start = folderOfLooks(editor);
+        request.name = fs::path(nameToSave(editor.state.document)).stem().string() + " look.json";
+        request.note =
+            "Lights, environment and keys as they are now. Other shots load it, and so does relamp render --edits.";
+        browse(request, saveLook);
+    }
+    if (std::exchange(panels.loadLookBrowser, false)) {
+        BrowserRequest request;
+        request.title = "Load a look";
+        request.confirm = "Load";
+        request.extensions = {".json"};
+        request.start = folderOfLooks(editor);
+        request.note = "It takes the place of the present look; what this shot lacks of it is named.";
+        browse(request, loadLook);
     }
 }
 
@@ -202,7 +235,8 @@ const fs::path& browserFolder() { return browsing().browser.folder(); }
 
 bool dialogOpen(const Editor& editor) {
     return mostUrgent(editor) != nullptr || editor.state.panels.openBrowser || editor.state.panels.saveBrowser ||
-           editor.state.panels.environmentBrowser;
+           editor.state.panels.environmentBrowser || editor.state.panels.saveLookBrowser ||
+           editor.state.panels.loadLookBrowser;
 }
 
 namespace {
@@ -221,6 +255,7 @@ void drawDialogs(Editor& editor) {
     static const Dialog* drawn = nullptr;
     closeMenuOnEscape(editor);
     takeBrowserFlags(editor);
+    beginLookBrowsers(editor);
     if (browsing().open && !browsing().editor) browsing().editor = &editor;
     drawImportDoctor(editor);
     const Dialog* dialog = mostUrgent(editor);

@@ -3,24 +3,37 @@
 
 #include "actions.h"
 #include "item_map.h"
+#include "look_files.h"
 #include "panels/panels.h"
 #include "widgets.h"
 
 namespace relamp::ui {
 namespace {
 
-void drawRecent(Editor& editor) {
-    if (!ImGui::BeginMenu("Open recent", !editor.state.recent.empty())) return;
+/// A submenu of files that were used before; what was chosen.
+std::filesystem::path recentOf(const char* label, const std::vector<std::filesystem::path>& recent, bool enabled) {
+    if (!ImGui::BeginMenu(label, enabled && !recent.empty())) return {};
     std::filesystem::path chosen;
     int index = 0;
-    for (const std::filesystem::path& path : editor.state.recent) {
+    for (const std::filesystem::path& path : recent) {
         ImGui::PushID(index++);
         if (ImGui::MenuItem(elided(shown(path), em(30)).c_str())) chosen = path;
         tooltip(shown(path));
         ImGui::PopID();
     }
     ImGui::EndMenu();
-    if (!chosen.empty()) editor.open(chosen);
+    return chosen;
+}
+
+void drawRecent(Editor& editor, const std::string& action) {
+    if (action == "file.open") {
+        if (const auto chosen = recentOf("Open recent", editor.state.recent, true); !chosen.empty())
+            editor.open(chosen);
+    } else if (action == "file.loadLook") {
+        const auto chosen = recentOf("Recent looks", editor.state.recentLooks, editor.estimate() != nullptr);
+        noteItem("menu recent looks");
+        if (!chosen.empty()) loadLook(editor, chosen);
+    }
 }
 
 }  // namespace
@@ -67,7 +80,7 @@ void drawMenuBar(Editor& editor) {
                 wanted = &action;
             noteItem("menu " + action.id);
             tooltip(action.explanation);
-            if (action.id == "file.open") drawRecent(editor);
+            drawRecent(editor, action.id);
         }
         leave();
         ImGui::EndMenu();
