@@ -16,11 +16,12 @@ void pane(const char* name, const ImVec2& position, const ImVec2& size, ImGuiWin
     ImGui::SetNextWindowSize(size);
     ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
     ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0);
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, ImVec2(1, 1));  // strips are lower than the usual least
     const bool open =
         ImGui::Begin(name, nullptr,
                      ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
                          ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus | flags);
-    ImGui::PopStyleVar(2);
+    ImGui::PopStyleVar(3);
     if (open) draw();
     ImGui::End();
 }
@@ -47,7 +48,9 @@ Areas areasOf(const Editor& editor, const ImVec2& screen) {
     const float least = 200 * scale, spare = screen.x - 640 * scale - 2 * a.gap;
     a.oneColumn = spare < 2.1f * least;
     if (a.oneColumn) {
-        a.right = std::floor(std::max(std::min(p.rightWidth * scale, spare + a.gap), std::min(least, 0.4f * screen.x)));
+        // Where the whole cannot be had, the image is 640 pixels wide all the same, as long as the column can be read.
+        const float narrow = std::min(least, std::max(0.3f * screen.x, screen.x - 640 - a.gap));
+        a.right = std::floor(std::max(std::min(p.rightWidth * scale, spare + a.gap), narrow));
     } else {
         a.left = p.leftWidth * scale, a.right = p.rightWidth * scale;
         if (const float sum = a.left + a.right; sum > spare) a.left *= spare / sum, a.right *= spare / sum;
@@ -105,7 +108,8 @@ void drawLayout(Editor& editor, Viewport* viewport, const std::string& reason) {
     }
     const ImVec2 screen = ImGui::GetIO().DisplaySize;
     const Areas a = areasOf(editor, screen);
-    const float columnsHeight = screen.y - a.top - a.status - (a.bottom > 0 ? a.bottom + a.gap : 0);
+    const float between = p.bottomFolded ? 0 : a.gap;  // there is nothing to drag where only the tabs are shown
+    const float columnsHeight = screen.y - a.top - a.status - (a.bottom > 0 ? a.bottom + between : 0);
     const float middleX = a.left > 0 ? a.left + a.gap : 0,
                 middleWidth = screen.x - middleX - (a.right > 0 ? a.right + a.gap : 0);
 
@@ -143,9 +147,15 @@ void drawLayout(Editor& editor, Viewport* viewport, const std::string& reason) {
             if (beginChild("inspector", ImVec2(0, 0))) drawInspectorPanel(editor);
             ImGui::EndChild();
         });
-    if (a.bottom > 0)
-        pane("##bottom", {0, a.top + columnsHeight + a.gap}, {screen.x, a.bottom}, ImGuiWindowFlags_NoScrollbar,
+    if (a.bottom > 0) {
+        const bool folded = p.bottomFolded;
+        if (folded)
+            ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding,
+                                ImVec2(ImGui::GetStyle().WindowPadding.x, bottomPanelFoldedPadding()));
+        pane("##bottom", {0, a.top + columnsHeight + between}, {screen.x, a.bottom}, ImGuiWindowFlags_NoScrollbar,
              [&] { drawBottomPanel(editor); });
+        if (folded) ImGui::PopStyleVar();
+    }
     ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(em(0.5f), 0));
     pane("##status", {0, screen.y - a.status}, {screen.x, a.status},
          ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse, [&] { drawStatusBar(editor); });
@@ -155,10 +165,9 @@ void drawLayout(Editor& editor, Viewport* viewport, const std::string& reason) {
     const auto handle = [&](const char* name, const ImVec2& position, const ImVec2& size, bool vertical, float& value,
                             float least, float most, float direction) {
         ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(0, 0));
-        ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, ImVec2(1, 1));
         pane(name, position, size, ImGuiWindowFlags_NoScrollbar,
              [&] { splitter("handle", vertical, vertical ? size.y : size.x, value, least, most, direction, scale); });
-        ImGui::PopStyleVar(2);
+        ImGui::PopStyleVar();
     };
     if (a.left > 0) handle("##handleLeft", {a.left, a.top}, {a.gap, columnsHeight}, true, p.leftWidth, 200, 700, 1);
     if (a.right > 0)

@@ -5,7 +5,8 @@
 
 namespace relamp::ui {
 
-float bottomPanelFoldedHeight() { return std::floor(ImGui::GetFrameHeight() + 2 * ImGui::GetStyle().WindowPadding.y); }
+float bottomPanelFoldedPadding() { return std::floor(ImGui::GetStyle().FramePadding.y / 2); }
+float bottomPanelFoldedHeight() { return ImGui::GetFrameHeight() + 2 * bottomPanelFoldedPadding(); }
 
 void drawBottomPanel(Editor& editor) {
     bool& folded = editor.state.panels.bottomFolded;

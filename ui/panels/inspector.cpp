@@ -13,7 +13,7 @@ void inspectView(Editor& editor, int index) {
     const View& view = document.capture->views[size_t(index)];
     const Camera& camera = view.camera;
     const float width = std::min(ImGui::GetContentRegionAvail().x, em(18));
-    image("##picture", viewImage(document, size_t(index)), width,
+    image("##image", viewImage(document, size_t(index)), width,
           camera.width > 0 ? width * float(camera.height) / float(camera.width) : width * 0.75f, "no image");
     fact("Photograph", fmt::format("{} ({} of {})", shown(view.name), index + 1, document.capture->views.size()));
     fact("Size", fmt::format("{} x {} pixels", camera.width, camera.height));
@@ -97,7 +97,7 @@ void inspectScene(Editor& editor) {
     if (estimate->lighting.leaves.size() > 0)
         fact("Distant light", fmt::format("{} patches of sky", estimate->lighting.leaves.size()),
              "Unknowns of the environment: bright parts are divided more finely");
-    fact("Brightness", estimate->gauge.kind == "assumed" ? "assumed" : "measured",
+    fact("Scale", estimate->gauge.kind == "assumed" ? "assumed" : "measured",
          "Brightness scale: how light and surface brightness were told apart");
     dimWrapped(estimate->gauge.evidence);
     if (estimate->gauge.kind == "assumed")

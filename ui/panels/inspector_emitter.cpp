@@ -1,6 +1,7 @@
 // One light, or the active one of several: place, size, light, attached geometry, evidence.
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "base/significant.h"
 #include "base/statistics.h"
 #include "display/vertex_images.h"
 #include "panels/emitter_controls.h"
@@ -64,7 +65,7 @@ void place(Editor& editor, const EmitterState& emitter, const std::vector<std::s
         editor, fmt::format("Position ({})", unit.symbol).c_str(), "Move " + who, emitter.pivot,
         {.speed = size / 800, .format = format.c_str(), .unit = unit.inMetres},
         fmt::format(
-            "Where the middle of the light is, in {}. Its shadows and its geometry move along; so do attached parts.",
+            "Where the middle of the light is, in {}. Its shadows and its geometry move along; so do attached objects.",
             unit.name),
         [&](Look& look, int axis, float value) {
             const auto active = startOf(emitter.id);
@@ -138,7 +139,9 @@ void place(Editor& editor, const EmitterState& emitter, const std::vector<std::s
 }
 
 void light(Editor& editor, const EmitterState& emitter, const std::vector<std::string>& targets) {
-    const float label = em(6.2f);
+    // Fields have room in a narrow column too.
+    const float label = std::min(
+        em(6.2f), std::max(0.35f * ImGui::GetContentRegionAvail().x, ImGui::CalcTextSize("Temperature").x + em(0.4f)));
     const auto row = [&](const char* name) {
         ImGui::AlignTextToFramePadding();
         dimText(name);
@@ -211,9 +214,9 @@ void parts(Editor& editor, const EmitterState& emitter) {
         dimWrapped(
             "Nothing follows this light. Attach its shade and its stand, and they move along with their shadows.");
     if (detach != ~0u)
-        editor.edit("Detach a part from " + emitter.name, [&](Look& look) { detachPart(look, *scene, detach); });
+        editor.edit("Detach an object from " + emitter.name, [&](Look& look) { detachPart(look, *scene, detach); });
     if (reset != ~0u)
-        editor.edit("Put a part of " + emitter.name + " back", [&](Look& look) { resetPart(look, *scene, reset); });
+        editor.edit("Put an object of " + emitter.name + " back", [&](Look& look) { resetPart(look, *scene, reset); });
     const auto likely = [&] {
         std::vector<uint32_t> seeds = likelyParts(*scene, *editor.estimate(), emitter.id);
         std::erase_if(seeds, [&](uint32_t seed) {
@@ -226,7 +229,7 @@ void parts(Editor& editor, const EmitterState& emitter) {
         return seeds;
     };
     if (emitter.recovered &&
-        button("Attach what is near", "Attaches the parts that touch the light or stand close to it"))
+        button("Attach what is near", "Attaches the objects that touch the light or stand close to it"))
         if (const auto seeds = likely(); !seeds.empty())
             editor.edit(
                 fmt::format("Attach {} object{} to {}", seeds.size(), seeds.size() == 1 ? "" : "s", emitter.name),
@@ -249,13 +252,14 @@ void evidence(Editor& editor, const EmitterState& emitter) {
     wrapped(fmt::format("Seen in {} photograph{}, {}{} triangles.", e.viewsSeen, e.viewsSeen == 1 ? "" : "s",
                         e.samples ? count(e.samples) + " observations on " : "", count(cluster.triangles.size())));
     if (e.sceneContrast > 0)
-        wrapped(fmt::format("It is {:.3g} times as bright as the brightest other surfaces.", e.sceneContrast));
+        wrapped(
+            fmt::format("It is {} times as bright as the brightest other surfaces.", significant(e.sceneContrast, 3)));
     if (sigma >= 0) wrapped(fmt::format("Its brightness is known to about {}.", percent(double(sigma))));
     if (!cluster.level.empty())
         wrapped(fmt::format(
-            "It shines unevenly: most of its surface has {:.2g} to {:.2g} times its mean radiance. Moved or "
+            "It shines unevenly: most of its surface has {} to {} times its mean radiance. Moved or "
             "turned, it keeps that.",
-            quantileOf(cluster.level, 0.05), quantileOf(cluster.level, 0.95)));
+            significant(quantileOf(cluster.level, 0.05), 2), significant(quantileOf(cluster.level, 0.95), 2)));
     else if (e.uniformity > 0.12f)
         wrapped(fmt::format("It glows unevenly, by {} either way. It is given one brightness, the mean.",
                             percent(double(e.uniformity))));
@@ -335,11 +339,15 @@ void inspectEmitter(Editor& editor, const EmitterState& emitter) {
     ImGui::GetWindowDrawList()->AddRectFilled(at, {at.x + em(0.4f), at.y + side}, ImGui::GetColorU32(mark), em(0.15f));
     ImGui::SetCursorPosX(ImGui::GetCursorPosX() + em(0.7f));
     ImGui::AlignTextToFramePadding();
-    const float room = ImGui::GetContentRegionAvail().x - 4 * (side + ImGui::GetStyle().ItemSpacing.x);
+    const float whole = ImGui::GetContentRegionAvail().x, beside = whole - 4 * (side + ImGui::GetStyle().ItemSpacing.x);
+    const bool twoRows = beside < em(4);  // of a narrow column
+    const float room = twoRows ? whole : beside;
     if (targets.size() > 1)
         text(elided(fmt::format("{} (and {} more)", shown(emitter.name), targets.size() - 1), room));
     else nameField(editor, emitter, room);
-    ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - 4 * side - 3 * ImGui::GetStyle().ItemSpacing.x);
+    const float switches = ImGui::GetWindowContentRegionMax().x - 4 * side - 3 * ImGui::GetStyle().ItemSpacing.x;
+    if (twoRows) ImGui::SetCursorPosX(switches);
+    else ImGui::SameLine(switches);
     muteButton(editor, emitter, side);
     ImGui::SameLine();
     soloButton(editor, emitter, side);

@@ -16,8 +16,9 @@ void drawInspectorPanel(Editor& editor);
 /// Bottom: timeline, emitters, log and history as tabs, and the plan of the estimate; state.panels.bottomTab is the tab
 /// shown, and may be set from outside.
 void drawBottomPanel(Editor& editor);
-/// What is left of it when it is folded: its tabs.
+/// What is left of it when it is folded: its tabs, and the padding above and below them.
 float bottomPanelFoldedHeight();
+float bottomPanelFoldedPadding();
 /// In place of the viewport while nothing is open: what was open last, and the example capture.
 void drawStartPage(Editor& editor);
 /// One line of text high (statusBarHeight()).

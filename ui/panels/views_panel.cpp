@@ -103,6 +103,121 @@ void drawPlateEntry(Editor& editor) {
         editor.removePlate();
 }
 
+/// How the photographs are laid out. All cells have one size, so that thousands of views cost no more than those on
+/// screen.
+struct ViewGrid {
+    int columns = 1, rows = 1;
+    float width = 0, height = 0;  ///< of an image
+    float cell = 0;               ///< height with the name below
+    bool onward = false;          ///< the columns go on to the right, and are scrolled
+    float high() const { return float(rows) * (cell + ImGui::GetStyle().ItemSpacing.y); }
+};
+
+ViewGrid gridOf(const std::vector<View>& views, float room) {
+    const ImGuiStyle& style = ImGui::GetStyle();
+    const float spacing = style.ItemSpacing.x;
+    float aspect = 0.1f;
+    for (const View& view : views)
+        aspect = std::max(aspect, view.camera.width > 0 ? float(view.camera.height) / float(view.camera.width) : 0.75f);
+    const auto ofWidth = [&](float width) {
+        ViewGrid g;
+        g.width = std::floor(width);
+        g.height = std::floor(g.width * std::min(aspect, 1.2f));
+        g.cell = g.height + ImGui::GetTextLineHeight() + em(0.5f);
+        return g;
+    };
+    const auto gridFor = [&](float least) {
+        const int columns = std::max(1, int((room + spacing) / (least + spacing)));
+        ViewGrid g = ofWidth((room - spacing * float(columns - 1)) / float(columns));
+        g.columns = columns;
+        g.rows = (int(views.size()) + columns - 1) / columns;
+        return g;
+    };
+    // A third of the column at least is left to what comes below.
+    const float most = std::clamp(0.45f * ImGui::GetWindowHeight(), em(8), em(30));
+    ViewGrid grid = gridFor(em(6.4f));
+    for (float least = em(5.4f); grid.high() > most && least > em(2.6f); least -= em(0.5f)) grid = gridFor(least);
+    if (grid.high() <= most) return grid;
+    // Too many: they go on to the right, because a second scrollbar would stand beside the column's own. The last one
+    // that is seen is cut, which says so.
+    const float high = most - style.ScrollbarSize - em(0.2f);
+    float width = std::clamp((room - 2 * spacing) / 2.5f, em(3), em(6.4f));
+    while (width > em(3) && ofWidth(width).high() > high) width -= em(0.25f);
+    grid = ofWidth(width);
+    grid.rows = std::max(1, int(high / grid.high()));
+    grid.columns = (int(views.size()) + grid.rows - 1) / grid.rows;
+    grid.onward = true;
+    return grid;
+}
+
+/// One photograph with its name, at the cursor.
+void drawView(Editor& editor, size_t i, const ViewGrid& grid) {
+    const Document& document = editor.state.document;
+    const View& view = document.capture->views[i];
+    const ViewCheck* check = document.check && i < document.check->views.size() ? &document.check->views[i] : nullptr;
+    const auto estimate = editor.estimate();
+    const ViewReproduction* worst = estimate && estimate->reproduction.measured()
+                                        ? &estimate->reproduction.views[estimate->reproduction.worst()]
+                                        : nullptr;
+    ImGui::PushID(int(i));
+    ImGui::BeginGroup();
+    const bool selected = editor.state.selection.view == int(i);
+    const float own =
+        view.camera.width > 0 ? grid.width * float(view.camera.height) / float(view.camera.width) : grid.height;
+    const float drawnWidth = own > grid.height ? grid.width * grid.height / own : grid.width,
+                drawnHeight = std::min(own, grid.height);
+    const ImVec2 corner = ImGui::GetCursorScreenPos();
+    ImGui::Dummy({grid.width, grid.height});
+    ImGui::SetCursorScreenPos(
+        {corner.x + std::floor((grid.width - drawnWidth) / 2), corner.y + std::floor((grid.height - drawnHeight) / 2)});
+    if (image("##image", viewImage(document, i), drawnWidth, drawnHeight, "no image", selected)) {
+        editor.state.selection.view = int(i);
+        editor.state.selection.emitters.clear();
+        editor.pick(std::nullopt);
+    }
+    noteItem(fmt::format("view {}", i));
+    const bool doubled = ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left);
+    const ViewReproduction* found = explained(estimate.get(), view);
+    tooltip(describe(view, check, found));
+    if (doubled) editor.state.selection.view = int(i), editor.state.viewport.throughView = true;
+    badges(corner, check, found && found == worst, found && found->psnr < Reproduction::gateDb);
+    ImGui::SetCursorScreenPos({corner.x, corner.y + grid.height + em(0.1f)});
+    const std::string name = captionOf(view.name, grid.width);
+    if (selected) text(name);
+    else dimText(name);
+    ImGui::SetCursorScreenPos({corner.x, corner.y + grid.cell - 1});
+    ImGui::Dummy({grid.width, 1});
+    ImGui::EndGroup();
+    ImGui::PopID();
+}
+
+/// Row after row.
+void drawRows(Editor& editor, const ViewGrid& grid, int views) {
+    ImGuiListClipper clipper;
+    clipper.Begin(grid.rows, grid.cell + ImGui::GetStyle().ItemSpacing.y);
+    while (clipper.Step())
+        for (int row = clipper.DisplayStart; row < clipper.DisplayEnd; ++row)
+            for (int column = 0; column < grid.columns && row * grid.columns + column < views; ++column) {
+                if (column > 0) ImGui::SameLine();
+                drawView(editor, size_t(row * grid.columns + column), grid);
+            }
+}
+
+/// Column after column, those in sight alone.
+void drawColumns(Editor& editor, const ViewGrid& grid, int views) {
+    const ImVec2 start = ImGui::GetCursorPos();
+    const float step = grid.width + ImGui::GetStyle().ItemSpacing.x, down = grid.cell + ImGui::GetStyle().ItemSpacing.y;
+    const int first = std::max(0, int(ImGui::GetScrollX() / step)),
+              last = std::min(grid.columns, int((ImGui::GetScrollX() + ImGui::GetWindowWidth()) / step) + 1);
+    for (int column = first; column < last; ++column)
+        for (int row = 0; row < grid.rows && column * grid.rows + row < views; ++row) {
+            ImGui::SetCursorPos({start.x + float(column) * step, start.y + float(row) * down});
+            drawView(editor, size_t(column * grid.rows + row), grid);
+        }
+    ImGui::SetCursorPos(start);
+    ImGui::Dummy({float(grid.columns) * step - ImGui::GetStyle().ItemSpacing.x, grid.high() - 1});
+}
+
 }  // namespace
 
 void drawViewsPanel(Editor& editor) {
@@ -117,85 +232,12 @@ void drawViewsPanel(Editor& editor) {
     }
     const auto& views = document.capture->views;
     if (views.empty()) return dimText("There are no views.");
-    const float spacing = ImGui::GetStyle().ItemSpacing.x;
     const auto estimate = editor.estimate();
-    const ViewReproduction* worst = estimate && estimate->reproduction.measured()
-                                        ? &estimate->reproduction.views[estimate->reproduction.worst()]
-                                        : nullptr;
-    // All cells have one height, so that thousands of views cost no more than those on screen.
-    float aspect = 0.1f;
-    for (const View& view : views)
-        aspect = std::max(aspect, view.camera.width > 0 ? float(view.camera.height) / float(view.camera.width) : 0.75f);
-    struct Grid {
-        int columns, rows;
-        float width, height, cell, whole;
-    };
-    const auto gridFor = [&](float room, float least) {
-        Grid g{};
-        g.columns = std::max(1, int((room + spacing) / (least + spacing)));
-        g.width = std::floor((room - spacing * float(g.columns - 1)) / float(g.columns));
-        g.height = std::floor(g.width * std::min(aspect, 1.2f));
-        g.cell = g.height + ImGui::GetTextLineHeight() + em(0.5f);
-        g.rows = (int(views.size()) + g.columns - 1) / g.columns;
-        g.whole = float(g.rows) * (g.cell + ImGui::GetStyle().ItemSpacing.y);
-        return g;
-    };
-    // A third of the column at least is left to what comes below.
-    const float most = std::clamp(0.45f * ImGui::GetWindowHeight(), em(8), em(30)),
-                room = ImGui::GetContentRegionAvail().x;
-    // Smaller images rather than a second scrollbar in the column, until they are too small to tell apart.
-    Grid grid = gridFor(room, em(6.4f));
-    for (float least = em(5.4f); grid.whole > most && least > em(2.6f); least -= em(0.5f)) grid = gridFor(room, least);
-    // Two beside each other at least, where they must scroll.
-    const float scrolling = room - ImGui::GetStyle().ScrollbarSize - em(0.2f);
-    if (grid.whole > most) grid = gridFor(scrolling, std::clamp((scrolling - spacing) / 2, em(3), em(6.4f)));
-    const auto [columns, rows, width, height, cell, whole] = grid;
-    if (beginChild("##views", {0, std::min(whole + em(0.2f), most)}, false)) {
-        ImGuiListClipper clipper;
-        clipper.Begin(rows, cell + ImGui::GetStyle().ItemSpacing.y);
-        while (clipper.Step())
-            for (int row = clipper.DisplayStart; row < clipper.DisplayEnd; ++row)
-                for (int column = 0; column < columns; ++column) {
-                    const int i = row * columns + column;
-                    if (i >= int(views.size())) break;
-                    const View& view = views[size_t(i)];
-                    const ViewCheck* check = document.check && size_t(i) < document.check->views.size()
-                                                 ? &document.check->views[size_t(i)]
-                                                 : nullptr;
-                    if (column > 0) ImGui::SameLine();
-                    ImGui::PushID(i);
-                    ImGui::BeginGroup();
-                    const bool selected = editor.state.selection.view == i;
-                    const float own =
-                        view.camera.width > 0 ? width * float(view.camera.height) / float(view.camera.width) : height;
-                    const float drawnWidth = own > height ? width * height / own : width,
-                                drawnHeight = std::min(own, height);
-                    const ImVec2 corner = ImGui::GetCursorScreenPos();
-                    ImGui::Dummy({width, height});
-                    ImGui::SetCursorScreenPos({corner.x + std::floor((width - drawnWidth) / 2),
-                                               corner.y + std::floor((height - drawnHeight) / 2)});
-                    if (image("##picture", viewImage(document, size_t(i)), drawnWidth, drawnHeight, "no image",
-                              selected)) {
-                        editor.state.selection.view = i;
-                        editor.state.selection.emitters.clear();
-                        editor.pick(std::nullopt);
-                    }
-                    noteItem(fmt::format("view {}", i));
-                    const bool doubled = ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left);
-                    const ViewReproduction* found = explained(estimate.get(), view);
-                    tooltip(describe(view, check, found));
-                    if (doubled) editor.state.selection.view = i, editor.state.viewport.throughView = true;
-                    badges(corner, check, found && found == worst, found && found->psnr < Reproduction::gateDb);
-                    ImGui::SetCursorScreenPos({corner.x, corner.y + height + em(0.1f)});
-                    const std::string name = captionOf(view.name, width);
-                    if (selected) text(name);
-                    else dimText(name);
-                    ImGui::SetCursorScreenPos({corner.x, corner.y + cell - 1});
-                    ImGui::Dummy({width, 1});
-                    ImGui::EndGroup();
-                    ImGui::PopID();
-                }
-    }
+    const ViewGrid grid = gridOf(views, ImGui::GetContentRegionAvail().x);
+    const float scrollbar = grid.onward ? ImGui::GetStyle().ScrollbarSize : 0;
+    if (beginChild("##views", {0, grid.high() + scrollbar + em(0.2f)}, false,
+                   grid.onward ? ImGuiWindowFlags_HorizontalScrollbar : 0))
+        grid.onward ? drawColumns(editor, grid, int(views.size())) : drawRows(editor, grid, int(views.size()));
     ImGui::EndChild();
     drawPlateEntry(editor);
     drawBookmarks(editor);
