@@ -125,9 +125,7 @@ void Gui::beginFrame(bool menuKeys) {
         io.AddMouseButtonEvent(b.button, b.down);
 #endif
         if (!b.down) continue;
-        // Two clicks make a double click by when they happened, not by when a slow frame came to see them.
-        io.MouseDoubleClickTime = b.seconds - pressedAt_[b.button] < 0.4 ? 1e6f : 0.0f;
-        pressedAt_[b.button] = io.MouseDoubleClickTime > 0 ? -1e6 : b.seconds;
+        io.MouseDoubleClickTime = clicks_.second(b.button, b.seconds) ? 1e6f : 0.0f;
     }
 #if IMGUI_VERSION_NUM < 18700
     std::copy(std::begin(down_), std::end(down_), io.MouseDown);

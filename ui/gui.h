@@ -9,6 +9,21 @@ namespace relamp::ui {
 class Window;
 struct KeptInterface;
 
+/// Two presses of a button make a double click by when they happened, not by when a slow frame came to see them.
+class DoubleClicks {
+public:
+    /// This press, `seconds` after any start, is the second one of a pair.
+    bool second(int button, double seconds) {
+        double& before = pressedAt_[button];
+        const bool pair = seconds - before < 0.4;
+        before = pair ? -1e6 : seconds;  // a third press begins another pair
+        return pair;
+    }
+
+private:
+    double pressedAt_[5] = {-1e6, -1e6, -1e6, -1e6, -1e6};
+};
+
 class Gui {
 public:
     /// The window's context must be current and its callbacks set: ImGui's chain behind them.
@@ -39,8 +54,8 @@ private:
     void drawChanged(int width, int height, uint64_t changing);
     float scale_ = 0, density_ = 0;
     bool escapeUsed_ = false;
-    bool down_[5] = {};                                     ///< buttons of the mouse
-    double pressedAt_[5] = {-1e6, -1e6, -1e6, -1e6, -1e6};  ///< glfwGetTime() of the first click of a pair
+    bool down_[5] = {};  ///< buttons of the mouse
+    DoubleClicks clicks_;
 };
 
 /// Begins a frame of Dear ImGui. While a menu or a combo is open, the arrow keys go through it, Enter chooses and Esc

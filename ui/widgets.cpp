@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/significant.h"
 #include "image/image_io.h"
 #include "item_map.h"
 #include "keys.h"
@@ -260,7 +261,7 @@ std::string percent(double fraction) {
 
 std::string signedStops(float stops) { return std::abs(stops) < 0.05f ? "0.0" : fmt::format("{:+.1f}", stops); }
 
-std::string number(double value) { return std::abs(value) < 1e-12 ? "0" : fmt::format("{:.3g}", value); }
+std::string number(double value) { return std::abs(value) < 1e-12 ? "0" : significant(value, 3); }
 
 // ---- layout
 
@@ -408,7 +409,9 @@ void badge(const std::string& label, const ImVec4& colour, const std::string& ex
     list->AddRectFilled({at.x, at.y + down - padding.y},
                         {at.x + size.x + 2 * padding.x, at.y + down + size.y + padding.y},
                         ImGui::GetColorU32({colour.x, colour.y, colour.z, 0.2f}), em(0.25f));
-    list->AddText({at.x + padding.x, at.y + down}, ImGui::GetColorU32(colour), label.c_str());
+    ImGui::PushStyleColor(ImGuiCol_Text, colour);
+    ImGui::RenderText({at.x + padding.x, at.y + down}, label.c_str(), label.c_str() + label.size(), false);
+    ImGui::PopStyleColor();
     tooltip(explanation);
 }
 

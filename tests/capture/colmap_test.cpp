@@ -217,6 +217,10 @@ TEST_F(Colmap, WrongTextNamesFileEntryAndField) {
               "cameras.txt: camera 7: parameter 1 is nan, expected a finite number of at most 1e9");
     EXPECT_EQ(with("cameras.txt", "7 PINHOLE 16 12 10 -3 8 6\n"),
               "cameras.txt: camera 7: the focal length is -3, expected 0.001 to 1e+09 pixels");
+    for (const char* least : {"7 PINHOLE 16 12 10 1e-310 8 6\n", "7 SIMPLE_RADIAL 16 12 1e-310 8 6 0.1\n"})
+        EXPECT_EQ(with("cameras.txt", least).rfind("cameras.txt: camera 7: the focal length is 1e-310, expected", 0),
+                  0u)
+            << error();
     EXPECT_EQ(with("cameras.txt", "7 PINHOLE 0 12 10 10 8 6\n"),
               "cameras.txt: camera 7: width is 0, expected 1 to 131072 pixels");
     EXPECT_EQ(with("cameras.txt", "-7 PINHOLE 16 12 10 10 8 6\n"),

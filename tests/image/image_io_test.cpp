@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "image/chromaticities.h"
 #include "support/temporary_folder.h"
+#include "support/without_override.h"
 
 namespace relamp {
 namespace {
@@ -238,6 +239,20 @@ TEST(ImageIo, UnreadableFilesAreNamed) {
                   readImage(folder / "good.exr", nullptr, false, 1000);
               }).find("has 4096 pixels, expected at most 1000"),
               std::string::npos);
+}
+
+TEST(ImageIo, AFileWithoutPermissionIsSaidToBeOne) {
+    const test::TemporaryFolder folder;
+    writeImage(folder / "a.exr", Image(4, 4));
+    writeImage(folder / "a.png", Image(4, 4));
+    for (const char* name : {"a.exr", "a.png"}) {
+        std::filesystem::permissions(folder / name, std::filesystem::perms::none);
+        const test::WithoutOverride nobody;
+        const std::string found = name + std::string(": cannot be read (Permission denied)");
+        EXPECT_NE(test::messageOf([&] { readImage(folder / name); }).find(found), std::string::npos);
+        EXPECT_NE(test::messageOf([&] { readImageSize(folder / name); }).find(found), std::string::npos);
+    }
+    EXPECT_NO_THROW(readImage(folder / "a.exr")) << "only for a while";
 }
 
 TEST(ImageIo, ImagesNamedWronglyAreReadByTheirContent) {

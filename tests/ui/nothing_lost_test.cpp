@@ -8,6 +8,7 @@
 #include "panels/dialogs.h"
 #include "panels/emitter_controls.h"
 #include "panels/light_clipboard.h"
+#include "support/measured.h"
 #include "temperature_tint.h"
 #include "ui/panels/panel_harness.h"
 
@@ -295,6 +296,40 @@ TEST(MovedShot, itsEnvironmentIsLocatedByAnEdit) {
     EXPECT_FLOAT_EQ(editor.look().environment.yawDegrees, 30);
     EXPECT_TRUE(editor.unsavedChanges());
     EXPECT_TRUE(editor.history().canUndo());
+}
+
+TEST(MovedShot, theFolderOfItsMeasuredMaterialsIsLocated) {
+    Panels p;
+    p.openSolved();
+    const MovedShot moved;
+    moved.folder.write("a/merl/paint.binary",
+                       relamp::test::merlBytes([](const Vec3&, const Vec3&) { return Rgb(0.1f); }));
+    Progress progress;
+    Shot shot = openShot(moved.shot, false, progress);
+    Reflectance& r = shot.estimate.reflectance;
+    const size_t lobe = r.basis.lobes.size();
+    r.basis.lobes.push_back(readMeasuredLobes(moved.folder / "a/merl").at(0));
+    r.weight.push_back(r.weight[0]);
+    saveShot(shot, shot.capture.mesh, moved.shot, true);
+    fs::rename(moved.folder / "a/merl", moved.folder / "elsewhere");
+    Editor& editor = *p.editor;
+    editor.openNow(moved.shot);
+    settle(p);
+    ASSERT_TRUE(editor.state.missing);
+    EXPECT_EQ(editor.state.missing->what, MissingQuestion::What::measured);
+    EXPECT_EQ(editor.state.missing->path, moved.folder / "a/merl/paint.binary");
+    // A folder that does not have it asks again.
+    editor.answerMissing(MissingAnswer::located, moved.folder.path());
+    settle(p);
+    ASSERT_TRUE(editor.state.missing);
+    editor.answerMissing(MissingAnswer::located, moved.folder / "elsewhere");
+    settle(p);
+    EXPECT_FALSE(editor.state.missing);
+    ASSERT_TRUE(editor.state.notices.empty()) << editor.state.notices[0].text;
+    EXPECT_EQ(editor.state.document.shotFolder, moved.shot);
+    const Lobe& found = editor.estimate()->reflectance.basis.lobes.at(lobe);
+    ASSERT_EQ(found.kind, Lobe::Kind::measured);
+    EXPECT_EQ(found.measured->file, moved.folder / "elsewhere/paint.binary");
 }
 
 TEST(SavingAShot, proposesOneSuffixAndNumbersVersions) {

@@ -108,15 +108,16 @@ std::vector<Piece> piecesOf(const Editor& editor) {
     components.push_back(
         {displayViewOf(editor) +
              (state.viewport.exposureStops != 0 ? " " + signedStops(state.viewport.exposureStops) : ""),
-         "How linear light becomes screen colours, and the exposure of the screen in stops. Files are not touched.", 50,
-         false, dimColour});
+         "How linear light becomes screen colours, and the exposure of the screen in stops. EXR "
+         "files are not touched.",
+         50, false, dimColour});
     if (state.probe) {
         const float stops = std::log2(std::max(luminance(*state.probe), 1e-9f) / 0.18f) + state.viewport.exposureStops;
-        components.push_back(
-            {fmt::format("{:.3g} {:.3g} {:.3g}  {:+.1f} stops", state.probe->x, state.probe->y, state.probe->z, stops),
-             "Under the pointer: radiance, red green blue, without fine texture, and stops above "
-             "middle grey at the exposure of the screen",
-             55, false, dimColour});
+        components.push_back({fmt::format("{} {} {}  {:+.1f} stops", number(state.probe->x), number(state.probe->y),
+                                          number(state.probe->z), stops),
+                              "Under the pointer: radiance, red green blue, without fine texture, and stops above "
+                              "middle grey at the exposure of the screen",
+                              55, false, dimColour});
     }
     if (state.framesPerSecond > 0)
         components.push_back({fmt::format("{:.0f} fps {:.1f} ms", state.framesPerSecond, state.frameCpuMs),

@@ -60,7 +60,7 @@ void Interaction::moveCamera(Editor& editor, const Canvas& canvas, bool hovered,
     }
 }
 
-void Interaction::findHovered(Editor& editor, const Canvas& canvas, const ViewportImage& image, const Vec2& mouse) {
+void Interaction::findHovered(Editor& editor, const Canvas& canvas, const ShownImage& image, const Vec2& mouse) {
     hoveredHandle_ = GizmoHandle::none;
     hoveredEmitter_.clear();
     hoveredDivider_ = hoveredView_ = -1;
@@ -69,7 +69,7 @@ void Interaction::findHovered(Editor& editor, const Canvas& canvas, const Viewpo
     if (const auto g = gizmo(editor, canvas))
         hoveredHandle_ = hitTest(canvas.eye->rayAt(mouse), g->second, *canvas.eye, g->first);
     if (hoveredHandle_ != GizmoHandle::none) return;
-    hoveredDivider_ = dividerAt(canvas, image.strips(), mouse);
+    hoveredDivider_ = dividerAt(canvas, image.strips, mouse);
     if (hoveredDivider_ >= 0) return;
     if (!overlays) return;
     hoveredEmitter_ = emitterMarkAt(canvas, mouse);
@@ -99,11 +99,11 @@ void Interaction::keys(Editor& editor, const Canvas& canvas, const Vec2& mouse) 
                        GizmoHandle::screen, true, *canvas.eye, mouse, points);
 }
 
-void Interaction::probe(Editor& editor, const Canvas& canvas, const ViewportImage& image, const Vec2& mouse) {
+void Interaction::probe(Editor& editor, const Canvas& canvas, const ShownImage& image, const Vec2& mouse) {
     std::optional<Rgb>& value = editor.state.probe;
     const auto live = editor.liveFrame();
-    if (!hovered_ || drag_ != Drag::none || gesture_.running() || !live || live->mesh != image.mesh() ||
-        !canvas.eye->contains(mouse) || image.strips().size() != 1 ||
+    if (!hovered_ || drag_ != Drag::none || gesture_.running() || !live || live->mesh != image.mesh ||
+        !canvas.eye->contains(mouse) || image.strips.size() != 1 ||
         !infoOf(editor.state.viewport.mode).shows(Paint::model)) {
         value.reset();
         probed_.reset();
@@ -112,10 +112,10 @@ void Interaction::probe(Editor& editor, const Canvas& canvas, const ViewportImag
     if (mouse == probedAt_ && probed_.lock() == live) return;
     probedAt_ = mouse;
     probed_ = live;
-    value = radianceAlong(*live, canvas.eye->rayAt(mouse), image.visible());
+    value = radianceAlong(*live, canvas.eye->rayAt(mouse), image.visible);
 }
 
-void Interaction::press(Editor& editor, const Canvas& canvas, const ViewportImage& image, const Vec2& mouse) {
+void Interaction::press(Editor& editor, const Canvas& canvas, const ShownImage& image, const Vec2& mouse) {
     pressedAt_ = mouse;
     if (editor.state.viewport.clickTask == ClickTask::region) {
         drag_ = Drag::region;
@@ -135,11 +135,11 @@ void Interaction::press(Editor& editor, const Canvas& canvas, const ViewportImag
             return;
         }
     }
-    if (const int divider = dividerAt(canvas, image.strips(), mouse); divider >= 0) {
+    if (const int divider = dividerAt(canvas, image.strips, mouse); divider >= 0) {
         drag_ = Drag::divider, divider_ = divider;
-    } else if (PlacementDrag::fits(editor) && image.mesh() && canvas.eye->contains(mouse)) {
+    } else if (PlacementDrag::fits(editor) && image.mesh && canvas.eye->contains(mouse)) {
         drag_ = Drag::placement;
-        placement_.begin(editor, image.mesh(), image.visible());
+        placement_.begin(editor, image.mesh, image.visible);
     } else if (painting(editor)) {
         drag_ = Drag::stroke;
         stroke_.begin(mouse);
@@ -166,12 +166,11 @@ void Interaction::setRegion(Editor& editor, const Canvas& canvas, const Vec2& mo
     editor.state.viewport.region = ImageRegion{low, high};
 }
 
-void Interaction::click(Editor& editor, const Canvas& canvas, const ViewportImage& image, const Vec2& mouse) {
+void Interaction::click(Editor& editor, const Canvas& canvas, const ShownImage& image, const Vec2& mouse) {
     const bool toggle = input().control || ImGui::GetIO().KeyCtrl;
     const bool inside = canvas.eye->contains(mouse);
     const auto surface = [&]() -> std::optional<PickedPoint> {
-        return inside && image.mesh() ? pickSurface(*image.mesh(), canvas.eye->rayAt(mouse), image.visible())
-                                      : std::nullopt;
+        return inside && image.mesh ? pickSurface(*image.mesh, canvas.eye->rayAt(mouse), image.visible) : std::nullopt;
     };
     if (editor.state.viewport.clickTask != ClickTask::none) {
         if (runClickTask(editor, surface(), *canvas.eye)) return;
@@ -188,7 +187,7 @@ void Interaction::click(Editor& editor, const Canvas& canvas, const ViewportImag
     clickSurface(editor, surface(), toggle);
 }
 
-void Interaction::act(Editor& editor, const Canvas& canvas, const ViewportImage& image, bool hovered, bool active) {
+void Interaction::act(Editor& editor, const Canvas& canvas, const ShownImage& image, bool hovered, bool active) {
     const Vec2 mouse = mousePosition();
     hovered_ = hovered;
     if (!editor.state.document.scene) {
@@ -294,7 +293,7 @@ std::string hintsFor(const TransformGesture& gesture, LengthUnit unit) {
 }
 }  // namespace
 
-void Interaction::draw(const Canvas& canvas, const ViewportImage& image) {
+void Interaction::draw(const Canvas& canvas, const ShownImage& image) {
     Editor& editor = *canvas.editor;
     editor.state.keyHints = gesture_.running() ? hintsFor(gesture_, editor.state.lengthUnit)
                             : editor.state.viewport.clickTask != ClickTask::none
@@ -305,7 +304,7 @@ void Interaction::draw(const Canvas& canvas, const ViewportImage& image) {
         drawEmpty(canvas);
         return;
     }
-    drawStrips(canvas, image.strips(), drag_ == Drag::divider ? divider_ : hoveredDivider_);
+    drawStrips(canvas, image.strips, drag_ == Drag::divider ? divider_ : hoveredDivider_);
     if (gesture_.running()) drawConstraint(canvas, gesture_.state());
     const bool overlays = editor.state.viewport.overlays;
     if (overlays) drawPickedPoint(canvas);

@@ -5,9 +5,15 @@
 #include "viewport/overlays.h"
 #include "viewport/placement_drag.h"
 #include "viewport/transform_gesture.h"
-#include "viewport/viewport_image.h"
 
 namespace relamp::ui {
+
+/// What the image shows: its strips, the mesh that can be picked (null: none), and which triangles of it are visible.
+struct ShownImage {
+    const std::vector<Strip>& strips;
+    const std::shared_ptr<const Mesh>& mesh;
+    const std::vector<uint8_t>& visible;
+};
 
 class Interaction {
 public:
@@ -15,8 +21,8 @@ public:
     /// mouse, or held.
     void moveCamera(Editor& editor, const Canvas& canvas, bool hovered, bool active);
     /// Everything else, after it: `image` says what can be picked.
-    void act(Editor& editor, const Canvas& canvas, const ViewportImage& image, bool hovered, bool active);
-    void draw(const Canvas& canvas, const ViewportImage& image);
+    void act(Editor& editor, const Canvas& canvas, const ShownImage& image, bool hovered, bool active);
+    void draw(const Canvas& canvas, const ShownImage& image);
     /// The pointer draws a box, a stroke or a light's place: Esc gives that up, and does nothing else.
     bool takesEscape() const {
         return drag_ == Drag::box || drag_ == Drag::region || drag_ == Drag::stroke || drag_ == Drag::placement;
@@ -43,15 +49,15 @@ private:
     static bool painting(const Editor& editor);
     std::optional<std::pair<GizmoKind, GizmoFrame>> gizmo(const Editor& editor, const Canvas& canvas) const;
     void keys(Editor& editor, const Canvas& canvas, const Vec2& mouse);
-    void findHovered(Editor& editor, const Canvas& canvas, const ViewportImage& image, const Vec2& mouse);
+    void findHovered(Editor& editor, const Canvas& canvas, const ShownImage& image, const Vec2& mouse);
     /// Radiance of the model under the pointer, per vertex; looked up again when either changes.
-    void probe(Editor& editor, const Canvas& canvas, const ViewportImage& image, const Vec2& mouse);
-    void press(Editor& editor, const Canvas& canvas, const ViewportImage& image, const Vec2& mouse);
+    void probe(Editor& editor, const Canvas& canvas, const ShownImage& image, const Vec2& mouse);
+    void press(Editor& editor, const Canvas& canvas, const ShownImage& image, const Vec2& mouse);
     /// Selects the lights between where the drag began and `mouse`.
     void selectBox(Editor& editor, const Canvas& canvas, const Vec2& mouse) const;
     /// What lies between where the drag began and `mouse` becomes the region that is rendered.
     void setRegion(Editor& editor, const Canvas& canvas, const Vec2& mouse) const;
-    void click(Editor& editor, const Canvas& canvas, const ViewportImage& image, const Vec2& mouse);
+    void click(Editor& editor, const Canvas& canvas, const ShownImage& image, const Vec2& mouse);
 };
 
 }  // namespace relamp::ui

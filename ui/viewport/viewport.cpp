@@ -7,6 +7,7 @@
 #include "viewport/navigation.h"
 #include "viewport/thumbnail_textures.h"
 #include "viewport/toolbar.h"
+#include "viewport/viewport_image.h"
 #include "widgets.h"
 
 namespace relamp::ui {
@@ -54,7 +55,7 @@ void Viewport::Impl::draw(Editor& editor) {
         frameAll(editor);
     }
     ImGui::InvisibleButton(
-        "picture", area,
+        "image", area,
         ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight | ImGuiButtonFlags_MouseButtonMiddle);
     noteItem("viewport");
     const bool hovered = ImGui::IsItemHovered(), active = ImGui::IsItemActive();
@@ -70,7 +71,7 @@ void Viewport::Impl::draw(Editor& editor) {
     canvas.eye = &eye;
     interaction.moveCamera(editor, canvas, hovered, active);
     eye = eyeFor(editor, canvas.corner, canvas.size, pixelsPerPoint);
-    interaction.act(editor, canvas, image, hovered, active);
+    interaction.act(editor, canvas, {image.strips(), image.mesh(), image.visible()}, hovered, active);
     // A click may have changed where the eye is.
     eye = eyeFor(editor, canvas.corner, canvas.size, pixelsPerPoint);
 
@@ -97,7 +98,7 @@ void Viewport::Impl::draw(Editor& editor) {
                                              IM_COL32(32, 32, 32, 255));
     }
     canvas.list->PushClipRect(at, {at.x + area.x, at.y + area.y}, true);
-    interaction.draw(canvas, image);
+    interaction.draw(canvas, {image.strips(), image.mesh(), image.visible()});
     canvas.list->PopClipRect();
     if (interaction.gestureRunning() && !software) stayAwake();
     cpuMs = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count() - drawMs;

@@ -1,5 +1,6 @@
 // What hands expect of any editor: keys, menus, dialogs, hints, numbers.
 #include "actions.h"
+#include "gui.h"
 #include "layout.h"
 #include "panels/dialogs.h"
 #include "panels/emitter_controls.h"
@@ -175,6 +176,41 @@ TEST(Habits, aHintGoesWhileItsFieldIsTypedInto) {
     EXPECT_TRUE(shows({40, 15}));
     p.click({40, 15});
     EXPECT_FALSE(shows({40, 15}));
+}
+
+TEST(Habits, aDoubleClickIsOneAtAnyFrameRateAndWhatIsTypedStaysInTheField) {
+    DoubleClicks clicks;
+    EXPECT_FALSE(clicks.second(0, 10));
+    EXPECT_FALSE(clicks.second(1, 10.1)) << "another button";
+    EXPECT_TRUE(clicks.second(0, 10.3));
+    EXPECT_FALSE(clicks.second(0, 10.5)) << "the third press begins another pair";
+    EXPECT_FALSE(clicks.second(0, 11.5));
+
+    Panels p;
+    p.openSolved();
+    const std::string id = p.editor->emitters()[0].id;
+    p.windowSize(640, 300);
+    p.frame([&] { drawEmittersPanel(*p.editor); });
+    p.frames(2);
+    const auto at = p.find(Panels::idOf("test", {"##emitters", id.c_str(), "##stops"}));
+    ASSERT_TRUE(at);
+    ImGuiIO& io = ImGui::GetIO();
+    io.DeltaTime = 0.35f;  // seconds
+    const auto press = [&](double seconds) {
+        io.MouseDoubleClickTime = clicks.second(0, seconds) ? 1e6f : 0.0f;
+        p.press(true);
+        p.press(false);
+    };
+    p.mouse(*at);
+    p.frames(2);
+    press(20);
+    press(20.2);
+    p.frames(1);
+    EXPECT_TRUE(io.WantTextInput);
+    p.type("2");
+    p.key(keyEnter);
+    EXPECT_FLOAT_EQ(stopsOf(*p.editor, *p.editor->emitter(id)), 2);
+    EXPECT_EQ(p.editor->state.viewport.mode, ViewMode::relit) << "the key 2 meant nothing else";
 }
 
 TEST(Habits, shiftIsFineInFieldsAsInTheViewport) {

@@ -126,6 +126,18 @@ public:
         ImGui::Render();
         input().pressed = 0;
     }
+    /// One frame of it; what it writes.
+    std::string wordsOf(const std::function<void()>& draw) {
+        std::string words;
+        frame([&] {
+            ImGui::LogToBuffer();
+            draw();
+            words = ImGui::GetCurrentContext()->LogBuffer.c_str();
+            ImGui::LogFinish();
+        });
+        last_ = draw;
+        return words;
+    }
     void frames(int count = 3) {
         for (int i = 0; i < count; ++i) frame(last_);
     }

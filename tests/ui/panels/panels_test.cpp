@@ -190,6 +190,17 @@ TEST(PanelDrawing, runningJobsShowInTheStatusBarAndCanBeStopped) {
     p.until([&] { return !p.editor->job(); });
 }
 
+TEST(StatusBar, saysThatAShotIsReadOnly) {
+    Panels p;
+    p.openSolved();
+    const auto bar = [&] { drawStatusBar(*p.editor); };
+    EXPECT_EQ(p.wordsOf(bar).find("read-only"), std::string::npos);
+    p.editor->state.document.readOnly = true;
+    EXPECT_NE(p.wordsOf(bar).find("read-only"), std::string::npos);
+    p.windowSize(400, 60);
+    EXPECT_NE(p.wordsOf(bar).find("read-only"), std::string::npos) << "also where there is little room";
+}
+
 TEST(BottomPanel, aClickOnATabShowsIt) {
     Panels p;
     p.openSolved();
