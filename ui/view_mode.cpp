@@ -63,8 +63,9 @@ std::span<const ViewModeInfo> viewModes() {
         {.mode = ViewMode::confidence,
          .id = "view.mode7",
          .name = "Confidence",
-         .explanation = "How sure the surface colour is: yellow rests on its own photographs, purple was filled in "
-                        "from around it.",
+         .explanation =
+             "Where the surface colour comes from: yellow from its own photographs, purple from the surfaces "
+             "around it. How exactly it is known, Known within says of a clicked spot.",
          .key = '7',
          .strips = {{Paint::confidence}},
          .legend = Legend::confidence,

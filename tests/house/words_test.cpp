@@ -42,6 +42,33 @@ const std::vector<Word> nameParts{
     {R"(Surroundings|\bsurroundings)", "environment"},
 };
 
+/// What the window says; case counts. A whole text is one between ^ and $.
+const std::vector<Word> windowWords{
+    {R"(\b([Ll]amp|[Pp]icture|[Pp]iece)s?\b)", "light; image, photograph; object"},
+    {R"(\b([Ss]urroundings|[Uu]nseen|[Rr]eckon(s|ed)?)\b)", "environment; off-camera; compute"},
+    {R"(\b([Aa]ttach|[Dd]etach|[Pp]ut|[Mm]ove)\w* (a |an |the )?parts?\b)", "object"},
+    {R"(\bCorrection\b)", "albedo chroma, baked light"},
+    {R"(\b(What this rests on|Without perspective|Photograph behind|Environment picture|Glaze)\b)",
+     "Evidence, Orthographic, Background photo, HDRI, Gloss"},
+    {R"(\b(Go on in the background|Takes what is selected|Own size)\b|\d a pixel\b)",
+     "Run in background, Open selected, Source size, samples per pixel"},
+    {R"(^(Timeline|Plan|Turn|Stops|Brightness|Place|S|Col|own)$)",
+     "Progress, Solve details, Rotate, Exposure, Position, Solo, Colour, Auto"},
+    {R"(\b(emitter|copy)-\d)", "Light 1, Light 1 copy"},
+    {R"(\(s\))", "the number decides: 1 light, 2 lights"},
+};
+
+/// The strings of a line of code without ids, which nobody sees: light.add, and what follows ##.
+std::vector<std::string> stringsOf(const std::string& line) {
+    std::vector<std::string> strings;
+    if (line.starts_with("#")) return strings;
+    static const std::regex id(R"([a-z]+\.\w+)"), literal(R"re("((?:[^"\\]|\\.)*)")re");
+    for (std::sregex_iterator at(line.begin(), line.end(), literal), end; at != end; ++at)
+        if (const std::string text = (*at)[1].str(); !std::regex_match(text, id))
+            strings.push_back(text.substr(0, text.find("##")));
+    return strings;
+}
+
 /// The text of `line` from its comment on, or nothing; and its code without strings.
 struct Parts {
     std::string code, comment;
@@ -94,6 +121,9 @@ TEST(Words, NamesAndCommentsUseTheFieldsOwn) {
                 const std::string place = entry.path().string() + ":" + std::to_string(number) + ": ";
                 EXPECT_EQ(found(parts.comment, words), "") << place << line;
                 EXPECT_EQ(found(parts.code, nameParts), "") << place << line;
+                if (std::string(folder) != "ui") continue;
+                for (const std::string& text : stringsOf(line.substr(0, line.size() - parts.comment.size())))
+                    EXPECT_EQ(found(text, windowWords), "") << place << line;
             }
         }
     EXPECT_GT(lines, 20000u) << "is " << RELAMP_SOURCE_DIR << " the source tree?";
@@ -106,6 +136,12 @@ TEST(Words, BannedOnesAreFoundAndOthersAreNot) {
     EXPECT_NE(found("int clippedShare = 0;", nameParts), "");
     EXPECT_NE(found("lampAt(3)", nameParts), "");
     EXPECT_EQ(found("std::shared_ptr<Emitter> clamp(relamp)", nameParts), "");
+    EXPECT_EQ(stringsOf(R"(row("Stops##stops", "3 \"Lamps\"");)"),
+              (std::vector<std::string>{"Stops", R"(3 \"Lamps\")"}));
+    EXPECT_NE(found("Stops", windowWords), "");
+    EXPECT_EQ(found("Stops this job", windowWords), "");
+    EXPECT_NE(found("Detach a part from ", windowWords), "");
+    EXPECT_EQ(found("The part of each light", windowWords), "");
     EXPECT_EQ(partsOf("a = \"a lamp // here\";  // b").comment, "// b");
 }
 

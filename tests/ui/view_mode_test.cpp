@@ -35,5 +35,11 @@ TEST(ViewModes, AreCommandsUnderTheirKeys) {
     }
 }
 
+TEST(ViewModes, ConfidenceIsWhereAColourComesFromAndNotHowSureItIs) {
+    const std::string words = infoOf(ViewMode::confidence).explanation;
+    EXPECT_EQ(words.find("sure"), std::string::npos) << words;
+    EXPECT_NE(words.find("Known within"), std::string::npos) << words;
+}
+
 }  // namespace
 }  // namespace relamp::ui

@@ -77,7 +77,7 @@ void gaugeSettings(Editor& editor) {
     } else if (gauge.kind == Kind::emitter) {
         ImGui::SetNextItemWidth(-FLT_MIN);
         if (ImGui::BeginCombo(
-                "##lamp", gauge.emitter.empty() ? "choose a light" : shown(editor.namesOf({gauge.emitter})).c_str())) {
+                "##light", gauge.emitter.empty() ? "choose a light" : shown(editor.namesOf({gauge.emitter})).c_str())) {
             for (const EmitterState& e : editor.emitters())
                 if (e.recovered && ImGui::Selectable((shown(e.name) + "##" + e.id).c_str(), e.id == gauge.emitter)) {
                     gauge.emitter = e.id;

@@ -119,7 +119,7 @@ void viewTable(Editor& editor, const CaptureCheck& check, float height) {
             ImGui::TableNextRow(0, rowHeight);
             if (images) {
                 ImGui::TableNextColumn();
-                image("##picture", viewImage(editor.state.document, size_t(i)), em(3.4f), em(2.5f), "");
+                image("##image", viewImage(editor.state.document, size_t(i)), em(3.4f), em(2.5f), "");
                 tooltip(shown(v.name));
             }
             ImGui::TableNextColumn();

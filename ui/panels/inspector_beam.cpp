@@ -36,7 +36,7 @@ const std::vector<ShapingRow>& shapingRows() {
          "from a small light.",
          images},
         {&LightShaping::surfaceFile, "Surface image", "Choose an image for the surface",
-         "The picture of a real softbox or a screen: how bright each part of the light's face is.", images, true}};
+         "A photograph of a real softbox or a screen: how bright each part of the light's face is.", images, true}};
     return rows;
 }
 

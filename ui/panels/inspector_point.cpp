@@ -108,9 +108,9 @@ void inspectPoint(Editor& editor, const PickedPoint& point) {
                 ImGui::SameLine(0, em(0.3f));
                 bar(double(fraction), {0.38f, 0.38f, 0.38f, 1},
                     fmt::format("{}  {}", part.name, percent(double(fraction))));
-                tooltip(fmt::format(
-                    "{}: {} of the light this spot sends towards the eye\nradiance {:.3g} {:.3g} {:.3g}", part.name,
-                    percent(double(fraction)), part.radiance.x, part.radiance.y, part.radiance.z));
+                tooltip(fmt::format("{}: {} of the light this spot sends towards the eye\nradiance {} {} {}", part.name,
+                                    percent(double(fraction)), number(part.radiance.x), number(part.radiance.y),
+                                    number(part.radiance.z)));
                 ImGui::PopID();
             }
             if (total <= 0) dimText("No light arrives here.");
@@ -136,7 +136,8 @@ void inspectPoint(Editor& editor, const PickedPoint& point) {
              "Fraction of the light that it sends back to all sides, red green blue");
         if (vertex < r.sigma.size())
             fact("Known within", percent(double(std::min(r.sigma[vertex], 1.0f))),
-                 "Two times in three its albedo is off by less than this fraction, as far as the photographs can tell");
+                 "How exactly: two times in three its albedo is off by less than this fraction. Counts the light, its "
+                 "own photographs and what was filled in from around it.");
         const float box = ImGui::GetTextLineHeight();
         swatch("##albedo",
                ImVec4(srgbEncode(std::min(1.0f, albedo.x)), srgbEncode(std::min(1.0f, albedo.y)),
@@ -157,6 +158,10 @@ void inspectPoint(Editor& editor, const PickedPoint& point) {
         if (vertex < r.confidence.size()) {
             bar(double(r.confidence[vertex]), toScreen(confidenceColour(r.confidence[vertex]) * 0.7f),
                 fmt::format("{} from its own photographs", percent(double(r.confidence[vertex]))));
+            tooltip(
+                "Where its colour comes from, as Confidence (7) shows it. What is filled in from around it can be "
+                "right as "
+                "well: how exactly it is known says Known within.");
             dimWrapped(r.observed[vertex] ? inWords(r.confidence[vertex])
                                           : "No photograph shows it: its colour is that of the surfaces around it.");
         }

@@ -80,7 +80,7 @@ void patternRows(std::vector<StatePattern>& patterns, const std::vector<size_t>&
         const float count = em(8),
                     room = ImGui::GetContentRegionAvail().x - count - ImGui::GetFrameHeight() - 3 * style.ItemSpacing.x;
         ImGui::SetNextItemWidth(std::max(em(4), 0.4f * room));
-        inputText("##name", patterns[k].name, "lamp off");
+        inputText("##name", patterns[k].name, "light off");
         noteItem(fmt::format("state name {}", k));
         tooltip("Name of the lighting state");
         ImGui::SameLine();

@@ -136,7 +136,7 @@ void Renderer::drawPart(const ImageJob& job, const SceneLayer& layer, const Mat4
         glEnable(GL_BLEND);
         glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
         image_.use();
-        setInt(image_, "picture", 0);
+        setInt(image_, "image", 0);
         bindTexture(0, texture);
         drawWhole();
         glDisable(GL_BLEND);
@@ -281,7 +281,7 @@ void Renderer::addToAverage(float fraction) {
     glBindFramebuffer(GL_FRAMEBUFFER, average_.framebuffer.id());
     glViewport(0, 0, average_.width, average_.height);
     averaging_.use();
-    setInt(averaging_, "picture", 0);
+    setInt(averaging_, "image", 0);
     bindTexture(0, screen_.colour.id());
     glEnable(GL_BLEND);
     glBlendColor(0, 0, 0, fraction);
