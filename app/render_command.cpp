@@ -76,10 +76,9 @@ int render(const RenderArguments& a, Progress& progress) {
     } catch (const BadOption& error) { throw UsageError(error.what()); }
     if (jobs.front().still && !track.moves())
         logWarning(
-            "--frames {}: {} shows the same, because neither camera nor look changes; --camera all has a frame for "
-            "each "
-            "photograph, --edits a look with keys",
-            a.frames, jobs.size() == 1 ? "this frame number" : fmt::format("each of {} frames", jobs.size()));
+            "--frames {}: all frames are the same, because neither camera nor look changes; --camera all has a frame "
+            "for each photograph, --edits a look with keys",
+            a.frames);
     std::vector<fs::path> files;
     for (const FrameJob& job : jobs) files.push_back(job.file);
     refuseInputs(a, shot, track, files, progress);

@@ -59,11 +59,11 @@ Areas areasOf(const Editor& editor, const ImVec2& screen) {
     const float body = screen.y - a.top - a.status;
     // A view of curves needs height; the image keeps half of it.
     const bool curves = editor.state.time.curves && p.bottomTab == framesTab;
+    // In a short window the tabs and two rows of buttons would be all that is seen of it.
+    const float most = std::max((curves ? 0.5f : 0.35f) * body, std::min(0.5f * body, 125 * scale));
     const float wanted = curves ? std::max(p.bottomHeight, 330.0f) : p.bottomHeight;
-    a.bottom =
-        p.bottomFolded
-            ? bottomPanelFoldedHeight()
-            : std::floor(std::clamp(wanted * scale, 60 * scale, std::max(60 * scale, (curves ? 0.5f : 0.35f) * body)));
+    a.bottom = p.bottomFolded ? bottomPanelFoldedHeight()
+                              : std::floor(std::clamp(wanted * scale, 60 * scale, std::max(60 * scale, most)));
     return a;
 }
 

@@ -40,7 +40,7 @@ void inspectView(Editor& editor, int index) {
     bool through = editor.state.viewport.throughView;
     if (checkbox("Look through it", through, "The viewport takes the place of this camera (C)"))
         editor.state.viewport.throughView = through;
-    checkbox("Mesh over the photograph", editor.state.viewport.meshOverlay,
+    checkbox("Mesh over it", editor.state.viewport.meshOverlay,
              "Draws the mesh's edges over the photograph: they should lie on what they belong to");
 }
 

@@ -224,5 +224,38 @@ TEST(ExportDialog, saysWhatIsWrongBeforeItStarts) {
     EXPECT_FALSE(checkExport(r, 6, 0).ok());
 }
 
+TEST(ExportDialog, offersPngAndJpegAsTheWindowShowsTheImage) {
+    Panels p(700, 700);
+    p.openSolved();
+    EditorState& state = p.editor->state;
+    const auto dialog = [&] { drawExportDialog(*p.editor); };
+    state.exportFrames.file = p.folder / "frame.exr";
+    EXPECT_EQ(p.wordsOf(dialog).find("As in the window"), std::string::npos);
+    state.exportFrames.file = p.folder / "frame.png";
+    EXPECT_NE(p.wordsOf(dialog).find("As in the window: Soft highlights"), std::string::npos);
+    state.viewport.exposureStops = 1;
+    state.viewport.displayView = "Standard";
+    EXPECT_NE(p.wordsOf(dialog).find("As in the window: Standard, +1.0 stops"), std::string::npos);
+    state.exportFrames.view = DisplayView::raw;
+    EXPECT_NE(p.wordsOf(dialog).find("Without a curve"), std::string::npos);
+}
+
+TEST(Dialogs, aLookIsSavedUnderTheShotsNameBesideTheLastOne) {
+    Panels p;
+    p.openSolved();
+    p.editor->state.recentLooks = {p.folder / "old.json"};
+    ASSERT_TRUE(runAction(*p.editor, "file.saveLook"));
+    EXPECT_TRUE(dialogOpen(*p.editor));
+    p.frame({});
+    p.frames(4);
+    EXPECT_EQ(browserFolder(), p.folder.path());
+    p.key(keyEnter);
+    p.frames(3);
+    EXPECT_FALSE(dialogOpen(*p.editor));
+    const std::filesystem::path file = p.folder / "room look.json";
+    EXPECT_TRUE(std::filesystem::exists(file));
+    EXPECT_EQ(p.editor->state.recentLooks.front(), file);
+}
+
 }  // namespace
 }  // namespace relamp::ui::test
