@@ -1,5 +1,6 @@
 #include "look_files.h"
 
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "base/atomic_file.h"
