@@ -321,7 +321,7 @@ void readShotDocument(const Json& json, const fs::path& folder, Shot& shot, std:
     for (const JsonFields& p : document.list("light_probes")) e.probes.push_back(probeOf(p));
     for (const JsonFields& p : document.list("known_patches"))
         e.patches.push_back({text(p, "name"), p.get("told", Rgb(0)), p.get("found", Rgb(0)), p.get("noise", 0.0f),
-                             p.get("doubtful", false), text(p, "words")});
+                             p.get("doubtful", false), text(p, "words"), p.get("used", true)});
     for (const JsonFields& c : document.list("palette"))
         e.palette.push_back({c.get<Vec3>("albedo"), c.get("fraction", 0.0f)});
     const JsonFields priors = document.object("priors");

@@ -241,6 +241,7 @@ Json shotInfo(const Shot& shot) {
                                          {"found", toJson(patch.found)},
                                          {"noise", patch.noise},
                                          {"doubtful", patch.doubtful},
+                                         {"used", patch.used},
                                          {"words", patch.words}});
     for (const PaletteColour& colour : e.palette)
         info["palette"].push_back({{"albedo", toJson(colour.albedo)}, {"fraction", colour.fraction}});

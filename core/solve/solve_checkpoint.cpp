@@ -236,6 +236,7 @@ void fields(File& f, SolveCheckpoint& c) {
     });
     f.plain(c.kktResidual);
     fields(f, c.plan);
+    list(f, c.patchUsed);
 }
 
 }  // namespace

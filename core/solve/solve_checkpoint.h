@@ -38,6 +38,7 @@ struct SolveCheckpoint {
     std::vector<TimelineEntry> timeline;
     double kktResidual = 0;
     SolvePlan plan;
+    std::vector<uint8_t> patchUsed;  ///< per patch of known albedo, whether it takes part; empty: not asked yet
 };
 
 /// A sequence of bytes for this machine's byte order.

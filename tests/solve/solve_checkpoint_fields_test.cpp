@@ -81,13 +81,13 @@ auto fieldsOf(SolveCheckpoint& c) {
            bounceKept, noMetals, backgroundRefuted, visibilityStep, refinedMisfit, bouncedFraction, noBounceBecause,
            vertexBounce, outgoing, matteRadiance, matteSigma, lightSmoothness, albedoSmoothness, gloss, firstGloss,
            metalsHeard, metalsJoined, lightUnfinished, information, informationOfObservations, informationSeen, albedo,
-           confidence, palette, timeline, kktResidual, plan] = c;
+           confidence, palette, timeline, kktResidual, plan, patchUsed] = c;
     return std::tie(step, between, seconds, clusters, suspect, leaves, leafRadiance, emitterRadiance, environmentBlack,
                     refined, bounceKept, noMetals, backgroundRefuted, visibilityStep, refinedMisfit, bouncedFraction,
                     noBounceBecause, vertexBounce, outgoing, matteRadiance, matteSigma, lightSmoothness,
                     albedoSmoothness, gloss, firstGloss, metalsHeard, metalsJoined, lightUnfinished, information,
                     informationOfObservations, informationSeen, albedo, confidence, palette, timeline, kktResidual,
-                    plan);
+                    plan, patchUsed);
 }
 
 /// Makes every field another than it is by default: lists get one entry.

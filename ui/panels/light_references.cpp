@@ -32,7 +32,7 @@ void saidOf(const ProbeFit& fit) {
 
 /// What is found over what was told, and how many patches do not agree.
 struct PatchSummary {
-    size_t patches = 0, doubtful = 0;
+    size_t patches = 0, doubtful = 0, leftOut = 0;
     std::vector<float> ratios;
 };
 PatchSummary summaryOf(const Estimate& estimate, const std::string& begin) {
@@ -41,6 +41,7 @@ PatchSummary summaryOf(const Estimate& estimate, const std::string& begin) {
         if (!fit.name.starts_with(begin)) continue;
         ++all.patches;
         all.doubtful += fit.doubtful;
+        all.leftOut += !fit.used;
         all.ratios.push_back(luminance(fit.found) / std::max(1e-6f, luminance(fit.told)));
     }
     return all;
@@ -53,8 +54,13 @@ void saidOf(const Estimate& estimate, const MarkedReference& mark) {
     if (all.patches == 0) return;
     const std::string words = fmt::format("Found {} of what is told.", percent(double(medianOf(all.ratios))));
     if (all.doubtful == 0) return dimWrapped(words);
-    warningText(words + (all.patches == 1 ? " Other measurements contradict it."
-                                          : fmt::format(" {} of {} patches do not agree.", all.doubtful, all.patches)));
+    const std::string left = all.leftOut == 0   ? ""
+                             : all.patches == 1 ? " It was left out; tell a white patch to insist."
+                                                : fmt::format(" {} were left out.", all.leftOut);
+    warningText(words +
+                (all.patches == 1 ? " Other measurements contradict it."
+                                  : fmt::format(" {} of {} patches do not agree.", all.doubtful, all.patches)) +
+                left);
 }
 
 /// A name with a bin behind it. True when the bin was pressed.
@@ -202,6 +208,8 @@ void inspectLightReferences(const Estimate& estimate) {
     fact("Found over told", percent(double(medianOf(all.ratios))), "Albedo of the patches, median");
     fact("Contradicted", all.doubtful == 0 ? "none" : count(all.doubtful),
          "Patches that differ from what was told by more than three deviations and 5 %");
+    if (all.leftOut > 0)
+        fact("Left out", count(all.leftOut), "Patches that took no part, because what else is known contradicts them");
     for (const PatchFit& fit : estimate.patches)
         if (fit.doubtful) warningText(shown(fit.words));
 }

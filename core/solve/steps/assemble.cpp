@@ -173,12 +173,13 @@ void showSnapshot(SolveRun& s) {
 
 Estimate finishSolve(SolveRun& s) {
     s.meter.begin(Stage::closing);
+    if (s.stopped()) judgePatches(s);
     correctLightNearEmitters(s);
     Estimate estimate = assemble(s);
     assessConditioning(s, estimate);
     const Irradiance irradiance = s.irradiance();
     if (s.in.samples.states > 1) statesThatDisagree(s, irradiance);
-    if (!s.in.options.patches.empty()) s.patchPart = patchInformation(s);
+    if (patchesTakePart(s)) s.patchPart = patchInformation(s);
     const LightUncertainty light = uncertaintyOf(s, irradiance, false);
     const Irradiance unsure = unsureIrradiance(s, irradiance);
     assessUncertainty(s, unsure, light, estimate);

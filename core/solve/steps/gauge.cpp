@@ -189,9 +189,10 @@ void applyGauge(const SolveRun& s, const Irradiance& irradiance, const LightUnce
                                        [](uint8_t clipped) { return !clipped; });
     if (s.in.options.gauge.kind != GaugeChoice::Kind::automatic) {
         scale = givenGauge(s, gauge);
-    } else if (!s.in.options.patches.empty() && assessed && s.hasMatte() && s.in.options.nearField) {
+    } else if (patchesTakePart(s) && assessed) {
         gauge.kind = "known albedo";
-        gauge.evidence = fmt::format("the albedo of {} was told{}", counted(s.in.options.patches.size(), "patch"),
+        const size_t used = size_t(std::count(s.patchUsed.begin(), s.patchUsed.end(), 1));
+        gauge.evidence = fmt::format("the albedo of {} was told{}", counted(used, "patch"),
                                      unclipped ? ", and light is seen directly and unclipped beside it" : "");
     } else if (unclipped) {
         gauge.kind = "emitter";

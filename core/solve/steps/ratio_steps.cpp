@@ -8,7 +8,7 @@ namespace relamp {
 
 AlbedoFreeReport fitLight(SolveRun& s, const RatioFitRequest& request) {
     std::optional<ViewRows> withPatches;
-    if (!s.in.options.patches.empty()) withPatches = addPatchRows(s, request.views);
+    if (patchesTakePart(s)) withPatches = addPatchRows(s, request.views);
     const ViewRows* views = withPatches ? &*withPatches : request.views;
     const MetalRatios* metals = request.metals;
     AlbedoFreeOptions o;

@@ -14,6 +14,7 @@ constexpr int partPixels = 12;      // a side, looked at in a patch at most
 constexpr float patchCount = 1000;  // observations that a patch counts for: model errors must not outvote it
 constexpr float patchDoubt = 3;     // deviations
 constexpr float leastDoubt = 0.05f;
+constexpr float leastDeviationOfPart = 0.02f;  // of the light on it, which is coarse while patches are asked
 
 /// A part of a patch: where its pixels lie on the mesh, and what they show.
 struct PatchPart {
@@ -73,18 +74,20 @@ Eigen::VectorXd unknownsOf(const Lighting& lighting, int c) {
     return x;
 }
 
-}  // namespace
-
-ViewRows addPatchRows(SolveRun& s, const ViewRows* views) {
+/// The parts of patches with the rows of the light on them; `used`: which patches.
+struct LitParts {
     std::vector<PatchPart> parts;
-    std::vector<size_t> partsOfPatch(s.in.options.patches.size(), 0);
+    InfluenceMatrix rows;      ///< of a white matte surface there, in the patch's lighting state
+    std::vector<Rgb> bounced;  ///< light from other surfaces, in the same unit
+};
+
+LitParts litParts(SolveRun& s, const std::vector<uint8_t>& used) {
+    LitParts lit;
     for (size_t p = 0; p < s.in.options.patches.size(); ++p)
-        for (PatchPart& part : partsOf(s.in, p)) {
-            ++partsOfPatch[p];
-            parts.push_back(std::move(part));
-        }
+        if (used[p])
+            for (PatchPart& part : partsOf(s.in, p)) lit.parts.push_back(std::move(part));
     std::map<uint32_t, uint32_t> rowOf;
-    for (const PatchPart& part : parts)
+    for (const PatchPart& part : lit.parts)
         for (const auto& [vertex, weight] : part.vertices) rowOf.emplace(vertex, 0);
     std::vector<uint32_t> vertices;
     for (auto& [vertex, row] : rowOf) {
@@ -92,10 +95,122 @@ ViewRows addPatchRows(SolveRun& s, const ViewRows* views) {
         vertices.push_back(vertex);
     }
     const InfluenceMatrix lambert = s.rowsOf(vertices);
+    lit.rows.rows = lit.parts.size();
+    lit.rows.columns = lambert.columns;
+    lit.rows.values.assign(lit.rows.rows * lit.rows.columns, 0.0f);
+    lit.bounced.assign(lit.parts.size(), Rgb(0));
+    for (size_t i = 0; i < lit.parts.size(); ++i) {
+        const size_t state = s.in.samples.stateOf(uint32_t(s.in.options.patches[lit.parts[i].patch].view));
+        for (const auto& [vertex, weight] : lit.parts[i].vertices) {
+            std::vector<float> row(lambert.row(rowOf[vertex]), lambert.row(rowOf[vertex]) + lambert.columns);
+            s.emitters.dim(row.data(), s.light.lighting.leaves, state);
+            for (size_t k = 0; k < lambert.columns; ++k) lit.rows.row(i)[k] += weight * row[k];
+            if (s.bounce.joined())
+                lit.bounced[i] += weight * s.bounce.atVertex[state * s.in.scene.mesh.vertexCount() + vertex];
+        }
+    }
+    return lit;
+}
+
+/// What each patch says of the light as it is, which was found without any of them.
+std::vector<PatchReading> readingsOf(SolveRun& s) {
+    const size_t count = s.in.options.patches.size();
+    const LitParts lit = litParts(s, std::vector<uint8_t>(count, 1));
+    const LightUncertainty light = uncertaintyOf(s, s.irradiance(), false);
+    std::vector<Rgb> sigmaAt(s.in.scene.mesh.vertexCount(), Rgb(-1));
+    Rgb typical(0);
+    for (size_t i = 0; i < light.litSigma.size(); ++i) {
+        sigmaAt[s.observed.matte.vertices[i]] = light.litSigma[i];
+        typical += light.litSigma[i] / float(light.litSigma.size());
+    }
+    const bool assessed = typical.x > 0 && typical.y > 0 && typical.z > 0;
+    std::vector<PatchReading> readings(count);
+    for (size_t p = 0; p < count; ++p) {
+        DVec3 sum(0), squares(0);
+        Rgb rest(0);
+        double parts = 0;
+        float weights = 0;
+        for (size_t i = 0; i < lit.parts.size(); ++i) {
+            if (lit.parts[i].patch != p) continue;
+            const Rgb found = lightOfRow(lit.rows.row(i), s.light.lighting) + lit.bounced[i];
+            DVec3 off(0);
+            for (int c = 0; c < 3; ++c)
+                off[c] = std::log(std::max(double(lit.parts[i].radiance[c]), 1e-20) /
+                                  std::max(double(s.in.options.patches[p].albedo[c]) * double(found[c]), 1e-20));
+            sum += off;
+            squares += off * off;
+            ++parts;
+            for (const auto& [vertex, weight] : lit.parts[i].vertices) {
+                if (sigmaAt[vertex].x < 0) continue;
+                rest += weight * sigmaAt[vertex];
+                weights += weight;
+            }
+        }
+        const DVec3 mean = sum / parts,
+                    error = glm::sqrt(glm::max(squares / parts - mean * mean, DVec3(0)) / std::max(1.0, parts - 1));
+        readings[p].offset = Rgb(mean);
+        for (int c = 0; c < 3; ++c)
+            readings[p].sigma[c] = float(std::hypot(s.in.options.patches[p].noise, leastDeviationOfPart, error[c]));
+        readings[p].restSigma = !assessed ? Rgb(10) : weights > 0 ? rest / weights : typical;
+    }
+    return readings;
+}
+
+/// All light brighter by `factor`, and what fixed it likewise, with the patches that take part.
+void scaleLight(SolveRun& s, const Rgb& factor) {
+    for (Rgb& l : s.light.lighting.leafRadiance) l *= factor;
+    for (Rgb& l : s.light.lighting.emitterRadiance) l *= factor;
+    LightInformation& known = s.light.information;
+    const Eigen::Index n = Eigen::Index(s.light.influence.columns);
+    if (known.all.rows() != 3 * n) return;
+    const std::array<Eigen::MatrixXd, 3> patches = patchInformation(s);
+    for (int c = 0; c < 3; ++c) {
+        for (int d = 0; d < 3; ++d) known.all.block(c * n, d * n, n, n) /= double(factor[c]) * double(factor[d]);
+        known.all.block(c * n, c * n, n, n) += patches[size_t(c)];
+        const double both = double(factor[c]) * double(factor[c]);
+        Eigen::MatrixXd& observations = known.observations[size_t(c)];
+        if (observations.size() == 0) observations = patches[size_t(c)];
+        else observations = observations / both + patches[size_t(c)];
+        known.seen[size_t(c)] /= both;
+    }
+}
+
+}  // namespace
+
+bool patchesTakePart(const SolveRun& s) {
+    return std::find(s.patchUsed.begin(), s.patchUsed.end(), 1) != s.patchUsed.end();
+}
+
+void judgePatches(SolveRun& s) {
+    if (s.in.options.patches.empty() || !s.patchUsed.empty() || !s.hasMatte() || !s.in.options.nearField) return;
+    // A checkpoint from between would go on with light that is judged already.
+    s.stepMayBeCut = false;
+    const std::vector<PatchReading> readings = readingsOf(s);
+    s.patchUsed = consistentPatches(readings);
+    for (size_t p = 0; p < readings.size(); ++p)
+        logInfo("{}: by it light is brighter by {:+.1f} {:+.1f} {:+.1f} %, {:.1f} % is known without it{}",
+                s.in.options.patches[p].name, 100 * std::expm1(readings[p].offset.x),
+                100 * std::expm1(readings[p].offset.y), 100 * std::expm1(readings[p].offset.z),
+                100 * readings[p].restSigma.y, s.patchUsed[p] ? "" : "; left out");
+    if (!patchesTakePart(s)) return;
+    const Rgb offset = offsetOfPatches(readings, s.patchUsed),
+              factor(std::exp(offset.x), std::exp(offset.y), std::exp(offset.z));
+    if (s.stopped() || s.light.environmentBlack) {
+        scaleLight(s, factor);
+        return;
+    }
+    for (Rgb& l : s.light.lighting.leafRadiance) l *= factor;
+    for (Rgb& l : s.light.lighting.emitterRadiance) l *= factor;
+    fitLight(s, {"light from ratios and known albedo", s.in.options.refineIterations});
+}
+
+ViewRows addPatchRows(SolveRun& s, const ViewRows* views) {
+    const LitParts lit = litParts(s, s.patchUsed);
+    const std::vector<PatchPart>& parts = lit.parts;
     ViewRows all = views ? *views : ViewRows{};
     all.count.resize(all.radiance.size(), 1);
     all.tieScale = true;
-    const size_t first = all.radiance.size(), columns = lambert.columns;
+    const size_t first = all.radiance.size(), columns = lit.rows.columns;
     for (InfluenceMatrix& m : all.influence) {
         m.columns = columns;
         m.rows = first + parts.size();
@@ -103,20 +218,14 @@ ViewRows addPatchRows(SolveRun& s, const ViewRows* views) {
     }
     for (size_t i = 0; i < parts.size(); ++i) {
         const KnownPatch& patch = s.in.options.patches[parts[i].patch];
-        Rgb bounced(0);
-        const size_t state = s.in.samples.stateOf(uint32_t(patch.view));
-        for (const auto& [vertex, weight] : parts[i].vertices) {
-            std::vector<float> row(lambert.row(rowOf[vertex]), lambert.row(rowOf[vertex]) + columns);
-            s.emitters.dim(row.data(), s.light.lighting.leaves, state);
-            for (int c = 0; c < 3; ++c)
-                for (size_t k = 0; k < columns; ++k)
-                    all.influence[c].row(first + i)[k] += weight * patch.albedo[c] * row[k];
-            if (s.bounce.joined())
-                bounced += weight * s.bounce.atVertex[state * s.in.scene.mesh.vertexCount() + vertex];
-        }
-        all.radiance.push_back(parts[i].radiance - patch.albedo * bounced);
+        for (int c = 0; c < 3; ++c)
+            for (size_t k = 0; k < columns; ++k)
+                all.influence[c].row(first + i)[k] = patch.albedo[c] * lit.rows.row(i)[k];
+        all.radiance.push_back(parts[i].radiance - patch.albedo * lit.bounced[i]);
         all.sigma.push_back(std::max(patch.noise * luminance(parts[i].radiance), 1e-20f));
-        all.count.push_back(patchCount / float(partsOfPatch[parts[i].patch]));
+        const auto partsOfPatch = std::count_if(parts.begin(), parts.end(),
+                                                [&](const PatchPart& part) { return part.patch == parts[i].patch; });
+        all.count.push_back(patchCount / float(partsOfPatch));
     }
     return all;
 }
@@ -141,7 +250,8 @@ std::vector<PatchFit> patchesUnder(const SolveRun& s, const Estimate& estimate) 
     std::vector<PatchFit> fits;
     for (size_t p = 0; p < s.in.options.patches.size(); ++p) {
         const KnownPatch& patch = s.in.options.patches[p];
-        PatchFit fit{patch.name, patch.albedo, Rgb(0), patch.noise, false, ""};
+        PatchFit fit{
+            patch.name, patch.albedo, Rgb(0), patch.noise, false, "", s.patchUsed.size() > p && s.patchUsed[p]};
         const std::vector<PatchPart> parts = partsOf(s.in, p);
         for (const PatchPart& part : parts)
             for (const auto& [vertex, weight] : part.vertices)
@@ -149,9 +259,14 @@ std::vector<PatchFit> patchesUnder(const SolveRun& s, const Estimate& estimate) 
         float off = 0;
         for (int c = 0; c < 3; ++c) off = std::max(off, std::abs(fit.found[c] / std::max(fit.told[c], 1e-6f) - 1));
         fit.doubtful = off > std::max(patchDoubt * patch.noise, leastDoubt);
-        fit.words = fmt::format("{}: albedo {:.3f} {:.3f} {:.3f} was told, {:.3f} {:.3f} {:.3f} found{}", fit.name,
-                                fit.told.x, fit.told.y, fit.told.z, fit.found.x, fit.found.y, fit.found.z,
-                                fit.doubtful ? "; other measurements or other patches contradict it" : "");
+        fit.words =
+            fmt::format("{}: albedo {:.3f} {:.3f} {:.3f} was told, {:.3f} {:.3f} {:.3f} found{}", fit.name, fit.told.x,
+                        fit.told.y, fit.told.z, fit.found.x, fit.found.y, fit.found.z,
+                        !s.patchUsed.empty() && !fit.used
+                            ? "; left out, because other measurements contradict it by more than three deviations"
+                        : fit.doubtful ? "; other measurements or other patches contradict it"
+                                       : "");
+        fit.doubtful |= !fit.used;
         if (fit.doubtful) logWarning("{}", fit.words);
         else logInfo("{}", fit.words);
         fits.push_back(std::move(fit));

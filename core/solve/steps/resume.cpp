@@ -65,6 +65,7 @@ SolveCheckpoint checkpointOf(const SolveRun& s, uint32_t step, bool between) {
     c.timeline = s.timeline;
     c.kktResidual = s.stability.kktResidual;
     c.plan = s.measuredPlan();
+    c.patchUsed = s.patchUsed;
     return c;
 }
 
@@ -138,6 +139,10 @@ void resumeSolve(SolveRun& s, const SolveCheckpoint& c) {
     }
     s.surfaces.albedo.albedo = c.albedo;
     s.surfaces.palette.colours = c.palette;
+    if (!c.patchUsed.empty() && c.patchUsed.size() != s.in.options.patches.size())
+        throw Error("the checkpoint tells of {} patches of known albedo, expected {}", c.patchUsed.size(),
+                    s.in.options.patches.size());
+    s.patchUsed = c.patchUsed;
     s.surfaces.albedo.confidence = c.confidence;
     s.timeline = c.timeline;
     s.stability.kktResidual = c.kktResidual;

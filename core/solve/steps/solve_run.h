@@ -50,6 +50,7 @@ struct SolveRun {
     BounceModel bounce;
     GlossModel gloss;
     SurfaceState surfaces;
+    std::vector<uint8_t> patchUsed;  ///< per patch of known albedo, whether it takes part; empty: not asked yet
     std::array<Eigen::MatrixXd, 3> patchPart;  ///< of the light's information, known at the end (references.cpp)
 
     bool stopped() const { return in.stopped(); }

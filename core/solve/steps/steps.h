@@ -144,7 +144,11 @@ LightUncertainty uncertaintyOf(const SolveRun& s, const Irradiance& irradiance, 
 void assessUncertainty(const SolveRun& s, const Irradiance& irradiance, const LightUncertainty& light,
                        Estimate& estimate);
 void applyGauge(const SolveRun& s, const Irradiance& irradiance, const LightUncertainty& light, Estimate& estimate);
-/// `views`, which may be null, and rows for patches of known albedo: the mean radiance of nine parts of each, or of all
+/// Asks once which patches of known albedo agree with the light, which was found without them, and with each other.
+/// Those join the fits from now on. Nothing where none was given or where they were asked before.
+void judgePatches(SolveRun& s);
+bool patchesTakePart(const SolveRun& s);
+/// `views`, which may be null, and rows for the patches that take part: the mean radiance of nine parts of each, or of all
 /// of a small one, in its photograph. Throws Error that names a patch in which no surface is seen.
 ViewRows addPatchRows(SolveRun& s, const ViewRows* views);
 /// What the estimate makes of the patches; says so in the log, as a warning for those that do not agree.
