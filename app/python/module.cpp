@@ -13,6 +13,7 @@
 #include "job.h"
 #include "pipeline/shot_of.h"
 #include "pipeline/texture_stage.h"
+#include "references.h"
 #include "relight/frame.h"
 #include "relight/state_look.h"
 #include "shot/export_scene.h"
@@ -144,10 +145,12 @@ private:
 };
 
 OpenShot solve(const fs::path& capture, const fs::path& output, const std::string& quality, const std::string& mode,
-               const py::object& texture, const py::dict& states, const py::dict& environments, double timeBudget,
-               uint64_t seed, int threads, bool overwrite, const py::object& tell) {
+               const py::object& texture, const py::dict& states, const py::dict& environments, const py::dict& files,
+               const py::dict& gauge, const py::dict& references, double timeBudget, uint64_t seed, int threads,
+               bool overwrite, const py::object& tell) {
     PipelineOptions options;
     CaptureFix& fix = options.load.fix;
+    takeFiles(files, fix);
     // In their order: of patterns the last that matches counts.
     for (const auto& [name, pattern] : states)
         fix.states.push_back({name.cast<std::string>(), pattern.cast<std::string>()});
@@ -155,6 +158,8 @@ OpenShot solve(const fs::path& capture, const fs::path& output, const std::strin
         fix.environments.push_back({name.cast<std::string>(), environment.cast<std::string>()});
     options.solve = solveOptionsFor(quality);
     options.solve.seed = seed;
+    takeGauge(gauge, options.solve.gauge);
+    takeReferences(references, options);
     if (mode == "distant-only") options.solve.nearField = false;
     else if (mode != "near-field") throw Error("mode: is \"{}\", expected near-field or distant-only", mode);
     if (!texture.is_none()) {
@@ -293,11 +298,16 @@ PYBIND11_MODULE(relamp, m) {
         "open",
         [](const std::filesystem::path& folder, const py::object& tell) { return python::OpenShot(folder, tell); },
         py::arg("shot"), py::kw_only(), py::arg("progress") = py::none(), "Opens NAME.relamp.");
-    m.def("solve", &python::solve, py::arg("capture"), py::arg("output"), py::kw_only(),
-          py::arg("quality") = "standard", py::arg("mode") = "near-field", py::arg("texture") = py::none(),
-          py::arg("states") = py::dict(), py::arg("state_environments") = py::dict(), py::arg("time_budget") = 0.0,
-          py::arg("seed") = 1, py::arg("threads") = 0, py::arg("overwrite") = false, py::arg("progress") = py::none(),
-          "Solves a capture into the shot `output` and opens it. `progress(label, fraction)` is called about ten times "
-          "a second; where it returns False the solve stops with relamp.Cancelled. `states`: lighting states by name, "
-          "with patterns of their photographs; `state_environments`: own, none, shared, or the state whose it is.");
+    m.def(
+        "solve", &python::solve, py::arg("capture"), py::arg("output"), py::kw_only(), py::arg("quality") = "standard",
+        py::arg("mode") = "near-field", py::arg("texture") = py::none(), py::arg("states") = py::dict(),
+        py::arg("state_environments") = py::dict(), py::arg("files") = py::dict(), py::arg("gauge") = py::dict(),
+        py::arg("references") = py::dict(), py::arg("time_budget") = 0.0, py::arg("seed") = 1, py::arg("threads") = 0,
+        py::arg("overwrite") = false, py::arg("progress") = py::none(),
+        "Solves a capture into the shot `output` and opens it. `progress(label, fraction)` is called about ten times "
+        "a second; where it returns False the solve stops with relamp.Cancelled. `states`: lighting states by name, "
+        "with patterns of their photographs; `state_environments`: own, none, shared, or the state whose it is. "
+        "`files`: how the capture is read (colmap, images, mesh, up, mesh_up, scale, mesh_scale, flip_cameras, mirror, "
+        "mesh_mirror). `gauge`: what fixes the brightness scale (albedo; white_patch; emitter and radiance). "
+        "`references`: light_probes, mirror_balls, greys, charts.");
 }

@@ -1,5 +1,6 @@
 """What docs/python.md promises, on a small capture. Run by ctest with PYTHONPATH on the module."""
 import json
+import os
 import pathlib
 import re
 import sys
@@ -22,8 +23,8 @@ def raises(kind, text, act):
     raise AssertionError(f"nothing was raised, expected {kind.__name__}: {text}")
 
 
-def capture_of(place):
-    """A square metre under a grey sky, seen by three cameras from above: photographs as small HDR files."""
+def capture_of(place, lamp=False):
+    """A square metre under a grey sky, seen by three cameras from above: photographs as small HDR files. `lamp`: a patch in its middle shines."""
     (place / "images").mkdir(parents=True)
     (place / "mesh.obj").write_text(
         "".join(f"v {x / 8 - 0.5} {y / 8 - 0.5} 0\n" for y in range(9) for x in range(9))
@@ -32,8 +33,10 @@ def capture_of(place):
     frames = []
     for view in range(3):
         header = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 24 +X 32\n"
-        pixel = bytes([64, 72, 80, 128])
-        (place / f"images/{view}.hdr").write_bytes(header + pixel * (24 * 32))
+        pixels = b"".join(
+            bytes([200, 180, 160, 136] if lamp and max(abs((x - 15.5) / 40 * 1.2 + 0.1 * view), abs((y - 11.5) / 40 * 1.2)) < 0.16 else [64, 72, 80, 128])
+            for y in range(24) for x in range(32))
+        (place / f"images/{view}.hdr").write_bytes(header + pixels)
         frames.append({"file_path": f"images/{view}.hdr",
                        "transform_matrix": [[1, 0, 0, 0.1 * view], [0, 1, 0, 0], [0, 0, 1, 1.2], [0, 0, 0, 1]]})
     (place / "transforms.json").write_text(json.dumps({"w": 32, "h": 24, "fl_x": 40, "frames": frames}))
@@ -87,6 +90,40 @@ try:
     shot.export(folder / "scene")
     assert (folder / "scene/lights.gltf").is_file()
 
+    # How files are read, what fixes the scale, and what was measured on the set.
+    known = relamp.solve(capture, folder / "c.relamp", quality="draft", files={"scale": 2}, gauge={"albedo": 0.25})
+    assert abs(numpy.ptp(known.positions[:, 0]) - 2) < 1e-6 and known.info["gauge"]["kind"] == "albedo"
+    raises(relamp.Error, "files: meshes: unknown", lambda: relamp.solve(capture, folder / "d.relamp", files={"meshes": 1}))
+    raises(relamp.Error, "absent.ply", lambda: relamp.solve(capture, folder / "d.relamp", files={"mesh": "absent.ply"}))
+    raises(relamp.Error, "gauge: albedo: expected 0.001 to 1", lambda: relamp.solve(capture, folder / "d.relamp", gauge={"albedo": 5}))
+    raises(relamp.Error, "gauge: radiance: expected 3 numbers", lambda: relamp.solve(capture, folder / "d.relamp", gauge={"emitter": "a"}))
+    for references, text in [
+        ({"greys": [{"view": 0, "at": (1, 2)}]}, "greys[0]: radius: expected pixels"),
+        ({"greys": [{"view": 0, "at": 7, "radius": 1}]}, "greys[0]: at: expected 2 numbers"),
+        ({"greys": [{"view": 9, "at": (1, 2), "radius": 1}]}, "view 9 does not exist"),
+        ({"charts": [{"view": 0, "corners": [(1, 2)]}]}, "corners: there are 1, expected 4"),
+        ({"mirror_balls": [{"view": 0}]}, "mirror ball in view 0"),
+        ({"light_probes": ["absent.exr"]}, "absent.exr"),
+        ({"light_probes": "absent.exr"}, "references: light_probes: expected a list"),
+    ]:
+        raises(relamp.Error, text, lambda: relamp.solve(capture, folder / "d.relamp", quality="draft", references=references))
+    assert not (folder / "d.relamp").exists()
+
+    # The examples of docs/python.md in their order, where their files lie.
+    lamp = capture_of(folder / "lamp", lamp=True)
+    scan = capture_of(folder / "examples/scan")
+    (scan / "sparse/0").mkdir(parents=True)
+    (scan / "sparse/0/cameras.txt").write_text("1 PINHOLE 32 24 40 40 16 12\n")
+    (scan / "sparse/0/images.txt").write_text("".join(f"{v + 1} 0 1 0 0 {-0.1 * v} 0 1.2 1 {v}.hdr\n\n" for v in range(3)))
+    (scan / "transforms.json").unlink()
+    os.chdir(folder / "examples")
+    examples = re.findall(r"```python\n(.*?)```", (source / "docs/python.md").read_text(), re.S)
+    assert len(examples) >= 4
+    for example in examples:
+        own = example.replace("assets/captures/desk-lamp", str(lamp)).replace("mesh.ply", "mesh.obj")
+        exec(compile(own, "docs/python.md", "exec"), {})
+    assert (folder / "examples/lamp-for-blender/scene.py").is_file()
+
     # Faults name themselves, and nothing is half done.
     raises(relamp.Error, "add --overwrite", lambda: shot.export(folder / "scene"))
     raises(relamp.Error, "camera: is 3", lambda: shot.render(3))
@@ -97,8 +134,8 @@ try:
     raises(relamp.Cancelled, "", lambda: shot.render(samples=4096, progress=lambda *_: False))
     raises(ZeroDivisionError, "", lambda: shot.render(samples=4096, progress=lambda *_: 1 / 0))
     raises(relamp.Cancelled, "",
-           lambda: relamp.solve(source / "assets/captures/desk-lamp", folder / "b.relamp", progress=lambda *_: False))
-    assert not (folder / "b.relamp").exists()
+           lambda: relamp.solve(source / "assets/captures/desk-lamp", folder / "e.relamp", progress=lambda *_: False))
+    assert not (folder / "e.relamp").exists()
 
     # Stub and module name the same things.
     stub = (source / "app/python/relamp.pyi").read_text()
