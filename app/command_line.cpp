@@ -43,6 +43,12 @@ void addCaptureOptions(CLI::App& verb, CaptureFix& fix) {
                     "Rounds of smoothing for the normals of a noisy mesh; unless given, a solve asks the photographs")
         ->check(CLI::Range(0, 100));
     verb.add_flag("--flip-cameras", fix.flipCameras, "Camera matrices have OpenCV's axes (Y down, looking along +Z)");
+    verb.add_option(
+            "--mirror", fix.mirror,
+            "The cameras are a left-handed program's: reverses their axis x, y or z, in the world and in the camera")
+        ->check(CLI::IsMember({"x", "y", "z"}));
+    verb.add_option("--mesh-mirror", fix.meshMirror, "Reverses the mesh's axis x, y or z")
+        ->check(CLI::IsMember({"x", "y", "z"}));
     verb.add_option_function<std::vector<std::string>>(
             "--proxy-light",
             [&fix](const std::vector<std::string>& lights) {
@@ -295,6 +301,9 @@ CLI::App* addExport(CLI::App& app, CommandLine& line) {
     verb->add_option("shot", line.exported.shot, "Shot folder")->required();
     verb->add_option("-o,--output", line.exported.output, "Folder for the files")->required();
     verb->add_option("--edits", line.exported.edits, "Edits document (JSON) in place of the shot's own look");
+    verb->add_option("--state", line.exported.state,
+                     "Lighting state of the photographs whose light is written, and edits start from; unless given, "
+                     "lights as bright as they get");
     verb->add_option("--threads", line.exported.threads, "Threads, 0 for all cores")->check(notNegative());
     verb->add_flag("--overwrite", line.exported.overwrite, "Write into a folder that holds something");
     return verb;

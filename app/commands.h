@@ -56,6 +56,7 @@ struct RenderArguments {
 
 struct ExportArguments {
     fs::path shot, output, edits;
+    std::string state;
     int threads = 0;
     bool overwrite = false;
 };

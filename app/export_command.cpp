@@ -4,6 +4,8 @@
 #include "base/printable.h"
 #include "capture/own_axes.h"
 #include "commands.h"
+#include "relight/state_look.h"
+#include "render_frames.h"
 #include "shot/export_scene.h"
 
 namespace relamp::cli {
@@ -11,7 +13,8 @@ namespace relamp::cli {
 int exportShot(const ExportArguments& a, Progress& progress) {
     const ThreadLimit limit(a.threads);
     const Shot shot = openShot(a.shot, false, progress);
-    const Look look = a.edits.empty() ? shot.look : readLook(a.edits, shot.capture.origin);
+    Look look = a.edits.empty() ? shot.look : readLook(a.edits, shot.capture.origin);
+    if (const auto state = stateOf(a.state, shot)) look = inState(std::move(look), shot.estimate, *state);
     InputFiles inputs = shotFiles(shot, progress);
     inputs.add(a.edits);
     for (const auto& file : filesOf(look)) inputs.add(file);

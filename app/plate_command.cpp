@@ -114,7 +114,7 @@ int relightPlate(const RenderArguments& given, const Shot& shot, const Look& loo
                           {"relamp:shot", shotHash(a.shot)}};
     const Scene scene = buildScene(shot.capture.mesh, progress, ownAxes(shot.capture));
     RelitLooks looks(shot, scene, track);
-    looks.base(stateOf(a, shot));
+    looks.base(stateOf(a.state, shot));
     FrameOptions options;
     options.seed = a.seed;
     options.denoise = a.denoise != "off";

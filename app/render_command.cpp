@@ -64,7 +64,7 @@ int render(const RenderArguments& a, Progress& progress) {
         return relightPlate(a, shot, look, progress);
     }
     const LookTrack track = trackOf(a, look);
-    const std::optional<size_t> state = stateOf(a, shot);
+    const std::optional<size_t> state = stateOf(a.state, shot);
     std::vector<FrameJob> jobs;
     try {
         jobs = frameJobs(shot.capture, a.camera.empty() ? "0" : a.camera, a.frames, a.size, a.output);

@@ -13,15 +13,15 @@ Look lookOf(const RenderArguments& a, const Shot& shot) {
     return a.edits.empty() ? shot.look : readLook(a.edits, shot.capture.origin);
 }
 
-std::optional<size_t> stateOf(const RenderArguments& a, const Shot& shot) {
-    if (a.state.empty()) return {};
+std::optional<size_t> stateOf(const std::string& name, const Shot& shot) {
+    if (name.empty()) return {};
     std::string names;
     for (size_t s = 0; s < shot.estimate.states.size(); ++s) {
-        if (shot.estimate.states[s].name == a.state) return s;
+        if (shot.estimate.states[s].name == name) return s;
         names += (s ? ", " : "") + shot.estimate.states[s].name;
     }
     throw UsageError(names.empty() ? "--state: the photographs of this shot are of one lighting state"
-                                   : fmt::format("--state {}: expected one of {}", printable(a.state), names));
+                                   : fmt::format("--state {}: expected one of {}", printable(name), names));
 }
 
 LookTrack trackOf(const RenderArguments& a, const Look& look) {

@@ -14,7 +14,7 @@ namespace relamp::cli {
 Look lookOf(const RenderArguments& arguments, const Shot& shot);
 LookTrack trackOf(const RenderArguments& arguments, const Look& look);
 /// The lighting state that --state names; none where it is not given. Throws UsageError for another name.
-std::optional<size_t> stateOf(const RenderArguments& arguments, const Shot& shot);
+std::optional<size_t> stateOf(const std::string& name, const Shot& shot);
 /// Frames of the plate that the arguments name, or else the look.
 int relightPlate(const RenderArguments& arguments, const Shot& shot, const Look& look, Progress& progress);
 

@@ -33,6 +33,16 @@ struct ReconstructionFigures {
     size_t behind = 0;             ///< observations that do not project at all
 };
 
+/// How the files of a capture were read, where they can be meant in several ways (CaptureFix).
+struct ReadAs {
+    double meshScale = 1;                ///< units of the cameras one unit of the mesh is long
+    std::string meshUp{};                ///< as told
+    bool flipCameras = false;            ///< the matrices have the other axes than their format says
+    std::string mirror{}, meshMirror{};  ///< "x", "y", "z": axis of the files that was reversed
+    bool leftHanded = false;             ///< the matrices mirror, so that `mirror` reverses the world alone
+    Mat3 worldFromMesh{1};               ///< the turn of the mesh, after its mirroring
+};
+
 /// Photographs, cameras, mesh.
 struct Capture {
     std::filesystem::path folder;
@@ -50,6 +60,8 @@ struct Capture {
     Vec3 up{0, 0, 1};          ///< axis of the files that is up; mesh and cameras here are turned so that it is +Z
     Mat3 worldFromFile{1};     ///< that turn
     double metresPerUnit = 1;  ///< how long one unit of the files is; cameras and mesh here are in metres
+    std::string format;        ///< of the cameras, as captureFormats() names it; empty: not read from files
+    ReadAs readAs;
     std::optional<ReconstructionFigures> reconstruction;
     std::vector<DVec3> points;        ///< up to 20000 of a reconstruction's points, turned and scaled as the mesh is
     std::vector<ProxyLight> proxies;  ///< the last proxyTriangles of the mesh for each, in this order

@@ -62,6 +62,7 @@ CaptureSource captureSource(const fs::path& folder, const CaptureFix& fix, Progr
     }
     progress.begin(found->format->reading, 1);
     CaptureSource source = found->format->read(folder, found->cameras, fix, progress);
+    source.format = found->format->name;
     source.cameras = found->cameras;
     assignStates(fix.states, source);
     assignEnvironments(fix.environments, source);

@@ -17,9 +17,10 @@ struct FrameSource {
     std::filesystem::path file;
     Camera camera;
     std::vector<Exposure> exposures;
-    bool fitSize = false;     ///< an image of the same shape and another size scales the camera
-    std::string state = {};   ///< lighting state that the file names; empty: none
-    uint32_t stateIndex = 0;  ///< in CaptureSource::states
+    bool fitSize = false;             ///< an image of the same shape and another size scales the camera
+    std::filesystem::path mask = {};  ///< that the file names; empty: those of the usual names
+    std::string state = {};           ///< lighting state that the file names; empty: none
+    uint32_t stateIndex = 0;          ///< in CaptureSource::states
 };
 
 struct CaptureSource {
@@ -28,10 +29,12 @@ struct CaptureSource {
     std::vector<std::string> states;                ///< lighting states; empty: none is named
     std::vector<StateEnvironment> environments;     ///< that the file names for states
     std::vector<int> environmentOfState;            ///< see Capture
+    std::string format;                             ///< CaptureFormat::name
     std::filesystem::path cameras;                  ///< the file or folder that holds them
     std::vector<std::filesystem::path> otherFiles;  ///< read beside it: lists, frames, where the mesh was aligned to
     std::filesystem::path mesh;
     Vec3 up{0, 0, 1};
+    bool leftHanded = false;  ///< the matrices mirror; the cameras here have CaptureFix::mirror's axis reversed
     std::vector<std::string> notes;
     std::optional<ReconstructionFigures> reconstruction;
     std::vector<DVec3> points;

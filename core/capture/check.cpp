@@ -7,84 +7,11 @@
 #include "base/statistics.h"
 #include "capture/check_warnings.h"
 #include "capture/orientation.h"
+#include "capture/placement_trials.h"
+#include "capture/view_sight.h"
 
 namespace relamp {
 namespace {
-
-/// Distance along the view axis of the nearest surface, on a small image.
-struct DepthImage {
-    int width = 0, height = 0;
-    float pixelsPerCell = 1;  ///< pixels of the photograph along one edge of a cell
-    std::vector<float> depth;
-
-    float at(const Vec2& pixel) const {
-        const int x = int(pixel.x / pixelsPerCell), y = int(pixel.y / pixelsPerCell);
-        if (x < 0 || y < 0 || x >= width || y >= height) return std::numeric_limits<float>::infinity();
-        return depth[size_t(y) * width + x];
-    }
-};
-
-struct Projected {
-    Vec2 pixel{0};
-    float depth = -1;  ///< metres; negative where the vertex does not project
-};
-
-std::vector<Projected> projectVertices(const Camera& camera, const Mesh& mesh, const Progress& progress) {
-    std::vector<Projected> result(mesh.vertexCount());
-    for (size_t v = 0; v < result.size(); ++v) {
-        if (v % 4096 == 0) progress.check();
-        if (const auto pixel = camera.project(DVec3(mesh.positions[v])))
-            result[v] = {*pixel, float(camera.depthOf(DVec3(mesh.positions[v])))};
-    }
-    return result;
-}
-
-DepthImage rasterise(const Camera& camera, const Mesh& mesh, const std::vector<Projected>& vertices,
-                     const Progress& progress) {
-    constexpr int longestSide = 320;
-    DepthImage image;
-    image.pixelsPerCell = std::max(1.0f, float(std::max(camera.width, camera.height)) / longestSide);
-    image.width = std::max(1, int(std::ceil(float(camera.width) / image.pixelsPerCell)));
-    image.height = std::max(1, int(std::ceil(float(camera.height) / image.pixelsPerCell)));
-    image.depth.assign(size_t(image.width) * image.height, std::numeric_limits<float>::infinity());
-    for (size_t t = 0; t < mesh.triangles.size(); ++t) {
-        if (t % 4096 == 0) progress.check();
-        const Projected corner[3] = {vertices[mesh.triangles[t][0]], vertices[mesh.triangles[t][1]],
-                                     vertices[mesh.triangles[t][2]]};
-        if (corner[0].depth <= 0 || corner[1].depth <= 0 || corner[2].depth <= 0) continue;
-        const Vec2 a = corner[0].pixel / image.pixelsPerCell, b = corner[1].pixel / image.pixelsPerCell,
-                   c = corner[2].pixel / image.pixelsPerCell;
-        const Vec2 low = glm::min(a, glm::min(b, c)), high = glm::max(a, glm::max(b, c));
-        if (!(high.x >= 0 && high.y >= 0 && low.x < float(image.width) && low.y < float(image.height))) continue;
-        const int x0 = int(std::max(low.x, 0.0f)), x1 = int(std::min(high.x, float(image.width - 1)));
-        const int y0 = int(std::max(low.y, 0.0f)), y1 = int(std::min(high.y, float(image.height - 1)));
-        const float area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-        const auto put = [&](int x, int y, float depth) {
-            float& stored = image.depth[size_t(y) * image.width + x];
-            stored = std::min(stored, depth);
-        };
-        // Triangles smaller than a cell would slip between the centres.
-        if (x1 - x0 <= 1 && y1 - y0 <= 1) {
-            const Vec2 middle = (a + b + c) / 3.0f;
-            if (middle.x >= 0 && middle.y >= 0 && middle.x < float(image.width) && middle.y < float(image.height))
-                put(int(middle.x), int(middle.y), (corner[0].depth + corner[1].depth + corner[2].depth) / 3);
-        }
-        if (area == 0) continue;
-        for (int y = y0; y <= y1; ++y)
-            for (int x = x0; x <= x1; ++x) {
-                const Vec2 p(float(x) + 0.5f, float(y) + 0.5f);
-                const float wb = ((p.x - a.x) * (c.y - a.y) - (p.y - a.y) * (c.x - a.x)) / area;
-                const float wc = ((b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x)) / area;
-                if (wb < 0 || wc < 0 || wb + wc > 1) continue;
-                put(x, y, 1 / ((1 - wb - wc) / corner[0].depth + wb / corner[1].depth + wc / corner[2].depth));
-            }
-    }
-    return image;
-}
-
-bool isInside(const Camera& camera, const Vec2& pixel) {
-    return pixel.x >= 0 && pixel.y >= 0 && pixel.x < float(camera.width) && pixel.y < float(camera.height);
-}
 
 void imageFigures(const View& view, ViewCheck& check) {
     check.nan = view.imageReport.nan;
@@ -102,75 +29,6 @@ void imageFigures(const View& view, ViewCheck& check) {
     check.maskedFraction = view.image.pixels.empty() ? 0 : 1 - double(usable) / all;
     check.clippedFraction = double(clipped) / all;
     check.meanRadiance = usable ? sum / double(usable) : 0;
-}
-
-/// What the pixels beside the mesh show: light, or a mask or black cloth. At one pixel a cell.
-void judgeBackground(const View& view, const DepthImage& depth, ViewCheck& check) {
-    if (view.image.pixels.empty()) return;
-    constexpr float black = 0.05f;  // of the brightness of the brighter surfaces
-    std::vector<float> surface;
-    size_t open = 0, light = 0;
-    const auto each = [&](auto&& use) {
-        for (int y = 0; y < depth.height; ++y)
-            for (int x = 0; x < depth.width; ++x) {
-                const int px = std::min(int((float(x) + 0.5f) * depth.pixelsPerCell), view.image.width - 1),
-                          py = std::min(int((float(y) + 0.5f) * depth.pixelsPerCell), view.image.height - 1);
-                use(std::isfinite(depth.depth[size_t(y) * size_t(depth.width) + size_t(x)]),
-                    view.image.usableAt(px, py), luminance(view.image.at(px, py)));
-            }
-    };
-    each([&](bool mesh, bool usable, float y) {
-        if (mesh && usable) surface.push_back(y);
-    });
-    const float least = black * nearestQuantileOf(surface, 0.9);
-    each([&](bool mesh, bool usable, float y) {
-        if (mesh) return;
-        ++open;
-        light += usable && y > least;
-    });
-    check.openFraction = double(open) / double(std::max<size_t>(1, depth.depth.size()));
-    check.lightFraction = open ? double(light) / double(open) : 0;
-}
-
-/// What one view says of the mesh: which vertices it sees, and how bright some of them are.
-struct ViewSight {
-    std::vector<uint8_t> sees;      ///< per vertex
-    std::vector<float> brightness;  ///< log2 luminance per sampled vertex; NaN where it is not seen
-    uint32_t state = 0;             ///< lighting state of the view
-};
-
-ViewSight lookAt(const View& view, const Mesh& mesh, const std::vector<uint8_t>& referenced, size_t stride,
-                 ViewCheck& check, const Progress& progress) {
-    const std::vector<Projected> vertices = projectVertices(view.camera, mesh, progress);
-    const DepthImage depth = rasterise(view.camera, mesh, vertices, progress);
-    size_t covered = 0, inside = 0;
-    for (const float d : depth.depth) covered += std::isfinite(d);
-    check.meshFraction = double(covered) / double(depth.depth.size());
-    judgeBackground(view, depth, check);
-    ViewSight sight;
-    sight.state = view.state;
-    sight.sees.assign(mesh.vertexCount(), 0);
-    sight.brightness.assign((mesh.vertexCount() + stride - 1) / stride, std::numeric_limits<float>::quiet_NaN());
-    const DVec3 eye = view.camera.position();
-    for (size_t v = 0; v < mesh.vertexCount(); ++v) {
-        const Projected& p = vertices[v];
-        if (p.depth <= 0 || !isInside(view.camera, p.pixel)) continue;
-        ++inside;
-        if (!referenced[v]) continue;
-        const Vec3 towardEye = Vec3(glm::normalize(eye - DVec3(mesh.positions[v])));
-        // Grazing vertices are judged by their neighbours' depth, so they are left out.
-        if (glm::dot(mesh.normals[v], towardEye) < 0.2f || p.depth > depth.at(p.pixel) * 1.02f) continue;
-        sight.sees[v] = 1;
-        if (v % stride || view.image.pixels.empty()) continue;
-        const int x = std::min(int(p.pixel.x), view.image.width - 1),
-                  y = std::min(int(p.pixel.y), view.image.height - 1);
-        const Rgb& colour = view.image.at(x, y);
-        const bool clipped = view.saturation > 0 && maxChannel(colour) >= view.saturation;
-        if (view.image.usableAt(x, y) && !clipped && luminance(colour) > 0)
-            sight.brightness[v / stride] = std::log2(luminance(colour));
-    }
-    check.verticesInside = double(inside) / double(std::max<size_t>(1, mesh.vertexCount()));
-    return sight;
 }
 
 /// Median of the sorted values without the one at `leftOut`.
@@ -232,41 +90,21 @@ void compareExposures(const std::vector<ViewSight>& sights, CaptureCheck& check)
     check.exposureSpreadStops = high > low ? high - low : 0;
 }
 
-/// Median over the surface of how much views disagree on its brightness, stops; infinite where too few see one place.
-float disagreement(const std::vector<ViewSight>& sights) {
-    std::vector<float> scatter;
-    for (size_t s = 0; !sights.empty() && s < sights[0].brightness.size(); ++s) {
-        float sum = 0, squares = 0, count = 0;
-        for (const ViewSight& sight : sights)
-            if (const float b = sight.brightness[s]; std::isfinite(b)) sum += b, squares += b * b, ++count;
-        if (count >= 2) scatter.push_back(std::sqrt(std::max(0.0f, squares / count - sum * sum / (count * count))));
-    }
-    if (scatter.size() < enoughVertices) return std::numeric_limits<float>::infinity();
-    return medianOf(std::move(scatter));
-}
-
-/// The --mesh-up with which views would agree on the surface, where they do not: files have Y or Z up, and not all of
-/// a capture the same. Empty where nothing speaks for it.
-std::string meshUpGuess(const Capture& capture, const std::vector<uint8_t>& referenced, size_t stride, float now,
-                        Progress& progress) {
-    constexpr float usual = 0.25f, clearly = 0.6f;  // stops; of what they disagree by now
-    if (now < usual || capture.views.empty() || capture.views[0].image.pixels.empty()) return "";
-    std::string best;
-    float least = clearly * now;
-    const Mat3 turn = rotationToZUp({0, 1, 0});
-    for (const auto& [name, quarter] : {std::pair{"y", turn}, std::pair{"z", glm::transpose(turn)}}) {
-        Mesh turned = capture.mesh;
-        const Vec3 origin(capture.origin);
-        for (Vec3& p : turned.positions) p = quarter * (p + origin) - origin;
-        for (Vec3& n : turned.normals) n = quarter * n;
-        std::vector<ViewSight> sights(capture.views.size());
-        parallelFor(sights.size(), 1, [&](size_t i) {
-            ViewCheck ignored;
-            sights[i] = lookAt(capture.views[i], turned, referenced, stride, ignored, progress);
-        });
-        if (const float scatter = disagreement(sights); scatter < least) least = scatter, best = name;
-    }
-    return best;
+/// A place as large, or cameras as far away, as people seldom take: lengths may be centimetres or millimetres. Where a
+/// model does not know metres it is asked otherwise.
+void askForUnit(const Capture& capture, CaptureCheck& check) {
+    constexpr double large = 80, far = 40, small = 20;  // metres
+    const double size = double(glm::length(check.meshMax - check.meshMin));
+    const bool told = check.advice || check.reconstruction || capture.metresPerUnit != 1;
+    if (told || !(size > large || check.cameraDistance > far)) return;
+    const bool millimetres = size / 100 > small || check.cameraDistance / 100 > small;
+    const double scale = capture.metresPerUnit * (millimetres ? 0.001 : 0.01);
+    const char* unit = millimetres ? "millimetre" : "centimetre";
+    check.unitQuestion = UnitQuestion{
+        fmt::format("Is the scene really {:.3g} m across, and are the cameras {:.3g} m away? If its unit is the {}, "
+                    "--scale {:g} sets lengths right; light and colours do not rest on it.",
+                    size, check.cameraDistance, unit, scale),
+        fmt::format("Lengths are {}s", unit), scale};
 }
 
 std::string axisName(const Vec3& v) {
@@ -344,6 +182,16 @@ void comparePoints(const Capture& capture, CaptureCheck& check) {
 
 }  // namespace
 
+CaptureFix advised(CaptureFix fix, const PlacementAdvice& advice) {
+    fix.scale = advice.scale;
+    fix.meshScale = advice.readAs.meshScale;
+    fix.meshUp = advice.readAs.meshUp;
+    fix.flipCameras = advice.readAs.flipCameras;
+    fix.mirror = advice.readAs.mirror;
+    fix.meshMirror = advice.readAs.meshMirror;
+    return fix;
+}
+
 std::vector<std::pair<std::string, size_t>> viewsOfStates(const Capture& capture) {
     std::vector<std::pair<std::string, size_t>> states;
     for (const std::string& name : capture.states) states.emplace_back(name, 0);
@@ -363,6 +211,7 @@ std::string environmentInWords(const Capture& capture, size_t state) {
 CaptureCheck checkCapture(const Capture& capture, Progress& progress) {
     CaptureCheck check;
     const Mesh& mesh = capture.mesh;
+    check.format = capture.format;
     check.mesh = capture.meshReport;
     check.notes = capture.notes;
     check.origin = capture.origin;
@@ -391,7 +240,7 @@ CaptureCheck checkCapture(const Capture& capture, Progress& progress) {
             figures.width = view.camera.width;
             figures.height = view.camera.height;
             imageFigures(view, figures);
-            sights[i] = lookAt(view, mesh, referenced, stride, figures, progress);
+            sights[i] = lookAt(view, view.camera, mesh, referenced, stride, figures, progress);
         },
         &progress);
     for (const ViewSight& sight : sights)
@@ -423,10 +272,19 @@ CaptureCheck checkCapture(const Capture& capture, Progress& progress) {
     comparePoints(capture, check);
     compareExposures(sights, check);
     guessAxes(capture, check);
+    double covered = 0;
+    for (const ViewCheck& v : check.views) covered += v.meshFraction / double(check.views.size());
+    const PlacementScore score{disagreement(sights), check.seenTwiceFraction, covered};
+    check.advice = betterPlacement(capture, referenced, stride, score, progress);
+    // Cameras that look away from the mesh are told of by what they look at.
+    if (check.advice && check.lookBackwards && check.advice->option == "--flip-cameras") check.advice.reset();
+    if (check.advice) {
+        // What is said of axes holds once the files are read right.
+        check.lookBackwards = false;
+        check.upGuess = check.up;
+    }
+    askForUnit(capture, check);
     warn(capture, check);
-    if (const auto up = meshUpGuess(capture, referenced, stride, disagreement(sights), progress); !up.empty())
-        check.warnings.push_back(
-            fmt::format("The photographs agree much better on the mesh turned by a quarter: try --mesh-up {}.", up));
     return check;
 }
 

@@ -11,6 +11,8 @@
 
 namespace relamp {
 
+struct CaptureFix;
+
 /// Shares are of all pixels of the view unless said otherwise, in [0, 1].
 struct ViewCheck {
     std::string name;
@@ -28,7 +30,24 @@ struct ViewCheck {
     size_t comparedVertices = 0;      ///< vertices that exposureStops rests on
 };
 
+/// How the files would have to be read for the photographs to agree on the surface.
+struct PlacementAdvice {
+    std::string words;   ///< a sentence
+    std::string option;  ///< of the command line: "--mesh-scale 0.01"
+    std::string button;  ///< "Read the mesh in centimetres"
+    double scale = 1;    ///< CaptureFix::scale
+    ReadAs readAs;       ///< the rest
+};
+
+/// Whether lengths are told in another unit, by how large and how far away things are; nothing else rests on it.
+struct UnitQuestion {
+    std::string words;   ///< a question
+    std::string button;  ///< "Lengths are centimetres"
+    double scale = 1;    ///< CaptureFix::scale
+};
+
 struct CaptureCheck {
+    std::string format;  ///< Capture::format
     std::vector<ViewCheck> views;
     std::vector<std::pair<std::string, size_t>> states;  ///< lighting states, with how many views each has
     std::vector<std::string> environments;               ///< of them (environmentInWords); empty: all states share one
@@ -46,14 +65,20 @@ struct CaptureCheck {
     double pointsOnMesh = -1;  ///< fraction of a reconstruction's points that lie on the mesh; negative: there are none
     double meshToPoints = 0;   ///< size of the mesh over the size of the points' cloud; 0: there are none
     std::optional<ReconstructionFigures> reconstruction;
-    double upAgreement = 0;             ///< cosine between the mean camera up and the file's up
-    bool lookBackwards = false;         ///< the mesh lies behind the cameras: axes are OpenCV's, not OpenGL's
+    double upAgreement = 0;      ///< cosine between the mean camera up and the file's up
+    bool lookBackwards = false;  ///< the mesh lies behind the cameras: axes are OpenCV's, not OpenGL's
+    std::optional<PlacementAdvice>
+        advice;  ///< what the photographs speak for; the other warnings of poses then stay out
+    std::optional<UnitQuestion> unitQuestion;
     std::vector<std::string> notes;     ///< from loading
     std::vector<std::string> warnings;  ///< what should be looked at before a solve, one sentence each
 };
 
 /// Cost: a small image is rasterised for each view, O(views x triangles). Throws Cancelled only.
 CaptureCheck checkCapture(const Capture& capture, Progress& progress);
+
+/// `fix` with what the advice says.
+CaptureFix advised(CaptureFix fix, const PlacementAdvice& advice);
 
 /// Names of the lighting states, with how many views each has; empty: there is one. O(views).
 std::vector<std::pair<std::string, size_t>> viewsOfStates(const Capture& capture);

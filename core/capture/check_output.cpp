@@ -30,7 +30,8 @@ nlohmann::json toJson(const CaptureCheck& check) {
         const DVec3 p = check.origin + DVec3(from);
         return json::array({p.x, p.y, p.z});
     };
-    json result = {{"views", views},
+    json result = {{"format", check.format},
+                   {"views", views},
                    {"mesh",
                     {{"vertices", m.vertices},
                      {"triangles", m.triangles},
@@ -58,6 +59,7 @@ nlohmann::json toJson(const CaptureCheck& check) {
                      {"look_backwards", check.lookBackwards}}},
                    {"notes", check.notes},
                    {"warnings", check.warnings}};
+    if (check.advice) result["advice"] = {{"words", check.advice->words}, {"option", check.advice->option}};
     // The names of version 1, for scripts.
     for (json& v : result["views"])
         for (const char* what : {"mesh", "clipped", "masked"})
@@ -82,8 +84,9 @@ nlohmann::json toJson(const CaptureCheck& check) {
 std::string toText(const CaptureCheck& check) {
     size_t longest = 4;
     for (const ViewCheck& v : check.views) longest = std::max(longest, std::min<size_t>(v.name.size(), 40));
-    std::string text = fmt::format("{:<{}}  {:>11}  {:>7}  {:>7}  {:>7}  {:>9}  {:>7}  {:>6}\n", "view", longest,
-                                   "size", "mesh", "clipped", "masked", "mean", "inside", "stops");
+    std::string text = check.format.empty() ? "" : fmt::format("cameras: {}\n\n", check.format);
+    text += fmt::format("{:<{}}  {:>11}  {:>7}  {:>7}  {:>7}  {:>9}  {:>7}  {:>6}\n", "view", longest, "size", "mesh",
+                        "clipped", "masked", "mean", "inside", "stops");
     for (const ViewCheck& v : check.views)
         text += fmt::format("{:<{}}  {:>11}  {:>6.1f}%  {:>6.2f}%  {:>6.1f}%  {:>9.4g}  {:>6.1f}%  {:>+6.2f}\n", v.name,
                             longest, fmt::format("{} x {}", v.width, v.height), 100 * v.meshFraction,

@@ -20,9 +20,12 @@ void warn(const Capture& capture, CaptureCheck& check) {
         return say(
             "No photograph has a pixel that can be used: all are masked, NaN, infinite or negative. Nothing can be "
             "estimated.");
+    // Then poses and coverage are wrong for one reason.
+    const bool misplaced = check.advice || check.lookBackwards;
+    if (check.advice) say(check.advice->words);
     if (check.lookBackwards)
         say("The mesh lies behind most cameras: the matrices seem to use OpenCV axes (+Y down, +Z forward), OpenGL "
-            "axes are expected.");
+            "axes are expected: --flip-cameras.");
     if (!check.upGuess.empty() && check.upGuess != check.up)
         say(
             fmt::format("The cameras' up is nearest to {}, the file says {}: set \"up\" in transforms.json, or --up, "
@@ -31,7 +34,7 @@ void warn(const Capture& capture, CaptureCheck& check) {
     if (check.views.size() < 3)
         say(fmt::format("There are only {} views; light and reflectance are hard to tell apart.", check.views.size()));
     for (const ViewCheck& v : check.views) {
-        if (v.meshFraction < 0.02)
+        if (v.meshFraction < 0.02 && !misplaced)
             say(fmt::format("{}: the mesh covers {} of the image; pose, up or scale may be wrong.", v.name,
                             percent(v.meshFraction)));
         if (v.maskedFraction > 0.9)
@@ -41,7 +44,8 @@ void warn(const Capture& capture, CaptureCheck& check) {
                             percent(v.clippedFraction)));
         if (v.nan + v.infinite > 0) say(fmt::format("{}: {} pixels are NaN or infinite.", v.name, v.nan + v.infinite));
         // Where the vertices disagree among themselves the surface is glossy, and nothing can be said.
-        if (v.comparedVertices >= enoughVertices && std::abs(v.exposureStops) > std::max(0.25, v.exposureScatterStops))
+        if (!check.advice && v.comparedVertices >= enoughVertices &&
+            std::abs(v.exposureStops) > std::max(0.25, v.exposureScatterStops))
             say(
                 fmt::format("{}: is {:.2f} stops {} than the other views of the same surface; all views must share one "
                             "exposure scale.",
@@ -55,7 +59,7 @@ void warn(const Capture& capture, CaptureCheck& check) {
             "scale are assumed (a mean albedo of 0.5 under white light); "
             "--gauge white-patch or --gauge albedo tells them. The light must stand still while the camera moves: an "
             "object that turns before a fixed camera and light is lit from elsewhere in each photograph.");
-    if (check.seenTwiceFraction < 0.3)
+    if (check.seenTwiceFraction < 0.3 && !misplaced)
         say(fmt::format("Only {} of the vertices are seen by two views or more.", percent(check.seenTwiceFraction)));
     const MeshReport& m = check.mesh;
     if (m.nanVertices)
@@ -76,7 +80,7 @@ void warn(const Capture& capture, CaptureCheck& check) {
             say(fmt::format("{} of COLMAP's observations do not project; the lens model folds back inside the image.",
                             percent(double(r.behind) / double(r.observations))));
     }
-    if (check.pointsOnMesh >= 0 && check.pointsOnMesh < 0.3) {
+    if (check.pointsOnMesh >= 0 && check.pointsOnMesh < 0.3 && !check.advice) {
         std::string sentence =
             fmt::format("Only {} of COLMAP's points lie on the mesh; it seems to come from another run or unit.",
                         percent(check.pointsOnMesh));
@@ -92,7 +96,8 @@ void warn(const Capture& capture, CaptureCheck& check) {
             fmt::format("The cameras stand {:.3g} units from the mesh, and COLMAP does not know metres: if that were "
                         "1.5 m, --scale {:.2g} would set it right.",
                         check.cameraDistance, 1.5 / check.cameraDistance));
-    else if (size > 1000 || size < 0.01f)
+    else if (check.unitQuestion) say(check.unitQuestion->words);
+    else if ((size > 1000 || size < 0.01f) && !check.advice)
         say(fmt::format("The mesh is {:.3g} m across; lengths are taken to be metres.", size));
 }
 

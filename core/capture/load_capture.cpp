@@ -31,13 +31,18 @@ Capture loadCapture(const std::filesystem::path& folder, const LoadOptions& opti
     Capture capture;
     capture.folder = folder;
     capture.notes = std::move(source.notes);
+    capture.format = source.format;
     capture.states = std::move(source.states);
     capture.environmentOfState = std::move(source.environmentOfState);
     capture.reconstruction = source.reconstruction;
     capture.points = std::move(source.points);
+    capture.readAs.leftHanded = source.leftHanded;
     progress.begin("Reading the mesh", 1);
     std::vector<TexturedFace> texcoords;
     capture.mesh = readMesh(source.mesh, &capture.meshReport, {}, &texcoords);
+    if (!fix.meshMirror.empty())
+        mirrorMesh(withContext("--mesh-mirror", [&] { return mirrorAxis(fix.meshMirror); }), capture.mesh,
+                   capture.meshReport, texcoords);
     if (!texcoords.empty()) capture.texcoords = std::make_shared<const std::vector<TexturedFace>>(std::move(texcoords));
     const Vec3 up = fix.up.empty() ? source.up : withContext("--up", [&] { return axisFromName(fix.up); });
 

@@ -51,6 +51,22 @@ Mat3 rotationToZUp(const Vec3& up) {
     return Mat3(1);
 }
 
+int mirrorAxis(const std::string& name) {
+    if (name.size() == 1 && name[0] >= 'x' && name[0] <= 'z') return name[0] - 'x';
+    throw Error("expected \"x\", \"y\" or \"z\"");
+}
+
+void mirrorMesh(int axis, Mesh& mesh, MeshReport& report, std::vector<TexturedFace>& texcoords) {
+    for (Vec3& p : mesh.positions) p[axis] = -p[axis];
+    for (Vec3& n : mesh.normals) n[axis] = -n[axis];
+    for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+    for (TexturedFace& face : texcoords) {
+        std::swap(face.corners[1], face.corners[2]);
+        std::swap(face.texcoords[1], face.texcoords[2]);
+    }
+    report.origin[axis] = -report.origin[axis];
+}
+
 void orientCapture(Capture& capture, const Vec3& up, const CaptureFix& fix) {
     for (const auto& [name, value] : {std::pair{"scale", fix.scale}, std::pair{"mesh scale", fix.meshScale}})
         if (!(value > 0 && value < 1e12)) throw Error("the {} is {}, expected more than 0", name, value);
@@ -72,6 +88,21 @@ void orientCapture(Capture& capture, const Vec3& up, const CaptureFix& fix) {
     }
     if (const float grown = float(fix.scale * fix.meshScale); grown != 1)
         for (Vec3& p : capture.mesh.positions) p *= grown;
+    capture.readAs.meshScale = fix.meshScale;
+    capture.readAs.meshUp = fix.meshUp;
+    capture.readAs.flipCameras = fix.flipCameras;
+    capture.readAs.mirror = fix.mirror;
+    capture.readAs.meshMirror = fix.meshMirror;
+    capture.readAs.worldFromMesh = worldFromMesh;
+    if (!fix.mirror.empty()) {
+        const int axis = withContext("--mirror", [&] { return mirrorAxis(fix.mirror); });
+        for (DVec3& p : capture.points) p[axis] = -p[axis];
+        for (View& view : capture.views) {
+            DMat4& m = view.camera.worldFromCamera;
+            m[axis] = -m[axis];
+            for (int column = 0; column < 4; ++column) m[column][axis] = -m[column][axis];
+        }
+    }
     const glm::dmat3 rotation(capture.worldFromFile);
     capture.origin = glm::dmat3(worldFromMesh) * (capture.meshReport.origin * fix.meshScale * fix.scale);
     for (DVec3& p : capture.points) p = rotation * p * fix.scale - capture.origin;

@@ -20,6 +20,9 @@ struct CaptureFix {
         false;         ///< the matrices have OpenCV's axes (Y down, looks along +Z) though they should have OpenGL's
     double scale = 1;  ///< metres one unit of the files is long; more than 0
     double meshScale = 1;  ///< units of the cameras one unit of the mesh is long; more than 0
+    /// "x", "y", "z": the cameras' files are left-handed, and this axis is reversed in the world and in each camera, or
+    /// in the world alone where the matrices mirror; and the mesh's axis that is reversed. Empty: none.
+    std::string mirror{}, meshMirror{};
     /// A COLMAP model's folder, its images' folder, the mesh: in the capture folder, in the current one, or absolute;
     /// empty: found by their usual names.
     std::string colmap{}, images{}, mesh{};
@@ -43,6 +46,11 @@ std::string nameFromAxis(const Vec3& axis);
 /// The rotation that takes the unit vector `up` to +Z: by a multiple of 90 degrees and exact for an axis, else the
 /// shortest.
 Mat3 rotationToZUp(const Vec3& up);
+/// 0 to 2 of "x", "y", "z"; throws Error for anything else.
+int mirrorAxis(const std::string& name);
+/// Reverses an axis of the mesh, of its report's origin and of its faces' texture coordinates; faces keep their outer
+/// sides.
+void mirrorMesh(int axis, Mesh& mesh, MeshReport& report, std::vector<TexturedFace>& texcoords);
 /// Turns and scales mesh and cameras so that the file's `up` (the mesh's own, see CaptureFix::meshUp) becomes +Z and
 /// lengths are metres, and flips the cameras' axes when asked. Fills capture.up, worldFromFile (the turn alone) and
 /// origin, from meshReport.origin: the mesh counts from there already, cameras and points do afterwards.

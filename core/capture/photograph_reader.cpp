@@ -14,13 +14,15 @@ bool isNamed(const fs::path& file) {
     return fs::exists(fs::symlink_status(file, failed)) || failed == std::errc::permission_denied;
 }
 
-/// Mask files that belong to an image by convention, black is ignored.
-std::vector<fs::path> masksOf(const fs::path& folder, const fs::path& image) {
+/// Mask files that belong to an image, because the file of the cameras names them or by convention; black is ignored.
+std::vector<fs::path> masksOf(const fs::path& folder, const FrameSource& frame) {
+    const fs::path& image = frame.file;
     const std::string name = image.filename().string(), stem = image.stem().string();
     std::vector<fs::path> found;
+    if (!frame.mask.empty()) found.push_back(frame.mask);
     for (const fs::path& mask : {folder / "masks" / (name + ".png"), image.parent_path() / "masks" / (name + ".png"),
                                  image.parent_path() / (stem + "_mask.png")})
-        if (isNamed(mask)) found.push_back(mask);
+        if (isNamed(mask) && mask.lexically_normal() != frame.mask.lexically_normal()) found.push_back(mask);
     return found;
 }
 
@@ -150,7 +152,7 @@ InputFiles captureFiles(const fs::path& folder, const CaptureFix& fix, Progress&
     for (const FrameSource& frame : source.frames) {
         files.add(frame.file);
         for (const Exposure& exposure : frame.exposures) files.add(exposureFile(folder, exposure, fix));
-        for (const fs::path& mask : masksOf(folder, frame.file)) files.add(mask);
+        for (const fs::path& mask : masksOf(folder, frame)) files.add(mask);
     }
     return files;
 }
@@ -209,7 +211,7 @@ View PhotographReader::read(size_t i, std::vector<std::string>& notes, Progress&
         }
         checkSize(view.image, view, frame, notes);
         size_t masked = 0;
-        for (const fs::path& mask : masksOf(folder_, view.file))
+        for (const fs::path& mask : masksOf(folder_, frame))
             masked += applyMask(view.image, mask, options_.maxPixels, progress);
         describe(view, masked, notes);
         applyPhotometric(options_.fix.photometric, view);

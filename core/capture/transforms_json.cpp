@@ -85,6 +85,11 @@ LensModel readModel(const Keys& keys) {
     if (keys.has("camera_model")) {
         const std::string name = keys.text("camera_model");
         const auto model = lensModelFromName(name);
+        if (!model && (name == "EQUIRECTANGULAR" || name == "SPHERICAL"))
+            keys.fail("camera_model",
+                      fmt::format("is \"{}\", a panorama: views are read from lenses; cut it into perspective images "
+                                  "(ns-process-data --camera-type equirectangular does), or give it as --light-probe",
+                                  name));
         if (!model)
             keys.fail("camera_model",
                       fmt::format("is \"{}\", expected a COLMAP model such as PINHOLE, OPENCV or OPENCV_FISHEYE",
@@ -160,7 +165,7 @@ void readIntrinsics(const Keys& keys, Camera& camera, const std::function<std::p
     }
 }
 
-DMat4 readMatrix(const Keys& keys, bool& rescaled) {
+DMat4 readMatrix(const Keys& keys, int mirror, bool& mirrors, bool& rescaled) {
     constexpr const char* key = "transform_matrix";
     const json* value = keys.find(key);
     if (!value) keys.fail(key, "is missing");
@@ -178,7 +183,13 @@ DMat4 readMatrix(const Keys& keys, bool& rescaled) {
         }
     }
     double scale = 1;
-    if (const std::string fault = makeRigid(matrix, scale); !fault.empty()) keys.fail(key, fault);
+    mirrors = mirror >= 0 && glm::determinant(glm::dmat3(matrix)) < 0;
+    if (mirrors) matrix[mirror] = -matrix[mirror];
+    if (const std::string fault = makeRigid(matrix, scale); !fault.empty())
+        keys.fail(key,
+                  fault + (fault.starts_with("mirrors") ? "; where a left-handed program wrote it, --mirror x, y or "
+                                                          "z names the axis that it reversed"
+                                                        : ""));
     rescaled = std::abs(scale - 1) > 1e-3;
     return matrix;
 }
@@ -260,6 +271,11 @@ void noteNerfstudio(const json& root, Transforms& transforms) {
                 "applied_transform says that the cameras were moved from where they were reconstructed; the mesh must "
                 "have been moved with them.");
     }
+    if (const auto it = root.find("applied_scale"); it != root.end() && it->is_number() && it->get<double>() != 1)
+        transforms.notes.push_back(fmt::format(
+            "applied_scale says that the cameras were scaled by {:g} from how they were reconstructed; where "
+            "the mesh was not, --mesh-scale {:g} brings it to them.",
+            it->get<double>(), it->get<double>()));
     if (root.contains("ply_file_path") && transforms.meshPath.empty())
         transforms.notes.emplace_back("ply_file_path names points and is not used; mesh_path would name the mesh.");
 }
@@ -276,7 +292,7 @@ Vec3 readUp(const json& root) {
 
 }  // namespace
 
-Transforms parseTransforms(const std::string& text, const ImageSize& sizeOf) {
+Transforms parseTransforms(const std::string& text, const ImageSize& sizeOf, int mirror) {
     const json root = parseJson(text);
     if (!root.is_object()) throw Error("is {}, expected an object with frames", kindOf(root));
     Transforms result;
@@ -299,6 +315,7 @@ Transforms parseTransforms(const std::string& text, const ImageSize& sizeOf) {
         TransformsFrame frame;
         frame.filePath = Keys(object, nullptr, "").has("file_path") ? keys.text("file_path") : "";
         frame.exposures = readExposures(keys, object);
+        frame.maskPath = keys.text("mask_path");
         frame.state = readState(keys);
         if (frame.filePath.empty() && frame.exposures.empty()) throw Error("{}: file_path is missing", name);
         std::vector<std::string> ignored;
@@ -310,8 +327,12 @@ Transforms parseTransforms(const std::string& text, const ImageSize& sizeOf) {
                 });
             },
             ignored);
-        bool wasRescaled = false;
-        frame.camera.worldFromCamera = readMatrix(keys, wasRescaled);
+        bool wasRescaled = false, mirrors = false;
+        frame.camera.worldFromCamera = readMatrix(keys, mirror, mirrors, wasRescaled);
+        if (i > 0 && mirrors != result.leftHanded)
+            throw Error("{}: transform_matrix {} the world, those before it {}", name,
+                        mirrors ? "mirrors" : "does not mirror", mirrors ? "do not" : "do");
+        result.leftHanded = mirrors;
         rescaled += wasRescaled;
         for (const std::string& sentence : ignored) ++ignoredCounts[sentence];
         result.frames.push_back(std::move(frame));
@@ -325,9 +346,9 @@ Transforms parseTransforms(const std::string& text, const ImageSize& sizeOf) {
     return result;
 }
 
-Transforms readTransforms(const std::filesystem::path& file, const ImageSize& sizeOf) {
+Transforms readTransforms(const std::filesystem::path& file, const ImageSize& sizeOf, int mirror) {
     const std::string text = readBytes(file, maxFileBytes);
-    return withContext(file.filename().string(), [&] { return parseTransforms(text, sizeOf); });
+    return withContext(file.filename().string(), [&] { return parseTransforms(text, sizeOf, mirror); });
 }
 
 Json transformsFrame(const Camera& camera, const std::string& filePath) {
@@ -362,8 +383,8 @@ Camera readCameraFile(const std::filesystem::path& file) {
         readIntrinsics(
             keys, camera, [&]() -> std::pair<int, int> { keys.fail(keys.has("w") ? "h" : "w", "is missing"); },
             ignored);
-        bool rescaled = false;
-        camera.worldFromCamera = readMatrix(keys, rescaled);
+        bool rescaled = false, mirrors = false;
+        camera.worldFromCamera = readMatrix(keys, -1, mirrors, rescaled);
         return camera;
     });
 }

@@ -27,12 +27,14 @@ CaptureSource sourceFromTransforms(const fs::path& folder, const fs::path& file,
     const auto images = [&](const std::string& filePath) {
         return findImage(fix.images.empty() ? folder : placeOf(folder, fix.images), filePath);
     };
-    Transforms transforms =
-        readTransforms(file, [&](const std::string& filePath) { return readImageSize(images(filePath)); });
+    const int mirror = fix.mirror.empty() ? -1 : withContext("--mirror", [&] { return mirrorAxis(fix.mirror); });
+    Transforms transforms = readTransforms(
+        file, [&](const std::string& filePath) { return readImageSize(images(filePath)); }, mirror);
     CaptureSource source;
     source.where = name;
     source.notes = std::move(transforms.notes);
     source.up = transforms.up;
+    source.leftHanded = transforms.leftHanded;
     source.environments = std::move(transforms.environments);
     source.mesh = fix.mesh.empty() ? findMesh(folder, transforms.meshPath, name) : placeOf(folder, fix.mesh);
     for (size_t i = 0; i < transforms.frames.size(); ++i) {
@@ -41,6 +43,7 @@ CaptureSource sourceFromTransforms(const fs::path& folder, const fs::path& file,
         source.frames.push_back(
             {fmt::format("{}: frame {}", name, i), path, images(path), frame.camera, std::move(frame.exposures)});
         source.frames.back().state = std::move(frame.state);
+        if (!frame.maskPath.empty()) source.frames.back().mask = images(frame.maskPath);
     }
     return source;
 }

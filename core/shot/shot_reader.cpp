@@ -222,6 +222,8 @@ CaptureFix captureFixOf(const JsonFields& object) {
     fix.up = text(object, "up");
     fix.meshUp = text(object, "mesh_up");
     fix.flipCameras = object.get("flip_cameras", false);
+    fix.mirror = text(object, "mirror");
+    fix.meshMirror = text(object, "mesh_mirror");
     fix.scale = object.get("scale", 1.0);
     fix.meshScale = object.get("mesh_scale", 1.0);
     fix.colmap = text(object, "colmap");
@@ -243,6 +245,8 @@ CaptureFix captureFixOf(const JsonFields& object) {
         fix.proxies.push_back({p.get<DVec3>("centre"), p.get("radius", 0.0f), p.get("sigma", Vec3(0)),
                                p.get("found", false), glm::max(p.get("radiance", Rgb(0)), Rgb(0))});
     if (!fix.meshUp.empty()) withContext(object.name("mesh_up"), [&] { axisFromName(fix.meshUp); });
+    if (!fix.mirror.empty()) withContext(object.name("mirror"), [&] { mirrorAxis(fix.mirror); });
+    if (!fix.meshMirror.empty()) withContext(object.name("mesh_mirror"), [&] { mirrorAxis(fix.meshMirror); });
     if (!fix.up.empty()) withContext(object.name("up"), [&] { axisFromName(fix.up); });
     return fix;
 }

@@ -201,6 +201,8 @@ Json fixToJson(const CaptureFix& fix, const fs::path& capture) {
                  {"from_brackets", fix.fromBrackets},
                  {"proxy_lights", proxiesToJson(fix.proxies)}};
     if (!fix.meshUp.empty()) json["mesh_up"] = fix.meshUp;
+    if (!fix.mirror.empty()) json["mirror"] = fix.mirror;
+    if (!fix.meshMirror.empty()) json["mesh_mirror"] = fix.meshMirror;
     if (fix.smoothNormals >= 0) json["smooth_normals"] = fix.smoothNormals;
     if (!fix.registration.empty()) json["registration"] = registrationJson(fix.registration);
     if (!fix.mend.empty()) json["mesh_mend"] = mendToJson(fix.mend);

@@ -26,6 +26,27 @@ TEST(CaptureFormats, HaveNamesOfTheirOwnAndStandInTheHint) {
     EXPECT_NE(captureMarks().find(" or "), std::string::npos);
 }
 
+/// Whoever looks a program up in one of the documents finds it there.
+TEST(CaptureFormats, StandInEveryDocumentThatListsThem) {
+    const struct {
+        const char* document;
+        bool inGuide;
+    } documents[] = {{"core/capture/FORMAT.md", false}, {"README.md", false}, {"docs/guide.md", true}};
+    for (const auto& [document, inGuide] : documents) {
+        const std::string text = TemporaryFolder::read(fs::path(RELAMP_SOURCE_DIR) / document);
+        ASSERT_FALSE(text.empty()) << document;
+        for (const CaptureFormat& format : captureFormats()) {
+            // The program's name: what the row's name begins with.
+            std::string program = format.name;
+            for (const char* kind : {" cameras", " scan", " model", " poses"})
+                if (const size_t at = program.find(kind); at != std::string::npos) program.resize(at);
+            const size_t list = inGuide ? text.find("## Where captures come from") : 0;
+            ASSERT_NE(list, std::string::npos);
+            EXPECT_NE(text.find(program, list), std::string::npos) << document << " does not name " << program;
+        }
+    }
+}
+
 TEST(CaptureFormats, AreKnownByTheNamesInAFolder) {
     const TemporaryFolder folder;
     folder.write("nerf/transforms.json", "{}");

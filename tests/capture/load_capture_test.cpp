@@ -176,6 +176,27 @@ TEST_F(LoadCapture, MasksOfEitherNameAreApplied) {
     EXPECT_NE(error().find("a.exr.png: is 8 x 6 pixels, its image is 16 x 12"), std::string::npos);
 }
 
+TEST_F(LoadCapture, MasksThatTheFileNamesAreApplied) {
+    Image mask(16, 12, Rgb(1));
+    mask.at(4, 5) = Rgb(0);
+    std::filesystem::create_directories(folder / "masks");
+    writeImage(folder / "masks/first.png", mask);
+    file["frames"][0]["mask_path"] = "masks/first.png";
+    const Capture capture = load();
+    EXPECT_FALSE(capture.views[0].image.usableAt(4, 5));
+    EXPECT_TRUE(capture.views[1].image.usableAt(4, 5));
+    Progress progress;
+    EXPECT_THROW(captureFiles(folder.path(), {}, progress).refuse(folder / "masks/first.png"), Error);
+    // The same mask by its usual name is one mask.
+    writeImage(folder / "masks/b.exr.png", mask);
+    file["frames"][1]["mask_path"] = "./masks/b.exr.png";
+    EXPECT_TRUE(anyHolds(load().notes, "images/b.exr: 1 pixels are masked."));
+    file["frames"][0]["mask_path"] = "masks/absent.png";
+    EXPECT_NE(error().find("masks/absent.png"), std::string::npos);
+    file["frames"][0]["mask_path"] = 5;
+    EXPECT_EQ(error(), "transforms.json: frame 0: mask_path is a number, expected text");
+}
+
 TEST_F(LoadCapture, OnePhotographIsReadAsAllAre) {
     Image mask(16, 12, Rgb(1));
     mask.at(4, 5) = Rgb(0);

@@ -165,7 +165,8 @@ TEST(TransformsJson, EveryMissingFieldIsNamed) {
 TEST(TransformsJson, UnknownModelsAndAxesAreNamed) {
     json file = goodFile();
     file["camera_model"] = "EQUIRECTANGULAR";
-    EXPECT_NE(errorOf(file).find("camera_model is \"EQUIRECTANGULAR\""), std::string::npos);
+    EXPECT_NE(errorOf(file).find("camera_model is \"EQUIRECTANGULAR\", a panorama"), std::string::npos);
+    EXPECT_NE(errorOf(file).find("cut it into perspective images"), std::string::npos);
     file["camera_model"] = 5;
     EXPECT_EQ(errorOf(file), "camera_model is a number, expected text");
     file = goodFile();
@@ -198,7 +199,8 @@ TEST(TransformsJson, MatricesThatAreNoPoseAreRefused) {
     EXPECT_EQ(withMatrix({{1, 0, 0, 0}, {0, 2, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}),
               "frame 1: transform_matrix is not rigid, expected a rotation and a translation");
     EXPECT_EQ(withMatrix({{-1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}),
-              "frame 1: transform_matrix mirrors the world, expected a rotation and a translation");
+              "frame 1: transform_matrix mirrors the world, expected a rotation and a translation; where a left-handed "
+              "program wrote it, --mirror x, y or z names the axis that it reversed");
     EXPECT_EQ(withMatrix({{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 1, 1}}),
               "frame 1: transform_matrix has a last row other than 0 0 0 1");
     EXPECT_EQ(withMatrix({{1e200, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}),
@@ -292,6 +294,12 @@ TEST(TransformsJson, WhatNerfstudioDidToTheCamerasIsSaid) {
     EXPECT_TRUE(parse(file).notes.empty());
     file["applied_transform"] = {{0, 1, 0, 0}, {1, 0, 0, 0}, {0, 0, -1, 0}};
     ASSERT_EQ(parse(file).notes.size(), 1u);
+    file["applied_scale"] = 1;
+    EXPECT_EQ(parse(file).notes.size(), 1u);
+    file["applied_scale"] = 0.25;
+    ASSERT_EQ(parse(file).notes.size(), 2u);
+    EXPECT_NE(parse(file).notes[1].find("--mesh-scale 0.25"), std::string::npos);
+    file.erase("applied_scale");
     EXPECT_EQ(parse(file).notes[0].find("applied_transform says that the cameras were moved"), 0u);
     file["ply_file_path"] = "sparse_pc.ply";
     EXPECT_EQ(parse(file).notes.size(), 1u);

@@ -268,6 +268,21 @@ TEST(CommandLine, SolvesRendersAndTellsWhatIsInAShot) {
     EXPECT_EQ(json::parse(test::TemporaryFolder::read(folder / "scene/lights.json"))["lights"][0]["id"], "emitter-1");
     EXPECT_EQ(relamp({"check", folder / "scene"}).exitCode, 0) << "what is exported is a capture again";
     expectBadInput(relamp({"export", shot, "-o", folder / "scene"}), {"scene", "--overwrite"});
+    // As if it had been photographed with its light at a quarter too.
+    const fs::path states = folder / "states.relamp";
+    fs::copy(shot, states, fs::copy_options::recursive);
+    json document = json::parse(test::TemporaryFolder::read(states / "shot.json"));
+    for (const auto& [name, level] : {std::pair{"on", 1.0}, {"dim", 0.25}})
+        document["states"].push_back(
+            {{"name", name}, {"views", {"a"}}, {"emitters", {{{"id", "emitter-1"}, {"level", level}}}}});
+    folder.write("states.relamp/shot.json", document.dump());
+    EXPECT_EQ(relamp({"export", states, "-o", folder / "dim", "--state", "dim"}).exitCode, 0);
+    const auto exported = [&](const char* scene) {
+        return json::parse(test::TemporaryFolder::read(folder / scene / "lights.json"))["lights"][0]["radiance"][0]
+            .get<double>();
+    };
+    EXPECT_NEAR(exported("dim"), 0.25 * exported("scene"), 1e-4 * exported("scene"));
+    EXPECT_EQ(relamp({"export", states, "-o", folder / "none", "--state", "off"}).exitCode, 2);
     // Options that cannot be meant.
     for (const std::vector<std::string>& extra :
          std::vector<std::vector<std::string>>{{"--camera", "all", "--frames", "1-3"},

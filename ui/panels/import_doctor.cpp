@@ -14,6 +14,7 @@ namespace {
 /// What to do about a warning, told from its words.
 std::string adviceFor(const std::string& warning) {
     const auto has = [&](const char* part) { return warning.find(part) != std::string::npos; };
+    if (has("much better. Try")) return "The button below reads the files so. They are not touched.";
     if (has("OpenCV axes")) return "Flip the cameras' axes below, or export with OpenGL axes.";
     if (has("set \"up\""))
         return "Turn the world below when it stands on its side; ignore this when the cameras were really tilted.";
@@ -22,8 +23,7 @@ std::string adviceFor(const std::string& warning) {
                "bright\".";
     if (has("stops"))
         return "Develop all photographs with the same settings, or leave this one out. Where lights were switched "
-               "between "
-               "photographs, name their lighting states below.";
+               "between photographs, name their lighting states below.";
     if (has("covers"))
         return "Turn on the mesh overlay and look through this camera: mesh and photograph should lie on each other.";
     if (has("left out")) return "Look at its mask: black is ignored.";
@@ -32,6 +32,7 @@ std::string adviceFor(const std::string& warning) {
     if (has("only") && has("views")) return "Add photographs from other sides; five or more see most surfaces twice.";
     if (has("two views")) return "Add photographs, so that surfaces are seen from several sides.";
     if (has("holes")) return "Close large holes in the mesh where light could come through; small ones do no harm.";
+    if (has("Is the scene really")) return "If so, the button below says so; nothing but lengths rests on it.";
     if (has("m across")) return "Scale mesh and cameras together, so that one unit is a metre.";
     if (has("faces") || has("vertices") || has("edges")) return "It was repaired; nothing has to be done.";
     return "";
@@ -41,16 +42,29 @@ std::string adviceFor(const std::string& warning) {
 void axes(Editor& editor, const CaptureCheck& check) {
     const CaptureFix now = editor.state.document.fix;
     std::optional<CaptureFix> wanted;
-    const auto change = [&](const std::string& up, bool flipped) {
-        wanted = now;
-        wanted->up = up;
-        wanted->flipCameras = flipped;
+    const auto changeTo = [&](const CaptureFix& fix) {
+        wanted = fix;
         // What was found along the old axes is found anew.
         wanted->registration = {};
         wanted->mend = {};
         std::erase_if(wanted->proxies, [](const ProxyLight& p) { return p.observed(); });
     };
+    const auto change = [&](const std::string& up, bool flipped) {
+        CaptureFix fix = now;
+        fix.up = up;
+        fix.flipCameras = flipped;
+        changeTo(fix);
+    };
     ImGui::BeginDisabled(editor.job().has_value());
+    if (check.advice && button(check.advice->button.c_str(),
+                               "Reads the capture again as the photographs speak for. The files are not touched."))
+        changeTo(advised(now, *check.advice));
+    if (check.unitQuestion && button(check.unitQuestion->button.c_str(),
+                                     "Reads the capture again in this unit. The files are not touched.")) {
+        CaptureFix fix = now;
+        fix.scale = check.unitQuestion->scale;
+        changeTo(fix);
+    }
     if (!check.upGuess.empty() && check.upGuess != check.up) {
         warningText(fmt::format("The world may stand on its side. The cameras think that {} is up.", check.upGuess));
         if (button(fmt::format("Turn it: {} is up", check.upGuess).c_str(),
@@ -193,7 +207,7 @@ void drawImportDoctor(Editor& editor) {
                     ImGui::Unindent(em(1.35f));
                 }
             }
-            heading("Axes");
+            heading("Axes and units");
             wrapped(fmt::format("Up is {} by the file{}.", check->up.empty() ? "z" : check->up,
                                 check->upGuess.empty() ? ""
                                 : check->upGuess == check->up

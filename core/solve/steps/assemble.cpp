@@ -173,7 +173,6 @@ void showSnapshot(SolveRun& s) {
 
 Estimate finishSolve(SolveRun& s) {
     s.meter.begin(Stage::closing);
-    if (s.stopped()) judgePatches(s);
     correctLightNearEmitters(s);
     Estimate estimate = assemble(s);
     assessConditioning(s, estimate);
@@ -186,7 +185,7 @@ Estimate finishSolve(SolveRun& s) {
     estimate.heldOut = holdOutViews(s, unsure);
     estimate.probes = probesUnder(s, irradiance);
     applyGauge(s, irradiance, light, estimate);
-    estimate.patches = patchesUnder(s, estimate);
+    estimate.patches = patchesUnder(s, estimate.gauge.scale);
     estimate.surfaceLight = surfaceLightOf(s, irradiance, estimate.gauge.scale);
     if (s.gloss.empty())
         estimate.leftOut.push_back({Omission::glossyLobes, "no surface changes with the view beyond noise"});

@@ -168,6 +168,14 @@ void boundAlbedo(const SolveRun& s, const Irradiance& irradiance, const Rgb& sca
 
 }  // namespace
 
+Rgb widenedByModel(const SolveRun& s, const LightUncertainty& light, Rgb sigma) {
+    // What gives a hundredth of the light cannot tell its scale better than the model is right to a hundredth of
+    // itself. Metal shows the background beside the rest.
+    if (luminance(light.fromBackground) <= 0.5f || s.gloss.joined) return sigma;
+    const double seen = seenLight(s).fraction;
+    return glm::sqrt(sigma * sigma + float(modelError * modelError / std::max(seen * seen, 1e-6)));
+}
+
 void applyGauge(const SolveRun& s, const Irradiance& irradiance, const LightUncertainty& light, Estimate& estimate) {
     GaugeReport& gauge = estimate.gauge;
     Rgb scale(1);
@@ -175,12 +183,7 @@ void applyGauge(const SolveRun& s, const Irradiance& irradiance, const LightUnce
     // down.
     const SeenLight seen = seenLight(s);
     const bool assessed = light.scaleSigma.x > 0 && light.scaleSigma.y > 0 && light.scaleSigma.z > 0;
-    Rgb scaleSigma = light.scaleSigma;
-    // What gives a hundredth of the light cannot tell its scale better than the model is right to a hundredth of
-    // itself. Metal shows the background beside the rest.
-    if (luminance(light.fromBackground) > 0.5f && !s.gloss.joined)
-        scaleSigma = glm::sqrt(scaleSigma * scaleSigma +
-                               float(modelError * modelError / std::max(seen.fraction * seen.fraction, 1e-6)));
+    const Rgb scaleSigma = widenedByModel(s, light, light.scaleSigma);
     float upper = 0;
     const float above = fractionAboveOne(s, scale, upper);
     // Light so weak that much of the surface would have to be more than white is not what lights it.
@@ -191,7 +194,8 @@ void applyGauge(const SolveRun& s, const Irradiance& irradiance, const LightUnce
         scale = givenGauge(s, gauge);
     } else if (patchesTakePart(s) && assessed) {
         gauge.kind = "known albedo";
-        const size_t used = size_t(std::count(s.patchUsed.begin(), s.patchUsed.end(), 1));
+        const size_t used = s.patchUsed.empty() ? s.in.options.patches.size()
+                                                : size_t(std::count(s.patchUsed.begin(), s.patchUsed.end(), 1));
         gauge.evidence = fmt::format("the albedo of {} was told{}", counted(used, "patch"),
                                      unclipped ? ", and light is seen directly and unclipped beside it" : "");
     } else if (unclipped) {

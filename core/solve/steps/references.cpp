@@ -112,18 +112,33 @@ LitParts litParts(SolveRun& s, const std::vector<uint8_t>& used) {
     return lit;
 }
 
+/// Whether the light as it is would ask much of the surface to be more than white, and no light is seen unclipped: then
+/// it is not what lights the scene, however well it seems to be known.
+bool lightIsRefuted(const SolveRun& s, const Irradiance& irradiance) {
+    constexpr float white = 1.02f, most = 0.1f;  // as applyGauge has it
+    const std::vector<uint8_t>& clipped = s.light.anchors.emitterClipped;
+    if (std::find(clipped.begin(), clipped.end(), 0) != clipped.end()) return false;
+    size_t above = 0;
+    for (size_t i = 0; i < irradiance.value.size(); ++i)
+        above += maxChannel(s.observed.matte.radiance[i] / glm::max(irradiance.value[i], Rgb(1e-20f))) > white;
+    return float(above) > most * float(irradiance.value.size());
+}
+
 /// What each patch says of the light as it is, which was found without any of them.
 std::vector<PatchReading> readingsOf(SolveRun& s) {
     const size_t count = s.in.options.patches.size();
     const LitParts lit = litParts(s, std::vector<uint8_t>(count, 1));
-    const LightUncertainty light = uncertaintyOf(s, s.irradiance(), false);
+    const Irradiance irradiance = s.irradiance();
+    const LightUncertainty light = uncertaintyOf(s, irradiance, false);
     std::vector<Rgb> sigmaAt(s.in.scene.mesh.vertexCount(), Rgb(-1));
     Rgb typical(0);
     for (size_t i = 0; i < light.litSigma.size(); ++i) {
         sigmaAt[s.observed.matte.vertices[i]] = light.litSigma[i];
         typical += light.litSigma[i] / float(light.litSigma.size());
     }
-    const bool assessed = typical.x > 0 && typical.y > 0 && typical.z > 0;
+    // Bounced light that joined under any scale is no witness.
+    const bool known = typical.x > 0 && typical.y > 0 && typical.z > 0 && luminance(light.fromBounces) < 0.5f &&
+                       !lightIsRefuted(s, irradiance);
     std::vector<PatchReading> readings(count);
     for (size_t p = 0; p < count; ++p) {
         DVec3 sum(0), squares(0);
@@ -151,61 +166,62 @@ std::vector<PatchReading> readingsOf(SolveRun& s) {
         readings[p].offset = Rgb(mean);
         for (int c = 0; c < 3; ++c)
             readings[p].sigma[c] = float(std::hypot(s.in.options.patches[p].noise, leastDeviationOfPart, error[c]));
-        readings[p].restSigma = !assessed ? Rgb(10) : weights > 0 ? rest / weights : typical;
+        readings[p].restSigma = known ? widenedByModel(s, light, weights > 0 ? rest / weights : typical) : Rgb(10);
     }
     return readings;
-}
-
-/// All light brighter by `factor`, and what fixed it likewise, with the patches that take part.
-void scaleLight(SolveRun& s, const Rgb& factor) {
-    for (Rgb& l : s.light.lighting.leafRadiance) l *= factor;
-    for (Rgb& l : s.light.lighting.emitterRadiance) l *= factor;
-    LightInformation& known = s.light.information;
-    const Eigen::Index n = Eigen::Index(s.light.influence.columns);
-    if (known.all.rows() != 3 * n) return;
-    const std::array<Eigen::MatrixXd, 3> patches = patchInformation(s);
-    for (int c = 0; c < 3; ++c) {
-        for (int d = 0; d < 3; ++d) known.all.block(c * n, d * n, n, n) /= double(factor[c]) * double(factor[d]);
-        known.all.block(c * n, c * n, n, n) += patches[size_t(c)];
-        const double both = double(factor[c]) * double(factor[c]);
-        Eigen::MatrixXd& observations = known.observations[size_t(c)];
-        if (observations.size() == 0) observations = patches[size_t(c)];
-        else observations = observations / both + patches[size_t(c)];
-        known.seen[size_t(c)] /= both;
-    }
 }
 
 }  // namespace
 
 bool patchesTakePart(const SolveRun& s) {
+    if (s.patchUsed.empty()) return !s.in.options.patches.empty() && s.hasMatte() && s.in.options.nearField;
     return std::find(s.patchUsed.begin(), s.patchUsed.end(), 1) != s.patchUsed.end();
 }
 
 void judgePatches(SolveRun& s) {
-    if (s.in.options.patches.empty() || !s.patchUsed.empty() || !s.hasMatte() || !s.in.options.nearField) return;
+    if (!s.patchUsed.empty() || !patchesTakePart(s) || s.stopped()) return;
     // A checkpoint from between would go on with light that is judged already.
     s.stepMayBeCut = false;
-    const std::vector<PatchReading> readings = readingsOf(s);
-    s.patchUsed = consistentPatches(readings);
-    for (size_t p = 0; p < readings.size(); ++p)
-        logInfo("{}: by it light is brighter by {:+.1f} {:+.1f} {:+.1f} %, {:.1f} % is known without it{}",
-                s.in.options.patches[p].name, 100 * std::expm1(readings[p].offset.x),
-                100 * std::expm1(readings[p].offset.y), 100 * std::expm1(readings[p].offset.z),
-                100 * readings[p].restSigma.y, s.patchUsed[p] ? "" : "; left out");
-    if (!patchesTakePart(s)) return;
-    const Rgb offset = offsetOfPatches(readings, s.patchUsed),
-              factor(std::exp(offset.x), std::exp(offset.y), std::exp(offset.z));
-    if (s.stopped() || s.light.environmentBlack) {
-        scaleLight(s, factor);
-        return;
+    const Lighting with = s.light.lighting;
+    LightInformation informationWith = s.light.information;
+    const bool unfinishedWith = s.light.unfinished;
+    const auto fit = [&](const char* stage) {
+        fitLight(s, {stage, s.in.options.startIterations});
+        if (s.light.environmentBlack)
+            std::fill(s.light.lighting.leafRadiance.begin(), s.light.lighting.leafRadiance.end(), Rgb(0));
+    };
+    try {
+        s.patchUsed.assign(s.in.options.patches.size(), 0);
+        fit("light without known albedo");
+        const std::vector<PatchReading> readings = readingsOf(s);
+        const std::vector<uint8_t> used = consistentPatches(readings);
+        for (size_t p = 0; p < readings.size(); ++p)
+            logInfo("{}: it wants light {:+.1f} {:+.1f} {:+.1f} % brighter; without it that is known to {:.1f} %{}",
+                    s.in.options.patches[p].name, 100 * std::expm1(readings[p].offset.x),
+                    100 * std::expm1(readings[p].offset.y), 100 * std::expm1(readings[p].offset.z),
+                    100 * readings[p].restSigma.y, used[p] ? "" : "; left out");
+        s.patchUsed = used;
+        if (std::find(used.begin(), used.end(), 0) == used.end()) {
+            s.light.lighting = with;
+            s.light.information = std::move(informationWith);
+            s.light.unfinished = unfinishedWith;
+        } else if (patchesTakePart(s)) {
+            const Rgb offset = offsetOfPatches(readings, used),
+                      factor(std::exp(offset.x), std::exp(offset.y), std::exp(offset.z));
+            for (Rgb& l : s.light.lighting.leafRadiance) l *= factor;
+            for (Rgb& l : s.light.lighting.emitterRadiance) l *= factor;
+            fit("light with known albedo");
+        }
+    } catch (const OutOfTime&) {
+        s.light.lighting = with;
+        s.patchUsed.clear();
+        throw;
     }
-    for (Rgb& l : s.light.lighting.leafRadiance) l *= factor;
-    for (Rgb& l : s.light.lighting.emitterRadiance) l *= factor;
-    fitLight(s, {"light from ratios and known albedo", s.in.options.refineIterations});
 }
 
 ViewRows addPatchRows(SolveRun& s, const ViewRows* views) {
-    const LitParts lit = litParts(s, s.patchUsed);
+    const LitParts lit =
+        litParts(s, s.patchUsed.empty() ? std::vector<uint8_t>(s.in.options.patches.size(), 1) : s.patchUsed);
     const std::vector<PatchPart>& parts = lit.parts;
     ViewRows all = views ? *views : ViewRows{};
     all.count.resize(all.radiance.size(), 1);
@@ -246,26 +262,33 @@ std::array<Eigen::MatrixXd, 3> patchInformation(SolveRun& s) {
     return parts;
 }
 
-std::vector<PatchFit> patchesUnder(const SolveRun& s, const Estimate& estimate) {
+std::vector<PatchFit> patchesUnder(SolveRun& s, const Rgb& scale) {
     std::vector<PatchFit> fits;
-    for (size_t p = 0; p < s.in.options.patches.size(); ++p) {
+    const size_t count = s.in.options.patches.size();
+    if (count == 0) return fits;
+    const LitParts lit = litParts(s, std::vector<uint8_t>(count, 1));
+    for (size_t p = 0; p < count; ++p) {
         const KnownPatch& patch = s.in.options.patches[p];
-        PatchFit fit{
-            patch.name, patch.albedo, Rgb(0), patch.noise, false, "", s.patchUsed.size() > p && s.patchUsed[p]};
-        const std::vector<PatchPart> parts = partsOf(s.in, p);
-        for (const PatchPart& part : parts)
-            for (const auto& [vertex, weight] : part.vertices)
-                fit.found += weight / float(parts.size()) * estimate.reflectance.weight[0][vertex];
+        PatchFit fit;
+        fit.name = patch.name, fit.told = patch.albedo, fit.noise = patch.noise;
+        fit.used = s.patchUsed.empty() ? patchesTakePart(s) : s.patchUsed[p] != 0;
+        Rgb shown(0), white(0);
+        for (size_t i = 0; i < lit.parts.size(); ++i) {
+            if (lit.parts[i].patch != p) continue;
+            shown += lit.parts[i].radiance;
+            white += scale * (lightOfRow(lit.rows.row(i), s.light.lighting) + lit.bounced[i]);
+        }
+        fit.found = shown / glm::max(white, Rgb(1e-20f));
         float off = 0;
         for (int c = 0; c < 3; ++c) off = std::max(off, std::abs(fit.found[c] / std::max(fit.told[c], 1e-6f) - 1));
         fit.doubtful = off > std::max(patchDoubt * patch.noise, leastDoubt);
-        fit.words =
-            fmt::format("{}: albedo {:.3f} {:.3f} {:.3f} was told, {:.3f} {:.3f} {:.3f} found{}", fit.name, fit.told.x,
-                        fit.told.y, fit.told.z, fit.found.x, fit.found.y, fit.found.z,
-                        !s.patchUsed.empty() && !fit.used
-                            ? "; left out, because other measurements contradict it by more than three deviations"
-                        : fit.doubtful ? "; other measurements or other patches contradict it"
-                                       : "");
+        fit.words = fmt::format(
+            "{}: albedo {:.3f} {:.3f} {:.3f} was told, {:.3f} {:.3f} {:.3f} found{}", fit.name, fit.told.x, fit.told.y,
+            fit.told.z, fit.found.x, fit.found.y, fit.found.z,
+            !fit.used && s.patchUsed.empty() ? "; took no part in this solve"
+            : !fit.used    ? "; left out, because other measurements contradict it by more than three deviations"
+            : fit.doubtful ? "; other measurements or other patches contradict it"
+                           : "");
         fit.doubtful |= !fit.used;
         if (fit.doubtful) logWarning("{}", fit.words);
         else logInfo("{}", fit.words);

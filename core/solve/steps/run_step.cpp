@@ -70,7 +70,11 @@ void doStep(SolveRun& s, SolveStep step) {
             if (ratios) relamp::firstSurfaces(s);
             break;
         case SolveStep::startLight:
-            if (ratios) relamp::startLight(s), judgePatches(s);
+            // Before bounced light, whose scale follows from theirs.
+            if (ratios) {
+                relamp::startLight(s);
+                judgePatches(s);
+            }
             break;
         case bounces:
             if (ratios) decideBounce(s, false);

@@ -143,16 +143,20 @@ LightUncertainty uncertaintyOf(const SolveRun& s, const Irradiance& irradiance, 
 /// How sure the light, the albedo and the environment image are.
 void assessUncertainty(const SolveRun& s, const Irradiance& irradiance, const LightUncertainty& light,
                        Estimate& estimate);
+/// A deviation of the scale with what the model of light is off by, where little of it is seen (docs/method.md 6.5).
+Rgb widenedByModel(const SolveRun& s, const LightUncertainty& light, Rgb sigma);
 void applyGauge(const SolveRun& s, const Irradiance& irradiance, const LightUncertainty& light, Estimate& estimate);
-/// Asks once which patches of known albedo agree with the light, which was found without them, and with each other.
-/// Those join the fits from now on. Nothing where none was given or where they were asked before.
+/// Asks once which patches of known albedo agree with the light that is fitted without them, and with each other. Those
+/// that do not agree take part in no fit from now on; where all do, the light stays as it was.
 void judgePatches(SolveRun& s);
+/// Whether any does; until they are asked all do.
 bool patchesTakePart(const SolveRun& s);
-/// `views`, which may be null, and rows for the patches that take part: the mean radiance of nine parts of each, or of all
-/// of a small one, in its photograph. Throws Error that names a patch in which no surface is seen.
+/// `views`, which may be null, and rows for the patches that take part: the mean radiance of nine parts of each, or of
+/// all of a small one, in its photograph. Throws Error that names a patch in which no surface is seen.
 ViewRows addPatchRows(SolveRun& s, const ViewRows* views);
-/// What the estimate makes of the patches; says so in the log, as a warning for those that do not agree.
-std::vector<PatchFit> patchesUnder(const SolveRun& s, const Estimate& estimate);
+/// What the light found, times the gauge's `scale`, makes of the patches; says so in the log, as a warning for those
+/// that do not agree.
+std::vector<PatchFit> patchesUnder(SolveRun& s, const Rgb& scale);
 /// The part of the light's information that comes from patches, per channel, were none of them an outlier.
 std::array<Eigen::MatrixXd, 3> patchInformation(SolveRun& s);
 /// The part of the light's information that comes from light probes, per channel.

@@ -306,5 +306,28 @@ TEST(ImportDoctor, drawsACaptureThatStandsOnItsSide) {
     EXPECT_NE(p.editor->state.document.check->upGuess, p.editor->state.document.check->up);
 }
 
+TEST(ImportDoctor, aMeshInAnotherUnitIsSetRightByOneButton) {
+    Panels p;
+    p.openCapture();
+    p.editor->state.panels.doctor = true;
+    p.editor->fixCapture({.meshScale = 100});
+    p.until([&] { return !p.editor->job(); });
+    ASSERT_TRUE(p.editor->state.document.check->advice);
+    EXPECT_EQ(p.editor->state.document.check->advice->option, "--mesh-scale 1");
+    p.frame({});
+    p.frames(3);
+    ImGuiID id = 0;
+    for (ImGuiWindow* window : ImGui::GetCurrentContext()->Windows)
+        if (std::string_view(window->Name).find("doctor/##content") != std::string_view::npos)
+            id = window->GetID(p.editor->state.document.check->advice->button.c_str());
+    ASSERT_NE(id, 0u);
+    const auto button = p.find(id);
+    ASSERT_TRUE(button);
+    p.click(*button);
+    p.until([&] { return !p.editor->job(); });
+    EXPECT_NEAR(p.editor->state.document.fix.meshScale, 1, 1e-9);
+    EXPECT_FALSE(p.editor->state.document.check->advice);
+}
+
 }  // namespace
 }  // namespace relamp::ui::test
