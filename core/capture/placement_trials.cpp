@@ -51,13 +51,18 @@ Trial scaled(const Capture& capture, double factor, double size) {
     for (const auto& [per, name] : {std::pair{0.001, "millimetres"}, {0.01, "centimetres"}, {0.1, "decimetres"}})
         if (std::abs(std::min(factor, 1 / factor) / per - 1) < 1e-9) unit = name;
     // The scene keeps the size that suits a place where people take photographs.
-    const bool meshInMetres = factor > 1 && size < 50 && size * factor > 50;
-    if (meshInMetres) trial.advice.scale /= factor;
+    const bool keepsMesh =
+        (factor > 1 && size < 50 && size * factor > 50) || (factor < 1 && size > 0.05 && size * factor < 0.05);
+    if (keepsMesh) trial.advice.scale /= factor;
     trial.advice.option = fmt::format("--mesh-scale {:g}", trial.advice.readAs.meshScale) +
-                          (meshInMetres ? fmt::format(" --scale {:g}", trial.advice.scale) : "");
+                          (keepsMesh ? fmt::format(" --scale {:g}", trial.advice.scale) : "");
     trial.advice.words = factor < 1 ? fmt::format("The mesh seems to be in {}, the cameras in metres", unit)
                                     : fmt::format("The cameras seem to be in {}, the mesh in metres", unit);
     trial.advice.button = fmt::format("Read the {} in {}", factor < 1 ? "mesh" : "cameras", unit);
+    if (factor < 1 && keepsMesh) {
+        trial.advice.words = fmt::format("The cameras seem to be {:g} times too small for the mesh", 1 / factor);
+        trial.advice.button = "Scale the cameras to the mesh";
+    }
     return trial;
 }
 

@@ -318,7 +318,7 @@ TEST(ImportDoctor, aMeshInAnotherUnitIsSetRightByOneButton) {
     p.frames(3);
     ImGuiID id = 0;
     for (ImGuiWindow* window : ImGui::GetCurrentContext()->Windows)
-        if (std::string_view(window->Name).find("doctor/##content") != std::string_view::npos)
+        if (id == 0 && std::string_view(window->Name).find("doctor/##content") != std::string_view::npos)
             id = window->GetID(p.editor->state.document.check->advice->button.c_str());
     ASSERT_NE(id, 0u);
     const auto button = p.find(id);
