@@ -373,6 +373,13 @@ RelitScene applyLook(const Scene& scene, const Estimate& estimate, const Look& l
             if (geometry.vertexOrigin[v] != EditedPart::none) weight[v] = captured[geometry.vertexOrigin[v]];
         out.weight.push_back(std::move(weight));
     }
+    // What was added is known.
+    if (const std::vector<float>& captured = estimate.reflectance.confidence;
+        captured.size() >= scene.mesh.vertexCount()) {
+        out.confidence.assign(geometry.vertexOrigin.size(), 1);
+        for (size_t v = 0; v < out.confidence.size(); ++v)
+            if (geometry.vertexOrigin[v] != EditedPart::none) out.confidence[v] = captured[geometry.vertexOrigin[v]];
+    }
     if (look.neutralMaterials)
         for (auto& lobe : out.weight)
             for (Rgb& w : lobe) w = Rgb(luminance(w));

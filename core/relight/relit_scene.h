@@ -76,6 +76,7 @@ struct RelitScene {
     std::vector<std::vector<float>> addedFactor;  ///< as in EditedGeometry
     StoredWeights weight;                         ///< per lobe, per vertex of `scene`; readers ask weightsAt
     BrdfBasis basis;
+    std::vector<float> confidence;                 ///< Reflectance::confidence per vertex of `scene`; empty: 1
     std::shared_ptr<const AlbedoTexture> texture;  ///< albedo finer than weight[0], by triangle of the capture's mesh
     std::vector<uint8_t> mirrored;                 ///< triangles whose corners 1 and 2 have changed places; empty: none
     std::vector<uint8_t> untextured;               ///< the same for triangles without texture; empty: none

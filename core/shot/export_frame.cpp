@@ -5,6 +5,7 @@
 
 #include "base/log.h"
 #include "display/display_image.h"
+#include "relight/model_confidence.h"
 
 namespace relamp {
 namespace {
@@ -55,8 +56,13 @@ double writeLayers(const std::filesystem::path& file, const Camera& camera, cons
     header.merge(layers.header());
     header.emplace("Software", "relamp " RELAMP_VERSION);
     GroupCheck groups{options.ratio != Ratio::none};
+    header["compression"] = options.exr.compression;
+    std::vector<ChannelPart> parts = layers.parts(options.multipart);
+    if (options.exr.floats)
+        for (ChannelPart& part : parts)
+            for (ChannelFormat& channel : part.channels) channel.half = false;
     const ImageBox box = region.value_or(ImageBox{0, 0, camera.width, camera.height});
-    writeChannelRows(file, box.width, box.height, stripRowsOf(box.width), layers.parts(options.multipart),
+    writeChannelRows(file, box.width, box.height, stripRowsOf(box.width), parts,
                      [&](int first, int count, const std::vector<float*>& out) {
                          FrameStrip strip = rowsOf(first, count);
                          groups.add(strip);
@@ -120,6 +126,21 @@ DisplayView displayView(const std::string& name) {
     throw BadOption("--view {}: unknown, expected standard, auto or raw", name);
 }
 
+bool isLossless(const ExrFormat& format) {
+    return format.compression != "pxr24" && !format.compression.starts_with("dwa");
+}
+
+ExrFormat exrFormat(const std::string& compression, const std::string& depth, const std::string& layers) {
+    if (std::find(std::begin(exrCompressions), std::end(exrCompressions), compression) == std::end(exrCompressions))
+        throw BadOption("--exr-compression {}: unknown, expected none, rle, zips, zip, piz, pxr24, dwaa or dwab",
+                        compression);
+    if (depth != "half" && depth != "float") throw BadOption("--exr-depth {}: unknown, expected half or float", depth);
+    const ExrFormat format{compression, depth == "float"};
+    if (!isLossless(format) && layerRequest(layers).cryptomatte)
+        throw BadOption("--exr-compression {}: would change the numbers of the cryptomatte in --layers", compression);
+    return format;
+}
+
 void checkLayers(const std::string& layers) { layerRequest(layers); }
 
 std::map<std::string, std::string> cameraHeader(const Camera& camera) {
@@ -179,6 +200,7 @@ double writeFrameFile(const std::filesystem::path& file, const Camera& camera, c
         if (needsCaptured) old = before->rows(first, count, progress);
         const Frame& model = old ? *old : strip.frame;
         if (request.correction) strip.correction = bakedFactor(model);
+        if (request.confidence) strip.confidence = modelConfidence(look, camera, first, count);
         if (request.residual) {
             const Rgb* photo = &sources.photograph->pixels[size_t(first) * size_t(camera.width)];
             for (size_t p = 0; p < model.beauty.size(); ++p) strip.residual.push_back(photo[p] - model.beauty[p]);
@@ -206,15 +228,20 @@ double writeFrame(const std::filesystem::path& file, const Frame& frame, const R
     request.residual = false;
     Camera sized = camera;
     if (!region) sized.width = frame.width, sized.height = frame.height;
+    const Camera shown = region ? cropped(camera, *region) : sized;
     const RowsOf rowsOf = [&](int first, int count) {
         FrameStrip strip;
         strip.frame = frame.rows(first, count);
         if (request.correction && !strip.frame.emittersSeen.empty()) strip.correction = bakedFactor(strip.frame);
+        if (request.confidence) strip.confidence = modelConfidence(relit, shown, first, count);
         return strip;
     };
-    if (extensionOf(file) == ".exr")
-        return writeLayers(file, sized, FrameLayers(request, LayerNaming::blender, namesOf(relit), origin), {}, rowsOf,
-                           {}, region);
+    if (extensionOf(file) == ".exr") {
+        FrameFileOptions options;
+        options.exr = how.exr;
+        return writeLayers(file, sized, FrameLayers(request, LayerNaming::blender, namesOf(relit), origin), options,
+                           rowsOf, {}, region);
+    }
     sized.width = frame.width, sized.height = frame.height;
     return writeImage(file, sized, how, std::nullopt, rowsOf);
 }

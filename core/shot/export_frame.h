@@ -26,6 +26,20 @@ enum class DisplayView {
 /// Throws BadOption when `name` is none of standard, auto, raw.
 DisplayView displayView(const std::string& name);
 
+/// How an EXR is packed.
+struct ExrFormat {
+    std::string compression = "zip";  ///< one of exrCompressions
+    bool floats = false;              ///< colours as float; false: as half, data as float
+    bool operator==(const ExrFormat&) const = default;
+};
+inline constexpr const char* exrCompressions[] = {"none", "rle", "zips", "zip", "piz", "pxr24", "dwaa", "dwab"};
+/// Whether values come back as they were: all but pxr24, dwaa and dwab.
+bool isLossless(const ExrFormat& format);
+
+/// Throws BadOption when `depth` is neither half nor float, or `compression` none of those above, or one that would
+/// change the numbers of a Cryptomatte among `layers`.
+ExrFormat exrFormat(const std::string& compression, const std::string& depth, const std::string& layers);
+
 struct FrameFileOptions {
     std::string layers;  ///< "", "all", or names (frame_layers.h)
     LayerNaming naming = LayerNaming::blender;
@@ -35,6 +49,7 @@ struct FrameFileOptions {
     std::map<std::string, std::string> header;  ///< more entries for the EXR's header
     /// In place of `view`: turns scene-linear radiance into the values of PNG and JPEG, in [0, 1], in place.
     std::function<void(Rgb* pixels, size_t count)> display{};
+    ExrFormat exr{};
 };
 
 /// What a frame is made from. `captured` and `photograph` may be null: without them there is no residual and no ratio,
@@ -61,7 +76,7 @@ double writeFrameFile(const std::filesystem::path& file, const Camera& camera, c
 void checkLayers(const std::string& layers);
 
 /// The same for a frame that is rendered already: root RGBA and the layers it can give (no residual; the correction is
-/// that of the frame's own light). Of `how` PNG and JPEG take `view` and `display`. With a `region` the frame is that
+/// that of the frame's own light). Of `how` PNG and JPEG take `view` and `display`, EXR `exr`. With a `region` the frame is that
 /// part of the camera's image: EXR keeps it in its place (data window in display window), PNG and JPEG hold it alone.
 double writeFrame(const std::filesystem::path& file, const Frame& frame, const RelitScene& relit, const Camera& camera,
                   const std::string& layers, const DVec3& origin = DVec3(0), const std::optional<ImageBox>& region = {},

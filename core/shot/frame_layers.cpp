@@ -15,14 +15,15 @@ struct Named {
     const char* name;
     bool LayerRequest::*wanted;
 };
-constexpr std::array<Named, 8> layerNames{{{"groups", &LayerRequest::groups},
+constexpr std::array<Named, 9> layerNames{{{"groups", &LayerRequest::groups},
                                            {"albedo", &LayerRequest::albedo},
                                            {"correction", &LayerRequest::correction},
                                            {"residual", &LayerRequest::residual},
                                            {"normal", &LayerRequest::normal},
                                            {"position", &LayerRequest::position},
                                            {"depth", &LayerRequest::depth},
-                                           {"cryptomatte", &LayerRequest::cryptomatte}}};
+                                           {"cryptomatte", &LayerRequest::cryptomatte},
+                                           {"confidence", &LayerRequest::confidence}}};
 
 /// Nuke drops leading digits, other readers split at the first dot: letters, digits and underscores only.
 std::string channelSafe(const std::string& name) {
@@ -77,7 +78,7 @@ LayerRequest layerRequest(const std::string& layers) {
         if (known == layerNames.end())
             throw BadOption(
                 "--layers {}: unknown, expected groups, albedo, correction, residual, normal, position, depth, "
-                "cryptomatte or all",
+                "cryptomatte, confidence or all",
                 name);
         request.*known->wanted = true;
         at = comma + 1;
@@ -129,6 +130,7 @@ std::vector<ChannelPart> FrameLayers::parts(bool multipart) const {
     if (request_.normal) parts.push_back(colours("normal", "XYZ", false));
     if (request_.position) parts.push_back(colours("position", "XYZ", false));
     if (request_.depth) parts.push_back(colours("depth", "Z", false));
+    if (request_.confidence) parts.push_back(colours("confidence", "Y"));
     if (request_.cryptomatte)
         for (size_t level = 0; level < cryptomatteLevels; ++level)
             parts.push_back(colours(fmt::format("{}{:02}", cryptomatteLayer, level), "RGBA", false));
@@ -168,6 +170,7 @@ void FrameLayers::fill(const FrameStrip& strip, const std::vector<float*>& out) 
                                   : frame.depth[p] < 1e30f ? float(origin_[c] + double(frame.position[p][c]))
                                                            : frame.position[p][c];
     if (request_.depth) putOne(frame.depth);
+    if (request_.confidence) putOne(strip.confidence);
     if (!request_.cryptomatte) return;
     for (size_t rank = 0; rank < Frame::ranks; ++rank, channel += 2)
         for (size_t p = 0; p < pixels; ++p) {

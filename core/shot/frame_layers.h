@@ -18,20 +18,21 @@ LayerNaming layerNaming(const std::string& name);
 /// A layer group that may be asked for.
 struct LayerRequest {
     bool groups = false, albedo = false, correction = false, residual = false, normal = false, position = false,
-         depth = false, cryptomatte = false;
+         depth = false, cryptomatte = false, confidence = false;
     bool all = false;  ///< everything there is was asked for, nothing by name
 };
 
-/// "", "all" or a comma list of groups, albedo, correction, residual, normal, position, depth, cryptomatte. Throws
-/// BadOption naming what does not exist.
+/// "", "all" or a comma list of groups, albedo, correction, residual, normal, position, depth, cryptomatte, confidence.
+/// Throws BadOption naming what does not exist.
 LayerRequest layerRequest(const std::string& layers);
 
-/// A strip of a frame with what is derived from it; rest, correction and residual have a value a pixel or are empty.
+/// A strip of a frame with what is derived from it; the others have a value a pixel or are empty.
 struct FrameStrip {
     Frame frame;
-    std::vector<Rgb> rest;        ///< beauty - sum of the groups
-    std::vector<Rgb> correction;  ///< see bakedFactor
-    std::vector<Rgb> residual;    ///< photograph - model as captured
+    std::vector<Rgb> rest;          ///< beauty - sum of the groups
+    std::vector<Rgb> correction;    ///< see bakedFactor
+    std::vector<Rgb> residual;      ///< photograph - model as captured
+    std::vector<float> confidence;  ///< see modelConfidence
 };
 
 /// Fills `rest` and returns the largest difference over all pixels and channels between the beauty and the groups; with

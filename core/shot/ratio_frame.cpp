@@ -6,7 +6,7 @@ namespace relamp {
 bool showsSameSurface(const Frame& a, const Frame& b, size_t p) {
     const bool none = a.depth[p] > 1e29f, other = b.depth[p] > 1e29f;
     if (none || other) return none == other;
-    return glm::distance(a.position[p], b.position[p]) <= 2e-3f * a.depth[p];
+    return glm::distance(a.position[p], b.position[p]) <= surfaceTolerance * a.depth[p];
 }
 
 float ratioFloor(const Image& photograph) { return 1e-3f / exposureFor(photograph, 99); }

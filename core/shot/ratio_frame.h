@@ -20,7 +20,10 @@ struct RatioOptions {
     float saturation = 0;  ///< photograph values from here on are clipped; 0: none
 };
 
-/// Whether both frames show the same surface at pixel `p`: none, or positions within 0.2 % of the depth.
+/// Surfaces are the same within this fraction of the depth.
+inline constexpr float surfaceTolerance = 2e-3f;
+
+/// Whether both frames show the same surface at pixel `p`: none, or positions within that.
 bool showsSameSurface(const Frame& a, const Frame& b, size_t p);
 
 /// A floor for a photograph: 1e-3 of its 99th percentile of luminance. Cost: one sort of its pixels.

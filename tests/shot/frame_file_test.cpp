@@ -105,6 +105,46 @@ TEST_F(FrameFile, ResidualAndCorrectionAreOfTheCapturedLight) {
     EXPECT_GT(lit, 50u);
 }
 
+TEST_F(FrameFile, IsPackedAsAskedAndWithoutALossWhereThatIsPromised) {
+    FrameFileOptions how = with("groups,depth");
+    const ReadBack zip = write(how, sources());
+    EXPECT_EQ(test::readExrHeader(folder / "f.exr").compression, "zip");
+    for (const char* compression : exrCompressions)
+        for (const bool floats : {false, true}) {
+            how.exr = {compression, floats};
+            how.multipart = floats;
+            const ReadBack file = write(how, sources());
+            const test::ExrHeader header = test::readExrHeader(folder / "f.exr");
+            EXPECT_EQ(header.compression, compression);
+            EXPECT_EQ(header.channels.at("R"), floats ? "float" : "half");
+            for (size_t p = 0; p < frame.beauty.size(); ++p) {
+                if (isLossless(how.exr) && !floats) {
+                    ASSERT_EQ(file["G"][p], zip["G"][p]) << compression;
+                }
+                ASSERT_NEAR(file["G"][p], zip["G"][p], 0.05f * zip["G"][p] + 0.01f) << compression;
+            }
+        }
+    EXPECT_EQ(exrFormat("piz", "float", "all"), (ExrFormat{"piz", true}));
+    EXPECT_THROW(exrFormat("gzip", "half", ""), BadOption);
+    EXPECT_THROW(exrFormat("zip", "double", ""), BadOption);
+    EXPECT_THROW(exrFormat("dwaa", "half", "groups,cryptomatte"), BadOption) << "its numbers would change";
+}
+
+TEST_F(FrameFile, ConfidenceIsThatOfTheSurfaceAndOneOnEmitters) {
+    for (size_t v = 0; v < look.confidence.size(); ++v) look.confidence[v] = look.scene.mesh.positions[v].x < 0 ? 0 : 1;
+    const ReadBack file = write(with("confidence"), sources());
+    size_t between = 0;
+    for (size_t p = 0; p < frame.beauty.size(); ++p) {
+        const float expected = frame.depth[p] > 1e29f                      ? 0
+                               : frame.emittersSeen[p][0].fraction > 0.99f ? 1
+                               : frame.position[p].z > 0.5f                ? file["confidence.Y"][p]
+                                                            : std::clamp(frame.position[p].x, -1.0f, 0.0f) + 1;
+        ASSERT_NEAR(file["confidence.Y"][p], expected, 2e-3f) << p;
+        between += expected > 0.2f && expected < 0.8f;
+    }
+    EXPECT_GT(between, 50u);
+}
+
 TEST_F(FrameFile, CryptomatteHoldsTheCoverageOfTheEmitter) {
     const ReadBack file = write(with("cryptomatte"), sources());
     size_t whole = 0;
@@ -155,7 +195,7 @@ TEST_F(FrameFile, HasTheSameChannelsInOnePartOrMany) {
     how.naming = LayerNaming::arnold;
     const ReadBack many = write(how, sources());
     EXPECT_TRUE(test::readExrHeader(folder / "f.exr").multipart);
-    EXPECT_EQ(many.parts.size(), 1u + 3 + 6 + 3);
+    EXPECT_EQ(many.parts.size(), 1u + 3 + 6 + 4);
     EXPECT_EQ(many.parts[0], "rgba");
     EXPECT_EQ(many.parts[2], "RGBA_emitter_1");
     EXPECT_EQ(many.channels.size(), one.channels.size());

@@ -48,8 +48,8 @@ inline ExrHeader readExrHeader(const std::filesystem::path& file) {
         const size_t size = number(), end = at + size;
         header.types[name] = type;
         if (name == "compression") {
-            const char* names[] = {"none", "rle", "zips", "zip", "piz"};
-            header.compression = bytes.at(at) < 5 ? names[int(bytes.at(at))] : "other";
+            const char* names[] = {"none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab"};
+            header.compression = bytes.at(at) < 10 ? names[int(bytes.at(at))] : "other";
         }
         if (type == "chlist")
             while (bytes.at(at) != '\0') {
