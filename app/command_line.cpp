@@ -9,6 +9,7 @@
 
 #include "capture/capture_formats.h"
 #include "print_result.h"
+#include "shot/export_frame.h"
 
 namespace relamp::cli {
 namespace {
@@ -242,6 +243,14 @@ void addPlateOptions(CLI::App& verb, RenderArguments& a) {
         ->check(CLI::IsMember({"auto", "shot", "frames", "off"}))
         ->capture_default_str()
         ->needs(plate);
+    verb.add_option("--plate-steady", a.plateSteady, "Frames before and after that steady a frame's light")
+        ->check(CLI::Range(0, 16))
+        ->capture_default_str();
+    verb.add_option("--plate-unsure", a.plateUnsure,
+                    "Where the model rests on little: what it says (model), the factor of surfaces around (smooth), or "
+                    "the plate as it is (keep)")
+        ->check(CLI::IsMember({"model", "smooth", "keep"}))
+        ->capture_default_str();
     CLI::Option* matte =
         verb.add_option("--matte", a.matte, "What the capture does not hold is white: matte.####.exr")->needs(plate);
     verb.add_option("--matte-light", a.matteLight,
@@ -270,11 +279,19 @@ CLI::App* addRender(CLI::App& app, CommandLine& line) {
     verb->add_option("--frames", line.render.frames, "Of a sequence: 1-3,5,7-20:2");
     verb->add_option("--size", line.render.size, "WxH in place of the camera's own");
     verb->add_option("--layers", line.render.layers,
-                     "all, or names: groups, albedo, correction, residual, normal, position, depth, cryptomatte");
+                     "all, or names: groups, albedo, correction, residual, normal, position, depth, cryptomatte, "
+                     "confidence");
     verb->add_option("--naming", line.render.naming, "Light groups as Combined_GROUP (blender) or RGBA_GROUP (arnold)")
         ->check(CLI::IsMember({"blender", "arnold"}))
         ->capture_default_str();
     verb->add_flag("--multipart", line.render.multipart, "One part a layer");
+    verb->add_option("--exr-compression", line.render.exrCompression,
+                     "How EXR is packed; pxr24, dwaa and dwab lose a little")
+        ->check(CLI::IsMember(std::vector<std::string>(std::begin(exrCompressions), std::end(exrCompressions))))
+        ->capture_default_str();
+    verb->add_option("--exr-depth", line.render.exrDepth, "Colours of EXR as half or float; data are always float")
+        ->check(CLI::IsMember({"half", "float"}))
+        ->capture_default_str();
     verb->add_option("--ratio", line.render.ratio,
                      "Relight the photograph itself: x new / old (quotient), or + new - old (difference)")
         ->expected(0, 1)

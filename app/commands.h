@@ -51,7 +51,8 @@ struct RenderArguments {
     bool skipExisting = false, multipart = false;
     fs::path plate, plateCamera, plateLens, matte;
     std::string plateCurve = "auto", plateMatch = "auto", plateRotation = "ZXY", matteLight = "keep";
-    int plateOffset = 0;
+    std::string plateUnsure = "model", exrCompression = "zip", exrDepth = "half";
+    int plateOffset = 0, plateSteady = 3;
 };
 
 struct ExportArguments {

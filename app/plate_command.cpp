@@ -1,9 +1,8 @@
 // relamp render --plate: frames of a tracked, moving camera relit.
-#include "base/atomic_file.h"
 #include "base/log.h"
 #include "base/parallel.h"
 #include "capture/own_axes.h"
-#include "plate/relight_plate.h"
+#include "plate/plate_file.h"
 #include "render_frames.h"
 #include "shot/shot_hash.h"
 
@@ -24,6 +23,8 @@ PlateOptions readOptions(const RenderArguments& a) {
         options.file = fileOptionsOf(a);
         options.request = plateRequest({a.plate, a.plateCamera, a.plateLens, a.matte, a.plateOffset, a.plateRotation,
                                         a.plateCurve, a.plateMatch, a.matteLight == "relight"});
+        options.request.neighbours = a.plateSteady;
+        options.request.unsure = plateUnsure(a.plateUnsure);
         options.request.ratio = options.file.ratio == Ratio::none ? Ratio::quotient : options.file.ratio;
         options.file.ratio = options.request.ratio;
     } catch (const BadOption& error) { throw UsageError(error.what()); }
@@ -45,8 +46,8 @@ struct PlateJobs {
     bool lacking = false;  ///< one that was asked for cannot be relit
 };
 
-/// What the light at the matte goes into, beside its frame.
-fs::path lightFileOf(fs::path frame) { return frame.replace_extension(".light.json"); }
+/// "1 to 3"
+std::string rangeOf(const Plate& plate) { return fmt::format("{} to {}", plate.first, plate.last); }
 
 PlateJobs jobsOf(const RenderArguments& a, const Plate& plate) {
     PlateJobs jobs;
@@ -54,7 +55,13 @@ PlateJobs jobsOf(const RenderArguments& a, const Plate& plate) {
     if (!a.frames.empty()) wanted = parseFrameRange(a.frames);
     else
         for (const PlateFrame& frame : plate.frames) wanted.push_back(frame.number);
+    if (!a.frames.empty() && std::all_of(wanted.begin(), wanted.end(), [&](int n) { return n < plate.first; }))
+        throw BadOption("--frames {}: holds none of the plate's frames {}", a.frames, rangeOf(plate));
     for (const int number : wanted) {
+        if (number < plate.first || number > plate.last) {
+            logWarning("frame {}: outside the plate's {}, skipped", number, rangeOf(plate));
+            continue;
+        }
         const auto frame = std::find_if(plate.frames.begin(), plate.frames.end(),
                                         [&](const PlateFrame& f) { return f.number == number; });
         if (frame == plate.frames.end()) {
@@ -68,11 +75,14 @@ PlateJobs jobsOf(const RenderArguments& a, const Plate& plate) {
         jobs.frames.push_back(size_t(frame - plate.frames.begin()));
         jobs.files.emplace_back(file.empty() ? a.output.string() : file);
     }
-    if (jobs.frames.empty()) throw BadOption("--frames {}: holds no frame of the plate", a.frames);
+    if (wanted.empty()) throw Error("{}", plate.faults.front());
+    if (jobs.frames.empty() && jobs.lacking)
+        throw BadOption("--frames {}: holds no frame of the plate that can be relit", a.frames);
     return jobs;
 }
 
 void say(const PlateGains& gains) {
+    for (const std::string& fault : gains.faults) logWarning("{}; left out of the colour matching", fault);
     if (gains.keys.empty()) {
         logInfo("the plate's colours were not matched to the capture's");
         return;
@@ -105,9 +115,10 @@ int relightPlate(const RenderArguments& given, const Shot& shot, const Look& loo
         for (const std::string& fault : plate.faults) logWarning("{}", fault);
         jobs = jobsOf(a, plate);
     } catch (const BadOption& error) { throw UsageError(error.what()); }
+    if (jobs.files.empty()) return 0;  // a part of a sequence that lies behind its end
     std::vector<fs::path> outputs = jobs.files;
     if (request.relightMatte)
-        for (const fs::path& file : jobs.files) outputs.push_back(lightFileOf(file));
+        for (const fs::path& file : jobs.files) outputs.push_back(plateLightFile(file));
     refuseInputs(a, shot, track, outputs, progress);
     FrameFileOptions fileOptions = asked.file;
     fileOptions.header = {{"relamp:gauge", shot.estimate.gauge.kind + ": " + shot.estimate.gauge.evidence},
@@ -118,8 +129,7 @@ int relightPlate(const RenderArguments& given, const Shot& shot, const Look& loo
     FrameOptions options;
     options.seed = a.seed;
     options.denoise = a.denoise != "off";
-    // Neighbouring frames make up for fewer samples than a still needs.
-    options.samplesPerPixel = a.samples > 0 ? a.samples : 4;
+    options.samplesPerPixel = a.samples > 0 ? a.samples : defaultPlateSamples;
     PlateRelighter relighter(plate, request, looks, options, progress);
     say(relighter.gains());
     const int code = writeFrames(jobs.files, a.skipExisting, [&](size_t index) {
@@ -134,11 +144,7 @@ int relightPlate(const RenderArguments& given, const Shot& shot, const Look& loo
         sources.origin = shot.capture.origin;
         sources.look = &looks.at(frame.number, progress);
         if (asked.correction) sources.captured = &looks.captured(progress);
-        sources.finished = &relit.image;
-        writeFrameFile(jobs.files[index], frame.camera, sources, options, fileOptions, progress);
-        if (relit.matteLight)
-            writeBytesAtomically(lightFileOf(jobs.files[index]),
-                                 matteLightJson(frame.number, *relit.matteLight, shot.capture.origin));
+        writePlateFrame(jobs.files[index], frame, relit, sources, options, fileOptions, progress);
         return fmt::format("the capture's surfaces cover {:.0f} % of it", 100 * relit.covered);
     });
     // A part of a sequence fails for its own frames alone.

@@ -44,6 +44,7 @@ FrameFileOptions fileOptionsOf(const RenderArguments& a) {
     options.naming = layerNaming(a.naming);
     options.multipart = a.multipart;
     options.view = displayView(a.view);
+    options.exr = exrFormat(a.exrCompression, a.exrDepth, a.layers);
     if (!a.ratio.empty()) options.ratio = a.ratio == "difference" ? Ratio::difference : Ratio::quotient;
     return options;
 }

@@ -1,6 +1,7 @@
 #include "plate/plate_light.h"
 
 #include "base/parallel.h"
+#include "relight/model_confidence.h"
 
 namespace relamp {
 namespace {
@@ -22,83 +23,149 @@ void bilinear(const Vec2& at, int width, int height, Visit&& visit) {
 }
 
 constexpr int edge = 2;
+constexpr float confident = 0.5f;
 
-/// Clears `same` about emitters that changed; `emitting`: 1 where a pixel sees one as captured.
-void clearEdges(PlateLight& light, const std::vector<Rgb>& after, const std::vector<uint8_t>& emitting) {
-    for (int y = 0; y < light.height; ++y)
-        for (int x = 0; x < light.width; ++x) {
-            const size_t p = size_t(y) * size_t(light.width) + size_t(x);
-            if (!emitting[p]) continue;
-            const Rgb change = glm::abs(after[p] - light.before[p]);
-            if (!(maxChannel(change) > 0.1f * maxChannel(light.before[p]))) continue;
-            for (int v = std::max(0, y - edge); v <= std::min(light.height - 1, y + edge); ++v)
-                for (int u = std::max(0, x - edge); u <= std::min(light.width - 1, x + edge); ++u)
-                    light.same[size_t(v) * size_t(light.width) + size_t(u)] = 0;
+/// Sums of values with their weights, row by row.
+struct WeightedImage {
+    int width = 0, height = 0;
+    std::vector<Rgb> sum;
+    std::vector<float> weight;
+};
+
+WeightedImage halved(const WeightedImage& from) {
+    WeightedImage to{(from.width + 1) / 2, (from.height + 1) / 2, {}, {}};
+    to.sum.assign(size_t(to.width) * size_t(to.height), Rgb(0));
+    to.weight.assign(to.sum.size(), 0);
+    for (int y = 0; y < from.height; ++y)
+        for (int x = 0; x < from.width; ++x) {
+            const size_t p = size_t(y) * size_t(from.width) + size_t(x);
+            const size_t q = size_t(y / 2) * size_t(to.width) + size_t(x / 2);
+            to.sum[q] += from.sum[p];
+            to.weight[q] += from.weight[p];
+        }
+    return to;
+}
+
+/// Weighted means everywhere: where a pixel's weight is less than 1, the rest comes from the next coarser image.
+WeightedImage filledIn(WeightedImage image) {
+    if (image.width <= 1 && image.height <= 1) {
+        image.sum[0] = image.weight[0] > 0 ? image.sum[0] / image.weight[0] : Rgb(0);
+        return image;
+    }
+    const WeightedImage coarse = filledIn(halved(image));
+    parallelFor(size_t(image.height), 16, [&](size_t y) {
+        for (int x = 0; x < image.width; ++x) {
+            const size_t p = y * size_t(image.width) + size_t(x);
+            const float own = std::min(1.0f, image.weight[p]);
+            Rgb around(0);
+            float weights = 0;
+            bilinear(Vec2(float(x) + 0.5f, float(y) + 0.5f) * 0.5f, coarse.width, coarse.height,
+                     [&](size_t q, float weight) {
+                         around += weight * coarse.sum[q];
+                         weights += weight;
+                     });
+            const Rgb mean = image.weight[p] > 0 ? image.sum[p] / image.weight[p] : Rgb(0);
+            image.sum[p] = own * mean + (1 - own) * around / weights;
+        }
+    });
+    return image;
+}
+
+/// Clears `same` about emitters that changed.
+void clearEdges(const PlateGround& ground, const std::vector<Rgb>& after, std::vector<uint8_t>& same) {
+    for (int y = 0; y < ground.height; ++y)
+        for (int x = 0; x < ground.width; ++x) {
+            const size_t p = size_t(y) * size_t(ground.width) + size_t(x);
+            if (!ground.emits[p]) continue;
+            const Rgb change = glm::abs(after[p] - ground.before[p]);
+            if (!(maxChannel(change) > 0.1f * maxChannel(ground.before[p]))) continue;
+            for (int v = std::max(0, y - edge); v <= std::min(ground.height - 1, y + edge); ++v)
+                for (int u = std::max(0, x - edge); u <= std::min(ground.width - 1, x + edge); ++u)
+                    same[size_t(v) * size_t(ground.width) + size_t(u)] = 0;
         }
 }
 
 /// A surface whose ratio means something.
-bool hasRatio(const PlateLight& light, size_t p) { return light.distance[p] > 0 && light.same[p]; }
+bool hasRatio(const PlateLight& light, size_t p) {
+    return light.ground->distance[p] > 0 && !light.ground->emits[p] && light.same[p];
+}
 
-/// Collects rows of both frames.
-class PlateLightRows {
-public:
-    explicit PlateLightRows(const Camera& camera) : camera_(camera), eye_(camera.position()) {
-        light_.width = camera.width;
-        light_.height = camera.height;
-    }
-    void add(const Frame& old, const std::vector<Rgb>& after, const std::function<bool(size_t)>& same) {
-        light_.before.insert(light_.before.end(), old.beauty.begin(), old.beauty.end());
-        after_.insert(after_.end(), after.begin(), after.end());
-        for (size_t p = 0; p < old.beauty.size(); ++p) {
-            const bool emitter = old.emittersSeen[p][0].emitter >= 0, none = old.depth[p] > 1e29f;
-            light_.distance.push_back(none || emitter ? 0.0f : glm::distance(old.position[p], eye_));
-            light_.same.push_back(same(p));
-            emitting_.push_back(emitter);
-        }
-    }
-    PlateLight take() {
-        clearEdges(light_, after_, emitting_);
-        // A thousandth of the model's white, not the plate's, which an actor would change.
-        Image model(light_.width, light_.height);
-        model.pixels = light_.before;
-        light_.floor = ratioFloor(model);
-        light_.logRatio = std::move(after_);
-        parallelFor(light_.logRatio.size(), 1 << 14, [&](size_t p) {
-            Rgb& ratio = light_.logRatio[p];
-            ratio = ratio == light_.before[p] ? Rgb(0)
-                                              : glm::log((glm::max(ratio, Rgb(0)) + light_.floor) /
-                                                         (glm::max(light_.before[p], Rgb(0)) + light_.floor));
-        });
-        return std::move(light_);
-    }
-    /// Calls rows(first, count) for the whole height.
-    template <class Rows>
-    void each(Rows&& rows) const {
-        for (int row = 0; row < camera_.height; row += stripRows) rows(row, std::min(stripRows, camera_.height - row));
-    }
+PlateLight lightOf(std::shared_ptr<const PlateGround> ground, std::vector<Rgb> after, std::vector<uint8_t> same) {
+    PlateLight light;
+    clearEdges(*ground, after, same);
+    light.same = std::move(same);
+    light.logRatio = std::move(after);
+    const float floor = ground->floor;
+    parallelFor(light.logRatio.size(), 1 << 14, [&](size_t p) {
+        Rgb& ratio = light.logRatio[p];
+        const Rgb& before = ground->before[p];
+        ratio =
+            ratio == before ? Rgb(0) : glm::log((glm::max(ratio, Rgb(0)) + floor) / (glm::max(before, Rgb(0)) + floor));
+    });
+    light.ground = std::move(ground);
+    return light;
+}
 
-private:
-    const Camera& camera_;
-    Vec3 eye_;
-    PlateLight light_;
-    std::vector<Rgb> after_;
-    std::vector<uint8_t> emitting_;
-};
+Vec3 centreRay(const Camera& camera, size_t p) {
+    const int y = int(p / size_t(camera.width)), x = int(p % size_t(camera.width));
+    return camera.rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f));
+}
 
 }  // namespace
 
-PlateLight plateLight(const RelitScene& captured, const RelitScene& look, const Camera& camera,
+PlateGround plateGround(const RelitScene& captured, const Camera& camera, const std::set<int>& groups, bool confidence,
+                        const FrameOptions& options, Progress& progress) {
+    FrameOptions rendering = options;
+    rendering.groups = !groups.empty();
+    const FrameRenderer renderer(captured, camera, rendering);
+    const Vec3 eye(camera.position());
+    PlateGround ground;
+    ground.width = camera.width;
+    ground.height = camera.height;
+    for (int row = 0; row < camera.height; row += stripRows) {
+        const Frame frame = renderer.rows(row, std::min(stripRows, camera.height - row), progress);
+        ground.before.insert(ground.before.end(), frame.beauty.begin(), frame.beauty.end());
+        for (const int group : groups) {
+            const std::vector<Rgb>& part = group < 0 ? frame.world : frame.byEmitter.at(size_t(group));
+            std::vector<Rgb>& kept = ground.groups[group];
+            kept.insert(kept.end(), part.begin(), part.end());
+        }
+        for (size_t p = 0; p < frame.beauty.size(); ++p) {
+            ground.distance.push_back(frame.depth[p] > 1e29f ? 0.0f : glm::distance(frame.position[p], eye));
+            ground.emits.push_back(frame.emittersSeen[p][0].emitter >= 0);
+        }
+    }
+    // A thousandth of the model's white, not the plate's, which an actor would change.
+    Image model(ground.width, ground.height);
+    model.pixels = ground.before;
+    ground.floor = ratioFloor(model);
+    if (confidence) ground.confidence = modelConfidence(captured, camera, 0, camera.height);
+    return ground;
+}
+
+PlateLight plateLight(std::shared_ptr<const PlateGround> ground, const RelitScene& look, const Camera& camera,
                       const FrameOptions& options, Progress& progress) {
     FrameOptions beauty = options;
     beauty.groups = false;
-    const FrameRenderer before(captured, camera, beauty), after(look, camera, beauty);
-    PlateLightRows rows(camera);
-    rows.each([&](int first, int count) {
-        const Frame old = before.rows(first, count, progress), next = after.rows(first, count, progress);
-        rows.add(old, next.beauty, [&](size_t p) { return showsSameSurface(old, next, p); });
-    });
-    return rows.take();
+    const FrameRenderer renderer(look, camera, beauty);
+    const Vec3 eye(camera.position()), forward(camera.forward());
+    std::vector<Rgb> after;
+    std::vector<uint8_t> same;
+    after.reserve(ground->before.size());
+    same.reserve(ground->before.size());
+    for (int row = 0; row < camera.height; row += stripRows) {
+        const Frame frame = renderer.rows(row, std::min(stripRows, camera.height - row), progress);
+        for (size_t i = 0; i < frame.beauty.size(); ++i) {
+            const size_t p = same.size();
+            const bool none = frame.depth[i] > 1e29f, other = !(ground->distance[p] > 0);
+            const Vec3 away = ground->distance[p] * centreRay(camera, p);
+            same.push_back(none || other ? none == other
+                                         : glm::distance(eye + away, frame.position[i]) <=
+                                               surfaceTolerance * glm::dot(away, forward));
+        }
+        after.insert(after.end(), frame.beauty.begin(), frame.beauty.end());
+    }
+    return lightOf(std::move(ground), std::move(after), std::move(same));
 }
 
 std::optional<GroupFactors> groupFactors(const RelitScene& captured, const Look& look) {
@@ -122,47 +189,48 @@ std::optional<GroupFactors> groupFactors(const RelitScene& captured, const Look&
     return factors;
 }
 
-PlateLight plateLight(const RelitScene& captured, const GroupFactors& factors, const Camera& camera,
-                      const FrameOptions& options, Progress& progress) {
-    const FrameRenderer renderer(captured, camera, options);
-    PlateLightRows rows(camera);
-    rows.each([&](int first, int count) {
-        const Frame old = renderer.rows(first, count, progress);
-        std::vector<Rgb> after = old.beauty;
-        const auto change = [&](const std::vector<Rgb>& group, const Rgb& factor) {
-            if (factor != Rgb(1))
-                for (size_t p = 0; p < after.size(); ++p) after[p] += (factor - 1.0f) * group[p];
-        };
-        change(old.world, factors.world);
-        for (size_t e = 0; e < old.byEmitter.size(); ++e) change(old.byEmitter[e], factors.byEmitter[e]);
-        for (Rgb& radiance : after) radiance = glm::max(radiance, Rgb(0));
-        rows.add(old, after, [](size_t) { return true; });
-        progress.advance(size_t(count));  // the frame that need not be rendered
-    });
-    return rows.take();
+std::set<int> GroupFactors::changed() const {
+    std::set<int> groups;
+    if (world != Rgb(1)) groups.insert(-1);
+    for (size_t e = 0; e < byEmitter.size(); ++e)
+        if (byEmitter[e] != Rgb(1)) groups.insert(int(e));
+    return groups;
+}
+
+PlateLight plateLight(std::shared_ptr<const PlateGround> ground, const GroupFactors& factors) {
+    std::vector<Rgb> after = ground->before;
+    for (const int group : factors.changed()) {
+        const Rgb more = (group < 0 ? factors.world : factors.byEmitter[size_t(group)]) - 1.0f;
+        const std::vector<Rgb>& part = ground->groups.at(group);
+        for (size_t p = 0; p < after.size(); ++p) after[p] += more * part[p];
+    }
+    for (Rgb& radiance : after) radiance = glm::max(radiance, Rgb(0));
+    std::vector<uint8_t> same(after.size(), 1);
+    return lightOf(std::move(ground), std::move(after), std::move(same));
 }
 
 std::vector<Rgb> steadied(const PlateMoment& frame, const std::vector<PlateMoment>& neighbours) {
     const PlateLight& light = *frame.light;
-    std::vector<Rgb> after(light.before.size());
+    const PlateGround& ground = *light.ground;
+    std::vector<Rgb> after(ground.before.size());
     const Vec3 eye(frame.camera->position());
-    parallelFor(size_t(light.height), 4, [&](size_t y) {
-        for (int x = 0; x < light.width; ++x) {
-            const size_t p = y * size_t(light.width) + size_t(x);
+    parallelFor(size_t(ground.height), 4, [&](size_t y) {
+        for (int x = 0; x < ground.width; ++x) {
+            const size_t p = y * size_t(ground.width) + size_t(x);
             Rgb sum = frame.weight * light.logRatio[p];
             float total = frame.weight;
             const Vec3 point =
-                eye + light.distance[p] * frame.camera->rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f));
+                eye + ground.distance[p] * frame.camera->rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f));
             for (const PlateMoment& other : neighbours) {
                 if (!hasRatio(light, p)) break;
                 const auto at = other.camera->project(DVec3(point));
                 if (!at) continue;
                 const float expected = glm::distance(point, Vec3(other.camera->position()));
+                const PlateGround& seen = *other.light->ground;
                 Rgb there(0);
                 float weights = 0;
-                bilinear(*at, other.light->width, other.light->height, [&](size_t q, float weight) {
-                    if (!hasRatio(*other.light, q) || std::abs(other.light->distance[q] - expected) > 0.01f * expected)
-                        return;
+                bilinear(*at, seen.width, seen.height, [&](size_t q, float weight) {
+                    if (!hasRatio(*other.light, q) || std::abs(seen.distance[q] - expected) > 0.01f * expected) return;
                     there += weight * other.light->logRatio[q];
                     weights += weight;
                 });
@@ -173,9 +241,48 @@ std::vector<Rgb> steadied(const PlateMoment& frame, const std::vector<PlateMomen
             }
             const Rgb mean = sum / total;
             after[p] = mean == Rgb(0)
-                           ? light.before[p]
-                           : (glm::max(light.before[p], Rgb(0)) + light.floor) * glm::exp(mean) - light.floor;
+                           ? ground.before[p]
+                           : (glm::max(ground.before[p], Rgb(0)) + ground.floor) * glm::exp(mean) - ground.floor;
         }
+    });
+    return after;
+}
+
+PlateUnsure plateUnsure(const std::string& name) {
+    if (name == "model") return PlateUnsure::model;
+    if (name == "smooth") return PlateUnsure::smooth;
+    if (name == "keep") return PlateUnsure::keep;
+    throw BadOption("--plate-unsure {}: unknown, expected model, smooth or keep", name);
+}
+
+std::vector<Rgb> whereUnsure(PlateUnsure unsure, const PlateLight& light, std::vector<Rgb> after) {
+    const PlateGround& ground = *light.ground;
+    if (unsure == PlateUnsure::model || ground.confidence.empty()) return after;
+    const auto none = [&](size_t p) { return !(ground.distance[p] > 0); };
+    const auto stays = [&](size_t p) { return ground.emits[p] || !light.same[p]; };
+    WeightedImage factors{ground.width, ground.height, std::vector<Rgb>(after.size(), Rgb(0)),
+                          std::vector<float>(after.size(), 0)};
+    parallelFor(after.size(), 1 << 14, [&](size_t p) {
+        if (stays(p)) return;
+        factors.sum[p] = after[p] == ground.before[p] ? Rgb(0)
+                                                      : glm::log((glm::max(after[p], Rgb(0)) + ground.floor) /
+                                                                 (glm::max(ground.before[p], Rgb(0)) + ground.floor));
+        factors.weight[p] =
+            none(p) ? float(factors.sum[p] != Rgb(0)) : std::min(1.0f, ground.confidence[p] / confident);
+    });
+    const std::vector<Rgb> own = factors.sum;
+    const std::vector<float> weight = factors.weight;
+    for (size_t p = 0; p < own.size(); ++p) factors.sum[p] *= none(p) ? 0.0f : weight[p];
+    for (size_t p = 0; p < own.size(); ++p)
+        if (none(p)) factors.weight[p] = 0;  // a sky says nothing of the surfaces before it
+    if (unsure == PlateUnsure::smooth) factors = filledIn(std::move(factors));
+    parallelFor(after.size(), 1 << 14, [&](size_t p) {
+        if (stays(p) || weight[p] >= 1) return;
+        const Rgb around = unsure == PlateUnsure::keep ? Rgb(0) : factors.sum[p];
+        const Rgb factor = weight[p] * own[p] + (1 - weight[p]) * around;
+        after[p] = factor == Rgb(0)
+                       ? ground.before[p]
+                       : (glm::max(ground.before[p], Rgb(0)) + ground.floor) * glm::exp(factor) - ground.floor;
     });
     return after;
 }
@@ -183,12 +290,13 @@ std::vector<Rgb> steadied(const PlateMoment& frame, const std::vector<PlateMomen
 Image relitPlate(const Image& plate, const Rgb& gain, const PlateLight& light, const std::vector<Rgb>& after,
                  const RatioOptions& options) {
     constexpr float none = 1e30f;
+    const PlateGround& ground = *light.ground;
     Image scaled = plate;
     for (Rgb& pixel : scaled.pixels) pixel /= gain;
     Frame old, next;
-    old.width = next.width = light.width;
-    old.height = next.height = light.height;
-    old.beauty = light.before;
+    old.width = next.width = ground.width;
+    old.height = next.height = ground.height;
+    old.beauty = ground.before;
     next.beauty = after;
     // Surfaces that differ: one of the two shows none.
     old.depth.assign(old.beauty.size(), none);
@@ -204,7 +312,7 @@ Image relitPlate(const Image& plate, const Rgb& gain, const PlateLight& light, c
     Image relit = plate;
     for (size_t p = 0; p < relit.pixels.size(); ++p) {
         // Where the light is what it was, so is the plate, to the last bit.
-        const bool unchanged = light.same[p] && light.before[p] == after[p];
+        const bool unchanged = light.same[p] && ground.before[p] == after[p];
         if (!unchanged) relit.pixels[p] = next.beauty[p] * gain;
     }
     return relit;

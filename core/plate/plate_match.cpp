@@ -12,7 +12,7 @@ namespace relamp {
 namespace {
 
 constexpr size_t fewest = 50;
-constexpr float modelNoise = 0.02f;
+constexpr double modelWeight = 1 / (0.02 * 0.02), knownWeight = 1e12;
 
 /// A surface point that a key frame shows.
 struct SurfacePoint {
@@ -29,6 +29,7 @@ struct KeyEvidence {
     float white = 1, saturation = 0;
     std::vector<SurfacePoint> points;
     Rgb againstModel{0};                    ///< median log(plate / model)
+    double modelWeight = 0;                 ///< of that; 0: it is not known
     Rgb fromBefore{0}, fromBeforeNoise{0};  ///< median log change since the key frame before, its standard error
 };
 
@@ -74,9 +75,8 @@ Rgb standardError(const std::vector<Rgb>& values, const Rgb& middle) {
     return medianOf(away) * (1.4826f * 1.2533f / std::sqrt(float(std::max<size_t>(1, values.size()))));
 }
 
-/// Pixels of a key frame against the model as captured; false where too few count.
-bool holdAgainstModel(const RelitScene& captured, const FrameRenderer& renderer, KeyEvidence& key,
-                      const PlateMatchOptions& options, Progress& progress) {
+/// The surface points that a frame shows, with their pixels.
+std::vector<PixelAt> findPoints(const RelitScene& captured, KeyEvidence& key, const PlateMatchOptions& options) {
     std::vector<PixelAt> pixels;
     for (size_t i = 0; i < options.pixels; ++i) {
         const Vec2 u = r2Point(uint32_t(i), Vec2(0.5f));
@@ -89,6 +89,12 @@ bool holdAgainstModel(const RelitScene& captured, const FrameRenderer& renderer,
         key.points.push_back({*surface, *plate});
         pixels.push_back({x, y});
     }
+    return pixels;
+}
+
+/// Pixels of a frame against the model as captured; false where too few count.
+bool holdAgainstModel(const FrameRenderer& renderer, const std::vector<PixelAt>& pixels, KeyEvidence& key,
+                      Progress& progress) {
     const std::vector<Rgb> model = renderer.pixels(key.camera, pixels, progress);
     std::vector<Rgb> differences;
     for (size_t i = 0; i < model.size(); ++i)
@@ -96,11 +102,34 @@ bool holdAgainstModel(const RelitScene& captured, const FrameRenderer& renderer,
             differences.push_back(key.points[i].plate - glm::log(model[i]));
     if (differences.size() < fewest) return false;
     key.againstModel = medianOf(differences);
+    key.modelWeight = modelWeight;
     return true;
 }
 
-/// The change of what both key frames show.
-void holdAgainst(const RelitScene& captured, const KeyEvidence& before, KeyEvidence& key) {
+/// None where a file cannot be read; `fault` says why.
+std::optional<KeyEvidence> readKey(const PlateKey& key, std::string& fault) {
+    KeyEvidence evidence;
+    evidence.frame = key.frame;
+    evidence.camera = key.camera;
+    try {
+        evidence.image = key.read(evidence.saturation);
+        if (key.matte) evidence.matte = key.matte();
+    } catch (const OutOfResources&) { throw; } catch (const Error& error) {
+        fault = error.what();
+        return std::nullopt;
+    }
+    evidence.white = 1 / exposureFor(evidence.image, 99);
+    return evidence;
+}
+
+FrameOptions renderingOf(const PlateMatchOptions& options) {
+    FrameOptions rendering;
+    rendering.seed = options.seed;
+    return rendering;
+}
+
+/// The change of what both frames show; false where that is too little.
+bool holdAgainst(const RelitScene& captured, const KeyEvidence& before, KeyEvidence& key) {
     std::vector<Rgb> changes;
     for (const SurfacePoint& point : before.points) {
         const auto at = key.camera.project(DVec3(point.position));
@@ -115,16 +144,16 @@ void holdAgainst(const RelitScene& captured, const KeyEvidence& before, KeyEvide
     // Without common surfaces only the model links the two.
     key.fromBeforeNoise =
         changes.size() < fewest ? Rgb(1) : glm::max(standardError(changes, key.fromBefore), Rgb(2e-4f));
+    return changes.size() >= fewest;
 }
 
 /// Least squares of one channel: the model's word of each key, the change from one to the next.
 std::vector<double> joined(const std::vector<KeyEvidence>& keys, int c) {
     const size_t n = keys.size();
     std::vector<double> diagonal(n), above(n, 0), right(n);
-    const double own = 1 / double(modelNoise * modelNoise);
     for (size_t k = 0; k < n; ++k) {
-        diagonal[k] += own;
-        right[k] += own * double(keys[k].againstModel[c]);
+        diagonal[k] += keys[k].modelWeight;
+        right[k] += keys[k].modelWeight * double(keys[k].againstModel[c]);
         if (k == 0) continue;
         const double noise = double(keys[k].fromBeforeNoise[c]), weight = 1 / (noise * noise);
         const double change = double(keys[k].fromBefore[c]);
@@ -155,6 +184,7 @@ PlateMatching plateMatching(const std::string& name) {
 }
 
 Rgb PlateGains::at(int frame) const {
+    if (const auto own = between.find(frame); own != between.end()) return own->second;
     if (keys.empty()) return Rgb(1);
     const auto above = keys.lower_bound(frame);
     if (above == keys.end()) return keys.rbegin()->second;
@@ -175,23 +205,18 @@ PlateGains matchPlate(const RelitScene& captured, const std::vector<PlateKey>& k
                       Progress& progress) {
     PlateGains gains;
     if (options.kind == PlateMatching::off || keys.empty()) return gains;
-    FrameOptions rendering;
-    rendering.seed = options.seed;
-    const FrameRenderer renderer(captured, keys.front().camera, rendering);
+    const FrameRenderer renderer(captured, keys.front().camera, renderingOf(options));
     progress.begin("Matching the plate's colours", keys.size());
     std::vector<KeyEvidence> evidence;
     for (const PlateKey& key : keys) {
-        KeyEvidence next;
-        next.frame = key.frame;
-        next.camera = key.camera;
-        next.image = key.read(next.saturation);
-        if (key.matte) next.matte = key.matte();
-        next.white = 1 / exposureFor(next.image, 99);
-        if (holdAgainstModel(captured, renderer, next, options, progress)) {
-            if (!evidence.empty()) holdAgainst(captured, evidence.back(), next);
-            next.image = {};
-            next.matte = {};
-            evidence.push_back(std::move(next));
+        std::string fault;
+        std::optional<KeyEvidence> next = readKey(key, fault);
+        if (!next) gains.faults.push_back(fault);
+        else if (holdAgainstModel(renderer, findPoints(captured, *next, options), *next, progress)) {
+            if (!evidence.empty()) holdAgainst(captured, evidence.back(), *next);
+            next->image = {};
+            next->matte = {};
+            evidence.push_back(std::move(*next));
         }
         progress.advance();
     }
@@ -216,6 +241,39 @@ PlateGains matchPlate(const RelitScene& captured, const std::vector<PlateKey>& k
     else
         for (size_t k = 0; k < logs.size(); ++k) gains.keys.emplace(evidence[k].frame, glm::exp(logs[k]));
     return gains;
+}
+
+void matchBetween(const RelitScene& captured, const std::vector<PlateKey>& frames, const PlateMatchOptions& options,
+                  PlateGains& gains, Progress& progress) {
+    if (frames.empty()) return;
+    const FrameRenderer renderer(captured, frames.front().camera, renderingOf(options));
+    progress.begin("Matching the plate's colours", frames.size());
+    std::vector<KeyEvidence> evidence;
+    for (const PlateKey& frame : frames) {
+        std::string fault;
+        if (std::optional<KeyEvidence> next = readKey(frame, fault)) {
+            const std::vector<PixelAt> pixels = findPoints(captured, *next, options);
+            const bool linked = !evidence.empty() && holdAgainst(captured, evidence.back(), *next);
+            if (const auto known = gains.keys.find(frame.frame); known != gains.keys.end()) {
+                next->againstModel = glm::log(known->second);
+                next->modelWeight = knownWeight;
+            } else if (!linked) {
+                holdAgainstModel(renderer, pixels, *next, progress);
+            }
+            next->image = {};
+            next->matte = {};
+            evidence.push_back(std::move(*next));
+        }
+        progress.advance();
+    }
+    if (std::none_of(evidence.begin(), evidence.end(), [](const KeyEvidence& key) { return key.modelWeight > 0; }))
+        return;
+    for (int c = 0; c < 3; ++c) {
+        const std::vector<double> answer = joined(evidence, c);
+        for (size_t k = 0; k < answer.size(); ++k)
+            if (!gains.keys.contains(evidence[k].frame))
+                gains.between[evidence[k].frame][c] = std::exp(float(answer[k]));
+    }
 }
 
 }  // namespace relamp

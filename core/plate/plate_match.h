@@ -23,11 +23,13 @@ PlateMatching plateMatching(const std::string& name);
 
 /// Plate radiance / capture radiance of the surfaces that both show, by frame.
 struct PlateGains {
-    std::map<int, Rgb> keys;  ///< smoothed over time; one for a shot; none: 1
-    Rgb noise{0};             ///< standard error of one key frame's, relative
-    float spread = 0;         ///< of the key frames, relative, robust
-    bool breathes = false;    ///< the gain follows the frame
-    /// Between key frames in proportion in stops, constant beyond.
+    std::map<int, Rgb> keys;            ///< of key frames, smoothed over time; one for a shot; none: 1
+    std::map<int, Rgb> between;         ///< of frames that were matched one by one (matchBetween)
+    Rgb noise{0};                       ///< standard error of one key frame's, relative
+    float spread = 0;                   ///< of the key frames, relative, robust
+    bool breathes = false;              ///< the gain follows the frame
+    std::vector<std::string> faults{};  ///< key frames that could not be read, one sentence each
+    /// A frame's own, else between key frames in proportion in stops, constant beyond.
     Rgb at(int frame) const;
 };
 
@@ -50,10 +52,17 @@ struct PlateMatchOptions {
 /// and the median change of the same surface points from one key frame to the next, which no error of the model
 /// touches. The gains are the least-squares answer to both. Emitters, the background, what is held out, clipped or
 /// darker than a hundredth of white do not count; a key frame with fewer than 50 pixels is left out. It depends on the
-/// whole plate and no frame range, so parts of a sequence agree. Cost: 0.1 ms a pixel and core. Throws Error when a
-/// frame cannot be read, Cancelled.
+/// whole plate and no frame range, so parts of a sequence agree. A key frame that cannot be read is left out and named.
+/// Cost: 0.1 ms a pixel and core. Throws OutOfResources, Cancelled.
 PlateGains matchPlate(const RelitScene& captured, const std::vector<PlateKey>& keys, const PlateMatchOptions& options,
                       Progress& progress);
+
+/// Adds the gains of frames between two key frames (before the first, after the last) whose own are in `gains`: those
+/// stay, and the median changes from one frame to the next share the way between them. `frames`: in order, the key
+/// frames at the ends among them. So a part of a sequence reads those it lies between, and parts agree. A frame that
+/// cannot be read is left out. Cost: a frame read and `pixels` rays each. Throws OutOfResources, Cancelled.
+void matchBetween(const RelitScene& captured, const std::vector<PlateKey>& frames, const PlateMatchOptions& options,
+                  PlateGains& gains, Progress& progress);
 
 /// Which of `count` frames are key frames.
 std::vector<size_t> keyFramesOf(size_t count, size_t most);

@@ -39,6 +39,29 @@ std::vector<int> gapsOf(const Map& numbered) {
     return gaps;
 }
 
+constexpr size_t mostSizes = 24;
+
+/// The size that most of them have, the earliest of several. Throws Error when none can be read.
+std::pair<int, int> sizeOf(const PlateFiles& files) {
+    std::vector<const std::filesystem::path*> listed;
+    for (const auto& one : files) listed.push_back(&one.second);
+    std::vector<std::pair<std::pair<int, int>, int>> counted;
+    std::optional<Error> first;
+    for (const size_t k : keyFramesOf(listed.size(), mostSizes)) try {
+            const std::pair<int, int> size = readImageSize(*listed[k]);
+            const auto known =
+                std::find_if(counted.begin(), counted.end(), [&](const auto& one) { return one.first == size; });
+            if (known != counted.end()) ++known->second;
+            else counted.emplace_back(size, 1);
+        } catch (const OutOfResources&) { throw; } catch (const Error& error) {
+            if (!first) first = error;
+        }
+    if (counted.empty()) throw *first;
+    const auto most = std::max_element(counted.begin(), counted.end(),
+                                       [](const auto& a, const auto& b) { return a.second < b.second; });
+    return most->first;
+}
+
 float coverageOf(const RelitScene& scene, const Camera& camera) {
     constexpr int side = 48;
     int seen = 0;
@@ -71,7 +94,9 @@ PlateRequest plateRequest(const PlateLook& look) {
 Plate openPlate(const Capture& capture, const PlateRequest& request, Progress& progress) {
     Plate plate;
     const PlateFiles files = plateFiles(request.plate, "--plate");
-    const auto [width, height] = readImageSize(files.begin()->second);
+    plate.first = files.begin()->first;
+    plate.last = files.rbegin()->first;
+    const auto [width, height] = sizeOf(files);
     const PlateCameras cameras =
         readPlateCameras(capture, request.cameras, files, width, height, request.track, progress);
     plate.notes = cameras.notes;
@@ -94,10 +119,10 @@ Plate openPlate(const Capture& capture, const PlateRequest& request, Progress& p
         }
         plate.frames.push_back(std::move(frame));
     }
-    for (const auto& one : cameras.byFrame)
-        if (!files.contains(one.first) && one.first > files.begin()->first && one.first < files.rbegin()->first)
-            withoutPlate.push_back(one.first);
     const std::vector<int> gaps = gapsOf(files);
+    for (const auto& one : cameras.byFrame)
+        if (!files.contains(one.first) && !std::binary_search(gaps.begin(), gaps.end(), one.first))
+            withoutPlate.push_back(one.first);
     const std::string track = request.cameras.filename().string();
     if (plate.frames.empty() && withoutMatte.empty())
         throw Error("--plate-camera {}: has frames {} to {}, the plate {} to {}; --plate-camera-offset moves them",
@@ -112,7 +137,7 @@ Plate openPlate(const Capture& capture, const PlateRequest& request, Progress& p
     if (!gaps.empty())
         plate.faults.push_back(
             fmt::format("{}: frames {} are missing", request.plate.filename().string(), rangesOf(gaps)));
-    else if (!withoutPlate.empty())
+    if (!withoutPlate.empty())
         plate.notes.push_back(
             fmt::format("{}: has cameras for frames {}, which have no plate", track, rangesOf(withoutPlate)));
     return plate;
@@ -122,28 +147,48 @@ PlateRelighter::PlateRelighter(const Plate& plate, const PlateRequest& request, 
                                const FrameOptions& options, Progress& progress)
     : plate_(plate), request_(request), looks_(looks), options_(options) {
     if (request.match == PlateMatching::off) return;
-    PlateMatchOptions matching;
-    matching.kind = request.match;
-    matching.seed = options.seed;
     std::vector<PlateKey> keys;
-    for (const size_t k : keyFramesOf(plate.frames.size(), matching.keyFrames)) {
-        const PlateFrame& frame = plate.frames[k];
-        PlateKey key{frame.number, frame.camera, {}, {}};
-        key.read = [this, &frame, &progress](float& saturation) { return read(frame, saturation, progress); };
-        if (!frame.matte.empty())
-            key.matte = [&frame, &progress] {
-                return readMatte(frame.matte, frame.camera.width, frame.camera.height, [&] { progress.check(); });
-            };
-        keys.push_back(std::move(key));
+    for (const size_t k : keyFramesOf(plate.frames.size(), PlateMatchOptions{}.keyFrames))
+        keys.push_back(keyOf(plate.frames[k], progress));
+    gains_ = matchPlate(looks.captured(progress), keys, matching(), progress);
+}
+
+PlateMatchOptions PlateRelighter::matching() const {
+    PlateMatchOptions matching;
+    matching.kind = request_.match;
+    matching.seed = options_.seed;
+    return matching;
+}
+
+PlateKey PlateRelighter::keyOf(const PlateFrame& frame, Progress& progress) const {
+    PlateKey key{frame.number, frame.camera, {}, {}};
+    key.read = [this, &frame, &progress](float& saturation) { return read(frame, saturation, progress); };
+    if (!frame.matte.empty())
+        key.matte = [&frame, &progress] {
+            return readMatte(frame.matte, frame.camera.width, frame.camera.height, [&] { progress.check(); });
+        };
+    return key;
+}
+
+void PlateRelighter::matchFrame(size_t index, Progress& progress) {
+    const int number = plate_.frames[index].number;
+    if (!gains_.breathes || gains_.keys.contains(number) || !tried_.insert(number).second) return;
+    size_t first = index, last = index;
+    while (first > 0 && !gains_.keys.contains(plate_.frames[first].number)) --first;
+    while (last + 1 < plate_.frames.size() && !gains_.keys.contains(plate_.frames[last].number)) ++last;
+    std::vector<PlateKey> frames;
+    for (size_t n = first; n <= last; ++n) {
+        frames.push_back(keyOf(plate_.frames[n], progress));
+        tried_.insert(plate_.frames[n].number);
     }
-    gains_ = matchPlate(looks.captured(progress), keys, matching, progress);
+    matchBetween(looks_.captured(progress), frames, matching(), gains_, progress);
 }
 
 Image PlateRelighter::read(const PlateFrame& frame, float& saturation, Progress& progress) const {
     Image image = readPlate(frame.file, request_.curve, saturation, [&] { progress.check(); });
     if (image.width != frame.camera.width || image.height != frame.camera.height)
-        throw Error("{}: is {} x {} pixels, the plate's first frame {} x {}", frame.file.string(), image.width,
-                    image.height, frame.camera.width, frame.camera.height);
+        throw Error("{}: is {} x {} pixels, the plate {} x {}", frame.file.string(), image.width, image.height,
+                    frame.camera.width, frame.camera.height);
     return image;
 }
 
@@ -165,19 +210,42 @@ std::optional<MatteLight> PlateRelighter::lightAt(const MattePlace& place, const
     return std::nullopt;
 }
 
-const PlateLight& PlateRelighter::lightOf(size_t index, Progress& progress) {
-    const auto held = lights_.find(index);
-    if (held != lights_.end()) return held->second;
-    const PlateFrame& frame = plate_.frames[index];
-    progress.begin(fmt::format("Light of frame {}", frame.number), size_t(frame.camera.height) * 2);
-    const Look look = looks_.lookAt(frame.number);
-    PlateLight light;
-    if (const auto factors = groupFactors(looks_.captured(progress), look))
-        light = plateLight(looks_.captured(progress), *factors, frame.camera, options_, progress);
-    else
-        light =
-            plateLight(looks_.captured(progress), looks_.at(frame.number, progress), frame.camera, options_, progress);
-    return lights_.emplace(index, std::move(light)).first->second;
+std::pair<size_t, size_t> PlateRelighter::around(size_t index) const {
+    const size_t reach = size_t(std::max(0, request_.neighbours));
+    return {index > reach ? index - reach : 0, std::min(plate_.frames.size() - 1, index + reach)};
+}
+
+std::set<int> PlateRelighter::groupsOf(size_t index, const RelitScene& captured) const {
+    std::set<int> groups;
+    const auto [first, last] = around(index);
+    for (size_t n = first; n <= last; ++n)
+        if (const auto factors = groupFactors(captured, looks_.lookAt(plate_.frames[n].number)))
+            groups.merge(factors->changed());
+    return groups;
+}
+
+void PlateRelighter::findLights(size_t first, size_t last, size_t index, const Look& look, Progress& progress) {
+    const auto outside = [&](const auto& held) { return held.first < first || held.first > last; };
+    std::erase_if(grounds_, outside);
+    std::erase_if(lights_, [&](const auto& held) { return outside(held) || !(held.second.look == look); });
+    const RelitScene& captured = looks_.captured(progress);
+    const std::optional<GroupFactors> factors = groupFactors(captured, look);
+    const RelitScene* lit = nullptr;
+    if (!factors) lit = &looks_.at(plate_.frames[index].number, progress);
+    size_t rows = 0;
+    for (size_t n = first; n <= last; ++n)
+        if (!lights_.contains(n)) rows += size_t(plate_.frames[n].camera.height) * (!grounds_.contains(n) + !factors);
+    progress.begin(fmt::format("Light of frame {}", plate_.frames[index].number), rows);
+    for (size_t n = first; n <= last; ++n) {
+        if (lights_.contains(n)) continue;
+        const Camera& camera = plate_.frames[n].camera;
+        std::shared_ptr<const PlateGround>& ground = grounds_[n];
+        if (!ground)
+            ground = std::make_shared<const PlateGround>(plateGround(
+                captured, camera, groupsOf(n, captured), request_.unsure != PlateUnsure::model, options_, progress));
+        lights_.emplace(n, HeldLight{look, factors ? plateLight(ground, *factors)
+                                                   : plateLight(ground, *lit, camera, options_, progress)});
+    }
 }
 
 RelitPlate PlateRelighter::relit(size_t index, Progress& progress) {
@@ -187,6 +255,7 @@ RelitPlate PlateRelighter::relit(size_t index, Progress& progress) {
     std::vector<float> matte;
     if (!frame.matte.empty())
         matte = readMatte(frame.matte, frame.camera.width, frame.camera.height, [&] { progress.check(); });
+    matchFrame(index, progress);
     result.gain = gains_.at(frame.number);
     result.covered = coverageOf(looks_.captured(progress), frame.camera);
     const Look look = looks_.lookAt(frame.number);
@@ -194,22 +263,20 @@ RelitPlate PlateRelighter::relit(size_t index, Progress& progress) {
         result.image = plate;
         return result;
     }
-    const size_t reach = size_t(std::max(0, request_.neighbours));
-    const size_t first = index > reach ? index - reach : 0, last = std::min(plate_.frames.size() - 1, index + reach);
-    std::erase_if(lights_, [&](const auto& held) { return held.first < first || held.first > last; });
-    lightOf(index, progress);
+    const auto [first, last] = around(index);
+    findLights(first, last, index, look, progress);
     // Falls off evenly: a frame that comes or goes changes the mean by little.
     const auto weightAt = [&](size_t n) { return float(request_.neighbours + 1 - std::abs(int(n) - int(index))); };
     std::vector<PlateMoment> neighbours;
-    for (size_t n = first; n <= last; ++n)
-        if (n != index && looks_.lookAt(plate_.frames[n].number) == look)
-            neighbours.push_back({&lightOf(n, progress), &plate_.frames[n].camera, weightAt(n)});
-    const PlateLight& light = lightOf(index, progress);
+    for (const auto& [n, held] : lights_)
+        if (n != index) neighbours.push_back({&held.light, &plate_.frames[n].camera, weightAt(n)});
+    const PlateLight& light = lights_.at(index).light;
     RatioOptions ratio{request_.ratio};
     ratio.saturation = result.saturation;
-    ratio.floor = light.floor;
-    result.image =
-        relitPlate(plate, result.gain, light, steadied({&light, &frame.camera, weightAt(index)}, neighbours), ratio);
+    ratio.floor = light.ground->floor;
+    std::vector<Rgb> after = steadied({&light, &frame.camera, weightAt(index)}, neighbours);
+    after = whereUnsure(request_.unsure, light, std::move(after));
+    result.image = relitPlate(plate, result.gain, light, after, ratio);
     if (matte.empty()) return result;
     std::vector<Rgb> factors;
     if (request_.relightMatte) {

@@ -21,7 +21,11 @@ struct PlateRequest {
     bool relightMatte = false;      ///< by the light at its place (matte_light.h); false: it stays as it is
     Ratio ratio = Ratio::quotient;
     int neighbours = 3;  ///< frames before and after that steady a frame's light
+    PlateUnsure unsure = PlateUnsure::model;
 };
+
+/// Samples a pixel unless others are asked for: neighbouring frames make up for fewer than a still needs.
+inline constexpr int defaultPlateSamples = 4;
 
 /// A look's plate as a request. Throws Error for a curve or matching of another name.
 PlateRequest plateRequest(const PlateLook& look);
@@ -34,12 +38,13 @@ struct PlateFrame {
 
 struct Plate {
     std::vector<PlateFrame> frames;   ///< by number: those with a plate and a camera
+    int first = 1, last = 0;          ///< numbers of its files, those that cannot be used among them
     std::vector<std::string> faults;  ///< frames that lack something and are not there, one sentence each
     std::vector<std::string> notes;   ///< what was assumed or looks odd, one sentence each
 };
 
-/// Finds files and cameras. The first frame's size is the plate's. Throws Error when there is no plate or no camera at
-/// all, BadOption for patterns and orders that cannot be meant.
+/// Finds files and cameras. The plate's size is that of most of 24 frames spread over it. Throws Error when there is no
+/// plate that can be read or no camera at all, BadOption for patterns and orders that cannot be meant.
 Plate openPlate(const Capture& capture, const PlateRequest& request, Progress& progress);
 
 /// A relit frame and what it took.
@@ -51,8 +56,8 @@ struct RelitPlate {
     float covered = 1;  ///< fraction of the frame in which the camera sees the capture's surfaces
 };
 
-/// Relights frames in order; each is rendered once and kept while a neighbour wants it. Keeps references to all that it
-/// is given.
+/// Relights frames in order. As captured each is rendered once and kept while a neighbour wants it; under a look once
+/// as long as it lasts. Keeps references to all that it is given.
 class PlateRelighter {
 public:
     /// Matches the plate's colours over the whole plate. `looks` gives the scene of each frame.
@@ -64,8 +69,11 @@ public:
         : plate_(plate), request_(request), looks_(looks), options_(options), gains_(std::move(gains)) {}
     const PlateGains& gains() const { return gains_; }
 
-    /// Frame `index` of the plate, the same bits whichever frames came before. Memory: 29 bytes a pixel for it and each
-    /// neighbour, and about 60 more. Throws Error naming a file that cannot be read or has another size, Cancelled.
+    /// Frame `index` of the plate, the same bits whichever frames came before. Cost beyond the first: two frames of
+    /// beauty alone; one with its groups where the edit changes powers and colours alone; and where the look changes
+    /// from frame to frame in another way, one and as many more as steady it. Memory: 30 bytes a pixel for it and each
+    /// neighbour, 12 more for each light whose power changes, and about 60. Throws Error naming a file that cannot be
+    /// read or has another size, OutOfResources, Cancelled.
     RelitPlate relit(size_t index, Progress& progress);
 
 private:
@@ -74,9 +82,24 @@ private:
     RelitLooks& looks_;
     FrameOptions options_;
     PlateGains gains_;
-    std::map<size_t, PlateLight> lights_;
+    struct HeldLight {
+        Look look;
+        PlateLight light;
+    };
+    std::map<size_t, std::shared_ptr<const PlateGround>> grounds_;
+    std::map<size_t, HeldLight> lights_;  ///< of frame n under the look last asked for
 
-    const PlateLight& lightOf(size_t index, Progress& progress);
+    std::set<int> tried_;  ///< numbers that were matched one by one
+
+    PlateMatchOptions matching() const;
+    PlateKey keyOf(const PlateFrame& frame, Progress& progress) const;
+    /// The frame's own gain, where gains follow the frames.
+    void matchFrame(size_t index, Progress& progress);
+    std::pair<size_t, size_t> around(size_t index) const;
+    /// The light groups of frame `index` that the looks of its neighbours change alone. They go by no other frame, so
+    /// that a frame has the same bits whichever came before.
+    std::set<int> groupsOf(size_t index, const RelitScene& captured) const;
+    void findLights(size_t first, size_t last, size_t index, const Look& look, Progress& progress);
     /// At the place, or, where that lies inside one of the capture's objects, a little nearer to the camera; none where
     /// no light arrives there either.
     std::optional<MatteLight> lightAt(const MattePlace& place, const RelitScene& captured, const RelitScene& look,

@@ -2,114 +2,64 @@
 
 #include <gtest/gtest.h>
 
+#include "plate/plate_world.h"
+
 namespace relamp {
 namespace {
 
+using test::PlateWorld;
+using test::Relighting;
 using test::TemporaryFolder;
 
-/// A table and a ball under a square emitter and a grey sky, and a camera that moves past them.
-struct World {
-    Shot shot;
-    Scene scene;
-    std::vector<Camera> cameras;
-    explicit World(int frames = 5) {
-        Mesh mesh = test::sheet({-2, -2, 0}, {4, 0, 0}, {0, 4, 0}, 24, 24);
-        test::append(mesh, test::ball({0.3f, 0.2f, 0.3f}, 0.3f, 16, 24));
-        const std::vector<uint32_t> emitter = test::append(mesh, test::squareAbove(0.4f, -0.5f, 0.2f, 1.2f));
-        scene = test::sceneOf(mesh);
-        shot.capture.mesh = mesh;
-        shot.capture.views.resize(1);
-        shot.estimate = test::matteEstimate(scene, Rgb(0.5f, 0.4f, 0.3f), Rgb(0.3f),
-                                            test::emittersOf(scene, {emitter}, {Rgb(8, 7, 6)}));
-        for (int i = 0; i < frames; ++i)
-            cameras.push_back(test::cameraAt({-1 + 0.02 * i, -3, 1.6}, {0.02 * i, 0, 0.2}, 64, 48, 70));
-    }
-    static Look dimmed() {
-        Look look;
-        EmitterLook emitter;
-        emitter.id = "emitter-1";
-        emitter.powerScale = Rgb(0.25f, 0.5f, 1);
-        look.emitters.push_back(emitter);
-        return look;
-    }
-    RelitScene relit(const Look& look) const { return test::relitOf(scene, shot.estimate, look); }
-
-    /// Writes plate.####.exr from 1001 on, each frame times its gain, and the track.
-    PlateRequest writePlate(const TemporaryFolder& folder, const std::vector<Rgb>& gains = {}) const {
-        Progress progress;
-        const RelitScene captured = relit({});
-        std::string frames;
-        FrameOptions options;
-        options.samplesPerPixel = 16;
-        for (size_t i = 0; i < cameras.size(); ++i) {
-            const Frame frame = renderFrame(captured, cameras[i], options, progress);
-            Image image(frame.width, frame.height);
-            image.pixels = frame.beauty;
-            if (!gains.empty())
-                for (Rgb& p : image.pixels) p *= gains[i];
-            image.pixels[5] = Rgb(-0.01f, 0.2f, 0.1f);  // lens corrections leave such values
-            writeImage(folder / fmt::format("plate.{}.exr", 1001 + i), image);
-            std::string rows;
-            for (int r = 0; r < 4; ++r) {
-                const DMat4& m = cameras[i].worldFromCamera;
-                rows += fmt::format("{}[{},{},{},{}]", r ? "," : "", m[0][r], m[1][r], m[2][r], m[3][r]);
-            }
-            frames += fmt::format("{}{{\"file_path\": \"plate.{}.exr\", \"transform_matrix\": [{}]}}", i ? "," : "",
-                                  1001 + i, rows);
-        }
-        folder.write("track.json", "{\"w\": 64, \"h\": 48, \"fl_x\": 70, \"frames\": [" + frames + "]}");
-        PlateRequest request;
-        request.plate = folder / "plate.####.exr";
-        request.cameras = folder / "track.json";
-        return request;
-    }
-};
-
-double rootMeanSquare(const std::vector<double>& values) {
-    double sum = 0;
-    for (double v : values) sum += v * v;
-    return std::sqrt(sum / double(values.size()));
-}
-
-struct Relighting {
-    Plate plate;
-    LookTrack track;
-    RelitLooks looks;
-    FrameOptions options;
-    Progress progress;
-    PlateRelighter relighter;
-    Relighting(const World& world, const PlateRequest& request, const Look& look)
-        : plate(openPlate(world.shot.capture, request, progress)),
-          track(look),
-          looks(world.shot, world.scene, track),
-          relighter(plate, request, looks, denoised(), progress) {}
-    const FrameOptions& denoised() {
-        options.denoise = true;
-        return options;
-    }
-};
-
 TEST(RelightPlate, IsTheSceneUnderTheNewLight) {
-    const World world;
+    const PlateWorld world;
     const TemporaryFolder folder;
     const PlateRequest request = world.writePlate(folder);
-    Relighting run(world, request, World::dimmed());
+    Relighting run(world, request, PlateWorld::dimmed());
     const RelitPlate relit = run.relighter.relit(2, run.progress);
     FrameOptions many;
     many.samplesPerPixel = 64;
-    const Frame truth = renderFrame(world.relit(World::dimmed()), world.cameras[2], many, run.progress);
+    const Frame truth = renderFrame(world.relit(PlateWorld::dimmed()), world.cameras[2], many, run.progress);
     std::vector<double> off;
     for (size_t p = 0; p < truth.beauty.size(); ++p)
         if (truth.emittersSeen[p][0].emitter < 0 && p != 5)
             for (int c = 0; c < 3; ++c) off.push_back(double(relit.image.pixels[p][c] / truth.beauty[p][c] - 1));
-    EXPECT_LT(rootMeanSquare(off), 0.03);
+    EXPECT_LT(test::rootMeanSquare(off), 0.03);
     EXPECT_NEAR(relit.gain.x, 1, 0.01);
     EXPECT_GT(relit.covered, 0.3f);
 }
 
+TEST(RelightPlate, AsADifferenceAddsTheChangeOfLightToWhateverThePlateShows) {
+    const PlateWorld world(1);
+    const TemporaryFolder folder;
+    PlateRequest request = world.writePlate(folder);
+    float saturation = 0;
+    Image plate = readPlate(folder / "plate.1001.exr", PlateCurve::automatic, saturation);
+    for (size_t p = 0; p < plate.pixels.size(); p += 3) plate.pixels[p] *= 1.4f;  // what no model knows
+    writeImage(folder / "plate.1001.exr", plate);
+    plate = readPlate(folder / "plate.1001.exr", PlateCurve::automatic, saturation);
+    request.match = PlateMatching::off;
+    request.ratio = Ratio::difference;
+    Relighting run(world, request, PlateWorld::dimmed());
+    const Image relit = run.relighter.relit(0, run.progress).image;
+    FrameOptions many;
+    many.samplesPerPixel = 64;
+    const Frame before = renderFrame(world.relit({}), world.cameras[0], many, run.progress),
+                after = renderFrame(world.relit(PlateWorld::dimmed()), world.cameras[0], many, run.progress);
+    std::vector<double> off, changes;
+    for (size_t p = 0; p < after.beauty.size(); ++p) {
+        if (after.emittersSeen[p][0].emitter >= 0 || p == 5) continue;
+        const double change = double(after.beauty[p].x - before.beauty[p].x);
+        changes.push_back(change);
+        off.push_back(double(relit.pixels[p].x - plate.pixels[p].x) - change);
+    }
+    EXPECT_GT(test::rootMeanSquare(changes), 0.02);
+    EXPECT_LT(test::rootMeanSquare(off), 0.05 * test::rootMeanSquare(changes));
+}
+
 TEST(PlateLight, OfAnEditOfPowersIsKnownWithoutRenderingIt) {
-    const World world;
-    Look look = World::dimmed();
+    const PlateWorld world;
+    Look look = PlateWorld::dimmed();
     look.environment.exposureStops = -1;
     look.environment.tint = Rgb(1, 0.8f, 0.6f);
     const RelitScene captured = world.relit({}), changed = world.relit(look);
@@ -118,8 +68,12 @@ TEST(PlateLight, OfAnEditOfPowersIsKnownWithoutRenderingIt) {
     FrameOptions options;
     options.samplesPerPixel = 4;
     Progress progress;
-    const PlateLight quick = plateLight(captured, *factors, world.cameras[0], options, progress),
-                     whole = plateLight(captured, changed, world.cameras[0], options, progress);
+    const auto ground = [&](const std::set<int>& groups) {
+        return std::make_shared<const PlateGround>(
+            plateGround(captured, world.cameras[0], groups, false, options, progress));
+    };
+    const PlateLight quick = plateLight(ground(factors->changed()), *factors),
+                     whole = plateLight(ground({}), changed, world.cameras[0], options, progress);
     const std::vector<Rgb> quickly = steadied({&quick, &world.cameras[0]}, {}),
                            wholly = steadied({&whole, &world.cameras[0]}, {});
     // Another tint draws other samples of the environment: the rest is their noise.
@@ -131,7 +85,7 @@ TEST(PlateLight, OfAnEditOfPowersIsKnownWithoutRenderingIt) {
             quickSum += double(quickly[p][c]);
             wholeSum += double(wholly[p][c]);
         }
-    EXPECT_LT(rootMeanSquare(off), 0.02);
+    EXPECT_LT(test::rootMeanSquare(off), 0.02);
     EXPECT_NEAR(quickSum / wholeSum, 1, 1e-3);
     look.emitters[0].matrix = test::translation({0.1f, 0, 0});
     EXPECT_FALSE(groupFactors(captured, look));
@@ -141,7 +95,7 @@ TEST(PlateLight, OfAnEditOfPowersIsKnownWithoutRenderingIt) {
 }
 
 TEST(RelightPlate, WithoutAnEditIsThePlateBitForBit) {
-    const World world(2);
+    const PlateWorld world(2);
     const TemporaryFolder folder;
     const PlateRequest request = world.writePlate(folder, {Rgb(1.3f, 1, 0.8f), Rgb(1.3f, 1, 0.8f)});
     Relighting run(world, request, {});
@@ -151,27 +105,27 @@ TEST(RelightPlate, WithoutAnEditIsThePlateBitForBit) {
 }
 
 TEST(RelightPlate, TheSameBitsWhicheverFramesCameBefore) {
-    const World world;
+    const PlateWorld world;
     const TemporaryFolder folder;
     const PlateRequest request = world.writePlate(folder);
-    Relighting all(world, request, World::dimmed()), one(world, request, World::dimmed());
+    Relighting all(world, request, PlateWorld::dimmed()), one(world, request, PlateWorld::dimmed());
     all.relighter.relit(0, all.progress);
     all.relighter.relit(1, all.progress);
     EXPECT_EQ(all.relighter.relit(3, all.progress).image.pixels, one.relighter.relit(3, one.progress).image.pixels);
 }
 
 TEST(RelightPlate, NeighboursSteadyTheLight) {
-    const World world;
+    const PlateWorld world;
     const TemporaryFolder folder;
     PlateRequest request = world.writePlate(folder);
     FrameOptions many;
     many.samplesPerPixel = 256;
     Progress progress;
     const Frame old = renderFrame(world.relit({}), world.cameras[2], many, progress),
-                next = renderFrame(world.relit(World::dimmed()), world.cameras[2], many, progress);
+                next = renderFrame(world.relit(PlateWorld::dimmed()), world.cameras[2], many, progress);
     const auto noise = [&](int neighbours) {
         request.neighbours = neighbours;
-        Relighting run(world, request, World::dimmed());
+        Relighting run(world, request, PlateWorld::dimmed());
         run.options.denoise = false;
         run.options.samplesPerPixel = 1;
         PlateRelighter relighter(run.plate, request, run.looks, run.options, run.progress);
@@ -182,7 +136,7 @@ TEST(RelightPlate, NeighboursSteadyTheLight) {
         for (size_t p = 0; p < relit.pixels.size(); ++p)
             if (old.depth[p] < 5 && old.emittersSeen[p][0].emitter < 0)
                 off.push_back(double(relit.pixels[p].x / plate.pixels[p].x * old.beauty[p].x / next.beauty[p].x - 1));
-        return rootMeanSquare(off);
+        return test::rootMeanSquare(off);
     };
     const double alone = noise(0), among = noise(PlateRequest{}.neighbours);
     EXPECT_GT(alone, 0.005);
@@ -190,24 +144,24 @@ TEST(RelightPlate, NeighboursSteadyTheLight) {
 }
 
 TEST(RelightPlate, FollowsAPlateThatBreathesAndAStillOneNot) {
-    const World world(8);
+    const PlateWorld world(8);
     const TemporaryFolder folder;
     std::vector<Rgb> gains;
     for (int i = 0; i < 8; ++i) gains.push_back(Rgb(1.2f, 1, 0.9f) * (1 + 0.05f * std::sin(0.9f * float(i))));
-    Relighting breathing(world, world.writePlate(folder, gains), World::dimmed());
+    Relighting breathing(world, world.writePlate(folder, gains), PlateWorld::dimmed());
     EXPECT_TRUE(breathing.relighter.gains().breathes);
     for (int i = 0; i < 8; ++i)
         for (int c = 0; c < 3; ++c)
             EXPECT_NEAR(breathing.relighter.gains().at(1001 + i)[c] / gains[size_t(i)][c], 1, 0.01) << i;
     const TemporaryFolder quiet;
-    Relighting still(world, world.writePlate(quiet, std::vector<Rgb>(8, Rgb(1.2f, 1, 0.9f))), World::dimmed());
+    Relighting still(world, world.writePlate(quiet, std::vector<Rgb>(8, Rgb(1.2f, 1, 0.9f))), PlateWorld::dimmed());
     EXPECT_FALSE(still.relighter.gains().breathes);
     EXPECT_NEAR(still.relighter.gains().at(1004).x, 1.2f, 0.01f);
     EXPECT_NEAR(still.relighter.gains().at(1004).z, 0.9f, 0.01f);
 }
 
 TEST(RelightPlate, LeavesWhatIsHeldOutBitForBit) {
-    const World world(3);
+    const PlateWorld world(3);
     const TemporaryFolder folder;
     PlateRequest request = world.writePlate(folder, std::vector<Rgb>(3, Rgb(1.31f, 1.01f, 0.83f)));
     for (int i = 0; i < 3; ++i) {
@@ -217,7 +171,7 @@ TEST(RelightPlate, LeavesWhatIsHeldOutBitForBit) {
         writeImage(folder / fmt::format("matte.{}.exr", 1001 + i), matte);
     }
     request.matte = folder / "matte.####.exr";
-    Relighting run(world, request, World::dimmed());
+    Relighting run(world, request, PlateWorld::dimmed());
     const RelitPlate relit = run.relighter.relit(1, run.progress);
     float saturation = 0;
     const Image plate = readPlate(folder / "plate.1002.exr", PlateCurve::automatic, saturation);
@@ -227,7 +181,7 @@ TEST(RelightPlate, LeavesWhatIsHeldOutBitForBit) {
     EXPECT_FALSE(relit.matteLight);
 
     request.relightMatte = true;
-    Relighting lit(world, request, World::dimmed());
+    Relighting lit(world, request, PlateWorld::dimmed());
     const RelitPlate actor = lit.relighter.relit(1, lit.progress);
     ASSERT_TRUE(actor.matteLight);
     EXPECT_LT(std::abs(actor.matteLight->place.foot.z), 0.02f);
@@ -260,7 +214,7 @@ TEST(MatteFactors, FollowAnUprightCylinder) {
 }
 
 TEST(RelightPlate, AMatteIsRelitAfterAFrameWithoutAnEdit) {
-    const World world(3);
+    const PlateWorld world(3);
     const TemporaryFolder folder;
     PlateRequest request = world.writePlate(folder);
     Image matte(64, 48);
@@ -270,7 +224,7 @@ TEST(RelightPlate, AMatteIsRelitAfterAFrameWithoutAnEdit) {
     request.matte = folder / "matte.exr";
     request.relightMatte = true;
     Look look;
-    look.keys = {{1001, {}, KeyEase::hold}, {1003, World::dimmed(), KeyEase::hold}};
+    look.keys = {{1001, {}, KeyEase::hold}, {1003, PlateWorld::dimmed(), KeyEase::hold}};
     Relighting run(world, request, look);
     run.looks.at(1001, run.progress);
     EXPECT_FALSE(run.relighter.relit(0, run.progress).matteLight);
@@ -282,7 +236,7 @@ TEST(RelightPlate, AMatteIsRelitAfterAFrameWithoutAnEdit) {
 }
 
 TEST(RelightPlate, NamesFramesThatLackSomething) {
-    const World world(4);
+    const PlateWorld world(4);
     const TemporaryFolder folder;
     PlateRequest request = world.writePlate(folder);
     std::filesystem::remove(folder / "plate.1002.exr");
@@ -298,7 +252,7 @@ TEST(RelightPlate, NamesFramesThatLackSomething) {
     // A frame of another size is refused by itself.
     writeImage(folder / "plate.1003.exr", Image(32, 24));
     request.match = PlateMatching::off;
-    Relighting run(world, request, World::dimmed());
+    Relighting run(world, request, PlateWorld::dimmed());
     EXPECT_THROW(run.relighter.relit(1, run.progress), Error);
     // Numbers that never meet are an error that says both.
     request.track.offset = 500;
@@ -306,11 +260,11 @@ TEST(RelightPlate, NamesFramesThatLackSomething) {
 }
 
 TEST(RelightPlate, ACameraThatLeavesTheCaptureKeepsThePlate) {
-    World world(1);
+    PlateWorld world(1);
     world.cameras[0] = test::cameraAt({0, -3, 1.6}, {0, -9, 3}, 64, 48, 70);
     const TemporaryFolder folder;
     const PlateRequest request = world.writePlate(folder);
-    Relighting run(world, request, World::dimmed());
+    Relighting run(world, request, PlateWorld::dimmed());
     const RelitPlate relit = run.relighter.relit(0, run.progress);
     EXPECT_EQ(relit.covered, 0);
     float saturation = 0;

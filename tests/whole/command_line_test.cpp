@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "support/colmap_copy.h"
+#include "support/exr_header.h"
 #include "support/known_world.h"
 #include "support/run_program.h"
 #include "whole/relamp_program.h"
@@ -226,11 +227,14 @@ TEST(CommandLine, SolvesRendersAndTellsWhatIsInAShot) {
     EXPECT_EQ(relamp(keyed).error.find("--frames 99: "), std::string::npos);
     fs::copy(folder / "capture/images/00.exr", folder / "plate.0001.exr");
     fs::copy(folder / "capture/images/01.exr", folder / "plate.0003.exr");
+    // One that is damaged is named, the others are written.
+    const std::string bytes = test::TemporaryFolder::read(folder / "plate.0001.exr");
+    folder.write("plate.0002.exr", bytes.substr(0, bytes.size() / 2));
     const test::ProgramResult plate =
         relamp({"render", shot, "-o", folder / "relit.##.exr", "--plate", folder / "plate.####.exr", "--plate-camera",
                 folder / "capture/transforms.json", "--edits", keys, "--samples", "2"});
-    EXPECT_EQ(plate.exitCode, 5) << "frame 2 is missing: " << plate.error;
-    EXPECT_NE(plate.error.find("frames 2 are missing"), std::string::npos) << plate.error;
+    EXPECT_EQ(plate.exitCode, 5) << "frame 2 is damaged: " << plate.error;
+    EXPECT_NE(plate.error.find("plate.0002.exr"), std::string::npos) << plate.error;
     EXPECT_EQ(relamp({"render", shot, "-o", folder / "part.##.exr", "--plate", folder / "plate.####.exr",
                       "--plate-camera", folder / "capture/transforms.json", "--frames", "1"})
                   .exitCode,
@@ -246,6 +250,21 @@ TEST(CommandLine, SolvesRendersAndTellsWhatIsInAShot) {
     const test::ProgramResult own =
         relamp({"render", shot, "-o", folder / "own.##.exr", "--edits", folder / "own.json", "--samples", "2"});
     EXPECT_EQ(own.exitCode, 5) << own.error;
+    fs::remove(folder / "plate.0002.exr");
+    // Parts that go beyond the end are the last of a farm.
+    for (const auto& [range, written] : {std::pair("3-5", true), {"7-9", false}}) {
+        const test::ProgramResult part =
+            relamp({"render", shot, "-o", folder / (std::string("end.##.") + range + ".exr"), "--frames", range,
+                    "--edits", folder / "own.json", "--samples", "1", "--exr-compression", "piz"});
+        EXPECT_EQ(part.exitCode, 0) << part.error;
+        EXPECT_NE(part.error.find("outside the plate's 1 to 3, skipped"), std::string::npos) << part.error;
+        EXPECT_NE(part.error.find("frames 2 are missing"), std::string::npos) << part.error;
+        EXPECT_EQ(fs::exists(folder / (std::string("end.03.") + range + ".exr")), written);
+    }
+    EXPECT_EQ(test::readExrHeader(folder / "end.03.3-5.exr").compression, "piz");
+    const test::ProgramResult early =
+        relamp({"render", shot, "-o", folder / "end.exr", "--frames", "0", "--edits", folder / "own.json"});
+    EXPECT_EQ(early.exitCode, 2) << early.error;
     for (const char* number : {"01", "03"})
         EXPECT_EQ(readImage(folder / (std::string("own.") + number + ".exr")).pixels,
                   readImage(folder / (std::string("relit.") + number + ".exr")).pixels)
