@@ -1,10 +1,10 @@
 // Rendering frames to files in the background.
-#include "base/atomic_file.h"
 #include "base/input_files.h"
 #include "base/is_there.h"
 #include "base/printable.h"
 #include "capture/photograph_reader.h"
 #include "editor_impl.h"
+#include "plate/plate_file.h"
 #include "shot/export_frame.h"
 #include "shot/frame_jobs.h"
 #include "shot/relit_looks.h"
@@ -165,11 +165,7 @@ void ExportWork::writeOne(const FrameJob& job, RelitLooks& looks, PlateRelighter
             logWarning("frame {}: its camera sees nothing of the capture; the plate stays as it is", job.number);
         sources.look = &looks.at(job.number, progress);
         if (layers_.correction) sources.captured = &looks.captured(progress);
-        sources.finished = &relit.image;
-        writeFrameFile(job.file, job.camera, sources, options_, fileOptions_, progress);
-        if (relit.matteLight)
-            writeBytesAtomically(fs::path(job.file).replace_extension(".light.json"),
-                                 matteLightJson(job.number, *relit.matteLight, sources.origin));
+        writePlateFrame(job.file, *frame, relit, sources, options_, fileOptions_, progress);
         return;
     }
     sources.look = &looks.at(job.number, progress);
@@ -200,7 +196,7 @@ void ExportWork::writeOne(const FrameJob& job, RelitLooks& looks, PlateRelighter
 
 void ExportWork::run(Progress& progress, const std::function<void(double)>& whole) {
     refuseInputs(progress);
-    options_.samplesPerPixel = request.samples;
+    options_.samplesPerPixel = plate ? request.plateSamples : request.samples;
     // What is filtered away of the model would be taken for detail of the photograph.
     options_.denoise = request.denoise && (plate || request.ratio == Ratio::none);
     layers_ = layerRequest(request.layers);
@@ -214,6 +210,7 @@ void ExportWork::run(Progress& progress, const std::function<void(double)>& whol
         fileOptions_.display = [this](Rgb* pixels, size_t count) {
             displayTransform().apply(displayView, exposureStops, pixels, count);
         };
+    fileOptions_.exr = request.exr;
     fileOptions_.header = {{"relamp:gauge", estimate->gauge.kind + ": " + estimate->gauge.evidence}};
     const LookTrack track(look);
     RelitLooks looks(*estimate, *document.scene, track);
@@ -234,7 +231,10 @@ void ExportWork::run(Progress& progress, const std::function<void(double)>& whol
         plateRequest = plate->request;
         plateRequest.ratio = request.ratio == Ratio::none ? Ratio::quotient : request.ratio;
         fileOptions_.ratio = plateRequest.ratio;
+        plateRequest.unsure = request.unsure;
         plates.emplace(plate->plate, plateRequest, looks, options_, progress);
+        for (const std::string& fault : plates->gains().faults)
+            logWarning("{}; left out of the colour matching", fault);
     }
     whole(0.05);
     for (const FrameJob& one : jobs) {

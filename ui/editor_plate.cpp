@@ -155,8 +155,8 @@ void Editor::Impl::pollRelitPlate() {
         const ExportRequest& as = state.exportFrames;
         Look look = lookThatFits(history.present().look, *solved, state.document.scene->mesh.vertexCount());
         look.bookmarks.clear();
-        wanted = RelitPlateRequest{self.plate(),     state.document.scene, solved,     std::move(look),
-                                   state.time.frame, as.samples,           as.denoise, as.ratio};
+        wanted = RelitPlateRequest{self.plate(),    state.document.scene, solved,   std::move(look), state.time.frame,
+                                   as.plateSamples, as.denoise,           as.ratio, as.unsure};
     }
     // The image of the model comes first: it takes less time.
     const bool now = wanted && (steadied || self.restFrame() || relitPlates.image(*wanted));
@@ -236,11 +236,12 @@ void Editor::Impl::pollPlate() {
     }
     pollRelitPlate();
     if (!open) {
-        plates.show(nullptr, 0, false);
+        plates.show(nullptr, 0, false, 0);
         return;
     }
     if (!self.plateCamera()) return;
-    const std::string trouble = plates.show(open, self.state.time.frame, self.state.time.playing);
+    const std::string trouble =
+        plates.show(open, self.state.time.frame, self.state.time.playing, self.state.time.keptBytes());
     if (!trouble.empty())
         self.fail("A frame of the plate could not be read", trouble, "The other frames are shown as they are.");
 }

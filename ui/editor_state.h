@@ -207,9 +207,11 @@ struct ExportRequest {
     LayerNaming naming = LayerNaming::blender;
     bool multipart = false;
     std::optional<DisplayView> view{};  ///< of PNG and JPEG; none: view transform and exposure of the viewport
-    int width = 0, height = 0;          ///< 0: the view's own size, or the viewport's
-    int samples = 8;
+    int width = 0, height = 0;                            ///< 0: the view's own size, or the viewport's
+    int samples = 8, plateSamples = defaultPlateSamples;  ///< a pixel; of a plate its own
     bool denoise = true;
+    PlateUnsure unsure = PlateUnsure::model;  ///< of a plate
+    ExrFormat exr{};
     bool regionOnly = true;         ///< where the viewport has one and its image is exported
     std::string layers = "groups";  ///< as render --layers; "" for beauty only
     std::filesystem::path file;     ///< #### is the frame's number
@@ -231,7 +233,10 @@ struct OpenPlate {
 /// A frame of the plate to be shown: without lens distortion, in the capture's scale, at most 1280 pixels wide or high.
 struct PlateImage {
     int frame = 0, width = 0, height = 0;
-    std::vector<Vec4> pixels;  ///< premultiplied by coverage, top row first; empty: it could not be read
+    /// Four halves each: colour premultiplied by coverage, coverage; top row first; empty: it could not be read.
+    std::vector<uint64_t> pixels;
+    Vec4 at(size_t pixel) const;
+    size_t bytes() const { return pixels.size() * sizeof(uint64_t); }
 };
 
 /// What the last search for an emitter that no photograph shows said, and of which capture.
@@ -257,6 +262,8 @@ struct CurveHandle {
 struct TimeState {
     int frame = 1, first = 1, last = 48;
     double framesPerSecond = 24;
+    int keptMiB = 2048;  ///< memory of frames that were played: half for images of the scene, half for the plate's
+    size_t keptBytes() const { return size_t(keptMiB) << 19; }  ///< of either half
     bool playing = false, loop = true;
     bool scrubbing = false;            ///< the playhead is being dragged
     bool curves = false;               ///< the panel Frames shows values against frames

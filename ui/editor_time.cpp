@@ -5,8 +5,6 @@
 namespace relamp::ui {
 namespace {
 
-constexpr size_t mostBytes = size_t(1) << 30;
-
 size_t bytesOf(const LiveFrame& frame) {
     size_t bytes = (frame.radiance.size() + frame.distantMatte.size()) * sizeof(Rgb);
     for (const auto& factors : frame.formFactor) bytes += factors.size() * sizeof(float);
@@ -155,7 +153,7 @@ bool Editor::Impl::pollPlayback(const RelightRequest& request) {
             show(kept->second);
         } else if (made.image && made.time == timeTag()) {
             show(made.image);
-            if (const size_t bytes = bytesOf(*made.image); p.bytes + bytes <= mostBytes) {
+            if (const size_t bytes = bytesOf(*made.image); p.bytes + bytes <= time.keptBytes()) {
                 p.kept[time.frame] = made.image;
                 p.bytes += bytes;
             }

@@ -1,5 +1,8 @@
 #include "plate_player.h"
 
+#include <glm/gtc/packing.hpp>
+
+#include "base/parallel.h"
 #include "shot/relit_looks.h"
 #include "viewport/photograph.h"
 
@@ -75,6 +78,8 @@ std::shared_ptr<const OpenPlate> openPlateOf(const PlateLook& look, const std::s
     });
     try {
         if (estimate && scene && !open->plate.frames.empty()) open->gains = gainsOf(*open, *scene, *estimate, progress);
+        for (const std::string& fault : open->gains.faults)
+            open->plate.notes.push_back(fault + "; left out of the colour matching");
     } catch (const std::exception& error) {
         open->plate.notes.push_back(std::string("Its colours were not matched: ") + error.what());
     }
@@ -97,7 +102,9 @@ PlateImage shownPlate(Image image, const PlateFrame& frame, const Rgb& gain) {
         for (Rgb& pixel : view.image.pixels) pixel /= glm::max(gain, Rgb(1e-6f));
     PlateImage out;
     out.frame = frame.number;
-    out.pixels = straightened(view, longestSide, out.width, out.height);
+    const std::vector<Vec4> pixels = straightened(view, longestSide, out.width, out.height);
+    out.pixels.resize(pixels.size());
+    parallelFor(pixels.size(), 1 << 14, [&](size_t p) { out.pixels[p] = glm::packHalf4x16(pixels[p]); });
     return out;
 }
 
@@ -107,20 +114,33 @@ PlateImage readPlateImage(const OpenPlate& plate, const PlateFrame& frame, Progr
     return shownPlate(std::move(image), frame, plate.gains.at(frame.number));
 }
 
-void PlatePlayer::keep(std::shared_ptr<const PlateImage> image) {
-    const size_t more = image->pixels.size() * sizeof(Vec4);
+Vec4 PlateImage::at(size_t pixel) const { return glm::unpackHalf4x16(pixels[pixel]); }
+
+void PlatePlayer::keep(std::shared_ptr<const PlateImage> image, bool ahead, size_t mostBytes) {
+    ++read_;
+    const size_t more = image->bytes();
+    if (ahead && bytes_ + more > mostBytes) {
+        passing_[image->frame] = std::move(image);
+        return;
+    }
     // Those far from the new one go first.
     while (!kept_.empty() && bytes_ + more > mostBytes) {
         const auto first = kept_.begin(), last = std::prev(kept_.end());
         const auto gone = image->frame - first->first > last->first - image->frame ? first : last;
-        bytes_ -= gone->second->pixels.size() * sizeof(Vec4);
+        bytes_ -= gone->second->bytes();
         kept_.erase(gone);
     }
     bytes_ += more;
     kept_[image->frame] = std::move(image);
 }
 
-void PlatePlayer::take() {
+std::shared_ptr<const PlateImage> PlatePlayer::held(int frame) const {
+    for (const auto* images : {&kept_, &passing_})
+        if (const auto found = images->find(frame); found != images->end()) return found->second;
+    return nullptr;
+}
+
+void PlatePlayer::take(bool ahead, size_t mostBytes) {
     if (!reading_ || !reading_->done()) return;
     const std::unique_ptr<Job<PlateImage>> finished = std::move(reading_);
     auto image = std::make_shared<PlateImage>();
@@ -130,34 +150,34 @@ void PlatePlayer::take() {
     } catch (const Cancelled&) { return; } catch (const std::exception& error) {
         trouble_ = error.what();
     }
-    keep(std::move(image));
+    keep(std::move(image), ahead, mostBytes);
 }
 
-std::string PlatePlayer::show(const std::shared_ptr<const OpenPlate>& plate, int frame, bool ahead) {
+std::string PlatePlayer::show(const std::shared_ptr<const OpenPlate>& plate, int frame, bool ahead, size_t mostBytes) {
     if (plate != plate_) {
         reading_.reset();
         kept_.clear();
+        passing_.clear();
         bytes_ = 0;
         shown_.reset();
         plate_ = plate;
     }
-    take();
+    take(ahead, mostBytes);
     const PlateFrame* wanted = plate ? plate->at(frame) : nullptr;
     ready_ = true;
     if (!wanted) {
         shown_.reset();
         return std::exchange(trouble_, {});
     }
-    if (const auto kept = kept_.find(wanted->number); kept != kept_.end()) {
-        shown_ = kept->second;
-        if (ahead) {
-            const PlateFrame* next = wanted;
-            const PlateFrame* const end = plate->plate.frames.data() + plate->plate.frames.size();
-            for (int i = 0; i < 8 && next < end && kept_.contains(next->number); ++i) ++next;
-            wanted = next < end && !kept_.contains(next->number) ? next : nullptr;
-        } else {
-            wanted = nullptr;
-        }
+    const PlateFrame* next = wanted;
+    const PlateFrame* const end = plate->plate.frames.data() + plate->plate.frames.size();
+    const PlateFrame* const soon = wanted + std::min<ptrdiff_t>(mostAhead, end - 1 - wanted);
+    std::erase_if(passing_,
+                  [&](const auto& one) { return !ahead || one.first < wanted->number || one.first > soon->number; });
+    if (const auto image = held(wanted->number)) {
+        shown_ = image;
+        while (ahead && next <= soon && held(next->number)) ++next;
+        wanted = ahead && next <= soon ? next : nullptr;
     } else {
         ready_ = false;
     }

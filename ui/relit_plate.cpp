@@ -20,6 +20,7 @@ PlateImage relitPlateImage(const RelitPlateRequest& request, int neighbours, std
     PlateRequest ofPlate = request.plate->request;
     ofPlate.ratio = request.ratio == Ratio::none ? Ratio::quotient : request.ratio;
     ofPlate.neighbours = neighbours;
+    ofPlate.unsure = request.unsure;
     FrameOptions options;
     options.samplesPerPixel = request.samples;
     options.denoise = request.denoise;
@@ -29,6 +30,7 @@ PlateImage relitPlateImage(const RelitPlateRequest& request, int neighbours, std
         gains = std::make_shared<const PlateGains>(PlateRelighter(plate, ofPlate, looks, options, progress).gains());
     PlateRelighter relighter(plate, ofPlate, looks, options, *gains);
     RelitPlate relit = relighter.relit(size_t(frame - plate.frames.data()), progress);
+    gains = std::make_shared<const PlateGains>(relighter.gains());  // with those that were matched for this frame
     return shownPlate(std::move(relit.image), *frame, relit.gain);
 }
 

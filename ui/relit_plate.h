@@ -15,9 +15,10 @@ struct RelitPlateRequest {
     std::shared_ptr<const Estimate> estimate;
     Look look;  ///< with its keys
     int frame = 0;
-    int samples = 8;  ///< as in ExportRequest
+    int samples = defaultPlateSamples;
     bool denoise = true;
     Ratio ratio = Ratio::quotient;
+    PlateUnsure unsure = PlateUnsure::model;
     bool operator==(const RelitPlateRequest&) const = default;
 };
 

@@ -51,6 +51,19 @@ Json estimateJson(const SolveRequest& solve) {
     return json;
 }
 
+void readExport(const Json& document, ExportRequest& request) {
+    const auto kept = document.find("export");
+    if (kept == document.end() || !kept->is_object()) return;
+    if (const auto at = kept->find("compression"); at != kept->end() && at->is_string())
+        for (const char* name : exrCompressions)
+            if (*at == name) request.exr.compression = name;
+    if (const auto at = kept->find("floats"); at != kept->end() && at->is_boolean()) request.exr.floats = *at;
+}
+
+Json exportJson(const ExportRequest& request) {
+    return {{"compression", request.exr.compression}, {"floats", request.exr.floats}};
+}
+
 }  // namespace
 
 void loadSettings(const fs::path& folder, EditorState& state) {
@@ -78,6 +91,8 @@ void loadSettings(const fs::path& folder, EditorState& state) {
     p.bottomHeight = number(document, "bottom_height", p.bottomHeight, 60, 600);
     state.uiScale = number(document, "ui_scale", 0, 0, 3);
     readEstimate(document, state.solve);
+    state.time.keptMiB = int(number(document, "kept_mib", float(state.time.keptMiB), 256, 262'144));
+    readExport(document, state.exportFrames);
     if (const auto at = document.find("export_file"); at != document.end() && at->is_string()) {
         // Where frames went last; a folder that is gone is no place.
         const fs::path place = at->get<std::string>();
@@ -102,6 +117,8 @@ void saveSettings(const fs::path& folder, const EditorState& state) {
                   {"view_transform", state.viewport.displayView},
                   {"length_unit", infoOf(state.lengthUnit).name},
                   {"export_file", state.exportFrames.file.string()},
+                  {"export", exportJson(state.exportFrames)},
+                  {"kept_mib", state.time.keptMiB},
                   {"estimate", estimateJson(state.solve)}};
     for (const fs::path& p : state.recent) document["recent"].push_back(p.string());
     for (const fs::path& p : state.recentEnvironments) document["recent_environments"].push_back(p.string());

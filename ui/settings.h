@@ -7,8 +7,8 @@
 
 namespace relamp::ui {
 
-/// Fills recent files, panel sizes, display view, unit of length, UI scale and advanced settings of the estimate of
-/// `state` from FOLDER/settings.json.
+/// Fills recent files, panel sizes, display view, unit of length, UI scale, how exports are packed, memory of played
+/// frames and advanced settings of the estimate of `state` from FOLDER/settings.json.
 void loadSettings(const std::filesystem::path& folder, EditorState& state);
 void saveSettings(const std::filesystem::path& folder, const EditorState& state);
 /// Puts `path` first, keeps 12.

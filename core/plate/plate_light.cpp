@@ -23,7 +23,7 @@ void bilinear(const Vec2& at, int width, int height, Visit&& visit) {
 }
 
 constexpr int edge = 2;
-constexpr float confident = 0.5f;
+constexpr float confident = 0.25f;
 
 /// Sums of values with their weights, row by row.
 struct WeightedImage {
@@ -258,23 +258,18 @@ PlateUnsure plateUnsure(const std::string& name) {
 std::vector<Rgb> whereUnsure(PlateUnsure unsure, const PlateLight& light, std::vector<Rgb> after) {
     const PlateGround& ground = *light.ground;
     if (unsure == PlateUnsure::model || ground.confidence.empty()) return after;
-    const auto none = [&](size_t p) { return !(ground.distance[p] > 0); };
-    const auto stays = [&](size_t p) { return ground.emits[p] || !light.same[p]; };
-    WeightedImage factors{ground.width, ground.height, std::vector<Rgb>(after.size(), Rgb(0)),
-                          std::vector<float>(after.size(), 0)};
+    const auto stays = [&](size_t p) { return !(ground.distance[p] > 0) || ground.emits[p] || !light.same[p]; };
+    std::vector<Rgb> own(after.size(), Rgb(0));
+    std::vector<float> weight(after.size(), 0);
     parallelFor(after.size(), 1 << 14, [&](size_t p) {
         if (stays(p)) return;
-        factors.sum[p] = after[p] == ground.before[p] ? Rgb(0)
-                                                      : glm::log((glm::max(after[p], Rgb(0)) + ground.floor) /
-                                                                 (glm::max(ground.before[p], Rgb(0)) + ground.floor));
-        factors.weight[p] =
-            none(p) ? float(factors.sum[p] != Rgb(0)) : std::min(1.0f, ground.confidence[p] / confident);
+        weight[p] = std::min(1.0f, ground.confidence[p] / confident);
+        if (after[p] != ground.before[p])
+            own[p] = glm::log((glm::max(after[p], Rgb(0)) + ground.floor) /
+                              (glm::max(ground.before[p], Rgb(0)) + ground.floor));
     });
-    const std::vector<Rgb> own = factors.sum;
-    const std::vector<float> weight = factors.weight;
-    for (size_t p = 0; p < own.size(); ++p) factors.sum[p] *= none(p) ? 0.0f : weight[p];
-    for (size_t p = 0; p < own.size(); ++p)
-        if (none(p)) factors.weight[p] = 0;  // a sky says nothing of the surfaces before it
+    WeightedImage factors{ground.width, ground.height, own, weight};
+    for (size_t p = 0; p < own.size(); ++p) factors.sum[p] *= weight[p];
     if (unsure == PlateUnsure::smooth) factors = filledIn(std::move(factors));
     parallelFor(after.size(), 1 << 14, [&](size_t p) {
         if (stays(p) || weight[p] >= 1) return;

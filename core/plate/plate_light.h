@@ -70,7 +70,7 @@ struct PlateMoment {
 /// Cost: about 0.05 microseconds a pixel and neighbour.
 std::vector<Rgb> steadied(const PlateMoment& frame, const std::vector<PlateMoment>& neighbours);
 
-/// What a pixel's factor is where the model rests on little: low confidence of the surface, or no surface.
+/// What a pixel's factor is where the model rests on little: low confidence of the surface.
 enum class PlateUnsure {
     model,   ///< what the model says, as elsewhere
     smooth,  ///< that of confident surfaces around it
@@ -80,10 +80,10 @@ enum class PlateUnsure {
 /// Throws BadOption when `name` is none of model, smooth, keep.
 PlateUnsure plateUnsure(const std::string& name);
 
-/// `after` with the logarithm r of its factor replaced by w r + (1 - w) s, w = min(1, confidence / 0.5): s is 0 for
+/// `after` with the logarithm r of its factor replaced by w r + (1 - w) s, w = min(1, confidence / 0.25): s is 0 for
 /// `keep`, else the mean of r over surfaces around, weighted by w (pulled down and pushed up a pyramid of halves).
-/// Emitters stay, and so do pixels where look and capture show different surfaces; where no surface is, w is 1 if the
-/// edit changes what is seen there, else 0. Cost: about 0.05 microseconds a pixel.
+/// Emitters stay, pixels where look and capture show different surfaces, and those where no surface is: a lamp does not
+/// reach them, as the model has it. Cost: about 0.05 microseconds a pixel.
 std::vector<Rgb> whereUnsure(PlateUnsure unsure, const PlateLight& light, std::vector<Rgb> after);
 
 /// The relit plate in the plate's own scale: applyRatio on plate / gain. `after`: what steadied() gave.

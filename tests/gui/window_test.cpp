@@ -58,8 +58,26 @@ void expectSameFrame(const std::filesystem::path& one, const std::filesystem::pa
     EXPECT_LT(error, 0.005 * sum);
 }
 
-/// The photographs stand for a plate: imported, a light keyed over its frames, played, undone, relit as the command
-/// line does it.
+/// White in the lower left quarter.
+Image quarterMatte(const std::filesystem::path& photograph) {
+    const auto [w, h] = readImageSize(photograph);
+    Image matte(w, h);
+    for (int y = h / 2; y < h; ++y)
+        for (int x = 0; x < w / 2; ++x) matte.at(x, y) = Rgb(1);
+    return matte;
+}
+
+/// Where the matte is white both show the same.
+void expectHeldOut(const std::filesystem::path& one, const std::filesystem::path& other) {
+    const Image a = readImage(one), b = readImage(other);
+    ASSERT_EQ(a.pixels.size(), b.pixels.size());
+    for (int y = a.height / 2; y < a.height; ++y)
+        for (int x = 0; x < a.width / 2; ++x)
+            ASSERT_NEAR(a.at(x, y).y, b.at(x, y).y, 1e-3f * b.at(x, y).y + 1e-6f) << "pixel " << x << ", " << y;
+}
+
+/// The photographs stand for a plate: imported with a matte, a light keyed over its frames, a key dragged and put back,
+/// played, undone, relit as the command line does it.
 void relightAPlate(const Desktop& desk, const std::filesystem::path& capture, const std::filesystem::path& shot) {
     const size_t entry = desk.map()["entry"];
     const std::string files = (capture / "images/##.exr").string(), track = (capture / "transforms.json").string();
@@ -71,6 +89,12 @@ void relightAPlate(const Desktop& desk, const std::filesystem::path& capture, co
     desk.type(files, 8);
     desk.click("plate Camera");
     desk.type(track, 8);
+    const std::filesystem::path mattes = capture.parent_path() / "matte.##.png";
+    for (int i = 0; i < 8; ++i)
+        writeImage(capture.parent_path() / fmt::format("matte.{:02}.png", i),
+                   quarterMatte(capture / fmt::format("images/{:02}.exr", i)));
+    desk.click("plate Matte");
+    desk.type(mattes.string(), 8);
     desk.screenshot("08-import-plate");
     desk.click("import plate");
     ASSERT_TRUE(desk.until([&](const Json& m) { return m["entry"] == entry + 1 && m["plate_frame"] == 1; }, 30))
@@ -89,6 +113,17 @@ void relightAPlate(const Desktop& desk, const std::filesystem::path& capture, co
     desk.key("m");
     ASSERT_TRUE(desk.until([&](const Json& m) { return m["entry"] == entry + 3; }, 10)) << state(desk);
     EXPECT_GT(differenceIn(desk.screenshot("08-plate-last"), first, image), 0.01) << "another camera and another light";
+    // The key of the last frame is dragged to the one before, and put back.
+    const int end = strip[2].get<int>(), wide = end - strip[0].get<int>(), middle = strip[3].get<int>() - 12;
+    desk.drag(end - 14, middle, end - 14 - wide / 7, middle);
+    ASSERT_TRUE(
+        desk.until([&](const Json& m) { return m["label"] == "Move key from frame 7 to 6" && m["time"] == 6; }, 10))
+        << state(desk);
+    desk.screenshot("08-plate-key-dragged");
+    desk.key("ctrl+z");
+    ASSERT_TRUE(desk.until([&](const Json& m) { return m["entry"] == entry + 3; }, 10)) << state(desk);
+    desk.click(end - 4, strip[3].get<int>() - 8);
+    ASSERT_TRUE(desk.until([](const Json& m) { return m["time"] == 7; }, 10)) << state(desk);
     // The exposure alone is keyed here, and changed at another frame.
     std::string exposure;
     const Json shown = desk.map()["items"];
@@ -117,21 +152,24 @@ void relightAPlate(const Desktop& desk, const std::filesystem::path& capture, co
     desk.click("export plate");
     desk.click("##plate frames");
     desk.key("ctrl+a");
-    desk.type("4");
+    desk.type("3-4");
     desk.click("##file");
     desk.key("ctrl+a");
-    const std::filesystem::path byWindow = desk.home() / "relit.exr", byLine = desk.home() / "relit-line.exr";
-    desk.type(byWindow.string(), 8);
+    const std::filesystem::path byWindow = desk.home() / "relit.04.exr", byLine = desk.home() / "line.04.exr";
+    desk.type((desk.home() / "relit.##.exr").string(), 8);
     desk.key("Tab");
     desk.screenshot("08-export-plate");
     desk.click("Export");
     ASSERT_TRUE(desk.until([&](const Json& m) { return m["job"] == "" && std::filesystem::exists(byWindow); }, 60))
         << state(desk);
     EXPECT_EQ(desk.map()["notice"], "");
-    const test::ProgramResult line = test::runProgram({RELAMP_BINARY, "render", shot.string(), "-o", byLine.string(),
-                                                       "--frames", "4", "--samples", "8", "--layers", "groups"});
+    const test::ProgramResult line =
+        test::runProgram({RELAMP_BINARY, "render", shot.string(), "-o", (desk.home() / "line.##.exr").string(),
+                          "--frames", "3-4", "--layers", "groups"});
     ASSERT_EQ(line.exitCode, 0) << line.error;
     expectSameFrame(byWindow, byLine);
+    expectSameFrame(desk.home() / "relit.03.exr", desk.home() / "line.03.exr");
+    expectHeldOut(byWindow, capture / "images/04.exr");
 }
 
 TEST(GuiWindow, anArtistOpensEstimatesMovesTheEmitterSwapsTheSkyAndExports) {

@@ -1,10 +1,7 @@
 #include "panels/export_dialog.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 
-#include "base/error.h"
 #include "item_map.h"
 #include "panels/dialogs.h"
 #include "shot/export_frame.h"
@@ -14,114 +11,6 @@
 namespace relamp::ui {
 namespace {
 namespace fs = std::filesystem;
-
-std::string lowered(std::string s) {
-    for (char& c : s) c = c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
-    return s;
-}
-
-/// An error of the command line in the words of the dialog: without the option's name.
-std::string withoutOption(std::string words) {
-    if (words.starts_with("--"))
-        if (const size_t colon = words.find(": "); colon != std::string::npos) words = words.substr(colon + 2);
-    return words;
-}
-
-}  // namespace
-
-ExportProblems checkExport(const ExportRequest& request, size_t views, int selectedView, const OpenPlate* plate,
-                           size_t bookmarks) {
-    using Views = ExportRequest::Views;
-    ExportProblems problems;
-    int first = 1;
-    if (request.views == Views::present) problems.frames = 1;
-    else if (request.views == Views::plate) {
-        try {
-            if (!plate || plate->plate.frames.empty()) throw Error("The plate is not open");
-            std::vector<int> numbers;
-            if (!request.range.empty()) numbers = parseFrameRange(request.range);
-            else
-                for (const PlateFrame& frame : plate->plate.frames) numbers.push_back(frame.number);
-            std::erase_if(numbers, [&](int n) { return plate->at(n)->number != n; });
-            problems.frames = numbers.size();
-            if (numbers.empty())
-                problems.range = fmt::format("The plate has none of these frames; it has {} to {}.",
-                                             plate->plate.frames.front().number, plate->plate.frames.back().number);
-            else first = numbers.front();
-        } catch (const Error& error) {
-            problems.range = withoutOption(error.what()) + ". Write numbers like 1-24 or 1-48:2.";
-        }
-    } else if (request.views == Views::timeline) {
-        try {
-            const std::vector<int> numbers = parseFrameRange(request.range);
-            problems.frames = numbers.size();
-            first = numbers.front();
-        } catch (const Error& error) {
-            problems.range = withoutOption(error.what()) + ". Write numbers like 1-24 or 1-48:2.";
-        }
-    } else if (request.views == Views::turntable) {
-        problems.frames = size_t(std::max(request.moveFrames, 0));
-    } else if (request.views == Views::path || request.views == Views::bookmarks) {
-        const bool kept = request.views == Views::bookmarks;
-        const size_t places = kept ? bookmarks : views;
-        problems.frames = size_t(std::max(request.moveFrames, 0));
-        try {
-            const std::vector<int> numbers = parseFrameRange(request.range);
-            if (std::any_of(numbers.begin(), numbers.end(), [&](int n) { return n < 1 || size_t(n) > places; }))
-                problems.range = fmt::format("One of these {} does not exist; there are 1 to {}.",
-                                             kept ? "bookmarks" : "views", places);
-            else if (numbers.size() < 2)
-                problems.range = fmt::format("A way goes through two {} at least.", kept ? "bookmarks" : "views");
-        } catch (const Error& error) { problems.range = withoutOption(error.what()) + ". Write numbers like 1-3,5."; }
-    } else if (request.views == Views::capture) {
-        problems.frames = selectedView >= 0 && size_t(selectedView) < views;
-        first = selectedView + 1;
-    } else if (request.views == Views::all) {
-        problems.frames = views;
-    } else {
-        try {
-            std::vector<int> numbers = parseFrameRange(request.range);
-            std::erase_if(numbers, [&](int n) { return n < 1 || size_t(n) > views; });
-            problems.frames = numbers.size();
-            if (numbers.empty()) problems.range = fmt::format("None of these views exists; there are 1 to {}.", views);
-            else first = numbers.front();
-        } catch (const Error& error) {
-            problems.range = withoutOption(error.what()) + ". Write numbers like 1-3,5 or 1-20:2.";
-        }
-    }
-    const std::string name = request.file.filename().string(), extension = lowered(request.file.extension().string());
-    const std::optional<NumberPlace> number = numberPlace(name);
-    std::error_code failed;
-    const fs::path parent = request.file.parent_path();
-    if (name.empty()) problems.file = "Choose where the frames go.";
-    else if (extension != ".exr" && extension != ".png" && extension != ".jpg" && extension != ".jpeg")
-        problems.file = "The name must end in .exr (for compositing), .png or .jpg (to look at).";
-    else if (problems.frames > 1 && !number)
-        problems.file =
-            "Several frames need a place for the number: name.####.exr becomes name.0001.exr, name.0002.exr and so on.";
-    else if (!parent.empty() && !fs::is_directory(parent, failed))
-        problems.file = fmt::format("The folder {} does not exist.", shown(parent));
-    else if (::access(parent.empty() ? "." : parent.c_str(), W_OK) != 0)
-        problems.file = fmt::format("You may not write into {}.", shown(parent));
-    if (extension != ".exr" && !extension.empty() && !request.layers.empty() && problems.file.empty())
-        problems.layers = "PNG and JPEG hold the image only; layers need .exr.";
-    const bool photographs =
-        request.views == Views::capture || request.views == Views::all || request.views == Views::range;
-    const bool ownSize = request.width == 0 && request.height == 0;
-    const bool residual = ("," + request.layers + ",").find(",residual,") != std::string::npos;
-    if (residual && !(photographs && ownSize) && problems.layers.empty())
-        problems.layers = "The residual is photograph minus model: it needs views at their own size.";
-    if (request.ratio != Ratio::none && request.views != Views::plate && !(photographs && ownSize))
-        problems.layers = "Relighting the photograph itself needs views at their own size.";
-    std::string firstName = name;
-    if (number && number->width <= 32 && request.views != Views::present && request.views != Views::capture)
-        firstName =
-            name.substr(0, number->begin) + fmt::format("{:0{}}", first, number->width) + name.substr(number->end);
-    problems.firstFile = firstName;
-    return problems;
-}
-
-namespace {
 
 void row(const char* name) {
     ImGui::AlignTextToFramePadding();
@@ -248,6 +137,17 @@ void ratioRow(ExportRequest& request) {
     tooltip(explanations[plate && request.ratio == Ratio::none ? 1 : int(request.ratio)]);
 }
 
+/// What the model decides where it rests on little.
+void unsureRow(ExportRequest& request) {
+    if (request.views != ExportRequest::Views::plate) return;
+    row("");
+    bool smooth = request.unsure == PlateUnsure::smooth;
+    if (checkbox("Smooth where unsure", smooth,
+                 "Where hardly a photograph shows the surface, the light changes as on the surfaces around"))
+        request.unsure = smooth ? PlateUnsure::smooth : PlateUnsure::model;
+    noteItem("plate unsure");
+}
+
 /// What the plate shows and the capture does not hold. It belongs to the plate: one edit.
 void matteRow(Editor& editor) {
     const auto plate = editor.plate();
@@ -289,8 +189,14 @@ void sizeRow(Editor& editor) {
 void samplesRow(ExportRequest& request) {
     row("Samples per pixel");
     ImGui::SetNextItemWidth(em(8));
-    ImGui::DragInt("##samples", &request.samples, 0.2f, 1, 1024, "%d", ImGuiSliderFlags_AlwaysClamp);
-    tooltip("More samples give less noise and take longer in proportion. 8 is clean on matte surfaces when denoised.");
+    const bool ofPlate = request.views == ExportRequest::Views::plate;
+    ImGui::DragInt("##samples", ofPlate ? &request.plateSamples : &request.samples, 0.2f, 1, 1024, "%d",
+                   ImGuiSliderFlags_AlwaysClamp);
+    tooltip(ofPlate
+                ? "More samples give less noise and take longer in proportion. Of a plate 4 are enough: neighbouring "
+                  "frames steady the light."
+                : "More samples give less noise and take longer in proportion. 8 is clean on matte surfaces when "
+                  "denoised.");
     sameLineIfFits(em(8));
     ImGui::Checkbox("Denoise", &request.denoise);
     tooltip("Filters the light on matte surfaces. Prints and reflections stay as they are.");
@@ -299,8 +205,9 @@ void samplesRow(ExportRequest& request) {
 void layersRow(ExportRequest& request) {
     row("Layers");
     ImGui::BeginGroup();
-    std::string layers =
-        request.layers == "all" ? "groups,albedo,normal,position,depth,correction,cryptomatte" : request.layers;
+    std::string layers = request.layers == "all"
+                             ? "groups,albedo,normal,position,depth,correction,cryptomatte,confidence"
+                             : request.layers;
     const auto has = [&](const std::string& name) {
         return ("," + layers + ",").find("," + name + ",") != std::string::npos;
     };
@@ -318,7 +225,8 @@ void layersRow(ExportRequest& request) {
         {"correction", "Baked light",
          "The light that a reading without lights in the scene would bake into the surface (layer correction)"},
         {"residual", "Residual", "Photograph minus model, of views at their own size"},
-        {"cryptomatte", "Cryptomatte", "Mattes of the lights"}};
+        {"cryptomatte", "Cryptomatte", "Mattes of the lights"},
+        {"confidence", "Confidence", "How much of a surface's colour rests on photographs of it: a mask, 0 to 1"}};
     std::string chosen;
     int index = 0;
     for (const auto& layer : known) {
@@ -334,7 +242,19 @@ void layersRow(ExportRequest& request) {
 /// How layers are called and stored in EXR; what PNG and JPEG show.
 void formatRow(Editor& editor) {
     ExportRequest& request = editor.state.exportFrames;
-    if (lowered(request.file.extension().string()) == ".exr" || request.file.empty()) {
+    if (writesExr(request.file) || request.file.empty()) {
+        row("Packed");
+        ImGui::SetNextItemWidth(em(8));
+        if (ImGui::BeginCombo("##compression", request.exr.compression.c_str())) {
+            for (const char* name : exrCompressions)
+                if (ImGui::Selectable(name, request.exr.compression == name)) request.exr.compression = name;
+            ImGui::EndCombo();
+        }
+        noteItem("compression");
+        tooltip(
+            "How EXR is compressed. zip and piz keep every bit; pxr24, dwaa and dwab are smaller and lose a little.");
+        sameLineIfFits(em(8));
+        checkbox("Float", request.exr.floats, "Colours as 32 bit float, not as 16 bit half; data are always float");
         if (request.layers.empty()) return;
         row("");
         bool arnold = request.naming == LayerNaming::arnold;
@@ -463,6 +383,7 @@ bool drawExportDialog(Editor& editor) {
         checkExport(request, views, editor.state.selection.view, plate.get(), editor.look().bookmarks.size());
     if (!problems.range.empty()) warningText(problems.range);
     ratioRow(request);
+    unsureRow(request);
     matteRow(editor);
     sizeRow(editor);
     samplesRow(request);

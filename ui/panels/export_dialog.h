@@ -1,5 +1,6 @@
 // What is wrong with an export before it starts; apart from the dialog so that tests can ask.
 #pragma once
+#include <filesystem>
 #include <string>
 
 #include "editor.h"
@@ -15,5 +16,8 @@ struct ExportProblems {
 /// `plate`: the one that is open; null: none. `bookmarks`: how many the look has.
 ExportProblems checkExport(const ExportRequest& request, size_t views, int selectedView,
                            const OpenPlate* plate = nullptr, size_t bookmarks = 0);
+
+/// By its ending.
+bool writesExr(const std::filesystem::path& file);
 
 }  // namespace relamp::ui

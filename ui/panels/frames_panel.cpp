@@ -73,6 +73,13 @@ void playRow(Editor& editor) {
         "come at this speed.");
     sameLineIfFits(em(5));
     checkbox("Loop", time.loop, "Playing begins again at its end");
+    sameLineIfFits(em(7));
+    ImGui::SetNextItemWidth(em(7));
+    ImGui::DragInt("##kept", &time.keptMiB, 16, 256, 262'144, "keep %d MiB", ImGuiSliderFlags_AlwaysClamp);
+    noteItem("kept memory");
+    tooltip(
+        "Memory of frames that were played, for the scene and the plate a half each. A frame of a plate of 1280 x 720 "
+        "takes 7 MiB.");
     if (editor.plate()) {
         sameLineIfFits(em(9));
         ImGui::SetNextItemWidth(em(8));

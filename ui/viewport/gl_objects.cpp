@@ -106,6 +106,13 @@ void uploadHalf(GlTexture& texture, int width, int height, const float* rgba, bo
     setSampling(GL_LINEAR, repeatX ? GL_REPEAT : GL_CLAMP_TO_EDGE);
 }
 
+void uploadHalf(GlTexture& texture, int width, int height, const uint64_t* rgba) {
+    glBindTexture(GL_TEXTURE_2D, texture.id());
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16F, width, height, 0, GL_RGBA, GL_HALF_FLOAT, rgba);
+    setSampling(GL_LINEAR, GL_CLAMP_TO_EDGE);
+}
+
 bool isSoftware(const std::string& renderer) {
     for (const char* name : {"llvmpipe", "softpipe", "swrast", "SWR", "Software"})
         if (renderer.find(name) != std::string::npos) return true;

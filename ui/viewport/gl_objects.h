@@ -98,6 +98,8 @@ struct GlTarget {
 /// Uploads an image: display values as bytes, or floats kept as half floats. Row 0 is the top row.
 void uploadRgba8(GlTexture& texture, int width, int height, const uint8_t* rgba);
 void uploadHalf(GlTexture& texture, int width, int height, const float* rgba, bool repeatX);
+/// The same of halves, four a pixel.
+void uploadHalf(GlTexture& texture, int width, int height, const uint64_t* rgba);
 
 /// The driver of this name draws on the processor.
 bool isSoftware(const std::string& renderer);

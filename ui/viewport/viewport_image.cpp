@@ -318,13 +318,14 @@ GLuint ViewportImage::environmentTexture(const std::shared_ptr<const DistantLigh
 GLuint ViewportImage::plateTexture() {
     if (!key_.plate || key_.plate->pixels.empty()) return 0;
     if (plateShown_ != key_.plate || plateOpacityShown_ != key_.plateOpacity) {
-        std::vector<Vec4> faded;
+        const PlateImage& plate = *key_.plate;
         if (key_.plateOpacity < 1) {
-            faded = key_.plate->pixels;
-            for (Vec4& pixel : faded) pixel *= key_.plateOpacity;
+            std::vector<Vec4> faded(plate.pixels.size());
+            for (size_t p = 0; p < faded.size(); ++p) faded[p] = key_.plateOpacity * plate.at(p);
+            uploadHalf(plate_, plate.width, plate.height, &faded[0].x, false);
+        } else {
+            uploadHalf(plate_, plate.width, plate.height, plate.pixels.data());
         }
-        const std::vector<Vec4>& pixels = faded.empty() ? key_.plate->pixels : faded;
-        uploadHalf(plate_, key_.plate->width, key_.plate->height, &pixels[0].x, false);
         plateShown_ = key_.plate;
         plateOpacityShown_ = key_.plateOpacity;
     }
